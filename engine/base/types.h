@@ -1,0 +1,59 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+#include <cstddef>
+#include <cstdint>
+#include <new>
+#include <vector>
+
+namespace palpate {
+
+/// Set-up works in double; what the real-time loop reads is float.
+using Vec3 = Eigen::Vector3d;
+using Mat3 = Eigen::Matrix3d;
+using Vec3f = Eigen::Vector3f;
+using Quat = Eigen::Quaterniond;
+
+/// One node's vector as the kernels load it: x, y, z and an unused lane that stays 0.
+struct alignas(16) Float4 {
+  float x = 0, y = 0, z = 0, w = 0;
+};
+
+inline Vec3 toVec3(const Float4& a) { return {a.x, a.y, a.z}; }
+inline Float4 toFloat4(const Vec3& a) {
+  return {static_cast<float>(a.x()), static_cast<float>(a.y()), static_cast<float>(a.z()), 0.0F};
+}
+
+/// Rigid pose: x_world = orientation * x_local + position. Position in m.
+struct Pose {
+  Vec3 position = Vec3::Zero();
+  Quat orientation = Quat::Identity();
+
+  Vec3 toWorld(const Vec3& local) const { return orientation * local + position; }
+  Vec3 toLocal(const Vec3& world) const { return orientation.conjugate() * (world - position); }
+};
+
+/// Allocator for arrays that vector units stream: 64 bytes is a cache line and an AVX-512 register.
+template <class T>
+struct AlignedAllocator {
+  using value_type = T;
+  static constexpr std::align_val_t alignment{64};
+
+  AlignedAllocator() = default;
+  template <class U>
+  AlignedAllocator(const AlignedAllocator<U>&) {}
+
+  T* allocate(std::size_t n) { return static_cast<T*>(::operator new(n * sizeof(T), alignment)); }
+  void deallocate(T* p, std::size_t) { ::operator delete(p, alignment); }
+  template <class U>
+  bool operator==(const AlignedAllocator<U>&) const {
+    return true;
+  }
+};
+
+template <class T>
+using AlignedVector = std::vector<T, AlignedAllocator<T>>;
+
+}  // namespace palpate

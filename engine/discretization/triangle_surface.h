@@ -1,0 +1,17 @@
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "base/types.h"
+
+namespace palpate {
+
+/// A triangle surface; for an organ it is closed, with outward normals
+/// (counter-clockwise seen from outside). Positions in m.
+struct TriangleSurface {
+  std::vector<Vec3> vertices;                 // (vertex_count)
+  std::vector<std::array<int, 3>> triangles;  // (triangle_count)
+};
+
+}  // namespace palpate

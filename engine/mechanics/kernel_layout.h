@@ -1,0 +1,53 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "approximation/shape_table.h"
+#include "base/types.h"
+#include "mechanics/material.h"
+
+namespace palpate {
+
+/// Four neighbouring integration points that share one union support.
+struct PointQuad {
+  int tile_begin = 0;    // first tile (of 48 floats) in gradN, and first group of 4 in node
+  int group_count = 0;   // groups of 4 union nodes
+};
+
+/// What the internal-force kernel streams: integration points in quads, quads in
+/// batches of four (16 points, one vector of lanes), batches in chunks that
+/// threads take whole. See ../shared/performance.md for the measurements behind it.
+struct KernelLayout {
+  int node_count = 0;
+  int point_count = 0;                        // real points; the last batch is padded with zero volume
+  std::vector<PointQuad> quads;               // (4 * batch_count)
+  AlignedVector<std::int32_t> node;           // (4 * group_count) union nodes; padding repeats with zero gradient
+  AlignedVector<float> gradN;                 // (48 * group_count) tiles [component 3][node 4][point 4], 1/m
+  AlignedVector<float> volume;                // (16 * batch_count) m^3
+  std::vector<int> point;                     // (16 * batch_count) index in the model, or -1 for padding
+  std::vector<int> batch_material;            // (batch_count)
+  std::vector<Material> materials;
+  // Chunks: fixed work packages, so that the sum over them does not depend on the thread count.
+  std::vector<int> chunk_begin;               // (chunk_count + 1) batches
+  std::vector<int> chunk_node_begin, chunk_node_end;  // (chunk_count) range of nodes that a chunk touches
+};
+
+struct KernelScratch {
+  std::vector<AlignedVector<Float4>> force;   // (chunk_count)(node range) N
+  struct ChunkReport {
+    float min_J = 1;
+    int worst_point = -1;
+    int inverted = 0;
+  };
+  std::vector<ChunkReport> report;            // (chunk_count)
+};
+
+/// @param order_X  positions, m, to group points by; rows of `shape` belong to the same points
+KernelLayout makeKernelLayout(const ShapeTable& shape, const std::vector<Vec3>& point_X,
+                              const std::vector<double>& volume, const std::vector<int>& point_material,
+                              const std::vector<Material>& materials, int node_count);
+
+KernelScratch makeKernelScratch(const KernelLayout& layout);
+
+}  // namespace palpate

@@ -1,0 +1,120 @@
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "base/input_error.h"
+#include "base/types.h"
+#include "contact/tool.h"
+
+namespace palpate {
+
+/// A part of space, used to choose nodes (fixed, prescribed) or points (material).
+struct Region {
+  enum class Kind { HalfSpace, Box, Sphere, NearPlane };
+  Kind kind = Kind::HalfSpace;
+  Vec3 point = Vec3::Zero();     // m; HalfSpace, NearPlane: a point of the plane; Sphere: its centre
+  Vec3 normal = Vec3::UnitZ();   // HalfSpace: inside is where (x - point) . normal <= 0
+  Vec3 min = Vec3::Zero();       // Box, m
+  Vec3 max = Vec3::Zero();       // Box, m
+  double radius = 0;             // Sphere, m
+  double distance = 0;           // NearPlane: |(x - point) . normal| <= distance, m
+  Place place;                   // where the scene file says so
+
+  /// True where x (m, reference configuration) lies inside or within `tolerance` of it.
+  bool contains(const Vec3& x, double tolerance = 1e-9) const;
+};
+
+/// Elastic material as the scene states it. SI units.
+struct MaterialSpec {
+  enum class Kind { NeoHookean, Ogden };
+  Kind kind = Kind::NeoHookean;
+  double young = 3000;      // Pa, NeoHookean
+  double poisson = 0.49;    // NeoHookean
+  std::vector<double> ogden_mu;     // Pa, one per term (paper eq. 32: mu_1)
+  std::vector<double> ogden_alpha;  // one per term (paper eq. 32: a_1)
+  double ogden_D1 = 0;              // 1/Pa; bulk modulus 2/D1
+  double density = 1000;            // kg/m^3
+  bool everywhere = true;           // otherwise only inside `region` (later entries win)
+  Region region;
+  Place place;
+};
+
+/// Nodes whose displacement is imposed: zero, or `translation` reached at
+/// `duration` along the 3-4-5 polynomial 10 t^3 - 15 t^4 + 6 t^5.
+struct BoundarySpec {
+  Region region;
+  bool component[3] = {true, true, true};  // which of x, y, z are imposed
+  Vec3 translation = Vec3::Zero();         // m
+  double duration = 0;                     // s; 0 for a fixed region
+  bool surface_only = false;               // choose surface nodes only
+  Place place;
+};
+
+/// A finer spacing inside a sphere, blending linearly to the global one over `blend`.
+struct RefineSpec {
+  Vec3 centre = Vec3::Zero();  // m
+  double radius = 0;           // m
+  double spacing = 0;          // m
+  double blend = 0;            // m; 0: chosen as three times the difference of the spacings
+  Place place;
+};
+
+/// Everything a scene file says, validated as far as that needs no geometry.
+/// Plain data; `io/scene_file.h` reads it, `simulation/build_model.h` turns it into a Model.
+struct Scene {
+  std::string name;
+  Place place;                            // the file itself
+  std::map<std::string, Place> places;    // where a key stands ("dynamics.time_step"), for errors
+
+  // organ
+  enum class Solid { Surface, Box, Cylinder, Ellipsoid };
+  Solid solid = Solid::Surface;
+  std::string surface_file;               // absolute or relative to the working directory; OBJ or STL
+  double surface_scale = 1.0;             // m per file unit
+  Vec3 size = Vec3::Zero();               // Box: edge lengths, m; base centred at the origin, z from 0
+  double radius = 0, height = 0;          // Cylinder: m; axis z, base centred at the origin
+  Vec3 semi_axes = Vec3::Zero();          // Ellipsoid: m, centred at the origin
+  bool upper_half = false;                // Ellipsoid: only z >= 0
+
+  // discretization
+  double spacing = 0.01;                  // m, target distance of neighbouring nodes
+  unsigned seed = 1;
+  int points_per_cell = 4;                // 1 or 4
+  int basis_degree = 2;                   // 1 or 2
+  double support_factor = 1.8;            // R / h, h the local mean edge length
+  double mu = 0.1;                        // dimensionless weight of the MMLS constraints
+  std::vector<RefineSpec> refine;
+
+  std::vector<MaterialSpec> materials;    // at least one, the first applies everywhere
+  std::vector<BoundarySpec> boundaries;   // at least one fixed
+
+  // dynamics
+  double rate_hz = 500;                   // 100 .. 2000; one tick is 1/rate
+  double time_step = 0;                   // s; 0: the largest whole division of a tick below safety * critical
+  double step_safety = 0.6;               // of the critical step
+  double damping = 20;                    // 1/s, mass-proportional: M u'' + c M u'
+  int threads = 1;                        // physics threads
+
+  // tool and contact
+  ToolShape tool;
+  Vec3 tool_position = Vec3(0, 0, 0.1);   // m, tip
+  Vec3 tool_direction = -Vec3::UnitZ();   // unit, the way the tip points
+  double tool_max_speed = 1.0;            // m/s; a faster command is followed at this speed
+  double friction = 0;                    // Coulomb coefficient
+
+  // force output
+  double filter_cutoff_hz = 30;           // first-order low-pass
+  double force_rate_limit = 200;          // N/s
+
+  // picture
+  Vec3 camera_target = Vec3::Zero();      // m
+  double camera_distance = 0.5;           // m
+  double camera_azimuth_deg = -60;        // around +z, from +x
+  double camera_elevation_deg = 25;
+  double camera_fov_deg = 35;             // vertical
+  Vec3 tissue_colour = Vec3(0.62, 0.21, 0.17);  // linear-light albedo, 0..1
+};
+
+}  // namespace palpate

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <cstdint>
+
+#include "base/types.h"
+#include "contact/contact.h"
+
+namespace palpate {
+
+/// What a viewer, script or replay asks of one tick.
+struct Command {
+  Pose tool_target;            // where the tool should be at the end of the tick
+  int pull_vertex = -1;        // skin vertex pulled by a spring; -1: none
+  Vec3 pull_target = Vec3::Zero();  // m, world
+};
+
+/// Reasons to distrust a step; the loop decides what to do about them.
+enum StepFlag : std::uint32_t {
+  kNotFinite = 1u << 0,        // NaN or infinity in the displacement
+  kBlowUp = 1u << 1,           // a node moved further in one step than physics allows
+  kInvertedPoints = 1u << 2,   // integration points with J <= 0
+  kContactOverflow = 1u << 3,  // more skin vertices near the tool than memory was taken for
+  kDeepContact = 1u << 4,      // penetration beyond a fifth of the tool's radius
+  kStepNearLimit = 1u << 5,    // the present state's critical step is close to dt
+};
+
+/// One step's (or, accumulated, one tick's) outcome.
+struct StepReport {
+  std::uint32_t flags = 0;
+  int worst_point = -1;            // integration point with min J
+  int worst_node = -1;             // node that moved furthest in one step, or is not finite
+  float min_J = 1;
+  int inverted_points = 0;
+  float max_increment = 0;         // m, largest |du| of a node in one step
+  Vec3 tool_force = Vec3::Zero();      // N, on the tool
+  Vec3 base_reaction = Vec3::Zero();   // N, of the imposed nodes on the tissue
+  int contact_count = 0;           // skin vertices that carry force
+  double max_penetration = 0;      // m
+};
+
+/// All that changes during a run. Equal states give equal futures, bit for bit.
+struct State {
+  std::int64_t tick = 0;           // ticks done
+  AlignedVector<Float4> u;         // (node_count) displacement parameters, m
+  AlignedVector<Float4> du;        // (node_count) last step's increment, m
+  AlignedVector<Float4> u_low;     // (node_count) what float32 lost of u (Kahan), m
+  Pose tool_pose;
+  ContactState contact;
+};
+
+}  // namespace palpate

@@ -1,0 +1,25 @@
+#pragma once
+
+#include "simulation/model.h"
+#include "simulation/state.h"
+
+namespace palpate {
+
+class Workspace;  // simulation/workspace.h: buffers and threads of one stepping thread
+
+/// Advances the tissue by one dt, with the tool moving from state.tool_pose to `tool_pose`.
+/// Paper sections 2.2 and 2.4: eqs. 12, 21-25, 31.
+/// Real-time: no allocation, no lock, no throw.
+StepReport step(const Model& model, State& state, const Pose& tool_pose, const Command& command,
+                Workspace& workspace);
+
+/// Advances one tick, substeps_per_tick steps, the tool going evenly from where it is to
+/// command.tool_target, no faster than the scene's tool_max_speed. The report has the last
+/// step's force and the worst of the rest.
+/// Real-time: as step().
+StepReport tick(const Model& model, State& state, const Command& command, Workspace& workspace);
+
+/// 64-bit FNV-1a over u, du, tool pose and tick.
+std::uint64_t stateHash(const State& state);
+
+}  // namespace palpate

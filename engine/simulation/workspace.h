@@ -1,0 +1,22 @@
+#pragma once
+
+#include "base/spin_team.h"
+#include "base/types.h"
+#include "simulation/model.h"
+
+namespace palpate {
+
+/// Scratch memory and worker threads for stepping one model. All memory is taken here.
+class Workspace {
+ public:
+  /// @param threads  physics threads, this one included (>= 1). The result of a
+  ///                 step does not depend on it.
+  Workspace(const Model& model, int threads);
+
+  SpinTeam team;
+  KernelScratch kernel;
+  BoundaryScratch boundary;
+  AlignedVector<Float4> f;  // (node_count) internal forces, N
+};
+
+}  // namespace palpate
