@@ -17,12 +17,13 @@ struct PointQuad {
 
 /// What the internal-force kernel streams: integration points in quads, quads in
 /// batches of four (16 points, one vector of lanes), batches in chunks that
-/// threads take whole. See ../shared/performance.md for the measurements behind it.
+/// threads take whole. A quad's points share most of their nodes, so that a node's
+/// displacement is loaded and its force stored once for four points.
 struct KernelLayout {
   int node_count = 0;
   int point_count = 0;                        // real points; the last batch is padded with zero volume
   std::vector<PointQuad> quads;               // (4 * batch_count)
-  AlignedVector<std::int32_t> node;           // (4 * group_count) union nodes; padding repeats with zero gradient
+  AlignedVector<std::int32_t> node;           // (4 * group_count) union nodes; padding has zero gradient
   AlignedVector<float> gradN;                 // (48 * group_count) tiles [component 3][node 4][point 4], 1/m
   AlignedVector<float> volume;                // (16 * batch_count) m^3
   std::vector<int> point;                     // (16 * batch_count) index in the model, or -1 for padding
@@ -34,7 +35,7 @@ struct KernelLayout {
 };
 
 struct KernelScratch {
-  std::vector<AlignedVector<Float4>> force;   // (chunk_count)(node range) N
+  std::vector<AlignedVector<Float4>> force;   // (chunk_count)(node_count) N; a chunk uses its range only
   struct ChunkReport {
     float min_J = 1;
     int worst_point = -1;
@@ -43,7 +44,10 @@ struct KernelScratch {
   std::vector<ChunkReport> report;            // (chunk_count)
 };
 
-/// @param order_X  positions, m, to group points by; rows of `shape` belong to the same points
+/// @param shape           one row per integration point, with gradients
+/// @param point_X         m (point_count): points are grouped by place
+/// @param volume          m^3 (point_count)
+/// @param point_material  index into `materials` (point_count)
 KernelLayout makeKernelLayout(const ShapeTable& shape, const std::vector<Vec3>& point_X,
                               const std::vector<double>& volume, const std::vector<int>& point_material,
                               const std::vector<Material>& materials, int node_count);

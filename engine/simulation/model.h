@@ -21,6 +21,7 @@ struct Model {
   // Computed by makeNodeCloud (reordered along a space-filling curve).
   std::vector<Vec3> X;                      // (node_count) m
   std::vector<double> support_radius;       // (node_count) m
+  int enlarged_supports = 0;                // nodes whose radius had to grow for admissibility
   std::vector<std::uint8_t> imposed;        // (node_count) bit c set: component c is imposed
 
   // Computed by makeBackgroundCells and makeIntegrationPoints.
@@ -53,6 +54,7 @@ struct Model {
   double dt_critical = 0;                   // s, of the operator at rest (power iteration)
   double dt_proven = 0;                     // s, Gershgorin bound: stable at rest for certain
   int substeps_per_tick = 1;
+  double max_increment = 0;                 // m a node may move in one step; more is a blow-up
   double setup_seconds = 0;
 
   int nodeCount() const { return static_cast<int>(X.size()); }

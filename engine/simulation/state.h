@@ -21,7 +21,6 @@ enum StepFlag : std::uint32_t {
   kInvertedPoints = 1u << 2,   // integration points with J <= 0
   kContactOverflow = 1u << 3,  // more skin vertices near the tool than memory was taken for
   kDeepContact = 1u << 4,      // penetration beyond a fifth of the tool's radius
-  kStepNearLimit = 1u << 5,    // the present state's critical step is close to dt
 };
 
 /// One step's (or, accumulated, one tick's) outcome.
@@ -41,6 +40,7 @@ struct StepReport {
 /// All that changes during a run. Equal states give equal futures, bit for bit.
 struct State {
   std::int64_t tick = 0;           // ticks done
+  std::int64_t step = 0;           // steps of dt done; physics time is step * dt
   AlignedVector<Float4> u;         // (node_count) displacement parameters, m
   AlignedVector<Float4> du;        // (node_count) last step's increment, m
   AlignedVector<Float4> u_low;     // (node_count) what float32 lost of u (Kahan), m

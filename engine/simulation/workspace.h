@@ -9,9 +9,13 @@ namespace palpate {
 /// Scratch memory and worker threads for stepping one model. All memory is taken here.
 class Workspace {
  public:
-  /// @param threads  physics threads, this one included (>= 1). The result of a
-  ///                 step does not depend on it.
-  Workspace(const Model& model, int threads);
+  /// @param threads  physics threads, the stepping one included (>= 1). The result of
+  ///                 a step does not depend on it.
+  Workspace(const Model& model, int threads)
+      : team(threads),
+        kernel(makeKernelScratch(model.kernel)),
+        boundary(makeBoundaryScratch(model.boundary)),
+        f(model.X.size()) {}
 
   SpinTeam team;
   KernelScratch kernel;

@@ -1,0 +1,128 @@
+#include "approximation/mmls.h"
+
+#include <Eigen/Cholesky>
+#include <cmath>
+
+#include "approximation/weight_function.h"
+
+namespace palpate {
+namespace {
+
+/// Below this reciprocal condition the solution of the moment equations has no correct digit left
+/// in the linear part; MMLS with mu of 1e-2..1 sits at 1e-6..1e-2 for healthy supports.
+constexpr double singular_reciprocal_condition = 1e-13;
+
+template <int Dim>
+constexpr int linear_size = 1 + Dim;
+template <int Dim>
+constexpr int quadratic_size = 1 + Dim + Dim * (Dim + 1) / 2;
+
+/// Monomials of xi: 1, xi_k, then xi_k^2, then xi_k xi_l (k < l).
+template <int Dim, int Size, class Vec>
+void monomials(const Vec& xi, double* p) {
+  p[0] = 1;
+  for (int k = 0; k < Dim; ++k) p[1 + k] = xi[k];
+  if constexpr (Size > linear_size<Dim>) {
+    int m = linear_size<Dim>;
+    for (int k = 0; k < Dim; ++k) p[m++] = xi[k] * xi[k];
+    for (int k = 0; k < Dim; ++k)
+      for (int l = k + 1; l < Dim; ++l) p[m++] = xi[k] * xi[l];
+  }
+}
+
+}  // namespace
+
+template <int Dim>
+bool Mmls<Dim>::evaluate(const Vec& x, const Vec* X, const double* radius, int count) {
+  N_.resize(count);
+  w_.resize(count);
+  gradN_.resize(count);
+  dw_.resize(count);
+  p_.resize(static_cast<std::size_t>(count) * quadratic_size<Dim>);
+  return options_.degree == 1 ? solve<linear_size<Dim>>(x, X, radius, count)
+                              : solve<quadratic_size<Dim>>(x, X, radius, count);
+}
+
+template <int Dim>
+template <int Size>
+bool Mmls<Dim>::solve(const Vec& x, const Vec* X, const double* radius, int count) {
+  using Basis = Eigen::Matrix<double, Size, 1>;
+  using Moment = Eigen::Matrix<double, Size, Size>;
+
+  quality_ = {};
+  if (count <= Dim) return false;
+
+  // Weights, their gradients, and the scale R(x) = sum w_j R_j / sum w_j.
+  double sum_w = 0, sum_wR = 0;
+  Vec sum_dw = Vec::Zero(), sum_dwR = Vec::Zero();
+  for (int j = 0; j < count; ++j) {
+    const Vec d = x - X[j];
+    const double s = d.norm() / radius[j];
+    w_[j] = quarticSpline(s);
+    dw_[j] = quarticSplineSlope(s) / (radius[j] * radius[j]) * d;
+    sum_w += w_[j];
+    sum_wR += w_[j] * radius[j];
+    sum_dw += dw_[j];
+    sum_dwR += dw_[j] * radius[j];
+  }
+  if (!(sum_w > 0)) return false;
+  const double scale = sum_wR / sum_w;
+  const Vec dscale = (sum_dwR - scale * sum_dw) / sum_w;
+
+  // Moment matrix M = P^T W P + H (eq. 4) and its derivative. H in the unscaled basis is
+  // mu R(x)^4, so relative to the scale at x it is mu, with derivative 4 mu (dR/dx) / R.
+  Moment M = Moment::Zero();
+  Moment dM[Dim];
+  for (auto& m : dM) m.setZero();
+  for (int j = 0; j < count; ++j) {
+    double* p = &p_[static_cast<std::size_t>(j) * Size];
+    monomials<Dim, Size>(Vec((X[j] - x) / scale), p);
+    const Eigen::Map<const Basis> pj(p);
+    const Moment pp = pj * pj.transpose();
+    M += w_[j] * pp;
+    for (int k = 0; k < Dim; ++k) dM[k] += dw_[j][k] * pp;
+  }
+  for (int m = linear_size<Dim>; m < Size; ++m) {
+    M(m, m) += options_.mu;
+    for (int k = 0; k < Dim; ++k) dM[k](m, m) += 4 * options_.mu * dscale[k] / scale;
+  }
+
+  const Eigen::LDLT<Moment> factor(M);
+  if (factor.info() != Eigen::Success) return false;
+  quality_.reciprocal_condition = factor.rcond();
+  if (!(quality_.reciprocal_condition > singular_reciprocal_condition) || !factor.isPositive()) return false;
+
+  // p(x) = (1, 0, .., 0) in the shifted basis and dp/dx_k = e_k / scale, so with g = M^-1 p(x)
+  //   N_j       = w_j g . p_j
+  //   dN_j/dx_k = dw_j/dx_k g . p_j + w_j (M^-1 (e_k / scale - dM_k g)) . p_j
+  const Basis g = factor.solve(Basis::Unit(0));
+  Basis h[Dim];
+  for (int k = 0; k < Dim; ++k) h[k] = factor.solve(Basis(Basis::Unit(1 + k) / scale - dM[k] * g));
+
+  double sum_N = 0;
+  Vec sum_Nxi = Vec::Zero(), sum_grad = Vec::Zero();
+  Eigen::Matrix<double, Dim, Dim> sum_gradx = Eigen::Matrix<double, Dim, Dim>::Zero();
+  for (int j = 0; j < count; ++j) {
+    const Eigen::Map<const Basis> pj(&p_[static_cast<std::size_t>(j) * Size]);
+    const double gp = g.dot(pj);
+    N_[j] = w_[j] * gp;
+    for (int k = 0; k < Dim; ++k) gradN_[j][k] = dw_[j][k] * gp + w_[j] * h[k].dot(pj);
+
+    const Vec xi = (X[j] - x) / scale;
+    sum_N += N_[j];
+    sum_Nxi += N_[j] * xi;
+    sum_grad += gradN_[j] * scale;
+    sum_gradx += gradN_[j] * xi.transpose() * scale;
+    quality_.gradient_norm = std::max(quality_.gradient_norm, gradN_[j].norm() * scale);
+  }
+  quality_.linear_error = std::max(std::abs(sum_N - 1), sum_Nxi.cwiseAbs().maxCoeff());
+  quality_.gradient_error =
+      std::max(sum_grad.cwiseAbs().maxCoeff(),
+               (sum_gradx - Eigen::Matrix<double, Dim, Dim>::Identity()).cwiseAbs().maxCoeff());
+  return std::isfinite(quality_.linear_error + quality_.gradient_error);
+}
+
+template class Mmls<2>;
+template class Mmls<3>;
+
+}  // namespace palpate

@@ -1,0 +1,64 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+namespace palpate {
+
+/// How well a support carries the approximation at one point.
+struct MmlsQuality {
+  double reciprocal_condition = 0;  // of the moment matrix P^T W P + H (1-norm estimate)
+  double linear_error = 0;          // largest error in reproducing 1 and x / scale by N
+  double gradient_error = 0;        // largest error in reproducing their gradients by gradN
+  double gradient_norm = 0;         // max_j |gradN_j| * scale
+};
+
+/// Options of the modified moving least squares approximation.
+struct MmlsOptions {
+  int degree = 2;      // of the basis: 1 or 2
+  double mu = 0.1;     // weight of the constraints on second-degree coefficients, dimensionless:
+                       // in the basis of (x - X_j) / R. 0 gives classical moving least squares.
+};
+
+/// Modified moving least squares shape functions at one point (paper eqs. 1-7) in Dim = 2 or 3
+/// dimensions, with exact first derivatives.
+///
+///   N_j(x) = p(x)^T (P^T W P + H)^-1 p(X_j) w_j(x),   H = diag(0, .., 0, mu, .., mu)
+///
+/// The basis is shifted to x and scaled by the weighted mean radius R(x) of the support: the
+/// second-degree coefficients do not change under the shift, and the scale makes mu dimensionless.
+/// The variation of R(x) is part of the derivative.
+///
+/// Reusable scratch: one object per thread; no allocation once the largest support was seen.
+template <int Dim>
+class Mmls {
+ public:
+  using Vec = Eigen::Matrix<double, Dim, 1>;
+
+  explicit Mmls(const MmlsOptions& options) : options_(options) {}
+
+  /// Evaluates N and gradN at x for a support of `count` nodes.
+  /// @param X       node positions, m                       (count)
+  /// @param radius  support radii R_j, m, > |x - X_j|        (count)
+  /// @return false if the moment matrix is numerically singular; N and gradN are then undefined.
+  bool evaluate(const Vec& x, const Vec* X, const double* radius, int count);
+
+  const std::vector<double>& N() const { return N_; }          // (count)
+  const std::vector<Vec>& gradN() const { return gradN_; }     // (count) 1/m
+  const MmlsQuality& quality() const { return quality_; }
+
+ private:
+  template <int Size>
+  bool solve(const Vec& x, const Vec* X, const double* radius, int count);
+
+  MmlsOptions options_;
+  std::vector<double> N_, w_;
+  std::vector<Vec> gradN_, dw_;
+  std::vector<double> p_;  // (count * Size)
+  MmlsQuality quality_;
+};
+
+extern template class Mmls<2>;
+extern template class Mmls<3>;
+
+}  // namespace palpate

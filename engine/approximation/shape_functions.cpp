@@ -1,0 +1,81 @@
+#include "approximation/shape_functions.h"
+
+#include <algorithm>
+
+#include "base/parallel_for.h"
+
+namespace palpate {
+namespace {
+
+bool admissible(const MmlsQuality& q, const AdmissibilityLimits& limits) {
+  return q.linear_error <= limits.linear_error && q.gradient_error <= limits.gradient_error &&
+         q.gradient_norm <= limits.gradient_norm;
+}
+
+}  // namespace
+
+ShapeTable shapeFunctions(const std::vector<Vec3>& points, const std::vector<Vec3>& X,
+                          const std::vector<double>& radius, const Neighbours& neighbours,
+                          const MmlsOptions& options, std::vector<InadmissibleSupport>& failed,
+                          const AdmissibilityLimits& limits) {
+  const int rows = static_cast<int>(points.size());
+  struct Row {
+    std::vector<int> node;
+    std::vector<double> N;
+    std::vector<Vec3> gradN;
+  };
+  std::vector<Row> row(rows);
+  std::vector<InadmissibleSupport> bad(rows);
+
+  parallelFor(rows, [&](int begin, int end) {
+    Mmls<3> mmls(options);
+    std::vector<Vec3> support_X;
+    std::vector<double> support_radius;
+    for (int r = begin; r < end; ++r) {
+      neighbours.find(points[r], row[r].node);
+      support_X.clear();
+      support_radius.clear();
+      for (int j : row[r].node) {
+        support_X.push_back(X[j]);
+        support_radius.push_back(radius[j]);
+      }
+      const int count = static_cast<int>(row[r].node.size());
+      if (mmls.evaluate(points[r], support_X.data(), support_radius.data(), count) &&
+          admissible(mmls.quality(), limits)) {
+        row[r].N = mmls.N();
+        row[r].gradN = mmls.gradN();
+      } else {
+        bad[r] = {r, count, mmls.quality()};
+        row[r].node.clear();
+      }
+    }
+  });
+
+  ShapeTable table;
+  table.begin.assign(1, 0);
+  failed.clear();
+  for (int r = 0; r < rows; ++r) {
+    if (bad[r].row >= 0) failed.push_back(bad[r]);
+    table.node.insert(table.node.end(), row[r].node.begin(), row[r].node.end());
+    table.N.insert(table.N.end(), row[r].N.begin(), row[r].N.end());
+    table.gradN.insert(table.gradN.end(), row[r].gradN.begin(), row[r].gradN.end());
+    table.begin.push_back(static_cast<int>(table.node.size()));
+    row[r] = {};
+  }
+  return table;
+}
+
+std::vector<int> enlargeSupports(const std::vector<Vec3>& points, const std::vector<InadmissibleSupport>& failed,
+                                 const Neighbours& neighbours, std::vector<double>& radius) {
+  std::vector<int> changed;
+  for (const auto& f : failed) {
+    const auto near = neighbours.nearest(points[f.row], 8);
+    changed.insert(changed.end(), near.begin(), near.end());
+  }
+  std::sort(changed.begin(), changed.end());
+  changed.erase(std::unique(changed.begin(), changed.end()), changed.end());
+  for (int j : changed) radius[j] *= 1.15;
+  return changed;
+}
+
+}  // namespace palpate

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <vector>
+
+#include "approximation/mmls.h"
+#include "approximation/neighbours.h"
+#include "approximation/shape_table.h"
+
+namespace palpate {
+
+/// A point that its support can't carry.
+struct InadmissibleSupport {
+  int row = -1;               // evaluation point
+  int support_count = 0;
+  MmlsQuality quality;
+};
+
+/// What counts as admissible. Partition of unity alone hides a coplanar support, so linear
+/// reproduction is tested, and gradients that explode before the matrix is singular.
+struct AdmissibilityLimits {
+  double linear_error = 1e-8;
+  double gradient_error = 1e-7;
+  double gradient_norm = 50;  // of max |gradN| R; 4 R/h is healthy
+};
+
+/// Evaluates MMLS shape functions and gradients at many points, on all cores.
+/// @param points   m (row_count)
+/// @param failed   receives the inadmissible rows in ascending order; their entries are left empty
+ShapeTable shapeFunctions(const std::vector<Vec3>& points, const std::vector<Vec3>& X,
+                          const std::vector<double>& radius, const Neighbours& neighbours,
+                          const MmlsOptions& options, std::vector<InadmissibleSupport>& failed,
+                          const AdmissibilityLimits& limits = {});
+
+/// Multiplies by 1.15 the radii of the eight nodes nearest to each failed point: sparse supports
+/// grow until they are admissible. Returns the nodes that changed.
+std::vector<int> enlargeSupports(const std::vector<Vec3>& points, const std::vector<InadmissibleSupport>& failed,
+                                 const Neighbours& neighbours, std::vector<double>& radius);
+
+}  // namespace palpate

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <vector>
+
+#include "approximation/shape_table.h"
+#include "mechanics/material.h"
+
+namespace palpate {
+
+/// Largest stable step of the central difference method, dt = 2 / omega_max, for the body at rest.
+/// Damping of the form c M does not change it; imposed nodes can only raise it.
+struct CriticalTimeStep {
+  double dt = 0;         // s, from the largest eigenvalue of M^-1 K (Lanczos, residual added: not optimistic)
+  double dt_proven = 0;  // s, from a block Gershgorin row sum: a strict bound
+  int worst_node = -1;   // row that sets the proven bound
+  int iterations = 0;    // Lanczos steps
+};
+
+/// K is the operator linearised at rest: sum_q V_q B^T C B with the isotropic C of each material.
+/// Gershgorin (numerics.md): omega^2 <= max_i sum_q V_q (lambda + 2 mu) |b_iq| sum_j |b_jq| / m_i.
+/// @param shape   gradients at the integration points, 1/m
+/// @param volume  m^3 (point_count)
+/// @param mass    kg (node_count)
+CriticalTimeStep criticalTimeStep(const ShapeTable& shape, const std::vector<double>& volume,
+                                  const std::vector<int>& point_material, const std::vector<Material>& materials,
+                                  const std::vector<double>& mass);
+
+}  // namespace palpate

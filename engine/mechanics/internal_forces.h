@@ -1,0 +1,47 @@
+#pragma once
+
+#include <vector>
+
+#include "base/spin_team.h"
+#include "mechanics/kernel_layout.h"
+
+namespace palpate {
+
+/// Worst of a force evaluation.
+struct ForceReport {
+  float min_J = 1;
+  int worst_point = -1;   // model index of the point with min J
+  int inverted_points = 0;
+};
+
+/// Internal forces of a total-Lagrangian body.
+///
+///   F_q = I + sum_i u_i (x) gradN_i(X_q)          paper eqs. 28-29
+///   f_i = -sum_q V_q P(F_q) gradN_i(X_q)          paper eq. 31
+///
+/// Threads take whole chunks; each chunk sums into its own buffer, and sumForces adds these in
+/// chunk order, so that the result does not depend on the thread count.
+///
+/// @param u  displacement parameters, m (node_count)
+/// Real-time: no allocation, no lock, no throw.
+/// Test: mechanics/internal_forces_test.cpp (f = -d energy / du; equals the reference kernel).
+ForceReport internalForces(const KernelLayout& layout, const Float4* u, KernelScratch& scratch, SpinTeam& team);
+
+/// Adds up the chunks' forces of nodes [begin, end) into f.
+void sumForces(const KernelLayout& layout, const KernelScratch& scratch, int begin, int end, Float4* f);
+
+/// The same formula in ten lines of double: what the fast kernel is held to.
+/// @param u, f  (node_count); f is overwritten
+void referenceInternalForces(const ShapeTable& shape, const std::vector<double>& volume,
+                             const std::vector<int>& point_material, const std::vector<Material>& materials,
+                             const std::vector<Vec3>& u, std::vector<Vec3>& f);
+
+/// Strain energy of the body, J.
+double strainEnergy(const ShapeTable& shape, const std::vector<double>& volume,
+                    const std::vector<int>& point_material, const std::vector<Material>& materials,
+                    const std::vector<Vec3>& u);
+
+/// F at one row of the shape table.
+Mat3 deformationGradient(const ShapeTable& shape, int row, const std::vector<Vec3>& u);
+
+}  // namespace palpate

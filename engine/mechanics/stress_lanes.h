@@ -1,0 +1,161 @@
+#pragma once
+
+#include <array>
+
+#include "base/lanes.h"
+#include "mechanics/material.h"
+
+namespace palpate {
+
+/// Nine numbers of a tensor for 16 points, row by row.
+using TensorLanes = std::array<Lanes, 9>;
+
+/// First Piola-Kirchhoff stress of 16 points from their displacement gradients, in float32:
+/// the fast twin of Material::firstPiola. J - 1 is summed from H without cancellation, since
+/// the bulk modulus multiplies its error.
+/// @param H  du/dX
+/// @param P  receives the stress, Pa
+/// @return J = det(I + H)
+inline Lanes volumeRatioAndCofactor(const TensorLanes& H, TensorLanes& F, TensorLanes& cof, Lanes& J_minus_1) {
+  F = H;
+  F[0] += 1.0F;
+  F[4] += 1.0F;
+  F[8] += 1.0F;
+  cof[0] = F[4] * F[8] - F[5] * F[7];
+  cof[1] = F[5] * F[6] - F[3] * F[8];
+  cof[2] = F[3] * F[7] - F[4] * F[6];
+  cof[3] = F[2] * F[7] - F[1] * F[8];
+  cof[4] = F[0] * F[8] - F[2] * F[6];
+  cof[5] = F[1] * F[6] - F[0] * F[7];
+  cof[6] = F[1] * F[5] - F[2] * F[4];
+  cof[7] = F[2] * F[3] - F[0] * F[5];
+  cof[8] = F[0] * F[4] - F[1] * F[3];
+  // det(I + H) - 1 = tr H + (principal 2x2 minors of H) + det H
+  const Lanes m0 = H[4] * H[8] - H[5] * H[7];
+  const Lanes m1 = H[0] * H[8] - H[2] * H[6];
+  const Lanes m2 = H[0] * H[4] - H[1] * H[3];
+  const Lanes det = H[0] * m0 + H[1] * (H[5] * H[6] - H[3] * H[8]) + H[2] * (H[3] * H[7] - H[4] * H[6]);
+  J_minus_1 = (H[0] + H[4] + H[8]) + ((m0 + m1 + m2) + det);
+  return J_minus_1 + 1.0F;
+}
+
+struct NeoHookeanLanes {
+  float mu, K;
+  explicit NeoHookeanLanes(const Material& m)
+      : mu(static_cast<float>(m.shear_modulus)), K(static_cast<float>(m.bulk_modulus)) {}
+
+  Lanes firstPiola(const TensorLanes& H, TensorLanes& P) const {
+    TensorLanes F, cof;
+    Lanes J_minus_1;
+    const Lanes J = volumeRatioAndCofactor(H, F, cof, J_minus_1);
+    Lanes I1 = F[0] * F[0];
+    for (int k = 1; k < 9; ++k) I1 += F[k] * F[k];
+    // g(J) = J^(-2/3) and its slope, with the tangent below min_isochoric_J.
+    const Lanes Jc = max(J, Lanes(static_cast<float>(Material::min_isochoric_J)));
+    const Lanes y = inverseCubeRoot(Jc);
+    Lanes g = y * y;
+    const Lanes slope = Lanes(-2.0F / 3) * g / Jc;
+    g += slope * (J - Jc);
+    const Lanes a = g * mu;
+    const Lanes b = slope * I1 * (0.5F * mu) + J_minus_1 * K;
+    for (int k = 0; k < 9; ++k) P[k] = a * F[k] + b * cof[k];
+    return J;
+  }
+};
+
+/// Eigenvalues and eigenvectors of 16 symmetric 3x3 matrices by cyclic Jacobi: no branch, and
+/// indifferent to repeated eigenvalues.
+struct SymmetricEigenLanes {
+  Lanes a[3][3], v[3][3];
+
+  template <int p, int q, int r>
+  void rotate() {
+    // tan(theta) of the rotation that clears a[p][q]: t = sign(d) 2 a_pq / (|d| + sqrt(d^2 + 4 a_pq^2))
+    const Lanes d = a[q][q] - a[p][p], apq2 = a[p][q] * 2.0F;
+    const Lanes magnitude = max(d, Lanes(0.0F) - d);
+    const Lanes denominator = magnitude + sqrt(d * d + apq2 * apq2) + 1e-30F;
+    const Lanes t = whereLess(d, 0.0F, Lanes(0.0F) - apq2, apq2) / denominator;
+    const Lanes c = Lanes(1.0F) / sqrt(t * t + 1.0F), s = t * c;
+    a[p][p] -= t * a[p][q];
+    a[q][q] += t * a[p][q];
+    a[p][q] = a[q][p] = 0.0F;
+    const Lanes arp = a[r][p], arq = a[r][q];
+    a[r][p] = a[p][r] = c * arp - s * arq;
+    a[r][q] = a[q][r] = s * arp + c * arq;
+    for (auto& row : v) {
+      const Lanes vp = row[p], vq = row[q];
+      row[p] = c * vp - s * vq;
+      row[q] = s * vp + c * vq;
+    }
+  }
+
+  /// Starts from C = F^T F. Four sweeps leave off-diagonals below float rounding.
+  explicit SymmetricEigenLanes(const TensorLanes& F) {
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j) {
+        a[i][j] = F[i] * F[j] + F[3 + i] * F[3 + j] + F[6 + i] * F[6 + j];
+        v[i][j] = i == j ? 1.0F : 0.0F;
+      }
+    for (int sweep = 0; sweep < 4; ++sweep) {
+      rotate<0, 1, 2>();
+      rotate<0, 2, 1>();
+      rotate<1, 2, 0>();
+    }
+  }
+};
+
+struct OgdenLanes {
+  int terms;
+  float K;
+  float mu[Material::max_terms], alpha[Material::max_terms];
+  explicit OgdenLanes(const Material& m) : terms(m.term_count), K(static_cast<float>(m.bulk_modulus)) {
+    for (int k = 0; k < terms; ++k) {
+      mu[k] = static_cast<float>(m.mu[k]);
+      alpha[k] = static_cast<float>(m.alpha[k]);
+    }
+  }
+
+  Lanes firstPiola(const TensorLanes& H, TensorLanes& P) const {
+    TensorLanes F, cof;
+    Lanes J_minus_1;
+    const Lanes J = volumeRatioAndCofactor(H, F, cof, J_minus_1);
+    const SymmetricEigenLanes eigen(F);
+    const Lanes Jc = max(J, Lanes(static_cast<float>(Material::min_isochoric_J)));
+    const Lanes log_J = log2(Jc);
+    Lanes squared[3], log_squared[3], s[3];
+    for (int i = 0; i < 3; ++i) {
+      squared[i] = max(eigen.a[i][i], Lanes(1e-12F));
+      log_squared[i] = log2(squared[i]);
+      s[i] = 0.0F;
+    }
+    Lanes pressure = J_minus_1 * K;
+    for (int k = 0; k < terms; ++k) {
+      const float al = alpha[k];
+      Lanes g = exp2(log_J * (-al / 3));
+      const Lanes slope = g * (-al / 3) / Jc;
+      g += slope * (J - Jc);
+      Lanes sum = 0.0F;
+      for (int i = 0; i < 3; ++i) {
+        const Lanes power = exp2(log_squared[i] * (0.5F * al));
+        s[i] += g * power * (2 * mu[k] / al) / squared[i];
+        sum += power;
+      }
+      pressure += slope * sum * (2 * mu[k] / (al * al));
+    }
+    // S = sum s_i n_i (x) n_i,  P = F S + pressure cof F
+    for (int i = 0; i < 3; ++i) {
+      Lanes Fn[3];
+      for (int r = 0; r < 3; ++r)
+        Fn[r] = (F[3 * r] * eigen.v[0][i] + F[3 * r + 1] * eigen.v[1][i] + F[3 * r + 2] * eigen.v[2][i]) * s[i];
+      for (int r = 0; r < 3; ++r)
+        for (int c = 0; c < 3; ++c) {
+          const Lanes term = Fn[r] * eigen.v[c][i];
+          P[3 * r + c] = i == 0 ? term : P[3 * r + c] + term;
+        }
+    }
+    for (int k = 0; k < 9; ++k) P[k] += pressure * cof[k];
+    return J;
+  }
+};
+
+}  // namespace palpate

@@ -1,0 +1,165 @@
+#include "simulation/step.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/float4.h"
+#include "mechanics/internal_forces.h"
+#include "simulation/workspace.h"
+
+namespace palpate {
+namespace {
+
+/// Factors of the damped central difference, paper eq. 12.
+struct Integrator {
+  double alpha, beta;
+  Integrator(double h, double c) : alpha(2 * h * h / (2 + c * h)), beta((2 - c * h) / (2 + c * h)) {}
+};
+
+/// du~ = beta du + alpha M^-1 f                                            (eq. 22)
+/// The increment is what is kept: 2u - u_prev in float32 loses a thousand times more.
+void predict(const Model& model, const Integrator& integrator, State& state, Workspace& workspace) {
+  const int nodes = model.nodeCount();
+  sumForces(model.kernel, workspace.kernel, 0, nodes, workspace.f.data());
+  const auto alpha = static_cast<float>(integrator.alpha), beta = static_cast<float>(integrator.beta);
+  for (int i = 0; i < nodes; ++i)
+    store(state.du[i], beta * load(state.du[i]) + alpha * model.inverse_mass[i] * load(workspace.f[i]));
+}
+
+/// A spring between the pulled skin vertex and the pointer.
+void pull(const Model& model, const Command& command, State& state) {
+  const int v = command.pull_vertex;
+  if (v < 0 || v >= static_cast<int>(model.skin.surface.vertices.size())) return;
+  const auto& skin = model.skin;
+  Vec3 x = skin.surface.vertices[v];
+  double mobility = 0;  // N^T M^-1 N
+  for (int e = skin.begin[v]; e < skin.begin[v + 1]; ++e) {
+    x += skin.N[e] * (toVec3(state.u[skin.node[e]]) + toVec3(state.du[skin.node[e]]));
+    mobility += static_cast<double>(skin.N[e]) * skin.N[e] * model.inverse_mass[skin.node[e]];
+  }
+  // Stiff enough to lead, soft enough to leave the stable step alone: the spring alone would
+  // correct a fiftieth of the gap in one step.
+  constexpr double share_per_step = 0.02;
+  const Vec3 impulse = share_per_step / mobility * (command.pull_target - x);  // alpha * force
+  for (int e = skin.begin[v]; e < skin.begin[v + 1]; ++e)
+    addScaled(state.du[skin.node[e]], skin.N[e] * model.inverse_mass[skin.node[e]], toFloat4(impulse));
+}
+
+/// u += du, compensated (Kahan): the error of u does not grow with the number of steps.
+void accumulate(const Model& model, State& state, StepReport& report) {
+  float largest = 0;
+  int worst = -1;
+  bool finite = true;
+  for (int i = 0; i < model.nodeCount(); ++i) {
+    const Group du = load(state.du[i]), u = load(state.u[i]);
+    const Group y = du + load(state.u_low[i]);
+    const Group t = u + y;
+    store(state.u_low[i], y - (t - u));
+    store(state.u[i], t);
+    const float d2 = du[0] * du[0] + du[1] * du[1] + du[2] * du[2];
+    if (d2 > largest) {
+      largest = d2;
+      worst = i;
+    }
+    if (!(d2 <= 1e30F) && finite) {
+      finite = false;
+      report.worst_node = i;
+    }
+  }
+  report.max_increment = std::sqrt(largest);
+  if (finite) report.worst_node = worst;
+  if (!finite) report.flags |= kNotFinite;
+  if (report.max_increment > model.max_increment) report.flags |= kBlowUp;
+}
+
+/// The later step's forces with the worst that either saw.
+StepReport worstOf(const StepReport& earlier, const StepReport& later) {
+  StepReport both = later;
+  both.flags |= earlier.flags;
+  both.inverted_points = std::max(earlier.inverted_points, later.inverted_points);
+  both.max_increment = std::max(earlier.max_increment, later.max_increment);
+  if (earlier.min_J < later.min_J) {
+    both.min_J = earlier.min_J;
+    both.worst_point = earlier.worst_point;
+  }
+  if (earlier.flags & kNotFinite) both.worst_node = earlier.worst_node;
+  return both;
+}
+
+}  // namespace
+
+StepReport step(const Model& model, State& state, const Pose& tool_pose, const Command& command,
+                Workspace& workspace) {
+  const Integrator integrator(model.dt, model.scene.damping);
+  const double time = static_cast<double>(state.step + 1) * model.dt;
+  StepReport report;
+
+  // f = -F_int(u)                                                         (eq. 31)
+  const ForceReport forces = internalForces(model.kernel, state.u.data(), workspace.kernel, workspace.team);
+
+  // du~ = beta du + alpha M^-1 f, then what the user and the tool add      (eq. 22)
+  predict(model, integrator, state, workspace);
+  pull(model, command, state);
+  report.tool_force = solveContact(model.skin, model.scene.tool, tool_pose, state.tool_pose, model.scene.friction,
+                                   integrator.alpha, model.inverse_mass.data(), state.u.data(), state.du.data(),
+                                   state.contact);
+
+  // du = du~ + P (du_bar - Phi du~)                                       (eqs. 23-25)
+  report.base_reaction = imposeBoundary(model.boundary, time, model.dt, integrator.alpha, model.inverse_mass.data(),
+                                        state.du.data(), workspace.boundary);
+  // u += du
+  accumulate(model, state, report);
+  state.tool_pose = tool_pose;
+  ++state.step;
+
+  report.min_J = forces.min_J;
+  report.worst_point = forces.worst_point;
+  report.inverted_points = forces.inverted_points;
+  report.contact_count = state.contact.count;
+  report.max_penetration = state.contact.max_penetration;
+  if (forces.inverted_points > 0) report.flags |= kInvertedPoints;
+  if (state.contact.overflow) report.flags |= kContactOverflow;
+  if (report.max_penetration > 0.2 * model.scene.tool.radius) report.flags |= kDeepContact;
+  return report;
+}
+
+StepReport tick(const Model& model, State& state, const Command& command, Workspace& workspace) {
+  // The tool follows its command no faster than the scene allows, turning included.
+  const Pose from = state.tool_pose;
+  const double reach = model.scene.tool_max_speed / model.scene.rate_hz;
+  const double length = std::max(model.scene.tool.length, model.scene.tool.radius);
+  const double wanted = (command.tool_target.position - from.position).norm() +
+                        length * from.orientation.angularDistance(command.tool_target.orientation);
+  const double share = wanted > reach ? reach / wanted : 1;
+  const auto poseAt = [&](double s) {
+    Pose pose;
+    pose.position = from.position + s * (command.tool_target.position - from.position);
+    pose.orientation = s >= 1 ? command.tool_target.orientation
+                              : from.orientation.slerp(s, command.tool_target.orientation).normalized();
+    return pose;
+  };
+
+  findContactCandidates(model.skin, state.u.data(), model.scene.tool, poseAt(share), std::min(wanted, reach),
+                        state.contact);
+  StepReport total;
+  for (int k = 1; k <= model.substeps_per_tick; ++k)
+    total = worstOf(total, step(model, state, poseAt(share * k / model.substeps_per_tick), command, workspace));
+  ++state.tick;
+  return total;
+}
+
+std::uint64_t stateHash(const State& state) {
+  std::uint64_t hash = 0xcbf29ce484222325ull;  // FNV-1a
+  const auto add = [&](const void* data, std::size_t size) {
+    const auto* bytes = static_cast<const unsigned char*>(data);
+    for (std::size_t i = 0; i < size; ++i) hash = (hash ^ bytes[i]) * 0x100000001b3ull;
+  };
+  add(&state.tick, sizeof state.tick);
+  add(state.u.data(), state.u.size() * sizeof(Float4));
+  add(state.du.data(), state.du.size() * sizeof(Float4));
+  add(state.tool_pose.position.data(), sizeof(double) * 3);
+  add(state.tool_pose.orientation.coeffs().data(), sizeof(double) * 4);
+  return hash;
+}
+
+}  // namespace palpate

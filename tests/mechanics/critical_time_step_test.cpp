@@ -1,0 +1,69 @@
+#include <Eigen/Eigenvalues>
+#include <catch2/catch.hpp>
+
+#include "mechanics/critical_time_step.h"
+#include "mechanics/internal_forces.h"
+#include "support/test_body.h"
+
+using namespace palpate;
+using test::TestBody;
+
+namespace {
+
+/// Central differences from a random start: the largest displacement after `steps`.
+double growth(const TestBody& body, double dt, int steps) {
+  std::vector<Vec3> u(body.X.size(), Vec3::Zero()), du(body.X.size()), f;
+  for (std::size_t i = 0; i < u.size(); ++i)
+    du[i] = 1e-9 * Vec3(std::sin(12.3 * static_cast<double>(i)), std::sin(7.7 * static_cast<double>(i)), std::cos(3.1 * static_cast<double>(i)));
+  for (int s = 0; s < steps; ++s) {
+    referenceInternalForces(body.shape, body.volume, body.point_material, body.materials, u, f);
+    for (std::size_t i = 0; i < u.size(); ++i) {
+      du[i] += dt * dt / body.mass[i] * f[i];
+      u[i] += du[i];
+    }
+  }
+  double largest = 0;
+  for (const auto& a : du) {
+    if (!a.allFinite()) return 1e300;
+    largest = std::max(largest, a.norm());
+  }
+  return largest;
+}
+
+}  // namespace
+
+TEST_CASE("The critical step is where central differences turn unstable", "[critical_time_step]") {
+  for (const double nu : {0.3, 0.49}) {
+    const TestBody body(4, 0.1, 4, 1.8, 0.1, 0.2, Material::neoHookean(3000, nu, 1000));
+    const auto limit = criticalTimeStep(body.shape, body.volume, body.point_material, body.materials, body.mass);
+    INFO("critical " << limit.dt << " proven " << limit.dt_proven << " after " << limit.iterations);
+    CHECK(limit.dt_proven < limit.dt);
+    CHECK(limit.dt_proven > 0.2 * limit.dt);
+    CHECK(growth(body, 0.98 * limit.dt, 400) < 1e-5);
+    CHECK(growth(body, 1.03 * limit.dt, 400) > 1e-3);
+  }
+}
+
+TEST_CASE("Lanczos finds the largest eigenvalue of a small body", "[critical_time_step]") {
+  const TestBody body(4, 0.1, 1);
+  const auto limit = criticalTimeStep(body.shape, body.volume, body.point_material, body.materials, body.mass);
+  // Stiffness by differentiating the forces, dense eigenvalues.
+  const int n = body.nodeCount() * 3;
+  Eigen::MatrixXd K(n, n);
+  std::vector<Vec3> u(body.X.size(), Vec3::Zero()), ahead, behind;
+  const double e = 1e-7;
+  for (int c = 0; c < n; ++c) {
+    u[c / 3][c % 3] = e;
+    referenceInternalForces(body.shape, body.volume, body.point_material, body.materials, u, ahead);
+    u[c / 3][c % 3] = -e;
+    referenceInternalForces(body.shape, body.volume, body.point_material, body.materials, u, behind);
+    u[c / 3][c % 3] = 0;
+    for (int r = 0; r < n; ++r)
+      K(r, c) = -(ahead[r / 3][r % 3] - behind[r / 3][r % 3]) / (2 * e) /
+                std::sqrt(body.mass[r / 3] * body.mass[c / 3]);
+  }
+  const double largest = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(K).eigenvalues().maxCoeff();
+  const double exact = 2 / std::sqrt(largest);
+  CHECK(limit.dt <= exact * (1 + 1e-6));  // never optimistic
+  CHECK(limit.dt > 0.99 * exact);
+}

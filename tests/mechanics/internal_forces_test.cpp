@@ -1,0 +1,169 @@
+#include <catch2/catch.hpp>
+#include <random>
+
+#include "mechanics/internal_forces.h"
+#include "support/test_body.h"
+
+using namespace palpate;
+using test::TestBody;
+
+namespace {
+
+std::vector<Vec3> fastForces(const TestBody& body, const std::vector<Vec3>& u, int threads = 1, ForceReport* report = nullptr) {
+  const auto layout = makeKernelLayout(body.shape, body.point_X, body.volume, body.point_material, body.materials, body.nodeCount());
+  auto scratch = makeKernelScratch(layout);
+  SpinTeam team(threads);
+  team.wake();
+  const auto u4 = test::toFloat4s(u);
+  const auto r = internalForces(layout, u4.data(), scratch, team);
+  if (report) *report = r;
+  AlignedVector<Float4> f(body.X.size());
+  sumForces(layout, scratch, 0, body.nodeCount(), f.data());
+  team.park();
+  std::vector<Vec3> result;
+  for (const auto& a : f) result.push_back(toVec3(a));
+  return result;
+}
+
+std::vector<Vec3> referenceForces(const TestBody& body, const std::vector<Vec3>& u) {
+  std::vector<Vec3> f;
+  referenceInternalForces(body.shape, body.volume, body.point_material, body.materials, u, f);
+  return f;
+}
+
+double norm(const std::vector<Vec3>& f) {
+  double s = 0;
+  for (const auto& a : f) s += a.squaredNorm();
+  return std::sqrt(s);
+}
+double distance(const std::vector<Vec3>& a, const std::vector<Vec3>& b) {
+  double s = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) s += (a[i] - b[i]).squaredNorm();
+  return std::sqrt(s);
+}
+
+/// Smooth displacement with strains up to about `size`.
+std::vector<Vec3> wave(const TestBody& body, double size) {
+  const double L = body.X.back()[0];
+  std::vector<Vec3> u;
+  for (const auto& x : body.X)
+    u.emplace_back(size * L / 4 * Vec3(std::sin(3 * x[1] / L), std::cos(2 * x[2] / L), std::sin(2 * x[0] / L + x[2] / L)));
+  return u;
+}
+
+Material ogden() {
+  const double mu = 643.6, alpha = -1.1;
+  return Material::ogden(&mu, &alpha, 1, 1.2598e-4, 970);
+}
+
+}  // namespace
+
+TEST_CASE("A linear displacement field gives a uniform F", "[internal_forces]") {
+  const TestBody body(5, 0.1, 4);
+  Mat3 F;
+  F << 1.1, 0.2, 0, -0.1, 0.8, 0.05, 0.3, 0, 1.2;
+  const auto u = body.displacement(F);
+  double worst = 0;
+  for (int q = 0; q < body.shape.rowCount(); ++q) worst = std::max(worst, (deformationGradient(body.shape, q, u) - F).norm());
+  CHECK(worst < 1e-10);  // linear consistency of MMLS, some hundred roundings times |gradN| R
+}
+
+TEST_CASE("Internal forces are minus the derivative of the strain energy", "[internal_forces]") {
+  for (const auto& material : {Material::neoHookean(3000, 0.49, 1000), ogden()}) {
+    const TestBody body(4, 0.1, 1, 1.8, 0.1, 0.2, material);
+    auto u = wave(body, 0.2);
+    const auto f = referenceForces(body, u);
+    const auto energy = [&] { return strainEnergy(body.shape, body.volume, body.point_material, body.materials, u); };
+    const double e = 1e-7;
+    for (const int i : {0, 13, 21, 42, 63})
+      for (int c = 0; c < 3; ++c) {
+        u[i][c] += e;
+        const double ahead = energy();
+        u[i][c] -= 2 * e;
+        const double behind = energy();
+        u[i][c] += e;
+        CHECK(-(ahead - behind) / (2 * e) == Approx(f[i][c]).epsilon(1e-5).margin(1e-6 * norm(f)));
+      }
+  }
+}
+
+TEST_CASE("The fast kernel equals the reference in double", "[internal_forces][kernel]") {
+  for (const auto& material : {Material::neoHookean(3000, 0.49, 1000), Material::neoHookean(3000, 0.499, 1000), ogden()})
+    for (const int points : {1, 4}) {
+      const TestBody body(6, 0.1, points, 1.8, 0.1, 0.2, material);
+      const Mat3 turn = Eigen::AngleAxisd(M_PI / 2, Vec3(0, 0.6, 0.8)).toRotationMatrix();
+      auto turned = wave(body, 0.2);
+      for (std::size_t i = 0; i < turned.size(); ++i) turned[i] = turn * (body.X[i] + turned[i]) - body.X[i];
+      auto squeezed = body.displacement(Vec3(2.0, 2.0, 0.25).asDiagonal());  // 75 % compression
+      const auto bumps = wave(body, 0.02);
+      for (std::size_t i = 0; i < squeezed.size(); ++i) squeezed[i] += bumps[i];
+      for (const auto& u : {wave(body, 0.3), turned, squeezed}) {
+        ForceReport report;
+        const auto fast = fastForces(body, u, 1, &report), exact = referenceForces(body, u);
+        // Gradients rounded to float move J by 6e-8 |gradN| |u| n^(1/2) ~ 1e-6, which the bulk modulus
+        // multiplies against forces of the order of the shear modulus: (K / mu) 1e-6.
+        const double ratio = material.bulk_modulus / material.shear_modulus;
+        INFO("relative error " << distance(fast, exact) / norm(exact) << " at K/mu " << ratio);
+        CHECK(distance(fast, exact) < 1e-6 * ratio * norm(exact));
+        double min_J = 1e9;
+        for (int q = 0; q < body.shape.rowCount(); ++q)
+          min_J = std::min(min_J, deformationGradient(body.shape, q, u).determinant());
+        CHECK(report.min_J == Approx(std::min(1.0, min_J)).epsilon(1e-4));
+        CHECK(report.inverted_points == 0);
+      }
+    }
+}
+
+TEST_CASE("Rigid motion makes no force, and forces always sum to zero", "[internal_forces][kernel]") {
+  const TestBody body(6, 0.1, 4);
+  const Mat3 R = Eigen::AngleAxisd(0.7, Vec3(1, 1, 0).normalized()).toRotationMatrix();
+  auto u = body.displacement(R);
+  for (auto& a : u) a += Vec3(0.05, -0.02, 0.01);
+  CHECK(norm(referenceForces(body, u)) < 1e-10);
+  const auto strained = referenceForces(body, wave(body, 0.3));
+  CHECK(norm(fastForces(body, u)) < 1e-4 * norm(strained));  // float: K/mu * 1e-6 of a working force
+
+  Vec3 sum = Vec3::Zero();
+  for (const auto& a : strained) sum += a;
+  CHECK(sum.norm() < 1e-12 * norm(strained) * body.nodeCount());
+}
+
+TEST_CASE("Forces are the same bits for any number of threads", "[internal_forces][kernel][determinism]") {
+  const TestBody body(6, 0.1, 4);
+  const auto u = wave(body, 0.3);
+  const auto one = fastForces(body, u, 1);
+  for (const int threads : {2, 3, 4}) CHECK(fastForces(body, u, threads) == one);
+}
+
+TEST_CASE("Two materials in one body each act on their own points", "[internal_forces][kernel]") {
+  TestBody body(5, 0.1, 4);
+  body.materials.push_back(ogden());
+  body.materials.push_back(Material::neoHookean(30, 0.45, 1000));
+  for (std::size_t q = 0; q < body.point_material.size(); ++q) body.point_material[q] = static_cast<int>(q % 7 % 3);
+  const auto u = wave(body, 0.2);
+  const auto exact = referenceForces(body, u);
+  CHECK(distance(fastForces(body, u), exact) < 1e-4 * norm(exact));
+}
+
+TEST_CASE("An inverted point is counted and named", "[internal_forces][kernel]") {
+  TestBody body(5, 0.1, 1);
+  auto u = body.displacement(Mat3::Identity());
+  u[62] += Vec3(0.2, 0, 0);  // a node thrown over its neighbours
+  ForceReport report;
+  const auto f = fastForces(body, u, 1, &report);
+  int expected = 0;
+  double min_J = 1;
+  int worst = -1;
+  for (int q = 0; q < body.shape.rowCount(); ++q) {
+    const double J = deformationGradient(body.shape, q, u).determinant();
+    expected += J <= 0 ? 1 : 0;
+    if (J < min_J) {
+      min_J = J;
+      worst = q;
+    }
+  }
+  REQUIRE(expected > 0);
+  CHECK(report.inverted_points == expected);
+  CHECK(report.worst_point == worst);
+  for (const auto& a : f) CHECK(a.allFinite());
+}
