@@ -1,0 +1,108 @@
+#include "discretization/node_order.h"
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <numeric>
+
+namespace palpate {
+namespace {
+
+constexpr int hilbert_bits = 21;  // per axis; three axes fill 63 bits of the key
+
+/// Distance along the Hilbert curve of a cell given by three coordinates of hilbert_bits bits.
+std::uint64_t hilbertKey(std::array<std::uint32_t, 3> c) {
+  // From the coarsest level down, undo the reflection (bit set) or exchange of axes (bit clear)
+  // that the curve makes in each octant.
+  for (std::uint32_t q = 1U << (hilbert_bits - 1); q > 1; q >>= 1) {
+    const std::uint32_t below = q - 1;
+    for (std::uint32_t& axis : c) {
+      if (axis & q) {
+        c[0] ^= below;
+      } else {
+        const std::uint32_t swapped = (c[0] ^ axis) & below;
+        c[0] ^= swapped;
+        axis ^= swapped;
+      }
+    }
+  }
+  // Gray code.
+  c[1] ^= c[0];
+  c[2] ^= c[1];
+  std::uint32_t flip = 0;
+  for (std::uint32_t q = 1U << (hilbert_bits - 1); q > 1; q >>= 1) {
+    if (c[2] & q) flip ^= q - 1;
+  }
+  std::uint64_t key = 0;
+  for (int bit = hilbert_bits - 1; bit >= 0; --bit) {
+    for (std::uint32_t axis : c) key = (key << 1) | (((axis ^ flip) >> bit) & 1U);
+  }
+  return key;
+}
+
+struct Bisection {
+  const std::vector<Vec3>& X;
+  int leaf;
+
+  /// Sorts order[begin, end) so that each half, quarter, ... is compact.
+  void split(std::vector<int>& order, std::size_t begin, std::size_t end) const {
+    const std::size_t leaf_count = (end - begin + leaf - 1) / leaf;
+    if (leaf_count <= 1) {
+      std::sort(order.begin() + begin, order.begin() + end);
+      return;
+    }
+    // Above one block of 4 leaves the cut falls on a block's border, so that blocks stay whole.
+    const std::size_t unit = leaf_count > 4 ? 4 : 1;
+    const std::size_t left = std::max<std::size_t>(1, (leaf_count / 2 + unit / 2) / unit) * unit;
+    const std::size_t middle = begin + left * leaf;
+
+    Vec3 low = X[order[begin]], high = low;
+    for (std::size_t k = begin; k < end; ++k) {
+      low = low.cwiseMin(X[order[k]]);
+      high = high.cwiseMax(X[order[k]]);
+    }
+    Eigen::Index axis = 0;
+    (high - low).maxCoeff(&axis);
+    // The index breaks ties, so equal coordinates can't make the result depend on the library.
+    const auto before = [&](int a, int b) {
+      return X[a][axis] != X[b][axis] ? X[a][axis] < X[b][axis] : a < b;
+    };
+    std::nth_element(order.begin() + begin, order.begin() + middle, order.begin() + end, before);
+    split(order, begin, middle);
+    split(order, middle, end);
+  }
+};
+
+}  // namespace
+
+std::vector<int> hilbertOrder(const std::vector<Vec3>& X) {
+  std::vector<int> order(X.size());
+  std::iota(order.begin(), order.end(), 0);
+  if (X.empty()) return order;
+
+  Vec3 low = X[0], high = X[0];
+  for (const Vec3& x : X) {
+    low = low.cwiseMin(x);
+    high = high.cwiseMax(x);
+  }
+  const double edge = (high - low).maxCoeff();
+  const double cells = static_cast<double>((1U << hilbert_bits) - 1);
+  std::vector<std::uint64_t> key(X.size(), 0);
+  for (std::size_t i = 0; edge > 0 && i < X.size(); ++i) {
+    const Vec3 place = (X[i] - low) / edge * cells;
+    key[i] = hilbertKey({static_cast<std::uint32_t>(place.x()), static_cast<std::uint32_t>(place.y()),
+                         static_cast<std::uint32_t>(place.z())});
+  }
+  std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return key[a] < key[b]; });
+  return order;
+}
+
+std::vector<int> bisectionOrder(const std::vector<Vec3>& X, int leaf) {
+  assert(leaf > 0);
+  std::vector<int> order(X.size());
+  std::iota(order.begin(), order.end(), 0);
+  if (!X.empty()) Bisection{X, leaf}.split(order, 0, X.size());
+  return order;
+}
+
+}  // namespace palpate

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <vector>
+
+#include "base/types.h"
+
+namespace palpate {
+
+/// The order in which a Hilbert curve through the bounding cube meets the points:
+/// neighbours in the list are neighbours in space, so arrays in this order are kind to caches.
+///
+/// @param X  positions, finite; the unit does not matter   (point_count)
+/// @return order[k] = index in X of the k-th point of the curve; a permutation. Points
+///         of one curve cell (1/2^21 of the cube's edge) keep their given order.
+/// Source: J. Skilling, Programming the Hilbert curve, AIP Conf. Proc. 707 (2004).
+/// Test: discretization/node_order_test.cpp
+std::vector<int> hilbertOrder(const std::vector<Vec3>& X);
+
+/// Recursive coordinate bisection: halves the points at the median of the longest side of
+/// their bounding box until `leaf` are left. Consecutive groups of `leaf` points are close
+/// together, and so are consecutive groups of 4 leaves (both aligned at the list's start).
+/// This is what keeps the union support of a quad of integration points small.
+///
+/// @param X     positions, finite                          (point_count)
+/// @param leaf  points in a group, > 0; only the last group may be smaller
+/// @return order[k] = index in X of the k-th point; a permutation.
+std::vector<int> bisectionOrder(const std::vector<Vec3>& X, int leaf);
+
+/// values[order[k]] at place k: carries an array along to the new order.
+template <class T>
+std::vector<T> reordered(const std::vector<T>& values, const std::vector<int>& order) {
+  std::vector<T> result;
+  result.reserve(order.size());
+  for (int i : order) result.push_back(values[i]);
+  return result;
+}
+
+}  // namespace palpate
