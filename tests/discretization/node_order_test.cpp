@@ -80,11 +80,11 @@ TEST_CASE("Bisection order makes compact groups of 4 and of 16", "[order]") {
   for (int count : {4096, 4099, 10007}) {  // also counts that no group size divides
     const std::vector<Vec3> X = randomPoints(count, 5);
     const std::vector<int> order = bisectionOrder(X, 4);
-    // Edge of the cube that holds 4 and 16 points on average; the boxes' diagonals are below
-    // sqrt(3) = 1.73 edges, as boxes of points are smaller than the cells they come from.
+    // Edge of the cube that holds 4 and 16 points on average, whose diagonal is 1.73 edges; a cell
+    // of bisection is at worst 1 : 1 : 2 (diagonal 1.94 edges), and its points' box a little smaller.
     const double edge4 = std::cbrt(4.0 / count), edge16 = std::cbrt(16.0 / count);
-    CHECK(meanExtent(X, order, 4) < 1.3 * edge4);
-    CHECK(meanExtent(X, order, 16) < 1.6 * edge16);
+    CHECK(meanExtent(X, order, 4) < 1.35 * edge4);
+    CHECK(meanExtent(X, order, 16) < 1.75 * edge16);
   }
 }
 
