@@ -1,0 +1,248 @@
+#include "discretization/node_scatter.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "discretization/surface_geometry.h"
+
+namespace palpate {
+namespace {
+
+/// Places offered to the darts per node wanted. More cost time and change the result little: the relaxation evens out.
+constexpr double candidates_per_node = 16;
+
+/// Repulsion reaches this far, in units of h: the first neighbours of a close packing, not the second (1.41).
+constexpr double reach = 1.4;
+/// Step of the relaxation, in units of h, at full overlap; 12 neighbours stay stable below ~0.2.
+constexpr double relax_step = 0.12;
+constexpr int relax_iterations = 40;
+/// No node moves more than this in an iteration, in units of h, so none can leap over the 0.55 h of depth.
+constexpr double longest_move = 0.15;
+
+Eigen::AlignedBox3d padded(Eigen::AlignedBox3d box) {
+  const Vec3 margin = Vec3::Constant(1e-3 * box.sizes().maxCoeff());
+  return {box.min() - margin, box.max() + margin};
+}
+
+/// A cube of space in the search for the body's inside.
+struct Cube {
+  Vec3 centre;
+  double edge;
+  bool deep;  // known to lie inside, deeper than any node must
+};
+
+}  // namespace
+
+Scatter::Scatter(const SurfaceTree& surface, const SpacingField& spacing, unsigned seed)
+    : surface_(surface),
+      spacing_(spacing),
+      random_(seed),
+      grid_(padded(boundingBox(surface.surface())), std::sqrt(spacing.smallest() * spacing.largest())) {}
+
+/// True if no node lies closer to the site than `factor` mean spacings. Nodes on a face that looks the
+/// other way (the far side of a thin rim) only have to keep the closest approach.
+bool Scatter::isFree(const Site& site, double factor) const {
+  bool free = true;
+  // h grows by at most half the distance, so a conflicting node lies within this radius.
+  const double radius = factor * site.h / (1 - factor * SpacingField::steepest_growth / 2);
+  grid_.forEachWithin(site.X, radius, [&](int j, const Vec3& x) {
+    const Site& other = sites_[j];
+    const bool opposite = site.normal.dot(other.normal) < 0;
+    const double limit = (opposite ? std::min(factor, closest_approach) : factor) * (site.h + other.h) / 2;
+    free = free && (x - site.X).squaredNorm() >= limit * limit;
+  });
+  return free;
+}
+
+bool Scatter::addIfFree(const Site& site, double factor) {
+  if (!isFree(site, factor)) return false;
+  grid_.add(static_cast<int>(sites_.size()), site.X);
+  sites_.push_back(site);
+  return true;
+}
+
+void Scatter::placeCorners(const FeatureEdges& features) {
+  for (const Vec3& corner : features.corners) {
+    corner_count_ += addIfFree({corner, Vec3::Zero(), spacing_.at(corner)}, closest_approach);
+  }
+}
+
+void Scatter::placeEdges(const FeatureEdges& features) {
+  for (const FeatureEdges::Chain& chain : features.chains) {
+    // Arc length in units of the local spacing, by the midpoint of pieces well below it.
+    std::vector<Vec3> points{chain.points.front()};
+    std::vector<double> arc{0.0};
+    for (std::size_t k = 1; k < chain.points.size(); ++k) {
+      const Vec3 from = chain.points[k - 1], along = chain.points[k] - from;
+      const int pieces = std::max(1, static_cast<int>(std::ceil(4 * along.norm() / spacing_.smallest())));
+      for (int p = 1; p <= pieces; ++p) {
+        const Vec3 middle = from + (p - 0.5) / pieces * along;
+        points.push_back(from + static_cast<double>(p) / pieces * along);
+        arc.push_back(arc.back() + along.norm() / pieces / spacing_.at(middle));
+      }
+    }
+    const int intervals = std::max(chain.closed ? 3 : 1, static_cast<int>(std::lround(arc.back())));
+    std::size_t k = 0;
+    for (int n = chain.closed ? 0 : 1; n < intervals; ++n) {
+      const double wanted = arc.back() * n / intervals;
+      while (arc[k + 1] < wanted) ++k;
+      const double part = (wanted - arc[k]) / (arc[k + 1] - arc[k]);
+      const Vec3 x = points[k] + part * (points[k + 1] - points[k]);
+      edge_count_ += addIfFree({x, Vec3::Zero(), spacing_.at(x)}, closest_approach);
+    }
+  }
+}
+
+/// Relaxation dart throwing (McCool and Fiume 1992): candidates in random order land where they have
+/// room; the radius that they ask for shrinks until `wanted` have landed.
+void Scatter::throwDarts(std::vector<Site> candidates, std::size_t wanted) {
+  for (std::size_t k = candidates.size(); k > 1; --k) std::swap(candidates[k - 1], candidates[random_.below(k)]);
+  std::size_t landed = 0;
+  for (double factor = 1.0; factor >= closest_approach && landed < wanted; factor *= 0.94) {
+    std::size_t kept = 0;
+    for (const Site& site : candidates) {
+      if (landed < wanted && addIfFree(site, factor)) {
+        ++landed;
+      } else if (isFree(site, closest_approach)) {
+        candidates[kept++] = site;  // may yet land with a smaller radius
+      }
+    }
+    candidates.resize(kept);
+  }
+}
+
+/// Moves sites begin .. end apart. Each pair closer than `reach` h repels with a force that falls linearly to
+/// zero there; confine(site, old_position) then puts a site back where it belongs.
+template <class Confine>
+void Scatter::relax(std::size_t begin, Confine&& confine) {
+  std::vector<Vec3> moved(sites_.size());
+  for (int iteration = 0; iteration < relax_iterations; ++iteration) {
+    for (std::size_t i = begin; i < sites_.size(); ++i) {
+      const Site& site = sites_[i];
+      Vec3 push = Vec3::Zero();
+      grid_.forEachWithin(site.X, 1.3 * reach * site.h, [&](int j, const Vec3& x) {
+        const Vec3 apart = site.X - x;
+        const double distance = apart.norm();
+        const double s = distance / ((site.h + sites_[j].h) / 2);
+        const bool opposite = site.normal.dot(sites_[j].normal) < 0;
+        if (s > 0 && s < reach && !opposite) push += (1 - s / reach) / distance * apart;
+      });
+      push -= push.dot(site.normal) * site.normal;
+      const double length = relax_step * push.norm();
+      moved[i] = site.X + relax_step * site.h * push * std::min(1.0, longest_move / std::max(length, 1e-300));
+    }
+    grid_.clear();
+    for (std::size_t i = 0; i < sites_.size(); ++i) {
+      Site& site = sites_[i];
+      if (i >= begin) {
+        const Vec3 old = site.X;
+        site.X = moved[i];
+        confine(site, old);
+        site.h = spacing_.at(site.X);
+      }
+      grid_.add(static_cast<int>(i), site.X);
+    }
+  }
+
+  // Where there was no room (between close sheets), the later node of a conflicting pair goes.
+  const std::vector<Site> relaxed = std::move(sites_);
+  sites_.clear();
+  grid_.clear();
+  for (std::size_t i = 0; i < relaxed.size(); ++i) addIfFree(relaxed[i], i < begin ? 0.0 : closest_approach);
+}
+
+/// Random points of the faces, in numbers proportional to area / h^2. `wanted` becomes the number of nodes that
+/// an unbounded hexagonal lattice would have on this area.
+std::vector<Site> Scatter::faceCandidates(double& wanted) {
+  const TriangleSurface& surface = surface_.surface();
+  std::vector<Site> candidates;
+  wanted = 0;
+  for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
+    const auto& [a, b, c] = surface.triangles[t];
+    const Vec3 &A = surface.vertices[a], &B = surface.vertices[b], &C = surface.vertices[c];
+    const Vec3 area = areaVector(surface, static_cast<int>(t));
+    const double mean_h = (spacing_.at(A) + spacing_.at(B) + spacing_.at(C) + spacing_.at((A + B + C) / 3)) / 4;
+    wanted += area.norm() / (area_per_node * mean_h * mean_h);
+    // Rounding the running sum instead of each term keeps small faces represented.
+    while (static_cast<double>(candidates.size()) < candidates_per_node * wanted) {
+      const double root = std::sqrt(random_.uniform()), v = random_.uniform();
+      const Vec3 x = (1 - root) * A + root * (1 - v) * B + root * v * C;
+      candidates.push_back({x, area.normalized(), spacing_.at(x)});
+    }
+  }
+  return candidates;
+}
+
+void Scatter::placeFaces() {
+  const std::size_t begin = sites_.size();
+  double wanted = 0;
+  std::vector<Site> candidates = faceCandidates(wanted);
+  // A node on an edge has half its share of area on either face, one at a cube's corner a quarter on each of three.
+  wanted = std::max(0.0, wanted - edge_count_ - 0.75 * corner_count_);
+  throwDarts(std::move(candidates), static_cast<std::size_t>(std::lround(wanted)));
+  relax(begin, [&](Site& site, const Vec3& old) {
+    const SurfaceTree::Closest foot = surface_.closest(site.X, site.h);
+    if (foot.triangle < 0) {
+      site.X = old;
+    } else {
+      site.X = foot.point;
+      site.normal = areaVector(surface_.surface(), foot.triangle).normalized();
+    }
+  });
+  surface_count_ = sites_.size();
+}
+
+/// One random point in each cube of an octree that is deep enough inside. `wanted` becomes the number of nodes of a
+/// close packing in the part of the body that surface nodes don't fill.
+std::vector<Site> Scatter::insideCandidates(double& wanted) {
+  // First layer of a close packing above a plane of nodes: sqrt(2/3) h; half of it belongs to the plane.
+  constexpr double surface_share = 0.408;
+  const double leaf = std::cbrt(volume_per_node / candidates_per_node);  // edge of a smallest cube, in units of h
+  std::vector<Site> candidates;
+  wanted = 0;
+  const Eigen::AlignedBox3d box = padded(boundingBox(surface_.surface()));
+  std::vector<Cube> open{{box.center(), box.sizes().maxCoeff(), false}};
+  while (!open.empty()) {
+    const Cube cube = open.back();
+    open.pop_back();
+    const double radius = cube.edge * std::sqrt(3.0) / 2;  // of the sphere around the cube
+    const double h = spacing_.at(cube.centre);
+    bool deep = cube.deep;
+    double depth = 0;
+    if (!deep) {
+      depth = -surface_.signedDistance(cube.centre);
+      if (depth < -radius) continue;
+      deep = depth - radius > h + SpacingField::steepest_growth * radius;
+    }
+    const double smallest_h = std::max(spacing_.smallest(), h - SpacingField::steepest_growth * radius);
+    if (cube.edge > leaf * h && cube.edge > leaf * smallest_h) {
+      for (int octant = 0; octant < 8; ++octant) {
+        const Vec3 side((octant & 1) - 0.5, ((octant >> 1) & 1) - 0.5, (octant >> 2) - 0.5);
+        open.push_back({cube.centre + side * cube.edge / 2, cube.edge / 2, deep});
+      }
+      continue;
+    }
+    if (deep || depth > surface_share * h) wanted += std::pow(cube.edge / h, 3) / volume_per_node;
+    const Vec3 jitter(random_.uniform() - 0.5, random_.uniform() - 0.5, random_.uniform() - 0.5);
+    const Vec3 x = cube.centre + cube.edge * jitter;
+    const Site site{x, Vec3::Zero(), spacing_.at(x)};
+    if (deep || -surface_.signedDistance(x) > least_depth * site.h) candidates.push_back(site);
+  }
+  return candidates;
+}
+
+void Scatter::placeInside() {
+  const std::size_t begin = sites_.size();
+  double wanted = 0;
+  std::vector<Site> candidates = insideCandidates(wanted);
+  throwDarts(std::move(candidates), static_cast<std::size_t>(std::lround(wanted)));
+  relax(begin, [&](Site& site, const Vec3& old) {
+    const double depth = least_depth * site.h;
+    const SurfaceTree::Closest foot = surface_.closest(site.X, depth);
+    if (foot.triangle < 0) return;
+    // Old was deeper than the longest move, so the site can't have crossed the surface.
+    site.X = foot.distance > 0 ? Vec3(foot.point + depth / foot.distance * (site.X - foot.point)) : old;
+  });
+}
+
+}  // namespace palpate

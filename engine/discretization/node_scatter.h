@@ -1,0 +1,73 @@
+#pragma once
+
+#include <random>
+#include <vector>
+
+#include "base/types.h"
+#include "discretization/feature_edges.h"
+#include "discretization/point_grid.h"
+#include "discretization/spacing_field.h"
+#include "discretization/surface_tree.h"
+
+namespace palpate {
+
+/// Random numbers that are the same bits with every standard library.
+class Random {
+ public:
+  explicit Random(unsigned seed) : engine_(seed) {}
+  double uniform() { return (engine_() + 0.5) / 4294967296.0; }  // in (0, 1)
+  std::size_t below(std::size_t n) { return static_cast<std::size_t>(uniform() * static_cast<double>(n)); }
+
+ private:
+  std::mt19937 engine_;
+};
+
+/// A node, or a place where one may come to be.
+struct Site {
+  Vec3 X = Vec3::Zero();
+  Vec3 normal = Vec3::Zero();  // of the face it lies on, outward; zero on edges, corners and inside
+  double h = 0;                // m, the spacing wanted there
+};
+
+/// No two nodes come closer than this, in units of h.
+constexpr double closest_approach = 0.5;
+/// Inner nodes stay this far below the surface, in units of h (0.5 is promised; the rest is reserve).
+constexpr double least_depth = 0.55;
+/// Area of surface per node, in units of h^2: the hexagonal lattice of edge h (sqrt(3)/2).
+constexpr double area_per_node = 0.866;
+/// Volume per inner node, in units of h^3: the face-centred lattice of edge h (1/sqrt(2)).
+constexpr double volume_per_node = 0.7;
+
+/// Nodes placed so far, in a grid for neighbour searches.
+class Scatter {
+ public:
+  Scatter(const SurfaceTree& surface, const SpacingField& spacing, unsigned seed);
+
+  /// The four stages, in this order.
+  void placeCorners(const FeatureEdges& features);
+  void placeEdges(const FeatureEdges& features);
+  void placeFaces();
+  void placeInside();
+
+  const std::vector<Site>& sites() const { return sites_; }
+  std::size_t surfaceCount() const { return surface_count_; }
+
+ private:
+  bool isFree(const Site& site, double factor) const;
+  bool addIfFree(const Site& site, double factor);
+  void throwDarts(std::vector<Site> candidates, std::size_t wanted);
+  std::vector<Site> faceCandidates(double& wanted);
+  std::vector<Site> insideCandidates(double& wanted);
+  template <class Confine>
+  void relax(std::size_t begin, Confine&& confine);
+
+  const SurfaceTree& surface_;
+  const SpacingField& spacing_;
+  Random random_;
+  PointGrid grid_;
+  std::vector<Site> sites_;
+  double corner_count_ = 0, edge_count_ = 0;
+  std::size_t surface_count_ = 0;
+};
+
+}  // namespace palpate

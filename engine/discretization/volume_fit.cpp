@@ -1,0 +1,98 @@
+#include "discretization/volume_fit.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace palpate {
+namespace {
+
+constexpr int iterations = 4;            // each leaves about a third of the gap
+constexpr double farthest_move = 0.15;   // of the mean edge of the facets around a node
+constexpr double least_volume = 0.2;     // of a cell's first volume
+constexpr double flat_gap = 1e-9;        // of a facet's edge; below it is rounding
+constexpr double widest_gap = 0.5;       // of a facet's edge; above it the facet does not follow the surface
+
+/// Dunavant's 6-point rule of degree 4: barycentric coordinates (a, a, 1 - 2a) in turn, and weights.
+constexpr double gauss_a[2] = {0.445948490915965, 0.091576213509771};
+constexpr double gauss_weight[2] = {0.223381589678011, 0.109951743655322};
+
+struct Facet {
+  std::array<int, 3> nodes;
+  Vec3 normal;  // outward unit
+  double area;  // m^2
+  double edge;  // m, longest
+};
+
+Facet facetOf(const std::array<int, 3>& nodes, const std::vector<Vec3>& X) {
+  const Vec3 &a = X[nodes[0]], &b = X[nodes[1]], &c = X[nodes[2]];
+  const Vec3 area = (b - a).cross(c - a) / 2;
+  return {nodes, area.normalized(), area.norm(), std::sqrt(std::max({(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()}))};
+}
+
+/// Mean height of the surface above the facet, m; 0 where the facet lies in it or does not belong to it.
+double meanGap(const Facet& facet, const std::vector<Vec3>& X, const SurfaceTree& surface) {
+  double gap = 0;
+  for (int ring = 0; ring < 2; ++ring) {
+    for (int k = 0; k < 3; ++k) {
+      Vec3 x = Vec3::Zero();
+      for (int l = 0; l < 3; ++l) x += (l == k ? 1 - 2 * gauss_a[ring] : gauss_a[ring]) * X[facet.nodes[l]];
+      gap -= gauss_weight[ring] * surface.signedDistance(x);
+    }
+  }
+  const double size = std::abs(gap) / facet.edge;
+  return size < flat_gap || size > widest_gap ? 0 : gap;
+}
+
+}  // namespace
+
+void fitToVolume(NodeCloud& cloud, BackgroundCells& cells, const SurfaceTree& surface) {
+  std::vector<std::array<int, 3>> facets = boundaryFacets(cells.cells);
+  std::erase_if(facets, [&](const std::array<int, 3>& f) {
+    return !cloud.on_surface[f[0]] || !cloud.on_surface[f[1]] || !cloud.on_surface[f[2]];
+  });
+  const std::vector<Vec3> start = cloud.X;
+  const std::vector<double> start_volume = cells.volume;
+
+  for (int iteration = 0; iteration < iterations; ++iteration) {
+    // Each node goes the mean of its facets' gaps along their normals. Facets without a gap have no say, so a
+    // node on the rim of a flat face moves in the plane of that face.
+    std::vector<Vec3> move(start.size(), Vec3::Zero());
+    std::vector<double> area(start.size(), 0.0), reach(start.size(), 0.0);
+    for (const std::array<int, 3>& nodes : facets) {
+      const Facet facet = facetOf(nodes, cloud.X);
+      const double gap = meanGap(facet, cloud.X, surface);
+      if (gap == 0) continue;
+      for (int i : nodes) {
+        move[i] += facet.area * gap * facet.normal;
+        reach[i] += facet.area * facet.edge;
+        area[i] += facet.area;
+      }
+    }
+    std::vector<Vec3> target = cloud.X;
+    for (std::size_t i = 0; i < start.size(); ++i) {
+      if (area[i] == 0) continue;
+      const Vec3 total = cloud.X[i] + move[i] / area[i] - start[i];
+      const double limit = farthest_move * reach[i] / area[i];
+      target[i] = start[i] + total * std::min(1.0, limit / std::max(total.norm(), 1e-300));
+    }
+    // Cells that would shrink too much hold their nodes where they are.
+    std::vector<Vec3> X = target;
+    for (bool again = true; again;) {
+      again = false;
+      BackgroundCells trial;
+      trial.cells = cells.cells;
+      updateVolumes(trial, X);
+      for (std::size_t c = 0; c < cells.cells.size(); ++c) {
+        if (trial.volume[c] >= least_volume * start_volume[c]) continue;
+        for (int i : cells.cells[c]) {
+          again = again || X[i] != cloud.X[i];
+          X[i] = cloud.X[i];
+        }
+      }
+    }
+    cloud.X = X;
+  }
+  updateVolumes(cells, cloud.X);
+}
+
+}  // namespace palpate

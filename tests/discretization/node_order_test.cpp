@@ -1,0 +1,101 @@
+#include <catch2/catch.hpp>
+
+#include <algorithm>
+#include <random>
+#include <set>
+
+#include "discretization/node_order.h"
+
+using namespace palpate;
+
+namespace {
+
+std::vector<Vec3> randomPoints(int count, unsigned seed) {
+  std::mt19937 random(seed);
+  const auto uniform = [&] { return random() / 4294967296.0; };
+  std::vector<Vec3> X(count);
+  for (Vec3& x : X) x = {uniform(), uniform(), uniform()};
+  return X;
+}
+
+bool isPermutation(std::vector<int> order, std::size_t count) {
+  std::sort(order.begin(), order.end());
+  for (std::size_t k = 0; k < order.size(); ++k) {
+    if (order[k] != static_cast<int>(k)) return false;
+  }
+  return order.size() == count;
+}
+
+double meanStep(const std::vector<Vec3>& X, const std::vector<int>& order) {
+  double sum = 0;
+  for (std::size_t k = 1; k < order.size(); ++k) sum += (X[order[k]] - X[order[k - 1]]).norm();
+  return sum / static_cast<double>(order.size() - 1);
+}
+
+/// Mean diagonal of the bounding boxes of consecutive groups.
+double meanExtent(const std::vector<Vec3>& X, const std::vector<int>& order, std::size_t group) {
+  double sum = 0;
+  int count = 0;
+  for (std::size_t begin = 0; begin + group <= order.size(); begin += group, ++count) {
+    Eigen::AlignedBox3d box;
+    for (std::size_t k = begin; k < begin + group; ++k) box.extend(X[order[k]]);
+    sum += box.diagonal().norm();
+  }
+  return sum / count;
+}
+
+}  // namespace
+
+TEST_CASE("On a full lattice of 2^n points the Hilbert order takes unit steps only", "[order]") {
+  // The defining property of the curve, to which any slip in bits or reflections is fatal.
+  std::vector<Vec3> X;
+  for (int i = 0; i < 4096; ++i) X.push_back(Vec3(i % 16, (i / 16) % 16, i / 256));
+  std::shuffle(X.begin(), X.end(), std::mt19937(3));
+  const std::vector<int> order = hilbertOrder(X);
+  REQUIRE(isPermutation(order, X.size()));
+  for (std::size_t k = 1; k < order.size(); ++k) REQUIRE((X[order[k]] - X[order[k - 1]]).norm() == 1.0);
+}
+
+TEST_CASE("Hilbert order makes steps of the order of the mean spacing", "[order]") {
+  const std::vector<Vec3> X = randomPoints(8000, 1);  // spacing 8000^(-1/3) = 0.05
+  const std::vector<int> order = hilbertOrder(X);
+  REQUIRE(isPermutation(order, X.size()));
+  CHECK(meanStep(X, order) < 0.06);  // random order: 0.66, the mean distance in a cube
+}
+
+TEST_CASE("Hilbert order of no, one and equal points keeps the given order", "[order]") {
+  CHECK(hilbertOrder({}).empty());
+  CHECK(hilbertOrder({Vec3(1, 2, 3)}) == std::vector<int>{0});
+  CHECK(hilbertOrder({Vec3::Ones(), Vec3::Ones(), Vec3::Ones()}) == std::vector<int>{0, 1, 2});
+}
+
+TEST_CASE("Bisection order is a permutation for every count", "[order]") {
+  for (int count = 0; count < 140; ++count) {
+    const std::vector<Vec3> X = randomPoints(count, 7);
+    REQUIRE(isPermutation(bisectionOrder(X, 4), X.size()));
+  }
+}
+
+TEST_CASE("Bisection order makes compact groups of 4 and of 16", "[order]") {
+  for (int count : {4096, 4099, 10007}) {  // also counts that no group size divides
+    const std::vector<Vec3> X = randomPoints(count, 5);
+    const std::vector<int> order = bisectionOrder(X, 4);
+    // Edge of the cube that holds 4 and 16 points on average, whose diagonal is 1.73 edges; a cell
+    // of bisection is at worst 1 : 1 : 2 (diagonal 1.94 edges), and its points' box a little smaller.
+    const double edge4 = std::cbrt(4.0 / count), edge16 = std::cbrt(16.0 / count);
+    CHECK(meanExtent(X, order, 4) < 1.35 * edge4);
+    CHECK(meanExtent(X, order, 16) < 1.75 * edge16);
+  }
+}
+
+TEST_CASE("Bisection separates clusters of 16 exactly", "[order]") {
+  // 8 tight clusters at a cube's corners: each aligned block of 16 must be one cluster.
+  std::vector<Vec3> X = randomPoints(128, 9);
+  for (int i = 0; i < 128; ++i) X[i] = 1e-3 * X[i] + Vec3(i & 1, (i >> 1) & 1, (i >> 2) & 1);
+  const std::vector<int> order = bisectionOrder(X, 4);
+  for (int block = 0; block < 8; ++block) {
+    std::set<int> clusters;
+    for (int k = 0; k < 16; ++k) clusters.insert(order[16 * block + k] % 8);
+    CHECK(clusters.size() == 1);
+  }
+}
