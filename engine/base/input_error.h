@@ -14,8 +14,8 @@ struct Place {
   /// "file:line:column", leaving out what is not known.
   std::string text() const {
     std::string s = file;
-    if (line > 0) s += ":" + std::to_string(line);
-    if (line > 0 && column > 0) s += ":" + std::to_string(column);
+    if (line > 0) s.append(":").append(std::to_string(line));
+    if (line > 0 && column > 0) s.append(":").append(std::to_string(column));
     return s;
   }
 };
