@@ -9,11 +9,13 @@ namespace palpate {
 /// The longest edge wanted around a point, m; positive.
 using EdgeLengthAt = std::function<double(const Vec3& x)>;
 
-/// Splits edges at their midpoints, longest first, until none is longer than `longest_at` says at
-/// its midpoint. Vertices 0 .. n-1 stay; the surface keeps its shape, volume, orientation
-/// and closedness (no hanging vertices). Splitting the longest edge first bounds the smallest angle to
-/// half of the original one (Rosenberg and Stenger 1975).
-/// Throws std::invalid_argument for lengths that are not positive, std::length_error beyond `max_triangles`.
+/// Halves edges until none is longer than the smallest of what `longest_at` says at its ends and its
+/// midpoint. The given vertices stay, with their numbers; the surface keeps its shape, volume, orientation
+/// and closedness (no vertex is left hanging in an edge). An edge is only halved when it is the longest
+/// of both its faces, so no angle falls below half the smallest given one (Rosenberg and Stenger 1975,
+/// Rivara 1984). Works on open surfaces, too; deterministic.
+/// Throws std::invalid_argument for a length that is not positive, std::length_error where more
+/// than `max_triangles` would be needed.
 TriangleSurface refineSurface(const TriangleSurface& surface, const EdgeLengthAt& longest_at,
                               int max_triangles = 4'000'000);
 
