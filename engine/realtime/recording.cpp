@@ -120,6 +120,8 @@ class LineReader {
     return value;
   }
 
+  std::size_t wordLength() const { return next_ - word_begin_; }
+
   template <class Integer>
   Integer integer(const char* what, int base = 10) {
     const std::string_view text = word(what);
@@ -315,6 +317,7 @@ Recording readRecording(const std::string& file) {
   {
     LineReader line = header("model");
     recording.model_hash = line.integer<std::uint64_t>("a hash of 16 hex digits", 16);
+    if (line.wordLength() != 16) line.fail("the model's hash has not 16 hex digits");
     line.done();
   }
   {
@@ -332,6 +335,7 @@ Recording readRecording(const std::string& file) {
     if (text.starts_with("end")) {
       line.expect("end");
       recording.ticks = line.integer<std::int64_t>("a number of ticks");
+      if (in.eof()) line.fail("the recording is cut off within this line: no line end follows");
       if (recording.ticks < last) line.fail("the run ends before its last change");
       line.done();
       while (std::getline(in, text)) {
