@@ -42,13 +42,17 @@ Scatter::Scatter(const SurfaceTree& surface, const SpacingField& spacing, unsign
       random_(seed),
       grid_(padded(boundingBox(surface.surface())), std::sqrt(spacing.smallest() * spacing.largest())) {}
 
+/// All nodes nearer than `factor` times the mean of both spacings lie within this distance, m.
+double Scatter::searchRadius(const Site& site, double factor) const {
+  const double by_growth = site.h / (1 - factor * SpacingField::steepest_growth / 2);
+  return factor * std::min(by_growth, (site.h + spacing_.largest()) / 2);
+}
+
 /// Distance to the nearest node in units of the mean of both spacings, or `most` where there is none within that.
 /// Nodes on a face that looks the other way (the far side of a thin rim) only count within the closest approach.
 double Scatter::clearance(const Site& site, double most) const {
   double least = most;
-  // h grows by at most half the distance, so a node that is too close lies within this radius.
-  const double radius = most * site.h / (1 - most * SpacingField::steepest_growth / 2);
-  grid_.forEachWithin(site.X, radius, [&](int j, const Vec3& x) {
+  grid_.forEachWithin(site.X, searchRadius(site, most), [&](int j, const Vec3& x) {
     const Site& other = sites_[j];
     const double s = 2 * (x - site.X).norm() / (site.h + other.h);
     const bool counts = s < closest_approach || site.normal.dot(other.normal) >= 0;
@@ -130,8 +134,7 @@ void Scatter::relax(std::size_t begin, int dimension, Confine&& confine) {
     for (std::size_t i = begin; i < sites_.size(); ++i) {
       const Site& site = sites_[i];
       Vec3 push = Vec3::Zero();
-      const double search = reach * site.h / (1 - reach * SpacingField::steepest_growth / 2);
-      grid_.forEachWithin(site.X, search, [&](int j, const Vec3& x) {
+      grid_.forEachWithin(site.X, searchRadius(site, reach), [&](int j, const Vec3& x) {
         const Site& other = sites_[j];
         const Vec3 apart = site.X - x;
         const double distance = apart.norm();

@@ -53,6 +53,7 @@ class Scatter {
   std::size_t surfaceCount() const { return surface_count_; }
 
  private:
+  double searchRadius(const Site& site, double factor) const;
   double clearance(const Site& site, double most) const;
   void add(const Site& site);
   bool addIfFree(const Site& site);
