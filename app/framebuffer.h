@@ -1,5 +1,6 @@
 #pragma once
 
+#include "app/gl_object.h"
 #include "app/picture.h"
 
 namespace palpate {
@@ -10,9 +11,6 @@ class Framebuffer {
  public:
   /// Throws std::runtime_error when the context can't make one of this size.
   Framebuffer(int width, int height);
-  ~Framebuffer();
-  Framebuffer(const Framebuffer&) = delete;
-  Framebuffer& operator=(const Framebuffer&) = delete;
 
   /// Makes it the target of drawing, with the viewport over all of it.
   void bind() const;
@@ -25,7 +23,8 @@ class Framebuffer {
 
  private:
   int width_, height_;
-  unsigned framebuffer_ = 0, colour_ = 0;
+  GlFramebuffer framebuffer_;
+  GlRenderbuffer colour_;
 };
 
 }  // namespace palpate
