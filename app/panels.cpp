@@ -33,7 +33,7 @@ PanelRequests drawPanels(const Theme& theme, const PanelData& data, const Layout
       if (beginPane("##left", layout.left)) {
         drawSceneCard(theme, data, view, requests);
         drawToolCard(theme, data, state, requests);
-        drawMaterialCard(theme, data);
+        drawMaterialCard(theme, data, requests);
       }
       ImGui::End();
     }

@@ -37,6 +37,13 @@ struct TimingView {
 /// What moves the tool.
 enum class ToolDriver { User, Script, Replay };
 
+/// A material as it is now, and what the scene gave.
+struct MaterialView {
+  const MaterialSpec& spec;
+  Material material;                 // at present
+  double stiffness = 1;              // times that of the scene
+};
+
 /// What the panels show: gathered afresh for each picture, never kept.
 struct PanelData {
   const Model& model;
@@ -44,10 +51,12 @@ struct PanelData {
   const ForceHistory& forces;
   std::span<const LogLine> log;
   TimingView timing;
+  std::vector<MaterialView> materials;
+  double friction = 0;               // Coulomb coefficient at present
+  std::string input_note;            // why material and friction can't be changed now; empty: they can
   ColourScale colour_scale;          // of the picture behind the panels
   ToolDriver driver = ToolDriver::User;
   std::string script;                // name of the script or recording; empty: none at hand
-  std::string material_note;         // why the material can't be changed now
   std::string frozen_reason;         // what the watchdog saw, and where; used while frozen
   double frames_per_second = 0;      // 0: not shown
 };
@@ -62,8 +71,11 @@ struct PanelState {
 /// What was clicked in this frame.
 struct PanelRequests {
   bool toggle_pause = false, single_step = false, reset = false;
-  bool play_script = false, stop_script = false;
+  bool restart_script = false;
   bool tool_to_start = false;
+  std::optional<double> friction;
+  int material = -1;                 // whose stiffness changes; -1: none
+  double stiffness = 1;              // times that of the scene
   bool frame_view = false;
 };
 
@@ -76,7 +88,7 @@ PanelRequests drawPanels(const Theme& theme, const PanelData& data, const Layout
 void drawBar(const Theme&, const PanelData&, const Rect&, PanelState&, PanelRequests&);
 void drawSceneCard(const Theme&, const PanelData&, View&, PanelRequests&);
 void drawToolCard(const Theme&, const PanelData&, PanelState&, PanelRequests&);
-void drawMaterialCard(const Theme&, const PanelData&);
+void drawMaterialCard(const Theme&, const PanelData&, PanelRequests&);
 void drawForceCard(const Theme&, const PanelData&, float height);
 void drawTimingCard(const Theme&, const PanelData&);
 void drawLog(const Theme&, const PanelData&, const Rect&);

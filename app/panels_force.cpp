@@ -64,7 +64,7 @@ void drawForceCard(const Theme& theme, const PanelData& data, float height) {
   row("Components", format("%+.3f  %+.3f  %+.3f N", f.x(), f.y(), f.z()), colours::text, "x, y, z of the filtered force");
   row("Peak", format("%.3f N filtered, %.3f N raw", data.forces.peakFiltered(), data.forces.peakRaw()));
 
-  const float plot_height = std::clamp(0.19F * height, 110 * theme.scale, 220 * theme.scale);
+  const float plot_height = std::clamp(0.165F * height, 100 * theme.scale, 220 * theme.scale);
   ImGui::PushFont(theme.small);
   {
     const auto raw = data.forces.rawOverTime(), filtered = data.forces.filteredOverTime();
@@ -106,7 +106,7 @@ void drawTimingCard(const Theme& theme, const PanelData& data) {
   const std::array marks{PlotMark{"p50", timing.step_p50, colours::text}, PlotMark{"p99", timing.step_p99, colours::accent},
                          PlotMark{"p99.9", timing.step_p999, colours::warning},
                          PlotMark{"tick", budget, colours::bad}};
-  drawHistogram("##steps", 96 * theme.scale, axes, timing.histogram, colours::raw, marks);
+  drawHistogram("##steps", 92 * theme.scale, axes, timing.histogram, colours::raw, marks);
   ImGui::PopFont();
 
   row("p50 / p99 / p99.9", format("%.0f / %.0f / %.0f us", timing.step_p50, timing.step_p99, timing.step_p999));

@@ -11,6 +11,7 @@ namespace palpate {
 namespace {
 
 constexpr double mm = 1e3, us = 1e6;  // per m, per s
+constexpr float least_stiffness_percent = 10;  // softer tissue sinks under its own contact
 
 const char* toolName(ToolKind kind) {
   switch (kind) {
@@ -24,26 +25,28 @@ const char* toolName(ToolKind kind) {
 std::string grouped(long long n) {
   std::string s = std::to_string(n);
   for (int at = static_cast<int>(s.size()) - 3; at > (n < 0 ? 1 : 0); at -= 3)
-    s.insert(static_cast<std::size_t>(at), ",");
+    s.insert(static_cast<std::size_t>(at), 1, ',');
   return s;
 }
 
-void drawMaterial(const Theme& theme, const MaterialSpec& spec, const Material& material) {
+void drawMaterial(const Theme& theme, const MaterialView& view) {
   const char* nu = theme.has_greek ? "\xCE\xBD" : "nu";
   const char* mu = theme.has_greek ? "\xCE\xBC" : "mu";
-  if (spec.kind == MaterialSpec::Kind::NeoHookean) {
+  const Material& material = view.material;
+  if (view.spec.kind == MaterialSpec::Kind::NeoHookean) {
     row("Model", "neo-Hookean");
-    row("Young's modulus E", format("%.4g Pa", spec.young));
-    row(format("Poisson's ratio %s", nu).c_str(), format("%.4g", spec.poisson));
+    row("Young's modulus E", format("%.4g Pa", view.spec.young * view.stiffness));
+    row(format("Poisson's ratio %s", nu).c_str(), format("%.4g", view.spec.poisson));
   } else {
     row("Model", format("Ogden, %d term%s", material.term_count, material.term_count == 1 ? "" : "s"));
-    for (int k = 0; k < material.term_count; ++k)
-      row(format("%s %d, a %d", mu, k + 1, k + 1).c_str(), format("%.4g Pa, %.4g", material.mu[k], material.alpha[k]));
-    row("D1", format("%.4g 1/Pa", spec.ogden_D1));
+    for (int k = 0; k < material.term_count; ++k) {
+      const auto i = static_cast<std::size_t>(k);
+      row(format("%s%d, a%d", mu, k + 1, k + 1).c_str(), format("%.4g Pa, %.4g", material.mu[i], material.alpha[i]));
+    }
   }
   row("Shear modulus", format("%.4g Pa", material.shear_modulus));
   row("Bulk modulus", format("%.4g Pa", material.bulk_modulus));
-  row("Density", format("%.4g kg/m\xC2\xB3", spec.density));
+  row("Density", format("%.4g kg/m\xC2\xB3", material.density));
 }
 
 }  // namespace
@@ -100,41 +103,40 @@ void drawToolCard(const Theme& theme, const PanelData& data, PanelState& state, 
   row("Depth", format("%.2f mm", data.snapshot.force.depth_m * mm), colours::text,
       "travel of the tip past its first touch of the resting skin");
   row("Skin vertices touched", std::to_string(data.snapshot.report.contact_count));
-  row("Friction", data.model.scene.friction > 0 ? format("%.2f", data.model.scene.friction) : "none", colours::text,
-      "of the scene; constant during a run");
+  auto friction = static_cast<float>(data.friction);
+  if (slider("Friction", friction, 0, 1, "%.2f", data.input_note)) requests.friction = friction;
+  auto speed = static_cast<float>(state.tool_speed_mm_s);
+  if (slider("Key speed", speed, 1, 100, "%.0f mm/s", "")) state.tool_speed_mm_s = speed;
 
-  float speed = static_cast<float>(state.tool_speed_mm_s);
-  ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x);
-  if (ImGui::SliderFloat("##speed", &speed, 1, 100, "arrow keys: %.0f mm/s", ImGuiSliderFlags_Logarithmic))
-    state.tool_speed_mm_s = speed;
-
-  const float gap = ImGui::GetStyle().ItemSpacing.x;
-  const float half = 0.5F * (ImGui::GetContentRegionAvail().x - gap);
-  const bool replaying = data.driver == ToolDriver::Replay;
-  if (data.driver == ToolDriver::Script) {
-    if (button("Stop script", half)) requests.stop_script = true;
-  } else if (button("Play script", half, !replaying && !data.script.empty(),
-                    replaying ? "a recording moves the tool" : "start with --tool SCRIPT")) {
-    requests.play_script = true;
-  }
+  const float half = 0.5F * (ImGui::GetContentRegionAvail().x - ImGui::GetStyle().ItemSpacing.x);
+  const bool by_hand = data.driver == ToolDriver::User;
+  if (button("Play script", half, !data.script.empty(), "none given: start with --tool SCRIPT"))
+    requests.restart_script = true;
   ImGui::SameLine();
-  if (button("To start pose", half, !replaying, "a recording moves the tool")) requests.tool_to_start = true;
+  if (button("To start pose", half, by_hand, "the tool is not moved by hand now")) requests.tool_to_start = true;
   switch (data.driver) {
     case ToolDriver::User: note(theme, "Shift+drag moves it, Shift+wheel pushes it; arrows, PageUp/PageDown"); break;
-    case ToolDriver::Script: note(theme, "Moved by " + data.script + "; take it by hand to stop the script"); break;
+    case ToolDriver::Script: note(theme, "Moved by the script " + data.script); break;
     case ToolDriver::Replay: note(theme, "Moved by the recording " + data.script); break;
   }
   ImGui::Spacing();
 }
 
-void drawMaterialCard(const Theme& theme, const PanelData& data) {
+void drawMaterialCard(const Theme& theme, const PanelData& data, PanelRequests& requests) {
   if (!beginCard(theme, "Material")) return;
-  const auto& specs = data.model.scene.materials;
-  for (std::size_t k = 0; k < specs.size() && k < data.model.materials.size(); ++k) {
+  for (std::size_t k = 0; k < data.materials.size(); ++k) {
     if (k > 0) ImGui::Separator();
-    drawMaterial(theme, specs[k], data.model.materials[k]);
+    drawMaterial(theme, data.materials[k]);
+    ImGui::PushID(static_cast<int>(k));
+    auto percent = static_cast<float>(100 * data.materials[k].stiffness);
+    if (slider("Stiffness", percent, least_stiffness_percent, 100, "%.0f %% of scene",
+               data.input_note)) {
+      requests.material = static_cast<int>(k);
+      requests.stiffness = percent / 100;
+    }
+    ImGui::PopID();
   }
-  if (!data.material_note.empty()) note(theme, data.material_note);
+  note(theme, "Softer is safe at any time. Stiffer would need a smaller time step: change it in the scene.");
   ImGui::Spacing();
 }
 

@@ -1,6 +1,7 @@
 #include "app/plot.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 
@@ -173,7 +174,8 @@ void drawHistogram(const char* id, float height, const PlotAxes& axes, std::span
     const float right = frame.x(axes.x_min + static_cast<double>(k + 1) * width);
     draw.AddRectFilled({left, frame.y(std::log10(1 + counts[k]))}, {std::max(left + 1, right - 1), frame.max.y}, colour);
   }
-  float free_from = frame.min.x;  // labels go left to right and give way to each other
+  std::array<float, 3> free_from;  // per row of labels; a label takes the first row with room
+  free_from.fill(frame.min.x);
   for (const PlotMark& mark : marks) {
     if (!(mark.x >= axes.x_min && mark.x <= axes.x_max)) continue;
     const float x = std::round(frame.x(mark.x));
@@ -181,9 +183,12 @@ void drawHistogram(const char* id, float height, const PlotAxes& axes, std::span
     const float label_width = ImGui::CalcTextSize(mark.label).x;
     float left = x + 0.3F * unit;
     if (left + label_width > frame.max.x) left = x - 0.3F * unit - label_width;
-    if (left < free_from) continue;
-    draw.AddText({left, frame.min.y + 0.2F * unit}, mark.colour, mark.label);
-    free_from = left + label_width + 0.3F * unit;
+    for (std::size_t k = 0; k < free_from.size(); ++k) {
+      if (left < free_from[k]) continue;
+      draw.AddText({left, frame.min.y + (0.2F + static_cast<float>(k)) * unit}, mark.colour, mark.label);
+      free_from[k] = left + label_width + 0.3F * unit;
+      break;
+    }
   }
   draw.PopClipRect();
   endPlot(frame);

@@ -52,7 +52,8 @@ void row(const char* name, const std::string& value, ImU32 colour, const char* h
   ImGui::PopStyleColor();
   const float free = width - ImGui::CalcTextSize(name).x - ImGui::GetStyle().ItemSpacing.x;
   const std::string shown = fitted(value, free);
-  ImGui::SameLine(left + width - ImGui::CalcTextSize(shown.c_str()).x);
+  ImGui::SameLine();
+  ImGui::SetCursorPosX(left + width - ImGui::CalcTextSize(shown.c_str()).x);
   ImGui::PushStyleColor(ImGuiCol_Text, colour);
   ImGui::TextUnformatted(shown.c_str());
   ImGui::PopStyleColor();
@@ -82,6 +83,25 @@ bool button(const char* label, float width, bool enabled, const char* reason) {
   if (!enabled && reason != nullptr && ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled))
     ImGui::SetTooltip("%s", reason);
   return pressed;
+}
+
+bool slider(const char* name, float& value, float low, float high, const char* pattern, const std::string& reason) {
+  const float left = ImGui::GetCursorPosX(), width = ImGui::GetContentRegionAvail().x;
+  ImGui::AlignTextToFramePadding();
+  ImGui::PushStyleColor(ImGuiCol_Text, colours::faint);
+  ImGui::TextUnformatted(name);
+  ImGui::PopStyleColor();
+  ImGui::SameLine();
+  ImGui::SetCursorPosX(left + 0.46F * width);
+  ImGui::SetNextItemWidth(0.54F * width);
+  ImGui::PushID(name);
+  ImGui::BeginDisabled(!reason.empty());
+  const bool moved = ImGui::SliderFloat("##value", &value, low, high, pattern, ImGuiSliderFlags_AlwaysClamp);
+  ImGui::EndDisabled();
+  ImGui::PopID();
+  if (!reason.empty() && ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled))
+    ImGui::SetTooltip("%s", reason.c_str());
+  return moved;
 }
 
 void badge(const Theme& theme, const char* text, ImU32 colour) {

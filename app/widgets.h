@@ -31,6 +31,10 @@ void note(const Theme& theme, const std::string& text, ImU32 colour = colours::f
 /// A button that is greyed out with the reason as its hint where `enabled` is false.
 bool button(const char* label, float width, bool enabled = true, const char* reason = nullptr);
 
+/// A line with a faint name on the left and a slider on the right, greyed out where
+/// there is a reason not to move it.
+bool slider(const char* name, float& value, float low, float high, const char* pattern, const std::string& reason);
+
 /// A filled rounded label, e.g. "RUNNING", on the present line.
 void badge(const Theme& theme, const char* text, ImU32 colour);
 
