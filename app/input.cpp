@@ -44,6 +44,7 @@ Actions Controls::read(const Input& input, bool help_is_open) {
       actions.pulling = true;
       break;
   }
+  actions.pick_point = input.double_click && drag_ == Drag::Orbit;
   if (!input.mouse_taken) (input.shift ? actions.push_tool_notches : actions.zoom) = input.wheel;
 
   if (input.keys_taken) return actions;
@@ -72,6 +73,7 @@ Input inputFromImGui() {
   input.wheel = io.MouseWheel != 0 ? io.MouseWheel : io.KeyShift ? io.MouseWheelH : 0;
   input.left = io.MouseDown[0];
   input.right = io.MouseDown[1];
+  input.double_click = io.MouseDoubleClicked[0];
   input.shift = io.KeyShift;
   input.ctrl = io.KeyCtrl;
   input.mouse_taken = io.WantCaptureMouse;

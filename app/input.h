@@ -17,6 +17,7 @@ struct Input {
   Eigen::Vector2d mouse_delta{0, 0};  // px
   double wheel = 0;                   // notches, away from the user positive
   bool left = false, right = false;   // buttons held
+  bool double_click = false;          // left button
   bool shift = false, ctrl = false;
   bool mouse_taken = false;           // the pointer is over a panel
   bool keys_taken = false;            // a panel is being typed into
@@ -44,6 +45,7 @@ struct Actions {
   double push_tool_px = 0;                  // px along the tool's axis, into the tissue positive
   double push_tool_notches = 0;             // the same by wheel
   Eigen::Vector3d tool_keys{0, 0, 0};       // -1..1: right, away from the viewer, out of the tissue
+  bool pick_point = false;                  // show the support of the point under the pointer
   bool pull_begin = false;                  // take hold of the skin under the pointer
   bool pulling = false;                     // the pointer drags what was taken hold of
 };

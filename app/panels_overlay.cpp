@@ -42,6 +42,7 @@ constexpr std::array view_help{
     HelpLine{"F", "show the whole organ"},
     HelpLine{"1 2 3 4", "colour: tissue, displacement, stress, J"},
     HelpLine{"N, P", "show nodes, integration points"},
+    HelpLine{"Double click", "the support of an integration point"},
     HelpLine{"H", "hide or show the panels"},
 };
 constexpr std::array tool_help{

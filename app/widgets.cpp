@@ -1,18 +1,6 @@
 #include "app/widgets.h"
 
-#include <cstdarg>
-#include <cstdio>
-
 namespace palpate {
-
-std::string format(const char* pattern, ...) {
-  char text[512];
-  va_list arguments;
-  va_start(arguments, pattern);
-  std::vsnprintf(text, sizeof text, pattern, arguments);
-  va_end(arguments);
-  return text;
-}
 
 std::string fitted(const std::string& text, float width) {
   const auto wide = [](const std::string& s) { return ImGui::CalcTextSize(s.data(), s.data() + s.size()).x; };

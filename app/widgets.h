@@ -4,13 +4,11 @@
 
 #include <string>
 
+#include "app/format.h"
 #include "app/layout.h"
 #include "app/theme.h"
 
 namespace palpate {
-
-/// printf into a string.
-std::string format(const char* pattern, ...) __attribute__((format(printf, 1, 2)));
 
 /// `text` shortened with an ellipsis so that it is at most `width` px wide in the present font.
 std::string fitted(const std::string& text, float width);
