@@ -1,0 +1,64 @@
+#include "app/colour_map.h"
+
+#include <algorithm>
+#include <array>
+
+#include "app/colour.h"
+
+namespace palpate {
+namespace {
+
+using Table = std::array<std::array<float, 3>, 9>;
+
+// CIELAB, evenly spaced in L* from 14 to 92, hue turning once from violet over blue-green to
+// yellow; entries chosen inside the sRGB gamut. Linear interpolation in Lab keeps lightness even.
+constexpr Table sequential_lab = {{{14, 30, -34},
+                                   {23.75F, 26, -36},
+                                   {33.5F, 12, -33},
+                                   {43.25F, -8, -22},
+                                   {53, -26, -8},
+                                   {62.75F, -38, 12},
+                                   {72.5F, -40, 36},
+                                   {82.25F, -28, 60},
+                                   {92, -8, 74}}};
+
+// CIELAB, lightness rising and falling symmetrically, so that equal distances from the
+// middle look equally strong.
+constexpr Table diverging_lab = {{{32, 8, -46},
+                                  {47, -2, -42},
+                                  {62, -6, -32},
+                                  {78, -5, -17},
+                                  {92, 0, 2},
+                                  {78, 17, 17},
+                                  {62, 36, 29},
+                                  {47, 50, 36},
+                                  {32, 50, 34}}};
+
+Vec3f interpolate(const Table& table, float t) {
+  const float s = t * static_cast<float>(table.size() - 1);
+  const std::size_t i = std::min(static_cast<std::size_t>(s), table.size() - 2);
+  const float w = s - static_cast<float>(i);
+  Vec3f c;
+  for (int k = 0; k < 3; ++k) c[k] = (1 - w) * table[i][k] + w * table[i + 1][k];
+  return c;
+}
+
+}  // namespace
+
+const char* quantityName(ColourMap map) {
+  switch (map) {
+    case ColourMap::Tissue: return "Tissue";
+    case ColourMap::Displacement: return "Displacement";
+    case ColourMap::VonMises: return "Von Mises stress";
+    case ColourMap::J: return "Volume ratio J";
+  }
+  return "";
+}
+
+Vec3f colourOf(ColourMap map, double t) {
+  const float s = static_cast<float>(std::clamp(t, 0.0, 1.0));
+  if (map == ColourMap::Tissue) return Vec3f::Constant(0.5F);
+  return srgbFromLab(interpolate(map == ColourMap::J ? diverging_lab : sequential_lab, s));
+}
+
+}  // namespace palpate

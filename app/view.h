@@ -1,0 +1,32 @@
+#pragma once
+
+#include "app/camera.h"
+#include "app/colour_map.h"
+#include "base/types.h"
+
+namespace palpate {
+
+/// What the viewer wants to see. The window edits it, the renderer reads it.
+struct View {
+  Camera camera;
+
+  ColourMap colour_map = ColourMap::Tissue;
+  bool colour_auto = true;          // range from the field's present values; else the two below
+  double colour_min = 0;            // m, Pa or 1, as the map's quantity
+  double colour_max = 1;
+
+  bool show_tool = true;
+  bool show_nodes = false;
+  bool show_points = false;         // integration points, thinned where there are many
+  bool show_forces = true;          // arrow of the tool's force
+  bool show_contact = false;        // arrows of the forces at the skin's vertices
+  bool show_fixed = true;           // hint of the imposed region on the skin
+  int picked_point = -1;            // integration point whose support is shown; -1: none
+
+  int pulled_vertex = -1;           // skin vertex that a spring pulls; -1: none
+  Vec3 pull_target = Vec3::Zero();  // m
+
+  float pixel_ratio = 1;            // framebuffer pixels per screen unit: sizes of points and lines
+};
+
+}  // namespace palpate

@@ -1,0 +1,62 @@
+// Wet soft tissue, or a field's colours in the same light.
+#include "encode.glsl"
+#include "shadow.glsl"
+#include "studio.glsl"
+
+uniform sampler3D noise;     // rgb: gradient, a: value, both 0..1 around 0.5
+uniform sampler2D colours;   // a field's colour over its value, linear light
+
+in vec3 p;
+in vec3 n;
+in vec3 X;
+in vec4 trait;
+out vec4 colour;
+
+// How far light creeps around the terminator under the surface: red goes furthest.
+const vec3 creep = vec3(0.34, 0.13, 0.09);
+
+vec3 hatched(vec3 albedo, float fixed_share) {
+  float s = dot(X, vec3(0.57, 0.57, 0.59)) * tissue.w * 3.2;
+  float line = abs(fract(s) - 0.5), width = fwidth(s);
+  float stripe = smoothstep(0.22 - width, 0.22 + width, line) * step(width, 0.7);
+  float amount = tool_end.w * smoothstep(0.35, 0.75, fixed_share);
+  return mix(albedo, vec3(0.13, 0.20, 0.30), amount * mix(0.38, 0.62, stripe));
+}
+
+void main() {
+  bool field = picture.w > 0.5;
+  vec3 smooth_n = normalize(n);
+  vec3 to_eye = normalize(eye.xyz - p);
+
+  vec4 coarse = texture(noise, X * tissue.w) - 0.5;
+  vec4 fine = texture(noise, X * tissue.w * 4.7) - 0.5;
+  vec3 bump = fine.xyz + 0.5 * coarse.xyz;
+  vec3 rough_n = normalize(smooth_n - (field ? 0.0 : 0.26) * (bump - smooth_n * dot(bump, smooth_n)));
+
+  vec3 albedo = tissue.rgb;
+  albedo *= 1.0 + 0.75 * coarse.a + 0.35 * fine.a;
+  albedo = mix(albedo, albedo * vec3(0.80, 0.62, 0.78), clamp(coarse.r * 1.6, 0.0, 1.0));
+  if (field) albedo = texture(colours, vec2(trait.x, 0.5)).rgb * 0.9;
+  albedo = mix(albedo, vec3(0.86, 0.60, 0.50), 0.55 * trait.y * (field ? 0.0 : 1.0));
+  albedo = hatched(albedo, trait.w);
+
+  float hollow = clamp(1.0 - 0.55 * trait.z, 0.45, 1.12);
+  float open = toolOcclusion(p, smooth_n) * groundOcclusion(p, smooth_n) * hollow;
+  float visible = keyVisible(p, smooth_n);
+
+  float facing_key = dot(mix(smooth_n, rough_n, 0.5), key.xyz);
+  vec3 key_light = clamp((facing_key + creep) / (1.0 + creep), 0.0, 1.0);
+  key_light *= key_light * (3.0 - 2.0 * key_light) * 0.35 + 0.65;
+  vec3 visible_under = vec3(mix(visible, sqrt(visible), 0.5), visible, visible);  // shadows' rims glow red
+  float facing_rim = clamp(dot(smooth_n, rimDirection()), 0.0, 1.0);
+  vec3 light = key_colour * key_light * visible_under + rim_colour * facing_rim * open + ambientLight(smooth_n) * open;
+  if (field) light = mix(vec3(dot(light, vec3(1.0 / 3.0))), vec3(1.0), 0.25) * 0.85;
+
+  // The wet film: a sharp reflection of the room over a broad sheen of the tissue below.
+  vec3 mirrored = reflect(-to_eye, rough_n);
+  float facing = clamp(dot(rough_n, to_eye), 0.0, 1.0);
+  float film = fresnel(facing, 0.03) * mix(0.25, 1.0, open);
+  float sheen = pow(clamp(dot(smooth_n, normalize(key.xyz + to_eye)), 0.0, 1.0), 18.0) * 0.09 * visible;
+  vec3 glint = reflectedRoom(mirrored, 0.10, visible) * film + key_colour * sheen;
+  colour = encode(albedo * light + (field ? 0.35 : 1.0) * glint, 1.0);
+}

@@ -1,0 +1,52 @@
+// The tool: brushed steel (turned, so its grain runs around the axis), a rubber grip, a collar.
+#include "encode.glsl"
+#include "studio.glsl"
+
+uniform mat4 world_from_local;
+
+in vec3 p;
+in vec3 n;
+in vec3 local;
+flat in float finish;
+out vec4 colour;
+
+// Grooves of turned metal: a hash of the height, faded where it would be finer than a pixel.
+float groove(float z) {
+  float cell = z / (0.012 * tool_begin.w);
+  float here = fract(sin(floor(cell) * 12.9898) * 43758.5453);
+  float next = fract(sin(floor(cell + 1.0) * 12.9898) * 43758.5453);
+  float fade = clamp(1.6 - fwidth(cell), 0.0, 1.0);
+  return (mix(here, next, smoothstep(0.0, 1.0, fract(cell))) - 0.5) * fade;
+}
+
+void main() {
+  vec3 normal = normalize(n);
+  vec3 to_eye = normalize(eye.xyz - p);
+  vec3 axis = world_from_local[2].xyz;
+  float facing = clamp(dot(normal, to_eye), 0.0, 1.0);
+  // Close to the tissue the room is hidden by it and its colour shows instead.
+  float above = clamp(local.z / (2.5 * tool_begin.w), 0.0, 1.0);
+
+  if (finish == 1.0) {  // grip
+    vec3 light = key_colour * clamp(dot(normal, key.xyz), 0.0, 1.0) + ambientLight(normal);
+    vec3 glint = reflectedRoom(reflect(-to_eye, normal), 0.55, 1.0) * fresnel(facing, 0.04) * 0.8;
+    colour = encode(vec3(0.030, 0.034, 0.040) * light + glint, 1.0);
+    return;
+  }
+  // The grain spreads reflections along the axis: three normals tilted that way stand for it.
+  vec3 along = axis - normal * dot(normal, axis);
+  float jitter = 0.10 * groove(local.z);
+  vec3 room = vec3(0.0);
+  for (int k = -1; k <= 1; ++k) {
+    vec3 tilted = normalize(normal + along * (0.16 * float(k) + jitter));
+    vec3 d = reflect(-to_eye, tilted);
+    vec3 seen = reflectedRoom(d, 0.16, 1.0);
+    float towards_tissue = smoothstep(0.25, -0.35, d.z) * (1.0 - above);
+    room += mix(seen, tissue.rgb * 0.35, 0.8 * towards_tissue);
+  }
+  room /= 3.0;
+  vec3 metal = finish == 2.0 ? vec3(0.16, 0.34, 0.46) : vec3(0.60, 0.60, 0.61);
+  vec3 reflectance = metal + (1.0 - metal) * fresnel(facing, 0.0);
+  float tip = mix(0.55, 1.0, smoothstep(0.0, 0.5, above + max(normal.z, 0.0)));
+  colour = encode(room * reflectance * tip, 1.0);
+}
