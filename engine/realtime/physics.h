@@ -1,0 +1,49 @@
+#pragma once
+
+#include "simulation/model.h"
+#include "simulation/state.h"
+#include "simulation/workspace.h"
+
+namespace palpate {
+
+/// What the loop drives, one call a tick; TissuePhysics is the real one, tests have
+/// theirs. All but the constructor is real-time: no allocation, no lock, no throw.
+class Physics {
+ public:
+  virtual ~Physics() = default;
+  virtual StepReport tick(const Command& command) = 0;
+  virtual const State& state() const = 0;
+  /// The freshly loaded state, bit for bit.
+  virtual void reset() = 0;
+  virtual void setFriction(double coefficient) = 0;
+  /// Replaces a material from the next step on. Returns 0 when done; where it is
+  /// stiffer than dt is stable for, changes nothing and returns the factor (> 1) by
+  /// which its wave modulus is too high.
+  virtual double setMaterial(int index, const Material& material) = 0;
+};
+
+/// A model, its state and its workspace.
+class TissuePhysics final : public Physics {
+ public:
+  /// Keeps a reference to `model`, which must not be changed elsewhere while this lives;
+  /// setFriction and setMaterial change it between ticks, on the loop's thread.
+  /// @param threads  physics threads, the loop's own included
+  TissuePhysics(Model& model, int threads);
+
+  StepReport tick(const Command& command) override;
+  const State& state() const override { return state_; }
+  void reset() override;
+  void setFriction(double coefficient) override;
+  double setMaterial(int index, const Material& material) override;
+
+  SpinTeam& team() { return workspace_.team; }
+
+ private:
+  Model& model_;
+  const State initial_;
+  State state_;
+  Workspace workspace_;
+  std::vector<double> allowed_wave_modulus_;  // (material_count) Pa
+};
+
+}  // namespace palpate

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "realtime/deadline_statistics.h"
+#include "realtime/simulation_loop.h"
+#include "simulation/model.h"
+
+namespace palpate {
+
+/// All that report.json says about a run.
+struct RunReport {
+  std::string scene;
+  int nodes = 0, integration_points = 0;
+  double mean_support = 0;           // nodes per integration point
+  double dt_s = 0, dt_critical_s = 0, rate_hz = 0;
+  int substeps_per_tick = 0;
+  std::int64_t ticks = 0, overruns = 0, longest_overrun_streak = 0;
+  double physics_seconds = 0, wall_seconds = 0, realtime_factor = 0;
+  Percentiles step_us, wakeup_late_us;
+  RtSetup rt_setup;
+  int threads = 0;
+  double min_J = 1;
+  double volume_change = 0;          // of the integration points at the end, relative
+  double peak_force_N = 0;
+  Vec3 base_reaction_N = Vec3::Zero();
+  std::uint64_t state_hash = 0;
+  std::uint32_t flags = 0;           // StepFlag, all ticks
+  bool frozen = false;
+  double setup_seconds = 0;
+  std::string build;
+};
+
+/// @param volume_change  sum_q V_q (J_q - 1) / sum_q V_q, computed by the caller outside the loop
+RunReport makeRunReport(const Model& model, const RunSummary& summary,
+                        const DeadlineStatistics& statistics, int threads, double volume_change);
+
+/// report.json: keys as the members; state_hash as 16 hex digits, flags as names;
+/// numbers that are not finite become null.
+std::string toJson(const RunReport& report);
+
+}  // namespace palpate
