@@ -10,16 +10,16 @@ namespace {
 
 using Table = std::array<std::array<float, 3>, 9>;
 
-// CIELAB, evenly spaced in L* from 14 to 92, hue turning once from violet over blue-green to
+// CIELAB, evenly spaced in L* from 20 to 92, hue turning once from violet over blue-green to
 // yellow; entries chosen inside the sRGB gamut. Linear interpolation in Lab keeps lightness even.
-constexpr Table sequential_lab = {{{14, 30, -34},
-                                   {23.75F, 26, -36},
-                                   {33.5F, 12, -33},
-                                   {43.25F, -8, -22},
-                                   {53, -26, -8},
-                                   {62.75F, -38, 12},
-                                   {72.5F, -40, 36},
-                                   {82.25F, -28, 60},
+constexpr Table sequential_lab = {{{20, 30, -36},
+                                   {29, 24, -37},
+                                   {38, 9, -32},
+                                   {47, -12, -20},
+                                   {56, -28, -6},
+                                   {65, -38, 13},
+                                   {74, -38, 37},
+                                   {83, -27, 60},
                                    {92, -8, 74}}};
 
 // CIELAB, lightness rising and falling symmetrically, so that equal distances from the

@@ -128,10 +128,12 @@ void Overlays::addToolForce(const Snapshot& snapshot, const View& view, double o
   if (!(size > least_force) || !force.allFinite()) return;
   const Vec3 tip = snapshot.tool_pose.position;
   const double pixel = view.camera.pixelSize(tip, framebuffer_height) * view.pixel_ratio;
-  // Beside the tool, where its body does not hide the arrow.
-  const Vec3 origin = tip + 1.45 * model_.scene.tool.radius * view.camera.right();
+  // Beside the tool, on the side from which it leans away, so that its body does not hide the arrow.
+  const Vec3 axis = snapshot.tool_pose.orientation * Vec3::UnitZ(), right = view.camera.right();
+  const double side = axis.dot(right) > 0 ? -1.45 : 1.45;
+  const Vec3 origin = tip + side * model_.scene.tool.radius * right;
   arrows_.push_back({origin.cast<float>(), (force / size * arrowLength(size, organ_radius)).cast<float>(),
-                     static_cast<float>(3.0 * std::abs(pixel)), force_colour});
+                     static_cast<float>(3.6 * std::abs(pixel)), force_colour});
 }
 
 void Overlays::addContactForces(const Snapshot& snapshot, const View& view, const std::vector<Vec3f>& positions,

@@ -15,8 +15,8 @@ void main() {
   vec2 edge = smoothstep(1.0, 0.75, abs(away) / shade_extent);
   shade *= edge.x * edge.y;
   vec3 table = vec3(0.30, 0.315, 0.335);
-  vec3 light = 0.62 * key_colour * max(key.z, 0.3) * (1.0 - 0.85 * shade.r) +
-               0.62 * ambientLight(vec3(0.0, 0.0, 1.0)) * (1.0 - 0.85 * shade.g);
+  vec3 light = 0.7 * key_colour * max(key.z, 0.3) * (1.0 - 0.85 * shade.r) +
+               0.9 * ambientLight(vec3(0.0, 0.0, 1.0)) * (1.0 - 0.85 * shade.g);
   float mixed = pool * pool;
   vec3 lit = mix(backdrop(gl_FragCoord.xy), table * light, mixed);
   // Where the pool has faded, the shadow still darkens the backdrop.

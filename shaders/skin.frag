@@ -16,11 +16,11 @@ out vec4 colour;
 const vec3 creep = vec3(0.34, 0.13, 0.09);
 
 vec3 hatched(vec3 albedo, float fixed_share) {
-  float s = dot(X, vec3(0.57, 0.57, 0.59)) * tissue.w * 3.2;
+  float s = dot(X, vec3(0.57, 0.57, 0.59)) * tissue.w * 22.0;
   float line = abs(fract(s) - 0.5), width = fwidth(s);
-  float stripe = smoothstep(0.22 - width, 0.22 + width, line) * step(width, 0.7);
-  float amount = tool_end.w * smoothstep(0.35, 0.75, fixed_share);
-  return mix(albedo, vec3(0.13, 0.20, 0.30), amount * mix(0.38, 0.62, stripe));
+  float stripe = mix(smoothstep(0.25 - width, 0.25 + width, line), 0.5, clamp(2.0 * width - 0.4, 0.0, 1.0));
+  float amount = tool_end.w * smoothstep(0.42, 0.58, fixed_share);
+  return mix(albedo, vec3(0.10, 0.19, 0.32), amount * mix(0.22, 0.70, stripe));
 }
 
 void main() {
@@ -29,12 +29,13 @@ void main() {
   vec3 to_eye = normalize(eye.xyz - p);
 
   vec4 coarse = texture(noise, X * tissue.w) - 0.5;
-  vec4 fine = texture(noise, X * tissue.w * 4.7) - 0.5;
-  vec3 bump = fine.xyz + 0.5 * coarse.xyz;
-  vec3 rough_n = normalize(smooth_n - (field ? 0.0 : 0.26) * (bump - smooth_n * dot(bump, smooth_n)));
+  vec4 fine = texture(noise, X * tissue.w * 5.3) - 0.5;
+  vec4 finest = texture(noise, X * tissue.w * 21.0) - 0.5;
+  vec3 bump = fine.xyz + 0.35 * coarse.xyz + 0.45 * finest.xyz;
+  vec3 rough_n = normalize(smooth_n - (field ? 0.0 : 0.34) * (bump - smooth_n * dot(bump, smooth_n)));
 
   vec3 albedo = tissue.rgb;
-  albedo *= 1.0 + 0.75 * coarse.a + 0.35 * fine.a;
+  albedo *= 1.0 + 0.75 * coarse.a + 0.35 * fine.a + 0.22 * finest.a;
   albedo = mix(albedo, albedo * vec3(0.80, 0.62, 0.78), clamp(coarse.r * 1.6, 0.0, 1.0));
   if (field) albedo = texture(colours, vec2(trait.x, 0.5)).rgb * 0.9;
   albedo = mix(albedo, vec3(0.86, 0.60, 0.50), 0.55 * trait.y * (field ? 0.0 : 1.0));
@@ -55,8 +56,9 @@ void main() {
   // The wet film: a sharp reflection of the room over a broad sheen of the tissue below.
   vec3 mirrored = reflect(-to_eye, rough_n);
   float facing = clamp(dot(rough_n, to_eye), 0.0, 1.0);
-  float film = fresnel(facing, 0.03) * mix(0.25, 1.0, open);
-  float sheen = pow(clamp(dot(smooth_n, normalize(key.xyz + to_eye)), 0.0, 1.0), 18.0) * 0.09 * visible;
-  vec3 glint = reflectedRoom(mirrored, 0.10, visible) * film + key_colour * sheen;
+  // Near the ground a reflection that goes down meets the ground's shadow, not the room.
+  float film = fresnel(facing, 0.035) * mix(0.25, 1.0, open) * groundOcclusion(p, mirrored);
+  float sheen = pow(clamp(dot(smooth_n, normalize(key.xyz + to_eye)), 0.0, 1.0), 26.0) * 0.085 * visible;
+  vec3 glint = reflectedRoom(mirrored, 0.14, visible) * film + key_colour * sheen;
   colour = encode(albedo * light + (field ? 0.35 : 1.0) * glint, 1.0);
 }

@@ -3,11 +3,11 @@
 // come from here, so that they agree.
 #include "frame.glsl"
 
-const vec3 ceiling = vec3(0.60, 0.64, 0.70);
-const vec3 horizon = vec3(0.30, 0.31, 0.33);
-const vec3 floor_bounce = vec3(0.17, 0.155, 0.145);
-const vec3 key_colour = vec3(1.65, 1.58, 1.48);
-const vec3 rim_colour = vec3(0.42, 0.48, 0.58);
+const vec3 ceiling = vec3(0.33, 0.355, 0.39);
+const vec3 horizon = vec3(0.16, 0.165, 0.18);
+const vec3 floor_bounce = vec3(0.085, 0.078, 0.074);
+const vec3 key_colour = vec3(0.98, 0.93, 0.86);
+const vec3 rim_colour = vec3(0.26, 0.30, 0.37);
 
 // Light that falls on a surface with normal n from the whole room but the lamps.
 vec3 ambientLight(vec3 n) {
@@ -30,9 +30,9 @@ float lampSeen(vec3 d, vec3 centre, vec2 half_size, float blur) {
 vec3 reflectedRoom(vec3 d, float blur, float key_visible) {
   float up = smoothstep(-0.35 - blur, 0.55 + blur, d.z);
   vec3 room = d.z > 0.0 ? mix(horizon, ceiling, up) : mix(floor_bounce, horizon, up * 2.0);
-  vec3 lamps = 5.0 * key_colour * key_visible * lampSeen(d, key.xyz, vec2(0.34, 0.24), blur) +
-               4.5 * rim_colour * lampSeen(d, rimDirection(), vec2(0.7, 0.12), blur);
-  return room + lamps / (1.0 + 6.0 * blur * blur);
+  vec3 lamps = 15.0 * key_colour * key_visible * lampSeen(d, key.xyz, vec2(0.34, 0.24), blur) +
+               9.0 * rim_colour * lampSeen(d, rimDirection(), vec2(0.7, 0.12), blur);
+  return room + lamps / (1.0 + 40.0 * blur * blur);
 }
 
 float fresnel(float facing, float at_normal) {
@@ -63,5 +63,5 @@ float groundOcclusion(vec3 p, vec3 n) {
 vec3 backdrop(vec2 pixel) {
   vec2 p = pixel / picture.xy - vec2(0.5, 0.58);
   float away = smoothstep(0.0, 0.95, length(p * vec2(1.15, 1.0)));
-  return mix(vec3(0.205, 0.222, 0.245), vec3(0.032, 0.037, 0.045), away);
+  return mix(vec3(0.115, 0.127, 0.145), vec3(0.017, 0.020, 0.026), away);
 }

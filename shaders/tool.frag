@@ -19,13 +19,22 @@ float groove(float z) {
   return (mix(here, next, smoothstep(0.0, 1.0, fract(cell))) - 0.5) * fade;
 }
 
+// Tall strips of light around the room, which only a standing bar reflects: bright where its
+// side turns to them, dark between.
+float strips(vec3 d) {
+  vec2 flat_d = normalize(d.xy + vec2(1e-5)), side = normalize(key.xy);
+  float along = dot(flat_d, side), across = dot(flat_d, vec2(-side.y, side.x));
+  float bright = smoothstep(0.15, 1.0, along) + 0.5 * smoothstep(0.45, 1.0, -across) + 0.2 * smoothstep(0.3, 1.0, across);
+  return bright * smoothstep(1.0, 0.3, abs(d.z));
+}
+
 void main() {
   vec3 normal = normalize(n);
   vec3 to_eye = normalize(eye.xyz - p);
   vec3 axis = world_from_local[2].xyz;
   float facing = clamp(dot(normal, to_eye), 0.0, 1.0);
   // Close to the tissue the room is hidden by it and its colour shows instead.
-  float above = clamp(local.z / (2.5 * tool_begin.w), 0.0, 1.0);
+  float above = clamp(local.z / (1.6 * tool_begin.w), 0.0, 1.0);
 
   if (finish == 1.0) {  // grip
     vec3 light = key_colour * clamp(dot(normal, key.xyz), 0.0, 1.0) + ambientLight(normal);
@@ -40,9 +49,9 @@ void main() {
   for (int k = -1; k <= 1; ++k) {
     vec3 tilted = normalize(normal + along * (0.16 * float(k) + jitter));
     vec3 d = reflect(-to_eye, tilted);
-    vec3 seen = reflectedRoom(d, 0.16, 1.0);
+    vec3 seen = reflectedRoom(d, 0.22, 1.0) + key_colour * 1.1 * strips(d);
     float towards_tissue = smoothstep(0.25, -0.35, d.z) * (1.0 - above);
-    room += mix(seen, tissue.rgb * 0.35, 0.8 * towards_tissue);
+    room += mix(seen, tissue.rgb * 0.55, 0.85 * towards_tissue);
   }
   room /= 3.0;
   vec3 metal = finish == 2.0 ? vec3(0.16, 0.34, 0.46) : vec3(0.60, 0.60, 0.61);
