@@ -18,16 +18,14 @@ class ForceFilter {
   /// @param rate_hz     ticks per second
   ForceFilter(double cutoff_hz, double rate_limit, double rate_hz);
 
-  /// One tick: the filtered force for the raw one, N.
+  /// One tick: the filtered force for the raw one, N. After a fade it goes on from
+  /// where the ramp is.
   Vec3 update(const Vec3& raw);
 
   /// One tick while the tissue is frozen: from the present value to exactly zero along
   /// a smooth ramp of at least fade_seconds that keeps the rate limit. The first call
   /// after update() starts the ramp.
   Vec3 fade();
-
-  /// As constructed: zero force.
-  void reset();
 
   const Vec3& value() const { return out_; }
 

@@ -18,7 +18,6 @@ struct LogEvent {
     InvertedPoints,      // warning: point, position; value: how many
     ContactOverflow,     // warning
     DeepContact,         // warning: value: penetration, m
-    StepNearLimit,       // warning
     Reset,
     Paused,
     Resumed,
@@ -35,7 +34,7 @@ struct LogEvent {
   double value = 0;
 
   bool isFreeze() const { return kind <= Kind::FrozenInverted; }
-  bool isWarning() const { return kind > Kind::FrozenInverted && kind <= Kind::StepNearLimit; }
+  bool isWarning() const { return kind > Kind::FrozenInverted && kind <= Kind::DeepContact; }
 };
 
 using LogRing = SpscRing<LogEvent>;

@@ -13,6 +13,7 @@ class Physics {
   virtual ~Physics() = default;
   virtual StepReport tick(const Command& command) = 0;
   virtual const State& state() const = 0;
+  virtual std::uint64_t stateHash() const = 0;
   /// The freshly loaded state, bit for bit.
   virtual void reset() = 0;
   virtual void setFriction(double coefficient) = 0;
@@ -32,6 +33,7 @@ class TissuePhysics final : public Physics {
 
   StepReport tick(const Command& command) override;
   const State& state() const override { return state_; }
+  std::uint64_t stateHash() const override;
   void reset() override;
   void setFriction(double coefficient) override;
   double setMaterial(int index, const Material& material) override;

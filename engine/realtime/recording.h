@@ -20,8 +20,8 @@ namespace palpate {
 ///   12 pull 411 0.01 0 0.12              skin vertex, target m
 ///   15 release
 ///   20 friction 0.3
-///   21 material 0 neo_hookean 1000 5e4 1060        mu Pa, K Pa, density kg/m^3
-///   21 material 0 ogden 5e4 1060 2  1000 2  500 -2   K, density, terms: mu Pa, alpha
+///   21 material 0 neo_hookean 1000 5e4 1060         mu Pa, K Pa, density kg/m^3
+///   21 material 0 ogden 1500 5e4 1060 2  1000 2  500 -2    and terms: mu Pa, alpha
 ///   30 reset
 ///   end 500                              ticks of the run; missing: cut off
 struct Recording {

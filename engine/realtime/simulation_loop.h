@@ -2,7 +2,6 @@
 
 #include <atomic>
 #include <cstdint>
-#include <memory>
 #include <thread>
 #include <vector>
 
@@ -64,7 +63,9 @@ class SimulationLoop final : private LoopBody {
   /// (viewer) Runs on a thread of its own; join() waits for its end.
   void start();
   void join();
-  /// (viewer) Runs on the calling thread until the end. `clock` is for tests.
+  /// (viewer) Runs on the calling thread until the end. In real-time mode use start():
+  /// what is asked of the system for the thread (SCHED_FIFO, ...) stays with it. With a
+  /// `clock` given, nothing is asked; that is for tests.
   void run();
   void run(Clock& clock);
 
@@ -88,10 +89,14 @@ class SimulationLoop final : private LoopBody {
   void takeTrack();
   void apply(const Request& request, bool from_track);
   void resetPhysics();
+  void startTrackOver();
+  void setFriction(const Request& request);
+  void setMaterial(const Request& request);
   bool trackDrives() const;
   void advance();
   void publish(const LoopTime& time);
   void record(const Request& request);
+  void recordCommand();
   void tell(LogEvent::Kind kind, int index = -1, double value = 0);
 
   const Model& model_;
@@ -99,6 +104,9 @@ class SimulationLoop final : private LoopBody {
   SpinTeam* team_;
   const SimulationLoopOptions options_;
   const Vec3 tool_axis_;         // unit, the way the tool advances
+  const double follow_gain_;
+  const double loaded_friction_;                 // what live changes started from
+  const std::vector<Material> loaded_materials_;
   const std::int64_t track_end_;
 
   CommandQueue commands_;
@@ -120,6 +128,7 @@ class SimulationLoop final : private LoopBody {
   StepReport report_;
   ForceSample force_;
   AlignedVector<Float4> shown_u_;   // the last displacement worth showing
+  double friction_;
   std::int64_t run_tick_ = 0;
   std::int64_t track_start_ = 0;    // run tick at which the track began
   std::size_t track_next_ = 0;

@@ -16,14 +16,15 @@ struct RtSetup {
 };
 
 /// Prepares the calling thread and the team's workers for fixed-rate work: SCHED_FIFO,
-/// memory lock, core affinity (only with SCHED_FIFO: without it, a pinned thread can't
-/// flee from a busy core), timer slack, flush-to-zero. Goes on without what is refused.
+/// memory lock, core affinity (member 0 on the last allowed
+/// core, the others below it; only with SCHED_FIFO: without it, a pinned thread can't flee
+/// from a busy core), timer slack, flush-to-zero. Goes on without what is refused.
 /// @param real_time  false (as fast as possible): only flush-to-zero, so that a busy
 ///                   loop doesn't hold cores against the rest of the machine
 RtSetup setUpLoopThread(SpinTeam* team, bool real_time);
 
-/// Makes the calling (drawing) thread give way to the loop: nice level 10, and off the
-/// first core of the loop where there are others. Returns "done" or the reason.
+/// Makes the calling (drawing) thread give way to the loop: nice level 10. Threads that
+/// it starts later inherit that. Returns "done: ..." or "not done: <reason>".
 std::string setUpViewerThread();
 
 /// Denormal results and operands count as zero on the calling thread from here on.

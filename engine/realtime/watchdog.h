@@ -1,5 +1,8 @@
 #pragma once
 
+#include <array>
+#include <cstdint>
+
 #include "realtime/log_event.h"
 #include "simulation/model.h"
 #include "simulation/state.h"
@@ -30,13 +33,14 @@ class Watchdog {
   void reset();
 
  private:
-  static constexpr int kWarningCount = 4;
+  static constexpr std::size_t kWarningCount = 3;
+  static constexpr std::int64_t kNever = -1;
   bool begins(int warning, bool condition, std::int64_t tick);
 
   const Model& model_;
   WatchdogLimits limits_;
   int inverted_ticks_ = 0;
-  std::int64_t last_seen_[kWarningCount];
+  std::array<std::int64_t, kWarningCount> last_seen_{};  // tick of each warning's condition
 };
 
 }  // namespace palpate

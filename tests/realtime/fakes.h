@@ -1,0 +1,123 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "realtime/fixed_step_loop.h"
+#include "realtime/physics.h"
+
+namespace palpate::test {
+
+/// Time that passes only when told to.
+class FakeClock final : public Clock {
+ public:
+  std::int64_t time = 1'000'000'007;  // ns; no multiple of any period
+  std::int64_t late = 0;              // ns, how late sleepers wake
+  int sleeps = 0;
+  std::function<void(int)> before_sleep;  // called with the number of sleeps before
+
+  std::int64_t now() override { return time; }
+  void sleepUntil(std::int64_t until) override {
+    if (before_sleep) before_sleep(sleeps);
+    ++sleeps;
+    if (until > time) time = until + late;
+  }
+};
+
+/// A model with just what the loop reads: 4 nodes, 3 points, a tool that points down.
+inline Model smallModel(double rate_hz = 500) {
+  Model model;
+  model.scene.name = "small";
+  model.scene.rate_hz = rate_hz;
+  model.scene.friction = 0.1;
+  model.scene.filter_cutoff_hz = 30;
+  model.scene.force_rate_limit = 200;
+  model.X = {{0, 0, 0}, {0.01, 0, 0}, {0, 0.02, 0}, {0, 0, 0.03}};
+  model.point_X = {{0.001, 0.002, 0.003}, {0.004, 0.005, 0.006}, {0.007, 0.008, 0.009}};
+  model.point_volume = {1e-6, 1e-6, 1e-6};
+  model.materials = {Material{}};
+  model.materials[0].shear_modulus = 1000;
+  model.materials[0].bulk_modulus = 50000;
+  model.inverse_mass = {1, 2, 3, 4};
+  model.mass = {1, 0.5, 1.0 / 3, 0.25};
+  model.skin.surface.vertices = {{0, 0, 0}, {0.01, 0, 0}};
+  model.tool_start.position = Vec3(0, 0, 0.1);
+  model.touch_travel = 0.02;
+  model.dt = 1 / rate_hz / 4;
+  model.dt_critical = model.dt * 1.6;
+  model.substeps_per_tick = 4;
+  return model;
+}
+
+/// A Physics whose state depends, bit for bit, on every command since the last reset:
+/// each node is a chaotic map, kicked by the tool, the pull, friction and stiffness.
+class FakePhysics final : public Physics {
+ public:
+  explicit FakePhysics(const Model& model) : friction(model.scene.friction) {
+    initial_.u.resize(model.X.size());
+    for (std::size_t i = 0; i < initial_.u.size(); ++i) initial_.u[i].x = 0.1F + 0.1F * static_cast<float>(i);
+    initial_.tool_pose = model.tool_start;
+    initial_.contact.vertex.assign(4, -1);
+    initial_.contact.force.assign(4, Float4{});
+    state_ = initial_;
+  }
+
+  std::function<void(State&, StepReport&)> on_tick;  // may spoil the outcome
+  double friction;
+  double stiffness = 1;
+  double force_per_m = 100;  // N/m along z below the start
+  int calls = 0;
+
+  StepReport tick(const Command& command) override {
+    ++calls;
+    ++state_.tick;
+    state_.tool_pose = command.tool_target;
+    const Vec3& p = command.tool_target.position;
+    const Vec3 kick = p + friction * Vec3(0.3, 0.2, 0.1) +
+                      (command.pull_vertex >= 0 ? command.pull_target : Vec3::Zero()) +
+                      0.01 * stiffness * command.tool_target.orientation.coeffs().head<3>();
+    for (Float4& u : state_.u) {
+      u.x = 3.7F * u.x * (1 - u.x);
+      u.y = 0.9F * u.y + static_cast<float>(kick.x() + 2 * kick.y()) * u.x;
+      u.z = 0.9F * u.z + static_cast<float>(stiffness * kick.z()) * u.x;
+    }
+    StepReport report;
+    report.tool_force = Vec3(0, 0, force_per_m * (initial_.tool_pose.position.z() - p.z()));
+    report.base_reaction = -report.tool_force;
+    report.min_J = 0.9F;
+    state_.contact.count = 2;
+    state_.contact.vertex[0] = 1;
+    state_.contact.vertex[1] = 0;
+    state_.contact.force[0] = toFloat4(-report.tool_force);
+    if (on_tick) on_tick(state_, report);
+    return report;
+  }
+
+  const State& state() const override { return state_; }
+  std::uint64_t stateHash() const override {
+    std::uint64_t hash = 0xcbf29ce484222325ULL;
+    const auto add = [&hash](const void* data, std::size_t size) {
+      for (std::size_t b = 0; b < size; ++b) {
+        hash = (hash ^ static_cast<const unsigned char*>(data)[b]) * 0x100000001b3ULL;
+      }
+    };
+    add(state_.u.data(), state_.u.size() * sizeof(Float4));
+    add(state_.tool_pose.position.data(), 3 * sizeof(double));
+    add(&state_.tick, sizeof state_.tick);
+    return hash;
+  }
+  void reset() override { state_ = initial_; }
+  void setFriction(double coefficient) override { friction = coefficient; }
+  double setMaterial(int, const Material& material) override {
+    const double excess = material.shear_modulus / 2000;
+    if (excess > 1) return excess;
+    stiffness = material.shear_modulus / 1000;
+    return 0;
+  }
+
+ private:
+  State initial_, state_;
+};
+
+}  // namespace palpate::test

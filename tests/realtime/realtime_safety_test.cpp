@@ -1,0 +1,191 @@
+// What the loop's thread must never do while ticks run: allocate, lock, make system
+// calls other than the sleep. The real clock and the real SimulationLoop, on a fake
+// physics; the tissue's own step is held to the same in tests/simulation.
+
+#include <linux/filter.h>
+#include <linux/seccomp.h>
+#include <signal.h>
+#include <sys/prctl.h>
+#include <sys/syscall.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <catch2/catch.hpp>
+#include <cstddef>
+#include <functional>
+#include <mutex>
+#include <vector>
+
+#include "realtime/fakes.h"
+#include "realtime/recording.h"
+#include "realtime/simulation_loop.h"
+#include "support/realtime_guard.h"
+
+using namespace palpate;
+using test::FakePhysics;
+using test::smallModel;
+
+namespace {
+
+/// The real clock; does something once, before the first sleep.
+class ClockWithStart final : public Clock {
+ public:
+  explicit ClockWithStart(void (*at_start)()) : at_start_(at_start) {}
+  std::int64_t now() override { return clock_.now(); }
+  void sleepUntil(std::int64_t time) override {
+    if (at_start_ != nullptr) at_start_();
+    at_start_ = nullptr;
+    clock_.sleepUntil(time);
+  }
+
+ private:
+  MonotonicClock clock_;
+  void (*at_start_)();
+};
+
+/// A session with everything in it: moves, pulls, live changes, freeze, reset, pause.
+struct Session {
+  Session() : model(smallModel(2000)), physics(model) {
+    physics.on_tick = [this](State& state, StepReport& report) {
+      if (state.tick == 60) report.flags |= kBlowUp;
+      if (state.tick % 20 == 5) {
+        report.flags |= kInvertedPoints;
+        report.inverted_points = 1;
+      }
+      if (spoil) spoil(state.tick);
+    };
+    SimulationLoopOptions options;
+    options.tick_limit = 200;
+    options.record = true;
+    options.force_capacity = 64;  // overflows, too
+    options.track = {{5, Request::pull(1, Vec3(0, 0, 0.1))},
+                     {10, Request::setFriction(0.3)},
+                     {12, Request::setMaterial(0, model.materials[0])},
+                     {15, Request::simple(Request::Kind::ReleasePull)},
+                     {90, Request::simple(Request::Kind::Reset)}};
+    for (int k = 91; k < 150; ++k) {
+      Pose pose;
+      pose.position.z() = 0.1 - 1e-4 * k;
+      options.track.push_back({k, Request::moveTool(pose)});
+    }
+    loop = std::make_unique<SimulationLoop>(model, physics, nullptr, options);
+    loop->commands().push(Request::simple(Request::Kind::Pause));
+    loop->commands().push(Request::simple(Request::Kind::Resume));
+    for (int k = 0; k < 20; ++k) loop->commands().push(Request::moveTool(Pose{}));
+  }
+
+  Model model;
+  FakePhysics physics;
+  std::function<void(std::int64_t)> spoil;
+  std::unique_ptr<SimulationLoop> loop;
+};
+
+test::GuardCounts guardedRun(Session& session) {
+  ClockWithStart clock(test::startGuard);
+  session.loop->run(clock);
+  return test::stopGuard();
+}
+
+constexpr int kAllDone = 17;
+constexpr int kNoSeccomp = 18;
+
+/// Ends the child with the number of the call that was not allowed.
+void onForbiddenCall(int, siginfo_t* info, void*) { _exit(100 + info->si_syscall % 100); }
+
+void allowOnlySleeping() {
+  struct sigaction action {};
+  action.sa_sigaction = onForbiddenCall;
+  action.sa_flags = SA_SIGINFO;
+  sigaction(SIGSYS, &action, nullptr);
+  const auto allow = [](unsigned call, unsigned char skip) {
+    return sock_filter BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, call, skip, 0);
+  };
+  // exit_group and rt_sigreturn are how the child ends; clock_gettime does not enter the
+  // kernel where the time stamp counter is trusted, but may elsewhere.
+  std::array<sock_filter, 8> program = {{
+      BPF_STMT(BPF_LD | BPF_W | BPF_ABS, offsetof(seccomp_data, nr)),
+      allow(SYS_clock_nanosleep, 5),
+      allow(SYS_restart_syscall, 4),
+      allow(SYS_clock_gettime, 3),
+      allow(SYS_exit_group, 2),
+      allow(SYS_rt_sigreturn, 1),
+      BPF_STMT(BPF_RET | BPF_K, SECCOMP_RET_TRAP),
+      BPF_STMT(BPF_RET | BPF_K, SECCOMP_RET_ALLOW),
+  }};
+  const sock_fprog filter{static_cast<unsigned short>(program.size()), program.data()};
+  if (prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) != 0 || prctl(PR_SET_SECCOMP, SECCOMP_MODE_FILTER, &filter) != 0) {
+    _exit(kNoSeccomp);
+  }
+}
+
+/// Runs the session in a child process that may only sleep; its exit code.
+int exitCodeUnderFilter(Session& session) {
+  const pid_t child = fork();
+  if (child == 0) {
+    ClockWithStart clock(allowOnlySleeping);
+    session.loop->run(clock);
+    _exit(session.loop->summary().ticks == 200 ? kAllDone : 1);
+  }
+  int status = 0;
+  if (child < 0 || waitpid(child, &status, 0) != child) return -1;
+  return WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
+}
+
+}  // namespace
+
+TEST_CASE("The loop's thread neither allocates nor locks", "[realtime_safety]") {
+  if (!test::guardAvailable()) return;  // under a sanitizer; the release preset has it
+  Session session;
+  const test::GuardCounts counts = guardedRun(session);
+  CHECK(counts.allocations == 0);
+  CHECK(counts.frees == 0);
+  CHECK(counts.locks == 0);
+  // The session was what it says.
+  CHECK(session.loop->summary().ticks == 200);
+  CHECK(session.loop->summary().flags == (kBlowUp | kInvertedPoints));
+  CHECK(session.loop->summary().lost_force_samples == 200 - 64);
+  CHECK(session.loop->recorded().size() > 50);
+  CHECK(session.loop->log().size() >= 6);
+}
+
+TEST_CASE("The guard sees allocations and locks in a tick", "[realtime_safety]") {
+  if (!test::guardAvailable()) return;
+  {
+    Session session;
+    session.spoil = [](std::int64_t tick) {
+      if (tick == 20) std::vector<int>(100).swap(*std::make_unique<std::vector<int>>());
+    };
+    const test::GuardCounts counts = guardedRun(session);
+    CHECK(counts.allocations >= 2);
+    CHECK(counts.frees >= 2);
+  }
+  {
+    Session session;
+    std::mutex mutex;
+    session.spoil = [&mutex](std::int64_t tick) {
+      if (tick == 20) std::lock_guard<std::mutex> lock(mutex);
+    };
+    CHECK(guardedRun(session).locks >= 1);
+  }
+}
+
+TEST_CASE("The loop's thread makes no system call but the sleep", "[realtime_safety]") {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  return;  // sanitizers make calls of their own
+#endif
+  Session session;
+  const int code = exitCodeUnderFilter(session);
+  if (code == kNoSeccomp) {
+    WARN("seccomp is not permitted here: system calls are not checked");
+    return;
+  }
+  INFO("100 + number of a system call, mod 100, if above 99");
+  CHECK(code == kAllDone);
+
+  Session spoiled;
+  spoiled.spoil = [](std::int64_t tick) {
+    if (tick == 20) syscall(SYS_getppid);
+  };
+  CHECK(exitCodeUnderFilter(spoiled) == 100 + SYS_getppid % 100);
+}

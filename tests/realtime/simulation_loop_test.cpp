@@ -1,0 +1,468 @@
+#include "realtime/simulation_loop.h"
+
+#include <atomic>
+#include <catch2/catch.hpp>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <random>
+#include <thread>
+#include <vector>
+
+#include "realtime/fakes.h"
+#include "realtime/recording.h"
+
+using namespace palpate;
+using test::FakeClock;
+using test::FakePhysics;
+using test::smallModel;
+
+namespace {
+
+Pose poseAt(const Vec3& position, double angle = 0) {
+  Pose pose;
+  pose.position = position;
+  pose.orientation = Quat(Eigen::AngleAxisd(angle, Vec3(1, 1, 0).normalized()));
+  return pose;
+}
+
+/// A wandering tool, as a script would give it.
+std::vector<Pose> wander(int ticks, unsigned seed) {
+  std::mt19937 random(seed);
+  std::normal_distribution<double> step(0, 1e-4);
+  std::vector<Pose> poses;
+  Vec3 p(0, 0, 0.1);
+  for (int k = 0; k < ticks; ++k) {
+    p += Vec3(step(random), step(random), step(random));
+    poses.push_back(poseAt(p, 0.001 * k));
+  }
+  return poses;
+}
+
+SimulationLoopOptions limited(std::int64_t ticks) {
+  SimulationLoopOptions options;
+  options.tick_limit = ticks;
+  return options;
+}
+
+template <class T>
+std::vector<T> drain(SpscRing<T>& ring) {
+  std::vector<T> all;
+  T value;
+  while (ring.pop(value)) all.push_back(value);
+  return all;
+}
+
+bool has(const std::vector<LogEvent>& events, LogEvent::Kind kind) {
+  for (const LogEvent& event : events) {
+    if (event.kind == kind) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+TEST_CASE("Each tick advances the physics once and gives a force sample at exactly k / rate",
+          "[simulation_loop]") {
+  const Model model = smallModel(700);
+  FakePhysics physics(model);
+  SimulationLoopOptions options = limited(300);
+  std::vector<Pose> poses;
+  for (int k = 0; k < 300; ++k) poses.push_back(poseAt(Vec3(0, 0, 0.1 - 1e-4 * (k + 1))));
+  options.track = trackFromPoses(poses);
+  SimulationLoop loop(model, physics, nullptr, options);
+  FakeClock clock;
+  loop.run(clock);
+
+  CHECK(loop.finished());
+  CHECK(physics.calls == 300);
+  CHECK(loop.summary().ticks == 300);
+  CHECK(loop.summary().totals.realtime_factor == Approx(1).margin(1e-8));  // grid times are whole ns
+  const std::vector<ForceSample> samples = drain(loop.forces());
+  REQUIRE(samples.size() == 300);
+  for (int k = 0; k < 300; ++k) {
+    const ForceSample& sample = samples[static_cast<std::size_t>(k)];
+    REQUIRE(sample.tick == k + 1);
+    REQUIRE(sample.time_s == (k + 1) / 700.0);
+    REQUIRE(sample.depth_m == Approx(1e-4 * (k + 1) - model.touch_travel).margin(1e-15));
+    REQUIRE(sample.force_raw.z() == Approx(100 * 1e-4 * (k + 1)));
+  }
+  CHECK(samples[299].force_filtered.z() < samples[299].force_raw.z());
+  CHECK(samples[299].force_filtered.z() > 0.9 * samples[299].force_raw.z());
+  CHECK(loop.summary().peak_force == Approx(3.0));
+  CHECK(loop.summary().base_reaction.z() == Approx(-3.0));
+  CHECK(loop.summary().min_J == 0.9F);
+  CHECK(loop.summary().state_hash == physics.stateHash());
+
+  const Snapshot& last = loop.snapshots().latest();
+  CHECK(last.tick == 300);
+  CHECK(last.time_s == 300 / 700.0);
+  CHECK(last.tool_pose.position == poses.back().position);
+  CHECK(std::equal(last.u.begin(), last.u.end(), physics.state().u.begin(),
+                   [](const Float4& a, const Float4& b) { return a.x == b.x && a.y == b.y && a.z == b.z; }));
+  REQUIRE(last.contact_count == 1);  // the vertex without force is left out
+  CHECK(last.contact_vertex[0] == 1);
+  CHECK(last.contact_force[0].z == Approx(-3.0F));
+}
+
+TEST_CASE("The state after a script does not depend on how late or slow the ticks were", "[simulation_loop]") {
+  const Model model = smallModel();
+  SimulationLoopOptions options = limited(500);
+  options.track = trackFromPoses(wander(500, 1));
+  std::vector<std::uint64_t> hashes;
+  for (const bool fast : {false, true}) {
+    for (const int slow : {0, 1}) {
+      FakePhysics physics(model);
+      FakeClock clock;
+      clock.late = 100'000 * slow;
+      std::mt19937 random(5);
+      physics.on_tick = [&](State&, StepReport&) { clock.time += slow * static_cast<int>(random() % 5'000'000); };
+      options.as_fast_as_possible = fast;
+      SimulationLoop loop(model, physics, nullptr, options);
+      loop.run(clock);
+      if (slow == 1 && !fast) {
+        CHECK(loop.statistics().overrun_count > 100);
+        CHECK(loop.summary().totals.realtime_factor ==
+              Approx(500.0 / (500.0 + static_cast<double>(loop.statistics().overrun_count))).epsilon(1e-12));
+      }
+      hashes.push_back(loop.summary().state_hash);
+    }
+  }
+  for (const std::uint64_t hash : hashes) CHECK(hash == hashes[0]);
+  FakePhysics untouched(model);
+  CHECK(hashes[0] != untouched.stateHash());
+}
+
+TEST_CASE("Pause stops time, a single step is one tick, resume goes on", "[simulation_loop]") {
+  const Model model = smallModel();
+  FakePhysics physics(model);
+  SimulationLoop loop(model, physics, nullptr, limited(50));
+  FakeClock clock;
+  std::vector<int> calls_at_sleep;
+  bool told_paused = false;
+  clock.before_sleep = [&](int sleep) {
+    calls_at_sleep.push_back(physics.calls);
+    if (sleep == 10) loop.commands().push(Request::simple(Request::Kind::Pause));
+    if (sleep == 20 || sleep == 25) loop.commands().push(Request::simple(Request::Kind::SingleStep));
+    if (sleep == 28) told_paused = loop.snapshots().latest().status.paused;
+    if (sleep == 30) loop.commands().push(Request::simple(Request::Kind::Resume));
+  };
+  loop.run(clock);
+  CHECK(calls_at_sleep[10] == 10);
+  CHECK(calls_at_sleep[20] == 10);
+  CHECK(calls_at_sleep[21] == 11);
+  CHECK(calls_at_sleep[25] == 11);
+  CHECK(calls_at_sleep[30] == 12);
+  CHECK(calls_at_sleep[31] == 13);
+  CHECK(told_paused);
+  CHECK(physics.calls == 50);
+  CHECK(loop.statistics().overrun_count == 0);
+  CHECK(drain(loop.forces()).back().time_s == 0.1);
+  CHECK_FALSE(loop.snapshots().latest().status.paused);
+}
+
+TEST_CASE("A tool moved by hand arrives smoothly at the newest pose", "[simulation_loop]") {
+  const Model model = smallModel();
+  FakePhysics physics(model);
+  SimulationLoop loop(model, physics, nullptr, limited(400));
+  FakeClock clock;
+  const Pose target = poseAt(Vec3(0.01, 0, 0.09), 0.3);
+  double largest = 0;
+  Vec3 before = model.tool_start.position;
+  clock.before_sleep = [&](int sleep) {
+    const Vec3 now = physics.state().tool_pose.position;
+    largest = std::max(largest, (now - before).norm());
+    before = now;
+    if (sleep == 5) {
+      Pose nonsense;
+      nonsense.position.x() = std::numeric_limits<double>::quiet_NaN();
+      loop.commands().push(Request::moveTool(poseAt(Vec3(5, 5, 5))));  // overtaken in the same tick
+      loop.commands().push(Request::moveTool(target));
+      loop.commands().push(Request::moveTool(nonsense));               // ignored
+      loop.commands().push(Request::pull(7, Vec3::Zero()));            // no such vertex: ignored
+    }
+  };
+  loop.run(clock);
+  CHECK(physics.state().tool_pose.position == target.position);
+  CHECK(physics.state().tool_pose.orientation.isApprox(target.orientation, 1e-15));
+  // A first-order lag of 20 ms: the first of its 2 ms ticks is the largest, 1 - exp(-0.1) of the way.
+  CHECK(largest == Approx(std::sqrt(2.0) * 0.01 * (1 - std::exp(-0.1))).epsilon(1e-9));
+}
+
+TEST_CASE("Reset gives the freshly loaded state, bit for bit", "[simulation_loop]") {
+  const Model model = smallModel();
+  FakePhysics physics(model);
+  const std::uint64_t fresh = physics.stateHash();
+  SimulationLoopOptions options;
+  SimulationLoop loop(model, physics, nullptr, options);
+  FakeClock clock;
+  std::uint64_t after_reset = 0;
+  std::int64_t tick_shown = -1;
+  clock.before_sleep = [&](int sleep) {
+    if (sleep == 3) loop.commands().push(Request::moveTool(poseAt(Vec3(0.02, 0, 0.05))));
+    if (sleep == 100) {
+      loop.commands().push(Request::simple(Request::Kind::Pause));
+      loop.commands().push(Request::simple(Request::Kind::Reset));
+    }
+    if (sleep == 101) {
+      after_reset = physics.stateHash();
+      tick_shown = loop.snapshots().latest().tick;
+    }
+    if (sleep == 102) loop.commands().push(Request::simple(Request::Kind::Quit));
+  };
+  loop.run(clock);
+  CHECK(after_reset == fresh);
+  CHECK(tick_shown == 0);
+  CHECK(has(drain(loop.log()), LogEvent::Kind::Reset));
+}
+
+TEST_CASE("The watchdog freezes the tissue, shows the last good shape, lets the force fade and offers reset",
+          "[simulation_loop]") {
+  const Model model = smallModel();
+  FakePhysics physics(model);
+  physics.on_tick = [](State& state, StepReport& report) {
+    if (state.tick != 200) return;
+    state.u[3].y = std::numeric_limits<float>::quiet_NaN();
+    report.flags |= kNotFinite;
+    report.worst_node = 3;
+    report.tool_force.setConstant(std::numeric_limits<double>::quiet_NaN());
+  };
+  SimulationLoop loop(model, physics, nullptr, limited(600));
+  FakeClock clock;
+  Snapshot good, frozen;
+  clock.before_sleep = [&](int sleep) {
+    if (sleep == 1) loop.commands().push(Request::moveTool(poseAt(Vec3(0, 0, 0.08))));
+    if (sleep == 199) good = loop.snapshots().latest();
+    if (sleep == 450) frozen = loop.snapshots().latest();
+    if (sleep == 500) loop.commands().push(Request::simple(Request::Kind::Reset));
+  };
+  loop.run(clock);
+
+  CHECK(physics.calls == 200 + 100);  // none while frozen
+  CHECK(frozen.status.frozen);
+  CHECK_FALSE(good.status.frozen);
+  for (std::size_t i = 0; i < good.u.size(); ++i) {
+    CHECK(good.u[i].x == frozen.u[i].x);
+    CHECK(good.u[i].y == frozen.u[i].y);
+    CHECK(good.u[i].z == frozen.u[i].z);
+  }
+  CHECK(frozen.force.force_raw == Vec3::Zero());
+  CHECK(frozen.contact_count == 0);
+
+  const std::vector<ForceSample> samples = drain(loop.forces());
+  REQUIRE(samples.size() == 600);  // time goes on while frozen
+  const double start = samples[198].force_filtered.norm();
+  CHECK(start > 1.5);
+  double before = start, largest = 0;
+  for (std::size_t k = 199; k < 500; ++k) {
+    const double now = samples[k].force_filtered.norm();
+    REQUIRE(now <= before);
+    largest = std::max(largest, before - now);
+    before = now;
+  }
+  CHECK(before == 0);
+  CHECK(largest < 0.0121 * start);  // 125 ticks, steepest slope 3/2 of the mean
+
+  bool named = false;
+  for (const LogEvent& event : drain(loop.log())) {
+    if (!event.isFreeze()) continue;
+    named = true;
+    CHECK(event.index == 3);
+    CHECK(event.position == model.X[3]);
+    CHECK(event.tick == 199);  // the tick being run: 0 is the first
+  }
+  CHECK(named);
+  CHECK(loop.summary().flags == kNotFinite);
+  CHECK_FALSE(loop.summary().frozen);
+  CHECK(std::isfinite(loop.summary().peak_force));
+}
+
+TEST_CASE("A recorded session, replayed, gives the same state", "[simulation_loop]") {
+  const Model model = smallModel();
+  Recording recording;
+  std::uint64_t hash = 0;
+  {
+    FakePhysics physics(model);
+    SimulationLoopOptions options = limited(800);
+    options.record = true;
+    SimulationLoop loop(model, physics, nullptr, options);
+    FakeClock clock;
+    Material soft = model.materials[0], hard = model.materials[0];
+    soft.shear_modulus = 700;
+    hard.shear_modulus = 1e5;
+    clock.before_sleep = [&](int sleep) {
+      if (sleep % 8 == 3) {
+        loop.commands().push(Request::moveTool(poseAt(Vec3(0.01 * std::sin(0.1 * sleep), 0, 0.09), 0.01 * sleep)));
+      }
+      if (sleep == 100) loop.commands().push(Request::pull(1, Vec3(0.1, 0.2, 0.3)));
+      if (sleep == 140) loop.commands().push(Request::pull(0, Vec3(0.1, 0.2, 0.25)));
+      if (sleep == 180) loop.commands().push(Request::simple(Request::Kind::ReleasePull));
+      if (sleep == 200) loop.commands().push(Request::setFriction(0.5));
+      if (sleep == 220) loop.commands().push(Request::setMaterial(0, soft));
+      if (sleep == 230) loop.commands().push(Request::setMaterial(0, hard));  // refused
+      if (sleep == 250) loop.commands().push(Request::simple(Request::Kind::Pause));
+      if (sleep == 260) loop.commands().push(Request::pull(0, Vec3(0.3, 0.2, 0.3)));
+      if (sleep == 300) loop.commands().push(Request::simple(Request::Kind::Resume));
+      if (sleep == 400) loop.commands().push(Request::simple(Request::Kind::Reset));
+      if (sleep == 420) loop.commands().push(Request::pull(1, Vec3(0.1, 0.1, 0.3)));
+    };
+    loop.run(clock);
+    CHECK(has(drain(loop.log()), LogEvent::Kind::MaterialRefused));
+    CHECK(loop.summary().lost_records == 0);
+    recording.changes = drain(loop.recorded());
+    recording.ticks = loop.summary().ticks;
+    hash = loop.summary().state_hash;
+  }
+  CHECK(recording.changes.size() > 500);
+
+  for (const bool fast : {true, false}) {
+    FakePhysics physics(model);
+    SimulationLoopOptions options = limited(recording.ticks);
+    options.as_fast_as_possible = fast;
+    options.record = true;
+    options.track = recording.changes;
+    options.track_ticks = recording.ticks;
+    SimulationLoop loop(model, physics, nullptr, options);
+    FakeClock clock;
+    clock.before_sleep = [&](int sleep) {  // a viewer who meddles, and may not
+      if (sleep == 50) loop.commands().push(Request::moveTool(poseAt(Vec3(1, 1, 1))));
+      if (sleep == 51) loop.commands().push(Request::setFriction(0.9));
+      if (sleep == 60) loop.commands().push(Request::simple(Request::Kind::Pause));
+      if (sleep == 90) loop.commands().push(Request::simple(Request::Kind::Resume));
+    };
+    loop.run(clock);
+    CHECK(loop.summary().state_hash == hash);
+    CHECK(drain(loop.recorded()).size() == recording.changes.size());
+  }
+
+  // The viewer's reset starts the replay over, friction and material included.
+  FakePhysics physics(model);
+  SimulationLoopOptions options = limited(300 + recording.ticks);
+  options.track = recording.changes;
+  options.track_ticks = recording.ticks;
+  SimulationLoop loop(model, physics, nullptr, options);
+  FakeClock clock;
+  clock.before_sleep = [&](int sleep) {
+    if (sleep == 300) loop.commands().push(Request::simple(Request::Kind::Reset));
+  };
+  loop.run(clock);
+  CHECK(loop.summary().state_hash == hash);
+
+  // And the comparison can fail: a change less is another state.
+  FakePhysics other(model);
+  options.tick_limit = recording.ticks;
+  options.track.pop_back();
+  SimulationLoop shorter(model, other, nullptr, options);
+  FakeClock again;
+  shorter.run(again);
+  CHECK(shorter.summary().state_hash != hash);
+}
+
+TEST_CASE("When the track is over the viewer has the tool", "[simulation_loop]") {
+  const Model model = smallModel();
+  FakePhysics physics(model);
+  SimulationLoopOptions options = limited(400);
+  options.track = trackFromPoses(wander(100, 2));
+  SimulationLoop loop(model, physics, nullptr, options);
+  FakeClock clock;
+  const Vec3 wanted(0.03, 0.03, 0.1);
+  Vec3 at_end_of_track;
+  clock.before_sleep = [&](int sleep) {
+    if (sleep == 50) loop.commands().push(Request::moveTool(poseAt(Vec3(1, 1, 1))));
+    if (sleep == 120) at_end_of_track = physics.state().tool_pose.position;
+    if (sleep == 130) loop.commands().push(Request::moveTool(poseAt(wanted)));
+  };
+  loop.run(clock);
+  CHECK(at_end_of_track == options.track.back().request.pose.position);  // stays where it was left
+  CHECK(physics.state().tool_pose.position == wanted);
+  CHECK(has(drain(loop.log()), LogEvent::Kind::TrackEnded));
+}
+
+TEST_CASE("A viewer that takes nothing costs no tick, only what it did not take", "[simulation_loop]") {
+  const Model model = smallModel();
+  FakePhysics physics(model);
+  SimulationLoopOptions options = limited(5000);
+  options.force_capacity = 1024;
+  options.record = true;
+  options.record_capacity = 16;
+  options.track = trackFromPoses(wander(5000, 3));
+  SimulationLoop loop(model, physics, nullptr, options);
+  FakeClock clock;
+  loop.run(clock);
+  CHECK(physics.calls == 5000);
+  CHECK(loop.statistics().overrun_count == 0);
+  CHECK(loop.summary().lost_force_samples == 5000 - 1024);
+  CHECK(loop.summary().lost_records == 5000 - 16);
+  CHECK(drain(loop.forces()).back().tick == 1024);
+}
+
+TEST_CASE("A stalled renderer that holds a snapshot can't stop the loop", "[simulation_loop]") {
+  const Model model = smallModel();
+  FakePhysics physics(model);
+  SimulationLoopOptions options = limited(20'000);
+  options.as_fast_as_possible = true;
+  SimulationLoop loop(model, physics, nullptr, options);
+  loop.start();
+  // Takes one snapshot and keeps it until the loop is done: if the loop waited for it,
+  // neither would ever end.
+  const Snapshot& held = loop.snapshots().latest();
+  const std::int64_t tick = held.tick;
+  const float x = held.u[0].x;
+  while (!loop.finished()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  CHECK(held.tick == tick);
+  CHECK(held.u[0].x == x);
+  loop.join();
+  CHECK(loop.summary().ticks == 20'000);
+  CHECK(loop.snapshots().latest().tick == 20'000);
+}
+
+TEST_CASE("Under a viewer on another thread, every snapshot is one tick", "[simulation_loop]") {
+  const Model model = smallModel(2000);
+  FakePhysics physics(model);
+  // A tick that marks all of its state with its own number.
+  physics.on_tick = [](State& state, StepReport& report) {
+    for (Float4& u : state.u) u.x = static_cast<float>(state.tick);
+    report.max_increment = static_cast<float>(state.tick);
+  };
+  SimulationLoopOptions options;
+  options.as_fast_as_possible = true;
+  options.record = true;
+  SimulationLoop loop(model, physics, nullptr, options);
+  loop.start();
+  std::int64_t mixed = 0, seen = 0, last = -1;
+  while (seen < 2000) {
+    loop.commands().push(Request::moveTool(poseAt(Vec3(0, 0, 0.1 - 1e-5 * static_cast<double>(seen)))));
+    const Snapshot& snapshot = loop.snapshots().latest();
+    if (snapshot.tick == 0) continue;
+    for (const Float4& u : snapshot.u) mixed += u.x != static_cast<float>(snapshot.tick);
+    mixed += snapshot.report.max_increment != static_cast<float>(snapshot.tick);
+    mixed += snapshot.force.tick != snapshot.tick;
+    seen += snapshot.tick != last;
+    last = snapshot.tick;
+    ForceSample sample;
+    while (loop.forces().pop(sample)) mixed += sample.tick <= 0;
+    loop.statistics().step.percentiles();
+  }
+  loop.quit();
+  loop.join();
+  CHECK(mixed == 0);
+  CHECK(loop.summary().ticks >= 2000);
+}
+
+TEST_CASE("In real time, on its own thread with a team, all periods are ticks or counted as missed",
+          "[simulation_loop]") {
+  const Model model = smallModel(1000);
+  FakePhysics physics(model);
+  SpinTeam team(2);
+  SimulationLoop loop(model, physics, &team, limited(150));
+  loop.start();
+  loop.join();
+  const RunSummary& summary = loop.summary();
+  CHECK(summary.ticks == 150);
+  CHECK(loop.statistics().ticks == 150);
+  CHECK(loop.statistics().wakeup_late.count() == 150);
+  const double periods = 150.0 + static_cast<double>(loop.statistics().overrun_count);
+  CHECK(summary.totals.wall_seconds == Approx(1e-3 * periods).epsilon(1e-9));
+  CHECK(summary.totals.simulated_seconds == Approx(0.15));
+  CHECK(!summary.rt_setup.scheduling.empty());
+}
