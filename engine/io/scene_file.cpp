@@ -1,0 +1,266 @@
+#include "io/scene_file.h"
+
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <numeric>
+
+#include "io/scene_keys.h"
+#include "io/text_file.h"
+#include "io/toml_table.h"
+
+namespace palpate {
+
+namespace {
+
+void readOrgan(const TomlTable& organ, const std::filesystem::path& folder, Scene& scene) {
+  organ.read("colour", scene.tissue_colour);
+  if (organ.has("surface") == organ.has("solid")) {
+    throw InputError(organ.place("solid"),
+                     organ.has("solid") ? "both \"surface\" and \"solid\"" : "neither \"surface\" nor \"solid\"",
+                     "give surface = \"file.obj\" with a unit, or solid = \"box\", \"cylinder\" or \"ellipsoid\"");
+  }
+  if (organ.has("surface")) {
+    organ.forbid({"size", "radius", "height", "semi_axes", "upper_half"}, "to a surface file");
+    std::string file;
+    organ.read("surface", file);
+    const std::filesystem::path path = (folder / file).lexically_normal();  // an absolute path replaces the folder
+    if (std::error_code error; !std::filesystem::is_regular_file(path, error)) {
+      throw InputError(organ.place("surface"), "there is no surface file " + path.string(),
+                       "the path starts from the scene file's folder");
+    }
+    scene.surface_file = path.string();
+    if (organ.has("unit") == organ.has("scale")) {
+      throw InputError(organ.place(organ.has("unit") ? "unit" : "surface"),
+                       organ.has("unit") ? "both \"unit\" and \"scale\"" : "the surface's unit is missing",
+                       "add unit = \"mm\", \"cm\" or \"m\", or scale = the unit's length in m");
+    }
+    constexpr double units[] = {0.001, 0.01, 1.0};  // in the order of the key's choices
+    if (organ.has("unit")) scene.surface_scale = units[organ.readChoice("unit", 2)];
+    organ.read("scale", scene.surface_scale);
+    return;
+  }
+  organ.forbid({"unit", "scale"}, "to a solid, which is given in m");
+  switch (organ.readChoice("solid", 0)) {
+    case 0:
+      scene.solid = Scene::Solid::Box;
+      organ.require({"size"}, "a box");
+      organ.forbid({"radius", "height", "semi_axes", "upper_half"}, "to a box");
+      break;
+    case 1:
+      scene.solid = Scene::Solid::Cylinder;
+      organ.require({"radius", "height"}, "a cylinder");
+      organ.forbid({"size", "semi_axes", "upper_half"}, "to a cylinder");
+      break;
+    default:
+      scene.solid = Scene::Solid::Ellipsoid;
+      organ.require({"semi_axes"}, "an ellipsoid");
+      organ.forbid({"size", "radius", "height"}, "to an ellipsoid");
+  }
+  organ.read("size", scene.size);
+  organ.read("radius", scene.radius);
+  organ.read("height", scene.height);
+  organ.read("semi_axes", scene.semi_axes);
+  organ.read("upper_half", scene.upper_half);
+}
+
+void readDiscretization(const TomlTable& table, Scene& scene) {
+  table.read("spacing", scene.spacing);
+  table.read("seed", scene.seed);
+  table.read("points_per_cell", scene.points_per_cell);
+  scene.basis_degree = 1 + table.readChoice("basis", scene.basis_degree - 1);
+  table.read("support_factor", scene.support_factor);
+  table.read("mu", scene.mu);
+  for (const TomlTable& entry : table.tables("refine", {"discretization.refine"})) {
+    RefineSpec& refine = scene.refine.emplace_back();
+    refine.place = entry.place();
+    entry.read("centre", refine.centre);
+    entry.read("radius", refine.radius);
+    entry.read("spacing", refine.spacing);
+    entry.read("blend", refine.blend);
+    if (refine.spacing >= scene.spacing) {
+      throw InputError(entry.place("spacing"), "the refined spacing is not below the global one",
+                       "give less than [discretization] spacing, or leave the refinement out");
+    }
+  }
+}
+
+Region readRegion(const TomlTable& table) {
+  Region region;
+  region.place = table.place();
+  switch (table.readChoice("shape", 0)) {
+    case 0:
+      region.kind = Region::Kind::HalfSpace;
+      table.require({"point", "normal"}, "a half-space");
+      table.forbid({"min", "max", "centre", "radius", "distance"}, "to a half-space");
+      break;
+    case 1:
+      region.kind = Region::Kind::Box;
+      table.require({"min", "max"}, "a box");
+      table.forbid({"point", "normal", "centre", "radius", "distance"}, "to a box");
+      break;
+    case 2:
+      region.kind = Region::Kind::Sphere;
+      table.require({"centre", "radius"}, "a sphere");
+      table.forbid({"point", "normal", "min", "max", "distance"}, "to a sphere");
+      break;
+    default:
+      region.kind = Region::Kind::NearPlane;
+      table.require({"point", "normal", "distance"}, "a near-plane region");
+      table.forbid({"min", "max", "centre", "radius"}, "to a near-plane region");
+  }
+  table.read("point", region.point);
+  table.read("centre", region.point);
+  table.readDirection("normal", region.normal);
+  table.read("min", region.min);
+  table.read("max", region.max);
+  table.read("radius", region.radius);
+  table.read("distance", region.distance);
+  if ((region.min.array() > region.max.array()).any()) {
+    throw InputError(table.place("min"), "the box's \"min\" is above its \"max\"", "swap the coordinates");
+  }
+  return region;
+}
+
+void readMaterial(const TomlTable& table, bool first, MaterialSpec& material) {
+  material.place = table.place();
+  if (table.readChoice("model", 0) == 0) {
+    table.require({"young", "poisson"}, "a neo-Hookean material");
+    table.forbid({"mu", "alpha", "D1"}, "to a neo-Hookean material");
+  } else {
+    material.kind = MaterialSpec::Kind::Ogden;
+    table.require({"mu", "alpha", "D1"}, "an Ogden material");
+    table.forbid({"young", "poisson"}, "to an Ogden material");
+  }
+  table.read("young", material.young);
+  table.read("poisson", material.poisson);
+  table.read("mu", material.ogden_mu);
+  table.read("alpha", material.ogden_alpha);
+  table.read("D1", material.ogden_D1);
+  table.read("density", material.density);
+  if (material.kind == MaterialSpec::Kind::Ogden) {
+    constexpr std::size_t most_terms = 4;  // Material::max_terms
+    const std::size_t terms = material.ogden_mu.size();
+    if (terms < 1 || terms > most_terms || material.ogden_alpha.size() != terms) {
+      throw InputError(table.place("mu"),
+                       "\"mu\" has " + std::to_string(terms) + " terms and \"alpha\" " +
+                           std::to_string(material.ogden_alpha.size()),
+                       "give both the same number of terms, 1 to 4");
+    }
+    for (double alpha : material.ogden_alpha) {
+      if (alpha == 0) throw InputError(table.place("alpha"), "an exponent is 0", "its energy is not defined: leave the term out");
+    }
+    if (!(std::accumulate(material.ogden_mu.begin(), material.ogden_mu.end(), 0.0) > 0)) {
+      throw InputError(table.place("mu"), "the shear modulus at rest, the sum of \"mu\", is not positive",
+                       "check the signs: paper eq. 32 has energy 2 mu / alpha^2 (...)");
+    }
+  }
+  if (first && table.has("region")) {
+    throw InputError(table.place("region"), "the first material has a region",
+                     "the first applies everywhere; give regions to later ones");
+  }
+  if (!first && !table.has("region")) {
+    throw InputError(table.place(), "this material has no region and would replace all before it",
+                     "add region = { shape = ..., ... }");
+  }
+  material.everywhere = first;
+  if (!first) material.region = readRegion(table.table("region", {"region"}));
+}
+
+void readBoundary(const TomlTable& table, BoundarySpec& boundary) {
+  boundary.place = table.place();
+  boundary.region = readRegion(table);
+  table.readAxes("components", boundary.component);
+  table.read("surface_only", boundary.surface_only);
+}
+
+void readDynamics(const TomlTable& table, Scene& scene) {
+  table.read("rate", scene.rate_hz);
+  table.read("time_step", scene.time_step);
+  table.read("step_safety", scene.step_safety);
+  table.read("damping", scene.damping);
+  table.read("threads", scene.threads);
+  if (scene.time_step <= 0) return;
+  const double steps = 1.0 / (scene.rate_hz * scene.time_step);
+  constexpr double rounding = 1e-6;  // of a decimal fraction such as 0.000333333
+  if (steps < 1 - rounding || std::abs(steps - std::round(steps)) > rounding * steps) {
+    char advice[160];
+    const double whole = std::max(1.0, std::ceil(steps - rounding));
+    std::snprintf(advice, sizeof advice, "give %.9g s (%g steps a tick), or 0 to have it chosen",
+                  1.0 / (scene.rate_hz * whole), whole);
+    char problem[160];
+    std::snprintf(problem, sizeof problem, "a tick of %g s is not a whole number of steps of %g s", 1 / scene.rate_hz,
+                  scene.time_step);
+    throw InputError(table.place("time_step"), problem, advice);
+  }
+}
+
+void readTool(const TomlTable& table, Scene& scene) {
+  constexpr ToolKind kinds[] = {ToolKind::Sphere, ToolKind::FlatCylinder, ToolKind::Capsule};
+  ToolShape& tool = scene.tool;
+  tool.kind = kinds[table.readChoice("shape", 0)];
+  table.read("radius", tool.radius);
+  table.read("length", tool.length);
+  table.read("edge_radius", tool.edge_radius);
+  table.read("position", scene.tool_position);
+  table.readDirection("direction", scene.tool_direction);
+  table.read("max_speed", scene.tool_max_speed);
+  table.read("friction", scene.friction);
+  if (tool.kind != ToolKind::FlatCylinder) table.forbid({"edge_radius"}, "to a tool without a rim");
+  if (tool.edge_radius > tool.radius) {
+    throw InputError(table.place("edge_radius"), "the rim's rounding exceeds the tool's radius",
+                     "give at most the radius; a capsule has a round tip");
+  }
+  if (tool.kind == ToolKind::Capsule && tool.length < 2 * tool.radius) {
+    throw InputError(table.place("length"), "a capsule shorter than two radii", "lengthen it, or make it a sphere");
+  }
+  if (tool.kind == ToolKind::FlatCylinder && tool.length < 2 * tool.edge_radius) {
+    throw InputError(table.place("length"), "a cylinder shorter than its two rounded rims", "lengthen it");
+  }
+}
+
+}  // namespace
+
+Scene readScene(const std::string& path) {
+  const toml::table document = parseToml(readWholeFile(path), path);
+  TomlFile file{path, sceneKeys(), {}};
+  Scene scene;
+  scene.place = {path, 0, 0};
+  const std::filesystem::path folder = std::filesystem::path(path).parent_path();
+
+  const TomlTable top(file, document, "", {""});
+  scene.name = std::filesystem::path(path).stem().string();
+  top.read("name", scene.name);
+  readOrgan(top.table("organ", {"organ"}), folder, scene);
+  readDiscretization(top.table("discretization", {"discretization"}), scene);
+  for (const TomlTable& entry : top.tables("material", {"material"})) {
+    readMaterial(entry, scene.materials.empty(), scene.materials.emplace_back());
+  }
+  for (const TomlTable& entry : top.tables("fixed", {"boundary", "region"})) {
+    readBoundary(entry, scene.boundaries.emplace_back());
+  }
+  for (const TomlTable& entry : top.tables("prescribed", {"prescribed", "boundary", "region"})) {
+    BoundarySpec& boundary = scene.boundaries.emplace_back();
+    readBoundary(entry, boundary);
+    entry.read("translation", boundary.translation);
+    entry.read("duration", boundary.duration);
+  }
+  readDynamics(top.table("dynamics", {"dynamics"}), scene);
+  if (top.has("tool")) readTool(top.table("tool", {"tool"}), scene);
+
+  const TomlTable force = top.table("force", {"force"});
+  force.read("cutoff", scene.filter_cutoff_hz);
+  force.read("rate_limit", scene.force_rate_limit);
+
+  const TomlTable camera = top.table("camera", {"camera"});
+  camera.read("target", scene.camera_target);
+  camera.read("distance", scene.camera_distance);
+  camera.read("azimuth", scene.camera_azimuth_deg);
+  camera.read("elevation", scene.camera_elevation_deg);
+  camera.read("fov", scene.camera_fov_deg);
+
+  scene.places = std::move(file.places);
+  return scene;
+}
+
+}  // namespace palpate

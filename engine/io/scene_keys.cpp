@@ -1,0 +1,136 @@
+#include "io/scene_keys.h"
+
+#include <utility>
+
+namespace palpate {
+
+namespace {
+
+using T = KeySpec::Type;
+constexpr const char* required = KeySpec::required;
+constexpr const char* depends = KeySpec::depends;
+
+constexpr KeySpec keys[] = {
+    {"", "name", T::Text, "", "", {}, "", "Shown in the window's title and in reports; the file's name where absent."},
+    {"", "organ", T::Table, "", required, {}, "", "What is touched."},
+    {"", "discretization", T::Table, "", required, {}, "", "How it is cut into nodes and integration points."},
+    {"", "material", T::Tables, "", required, {}, "", "What it is made of."},
+    {"", "fixed", T::Tables, "", required, {}, "", "Where it is held."},
+    {"", "prescribed", T::Tables, "", "", {}, "", "Where it is moved."},
+    {"", "dynamics", T::Table, "", "", {}, "", "Loop rate, time step, damping."},
+    {"", "tool", T::Table, "", "", {}, "", "What touches it."},
+    {"", "force", T::Table, "", "", {}, "", "How the force is smoothed for display and devices."},
+    {"", "camera", T::Table, "", "", {}, "", "The first view."},
+
+    {"organ", "surface", T::Text, "", depends, {}, "", "OBJ or STL file of a closed surface, relative to the scene file. Either this or `solid`."},
+    {"organ", "unit", T::Text, "", depends, {}, "mm|cm|m", "Unit of the file's coordinates; with `surface` give this or `scale`."},
+    {"organ", "scale", T::Number, "m", depends, above(0), "", "Length of the file's unit; with `surface` give this or `unit`."},
+    {"organ", "solid", T::Text, "", depends, {}, "box|cylinder|ellipsoid", "An analytic solid. Either this or `surface`."},
+    {"organ", "size", T::Vector, "m", depends, aboveUpTo(0, 10), "", "Box: edge lengths. Its base is centred at the origin, z goes from 0 up."},
+    {"organ", "radius", T::Number, "m", depends, aboveUpTo(0, 10), "", "Cylinder: its axis is z, its base is centred at the origin."},
+    {"organ", "height", T::Number, "m", depends, aboveUpTo(0, 10), "", "Cylinder: z goes from 0 to here."},
+    {"organ", "semi_axes", T::Vector, "m", depends, aboveUpTo(0, 10), "", "Ellipsoid: along x, y, z; centred at the origin."},
+    {"organ", "upper_half", T::Boolean, "", "false", {}, "", "Ellipsoid: only the part z >= 0, with a flat base."},
+    {"organ", "colour", T::Vector, "", "[0.62, 0.21, 0.17]", between(0, 1), "", "Red, green, blue of the tissue, as linear-light albedo."},
+
+    {"discretization", "spacing", T::Number, "m", required, aboveUpTo(0, 1), "", "Distance wanted between neighbouring nodes. Halving it makes eight times the nodes and half the time step."},
+    {"discretization", "seed", T::Integer, "", "1", between(0, 4294967295.0), "", "Another seed, another irregular node cloud; the same seed, the same bits."},
+    {"discretization", "points_per_cell", T::Integer, "", "4", {}, "1|4", "Integration points per background cell."},
+    {"discretization", "basis", T::Text, "", "\"quadratic\"", {}, "linear|quadratic", "Polynomial basis of the shape functions (paper eqs. 1-7)."},
+    {"discretization", "support_factor", T::Number, "", "1.8", between(1.4, 4), "", "Support radius over local node spacing."},
+    {"discretization", "mu", T::Number, "", "0.1", above(0), "", "Weight of the constraints on second-degree coefficients (paper eq. 4), dimensionless: the basis is scaled by the support radius."},
+    {"discretization", "refine", T::Tables, "", "", {}, "", "Spheres of finer spacing."},
+
+    {"discretization.refine", "centre", T::Vector, "m", required, {}, "", "Centre of the sphere."},
+    {"discretization.refine", "radius", T::Number, "m", required, above(0), "", "Its radius."},
+    {"discretization.refine", "spacing", T::Number, "m", required, above(0), "", "Spacing inside; smaller than the global one."},
+    {"discretization.refine", "blend", T::Number, "m", "0", atLeast(0), "", "Width over which the spacing grows back to the global one; 0: three times the difference of the two."},
+
+    {"material", "model", T::Text, "", required, {}, "neo-hookean|ogden", "Strain energy: neo-Hookean or Ogden (paper eq. 32), both with bulk energy K/2 (J - 1)^2."},
+    {"material", "young", T::Number, "Pa", depends, aboveUpTo(0, 1e9), "", "Neo-Hookean: Young's modulus at rest. Liver 1000 .. 6000."},
+    {"material", "poisson", T::Number, "", depends, between(0, 0.4999), "", "Neo-Hookean: Poisson's ratio at rest. 0.49 costs a smaller time step than 0.45, 0.499 a third of that of 0.49."},
+    {"material", "mu", T::Numbers, "Pa", depends, {}, "", "Ogden: shear moduli, one per term, 1 to 4 terms; their sum is the shear modulus at rest."},
+    {"material", "alpha", T::Numbers, "", depends, {}, "", "Ogden: exponents, one per term, not 0."},
+    {"material", "D1", T::Number, "1/Pa", depends, above(0), "", "Ogden: compressibility; the bulk modulus is 2/D1."},
+    {"material", "density", T::Number, "kg/m^3", "1000", between(1, 30000), "", "Mass density."},
+    {"material", "region", T::Table, "", depends, {}, "", "Where this material is (a [region](#region)). The first material is everywhere and has none; each later one needs one and replaces what was there."},
+
+    {"region", "shape", T::Text, "", required, {}, "half-space|box|sphere|near-plane", "Its shape."},
+    {"region", "point", T::Vector, "m", depends, {}, "", "Half-space, near-plane: a point of the plane."},
+    {"region", "normal", T::Vector, "", depends, {}, "", "Half-space: points out of it, inside is the other side. Near-plane: the plane's normal. Any length."},
+    {"region", "min", T::Vector, "m", depends, {}, "", "Box: lower corner."},
+    {"region", "max", T::Vector, "m", depends, {}, "", "Box: upper corner."},
+    {"region", "centre", T::Vector, "m", depends, {}, "", "Sphere: its centre."},
+    {"region", "radius", T::Number, "m", depends, above(0), "", "Sphere: its radius."},
+    {"region", "distance", T::Number, "m", depends, atLeast(0), "", "Near-plane: points up to this far from the plane, on both sides."},
+
+    {"boundary", "components", T::Axes, "", "[\"x\", \"y\", \"z\"]", {}, "", "The directions of displacement that are imposed; the others stay free."},
+    {"boundary", "surface_only", T::Boolean, "", "false", {}, "", "Choose only nodes on the organ's surface."},
+
+    {"prescribed", "translation", T::Vector, "m", required, {}, "", "Where the region's nodes go."},
+    {"prescribed", "duration", T::Number, "s", required, above(0), "", "In which time, along 10 t^3 - 15 t^4 + 6 t^5."},
+
+    {"dynamics", "rate", T::Number, "Hz", "500", between(100, 2000), "", "Rate of the real-time loop; one tick is 1/rate."},
+    {"dynamics", "time_step", T::Number, "s", "0", atLeast(0), "", "Fixed time step, a whole division of a tick; refused above the critical one. 0: the largest whole division below `step_safety` times the critical step."},
+    {"dynamics", "step_safety", T::Number, "", "0.6", aboveUpTo(0, 1), "", "Share of the critical step used when `time_step` is 0. Tissue stiffens under compression: deep indentation needs 0.2 .. 0.3."},
+    {"dynamics", "damping", T::Number, "1/s", "20", atLeast(0), "", "Mass-proportional damping c in M u'' + c M u' + f(u) = 0."},
+    {"dynamics", "threads", T::Integer, "", "1", between(1, 64), "", "Threads that compute the physics; the result does not depend on it."},
+
+    {"tool", "shape", T::Text, "", required, {}, "sphere|cylinder|capsule", "A ball, a flat-ended cylinder, or a cylinder with a round tip."},
+    {"tool", "radius", T::Number, "m", required, aboveUpTo(0, 1), "", "Its radius."},
+    {"tool", "length", T::Number, "m", "0.06", aboveUpTo(0, 1), "", "Cylinder, capsule: from tip to end. A capsule is at least two radii long. A sphere ignores it."},
+    {"tool", "edge_radius", T::Number, "m", "0", atLeast(0), "", "Cylinder: rounding of the rim; 0: a tenth of the radius."},
+    {"tool", "position", T::Vector, "m", required, {}, "", "Where the tip, the tool's foremost point, starts."},
+    {"tool", "direction", T::Vector, "", "[0.0, 0.0, -1.0]", {}, "", "The way the tip points and the tool advances; any length."},
+    {"tool", "max_speed", T::Number, "m/s", "1", aboveUpTo(0, 10), "", "A faster command is followed at this speed."},
+    {"tool", "friction", T::Number, "", "0", between(0, 2), "", "Coulomb coefficient between tool and tissue; 0: frictionless."},
+
+    {"force", "cutoff", T::Number, "Hz", "30", aboveUpTo(0, 1000), "", "Corner frequency of the first-order low-pass of the filtered force."},
+    {"force", "rate_limit", T::Number, "N/s", "200", above(0), "", "The filtered force changes no faster than this."},
+
+    {"camera", "target", T::Vector, "m", "[0.0, 0.0, 0.0]", {}, "", "The point in the middle of the view."},
+    {"camera", "distance", T::Number, "m", "0.5", above(0), "", "From there to the eye."},
+    {"camera", "azimuth", T::Number, "degrees", "-60", between(-360, 360), "", "Direction of the eye around +z, from +x."},
+    {"camera", "elevation", T::Number, "degrees", "25", between(-90, 90), "", "Height of the eye above the horizon."},
+    {"camera", "fov", T::Number, "degrees", "35", between(5, 120), "", "Vertical field of view."},
+};
+
+struct Section {
+  const char* table;
+  const char* title;
+  const char* text;
+};
+
+constexpr Section sections[] = {
+    {"", "Top level", ""},
+    {"organ", "`[organ]`", "A closed surface from a file, or an analytic solid."},
+    {"discretization", "`[discretization]`", ""},
+    {"discretization.refine", "`[[discretization.refine]]`", "Any number of them; where they overlap the finest counts."},
+    {"material", "`[[material]]`", "One or more."},
+    {"region", "Region",
+     "Not a table of its own: these keys choose a part of space, inline in `[[fixed]]` and `[[prescribed]]`, and in a "
+     "material's `region = { ... }`. All coordinates are the organ's at rest, after scaling."},
+    {"boundary", "`[[fixed]]`",
+     "One or more. The keys of a [region](#region), and these. The displacement field there is exactly zero."},
+    {"prescribed", "`[[prescribed]]`", "The keys of `[[fixed]]`, and these."},
+    {"dynamics", "`[dynamics]`", ""},
+    {"tool", "`[tool]`", "Without this table a ball of radius 10 mm starts at (0, 0, 0.1) m and points down."},
+    {"force", "`[force]`", ""},
+    {"camera", "`[camera]`", ""},
+};
+
+}  // namespace
+
+std::span<const KeySpec> sceneKeys() { return keys; }
+
+std::string sceneReference() {
+  std::string text;
+  for (const auto& [table, title, introduction] : sections) {
+    text += std::string(text.empty() ? "" : "\n") + "### " + title + "\n\n";
+    if (*introduction != '\0') text += std::string(introduction) + "\n\n";
+    text += keyReference(keys, table);
+  }
+  return text;
+}
+
+}  // namespace palpate

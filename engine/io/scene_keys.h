@@ -1,0 +1,16 @@
+#pragma once
+
+#include <span>
+#include <string>
+
+#include "io/key_spec.h"
+
+namespace palpate {
+
+/// Every key a scene file may have, in the order of the reference.
+std::span<const KeySpec> sceneKeys();
+
+/// The reference of all scene keys as Markdown: what assets/scenes/README.md holds between its marks.
+std::string sceneReference();
+
+}  // namespace palpate

@@ -1,0 +1,74 @@
+#include "io/surface_file.h"
+
+#include <charconv>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <stdexcept>
+
+#include "io/obj_parser.h"
+#include "io/stl_parser.h"
+#include "io/text_file.h"
+
+namespace palpate {
+
+namespace {
+
+// File indices are int, three to a face.
+constexpr std::size_t most_faces = 20'000'000;
+
+}  // namespace
+
+SurfaceFile readSurface(const std::string& path, double scale, const Place& asked_from) {
+  if (!(scale > 0) || !std::isfinite(scale)) {
+    throw InputError(asked_from, "the surface's scale must be positive", "0.001 for a file in millimetres");
+  }
+  std::string extension = std::filesystem::path(path).extension().string();
+  for (char& c : extension) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  const std::string bytes = readWholeFile(path, asked_from);
+  if (extension != ".obj" && extension != ".stl") {
+    throw InputError({path, 0, 0}, "\"" + extension + "\" is not a surface format that can be read",
+                     "use .obj or .stl");
+  }
+  if (bytes.find_first_not_of(" \t\r\n") == std::string::npos) {
+    throw InputError({path, 0, 0}, "the file is empty", "export the organ as OBJ or STL");
+  }
+  SurfaceFile result = extension == ".obj" ? parseObj(bytes, path) : parseStl(bytes, path);
+  if (result.surface.triangles.size() > most_faces) {
+    throw InputError({path, 0, 0}, std::to_string(result.surface.triangles.size()) + " faces",
+                     "simplify the surface: ten thousand faces show an organ well");
+  }
+  for (Vec3& x : result.surface.vertices) x *= scale;
+  weldVertices(result.surface, result.source);
+  return result;
+}
+
+TriangleSurface readClosedSurface(const std::string& path, double scale, const Place& asked_from) {
+  SurfaceFile file = readSurface(path, scale, asked_from);
+  checkSurface(file.surface, file.source);
+  return std::move(file.surface);
+}
+
+void writeObj(const TriangleSurface& surface, const std::string& path) {
+  std::string text;
+  const auto number = [&](double value) {
+    char buffer[32];
+    const auto end = std::to_chars(buffer, buffer + sizeof buffer, value).ptr;  // shortest that reads back exactly
+    text += ' ';
+    text.append(buffer, end);
+  };
+  for (const Vec3& x : surface.vertices) {
+    text += 'v';
+    for (int k = 0; k < 3; ++k) number(x[k]);
+    text += '\n';
+  }
+  for (const auto& [a, b, c] : surface.triangles) {
+    text += "f " + std::to_string(a + 1) + ' ' + std::to_string(b + 1) + ' ' + std::to_string(c + 1) + '\n';
+  }
+  std::ofstream out(path, std::ios::binary);
+  out << text;
+  out.close();
+  if (!out) throw std::runtime_error("can't write " + path);
+}
+
+}  // namespace palpate

@@ -1,0 +1,363 @@
+#include "io/toml_table.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <stdexcept>
+#include <string_view>
+#include <utility>
+
+#include "io/token_reader.h"
+
+namespace palpate {
+
+namespace {
+
+std::string shown(double value) {
+  char buffer[32];
+  return {buffer, std::to_chars(buffer, buffer + sizeof buffer, value).ptr};
+}
+
+std::string typeOf(const toml::node& node) {
+  switch (node.type()) {
+    case toml::node_type::string:
+      return "text";
+    case toml::node_type::integer:
+      return "a whole number";
+    case toml::node_type::floating_point:
+      return "a number";
+    case toml::node_type::boolean:
+      return "true or false";
+    case toml::node_type::array:
+      return "a list";
+    case toml::node_type::table:
+      return "a table";
+    default:
+      return "a date or time";
+  }
+}
+
+std::vector<std::string> split(std::string_view choices) {
+  std::vector<std::string> parts;
+  for (std::size_t begin = 0; begin <= choices.size();) {
+    const std::size_t end = std::min(choices.find('|', begin), choices.size());
+    parts.emplace_back(choices.substr(begin, end - begin));
+    begin = end + 1;
+  }
+  return parts;
+}
+
+std::string listed(const std::vector<std::string>& words, const char* last_joint) {
+  std::string text;
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    text += (i == 0 ? "" : i + 1 == words.size() ? std::string(" ") + last_joint + " " : ", ") + words[i];
+  }
+  return text;
+}
+
+/// Insertions, deletions and substitutions that turn one word into the other (Levenshtein).
+int editDistance(std::string_view a, std::string_view b) {
+  std::vector<int> row(b.size() + 1);
+  std::iota(row.begin(), row.end(), 0);
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    int diagonal = std::exchange(row[0], static_cast<int>(i));
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const int substituted = diagonal + (a[i - 1] != b[j - 1]);
+      diagonal = row[j];
+      row[j] = std::min({row[j] + 1, row[j - 1] + 1, substituted});
+    }
+  }
+  return row.back();
+}
+
+/// What people call a key elsewhere.
+std::string usualNameOf(const std::string& word) {
+  static const std::map<std::string, std::string> names = {
+      {"E", "young"},        {"youngs_modulus", "young"}, {"nu", "poisson"},      {"poissons_ratio", "poisson"},
+      {"rho", "density"},    {"dt", "time_step"},         {"color", "colour"},    {"h", "spacing"},
+      {"center", "centre"},  {"file", "surface"},         {"mesh", "surface"},    {"velocity", "max_speed"},
+      {"speed", "max_speed"}, {"d1", "D1"},               {"D", "D1"},            {"rate_hz", "rate"},
+      {"t", "time"},         {"depth", "advance"},        {"frequency", "rate"},  {"type", "shape"}};
+  const auto found = names.find(word);
+  return found == names.end() ? "" : found->second;
+}
+
+}  // namespace
+
+toml::table parseToml(const std::string& text, const std::string& file) {
+  try {
+    return toml::parse(std::string_view(text), std::string_view(file));
+  } catch (const toml::parse_error& error) {
+    const auto at = error.source().begin;
+    throw InputError({file, static_cast<int>(at.line), static_cast<int>(at.column)},
+                     "not valid TOML: " + std::string(error.description()),
+                     "a line reads key = value, a table [name], a list entry [[name]]");
+  }
+}
+
+TomlTable::TomlTable(TomlFile& file, const toml::table& table, std::string path, std::vector<std::string> groups)
+    : file_(&file), table_(&table), path_(std::move(path)), groups_(std::move(groups)) {
+  place_ = placeOf(table.source());
+  if (!path_.empty() && place_.line > 0) file.places.emplace(path_, place_);
+  for (const auto& [key, node] : table) {
+    const bool known = std::any_of(file.keys.begin(), file.keys.end(), [&](const KeySpec& spec) {
+      return key.str() == spec.name && std::find(groups_.begin(), groups_.end(), spec.table) != groups_.end();
+    });
+    if (!known) unknownKey(key);
+    file.places.insert_or_assign(dotted(std::string(key.str())), placeOf(key.source()));
+  }
+}
+
+Place TomlTable::placeOf(const toml::source_region& source) const {
+  return {file_->name, static_cast<int>(source.begin.line), static_cast<int>(source.begin.column)};
+}
+
+Place TomlTable::place(const std::string& key) const {
+  const auto found = file_->places.find(dotted(key));
+  return found != file_->places.end() ? found->second : place_;
+}
+
+std::string TomlTable::title() const {
+  if (path_.empty()) return "the file's top level";
+  const std::size_t bracket = path_.find('[');
+  return bracket == std::string::npos ? "[" + path_ + "]" : "[[" + path_.substr(0, bracket) + "]]";
+}
+
+void TomlTable::unknownKey(const toml::key& key) const {
+  const std::string word(key.str());
+  std::vector<std::string> here;
+  std::string nearest, elsewhere;
+  int nearest_distance = std::numeric_limits<int>::max();
+  for (const KeySpec& spec : file_->keys) {
+    if (std::find(groups_.begin(), groups_.end(), spec.table) == groups_.end()) {
+      if (word == spec.name && elsewhere.empty()) elsewhere = spec.table;
+      continue;
+    }
+    here.emplace_back(spec.name);
+    const int distance = usualNameOf(word) == spec.name ? 0 : editDistance(word, spec.name);
+    if (distance < nearest_distance) {
+      nearest_distance = distance;
+      nearest = spec.name;
+    }
+  }
+  // A third of the letters may be wrong; with more, the nearest word is a guess that misleads.
+  const int longest_slip = std::max(1, static_cast<int>(std::max(word.size(), nearest.size())) / 3);
+  std::string advice;
+  if (nearest_distance <= longest_slip) {
+    advice = "did you mean \"" + nearest + "\"?";
+  } else if (!elsewhere.empty()) {
+    advice = "\"" + word + "\" belongs to " + elsewhere;
+  } else {
+    advice = "known here: " + listed(here, "and");
+  }
+  throw InputError(placeOf(key.source()), "unknown key " + quoted(word) + " in " + title(), advice);
+}
+
+const KeySpec& TomlTable::spec(const std::string& key) const {
+  for (const KeySpec& spec : file_->keys) {
+    if (key == spec.name && std::find(groups_.begin(), groups_.end(), spec.table) != groups_.end()) return spec;
+  }
+  throw std::logic_error("no specification of the key " + dotted(key));
+}
+
+const toml::node* TomlTable::find(const std::string& key) const {
+  const KeySpec& specification = spec(key);
+  const toml::node* node = table_->get(key);
+  if (node == nullptr && std::string_view(specification.fallback) == KeySpec::required) {
+    const bool tables = specification.type == KeySpec::Type::Tables;
+    const bool table = specification.type == KeySpec::Type::Table;
+    throw InputError(place_, "the key \"" + key + "\" is missing in " + title(),
+                     tables  ? "add a [[" + key + "]]"
+                     : table ? "add an [" + key + "]"
+                             : "add " + key + " = " + typeText(specification.type) +
+                                   (*specification.unit != '\0' ? std::string(" in ") + specification.unit : ""));
+  }
+  return node;
+}
+
+void TomlTable::wrongType(const KeySpec& key, const toml::node& node) const {
+  std::string wanted = typeText(key.type);
+  if (*key.choices != '\0') wanted += " (" + listed(split(key.choices), "or") + ")";
+  if (*key.unit != '\0') wanted += std::string(" in ") + key.unit;
+  throw InputError(placeOf(node.source()), "\"" + std::string(key.name) + "\" is " + typeOf(node), "give " + wanted);
+}
+
+double TomlTable::numberAt(const KeySpec& key, const toml::node& node, const std::string& what) const {
+  double value = 0;
+  if (const auto* floating = node.as_floating_point()) {
+    value = floating->get();
+  } else if (const auto* integer = node.as_integer()) {
+    value = static_cast<double>(integer->get());
+  } else {
+    wrongType(key, node);
+  }
+  if (!std::isfinite(value)) {
+    throw InputError(placeOf(node.source()), what + " is not finite", "give a finite number");
+  }
+  if (!key.range.contains(value)) {
+    const std::string unit = *key.unit != '\0' ? std::string(" ") + key.unit : "";
+    throw InputError(placeOf(node.source()), what + " = " + shown(value) + unit + " is out of range",
+                     "allowed is " + key.range.text() + unit);
+  }
+  return value;
+}
+
+std::vector<double> TomlTable::numbersAt(const KeySpec& key, const toml::node& node) const {
+  const toml::array* array = node.as_array();
+  if (array == nullptr) wrongType(key, node);
+  const std::size_t wanted = key.type == KeySpec::Type::Vector  ? 3
+                             : key.type == KeySpec::Type::Plane ? 2
+                                                                : array->size();
+  if (array->size() != wanted) {
+    throw InputError(placeOf(node.source()),
+                     "\"" + std::string(key.name) + "\" has " + std::to_string(array->size()) + " entries",
+                     "give " + typeText(key.type) + ", like " + (wanted == 3 ? "[0.0, 0.0, 0.1]" : "[0.0, 0.1]"));
+  }
+  std::vector<double> values;
+  for (std::size_t i = 0; i < array->size(); ++i) {
+    values.push_back(numberAt(key, *array->get(i), std::string(key.name) + "[" + std::to_string(i) + "]"));
+  }
+  return values;
+}
+
+void TomlTable::read(const std::string& key, double& value) const {
+  if (const toml::node* node = find(key)) value = numberAt(spec(key), *node, "\"" + key + "\"");
+}
+
+std::int64_t TomlTable::integerAt(const KeySpec& key, const toml::node& node) const {
+  const auto* integer = node.as_integer();
+  if (integer == nullptr) wrongType(key, node);
+  numberAt(key, node, "\"" + std::string(key.name) + "\"");  // its range
+  const std::vector<std::string> choices = split(key.choices);
+  if (*key.choices != '\0' &&
+      std::find(choices.begin(), choices.end(), std::to_string(integer->get())) == choices.end()) {
+    throw InputError(placeOf(node.source()),
+                     "\"" + std::string(key.name) + "\" = " + std::to_string(integer->get()) + " is no choice",
+                     "give " + listed(choices, "or"));
+  }
+  return integer->get();
+}
+
+void TomlTable::read(const std::string& key, int& value) const {
+  if (const toml::node* node = find(key)) value = static_cast<int>(integerAt(spec(key), *node));
+}
+
+void TomlTable::read(const std::string& key, unsigned& value) const {
+  if (const toml::node* node = find(key)) value = static_cast<unsigned>(integerAt(spec(key), *node));
+}
+
+void TomlTable::read(const std::string& key, bool& value) const {
+  if (const toml::node* node = find(key)) {
+    const auto* boolean = node->as_boolean();
+    if (boolean == nullptr) wrongType(spec(key), *node);
+    value = boolean->get();
+  }
+}
+
+void TomlTable::read(const std::string& key, std::string& value) const {
+  if (const toml::node* node = find(key)) {
+    const auto* text = node->as_string();
+    if (text == nullptr) wrongType(spec(key), *node);
+    value = text->get();
+  }
+}
+
+void TomlTable::read(const std::string& key, Vec3& value) const {
+  if (const toml::node* node = find(key)) value = Vec3(numbersAt(spec(key), *node).data());
+}
+
+void TomlTable::read(const std::string& key, Eigen::Vector2d& value) const {
+  if (const toml::node* node = find(key)) value = Eigen::Vector2d(numbersAt(spec(key), *node).data());
+}
+
+void TomlTable::read(const std::string& key, std::vector<double>& value) const {
+  if (const toml::node* node = find(key)) value = numbersAt(spec(key), *node);
+}
+
+void TomlTable::readDirection(const std::string& key, Vec3& value) const {
+  read(key, value);
+  const double length = value.stableNorm();
+  if (!(length > 0)) throw InputError(place(key), "\"" + key + "\" is zero", "give a direction, like [0, 0, 1]");
+  value /= length;
+}
+
+void TomlTable::readAxes(const std::string& key, bool (&value)[3]) const {
+  const toml::node* node = find(key);
+  if (node == nullptr) return;
+  const toml::array* array = node->as_array();
+  if (array == nullptr) wrongType(spec(key), *node);
+  const char* advice = "give a list of \"x\", \"y\" and \"z\", like [\"z\"]";
+  if (array->empty()) throw InputError(placeOf(node->source()), "\"" + key + "\" is empty", advice);
+  std::fill(std::begin(value), std::end(value), false);
+  for (const toml::node& entry : *array) {
+    const auto* text = entry.as_string();
+    const std::string axis = text != nullptr ? text->get() : "";
+    if (axis != "x" && axis != "y" && axis != "z") {
+      throw InputError(placeOf(entry.source()), "\"" + key + "\" has an entry that is no axis", advice);
+    }
+    value[axis[0] - 'x'] = true;
+  }
+}
+
+int TomlTable::readChoice(const std::string& key, int absent) const {
+  const toml::node* node = find(key);
+  if (node == nullptr) return absent;
+  const auto* text = node->as_string();
+  if (text == nullptr) wrongType(spec(key), *node);
+  const std::vector<std::string> choices = split(spec(key).choices);
+  const auto found = std::find(choices.begin(), choices.end(), text->get());
+  if (found == choices.end()) {
+    throw InputError(placeOf(node->source()), "\"" + key + "\" is " + quoted(text->get()),
+                     "give " + listed(choices, "or"));
+  }
+  return static_cast<int>(found - choices.begin());
+}
+
+TomlTable TomlTable::table(const std::string& key, std::vector<std::string> groups) const {
+  static const toml::table empty;
+  const toml::node* node = find(key);
+  if (node == nullptr) return {*file_, empty, dotted(key), std::move(groups)};
+  const toml::table* below = node->as_table();
+  if (below == nullptr) {
+    throw InputError(placeOf(node->source()), "\"" + key + "\" is " + typeOf(*node),
+                     "write it as a table: [" + dotted(key) + "]");
+  }
+  return {*file_, *below, dotted(key), std::move(groups)};
+}
+
+std::vector<TomlTable> TomlTable::tables(const std::string& key, std::vector<std::string> groups) const {
+  std::vector<TomlTable> result;
+  const toml::node* node = find(key);
+  if (node == nullptr) return result;
+  const std::string advice = "write each entry as [[" + dotted(key) + "]]";
+  const toml::array* array = node->as_array();
+  if (array == nullptr) throw InputError(placeOf(node->source()), "\"" + key + "\" is " + typeOf(*node), advice);
+  if (array->empty() && std::string_view(spec(key).fallback) == KeySpec::required) {
+    throw InputError(placeOf(node->source()), "\"" + key + "\" is empty", advice);
+  }
+  for (std::size_t i = 0; i < array->size(); ++i) {
+    const toml::table* entry = array->get(i)->as_table();
+    if (entry == nullptr) {
+      throw InputError(placeOf(array->get(i)->source()), "\"" + key + "\" has an entry that is " + typeOf(*array->get(i)),
+                       advice);
+    }
+    result.emplace_back(*file_, *entry, dotted(key) + "[" + std::to_string(i) + "]", groups);
+  }
+  return result;
+}
+
+void TomlTable::require(std::initializer_list<const char*> keys, const std::string& because) const {
+  for (const char* key : keys) {
+    if (!has(key)) throw InputError(place_, "the key \"" + std::string(key) + "\" is missing", because + " needs it");
+  }
+}
+
+void TomlTable::forbid(std::initializer_list<const char*> keys, const std::string& because) const {
+  for (const char* key : keys) {
+    if (has(key)) throw InputError(place(key), "\"" + std::string(key) + "\" means nothing " + because, "remove it");
+  }
+}
+
+}  // namespace palpate

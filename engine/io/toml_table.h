@@ -1,0 +1,93 @@
+#pragma once
+
+#include <cstdint>
+#include <initializer_list>
+#include <map>
+#include <optional>
+#include <span>
+#include <string>
+#include <toml++/toml.h>
+#include <vector>
+
+#include "base/input_error.h"
+#include "base/types.h"
+#include "io/key_spec.h"
+
+namespace palpate {
+
+/// Parses TOML text. Throws InputError with file, line and column where it is no TOML.
+toml::table parseToml(const std::string& text, const std::string& file);
+
+/// What all tables of one file share.
+struct TomlFile {
+  std::string name;
+  std::span<const KeySpec> keys;
+  std::map<std::string, Place> places;  // dotted key ("material[0].young") -> where it stands
+};
+
+/// A table of a TOML file, read by its key specifications. Each read checks type, range and choices and
+/// throws InputError with file:line:column, what is wrong and what would be right. An absent key
+/// leaves the target as it is, unless it is required.
+class TomlTable {
+ public:
+  /// Refuses keys that none of `groups` knows, suggesting the nearest one that it does.
+  /// @param path    "" for the file's top level, otherwise dotted, such as "material[0]"
+  /// @param groups  the KeySpec tables whose keys may stand here
+  TomlTable(TomlFile& file, const toml::table& table, std::string path, std::vector<std::string> groups);
+
+  bool has(const std::string& key) const { return table_->contains(key); }
+
+  /// Where the key stands; where it is absent, where the table does.
+  Place place(const std::string& key) const;
+  Place place() const { return place_; }
+
+  void read(const std::string& key, double& value) const;
+  void read(const std::string& key, int& value) const;
+  void read(const std::string& key, unsigned& value) const;
+  void read(const std::string& key, bool& value) const;
+  void read(const std::string& key, std::string& value) const;
+  void read(const std::string& key, Vec3& value) const;
+  void read(const std::string& key, Eigen::Vector2d& value) const;
+  void read(const std::string& key, std::vector<double>& value) const;
+
+  /// A direction: made a unit vector; zero is refused.
+  void readDirection(const std::string& key, Vec3& value) const;
+
+  /// A list of "x", "y", "z".
+  void readAxes(const std::string& key, bool (&value)[3]) const;
+
+  /// The position of the text among the key's choices; `absent` where the key is.
+  int readChoice(const std::string& key, int absent) const;
+
+  /// A table below this one; an empty one where it is absent and not required.
+  TomlTable table(const std::string& key, std::vector<std::string> groups) const;
+
+  /// A list of tables ([[key]]).
+  std::vector<TomlTable> tables(const std::string& key, std::vector<std::string> groups) const;
+
+  /// Throws if a key is missing: "`because` needs it".
+  void require(std::initializer_list<const char*> keys, const std::string& because) const;
+
+  /// Throws if a key is there: "it means nothing `because`".
+  void forbid(std::initializer_list<const char*> keys, const std::string& because) const;
+
+ private:
+  const KeySpec& spec(const std::string& key) const;
+  const toml::node* find(const std::string& key) const;  // null where absent and allowed to be
+  double numberAt(const KeySpec& key, const toml::node& node, const std::string& what) const;
+  std::vector<double> numbersAt(const KeySpec& key, const toml::node& node) const;
+  std::int64_t integerAt(const KeySpec& key, const toml::node& node) const;
+  [[noreturn]] void wrongType(const KeySpec& key, const toml::node& node) const;
+  [[noreturn]] void unknownKey(const toml::key& key) const;
+  Place placeOf(const toml::source_region& source) const;
+  std::string dotted(const std::string& key) const { return path_.empty() ? key : path_ + "." + key; }
+  std::string title() const;  // "[dynamics]" for messages
+
+  TomlFile* file_;
+  const toml::table* table_;
+  std::string path_;
+  std::vector<std::string> groups_;
+  Place place_;
+};
+
+}  // namespace palpate

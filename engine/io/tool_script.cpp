@@ -1,0 +1,105 @@
+#include "io/tool_script.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <iterator>
+#include <utility>
+
+#include "io/text_file.h"
+#include "io/toml_table.h"
+
+namespace palpate {
+
+namespace {
+
+using T = KeySpec::Type;
+
+constexpr KeySpec keys[] = {
+    {"", "name", T::Text, "", "", {}, "", "For reports; the file's name where absent."},
+    {"", "from_touch", T::Boolean, "", "true", {}, "", "Advance counts from where the tool first touches the resting skin; otherwise from the scene's start pose."},
+    {"", "interpolation", T::Text, "", "\"smooth\"", {}, "linear|smooth", "Between keyframes: straight, or 10 t^3 - 15 t^4 + 6 t^5, which starts and stops gently."},
+    {"", "keyframe", T::Tables, "", KeySpec::required, {}, "", "Where the tool is when. A first one later than 0 is reached from the scene's start pose."},
+    {"keyframe", "time", T::Number, "s", KeySpec::required, atLeast(0), "", "Later than the keyframe before."},
+    {"keyframe", "advance", T::Number, "m", KeySpec::depends, {}, "", "How far along the way the tip points; negative: back. This or `advance_radii`."},
+    {"keyframe", "advance_radii", T::Number, "tool radii", KeySpec::depends, {}, "", "The same in radii of the scene's tool, so that one script suits many scenes."},
+    {"keyframe", "slide", T::Plane, "m", "[0.0, 0.0]", {}, "", "How far sideways, along the tool's x and y axes."},
+    {"keyframe", "slide_radii", T::Plane, "tool radii", "[0.0, 0.0]", {}, "", "The same in radii of the scene's tool."},
+};
+
+/// The keyframe as travel from the start pose.
+ToolScript::Keyframe fromStart(const ToolScript& script, ToolScript::Keyframe key, double touch_travel) {
+  if (script.from_touch) key.advance += touch_travel;
+  return key;
+}
+
+}  // namespace
+
+std::span<const KeySpec> toolScriptKeys() { return keys; }
+
+std::string toolScriptReference() {
+  return "### Top level\n\n" + keyReference(keys, "") + "\n### `[[keyframe]]`\n\n" + keyReference(keys, "keyframe");
+}
+
+ToolScript readToolScript(const std::string& path, double tool_radius) {
+  const toml::table document = parseToml(readWholeFile(path), path);
+  TomlFile file{path, keys, {}};
+  const TomlTable top(file, document, "", {""});
+  ToolScript script;
+  script.name = std::filesystem::path(path).stem().string();
+  top.read("name", script.name);
+  top.read("from_touch", script.from_touch);
+  script.smooth = top.readChoice("interpolation", 1) == 1;
+  for (const TomlTable& entry : top.tables("keyframe", {"keyframe"})) {
+    ToolScript::Keyframe key;
+    entry.read("time", key.time);
+    if (entry.has("advance") == entry.has("advance_radii")) {
+      throw InputError(entry.place("advance"),
+                       entry.has("advance") ? "both \"advance\" and \"advance_radii\""
+                                            : "neither \"advance\" nor \"advance_radii\"",
+                       "give one of them");
+    }
+    if (entry.has("slide") && entry.has("slide_radii")) {
+      throw InputError(entry.place("slide"), "both \"slide\" and \"slide_radii\"", "give one of them");
+    }
+    entry.read("advance", key.advance);
+    entry.read("slide", key.slide);
+    if (entry.has("advance_radii")) {
+      entry.read("advance_radii", key.advance);
+      key.advance *= tool_radius;
+    }
+    if (entry.has("slide_radii")) {
+      entry.read("slide_radii", key.slide);
+      key.slide *= tool_radius;
+    }
+    if (!script.keyframes.empty() && key.time <= script.keyframes.back().time) {
+      throw InputError(entry.place("time"), "this keyframe is not later than the one before it",
+                       "keyframes stand in the order of their times");
+    }
+    script.keyframes.push_back(key);
+  }
+  return script;
+}
+
+Pose poseAt(const ToolScript& script, const Pose& start, double touch_travel, double time) {
+  const auto& all = script.keyframes;
+  const auto after = std::upper_bound(all.begin(), all.end(), time,
+                                      [](double t, const ToolScript::Keyframe& key) { return t < key.time; });
+  ToolScript::Keyframe at;
+  if (after == all.end()) {
+    at = fromStart(script, all.back(), touch_travel);
+  } else {
+    const ToolScript::Keyframe to = fromStart(script, *after, touch_travel);
+    const ToolScript::Keyframe from =
+        after == all.begin() ? ToolScript::Keyframe{} : fromStart(script, *std::prev(after), touch_travel);
+    // A first keyframe at time 0 has no way that leads to it: the tool is there.
+    const double t = to.time > from.time ? std::clamp((time - from.time) / (to.time - from.time), 0.0, 1.0) : 1.0;
+    const double s = script.smooth ? t * t * t * (10 + t * (6 * t - 15)) : t;
+    at.advance = from.advance + s * (to.advance - from.advance);
+    at.slide = from.slide + s * (to.slide - from.slide);
+  }
+  Pose pose = start;
+  pose.position += start.orientation * Vec3(at.slide.x(), at.slide.y(), -at.advance);
+  return pose;
+}
+
+}  // namespace palpate
