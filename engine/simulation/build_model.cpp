@@ -46,6 +46,25 @@ int materialAt(const Scene& scene, const Vec3& x) {
   return 0;
 }
 
+SpacingField spacingField(const Scene& scene) {
+  SpacingField spacing;
+  spacing.spacing = scene.spacing;
+  spacing.place = placeOf(scene, "discretization.spacing");
+  for (const auto& r : scene.refine) spacing.refinements.push_back({r.centre, r.radius, r.spacing, r.blend, r.place});
+  return spacing;
+}
+
+/// The skin's vertices sample the contact pressure: 0.35 tool radii is what contact/skin.h asks for, and
+/// where the nodes are denser than the tool is wide, a third of their spacing keeps up with them.
+TriangleSurface refineForContact(const Scene& scene, const TriangleSurface& organ) {
+  const SpacingField spacing = spacingField(scene);
+  const double by_tool = 0.35 * scene.tool.radius;
+  return refineSurface(organ, [&](const Vec3& x) {
+    const double h = spacing.at(x);
+    return h < scene.spacing ? std::min(by_tool, h / 3) : by_tool;
+  });
+}
+
 struct Discretization {
   NodeCloud cloud;
   BackgroundCells cells;
@@ -53,13 +72,8 @@ struct Discretization {
 
 /// Nodes and cells; nodes along a Hilbert curve.
 Discretization discretize(const Scene& scene, const SurfaceTree& organ) {
-  SpacingField spacing;
-  spacing.spacing = scene.spacing;
-  spacing.place = placeOf(scene, "discretization.spacing");
-  for (const auto& r : scene.refine) spacing.refinements.push_back({r.centre, r.radius, r.spacing, r.blend, r.place});
-
   Discretization d;
-  d.cloud = makeNodeCloud(organ, spacing, scene.seed);
+  d.cloud = makeNodeCloud(organ, spacingField(scene), scene.seed);
   d.cells = makeBackgroundCells(d.cloud, organ);
   fitToVolume(d.cloud, d.cells, organ);
 
@@ -221,8 +235,7 @@ Model buildModel(const Scene& scene, const TriangleSurface& organ, const Progres
   const auto points = makeIntegrationPoints(cloud.X, cells.cells, cells.volume, scene.points_per_cell);
 
   tell("skin", 0.4);
-  // The skin's vertices sample the contact pressure: contact/skin.h asks for this edge length.
-  const TriangleSurface skin = refineSurface(organ, 0.35 * scene.tool.radius);
+  const TriangleSurface skin = refineForContact(scene, organ);
 
   tell("shape functions", 0.45);
   std::vector<BoundaryMotion> motions;

@@ -1,0 +1,47 @@
+// palpate SCENE: press a probe into soft tissue, in a window or off-screen.
+#include <exception>
+#include <iostream>
+
+#include "app/interrupt.h"
+#include "app/log.h"
+#include "app/offscreen_run.h"
+#include "app/options.h"
+#include "app/session.h"
+#include "app/window.h"
+#include "base/input_error.h"
+
+namespace {
+
+constexpr int failed = 1, unusable_input = 2;
+
+void run(const palpate::Options& options) {
+  using namespace palpate;
+  if (!options.offscreen) requireDisplay();
+  Log log;
+  Session session(options, log);
+  if (options.offscreen)
+    runOffscreen(session);
+  else
+    runWindow(session);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const palpate::ParsedOptions parsed = palpate::parseOptions(argc, argv);
+  if (!parsed.options) {
+    (parsed.exit_code == 0 ? std::cout : std::cerr) << parsed.message << std::endl;
+    return parsed.exit_code;
+  }
+  palpate::catchInterrupts();
+  try {
+    run(*parsed.options);
+  } catch (const palpate::InputError& error) {
+    std::cerr << "palpate: " << error.what() << std::endl;
+    return unusable_input;
+  } catch (const std::exception& error) {
+    std::cerr << "palpate: " << error.what() << std::endl;
+    return failed;
+  }
+  return 0;
+}

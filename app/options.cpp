@@ -1,0 +1,128 @@
+#include "app/options.h"
+
+#include <CLI/CLI.hpp>
+
+#include <cmath>
+#include <filesystem>
+
+#include "base/build_info.h"
+
+namespace palpate {
+
+namespace {
+
+constexpr int min_width = 320, min_height = 240;  // below that no panel is readable
+constexpr int max_side = 8192;                    // px; what every OpenGL 3.3 driver in use can draw into
+
+const char* const examples = R"(Examples:
+  palpate liver                                  press the probe into the liver, in a window
+  palpate liver --offscreen --seconds 3          no display: picture, force curve and report in out/liver
+  palpate assets/scenes/layer_sphere.toml --tool indent.toml --out /tmp/layer
+  palpate liver --record session.rec             keep what the tool did ...
+  palpate liver --replay session.rec --offscreen --as-fast-as-possible   ... and repeat it bit for bit
+
+Keys in the window: F1 shows them. Exit codes: 0 done, 1 failed while running, 2 bad option or scene.)";
+
+/// Accepts finite numbers in [low, high] and says so otherwise.
+CLI::Validator numberWithin(double low, double high, const std::string& unit) {
+  std::ostringstream range;
+  range << low << " to " << high << ' ' << unit;
+  return CLI::Validator(
+      [low, high, text = range.str()](std::string& input) -> std::string {
+        double value = 0;
+        if (!CLI::detail::lexical_cast(input, value) || !std::isfinite(value) || value < low || value > high)
+          return "'" + input + "' is not within " + text;
+        return {};
+      },
+      "");
+}
+
+/// Reads "1280x800"; false where it is anything else or out of range.
+bool readSize(const std::string& text, int& width, int& height) {
+  const auto x = text.find('x');
+  if (x == std::string::npos) return false;
+  const std::string w = text.substr(0, x), h = text.substr(x + 1);
+  const auto digits = [](const std::string& s) {
+    return !s.empty() && s.size() <= 5 && s.find_first_not_of("0123456789") == std::string::npos;
+  };
+  if (!digits(w) || !digits(h)) return false;
+  width = std::stoi(w);
+  height = std::stoi(h);
+  return width >= min_width && height >= min_height && width <= max_side && height <= max_side;
+}
+
+ParsedOptions refusal(const std::string& problem) {
+  return {{}, "palpate: " + problem + "; see palpate --help", 2};
+}
+
+}  // namespace
+
+ParsedOptions parseOptions(int argc, const char* const* argv) {
+  Options o;
+  std::string size;
+  CLI::App app{"Palpate: press a probe into soft tissue, simulated without a mesh at haptic rates."};
+  app.footer(examples);
+  app.set_version_flag("--version", buildInfo());
+  app.get_formatter()->column_width(36);
+  app.add_option("SCENE", o.scene, "Scene file (.toml), or the name of one in assets/scenes, e.g. liver")->required();
+  app.add_flag("--offscreen", o.offscreen,
+               "Run without a display; write snapshot.png, force.csv and report.json, e.g. palpate liver --offscreen");
+  app.add_option("--seconds", o.seconds, "End after S seconds of physics time, e.g. --seconds 20")
+      ->type_name("S")
+      ->check(numberWithin(1e-3, 1e6, "s"));
+  app.add_option("--rate", o.rate_hz, "Ticks per second instead of the scene's rate, e.g. --rate 1000")
+      ->type_name("HZ")
+      ->check(numberWithin(100, 2000, "Hz"));
+  app.add_option("--tool", o.tool_script, "Move the tool as a script says, e.g. --tool indent.toml")->type_name("SCRIPT");
+  app.add_option("--record", o.record, "Keep the tool's motion, tick by tick, e.g. --record session.rec")->type_name("FILE");
+  app.add_option("--replay", o.replay, "Repeat a recording; gives the same state_hash, e.g. --replay session.rec")
+      ->type_name("FILE");
+  app.add_option("--out", o.out,
+                 "Folder for picture, force curve and report (off-screen: out/<scene name>), e.g. --out /tmp/run")
+      ->type_name("DIR");
+  app.add_option("--size", size, "Size of the window or picture in pixels, e.g. --size 1600x1000")
+      ->type_name("WxH")
+      ->default_str("1280x800");
+  app.add_option("--snapshot-at", o.snapshot_at,
+                 "Off-screen: take the picture at S seconds instead of at the end, e.g. --snapshot-at 1.5")
+      ->type_name("S")
+      ->check(numberWithin(0, 1e6, "s"));
+  app.add_option("--threads", o.threads, "Physics threads instead of the scene's number, e.g. --threads 2")
+      ->type_name("N")
+      ->check(numberWithin(1, 64, "threads"));
+  app.add_flag("--as-fast-as-possible", o.as_fast_as_possible,
+               "Do not wait for the clock, e.g. palpate liver --replay session.rec --offscreen --as-fast-as-possible");
+
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::CallForHelp&) {
+    return {{}, app.help(), 0};
+  } catch (const CLI::CallForVersion& version) {
+    return {{}, version.what(), 0};
+  } catch (const CLI::ParseError& error) {
+    return refusal(error.what());
+  }
+
+  if (!size.empty() && !readSize(size, o.width, o.height))
+    return refusal("--size: '" + size + "' is not a size such as 1280x800 (" + std::to_string(min_width) + "x" +
+                   std::to_string(min_height) + " to " + std::to_string(max_side) + "x" + std::to_string(max_side) + ")");
+  if (!o.replay.empty() && !o.tool_script.empty())
+    return refusal("--replay and --tool both say where the tool goes; give one of them");
+  if (!o.replay.empty() && o.replay == o.record)
+    return refusal("--record would overwrite the recording that --replay reads; name another file");
+  if (o.snapshot_at && !o.offscreen) return refusal("--snapshot-at is for off-screen runs; add --offscreen");
+  if (o.snapshot_at && o.seconds && *o.snapshot_at > *o.seconds)
+    return refusal("--snapshot-at lies after the end that --seconds sets");
+  return {o, "", 0};
+}
+
+std::string findScene(const std::string& scene, const std::string& scenes_folder) {
+  namespace fs = std::filesystem;
+  std::error_code ignored;
+  const bool is_path = scene.find('/') != std::string::npos || fs::path(scene).has_extension();
+  if (is_path || fs::is_regular_file(scene, ignored)) return scene;
+  const fs::path named = fs::path(scenes_folder) / (scene + ".toml");
+  return fs::is_regular_file(named, ignored) ? named.string() : scene;
+}
+
+}  // namespace palpate

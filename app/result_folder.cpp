@@ -1,0 +1,70 @@
+#include "app/result_folder.h"
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <stdexcept>
+
+namespace palpate {
+
+namespace {
+
+[[noreturn]] void fail(const std::string& file, int error) {
+  throw std::runtime_error("can't write " + file + ": " + (error != 0 ? std::strerror(error) : "unknown reason") +
+                           "; choose another place with --out");
+}
+
+}  // namespace
+
+ResultFolder::ResultFolder(const std::string& folder) : folder_(folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder_, error);
+  if (error || !std::filesystem::is_directory(folder_, error)) fail(folder_, error ? error.value() : ENOTDIR);
+  errno = 0;
+  forces_.open(forceFile(), std::ios::trunc);
+  if (!forces_) fail(forceFile(), errno);
+  forces_ << "time_s,depth_m,force_raw_N_x,force_raw_N_y,force_raw_N_z,"
+             "force_filtered_N_x,force_filtered_N_y,force_filtered_N_z\n"
+          << std::flush;
+  checkForces();
+}
+
+void ResultFolder::checkForces() {
+  if (!forces_) fail(forceFile(), errno);
+}
+
+void ResultFolder::addForce(const ForceSample& s) {
+  // %.9g tells neighbouring floats apart; the clock's times have at most 1e-4 s of detail.
+  char row[256];
+  const int length =
+      std::snprintf(row, sizeof row, "%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g\n", s.time_s, s.depth_m, s.force_raw.x(),
+                    s.force_raw.y(), s.force_raw.z(), s.force_filtered.x(), s.force_filtered.y(), s.force_filtered.z());
+  errno = 0;
+  forces_.write(row, length);
+  checkForces();
+}
+
+void ResultFolder::finishForces() {
+  errno = 0;
+  forces_.close();
+  checkForces();
+}
+
+void ResultFolder::writeReport(const std::string& json) const {
+  errno = 0;
+  std::ofstream file(reportFile(), std::ios::trunc);
+  file << json << '\n';
+  file.close();
+  if (!file) fail(reportFile(), errno);
+}
+
+void ResultFolder::writePicture(const Picture& picture) const { writePng(pictureFile(), picture); }
+
+void checkWritable(const std::string& file) {
+  errno = 0;
+  const std::ofstream probe(file, std::ios::app);
+  if (!probe) fail(file, errno);
+}
+
+}  // namespace palpate

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <fstream>
+#include <string>
+
+#include "app/picture.h"
+#include "realtime/snapshot.h"
+
+namespace palpate {
+
+/// The folder that a run's results go to: force.csv, report.json, snapshot.png.
+/// Each function throws std::runtime_error naming the file and the system's reason
+/// when it can't be written (folder read-only, disk full).
+class ResultFolder {
+ public:
+  /// Makes the folder where it is missing and begins force.csv, so that a run that
+  /// could not keep its results never starts.
+  explicit ResultFolder(const std::string& folder);
+
+  /// One row of force.csv.
+  void addForce(const ForceSample& sample);
+  /// Ends force.csv. Rows that could not be written are found here at the latest.
+  void finishForces();
+
+  void writeReport(const std::string& json) const;
+  void writePicture(const Picture& picture) const;
+
+  std::string forceFile() const { return folder_ + "/force.csv"; }
+  std::string reportFile() const { return folder_ + "/report.json"; }
+  std::string pictureFile() const { return folder_ + "/snapshot.png"; }
+
+ private:
+  void checkForces();
+
+  std::string folder_;
+  std::ofstream forces_;
+};
+
+/// Throws std::runtime_error with the system's reason unless `file` can be created or overwritten.
+void checkWritable(const std::string& file);
+
+}  // namespace palpate

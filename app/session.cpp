@@ -1,0 +1,278 @@
+#include "app/session.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <stdexcept>
+
+#include "app/format.h"
+#include "app/indent_track.h"
+#include "io/load_model.h"
+#include "io/scene_file.h"
+#include "io/tool_script.h"
+
+namespace palpate {
+
+namespace {
+
+constexpr double history_seconds = 8;         // of the plots
+constexpr double default_offscreen_seconds = 4;
+
+std::string fileName(const std::string& path) { return std::filesystem::path(path).filename().string(); }
+
+Scene readSceneOf(const Options& options) {
+  const std::string scenes = std::string(PALPATE_SOURCE_DIR) + "/assets/scenes";
+  Scene scene = readScene(findScene(options.scene, scenes));
+  if (options.rate_hz) scene.rate_hz = *options.rate_hz;
+  if (options.threads) scene.threads = *options.threads;
+  return scene;
+}
+
+Model buildModelOf(const Scene& scene, Log& log) {
+  std::string told;
+  Model model = loadModel(scene, [&](const std::string& what, double) {
+    if (what == told) return;
+    told = what;
+    log.info(what);
+  });
+  log.info(format("%s: %d nodes, %d integration points, %d steps of %.1f us per tick, ready in %.2f s",
+                  scene.name.c_str(), model.nodeCount(), model.pointCount(), model.substeps_per_tick, model.dt * 1e6,
+                  model.setup_seconds));
+  return model;
+}
+
+std::int64_t ticksIn(double seconds, double rate_hz) {
+  return std::max<std::int64_t>(1, std::llround(seconds * rate_hz));
+}
+
+SetupLine setupLine(const char* name, const std::string& outcome) {
+  const std::string done = "done: ", refused = "not done: ";
+  if (outcome.starts_with(done)) return {name, outcome.substr(done.size()), true};
+  if (outcome.starts_with(refused)) return {name, "no: " + outcome.substr(refused.size()), false};
+  return {name, outcome, false};
+}
+
+}  // namespace
+
+Session::Session(const Options& options, Log& log)
+    : options_(options),
+      log_(log),
+      scene_(readSceneOf(options)),
+      model_(buildModelOf(scene_, log)),
+      scene_materials_(model_.materials),
+      stiffness_(model_.materials.size(), 1.0),
+      sent_before_(stiffness_),
+      friction_(scene_.friction),
+      forces_(history_seconds) {
+  SimulationLoopOptions loop_options;
+  loop_options.as_fast_as_possible = options_.as_fast_as_possible;
+  loop_options.start_paused = !options_.offscreen;  // the window resumes with its first picture
+  chooseInput(loop_options);
+
+  if (!options_.record.empty()) {
+    checkWritable(options_.record);
+    recording_ = Recording{scene_.name, modelHash(model_), scene_.rate_hz, 0, {}};
+    loop_options.record = true;
+  }
+  if (options_.offscreen && options_.out.empty()) options_.out = "out/" + scene_.name;
+  if (!options_.out.empty()) results_.emplace(options_.out);
+
+  physics_ = std::make_unique<TissuePhysics>(model_, scene_.threads);
+  loop_ = std::make_unique<SimulationLoop>(model_, *physics_, &physics_->team(), std::move(loop_options));
+}
+
+Session::~Session() = default;
+
+/// What moves the tool, and how long the run lasts.
+void Session::chooseInput(SimulationLoopOptions& loop_options) {
+  const double rate = scene_.rate_hz;
+  double track_seconds = 0;
+  if (!options_.replay.empty()) {
+    Recording recording = readRecording(options_.replay);
+    checkRecordingFits(recording, model_, options_.replay);
+    loop_options.track = std::move(recording.changes);
+    loop_options.track_ticks = recording.ticks;
+    track_seconds = static_cast<double>(recording.ticks) / rate;
+    track_driver_ = ToolDriver::Replay;
+    script_ = fileName(options_.replay);
+  } else if (!options_.tool_script.empty()) {
+    const std::vector<Pose> poses = toolScriptPoses(readToolScript(options_.tool_script), model_);
+    loop_options.track = trackFromPoses(poses);
+    loop_options.track_ticks = static_cast<std::int64_t>(poses.size());
+    track_seconds = static_cast<double>(poses.size()) / rate;
+    track_driver_ = ToolDriver::Script;
+    script_ = fileName(options_.tool_script);
+  } else if (options_.offscreen) {
+    track_seconds = options_.seconds.value_or(default_offscreen_seconds);
+    loop_options.track = trackFromPoses(indentPoses(model_));
+    loop_options.track_ticks = ticksIn(track_seconds, rate);
+    track_driver_ = ToolDriver::Script;
+    script_ = "indent and hold";
+  }
+  track_over_ = loop_options.track.empty();
+
+  if (options_.seconds)
+    loop_options.tick_limit = ticksIn(*options_.seconds, rate);
+  else if (options_.offscreen)
+    loop_options.tick_limit = ticksIn(track_seconds, rate);
+}
+
+void Session::start() { loop_->start(); }
+
+void Session::gather() {
+  ForceSample sample;
+  while (loop_->forces().pop(sample)) {
+    forces_.add(sample);
+    if (results_) results_->addForce(sample);
+  }
+  LogEvent event;
+  while (loop_->log().pop(event)) takeEvent(event);
+  TimedRequest change;
+  while (loop_->recorded().pop(change))
+    if (recording_) recording_->changes.push_back(change);
+}
+
+void Session::takeEvent(const LogEvent& event) {
+  using Kind = LogEvent::Kind;
+  const std::string text = logText(event);
+  if (event.isFreeze()) {
+    frozen_reason_ = text;
+    log_.error(text);
+  } else if (event.isWarning() || event.kind == Kind::MaterialRefused) {
+    log_.warning(text);
+  } else {
+    log_.info(text);
+  }
+  switch (event.kind) {
+    case Kind::TrackEnded: track_over_ = true; break;
+    case Kind::FrictionSet: friction_ = event.value; break;
+    case Kind::MaterialRefused: {
+      const auto m = static_cast<std::size_t>(event.index);
+      stiffness_[m] = sent_before_[m];
+      break;
+    }
+    case Kind::Reset:
+      forces_.clear();
+      if (track_driver_ != ToolDriver::User) {  // the track starts over, with the scene's own values
+        track_over_ = false;
+        stiffness_.assign(stiffness_.size(), 1.0);
+      }
+      break;
+    default: break;
+  }
+}
+
+void Session::finish() {
+  if (ended_) return;
+  ended_ = true;
+  loop_->quit();
+  loop_->join();
+  gather();
+  const RunSummary& summary = loop_->summary();
+  if (summary.lost_force_samples > 0)
+    log_.warning(format("%lld force samples were lost: the main thread was kept from running",
+                        static_cast<long long>(summary.lost_force_samples)));
+  if (results_) results_->finishForces();
+  if (recording_) {
+    if (summary.lost_records > 0)
+      throw std::runtime_error(options_.record + " was not written: " + std::to_string(summary.lost_records) +
+                               " changes were lost, the run can't be repeated from it");
+    recording_->ticks = summary.ticks;
+    writeRecording(*recording_, options_.record);
+    log_.info("recording: " + options_.record);
+  }
+}
+
+void Session::send(const Request& request) {
+  if (loop_->commands().push(request) || request.kind == Request::Kind::MoveTool) return;
+  log_.warning("the loop did not take a request: it has not run for a long time");
+}
+
+void Session::setFriction(double coefficient) {
+  friction_ = coefficient;
+  send(Request::setFriction(coefficient));
+}
+
+void Session::setStiffness(int material, double stiffness) {
+  const auto m = static_cast<std::size_t>(material);
+  sent_before_[m] = stiffness_[m];
+  stiffness_[m] = stiffness;
+  send(Request::setMaterial(material, stiffened(scene_materials_[m], stiffness)));
+}
+
+ToolDriver Session::driver() const { return track_over_ ? ToolDriver::User : track_driver_; }
+
+TimingView Session::timing(const Snapshot& snapshot) const {
+  constexpr int bar_count = 80;
+  const DeadlineStatistics& statistics = loop_->statistics();
+  const Percentiles step = statistics.step.percentiles(), late = statistics.wakeup_late.percentiles();
+  TimingView view;
+  view.rate_hz = scene_.rate_hz;
+  view.threads = physics_->team().size();
+  view.step_p50 = step.p50;
+  view.step_p99 = step.p99;
+  view.step_p999 = step.p999;
+  view.step_max = step.max;
+  view.late_p99 = late.p99;
+  view.late_max = late.max;
+  view.histogram_end = std::max(1.1e6 / scene_.rate_hz, 1.1 * step.p999);
+  view.histogram.assign(bar_count, 0.0F);
+  for (int b = 0; b < DurationHistogram::kBinCount; ++b) {
+    const std::int64_t count = statistics.step.binCount(b);
+    if (count == 0) continue;
+    const double middle = 0.5 * (DurationHistogram::binBeginUs(b) + DurationHistogram::binEndUs(b));
+    const int bar = std::min(bar_count - 1, static_cast<int>(bar_count * middle / view.histogram_end));
+    view.histogram[static_cast<std::size_t>(bar)] += static_cast<float>(count);
+  }
+  // The loop's thread has set itself up before it publishes its first tick.
+  if (snapshot.status.ticks > 0) {
+    const RtSetup& setup = loop_->summary().rt_setup;
+    view.setup = {setupLine("Scheduling", setup.scheduling), setupLine("Memory lock", setup.memory_lock),
+                  setupLine("Affinity", setup.affinity), setupLine("Denormals", setup.denormals)};
+  }
+  return view;
+}
+
+PanelData Session::panelData(const Snapshot& snapshot) const {
+  PanelData data{.model = model_, .snapshot = snapshot, .forces = forces_, .log = log_.lines()};
+  data.timing = timing(snapshot);
+  for (std::size_t m = 0; m < stiffness_.size(); ++m)
+    data.materials.push_back({scene_.materials[m], stiffened(scene_materials_[m], stiffness_[m]), stiffness_[m]});
+  data.friction = friction_;
+  data.driver = driver();
+  data.script = script_;
+  if (data.driver == ToolDriver::Script) data.input_note = "a script runs, which must find the scene's own values";
+  if (data.driver == ToolDriver::Replay) data.input_note = "a recording runs, which brings its own values";
+  data.frozen_reason = frozen_reason_;
+  return data;
+}
+
+RunReport Session::report() {
+  return makeRunReport(model_, loop_->summary(), loop_->statistics(), physics_->team().size(),
+                       volumeChange(model_, latest().u.data()));
+}
+
+Material stiffened(Material material, double factor) {
+  material.shear_modulus *= factor;
+  material.bulk_modulus *= factor;
+  for (double& mu : material.mu) mu *= factor;
+  return material;
+}
+
+double volumeChange(const Model& model, const Float4* u) {
+  const ShapeTable& shape = model.point_shape;
+  double volume = 0, change = 0;
+  for (int q = 0; q < model.pointCount(); ++q) {
+    Mat3 F = Mat3::Identity();
+    for (int k = shape.begin[static_cast<std::size_t>(q)]; k < shape.begin[static_cast<std::size_t>(q) + 1]; ++k) {
+      const auto e = static_cast<std::size_t>(k);
+      F += toVec3(u[shape.node[e]]) * shape.gradN[e].transpose();
+    }
+    const double V = model.point_volume[static_cast<std::size_t>(q)];
+    volume += V;
+    change += V * (F.determinant() - 1);
+  }
+  return volume > 0 ? change / volume : 0;
+}
+
+}  // namespace palpate

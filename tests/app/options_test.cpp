@@ -1,0 +1,117 @@
+#include "app/options.h"
+
+#include <catch2/catch.hpp>
+
+#include <filesystem>
+#include <fstream>
+#include <vector>
+
+using namespace palpate;
+
+namespace {
+
+ParsedOptions parse(std::vector<const char*> words) {
+  words.insert(words.begin(), "palpate");
+  return parseOptions(static_cast<int>(words.size()), words.data());
+}
+
+}  // namespace
+
+TEST_CASE("A scene alone means a window of 1280x800 and the scene's own values", "[options]") {
+  const ParsedOptions parsed = parse({"liver"});
+  REQUIRE(parsed.options);
+  const Options& o = *parsed.options;
+  CHECK(o.scene == "liver");
+  CHECK_FALSE(o.offscreen);
+  CHECK_FALSE(o.as_fast_as_possible);
+  CHECK_FALSE(o.seconds);
+  CHECK_FALSE(o.rate_hz);
+  CHECK_FALSE(o.threads);
+  CHECK(o.width == 1280);
+  CHECK(o.height == 800);
+}
+
+TEST_CASE("Each option reaches its field", "[options]") {
+  const ParsedOptions parsed =
+      parse({"a.toml", "--offscreen", "--seconds", "2.5", "--rate", "1000", "--tool", "t.toml", "--record", "r.rec",
+             "--out", "dir", "--size", "640x480", "--snapshot-at", "1.5", "--threads", "2", "--as-fast-as-possible"});
+  INFO(parsed.message);
+  REQUIRE(parsed.options);
+  const Options& o = *parsed.options;
+  CHECK(o.scene == "a.toml");
+  CHECK(o.offscreen);
+  CHECK(o.seconds.value() == 2.5);
+  CHECK(o.rate_hz.value() == 1000);
+  CHECK(o.tool_script == "t.toml");
+  CHECK(o.record == "r.rec");
+  CHECK(o.out == "dir");
+  CHECK(o.width == 640);
+  CHECK(o.height == 480);
+  CHECK(o.snapshot_at.value() == 1.5);
+  CHECK(o.threads.value() == 2);
+  CHECK(o.as_fast_as_possible);
+  CHECK(parse({"a.toml", "--replay", "r.rec"}).options.value().replay == "r.rec");
+}
+
+TEST_CASE("--help names every option with an example and is no error", "[options]") {
+  const ParsedOptions parsed = parse({"--help"});
+  CHECK_FALSE(parsed.options);
+  CHECK(parsed.exit_code == 0);
+  for (const char* option : {"--offscreen", "--seconds", "--rate", "--tool", "--record", "--replay", "--out", "--size",
+                             "--as-fast-as-possible", "--threads", "--snapshot-at"}) {
+    INFO(option);
+    const auto at = parsed.message.find("  " + std::string(option));
+    REQUIRE(at != std::string::npos);
+    // The option's own text, up to the next option, has an example.
+    const std::string text = parsed.message.substr(at, parsed.message.find("\n  --", at + 1) - at);
+    CHECK(text.find("e.g.") != std::string::npos);
+  }
+}
+
+TEST_CASE("A line that can't be used is refused with exit code 2 and a message that names the culprit", "[options]") {
+  struct Case {
+    std::vector<const char*> words;
+    const char* named;
+  };
+  const Case cases[] = {
+      {{}, "SCENE"},
+      {{"liver", "--seconds", "-1"}, "--seconds"},
+      {{"liver", "--seconds", "nan"}, "--seconds"},
+      {{"liver", "--seconds", "soon"}, "--seconds"},
+      {{"liver", "--rate", "50"}, "--rate"},
+      {{"liver", "--rate", "2001"}, "--rate"},
+      {{"liver", "--threads", "0"}, "--threads"},
+      {{"liver", "--threads", "1.5"}, "--threads"},
+      {{"liver", "--size", "1280"}, "--size"},
+      {{"liver", "--size", "1280x"}, "--size"},
+      {{"liver", "--size", "-1280x800"}, "--size"},
+      {{"liver", "--size", "10x10"}, "--size"},
+      {{"liver", "--size", "99999x800"}, "--size"},
+      {{"liver", "--fast"}, "--fast"},
+      {{"liver", "kidney"}, "kidney"},
+      {{"liver", "--tool", "a", "--replay", "b"}, "--replay"},
+      {{"liver", "--record", "a", "--replay", "a"}, "--record"},
+      {{"liver", "--snapshot-at", "1"}, "--snapshot-at"},
+      {{"liver", "--offscreen", "--seconds", "1", "--snapshot-at", "2"}, "--snapshot-at"},
+  };
+  for (const Case& c : cases) {
+    const ParsedOptions parsed = parse(c.words);
+    INFO(parsed.message);
+    CHECK_FALSE(parsed.options);
+    CHECK(parsed.exit_code == 2);
+    CHECK(parsed.message.find(c.named) != std::string::npos);
+    CHECK(parsed.message.find('\n') == std::string::npos);  // one message, one line
+  }
+}
+
+TEST_CASE("A scene is a file, or the name of one in the scenes folder", "[options]") {
+  namespace fs = std::filesystem;
+  const fs::path folder = fs::path(PALPATE_BINARY_DIR) / "find_scene_test";
+  fs::create_directories(folder);
+  std::ofstream(folder / "liver.toml") << "\n";
+  CHECK(findScene("liver", folder.string()) == (folder / "liver.toml").string());
+  CHECK(findScene("kidney", folder.string()) == "kidney");                  // not there: the reader says so
+  CHECK(findScene("liver.toml", folder.string()) == "liver.toml");          // a path stays a path
+  CHECK(findScene("./liver", folder.string()) == "./liver");
+  fs::remove_all(folder);
+}
