@@ -7,9 +7,9 @@
 
 #include "app/format.h"
 #include "app/indent_script.h"
+#include "io/load_model.h"
 #include "io/scene_file.h"
 #include "io/tool_script.h"
-#include "simulation/build_model.h"
 
 namespace palpate {
 
@@ -30,7 +30,7 @@ Scene readSceneOf(const Options& options) {
 
 Model buildModelOf(const Scene& scene, Log& log) {
   std::string told;
-  Model model = buildModel(scene, [&](const std::string& what, double) {
+  Model model = loadModel(scene, [&](const std::string& what, double) {
     if (what == told) return;
     told = what;
     log.info(what);

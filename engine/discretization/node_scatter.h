@@ -53,13 +53,15 @@ class Scatter {
   std::size_t surfaceCount() const { return surface_count_; }
 
  private:
-  bool isFree(const Site& site, double factor) const;
-  bool addIfFree(const Site& site, double factor);
+  double searchRadius(const Site& site, double factor) const;
+  double clearance(const Site& site, double most) const;
+  void add(const Site& site);
+  bool addIfFree(const Site& site);
   void throwDarts(std::vector<Site> candidates, std::size_t wanted);
   std::vector<Site> faceCandidates(double& wanted);
   std::vector<Site> insideCandidates(double& wanted);
   template <class Confine>
-  void relax(std::size_t begin, Confine&& confine);
+  void relax(std::size_t begin, int dimension, Confine&& confine);
 
   const SurfaceTree& surface_;
   const SpacingField& spacing_;

@@ -21,7 +21,7 @@ double SpacingField::at(const Vec3& x) const {
   double h = spacing;
   for (const Refinement& r : refinements) {
     const double difference = spacing - r.spacing;
-    if (difference <= 0) continue;
+    if (difference == 0) continue;
     const double wanted = r.blend > 0 ? r.blend : 3 * difference;
     const double blend = std::max(wanted, difference / steepest_growth);
     const double beyond = std::max(0.0, (x - r.centre).norm() - r.radius);
@@ -42,9 +42,9 @@ void SpacingField::check() const {
                      "give the distance wanted between neighbouring nodes in metres");
   }
   for (const Refinement& r : refinements) {
-    if (!positive(r.spacing)) {
-      throw InputError(r.place, "the refined spacing " + metres(r.spacing) + " is not a positive length",
-                       "give a length in metres below the global spacing " + metres(spacing));
+    if (!positive(r.spacing) || r.spacing > spacing) {
+      throw InputError(r.place, "the refined spacing " + metres(r.spacing) + " is not a finer one",
+                       "give a positive length in metres, at most the global spacing " + metres(spacing));
     }
     if (!r.centre.allFinite() || !std::isfinite(r.radius) || r.radius < 0 || !std::isfinite(r.blend) ||
         r.blend < 0) {

@@ -8,7 +8,7 @@
 namespace palpate {
 
 /// The distance wanted between neighbouring nodes, m, as a function of place: one spacing
-/// everywhere, finer (never coarser) inside some spheres, growing linearly around each.
+/// everywhere, finer inside some spheres, growing linearly around each.
 struct SpacingField {
   struct Refinement {
     Vec3 centre = Vec3::Zero();  // m
@@ -33,7 +33,8 @@ struct SpacingField {
   double smallest() const;
   double largest() const { return spacing; }
 
-  /// Throws InputError (place, problem, advice) where a length is not finite and positive.
+  /// Throws InputError (place, problem, advice) where a length is not finite and positive, or a
+  /// refinement is coarser than the global spacing.
   void check() const;
 };
 

@@ -29,7 +29,14 @@ Facet facetOf(const std::array<int, 3>& nodes, const std::vector<Vec3>& X) {
   return {nodes, area.normalized(), area.norm(), std::sqrt(std::max({(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()}))};
 }
 
-/// Mean height of the surface above the facet, m; 0 where the facet lies in it or does not belong to it.
+/// Directions that a node may still move in, as a projector, once those normal to flat faces are barred.
+void bar(Mat3& free, const Vec3& normal) {
+  const Vec3 left = free * normal;
+  constexpr double parallel = 0.1;  // below it the normal repeats one that is barred, but for rounding
+  if (left.norm() > parallel) free -= left.normalized() * left.normalized().transpose();
+}
+
+/// Mean height of the surface above the facet, m.
 double meanGap(const Facet& facet, const std::vector<Vec3>& X, const SurfaceTree& surface) {
   double gap = 0;
   for (int ring = 0; ring < 2; ++ring) {
@@ -39,8 +46,7 @@ double meanGap(const Facet& facet, const std::vector<Vec3>& X, const SurfaceTree
       gap -= gauss_weight[ring] * surface.signedDistance(x);
     }
   }
-  const double size = std::abs(gap) / facet.edge;
-  return size < flat_gap || size > widest_gap ? 0 : gap;
+  return gap;
 }
 
 }  // namespace
@@ -53,17 +59,26 @@ void fitToVolume(NodeCloud& cloud, BackgroundCells& cells, const SurfaceTree& su
   const std::vector<Vec3> start = cloud.X;
   const std::vector<double> start_volume = cells.volume;
 
+  // Facets without a gap have no say later, but keep their nodes in their plane.
+  std::vector<Mat3> free(start.size(), Mat3::Identity());
+  std::erase_if(facets, [&](const std::array<int, 3>& nodes) {
+    const Facet facet = facetOf(nodes, start);
+    const double gap = std::abs(meanGap(facet, start, surface)) / facet.edge;
+    for (int i : nodes) {
+      if (gap < flat_gap) bar(free[i], facet.normal);
+    }
+    return gap < flat_gap || gap > widest_gap;
+  });
+
   for (int iteration = 0; iteration < iterations; ++iteration) {
-    // Each node goes the mean of its facets' gaps along their normals. Facets without a gap have no say, so a
-    // node on the rim of a flat face moves in the plane of that face.
+    // Each node goes the mean of its facets' gaps along their normals.
     std::vector<Vec3> move(start.size(), Vec3::Zero());
     std::vector<double> area(start.size(), 0.0), reach(start.size(), 0.0);
     for (const std::array<int, 3>& nodes : facets) {
       const Facet facet = facetOf(nodes, cloud.X);
       const double gap = meanGap(facet, cloud.X, surface);
-      if (gap == 0) continue;
       for (int i : nodes) {
-        move[i] += facet.area * gap * facet.normal;
+        move[i] += facet.area * gap * (free[i] * facet.normal);
         reach[i] += facet.area * facet.edge;
         area[i] += facet.area;
       }

@@ -115,7 +115,7 @@ StepReport step(const Model& model, State& state, const Pose& tool_pose, const C
   report.min_J = forces.min_J;
   report.worst_point = forces.worst_point;
   report.inverted_points = forces.inverted_points;
-  report.contact_count = state.contact.count;
+  report.contact_count = state.contact.contact_count;
   report.max_penetration = state.contact.max_penetration;
   if (forces.inverted_points > 0) report.flags |= kInvertedPoints;
   if (state.contact.overflow) report.flags |= kContactOverflow;
@@ -139,8 +139,9 @@ StepReport tick(const Model& model, State& state, const Command& command, Worksp
     return pose;
   };
 
-  findContactCandidates(model.skin, state.u.data(), model.scene.tool, poseAt(share), std::min(wanted, reach),
-                        state.contact);
+  // Tool and tissue may each travel `reach` until the next look: what is not listed can't be touched,
+  // and would be found deep inside later, which pumps energy into the tissue.
+  findContactCandidates(model.skin, state.u.data(), model.scene.tool, poseAt(share), 2 * reach, state.contact);
   StepReport total;
   for (int k = 1; k <= model.substeps_per_tick; ++k)
     total = worstOf(total, step(model, state, poseAt(share * k / model.substeps_per_tick), command, workspace));

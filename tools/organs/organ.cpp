@@ -55,6 +55,28 @@ double kidney(const Vec3& p) {
   return body + 0.0005 * noise(p / 0.03, 3);
 }
 
+/// A brain resting on its base, front towards -y: two hemispheres with a gentle fissure
+/// between them, a cerebellum behind and below, and shallow convolutions.
+double brain(const Vec3& p) {
+  const auto hemisphere = [](const Vec3& q) {
+    const double cerebrum = ellipsoid(q, Vec3(0.025, 0.000, 0.050), Vec3(0.041, 0.080, 0.054));
+    const double temporal = ellipsoid(q, Vec3(0.043, -0.014, 0.022), Vec3(0.021, 0.044, 0.022));
+    return smoothUnion(cerebrum, temporal, 0.012);
+  };
+  const double both = smoothUnion(hemisphere(p), hemisphere(Vec3(-p.x(), p.y(), p.z())), 0.010);
+  const double cerebrum = both + 0.006 * bump(p.x() / 0.010);  // the longitudinal fissure
+  const double cerebellum = ellipsoid(p, Vec3(0, 0.046, 0.014), Vec3(0.046, 0.029, 0.021));
+
+  // Sulci run where a smooth noise changes sign, gyri between them; a second noise bends
+  // them so that they wander. The cerebellum has none that this mesh could carry.
+  const Vec3 wander(noise(p / 0.050, 11), noise(p / 0.050, 12), noise(p / 0.050, 13));
+  const double level = noise(p / 0.024 + 0.4 * wander, 9);
+  const double convoluted = cerebrum + 0.0026 * bump(level / 0.32);
+
+  const double body = smoothUnion(convoluted, cerebellum, 0.006);
+  return smoothIntersection(body, 0.002 - p.z(), 0.016);
+}
+
 }  // namespace
 
 const std::vector<Organ>& allOrgans() {
@@ -63,6 +85,8 @@ const std::vector<Organ>& allOrgans() {
        Vec3(-0.16, -0.13, -0.04), Vec3(0.17, 0.13, 0.14), 0.0043, liver},
       {"kidney", "human-kidney-like: lying on its flat side, hilum towards +y", Vec3(-0.08, -0.06, -0.045),
        Vec3(0.08, 0.06, 0.045), 0.0023, kidney},
+      {"brain", "human-brain-like: resting on its base, front towards -y", Vec3(-0.10, -0.11, -0.02),
+       Vec3(0.10, 0.11, 0.15), 0.0034, brain},
   };
   return organs;
 }

@@ -109,13 +109,17 @@ class Remesher {
     return g;
   }
 
-  /// The nearby point where the field vanishes, by Newton steps along its gradient.
+  /// The nearby point where the field vanishes, by Newton steps along its gradient. A step
+  /// is at most half an edge long, so that a flat spot of the field throws nothing far away.
   Vec3 projected(Vec3 p) const {
-    for (int i = 0; i < 4; ++i) {
+    constexpr int kSteps = 6;
+    constexpr double kOnSurface = 1e-7;  // m; the file's own precision is no better
+    for (int i = 0; i < kSteps; ++i) {
       const double f = field_(p);
-      if (std::abs(f) < 1e-7) break;  // a tenth of a micrometre
+      if (std::abs(f) < kOnSurface) break;
       const Vec3 g = gradient(p);
-      p -= g * (f / g.squaredNorm());
+      const Vec3 step = g * (f / g.squaredNorm());
+      p -= step * std::min(1.0, 0.5 * target_ / step.norm());
     }
     return p;
   }

@@ -1,0 +1,43 @@
+#pragma once
+
+#include "contact/contact_state.h"
+#include "contact/skin.h"
+#include "contact/tool.h"
+
+namespace palpate {
+
+/// Pushes the predicted displacement out of the tool: finds forces f_v at the skin
+/// vertices, compressive along the tool's normal and inside the friction cone, with
+///   du_i += alpha / m_i sum_v N_i(X_v) f_v
+/// so that u + du satisfies the contact law at the end of the step (implicit in the
+/// contact, hence no limit on the step). The tool's force is exactly -sum_v f_v.
+///
+/// The law is that of a thin elastic layer on the tool. With penetration d at the end of the step,
+/// layer stiffness K = k a_v (k = skin.bulk_stiffness, a_v the vertex's area) and s the tangential
+/// slip of the skin over the tool's surface during the step:
+///   f_n = K min(max(d, 0), 0.1 R)                           normal
+///   f_t = f_t(last step) - K s,  |f_t| <= friction * f_n    tangential: stick, else slip (Coulomb)
+/// Both are monotone and derive from stored energy or dissipation, so contact never creates energy;
+/// f_t is its own memory of the stick, so static friction does not creep.
+///
+/// Solved by Gauss-Seidel over the vertices, forwards and backwards by turns, in place on du,
+/// starting from the last step's forces; at most kMaxSweeps sweeps.
+///
+/// A vertex deeper than the tool's smoothDepth() is pushed out by the side it came in by.
+/// A vertex whose position is not finite takes no part.
+///
+/// @param alpha         the step's mobility factor of paper eq. 12, s^2
+/// @param inverse_mass  1/kg                                   (node_count)
+/// @param u             displacement at the start, m           (node_count)
+/// @param du            predicted increment, m; corrected      (node_count)
+/// @param pose, previous_pose  tool at the step's end and start; at most ~1 mm or R/2 apart for no
+///                      tunnelling, whichever is less
+/// @return the force on the tool, N
+/// Real-time: no allocation, no lock, no throw. With n support nodes per vertex: 2 n four-lane FMAs
+/// per candidate, and per vertex in contact n (5 + 2 sweeps).
+/// Test: contact/contact_solver_test.cpp.
+Vec3 solveContact(const SkinModel& skin, const ToolShape& tool, const Pose& pose,
+                  const Pose& previous_pose, double friction, double alpha, const float* inverse_mass,
+                  const Float4* u, Float4* du, ContactState& contact);
+
+}  // namespace palpate

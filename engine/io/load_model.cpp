@@ -1,0 +1,30 @@
+#include "io/load_model.h"
+
+#include <algorithm>
+
+#include "discretization/solids.h"
+#include "io/surface_file.h"
+
+namespace palpate {
+
+TriangleSurface organSurface(const Scene& scene) {
+  // Curved solids lose volume to flat faces; half the spacing leaves less than the cells do.
+  const double edge = std::min(0.5 * scene.spacing, 0.5 * scene.tool.radius);
+  switch (scene.solid) {
+    case Scene::Solid::Box: return boxSurface(scene.size, edge);
+    case Scene::Solid::Cylinder: return cylinderSurface(scene.radius, scene.height, edge);
+    case Scene::Solid::Ellipsoid:
+      return scene.upper_half ? halfEllipsoidSurface(scene.semi_axes, edge) : ellipsoidSurface(scene.semi_axes, edge);
+    case Scene::Solid::Surface: break;
+  }
+  const auto place = scene.places.find("organ.surface");
+  return readClosedSurface(scene.surface_file, scene.surface_scale,
+                           place == scene.places.end() ? scene.place : place->second);
+}
+
+Model loadModel(const Scene& scene, const Progress& progress) {
+  if (progress) progress("surface", 0);
+  return buildModel(scene, organSurface(scene), progress);
+}
+
+}  // namespace palpate

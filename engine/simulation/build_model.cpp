@@ -1,0 +1,310 @@
+#include "simulation/build_model.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+
+#include "approximation/shape_functions.h"
+#include "discretization/background_cells.h"
+#include "discretization/integration_points.h"
+#include "discretization/node_cloud.h"
+#include "discretization/node_order.h"
+#include "discretization/refine_surface.h"
+#include "discretization/surface_tree.h"
+#include "discretization/volume_fit.h"
+#include "mechanics/critical_time_step.h"
+#include "mechanics/lumped_mass.h"
+
+namespace palpate {
+namespace {
+
+std::string number(double a) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3g", a);
+  return text;
+}
+std::string coordinates(const Vec3& x) {
+  return "(" + number(x[0]) + ", " + number(x[1]) + ", " + number(x[2]) + ") m";
+}
+
+Place placeOf(const Scene& scene, const std::string& key) {
+  const auto it = scene.places.find(key);
+  return it == scene.places.end() ? scene.place : it->second;
+}
+
+Material toMaterial(const MaterialSpec& spec) {
+  if (spec.kind == MaterialSpec::Kind::NeoHookean) return Material::neoHookean(spec.young, spec.poisson, spec.density);
+  return Material::ogden(spec.ogden_mu.data(), spec.ogden_alpha.data(), static_cast<int>(spec.ogden_mu.size()),
+                         spec.ogden_D1, spec.density);
+}
+
+/// Of several materials, the last whose region holds x.
+int materialAt(const Scene& scene, const Vec3& x) {
+  for (int m = static_cast<int>(scene.materials.size()) - 1; m > 0; --m)
+    if (scene.materials[m].everywhere || scene.materials[m].region.contains(x)) return m;
+  return 0;
+}
+
+SpacingField spacingField(const Scene& scene) {
+  SpacingField spacing;
+  spacing.spacing = scene.spacing;
+  spacing.place = placeOf(scene, "discretization.spacing");
+  for (const auto& r : scene.refine) spacing.refinements.push_back({r.centre, r.radius, r.spacing, r.blend, r.place});
+  return spacing;
+}
+
+/// The skin's vertices sample the contact pressure: 0.35 tool radii is what contact/skin.h asks for, and
+/// where the nodes are denser than the tool is wide, a third of their spacing keeps up with them.
+TriangleSurface refineForContact(const Scene& scene, const TriangleSurface& organ) {
+  const SpacingField spacing = spacingField(scene);
+  const double by_tool = 0.35 * scene.tool.radius;
+  return refineSurface(organ, [&](const Vec3& x) {
+    const double h = spacing.at(x);
+    return h < scene.spacing ? std::min(by_tool, h / 3) : by_tool;
+  });
+}
+
+struct Discretization {
+  NodeCloud cloud;
+  BackgroundCells cells;
+};
+
+/// Nodes and cells; nodes along a Hilbert curve.
+Discretization discretize(const Scene& scene, const SurfaceTree& organ) {
+  Discretization d;
+  d.cloud = makeNodeCloud(organ, spacingField(scene), scene.seed);
+  d.cells = makeBackgroundCells(d.cloud, organ);
+  fitToVolume(d.cloud, d.cells, organ);
+
+  const auto order = hilbertOrder(d.cloud.X);
+  std::vector<int> place(order.size());
+  for (std::size_t k = 0; k < order.size(); ++k) place[order[k]] = static_cast<int>(k);
+  d.cloud.X = reordered(d.cloud.X, order);
+  d.cloud.on_surface = reordered(d.cloud.on_surface, order);
+  for (auto& cell : d.cells.cells)
+    for (int& node : cell) node = place[node];
+  for (int& node : d.cells.unused_nodes) node = place[node];
+  return d;
+}
+
+/// R_j = factor * (mean length of the cell edges at node j).
+std::vector<double> supportRadii(const Discretization& d, double factor) {
+  std::vector<double> sum(d.cloud.X.size(), 0);
+  std::vector<int> count(d.cloud.X.size(), 0);
+  for (const auto& cell : d.cells.cells)
+    for (int a = 0; a < 4; ++a)
+      for (int b = a + 1; b < 4; ++b) {
+        const double length = (d.cloud.X[cell[a]] - d.cloud.X[cell[b]]).norm();
+        for (const int node : {cell[a], cell[b]}) {
+          sum[node] += length;
+          ++count[node];
+        }
+      }
+  double total = 0;
+  long total_count = 0;
+  for (std::size_t i = 0; i < sum.size(); ++i) {
+    total += sum[i];
+    total_count += count[i];
+  }
+  for (std::size_t i = 0; i < sum.size(); ++i)
+    sum[i] = factor * (count[i] > 0 ? sum[i] / count[i] : total / static_cast<double>(total_count));
+  return sum;
+}
+
+/// Which nodes are imposed, and how. Throws where a region is empty or two motions contradict.
+std::vector<ImposedNode> chooseImposed(const Scene& scene, const NodeCloud& cloud, std::vector<BoundaryMotion>& motions) {
+  std::vector<ImposedNode> imposed;
+  std::vector<int> slot(cloud.X.size(), -1);
+  std::vector<std::array<int, 3>> owner;  // which boundary imposes each component
+  for (int b = 0; b < static_cast<int>(scene.boundaries.size()); ++b) {
+    const auto& spec = scene.boundaries[b];
+    const bool moves = spec.duration > 0;
+    const int motion = moves ? static_cast<int>(motions.size()) : -1;
+    if (moves) motions.push_back({spec.translation, spec.duration});
+    int found = 0;
+    for (int i = 0; i < static_cast<int>(cloud.X.size()); ++i) {
+      if (spec.surface_only && !cloud.on_surface[i]) continue;
+      if (!spec.region.contains(cloud.X[i])) continue;
+      ++found;
+      if (slot[i] < 0) {
+        slot[i] = static_cast<int>(imposed.size());
+        imposed.push_back({i, {false, false, false}, motion});
+        owner.push_back({-1, -1, -1});
+      }
+      ImposedNode& node = imposed[slot[i]];
+      // One motion per node: a component that is imposed twice, or two motions on one node, contradict
+      // each other unless they say the same.
+      if (node.motion != motion)
+        throw InputError(spec.place, "the node at " + coordinates(cloud.X[i]) + " is also imposed, with another motion, at " +
+                                         scene.boundaries[owner[slot[i]][0] >= 0   ? owner[slot[i]][0]
+                                                          : owner[slot[i]][1] >= 0 ? owner[slot[i]][1]
+                                                                                   : owner[slot[i]][2]]
+                                             .place.text(),
+                         "make the regions disjoint");
+      for (int c = 0; c < 3; ++c)
+        if (spec.component[c]) {
+          node.component[c] = true;
+          owner[slot[i]][c] = b;
+        }
+    }
+    if (found == 0)
+      throw InputError(spec.place, "no node lies in this region", "move or enlarge it (node spacing is " + number(scene.spacing) + " m)");
+  }
+  return imposed;
+}
+
+/// Shape functions at integration points, skin vertices and imposed nodes, over supports that are
+/// enlarged where they must be.
+struct Approximation {
+  std::vector<double> radius;
+  int enlarged = 0;
+  ShapeTable points, skin, imposed;
+};
+
+Approximation approximate(const Scene& scene, const std::vector<Vec3>& X, std::vector<double> radius,
+                          const std::vector<Vec3>& point_X, const std::vector<Vec3>& skin_X,
+                          const std::vector<Vec3>& imposed_X) {
+  constexpr int max_enlargements = 8;  // 1.15^8: a radius grows at most threefold
+  const MmlsOptions options{scene.basis_degree, scene.mu};
+  Approximation a;
+  const auto original = radius;
+  for (int attempt = 0;; ++attempt) {
+    const Neighbours neighbours(X, radius);
+    const std::pair<const std::vector<Vec3>*, ShapeTable*> parts[] = {
+        {&point_X, &a.points}, {&skin_X, &a.skin}, {&imposed_X, &a.imposed}};
+    bool admissible = true;
+    std::vector<double> enlarged = radius;
+    for (const auto& [at, table] : parts) {
+      std::vector<InadmissibleSupport> failed;
+      *table = shapeFunctions(*at, X, radius, neighbours, options, failed);
+      if (failed.empty()) continue;
+      admissible = false;
+      if (attempt == max_enlargements)
+        throw InputError(placeOf(scene, "discretization.support_factor"),
+                         "the support of the point at " + coordinates((*at)[failed.front().row]) + " is inadmissible (" +
+                             std::to_string(failed.front().support_count) + " nodes)",
+                         "raise discretization.support_factor or lower discretization.spacing");
+      enlargeSupports(*at, failed, neighbours, enlarged);
+    }
+    if (admissible) break;
+    radius = enlarged;
+  }
+  for (std::size_t i = 0; i < radius.size(); ++i) a.enlarged += radius[i] != original[i] ? 1 : 0;
+  a.radius = radius;
+  return a;
+}
+
+void chooseTimeStep(const Scene& scene, const CriticalTimeStep& limit, const std::vector<Vec3>& X, Model& model) {
+  model.dt_critical = limit.dt;
+  model.dt_proven = limit.dt_proven;
+  const double tick = 1 / scene.rate_hz;
+  if (scene.time_step > 0) {
+    const Place place = placeOf(scene, "dynamics.time_step");
+    const double substeps = std::round(tick / scene.time_step);
+    if (substeps < 1 || std::abs(substeps * scene.time_step - tick) > 1e-6 * tick)
+      throw InputError(place, "a tick of " + number(tick) + " s is not a whole number of steps of " + number(scene.time_step) + " s",
+                       "use " + number(tick / std::max(1.0, std::ceil(tick / scene.time_step))) + " s, or leave time_step out");
+    model.substeps_per_tick = static_cast<int>(substeps);
+    if (scene.time_step > limit.dt)
+      throw InputError(place, "time_step " + number(scene.time_step) + " s exceeds the critical " + number(limit.dt) +
+                                  " s (the stiffest row is the node at " + coordinates(X[limit.worst_node]) + ")",
+                       "lower time_step, or coarsen discretization.spacing");
+  } else {
+    model.substeps_per_tick = std::max(1, static_cast<int>(std::ceil(tick / (scene.step_safety * limit.dt))));
+  }
+  model.dt = tick / model.substeps_per_tick;
+}
+
+}  // namespace
+
+Model buildModel(const Scene& scene, const TriangleSurface& organ, const Progress& progress) {
+  const auto start = std::chrono::steady_clock::now();
+  const auto tell = [&](const char* what, double fraction) {
+    if (progress) progress(what, fraction);
+  };
+  Model model;
+  model.scene = scene;
+
+  tell("nodes and cells", 0.0);
+  const SurfaceTree tree(organ);
+  auto [cloud, cells] = discretize(scene, tree);
+  const int nodes = static_cast<int>(cloud.X.size());
+  model.surface_volume = cells.surface_volume;
+  model.cell_volume = cells.total_volume;
+  const auto points = makeIntegrationPoints(cloud.X, cells.cells, cells.volume, scene.points_per_cell);
+
+  tell("skin", 0.4);
+  const TriangleSurface skin = refineForContact(scene, organ);
+
+  tell("shape functions", 0.45);
+  std::vector<BoundaryMotion> motions;
+  const auto imposed = chooseImposed(scene, cloud, motions);
+  std::vector<Vec3> imposed_X;
+  model.imposed.assign(nodes, 0);
+  for (const auto& node : imposed) {
+    imposed_X.push_back(cloud.X[node.node]);
+    for (int c = 0; c < 3; ++c)
+      if (node.component[c]) model.imposed[node.node] |= static_cast<std::uint8_t>(1u << c);
+  }
+  auto shape = approximate(scene, cloud.X, supportRadii({cloud, cells}, scene.support_factor), points.X, skin.vertices, imposed_X);
+  model.support_radius = shape.radius;
+  model.enlarged_supports = shape.enlarged;
+
+  tell("mass, boundaries, stable step", 0.8);
+  for (const auto& spec : scene.materials) model.materials.push_back(toMaterial(spec));
+  for (const auto& x : points.X) model.point_material.push_back(materialAt(scene, x));
+  std::vector<double> cell_density;
+  for (const auto& cell : cells.cells) {
+    const Vec3 centroid = (cloud.X[cell[0]] + cloud.X[cell[1]] + cloud.X[cell[2]] + cloud.X[cell[3]]) / 4;
+    cell_density.push_back(model.materials[materialAt(scene, centroid)].density);
+  }
+  model.mass = lumpedMass(cloud.X, cells.cells, cells.volume, cell_density);
+  for (double m : model.mass) model.inverse_mass.push_back(static_cast<float>(1 / m));
+  try {
+    model.boundary = makeEssentialBoundary(imposed, motions, shape.imposed, model.mass);
+  } catch (const std::runtime_error& e) {
+    throw InputError(scene.boundaries.front().place, e.what(), "make the regions smaller or discretization.seed another");
+  }
+  const auto limit = criticalTimeStep(shape.points, points.volume, model.point_material, model.materials, model.mass);
+  chooseTimeStep(scene, limit, cloud.X, model);
+  double wave_speed = 0;
+  double softest = model.materials[0].shear_modulus;
+  for (const auto& m : model.materials) {
+    wave_speed = std::max(wave_speed, std::sqrt(m.waveModulus() / m.density));
+    softest = std::min(softest, m.shear_modulus);
+  }
+  // Tissue does not move faster than sound in it; four times leaves room for whipping edges.
+  model.max_increment = 4 * wave_speed * model.dt;
+
+  tell("kernel layout", 0.9);
+  model.kernel = makeKernelLayout(shape.points, points.X, points.volume, model.point_material, model.materials, nodes);
+  model.skin = buildSkinModel(skin, shape.skin, scene.tool.radius, 3 * softest);
+  model.tool_start = {scene.tool_position, Quat::FromTwoVectors(-Vec3::UnitZ(), scene.tool_direction)};
+  model.touch_travel = touchTravel(skin, scene.tool, model.tool_start);
+  if (model.touch_travel < 0)
+    throw InputError(placeOf(scene, "tool.position"), "the tool starts " + number(-model.touch_travel) + " m inside the organ",
+                     "move tool.position against tool.direction");
+  if (!std::isfinite(model.touch_travel)) model.touch_travel = 0;  // never touches: depth counts from the start
+
+  model.X = std::move(cloud.X);
+  model.cells = std::move(cells.cells);
+  model.point_X = points.X;
+  model.point_volume = points.volume;
+  model.point_shape = std::move(shape.points);
+  model.skin_shape = std::move(shape.skin);
+  tell("ready", 1.0);
+  model.setup_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return model;
+}
+
+State initialState(const Model& model) {
+  State state;
+  state.u.assign(model.X.size(), Float4{});
+  state.du = state.u_low = state.u;
+  state.tool_pose = model.tool_start;
+  state.contact = makeContactState(model.skin, model.scene.tool);
+  return state;
+}
+
+}  // namespace palpate
