@@ -6,7 +6,7 @@
 #include <stdexcept>
 
 #include "app/format.h"
-#include "app/indent_track.h"
+#include "app/indent_script.h"
 #include "io/load_model.h"
 #include "io/scene_file.h"
 #include "io/tool_script.h"
@@ -96,18 +96,20 @@ void Session::chooseInput(SimulationLoopOptions& loop_options) {
     track_driver_ = ToolDriver::Replay;
     script_ = fileName(options_.replay);
   } else if (!options_.tool_script.empty()) {
-    const std::vector<Pose> poses = toolScriptPoses(readToolScript(options_.tool_script), model_);
+    const ToolScript script = readToolScript(options_.tool_script, scene_.tool.radius);
+    const std::vector<Pose> poses = scriptPoses(script, model_);
     loop_options.track = trackFromPoses(poses);
     loop_options.track_ticks = static_cast<std::int64_t>(poses.size());
     track_seconds = static_cast<double>(poses.size()) / rate;
     track_driver_ = ToolDriver::Script;
-    script_ = fileName(options_.tool_script);
+    script_ = script.name.empty() ? fileName(options_.tool_script) : script.name;
   } else if (options_.offscreen) {
     track_seconds = options_.seconds.value_or(default_offscreen_seconds);
-    loop_options.track = trackFromPoses(indentPoses(model_));
-    loop_options.track_ticks = ticksIn(track_seconds, rate);
+    const ToolScript script = indentScript(model_);
+    loop_options.track = trackFromPoses(scriptPoses(script, model_));
+    loop_options.track_ticks = ticksIn(track_seconds, rate);  // longer than the script: the tool stays
     track_driver_ = ToolDriver::Script;
-    script_ = "indent and hold";
+    script_ = script.name;
   }
   track_over_ = loop_options.track.empty();
 

@@ -1,4 +1,4 @@
-#include "app/indent_track.h"
+#include "app/indent_script.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,16 +8,14 @@ namespace palpate {
 namespace {
 
 constexpr double approach_speed = 0.06;   // m/s, mean; quick, but slow enough to watch
+constexpr double least_approach = 0.1;    // s, also where the tool starts at the skin
 constexpr double indent_seconds = 1.0;    // slow against the tissue's own swinging
 constexpr double depth_per_radius = 0.5;
 constexpr double most_of_organ = 0.1;     // of the organ's length along the axis
 
-/// From 0 to 1 with velocity and acceleration zero at both ends.
-double smooth(double t) { return t * t * t * (10 + t * (6 * t - 15)); }
-
 }  // namespace
 
-std::vector<Pose> indentPoses(const Model& model) {
+ToolScript indentScript(const Model& model) {
   const Vec3 axis = model.tool_start.orientation * -Vec3::UnitZ();  // the way the tool advances
   double low = 0, high = 0;
   for (std::size_t v = 0; v < model.skin.surface.vertices.size(); ++v) {
@@ -26,20 +24,21 @@ std::vector<Pose> indentPoses(const Model& model) {
     high = v == 0 ? along : std::max(high, along);
   }
   const double depth = std::min(depth_per_radius * model.scene.tool.radius, most_of_organ * (high - low));
-  const double rate = model.scene.rate_hz;
-  const double approach = std::isfinite(model.touch_travel) ? std::max(0.0, model.touch_travel) : 0.0;
+  const double approach = std::max(least_approach, model.touch_travel / approach_speed);
 
+  ToolScript script;
+  script.name = "indent and hold";
+  script.keyframes = {{approach, 0, {0, 0}}, {approach + indent_seconds, depth, {0, 0}}};
+  return script;
+}
+
+std::vector<Pose> scriptPoses(const ToolScript& script, const Model& model) {
+  const double rate = model.scene.rate_hz;
+  const auto ticks = std::max<long>(1, std::lround(std::ceil(script.duration() * rate)));
   std::vector<Pose> poses;
-  const auto go = [&](double from, double to, double seconds) {
-    const auto ticks = std::max<long>(1, std::lround(seconds * rate));
-    for (long k = 1; k <= ticks; ++k) {
-      Pose pose = model.tool_start;
-      pose.position += (from + (to - from) * smooth(static_cast<double>(k) / static_cast<double>(ticks))) * axis;
-      poses.push_back(pose);
-    }
-  };
-  if (approach > 0) go(0, approach, approach / approach_speed);
-  go(approach, approach + depth, indent_seconds);
+  poses.reserve(static_cast<std::size_t>(ticks));
+  for (long k = 1; k <= ticks; ++k)
+    poses.push_back(poseAt(script, model.tool_start, model.touch_travel, static_cast<double>(k) / rate));
   return poses;
 }
 
