@@ -197,3 +197,22 @@ TEST_CASE("Ticks of tissue neither allocate nor lock", "[tissue_physics]") {
     CHECK(loop.summary().peak_force > 0.05);
   }
 }
+
+TEST_CASE("Ticks of tissue make no system call but the sleep", "[tissue_physics]") {
+  if (!test::guardAvailable()) return;
+  constexpr int all_done = 17;
+  const int code = test::exitCodeOfChild([] {
+    Model model = block();
+    TissuePhysics physics(model, 1);
+    SimulationLoop loop(model, physics, nullptr, pressing(60, false));
+    test::ClockWithStart clock(test::allowOnlySleeping);
+    loop.run(clock);
+    return loop.summary().peak_force > 0.05 ? all_done : 1;
+  });
+  if (code == test::kNoFilter) {
+    WARN("seccomp is not permitted here: system calls are not checked");
+    return;
+  }
+  INFO("100 + number of a system call, mod 100, if above 99");
+  CHECK(code == all_done);
+}
