@@ -5,11 +5,11 @@
 namespace palpate {
 namespace {
 
-constexpr GLsizei size = 256;
+constexpr GLsizei size = 128;
 constexpr double extent_in_radii = 2.0;  // half width; as shade_extent in shaders/ground.frag
 constexpr double depth_in_radii = 4.0;   // height of what is looked at
 constexpr double reach_in_radii = 0.30;  // height over which a body's hold on the room's light fades
-constexpr float key_spread = 0.9F, room_spread = 3.2F;  // texels between taps
+constexpr float key_spread = 0.7F, room_spread = 1.6F;  // texels between taps
 
 void makeTarget(GLuint framebuffer, GLuint texture) {
   glBindTexture(GL_TEXTURE_2D, texture);

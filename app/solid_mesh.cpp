@@ -7,14 +7,16 @@
 namespace palpate {
 namespace {
 
-constexpr int turn_segments = 64;
-constexpr int arc_segments = 20;
+constexpr int turn_segments = 56;
+constexpr int body_arc_segments = 10, rim_arc_segments = 4;  // per quarter turn
 constexpr float pi = std::numbers::pi_v<float>;
 
 /// An arc from angle a to b (0: outward, pi/2: up).
-void addArc(std::vector<ProfilePoint>& profile, float centre_r, float centre_z, float radius, float a, float b) {
-  for (int i = 0; i <= arc_segments; ++i) {
-    const float angle = a + (b - a) * static_cast<float>(i) / arc_segments;
+void addArc(std::vector<ProfilePoint>& profile, float centre_r, float centre_z, float radius, float a, float b,
+            int segments_per_quarter) {
+  const int segments = static_cast<int>(std::ceil((b - a) / (pi / 2) - 1e-3F)) * segments_per_quarter;
+  for (int i = 0; i <= segments; ++i) {
+    const float angle = a + (b - a) * static_cast<float>(i) / static_cast<float>(segments);
     profile.emplace_back(std::max(0.0F, centre_r + radius * std::cos(angle)), centre_z + radius * std::sin(angle));
   }
 }
@@ -22,24 +24,24 @@ void addArc(std::vector<ProfilePoint>& profile, float centre_r, float centre_z, 
 /// A rod with rounded rims at both ends.
 void addRod(SolidMesh& mesh, float z_begin, float z_end, float radius, float rim, Finish finish) {
   std::vector<ProfilePoint> profile{{0, z_begin}};
-  addArc(profile, radius - rim, z_begin + rim, rim, -pi / 2, 0);
-  addArc(profile, radius - rim, z_end - rim, rim, 0, pi / 2);
+  addArc(profile, radius - rim, z_begin + rim, rim, -pi / 2, 0, rim_arc_segments);
+  addArc(profile, radius - rim, z_end - rim, rim, 0, pi / 2, rim_arc_segments);
   profile.emplace_back(0.0F, z_end);
   addTurned(mesh, profile, finish);
 }
 
 /// A grip with shallow waves for the fingers.
 void addGrip(SolidMesh& mesh, float z_begin, float z_end, float radius) {
-  constexpr int waves = 7, steps = 10;
+  constexpr int waves = 7, steps = 6;
   const float rim = 0.35F * radius;
   std::vector<ProfilePoint> profile{{0, z_begin}};
-  addArc(profile, radius - rim, z_begin + rim, rim, -pi / 2, 0);
+  addArc(profile, radius - rim, z_begin + rim, rim, -pi / 2, 0, rim_arc_segments);
   for (int i = 1; i < waves * steps; ++i) {
     const float t = static_cast<float>(i) / (waves * steps);
     const float depth = 0.05F * radius * (0.5F - 0.5F * std::cos(2 * pi * waves * t));
     profile.emplace_back(radius - depth, z_begin + rim + t * (z_end - z_begin - 2.6F * rim));
   }
-  addArc(profile, radius - 1.6F * rim, z_end - 1.6F * rim, 1.6F * rim, 0, pi / 2);
+  addArc(profile, radius - 1.6F * rim, z_end - 1.6F * rim, 1.6F * rim, 0, pi / 2, rim_arc_segments);
   profile.emplace_back(0.0F, z_end);
   addTurned(mesh, profile, Finish::Grip);
 }
@@ -86,7 +88,7 @@ SolidMesh toolMesh(const ToolShape& shape) {
   std::vector<ProfilePoint> tip;
   switch (shape.kind) {
     case ToolKind::Sphere:
-      addArc(tip, 0, R, R, -pi / 2, pi / 2);
+      addArc(tip, 0, R, R, -pi / 2, pi / 2, body_arc_segments);
       addTurned(mesh, tip, Finish::Steel);
       addRod(mesh, R, handle + 0.1F * R, sphere_shaft_radius * R, 0.02F * R, Finish::Steel);
       break;
@@ -96,8 +98,8 @@ SolidMesh toolMesh(const ToolShape& shape) {
       break;
     }
     case ToolKind::Capsule:
-      addArc(tip, 0, R, R, -pi / 2, 0);
-      addArc(tip, 0, std::max(R, L - R), R, 0, pi / 2);
+      addArc(tip, 0, R, R, -pi / 2, 0, body_arc_segments);
+      addArc(tip, 0, std::max(R, L - R), R, 0, pi / 2, body_arc_segments);
       addTurned(mesh, tip, Finish::Steel);
       break;
   }
@@ -115,7 +117,7 @@ float toolHandleEnd(const ToolShape& shape) {
 SolidMesh sphereMesh() {
   SolidMesh mesh;
   std::vector<ProfilePoint> profile;
-  addArc(profile, 0, 0, 1, -pi / 2, pi / 2);
+  addArc(profile, 0, 0, 1, -pi / 2, pi / 2, body_arc_segments);
   addTurned(mesh, profile, Finish::Steel);
   return mesh;
 }

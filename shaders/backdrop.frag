@@ -3,4 +3,4 @@
 
 out vec4 colour;
 
-void main() { colour = encode(backdrop(gl_FragCoord.xy), 1.0); }
+void main() { colour = encodeDim(backdrop(gl_FragCoord.xy)); }

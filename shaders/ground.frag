@@ -21,5 +21,5 @@ void main() {
   vec3 lit = mix(backdrop(gl_FragCoord.xy), table * light, mixed);
   // Where the pool has faded, the shadow still darkens the backdrop.
   lit *= 1.0 - (1.0 - mixed) * 0.5 * max(shade.r, shade.g);
-  colour = encode(lit, 1.0);
+  colour = encodeDim(lit);
 }

@@ -16,8 +16,12 @@ inline Group loadGroup(const float* a) {  // a is 16-byte aligned
 }
 inline void storeGroup(float* a, Group g) { std::memcpy(__builtin_assume_aligned(a, 16), &g, 16); }
 
-inline Group load(const Float4& a) { return loadGroup(&a.x); }
-inline void store(Float4& a, Group g) { storeGroup(&a.x, g); }
+inline Group load(const Float4& a) {
+  Group g;
+  std::memcpy(&g, &a, 16);
+  return g;
+}
+inline void store(Float4& a, Group g) { std::memcpy(static_cast<void*>(&a), &g, 16); }
 
 /// y += a x
 inline void addScaled(Float4& y, float a, const Float4& x) { store(y, load(y) + a * load(x)); }

@@ -38,17 +38,19 @@ void findContactCandidates(const SkinModel& skin, const Float4* u, const ToolSha
     return toolDistance(tool, local_from_world * (skinPosition(skin, v, u) - tool_pose.position)).distance;
   };
 
+  const double reach = margin + kTissueTravel * tool.radius;
+
   // While there is room the list is unordered; when full, a heap with the farthest on top.
   const auto begin = contact.candidate.begin();
   const int capacity = static_cast<int>(contact.candidate.size());
   int count = 0;
   contact.overflow = false;
   for (int c = 0; c < skin.clusterCount(); ++c) {
-    const double reach = kStretch * static_cast<double>(skin.cluster_radius[c]) + margin;
-    if (!(distance(skin.cluster_representative[c]) <= reach)) continue;
+    const double extent = kStretch * static_cast<double>(skin.cluster_radius[c]);
+    if (!(distance(skin.cluster_representative[c]) <= extent + reach)) continue;
     for (int k = skin.cluster_begin[c]; k < skin.cluster_begin[c + 1]; ++k) {
       const ContactState::Candidate found{distance(skin.cluster_vertex[k]), skin.cluster_vertex[k]};
-      if (!(found.distance <= margin)) continue;
+      if (!(found.distance <= reach)) continue;
       if (count < capacity) {
         begin[count++] = found;
         continue;

@@ -6,12 +6,18 @@
 
 namespace palpate {
 
-/// Finds the skin vertices within `margin` of the tool (clusters first, with bounds
-/// that allow for the tissue's stretch) and lists them in `contact` by ascending vertex, keeping
-/// the warm-start forces of those that stay. Once per tick. A non-finite vertex is never listed.
-/// @param margin  m; at least what tool (largestTravel) and tissue travel until the next call
-/// @pre  no two vertices of a cluster are further apart than twice their reference distance;
-///       beyond that stretch a vertex may be listed late, when its cluster's centre has come closer.
+/// What the tissue itself may travel towards the tool between two searches, per tool radius.
+/// Smaller: a rebounding vertex enters up to a tick late, with a jump in the force.
+/// Larger: more candidates, each two interpolations per step.
+constexpr double kTissueTravel = 0.1;
+
+/// Finds the skin vertices whose distance to the tool is at most `margin` + kTissueTravel R (clusters
+/// first, with bounds that allow for the tissue's stretch) and lists them in `contact` by ascending
+/// vertex, keeping the warm-start forces of those that stay. Once per tick. A vertex that is not
+/// finite is never listed.
+/// @param margin  m; what the tool travels until the next call (largestTravel), seen from `tool_pose`
+/// @pre  no vertex of a cluster is further from its representative than twice the reference distance;
+///       beyond that stretch a vertex may be listed late, when the representative has come closer.
 /// Real-time: no allocation, no lock, no throw; cost ~ one interpolation per cluster and
 /// one per vertex of the clusters in reach.
 /// Test: contact/broad_phase_test.cpp (against all vertices).

@@ -18,9 +18,9 @@ constexpr float kTolerance = 1e-4F;
 /// neighbours may push it against the tool within the step. If missed, the next step has it.
 constexpr double kActiveGap = 0.01;
 
-/// Depth, per tool radius, from which the pressure grows no further (50 Young's moduli). Only a
+/// Depth, per tool radius, from which the pressure grows no further (100 Young's moduli). Only a
 /// tool that is put into the tissue gets there; the cap lets it be expelled instead of exploding.
-constexpr double kPressureCapDepth = 0.1;
+constexpr double kPressureCapDepth = 0.2;
 
 /// Part of smoothDepth() from which on a turn of the normal by more than 60 degrees is distrusted.
 constexpr double kDeep = 0.5;
@@ -29,21 +29,23 @@ constexpr double kSameSide = 0.5;
 Vector4f lanes(const Vec3& a) {
   return {static_cast<float>(a.x()), static_cast<float>(a.y()), static_cast<float>(a.z()), 0.0F};
 }
-auto lanes(Float4& a) { return Eigen::Map<Vector4f, Eigen::Aligned16>(&a.x); }
 
 /// du_i += alpha / m_i N_i(X_v) f
-void applyForce(const SkinModel& skin, int v, const Vector4f& f, float alpha, const float* inverse_mass, Float4* du) {
-  const Vector4f scaled = alpha * f;
+void applyForce(const SkinModel& skin, int v, const Vector4f& f, float alpha, const float* inverse_mass,
+                Float4* du) {
+  const Group scaled = alpha * loadGroup(f.data());
   for (int e = skin.begin[v]; e < skin.begin[v + 1]; ++e) {
-    const int i = skin.node[e];
-    lanes(du[i]) += (skin.N[e] * inverse_mass[i]) * scaled;
+    Float4& increment = du[skin.node[e]];
+    store(increment, load(increment) + (skin.N[e] * inverse_mass[skin.node[e]]) * scaled);
   }
 }
 
 /// The vertex's response to a force on itself, per alpha: sum_i N_i^2 / m_i.
 float compliance(const SkinModel& skin, int v, const float* inverse_mass) {
   float sum = 0.0F;
-  for (int e = skin.begin[v]; e < skin.begin[v + 1]; ++e) sum += skin.N[e] * skin.N[e] * inverse_mass[skin.node[e]];
+  for (int e = skin.begin[v]; e < skin.begin[v + 1]; ++e) {
+    sum += skin.N[e] * skin.N[e] * inverse_mass[skin.node[e]];
+  }
   return sum;
 }
 
@@ -162,7 +164,7 @@ Vec3 solveContact(const SkinModel& skin, const ToolShape& tool, const Pose& pose
   contact.sweep_count = sweep;
   for (int r = 0; r < row_count; ++r) {
     const ContactRow& row = contact.row[r];
-    lanes(contact.force[row.slot]) = row.force;
+    store(contact.force[row.slot], loadGroup(row.force.data()));
     on_tissue += row.force.head<3>().cast<double>();
     contact.max_penetration = std::max(contact.max_penetration, static_cast<double>(row.penetration));
     contact.contact_count += row.force.isZero(0.0F) ? 0 : 1;

@@ -15,7 +15,7 @@ namespace palpate {
 /// The law is that of a thin elastic layer on the tool. With penetration d at the end of the step,
 /// layer stiffness K = k a_v (k = skin.bulk_stiffness, a_v the vertex's area) and s the tangential
 /// slip of the skin over the tool's surface during the step:
-///   f_n = K min(max(d, 0), 0.1 R)                           normal
+///   f_n = K min(max(d, 0), 0.2 R)                           normal
 ///   f_t = f_t(last step) - K s,  |f_t| <= friction * f_n    tangential: stick, else slip (Coulomb)
 /// Both are monotone and derive from stored energy or dissipation, so contact never creates energy;
 /// f_t is its own memory of the stick, so static friction does not creep.
@@ -32,7 +32,8 @@ namespace palpate {
 /// @param du            predicted increment, m; corrected      (node_count)
 /// @param pose, previous_pose  tool at the step's end and start; at most ~1 mm or R/2 apart for no
 ///                      tunnelling, whichever is less
-/// @return the force on the tool, N
+/// @return the force on the tool, N. It balances the step's start (the central difference's
+///         acceleration is that at u), so its work is force . (mean of this and the last step's way).
 /// Real-time: no allocation, no lock, no throw. With n support nodes per vertex: 2 n four-lane FMAs
 /// per candidate, and per vertex in contact n (5 + 2 sweeps).
 /// Test: contact/contact_solver_test.cpp.

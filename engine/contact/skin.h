@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "approximation/shape_table.h"
+#include "base/float4.h"
 #include "base/types.h"
 #include "discretization/triangle_surface.h"
 
@@ -10,9 +11,9 @@ namespace palpate {
 
 /// The skin as the contact reads it: constant. Vertices are not nodes; vertex v
 /// stands at X_v + sum_i N_i(X_v) u_i. They are also the quadrature points of the
-/// contact pressure, so what the tool feels is only as fine as the skin: where a tool
-/// can touch, edges should be at most 0.35 of its radius (first touch is then late by up
-/// to 0.02 R, halving the edges quarters that and halves the force steps of entering vertices).
+/// contact pressure, so what the tool feels is only as fine as the skin. Where a tool can
+/// touch, edges should be at most 0.35 of its radius and no longer than its rim (edgeRadius):
+/// first touch is then late by up to 0.02 R (a quarter of that with half the edges).
 struct SkinModel {
   TriangleSurface surface;                 // reference configuration, m
   std::vector<double> area;                // (vertex_count) a third of the adjacent triangles, m^2
@@ -41,20 +42,21 @@ SkinModel buildSkinModel(const TriangleSurface& surface, const ShapeTable& shape
 /// Four partial sums, so that the additions overlap; their order is fixed.
 /// Real-time; cost ~ 25 four-lane FMAs.
 inline Eigen::Vector4f interpolateAtVertex(const SkinModel& skin, int v, const Float4* field) {
-  using Lanes = Eigen::Map<const Eigen::Vector4f, Eigen::Aligned16>;
   const float* N = skin.N.data();
   const int* node = skin.node.data();
   const int end = skin.begin[v + 1];
-  Eigen::Vector4f s0 = Eigen::Vector4f::Zero(), s1 = s0, s2 = s0, s3 = s0;
+  Group s0{}, s1{}, s2{}, s3{};
   int e = skin.begin[v];
   for (; e + 4 <= end; e += 4) {
-    s0 += N[e] * Lanes(&field[node[e]].x);
-    s1 += N[e + 1] * Lanes(&field[node[e + 1]].x);
-    s2 += N[e + 2] * Lanes(&field[node[e + 2]].x);
-    s3 += N[e + 3] * Lanes(&field[node[e + 3]].x);
+    s0 += N[e] * load(field[node[e]]);
+    s1 += N[e + 1] * load(field[node[e + 1]]);
+    s2 += N[e + 2] * load(field[node[e + 2]]);
+    s3 += N[e + 3] * load(field[node[e + 3]]);
   }
-  for (; e < end; ++e) s0 += N[e] * Lanes(&field[node[e]].x);
-  return (s0 + s1) + (s2 + s3);
+  for (; e < end; ++e) s0 += N[e] * load(field[node[e]]);
+  Eigen::Vector4f sum;
+  storeGroup(sum.data(), (s0 + s1) + (s2 + s3));
+  return sum;
 }
 
 /// Where skin vertex v is now, m. Real-time.

@@ -35,6 +35,16 @@ double solidAngleFraction(const Vec3& a, const Vec3& b, const Vec3& c) {
   return std::atan2(volume, cosine) / (2.0 * std::numbers::pi);
 }
 
+double cross(const Eigen::Vector2d& p, const Eigen::Vector2d& q) { return p.x() * q.y() - p.y() * q.x(); }
+
+// The sign of cross(p, q), or 0 where rounding hides it: never the wrong sign, since rounding keeps the order
+// of the products. (Their difference, contracted to a fused multiply-add, would not.) So the two
+// faces of an edge never both turn the ray away, and none slips between them.
+int turn(const Eigen::Vector2d& p, const Eigen::Vector2d& q) {
+  const double left = p.x() * q.y(), right = p.y() * q.x();
+  return left > right ? 1 : left < right ? -1 : 0;
+}
+
 }  // namespace
 
 SurfaceTree::SurfaceTree(TriangleSurface surface) : surface_(std::move(surface)) {
@@ -184,12 +194,15 @@ std::optional<SurfaceTree::Hit> SurfaceTree::firstHit(const Vec3& origin, const 
     return enter <= leave * (1 + 1e-12) ? enter : std::numeric_limits<double>::infinity();
   };
 
-  // On which side the ray passes an edge: the volume d . (p x q). Taken in ascending vertex order,
-  // so that the two faces of an edge get bitwise opposite values and no ray slips between them.
-  const auto side = [&](int i, int j) {
-    const Vec3 p = surface_.vertices[std::min(i, j)] - origin, q = surface_.vertices[std::max(i, j)] - origin;
-    const double volume = d.dot(p.cross(q));
-    return i < j ? volume : -volume;
+  // A shear takes the ray onto an axis (Woop, Benthin and Wald 2013): whether it passes a triangle is then
+  // a question about plane points around the origin.
+  int along = 0;
+  d.cwiseAbs().maxCoeff(&along);
+  const int across_x = (along + 1) % 3, across_y = (along + 2) % 3;
+  const double shear_x = d[across_x] / d[along], shear_y = d[across_y] / d[along];
+  const auto flattened = [&](int v) {
+    const Vec3 p = surface_.vertices[v] - origin;
+    return Eigen::Vector2d(p[across_x] - shear_x * p[along], p[across_y] - shear_y * p[along]);
   };
 
   std::optional<Hit> best;
@@ -210,8 +223,10 @@ std::optional<SurfaceTree::Hit> SurfaceTree::firstHit(const Vec3& origin, const 
     for (int i = node.first; i < node.first + node.count; ++i) {
       const int t = order_[i];
       const auto& [a, b, c] = surface_.triangles[t];
-      const double wa = side(b, c), wb = side(c, a), wc = side(a, b);
-      const bool through = (wa >= 0 && wb >= 0 && wc >= 0) || (wa <= 0 && wb <= 0 && wc <= 0);
+      const Eigen::Vector2d p = flattened(a), q = flattened(b), r = flattened(c);
+      const int sa = turn(q, r), sb = turn(r, p), sc = turn(p, q);
+      const bool through = (sa >= 0 && sb >= 0 && sc >= 0) || (sa <= 0 && sb <= 0 && sc <= 0);
+      const double wa = sa * std::abs(cross(q, r)), wb = sb * std::abs(cross(r, p)), wc = sc * std::abs(cross(p, q));
       const double sum = wa + wb + wc;
       if (!through || sum == 0) continue;  // sum 0: the ray lies in the face's plane; its neighbours are hit
       const Vec3 point = (wa * surface_.vertices[a] + wb * surface_.vertices[b] + wc * surface_.vertices[c]) / sum;

@@ -234,7 +234,8 @@ Scene readScene(const std::string& path) {
   readOrgan(top.table("organ", {"organ"}), folder, scene);
   readDiscretization(top.table("discretization", {"discretization"}), scene);
   for (const TomlTable& entry : top.tables("material", {"material"})) {
-    readMaterial(entry, scene.materials.empty(), scene.materials.emplace_back());
+    const bool first = scene.materials.empty();
+    readMaterial(entry, first, scene.materials.emplace_back());
   }
   for (const TomlTable& entry : top.tables("fixed", {"boundary", "region"})) {
     readBoundary(entry, scene.boundaries.emplace_back());

@@ -20,7 +20,7 @@ std::vector<int> allWithin(const SpringBed& bed, const ToolShape& tool, const Po
   std::vector<int> found;
   for (int v = 0; v < bed.skin.vertexCount(); ++v) {
     const Vec3 x = pose.toLocal(skinPosition(bed.skin, v, bed.u.data()));
-    if (toolDistance(tool, x).distance <= margin) found.push_back(v);
+    if (toolDistance(tool, x).distance <= margin + kTissueTravel * tool.radius) found.push_back(v);
   }
   return found;
 }

@@ -65,7 +65,12 @@ struct SpringBed {
     const double node_area = s.node_spacing * s.node_spacing;
     const std::size_t n = static_cast<std::size_t>(side) * side;
     mass = s.surface_density * node_area;
-    stiffness = Vec3(s.lateral, s.lateral, s.foundation) * node_area;
+    // Each spring stands for the skin's area that hangs on its node, so that an even pressure on the
+    // skin gives an even displacement, up to the border.
+    area.assign(n, 0.0);
+    for (int v = 0; v < skin.vertexCount(); ++v) {
+      for (int e = skin.begin[v]; e < skin.begin[v + 1]; ++e) area[skin.node[e]] += skin.N[e] * skin.area[v];
+    }
     inverse_mass.assign(n, static_cast<float>(1.0 / mass));
     u.assign(n, Float4{});
     du.assign(n, Float4{});
@@ -77,7 +82,7 @@ struct SpringBed {
     const double c = spec.damping, h = spec.dt;
     const double alpha = 2.0 * h * h / (2.0 + c * h), beta = (2.0 - c * h) / (2.0 + c * h);
     for (int i = 0; i < side * side; ++i) {
-      const Vec3 f = -stiffness.cwiseProduct(toVec3(u[i])) - spec.tension * stretchAt(i, u);
+      const Vec3 f = springForce(i) - spec.tension * stretchAt(i, u);
       du[i] = toFloat4(beta * toVec3(du[i]) + alpha / mass * f);
     }
     const Vec3 force =
@@ -97,8 +102,7 @@ struct SpringBed {
   /// One tick of `substeps` steps towards `target`; the last step's force.
   Vec3 tick(const ToolShape& tool, const Pose& target, int substeps, double friction = 0.0) {
     const Pose from = pose;
-    const double margin = largestTravel(tool, from, target) + 0.001;
-    findContactCandidates(skin, u.data(), tool, from, margin, contact);
+    findContactCandidates(skin, u.data(), tool, from, largestTravel(tool, from, target), contact);
     Vec3 force = Vec3::Zero();
     for (int k = 1; k <= substeps; ++k) {
       const double t = static_cast<double>(k) / substeps;
@@ -115,10 +119,15 @@ struct SpringBed {
     contact = makeContactState(skin, tool);
   }
 
-  /// Force of the ground springs on the tissue, N.
+  /// Force of the ground on node i, N.
+  Vec3 springForce(int i) const {
+    return -area[i] * Vec3(spec.lateral, spec.lateral, spec.foundation).cwiseProduct(toVec3(u[i]));
+  }
+
+  /// Force of the ground on the whole bed, N.
   Vec3 springForce() const {
     Vec3 f = Vec3::Zero();
-    for (const Float4& a : u) f -= stiffness.cwiseProduct(toVec3(a));
+    for (int i = 0; i < side * side; ++i) f += springForce(i);
     return f;
   }
 
@@ -129,7 +138,7 @@ struct SpringBed {
     for (int i = 0; i < side * side; ++i) {
       const Vec3 increment = toVec3(du[i]), now = toVec3(u[i]), before = now - increment;
       e += 0.5 * mass * increment.squaredNorm() / (spec.dt * spec.dt);
-      e += 0.5 * (stiffness.cwiseProduct(now) + spec.tension * stretchAt(i, u)).dot(before);
+      e += 0.5 * (spec.tension * stretchAt(i, u) - springForce(i)).dot(before);
     }
     for (int k = 0; k < contact.count; ++k) {
       const double K = skin.bulk_stiffness * skin.area[contact.vertex[k]];
@@ -163,7 +172,7 @@ struct SpringBed {
   int side = 0;                    // nodes per edge
   SkinModel skin;
   double mass = 0;                 // kg, per node
-  Vec3 stiffness = Vec3::Zero();   // N/m, per node
+  std::vector<double> area;        // (node_count) m^2
   AlignedVector<float> inverse_mass;
   AlignedVector<Float4> u, du, u_low;
   Pose pose;

@@ -1,0 +1,62 @@
+#include <catch2/catch.hpp>
+#include <cstdlib>
+#include <fstream>
+#include <set>
+
+#include "io/scene_file.h"
+#include "io/scene_keys.h"
+#include "io/text_file.h"
+#include "io/tool_script.h"
+#include "support/temp_folder.h"
+
+using namespace palpate;
+
+namespace {
+
+const std::string begin_mark = "<!-- reference -->\n", end_mark = "<!-- end of reference -->\n";
+
+/// Compares what stands between the marks of a README; with PALPATE_WRITE_REFERENCE set, writes it.
+void requireReference(const std::string& path, const std::string& reference) {
+  std::string text = readWholeFile(path);
+  const std::size_t begin = text.find(begin_mark), end = text.find(end_mark);
+  REQUIRE(begin != std::string::npos);
+  REQUIRE(end != std::string::npos);
+  const std::size_t inside = begin + begin_mark.size();
+  const std::string wanted = "\n" + reference + "\n";
+  if (std::getenv("PALPATE_WRITE_REFERENCE") != nullptr) {
+    text.replace(inside, end - inside, wanted);
+    std::ofstream(path, std::ios::binary) << text;
+    return;
+  }
+  INFO("PALPATE_WRITE_REFERENCE=1 " << "io_tests \"[reference]\" writes it anew: " << path);
+  CHECK(text.substr(inside, end - inside) == wanted);
+}
+
+}  // namespace
+
+TEST_CASE("assets/scenes/README.md has the parser's keys", "[io][reference]") {
+  requireReference(PALPATE_SOURCE_DIR "/assets/scenes/README.md", sceneReference());
+}
+
+TEST_CASE("assets/tools/README.md has the parser's keys", "[io][reference]") {
+  requireReference(PALPATE_SOURCE_DIR "/assets/tools/README.md", toolScriptReference());
+}
+
+TEST_CASE("The reference has a row for every key, and no key twice in a table", "[io][reference]") {
+  const std::string reference = sceneReference();
+  std::set<std::pair<std::string, std::string>> seen;
+  for (const KeySpec& key : sceneKeys()) {
+    INFO(key.table << "." << key.name);
+    CHECK(seen.insert({key.table, key.name}).second);
+    CHECK(reference.find(std::string("| `") + key.name + "` | ") != std::string::npos);
+    CHECK(reference.find(key.meaning) != std::string::npos);
+  }
+}
+
+TEST_CASE("The example scene of the README is a scene", "[io][reference]") {
+  const std::string text = readWholeFile(PALPATE_SOURCE_DIR "/assets/scenes/README.md");
+  const std::string fence = "```toml\n";
+  const std::size_t begin = text.find(fence) + fence.size();
+  TempFolder folder;
+  CHECK(readScene(folder.write("example.toml", text.substr(begin, text.find("```", begin) - begin))).spacing == 0.01);
+}

@@ -1,0 +1,410 @@
+#include "io/scene_file.h"
+
+#include <catch2/catch.hpp>
+#include <filesystem>
+#include <random>
+#include <sstream>
+
+#include "discretization/surface_geometry.h"
+#include "io/scene_keys.h"
+#include "io/surface_file.h"
+#include "support/temp_folder.h"
+
+using namespace palpate;
+using Catch::Contains;
+
+namespace {
+
+// Line numbers in the tests below count here.
+const std::string full_scene =
+    R"(name = "Everything"
+[organ]
+solid = "cylinder"
+radius = 0.015
+height = 0.017
+colour = [0.1, 0.2, 0.3]
+[discretization]
+spacing = 0.004
+seed = 9
+points_per_cell = 1
+basis = "linear"
+support_factor = 2
+mu = 0.05
+[[discretization.refine]]
+centre = [0, 0, 0.017]
+radius = 0.003
+spacing = 0.001
+blend = 0.004
+[[material]]
+model = "neo-hookean"
+young = 1000
+poisson = 0.45
+[[material]]
+model = "ogden"
+mu = [600, 43.6]
+alpha = [-1.1, 2]
+D1 = 1.2598e-4
+density = 970
+region = { shape = "sphere", centre = [0, 0, 0.01], radius = 0.005 }
+[[fixed]]
+shape = "near-plane"
+point = [0, 0, 0]
+normal = [0, 0, 2]
+distance = 1e-5
+[[prescribed]]
+shape = "box"
+min = [-0.01, -0.01, 0.016]
+max = [0.01, 0.01, 0.018]
+components = ["z"]
+surface_only = true
+translation = [0, 0, -0.002]
+duration = 0.5
+[dynamics]
+rate = 1000
+time_step = 0.0005
+step_safety = 0.5
+damping = 10
+threads = 2
+[tool]
+shape = "cylinder"
+radius = 0.005
+length = 0.03
+edge_radius = 0.0005
+position = [0, 0, 0.03]
+direction = [0, 3, -4]
+max_speed = 0.5
+friction = 0.2
+[force]
+cutoff = 40
+rate_limit = 100
+[camera]
+target = [0, 0, 0.01]
+distance = 0.2
+azimuth = 30
+elevation = 10
+fov = 40
+)";
+
+const std::string minimal_scene =
+    "[organ]\nsolid = \"box\"\nsize = [0.1, 0.1, 0.05]\n"
+    "[discretization]\nspacing = 0.01\n"
+    "[[material]]\nmodel = \"neo-hookean\"\nyoung = 3000\npoisson = 0.49\n"
+    "[[fixed]]\nshape = \"half-space\"\npoint = [0, 0, 0.001]\nnormal = [0, 0, 1]\n";
+
+std::string replaced(std::string text, const std::string& what, const std::string& with) {
+  const std::size_t at = text.find(what);
+  if (at == std::string::npos) throw std::logic_error("nothing to replace: " + what);
+  return text.replace(at, what.size(), with);
+}
+
+}  // namespace
+
+TEST_CASE("Every key of a scene arrives where it belongs", "[io][scene]") {
+  TempFolder folder;
+  const std::string path = folder.write("full.toml", full_scene);
+  const Scene s = readScene(path);
+  CHECK(s.name == "Everything");
+  CHECK(s.solid == Scene::Solid::Cylinder);
+  CHECK(s.radius == 0.015);
+  CHECK(s.height == 0.017);
+  CHECK(s.tissue_colour == Vec3(0.1, 0.2, 0.3));
+  CHECK(s.spacing == 0.004);
+  CHECK(s.seed == 9);
+  CHECK(s.points_per_cell == 1);
+  CHECK(s.basis_degree == 1);
+  CHECK(s.support_factor == 2);
+  CHECK(s.mu == 0.05);
+  REQUIRE(s.refine.size() == 1);
+  CHECK(s.refine[0].centre == Vec3(0, 0, 0.017));
+  CHECK(s.refine[0].radius == 0.003);
+  CHECK(s.refine[0].spacing == 0.001);
+  CHECK(s.refine[0].blend == 0.004);
+  REQUIRE(s.materials.size() == 2);
+  CHECK(s.materials[0].kind == MaterialSpec::Kind::NeoHookean);
+  CHECK(s.materials[0].young == 1000);
+  CHECK(s.materials[0].poisson == 0.45);
+  CHECK(s.materials[0].density == 1000);
+  CHECK(s.materials[0].everywhere);
+  CHECK(s.materials[1].kind == MaterialSpec::Kind::Ogden);
+  CHECK(s.materials[1].ogden_mu == std::vector<double>{600, 43.6});
+  CHECK(s.materials[1].ogden_alpha == std::vector<double>{-1.1, 2});
+  CHECK(s.materials[1].ogden_D1 == 1.2598e-4);
+  CHECK(s.materials[1].density == 970);
+  CHECK_FALSE(s.materials[1].everywhere);
+  CHECK(s.materials[1].region.kind == Region::Kind::Sphere);
+  CHECK(s.materials[1].region.point == Vec3(0, 0, 0.01));
+  CHECK(s.materials[1].region.radius == 0.005);
+  REQUIRE(s.boundaries.size() == 2);
+  CHECK(s.boundaries[0].region.kind == Region::Kind::NearPlane);
+  CHECK(s.boundaries[0].region.normal == Vec3(0, 0, 1));
+  CHECK(s.boundaries[0].region.distance == 1e-5);
+  CHECK(s.boundaries[0].component[0]);
+  CHECK(s.boundaries[0].duration == 0);
+  CHECK(s.boundaries[1].region.kind == Region::Kind::Box);
+  CHECK(s.boundaries[1].region.min == Vec3(-0.01, -0.01, 0.016));
+  CHECK(s.boundaries[1].region.max == Vec3(0.01, 0.01, 0.018));
+  CHECK_FALSE(s.boundaries[1].component[0]);
+  CHECK_FALSE(s.boundaries[1].component[1]);
+  CHECK(s.boundaries[1].component[2]);
+  CHECK(s.boundaries[1].surface_only);
+  CHECK(s.boundaries[1].translation == Vec3(0, 0, -0.002));
+  CHECK(s.boundaries[1].duration == 0.5);
+  CHECK(s.rate_hz == 1000);
+  CHECK(s.time_step == 0.0005);
+  CHECK(s.step_safety == 0.5);
+  CHECK(s.damping == 10);
+  CHECK(s.threads == 2);
+  CHECK(s.tool.kind == ToolKind::FlatCylinder);
+  CHECK(s.tool.radius == 0.005);
+  CHECK(s.tool.length == 0.03);
+  CHECK(s.tool.edge_radius == 0.0005);
+  CHECK(s.tool_position == Vec3(0, 0, 0.03));
+  CHECK((s.tool_direction - Vec3(0, 0.6, -0.8)).norm() < 1e-15);
+  CHECK(s.tool_max_speed == 0.5);
+  CHECK(s.friction == 0.2);
+  CHECK(s.filter_cutoff_hz == 40);
+  CHECK(s.force_rate_limit == 100);
+  CHECK(s.camera_target == Vec3(0, 0, 0.01));
+  CHECK(s.camera_distance == 0.2);
+  CHECK(s.camera_azimuth_deg == 30);
+  CHECK(s.camera_elevation_deg == 10);
+  CHECK(s.camera_fov_deg == 40);
+
+  // Places
+  CHECK(s.place.text() == path);
+  CHECK(s.places.at("dynamics.time_step").text() == path + ":45:1");
+  CHECK(s.places.at("material[1].D1").text() == path + ":27:1");
+  CHECK(s.places.at("discretization.refine[0].spacing").line == 17);
+  CHECK(s.places.at("tool").line == 49);
+  CHECK(s.materials[1].place.line == 23);
+  CHECK(s.materials[1].region.place.line == 29);
+  CHECK(s.boundaries[1].place.line == 35);
+  CHECK(s.refine[0].place.line == 14);
+}
+
+TEST_CASE("What a scene leaves out is as the reference says", "[io][scene]") {
+  TempFolder folder;
+  const Scene minimal = readScene(folder.write("box.toml", minimal_scene));
+  CHECK(minimal.name == "box");
+  CHECK(minimal.places.count("dynamics.rate") == 0);
+
+  // Each default of the reference, written out.
+  std::map<std::string, std::string> tables;
+  for (const KeySpec& key : sceneKeys()) {
+    const std::string fallback = key.fallback, table = key.table;
+    if (fallback.empty() || fallback == KeySpec::required || fallback == KeySpec::depends) continue;
+    if (std::string(key.name) == "upper_half" || std::string(key.name) == "edge_radius") continue;  // of other shapes
+    tables[table] += std::string(key.name) + " = " + fallback + "\n";
+  }
+  std::string text = replaced(minimal_scene, "[organ]\n", "[organ]\n" + tables.at("organ"));
+  text = replaced(text, "[discretization]\n", "[discretization]\n" + tables.at("discretization"));
+  text = replaced(text, "[[material]]\n", "[[material]]\n" + tables.at("material"));
+  text = replaced(text, "[[fixed]]\n", "[[fixed]]\n" + tables.at("boundary"));
+  for (const char* table : {"dynamics", "force", "camera"}) text += "[" + std::string(table) + "]\n" + tables.at(table);
+  text += "[tool]\nshape = \"sphere\"\nradius = 0.01\nposition = [0, 0, 0.1]\n" + tables.at("tool");
+  const Scene s = readScene(folder.write("box.toml", text));
+  CHECK(s.seed == minimal.seed);
+  CHECK(s.points_per_cell == minimal.points_per_cell);
+  CHECK(s.basis_degree == minimal.basis_degree);
+  CHECK(s.support_factor == minimal.support_factor);
+  CHECK(s.mu == minimal.mu);
+  CHECK(s.materials[0].density == minimal.materials[0].density);
+  CHECK(std::equal(s.boundaries[0].component, s.boundaries[0].component + 3, minimal.boundaries[0].component));
+  CHECK(s.boundaries[0].surface_only == minimal.boundaries[0].surface_only);
+  CHECK(s.rate_hz == minimal.rate_hz);
+  CHECK(s.time_step == minimal.time_step);
+  CHECK(s.step_safety == minimal.step_safety);
+  CHECK(s.damping == minimal.damping);
+  CHECK(s.threads == minimal.threads);
+  CHECK(s.tool.kind == minimal.tool.kind);
+  CHECK(s.tool.radius == minimal.tool.radius);
+  CHECK(s.tool.length == minimal.tool.length);
+  CHECK(s.tool_position == minimal.tool_position);
+  CHECK(s.tool_direction == minimal.tool_direction);
+  CHECK(s.tool_max_speed == minimal.tool_max_speed);
+  CHECK(s.friction == minimal.friction);
+  CHECK(s.filter_cutoff_hz == minimal.filter_cutoff_hz);
+  CHECK(s.force_rate_limit == minimal.force_rate_limit);
+  CHECK(s.camera_target == minimal.camera_target);
+  CHECK(s.camera_distance == minimal.camera_distance);
+  CHECK(s.camera_azimuth_deg == minimal.camera_azimuth_deg);
+  CHECK(s.camera_elevation_deg == minimal.camera_elevation_deg);
+  CHECK(s.camera_fov_deg == minimal.camera_fov_deg);
+  CHECK(s.tissue_colour == minimal.tissue_colour);
+}
+
+TEST_CASE("Bad scenes are refused at their place, with advice", "[io][scene][refusal]") {
+  TempFolder folder;
+  struct Bad {
+    const char *what, *with, *place, *problem, *advice;
+  };
+  const Bad bad[] = {
+      // not TOML
+      {"rate = 1000", "rate = ", ":44:8", "not valid TOML", "key = value"},
+      {"rate = 1000", "rate = 1000\nrate = 500", ":45:", "not valid TOML", "rate"},
+      {"[force]", "[force", ":58:", "not valid TOML", "[name]"},
+      // keys
+      {"time_step", "time_stp", ":45:1", "unknown key \"time_stp\" in [dynamics]", "did you mean \"time_step\"?"},
+      {"young = 1000", "E = 1000", ":21:1", "unknown key \"E\" in [[material]]", "did you mean \"young\"?"},
+      {"colour", "color", ":6:1", "unknown key \"color\" in [organ]", "did you mean \"colour\"?"},
+      {"damping = 10", "young = 10", ":47:1", "unknown key \"young\" in [dynamics]", "belongs to material"},
+      {"damping = 10", "wobbliness = 10", ":47:1", "unknown key \"wobbliness\"", "known here: rate, time_step"},
+      {"[camera]", "[kamera]", ":61:2", "unknown key \"kamera\" in the file's top level", "\"camera\""},
+      {"centre = [0, 0, 0.01], radius", "centre = [0, 0, 0.01], raduis", ":29:", "unknown key \"raduis\"", "\"radius\""},
+      // missing
+      {"spacing = 0.004\n", "", ":7:1", "the key \"spacing\" is missing in [discretization]", "spacing = number in m"},
+      {"height = 0.017\n", "", ":2:1", "the key \"height\" is missing", "a cylinder needs it"},
+      {"distance = 1e-5\n", "", ":30:1", "the key \"distance\" is missing", "near-plane"},
+      {"D1 = 1.2598e-4\n", "", ":23:1", "the key \"D1\" is missing", "an Ogden material needs it"},
+      {"shape = \"near-plane\"\n", "", ":30:1", "the key \"shape\" is missing in [[fixed]]", "shape = text"},
+      {"position = [0, 0, 0.03]\n", "", ":49:1", "the key \"position\" is missing in [tool]", "3 numbers in m"},
+      // types
+      {"rate = 1000", "rate = \"1000\"", ":44:8", "\"rate\" is text", "give number in Hz"},
+      {"threads = 2", "threads = 2.5", ":48:11", "\"threads\" is a number", "give whole number"},
+      {"surface_only = true", "surface_only = 1", ":40:16", "\"surface_only\" is a whole number", "true or false"},
+      {"target = [0, 0, 0.01]", "target = [0, 0.01]", ":62:10", "has 2 entries", "give 3 numbers"},
+      {"target = [0, 0, 0.01]", "target = [0, 0, \"a\"]", ":62:17", "\"target\" is text", "3 numbers in m"},
+      {"name = \"Everything\"", "name = 3", ":1:8", "\"name\" is a whole number", "give text"},
+      {"[[prescribed]]", "[prescribed]", ":35:1", "\"prescribed\" is a table", "[[prescribed]]"},
+      {"components = [\"z\"]", "components = [\"w\"]", ":39:15", "no axis", "[\"z\"]"},
+      // ranges and choices
+      {"poisson = 0.45", "poisson = 0.5", ":22:11", "\"poisson\" = 0.5 is out of range", "0 .. 0.4999"},
+      {"young = 1000", "young = -1", ":21:9", "\"young\" = -1 Pa is out of range", "> 0"},
+      {"young = 1000", "young = nan", ":21:9", "\"young\" is not finite", "finite"},
+      {"rate = 1000", "rate = 50", ":44:8", "\"rate\" = 50 Hz is out of range", "100 .. 2000 Hz"},
+      {"support_factor = 2", "support_factor = 9", ":12:18", "out of range", "1.4 .. 4"},
+      {"seed = 9", "seed = -9", ":9:8", "out of range", "0 .. 4294967295"},
+      {"points_per_cell = 1", "points_per_cell = 5", ":10:19", "\"points_per_cell\" = 5 is no choice", "1 or 4"},
+      {"colour = [0.1, 0.2, 0.3]", "colour = [10, 0.2, 0.3]", ":6:11", "colour[0] = 10 is out of range", "0 .. 1"},
+      {"\"linear\"", "\"cubic\"", ":11:9", "\"basis\" is \"cubic\"", "linear or quadratic"},
+      {"shape = \"near-plane\"", "shape = \"plane\"", ":31:9", "\"shape\" is \"plane\"", "half-space, box, sphere or near-plane"},
+      // contradictions
+      {"height = 0.017", "height = 0.017\nsize = [1, 1, 1]", ":6:1", "\"size\" means nothing to a cylinder", "remove it"},
+      {"solid = \"cylinder\"", "solid = \"cylinder\"\nsurface = \"a.obj\"", ":3:1", "both \"surface\" and \"solid\"", "give"},
+      {"solid = \"cylinder\"\nradius = 0.015\nheight = 0.017", "", ":2:1", "neither \"surface\" nor \"solid\"", "give"},
+      {"solid = \"cylinder\"\nradius = 0.015\nheight = 0.017", "surface = \"a.obj\"\nunit = \"mm\"", ":3:1", "there is no surface file", "scene file's folder"},
+      {"normal = [0, 0, 2]", "normal = [0, 0, 0]", ":33:1", "\"normal\" is zero", "[0, 0, 1]"},
+      {"spacing = 0.001", "spacing = 0.004", ":17:1", "not below the global one", "less than"},
+      {"max = [0.01, 0.01, 0.018]", "max = [0.01, 0.01, 0.0]", ":37:1", "\"min\" is above its \"max\"", "swap"},
+      {"time_step = 0.0005", "time_step = 0.0003", ":45:1", "not a whole number of steps", "0.00025 s (4 steps"},
+      {"time_step = 0.0005", "time_step = 0.005", ":45:1", "not a whole number of steps", "0.001 s (1 steps"},
+      {"alpha = [-1.1, 2]", "alpha = [-1.1]", ":25:1", "\"mu\" has 2 terms and \"alpha\" 1", "same number"},
+      {"alpha = [-1.1, 2]", "alpha = [-1.1, 0]", ":26:1", "an exponent is 0", "leave the term out"},
+      {"mu = [600, 43.6]", "mu = [600, -700]", ":25:1", "is not positive", "signs"},
+      {"poisson = 0.45", "poisson = 0.45\nD1 = 1", ":23:1", "\"D1\" means nothing to a neo-Hookean", "remove"},
+      {"region = { shape = \"sphere\", centre = [0, 0, 0.01], radius = 0.005 }\n", "", ":23:1", "no region", "add region"},
+      {"edge_radius = 0.0005", "edge_radius = 0.006", ":53:1", "exceeds the tool's radius", "capsule"},
+      {"shape = \"cylinder\"\nradius = 0.005\nlength = 0.03\nedge_radius = 0.0005", "shape = \"capsule\"\nradius = 0.005\nlength = 0.003", ":52:1", "shorter than two radii", "sphere"},
+  };
+  for (const Bad& b : bad) {
+    const std::string path = folder.write("full.toml", replaced(full_scene, b.what, b.with));
+    INFO(b.what << " -> " << b.with);
+    const std::string message = refusal([&] { readScene(path); });
+    INFO(message);
+    CHECK_THAT(message, Contains(path + b.place));
+    CHECK_THAT(message, Contains(b.problem));
+    CHECK_THAT(message, Contains(b.advice));
+  }
+}
+
+TEST_CASE("A missing table or file is named", "[io][scene][refusal]") {
+  TempFolder folder;
+  const auto message = [&](const std::string& text) {
+    return refusal([&] { readScene(folder.write("s.toml", text)); });
+  };
+  CHECK_THAT(message(""), Contains("s.toml") && Contains("the key \"organ\" is missing") && Contains("add an [organ]"));
+  CHECK_THAT(message(minimal_scene.substr(0, minimal_scene.find("[[fixed]]"))), Contains("\"fixed\" is missing") && Contains("[[fixed]]"));
+  CHECK_THAT(message(replaced(minimal_scene, "[[material]]", "[material]")), Contains("s.toml:6:1: \"material\" is a table; write each entry as [[material]]"));
+  CHECK_THAT(message(minimal_scene + "[[material]]\nmodel = \"neo-hookean\"\nyoung = 1\npoisson = 0.3\nregion = 3\n"), Contains(":18:10") && Contains("write it as a table"));
+  CHECK_THAT(refusal([&] { readScene(folder.path("none.toml")); }), Contains("none.toml: the file does not exist"));
+  CHECK_THAT(refusal([&] { readScene(folder.path("")); }), Contains("folder"));
+}
+
+TEST_CASE("A surface organ is found from the scene's folder and scaled by its unit", "[io][scene]") {
+  TempFolder folder;
+  folder.write("a.obj", "v 0 0 0\n");
+  const auto scene = [&](const std::string& organ) {
+    return readScene(folder.write("s.toml", replaced(minimal_scene, "solid = \"box\"\nsize = [0.1, 0.1, 0.05]", organ)));
+  };
+  CHECK(scene("surface = \"a.obj\"\nunit = \"mm\"").surface_scale == 0.001);
+  CHECK(scene("surface = \"./a.obj\"\nunit = \"cm\"").surface_scale == 0.01);
+  CHECK(scene("surface = \"a.obj\"\nscale = 0.0254").surface_scale == 0.0254);
+  CHECK(scene("surface = \"" + folder.path("a.obj") + "\"\nunit = \"m\"").surface_file == folder.path("a.obj"));
+  CHECK(scene("surface = \"./a.obj\"\nunit = \"m\"").surface_file == folder.path("a.obj"));
+  CHECK_THAT(refusal([&] { scene("surface = \"a.obj\""); }), Contains("s.toml:2:1: the surface's unit is missing"));
+  CHECK_THAT(refusal([&] { scene("surface = \"a.obj\"\nunit = \"m\"\nscale = 1"); }), Contains("both \"unit\" and \"scale\""));
+  CHECK_THAT(refusal([&] { scene("surface = \"a.obj\"\nunit = \"inch\""); }), Contains("give mm, cm or m"));
+}
+
+TEST_CASE("Regions contain what they should", "[io][scene]") {
+  Region r;
+  r.kind = Region::Kind::HalfSpace;
+  r.point = {0, 0, 1};
+  r.normal = Vec3(0, 0.6, 0.8);
+  CHECK(r.contains({0, 0, 1}));
+  CHECK(r.contains({0, 0, 0}));
+  CHECK_FALSE(r.contains({0, 0.1, 1}));
+  r.kind = Region::Kind::NearPlane;
+  r.distance = 0.1;
+  CHECK(r.contains(r.point + 0.1 * r.normal));
+  CHECK(r.contains(r.point - 0.1 * r.normal));
+  CHECK_FALSE(r.contains(r.point + 0.11 * r.normal));
+  CHECK_FALSE(r.contains({0, 0, 0}));
+  r.kind = Region::Kind::Sphere;
+  r.radius = 0.5;
+  CHECK(r.contains({0, 0, 0.5}));
+  CHECK_FALSE(r.contains({0.4, 0.4, 1}));
+  CHECK(r.contains({0, 0, 1.51}, 0.02));
+  r.kind = Region::Kind::Box;
+  r.min = {-1, -2, -3};
+  r.max = {1, 2, 3};
+  CHECK(r.contains({1, 2, -3}));
+  CHECK_FALSE(r.contains({1.1, 0, 0}));
+  CHECK_FALSE(r.contains({0, 0, -3.1}));
+}
+
+TEST_CASE("Cut or damaged scenes are read or refused, never worse", "[io][scene][fuzz]") {
+  TempFolder folder;
+  std::mt19937 random(5);
+  int refused = 0, total = 0;
+  const auto tryReading = [&](const std::string& text) {
+    ++total;
+    try {
+      readScene(folder.write("cut.toml", text));
+    } catch (const InputError& error) {
+      ++refused;
+      REQUIRE_THAT(error.what(), Contains("cut.toml"));
+    }
+  };
+  for (std::size_t length = 0; length < full_scene.size(); length += 7) tryReading(full_scene.substr(0, length));
+  for (int i = 0; i < 200; ++i) {
+    std::string damaged = full_scene;
+    for (int k = 0; k < 2; ++k) damaged[random() % damaged.size()] = static_cast<char>(32 + random() % 95);
+    tryReading(damaged);
+  }
+  CHECK(refused > total / 2);
+  CHECK(refused < total);
+}
+
+TEST_CASE("Every scene in assets/scenes parses and its surface bounds a solid", "[io][scene][assets]") {
+  int count = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(PALPATE_SOURCE_DIR "/assets/scenes")) {
+    if (entry.path().extension() != ".toml") continue;
+    ++count;
+    INFO(entry.path());
+    const Scene s = readScene(entry.path().string());
+    CHECK_FALSE(s.name.empty());
+    if (s.solid == Scene::Solid::Surface) {
+      const TriangleSurface organ = readClosedSurface(s.surface_file, s.surface_scale);
+      const Box3 box = boundingBox(organ);
+      CHECK(box.sizes().maxCoeff() > 0.05);  // an organ in metres
+      CHECK(box.sizes().maxCoeff() < 0.5);
+      CHECK_FALSE(box.contains(s.tool_position));
+      // The tool starts over the organ and points at it.
+      CHECK(box.sizes().norm() > (s.tool_position - box.center()).norm());
+      CHECK((box.center() - s.tool_position).dot(s.tool_direction) > 0);
+      CHECK(box.contains(s.camera_target));
+    }
+  }
+  CHECK(count >= 5);
+}

@@ -1,0 +1,241 @@
+#include "io/surface_file.h"
+
+#include <catch2/catch.hpp>
+#include <cstdint>
+#include <cstring>
+#include <limits>
+#include <random>
+
+#include "discretization/solids.h"
+#include "discretization/surface_geometry.h"
+#include "support/temp_folder.h"
+
+using namespace palpate;
+using Catch::Contains;
+
+namespace {
+
+const std::string cube_obj =
+    "# a unit cube of quads\n"
+    "mtllib cube.mtl\n"
+    "o cube\n"
+    "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n"
+    "v 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n"
+    "vn 0 0 1\nvt 0 0\n"
+    "usemtl red\ns off\n"
+    "f 4/1/1 3/1/1 2/1/1 1/1/1\n"
+    "f 5//1 6//1 7//1 8//1\n"
+    "f 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
+
+std::string asciiStl(const TriangleSurface& s) {
+  std::string text = "solid made by a test\n";
+  char line[128];
+  for (const auto& t : s.triangles) {
+    text += "  facet normal 0 0 0\n    outer loop\n";
+    for (int v : t) {
+      const Vec3& x = s.vertices[v];
+      std::snprintf(line, sizeof line, "      vertex %.9g %.9g %.9g\n", x.x(), x.y(), x.z());
+      text += line;
+    }
+    text += "    endloop\n  endfacet\n";
+  }
+  return text + "endsolid made by a test\n";
+}
+
+std::string binaryStl(const TriangleSurface& s, const std::string& title = "binary") {
+  std::string bytes = title;
+  bytes.resize(80, '\0');
+  const auto put = [&](const auto& value) { bytes.append(reinterpret_cast<const char*>(&value), sizeof value); };
+  put(static_cast<std::uint32_t>(s.triangles.size()));
+  for (const auto& t : s.triangles) {
+    for (int k = 0; k < 3; ++k) put(0.0F);
+    for (int v : t) {
+      for (int k = 0; k < 3; ++k) put(static_cast<float>(s.vertices[v][k]));
+    }
+    put(std::uint16_t{0});
+  }
+  return bytes;
+}
+
+std::string replaced(std::string text, const std::string& what, const std::string& with) {
+  const std::size_t at = text.find(what);
+  if (at == std::string::npos) throw std::logic_error("nothing to replace: " + what);
+  return text.replace(at, what.size(), with);
+}
+
+std::string crlf(const std::string& text) {
+  std::string result;
+  for (char c : text) result += c == '\n' ? std::string("\r\n") : std::string(1, c);
+  return result;
+}
+
+}  // namespace
+
+TEST_CASE("An OBJ of quads with normals, textures and groups is read", "[io][surface]") {
+  TempFolder folder;
+  for (const std::string& text : {cube_obj, crlf(cube_obj), "\xEF\xBB\xBF" + cube_obj,
+                                  replaced(cube_obj, "f 1 2 6 5\n", "f 1 2 \\\n 6 5 # side\n"),
+                                  replaced(cube_obj, "f 1 2 6 5\n", "f -8 -7 -3 -4\n"),
+                                  replaced(cube_obj, "v 1 1 1\n", "v +1.0 1e0 1 0.5 0.5 0.5\n")}) {
+    const TriangleSurface cube = readClosedSurface(folder.write("cube.obj", text), 0.1);
+    CHECK(cube.vertices.size() == 8);
+    CHECK(cube.triangles.size() == 12);
+    CHECK(signedVolume(cube) == Approx(1e-3).epsilon(1e-12));
+  }
+}
+
+TEST_CASE("What writeObj writes reads back to the same bits", "[io][surface]") {
+  TempFolder folder;
+  const TriangleSurface s = halfEllipsoidSurface({0.04, 0.03, 0.03}, 0.005);
+  writeObj(s, folder.path("half.obj"));
+  const SurfaceFile back = readSurface(folder.path("half.obj"));
+  CHECK(back.surface.vertices == s.vertices);
+  CHECK(back.surface.triangles == s.triangles);
+  CHECK(back.source.vertex_line.front() == 1);
+  CHECK(back.source.triangle_line.front() == static_cast<int>(s.vertices.size()) + 1);
+  CHECK_THROWS_AS(writeObj(s, folder.path("missing/half.obj")), std::runtime_error);
+}
+
+TEST_CASE("STL is read as ASCII or binary by content, and its corners are joined", "[io][surface]") {
+  TempFolder folder;
+  const TriangleSurface s = ellipsoidSurface({40, 30, 30}, 5);  // mm
+  for (const std::string& bytes : {asciiStl(s), crlf(asciiStl(s)), binaryStl(s), binaryStl(s, "solid but binary")}) {
+    const TriangleSurface back = readClosedSurface(folder.write("s.STL", bytes), 0.001);
+    CHECK(back.vertices.size() == s.vertices.size());
+    CHECK(back.triangles.size() == s.triangles.size());
+    CHECK(signedVolume(back) == Approx(1e-9 * signedVolume(s)).epsilon(1e-6));  // float32 coordinates
+  }
+}
+
+TEST_CASE("An OBJ split along seams is joined", "[io][surface]") {
+  TempFolder folder;
+  // Every face with its own vertices, as some exporters write them.
+  std::string text;
+  const TriangleSurface s = boxSurface({1, 1, 1}, 0.5);
+  for (const auto& t : s.triangles) {
+    for (int v : t) {
+      for (int k = 0; k < 3; ++k) text += (k == 0 ? "v " : " ") + std::to_string(s.vertices[v][k]);
+      text += "\n";
+    }
+    text += "f -3 -2 -1\n";
+  }
+  CHECK(readClosedSurface(folder.write("split.obj", text)).vertices.size() == s.vertices.size());
+}
+
+TEST_CASE("Bad OBJ files are refused at their place, with advice", "[io][surface][refusal]") {
+  TempFolder folder;
+  struct Bad {
+    const char *what, *with, *place, *problem, *advice;
+  };
+  const Bad bad[] = {
+      {"v 1 1 1\n", "v 1 1 nan\n", "cube.obj:10:7", "not finite", "export the file again"},
+      {"v 1 1 1\n", "v 1 1 inf\n", "cube.obj:10:7", "not finite", "export the file again"},
+      {"v 1 1 1\n", "v 1 1e999 1\n", "cube.obj:10:5", "beyond what a number can hold", "units"},
+      {"v 1 1 1\n", "v 1 1\n", "cube.obj:10", "coordinate 3 of this vertex is missing", "cut short"},
+      {"v 1 1 1\n", "v 1 one 1\n", "cube.obj:10:5", "\"one\" is not a number", "like 0.125"},
+      {"v 1 1 1\n", "v 1 1,5 1\n", "cube.obj:10:5", "\"1,5\" is not a number", "like 0.125"},
+      {"v 1 1 1\n", "", "cube.obj:16:18", "vertex index 8 but the file has 7 vertices", "export it again"},
+      {"f 1 2 6 5", "f 1 2 99999999999999999999", "cube.obj:18:7", "out of range", "export"},
+      {"f 1 2 6 5", "f 1 2 4000000000", "cube.obj:18:7", "out of range", "export"},
+      {"f 1 2 6 5", "f 1 2 2000000000 5", "cube.obj:18:7", "vertex index 2000000000 but the file has 8", "export"},
+      {"f 1 2 6 5", "f 0 1 2", "cube.obj:18:3", "vertex index 0", "from 1"},
+      {"f 1 2 6 5", "f -9 -8 -7", "cube.obj:18:3", "reaches back beyond the 8 vertices", "count back"},
+      {"f 1 2 6 5", "f 1 2", "cube.obj:18:1", "a face with 2 corners", "at least 3"},
+      {"f 1 2 6 5", "f", "cube.obj:18:1", "a face with 0 corners", "at least 3"},
+      {"f 1 2 6 5", "f 1 x 3", "cube.obj:18:5", "\"x\" is not a vertex index", "f 1 2 3"},
+      {"f 1 2 6 5", "curv 0 1 1 2", "cube.obj:18:1", "\"curv\" is not a statement", "\"v\" and \"f\""},
+      {"f 1 2 6 5", "", "cube.obj:", "the surface has a hole", "close the hole"},
+      {"f 1 2 6 5", "f 5 6 2 1", "cube.obj:18", "turned against its neighbours (2 such faces", "reverse"},
+      {"f 1 2 6 5", "f 1 2 6 6", "cube.obj:18", "zero area", "mesh repair"},
+      {"v 1 1 1\n", "v 0 0 1\n", "cube.obj:", "has zero area", "mesh repair"},
+  };
+  for (const Bad& b : bad) {
+    const std::string path = folder.write("cube.obj", replaced(cube_obj, b.what, b.with));
+    const std::string message = refusal([&] { readClosedSurface(path); });
+    INFO(b.what << " -> " << b.with << ": " << message);
+    CHECK_THAT(message, Contains(b.place));
+    CHECK_THAT(message, Contains(b.problem));
+    CHECK_THAT(message, Contains(b.advice));
+  }
+}
+
+TEST_CASE("Bad STL files are refused at their place, with advice", "[io][surface][refusal]") {
+  TempFolder folder;
+  const TriangleSurface cube = boxSurface({1, 1, 1}, 1);
+  const auto message = [&](const std::string& bytes) {
+    const std::string path = folder.write("cube.stl", bytes);
+    return refusal([&] { readClosedSurface(path); });
+  };
+  const std::string count = std::to_string(cube.triangles.size());
+
+  // ASCII
+  const std::string ascii = asciiStl(cube);
+  CHECK_THAT(message(replaced(ascii, "vertex", "vertx")), Contains("cube.stl:4:7: \"vertx\" where \"vertex\" should stand"));
+  CHECK_THAT(message(replaced(ascii, "vertex -0.5", "vertex NaN")), Contains("cube.stl:") && Contains("not finite"));
+  CHECK_THAT(message(replaced(ascii, "endsolid made by a test", "")), Contains("the file ends where \"facet\" should stand"));
+  CHECK_THAT(message("solid nothing\nendsolid nothing\n"), Contains("no faces in this file"));
+  CHECK_THAT(message(ascii.substr(0, ascii.size() / 2)), Contains("cube.stl:") && Contains("cut short"));
+
+  // binary
+  const std::string binary = binaryStl(cube);
+  CHECK_THAT(message(binary.substr(0, 500)), Contains("announces " + count + " faces") && Contains("has 500; it was cut short"));
+  CHECK_THAT(message(binary + "abc"), Contains("trailing bytes"));
+  CHECK_THAT(message(binary.substr(0, 50)), Contains("neither an ASCII STL") && Contains("50 bytes"));
+  std::string lying = binary;
+  lying[83] = '\x7f';  // two billion faces
+  CHECK_THAT(message(lying), Contains("announces 2130706") && Contains("cut short"));
+  std::string none = binary.substr(0, 84);
+  std::memset(none.data() + 80, 0, 4);
+  CHECK_THAT(message(none), Contains("no faces in this file"));
+  std::string with_nan = binary;
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  std::memcpy(with_nan.data() + 84 + 50 * 2 + 12 + 12, &nan, 4);
+  CHECK_THAT(message(with_nan), Contains("corner 2 of face 3 of " + count + " is not finite"));
+  // A hole: the last face missing, the count right.
+  TriangleSurface open = cube;
+  open.triangles.pop_back();
+  CHECK_THAT(message(binaryStl(open)), Contains("the surface has a hole") && Contains("3 open edges"));
+}
+
+TEST_CASE("Missing, empty and foreign files are refused", "[io][surface][refusal]") {
+  TempFolder folder;
+  CHECK_THAT(refusal([&] { readSurface(folder.path("none.obj")); }), Contains("none.obj: the file does not exist"));
+  CHECK_THAT(refusal([&] { readSurface(folder.path("none.obj"), 1, {"a.toml", 3, 11}); }), Contains("a.toml:3:11: the file "));
+  CHECK_THAT(refusal([&] { readSurface(folder.path("")); }), Contains("folder"));
+  CHECK_THAT(refusal([&] { readSurface(folder.write("a.obj", "")); }), Contains("the file is empty"));
+  CHECK_THAT(refusal([&] { readSurface(folder.write("a.stl", " \r\n")); }), Contains("the file is empty"));
+  CHECK_THAT(refusal([&] { readSurface(folder.write("a.obj", "# nothing\n")); }), Contains("no faces"));
+  CHECK_THAT(refusal([&] { readSurface(folder.write("a.ply", "ply\n")); }), Contains("use .obj or .stl"));
+  CHECK_THAT(refusal([&] { readSurface(folder.write("a.obj", cube_obj), -1); }), Contains("scale must be positive"));
+  const std::string l_shape = "v 0 0 0\nv 2 0 0\nv 2 1 0\nv 1 1 0\nv 1 2 0\nv 0 2 0\nf 3 4 5 6 1 2\n";
+  CHECK_THAT(refusal([&] { readSurface(folder.write("l.obj", l_shape)); }), Contains("l.obj:7:1: a concave polygon"));
+}
+
+TEST_CASE("Cut or damaged surfaces are read or refused, never worse", "[io][surface][fuzz]") {
+  TempFolder folder;
+  const TriangleSurface s = boxSurface({1, 1, 1}, 1);
+  std::mt19937 random(11);
+  int refused = 0, total = 0;
+  const auto tryReading = [&](const std::string& name, const std::string& bytes) {
+    ++total;
+    try {
+      readClosedSurface(folder.write(name, bytes));
+    } catch (const InputError& error) {
+      ++refused;
+      REQUIRE_THAT(error.what(), Contains(name));
+    }
+  };
+  for (const auto& [name, whole] : {std::pair<std::string, std::string>{"cut.obj", cube_obj},
+                                    {"cut.stl", asciiStl(s)}, {"cut_b.stl", binaryStl(s)}}) {
+    for (std::size_t length = 0; length < whole.size(); length += 1 + whole.size() / 60) {
+      tryReading(name, whole.substr(0, length));
+    }
+    for (int i = 0; i < 60; ++i) {
+      std::string damaged = whole;
+      for (int k = 0; k < 3; ++k) damaged[random() % damaged.size()] = static_cast<char>(random());
+      tryReading(name, damaged);
+    }
+  }
+  CHECK(refused > total / 2);  // and the test does reach the readers' complaints
+  CHECK(refused < total);
+}

@@ -1,0 +1,40 @@
+#pragma once
+
+#include "discretization/solids.h"
+#include "simulation/build_model.h"
+
+namespace palpate::test {
+
+/// A block of 60 x 60 x 30 mm on a fixed base under a sphere of 10 mm: small enough to step in a test.
+inline Scene blockScene(double spacing = 0.012) {
+  Scene scene;
+  scene.name = "block";
+  scene.solid = Scene::Solid::Box;
+  scene.size = Vec3(0.06, 0.06, 0.03);
+  scene.spacing = spacing;
+  scene.points_per_cell = 1;
+  scene.materials.emplace_back();
+  scene.materials[0].young = 3000;
+  scene.materials[0].poisson = 0.48;
+  BoundarySpec base;
+  base.region.kind = Region::Kind::NearPlane;
+  base.region.distance = 1e-6;
+  scene.boundaries.push_back(base);
+  scene.damping = 60;
+  scene.tool.radius = 0.01;
+  scene.tool_position = Vec3(0, 0, 0.032);
+  return scene;
+}
+
+inline Model blockModel(const Scene& scene = blockScene()) {
+  return buildModel(scene, boxSurface(scene.size, 0.004));
+}
+
+/// The tool's start pose moved by `travel` along its axis and `slide` in x.
+inline Pose toolAt(const Model& model, double travel, double slide = 0) {
+  Pose pose = model.tool_start;
+  pose.position += travel * (pose.orientation * -Vec3::UnitZ()) + slide * Vec3::UnitX();
+  return pose;
+}
+
+}  // namespace palpate::test
