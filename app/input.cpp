@@ -4,6 +4,7 @@
 #include <imgui.h>
 
 #include <array>
+#include <cstddef>
 #include <utility>
 
 namespace palpate {
@@ -64,7 +65,18 @@ Actions Controls::read(const Input& input, bool help_is_open) {
   return actions;
 }
 
-Input inputFromImGui() {
+std::optional<Key> keyFromGlfw(int code) {
+  static constexpr std::array<std::pair<int, Key>, static_cast<std::size_t>(Key::Count)> keys{{
+      {GLFW_KEY_SPACE, Key::Space}, {GLFW_KEY_BACKSPACE, Key::Backspace}, {GLFW_KEY_PERIOD, Key::Period},
+      {GLFW_KEY_F, Key::F}, {GLFW_KEY_H, Key::H}, {GLFW_KEY_F1, Key::F1}, {GLFW_KEY_ESCAPE, Key::Escape},
+      {GLFW_KEY_1, Key::Digit1}, {GLFW_KEY_2, Key::Digit2}, {GLFW_KEY_3, Key::Digit3},
+      {GLFW_KEY_4, Key::Digit4}, {GLFW_KEY_N, Key::N}, {GLFW_KEY_P, Key::P}}};
+  for (const auto& [glfw_code, key] : keys)
+    if (glfw_code == code) return key;
+  return {};
+}
+
+Input inputFromImGui(std::uint32_t pressed) {
   const ImGuiIO& io = ImGui::GetIO();
   Input input;
   input.mouse = {io.MousePos.x, io.MousePos.y};
@@ -78,14 +90,8 @@ Input inputFromImGui() {
   input.ctrl = io.KeyCtrl;
   input.mouse_taken = io.WantCaptureMouse;
   input.keys_taken = io.WantTextInput;
+  input.pressed = pressed;
 
-  static constexpr std::array<std::pair<int, Key>, static_cast<std::size_t>(Key::Count)> keys{{
-      {GLFW_KEY_SPACE, Key::Space}, {GLFW_KEY_BACKSPACE, Key::Backspace}, {GLFW_KEY_PERIOD, Key::Period},
-      {GLFW_KEY_F, Key::F}, {GLFW_KEY_H, Key::H}, {GLFW_KEY_F1, Key::F1}, {GLFW_KEY_ESCAPE, Key::Escape},
-      {GLFW_KEY_1, Key::Digit1}, {GLFW_KEY_2, Key::Digit2}, {GLFW_KEY_3, Key::Digit3},
-      {GLFW_KEY_4, Key::Digit4}, {GLFW_KEY_N, Key::N}, {GLFW_KEY_P, Key::P}}};
-  for (const auto& [code, key] : keys)
-    if (ImGui::IsKeyPressed(code, key == Key::Period)) input.press(key);  // holding '.' runs slowly
   const auto axis = [](int minus, int plus) {
     return (ImGui::IsKeyDown(plus) ? 1.0 : 0.0) - (ImGui::IsKeyDown(minus) ? 1.0 : 0.0);
   };

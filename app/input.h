@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 
 #include <cstdint>
+#include <optional>
 
 namespace palpate {
 
@@ -60,7 +61,12 @@ class Controls {
   Drag drag_ = Drag::None;
 };
 
-/// The input that ImGui gathered for the present frame. Keys are GLFW's codes.
-Input inputFromImGui();
+/// The meaning of a GLFW key code, if it has one here.
+std::optional<Key> keyFromGlfw(int code);
+
+/// The input that ImGui gathered for the present frame, with the keys that went down
+/// since the last one (a bit per Key): ImGui knows which keys are down, and so misses
+/// those that are up again before a slow frame ends.
+Input inputFromImGui(std::uint32_t pressed);
 
 }  // namespace palpate

@@ -74,7 +74,7 @@ void drawBar(const Theme& theme, const PanelData& data, const Rect& place, Panel
     const RunState run = runState(status);
     badge(theme, run.text, run.colour);
 
-    float x = 300 * s;
+    float x = 340 * s;
     const float width = 74 * s;
     at(x, button_y);
     if (button(status.paused ? "Run" : "Pause", width, !status.frozen, "frozen: reset first"))
@@ -114,9 +114,13 @@ void drawLog(const Theme& theme, const PanelData& data, const Rect& place) {
                            : line.level == LogLevel::Warning ? colours::warning
                                                              : colours::text;
       ImGui::PushStyleColor(ImGuiCol_Text, colours::faint);
-      ImGui::Text("%7.2f s", line.wall_s);
+      const float left = ImGui::GetCursorPosX();
+      const std::string time = format("%.2f s", line.wall_s);
+      ImGui::SetCursorPosX(left + 52 * theme.scale - ImGui::CalcTextSize(time.c_str()).x);
+      ImGui::TextUnformatted(time.c_str());
       ImGui::PopStyleColor();
       ImGui::SameLine();
+      ImGui::SetCursorPosX(left + 62 * theme.scale);
       ImGui::PushStyleColor(ImGuiCol_Text, colour);
       ImGui::PushTextWrapPos(0);
       ImGui::TextUnformatted(line.text.c_str());

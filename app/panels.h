@@ -50,14 +50,14 @@ struct PanelData {
   const Snapshot& snapshot;
   const ForceHistory& forces;
   std::span<const LogLine> log;
-  TimingView timing = {};
-  std::vector<MaterialView> materials = {};
+  TimingView timing{};
+  std::vector<MaterialView> materials{};
   double friction = 0;               // Coulomb coefficient at present
-  std::string input_note = {};       // why material and friction can't be changed now; empty: they can
-  ColourScale colour_scale = {};     // of the picture behind the panels
+  std::string input_note{};            // why material and friction can't be changed now; empty: they can
+  ColourScale colour_scale{};          // of the picture behind the panels
   ToolDriver driver = ToolDriver::User;
-  std::string script = {};           // name of the script or recording; empty: none at hand
-  std::string frozen_reason = {};    // what the watchdog saw, and where; used while frozen
+  std::string script{};                // name of the script or recording; empty: none at hand
+  std::string frozen_reason{};         // what the watchdog saw, and where; used while frozen
   double frames_per_second = 0;      // 0: not shown
 };
 

@@ -98,14 +98,17 @@ void drawTimingCard(const Theme& theme, const PanelData& data) {
   const LoopStatus& status = data.snapshot.status;
   const double budget = 1e6 / timing.rate_hz;  // us
 
+  const bool slow = timing.histogram_end >= 2e4;
+  const double unit = slow ? 1e-3 : 1;  // of the plot per us
   ImGui::PushFont(theme.small);
   PlotAxes axes;
-  axes.x_label = "us";
+  axes.x_label = slow ? "ms" : "us";
   axes.y_label = "Ticks by computing time";
-  axes.x_max = timing.histogram_end;
-  const std::array marks{PlotMark{"p50", timing.step_p50, colours::text}, PlotMark{"p99", timing.step_p99, colours::accent},
-                         PlotMark{"p99.9", timing.step_p999, colours::warning},
-                         PlotMark{"tick", budget, colours::bad}};
+  axes.x_max = timing.histogram_end * unit;
+  const std::array marks{PlotMark{"p50", timing.step_p50 * unit, colours::text},
+                         PlotMark{"p99", timing.step_p99 * unit, colours::accent},
+                         PlotMark{"p99.9", timing.step_p999 * unit, colours::warning},
+                         PlotMark{"tick", budget * unit, colours::bad}};
   drawHistogram("##steps", 92 * theme.scale, axes, timing.histogram, colours::raw, marks);
   ImGui::PopFont();
 
@@ -113,10 +116,10 @@ void drawTimingCard(const Theme& theme, const PanelData& data) {
   row("Longest", format("%.0f of %.0f us", timing.step_max, budget),
       timing.step_max < budget ? colours::text : colours::warning, "longest tick, and the time that a tick has");
   row("Wake-up late, p99 / max", format("%.0f / %.0f us", timing.late_p99, timing.late_max));
-  const double share = status.ticks > 0 ? 100.0 * static_cast<double>(status.overrun_count) / static_cast<double>(status.ticks) : 0;
-  row("Overruns", format("%lld of %lld (%.3f %%)", static_cast<long long>(status.overrun_count),
-                         static_cast<long long>(status.ticks), share),
-      share < 0.1 ? colours::good : colours::warning, "ticks that missed their deadline");
+  const auto periods = static_cast<long long>(status.ticks + status.overrun_count);
+  const double share = periods > 0 ? 100.0 * static_cast<double>(status.overrun_count) / static_cast<double>(periods) : 0;
+  row("Overruns", format("%lld of %lld (%.3f %%)", static_cast<long long>(status.overrun_count), periods, share),
+      share < 0.1 ? colours::good : colours::warning, "periods gone by without a tick of their own");
   row("Real-time factor", format("%.4f", status.realtime_factor),
       status.realtime_factor >= 0.999 ? colours::good : colours::warning,
       "physics time over wall time since the start or the last pause");

@@ -29,23 +29,29 @@ std::string grouped(long long n) {
   return s;
 }
 
+std::string pressure(double pa) {
+  if (std::abs(pa) >= 1e6) return format("%.4g MPa", 1e-6 * pa);
+  if (std::abs(pa) >= 1e4) return format("%.4g kPa", 1e-3 * pa);
+  return format("%.4g Pa", pa);
+}
+
 void drawMaterial(const Theme& theme, const MaterialView& view) {
   const char* nu = theme.has_greek ? "\xCE\xBD" : "nu";
   const char* mu = theme.has_greek ? "\xCE\xBC" : "mu";
   const Material& material = view.material;
   if (view.spec.kind == MaterialSpec::Kind::NeoHookean) {
     row("Model", "neo-Hookean");
-    row("Young's modulus E", format("%.4g Pa", view.spec.young * view.stiffness));
+    row("Young's modulus E", pressure(view.spec.young * view.stiffness));
     row(format("Poisson's ratio %s", nu).c_str(), format("%.4g", view.spec.poisson));
   } else {
     row("Model", format("Ogden, %d term%s", material.term_count, material.term_count == 1 ? "" : "s"));
     for (int k = 0; k < material.term_count; ++k) {
       const auto i = static_cast<std::size_t>(k);
-      row(format("%s%d, a%d", mu, k + 1, k + 1).c_str(), format("%.4g Pa, %.4g", material.mu[i], material.alpha[i]));
+      row(format("%s%d, a%d", mu, k + 1, k + 1).c_str(), pressure(material.mu[i]) + format(", %.4g", material.alpha[i]));
     }
   }
-  row("Shear modulus", format("%.4g Pa", material.shear_modulus));
-  row("Bulk modulus", format("%.4g Pa", material.bulk_modulus));
+  row("Shear modulus", pressure(material.shear_modulus));
+  row("Bulk modulus", pressure(material.bulk_modulus));
   row("Density", format("%.4g kg/m\xC2\xB3", material.density));
 }
 

@@ -185,7 +185,9 @@ void drawHistogram(const char* id, float height, const PlotAxes& axes, std::span
     if (left + label_width > frame.max.x) left = x - 0.3F * unit - label_width;
     for (std::size_t k = 0; k < free_from.size(); ++k) {
       if (left < free_from[k]) continue;
-      draw.AddText({left, frame.min.y + (0.2F + static_cast<float>(k)) * unit}, mark.colour, mark.label);
+      const float top = frame.min.y + (0.2F + static_cast<float>(k)) * unit;
+      draw.AddRectFilled({left - 1, top}, {left + label_width + 1, top + unit}, colours::plot_ground);
+      draw.AddText({left, top}, mark.colour, mark.label);
       free_from[k] = left + label_width + 0.3F * unit;
       break;
     }

@@ -1,8 +1,11 @@
 #include "app/session.h"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <iostream>
 #include <stdexcept>
 
 #include "app/format.h"
@@ -29,14 +32,13 @@ Scene readSceneOf(const Options& options) {
 }
 
 Model buildModelOf(const Scene& scene, Log& log) {
-  std::string told;
-  Model model = loadModel(scene, [&](const std::string& what, double) {
-    if (what == told) return;
-    told = what;
-    log.info(what);
+  const bool watched = isatty(STDERR_FILENO) != 0;
+  Model model = loadModel(scene, [&](const std::string& what, double fraction) {
+    if (watched) std::cerr << format("\r\033[K%3.0f %%  %s", 100 * fraction, what.c_str()) << std::flush;
   });
-  log.info(format("%s: %d nodes, %d integration points, %d steps of %.1f us per tick, ready in %.2f s",
-                  scene.name.c_str(), model.nodeCount(), model.pointCount(), model.substeps_per_tick, model.dt * 1e6,
+  if (watched) std::cerr << "\r\033[K" << std::flush;
+  log.info(format("%s: %d nodes, %d integration points, %d x %.0f us per tick, ready in %.2f s", scene.name.c_str(),
+                  model.nodeCount(), model.pointCount(), model.substeps_per_tick, model.dt * 1e6,
                   model.setup_seconds));
   return model;
 }

@@ -9,6 +9,7 @@
 #include <optional>
 #include <stdexcept>
 #include <thread>
+#include <utility>
 
 #include "app/composition.h"
 #include "app/framebuffer.h"
@@ -70,12 +71,24 @@ class GlWindow {
     glfwMakeContextCurrent(handle_);
     glfwSetWindowSizeLimits(handle_, least_width, least_height, GLFW_DONT_CARE, GLFW_DONT_CARE);
     glfwSwapInterval(1);
+    // Set before ImGui's own callback, which then calls this one first.
+    glfwSetWindowUserPointer(handle_, this);
+    glfwSetKeyCallback(handle_, [](GLFWwindow* window, int code, int, int action, int) {
+      auto& self = *static_cast<GlWindow*>(glfwGetWindowUserPointer(window));
+      const std::optional<Key> key = keyFromGlfw(code);
+      // Held, '.' goes on: a run in slow motion.
+      const bool counts = action == GLFW_PRESS || (action == GLFW_REPEAT && key == Key::Period);
+      if (key && counts) self.pressed_ |= 1u << static_cast<unsigned>(*key);
+    });
   }
   ~GlWindow() { glfwDestroyWindow(handle_); }
   GlWindow(const GlWindow&) = delete;
   GlWindow& operator=(const GlWindow&) = delete;
 
   GLFWwindow* handle() const { return handle_; }
+
+  /// The keys that went down since the last call, a bit per Key.
+  std::uint32_t takePressed() { return std::exchange(pressed_, 0u); }
 
   CanvasSize size() const {
     CanvasSize size;
@@ -100,6 +113,7 @@ class GlWindow {
 
  private:
   GLFWwindow* handle_ = nullptr;
+  std::uint32_t pressed_ = 0;
 };
 
 /// The window's own state: what the user sees, holds and sets.
@@ -140,7 +154,7 @@ class Viewer {
   Controls controls_;
   View view_;
   PanelState panels_;
-  double frames_per_second_ = 0;
+  double frame_seconds_ = 0;  // mean of the last ones
 };
 
 void Viewer::reset() {
@@ -226,15 +240,13 @@ void Viewer::applyRequests(const PanelRequests& requests, const Snapshot& snapsh
 
 bool Viewer::frame(double seconds) {
   const CanvasSize size = window_.size();
-  if (seconds > 0) {
-    const double now = 1 / seconds;
-    frames_per_second_ = frames_per_second_ == 0 ? now : frames_per_second_ + 0.05 * (now - frames_per_second_);
-  }
+  constexpr double share = 0.05;  // of the newest frame in the mean that is shown
+  frame_seconds_ = frame_seconds_ == 0 ? seconds : frame_seconds_ + share * (seconds - frame_seconds_);
   session_.gather();
   const Snapshot& snapshot = session_.latest();
   ui_.begin();
 
-  Input input = inputFromImGui();
+  Input input = inputFromImGui(window_.takePressed());
   input.mouse *= size.pixel_ratio;
   input.mouse_delta *= size.pixel_ratio;
   const Actions actions = controls_.read(input, panels_.help_shown);
@@ -251,7 +263,7 @@ bool Viewer::frame(double seconds) {
 
   glBindFramebuffer(GL_FRAMEBUFFER, 0);
   const PanelRequests requests = drawComposition(renderer_, ui_, session_, snapshot, view_, panels_, layout(size), size,
-                                                 frames_per_second_);
+                                                 frame_seconds_ > 0 ? 1 / frame_seconds_ : 0);
   applyRequests(requests, snapshot, size);
   return !actions.quit;
 }

@@ -1,5 +1,7 @@
 #include "app/input.h"
 
+#include <GLFW/glfw3.h>
+
 #include <catch2/catch.hpp>
 
 using namespace palpate;
@@ -91,6 +93,14 @@ TEST_CASE("What belongs to a panel does not reach the view", "[input]") {
   actions = others.read(typing, false);
   CHECK_FALSE(actions.reset);
   CHECK_FALSE(actions.quit);
+}
+
+TEST_CASE("Keys have meanings by their GLFW codes, others have none", "[input]") {
+  CHECK(keyFromGlfw(GLFW_KEY_SPACE) == Key::Space);
+  CHECK(keyFromGlfw(GLFW_KEY_PERIOD) == Key::Period);
+  CHECK(keyFromGlfw(GLFW_KEY_P) == Key::P);
+  CHECK_FALSE(keyFromGlfw(GLFW_KEY_Q));
+  CHECK_FALSE(keyFromGlfw(GLFW_KEY_UNKNOWN));
 }
 
 TEST_CASE("Shift turns the wheel from zooming to pushing the tool", "[input]") {
