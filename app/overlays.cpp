@@ -22,7 +22,7 @@ constexpr std::size_t most_points = 6000;  // more would be a fog; every n-th is
 constexpr float hidden_opacity = 0.42F;
 
 // An arrow grows with the root of its force, so that both a touch and a firm press can be read.
-constexpr double longest_arrow_in_radii = 1.2;
+constexpr double longest_arrow_in_radii = 0.9;
 constexpr double full_force = 1.5;    // N, drawn at the longest
 // Forces at the skin are compared among themselves.
 constexpr double longest_contact_in_tool_radii = 2;
