@@ -19,7 +19,7 @@ const Vec3f contact_colour(0.15F, 0.75F, 0.85F);
 const Vec3f pull_colour(0.55F, 0.90F, 0.25F);
 
 constexpr std::size_t most_points = 6000;  // more would be a fog; every n-th is shown instead
-constexpr float hidden_opacity = 0.22F;
+constexpr float hidden_opacity = 0.42F;
 
 // An arrow grows with the root of its force, so that both a touch and a firm press can be read.
 constexpr double longest_arrow_in_radii = 0.9;

@@ -11,7 +11,8 @@
 namespace palpate {
 namespace {
 
-/// Cells with less volume than this times the cube of their longest edge (a regular one has 0.118) are slivers.
+/// Cells with less volume than this times the cube of their longest edge (a regular one has 0.118) are
+/// slivers.
 constexpr double sliver = 1e-3;
 
 double longestEdge(const std::vector<Vec3>& X, const std::array<int, 4>& cell) {

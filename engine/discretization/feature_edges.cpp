@@ -33,7 +33,8 @@ std::vector<std::array<int, 2>> sharpEdges(const TriangleSurface& surface, doubl
   for (std::size_t begin = 0, end = 0; begin < edges.size(); begin = end) {
     const Edge& edge = edges[begin];
     while (end < edges.size() && edges[end].a == edge.a && edges[end].b == edge.b) ++end;
-    const bool smooth = end - begin == 2 && normal[edge.face].dot(normal[edges[begin + 1].face]) >= std::cos(angle);
+    const bool smooth =
+        end - begin == 2 && normal[edge.face].dot(normal[edges[begin + 1].face]) >= std::cos(angle);
     if (!smooth) sharp.push_back({edge.a, edge.b});
   }
   return sharp;
@@ -43,7 +44,10 @@ std::vector<std::array<int, 2>> sharpEdges(const TriangleSurface& surface, doubl
 class Tracer {
  public:
   Tracer(const TriangleSurface& surface, std::vector<std::array<int, 2>> edges, double angle)
-      : surface_(surface), edges_(std::move(edges)), used_(edges_.size(), false), at_(surface.vertices.size()) {
+      : surface_(surface),
+        edges_(std::move(edges)),
+        used_(edges_.size(), false),
+        at_(surface.vertices.size()) {
     for (std::size_t e = 0; e < edges_.size(); ++e) {
       for (int v : edges_[e]) at_[v].push_back(static_cast<int>(e));
     }

@@ -31,7 +31,8 @@ void checkAgainstBody(const SpacingField& spacing, const SurfaceTree& surface) {
     if (nodes <= most_nodes) return;
     std::ostringstream problem, advice;
     problem << "the node spacing " << h << " m would need about " << std::llround(nodes) << " nodes";
-    advice << "use at least " << std::cbrt(part / (volume_per_node * most_nodes)) << " m, or check the surface's scale";
+    advice << "use at least " << std::cbrt(part / (volume_per_node * most_nodes))
+           << " m, or check the surface's scale";
     throw InputError(place, problem.str(), advice.str());
   };
   refuse(spacing.place, spacing.spacing, volume);
@@ -60,13 +61,15 @@ NodeCloud makeNodeCloud(const SurfaceTree& surface, const SpacingField& spacing,
   }
   if (cloud.X.size() < fewest_nodes) {
     std::ostringstream problem;
-    problem << "the node spacing " << spacing.spacing << " m leaves the body only " << cloud.X.size() << " nodes";
+    problem << "the node spacing " << spacing.spacing << " m leaves the body only " << cloud.X.size()
+            << " nodes";
     throw InputError(spacing.place, problem.str(), "use a smaller spacing");
   }
   return cloud;
 }
 
-CloudStatistics cloudStatistics(const NodeCloud& cloud, const SurfaceTree& surface, const SpacingField& spacing) {
+CloudStatistics cloudStatistics(const NodeCloud& cloud, const SurfaceTree& surface,
+                                const SpacingField& spacing) {
   PointGrid grid(boundingBox(surface.surface()), std::sqrt(spacing.smallest() * spacing.largest()));
   for (std::size_t i = 0; i < cloud.X.size(); ++i) grid.add(static_cast<int>(i), cloud.X[i]);
 
@@ -78,7 +81,8 @@ CloudStatistics cloudStatistics(const NodeCloud& cloud, const SurfaceTree& surfa
     double nearest = std::numeric_limits<double>::infinity();
     for (double radius = h; std::isinf(nearest) && radius < 1e3 * h; radius *= 2) {
       grid.forEachWithin(x, radius, [&](int j, const Vec3& other) {
-        if (j != static_cast<int>(i)) nearest = std::min(nearest, (other - x).norm() * 2 / (h + spacing.at(other)));
+        if (j == static_cast<int>(i)) return;
+        nearest = std::min(nearest, (other - x).norm() * 2 / (h + spacing.at(other)));
       });
     }
     statistics.closest = std::min(statistics.closest, nearest);

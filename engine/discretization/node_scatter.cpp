@@ -8,15 +8,18 @@
 namespace palpate {
 namespace {
 
-/// Places offered to the darts per node wanted. More cost time and change the result little: the relaxation evens out.
+/// Places offered to the darts per node wanted. More cost time and change the result little: the relaxation
+/// evens out.
 constexpr double candidates_per_node = 16;
 
-/// Pair repulsion s^-4 (1 - s/reach), s = distance / h, zero beyond. A linear law instead lets pairs collapse: closest
-/// pair 0.57 h, 5 % flat cells; this one 0.77 h and 1.6 %. Steeper (s^-8) jams before it has relaxed.
+/// Pair repulsion s^-4 (1 - s/reach), s = distance / h, zero beyond. A linear law instead lets pairs
+/// collapse: closest pair 0.57 h, 5 % flat cells; this one 0.77 h and 1.6 %. Steeper (s^-8) jams before it
+/// has relaxed.
 constexpr double reach = 1.5;
 double repulsion(double s) { return s < reach ? (1 - s / reach) / (s * s * s * s) : 0; }
-/// Step of the relaxation, in units of h per unit of repulsion. 30 iterations give 0.71 h, 60 0.77 h, 120 0.81 h.
+/// Step of the relaxation, in units of h per unit of repulsion; longest_move keeps stiff pairs from leaping.
 constexpr double relax_step = 0.1;
+/// 30 iterations bring the closest pair of a box's cloud to 0.71 h, 60 to 0.77 h, 120 to 0.81 h.
 constexpr int relax_iterations = 60;
 /// No node moves more than this in an iteration, in units of h, so none can leap over the 0.55 h of depth.
 constexpr double longest_move = 0.15;
@@ -48,8 +51,9 @@ double Scatter::searchRadius(const Site& site, double factor) const {
   return factor * std::min(by_growth, (site.h + spacing_.largest()) / 2);
 }
 
-/// Distance to the nearest node in units of the mean of both spacings, or `most` where there is none within that.
-/// Nodes on a face that looks the other way (the far side of a thin rim) only count within the closest approach.
+/// Distance to the nearest node in units of the mean of both spacings, or `most` where there is none within
+/// that. Nodes on a face that looks the other way (the far side of a thin rim) only count within the closest
+/// approach.
 double Scatter::clearance(const Site& site, double most) const {
   double least = most;
   grid_.forEachWithin(site.X, searchRadius(site, most), [&](int j, const Vec3& x) {
@@ -107,7 +111,9 @@ void Scatter::placeEdges(const FeatureEdges& features) {
 /// Relaxation dart throwing (McCool and Fiume 1992): candidates in random order land where they have
 /// room; the radius that they ask for shrinks until `wanted` have landed.
 void Scatter::throwDarts(std::vector<Site> candidates, std::size_t wanted) {
-  for (std::size_t k = candidates.size(); k > 1; --k) std::swap(candidates[k - 1], candidates[random_.below(k)]);
+  for (std::size_t k = candidates.size(); k > 1; --k) {
+    std::swap(candidates[k - 1], candidates[random_.below(k)]);
+  }
   // What was too close to a node stays so: a candidate's last clearance bounds all later ones from above.
   std::vector<double> room(candidates.size(), 1.0);
   std::size_t landed = 0;
@@ -173,8 +179,8 @@ void Scatter::relax(std::size_t begin, int dimension, Confine&& confine) {
   }
 }
 
-/// Random points of the faces, in numbers proportional to area / h^2. `wanted` becomes the number of nodes that
-/// an unbounded hexagonal lattice would have on this area.
+/// Random points of the faces, in numbers proportional to area / h^2. `wanted` becomes the number of nodes
+/// that an unbounded hexagonal lattice would have on this area.
 std::vector<Site> Scatter::faceCandidates(double& wanted) {
   const TriangleSurface& surface = surface_.surface();
   std::vector<Site> candidates;
@@ -183,7 +189,8 @@ std::vector<Site> Scatter::faceCandidates(double& wanted) {
     const auto& [a, b, c] = surface.triangles[t];
     const Vec3 &A = surface.vertices[a], &B = surface.vertices[b], &C = surface.vertices[c];
     const Vec3 area = areaVector(surface, static_cast<int>(t));
-    const double mean_h = (spacing_.at(A) + spacing_.at(B) + spacing_.at(C) + spacing_.at((A + B + C) / 3)) / 4;
+    const double mean_h =
+        (spacing_.at(A) + spacing_.at(B) + spacing_.at(C) + spacing_.at((A + B + C) / 3)) / 4;
     wanted += area.norm() / (area_per_node * mean_h * mean_h);
     // Rounding the running sum instead of each term keeps small faces represented.
     while (static_cast<double>(candidates.size()) < candidates_per_node * wanted) {
@@ -199,7 +206,8 @@ void Scatter::placeFaces() {
   const std::size_t begin = sites_.size();
   double wanted = 0;
   std::vector<Site> candidates = faceCandidates(wanted);
-  // A node on an edge has half its share of area on either face, one at a cube's corner a quarter on each of three.
+  // A node on an edge has half its share of area on either face, one at a cube's corner a quarter on each of
+  // three.
   wanted = std::max(0.0, wanted - edge_count_ - 0.75 * corner_count_);
   throwDarts(std::move(candidates), static_cast<std::size_t>(std::lround(wanted)));
   relax(begin, 2, [&](Site& site, const Vec3& old) {
@@ -214,12 +222,13 @@ void Scatter::placeFaces() {
   surface_count_ = sites_.size();
 }
 
-/// One random point in each cube of an octree that is deep enough inside. `wanted` becomes the number of nodes of a
-/// close packing in the part of the body that surface nodes don't fill.
+/// One random point in each cube of an octree that is deep enough inside. `wanted` becomes the number of
+/// nodes of a close packing in the part of the body that surface nodes don't fill.
 std::vector<Site> Scatter::insideCandidates(double& wanted) {
   // First layer of a close packing above a plane of nodes: sqrt(2/3) h; half of it belongs to the plane.
   constexpr double surface_share = 0.408;
-  const double leaf = std::cbrt(volume_per_node / candidates_per_node);  // edge of a smallest cube, in units of h
+  // Edge of a smallest cube, in units of h.
+  const double leaf = std::cbrt(volume_per_node / candidates_per_node);
   std::vector<Site> candidates;
   wanted = 0;
   const Eigen::AlignedBox3d box = padded(boundingBox(surface_.surface()));

@@ -14,13 +14,13 @@ struct SpacingField {
     Vec3 centre = Vec3::Zero();  // m
     double radius = 0;           // m, >= 0
     double spacing = 0;          // m, inside the sphere
-    double blend = 0;            // m, width of the zone that leads back; 0: three times the difference of spacings
-    Place place;                 // where the scene asks for it
+    double blend = 0;  // m, width of the zone that leads back; 0: three times the difference of spacings
+    Place place;       // where the scene asks for it
   };
 
   double spacing = 0;  // m
   std::vector<Refinement> refinements;
-  Place place;         // where the scene asks for it
+  Place place;  // where the scene asks for it
 
   /// The steepest growth of the spacing, m per m. Steeper, and cells next to each other differ by more
   /// than 1.5 times in size, which costs accuracy; a blend that is too narrow for it is widened.

@@ -6,11 +6,11 @@
 namespace palpate {
 namespace {
 
-constexpr int iterations = 4;            // each leaves about a third of the gap
-constexpr double farthest_move = 0.15;   // of the mean edge of the facets around a node
-constexpr double least_volume = 0.2;     // of a cell's first volume
-constexpr double flat_gap = 1e-9;        // of a facet's edge; below it is rounding
-constexpr double widest_gap = 0.5;       // of a facet's edge; above it the facet does not follow the surface
+constexpr int iterations = 4;           // each leaves about a third of the gap
+constexpr double farthest_move = 0.15;  // of the mean edge of the facets around a node
+constexpr double least_volume = 0.2;    // of a cell's first volume
+constexpr double flat_gap = 1e-9;       // of a facet's edge; below it is rounding
+constexpr double widest_gap = 0.5;      // of a facet's edge; above it the facet does not follow the surface
 
 /// Dunavant's 6-point rule of degree 4: barycentric coordinates (a, a, 1 - 2a) in turn, and weights.
 constexpr double gauss_a[2] = {0.445948490915965, 0.091576213509771};
@@ -26,7 +26,8 @@ struct Facet {
 Facet facetOf(const std::array<int, 3>& nodes, const std::vector<Vec3>& X) {
   const Vec3 &a = X[nodes[0]], &b = X[nodes[1]], &c = X[nodes[2]];
   const Vec3 area = (b - a).cross(c - a) / 2;
-  return {nodes, area.normalized(), area.norm(), std::sqrt(std::max({(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()}))};
+  return {nodes, area.normalized(), area.norm(),
+          std::sqrt(std::max({(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()}))};
 }
 
 /// Directions that a node may still move in, as a projector, once those normal to flat faces are barred.

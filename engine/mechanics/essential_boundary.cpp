@@ -47,6 +47,7 @@ EssentialBoundary::Set makeSet(const std::vector<int>& rows, const std::vector<I
   for (int k = 0; k < n; ++k) {
     set.node[k] = imposed[source[k]].node;
     set.motion[k] = imposed[source[k]].motion;
+    for (int c = 0; c < 3; ++c) set.moves |= set.motion[k][c] >= 0;
     for (int e = shape.begin[source[k]]; e < shape.begin[source[k] + 1]; ++e) {
       set.phi_node.push_back(shape.node[e]);
       set.phi.push_back(static_cast<float>(shape.N[e]));
@@ -109,6 +110,21 @@ BoundaryScratch makeBoundaryScratch(const EssentialBoundary& boundary) {
   return {AlignedVector<Float4>(rows)};
 }
 
+namespace {
+
+/// What the motions of one node's components travel in the step that ends at `time_s`.
+Vec3 imposedIncrement(const EssentialBoundary& boundary, const std::array<int, 3>& motion, double time_s, double dt) {
+  Vec3 increment = Vec3::Zero();
+  for (int c = 0; c < 3; ++c) {
+    if (motion[c] < 0) continue;
+    const auto& m = boundary.motions[motion[c]];
+    increment[c] = motionAt(m, time_s)[c] - motionAt(m, time_s - dt)[c];
+  }
+  return increment;
+}
+
+}  // namespace
+
 Vec3 imposeBoundary(const EssentialBoundary& boundary, double time_s, double dt, double alpha,
                     const float* inverse_mass, Float4* du, BoundaryScratch& scratch) {
   Vec3 reaction = Vec3::Zero();
@@ -119,10 +135,7 @@ Vec3 imposeBoundary(const EssentialBoundary& boundary, double time_s, double dt,
     for (int k = 0; k < n; ++k) {
       r[k] = {};
       for (int e = set.phi_begin[k]; e < set.phi_begin[k + 1]; ++e) addScaled(r[k], -set.phi[e], du[set.phi_node[e]]);
-      if (set.motion[k] >= 0) {
-        const auto& motion = boundary.motions[set.motion[k]];
-        addScaled(r[k], 1, toFloat4(motionAt(motion, time_s) - motionAt(motion, time_s - dt)));
-      }
+      if (set.moves) addScaled(r[k], 1, toFloat4(imposedIncrement(boundary, set.motion[k], time_s, dt)));
     }
     // A^-1 r = L^-T L^-1 r
     for (int c = 0; c < n; ++c) {

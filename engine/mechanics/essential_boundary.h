@@ -13,7 +13,7 @@ namespace palpate {
 struct ImposedNode {
   int node = 0;
   std::array<bool, 3> component{true, true, true};
-  int motion = -1;  // index into motions; -1: held at zero
+  std::array<int, 3> motion{-1, -1, -1};  // per component: index into motions; -1: held at zero
 };
 
 /// A translation reached along the 3-4-5 polynomial.
@@ -33,7 +33,8 @@ struct EssentialBoundary {
   struct Set {
     std::array<float, 4> mask{};          // 1 for the components that this set imposes
     std::vector<int> node;                // (row_count) imposed node of each row, in elimination order
-    std::vector<int> motion;              // (row_count) index into motions or -1
+    std::vector<std::array<int, 3>> motion;  // (row_count) per component: index into motions or -1
+    bool moves = false;                   // any of them is not -1
     std::vector<int> phi_begin, phi_node; // Phi in compressed rows
     AlignedVector<float> phi;             // N_j(X_k)
     std::vector<int> l_begin, l_row;      // L in compressed columns, diagonal first

@@ -271,6 +271,7 @@ std::uint64_t modelHash(const Model& model) {
   hash.add(model.scene.rate_hz);
   hash.add(model.dt);
   hash.add(model.substeps_per_tick);
+  hash.add(model.max_increment);
   return hash.value();
 }
 

@@ -65,7 +65,7 @@ class SimulationLoop final : private LoopBody {
   void join();
   /// (viewer) Runs on the calling thread until the end. In real-time mode use start():
   /// what is asked of the system for the thread (SCHED_FIFO, ...) stays with it. With a
-  /// `clock` given, nothing is asked; that is for tests.
+  /// `clock` given, nothing is asked and denormals are not flushed; that is for tests.
   void run();
   void run(Clock& clock);
 

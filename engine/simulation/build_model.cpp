@@ -129,24 +129,21 @@ std::vector<ImposedNode> chooseImposed(const Scene& scene, const NodeCloud& clou
       ++found;
       if (slot[i] < 0) {
         slot[i] = static_cast<int>(imposed.size());
-        imposed.push_back({i, {false, false, false}, motion});
+        imposed.push_back({i, {false, false, false}, {-1, -1, -1}});
         owner.push_back({-1, -1, -1});
       }
       ImposedNode& node = imposed[slot[i]];
-      // One motion per node: a component that is imposed twice, or two motions on one node, contradict
-      // each other unless they say the same.
-      if (node.motion != motion)
-        throw InputError(spec.place, "the node at " + coordinates(cloud.X[i]) + " is also imposed, with another motion, at " +
-                                         scene.boundaries[owner[slot[i]][0] >= 0   ? owner[slot[i]][0]
-                                                          : owner[slot[i]][1] >= 0 ? owner[slot[i]][1]
-                                                                                   : owner[slot[i]][2]]
-                                             .place.text(),
-                         "make the regions disjoint");
-      for (int c = 0; c < 3; ++c)
-        if (spec.component[c]) {
-          node.component[c] = true;
-          owner[slot[i]][c] = b;
-        }
+      for (int c = 0; c < 3; ++c) {
+        if (!spec.component[c]) continue;
+        if (node.component[c] && node.motion[c] != motion)
+          throw InputError(spec.place,
+                           "the node at " + coordinates(cloud.X[i]) + " is also imposed, with another motion, at " +
+                               scene.boundaries[owner[slot[i]][c]].place.text(),
+                           "make the regions disjoint, or impose other components");
+        node.component[c] = true;
+        node.motion[c] = motion;
+        owner[slot[i]][c] = b;
+      }
     }
     if (found == 0)
       throw InputError(spec.place, "no node lies in this region", "move or enlarge it (node spacing is " + number(scene.spacing) + " m)");

@@ -69,7 +69,7 @@ TEST_CASE("A shader that does not compile names the included file and its line",
   CHECK_THROWS_WITH(ShaderProgram(folder.path, "ok.vert", "main.frag"),
                     Catch::Contains("main.frag does not compile") && Catch::Contains("broken.glsl:2:"));
 
-  folder.write("main.frag", "out vec4 colour;\nin float never_written;\nvoid main() { colour = vec4(never_written); }\n");
+  folder.write("main.frag", "out vec4 colour;\nfloat missing();\nvoid main() { colour = vec4(missing()); }\n");
   CHECK_THROWS_WITH(ShaderProgram(folder.path, "ok.vert", "main.frag"), Catch::Contains("do not link"));
 
   folder.write("main.frag", "out vec4 colour;\nvoid main() { colour = vec4(1.0); }\n");

@@ -116,7 +116,7 @@ TEST_CASE("The boundary of the cells is closed and encloses their volume", "[cel
   boundary.vertices = cloud.X;
   boundary.triangles = boundaryFacets(cells.cells);
   Vec3 sum = Vec3::Zero();
-  for (std::size_t t = 0; t < boundary.triangles.size(); ++t) sum += areaVector(boundary, static_cast<int>(t));
+  for (int t = 0; t < static_cast<int>(boundary.triangles.size()); ++t) sum += areaVector(boundary, t);
   CHECK(sum.norm() < 1e-14);  // m^2, of 0.04
   CHECK(signedVolume(boundary) == Approx(cells.total_volume).epsilon(1e-12));
 }

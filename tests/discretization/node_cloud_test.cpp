@@ -119,7 +119,8 @@ TEST_CASE("The rim of a cylinder carries evenly spaced nodes", "[cloud]") {
   }
 }
 
-TEST_CASE("The same seed gives the same bits, another one another cloud of the same size", "[cloud][determinism]") {
+TEST_CASE("The same seed gives the same bits, another one another cloud of the same size",
+          "[cloud][determinism]") {
   const SurfaceTree tree(bodies::liverLike());
   const NodeCloud first = makeNodeCloud(tree, uniform(0.012), 7);
   const NodeCloud again = makeNodeCloud(SurfaceTree(bodies::liverLike()), uniform(0.012), 7);
@@ -190,8 +191,10 @@ TEST_CASE("Spacings that can't be used are refused with the place and what would
   };
   CHECK_THAT(refusal(uniform(0)), Catch::Contains("gel.toml:4:11: the node spacing 0 m is not a positive"));
   CHECK_THAT(refusal(uniform(-0.01)), Catch::Contains("not a positive length"));
-  CHECK_THAT(refusal(uniform(std::numeric_limits<double>::quiet_NaN())), Catch::Contains("not a positive length"));
-  CHECK_THAT(refusal(uniform(0.02)), Catch::Contains("0.02 m is larger than the body's smallest extent 0.015 m"));
+  CHECK_THAT(refusal(uniform(std::numeric_limits<double>::quiet_NaN())),
+             Catch::Contains("not a positive length"));
+  CHECK_THAT(refusal(uniform(0.02)),
+             Catch::Contains("0.02 m is larger than the body's smallest extent 0.015 m"));
   CHECK_THAT(refusal(uniform(1e-5)), Catch::Contains("nodes; use at least 0.0007"));
 
   SpacingField coarser = uniform(0.01);

@@ -49,7 +49,7 @@ TEST_CASE("Fitted cells hold the body's volume, by small moves of surface nodes"
       const SurfaceTree tree(c.surface);
       const Fitted fitted = fit(tree, c.h);
       CHECK(std::abs(fitted.error_before) < 0.04);  // chords of a surface with h / radius up to 0.3
-      CHECK(std::abs(fitted.cells.volumeError()) < 1e-3);
+      CHECK(std::abs(fitted.cells.volumeError()) < 5e-4);
       for (double volume : fitted.cells.volume) REQUIRE(volume > 0);
       for (std::size_t i = 0; i < fitted.before.size(); ++i) {
         const double moved = (fitted.cloud.X[i] - fitted.before[i]).norm();

@@ -57,7 +57,7 @@ TEST_CASE("The field, not the parameters, is imposed at every boundary node", "[
   Clamped c([](const Vec3& x, ImposedNode& n) {
     if (x.z() == 0) return true;
     if (x.z() > 0.0999) {
-      n.motion = 0;
+      n.motion = {0, 0, 0};
       return true;
     }
     n.component = {true, false, false};
@@ -75,7 +75,7 @@ TEST_CASE("The field, not the parameters, is imposed at every boundary node", "[
   double worst = 0;
   for (std::size_t k = 0; k < c.imposed.size(); ++k) {
     const Vec3 v = c.field(static_cast<int>(k), du);
-    const Vec3 target = c.imposed[k].motion < 0 ? Vec3(0, 0, 0) : Vec3(motionAt(motion, time) - motionAt(motion, time - dt));
+    const Vec3 target = c.imposed[k].motion[0] < 0 ? Vec3(0, 0, 0) : Vec3(motionAt(motion, time) - motionAt(motion, time - dt));
     for (int d = 0; d < 3; ++d)
       if (c.imposed[k].component[d]) worst = std::max(worst, std::abs(v[d] - target[d]));
   }

@@ -14,8 +14,8 @@ double total(const std::vector<double>& mass) { return std::accumulate(mass.begi
 
 TEST_CASE("Each vertex gets a quarter of its cells' masses", "[mass]") {
   const std::vector<double> mass = lumpedMass(X, cells, {1.0 / 6, 1.0 / 3}, {1200, 900});
-  CHECK(mass[0] == Approx(50));        // 200 kg / 4
-  CHECK(mass[1] == Approx(50 + 75));   // and 300 kg / 4
+  CHECK(mass[0] == Approx(50));       // 200 kg / 4
+  CHECK(mass[1] == Approx(50 + 75));  // and 300 kg / 4
   CHECK(mass[4] == Approx(75));
   CHECK(total(mass) == Approx(500).epsilon(1e-14));
 }

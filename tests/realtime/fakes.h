@@ -25,6 +25,22 @@ class FakeClock final : public Clock {
   }
 };
 
+/// The real clock; does something once, before the first sleep.
+class ClockWithStart final : public Clock {
+ public:
+  explicit ClockWithStart(void (*at_start)()) : at_start_(at_start) {}
+  std::int64_t now() override { return clock_.now(); }
+  void sleepUntil(std::int64_t time) override {
+    if (at_start_ != nullptr) at_start_();
+    at_start_ = nullptr;
+    clock_.sleepUntil(time);
+  }
+
+ private:
+  MonotonicClock clock_;
+  void (*at_start_)();
+};
+
 /// A model with just what the loop reads: 4 nodes, 3 points, a tool that points down.
 inline Model smallModel(double rate_hz = 500) {
   Model model;

@@ -1,48 +1,26 @@
 // What the loop's thread must never do while ticks run: allocate, lock, make system
 // calls other than the sleep. The real clock and the real SimulationLoop, on a fake
-// physics; the tissue's own step is held to the same in tests/simulation.
+// physics; tissue_physics_test.cpp holds the tissue's own step to the same.
 
-#include <linux/filter.h>
-#include <linux/seccomp.h>
-#include <signal.h>
-#include <sys/prctl.h>
 #include <sys/syscall.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
-#include <array>
 #include <catch2/catch.hpp>
-#include <cstddef>
 #include <functional>
+#include <memory>
 #include <mutex>
 #include <vector>
 
 #include "realtime/fakes.h"
-#include "realtime/recording.h"
 #include "realtime/simulation_loop.h"
 #include "support/realtime_guard.h"
 
 using namespace palpate;
+using test::ClockWithStart;
 using test::FakePhysics;
 using test::smallModel;
 
 namespace {
-
-/// The real clock; does something once, before the first sleep.
-class ClockWithStart final : public Clock {
- public:
-  explicit ClockWithStart(void (*at_start)()) : at_start_(at_start) {}
-  std::int64_t now() override { return clock_.now(); }
-  void sleepUntil(std::int64_t time) override {
-    if (at_start_ != nullptr) at_start_();
-    at_start_ = nullptr;
-    clock_.sleepUntil(time);
-  }
-
- private:
-  MonotonicClock clock_;
-  void (*at_start_)();
-};
 
 /// A session with everything in it: moves, pulls, live changes, freeze, reset, pause.
 struct Session {
@@ -88,48 +66,14 @@ test::GuardCounts guardedRun(Session& session) {
 }
 
 constexpr int kAllDone = 17;
-constexpr int kNoSeccomp = 18;
-
-/// Ends the child with the number of the call that was not allowed.
-void onForbiddenCall(int, siginfo_t* info, void*) { _exit(100 + info->si_syscall % 100); }
-
-void allowOnlySleeping() {
-  struct sigaction action {};
-  action.sa_sigaction = onForbiddenCall;
-  action.sa_flags = SA_SIGINFO;
-  sigaction(SIGSYS, &action, nullptr);
-  const auto allow = [](unsigned call, unsigned char skip) {
-    return sock_filter BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, call, skip, 0);
-  };
-  // exit_group and rt_sigreturn are how the child ends; clock_gettime does not enter the
-  // kernel where the time stamp counter is trusted, but may elsewhere.
-  std::array<sock_filter, 8> program = {{
-      BPF_STMT(BPF_LD | BPF_W | BPF_ABS, offsetof(seccomp_data, nr)),
-      allow(SYS_clock_nanosleep, 5),
-      allow(SYS_restart_syscall, 4),
-      allow(SYS_clock_gettime, 3),
-      allow(SYS_exit_group, 2),
-      allow(SYS_rt_sigreturn, 1),
-      BPF_STMT(BPF_RET | BPF_K, SECCOMP_RET_TRAP),
-      BPF_STMT(BPF_RET | BPF_K, SECCOMP_RET_ALLOW),
-  }};
-  const sock_fprog filter{static_cast<unsigned short>(program.size()), program.data()};
-  if (prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) != 0 || prctl(PR_SET_SECCOMP, SECCOMP_MODE_FILTER, &filter) != 0) {
-    _exit(kNoSeccomp);
-  }
-}
 
 /// Runs the session in a child process that may only sleep; its exit code.
 int exitCodeUnderFilter(Session& session) {
-  const pid_t child = fork();
-  if (child == 0) {
-    ClockWithStart clock(allowOnlySleeping);
+  return test::exitCodeOfChild([&session] {
+    ClockWithStart clock(test::allowOnlySleeping);
     session.loop->run(clock);
-    _exit(session.loop->summary().ticks == 200 ? kAllDone : 1);
-  }
-  int status = 0;
-  if (child < 0 || waitpid(child, &status, 0) != child) return -1;
-  return WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
+    return session.loop->summary().ticks == 200 ? kAllDone : 1;
+  });
 }
 
 }  // namespace
@@ -171,12 +115,10 @@ TEST_CASE("The guard sees allocations and locks in a tick", "[realtime_safety]")
 }
 
 TEST_CASE("The loop's thread makes no system call but the sleep", "[realtime_safety]") {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-  return;  // sanitizers make calls of their own
-#endif
+  if (!test::guardAvailable()) return;  // sanitizers make calls of their own
   Session session;
   const int code = exitCodeUnderFilter(session);
-  if (code == kNoSeccomp) {
+  if (code == test::kNoFilter) {
     WARN("seccomp is not permitted here: system calls are not checked");
     return;
   }

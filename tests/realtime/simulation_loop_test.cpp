@@ -1,6 +1,6 @@
 #include "realtime/simulation_loop.h"
 
-#include <atomic>
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <chrono>
 #include <cmath>
@@ -430,14 +430,18 @@ TEST_CASE("Under a viewer on another thread, every snapshot is one tick", "[simu
   SimulationLoop loop(model, physics, nullptr, options);
   loop.start();
   std::int64_t mixed = 0, seen = 0, last = -1;
-  while (seen < 2000) {
+  while (seen < 500) {
     loop.commands().push(Request::moveTool(poseAt(Vec3(0, 0, 0.1 - 1e-5 * static_cast<double>(seen)))));
     const Snapshot& snapshot = loop.snapshots().latest();
-    if (snapshot.tick == 0) continue;
+    if (snapshot.tick <= std::max<std::int64_t>(last, 0)) {
+      mixed += snapshot.tick < last;
+      std::this_thread::yield();
+      continue;
+    }
     for (const Float4& u : snapshot.u) mixed += u.x != static_cast<float>(snapshot.tick);
     mixed += snapshot.report.max_increment != static_cast<float>(snapshot.tick);
     mixed += snapshot.force.tick != snapshot.tick;
-    seen += snapshot.tick != last;
+    ++seen;
     last = snapshot.tick;
     ForceSample sample;
     while (loop.forces().pop(sample)) mixed += sample.tick <= 0;
@@ -446,7 +450,7 @@ TEST_CASE("Under a viewer on another thread, every snapshot is one tick", "[simu
   loop.quit();
   loop.join();
   CHECK(mixed == 0);
-  CHECK(loop.summary().ticks >= 2000);
+  CHECK(loop.summary().ticks >= 500);
 }
 
 TEST_CASE("In real time, on its own thread with a team, all periods are ticks or counted as missed",

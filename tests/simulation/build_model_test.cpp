@@ -62,7 +62,7 @@ TEST_CASE("What can't be used is refused with the place that says so", "[build_m
   scene.tool_position = Vec3(0, 0, 0.02);
   refuse(scene, "block.toml:30:1", "inside the organ");
   scene = blockScene();
-  scene.support_factor = 0.35;  // no node reaches another
+  scene.support_factor = 0.1;  // no node reaches another, not even after enlargement
   refuse(scene, "block.toml:12:1", "inadmissible");
   scene = blockScene();
   scene.boundaries.push_back(scene.boundaries[0]);

@@ -40,10 +40,10 @@ inline ShapeTable shepardShape(const std::vector<Vec3>& nodes, double reach, con
   return shape;
 }
 
-/// A model to look at, made by hand around a surface: a grid of nodes and of integration
-/// points in its bounding box, Shepard shape functions, soft neo-Hookean tissue, the lowest
+/// A model to look at, made by hand around a roundish surface: a grid of nodes and of
+/// integration points in and just around the ellipsoid of its bounding box, Shepard shape functions, soft neo-Hookean tissue, the lowest
 /// nodes imposed. Nothing here can be stepped.
-inline Model handMadeModel(TriangleSurface surface, double spacing, const ToolShape& tool) {
+inline Model handMadeModel(TriangleSurface surface, double spacing, const ToolShape& tool, double node_reach = 1) {
   Model model;
   model.scene.tool = tool;
   Eigen::AlignedBox3d box;
@@ -53,10 +53,13 @@ inline Model handMadeModel(TriangleSurface surface, double spacing, const ToolSh
   for (int z = 0; z < count.z(); ++z)
     for (int y = 0; y < count.y(); ++y)
       for (int x = 0; x < count.x(); ++x) {
-        model.X.push_back(low + spacing * Vec3(x, y, z));
+        const Vec3 node = low + spacing * Vec3(x, y, z), half = 0.5 * box.sizes();
+        // Far enough out that each point of the skin has nodes on all sides; a box needs its corners.
+        if ((node - box.center()).cwiseQuotient(half + Vec3::Constant(0.8 * spacing)).norm() > node_reach) continue;
+        model.X.push_back(node);
         model.imposed.push_back(model.X.back().z() < box.min().z() + 0.18 * box.sizes().z() ? 7 : 0);
         const Vec3 point = model.X.back() + Vec3::Constant(0.5 * spacing);
-        if (((point - box.center()).cwiseQuotient(0.5 * box.sizes())).norm() < 1) model.point_X.push_back(point);
+        if ((point - box.center()).cwiseQuotient(half).norm() < 1) model.point_X.push_back(point);
       }
   const double reach = 1.9 * spacing;
   model.support_radius.assign(model.X.size(), reach);

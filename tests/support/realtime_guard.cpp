@@ -1,11 +1,62 @@
 #include "support/realtime_guard.h"
 
 #include <dlfcn.h>
+#include <linux/filter.h>
+#include <linux/seccomp.h>
 #include <pthread.h>
+#include <signal.h>
+#include <sys/prctl.h>
+#include <sys/syscall.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
+#include <array>
 #include <cerrno>
 #include <cstddef>
 #include <cstdlib>
+
+namespace palpate::test {
+namespace {
+
+void onForbiddenCall(int, siginfo_t* info, void*) { _exit(100 + info->si_syscall % 100); }
+
+}  // namespace
+
+void allowOnlySleeping() {
+  struct sigaction action {};
+  action.sa_sigaction = onForbiddenCall;
+  action.sa_flags = SA_SIGINFO;
+  sigaction(SIGSYS, &action, nullptr);
+  const auto allow = [](unsigned call, unsigned char skip) {
+    return sock_filter BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, call, skip, 0);
+  };
+  // exit_group and rt_sigreturn are how the child ends; clock_gettime does not enter the
+  // kernel where the time stamp counter is trusted, but may elsewhere.
+  std::array<sock_filter, 8> program = {{
+      BPF_STMT(BPF_LD | BPF_W | BPF_ABS, offsetof(seccomp_data, nr)),
+      allow(SYS_clock_nanosleep, 5),
+      allow(SYS_restart_syscall, 4),
+      allow(SYS_clock_gettime, 3),
+      allow(SYS_exit_group, 2),
+      allow(SYS_rt_sigreturn, 1),
+      BPF_STMT(BPF_RET | BPF_K, SECCOMP_RET_TRAP),
+      BPF_STMT(BPF_RET | BPF_K, SECCOMP_RET_ALLOW),
+  }};
+  const sock_fprog filter{static_cast<unsigned short>(program.size()), program.data()};
+  if (prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) != 0 || prctl(PR_SET_SECCOMP, SECCOMP_MODE_FILTER, &filter) != 0) {
+    _exit(kNoFilter);
+  }
+}
+
+int exitCodeOfChild(const std::function<int()>& body) {
+  const pid_t child = fork();
+  if (child == 0) _exit(body());
+  int status = 0;
+  if (child < 0 || waitpid(child, &status, 0) != child) return -1;
+  return WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
+}
+
+}  // namespace palpate::test
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <functional>
+
 namespace palpate::test {
 
 /// What a thread did that a real-time thread must not.
@@ -17,5 +19,14 @@ struct GuardCounts {
 bool guardAvailable();
 void startGuard();
 GuardCounts stopGuard();
+
+/// From here on, any system call of this thread but sleeping and exiting ends the process
+/// with exit code 100 + its number mod 100; kNoFilter where seccomp is not permitted.
+/// For child processes.
+constexpr int kNoFilter = 99;
+void allowOnlySleeping();
+
+/// Forks; the child ends with the code that `body` returns. -1: no child; -n: signal n.
+int exitCodeOfChild(const std::function<int()>& body);
 
 }  // namespace palpate::test
