@@ -16,9 +16,10 @@ constexpr int failed = 1, unusable_input = 2;
 
 void run(const palpate::Options& options) {
   using namespace palpate;
+  const Scene scene = readScene(options);
   if (!options.offscreen) requireDisplay();
   Log log;
-  Session session(options, log);
+  Session session(options, scene, log);
   if (options.offscreen)
     runOffscreen(session);
   else

@@ -78,7 +78,7 @@ ParsedOptions parseOptions(int argc, const char* const* argv) {
   app.add_option("--replay", o.replay, "Repeat a recording; gives the same state_hash, e.g. --replay session.rec")
       ->type_name("FILE");
   app.add_option("--out", o.out,
-                 "Folder for picture, force curve and report (off-screen: out/<scene name>), e.g. --out /tmp/run")
+                 "Folder for picture, force curve and report (off-screen: out/<scene>), e.g. --out /tmp/run")
       ->type_name("DIR");
   app.add_option("--size", size, "Size of the window or picture in pixels, e.g. --size 1600x1000")
       ->type_name("WxH")

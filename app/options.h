@@ -17,7 +17,7 @@ struct Options {
   std::string tool_script;               // empty: none
   std::string record;                    // empty: none
   std::string replay;                    // empty: none
-  std::string out;                       // empty: out/<scene name> off-screen, nothing in the window
+  std::string out;                       // empty: out/<scene> off-screen, nothing in the window
   int width = 1280, height = 800;        // px
   bool as_fast_as_possible = false;
 };

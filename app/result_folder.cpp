@@ -10,9 +10,10 @@ namespace palpate {
 
 namespace {
 
-[[noreturn]] void fail(const std::string& file, int error) {
+[[noreturn]] void fail(const std::string& file, int error,
+                       const std::string& advice = "choose another place with --out") {
   throw std::runtime_error("can't write " + file + ": " + (error != 0 ? std::strerror(error) : "unknown reason") +
-                           "; choose another place with --out");
+                           "; " + advice);
 }
 
 }  // namespace
@@ -61,10 +62,10 @@ void ResultFolder::writeReport(const std::string& json) const {
 
 void ResultFolder::writePicture(const Picture& picture) const { writePng(pictureFile(), picture); }
 
-void checkWritable(const std::string& file) {
+void checkWritable(const std::string& file, const std::string& advice) {
   errno = 0;
   const std::ofstream probe(file, std::ios::app);
-  if (!probe) fail(file, errno);
+  if (!probe) fail(file, errno, advice);
 }
 
 }  // namespace palpate

@@ -36,7 +36,8 @@ class ResultFolder {
   std::ofstream forces_;
 };
 
-/// Throws std::runtime_error with the system's reason unless `file` can be created or overwritten.
-void checkWritable(const std::string& file);
+/// Throws std::runtime_error with the system's reason and `advice` unless `file` can be
+/// created or overwritten.
+void checkWritable(const std::string& file, const std::string& advice);
 
 }  // namespace palpate

@@ -23,12 +23,12 @@ constexpr double default_offscreen_seconds = 4;
 
 std::string fileName(const std::string& path) { return std::filesystem::path(path).filename().string(); }
 
-Scene readSceneOf(const Options& options) {
-  const std::string scenes = std::string(PALPATE_SOURCE_DIR) + "/assets/scenes";
-  Scene scene = readScene(findScene(options.scene, scenes));
-  if (options.rate_hz) scene.rate_hz = *options.rate_hz;
-  if (options.threads) scene.threads = *options.threads;
-  return scene;
+/// The files that the run will write, opened or tried before anything takes time.
+std::optional<ResultFolder> openResults(const Options& options) {
+  if (!options.record.empty()) checkWritable(options.record, "choose another file with --record");
+  if (!options.out.empty()) return ResultFolder(options.out);
+  if (options.offscreen) return ResultFolder("out/" + std::filesystem::path(options.scene).stem().string());
+  return {};
 }
 
 Model buildModelOf(const Scene& scene, Log& log) {
@@ -56,10 +56,19 @@ SetupLine setupLine(const char* name, const std::string& outcome) {
 
 }  // namespace
 
-Session::Session(const Options& options, Log& log)
+Scene readScene(const Options& options) {
+  const std::string scenes = std::string(PALPATE_SOURCE_DIR) + "/assets/scenes";
+  Scene scene = readScene(findScene(options.scene, scenes));
+  if (options.rate_hz) scene.rate_hz = *options.rate_hz;
+  if (options.threads) scene.threads = *options.threads;
+  return scene;
+}
+
+Session::Session(const Options& options, const Scene& scene, Log& log)
     : options_(options),
       log_(log),
-      scene_(readSceneOf(options)),
+      scene_(scene),
+      results_(openResults(options)),
       model_(buildModelOf(scene_, log)),
       scene_materials_(model_.materials),
       stiffness_(model_.materials.size(), 1.0),
@@ -72,12 +81,9 @@ Session::Session(const Options& options, Log& log)
   chooseInput(loop_options);
 
   if (!options_.record.empty()) {
-    checkWritable(options_.record);
     recording_ = Recording{scene_.name, modelHash(model_), scene_.rate_hz, 0, {}};
     loop_options.record = true;
   }
-  if (options_.offscreen && options_.out.empty()) options_.out = "out/" + scene_.name;
-  if (!options_.out.empty()) results_.emplace(options_.out);
 
   physics_ = std::make_unique<TissuePhysics>(model_, scene_.threads);
   loop_ = std::make_unique<SimulationLoop>(model_, *physics_, &physics_->team(), std::move(loop_options));

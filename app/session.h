@@ -17,14 +17,18 @@
 
 namespace palpate {
 
+/// The scene that the options name, with what they say instead. Throws InputError.
+Scene readScene(const Options& options);
+
 /// A run as window and off-screen program share it: scene, model and loop, and all that
 /// the loop tells while it runs (forces, messages, changes to record).
 /// All functions belong to the main thread; the loop has its own.
 class Session {
  public:
-  /// Reads scene and tool input, builds the model, opens the result files. Takes seconds.
+  /// Opens the result files, builds the model (seconds), reads the tool's input.
   /// Throws InputError for what can't be used, std::runtime_error for what can't be written.
-  Session(const Options& options, Log& log);
+  /// @param scene  as readScene(options) gives it
+  Session(const Options& options, const Scene& scene, Log& log);
   ~Session();
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
@@ -67,6 +71,7 @@ class Session {
   Options options_;
   Log& log_;
   Scene scene_;                        // as loaded; the model's copy is the loop's to change
+  std::optional<ResultFolder> results_;
   Model model_;
   std::vector<Material> scene_materials_;
   std::vector<double> stiffness_;      // (material_count) present, times the scene's
@@ -74,7 +79,6 @@ class Session {
   double friction_ = 0;
   std::unique_ptr<TissuePhysics> physics_;
   std::unique_ptr<SimulationLoop> loop_;
-  std::optional<ResultFolder> results_;
   std::optional<Recording> recording_;
   ForceHistory forces_;
   std::string script_;                 // name of tool script or recording
