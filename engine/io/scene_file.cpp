@@ -71,6 +71,8 @@ void readDiscretization(const TomlTable& table, Scene& scene) {
   scene.basis_degree = 1 + table.readChoice("basis", scene.basis_degree - 1);
   table.read("support_factor", scene.support_factor);
   table.read("mu", scene.mu);
+  table.read("consistent_gradients", scene.consistent_gradients);
+  table.read("node_patch_volume", scene.node_patch_volume);
   for (const TomlTable& entry : table.tables("refine", {"discretization.refine"})) {
     RefineSpec& refine = scene.refine.emplace_back();
     refine.place = entry.place();

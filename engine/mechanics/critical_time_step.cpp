@@ -10,17 +10,24 @@ using Vector = Eigen::VectorXd;
 
 /// y = M^-1/2 K M^-1/2 x
 void applyOperator(const ShapeTable& shape, const std::vector<double>& volume, const std::vector<int>& point_material,
-                   const std::vector<Material>& materials, const Vector& inverse_root_mass, const Vector& x, Vector& y) {
-  y.setZero();
+                   const std::vector<Material>& materials, const NodePatches& patches, const Vector& inverse_root_mass,
+                   const Vector& x, Vector& y) {
+  std::vector<Mat3> H(shape.rowCount(), Mat3::Zero());
+  std::vector<double> pressure(shape.rowCount());
   for (int q = 0; q < shape.rowCount(); ++q) {
-    Mat3 H = Mat3::Zero();
     for (int e = shape.begin[q]; e < shape.begin[q + 1]; ++e) {
       const int j = shape.node[e];
-      H += inverse_root_mass[j] * x.segment<3>(3 * j) * shape.gradN[e].transpose();
+      H[q] += inverse_root_mass[j] * x.segment<3>(3 * j) * shape.gradN[e].transpose();
     }
-    const Material& m = materials[point_material[q]];
-    const double lambda = m.bulk_modulus - 2.0 / 3 * m.shear_modulus;
-    const Mat3 VP = volume[q] * (lambda * H.trace() * Mat3::Identity() + m.shear_modulus * (H + H.transpose()));
+    pressure[q] = H[q].trace() * (patches.empty() ? materials[point_material[q]].bulk_modulus : 1);
+  }
+  if (!patches.empty()) pressure = patchPressure(patches, volume, pressure);
+
+  y.setZero();
+  for (int q = 0; q < shape.rowCount(); ++q) {
+    const double mu = materials[point_material[q]].shear_modulus;
+    const Mat3 VP = volume[q] * ((pressure[q] - 2.0 / 3 * mu * H[q].trace()) * Mat3::Identity() +
+                                 mu * (H[q] + H[q].transpose()));
     for (int e = shape.begin[q]; e < shape.begin[q + 1]; ++e) {
       const int j = shape.node[e];
       y.segment<3>(3 * j) += inverse_root_mass[j] * (VP * shape.gradN[e]);
@@ -50,7 +57,7 @@ double gershgorin(const ShapeTable& shape, const std::vector<double>& volume, co
 
 CriticalTimeStep criticalTimeStep(const ShapeTable& shape, const std::vector<double>& volume,
                                   const std::vector<int>& point_material, const std::vector<Material>& materials,
-                                  const std::vector<double>& mass) {
+                                  const std::vector<double>& mass, const NodePatches& patches) {
   CriticalTimeStep result;
   const double bound = gershgorin(shape, volume, point_material, materials, mass, result.worst_node);
   result.dt_proven = 2 / std::sqrt(bound);
@@ -75,7 +82,7 @@ CriticalTimeStep criticalTimeStep(const ShapeTable& shape, const std::vector<dou
   std::vector<double> diagonal, off;
   double largest = 0, residual = 0;
   for (int k = 0; k < max_iterations; ++k) {
-    applyOperator(shape, volume, point_material, materials, inverse_root_mass, v, w);
+    applyOperator(shape, volume, point_material, materials, patches, inverse_root_mass, v, w);
     diagonal.push_back(v.dot(w));
     w -= diagonal.back() * v;
     if (k > 0) w -= off.back() * previous;

@@ -4,6 +4,7 @@
 
 #include "approximation/shape_table.h"
 #include "mechanics/material.h"
+#include "mechanics/node_patch.h"
 
 namespace palpate {
 
@@ -21,8 +22,9 @@ struct CriticalTimeStep {
 /// @param shape   gradients at the integration points, 1/m
 /// @param volume  m^3 (point_count)
 /// @param mass    kg (node_count)
+/// @param patches of the points, or empty; they only lower the operator, so the proven bound is the plain one
 CriticalTimeStep criticalTimeStep(const ShapeTable& shape, const std::vector<double>& volume,
                                   const std::vector<int>& point_material, const std::vector<Material>& materials,
-                                  const std::vector<double>& mass);
+                                  const std::vector<double>& mass, const NodePatches& patches = {});
 
 }  // namespace palpate

@@ -64,19 +64,19 @@ void scatterForces(const KernelLayout& layout, const PointQuad& quad, int k, con
   }
 }
 
-template <class MaterialLanes>
-void batchForces(const KernelLayout& layout, const MaterialLanes& material, int batch, const Float4* u, Float4* f,
-                 KernelScratch::ChunkReport& report) {
-  BatchTensors tensors;
+/// Displacement gradients of a batch's 16 points.
+void displacementGradients(const KernelLayout& layout, int batch, const Float4* u, BatchTensors& H) {
   const PointQuad* quads = &layout.quads[static_cast<std::size_t>(batch) * 4];
-  for (int k = 0; k < 4; ++k) displacementGradient(layout, quads[k], u, k, tensors);
+  for (int k = 0; k < 4; ++k) displacementGradient(layout, quads[k], u, k, H);
+}
 
-  TensorLanes H, P;
-  for (int c = 0; c < 9; ++c) H[c] = Lanes::load(tensors.a[c]);
-  const Lanes J = material.firstPiola(H, P);
-  const Lanes volume = Lanes::load(&layout.volume[static_cast<std::size_t>(batch) * 16]);
-  for (int c = 0; c < 9; ++c) (P[c] * volume).store(tensors.a[c]);
+TensorLanes loadTensors(const BatchTensors& tensors) {
+  TensorLanes t;
+  for (int c = 0; c < 9; ++c) t[c] = Lanes::load(tensors.a[c]);
+  return t;
+}
 
+void note(const Lanes& J, int batch, KernelScratch::ChunkReport& report) {
   alignas(64) float j[16];
   J.store(j);
   int worst = 0;
@@ -88,8 +88,70 @@ void batchForces(const KernelLayout& layout, const MaterialLanes& material, int 
     report.min_J = j[worst];
     report.worst_point = batch * 16 + worst;
   }
+}
 
+/// Pressure of a batch's points from their nodes' patches: sum_a l_a K_a theta_a.
+Lanes patchPressure(const KernelLayout& layout, int batch, const KernelScratch& scratch) {
+  const std::size_t first = static_cast<std::size_t>(batch) * 64;
+  alignas(64) float at_vertex[64];
+  for (int i = 0; i < 64; ++i) at_vertex[i] = scratch.patch_pressure[layout.patch_node[first + i]];
+  Lanes p = 0.0F;
+  for (int a = 0; a < 4; ++a) p += Lanes::load(&layout.patch_weight[first + 16 * a]) * Lanes::load(at_vertex + 16 * a);
+  return p;
+}
+
+/// Stress and forces of a batch from its displacement gradients; `tensors` is overwritten.
+template <class MaterialLanes>
+void batchForces(const KernelLayout& layout, const MaterialLanes& material, int batch, const Lanes* patch_pressure,
+                 BatchTensors& tensors, Float4* f, KernelScratch::ChunkReport& report) {
+  TensorLanes P;
+  note(material.firstPiola(loadTensors(tensors), P, patch_pressure), batch, report);
+  const Lanes volume = Lanes::load(&layout.volume[static_cast<std::size_t>(batch) * 16]);
+  for (int c = 0; c < 9; ++c) (P[c] * volume).store(tensors.a[c]);
+  const PointQuad* quads = &layout.quads[static_cast<std::size_t>(batch) * 4];
   for (int k = 0; k < 4; ++k) scatterForces(layout, quads[k], k, tensors, f);
+}
+
+template <class MaterialLanes>
+void batchesForces(const KernelLayout& layout, const Material& material, int begin, int end, const Float4* u,
+                   const KernelScratch& scratch, Float4* f, KernelScratch::ChunkReport& report) {
+  const MaterialLanes lanes(material);
+  BatchTensors tensors;
+  for (int batch = begin; batch < end; ++batch) {
+    if (layout.patch_node.empty()) {
+      displacementGradients(layout, batch, u, tensors);
+      batchForces(layout, lanes, batch, nullptr, tensors, f, report);
+    } else {
+      std::memcpy(&tensors, &scratch.displacement_gradient[static_cast<std::size_t>(batch) * 144], sizeof tensors);
+      const Lanes pressure = patchPressure(layout, batch, scratch);
+      batchForces(layout, lanes, batch, &pressure, tensors, f, report);
+    }
+  }
+}
+
+/// First pass of the node-patch volume: gradients kept, each point's J - 1 shared out to its nodes' patches.
+void chunkDilatation(const KernelLayout& layout, int chunk, const Float4* u, KernelScratch& scratch) {
+  float* theta = scratch.dilatation[chunk].data();
+  std::fill(theta + layout.chunk_node_begin[chunk], theta + layout.chunk_node_end[chunk], 0.0F);
+  BatchTensors tensors;
+  for (int batch = layout.chunk_begin[chunk]; batch < layout.chunk_begin[chunk + 1]; ++batch) {
+    displacementGradients(layout, batch, u, tensors);
+    std::memcpy(&scratch.displacement_gradient[static_cast<std::size_t>(batch) * 144], &tensors, sizeof tensors);
+    const Lanes J_minus_1 = volumeChange(loadTensors(tensors));
+    const std::size_t first = static_cast<std::size_t>(batch) * 64;
+    alignas(64) float share[64];
+    for (int a = 0; a < 4; ++a) (Lanes::load(&layout.patch_share[first + 16 * a]) * J_minus_1).store(share + 16 * a);
+    for (int i = 0; i < 64; ++i) theta[layout.patch_node[first + i]] += share[i];
+  }
+}
+
+/// K_a theta_a of nodes [begin, end), the chunks' shares added in chunk order.
+void sumPatches(const KernelLayout& layout, int begin, int end, KernelScratch& scratch) {
+  std::fill(scratch.patch_pressure.begin() + begin, scratch.patch_pressure.begin() + end, 0.0F);
+  for (std::size_t c = 0; c < scratch.dilatation.size(); ++c)
+    for (int i = std::max(begin, layout.chunk_node_begin[c]); i < std::min(end, layout.chunk_node_end[c]); ++i)
+      scratch.patch_pressure[i] += scratch.dilatation[c][i];
+  for (int i = begin; i < end; ++i) scratch.patch_pressure[i] *= layout.patch_bulk[i];
 }
 
 void chunkForces(const KernelLayout& layout, int chunk, const Float4* u, KernelScratch& scratch) {
@@ -102,32 +164,41 @@ void chunkForces(const KernelLayout& layout, int chunk, const Float4* u, KernelS
     const Material& material = layout.materials[material_index];
     int end = batch;
     while (end < layout.chunk_begin[chunk + 1] && layout.batch_material[end] == material_index) ++end;
-    if (material.kind == Material::Kind::NeoHookean) {
-      const NeoHookeanLanes lanes(material);
-      for (; batch < end; ++batch) batchForces(layout, lanes, batch, u, f, report);
-    } else {
-      const OgdenLanes lanes(material);
-      for (; batch < end; ++batch) batchForces(layout, lanes, batch, u, f, report);
-    }
+    if (material.kind == Material::Kind::NeoHookean)
+      batchesForces<NeoHookeanLanes>(layout, material, batch, end, u, scratch, f, report);
+    else
+      batchesForces<OgdenLanes>(layout, material, batch, end, u, scratch, f, report);
+    batch = end;
   }
+}
+
+/// Runs each(part) for part in [0, count), every member of the team taking an even share.
+template <class Each>
+void shareOut(SpinTeam& team, int count, Each each) {
+  struct Context {
+    int count;
+    Each& each;
+  } context{count, each};
+  team.run(
+      [](void* c, int member, int members) {
+        auto& [n, call] = *static_cast<Context*>(c);
+        for (int k = n * member / members; k < n * (member + 1) / members; ++k) call(k);
+      },
+      &context);
 }
 
 }  // namespace
 
 ForceReport internalForces(const KernelLayout& layout, const Float4* u, KernelScratch& scratch, SpinTeam& team) {
-  struct Context {
-    const KernelLayout& layout;
-    const Float4* u;
-    KernelScratch& scratch;
-  } context{layout, u, scratch};
-  team.run(
-      [](void* c, int member, int members) {
-        auto& [lay, disp, scr] = *static_cast<Context*>(c);
-        const int chunks = static_cast<int>(scr.force.size());
-        for (int k = chunks * member / members; k < chunks * (member + 1) / members; ++k)
-          chunkForces(lay, k, disp, scr);
-      },
-      &context);
+  const int chunks = static_cast<int>(scratch.force.size());
+  if (!layout.patch_node.empty()) {
+    shareOut(team, chunks, [&](int chunk) { chunkDilatation(layout, chunk, u, scratch); });
+    const int nodes = layout.node_count;
+    shareOut(team, chunks, [&](int part) {
+      sumPatches(layout, nodes * part / chunks, nodes * (part + 1) / chunks, scratch);
+    });
+  }
+  shareOut(team, chunks, [&](int chunk) { chunkForces(layout, chunk, u, scratch); });
 
   ForceReport total;
   for (const auto& r : scratch.report) {
@@ -156,22 +227,49 @@ Mat3 deformationGradient(const ShapeTable& shape, int row, const std::vector<Vec
   return F;
 }
 
+namespace {
+
+/// Pressure of every point: of its node patches, or K (J - 1).
+std::vector<double> pressures(const ShapeTable& shape, const std::vector<double>& volume,
+                              const std::vector<int>& point_material, const std::vector<Material>& materials,
+                              const std::vector<Vec3>& u, const NodePatches& patches) {
+  std::vector<double> p;
+  for (int q = 0; q < shape.rowCount(); ++q) p.push_back(deformationGradient(shape, q, u).determinant() - 1);
+  if (!patches.empty()) return patchPressure(patches, volume, p);
+  for (int q = 0; q < shape.rowCount(); ++q) p[q] *= materials[point_material[q]].bulk_modulus;
+  return p;
+}
+
+}  // namespace
+
 void referenceInternalForces(const ShapeTable& shape, const std::vector<double>& volume,
                              const std::vector<int>& point_material, const std::vector<Material>& materials,
-                             const std::vector<Vec3>& u, std::vector<Vec3>& f) {
+                             const std::vector<Vec3>& u, std::vector<Vec3>& f, const NodePatches& patches) {
+  const auto pressure = pressures(shape, volume, point_material, materials, u, patches);
   f.assign(u.size(), Vec3::Zero());
   for (int q = 0; q < shape.rowCount(); ++q) {
-    const Mat3 PV = volume[q] * materials[point_material[q]].firstPiola(deformationGradient(shape, q, u));
+    const Mat3 PV = volume[q] * materials[point_material[q]].firstPiola(deformationGradient(shape, q, u), pressure[q]);
     for (int e = shape.begin[q]; e < shape.begin[q + 1]; ++e) f[shape.node[e]] -= PV * shape.gradN[e];
   }
 }
 
 double strainEnergy(const ShapeTable& shape, const std::vector<double>& volume,
                     const std::vector<int>& point_material, const std::vector<Material>& materials,
-                    const std::vector<Vec3>& u) {
+                    const std::vector<Vec3>& u, const NodePatches& patches) {
   double energy = 0;
-  for (int q = 0; q < shape.rowCount(); ++q)
-    energy += volume[q] * materials[point_material[q]].energy(deformationGradient(shape, q, u));
+  std::vector<double> theta(patches.volume.size(), 0);
+  for (int q = 0; q < shape.rowCount(); ++q) {
+    const Material& material = materials[point_material[q]];
+    const Mat3 F = deformationGradient(shape, q, u);
+    const double change = F.determinant() - 1;
+    energy += volume[q] * material.energy(F);
+    if (patches.empty()) continue;
+    energy -= volume[q] * 0.5 * material.bulk_modulus * change * change;  // the patches' instead
+    for (int a = 0; a < 4; ++a)
+      theta[patches.node[q][a]] += volume[q] * patches.weight[q][a] / patches.volume[patches.node[q][a]] * change;
+  }
+  for (std::size_t a = 0; a < theta.size(); ++a)
+    energy += 0.5 * patches.volume[a] * patches.bulk_modulus[a] * theta[a] * theta[a];
   return energy;
 }
 

@@ -19,6 +19,9 @@ struct ForceReport {
 ///   F_q = I + sum_i u_i (x) gradN_i(X_q)          paper eqs. 28-29
 ///   f_i = -sum_q V_q P(F_q) gradN_i(X_q)          paper eq. 31
 ///
+/// Where the layout has node patches, the pressure K (J - 1) in P is that of node_patch.h: two passes over the
+/// points, the gradients kept in between.
+///
 /// Threads take whole chunks; each chunk sums into its own buffer, and sumForces adds these in
 /// chunk order, so that the result does not depend on the thread count.
 ///
@@ -31,15 +34,16 @@ ForceReport internalForces(const KernelLayout& layout, const Float4* u, KernelSc
 void sumForces(const KernelLayout& layout, const KernelScratch& scratch, int begin, int end, Float4* f);
 
 /// The same formula in ten lines of double: what the fast kernel is held to.
-/// @param u, f  (node_count); f is overwritten
+/// @param u, f     (node_count); f is overwritten
+/// @param patches  of the points where volume is averaged over node patches, or empty
 void referenceInternalForces(const ShapeTable& shape, const std::vector<double>& volume,
                              const std::vector<int>& point_material, const std::vector<Material>& materials,
-                             const std::vector<Vec3>& u, std::vector<Vec3>& f);
+                             const std::vector<Vec3>& u, std::vector<Vec3>& f, const NodePatches& patches = {});
 
 /// Strain energy of the body, J.
 double strainEnergy(const ShapeTable& shape, const std::vector<double>& volume,
                     const std::vector<int>& point_material, const std::vector<Material>& materials,
-                    const std::vector<Vec3>& u);
+                    const std::vector<Vec3>& u, const NodePatches& patches = {});
 
 /// F at one row of the shape table.
 Mat3 deformationGradient(const ShapeTable& shape, int row, const std::vector<Vec3>& u);

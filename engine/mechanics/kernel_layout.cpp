@@ -32,11 +32,42 @@ std::vector<int> batchOrder(const std::vector<Vec3>& point_X, const std::vector<
   return order;
 }
 
+/// Padding points have zero share and weight; they point at node of their batch's first point, so that a
+/// chunk touches no node outside its range.
+void addPatches(KernelLayout& layout, const std::vector<double>& volume, const NodePatches& patches) {
+  const std::size_t batches = layout.batch_material.size();
+  layout.patch_node.assign(batches * 64, 0);
+  layout.patch_share.assign(batches * 64, 0.0F);
+  layout.patch_weight.assign(batches * 64, 0.0F);
+  layout.patch_bulk.resize(patches.volume.size());
+  for (std::size_t slot = 0; slot < layout.point.size(); ++slot) {
+    const int q = layout.point[slot];
+    const int source = q >= 0 ? q : layout.point[slot / 16 * 16];
+    for (int a = 0; a < 4; ++a) {
+      const std::size_t at = slot / 16 * 64 + static_cast<std::size_t>(a) * 16 + slot % 16;
+      const int node = patches.node[source][a];
+      layout.patch_node[at] = node;
+      if (q < 0) continue;
+      layout.patch_share[at] = static_cast<float>(volume[q] * patches.weight[q][a] / patches.volume[node]);
+      layout.patch_weight[at] = static_cast<float>(patches.weight[q][a]);
+    }
+  }
+  updatePatchBulk(layout);
+}
+
 }  // namespace
+
+void updatePatchBulk(KernelLayout& layout) {
+  std::fill(layout.patch_bulk.begin(), layout.patch_bulk.end(), 0.0F);
+  // A patch's shares sum to 1, so this is the volume-weighted mean of the bulk moduli in it.
+  for (std::size_t i = 0; i < layout.patch_node.size(); ++i)
+    layout.patch_bulk[layout.patch_node[i]] +=
+        layout.patch_share[i] * static_cast<float>(layout.materials[layout.batch_material[i / 64]].bulk_modulus);
+}
 
 KernelLayout makeKernelLayout(const ShapeTable& shape, const std::vector<Vec3>& point_X,
                               const std::vector<double>& volume, const std::vector<int>& point_material,
-                              const std::vector<Material>& materials, int node_count) {
+                              const std::vector<Material>& materials, int node_count, const NodePatches& patches) {
   KernelLayout layout;
   layout.node_count = node_count;
   layout.point_count = static_cast<int>(point_X.size());
@@ -76,6 +107,7 @@ KernelLayout makeKernelLayout(const ShapeTable& shape, const std::vector<Vec3>& 
     }
   }
 
+  if (!patches.empty()) addPatches(layout, volume, patches);
   const int batches = static_cast<int>(layout.batch_material.size());
   for (int c = 0; c <= chunk_count; ++c) layout.chunk_begin.push_back(batches * c / chunk_count);
   for (int c = 0; c < chunk_count; ++c) {
@@ -86,6 +118,10 @@ KernelLayout makeKernelLayout(const ShapeTable& shape, const std::vector<Vec3>& 
         begin = std::min(begin, node);
         end = std::max(end, node + 1);
       }
+    for (int b = layout.chunk_begin[c] * 64; b < layout.chunk_begin[c + 1] * 64 && !layout.patch_node.empty(); ++b) {
+      begin = std::min(begin, layout.patch_node[b]);
+      end = std::max(end, layout.patch_node[b] + 1);
+    }
     layout.chunk_node_begin.push_back(std::min(begin, end));
     layout.chunk_node_end.push_back(end);
   }
@@ -96,6 +132,11 @@ KernelScratch makeKernelScratch(const KernelLayout& layout) {
   KernelScratch scratch;
   scratch.force.assign(layout.chunk_begin.size() - 1, AlignedVector<Float4>(layout.node_count));
   scratch.report.resize(scratch.force.size());
+  if (!layout.patch_node.empty()) {
+    scratch.displacement_gradient.resize(layout.batch_material.size() * 144);
+    scratch.dilatation.assign(scratch.force.size(), AlignedVector<float>(layout.node_count));
+    scratch.patch_pressure.resize(layout.node_count);
+  }
   return scratch;
 }
 

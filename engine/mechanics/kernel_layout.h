@@ -6,6 +6,7 @@
 #include "approximation/shape_table.h"
 #include "base/types.h"
 #include "mechanics/material.h"
+#include "mechanics/node_patch.h"
 
 namespace palpate {
 
@@ -29,6 +30,11 @@ struct KernelLayout {
   std::vector<int> point;                     // (16 * batch_count) index in the model, or -1 for padding
   std::vector<int> batch_material;            // (batch_count)
   std::vector<Material> materials;
+  // Node-patch volume (node_patch.h); empty where the scene does without. [vertex 4][point 16] per batch.
+  std::vector<std::int32_t> patch_node;       // (64 * batch_count)
+  AlignedVector<float> patch_share;           // (64 * batch_count) s_aq
+  AlignedVector<float> patch_weight;          // (64 * batch_count) l_a(x_q)
+  AlignedVector<float> patch_bulk;            // (node_count) K_a, Pa
   // Chunks: fixed work packages, so that the sum over them does not depend on the thread count.
   std::vector<int> chunk_begin;               // (chunk_count + 1) batches
   std::vector<int> chunk_node_begin, chunk_node_end;  // (chunk_count) range of nodes that a chunk touches
@@ -42,15 +48,24 @@ struct KernelScratch {
     int inverted = 0;
   };
   std::vector<ChunkReport> report;            // (chunk_count)
+  // Between the two passes of the node-patch volume.
+  AlignedVector<float> displacement_gradient; // (9 * 16 * batch_count)
+  std::vector<AlignedVector<float>> dilatation;  // (chunk_count)(node_count) a chunk's share of theta_a
+  AlignedVector<float> patch_pressure;        // (node_count) K_a theta_a, Pa
 };
 
 /// @param shape           one row per integration point, with gradients
 /// @param point_X         m (point_count): points are grouped by place
 /// @param volume          m^3 (point_count)
 /// @param point_material  index into `materials` (point_count)
+/// @param patches         node patches of the points, or empty for pointwise volume
 KernelLayout makeKernelLayout(const ShapeTable& shape, const std::vector<Vec3>& point_X,
                               const std::vector<double>& volume, const std::vector<int>& point_material,
-                              const std::vector<Material>& materials, int node_count);
+                              const std::vector<Material>& materials, int node_count,
+                              const NodePatches& patches = {});
+
+/// K_a of all patches from the layout's materials; after one of these changed. Real-time.
+void updatePatchBulk(KernelLayout& layout);
 
 KernelScratch makeKernelScratch(const KernelLayout& layout);
 

@@ -77,17 +77,18 @@ double Material::energy(const Mat3& F) const {
   return W;
 }
 
-Mat3 Material::firstPiola(const Mat3& F) const {
+Mat3 Material::firstPiola(const Mat3& F) const { return firstPiola(F, bulk_modulus * (F.determinant() - 1)); }
+
+Mat3 Material::firstPiola(const Mat3& F, double pressure) const {
   const double J = F.determinant();
   const Mat3 cof = cofactor(F);  // dJ/dF
   if (kind == Kind::NeoHookean) {
     const IsochoricFactor g(J, -2.0 / 3);
     return shear_modulus * g.value * F +
-           (0.5 * shear_modulus * g.slope * F.squaredNorm() + bulk_modulus * (J - 1)) * cof;
+           (0.5 * shear_modulus * g.slope * F.squaredNorm() + pressure) * cof;
   }
   const PrincipalStretches stretch(F);
-  Vec3 s = Vec3::Zero();                  // coefficients of F n (x) n
-  double pressure = bulk_modulus * (J - 1);  // coefficient of cof F
+  Vec3 s = Vec3::Zero();  // coefficients of F n (x) n; `pressure` collects those of cof F
   for (int k = 0; k < term_count; ++k) {
     const double a = alpha[k];
     const IsochoricFactor g(J, -a / 3);

@@ -33,6 +33,9 @@ struct Material {
   /// where the isochoric part is evaluated at J = min_isochoric_J.
   Mat3 firstPiola(const Mat3& F) const;
 
+  /// The same with the volumetric pressure K (J - 1) replaced by `pressure`, Pa (node_patch.h).
+  Mat3 firstPiola(const Mat3& F, double pressure) const;
+
   /// P-wave modulus at rest, K + 4/3 mu, Pa.
   double waveModulus() const { return bulk_modulus + 4.0 / 3.0 * shear_modulus; }
 

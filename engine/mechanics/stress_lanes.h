@@ -10,12 +10,16 @@ namespace palpate {
 /// Nine numbers of a tensor for 16 points, row by row.
 using TensorLanes = std::array<Lanes, 9>;
 
-/// First Piola-Kirchhoff stress of 16 points from their displacement gradients, in float32:
-/// the fast twin of Material::firstPiola. J - 1 is summed from H without cancellation, since
-/// the bulk modulus multiplies its error.
-/// @param H  du/dX
-/// @param P  receives the stress, Pa
-/// @return J = det(I + H)
+/// J - 1 = det(I + H) - 1 = tr H + (principal 2x2 minors of H) + det H: no cancellation.
+inline Lanes volumeChange(const TensorLanes& H) {
+  const Lanes m0 = H[4] * H[8] - H[5] * H[7];
+  const Lanes m1 = H[0] * H[8] - H[2] * H[6];
+  const Lanes m2 = H[0] * H[4] - H[1] * H[3];
+  const Lanes det = H[0] * m0 + H[1] * (H[5] * H[6] - H[3] * H[8]) + H[2] * (H[3] * H[7] - H[4] * H[6]);
+  return (H[0] + H[4] + H[8]) + ((m0 + m1 + m2) + det);
+}
+
+/// F = I + H, its cofactor dJ/dF, and J.
 inline Lanes volumeRatioAndCofactor(const TensorLanes& H, TensorLanes& F, TensorLanes& cof, Lanes& J_minus_1) {
   F = H;
   F[0] += 1.0F;
@@ -30,21 +34,21 @@ inline Lanes volumeRatioAndCofactor(const TensorLanes& H, TensorLanes& F, Tensor
   cof[6] = F[1] * F[5] - F[2] * F[4];
   cof[7] = F[2] * F[3] - F[0] * F[5];
   cof[8] = F[0] * F[4] - F[1] * F[3];
-  // det(I + H) - 1 = tr H + (principal 2x2 minors of H) + det H
-  const Lanes m0 = H[4] * H[8] - H[5] * H[7];
-  const Lanes m1 = H[0] * H[8] - H[2] * H[6];
-  const Lanes m2 = H[0] * H[4] - H[1] * H[3];
-  const Lanes det = H[0] * m0 + H[1] * (H[5] * H[6] - H[3] * H[8]) + H[2] * (H[3] * H[7] - H[4] * H[6]);
-  J_minus_1 = (H[0] + H[4] + H[8]) + ((m0 + m1 + m2) + det);
+  J_minus_1 = volumeChange(H);
   return J_minus_1 + 1.0F;
 }
+
+// The materials below give the first Piola-Kirchhoff stress of 16 points from their displacement gradients H,
+// in float32: the fast twins of Material::firstPiola. They return J. J - 1 comes from H without cancellation,
+// since the bulk modulus multiplies its error.
 
 struct NeoHookeanLanes {
   float mu, K;
   explicit NeoHookeanLanes(const Material& m)
       : mu(static_cast<float>(m.shear_modulus)), K(static_cast<float>(m.bulk_modulus)) {}
 
-  Lanes firstPiola(const TensorLanes& H, TensorLanes& P) const {
+  /// @param patch_pressure  replaces K (J - 1) where the scene averages volume over node patches; or null
+  Lanes firstPiola(const TensorLanes& H, TensorLanes& P, const Lanes* patch_pressure = nullptr) const {
     TensorLanes F, cof;
     Lanes J_minus_1;
     const Lanes J = volumeRatioAndCofactor(H, F, cof, J_minus_1);
@@ -57,7 +61,7 @@ struct NeoHookeanLanes {
     const Lanes slope = Lanes(-2.0F / 3) * g / Jc;
     g += slope * (J - Jc);
     const Lanes a = g * mu;
-    const Lanes b = slope * I1 * (0.5F * mu) + J_minus_1 * K;
+    const Lanes b = slope * I1 * (0.5F * mu) + (patch_pressure ? *patch_pressure : J_minus_1 * K);
     for (int k = 0; k < 9; ++k) P[k] = a * F[k] + b * cof[k];
     return J;
   }
@@ -115,7 +119,8 @@ struct OgdenLanes {
     }
   }
 
-  Lanes firstPiola(const TensorLanes& H, TensorLanes& P) const {
+  /// @param patch_pressure  as in NeoHookeanLanes
+  Lanes firstPiola(const TensorLanes& H, TensorLanes& P, const Lanes* patch_pressure = nullptr) const {
     TensorLanes F, cof;
     Lanes J_minus_1;
     const Lanes J = volumeRatioAndCofactor(H, F, cof, J_minus_1);
@@ -128,7 +133,7 @@ struct OgdenLanes {
       log_squared[i] = log2(squared[i]);
       s[i] = 0.0F;
     }
-    Lanes pressure = J_minus_1 * K;
+    Lanes pressure = patch_pressure ? *patch_pressure : J_minus_1 * K;
     for (int k = 0; k < terms; ++k) {
       const float al = alpha[k];
       Lanes g = exp2(log_J * (-al / 3));

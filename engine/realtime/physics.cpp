@@ -40,6 +40,7 @@ double TissuePhysics::setMaterial(int index, const Material& material) {
   // The density is in the lumped masses, which stay.
   model_.materials[m] = material;
   model_.kernel.materials[m] = material;
+  updatePatchBulk(model_.kernel);
   return 0;
 }
 

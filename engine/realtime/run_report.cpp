@@ -48,6 +48,7 @@ RunReport makeRunReport(const Model& model, const RunSummary& summary,
   report.rt_setup = summary.rt_setup;
   report.threads = threads;
   report.min_J = static_cast<double>(summary.min_J);
+  report.volume_error = model.cell_volume / model.surface_volume - 1;
   report.volume_change = volume_change;
   report.peak_force_N = summary.peak_force;
   report.base_reaction_N = summary.base_reaction;
@@ -91,6 +92,7 @@ std::string toJson(const RunReport& r) {
         {"denormals", r.rt_setup.denormals}}},
       {"threads", r.threads},
       {"min_J", r.min_J},
+      {"volume_error", r.volume_error},
       {"volume_change", r.volume_change},
       {"peak_force_N", r.peak_force_N},
       {"base_reaction_N", Json::array({base.x(), base.y(), base.z()})},

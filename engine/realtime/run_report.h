@@ -22,6 +22,7 @@ struct RunReport {
   RtSetup rt_setup;
   int threads = 0;
   double min_J = 1;
+  double volume_error = 0;           // of the background cells against the organ's own surface, relative
   double volume_change = 0;          // of the integration points at the end, relative
   double peak_force_N = 0;
   Vec3 base_reaction_N = Vec3::Zero();

@@ -7,6 +7,7 @@
 
 #include "approximation/shape_functions.h"
 #include "discretization/background_cells.h"
+#include "discretization/consistent_gradients.h"
 #include "discretization/integration_points.h"
 #include "discretization/node_cloud.h"
 #include "discretization/node_order.h"
@@ -151,17 +152,16 @@ std::vector<ImposedNode> chooseImposed(const Scene& scene, const NodeCloud& clou
   return imposed;
 }
 
-/// Shape functions at integration points, skin vertices and imposed nodes, over supports that are
-/// enlarged where they must be.
+/// Shape functions at integration points, skin vertices and nodes, over supports that are enlarged where
+/// they must be.
 struct Approximation {
   std::vector<double> radius;
   int enlarged = 0;
-  ShapeTable points, skin, imposed;
+  ShapeTable points, skin, nodes;
 };
 
 Approximation approximate(const Scene& scene, const std::vector<Vec3>& X, std::vector<double> radius,
-                          const std::vector<Vec3>& point_X, const std::vector<Vec3>& skin_X,
-                          const std::vector<Vec3>& imposed_X) {
+                          const std::vector<Vec3>& point_X, const std::vector<Vec3>& skin_X) {
   constexpr int max_enlargements = 8;  // 1.15^8: a radius grows at most threefold
   const MmlsOptions options{scene.basis_degree, scene.mu};
   Approximation a;
@@ -169,7 +169,7 @@ Approximation approximate(const Scene& scene, const std::vector<Vec3>& X, std::v
   for (int attempt = 0;; ++attempt) {
     const Neighbours neighbours(X, radius);
     const std::pair<const std::vector<Vec3>*, ShapeTable*> parts[] = {
-        {&point_X, &a.points}, {&skin_X, &a.skin}, {&imposed_X, &a.imposed}};
+        {&point_X, &a.points}, {&skin_X, &a.skin}, {&X, &a.nodes}};
     bool admissible = true;
     std::vector<double> enlarged = radius;
     for (const auto& [at, table] : parts) {
@@ -190,6 +190,19 @@ Approximation approximate(const Scene& scene, const std::vector<Vec3>& X, std::v
   for (std::size_t i = 0; i < radius.size(); ++i) a.enlarged += radius[i] != original[i] ? 1 : 0;
   a.radius = radius;
   return a;
+}
+
+/// The rows of a shape table at some of its points.
+ShapeTable rowsOf(const ShapeTable& table, const std::vector<ImposedNode>& nodes) {
+  ShapeTable rows;
+  rows.begin.push_back(0);
+  for (const auto& node : nodes) {
+    const int begin = table.begin[node.node], end = table.begin[node.node + 1];
+    rows.node.insert(rows.node.end(), table.node.begin() + begin, table.node.begin() + end);
+    rows.N.insert(rows.N.end(), table.N.begin() + begin, table.N.begin() + end);
+    rows.begin.push_back(static_cast<int>(rows.node.size()));
+  }
+  return rows;
 }
 
 void chooseTimeStep(const Scene& scene, const CriticalTimeStep& limit, const std::vector<Vec3>& X, Model& model) {
@@ -237,16 +250,18 @@ Model buildModel(const Scene& scene, const TriangleSurface& organ, const Progres
   tell("shape functions", 0.45);
   std::vector<BoundaryMotion> motions;
   const auto imposed = chooseImposed(scene, cloud, motions);
-  std::vector<Vec3> imposed_X;
   model.imposed.assign(nodes, 0);
-  for (const auto& node : imposed) {
-    imposed_X.push_back(cloud.X[node.node]);
+  for (const auto& node : imposed)
     for (int c = 0; c < 3; ++c)
       if (node.component[c]) model.imposed[node.node] |= static_cast<std::uint8_t>(1u << c);
-  }
-  auto shape = approximate(scene, cloud.X, supportRadii({cloud, cells}, scene.support_factor), points.X, skin.vertices, imposed_X);
+  auto shape = approximate(scene, cloud.X, supportRadii({cloud, cells}, scene.support_factor), points.X, skin.vertices);
   model.support_radius = shape.radius;
   model.enlarged_supports = shape.enlarged;
+  if (scene.consistent_gradients) {
+    tell("consistent gradients", 0.7);
+    // 1e-4 leaves 1e-5 of the displacement (numerics.md), far below the other errors of any cloud.
+    correctGradients(shape.points, points.X, points.volume, cloud.X, boundaryFacets(cells.cells), shape.nodes, 1e-4);
+  }
 
   tell("mass, boundaries, stable step", 0.8);
   for (const auto& spec : scene.materials) model.materials.push_back(toMaterial(spec));
@@ -259,11 +274,14 @@ Model buildModel(const Scene& scene, const TriangleSurface& organ, const Progres
   model.mass = lumpedMass(cloud.X, cells.cells, cells.volume, cell_density);
   for (double m : model.mass) model.inverse_mass.push_back(static_cast<float>(1 / m));
   try {
-    model.boundary = makeEssentialBoundary(imposed, motions, shape.imposed, model.mass);
+    model.boundary = makeEssentialBoundary(imposed, motions, rowsOf(shape.nodes, imposed), model.mass);
   } catch (const std::runtime_error& e) {
     throw InputError(scene.boundaries.front().place, e.what(), "make the regions smaller or discretization.seed another");
   }
-  const auto limit = criticalTimeStep(shape.points, points.volume, model.point_material, model.materials, model.mass);
+  if (scene.node_patch_volume)
+    model.patches = makeNodePatches(cloud.X, cells.cells, points.X, points.volume, points.cell, model.point_material, model.materials);
+  const auto limit =
+      criticalTimeStep(shape.points, points.volume, model.point_material, model.materials, model.mass, model.patches);
   chooseTimeStep(scene, limit, cloud.X, model);
   double wave_speed = 0;
   double softest = model.materials[0].shear_modulus;
@@ -275,7 +293,7 @@ Model buildModel(const Scene& scene, const TriangleSurface& organ, const Progres
   model.max_increment = 4 * wave_speed * model.dt;
 
   tell("kernel layout", 0.9);
-  model.kernel = makeKernelLayout(shape.points, points.X, points.volume, model.point_material, model.materials, nodes);
+  model.kernel = makeKernelLayout(shape.points, points.X, points.volume, model.point_material, model.materials, nodes, model.patches);
   model.skin = buildSkinModel(skin, shape.skin, scene.tool.radius, 3 * softest);
   model.tool_start = {scene.tool_position, Quat::FromTwoVectors(-Vec3::UnitZ(), scene.tool_direction)};
   model.touch_travel = touchTravel(skin, scene.tool, model.tool_start);

@@ -40,6 +40,7 @@ struct Model {
   std::vector<double> mass;                 // (node_count) kg
   AlignedVector<float> inverse_mass;        // (node_count) 1/kg
 
+  NodePatches patches;                      // empty without scene.node_patch_volume
   KernelLayout kernel;                      // what the hot kernel reads
   EssentialBoundary boundary;
 

@@ -44,6 +44,18 @@ TEST_CASE("The critical step is where central differences turn unstable", "[crit
   }
 }
 
+TEST_CASE("Node patches only lengthen the stable step", "[critical_time_step]") {
+  for (const int points : {1, 4}) {
+    const TestBody body(5, 0.1, points);
+    const auto plain = criticalTimeStep(body.shape, body.volume, body.point_material, body.materials, body.mass);
+    const auto patched =
+        criticalTimeStep(body.shape, body.volume, body.point_material, body.materials, body.mass, body.patches());
+    CHECK(patched.dt > plain.dt);
+    CHECK(patched.dt < 2 * plain.dt);
+    CHECK(patched.dt_proven == plain.dt_proven);
+  }
+}
+
 TEST_CASE("Lanczos finds the largest eigenvalue of a small body", "[critical_time_step]") {
   const TestBody body(4, 0.1, 1);
   const auto limit = criticalTimeStep(body.shape, body.volume, body.point_material, body.materials, body.mass);

@@ -9,8 +9,10 @@ using test::TestBody;
 
 namespace {
 
-std::vector<Vec3> fastForces(const TestBody& body, const std::vector<Vec3>& u, int threads = 1, ForceReport* report = nullptr) {
-  const auto layout = makeKernelLayout(body.shape, body.point_X, body.volume, body.point_material, body.materials, body.nodeCount());
+std::vector<Vec3> fastForces(const TestBody& body, const std::vector<Vec3>& u, int threads = 1, ForceReport* report = nullptr,
+                             const NodePatches& patches = {}) {
+  const auto layout =
+      makeKernelLayout(body.shape, body.point_X, body.volume, body.point_material, body.materials, body.nodeCount(), patches);
   auto scratch = makeKernelScratch(layout);
   SpinTeam team(threads);
   team.wake();
@@ -25,9 +27,9 @@ std::vector<Vec3> fastForces(const TestBody& body, const std::vector<Vec3>& u, i
   return result;
 }
 
-std::vector<Vec3> referenceForces(const TestBody& body, const std::vector<Vec3>& u) {
+std::vector<Vec3> referenceForces(const TestBody& body, const std::vector<Vec3>& u, const NodePatches& patches = {}) {
   std::vector<Vec3> f;
-  referenceInternalForces(body.shape, body.volume, body.point_material, body.materials, u, f);
+  referenceInternalForces(body.shape, body.volume, body.point_material, body.materials, u, f, patches);
   return f;
 }
 
@@ -71,9 +73,10 @@ TEST_CASE("A linear displacement field gives a uniform F", "[internal_forces]") 
 TEST_CASE("Internal forces are minus the derivative of the strain energy", "[internal_forces]") {
   for (const auto& material : {Material::neoHookean(3000, 0.49, 1000), ogden()}) {
     const TestBody body(4, 0.1, 1, 1.8, 0.1, 0.2, material);
+    for (const NodePatches& patches : {NodePatches{}, body.patches()}) {
     auto u = wave(body, 0.2);
-    const auto f = referenceForces(body, u);
-    const auto energy = [&] { return strainEnergy(body.shape, body.volume, body.point_material, body.materials, u); };
+    const auto f = referenceForces(body, u, patches);
+    const auto energy = [&] { return strainEnergy(body.shape, body.volume, body.point_material, body.materials, u, patches); };
     const double e = 1e-7;
     for (const int i : {0, 13, 21, 42, 63})
       for (int c = 0; c < 3; ++c) {
@@ -84,6 +87,7 @@ TEST_CASE("Internal forces are minus the derivative of the strain energy", "[int
         u[i][c] += e;
         CHECK(-(ahead - behind) / (2 * e) == Approx(f[i][c]).epsilon(1e-5).margin(1e-6 * norm(f)));
       }
+    }
   }
 }
 
@@ -97,9 +101,10 @@ TEST_CASE("The fast kernel equals the reference in double", "[internal_forces][k
       auto squeezed = body.displacement(Vec3(2.0, 2.0, 0.25).asDiagonal());  // 75 % compression
       const auto bumps = wave(body, 0.02);
       for (std::size_t i = 0; i < squeezed.size(); ++i) squeezed[i] += bumps[i];
+      for (const NodePatches& patches : {NodePatches{}, body.patches()})
       for (const auto& u : {wave(body, 0.3), turned, squeezed}) {
         ForceReport report;
-        const auto fast = fastForces(body, u, 1, &report), exact = referenceForces(body, u);
+        const auto fast = fastForces(body, u, 1, &report, patches), exact = referenceForces(body, u, patches);
         // Gradients rounded to float move J by 6e-8 |gradN| |u| n^(1/2) ~ 1e-6, which the bulk modulus
         // multiplies against forces of the order of the shear modulus: (K / mu) 1e-6.
         const double ratio = material.bulk_modulus / material.shear_modulus;
@@ -133,6 +138,10 @@ TEST_CASE("Forces are the same bits for any number of threads", "[internal_force
   const auto u = wave(body, 0.3);
   const auto one = fastForces(body, u, 1);
   for (const int threads : {2, 3, 4}) CHECK(fastForces(body, u, threads) == one);
+  const auto patches = body.patches();
+  const auto patched = fastForces(body, u, 1, nullptr, patches);
+  CHECK(patched != one);
+  for (const int threads : {2, 3, 4}) CHECK(fastForces(body, u, threads, nullptr, patches) == patched);
 }
 
 TEST_CASE("Two materials in one body each act on their own points", "[internal_forces][kernel]") {
@@ -141,8 +150,10 @@ TEST_CASE("Two materials in one body each act on their own points", "[internal_f
   body.materials.push_back(Material::neoHookean(30, 0.45, 1000));
   for (std::size_t q = 0; q < body.point_material.size(); ++q) body.point_material[q] = static_cast<int>(q % 7 % 3);
   const auto u = wave(body, 0.2);
-  const auto exact = referenceForces(body, u);
-  CHECK(distance(fastForces(body, u), exact) < 1e-4 * norm(exact));
+  for (const NodePatches& patches : {NodePatches{}, body.patches()}) {
+    const auto exact = referenceForces(body, u, patches);
+    CHECK(distance(fastForces(body, u, 1, nullptr, patches), exact) < 1e-4 * norm(exact));
+  }
 }
 
 TEST_CASE("An inverted point is counted and named", "[internal_forces][kernel]") {

@@ -7,6 +7,7 @@
 #include "approximation/shape_functions.h"
 #include "base/types.h"
 #include "mechanics/material.h"
+#include "mechanics/node_patch.h"
 
 namespace palpate::test {
 
@@ -18,6 +19,7 @@ struct TestBody {
   std::vector<Vec3> point_X;
   std::vector<double> volume;
   std::vector<int> point_material;
+  std::vector<int> point_cell;
   std::vector<double> mass;
   ShapeTable shape;
   std::vector<Material> materials;
@@ -62,6 +64,8 @@ struct TestBody {
       const double v =
           std::abs((X[c[1]] - X[c[0]]).cross(X[c[2]] - X[c[0]]).dot(X[c[3]] - X[c[0]])) / 6;
       for (int s = 0; s < 4; ++s) mass[c[s]] += material.density * v / 4;
+      const int cell = static_cast<int>(&c - cells.data());
+      for (int p = 0; p < points; ++p) point_cell.push_back(cell);
       if (points == 1) {
         point_X.push_back((X[c[0]] + X[c[1]] + X[c[2]] + X[c[3]]) / 4);
         volume.push_back(v);
@@ -82,6 +86,7 @@ struct TestBody {
     if (!failed.empty()) throw std::runtime_error("test body has inadmissible supports");
   }
 
+  NodePatches patches() const { return makeNodePatches(X, cells, point_X, volume, point_cell, point_material, materials); }
   int nodeCount() const { return static_cast<int>(X.size()); }
   std::vector<Vec3> displacement(const Mat3& F) const {
     std::vector<Vec3> u;

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "approximation/shape_table.h"
+#include "base/types.h"
+
+namespace palpate {
+
+/// What correctGradients found and did.
+struct GradientCorrection {
+  double violation_before = 0;  // |sum_q V_q gradN_i - int N_i n dS| over |int N_i n dS|, 2-norms over nodes
+  double violation_after = 0;
+  int iterations = 0;           // of the conjugate gradients
+};
+
+/// Makes gradients at integration points satisfy the discrete divergence theorem
+///   sum_q V_q gradN_i(X_q) = int_boundary N_i n dS     for each node i,
+/// which the quadrature of rational shape functions violates: that is most of the error of a meshless
+/// Galerkin method (a linear displacement field is then no equilibrium under its own surface tractions).
+/// The change is the smallest in the norm sum_q V_q |dB_iq|^2 that also keeps sum_i B_iq = 0 and
+/// sum_i X_i (x) B_iq = I at each point:
+///   dB_iq = lambda_i - p_i . M_q^-1 sum_j p_j lambda_j,   p = (1, (X - x_q)/R),  M_q = sum_j p_j p_j^T
+/// with lambda from one symmetric node-by-node system for each component, solved matrix-free by
+/// Jacobi-preconditioned conjugate gradients (its null space, the linear fields, is met by the right-hand side).
+/// The same gradients serve trial and test functions, so momentum and energy stay exact. Source: numerics.md.
+///
+/// @param shape     rows of the integration points; gradN is changed
+/// @param point_X   m, volume m^3                                  (point_count)
+/// @param X         nodes, m                                       (node_count)
+/// @param facets    the cells' outer faces, counter-clockwise seen from outside
+/// @param at_nodes  N at each node's own position, one row per node. The boundary integral uses the vertex
+///                  rule (a third of the facet's area at each corner), as SEBCIEM lumps its tractions.
+/// @param tolerance of the relative residual
+/// Test: discretization/consistent_gradients_test.cpp
+GradientCorrection correctGradients(ShapeTable& shape, const std::vector<Vec3>& point_X,
+                                    const std::vector<double>& volume, const std::vector<Vec3>& X,
+                                    const std::vector<std::array<int, 3>>& facets, const ShapeTable& at_nodes,
+                                    double tolerance = 1e-6);
+
+}  // namespace palpate

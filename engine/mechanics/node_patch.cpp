@@ -1,0 +1,48 @@
+#include "mechanics/node_patch.h"
+
+#include <Eigen/LU>
+
+namespace palpate {
+
+NodePatches makeNodePatches(const std::vector<Vec3>& X, const std::vector<std::array<int, 4>>& cells,
+                            const std::vector<Vec3>& point_X, const std::vector<double>& volume,
+                            const std::vector<int>& point_cell, const std::vector<int>& point_material,
+                            const std::vector<Material>& materials) {
+  NodePatches patches;
+  patches.volume.assign(X.size(), 0);
+  patches.bulk_modulus.assign(X.size(), 0);
+  for (std::size_t q = 0; q < point_X.size(); ++q) {
+    const auto& cell = cells[point_cell[q]];
+    Mat3 edges;
+    for (int c = 0; c < 3; ++c) edges.col(c) = X[cell[c + 1]] - X[cell[0]];
+    const Vec3 l = edges.inverse() * (point_X[q] - X[cell[0]]);
+    const std::array<double, 4> weight{1 - l.sum(), l[0], l[1], l[2]};
+    for (int a = 0; a < 4; ++a) {
+      patches.volume[cell[a]] += volume[q] * weight[a];
+      patches.bulk_modulus[cell[a]] += volume[q] * weight[a] * materials[point_material[q]].bulk_modulus;
+    }
+    patches.node.push_back(cell);
+    patches.weight.push_back(weight);
+  }
+  for (std::size_t a = 0; a < X.size(); ++a)
+    if (patches.volume[a] > 0) patches.bulk_modulus[a] /= patches.volume[a];
+  return patches;
+}
+
+std::vector<double> patchPressure(const NodePatches& patches, const std::vector<double>& volume,
+                                  const std::vector<double>& J_minus_1) {
+  std::vector<double> theta(patches.volume.size(), 0), pressure(J_minus_1.size(), 0);
+  for (std::size_t q = 0; q < J_minus_1.size(); ++q)
+    for (int a = 0; a < 4; ++a) {
+      const int node = patches.node[q][a];
+      theta[node] += volume[q] * patches.weight[q][a] / patches.volume[node] * J_minus_1[q];
+    }
+  for (std::size_t q = 0; q < J_minus_1.size(); ++q)
+    for (int a = 0; a < 4; ++a) {
+      const int node = patches.node[q][a];
+      pressure[q] += patches.weight[q][a] * patches.bulk_modulus[node] * theta[node];
+    }
+  return pressure;
+}
+
+}  // namespace palpate

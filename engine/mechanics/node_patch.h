@@ -1,0 +1,39 @@
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "base/types.h"
+#include "mechanics/material.h"
+
+namespace palpate {
+
+/// Volume averaged over the patch of cells around each node, against volumetric locking (numerics.md).
+///
+///   theta_a = sum_q s_aq (J_q - 1),  s_aq = w_q l_a(x_q) / V_a,  V_a = sum_q w_q l_a(x_q)
+///   volumetric energy  sum_a V_a K_a / 2 theta_a^2,   so at q the pressure is  p_q = sum_a l_a(x_q) K_a theta_a
+///
+/// instead of K (J_q - 1). l_a is the linear coordinate of the cell's vertex a. The patch sees only the mean
+/// dilatation, so a point is no longer held to its own volume by neighbours that share its nodes. By
+/// convexity the energy is never above the plain one: a step that is stable without patches is stable with.
+struct NodePatches {
+  std::vector<std::array<int, 4>> node;      // (point_count) vertices of the point's cell
+  std::vector<std::array<double, 4>> weight; // (point_count) l_a(x_q), summing to 1
+  std::vector<double> volume;                // (node_count) V_a, m^3; 0 for a node in no cell
+  std::vector<double> bulk_modulus;          // (node_count) K_a, Pa: volume-weighted mean of the patch
+
+  bool empty() const { return node.empty(); }
+};
+
+/// @param X, cells        nodes (m) and their tetrahedra
+/// @param point_X, volume integration points, m and m^3; point_cell: the cell each lies in
+NodePatches makeNodePatches(const std::vector<Vec3>& X, const std::vector<std::array<int, 4>>& cells,
+                            const std::vector<Vec3>& point_X, const std::vector<double>& volume,
+                            const std::vector<int>& point_cell, const std::vector<int>& point_material,
+                            const std::vector<Material>& materials);
+
+/// p_q of the points from their J - 1, in double: what the fast kernel is held to.
+std::vector<double> patchPressure(const NodePatches& patches, const std::vector<double>& volume,
+                                  const std::vector<double>& J_minus_1);
+
+}  // namespace palpate
