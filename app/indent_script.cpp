@@ -10,8 +10,8 @@ namespace {
 constexpr double approach_speed = 0.06;   // m/s, mean; quick, but slow enough to watch
 constexpr double least_approach = 0.1;    // s, also where the tool starts at the skin
 constexpr double indent_seconds = 1.0;    // slow against the tissue's own swinging
-constexpr double depth_per_radius = 0.5;
-constexpr double most_of_organ = 0.1;     // of the organ's length along the axis
+constexpr double depth_per_radius = 1.2;
+constexpr double most_of_organ = 0.25;    // of the organ's length along the axis
 
 }  // namespace
 

@@ -23,7 +23,10 @@ constexpr float hidden_opacity = 0.42F;
 
 // An arrow grows with the root of its force, so that both a touch and a firm press can be read.
 constexpr double longest_arrow_in_radii = 0.9;
-constexpr double full_force = 5;  // N, drawn at the longest
+constexpr double full_force = 1.5;    // N, drawn at the longest
+// Forces at the skin are compared among themselves.
+constexpr double longest_contact_in_tool_radii = 2;
+constexpr double least_contact_share = 0.02;
 constexpr double least_force = 1e-4;  // N, below which no arrow is drawn
 
 double arrowLength(double force, double organ_radius) {
@@ -63,15 +66,17 @@ void Overlays::draw(const Snapshot& snapshot, const View& view, const std::vecto
                     double organ_radius, int framebuffer_height) {
   dots_.clear();
   arrows_.clear();
+  contact_arrows_.clear();
   bubble_radius_ = 0;
   if (view.show_points) addPoints(snapshot);
   if (view.show_nodes) addNodes(snapshot);
   if (view.picked_point >= 0 && view.picked_point < model_.pointCount()) addSupport(snapshot, view.picked_point);
   if (view.pulled_vertex >= 0 && view.pulled_vertex < static_cast<int>(positions.size()))
     addPull(view, positions, framebuffer_height);
-  if (view.show_contact) addContactForces(snapshot, view, positions, organ_radius, framebuffer_height);
+  if (view.show_contact) addContactForces(snapshot, view, positions, framebuffer_height);
   if (view.show_forces) addToolForce(snapshot, view, organ_radius, framebuffer_height);
-  if (!arrows_.empty()) drawArrows();
+  drawArrows(contact_arrows_, GL_ALWAYS);
+  drawArrows(arrows_, GL_LESS);
   if (!dots_.empty()) drawDots();
   if (bubble_radius_ > 0) drawBubble();
 }
@@ -136,17 +141,21 @@ void Overlays::addToolForce(const Snapshot& snapshot, const View& view, double o
                      static_cast<float>(3.6 * std::abs(pixel)), force_colour});
 }
 
+/// The forces on the tissue, from the skin inwards; tool and tissue hide them, so they show through.
 void Overlays::addContactForces(const Snapshot& snapshot, const View& view, const std::vector<Vec3f>& positions,
-                                double organ_radius, int framebuffer_height) {
+                                int framebuffer_height) {
+  double largest = 0;
+  for (int k = 0; k < snapshot.contact_count; ++k)
+    largest = std::max(largest, toVec3(snapshot.contact_force[k]).norm());
+  if (!(largest > 0) || !std::isfinite(largest)) return;
   const double pixel = view.camera.pixelSize(snapshot.tool_pose.position, framebuffer_height) * view.pixel_ratio;
   for (int k = 0; k < snapshot.contact_count; ++k) {
     const Vec3 force = toVec3(snapshot.contact_force[k]);
-    const double size = force.norm();
-    if (!(size > 0)) continue;
-    // Each vertex carries a small part, so the arrows are longer per newton. Their tips are at the skin.
-    const Vec3f along = (force / size * arrowLength(12 * size, organ_radius)).cast<float>();
-    arrows_.push_back({positions[snapshot.contact_vertex[k]] - along, along,
-                       static_cast<float>(0.9 * std::abs(pixel)), contact_colour});
+    const double share = force.norm() / largest;
+    if (share < least_contact_share) continue;
+    const Vec3 along = force.normalized() * longest_contact_in_tool_radii * model_.scene.tool.radius * std::sqrt(share);
+    contact_arrows_.push_back({positions[snapshot.contact_vertex[k]], along.cast<float>(),
+                               static_cast<float>(1.1 * std::abs(pixel)), contact_colour});
   }
 }
 
@@ -171,13 +180,16 @@ void Overlays::drawDots() const {
   glDisable(GL_PROGRAM_POINT_SIZE);
 }
 
-void Overlays::drawArrows() const {
+void Overlays::drawArrows(const std::vector<Arrow>& arrows, GLenum depth_test) const {
+  if (arrows.empty()) return;
   glBindBuffer(GL_ARRAY_BUFFER, arrow_buffer_);
-  glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(arrows_.size() * sizeof(Arrow)), arrows_.data(),
-               GL_STREAM_DRAW);
+  glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(arrows.size() * sizeof(Arrow)), arrows.data(), GL_STREAM_DRAW);
   arrow_program_.use();
   glUniform1i(arrow_clear_, 0);
-  arrow_mesh_.drawInstances(static_cast<int>(arrows_.size()));
+  glDepthFunc(depth_test);
+  glEnable(GL_CULL_FACE);
+  arrow_mesh_.drawInstances(static_cast<int>(arrows.size()));
+  glDisable(GL_CULL_FACE);
 }
 
 void Overlays::drawBubble() const {

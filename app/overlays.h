@@ -40,9 +40,9 @@ class Overlays {
   void addPull(const View& view, const std::vector<Vec3f>& positions, int framebuffer_height);
   void addToolForce(const Snapshot& snapshot, const View& view, double organ_radius, int framebuffer_height);
   void addContactForces(const Snapshot& snapshot, const View& view, const std::vector<Vec3f>& positions,
-                        double organ_radius, int framebuffer_height);
+                        int framebuffer_height);
   void drawDots() const;
-  void drawArrows() const;
+  void drawArrows(const std::vector<Arrow>& arrows, GLenum depth_test) const;
   void drawBubble() const;
 
   const Model& model_;
@@ -54,7 +54,7 @@ class Overlays {
 
   // Of the present picture.
   std::vector<Dot> dots_;
-  std::vector<Arrow> arrows_;
+  std::vector<Arrow> arrows_, contact_arrows_;
   Vec3f bubble_centre_ = Vec3f::Zero();
   float bubble_radius_ = 0;  // m; 0: none
 };

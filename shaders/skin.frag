@@ -12,8 +12,9 @@ in vec3 X;
 in vec4 trait;
 out vec4 colour;
 
-// How far light creeps around the terminator under the surface: red goes furthest.
-const vec3 creep = vec3(0.34, 0.13, 0.09);
+// How far light creeps around the terminator under the surface, for what is absorbed most
+// and least: in flesh red goes furthest, in a blue gel blue does.
+const float least_creep = 0.09, most_creep = 0.34;
 
 vec3 hatched(vec3 albedo, float fixed_share) {
   float s = dot(X, vec3(0.57, 0.57, 0.59)) * tissue.w * 22.0;
@@ -36,7 +37,9 @@ void main() {
 
   vec3 albedo = tissue.rgb;
   albedo *= 1.0 + 0.75 * coarse.a + 0.35 * fine.a + 0.22 * finest.a;
-  albedo = mix(albedo, albedo * vec3(0.80, 0.62, 0.78), clamp(coarse.r * 1.6, 0.0, 1.0));
+  vec3 passing = tissue.rgb / max(max(tissue.r, tissue.g), max(tissue.b, 1e-3));  // 1 for what goes furthest
+  albedo *= mix(vec3(1.0), mix(vec3(0.62), vec3(0.82), passing), clamp(coarse.r * 1.6, 0.0, 1.0));
+  vec3 creep = mix(vec3(least_creep), vec3(most_creep), passing * passing);
   if (field) albedo = texture(colours, vec2(trait.x, 0.5)).rgb * 0.9;
   albedo = mix(albedo, vec3(0.86, 0.60, 0.50), 0.55 * trait.y * (field ? 0.0 : 1.0));
   albedo = hatched(albedo, trait.w);
@@ -48,7 +51,7 @@ void main() {
   float facing_key = dot(mix(smooth_n, rough_n, 0.5), key.xyz);
   vec3 key_light = clamp((facing_key + creep) / (1.0 + creep), 0.0, 1.0);
   key_light *= key_light * (3.0 - 2.0 * key_light) * 0.35 + 0.65;
-  vec3 visible_under = vec3(mix(visible, sqrt(visible), 0.5), visible, visible);  // shadows' rims glow red
+  vec3 visible_under = mix(vec3(visible), vec3(sqrt(visible)), 0.5 * passing * passing);  // shadows' rims glow
   float facing_rim = clamp(dot(smooth_n, rimDirection()), 0.0, 1.0);
   vec3 light = key_colour * key_light * visible_under + rim_colour * facing_rim * open + ambientLight(smooth_n) * open;
   if (field) light = mix(vec3(dot(light, vec3(1.0 / 3.0))), vec3(1.0), 0.25) * 0.85;

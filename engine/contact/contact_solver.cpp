@@ -8,7 +8,7 @@ namespace {
 
 using Eigen::Vector4f;
 
-/// Sweeps at most. Warm-started contacts need one to three.
+/// Sweeps at most. Warm-started contacts on tissue need one to five.
 constexpr int kMaxSweeps = 8;
 
 /// Done when a sweep changes the forces by less than this part of their size (2-norms over vertices).

@@ -232,7 +232,8 @@ TEST_CASE("Turning the whole world turns the forces", "[contact]") {
   const Vec3 force = solve(bed, bed.pose, to), turned_force = solve(turned, turnPose(bed.pose), turnPose(to));
   CHECK(force.norm() > 0.05);
   CHECK(force.head<2>().norm() > 0.005);  // friction takes part
-  // Rounding of 50 mm in float32, 4e-9 m, times the layer's stiffness k a R^2-ish over the force.
+  // Displacements of ~5 mm are rounded to 2e-10 m; the layer, ~1e3 N/m per vertex, makes ~1e-6 N of it. The
+  // sweeps stop at 1e-4, and not at the same iterate.
   CHECK((turn * force - turned_force).norm() < 1e-3 * force.norm());
 }
 

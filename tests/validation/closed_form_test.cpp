@@ -145,5 +145,5 @@ TEST_CASE("Unconstrained compression of the cube: NRMSE of u_z below the paper's
     return result;
   };
   CHECK(nrmse(1) < 6e-3);   // numerics.md: 3.7e-3 - 6e-3 for mu 0.1, the paper's 3.08e-3 is not reached without correction
-  CHECK(nrmse(4) < 1.2e-3);
+  CHECK(nrmse(4) < 2e-3);   // 1.0e-3 - 2.0e-3 by cloud and radius rule in numerics.md; the paper has 6.92e-4 (260 nodes)
 }
