@@ -31,7 +31,7 @@ PanelRequests drawPanels(const Theme& theme, const PanelData& data, const Layout
     drawBar(theme, data, layout.bar, state, requests);
     if (layout.left.width > 0) {
       if (beginPane("##left", layout.left)) {
-        drawSceneCard(theme, data, view, requests);
+        drawSceneCard(theme, data, view);
         drawToolCard(theme, data, state, requests);
         drawMaterialCard(theme, data, requests);
       }

@@ -53,11 +53,11 @@ struct PanelData {
   TimingView timing{};
   std::vector<MaterialView> materials{};
   double friction = 0;               // Coulomb coefficient at present
-  std::string input_note{};            // why material and friction can't be changed now; empty: they can
-  ColourScale colour_scale{};          // of the picture behind the panels
+  std::string input_note{};          // why material and friction can't be changed now; empty: they can
+  ColourScale colour_scale{};        // of the picture behind the panels
   ToolDriver driver = ToolDriver::User;
-  std::string script{};                // name of the script or recording; empty: none at hand
-  std::string frozen_reason{};         // what the watchdog saw, and where; used while frozen
+  std::string script{};              // name of the script or recording; empty: none at hand
+  std::string frozen_reason{};       // what the watchdog saw, and where; used while frozen
   double frames_per_second = 0;      // 0: not shown
 };
 
@@ -86,7 +86,7 @@ PanelRequests drawPanels(const Theme& theme, const PanelData& data, const Layout
 
 // The parts, each in a file of its own.
 void drawBar(const Theme&, const PanelData&, const Rect&, PanelState&, PanelRequests&);
-void drawSceneCard(const Theme&, const PanelData&, View&, PanelRequests&);
+void drawSceneCard(const Theme&, const PanelData&, View&);
 void drawToolCard(const Theme&, const PanelData&, PanelState&, PanelRequests&);
 void drawMaterialCard(const Theme&, const PanelData&, PanelRequests&);
 void drawForceCard(const Theme&, const PanelData&, float height);

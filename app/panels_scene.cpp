@@ -57,7 +57,7 @@ void drawMaterial(const Theme& theme, const MaterialView& view) {
 
 }  // namespace
 
-void drawSceneCard(const Theme& theme, const PanelData& data, View& view, PanelRequests& requests) {
+void drawSceneCard(const Theme& theme, const PanelData& data, View& view) {
   if (!beginCard(theme, "Scene")) return;
   const Model& model = data.model;
   row("Nodes", grouped(model.nodeCount()));
@@ -96,7 +96,6 @@ void drawSceneCard(const Theme& theme, const PanelData& data, View& view, PanelR
   ImGui::Checkbox("Fixed skin", &view.show_fixed);
   ImGui::SameLine(left + half);
   ImGui::Checkbox("Tool", &view.show_tool);
-  (void)requests;
   ImGui::Spacing();
 }
 

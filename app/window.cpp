@@ -138,7 +138,7 @@ class Viewer {
   Layout layout(const CanvasSize& size) const {
     return layoutFor(size.width, size.height, ui_.theme().scale, panels_.panels_shown);
   }
-  void applyView(const Actions& actions, const Snapshot& snapshot, const CanvasSize& size);
+  void applyView(const Actions& actions, const CanvasSize& size);
   void applyRun(const Actions& actions, const Snapshot& snapshot);
   void applyTool(const Actions& actions, const Camera& camera, const Snapshot& snapshot, const CanvasSize& size,
                  double seconds);
@@ -163,7 +163,7 @@ void Viewer::reset() {
   view_.pulled_vertex = -1;
 }
 
-void Viewer::applyView(const Actions& actions, const Snapshot& snapshot, const CanvasSize& size) {
+void Viewer::applyView(const Actions& actions, const CanvasSize& size) {
   const int height = size.pixelHeight();
   view_.camera.orbit(actions.orbit.x(), actions.orbit.y(), height);
   view_.camera.pan(actions.pan.x(), actions.pan.y(), height);
@@ -175,7 +175,6 @@ void Viewer::applyView(const Actions& actions, const Snapshot& snapshot, const C
   if (actions.toggle_help) panels_.help_shown = !panels_.help_shown;
   if (actions.close_help) panels_.help_shown = false;
   if (actions.frame_view) frameOrgan(view_.camera, renderer_, layout(size), size);
-  (void)snapshot;
 }
 
 void Viewer::applyRun(const Actions& actions, const Snapshot& snapshot) {
@@ -250,7 +249,7 @@ bool Viewer::frame(double seconds) {
   input.mouse *= size.pixel_ratio;
   input.mouse_delta *= size.pixel_ratio;
   const Actions actions = controls_.read(input, panels_.help_shown);
-  applyView(actions, snapshot, size);
+  applyView(actions, size);
   applyRun(actions, snapshot);
   const Camera shown = centredIn(layout(size), view_.camera, size);
   applyTool(actions, shown, snapshot, size, seconds);
