@@ -20,8 +20,10 @@ std::vector<Vec3f> deformed(const std::vector<Vec3>& X, const ShapeTable& shape,
   return x;
 }
 
-std::vector<float> pointValues(const Model& model, const Displacements& u, ColourMap map) {
+std::vector<float> pointValues(const Model& model, const Displacements& u, ColourMap map,
+                               const std::vector<Material>& present) {
   const ShapeTable& shape = model.point_shape;
+  const std::vector<Material>& materials = present.empty() ? model.materials : present;
   std::vector<float> values(model.point_X.size());
   for (std::size_t q = 0; q < values.size(); ++q) {
     Mat3 F = Mat3::Identity();
@@ -30,7 +32,7 @@ std::vector<float> pointValues(const Model& model, const Displacements& u, Colou
         F += toVec3(u[shape.node[k]]) * shape.gradN[k].transpose();
     const double value = map == ColourMap::J
                              ? F.determinant()
-                             : vonMises(model.materials[model.point_material[q]].firstPiola(F), F);
+                             : vonMises(materials[model.point_material[q]].firstPiola(F), F);
     values[q] = static_cast<float>(value);
   }
   return values;
@@ -70,7 +72,7 @@ std::vector<float> skinAverages(const Model& model, const std::vector<float>& no
 }
 
 std::vector<float> skinValues(const Model& model, const Displacements& u, const std::vector<Vec3f>& x,
-                              ColourMap map) {
+                              ColourMap map, const std::vector<Material>& materials) {
   switch (map) {
     case ColourMap::Tissue: return std::vector<float>(x.size(), 0.0F);
     case ColourMap::Displacement: {
@@ -80,7 +82,7 @@ std::vector<float> skinValues(const Model& model, const Displacements& u, const 
       return values;
     }
     case ColourMap::VonMises:
-    case ColourMap::J: return skinAverages(model, nodeAverages(model, pointValues(model, u, map)));
+    case ColourMap::J: return skinAverages(model, nodeAverages(model, pointValues(model, u, map, materials)));
   }
   return {};
 }

@@ -15,7 +15,9 @@ std::vector<Vec3f> deformed(const std::vector<Vec3>& X, const ShapeTable& shape,
 
 /// von Mises stress (Pa) or J at the integration points, from F = I + sum_i u_i (x) gradN_i
 /// (paper eqs. 28, 29).  (point_count)
-std::vector<float> pointValues(const Model& model, const Displacements& u, ColourMap map);
+/// @param materials  the present ones where they were changed live (Snapshot::materials); empty: the model's
+std::vector<float> pointValues(const Model& model, const Displacements& u, ColourMap map,
+                               const std::vector<Material>& materials = {});
 
 /// Averages over the integration points around each node, weighted by volume and by the
 /// positive part of the node's shape function: a convex mean, so that no average leaves the
@@ -28,7 +30,9 @@ std::vector<float> skinAverages(const Model& model, const std::vector<float>& no
 
 /// The field that `map` shows, at the skin's vertices: m, Pa or 1; zeros for Tissue.
 /// @param x  the skin's vertices under u, m
-std::vector<float> skinValues(const Model& model, const Displacements& u, const std::vector<Vec3f>& x, ColourMap map);
+/// @param materials  as for pointValues
+std::vector<float> skinValues(const Model& model, const Displacements& u, const std::vector<Vec3f>& x, ColourMap map,
+                              const std::vector<Material>& materials = {});
 
 /// The range that shows these values well: from 0 to the largest, or for J evenly about 1;
 /// never narrower than what is worth showing (0.1 mm, 10 Pa, 0.01).

@@ -38,7 +38,7 @@ double TissuePhysics::setMaterial(int index, const Material& material) {
   const double excess = material.waveModulus() / allowed_wave_modulus_[m];
   if (excess > 1) return excess;
   // The density is in the lumped masses, which stay.
-  model_.materials[m] = material;
+  // model_.materials stays as loaded: other threads read it.
   model_.kernel.materials[m] = material;
   updatePatchBulk(model_.kernel);
   return 0;

@@ -58,7 +58,8 @@ SimulationLoop::SimulationLoop(const Model& model, Physics& physics, SpinTeam* t
       track_end_(trackEnd(options_)),
       commands_(kCommandCapacity),
       snapshots_(makeSnapshot(static_cast<int>(physics.state().u.size()),
-                              static_cast<int>(physics.state().contact.vertex.size()))),
+                              static_cast<int>(physics.state().contact.vertex.size()),
+                              static_cast<int>(model.kernel.materials.size()))),
       forces_(options_.force_capacity),
       log_(kLogCapacity),
       recorded_(options_.record ? options_.record_capacity : 1),
@@ -296,6 +297,8 @@ void SimulationLoop::publish(const LoopTime& time) {
     ++used;
   }
   snapshot.contact_count = static_cast<int>(used);
+  // The kernel's materials are the ones in force; the vector has its size since the loop was made.
+  std::copy(model_.kernel.materials.begin(), model_.kernel.materials.end(), snapshot.materials.begin());
   snapshots_.publish();
 }
 

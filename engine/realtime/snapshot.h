@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "base/types.h"
+#include "mechanics/material.h"
 #include "simulation/state.h"
 
 namespace palpate {
@@ -41,6 +42,7 @@ struct Snapshot {
   int contact_count = 0;           // entries used below
   std::vector<int> contact_vertex;     // (capacity) skin vertices in contact
   std::vector<Float4> contact_force;   // (capacity) N, on the tissue
+  std::vector<Material> materials;     // (material_count) present ones: they may be changed live
 };
 
 }  // namespace palpate

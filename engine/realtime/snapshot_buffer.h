@@ -12,6 +12,6 @@ using SnapshotBuffer = TripleBuffer<Snapshot>;
 
 /// A snapshot at rest with memory for `node_count` nodes and `contact_capacity`
 /// contacts: the initial value of a SnapshotBuffer.
-Snapshot makeSnapshot(int node_count, int contact_capacity);
+Snapshot makeSnapshot(int node_count, int contact_capacity, int material_count = 0);
 
 }  // namespace palpate

@@ -51,8 +51,10 @@ TEST_CASE("What can't be used is refused with the place that says so", "[build_m
     CHECK_THROWS_WITH(blockModel(scene), Catch::Contains(place) && Catch::Contains(problem));
   };
   Scene scene = blockScene();
-  scene.time_step = 1.0 / 500;  // one step a tick: far beyond the limit
+  scene.rate_hz = 100;
+  scene.time_step = 1.0 / 100;  // one step a tick: far beyond the limit
   refuse(scene, "block.toml:21:3", "exceeds the critical");
+  scene.rate_hz = 500;
   scene.time_step = 0.0003;
   refuse(scene, "block.toml:21:3", "not a whole number");
   scene = blockScene();
