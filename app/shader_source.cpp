@@ -1,9 +1,10 @@
 #include "app/shader_source.h"
 
 #include <algorithm>
+#include <cstdio>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
-#include <regex>
 #include <sstream>
 #include <stdexcept>
 
@@ -30,7 +31,7 @@ class Joiner {
     for (int n = 1; std::getline(file, line); ++n) {
       const std::size_t hash = line.find_first_not_of(" \t");
       if (hash != std::string::npos && line.compare(hash, 8, "#include") == 0) {
-        add(includedName(line, path + ":" + std::to_string(n)), path + ":" + std::to_string(n));
+        add(includedName(line.substr(hash), path + ":" + std::to_string(n)), path + ":" + std::to_string(n));
         continueAt(n + 1, number);
       } else {
         source_.text += line + "\n";
@@ -45,12 +46,18 @@ class Joiner {
     source_.text += "#line " + std::to_string(line) + " " + std::to_string(number) + "\n";
   }
 
-  static std::string includedName(const std::string& line, const std::string& place) {
-    static const std::regex directive(R"re(\s*#include\s+"([^"/]+)"\s*(//.*)?\r?)re");
-    std::smatch match;
-    if (!std::regex_match(line, match, directive))
-      throw std::runtime_error(place + ": malformed include; write #include \"name.glsl\" with a file of the same folder");
-    return match[1];
+  /// @param directive  the line from its '#' on
+  static std::string includedName(const std::string& directive, const std::string& place) {
+    const std::size_t open = directive.find_first_not_of(" \t", std::strlen("#include"));
+    const std::size_t close = open == std::string::npos ? open : directive.find('"', open + 1);
+    if (close != std::string::npos && directive[open] == '"') {
+      const std::string name = directive.substr(open + 1, close - open - 1);
+      const std::size_t rest = directive.find_first_not_of(" \t\r", close + 1);
+      if (!name.empty() && name.find('/') == std::string::npos &&
+          (rest == std::string::npos || directive.compare(rest, 2, "//") == 0))
+        return name;
+    }
+    throw std::runtime_error(place + ": malformed include; write #include \"name.glsl\" with a file of the same folder");
   }
 
   std::string folder_;
@@ -66,16 +73,15 @@ ShaderSource readShader(const std::string& shader_dir, const std::string& name) 
 }
 
 std::string withFileNames(const std::string& log, const std::vector<std::string>& files) {
-  static const std::regex mesa(R"((\d+):(\d+)\(\d+\))"), nvidia(R"((\d+)\((\d+)\))");
   std::istringstream lines(log);
   std::string result, line;
   while (std::getline(lines, line)) {
-    std::smatch match;
-    constexpr auto at_start = std::regex_constants::match_continuous;
-    if (std::regex_search(line, match, mesa, at_start) || std::regex_search(line, match, nvidia, at_start)) {
-      const std::size_t number = std::stoul(match[1]);
-      if (number < files.size()) line = files[number] + ":" + match[2].str() + match.suffix().str();
-    }
+    unsigned file = 0, row = 0;
+    int length = 0;  // stays 0 unless the whole pattern is there
+    if (std::sscanf(line.c_str(), "%u:%u(%*u)%n", &file, &row, &length) < 2 || length == 0)
+      std::sscanf(line.c_str(), "%u(%u)%n", &file, &row, &length);
+    if (length > 0 && file < files.size())
+      line = files[file] + ":" + std::to_string(row) + line.substr(static_cast<std::size_t>(length));
     result += line + "\n";
   }
   return result;
