@@ -182,7 +182,9 @@ Approximation approximate(const Scene& scene, const std::vector<Vec3>& X, std::v
                          "the support of the point at " + coordinates((*at)[failed.front().row]) + " is inadmissible (" +
                              std::to_string(failed.front().support_count) + " nodes)",
                          "raise discretization.support_factor or lower discretization.spacing");
-      enlargeSupports(*at, failed, neighbours, enlarged);
+      std::vector<double> mine = radius;
+      enlargeSupports(*at, failed, neighbours, mine);
+      for (std::size_t i = 0; i < mine.size(); ++i) enlarged[i] = std::max(enlarged[i], mine[i]);
     }
     if (admissible) break;
     radius = enlarged;

@@ -70,7 +70,7 @@ TEST_CASE("The default indentation goes from the start pose by the touch into th
   model.tool_start.position = {0, 0, 0.1};
   model.touch_travel = 0.02;
   const std::vector<Pose> poses = scriptPoses(indentScript(model), model);
-  const double depth = 0.005;  // half the radius; a tenth of the height would be 8 mm
+  const double depth = 0.012;  // 1.2 radii; a quarter of the height would be 20 mm
   CHECK(poses.back().position.z() == Approx(0.08 - depth).epsilon(1e-9));
   double last = 0.1;
   double fastest = 0;
