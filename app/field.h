@@ -14,7 +14,7 @@ using Displacements = AlignedVector<Float4>;
 std::vector<Vec3f> deformed(const std::vector<Vec3>& X, const ShapeTable& shape, const Displacements& u);
 
 /// von Mises stress (Pa) or J at the integration points, from F = I + sum_i u_i (x) gradN_i
-/// (paper eqs. 28, 29).  (point_count)
+/// (X of paper eqs. 9, 31).  (point_count)
 /// @param materials  the present ones where they were changed live (Snapshot::materials); empty: the model's
 std::vector<float> pointValues(const Model& model, const Displacements& u, ColourMap map,
                                const std::vector<Material>& materials = {});

@@ -92,7 +92,7 @@ class Session {
 Material stiffened(Material material, double factor);
 
 /// Relative change of the organ's volume: sum_q V_q (J_q - 1) / sum_q V_q, with J_q = det F_q
-/// and F_q = I + sum_i u_i (x) gradN_i(X_q) (paper eqs. 28-29).
+/// and F_q = I + sum_i u_i (x) gradN_i(X_q) (X of paper eqs. 9, 31).
 /// @param u  displacement parameters, m  (node_count)
 double volumeChange(const Model& model, const Float4* u);
 

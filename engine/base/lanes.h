@@ -67,11 +67,6 @@ inline Lanes max(const Lanes& a, const Lanes& b) {
   for (int i = 0; i < Lanes::parts; ++i) r.v[i] = a.v[i] > b.v[i] ? a.v[i] : b.v[i];
   return r;
 }
-inline Lanes min(const Lanes& a, const Lanes& b) {
-  Lanes r;
-  for (int i = 0; i < Lanes::parts; ++i) r.v[i] = a.v[i] < b.v[i] ? a.v[i] : b.v[i];
-  return r;
-}
 /// a where x < y, else b.
 inline Lanes whereLess(const Lanes& x, const Lanes& y, const Lanes& a, const Lanes& b) {
   Lanes r;

@@ -24,7 +24,7 @@ struct GradientCorrection {
 ///   dB_iq = lambda_i - p_i . M_q^-1 sum_j p_j lambda_j,   p = (1, (X - x_q)/R),  M_q = sum_j p_j p_j^T
 /// with lambda from one symmetric node-by-node system for each component, solved matrix-free by
 /// Jacobi-preconditioned conjugate gradients (its null space, the linear fields, is met by the right-hand side).
-/// The same gradients serve trial and test functions, so momentum and energy stay exact. Source: numerics.md.
+/// The same gradients serve trial and test functions, so momentum and energy stay exact.
 ///
 /// @param shape     rows of the integration points; gradN is changed
 /// @param point_X   m, volume m^3                                  (point_count)

@@ -18,7 +18,7 @@ struct CriticalTimeStep {
 };
 
 /// K is the operator linearised at rest: sum_q V_q B^T C B with the isotropic C of each material.
-/// Gershgorin (numerics.md): omega^2 <= max_i sum_q V_q (lambda + 2 mu) |b_iq| sum_j |b_jq| / m_i.
+/// Gershgorin, rigorous at rest: omega^2 <= max_i sum_q V_q (lambda + 2 mu) |b_iq| sum_j |b_jq| / m_i.
 /// @param shape   gradients at the integration points, 1/m
 /// @param volume  m^3 (point_count)
 /// @param mass    kg (node_count)

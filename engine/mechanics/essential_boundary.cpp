@@ -18,7 +18,7 @@ using Sparse = Eigen::SparseMatrix<double>;
 constexpr double max_condition = 1e10;
 
 EssentialBoundary::Set makeSet(const std::vector<int>& rows, const std::vector<ImposedNode>& imposed,
-                               const ShapeTable& shape, const std::vector<double>& mass, double& condition) {
+                               const ShapeTable& shape, const std::vector<double>& mass) {
   // A = Phi M^-1 Phi^T over the set's rows.
   const int n = static_cast<int>(rows.size());
   Sparse phi(n, static_cast<Eigen::Index>(mass.size()));
@@ -70,8 +70,7 @@ EssentialBoundary::Set makeSet(const std::vector<int>& rows, const std::vector<I
     }
     set.l_begin.push_back(static_cast<int>(set.l_row.size()));
   }
-  condition = std::max(condition, (largest / smallest) * (largest / smallest));
-  if (condition > max_condition)
+  if (largest * largest > max_condition * smallest * smallest)
     throw std::runtime_error("imposed node " + std::to_string(set.node[weakest]) +
                              " nearly coincides with another imposed node");
   return set;
@@ -98,7 +97,7 @@ EssentialBoundary makeEssentialBoundary(const std::vector<ImposedNode>& imposed,
     if (!rows.empty()) sets[rows][c] = 1;
   }
   for (const auto& [rows, mask] : sets) {
-    boundary.sets.push_back(makeSet(rows, imposed, boundary_shape, mass, boundary.condition_estimate));
+    boundary.sets.push_back(makeSet(rows, imposed, boundary_shape, mass));
     boundary.sets.back().mask = mask;
   }
   return boundary;
@@ -153,7 +152,8 @@ Vec3 imposeBoundary(const EssentialBoundary& boundary, double time_s, double dt,
     Vec3 sum = Vec3::Zero();
     for (int k = 0; k < n; ++k) {
       const Float4 x{r[k].x * set.mask[0], r[k].y * set.mask[1], r[k].z * set.mask[2], 0};
-      sum += toVec3(x);
+      for (int c = 0; c < 3; ++c)
+        if (set.motion[k][c] < 0) sum[c] += (&x.x)[c];
       for (int e = set.phi_begin[k]; e < set.phi_begin[k + 1]; ++e) {
         const int i = set.phi_node[e];
         addScaled(du[i], set.phi[e] * inverse_mass[i], x);

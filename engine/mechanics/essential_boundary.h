@@ -42,7 +42,6 @@ struct EssentialBoundary {
   };
   std::vector<Set> sets;
   std::vector<BoundaryMotion> motions;
-  double condition_estimate = 0;          // of the worst A: squared ratio of extreme pivots
 };
 
 struct BoundaryScratch {
@@ -60,7 +59,7 @@ BoundaryScratch makeBoundaryScratch(const EssentialBoundary& boundary);
 
 /// Corrects `du` so that the field's increment at the imposed nodes is that of the motions
 /// between time_s - dt and time_s.
-/// @return reaction of the boundary on the tissue, N: sum of A^-1 r / alpha (paper eq. 18)
+/// @return reaction of the held (not moving) components on the tissue, N: sum of A^-1 r / alpha (paper eq. 18)
 /// Real-time: no allocation, no lock, no throw.
 Vec3 imposeBoundary(const EssentialBoundary& boundary, double time_s, double dt, double alpha,
                     const float* inverse_mass, Float4* du, BoundaryScratch& scratch);

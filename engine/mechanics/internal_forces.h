@@ -16,7 +16,7 @@ struct ForceReport {
 
 /// Internal forces of a total-Lagrangian body.
 ///
-///   F_q = I + sum_i u_i (x) gradN_i(X_q)          paper eqs. 28-29
+///   F_q = I + sum_i u_i (x) gradN_i(X_q)          X of paper eqs. 9, 31
 ///   f_i = -sum_q V_q P(F_q) gradN_i(X_q)          paper eq. 31
 ///
 /// Where the layout has node patches, the pressure K (J - 1) in P is that of node_patch.h: two passes over the

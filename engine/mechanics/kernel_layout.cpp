@@ -59,10 +59,11 @@ void addPatches(KernelLayout& layout, const std::vector<double>& volume, const N
 
 void updatePatchBulk(KernelLayout& layout) {
   std::fill(layout.patch_bulk.begin(), layout.patch_bulk.end(), 0.0F);
-  // A patch's shares sum to 1, so this is the volume-weighted mean of the bulk moduli in it.
+  // A patch's shares sum to 1, so this is the harmonic mean of the bulk moduli in it.
   for (std::size_t i = 0; i < layout.patch_node.size(); ++i)
     layout.patch_bulk[layout.patch_node[i]] +=
-        layout.patch_share[i] * static_cast<float>(layout.materials[layout.batch_material[i / 64]].bulk_modulus);
+        layout.patch_share[i] / static_cast<float>(layout.materials[layout.batch_material[i / 64]].bulk_modulus);
+  for (float& k : layout.patch_bulk) k = k > 0 ? 1 / k : 0;
 }
 
 KernelLayout makeKernelLayout(const ShapeTable& shape, const std::vector<Vec3>& point_X,

@@ -30,7 +30,7 @@ struct Material {
   double energy(const Mat3& F) const;
 
   /// First Piola-Kirchhoff stress dW/dF, Pa. Finite also for inverted F (det F <= 0),
-  /// where the isochoric part is evaluated at J = min_isochoric_J.
+  /// where the isochoric factor follows its tangent at J = min_isochoric_J.
   Mat3 firstPiola(const Mat3& F) const;
 
   /// The same with the volumetric pressure K (J - 1) replaced by `pressure`, Pa (node_patch.h).
@@ -39,7 +39,7 @@ struct Material {
   /// P-wave modulus at rest, K + 4/3 mu, Pa.
   double waveModulus() const { return bulk_modulus + 4.0 / 3.0 * shear_modulus; }
 
-  /// Below this J the isochoric factor J^(-a/3) is held, so that an inverted point gets a
+  /// Below this J the isochoric factor J^(-a/3) continues along its tangent, so that an inverted point gets a
   /// finite force that pushes it back. A state that gets here is flagged, not trusted.
   static constexpr double min_isochoric_J = 0.02;
 };

@@ -19,13 +19,13 @@ NodePatches makeNodePatches(const std::vector<Vec3>& X, const std::vector<std::a
     const std::array<double, 4> weight{1 - l.sum(), l[0], l[1], l[2]};
     for (int a = 0; a < 4; ++a) {
       patches.volume[cell[a]] += volume[q] * weight[a];
-      patches.bulk_modulus[cell[a]] += volume[q] * weight[a] * materials[point_material[q]].bulk_modulus;
+      patches.bulk_modulus[cell[a]] += volume[q] * weight[a] / materials[point_material[q]].bulk_modulus;
     }
     patches.node.push_back(cell);
     patches.weight.push_back(weight);
   }
   for (std::size_t a = 0; a < X.size(); ++a)
-    if (patches.volume[a] > 0) patches.bulk_modulus[a] /= patches.volume[a];
+    if (patches.volume[a] > 0) patches.bulk_modulus[a] = patches.volume[a] / patches.bulk_modulus[a];
   return patches;
 }
 

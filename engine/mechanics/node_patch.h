@@ -8,19 +8,20 @@
 
 namespace palpate {
 
-/// Volume averaged over the patch of cells around each node, against volumetric locking (numerics.md).
+/// Volume averaged over the patch of cells around each node, against volumetric locking.
 ///
 ///   theta_a = sum_q s_aq (J_q - 1),  s_aq = w_q l_a(x_q) / V_a,  V_a = sum_q w_q l_a(x_q)
 ///   volumetric energy  sum_a V_a K_a / 2 theta_a^2,   so at q the pressure is  p_q = sum_a l_a(x_q) K_a theta_a
 ///
-/// instead of K (J_q - 1). l_a is the linear coordinate of the cell's vertex a. The patch sees only the mean
+/// instead of K (J_q - 1), with K_a = V_a / sum_q (w_q l_a / K_q). l_a is the linear coordinate of the cell's vertex a. The patch sees only the mean
 /// dilatation, so a point is no longer held to its own volume by neighbours that share its nodes. By
-/// convexity the energy is never above the plain one: a step that is stable without patches is stable with.
+/// the Cauchy-Schwarz inequality the energy is never above the plain one (that needs the harmonic mean of K):
+/// a step that is stable without patches is stable with.
 struct NodePatches {
   std::vector<std::array<int, 4>> node;      // (point_count) vertices of the point's cell
   std::vector<std::array<double, 4>> weight; // (point_count) l_a(x_q), summing to 1
   std::vector<double> volume;                // (node_count) V_a, m^3; 0 for a node in no cell
-  std::vector<double> bulk_modulus;          // (node_count) K_a, Pa: volume-weighted mean of the patch
+  std::vector<double> bulk_modulus;          // (node_count) K_a, Pa: harmonic mean of the patch
 
   bool empty() const { return node.empty(); }
 };

@@ -1,5 +1,7 @@
 #include "realtime/physics.h"
 
+#include <algorithm>
+
 #include "simulation/build_model.h"
 #include "simulation/step.h"
 
@@ -35,7 +37,12 @@ void TissuePhysics::setFriction(double coefficient) { model_.scene.friction = co
 
 double TissuePhysics::setMaterial(int index, const Material& material) {
   const auto m = static_cast<std::size_t>(index);
-  const double excess = material.waveModulus() / allowed_wave_modulus_[m];
+  // Bulk and shear stiffness each count: at one wave modulus one can be traded for the other, but node
+  // patches relax only the bulk.
+  const Material& loaded = model_.materials[m];
+  const double allowed = allowed_wave_modulus_[m] / loaded.waveModulus();
+  const double excess = std::max(material.bulk_modulus / loaded.bulk_modulus,
+                                 material.shear_modulus / loaded.shear_modulus) / allowed;
   if (excess > 1) return excess;
   // The density is in the lumped masses, which stay.
   // model_.materials stays as loaded: other threads read it.

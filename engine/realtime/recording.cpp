@@ -235,6 +235,9 @@ std::uint64_t modelHash(const Model& model) {
   hash.add(model.kernel.gradN);
   hash.add(model.kernel.volume);
   hash.add(model.kernel.batch_material);
+  hash.add(model.kernel.patch_node);
+  hash.add(model.kernel.patch_share);
+  hash.add(model.kernel.patch_weight);
   for (const Material& m : model.materials) {
     hash.add(static_cast<int>(m.kind));
     hash.add(m.shear_modulus);

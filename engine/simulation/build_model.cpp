@@ -85,7 +85,6 @@ Discretization discretize(const Scene& scene, const SurfaceTree& organ) {
   d.cloud.on_surface = reordered(d.cloud.on_surface, order);
   for (auto& cell : d.cells.cells)
     for (int& node : cell) node = place[node];
-  for (int& node : d.cells.unused_nodes) node = place[node];
   return d;
 }
 
@@ -156,7 +155,6 @@ std::vector<ImposedNode> chooseImposed(const Scene& scene, const NodeCloud& clou
 /// they must be.
 struct Approximation {
   std::vector<double> radius;
-  int enlarged = 0;
   ShapeTable points, skin, nodes;
 };
 
@@ -165,7 +163,6 @@ Approximation approximate(const Scene& scene, const std::vector<Vec3>& X, std::v
   constexpr int max_enlargements = 8;  // 1.15^8: a radius grows at most threefold
   const MmlsOptions options{scene.basis_degree, scene.mu};
   Approximation a;
-  const auto original = radius;
   for (int attempt = 0;; ++attempt) {
     const Neighbours neighbours(X, radius);
     const std::pair<const std::vector<Vec3>*, ShapeTable*> parts[] = {
@@ -189,7 +186,6 @@ Approximation approximate(const Scene& scene, const std::vector<Vec3>& X, std::v
     if (admissible) break;
     radius = enlarged;
   }
-  for (std::size_t i = 0; i < radius.size(); ++i) a.enlarged += radius[i] != original[i] ? 1 : 0;
   a.radius = radius;
   return a;
 }
@@ -211,6 +207,8 @@ void chooseTimeStep(const Scene& scene, const CriticalTimeStep& limit, const std
   model.dt_critical = limit.dt;
   model.dt_proven = limit.dt_proven;
   const double tick = 1 / scene.rate_hz;
+  // How far the tool may go in a step for the contact to follow without tunnelling (contact/contact_solver.h).
+  const double reach = std::min(1e-3, scene.tool.radius / 2);
   if (scene.time_step > 0) {
     const Place place = placeOf(scene, "dynamics.time_step");
     const double substeps = std::round(tick / scene.time_step);
@@ -222,8 +220,13 @@ void chooseTimeStep(const Scene& scene, const CriticalTimeStep& limit, const std
       throw InputError(place, "time_step " + number(scene.time_step) + " s exceeds the critical " + number(limit.dt) +
                                   " s (the stiffest row is the node at " + coordinates(X[limit.worst_node]) + ")",
                        "lower time_step, or coarsen discretization.spacing");
+    if (scene.tool_max_speed * scene.time_step > reach * (1 + 1e-9))
+      throw InputError(place, "at tool.max_speed the tool travels " + number(scene.tool_max_speed * scene.time_step) +
+                                  " m in a step, more than the " + number(reach) + " m that the contact follows",
+                       "lower time_step to " + number(reach / scene.tool_max_speed) + " s, or tool.max_speed");
   } else {
-    model.substeps_per_tick = std::max(1, static_cast<int>(std::ceil(tick / (scene.step_safety * limit.dt))));
+    const double longest = std::min(scene.step_safety * limit.dt, reach / scene.tool_max_speed);
+    model.substeps_per_tick = std::max(1, static_cast<int>(std::ceil(tick / longest * (1 - 1e-9))));
   }
   model.dt = tick / model.substeps_per_tick;
 }
@@ -258,10 +261,9 @@ Model buildModel(const Scene& scene, const TriangleSurface& organ, const Progres
       if (node.component[c]) model.imposed[node.node] |= static_cast<std::uint8_t>(1u << c);
   auto shape = approximate(scene, cloud.X, supportRadii({cloud, cells}, scene.support_factor), points.X, skin.vertices);
   model.support_radius = shape.radius;
-  model.enlarged_supports = shape.enlarged;
   if (scene.consistent_gradients) {
     tell("consistent gradients", 0.7);
-    // 1e-4 leaves 1e-5 of the displacement (numerics.md), far below the other errors of any cloud.
+    // 1e-4 leaves 1e-5 of the displacement, far below the other errors of any cloud.
     correctGradients(shape.points, points.X, points.volume, cloud.X, boundaryFacets(cells.cells), shape.nodes, 1e-4);
   }
 

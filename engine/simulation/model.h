@@ -18,10 +18,9 @@ namespace palpate {
 struct Model {
   Scene scene;
 
-  // Computed by makeNodeCloud (reordered along a space-filling curve).
+  // Computed by makeNodeCloud (reordered along a space-filling curve) and the boundaries' regions.
   std::vector<Vec3> X;                      // (node_count) m
   std::vector<double> support_radius;       // (node_count) m
-  int enlarged_supports = 0;                // nodes whose radius had to grow for admissibility
   std::vector<std::uint8_t> imposed;        // (node_count) bit c set: component c is imposed
 
   // Computed by makeBackgroundCells and makeIntegrationPoints.
@@ -52,7 +51,7 @@ struct Model {
 
   // Time. tick = substeps_per_tick * dt = 1 / scene.rate_hz.
   double dt = 0;                            // s
-  double dt_critical = 0;                   // s, of the operator at rest (power iteration)
+  double dt_critical = 0;                   // s, of the operator at rest (Lanczos)
   double dt_proven = 0;                     // s, Gershgorin bound: stable at rest for certain
   int substeps_per_tick = 1;
   double max_increment = 0;                 // m a node may move in one step; more is a blow-up

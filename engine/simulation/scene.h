@@ -85,7 +85,7 @@ struct Scene {
   int basis_degree = 2;                   // 1 or 2
   double support_factor = 1.8;            // R / h, h the local mean edge length
   double mu = 0.1;                        // dimensionless weight of the MMLS constraints
-  bool consistent_gradients = true;       // correct the gradients to the divergence theorem (consistent_gradients.h)
+  bool consistent_gradients = false;      // correct the gradients to the divergence theorem (consistent_gradients.h)
   bool node_patch_volume = true;          // average the volume over node patches, against locking (node_patch.h)
   std::vector<RefineSpec> refine;
 

@@ -32,7 +32,7 @@ struct StepReport {
   int inverted_points = 0;
   float max_increment = 0;         // m, largest |du| of a node in one step
   Vec3 tool_force = Vec3::Zero();      // N, on the tool
-  Vec3 base_reaction = Vec3::Zero();   // N, of the imposed nodes on the tissue
+  Vec3 base_reaction = Vec3::Zero();   // N, of the held (imposed and not moving) nodes on the tissue
   int contact_count = 0;           // skin vertices that carry force
   double max_penetration = 0;      // m
 };

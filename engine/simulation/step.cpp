@@ -40,7 +40,10 @@ void pull(const Model& model, const Command& command, State& state) {
   // Stiff enough to lead, soft enough to leave the stable step alone: the spring alone would
   // correct a fiftieth of the gap in one step.
   constexpr double share_per_step = 0.02;
-  const Vec3 impulse = share_per_step / mobility * (command.pull_target - x);  // alpha * force
+  Vec3 gap = command.pull_target - x;
+  const double longest = 2 * model.scene.tool.radius;  // a pointer far away pulls no harder than this
+  if (gap.norm() > longest) gap *= longest / gap.norm();
+  const Vec3 impulse = share_per_step / mobility * gap;  // alpha * force
   for (int e = skin.begin[v]; e < skin.begin[v + 1]; ++e)
     addScaled(state.du[skin.node[e]], skin.N[e] * model.inverse_mass[skin.node[e]], toFloat4(impulse));
 }
@@ -77,7 +80,11 @@ StepReport worstOf(const StepReport& earlier, const StepReport& later) {
   StepReport both = later;
   both.flags |= earlier.flags;
   both.inverted_points = std::max(earlier.inverted_points, later.inverted_points);
-  both.max_increment = std::max(earlier.max_increment, later.max_increment);
+  both.max_penetration = std::max(earlier.max_penetration, later.max_penetration);
+  if (earlier.max_increment > later.max_increment) {
+    both.max_increment = earlier.max_increment;
+    both.worst_node = earlier.worst_node;
+  }
   if (earlier.min_J < later.min_J) {
     both.min_J = earlier.min_J;
     both.worst_point = earlier.worst_point;
@@ -127,9 +134,7 @@ StepReport tick(const Model& model, State& state, const Command& command, Worksp
   // The tool follows its command no faster than the scene allows, turning included.
   const Pose from = state.tool_pose;
   const double reach = model.scene.tool_max_speed / model.scene.rate_hz;
-  const double length = std::max(model.scene.tool.length, model.scene.tool.radius);
-  const double wanted = (command.tool_target.position - from.position).norm() +
-                        length * from.orientation.angularDistance(command.tool_target.orientation);
+  const double wanted = largestTravel(model.scene.tool, from, command.tool_target);
   const double share = wanted > reach ? reach / wanted : 1;
   const auto poseAt = [&](double s) {
     Pose pose;
@@ -139,8 +144,8 @@ StepReport tick(const Model& model, State& state, const Command& command, Worksp
     return pose;
   };
 
-  // Tool and tissue may each travel `reach` until the next look: what is not listed can't be touched,
-  // and would be found deep inside later, which pumps energy into the tissue.
+  // The tool travels at most `reach` until the next look, and so may the tissue in its way: what is not listed
+  // can't be touched, and would be found deep inside later, which pumps energy into the tissue.
   findContactCandidates(model.skin, state.u.data(), model.scene.tool, poseAt(share), 2 * reach, state.contact);
   StepReport total;
   for (int k = 1; k <= model.substeps_per_tick; ++k)
@@ -156,8 +161,14 @@ std::uint64_t stateHash(const State& state) {
     for (std::size_t i = 0; i < size; ++i) hash = (hash ^ bytes[i]) * 0x100000001b3ull;
   };
   add(&state.tick, sizeof state.tick);
+  add(&state.step, sizeof state.step);
   add(state.u.data(), state.u.size() * sizeof(Float4));
   add(state.du.data(), state.du.size() * sizeof(Float4));
+  add(state.u_low.data(), state.u_low.size() * sizeof(Float4));
+  const auto contacts = static_cast<std::size_t>(state.contact.count);
+  add(state.contact.vertex.data(), contacts * sizeof(int));
+  add(state.contact.force.data(), contacts * sizeof(Float4));
+  add(state.contact.normal.data(), contacts * sizeof(Vec3f));
   add(state.tool_pose.position.data(), sizeof(double) * 3);
   add(state.tool_pose.orientation.coeffs().data(), sizeof(double) * 4);
   return hash;

@@ -8,7 +8,7 @@ namespace palpate {
 class Workspace;  // simulation/workspace.h: buffers and threads of one stepping thread
 
 /// Advances the tissue by one dt, with the tool moving from state.tool_pose to `tool_pose`.
-/// Paper sections 2.2 and 2.4: eqs. 12, 21-25, 31.
+/// Paper sections 2.2-2.5: eqs. 12, 21-25, 31.
 /// Real-time: no allocation, no lock, no throw.
 StepReport step(const Model& model, State& state, const Pose& tool_pose, const Command& command,
                 Workspace& workspace);
@@ -19,7 +19,7 @@ StepReport step(const Model& model, State& state, const Pose& tool_pose, const C
 /// Real-time: as step().
 StepReport tick(const Model& model, State& state, const Command& command, Workspace& workspace);
 
-/// 64-bit FNV-1a over u, du, tool pose and tick.
+/// 64-bit FNV-1a over all that decides the future: tick, step, u, du, u_low, contact forces, tool pose.
 std::uint64_t stateHash(const State& state);
 
 }  // namespace palpate
