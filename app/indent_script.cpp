@@ -11,7 +11,23 @@ constexpr double approach_speed = 0.06;   // m/s, mean; quick, but slow enough t
 constexpr double least_approach = 0.1;    // s, also where the tool starts at the skin
 constexpr double indent_seconds = 1.0;    // slow against the tissue's own swinging
 constexpr double depth_per_radius = 1.2;
+constexpr double corner_seconds = 0.02;     // half the time that a change of speed takes
 constexpr double most_of_organ = 0.25;    // of the organ's length along the axis
+
+/// The same way with its corners rounded: each position the mean of those within `reach` ticks, and as many ticks
+/// more at the end. No hand changes its speed within a tick, and tissue answers such a jerk with a step of force.
+std::vector<Pose> rounded(std::vector<Pose> poses, long reach) {
+  poses.insert(poses.end(), static_cast<std::size_t>(reach), poses.back());
+  std::vector<Pose> result = poses;
+  const long count = static_cast<long>(poses.size());
+  for (long k = 0; k < count; ++k) {
+    const long r = std::min(reach, k);
+    Vec3 sum = Vec3::Zero();
+    for (long j = k - r; j <= k + r; ++j) sum += poses[static_cast<std::size_t>(std::min(j, count - 1))].position;
+    result[static_cast<std::size_t>(k)].position = sum / static_cast<double>(2 * r + 1);
+  }
+  return result;
+}
 
 }  // namespace
 
@@ -39,7 +55,7 @@ std::vector<Pose> scriptPoses(const ToolScript& script, const Model& model) {
   poses.reserve(static_cast<std::size_t>(ticks));
   for (long k = 1; k <= ticks; ++k)
     poses.push_back(poseAt(script, model.tool_start, model.touch_travel, static_cast<double>(k) / rate));
-  return poses;
+  return rounded(poses, std::lround(corner_seconds * rate));
 }
 
 }  // namespace palpate

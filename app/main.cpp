@@ -24,6 +24,7 @@ void run(const palpate::Options& options) {
     runOffscreen(session);
   else
     runWindow(session);
+  if (!session.failure().empty()) throw std::runtime_error(session.failure());
 }
 
 }  // namespace

@@ -71,7 +71,7 @@ void drawForceCard(const Theme& theme, const PanelData& data, float height) {
     PlotAxes axes = axesOver(raw, filtered);
     axes.x_label = "s";
     axes.y_label = "N over time";
-    axes.x_max = std::max(data.snapshot.time_s, data.forces.seconds());
+    axes.x_max = std::max(data.snapshot.force.time_s, data.forces.seconds());  // the run's time: a reset keeps it
     axes.x_min = axes.x_max - data.forces.seconds();
     const std::array series{PlotSeries{"raw", raw, colours::raw, 1.2F},
                             PlotSeries{"filtered", filtered, colours::accent, 1.8F}};

@@ -10,6 +10,7 @@
 
 #include "app/format.h"
 #include "app/indent_script.h"
+#include "app/interrupt.h"
 #include "io/load_model.h"
 #include "io/scene_file.h"
 #include "io/tool_script.h"
@@ -34,6 +35,7 @@ std::optional<ResultFolder> openResults(const Options& options) {
 Model buildModelOf(const Scene& scene, Log& log) {
   const bool watched = isatty(STDERR_FILENO) != 0;
   Model model = loadModel(scene, [&](const std::string& what, double fraction) {
+    if (interrupted()) throw std::runtime_error("interrupted while the model was made");
     if (watched) std::cerr << format("\r\033[K%3.0f %%  %s", 100 * fraction, what.c_str()) << std::flush;
   });
   if (watched) std::cerr << "\r\033[K" << std::flush;
@@ -184,13 +186,18 @@ void Session::finish() {
                         static_cast<long long>(summary.lost_force_samples)));
   if (results_) results_->finishForces();
   if (recording_) {
-    if (summary.lost_records > 0)
-      throw std::runtime_error(options_.record + " was not written: " + std::to_string(summary.lost_records) +
-                               " changes were lost, the run can't be repeated from it");
     recording_->ticks = summary.ticks;
-    writeRecording(*recording_, options_.record);
-    log_.info("recording: " + options_.record);
+    try {
+      if (summary.lost_records > 0)
+        throw std::runtime_error(options_.record + " was not written: " + std::to_string(summary.lost_records) +
+                                 " changes were lost, the run can't be repeated from it");
+      writeRecording(*recording_, options_.record);
+      log_.info("recording: " + options_.record);
+    } catch (const std::exception& error) {
+      failure_ = error.what();
+    }
   }
+  if (summary.frozen && options_.offscreen && failure_.empty()) failure_ = "the run ended frozen: " + frozen_reason_;
 }
 
 void Session::send(const Request& request) {

@@ -60,6 +60,9 @@ class Session {
 
   const Model& model() const { return model_; }
   const Options& options() const { return options_; }
+  /// (after finish) Why the run counts as failed though its files are kept; empty: it does not.
+  const std::string& failure() const { return failure_; }
+
   ResultFolder* results() { return results_ ? &*results_ : nullptr; }
   Log& log() { return log_; }
 
@@ -72,6 +75,7 @@ class Session {
   Log& log_;
   Scene scene_;                        // as loaded; the model's copy is the loop's to change
   std::optional<ResultFolder> results_;
+  std::string failure_;
   Model model_;
   std::vector<Material> scene_materials_;
   std::vector<double> stiffness_;      // (material_count) present, times the scene's

@@ -1,6 +1,7 @@
 #include "io/load_model.h"
 
 #include <algorithm>
+#include <stdexcept>
 
 #include "discretization/solids.h"
 #include "io/surface_file.h"
@@ -10,12 +11,18 @@ namespace palpate {
 TriangleSurface organSurface(const Scene& scene) {
   // Curved solids lose volume to flat faces; half the spacing leaves less than the cells do.
   const double edge = std::min(0.5 * scene.spacing, 0.5 * scene.tool.radius);
-  switch (scene.solid) {
-    case Scene::Solid::Box: return boxSurface(scene.size, edge);
-    case Scene::Solid::Cylinder: return cylinderSurface(scene.radius, scene.height, edge);
-    case Scene::Solid::Ellipsoid:
-      return scene.upper_half ? halfEllipsoidSurface(scene.semi_axes, edge) : ellipsoidSurface(scene.semi_axes, edge);
-    case Scene::Solid::Surface: break;
+  try {
+    switch (scene.solid) {
+      case Scene::Solid::Box: return boxSurface(scene.size, edge);
+      case Scene::Solid::Cylinder: return cylinderSurface(scene.radius, scene.height, edge);
+      case Scene::Solid::Ellipsoid:
+        return scene.upper_half ? halfEllipsoidSurface(scene.semi_axes, edge) : ellipsoidSurface(scene.semi_axes, edge);
+      case Scene::Solid::Surface: break;
+    }
+  } catch (const std::invalid_argument& error) {
+    const auto spacing = scene.places.find("discretization.spacing");
+    throw InputError(spacing == scene.places.end() ? scene.place : spacing->second, error.what(),
+                     "raise discretization.spacing or tool.radius");
   }
   const auto place = scene.places.find("organ.surface");
   return readClosedSurface(scene.surface_file, scene.surface_scale,

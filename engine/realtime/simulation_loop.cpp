@@ -243,6 +243,7 @@ void SimulationLoop::advance() {
     report_ = physics_.tick(command_);
     if (team_ != nullptr && !options_.as_fast_as_possible) team_->park();
     summary_.flags |= report_.flags;
+    if (std::isfinite(report_.min_J)) summary_.min_J = std::min(summary_.min_J, report_.min_J);
     frozen_ = watchdog_.judge(report_, run_tick_, log_);
     if (frozen_) {
       report_.tool_force.setZero();
@@ -250,7 +251,6 @@ void SimulationLoop::advance() {
       report_.contact_count = 0;
     } else {
       std::copy(physics_.state().u.begin(), physics_.state().u.end(), shown_u_.begin());
-      summary_.min_J = std::min(summary_.min_J, report_.min_J);
       summary_.peak_force = std::max(summary_.peak_force, report_.tool_force.norm());
       summary_.base_reaction = report_.base_reaction;
     }

@@ -12,6 +12,7 @@
 #include "discretization/node_cloud.h"
 #include "discretization/node_order.h"
 #include "discretization/refine_surface.h"
+#include "discretization/surface_geometry.h"
 #include "discretization/surface_tree.h"
 #include "discretization/volume_fit.h"
 #include "mechanics/critical_time_step.h"
@@ -73,6 +74,15 @@ struct Discretization {
 
 /// Nodes and cells; nodes along a Hilbert curve.
 Discretization discretize(const Scene& scene, const SurfaceTree& organ) {
+  // What the set-up can hold: about 0.1 MB a node. A typing error in the spacing should not fill the memory.
+  constexpr double most_nodes = 60000;
+  const double estimate = signedVolume(organ.surface()) / (0.7 * scene.spacing * scene.spacing * scene.spacing);
+  if (estimate > most_nodes)
+    throw InputError(placeOf(scene, "discretization.spacing"),
+                     "a spacing of " + number(scene.spacing) + " m makes about " + number(estimate) + " nodes, more than " +
+                         number(most_nodes),
+                     "raise it, and refine where the tool works");
+
   Discretization d;
   d.cloud = makeNodeCloud(organ, spacingField(scene), scene.seed);
   d.cells = makeBackgroundCells(d.cloud, organ);
@@ -301,8 +311,9 @@ Model buildModel(const Scene& scene, const TriangleSurface& organ, const Progres
   model.skin = buildSkinModel(skin, shape.skin, scene.tool.radius, 3 * softest);
   model.tool_start = {scene.tool_position, Quat::FromTwoVectors(-Vec3::UnitZ(), scene.tool_direction)};
   model.touch_travel = touchTravel(skin, scene.tool, model.tool_start);
-  if (model.touch_travel < 0)
-    throw InputError(placeOf(scene, "tool.position"), "the tool starts " + number(-model.touch_travel) + " m inside the organ",
+  const Vec3 middle = model.tool_start.toWorld(Vec3(0, 0, scene.tool.radius));
+  if (model.touch_travel < 0 || tree.inside(scene.tool_position) || tree.inside(middle))
+    throw InputError(placeOf(scene, "tool.position"), "the tool starts inside the organ",
                      "move tool.position against tool.direction");
   if (!std::isfinite(model.touch_travel)) model.touch_travel = 0;  // never touches: depth counts from the start
 
