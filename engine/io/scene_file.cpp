@@ -67,7 +67,7 @@ void readOrgan(const TomlTable& organ, const std::filesystem::path& folder, Scen
 void readDiscretization(const TomlTable& table, Scene& scene) {
   table.read("spacing", scene.spacing);
   table.read("seed", scene.seed);
-  table.read("points_per_cell", scene.points_per_cell);
+  table.read("points_per_cell", scene.quadrature.points_per_cell);
   scene.basis_degree = 1 + table.readChoice("basis", scene.basis_degree - 1);
   table.read("support_factor", scene.support_factor);
   table.read("mu", scene.mu);

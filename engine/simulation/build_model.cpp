@@ -257,7 +257,7 @@ Model buildModel(const Scene& scene, const TriangleSurface& organ, const Progres
   const int nodes = static_cast<int>(cloud.X.size());
   model.surface_volume = cells.surface_volume;
   model.cell_volume = cells.total_volume;
-  const auto points = makeIntegrationPoints(cloud.X, cells.cells, cells.volume, scene.points_per_cell);
+  const auto points = makeIntegrationPoints(cloud.X, cells.cells, cells.volume, scene.quadrature.points_per_cell);
 
   tell("skin", 0.4);
   const TriangleSurface skin = refineForContact(scene, organ);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <map>
 #include <string>
 #include <vector>
@@ -12,18 +13,35 @@ namespace palpate {
 
 /// A part of space, used to choose nodes (fixed, prescribed) or points (material).
 struct Region {
-  enum class Kind { HalfSpace, Box, Sphere, NearPlane };
+  enum class Kind { HalfSpace, Box, Sphere, NearPlane, Cylinder, Shell };
   Kind kind = Kind::HalfSpace;
-  Vec3 point = Vec3::Zero();     // m; HalfSpace, NearPlane: a point of the plane; Sphere: its centre
-  Vec3 normal = Vec3::UnitZ();   // HalfSpace: inside is where (x - point) . normal <= 0
+  Vec3 point = Vec3::Zero();     // m; HalfSpace, NearPlane: a point of the plane; Sphere: its centre;
+                                 // Cylinder: the middle of its base
+  Vec3 normal = Vec3::UnitZ();   // unit; HalfSpace: inside is where (x - point) . normal <= 0;
+                                 // Cylinder: its axis, from the base up
   Vec3 min = Vec3::Zero();       // Box, m
   Vec3 max = Vec3::Zero();       // Box, m
-  double radius = 0;             // Sphere, m
-  double distance = 0;           // NearPlane: |(x - point) . normal| <= distance, m
+  double radius = 0;             // Sphere, Cylinder, m
+  double height = 0;             // Cylinder, m
+  double distance = 0;           // m; NearPlane: |(x - point) . normal| <= distance; Shell: no further from
+                                 // the organ's surface than this
   Place place;                   // where the scene file says so
 
   /// True where x (m, reference configuration) lies inside or within `tolerance` of it.
-  bool contains(const Vec3& x, double tolerance = 1e-9) const;
+  /// @param surface_distance  of x from the organ's surface, m; only a Shell needs it
+  bool contains(const Vec3& x, double tolerance = 1e-9,
+                double surface_distance = std::numeric_limits<double>::infinity()) const;
+};
+
+/// How much of an imposed motion is done at a time: 0 .. 1, or as a table says.
+struct LoadCurve {
+  enum class Kind { Smooth, Linear, Table };
+  Kind kind = Kind::Smooth;          // Smooth: the 3-4-5 polynomial 10 t^3 - 15 t^4 + 6 t^5
+  std::vector<double> time;          // Table: s, ascending, from 0
+  std::vector<double> fraction;      // Table: of the motion; linear in between, constant after the last
+
+  /// @param time_s, duration  s; the fraction stays 1 after `duration` (Smooth, Linear)
+  double at(double time_s, double duration) const;
 };
 
 /// Elastic material as the scene states it. SI units.
@@ -41,14 +59,39 @@ struct MaterialSpec {
   Place place;
 };
 
-/// Nodes whose displacement is imposed: zero, or `translation` reached at
-/// `duration` along the 3-4-5 polynomial 10 t^3 - 15 t^4 + 6 t^5.
+/// Nodes whose displacement is imposed: zero, or a translation after a rotation, both in the measure of `curve`.
 struct BoundarySpec {
+  std::string name;                        // in results; "fixed 1", "prescribed 2" where the scene gives none
   Region region;
   bool component[3] = {true, true, true};  // which of x, y, z are imposed
   Vec3 translation = Vec3::Zero();         // m
+  Vec3 axis_point = Vec3::Zero();          // m, a point of the axis of rotation
+  Vec3 axis = Vec3::UnitZ();               // unit
+  double angle = 0;                        // rad, right-handed about axis
   double duration = 0;                     // s; 0 for a fixed region
+  LoadCurve curve;
   bool surface_only = false;               // choose surface nodes only
+  Place place;
+};
+
+/// Quadrature of the background cells, paper section 2.5.
+struct QuadratureSpec {
+  int points_per_cell = 4;   // 1, 4 or 5
+  double accuracy = 0;       // tau of the adaptive quadrature; 0: not adaptive
+  int division = 8;          // a cell that fails is divided into 2, 4 or 8
+  int max_depth = 4;         // divisions of a cell after one another
+};
+
+/// What `mtled solve` does with the scene.
+struct SolveSpec {
+  enum class Mode { Static, Transient };
+  Mode mode = Mode::Static;       // Static: dynamic relaxation (paper section 2.3); the time of load curves is then
+                                  // a measure of the load only
+  double tolerance = 1e-4;        // Static: estimated error of the displacements, as a share of the largest
+  int load_steps = 10;            // Static: equilibria on the way, written to force.csv
+  double end_time = 0;            // s; 0: the longest duration of the prescribed motions
+  int frames = 10;                // results written for ParaView
+  std::string probes_file;        // CSV with columns X,Y,Z (m); "" for none
   Place place;
 };
 
@@ -81,12 +124,14 @@ struct Scene {
   // discretization
   double spacing = 0.01;                  // m, target distance of neighbouring nodes
   unsigned seed = 1;
-  int points_per_cell = 4;                // 1 or 4
+  QuadratureSpec quadrature;
   int basis_degree = 2;                   // 1 or 2
   double support_factor = 1.8;            // R / h, h the local mean edge length
   double mu = 0.1;                        // dimensionless weight of the MMLS constraints
   bool consistent_gradients = false;      // correct the gradients to the divergence theorem (consistent_gradients.h)
   bool node_patch_volume = true;          // average the volume over node patches, against locking (node_patch.h)
+  enum class BoundaryMethod { Sebciem, Ebciem };
+  BoundaryMethod boundary_method = BoundaryMethod::Sebciem;  // paper eqs. 18-20 or 14-17
   std::vector<RefineSpec> refine;
 
   std::vector<MaterialSpec> materials;    // at least one, the first applies everywhere
@@ -98,6 +143,8 @@ struct Scene {
   double step_safety = 0.6;               // of the critical step
   double damping = 20;                    // 1/s, mass-proportional: M u'' + c M u'
   int threads = 1;                        // physics threads
+
+  SolveSpec solve;
 
   // tool and contact
   ToolShape tool;

@@ -110,7 +110,7 @@ TEST_CASE("Every key of a scene arrives where it belongs", "[io][scene]") {
   CHECK(s.tissue_colour == Vec3(0.1, 0.2, 0.3));
   CHECK(s.spacing == 0.004);
   CHECK(s.seed == 9);
-  CHECK(s.points_per_cell == 1);
+  CHECK(s.quadrature.points_per_cell == 1);
   CHECK(s.basis_degree == 1);
   CHECK(s.support_factor == 2);
   CHECK(s.mu == 0.05);
@@ -204,7 +204,7 @@ TEST_CASE("What a scene leaves out is as the reference says", "[io][scene]") {
   text += "[tool]\nshape = \"sphere\"\nradius = 0.01\nposition = [0, 0, 0.1]\n" + tables.at("tool");
   const Scene s = readScene(folder.write("box.toml", text));
   CHECK(s.seed == minimal.seed);
-  CHECK(s.points_per_cell == minimal.points_per_cell);
+  CHECK(s.quadrature.points_per_cell == minimal.quadrature.points_per_cell);
   CHECK(s.basis_degree == minimal.basis_degree);
   CHECK(s.support_factor == minimal.support_factor);
   CHECK(s.mu == minimal.mu);

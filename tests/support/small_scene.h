@@ -12,7 +12,7 @@ inline Scene blockScene(double spacing = 0.012) {
   scene.solid = Scene::Solid::Box;
   scene.size = Vec3(0.06, 0.06, 0.03);
   scene.spacing = spacing;
-  scene.points_per_cell = 1;
+  scene.quadrature.points_per_cell = 1;
   scene.materials.emplace_back();
   scene.materials[0].young = 3000;
   scene.materials[0].poisson = 0.48;

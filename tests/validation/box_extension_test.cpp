@@ -48,7 +48,7 @@ Outcome extend(bool consistent, bool patches) {
   scene.solid = Scene::Solid::Box;
   scene.size = Vec3(0.020, 0.015, height);
   scene.spacing = 1.37e-3;
-  scene.points_per_cell = 1;
+  scene.quadrature.points_per_cell = 1;
   scene.support_factor = 2.0;
   scene.mu = 0.05;
   scene.consistent_gradients = consistent;

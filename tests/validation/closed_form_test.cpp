@@ -28,7 +28,7 @@ Scene layerScene(double spacing_under_sphere) {
   scene.radius = 0.04;
   scene.height = 0.015;
   scene.spacing = 0.006;
-  scene.points_per_cell = 1;
+  scene.quadrature.points_per_cell = 1;
   scene.refine.push_back({Vec3(0, 0, 0.015), 0.005, spacing_under_sphere, 0.01, {}});
   scene.consistent_gradients = true;  // as in the scene; without, 2 - 5 % below the closed form instead of 1 - 2 %
   scene.materials.emplace_back();
@@ -100,7 +100,7 @@ TEST_CASE("Unconstrained compression of the cube: NRMSE of u_z beside the paper'
     scene.solid = Scene::Solid::Box;
     scene.size = Vec3(0.1, 0.1, 0.1);
     scene.spacing = 0.0195;
-    scene.points_per_cell = points_per_cell;
+    scene.quadrature.points_per_cell = points_per_cell;
     scene.consistent_gradients = consistent;
     scene.materials.emplace_back();
     scene.damping = 40;
