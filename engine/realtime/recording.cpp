@@ -249,13 +249,20 @@ std::uint64_t modelHash(const Model& model) {
   for (const EssentialBoundary::Set& set : model.boundary.sets) {
     hash.add(set.mask);
     hash.add(set.node);
-    hash.add(set.motion);
-    hash.add(set.phi);
-    hash.add(set.l);
+    hash.add(set.boundary);
+    hash.add(set.phi.value);
+    hash.add(set.v.value);
+    hash.add(set.u.value);
   }
   for (const BoundaryMotion& motion : model.boundary.motions) {
     hash.add(motion.translation);
+    hash.add(motion.axis_point);
+    hash.add(motion.axis);
+    hash.add(motion.angle);
     hash.add(motion.duration);
+    hash.add(static_cast<int>(motion.curve.kind));
+    hash.add(motion.curve.time);
+    hash.add(motion.curve.fraction);
   }
   hash.add(model.skin.surface.vertices);
   hash.add(model.skin.area);
