@@ -165,9 +165,7 @@ EssentialBoundaryOf<Real> makeEssentialBoundary(const EssentialNodes& essential,
 template <class Real>
 BoundaryScratchOf<Real> makeBoundaryScratch(const EssentialBoundaryOf<Real>& boundary) {
   BoundaryScratchOf<Real> scratch;
-  std::size_t rows = 0;
-  for (const auto& set : boundary.sets) rows = std::max(rows, set.node.size());
-  scratch.rhs.resize(rows);
+  for (const auto& set : boundary.sets) scratch.rhs.emplace_back(set.node.size());
   const std::size_t boundaries = boundary.motions.size();
   scratch.rotation.assign(boundaries, Mat3::Zero());
   scratch.rotation_before = scratch.rotation;
@@ -205,8 +203,9 @@ Vec3 imposeBoundary(const EssentialBoundaryOf<Real>& boundary, double time_s, do
   evaluate(boundary.motions, time_s - dt, scratch.rotation_before, scratch.shift_before);
   for (auto& reaction : scratch.reaction) reaction = {};
 
-  for (const auto& set : boundary.sets) {
-    Real4<Real>* r = scratch.rhs.data();
+  for (std::size_t s = 0; s < boundary.sets.size(); ++s) {
+    const auto& set = boundary.sets[s];
+    Real4<Real>* r = scratch.rhs[s].data();
     const int n = static_cast<int>(set.node.size());
     // r = u_bar - Phi u~                                         (bracket of eq. 24)
     for (int k = 0; k < n; ++k) {
@@ -251,11 +250,23 @@ Vec3 imposeBoundary(const EssentialBoundaryOf<Real>& boundary, double time_s, do
   return held;
 }
 
+template <class Real>
+void addNodeReactions(const EssentialBoundaryOf<Real>& boundary, const BoundaryScratchOf<Real>& scratch, double alpha,
+                      std::vector<Vec3>& force) {
+  for (std::size_t s = 0; s < boundary.sets.size(); ++s) {
+    const auto& set = boundary.sets[s];
+    for (std::size_t k = 0; k < set.node.size(); ++k)
+      for (int c = 0; c < 3; ++c)
+        force[set.node[k]][c] += static_cast<double>(set.mask[c]) * set.share[k] / alpha * static_cast<double>((&scratch.rhs[s][k].x)[c]);
+  }
+}
+
 #define PALPATE_INSTANTIATE(Real)                                                                                     \
   template EssentialBoundaryOf<Real> makeEssentialBoundary(const EssentialNodes&, const std::vector<double>&);        \
   template BoundaryScratchOf<Real> makeBoundaryScratch(const EssentialBoundaryOf<Real>&);                             \
   template Vec3 imposeBoundary(const EssentialBoundaryOf<Real>&, double, double, double, const Real*,                 \
-                               const Real4<Real>*, Real4<Real>*, BoundaryScratchOf<Real>&);
+                               const Real4<Real>*, Real4<Real>*, BoundaryScratchOf<Real>&);                           \
+  template void addNodeReactions(const EssentialBoundaryOf<Real>&, const BoundaryScratchOf<Real>&, double, std::vector<Vec3>&);
 PALPATE_INSTANTIATE(float)
 PALPATE_INSTANTIATE(double)
 #undef PALPATE_INSTANTIATE

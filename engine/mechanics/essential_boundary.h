@@ -84,7 +84,7 @@ struct Reaction {
 
 template <class Real>
 struct BoundaryScratchOf {
-  AlignedVector<Real4<Real>> rhs;         // (largest row_count)
+  std::vector<AlignedVector<Real4<Real>>> rhs;  // (set_count)(row_count); after a step alpha times the tractions T
   std::vector<Mat3> rotation, rotation_before;  // (boundary_count) minus identity, at the step's end and start
   std::vector<Vec3> shift, shift_before;  // (boundary_count) m
   std::vector<Reaction> reaction;         // (boundary_count) of the last step, paper eq. 18
@@ -110,5 +110,11 @@ template <class Real>
 Vec3 imposeBoundary(const EssentialBoundaryOf<Real>& boundary, double time_s, double dt, double alpha,
                     const Real* inverse_mass, const std::type_identity_t<Real4<Real>>* u, Real4<Real>* du,
                     BoundaryScratchOf<Real>& scratch);
+
+/// Adds what each imposed node carried in the last step: share_k T_k, N. Sums to the boundaries' forces.
+/// @param force  (node_count)
+template <class Real>
+void addNodeReactions(const EssentialBoundaryOf<Real>& boundary, const BoundaryScratchOf<Real>& scratch, double alpha,
+                      std::vector<Vec3>& force);
 
 }  // namespace palpate

@@ -60,6 +60,7 @@ void BatchBody::contact(double alpha, Report& report) {
 
 BatchBody::Report BatchBody::advance(double alpha, double beta, double time) {
   Report report;
+  alpha_ = alpha;
   const ForceReport forces_report = forces(u, f);
   report.min_J = forces_report.min_J;
   report.worst_point = forces_report.worst_point;

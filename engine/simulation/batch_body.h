@@ -32,13 +32,28 @@ class BatchBody {
 
   /// The tool's pose from the next step on; it goes there from where it was in that one step.
   void moveTool(const Pose& pose);
+  /// The tool stands there already: no way leads to it.
+  void placeTool(const Pose& pose) {
+    moveTool(pose);
+    previous_tool_ = pose;
+  }
   const Pose& toolPose() const { return tool_; }
+
+  /// Goes on from a saved state.
+  void restore(const AlignedVector<Double4>& displacement, const AlignedVector<Double4>& increment) {
+    u = displacement;
+    du = increment;
+  }
 
   /// Internal forces at a displacement, N; `force` and the report's J.
   ForceReport forces(const AlignedVector<Double4>& at, AlignedVector<Double4>& force);
 
   const Model& model() const { return model_; }
   const std::vector<Reaction>& reactions() const { return boundary_scratch_.reaction; }  // of the last step
+  /// Adds the force at each imposed node in the last step, N (node_count).
+  void addNodeReactions(std::vector<Vec3>& force) const {
+    palpate::addNodeReactions(boundary_, boundary_scratch_, alpha_, force);
+  }
   const AlignedVector<double>& inverseMass() const { return inverse_mass_; }
 
   AlignedVector<Double4> u;    // (node_count) displacement parameters, m
@@ -56,6 +71,7 @@ class BatchBody {
   BoundaryScratchOf<double> boundary_scratch_;
   AlignedVector<double> inverse_mass_;
   AlignedVector<float> inverse_mass_float_;
+  double alpha_ = 1;            // of the last step, s^2
   bool has_tool_ = false;       // a tool that was never moved is not there
   Pose tool_, previous_tool_;
   ContactState contact_;

@@ -33,10 +33,11 @@ StaticSolver::StaticSolver(const Model& model, int threads, double tolerance)
   updateStep();
 }
 
-void StaticSolver::resume(double time, const AlignedVector<Double4>& u) {
+void StaticSolver::resume(double time, const AlignedVector<Double4>& u,
+                            const std::optional<Pose>& tool) {
   time_ = time;
-  body_.u = u;
-  std::fill(body_.du.begin(), body_.du.end(), Double4{});
+  body_.restore(u, AlignedVector<Double4>(u.size()));
+  if (tool) body_.placeTool(*tool);
   updateStep();
 }
 
@@ -146,9 +147,8 @@ Equilibrium StaticSolver::advanceTo(double time, const std::optional<Pose>& tool
       updateStep();
       return equilibrium;
     }
-    body_.u = u_before;
-    std::fill(body_.du.begin(), body_.du.end(), Double4{});
-    if (tool) body_.moveTool(tool_before);
+    body_.restore(u_before, AlignedVector<Double4>(u_before.size()));
+    if (tool) body_.placeTool(tool_before);
     caution_ *= 0.5;
     updateStep();
   }

@@ -44,7 +44,8 @@ class StaticSolver {
   const BatchBody& body() const { return body_; }
   double time() const { return time_; }
   /// Goes on from a state that was saved.
-  void resume(double time, const AlignedVector<Double4>& u);
+  void resume(double time, const AlignedVector<Double4>& u,
+              const std::optional<Pose>& tool);
   double convergenceRate() const { return relaxation_.convergenceRate(); }
 
   static constexpr int max_iterations = 50000;  // of one load step
