@@ -123,13 +123,13 @@ void readMaterial(const TomlTable& table, bool first, MaterialSpec& material) {
   table.read("D1", material.ogden_D1);
   table.read("density", material.density);
   if (material.kind == MaterialSpec::Kind::Ogden) {
-    constexpr std::size_t most_terms = 4;  // Material::max_terms
+    constexpr std::size_t most_terms = 6;  // Material::max_terms
     const std::size_t terms = material.ogden_mu.size();
     if (terms < 1 || terms > most_terms || material.ogden_alpha.size() != terms) {
       throw InputError(table.place("mu"),
                        "\"mu\" has " + std::to_string(terms) + " terms and \"alpha\" " +
                            std::to_string(material.ogden_alpha.size()),
-                       "give both the same number of terms, 1 to 4");
+                       "give both the same number of terms, 1 to 6");
     }
     for (double alpha : material.ogden_alpha) {
       if (alpha == 0) throw InputError(table.place("alpha"), "an exponent is 0", "its energy is not defined: leave the term out");

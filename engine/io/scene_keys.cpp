@@ -56,7 +56,7 @@ constexpr KeySpec keys[] = {
     {"material", "model", T::Text, "", required, {}, "neo-hookean|ogden", "Strain energy: neo-Hookean or Ogden (paper eq. 32), both with bulk energy K/2 (J - 1)^2."},
     {"material", "young", T::Number, "Pa", depends, aboveUpTo(0, 1e9), "", "Neo-Hookean: Young's modulus at rest. Liver 1000 .. 6000."},
     {"material", "poisson", T::Number, "", depends, between(0, 0.4999), "", "Neo-Hookean: Poisson's ratio at rest. 0.49 costs a smaller time step than 0.45, 0.499 a third of that of 0.49."},
-    {"material", "mu", T::Numbers, "Pa", depends, {}, "", "Ogden: shear moduli, one per term, 1 to 4 terms; their sum is the shear modulus at rest."},
+    {"material", "mu", T::Numbers, "Pa", depends, {}, "", "Ogden: shear moduli, one per term, 1 to 6 terms; their sum is the shear modulus at rest."},
     {"material", "alpha", T::Numbers, "", depends, {}, "", "Ogden: exponents, one per term, not 0."},
     {"material", "D1", T::Number, "1/Pa", depends, above(0), "", "Ogden: compressibility; the bulk modulus is 2/D1."},
     {"material", "density", T::Number, "kg/m^3", "1000", between(1, 30000), "", "Mass density."},
