@@ -6,8 +6,10 @@
 #include <cstdio>
 
 #include "approximation/shape_functions.h"
+#include "discretization/adaptive_quadrature.h"
 #include "discretization/background_cells.h"
 #include "discretization/consistent_gradients.h"
+#include "discretization/gradient_energy.h"
 #include "discretization/integration_points.h"
 #include "discretization/node_cloud.h"
 #include "discretization/node_order.h"
@@ -105,13 +107,13 @@ Discretization discretize(const Scene& scene, const SurfaceTree& organ) {
 }
 
 /// R_j = factor * (mean length of the cell edges at node j).
-std::vector<double> supportRadii(const Discretization& d, double factor) {
-  std::vector<double> sum(d.cloud.X.size(), 0);
-  std::vector<int> count(d.cloud.X.size(), 0);
-  for (const auto& cell : d.cells.cells)
+std::vector<double> supportRadii(const std::vector<Vec3>& X, const std::vector<std::array<int, 4>>& cells, double factor) {
+  std::vector<double> sum(X.size(), 0);
+  std::vector<int> count(X.size(), 0);
+  for (const auto& cell : cells)
     for (int a = 0; a < 4; ++a)
       for (int b = a + 1; b < 4; ++b) {
-        const double length = (d.cloud.X[cell[a]] - d.cloud.X[cell[b]]).norm();
+        const double length = (X[cell[a]] - X[cell[b]]).norm();
         for (const int node : {cell[a], cell[b]}) {
           sum[node] += length;
           ++count[node];
@@ -126,6 +128,38 @@ std::vector<double> supportRadii(const Discretization& d, double factor) {
   for (std::size_t i = 0; i < sum.size(); ++i)
     sum[i] = factor * (count[i] > 0 ? sum[i] / count[i] : total / static_cast<double>(total_count));
   return sum;
+}
+
+constexpr int max_enlargements = 8;  // by 1.15 each: a support radius grows at most threefold
+
+/// The cells' integration points, adaptive where the scene asks for it. Supports on which the adaptive
+/// quadrature can't judge are enlarged in `radius`.
+IntegrationPoints choosePoints(const Scene& scene, const std::vector<Vec3>& X, const BackgroundCells& cells, std::vector<double>& radius) {
+  const QuadratureSpec& spec = scene.quadrature;
+  if (spec.accuracy == 0) return makeIntegrationPoints(X, cells.cells, cells.volume, spec.points_per_cell);
+  AdaptiveOptions options;
+  options.accuracy = spec.accuracy;
+  options.points_per_cell = spec.points_per_cell;
+  options.division = spec.division;
+  options.max_depth = spec.max_depth;
+  for (int attempt = 0;; ++attempt) {
+    const Neighbours neighbours(X, radius);
+    try {
+      auto adaptive = makeAdaptivePoints(X, cells.cells, cells.volume, options,
+                                         GradientEnergy(X, radius, neighbours, {scene.basis_degree, scene.mu}));
+      if (adaptive.not_finite.empty() || attempt == max_enlargements) return std::move(adaptive.points);
+      std::vector<InadmissibleSupport> failed;
+      for (int k = 0; k < static_cast<int>(adaptive.not_finite.size()); ++k) {
+        failed.emplace_back();
+        failed.back().row = k;
+      }
+      std::vector<double> enlarged = radius;
+      enlargeSupports(adaptive.not_finite, failed, neighbours, enlarged);
+      radius = std::move(enlarged);
+    } catch (const InputError& error) {
+      throw InputError(placeOf(scene, "discretization.quadrature_accuracy"), error.what(), "");
+    }
+  }
 }
 
 BoundaryMotion motionOf(const BoundarySpec& spec) {
@@ -218,7 +252,6 @@ struct Approximation {
 Approximation approximate(const Scene& scene, const std::vector<Vec3>& X, std::vector<double> radius,
                           const std::vector<Vec3>& point_X, const std::vector<Vec3>& skin_X,
                           const std::vector<Vec3>& facet_X) {
-  constexpr int max_enlargements = 8;  // 1.15^8: a radius grows at most threefold
   const MmlsOptions options{scene.basis_degree, scene.mu};
   Approximation a;
   for (int attempt = 0;; ++attempt) {
@@ -305,7 +338,9 @@ Model buildModel(const Scene& scene, const TriangleSurface& organ, const Progres
   const int nodes = static_cast<int>(cloud.X.size());
   model.surface_volume = cells.surface_volume;
   model.cell_volume = cells.total_volume;
-  const auto points = makeIntegrationPoints(cloud.X, cells.cells, cells.volume, scene.quadrature.points_per_cell);
+  tell("integration points", 0.3);
+  auto radius = supportRadii(cloud.X, cells.cells, scene.support_factor);
+  const auto points = choosePoints(scene, cloud.X, cells, radius);
 
   tell("skin", 0.4);
   const TriangleSurface skin = refineForContact(scene, organ);
@@ -319,7 +354,7 @@ Model buildModel(const Scene& scene, const TriangleSurface& organ, const Progres
   const auto outer = boundaryFacets(cells.cells);
   std::vector<Vec3> facet_X;
   if (scene.boundary_method == Scene::BoundaryMethod::Ebciem) facet_X = essentialFacets(cloud, outer, model.essential);
-  auto shape = approximate(scene, cloud.X, supportRadii({cloud, cells}, scene.support_factor), points.X, skin.vertices, facet_X);
+  auto shape = approximate(scene, cloud.X, std::move(radius), points.X, skin.vertices, facet_X);
   model.essential.facet_phi = std::move(shape.facets);
   model.essential.phi = rowsOf(shape.nodes, model.essential.nodes);
   model.support_radius = shape.radius;
