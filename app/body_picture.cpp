@@ -17,7 +17,7 @@ namespace palpate {
 namespace {
 
 constexpr double narrow_fov_deg = 22;  // a long lens: parallel edges stay nearly parallel
-constexpr float margin = 14, bar_width = 15;  // units of length
+constexpr float margin = 22, bar_width = 15;  // units of length
 constexpr float feature_cosine = 0.77F;       // rest edges that turn by more than 40 degrees are drawn
 
 /// A camera that shows all positions in a part of the picture, as large as fits and in its middle.
@@ -78,7 +78,7 @@ void drawRestOutline(ImDrawList& draw, const TriangleSurface& surface, const Cam
     return ImVec2(static_cast<float>(p.x()), static_cast<float>(p.y()));
   };
   for (const auto& [a, b] : outline(surface, camera.eye()))
-    draw.AddLine(place(a), place(b), faded(paper::ink, 0.42), 0.7F * s);
+    draw.AddLine(place(a), place(b), paper::frame, 0.7F * s);
 }
 
 void drawColourBar(ImDrawList& draw, const Theme& theme, const Box& bar, ColourMap map, const Axis& axis,
@@ -100,8 +100,8 @@ void drawColourBar(ImDrawList& draw, const Theme& theme, const Box& bar, ColourM
   }
   if (!axis.factor.empty())
     writeText(draw, theme.small, {bar.left, bar.top - 5 * s}, {0, 1}, paper::faint, axis.factor);
-  writeUpwards(draw, theme.small, {bar.right + 7 * s + widest + 6 * s + 0.5F * theme.small->FontSize,
-                                   0.5F * (bar.top + bar.bottom)}, paper::ink, label);
+  writeUpwards(draw, theme.body, {bar.right + 7 * s + widest + 7 * s + 0.5F * theme.body->FontSize,
+                                  0.5F * (bar.top + bar.bottom)}, paper::ink, label);
 }
 
 /// From the least to the largest value; from 0 where none is negative; evenly about 0 where the
@@ -136,8 +136,8 @@ DrawnBody BodyPainter::draw(const BodyPicture& picture, const AlignedVector<Floa
   const Theme& theme = writer_.canvas().theme();
   const float s = theme.scale;
   const bool bar_shown = picture.field || picture.colour != ColourMap::Tissue;
-  const float top = margin * s + (picture.title.empty() ? 0 : theme.title->FontSize + 12 * s);
-  const Box part{margin * s, top, static_cast<float>(width) - (bar_shown ? 105 : margin) * s,
+  const float top = margin * s + (picture.title.empty() ? 0 : theme.title->FontSize + 4 * s);
+  const Box part{margin * s, top, static_cast<float>(width) - (bar_shown ? 115 : margin) * s,
                  static_cast<float>(height) - margin * s};
   std::vector<Vec3f> positions = deformed(model_.skin.surface.vertices, model_.skin_shape, u);
   if (picture.rest_outline)
@@ -175,7 +175,7 @@ DrawnBody BodyPainter::draw(const BodyPicture& picture, const AlignedVector<Floa
   renderer_->draw(snapshot, view, width, height);
   if (picture.rest_outline) drawRestOutline(list, model_.skin.surface, view.camera, width, height, s);
   if (!picture.title.empty())
-    writeText(list, theme.title, {margin * s, margin * s}, {0, 0}, paper::ink, picture.title);
+    writeText(list, theme.title, {margin * s, 12 * s}, {0, 0}, paper::ink, picture.title);
   if (bar_shown) {
     ColourUnit unit{"", 1};
     std::string label;

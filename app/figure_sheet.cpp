@@ -343,12 +343,12 @@ void FigureSheet::drawBands() {
 
 void FigureSheet::drawMarks() {
   for (const Mark& mark : figure_.marks) {
-    const float p = static_cast<float>(mark.horizontal ? y_.at(mark.value) : x_.at(mark.value));
+    const float p = std::round(static_cast<float>(mark.horizontal ? y_.at(mark.value) : x_.at(mark.value)));
     if (std::isnan(p)) continue;
     const std::array<ImVec2, 2> line = mark.horizontal
                                            ? std::array{ImVec2(frame_.left, p), ImVec2(frame_.right, p)}
                                            : std::array{ImVec2(p, frame_.bottom), ImVec2(p, frame_.top)};
-    strokeLine(draw_, line, colourOf(mark.colour), 0.8F * s_, 3 * s_);
+    strokeLine(draw_, line, colourOf(mark.colour), s_, 3.5F * s_);
   }
 }
 

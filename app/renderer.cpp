@@ -158,7 +158,7 @@ void Renderer::Parts::fillFrame(const Snapshot& snapshot, const View& view, int 
   frame.ground = with(view.show_room ? extent.ground : Vec3(extent.ground - 100 * extent.radius * Vec3::UnitZ()),
                       extent.radius);
   frame.picture = {static_cast<float>(width), static_cast<float>(height), view.pixel_ratio,
-                   view.colour_map == ColourMap::Tissue ? 0.0F : 1.0F};
+                   view.colour_map == ColourMap::Tissue ? 0.0F : view.show_room ? 1.0F : 2.0F};
   frame.tissue = with(model.scene.tissue_colour, patterns_per_radius / rest.radius);
   glBindBuffer(GL_UNIFORM_BUFFER, frame_buffer);
   glBufferData(GL_UNIFORM_BUFFER, sizeof frame, &frame, GL_STREAM_DRAW);
