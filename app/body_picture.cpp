@@ -119,8 +119,11 @@ Range fieldRange(const std::vector<float>& values, bool diverging) {
 
 }  // namespace
 
-BodyPainter::BodyPainter(FigureWriter& writer, const Model& model)
-    : writer_(writer), model_(model), renderer_(std::make_unique<Renderer>(model, findShaderDir())) {}
+BodyPainter::BodyPainter(FigureWriter& writer, const Model& model, const std::optional<CutPlane>& cut)
+    : writer_(writer),
+      cut_(cut ? std::make_unique<const Model>(cutBody(model, *cut)) : nullptr),
+      model_(cut_ ? *cut_ : model),
+      renderer_(std::make_unique<Renderer>(model_, findShaderDir())) {}
 
 BodyPainter::~BodyPainter() = default;
 

@@ -7,6 +7,7 @@
 
 #include "app/camera.h"
 #include "app/colour_map.h"
+#include "app/cut_body.h"
 #include "app/figure.h"
 #include "app/picture.h"
 #include "base/types.h"
@@ -46,7 +47,8 @@ struct DrawnBody {
 /// it uses, and the model, must outlive it.
 class BodyPainter {
  public:
-  BodyPainter(FigureWriter& writer, const Model& model);
+  /// @param cut  where the body is cut open, so that its inside is seen
+  BodyPainter(FigureWriter& writer, const Model& model, const std::optional<CutPlane>& cut = {});
   ~BodyPainter();
 
   /// @param u  displacement parameters, m   (node_count); empty: at rest
@@ -59,7 +61,8 @@ class BodyPainter {
 
  private:
   FigureWriter& writer_;
-  const Model& model_;
+  std::unique_ptr<const Model> cut_;
+  const Model& model_;  // that is drawn: cut open or whole
   std::unique_ptr<Renderer> renderer_;
 };
 

@@ -142,6 +142,11 @@ void FigureSheet::takePlaces() {
       for (std::size_t i = 0; i < band.x.size(); ++i) line.push_back(at(band.x[i], (*edge)[i]));
       takeLine(line);
     }
+  for (const Mark& mark : figure_.marks) {
+    const float p = static_cast<float>(mark.horizontal ? y_.at(mark.value) : x_.at(mark.value));
+    if (mark.horizontal) takeLine({{frame_.left, p}, {frame_.right, p}});
+    else takeLine({{p, frame_.bottom}, {p, frame_.top}});
+  }
 }
 
 /// Writes into the first choice that is inside the frame and meets neither another label nor data.
@@ -228,10 +233,6 @@ bool FigureSheet::findLegendPlace() {
     const Box box = boxAt(corner, size);
     bool free = frame_.holds(box) && covered(box) == 0;
     for (const Label& label : labels_) free = free && !label.box.meets(box);
-    for (const Mark& mark : figure_.marks) {
-      const ImVec2 p{static_cast<float>(x_.at(mark.value)), static_cast<float>(y_.at(mark.value))};
-      free = free && !(mark.horizontal ? p.y > box.top && p.y < box.bottom : p.x > box.left && p.x < box.right);
-    }
     if (!free) continue;
     legend_ = box;
     return true;
