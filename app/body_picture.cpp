@@ -43,8 +43,8 @@ Camera cameraAround(const std::vector<Vec3f>& positions, double azimuth_deg, dou
   return camera;
 }
 
-/// Edges of the outline of a closed surface as the eye sees it: where it turns away, and where it
-/// has an edge that faces the eye.
+/// Edges of the outline of a surface as the eye sees it: where it turns away, and where it has an
+/// edge, or ends (along a cut), and faces the eye.
 std::vector<std::array<int, 2>> outline(const TriangleSurface& surface, const Vec3& eye) {
   struct Sides {
     std::array<Vec3, 2> normal;
@@ -65,7 +65,7 @@ std::vector<std::array<int, 2>> outline(const TriangleSurface& surface, const Ve
   std::vector<std::array<int, 2>> drawn;
   for (const auto& [edge, sides] : edges) {
     const bool turns_away = sides.front && sides.back;
-    const bool feature = sides.count == 2 && sides.normal[0].dot(sides.normal[1]) < feature_cosine;
+    const bool feature = sides.count == 1 || sides.normal[0].dot(sides.normal[1]) < feature_cosine;
     if (turns_away || (feature && sides.front)) drawn.push_back(edge);
   }
   return drawn;

@@ -127,7 +127,8 @@ std::vector<std::array<int, 3>> planeDelaunay(const std::vector<Point2>& points)
   return triangles;
 }
 
-/// Closes the surface along the plane with triangles of about `edge` in size.
+/// Closes the surface along the plane with triangles of about `edge` in size. They have vertices of
+/// their own on the rim, so that it is drawn as a sharp edge, however flat it is.
 void addSection(Clipped& clipped, const PlaneFrame& plane, double edge) {
   if (clipped.rim.size() < 3) return;
   std::vector<std::array<Point2, 2>> rim;
@@ -141,9 +142,14 @@ void addSection(Clipped& clipped, const PlaneFrame& plane, double edge) {
   }
   std::sort(vertex.begin(), vertex.end());
   vertex.erase(std::unique(vertex.begin(), vertex.end()), vertex.end());
-  for (const int v : vertex) {
-    points.push_back(plane.flat(clipped.surface.vertices[v]));
+  for (int& v : vertex) {
+    const Vec3 X = clipped.surface.vertices[v];
+    const int old = clipped.old_vertex[v];
+    points.push_back(plane.flat(X));
     box.extend(points.back());
+    v = static_cast<int>(clipped.surface.vertices.size());
+    clipped.surface.vertices.push_back(X);
+    clipped.old_vertex.push_back(old);
   }
   const double row = 0.5 * std::sqrt(3.0) * edge;
   for (int j = 0; box.min().y() + j * row < box.max().y(); ++j)

@@ -11,6 +11,11 @@
 
 namespace palpate {
 
+inline bool hasLine(SeriesStyle style) { return style != SeriesStyle::Points; }
+inline bool hasPoints(SeriesStyle style) {
+  return style == SeriesStyle::Points || style == SeriesStyle::LineAndPoints;
+}
+
 /// One figure on its way onto a draw list: axes from the data, then what is drawn, then
 /// labels and legend where they cover least of it. Lives for one picture.
 class FigureSheet {
@@ -27,6 +32,8 @@ class FigureSheet {
   const Axis& y() const { return y_; }
 
  private:
+  static constexpr float legend_sample = 20, legend_gap = 6, legend_pad = 7;  // units of length
+
   struct Entry {
     const Series* series = nullptr;  // or a band
     int colour = 0, shape = 0;

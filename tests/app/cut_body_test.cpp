@@ -18,12 +18,16 @@ double volumeOf(const TriangleSurface& s) {
   return volume;
 }
 
-/// Edges that are not passed once in each direction.
+/// Edges that are not passed once in each direction; vertices at equal places count as one.
 int openEdges(const TriangleSurface& s) {
+  std::map<std::array<double, 3>, int> first_at;
+  std::vector<int> place;
+  for (const Vec3& X : s.vertices)
+    place.push_back(first_at.try_emplace({X.x(), X.y(), X.z()}, static_cast<int>(place.size())).first->second);
   std::map<std::array<int, 2>, int> passes;
   for (const auto& t : s.triangles)
     for (int c = 0; c < 3; ++c) {
-      const int a = t[c], b = t[(c + 1) % 3];
+      const int a = place[t[c]], b = place[t[(c + 1) % 3]];
       passes[{std::min(a, b), std::max(a, b)}] += a < b ? 1 : -1;
     }
   int open = 0;
