@@ -39,8 +39,8 @@ bool Mmls<Dim>::evaluate(const Vec& x, const Vec* X, const double* radius, int c
   gradN_.resize(count);
   dw_.resize(count);
   p_.resize(static_cast<std::size_t>(count) * quadratic_size<Dim>);
-  return options_.degree == 1 ? solve<linear_size<Dim>>(x, X, radius, count)
-                              : solve<quadratic_size<Dim>>(x, X, radius, count);
+  return degree_ == 1 ? solve<linear_size<Dim>>(x, X, radius, count)
+                      : solve<quadratic_size<Dim>>(x, X, radius, count);
 }
 
 template <int Dim>
@@ -83,8 +83,9 @@ bool Mmls<Dim>::solve(const Vec& x, const Vec* X, const double* radius, int coun
     for (int k = 0; k < Dim; ++k) dM[k] += dw_[j][k] * pp;
   }
   for (int m = linear_size<Dim>; m < Size; ++m) {
-    M(m, m) += options_.mu;
-    for (int k = 0; k < Dim; ++k) dM[k](m, m) += 4 * options_.mu * dscale[k] / scale;
+    const double mu = mu_[m - linear_size<Dim>];
+    M(m, m) += mu;
+    for (int k = 0; k < Dim; ++k) dM[k](m, m) += 4 * mu * dscale[k] / scale;
   }
 
   const Eigen::LDLT<Moment> factor(M);

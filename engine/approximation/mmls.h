@@ -1,6 +1,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
+#include <optional>
 #include <vector>
 
 namespace palpate {
@@ -18,12 +20,15 @@ struct MmlsOptions {
   int degree = 2;      // of the basis: 1 or 2
   double mu = 0.1;     // weight of the constraints on second-degree coefficients, dimensionless:
                        // in the basis of (x - X_j) / R. 0 gives classical moving least squares.
+  /// One weight per constraint instead of mu, in the order of the monomials: mu_xx, mu_yy, mu_zz, mu_xy,
+  /// mu_xz, mu_yz (in 2D mu_xx, mu_yy, mu_xy, and the rest is not read). >= 0.
+  std::optional<std::array<double, 6>> mu_each = std::nullopt;
 };
 
 /// Modified moving least squares shape functions at one point (paper eqs. 1-7) in Dim = 2 or 3
 /// dimensions, with exact first derivatives.
 ///
-///   N_j(x) = p(x)^T (P^T W P + H)^-1 p(X_j) w_j(x),   H = diag(0, .., 0, mu, .., mu)
+///   N_j(x) = p(x)^T (P^T W P + H)^-1 p(X_j) w_j(x),   H = diag(0, .., 0, mu_xx, mu_yy, ..)
 ///
 /// The basis is shifted to x and scaled by the weighted mean radius R(x) of the support: the
 /// second-degree coefficients do not change under the shift, and the scale makes mu dimensionless.
@@ -35,7 +40,10 @@ class Mmls {
  public:
   using Vec = Eigen::Matrix<double, Dim, 1>;
 
-  explicit Mmls(const MmlsOptions& options) : options_(options) {}
+  explicit Mmls(const MmlsOptions& options) : degree_(options.degree) {
+    mu_.fill(options.mu);
+    if (options.mu_each) mu_ = *options.mu_each;
+  }
 
   /// Evaluates N and gradN at x for a support of `count` nodes.
   /// @param X       node positions, m                       (count)
@@ -51,7 +59,8 @@ class Mmls {
   template <int Size>
   bool solve(const Vec& x, const Vec* X, const double* radius, int count);
 
-  MmlsOptions options_;
+  int degree_;
+  std::array<double, 6> mu_;  // weights of the constraints
   std::vector<double> N_, w_;
   std::vector<Vec> gradN_, dw_;
   std::vector<double> p_;  // (count * Size)

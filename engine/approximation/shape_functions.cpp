@@ -5,14 +5,6 @@
 #include "base/parallel_for.h"
 
 namespace palpate {
-namespace {
-
-bool admissible(const MmlsQuality& q, const AdmissibilityLimits& limits) {
-  return q.linear_error <= limits.linear_error && q.gradient_error <= limits.gradient_error &&
-         q.gradient_norm <= limits.gradient_norm;
-}
-
-}  // namespace
 
 ShapeTable shapeFunctions(const std::vector<Vec3>& points, const std::vector<Vec3>& X,
                           const std::vector<double>& radius, const Neighbours& neighbours,
@@ -41,7 +33,7 @@ ShapeTable shapeFunctions(const std::vector<Vec3>& points, const std::vector<Vec
       }
       const int count = static_cast<int>(row[r].node.size());
       if (mmls.evaluate(points[r], support_X.data(), support_radius.data(), count) &&
-          admissible(mmls.quality(), limits)) {
+          limits.admit(mmls.quality())) {
         row[r].N = mmls.N();
         row[r].gradN = mmls.gradN();
       } else {

@@ -21,6 +21,10 @@ struct AdmissibilityLimits {
   double linear_error = 1e-8;
   double gradient_error = 1e-7;
   double gradient_norm = 50;  // of max |gradN| R; 4 R/h is healthy
+
+  bool admit(const MmlsQuality& q) const {
+    return q.linear_error <= linear_error && q.gradient_error <= gradient_error && q.gradient_norm <= gradient_norm;
+  }
 };
 
 /// Evaluates MMLS shape functions and gradients at many points, on all cores.

@@ -1,147 +1,171 @@
 #pragma once
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <type_traits>
 #include <utility>
 
 namespace palpate {
 
-// The widest vector of the target; a Lanes value is 16 floats made of as many of them as needed.
+// The widest vector of the target, in bytes.
 #if defined(__AVX512F__)
-inline constexpr int native_lanes = 16;
+inline constexpr int native_bytes = 64;
 #elif defined(__AVX__)
-inline constexpr int native_lanes = 8;
+inline constexpr int native_bytes = 32;
 #else
-inline constexpr int native_lanes = 4;
+inline constexpr int native_bytes = 16;
 #endif
 
-/// Sixteen floats computed together: one AVX-512 register, two of AVX2 or four of SSE, from one
-/// source. Seen as four groups of four where a function says "in each group".
-struct Lanes {
-  static constexpr int parts = 16 / native_lanes;
-  using Vector = float __attribute__((vector_size(native_lanes * 4)));
-  using Integer = std::int32_t __attribute__((vector_size(native_lanes * 4)));
+/// Sixteen numbers computed together: of floats one AVX-512 register, two of AVX2 or four of SSE, of doubles
+/// twice as many, from one source. Seen as four groups of four where a function says "in each group".
+template <class Real>
+struct LanesOf {
+  // A group of four stays within a part, so that shuffles do.
+  static constexpr int width = std::max(4, native_bytes / static_cast<int>(sizeof(Real)));
+  static constexpr int parts = 16 / width;
+  using Index = std::conditional_t<sizeof(Real) == 4, std::int32_t, std::int64_t>;
+  typedef Real Vector __attribute__((vector_size(width * sizeof(Real))));    // NOLINT: `using` drops the attribute here
+  typedef Index Integer __attribute__((vector_size(width * sizeof(Real))));  // NOLINT
   Vector v[parts];
 
-  Lanes() = default;
-  Lanes(float a) {  // NOLINT: a number is a vector of equal lanes
+  LanesOf() = default;
+  LanesOf(Real a) {  // NOLINT: a number is a vector of equal lanes
     for (auto& p : v) p = a - Vector{};
   }
 
-  static Lanes load(const float* a) {  // a is 64-byte aligned
-    Lanes r;
+  static LanesOf load(const Real* a) {  // a is 64-byte aligned
+    LanesOf r;
     std::memcpy(r.v, __builtin_assume_aligned(a, 64), sizeof r.v);
     return r;
   }
-  void store(float* a) const { std::memcpy(__builtin_assume_aligned(a, 64), v, sizeof v); }
+  void store(Real* a) const { std::memcpy(__builtin_assume_aligned(a, 64), v, sizeof v); }
 
   /// Four unaligned groups of four.
-  static Lanes gather(const float* g0, const float* g1, const float* g2, const float* g3) {
-    Lanes r;
-    const float* g[4] = {g0, g1, g2, g3};
+  static LanesOf gather(const Real* g0, const Real* g1, const Real* g2, const Real* g3) {
+    LanesOf r;
+    const Real* g[4] = {g0, g1, g2, g3};
     auto* to = reinterpret_cast<char*>(r.v);
-    for (int k = 0; k < 4; ++k) std::memcpy(to + 16 * k, g[k], 16);
+    for (int k = 0; k < 4; ++k) std::memcpy(to + 4 * sizeof(Real) * k, g[k], 4 * sizeof(Real));
+    return r;
+  }
+
+  // Friends, so that a plain number may stand on either side.
+#define PALPATE_LANES_OP(op)                                                  \
+  friend LanesOf operator op(const LanesOf& a, const LanesOf& b) {            \
+    LanesOf r;                                                                \
+    for (int i = 0; i < parts; ++i) r.v[i] = a.v[i] op b.v[i];                \
+    return r;                                                                 \
+  }
+  PALPATE_LANES_OP(+)
+  PALPATE_LANES_OP(-)
+  PALPATE_LANES_OP(*)
+  PALPATE_LANES_OP(/)
+#undef PALPATE_LANES_OP
+
+  friend LanesOf& operator+=(LanesOf& a, const LanesOf& b) { return a = a + b; }
+  friend LanesOf& operator-=(LanesOf& a, const LanesOf& b) { return a = a - b; }
+
+  friend LanesOf max(const LanesOf& a, const LanesOf& b) {
+    LanesOf r;
+    for (int i = 0; i < parts; ++i) r.v[i] = a.v[i] > b.v[i] ? a.v[i] : b.v[i];
+    return r;
+  }
+  /// a where x < y, else b.
+  friend LanesOf whereLess(const LanesOf& x, const LanesOf& y, const LanesOf& a, const LanesOf& b) {
+    LanesOf r;
+    for (int i = 0; i < parts; ++i) r.v[i] = x.v[i] < y.v[i] ? a.v[i] : b.v[i];
     return r;
   }
 };
 
-#define PALPATE_LANES_OP(op)                                              \
-  inline Lanes operator op(const Lanes& a, const Lanes& b) {              \
-    Lanes r;                                                              \
-    for (int i = 0; i < Lanes::parts; ++i) r.v[i] = a.v[i] op b.v[i];     \
-    return r;                                                             \
-  }
-PALPATE_LANES_OP(+)
-PALPATE_LANES_OP(-)
-PALPATE_LANES_OP(*)
-PALPATE_LANES_OP(/)
-#undef PALPATE_LANES_OP
-
-inline Lanes& operator+=(Lanes& a, const Lanes& b) { return a = a + b; }
-inline Lanes& operator-=(Lanes& a, const Lanes& b) { return a = a - b; }
-
-inline Lanes max(const Lanes& a, const Lanes& b) {
-  Lanes r;
-  for (int i = 0; i < Lanes::parts; ++i) r.v[i] = a.v[i] > b.v[i] ? a.v[i] : b.v[i];
-  return r;
-}
-/// a where x < y, else b.
-inline Lanes whereLess(const Lanes& x, const Lanes& y, const Lanes& a, const Lanes& b) {
-  Lanes r;
-  for (int i = 0; i < Lanes::parts; ++i) r.v[i] = x.v[i] < y.v[i] ? a.v[i] : b.v[i];
-  return r;
-}
-inline Lanes sqrt(const Lanes& a) {
-  alignas(64) float s[16];
+/// Each lane's f, one by one.
+template <class Real, class F>
+LanesOf<Real> perLane(const LanesOf<Real>& a, F f) {
+  alignas(64) Real s[16];
   a.store(s);
-  for (float& x : s) x = std::sqrt(x);
-  return Lanes::load(s);
+  for (Real& x : s) x = f(x);
+  return LanesOf<Real>::load(s);
+}
+
+template <class Real>
+LanesOf<Real> sqrt(const LanesOf<Real>& a) {
+  return perLane(a, [](Real x) { return std::sqrt(x); });
 }
 
 namespace detail {
-template <int K, std::size_t... I>
-Lanes::Vector spread(const Lanes::Vector& a, std::index_sequence<I...>) {
-  return __builtin_shuffle(a, Lanes::Integer{static_cast<int>(I / 4 * 4 + K)...});
+template <class L, int K, std::size_t... I>
+typename L::Vector spread(const typename L::Vector& a, std::index_sequence<I...>) {
+  return __builtin_shuffle(a, typename L::Integer{static_cast<typename L::Index>(I / 4 * 4 + K)...});
 }
 // In each group of four lanes of a and b: (a0 b0 a1 b1), (a2 b2 a3 b3), (a0 a1 b0 b1), (a2 a3 b2 b3).
-// Shuffle indices from native_lanes on name lanes of b.
-template <std::size_t... I>
-Lanes::Vector interleaveLow(const Lanes::Vector& a, const Lanes::Vector& b, std::index_sequence<I...>) {
-  return __builtin_shuffle(a, b, Lanes::Integer{static_cast<int>(I / 4 * 4 + I % 4 / 2 + I % 2 * native_lanes)...});
+// Shuffle indices from the width on name lanes of b.
+template <class L, std::size_t... I>
+typename L::Vector interleaveLow(const typename L::Vector& a, const typename L::Vector& b, std::index_sequence<I...>) {
+  return __builtin_shuffle(a, b, typename L::Integer{static_cast<typename L::Index>(I / 4 * 4 + I % 4 / 2 + I % 2 * L::width)...});
 }
-template <std::size_t... I>
-Lanes::Vector interleaveHigh(const Lanes::Vector& a, const Lanes::Vector& b, std::index_sequence<I...>) {
-  return __builtin_shuffle(a, b, Lanes::Integer{static_cast<int>(I / 4 * 4 + I % 4 / 2 + 2 + I % 2 * native_lanes)...});
+template <class L, std::size_t... I>
+typename L::Vector interleaveHigh(const typename L::Vector& a, const typename L::Vector& b, std::index_sequence<I...>) {
+  return __builtin_shuffle(a, b,
+                           typename L::Integer{static_cast<typename L::Index>(I / 4 * 4 + I % 4 / 2 + 2 + I % 2 * L::width)...});
 }
-template <std::size_t... I>
-Lanes::Vector joinLow(const Lanes::Vector& a, const Lanes::Vector& b, std::index_sequence<I...>) {
-  return __builtin_shuffle(a, b, Lanes::Integer{static_cast<int>(I / 4 * 4 + I % 2 + I % 4 / 2 * native_lanes)...});
+template <class L, std::size_t... I>
+typename L::Vector joinLow(const typename L::Vector& a, const typename L::Vector& b, std::index_sequence<I...>) {
+  return __builtin_shuffle(a, b, typename L::Integer{static_cast<typename L::Index>(I / 4 * 4 + I % 2 + I % 4 / 2 * L::width)...});
 }
-template <std::size_t... I>
-Lanes::Vector joinHigh(const Lanes::Vector& a, const Lanes::Vector& b, std::index_sequence<I...>) {
-  return __builtin_shuffle(a, b, Lanes::Integer{static_cast<int>(I / 4 * 4 + I % 2 + 2 + I % 4 / 2 * native_lanes)...});
+template <class L, std::size_t... I>
+typename L::Vector joinHigh(const typename L::Vector& a, const typename L::Vector& b, std::index_sequence<I...>) {
+  return __builtin_shuffle(a, b,
+                           typename L::Integer{static_cast<typename L::Index>(I / 4 * 4 + I % 2 + 2 + I % 4 / 2 * L::width)...});
 }
 }  // namespace detail
 
 /// Lane K of each group, in all four lanes of that group.
-template <int K>
-Lanes spread(const Lanes& a) {
-  Lanes r;
-  for (int i = 0; i < Lanes::parts; ++i)
-    r.v[i] = detail::spread<K>(a.v[i], std::make_index_sequence<native_lanes>{});
+template <int K, class Real>
+LanesOf<Real> spread(const LanesOf<Real>& a) {
+  using L = LanesOf<Real>;
+  L r;
+  for (int i = 0; i < L::parts; ++i) r.v[i] = detail::spread<L, K>(a.v[i], std::make_index_sequence<L::width>{});
   return r;
 }
 
 /// Sums each group of a, b and c: group n of the result is (sum a_n, sum b_n, sum c_n, 0).
-inline Lanes groupSums(const Lanes& a, const Lanes& b, const Lanes& c) {
-  Lanes r;
-  for (int i = 0; i < Lanes::parts; ++i) {
-    using Vector = Lanes::Vector;
-    constexpr auto all = std::make_index_sequence<native_lanes>{};
-    const Vector ab = detail::interleaveLow(a.v[i], b.v[i], all) + detail::interleaveHigh(a.v[i], b.v[i], all);
-    const Vector c0 = detail::interleaveLow(c.v[i], Vector{}, all) + detail::interleaveHigh(c.v[i], Vector{}, all);
-    r.v[i] = detail::joinLow(ab, c0, all) + detail::joinHigh(ab, c0, all);
+template <class Real>
+LanesOf<Real> groupSums(const LanesOf<Real>& a, const LanesOf<Real>& b, const LanesOf<Real>& c) {
+  using L = LanesOf<Real>;
+  using Vector = typename L::Vector;
+  L r;
+  for (int i = 0; i < L::parts; ++i) {
+    constexpr auto all = std::make_index_sequence<L::width>{};
+    const Vector ab = detail::interleaveLow<L>(a.v[i], b.v[i], all) + detail::interleaveHigh<L>(a.v[i], b.v[i], all);
+    const Vector c0 = detail::interleaveLow<L>(c.v[i], Vector{}, all) + detail::interleaveHigh<L>(c.v[i], Vector{}, all);
+    r.v[i] = detail::joinLow<L>(ab, c0, all) + detail::joinHigh<L>(ab, c0, all);
   }
   return r;
 }
 
 /// x^(-1/3) for x > 0: a guess from the exponent bits (3 % off) and three Newton steps to
 /// float accuracy.
-inline Lanes inverseCubeRoot(const Lanes& x) {
+inline LanesOf<float> inverseCubeRoot(const LanesOf<float>& x) {
+  using Lanes = LanesOf<float>;
   Lanes y;
   for (int i = 0; i < Lanes::parts; ++i) {
     const auto bits = std::bit_cast<Lanes::Integer>(x.v[i]);
     const auto third = __builtin_convertvector(__builtin_convertvector(bits, Lanes::Vector) * (1.0F / 3), Lanes::Integer);
     y.v[i] = std::bit_cast<Lanes::Vector>(0x54a2fa8c - third);
   }
-  for (int k = 0; k < 3; ++k) y = y * (Lanes(4.0F / 3) - Lanes(1.0F / 3) * x * y * y * y);
+  for (int k = 0; k < 3; ++k) y = y * (4.0F / 3 - 1.0F / 3 * x * y * y * y);
   return y;
+}
+inline LanesOf<double> inverseCubeRoot(const LanesOf<double>& x) {
+  return perLane(x, [](double a) { return 1 / std::cbrt(a); });
 }
 
 /// Base-2 logarithm of x > 0 (normal numbers), error below 2e-7 absolute plus 1e-7 relative.
-inline Lanes log2(const Lanes& x) {
+inline LanesOf<float> log2(const LanesOf<float>& x) {
+  using Lanes = LanesOf<float>;
   Lanes r;
   for (int i = 0; i < Lanes::parts; ++i) {
     using Vector = Lanes::Vector;
@@ -158,8 +182,13 @@ inline Lanes log2(const Lanes& x) {
   return r;
 }
 
+inline LanesOf<double> log2(const LanesOf<double>& x) {
+  return perLane(x, [](double a) { return std::log2(a); });
+}
+
 /// 2^x for |x| < 126, error below 2e-7 relative.
-inline Lanes exp2(const Lanes& x) {
+inline LanesOf<float> exp2(const LanesOf<float>& x) {
+  using Lanes = LanesOf<float>;
   Lanes r;
   for (int i = 0; i < Lanes::parts; ++i) {
     using Vector = Lanes::Vector;
@@ -172,6 +201,10 @@ inline Lanes exp2(const Lanes& x) {
     r.v[i] = p * std::bit_cast<Vector>((whole + 127) << 23);
   }
   return r;
+}
+
+inline LanesOf<double> exp2(const LanesOf<double>& x) {
+  return perLane(x, [](double a) { return std::exp2(a); });
 }
 
 }  // namespace palpate

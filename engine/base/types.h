@@ -17,14 +17,22 @@ using Vec3f = Eigen::Vector3f;
 using Quat = Eigen::Quaterniond;
 
 /// One node's vector as the kernels load it: x, y, z and an unused lane that stays 0.
-struct alignas(16) Float4 {
-  float x = 0, y = 0, z = 0, w = 0;
+template <class Real>
+struct alignas(4 * sizeof(Real)) Real4 {
+  Real x = 0, y = 0, z = 0, w = 0;
 };
+using Float4 = Real4<float>;    // the real-time loop's
+using Double4 = Real4<double>;  // the batch solver's
 
-inline Vec3 toVec3(const Float4& a) { return {a.x, a.y, a.z}; }
-inline Float4 toFloat4(const Vec3& a) {
-  return {static_cast<float>(a.x()), static_cast<float>(a.y()), static_cast<float>(a.z()), 0.0F};
+template <class Real>
+Vec3 toVec3(const Real4<Real>& a) {
+  return {a.x, a.y, a.z};
 }
+template <class Real>
+Real4<Real> toReal4(const Vec3& a) {
+  return {static_cast<Real>(a.x()), static_cast<Real>(a.y()), static_cast<Real>(a.z()), 0};
+}
+inline Float4 toFloat4(const Vec3& a) { return toReal4<float>(a); }
 
 /// Rigid pose: x_world = orientation * x_local + position. Position in m.
 struct Pose {

@@ -45,6 +45,8 @@ std::string typeText(KeySpec::Type type) {
       return "2 numbers";
     case KeySpec::Type::Numbers:
       return "list of numbers";
+    case KeySpec::Type::Curve:
+      return "list of pairs of numbers";
     case KeySpec::Type::Axes:
       return "list of axes";
     case KeySpec::Type::Table:

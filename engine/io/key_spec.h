@@ -27,7 +27,7 @@ constexpr Range aboveUpTo(double low, double high) { return {low, high, true, fa
 /// One key of a TOML file of ours: the parser checks by it and the reference is printed from it,
 /// so that the two can't differ.
 struct KeySpec {
-  enum class Type { Text, Number, Integer, Boolean, Vector, Plane, Numbers, Axes, Table, Tables };
+  enum class Type { Text, Number, Integer, Boolean, Vector, Plane, Numbers, Curve, Axes, Table, Tables };
 
   const char* table;     // the table or group it belongs to, "" for the file's top level
   const char* name;

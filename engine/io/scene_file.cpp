@@ -4,7 +4,9 @@
 #include <cstdio>
 #include <filesystem>
 #include <numeric>
+#include <utility>
 
+#include "io/scene_boundary.h"
 #include "io/scene_keys.h"
 #include "io/text_file.h"
 #include "io/toml_table.h"
@@ -12,6 +14,17 @@
 namespace palpate {
 
 namespace {
+
+/// @param path  the scene's folder joined with what the key says, which replaces it where it is absolute
+std::string existingFile(const TomlTable& table, const std::string& key, const std::filesystem::path& path,
+                         const std::string& what) {
+  const std::filesystem::path file = path.lexically_normal();
+  if (std::error_code error; !std::filesystem::is_regular_file(file, error)) {
+    throw InputError(table.place(key), "there is no " + what + " " + file.string(),
+                     "the path starts from the scene file's folder");
+  }
+  return file.string();
+}
 
 void readOrgan(const TomlTable& organ, const std::filesystem::path& folder, Scene& scene) {
   organ.read("colour", scene.tissue_colour);
@@ -24,12 +37,7 @@ void readOrgan(const TomlTable& organ, const std::filesystem::path& folder, Scen
     organ.forbid({"size", "radius", "height", "semi_axes", "upper_half"}, "to a surface file");
     std::string file;
     organ.read("surface", file);
-    const std::filesystem::path path = (folder / file).lexically_normal();  // an absolute path replaces the folder
-    if (std::error_code error; !std::filesystem::is_regular_file(path, error)) {
-      throw InputError(organ.place("surface"), "there is no surface file " + path.string(),
-                       "the path starts from the scene file's folder");
-    }
-    scene.surface_file = path.string();
+    scene.surface_file = existingFile(organ, "surface", folder / file, "surface file");
     if (organ.has("unit") == organ.has("scale")) {
       throw InputError(organ.place(organ.has("unit") ? "unit" : "surface"),
                        organ.has("unit") ? "both \"unit\" and \"scale\"" : "the surface's unit is missing",
@@ -64,15 +72,26 @@ void readOrgan(const TomlTable& organ, const std::filesystem::path& folder, Scen
   organ.read("upper_half", scene.upper_half);
 }
 
+void readQuadrature(const TomlTable& table, QuadratureSpec& quadrature) {
+  if (!table.has("quadrature_accuracy")) {
+    table.forbid({"quadrature_division", "quadrature_depth"}, "without \"quadrature_accuracy\"");
+  }
+  table.read("points_per_cell", quadrature.points_per_cell);
+  table.read("quadrature_accuracy", quadrature.accuracy);
+  table.read("quadrature_division", quadrature.division);
+  table.read("quadrature_depth", quadrature.max_depth);
+}
+
 void readDiscretization(const TomlTable& table, Scene& scene) {
   table.read("spacing", scene.spacing);
   table.read("seed", scene.seed);
-  table.read("points_per_cell", scene.quadrature.points_per_cell);
+  readQuadrature(table, scene.quadrature);
   scene.basis_degree = 1 + table.readChoice("basis", scene.basis_degree - 1);
   table.read("support_factor", scene.support_factor);
   table.read("mu", scene.mu);
   table.read("consistent_gradients", scene.consistent_gradients);
   table.read("node_patch_volume", scene.node_patch_volume);
+  if (table.readChoice("boundary_method", 0) == 1) scene.boundary_method = Scene::BoundaryMethod::Ebciem;
   for (const TomlTable& entry : table.tables("refine", {"discretization.refine"})) {
     RefineSpec& refine = scene.refine.emplace_back();
     refine.place = entry.place();
@@ -85,43 +104,6 @@ void readDiscretization(const TomlTable& table, Scene& scene) {
                        "give less than [discretization] spacing, or leave the refinement out");
     }
   }
-}
-
-Region readRegion(const TomlTable& table) {
-  Region region;
-  region.place = table.place();
-  switch (table.readChoice("shape", 0)) {
-    case 0:
-      region.kind = Region::Kind::HalfSpace;
-      table.require({"point", "normal"}, "a half-space");
-      table.forbid({"min", "max", "centre", "radius", "distance"}, "to a half-space");
-      break;
-    case 1:
-      region.kind = Region::Kind::Box;
-      table.require({"min", "max"}, "a box");
-      table.forbid({"point", "normal", "centre", "radius", "distance"}, "to a box");
-      break;
-    case 2:
-      region.kind = Region::Kind::Sphere;
-      table.require({"centre", "radius"}, "a sphere");
-      table.forbid({"point", "normal", "min", "max", "distance"}, "to a sphere");
-      break;
-    default:
-      region.kind = Region::Kind::NearPlane;
-      table.require({"point", "normal", "distance"}, "a near-plane region");
-      table.forbid({"min", "max", "centre", "radius"}, "to a near-plane region");
-  }
-  table.read("point", region.point);
-  table.read("centre", region.point);
-  table.readDirection("normal", region.normal);
-  table.read("min", region.min);
-  table.read("max", region.max);
-  table.read("radius", region.radius);
-  table.read("distance", region.distance);
-  if ((region.min.array() > region.max.array()).any()) {
-    throw InputError(table.place("min"), "the box's \"min\" is above its \"max\"", "swap the coordinates");
-  }
-  return region;
 }
 
 void readMaterial(const TomlTable& table, bool first, MaterialSpec& material) {
@@ -141,13 +123,13 @@ void readMaterial(const TomlTable& table, bool first, MaterialSpec& material) {
   table.read("D1", material.ogden_D1);
   table.read("density", material.density);
   if (material.kind == MaterialSpec::Kind::Ogden) {
-    constexpr std::size_t most_terms = 4;  // Material::max_terms
+    constexpr std::size_t most_terms = 6;  // Material::max_terms
     const std::size_t terms = material.ogden_mu.size();
     if (terms < 1 || terms > most_terms || material.ogden_alpha.size() != terms) {
       throw InputError(table.place("mu"),
                        "\"mu\" has " + std::to_string(terms) + " terms and \"alpha\" " +
                            std::to_string(material.ogden_alpha.size()),
-                       "give both the same number of terms, 1 to 4");
+                       "give both the same number of terms, 1 to 6");
     }
     for (double alpha : material.ogden_alpha) {
       if (alpha == 0) throw InputError(table.place("alpha"), "an exponent is 0", "its energy is not defined: leave the term out");
@@ -169,13 +151,6 @@ void readMaterial(const TomlTable& table, bool first, MaterialSpec& material) {
   if (!first) material.region = readRegion(table.table("region", {"region"}));
 }
 
-void readBoundary(const TomlTable& table, BoundarySpec& boundary) {
-  boundary.place = table.place();
-  boundary.region = readRegion(table);
-  table.readAxes("components", boundary.component);
-  table.read("surface_only", boundary.surface_only);
-}
-
 void readDynamics(const TomlTable& table, Scene& scene) {
   table.read("rate", scene.rate_hz);
   table.read("time_step", scene.time_step);
@@ -194,6 +169,23 @@ void readDynamics(const TomlTable& table, Scene& scene) {
     std::snprintf(problem, sizeof problem, "a tick of %g s is not a whole number of steps of %g s", 1 / scene.rate_hz,
                   scene.time_step);
     throw InputError(table.place("time_step"), problem, advice);
+  }
+}
+
+void readSolve(const TomlTable& table, const std::filesystem::path& folder, SolveSpec& solve) {
+  solve.place = table.place();
+  if (table.readChoice("mode", 0) == 1) {
+    solve.mode = SolveSpec::Mode::Transient;
+    table.forbid({"tolerance", "load_steps"}, "to a transient solution");
+  }
+  table.read("tolerance", solve.tolerance);
+  table.read("load_steps", solve.load_steps);
+  table.read("end_time", solve.end_time);
+  table.read("frames", solve.frames);
+  if (table.has("probes")) {
+    std::string file;
+    table.read("probes", file);
+    solve.probes_file = existingFile(table, "probes", folder / file, "probes file");
   }
 }
 
@@ -240,15 +232,13 @@ Scene readScene(const std::string& path) {
     readMaterial(entry, first, scene.materials.emplace_back());
   }
   for (const TomlTable& entry : top.tables("fixed", {"boundary", "region"})) {
-    readBoundary(entry, scene.boundaries.emplace_back());
+    scene.boundaries.push_back(readFixed(entry, scene.boundaries));
   }
   for (const TomlTable& entry : top.tables("prescribed", {"prescribed", "boundary", "region"})) {
-    BoundarySpec& boundary = scene.boundaries.emplace_back();
-    readBoundary(entry, boundary);
-    entry.read("translation", boundary.translation);
-    entry.read("duration", boundary.duration);
+    scene.boundaries.push_back(readPrescribed(entry, scene.boundaries));
   }
   readDynamics(top.table("dynamics", {"dynamics"}), scene);
+  readSolve(top.table("solve", {"solve"}), folder, scene.solve);
   if (top.has("tool")) readTool(top.table("tool", {"tool"}), scene);
 
   const TomlTable force = top.table("force", {"force"});

@@ -10,10 +10,10 @@ namespace palpate {
 ///
 /// Everything is checked that needs no geometry. Throws InputError ("file:line:column: what is wrong; what
 /// would be right") for a missing file, invalid TOML, an unknown key (naming the nearest known one), a
-/// wrong type, a value out of range or contradicting another, a missing key, a missing surface file.
+/// wrong type, a value out of range or contradicting another, a missing key, a missing surface or probes file.
 ///
-/// In the result `surface_file` is the scene's folder joined with the path in the scene, directions are unit
-/// vectors, and `places` has each key that the file sets: "dynamics.time_step", "material[0].young",
+/// In the result `surface_file` and `solve.probes_file` are the scene's folder joined with the path in the scene,
+/// directions are unit vectors, angles of boundaries rad, names of boundaries unique, and `places` has each key that the file sets: "dynamics.time_step", "material[0].young",
 /// "fixed[1]" (lists count from 0). Boundaries are in the file's order, all fixed ones first.
 Scene readScene(const std::string& path);
 

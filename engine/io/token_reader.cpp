@@ -74,12 +74,4 @@ double parseNumber(std::string_view word, const Place& place, const std::string&
   return value;
 }
 
-std::string quoted(std::string_view word) {
-  constexpr std::size_t longest = 40;
-  std::string s = "\"";
-  for (char c : word.substr(0, longest)) s += c >= ' ' && c <= '~' ? c : '?';
-  if (word.size() > longest) s += "...";
-  return s + "\"";
-}
-
 }  // namespace palpate

@@ -41,7 +41,4 @@ class TokenReader {
 /// The word as a finite number. Throws InputError at `place`; `what` names it ("a coordinate").
 double parseNumber(std::string_view word, const Place& place, const std::string& what);
 
-/// A word for a message: in quotes, shortened, unprintable characters replaced.
-std::string quoted(std::string_view word);
-
 }  // namespace palpate

@@ -283,6 +283,38 @@ void TomlTable::readDirection(const std::string& key, Vec3& value) const {
   value /= length;
 }
 
+void TomlTable::readCurve(const std::string& key, std::vector<double>& times, std::vector<double>& values) const {
+  const toml::node* node = find(key);
+  if (node == nullptr) return;
+  const toml::array* rows = node->as_array();
+  if (rows == nullptr) wrongType(spec(key), *node);
+  const char* advice = "give rows of time and value, like [[0.0, 0.0], [0.5, 1.0]]";
+  if (rows->size() < 2) {
+    throw InputError(placeOf(node->source()), "\"" + key + "\" has " + std::to_string(rows->size()) + " rows", advice);
+  }
+  times.clear();
+  values.clear();
+  for (const toml::node& entry : *rows) {
+    const std::string row = key + "[" + std::to_string(times.size()) + "]";
+    const toml::array* pair = entry.as_array();
+    if (pair == nullptr || pair->size() != 2) {
+      throw InputError(placeOf(entry.source()), "\"" + row + "\" is not a pair of numbers", advice);
+    }
+    const double time = numberAt(spec(key), *pair->get(0), row + "[0]");
+    const double value = numberAt(spec(key), *pair->get(1), row + "[1]");
+    // A start elsewhere would be a jump, which explicit time stepping can't follow.
+    if (times.empty() && (time != 0 || value != 0)) {
+      throw InputError(placeOf(entry.source()), "\"" + key + "\" does not start at [0.0, 0.0]", advice);
+    }
+    if (!times.empty() && !(time > times.back())) {
+      throw InputError(placeOf(entry.source()), "the time of \"" + row + "\" is not later than that of the row before",
+                       "rows stand in the order of their times");
+    }
+    times.push_back(time);
+    values.push_back(value);
+  }
+}
+
 void TomlTable::readAxes(const std::string& key, bool (&value)[3]) const {
   const toml::node* node = find(key);
   if (node == nullptr) return;

@@ -53,6 +53,9 @@ class TomlTable {
   /// A direction: made a unit vector; zero is refused.
   void readDirection(const std::string& key, Vec3& value) const;
 
+  /// A list of [time, value]: at least two, times strictly ascending from 0, the first value 0.
+  void readCurve(const std::string& key, std::vector<double>& times, std::vector<double>& values) const;
+
   /// A list of "x", "y", "z".
   void readAxes(const std::string& key, bool (&value)[3]) const;
 

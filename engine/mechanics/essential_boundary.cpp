@@ -1,6 +1,7 @@
 #include "mechanics/essential_boundary.h"
 
-#include <Eigen/SparseCholesky>
+#include <Eigen/OrderingMethods>
+#include <Eigen/SparseCore>
 #include <algorithm>
 #include <map>
 #include <stdexcept>
@@ -12,156 +13,262 @@ namespace palpate {
 namespace {
 
 using Sparse = Eigen::SparseMatrix<double>;
+using SparseRows = Eigen::SparseMatrix<double, Eigen::RowMajor>;
 
-/// Ratio of the extreme pivots of A = L L^T (squared diagonal of L) beyond which float32 loses the
-/// boundary: nodes that (nearly) coincide.
+/// Ratio of the extreme pivots of A beyond which the boundary is lost to rounding: nodes that (nearly) coincide.
 constexpr double max_condition = 1e10;
 
-EssentialBoundary::Set makeSet(const std::vector<int>& rows, const std::vector<ImposedNode>& imposed,
-                               const ShapeTable& shape, const std::vector<double>& mass) {
-  // A = Phi M^-1 Phi^T over the set's rows.
-  const int n = static_cast<int>(rows.size());
-  Sparse phi(n, static_cast<Eigen::Index>(mass.size()));
+SparseRows toSparse(int rows, std::size_t columns, const std::vector<Eigen::Triplet<double>>& entries) {
+  SparseRows m(rows, static_cast<Eigen::Index>(columns));
+  m.setFromTriplets(entries.begin(), entries.end());
+  return m;
+}
+
+/// V^T of paper eq. 17 for the nodes of `row_of` (-1: not imposed), rows without a facet of their own left empty.
+std::vector<Eigen::Triplet<double>> integratedTractions(const EssentialNodes& essential, const std::vector<int>& row_of) {
   std::vector<Eigen::Triplet<double>> entries;
-  for (int k = 0; k < n; ++k)
-    for (int e = shape.begin[rows[k]]; e < shape.begin[rows[k] + 1]; ++e)
-      entries.emplace_back(k, shape.node[e], shape.N[e]);
-  phi.setFromTriplets(entries.begin(), entries.end());
+  for (std::size_t f = 0; f < essential.facets.size(); ++f) {
+    const auto& facet = essential.facets[f];
+    if (std::any_of(facet.begin(), facet.end(), [&](int node) { return row_of[node] < 0; })) continue;
+    for (int i = 0; i < essential.facet_points; ++i) {
+      const int point = static_cast<int>(f) * essential.facet_points + i;
+      for (int e = essential.facet_phi.begin[point]; e < essential.facet_phi.begin[point + 1]; ++e)
+        for (int k = 0; k < 3; ++k)
+          entries.emplace_back(row_of[facet[k]], essential.facet_phi.node[e],
+                               essential.facet_weight[point][k] * essential.facet_phi.N[e]);
+    }
+  }
+  return entries;
+}
+
+template <class Real, class RowsOf>
+void append(RowsOf& rows, const SparseRows& m, int row) {
+  for (SparseRows::InnerIterator it(m, row); it; ++it) {
+    rows.column.push_back(static_cast<int>(it.col()));
+    rows.value.push_back(static_cast<Real>(it.value()));
+  }
+  rows.begin.push_back(static_cast<int>(rows.column.size()));
+}
+
+/// A = L U without pivoting: A is near to a symmetric positive definite matrix (SEBCIEM: is one).
+template <class Real>
+void factor(const SparseRows& A, typename EssentialBoundaryOf<Real>::Set& set) {
+  const int n = static_cast<int>(A.rows());
+  std::vector<std::vector<std::pair<int, double>>> upper(n);
+  std::vector<double> pivot(n), work(n, 0.0);
+  for (int i = 0; i < n; ++i) {
+    int first = i;
+    for (SparseRows::InnerIterator it(A, i); it; ++it) {
+      work[it.col()] = it.value();
+      first = std::min(first, static_cast<int>(it.col()));
+    }
+    for (int k = first; k < i; ++k) {
+      if (work[k] == 0) continue;
+      const double l = work[k] / pivot[k];
+      for (const auto& [j, a] : upper[k]) work[j] -= l * a;
+      set.l.column.push_back(k);
+      set.l.value.push_back(static_cast<Real>(l));
+      work[k] = 0;
+    }
+    set.l.begin.push_back(static_cast<int>(set.l.column.size()));
+    pivot[i] = work[i];
+    set.inverse_pivot.push_back(static_cast<Real>(1 / pivot[i]));
+    work[i] = 0;
+    for (int j = i + 1; j < n; ++j) {
+      if (work[j] == 0) continue;
+      upper[i].emplace_back(j, work[j]);
+      set.u.column.push_back(j);
+      set.u.value.push_back(static_cast<Real>(work[j]));
+      work[j] = 0;
+    }
+    set.u.begin.push_back(static_cast<int>(set.u.column.size()));
+    if (!(pivot[i] > 0))
+      throw std::runtime_error("the imposed nodes around node " + std::to_string(set.node[i]) +
+                               " can't be imposed independently: some coincide");
+  }
+  const auto weakest = std::min_element(pivot.begin(), pivot.end());
+  if (*std::max_element(pivot.begin(), pivot.end()) > max_condition * *weakest)
+    throw std::runtime_error("imposed node " + std::to_string(set.node[weakest - pivot.begin()]) +
+                             " nearly coincides with another imposed node");
+}
+
+template <class Real>
+typename EssentialBoundaryOf<Real>::Set makeSet(const std::vector<int>& rows, const std::array<Real, 4>& mask,
+                                                const EssentialNodes& essential, const std::vector<double>& mass) {
+  const int n = static_cast<int>(rows.size());
+  std::vector<int> row_of(mass.size(), -1);
+  std::vector<Eigen::Triplet<double>> entries;
+  for (int k = 0; k < n; ++k) {
+    row_of[essential.nodes[rows[k]].node] = k;
+    for (int e = essential.phi.begin[rows[k]]; e < essential.phi.begin[rows[k] + 1]; ++e)
+      entries.emplace_back(k, essential.phi.node[e], essential.phi.N[e]);
+  }
+  const SparseRows phi = toSparse(n, mass.size(), entries);
+  SparseRows v = phi;
+  const bool integrated = !essential.facets.empty();
+  if (integrated) {
+    auto tractions = integratedTractions(essential, row_of);
+    std::vector<bool> has_facet(n, false);
+    for (const auto& t : tractions) has_facet[t.row()] = true;
+    for (const auto& t : entries)
+      if (!has_facet[t.row()]) tractions.push_back(t);
+    v = toSparse(n, mass.size(), tractions);
+  }
   const Eigen::VectorXd inverse_mass =
       Eigen::Map<const Eigen::VectorXd>(mass.data(), static_cast<Eigen::Index>(mass.size())).cwiseInverse();
-  const Sparse A = phi * inverse_mass.asDiagonal() * Sparse(phi.transpose());
+  const Sparse A = phi * inverse_mass.asDiagonal() * Sparse(v.transpose());
 
-  const Eigen::SimplicialLLT<Sparse, Eigen::Lower, Eigen::AMDOrdering<int>> factor(A);
-  if (factor.info() != Eigen::Success)
-    throw std::runtime_error("the imposed nodes around node " + std::to_string(imposed[rows[0]].node) +
-                             " can't be imposed independently: some coincide");
-  const Sparse L = factor.matrixL();
-  const auto& order = factor.permutationP().indices();  // row k of A stands at order[k] in L
-
-  EssentialBoundary::Set set;
-  set.node.resize(n);
-  set.motion.resize(n);
-  std::vector<int> source(n);
-  for (int k = 0; k < n; ++k) source[order[k]] = rows[k];
-  set.phi_begin.push_back(0);
+  Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int> order;
+  Eigen::AMDOrdering<int>()(A, order);  // of A + A^T
+  typename EssentialBoundaryOf<Real>::Set set;
+  set.mask = mask;
   for (int k = 0; k < n; ++k) {
-    set.node[k] = imposed[source[k]].node;
-    set.motion[k] = imposed[source[k]].motion;
-    for (int c = 0; c < 3; ++c) set.moves |= set.motion[k][c] >= 0;
-    for (int e = shape.begin[source[k]]; e < shape.begin[source[k] + 1]; ++e) {
-      set.phi_node.push_back(shape.node[e]);
-      set.phi.push_back(static_cast<float>(shape.N[e]));
-    }
-    set.phi_begin.push_back(static_cast<int>(set.phi_node.size()));
+    const int from = order.indices()[k];  // the k-th to be eliminated
+    const ImposedNode& node = essential.nodes[rows[from]];
+    set.node.push_back(node.node);
+    set.X.push_back(essential.X[rows[from]]);
+    set.boundary.push_back(node.boundary);
+    for (int c = 0; c < 3; ++c)
+      if (mask[c] == 0) set.boundary.back()[c] = -1;
+    set.share.push_back(v.row(from).sum());
+    append<Real>(set.phi, phi, from);
+    if (integrated) append<Real>(set.v, v, from);
   }
-  set.l_begin.push_back(0);
-  double smallest = 1e300, largest = 0;
-  int weakest = 0;
-  for (int c = 0; c < n; ++c) {
-    for (Sparse::InnerIterator it(L, c); it; ++it) {
-      set.l_row.push_back(static_cast<int>(it.row()));
-      set.l.push_back(static_cast<float>(it.row() == c ? 1 / it.value() : it.value()));
-      if (it.row() != c) continue;
-      largest = std::max(largest, it.value());
-      if (it.value() < smallest) {
-        smallest = it.value();
-        weakest = c;
-      }
-    }
-    set.l_begin.push_back(static_cast<int>(set.l_row.size()));
-  }
-  if (largest * largest > max_condition * smallest * smallest)
-    throw std::runtime_error("imposed node " + std::to_string(set.node[weakest]) +
-                             " nearly coincides with another imposed node");
+  const Sparse reordered = order.inverse() * A * order;
+  factor<Real>(SparseRows(reordered), set);
   return set;
 }
 
 }  // namespace
 
-Vec3 motionAt(const BoundaryMotion& motion, double time_s) {
-  if (motion.duration <= 0) return time_s > 0 ? motion.translation : Vec3(Vec3::Zero());
-  const double t = std::clamp(time_s / motion.duration, 0.0, 1.0);
-  return t * t * t * (10 + t * (-15 + 6 * t)) * motion.translation;
+Vec3 BoundaryMotion::at(const Vec3& X, double time_s) const {
+  const double s = curve.at(time_s, duration);
+  const Vec3 arm = X - axis_point;
+  return s * translation + Eigen::AngleAxisd(s * angle, axis) * arm - arm;
 }
 
-EssentialBoundary makeEssentialBoundary(const std::vector<ImposedNode>& imposed,
-                                        const std::vector<BoundaryMotion>& motions,
-                                        const ShapeTable& boundary_shape, const std::vector<double>& mass) {
-  EssentialBoundary boundary;
-  boundary.motions = motions;
-  std::map<std::vector<int>, std::array<float, 4>> sets;  // rows -> components
+template <class Real>
+EssentialBoundaryOf<Real> makeEssentialBoundary(const EssentialNodes& essential, const std::vector<double>& mass) {
+  EssentialBoundaryOf<Real> boundary;
+  boundary.motions = essential.motions;
+  std::map<std::vector<int>, std::array<Real, 4>> sets;  // rows -> components
   for (int c = 0; c < 3; ++c) {
     std::vector<int> rows;
-    for (int k = 0; k < static_cast<int>(imposed.size()); ++k)
-      if (imposed[k].component[c]) rows.push_back(k);
+    for (int k = 0; k < static_cast<int>(essential.nodes.size()); ++k)
+      if (essential.nodes[k].boundary[c] >= 0) rows.push_back(k);
     if (!rows.empty()) sets[rows][c] = 1;
   }
-  for (const auto& [rows, mask] : sets) {
-    boundary.sets.push_back(makeSet(rows, imposed, boundary_shape, mass));
-    boundary.sets.back().mask = mask;
-  }
+  for (const auto& [rows, mask] : sets) boundary.sets.push_back(makeSet<Real>(rows, mask, essential, mass));
   return boundary;
 }
 
-BoundaryScratch makeBoundaryScratch(const EssentialBoundary& boundary) {
-  std::size_t rows = 0;
-  for (const auto& set : boundary.sets) rows = std::max(rows, set.node.size());
-  return {AlignedVector<Float4>(rows)};
+template <class Real>
+BoundaryScratchOf<Real> makeBoundaryScratch(const EssentialBoundaryOf<Real>& boundary) {
+  BoundaryScratchOf<Real> scratch;
+  for (const auto& set : boundary.sets) scratch.rhs.emplace_back(set.node.size());
+  const std::size_t boundaries = boundary.motions.size();
+  scratch.rotation.assign(boundaries, Mat3::Zero());
+  scratch.rotation_before = scratch.rotation;
+  scratch.shift.assign(boundaries, Vec3::Zero());
+  scratch.shift_before = scratch.shift;
+  scratch.reaction.resize(boundaries);
+  return scratch;
 }
 
 namespace {
 
-/// What the motions of one node's components travel in the step that ends at `time_s`.
-Vec3 imposedIncrement(const EssentialBoundary& boundary, const std::array<int, 3>& motion, double time_s, double dt) {
-  Vec3 increment = Vec3::Zero();
-  for (int c = 0; c < 3; ++c) {
-    if (motion[c] < 0) continue;
-    const auto& m = boundary.motions[motion[c]];
-    increment[c] = motionAt(m, time_s)[c] - motionAt(m, time_s - dt)[c];
+/// The motions at a time as u = rotation (X - axis_point) + shift, the rotation less the identity.
+void evaluate(const std::vector<BoundaryMotion>& motions, double time_s, std::vector<Mat3>& rotation, std::vector<Vec3>& shift) {
+  for (std::size_t b = 0; b < motions.size(); ++b) {
+    const double s = motions[b].curve.at(time_s, motions[b].duration);
+    rotation[b] = Eigen::AngleAxisd(s * motions[b].angle, motions[b].axis).toRotationMatrix() - Mat3::Identity();
+    shift[b] = s * motions[b].translation;
   }
-  return increment;
+}
+
+/// y_k = y_k - sum of the row's entries: one row of a triangular solve.
+template <class Real, class RowsOf>
+GroupOf<Real> lessRow(const RowsOf& rows, int k, const Real4<Real>* x, GroupOf<Real> y) {
+  for (int e = rows.begin[k]; e < rows.begin[k + 1]; ++e) y -= rows.value[e] * load(x[rows.column[e]]);
+  return y;
 }
 
 }  // namespace
 
-Vec3 imposeBoundary(const EssentialBoundary& boundary, double time_s, double dt, double alpha,
-                    const float* inverse_mass, Float4* du, BoundaryScratch& scratch) {
-  Vec3 reaction = Vec3::Zero();
-  for (const auto& set : boundary.sets) {
-    Float4* r = scratch.rhs.data();
+template <class Real>
+Vec3 imposeBoundary(const EssentialBoundaryOf<Real>& boundary, double time_s, double dt, double alpha,
+                    const Real* inverse_mass, const std::type_identity_t<Real4<Real>>* u, Real4<Real>* du,
+                    BoundaryScratchOf<Real>& scratch) {
+  evaluate(boundary.motions, time_s, scratch.rotation, scratch.shift);
+  evaluate(boundary.motions, time_s - dt, scratch.rotation_before, scratch.shift_before);
+  for (auto& reaction : scratch.reaction) reaction = {};
+
+  for (std::size_t s = 0; s < boundary.sets.size(); ++s) {
+    const auto& set = boundary.sets[s];
+    Real4<Real>* r = scratch.rhs[s].data();
     const int n = static_cast<int>(set.node.size());
-    // r = du_bar - Phi du                                        (bracket of eq. 24)
+    // r = u_bar - Phi u~                                         (bracket of eq. 24)
     for (int k = 0; k < n; ++k) {
-      r[k] = {};
-      for (int e = set.phi_begin[k]; e < set.phi_begin[k + 1]; ++e) addScaled(r[k], -set.phi[e], du[set.phi_node[e]]);
-      if (set.moves) addScaled(r[k], 1, toFloat4(imposedIncrement(boundary, set.motion[k], time_s, dt)));
+      Vec3 imposed = Vec3::Zero();
+      for (int c = 0; c < 3; ++c) {
+        const int b = set.boundary[k][c];
+        if (b < 0) continue;
+        const Vec3 arm = set.X[k] - boundary.motions[b].axis_point;
+        imposed[c] = scratch.rotation[b].row(c).dot(arm) + scratch.shift[b][c];
+        if (!u) imposed[c] -= scratch.rotation_before[b].row(c).dot(arm) + scratch.shift_before[b][c];
+      }
+      GroupOf<Real> sum = load(toReal4<Real>(imposed));
+      sum = lessRow<Real>(set.phi, k, du, sum);
+      if (u) sum = lessRow<Real>(set.phi, k, u, sum);
+      store(r[k], sum);
     }
-    // A^-1 r = L^-T L^-1 r
-    for (int c = 0; c < n; ++c) {
-      scale(r[c], set.l[set.l_begin[c]]);
-      const Float4 x = r[c];
-      for (int e = set.l_begin[c] + 1; e < set.l_begin[c + 1]; ++e) addScaled(r[set.l_row[e]], -set.l[e], x);
-    }
-    for (int c = n - 1; c >= 0; --c) {
-      Float4 x = r[c];
-      for (int e = set.l_begin[c] + 1; e < set.l_begin[c + 1]; ++e) addScaled(x, -set.l[e], r[set.l_row[e]]);
-      scale(x, set.l[set.l_begin[c]]);
-      r[c] = x;
-    }
-    // du += M^-1 Phi^T A^-1 r                                    (eqs. 23-25)
-    Vec3 sum = Vec3::Zero();
+    // A^-1 r = U^-1 L^-1 r
+    for (int k = 0; k < n; ++k) store(r[k], lessRow<Real>(set.l, k, r, load(r[k])));
+    for (int k = n - 1; k >= 0; --k) store(r[k], set.inverse_pivot[k] * lessRow<Real>(set.u, k, r, load(r[k])));
+    // du += M^-1 V A^-1 r, alpha T = A^-1 r                      (eqs. 23-25)
+    const auto& v = set.v.column.empty() ? set.phi : set.v;
     for (int k = 0; k < n; ++k) {
-      const Float4 x{r[k].x * set.mask[0], r[k].y * set.mask[1], r[k].z * set.mask[2], 0};
+      const Real4<Real> x{r[k].x * set.mask[0], r[k].y * set.mask[1], r[k].z * set.mask[2], 0};
+      for (int e = v.begin[k]; e < v.begin[k + 1]; ++e) addScaled(du[v.column[e]], v.value[e] * inverse_mass[v.column[e]], x);
+      Vec3 arm_point = set.X[k];  // the node's present place, as imposed; a free component moves it little
       for (int c = 0; c < 3; ++c)
-        if (set.motion[k][c] < 0) sum[c] += (&x.x)[c];
-      for (int e = set.phi_begin[k]; e < set.phi_begin[k + 1]; ++e) {
-        const int i = set.phi_node[e];
-        addScaled(du[i], set.phi[e] * inverse_mass[i], x);
+        if (const int b = set.boundary[k][c]; b >= 0)
+          arm_point[c] += scratch.rotation[b].row(c).dot(set.X[k] - boundary.motions[b].axis_point) + scratch.shift[b][c];
+      for (int c = 0; c < 3; ++c) {
+        const int b = set.boundary[k][c];
+        if (b < 0) continue;
+        Vec3 force = Vec3::Zero();
+        force[c] = set.share[k] / alpha * static_cast<double>((&x.x)[c]);
+        scratch.reaction[b].force += force;
+        scratch.reaction[b].moment += (arm_point - boundary.motions[b].axis_point).cross(force);
       }
     }
-    reaction += sum / alpha;
   }
-  return reaction;
+  Vec3 held = Vec3::Zero();
+  for (std::size_t b = 0; b < boundary.motions.size(); ++b)
+    if (!boundary.motions[b].moves()) held += scratch.reaction[b].force;
+  return held;
 }
+
+template <class Real>
+void addNodeReactions(const EssentialBoundaryOf<Real>& boundary, const BoundaryScratchOf<Real>& scratch, double alpha,
+                      std::vector<Vec3>& force) {
+  for (std::size_t s = 0; s < boundary.sets.size(); ++s) {
+    const auto& set = boundary.sets[s];
+    for (std::size_t k = 0; k < set.node.size(); ++k)
+      for (int c = 0; c < 3; ++c)
+        force[set.node[k]][c] += static_cast<double>(set.mask[c]) * set.share[k] / alpha * static_cast<double>((&scratch.rhs[s][k].x)[c]);
+  }
+}
+
+#define PALPATE_INSTANTIATE(Real)                                                                                     \
+  template EssentialBoundaryOf<Real> makeEssentialBoundary(const EssentialNodes&, const std::vector<double>&);        \
+  template BoundaryScratchOf<Real> makeBoundaryScratch(const EssentialBoundaryOf<Real>&);                             \
+  template Vec3 imposeBoundary(const EssentialBoundaryOf<Real>&, double, double, double, const Real*,                 \
+                               const Real4<Real>*, Real4<Real>*, BoundaryScratchOf<Real>&);                           \
+  template void addNodeReactions(const EssentialBoundaryOf<Real>&, const BoundaryScratchOf<Real>&, double, std::vector<Vec3>&);
+PALPATE_INSTANTIATE(float)
+PALPATE_INSTANTIATE(double)
+#undef PALPATE_INSTANTIATE
 
 }  // namespace palpate

@@ -1,67 +1,120 @@
 #pragma once
 
 #include <array>
-#include <cstdint>
+#include <type_traits>
 #include <vector>
 
 #include "approximation/shape_table.h"
 #include "base/types.h"
+#include "mechanics/load_curve.h"
 
 namespace palpate {
 
-/// One imposed node: which components, and what motion.
+/// A node where displacement is imposed, and which boundary imposes each component.
 struct ImposedNode {
   int node = 0;
-  std::array<bool, 3> component{true, true, true};
-  std::array<int, 3> motion{-1, -1, -1};  // per component: index into motions; -1: held at zero
+  std::array<int, 3> boundary{-1, -1, -1};  // index into EssentialNodes::motions; -1: the component is free
 };
 
-/// A translation reached along the 3-4-5 polynomial.
+/// How one boundary moves: a rotation, then a translation, both in the measure of the load curve.
 struct BoundaryMotion {
   Vec3 translation = Vec3::Zero();  // m
+  Vec3 axis_point = Vec3::Zero();   // m, a point of the axis of rotation; the resultant moment is about it
+  Vec3 axis = Vec3::UnitZ();        // unit
+  double angle = 0;                 // rad, right-handed about axis
   double duration = 0;              // s
+  LoadCurve curve;
+
+  bool moves() const { return angle != 0 || !translation.isZero(0); }
+  /// Displacement at `time_s` of what stood at X, m.
+  Vec3 at(const Vec3& X, double time_s) const;
 };
 
-/// Displacement of a motion at `time`: translation * (10 t^3 - 15 t^4 + 6 t^5), t = time/duration.
-Vec3 motionAt(const BoundaryMotion& motion, double time_s);
+/// Everything about the essential boundary but the masses: what the paper's Phi and V are made of.
+struct EssentialNodes {
+  std::vector<ImposedNode> nodes;         // (row_count)
+  std::vector<Vec3> X;                    // (row_count) m
+  ShapeTable phi;                         // Phi_kj = N_j(X_k), one row per imposed node
+  std::vector<BoundaryMotion> motions;    // (boundary_count)
 
-/// Imposes the displacement field at boundary nodes exactly, as SEBCIEM does (paper eqs. 18-25):
-///   du += M^-1 Phi^T A^-1 (du_bar - Phi du),   A = Phi M^-1 Phi^T
-/// where row k of Phi holds N_j(X_k). A is factored sparsely once (A = L L^T); P = M^-1 Phi^T A^-1
-/// of eq. 25 is never formed. Components with the same node set share one factor.
-struct EssentialBoundary {
+  // EBCIEM only (empty: SEBCIEM): the cells' outer faces, each with `facet_points` quadrature points.
+  std::vector<std::array<int, 3>> facets; // nodes
+  int facet_points = 0;
+  ShapeTable facet_phi;                   // N_j at the points, facet by facet
+  std::vector<Vec3> facet_weight;         // (facet_count * facet_points) m^2 times the three corners' linear
+                                          // shape functions: w_i N^k(s_i) of paper eq. 17
+};
+
+/// Imposes the displacement field at boundary nodes exactly (paper eqs. 13-25):
+///   du += M^-1 V A^-1 (du_bar - Phi du),   A = Phi M^-1 V
+/// SEBCIEM lumps the tractions at the nodes, V = Phi^T (eq. 20); EBCIEM interpolates them linearly on the
+/// boundary's facets and integrates, V_jk = sum_i Phi_j(s_i) N^k(s_i) w_i (eq. 17). A node with no facet all of
+/// whose nodes are imposed carries a lumped traction in both.
+///
+/// A is factored sparsely once (A = L U in an order of little fill); P = M^-1 V A^-1 of eq. 25 is never formed.
+/// All boundaries of a component are imposed together, so that it is exact where supports overlap. Components
+/// with the same nodes share one factor.
+template <class Real>
+struct EssentialBoundaryOf {
+  template <class Value>
+  struct Rows {                           // compressed rows
+    std::vector<int> begin{0}, column;
+    AlignedVector<Value> value;
+  };
   struct Set {
-    std::array<float, 4> mask{};          // 1 for the components that this set imposes
+    std::array<Real, 4> mask{};           // 1 for the components that this set imposes
     std::vector<int> node;                // (row_count) imposed node of each row, in elimination order
-    std::vector<std::array<int, 3>> motion;  // (row_count) per component: index into motions or -1
-    bool moves = false;                   // any of them is not -1
-    std::vector<int> phi_begin, phi_node; // Phi in compressed rows
-    AlignedVector<float> phi;             // N_j(X_k)
-    std::vector<int> l_begin, l_row;      // L in compressed columns, diagonal first
-    AlignedVector<float> l;               // its diagonal entries are stored inverted
+    std::vector<Vec3> X;                  // (row_count) m
+    std::vector<std::array<int, 3>> boundary;  // (row_count) per component, as in ImposedNode; -1 outside the mask
+    std::vector<double> share;            // (row_count) sum_j V_jk: 1, or int N^k dS in m^2
+    Rows<Real> phi, v;                    // row k: N_j(X_k); V_jk (v is empty where it equals phi)
+    Rows<Real> l, u;                      // unit lower and upper factor without their diagonals
+    AlignedVector<Real> inverse_pivot;    // (row_count) of U
   };
   std::vector<Set> sets;
   std::vector<BoundaryMotion> motions;
 };
+using EssentialBoundary = EssentialBoundaryOf<float>;
 
-struct BoundaryScratch {
-  AlignedVector<Float4> rhs;              // (largest row_count)
+/// Force and moment (about the motion's axis_point, in the present configuration) of a boundary on the tissue.
+struct Reaction {
+  Vec3 force = Vec3::Zero();   // N
+  Vec3 moment = Vec3::Zero();  // N m
 };
 
-/// @param boundary_shape  N at the imposed nodes' positions, one row per entry of `imposed`
-/// @param mass            kg (node_count)
+template <class Real>
+struct BoundaryScratchOf {
+  std::vector<AlignedVector<Real4<Real>>> rhs;  // (set_count)(row_count); after a step alpha times the tractions T
+  std::vector<Mat3> rotation, rotation_before;  // (boundary_count) minus identity, at the step's end and start
+  std::vector<Vec3> shift, shift_before;  // (boundary_count) m
+  std::vector<Reaction> reaction;         // (boundary_count) of the last step, paper eq. 18
+};
+using BoundaryScratch = BoundaryScratchOf<float>;
+
+/// @param mass  kg (node_count)
 /// Throws std::runtime_error naming the node when A is singular (coincident nodes).
-EssentialBoundary makeEssentialBoundary(const std::vector<ImposedNode>& imposed,
-                                        const std::vector<BoundaryMotion>& motions,
-                                        const ShapeTable& boundary_shape, const std::vector<double>& mass);
+template <class Real = float>
+EssentialBoundaryOf<Real> makeEssentialBoundary(const EssentialNodes& essential, const std::vector<double>& mass);
 
-BoundaryScratch makeBoundaryScratch(const EssentialBoundary& boundary);
+template <class Real>
+BoundaryScratchOf<Real> makeBoundaryScratch(const EssentialBoundaryOf<Real>& boundary);
 
-/// Corrects `du` so that the field's increment at the imposed nodes is that of the motions
-/// between time_s - dt and time_s.
-/// @return reaction of the held (not moving) components on the tissue, N: sum of A^-1 r / alpha (paper eq. 18)
+/// Corrects `du` so that the field at the imposed nodes follows the motions to `time_s`, and leaves every
+/// boundary's reaction in `scratch`.
+/// @param u  null: du alone gets the motions' increment over [time_s - dt, time_s], which is what float32 holds best;
+///           otherwise u + du gets the whole displacement, so that no error adds up
+/// @param alpha  of paper eq. 12, s^2
+/// @return force of the boundaries that don't move on the tissue, N
 /// Real-time: no allocation, no lock, no throw.
-Vec3 imposeBoundary(const EssentialBoundary& boundary, double time_s, double dt, double alpha,
-                    const float* inverse_mass, Float4* du, BoundaryScratch& scratch);
+template <class Real>
+Vec3 imposeBoundary(const EssentialBoundaryOf<Real>& boundary, double time_s, double dt, double alpha,
+                    const Real* inverse_mass, const std::type_identity_t<Real4<Real>>* u, Real4<Real>* du,
+                    BoundaryScratchOf<Real>& scratch);
+
+/// Adds what each imposed node carried in the last step: share_k T_k, N. Sums to the boundaries' forces.
+/// @param force  (node_count)
+template <class Real>
+void addNodeReactions(const EssentialBoundaryOf<Real>& boundary, const BoundaryScratchOf<Real>& scratch, double alpha,
+                      std::vector<Vec3>& force);
 
 }  // namespace palpate

@@ -28,10 +28,14 @@ struct ForceReport {
 /// @param u  displacement parameters, m (node_count)
 /// Real-time: no allocation, no lock, no throw.
 /// Test: mechanics/internal_forces_test.cpp (f = -d energy / du; equals the reference kernel).
-ForceReport internalForces(const KernelLayout& layout, const Float4* u, KernelScratch& scratch, SpinTeam& team);
+template <class Real>
+ForceReport internalForces(const KernelLayoutOf<Real>& layout, const Real4<Real>* u, KernelScratchOf<Real>& scratch,
+                           SpinTeam& team);
 
 /// Adds up the chunks' forces of nodes [begin, end) into f.
-void sumForces(const KernelLayout& layout, const KernelScratch& scratch, int begin, int end, Float4* f);
+template <class Real>
+void sumForces(const KernelLayoutOf<Real>& layout, const KernelScratchOf<Real>& scratch, int begin, int end,
+               Real4<Real>* f);
 
 /// The same formula in ten lines of double: what the fast kernel is held to.
 /// @param u, f     (node_count); f is overwritten

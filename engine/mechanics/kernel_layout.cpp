@@ -34,11 +34,12 @@ std::vector<int> batchOrder(const std::vector<Vec3>& point_X, const std::vector<
 
 /// Padding points have zero share and weight; they point at node of their batch's first point, so that a
 /// chunk touches no node outside its range.
-void addPatches(KernelLayout& layout, const std::vector<double>& volume, const NodePatches& patches) {
+template <class Real>
+void addPatches(KernelLayoutOf<Real>& layout, const std::vector<double>& volume, const NodePatches& patches) {
   const std::size_t batches = layout.batch_material.size();
   layout.patch_node.assign(batches * 64, 0);
-  layout.patch_share.assign(batches * 64, 0.0F);
-  layout.patch_weight.assign(batches * 64, 0.0F);
+  layout.patch_share.assign(batches * 64, Real(0));
+  layout.patch_weight.assign(batches * 64, Real(0));
   layout.patch_bulk.resize(patches.volume.size());
   for (std::size_t slot = 0; slot < layout.point.size(); ++slot) {
     const int q = layout.point[slot];
@@ -48,8 +49,8 @@ void addPatches(KernelLayout& layout, const std::vector<double>& volume, const N
       const int node = patches.node[source][a];
       layout.patch_node[at] = node;
       if (q < 0) continue;
-      layout.patch_share[at] = static_cast<float>(volume[q] * patches.weight[q][a] / patches.volume[node]);
-      layout.patch_weight[at] = static_cast<float>(patches.weight[q][a]);
+      layout.patch_share[at] = static_cast<Real>(volume[q] * patches.weight[q][a] / patches.volume[node]);
+      layout.patch_weight[at] = static_cast<Real>(patches.weight[q][a]);
     }
   }
   updatePatchBulk(layout);
@@ -57,19 +58,21 @@ void addPatches(KernelLayout& layout, const std::vector<double>& volume, const N
 
 }  // namespace
 
-void updatePatchBulk(KernelLayout& layout) {
-  std::fill(layout.patch_bulk.begin(), layout.patch_bulk.end(), 0.0F);
+template <class Real>
+void updatePatchBulk(KernelLayoutOf<Real>& layout) {
+  std::fill(layout.patch_bulk.begin(), layout.patch_bulk.end(), Real(0));
   // A patch's shares sum to 1, so this is the harmonic mean of the bulk moduli in it.
   for (std::size_t i = 0; i < layout.patch_node.size(); ++i)
     layout.patch_bulk[layout.patch_node[i]] +=
-        layout.patch_share[i] / static_cast<float>(layout.materials[layout.batch_material[i / 64]].bulk_modulus);
-  for (float& k : layout.patch_bulk) k = k > 0 ? 1 / k : 0;
+        layout.patch_share[i] / static_cast<Real>(layout.materials[layout.batch_material[i / 64]].bulk_modulus);
+  for (Real& k : layout.patch_bulk) k = k > 0 ? 1 / k : 0;
 }
 
-KernelLayout makeKernelLayout(const ShapeTable& shape, const std::vector<Vec3>& point_X,
+template <class Real>
+KernelLayoutOf<Real> makeKernelLayout(const ShapeTable& shape, const std::vector<Vec3>& point_X,
                               const std::vector<double>& volume, const std::vector<int>& point_material,
                               const std::vector<Material>& materials, int node_count, const NodePatches& patches) {
-  KernelLayout layout;
+  KernelLayoutOf<Real> layout;
   layout.node_count = node_count;
   layout.point_count = static_cast<int>(point_X.size());
   layout.materials = materials;
@@ -95,15 +98,15 @@ KernelLayout makeKernelLayout(const ShapeTable& shape, const std::vector<Vec3>& 
     quad.group_count = static_cast<int>(nodes.size() / 4);
     layout.quads.push_back(quad);
     layout.node.insert(layout.node.end(), nodes.begin(), nodes.end());
-    layout.gradN.resize(layout.node.size() * 12, 0.0F);
-    float* tiles = layout.gradN.data() + static_cast<std::size_t>(quad.tile_begin) * 48;
+    layout.gradN.resize(layout.node.size() * 12, Real(0));
+    Real* tiles = layout.gradN.data() + static_cast<std::size_t>(quad.tile_begin) * 48;
     for (int p = 0; p < 4; ++p) {
-      layout.volume.push_back(point[p] < 0 ? 0.0F : static_cast<float>(volume[point[p]]));
+      layout.volume.push_back(point[p] < 0 ? Real(0) : static_cast<Real>(volume[point[p]]));
       if (point[p] < 0) continue;
       for (int e = shape.begin[point[p]]; e < shape.begin[point[p] + 1]; ++e) {
         const auto at = std::lower_bound(nodes.begin(), nodes.begin() + union_count, shape.node[e]) - nodes.begin();
         for (int b = 0; b < 3; ++b)
-          tiles[(at / 4) * 48 + b * 16 + (at % 4) * 4 + p] = static_cast<float>(shape.gradN[e][b]);
+          tiles[(at / 4) * 48 + b * 16 + (at % 4) * 4 + p] = static_cast<Real>(shape.gradN[e][b]);
       }
     }
   }
@@ -129,16 +132,26 @@ KernelLayout makeKernelLayout(const ShapeTable& shape, const std::vector<Vec3>& 
   return layout;
 }
 
-KernelScratch makeKernelScratch(const KernelLayout& layout) {
-  KernelScratch scratch;
-  scratch.force.assign(layout.chunk_begin.size() - 1, AlignedVector<Float4>(layout.node_count));
+template <class Real>
+KernelScratchOf<Real> makeKernelScratch(const KernelLayoutOf<Real>& layout) {
+  KernelScratchOf<Real> scratch;
+  scratch.force.assign(layout.chunk_begin.size() - 1, AlignedVector<Real4<Real>>(layout.node_count));
   scratch.report.resize(scratch.force.size());
   if (!layout.patch_node.empty()) {
     scratch.displacement_gradient.resize(layout.batch_material.size() * 144);
-    scratch.dilatation.assign(scratch.force.size(), AlignedVector<float>(layout.node_count));
+    scratch.dilatation.assign(scratch.force.size(), AlignedVector<Real>(layout.node_count));
     scratch.patch_pressure.resize(layout.node_count);
   }
   return scratch;
 }
+
+template void updatePatchBulk(KernelLayoutOf<float>&);
+template KernelLayoutOf<float> makeKernelLayout(const ShapeTable&, const std::vector<Vec3>&, const std::vector<double>&,
+                                       const std::vector<int>&, const std::vector<Material>&, int, const NodePatches&);
+template KernelScratchOf<float> makeKernelScratch(const KernelLayoutOf<float>&);
+template void updatePatchBulk(KernelLayoutOf<double>&);
+template KernelLayoutOf<double> makeKernelLayout(const ShapeTable&, const std::vector<Vec3>&, const std::vector<double>&,
+                                       const std::vector<int>&, const std::vector<Material>&, int, const NodePatches&);
+template KernelScratchOf<double> makeKernelScratch(const KernelLayoutOf<double>&);
 
 }  // namespace palpate

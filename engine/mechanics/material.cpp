@@ -49,7 +49,7 @@ Material Material::neoHookean(double young, double poisson, double density) {
 }
 
 Material Material::ogden(const double* mu, const double* alpha, int term_count, double D1, double density) {
-  if (term_count < 1 || term_count > max_terms) throw std::invalid_argument("Ogden material: 1 to 4 terms");
+  if (term_count < 1 || term_count > max_terms) throw std::invalid_argument("Ogden material: 1 to 6 terms");
   Material m;
   m.kind = Kind::Ogden;
   m.term_count = term_count;

@@ -14,7 +14,7 @@ namespace palpate {
 /// with the principal stretches l1, l2, l3.
 struct Material {
   enum class Kind { NeoHookean, Ogden };
-  static constexpr int max_terms = 4;
+  static constexpr int max_terms = 6;
 
   Kind kind = Kind::NeoHookean;
   double shear_modulus = 0;   // Pa, at rest (Ogden: sum of mu_k)

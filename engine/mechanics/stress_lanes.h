@@ -8,10 +8,13 @@
 namespace palpate {
 
 /// Nine numbers of a tensor for 16 points, row by row.
-using TensorLanes = std::array<Lanes, 9>;
+template <class Real>
+using TensorLanesOf = std::array<LanesOf<Real>, 9>;
 
 /// J - 1 = det(I + H) - 1 = tr H + (principal 2x2 minors of H) + det H: no cancellation.
-inline Lanes volumeChange(const TensorLanes& H) {
+template <class Real>
+LanesOf<Real> volumeChange(const TensorLanesOf<Real>& H) {
+  using Lanes = LanesOf<Real>;
   const Lanes m0 = H[4] * H[8] - H[5] * H[7];
   const Lanes m1 = H[0] * H[8] - H[2] * H[6];
   const Lanes m2 = H[0] * H[4] - H[1] * H[3];
@@ -20,7 +23,9 @@ inline Lanes volumeChange(const TensorLanes& H) {
 }
 
 /// F = I + H, its cofactor dJ/dF, and J.
-inline Lanes volumeRatioAndCofactor(const TensorLanes& H, TensorLanes& F, TensorLanes& cof, Lanes& J_minus_1) {
+template <class Real>
+LanesOf<Real> volumeRatioAndCofactor(const TensorLanesOf<Real>& H, TensorLanesOf<Real>& F, TensorLanesOf<Real>& cof,
+                                     LanesOf<Real>& J_minus_1) {
   F = H;
   F[0] += 1.0F;
   F[4] += 1.0F;
@@ -34,34 +39,37 @@ inline Lanes volumeRatioAndCofactor(const TensorLanes& H, TensorLanes& F, Tensor
   cof[6] = F[1] * F[5] - F[2] * F[4];
   cof[7] = F[2] * F[3] - F[0] * F[5];
   cof[8] = F[0] * F[4] - F[1] * F[3];
-  J_minus_1 = volumeChange(H);
+  J_minus_1 = volumeChange<Real>(H);
   return J_minus_1 + 1.0F;
 }
 
 // The materials below give the first Piola-Kirchhoff stress of 16 points from their displacement gradients H,
-// in float32: the fast twins of Material::firstPiola. They return J. J - 1 comes from H without cancellation,
+// in float32 or double: the fast twins of Material::firstPiola. They return J. J - 1 comes from H without cancellation,
 // since the bulk modulus multiplies its error.
 
+template <class Real>
 struct NeoHookeanLanes {
-  float mu, K;
+  using Lanes = LanesOf<Real>;
+  using TensorLanes = TensorLanesOf<Real>;
+  Real mu, K;
   explicit NeoHookeanLanes(const Material& m)
-      : mu(static_cast<float>(m.shear_modulus)), K(static_cast<float>(m.bulk_modulus)) {}
+      : mu(static_cast<Real>(m.shear_modulus)), K(static_cast<Real>(m.bulk_modulus)) {}
 
   /// @param patch_pressure  replaces K (J - 1) where the scene averages volume over node patches; or null
   Lanes firstPiola(const TensorLanes& H, TensorLanes& P, const Lanes* patch_pressure = nullptr) const {
     TensorLanes F, cof;
     Lanes J_minus_1;
-    const Lanes J = volumeRatioAndCofactor(H, F, cof, J_minus_1);
+    const Lanes J = volumeRatioAndCofactor<Real>(H, F, cof, J_minus_1);
     Lanes I1 = F[0] * F[0];
     for (int k = 1; k < 9; ++k) I1 += F[k] * F[k];
     // g(J) = J^(-2/3) and its slope, with the tangent below min_isochoric_J.
-    const Lanes Jc = max(J, Lanes(static_cast<float>(Material::min_isochoric_J)));
+    const Lanes Jc = max(J, Lanes(static_cast<Real>(Material::min_isochoric_J)));
     const Lanes y = inverseCubeRoot(Jc);
     Lanes g = y * y;
-    const Lanes slope = Lanes(-2.0F / 3) * g / Jc;
+    const Lanes slope = Lanes(Real(-2) / 3) * g / Jc;
     g += slope * (J - Jc);
     const Lanes a = g * mu;
-    const Lanes b = slope * I1 * (0.5F * mu) + (patch_pressure ? *patch_pressure : J_minus_1 * K);
+    const Lanes b = slope * I1 * (Real(0.5) * mu) + (patch_pressure ? *patch_pressure : J_minus_1 * K);
     for (int k = 0; k < 9; ++k) P[k] = a * F[k] + b * cof[k];
     return J;
   }
@@ -69,7 +77,10 @@ struct NeoHookeanLanes {
 
 /// Eigenvalues and eigenvectors of 16 symmetric 3x3 matrices by cyclic Jacobi: no branch, and
 /// indifferent to repeated eigenvalues.
+template <class Real>
 struct SymmetricEigenLanes {
+  using Lanes = LanesOf<Real>;
+  using TensorLanes = TensorLanesOf<Real>;
   Lanes a[3][3], v[3][3];
 
   template <int p, int q, int r>
@@ -77,7 +88,7 @@ struct SymmetricEigenLanes {
     // tan(theta) of the rotation that clears a[p][q]: t = sign(d) 2 a_pq / (|d| + sqrt(d^2 + 4 a_pq^2))
     const Lanes d = a[q][q] - a[p][p], apq2 = a[p][q] * 2.0F;
     const Lanes magnitude = max(d, Lanes(0.0F) - d);
-    const Lanes denominator = magnitude + sqrt(d * d + apq2 * apq2) + 1e-30F;
+    const Lanes denominator = magnitude + sqrt(d * d + apq2 * apq2) + Real(1e-30);
     const Lanes t = whereLess(d, 0.0F, Lanes(0.0F) - apq2, apq2) / denominator;
     const Lanes c = Lanes(1.0F) / sqrt(t * t + 1.0F), s = t * c;
     a[p][p] -= t * a[p][q];
@@ -93,14 +104,15 @@ struct SymmetricEigenLanes {
     }
   }
 
-  /// Starts from C = F^T F. Four sweeps leave off-diagonals below float rounding.
+  /// Starts from C = F^T F. Four sweeps leave off-diagonals below float rounding, six below double.
   explicit SymmetricEigenLanes(const TensorLanes& F) {
     for (int i = 0; i < 3; ++i)
       for (int j = 0; j < 3; ++j) {
         a[i][j] = F[i] * F[j] + F[3 + i] * F[3 + j] + F[6 + i] * F[6 + j];
         v[i][j] = i == j ? 1.0F : 0.0F;
       }
-    for (int sweep = 0; sweep < 4; ++sweep) {
+    constexpr int sweeps = sizeof(Real) == 4 ? 4 : 6;
+    for (int sweep = 0; sweep < sweeps; ++sweep) {
       rotate<0, 1, 2>();
       rotate<0, 2, 1>();
       rotate<1, 2, 0>();
@@ -108,14 +120,17 @@ struct SymmetricEigenLanes {
   }
 };
 
+template <class Real>
 struct OgdenLanes {
+  using Lanes = LanesOf<Real>;
+  using TensorLanes = TensorLanesOf<Real>;
   int terms;
-  float K;
-  float mu[Material::max_terms], alpha[Material::max_terms];
-  explicit OgdenLanes(const Material& m) : terms(m.term_count), K(static_cast<float>(m.bulk_modulus)) {
+  Real K;
+  Real mu[Material::max_terms], alpha[Material::max_terms];
+  explicit OgdenLanes(const Material& m) : terms(m.term_count), K(static_cast<Real>(m.bulk_modulus)) {
     for (int k = 0; k < terms; ++k) {
-      mu[k] = static_cast<float>(m.mu[k]);
-      alpha[k] = static_cast<float>(m.alpha[k]);
+      mu[k] = static_cast<Real>(m.mu[k]);
+      alpha[k] = static_cast<Real>(m.alpha[k]);
     }
   }
 
@@ -123,25 +138,25 @@ struct OgdenLanes {
   Lanes firstPiola(const TensorLanes& H, TensorLanes& P, const Lanes* patch_pressure = nullptr) const {
     TensorLanes F, cof;
     Lanes J_minus_1;
-    const Lanes J = volumeRatioAndCofactor(H, F, cof, J_minus_1);
-    const SymmetricEigenLanes eigen(F);
-    const Lanes Jc = max(J, Lanes(static_cast<float>(Material::min_isochoric_J)));
+    const Lanes J = volumeRatioAndCofactor<Real>(H, F, cof, J_minus_1);
+    const SymmetricEigenLanes<Real> eigen(F);
+    const Lanes Jc = max(J, Lanes(static_cast<Real>(Material::min_isochoric_J)));
     const Lanes log_J = log2(Jc);
     Lanes squared[3], log_squared[3], s[3];
     for (int i = 0; i < 3; ++i) {
-      squared[i] = max(eigen.a[i][i], Lanes(1e-12F));
+      squared[i] = max(eigen.a[i][i], Lanes(Real(1e-12)));
       log_squared[i] = log2(squared[i]);
       s[i] = 0.0F;
     }
     Lanes pressure = patch_pressure ? *patch_pressure : J_minus_1 * K;
     for (int k = 0; k < terms; ++k) {
-      const float al = alpha[k];
+      const Real al = alpha[k];
       Lanes g = exp2(log_J * (-al / 3));
       const Lanes slope = g * (-al / 3) / Jc;
       g += slope * (J - Jc);
       Lanes sum = 0.0F;
       for (int i = 0; i < 3; ++i) {
-        const Lanes power = exp2(log_squared[i] * (0.5F * al));
+        const Lanes power = exp2(log_squared[i] * (Real(0.5) * al));
         s[i] += g * power * (2 * mu[k] / al) / squared[i];
         sum += power;
       }

@@ -115,7 +115,7 @@ class LineReader {
     double value = 0;
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
     if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value)) {
-      fail("'" + std::string(text) + "' is not " + what);
+      fail(quoted(text) + " is not " + what);
     }
     return value;
   }
@@ -127,7 +127,7 @@ class LineReader {
     const std::string_view text = word(what);
     Integer value = 0;
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value, base);
-    if (error != std::errc() || end != text.data() + text.size()) fail("'" + std::string(text) + "' is not " + what);
+    if (error != std::errc() || end != text.data() + text.size()) fail(quoted(text) + " is not " + what);
     return value;
   }
 
@@ -138,7 +138,7 @@ class LineReader {
 
   void expect(const char* word_wanted) {
     const std::string_view text = word(word_wanted);
-    if (text != word_wanted) fail("'" + std::string(text) + "' stands where '" + word_wanted + "' should");
+    if (text != word_wanted) fail(quoted(text) + " stands where " + quoted(word_wanted) + " should");
   }
 
   void done() {
@@ -160,7 +160,7 @@ Material readMaterial(LineReader& line) {
   if (kind == "ogden") {
     material.kind = Material::Kind::Ogden;
   } else if (kind != "neo_hookean") {
-    line.fail("'" + std::string(kind) + "' is not a material kind");
+    line.fail(quoted(kind) + " is not a material kind");
   }
   material.shear_modulus = line.number("a shear modulus, Pa");
   material.bulk_modulus = line.number("a bulk modulus, Pa");
@@ -199,7 +199,7 @@ Request readChange(LineReader& line) {
     const int index = line.integer<int>("a material's index");
     return Request::setMaterial(index, readMaterial(line));
   }
-  line.fail("'" + std::string(what) + "' is not a change that a recording can hold");
+  line.fail(quoted(what) + " is not a change that a recording can hold");
 }
 
 /// FNV-1a over the bytes of values without padding.
@@ -249,13 +249,20 @@ std::uint64_t modelHash(const Model& model) {
   for (const EssentialBoundary::Set& set : model.boundary.sets) {
     hash.add(set.mask);
     hash.add(set.node);
-    hash.add(set.motion);
-    hash.add(set.phi);
-    hash.add(set.l);
+    hash.add(set.boundary);
+    hash.add(set.phi.value);
+    hash.add(set.v.value);
+    hash.add(set.u.value);
   }
   for (const BoundaryMotion& motion : model.boundary.motions) {
     hash.add(motion.translation);
+    hash.add(motion.axis_point);
+    hash.add(motion.axis);
+    hash.add(motion.angle);
     hash.add(motion.duration);
+    hash.add(static_cast<int>(motion.curve.kind));
+    hash.add(motion.curve.time);
+    hash.add(motion.curve.fraction);
   }
   hash.add(model.skin.surface.vertices);
   hash.add(model.skin.area);
@@ -301,7 +308,7 @@ Recording readRecording(const std::string& file) {
   int number = 0;
   const auto header = [&](const char* key) {
     ++number;
-    if (!std::getline(in, text)) throw InputError({file, number}, std::string("'") + key + "' is missing", "record the run again");
+    if (!std::getline(in, text)) throw InputError({file, number}, quoted(key) + " is missing", "record the run again");
     LineReader line(file, number, text);
     line.expect(key);
     return line;
@@ -370,8 +377,8 @@ void checkRecordingFits(const Recording& recording, const Model& model, const st
   const std::uint64_t hash = modelHash(model);
   if (recording.model_hash != hash) {
     throw InputError({file, kModelLine},
-                     "recorded with model " + hex16(recording.model_hash) + " (scene '" + recording.scene +
-                         "'), but this one is " + hex16(hash) + " (scene '" + model.scene.name + "')",
+                     "recorded with model " + hex16(recording.model_hash) + " (scene " + palpate::quoted(recording.scene) +
+                         "), but this one is " + hex16(hash) + " (scene " + palpate::quoted(model.scene.name) + ")",
                      "replay with the scene, program and machine it was recorded with");
   }
 }

@@ -41,10 +41,16 @@ Material toMaterial(const MaterialSpec& spec) {
                          spec.ogden_D1, spec.density);
 }
 
+bool contains(const Region& region, const Vec3& x, const SurfaceTree& organ) {
+  constexpr double tolerance = 1e-9;  // m; nodes that were put on a plane are on it
+  if (region.kind != Region::Kind::Shell) return region.contains(x, tolerance);
+  return region.contains(x, tolerance, organ.closest(x, region.distance + 2 * tolerance).distance);
+}
+
 /// Of several materials, the last whose region holds x.
-int materialAt(const Scene& scene, const Vec3& x) {
+int materialAt(const Scene& scene, const Vec3& x, const SurfaceTree& organ) {
   for (int m = static_cast<int>(scene.materials.size()) - 1; m > 0; --m)
-    if (scene.materials[m].everywhere || scene.materials[m].region.contains(x)) return m;
+    if (scene.materials[m].everywhere || contains(scene.materials[m].region, x, organ)) return m;
   return 0;
 }
 
@@ -122,61 +128,103 @@ std::vector<double> supportRadii(const Discretization& d, double factor) {
   return sum;
 }
 
+BoundaryMotion motionOf(const BoundarySpec& spec) {
+  return {spec.translation, spec.axis_point, spec.axis, spec.angle, spec.duration, spec.curve};
+}
+
+/// True where both impose the same displacement on what stands at X, at all times.
+bool agree(const BoundarySpec& a, const BoundarySpec& b, const Vec3& X, int component) {
+  const BoundaryMotion p = motionOf(a), q = motionOf(b);
+  if (!p.moves() && !q.moves()) return true;
+  constexpr int samples = 16;  // a curve's differences show somewhere
+  const double end = std::max({p.duration, q.duration, p.curve.time.empty() ? 0 : p.curve.time.back(),
+                               q.curve.time.empty() ? 0 : q.curve.time.back()});
+  for (int k = 1; k <= samples; ++k)
+    if (std::abs((p.at(X, end * k / samples) - q.at(X, end * k / samples))[component]) > 1e-12) return false;
+  return true;
+}
+
 /// Which nodes are imposed, and how. Throws where a region is empty or two motions contradict.
-std::vector<ImposedNode> chooseImposed(const Scene& scene, const NodeCloud& cloud, std::vector<BoundaryMotion>& motions) {
-  std::vector<ImposedNode> imposed;
+EssentialNodes chooseImposed(const Scene& scene, const NodeCloud& cloud, const SurfaceTree& organ) {
+  EssentialNodes essential;
   std::vector<int> slot(cloud.X.size(), -1);
-  std::vector<std::array<int, 3>> owner;  // which boundary imposes each component
   for (int b = 0; b < static_cast<int>(scene.boundaries.size()); ++b) {
     const auto& spec = scene.boundaries[b];
-    const bool moves = spec.duration > 0;
-    const int motion = moves ? static_cast<int>(motions.size()) : -1;
-    if (moves) motions.push_back({spec.translation, spec.duration});
+    essential.motions.push_back(motionOf(spec));
     int found = 0;
     for (int i = 0; i < static_cast<int>(cloud.X.size()); ++i) {
       if (spec.surface_only && !cloud.on_surface[i]) continue;
-      if (!spec.region.contains(cloud.X[i])) continue;
+      if (!contains(spec.region, cloud.X[i], organ)) continue;
       ++found;
       if (slot[i] < 0) {
-        slot[i] = static_cast<int>(imposed.size());
-        imposed.push_back({i, {false, false, false}, {-1, -1, -1}});
-        owner.push_back({-1, -1, -1});
+        slot[i] = static_cast<int>(essential.nodes.size());
+        essential.nodes.push_back({i, {-1, -1, -1}});
+        essential.X.push_back(cloud.X[i]);
       }
-      ImposedNode& node = imposed[slot[i]];
+      auto& owner = essential.nodes[slot[i]].boundary;
       for (int c = 0; c < 3; ++c) {
         if (!spec.component[c]) continue;
-        if (node.component[c] && node.motion[c] != motion)
+        if (owner[c] < 0) owner[c] = b;  // of boundaries that agree the first has the reaction
+        if (!agree(spec, scene.boundaries[owner[c]], cloud.X[i], c))
           throw InputError(spec.place,
                            "the node at " + coordinates(cloud.X[i]) + " is also imposed, with another motion, at " +
-                               scene.boundaries[owner[slot[i]][c]].place.text(),
+                               scene.boundaries[owner[c]].place.text(),
                            "make the regions disjoint, or impose other components");
-        node.component[c] = true;
-        node.motion[c] = motion;
-        owner[slot[i]][c] = b;
       }
     }
     if (found == 0)
       throw InputError(spec.place, "no node lies in this region", "move or enlarge it (node spacing is " + number(scene.spacing) + " m)");
   }
-  return imposed;
+  return essential;
+}
+
+/// Quadrature of a triangle, exact to degree 4: Strang and Fix 1973; barycentric coordinates and share of the area.
+struct FacetPoint {
+  Vec3 corner;
+  double weight;
+};
+std::array<FacetPoint, 6> facetRule() {
+  constexpr double a = 0.445948490915965, wa = 0.223381589678011, b = 0.091576213509771, wb = 0.109951743655322;
+  return {{{Vec3(1 - 2 * a, a, a), wa}, {Vec3(a, 1 - 2 * a, a), wa}, {Vec3(a, a, 1 - 2 * a), wa},
+           {Vec3(1 - 2 * b, b, b), wb}, {Vec3(b, 1 - 2 * b, b), wb}, {Vec3(b, b, 1 - 2 * b), wb}}};
+}
+
+/// The facets that EBCIEM integrates over, and the places of their quadrature points.
+std::vector<Vec3> essentialFacets(const NodeCloud& cloud, const std::vector<std::array<int, 3>>& outer, EssentialNodes& essential) {
+  std::vector<bool> imposed(cloud.X.size(), false);
+  for (const auto& node : essential.nodes) imposed[node.node] = true;
+  const auto rule = facetRule();
+  std::vector<Vec3> points;
+  essential.facet_points = static_cast<int>(rule.size());
+  for (const auto& f : outer) {
+    if (!imposed[f[0]] || !imposed[f[1]] || !imposed[f[2]]) continue;
+    essential.facets.push_back(f);
+    const double area = (cloud.X[f[1]] - cloud.X[f[0]]).cross(cloud.X[f[2]] - cloud.X[f[0]]).norm() / 2;
+    for (const auto& q : rule) {
+      points.push_back(q.corner[0] * cloud.X[f[0]] + q.corner[1] * cloud.X[f[1]] + q.corner[2] * cloud.X[f[2]]);
+      essential.facet_weight.push_back(area * q.weight * q.corner);
+    }
+  }
+  return points;
 }
 
 /// Shape functions at integration points, skin vertices and nodes, over supports that are enlarged where
 /// they must be.
 struct Approximation {
   std::vector<double> radius;
-  ShapeTable points, skin, nodes;
+  ShapeTable points, skin, nodes, facets;
 };
 
 Approximation approximate(const Scene& scene, const std::vector<Vec3>& X, std::vector<double> radius,
-                          const std::vector<Vec3>& point_X, const std::vector<Vec3>& skin_X) {
+                          const std::vector<Vec3>& point_X, const std::vector<Vec3>& skin_X,
+                          const std::vector<Vec3>& facet_X) {
   constexpr int max_enlargements = 8;  // 1.15^8: a radius grows at most threefold
   const MmlsOptions options{scene.basis_degree, scene.mu};
   Approximation a;
   for (int attempt = 0;; ++attempt) {
     const Neighbours neighbours(X, radius);
     const std::pair<const std::vector<Vec3>*, ShapeTable*> parts[] = {
-        {&point_X, &a.points}, {&skin_X, &a.skin}, {&X, &a.nodes}};
+        {&point_X, &a.points}, {&skin_X, &a.skin}, {&X, &a.nodes}, {&facet_X, &a.facets}};
     bool admissible = true;
     std::vector<double> enlarged = radius;
     for (const auto& [at, table] : parts) {
@@ -263,32 +311,36 @@ Model buildModel(const Scene& scene, const TriangleSurface& organ, const Progres
   const TriangleSurface skin = refineForContact(scene, organ);
 
   tell("shape functions", 0.45);
-  std::vector<BoundaryMotion> motions;
-  const auto imposed = chooseImposed(scene, cloud, motions);
+  model.essential = chooseImposed(scene, cloud, tree);
   model.imposed.assign(nodes, 0);
-  for (const auto& node : imposed)
+  for (const auto& node : model.essential.nodes)
     for (int c = 0; c < 3; ++c)
-      if (node.component[c]) model.imposed[node.node] |= static_cast<std::uint8_t>(1u << c);
-  auto shape = approximate(scene, cloud.X, supportRadii({cloud, cells}, scene.support_factor), points.X, skin.vertices);
+      if (node.boundary[c] >= 0) model.imposed[node.node] |= static_cast<std::uint8_t>(1u << c);
+  const auto outer = boundaryFacets(cells.cells);
+  std::vector<Vec3> facet_X;
+  if (scene.boundary_method == Scene::BoundaryMethod::Ebciem) facet_X = essentialFacets(cloud, outer, model.essential);
+  auto shape = approximate(scene, cloud.X, supportRadii({cloud, cells}, scene.support_factor), points.X, skin.vertices, facet_X);
+  model.essential.facet_phi = std::move(shape.facets);
+  model.essential.phi = rowsOf(shape.nodes, model.essential.nodes);
   model.support_radius = shape.radius;
   if (scene.consistent_gradients) {
     tell("consistent gradients", 0.7);
     // 1e-4 leaves 1e-5 of the displacement, far below the other errors of any cloud.
-    correctGradients(shape.points, points.X, points.volume, cloud.X, boundaryFacets(cells.cells), shape.nodes, 1e-4);
+    correctGradients(shape.points, points.X, points.volume, cloud.X, outer, shape.nodes, 1e-4);
   }
 
   tell("mass, boundaries, stable step", 0.8);
   for (const auto& spec : scene.materials) model.materials.push_back(toMaterial(spec));
-  for (const auto& x : points.X) model.point_material.push_back(materialAt(scene, x));
+  for (const auto& x : points.X) model.point_material.push_back(materialAt(scene, x, tree));
   std::vector<double> cell_density;
   for (const auto& cell : cells.cells) {
     const Vec3 centroid = (cloud.X[cell[0]] + cloud.X[cell[1]] + cloud.X[cell[2]] + cloud.X[cell[3]]) / 4;
-    cell_density.push_back(model.materials[materialAt(scene, centroid)].density);
+    cell_density.push_back(model.materials[materialAt(scene, centroid, tree)].density);
   }
   model.mass = lumpedMass(cloud.X, cells.cells, cells.volume, cell_density);
   for (double m : model.mass) model.inverse_mass.push_back(static_cast<float>(1 / m));
   try {
-    model.boundary = makeEssentialBoundary(imposed, motions, rowsOf(shape.nodes, imposed), model.mass);
+    model.boundary = makeEssentialBoundary(model.essential, model.mass);
   } catch (const std::runtime_error& e) {
     throw InputError(scene.boundaries.front().place, e.what(), "make the regions smaller or discretization.seed another");
   }
@@ -322,6 +374,9 @@ Model buildModel(const Scene& scene, const TriangleSurface& organ, const Progres
   model.point_X = points.X;
   model.point_volume = points.volume;
   model.point_shape = std::move(shape.points);
+  model.point_cell = points.cell;
+  model.node_shape = std::move(shape.nodes);
+  model.node_shape.gradN.clear();
   model.skin_shape = std::move(shape.skin);
   tell("ready", 1.0);
   model.setup_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

@@ -33,6 +33,8 @@ struct Model {
 
   // Computed by shapeFunctions (MMLS).
   ShapeTable point_shape;                   // N, gradN at the integration points
+  ShapeTable node_shape;                    // N at the nodes' own positions
+  std::vector<int> point_cell;              // (point_count) the cell that the point lies in
 
   // Computed from the materials and the cells.
   std::vector<Material> materials;
@@ -41,6 +43,7 @@ struct Model {
 
   NodePatches patches;                      // empty without scene.node_patch_volume
   KernelLayout kernel;                      // what the hot kernel reads
+  EssentialNodes essential;                 // what is imposed where; with the masses it makes `boundary`
   EssentialBoundary boundary;
 
   // Skin and tool.

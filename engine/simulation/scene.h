@@ -8,6 +8,7 @@
 #include "base/input_error.h"
 #include "base/types.h"
 #include "contact/tool.h"
+#include "mechanics/load_curve.h"
 
 namespace palpate {
 
@@ -31,17 +32,6 @@ struct Region {
   /// @param surface_distance  of x from the organ's surface, m; only a Shell needs it
   bool contains(const Vec3& x, double tolerance = 1e-9,
                 double surface_distance = std::numeric_limits<double>::infinity()) const;
-};
-
-/// How much of an imposed motion is done at a time: 0 .. 1, or as a table says.
-struct LoadCurve {
-  enum class Kind { Smooth, Linear, Table };
-  Kind kind = Kind::Smooth;          // Smooth: the 3-4-5 polynomial 10 t^3 - 15 t^4 + 6 t^5
-  std::vector<double> time;          // Table: s, ascending, from 0
-  std::vector<double> fraction;      // Table: of the motion; linear in between, constant after the last
-
-  /// @param time_s, duration  s; the fraction stays 1 after `duration` (Smooth, Linear)
-  double at(double time_s, double duration) const;
 };
 
 /// Elastic material as the scene states it. SI units.

@@ -113,7 +113,7 @@ StepReport step(const Model& model, State& state, const Pose& tool_pose, const C
 
   // du = du~ + P (du_bar - Phi du~)                                       (eqs. 23-25)
   report.base_reaction = imposeBoundary(model.boundary, time, model.dt, integrator.alpha, model.inverse_mass.data(),
-                                        state.du.data(), workspace.boundary);
+                                        nullptr, state.du.data(), workspace.boundary);
   // u += du
   accumulate(model, state, report);
   state.tool_pose = tool_pose;

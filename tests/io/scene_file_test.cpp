@@ -202,15 +202,31 @@ TEST_CASE("What a scene leaves out is as the reference says", "[io][scene]") {
   text = replaced(text, "[[fixed]]\n", "[[fixed]]\n" + tables.at("boundary"));
   for (const char* table : {"dynamics", "force", "camera"}) text += "[" + std::string(table) + "]\n" + tables.at(table);
   text += "[tool]\nshape = \"sphere\"\nradius = 0.01\nposition = [0, 0, 0.1]\n" + tables.at("tool");
+  text += "[solve]\n" + tables.at("solve");
+  const std::string motion =
+      "[[prescribed]]\nshape = \"sphere\"\ncentre = [0, 0, 1]\nradius = 1\ntranslation = [0, 0, 1]\nduration = 1\n";
+  CHECK(readScene(folder.write("box.toml", text + motion + tables.at("prescribed"))).boundaries[1].curve.kind ==
+        readScene(folder.write("box.toml", text + motion)).boundaries[1].curve.kind);
+  CHECK(readScene(folder.path("box.toml")).boundaries[1].curve.kind == LoadCurve::Kind::Smooth);
   const Scene s = readScene(folder.write("box.toml", text));
   CHECK(s.seed == minimal.seed);
   CHECK(s.quadrature.points_per_cell == minimal.quadrature.points_per_cell);
+  CHECK(s.quadrature.accuracy == minimal.quadrature.accuracy);
+  CHECK(s.quadrature.division == minimal.quadrature.division);
+  CHECK(s.quadrature.max_depth == minimal.quadrature.max_depth);
+  CHECK(s.boundary_method == minimal.boundary_method);
   CHECK(s.basis_degree == minimal.basis_degree);
   CHECK(s.support_factor == minimal.support_factor);
   CHECK(s.mu == minimal.mu);
   CHECK(s.materials[0].density == minimal.materials[0].density);
   CHECK(std::equal(s.boundaries[0].component, s.boundaries[0].component + 3, minimal.boundaries[0].component));
   CHECK(s.boundaries[0].surface_only == minimal.boundaries[0].surface_only);
+  CHECK(s.solve.mode == minimal.solve.mode);
+  CHECK(s.solve.tolerance == minimal.solve.tolerance);
+  CHECK(s.solve.load_steps == minimal.solve.load_steps);
+  CHECK(s.solve.end_time == minimal.solve.end_time);
+  CHECK(s.solve.frames == minimal.solve.frames);
+  CHECK(s.solve.probes_file.empty());
   CHECK(s.rate_hz == minimal.rate_hz);
   CHECK(s.time_step == minimal.time_step);
   CHECK(s.step_safety == minimal.step_safety);
@@ -274,10 +290,10 @@ TEST_CASE("Bad scenes are refused at their place, with advice", "[io][scene][ref
       {"rate = 1000", "rate = 50", ":44:8", "\"rate\" = 50 Hz is out of range", "100 .. 2000 Hz"},
       {"support_factor = 2", "support_factor = 9", ":12:18", "out of range", "1.4 .. 4"},
       {"seed = 9", "seed = -9", ":9:8", "out of range", "0 .. 4294967295"},
-      {"points_per_cell = 1", "points_per_cell = 5", ":10:19", "\"points_per_cell\" = 5 is no choice", "1 or 4"},
+      {"points_per_cell = 1", "points_per_cell = 3", ":10:19", "\"points_per_cell\" = 3 is no choice", "1, 4 or 5"},
       {"colour = [0.1, 0.2, 0.3]", "colour = [10, 0.2, 0.3]", ":6:11", "colour[0] = 10 is out of range", "0 .. 1"},
       {"\"linear\"", "\"cubic\"", ":11:9", "\"basis\" is \"cubic\"", "linear or quadratic"},
-      {"shape = \"near-plane\"", "shape = \"plane\"", ":31:9", "\"shape\" is \"plane\"", "half-space, box, sphere or near-plane"},
+      {"shape = \"near-plane\"", "shape = \"plane\"", ":31:9", "\"shape\" is \"plane\"", "half-space, box, sphere, near-plane, cylinder or shell"},
       // contradictions
       {"height = 0.017", "height = 0.017\nsize = [1, 1, 1]", ":6:1", "\"size\" means nothing to a cylinder", "remove it"},
       {"solid = \"cylinder\"", "solid = \"cylinder\"\nsurface = \"a.obj\"", ":3:1", "both \"surface\" and \"solid\"", "give"},
@@ -361,6 +377,21 @@ TEST_CASE("Regions contain what they should", "[io][scene]") {
   CHECK(r.contains({1, 2, -3}));
   CHECK_FALSE(r.contains({1.1, 0, 0}));
   CHECK_FALSE(r.contains({0, 0, -3.1}));
+  r.kind = Region::Kind::Cylinder;
+  r.point = {1, 0, 0};
+  r.normal = Vec3::UnitX();
+  r.radius = 0.5;
+  r.height = 2;
+  CHECK(r.contains({1, 0, 0.5}));
+  CHECK(r.contains({3, 0.3, 0.4}));
+  CHECK_FALSE(r.contains({2, 0.4, 0.4}));
+  CHECK_FALSE(r.contains({0.99, 0, 0}));
+  CHECK_FALSE(r.contains({3.01, 0, 0}));
+  r.kind = Region::Kind::Shell;
+  r.distance = 0.1;
+  CHECK(r.contains({2, 2, 2}, 1e-9, 0.1));
+  CHECK_FALSE(r.contains({1, 0, 0}, 1e-9, 0.11));
+  CHECK_FALSE(r.contains({1, 0, 0}));
 }
 
 TEST_CASE("Cut or damaged scenes are read or refused, never worse", "[io][scene][fuzz]") {

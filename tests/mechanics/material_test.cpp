@@ -51,9 +51,9 @@ std::vector<Row> readUniaxial(const std::string& name) {
 
 /// The 16-lane stress of one F, in double.
 Mat3 lanesPiola(const Material& m, const Mat3& F, float* J = nullptr) {
-  TensorLanes H, P;
+  TensorLanesOf<float> H, P;
   for (int k = 0; k < 9; ++k) H[k] = static_cast<float>((F - Mat3::Identity())(k / 3, k % 3));
-  const Lanes j = m.kind == Material::Kind::NeoHookean ? NeoHookeanLanes(m).firstPiola(H, P) : OgdenLanes(m).firstPiola(H, P);
+  const LanesOf<float> j = m.kind == Material::Kind::NeoHookean ? NeoHookeanLanes<float>(m).firstPiola(H, P) : OgdenLanes<float>(m).firstPiola(H, P);
   Mat3 r;
   alignas(64) float a[16];
   for (int k = 0; k < 9; ++k) {

@@ -133,10 +133,10 @@ TEST_CASE("Damaged recordings are refused with file and line", "[recording]") {
     std::string says;
   };
   const std::vector<Damage> damages = {
-      {"", 1, "'palpate-recording' is missing"},
-      {"time_s,depth_m\n", 1, "'time_s,depth_m' stands where 'palpate-recording' should"},
+      {"", 1, "\"palpate-recording\" is missing"},
+      {"time_s,depth_m\n", 1, "\"time_s,depth_m\" stands where \"palpate-recording\" should"},
       {with("recording 1", "recording 2"), 1, "version 2 is not known"},
-      {with("scene liver\n", ""), 2, "where 'scene' should"},
+      {with("scene liver\n", ""), 2, "where \"scene\" should"},
       {with("abcdef", "abcdeg"), 3, "is not a hash"},
       {with("abcdef", "abcdef0"), 3, "has not 16 hex digits"},
       {with("rate_hz 500", "rate_hz -500"), 4, "must be positive"},
@@ -144,17 +144,19 @@ TEST_CASE("Damaged recordings are refused with file and line", "[recording]") {
       {with("0.1  1 0 0 0", "0.1  1 0 0"), 5, "the line ends before"},
       {with("0.1  1 0 0 0", "0.1  1 0 0 0 9"), 5, "goes on after its end"},
       {with("0.1  1 0 0 0", "0.1  1 1 0 0"), 5, "not of length 1"},
-      {with("0.1  1", "0.1x 1"), 5, "'0.1x' is not a coordinate"},
+      {with("0.1  1", "0.1x 1"), 5, "\"0.1x\" is not a coordinate"},
       {with("pull 411", "pull 4.5"), 6, "is not a skin vertex"},
-      {with("pull 411", "push 411"), 6, "'push' is not a change"},
-      {with("12 pull", "twelve pull"), 6, "'twelve' is not a tick"},
+      {with("pull 411", "push 411"), 6, "\"push\" is not a change"},
+      {with("12 pull", "twelve pull"), 6, "\"twelve\" is not a tick"},
       {with("15 release", "11 release"), 7, "ticks must not go back"},
-      {with("15 release", "15 material 0 jelly"), 7, "'jelly' is not a material kind"},
+      {with("15 release", "15 material 0 jelly"), 7, "\"jelly\" is not a material kind"},
       {with("15 release", "15 material 0 ogden 1 1 1 5"), 7, "so many terms"},
       {with("end 500", "end 14"), 8, "ends before its last change"},
       {with("end 500\n", "end 500\n16 reset\n"), 9, "something stands after the end"},
       {with("end 500\n", ""), 7, "cut off"},
-      {with("15 release\nend 500\n", "15 rel"), 7, "'rel' is not a change"},
+      {with("15 release\nend 500\n", "15 rel"), 7, "\"rel\" is not a change"},
+      // A binary file: nothing of it reaches the terminal but what can be printed.
+      {"\x1b[2J\x07\xff\x80" + std::string(100, 'x') + "\n", 1, "\"?[2J???" + std::string(33, 'x') + "...\" stands where"},
   };
   const TemporaryFile file;
   for (const Damage& damage : damages) {

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "base/input_error.h"
+
+namespace palpate {
+
+/// A table of numbers with named columns, from a CSV file.
+struct CsvTable {
+  std::string file;
+  Place header;                             // the line of the names
+  std::vector<std::string> name;            // (column_count), unlike each other
+  std::vector<std::vector<double>> column;  // (column_count)(row_count); NaN where the file has none
+  std::vector<int> line;                    // (row_count), of the file
+
+  std::size_t rowCount() const { return line.size(); }
+
+  /// The column's index: the name spelt exactly so, else with other capitals, else -1.
+  int find(const std::string& wanted) const;
+
+  /// The column. Throws InputError at the header where it is missing.
+  const std::vector<double>& operator[](const std::string& wanted) const;
+};
+
+/// Reads a CSV file: a line of names, then lines of as many numbers, all separated by commas. Names may stand
+/// in double quotes. An empty field and `nan` are NaN; empty lines and lines that begin with # are passed over.
+/// Throws InputError with file:line:column for anything else, and at `asked_from` (where another file
+/// names this one) where the file can't be read.
+CsvTable readCsvTable(const std::string& path, const Place& asked_from = {});
+
+}  // namespace palpate

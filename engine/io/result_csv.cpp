@@ -1,0 +1,49 @@
+#include "io/result_csv.h"
+
+#include <cerrno>
+#include <charconv>
+#include <stdexcept>
+
+#include "io/output_file.h"
+
+namespace palpate {
+
+ResultCsv::ResultCsv(const std::string& path, const std::vector<std::string>& columns)
+    : path_(path), column_count_(columns.size()) {
+  errno = 0;
+  out_.open(path, std::ios::binary | std::ios::trunc);
+  if (!out_) failWriting(path_, errno);
+  std::string header;
+  for (const std::string& column : columns) {
+    if (column.find_first_of(",\"\r\n") != std::string::npos) {
+      throw std::invalid_argument("a column's name with a comma, quote or line end: " + column);
+    }
+    header += (header.empty() ? "" : ",") + column;
+  }
+  write(header + "\n");
+}
+
+void ResultCsv::add(std::span<const double> values) {
+  if (values.size() != column_count_) throw std::invalid_argument("a row of another length than the header: " + path_);
+  std::string line;
+  for (double value : values) {
+    char text[32];
+    if (!line.empty()) line += ',';
+    line.append(text, std::to_chars(text, text + sizeof text, value).ptr);
+  }
+  write(line + "\n");
+}
+
+void ResultCsv::finish() {
+  errno = 0;
+  out_.close();
+  if (!out_) failWriting(path_, errno);
+}
+
+void ResultCsv::write(const std::string& line) {
+  errno = 0;
+  out_ << line << std::flush;
+  if (!out_) failWriting(path_, errno);
+}
+
+}  // namespace palpate

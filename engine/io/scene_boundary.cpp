@@ -1,0 +1,129 @@
+#include "io/scene_boundary.h"
+
+#include <algorithm>
+#include <numbers>
+#include <string_view>
+
+namespace palpate {
+
+namespace {
+
+/// The name must be fit to head a column of CSV results, and unlike those of the others.
+void checkName(const TomlTable& table, const std::string& name, const std::vector<BoundarySpec>& others) {
+  const bool plain = std::none_of(name.begin(), name.end(), [](char c) {
+    return c == ',' || c == '"' || (c >= 0 && c < ' ') || c == 127;
+  });
+  if (!plain || name.find_first_not_of(' ') == std::string::npos) {
+    throw InputError(table.place("name"), "\"name\" is " + palpate::quoted(name),
+                     "give a name without commas, quotes and line ends");
+  }
+  for (const BoundarySpec& other : others) {
+    if (other.name != name) continue;
+    throw InputError(table.place("name"),
+                     "the name " + palpate::quoted(name) + " is taken by line " + std::to_string(other.place.line),
+                     "give each [[fixed]] and [[prescribed]] a name of its own");
+  }
+}
+
+/// What fixed and prescribed boundaries have in common.
+/// @param usual_name  where the scene gives none
+BoundarySpec readBoundary(const TomlTable& table, const std::string& usual_name,
+                          const std::vector<BoundarySpec>& others) {
+  BoundarySpec boundary;
+  boundary.place = table.place();
+  boundary.name = usual_name;
+  table.read("name", boundary.name);
+  checkName(table, boundary.name, others);
+  boundary.region = readRegion(table);
+  table.readAxes("components", boundary.component);
+  table.read("surface_only", boundary.surface_only);
+  return boundary;
+}
+
+/// Where the boundary goes, and how over time.
+void readMotion(const TomlTable& table, BoundarySpec& boundary) {
+  table.read("translation", boundary.translation);
+  const bool rotates = table.has("axis_point") || table.has("axis") || table.has("angle");
+  if (rotates) {
+    table.require({"axis_point", "axis", "angle"}, "a rotation");
+    table.read("axis_point", boundary.axis_point);
+    table.readDirection("axis", boundary.axis);
+    double degrees = 0;
+    table.read("angle", degrees);
+    boundary.angle = degrees * std::numbers::pi / 180;
+  } else if (!table.has("translation")) {
+    throw InputError(table.place(), "neither a translation nor a rotation",
+                     "give translation = [x, y, z] in m; or axis_point, axis and angle; or all four");
+  }
+  if (!table.has("curve_table")) {
+    table.require({"duration"}, "a motion without \"curve_table\"");
+    table.read("duration", boundary.duration);
+    constexpr LoadCurve::Kind kinds[] = {LoadCurve::Kind::Smooth, LoadCurve::Kind::Linear};
+    boundary.curve.kind = kinds[table.readChoice("curve", 0)];
+    return;
+  }
+  if (table.has("curve")) {
+    throw InputError(table.place("curve"), "both \"curve\" and \"curve_table\"", "give one of them");
+  }
+  boundary.curve.kind = LoadCurve::Kind::Table;
+  table.readCurve("curve_table", boundary.curve.time, boundary.curve.fraction);
+  boundary.duration = boundary.curve.time.back();
+  table.read("duration", boundary.duration);
+  if (boundary.duration < boundary.curve.time.back()) {
+    throw InputError(table.place("duration"), "\"curve_table\" goes on after \"duration\"",
+                     "leave \"duration\" out: the table's last time is meant");
+  }
+}
+
+}  // namespace
+
+Region readRegion(const TomlTable& table) {
+  struct Shape {
+    Region::Kind kind;
+    std::string title;
+    std::vector<const char*> keys;  // that it needs; it allows no other
+  };
+  static const Shape shapes[] = {  // in the order of the key's choices
+      {Region::Kind::HalfSpace, "a half-space", {"point", "normal"}},
+      {Region::Kind::Box, "a box", {"min", "max"}},
+      {Region::Kind::Sphere, "a sphere", {"centre", "radius"}},
+      {Region::Kind::NearPlane, "a near-plane region", {"point", "normal", "distance"}},
+      {Region::Kind::Cylinder, "a cylinder", {"point", "normal", "radius", "height"}},
+      {Region::Kind::Shell, "a shell", {"distance"}},
+  };
+  const Shape& shape = shapes[table.readChoice("shape", 0)];
+  for (const char* key : shape.keys) table.require({key}, shape.title);
+  for (const char* key : {"point", "normal", "min", "max", "centre", "radius", "height", "distance"}) {
+    const bool needed = std::any_of(shape.keys.begin(), shape.keys.end(),
+                                    [key](std::string_view needs) { return needs == key; });
+    if (!needed) table.forbid({key}, "to " + shape.title);
+  }
+  Region region;
+  region.place = table.place();
+  region.kind = shape.kind;
+  table.read("point", region.point);
+  table.read("centre", region.point);
+  table.readDirection("normal", region.normal);
+  table.read("min", region.min);
+  table.read("max", region.max);
+  table.read("radius", region.radius);
+  table.read("height", region.height);
+  table.read("distance", region.distance);
+  if ((region.min.array() > region.max.array()).any()) {
+    throw InputError(table.place("min"), "the box's \"min\" is above its \"max\"", "swap the coordinates");
+  }
+  return region;
+}
+
+BoundarySpec readFixed(const TomlTable& table, const std::vector<BoundarySpec>& before) {
+  return readBoundary(table, "fixed " + std::to_string(before.size() + 1), before);
+}
+
+BoundarySpec readPrescribed(const TomlTable& table, const std::vector<BoundarySpec>& before) {
+  const auto moving = std::count_if(before.begin(), before.end(), [](const BoundarySpec& b) { return b.duration > 0; });
+  BoundarySpec boundary = readBoundary(table, "prescribed " + std::to_string(moving + 1), before);
+  readMotion(table, boundary);
+  return boundary;
+}
+
+}  // namespace palpate

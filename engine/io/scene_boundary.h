@@ -1,0 +1,21 @@
+#pragma once
+
+#include <vector>
+
+#include "io/toml_table.h"
+#include "simulation/scene.h"
+
+namespace palpate {
+
+/// The region that a table's keys choose.
+Region readRegion(const TomlTable& table);
+
+/// An entry of [[fixed]]. Throws InputError, as all three, with file:line:column.
+/// @param before  the boundaries read so far: they number the usual name ("fixed 2"), and no two
+///                may have the same name
+BoundarySpec readFixed(const TomlTable& table, const std::vector<BoundarySpec>& before);
+
+/// An entry of [[prescribed]]; those come after the fixed ones.
+BoundarySpec readPrescribed(const TomlTable& table, const std::vector<BoundarySpec>& before);
+
+}  // namespace palpate

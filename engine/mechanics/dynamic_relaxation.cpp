@@ -1,0 +1,31 @@
+#include "mechanics/dynamic_relaxation.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace palpate {
+
+void DynamicRelaxation::setLowestFrequency(double w0) {
+  const double root_k = std::max(1.0, 2 / (w0 * h_));
+  // Beyond 0.9995 rounding and the estimate's own error would decide; below 0.5 nothing is gained.
+  r_ = std::clamp((root_k - 1) / (root_k + 1), 0.5, 0.9995);
+}
+
+void DynamicRelaxation::observe(double work, double inertia) {
+  constexpr int needed = 20;
+  constexpr double agreement = 0.01;
+  if (!(work > 0) || !(inertia > 0)) return;
+  const double w2 = work / inertia;
+  agreeing_ = std::abs(w2 - w2_) < agreement * w2_ ? agreeing_ + 1 : 0;
+  if (agreeing_ == 0) w2_ = w2;
+  if (agreeing_ < needed) return;
+  agreeing_ = 0;
+  setLowestFrequency(std::sqrt(w2));
+}
+
+double DynamicRelaxation::remaining(double increment) const {
+  const double r = r_ + 0.2 * (1 - r_);
+  return increment * r / (1 - r);
+}
+
+}  // namespace palpate

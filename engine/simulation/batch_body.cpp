@@ -1,0 +1,90 @@
+#include "simulation/batch_body.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/float4.h"
+
+namespace palpate {
+
+BatchBody::BatchBody(const Model& model, const std::vector<double>& mass, int threads)
+    : u(model.X.size()),
+      du(model.X.size()),
+      f(model.X.size()),
+      model_(model),
+      team_(threads),
+      kernel_(makeKernelLayout<double>(model.point_shape, model.point_X, model.point_volume, model.point_material,
+                                       model.materials, model.nodeCount(), model.patches)),
+      kernel_scratch_(makeKernelScratch(kernel_)),
+      boundary_(makeEssentialBoundary<double>(model.essential, mass)),
+      boundary_scratch_(makeBoundaryScratch(boundary_)),
+      tool_(model.tool_start),
+      previous_tool_(model.tool_start),
+      contact_(makeContactState(model.skin, model.scene.tool)),
+      u_float_(model.X.size()),
+      du_float_(model.X.size()),
+      du_before_(model.X.size()) {
+  for (const double m : mass) {
+    inverse_mass_.push_back(1 / m);
+    inverse_mass_float_.push_back(static_cast<float>(1 / m));
+  }
+}
+
+ForceReport BatchBody::forces(const AlignedVector<Double4>& at, AlignedVector<Double4>& force) {
+  const ForceReport report = internalForces(kernel_, at.data(), kernel_scratch_, team_);
+  sumForces(kernel_, kernel_scratch_, 0, model_.nodeCount(), force.data());
+  return report;
+}
+
+void BatchBody::moveTool(const Pose& pose) {
+  has_tool_ = true;
+  tool_ = pose;
+}
+
+void BatchBody::contact(double alpha, Report& report) {
+  const auto toFloat = [](const Double4& a) {
+    return Float4{static_cast<float>(a.x), static_cast<float>(a.y), static_cast<float>(a.z), 0};
+  };
+  for (std::size_t i = 0; i < u.size(); ++i) {
+    u_float_[i] = toFloat(u[i]);
+    du_float_[i] = du_before_[i] = toFloat(du[i]);
+  }
+  findContactCandidates(model_.skin, u_float_.data(), model_.scene.tool, tool_,
+                        2 * largestTravel(model_.scene.tool, previous_tool_, tool_), contact_);
+  report.tool_force = solveContact(model_.skin, model_.scene.tool, tool_, previous_tool_, model_.scene.friction, alpha,
+                                   inverse_mass_float_.data(), u_float_.data(), du_float_.data(), contact_);
+  previous_tool_ = tool_;
+  for (std::size_t i = 0; i < u.size(); ++i)
+    store(du[i], load(du[i]) + __builtin_convertvector(load(du_float_[i]) - load(du_before_[i]), GroupOf<double>));
+}
+
+BatchBody::Report BatchBody::advance(double alpha, double beta, double time) {
+  Report report;
+  alpha_ = alpha;
+  const ForceReport forces_report = forces(u, f);
+  report.min_J = forces_report.min_J;
+  report.worst_point = forces_report.worst_point;
+  report.inverted_points = forces_report.inverted_points;
+  for (std::size_t i = 0; i < u.size(); ++i) store(du[i], beta * load(du[i]) + (alpha * inverse_mass_[i]) * load(f[i]));
+  if (has_tool_) contact(alpha, report);
+  imposeBoundary(boundary_, time, 0.0, alpha, inverse_mass_.data(), u.data(), du.data(), boundary_scratch_);
+  double largest = 0;
+  for (std::size_t i = 0; i < u.size(); ++i) {
+    const auto d = load(du[i]);
+    store(u[i], load(u[i]) + d);
+    const double d2 = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
+    report.finite &= std::isfinite(d2);
+    largest = std::max(largest, d2);
+  }
+  report.max_increment = std::sqrt(largest);
+  return report;
+}
+
+std::vector<Vec3> fieldAt(const ShapeTable& shape, const AlignedVector<Double4>& u) {
+  std::vector<Vec3> field(shape.rowCount(), Vec3::Zero());
+  for (int r = 0; r < shape.rowCount(); ++r)
+    for (int e = shape.begin[r]; e < shape.begin[r + 1]; ++e) field[r] += shape.N[e] * toVec3(u[shape.node[e]]);
+  return field;
+}
+
+}  // namespace palpate

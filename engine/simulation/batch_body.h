@@ -1,0 +1,84 @@
+#pragma once
+
+#include <functional>
+
+#include "base/spin_team.h"
+#include "contact/contact.h"
+#include "mechanics/internal_forces.h"
+#include "simulation/model.h"
+
+namespace palpate {
+
+/// A model that moves in double: what the batch solvers advance. The same kernel, boundary and contact as the
+/// real-time step's; the contact itself works in float on the way of the skin, which is all that it reads.
+class BatchBody {
+ public:
+  /// @param mass     kg (node_count); the model's own, or fictitious ones for a static solution
+  /// @param threads  the result does not depend on it
+  BatchBody(const Model& model, const std::vector<double>& mass, int threads);
+
+  struct Report {
+    double min_J = 1;
+    int worst_point = -1;
+    int inverted_points = 0;
+    double max_increment = 0;            // m
+    bool finite = true;
+    Vec3 tool_force = Vec3::Zero();      // N, on the tool
+  };
+
+  /// One step of paper eqs. 12 and 21-25, the boundaries then being where they are at `time`:
+  ///   f = -F_int(u);  du = beta du + alpha M^-1 f;  contact;  du += P (u_bar - Phi (u + du));  u += du
+  Report advance(double alpha, double beta, double time);
+
+  /// The tool's pose from the next step on; it goes there from where it was in that one step.
+  void moveTool(const Pose& pose);
+  /// The tool stands there already: no way leads to it.
+  void placeTool(const Pose& pose) {
+    moveTool(pose);
+    previous_tool_ = pose;
+  }
+  const Pose& toolPose() const { return tool_; }
+
+  /// Goes on from a saved state.
+  void restore(const AlignedVector<Double4>& displacement, const AlignedVector<Double4>& increment) {
+    u = displacement;
+    du = increment;
+  }
+
+  /// Internal forces at a displacement, N; `force` and the report's J.
+  ForceReport forces(const AlignedVector<Double4>& at, AlignedVector<Double4>& force);
+
+  const Model& model() const { return model_; }
+  const std::vector<Reaction>& reactions() const { return boundary_scratch_.reaction; }  // of the last step
+  /// Adds the force at each imposed node in the last step, N (node_count).
+  void addNodeReactions(std::vector<Vec3>& force) const {
+    palpate::addNodeReactions(boundary_, boundary_scratch_, alpha_, force);
+  }
+  const AlignedVector<double>& inverseMass() const { return inverse_mass_; }
+
+  AlignedVector<Double4> u;    // (node_count) displacement parameters, m
+  AlignedVector<Double4> du;   // (node_count) last increment, m
+  AlignedVector<Double4> f;    // (node_count) internal forces of the last step, N
+
+ private:
+  void contact(double alpha, Report& report);
+
+  const Model& model_;
+  SpinTeam team_;
+  KernelLayoutOf<double> kernel_;
+  KernelScratchOf<double> kernel_scratch_;
+  EssentialBoundaryOf<double> boundary_;
+  BoundaryScratchOf<double> boundary_scratch_;
+  AlignedVector<double> inverse_mass_;
+  AlignedVector<float> inverse_mass_float_;
+  double alpha_ = 1;            // of the last step, s^2
+  bool has_tool_ = false;       // a tool that was never moved is not there
+  Pose tool_, previous_tool_;
+  ContactState contact_;
+  AlignedVector<Float4> u_float_, du_float_, du_before_;
+};
+
+/// The displacement field at rows of a shape table, m: sum_i N_i u_i.
+std::vector<Vec3> fieldAt(const ShapeTable& shape, const AlignedVector<Double4>& u);
+
+}  // namespace palpate

@@ -1,0 +1,49 @@
+#include "simulation/solution_fields.h"
+
+#include "mechanics/internal_forces.h"
+
+namespace palpate {
+
+std::vector<Mat3> pointStresses(const Model& model, const std::vector<Vec3>& u, std::vector<Mat3>& F) {
+  const int points = model.pointCount();
+  F.resize(points);
+  std::vector<double> pressure(points);
+  for (int q = 0; q < points; ++q) {
+    F[q] = deformationGradient(model.point_shape, q, u);
+    pressure[q] = F[q].determinant() - 1;
+  }
+  if (!model.patches.empty())
+    pressure = patchPressure(model.patches, model.point_volume, pressure);
+  else
+    for (int q = 0; q < points; ++q) pressure[q] *= model.materials[model.point_material[q]].bulk_modulus;
+  std::vector<Mat3> P(points);
+  for (int q = 0; q < points; ++q) P[q] = model.materials[model.point_material[q]].firstPiola(F[q], pressure[q]);
+  return P;
+}
+
+SolutionFields solutionFields(const Model& model, const std::vector<Vec3>& u) {
+  SolutionFields fields;
+  fields.displacement.assign(model.nodeCount(), Vec3::Zero());
+  for (int i = 0; i < model.nodeCount(); ++i)
+    for (int e = model.node_shape.begin[i]; e < model.node_shape.begin[i + 1]; ++e)
+      fields.displacement[i] += model.node_shape.N[e] * u[model.node_shape.node[e]];
+
+  std::vector<Mat3> F;
+  const auto P = pointStresses(model, u, F);
+  std::vector<double> volume(model.cells.size(), 0);
+  fields.J.assign(model.cells.size(), 0);
+  fields.pressure = fields.von_mises = fields.J;
+  for (int q = 0; q < model.pointCount(); ++q) {
+    const int cell = model.point_cell[q];
+    const double V = model.point_volume[q], J = F[q].determinant();
+    volume[cell] += V;
+    fields.J[cell] += V * J;
+    fields.pressure[cell] -= V * (P[q] * F[q].transpose()).trace() / (3 * J);
+    fields.von_mises[cell] += V * vonMises(P[q], F[q]);
+  }
+  for (std::size_t c = 0; c < volume.size(); ++c)
+    for (auto* field : {&fields.J, &fields.pressure, &fields.von_mises}) (*field)[c] /= volume[c];
+  return fields;
+}
+
+}  // namespace palpate

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <vector>
+
+#include "simulation/model.h"
+
+namespace palpate {
+
+/// What a displaced body looks like, for results and pictures.
+struct SolutionFields {
+  std::vector<Vec3> displacement;  // (node_count) the field at the nodes, m: not the parameters
+  std::vector<double> J;           // (cell_count) mean over the cell's points
+  std::vector<double> pressure;    // (cell_count) -tr(sigma)/3 of the Cauchy stress, Pa; compression is positive
+  std::vector<double> von_mises;   // (cell_count) Pa
+};
+
+/// @param u  displacement parameters, m (node_count)
+SolutionFields solutionFields(const Model& model, const std::vector<Vec3>& u);
+
+/// First Piola-Kirchhoff stress at the integration points, Pa (point_count), with the volume law of the scene.
+/// @param F  receives the deformation gradients (point_count)
+std::vector<Mat3> pointStresses(const Model& model, const std::vector<Vec3>& u, std::vector<Mat3>& F);
+
+}  // namespace palpate

@@ -1,0 +1,159 @@
+#include "simulation/static_solver.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/float4.h"
+#include "mechanics/critical_time_step.h"
+#include "mechanics/lanczos.h"
+
+namespace palpate {
+namespace {
+
+/// Of the largest stable step: what is left is for the stiffening within one load step.
+constexpr double step_safety = 0.8;
+
+double diagonal(const std::vector<Vec3>& X) {
+  Eigen::AlignedBox3d box;
+  for (const auto& x : X) box.extend(x);
+  return box.diagonal().norm();
+}
+
+}  // namespace
+
+StaticSolver::StaticSolver(const Model& model, int threads, double tolerance)
+    : model_(model),
+      tolerance_(tolerance),
+      mass_(gershgorinRows(model.point_shape, model.point_volume, model.point_material, model.materials, model.X.size())),
+      body_(model, mass_, threads),
+      relaxation_(1.0),
+      size_(diagonal(model.X)),
+      probe_u_(model.X.size()),
+      probe_f_(model.X.size()) {
+  updateStep();
+}
+
+void StaticSolver::resume(double time, const AlignedVector<Double4>& u,
+                            const std::optional<Pose>& tool) {
+  time_ = time;
+  body_.restore(u, AlignedVector<Double4>(u.size()));
+  if (tool) body_.placeTool(*tool);
+  updateStep();
+}
+
+/// h = 2 / omega_max of the tangent at the present state, by differences of forces in double.
+void StaticSolver::updateStep() {
+  constexpr int iterations = 25;
+  constexpr double accuracy = 0.02;
+  const double reach = 1e-7 * size_;  // of the differences: rounding 1e-9, curvature below 1e-5
+  body_.forces(body_.u, body_.f);
+  const auto apply = [&](const Eigen::VectorXd& x, Eigen::VectorXd& y) {
+    double largest = 0;
+    for (std::size_t i = 0; i < mass_.size(); ++i) {
+      const double w = std::sqrt(body_.inverseMass()[i]);
+      for (int c = 0; c < 3; ++c) largest = std::max(largest, std::abs(w * x[static_cast<Eigen::Index>(3 * i) + c]));
+    }
+    const double scale = reach / largest;
+    for (std::size_t i = 0; i < mass_.size(); ++i) {
+      const double w = std::sqrt(body_.inverseMass()[i]);
+      probe_u_[i] = body_.u[i];
+      for (int c = 0; c < 3; ++c) (&probe_u_[i].x)[c] += scale * w * x[static_cast<Eigen::Index>(3 * i) + c];
+    }
+    body_.forces(probe_u_, probe_f_);
+    for (std::size_t i = 0; i < mass_.size(); ++i) {
+      const double w = std::sqrt(body_.inverseMass()[i]);
+      for (int c = 0; c < 3; ++c)
+        y[static_cast<Eigen::Index>(3 * i) + c] = -w * ((&probe_f_[i].x)[c] - (&body_.f[i].x)[c]) / scale;
+    }
+  };
+  const auto largest = largestEigenvalue(static_cast<Eigen::Index>(3 * mass_.size()), apply, iterations, accuracy);
+  relaxation_.setStep(caution_ * step_safety * 2 / std::sqrt(largest.value + largest.residual));
+}
+
+void StaticSolver::observeFrequency() {
+  double work = 0, inertia = 0;
+  for (std::size_t i = 0; i < mass_.size(); ++i)
+    for (int c = 0; c < 3; ++c) {
+      if (model_.imposed[i] & (1u << c)) continue;
+      const double way = (&body_.u[i].x)[c] - (&body_.du[i].x)[c] - (&u_reference_[i].x)[c];  // f is that of u - du
+      work -= way * ((&body_.f[i].x)[c] - (&f_reference_[i].x)[c]);
+      inertia += way * way * mass_[i];
+    }
+  relaxation_.observe(work, inertia);
+}
+
+StaticSolver::Outcome StaticSolver::relax(double time, const std::optional<Pose>& tool, int ramp, const Watch& watch,
+                                          Equilibrium& equilibrium) {
+  constexpr int calm_needed = 20;        // iterations below the tolerance in a row
+  constexpr int reference_interval = 200;
+  constexpr int watch_interval = 25;
+  const double from = time_;
+  const Pose tool_from = body_.toolPose();
+  int calm = 0;
+  for (int k = 1; k <= max_iterations; ++k) {
+    const double s = std::min(1.0, static_cast<double>(k) / ramp);
+    const double share = s * s * s * (10 + s * (-15 + 6 * s));
+    if (tool) {
+      Pose pose = *tool;
+      if (s < 1) {
+        pose.position = tool_from.position + share * (tool->position - tool_from.position);
+        pose.orientation = tool_from.orientation.slerp(share, tool->orientation).normalized();
+      }
+      body_.moveTool(pose);
+    }
+    const auto report = body_.advance(relaxation_.alpha(), relaxation_.beta(), from + share * (time - from));
+    ++equilibrium.iterations;
+    if (!report.finite || report.max_increment > 0.1 * size_) return Outcome::BlownUp;
+    equilibrium.min_J = report.min_J;
+    equilibrium.worst_point = report.worst_point;
+    equilibrium.inverted_points = report.inverted_points;
+    equilibrium.tool_force = report.tool_force;
+    if (k % reference_interval == 1) {
+      u_reference_ = body_.u;
+      for (std::size_t i = 0; i < u_reference_.size(); ++i) store(u_reference_[i], load(body_.u[i]) - load(body_.du[i]));
+      f_reference_ = body_.f;
+    } else {
+      observeFrequency();
+    }
+    equilibrium.error = relaxation_.remaining(report.max_increment);
+    if (k > ramp) {
+      double largest = 0;
+      if (k % watch_interval == 0 || calm > 0 || k == ramp + 1) {
+        for (const auto& a : body_.u) largest = std::max(largest, toVec3(a).squaredNorm());
+        equilibrium.largest = std::sqrt(largest);
+      }
+      calm = equilibrium.error <= tolerance_ * equilibrium.largest ? calm + 1 : 0;
+      if (calm >= calm_needed) return Outcome::Converged;
+    }
+    if (watch && k % watch_interval == 0 && !watch(equilibrium.iterations)) return Outcome::Interrupted;
+  }
+  return Outcome::Exhausted;
+}
+
+Equilibrium StaticSolver::advanceTo(double time, const std::optional<Pose>& tool, const Watch& watch) {
+  constexpr int attempts = 6;
+  Equilibrium equilibrium;
+  equilibrium.time = time;
+  const AlignedVector<Double4> u_before = body_.u;
+  const Pose tool_before = body_.toolPose();
+  for (int attempt = 0; attempt < attempts; ++attempt) {
+    // The load comes on within a few times what it takes the slowest mode to follow.
+    const int ramp = std::clamp(static_cast<int>(2 / (1 - relaxation_.convergenceRate())), 50, 2000) << attempt;
+    const Outcome outcome = relax(time, tool, ramp, watch, equilibrium);
+    if (outcome != Outcome::BlownUp) {
+      equilibrium.converged = outcome == Outcome::Converged;
+      equilibrium.interrupted = outcome == Outcome::Interrupted;
+      time_ = time;
+      updateStep();
+      return equilibrium;
+    }
+    body_.restore(u_before, AlignedVector<Double4>(u_before.size()));
+    if (tool) body_.placeTool(tool_before);
+    caution_ *= 0.5;
+    updateStep();
+  }
+  equilibrium.diverged = true;
+  return equilibrium;
+}
+
+}  // namespace palpate

@@ -1,0 +1,70 @@
+#pragma once
+
+#include <functional>
+#include <optional>
+
+#include "mechanics/dynamic_relaxation.h"
+#include "simulation/batch_body.h"
+
+namespace palpate {
+
+/// Where a static solution stands after one load step.
+struct Equilibrium {
+  double time = 0;             // s, of the load curves
+  int iterations = 0;          // of this load step, failed attempts included
+  double error = 0;            // m, estimated distance of the displacement parameters from equilibrium
+  double largest = 0;          // m, largest displacement parameter
+  bool converged = false;      // error was below the tolerance for 20 iterations in a row
+  bool interrupted = false;
+  bool diverged = false;       // no step was small enough; the state is that of the last equilibrium
+  double min_J = 1;
+  int worst_point = -1;        // with min J
+  int inverted_points = 0;
+  Vec3 tool_force = Vec3::Zero();  // N, on the tool
+};
+
+/// Follows the equilibria of a model under imposed motions and a tool by dynamic relaxation, with fictitious masses
+/// that give all nodes the same stable step (paper section 2.3). Times are those of the load curves; there is no inertia.
+///
+/// The stable step is taken from the largest eigenvalue of the tangent at each equilibrium, so that it follows
+/// the stiffening under compression. An iteration that blows up all the same is taken back and repeated with half
+/// the step and twice as gentle a load.
+class StaticSolver {
+ public:
+  /// @param tolerance  of the displacement, as a share of the largest
+  StaticSolver(const Model& model, int threads, double tolerance);
+
+  /// Called every few iterations with the load step's iterations so far; false interrupts.
+  using Watch = std::function<bool(int iterations)>;
+
+  /// Moves the load from where it is to `time`, then relaxes.
+  /// @param tool  pose at `time`; without, the tool is not there
+  Equilibrium advanceTo(double time, const std::optional<Pose>& tool = {}, const Watch& watch = {});
+
+  const BatchBody& body() const { return body_; }
+  double time() const { return time_; }
+  /// Goes on from a state that was saved.
+  void resume(double time, const AlignedVector<Double4>& u,
+              const std::optional<Pose>& tool);
+  double convergenceRate() const { return relaxation_.convergenceRate(); }
+
+  static constexpr int max_iterations = 50000;  // of one load step
+
+ private:
+  enum class Outcome { Converged, Exhausted, Interrupted, BlownUp };
+  Outcome relax(double time, const std::optional<Pose>& tool, int ramp, const Watch& watch, Equilibrium& equilibrium);
+  void updateStep();
+  void observeFrequency();
+
+  const Model& model_;
+  double tolerance_;
+  std::vector<double> mass_;     // fictitious, kg
+  BatchBody body_;
+  DynamicRelaxation relaxation_;
+  double time_ = 0;
+  double size_ = 0;              // m, of the body
+  double caution_ = 1;           // extra share of the stable step after a blow-up
+  AlignedVector<Double4> u_reference_, f_reference_, probe_u_, probe_f_;
+};
+
+}  // namespace palpate

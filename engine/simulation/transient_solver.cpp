@@ -1,0 +1,41 @@
+#include "simulation/transient_solver.h"
+
+#include <algorithm>
+
+namespace palpate {
+
+BatchBody::Report TransientSolver::tick(const std::optional<Pose>& tool) {
+  const double h = model_.dt, c = model_.scene.damping;
+  const double alpha = 2 * h * h / (2 + c * h), beta = (2 - c * h) / (2 + c * h);
+  const Pose from = body_.toolPose();
+  BatchBody::Report total;
+  for (int k = 1; k <= model_.substeps_per_tick; ++k) {
+    if (tool) {
+      const double s = static_cast<double>(k) / model_.substeps_per_tick;
+      Pose pose;
+      pose.position = from.position + s * (tool->position - from.position);
+      pose.orientation = from.orientation.slerp(s, tool->orientation).normalized();
+      body_.moveTool(pose);
+    }
+    ++step_;
+    const auto report = body_.advance(alpha, beta, time());
+    if (report.min_J < total.min_J) {
+      total.min_J = report.min_J;
+      total.worst_point = report.worst_point;
+    }
+    total.inverted_points = std::max(total.inverted_points, report.inverted_points);
+    total.max_increment = std::max(total.max_increment, report.max_increment);
+    total.finite = total.finite && report.finite;
+    total.tool_force = report.tool_force;
+  }
+  return total;
+}
+
+void TransientSolver::resume(std::int64_t step, const AlignedVector<Double4>& u, const AlignedVector<Double4>& du,
+                            const std::optional<Pose>& tool) {
+  step_ = step;
+  body_.restore(u, du);
+  if (tool) body_.placeTool(*tool);
+}
+
+}  // namespace palpate

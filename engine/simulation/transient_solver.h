@@ -1,0 +1,31 @@
+#pragma once
+
+#include <optional>
+
+#include "simulation/batch_body.h"
+
+namespace palpate {
+
+/// The physical motion of a model in double, by paper eq. 12 with its own masses and damping.
+class TransientSolver {
+ public:
+  TransientSolver(const Model& model, int threads) : model_(model), body_(model, model.mass, threads) {}
+
+  /// One tick (model.substeps_per_tick steps of model.dt); the worst that its steps saw, and the last one's force.
+  /// @param tool  pose at the tick's end; without, the tool is not there
+  BatchBody::Report tick(const std::optional<Pose>& tool = {});
+
+  const BatchBody& body() const { return body_; }
+  double time() const { return static_cast<double>(step_) * model_.dt; }
+  /// Goes on from a state that was saved.
+  void resume(std::int64_t step, const AlignedVector<Double4>& u, const AlignedVector<Double4>& du,
+              const std::optional<Pose>& tool);
+  std::int64_t step() const { return step_; }
+
+ private:
+  const Model& model_;
+  BatchBody body_;
+  std::int64_t step_ = 0;
+};
+
+}  // namespace palpate

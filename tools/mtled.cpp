@@ -1,0 +1,54 @@
+// mtled: solves scenes in batch and verifies the solver against the paper and independent references.
+#include <CLI/CLI.hpp>
+#include <exception>
+#include <iostream>
+
+#include "app/interrupt.h"
+#include "base/build_info.h"
+#include "base/input_error.h"
+#include "mtled/solve_command.h"
+
+namespace {
+
+constexpr int failed = 1, unusable_input = 2;
+
+const char* const examples = R"(Examples:
+  mtled solve assets/scenes/box_extension.toml --out /tmp/box    the equilibria on the way, for ParaView too
+  mtled solve liver --tool assets/tools/indent.toml              the tool's way, quasi-static
+
+Exit codes: 0 done, 1 failed, not converged or interrupted (what there is is kept), 2 bad option or scene.)";
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  using namespace palpate;
+  CLI::App app{"mtled: meshless total-Lagrangian explicit dynamics in batch."};
+  app.footer(examples);
+  app.set_version_flag("--version", buildInfo());
+  app.require_subcommand(1);
+
+  SolveOptions solve;
+  CLI::App* solve_app = app.add_subcommand("solve", "Solve a scene as its [solve] table says");
+  solve_app->add_option("SCENE", solve.scene, "Scene file (.toml), or the name of one in assets/scenes")->required();
+  solve_app->add_option("--out", solve.out, "Folder for the results (out/<scene>)")->type_name("DIR");
+  solve_app->add_option("--tool", solve.tool_script, "Move the tool as a script says")->type_name("SCRIPT");
+  solve_app->add_option("--threads", solve.threads, "Threads (one per core)")->type_name("N")->check(CLI::Range(1, 64));
+  solve_app->add_flag("--resume", solve.resume, "Go on from the folder's checkpoint.bin");
+
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    const int code = app.exit(error);
+    return code == 0 ? 0 : unusable_input;
+  }
+  catchInterrupts();
+  try {
+    return solveCommand(solve);
+  } catch (const InputError& error) {
+    std::cerr << "mtled: " << error.what() << std::endl;
+    return unusable_input;
+  } catch (const std::exception& error) {
+    std::cerr << "mtled: " << error.what() << std::endl;
+    return failed;
+  }
+}

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "base/types.h"
+
+namespace palpate {
+
+/// Where a solution stood when it was saved.
+struct Checkpoint {
+  std::uint64_t model_hash = 0;  // modelHash of the model that it belongs to
+  std::int64_t position = 0;     // load steps done, or time steps of a transient solution
+  std::int64_t rows = 0;         // of force.csv
+  std::vector<double> frame_time; // (frame_count) s, of the VTU files written
+  AlignedVector<Double4> u, du;  // (node_count) m
+};
+
+/// Whole or not at all. Throws std::runtime_error that names the file and the reason.
+void writeCheckpoint(const std::string& path, const Checkpoint& checkpoint);
+
+/// Throws InputError where the file is missing, cut short, damaged, or of another model.
+Checkpoint readCheckpoint(const std::string& path, std::uint64_t model_hash, std::size_t node_count);
+
+}  // namespace palpate

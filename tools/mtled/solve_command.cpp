@@ -1,0 +1,306 @@
+#include "mtled/solve_command.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <iostream>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <thread>
+
+#include "app/interrupt.h"
+#include "app/options.h"
+#include "approximation/shape_functions.h"
+#include "base/build_info.h"
+#include "io/csv_table.h"
+#include "io/load_model.h"
+#include "io/output_file.h"
+#include "io/probes_file.h"
+#include "io/result_csv.h"
+#include "io/scene_file.h"
+#include "io/tool_script.h"
+#include "io/vtu_file.h"
+#include "mtled/checkpoint.h"
+#include "mtled/progress.h"
+#include "realtime/recording.h"
+#include "simulation/solution_fields.h"
+#include "simulation/static_solver.h"
+#include "simulation/transient_solver.h"
+
+namespace palpate {
+namespace {
+
+using Seconds = std::chrono::duration<double>;
+
+/// Time after which nothing moves any more, s.
+double endTime(const Scene& scene, const std::optional<ToolScript>& script) {
+  if (scene.solve.end_time > 0) return scene.solve.end_time;
+  double end = script ? script->duration() : 0;
+  for (const auto& b : scene.boundaries) end = std::max({end, b.duration, b.curve.time.empty() ? 0 : b.curve.time.back()});
+  if (end <= 0)
+    throw InputError(scene.solve.place.file.empty() ? scene.place : scene.solve.place,
+                     "nothing moves in this scene, so there is no time to solve to",
+                     "add a [[prescribed]] motion or --tool SCRIPT, or set end_time in [solve]");
+  return end;
+}
+
+/// Everything that a solution leaves in its folder.
+class Results {
+ public:
+  Results(const Model& model, const std::string& folder, double end, bool resume)
+      : model_(model), folder_(folder), end_(end) {
+    std::error_code error;
+    std::filesystem::create_directories(folder, error);
+    if (error) throw std::runtime_error(folder + ": " + error.message());
+    if (!model.scene.solve.probes_file.empty()) {
+      const auto place = model.scene.places.find("solve.probes");
+      probes_ = readProbes(model.scene.solve.probes_file, place == model.scene.places.end() ? Place{} : place->second);
+      const Neighbours neighbours(model.X, model.support_radius);
+      std::vector<InadmissibleSupport> failed;
+      probe_shape_ = shapeFunctions(probes_.X, model.X, model.support_radius, neighbours,
+                                    {model.scene.basis_degree, model.scene.mu}, failed);
+      if (!failed.empty())
+        throw InputError({model.scene.solve.probes_file, probes_.table.line[failed.front().row]},
+                         "this point lies outside the body", "move it inside, or leave it out");
+    }
+    std::vector<std::string> columns{"time_s", "error_m", "iterations", "min_J", "inverted_points"};
+    for (const auto& b : model.scene.boundaries)
+      for (const char* part : {"_fx_N", "_fy_N", "_fz_N", "_mx_Nm", "_my_Nm", "_mz_Nm"}) columns.push_back(b.name + part);
+    for (const char* part : {"tool_fx_N", "tool_fy_N", "tool_fz_N"}) columns.emplace_back(part);
+    std::vector<std::vector<double>> kept;
+    if (resume) {
+      checkpoint_ = readCheckpoint(checkpointFile(), modelHash(model), model.X.size());
+      const CsvTable earlier = readCsvTable(forceFile());
+      if (earlier.name != columns || static_cast<std::int64_t>(earlier.rowCount()) < checkpoint_.rows)
+        throw InputError({forceFile()}, "this file does not belong to the checkpoint", "start without --resume");
+      for (std::int64_t r = 0; r < checkpoint_.rows; ++r) {
+        kept.emplace_back();
+        for (const auto& column : earlier.column) kept.back().push_back(column[static_cast<std::size_t>(r)]);
+      }
+    }
+    force_ = std::make_unique<ResultCsv>(forceFile(), columns);
+    for (const auto& row : kept) force_->add(row);
+    for (std::size_t k = 0; k < checkpoint_.frame_time.size(); ++k) pvd_.push_back({checkpoint_.frame_time[k], frameName(k)});
+  }
+
+  const Checkpoint& checkpoint() const { return checkpoint_; }
+
+  /// One equilibrium or tick, with a frame when its time has come. @param position  for a resumed run
+  void add(std::int64_t position, double time, double error, int iterations, double min_J, int inverted, const BatchBody& body,
+           const Vec3& tool_force) {
+    std::vector<double> row{time, error, static_cast<double>(iterations), min_J, static_cast<double>(inverted)};
+    for (const auto& r : body.reactions())
+      for (const Vec3& v : {r.force, r.moment}) row.insert(row.end(), v.data(), v.data() + 3);
+    row.insert(row.end(), tool_force.data(), tool_force.data() + 3);
+    force_->add(row);
+    ++checkpoint_.rows;
+    checkpoint_.position = position;
+    last_row_ = std::move(row);
+    const int frames = model_.scene.solve.frames;
+    if (time >= end_ * static_cast<double>(checkpoint_.frame_time.size() + 1) / frames * (1 - 1e-9)) addFrame(time, body);
+    if (Clock::now() - saved_ > std::chrono::seconds(10)) save(body);
+  }
+
+  /// The present state's probes, checkpoint and report. @param outcome  more members of the report
+  void finish(const BatchBody& body, nlohmann::json outcome) {
+    force_->finish();
+    save(body);
+    if (!probes_.X.empty()) {
+      ResultCsv csv(folder_ + "/probes.csv", {"X", "Y", "Z", "ux", "uy", "uz"});
+      const auto u = fieldAt(probe_shape_, body.u);
+      for (std::size_t k = 0; k < u.size(); ++k)
+        csv.add(std::vector<double>{probes_.X[k].x(), probes_.X[k].y(), probes_.X[k].z(), u[k].x(), u[k].y(), u[k].z()});
+      csv.finish();
+    }
+    nlohmann::json reactions;
+    for (std::size_t b = 0; b < model_.scene.boundaries.size() && b < body.reactions().size(); ++b) {
+      const auto& r = body.reactions()[b];
+      reactions[model_.scene.boundaries[b].name] = {{"force_N", {r.force.x(), r.force.y(), r.force.z()}},
+                                                    {"moment_Nm", {r.moment.x(), r.moment.y(), r.moment.z()}}};
+    }
+    outcome.update({{"scene", model_.scene.name},
+                    {"nodes", model_.nodeCount()},
+                    {"integration_points", model_.pointCount()},
+                    {"mean_support", model_.point_shape.meanSupport()},
+                    {"rows", checkpoint_.rows},
+                    {"frames", checkpoint_.frame_time.size()},
+                    {"reactions", reactions},
+                    {"setup_seconds", model_.setup_seconds},
+                    {"build", buildInfo()}});
+    if (!last_row_.empty()) {
+      outcome["time_s"] = last_row_[0];
+      outcome["min_J"] = last_row_[3];
+      outcome["inverted_points"] = last_row_[4];
+    }
+    writeWholeFile(folder_ + "/report.json", outcome.dump(2) + "\n");
+  }
+
+  void print() const {
+    std::cout << "force curve  " << forceFile() << "\nParaView     " << folder_ << "/solution.pvd\nreport       " << folder_
+              << "/report.json\n";
+    if (!probes_.X.empty()) std::cout << "probes       " << folder_ << "/probes.csv\n";
+    std::cout.flush();
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  std::string forceFile() const { return folder_ + "/force.csv"; }
+  std::string checkpointFile() const { return folder_ + "/checkpoint.bin"; }
+  static std::string frameName(std::size_t k) {
+    char name[32];
+    std::snprintf(name, sizeof name, "solution_%04d.vtu", static_cast<int>(k));
+    return name;
+  }
+  void addFrame(double time, const BatchBody& body) {
+    std::vector<Vec3> u;
+    for (const auto& a : body.u) u.push_back(toVec3(a));
+    const SolutionFields fields = solutionFields(model_, u);
+    std::vector<Vec3> reaction(model_.X.size(), Vec3::Zero());
+    body.addNodeReactions(reaction);
+    const std::vector<VtuField> at_nodes{vtuVectors("displacement_m", fields.displacement), vtuVectors("reaction_N", reaction)};
+    const std::vector<VtuField> in_cells{{"J", fields.J}, {"von_Mises_Pa", fields.von_mises}, {"pressure_Pa", fields.pressure}};
+    const std::string name = frameName(checkpoint_.frame_time.size());
+    writeVtu(folder_ + "/" + name, model_.X, model_.cells, at_nodes, in_cells);
+    pvd_.push_back({time, name});
+    writePvd(folder_ + "/solution.pvd", pvd_);
+    checkpoint_.frame_time.push_back(time);
+  }
+
+  void save(const BatchBody& body) {
+    checkpoint_.model_hash = modelHash(model_);
+    checkpoint_.u = body.u;
+    checkpoint_.du = body.du;
+    writeCheckpoint(checkpointFile(), checkpoint_);
+    saved_ = Clock::now();
+  }
+
+  const Model& model_;
+  std::string folder_;
+  double end_;
+  Probes probes_;
+  ShapeTable probe_shape_;
+  std::unique_ptr<ResultCsv> force_;
+  std::vector<double> last_row_;
+  std::vector<PvdFrame> pvd_;
+  Checkpoint checkpoint_;
+  Clock::time_point saved_ = Clock::now();
+};
+
+struct Task {
+  const Model& model;
+  const std::optional<ToolScript>& script;
+  double end;
+  int threads;
+  bool resume;
+
+  std::optional<Pose> tool(double time) const {
+    if (!script) return {};
+    return poseAt(*script, model.tool_start, model.touch_travel, time);
+  }
+};
+
+int solveStatic(const Task& task, Results& results) {
+  const auto start = std::chrono::steady_clock::now();
+  const SolveSpec& spec = task.model.scene.solve;
+  StaticSolver solver(task.model, task.threads, spec.tolerance);
+  if (task.resume)
+    solver.resume(task.end * static_cast<double>(results.checkpoint().position) / spec.load_steps, results.checkpoint().u,
+                  task.tool(task.end * static_cast<double>(results.checkpoint().position) / spec.load_steps));
+  ProgressLine progress("solve");
+  int iterations = 0;
+  Equilibrium e;
+  e.converged = true;
+  for (auto k = static_cast<int>(results.checkpoint().position) + 1; k <= spec.load_steps; ++k) {
+    const auto watch = [&](int of_step) {
+      // A load step takes a few hundred iterations; the bar moves within it, and never past it.
+      const double within = 1 - std::exp(-of_step / 400.0);
+      progress.show((k - 1 + within) / spec.load_steps,
+                    "load step " + std::to_string(k) + " of " + std::to_string(spec.load_steps) + ", iteration " + std::to_string(of_step));
+      return !interrupted();
+    };
+    const double time = task.end * k / spec.load_steps;
+    e = solver.advanceTo(time, task.tool(time), watch);
+    iterations += e.iterations;
+    if (e.interrupted || e.diverged) break;
+    results.add(k, time, e.error, e.iterations, e.min_J, e.inverted_points, solver.body(), e.tool_force);
+    if (!e.converged) break;
+  }
+  results.finish(solver.body(), {{"mode", "static"},
+                                 {"converged", e.converged},
+                                 {"diverged", e.diverged},
+                                 {"interrupted", e.interrupted},
+                                 {"iterations", iterations},
+                                 {"error_estimate_m", e.error},
+                                 {"solve_seconds", Seconds(std::chrono::steady_clock::now() - start).count()}});
+  if (e.diverged) {
+    std::cerr << "mtled: the load step to " << e.time << " s diverged; the results end before it. More load_steps in [solve], "
+              << "a coarser spacing or less motion may help\n";
+  } else if (!e.converged && !e.interrupted) {
+    std::cerr << "mtled: no equilibrium within the tolerance at " << e.time << " s after " << StaticSolver::max_iterations
+              << " iterations; the last row of force.csv is not at rest\n";
+  }
+  if (e.interrupted) std::cerr << "mtled: interrupted; --resume goes on from the last load step\n";
+  return e.converged && !e.diverged && !e.interrupted ? 0 : 1;
+}
+
+int solveTransient(const Task& task, Results& results) {
+  const auto start = std::chrono::steady_clock::now();
+  TransientSolver solver(task.model, task.threads);
+  if (task.resume)
+    solver.resume(results.checkpoint().position, results.checkpoint().u, results.checkpoint().du,
+                  task.tool(static_cast<double>(results.checkpoint().position) * task.model.dt));
+  ProgressLine progress("solve");
+  const double tick = 1 / task.model.scene.rate_hz;
+  const auto ticks = static_cast<std::int64_t>(std::ceil(task.end / tick - 1e-9));
+  bool stopped = false, diverged = false;
+  for (std::int64_t k = solver.step() / task.model.substeps_per_tick + 1; k <= ticks && !stopped && !diverged; ++k) {
+    const auto report = solver.tick(task.tool(static_cast<double>(k) * tick));
+    diverged = !report.finite || report.max_increment > task.model.max_increment;
+    if (!diverged)
+      results.add(solver.step(), solver.time(), NAN, task.model.substeps_per_tick, report.min_J, report.inverted_points,
+                  solver.body(), report.tool_force);
+    char detail[64];
+    std::snprintf(detail, sizeof detail, "%.4g of %.4g s", solver.time(), task.end);
+    progress.show(static_cast<double>(k) / static_cast<double>(ticks), detail);
+    stopped = interrupted();
+  }
+  results.finish(solver.body(), {{"mode", "transient"},
+                                 {"diverged", diverged},
+                                 {"interrupted", stopped},
+                                 {"dt_s", task.model.dt},
+                                 {"dt_critical_s", task.model.dt_critical},
+                                 {"steps", solver.step()},
+                                 {"solve_seconds", Seconds(std::chrono::steady_clock::now() - start).count()}});
+  if (diverged)
+    std::cerr << "mtled: the motion blew up at " << solver.time() << " s (step " << task.model.dt << " s, stable at rest to "
+              << task.model.dt_critical << " s); lower dynamics.step_safety\n";
+  if (stopped) std::cerr << "mtled: interrupted; --resume goes on\n";
+  return diverged || stopped ? 1 : 0;
+}
+
+}  // namespace
+
+int solveCommand(const SolveOptions& options) {
+  const Scene scene = readScene(findScene(options.scene, std::string(PALPATE_SOURCE_DIR) + "/assets/scenes"));
+  std::optional<ToolScript> script;
+  if (!options.tool_script.empty()) script = readToolScript(options.tool_script, scene.tool.radius);
+  const double end = endTime(scene, script);
+  std::unique_ptr<Model> model;
+  {
+    ProgressLine progress("set-up");
+    model = std::make_unique<Model>(loadModel(scene, [&](const std::string& what, double fraction) { progress.show(fraction, what); }));
+  }
+  const int cores = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  Results results(*model, options.out.empty() ? "out/" + scene.name : options.out, end, options.resume);
+  std::cout << scene.name << ": " << model->nodeCount() << " nodes, " << model->pointCount() << " integration points, set up in "
+            << model->setup_seconds << " s" << std::endl;
+  const Task task{*model, script, end, options.threads > 0 ? options.threads : cores, options.resume};
+  const int code = scene.solve.mode == SolveSpec::Mode::Static ? solveStatic(task, results) : solveTransient(task, results);
+  results.print();
+  return code;
+}
+
+}  // namespace palpate
