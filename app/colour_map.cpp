@@ -55,6 +55,16 @@ const char* quantityName(ColourMap map) {
   return "";
 }
 
+ColourUnit unitOf(ColourMap map, double largest) {
+  switch (map) {
+    case ColourMap::Displacement: return {"mm", 1e3};
+    case ColourMap::VonMises: return largest >= 2e3 ? ColourUnit{"kPa", 1e-3} : ColourUnit{"Pa", 1};
+    case ColourMap::J:
+    case ColourMap::Tissue: break;
+  }
+  return {"", 1};
+}
+
 Vec3f colourOf(ColourMap map, double t) {
   const float s = static_cast<float>(std::clamp(t, 0.0, 1.0));
   if (map == ColourMap::Tissue) return Vec3f::Constant(0.5F);

@@ -16,6 +16,15 @@ struct ColourScale {
 /// "Displacement", "Von Mises stress", ...
 const char* quantityName(ColourMap map);
 
+/// A unit for a scale's numbers, and how many of it an SI unit is.
+struct ColourUnit {
+  const char* name;
+  double per_si;
+};
+
+/// The unit in which numbers up to `largest` (m, Pa or 1) read well.
+ColourUnit unitOf(ColourMap map, double largest);
+
 /// Colour of the relative value t, 0..1 (clamped), sRGB-encoded 0..1. Displacement and
 /// von Mises stress: dark violet to pale yellow with evenly rising lightness; J: blue
 /// (compressed) over near-white (t = 0.5) to red (expanded). Tissue has no scale: grey.

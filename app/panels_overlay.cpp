@@ -12,22 +12,6 @@ namespace palpate {
 
 namespace {
 
-struct Unit {
-  const char* name;
-  double per_si;
-};
-
-/// The unit in which numbers up to `largest` read well.
-Unit unitOf(ColourMap map, double largest) {
-  switch (map) {
-    case ColourMap::Displacement: return {"mm", 1e3};
-    case ColourMap::VonMises: return largest >= 2e3 ? Unit{"kPa", 1e-3} : Unit{"Pa", 1};
-    case ColourMap::J:
-    case ColourMap::Tissue: break;
-  }
-  return {"", 1};
-}
-
 ImU32 packed(const Vec3f& c) { return ImGui::ColorConvertFloat4ToU32({c.x(), c.y(), c.z(), 1}); }
 
 struct HelpLine {
@@ -88,7 +72,7 @@ void drawLegend(const Theme& theme, const ColourScale& scale, const Rect& view) 
   draw->AddRectFilled(corner, {corner.x + width, corner.y + height}, IM_COL32(22, 26, 32, 200), 8 * s);
 
   ImGui::PushFont(theme.small);
-  const Unit unit = unitOf(scale.map, std::max(std::abs(scale.min), std::abs(scale.max)));
+  const ColourUnit unit = unitOf(scale.map, std::max(std::abs(scale.min), std::abs(scale.max)));
   const std::string title =
       unit.name[0] != '\0' ? format("%s, %s", quantityName(scale.map), unit.name) : quantityName(scale.map);
   const float title_width = ImGui::CalcTextSize(title.c_str()).x;

@@ -33,22 +33,24 @@ constexpr double key_elevation_deg = 52;
 constexpr float patterns_per_radius = 0.62F;  // repeats of the tissue's coarse unevenness
 constexpr int colour_count = 256;
 
-Vec3 keyDirection(const Scene& scene) {
-  const double a = (scene.camera_azimuth_deg + key_azimuth_from_camera_deg) * degree, e = key_elevation_deg * degree;
+Vec3 keyDirection(double camera_azimuth_deg) {
+  const double a = (camera_azimuth_deg + key_azimuth_from_camera_deg) * degree, e = key_elevation_deg * degree;
   return {std::cos(e) * std::cos(a), std::cos(e) * std::sin(a), std::sin(e)};
 }
 
-/// Where things stand at rest; what camera, light and ground are laid out around.
+/// Where things stand; what camera, light and ground are laid out around.
 struct Extent {
   Vec3 centre = Vec3::Zero(), ground = Vec3::Zero();  // m
   double radius = 0;                                  // m
 
-  explicit Extent(const TriangleSurface& surface) {
+  /// @param positions  the skin's vertices, m
+  template <class Position>
+  explicit Extent(const std::vector<Position>& positions) {
     Eigen::AlignedBox3d box;
-    for (const Vec3& X : surface.vertices) box.extend(X);
+    for (const Position& x : positions) box.extend(x.template cast<double>());
     if (box.isEmpty()) return;
     centre = box.center();
-    for (const Vec3& X : surface.vertices) radius = std::max(radius, (X - centre).norm());
+    for (const Position& x : positions) radius = std::max(radius, (x.template cast<double>() - centre).norm());
     // A hair below the lowest point, so that a flat base does not fight with the ground.
     ground = {centre.x(), centre.y(), box.min().z() - 2e-3 * radius};
   }
@@ -83,7 +85,8 @@ struct Renderer::Parts {
   void releaseState() const;
 
   const Model& model;
-  Extent extent;
+  const Extent rest;
+  Extent extent;  // at rest; of the present shape where it stands alone on paper
   Vec3 key;
 
   SkinMesh skin;
@@ -119,8 +122,9 @@ void fillColours(GLuint texture, ColourMap map) {
 
 Renderer::Parts::Parts(const Model& the_model, const std::string& shader_dir)
     : model(the_model),
-      extent(model.skin.surface),
-      key(keyDirection(model.scene)),
+      rest(model.skin.surface.vertices),
+      extent(rest),
+      key(keyDirection(model.scene.camera_azimuth_deg)),
       skin(model),
       skin_buffers(skin),
       tool_buffers(toolMesh(model.scene.tool)),
@@ -150,10 +154,12 @@ void Renderer::Parts::fillFrame(const Snapshot& snapshot, const View& view, int 
   const double handle_end = toolHandleEnd(tool);
   frame.tool_begin = with(snapshot.tool_pose.toWorld({0, 0, tool.radius}), view.show_tool ? tool.radius : 0);
   frame.tool_end = with(snapshot.tool_pose.toWorld({0, 0, handle_end}), view.show_fixed ? 1 : 0);
-  frame.ground = with(extent.ground, extent.radius);
+  // On paper nothing lies under the body that would take light from it.
+  frame.ground = with(view.show_room ? extent.ground : Vec3(extent.ground - 100 * extent.radius * Vec3::UnitZ()),
+                      extent.radius);
   frame.picture = {static_cast<float>(width), static_cast<float>(height), view.pixel_ratio,
-                   view.colour_map == ColourMap::Tissue ? 0.0F : 1.0F};
-  frame.tissue = with(model.scene.tissue_colour, patterns_per_radius / extent.radius);
+                   view.colour_map == ColourMap::Tissue ? 0.0F : view.show_room ? 1.0F : 2.0F};
+  frame.tissue = with(model.scene.tissue_colour, patterns_per_radius / rest.radius);
   glBindBuffer(GL_UNIFORM_BUFFER, frame_buffer);
   glBufferData(GL_UNIFORM_BUFFER, sizeof frame, &frame, GL_STREAM_DRAW);
   glBindBuffer(GL_UNIFORM_BUFFER, 0);
@@ -195,6 +201,11 @@ void Renderer::Parts::drawPicture(const Snapshot& snapshot, const View& view) {
     tool_program.use();
     glUniformMatrix4fv(tool_place, 1, GL_FALSE, place.data());
     tool_buffers.draw();
+  }
+  if (!view.show_room) {
+    glDisable(GL_CULL_FACE);
+    glDepthFunc(GL_LEQUAL);
+    return;
   }
   glBindVertexArray(no_vertices);
   ground_program.use();
@@ -239,11 +250,14 @@ ColourScale Renderer::draw(const Snapshot& snapshot, const View& view, int frame
 
   const ColourScale scale = parts.skin.update(snapshot, view);
   parts.skin_buffers.update(parts.skin);
+  parts.extent = view.show_room ? parts.rest : Extent(parts.skin.positions());
+  parts.key = keyDirection(view.light_azimuth_deg.value_or(parts.model.scene.camera_azimuth_deg));
 
   glEnable(GL_DEPTH_TEST);
   parts.drawShadows(snapshot, view);
   parts.fillFrame(snapshot, view, framebuffer_width, framebuffer_height);
   parts.target.bind(framebuffer_width, framebuffer_height);
+  if (!view.show_room) glClearColor(1, 1, 1, 1);
   glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
   parts.bindTextures(view);
   parts.drawPicture(snapshot, view);
@@ -254,8 +268,8 @@ ColourScale Renderer::draw(const Snapshot& snapshot, const View& view, int frame
 }
 
 const std::vector<Vec3f>& Renderer::skinPositions() const { return parts_->skin.positions(); }
-Vec3 Renderer::centre() const { return parts_->extent.centre; }
-double Renderer::radius() const { return parts_->extent.radius; }
+Vec3 Renderer::centre() const { return parts_->rest.centre; }
+double Renderer::radius() const { return parts_->rest.radius; }
 
 std::string findShaderDir() {
   namespace fs = std::filesystem;

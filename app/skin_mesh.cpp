@@ -100,7 +100,10 @@ ColourScale SkinMesh::update(const Snapshot& snapshot, const View& view) {
   updateNormals();
   updateCavities();
   updateContact(snapshot);
-  const std::vector<float> values = skinValues(model_, snapshot.u, positions_, view.colour_map, snapshot.materials);
+  const std::vector<float> values =
+      view.node_values != nullptr
+          ? skinAverages(model_, *view.node_values)
+          : skinValues(model_, snapshot.u, positions_, view.colour_map, snapshot.materials);
   ColourScale scale = automaticScale(values, view.colour_map);
   if (!view.colour_auto && view.colour_map != ColourMap::Tissue && view.colour_max > view.colour_min) {
     scale.min = view.colour_min;

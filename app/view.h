@@ -1,5 +1,8 @@
 #pragma once
 
+#include <optional>
+#include <vector>
+
 #include "app/camera.h"
 #include "app/colour_map.h"
 #include "base/types.h"
@@ -14,6 +17,7 @@ struct View {
   bool colour_auto = true;          // range from the field's present values; else the two below
   double colour_min = 0;            // m, Pa or 1, as the map's quantity
   double colour_max = 1;
+  const std::vector<float>* node_values = nullptr;  // (node_count) shown in place of the map's own field, in its colours
 
   bool show_tool = true;
   bool show_nodes = false;
@@ -25,6 +29,9 @@ struct View {
 
   int pulled_vertex = -1;           // skin vertex that a spring pulls; -1: none
   Vec3 pull_target = Vec3::Zero();  // m
+
+  bool show_room = true;            // backdrop and ground; else the body on white paper
+  std::optional<double> light_azimuth_deg = {};  // of the key light; else beside the scene's first camera
 
   float pixel_ratio = 1;            // framebuffer pixels per screen unit: sizes of points and lines
 };

@@ -25,7 +25,7 @@ vec3 hatched(vec3 albedo, float fixed_share) {
 }
 
 void main() {
-  bool field = picture.w > 0.5;
+  bool field = picture.w > 0.5, printed = picture.w > 1.5;
   vec3 smooth_n = normalize(n);
   vec3 to_eye = normalize(eye.xyz - p);
 
@@ -46,7 +46,7 @@ void main() {
 
   float hollow = clamp(1.0 - 0.55 * trait.z, 0.45, 1.12);
   float open = toolOcclusion(p, smooth_n) * groundOcclusion(p, smooth_n) * hollow;
-  float visible = keyVisible(p, smooth_n);
+  float visible = printed ? 1.0 : keyVisible(p, smooth_n);
 
   float facing_key = dot(mix(smooth_n, rough_n, 0.5), key.xyz);
   vec3 key_light = clamp((facing_key + creep) / (1.0 + creep), 0.0, 1.0);
@@ -55,6 +55,10 @@ void main() {
   float facing_rim = clamp(dot(smooth_n, rimDirection()), 0.0, 1.0);
   vec3 light = key_colour * key_light * visible_under + rim_colour * facing_rim * open + ambientLight(smooth_n) * open;
   if (field) light = mix(vec3(dot(light, vec3(1.0 / 3.0))), vec3(1.0), 0.25) * 0.85;
+  if (printed) {  // colours are compared with a bar beside them: just enough light and shade to see the shape
+    colour = vec4(srgb(toneMap(albedo * mix(vec3(1.12), light, 0.52))), 1.0);
+    return;
+  }
 
   // The wet film: a sharp reflection of the room over a broad sheen of the tissue below.
   vec3 mirrored = reflect(-to_eye, rough_n);
