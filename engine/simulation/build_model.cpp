@@ -161,22 +161,23 @@ std::vector<ImposedNode> chooseImposed(const Scene& scene, const NodeCloud& clou
   return imposed;
 }
 
-/// Shape functions at integration points, skin vertices and nodes, over supports that are enlarged where
-/// they must be.
+/// Shape functions at integration points, skin vertices, nodes and samples of the boundary, over supports that
+/// are enlarged where they must be.
 struct Approximation {
   std::vector<double> radius;
-  ShapeTable points, skin, nodes;
+  ShapeTable points, skin, nodes, boundary;
 };
 
 Approximation approximate(const Scene& scene, const std::vector<Vec3>& X, std::vector<double> radius,
-                          const std::vector<Vec3>& point_X, const std::vector<Vec3>& skin_X) {
+                          const std::vector<Vec3>& point_X, const std::vector<Vec3>& skin_X,
+                          const std::vector<Vec3>& boundary_X) {
   constexpr int max_enlargements = 8;  // 1.15^8: a radius grows at most threefold
   const MmlsOptions options{scene.basis_degree, scene.mu};
   Approximation a;
   for (int attempt = 0;; ++attempt) {
     const Neighbours neighbours(X, radius);
     const std::pair<const std::vector<Vec3>*, ShapeTable*> parts[] = {
-        {&point_X, &a.points}, {&skin_X, &a.skin}, {&X, &a.nodes}};
+        {&point_X, &a.points}, {&skin_X, &a.skin}, {&X, &a.nodes}, {&boundary_X, &a.boundary}};
     bool admissible = true;
     std::vector<double> enlarged = radius;
     for (const auto& [at, table] : parts) {
@@ -269,12 +270,14 @@ Model buildModel(const Scene& scene, const TriangleSurface& organ, const Progres
   for (const auto& node : imposed)
     for (int c = 0; c < 3; ++c)
       if (node.component[c]) model.imposed[node.node] |= static_cast<std::uint8_t>(1u << c);
-  auto shape = approximate(scene, cloud.X, supportRadii({cloud, cells}, scene.support_factor), points.X, skin.vertices);
+  BoundaryPoints boundary;
+  if (scene.consistent_gradients) boundary = boundaryPoints(cloud.X, boundaryFacets(cells.cells), model.imposed);
+  auto shape = approximate(scene, cloud.X, supportRadii({cloud, cells}, scene.support_factor), points.X, skin.vertices, boundary.X);
   model.support_radius = shape.radius;
   if (scene.consistent_gradients) {
     tell("consistent gradients", 0.7);
     // 1e-4 leaves 1e-5 of the displacement, far below the other errors of any cloud.
-    correctGradients(shape.points, points.X, points.volume, cloud.X, boundaryFacets(cells.cells), shape.nodes, 1e-4);
+    correctGradients(shape.points, points.X, points.volume, cloud.X, boundary, shape.boundary, 1e-4);
   }
 
   tell("mass, boundaries, stable step", 0.8);
