@@ -1,10 +1,10 @@
 #pragma once
 
-#include <array>
 #include <vector>
 
 #include "approximation/shape_table.h"
 #include "base/types.h"
+#include "discretization/boundary_points.h"
 
 namespace palpate {
 
@@ -26,17 +26,17 @@ struct GradientCorrection {
 /// Jacobi-preconditioned conjugate gradients (its null space, the linear fields, is met by the right-hand side).
 /// The same gradients serve trial and test functions, so momentum and energy stay exact.
 ///
-/// @param shape     rows of the integration points; gradN is changed
-/// @param point_X   m, volume m^3                                  (point_count)
-/// @param X         nodes, m                                       (node_count)
-/// @param facets    the cells' outer faces, counter-clockwise seen from outside
-/// @param at_nodes  N at each node's own position, one row per node. The boundary integral uses the vertex
-///                  rule (a third of the facet's area at each corner), as SEBCIEM lumps its tractions.
-/// @param tolerance of the relative residual
+/// @param shape       rows of the integration points; gradN is changed
+/// @param point_X     m, volume m^3                                (point_count)
+/// @param X           nodes, m                                     (node_count)
+/// @param boundary    samples of the boundary integral: the rule decides the accuracy of what comes out
+/// @param at_boundary N at these samples, one row each
+/// @param tolerance   of the relative residual
+/// On all cores; the result does not depend on their number. 20,000 points with R/h 2: 1 - 2 s on two cores.
 /// Test: discretization/consistent_gradients_test.cpp
 GradientCorrection correctGradients(ShapeTable& shape, const std::vector<Vec3>& point_X,
                                     const std::vector<double>& volume, const std::vector<Vec3>& X,
-                                    const std::vector<std::array<int, 3>>& facets, const ShapeTable& at_nodes,
+                                    const BoundaryPoints& boundary, const ShapeTable& at_boundary,
                                     double tolerance = 1e-6);
 
 }  // namespace palpate

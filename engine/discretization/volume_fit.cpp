@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "discretization/facet_rule.h"
+
 namespace palpate {
 namespace {
 
@@ -11,10 +13,6 @@ constexpr double farthest_move = 0.15;  // of the mean edge of the facets around
 constexpr double least_volume = 0.2;    // of a cell's first volume
 constexpr double flat_gap = 1e-9;       // of a facet's edge; below it is rounding
 constexpr double widest_gap = 0.5;      // of a facet's edge; above it the facet does not follow the surface
-
-/// Dunavant's 6-point rule of degree 4: barycentric coordinates (a, a, 1 - 2a) in turn, and weights.
-constexpr double gauss_a[2] = {0.445948490915965, 0.091576213509771};
-constexpr double gauss_weight[2] = {0.223381589678011, 0.109951743655322};
 
 struct Facet {
   std::array<int, 3> nodes;
@@ -40,13 +38,9 @@ void bar(Mat3& free, const Vec3& normal) {
 /// Mean height of the surface above the facet, m.
 double meanGap(const Facet& facet, const std::vector<Vec3>& X, const SurfaceTree& surface) {
   double gap = 0;
-  for (int ring = 0; ring < 2; ++ring) {
-    for (int k = 0; k < 3; ++k) {
-      Vec3 x = Vec3::Zero();
-      for (int l = 0; l < 3; ++l) x += (l == k ? 1 - 2 * gauss_a[ring] : gauss_a[ring]) * X[facet.nodes[l]];
-      gap -= gauss_weight[ring] * surface.signedDistance(x);
-    }
-  }
+  for (int k = 0; k < FacetRule::size; ++k)
+    gap -= FacetRule::weight(k) *
+           surface.signedDistance(FacetRule::point(k, X[facet.nodes[0]], X[facet.nodes[1]], X[facet.nodes[2]]));
   return gap;
 }
 

@@ -43,7 +43,7 @@ constexpr KeySpec keys[] = {
     {"discretization", "basis", T::Text, "", "\"quadratic\"", {}, "linear|quadratic", "Polynomial basis of the shape functions (paper eqs. 1-7)."},
     {"discretization", "support_factor", T::Number, "", "1.8", between(1.4, 4), "", "Support radius over local node spacing."},
     {"discretization", "mu", T::Number, "", "0.1", above(0), "", "Weight of the constraints on second-degree coefficients (paper eq. 4), dimensionless: the basis is scaled by the support radius."},
-    {"discretization", "consistent_gradients", T::Boolean, "", "false", {}, "", "Correct the gradients so that they satisfy the divergence theorem: a uniform strain is then exact, but strongly non-uniform ones come out some percent stiffer on coarse clouds. Costs set-up time only."},
+    {"discretization", "consistent_gradients", T::Boolean, "", "false", {}, "", "Correct the gradients so that they satisfy the divergence theorem: a uniform strain is then exact. Costs set-up time only. Best with node_patch_volume and one point per cell."},
     {"discretization", "node_patch_volume", T::Boolean, "", "true", {}, "", "Average the volume over the cells around each node, against volumetric locking. Costs about a third more time a step and allows a longer step."},
     {"discretization", "boundary_method", T::Text, "", "\"sebciem\"", {}, "sebciem|ebciem", "How the forces act that impose displacements: lumped at the nodes (paper eqs. 18-20), or distributed over the boundary's faces (paper eqs. 14-17), which is more accurate with a `support_factor` above 2. Both are exact at the nodes."},
     {"discretization", "refine", T::Tables, "", "", {}, "", "Spheres of finer spacing."},

@@ -9,6 +9,7 @@
 #include "discretization/adaptive_quadrature.h"
 #include "discretization/background_cells.h"
 #include "discretization/consistent_gradients.h"
+#include "discretization/facet_rule.h"
 #include "discretization/gradient_energy.h"
 #include "discretization/integration_points.h"
 #include "discretization/node_cloud.h"
@@ -212,52 +213,40 @@ EssentialNodes chooseImposed(const Scene& scene, const NodeCloud& cloud, const S
   return essential;
 }
 
-/// Quadrature of a triangle, exact to degree 4: Strang and Fix 1973; barycentric coordinates and share of the area.
-struct FacetPoint {
-  Vec3 corner;
-  double weight;
-};
-std::array<FacetPoint, 6> facetRule() {
-  constexpr double a = 0.445948490915965, wa = 0.223381589678011, b = 0.091576213509771, wb = 0.109951743655322;
-  return {{{Vec3(1 - 2 * a, a, a), wa}, {Vec3(a, 1 - 2 * a, a), wa}, {Vec3(a, a, 1 - 2 * a), wa},
-           {Vec3(1 - 2 * b, b, b), wb}, {Vec3(b, 1 - 2 * b, b), wb}, {Vec3(b, b, 1 - 2 * b), wb}}};
-}
-
 /// The facets that EBCIEM integrates over, and the places of their quadrature points.
 std::vector<Vec3> essentialFacets(const NodeCloud& cloud, const std::vector<std::array<int, 3>>& outer, EssentialNodes& essential) {
   std::vector<bool> imposed(cloud.X.size(), false);
   for (const auto& node : essential.nodes) imposed[node.node] = true;
-  const auto rule = facetRule();
   std::vector<Vec3> points;
-  essential.facet_points = static_cast<int>(rule.size());
+  essential.facet_points = FacetRule::size;
   for (const auto& f : outer) {
     if (!imposed[f[0]] || !imposed[f[1]] || !imposed[f[2]]) continue;
     essential.facets.push_back(f);
     const double area = (cloud.X[f[1]] - cloud.X[f[0]]).cross(cloud.X[f[2]] - cloud.X[f[0]]).norm() / 2;
-    for (const auto& q : rule) {
-      points.push_back(q.corner[0] * cloud.X[f[0]] + q.corner[1] * cloud.X[f[1]] + q.corner[2] * cloud.X[f[2]]);
-      essential.facet_weight.push_back(area * q.weight * q.corner);
+    for (int k = 0; k < FacetRule::size; ++k) {
+      points.push_back(FacetRule::point(k, cloud.X[f[0]], cloud.X[f[1]], cloud.X[f[2]]));
+      essential.facet_weight.push_back(area * FacetRule::weight(k) * FacetRule::corners(k));
     }
   }
   return points;
 }
 
-/// Shape functions at integration points, skin vertices and nodes, over supports that are enlarged where
-/// they must be.
+/// Shape functions at integration points, skin vertices, nodes and samples of the boundary, over supports that
+/// are enlarged where they must be.
 struct Approximation {
   std::vector<double> radius;
-  ShapeTable points, skin, nodes, facets;
+  ShapeTable points, skin, nodes, facets, boundary;
 };
 
 Approximation approximate(const Scene& scene, const std::vector<Vec3>& X, std::vector<double> radius,
                           const std::vector<Vec3>& point_X, const std::vector<Vec3>& skin_X,
-                          const std::vector<Vec3>& facet_X) {
+                          const std::vector<Vec3>& facet_X, const std::vector<Vec3>& boundary_X) {
   const MmlsOptions options{scene.basis_degree, scene.mu};
   Approximation a;
   for (int attempt = 0;; ++attempt) {
     const Neighbours neighbours(X, radius);
     const std::pair<const std::vector<Vec3>*, ShapeTable*> parts[] = {
-        {&point_X, &a.points}, {&skin_X, &a.skin}, {&X, &a.nodes}, {&facet_X, &a.facets}};
+        {&point_X, &a.points}, {&skin_X, &a.skin}, {&X, &a.nodes}, {&facet_X, &a.facets}, {&boundary_X, &a.boundary}};
     bool admissible = true;
     std::vector<double> enlarged = radius;
     for (const auto& [at, table] : parts) {
@@ -352,16 +341,21 @@ Model buildModel(const Scene& scene, const TriangleSurface& organ, const Progres
     for (int c = 0; c < 3; ++c)
       if (node.boundary[c] >= 0) model.imposed[node.node] |= static_cast<std::uint8_t>(1u << c);
   const auto outer = boundaryFacets(cells.cells);
+  const bool integrated = scene.boundary_method == Scene::BoundaryMethod::Ebciem;
   std::vector<Vec3> facet_X;
-  if (scene.boundary_method == Scene::BoundaryMethod::Ebciem) facet_X = essentialFacets(cloud, outer, model.essential);
-  auto shape = approximate(scene, cloud.X, std::move(radius), points.X, skin.vertices, facet_X);
+  if (integrated) facet_X = essentialFacets(cloud, outer, model.essential);
+  // Tractions that are integrated over facets can answer any stress; lumped ones only a sum over the nodes.
+  const std::vector<std::uint8_t> lumped = integrated ? std::vector<std::uint8_t>(cloud.X.size(), 0) : model.imposed;
+  BoundaryPoints boundary;
+  if (scene.consistent_gradients) boundary = boundaryPoints(cloud.X, outer, lumped);
+  auto shape = approximate(scene, cloud.X, std::move(radius), points.X, skin.vertices, facet_X, boundary.X);
   model.essential.facet_phi = std::move(shape.facets);
   model.essential.phi = rowsOf(shape.nodes, model.essential.nodes);
   model.support_radius = shape.radius;
   if (scene.consistent_gradients) {
     tell("consistent gradients", 0.7);
-    // 1e-4 leaves 1e-5 of the displacement, far below the other errors of any cloud.
-    correctGradients(shape.points, points.X, points.volume, cloud.X, outer, shape.nodes, 1e-4);
+    // 1e-6 leaves 1e-7 of the displacement.
+    correctGradients(shape.points, points.X, points.volume, cloud.X, boundary, shape.boundary, 1e-6);
   }
 
   tell("mass, boundaries, stable step", 0.8);
