@@ -21,10 +21,10 @@ struct BoundaryPoints {
 ///                                         them only where the integral is such a sum
 ///   all others                            Dunavant's 6 points, exact for polynomials of degree 4
 ///
-/// The nodes' rule everywhere costs accuracy: the sharp gradients of N across the surface are what it misses. Box
-/// in extension, 1,102 nodes, R/h 2, mu 0.05, with node patches, over three or four clouds: force +4.5 .. +4.8 % with the nodes' rule
-/// everywhere, +1.1 .. +1.3 % so, +0.7 .. +0.9 % with 6 points everywhere (which then needs integrated tractions:
-/// the cube's error is 2e-3 instead of rounding).
+/// The nodes' rule everywhere costs accuracy: it misses how sharply N changes along the surface, and that error goes
+/// into the gradients. Box in extension, 1,102 nodes, R/h 2, mu 0.05, node patches, three or four clouds: force
+/// +4.5 .. +4.8 % with the nodes' rule everywhere, +1.1 .. +1.3 % with this one; 6 points everywhere give
+/// +0.7 .. +0.9 %, but need tractions that are integrated as well: the cube's error is then 2e-3, not rounding.
 ///
 /// @param X        nodes, m                                                    (node_count)
 /// @param facets   outward, counter-clockwise (background_cells.h)

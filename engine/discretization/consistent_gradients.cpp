@@ -49,12 +49,16 @@ class Projections {
     for (std::size_t i = 0; i < X.size(); ++i) node_begin_[i + 1] += node_begin_[i];
     node_entry_.resize(shape.node.size());
     node_point_.resize(shape.node.size());
+    node_p_.resize(shape.node.size());
+    node_volume_.assign(X.size(), 0);
     std::vector<int> next(node_begin_.begin(), node_begin_.end() - 1);
     for (int q = 0; q < shape.rowCount(); ++q)
       for (int e = shape.begin[q]; e < shape.begin[q + 1]; ++e) {
         const int k = next[shape.node[e]]++;
         node_entry_[k] = e;
         node_point_[k] = q;
+        node_p_[k] = volume[q] * p_[e];
+        node_volume_[shape.node[e]] += volume[q];
       }
   }
 
@@ -63,8 +67,11 @@ class Projections {
     parallelFor(shape_.rowCount(), [&](int first, int last) {
       for (int q = first; q < last; ++q) {
         Moments sum = Moments::Zero();
-        for (int e = shape_.begin[q]; e < shape_.begin[q + 1]; ++e) sum += p_[e] * lambda.row(shape_.node[e]);
-        fit_[q] = inverse_[q] * sum;
+        for (int e = shape_.begin[q]; e < shape_.begin[q + 1]; ++e) {
+          const Eigen::RowVector3d l = lambda.row(shape_.node[e]);
+          for (int c = 0; c < 3; ++c) sum.col(c) += l[c] * p_[e];
+        }
+        fit_[q].noalias() = inverse_[q] * sum;
       }
     });
   }
@@ -75,33 +82,34 @@ class Projections {
   /// result_i = sum_q V_q dB_iq of lambda.
   void apply(const NodeField& lambda, NodeField& result) {
     fit(lambda);
-    forNodes([&](Eigen::Index i) { result.row(i).setZero(); },
-             [&](Eigen::Index i, int q, int e) { result.row(i) += volume_[q] * dB(lambda, q, e); });
+    parallelFor(static_cast<int>(node_volume_.size()), [&](int first, int last) {
+      for (int i = first; i < last; ++i) {
+        Eigen::RowVector3d fitted = Eigen::RowVector3d::Zero();
+        for (int k = node_begin_[i]; k < node_begin_[i + 1]; ++k) fitted += node_p_[k].transpose() * fit_[node_point_[k]];
+        result.row(i) = node_volume_[i] * lambda.row(i) - fitted;
+      }
+    });
   }
 
   /// sum_q V_q gradN_iq
   NodeField divergence() const {
     NodeField sum = NodeField::Zero(static_cast<Eigen::Index>(node_begin_.size()) - 1, 3);
-    forNodes([](Eigen::Index) {},
-             [&](Eigen::Index i, int q, int e) { sum.row(i) += volume_[q] * shape_.gradN[e].transpose(); });
+    forNodes([&](Eigen::Index i, int q, int e) { sum.row(i) += volume_[q] * shape_.gradN[e].transpose(); });
     return sum;
   }
 
   Eigen::VectorXd diagonal() const {
     Eigen::VectorXd d = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(node_begin_.size()) - 1);
-    forNodes([](Eigen::Index) {},
-             [&](Eigen::Index i, int q, int e) { d[i] += volume_[q] * (1 - p_[e].dot(inverse_[q] * p_[e])); });
+    forNodes([&](Eigen::Index i, int q, int e) { d[i] += volume_[q] * (1 - p_[e].dot(inverse_[q] * p_[e])); });
     return d;
   }
 
  private:
-  template <class Start, class Each>
-  void forNodes(Start&& start, Each&& each) const {
+  template <class Each>
+  void forNodes(Each&& each) const {
     parallelFor(static_cast<int>(node_begin_.size()) - 1, [&](int first, int last) {
-      for (int i = first; i < last; ++i) {
-        start(i);
+      for (int i = first; i < last; ++i)
         for (int k = node_begin_[i]; k < node_begin_[i + 1]; ++k) each(i, node_point_[k], node_entry_[k]);
-      }
     });
   }
 
@@ -111,6 +119,8 @@ class Projections {
   AlignedList<Eigen::Matrix4d> inverse_;  // (point_count)
   AlignedList<Moments> fit_;              // (point_count) of the last lambda
   std::vector<int> node_begin_, node_entry_, node_point_;  // each node's entries, ascending
+  AlignedList<Eigen::Vector4d> node_p_;   // (entry_count) V_q p in that order, so that memory is read as it lies
+  std::vector<double> node_volume_;       // (node_count) sum of V_q over them
 };
 
 }  // namespace
