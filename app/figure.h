@@ -27,8 +27,8 @@ struct Series {
   std::vector<double> x, y;               // (point_count) each, in the unit that the axis names
   SeriesStyle style = SeriesStyle::Line;
   int colour = next_colour;               // 0..figure_colour_count - 1, or one of the two above
-  std::vector<std::string> point_labels;  // empty, or (point_count); written beside the points where there is room
-  std::vector<int> highlighted;           // points with a ring, e.g. of paretoFront()
+  std::vector<std::string> point_labels{};  // empty, or (point_count); written beside the points where there is room
+  std::vector<int> highlighted{};           // points with a ring, e.g. of paretoFront()
 };
 
 /// An area between two curves, e.g. what a reference allows or a scatter of runs.

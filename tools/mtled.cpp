@@ -7,6 +7,8 @@
 #include "base/build_info.h"
 #include "base/input_error.h"
 #include "mtled/solve_command.h"
+#include "mtled/verify_command.h"
+#include "mtled/verification_case.h"
 
 namespace {
 
@@ -15,6 +17,8 @@ constexpr int failed = 1, unusable_input = 2;
 const char* const examples = R"(Examples:
   mtled solve assets/scenes/box_extension.toml --out /tmp/box    the equilibria on the way, for ParaView too
   mtled solve liver --tool assets/tools/indent.toml              the tool's way, quasi-static
+  mtled verify                               all cases beside the paper and independent references
+  mtled verify cube torsion --report /tmp/v  two of them, as a page with pictures
 
 Exit codes: 0 done, 1 failed, not converged or interrupted (what there is is kept), 2 bad option or scene.)";
 
@@ -35,6 +39,17 @@ int main(int argc, char** argv) {
   solve_app->add_option("--threads", solve.threads, "Threads (one per core)")->type_name("N")->check(CLI::Range(1, 64));
   solve_app->add_flag("--resume", solve.resume, "Go on from the folder's checkpoint.bin");
 
+  VerifyOptions verify;
+  std::string names = "Cases:";
+  for (const auto& c : verificationCases()) names += std::string("\n  ") + c.name + ": " + c.about;
+  CLI::App* verify_app = app.add_subcommand("verify", "Compare the solver with the paper and independent references");
+  verify_app->footer(names);
+  verify_app->add_option("CASE", verify.cases, "Cases (all)");
+  verify_app->add_flag("--quick", verify.quick, "The coarse rows only");
+  verify_app->add_option("--json", verify.json, "Write the results to this file")->type_name("FILE");
+  verify_app->add_option("--report", verify.report, "Write a page with tables and pictures into this folder")->type_name("DIR");
+  verify_app->add_option("--threads", verify.threads, "Threads (one per core)")->type_name("N")->check(CLI::Range(1, 64));
+
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -43,7 +58,7 @@ int main(int argc, char** argv) {
   }
   catchInterrupts();
   try {
-    return solveCommand(solve);
+    return *verify_app ? verifyCommand(verify) : solveCommand(solve);
   } catch (const InputError& error) {
     std::cerr << "mtled: " << error.what() << std::endl;
     return unusable_input;

@@ -8,8 +8,24 @@
 #include "app/interrupt.h"
 #include "approximation/shape_functions.h"
 #include "io/load_model.h"
+#include "mtled/cases/cases.h"
 
 namespace palpate {
+
+const std::vector<VerificationCase>& verificationCases() {
+  static const std::vector<VerificationCase> cases{
+      {"approximation", "modified moving least squares where the classical fail; rates of convergence", approximationCase},
+      {"cube", "unconstrained compression of a cube, Table 1", cubeCase},
+      {"box_extension", "extension of a sheep brain sample, Table 2", boxExtensionCase},
+      {"box_compression", "its compression by 20 %, Table 3", boxCompressionCase},
+      {"half_ellipsoid", "brain indentation by 5 mm (section 3.3, on a stand-in)", halfEllipsoidCase},
+      {"gel_cylinder", "Sylgard cylinder pressed to a quarter of its height (section 4)", gelCylinderCase},
+      {"locking", "pressure of a nearly incompressible sample, Fig. 7", lockingCase},
+      {"torsion", "twisting a cylinder, Rivlin's closed form", torsionCase},
+      {"flexure", "bending a block into a ring, Rivlin's closed form", flexureCase},
+  };
+  return cases;
+}
 
 void apply(const Variant& variant, Scene& scene) {
   scene.consistent_gradients = variant.consistent_gradients;
