@@ -43,11 +43,13 @@ void checkAgainstBody(const SpacingField& spacing, const SurfaceTree& surface) {
 
 }  // namespace
 
-NodeCloud makeNodeCloud(const SurfaceTree& surface, const SpacingField& spacing, unsigned seed) {
+NodeCloud makeNodeCloud(const SurfaceTree& surface, const SpacingField& spacing, unsigned seed,
+                        const std::vector<FeatureEdges::Chain>& rims) {
   spacing.check();
   checkAgainstBody(spacing, surface);
 
-  const FeatureEdges features = findFeatureEdges(surface.surface());
+  FeatureEdges features = findFeatureEdges(surface.surface());
+  features.chains.insert(features.chains.end(), rims.begin(), rims.end());
   Scatter scatter(surface, spacing, seed);
   scatter.placeCorners(features);
   scatter.placeEdges(features);

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "base/types.h"
+#include "discretization/feature_edges.h"
 #include "discretization/spacing_field.h"
 #include "discretization/surface_tree.h"
 
@@ -27,6 +28,7 @@ struct NodeCloud {
 /// 0.52-0.63 on fine clouds and up to 0.78 on coarse ones, whose edges weigh more.
 ///
 /// @param surface  closed, outward (see surface_check.h)
+/// @param rims     closed curves on the surface that get nodes as its sharp edges do: what an imposed region ends at
 /// @param seed     another seed, another cloud of the same quality; the same seed gives the same bits
 /// Throws InputError (place of the spacing field) for spacings that are not positive, exceed the body's
 /// smallest extent, or would need more than 500,000 nodes.
@@ -34,7 +36,8 @@ struct NodeCloud {
 /// Cost: ~ node_count; a few seconds on one core for 30,000 nodes.
 ///
 /// Test: discretization/node_cloud_test.cpp
-NodeCloud makeNodeCloud(const SurfaceTree& surface, const SpacingField& spacing, unsigned seed);
+NodeCloud makeNodeCloud(const SurfaceTree& surface, const SpacingField& spacing, unsigned seed,
+                        const std::vector<FeatureEdges::Chain>& rims = {});
 
 /// How well a cloud keeps the spacing that was asked for.
 struct CloudStatistics {

@@ -121,6 +121,8 @@ void readMaterial(const TomlTable& table, bool first, MaterialSpec& material) {
   table.read("mu", material.ogden_mu);
   table.read("alpha", material.ogden_alpha);
   table.read("D1", material.ogden_D1);
+  table.read("barrier_strength", material.barrier_strength);
+  table.read("barrier_J0", material.barrier_J0);
   table.read("density", material.density);
   if (material.kind == MaterialSpec::Kind::Ogden) {
     constexpr std::size_t most_terms = 6;  // Material::max_terms

@@ -63,9 +63,20 @@ Material Material::ogden(const double* mu, const double* alpha, int term_count, 
   return m;
 }
 
+double Material::barrierPressure(double J) const {
+  if (barrier_strength == 0 || J >= barrier_J0) return 0;
+  const double Jc = std::max(J, min_isochoric_J);
+  return bulk_modulus * barrier_strength * (std::log(Jc / barrier_J0) + (J - Jc) / Jc);
+}
+
 double Material::energy(const Mat3& F) const {
   const double J = F.determinant();
   double W = 0.5 * bulk_modulus * (J - 1) * (J - 1);
+  if (barrier_strength > 0 && J < barrier_J0) {
+    const double Jc = std::max(J, min_isochoric_J), d = J - Jc;
+    W += bulk_modulus * barrier_strength *
+         (Jc * std::log(Jc / barrier_J0) - Jc + barrier_J0 + d * std::log(Jc / barrier_J0) + d * d / (2 * Jc));
+  }
   if (kind == Kind::NeoHookean)
     return W + 0.5 * shear_modulus * (IsochoricFactor(J, -2.0 / 3).value * F.squaredNorm() - 3);
   const PrincipalStretches stretch(F);
@@ -82,6 +93,7 @@ Mat3 Material::firstPiola(const Mat3& F) const { return firstPiola(F, bulk_modul
 Mat3 Material::firstPiola(const Mat3& F, double pressure) const {
   const double J = F.determinant();
   const Mat3 cof = cofactor(F);  // dJ/dF
+  pressure += barrierPressure(J);
   if (kind == Kind::NeoHookean) {
     const IsochoricFactor g(J, -2.0 / 3);
     return shear_modulus * g.value * F +

@@ -22,6 +22,10 @@ struct Material {
   double density = 1000;      // kg/m^3
   int term_count = 0;                              // Ogden
   std::array<double, max_terms> mu{}, alpha{};     // Ogden: Pa, 1
+  // Optional barrier against collapse, for J < barrier_J0: the energies above permit J = 0 at a finite pressure.
+  //   W += K b (J ln(J / J0) - J + J0),  p += K b ln(J / J0).  It departs from eq. 32; 0 is none.
+  double barrier_strength = 0;  // b
+  double barrier_J0 = 0.5;
 
   static Material neoHookean(double young, double poisson, double density);
   static Material ogden(const double* mu, const double* alpha, int term_count, double D1, double density);
@@ -33,8 +37,12 @@ struct Material {
   /// where the isochoric factor follows its tangent at J = min_isochoric_J.
   Mat3 firstPiola(const Mat3& F) const;
 
-  /// The same with the volumetric pressure K (J - 1) replaced by `pressure`, Pa (node_patch.h).
+  /// The same with the volumetric pressure K (J - 1) replaced by `pressure`, Pa (node_patch.h). The barrier's
+  /// comes on top in both: it guards the point's own J.
   Mat3 firstPiola(const Mat3& F, double pressure) const;
+
+  /// K b ln(J / J0) below J0, with its tangent below min_isochoric_J; Pa.
+  double barrierPressure(double J) const;
 
   /// P-wave modulus at rest, K + 4/3 mu, Pa.
   double waveModulus() const { return bulk_modulus + 4.0 / 3.0 * shear_modulus; }

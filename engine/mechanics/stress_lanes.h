@@ -47,13 +47,29 @@ LanesOf<Real> volumeRatioAndCofactor(const TensorLanesOf<Real>& H, TensorLanesOf
 // in float32 or double: the fast twins of Material::firstPiola. They return J. J - 1 comes from H without cancellation,
 // since the bulk modulus multiplies its error.
 
+/// The barrier of Material::barrierPressure; nothing where the material has none.
+template <class Real>
+struct BarrierLanes {
+  Real strength, J0;
+  explicit BarrierLanes(const Material& m)
+      : strength(static_cast<Real>(m.bulk_modulus * m.barrier_strength)), J0(static_cast<Real>(m.barrier_J0)) {}
+
+  void addTo(LanesOf<Real>& pressure, const LanesOf<Real>& J) const {
+    if (strength == 0) return;
+    const LanesOf<Real> Jc = max(J, LanesOf<Real>(static_cast<Real>(Material::min_isochoric_J)));
+    const LanesOf<Real> p = strength * (log2(Jc / J0) * static_cast<Real>(0.6931471805599453) + (J - Jc) / Jc);
+    pressure += whereLess(J, LanesOf<Real>(J0), p, LanesOf<Real>(Real(0)));
+  }
+};
+
 template <class Real>
 struct NeoHookeanLanes {
   using Lanes = LanesOf<Real>;
   using TensorLanes = TensorLanesOf<Real>;
   Real mu, K;
+  BarrierLanes<Real> barrier;
   explicit NeoHookeanLanes(const Material& m)
-      : mu(static_cast<Real>(m.shear_modulus)), K(static_cast<Real>(m.bulk_modulus)) {}
+      : mu(static_cast<Real>(m.shear_modulus)), K(static_cast<Real>(m.bulk_modulus)), barrier(m) {}
 
   /// @param patch_pressure  replaces K (J - 1) where the scene averages volume over node patches; or null
   Lanes firstPiola(const TensorLanes& H, TensorLanes& P, const Lanes* patch_pressure = nullptr) const {
@@ -69,7 +85,8 @@ struct NeoHookeanLanes {
     const Lanes slope = Lanes(Real(-2) / 3) * g / Jc;
     g += slope * (J - Jc);
     const Lanes a = g * mu;
-    const Lanes b = slope * I1 * (Real(0.5) * mu) + (patch_pressure ? *patch_pressure : J_minus_1 * K);
+    Lanes b = slope * I1 * (Real(0.5) * mu) + (patch_pressure ? *patch_pressure : J_minus_1 * K);
+    barrier.addTo(b, J);
     for (int k = 0; k < 9; ++k) P[k] = a * F[k] + b * cof[k];
     return J;
   }
@@ -127,7 +144,8 @@ struct OgdenLanes {
   int terms;
   Real K;
   Real mu[Material::max_terms], alpha[Material::max_terms];
-  explicit OgdenLanes(const Material& m) : terms(m.term_count), K(static_cast<Real>(m.bulk_modulus)) {
+  BarrierLanes<Real> barrier;
+  explicit OgdenLanes(const Material& m) : terms(m.term_count), K(static_cast<Real>(m.bulk_modulus)), barrier(m) {
     for (int k = 0; k < terms; ++k) {
       mu[k] = static_cast<Real>(m.mu[k]);
       alpha[k] = static_cast<Real>(m.alpha[k]);
@@ -149,6 +167,7 @@ struct OgdenLanes {
       s[i] = 0.0F;
     }
     Lanes pressure = patch_pressure ? *patch_pressure : J_minus_1 * K;
+    barrier.addTo(pressure, J);
     for (int k = 0; k < terms; ++k) {
       const Real al = alpha[k];
       Lanes g = exp2(log_J * (-al / 3));

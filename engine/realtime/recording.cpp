@@ -245,6 +245,8 @@ std::uint64_t modelHash(const Model& model) {
     hash.add(m.term_count);
     hash.add(m.mu);
     hash.add(m.alpha);
+    hash.add(m.barrier_strength);
+    hash.add(m.barrier_J0);
   }
   for (const EssentialBoundary::Set& set : model.boundary.sets) {
     hash.add(set.mask);

@@ -39,9 +39,13 @@ Place placeOf(const Scene& scene, const std::string& key) {
 }
 
 Material toMaterial(const MaterialSpec& spec) {
-  if (spec.kind == MaterialSpec::Kind::NeoHookean) return Material::neoHookean(spec.young, spec.poisson, spec.density);
-  return Material::ogden(spec.ogden_mu.data(), spec.ogden_alpha.data(), static_cast<int>(spec.ogden_mu.size()),
-                         spec.ogden_D1, spec.density);
+  Material material = spec.kind == MaterialSpec::Kind::NeoHookean
+                          ? Material::neoHookean(spec.young, spec.poisson, spec.density)
+                          : Material::ogden(spec.ogden_mu.data(), spec.ogden_alpha.data(),
+                                            static_cast<int>(spec.ogden_mu.size()), spec.ogden_D1, spec.density);
+  material.barrier_strength = spec.barrier_strength;
+  material.barrier_J0 = spec.barrier_J0;
+  return material;
 }
 
 bool contains(const Region& region, const Vec3& x, const SurfaceTree& organ) {
@@ -76,6 +80,33 @@ TriangleSurface refineForContact(const Scene& scene, const TriangleSurface& orga
   });
 }
 
+/// Where the mantle of an imposed cylindrical region meets the organ's surface, so that the region ends at nodes: a
+/// punch whose rim falls between nodes would be too small by half their distance. No curve where the rim leaves the organ.
+std::vector<FeatureEdges::Chain> rimsOf(const Scene& scene, const SurfaceTree& organ) {
+  std::vector<FeatureEdges::Chain> rims;
+  for (const auto& boundary : scene.boundaries) {
+    const Region& region = boundary.region;
+    if (region.kind != Region::Kind::Cylinder) continue;
+    const int count = std::max(32, static_cast<int>(std::ceil(8 * 2 * M_PI * region.radius / scene.spacing)));
+    const Vec3 e1 = region.normal.unitOrthogonal(), e2 = region.normal.cross(e1);
+    FeatureEdges::Chain chain;
+    chain.closed = true;
+    for (int k = 0; k < count; ++k) {
+      const double angle = 2 * M_PI * k / count;
+      // A hair inside, so that the nodes are in the region.
+      const Vec3 arm = (region.radius - 1e-10) * (std::cos(angle) * e1 + std::sin(angle) * e2);
+      const double past = 1e-3 * region.radius;  // beyond both ends
+      const auto hit = organ.firstHit(region.point + arm + (region.height + past) * region.normal, -region.normal, region.height + 2 * past);
+      if (!hit) break;
+      chain.points.push_back(hit->point);
+    }
+    if (static_cast<int>(chain.points.size()) < count) continue;
+    chain.points.push_back(chain.points.front());
+    rims.push_back(std::move(chain));
+  }
+  return rims;
+}
+
 struct Discretization {
   NodeCloud cloud;
   BackgroundCells cells;
@@ -93,7 +124,7 @@ Discretization discretize(const Scene& scene, const SurfaceTree& organ) {
                      "raise it, and refine where the tool works");
 
   Discretization d;
-  d.cloud = makeNodeCloud(organ, spacingField(scene), scene.seed);
+  d.cloud = makeNodeCloud(organ, spacingField(scene), scene.seed, rimsOf(scene, organ));
   d.cells = makeBackgroundCells(d.cloud, organ);
   fitToVolume(d.cloud, d.cells, organ);
 

@@ -43,6 +43,8 @@ struct MaterialSpec {
   std::vector<double> ogden_mu;     // Pa, one per term (paper eq. 32: mu_1)
   std::vector<double> ogden_alpha;  // one per term (paper eq. 32: a_1)
   double ogden_D1 = 0;              // 1/Pa; bulk modulus 2/D1
+  double barrier_strength = 0;      // against collapse (Material); 0: none
+  double barrier_J0 = 0.5;
   double density = 1000;            // kg/m^3
   bool everywhere = true;           // otherwise only inside `region` (later entries win)
   Region region;
@@ -66,7 +68,7 @@ struct BoundarySpec {
 
 /// Quadrature of the background cells, paper section 2.5.
 struct QuadratureSpec {
-  int points_per_cell = 4;   // 1, 4 or 5
+  int points_per_cell = 1;   // 1, 4 or 5
   double accuracy = 0;       // tau of the adaptive quadrature; 0: not adaptive
   int division = 8;          // a cell that fails is divided into 2, 4 or 8
   int max_depth = 4;         // divisions of a cell after one another
@@ -117,8 +119,8 @@ struct Scene {
   QuadratureSpec quadrature;
   int basis_degree = 2;                   // 1 or 2
   double support_factor = 1.8;            // R / h, h the local mean edge length
-  double mu = 0.1;                        // dimensionless weight of the MMLS constraints
-  bool consistent_gradients = false;      // correct the gradients to the divergence theorem (consistent_gradients.h)
+  double mu = 0.2;                        // dimensionless weight of the MMLS constraints
+  bool consistent_gradients = true;       // correct the gradients to the divergence theorem (consistent_gradients.h)
   bool node_patch_volume = true;          // average the volume over node patches, against locking (node_patch.h)
   enum class BoundaryMethod { Sebciem, Ebciem };
   BoundaryMethod boundary_method = BoundaryMethod::Sebciem;  // paper eqs. 18-20 or 14-17

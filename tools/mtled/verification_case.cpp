@@ -45,7 +45,6 @@ BoundarySpec planeBoundary(const std::string& name, const Vec3& point, const Vec
 
 Scene caseScene(double young, double poisson) {
   Scene scene;
-  scene.quadrature.points_per_cell = 1;
   scene.materials.emplace_back();
   scene.materials[0].young = young;
   scene.materials[0].poisson = poisson;
