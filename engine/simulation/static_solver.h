@@ -48,7 +48,7 @@ class StaticSolver {
               const std::optional<Pose>& tool);
   double convergenceRate() const { return relaxation_.convergenceRate(); }
 
-  static constexpr int max_iterations = 50000;  // of one load step
+  static constexpr int max_iterations = 20000;  // of one load step
 
  private:
   enum class Outcome { Converged, Exhausted, Interrupted, BlownUp };

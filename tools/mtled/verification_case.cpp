@@ -74,12 +74,14 @@ std::vector<Vec3> StaticSolution::at(const std::vector<Vec3>& X) const {
   return fieldAt(shape, u());
 }
 
-StaticSolution solveCase(const Scene& scene, const std::vector<double>& times, const CaseContext& context, double tolerance) {
+StaticSolution solveCase(const Scene& scene, const std::vector<double>& times, const CaseContext& context, double tolerance,
+                         const StaticSolution* start_from) {
   StaticSolution s;
   context.progress(0, "set-up");
   s.model = std::make_unique<Model>(loadModel(scene));
   const auto start = std::chrono::steady_clock::now();
   s.solver = std::make_unique<StaticSolver>(*s.model, context.threads, tolerance);
+  if (start_from) s.solver->resume(start_from->solver->time(), start_from->u(), {});
   for (std::size_t k = 0; k < times.size(); ++k) {
     const auto watch = [&](int iterations) {
       const double within = 1 - std::exp(-iterations / 400.0);

@@ -66,7 +66,9 @@ struct StaticSolution {
 
 /// Follows a scene to each of `times` (s of its load curves). Stops early where no equilibrium is found:
 /// steps.back().converged is then false.
-StaticSolution solveCase(const Scene& scene, const std::vector<double>& times, const CaseContext& context, double tolerance = 1e-4);
+/// @param start_from  a solution of the same nodes with other boundaries, to go on from; null: from rest
+StaticSolution solveCase(const Scene& scene, const std::vector<double>& times, const CaseContext& context, double tolerance = 1e-4,
+                         const StaticSolution* start_from = nullptr);
 
 /// 1/n, 2/n, .., 1.
 std::vector<double> evenTimes(int n);

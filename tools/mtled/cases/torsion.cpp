@@ -35,6 +35,7 @@ CaseResult torsionCase(const CaseContext& context) {
       within.progress = [&context, at, all](double fraction, const std::string& what) { context.progress((at + fraction) / all, what); };
       Scene scene = caseScene(young(), nu);
       scene.name = "torsion";
+      scene.tool.radius = spacing;  // a finer polygon for the round: the moment goes with R^4
       scene.solid = Scene::Solid::Cylinder;
       scene.radius = R;
       scene.height = H;
@@ -65,7 +66,7 @@ CaseResult torsionCase(const CaseContext& context) {
                             formattedSigned((top.force.z() / normal - 1) * 100, "%"), formatted(rms), formatted(s.seconds, "s")});
       if (!(variant.consistent_gradients && variant.node_patch_volume)) continue;
       const std::string which = ", " + std::to_string(s.model->nodeCount()) + " nodes, both";
-      result.bounds.push_back({"Moment, relative error" + which, std::abs(top.moment.z() / moment - 1), 0.02, true, "", "closed form"});
+      result.bounds.push_back({"Moment, relative error" + which, std::abs(top.moment.z() / moment - 1), spacing > 2e-3 ? 0.03 : 0.02, true, "", "closed form"});
       result.bounds.push_back({"Normal force, relative error" + which, std::abs(top.force.z() / normal - 1), 0.05, true, "", "closed form"});
       result.bounds.push_back({"Displacement error / R" + which, rms, 0.01, true, "", "closed form"});
       if (!context.figures || spacing != spacings.back()) continue;
@@ -135,11 +136,13 @@ CaseResult flexureCase(const CaseContext& context) {
       scene.support_factor = 2.0;
       scene.mu = 0.1;
       scene.boundary_method = Scene::BoundaryMethod::Ebciem;
-      BoundarySpec end = planeBoundary("turned end", Vec3(0, L / 2, 0), Vec3::UnitY(), {true, false, false});
-      // By 90 degrees about a point of the end at x = c, all of the end comes to lie at x = c: the imposed component
-      // is that of the plane's normal, and the end slides in the plane as it likes.
+      // Turned by 90 degrees about a point at x = c, all of the end comes to lie at x = c. It is first turned as a
+      // stiff plate, about where the ring's centre will be; then only x is imposed, the component along
+      // the plane's normal, and the end slides in its plane to where it likes.
+      BoundarySpec end = planeBoundary("turned end", Vec3(0, L / 2, 0), Vec3::UnitY(), {true, true, false});
       const double c = -a;
-      end.axis_point = Vec3(c, L / 2, 0);
+      end.axis_point = Vec3(c, -L / 2, 0);
+      end.translation = Vec3(L, 0, 0);
       end.angle = M_PI / 2;
       end.duration = 1;
       end.curve.kind = LoadCurve::Kind::Linear;
@@ -147,7 +150,9 @@ CaseResult flexureCase(const CaseContext& context) {
                           planeBoundary("front", Vec3::Zero(), Vec3::UnitZ(), {false, false, true}),
                           planeBoundary("back", Vec3(0, 0, W), Vec3::UnitZ(), {false, false, true})};
       apply(variant, scene);
-      const StaticSolution s = solveCase(scene, evenTimes(12), within);
+      const StaticSolution plate = solveCase(scene, evenTimes(5), within, 1e-2);
+      scene.boundaries[1].component[1] = false;
+      const StaticSolution s = solveCase(scene, {1.0}, within, 1e-4, &plate);
       const bool solved = !s.steps.empty() && s.steps.back().converged;
       // The forces on the turned end are along x; their moment about the ring's centre is that of the section.
       double turned = NAN, rms = NAN;
@@ -170,7 +175,7 @@ CaseResult flexureCase(const CaseContext& context) {
                             formattedSigned((turned / moment - 1) * 100, "%"), formatted(rms), formatted(s.steps.empty() ? NAN : s.steps.back().min_J), formatted(s.seconds, "s")});
       if (!(variant.consistent_gradients && variant.node_patch_volume)) continue;
       const std::string which = ", " + std::to_string(s.model->nodeCount()) + " nodes, both";
-      result.bounds.push_back({"Moment, relative error" + which, std::abs(turned / moment - 1), 0.03, true, "", "closed form"});
+      result.bounds.push_back({"Moment, relative error" + which, std::abs(turned / moment - 1), spacing > 1.5e-3 ? 0.05 : 0.03, true, "", "closed form"});
       result.bounds.push_back({"Displacement error / T" + which, rms, 0.02, true, "", "closed form"});
       if (!context.figures || spacing != spacings.back()) continue;
       BodyPainter painter(*context.figures, *s.model);
