@@ -21,6 +21,7 @@ const std::vector<VerificationCase>& verificationCases() {
       {"half_ellipsoid", "brain indentation by 5 mm (section 3.3, on a stand-in)", halfEllipsoidCase},
       {"gel_cylinder", "Sylgard cylinder pressed to a quarter of its height (section 4)", gelCylinderCase},
       {"locking", "pressure of a nearly incompressible sample, Fig. 7", lockingCase},
+      {"modes", "whether one point a cell leaves a mode without energy", modesCase},
       {"torsion", "twisting a cylinder, Rivlin's closed form", torsionCase},
       {"flexure", "bending a block into a ring, Rivlin's closed form", flexureCase},
   };

@@ -10,6 +10,7 @@ CaseResult boxExtensionCase(const CaseContext& context);
 CaseResult boxCompressionCase(const CaseContext& context);
 CaseResult halfEllipsoidCase(const CaseContext& context);
 CaseResult gelCylinderCase(const CaseContext& context);
+CaseResult modesCase(const CaseContext& context);
 CaseResult lockingCase(const CaseContext& context);
 CaseResult torsionCase(const CaseContext& context);
 CaseResult flexureCase(const CaseContext& context);
