@@ -117,18 +117,21 @@ TEST_CASE("A static solution is the same to the bit for any number of threads", 
 }
 
 TEST_CASE("The estimated error is above the true one", "[static_solver]") {
-  const Model model = blockModel(plates(Vec3(0.004, 0, -0.004)));
-  StaticSolver tight(model, 1, 1e-9);
-  REQUIRE(tight.advanceTo(1).converged);
-  for (const double tolerance : {1e-2, 1e-3, 1e-4}) {
-    StaticSolver solver(model, 1, tolerance);
-    const Equilibrium e = solver.advanceTo(1);
-    REQUIRE(e.converged);
-    const double truth = largestDifference(solver.body().u, tight.body().u);
-    INFO("tolerance " << tolerance << " true " << truth << " estimated " << e.error << " largest " << e.largest << " iterations " << e.iterations << " rate " << solver.convergenceRate());
-    CHECK(e.error <= tolerance * e.largest);
-    CHECK(truth <= 3 * e.error);
-    CHECK(truth > 1e-3 * e.error);  // not by caution alone
+  for (const Vec3& travel : {Vec3(0.004, 0, -0.004), Vec3(0, 0.01, 0), Vec3(0, 0, 0.006)}) {
+    const Model model = blockModel(plates(travel));
+    StaticSolver tight(model, 1, 1e-9);
+    REQUIRE(tight.advanceTo(1).converged);
+    for (const double tolerance : {1e-2, 1e-3, 1e-4, 1e-5, 1e-6}) {
+      StaticSolver solver(model, 1, tolerance);
+      const Equilibrium e = solver.advanceTo(1);
+      REQUIRE(e.converged);
+      const double truth = largestDifference(solver.body().u, tight.body().u);
+      INFO("travel " << travel.transpose() << " tolerance " << tolerance << " true " << truth << " estimated " << e.error
+                     << " iterations " << e.iterations << " rate " << solver.convergenceRate());
+      CHECK(e.error <= tolerance * e.largest);
+      CHECK(truth <= e.error);
+      CHECK(truth > 0.01 * e.error);  // not by caution alone
+    }
   }
 }
 
@@ -219,6 +222,8 @@ TEST_CASE("An impossible load is owned up to, and leaves no number that is not o
   StaticSolver solver(model, 2, 1e-3);
   const Equilibrium e = solver.advanceTo(1);
   INFO("iterations " << e.iterations << " diverged " << e.diverged << " converged " << e.converged << " inverted " << e.inverted_points);
-  CHECK((e.diverged || !e.converged || e.inverted_points > 0));
-  CHECK(allFinite(solver.body().u));
+  CHECK(e.diverged);
+  CHECK_FALSE(e.converged);
+  REQUIRE(allFinite(solver.body().u));
+  for (const auto& u : solver.body().u) CHECK(toVec3(u).norm() == 0);  // the last equilibrium: at rest
 }
