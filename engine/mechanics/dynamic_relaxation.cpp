@@ -24,7 +24,10 @@ void DynamicRelaxation::observe(double work, double inertia) {
 }
 
 double DynamicRelaxation::remaining(double increment) const {
-  const double r = r_ + 0.2 * (1 - r_);
+  // The estimate of w0 is a Rayleigh quotient and never too low. A mode at the share x of it is overdamped, and its
+  // error falls only by 1 - (1 - r) (1 - sqrt(1 - x^2)) a step. Pressed and sheared blocks showed x down to 0.72.
+  constexpr double share = 0.65;
+  const double r = 1 - (1 - r_) * (1 - std::sqrt(1 - share * share));
   return increment * r / (1 - r);
 }
 

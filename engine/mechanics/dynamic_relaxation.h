@@ -26,7 +26,7 @@ class DynamicRelaxation {
   void observe(double work, double inertia);
 
   /// Estimated distance of u from equilibrium, in the unit of `increment`: what the remaining geometric series of
-  /// increments adds up to, with a rate 20 % nearer to 1 than the estimated one.
+  /// increments adds up to at the rate of a mode that is slower than the estimated lowest.
   double remaining(double increment) const;
 
  private:

@@ -128,6 +128,7 @@ typename EssentialBoundaryOf<Real>::Set makeSet(const std::vector<int>& rows, co
     set.node.push_back(node.node);
     set.X.push_back(essential.X[rows[from]]);
     set.boundary.push_back(node.boundary);
+    set.whole.push_back(node.boundary);
     for (int c = 0; c < 3; ++c)
       if (mask[c] == 0) set.boundary.back()[c] = -1;
     set.share.push_back(v.row(from).sum());
@@ -232,7 +233,7 @@ Vec3 imposeBoundary(const EssentialBoundaryOf<Real>& boundary, double time_s, do
       for (int e = v.begin[k]; e < v.begin[k + 1]; ++e) addScaled(du[v.column[e]], v.value[e] * inverse_mass[v.column[e]], x);
       Vec3 arm_point = set.X[k];  // the node's present place, as imposed; a free component moves it little
       for (int c = 0; c < 3; ++c)
-        if (const int b = set.boundary[k][c]; b >= 0)
+        if (const int b = set.whole[k][c]; b >= 0)
           arm_point[c] += scratch.rotation[b].row(c).dot(set.X[k] - boundary.motions[b].axis_point) + scratch.shift[b][c];
       for (int c = 0; c < 3; ++c) {
         const int b = set.boundary[k][c];

@@ -66,6 +66,7 @@ struct EssentialBoundaryOf {
     std::vector<int> node;                // (row_count) imposed node of each row, in elimination order
     std::vector<Vec3> X;                  // (row_count) m
     std::vector<std::array<int, 3>> boundary;  // (row_count) per component, as in ImposedNode; -1 outside the mask
+    std::vector<std::array<int, 3>> whole;     // (row_count) the same for all components: where the node is
     std::vector<double> share;            // (row_count) sum_j V_jk: 1, or int N^k dS in m^2
     Rows<Real> phi, v;                    // row k: N_j(X_k); V_jk (v is empty where it equals phi)
     Rows<Real> l, u;                      // unit lower and upper factor without their diagonals

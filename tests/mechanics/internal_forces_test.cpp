@@ -9,17 +9,18 @@ using test::TestBody;
 
 namespace {
 
+template <class Real = float>
 std::vector<Vec3> fastForces(const TestBody& body, const std::vector<Vec3>& u, int threads = 1, ForceReport* report = nullptr,
                              const NodePatches& patches = {}) {
-  const auto layout =
-      makeKernelLayout(body.shape, body.point_X, body.volume, body.point_material, body.materials, body.nodeCount(), patches);
+  const auto layout = makeKernelLayout<Real>(body.shape, body.point_X, body.volume, body.point_material, body.materials,
+                                             body.nodeCount(), patches);
   auto scratch = makeKernelScratch(layout);
   SpinTeam team(threads);
   team.wake();
-  const auto u4 = test::toFloat4s(u);
+  AlignedVector<Real4<Real>> u4, f(body.X.size());
+  for (const auto& a : u) u4.push_back(toReal4<Real>(a));
   const auto r = internalForces(layout, u4.data(), scratch, team);
   if (report) *report = r;
-  AlignedVector<Float4> f(body.X.size());
   sumForces(layout, scratch, 0, body.nodeCount(), f.data());
   team.park();
   std::vector<Vec3> result;
@@ -51,6 +52,17 @@ std::vector<Vec3> wave(const TestBody& body, double size) {
   for (const auto& x : body.X)
     u.emplace_back(size * L / 4 * Vec3(std::sin(3 * x[1] / L), std::cos(2 * x[2] / L), std::sin(2 * x[0] / L + x[2] / L)));
   return u;
+}
+
+/// Displacements that are hard on a kernel: large strain, a turn by 90 degrees, compression by 75 %.
+std::vector<std::vector<Vec3>> hardStates(const TestBody& body) {
+  const Mat3 turn = Eigen::AngleAxisd(M_PI / 2, Vec3(0, 0.6, 0.8)).toRotationMatrix();
+  auto turned = wave(body, 0.2);
+  for (std::size_t i = 0; i < turned.size(); ++i) turned[i] = turn * (body.X[i] + turned[i]) - body.X[i];
+  auto squeezed = body.displacement(Vec3(2.0, 2.0, 0.25).asDiagonal());
+  const auto bumps = wave(body, 0.02);
+  for (std::size_t i = 0; i < squeezed.size(); ++i) squeezed[i] += bumps[i];
+  return {wave(body, 0.3), turned, squeezed};
 }
 
 Material ogden() {
@@ -95,14 +107,8 @@ TEST_CASE("The fast kernel equals the reference in double", "[internal_forces][k
   for (const auto& material : {Material::neoHookean(3000, 0.49, 1000), Material::neoHookean(3000, 0.499, 1000), ogden()})
     for (const int points : {1, 4}) {
       const TestBody body(6, 0.1, points, 1.8, 0.1, 0.2, material);
-      const Mat3 turn = Eigen::AngleAxisd(M_PI / 2, Vec3(0, 0.6, 0.8)).toRotationMatrix();
-      auto turned = wave(body, 0.2);
-      for (std::size_t i = 0; i < turned.size(); ++i) turned[i] = turn * (body.X[i] + turned[i]) - body.X[i];
-      auto squeezed = body.displacement(Vec3(2.0, 2.0, 0.25).asDiagonal());  // 75 % compression
-      const auto bumps = wave(body, 0.02);
-      for (std::size_t i = 0; i < squeezed.size(); ++i) squeezed[i] += bumps[i];
       for (const NodePatches& patches : {NodePatches{}, body.patches()})
-      for (const auto& u : {wave(body, 0.3), turned, squeezed}) {
+      for (const auto& u : hardStates(body)) {
         ForceReport report;
         const auto fast = fastForces(body, u, 1, &report, patches), exact = referenceForces(body, u, patches);
         // Gradients rounded to float move J by 6e-8 |gradN| |u| n^(1/2) ~ 1e-6, which the bulk modulus
@@ -117,6 +123,48 @@ TEST_CASE("The fast kernel equals the reference in double", "[internal_forces][k
         CHECK(report.inverted_points == 0);
       }
     }
+}
+
+TEST_CASE("The kernel in double equals the reference to rounding, and the one in float follows", "[internal_forces][kernel]") {
+  std::vector<Material> materials{Material::neoHookean(3000, 0.49, 1000), Material::neoHookean(3000, 0.499, 1000), ogden()};
+  for (std::size_t k = materials.size(); k-- > 0;) {
+    materials.push_back(materials[k]);
+    materials.back().barrier_strength = 2;
+  }
+  for (const auto& material : materials)
+    for (const int points : {1, 4}) {
+      const TestBody body(5, 0.1, points, 1.8, 0.1, 0.2, material);
+      auto states = hardStates(body);
+      states.push_back(body.displacement(Vec3(0.9, 1.0, 0.35).asDiagonal()));  // J 0.315: within the barrier
+      for (const NodePatches& patches : {NodePatches{}, body.patches()})
+        for (const auto& u : states) {
+          ForceReport report;
+          const auto fast = fastForces<double>(body, u, 1, &report, patches), exact = referenceForces(body, u, patches);
+          const double ratio = material.bulk_modulus / material.shear_modulus, error = distance(fast, exact) / norm(exact);
+          INFO("relative error " << error << " at K/mu " << ratio << " barrier " << material.barrier_strength);
+          CHECK(error < 1e-12);
+          CHECK(distance(fastForces<float>(body, u, 1, nullptr, patches), fast) < 1e-6 * ratio * norm(exact));  // as above
+          double min_J = 1;
+          for (int q = 0; q < body.shape.rowCount(); ++q)
+            min_J = std::min(min_J, deformationGradient(body.shape, q, u).determinant());
+          CHECK(report.min_J == Approx(min_J).epsilon(1e-6));  // the report is float
+        }
+    }
+}
+
+TEST_CASE("In double a rigid motion's forces are rounding, and more threads change no bit", "[internal_forces][kernel][determinism]") {
+  const TestBody body(6, 0.1, 4);
+  for (const double angle : {0.7, M_PI / 2}) {
+    auto rigid = body.displacement(Eigen::AngleAxisd(angle, Vec3(1, 1, 0).normalized()).toRotationMatrix());
+    for (auto& a : rigid) a += Vec3(0.05, -0.02, 0.01);
+    const auto strained = fastForces<double>(body, wave(body, 0.3));
+    for (const NodePatches& patches : {NodePatches{}, body.patches()})
+      CHECK(norm(fastForces<double>(body, rigid, 1, nullptr, patches)) < 1e-12 * norm(strained));  // K/mu times rounding
+  }
+  const auto u = wave(body, 0.3);
+  const auto patches = body.patches();
+  const auto one = fastForces<double>(body, u, 1, nullptr, patches);
+  for (const int threads : {2, 3}) CHECK(fastForces<double>(body, u, threads, nullptr, patches) == one);
 }
 
 TEST_CASE("Rigid motion makes no force, and forces always sum to zero", "[internal_forces][kernel]") {

@@ -1,4 +1,6 @@
+#include <algorithm>
 #include <catch2/catch.hpp>
+#include <cmath>
 
 #include "support/small_scene.h"
 
@@ -90,4 +92,160 @@ TEST_CASE("A material region changes the points inside it alone", "[build_model]
   const double box = 0.06 * 0.06 * 0.03;
   CHECK(mass > 1.2 * 1000 * box);
   CHECK(mass < 1.5 * 1000 * box);
+}
+
+namespace {
+
+/// The block with its top, too, imposed.
+Scene gripped(const Vec3& travel) {
+  Scene scene = blockScene();
+  scene.boundaries[0].place = {"block.toml", 17, 1};
+  scene.boundaries.push_back(scene.boundaries[0]);
+  BoundarySpec& top = scene.boundaries[1];
+  top.region.point = Vec3(0, 0, 0.03);
+  top.translation = travel;
+  top.duration = 1;
+  top.place = {"block.toml", 25, 1};
+  return scene;
+}
+
+int imposedCount(const Model& model) {
+  return static_cast<int>(std::count_if(model.imposed.begin(), model.imposed.end(), [](auto bits) { return bits != 0; }));
+}
+
+}  // namespace
+
+TEST_CASE("Motions that contradict each other are refused with both places", "[build_model]") {
+  const auto refuse = [](const BoundarySpec& more) {
+    Scene scene = gripped(Vec3(0, 0, -0.003));
+    scene.boundaries.push_back(more);
+    scene.boundaries[2].place = {"block.toml", 33, 1};
+    CHECK_THROWS_WITH(blockModel(scene), Catch::Contains("block.toml:25:1") && Catch::Contains("block.toml:33:1") &&
+                                             Catch::Contains("another motion"));
+  };
+  const BoundarySpec top = gripped(Vec3(0, 0, -0.003)).boundaries[1];
+  BoundarySpec other = top;
+  other.translation.z() = -0.004;
+  refuse(other);
+  other = top;
+  other.duration = 2;  // ends alike, but goes another way
+  refuse(other);
+  other = top;
+  other.curve.kind = LoadCurve::Kind::Linear;
+  refuse(other);
+  other = top;
+  other.angle = 0.1;
+  refuse(other);
+  other.region.kind = Region::Kind::Sphere;  // they share a corner only
+  other.region.point = Vec3(0.03, 0.03, 0.03);
+  other.region.radius = 1e-3;
+  refuse(other);
+}
+
+TEST_CASE("Motions that agree may share nodes; the first has them", "[build_model]") {
+  const Scene once = gripped(Vec3(0, 0, -0.003));
+  Scene scene = once;
+  scene.boundaries.push_back(scene.boundaries[1]);  // the same again
+  scene.boundaries.push_back(scene.boundaries[1]);  // another way to say it: a turn by nothing
+  scene.boundaries[3].axis_point = Vec3(1, 2, 3);
+  BoundarySpec side = scene.boundaries[1];  // unlike, but in a component that the top's corner nodes leave free
+  side.region.point = Vec3(0.03, 0, 0);
+  side.region.normal = Vec3::UnitX();
+  side.component[2] = false;
+  side.component[1] = false;
+  side.translation = Vec3(0.002, 0, 0);
+  for (auto& b : scene.boundaries) b.component[0] = false;
+  scene.boundaries.push_back(side);
+  const Model model = blockModel(scene);
+  for (const auto& node : model.essential.nodes)
+    for (int c = 0; c < 3; ++c) CHECK((node.boundary[c] < 0 || node.boundary[c] == 0 || node.boundary[c] == 1 || node.boundary[c] == 4));
+  CHECK(imposedCount(model) > imposedCount(blockModel(once)));
+}
+
+TEST_CASE("A shell holds the nodes near the surface, and no others", "[build_model]") {
+  for (const double distance : {0.0, 0.006}) {
+    Scene scene = blockScene(0.008);
+    scene.boundaries[0].region = {};
+    scene.boundaries[0].region.kind = Region::Kind::Shell;
+    scene.boundaries[0].region.distance = distance;
+    const Model model = blockModel(scene);
+    int inside = 0;
+    for (int i = 0; i < model.nodeCount(); ++i) {
+      const Vec3& x = model.X[i];
+      const double to_surface = std::min({0.03 - std::abs(x.x()), 0.03 - std::abs(x.y()), x.z(), 0.03 - x.z()});
+      if (std::abs(to_surface - distance) < 2e-9) continue;  // on the shell's own edge
+      CHECK((model.imposed[i] != 0) == (to_surface < distance));
+      inside += to_surface > distance ? 1 : 0;
+    }
+    CHECK(inside > 0);
+    CHECK(imposedCount(model) > 100);
+  }
+}
+
+TEST_CASE("A cylindrical region ends at nodes on its rim", "[build_model]") {
+  Scene scene = blockScene();
+  BoundarySpec punch = scene.boundaries[0];
+  punch.region.kind = Region::Kind::Cylinder;
+  punch.region.point = Vec3(0.002, -0.003, 0.025);
+  punch.region.radius = 0.02;
+  punch.region.height = 0.01;
+  punch.surface_only = true;
+  punch.translation = Vec3(0, 0, -0.002);
+  punch.duration = 1;
+  scene.boundaries.push_back(punch);
+  const Model model = blockModel(scene);
+  int on_rim = 0;
+  for (const auto& node : model.essential.nodes) {
+    if (node.boundary[2] != 1) continue;
+    const Vec3 arm = model.X[node.node] - Vec3(0.002, -0.003, 0.03);
+    const double r = std::hypot(arm.x(), arm.y());
+    CHECK(r < 0.02 + 1e-9);
+    // The rim is drawn as a polygon of 8 sides a spacing, 84 here: their middles are 14 um inside the circle.
+    const double sagitta = 0.02 * (1 - std::cos(M_PI / 84));
+    on_rim += r > 0.02 - sagitta - 1e-9 && std::abs(arm.z()) < 1e-9 ? 1 : 0;
+  }
+  CHECK(on_rim >= 8);  // a circumference of 126 mm at a spacing of 12 mm
+}
+
+TEST_CASE("Adaptive quadrature adds points where it is asked to, and keeps the volume", "[build_model]") {
+  Scene scene = blockScene();
+  const Model plain = blockModel(scene);
+  CHECK(plain.pointCount() == static_cast<int>(plain.cells.size()));
+  int before = plain.pointCount();
+  for (const double accuracy : {0.1, 0.03}) {
+    scene.quadrature.accuracy = accuracy;
+    scene.quadrature.max_depth = 2;
+    const Model model = blockModel(scene);
+    INFO("accuracy " << accuracy << " points " << model.pointCount());
+    CHECK(model.pointCount() > before);
+    before = model.pointCount();
+    std::vector<double> in_cell(model.cells.size(), 0);
+    for (int q = 0; q < model.pointCount(); ++q) in_cell[model.point_cell[q]] += model.point_volume[q];
+    double volume = 0;
+    for (std::size_t c = 0; c < in_cell.size(); ++c) {
+      const auto& n = model.cells[c];
+      const double exact = std::abs((model.X[n[1]] - model.X[n[0]]).cross(model.X[n[2]] - model.X[n[0]]).dot(model.X[n[3]] - model.X[n[0]])) / 6;
+      CHECK(in_cell[c] == Approx(exact).epsilon(1e-12));
+      volume += in_cell[c];
+    }
+    CHECK(volume == Approx(0.06 * 0.06 * 0.03).epsilon(1e-12));
+  }
+}
+
+TEST_CASE("EBCIEM is chosen by the scene and holds the base as exactly", "[build_model]") {
+  Scene scene = gripped(Vec3(0.001, 0, -0.003));
+  CHECK(blockModel(scene).essential.facets.empty());
+  scene.boundary_method = Scene::BoundaryMethod::Ebciem;
+  const Model model = blockModel(scene);
+  REQUIRE_FALSE(model.essential.facets.empty());
+  CHECK(model.essential.facet_weight.size() == model.essential.facets.size() * static_cast<std::size_t>(model.essential.facet_points));
+  double area = 0;
+  for (const auto& w : model.essential.facet_weight) area += w.sum();
+  CHECK(area == Approx(2 * 0.06 * 0.06).epsilon(1e-12));  // base and top
+  const auto boundary = makeEssentialBoundary<double>(model.essential, model.mass);
+  REQUIRE(boundary.sets.size() == 1);
+  CHECK_FALSE(boundary.sets[0].v.column.empty());
+  double share = 0;
+  for (const double s : boundary.sets[0].share) share += s;
+  CHECK(share == Approx(area).epsilon(1e-12));
 }

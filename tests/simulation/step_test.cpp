@@ -23,7 +23,7 @@ StepReport press(const Model& model, State& state, Workspace& workspace, double 
   Command command;
   for (int k = 1; k <= ticks; ++k) {
     command.tool_target =
-        toolAt(model, travel * motionAt({Vec3::UnitX(), seconds}, k / model.scene.rate_hz).x());
+        toolAt(model, travel * LoadCurve{}.at(k / model.scene.rate_hz, seconds));
     report = tick(model, state, command, workspace);
     each(report, k);
   }
@@ -69,7 +69,7 @@ TEST_CASE("A pressed block holds its base, balances its forces and keeps its vol
   for (const auto& set : model.boundary.sets)
     for (std::size_t k = 0; k < set.node.size(); ++k) {
       Vec3 x = Vec3::Zero();
-      for (int e = set.phi_begin[k]; e < set.phi_begin[k + 1]; ++e) x += set.phi[e] * toVec3(state.u[set.phi_node[e]]);
+      for (int e = set.phi.begin[k]; e < set.phi.begin[k + 1]; ++e) x += set.phi.value[e] * toVec3(state.u[set.phi.column[e]]);
       moved = std::max(moved, x.norm());
     }
   CHECK(moved < 1e-7);  // float32 of displacements of 4 mm over 2000 steps

@@ -79,6 +79,13 @@ class Results {
         kept.emplace_back();
         for (const auto& column : earlier.column) kept.back().push_back(column[static_cast<std::size_t>(r)]);
       }
+      // Positions count load steps: with others of these the state would be taken for that of another load.
+      const SolveSpec& spec = model.scene.solve;
+      const auto position = static_cast<double>(checkpoint_.position);
+      const double reached = spec.mode == SolveSpec::Mode::Static ? end * position / spec.load_steps : position * model.dt;
+      if (!kept.empty() && std::abs(kept.back().front() - reached) > 1e-9 * end)
+        throw InputError({checkpointFile()}, "the checkpoint was made with another mode, end_time or load_steps in [solve]",
+                         "take them back, or start without --resume");
     }
     force_ = std::make_unique<ResultCsv>(forceFile(), columns);
     for (const auto& row : kept) force_->add(row);

@@ -1,0 +1,330 @@
+#include "mtled/solve_command.h"
+
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <csignal>
+#include <cstring>
+#include <filesystem>
+#include <iostream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "app/interrupt.h"
+#include "approximation/shape_functions.h"
+#include "io/csv_table.h"
+#include "io/load_model.h"
+#include "io/scene_file.h"
+#include "mtled/checkpoint.h"
+#include "realtime/recording.h"
+#include "simulation/static_solver.h"
+#include "support/temp_folder.h"
+
+using namespace palpate;
+using Catch::Contains;
+
+namespace {
+
+std::string replaced(std::string text, const std::string& what, const std::string& with) {
+  const std::size_t at = text.find(what);
+  if (at == std::string::npos) throw std::logic_error("nothing to replace: " + what);
+  return text.replace(at, what.size(), with);
+}
+
+/// A small block pressed between plates, in four load steps.
+const std::string block_scene =
+    R"(name = "block"
+[organ]
+solid = "box"
+size = [0.06, 0.06, 0.03]
+[discretization]
+spacing = 0.012
+[[material]]
+model = "neo-hookean"
+young = 3000
+poisson = 0.45
+[[fixed]]
+name = "base"
+shape = "near-plane"
+point = [0, 0, 0]
+normal = [0, 0, 1]
+distance = 1e-6
+[[prescribed]]
+name = "plate"
+shape = "near-plane"
+point = [0, 0, 0.03]
+normal = [0, 0, 1]
+distance = 1e-6
+translation = [0.001, 0, -0.003]
+duration = 1
+[solve]
+tolerance = 1e-5
+load_steps = 4
+frames = 2
+end_time = 1
+probes = "probes.csv"
+)";
+
+const std::string probes = "name,X,Y,Z\n1,0,0,0.015\n2,0.01,-0.02,0.03\n3,0.0299,0.01,0.007\n";
+
+/// Runs the command quietly.
+int solve(const std::string& scene, const std::string& out, bool resume = false, const std::string& script = "") {
+  std::ostringstream said, complained;
+  auto* cout_buffer = std::cout.rdbuf(said.rdbuf());
+  auto* cerr_buffer = std::cerr.rdbuf(complained.rdbuf());
+  SolveOptions options;
+  options.scene = scene;
+  options.out = out;
+  options.tool_script = script;
+  options.threads = 1;
+  options.resume = resume;
+  const auto restore = [&] {
+    std::cout.rdbuf(cout_buffer);
+    std::cerr.rdbuf(cerr_buffer);
+  };
+  try {
+    const int code = solveCommand(options);
+    restore();
+    return code;
+  } catch (...) {
+    restore();
+    throw;
+  }
+}
+
+struct Folder : TempFolder {
+  std::string scene;
+  explicit Folder(const std::string& text = block_scene) {
+    write("probes.csv", probes);
+    scene = write("block.toml", text);
+  }
+  std::string out(const std::string& file = "") const { return path("out") + (file.empty() ? "" : "/" + file); }
+};
+
+std::string readAll(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+}
+
+nlohmann::json reportIn(const Folder& folder) { return nlohmann::json::parse(readAll(folder.out("report.json"))); }
+
+}  // namespace
+
+TEST_CASE("A solution leaves its force curve, pictures, probes and report", "[solve_command]") {
+  const Folder folder;
+  REQUIRE(solve(folder.scene, folder.out()) == 0);
+  const CsvTable force = readCsvTable(folder.out("force.csv"));
+  CHECK(force.rowCount() == 4);
+  for (const char* boundary : {"base", "plate", "tool"})
+    for (const char* part : {"_fx_N", "_fy_N", "_fz_N"}) CHECK(force.find(std::string(boundary) + part) >= 0);
+  for (const char* part : {"_mx_Nm", "_my_Nm", "_mz_Nm"}) CHECK(force.find(std::string("plate") + part) >= 0);
+  for (std::size_t r = 0; r < 4; ++r) {
+    CHECK(force["time_s"][r] == Approx(0.25 * static_cast<double>(r + 1)).epsilon(1e-12));
+    CHECK(force["plate_fz_N"][r] == Approx(-force["base_fz_N"][r]).epsilon(1e-3));
+    CHECK(force["plate_fz_N"][r] < (r == 0 ? 0 : force["plate_fz_N"][r - 1]));  // harder with each step
+    CHECK(force["tool_fz_N"][r] == 0);
+    CHECK(force["inverted_points"][r] == 0);
+  }
+
+  // Two frames, at half the time and at the end.
+  CHECK(std::filesystem::exists(folder.out("solution_0000.vtu")));
+  CHECK(std::filesystem::exists(folder.out("solution_0001.vtu")));
+  CHECK_FALSE(std::filesystem::exists(folder.out("solution_0002.vtu")));
+  const std::string collection = readAll(folder.out("solution.pvd")), vtu = readAll(folder.out("solution_0001.vtu"));
+  CHECK_THAT(collection, Contains("timestep=\"0.5\"") && Contains("timestep=\"1\"") && Contains("solution_0001.vtu"));
+  CHECK_THAT(vtu, Contains("displacement_m") && Contains("reaction_N") && Contains("von_Mises_Pa") && Contains("pressure_Pa"));
+
+  const auto report = reportIn(folder);
+  CHECK(report["converged"] == true);
+  CHECK(report["diverged"] == false);
+  CHECK(report["rows"] == 4);
+  CHECK(report["frames"] == 2);
+  CHECK(report["time_s"] == 1.0);
+  CHECK(report["reactions"]["plate"]["force_N"][2].get<double>() == Approx(force["plate_fz_N"][3]).epsilon(1e-12));
+}
+
+TEST_CASE("probes.csv holds the displacement field of the solver", "[solve_command]") {
+  const Folder folder;
+  REQUIRE(solve(folder.scene, folder.out()) == 0);
+  const Model model = loadModel(readScene(folder.scene));
+  StaticSolver solver(model, 1, model.scene.solve.tolerance);
+  for (int k = 1; k <= 4; ++k) REQUIRE(solver.advanceTo(k / 4.0).converged);
+  const std::vector<Vec3> at{Vec3(0, 0, 0.015), Vec3(0.01, -0.02, 0.03), Vec3(0.0299, 0.01, 0.007)};
+  std::vector<InadmissibleSupport> failed;
+  const ShapeTable shape = shapeFunctions(at, model.X, model.support_radius, Neighbours(model.X, model.support_radius),
+                                          {model.scene.basis_degree, model.scene.mu}, failed);
+  const auto expected = fieldAt(shape, solver.body().u);
+  const CsvTable table = readCsvTable(folder.out("probes.csv"));
+  REQUIRE(table.rowCount() == 3);
+  for (std::size_t k = 0; k < 3; ++k) {
+    CHECK((Vec3(table["X"][k], table["Y"][k], table["Z"][k]) - at[k]).norm() == 0);
+    CHECK((Vec3(table["ux"][k], table["uy"][k], table["uz"][k]) - expected[k]).norm() < 1e-15);  // the same run
+  }
+  // On the plate it goes where the plate goes, nearly: between nodes the field is free to bulge.
+  CHECK(table["uz"][1] == Approx(-0.003).epsilon(0.01));
+}
+
+TEST_CASE("A transient solution has a row a tick", "[solve_command]") {
+  std::string text = replaced(block_scene, "[solve]\ntolerance = 1e-5\nload_steps = 4\n", "[dynamics]\nrate = 500\n[solve]\nmode = \"transient\"\n");
+  text = replaced(text, "end_time = 1", "end_time = 0.04");
+  const Folder folder(text);
+  REQUIRE(solve(folder.scene, folder.out()) == 0);
+  const CsvTable force = readCsvTable(folder.out("force.csv"));
+  CHECK(force.rowCount() == 20);
+  CHECK(force["time_s"].back() == Approx(0.04).epsilon(1e-12));
+  CHECK(reportIn(folder)["mode"] == "transient");
+}
+
+TEST_CASE("Resumed after half of the load steps, a solution ends where an unbroken one does", "[solve_command][checkpoint]") {
+  const Folder whole;
+  REQUIRE(solve(whole.scene, whole.out()) == 0);
+  // The first half as a run of its own: the same model, steps and times.
+  const Folder broken(replaced(replaced(block_scene, "load_steps = 4", "load_steps = 2"), "end_time = 1", "end_time = 0.5"));
+  REQUIRE(solve(broken.scene, broken.out()) == 0);
+  const CsvTable half = readCsvTable(broken.out("force.csv"));
+  broken.write("block.toml", block_scene);
+  REQUIRE(solve(broken.scene, broken.out(), true) == 0);
+
+  const CsvTable a = readCsvTable(whole.out("force.csv")), b = readCsvTable(broken.out("force.csv"));
+  REQUIRE(b.rowCount() == 4);
+  CHECK(b.name == a.name);
+  for (std::size_t r = 0; r < 4; ++r) {
+    CHECK(b["time_s"][r] == Approx(a["time_s"][r]).epsilon(1e-12));
+    CHECK(b["plate_fz_N"][r] == Approx(a["plate_fz_N"][r]).epsilon(1e-3));  // tolerance 1e-5 of u, times the bulk stiffness
+  }
+  for (std::size_t r = 0; r < 2; ++r) CHECK(b["plate_fz_N"][r] == half["plate_fz_N"][r]);  // kept as they were
+  const CsvTable u = readCsvTable(whole.out("probes.csv")), v = readCsvTable(broken.out("probes.csv"));
+  for (std::size_t k = 0; k < u.rowCount(); ++k) CHECK(v["uz"][k] == Approx(u["uz"][k]).margin(3 * 1e-5 * 0.01));
+
+  // Once done there is nothing left to do.
+  REQUIRE(solve(broken.scene, broken.out(), true) == 0);
+  CHECK(readCsvTable(broken.out("force.csv")).rowCount() == 4);
+}
+
+TEST_CASE("Interrupted by a signal, the command says so and can be resumed", "[solve_command][checkpoint]") {
+  const Folder folder;
+  const pid_t child = ::fork();
+  REQUIRE(child >= 0);
+  if (child == 0) {  // the flag that a signal sets is never taken back
+    catchInterrupts();
+    std::raise(SIGINT);
+    int code = 99;
+    try {
+      code = solve(folder.scene, folder.out());
+    } catch (...) {
+    }
+    ::_exit(code);
+  }
+  int status = 0;
+  REQUIRE(::waitpid(child, &status, 0) == child);
+  REQUIRE(WIFEXITED(status));
+  CHECK(WEXITSTATUS(status) == 1);
+  CHECK(reportIn(folder)["interrupted"] == true);
+  CHECK(reportIn(folder)["rows"] == 0);
+  REQUIRE(solve(folder.scene, folder.out(), true) == 0);
+  const Folder whole;
+  REQUIRE(solve(whole.scene, whole.out()) == 0);
+  const CsvTable a = readCsvTable(whole.out("force.csv")), b = readCsvTable(folder.out("force.csv"));
+  REQUIRE(b.rowCount() == 4);
+  CHECK(b["plate_fz_N"][3] == Approx(a["plate_fz_N"][3]).epsilon(1e-3));
+}
+
+TEST_CASE("A checkpoint that can't be gone on from is refused", "[solve_command][checkpoint]") {
+  const Folder folder;
+  CHECK_THROWS_AS(solve(folder.scene, folder.out(), true), InputError);  // there is none yet
+  CHECK_THAT(refusal([&] { solve(folder.scene, folder.out(), true); }), Contains("there is no checkpoint"));
+  REQUIRE(solve(folder.scene, folder.out()) == 0);
+  const std::string good = readAll(folder.out("checkpoint.bin"));
+  const auto resumed = [&] { return refusal([&] { solve(folder.scene, folder.out(), true); }); };
+
+  std::string bad = good;
+  bad[good.size() / 2] = static_cast<char>(bad[good.size() / 2] ^ 1);
+  for (const std::string& bytes : {bad, good.substr(0, good.size() - 1), good.substr(0, 20), std::string(), good + "x"}) {
+    folder.write("out/checkpoint.bin", bytes);
+    CHECK_THAT(resumed(), Contains("checkpoint.bin") && Contains("damaged") && Contains("--resume"));
+  }
+  folder.write("out/checkpoint.bin", good);
+
+  const auto with = [&](const std::string& what, const std::string& instead) {
+    folder.write("block.toml", replaced(block_scene, what, instead));
+    const std::string message = resumed();
+    folder.write("block.toml", block_scene);
+    return message;
+  };
+  CHECK_THAT(with("young = 3000", "young = 4000"), Contains("another scene"));
+  CHECK_THAT(with("spacing = 0.012", "spacing = 0.014"), Contains("another scene"));
+  CHECK_THAT(with("load_steps = 4", "load_steps = 8"), Contains("load_steps"));  // position 4 would be half the load
+  CHECK_THAT(with("end_time = 1", "end_time = 2"), Contains("end_time"));
+  CHECK_THAT(with("name = \"plate\"", "name = \"punch\""), Contains("force.csv") && Contains("does not belong"));
+
+  const CsvTable force = readCsvTable(folder.out("force.csv"));
+  CHECK(force.rowCount() == 4);  // what was refused has changed nothing
+  std::filesystem::remove(folder.out("force.csv"));
+  CHECK_THROWS_AS(solve(folder.scene, folder.out(), true), InputError);
+}
+
+TEST_CASE("A checkpoint is read back as it was written", "[checkpoint]") {
+  const TempFolder folder;
+  Checkpoint c;
+  c.model_hash = 0x123456789abcdefull;
+  c.position = 7;
+  c.rows = 6;
+  c.frame_time = {0.25, 0.5};
+  for (int i = 0; i < 5; ++i) {
+    c.u.push_back({0.1 * i, -1.0 / 3, 1e-300, 0});
+    c.du.push_back({1e-9 * i, NAN, 0, 0});
+  }
+  const std::string path = folder.path("checkpoint.bin");
+  writeCheckpoint(path, c);
+  const Checkpoint d = readCheckpoint(path, c.model_hash, 5);
+  CHECK(d.position == 7);
+  CHECK(d.rows == 6);
+  CHECK(d.frame_time == c.frame_time);
+  CHECK(std::memcmp(d.u.data(), c.u.data(), 5 * sizeof(Double4)) == 0);
+  CHECK(std::memcmp(d.du.data(), c.du.data(), 5 * sizeof(Double4)) == 0);
+  CHECK_THAT(refusal([&] { readCheckpoint(path, c.model_hash + 1, 5); }), Contains("another scene"));
+  CHECK_THAT(refusal([&] { readCheckpoint(path, c.model_hash, 6); }), Contains("another scene"));
+}
+
+TEST_CASE("A folder that can't be made is an error of the system, with its name", "[solve_command]") {
+  const Folder folder;
+  folder.write("blocked", "a file stands here");
+  CHECK_THROWS_WITH(solve(folder.scene, folder.path("blocked") + "/sub"), Contains("blocked"));
+  bool system = false;
+  try {
+    solve(folder.scene, folder.path("blocked") + "/sub");
+  } catch (const InputError&) {
+  } catch (const std::runtime_error&) {
+    system = true;
+  }
+  CHECK(system);
+}
+
+TEST_CASE("Scenes that can't be solved are refused with what is missing", "[solve_command]") {
+  const auto refused = [](const std::string& text) {
+    const Folder folder(text);
+    return refusal([&] { solve(folder.scene, folder.out()); });
+  };
+  const std::string without_end = replaced(block_scene, "end_time = 1\n", "");
+  const std::size_t from = without_end.find("[[prescribed]]"), to = without_end.find("[solve]");
+  std::string still = without_end;
+  still.erase(from, to - from);
+  CHECK_THAT(refused(still), Contains("block.toml") && Contains("nothing moves") && Contains("[[prescribed]]"));
+
+  const Folder folder;
+  folder.write("probes.csv", probes + "4,0.5,0,0\n");
+  CHECK_THAT(refusal([&] { solve(folder.scene, folder.out()); }), Contains("probes.csv:5") && Contains("outside the body"));
+  CHECK_THROWS_AS(solve(folder.path("absent.toml"), folder.out()), InputError);
+  CHECK_THROWS_AS(solve(folder.scene, folder.out(), false, folder.path("absent_script.toml")), InputError);
+}
+
+TEST_CASE("A load that nothing can bear ends with code 1 and a report that says so", "[solve_command]") {
+  const Folder folder(replaced(replaced(block_scene, "translation = [0.001, 0, -0.003]", "translation = [0, 0, -0.045]"),
+                               "load_steps = 4", "load_steps = 1"));
+  CHECK(solve(folder.scene, folder.out()) == 1);
+  CHECK(reportIn(folder)["diverged"] == true);
+  CHECK(reportIn(folder)["converged"] == false);
+  CHECK_THAT(readAll(folder.out("probes.csv")), !Contains("nan"));
+}

@@ -1,0 +1,86 @@
+#include "mtled/verify_command.h"
+
+#include <catch2/catch.hpp>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <sstream>
+
+#include "mtled/report_page.h"
+#include "mtled/verification_case.h"
+#include "support/temp_folder.h"
+
+using namespace palpate;
+using Catch::Contains;
+
+namespace {
+
+/// Runs the command; what it prints goes to `said`.
+int verify(const VerifyOptions& options, std::string* said = nullptr) {
+  std::ostringstream text;
+  auto* buffer = std::cout.rdbuf(text.rdbuf());
+  int code = -1;
+  try {
+    code = verifyCommand(options);
+  } catch (...) {
+    std::cout.rdbuf(buffer);
+    throw;
+  }
+  std::cout.rdbuf(buffer);
+  if (said) *said = text.str();
+  return code;
+}
+
+std::string readAll(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+}
+
+}  // namespace
+
+TEST_CASE("An unknown verification case is refused with the names of all", "[verify_command]") {
+  VerifyOptions options;
+  options.cases = {"approximation", "box_extenson"};  // refused before the first is run
+  const std::string message = refusal([&] { verify(options); });
+  CHECK_THAT(message, Contains("box_extenson"));
+  for (const auto& c : verificationCases()) CHECK_THAT(message, Contains(c.name));
+}
+
+TEST_CASE("verify approximation holds, and writes its results and its page", "[verify_command]") {
+  const TempFolder folder;
+  VerifyOptions options;
+  options.cases = {"approximation"};
+  options.quick = true;
+  options.json = folder.path("results.json");
+  options.report = folder.path("page");
+  options.threads = 1;
+  std::string said;
+  REQUIRE(verify(options, &said) == 0);
+  CHECK_THAT(said, Contains("approximation") && Contains("MMLS stands"));
+
+  const Report report = reportFromJson(readAll(options.json));
+  REQUIRE(report.cases.size() == 1);
+  CHECK(report.held());
+  CHECK(report.cases[0].name == "approximation");
+  CHECK(report.cases[0].bounds.size() > 5);
+  CHECK(report.cases[0].seconds > 0);
+  CHECK_THAT(report.command, Contains("verify approximation --quick"));
+
+  CHECK(readAll(folder.path("page/results.json")) == readAll(options.json));
+  const std::string page = readAll(folder.path("page/README.md"));
+  REQUIRE_FALSE(report.cases[0].figures.empty());
+  for (const auto& figure : report.cases[0].figures) {
+    CHECK_THAT(page, Contains(figure.file));
+    CHECK(readAll(folder.path("page/" + figure.file)).substr(1, 3) == "PNG");
+  }
+}
+
+TEST_CASE("A page or file that can't be written is an error of the system", "[verify_command]") {
+  const TempFolder folder;
+  folder.write("blocked", "a file stands here");
+  VerifyOptions options;
+  options.cases = {"approximation"};
+  options.quick = true;
+  options.report = folder.path("blocked") + "/page";
+  CHECK_THROWS_WITH(verify(options), Contains("blocked"));
+}
