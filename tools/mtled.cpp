@@ -16,7 +16,7 @@ constexpr int failed = 1, unusable_input = 2;
 
 const char* const examples = R"(Examples:
   mtled solve assets/scenes/box_extension.toml --out /tmp/box    the equilibria on the way, for ParaView too
-  mtled solve liver --tool assets/tools/indent.toml              the tool's way, quasi-static
+  mtled solve liver --tool assets/tools/indent_hold_retract.toml              the tool's way, quasi-static
   mtled verify                               all cases beside the paper and independent references
   mtled verify cube torsion --report /tmp/v  two of them, as a page with pictures
 

@@ -121,8 +121,9 @@ StaticSolver::Outcome StaticSolver::relax(double time, const std::optional<Pose>
       if (k % watch_interval == 0 || calm > 0 || k == ramp + 1) {
         for (const auto& a : body_.u) largest = std::max(largest, toVec3(a).squaredNorm());
         equilibrium.largest = std::sqrt(largest);
+        largest_so_far_ = std::max(largest_so_far_, equilibrium.largest);
       }
-      calm = equilibrium.error <= tolerance_ * equilibrium.largest ? calm + 1 : 0;
+      calm = equilibrium.error <= tolerance_ * largest_so_far_ ? calm + 1 : 0;
       if (calm >= calm_needed) return Outcome::Converged;
     }
     if (watch && k % watch_interval == 0 && !watch(equilibrium.iterations)) return Outcome::Interrupted;

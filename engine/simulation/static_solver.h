@@ -31,7 +31,7 @@ struct Equilibrium {
 /// the step and twice as gentle a load.
 class StaticSolver {
  public:
-  /// @param tolerance  of the displacement, as a share of the largest
+  /// @param tolerance  of the displacement, as a share of the largest that there was so far
   StaticSolver(const Model& model, int threads, double tolerance);
 
   /// Called every few iterations with the load step's iterations so far; false interrupts.
@@ -63,6 +63,7 @@ class StaticSolver {
   DynamicRelaxation relaxation_;
   double time_ = 0;
   double size_ = 0;              // m, of the body
+  double largest_so_far_ = 0;    // m, displacement parameter
   double caution_ = 1;           // extra share of the stable step after a blow-up
   AlignedVector<Double4> u_reference_, f_reference_, probe_u_, probe_f_;
 };
