@@ -41,6 +41,27 @@ std::vector<Eigen::Triplet<double>> integratedTractions(const EssentialNodes& es
   return entries;
 }
 
+/// Where the tractions of these rows act, sum_j V_jk X_j / share = int N^k s dS / int N^k dS: the node where lumped.
+std::vector<Vec3> tractionCentres(const EssentialNodes& essential, const std::vector<int>& rows, const std::vector<int>& row_of) {
+  std::vector<Vec3> moment(rows.size(), Vec3::Zero()), centre;
+  std::vector<double> area(rows.size(), 0);
+  for (std::size_t f = 0; f < essential.facets.size(); ++f) {
+    const auto& facet = essential.facets[f];
+    if (std::any_of(facet.begin(), facet.end(), [&](int node) { return row_of[node] < 0; })) continue;
+    for (int i = 0; i < essential.facet_points; ++i) {
+      const Vec3& weight = essential.facet_weight[f * static_cast<std::size_t>(essential.facet_points) + static_cast<std::size_t>(i)];
+      Vec3 at = Vec3::Zero();
+      for (int k = 0; k < 3; ++k) at += weight[k] / weight.sum() * essential.X[rows[row_of[facet[k]]]];
+      for (int k = 0; k < 3; ++k) {
+        moment[row_of[facet[k]]] += weight[k] * at;
+        area[row_of[facet[k]]] += weight[k];
+      }
+    }
+  }
+  for (std::size_t k = 0; k < rows.size(); ++k) centre.push_back(area[k] > 0 ? Vec3(moment[k] / area[k]) : essential.X[rows[k]]);
+  return centre;
+}
+
 template <class Real, class RowsOf>
 void append(RowsOf& rows, const SparseRows& m, int row) {
   for (SparseRows::InnerIterator it(m, row); it; ++it) {
@@ -118,6 +139,7 @@ typename EssentialBoundaryOf<Real>::Set makeSet(const std::vector<int>& rows, co
       Eigen::Map<const Eigen::VectorXd>(mass.data(), static_cast<Eigen::Index>(mass.size())).cwiseInverse();
   const Sparse A = phi * inverse_mass.asDiagonal() * Sparse(v.transpose());
 
+  const std::vector<Vec3> centre = tractionCentres(essential, rows, row_of);
   Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int> order;
   Eigen::AMDOrdering<int>()(A, order);  // of A + A^T
   typename EssentialBoundaryOf<Real>::Set set;
@@ -132,6 +154,7 @@ typename EssentialBoundaryOf<Real>::Set makeSet(const std::vector<int>& rows, co
     for (int c = 0; c < 3; ++c)
       if (mask[c] == 0) set.boundary.back()[c] = -1;
     set.share.push_back(v.row(from).sum());
+    set.centre.push_back(centre[from]);
     append<Real>(set.phi, phi, from);
     if (integrated) append<Real>(set.v, v, from);
   }
@@ -231,10 +254,10 @@ Vec3 imposeBoundary(const EssentialBoundaryOf<Real>& boundary, double time_s, do
     for (int k = 0; k < n; ++k) {
       const Real4<Real> x{r[k].x * set.mask[0], r[k].y * set.mask[1], r[k].z * set.mask[2], 0};
       for (int e = v.begin[k]; e < v.begin[k + 1]; ++e) addScaled(du[v.column[e]], v.value[e] * inverse_mass[v.column[e]], x);
-      Vec3 arm_point = set.X[k];  // the node's present place, as imposed; a free component moves it little
+      Vec3 arm_point = set.centre[k];  // in its present place, as imposed; a free component moves it little
       for (int c = 0; c < 3; ++c)
         if (const int b = set.whole[k][c]; b >= 0)
-          arm_point[c] += scratch.rotation[b].row(c).dot(set.X[k] - boundary.motions[b].axis_point) + scratch.shift[b][c];
+          arm_point[c] += scratch.rotation[b].row(c).dot(set.centre[k] - boundary.motions[b].axis_point) + scratch.shift[b][c];
       for (int c = 0; c < 3; ++c) {
         const int b = set.boundary[k][c];
         if (b < 0) continue;

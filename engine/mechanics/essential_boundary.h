@@ -68,6 +68,7 @@ struct EssentialBoundaryOf {
     std::vector<std::array<int, 3>> boundary;  // (row_count) per component, as in ImposedNode; -1 outside the mask
     std::vector<std::array<int, 3>> whole;     // (row_count) the same for all components: where the node is
     std::vector<double> share;            // (row_count) sum_j V_jk: 1, or int N^k dS in m^2
+    std::vector<Vec3> centre;             // (row_count) m, sum_j V_jk X_j / share: where the node's traction acts
     Rows<Real> phi, v;                    // row k: N_j(X_k); V_jk (v is empty where it equals phi)
     Rows<Real> l, u;                      // unit lower and upper factor without their diagonals
     AlignedVector<Real> inverse_pivot;    // (row_count) of U
