@@ -141,9 +141,14 @@ Equilibrium StaticSolver::advanceTo(double time, const std::optional<Pose>& tool
     // The load comes on within a few times what it takes the slowest mode to follow.
     const int ramp = std::clamp(static_cast<int>(2 / (1 - relaxation_.convergenceRate())), 50, 2000) << attempt;
     const Outcome outcome = relax(time, tool, ramp, watch, equilibrium);
+    if (outcome == Outcome::Interrupted) {  // back to where it was at rest
+      equilibrium.interrupted = true;
+      body_.restore(u_before, AlignedVector<Double4>(u_before.size()));
+      if (tool) body_.placeTool(tool_before);
+      return equilibrium;
+    }
     if (outcome != Outcome::BlownUp) {
       equilibrium.converged = outcome == Outcome::Converged;
-      equilibrium.interrupted = outcome == Outcome::Interrupted;
       time_ = time;
       updateStep();
       return equilibrium;

@@ -15,7 +15,7 @@ struct Equilibrium {
   double error = 0;            // m, estimated distance of the displacement parameters from equilibrium
   double largest = 0;          // m, largest displacement parameter
   bool converged = false;      // error was below the tolerance for 20 iterations in a row
-  bool interrupted = false;
+  bool interrupted = false;    // the state is that of the last equilibrium
   bool diverged = false;       // no step was small enough; the state is that of the last equilibrium
   double min_J = 1;
   int worst_point = -1;        // with min J

@@ -104,6 +104,7 @@ class Results {
     force_->add(row);
     ++checkpoint_.rows;
     checkpoint_.position = position;
+    last_reactions_ = body.reactions();
     last_row_ = std::move(row);
     const int frames = model_.scene.solve.frames;
     if (time >= end_ * static_cast<double>(checkpoint_.frame_time.size() + 1) / frames * (1 - 1e-9)) addFrame(time, body);
@@ -122,8 +123,8 @@ class Results {
       csv.finish();
     }
     nlohmann::json reactions;
-    for (std::size_t b = 0; b < model_.scene.boundaries.size() && b < body.reactions().size(); ++b) {
-      const auto& r = body.reactions()[b];
+    for (std::size_t b = 0; b < last_reactions_.size(); ++b) {
+      const auto& r = last_reactions_[b];
       reactions[model_.scene.boundaries[b].name] = {{"force_N", {r.force.x(), r.force.y(), r.force.z()}},
                                                     {"moment_Nm", {r.moment.x(), r.moment.y(), r.moment.z()}}};
     }
@@ -191,6 +192,7 @@ class Results {
   ShapeTable probe_shape_;
   std::unique_ptr<ResultCsv> force_;
   std::vector<double> last_row_;
+  std::vector<Reaction> last_reactions_;
   std::vector<PvdFrame> pvd_;
   Checkpoint checkpoint_;
   Clock::time_point saved_ = Clock::now();
