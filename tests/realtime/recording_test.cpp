@@ -150,7 +150,7 @@ TEST_CASE("Damaged recordings are refused with file and line", "[recording]") {
       {with("12 pull", "twelve pull"), 6, "\"twelve\" is not a tick"},
       {with("15 release", "11 release"), 7, "ticks must not go back"},
       {with("15 release", "15 material 0 jelly"), 7, "\"jelly\" is not a material kind"},
-      {with("15 release", "15 material 0 ogden 1 1 1 5"), 7, "so many terms"},
+      {with("15 release", "15 material 0 ogden 1 1 1 7"), 7, "so many terms"},
       {with("end 500", "end 14"), 8, "ends before its last change"},
       {with("end 500\n", "end 500\n16 reset\n"), 9, "something stands after the end"},
       {with("end 500\n", ""), 7, "cut off"},

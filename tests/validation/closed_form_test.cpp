@@ -100,6 +100,7 @@ TEST_CASE("Unconstrained compression of the cube: NRMSE of u_z beside the paper'
     scene.solid = Scene::Solid::Box;
     scene.size = Vec3(0.1, 0.1, 0.1);
     scene.spacing = 0.0195;
+    scene.mu = 0.1;
     scene.quadrature.points_per_cell = points_per_cell;
     scene.consistent_gradients = consistent;
     scene.materials.emplace_back();
