@@ -18,7 +18,7 @@ struct MmlsQuality {
 /// Options of the modified moving least squares approximation.
 struct MmlsOptions {
   int degree = 2;      // of the basis: 1 or 2
-  double mu = 0.1;     // weight of the constraints on second-degree coefficients, dimensionless:
+  double mu = 0.2;     // weight of the constraints on second-degree coefficients, dimensionless:
                        // in the basis of (x - X_j) / R. 0 gives classical moving least squares.
   /// One weight per constraint instead of mu, in the order of the monomials: mu_xx, mu_yy, mu_zz, mu_xy,
   /// mu_xz, mu_yz (in 2D mu_xx, mu_yy, mu_xy, and the rest is not read). >= 0.

@@ -11,7 +11,7 @@ namespace palpate {
 
 struct AdaptiveOptions {
   double accuracy = 0.1;         // tau: largest relative error of a cell's integral, > 0
-  int points_per_cell = 4;       // 1, 4 or 5 (integration_points.h)
+  int points_per_cell = 1;       // 1, 4 or 5 (integration_points.h)
   int division = 8;              // of a cell that fails, into 2, 4 or 8 (cell_division.h)
   int max_depth = 4;             // divisions of a cell after one another; division^max_depth <= 2^18
   int most_points = 2'000'000;   // more are refused: their shape functions would fill gigabytes

@@ -13,6 +13,9 @@ void checkName(const TomlTable& table, const std::string& name, const std::vecto
   const bool plain = std::none_of(name.begin(), name.end(), [](char c) {
     return c == ',' || c == '"' || (c >= 0 && c < ' ') || c == 127;
   });
+  if (name == "tool") {
+    throw InputError(table.place("name"), "the name \"tool\" stands for the tool's own force in the results", "give another name");
+  }
   if (!plain || name.find_first_not_of(' ') == std::string::npos) {
     throw InputError(table.place("name"), "\"name\" is " + palpate::quoted(name),
                      "give a name without commas, quotes and line ends");

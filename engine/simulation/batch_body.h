@@ -1,7 +1,5 @@
 #pragma once
 
-#include <functional>
-
 #include "base/spin_team.h"
 #include "contact/contact.h"
 #include "mechanics/internal_forces.h"

@@ -202,12 +202,19 @@ BoundaryMotion motionOf(const BoundarySpec& spec) {
 bool agree(const BoundarySpec& a, const BoundarySpec& b, const Vec3& X, int component) {
   const BoundaryMotion p = motionOf(a), q = motionOf(b);
   if (!p.moves() && !q.moves()) return true;
-  constexpr int samples = 16;  // a curve's differences show somewhere
+  // Curves are polynomials or linear between their tables' times: equal at these and at a few times more, they are equal.
+  constexpr int samples = 16;
   const double end = std::max({p.duration, q.duration, p.curve.time.empty() ? 0 : p.curve.time.back(),
                                q.curve.time.empty() ? 0 : q.curve.time.back()});
-  for (int k = 1; k <= samples; ++k)
-    if (std::abs((p.at(X, end * k / samples) - q.at(X, end * k / samples))[component]) > 1e-12) return false;
-  return true;
+  std::vector<double> times;
+  for (int k = 1; k <= samples; ++k) times.push_back(end * k / samples);
+  for (const auto* curve : {&p.curve, &q.curve})
+    for (std::size_t k = 1; k < curve->time.size(); ++k) {
+      times.push_back(curve->time[k]);
+      times.push_back((curve->time[k - 1] + curve->time[k]) / 2);
+    }
+  return std::all_of(times.begin(), times.end(),
+                     [&](double t) { return std::abs((p.at(X, t) - q.at(X, t))[component]) <= 1e-12; });
 }
 
 /// Which nodes are imposed, and how. Throws where a region is empty or two motions contradict.

@@ -34,7 +34,8 @@ StaticSolver::StaticSolver(const Model& model, int threads, double tolerance)
 }
 
 void StaticSolver::resume(double time, const AlignedVector<Double4>& u,
-                            const std::optional<Pose>& tool) {
+                            const std::optional<Pose>& tool, double largest) {
+  largest_so_far_ = largest;
   time_ = time;
   body_.restore(u, AlignedVector<Double4>(u.size()));
   if (tool) body_.placeTool(*tool);
@@ -137,6 +138,7 @@ Equilibrium StaticSolver::advanceTo(double time, const std::optional<Pose>& tool
   equilibrium.time = time;
   const AlignedVector<Double4> u_before = body_.u;
   const Pose tool_before = body_.toolPose();
+  const double largest_before = largest_so_far_;
   for (int attempt = 0; attempt < attempts; ++attempt) {
     // The load comes on within a few times what it takes the slowest mode to follow.
     const int ramp = std::clamp(static_cast<int>(2 / (1 - relaxation_.convergenceRate())), 50, 2000) << attempt;
@@ -144,6 +146,7 @@ Equilibrium StaticSolver::advanceTo(double time, const std::optional<Pose>& tool
     if (outcome == Outcome::Interrupted) {  // back to where it was at rest
       equilibrium.interrupted = true;
       body_.restore(u_before, AlignedVector<Double4>(u_before.size()));
+      largest_so_far_ = largest_before;
       if (tool) body_.placeTool(tool_before);
       return equilibrium;
     }
@@ -154,6 +157,7 @@ Equilibrium StaticSolver::advanceTo(double time, const std::optional<Pose>& tool
       return equilibrium;
     }
     body_.restore(u_before, AlignedVector<Double4>(u_before.size()));
+    largest_so_far_ = largest_before;
     if (tool) body_.placeTool(tool_before);
     caution_ *= 0.5;
     updateStep();

@@ -43,9 +43,10 @@ class StaticSolver {
 
   const BatchBody& body() const { return body_; }
   double time() const { return time_; }
-  /// Goes on from a state that was saved.
+  /// Goes on from a state that was saved. @param largest  m, largestSoFar() then
   void resume(double time, const AlignedVector<Double4>& u,
-              const std::optional<Pose>& tool);
+              const std::optional<Pose>& tool, double largest = 0);
+  double largestSoFar() const { return largest_so_far_; }
   double convergenceRate() const { return relaxation_.convergenceRate(); }
 
   static constexpr int max_iterations = 20000;  // of one load step

@@ -9,7 +9,7 @@
 namespace palpate {
 namespace {
 
-constexpr char magic[] = "mtled checkpoint 1\n";
+constexpr char magic[] = "mtled checkpoint 2\n";
 
 std::uint64_t sumOf(const std::string& bytes) {
   std::uint64_t hash = 0xcbf29ce484222325ull;  // FNV-1a
@@ -36,6 +36,7 @@ void writeCheckpoint(const std::string& path, const Checkpoint& c) {
   add(bytes, &c.model_hash, 1);
   add(bytes, &c.position, 1);
   add(bytes, &c.rows, 1);
+  add(bytes, &c.largest, 1);
   add(bytes, &frames, 1);
   add(bytes, &nodes, 1);
   add(bytes, c.frame_time.data(), frames);
@@ -50,7 +51,7 @@ Checkpoint readCheckpoint(const std::string& path, std::uint64_t model_hash, std
   std::ifstream file(path, std::ios::binary);
   if (!file) throw InputError({path}, "there is no checkpoint", "start without --resume");
   const std::string bytes((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
-  constexpr std::size_t head = sizeof magic - 1 + 5 * 8, tail = 8;
+  constexpr std::size_t head = sizeof magic - 1 + 6 * 8, tail = 8;
   const auto damaged = [&] { return InputError({path}, "the checkpoint is damaged", "start without --resume"); };
   if (bytes.size() < head + tail || bytes.compare(0, sizeof magic - 1, magic) != 0) throw damaged();
   Checkpoint c;
@@ -61,11 +62,13 @@ Checkpoint readCheckpoint(const std::string& path, std::uint64_t model_hash, std
   take(at, &c.model_hash, 1);
   take(at, &c.position, 1);
   take(at, &c.rows, 1);
+  take(at, &c.largest, 1);
   take(at, &frames, 1);
   take(at, &nodes, 1);
   if (bytes.size() != head + tail + frames * sizeof(double) + 2 * nodes * sizeof(Double4)) throw damaged();
   if (c.model_hash != model_hash || nodes != node_count)
-    throw InputError({path}, "the checkpoint was made with another scene", "start without --resume");
+    throw InputError({path}, "the checkpoint was made with another scene, load_steps, end_time, mode or tool script",
+                     "take them back, or start without --resume");
   c.frame_time.resize(frames);
   c.u.resize(nodes);
   c.du.resize(nodes);

@@ -1,8 +1,10 @@
 #include "mtled/solve_command.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <cstring>
 #include <filesystem>
 #include <iostream>
 #include <memory>
@@ -14,6 +16,7 @@
 #include "app/options.h"
 #include "approximation/shape_functions.h"
 #include "base/build_info.h"
+#include "discretization/surface_tree.h"
 #include "io/csv_table.h"
 #include "io/load_model.h"
 #include "io/output_file.h"
@@ -46,10 +49,31 @@ double endTime(const Scene& scene, const std::optional<ToolScript>& script) {
   return end;
 }
 
+/// Of all that decides a solution: what a checkpoint must agree in.
+std::uint64_t identityOf(const Model& model, const std::optional<ToolScript>& script, double end) {
+  std::uint64_t hash = modelHash(model);
+  const auto add = [&](double value) {
+    std::uint64_t bits = 0;
+    std::memcpy(&bits, &value, sizeof bits);
+    hash = (hash ^ bits) * 0x100000001b3ull;  // FNV-1a by words
+  };
+  add(end);
+  add(static_cast<double>(model.scene.solve.mode));
+  add(model.scene.solve.load_steps);
+  add(script ? 1 : 0);
+  if (!script) return hash;
+  add(script->from_touch ? 1 : 0);
+  add(script->smooth ? 1 : 0);
+  for (const auto& k : script->keyframes)
+    for (const double value : {k.time, k.advance, k.slide.x(), k.slide.y()}) add(value);
+  return hash;
+}
+
 /// Everything that a solution leaves in its folder.
 class Results {
  public:
-  Results(const Model& model, const std::string& folder, double end, bool resume)
+  /// @param identity  hash of model and load: what a checkpoint must have been made with
+  Results(const Model& model, const std::string& folder, double end, std::uint64_t identity, bool resume)
       : model_(model), folder_(folder), end_(end) {
     std::error_code error;
     std::filesystem::create_directories(folder, error);
@@ -61,9 +85,16 @@ class Results {
       std::vector<InadmissibleSupport> failed;
       probe_shape_ = shapeFunctions(probes_.X, model.X, model.support_radius, neighbours,
                                     {model.scene.basis_degree, model.scene.mu}, failed);
+      const SurfaceTree organ(organSurface(model.scene));
+      // The organ's faces are flat where a probe may lie on the round that they stand for.
+      const double tolerance = 0.05 * model.scene.spacing;
+      for (std::size_t k = 0; k < probes_.X.size(); ++k)
+        if (organ.signedDistance(probes_.X[k]) > tolerance)
+          throw InputError({model.scene.solve.probes_file, probes_.table.line[k]}, "this point lies outside the body",
+                           "move it inside, or leave it out");
       if (!failed.empty())
         throw InputError({model.scene.solve.probes_file, probes_.table.line[failed.front().row]},
-                         "this point lies outside the body", "move it inside, or leave it out");
+                         "the nodes near this point can't carry an approximation", "move it inwards, or leave it out");
     }
     std::vector<std::string> columns{"time_s", "error_m", "iterations", "min_J", "inverted_points"};
     for (const auto& b : model.scene.boundaries)
@@ -71,7 +102,7 @@ class Results {
     for (const char* part : {"tool_fx_N", "tool_fy_N", "tool_fz_N"}) columns.emplace_back(part);
     std::vector<std::vector<double>> kept;
     if (resume) {
-      checkpoint_ = readCheckpoint(checkpointFile(), modelHash(model), model.X.size());
+      checkpoint_ = readCheckpoint(checkpointFile(), identity, model.X.size());
       const CsvTable earlier = readCsvTable(forceFile());
       if (earlier.name != columns || static_cast<std::int64_t>(earlier.rowCount()) < checkpoint_.rows)
         throw InputError({forceFile()}, "this file does not belong to the checkpoint", "start without --resume");
@@ -79,13 +110,16 @@ class Results {
         kept.emplace_back();
         for (const auto& column : earlier.column) kept.back().push_back(column[static_cast<std::size_t>(r)]);
       }
-      // Positions count load steps: with others of these the state would be taken for that of another load.
-      const SolveSpec& spec = model.scene.solve;
-      const auto position = static_cast<double>(checkpoint_.position);
-      const double reached = spec.mode == SolveSpec::Mode::Static ? end * position / spec.load_steps : position * model.dt;
-      if (!kept.empty() && std::abs(kept.back().front() - reached) > 1e-9 * end)
-        throw InputError({checkpointFile()}, "the checkpoint was made with another mode, end_time or load_steps in [solve]",
-                         "take them back, or start without --resume");
+      if (!kept.empty()) {
+        last_row_ = kept.back();
+        for (std::size_t at = 5; at + 9 <= last_row_.size(); at += 6)
+          last_reactions_.push_back({Vec3(last_row_[at], last_row_[at + 1], last_row_[at + 2]), Vec3(last_row_[at + 3], last_row_[at + 4], last_row_[at + 5])});
+      }
+    } else {
+      checkpoint_.model_hash = identity;
+      checkpoint_.u.resize(model.X.size());
+      checkpoint_.du.resize(model.X.size());
+      std::filesystem::remove(checkpointFile(), error);  // of an earlier run: it does not belong to the new rows
     }
     force_ = std::make_unique<ResultCsv>(forceFile(), columns);
     for (const auto& row : kept) force_->add(row);
@@ -93,10 +127,11 @@ class Results {
   }
 
   const Checkpoint& checkpoint() const { return checkpoint_; }
+  double error() const { return last_row_.empty() ? 0 : last_row_[1]; }  // m, of the last row
 
   /// One equilibrium or tick, with a frame when its time has come. @param position  for a resumed run
   void add(std::int64_t position, double time, double error, int iterations, double min_J, int inverted, const BatchBody& body,
-           const Vec3& tool_force) {
+           const Vec3& tool_force, double largest = 0) {
     std::vector<double> row{time, error, static_cast<double>(iterations), min_J, static_cast<double>(inverted)};
     for (const auto& r : body.reactions())
       for (const Vec3& v : {r.force, r.moment}) row.insert(row.end(), v.data(), v.data() + 3);
@@ -104,20 +139,23 @@ class Results {
     force_->add(row);
     ++checkpoint_.rows;
     checkpoint_.position = position;
+    checkpoint_.largest = largest;
+    checkpoint_.u = body.u;
+    checkpoint_.du = body.du;
     last_reactions_ = body.reactions();
     last_row_ = std::move(row);
     const int frames = model_.scene.solve.frames;
     if (time >= end_ * static_cast<double>(checkpoint_.frame_time.size() + 1) / frames * (1 - 1e-9)) addFrame(time, body);
-    if (Clock::now() - saved_ > std::chrono::seconds(10)) save(body);
+    if (Clock::now() - saved_ > std::chrono::seconds(10)) save();
   }
 
-  /// The present state's probes, checkpoint and report. @param outcome  more members of the report
-  void finish(const BatchBody& body, nlohmann::json outcome) {
+  /// Probes, checkpoint and report of the last row. @param outcome  more members of the report
+  void finish(nlohmann::json outcome) {
     force_->finish();
-    save(body);
+    save();
     if (!probes_.X.empty()) {
       ResultCsv csv(folder_ + "/probes.csv", {"X", "Y", "Z", "ux", "uy", "uz"});
-      const auto u = fieldAt(probe_shape_, body.u);
+      const auto u = fieldAt(probe_shape_, checkpoint_.u);
       for (std::size_t k = 0; k < u.size(); ++k)
         csv.add(std::vector<double>{probes_.X[k].x(), probes_.X[k].y(), probes_.X[k].z(), u[k].x(), u[k].y(), u[k].z()});
       csv.finish();
@@ -140,7 +178,7 @@ class Results {
     if (!last_row_.empty()) {
       outcome["time_s"] = last_row_[0];
       outcome["min_J"] = last_row_[3];
-      outcome["inverted_points"] = last_row_[4];
+      outcome["inverted_points"] = static_cast<int>(last_row_[4]);
     }
     writeWholeFile(folder_ + "/report.json", outcome.dump(2) + "\n");
   }
@@ -177,10 +215,7 @@ class Results {
     checkpoint_.frame_time.push_back(time);
   }
 
-  void save(const BatchBody& body) {
-    checkpoint_.model_hash = modelHash(model_);
-    checkpoint_.u = body.u;
-    checkpoint_.du = body.du;
+  void save() {
     writeCheckpoint(checkpointFile(), checkpoint_);
     saved_ = Clock::now();
   }
@@ -217,7 +252,7 @@ int solveStatic(const Task& task, Results& results) {
   StaticSolver solver(task.model, task.threads, spec.tolerance);
   if (task.resume)
     solver.resume(task.end * static_cast<double>(results.checkpoint().position) / spec.load_steps, results.checkpoint().u,
-                  task.tool(task.end * static_cast<double>(results.checkpoint().position) / spec.load_steps));
+                  task.tool(task.end * static_cast<double>(results.checkpoint().position) / spec.load_steps), results.checkpoint().largest);
   ProgressLine progress("solve");
   int iterations = 0;
   Equilibrium e;
@@ -233,23 +268,22 @@ int solveStatic(const Task& task, Results& results) {
     const double time = task.end * k / spec.load_steps;
     e = solver.advanceTo(time, task.tool(time), watch);
     iterations += e.iterations;
-    if (e.interrupted || e.diverged) break;
-    results.add(k, time, e.error, e.iterations, e.min_J, e.inverted_points, solver.body(), e.tool_force);
     if (!e.converged) break;
+    results.add(k, time, e.error, e.iterations, e.min_J, e.inverted_points, solver.body(), e.tool_force, solver.largestSoFar());
   }
-  results.finish(solver.body(), {{"mode", "static"},
+  results.finish({{"mode", "static"},
                                  {"converged", e.converged},
                                  {"diverged", e.diverged},
                                  {"interrupted", e.interrupted},
                                  {"iterations", iterations},
-                                 {"error_estimate_m", e.error},
+                                 {"error_estimate_m", results.error()},
                                  {"solve_seconds", Seconds(std::chrono::steady_clock::now() - start).count()}});
   if (e.diverged) {
     std::cerr << "mtled: the load step to " << e.time << " s diverged; the results end before it. More load_steps in [solve], "
               << "a coarser spacing or less motion may help\n";
   } else if (!e.converged && !e.interrupted) {
     std::cerr << "mtled: no equilibrium within the tolerance at " << e.time << " s after " << StaticSolver::max_iterations
-              << " iterations; the last row of force.csv is not at rest\n";
+              << " iterations; the results end before it\n";
   }
   if (e.interrupted) std::cerr << "mtled: interrupted; --resume goes on from the last load step\n";
   return e.converged && !e.diverged && !e.interrupted ? 0 : 1;
@@ -276,7 +310,7 @@ int solveTransient(const Task& task, Results& results) {
     progress.show(static_cast<double>(k) / static_cast<double>(ticks), detail);
     stopped = interrupted();
   }
-  results.finish(solver.body(), {{"mode", "transient"},
+  results.finish({{"mode", "transient"},
                                  {"diverged", diverged},
                                  {"interrupted", stopped},
                                  {"dt_s", task.model.dt},
@@ -303,7 +337,7 @@ int solveCommand(const SolveOptions& options) {
     model = std::make_unique<Model>(loadModel(scene, [&](const std::string& what, double fraction) { progress.show(fraction, what); }));
   }
   const int cores = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
-  Results results(*model, options.out.empty() ? "out/" + scene.name : options.out, end, options.resume);
+  Results results(*model, options.out.empty() ? "out/" + scene.name : options.out, end, identityOf(*model, script, end), options.resume);
   std::cout << scene.name << ": " << model->nodeCount() << " nodes, " << model->pointCount() << " integration points, set up in "
             << model->setup_seconds << " s" << std::endl;
   const Task task{*model, script, end, options.threads > 0 ? options.threads : cores, options.resume};

@@ -42,8 +42,8 @@ struct Variant {
 inline constexpr Variant variants[] = {
     {"as the paper", false, false}, {"node patches", false, true}, {"consistent gradients", true, false}, {"both", true, true}};
 void apply(const Variant& variant, Scene& scene);
-/// All of them, or for a quick run the first and the last.
-std::vector<Variant> variantsFor(const CaseContext& context);
+/// All of them; for a quick run and for a case's fine rows the first and the last.
+std::vector<Variant> variantsFor(const CaseContext& context, bool fine = false);
 
 /// A boundary on the plane normal . (x - point) = 0.
 BoundarySpec planeBoundary(const std::string& name, const Vec3& point, const Vec3& normal, const std::array<bool, 3>& components = {true, true, true});

@@ -85,7 +85,9 @@ int verifyCommand(const VerifyOptions& options) {
     if (!options.json.empty()) writeWholeFile(options.json, jsonOf(report));
     if (!options.report.empty()) writeReport(options.report, report);
   };
+  write();  // a place that can't be written to is found before the work, not after
   for (const auto& c : cases) {
+    if (interrupted()) throw std::runtime_error("interrupted; what was done is kept");
     report.cases.push_back(runCase(c, context));
     printCase(std::cout, report.cases.back());
     std::cout << std::endl;

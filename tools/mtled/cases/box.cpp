@@ -92,6 +92,8 @@ CaseResult solveBox(const BoxProblem& problem, const CaseContext& context, CaseR
         if (!std::isnan(problem.paper[is_fine][c]))
           result.bounds.push_back({std::string("NRMSE of u_") + "xyz"[c] + ", " + at, e[c], problem.paper[is_fine][c], true, "", "the paper's table"});
     if (!ours) continue;
+    result.bounds.push_back({"Load steps solved, " + at, static_cast<double>(s.reactions.size()), static_cast<double>(problem.times.size()), false, "", ""});
+    if (!solved) continue;
     result.bounds.push_back({"Force, " + at + ", relative error", std::abs(error), problem.force_bound[is_fine], true, "", "converged finite elements"});
     const auto& r = s.reactions.back();
     result.bounds.push_back({"Top against base, " + at, (r[0].force + r[1].force).norm() / std::abs(force), 1e-3, true, "", "equilibrium"});

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "app/body_picture.h"
 #include "app/figure.h"
 
 namespace palpate {
@@ -93,8 +92,12 @@ CaseResult cubeCase(const CaseContext& context) {
     std::vector<std::string> cells;
     Outcome first;
     for (const Variant& variant : variants) {
+      if (row.spacing == fine && (variant.consistent_gradients != variant.node_patch_volume)) {
+        cells.emplace_back("–");  // the coarse rows show each alone
+        continue;
+      }
       CaseContext within = context;
-      const int at = done++, all = context.quick ? 12 : 24;
+      const int at = done++, all = context.quick ? 12 : 22;
       within.progress = [&context, at, all](double fraction, const std::string& what) {
         context.progress((at + fraction) / all, what);
       };
@@ -109,7 +112,7 @@ CaseResult cubeCase(const CaseContext& context) {
         result.bounds.push_back({"NRMSE, " + what + ", as the paper", out.nrmse, row.paper, true, "", "the paper's Table 1"});
       }
       if (variant.consistent_gradients)
-        result.bounds.push_back({"NRMSE, " + what + ", " + variant.name, out.nrmse, 1e-6, true, "", "a linear field is exact"});
+        result.bounds.push_back({"NRMSE, " + what + ", " + variant.name, out.nrmse, 1e-7, true, "", "a linear field is exact"});
     }
     table.rows.push_back({row.label, std::to_string(first.nodes), std::to_string(first.points), formatted(row.paper)});
     table.rows.back().insert(table.rows.back().end(), cells.begin(), cells.end());
