@@ -57,9 +57,9 @@ std::uint64_t identityOf(const Model& model, const std::optional<ToolScript>& sc
     std::memcpy(&bits, &value, sizeof bits);
     hash = (hash ^ bits) * 0x100000001b3ull;  // FNV-1a by words
   };
-  add(end);
   add(static_cast<double>(model.scene.solve.mode));
-  add(model.scene.solve.load_steps);
+  // What a load step is; more of the same may follow.
+  if (model.scene.solve.mode == SolveSpec::Mode::Static) add(end / model.scene.solve.load_steps);
   add(script ? 1 : 0);
   if (!script) return hash;
   add(script->from_touch ? 1 : 0);
