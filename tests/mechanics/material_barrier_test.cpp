@@ -126,7 +126,8 @@ TEST_CASE("The lanes' barrier is the scalar one's", "[material][barrier][kernel]
       INFO("J " << J << " double " << (lanesPiola<double>(m, F) - exact).norm() / scale << " float "
                 << (lanesPiola<float>(m, F) - exact).norm() / scale);
       CHECK((lanesPiola<double>(m, F) - exact).norm() < 1e-14 * scale);
-      CHECK((lanesPiola<float>(m, F) - exact).norm() < 1e-6 * scale);
+      // Some thirty roundings of 6e-8; 1.03e-6 where there is no fused multiply-add.
+      CHECK((lanesPiola<float>(m, F) - exact).norm() < 2e-6 * scale);
     }
   }
 }
