@@ -24,7 +24,7 @@ void add(std::string& bytes, const T* data, std::size_t count) {
 
 template <class T>
 void take(const char*& at, T* data, std::size_t count) {
-  std::memcpy(static_cast<void*>(data), at, count * sizeof(T));
+  if (count != 0) std::memcpy(static_cast<void*>(data), at, count * sizeof(T));  // an empty vector has no address
   at += count * sizeof(T);
 }
 
