@@ -5,6 +5,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "app/body_picture.h"
+#include "app/figure.h"
 #include "app/interrupt.h"
 #include "approximation/shape_functions.h"
 #include "io/load_model.h"
@@ -31,6 +33,14 @@ const std::vector<VerificationCase>& verificationCases() {
 void apply(const Variant& variant, Scene& scene) {
   scene.consistent_gradients = variant.consistent_gradients;
   scene.node_patch_volume = variant.node_patch_volume;
+}
+
+CaseContext partOf(const CaseContext& context, double begin, double all, double width) {
+  CaseContext part = context;
+  part.progress = [whole = context.progress, begin, all, width](double fraction, const std::string& what) {
+    whole((begin + width * fraction) / all, what);
+  };
+  return part;
 }
 
 std::vector<Variant> variantsFor(const CaseContext& context, bool fine) {
@@ -107,6 +117,23 @@ std::vector<double> evenTimes(int n) {
   std::vector<double> times;
   for (int k = 1; k <= n; ++k) times.push_back(static_cast<double>(k) / n);
   return times;
+}
+
+void addFigure(const CaseContext& context, const std::string& file, const std::string& caption, const Figure& figure, CaseResult& result) {
+  context.figures->write(context.folder + "/" + file, figure);
+  result.figures.push_back({file, caption});
+}
+
+void addFigure(const CaseContext& context, const std::string& file, const std::string& caption, const Histogram& figure, CaseResult& result) {
+  context.figures->write(context.folder + "/" + file, figure);
+  result.figures.push_back({file, caption});
+}
+
+void addBodyPicture(const CaseContext& context, const std::string& file, const std::string& caption, const BodyPicture& picture,
+                    const StaticSolution& solution, CaseResult& result, const CutPlane* cut) {
+  BodyPainter painter(*context.figures, *solution.model, cut ? std::optional(*cut) : std::nullopt);
+  painter.write(context.folder + "/" + file, picture, solution.uForPictures());
+  result.figures.push_back({file, caption});
 }
 
 Vec3 nrmse(const std::vector<Vec3>& computed, const std::vector<Vec3>& reference) {

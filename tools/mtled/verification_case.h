@@ -10,7 +10,11 @@
 
 namespace palpate {
 
+struct BodyPicture;
+struct CutPlane;
+struct Figure;
 class FigureWriter;
+struct Histogram;
 
 /// What a verification case is given.
 struct CaseContext {
@@ -45,6 +49,9 @@ void apply(const Variant& variant, Scene& scene);
 /// All of them; for a quick run and for a case's fine rows the first and the last.
 std::vector<Variant> variantsFor(const CaseContext& context, bool fine = false);
 
+/// The context of a part of a case's work, of `width` from `begin` in units of which the case has `all`.
+CaseContext partOf(const CaseContext& context, double begin, double all, double width = 1);
+
 /// A boundary on the plane normal . (x - point) = 0.
 BoundarySpec planeBoundary(const std::string& name, const Vec3& point, const Vec3& normal, const std::array<bool, 3>& components = {true, true, true});
 
@@ -71,6 +78,12 @@ struct StaticSolution {
 /// @param start_from  a solution of the same nodes with other boundaries, to go on from; null: from rest
 StaticSolution solveCase(const Scene& scene, const std::vector<double>& times, const CaseContext& context, double tolerance = 1e-4,
                          const StaticSolution* start_from = nullptr);
+
+/// Writes a plot, or the deformed body, as `file` into the context's folder and lists it in the result. Only with context.figures.
+void addFigure(const CaseContext& context, const std::string& file, const std::string& caption, const Figure& figure, CaseResult& result);
+void addFigure(const CaseContext& context, const std::string& file, const std::string& caption, const Histogram& figure, CaseResult& result);
+void addBodyPicture(const CaseContext& context, const std::string& file, const std::string& caption, const BodyPicture& picture,
+                    const StaticSolution& solution, CaseResult& result, const CutPlane* cut = nullptr);
 
 /// 1/n, 2/n, .., 1.
 std::vector<double> evenTimes(int n);

@@ -132,8 +132,7 @@ CaseResult approximationCase(const CaseContext& context) {
   }
   result.tables.push_back(rates);
   if (context.figures) {
-    context.figures->write(context.folder + "/approximation_rates.png", figure);
-    result.figures.push_back({"approximation_rates.png", "Convergence of the interpolation"});
+    addFigure(context, "approximation_rates.png", "Convergence of the interpolation", figure, result);
   }
   return result;
 }

@@ -65,13 +65,9 @@ CaseResult solveBox(const BoxProblem& problem, const CaseContext& context, CaseR
   for (std::size_t k = 0; k < rows.size(); ++k) {
     const Row& row = rows[k];
     const bool is_fine = row.spacing == fine, ours = row.variant.consistent_gradients && row.variant.node_patch_volume;
-    CaseContext within = context;
-    within.progress = [&](double fraction, const std::string& what) {
-      // The fine rows take most of the time.
-      const double begin = context.quick || k < 5 ? static_cast<double>(k) : 5.0 + 15.0 * static_cast<double>(k - 5);
-      const double width = is_fine ? 15 : 1, all = context.quick ? 2 : 35;
-      context.progress((begin + width * fraction) / all, what);
-    };
+    // The fine rows take most of the time.
+    const double begin = context.quick || k < 5 ? static_cast<double>(k) : 5.0 + 15.0 * static_cast<double>(k - 5);
+    const CaseContext within = partOf(context, begin, context.quick ? 2 : 35, is_fine ? 15 : 1);
     Scene scene = boxScene(row.spacing, problem.motion);
     scene.quadrature.points_per_cell = row.points_per_cell;
     apply(row.variant, scene);
@@ -106,8 +102,7 @@ CaseResult solveBox(const BoxProblem& problem, const CaseContext& context, CaseR
     h.x_label = "Distance, mm";
     h.y_label = "Probes";
     const std::string prefix = std::string(problem.name) + "_";
-    context.figures->write(context.folder + "/" + prefix + "errors.png", h);
-    result.figures.push_back({prefix + "errors.png", "Differences from the finite elements, " + at});
+    addFigure(context, prefix + "errors.png", "Differences from the finite elements, " + at, h, result);
 
     Figure figure;
     figure.title = "Force on the top";
@@ -124,14 +119,11 @@ CaseResult solveBox(const BoxProblem& problem, const CaseContext& context, CaseR
       us.y.push_back(s.reactions[p][1].force.z());
     }
     figure.series = {fe, us};
-    context.figures->write(context.folder + "/" + prefix + "force.png", figure);
-    result.figures.push_back({prefix + "force.png", "Force against the motion of the top"});
+    addFigure(context, prefix + "force.png", "Force against the motion of the top", figure, result);
 
-    BodyPainter painter(*context.figures, *s.model);
     BodyPicture picture;
     picture.title = "Displacement";
-    painter.write(context.folder + "/" + prefix + "body.png", picture, s.uForPictures());
-    result.figures.push_back({prefix + "body.png", "The deformed sample"});
+    addBodyPicture(context, prefix + "body.png", "The deformed sample", picture, s, result);
   }
   result.tables.push_back(table);
   return result;

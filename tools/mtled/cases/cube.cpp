@@ -96,11 +96,8 @@ CaseResult cubeCase(const CaseContext& context) {
         cells.emplace_back("–");  // the coarse rows show each alone
         continue;
       }
-      CaseContext within = context;
-      const int at = done++, all = context.quick ? 12 : 22;
-      within.progress = [&context, at, all](double fraction, const std::string& what) {
-        context.progress((at + fraction) / all, what);
-      };
+      const int all = context.quick ? 12 : 22;
+      const CaseContext within = partOf(context, done++, all);
       Scene scene = cubeScene(row.spacing, row.points_per_cell, row.accuracy);
       apply(variant, scene);
       const Outcome out = compress(scene, within);
@@ -129,8 +126,7 @@ CaseResult cubeCase(const CaseContext& context) {
       h.title = "Error of u_z node by node (the paper's Fig. 2a)";
       h.x_label = "Relative error, %";
       h.y_label = "Nodes";
-      context.figures->write(context.folder + "/cube_errors.png", h);
-      result.figures.push_back({"cube_errors.png", "Relative errors of the nodes, 4 points a cell, as the paper"});
+      addFigure(context, "cube_errors.png", "Relative errors of the nodes, 4 points a cell, as the paper", h, result);
     }
   }
   result.tables.push_back(table);
@@ -144,8 +140,7 @@ CaseResult cubeCase(const CaseContext& context) {
     Series ours{"as the paper", points, errors, SeriesStyle::Points};
     figure.series.push_back(ours);
     figure.series.push_back({"paper's Table 1 (its own points)", {1014, 4056, 4992, 16284, 71352}, {3.08e-3, 6.92e-4, 6.30e-4, 3.45e-4, 1.04e-4}, SeriesStyle::LineAndPoints, ink_colour});
-    context.figures->write(context.folder + "/cube_points.png", figure);
-    result.figures.push_back({"cube_points.png", "Adaptive quadrature: points against error"});
+    addFigure(context, "cube_points.png", "Adaptive quadrature: points against error", figure, result);
   }
   return result;
 }

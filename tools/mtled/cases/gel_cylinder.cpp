@@ -114,10 +114,7 @@ CaseResult gelCylinderCase(const CaseContext& context) {
   for (std::size_t n = 0; n < rows.size(); ++n) {
     const GelRow& row = rows[n];
     const bool deep = row.reached > 0.5 * height;
-    CaseContext within = context;
-    within.progress = [&](double fraction, const std::string& what) {
-      context.progress((static_cast<double>(n) + fraction) / static_cast<double>(rows.size()), what);
-    };
+    const CaseContext within = partOf(context, static_cast<double>(n), static_cast<double>(rows.size()));
     const StaticSolution s = solveCase(gelScene(row), evenTimes(row.load_steps), within, deep ? 1e-3 : 3e-4);
     Series curve{std::string("mtled, ") + row.label + (deep ? "" : std::string(", ") + row.variant.name), {}, {}, SeriesStyle::LineAndPoints};
     std::vector<double> depth_m{0}, force{0};
@@ -158,16 +155,13 @@ CaseResult gelCylinderCase(const CaseContext& context) {
     if (n + 1 < rows.size() && rows[n + 1].reached > 0.5 * height) continue;
     if (!context.figures) continue;
     const CutPlane middle{Vec3::Zero(), Vec3(0.5, -0.866, 0)};
-    BodyPainter painter(*context.figures, *s.model, middle);
     BodyPicture picture;
     picture.title = "Cut in the middle, at " + formatted(depth_m.back(), "m") + " (the paper's Fig. 12a)";
-    painter.write(context.folder + "/gel_cylinder_body.png", picture, s.uForPictures());
-    result.figures.push_back({"gel_cylinder_body.png", "The deformed cylinder"});
+    addBodyPicture(context, "gel_cylinder_body.png", "The deformed cylinder", picture, s, result, &middle);
   }
   result.tables.push_back(table);
   if (context.figures) {
-    context.figures->write(context.folder + "/gel_cylinder_force.png", figure);
-    result.figures.push_back({"gel_cylinder_force.png", "Force against depth"});
+    addFigure(context, "gel_cylinder_force.png", "Force against depth", figure, result);
   }
   ResultTable reached{"What each finite element reached", {"element", "deepest equilibrium", "share of the height"}, {}, ""};
   for (std::size_t c = 1; c < meshes.name.size(); ++c) {

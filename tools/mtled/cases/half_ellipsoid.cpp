@@ -45,9 +45,9 @@ CaseResult halfEllipsoidCase(const CaseContext& context) {
   int done = 0;
   for (const Row& row : rows) {
     if (context.quick && !row.quick) continue;
-    CaseContext within = context;
-    const int at = done++, all = context.quick ? 1 : 7;
-    within.progress = [&context, at, all](double fraction, const std::string& what) { context.progress((at + fraction) / all, what); };
+    const int all = context.quick ? 1 : 7;
+    const int at = done++;
+    const CaseContext within = partOf(context, at, all);
     Scene scene = caseScene(2 * mu * (1 + nu), nu);
     scene.name = "half-ellipsoid";
     scene.solid = Scene::Solid::Ellipsoid;
@@ -95,8 +95,7 @@ CaseResult halfEllipsoidCase(const CaseContext& context) {
     h.title = "Distance to the finite elements (the paper's Fig. 9b)";
     h.x_label = "Distance, mm";
     h.y_label = "Probes";
-    context.figures->write(context.folder + "/half_ellipsoid_errors.png", h);
-    result.figures.push_back({"half_ellipsoid_errors.png", "Differences at the probes"});
+    addFigure(context, "half_ellipsoid_errors.png", "Differences at the probes", h, result);
     const CsvTable curve = readCsvTable(context.references + "/half_ellipsoid_force.csv");
     Figure figure;
     figure.title = "Force on the indenter";
@@ -118,13 +117,10 @@ CaseResult halfEllipsoidCase(const CaseContext& context) {
     }
     figure.bands = {band};
     figure.series = {fe, us};
-    context.figures->write(context.folder + "/half_ellipsoid_force.png", figure);
-    result.figures.push_back({"half_ellipsoid_force.png", "Force against depth"});
-    BodyPainter painter(*context.figures, *s.model);
+    addFigure(context, "half_ellipsoid_force.png", "Force against depth", figure, result);
     BodyPicture picture;
     picture.title = "Displacement at 5 mm";
-    painter.write(context.folder + "/half_ellipsoid_body.png", picture, s.uForPictures());
-    result.figures.push_back({"half_ellipsoid_body.png", "The indented body"});
+    addBodyPicture(context, "half_ellipsoid_body.png", "The indented body", picture, s, result);
   }
   result.tables.push_back(table);
   return result;

@@ -57,9 +57,8 @@ CaseResult lockingCase(const CaseContext& context) {
   int done = 0;
   for (const double spacing : spacings)
     for (const Variant& variant : variantsFor(context, spacing != spacings.front())) {
-      CaseContext within = context;
-      const int at = done++, all = context.quick ? 2 : 6;
-      within.progress = [&context, at, all](double fraction, const std::string& what) { context.progress((at + fraction) / all, what); };
+      const int all = context.quick ? 2 : 6;
+      const CaseContext within = partOf(context, done++, all);
       Scene scene = caseScene(2 * mu * (1 + nu), nu);
       scene.name = "locking";
       scene.solid = Scene::Solid::Box;
@@ -95,12 +94,10 @@ CaseResult lockingCase(const CaseContext& context) {
           count[node] += 1;
         }
       for (std::size_t i = 0; i < count.size(); ++i) field.values[i] /= std::max(count[i], 1.0F);
-      BodyPainter painter(*context.figures, *s.model);
       BodyPicture picture;
       picture.title = "Pressure under 20 % compression";
       picture.field = field;
-      painter.write(context.folder + "/locking_pressure.png", picture, s.uForPictures(), 1400, 800);
-      result.figures.push_back({"locking_pressure.png", "Pressure: smooth where linear tetrahedra show a checkerboard"});
+      addBodyPicture(context, "locking_pressure.png", "Pressure: smooth where linear tetrahedra show a checkerboard", picture, s, result);
     }
   result.tables.push_back(table);
   return result;

@@ -30,9 +30,7 @@ CaseResult torsionCase(const CaseContext& context) {
   const int all = context.quick ? 2 : 6;
   for (const double spacing : spacings)
     for (const Variant& variant : variantsFor(context, spacing != spacings.front())) {
-      CaseContext within = context;
-      const int at = done++;
-      within.progress = [&context, at, all](double fraction, const std::string& what) { context.progress((at + fraction) / all, what); };
+      const CaseContext within = partOf(context, done++, all);
       Scene scene = caseScene(young(), nu);
       scene.name = "torsion";
       scene.tool.radius = spacing;  // a finer polygon for the round: the moment goes with R^4
@@ -90,13 +88,10 @@ CaseResult torsionCase(const CaseContext& context) {
         our_normal.y.push_back(s.reactions[k][1].force.z());
       }
       figure.series = {exact_moment, exact_normal, our_moment, our_normal};
-      context.figures->write(context.folder + "/torsion_moment.png", figure);
-      result.figures.push_back({"torsion_moment.png", "Moment (over the radius) and normal force against twist"});
-      BodyPainter painter(*context.figures, *s.model);
+      addFigure(context, "torsion_moment.png", "Moment (over the radius) and normal force against twist", figure, result);
       BodyPicture picture;
       picture.title = "Twisted by 120 degrees";
-      painter.write(context.folder + "/torsion_body.png", picture, s.uForPictures());
-      result.figures.push_back({"torsion_body.png", "The twisted cylinder"});
+      addBodyPicture(context, "torsion_body.png", "The twisted cylinder", picture, s, result);
     }
   result.tables.push_back(table);
   return result;
@@ -125,9 +120,7 @@ CaseResult flexureCase(const CaseContext& context) {
   const int all = context.quick ? 2 : 6;
   for (const double spacing : spacings)
     for (const Variant& variant : variantsFor(context, spacing != spacings.front())) {
-      CaseContext within = context;
-      const int at = done++;
-      within.progress = [&context, at, all](double fraction, const std::string& what) { context.progress((at + fraction) / all, what); };
+      const CaseContext within = partOf(context, done++, all);
       Scene scene = caseScene(young(), nu);
       scene.name = "flexure";
       scene.solid = Scene::Solid::Box;  // x in +-T/2, y in +-L/2, z in 0..W
@@ -178,13 +171,11 @@ CaseResult flexureCase(const CaseContext& context) {
       result.bounds.push_back({"Moment, relative error" + which, std::abs(turned / moment - 1), spacing > 1.6e-3 ? 0.05 : 0.03, true, "", "closed form"});
       result.bounds.push_back({"Displacement error / T" + which, rms, 0.02, true, "", "closed form"});
       if (!context.figures || spacing != spacings.back()) continue;
-      BodyPainter painter(*context.figures, *s.model);
       BodyPicture picture;
       picture.title = "Bent into a quarter of a ring";
       picture.azimuth_deg = -80;
       picture.elevation_deg = 60;
-      painter.write(context.folder + "/flexure_body.png", picture, s.uForPictures());
-      result.figures.push_back({"flexure_body.png", "The bent block"});
+      addBodyPicture(context, "flexure_body.png", "The bent block", picture, s, result);
     }
   table.note = "Closed form: moment " + formatted(moment, "N m") + ".";
   result.tables.push_back(table);
