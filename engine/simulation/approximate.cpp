@@ -1,0 +1,77 @@
+#include "simulation/approximate.h"
+
+#include <algorithm>
+
+#include "approximation/shape_functions.h"
+#include "discretization/adaptive_quadrature.h"
+#include "discretization/gradient_energy.h"
+#include "simulation/scene_messages.h"
+
+namespace palpate {
+namespace {
+
+constexpr int max_enlargements = 8;  // by 1.15 each: a support radius grows at most threefold
+
+}  // namespace
+
+IntegrationPoints choosePoints(const Scene& scene, const std::vector<Vec3>& X, const BackgroundCells& cells, std::vector<double>& radius) {
+  const QuadratureSpec& spec = scene.quadrature;
+  if (spec.accuracy == 0) return makeIntegrationPoints(X, cells.cells, cells.volume, spec.points_per_cell);
+  AdaptiveOptions options;
+  options.accuracy = spec.accuracy;
+  options.points_per_cell = spec.points_per_cell;
+  options.division = spec.division;
+  options.max_depth = spec.max_depth;
+  for (int attempt = 0;; ++attempt) {
+    const Neighbours neighbours(X, radius);
+    try {
+      auto adaptive = makeAdaptivePoints(X, cells.cells, cells.volume, options,
+                                         GradientEnergy(X, radius, neighbours, {scene.basis_degree, scene.mu}));
+      if (adaptive.not_finite.empty() || attempt == max_enlargements) return std::move(adaptive.points);
+      std::vector<InadmissibleSupport> failed;
+      for (int k = 0; k < static_cast<int>(adaptive.not_finite.size()); ++k) {
+        failed.emplace_back();
+        failed.back().row = k;
+      }
+      std::vector<double> enlarged = radius;
+      enlargeSupports(adaptive.not_finite, failed, neighbours, enlarged);
+      radius = std::move(enlarged);
+    } catch (const InputError& error) {
+      throw InputError(placeOf(scene, "discretization.quadrature_accuracy"), error.what(), "");
+    }
+  }
+}
+
+Approximation approximate(const Scene& scene, const std::vector<Vec3>& X, std::vector<double> radius,
+                          const std::vector<Vec3>& point_X, const std::vector<Vec3>& skin_X,
+                          const std::vector<Vec3>& facet_X, const std::vector<Vec3>& boundary_X) {
+  const MmlsOptions options{scene.basis_degree, scene.mu};
+  Approximation a;
+  for (int attempt = 0;; ++attempt) {
+    const Neighbours neighbours(X, radius);
+    const std::pair<const std::vector<Vec3>*, ShapeTable*> parts[] = {
+        {&point_X, &a.points}, {&skin_X, &a.skin}, {&X, &a.nodes}, {&facet_X, &a.facets}, {&boundary_X, &a.boundary}};
+    bool admissible = true;
+    std::vector<double> enlarged = radius;
+    for (const auto& [at, table] : parts) {
+      std::vector<InadmissibleSupport> failed;
+      *table = shapeFunctions(*at, X, radius, neighbours, options, failed);
+      if (failed.empty()) continue;
+      admissible = false;
+      if (attempt == max_enlargements)
+        throw InputError(placeOf(scene, "discretization.support_factor"),
+                         "the support of the point at " + coordinates((*at)[failed.front().row]) + " is inadmissible (" +
+                             std::to_string(failed.front().support_count) + " nodes)",
+                         "raise discretization.support_factor or lower discretization.spacing");
+      std::vector<double> mine = radius;
+      enlargeSupports(*at, failed, neighbours, mine);
+      for (std::size_t i = 0; i < mine.size(); ++i) enlarged[i] = std::max(enlarged[i], mine[i]);
+    }
+    if (admissible) break;
+    radius = enlarged;
+  }
+  a.radius = radius;
+  return a;
+}
+
+}  // namespace palpate

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <vector>
+
+#include "approximation/shape_table.h"
+#include "discretization/background_cells.h"
+#include "discretization/integration_points.h"
+#include "simulation/scene.h"
+
+namespace palpate {
+
+/// The cells' integration points, adaptive where the scene asks for it. Supports on which the adaptive
+/// quadrature can't judge are enlarged in `radius`.
+IntegrationPoints choosePoints(const Scene& scene, const std::vector<Vec3>& X, const BackgroundCells& cells, std::vector<double>& radius);
+
+/// Shape functions at integration points, skin vertices, nodes and samples of the boundary, over supports that
+/// are enlarged where they must be.
+struct Approximation {
+  std::vector<double> radius;
+  ShapeTable points, skin, nodes, facets, boundary;
+};
+
+Approximation approximate(const Scene& scene, const std::vector<Vec3>& X, std::vector<double> radius,
+                          const std::vector<Vec3>& point_X, const std::vector<Vec3>& skin_X,
+                          const std::vector<Vec3>& facet_X, const std::vector<Vec3>& boundary_X);
+
+}  // namespace palpate

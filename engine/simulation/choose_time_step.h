@@ -1,0 +1,13 @@
+#pragma once
+
+#include "mechanics/critical_time_step.h"
+#include "simulation/model.h"
+
+namespace palpate {
+
+/// Sets the model's step and its number per tick: the scene's, or the largest within its safety and the tool's reach.
+/// Throws InputError where the scene's step is unstable, too long for the contact or no whole part of a tick.
+/// @param X  nodes, m, for the message
+void chooseTimeStep(const Scene& scene, const CriticalTimeStep& limit, const std::vector<Vec3>& X, Model& model);
+
+}  // namespace palpate

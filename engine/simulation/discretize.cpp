@@ -1,0 +1,109 @@
+#include "simulation/discretize.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "discretization/node_order.h"
+#include "discretization/refine_surface.h"
+#include "discretization/surface_geometry.h"
+#include "discretization/volume_fit.h"
+#include "simulation/scene_messages.h"
+
+namespace palpate {
+namespace {
+
+SpacingField spacingField(const Scene& scene) {
+  SpacingField spacing;
+  spacing.spacing = scene.spacing;
+  spacing.place = placeOf(scene, "discretization.spacing");
+  for (const auto& r : scene.refine) spacing.refinements.push_back({r.centre, r.radius, r.spacing, r.blend, r.place});
+  return spacing;
+}
+
+/// Where the mantle of an imposed cylindrical region meets the organ's surface, so that the region ends at nodes: a
+/// punch whose rim falls between nodes would be too small by half their distance. No curve where the rim leaves the organ.
+std::vector<FeatureEdges::Chain> rimsOf(const Scene& scene, const SurfaceTree& organ) {
+  std::vector<FeatureEdges::Chain> rims;
+  for (const auto& boundary : scene.boundaries) {
+    const Region& region = boundary.region;
+    if (region.kind != Region::Kind::Cylinder) continue;
+    const int count = std::max(32, static_cast<int>(std::ceil(8 * 2 * M_PI * region.radius / scene.spacing)));
+    const Vec3 e1 = region.normal.unitOrthogonal(), e2 = region.normal.cross(e1);
+    FeatureEdges::Chain chain;
+    chain.closed = true;
+    for (int k = 0; k < count; ++k) {
+      const double angle = 2 * M_PI * k / count;
+      // A hair inside, so that the nodes are in the region.
+      const Vec3 arm = (region.radius - 1e-10) * (std::cos(angle) * e1 + std::sin(angle) * e2);
+      const double past = 1e-3 * region.radius;  // beyond both ends
+      const auto hit = organ.firstHit(region.point + arm + (region.height + past) * region.normal, -region.normal, region.height + 2 * past);
+      if (!hit) break;
+      chain.points.push_back(hit->point);
+    }
+    if (static_cast<int>(chain.points.size()) < count) continue;
+    chain.points.push_back(chain.points.front());
+    rims.push_back(std::move(chain));
+  }
+  return rims;
+}
+
+}  // namespace
+
+Discretization discretize(const Scene& scene, const SurfaceTree& organ) {
+  // What the set-up can hold: about 0.1 MB a node. A typing error in the spacing should not fill the memory.
+  constexpr double most_nodes = 60000;
+  const double estimate = signedVolume(organ.surface()) / (0.7 * scene.spacing * scene.spacing * scene.spacing);
+  if (estimate > most_nodes)
+    throw InputError(placeOf(scene, "discretization.spacing"),
+                     "a spacing of " + number(scene.spacing) + " m makes about " + number(estimate) + " nodes, more than " +
+                         number(most_nodes),
+                     "raise it, and refine where the tool works");
+
+  Discretization d;
+  d.cloud = makeNodeCloud(organ, spacingField(scene), scene.seed, rimsOf(scene, organ));
+  d.cells = makeBackgroundCells(d.cloud, organ);
+  fitToVolume(d.cloud, d.cells, organ);
+
+  const auto order = hilbertOrder(d.cloud.X);
+  std::vector<int> place(order.size());
+  for (std::size_t k = 0; k < order.size(); ++k) place[order[k]] = static_cast<int>(k);
+  d.cloud.X = reordered(d.cloud.X, order);
+  d.cloud.on_surface = reordered(d.cloud.on_surface, order);
+  for (auto& cell : d.cells.cells)
+    for (int& node : cell) node = place[node];
+  return d;
+}
+
+TriangleSurface refineForContact(const Scene& scene, const TriangleSurface& organ) {
+  const SpacingField spacing = spacingField(scene);
+  const double by_tool = 0.35 * scene.tool.radius;
+  return refineSurface(organ, [&](const Vec3& x) {
+    const double h = spacing.at(x);
+    return h < scene.spacing ? std::min(by_tool, h / 3) : by_tool;
+  });
+}
+
+std::vector<double> supportRadii(const std::vector<Vec3>& X, const std::vector<std::array<int, 4>>& cells, double factor) {
+  std::vector<double> sum(X.size(), 0);
+  std::vector<int> count(X.size(), 0);
+  for (const auto& cell : cells)
+    for (int a = 0; a < 4; ++a)
+      for (int b = a + 1; b < 4; ++b) {
+        const double length = (X[cell[a]] - X[cell[b]]).norm();
+        for (const int node : {cell[a], cell[b]}) {
+          sum[node] += length;
+          ++count[node];
+        }
+      }
+  double total = 0;
+  long total_count = 0;
+  for (std::size_t i = 0; i < sum.size(); ++i) {
+    total += sum[i];
+    total_count += count[i];
+  }
+  for (std::size_t i = 0; i < sum.size(); ++i)
+    sum[i] = factor * (count[i] > 0 ? sum[i] / count[i] : total / static_cast<double>(total_count));
+  return sum;
+}
+
+}  // namespace palpate

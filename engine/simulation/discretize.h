@@ -1,0 +1,28 @@
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "discretization/background_cells.h"
+#include "discretization/node_cloud.h"
+#include "discretization/surface_tree.h"
+#include "simulation/scene.h"
+
+namespace palpate {
+
+struct Discretization {
+  NodeCloud cloud;
+  BackgroundCells cells;
+};
+
+/// The scene's nodes and cells; nodes along a Hilbert curve. Throws InputError where the spacing is too fine.
+Discretization discretize(const Scene& scene, const SurfaceTree& organ);
+
+/// The skin's vertices sample the contact pressure: 0.35 tool radii is what contact/skin.h asks for, and
+/// where the nodes are denser than the tool is wide, a third of their spacing keeps up with them.
+TriangleSurface refineForContact(const Scene& scene, const TriangleSurface& organ);
+
+/// R_j = factor * (mean length of the cell edges at node j), m (node_count).
+std::vector<double> supportRadii(const std::vector<Vec3>& X, const std::vector<std::array<int, 4>>& cells, double factor);
+
+}  // namespace palpate

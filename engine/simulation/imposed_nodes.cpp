@@ -1,0 +1,100 @@
+#include "simulation/imposed_nodes.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "discretization/facet_rule.h"
+#include "simulation/scene_messages.h"
+#include "simulation/scene_regions.h"
+
+namespace palpate {
+namespace {
+
+BoundaryMotion motionOf(const BoundarySpec& spec) {
+  return {spec.translation, spec.axis_point, spec.axis, spec.angle, spec.duration, spec.curve};
+}
+
+/// True where both impose the same displacement on what stands at X, at all times.
+bool agree(const BoundarySpec& a, const BoundarySpec& b, const Vec3& X, int component) {
+  const BoundaryMotion p = motionOf(a), q = motionOf(b);
+  if (!p.moves() && !q.moves()) return true;
+  // Curves are polynomials or linear between their tables' times: equal at these and at a few times more, they are equal.
+  constexpr int samples = 16;
+  const double end = std::max({p.duration, q.duration, p.curve.time.empty() ? 0 : p.curve.time.back(),
+                               q.curve.time.empty() ? 0 : q.curve.time.back()});
+  std::vector<double> times;
+  for (int k = 1; k <= samples; ++k) times.push_back(end * k / samples);
+  for (const auto* curve : {&p.curve, &q.curve})
+    for (std::size_t k = 1; k < curve->time.size(); ++k) {
+      times.push_back(curve->time[k]);
+      times.push_back((curve->time[k - 1] + curve->time[k]) / 2);
+    }
+  return std::all_of(times.begin(), times.end(),
+                     [&](double t) { return std::abs((p.at(X, t) - q.at(X, t))[component]) <= 1e-12; });
+}
+
+}  // namespace
+
+EssentialNodes chooseImposed(const Scene& scene, const NodeCloud& cloud, const SurfaceTree& organ) {
+  EssentialNodes essential;
+  std::vector<int> slot(cloud.X.size(), -1);
+  for (int b = 0; b < static_cast<int>(scene.boundaries.size()); ++b) {
+    const auto& spec = scene.boundaries[b];
+    essential.motions.push_back(motionOf(spec));
+    int found = 0;
+    for (int i = 0; i < static_cast<int>(cloud.X.size()); ++i) {
+      if (spec.surface_only && !cloud.on_surface[i]) continue;
+      if (!contains(spec.region, cloud.X[i], organ)) continue;
+      ++found;
+      if (slot[i] < 0) {
+        slot[i] = static_cast<int>(essential.nodes.size());
+        essential.nodes.push_back({i, {-1, -1, -1}});
+        essential.X.push_back(cloud.X[i]);
+      }
+      auto& owner = essential.nodes[slot[i]].boundary;
+      for (int c = 0; c < 3; ++c) {
+        if (!spec.component[c]) continue;
+        if (owner[c] < 0) owner[c] = b;  // of boundaries that agree the first has the reaction
+        if (!agree(spec, scene.boundaries[owner[c]], cloud.X[i], c))
+          throw InputError(spec.place,
+                           "the node at " + coordinates(cloud.X[i]) + " is also imposed, with another motion, at " +
+                               scene.boundaries[owner[c]].place.text(),
+                           "make the regions disjoint, or impose other components");
+      }
+    }
+    if (found == 0)
+      throw InputError(spec.place, "no node lies in this region", "move or enlarge it (node spacing is " + number(scene.spacing) + " m)");
+  }
+  return essential;
+}
+
+std::vector<Vec3> essentialFacets(const NodeCloud& cloud, const std::vector<std::array<int, 3>>& outer, EssentialNodes& essential) {
+  std::vector<bool> imposed(cloud.X.size(), false);
+  for (const auto& node : essential.nodes) imposed[node.node] = true;
+  std::vector<Vec3> points;
+  essential.facet_points = FacetRule::size;
+  for (const auto& f : outer) {
+    if (!imposed[f[0]] || !imposed[f[1]] || !imposed[f[2]]) continue;
+    essential.facets.push_back(f);
+    const double area = (cloud.X[f[1]] - cloud.X[f[0]]).cross(cloud.X[f[2]] - cloud.X[f[0]]).norm() / 2;
+    for (int k = 0; k < FacetRule::size; ++k) {
+      points.push_back(FacetRule::point(k, cloud.X[f[0]], cloud.X[f[1]], cloud.X[f[2]]));
+      essential.facet_weight.push_back(area * FacetRule::weight(k) * FacetRule::corners(k));
+    }
+  }
+  return points;
+}
+
+ShapeTable rowsOf(const ShapeTable& table, const std::vector<ImposedNode>& nodes) {
+  ShapeTable rows;
+  rows.begin.push_back(0);
+  for (const auto& node : nodes) {
+    const int begin = table.begin[node.node], end = table.begin[node.node + 1];
+    rows.node.insert(rows.node.end(), table.node.begin() + begin, table.node.begin() + end);
+    rows.N.insert(rows.N.end(), table.N.begin() + begin, table.N.begin() + end);
+    rows.begin.push_back(static_cast<int>(rows.node.size()));
+  }
+  return rows;
+}
+
+}  // namespace palpate

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "discretization/node_cloud.h"
+#include "discretization/surface_tree.h"
+#include "mechanics/essential_boundary.h"
+#include "simulation/scene.h"
+
+namespace palpate {
+
+/// Which nodes are imposed, and how. Throws InputError where a region is empty or two motions contradict.
+EssentialNodes chooseImposed(const Scene& scene, const NodeCloud& cloud, const SurfaceTree& organ);
+
+/// Sets the facets that EBCIEM integrates over; returns the places of their quadrature points, m.
+/// @param outer  the cells' outer faces
+std::vector<Vec3> essentialFacets(const NodeCloud& cloud, const std::vector<std::array<int, 3>>& outer, EssentialNodes& essential);
+
+/// The rows of the imposed nodes from a table with one row per node.
+ShapeTable rowsOf(const ShapeTable& table, const std::vector<ImposedNode>& nodes);
+
+}  // namespace palpate

@@ -1,0 +1,28 @@
+#include "simulation/scene_regions.h"
+
+
+namespace palpate {
+
+bool contains(const Region& region, const Vec3& x, const SurfaceTree& organ) {
+  constexpr double tolerance = 1e-9;  // m; nodes that were put on a plane are on it
+  if (region.kind != Region::Kind::Shell) return region.contains(x, tolerance);
+  return region.contains(x, tolerance, organ.closest(x, region.distance + 2 * tolerance).distance);
+}
+
+int materialAt(const Scene& scene, const Vec3& x, const SurfaceTree& organ) {
+  for (int m = static_cast<int>(scene.materials.size()) - 1; m > 0; --m)
+    if (scene.materials[m].everywhere || contains(scene.materials[m].region, x, organ)) return m;
+  return 0;
+}
+
+Material toMaterial(const MaterialSpec& spec) {
+  Material material = spec.kind == MaterialSpec::Kind::NeoHookean
+                          ? Material::neoHookean(spec.young, spec.poisson, spec.density)
+                          : Material::ogden(spec.ogden_mu.data(), spec.ogden_alpha.data(),
+                                            static_cast<int>(spec.ogden_mu.size()), spec.ogden_D1, spec.density);
+  material.barrier_strength = spec.barrier_strength;
+  material.barrier_J0 = spec.barrier_J0;
+  return material;
+}
+
+}  // namespace palpate
