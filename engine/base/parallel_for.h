@@ -1,32 +1,44 @@
 #pragma once
 
 #include <algorithm>
+#include <atomic>
 #include <exception>
 #include <thread>
 #include <vector>
 
 namespace palpate {
 
-/// Runs body(begin, end) over [0, count) in equal contiguous parts on all cores.
-/// Set-up only. An exception of a part is rethrown here; of several, that of the
-/// lowest part, so that the message does not depend on timing.
+/// Threads of parallelFor; 0: one per core. Results never depend on it: tests set it to show that.
+inline std::atomic<int> setup_threads{0};
+
+/// Runs body(begin, end) over [0, count) in contiguous parts on all cores, a few parts per core, so that a
+/// core that is slow or taken delays the others little. What body writes must not depend on where the parts end.
+/// Set-up only. An exception of a part is rethrown here; of several, that of the lowest part, so that the
+/// message does not depend on timing.
+/// @param least  indices that are worth a part of their own
 template <class Body>
-void parallelFor(int count, Body&& body) {
-  const int hardware = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
-  const int parts = std::max(1, std::min(hardware, count / 64));
+void parallelFor(int count, Body&& body, int least = 64) {
+  const int wanted = setup_threads.load();
+  const int cores = wanted > 0 ? wanted : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  constexpr int parts_per_core = 8;
+  const int parts = std::clamp(count / least, 1, cores * parts_per_core);
+  const int threads = std::min(cores, parts);
   std::vector<std::exception_ptr> errors(parts);
-  auto part = [&](int p) {
-    try {
-      body(static_cast<int>(static_cast<long long>(count) * p / parts),
-           static_cast<int>(static_cast<long long>(count) * (p + 1) / parts));
-    } catch (...) {
-      errors[p] = std::current_exception();
+  std::atomic<int> next{0};
+  const auto work = [&] {
+    for (int p = next++; p < parts; p = next++) {
+      try {
+        body(static_cast<int>(static_cast<long long>(count) * p / parts),
+             static_cast<int>(static_cast<long long>(count) * (p + 1) / parts));
+      } catch (...) {
+        errors[p] = std::current_exception();
+      }
     }
   };
-  std::vector<std::thread> threads;
-  for (int p = 1; p < parts; ++p) threads.emplace_back(part, p);
-  part(0);
-  for (auto& t : threads) t.join();
+  std::vector<std::thread> others;
+  for (int t = 1; t < threads; ++t) others.emplace_back(work);
+  work();
+  for (auto& t : others) t.join();
   for (auto& e : errors)
     if (e) std::rethrow_exception(e);
 }

@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "base/input_error.h"
+#include "base/parallel_for.h"
 #include "discretization/delaunay.h"
 #include "discretization/surface_geometry.h"
 
@@ -46,9 +47,10 @@ class InsideTest {
  public:
   InsideTest(const NodeCloud& cloud, const SurfaceTree& surface) : X_(cloud.X), surface_(surface) {
     depth_.resize(X_.size(), 0.0);
-    for (std::size_t i = 0; i < X_.size(); ++i) {
-      if (!cloud.on_surface[i]) depth_[i] = surface.closest(X_[i]).distance;
-    }
+    parallelFor(static_cast<int>(X_.size()), [&](int first, int last) {
+      for (int i = first; i < last; ++i)
+        if (!cloud.on_surface[i]) depth_[i] = surface.closest(X_[i]).distance;
+    });
   }
 
   /// True if at least half of the cell's samples lie inside the body.
@@ -59,13 +61,15 @@ class InsideTest {
       for (int j : cell) longest = std::max(longest, (X_[i] - X_[j]).norm());
       if (longest < depth_[i]) return true;
     }
-    int inside = 0;
+    constexpr int majority = 8;
+    int inside = 0, outside = 0;
     for (const Eigen::Vector4d& sample : samples_) {
       Vec3 x = Vec3::Zero();
       for (int k = 0; k < 4; ++k) x += sample[k] * X_[cell[k]];
-      inside += surface_.inside(x);
+      ++(surface_.inside(x) ? inside : outside);
+      if (inside == majority || outside == majority) break;
     }
-    return 2 * inside > static_cast<int>(samples_.size());
+    return inside == majority;
   }
 
  private:
@@ -119,13 +123,13 @@ BackgroundCells makeBackgroundCells(const NodeCloud& cloud, const SurfaceTree& s
 
   BackgroundCells result;
   const InsideTest inside(cloud, surface);
-  for (const std::array<int, 4>& cell : all) {
-    if (!inside.holds(cell)) {
-      ++result.outside_count;
-    } else {
-      result.cells.push_back(cell);
-    }
-  }
+  std::vector<char> held(all.size(), 0);
+  parallelFor(static_cast<int>(all.size()), [&](int first, int last) {
+    for (int c = first; c < last; ++c) held[c] = inside.holds(all[c]);
+  });
+  for (std::size_t c = 0; c < all.size(); ++c)
+    if (held[c]) result.cells.push_back(all[c]);
+  result.outside_count = static_cast<int>(all.size() - result.cells.size());
   result.sliver_count = peelSlivers(result.cells, cloud);
   std::vector<char> used(cloud.X.size(), false);
   for (const std::array<int, 4>& cell : result.cells) {
@@ -143,16 +147,28 @@ std::vector<std::array<int, 3>> boundaryFacets(const std::vector<std::array<int,
   struct Facet {
     std::array<int, 3> sorted, outward;
   };
-  std::vector<Facet> facets;
-  facets.reserve(4 * cells.size());
-  for (const auto& [a, b, c, d] : cells) {
-    for (const std::array<int, 3>& outward : {std::array{b, c, d}, {a, d, c}, {a, b, d}, {a, c, b}}) {
-      std::array<int, 3> sorted = outward;
-      std::sort(sorted.begin(), sorted.end());
-      facets.push_back({sorted, outward});
-    }
-  }
-  std::sort(facets.begin(), facets.end(), [](const Facet& p, const Facet& q) { return p.sorted < q.sorted; });
+  // By their lowest node first: many short sorts are faster than a long one.
+  int nodes = 0;
+  for (const auto& cell : cells) nodes = std::max(nodes, 1 + *std::max_element(cell.begin(), cell.end()));
+  const auto forEachFacet = [&](auto&& visit) {
+    for (const auto& [a, b, c, d] : cells)
+      for (const std::array<int, 3>& outward : {std::array{b, c, d}, {a, d, c}, {a, b, d}, {a, c, b}}) {
+        std::array<int, 3> sorted = outward;
+        std::sort(sorted.begin(), sorted.end());
+        visit(sorted, outward);
+      }
+  };
+  std::vector<int> of_node(static_cast<std::size_t>(nodes) + 1, 0);
+  forEachFacet([&](const auto& sorted, const auto&) { ++of_node[sorted[0] + 1]; });
+  for (int i = 0; i < nodes; ++i) of_node[i + 1] += of_node[i];
+  std::vector<Facet> facets(4 * cells.size());
+  std::vector<int> next(of_node.begin(), of_node.end());
+  forEachFacet([&](const auto& sorted, const auto& outward) { facets[next[sorted[0]]++] = {sorted, outward}; });
+  parallelFor(nodes, [&](int first, int last) {
+    for (int i = first; i < last; ++i)
+      std::sort(facets.begin() + of_node[i], facets.begin() + of_node[i + 1],
+                [](const Facet& p, const Facet& q) { return p.sorted < q.sorted; });
+  });
   std::vector<std::array<int, 3>> boundary;
   for (std::size_t begin = 0, end = 0; begin < facets.size(); begin = end) {
     while (end < facets.size() && facets[end].sorted == facets[begin].sorted) ++end;

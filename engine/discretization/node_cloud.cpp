@@ -83,8 +83,8 @@ CloudStatistics cloudStatistics(const NodeCloud& cloud, const SurfaceTree& surfa
     double nearest = std::numeric_limits<double>::infinity();
     for (double radius = h; std::isinf(nearest) && radius < 1e3 * h; radius *= 2) {
       grid.forEachWithin(x, radius, [&](int j, const Vec3& other) {
-        if (j == static_cast<int>(i)) return;
-        nearest = std::min(nearest, (other - x).norm() * 2 / (h + spacing.at(other)));
+        if (j != static_cast<int>(i)) nearest = std::min(nearest, (other - x).norm() * 2 / (h + spacing.at(other)));
+        return true;
       });
     }
     statistics.closest = std::min(statistics.closest, nearest);

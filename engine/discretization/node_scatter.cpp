@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/parallel_for.h"
 #include "discretization/surface_geometry.h"
 
 namespace palpate {
@@ -29,14 +30,6 @@ Eigen::AlignedBox3d padded(Eigen::AlignedBox3d box) {
   return {box.min() - margin, box.max() + margin};
 }
 
-/// A cube of space in the search for the body's inside.
-struct Cube {
-  Vec3 centre;
-  double edge;
-  double parent_depth;  // m below the surface at the parent's centre, negative outside
-  bool deep;            // known to lie inside, deeper than any node must
-};
-
 }  // namespace
 
 Scatter::Scatter(const SurfaceTree& surface, const SpacingField& spacing, unsigned seed)
@@ -52,7 +45,7 @@ double Scatter::searchRadius(const Site& site, double factor) const {
 }
 
 /// Distance to the nearest node in units of the mean of both spacings, or `most` where there is none within
-/// that. Nodes on a face that looks the other way (the far side of a thin rim) only count within the closest
+/// that; where it is below the closest approach, which no node may have, any such value. Nodes on a face that looks the other way (the far side of a thin rim) only count within the closest
 /// approach.
 double Scatter::clearance(const Site& site, double most) const {
   double least = most;
@@ -61,6 +54,7 @@ double Scatter::clearance(const Site& site, double most) const {
     const double s = 2 * (x - site.X).norm() / (site.h + other.h);
     const bool counts = s < closest_approach || site.normal.dot(other.normal) >= 0;
     if (counts) least = std::min(least, s);
+    return least >= closest_approach;
   });
   return least;
 }
@@ -130,40 +124,45 @@ void Scatter::throwDarts(std::vector<Site> candidates, std::size_t wanted) {
   }
 }
 
+/// Where the nodes around a site push it. A pair's force goes with h^(dimension - 1), as the pressure between fine
+/// and coarse parts would otherwise drive the nodes from the fine spacing into the coarse one.
+Vec3 Scatter::pushed(const Site& site, int dimension) const {
+  Vec3 push = Vec3::Zero();
+  grid_.forEachWithin(site.X, searchRadius(site, reach), [&](int j, const Vec3& x) {
+    const Site& other = sites_[j];
+    const Vec3 apart = site.X - x;
+    const double distance = apart.norm();
+    const double pair_h = (site.h + other.h) / 2;
+    if (distance == 0 || site.normal.dot(other.normal) < 0) return true;
+    const double ratio = pair_h / site.h;
+    push += (dimension == 3 ? ratio * ratio : ratio) * repulsion(distance / pair_h) / distance * apart;
+    return true;
+  });
+  push -= push.dot(site.normal) * site.normal;
+  const double length = relax_step * push.norm();
+  return site.X + relax_step * site.h * push * std::min(1.0, longest_move / std::max(length, 1e-300));
+}
+
 /// Moves the sites from `begin` on apart; confine(site, old_position) puts each back where it belongs.
-/// A pair's force goes with h^(dimension - 1), as the pressure between fine and coarse parts would
-/// otherwise drive the nodes from the fine spacing into the coarse one.
 template <class Confine>
 void Scatter::relax(std::size_t begin, int dimension, Confine&& confine) {
   std::vector<Vec3> moved(sites_.size());
   for (int iteration = 0; iteration < relax_iterations; ++iteration) {
-    for (std::size_t i = begin; i < sites_.size(); ++i) {
-      const Site& site = sites_[i];
-      Vec3 push = Vec3::Zero();
-      grid_.forEachWithin(site.X, searchRadius(site, reach), [&](int j, const Vec3& x) {
-        const Site& other = sites_[j];
-        const Vec3 apart = site.X - x;
-        const double distance = apart.norm();
-        const double pair_h = (site.h + other.h) / 2;
-        if (distance == 0 || site.normal.dot(other.normal) < 0) return;
-        const double ratio = pair_h / site.h;
-        push += (dimension == 3 ? ratio * ratio : ratio) * repulsion(distance / pair_h) / distance * apart;
-      });
-      push -= push.dot(site.normal) * site.normal;
-      const double length = relax_step * push.norm();
-      moved[i] = site.X + relax_step * site.h * push * std::min(1.0, longest_move / std::max(length, 1e-300));
-    }
-    grid_.clear();
-    for (std::size_t i = 0; i < sites_.size(); ++i) {
-      Site& site = sites_[i];
-      if (i >= begin) {
+    const int count = static_cast<int>(sites_.size() - begin);
+    parallelFor(count, [&](int first, int last) {
+      for (std::size_t i = begin + first; i < begin + last; ++i) moved[i] = pushed(sites_[i], dimension);
+    });
+    parallelFor(count, [&](int first, int last) {
+      for (std::size_t i = begin + first; i < begin + last; ++i) {
+        Site& site = sites_[i];
         const Vec3 old = site.X;
         site.X = moved[i];
         confine(site, old);
         site.h = spacing_.at(site.X);
       }
-      grid_.add(static_cast<int>(i), site.X);
-    }
+    });
+    grid_.clear();
+    for (std::size_t i = 0; i < sites_.size(); ++i) grid_.add(static_cast<int>(i), sites_[i].X);
   }
 
   // Where there was no room (between close sheets), the later node of a conflicting pair goes.
@@ -222,49 +221,82 @@ void Scatter::placeFaces() {
   surface_count_ = sites_.size();
 }
 
+/// Looks where a cube lies: outside, to be divided, or a leaf.
+void Scatter::judge(Cube& cube) const {
+  // Edge of a smallest cube, in units of h.
+  const double leaf = std::cbrt(volume_per_node / candidates_per_node);
+  const double radius = cube.edge * std::sqrt(3.0) / 2;  // of the sphere around the cube
+  cube.h = spacing_.at(cube.centre);
+  if (!cube.deep) {
+    // The surface does not pass between two points closer than one of them is to it.
+    const bool same_side = std::abs(cube.depth) > radius;
+    const bool inside = same_side ? cube.depth > 0 : surface_.inside(cube.centre);
+    // The parent's centre is one radius away (the root's none), and as far from the surface as its depth.
+    const double farthest = (std::abs(cube.depth) + radius) * (1 + 1e-9);
+    cube.depth = surface_.closest(cube.centre, farthest).distance * (inside ? 1 : -1);
+    if (cube.depth < -radius) {
+      cube.kind = Cube::Kind::Outside;
+      return;
+    }
+    cube.deep = cube.depth - radius > cube.h + SpacingField::steepest_growth * radius;
+  }
+  const double smallest_h = std::max(spacing_.smallest(), cube.h - SpacingField::steepest_growth * radius);
+  const bool divide = cube.edge > leaf * cube.h && cube.edge > leaf * smallest_h;
+  cube.kind = divide ? Cube::Kind::Divided : Cube::Kind::Leaf;
+}
+
+/// The leaves of an octree over the body, those outside left out, in the order of a depth-first search.
+std::vector<Cube> Scatter::leaves() const {
+  const Eigen::AlignedBox3d box = padded(boundingBox(surface_.surface()));
+  std::vector<Cube> cubes{
+      {box.center(), box.sizes().maxCoeff(), -surface_.signedDistance(box.center()), 0, false, Cube::Kind::Open}};
+  for (bool open = true; open;) {
+    parallelFor(static_cast<int>(cubes.size()), [&](int first, int last) {
+      for (int k = first; k < last; ++k)
+        if (cubes[k].kind == Cube::Kind::Open) judge(cubes[k]);
+    });
+    open = false;
+    std::vector<Cube> next;
+    for (const Cube& cube : cubes) {
+      if (cube.kind == Cube::Kind::Leaf) next.push_back(cube);
+      if (cube.kind != Cube::Kind::Divided) continue;
+      open = true;
+      for (int octant = 7; octant >= 0; --octant) {
+        const Vec3 side((octant & 1) - 0.5, ((octant >> 1) & 1) - 0.5, (octant >> 2) - 0.5);
+        next.push_back({cube.centre + side * cube.edge / 2, cube.edge / 2, cube.depth, 0, cube.deep, Cube::Kind::Open});
+      }
+    }
+    cubes = std::move(next);
+  }
+  return cubes;
+}
+
 /// One random point in each cube of an octree that is deep enough inside. `wanted` becomes the number of
 /// nodes of a close packing in the part of the body that surface nodes don't fill.
 std::vector<Site> Scatter::insideCandidates(double& wanted) {
   // First layer of a close packing above a plane of nodes: sqrt(2/3) h; half of it belongs to the plane.
   constexpr double surface_share = 0.408;
-  // Edge of a smallest cube, in units of h.
-  const double leaf = std::cbrt(volume_per_node / candidates_per_node);
-  std::vector<Site> candidates;
+  const std::vector<Cube> cubes = leaves();
+  std::vector<Site> sites;
   wanted = 0;
-  const Eigen::AlignedBox3d box = padded(boundingBox(surface_.surface()));
-  std::vector<Cube> open{{box.center(), box.sizes().maxCoeff(), 0, false}};
-  while (!open.empty()) {
-    const Cube cube = open.back();
-    open.pop_back();
-    const double radius = cube.edge * std::sqrt(3.0) / 2;  // of the sphere around the cube
-    const double h = spacing_.at(cube.centre);
-    bool deep = cube.deep;
-    double depth = cube.parent_depth;
-    if (!deep) {
-      // The surface does not pass between two points closer than one of them is to it.
-      const bool same_side = std::abs(cube.parent_depth) > radius;
-      const bool inside = same_side ? cube.parent_depth > 0 : surface_.inside(cube.centre);
-      depth = surface_.closest(cube.centre).distance * (inside ? 1 : -1);
-      if (depth < -radius) continue;
-      deep = depth - radius > h + SpacingField::steepest_growth * radius;
-    }
-    const double smallest_h = std::max(spacing_.smallest(), h - SpacingField::steepest_growth * radius);
-    if (cube.edge > leaf * h && cube.edge > leaf * smallest_h) {
-      for (int octant = 0; octant < 8; ++octant) {
-        const Vec3 side((octant & 1) - 0.5, ((octant >> 1) & 1) - 0.5, (octant >> 2) - 0.5);
-        open.push_back({cube.centre + side * cube.edge / 2, cube.edge / 2, depth, deep});
-      }
-      continue;
-    }
-    if (deep || depth > surface_share * h) wanted += std::pow(cube.edge / h, 3) / volume_per_node;
+  for (const Cube& cube : cubes) {
+    if (cube.deep || cube.depth > surface_share * cube.h) wanted += std::pow(cube.edge / cube.h, 3) / volume_per_node;
     const Vec3 jitter(random_.uniform() - 0.5, random_.uniform() - 0.5, random_.uniform() - 0.5);
     const Vec3 x = cube.centre + cube.edge * jitter;
-    const Site site{x, Vec3::Zero(), spacing_.at(x)};
-    const double moved = (x - cube.centre).norm(), least = least_depth * site.h;
-    if (deep || depth - moved > least || (depth + moved > least && -surface_.signedDistance(x) > least)) {
-      candidates.push_back(site);
-    }
+    sites.push_back({x, Vec3::Zero(), spacing_.at(x)});
   }
+  std::vector<char> inside(cubes.size(), 0);
+  parallelFor(static_cast<int>(cubes.size()), [&](int first, int last) {
+    for (int k = first; k < last; ++k) {
+      const Cube& cube = cubes[k];
+      const double moved = (sites[k].X - cube.centre).norm(), least = least_depth * sites[k].h;
+      inside[k] = cube.deep || cube.depth - moved > least ||
+                  (cube.depth + moved > least && -surface_.signedDistance(sites[k].X) > least);
+    }
+  });
+  std::vector<Site> candidates;
+  for (std::size_t k = 0; k < sites.size(); ++k)
+    if (inside[k]) candidates.push_back(sites[k]);
   return candidates;
 }
 

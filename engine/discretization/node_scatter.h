@@ -38,6 +38,17 @@ constexpr double area_per_node = 0.866;
 /// Volume per inner node, in units of h^3: the face-centred lattice of edge h (1/sqrt(2)).
 constexpr double volume_per_node = 0.7;
 
+/// A cube of space in the search for the body's inside.
+struct Cube {
+  enum class Kind { Open, Outside, Divided, Leaf };
+  Vec3 centre = Vec3::Zero();
+  double edge = 0;     // m
+  double depth = 0;    // m below the surface at the centre, negative outside; at the parent's while open
+  double h = 0;        // m, the spacing wanted at the centre
+  bool deep = false;   // known to lie inside, deeper than any node must
+  Kind kind = Kind::Open;
+};
+
 /// Nodes placed so far, in a grid for neighbour searches.
 class Scatter {
  public:
@@ -59,7 +70,10 @@ class Scatter {
   bool addIfFree(const Site& site);
   void throwDarts(std::vector<Site> candidates, std::size_t wanted);
   std::vector<Site> faceCandidates(double& wanted);
+  void judge(Cube& cube) const;
+  std::vector<Cube> leaves() const;
   std::vector<Site> insideCandidates(double& wanted);
+  Vec3 pushed(const Site& site, int dimension) const;
   template <class Confine>
   void relax(std::size_t begin, int dimension, Confine&& confine);
 

@@ -19,7 +19,7 @@ class PointGrid {
   void add(int index, const Vec3& x);
 
   /// Calls visit(index, position) for all points within `radius` of x, in an order that depends only on
-  /// the order in which they were added.
+  /// the order in which they were added; until visit returns false.
   template <class Visit>
   void forEachWithin(const Vec3& x, double radius, Visit&& visit) const {
     const Eigen::Array3i low = cellOf(x - Vec3::Constant(radius));
@@ -29,7 +29,7 @@ class PointGrid {
         for (int i = low.x(); i <= high.x(); ++i) {
           for (int e = first_[slot({i, j, k})]; e >= 0; e = entries_[e].next) {
             const Entry& entry = entries_[e];
-            if ((entry.x - x).squaredNorm() <= radius * radius) visit(entry.index, entry.x);
+            if ((entry.x - x).squaredNorm() <= radius * radius && !visit(entry.index, entry.x)) return;
           }
         }
       }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/parallel_for.h"
 #include "discretization/facet_rule.h"
 
 namespace palpate {
@@ -44,6 +45,15 @@ double meanGap(const Facet& facet, const std::vector<Vec3>& X, const SurfaceTree
   return gap;
 }
 
+/// The same of all facets.
+std::vector<double> meanGaps(const std::vector<std::array<int, 3>>& facets, const std::vector<Vec3>& X, const SurfaceTree& surface) {
+  std::vector<double> gap(facets.size());
+  parallelFor(static_cast<int>(facets.size()), [&](int first, int last) {
+    for (int f = first; f < last; ++f) gap[f] = meanGap(facetOf(facets[f], X), X, surface);
+  });
+  return gap;
+}
+
 }  // namespace
 
 void fitToVolume(NodeCloud& cloud, BackgroundCells& cells, const SurfaceTree& surface) {
@@ -56,24 +66,27 @@ void fitToVolume(NodeCloud& cloud, BackgroundCells& cells, const SurfaceTree& su
 
   // Facets without a gap have no say later, but keep their nodes in their plane.
   std::vector<Mat3> free(start.size(), Mat3::Identity());
-  std::erase_if(facets, [&](const std::array<int, 3>& nodes) {
-    const Facet facet = facetOf(nodes, start);
-    const double gap = std::abs(meanGap(facet, start, surface)) / facet.edge;
-    for (int i : nodes) {
+  const std::vector<double> first_gap = meanGaps(facets, start, surface);
+  std::vector<std::array<int, 3>> uneven;
+  for (std::size_t f = 0; f < facets.size(); ++f) {
+    const Facet facet = facetOf(facets[f], start);
+    const double gap = std::abs(first_gap[f]) / facet.edge;
+    for (int i : facets[f]) {
       if (gap < flat_gap) bar(free[i], facet.normal);
     }
-    return gap < flat_gap || gap > widest_gap;
-  });
+    if (!(gap < flat_gap) && !(gap > widest_gap)) uneven.push_back(facets[f]);
+  }
+  facets = std::move(uneven);
 
   for (int iteration = 0; iteration < iterations; ++iteration) {
     // Each node goes the mean of its facets' gaps along their normals.
     std::vector<Vec3> move(start.size(), Vec3::Zero());
     std::vector<double> area(start.size(), 0.0), reach(start.size(), 0.0);
-    for (const std::array<int, 3>& nodes : facets) {
-      const Facet facet = facetOf(nodes, cloud.X);
-      const double gap = meanGap(facet, cloud.X, surface);
-      for (int i : nodes) {
-        move[i] += facet.area * gap * (free[i] * facet.normal);
+    const std::vector<double> gap = meanGaps(facets, cloud.X, surface);
+    for (std::size_t f = 0; f < facets.size(); ++f) {
+      const Facet facet = facetOf(facets[f], cloud.X);
+      for (int i : facets[f]) {
+        move[i] += facet.area * gap[f] * (free[i] * facet.normal);
         reach[i] += facet.area * facet.edge;
         area[i] += facet.area;
       }
