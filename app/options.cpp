@@ -60,6 +60,7 @@ ParsedOptions refusal(const std::string& problem) {
 ParsedOptions parseOptions(int argc, const char* const* argv) {
   Options o;
   std::string size;
+  bool no_cache = false;
   CLI::App app{"Palpate: press a probe into soft tissue, simulated without a mesh at haptic rates."};
   app.footer(examples);
   app.set_version_flag("--version", buildInfo());
@@ -93,6 +94,8 @@ ParsedOptions parseOptions(int argc, const char* const* argv) {
   app.add_flag("--as-fast-as-possible", o.as_fast_as_possible,
                "Do not wait for the clock, e.g. palpate liver --replay session.rec --offscreen --as-fast-as-possible");
 
+  app.add_flag("--no-cache", no_cache, "Make the set-up anew and do not keep it, e.g. palpate liver --no-cache");
+
   try {
     app.parse(argc, argv);
   } catch (const CLI::CallForHelp&) {
@@ -103,6 +106,7 @@ ParsedOptions parseOptions(int argc, const char* const* argv) {
     return refusal(error.what());
   }
 
+  o.use_cache = !no_cache;
   if (!size.empty() && !readSize(size, o.width, o.height))
     return refusal("--size: '" + size + "' is not a size such as 1280x800 (" + std::to_string(min_width) + "x" +
                    std::to_string(min_height) + " to " + std::to_string(max_side) + "x" + std::to_string(max_side) + ")");

@@ -20,6 +20,7 @@ struct Options {
   std::string out;                       // empty: out/<scene> off-screen, nothing in the window
   int width = 1280, height = 800;        // px
   bool as_fast_as_possible = false;
+  bool use_cache = false;                // keep the set-up for the next start
 };
 
 /// The outcome of reading a command line: options to run with, or a text to print

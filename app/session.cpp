@@ -32,12 +32,13 @@ std::optional<ResultFolder> openResults(const Options& options) {
   return {};
 }
 
-Model buildModelOf(const Scene& scene, Log& log) {
+Model buildModelOf(const Scene& scene, bool use_cache, Log& log) {
+  const ModelCache cache(use_cache ? ModelCache::userFolder() : "", [&](const std::string& line) { log.warning(line); });
   const bool watched = isatty(STDERR_FILENO) != 0;
   Model model = loadModel(scene, [&](const std::string& what, double fraction) {
     if (interrupted()) throw std::runtime_error("interrupted while the model was made");
     if (watched) std::cerr << format("\r\033[K%3.0f %%  %s", 100 * fraction, what.c_str()) << std::flush;
-  });
+  }, cache);
   if (watched) std::cerr << "\r\033[K" << std::flush;
   log.info(format("%s: %d nodes, %d integration points, %d x %.0f us per tick, ready in %.2f s", scene.name.c_str(),
                   model.nodeCount(), model.pointCount(), model.substeps_per_tick, model.dt * 1e6,
@@ -71,7 +72,7 @@ Session::Session(const Options& options, const Scene& scene, Log& log)
       log_(log),
       scene_(scene),
       results_(openResults(options)),
-      model_(buildModelOf(scene_, log)),
+      model_(buildModelOf(scene_, options.use_cache, log)),
       scene_materials_(model_.materials),
       stiffness_(model_.materials.size(), 1.0),
       sent_before_(stiffness_),

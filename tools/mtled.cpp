@@ -39,6 +39,9 @@ int main(int argc, char** argv) {
   solve_app->add_option("--threads", solve.threads, "Threads (one per core)")->type_name("N")->check(CLI::Range(1, 64));
   solve_app->add_flag("--resume", solve.resume, "Go on from the folder's checkpoint.bin");
 
+  bool no_cache = false;
+  solve_app->add_flag("--no-cache", no_cache, "Make the set-up anew and do not keep it");
+
   VerifyOptions verify;
   std::string names = "Cases:";
   for (const auto& c : verificationCases()) names += std::string("\n  ") + c.name + ": " + c.about;
@@ -56,6 +59,7 @@ int main(int argc, char** argv) {
     const int code = app.exit(error);
     return code == 0 ? 0 : unusable_input;
   }
+  solve.use_cache = !no_cache;
   catchInterrupts();
   try {
     return *verify_app ? verifyCommand(verify) : solveCommand(solve);

@@ -1,5 +1,7 @@
 #include "base/build_info.h"
 
+#include "source_identity.h"  // made by tools/source_identity.cmake
+
 namespace palpate {
 
 std::string buildInfo() {
@@ -17,5 +19,7 @@ std::string buildInfo() {
   if (PALPATE_SANITIZE[0] != '\0') s += ", sanitizers: " PALPATE_SANITIZE;
   return s;
 }
+
+std::string sourceIdentity() { return PALPATE_SOURCE_IDENTITY; }
 
 }  // namespace palpate

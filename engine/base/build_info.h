@@ -7,4 +7,8 @@ namespace palpate {
 /// One line for reports: version, compiler, build type, instruction set, sanitizers.
 std::string buildInfo();
 
+/// A hash of the engine's sources as they were compiled: programs that agree in it and in buildInfo compute the same
+/// bits on the same processor.
+std::string sourceIdentity();
+
 }  // namespace palpate

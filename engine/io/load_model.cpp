@@ -1,6 +1,7 @@
 #include "io/load_model.h"
 
 #include <algorithm>
+#include <chrono>
 #include <stdexcept>
 
 #include "discretization/solids.h"
@@ -29,9 +30,20 @@ TriangleSurface organSurface(const Scene& scene) {
                            place == scene.places.end() ? scene.place : place->second);
 }
 
-Model loadModel(const Scene& scene, const Progress& progress) {
+Model loadModel(const Scene& scene, const Progress& progress, const ModelCache& cache) {
+  const auto start = std::chrono::steady_clock::now();
   if (progress) progress("surface", 0);
-  return buildModel(scene, organSurface(scene), progress);
+  const SurfaceTree tree(organSurface(scene));
+  const std::string key = preparationKey(scene, tree.surface());
+  std::optional<Preparation> preparation = cache.find(key);
+  if (!preparation) {
+    preparation = prepare(scene, tree, progress);
+    if (progress) progress("keeping it for the next start", 0.92);
+    cache.keep(key, *preparation);
+  }
+  Model model = finishModel(scene, tree, std::move(*preparation), progress);
+  model.setup_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return model;
 }
 
 }  // namespace palpate

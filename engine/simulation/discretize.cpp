@@ -49,7 +49,7 @@ std::vector<FeatureEdges::Chain> rimsOf(const Scene& scene, const SurfaceTree& o
 
 }  // namespace
 
-Discretization discretize(const Scene& scene, const SurfaceTree& organ) {
+Discretization discretize(const Scene& scene, const SurfaceTree& organ, const std::function<void(double)>& progress) {
   // What the set-up can hold: about 0.1 MB a node. A typing error in the spacing should not fill the memory.
   constexpr double most_nodes = 60000;
   const double estimate = signedVolume(organ.surface()) / (0.7 * scene.spacing * scene.spacing * scene.spacing);
@@ -61,7 +61,9 @@ Discretization discretize(const Scene& scene, const SurfaceTree& organ) {
 
   Discretization d;
   d.cloud = makeNodeCloud(organ, spacingField(scene), scene.seed, rimsOf(scene, organ));
+  progress(0.6);
   d.cells = makeBackgroundCells(d.cloud, organ);
+  progress(0.9);
   fitToVolume(d.cloud, d.cells, organ);
 
   const auto order = hilbertOrder(d.cloud.X);

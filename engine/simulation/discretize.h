@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <functional>
 #include <vector>
 
 #include "discretization/background_cells.h"
@@ -16,7 +17,8 @@ struct Discretization {
 };
 
 /// The scene's nodes and cells; nodes along a Hilbert curve. Throws InputError where the spacing is too fine.
-Discretization discretize(const Scene& scene, const SurfaceTree& organ);
+/// @param progress  called with the share that is done, 0..1; may throw
+Discretization discretize(const Scene& scene, const SurfaceTree& organ, const std::function<void(double)>& progress);
 
 /// The skin's vertices sample the contact pressure: 0.35 tool radii is what contact/skin.h asks for, and
 /// where the nodes are denser than the tool is wide, a third of their spacing keeps up with them.

@@ -8,11 +8,11 @@
 #include "simulation/scene_regions.h"
 
 namespace palpate {
-namespace {
-
 BoundaryMotion motionOf(const BoundarySpec& spec) {
   return {spec.translation, spec.axis_point, spec.axis, spec.angle, spec.duration, spec.curve};
 }
+
+namespace {
 
 /// True where both impose the same displacement on what stands at X, at all times.
 bool agree(const BoundarySpec& a, const BoundarySpec& b, const Vec3& X, int component) {
@@ -83,6 +83,14 @@ std::vector<Vec3> essentialFacets(const NodeCloud& cloud, const std::vector<std:
     }
   }
   return points;
+}
+
+std::vector<std::uint8_t> imposedComponents(const std::vector<ImposedNode>& nodes, std::size_t node_count) {
+  std::vector<std::uint8_t> imposed(node_count, 0);
+  for (const auto& node : nodes)
+    for (int c = 0; c < 3; ++c)
+      if (node.boundary[c] >= 0) imposed[node.node] |= static_cast<std::uint8_t>(1u << c);
+  return imposed;
 }
 
 ShapeTable rowsOf(const ShapeTable& table, const std::vector<ImposedNode>& nodes) {

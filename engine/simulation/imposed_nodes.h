@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <vector>
 
 #include "discretization/node_cloud.h"
@@ -10,12 +11,17 @@
 
 namespace palpate {
 
+BoundaryMotion motionOf(const BoundarySpec& spec);
+
 /// Which nodes are imposed, and how. Throws InputError where a region is empty or two motions contradict.
 EssentialNodes chooseImposed(const Scene& scene, const NodeCloud& cloud, const SurfaceTree& organ);
 
 /// Sets the facets that EBCIEM integrates over; returns the places of their quadrature points, m.
 /// @param outer  the cells' outer faces
 std::vector<Vec3> essentialFacets(const NodeCloud& cloud, const std::vector<std::array<int, 3>>& outer, EssentialNodes& essential);
+
+/// Bit c set: component c is imposed (node_count).
+std::vector<std::uint8_t> imposedComponents(const std::vector<ImposedNode>& nodes, std::size_t node_count);
 
 /// The rows of the imposed nodes from a table with one row per node.
 ShapeTable rowsOf(const ShapeTable& table, const std::vector<ImposedNode>& nodes);

@@ -27,6 +27,7 @@ TEST_CASE("A scene alone means a window of 1280x800 and the scene's own values",
   CHECK_FALSE(o.seconds);
   CHECK_FALSE(o.rate_hz);
   CHECK_FALSE(o.threads);
+  CHECK(o.use_cache);
   CHECK(o.width == 1280);
   CHECK(o.height == 800);
 }
@@ -34,7 +35,7 @@ TEST_CASE("A scene alone means a window of 1280x800 and the scene's own values",
 TEST_CASE("Each option reaches its field", "[options]") {
   const ParsedOptions parsed =
       parse({"a.toml", "--offscreen", "--seconds", "2.5", "--rate", "1000", "--tool", "t.toml", "--record", "r.rec",
-             "--out", "dir", "--size", "640x480", "--snapshot-at", "1.5", "--threads", "2", "--as-fast-as-possible"});
+             "--out", "dir", "--size", "640x480", "--snapshot-at", "1.5", "--threads", "2", "--as-fast-as-possible", "--no-cache"});
   INFO(parsed.message);
   REQUIRE(parsed.options);
   const Options& o = *parsed.options;
@@ -50,6 +51,7 @@ TEST_CASE("Each option reaches its field", "[options]") {
   CHECK(o.snapshot_at.value() == 1.5);
   CHECK(o.threads.value() == 2);
   CHECK(o.as_fast_as_possible);
+  CHECK_FALSE(o.use_cache);
   CHECK(parse({"a.toml", "--replay", "r.rec"}).options.value().replay == "r.rec");
 }
 
@@ -58,7 +60,7 @@ TEST_CASE("--help names every option with an example and is no error", "[options
   CHECK_FALSE(parsed.options);
   CHECK(parsed.exit_code == 0);
   for (const char* option : {"--offscreen", "--seconds", "--rate", "--tool", "--record", "--replay", "--out", "--size",
-                             "--as-fast-as-possible", "--threads", "--snapshot-at"}) {
+                             "--as-fast-as-possible", "--threads", "--snapshot-at", "--no-cache"}) {
     INFO(option);
     const auto at = parsed.message.find("  " + std::string(option));
     REQUIRE(at != std::string::npos);

@@ -10,6 +10,7 @@ struct SolveOptions {
   std::string tool_script;   // "": no tool
   int threads = 0;           // 0: one per core
   bool resume = false;       // go on from the folder's checkpoint
+  bool use_cache = false;    // keep the set-up for the next start
 };
 
 /// Solves a scene as its [solve] table says and leaves force.csv, probes.csv, solution.pvd with its VTU files,

@@ -1,0 +1,11 @@
+# cmake -DFOLDER=engine -DOUT=source_identity.h -P source_identity.cmake: a header with one hash of all sources in a folder.
+file(GLOB_RECURSE sources ${FOLDER}/*.h ${FOLDER}/*.cpp)
+list(SORT sources)
+set(all "")
+foreach(source ${sources})
+  file(SHA256 ${source} hash)
+  file(RELATIVE_PATH name ${FOLDER} ${source})
+  string(APPEND all "${name} ${hash}\n")
+endforeach()
+string(SHA256 identity "${all}")
+file(WRITE ${OUT} "#pragma once\n#define PALPATE_SOURCE_IDENTITY \"${identity}\"\n")
