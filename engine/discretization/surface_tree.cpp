@@ -168,8 +168,13 @@ SurfaceTree::Closest SurfaceTree::closest(const Vec3& x, double max_distance) co
 }
 
 double SurfaceTree::signedDistance(const Vec3& x) const {
-  const double distance = closest(x).distance;
-  return inside(x) ? -distance : distance;
+  const Closest foot = closest(x);
+  // Where the foot is well within its face, the face's side decides, as the solid angles would.
+  constexpr double within = 1e-6;
+  const Vec3 normal = foot.triangle >= 0 ? areaVector(surface_, foot.triangle) : Vec3::Zero();
+  const double side = normal.dot(x - foot.point);
+  const bool clear = foot.barycentric.minCoeff() > within && std::abs(side) > 0.5 * normal.norm() * foot.distance;
+  return (clear ? side < 0 : inside(x)) ? -foot.distance : foot.distance;
 }
 
 std::optional<SurfaceTree::Hit> SurfaceTree::firstHit(const Vec3& origin, const Vec3& direction,

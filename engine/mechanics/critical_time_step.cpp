@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "base/parallel_for.h"
 #include "mechanics/lanczos.h"
 
 namespace palpate {
@@ -9,32 +10,66 @@ namespace {
 
 using Vector = Eigen::VectorXd;
 
-/// y = M^-1/2 K M^-1/2 x
-void applyOperator(const ShapeTable& shape, const std::vector<double>& volume, const std::vector<int>& point_material,
-                   const std::vector<Material>& materials, const NodePatches& patches, const Vector& inverse_root_mass,
-                   const Vector& x, Vector& y) {
-  std::vector<Mat3> H(shape.rowCount(), Mat3::Zero());
-  std::vector<double> pressure(shape.rowCount());
-  for (int q = 0; q < shape.rowCount(); ++q) {
-    for (int e = shape.begin[q]; e < shape.begin[q + 1]; ++e) {
-      const int j = shape.node[e];
-      H[q] += inverse_root_mass[j] * x.segment<3>(3 * j) * shape.gradN[e].transpose();
-    }
-    pressure[q] = H[q].trace() * (patches.empty() ? materials[point_material[q]].bulk_modulus : 1);
-  }
-  if (!patches.empty()) pressure = patchPressure(patches, volume, pressure);
+/// Parts of the points, each summed on its own: that there are always as many keeps the bits the same on any number of cores.
+constexpr int part_count = 8;
 
-  y.setZero();
-  for (int q = 0; q < shape.rowCount(); ++q) {
-    const double mu = materials[point_material[q]].shear_modulus;
-    const Mat3 VP = volume[q] * ((pressure[q] - 2.0 / 3 * mu * H[q].trace()) * Mat3::Identity() +
-                                 mu * (H[q] + H[q].transpose()));
-    for (int e = shape.begin[q]; e < shape.begin[q + 1]; ++e) {
-      const int j = shape.node[e];
-      y.segment<3>(3 * j) += inverse_root_mass[j] * (VP * shape.gradN[e]);
-    }
+/// M^-1/2 K M^-1/2 of the body at rest, applied on all cores.
+class StiffnessAtRest {
+ public:
+  StiffnessAtRest(const ShapeTable& shape, const std::vector<double>& volume, const std::vector<int>& point_material,
+                  const std::vector<Material>& materials, const std::vector<double>& mass, const NodePatches& patches)
+      : shape_(shape), volume_(volume), point_material_(point_material), materials_(materials), patches_(patches),
+        stress_(volume.size()), dilatation_(volume.size()), force_(part_count) {
+    for (const double m : mass) inverse_root_mass_.push_back(1 / std::sqrt(m));
   }
-}
+
+  void apply(const Vector& x, Vector& y) {
+    const int points = shape_.rowCount();
+    parallelFor(points, [&](int first, int last) {
+      for (int q = first; q < last; ++q) {
+        Mat3 H = Mat3::Zero();
+        for (int e = shape_.begin[q]; e < shape_.begin[q + 1]; ++e) {
+          const int j = shape_.node[e];
+          H += inverse_root_mass_[j] * x.segment<3>(3 * j) * shape_.gradN[e].transpose();
+        }
+        const Material& material = materials_[point_material_[q]];
+        dilatation_[q] = H.trace() * (patches_.empty() ? material.bulk_modulus : 1);
+        const double mu = material.shear_modulus;
+        stress_[q] = mu * (H + H.transpose()) - 2.0 / 3 * mu * H.trace() * Mat3::Identity();
+      }
+    });
+    const std::vector<double> averaged = patches_.empty() ? std::vector<double>() : patchPressure(patches_, volume_, dilatation_);
+    const std::vector<double>& pressure = patches_.empty() ? dilatation_ : averaged;
+    parallelFor(part_count, [&](int first, int last) {
+      for (int part = first; part < last; ++part) {
+        force_[part].assign(inverse_root_mass_.size(), Vec3::Zero());
+        const auto begin = [&](int p) { return static_cast<int>(static_cast<long long>(points) * p / part_count); };
+        for (int q = begin(part); q < begin(part + 1); ++q) {
+          const Mat3 VP = volume_[q] * (stress_[q] + pressure[q] * Mat3::Identity());
+          for (int e = shape_.begin[q]; e < shape_.begin[q + 1]; ++e) force_[part][shape_.node[e]] += VP * shape_.gradN[e];
+        }
+      }
+    }, 1);
+    parallelFor(static_cast<int>(inverse_root_mass_.size()), [&](int first, int last) {
+      for (int i = first; i < last; ++i) {
+        Vec3 sum = Vec3::Zero();
+        for (const auto& force : force_) sum += force[i];
+        y.segment<3>(3 * i) = inverse_root_mass_[i] * sum;
+      }
+    });
+  }
+
+ private:
+  const ShapeTable& shape_;
+  const std::vector<double>& volume_;
+  const std::vector<int>& point_material_;
+  const std::vector<Material>& materials_;
+  const NodePatches& patches_;
+  std::vector<double> inverse_root_mass_;  // (node_count)
+  std::vector<Mat3> stress_;               // (point_count)
+  std::vector<double> dilatation_;         // (point_count) or pressure where pointwise
+  std::vector<std::vector<Vec3>> force_;   // (part_count)(node_count)
+};
 
 }  // namespace
 
@@ -66,13 +101,9 @@ CriticalTimeStep criticalTimeStep(const ShapeTable& shape, const std::vector<dou
 
   constexpr int max_iterations = 60;
   constexpr double tolerance = 1e-3;  // of omega^2; half of it on dt
-  Vector inverse_root_mass(static_cast<Eigen::Index>(mass.size()));
-  for (std::size_t i = 0; i < mass.size(); ++i) inverse_root_mass[static_cast<Eigen::Index>(i)] = 1 / std::sqrt(mass[i]);
+  StiffnessAtRest operator_at_rest(shape, volume, point_material, materials, mass, patches);
   const auto largest = largestEigenvalue(
-      static_cast<Eigen::Index>(mass.size()) * 3,
-      [&](const Vector& x, Vector& y) {
-        applyOperator(shape, volume, point_material, materials, patches, inverse_root_mass, x, y);
-      },
+      static_cast<Eigen::Index>(mass.size()) * 3, [&](const Vector& x, Vector& y) { operator_at_rest.apply(x, y); },
       max_iterations, tolerance);
   result.iterations = largest.iterations;
   result.dt = 2 / std::sqrt(std::min(largest.value + largest.residual, bound));
