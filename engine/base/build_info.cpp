@@ -1,5 +1,8 @@
 #include "base/build_info.h"
 
+#include "base/input_error.h"
+#include "base/instruction_set.h"
+
 namespace palpate {
 
 std::string buildInfo() {
@@ -7,13 +10,11 @@ std::string buildInfo() {
 #if PALPATE_NATIVE
   s += ", -march=native";
 #endif
-#if defined(__AVX512F__)
-  s += ", AVX-512";
-#elif defined(__AVX2__)
-  s += ", AVX2";
-#else
-  s += ", baseline x86-64";
-#endif
+  try {
+    s += std::string(", kernel ") + nameOf(chosenInstructionSet());
+  } catch (const InputError& e) {
+    s += std::string(", no kernel (") + e.what() + ")";
+  }
   if (PALPATE_SANITIZE[0] != '\0') s += ", sanitizers: " PALPATE_SANITIZE;
   return s;
 }

@@ -4,7 +4,7 @@
 
 namespace palpate {
 
-/// One line for reports: version, compiler, build type, instruction set, sanitizers.
+/// One line for reports: version, compiler, build type, instruction set of the kernel, sanitizers.
 std::string buildInfo();
 
 }  // namespace palpate

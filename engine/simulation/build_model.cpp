@@ -426,7 +426,8 @@ Model buildModel(const Scene& scene, const TriangleSurface& organ, const Progres
   model.max_increment = 4 * wave_speed * model.dt;
 
   tell("kernel layout", 0.9);
-  model.kernel = makeKernelLayout(shape.points, points.X, points.volume, model.point_material, model.materials, nodes, model.patches);
+  model.kernel = makeKernelLayout(shape.points, points.X, points.volume, model.point_material, model.materials, nodes, model.patches,
+                                  scene.gradient_precision, cloud.X);
   model.skin = buildSkinModel(skin, shape.skin, scene.tool.radius, 3 * softest);
   model.tool_start = {scene.tool_position, Quat::FromTwoVectors(-Vec3::UnitZ(), scene.tool_direction)};
   model.touch_travel = touchTravel(skin, scene.tool, model.tool_start);
