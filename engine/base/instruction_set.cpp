@@ -46,12 +46,4 @@ InstructionSet chosenInstructionSet() {
   throw InputError({}, "PALPATE_KERNEL=" + quoted(wanted) + " is no kernel", "leave it unset or choose from: " + names);
 }
 
-bool fusesMultiplyAdd(InstructionSet set) {
-#if defined(__x86_64__)
-  return set != InstructionSet::Plain;
-#else
-  return static_cast<void>(set), true;  // GCC contracts wherever the architecture can; there is one set only
-#endif
-}
-
 }  // namespace palpate

@@ -232,7 +232,7 @@ std::uint64_t modelHash(const Model& model) {
   hash.add(model.X);
   hash.add(model.point_X);
   hash.add(model.inverse_mass);
-  hash.add(fusesMultiplyAdd(chosenInstructionSet()));  // what the kernel's rounding depends on
+  hash.add(static_cast<int>(chosenInstructionSet()));  // the kernel's rounding depends on it
   hash.add(model.kernel.node);
   hash.add(model.kernel.short_node);
   hash.add(model.kernel.gradN);
@@ -386,7 +386,7 @@ void checkRecordingFits(const Recording& recording, const Model& model, const st
     throw InputError({file, kModelLine},
                      "recorded with model " + hex16(recording.model_hash) + " (scene " + palpate::quoted(recording.scene) +
                          "), but this one is " + hex16(hash) + " (scene " + palpate::quoted(model.scene.name) + ")",
-                     "replay with the scene, program and machine it was recorded with");
+                     "replay with the scene, program, machine and PALPATE_KERNEL it was recorded with");
   }
 }
 

@@ -75,28 +75,19 @@ TEST_CASE("Rigid motion makes no force in any kernel", "[kernel][instructions]")
   }
 }
 
-TEST_CASE("Instruction sets that fuse alike give the same bits, and so does any number of threads", "[kernel][instructions][determinism]") {
+TEST_CASE("In every kernel any number of threads gives the same bits", "[kernel][instructions][determinism]") {
   for (const auto& material : {Material::neoHookean(3000, 0.49, 1000), ogden()}) {
     const TestBody body(6, 0.1, 1, 1.8, 0.1, 0.2, material);
     const auto u = wave(body, 0.3);
-    for (const NodePatches& patches : {NodePatches{}, body.patches()})
-      for (const GradientPrecision gradients : precisions) {
-        std::vector<Vec3> fused;
-        for (const InstructionSet set : supportedInstructionSets()) {
+    for (const InstructionSet set : supportedInstructionSets())
+      for (const NodePatches& patches : {NodePatches{}, body.patches()}) {
+        std::vector<std::vector<Vec3>> forces;
+        for (const GradientPrecision gradients : precisions) {
           INFO(describe(set, gradients, !patches.empty()));
-          const auto one = fastForces(body, u, 1, nullptr, patches, gradients, set);
-          for (const int threads : {2, 3}) CHECK(fastForces(body, u, threads, nullptr, patches, gradients, set) == one);
-          if (!fusesMultiplyAdd(set)) continue;
-          if (fused.empty()) fused = one;
-          CHECK(one == fused);
+          forces.push_back(fastForces(body, u, 1, nullptr, patches, gradients, set));
+          for (const int threads : {2, 3}) CHECK(fastForces(body, u, threads, nullptr, patches, gradients, set) == forces.back());
         }
+        CHECK(forces[0] != forces[1]);  // these really are other gradients
       }
-    std::vector<Vec3> fused;
-    for (const InstructionSet set : supportedInstructionSets()) {
-      if (!fusesMultiplyAdd(set)) continue;
-      const auto one = fastForces<double>(body, u, 1, nullptr, {}, GradientPrecision::Float32, set);
-      if (fused.empty()) fused = one;
-      CHECK(one == fused);
-    }
   }
 }
