@@ -48,10 +48,9 @@ TEST_CASE("Each instruction set's kernel equals the reference, with float32 and 
             const double error = distance(fast, exact) / norm(exact);
             INFO(describe(set, gradients, !patches.empty()) << ", state " << state << ": relative error " << error << " at K/mu " << ratio);
             // Gradients rounded to float move J by 6e-8 |gradN| |u| n^(1/2) ~ 1e-6, which the bulk modulus multiplies
-            // against forces of the order of the shear modulus: (K / mu) 1e-6. Rounded to 16 bits they are off by
-            // 1e-5 of the largest, on what of u is not linear over the support only; that is a tenth of it or less
-            // in these coarse bodies, whose supports are a third of their edge: 1e-5 K / mu.
-            CHECK(error < (gradients == GradientPrecision::Int16 ? 1e-5 : 1e-6) * ratio);
+            // against forces of the order of the shear modulus: (K / mu) 1e-6. Rounded to 16 bits they are off by up to
+            // 1.5e-5 of the largest, and so are the forces that they spread, whatever K; F is not (kernel_layout.h).
+            CHECK(error < 1e-6 * ratio + (gradients == GradientPrecision::Int16 ? 3e-5 : 0));
             CHECK(report.min_J == Approx(min_J).epsilon(1e-4));
             CHECK(report.inverted_points == 0);
           }
