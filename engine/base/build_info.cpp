@@ -1,5 +1,7 @@
 #include "base/build_info.h"
 
+#include "base/input_error.h"
+#include "base/instruction_set.h"
 #include "source_identity.h"  // made by tools/source_identity.cmake
 
 namespace palpate {
@@ -9,13 +11,11 @@ std::string buildInfo() {
 #if PALPATE_NATIVE
   s += ", -march=native";
 #endif
-#if defined(__AVX512F__)
-  s += ", AVX-512";
-#elif defined(__AVX2__)
-  s += ", AVX2";
-#else
-  s += ", baseline x86-64";
-#endif
+  try {
+    s += std::string(", kernel ") + nameOf(chosenInstructionSet());
+  } catch (const InputError& e) {
+    s += std::string(", no kernel (") + e.what() + ")";
+  }
   if (PALPATE_SANITIZE[0] != '\0') s += ", sanitizers: " PALPATE_SANITIZE;
   return s;
 }

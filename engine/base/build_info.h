@@ -4,7 +4,7 @@
 
 namespace palpate {
 
-/// One line for reports: version, compiler, build type, instruction set, sanitizers.
+/// One line for reports: version, compiler, build type, instruction set of the kernel, sanitizers.
 std::string buildInfo();
 
 /// A hash of the engine's sources as they were compiled: programs that agree in it and in buildInfo compute the same

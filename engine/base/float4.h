@@ -3,9 +3,11 @@
 #include <cstring>
 #include <type_traits>
 
+#include "base/kernel_namespace.h"
 #include "base/types.h"
 
 namespace palpate {
+inline namespace PALPATE_KERNEL {
 
 /// Four numbers in one register (or two); what a Real4 is computed with.
 template <class Real>
@@ -50,4 +52,5 @@ void scale(Real4<Real>& y, std::type_identity_t<Real> a) {
   store(y, a * load(y));
 }
 
+}  // namespace PALPATE_KERNEL
 }  // namespace palpate

@@ -1,14 +1,16 @@
 #pragma once
 
-#include <algorithm>
-#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <type_traits>
 #include <utility>
 
+#include "base/kernel_namespace.h"
+
+// Nothing here calls an inline function of another library: see kernel_namespace.h.
 namespace palpate {
+inline namespace PALPATE_KERNEL {
 
 // The widest vector of the target, in bytes.
 #if defined(__AVX512F__)
@@ -19,143 +21,184 @@ inline constexpr int native_bytes = 32;
 inline constexpr int native_bytes = 16;
 #endif
 
-/// Sixteen numbers computed together: of floats one AVX-512 register, two of AVX2 or four of SSE, of doubles
-/// twice as many, from one source. Seen as four groups of four where a function says "in each group".
+/// Numbers computed together: one register, of AVX-512 sixteen floats or eight doubles, of AVX2 half as many; at least
+/// four. Seen as groups of four where a function says "group".
 template <class Real>
 struct LanesOf {
-  // A group of four stays within a part, so that shuffles do.
-  static constexpr int width = std::max(4, native_bytes / static_cast<int>(sizeof(Real)));
-  static constexpr int parts = 16 / width;
+  static constexpr int width = native_bytes / static_cast<int>(sizeof(Real)) > 4 ? native_bytes / static_cast<int>(sizeof(Real)) : 4;
+  static constexpr int group_count = width / 4;
   using Index = std::conditional_t<sizeof(Real) == 4, std::int32_t, std::int64_t>;
   typedef Real Vector __attribute__((vector_size(width * sizeof(Real))));    // NOLINT: `using` drops the attribute here
   typedef Index Integer __attribute__((vector_size(width * sizeof(Real))));  // NOLINT
-  Vector v[parts];
+  typedef Real Group __attribute__((vector_size(4 * sizeof(Real))));         // NOLINT
+  Vector v;
 
   LanesOf() = default;
-  LanesOf(Real a) {  // NOLINT: a number is a vector of equal lanes
-    for (auto& p : v) p = a - Vector{};
-  }
+  LanesOf(Real a) : v(a - Vector{}) {}  // NOLINT: a number is a vector of equal lanes
+  explicit LanesOf(const Vector& a) : v(a) {}
 
-  static LanesOf load(const Real* a) {  // a is 64-byte aligned
+  static LanesOf load(const Real* a) {  // a is aligned to the register
     LanesOf r;
-    std::memcpy(r.v, __builtin_assume_aligned(a, 64), sizeof r.v);
+    std::memcpy(&r.v, __builtin_assume_aligned(a, sizeof r.v), sizeof r.v);
     return r;
   }
-  void store(Real* a) const { std::memcpy(__builtin_assume_aligned(a, 64), v, sizeof v); }
+  void store(Real* a) const { std::memcpy(__builtin_assume_aligned(a, sizeof v), &v, sizeof v); }
 
-  /// Four unaligned groups of four.
-  static LanesOf gather(const Real* g0, const Real* g1, const Real* g2, const Real* g3) {
-    LanesOf r;
-    const Real* g[4] = {g0, g1, g2, g3};
-    auto* to = reinterpret_cast<char*>(r.v);
-    for (int k = 0; k < 4; ++k) std::memcpy(to + 4 * sizeof(Real) * k, g[k], 4 * sizeof(Real));
-    return r;
+  /// 16-bit integers, converted; a is aligned to half a register of floats.
+  static LanesOf load(const std::int16_t* a) {
+    typedef std::int16_t Shorts __attribute__((vector_size(width * 2)));  // NOLINT
+    Shorts s;
+    std::memcpy(&s, __builtin_assume_aligned(a, sizeof s), sizeof s);
+    return LanesOf(__builtin_convertvector(__builtin_convertvector(s, Integer), Vector));
+  }
+
+  /// at(0), at(1) ...: Real arrays of four, aligned to a group. Put together in the register: a whole load from memory
+  /// just stored in parts would wait for them.
+  template <class At>
+  static LanesOf gather(At at) {
+    const auto group_at = [&](int k) {
+      Group g;
+      std::memcpy(&g, __builtin_assume_aligned(static_cast<const Real*>(at(k)), sizeof g), sizeof g);
+      return g;
+    };
+    if constexpr (group_count == 4) {
+      const auto low = __builtin_shufflevector(group_at(0), group_at(1), 0, 1, 2, 3, 4, 5, 6, 7);
+      const auto high = __builtin_shufflevector(group_at(2), group_at(3), 0, 1, 2, 3, 4, 5, 6, 7);
+      return LanesOf(__builtin_shufflevector(low, high, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15));
+    } else if constexpr (group_count == 2) {
+      return LanesOf(__builtin_shufflevector(group_at(0), group_at(1), 0, 1, 2, 3, 4, 5, 6, 7));
+    } else {
+      return LanesOf(group_at(0));
+    }
+  }
+  /// The same group everywhere.
+  static LanesOf repeat(const Real* a) {
+    return gather([a](int) { return a; });
+  }
+
+  /// Group n.
+  template <int n>
+  Group group() const {
+    return __builtin_shufflevector(v, v, 4 * n, 4 * n + 1, 4 * n + 2, 4 * n + 3);
+  }
+  /// Lane by lane (group 0 + group 1) + (group 2 + group 3), as many as there are.
+  Group sumOfGroups() const {
+    if constexpr (group_count == 4) return (group<0>() + group<1>()) + (group<2>() + group<3>());
+    else if constexpr (group_count == 2) return group<0>() + group<1>();
+    else return v;
   }
 
   // Friends, so that a plain number may stand on either side.
-#define PALPATE_LANES_OP(op)                                                  \
-  friend LanesOf operator op(const LanesOf& a, const LanesOf& b) {            \
-    LanesOf r;                                                                \
-    for (int i = 0; i < parts; ++i) r.v[i] = a.v[i] op b.v[i];                \
-    return r;                                                                 \
-  }
-  PALPATE_LANES_OP(+)
-  PALPATE_LANES_OP(-)
-  PALPATE_LANES_OP(*)
-  PALPATE_LANES_OP(/)
-#undef PALPATE_LANES_OP
-
+  friend LanesOf operator+(const LanesOf& a, const LanesOf& b) { return LanesOf(a.v + b.v); }
+  friend LanesOf operator-(const LanesOf& a, const LanesOf& b) { return LanesOf(a.v - b.v); }
+  friend LanesOf operator*(const LanesOf& a, const LanesOf& b) { return LanesOf(a.v * b.v); }
+  friend LanesOf operator/(const LanesOf& a, const LanesOf& b) { return LanesOf(a.v / b.v); }
   friend LanesOf& operator+=(LanesOf& a, const LanesOf& b) { return a = a + b; }
   friend LanesOf& operator-=(LanesOf& a, const LanesOf& b) { return a = a - b; }
+  friend LanesOf& operator*=(LanesOf& a, const LanesOf& b) { return a = a * b; }
 
-  friend LanesOf max(const LanesOf& a, const LanesOf& b) {
-    LanesOf r;
-    for (int i = 0; i < parts; ++i) r.v[i] = a.v[i] > b.v[i] ? a.v[i] : b.v[i];
-    return r;
-  }
+  friend LanesOf max(const LanesOf& a, const LanesOf& b) { return LanesOf(a.v > b.v ? a.v : b.v); }
   /// a where x < y, else b.
   friend LanesOf whereLess(const LanesOf& x, const LanesOf& y, const LanesOf& a, const LanesOf& b) {
-    LanesOf r;
-    for (int i = 0; i < parts; ++i) r.v[i] = x.v[i] < y.v[i] ? a.v[i] : b.v[i];
-    return r;
+    return LanesOf(x.v < y.v ? a.v : b.v);
   }
 };
 
 /// Each lane's f, one by one.
 template <class Real, class F>
 LanesOf<Real> perLane(const LanesOf<Real>& a, F f) {
-  alignas(64) Real s[16];
-  a.store(s);
-  for (Real& x : s) x = f(x);
-  return LanesOf<Real>::load(s);
+  LanesOf<Real> r;
+  for (int i = 0; i < LanesOf<Real>::width; ++i) r.v[i] = f(a.v[i]);
+  return r;
 }
 
-template <class Real>
-LanesOf<Real> sqrt(const LanesOf<Real>& a) {
-  return perLane(a, [](Real x) { return std::sqrt(x); });
+inline LanesOf<float> sqrt(const LanesOf<float>& a) {
+  return perLane(a, [](float x) { return __builtin_sqrtf(x); });
+}
+inline LanesOf<double> sqrt(const LanesOf<double>& a) {
+  return perLane(a, [](double x) { return __builtin_sqrt(x); });
 }
 
 namespace detail {
-template <class L, int K, std::size_t... I>
-typename L::Vector spread(const typename L::Vector& a, std::index_sequence<I...>) {
-  return __builtin_shuffle(a, typename L::Integer{static_cast<typename L::Index>(I / 4 * 4 + K)...});
+template <int K, class L, std::size_t... I>
+L spread(const L& a, std::index_sequence<I...>) {
+  return L(__builtin_shufflevector(a.v, a.v, (I / 4 * 4 + K)...));
 }
 // In each group of four lanes of a and b: (a0 b0 a1 b1), (a2 b2 a3 b3), (a0 a1 b0 b1), (a2 a3 b2 b3).
 // Shuffle indices from the width on name lanes of b.
 template <class L, std::size_t... I>
-typename L::Vector interleaveLow(const typename L::Vector& a, const typename L::Vector& b, std::index_sequence<I...>) {
-  return __builtin_shuffle(a, b, typename L::Integer{static_cast<typename L::Index>(I / 4 * 4 + I % 4 / 2 + I % 2 * L::width)...});
+L interleaveLow(const L& a, const L& b, std::index_sequence<I...>) {
+  return L(__builtin_shufflevector(a.v, b.v, (I / 4 * 4 + I % 4 / 2 + I % 2 * L::width)...));
 }
 template <class L, std::size_t... I>
-typename L::Vector interleaveHigh(const typename L::Vector& a, const typename L::Vector& b, std::index_sequence<I...>) {
-  return __builtin_shuffle(a, b,
-                           typename L::Integer{static_cast<typename L::Index>(I / 4 * 4 + I % 4 / 2 + 2 + I % 2 * L::width)...});
+L interleaveHigh(const L& a, const L& b, std::index_sequence<I...>) {
+  return L(__builtin_shufflevector(a.v, b.v, (I / 4 * 4 + I % 4 / 2 + 2 + I % 2 * L::width)...));
 }
 template <class L, std::size_t... I>
-typename L::Vector joinLow(const typename L::Vector& a, const typename L::Vector& b, std::index_sequence<I...>) {
-  return __builtin_shuffle(a, b, typename L::Integer{static_cast<typename L::Index>(I / 4 * 4 + I % 2 + I % 4 / 2 * L::width)...});
+L joinLow(const L& a, const L& b, std::index_sequence<I...>) {
+  return L(__builtin_shufflevector(a.v, b.v, (I / 4 * 4 + I % 2 + I % 4 / 2 * L::width)...));
 }
 template <class L, std::size_t... I>
-typename L::Vector joinHigh(const typename L::Vector& a, const typename L::Vector& b, std::index_sequence<I...>) {
-  return __builtin_shuffle(a, b,
-                           typename L::Integer{static_cast<typename L::Index>(I / 4 * 4 + I % 2 + 2 + I % 4 / 2 * L::width)...});
+L joinHigh(const L& a, const L& b, std::index_sequence<I...>) {
+  return L(__builtin_shufflevector(a.v, b.v, (I / 4 * 4 + I % 2 + 2 + I % 4 / 2 * L::width)...));
+}
+// (a1 a0 a3 a2)
+template <class L, std::size_t... I>
+L swapPairs(const L& a, std::index_sequence<I...>) {
+  return L(__builtin_shufflevector(a.v, a.v, (I ^ 1)...));
 }
 }  // namespace detail
 
 /// Lane K of each group, in all four lanes of that group.
 template <int K, class Real>
 LanesOf<Real> spread(const LanesOf<Real>& a) {
-  using L = LanesOf<Real>;
-  L r;
-  for (int i = 0; i < L::parts; ++i) r.v[i] = detail::spread<L, K>(a.v[i], std::make_index_sequence<L::width>{});
-  return r;
+  return detail::spread<K>(a, std::make_index_sequence<LanesOf<Real>::width>{});
 }
 
-/// Sums each group of a, b and c: group n of the result is (sum a_n, sum b_n, sum c_n, 0).
+/// Sums each group of a, b and c: group n of the result is (sum a_n, sum b_n, sum c_n, sum c_n).
 template <class Real>
 LanesOf<Real> groupSums(const LanesOf<Real>& a, const LanesOf<Real>& b, const LanesOf<Real>& c) {
-  using L = LanesOf<Real>;
-  using Vector = typename L::Vector;
-  L r;
-  for (int i = 0; i < L::parts; ++i) {
-    constexpr auto all = std::make_index_sequence<L::width>{};
-    const Vector ab = detail::interleaveLow<L>(a.v[i], b.v[i], all) + detail::interleaveHigh<L>(a.v[i], b.v[i], all);
-    const Vector c0 = detail::interleaveLow<L>(c.v[i], Vector{}, all) + detail::interleaveHigh<L>(c.v[i], Vector{}, all);
-    r.v[i] = detail::joinLow<L>(ab, c0, all) + detail::joinHigh<L>(ab, c0, all);
-  }
-  return r;
+  constexpr auto all = std::make_index_sequence<LanesOf<Real>::width>{};
+  const auto ab = detail::interleaveLow(a, b, all) + detail::interleaveHigh(a, b, all);
+  const auto cc = c + detail::swapPairs(c, all);
+  return detail::joinLow(ab, cc, all) + detail::joinHigh(ab, cc, all);
 }
+
+/// The least of many numbers below 1 with its place, and how many are not positive.
+template <class Real>
+struct LeastOf {
+  using L = LanesOf<Real>;
+  L least;
+  typename L::Integer first_place, not_positive{};
+  LeastOf() : least(Real(1)), first_place(typename L::Integer{} - 1) {}
+
+  /// Lanes of places `first`, `first + 1` ...; places ascend from call to call.
+  void note(const L& x, int first) {
+    const typename L::Integer less = x.v < least.v;
+    least.v = less ? x.v : least.v;
+    first_place = less ? first - typename L::Integer{} : first_place;
+    not_positive -= x.v <= typename L::Vector{};
+  }
+
+  /// Lowers `value` and sets `place` where a noted lane is below, or equal at a lower place; adds to `count`.
+  void find(Real& value, int& place, int& count) const {
+    for (int i = 0; i < L::width; ++i) {
+      count += static_cast<int>(not_positive[i]);
+      const int here = static_cast<int>(first_place[i]) + i;
+      if (first_place[i] < 0 || least.v[i] > value || (least.v[i] == value && here > place)) continue;
+      value = least.v[i];
+      place = here;
+    }
+  }
+};
 
 /// x^(-1/3) for x > 0: a guess from the exponent bits (3 % off) and three Newton steps to
 /// float accuracy.
 inline LanesOf<float> inverseCubeRoot(const LanesOf<float>& x) {
   using Lanes = LanesOf<float>;
-  Lanes y;
-  for (int i = 0; i < Lanes::parts; ++i) {
-    const auto bits = std::bit_cast<Lanes::Integer>(x.v[i]);
-    const auto third = __builtin_convertvector(__builtin_convertvector(bits, Lanes::Vector) * (1.0F / 3), Lanes::Integer);
-    y.v[i] = std::bit_cast<Lanes::Vector>(0x54a2fa8c - third);
-  }
+  const auto bits = __builtin_bit_cast(Lanes::Integer, x.v);
+  const auto third = __builtin_convertvector(__builtin_convertvector(bits, Lanes::Vector) * (1.0F / 3), Lanes::Integer);
+  Lanes y(__builtin_bit_cast(Lanes::Vector, 0x54a2fa8c - third));
   for (int k = 0; k < 3; ++k) y = y * (4.0F / 3 - 1.0F / 3 * x * y * y * y);
   return y;
 }
@@ -166,20 +209,15 @@ inline LanesOf<double> inverseCubeRoot(const LanesOf<double>& x) {
 /// Base-2 logarithm of x > 0 (normal numbers), error below 2e-7 absolute plus 1e-7 relative.
 inline LanesOf<float> log2(const LanesOf<float>& x) {
   using Lanes = LanesOf<float>;
-  Lanes r;
-  for (int i = 0; i < Lanes::parts; ++i) {
-    using Vector = Lanes::Vector;
-    const auto bits = std::bit_cast<Lanes::Integer>(x.v[i]);
-    // Exponent chosen so that the mantissa lies in [1/sqrt 2, sqrt 2).
-    const Lanes::Integer exponent = (bits - 0x3f3504f3) >> 23;
-    const Vector m = std::bit_cast<Vector>(bits - (exponent << 23));
-    const Vector t = (m - 1.0F) / (m + 1.0F);
-    const Vector t2 = t * t;
-    // log2 m = 2 / ln 2 * (t + t^3/3 + t^5/5 + ...), |t| < 0.172
-    const Vector series = t * (2.885390082F + t2 * (0.961796694F + t2 * (0.577078016F + t2 * (0.412198583F + t2 * 0.320598898F))));
-    r.v[i] = __builtin_convertvector(exponent, Vector) + series;
-  }
-  return r;
+  const auto bits = __builtin_bit_cast(Lanes::Integer, x.v);
+  // Exponent chosen so that the mantissa lies in [1/sqrt 2, sqrt 2).
+  const Lanes::Integer exponent = (bits - 0x3f3504f3) >> 23;
+  const auto m = __builtin_bit_cast(Lanes::Vector, bits - (exponent << 23));
+  const Lanes::Vector t = (m - 1.0F) / (m + 1.0F);
+  const Lanes::Vector t2 = t * t;
+  // log2 m = 2 / ln 2 * (t + t^3/3 + t^5/5 + ...), |t| < 0.172
+  const Lanes::Vector series = t * (2.885390082F + t2 * (0.961796694F + t2 * (0.577078016F + t2 * (0.412198583F + t2 * 0.320598898F))));
+  return Lanes(__builtin_convertvector(exponent, Lanes::Vector) + series);
 }
 
 inline LanesOf<double> log2(const LanesOf<double>& x) {
@@ -189,22 +227,19 @@ inline LanesOf<double> log2(const LanesOf<double>& x) {
 /// 2^x for |x| < 126, error below 2e-7 relative.
 inline LanesOf<float> exp2(const LanesOf<float>& x) {
   using Lanes = LanesOf<float>;
-  Lanes r;
-  for (int i = 0; i < Lanes::parts; ++i) {
-    using Vector = Lanes::Vector;
-    const Vector limited = x.v[i] < -126.0F ? Vector{} - 126.0F : (x.v[i] > 126.0F ? Vector{} + 126.0F : x.v[i]);
-    // Rounds to the nearest integer: adding 1.5 * 2^23 pushes the fraction out of the mantissa.
-    const Vector shifted = limited + 12582912.0F;
-    const Lanes::Integer whole = std::bit_cast<Lanes::Integer>(shifted) - 0x4b400000;
-    const Vector f = (limited - (shifted - 12582912.0F)) * 0.69314718F;
-    const Vector p = 1.0F + f * (1.0F + f * (0.5F + f * (0.16666667F + f * (0.041666668F + f * (0.0083333338F + f * 0.0013888889F)))));
-    r.v[i] = p * std::bit_cast<Vector>((whole + 127) << 23);
-  }
-  return r;
+  using Vector = Lanes::Vector;
+  const Vector limited = x.v < -126.0F ? Vector{} - 126.0F : (x.v > 126.0F ? Vector{} + 126.0F : x.v);
+  // Rounds to the nearest integer: adding 1.5 * 2^23 pushes the fraction out of the mantissa.
+  const Vector shifted = limited + 12582912.0F;
+  const Lanes::Integer whole = __builtin_bit_cast(Lanes::Integer, shifted) - 0x4b400000;
+  const Vector f = (limited - (shifted - 12582912.0F)) * 0.69314718F;
+  const Vector p = 1.0F + f * (1.0F + f * (0.5F + f * (0.16666667F + f * (0.041666668F + f * (0.0083333338F + f * 0.0013888889F)))));
+  return Lanes(p * __builtin_bit_cast(Vector, (whole + 127) << 23));
 }
 
 inline LanesOf<double> exp2(const LanesOf<double>& x) {
   return perLane(x, [](double a) { return std::exp2(a); });
 }
 
+}  // namespace PALPATE_KERNEL
 }  // namespace palpate

@@ -53,4 +53,20 @@ class SpinTeam {
   alignas(64) std::atomic<int> remaining_{0};             // workers still at the present job
 };
 
+/// Runs each(part) for part in [0, count), every member of the team taking an even share. What the parts are must not
+/// depend on the team's size where results may not.
+template <class Each>
+void shareOut(SpinTeam& team, int count, Each each) {
+  struct Context {
+    int count;
+    Each& each;
+  } context{count, each};
+  team.run(
+      [](void* c, int member, int members) {
+        auto& [n, call] = *static_cast<Context*>(c);
+        for (int k = n * member / members; k < n * (member + 1) / members; ++k) call(k);
+      },
+      &context);
+}
+
 }  // namespace palpate

@@ -159,6 +159,7 @@ void readDynamics(const TomlTable& table, Scene& scene) {
   table.read("step_safety", scene.step_safety);
   table.read("damping", scene.damping);
   table.read("threads", scene.threads);
+  if (table.readChoice("gradient_precision", 0) == 1) scene.gradient_precision = GradientPrecision::Int16;
   if (scene.time_step <= 0) return;
   const double steps = 1.0 / (scene.rate_hz * scene.time_step);
   constexpr double rounding = 1e-6;  // of a decimal fraction such as 0.000333333

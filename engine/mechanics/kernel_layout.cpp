@@ -1,8 +1,12 @@
 #include "mechanics/kernel_layout.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <stdexcept>
+#include <type_traits>
 
+#include "base/input_error.h"
 #include "discretization/node_order.h"
 
 namespace palpate {
@@ -11,6 +15,11 @@ namespace {
 /// Work packages of one force evaluation. More than the threads we expect, so that a late
 /// worker costs little; few enough that summing the buffers stays below a few percent.
 constexpr int chunk_count = 4;
+
+template <class Real>
+int unionNode(const KernelLayoutOf<Real>& layout, std::size_t at) {
+  return layout.short_node.empty() ? layout.node[at] : layout.short_node[at];
+}
 
 /// Points of one material after another, each in bisection order, every material padded with -1
 /// to whole batches.
@@ -56,6 +65,131 @@ void addPatches(KernelLayoutOf<Real>& layout, const std::vector<double>& volume,
   updatePatchBulk(layout);
 }
 
+/// Union support of a quad's points (-1: padding), ascending.
+std::vector<int> unionSupport(const ShapeTable& shape, const int* point) {
+  std::vector<int> nodes;
+  for (int p = 0; p < 4; ++p)
+    if (point[p] >= 0)
+      nodes.insert(nodes.end(), shape.node.begin() + shape.begin[point[p]], shape.node.begin() + shape.begin[point[p] + 1]);
+  std::sort(nodes.begin(), nodes.end());
+  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+  return nodes;
+}
+
+/// A quad's gradients in double: [node][point], in the order of its union nodes.
+std::vector<std::array<Vec3, 4>> quadGradients(const ShapeTable& shape, const int* point, const std::vector<int>& nodes) {
+  std::vector<std::array<Vec3, 4>> gradN(nodes.size(), {Vec3::Zero(), Vec3::Zero(), Vec3::Zero(), Vec3::Zero()});
+  for (int p = 0; p < 4; ++p)
+    for (int e = point[p] < 0 ? 0 : shape.begin[point[p]]; e < (point[p] < 0 ? 0 : shape.begin[point[p] + 1]); ++e)
+      gradN[std::find(nodes.begin(), nodes.end(), shape.node[e]) - nodes.begin()][p] = shape.gradN[e];
+  return gradN;
+}
+
+/// Writes the tiles of a quad's groups [first, last): entry(node, point, component).
+template <class Element, class Entry>
+void appendTiles(AlignedVector<Element>& tiles, std::size_t node_begin, std::size_t node_end, Entry entry) {
+  for (std::size_t first = node_begin; first < node_end; first += 4)
+    for (int b = 0; b < 3; ++b)
+      for (std::size_t n = first; n < first + 4; ++n)
+        for (int p = 0; p < 4; ++p) tiles.push_back(entry(n, p, b));
+}
+
+/// Moves four nodes that span a large tetrahedron to the front: the pair furthest apart from the first node on, the node
+/// furthest from their line, the one furthest from that plane.
+void anchorsFirst(std::vector<int>& nodes, const std::vector<Vec3>& X) {
+  const auto bring = [&](std::size_t place, auto measure) {
+    std::size_t best = place;
+    for (std::size_t k = place; k < nodes.size(); ++k)
+      if (measure(X[nodes[k]]) > measure(X[nodes[best]])) best = k;
+    std::rotate(nodes.begin() + place, nodes.begin() + best, nodes.begin() + best + 1);
+  };
+  const Vec3 start = X[nodes[0]];
+  bring(0, [&](const Vec3& x) { return (x - start).squaredNorm(); });
+  const Vec3 a = X[nodes[0]];
+  bring(1, [&](const Vec3& x) { return (x - a).squaredNorm(); });
+  const Vec3 ab = X[nodes[1]] - a;
+  bring(2, [&](const Vec3& x) { return ab.cross(x - a).squaredNorm(); });
+  const Vec3 normal = ab.cross(X[nodes[2]] - a);
+  bring(3, [&](const Vec3& x) { return std::abs(normal.dot(x - a)); });
+}
+
+/// Rounds all but the anchors' gradients to 16 bits and gives the anchors what keeps the zeroth and first moments: an error
+/// e at X_j acts on linear fields like e l_a(X_j) at the anchors, l_a their tetrahedron's linear coordinates.
+void addRoundedTiles(KernelLayoutOf<float>& layout, const std::vector<int>& nodes, std::vector<std::array<Vec3, 4>> gradN,
+                     const std::vector<Vec3>& X) {
+  const std::size_t quad = layout.quads.size() - 1;
+  layout.scale.resize(quad / 4 * 48 + 48, 1.0F);  // where there is no point, or no gradient but the anchors'
+  if (gradN.empty()) {
+    layout.gradN.resize(layout.gradN.size() + 48, 0.0F);
+    return;
+  }
+  Mat3 edges;
+  for (int c = 0; c < 3; ++c) edges.col(c) = X[nodes[c + 1]] - X[nodes[0]];
+  if (nodes.size() < 4 || !(std::abs(edges.determinant()) > 1e-6 * std::pow(edges.colwise().norm().maxCoeff(), 3)))
+    throw InputError({}, "the nodes around a group of integration points lie in one plane, and 16-bit gradients can't be made",
+                     "use gradient_precision = \"float32\", or a larger support_factor");
+  const Mat3 inverse_edges = edges.inverse();
+
+  constexpr double largest_integer = 32767;
+  std::array<Vec3, 4> scale;
+  for (int p = 0; p < 4; ++p)
+    for (int b = 0; b < 3; ++b) {
+      double largest = 0;
+      for (std::size_t n = 4; n < gradN.size(); ++n) largest = std::max(largest, std::abs(gradN[n][p][b]));
+      float& s = layout.scale[quad / 4 * 48 + b * 16 + quad % 4 * 4 + p];
+      if (largest > 0) s = static_cast<float>(largest / largest_integer);
+      scale[p][b] = s;
+    }
+  for (std::size_t n = 4; n < gradN.size(); ++n) {
+    const Vec3 l = inverse_edges * (X[nodes[n]] - X[nodes[0]]);
+    for (int p = 0; p < 4; ++p)
+      for (int b = 0; b < 3; ++b) {
+        // float's rounding of the scale may carry the largest beyond the range by a hair
+        const double integer = std::clamp(std::round(gradN[n][p][b] / scale[p][b]), -largest_integer, largest_integer);
+        const double error = gradN[n][p][b] - integer * scale[p][b];
+        gradN[0][p][b] += error * (1 - l.sum());
+        for (int a = 0; a < 3; ++a) gradN[a + 1][p][b] += error * l[a];
+        gradN[n][p][b] = integer * scale[p][b];
+      }
+  }
+  const auto inUnits = [&](std::size_t n, int p, int b) { return n < gradN.size() ? gradN[n][p][b] / scale[p][b] : 0.0; };
+  appendTiles(layout.gradN, 0, 4, [&](std::size_t n, int p, int b) { return static_cast<float>(inUnits(n, p, b)); });
+  appendTiles(layout.rounded_gradN, 4, nodes.size(),
+              [&](std::size_t n, int p, int b) { return static_cast<std::int16_t>(std::lround(inUnits(n, p, b))); });
+}
+
+/// Ranges of batches that are worked on together, and the nodes that each touches.
+template <class Real>
+void makeChunks(KernelLayoutOf<Real>& layout) {
+  const int batches = static_cast<int>(layout.batch_material.size());
+  for (int c = 0; c <= chunk_count; ++c) layout.chunk_begin.push_back(batches * c / chunk_count);
+  for (int c = 0; c < chunk_count; ++c) {
+    int begin = layout.node_count, end = 0;
+    const auto include = [&](int node) {
+      begin = std::min(begin, node);
+      end = std::max(end, node + 1);
+    };
+    for (int q = layout.chunk_begin[c] * 4; q < layout.chunk_begin[c + 1] * 4; ++q)
+      for (int k = 0; k < layout.quads[q].group_count * 4; ++k)
+        include(unionNode(layout, static_cast<std::size_t>(layout.quads[q].tile_begin) * 4 + k));
+    for (int b = layout.chunk_begin[c] * 64; b < layout.chunk_begin[c + 1] * 64 && !layout.patch_node.empty(); ++b)
+      include(layout.patch_node[b]);
+    layout.chunk_node_begin.push_back(std::min(begin, end));
+    layout.chunk_node_end.push_back(end);
+  }
+}
+
+/// The passes compiled for an instruction set.
+template <class Real>
+const KernelPasses<Real>& passesOf(InstructionSet set) {
+#if defined(__x86_64__)
+  if (set == InstructionSet::Avx512) return passesFor<InstructionSet::Avx512, Real>();
+  if (set == InstructionSet::Avx2) return passesFor<InstructionSet::Avx2, Real>();
+#endif
+  if (set != InstructionSet::Plain) throw std::invalid_argument("no such kernel on this architecture");
+  return passesFor<InstructionSet::Plain, Real>();
+}
+
 }  // namespace
 
 template <class Real>
@@ -70,88 +204,98 @@ void updatePatchBulk(KernelLayoutOf<Real>& layout) {
 
 template <class Real>
 KernelLayoutOf<Real> makeKernelLayout(const ShapeTable& shape, const std::vector<Vec3>& point_X,
-                              const std::vector<double>& volume, const std::vector<int>& point_material,
-                              const std::vector<Material>& materials, int node_count, const NodePatches& patches) {
+                                      const std::vector<double>& volume, const std::vector<int>& point_material,
+                                      const std::vector<Material>& materials, int node_count, const NodePatches& patches,
+                                      GradientPrecision gradients, const std::vector<Vec3>& X) {
+  const bool rounded = gradients == GradientPrecision::Int16;
+  if (rounded && (sizeof(Real) != 4 || static_cast<int>(X.size()) != node_count))
+    throw std::invalid_argument("16-bit gradients need a float kernel and the nodes' positions");
   KernelLayoutOf<Real> layout;
   layout.node_count = node_count;
   layout.point_count = static_cast<int>(point_X.size());
   layout.materials = materials;
   layout.point = batchOrder(point_X, point_material, static_cast<int>(materials.size()), layout.batch_material);
+  const bool short_nodes = sizeof(Real) == 4 && node_count <= 65536;
 
-  std::vector<int> nodes;
+  int tile_count = 0, rounded_count = 0;
   for (std::size_t first = 0; first < layout.point.size(); first += 4) {
     const int* point = &layout.point[first];
-    nodes.clear();
-    for (int p = 0; p < 4; ++p)
-      if (point[p] >= 0)
-        nodes.insert(nodes.end(), shape.node.begin() + shape.begin[point[p]],
-                     shape.node.begin() + shape.begin[point[p] + 1]);
-    std::sort(nodes.begin(), nodes.end());
-    nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+    std::vector<int> nodes = unionSupport(shape, point);
+    if (rounded && nodes.size() >= 4) anchorsFirst(nodes, X);
+    const auto gradN = quadGradients(shape, point, nodes);
     // Padding repeats the quad's first nodes, whose forces were stored long before: a repeat of the
     // last one would wait for its store.
-    const int union_count = static_cast<int>(nodes.size());
     for (int k = 0; nodes.size() % 4 != 0; ++k) nodes.push_back(nodes[k]);
-
-    PointQuad quad;
-    quad.tile_begin = static_cast<int>(layout.node.size() / 4);
-    quad.group_count = static_cast<int>(nodes.size() / 4);
-    layout.quads.push_back(quad);
-    layout.node.insert(layout.node.end(), nodes.begin(), nodes.end());
-    layout.gradN.resize(layout.node.size() * 12, Real(0));
-    Real* tiles = layout.gradN.data() + static_cast<std::size_t>(quad.tile_begin) * 48;
-    for (int p = 0; p < 4; ++p) {
-      layout.volume.push_back(point[p] < 0 ? Real(0) : static_cast<Real>(volume[point[p]]));
-      if (point[p] < 0) continue;
-      for (int e = shape.begin[point[p]]; e < shape.begin[point[p] + 1]; ++e) {
-        const auto at = std::lower_bound(nodes.begin(), nodes.begin() + union_count, shape.node[e]) - nodes.begin();
-        for (int b = 0; b < 3; ++b)
-          tiles[(at / 4) * 48 + b * 16 + (at % 4) * 4 + p] = static_cast<Real>(shape.gradN[e][b]);
+    const int groups = static_cast<int>(nodes.size() / 4);
+    layout.quads.push_back({tile_count, rounded_count, groups});
+    tile_count += groups;
+    rounded_count += std::max(groups - 1, 0);
+    if (short_nodes)
+      for (int n : nodes) layout.short_node.push_back(static_cast<std::uint16_t>(n));
+    else
+      layout.node.insert(layout.node.end(), nodes.begin(), nodes.end());
+    for (int p = 0; p < 4; ++p) layout.volume.push_back(point[p] < 0 ? Real(0) : static_cast<Real>(volume[point[p]]));
+    if constexpr (std::is_same_v<Real, float>)
+      if (rounded) {
+        addRoundedTiles(layout, nodes, gradN, X);
+        continue;
       }
-    }
+    appendTiles(layout.gradN, 0, nodes.size(), [&](std::size_t n, int p, int b) {
+      return n < gradN.size() ? static_cast<Real>(gradN[n][p][b]) : Real(0);
+    });
   }
 
   if (!patches.empty()) addPatches(layout, volume, patches);
-  const int batches = static_cast<int>(layout.batch_material.size());
-  for (int c = 0; c <= chunk_count; ++c) layout.chunk_begin.push_back(batches * c / chunk_count);
-  for (int c = 0; c < chunk_count; ++c) {
-    int begin = node_count, end = 0;
-    for (int q = layout.chunk_begin[c] * 4; q < layout.chunk_begin[c + 1] * 4; ++q)
-      for (int k = 0; k < layout.quads[q].group_count * 4; ++k) {
-        const int node = layout.node[static_cast<std::size_t>(layout.quads[q].tile_begin) * 4 + k];
-        begin = std::min(begin, node);
-        end = std::max(end, node + 1);
-      }
-    for (int b = layout.chunk_begin[c] * 64; b < layout.chunk_begin[c + 1] * 64 && !layout.patch_node.empty(); ++b) {
-      begin = std::min(begin, layout.patch_node[b]);
-      end = std::max(end, layout.patch_node[b] + 1);
-    }
-    layout.chunk_node_begin.push_back(std::min(begin, end));
-    layout.chunk_node_end.push_back(end);
-  }
+  makeChunks(layout);
   return layout;
 }
 
 template <class Real>
-KernelScratchOf<Real> makeKernelScratch(const KernelLayoutOf<Real>& layout) {
+std::vector<std::pair<int, Vec3>> layoutGradients(const KernelLayoutOf<Real>& layout, int place) {
+  const std::size_t quad = static_cast<std::size_t>(place) / 4, p = static_cast<std::size_t>(place) % 4;
+  const PointQuad& q = layout.quads[quad];
+  std::vector<std::pair<int, Vec3>> result;
+  for (std::size_t n = 0; n < static_cast<std::size_t>(q.group_count) * 4; ++n) {
+    Vec3 g;
+    for (std::size_t b = 0; b < 3; ++b) {
+      const auto in = [&](std::size_t tile) { return tile * 48 + b * 16 + n % 4 * 4 + p; };
+      if (layout.scale.empty())
+        g[b] = layout.gradN[in(q.tile_begin + n / 4)];
+      else
+        g[b] = static_cast<double>(layout.scale[quad / 4 * 48 + b * 16 + quad % 4 * 4 + p]) *
+               (n < 4 ? layout.gradN[in(quad)] : layout.rounded_gradN[in(q.rounded_begin + n / 4 - 1)]);
+    }
+    result.emplace_back(unionNode(layout, static_cast<std::size_t>(q.tile_begin) * 4 + n), g);
+  }
+  return result;
+}
+
+template <class Real>
+KernelScratchOf<Real> makeKernelScratch(const KernelLayoutOf<Real>& layout, InstructionSet set) {
   KernelScratchOf<Real> scratch;
-  scratch.force.assign(layout.chunk_begin.size() - 1, AlignedVector<Real4<Real>>(layout.node_count));
-  scratch.report.resize(scratch.force.size());
+  scratch.passes = &passesOf<Real>(set);
+  const std::size_t chunks = layout.chunk_begin.size() - 1, nodes = static_cast<std::size_t>(layout.node_count);
+  scratch.force.resize(chunks * nodes);
+  scratch.report.resize(chunks);
   if (!layout.patch_node.empty()) {
     scratch.displacement_gradient.resize(layout.batch_material.size() * 144);
-    scratch.dilatation.assign(scratch.force.size(), AlignedVector<Real>(layout.node_count));
-    scratch.patch_pressure.resize(layout.node_count);
+    scratch.dilatation.resize(chunks * nodes);
+    scratch.patch_pressure.resize(nodes);
   }
   return scratch;
 }
 
 template void updatePatchBulk(KernelLayoutOf<float>&);
 template KernelLayoutOf<float> makeKernelLayout(const ShapeTable&, const std::vector<Vec3>&, const std::vector<double>&,
-                                       const std::vector<int>&, const std::vector<Material>&, int, const NodePatches&);
-template KernelScratchOf<float> makeKernelScratch(const KernelLayoutOf<float>&);
+                                                const std::vector<int>&, const std::vector<Material>&, int,
+                                                const NodePatches&, GradientPrecision, const std::vector<Vec3>&);
+template KernelScratchOf<float> makeKernelScratch(const KernelLayoutOf<float>&, InstructionSet);
+template std::vector<std::pair<int, Vec3>> layoutGradients(const KernelLayoutOf<float>&, int);
 template void updatePatchBulk(KernelLayoutOf<double>&);
 template KernelLayoutOf<double> makeKernelLayout(const ShapeTable&, const std::vector<Vec3>&, const std::vector<double>&,
-                                       const std::vector<int>&, const std::vector<Material>&, int, const NodePatches&);
-template KernelScratchOf<double> makeKernelScratch(const KernelLayoutOf<double>&);
+                                                 const std::vector<int>&, const std::vector<Material>&, int,
+                                                 const NodePatches&, GradientPrecision, const std::vector<Vec3>&);
+template KernelScratchOf<double> makeKernelScratch(const KernelLayoutOf<double>&, InstructionSet);
+template std::vector<std::pair<int, Vec3>> layoutGradients(const KernelLayoutOf<double>&, int);
 
 }  // namespace palpate

@@ -1,41 +1,46 @@
 #pragma once
 
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "approximation/shape_table.h"
 #include "base/types.h"
+#include "mechanics/gradient_precision.h"
+#include "mechanics/kernel_passes.h"
 #include "mechanics/material.h"
 #include "mechanics/node_patch.h"
 
 namespace palpate {
 
-/// Four neighbouring integration points that share one union support.
-struct PointQuad {
-  int tile_begin = 0;    // first tile (of 48 floats) in gradN, and first group of 4 in node
-  int group_count = 0;   // groups of 4 union nodes
-};
-
-/// What the internal-force kernel streams, in float for the real-time loop or in double for the batch solver: integration points in quads, quads in
-/// batches of four (16 points, one vector of lanes), batches in chunks that
-/// threads take whole. A quad's points share most of their nodes, so that a node's
-/// displacement is loaded and its force stored once for four points.
+/// What the internal-force kernel streams, in float for the real-time loop or in double for the batch solver:
+/// integration points in quads, quads in batches of four (16 points, one vector of lanes), batches in chunks that
+/// threads take whole. A quad's points share most of their nodes, so that a node's displacement is loaded and its
+/// force stored once for four points.
+///
+/// With 16-bit gradients, the first four union nodes of a quad, its anchors, keep theirs in float: these take what the
+/// rounding of the others took, so that sum_j gradN_j and sum_j gradN_j (x) X_j are as exact as in float32. Otherwise
+/// near-incompressibility would multiply the error that rounding makes in J under any rotation.
 template <class Real>
 struct KernelLayoutOf {
   int node_count = 0;
   int point_count = 0;                        // real points; the last batch is padded with zero volume
   std::vector<PointQuad> quads;               // (4 * batch_count)
-  AlignedVector<std::int32_t> node;           // (4 * group_count) union nodes; padding has zero gradient
-  AlignedVector<Real> gradN;                 // (48 * group_count) tiles [component 3][node 4][point 4], 1/m
-  AlignedVector<Real> volume;                // (16 * batch_count) m^3
+  AlignedVector<std::int32_t> node;           // (4 * group_count) union nodes; padding has zero gradient. Empty in favour of
+  AlignedVector<std::uint16_t> short_node;    // the same, for float where all numbers fit
+  AlignedVector<Real> gradN;                  // (48 * group_count) tiles [component 3][node 4][point 4], 1/m;
+                                              // 16-bit: (48 * quad_count) the anchors' tiles, in units of scale
+  AlignedVector<std::int16_t> rounded_gradN;  // 16-bit: (48 * other group_count) tiles of the others, in units of scale
+  AlignedVector<Real> scale;                  // 16-bit: (48 * batch_count) [component 3][point 16] per batch, 1/m
+  AlignedVector<Real> volume;                 // (16 * batch_count) m^3
   std::vector<int> point;                     // (16 * batch_count) index in the model, or -1 for padding
   std::vector<int> batch_material;            // (batch_count)
   std::vector<Material> materials;
   // Node-patch volume (node_patch.h); empty where the scene does without. [vertex 4][point 16] per batch.
   std::vector<std::int32_t> patch_node;       // (64 * batch_count)
-  AlignedVector<Real> patch_share;           // (64 * batch_count) s_aq
-  AlignedVector<Real> patch_weight;          // (64 * batch_count) l_a(x_q)
-  AlignedVector<Real> patch_bulk;            // (node_count) K_a, Pa
+  AlignedVector<Real> patch_share;            // (64 * batch_count) s_aq
+  AlignedVector<Real> patch_weight;           // (64 * batch_count) l_a(x_q)
+  AlignedVector<Real> patch_bulk;             // (node_count) K_a, Pa
   // Chunks: fixed work packages, so that the sum over them does not depend on the thread count.
   std::vector<int> chunk_begin;               // (chunk_count + 1) batches
   std::vector<int> chunk_node_begin, chunk_node_end;  // (chunk_count) range of nodes that a chunk touches
@@ -45,17 +50,13 @@ using KernelLayout = KernelLayoutOf<float>;
 
 template <class Real>
 struct KernelScratchOf {
-  std::vector<AlignedVector<Real4<Real>>> force;   // (chunk_count)(node_count) N; a chunk uses its range only
-  struct ChunkReport {
-    Real min_J = 1;
-    int worst_point = -1;
-    int inverted = 0;
-  };
-  std::vector<ChunkReport> report;            // (chunk_count)
+  const KernelPasses<Real>* passes = nullptr;   // of the instruction set that the scratch was made for
+  AlignedVector<Real4<Real>> force;             // (chunk_count)(node_count) N; a chunk uses its range only
+  std::vector<typename KernelView<Real>::ChunkReport> report;  // (chunk_count)
   // Between the two passes of the node-patch volume.
-  AlignedVector<Real> displacement_gradient; // (9 * 16 * batch_count)
-  std::vector<AlignedVector<Real>> dilatation;  // (chunk_count)(node_count) a chunk's share of theta_a
-  AlignedVector<Real> patch_pressure;        // (node_count) K_a theta_a, Pa
+  AlignedVector<Real> displacement_gradient;    // (9 * 16 * batch_count)
+  AlignedVector<Real> dilatation;               // (chunk_count)(node_count) a chunk's share of theta_a
+  AlignedVector<Real> patch_pressure;           // (node_count) K_a theta_a, Pa
 };
 
 using KernelScratch = KernelScratchOf<float>;
@@ -65,17 +66,28 @@ using KernelScratch = KernelScratchOf<float>;
 /// @param volume          m^3 (point_count)
 /// @param point_material  index into `materials` (point_count)
 /// @param patches         node patches of the points, or empty for pointwise volume
+/// @param gradients       Int16: float only, and X is needed
+/// @param X               nodes, m (node_count)
+/// Throws InputError where Int16 can't be: the nodes around a quad of points lie in one plane.
 template <class Real = float>
 KernelLayoutOf<Real> makeKernelLayout(const ShapeTable& shape, const std::vector<Vec3>& point_X,
                                       const std::vector<double>& volume, const std::vector<int>& point_material,
                                       const std::vector<Material>& materials, int node_count,
-                                      const NodePatches& patches = {});
+                                      const NodePatches& patches = {},
+                                      GradientPrecision gradients = GradientPrecision::Float32,
+                                      const std::vector<Vec3>& X = {});
+
+/// Gradients of a layout's point `place` (index into layout.point) at its quad's union nodes, as the kernel sees them, 1/m.
+template <class Real>
+std::vector<std::pair<int, Vec3>> layoutGradients(const KernelLayoutOf<Real>& layout, int place);
 
 /// K_a of all patches from the layout's materials; after one of these changed. Real-time.
 template <class Real>
 void updatePatchBulk(KernelLayoutOf<Real>& layout);
 
+/// @param set  of supportedInstructionSets()
+/// Throws InputError when PALPATE_KERNEL names none, as chosenInstructionSet does.
 template <class Real>
-KernelScratchOf<Real> makeKernelScratch(const KernelLayoutOf<Real>& layout);
+KernelScratchOf<Real> makeKernelScratch(const KernelLayoutOf<Real>& layout, InstructionSet set = chosenInstructionSet());
 
 }  // namespace palpate

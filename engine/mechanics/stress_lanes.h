@@ -1,15 +1,18 @@
 #pragma once
 
-#include <array>
-
 #include "base/lanes.h"
 #include "mechanics/material.h"
 
 namespace palpate {
+inline namespace PALPATE_KERNEL {
 
-/// Nine numbers of a tensor for 16 points, row by row.
+/// Nine numbers of a tensor for as many points as there are lanes, row by row.
 template <class Real>
-using TensorLanesOf = std::array<LanesOf<Real>, 9>;
+struct TensorLanesOf {
+  LanesOf<Real> a[9];
+  LanesOf<Real>& operator[](int k) { return a[k]; }
+  const LanesOf<Real>& operator[](int k) const { return a[k]; }
+};
 
 /// J - 1 = det(I + H) - 1 = tr H + (principal 2x2 minors of H) + det H: no cancellation.
 template <class Real>
@@ -43,7 +46,7 @@ LanesOf<Real> volumeRatioAndCofactor(const TensorLanesOf<Real>& H, TensorLanesOf
   return J_minus_1 + 1.0F;
 }
 
-// The materials below give the first Piola-Kirchhoff stress of 16 points from their displacement gradients H,
+// The materials below give the first Piola-Kirchhoff stress of some points from their displacement gradients H,
 // in float32 or double: the fast twins of Material::firstPiola. They return J. J - 1 comes from H without cancellation,
 // since the bulk modulus multiplies its error.
 
@@ -92,7 +95,7 @@ struct NeoHookeanLanes {
   }
 };
 
-/// Eigenvalues and eigenvectors of 16 symmetric 3x3 matrices by cyclic Jacobi: no branch, and
+/// Eigenvalues and eigenvectors of symmetric 3x3 matrices by cyclic Jacobi: no branch, and
 /// indifferent to repeated eigenvalues.
 template <class Real>
 struct SymmetricEigenLanes {
@@ -146,9 +149,12 @@ struct OgdenLanes {
   Real mu[Material::max_terms], alpha[Material::max_terms];
   BarrierLanes<Real> barrier;
   explicit OgdenLanes(const Material& m) : terms(m.term_count), K(static_cast<Real>(m.bulk_modulus)), barrier(m) {
+    // An array's [] is an inline function of std (kernel_namespace.h).
+    const auto* m_mu = reinterpret_cast<const double*>(&m.mu);
+    const auto* m_alpha = reinterpret_cast<const double*>(&m.alpha);
     for (int k = 0; k < terms; ++k) {
-      mu[k] = static_cast<Real>(m.mu[k]);
-      alpha[k] = static_cast<Real>(m.alpha[k]);
+      mu[k] = static_cast<Real>(m_mu[k]);
+      alpha[k] = static_cast<Real>(m_alpha[k]);
     }
   }
 
@@ -197,4 +203,5 @@ struct OgdenLanes {
   }
 };
 
+}  // namespace PALPATE_KERNEL
 }  // namespace palpate

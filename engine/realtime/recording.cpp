@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "base/input_error.h"
+#include "base/instruction_set.h"
 #include "simulation/model.h"
 
 namespace palpate {
@@ -231,8 +232,12 @@ std::uint64_t modelHash(const Model& model) {
   hash.add(model.X);
   hash.add(model.point_X);
   hash.add(model.inverse_mass);
+  hash.add(static_cast<int>(chosenInstructionSet()));  // the kernel's rounding depends on it
   hash.add(model.kernel.node);
+  hash.add(model.kernel.short_node);
   hash.add(model.kernel.gradN);
+  hash.add(model.kernel.rounded_gradN);
+  hash.add(model.kernel.scale);
   hash.add(model.kernel.volume);
   hash.add(model.kernel.batch_material);
   hash.add(model.kernel.patch_node);
@@ -381,7 +386,7 @@ void checkRecordingFits(const Recording& recording, const Model& model, const st
     throw InputError({file, kModelLine},
                      "recorded with model " + hex16(recording.model_hash) + " (scene " + palpate::quoted(recording.scene) +
                          "), but this one is " + hex16(hash) + " (scene " + palpate::quoted(model.scene.name) + ")",
-                     "replay with the scene, program and machine it was recorded with");
+                     "replay with the scene, program, machine and PALPATE_KERNEL it was recorded with");
   }
 }
 

@@ -81,7 +81,8 @@ Model finishModel(const Scene& scene, const SurfaceTree& tree, Preparation p, co
   placeTool(scene, tree, model);
 
   tell("kernel layout", 0.95);
-  model.kernel = makeKernelLayout(p.point_shape, p.point_X, p.point_volume, p.point_material, model.materials, nodes, model.patches);
+  model.kernel = makeKernelLayout(p.point_shape, p.point_X, p.point_volume, p.point_material, model.materials, nodes, model.patches,
+                                  scene.gradient_precision, p.X);
 
   model.X = std::move(p.X);
   model.support_radius = std::move(p.support_radius);

@@ -8,6 +8,7 @@
 #include "base/input_error.h"
 #include "base/types.h"
 #include "contact/tool.h"
+#include "mechanics/gradient_precision.h"
 #include "mechanics/load_curve.h"
 
 namespace palpate {
@@ -135,6 +136,7 @@ struct Scene {
   double step_safety = 0.6;               // of the critical step
   double damping = 20;                    // 1/s, mass-proportional: M u'' + c M u'
   int threads = 1;                        // physics threads
+  GradientPrecision gradient_precision = GradientPrecision::Float32;  // of the real-time kernel
 
   SolveSpec solve;
 

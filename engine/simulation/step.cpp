@@ -16,14 +16,25 @@ struct Integrator {
   Integrator(double h, double c) : alpha(2 * h * h / (2 + c * h)), beta((2 - c * h) / (2 + c * h)) {}
 };
 
+/// Shares of the nodes that threads take whole. Their number is fixed, so that no result depends on the threads'.
+constexpr int node_parts = 8;
+
+/// Runs each(part, begin, end) for all parts [begin, end) of the nodes.
+template <class Each>
+void forNodes(const Model& model, Workspace& workspace, Each each) {
+  const auto border = [n = std::int64_t{model.nodeCount()}](int part) { return static_cast<int>(n * part / node_parts); };
+  shareOut(workspace.team, node_parts, [&](int part) { each(part, border(part), border(part + 1)); });
+}
+
 /// du~ = beta du + alpha M^-1 f                                            (eq. 22)
 /// The increment is what is kept: 2u - u_prev in float32 loses a thousand times more.
 void predict(const Model& model, const Integrator& integrator, State& state, Workspace& workspace) {
-  const int nodes = model.nodeCount();
-  sumForces(model.kernel, workspace.kernel, 0, nodes, workspace.f.data());
   const auto alpha = static_cast<float>(integrator.alpha), beta = static_cast<float>(integrator.beta);
-  for (int i = 0; i < nodes; ++i)
-    store(state.du[i], beta * load(state.du[i]) + alpha * model.inverse_mass[i] * load(workspace.f[i]));
+  forNodes(model, workspace, [&](int, int begin, int end) {
+    sumForces(model.kernel, workspace.kernel, begin, end, workspace.f.data());
+    for (int i = begin; i < end; ++i)
+      store(state.du[i], beta * load(state.du[i]) + alpha * model.inverse_mass[i] * load(workspace.f[i]));
+  });
 }
 
 /// A spring between the pulled skin vertex and the pointer.
@@ -48,30 +59,46 @@ void pull(const Model& model, const Command& command, State& state) {
     addScaled(state.du[skin.node[e]], skin.N[e] * model.inverse_mass[skin.node[e]], toFloat4(impulse));
 }
 
-/// u += du, compensated (Kahan): the error of u does not grow with the number of steps.
-void accumulate(const Model& model, State& state, StepReport& report) {
-  float largest = 0;
-  int worst = -1;
-  bool finite = true;
-  for (int i = 0; i < model.nodeCount(); ++i) {
+/// The node that moved furthest, and the first that is not finite.
+struct Furthest {
+  float distance2 = 0;  // m^2
+  int node = -1, not_finite = -1;
+};
+
+/// u += du of nodes [begin, end), compensated (Kahan): the error of u does not grow with the number of steps.
+Furthest accumulate(State& state, int begin, int end) {
+  Furthest furthest;
+  for (int i = begin; i < end; ++i) {
     const Group du = load(state.du[i]), u = load(state.u[i]);
     const Group y = du + load(state.u_low[i]);
     const Group t = u + y;
     store(state.u_low[i], y - (t - u));
     store(state.u[i], t);
     const float d2 = du[0] * du[0] + du[1] * du[1] + du[2] * du[2];
-    if (d2 > largest) {
-      largest = d2;
-      worst = i;
+    if (d2 > furthest.distance2) {
+      furthest.distance2 = d2;
+      furthest.node = i;
     }
-    if (!(d2 <= 1e30F) && finite) {
-      finite = false;
-      report.worst_node = i;
-    }
+    if (!(d2 <= 1e30F) && furthest.not_finite < 0) furthest.not_finite = i;
   }
-  report.max_increment = std::sqrt(largest);
-  if (finite) report.worst_node = worst;
-  if (!finite) report.flags |= kNotFinite;
+  return furthest;
+}
+
+/// u += du.
+void accumulate(const Model& model, State& state, Workspace& workspace, StepReport& report) {
+  Furthest of[node_parts];
+  forNodes(model, workspace, [&](int part, int begin, int end) { of[part] = accumulate(state, begin, end); });
+  Furthest furthest;
+  for (const Furthest& f : of) {
+    if (f.distance2 > furthest.distance2) {
+      furthest.distance2 = f.distance2;
+      furthest.node = f.node;
+    }
+    if (furthest.not_finite < 0) furthest.not_finite = f.not_finite;
+  }
+  report.max_increment = std::sqrt(furthest.distance2);
+  report.worst_node = furthest.not_finite < 0 ? furthest.node : furthest.not_finite;
+  if (furthest.not_finite >= 0) report.flags |= kNotFinite;
   if (report.max_increment > model.max_increment) report.flags |= kBlowUp;
 }
 
@@ -115,7 +142,7 @@ StepReport step(const Model& model, State& state, const Pose& tool_pose, const C
   report.base_reaction = imposeBoundary(model.boundary, time, model.dt, integrator.alpha, model.inverse_mass.data(),
                                         nullptr, state.du.data(), workspace.boundary);
   // u += du
-  accumulate(model, state, report);
+  accumulate(model, state, workspace, report);
   state.tool_pose = tool_pose;
   ++state.step;
 

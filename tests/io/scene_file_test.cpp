@@ -215,6 +215,7 @@ TEST_CASE("What a scene leaves out is as the reference says", "[io][scene]") {
   CHECK(s.quadrature.division == minimal.quadrature.division);
   CHECK(s.quadrature.max_depth == minimal.quadrature.max_depth);
   CHECK(s.boundary_method == minimal.boundary_method);
+  CHECK(s.gradient_precision == minimal.gradient_precision);
   CHECK(s.basis_degree == minimal.basis_degree);
   CHECK(s.support_factor == minimal.support_factor);
   CHECK(s.mu == minimal.mu);

@@ -43,10 +43,10 @@ Mat3 lanesPiola(const Material& m, const Mat3& F) {
   else
     OgdenLanes<Real>(m).firstPiola(H, P);
   Mat3 r;
-  alignas(64) Real a[16];
+  alignas(64) Real a[LanesOf<Real>::width];
   for (int k = 0; k < 9; ++k) {
     P[k].store(a);
-    r(k / 3, k % 3) = static_cast<double>(a[11]);
+    r(k / 3, k % 3) = static_cast<double>(a[LanesOf<Real>::width - 1]);
   }
   return r;
 }

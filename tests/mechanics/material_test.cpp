@@ -49,19 +49,19 @@ std::vector<Row> readUniaxial(const std::string& name) {
   return rows;
 }
 
-/// The 16-lane stress of one F, in double.
+/// The lanes' stress of one F, in double.
 Mat3 lanesPiola(const Material& m, const Mat3& F, float* J = nullptr) {
   TensorLanesOf<float> H, P;
   for (int k = 0; k < 9; ++k) H[k] = static_cast<float>((F - Mat3::Identity())(k / 3, k % 3));
   const LanesOf<float> j = m.kind == Material::Kind::NeoHookean ? NeoHookeanLanes<float>(m).firstPiola(H, P) : OgdenLanes<float>(m).firstPiola(H, P);
   Mat3 r;
-  alignas(64) float a[16];
+  alignas(64) float a[LanesOf<float>::width];
   for (int k = 0; k < 9; ++k) {
     P[k].store(a);
-    r(k / 3, k % 3) = a[5];
+    r(k / 3, k % 3) = a[LanesOf<float>::width - 1];
   }
   j.store(a);
-  if (J) *J = a[5];
+  if (J) *J = a[LanesOf<float>::width - 1];
   return r;
 }
 

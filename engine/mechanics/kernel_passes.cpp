@@ -1,0 +1,277 @@
+// Compiled once for each instruction set, with PALPATE_KERNEL naming it: see base/kernel_namespace.h, CMakeLists.txt.
+
+#include "mechanics/kernel_passes.h"
+
+#include "base/float4.h"
+#include "mechanics/stress_lanes.h"
+
+namespace palpate {
+namespace {
+
+/// Tensors of the 16 points of a batch, in memory between the passes over their quads.
+template <class Real>
+struct alignas(64) BatchTensors {
+  Real a[9][16];
+};
+
+template <class Real>
+constexpr int part_count = 16 / LanesOf<Real>::width;  // registers for one number of a batch's 16 points
+
+template <class Real>
+TensorLanesOf<Real> loadTensors(const BatchTensors<Real>& tensors, int part) {
+  TensorLanesOf<Real> t;
+  // They were stored quad by quad.
+  for (int c = 0; c < 9; ++c) t[c] = LanesOf<Real>::gather([&](int g) { return tensors.a[c] + part * LanesOf<Real>::width + 4 * g; });
+  return t;
+}
+
+/// Adds u_j (x) gradN_j over groups of four union nodes, as many of the four as a register holds. Lanes of a tile:
+/// (node of the group, point of the quad).
+template <class Real, class Index, class Entry>
+void addGradients(const Index* node, const Entry* tile, int group_count, const Real4<Real>* u, LanesOf<Real>* sum) {
+  using Lanes = LanesOf<Real>;
+  for (int g = 0; g < group_count; ++g, tile += 48, node += 4) {
+    const Lanes xyz = Lanes::gather([&](int k) { return &u[node[k]].x; });
+    const Lanes ux = spread<0>(xyz), uy = spread<1>(xyz), uz = spread<2>(xyz);
+    for (int b = 0; b < 3; ++b) {
+      const Lanes grad = Lanes::load(tile + 16 * b);
+      sum[b] += ux * grad;
+      sum[3 + b] += uy * grad;
+      sum[6 + b] += uz * grad;
+    }
+  }
+}
+
+/// Adds -sum over a quad's points of p gradN to its nodes' forces.
+template <class Real, class Index, class Entry>
+void addForces(const Index* node, const Entry* tile, int group_count, const LanesOf<Real>* p, Real4<Real>* f) {
+  using Lanes = LanesOf<Real>;
+  const auto add = [f](int n, const typename Lanes::Group& g) { store(f[n], load(f[n]) - g); };
+  for (int g = 0; g < group_count; ++g, tile += 48, node += 4)
+    for (int part = 0; part < part_count<Real>; ++part) {
+      const Entry* at = tile + part * Lanes::width;
+      const Lanes g0 = Lanes::load(at), g1 = Lanes::load(at + 16), g2 = Lanes::load(at + 32);
+      const Lanes sum = groupSums(p[0] * g0 + p[1] * g1 + p[2] * g2, p[3] * g0 + p[4] * g1 + p[5] * g2,
+                                  p[6] * g0 + p[7] * g1 + p[8] * g2);
+      const Index* n = node + part * Lanes::group_count;
+      add(n[0], sum.template group<0>());
+      if constexpr (Lanes::group_count > 1) add(n[1], sum.template group<1>());
+      if constexpr (Lanes::group_count > 2) {
+        add(n[2], sum.template group<2>());
+        add(n[3], sum.template group<3>());
+      }
+    }
+}
+
+/// Tiles come from afar, one quad after another.
+template <class Entry>
+void prefetch(const Entry* tiles, int group_count) {
+  constexpr std::ptrdiff_t ahead = 2048;  // bytes, about a quad; twice and half as much are slower
+  for (std::ptrdiff_t line = 0; line < group_count * static_cast<std::ptrdiff_t>(48 * sizeof(Entry)); line += 64)
+    __builtin_prefetch(reinterpret_cast<const char*>(tiles) + ahead + line);
+}
+
+/// A kernel for one width of node numbers, with gradients as Real or rounded to 16 bits.
+template <class Real, class Index, bool rounded>
+struct Kernel {
+  const KernelView<Real>& k;
+  const Index* all_nodes;
+
+  /// Calls `add(node, tile, group_count)` for the groups of a quad's union nodes.
+  template <class Add>
+  void forTiles(int quad_number, Add add) const {
+    const PointQuad& quad = k.quads[quad_number];
+    const Index* node = all_nodes + static_cast<std::ptrdiff_t>(quad.tile_begin) * 4;
+    if constexpr (rounded) {
+      if (quad.group_count == 0) return;  // padding
+      add(node, k.gradN + static_cast<std::ptrdiff_t>(quad_number) * 48, 1);
+      add(node + 4, k.rounded_gradN + static_cast<std::ptrdiff_t>(quad.rounded_begin) * 48, quad.group_count - 1);
+    } else {
+      add(node, k.gradN + static_cast<std::ptrdiff_t>(quad.tile_begin) * 48, quad.group_count);
+    }
+  }
+
+  /// Displacement gradients of a batch's 16 points, in units of the gradients' scale.
+  void displacementGradients(int batch, const Real4<Real>* u, BatchTensors<Real>& H) const {
+    using Lanes = LanesOf<Real>;
+    for (int q = 0; q < 4; ++q) {
+      forTiles(batch * 4 + q, [](const Index*, const auto* tile, int group_count) { prefetch(tile, group_count); });
+      // Part by part, so that the sums stay in registers; added up in the same order for every register's width.
+      typename Lanes::Group part_sum[part_count<Real>][9];
+      for (int part = 0; part < part_count<Real>; ++part) {
+        Lanes sum[9];
+        for (auto& s : sum) s = Real(0);
+        forTiles(batch * 4 + q, [&](const Index* node, const auto* tile, int group_count) {
+          addGradients(node + part * Lanes::group_count, tile + part * Lanes::width, group_count, u, sum);
+        });
+        for (int c = 0; c < 9; ++c) part_sum[part][c] = sum[c].sumOfGroups();
+      }
+      for (int c = 0; c < 9; ++c) {
+        auto total = part_sum[0][c];
+        if constexpr (part_count<Real> == 2) total += part_sum[1][c];
+        if constexpr (part_count<Real> == 4) total = (total + part_sum[1][c]) + (part_sum[2][c] + part_sum[3][c]);
+        storeGroup(H.a[c] + 4 * q, total);
+      }
+    }
+  }
+
+  /// Adds -V P gradN of a batch's points to the forces of their nodes; PV holds V P, in units of the scale.
+  void scatterForces(int batch, const BatchTensors<Real>& PV, Real4<Real>* f) const {
+    for (int q = 0; q < 4; ++q) {
+      LanesOf<Real> p[9];
+      for (int c = 0; c < 9; ++c) p[c] = LanesOf<Real>::repeat(PV.a[c] + 4 * q);
+      forTiles(batch * 4 + q, [&](const Index* node, const auto* tile, int group_count) { addForces(node, tile, group_count, p, f); });
+    }
+  }
+
+  /// Multiplies tensors by the unit of the gradients, 1/m: component (c, b) of a point by its scale of b.
+  void applyScale(int first_point, TensorLanesOf<Real>& t) const {
+    if constexpr (rounded)
+      for (int b = 0; b < 3; ++b) {
+        const auto scale = LanesOf<Real>::load(&k.scale[static_cast<std::ptrdiff_t>(first_point / 16) * 48 + 16 * b + first_point % 16]);
+        for (int c = 0; c < 9; c += 3) t[c + b] *= scale;
+      }
+  }
+
+  /// First pass of the node-patch volume.
+  void dilatation(int chunk, const Real4<Real>* u) const {
+    using Lanes = LanesOf<Real>;
+    Real* theta = k.dilatation + static_cast<std::ptrdiff_t>(chunk) * k.node_count;
+    for (int i = k.chunk_node_begin[chunk]; i < k.chunk_node_end[chunk]; ++i) theta[i] = 0;
+    BatchTensors<Real> tensors;
+    for (int batch = k.chunk_begin[chunk]; batch < k.chunk_begin[chunk + 1]; ++batch) {
+      displacementGradients(batch, u, tensors);
+      const std::ptrdiff_t first = static_cast<std::ptrdiff_t>(batch) * 64;
+      alignas(64) Real share[64];
+      for (int i = 0; i < 16; i += Lanes::width) {
+        TensorLanesOf<Real> H = loadTensors(tensors, i / Lanes::width);
+        applyScale(batch * 16 + i, H);
+        for (int c = 0; c < 9; ++c) H[c].store(&k.displacement_gradient[static_cast<std::ptrdiff_t>(batch) * 144 + 16 * c + i]);
+        const Lanes J_minus_1 = volumeChange<Real>(H);
+        for (int a = 0; a < 4; ++a) (Lanes::load(&k.patch_share[first + 16 * a + i]) * J_minus_1).store(share + 16 * a + i);
+      }
+      for (int i = 0; i < 64; ++i) theta[k.patch_node[first + i]] += share[i];
+    }
+  }
+
+  /// Pressure of points from their nodes' patches: sum_a l_a K_a theta_a.
+  LanesOf<Real> patchPressure(int first_point) const {
+    using Lanes = LanesOf<Real>;
+    const std::ptrdiff_t first = static_cast<std::ptrdiff_t>(first_point / 16) * 64 + first_point % 16;
+    Lanes p = Real(0);
+    for (int a = 0; a < 4; ++a) {
+      Lanes at_vertex;
+      for (int i = 0; i < Lanes::width; ++i) at_vertex.v[i] = k.patch_pressure[k.patch_node[first + 16 * a + i]];
+      p += Lanes::load(&k.patch_weight[first + 16 * a]) * at_vertex;
+    }
+    return p;
+  }
+
+  template <class MaterialLanes>
+  void batchesForces(const Material& material, int begin, int end, const Real4<Real>* u, Real4<Real>* f, LeastOf<Real>* least_J) const {
+    using Lanes = LanesOf<Real>;
+    const MaterialLanes lanes(material);
+    BatchTensors<Real> tensors;
+    for (int batch = begin; batch < end; ++batch) {
+      if (!k.patch_node) displacementGradients(batch, u, tensors);
+      for (int part = 0; part < part_count<Real>; ++part) {
+        const int first = part * Lanes::width, first_point = batch * 16 + first;
+        TensorLanesOf<Real> H, P;
+        Lanes J;
+        if (k.patch_node) {
+          for (int c = 0; c < 9; ++c) H[c] = Lanes::load(&k.displacement_gradient[static_cast<std::ptrdiff_t>(batch) * 144 + 16 * c + first]);
+          const Lanes pressure = patchPressure(first_point);
+          J = lanes.firstPiola(H, P, &pressure);
+        } else {
+          H = loadTensors(tensors, part);
+          applyScale(first_point, H);
+          J = lanes.firstPiola(H, P);
+        }
+        least_J[part].note(J, first_point);
+        const Lanes volume = Lanes::load(&k.volume[first_point]);
+        for (int c = 0; c < 9; ++c) P[c] *= volume;
+        applyScale(first_point, P);
+        for (int c = 0; c < 9; ++c) P[c].store(tensors.a[c] + first);
+      }
+      scatterForces(batch, tensors, f);
+    }
+  }
+
+  void forces(int chunk, const Real4<Real>* u) const {
+    Real4<Real>* f = k.force + static_cast<std::ptrdiff_t>(chunk) * k.node_count;
+    for (int i = k.chunk_node_begin[chunk]; i < k.chunk_node_end[chunk]; ++i) store(f[i], GroupOf<Real>{});
+    LeastOf<Real> least_J[part_count<Real>];
+    const int last = k.chunk_begin[chunk + 1];
+    for (int batch = k.chunk_begin[chunk]; batch < last;) {
+      const int material_index = k.batch_material[batch];
+      const Material& material = k.materials[material_index];
+      int end = batch;
+      while (end < last && k.batch_material[end] == material_index) ++end;
+      if (material.kind == Material::Kind::NeoHookean)
+        batchesForces<NeoHookeanLanes<Real>>(material, batch, end, u, f, least_J);
+      else
+        batchesForces<OgdenLanes<Real>>(material, batch, end, u, f, least_J);
+      batch = end;
+    }
+    auto& report = k.report[chunk];
+    report = {1, -1, 0};
+    for (const auto& least : least_J) least.find(report.min_J, report.worst_point, report.inverted);
+  }
+};
+
+/// Calls `call` with the kernel that the layout's arrays ask for.
+template <class Real, class Call>
+void withKernel(const KernelView<Real>& k, Call call) {
+  if constexpr (sizeof(Real) == 4) {
+    if (k.short_node) {
+      if (k.rounded_gradN)
+        call(Kernel<Real, std::uint16_t, true>{k, k.short_node});
+      else
+        call(Kernel<Real, std::uint16_t, false>{k, k.short_node});
+      return;
+    }
+    if (k.rounded_gradN) {
+      call(Kernel<Real, std::int32_t, true>{k, k.node});
+      return;
+    }
+  }
+  call(Kernel<Real, std::int32_t, false>{k, k.node});
+}
+
+template <class Real>
+void dilatation(const KernelView<Real>& k, int chunk, const Real4<Real>* u) {
+  withKernel(k, [&](const auto& kernel) { kernel.dilatation(chunk, u); });
+}
+
+template <class Real>
+void sumPatches(const KernelView<Real>& k, int begin, int end) {
+  for (int i = begin; i < end; ++i) k.patch_pressure[i] = 0;
+  for (int c = 0; c < k.chunk_count; ++c) {
+    const Real* theta = k.dilatation + static_cast<std::ptrdiff_t>(c) * k.node_count;
+    const int first = begin > k.chunk_node_begin[c] ? begin : k.chunk_node_begin[c];
+    const int last = end < k.chunk_node_end[c] ? end : k.chunk_node_end[c];
+    for (int i = first; i < last; ++i) k.patch_pressure[i] += theta[i];
+  }
+  for (int i = begin; i < end; ++i) k.patch_pressure[i] *= k.patch_bulk[i];
+}
+
+template <class Real>
+void forces(const KernelView<Real>& k, int chunk, const Real4<Real>* u) {
+  withKernel(k, [&](const auto& kernel) { kernel.forces(chunk, u); });
+}
+
+template <class Real>
+constexpr KernelPasses<Real> passes{dilatation<Real>, sumPatches<Real>, forces<Real>};
+
+}  // namespace
+
+template <>
+const KernelPasses<float>& passesFor<InstructionSet::PALPATE_KERNEL, float>() {
+  return passes<float>;
+}
+template <>
+const KernelPasses<double>& passesFor<InstructionSet::PALPATE_KERNEL, double>() {
+  return passes<double>;
+}
+
+}  // namespace palpate

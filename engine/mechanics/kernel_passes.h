@@ -1,0 +1,68 @@
+#pragma once
+
+#include <cstdint>
+
+#include "base/instruction_set.h"
+#include "base/types.h"
+#include "mechanics/material.h"
+
+namespace palpate {
+
+/// Four neighbouring integration points that share one union support.
+struct PointQuad {
+  int tile_begin = 0;     // its first group of 4 in node, and its first tile (of 48) in gradN if these are Real
+  int rounded_begin = 0;  // its first tile in rounded_gradN; its anchor tile is gradN's number `quad`
+  int group_count = 0;    // groups of 4 union nodes, the anchors' included
+};
+
+/// Arrays of KernelLayoutOf and KernelScratchOf as the passes see them: plain pointers, since code that is compiled for
+/// several instruction sets may use no inline function of std (base/kernel_namespace.h). Shapes stand there.
+template <class Real>
+struct KernelView {
+  int node_count;
+  const PointQuad* quads;
+  const std::int32_t* node;          // null where short_node is there
+  const std::uint16_t* short_node;
+  const Real* gradN;
+  const std::int16_t* rounded_gradN; // null: gradN has all
+  const Real* scale;
+  const Real* volume;
+  const int* batch_material;
+  const Material* materials;
+  const std::int32_t* patch_node;    // null: no patches
+  const Real* patch_share;
+  const Real* patch_weight;
+  const Real* patch_bulk;
+  const int* chunk_begin;
+  const int* chunk_node_begin;
+  const int* chunk_node_end;
+  int chunk_count;
+
+  struct ChunkReport {
+    Real min_J;
+    int worst_point;                 // place in the layout's points, or -1
+    int inverted;
+  };
+  Real4<Real>* force;
+  ChunkReport* report;
+  Real* displacement_gradient;
+  Real* dilatation;
+  Real* patch_pressure;
+};
+
+/// The kernel's work in parts that threads can share; one after the other.
+template <class Real>
+struct KernelPasses {
+  /// First pass of the node-patch volume: gradients kept, each point's J - 1 shared out to its nodes' patches.
+  void (*dilatation)(const KernelView<Real>& k, int chunk, const Real4<Real>* u);
+  /// K_a theta_a of nodes [begin, end), the chunks' shares added in chunk order.
+  void (*sumPatches)(const KernelView<Real>& k, int begin, int end);
+  /// Forces of a chunk's points, into its own buffer.
+  void (*forces)(const KernelView<Real>& k, int chunk, const Real4<Real>* u);
+};
+
+/// The passes for one instruction set: kernel_passes.cpp, compiled for that.
+template <InstructionSet set, class Real>
+const KernelPasses<Real>& passesFor();
+
+}  // namespace palpate
