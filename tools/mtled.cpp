@@ -1,4 +1,4 @@
-// mtled: solves scenes in batch and verifies the solver against the paper and independent references.
+// mtled: solves scenes in batch, verifies the solver against the paper and independent references, and times its kernels.
 #include <CLI/CLI.hpp>
 #include <exception>
 #include <iostream>
@@ -6,6 +6,7 @@
 #include "app/interrupt.h"
 #include "base/build_info.h"
 #include "base/input_error.h"
+#include "mtled/bench_command.h"
 #include "mtled/solve_command.h"
 #include "mtled/verify_command.h"
 #include "mtled/verification_case.h"
@@ -19,6 +20,7 @@ const char* const examples = R"(Examples:
   mtled solve liver --tool assets/tools/indent_hold_retract.toml              the tool's way, quasi-static
   mtled verify                               all cases beside the paper and independent references
   mtled verify cube torsion --report /tmp/v  two of them, as a page with pictures
+  mtled bench --quick                        the force kernels' speed beside what this machine could do at most
 
 Exit codes: 0 done, 1 failed, not converged or interrupted (what there is is kept), 2 bad option or scene.)";
 
@@ -53,6 +55,15 @@ int main(int argc, char** argv) {
   verify_app->add_option("--report", verify.report, "Write a page with tables and pictures into this folder")->type_name("DIR");
   verify_app->add_option("--threads", verify.threads, "Threads (one per core)")->type_name("N")->check(CLI::Range(1, 64));
 
+  BenchOptions bench;
+  CLI::App* bench_app = app.add_subcommand("bench", "Time the force kernels beside this machine's ceilings");
+  bench_app->add_flag("--quick", bench.quick, "Bodies of 1,000 and 5,000 nodes only, under half a minute");
+  bench_app->add_option("--json", bench.json, "Write the results to this file")->type_name("FILE");
+  bench_app->add_option("--seconds", bench.seconds, "Time spent on each figure (0.5; 0.15 with --quick)")
+      ->type_name("S")
+      ->check(CLI::Range(0.001, 60.0));
+  bench_app->add_flag("--check", bench.check, "Fail where a promise is missed: for a machine that is otherwise idle");
+
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -62,6 +73,7 @@ int main(int argc, char** argv) {
   solve.use_cache = !no_cache;
   catchInterrupts();
   try {
+    if (*bench_app) return benchCommand(bench);
     return *verify_app ? verifyCommand(verify) : solveCommand(solve);
   } catch (const InputError& error) {
     std::cerr << "mtled: " << error.what() << std::endl;

@@ -193,13 +193,17 @@ bool Report::held() const {
   return !cases.empty() && std::all_of(cases.begin(), cases.end(), [](const CaseResult& c) { return c.held(); });
 }
 
+void printTable(std::ostream& out, const ResultTable& table) {
+  if (!table.title.empty()) out << "  " << table.title << '\n';
+  printTable(out, cellsOf(table));
+}
+
 void printCase(std::ostream& out, const CaseResult& result) {
   out << result.title << "  [" << result.name << "]  " << timeOf(result.seconds) << '\n';
   if (!result.reference.empty()) out << "  reference: " << result.reference << '\n';
   for (const ResultTable& table : result.tables) {
     out << '\n';
-    if (!table.title.empty()) out << "  " << table.title << '\n';
-    printTable(out, cellsOf(table));
+    printTable(out, table);
   }
   out << '\n';
   if (result.bounds.empty()) out << "  no bound was set\n";

@@ -19,6 +19,9 @@ struct Report {
   bool held() const;                // all cases are, and there is one
 };
 
+/// A table as plain text with aligned columns, its title above.
+void printTable(std::ostream& out, const ResultTable& table);
+
 /// A case as plain text with aligned tables and a verdict per bound.
 void printCase(std::ostream& out, const CaseResult& result);
 

@@ -1,0 +1,94 @@
+#include "mtled/bench/bench_kernels.h"
+
+#include <memory>
+
+#include "mechanics/internal_forces.h"
+#include "mtled/bench/plain_kernel.h"
+
+namespace palpate {
+namespace {
+
+constexpr double double_limit = 1e-12;  // rounding of some hundred terms, times K/mu
+/// Gradients rounded to float move J by about 1e-6, which the bulk modulus multiplies against forces of the order of the
+/// shear modulus; the bound of mechanics/internal_forces_test.cpp.
+double floatLimit(const Material& material) { return 1e-6 * material.bulk_modulus / material.shear_modulus; }
+
+BenchKernel referenceKernel(const Model& model, const std::vector<Vec3>& u) {
+  auto f = std::make_shared<std::vector<Vec3>>();
+  BenchKernel k;
+  k.name = "ten-line reference";
+  k.precision = "double";
+  k.unit = compiledVectorUnit();
+  k.error_limit = double_limit;
+  k.evaluate = [&model, &u, f](SpinTeam&) {
+    referenceInternalForces(model.point_shape, model.point_volume, model.point_material, model.materials, u, *f);
+  };
+  k.forces = [f] { return *f; };
+  return k;
+}
+
+BenchKernel plainKernel(const Model& model, const std::vector<Vec3>& u, int most_threads) {
+  auto kernel = std::make_shared<PlainKernel>(model.kernel.point, model.point_shape, model.point_volume, model.materials[0]);
+  auto f = std::make_shared<std::vector<Vec3>>();
+  BenchKernel k;
+  k.name = "plain Eigen";
+  k.precision = "double";
+  k.unit = compiledVectorUnit();
+  k.error_limit = double_limit;
+  k.most_threads = most_threads;
+  k.cost.useful_flops = k.cost.executed_flops = usefulFlops(model.point_shape);
+  k.cost.streamed_bytes = k.cost.working_set = kernel->streamedBytes() + 2.0 * sizeof(Vec3) * model.nodeCount();
+  k.evaluate = [&u, kernel, f](SpinTeam& team) { kernel->forces(u, *f, team); };
+  k.forces = [f] { return *f; };
+  return k;
+}
+
+template <class Real>
+BenchKernel quadKernel(const Model& model, const std::vector<Vec3>& u, std::shared_ptr<const KernelLayoutOf<Real>> layout, int most_threads) {
+  struct Data {
+    std::shared_ptr<const KernelLayoutOf<Real>> layout;
+    KernelScratchOf<Real> scratch;
+    AlignedVector<Real4<Real>> u;
+  };
+  auto data = std::make_shared<Data>(Data{layout, makeKernelScratch(*layout), {}});
+  for (const Vec3& a : u) data->u.push_back(toReal4<Real>(a));
+  BenchKernel k;
+  k.patches = !layout->patch_node.empty();
+  k.name = k.patches ? "quads, node patches" : "quads";
+  k.precision = sizeof(Real) == 4 ? "float32" : "double";
+  k.unit = compiledVectorUnit();
+  k.cost = quadKernelCost(*layout, model.point_shape);
+  k.error_limit = sizeof(Real) == 4 ? floatLimit(model.materials[0]) : double_limit;
+  k.most_threads = most_threads;
+  k.evaluate = [data](SpinTeam& team) { internalForces(*data->layout, data->u.data(), data->scratch, team); };
+  k.forces = [data] {
+    AlignedVector<Real4<Real>> sum(data->u.size());
+    sumForces(*data->layout, data->scratch, 0, data->layout->node_count, sum.data());
+    std::vector<Vec3> f;
+    for (const auto& a : sum) f.push_back(toVec3(a));
+    return f;
+  };
+  return k;
+}
+
+/// The model's kernel data without node patches.
+template <class Real>
+std::shared_ptr<const KernelLayoutOf<Real>> pointwiseLayout(const Model& model) {
+  return std::make_shared<const KernelLayoutOf<Real>>(makeKernelLayout<Real>(
+      model.point_shape, model.point_X, model.point_volume, model.point_material, model.materials, model.nodeCount()));
+}
+
+}  // namespace
+
+std::vector<BenchKernel> benchKernels(const Model& model, const std::vector<Vec3>& u, int most_threads, bool with_reference) {
+  std::vector<BenchKernel> kernels;
+  kernels.push_back(plainKernel(model, u, most_threads));
+  if (with_reference) kernels.push_back(referenceKernel(model, u));
+  kernels.push_back(quadKernel<double>(model, u, pointwiseLayout<double>(model), most_threads));
+  kernels.push_back(quadKernel<float>(model, u, pointwiseLayout<float>(model), most_threads));
+  // The model's own, which the real-time step uses.
+  kernels.push_back(quadKernel<float>(model, u, {std::shared_ptr<const void>(), &model.kernel}, most_threads));
+  return kernels;
+}
+
+}  // namespace palpate

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "base/spin_team.h"
+#include "mtled/bench/kernel_cost.h"
+#include "mtled/bench/machine_ceilings.h"
+#include "simulation/model.h"
+
+namespace palpate {
+
+/// One way to compute the internal forces of a body, ready to be timed.
+struct BenchKernel {
+  std::string name;                           // "plain Eigen", "quads", ...
+  std::string precision;                      // of the gradients: "double", "float32"
+  VectorUnit unit = VectorUnit::Plain;
+  bool patches = false;                       // with node-patch volume
+  KernelCost cost;                            // zeros where it is not counted
+  double error_limit = 0;                     // relative force error that its precision allows
+  int most_threads = 1;
+  std::function<void(SpinTeam&)> evaluate;
+  std::function<std::vector<Vec3>()> forces{};  // N, of the last evaluation
+};
+
+/// All kernels of one body at one displacement, which both outlive them. First the baseline; then the quad kernel
+/// in double and float32, without and with node patches. `with_reference` adds the ten-line check.
+/// @param u  m (node_count), exact in float
+std::vector<BenchKernel> benchKernels(const Model& model, const std::vector<Vec3>& u, int most_threads, bool with_reference);
+
+}  // namespace palpate

@@ -1,0 +1,164 @@
+#include "mtled/bench/bench_run.h"
+
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <stdexcept>
+
+#include "io/load_model.h"
+#include "mechanics/internal_forces.h"
+#include "mtled/bench/bench_kernels.h"
+#include "mtled/bench/timing.h"
+#include "mtled/progress.h"
+#include "realtime/thread_setup.h"
+#include "simulation/step.h"
+#include "simulation/workspace.h"
+
+namespace palpate {
+namespace {
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+
+double relativeError(const std::vector<Vec3>& f, const std::vector<Vec3>& exact) {
+  double error = 0, norm = 0;
+  for (std::size_t i = 0; i < exact.size(); ++i) {
+    error += (f[i] - exact[i]).squaredNorm();
+    norm += exact[i].squaredNorm();
+  }
+  return std::sqrt(error / norm);
+}
+
+std::vector<Vec3> exactForces(const Model& model, const std::vector<Vec3>& u, bool patches) {
+  std::vector<Vec3> f;
+  referenceInternalForces(model.point_shape, model.point_volume, model.point_material, model.materials, u, f,
+                          patches ? model.patches : NodePatches{});
+  return f;
+}
+
+/// The ceiling that allows least, among arithmetic and the memory level that holds the working set.
+void judgeByCeilings(const KernelCost& cost, VectorUnit unit, int points, const Ceilings& ceilings, BenchRow& row) {
+  // A register holds half as many doubles.
+  const double gflops = ceilings.fma_gflops[static_cast<std::size_t>(unit)] / (row.precision == "double" ? 2 : 1);
+  const MemoryLevel& level = ceilings.levelOf(cost.working_set);
+  row.bytes = cost.streamed_bytes / points;
+  row.useful_flops = cost.useful_flops / points;
+  row.executed_flops = cost.executed_flops / points;
+  row.gb_per_s = row.bytes / row.best_ns;
+  row.gflop_per_s = row.useful_flops / row.best_ns;
+  const double by_arithmetic = row.useful_flops / gflops, by_memory = row.bytes / level.gb_per_s;
+  row.ceiling = by_arithmetic > by_memory ? "FMA" : level.name;
+  row.ceiling_ns = std::max(by_arithmetic, by_memory);
+  row.share = row.ceiling_ns / row.best_ns;
+}
+
+using Teams = std::vector<std::unique_ptr<SpinTeam>>;  // one per thread count
+
+void benchForces(const Model& model, const std::vector<Ceilings>& ceilings, Teams& teams, double seconds, bool with_reference,
+                 BenchBodyResult& result) {
+  const auto u = benchDisplacement(model.X);
+  const std::vector<Vec3> exact[] = {exactForces(model, u, false), exactForces(model, u, true)};
+  const auto kernels = benchKernels(model, u, ceilings.back().threads, with_reference);
+  std::vector<TimedCall> calls;
+  std::vector<std::pair<const BenchKernel*, const Ceilings*>> what;  // of each call
+  for (const BenchKernel& kernel : kernels)
+    for (std::size_t t = 0; t < teams.size(); ++t) {
+      if (teams[t]->size() > kernel.most_threads) continue;
+      kernel.evaluate(*teams[t]);
+      BenchRow row;
+      row.kernel = kernel.name;
+      row.precision = kernel.precision;
+      row.instruction_set = nameOf(kernel.unit);
+      row.threads = teams[t]->size();
+      row.force_error = relativeError(kernel.forces(), exact[kernel.patches ? 1 : 0]);
+      if (!std::isfinite(row.force_error)) row.force_error = std::numeric_limits<double>::infinity();
+      row.error_limit = kernel.error_limit;
+      result.rows.push_back(row);
+      calls.push_back({teams[t].get(), [&kernel, team = teams[t].get()] { kernel.evaluate(*team); }});
+      what.emplace_back(&kernel, &ceilings[t]);
+    }
+  timeInTurns(calls, seconds);
+  for (std::size_t k = 0; k < calls.size(); ++k) {
+    BenchRow& row = result.rows[k];
+    row.best_ns = calls[k].best() / result.points * 1e9;
+    row.median_ns = calls[k].median() / result.points * 1e9;
+    if (what[k].first->cost.streamed_bytes > 0) {
+      judgeByCeilings(what[k].first->cost, what[k].first->unit, result.points, *what[k].second, row);
+    } else {
+      row.bytes = row.useful_flops = row.executed_flops = row.gb_per_s = row.gflop_per_s = row.ceiling_ns = row.share = nan;
+    }
+  }
+}
+
+void benchSteps(const Model& model, const Teams& teams, double seconds, BenchBodyResult& result) {
+  struct Run {
+    Workspace workspace;
+    State state;
+    Run(const Model& m, int threads) : workspace(m, threads), state(initialState(m)) { setUpLoopThread(&workspace.team, false); }
+  };
+  constexpr double depth = 0.003;  // m: under a third of the ball's radius
+  constexpr int ticks_to_arrive = 10;
+  Command command;
+  command.tool_target = model.tool_start;
+  command.tool_target.position += (model.touch_travel + depth) * (model.tool_start.orientation * -Vec3::UnitZ());
+
+  std::vector<std::unique_ptr<Run>> runs;
+  std::vector<TimedCall> calls;
+  for (const auto& team : teams) {
+    runs.push_back(std::make_unique<Run>(model, team->size()));
+    Run* run = runs.back().get();
+    for (int k = 0; k < ticks_to_arrive; ++k) tick(model, run->state, command, run->workspace);
+    calls.push_back({&run->workspace.team, [&model, &command, run] { tick(model, run->state, command, run->workspace); }});
+  }
+  timeInTurns(calls, seconds);
+  for (std::size_t k = 0; k < calls.size(); ++k) {
+    const StepReport report = tick(model, runs[k]->state, command, runs[k]->workspace);
+    if (report.flags != 0 || report.contact_count == 0)
+      throw std::runtime_error("the timed steps went wrong (flags " + std::to_string(report.flags) + ", " +
+                               std::to_string(report.contact_count) + " contacts)");
+    BenchRow row;
+    row.kernel = "whole step";
+    row.precision = "float32";
+    row.instruction_set = nameOf(compiledVectorUnit());
+    row.threads = teams[k]->size();
+    const double point_steps = static_cast<double>(result.points) * model.substeps_per_tick;
+    row.best_ns = calls[k].best() / point_steps * 1e9;
+    row.median_ns = calls[k].median() / point_steps * 1e9;
+    row.force_error = row.error_limit = nan;
+    row.bytes = row.useful_flops = row.executed_flops = row.gb_per_s = row.gflop_per_s = row.ceiling_ns = row.share = nan;
+    result.rows.push_back(row);
+  }
+}
+
+}  // namespace
+
+std::vector<int> benchThreadCounts(int cores) {
+  std::vector<int> counts;
+  for (int n = 1; n < cores; n *= 2) counts.push_back(n);
+  counts.push_back(std::max(1, cores));
+  return counts;
+}
+
+BenchBodyResult benchBody(const BenchSize& size, const std::vector<Ceilings>& ceilings, double seconds, bool with_reference) {
+  BenchBodyResult result;
+  ProgressLine progress("bench " + size.name);
+  // Set-up is most of the time of the largest body.
+  const Model model = loadModel(benchScene(size), [&](const std::string& what, double fraction) { progress.show(0.6 * fraction, what); });
+  result.name = size.name;
+  result.nodes = model.nodeCount();
+  result.points = model.pointCount();
+  result.mean_support = model.point_shape.meanSupport();
+  result.setup_seconds = model.setup_seconds;
+
+  Teams teams;
+  for (const Ceilings& c : ceilings) {
+    teams.push_back(std::make_unique<SpinTeam>(c.threads));
+    setUpLoopThread(teams.back().get(), false);
+  }
+  progress.show(0.6, "kernels");
+  benchForces(model, ceilings, teams, seconds, with_reference, result);
+  progress.show(0.9, "whole step");
+  benchSteps(model, teams, seconds, result);
+  return result;
+}
+
+}  // namespace palpate

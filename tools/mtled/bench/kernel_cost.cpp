@@ -1,0 +1,56 @@
+#include "mtled/bench/kernel_cost.h"
+
+namespace palpate {
+namespace {
+
+// Of mechanics/internal_forces.cpp, in lanes that are used or padding alike.
+// Per group of 4 nodes and 4 points: 9 multiply-adds for F (288), 15 operations for V P gradN (240), three sums
+// across points (48), 4 nodes' forces (16).
+constexpr double flops_per_group = 592;
+// Per quad: the sum over the 4 nodes of a group, 3 additions of 4 lanes for each of 9 components.
+constexpr double flops_per_quad = 108;
+// Per point, mechanics/stress_lanes.h: F 3, cofactor 27, J 27, I1 17, J^(-2/3) and its slope 25, factors 5, P 27, V P 9.
+constexpr double flops_per_point = 140;
+// Per point with node patches: J once more 26, its four shares 8, the pressure from four nodes 8.
+constexpr double patch_flops_per_point = 42;
+
+template <class Vector>
+double bytesOf(const Vector& v) {
+  return static_cast<double>(v.size() * sizeof(v[0]));
+}
+
+}  // namespace
+
+double usefulFlops(const ShapeTable& shape) {
+  return 36.0 * static_cast<double>(shape.node.size()) + 95.0 * shape.rowCount();
+}
+
+template <class Real>
+KernelCost quadKernelCost(const KernelLayoutOf<Real>& layout, const ShapeTable& shape) {
+  double touched = 0;  // nodes of all chunks; those of two chunks twice
+  for (std::size_t c = 0; c < layout.chunk_node_begin.size(); ++c) touched += layout.chunk_node_end[c] - layout.chunk_node_begin[c];
+  const double tables = bytesOf(layout.gradN) + bytesOf(layout.node) + bytesOf(layout.quads);
+  const double points = bytesOf(layout.volume) + bytesOf(layout.batch_material);
+  const double u = layout.node_count * static_cast<double>(sizeof(Real4<Real>)), forces = touched * sizeof(Real4<Real>);
+
+  KernelCost cost;
+  cost.useful_flops = usefulFlops(shape);
+  cost.executed_flops = static_cast<double>(layout.node.size()) / 4 * flops_per_group + static_cast<double>(layout.quads.size()) * flops_per_quad +
+                        static_cast<double>(layout.volume.size()) * flops_per_point;
+  cost.streamed_bytes = cost.working_set = tables + points + u + forces;
+  if (layout.patch_node.empty()) return cost;
+
+  const double tensors = 9 * bytesOf(layout.volume);
+  const double per_node = bytesOf(layout.patch_bulk), dilatation = touched * sizeof(Real);
+  const double weights = bytesOf(layout.patch_share) + bytesOf(layout.patch_weight);
+  cost.working_set += tensors + weights + bytesOf(layout.patch_node) + 2 * per_node + dilatation;  // bulk moduli and pressures
+  // The gradients are kept between the passes, but the forces need the tiles again.
+  cost.streamed_bytes += tables + 2 * tensors + weights + 2 * bytesOf(layout.patch_node) + 3 * per_node + 2 * dilatation;
+  cost.executed_flops += static_cast<double>(layout.volume.size()) * patch_flops_per_point;
+  return cost;
+}
+
+template KernelCost quadKernelCost(const KernelLayoutOf<float>&, const ShapeTable&);
+template KernelCost quadKernelCost(const KernelLayoutOf<double>&, const ShapeTable&);
+
+}  // namespace palpate

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+namespace palpate {
+
+/// What this computer is, as far as a kernel's speed depends on it.
+struct Machine {
+  std::string processor;         // "AMD EPYC ..."; "unknown" where /proc does not say
+  int cores = 1;                 // hardware threads that this process may use
+  std::size_t l2_bytes = 0;      // of one core; 0: unknown
+  std::size_t l3_bytes = 0;      // shared; 0: none, or unknown
+};
+
+/// From /proc/cpuinfo, the scheduler's affinity mask and /sys/devices/system/cpu (else sysconf).
+Machine thisMachine();
+
+/// Vector instruction sets that a kernel may be built for, narrow to wide: registers of 16, 32 and 64 bytes.
+/// Plain is what the compiler was told to use, in registers of 16 bytes.
+enum class VectorUnit { Plain, Avx2, Avx512 };
+const char* nameOf(VectorUnit unit);  // "plain", "AVX2", "AVX-512"
+
+/// The widest that this build uses where nothing is chosen at run time.
+VectorUnit compiledVectorUnit();
+/// Those that this processor has, narrow to wide.
+std::vector<VectorUnit> availableVectorUnits();
+
+/// A place where a working set can lie, and how fast all threads together read from it.
+struct MemoryLevel {
+  std::string name;              // "L2", "L3", "DRAM"
+  std::size_t capacity = 0;      // bytes, of all threads together; 0: no limit
+  double gb_per_s = 0;           // 1e9 bytes per second
+};
+
+/// How fast `threads` cores can go at best: no kernel is faster than these.
+struct Ceilings {
+  int threads = 1;
+  std::vector<double> fma_gflops;    // (VectorUnit) float32, multiply and add counted apart; 0: not this processor
+  std::vector<MemoryLevel> levels;   // near to far, DRAM last
+
+  /// The nearest level that holds so many bytes.
+  const MemoryLevel& levelOf(double bytes) const;
+};
+
+/// Measures the ceilings of 1 .. n cores: independent chains of fused multiply-adds that stay in registers, and
+/// forward reads with the hot kernel's prefetch distance. Memory is written before it is read, so that no level is the kernel's zero page.
+///
+/// All figures take turns in short rounds until each has had `seconds`, and each is the best of its rounds:
+/// a neighbour on the machine, a clock that is still rising or one that falls with wide registers costs
+/// rounds, not figures.
+///
+/// @param thread_counts  each at least 1
+/// Test: tools/bench_command_test.cpp
+std::vector<Ceilings> measureCeilings(const Machine& machine, const std::vector<int>& thread_counts, double seconds);
+
+}  // namespace palpate

@@ -1,0 +1,43 @@
+#include "mtled/bench_command.h"
+
+#include <algorithm>
+#include <iostream>
+
+#include "base/build_info.h"
+#include "base/input_error.h"
+#include "io/output_file.h"
+#include "mtled/bench/bench_run.h"
+
+namespace palpate {
+
+int benchCommand(const BenchOptions& options) {
+  if (!(options.seconds >= 0 && options.seconds <= 60))
+    throw InputError({}, "--seconds must be between 0 and 60", "leave it out for the usual length");
+  const double seconds = options.seconds > 0 ? options.seconds : options.quick ? 0.15 : 0.5;
+
+  BenchReport report;
+  report.build = buildInfo();
+  report.command = "build/release/tools/mtled bench";
+  if (options.quick) report.command += " --quick";
+  if (options.seconds > 0) report.command += " --seconds " + std::to_string(options.seconds);
+  report.machine = thisMachine();
+  const auto write = [&] {
+    if (!options.json.empty()) writeWholeFile(options.json, jsonOf(report));
+  };
+  write();  // a place that can't be written to is found before the work, not after
+  report.ceilings = measureCeilings(report.machine, benchThreadCounts(report.machine.cores), seconds);
+  for (const BenchSize& size : benchSizes(options.quick)) {
+    report.bodies.push_back(benchBody(size, report.ceilings, seconds, report.bodies.empty()));
+    write();  // what is done stays if the rest is interrupted
+  }
+  printBench(std::cout, report);
+  if (!report.right()) {
+    std::cout << "\n  A kernel's forces are wrong: its times mean nothing.\n";
+    return 1;
+  }
+  const auto verdicts = verdictsOf(report);
+  const bool missed = std::any_of(verdicts.begin(), verdicts.end(), [](const Verdict& v) { return v.text() == "missed"; });
+  return options.check && missed ? 1 : 0;
+}
+
+}  // namespace palpate

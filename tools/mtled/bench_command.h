@@ -1,0 +1,19 @@
+#pragma once
+
+#include <string>
+
+namespace palpate {
+
+struct BenchOptions {
+  bool quick = false;       // 1k and 5k nodes only
+  double seconds = 0;       // for each figure; 0: 0.5, or 0.15 of a quick run
+  std::string json;         // file for the results, or ""
+  bool check = false;       // a promise that is missed is a failure
+};
+
+/// Measures the machine's ceilings and the force kernels beside them, and prints tables and verdicts.
+/// @return 0; 1 where a kernel's forces are wrong, or with `check` where a promise is missed
+/// Throws InputError for an option out of range, std::runtime_error where a file can't be written.
+int benchCommand(const BenchOptions& options);
+
+}  // namespace palpate
