@@ -59,6 +59,7 @@ int main(int argc, char** argv) {
   CLI::App* bench_app = app.add_subcommand("bench", "Time the force kernels beside this machine's ceilings");
   bench_app->add_flag("--quick", bench.quick, "Bodies of 1,000 and 5,000 nodes only, under half a minute");
   bench_app->add_option("--json", bench.json, "Write the results to this file")->type_name("FILE");
+  bench_app->add_option("--plot", bench.plot, "Draw the roofline of one core into this PNG")->type_name("FILE");
   bench_app->add_option("--seconds", bench.seconds, "Time spent on each figure (0.5; 0.15 with --quick)")
       ->type_name("S")
       ->check(CLI::Range(0.001, 60.0));

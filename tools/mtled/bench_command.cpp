@@ -2,11 +2,14 @@
 
 #include <algorithm>
 #include <iostream>
+#include <memory>
 
+#include "app/figure.h"
 #include "base/build_info.h"
 #include "base/input_error.h"
 #include "io/output_file.h"
 #include "mtled/bench/bench_run.h"
+#include "mtled/bench/roofline.h"
 
 namespace palpate {
 
@@ -24,6 +27,11 @@ int benchCommand(const BenchOptions& options) {
   const auto write = [&] {
     if (!options.json.empty()) writeWholeFile(options.json, jsonOf(report));
   };
+  std::unique_ptr<FigureWriter> figures;
+  if (!options.plot.empty()) {
+    figures = std::make_unique<FigureWriter>();
+    writeWholeFile(options.plot, "");
+  }
   write();  // a place that can't be written to is found before the work, not after
   report.ceilings = measureCeilings(report.machine, benchThreadCounts(report.machine.cores), seconds);
   for (const BenchSize& size : benchSizes(options.quick)) {
@@ -31,13 +39,15 @@ int benchCommand(const BenchOptions& options) {
     write();  // what is done stays if the rest is interrupted
   }
   printBench(std::cout, report);
-  if (!report.right()) {
-    std::cout << "\n  A kernel's forces are wrong: its times mean nothing.\n";
-    return 1;
-  }
+  if (figures) figures->write(options.plot, rooflineOf(report));
+  if (!report.right()) std::cout << "\n  A kernel's forces are wrong: its times mean nothing.\n";
+  return benchExitCode(report, options.check);
+}
+
+int benchExitCode(const BenchReport& report, bool check) {
   const auto verdicts = verdictsOf(report);
   const bool missed = std::any_of(verdicts.begin(), verdicts.end(), [](const Verdict& v) { return v.text() == "missed"; });
-  return options.check && missed ? 1 : 0;
+  return !report.right() || (check && missed) ? 1 : 0;
 }
 
 }  // namespace palpate
