@@ -264,11 +264,13 @@ TEST_CASE("A kernel with wrong forces fails the benchmark whatever its speed", "
     CHECK_FALSE(report.right());
     CHECK(benchExitCode(report, false) == 1);
     std::ostringstream out;
-    printBench(out, report);
+    printBody(out, report.bodies[0]);
     CHECK_THAT(out.str(), Contains("WRONG"));
   }
   std::ostringstream out;
-  printBench(out, goodReport());
+  printMachine(out, goodReport());
+  printBody(out, goodReport().bodies[0]);
+  printVerdicts(out, goodReport());
   CHECK_THAT(out.str(), !Contains("WRONG") && Contains("FMA") && Contains("DRAM") && Contains("held"));
 }
 

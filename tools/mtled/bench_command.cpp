@@ -22,7 +22,7 @@ int benchCommand(const BenchOptions& options) {
   report.build = buildInfo();
   report.command = "build/release/tools/mtled bench";
   if (options.quick) report.command += " --quick";
-  if (options.seconds > 0) report.command += " --seconds " + std::to_string(options.seconds);
+  if (options.seconds > 0) report.command += " --seconds " + formatted(options.seconds);
   report.machine = thisMachine();
   const auto write = [&] {
     if (!options.json.empty()) writeWholeFile(options.json, jsonOf(report));
@@ -34,11 +34,14 @@ int benchCommand(const BenchOptions& options) {
   }
   write();  // a place that can't be written to is found before the work, not after
   report.ceilings = measureCeilings(report.machine, benchThreadCounts(report.machine.cores), seconds);
+  printMachine(std::cout, report);
   for (const BenchSize& size : benchSizes(options.quick)) {
     report.bodies.push_back(benchBody(size, report.ceilings, seconds, report.bodies.empty()));
+    printBody(std::cout, report.bodies.back());
+    std::cout << std::flush;
     write();  // what is done stays if the rest is interrupted
   }
-  printBench(std::cout, report);
+  printVerdicts(std::cout, report);
   if (figures) figures->write(options.plot, rooflineOf(report));
   if (!report.right()) std::cout << "\n  A kernel's forces are wrong: its times mean nothing.\n";
   return benchExitCode(report, options.check);

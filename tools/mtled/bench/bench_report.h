@@ -12,7 +12,7 @@ namespace palpate {
 /// One kernel on one body with so many threads. Times and counts are per integration point and evaluation (= step).
 /// NaN stands for what does not apply.
 struct BenchRow {
-  std::string kernel;            // "plain Eigen", "ten-line reference", "quads", "quads, node patches", "whole step"
+  std::string kernel;            // "plain Eigen", "ten-line reference", "quads", "quads, node patches", "whole step" (with patches)
   std::string precision;         // "double", "float32"
   std::string instruction_set;   // nameOf(VectorUnit)
   int threads = 1;
@@ -63,8 +63,11 @@ struct Verdict {
 /// the plain kernel, within twice the time that the binding ceiling allows.
 std::vector<Verdict> verdictsOf(const BenchReport& report);
 
-/// Ceilings, a table of times and one of ceilings per body, verdicts.
-void printBench(std::ostream& out, const BenchReport& report);
+/// Build, machine and its ceilings.
+void printMachine(std::ostream& out, const BenchReport& report);
+/// A table of times and one of costs beside the ceilings.
+void printBody(std::ostream& out, const BenchBodyResult& body);
+void printVerdicts(std::ostream& out, const BenchReport& report);
 
 /// All of it in JSON, verdicts included; NaN as null.
 std::string jsonOf(const BenchReport& report);

@@ -168,6 +168,8 @@ Machine thisMachine() {
   return machine;
 }
 
+double Ceilings::mostGflops() const { return *std::max_element(fma_gflops.begin(), fma_gflops.end()); }
+
 const MemoryLevel& Ceilings::levelOf(double bytes) const {
   for (const MemoryLevel& level : levels)
     if (level.capacity == 0 || bytes <= static_cast<double>(level.capacity)) return level;

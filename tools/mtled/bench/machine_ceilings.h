@@ -40,6 +40,7 @@ struct Ceilings {
   std::vector<double> fma_gflops;    // (VectorUnit) float32, multiply and add counted apart; 0: not this processor
   std::vector<MemoryLevel> levels;   // near to far, DRAM last
 
+  double mostGflops() const;         // of the widest instruction set
   /// The nearest level that holds so many bytes.
   const MemoryLevel& levelOf(double bytes) const;
 };

@@ -8,7 +8,7 @@ namespace palpate {
 Figure rooflineOf(const BenchReport& report) {
   constexpr double least = 0.5, most = 32;  // flops per byte; the kernels lie between 1 and 6
   const Ceilings& one = report.ceilings.front();
-  const double peak = *std::max_element(one.fma_gflops.begin(), one.fma_gflops.end());
+  const double peak = one.mostGflops();
   Figure figure;
   figure.title = "One core, " + report.machine.processor;
   figure.x_label = "Useful flops per byte streamed";

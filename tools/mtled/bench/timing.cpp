@@ -29,7 +29,7 @@ void timeInTurns(std::vector<TimedCall>& calls, double seconds) {
   const int turn_count = std::max(3, static_cast<int>(seconds / turn));
   for (int t = 0; t < turn_count; ++t)
     for (TimedCall& timed : calls) {
-      if (interrupted()) throw std::runtime_error("interrupted; nothing was written");
+      if (interrupted()) throw std::runtime_error("interrupted; bodies that were done are above, and in the JSON file if one was asked for");
       timed.team->wake();
       timed.call();
       const auto end = Clock::now() + std::chrono::duration<double>(turn);
