@@ -33,7 +33,9 @@ int benchCommand(const BenchOptions& options) {
     writeWholeFile(options.plot, "");
   }
   write();  // a place that can't be written to is found before the work, not after
-  report.ceilings = measureCeilings(report.machine, benchThreadCounts(report.machine.cores), seconds);
+  // All shares hang on these few figures.
+  constexpr double least_seconds = 0.5;
+  report.ceilings = measureCeilings(report.machine, benchThreadCounts(report.machine.cores), std::max(least_seconds, seconds));
   printMachine(std::cout, report);
   for (const BenchSize& size : benchSizes(options.quick)) {
     report.bodies.push_back(benchBody(size, report.ceilings, seconds, report.bodies.empty()));
