@@ -25,6 +25,7 @@ constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
 /// Four points with the same five nodes: one quad of two groups in a batch of 16, of which 12 points are padding.
 struct TinyBody {
   ShapeTable shape;
+  std::vector<Vec3> X{Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1), Vec3(1, 1, 1)};
   std::vector<Vec3> point_X;
   std::vector<double> volume = std::vector<double>(4, 1.0);
   std::vector<int> point_material = std::vector<int>(4, 0);
@@ -45,8 +46,8 @@ struct TinyBody {
     patches.volume = patches.bulk_modulus = {1, 1, 1, 1, 0};
   }
   template <class Real>
-  KernelCost cost(const NodePatches& with = {}) const {
-    return quadKernelCost(makeKernelLayout<Real>(shape, point_X, volume, point_material, materials, 5, with), shape);
+  KernelCost cost(const NodePatches& with = {}, GradientPrecision precision = GradientPrecision::Float32) const {
+    return quadKernelCost(makeKernelLayout<Real>(shape, point_X, volume, point_material, materials, 5, with, precision, X), shape);
   }
 };
 
@@ -59,7 +60,7 @@ BenchRow rowOf(const std::string& kernel, const std::string& precision, int thre
   BenchRow row;
   row.kernel = kernel;
   row.precision = precision;
-  row.instruction_set = nameOf(VectorUnit::Avx512);
+  row.instruction_set = nameOf(InstructionSet::Avx512);
   row.threads = threads;
   row.best_ns = row.median_ns = ns;
   row.error_limit = 1e-6;
@@ -93,7 +94,7 @@ std::string verdict(const BenchReport& report, const std::string& quantity) {
 TEST_CASE("Bytes and flops of the quad kernel are those counted by hand", "[bench_command]") {
   const TinyBody body;
   // Two groups of 48 gradients and of 4 node numbers, 4 quads, 16 volumes, 1 material; 5 nodes' u and f.
-  const double tables = 2 * 48 * 4 + 8 * 4 + 4 * sizeof(PointQuad), vectors = 2 * 5 * 16;
+  const double tables = 2 * 48 * 4 + 8 * 2 + 4 * sizeof(PointQuad), vectors = 2 * 5 * 16;
   const KernelCost plain = body.cost<float>();
   CHECK(plain.streamed_bytes == tables + 16 * 4 + 4 + vectors);
   CHECK(plain.working_set == plain.streamed_bytes);
@@ -108,8 +109,14 @@ TEST_CASE("Bytes and flops of the quad kernel are those counted by hand", "[benc
   CHECK(patched.useful_flops == plain.useful_flops);
   CHECK(patched.executed_flops == plain.executed_flops + 16 * 42);
 
-  // Only what is a number doubles: node numbers, quads and the material stay.
-  CHECK(body.cost<double>().streamed_bytes == 2 * plain.streamed_bytes - (8 * 4 + 4 * sizeof(PointQuad) + 4));
+  // 16-bit: of two groups, one in float for each quad, padding too, and one of 2 bytes; 3 scales for 16 points.
+  const KernelCost rounded = body.cost<float>({}, GradientPrecision::Int16);
+  CHECK(rounded.streamed_bytes == plain.streamed_bytes - 2 * 48 * 4 + (4 * 48 * 4 + 48 * 2) + 48 * 4);
+  CHECK(rounded.useful_flops == plain.useful_flops);
+  CHECK(rounded.executed_flops == plain.executed_flops + 16 * 18);
+
+  // Only what is a number doubles: quads and the material stay, and node numbers have 4 bytes in double.
+  CHECK(body.cost<double>().streamed_bytes == 2 * plain.streamed_bytes - (4 * sizeof(PointQuad) + 4));
 }
 
 TEST_CASE("The plain Eigen kernel equals the reference on any number of threads", "[bench_command]") {
@@ -163,8 +170,8 @@ TEST_CASE("Ceilings are of this world: positive, and not those of loops that wer
   const auto ceilings = measureCeilings(machine, {1, 2}, 0.001);
   REQUIRE(ceilings.size() == 2);
   for (const Ceilings& c : ceilings) {
-    for (const VectorUnit unit : availableVectorUnits()) {
-      const double gflops = c.fma_gflops[static_cast<std::size_t>(unit)];
+    for (const InstructionSet set : supportedInstructionSets()) {
+      const double gflops = c.fma_gflops[static_cast<std::size_t>(set)];
       CHECK(gflops > 0);
       CHECK(gflops < 1000.0 * c.threads);  // two units of 16 lanes at 7 GHz do 448
     }
@@ -213,18 +220,23 @@ TEST_CASE("A body's kernels agree with the reference and have times and ceilings
     CHECK(row.gb_per_s == Approx(row.bytes / row.best_ns));
     // The lower of both ceilings, which the test made up: 50 or 100 GFLOP/s a thread, 50 GB/s.
     const double by_arithmetic = row.useful_flops / ((row.precision == "double" ? 50 : 100) * row.threads);
-    const double set = row.bytes * body.points;
+    const double working_set = row.bytes * body.points;
     CHECK(row.ceiling_ns >= Approx(by_arithmetic));
-    if (set < 9e5 && row.kernel != "quads, node patches") CHECK(row.ceiling_ns == Approx(std::max(by_arithmetic, row.bytes / 50)));
+    if (working_set < 9e5 && row.kernel != "quads, node patches") CHECK(row.ceiling_ns == Approx(std::max(by_arithmetic, row.bytes / 50)));
     CHECK(row.share == Approx(row.ceiling_ns / row.best_ns));
   }
-  CHECK(kernels == 1 + 2 * 4);  // the reference on one thread, the others on two as well
+  // The reference; two thread counts of the plain kernel and of the quads in double; of those in float32 and with
+  // 16-bit gradients without and with patches; these without patches once for each narrower instruction set.
+  CHECK(kernels == 1 + 2 + 2 + 2 * (2 + 2 + supportedInstructionSets().size() - 1));
+  const char* widest = nameOf(supportedInstructionSets().back());
   for (const int threads : {1, 2}) {
-    CHECK(body.find("plain Eigen", "double", nameOf(compiledVectorUnit()), threads) != nullptr);
-    CHECK(body.find("quads", "float32", nameOf(compiledVectorUnit()), threads) != nullptr);
-    CHECK(body.find("whole step", "float32", nameOf(compiledVectorUnit()), threads) != nullptr);
+    CHECK(body.plain(threads) != nullptr);
+    for (const char* kernel : {"quads", "quads, node patches"})
+      for (const char* precision : {"float32", "int16"}) CHECK(body.find(kernel, precision, widest, threads) != nullptr);
+    CHECK(body.find("whole step", "float32", nameOf(chosenInstructionSet()), threads) != nullptr);
   }
-  CHECK(body.find("quads", "float32", nameOf(compiledVectorUnit()), 3) == nullptr);
+  CHECK(body.find("quads", "float32", widest, 3) == nullptr);
+  for (const InstructionSet set : supportedInstructionSets()) CHECK(body.find("quads", "int16", nameOf(set), 1) != nullptr);
 }
 
 TEST_CASE("Promises are held, missed or not measured", "[bench_command]") {
@@ -250,7 +262,7 @@ TEST_CASE("Promises are held, missed or not measured", "[bench_command]") {
   CHECK(benchExitCode(slow, false) == 0);
   CHECK(benchExitCode(slow, true) == 1);
 
-  for (BenchRow& row : report.bodies[0].rows) row.instruction_set = nameOf(VectorUnit::Avx2);
+  for (BenchRow& row : report.bodies[0].rows) row.instruction_set = nameOf(InstructionSet::Avx2);
   CHECK(verdict(report, "float32, one core") == "not measured");  // promised of AVX-512
   CHECK(verdict(report, "float32 beside the plain double kernel") == "held");
   report.bodies[0].nodes = 1000;

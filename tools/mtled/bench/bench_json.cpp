@@ -23,7 +23,7 @@ Machine toMachine(const Json& j) { return {j.at("processor"), j.at("cores"), j.a
 Json toJson(const Ceilings& c) {
   Json fma = Json::object(), levels = Json::array();
   for (std::size_t k = 0; k < c.fma_gflops.size(); ++k)
-    if (c.fma_gflops[k] > 0) fma[nameOf(static_cast<VectorUnit>(k))] = c.fma_gflops[k];
+    if (c.fma_gflops[k] > 0) fma[nameOf(static_cast<InstructionSet>(k))] = c.fma_gflops[k];
   for (const MemoryLevel& level : c.levels)
     levels.push_back({{"name", level.name}, {"capacity_bytes", level.capacity}, {"read_gb_per_s", toJson(level.gb_per_s)}});
   return {{"threads", c.threads}, {"fma_float32_gflop_per_s", fma}, {"memory", levels}};
@@ -32,8 +32,8 @@ Json toJson(const Ceilings& c) {
 Ceilings toCeilings(const Json& j) {
   Ceilings c;
   c.threads = j.at("threads");
-  for (const auto unit : {VectorUnit::Plain, VectorUnit::Avx2, VectorUnit::Avx512})
-    c.fma_gflops.push_back(j.at("fma_float32_gflop_per_s").value(nameOf(unit), 0.0));
+  for (const auto set : {InstructionSet::Plain, InstructionSet::Avx2, InstructionSet::Avx512})
+    c.fma_gflops.push_back(j.at("fma_float32_gflop_per_s").value(nameOf(set), 0.0));
   for (const Json& level : j.at("memory"))
     c.levels.push_back({level.at("name"), level.at("capacity_bytes"), toDouble(level.at("read_gb_per_s"))});
   return c;

@@ -13,12 +13,16 @@ constexpr double double_limit = 1e-12;  // rounding of some hundred terms, times
 /// shear modulus; the bound of mechanics/internal_forces_test.cpp.
 double floatLimit(const Material& material) { return 1e-6 * material.bulk_modulus / material.shear_modulus; }
 
+/// What rounding leaves in a gradient is 2^-16 of the largest, and cancels in the sums that rigid motions and linear
+/// fields take; a bending field sees it.
+double int16Limit(const Material& material) { return 10 * floatLimit(material); }
+
 BenchKernel referenceKernel(const Model& model, const std::vector<Vec3>& u) {
   auto f = std::make_shared<std::vector<Vec3>>();
   BenchKernel k;
   k.name = "ten-line reference";
   k.precision = "double";
-  k.unit = compiledVectorUnit();
+  k.set = compiledInstructionSet();
   k.error_limit = double_limit;
   k.evaluate = [&model, &u, f](SpinTeam&) {
     referenceInternalForces(model.point_shape, model.point_volume, model.point_material, model.materials, u, *f);
@@ -33,7 +37,7 @@ BenchKernel plainKernel(const Model& model, const std::vector<Vec3>& u, int most
   BenchKernel k;
   k.name = "plain Eigen";
   k.precision = "double";
-  k.unit = compiledVectorUnit();
+  k.set = compiledInstructionSet();
   k.error_limit = double_limit;
   k.most_threads = most_threads;
   k.cost.useful_flops = k.cost.executed_flops = usefulFlops(model.point_shape);
@@ -44,21 +48,32 @@ BenchKernel plainKernel(const Model& model, const std::vector<Vec3>& u, int most
 }
 
 template <class Real>
-BenchKernel quadKernel(const Model& model, const std::vector<Vec3>& u, std::shared_ptr<const KernelLayoutOf<Real>> layout, int most_threads) {
+using Layout = std::shared_ptr<const KernelLayoutOf<Real>>;
+
+template <class Real>
+Layout<Real> layoutOf(const Model& model, bool patches, GradientPrecision precision = GradientPrecision::Float32) {
+  return std::make_shared<const KernelLayoutOf<Real>>(makeKernelLayout<Real>(
+      model.point_shape, model.point_X, model.point_volume, model.point_material, model.materials, model.nodeCount(),
+      patches ? model.patches : NodePatches{}, precision, model.X));
+}
+
+template <class Real>
+BenchKernel quadKernel(const Model& model, const std::vector<Vec3>& u, const Layout<Real>& layout, InstructionSet set, int most_threads) {
   struct Data {
-    std::shared_ptr<const KernelLayoutOf<Real>> layout;
+    Layout<Real> layout;
     KernelScratchOf<Real> scratch;
     AlignedVector<Real4<Real>> u;
   };
-  auto data = std::make_shared<Data>(Data{layout, makeKernelScratch(*layout), {}});
+  auto data = std::make_shared<Data>(Data{layout, makeKernelScratch(*layout, set), {}});
   for (const Vec3& a : u) data->u.push_back(toReal4<Real>(a));
+  const bool is_double = sizeof(Real) == 8, rounded = !layout->rounded_gradN.empty();
   BenchKernel k;
   k.patches = !layout->patch_node.empty();
   k.name = k.patches ? "quads, node patches" : "quads";
-  k.precision = sizeof(Real) == 4 ? "float32" : "double";
-  k.unit = compiledVectorUnit();
+  k.precision = is_double ? "double" : rounded ? "int16" : "float32";
+  k.set = set;
   k.cost = quadKernelCost(*layout, model.point_shape);
-  k.error_limit = sizeof(Real) == 4 ? floatLimit(model.materials[0]) : double_limit;
+  k.error_limit = is_double ? double_limit : rounded ? int16Limit(model.materials[0]) : floatLimit(model.materials[0]);
   k.most_threads = most_threads;
   k.evaluate = [data](SpinTeam& team) { internalForces(*data->layout, data->u.data(), data->scratch, team); };
   k.forces = [data] {
@@ -71,23 +86,20 @@ BenchKernel quadKernel(const Model& model, const std::vector<Vec3>& u, std::shar
   return k;
 }
 
-/// The model's kernel data without node patches.
-template <class Real>
-std::shared_ptr<const KernelLayoutOf<Real>> pointwiseLayout(const Model& model) {
-  return std::make_shared<const KernelLayoutOf<Real>>(makeKernelLayout<Real>(
-      model.point_shape, model.point_X, model.point_volume, model.point_material, model.materials, model.nodeCount()));
-}
-
 }  // namespace
 
 std::vector<BenchKernel> benchKernels(const Model& model, const std::vector<Vec3>& u, int most_threads, bool with_reference) {
+  const auto sets = supportedInstructionSets();
+  const InstructionSet widest = sets.back();
   std::vector<BenchKernel> kernels;
   kernels.push_back(plainKernel(model, u, most_threads));
   if (with_reference) kernels.push_back(referenceKernel(model, u));
-  kernels.push_back(quadKernel<double>(model, u, pointwiseLayout<double>(model), most_threads));
-  kernels.push_back(quadKernel<float>(model, u, pointwiseLayout<float>(model), most_threads));
-  // The model's own, which the real-time step uses.
-  kernels.push_back(quadKernel<float>(model, u, {std::shared_ptr<const void>(), &model.kernel}, most_threads));
+  kernels.push_back(quadKernel<double>(model, u, layoutOf<double>(model, false), widest, most_threads));
+  for (const auto precision : {GradientPrecision::Float32, GradientPrecision::Int16}) {
+    const auto layout = layoutOf<float>(model, false, precision);
+    for (const InstructionSet set : sets) kernels.push_back(quadKernel(model, u, layout, set, set == widest ? most_threads : 1));
+    kernels.push_back(quadKernel(model, u, layoutOf<float>(model, true, precision), widest, most_threads));
+  }
   return kernels;
 }
 

@@ -14,8 +14,8 @@ namespace palpate {
 /// One way to compute the internal forces of a body, ready to be timed.
 struct BenchKernel {
   std::string name;                           // "plain Eigen", "quads", ...
-  std::string precision;                      // of the gradients: "double", "float32"
-  VectorUnit unit = VectorUnit::Plain;
+  std::string precision;                      // of the gradients: "double", "float32", "int16"
+  InstructionSet set = InstructionSet::Plain;
   bool patches = false;                       // with node-patch volume
   KernelCost cost;                            // zeros where it is not counted
   double error_limit = 0;                     // relative force error that its precision allows
@@ -25,7 +25,8 @@ struct BenchKernel {
 };
 
 /// All kernels of one body at one displacement, which both outlive them. First the baseline; then the quad kernel
-/// in double and float32, without and with node patches. `with_reference` adds the ten-line check.
+/// in double, float32 and with 16-bit gradients, for every supported instruction set (the narrower ones on one
+/// thread), and with node patches. `with_reference` adds the ten-line check.
 /// @param u  m (node_count), exact in float
 std::vector<BenchKernel> benchKernels(const Model& model, const std::vector<Vec3>& u, int most_threads, bool with_reference);
 

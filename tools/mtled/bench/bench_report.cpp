@@ -25,7 +25,7 @@ ResultTable ceilingTable(const BenchReport& report) {
   table.columns = {"Threads"};
   if (report.ceilings.empty()) return table;
   for (std::size_t k = 0; k < report.ceilings[0].fma_gflops.size(); ++k)
-    if (report.ceilings[0].fma_gflops[k] > 0) table.columns.push_back(std::string("FMA ") + nameOf(static_cast<VectorUnit>(k)) + ", GFLOP/s");
+    if (report.ceilings[0].fma_gflops[k] > 0) table.columns.push_back(std::string("FMA ") + nameOf(static_cast<InstructionSet>(k)) + ", GFLOP/s");
   for (const auto& level : report.ceilings[0].levels) table.columns.push_back(level.name + ", GB/s");
   for (const Ceilings& c : report.ceilings) {
     std::vector<std::string> row = {std::to_string(c.threads)};
@@ -51,7 +51,7 @@ ResultTable timeTable(const BenchBodyResult& body) {
   table.title = headOf(body) + "\n  Time per point and step";
   table.columns = {"Kernel", "Precision", "Set", "Threads", "Best, ns", "Median, ns", "Plain / this", "1 thread / this", "Force error", "Allowed"};
   for (const BenchRow& row : body.rows) {
-    const double plain = timeOf(body.find("plain Eigen", "double", row.instruction_set, 1));
+    const double plain = timeOf(body.plain(1));
     const double alone = timeOf(body.find(row.kernel, row.precision, row.instruction_set, 1));
     auto cells = namesOf(row);
     for (const std::string& text : {cell(row.best_ns), cell(row.median_ns), times(plain / row.best_ns), times(alone / row.best_ns),
@@ -82,11 +82,11 @@ ResultTable costTable(const BenchBodyResult& body) {
 /// Of a report with a body of about 5,000 nodes, the rows that promises speak of.
 struct Judge {
   const BenchBodyResult* body = nullptr;
-  std::string unit;
+  std::string set;
   std::vector<Verdict> verdicts{};
 
   const BenchRow* row(const std::string& kernel, const std::string& precision, int threads) const {
-    return body ? body->find(kernel, precision, unit, threads) : nullptr;
+    return body ? body->find(kernel, precision, set, threads) : nullptr;
   }
   void add(const std::string& quantity, double value, double limit, bool at_most, const std::string& of_unit, const std::string& note,
            const std::string& unasked = "") {
@@ -107,6 +107,11 @@ const BenchRow* BenchBodyResult::find(const std::string& kernel, const std::stri
   return it == rows.end() ? nullptr : &*it;
 }
 
+const BenchRow* BenchBodyResult::plain(int threads) const {
+  const auto it = std::find_if(rows.begin(), rows.end(), [&](const BenchRow& r) { return r.kernel == "plain Eigen" && r.threads == threads; });
+  return it == rows.end() ? nullptr : &*it;
+}
+
 bool BenchReport::right() const {
   return std::all_of(bodies.begin(), bodies.end(), [](const BenchBodyResult& b) {
     return std::none_of(b.rows.begin(), b.rows.end(), [](const BenchRow& r) { return r.wrong(); });
@@ -119,9 +124,9 @@ std::vector<Verdict> verdictsOf(const BenchReport& report) {
   Judge judge;
   for (const auto& body : report.bodies)
     if (body.nodes > 4000 && body.nodes < 6000) judge.body = &body;
-  for (const auto unit : {VectorUnit::Plain, VectorUnit::Avx2, VectorUnit::Avx512})
-    if (judge.body && judge.body->find("quads", "float32", nameOf(unit), 1)) judge.unit = nameOf(unit);
-  const std::string narrow = judge.unit == nameOf(VectorUnit::Avx512) ? "" : "no AVX-512 in use";
+  for (const auto set : {InstructionSet::Plain, InstructionSet::Avx2, InstructionSet::Avx512})
+    if (judge.body && judge.body->find("quads", "float32", nameOf(set), 1)) judge.set = nameOf(set);
+  const std::string narrow = judge.set == nameOf(InstructionSet::Avx512) ? "" : "no AVX-512 in use";
   const BenchRow* fast = judge.row("quads", "float32", 1);
   const BenchRow* patched = judge.row("quads, node patches", "float32", 1);
   const BenchRow* packed = judge.row("quads", "int16", 1);
@@ -135,7 +140,7 @@ std::vector<Verdict> verdictsOf(const BenchReport& report) {
 
   judge.add("two threads, float32", timeOf(fast) / timeOf(judge.row("quads", "float32", 2)), 1.7, false, "x", gain);
   judge.add("two threads, float32, node patches", timeOf(patched) / timeOf(judge.row("quads, node patches", "float32", 2)), 1.7, false, "x", gain);
-  judge.add("float32 beside the plain double kernel", timeOf(judge.row("plain Eigen", "double", 1)) / timeOf(fast), 5, false, "x", "one core each");
+  judge.add("float32 beside the plain double kernel", timeOf(judge.body ? judge.body->plain(1) : nullptr) / timeOf(fast), 5, false, "x", "one core each");
   for (const auto& [name, row] : {std::pair("float32", fast), std::pair("int16", packed)})
     judge.add(std::string(name) + ", time over what the ceiling allows", row ? 1 / row->share : nan, 2, true, "x",
               row ? "one core; " + row->ceiling + " binds" : "one core");

@@ -13,8 +13,8 @@ namespace palpate {
 /// NaN stands for what does not apply.
 struct BenchRow {
   std::string kernel;            // "plain Eigen", "ten-line reference", "quads", "quads, node patches", "whole step" (with patches)
-  std::string precision;         // "double", "float32"
-  std::string instruction_set;   // nameOf(VectorUnit)
+  std::string precision;         // "double", "float32", "int16"
+  std::string instruction_set;   // nameOf(InstructionSet)
   int threads = 1;
   double best_ns = 0, median_ns = 0;
   double force_error = 0;        // |f - f_reference| / |f_reference|, of the whole field
@@ -37,6 +37,7 @@ struct BenchBodyResult {
 
   /// Null where there is no such row.
   const BenchRow* find(const std::string& kernel, const std::string& precision, const std::string& instruction_set, int threads) const;
+  const BenchRow* plain(int threads) const;  // the baseline, whatever it was compiled for
 };
 
 struct BenchReport {

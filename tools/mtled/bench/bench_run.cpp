@@ -36,9 +36,9 @@ std::vector<Vec3> exactForces(const Model& model, const std::vector<Vec3>& u, bo
 }
 
 /// The ceiling that allows least, among arithmetic and the memory level that holds the working set.
-void judgeByCeilings(const KernelCost& cost, VectorUnit unit, int points, const Ceilings& ceilings, BenchRow& row) {
+void judgeByCeilings(const KernelCost& cost, InstructionSet set, int points, const Ceilings& ceilings, BenchRow& row) {
   // A register holds half as many doubles.
-  const double gflops = ceilings.fma_gflops[static_cast<std::size_t>(unit)] / (row.precision == "double" ? 2 : 1);
+  const double gflops = ceilings.fma_gflops[static_cast<std::size_t>(set)] / (row.precision == "double" ? 2 : 1);
   const MemoryLevel& level = ceilings.levelOf(cost.working_set);
   row.bytes = cost.streamed_bytes / points;
   row.useful_flops = cost.useful_flops / points;
@@ -67,7 +67,7 @@ void benchForces(const Model& model, const std::vector<Ceilings>& ceilings, Team
       BenchRow row;
       row.kernel = kernel.name;
       row.precision = kernel.precision;
-      row.instruction_set = nameOf(kernel.unit);
+      row.instruction_set = nameOf(kernel.set);
       row.threads = teams[t]->size();
       row.force_error = relativeError(kernel.forces(), exact[kernel.patches ? 1 : 0]);
       if (!std::isfinite(row.force_error)) row.force_error = std::numeric_limits<double>::infinity();
@@ -82,7 +82,7 @@ void benchForces(const Model& model, const std::vector<Ceilings>& ceilings, Team
     row.best_ns = calls[k].best() / result.points * 1e9;
     row.median_ns = calls[k].median() / result.points * 1e9;
     if (what[k].first->cost.streamed_bytes > 0) {
-      judgeByCeilings(what[k].first->cost, what[k].first->unit, result.points, *what[k].second, row);
+      judgeByCeilings(what[k].first->cost, what[k].first->set, result.points, *what[k].second, row);
     } else {
       row.bytes = row.useful_flops = row.executed_flops = row.gb_per_s = row.gflop_per_s = row.ceiling_ns = row.share = nan;
     }
@@ -129,7 +129,7 @@ void benchSteps(const Model& model, const Teams& teams, double seconds, BenchBod
     BenchRow row;
     row.kernel = "whole step";
     row.precision = "float32";
-    row.instruction_set = nameOf(compiledVectorUnit());
+    row.instruction_set = nameOf(chosenInstructionSet());
     row.threads = teams[k]->size();
     const double point_steps = static_cast<double>(result.points) * model.substeps_per_tick;
     row.best_ns = calls[k].best() / point_steps * 1e9;

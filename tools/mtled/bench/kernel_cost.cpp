@@ -11,6 +11,8 @@ constexpr double flops_per_group = 592;
 constexpr double flops_per_quad = 108;
 // Per point, mechanics/stress_lanes.h: F 3, cofactor 27, J 27, I1 17, J^(-2/3) and its slope 25, factors 5, P 27, V P 9.
 constexpr double flops_per_point = 140;
+// Per point with 16-bit gradients: H and P by the gradients' scale.
+constexpr double scale_flops_per_point = 18;
 // Per point with node patches: J once more 26, its four shares 8, the pressure from four nodes 8.
 constexpr double patch_flops_per_point = 42;
 
@@ -29,15 +31,19 @@ template <class Real>
 KernelCost quadKernelCost(const KernelLayoutOf<Real>& layout, const ShapeTable& shape) {
   double touched = 0;  // nodes of all chunks; those of two chunks twice
   for (std::size_t c = 0; c < layout.chunk_node_begin.size(); ++c) touched += layout.chunk_node_end[c] - layout.chunk_node_begin[c];
-  const double tables = bytesOf(layout.gradN) + bytesOf(layout.node) + bytesOf(layout.quads);
-  const double points = bytesOf(layout.volume) + bytesOf(layout.batch_material);
+  const double tables = bytesOf(layout.gradN) + bytesOf(layout.rounded_gradN) + bytesOf(layout.node) + bytesOf(layout.short_node) +
+                        bytesOf(layout.quads);
+  const double scales = bytesOf(layout.scale), points = bytesOf(layout.volume) + bytesOf(layout.batch_material);
   const double u = layout.node_count * static_cast<double>(sizeof(Real4<Real>)), forces = touched * sizeof(Real4<Real>);
 
   KernelCost cost;
   cost.useful_flops = usefulFlops(shape);
-  cost.executed_flops = static_cast<double>(layout.node.size()) / 4 * flops_per_group + static_cast<double>(layout.quads.size()) * flops_per_quad +
-                        static_cast<double>(layout.volume.size()) * flops_per_point;
-  cost.streamed_bytes = cost.working_set = tables + points + u + forces;
+  double groups = 0;
+  for (const PointQuad& quad : layout.quads) groups += quad.group_count;
+  const auto quads = static_cast<double>(layout.quads.size()), padded_points = static_cast<double>(layout.volume.size());
+  cost.executed_flops = groups * flops_per_group + quads * flops_per_quad + padded_points * flops_per_point;
+  if (!layout.scale.empty()) cost.executed_flops += padded_points * scale_flops_per_point;
+  cost.streamed_bytes = cost.working_set = tables + scales + points + u + forces;
   if (layout.patch_node.empty()) return cost;
 
   const double tensors = 9 * bytesOf(layout.volume);
@@ -45,8 +51,8 @@ KernelCost quadKernelCost(const KernelLayoutOf<Real>& layout, const ShapeTable& 
   const double weights = bytesOf(layout.patch_share) + bytesOf(layout.patch_weight);
   cost.working_set += tensors + weights + bytesOf(layout.patch_node) + 2 * per_node + dilatation;  // bulk moduli and pressures
   // The gradients are kept between the passes, but the forces need the tiles again.
-  cost.streamed_bytes += tables + 2 * tensors + weights + 2 * bytesOf(layout.patch_node) + 3 * per_node + 2 * dilatation;
-  cost.executed_flops += static_cast<double>(layout.volume.size()) * patch_flops_per_point;
+  cost.streamed_bytes += tables + scales + 2 * tensors + weights + 2 * bytesOf(layout.patch_node) + 3 * per_node + 2 * dilatation;
+  cost.executed_flops += padded_points * patch_flops_per_point;
   return cost;
 }
 

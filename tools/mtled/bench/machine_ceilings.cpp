@@ -20,7 +20,7 @@ namespace {
 constexpr int chains = 12;
 
 /// v = v x + y in all lanes of all chains, so many times. Inlined into a function of each instruction set.
-template <int bytes>
+template <int bytes, bool fused>
 [[gnu::always_inline]] inline void multiplyAdd(long rounds) {
   typedef float Vector __attribute__((vector_size(bytes)));  // NOLINT: `using` drops the attribute here
   Vector x = Vector{} + 0.75F, y = Vector{} + 0.25F, v[chains];  // tends to 1: no overflow, no denormals
@@ -28,7 +28,13 @@ template <int bytes>
   for (int k = 0; k < chains; ++k) v[k] = Vector{} + static_cast<float>(k);
   for (long i = 0; i < rounds; ++i) {
 #pragma GCC unroll 12
-    for (int k = 0; k < chains; ++k) v[k] = v[k] * x + y;
+    for (int k = 0; k < chains; ++k) {
+      Vector product = v[k] * x;
+#if defined(__x86_64__)
+      if constexpr (!fused) asm("" : "+x"(product));  // the compiler may not fuse what it can't see through
+#endif
+      v[k] = product + y;
+    }
   }
   for (const Vector& chain : v) asm volatile("" : : "m"(chain));  // used, as far as the compiler knows
 }
@@ -51,11 +57,11 @@ template <int bytes>
   for (const Vector& stream : sum) asm volatile("" : : "m"(stream));
 }
 
-void multiplyAddPlain(long rounds) { multiplyAdd<16>(rounds); }
+void multiplyAddPlain(long rounds) { multiplyAdd<16, false>(rounds); }
 void readPlain(const float* a, std::size_t count) { readForward<16>(a, count); }
 #if defined(__x86_64__)
-[[gnu::target("avx2,fma")]] void multiplyAddAvx2(long rounds) { multiplyAdd<32>(rounds); }
-[[gnu::target("avx512f")]] void multiplyAddAvx512(long rounds) { multiplyAdd<64>(rounds); }
+[[gnu::target("avx2,fma")]] void multiplyAddAvx2(long rounds) { multiplyAdd<32, true>(rounds); }
+[[gnu::target("avx512f")]] void multiplyAddAvx512(long rounds) { multiplyAdd<64, true>(rounds); }
 [[gnu::target("avx2,fma")]] void readAvx2(const float* a, std::size_t count) { readForward<32>(a, count); }
 [[gnu::target("avx512f")]] void readAvx512(const float* a, std::size_t count) { readForward<64>(a, count); }
 #endif
@@ -66,10 +72,10 @@ struct Loops {
   int lanes;
 };
 
-Loops loopsOf(VectorUnit unit) {
+Loops loopsOf(InstructionSet set) {
 #if defined(__x86_64__)
-  if (unit == VectorUnit::Avx512) return {multiplyAddAvx512, readAvx512, 16};
-  if (unit == VectorUnit::Avx2) return {multiplyAddAvx2, readAvx2, 8};
+  if (set == InstructionSet::Avx512) return {multiplyAddAvx512, readAvx512, 16};
+  if (set == InstructionSet::Avx2) return {multiplyAddAvx2, readAvx2, 8};
 #endif
   return {multiplyAddPlain, readPlain, 4};
 }
@@ -115,28 +121,14 @@ void onAll(SpinTeam& team, Each& each) {
 
 }  // namespace
 
-const char* nameOf(VectorUnit unit) {
-  static const char* const names[] = {"plain", "AVX2", "AVX-512"};
-  return names[static_cast<int>(unit)];
-}
-
-VectorUnit compiledVectorUnit() {
+InstructionSet compiledInstructionSet() {
 #if defined(__AVX512F__)
-  return VectorUnit::Avx512;
+  return InstructionSet::Avx512;
 #elif defined(__AVX2__)
-  return VectorUnit::Avx2;
+  return InstructionSet::Avx2;
 #else
-  return VectorUnit::Plain;
+  return InstructionSet::Plain;
 #endif
-}
-
-std::vector<VectorUnit> availableVectorUnits() {
-  std::vector<VectorUnit> units = {VectorUnit::Plain};
-#if defined(__x86_64__)
-  if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) units.push_back(VectorUnit::Avx2);
-  if (__builtin_cpu_supports("avx512f")) units.push_back(VectorUnit::Avx512);
-#endif
-  return units;
 }
 
 Machine thisMachine() {
@@ -177,8 +169,8 @@ const MemoryLevel& Ceilings::levelOf(double bytes) const {
 }
 
 std::vector<Ceilings> measureCeilings(const Machine& machine, const std::vector<int>& thread_counts, double seconds) {
-  const auto units = availableVectorUnits();
-  const Loops widest = loopsOf(units.back());
+  const auto sets = supportedInstructionSets();
+  const Loops widest = loopsOf(sets.back());
   std::vector<std::vector<LevelPlan>> plans;
   std::size_t most_floats = 0;
   for (const int threads : thread_counts) {
@@ -193,8 +185,8 @@ std::vector<Ceilings> measureCeilings(const Machine& machine, const std::vector<
   for (std::size_t t = 0; t < thread_counts.size(); ++t) {
     teams.push_back(std::make_unique<SpinTeam>(thread_counts[t]));
     SpinTeam* team = teams.back().get();
-    for (const VectorUnit unit : units)
-      calls.push_back({team, [team, loop = loopsOf(unit).multiply_add] {
+    for (const InstructionSet set : sets)
+      calls.push_back({team, [team, loop = loopsOf(set).multiply_add] {
                          auto each = [loop](int) { loop(fma_rounds); };
                          onAll(*team, each);
                        }});
@@ -214,10 +206,10 @@ std::vector<Ceilings> measureCeilings(const Machine& machine, const std::vector<
     const double threads = thread_counts[t];
     Ceilings c;
     c.threads = thread_counts[t];
-    c.fma_gflops.assign(static_cast<std::size_t>(VectorUnit::Avx512) + 1, 0);
-    for (const VectorUnit unit : units) {
-      const double flops = 2.0 * fma_rounds * chains * loopsOf(unit).lanes * threads;
-      c.fma_gflops[static_cast<std::size_t>(unit)] = flops / calls[row++].best() * 1e-9;
+    c.fma_gflops.assign(static_cast<std::size_t>(InstructionSet::Avx512) + 1, 0);
+    for (const InstructionSet set : sets) {
+      const double flops = 2.0 * fma_rounds * chains * loopsOf(set).lanes * threads;
+      c.fma_gflops[static_cast<std::size_t>(set)] = flops / calls[row++].best() * 1e-9;
     }
     for (const LevelPlan& plan : plans[t]) {
       const double bytes = static_cast<double>(plan.reading.floats) * sizeof(float) * plan.reading.passes * threads;

@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "base/instruction_set.h"
+
 namespace palpate {
 
 /// What this computer is, as far as a kernel's speed depends on it.
@@ -17,15 +19,8 @@ struct Machine {
 /// From /proc/cpuinfo, the scheduler's affinity mask and /sys/devices/system/cpu (else sysconf).
 Machine thisMachine();
 
-/// Vector instruction sets that a kernel may be built for, narrow to wide: registers of 16, 32 and 64 bytes.
-/// Plain is what the compiler was told to use, in registers of 16 bytes.
-enum class VectorUnit { Plain, Avx2, Avx512 };
-const char* nameOf(VectorUnit unit);  // "plain", "AVX2", "AVX-512"
-
-/// The widest that this build uses where nothing is chosen at run time.
-VectorUnit compiledVectorUnit();
-/// Those that this processor has, narrow to wide.
-std::vector<VectorUnit> availableVectorUnits();
+/// What the compiler was told to use for everything but the hot kernel.
+InstructionSet compiledInstructionSet();
 
 /// A place where a working set can lie, and how fast all threads together read from it.
 struct MemoryLevel {
@@ -37,7 +32,7 @@ struct MemoryLevel {
 /// How fast `threads` cores can go at best: no kernel is faster than these.
 struct Ceilings {
   int threads = 1;
-  std::vector<double> fma_gflops;    // (VectorUnit) float32, multiply and add counted apart; 0: not this processor
+  std::vector<double> fma_gflops;    // (InstructionSet) float32, multiply and add counted apart; 0: not supported
   std::vector<MemoryLevel> levels;   // near to far, DRAM last
 
   double mostGflops() const;         // of the widest instruction set
@@ -45,7 +40,7 @@ struct Ceilings {
   const MemoryLevel& levelOf(double bytes) const;
 };
 
-/// Measures the ceilings of 1 .. n cores: independent chains of fused multiply-adds that stay in registers, and
+/// Measures the ceilings of 1 .. n cores: independent chains of multiply-adds that stay in registers (fused where the set has that), and
 /// forward reads with the hot kernel's prefetch distance. Memory is written before it is read, so that no level is the kernel's zero page.
 ///
 /// All figures take turns in short rounds until each has had `seconds`, and each is the best of its rounds:
