@@ -13,8 +13,8 @@ constexpr double double_limit = 1e-12;  // rounding of some hundred terms, times
 /// shear modulus; the bound of mechanics/internal_forces_test.cpp.
 double floatLimit(const Material& material) { return 1e-6 * material.bulk_modulus / material.shear_modulus; }
 
-/// What rounding leaves in a gradient is 2^-16 of the largest, and cancels in the sums that rigid motions and linear
-/// fields take; a bending field sees it.
+/// Rounding to 16 bits cancels in the sums that rigid motions and linear fields take; a bending field sees it. The
+/// bound of mechanics/kernel_instructions_test.cpp.
 double int16Limit(const Material& material) { return 10 * floatLimit(material); }
 
 BenchKernel referenceKernel(const Model& model, const std::vector<Vec3>& u) {
