@@ -58,8 +58,12 @@ void runOffscreen(Session& session) {
   ResultFolder& results = *session.results();
   results.writeReport(toJson(session.report()));
   results.writePicture(drawPicture(renderer, session, wanted ? *wanted : session.latest()));
-  std::cout << "picture      " << results.pictureFile() << "\nforce curve  " << results.forceFile()
-            << "\nreport       " << results.reportFile() << std::endl;
+  std::cout << "picture      " << results.pictureFile() << '\n';
+  if (session.options().soak_minutes)
+    std::cout << "soak         " << results.soakTextFile() << '\n';
+  else
+    std::cout << "force curve  " << results.forceFile() << '\n';
+  std::cout << "report       " << results.reportFile() << std::endl;
 }
 
 }  // namespace palpate

@@ -18,6 +18,7 @@ const char* const examples = R"(Examples:
   palpate liver                                  press the probe into the liver, in a window
   palpate liver --offscreen --seconds 3          no display: picture, force curve and report in out/liver
   palpate assets/scenes/layer_sphere.toml --tool indent.toml --out /tmp/layer
+  palpate --soak 60 liver --offscreen            an hour of presses; tells of memory, drift, deadlines in out/liver-soak
   palpate liver --record session.rec             keep what the tool did ...
   palpate liver --replay session.rec --offscreen --as-fast-as-possible   ... and repeat it bit for bit
 
@@ -65,12 +66,18 @@ ParsedOptions parseOptions(int argc, const char* const* argv) {
   app.footer(examples);
   app.set_version_flag("--version", buildInfo());
   app.get_formatter()->column_width(36);
-  app.add_option("SCENE", o.scene, "Scene file (.toml), or the name of one in assets/scenes, e.g. liver")->required();
+  app.add_option("SCENE", o.scene, "Scene file (.toml), or the name of one in assets/scenes, e.g. liver");
   app.add_flag("--offscreen", o.offscreen,
                "Run without a display; write snapshot.png, force.csv and report.json, e.g. palpate liver --offscreen");
   app.add_option("--seconds", o.seconds, "End after S seconds of physics time, e.g. --seconds 20")
       ->type_name("S")
       ->check(numberWithin(1e-3, 1e6, "s"));
+  app.add_option("--soak", o.soak_minutes,
+                 "Press, drag and release at many places for MINUTES of physics time (scene: liver if none is given); "
+                 "write soak.txt and soak.json once a minute; fail where memory grows or the state at rest drifts, "
+                 "e.g. --soak 60 liver --offscreen --fast")
+      ->type_name("MINUTES")
+      ->check(numberWithin(0.01, 1e6, "minutes"));
   app.add_option("--rate", o.rate_hz, "Ticks per second instead of the scene's rate, e.g. --rate 1000")
       ->type_name("HZ")
       ->check(numberWithin(100, 2000, "Hz"));
@@ -91,7 +98,7 @@ ParsedOptions parseOptions(int argc, const char* const* argv) {
   app.add_option("--threads", o.threads, "Physics threads instead of the scene's number, e.g. --threads 2")
       ->type_name("N")
       ->check(numberWithin(1, 64, "threads"));
-  app.add_flag("--as-fast-as-possible", o.as_fast_as_possible,
+  app.add_flag("--as-fast-as-possible,--fast", o.as_fast_as_possible,
                "Do not wait for the clock, e.g. palpate liver --replay session.rec --offscreen --as-fast-as-possible");
 
   app.add_flag("--no-cache", no_cache, "Make the set-up anew and do not keep it, e.g. palpate liver --no-cache");
@@ -107,6 +114,12 @@ ParsedOptions parseOptions(int argc, const char* const* argv) {
   }
 
   o.use_cache = !no_cache;
+  if (o.soak_minutes && o.scene.empty()) o.scene = "liver";
+  if (o.scene.empty()) return refusal("SCENE is required: a scene file, or the name of one in assets/scenes, e.g. liver");
+  if (o.soak_minutes && (o.seconds || !o.tool_script.empty() || !o.replay.empty()))
+    return refusal("--soak says how long to run and moves the tool itself; leave out --seconds, --tool and --replay");
+  if (o.soak_minutes && !o.record.empty())
+    return refusal("--soak repeats itself bit for bit and runs too long for a recording; leave out --record");
   if (!size.empty() && !readSize(size, o.width, o.height))
     return refusal("--size: '" + size + "' is not a size such as 1280x800 (" + std::to_string(min_width) + "x" +
                    std::to_string(min_height) + " to " + std::to_string(max_side) + "x" + std::to_string(max_side) + ")");

@@ -11,13 +11,14 @@ struct Options {
   std::string scene;                     // as typed: a file, or the name of a scene in assets/scenes
   bool offscreen = false;
   std::optional<double> seconds;         // s of physics time, then end
+  std::optional<double> soak_minutes;    // min of physics time under a tool that never stops, then end
   std::optional<double> rate_hz;         // instead of the scene's
   std::optional<int> threads;            // instead of the scene's
   std::optional<double> snapshot_at;     // s; off-screen picture; default: the end of the run
   std::string tool_script;               // empty: none
   std::string record;                    // empty: none
   std::string replay;                    // empty: none
-  std::string out;                       // empty: out/<scene> off-screen, nothing in the window
+  std::string out;                       // empty: out/<scene> off-screen, out/<scene>-soak in a soak, nothing in the window
   int width = 1280, height = 800;        // px
   bool as_fast_as_possible = false;
   bool use_cache = false;                // keep the set-up for the next start

@@ -11,6 +11,7 @@
 #include "app/log.h"
 #include "app/theme.h"
 #include "app/view.h"
+#include "realtime/force_output.h"
 #include "realtime/snapshot.h"
 #include "simulation/model.h"
 
@@ -51,6 +52,7 @@ struct PanelData {
   const ForceHistory& forces;
   std::span<const LogLine> log;
   TimingView timing{};
+  ForceReading force{};              // at the time of drawing, newer than the snapshot's
   std::vector<MaterialView> materials{};
   double friction = 0;               // Coulomb coefficient at present
   std::string input_note{};          // why material and friction can't be changed now; empty: they can
@@ -83,6 +85,9 @@ struct PanelRequests {
 /// in the window and off-screen. Settings of the picture are edited in `view`.
 PanelRequests drawPanels(const Theme& theme, const PanelData& data, const Layout& layout, PanelState& state,
                          View& view);
+
+/// What stands beside a force that is not the present one: "stale, 23 ms old", "paused"; empty: it is.
+std::string staleMark(const ForceReading& force, const LoopStatus& status);
 
 // The parts, each in a file of its own.
 void drawBar(const Theme&, const PanelData&, const Rect&, PanelState&, PanelRequests&);

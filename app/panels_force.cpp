@@ -53,15 +53,25 @@ void bigNumber(const Theme& theme, const char* name, double newton, ImU32 colour
 
 }  // namespace
 
+std::string staleMark(const ForceReading& force, const LoopStatus& status) {
+  if (force.fresh) return {};
+  if (status.paused || force.sample.tick == 0) return "paused";
+  return force.age_s < 1 ? format("stale, %.0f ms old", 1e3 * force.age_s) : format("stale, %.1f s old", force.age_s);
+}
+
 void drawForceCard(const Theme& theme, const PanelData& data, float height) {
   if (!beginCard(theme, "Force on the tool")) return;
-  const ForceSample& force = data.snapshot.force;
+  const ForceSample& force = data.force.sample;
+  const bool fresh = data.force.fresh;
+  const std::string mark = staleMark(data.force, data.snapshot.status);
   const float half = 0.5F * ImGui::GetContentRegionAvail().x;
-  bigNumber(theme, "filtered", force.force_filtered.norm(), colours::accent, half);
-  bigNumber(theme, "raw", force.force_raw.norm(), colours::raw, half);
+  bigNumber(theme, fresh ? "filtered" : mark.c_str(), force.force_filtered.norm(), fresh ? colours::accent : colours::stale,
+            half);
+  bigNumber(theme, fresh ? "raw" : mark.c_str(), force.force_raw.norm(), fresh ? colours::raw : colours::stale, half);
   ImGui::NewLine();
   const Vec3& f = force.force_filtered;
-  row("Components", format("%+.3f  %+.3f  %+.3f N", f.x(), f.y(), f.z()), colours::text, "x, y, z of the filtered force");
+  row("Components", format("%+.3f  %+.3f  %+.3f N", f.x(), f.y(), f.z()), fresh ? colours::text : colours::stale,
+      "x, y, z of the filtered force");
   row("Peak", format("%.3f N filtered, %.3f N raw", data.forces.peakFiltered(), data.forces.peakRaw()));
 
   const float plot_height = std::clamp(0.165F * height, 100 * theme.scale, 220 * theme.scale);

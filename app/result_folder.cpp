@@ -18,10 +18,14 @@ namespace {
 
 }  // namespace
 
-ResultFolder::ResultFolder(const std::string& folder) : folder_(folder) {
+ResultFolder::ResultFolder(const std::string& folder, bool with_forces) : folder_(folder), with_forces_(with_forces) {
   std::error_code error;
   std::filesystem::create_directories(folder_, error);
   if (error || !std::filesystem::is_directory(folder_, error)) fail(folder_, error ? error.value() : ENOTDIR);
+  if (!with_forces_) {
+    checkWritable(reportFile(), "choose another place with --out");
+    return;
+  }
   errno = 0;
   forces_.open(forceFile(), std::ios::trunc);
   if (!forces_) fail(forceFile(), errno);
@@ -36,6 +40,7 @@ void ResultFolder::checkForces() {
 }
 
 void ResultFolder::addForce(const ForceSample& s) {
+  if (!with_forces_) return;
   // %.9g tells neighbouring floats apart; the clock's times have at most 1e-4 s of detail.
   char row[256];
   const int length =
@@ -47,6 +52,7 @@ void ResultFolder::addForce(const ForceSample& s) {
 }
 
 void ResultFolder::finishForces() {
+  if (!with_forces_) return;
   errno = 0;
   forces_.close();
   checkForces();

@@ -15,7 +15,8 @@ class ResultFolder {
  public:
   /// Makes the folder where it is missing and begins force.csv, so that a run that
   /// could not keep its results never starts.
-  explicit ResultFolder(const std::string& folder);
+  /// @param with_forces  false: no force.csv; addForce does nothing
+  explicit ResultFolder(const std::string& folder, bool with_forces = true);
 
   /// One row of force.csv.
   void addForce(const ForceSample& sample);
@@ -27,12 +28,15 @@ class ResultFolder {
 
   std::string forceFile() const { return folder_ + "/force.csv"; }
   std::string reportFile() const { return folder_ + "/report.json"; }
+  std::string soakJsonFile() const { return folder_ + "/soak.json"; }
+  std::string soakTextFile() const { return folder_ + "/soak.txt"; }
   std::string pictureFile() const { return folder_ + "/snapshot.png"; }
 
  private:
   void checkForces();
 
   std::string folder_;
+  bool with_forces_;
   std::ofstream forces_;
 };
 

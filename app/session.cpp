@@ -27,8 +27,11 @@ std::string fileName(const std::string& path) { return std::filesystem::path(pat
 /// The files that the run will write, opened or tried before anything takes time.
 std::optional<ResultFolder> openResults(const Options& options) {
   if (!options.record.empty()) checkWritable(options.record, "choose another file with --record");
+  const std::string named = "out/" + std::filesystem::path(options.scene).stem().string();
+  // A soak's force curve would grow by 150 MB an hour and tell nothing that its report doesn't.
+  if (options.soak_minutes) return ResultFolder(options.out.empty() ? named + "-soak" : options.out, false);
   if (!options.out.empty()) return ResultFolder(options.out);
-  if (options.offscreen) return ResultFolder("out/" + std::filesystem::path(options.scene).stem().string());
+  if (options.offscreen) return ResultFolder(named);
   return {};
 }
 
@@ -98,6 +101,15 @@ Session::~Session() = default;
 void Session::chooseInput(SimulationLoopOptions& loop_options) {
   const double rate = scene_.rate_hz;
   double track_seconds = 0;
+  if (options_.soak_minutes) {
+    soak_.emplace(model_, *options_.soak_minutes);
+    loop_options.motion = &soak_->motion();
+    loop_options.tick_limit = ticksIn(60 * *options_.soak_minutes, rate);
+    track_driver_ = ToolDriver::Script;
+    script_ = "soak";
+    track_over_ = false;
+    return;
+  }
   if (!options_.replay.empty()) {
     Recording recording = readRecording(options_.replay);
     checkRecordingFits(recording, model_, options_.replay);
@@ -143,6 +155,7 @@ void Session::gather() {
   TimedRequest change;
   while (loop_->recorded().pop(change))
     if (recording_) recording_->changes.push_back(change);
+  if (soak_ && !ended_) soak_->look(*loop_, *results_);
 }
 
 void Session::takeEvent(const LogEvent& event) {
@@ -150,6 +163,7 @@ void Session::takeEvent(const LogEvent& event) {
   const std::string text = logText(event);
   if (event.isFreeze()) {
     frozen_reason_ = text;
+    if (soak_) loop_->quit();  // broken for good
     log_.error(text);
   } else if (event.isWarning() || event.kind == Kind::MaterialRefused) {
     log_.warning(text);
@@ -186,6 +200,10 @@ void Session::finish() {
     log_.warning(format("%lld force samples were lost: the main thread was kept from running",
                         static_cast<long long>(summary.lost_force_samples)));
   if (results_) results_->finishForces();
+  if (soak_) {
+    const std::string broken = soak_->finish(*loop_, *results_, interrupted());
+    if (!broken.empty()) failure_ = "the soak failed: " + broken;
+  }
   if (recording_) {
     recording_->ticks = summary.ticks;
     try {
@@ -251,9 +269,15 @@ TimingView Session::timing(const Snapshot& snapshot) const {
   return view;
 }
 
+/// Pictures of a moment, off-screen or after the end, show its force as it was then.
+ForceReading Session::shownForce(const Snapshot& snapshot) const {
+  return ended_ || options_.offscreen ? ForceReading{snapshot.force, 0, true} : loop_->force();
+}
+
 PanelData Session::panelData(const Snapshot& snapshot) const {
   PanelData data{.model = model_, .snapshot = snapshot, .forces = forces_, .log = log_.lines()};
   data.timing = timing(snapshot);
+  data.force = shownForce(snapshot);
   for (std::size_t m = 0; m < stiffness_.size(); ++m)
     data.materials.push_back({scene_.materials[m], stiffened(scene_materials_[m], stiffness_[m]), stiffness_[m]});
   data.friction = friction_;

@@ -10,6 +10,7 @@
 #include "app/options.h"
 #include "app/panels.h"
 #include "app/result_folder.h"
+#include "app/soak.h"
 #include "realtime/recording.h"
 #include "realtime/run_report.h"
 #include "realtime/simulation_loop.h"
@@ -70,6 +71,7 @@ class Session {
   void chooseInput(SimulationLoopOptions& loop_options);
   void takeEvent(const LogEvent& event);
   TimingView timing(const Snapshot& snapshot) const;
+  ForceReading shownForce(const Snapshot& snapshot) const;
 
   Options options_;
   Log& log_;
@@ -81,6 +83,7 @@ class Session {
   std::vector<double> stiffness_;      // (material_count) present, times the scene's
   std::vector<double> sent_before_;    // (material_count) before the last request, should it be refused
   double friction_ = 0;
+  std::optional<Soak> soak_;
   std::unique_ptr<TissuePhysics> physics_;
   std::unique_ptr<SimulationLoop> loop_;
   std::optional<Recording> recording_;

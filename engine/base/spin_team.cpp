@@ -34,6 +34,8 @@ class Backoff {
     return true;
   }
 
+  bool isLong() const { return rounds_ > kSpins; }
+
  private:
   int rounds_ = 0;
 };
@@ -75,6 +77,7 @@ void SpinTeam::run(Job job, void* context) {
        left = remaining_.load(std::memory_order_acquire)) {
     if (!backoff.wait()) remaining_.wait(left, std::memory_order_acquire);
   }
+  if (backoff.isLong()) ++long_waits_;
   if (parked) park();
 }
 

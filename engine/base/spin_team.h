@@ -36,6 +36,9 @@ class SpinTeam {
   void wake();
   void park();
 
+  /// Owner: how often so far a worker kept it waiting beyond the bounded spin (50-100 us).
+  std::int64_t longWaits() const { return long_waits_; }
+
   /// The worker threads, for scheduling class and affinity.
   std::vector<std::thread>& workers() { return workers_; }
 
@@ -47,6 +50,7 @@ class SpinTeam {
   std::vector<std::thread> workers_;
   Job job_ = nullptr;
   void* context_ = nullptr;
+  std::int64_t long_waits_ = 0;                        // the owner's own
   bool stop_ = false;                                  // written before generation_, like job_
   alignas(64) std::atomic<std::uint32_t> generation_{0};  // jobs given out so far
   alignas(64) std::atomic<std::uint32_t> awake_{0};       // odd while workers should spin

@@ -4,6 +4,8 @@
 #include <atomic>
 #include <cstdint>
 
+#include "realtime/overload.h"
+
 namespace palpate {
 
 /// Percentiles of a duration, us.
@@ -56,6 +58,7 @@ struct DeadlineStatistics {
   std::atomic<std::int64_t> ticks{0};
   std::atomic<std::int64_t> overrun_count{0};
   std::atomic<std::int64_t> longest_overrun_streak{0};  // missed deadlines until a tick was on time again
+  std::array<std::atomic<std::int64_t>, kLateCauseCount> late_ticks{};  // ticks that missed deadlines, by LateCause
 };
 
 }  // namespace palpate

@@ -1,10 +1,12 @@
 #include "realtime/fixed_step_loop.h"
 
+#include <sys/resource.h>
 #include <time.h>
 
 #include <algorithm>
 #include <cerrno>
 #include <cmath>
+#include <utility>
 
 namespace palpate {
 namespace {
@@ -100,6 +102,18 @@ void MonotonicClock::sleepUntil(std::int64_t time) {
   }
 }
 
+std::int64_t MonotonicClock::threadCpu() {
+  timespec t{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+  return t.tv_sec * kNsPerSecond + t.tv_nsec;
+}
+
+ThreadUse MonotonicClock::threadUse() {
+  rusage use{};
+  getrusage(RUSAGE_THREAD, &use);
+  return {use.ru_nivcsw, use.ru_minflt + use.ru_majflt};
+}
+
 LoopTotals runFixedStepLoop(const FixedStepOptions& options, Clock& clock, LoopBody& body,
                             DeadlineStatistics& statistics) {
   const Grid grid{clock.now(), static_cast<double>(kNsPerSecond) / options.rate_hz};
@@ -108,9 +122,11 @@ LoopTotals runFixedStepLoop(const FixedStepOptions& options, Clock& clock, LoopB
   LoopTime time;
   std::int64_t k = 0;       // grid index of the present tick
   std::int64_t streak = 0;  // missed deadlines since a tick was last on time
+  std::int64_t cpu = fast ? 0 : clock.threadCpu();  // before the sleep
+  ThreadUse use = fast ? ThreadUse{} : clock.threadUse();  // at the last late tick
   for (;;) {
     if (!fast) clock.sleepUntil(grid.at(k));
-    const std::int64_t begin = clock.now();
+    const std::int64_t begin = time.begin_ns = clock.now();
     const TickOutcome outcome = body.onTick(time);
     const std::int64_t end = clock.now();
 
@@ -139,6 +155,19 @@ LoopTotals runFixedStepLoop(const FixedStepOptions& options, Clock& clock, LoopB
       statistics.longest_overrun_streak.store(streak, std::memory_order_relaxed);
     }
     progress.advanced(grid.at(k), grid.at(next), time);
+    const std::int64_t cpu_before = std::exchange(cpu, clock.threadCpu());
+    if (missed > 0) {
+      const ThreadUse use_before = std::exchange(use, clock.threadUse());
+      LateTick late;
+      late.period_ns = std::llround(grid.period);
+      late.late_ns = begin - grid.at(k);
+      late.step_ns = end - begin;
+      late.computing_ns = cpu - cpu_before;
+      late.missed = missed;
+      late.involuntary_switches = use.involuntary_switches - use_before.involuntary_switches;
+      late.page_faults = use.page_faults - use_before.page_faults;
+      body.onLate(late, time);
+    }
     k = next;
   }
 }

@@ -33,6 +33,12 @@ std::string sentence(const LogEvent& e) {
       return "more skin near the tool than memory was taken for: part of the contact is ignored";
     case LogEvent::Kind::DeepContact:
       return format("the tool stands %.3g mm deep in the skin: the contact is not to be trusted", 1e3 * e.value);
+    case LogEvent::Kind::TickLate:
+      return "overload: " + lateTickText(e.overload.worst);
+    case LogEvent::Kind::Overloaded:
+      return "overload: " + overloadText(e.overload);
+    case LogEvent::Kind::OverloadEnded:
+      return "on time again after " + overloadText(e.overload);
     case LogEvent::Kind::Reset:
       return "reset";
     case LogEvent::Kind::Paused:

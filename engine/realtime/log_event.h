@@ -4,6 +4,7 @@
 #include <string>
 
 #include "base/types.h"
+#include "realtime/overload.h"
 #include "realtime/spsc_ring.h"
 
 namespace palpate {
@@ -18,6 +19,9 @@ struct LogEvent {
     InvertedPoints,      // warning: point, position; value: how many
     ContactOverflow,     // warning
     DeepContact,         // warning: value: penetration, m
+    TickLate,            // warning: overload.worst
+    Overloaded,          // warning: overload, which goes on
+    OverloadEnded,       // overload
     Reset,
     Paused,
     Resumed,
@@ -32,9 +36,10 @@ struct LogEvent {
   int index = -1;          // node, integration point or material, as noted above
   Vec3 position = Vec3::Zero();  // m, reference configuration
   double value = 0;
+  Overload overload;
 
   bool isFreeze() const { return kind <= Kind::FrozenInverted; }
-  bool isWarning() const { return kind > Kind::FrozenInverted && kind <= Kind::DeepContact; }
+  bool isWarning() const { return kind > Kind::FrozenInverted && kind <= Kind::Overloaded; }
 };
 
 using LogRing = SpscRing<LogEvent>;

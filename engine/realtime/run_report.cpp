@@ -20,11 +20,26 @@ constexpr std::array<std::pair<StepFlag, const char*>, 5> kFlagNames{{
     {kDeepContact, "deep_contact"},
 }};
 
-Json toJsonValue(const Percentiles& p) {
+}  // namespace
+
+Json percentilesJson(const Percentiles& p) {
   return {{"p50", p.p50}, {"p99", p.p99}, {"p999", p.p999}, {"max", p.max}};
 }
 
-}  // namespace
+Json lateTicksJson(const std::array<std::int64_t, kLateCauseCount>& late_ticks) {
+  return {{"woken_late", late_ticks[static_cast<std::size_t>(LateCause::LateWakeUp)]},
+          {"core_taken", late_ticks[static_cast<std::size_t>(LateCause::CoreTaken)]},
+          {"worker_late", late_ticks[static_cast<std::size_t>(LateCause::WorkerLate)]},
+          {"long_computation", late_ticks[static_cast<std::size_t>(LateCause::LongComputation)]}};
+}
+
+std::vector<std::string> flagNames(std::uint32_t flags) {
+  std::vector<std::string> names;
+  for (const auto& [flag, name] : kFlagNames) {
+    if (flags & flag) names.emplace_back(name);
+  }
+  return names;
+}
 
 RunReport makeRunReport(const Model& model, const RunSummary& summary,
                         const DeadlineStatistics& statistics, int threads, double volume_change) {
@@ -40,6 +55,9 @@ RunReport makeRunReport(const Model& model, const RunSummary& summary,
   report.ticks = summary.ticks;
   report.overruns = statistics.overrun_count.load(std::memory_order_relaxed);
   report.longest_overrun_streak = statistics.longest_overrun_streak.load(std::memory_order_relaxed);
+  for (std::size_t c = 0; c < kLateCauseCount; ++c) {
+    report.late_ticks[c] = statistics.late_ticks[c].load(std::memory_order_relaxed);
+  }
   report.physics_seconds = summary.totals.simulated_seconds;
   report.wall_seconds = summary.totals.wall_seconds;
   report.realtime_factor = summary.totals.realtime_factor;
@@ -63,10 +81,6 @@ RunReport makeRunReport(const Model& model, const RunSummary& summary,
 std::string toJson(const RunReport& r) {
   char hash[17];
   std::snprintf(hash, sizeof hash, "%016llx", static_cast<unsigned long long>(r.state_hash));
-  Json flags = Json::array();
-  for (const auto& [flag, name] : kFlagNames) {
-    if (r.flags & flag) flags.push_back(name);
-  }
   const Vec3& base = r.base_reaction_N;
   const Json json = {
       {"scene", r.scene},
@@ -80,11 +94,12 @@ std::string toJson(const RunReport& r) {
       {"ticks", r.ticks},
       {"overruns", r.overruns},
       {"longest_overrun_streak", r.longest_overrun_streak},
+      {"late_ticks", lateTicksJson(r.late_ticks)},
       {"physics_seconds", r.physics_seconds},
       {"wall_seconds", r.wall_seconds},
       {"realtime_factor", r.realtime_factor},
-      {"step_us", toJsonValue(r.step_us)},
-      {"wakeup_late_us", toJsonValue(r.wakeup_late_us)},
+      {"step_us", percentilesJson(r.step_us)},
+      {"wakeup_late_us", percentilesJson(r.wakeup_late_us)},
       {"rt_setup",
        {{"scheduling", r.rt_setup.scheduling},
         {"memory_lock", r.rt_setup.memory_lock},
@@ -97,7 +112,7 @@ std::string toJson(const RunReport& r) {
       {"peak_force_N", r.peak_force_N},
       {"base_reaction_N", Json::array({base.x(), base.y(), base.z()})},
       {"state_hash", hash},
-      {"flags", flags},
+      {"flags", flagNames(r.flags)},
       {"frozen", r.frozen},
       {"setup_seconds", r.setup_seconds},
       {"build", r.build},

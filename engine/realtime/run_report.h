@@ -1,7 +1,10 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
+#include <vector>
 
 #include "realtime/deadline_statistics.h"
 #include "realtime/simulation_loop.h"
@@ -17,6 +20,7 @@ struct RunReport {
   double dt_s = 0, dt_critical_s = 0, rate_hz = 0;
   int substeps_per_tick = 0;
   std::int64_t ticks = 0, overruns = 0, longest_overrun_streak = 0;
+  std::array<std::int64_t, kLateCauseCount> late_ticks{};  // that missed deadlines, by LateCause
   double physics_seconds = 0, wall_seconds = 0, realtime_factor = 0;
   Percentiles step_us, wakeup_late_us;
   RtSetup rt_setup;
@@ -40,5 +44,10 @@ RunReport makeRunReport(const Model& model, const RunSummary& summary,
 /// report.json: keys as the members; state_hash as 16 hex digits, flags as names;
 /// numbers that are not finite become null.
 std::string toJson(const RunReport& report);
+
+/// Parts that other reports have, too: {p50, p99, p999, max}, ticks by cause, names of StepFlags.
+nlohmann::ordered_json percentilesJson(const Percentiles& percentiles);
+nlohmann::ordered_json lateTicksJson(const std::array<std::int64_t, kLateCauseCount>& late_ticks);
+std::vector<std::string> flagNames(std::uint32_t flags);
 
 }  // namespace palpate

@@ -65,6 +65,7 @@ SimulationLoop::SimulationLoop(const Model& model, Physics& physics, SpinTeam* t
       recorded_(options_.record ? options_.record_capacity : 1),
       filter_(model.scene.filter_cutoff_hz, model.scene.force_rate_limit, model.scene.rate_hz),
       watchdog_(model),
+      overload_(model.scene.rate_hz),
       shown_u_(physics.state().u),
       friction_(loaded_friction_),
       paused_(options_.start_paused) {
@@ -96,22 +97,40 @@ void SimulationLoop::run(Clock& clock) {
   loop.rate_hz = model_.scene.rate_hz;
   loop.as_fast_as_possible = options_.as_fast_as_possible;
   summary_.totals = runFixedStepLoop(loop, clock, *this, statistics_);
+  overload_.end(run_tick_, log_);
   summary_.ticks = run_tick_;
   summary_.state_hash = physics_.stateHash();
   summary_.frozen = frozen_;
   finished_.store(true, std::memory_order_release);
 }
 
+ForceReading SimulationLoop::force() const {
+  const ForceSample sample = newest_force_.latest();
+  // After the sample: a reader that was stopped in between must not take it for younger than it is.
+  return readForce(sample, MonotonicClock().now());
+}
+
 TickOutcome SimulationLoop::onTick(const LoopTime& time) {
+  overload_.look(time.begin_ns, run_tick_, log_);
+  if (team_ != nullptr) long_waits_ = team_->longWaits();
   takeRequests();
   if (stop_ || quit_.load(std::memory_order_relaxed)) return TickOutcome::Stop;
   if (options_.tick_limit > 0 && run_tick_ >= options_.tick_limit) return TickOutcome::Stop;
 
   const bool moves = !paused_ || step_once_;
   step_once_ = false;
-  if (moves) advance();
+  if (moves) advance(time);
   publish(time);
   return moves ? TickOutcome::Advanced : TickOutcome::Idle;
+}
+
+void SimulationLoop::onLate(const LateTick& measured, const LoopTime& time) {
+  LateTick late = measured;
+  late.tick = run_tick_ - 1;
+  if (team_ != nullptr) late.long_waits = team_->longWaits() - long_waits_;
+  std::atomic<std::int64_t>& count = statistics_.late_ticks[static_cast<std::size_t>(causeOf(late))];
+  count.store(count.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);
+  overload_.add(late, time.begin_ns + late.step_ns, log_);
 }
 
 void SimulationLoop::takeRequests() {
@@ -119,7 +138,9 @@ void SimulationLoop::takeRequests() {
   while (commands_.pop(request)) apply(request, false);
 }
 
-bool SimulationLoop::trackDrives() const { return run_tick_ - track_start_ < track_end_; }
+bool SimulationLoop::trackDrives() const {
+  return options_.motion != nullptr || run_tick_ - track_start_ < track_end_;
+}
 
 void SimulationLoop::takeTrack() {
   const std::vector<TimedRequest>& track = options_.track;
@@ -195,6 +216,7 @@ void SimulationLoop::resetPhysics() {
   command_ = {};
   command_.tool_target = viewer_target_ = model_.tool_start;
   recorded_command_ = command_;
+  if (options_.motion != nullptr) options_.motion->restart();
   record(Request::simple(Request::Kind::Reset));
   tell(LogEvent::Kind::Reset);
 }
@@ -233,8 +255,9 @@ void SimulationLoop::setMaterial(const Request& request) {
   tell(LogEvent::Kind::MaterialSet, request.index);
 }
 
-void SimulationLoop::advance() {
+void SimulationLoop::advance(const LoopTime& time) {
   takeTrack();
+  if (options_.motion != nullptr && !frozen_) command_.tool_target = options_.motion->next(physics_.state(), report_);
   if (!trackDrives()) command_.tool_target = follow(command_.tool_target, viewer_target_, follow_gain_);
   recordCommand();
 
@@ -260,11 +283,13 @@ void SimulationLoop::advance() {
   if (track_drove && !trackDrives()) tell(LogEvent::Kind::TrackEnded);
 
   force_.tick = run_tick_;
+  force_.wall_ns = time.begin_ns;
   force_.time_s = static_cast<double>(run_tick_) / model_.scene.rate_hz;
   force_.depth_m = (physics_.state().tool_pose.position - model_.tool_start.position).dot(tool_axis_) -
                    model_.touch_travel;
   force_.force_raw = report_.tool_force;
   force_.force_filtered = frozen_ ? filter_.fade() : filter_.update(force_.force_raw);
+  newest_force_.publish(force_);
   if (!forces_.push(force_)) ++summary_.lost_force_samples;
 }
 

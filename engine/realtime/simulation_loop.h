@@ -8,10 +8,13 @@
 #include "realtime/command_queue.h"
 #include "realtime/fixed_step_loop.h"
 #include "realtime/force_filter.h"
+#include "realtime/force_output.h"
 #include "realtime/log_event.h"
+#include "realtime/overload_watch.h"
 #include "realtime/physics.h"
 #include "realtime/snapshot_buffer.h"
 #include "realtime/thread_setup.h"
+#include "realtime/tool_motion.h"
 #include "realtime/watchdog.h"
 
 namespace palpate {
@@ -26,6 +29,8 @@ struct SimulationLoopOptions {
   /// over) and quit.
   std::vector<TimedRequest> track;
   std::int64_t track_ticks = 0;            // how long it lasts; 0: to its last entry
+  /// Moves the tool instead of a track, to the end of the run; must outlive the loop. Null: none.
+  ToolMotion* motion = nullptr;
   std::size_t force_capacity = 1 << 16;    // samples kept until the viewer takes them
   std::size_t record_capacity = 1 << 16;   // changes kept until the viewer takes them
 };
@@ -79,12 +84,16 @@ class SimulationLoop final : private LoopBody {
   LogRing& log() { return log_; }                             // (viewer) pop
   SpscRing<TimedRequest>& recorded() { return recorded_; }    // (viewer) pop
   const DeadlineStatistics& statistics() const { return statistics_; }  // any thread
+  /// (any thread, any number of them) The newest force with its age: what a haptic device or a
+  /// readout goes by. Under overload, in a pause and after the end it grows old and is not fresh.
+  ForceReading force() const;
 
   /// (viewer) After the end.
   const RunSummary& summary() const { return summary_; }
 
  private:
   TickOutcome onTick(const LoopTime& time) override;
+  void onLate(const LateTick& late, const LoopTime& time) override;
   void takeRequests();
   void takeTrack();
   void apply(const Request& request, bool from_track);
@@ -93,7 +102,7 @@ class SimulationLoop final : private LoopBody {
   void setFriction(const Request& request);
   void setMaterial(const Request& request);
   bool trackDrives() const;
-  void advance();
+  void advance(const LoopTime& time);
   void publish(const LoopTime& time);
   void record(const Request& request);
   void recordCommand();
@@ -112,6 +121,7 @@ class SimulationLoop final : private LoopBody {
   CommandQueue commands_;
   SnapshotBuffer snapshots_;
   SpscRing<ForceSample> forces_;
+  ForceOutput newest_force_;
   LogRing log_;
   SpscRing<TimedRequest> recorded_;
   DeadlineStatistics statistics_;
@@ -122,6 +132,8 @@ class SimulationLoop final : private LoopBody {
   // The loop thread's own.
   ForceFilter filter_;
   Watchdog watchdog_;
+  OverloadWatch overload_;
+  std::int64_t long_waits_ = 0;  // of the team, before the present tick
   Command command_;              // of the present tick
   Command recorded_command_;     // as far as the recording tells
   Pose viewer_target_;           // where the viewer wants the tool

@@ -12,6 +12,7 @@ namespace palpate {
 /// One tick's force, as written to force.csv and plotted.
 struct ForceSample {
   std::int64_t tick = 0;
+  std::int64_t wall_ns = 0;        // CLOCK_MONOTONIC when the tick began: the input that it answers is as old
   double time_s = 0;               // physics time
   double depth_m = 0;              // tip travel along the tool's axis past first touch of the resting skin
   Vec3 force_raw = Vec3::Zero();       // N, on the tool

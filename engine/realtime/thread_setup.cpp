@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <utility>
 #include <vector>
 
 #if defined(__SSE__)
@@ -94,9 +95,16 @@ void touchStack() {
   for (std::size_t i = 0; i < kTouchedStack; i += 4096) stack[i] = 0;
 }
 
-void setUpMember(void* real_time, int, int) {
+struct MemberSetup {
+  bool real_time;
+  std::vector<int> thread_ids;  // (member_count)
+};
+
+void setUpMember(void* context, int member, int) {
+  auto& setup = *static_cast<MemberSetup*>(context);
+  setup.thread_ids[static_cast<std::size_t>(member)] = static_cast<int>(syscall(SYS_gettid));
   flushDenormals();
-  if (!*static_cast<const bool*>(real_time)) return;
+  if (!setup.real_time) return;
   touchStack();
   // The kernel may delay an ordinary thread's wake-up by its timer slack, 50 us by default.
   prctl(PR_SET_TIMERSLACK, 1UL);
@@ -113,11 +121,13 @@ void flushDenormals() {
 
 RtSetup setUpLoopThread(SpinTeam* team, bool real_time) {
   RtSetup setup;
+  MemberSetup members{real_time, std::vector<int>(team != nullptr ? static_cast<std::size_t>(team->size()) : 1)};
   if (team != nullptr) {
-    team->run(setUpMember, &real_time);
+    team->run(setUpMember, &members);
   } else {
-    setUpMember(&real_time, 0, 1);
+    setUpMember(&members, 0, 1);
   }
+  setup.thread_ids = std::move(members.thread_ids);
 #if defined(__SSE__)
   setup.denormals = "done: flush-to-zero and denormals-are-zero";
 #else

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "base/spin_team.h"
 
@@ -13,6 +14,7 @@ struct RtSetup {
   std::string memory_lock;  // mlockall
   std::string affinity;     // a core of its own for each physics thread
   std::string denormals;    // flush-to-zero, denormals-are-zero
+  std::vector<int> thread_ids;  // the kernel's, member 0 (the loop's thread) first
 };
 
 /// Prepares the calling thread and the team's workers for fixed-rate work: SCHED_FIFO,

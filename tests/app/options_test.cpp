@@ -53,6 +53,12 @@ TEST_CASE("Each option reaches its field", "[options]") {
   CHECK(o.as_fast_as_possible);
   CHECK_FALSE(o.use_cache);
   CHECK(parse({"a.toml", "--replay", "r.rec"}).options.value().replay == "r.rec");
+  CHECK_FALSE(o.soak_minutes);
+  const Options soak = parse({"--soak", "60", "kidney", "--fast"}).options.value();
+  CHECK(soak.soak_minutes.value() == 60);
+  CHECK(soak.scene == "kidney");
+  CHECK(soak.as_fast_as_possible);
+  CHECK(parse({"--soak", "1.5"}).options.value().scene == "liver");
 }
 
 TEST_CASE("--help names every option with an example and is no error", "[options]") {
@@ -60,7 +66,7 @@ TEST_CASE("--help names every option with an example and is no error", "[options
   CHECK_FALSE(parsed.options);
   CHECK(parsed.exit_code == 0);
   for (const char* option : {"--offscreen", "--seconds", "--rate", "--tool", "--record", "--replay", "--out", "--size",
-                             "--as-fast-as-possible", "--threads", "--snapshot-at", "--no-cache"}) {
+                             "--as-fast-as-possible", "--threads", "--snapshot-at", "--no-cache", "--soak"}) {
     INFO(option);
     const auto at = parsed.message.find("  " + std::string(option));
     REQUIRE(at != std::string::npos);
@@ -89,7 +95,13 @@ TEST_CASE("A line that can't be used is refused with exit code 2 and a message t
       {{"liver", "--size", "-1280x800"}, "--size"},
       {{"liver", "--size", "10x10"}, "--size"},
       {{"liver", "--size", "99999x800"}, "--size"},
-      {{"liver", "--fast"}, "--fast"},
+      {{"liver", "--faster"}, "--faster"},
+      {{"liver", "--soak", "0"}, "--soak"},
+      {{"liver", "--soak"}, "--soak"},
+      {{"liver", "--soak", "5", "--seconds", "2"}, "--seconds"},
+      {{"liver", "--soak", "5", "--tool", "a"}, "--tool"},
+      {{"liver", "--soak", "5", "--replay", "a"}, "--replay"},
+      {{"liver", "--soak", "5", "--record", "a"}, "--record"},
       {{"liver", "kidney"}, "kidney"},
       {{"liver", "--tool", "a", "--replay", "b"}, "--replay"},
       {{"liver", "--record", "a", "--replay", "a"}, "--record"},

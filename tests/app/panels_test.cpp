@@ -43,7 +43,7 @@ class Panels {
     std::string names;
     for (int k = 0; k < 3; ++k) {
       ImGui::NewFrame();
-      PanelData data{.model = model_, .snapshot = snapshot_, .forces = forces_, .log = log_, .timing = timing_};
+      PanelData data{.model = model_, .snapshot = snapshot_, .forces = forces_, .log = log_, .timing = timing_, .force = force_};
       data.materials.push_back({model_.scene.materials[0], Material::neoHookean(3000, 0.49, 1000), 1.0});
       data.frozen_reason = "12 integration points are inverted";
       names = drawPanels(data, width, height);
@@ -57,6 +57,7 @@ class Panels {
   ForceHistory forces_{8};
   std::vector<LogLine> log_;
   TimingView timing_;
+  ForceReading force_{{}, 0, true};
   PanelState state_;
   View view_;
   PanelRequests requests_;
@@ -123,7 +124,7 @@ TEST_CASE("The help lies inside the window and above all else", "[panels]") {
 TEST_CASE("Numbers that are not finite are drawn, not fatal", "[panels]") {
   Panels panels;
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  panels.snapshot_.force.force_raw = {nan, nan, nan};
+  panels.force_.sample.force_raw = {nan, nan, nan};
   ForceSample sample;
   for (int k = 0; k < 10; ++k) {
     sample.time_s = 0.1 * k;
@@ -132,6 +133,33 @@ TEST_CASE("Numbers that are not finite are drawn, not fatal", "[panels]") {
   }
   panels.draw(1280, 800);
   CHECK(windowNamed("##right")->Active);
+}
+
+TEST_CASE("A force that is not the present one is marked and greyed", "[panels]") {
+  ForceReading force;
+  force.sample.tick = 5;
+  LoopStatus status;
+  force.age_s = 0.009;
+  force.fresh = true;
+  CHECK(staleMark(force, status).empty());
+  force.fresh = false;
+  force.age_s = 0.023;
+  CHECK(staleMark(force, status) == "stale, 23 ms old");
+  force.age_s = 2.34;
+  CHECK(staleMark(force, status) == "stale, 2.3 s old");
+  status.paused = true;
+  CHECK(staleMark(force, status) == "paused");
+
+  Panels panels;
+  const auto has = [&panels](ImU32 colour) {  // anything drawn in that colour in the right column
+    panels.draw(1280, 800);
+    for (const ImDrawVert& v : windowNamed("##right")->DrawList->VtxBuffer)
+      if (v.col == colour) return true;
+    return false;
+  };
+  CHECK_FALSE(has(colours::stale));
+  panels.force_ = {panels.force_.sample, 0.5, false};
+  CHECK(has(colours::stale));
 }
 
 TEST_CASE("Nothing is requested unless something is clicked", "[panels]") {

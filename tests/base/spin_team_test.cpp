@@ -97,6 +97,19 @@ TEST_CASE("A late member delays a job but all of it is done", "[spin_team]") {
   }
 }
 
+TEST_CASE("A worker that keeps the owner waiting is noticed", "[spin_team]") {
+  SpinTeam team(2);
+  const auto job = [](void* slow, int member, int) {
+    if (member == 1 && *static_cast<bool*>(slow)) std::this_thread::sleep_for(std::chrono::milliseconds(3));
+  };
+  bool slow = true;
+  for (int k = 0; k < 5; ++k) team.run(job, &slow);
+  CHECK(team.longWaits() == 5);
+  SpinTeam alone(1);
+  alone.run(job, &slow);
+  CHECK(alone.longWaits() == 0);
+}
+
 TEST_CASE("A team larger than its only core comes to an end", "[spin_team]") {
   cpu_set_t before;
   REQUIRE(sched_getaffinity(0, sizeof before, &before) == 0);

@@ -15,14 +15,21 @@ class FakeClock final : public Clock {
   std::int64_t time = 1'000'000'007;  // ns; no multiple of any period
   std::int64_t late = 0;              // ns, how late sleepers wake
   int sleeps = 0;
+  std::int64_t away = 0;     // ns of `time` in which the thread did not run
+  ThreadUse use;
   std::function<void(int)> before_sleep;  // called with the number of sleeps before
 
   std::int64_t now() override { return time; }
   void sleepUntil(std::int64_t until) override {
     if (before_sleep) before_sleep(sleeps);
     ++sleeps;
-    if (until > time) time = until + late;
+    if (until > time) {
+      away += until + late - time;
+      time = until + late;
+    }
   }
+  std::int64_t threadCpu() override { return time - away; }
+  ThreadUse threadUse() override { return use; }
 };
 
 /// The real clock; does something once, before the first sleep.
@@ -35,6 +42,8 @@ class ClockWithStart final : public Clock {
     at_start_ = nullptr;
     clock_.sleepUntil(time);
   }
+  std::int64_t threadCpu() override { return clock_.threadCpu(); }
+  ThreadUse threadUse() override { return clock_.threadUse(); }
 
  private:
   MonotonicClock clock_;

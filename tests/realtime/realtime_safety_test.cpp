@@ -1,5 +1,5 @@
 // What the loop's thread must never do while ticks run: allocate, lock, make system
-// calls other than the sleep. The real clock and the real SimulationLoop, on a fake
+// calls other than the sleep and looks at its own use of the processor. The real clock and the real SimulationLoop, on a fake
 // physics; tissue_physics_test.cpp holds the tissue's own step to the same.
 
 #include <sys/syscall.h>
@@ -114,7 +114,7 @@ TEST_CASE("The guard sees allocations and locks in a tick", "[realtime_safety]")
   }
 }
 
-TEST_CASE("The loop's thread makes no system call but the sleep", "[realtime_safety]") {
+TEST_CASE("The loop's thread makes no system call but the sleep and looks at its own use of the processor", "[realtime_safety]") {
   if (!test::guardAvailable()) return;  // sanitizers make calls of their own
   Session session;
   const int code = exitCodeUnderFilter(session);

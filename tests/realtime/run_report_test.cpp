@@ -14,7 +14,7 @@ TEST_CASE("report.json has the keys that other tools read", "[run_report]") {
   const json report = json::parse(toJson({}));
   for (const char* key :
        {"scene", "nodes", "integration_points", "mean_support", "dt_s", "dt_critical_s", "rate_hz",
-        "substeps_per_tick", "ticks", "overruns", "longest_overrun_streak", "physics_seconds", "wall_seconds",
+        "substeps_per_tick", "ticks", "overruns", "longest_overrun_streak", "late_ticks", "physics_seconds", "wall_seconds",
         "realtime_factor", "step_us", "wakeup_late_us", "rt_setup", "threads", "min_J", "volume_change",
         "peak_force_N", "base_reaction_N", "state_hash", "flags", "setup_seconds", "build"}) {
     INFO(key);
@@ -33,6 +33,7 @@ TEST_CASE("A report tells what the run was", "[run_report]") {
   statistics->step.add(500'000);
   statistics->overrun_count = 3;
   statistics->longest_overrun_streak = 2;
+  statistics->late_ticks[1] = 2;
   RunSummary summary;
   summary.ticks = 997;
   summary.totals = {1.994, 2.0, 0.997};
@@ -50,6 +51,7 @@ TEST_CASE("A report tells what the run was", "[run_report]") {
   CHECK(report["ticks"] == 997);
   CHECK(report["overruns"] == 3);
   CHECK(report["longest_overrun_streak"] == 2);
+  CHECK(report["late_ticks"]["core_taken"] == 2);
   CHECK(report["realtime_factor"] == 0.997);
   CHECK(report["step_us"]["max"] == 500.0);
   CHECK(report["state_hash"] == "0000000000000abc");

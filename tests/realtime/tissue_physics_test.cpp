@@ -198,7 +198,7 @@ TEST_CASE("Ticks of tissue neither allocate nor lock", "[tissue_physics]") {
   }
 }
 
-TEST_CASE("Ticks of tissue make no system call but the sleep", "[tissue_physics]") {
+TEST_CASE("Ticks of tissue make no system call but the sleep and looks at the thread's own use of the processor", "[tissue_physics]") {
   if (!test::guardAvailable()) return;
   constexpr int all_done = 17;
   const int code = test::exitCodeOfChild([] {

@@ -20,7 +20,8 @@ bool guardAvailable();
 void startGuard();
 GuardCounts stopGuard();
 
-/// From here on, any system call of this thread but sleeping and exiting ends the process
+/// From here on, any system call of this thread but sleeping, reading clocks and its own use of
+/// the processor, and exiting ends the process
 /// with exit code 100 + its number mod 100; kNoFilter where seccomp is not permitted.
 /// For child processes.
 constexpr int kNoFilter = 99;

@@ -1,0 +1,57 @@
+#include "realtime/force_output.h"
+
+#include <algorithm>
+#include <bit>
+
+namespace palpate {
+
+ForceReading readForce(const ForceSample& sample, std::int64_t now) {
+  ForceReading reading{sample, 1e-9 * static_cast<double>(std::max<std::int64_t>(0, now - sample.wall_ns)), false};
+  reading.fresh = sample.tick > 0 && reading.age_s <= ForceReading::fresh_seconds;
+  return reading;
+}
+
+// The order that makes a torn read visible: a reader that saw any new word (acquire) of a slot has
+// synchronised with its store (release), so it sees the odd version stored before it, too.
+void ForceOutput::publish(const ForceSample& s) {
+  const std::array<std::uint64_t, kWords> words = {
+      std::bit_cast<std::uint64_t>(s.tick),
+      std::bit_cast<std::uint64_t>(s.wall_ns),
+      std::bit_cast<std::uint64_t>(s.time_s),
+      std::bit_cast<std::uint64_t>(s.depth_m),
+      std::bit_cast<std::uint64_t>(s.force_raw.x()),
+      std::bit_cast<std::uint64_t>(s.force_raw.y()),
+      std::bit_cast<std::uint64_t>(s.force_raw.z()),
+      std::bit_cast<std::uint64_t>(s.force_filtered.x()),
+      std::bit_cast<std::uint64_t>(s.force_filtered.y()),
+      std::bit_cast<std::uint64_t>(s.force_filtered.z()),
+  };
+  const std::uint64_t next = (newest_.load(std::memory_order_relaxed) + 1) % kSlots;
+  Slot& slot = slots_[next];
+  const std::uint64_t version = slot.version.load(std::memory_order_relaxed);
+  slot.version.store(version + 1, std::memory_order_relaxed);
+  for (std::size_t w = 0; w < kWords; ++w) slot.words[w].store(words[w], std::memory_order_release);
+  slot.version.store(version + 2, std::memory_order_release);
+  newest_.store(next, std::memory_order_release);
+}
+
+ForceSample ForceOutput::latest() const {
+  std::array<std::uint64_t, kWords> words{};
+  for (;;) {
+    const Slot& slot = slots_[newest_.load(std::memory_order_acquire)];
+    const std::uint64_t version = slot.version.load(std::memory_order_acquire);
+    for (std::size_t w = 0; w < kWords; ++w) words[w] = slot.words[w].load(std::memory_order_acquire);
+    if (version % 2 == 0 && slot.version.load(std::memory_order_relaxed) == version) break;
+  }
+  const auto real = [&words](std::size_t w) { return std::bit_cast<double>(words[w]); };
+  ForceSample s;
+  s.tick = std::bit_cast<std::int64_t>(words[0]);
+  s.wall_ns = std::bit_cast<std::int64_t>(words[1]);
+  s.time_s = real(2);
+  s.depth_m = real(3);
+  s.force_raw = {real(4), real(5), real(6)};
+  s.force_filtered = {real(7), real(8), real(9)};
+  return s;
+}
+
+}  // namespace palpate

@@ -1,0 +1,23 @@
+#pragma once
+
+#include "base/types.h"
+#include "simulation/state.h"
+
+namespace palpate {
+
+/// Moves the tool from inside the loop, tick by tick: for runs too long to hold as a list of poses,
+/// and for motions that depend on what the tissue does. A function of the states seen so far, so that
+/// the run stays repeatable. Called on the loop's thread: no allocation, no lock, no throw.
+class ToolMotion {
+ public:
+  virtual ~ToolMotion() = default;
+
+  /// The tool's target for the coming tick.
+  /// @param last  the tick before's outcome; of the first tick: nothing yet
+  virtual Pose next(const State& state, const StepReport& last) = 0;
+
+  /// The physics was reset: begin again.
+  virtual void restart() = 0;
+};
+
+}  // namespace palpate
