@@ -6,6 +6,7 @@
 #include "app/interrupt.h"
 #include "base/build_info.h"
 #include "base/input_error.h"
+#include "mtled/frontier_command.h"
 #include "mtled/solve_command.h"
 #include "mtled/verify_command.h"
 #include "mtled/verification_case.h"
@@ -19,6 +20,7 @@ const char* const examples = R"(Examples:
   mtled solve liver --tool assets/tools/indent_hold_retract.toml              the tool's way, quasi-static
   mtled verify                               all cases beside the paper and independent references
   mtled verify cube torsion --report /tmp/v  two of them, as a page with pictures
+  mtled frontier liver --quick               what each microsecond buys
 
 Exit codes: 0 done, 1 failed, not converged or interrupted (what there is is kept), 2 bad option or scene.)";
 
@@ -50,6 +52,14 @@ int main(int argc, char** argv) {
   verify_app->add_option("--report", verify.report, "Write a page with tables and pictures into this folder")->type_name("DIR");
   verify_app->add_option("--threads", verify.threads, "Threads (one per core)")->type_name("N")->check(CLI::Range(1, 64));
 
+  FrontierOptions frontier;
+  CLI::App* frontier_app = app.add_subcommand("frontier", "Measure what each setting of a scene costs and how exact it is");
+  frontier_app->add_option("SCENE", frontier.scene, "Scene file (.toml), or the name of one in assets/scenes")->required();
+  frontier_app->add_option("--out", frontier.out, "Folder for the results (out/<scene>_frontier)")->type_name("DIR");
+  frontier_app->add_option("--tool", frontier.tool_script, "The tool's way (the built-in indentation)")->type_name("SCRIPT");
+  frontier_app->add_flag("--quick", frontier.quick, "The most telling settings, and a coarser reference");
+  frontier_app->add_flag("--resume", frontier.resume, "Keep the settings that the folder has already");
+
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -58,6 +68,7 @@ int main(int argc, char** argv) {
   }
   catchInterrupts();
   try {
+    if (*frontier_app) return frontierCommand(frontier);
     return *verify_app ? verifyCommand(verify) : solveCommand(solve);
   } catch (const InputError& error) {
     std::cerr << "mtled: " << error.what() << std::endl;
