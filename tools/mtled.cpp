@@ -7,6 +7,7 @@
 #include "base/build_info.h"
 #include "base/input_error.h"
 #include "mtled/bench_command.h"
+#include "mtled/frontier_command.h"
 #include "mtled/solve_command.h"
 #include "mtled/verify_command.h"
 #include "mtled/verification_case.h"
@@ -21,6 +22,7 @@ const char* const examples = R"(Examples:
   mtled verify                               all cases beside the paper and independent references
   mtled verify cube torsion --report /tmp/v  two of them, as a page with pictures
   mtled bench --quick                        the force kernels' speed beside what this machine could do at most
+  mtled frontier liver --quick               what each microsecond buys
 
 Exit codes: 0 done, 1 failed, not converged or interrupted (what there is is kept), 2 bad option or scene.)";
 
@@ -65,6 +67,14 @@ int main(int argc, char** argv) {
       ->check(CLI::Range(0.001, 60.0));
   bench_app->add_flag("--check", bench.check, "Fail where a promise is missed: for a machine that is otherwise idle");
 
+  FrontierOptions frontier;
+  CLI::App* frontier_app = app.add_subcommand("frontier", "Measure what each setting of a scene costs and how exact it is");
+  frontier_app->add_option("SCENE", frontier.scene, "Scene file (.toml), or the name of one in assets/scenes")->required();
+  frontier_app->add_option("--out", frontier.out, "Folder for the results (out/<scene>_frontier)")->type_name("DIR");
+  frontier_app->add_option("--tool", frontier.tool_script, "The tool's way (the built-in indentation)")->type_name("SCRIPT");
+  frontier_app->add_flag("--quick", frontier.quick, "The most telling settings, and a coarser reference");
+  frontier_app->add_flag("--resume", frontier.resume, "Keep the settings that the folder has already");
+
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -75,6 +85,7 @@ int main(int argc, char** argv) {
   catchInterrupts();
   try {
     if (*bench_app) return benchCommand(bench);
+    if (*frontier_app) return frontierCommand(frontier);
     return *verify_app ? verifyCommand(verify) : solveCommand(solve);
   } catch (const InputError& error) {
     std::cerr << "mtled: " << error.what() << std::endl;
