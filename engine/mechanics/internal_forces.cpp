@@ -52,6 +52,9 @@ ForceReport internalForces(const KernelLayoutOf<Real>& layout, const Real4<Real>
   ForceReport total;
   for (const auto& r : scratch.report) {
     total.inverted_points += r.inverted;
+    total.strain_energy += r.energy;
+    total.volume_change += r.volume_change;
+    total.most_cof2 = std::max<double>(total.most_cof2, r.most_cof2);
     if (r.min_J < total.min_J) {
       total.min_J = static_cast<float>(r.min_J);
       total.worst_point = layout.point[r.worst_point];

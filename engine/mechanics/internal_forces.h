@@ -7,11 +7,14 @@
 
 namespace palpate {
 
-/// Worst of a force evaluation.
+/// Worst of a force evaluation, and its energy.
 struct ForceReport {
   float min_J = 1;
   int worst_point = -1;   // model index of the point with min J
   int inverted_points = 0;
+  double strain_energy = 0;     // J
+  double volume_change = 0;     // m^3, of all points
+  double most_cof2 = 3;         // largest |cof F|^2 of a point; 3 at rest
 };
 
 /// Internal forces of a total-Lagrangian body.

@@ -167,8 +167,14 @@ struct Kernel {
     return p;
   }
 
+  /// Of a chunk's points, lane by lane.
+  struct Sums {
+    LeastOf<Real> least_J[part_count<Real>];
+    LanesOf<Real> energy = Real(0), volume_change = Real(0), most_cof2 = Real(3);
+  };
+
   template <class MaterialLanes>
-  void batchesForces(const Material& material, int begin, int end, const Real4<Real>* u, Real4<Real>* f, LeastOf<Real>* least_J) const {
+  void batchesForces(const Material& material, int begin, int end, const Real4<Real>* u, Real4<Real>* f, Sums& sums) const {
     using Lanes = LanesOf<Real>;
     const MaterialLanes lanes(material);
     BatchTensors<Real> tensors;
@@ -177,18 +183,21 @@ struct Kernel {
       for (int part = 0; part < part_count<Real>; ++part) {
         const int first = part * Lanes::width, first_point = batch * 16 + first;
         TensorLanesOf<Real> H, P;
-        Lanes J;
+        PointStateOf<Real> state;
         if (k.patch_node) {
           for (int c = 0; c < 9; ++c) H[c] = Lanes::load(&k.displacement_gradient[static_cast<std::ptrdiff_t>(batch) * 144 + 16 * c + first]);
           const Lanes pressure = patchPressure(first_point);
-          J = lanes.firstPiola(H, P, &pressure);
+          state = lanes.firstPiola(H, P, &pressure);
         } else {
           H = loadTensors(tensors, part);
           applyScale(first_point, H);
-          J = lanes.firstPiola(H, P);
+          state = lanes.firstPiola(H, P);
         }
-        least_J[part].note(J, first_point);
         const Lanes volume = Lanes::load(&k.volume[first_point]);
+        sums.least_J[part].note(state.J, first_point);
+        sums.energy += volume * state.energy;
+        sums.volume_change += volume * state.J_minus_1;
+        sums.most_cof2 = max(sums.most_cof2, state.cof2);
         for (int c = 0; c < 9; ++c) P[c] *= volume;
         applyScale(first_point, P);
         for (int c = 0; c < 9; ++c) P[c].store(tensors.a[c] + first);
@@ -200,7 +209,7 @@ struct Kernel {
   void forces(int chunk, const Real4<Real>* u) const {
     Real4<Real>* f = k.force + static_cast<std::ptrdiff_t>(chunk) * k.node_count;
     for (int i = k.chunk_node_begin[chunk]; i < k.chunk_node_end[chunk]; ++i) store(f[i], GroupOf<Real>{});
-    LeastOf<Real> least_J[part_count<Real>];
+    Sums sums;
     const int last = k.chunk_begin[chunk + 1];
     for (int batch = k.chunk_begin[chunk]; batch < last;) {
       const int material_index = k.batch_material[batch];
@@ -208,14 +217,19 @@ struct Kernel {
       int end = batch;
       while (end < last && k.batch_material[end] == material_index) ++end;
       if (material.kind == Material::Kind::NeoHookean)
-        batchesForces<NeoHookeanLanes<Real>>(material, batch, end, u, f, least_J);
+        batchesForces<NeoHookeanLanes<Real>>(material, batch, end, u, f, sums);
       else
-        batchesForces<OgdenLanes<Real>>(material, batch, end, u, f, least_J);
+        batchesForces<OgdenLanes<Real>>(material, batch, end, u, f, sums);
       batch = end;
     }
     auto& report = k.report[chunk];
-    report = {1, -1, 0};
-    for (const auto& least : least_J) least.find(report.min_J, report.worst_point, report.inverted);
+    report = {1, -1, 0, 0, 0, 3};
+    for (const auto& least : sums.least_J) least.find(report.min_J, report.worst_point, report.inverted);
+    for (int i = 0; i < LanesOf<Real>::width; ++i) {
+      report.energy += sums.energy.v[i];
+      report.volume_change += sums.volume_change.v[i];
+      report.most_cof2 = sums.most_cof2.v[i] > report.most_cof2 ? sums.most_cof2.v[i] : report.most_cof2;
+    }
   }
 };
 

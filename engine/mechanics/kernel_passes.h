@@ -42,6 +42,9 @@ struct KernelView {
     Real min_J;
     int worst_point;                 // place in the layout's points, or -1
     int inverted;
+    Real energy;                     // J
+    Real volume_change;              // m^3
+    Real most_cof2;                  // largest |cof F|^2 of a point
   };
   Real4<Real>* force;
   ChunkReport* report;

@@ -47,8 +47,23 @@ LanesOf<Real> volumeRatioAndCofactor(const TensorLanesOf<Real>& H, TensorLanesOf
 }
 
 // The materials below give the first Piola-Kirchhoff stress of some points from their displacement gradients H,
-// in float32 or double: the fast twins of Material::firstPiola. They return J. J - 1 comes from H without cancellation,
+// in float32 or double: the fast twins of Material::firstPiola. J - 1 comes from H without cancellation,
 // since the bulk modulus multiplies its error.
+
+/// What a stress evaluation knows of its points besides the stress.
+template <class Real>
+struct PointStateOf {
+  LanesOf<Real> J, J_minus_1;
+  LanesOf<Real> energy;  // J/m^3; p (J - 1) / 2 for the volume, which over all points is also the node patches' energy
+  LanesOf<Real> cof2;    // |cof F|^2, 3 at rest: how much stiffer the volume has become
+};
+
+template <class Real>
+LanesOf<Real> squaredNorm(const TensorLanesOf<Real>& t) {
+  LanesOf<Real> sum = t[0] * t[0];
+  for (int k = 1; k < 9; ++k) sum += t[k] * t[k];
+  return sum;
+}
 
 /// The barrier of Material::barrierPressure; nothing where the material has none.
 template <class Real>
@@ -57,11 +72,12 @@ struct BarrierLanes {
   explicit BarrierLanes(const Material& m)
       : strength(static_cast<Real>(m.bulk_modulus * m.barrier_strength)), J0(static_cast<Real>(m.barrier_J0)) {}
 
-  void addTo(LanesOf<Real>& pressure, const LanesOf<Real>& J) const {
+  void addTo(LanesOf<Real>& pressure, LanesOf<Real>& energy, const LanesOf<Real>& J) const {
     if (strength == 0) return;
-    const LanesOf<Real> Jc = max(J, LanesOf<Real>(static_cast<Real>(Material::min_isochoric_J)));
-    const LanesOf<Real> p = strength * (log2(Jc / J0) * static_cast<Real>(0.6931471805599453) + (J - Jc) / Jc);
-    pressure += whereLess(J, LanesOf<Real>(J0), p, LanesOf<Real>(Real(0)));
+    const LanesOf<Real> none = Real(0), Jc = max(J, LanesOf<Real>(static_cast<Real>(Material::min_isochoric_J))), d = J - Jc;
+    const LanesOf<Real> logarithm = log2(Jc / J0) * static_cast<Real>(0.6931471805599453);
+    pressure += whereLess(J, LanesOf<Real>(J0), strength * (logarithm + d / Jc), none);
+    energy += whereLess(J, LanesOf<Real>(J0), strength * (J * logarithm - Jc + J0 + d * d / (Jc * Real(2))), none);
   }
 };
 
@@ -75,12 +91,11 @@ struct NeoHookeanLanes {
       : mu(static_cast<Real>(m.shear_modulus)), K(static_cast<Real>(m.bulk_modulus)), barrier(m) {}
 
   /// @param patch_pressure  replaces K (J - 1) where the scene averages volume over node patches; or null
-  Lanes firstPiola(const TensorLanes& H, TensorLanes& P, const Lanes* patch_pressure = nullptr) const {
+  PointStateOf<Real> firstPiola(const TensorLanes& H, TensorLanes& P, const Lanes* patch_pressure = nullptr) const {
     TensorLanes F, cof;
-    Lanes J_minus_1;
-    const Lanes J = volumeRatioAndCofactor<Real>(H, F, cof, J_minus_1);
-    Lanes I1 = F[0] * F[0];
-    for (int k = 1; k < 9; ++k) I1 += F[k] * F[k];
+    PointStateOf<Real> state;
+    const Lanes J = state.J = volumeRatioAndCofactor<Real>(H, F, cof, state.J_minus_1);
+    const Lanes I1 = squaredNorm(F);
     // g(J) = J^(-2/3) and its slope, with the tangent below min_isochoric_J.
     const Lanes Jc = max(J, Lanes(static_cast<Real>(Material::min_isochoric_J)));
     const Lanes y = inverseCubeRoot(Jc);
@@ -88,10 +103,13 @@ struct NeoHookeanLanes {
     const Lanes slope = Lanes(Real(-2) / 3) * g / Jc;
     g += slope * (J - Jc);
     const Lanes a = g * mu;
-    Lanes b = slope * I1 * (Real(0.5) * mu) + (patch_pressure ? *patch_pressure : J_minus_1 * K);
-    barrier.addTo(b, J);
+    Lanes p = patch_pressure ? *patch_pressure : state.J_minus_1 * K;
+    state.energy = Real(0.5) * (mu * (g * I1 - Real(3)) + p * state.J_minus_1);
+    barrier.addTo(p, state.energy, J);
+    const Lanes b = slope * I1 * (Real(0.5) * mu) + p;
     for (int k = 0; k < 9; ++k) P[k] = a * F[k] + b * cof[k];
-    return J;
+    state.cof2 = squaredNorm(cof);
+    return state;
   }
 };
 
@@ -159,10 +177,10 @@ struct OgdenLanes {
   }
 
   /// @param patch_pressure  as in NeoHookeanLanes
-  Lanes firstPiola(const TensorLanes& H, TensorLanes& P, const Lanes* patch_pressure = nullptr) const {
+  PointStateOf<Real> firstPiola(const TensorLanes& H, TensorLanes& P, const Lanes* patch_pressure = nullptr) const {
     TensorLanes F, cof;
-    Lanes J_minus_1;
-    const Lanes J = volumeRatioAndCofactor<Real>(H, F, cof, J_minus_1);
+    PointStateOf<Real> state;
+    const Lanes J = state.J = volumeRatioAndCofactor<Real>(H, F, cof, state.J_minus_1);
     const SymmetricEigenLanes<Real> eigen(F);
     const Lanes Jc = max(J, Lanes(static_cast<Real>(Material::min_isochoric_J)));
     const Lanes log_J = log2(Jc);
@@ -172,8 +190,9 @@ struct OgdenLanes {
       log_squared[i] = log2(squared[i]);
       s[i] = 0.0F;
     }
-    Lanes pressure = patch_pressure ? *patch_pressure : J_minus_1 * K;
-    barrier.addTo(pressure, J);
+    Lanes pressure = patch_pressure ? *patch_pressure : state.J_minus_1 * K;
+    state.energy = Real(0.5) * pressure * state.J_minus_1;
+    barrier.addTo(pressure, state.energy, J);
     for (int k = 0; k < terms; ++k) {
       const Real al = alpha[k];
       Lanes g = exp2(log_J * (-al / 3));
@@ -185,7 +204,9 @@ struct OgdenLanes {
         s[i] += g * power * (2 * mu[k] / al) / squared[i];
         sum += power;
       }
-      pressure += slope * sum * (2 * mu[k] / (al * al));
+      const Real factor = 2 * mu[k] / (al * al);
+      pressure += slope * sum * factor;
+      state.energy += factor * (g * sum - Real(3));
     }
     // S = sum s_i n_i (x) n_i,  P = F S + pressure cof F
     for (int i = 0; i < 3; ++i) {
@@ -199,7 +220,8 @@ struct OgdenLanes {
         }
     }
     for (int k = 0; k < 9; ++k) P[k] += pressure * cof[k];
-    return J;
+    state.cof2 = squaredNorm(cof);
+    return state;
   }
 };
 

@@ -48,6 +48,7 @@ double TissuePhysics::setMaterial(int index, const Material& material) {
   // model_.materials stays as loaded: other threads read it.
   model_.kernel.materials[m] = material;
   updatePatchBulk(model_.kernel);
+  state_.energy.fresh = true;
   return 0;
 }
 

@@ -4,6 +4,7 @@
 
 #include "base/types.h"
 #include "contact/contact.h"
+#include "simulation/energy_balance.h"
 
 namespace palpate {
 
@@ -35,6 +36,12 @@ struct StepReport {
   Vec3 base_reaction = Vec3::Zero();   // N, of the held (imposed and not moving) nodes on the tissue
   int contact_count = 0;           // skin vertices that carry force
   double max_penetration = 0;      // m
+  // For simulation/trust.h.
+  double strain_energy = 0;        // J
+  double kinetic_energy = 0;       // J
+  double energy_error = 0;         // of EnergyBalance
+  double volume_change = 0;        // relative, of all integration points
+  double step_share = 0;           // dt over the stable step, as the tissue is now
 };
 
 /// All that changes during a run. Equal states give equal futures, bit for bit.
@@ -46,6 +53,7 @@ struct State {
   AlignedVector<Float4> u_low;     // (node_count) what float32 lost of u (Kahan), m
   Pose tool_pose;
   ContactState contact;
+  EnergyBalance energy;            // watches; nothing depends on it
 };
 
 }  // namespace palpate

@@ -5,6 +5,7 @@
 
 #include "base/float4.h"
 #include "mechanics/internal_forces.h"
+#include "simulation/trust.h"
 #include "simulation/workspace.h"
 
 namespace palpate {
@@ -28,13 +29,24 @@ void forNodes(const Model& model, Workspace& workspace, Each each) {
 
 /// du~ = beta du + alpha M^-1 f                                            (eq. 22)
 /// The increment is what is kept: 2u - u_prev in float32 loses a thousand times more.
-void predict(const Model& model, const Integrator& integrator, State& state, Workspace& workspace) {
+/// @return f . du, J, of the internal forces on the last step's increments
+double predict(const Model& model, const Integrator& integrator, State& state, Workspace& workspace) {
   const auto alpha = static_cast<float>(integrator.alpha), beta = static_cast<float>(integrator.beta);
-  forNodes(model, workspace, [&](int, int begin, int end) {
+  double of[node_parts];
+  forNodes(model, workspace, [&](int part, int begin, int end) {
     sumForces(model.kernel, workspace.kernel, begin, end, workspace.f.data());
-    for (int i = begin; i < end; ++i)
-      store(state.du[i], beta * load(state.du[i]) + alpha * model.inverse_mass[i] * load(workspace.f[i]));
+    Group work{};
+    for (int i = begin; i < end; ++i) {
+      const Group du = load(state.du[i]), f = load(workspace.f[i]);
+      work += f * du;
+      workspace.previous_du[i] = state.du[i];
+      store(state.du[i], beta * du + alpha * model.inverse_mass[i] * f);
+    }
+    of[part] = static_cast<double>(work[0]) + work[1] + work[2];
   });
+  double sum = 0;
+  for (const double w : of) sum += w;
+  return sum;
 }
 
 /// A spring between the pulled skin vertex and the pointer.
@@ -60,46 +72,65 @@ void pull(const Model& model, const Command& command, State& state) {
 }
 
 /// The node that moved furthest, and the first that is not finite.
-struct Furthest {
+struct Moved {
   float distance2 = 0;  // m^2
   int node = -1, not_finite = -1;
+  double work = 0;      // J, f . du
+  double kinetic = 0;   // kg m^2, sum of m |du|^2
+  double alternating = 0;  // kg m^2, sum of m |du - previous du|^2
 };
 
 /// u += du of nodes [begin, end), compensated (Kahan): the error of u does not grow with the number of steps.
-Furthest accumulate(State& state, int begin, int end) {
-  Furthest furthest;
+Moved accumulate(const Model& model, State& state, const Workspace& workspace, int begin, int end) {
+  Moved moved;
+  Group work{};
+  float kinetic = 0, alternating = 0;
   for (int i = begin; i < end; ++i) {
     const Group du = load(state.du[i]), u = load(state.u[i]);
     const Group y = du + load(state.u_low[i]);
     const Group t = u + y;
     store(state.u_low[i], y - (t - u));
     store(state.u[i], t);
+    work += load(workspace.f[i]) * du;
     const float d2 = du[0] * du[0] + du[1] * du[1] + du[2] * du[2];
-    if (d2 > furthest.distance2) {
-      furthest.distance2 = d2;
-      furthest.node = i;
+    if (d2 > moved.distance2) {
+      moved.distance2 = d2;
+      moved.node = i;
     }
-    if (!(d2 <= 1e30F) && furthest.not_finite < 0) furthest.not_finite = i;
+    const Group change = du - load(workspace.previous_du[i]);
+    const auto mass = static_cast<float>(model.mass[i]);
+    kinetic += mass * d2;
+    alternating += mass * (change[0] * change[0] + change[1] * change[1] + change[2] * change[2]);
+    if (!(d2 <= 1e30F) && moved.not_finite < 0) moved.not_finite = i;
   }
-  return furthest;
+  moved.work = static_cast<double>(work[0]) + work[1] + work[2];
+  moved.kinetic = kinetic;
+  moved.alternating = alternating;
+  return moved;
 }
 
 /// u += du.
-void accumulate(const Model& model, State& state, Workspace& workspace, StepReport& report) {
-  Furthest of[node_parts];
-  forNodes(model, workspace, [&](int part, int begin, int end) { of[part] = accumulate(state, begin, end); });
-  Furthest furthest;
-  for (const Furthest& f : of) {
-    if (f.distance2 > furthest.distance2) {
-      furthest.distance2 = f.distance2;
-      furthest.node = f.node;
+/// @return what its nodes sum up to
+Moved accumulate(const Model& model, State& state, Workspace& workspace, StepReport& report) {
+  Moved of[node_parts];
+  forNodes(model, workspace, [&](int part, int begin, int end) { of[part] = accumulate(model, state, workspace, begin, end); });
+  Moved moved;
+  for (const Moved& f : of) {
+    if (f.distance2 > moved.distance2) {
+      moved.distance2 = f.distance2;
+      moved.node = f.node;
     }
-    if (furthest.not_finite < 0) furthest.not_finite = f.not_finite;
+    if (moved.not_finite < 0) moved.not_finite = f.not_finite;
+    moved.work += f.work;
+    moved.kinetic += f.kinetic;
+    moved.alternating += f.alternating;
   }
-  report.max_increment = std::sqrt(furthest.distance2);
-  report.worst_node = furthest.not_finite < 0 ? furthest.node : furthest.not_finite;
-  if (furthest.not_finite >= 0) report.flags |= kNotFinite;
+  report.kinetic_energy = 0.5 * moved.kinetic / (model.dt * model.dt);
+  report.max_increment = std::sqrt(moved.distance2);
+  report.worst_node = moved.not_finite < 0 ? moved.node : moved.not_finite;
+  if (moved.not_finite >= 0) report.flags |= kNotFinite;
   if (report.max_increment > model.max_increment) report.flags |= kBlowUp;
+  return moved;
 }
 
 /// The later step's forces with the worst that either saw.
@@ -116,6 +147,8 @@ StepReport worstOf(const StepReport& earlier, const StepReport& later) {
     both.min_J = earlier.min_J;
     both.worst_point = earlier.worst_point;
   }
+  both.energy_error = std::max(earlier.energy_error, later.energy_error);
+  both.step_share = std::max(earlier.step_share, later.step_share);
   if (earlier.flags & kNotFinite) both.worst_node = earlier.worst_node;
   return both;
 }
@@ -132,7 +165,7 @@ StepReport step(const Model& model, State& state, const Pose& tool_pose, const C
   const ForceReport forces = internalForces(model.kernel, state.u.data(), workspace.kernel, workspace.team);
 
   // du~ = beta du + alpha M^-1 f, then what the user and the tool add      (eq. 22)
-  predict(model, integrator, state, workspace);
+  state.energy.work -= 0.5 * predict(model, integrator, state, workspace);
   pull(model, command, state);
   report.tool_force = solveContact(model.skin, model.scene.tool, tool_pose, state.tool_pose, model.scene.friction,
                                    integrator.alpha, model.inverse_mass.data(), state.u.data(), state.du.data(),
@@ -142,7 +175,13 @@ StepReport step(const Model& model, State& state, const Pose& tool_pose, const C
   report.base_reaction = imposeBoundary(model.boundary, time, model.dt, integrator.alpha, model.inverse_mass.data(),
                                         nullptr, state.du.data(), workspace.boundary);
   // u += du
-  accumulate(model, state, workspace, report);
+  const Moved moved = accumulate(model, state, workspace, report);
+  report.strain_energy = forces.strain_energy;
+  report.energy_error = state.energy.look(forces.strain_energy, report.kinetic_energy,
+                                          moved.alternating / (8 * model.dt * model.dt), model.dt, model.rest_energy);
+  state.energy.work -= 0.5 * moved.work;
+  report.volume_change = forces.volume_change / model.cell_volume;
+  report.step_share = stepShare(model, forces.most_cof2);
   state.tool_pose = tool_pose;
   ++state.step;
 

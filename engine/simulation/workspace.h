@@ -15,12 +15,14 @@ class Workspace {
       : team(threads),
         kernel(makeKernelScratch(model.kernel)),
         boundary(makeBoundaryScratch(model.boundary)),
-        f(model.X.size()) {}
+        f(model.X.size()),
+        previous_du(model.X.size()) {}
 
   SpinTeam team;
   KernelScratch kernel;
   BoundaryScratch boundary;
   AlignedVector<Float4> f;  // (node_count) internal forces, N
+  AlignedVector<Float4> previous_du;  // (node_count) increments of the step before, m
 };
 
 }  // namespace palpate

@@ -1,0 +1,42 @@
+#pragma once
+
+#include "simulation/model.h"
+#include "simulation/state.h"
+
+namespace palpate {
+
+/// Why the numbers of a step should not be believed, the gravest that applies.
+enum class Doubt {
+  None,
+  Volume,     // nearly incompressible tissue has changed its volume
+  Contact,    // the tool is deep in the skin, or touches more of it than there is memory for
+  Squeezed,   // a point is near collapse
+  Step,       // deformation has stiffened the tissue beyond what the time step is stable for
+  Energy,     // the strain energy is not the work done
+  Inverted,   // a point is inside out
+  Lost,       // not finite, or blown up
+};
+
+/// From where on each is doubted.
+struct TrustLimits {
+  static constexpr double volume_change = 0.02;   // of the tissue's volume, where Poisson's ratio is 0.45 or more
+  static constexpr double penetration = 0.1;      // of the tool's radius
+  static constexpr double min_J = 0.3;            // below which a pointwise energy of K/2 (J - 1)^2 softens
+  static constexpr double step_share = 1.0;       // of the stable step
+  static constexpr double energy_error = 0.1;     // of the energy of late
+};
+
+/// Real-time: no allocation, no lock, no throw.
+Doubt doubtOf(const Model& model, const StepReport& report);
+
+/// What it is and what to do, for panels and logs; "" for None.
+const char* doubtText(Doubt doubt);
+/// One word: "good", "volume", "contact", ...
+const char* doubtName(Doubt doubt);
+
+/// Share of the stable step that dt is of, the volume having stiffened: a point's volumetric stiffness goes with the square of
+/// the largest singular value of cof F. From |cof F|^2, the product of the singular values being J^2 ~ 1: not less than it is.
+/// @param most_cof2  largest |cof F|^2 of the points
+double stepShare(const Model& model, double most_cof2);
+
+}  // namespace palpate
