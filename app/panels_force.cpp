@@ -8,6 +8,7 @@
 #include "app/panels.h"
 #include "app/plot.h"
 #include "app/widgets.h"
+#include "simulation/trust.h"
 
 namespace palpate {
 
@@ -64,17 +65,26 @@ void drawForceCard(const Theme& theme, const PanelData& data, float height) {
   const ForceSample& force = data.force.sample;
   const bool fresh = data.force.fresh;
   const std::string mark = staleMark(data.force, data.snapshot.status);
+  // Amber before it goes wrong: whoever feels or reads the number sees the doubt in it.
+  const bool doubted = force.doubt != Doubt::None;
+  const ImU32 filtered_colour = !fresh ? colours::stale : doubted ? colours::warning : colours::accent;
+  const ImU32 raw_colour = !fresh ? colours::stale : doubted ? colours::warning : colours::raw;
   const float half = 0.5F * ImGui::GetContentRegionAvail().x;
-  bigNumber(theme, fresh ? "filtered" : mark.c_str(), force.force_filtered.norm(), fresh ? colours::accent : colours::stale,
-            half);
-  bigNumber(theme, fresh ? "raw" : mark.c_str(), force.force_raw.norm(), fresh ? colours::raw : colours::stale, half);
+  bigNumber(theme, fresh ? "filtered" : mark.c_str(), force.force_filtered.norm(), filtered_colour, half);
+  bigNumber(theme, fresh ? "raw" : mark.c_str(), force.force_raw.norm(), raw_colour, half);
   ImGui::NewLine();
   const Vec3& f = force.force_filtered;
   row("Components", format("%+.3f  %+.3f  %+.3f N", f.x(), f.y(), f.z()), fresh ? colours::text : colours::stale,
       "x, y, z of the filtered force");
   row("Peak", format("%.3f N filtered, %.3f N raw", data.forces.peakFiltered(), data.forces.peakRaw()));
 
-  const float plot_height = std::clamp(0.165F * height, 100 * theme.scale, 220 * theme.scale);
+  const StepReport& report = data.snapshot.report;
+  row("Trust", doubted ? std::string("doubt: ") + doubtName(force.doubt) : "good", doubted ? colours::warning : colours::good,
+      doubted ? doubtText(force.doubt) : "volume, smallest J, energy balance and time step are within their limits");
+  note(theme, format("volume %+.2f %%   J %.2f   energy %.1f %%   dt/limit %.2f", 100 * report.volume_change, report.min_J,
+                     100 * report.energy_error, report.step_share));
+
+  const float plot_height = std::clamp(0.158F * height, 100 * theme.scale, 220 * theme.scale);
   ImGui::PushFont(theme.small);
   {
     const auto raw = data.forces.rawOverTime(), filtered = data.forces.filteredOverTime();
@@ -122,9 +132,10 @@ void drawTimingCard(const Theme& theme, const PanelData& data) {
   drawHistogram("##steps", 92 * theme.scale, axes, timing.histogram, colours::raw, marks);
   ImGui::PopFont();
 
-  row("p50 / p99 / p99.9", format("%.0f / %.0f / %.0f us", timing.step_p50, timing.step_p99, timing.step_p999));
-  row("Longest", format("%.0f of %.0f us", timing.step_max, budget),
-      timing.step_max < budget ? colours::text : colours::warning, "longest tick, and the time that a tick has");
+  row("p50 / 99 / 99.9 / max", format("%.0f / %.0f / %.0f / %.0f us", timing.step_p50, timing.step_p99, timing.step_p999, timing.step_max),
+      timing.step_max < budget ? colours::text : colours::warning, format("of the %.0f us that a tick has", budget).c_str());
+  row("Cost of 1 ms of physics", format("%.0f us, x%.2f possible", timing.step_p50 * timing.rate_hz * 1e-3, budget / std::max(timing.step_p50, 1e-3)),
+      colours::text, "what mtled frontier compares settings by: the median tick's, and the real-time factor that it could reach");
   row("Wake-up late, p99 / max", format("%.0f / %.0f us", timing.late_p99, timing.late_max));
   const auto periods = static_cast<long long>(status.ticks + status.overrun_count);
   const double share = periods > 0 ? 100.0 * static_cast<double>(status.overrun_count) / static_cast<double>(periods) : 0;

@@ -71,9 +71,6 @@ void drawSceneCard(const Theme& theme, const PanelData& data, View& view) {
   const double volume_error = 100 * (model.cell_volume / model.surface_volume - 1);
   row("Volume error", format("%+.2f %%", volume_error), std::abs(volume_error) < 2 ? colours::text : colours::warning,
       "background cells against the organ's own surface");
-  row("Smallest J", format("%.3f", data.snapshot.report.min_J),
-      data.snapshot.report.min_J > 0.2F ? colours::text : colours::warning,
-      "least volume ratio of an integration point in the present state");
 
   ImGui::Spacing();
   ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x);

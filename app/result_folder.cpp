@@ -6,6 +6,8 @@
 #include <filesystem>
 #include <stdexcept>
 
+#include "simulation/trust.h"
+
 namespace palpate {
 
 namespace {
@@ -30,7 +32,7 @@ ResultFolder::ResultFolder(const std::string& folder, bool with_forces) : folder
   forces_.open(forceFile(), std::ios::trunc);
   if (!forces_) fail(forceFile(), errno);
   forces_ << "time_s,depth_m,force_raw_N_x,force_raw_N_y,force_raw_N_z,"
-             "force_filtered_N_x,force_filtered_N_y,force_filtered_N_z\n"
+             "force_filtered_N_x,force_filtered_N_y,force_filtered_N_z,trust\n"
           << std::flush;
   checkForces();
 }
@@ -44,8 +46,8 @@ void ResultFolder::addForce(const ForceSample& s) {
   // %.9g tells neighbouring floats apart; the clock's times have at most 1e-4 s of detail.
   char row[256];
   const int length =
-      std::snprintf(row, sizeof row, "%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g\n", s.time_s, s.depth_m, s.force_raw.x(),
-                    s.force_raw.y(), s.force_raw.z(), s.force_filtered.x(), s.force_filtered.y(), s.force_filtered.z());
+      std::snprintf(row, sizeof row, "%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%s\n", s.time_s, s.depth_m, s.force_raw.x(),
+                    s.force_raw.y(), s.force_raw.z(), s.force_filtered.x(), s.force_filtered.y(), s.force_filtered.z(), doubtName(s.doubt));
   errno = 0;
   forces_.write(row, length);
   checkForces();

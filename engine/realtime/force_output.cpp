@@ -25,6 +25,7 @@ void ForceOutput::publish(const ForceSample& s) {
       std::bit_cast<std::uint64_t>(s.force_filtered.x()),
       std::bit_cast<std::uint64_t>(s.force_filtered.y()),
       std::bit_cast<std::uint64_t>(s.force_filtered.z()),
+      static_cast<std::uint64_t>(s.doubt),
   };
   const std::uint64_t next = (newest_.load(std::memory_order_relaxed) + 1) % kSlots;
   Slot& slot = slots_[next];
@@ -51,6 +52,7 @@ ForceSample ForceOutput::latest() const {
   s.depth_m = real(3);
   s.force_raw = {real(4), real(5), real(6)};
   s.force_filtered = {real(7), real(8), real(9)};
+  s.doubt = static_cast<Doubt>(words[10]);
   return s;
 }
 

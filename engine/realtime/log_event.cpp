@@ -2,6 +2,8 @@
 
 #include <cstdio>
 
+#include "simulation/trust.h"
+
 namespace palpate {
 namespace {
 
@@ -33,6 +35,8 @@ std::string sentence(const LogEvent& e) {
       return "more skin near the tool than memory was taken for: part of the contact is ignored";
     case LogEvent::Kind::DeepContact:
       return format("the tool stands %.3g mm deep in the skin: the contact is not to be trusted", 1e3 * e.value);
+    case LogEvent::Kind::Doubted:
+      return format("the force is not to be trusted: %s", doubtText(static_cast<Doubt>(e.index)));
     case LogEvent::Kind::TickLate:
       return "overload: " + lateTickText(e.overload.worst);
     case LogEvent::Kind::Overloaded:

@@ -19,6 +19,7 @@ struct LogEvent {
     InvertedPoints,      // warning: point, position; value: how many
     ContactOverflow,     // warning
     DeepContact,         // warning: value: penetration, m
+    Doubted,             // warning: index: the Doubt
     TickLate,            // warning: overload.worst
     Overloaded,          // warning: overload, which goes on
     OverloadEnded,       // overload

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "base/build_info.h"
+#include "simulation/trust.h"
 
 namespace palpate {
 namespace {
@@ -72,6 +73,8 @@ RunReport makeRunReport(const Model& model, const RunSummary& summary,
   report.base_reaction_N = summary.base_reaction;
   report.state_hash = summary.state_hash;
   report.flags = summary.flags;
+  report.doubt = summary.doubt;
+  if (summary.first_doubt_tick >= 0) report.first_doubt_s = static_cast<double>(summary.first_doubt_tick) / model.scene.rate_hz;
   report.frozen = summary.frozen;
   report.setup_seconds = model.setup_seconds;
   report.build = buildInfo();
@@ -113,6 +116,8 @@ std::string toJson(const RunReport& r) {
       {"base_reaction_N", Json::array({base.x(), base.y(), base.z()})},
       {"state_hash", hash},
       {"flags", flagNames(r.flags)},
+      {"trust", doubtName(r.doubt)},
+      {"first_doubt_s", r.first_doubt_s < 0 ? Json(nullptr) : Json(r.first_doubt_s)},
       {"frozen", r.frozen},
       {"setup_seconds", r.setup_seconds},
       {"build", r.build},

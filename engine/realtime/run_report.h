@@ -32,6 +32,8 @@ struct RunReport {
   Vec3 base_reaction_N = Vec3::Zero();
   std::uint64_t state_hash = 0;
   std::uint32_t flags = 0;           // StepFlag, all ticks
+  Doubt doubt = Doubt::None;         // the gravest of all ticks
+  double first_doubt_s = -1;         // < 0: none
   bool frozen = false;
   double setup_seconds = 0;
   std::string build;

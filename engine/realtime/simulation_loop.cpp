@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "simulation/trust.h"
+
 namespace palpate {
 namespace {
 
@@ -267,6 +269,9 @@ void SimulationLoop::advance(const LoopTime& time) {
     if (team_ != nullptr && !options_.as_fast_as_possible) team_->park();
     summary_.flags |= report_.flags;
     if (std::isfinite(report_.min_J)) summary_.min_J = std::min(summary_.min_J, report_.min_J);
+    force_.doubt = doubtOf(model_, report_);
+    if (force_.doubt != Doubt::None && summary_.first_doubt_tick < 0) summary_.first_doubt_tick = run_tick_;
+    summary_.doubt = std::max(summary_.doubt, force_.doubt);
     frozen_ = watchdog_.judge(report_, run_tick_, log_);
     if (frozen_) {
       report_.tool_force.setZero();

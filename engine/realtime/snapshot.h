@@ -17,6 +17,7 @@ struct ForceSample {
   double depth_m = 0;              // tip travel along the tool's axis past first touch of the resting skin
   Vec3 force_raw = Vec3::Zero();       // N, on the tool
   Vec3 force_filtered = Vec3::Zero();  // N
+  Doubt doubt = Doubt::None;       // why it should not be believed
 };
 
 /// How well the loop holds its rate, up to the present tick.

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "simulation/trust.h"
+
 namespace palpate {
 namespace {
 
@@ -74,6 +76,10 @@ bool Watchdog::judge(const StepReport& report, std::int64_t tick, LogRing& log) 
   if (begins(2, report.flags & kDeepContact, tick)) {
     tell(LogEvent::Kind::DeepContact, -1, Vec3::Zero(), report.max_penetration);
   }
+  // What has no sentence of its own above.
+  const Doubt doubt = doubtOf(model_, report);
+  const bool other = doubt == Doubt::Volume || doubt == Doubt::Squeezed || doubt == Doubt::Step || doubt == Doubt::Energy;
+  if (begins(3, other, tick)) tell(LogEvent::Kind::Doubted, static_cast<int>(doubt), Vec3::Zero(), 0);
   return false;
 }
 

@@ -33,7 +33,7 @@ class Watchdog {
   void reset();
 
  private:
-  static constexpr std::size_t kWarningCount = 3;
+  static constexpr std::size_t kWarningCount = 4;
   static constexpr std::int64_t kNever = -1;
   bool begins(int warning, bool condition, std::int64_t tick);
 

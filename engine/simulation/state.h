@@ -24,6 +24,18 @@ enum StepFlag : std::uint32_t {
   kDeepContact = 1u << 4,      // penetration beyond a fifth of the tool's radius
 };
 
+/// Why the numbers of a step should not be believed, the gravest that applies (simulation/trust.h).
+enum class Doubt : std::uint8_t {
+  None,
+  Volume,     // nearly incompressible tissue has changed its volume
+  Contact,    // the tool is deep in the skin, or touches more of it than there is memory for
+  Squeezed,   // a point is near collapse
+  Step,       // deformation has stiffened the tissue beyond what the time step is stable for
+  Energy,     // the steps make energy
+  Inverted,   // a point is inside out
+  Lost,       // not finite, or blown up
+};
+
 /// One step's (or, accumulated, one tick's) outcome.
 struct StepReport {
   std::uint32_t flags = 0;

@@ -5,18 +5,6 @@
 
 namespace palpate {
 
-/// Why the numbers of a step should not be believed, the gravest that applies.
-enum class Doubt {
-  None,
-  Volume,     // nearly incompressible tissue has changed its volume
-  Contact,    // the tool is deep in the skin, or touches more of it than there is memory for
-  Squeezed,   // a point is near collapse
-  Step,       // deformation has stiffened the tissue beyond what the time step is stable for
-  Energy,     // the strain energy is not the work done
-  Inverted,   // a point is inside out
-  Lost,       // not finite, or blown up
-};
-
 /// From where on each is doubted.
 struct TrustLimits {
   static constexpr double volume_change = 0.02;   // of the tissue's volume, where Poisson's ratio is 0.45 or more

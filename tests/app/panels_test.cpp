@@ -170,3 +170,18 @@ TEST_CASE("Nothing is requested unless something is clicked", "[panels]") {
   CHECK_FALSE(r.friction);
   CHECK(r.material == -1);
 }
+
+TEST_CASE("A force that is not to be trusted is amber, and nothing is while it is", "[panels]") {
+  Panels panels;
+  panels.force_.sample.force_filtered = Vec3(0, 0, 1.234);
+  // The lines of the plots have colours of their own; letters are quads of one colour.
+  const auto amber = [&panels] {
+    panels.draw(1280, 800);
+    int count = 0;
+    for (const ImDrawVert& v : windowNamed("##right")->DrawList->VtxBuffer) count += v.col == colours::warning ? 1 : 0;
+    return count;
+  };
+  const int without = amber();
+  panels.force_.sample.doubt = Doubt::Energy;
+  CHECK(amber() >= without + 2 * 4 * 5);  // two numbers of five signs
+}

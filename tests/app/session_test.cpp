@@ -99,7 +99,7 @@ TEST_CASE("force.csv has the agreed header, a row per sample, and numbers that r
   std::getline(lines, row);
   CHECK(header ==
         "time_s,depth_m,force_raw_N_x,force_raw_N_y,force_raw_N_z,"
-        "force_filtered_N_x,force_filtered_N_y,force_filtered_N_z");
+        "force_filtered_N_x,force_filtered_N_y,force_filtered_N_z,trust");
   double value[8] = {};
   char comma = 0;
   std::istringstream cells(row);
