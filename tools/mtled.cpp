@@ -7,6 +7,7 @@
 #include "base/build_info.h"
 #include "base/input_error.h"
 #include "mtled/bench_command.h"
+#include "mtled/fit_command.h"
 #include "mtled/frontier_command.h"
 #include "mtled/solve_command.h"
 #include "mtled/verify_command.h"
@@ -23,6 +24,7 @@ const char* const examples = R"(Examples:
   mtled verify cube torsion --report /tmp/v  two of them, as a page with pictures
   mtled bench --quick                        the force kernels' speed beside what this machine could do at most
   mtled frontier liver --quick               what each microsecond buys
+  mtled fit liver --rate 1000                the most accurate setting that holds 1 kHz here
 
 Exit codes: 0 done, 1 failed, not converged or interrupted (what there is is kept), 2 bad option or scene.)";
 
@@ -75,6 +77,15 @@ int main(int argc, char** argv) {
   frontier_app->add_flag("--quick", frontier.quick, "The most telling settings, and a coarser reference");
   frontier_app->add_flag("--resume", frontier.resume, "Keep the settings that the folder has already");
 
+  FitOptions fit;
+  CLI::App* fit_app = app.add_subcommand("fit", "Find the most accurate setting of a scene that holds a rate on this machine");
+  fit_app->add_option("SCENE", fit.scene, "Scene file (.toml), or the name of one in assets/scenes")->required();
+  fit_app->add_option("--rate", fit.rate_hz, "Ticks a second (the scene's)")->type_name("HZ")->check(CLI::Range(100.0, 2000.0));
+  fit_app->add_option("--cores", fit.cores, "Threads for the physics (one per core)")->type_name("N")->check(CLI::Range(1, 64));
+  fit_app->add_option("--out", fit.out, "Scene file to write (out/<scene>_<rate>hz.toml)")->type_name("FILE");
+  fit_app->add_option("--json", fit.json, "Write what was found to this file")->type_name("FILE");
+  fit_app->add_option("--tool", fit.tool_script, "The tool's way (the built-in indentation)")->type_name("SCRIPT");
+
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -85,6 +96,7 @@ int main(int argc, char** argv) {
   catchInterrupts();
   try {
     if (*bench_app) return benchCommand(bench);
+    if (*fit_app) return fitCommand(fit);
     if (*frontier_app) return frontierCommand(frontier);
     return *verify_app ? verifyCommand(verify) : solveCommand(solve);
   } catch (const InputError& error) {
