@@ -114,7 +114,7 @@ int fitCommand(const FitOptions& options) {
   double finest = candidates.front().spacing_factor;
   for (const auto& c : candidates) finest = std::min(finest, c.spacing_factor);
   const WorkedOn place = workedOn(present, way);
-  const Fineness fineness{0.85 * finest, 0.5 * finest, 1.35};
+  const Fineness fineness = fitFineness(finest);
   const ConvergedRun converged = convergedRun(present, way, probes, place, fineness, scene.threads,
                                               [&](double fraction, const std::string& what) { progress.show(0.5 + 0.3 * fraction, what); });
   for (auto& c : candidates) {

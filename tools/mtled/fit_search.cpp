@@ -76,6 +76,8 @@ FitCandidate finestWithin(const FitTask& task, const FitFamily& family, double s
   return best;
 }
 
+Fineness fitFineness(double factor) { return {0.85 * factor, 0.5 * factor, 1.35}; }
+
 double expectedError(const RunError& error, const ConvergedRun& converged, double coarser) {
   const double lacking = converged.about.convergence.force / (coarser * coarser - 1);
   return std::hypot(error.force, lacking);

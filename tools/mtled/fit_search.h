@@ -39,6 +39,9 @@ struct FitTask {
 /// down to a few hundred nodes.
 FitCandidate finestWithin(const FitTask& task, const FitFamily& family, double share);
 
+/// What a candidate of `factor` times the scene's spacing is compared with.
+Fineness fitFineness(double factor);
+
 /// The force error to expect: the distance from the reference and what the reference itself lacks. A solution that converges with
 /// the square of the spacing is 1 / (r^2 - 1) of its distance from one r times as coarse away from the limit.
 double expectedError(const RunError& error, const ConvergedRun& converged, double coarser);

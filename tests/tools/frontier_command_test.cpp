@@ -1,0 +1,153 @@
+#include "mtled/frontier_command.h"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <fstream>
+#include <sstream>
+
+#include "io/csv_table.h"
+#include "mtled/converged_run.h"
+#include "mtled/frontier_result.h"
+#include "mtled/frontier_settings.h"
+#include "support/small_scene.h"
+#include "support/temp_folder.h"
+
+using namespace palpate;
+using namespace palpate::test;
+
+namespace {
+
+FrontierRow row(const char* name, double cost, double error) {
+  FrontierRow r;
+  r.group = "spacing";
+  r.name = name;
+  r.nodes = 100;
+  r.points = 500;
+  r.substeps = 2;
+  r.dt = 1e-3;
+  r.cost = {cost, 2 * cost, 3 * cost};
+  r.realtime_factor = 1000 / cost;
+  r.error = {error, error / 2};
+  r.peak_force = 0.3;
+  return r;
+}
+
+Frontier madeUp() {
+  Frontier f;
+  f.scene = "made up";
+  f.way = "built-in indentation";
+  f.identity = "0123";
+  f.rate_hz = 500;
+  f.reference = {4000, 20000, 0.31, 2000, {0.01, 0.02}};
+  f.rows = {row("as it is", 600, 0.05), row("cheap", 200, 0.2), row("worse and dearer", 700, 0.06), row("lost", 100, NAN)};
+  f.rows.back().trouble = "blew up after 3 ticks";
+  return f;
+}
+
+}  // namespace
+
+TEST_CASE("The best rows are those that none beats in both, and none without an error", "[frontier]") {
+  CHECK(bestRows(madeUp()) == std::vector<int>{1, 0});
+}
+
+TEST_CASE("A frontier comes back from its JSON, and damaged JSON is told", "[frontier]") {
+  const Frontier f = madeUp(), back = frontierFromJson(jsonOf(f));
+  CHECK(jsonOf(back) == jsonOf(f));
+  CHECK(std::isnan(back.rows.back().error.force));
+  CHECK(back.rows.back().trouble == f.rows.back().trouble);
+  const std::string text = jsonOf(f);
+  CHECK_THROWS_AS(frontierFromJson(text.substr(0, text.size() / 2)), std::runtime_error);
+  CHECK_THROWS_AS(frontierFromJson("{}"), std::runtime_error);
+}
+
+TEST_CASE("Errors are measured against the better run's largest force and displacement", "[frontier]") {
+  ScriptedRun better, run;
+  better.force = {Vec3::Zero(), Vec3(0, 0, 1), Vec3(0, 0, 2)};
+  better.probe_u = {Vec3(0, 0, -0.01), Vec3::Zero()};
+  run = better;
+  CHECK(errorOf(run, better).force == 0);
+  CHECK(errorOf(run, better).displacement == 0);
+  run.force[0] = Vec3(0, 0, 9);  // before the contact: not counted
+  run.force[2] = Vec3(0, 0, 2.2);
+  run.probe_u[1] = Vec3(0.001, 0, 0);
+  CHECK(errorOf(run, better).force == Approx(0.2 / std::sqrt(2.0) / 2));
+  CHECK(errorOf(run, better).displacement == Approx(0.1 / std::sqrt(2.0)));
+  run.force.pop_back();
+  CHECK(std::isnan(errorOf(run, better).force));  // it ended early
+}
+
+TEST_CASE("Each setting turns something, has a name of its own, and the first is the scene as it is", "[frontier]") {
+  const Scene scene = blockScene();
+  const WorkedOn place{Vec3(0, 0, 0.03), 0.02};
+  for (const bool quick : {false, true}) {
+    const auto settings = frontierSettings(scene, place, quick, 2);
+    REQUIRE(settings.size() > 10);
+    CHECK(settings.front().group == "present");
+    for (std::size_t a = 0; a < settings.size(); ++a)
+      for (std::size_t b = 0; b < a; ++b) CHECK(settings[a].name != settings[b].name);
+    for (const auto& s : settings)
+      if (s.group == "refined at the tool") {
+        Scene turned = scene;
+        s.turn(turned);
+        CHECK(turned.spacing > scene.spacing);
+        REQUIRE(turned.refine.size() == 1);
+        CHECK(turned.refine[0].spacing < turned.spacing);
+      }
+  }
+}
+
+TEST_CASE("The place that a tool works on is found from its way", "[frontier]") {
+  const Model model = blockModel();
+  ToolWay way = indentationWay(model);
+  const WorkedOn place = workedOn(model, way);
+  CHECK((place.centre - Vec3(0, 0, 0.03)).norm() < 0.006);
+  CHECK(place.radius >= 2 * model.scene.tool.radius);
+  CHECK(place.radius < 4 * model.scene.tool.radius);
+  for (auto& pose : way) pose.position.z() += 1;
+  CHECK(workedOn(model, way).radius == 0);
+}
+
+TEST_CASE("A refined reference is closer to a finer one than the block as it is; doubles agree with floats", "[frontier]") {
+  const Model model = blockModel();
+  const ToolWay way = indentationWay(model);
+  const auto probes = surfaceProbes(model, 20);
+  const ScriptedRun run = runWay(model, way, probes, 1), in_double = runWay(model, way, probes, 1, true);
+  REQUIRE(run.sound());
+  CHECK(run.tick_us.size() == way.size());
+  CHECK(errorOf(run, in_double).force < 1e-3);
+  CHECK(errorOf(run, in_double).displacement < 1e-4);
+  const ConvergedRun converged = convergedRun(model, way, probes, workedOn(model, way), {1, 0.6, 1.3}, 1, [](double, const std::string&) {});
+  CHECK(converged.about.nodes > model.nodeCount());
+  CHECK(converged.about.convergence.force < errorOf(run, converged.run).force);
+
+  const TempFolder folder;
+  const std::string file = folder.path("reference.json");
+  writeConvergedRun(file, converged, "abc");
+  ConvergedRun back;
+  CHECK_FALSE(readConvergedRun(file, "abd", back));
+  REQUIRE(readConvergedRun(file, "abc", back));
+  CHECK(errorOf(run, back.run).force == errorOf(run, converged.run).force);
+  std::string bytes;
+  {
+    std::ifstream in(file, std::ios::binary);
+    std::stringstream text;
+    text << in.rdbuf();
+    bytes = text.str();
+  }
+  folder.write("reference.json", bytes.substr(0, bytes.size() / 2));
+  CHECK_FALSE(readConvergedRun(file, "abc", back));
+}
+
+TEST_CASE("Nothing to resume, or something of another scene, is refused", "[frontier]") {
+  const TempFolder folder;
+  FrontierOptions options;
+  options.scene = folder.write("block.toml",
+                               "[organ]\nsolid = \"box\"\nsize = [0.06, 0.06, 0.03]\n[discretization]\nspacing = 0.015\n"
+                               "[[material]]\nmodel = \"neo-hookean\"\nyoung = 3000\npoisson = 0.45\n[[fixed]]\nshape = \"half-space\"\n"
+                               "point = [0, 0, 0.0001]\nnormal = [0, 0, 1]\n[tool]\nshape = \"sphere\"\nradius = 0.01\nposition = [0, 0, 0.035]\n");
+  options.out = folder.path("out");
+  options.resume = true;
+  CHECK_THAT(refusal([&] { frontierCommand(options); }), Catch::Contains("nothing to resume"));
+  folder.write("out/frontier.json", jsonOf(madeUp()));
+  CHECK_THAT(refusal([&] { frontierCommand(options); }), Catch::Contains("another scene"));
+}
