@@ -190,6 +190,7 @@ template <class Real>
 BoundaryScratchOf<Real> makeBoundaryScratch(const EssentialBoundaryOf<Real>& boundary) {
   BoundaryScratchOf<Real> scratch;
   for (const auto& set : boundary.sets) scratch.rhs.emplace_back(set.node.size());
+  scratch.creep = scratch.rhs;
   const std::size_t boundaries = boundary.motions.size();
   scratch.rotation.assign(boundaries, Mat3::Zero());
   scratch.rotation_before = scratch.rotation;
@@ -242,6 +243,10 @@ Vec3 imposeBoundary(const EssentialBoundaryOf<Real>& boundary, double time_s, do
         if (!u) imposed[c] -= scratch.rotation_before[b].row(c).dot(arm) + scratch.shift_before[b][c];
       }
       GroupOf<Real> sum = load(toReal4<Real>(imposed));
+      if (!u) {
+        sum += load(scratch.creep[s][k]);
+        scratch.creep[s][k] = {};
+      }
       sum = lessRow<Real>(set.phi, k, du, sum);
       if (u) sum = lessRow<Real>(set.phi, k, u, sum);
       store(r[k], sum);
@@ -272,6 +277,26 @@ Vec3 imposeBoundary(const EssentialBoundaryOf<Real>& boundary, double time_s, do
   for (std::size_t b = 0; b < boundary.motions.size(); ++b)
     if (!boundary.motions[b].moves()) held += scratch.reaction[b].force;
   return held;
+}
+
+void takeBackCreep(const EssentialBoundary& boundary, double time_s, const Float4* u, const Float4* u_low,
+                   BoundaryScratch& scratch) {
+  constexpr double share = 0.1;
+  evaluate(boundary.motions, time_s, scratch.rotation, scratch.shift);
+  for (std::size_t s = 0; s < boundary.sets.size(); ++s) {
+    const auto& set = boundary.sets[s];
+    for (std::size_t k = 0; k < set.node.size(); ++k) {
+      Vec3 away = Vec3::Zero();  // u_bar - Phi u
+      for (int c = 0; c < 3; ++c)
+        if (const int b = set.boundary[k][c]; b >= 0)
+          away[c] = scratch.rotation[b].row(c).dot(set.X[k] - boundary.motions[b].axis_point) + scratch.shift[b][c];
+      for (int e = set.phi.begin[k]; e < set.phi.begin[k + 1]; ++e) {
+        const int j = set.phi.column[e];
+        away -= static_cast<double>(set.phi.value[e]) * (toVec3(u[j]) + toVec3(u_low[j]));
+      }
+      scratch.creep[s][k] = toFloat4(share * away);
+    }
+  }
 }
 
 template <class Real>

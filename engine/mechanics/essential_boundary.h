@@ -87,6 +87,7 @@ struct Reaction {
 template <class Real>
 struct BoundaryScratchOf {
   std::vector<AlignedVector<Real4<Real>>> rhs;  // (set_count)(row_count); after a step alpha times the tractions T
+  std::vector<AlignedVector<Real4<Real>>> creep;  // (set_count)(row_count) m, taken back by the next step that imposes increments
   std::vector<Mat3> rotation, rotation_before;  // (boundary_count) minus identity, at the step's end and start
   std::vector<Vec3> shift, shift_before;  // (boundary_count) m
   std::vector<Reaction> reaction;         // (boundary_count) of the last step, paper eq. 18
@@ -112,6 +113,14 @@ template <class Real>
 Vec3 imposeBoundary(const EssentialBoundaryOf<Real>& boundary, double time_s, double dt, double alpha,
                     const Real* inverse_mass, const std::type_identity_t<Real4<Real>>* u, Real4<Real>* du,
                     BoundaryScratchOf<Real>& scratch);
+
+/// Where only increments are imposed, their roundings add up: a walk of some 1e-9 of the body's size in a thousand ticks. This finds in
+/// double how far the field has crept from where it should be at `time_s`, and leaves a tenth of it to the next imposeBoundary.
+/// Called once a tick it keeps the creep at the size of one rounding, however long the run.
+/// @param u, u_low  displacement parameters and what float32 lost of them, m (node_count)
+/// Real-time: no allocation, no lock, no throw.
+void takeBackCreep(const EssentialBoundary& boundary, double time_s, const Float4* u, const Float4* u_low,
+                   BoundaryScratch& scratch);
 
 /// Adds what each imposed node carried in the last step: share_k T_k, N. Sums to the boundaries' forces.
 /// @param force  (node_count)
