@@ -6,6 +6,7 @@
 #include "base/types.h"
 #include "discretization/feature_edges.h"
 #include "discretization/point_grid.h"
+#include "discretization/site_grid.h"
 #include "discretization/spacing_field.h"
 #include "discretization/surface_tree.h"
 
@@ -20,13 +21,6 @@ class Random {
 
  private:
   std::mt19937 engine_;
-};
-
-/// A node, or a place where one may come to be.
-struct Site {
-  Vec3 X = Vec3::Zero();
-  Vec3 normal = Vec3::Zero();  // of the face it lies on, outward; zero on edges, corners and inside
-  double h = 0;                // m, the spacing wanted there
 };
 
 /// No two nodes come closer than this, in units of h.
@@ -73,7 +67,7 @@ class Scatter {
   void judge(Cube& cube) const;
   std::vector<Cube> leaves() const;
   std::vector<Site> insideCandidates(double& wanted);
-  Vec3 pushed(const Site& site, int dimension) const;
+  Vec3 pushed(const Site& site, const SiteGrid& grid, int dimension) const;
   template <class Confine>
   void relax(std::size_t begin, int dimension, Confine&& confine);
 
