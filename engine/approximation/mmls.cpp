@@ -84,6 +84,10 @@ bool Mmls<Dim>::solve(const Vec& x, const Vec* X, const double* radius, int coun
 
   const Eigen::LDLT<Moment> factor(M);
   if (factor.info() != Eigen::Success) return false;
+  // The estimate of the condition passes over pivots that are zero. No pivot is below the lowest eigenvalue, none above
+  // the highest: this turns away nothing that the estimate should not.
+  const auto pivots = factor.vectorD();
+  if (!(pivots.minCoeff() > singular_reciprocal_condition * pivots.maxCoeff())) return false;
   quality_.reciprocal_condition = factor.rcond();
   if (!(quality_.reciprocal_condition > singular_reciprocal_condition) || !factor.isPositive()) return false;
 

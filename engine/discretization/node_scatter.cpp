@@ -246,9 +246,11 @@ void Scatter::judge(Cube& cube) const {
     // The surface does not pass between two points closer than one of them is to it.
     const bool same_side = std::abs(cube.depth) > radius;
     const bool inside = same_side ? cube.depth > 0 : surface_.inside(cube.centre);
-    // The parent's centre is one radius away (the root's none), and as far from the surface as its depth.
-    const double farthest = (std::abs(cube.depth) + radius) * (1 + 1e-9);
-    cube.depth = surface_.closest(cube.centre, farthest).distance * (inside ? 1 : -1);
+    // The surface is no farther than the parent's foot on it; the rest is for rounding.
+    const double farthest = (1 + 1e-9) * (cube.foot - cube.centre).norm() + 1e-9 * cube.edge;
+    const SurfaceTree::Closest foot = surface_.closest(cube.centre, farthest);
+    cube.foot = foot.point;
+    cube.depth = foot.distance * (inside ? 1 : -1);
     if (cube.depth < -radius) {
       cube.kind = Cube::Kind::Outside;
       return;
@@ -263,8 +265,9 @@ void Scatter::judge(Cube& cube) const {
 /// The leaves of an octree over the body, those outside left out, in the order of a depth-first search.
 std::vector<Cube> Scatter::leaves() const {
   const Eigen::AlignedBox3d box = padded(boundingBox(surface_.surface()));
-  std::vector<Cube> cubes{
-      {box.center(), box.sizes().maxCoeff(), -surface_.signedDistance(box.center()), 0, false, Cube::Kind::Open}};
+  const Vec3 middle = box.center();
+  std::vector<Cube> cubes{{middle, box.sizes().maxCoeff(), -surface_.signedDistance(middle), surface_.closest(middle).point, 0,
+                           false, Cube::Kind::Open}};
   for (bool open = true; open;) {
     parallelFor(static_cast<int>(cubes.size()), [&](int first, int last) {
       for (int k = first; k < last; ++k)
@@ -278,7 +281,7 @@ std::vector<Cube> Scatter::leaves() const {
       open = true;
       for (int octant = 7; octant >= 0; --octant) {
         const Vec3 side((octant & 1) - 0.5, ((octant >> 1) & 1) - 0.5, (octant >> 2) - 0.5);
-        next.push_back({cube.centre + side * cube.edge / 2, cube.edge / 2, cube.depth, 0, cube.deep, Cube::Kind::Open});
+        next.push_back({cube.centre + side * cube.edge / 2, cube.edge / 2, cube.depth, cube.foot, 0, cube.deep, Cube::Kind::Open});
       }
     }
     cubes = std::move(next);

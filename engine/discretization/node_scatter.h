@@ -38,6 +38,7 @@ struct Cube {
   Vec3 centre = Vec3::Zero();
   double edge = 0;     // m
   double depth = 0;    // m below the surface at the centre, negative outside; at the parent's while open
+  Vec3 foot = Vec3::Zero();  // of the surface, closest to the centre; to the parent's while open
   double h = 0;        // m, the spacing wanted at the centre
   bool deep = false;   // known to lie inside, deeper than any node must
   Kind kind = Kind::Open;
