@@ -38,6 +38,7 @@ bool Mmls<Dim>::evaluate(const Vec& x, const Vec* X, const double* radius, int c
   w_.resize(count);
   gradN_.resize(count);
   dw_.resize(count);
+  gp_.resize(count);
   p_.resize(static_cast<std::size_t>(count) * quadratic_size<Dim>);
   return degree_ == 1 ? solve<linear_size<Dim>>(x, X, radius, count)
                       : solve<quadratic_size<Dim>>(x, X, radius, count);
@@ -69,45 +70,51 @@ bool Mmls<Dim>::solve(const Vec& x, const Vec* X, const double* radius, int coun
   const double scale = sum_wR / sum_w;
   const Vec dscale = (sum_dwR - scale * sum_dw) / sum_w;
 
-  // Moment matrix M = P^T W P + H (eq. 4) and its derivative. H in the unscaled basis is
-  // mu R(x)^4, so relative to the scale at x it is mu, with derivative 4 mu (dR/dx) / R.
+  // Moment matrix M = P^T W P + H (eq. 4); its lower half is all that the factorization reads.
   Moment M = Moment::Zero();
-  Moment dM[Dim];
-  for (auto& m : dM) m.setZero();
   for (int j = 0; j < count; ++j) {
     double* p = &p_[static_cast<std::size_t>(j) * Size];
     monomials<Dim, Size>(Vec((X[j] - x) / scale), p);
-    const Eigen::Map<const Basis> pj(p);
-    const Moment pp = pj * pj.transpose();
-    M += w_[j] * pp;
-    for (int k = 0; k < Dim; ++k) dM[k] += dw_[j][k] * pp;
+    for (int b = 0; b < Size; ++b) {
+      const double wp = w_[j] * p[b];
+      for (int a = b; a < Size; ++a) M(a, b) += wp * p[a];
+    }
   }
-  for (int m = linear_size<Dim>; m < Size; ++m) {
-    const double mu = mu_[m - linear_size<Dim>];
-    M(m, m) += mu;
-    for (int k = 0; k < Dim; ++k) dM[k](m, m) += 4 * mu * dscale[k] / scale;
-  }
+  for (int m = linear_size<Dim>; m < Size; ++m) M(m, m) += mu_[m - linear_size<Dim>];
 
   const Eigen::LDLT<Moment> factor(M);
   if (factor.info() != Eigen::Success) return false;
+  // The estimate of the condition passes over pivots that are zero. No pivot is below the lowest eigenvalue, none above
+  // the highest: this turns away nothing that the estimate should not.
+  const auto pivots = factor.vectorD();
+  if (!(pivots.minCoeff() > singular_reciprocal_condition * pivots.maxCoeff())) return false;
   quality_.reciprocal_condition = factor.rcond();
   if (!(quality_.reciprocal_condition > singular_reciprocal_condition) || !factor.isPositive()) return false;
 
   // p(x) = (1, 0, .., 0) in the shifted basis and dp/dx_k = e_k / scale, so with g = M^-1 p(x)
   //   N_j       = w_j g . p_j
   //   dN_j/dx_k = dw_j/dx_k g . p_j + w_j (M^-1 (e_k / scale - dM_k g)) . p_j
+  //   dM_k g    = sum_j dw_j/dx_k (g . p_j) p_j + dH_k g
+  // H in the unscaled basis is mu R(x)^4, so relative to the scale at x it is mu, with derivative 4 mu (dR/dx) / R.
   const Basis g = factor.solve(Basis::Unit(0));
+  Eigen::Matrix<double, Size, Dim> dMg = Eigen::Matrix<double, Size, Dim>::Zero();
+  for (int j = 0; j < count; ++j) {
+    const Eigen::Map<const Basis> pj(&p_[static_cast<std::size_t>(j) * Size]);
+    gp_[j] = g.dot(pj);
+    for (int k = 0; k < Dim; ++k) dMg.col(k) += dw_[j][k] * gp_[j] * pj;
+  }
+  for (int m = linear_size<Dim>; m < Size; ++m)
+    for (int k = 0; k < Dim; ++k) dMg(m, k) += 4 * mu_[m - linear_size<Dim>] * dscale[k] / scale * g[m];
   Basis h[Dim];
-  for (int k = 0; k < Dim; ++k) h[k] = factor.solve(Basis(Basis::Unit(1 + k) / scale - dM[k] * g));
+  for (int k = 0; k < Dim; ++k) h[k] = factor.solve(Basis(Basis::Unit(1 + k) / scale - dMg.col(k)));
 
   double sum_N = 0;
   Vec sum_Nxi = Vec::Zero(), sum_grad = Vec::Zero();
   Eigen::Matrix<double, Dim, Dim> sum_gradx = Eigen::Matrix<double, Dim, Dim>::Zero();
   for (int j = 0; j < count; ++j) {
     const Eigen::Map<const Basis> pj(&p_[static_cast<std::size_t>(j) * Size]);
-    const double gp = g.dot(pj);
-    N_[j] = w_[j] * gp;
-    for (int k = 0; k < Dim; ++k) gradN_[j][k] = dw_[j][k] * gp + w_[j] * h[k].dot(pj);
+    N_[j] = w_[j] * gp_[j];
+    for (int k = 0; k < Dim; ++k) gradN_[j][k] = dw_[j][k] * gp_[j] + w_[j] * h[k].dot(pj);
 
     const Vec xi = (X[j] - x) / scale;
     sum_N += N_[j];

@@ -61,7 +61,7 @@ class Mmls {
 
   int degree_;
   std::array<double, 6> mu_;  // weights of the constraints
-  std::vector<double> N_, w_;
+  std::vector<double> N_, w_, gp_;
   std::vector<Vec> gradN_, dw_;
   std::vector<double> p_;  // (count * Size)
   MmlsQuality quality_;

@@ -12,7 +12,7 @@ namespace palpate {
 class Neighbours {
  public:
   /// @param X       node positions, m   (node_count); kept by reference
-  /// @param radius  support radii, m    (node_count); kept by reference
+  /// @param radius  support radii, m    (node_count), as they are now
   Neighbours(const std::vector<Vec3>& X, const std::vector<double>& radius);
   ~Neighbours();
 
@@ -24,10 +24,25 @@ class Neighbours {
 
  private:
   struct Tree;
+  void fillGrid(const std::vector<double>& radius);
+  Eigen::Array3i cellOf(const Vec3& x) const;
+  std::size_t slot(int i, int j, int k) const { return (static_cast<std::size_t>(k) * count_.y() + j) * count_.x() + i; }
+
   const std::vector<Vec3>& X_;
-  const std::vector<double>& radius_;
   double max_radius_ = 0;
-  std::unique_ptr<Tree> tree_;
+  std::unique_ptr<Tree> tree_;  // for nearest
+
+  // For find: the nodes in the cells of a regular grid, rows of cells one after another.
+  struct Ball {
+    Vec3 X;
+    double radius2;  // m^2
+  };
+  Vec3 origin_ = Vec3::Zero();
+  double cell_ = 1;  // m
+  Eigen::Array3i count_ = Eigen::Array3i::Ones();
+  std::vector<int> first_;  // (cells + 1)
+  std::vector<Ball> ball_;  // (node_count)
+  std::vector<int> node_;   // (node_count) ascending in each cell
 };
 
 }  // namespace palpate

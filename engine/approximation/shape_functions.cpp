@@ -48,12 +48,19 @@ ShapeTable shapeFunctions(const std::vector<Vec3>& points, const std::vector<Vec
   failed.clear();
   for (int r = 0; r < rows; ++r) {
     if (bad[r].row >= 0) failed.push_back(bad[r]);
-    table.node.insert(table.node.end(), row[r].node.begin(), row[r].node.end());
-    table.N.insert(table.N.end(), row[r].N.begin(), row[r].N.end());
-    table.gradN.insert(table.gradN.end(), row[r].gradN.begin(), row[r].gradN.end());
-    table.begin.push_back(static_cast<int>(table.node.size()));
-    row[r] = {};
+    table.begin.push_back(table.begin.back() + static_cast<int>(row[r].node.size()));
   }
+  table.node.resize(table.begin.back());
+  table.N.resize(table.begin.back());
+  table.gradN.resize(table.begin.back());
+  parallelFor(rows, [&](int first, int last) {
+    for (int r = first; r < last; ++r) {
+      std::copy(row[r].node.begin(), row[r].node.end(), table.node.begin() + table.begin[r]);
+      std::copy(row[r].N.begin(), row[r].N.end(), table.N.begin() + table.begin[r]);
+      std::copy(row[r].gradN.begin(), row[r].gradN.end(), table.gradN.begin() + table.begin[r]);
+      row[r] = {};
+    }
+  });
   return table;
 }
 

@@ -45,37 +45,54 @@ std::array<Eigen::Vector4d, 15> insideSamples() {
 
 class InsideTest {
  public:
-  InsideTest(const NodeCloud& cloud, const SurfaceTree& surface) : X_(cloud.X), surface_(surface) {
-    depth_.resize(X_.size(), 0.0);
+  InsideTest(const NodeCloud& cloud, const std::vector<std::array<int, 4>>& cells, const SurfaceTree& surface)
+      : X_(cloud.X), surface_(surface), depth_(cloud.X.size(), 0.0) {
+    std::vector<double> longest(X_.size(), 0.0);  // edge of the cells at each node, m
+    for (const std::array<int, 4>& cell : cells)
+      for (int i : cell) longest[i] = std::max(longest[i], longestEdgeAt(i, cell));
     parallelFor(static_cast<int>(X_.size()), [&](int first, int last) {
-      for (int i = first; i < last; ++i)
-        if (!cloud.on_surface[i]) depth_[i] = surface.closest(X_[i]).distance;
+      for (int i = first; i < last; ++i) {
+        if (cloud.on_surface[i]) continue;
+        const SurfaceTree::Closest foot = surface.closest(X_[i], longest[i]);
+        depth_[i] = foot.triangle < 0 ? std::numeric_limits<double>::infinity() : foot.distance;
+      }
     });
   }
 
   /// True if at least half of the cell's samples lie inside the body.
   bool holds(const std::array<int, 4>& cell) const {
     // The ball around an inner node that does not reach the surface lies inside the body.
-    for (int i : cell) {
-      double longest = 0;
-      for (int j : cell) longest = std::max(longest, (X_[i] - X_[j]).norm());
-      if (longest < depth_[i]) return true;
+    for (int i : cell)
+      if (longestEdgeAt(i, cell) < depth_[i]) return true;
+    // So do the samples in such a ball around the centre, or all outside.
+    std::array<Vec3, 15> x;
+    for (std::size_t n = 0; n < x.size(); ++n) {
+      x[n] = Vec3::Zero();
+      for (int k = 0; k < 4; ++k) x[n] += samples_[n][k] * X_[cell[k]];
     }
+    const double above = surface_.signedDistance(x[0]);
     constexpr int majority = 8;
     int inside = 0, outside = 0;
-    for (const Eigen::Vector4d& sample : samples_) {
-      Vec3 x = Vec3::Zero();
-      for (int k = 0; k < 4; ++k) x += sample[k] * X_[cell[k]];
-      ++(surface_.inside(x) ? inside : outside);
-      if (inside == majority || outside == majority) break;
+    const auto near = [&](const Vec3& sample) { return (sample - x[0]).norm() < std::abs(above); };
+    for (const Vec3& sample : x)
+      if (near(sample)) ++(above < 0 ? inside : outside);
+    for (const Vec3& sample : x) {
+      if (inside >= majority || outside >= majority) break;
+      if (!near(sample)) ++(surface_.inside(sample) ? inside : outside);
     }
-    return inside == majority;
+    return inside >= majority;
   }
 
  private:
+  double longestEdgeAt(int i, const std::array<int, 4>& cell) const {
+    double longest = 0;
+    for (int j : cell) longest = std::max(longest, (X_[i] - X_[j]).norm());
+    return longest;
+  }
+
   const std::vector<Vec3>& X_;
   const SurfaceTree& surface_;
-  std::vector<double> depth_;  // (node_count) m below the surface; 0 on it
+  std::vector<double> depth_;  // (node_count) m below the surface; 0 on it, infinite where no cell's edge gets there
   std::array<Eigen::Vector4d, 15> samples_ = insideSamples();
 };
 
@@ -122,7 +139,7 @@ BackgroundCells makeBackgroundCells(const NodeCloud& cloud, const SurfaceTree& s
   }
 
   BackgroundCells result;
-  const InsideTest inside(cloud, surface);
+  const InsideTest inside(cloud, all, surface);
   std::vector<char> held(all.size(), 0);
   parallelFor(static_cast<int>(all.size()), [&](int first, int last) {
     for (int c = first; c < last; ++c) held[c] = inside.holds(all[c]);

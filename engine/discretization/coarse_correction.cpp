@@ -104,30 +104,37 @@ void CoarseCorrection::factorBlocks(const NodeMatrix& A) {
 }
 
 void CoarseCorrection::factorCoarse(const NodeMatrix& A) {
-  const auto size = static_cast<Eigen::Index>(4 * block_.size());
-  Eigen::MatrixXd coarse = Eigen::MatrixXd::Zero(size, size);
-  parallelFor(static_cast<int>(block_.size()), [&](int first, int last) {
-    AlignedList<Eigen::Vector4d> column(shares_.size(), Eigen::Vector4d::Zero());  // A P of one block
-    std::vector<char> touched(shares_.size(), 0);
-    std::vector<int> rows;
+  const int blocks = static_cast<int>(block_.size());
+  std::vector<std::vector<Share>> AP(shares_.size());  // rows of A P
+  parallelFor(static_cast<int>(shares_.size()), [&](int first, int last) {
+    AlignedList<Eigen::Vector4d> sum(blocks, Eigen::Vector4d::Zero());
+    std::vector<char> touched(blocks, 0);
+    for (int i = first; i < last; ++i) {
+      for (std::size_t k = A.begin[i]; k < A.begin[i + 1]; ++k)
+        for (const Share& share : shares_[A.column[k]]) {
+          sum[share.block] += A.value[k] * share.value;
+          touched[share.block] = 1;
+        }
+      // The factorization reads the lower half: what lies right of all of the row's own blocks has no part in it.
+      for (int b = 0; b <= shares_[i].back().block; ++b)
+        if (touched[b]) AP[i].push_back({b, sum[b]});
+      std::fill(sum.begin(), sum.end(), Eigen::Vector4d::Zero());
+      std::fill(touched.begin(), touched.end(), 0);
+    }
+  });
+  Eigen::MatrixXd coarse = Eigen::MatrixXd::Zero(4 * blocks, 4 * blocks);
+  parallelFor(blocks, [&](int first, int last) {
+    Eigen::Matrix<double, 4, Eigen::Dynamic> rows(4, 4 * blocks);
     for (int b = first; b < last; ++b) {
-      rows.clear();
-      for (const int j : reach_[b]) {
-        const auto own = std::find_if(shares_[j].begin(), shares_[j].end(), [&](const Share& s) { return s.block == b; });
-        for (std::size_t k = A.begin[j]; k < A.begin[j + 1]; ++k) {  // A is symmetric
-          const int i = A.column[k];
-          if (!touched[i]) {
-            touched[i] = 1;
-            rows.push_back(i);
-          }
-          column[i] += A.value[k] * own->value;
+      rows.setZero();
+      for (const int i : reach_[b]) {
+        const auto own = std::find_if(shares_[i].begin(), shares_[i].end(), [&](const Share& s) { return s.block == b; });
+        for (const Share& column : AP[i]) {
+          if (column.block > b) break;
+          rows.middleCols<4>(4 * column.block) += own->value * column.value.transpose();
         }
       }
-      for (const int i : rows) {
-        for (const Share& share : shares_[i]) coarse.block<4, 4>(4 * share.block, 4 * b) += share.value * column[i].transpose();
-        column[i].setZero();
-        touched[i] = 0;
-      }
+      coarse.middleRows<4>(4 * b) = rows;
     }
   }, 1);
   coarse.diagonal() *= 1 + shift;

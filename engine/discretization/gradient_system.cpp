@@ -44,17 +44,17 @@ NodeMatrix GradientSystem::matrix() const {
     std::vector<int> column;
     std::vector<double> value;
   };
-  std::vector<Row> rows(nodes);
+  std::vector<Row> rows(nodes);  // the upper half, with the diagonal
   parallelFor(nodes, [&](int first, int last) {
     std::vector<double> sum(nodes, 0);
     std::vector<char> touched(nodes, 0);
     for (int i = first; i < last; ++i) {
       std::vector<int>& column = rows[i].column;
       for (int k = entries_.begin[i]; k < entries_.begin[i + 1]; ++k) {
-        const int q = entries_.point[k];
-        const Eigen::Vector4d g = volume_[q] * g_[entries_.entry[k]];
+        const int q = entries_.point[k], own = entries_.entry[k];
+        const Eigen::Vector4d g = volume_[q] * g_[own];
         sum[i] += volume_[q];
-        for (int e = shape_.begin[q]; e < shape_.begin[q + 1]; ++e) {
+        for (int e = own; e < shape_.begin[q + 1]; ++e) {  // a support's nodes ascend
           const int j = shape_.node[e];
           if (!touched[j]) {
             touched[j] = 1;
@@ -72,15 +72,25 @@ NodeMatrix GradientSystem::matrix() const {
       }
     }
   });
+  std::vector<std::size_t> lower(nodes, 0);  // entries left of the diagonal
+  for (int i = 0; i < nodes; ++i)
+    for (const int j : rows[i].column) lower[j] += j > i;
   NodeMatrix A;
   A.begin.assign(1, 0);
-  for (const Row& row : rows) A.begin.push_back(A.begin.back() + row.column.size());
-  A.column.reserve(A.begin.back());
-  A.value.reserve(A.begin.back());
-  for (Row& row : rows) {
-    A.column.insert(A.column.end(), row.column.begin(), row.column.end());
-    A.value.insert(A.value.end(), row.value.begin(), row.value.end());
-    row = {};
+  for (int i = 0; i < nodes; ++i) A.begin.push_back(A.begin.back() + lower[i] + rows[i].column.size());
+  A.column.resize(A.begin.back());
+  A.value.resize(A.begin.back());
+  std::vector<std::size_t> next(A.begin.begin(), A.begin.end() - 1);
+  for (int i = 0; i < nodes; ++i) {  // ascending, so that each row's lower half ascends, too
+    for (std::size_t k = 0; k < rows[i].column.size(); ++k) {
+      const int j = rows[i].column[k];
+      A.column[next[i]] = j;
+      A.value[next[i]++] = rows[i].value[k];
+      if (j == i) continue;
+      A.column[next[j]] = i;
+      A.value[next[j]++] = rows[i].value[k];
+    }
+    rows[i] = {};
   }
   return A;
 }

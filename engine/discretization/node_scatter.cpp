@@ -108,35 +108,46 @@ void Scatter::throwDarts(std::vector<Site> candidates, std::size_t wanted) {
   for (std::size_t k = candidates.size(); k > 1; --k) {
     std::swap(candidates[k - 1], candidates[random_.below(k)]);
   }
-  // What was too close to a node stays so: a candidate's last clearance bounds all later ones from above.
+  // What was too close to a node stays so: a candidate's last clearance bounds all later ones from above. So those
+  // of a batch that have no room already can be told on all cores; the others then land one by one.
+  constexpr std::size_t batch = 4096;
   std::vector<double> room(candidates.size(), 1.0);
+  std::vector<std::size_t> open;
   std::size_t landed = 0;
   for (double factor = 1.0; factor >= closest_approach; factor *= 0.94) {
-    for (std::size_t k = 0; k < candidates.size(); ++k) {
-      if (landed == wanted) return;
-      if (room[k] < factor) continue;
-      room[k] = clearance(candidates[k], 1.0);
-      if (room[k] < factor) continue;
-      add(candidates[k]);
-      room[k] = 0;
-      ++landed;
+    open.clear();
+    for (std::size_t k = 0; k < candidates.size(); ++k)
+      if (room[k] >= factor) open.push_back(k);
+    for (std::size_t begin = 0; begin < open.size(); begin += batch) {
+      const std::size_t end = std::min(begin + batch, open.size());
+      parallelFor(static_cast<int>(end - begin), [&](int first, int last) {
+        for (std::size_t o = begin + first; o < begin + last; ++o) room[open[o]] = clearance(candidates[open[o]], 1.0);
+      });
+      for (std::size_t o = begin; o < end; ++o) {
+        const std::size_t k = open[o];
+        if (landed == wanted) return;
+        if (room[k] < factor) continue;
+        room[k] = clearance(candidates[k], 1.0);
+        if (room[k] < factor) continue;
+        add(candidates[k]);
+        room[k] = 0;
+        ++landed;
+      }
     }
   }
 }
 
 /// Where the nodes around a site push it. A pair's force goes with h^(dimension - 1), as the pressure between fine
 /// and coarse parts would otherwise drive the nodes from the fine spacing into the coarse one.
-Vec3 Scatter::pushed(const Site& site, int dimension) const {
+Vec3 Scatter::pushed(const Site& site, const SiteGrid& grid, int dimension) const {
   Vec3 push = Vec3::Zero();
-  grid_.forEachWithin(site.X, searchRadius(site, reach), [&](int j, const Vec3& x) {
-    const Site& other = sites_[j];
+  grid.forEachWithin(site.X, searchRadius(site, reach), [&](const Vec3& x, double h, const Vec3& normal) {
     const Vec3 apart = site.X - x;
     const double distance = apart.norm();
-    const double pair_h = (site.h + other.h) / 2;
-    if (distance == 0 || site.normal.dot(other.normal) < 0) return true;
+    const double pair_h = (site.h + h) / 2;
+    if (distance == 0 || site.normal.dot(normal) < 0) return;
     const double ratio = pair_h / site.h;
     push += (dimension == 3 ? ratio * ratio : ratio) * repulsion(distance / pair_h) / distance * apart;
-    return true;
   });
   push -= push.dot(site.normal) * site.normal;
   const double length = relax_step * push.norm();
@@ -147,12 +158,16 @@ Vec3 Scatter::pushed(const Site& site, int dimension) const {
 template <class Confine>
 void Scatter::relax(std::size_t begin, int dimension, Confine&& confine) {
   std::vector<Vec3> moved(sites_.size());
+  SiteGrid grid(padded(boundingBox(surface_.surface())), std::sqrt(spacing_.smallest() * spacing_.largest()));
   for (int iteration = 0; iteration < relax_iterations; ++iteration) {
-    const int count = static_cast<int>(sites_.size() - begin);
-    parallelFor(count, [&](int first, int last) {
-      for (std::size_t i = begin + first; i < begin + last; ++i) moved[i] = pushed(sites_[i], dimension);
+    grid.assign(sites_);
+    parallelFor(grid.size(), [&](int first, int last) {
+      for (int place = first; place < last; ++place) {
+        const std::size_t i = grid.indexAt(place);
+        if (i >= begin) moved[i] = pushed(sites_[i], grid, dimension);
+      }
     });
-    parallelFor(count, [&](int first, int last) {
+    parallelFor(static_cast<int>(sites_.size() - begin), [&](int first, int last) {
       for (std::size_t i = begin + first; i < begin + last; ++i) {
         Site& site = sites_[i];
         const Vec3 old = site.X;
@@ -161,8 +176,6 @@ void Scatter::relax(std::size_t begin, int dimension, Confine&& confine) {
         site.h = spacing_.at(site.X);
       }
     });
-    grid_.clear();
-    for (std::size_t i = 0; i < sites_.size(); ++i) grid_.add(static_cast<int>(i), sites_[i].X);
   }
 
   // Where there was no room (between close sheets), the later node of a conflicting pair goes.
@@ -210,7 +223,9 @@ void Scatter::placeFaces() {
   wanted = std::max(0.0, wanted - edge_count_ - 0.75 * corner_count_);
   throwDarts(std::move(candidates), static_cast<std::size_t>(std::lround(wanted)));
   relax(begin, 2, [&](Site& site, const Vec3& old) {
-    const SurfaceTree::Closest foot = surface_.closest(site.X, site.h);
+    // The old place is on the surface; the rest is for rounding.
+    const double farthest = (1 + 1e-6) * (site.X - old).norm() + 1e-9 * site.h;
+    const SurfaceTree::Closest foot = surface_.closest(site.X, farthest);
     if (foot.triangle < 0) {
       site.X = old;
     } else {
@@ -231,9 +246,11 @@ void Scatter::judge(Cube& cube) const {
     // The surface does not pass between two points closer than one of them is to it.
     const bool same_side = std::abs(cube.depth) > radius;
     const bool inside = same_side ? cube.depth > 0 : surface_.inside(cube.centre);
-    // The parent's centre is one radius away (the root's none), and as far from the surface as its depth.
-    const double farthest = (std::abs(cube.depth) + radius) * (1 + 1e-9);
-    cube.depth = surface_.closest(cube.centre, farthest).distance * (inside ? 1 : -1);
+    // The surface is no farther than the parent's foot on it; the rest is for rounding.
+    const double farthest = (1 + 1e-9) * (cube.foot - cube.centre).norm() + 1e-9 * cube.edge;
+    const SurfaceTree::Closest foot = surface_.closest(cube.centre, farthest);
+    cube.foot = foot.point;
+    cube.depth = foot.distance * (inside ? 1 : -1);
     if (cube.depth < -radius) {
       cube.kind = Cube::Kind::Outside;
       return;
@@ -248,8 +265,9 @@ void Scatter::judge(Cube& cube) const {
 /// The leaves of an octree over the body, those outside left out, in the order of a depth-first search.
 std::vector<Cube> Scatter::leaves() const {
   const Eigen::AlignedBox3d box = padded(boundingBox(surface_.surface()));
-  std::vector<Cube> cubes{
-      {box.center(), box.sizes().maxCoeff(), -surface_.signedDistance(box.center()), 0, false, Cube::Kind::Open}};
+  const Vec3 middle = box.center();
+  std::vector<Cube> cubes{{middle, box.sizes().maxCoeff(), -surface_.signedDistance(middle), surface_.closest(middle).point, 0,
+                           false, Cube::Kind::Open}};
   for (bool open = true; open;) {
     parallelFor(static_cast<int>(cubes.size()), [&](int first, int last) {
       for (int k = first; k < last; ++k)
@@ -263,7 +281,7 @@ std::vector<Cube> Scatter::leaves() const {
       open = true;
       for (int octant = 7; octant >= 0; --octant) {
         const Vec3 side((octant & 1) - 0.5, ((octant >> 1) & 1) - 0.5, (octant >> 2) - 0.5);
-        next.push_back({cube.centre + side * cube.edge / 2, cube.edge / 2, cube.depth, 0, cube.deep, Cube::Kind::Open});
+        next.push_back({cube.centre + side * cube.edge / 2, cube.edge / 2, cube.depth, cube.foot, 0, cube.deep, Cube::Kind::Open});
       }
     }
     cubes = std::move(next);

@@ -6,6 +6,7 @@
 #include "base/types.h"
 #include "discretization/feature_edges.h"
 #include "discretization/point_grid.h"
+#include "discretization/site_grid.h"
 #include "discretization/spacing_field.h"
 #include "discretization/surface_tree.h"
 
@@ -20,13 +21,6 @@ class Random {
 
  private:
   std::mt19937 engine_;
-};
-
-/// A node, or a place where one may come to be.
-struct Site {
-  Vec3 X = Vec3::Zero();
-  Vec3 normal = Vec3::Zero();  // of the face it lies on, outward; zero on edges, corners and inside
-  double h = 0;                // m, the spacing wanted there
 };
 
 /// No two nodes come closer than this, in units of h.
@@ -44,6 +38,7 @@ struct Cube {
   Vec3 centre = Vec3::Zero();
   double edge = 0;     // m
   double depth = 0;    // m below the surface at the centre, negative outside; at the parent's while open
+  Vec3 foot = Vec3::Zero();  // of the surface, closest to the centre; to the parent's while open
   double h = 0;        // m, the spacing wanted at the centre
   bool deep = false;   // known to lie inside, deeper than any node must
   Kind kind = Kind::Open;
@@ -73,7 +68,7 @@ class Scatter {
   void judge(Cube& cube) const;
   std::vector<Cube> leaves() const;
   std::vector<Site> insideCandidates(double& wanted);
-  Vec3 pushed(const Site& site, int dimension) const;
+  Vec3 pushed(const Site& site, const SiteGrid& grid, int dimension) const;
   template <class Confine>
   void relax(std::size_t begin, int dimension, Confine&& confine);
 

@@ -38,7 +38,7 @@ Model loadModel(const Scene& scene, const Progress& progress, const ModelCache& 
   std::optional<Preparation> preparation = cache.find(key);
   if (!preparation) {
     preparation = prepare(scene, tree, progress);
-    if (progress) progress("keeping it for the next start", 0.92);
+    if (progress) progress("keeping it for the next start", 0.94);
     cache.keep(key, *preparation);
   }
   Model model = finishModel(scene, tree, std::move(*preparation), progress);

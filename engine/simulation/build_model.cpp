@@ -53,7 +53,7 @@ Model finishModel(const Scene& scene, const SurfaceTree& tree, Preparation p, co
     if (progress) progress(what, fraction);
   };
   const auto start = Clock::now();
-  tell("boundaries", 0.93);
+  tell("boundaries", 0.95);
   Model model;
   model.scene = scene;
   model.materials = materialsOf(scene);
@@ -84,7 +84,7 @@ Model finishModel(const Scene& scene, const SurfaceTree& tree, Preparation p, co
   model.skin = buildSkinModel(p.skin, p.skin_shape, scene.tool.radius, 3 * softest);
   placeTool(scene, tree, model);
 
-  tell("kernel layout", 0.95);
+  tell("kernel layout", 0.96);
   model.kernel = makeKernelLayout(p.point_shape, p.point_X, p.point_volume, p.point_material, model.materials, nodes, model.patches,
                                   scene.gradient_precision, p.X);
 

@@ -61,9 +61,9 @@ Discretization discretize(const Scene& scene, const SurfaceTree& organ, const st
 
   Discretization d;
   d.cloud = makeNodeCloud(organ, spacingField(scene), scene.seed, rimsOf(scene, organ));
-  progress(0.6);
+  progress(0.7);
   d.cells = makeBackgroundCells(d.cloud, organ);
-  progress(0.9);
+  progress(0.95);
   fitToVolume(d.cloud, d.cells, organ);
 
   const auto order = hilbertOrder(d.cloud.X);
