@@ -45,24 +45,39 @@ void findContactCandidates(const SkinModel& skin, const Float4* u, const ToolSha
   const int capacity = static_cast<int>(contact.candidate.size());
   int count = 0;
   contact.overflow = false;
-  for (int c = 0; c < skin.clusterCount(); ++c) {
-    const double extent = kStretch * static_cast<double>(skin.cluster_radius[c]);
-    if (!(distance(skin.cluster_representative[c]) <= extent + reach)) continue;
-    for (int k = skin.cluster_begin[c]; k < skin.cluster_begin[c + 1]; ++k) {
-      const ContactState::Candidate found{distance(skin.cluster_vertex[k]), skin.cluster_vertex[k]};
-      if (!(found.distance <= reach)) continue;
-      if (count < capacity) {
-        begin[count++] = found;
-        continue;
-      }
-      if (!contact.overflow) std::make_heap(begin, begin + count, nearer);
-      contact.overflow = true;
-      if (!nearer(found, *begin)) continue;
-      std::pop_heap(begin, begin + count, nearer);
-      begin[count - 1] = found;
-      std::push_heap(begin, begin + count, nearer);
+  const auto isNear = [&](int representative, float radius) {
+    return distance(representative) <= kStretch * static_cast<double>(radius) + reach;
+  };
+  const auto add = [&](int v) {
+    const ContactState::Candidate found{distance(v), v};
+    if (!(found.distance <= reach)) return;
+    if (count < capacity) {
+      begin[count++] = found;
+      return;
     }
-  }
+    if (!contact.overflow) std::make_heap(begin, begin + count, nearer);
+    contact.overflow = true;
+    if (!nearer(found, *begin)) return;
+    std::pop_heap(begin, begin + count, nearer);
+    begin[count - 1] = found;
+    std::push_heap(begin, begin + count, nearer);
+  };
+  // Calls each(k) for k in [first, last) while the rows of the vertices vertex[k] further on are on their way.
+  const auto forRows = [&](const std::vector<int>& vertex, int first, int last, auto each) {
+    constexpr int ahead = 6;
+    for (int k = first; k < std::min(first + ahead, last); ++k) prefetchVertex(skin, vertex[k]);
+    for (int k = first; k < last; ++k) {
+      if (k + ahead < last) prefetchVertex(skin, vertex[k + ahead]);
+      each(k);
+    }
+  };
+  forRows(skin.region_representative, 0, skin.regionCount(), [&](int r) {
+    if (!isNear(skin.region_representative[r], skin.region_radius[r])) return;
+    forRows(skin.cluster_representative, skin.region_begin[r], skin.region_begin[r + 1], [&](int c) {
+      if (!isNear(skin.cluster_representative[c], skin.cluster_radius[c])) return;
+      forRows(skin.cluster_vertex, skin.cluster_begin[c], skin.cluster_begin[c + 1], [&](int k) { add(skin.cluster_vertex[k]); });
+    });
+  });
   // The order of the list must not depend on the clusters: the solver sweeps in it.
   std::sort(begin, begin + count, [](const auto& a, const auto& b) { return a.vertex < b.vertex; });
 

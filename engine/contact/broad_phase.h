@@ -11,15 +11,15 @@ namespace palpate {
 /// Larger: more candidates, each two interpolations per step.
 constexpr double kTissueTravel = 0.1;
 
-/// Finds the skin vertices whose distance to the tool is at most `margin` + kTissueTravel R (clusters
-/// first, with bounds that allow for the tissue's stretch) and lists them in `contact` by ascending
+/// Finds the skin vertices whose distance to the tool is at most `margin` + kTissueTravel R (regions
+/// and clusters first, with bounds that allow for the tissue's stretch) and lists them in `contact` by ascending
 /// vertex, keeping the warm-start forces of those that stay. Once per tick. A vertex that is not
 /// finite is never listed.
 /// @param margin  m; what the tool travels until the next call (largestTravel), seen from `tool_pose`
-/// @pre  no vertex of a cluster is further from its representative than twice the reference distance;
+/// @pre  no vertex of a region or cluster is further from its representative than twice the reference distance;
 ///       beyond that stretch a vertex may be listed late, when the representative has come closer.
-/// Real-time: no allocation, no lock, no throw; cost ~ one interpolation per cluster and
-/// one per vertex of the clusters in reach.
+/// Real-time: no allocation, no lock, no throw; cost ~ one interpolation per region, per
+/// cluster of the regions in reach and per vertex of the clusters in reach.
 /// Test: contact/broad_phase_test.cpp (against all vertices).
 void findContactCandidates(const SkinModel& skin, const Float4* u, const ToolShape& tool,
                            const Pose& tool_pose, double margin, ContactState& contact);

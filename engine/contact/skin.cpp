@@ -15,10 +15,19 @@ constexpr double kLayerDepthPerRadius = 0.002;
 /// Vertices per cluster: a cluster costs about as much to reject as a vertex to test.
 constexpr int kClusterSize = 32;
 
-/// Bisects [first, last) across its widest extent until clusters are small enough.
-void bisect(const std::vector<Vec3>& X, std::vector<int>& order, int first, int last, std::vector<int>& begin) {
+/// Vertices per region of clusters: some 16 clusters cost as much as the regions of a large skin.
+constexpr int kRegionSize = 16 * kClusterSize;
+
+/// Bisects [first, last) across its widest extent until clusters are small enough; notes where regions begin.
+void bisect(const std::vector<Vec3>& X, int first, int last, bool in_region, SkinModel& skin) {
+  std::vector<int>& order = skin.cluster_vertex;
+  if (!in_region && last - first <= kRegionSize) {
+    bisect(X, first, last, true, skin);
+    skin.region_begin.push_back(static_cast<int>(skin.cluster_begin.size()) - 1);
+    return;
+  }
   if (last - first <= kClusterSize) {
-    begin.push_back(last);
+    skin.cluster_begin.push_back(last);
     return;
   }
   Eigen::AlignedBox3d box;
@@ -29,8 +38,20 @@ void bisect(const std::vector<Vec3>& X, std::vector<int>& order, int first, int 
   std::nth_element(order.begin() + first, order.begin() + middle, order.begin() + last, [&](int a, int b) {
     return X[a][axis] != X[b][axis] ? X[a][axis] < X[b][axis] : a < b;
   });
-  bisect(X, order, first, middle, begin);
-  bisect(X, order, middle, last, begin);
+  bisect(X, first, middle, in_region, skin);
+  bisect(X, middle, last, in_region, skin);
+}
+
+/// The vertex nearest to the centre of some, and how far they are from it.
+void addSphere(const std::vector<Vec3>& X, const int* first, const int* last, std::vector<int>& representatives, std::vector<float>& radii) {
+  Vec3 centre = Vec3::Zero();
+  for (auto v = first; v != last; ++v) centre += X[*v] / static_cast<double>(last - first);
+  const int representative =
+      *std::min_element(first, last, [&](int a, int b) { return (X[a] - centre).squaredNorm() < (X[b] - centre).squaredNorm(); });
+  double radius = 0.0;
+  for (auto v = first; v != last; ++v) radius = std::max(radius, (X[*v] - X[representative]).norm());
+  representatives.push_back(representative);
+  radii.push_back(static_cast<float>(radius));
 }
 
 void makeClusters(SkinModel& skin) {
@@ -38,21 +59,19 @@ void makeClusters(SkinModel& skin) {
   skin.cluster_vertex.resize(X.size());
   std::iota(skin.cluster_vertex.begin(), skin.cluster_vertex.end(), 0);
   skin.cluster_begin.assign(1, 0);
-  if (!X.empty()) bisect(X, skin.cluster_vertex, 0, static_cast<int>(X.size()), skin.cluster_begin);
+  skin.region_begin.assign(1, 0);
+  if (!X.empty()) bisect(X, 0, static_cast<int>(X.size()), false, skin);
 
+  int* const vertex = skin.cluster_vertex.data();
   for (std::size_t c = 0; c + 1 < skin.cluster_begin.size(); ++c) {
-    const auto first = skin.cluster_vertex.begin() + skin.cluster_begin[c];
-    const auto last = skin.cluster_vertex.begin() + skin.cluster_begin[c + 1];
+    int* const first = vertex + skin.cluster_begin[c];
+    int* const last = vertex + skin.cluster_begin[c + 1];
     std::sort(first, last);
-    Vec3 centre = Vec3::Zero();
-    for (auto v = first; v != last; ++v) centre += X[*v] / static_cast<double>(last - first);
-    const int representative = *std::min_element(
-        first, last, [&](int a, int b) { return (X[a] - centre).squaredNorm() < (X[b] - centre).squaredNorm(); });
-    double radius = 0.0;
-    for (auto v = first; v != last; ++v) radius = std::max(radius, (X[*v] - X[representative]).norm());
-    skin.cluster_representative.push_back(representative);
-    skin.cluster_radius.push_back(static_cast<float>(radius));
+    addSphere(X, first, last, skin.cluster_representative, skin.cluster_radius);
   }
+  for (std::size_t r = 0; r + 1 < skin.region_begin.size(); ++r)
+    addSphere(X, vertex + skin.cluster_begin[skin.region_begin[r]], vertex + skin.cluster_begin[skin.region_begin[r + 1]],
+              skin.region_representative, skin.region_radius);
 }
 
 }  // namespace

@@ -26,10 +26,15 @@ struct SkinModel {
   std::vector<int> cluster_vertex;         // (vertex_count) vertices, grouped by cluster
   std::vector<int> cluster_representative; // (cluster_count) a vertex near the cluster's centre
   std::vector<float> cluster_radius;       // (cluster_count) m, around it; reference configuration
+  // Consecutive clusters in regions, which are tested first.
+  std::vector<int> region_begin;           // (region_count + 1) clusters
+  std::vector<int> region_representative;  // (region_count) as a cluster's
+  std::vector<float> region_radius;        // (region_count)
   double bulk_stiffness = 0;               // Pa/m, pressure per penetration of the contact layer
 
   int vertexCount() const { return static_cast<int>(area.size()); }
   int clusterCount() const { return static_cast<int>(cluster_representative.size()); }
+  int regionCount() const { return static_cast<int>(region_representative.size()); }
 };
 
 /// Groups the skin's vertices into clusters and copies the shape table into the
@@ -57,6 +62,15 @@ inline Eigen::Vector4f interpolateAtVertex(const SkinModel& skin, int v, const F
   Eigen::Vector4f sum;
   storeGroup(sum.data(), (s0 + s1) + (s2 + s3));
   return sum;
+}
+
+/// Asks for the row of vertex v, which the next step's other data have driven from the near caches. Real-time.
+inline void prefetchVertex(const SkinModel& skin, int v) {
+  constexpr int line = 16;  // entries
+  for (int e = skin.begin[v]; e < skin.begin[v + 1]; e += line) {
+    __builtin_prefetch(&skin.N[e]);
+    __builtin_prefetch(&skin.node[e]);
+  }
 }
 
 /// Where skin vertex v is now, m. Real-time.

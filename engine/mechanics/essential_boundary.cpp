@@ -212,10 +212,22 @@ void evaluate(const std::vector<BoundaryMotion>& motions, double time_s, std::ve
 }
 
 /// y_k = y_k - sum of the row's entries: one row of a triangular solve.
+/// Four partial sums, so that the subtractions overlap; their order is fixed.
 template <class Real, class RowsOf>
 GroupOf<Real> lessRow(const RowsOf& rows, int k, const Real4<Real>* x, GroupOf<Real> y) {
-  for (int e = rows.begin[k]; e < rows.begin[k + 1]; ++e) y -= rows.value[e] * load(x[rows.column[e]]);
-  return y;
+  const Real* value = rows.value.data();
+  const int* column = rows.column.data();
+  const int end = rows.begin[k + 1];
+  GroupOf<Real> y1{}, y2{}, y3{};
+  int e = rows.begin[k];
+  for (; e + 4 <= end; e += 4) {
+    y -= value[e] * load(x[column[e]]);
+    y1 -= value[e + 1] * load(x[column[e + 1]]);
+    y2 -= value[e + 2] * load(x[column[e + 2]]);
+    y3 -= value[e + 3] * load(x[column[e + 3]]);
+  }
+  for (; e < end; ++e) y -= value[e] * load(x[column[e]]);
+  return (y + y1) + (y2 + y3);
 }
 
 }  // namespace

@@ -20,10 +20,12 @@ KernelView<Real> viewOf(const KernelLayoutOf<Real>& layout, KernelScratchOf<Real
   k.volume = layout.volume.data();
   k.batch_material = layout.batch_material.data();
   k.materials = layout.materials.data();
-  k.patch_node = layout.patch_node.empty() ? nullptr : layout.patch_node.data();
+  k.patch_begin = layout.patch_begin.empty() ? nullptr : layout.patch_begin.data();
+  k.patch_point = layout.patch_point.data();
   k.patch_share = layout.patch_share.data();
-  k.patch_weight = layout.patch_weight.data();
   k.patch_bulk = layout.patch_bulk.data();
+  k.patch_node = layout.patch_node.data();
+  k.patch_weight = layout.patch_weight.data();
   k.chunk_begin = layout.chunk_begin.data();
   k.chunk_node_begin = layout.chunk_node_begin.data();
   k.chunk_node_end = layout.chunk_node_end.data();
@@ -42,7 +44,7 @@ template <class Real>
 ForceReport internalForces(const KernelLayoutOf<Real>& layout, const Real4<Real>* u, KernelScratchOf<Real>& scratch, SpinTeam& team) {
   const KernelView<Real> k = viewOf(layout, scratch);
   const KernelPasses<Real>& passes = *scratch.passes;
-  if (k.patch_node) {
+  if (k.patch_begin) {
     shareOut(team, k.chunk_count, [&](int chunk) { passes.dilatation(k, chunk, u); });
     const auto border = [&](int part) { return static_cast<int>(std::int64_t{k.node_count} * part / k.chunk_count); };
     shareOut(team, k.chunk_count, [&](int part) { passes.sumPatches(k, border(part), border(part + 1)); });

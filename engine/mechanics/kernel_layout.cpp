@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 #include <stdexcept>
 #include <type_traits>
 
 #include "base/input_error.h"
 #include "discretization/node_order.h"
+#include "mechanics/quad_order.h"
 
 namespace palpate {
 namespace {
@@ -21,9 +23,9 @@ int unionNode(const KernelLayoutOf<Real>& layout, std::size_t at) {
   return layout.short_node.empty() ? layout.node[at] : layout.short_node[at];
 }
 
-/// Points of one material after another, each in bisection order, every material padded with -1
-/// to whole batches.
-std::vector<int> batchOrder(const std::vector<Vec3>& point_X, const std::vector<int>& point_material,
+/// Points of one material after another, each in bisection order but for what quadOrder exchanges, every material
+/// padded with -1 to whole batches.
+std::vector<int> batchOrder(const ShapeTable& shape, const std::vector<Vec3>& point_X, const std::vector<int>& point_material,
                             int material_count, std::vector<int>& batch_material) {
   std::vector<int> order;
   for (int m = 0; m < material_count; ++m) {
@@ -34,32 +36,46 @@ std::vector<int> batchOrder(const std::vector<Vec3>& point_X, const std::vector<
         mine.push_back(q);
         X.push_back(point_X[q]);
       }
-    for (int k : bisectionOrder(X, 4)) order.push_back(mine[k]);
-    while (order.size() % 16 != 0) order.push_back(-1);
+    std::vector<int> placed;
+    for (int k : bisectionOrder(X, 4)) placed.push_back(mine[k]);
+    while (placed.size() % 16 != 0) placed.push_back(-1);
+    placed = quadOrder(shape, std::move(placed));
+    order.insert(order.end(), placed.begin(), placed.end());
     batch_material.resize(order.size() / 16, m);
   }
   return order;
 }
 
-/// Padding points have zero share and weight; they point at node of their batch's first point, so that a
-/// chunk touches no node outside its range.
+/// Padding points are in no patch; their weights are zero.
 template <class Real>
 void addPatches(KernelLayoutOf<Real>& layout, const std::vector<double>& volume, const NodePatches& patches) {
   const std::size_t batches = layout.batch_material.size();
   layout.patch_node.assign(batches * 64, 0);
-  layout.patch_share.assign(batches * 64, Real(0));
   layout.patch_weight.assign(batches * 64, Real(0));
   layout.patch_bulk.resize(patches.volume.size());
   for (std::size_t slot = 0; slot < layout.point.size(); ++slot) {
     const int q = layout.point[slot];
-    const int source = q >= 0 ? q : layout.point[slot / 16 * 16];
+    if (q < 0) continue;
     for (int a = 0; a < 4; ++a) {
       const std::size_t at = slot / 16 * 64 + static_cast<std::size_t>(a) * 16 + slot % 16;
-      const int node = patches.node[source][a];
-      layout.patch_node[at] = node;
-      if (q < 0) continue;
-      layout.patch_share[at] = static_cast<Real>(volume[q] * patches.weight[q][a] / patches.volume[node]);
+      layout.patch_node[at] = patches.node[q][a];
       layout.patch_weight[at] = static_cast<Real>(patches.weight[q][a]);
+    }
+  }
+
+  layout.patch_begin.assign(patches.volume.size() + 1, 0);
+  for (const auto& nodes : patches.node)
+    for (int node : nodes) ++layout.patch_begin[node + 1];
+  std::partial_sum(layout.patch_begin.begin(), layout.patch_begin.end(), layout.patch_begin.begin());
+  layout.patch_point.resize(layout.patch_begin.back());
+  layout.patch_share.resize(layout.patch_begin.back());
+  std::vector<int> next(layout.patch_begin.begin(), layout.patch_begin.end() - 1);
+  for (std::size_t place = 0; place < layout.point.size(); ++place) {
+    const int q = layout.point[place];
+    for (int a = 0; q >= 0 && a < 4; ++a) {
+      const int node = patches.node[q][a], at = next[node]++;
+      layout.patch_point[at] = static_cast<std::int32_t>(place);
+      layout.patch_share[at] = static_cast<Real>(volume[q] * patches.weight[q][a] / patches.volume[node]);
     }
   }
   updatePatchBulk(layout);
@@ -172,8 +188,6 @@ void makeChunks(KernelLayoutOf<Real>& layout) {
     for (int q = layout.chunk_begin[c] * 4; q < layout.chunk_begin[c + 1] * 4; ++q)
       for (int k = 0; k < layout.quads[q].group_count * 4; ++k)
         include(unionNode(layout, static_cast<std::size_t>(layout.quads[q].tile_begin) * 4 + k));
-    for (int b = layout.chunk_begin[c] * 64; b < layout.chunk_begin[c + 1] * 64 && !layout.patch_node.empty(); ++b)
-      include(layout.patch_node[b]);
     layout.chunk_node_begin.push_back(std::min(begin, end));
     layout.chunk_node_end.push_back(end);
   }
@@ -194,12 +208,13 @@ const KernelPasses<Real>& passesOf(InstructionSet set) {
 
 template <class Real>
 void updatePatchBulk(KernelLayoutOf<Real>& layout) {
-  std::fill(layout.patch_bulk.begin(), layout.patch_bulk.end(), Real(0));
   // A patch's shares sum to 1, so this is the harmonic mean of the bulk moduli in it.
-  for (std::size_t i = 0; i < layout.patch_node.size(); ++i)
-    layout.patch_bulk[layout.patch_node[i]] +=
-        layout.patch_share[i] / static_cast<Real>(layout.materials[layout.batch_material[i / 64]].bulk_modulus);
-  for (Real& k : layout.patch_bulk) k = k > 0 ? 1 / k : 0;
+  for (std::size_t i = 0; i < layout.patch_bulk.size(); ++i) {
+    Real sum = 0;
+    for (int e = layout.patch_begin[i]; e < layout.patch_begin[i + 1]; ++e)
+      sum += layout.patch_share[e] / static_cast<Real>(layout.materials[layout.batch_material[layout.patch_point[e] / 16]].bulk_modulus);
+    layout.patch_bulk[i] = sum > 0 ? 1 / sum : 0;
+  }
 }
 
 template <class Real>
@@ -214,7 +229,7 @@ KernelLayoutOf<Real> makeKernelLayout(const ShapeTable& shape, const std::vector
   layout.node_count = node_count;
   layout.point_count = static_cast<int>(point_X.size());
   layout.materials = materials;
-  layout.point = batchOrder(point_X, point_material, static_cast<int>(materials.size()), layout.batch_material);
+  layout.point = batchOrder(shape, point_X, point_material, static_cast<int>(materials.size()), layout.batch_material);
   const bool short_nodes = sizeof(Real) == 4 && node_count <= 65536;
 
   int tile_count = 0, rounded_count = 0;
@@ -279,7 +294,7 @@ KernelScratchOf<Real> makeKernelScratch(const KernelLayoutOf<Real>& layout, Inst
   scratch.report.resize(chunks);
   if (!layout.patch_node.empty()) {
     scratch.displacement_gradient.resize(layout.batch_material.size() * 144);
-    scratch.dilatation.resize(chunks * nodes);
+    scratch.dilatation.resize(layout.point.size());
     scratch.patch_pressure.resize(nodes);
   }
   return scratch;

@@ -36,11 +36,13 @@ struct KernelLayoutOf {
   std::vector<int> point;                     // (16 * batch_count) index in the model, or -1 for padding
   std::vector<int> batch_material;            // (batch_count)
   std::vector<Material> materials;
-  // Node-patch volume (node_patch.h); empty where the scene does without. [vertex 4][point 16] per batch.
-  std::vector<std::int32_t> patch_node;       // (64 * batch_count)
-  AlignedVector<Real> patch_share;            // (64 * batch_count) s_aq
-  AlignedVector<Real> patch_weight;           // (64 * batch_count) l_a(x_q)
+  // Node-patch volume (node_patch.h); empty where the scene does without.
+  std::vector<int> patch_begin;               // (node_count + 1) entries of each node's patch in
+  std::vector<std::int32_t> patch_point;      // its points' places in `point`, ascending, and
+  AlignedVector<Real> patch_share;            // s_aq
   AlignedVector<Real> patch_bulk;             // (node_count) K_a, Pa
+  std::vector<std::int32_t> patch_node;       // (64 * batch_count) [vertex 4][point 16] per batch
+  AlignedVector<Real> patch_weight;           // (64 * batch_count) l_a(x_q)
   // Chunks: fixed work packages, so that the sum over them does not depend on the thread count.
   std::vector<int> chunk_begin;               // (chunk_count + 1) batches
   std::vector<int> chunk_node_begin, chunk_node_end;  // (chunk_count) range of nodes that a chunk touches
@@ -55,7 +57,7 @@ struct KernelScratchOf {
   std::vector<typename KernelView<Real>::ChunkReport> report;  // (chunk_count)
   // Between the two passes of the node-patch volume.
   AlignedVector<Real> displacement_gradient;    // (9 * 16 * batch_count)
-  AlignedVector<Real> dilatation;               // (chunk_count)(node_count) a chunk's share of theta_a
+  AlignedVector<Real> dilatation;               // (16 * batch_count) J - 1
   AlignedVector<Real> patch_pressure;           // (node_count) K_a theta_a, Pa
 };
 

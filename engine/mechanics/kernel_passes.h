@@ -29,10 +29,12 @@ struct KernelView {
   const Real* volume;
   const int* batch_material;
   const Material* materials;
-  const std::int32_t* patch_node;    // null: no patches
+  const int* patch_begin;            // null: no patches
+  const std::int32_t* patch_point;
   const Real* patch_share;
-  const Real* patch_weight;
   const Real* patch_bulk;
+  const std::int32_t* patch_node;
+  const Real* patch_weight;
   const int* chunk_begin;
   const int* chunk_node_begin;
   const int* chunk_node_end;
@@ -56,9 +58,9 @@ struct KernelView {
 /// The kernel's work in parts that threads can share; one after the other.
 template <class Real>
 struct KernelPasses {
-  /// First pass of the node-patch volume: gradients kept, each point's J - 1 shared out to its nodes' patches.
+  /// First pass of the node-patch volume: each point's gradient and J - 1 are kept.
   void (*dilatation)(const KernelView<Real>& k, int chunk, const Real4<Real>* u);
-  /// K_a theta_a of nodes [begin, end), the chunks' shares added in chunk order.
+  /// K_a theta_a of nodes [begin, end).
   void (*sumPatches)(const KernelView<Real>& k, int begin, int end);
   /// Forces of a chunk's points, into its own buffer.
   void (*forces)(const KernelView<Real>& k, int chunk, const Real4<Real>* u);

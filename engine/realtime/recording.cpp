@@ -240,6 +240,8 @@ std::uint64_t modelHash(const Model& model) {
   hash.add(model.kernel.scale);
   hash.add(model.kernel.volume);
   hash.add(model.kernel.batch_material);
+  hash.add(model.kernel.patch_begin);
+  hash.add(model.kernel.patch_point);
   hash.add(model.kernel.patch_node);
   hash.add(model.kernel.patch_share);
   hash.add(model.kernel.patch_weight);

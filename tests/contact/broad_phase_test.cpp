@@ -56,6 +56,14 @@ TEST_CASE("Skin areas add up and clusters hold every vertex once", "[skin]") {
     }
     CHECK(skin.cluster_radius[c] < 0.008);  // 32 vertices 1 mm apart: compact, not strips
   }
+  REQUIRE(skin.regionCount() > 1);
+  REQUIRE(skin.region_begin.back() == skin.clusterCount());
+  for (int r = 0; r < skin.regionCount(); ++r) {
+    REQUIRE(skin.region_begin[r] < skin.region_begin[r + 1]);
+    const Vec3& centre = skin.surface.vertices[skin.region_representative[r]];
+    for (int k = skin.cluster_begin[skin.region_begin[r]]; k < skin.cluster_begin[skin.region_begin[r + 1]]; ++k)
+      REQUIRE((skin.surface.vertices[skin.cluster_vertex[k]] - centre).norm() <= skin.region_radius[r] * (1.0 + 1e-6));
+  }
 }
 
 TEST_CASE("The broad phase finds what a search of all vertices finds", "[broad-phase]") {

@@ -44,14 +44,15 @@ KernelCost quadKernelCost(const KernelLayoutOf<Real>& layout, const ShapeTable& 
   cost.executed_flops = groups * flops_per_group + quads * flops_per_quad + padded_points * flops_per_point;
   if (!layout.scale.empty()) cost.executed_flops += padded_points * scale_flops_per_point;
   cost.streamed_bytes = cost.working_set = tables + scales + points + u + forces;
-  if (layout.patch_node.empty()) return cost;
+  if (layout.patch_begin.empty()) return cost;
 
   const double tensors = 9 * bytesOf(layout.volume);
-  const double per_node = bytesOf(layout.patch_bulk), dilatation = touched * sizeof(Real);
-  const double weights = bytesOf(layout.patch_share) + bytesOf(layout.patch_weight);
-  cost.working_set += tensors + weights + bytesOf(layout.patch_node) + 2 * per_node + dilatation;  // bulk moduli and pressures
+  const double per_node = bytesOf(layout.patch_bulk), dilatation = bytesOf(layout.volume);
+  const double patches = bytesOf(layout.patch_begin) + bytesOf(layout.patch_point) + bytesOf(layout.patch_share) +
+                         bytesOf(layout.patch_node) + bytesOf(layout.patch_weight);
+  cost.working_set += tensors + patches + 2 * per_node + dilatation;  // bulk moduli and pressures
   // The gradients are kept between the passes, but the forces need the tiles again.
-  cost.streamed_bytes += tables + scales + 2 * tensors + weights + 2 * bytesOf(layout.patch_node) + 3 * per_node + 2 * dilatation;
+  cost.streamed_bytes += tables + scales + 2 * tensors + patches + 3 * per_node + 2 * dilatation;
   cost.executed_flops += padded_points * patch_flops_per_point;
   return cost;
 }
