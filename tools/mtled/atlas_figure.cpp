@@ -10,7 +10,7 @@
 namespace palpate {
 namespace {
 
-constexpr float margin = 36, label_width = 560, cell_width = 152, cell_height = 74, gap = 6, title_height = 84, legend_height = 80;
+constexpr float margin = 36, label_width = 560, cell_width = 186, cell_height = 74, gap = 6, title_height = 84, legend_height = 80;
 
 struct Look {
   const char* letter;
@@ -38,7 +38,7 @@ std::string shortly(const AtlasMeasure& m) {
   if (m.compared.empty() || !std::isfinite(m.deviation)) return text;
   char share[32];
   const double percent = 100 * m.deviation;
-  std::snprintf(share, sizeof share, std::abs(percent) < 0.005 ? "0 %%" : std::abs(percent) < 9.95 ? "%+.2g %%" : "%+.0f %%", percent);
+  std::snprintf(share, sizeof share, std::abs(percent) < 0.05 ? "0 %%" : std::abs(percent) < 9.95 ? "%+.1f %%" : "%+.0f %%", percent);
   return text + (text.empty() ? "" : ", ") + share;
 }
 

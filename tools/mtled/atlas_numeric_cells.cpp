@@ -34,6 +34,7 @@ void nudge(State& state) {
 AtlasMeasure timeStep(double share, bool forced) {
   constexpr double young = 3000, poisson = 0.45, stretch = 0.9;
   Scene scene = blockScene(BlockFaces::Free, young, poisson, stretch);
+  scene.tool_max_speed = 0.1;  // the contact follows it at any of these steps
   const double limit = loadModel(scene).dt_critical;
   if (!forced) {
     scene.time_step = share * limit;

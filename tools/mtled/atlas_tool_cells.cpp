@@ -117,6 +117,12 @@ AtlasMeasure bottomAndBack(double share) {
   return residual(drive(model, push));
 }
 
+std::string number(double value) {
+  char text[16];
+  std::snprintf(text, sizeof text, "%g", value);
+  return text;
+}
+
 std::string percent(double share) { return std::to_string(std::lround(100 * share)); }
 
 }  // namespace
@@ -124,7 +130,7 @@ std::string percent(double share) { return std::to_string(std::lround(100 * shar
 void addToolCells(std::vector<AtlasAxis>& axes, std::vector<AtlasCell>& cells) {
   axes.push_back({"speed", "Tool speed, m/s", "Slab of 50 x 50 x 20 mm bonded to its base; a sphere of 8 mm goes 6 mm deep at this speed and stops; held force beside the equilibrium in double."});
   for (const double speed : {0.1, 0.5, 1.0, 2.0})
-    cells.push_back({"speed", formatted(speed), speed == 0.5 || speed == 2 ? When::Always : When::Full, [=] { return poke(speed); }});
+    cells.push_back({"speed", number(speed), speed == 0.5 || speed == 2 ? When::Always : When::Full, [=] { return poke(speed); }});
   axes.push_back({"teleport", "Teleport", "The tool is told to be elsewhere from one tick to the next, every 0.25 s: across the slab 6 mm deep (held force beside the equilibrium); sideways through all of it, and through its base and back (what stays when it is gone)."});
   const double deep = height - 0.006, side = 0.4 * width, off = height + above;
   cells.push_back({"teleport", "across", When::Always, [=] { return teleport({{-side, 0, deep}, {side, 0, deep}, {-side, side, deep}, {0, 0, deep}}, false); }});
