@@ -123,7 +123,7 @@ void addNumericCells(std::vector<AtlasAxis>& axes, std::vector<AtlasCell>& cells
   for (const double share : {1.01, 1.02, 1.05, 1.2, 1.5})
     cells.push_back({"dt-forced", two(share), share == 1.05 ? When::Always : When::Full, [=] { return timeStep(share, true); }});
   axes.push_back({"float32", "Single precision, steps", "Small block pressed by 15 % and held (force beside the equilibrium in double), or released (what stays of the displacement), after so many steps."});
-  for (const auto& [name, steps, when] : {std::tuple("1e5", 1e5, When::Always), std::tuple("1e6", 1e6, When::Full), std::tuple("1e7", 1e7, When::Full)}) {
+  for (const auto& [name, steps, when] : {std::tuple("1e5", 1e5, When::Always), std::tuple("1e7", 1e7, When::Full)}) {
     cells.push_back({"float32", std::string("held ") + name, when, [steps = steps] { return heldForce(steps); }});
     cells.push_back({"float32", std::string("rest ") + name, when, [steps = steps] { return restingDrift(steps); }});
   }

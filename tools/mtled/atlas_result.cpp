@@ -52,7 +52,7 @@ std::string howMuch(const AtlasMeasure& m) {
   if (!m.refused.empty()) return m.refused;
   std::string text;
   const auto add = [&](const std::string& part) { text += (text.empty() ? "" : "; ") + part; };
-  if (!std::isnan(m.doubt_at)) add("amber '" + m.doubt + "' from " + formatted(m.doubt_at, "s"));
+  if (!std::isnan(m.doubt_at)) add("amber '" + m.doubt + "' from " + formatted(m.doubt_at, "s") + (m.doubted_then || !std::isnan(m.lost_at) ? "" : ", for " + formatted(m.doubted_for, "s")));
   if (!std::isnan(m.lost_at)) {
     add("lost at " + formatted(m.lost_at, "s") + " (" + m.loss + ")");
     return text;
@@ -86,12 +86,12 @@ void printAtlas(std::ostream& out, const Atlas& atlas) {
 std::string csvOf(const Atlas& atlas) {
   std::ostringstream out;
   out.precision(9);
-  out << "axis,cell,value,outcome,nodes,points,steps,doubt,doubt_at_s,loss,lost_at_s,energy_error,step_share,min_J,energy_growth,compared,"
+  out << "axis,cell,value,outcome,nodes,points,steps,doubt,doubt_at_s,doubted_for_s,loss,lost_at_s,energy_error,step_share,min_J,energy_growth,compared,"
          "deviation,bound,doubted_then,wall_s,how_much\n";
   for (const auto& r : atlas.rows) {
     const AtlasMeasure& m = r.measure;
     out << inQuotes(r.axis) << ',' << inQuotes(r.name) << ',' << inQuotes(r.value) << ',' << outcomeName(outcomeOf(m)) << ',' << m.nodes << ','
-        << m.points << ',' << m.steps << ',' << m.doubt << ',' << m.doubt_at << ',' << inQuotes(m.loss) << ',' << m.lost_at << ','
+        << m.points << ',' << m.steps << ',' << m.doubt << ',' << m.doubt_at << ',' << m.doubted_for << ',' << inQuotes(m.loss) << ',' << m.lost_at << ','
         << m.energy_error << ',' << m.step_share << ',' << m.min_J << ',' << m.growth << ',' << inQuotes(m.compared) << ',' << m.deviation << ','
         << m.bound << ',' << m.doubted_then << ',' << r.seconds << ',' << inQuotes(howMuch(m)) << '\n';
   }
@@ -103,7 +103,7 @@ std::string jsonOf(const Atlas& atlas) {
   for (const auto& r : atlas.rows) {
     const AtlasMeasure& m = r.measure;
     rows.push_back({{"axis", r.axis}, {"cell", r.name}, {"value", r.value}, {"outcome", outcomeName(outcomeOf(m))}, {"refused", m.refused},
-                    {"nodes", m.nodes}, {"points", m.points}, {"steps", toJson(m.steps)}, {"doubt", m.doubt}, {"doubt_at_s", toJson(m.doubt_at)},
+                    {"nodes", m.nodes}, {"points", m.points}, {"steps", toJson(m.steps)}, {"doubt", m.doubt}, {"doubt_at_s", toJson(m.doubt_at)}, {"doubted_for_s", m.doubted_for},
                     {"loss", m.loss}, {"lost_at_s", toJson(m.lost_at)}, {"energy_error", toJson(m.energy_error)},
                     {"step_share", toJson(m.step_share)}, {"min_J", toJson(m.min_J)}, {"energy_growth", toJson(m.growth)},
                     {"compared", m.compared}, {"deviation", toJson(m.deviation)}, {"bound", toJson(m.bound)},
@@ -130,6 +130,7 @@ Atlas atlasFromJson(const std::string& text) {
       m.steps = toDouble(j.at("steps"));
       m.doubt = j.at("doubt");
       m.doubt_at = toDouble(j.at("doubt_at_s"));
+      m.doubted_for = j.at("doubted_for_s");
       m.loss = j.at("loss");
       m.lost_at = toDouble(j.at("lost_at_s"));
       m.energy_error = toDouble(j.at("energy_error"));

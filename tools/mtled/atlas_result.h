@@ -14,6 +14,7 @@ struct AtlasMeasure {
   double steps = 0;             // of dt
   double doubt_at = NAN;        // first doubt; NaN: none
   std::string doubt;            // its name (doubtName)
+  double doubted_for = 0;       // s, in all
   double lost_at = NAN;         // blown up, not finite or frozen by the watchdog; NaN: not
   std::string loss;             // which
   double energy_error = 0;      // largest of StepReport's

@@ -91,6 +91,7 @@ AtlasRun drive(const Model& model, const AtlasDrive& drive) {
       m.doubt_at = time;
       m.doubt = doubtName(doubt);
     }
+    if (doubt != Doubt::None) m.doubted_for += tick_s;
     const bool frozen = watchdog.judge(report, k + 1, log);
     LogEvent event;
     while (log.pop(event))

@@ -58,6 +58,12 @@ AtlasMeasure againstFiner(double poisson, double stretch) {
   return compare(run, "force / finer cloud", run.reaction[1].force.z(), solved ? finer.reactions.back()[1].force.z() : NAN, 0.1);
 }
 
+/// Confined and pressed until the pressure is a multiple of the shear modulus.
+AtlasMeasure pressure(double over_shear_modulus) {
+  constexpr double nu = 0.499, mu = young / (2 * (1 + nu)), K = young / (3 * (1 - 2 * nu));
+  return uniform(BlockFaces::Confined, nu, 1 - over_shear_modulus * mu / K);
+}
+
 AtlasMeasure torsion(double degrees) {
   constexpr double R = 0.01, H = 0.02, mu = 1000, nu = 0.49;
   const double angle = degrees * M_PI / 180, psi = angle / H;
@@ -137,6 +143,9 @@ void addSolidCells(std::vector<AtlasAxis>& axes, std::vector<AtlasCell>& cells) 
   axes.push_back({"nu-bonded", "Poisson's ratio, ends bonded", "The same block with bonded ends pressed by 10 %; force beside the equilibrium in double of a cloud with five times the nodes."});
   for (const double nu : {0.3, 0.45, 0.49, 0.499, 0.4999})
     cells.push_back({"nu-bonded", text(nu), nu == 0.45 ? When::Always : When::Full, [=] { return againstFiner(nu, 0.9); }});
+  axes.push_back({"pressure", "Pressure / shear modulus", "The same block confined at its sides, nu 0.499, pressed until its pressure is this multiple of its shear modulus; force beside the closed form."});
+  for (const double p : {1.0, 2.0, 3.0, 3.5, 4.0, 5.0, 10.0})
+    cells.push_back({"pressure", text(p), p == 2 || p == 5 ? When::Always : When::Full, [=] { return pressure(p); }});
   axes.push_back({"compression", "Compression, %", "Block between plates without friction, nu 0.49; force beside the closed form."});
   for (const double percent : {20, 40, 50, 60, 70, 80})
     cells.push_back({"compression", text(percent), percent == 40 || percent == 80 ? When::Always : When::Full, [=] { return uniform(BlockFaces::Free, 0.49, 1 - percent / 100); }});
