@@ -9,7 +9,7 @@ namespace palpate {
 struct TrustLimits {
   static constexpr double volume_change = 0.02;   // of the tissue's volume, where Poisson's ratio is 0.45 or more
   // Mean pressure over the shear modulus, likewise. The nodes' volumes are only as exact as the quadrature: what a
-  // pattern of displacements gains from a pressure by that, shear has to hold. Confined blocks give way from 3.5 to 5 on
+  // pattern of displacements gains from a pressure by that, shear has to hold. Confined blocks give way between 4 and 5
   // (mtled atlas pressure), long before they blow up.
   static constexpr double pressure = 3;
   static constexpr double penetration = 0.1;      // of the tool's radius
