@@ -6,6 +6,7 @@
 #include "app/interrupt.h"
 #include "base/build_info.h"
 #include "base/input_error.h"
+#include "mtled/atlas_command.h"
 #include "mtled/bench_command.h"
 #include "mtled/fit_command.h"
 #include "mtled/frontier_command.h"
@@ -25,6 +26,7 @@ const char* const examples = R"(Examples:
   mtled bench --quick                        the force kernels' speed beside what this machine could do at most
   mtled frontier liver --quick               what each microsecond buys
   mtled fit liver --rate 1000                the most accurate setting that holds 1 kHz here
+  mtled atlas --quick                        where the numbers are true, doubted or refused
 
 Exit codes: 0 done, 1 failed, not converged or interrupted (what there is is kept), 2 bad option or scene.)";
 
@@ -86,6 +88,18 @@ int main(int argc, char** argv) {
   fit_app->add_option("--json", fit.json, "Write what was found to this file")->type_name("FILE");
   fit_app->add_option("--tool", fit.tool_script, "The tool's way (the built-in indentation)")->type_name("SCRIPT");
 
+  AtlasOptions atlas;
+  std::string axes = "Axes (AXIS/VALUE for one cell):";
+  for (const auto& axis : atlasAxes()) axes += "\n  " + axis.key + ": " + axis.title;
+  CLI::App* atlas_app = app.add_subcommand("atlas", "Map where the numbers are true: each cell stable, degraded or refused, none silently wrong");
+  atlas_app->footer(axes);
+  atlas_app->add_option("CELL", atlas.cells, "Cells or whole axes (all)");
+  atlas_app->add_flag("--quick", atlas.quick, "A third of the cells, under a minute");
+  atlas_app->add_option("--out", atlas.out, "Folder for atlas.json, atlas.csv and atlas.png (out/atlas)")->type_name("DIR");
+  atlas_app->add_option("--json", atlas.json, "Write the results to this file, too")->type_name("FILE");
+  atlas_app->add_option("--report", atlas.report, "Write a page with the map into this folder")->type_name("DIR");
+  atlas_app->add_flag("--resume", atlas.resume, "Keep the cells that the folder has already");
+
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -97,6 +111,7 @@ int main(int argc, char** argv) {
   try {
     if (*bench_app) return benchCommand(bench);
     if (*fit_app) return fitCommand(fit);
+    if (*atlas_app) return atlasCommand(atlas);
     if (*frontier_app) return frontierCommand(frontier);
     return *verify_app ? verifyCommand(verify) : solveCommand(solve);
   } catch (const InputError& error) {

@@ -41,7 +41,9 @@ class Qhull {
                                     False, command, nullptr, messages_);
     if (failed) {
       std::fflush(messages_);
-      throw std::runtime_error("Delaunay tetrahedra: " + std::string(text_, text_size_));
+      const std::string text(text_, text_size_);
+      // The first line says what; a page of advice on qhull's options follows, which nobody can follow here.
+      throw std::runtime_error("Delaunay tetrahedra: " + text.substr(0, text.find('\n')));
     }
   }
 

@@ -77,7 +77,9 @@ Model finishModel(const Scene& scene, const SurfaceTree& tree, Preparation p, co
   }
   // Tissue does not move faster than sound in it; four times leaves room for whipping edges.
   model.max_increment = 4 * wave_speed * model.dt;
-  model.rest_energy = 1e-5 * softest * p.cell_volume;  // of strains of about 0.3 %, far above float's rounding
+  double shear = 0;  // J, shear moduli times volumes
+  for (std::size_t q = 0; q < p.point_volume.size(); ++q) shear += p.point_volume[q] * model.materials[p.point_material[q]].shear_modulus;
+  model.rest_energy = 1e-5 * shear;  // of strains of about 0.3 %, far above float's rounding (of the stiffest part, too)
   model.nearly_incompressible = std::all_of(model.materials.begin(), model.materials.end(), [](const Material& m) {
     return m.bulk_modulus > 2 * 1.45 / (3 * 0.1) * m.shear_modulus;  // Poisson's ratio 0.45
   });

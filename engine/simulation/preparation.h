@@ -10,6 +10,7 @@
 #include "discretization/surface_tree.h"
 #include "mechanics/critical_time_step.h"
 #include "mechanics/essential_boundary.h"
+#include "simulation/discretize.h"
 #include "simulation/scene.h"
 
 namespace palpate {
@@ -41,6 +42,9 @@ struct Preparation {
 /// Throws InputError naming the place in the scene that can't be used.
 /// @param tree  of the organ's closed surface
 Preparation prepare(const Scene& scene, const SurfaceTree& tree, const Progress& progress);
+
+/// The same from nodes and cells that are given.
+Preparation prepare(const Scene& scene, const SurfaceTree& tree, Discretization discretization, const Progress& progress);
 
 /// All that prepare reads of a scene and the organ's surface, as bytes: equal bytes, equal preparation (by the same
 /// program).

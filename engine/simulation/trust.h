@@ -8,6 +8,10 @@ namespace palpate {
 /// From where on each is doubted.
 struct TrustLimits {
   static constexpr double volume_change = 0.02;   // of the tissue's volume, where Poisson's ratio is 0.45 or more
+  // Mean pressure over the shear modulus, likewise. The nodes' volumes are only as exact as the quadrature: what a
+  // pattern of displacements gains from a pressure by that, shear has to hold. Confined blocks give way between 4 and 5
+  // (mtled atlas pressure), long before they blow up.
+  static constexpr double pressure = 3;
   static constexpr double penetration = 0.1;      // of the tool's radius
   static constexpr double min_J = 0.3;            // below which a pointwise energy of K/2 (J - 1)^2 softens
   static constexpr double step_share = 1.0;       // of the stable step

@@ -73,6 +73,8 @@ TEST_CASE("Points in a plane, and too few points, are refused", "[delaunay][inpu
   cloud.X = flat;
   cloud.on_surface.assign(flat.size(), 1);
   CHECK_THROWS_AS(makeBackgroundCells(cloud, SurfaceTree(boxSurface(Vec3::Ones(), 1))), InputError);
+  // What qhull says of it, but not its page of advice.
+  CHECK_THROWS_WITH(delaunay(flat), Catch::Contains("flat") && !Catch::Contains("\n"));
 }
 
 TEST_CASE("The cells of a box hold its volume exactly and use all nodes", "[cells]") {

@@ -133,6 +133,13 @@ TEST_CASE("Each doubt has its words, and the gravest is told", "[trust]") {
   CHECK(doubtOf(model, report) == Doubt::None);
   report.volume_change = -0.03;
   CHECK(doubtOf(model, report) == Doubt::Volume);
+  // A pressure of 2.5 and of 5 shear moduli at nu 0.499.
+  model.materials = {Material::neoHookean(3000, 0.499, 1000)};
+  const double each = model.materials[0].shear_modulus / model.materials[0].bulk_modulus;
+  report.volume_change = -2.5 * each;
+  CHECK(doubtOf(model, report) == Doubt::None);
+  report.volume_change = -5 * each;
+  CHECK(doubtOf(model, report) == Doubt::Volume);
   report.max_penetration = 0.002;
   CHECK(doubtOf(model, report) == Doubt::Contact);
   report.min_J = 0.2F;

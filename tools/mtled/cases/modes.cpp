@@ -82,6 +82,26 @@ Matrix gradientNorm(const Model& model) {
 
 }  // namespace
 
+std::vector<double> energyShares(const Model& model) {
+  const int n = model.nodeCount();
+  // Rigid motions get the share 1000 in both.
+  Matrix rigid = Matrix::Zero(3 * n, 6);
+  for (int i = 0; i < n; ++i)
+    for (int c = 0; c < 3; ++c) {
+      rigid(3 * i + c, c) = 1;
+      rigid.block<3, 1>(3 * i, 3 + c) = Vec3::Unit(c).cross(model.X[i]);
+    }
+  // Rotations have a gradient: the norm takes its symmetric counterpart out by the projection.
+  Eigen::HouseholderQR<Matrix> qr(rigid);
+  const Matrix Q = qr.householderQ() * Matrix::Identity(3 * n, 6);
+  const Matrix P = Matrix::Identity(3 * n, 3 * n) - Q * Q.transpose();
+  const Matrix G0 = P * gradientNorm(model) * P, K0 = P * stiffness(model) * P;
+  const double scale = G0.trace() / (3 * n);
+  const Eigen::GeneralizedSelfAdjointEigenSolver<Matrix> eigen(K0 + 1e3 * scale * Q * Q.transpose(), G0 + scale * Q * Q.transpose(), Eigen::EigenvaluesOnly);
+  const auto& all = eigen.eigenvalues();  // ascending
+  return {all.data(), all.data() + (3 * n - 6)};
+}
+
 CaseResult modesCase(const CaseContext& context) {
   CaseResult result;
   result.name = "modes";
@@ -114,23 +134,8 @@ CaseResult modesCase(const CaseContext& context) {
     apply(row.variant, scene);
     const StaticSolution s = solveCase(scene, {}, context);
     const Model& model = *s.model;
-    const int n = model.nodeCount();
-    // Rigid motions get the share 1 in both.
-    Matrix rigid = Matrix::Zero(3 * n, 6);
-    for (int i = 0; i < n; ++i)
-      for (int c = 0; c < 3; ++c) {
-        rigid(3 * i + c, c) = 1;
-        rigid.block<3, 1>(3 * i, 3 + c) = Vec3::Unit(c).cross(model.X[i]);
-      }
-    // Rotations have a gradient: the norm takes its symmetric counterpart out by the projection.
-    Eigen::HouseholderQR<Matrix> qr(rigid);
-    const Matrix Q = qr.householderQ() * Matrix::Identity(3 * n, 6);
-    const Matrix P = Matrix::Identity(3 * n, 3 * n) - Q * Q.transpose();
-    const Matrix G0 = P * gradientNorm(model) * P, K0 = P * stiffness(model) * P;
-    const double scale = G0.trace() / (3 * n);
-    const Eigen::GeneralizedSelfAdjointEigenSolver<Matrix> eigen(K0 + 1e3 * scale * Q * Q.transpose(), G0 + scale * Q * Q.transpose(), Eigen::EigenvaluesOnly);
-    const auto& share = eigen.eigenvalues();  // ascending; the rigid ones are 1000
-    table.rows.push_back({row.name, std::to_string(n), std::to_string(model.pointCount()), formatted(share[0]), formatted(share[1]), formatted(share[4]), formatted(share[19])});
+    const auto share = energyShares(model);
+    table.rows.push_back({row.name, std::to_string(model.nodeCount()), std::to_string(model.pointCount()), formatted(share[0]), formatted(share[1]), formatted(share[4]), formatted(share[19])});
     if (row.points_per_cell == 4) poorest_four = share[0];
     else if (row.variant.consistent_gradients && row.variant.node_patch_volume) poorest_both = share[0];
   }
