@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <catch2/catch.hpp>
+#include <chrono>
 #include <cmath>
 #include <csignal>
 #include <cstring>
@@ -11,6 +12,7 @@
 #include <iostream>
 #include <nlohmann/json.hpp>
 #include <sstream>
+#include <thread>
 
 #include "app/interrupt.h"
 #include "approximation/shape_functions.h"
@@ -209,7 +211,11 @@ TEST_CASE("Interrupted by a signal, the command says so and can be resumed", "[s
   REQUIRE(child >= 0);
   if (child == 0) {  // the flag that a signal sets is never taken back
     catchInterrupts();
-    std::raise(SIGINT);
+    // Once the set-up is done and the solution has begun.
+    std::thread([file = folder.out("force.csv")] {
+      while (!std::filesystem::exists(file)) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      std::raise(SIGINT);
+    }).detach();
     int code = 99;
     try {
       code = solve(folder.scene, folder.out());
@@ -222,13 +228,35 @@ TEST_CASE("Interrupted by a signal, the command says so and can be resumed", "[s
   REQUIRE(WIFEXITED(status));
   CHECK(WEXITSTATUS(status) == 1);
   CHECK(reportIn(folder)["interrupted"] == true);
-  CHECK(reportIn(folder)["rows"] == 0);
+  CHECK(reportIn(folder)["rows"] < 4);
   REQUIRE(solve(folder.scene, folder.out(), true) == 0);
   const Folder whole;
   REQUIRE(solve(whole.scene, whole.out()) == 0);
   const CsvTable a = readCsvTable(whole.out("force.csv")), b = readCsvTable(folder.out("force.csv"));
   REQUIRE(b.rowCount() == 4);
   CHECK(b["plate_fz_N"][3] == Approx(a["plate_fz_N"][3]).epsilon(1e-3));
+}
+
+TEST_CASE("Interrupted during the set-up, the command ends with nothing to keep", "[solve_command]") {
+  const Folder folder;
+  const pid_t child = ::fork();
+  REQUIRE(child >= 0);
+  if (child == 0) {
+    catchInterrupts();
+    std::raise(SIGINT);
+    int code = 99;
+    try {
+      solve(folder.scene, folder.out());
+    } catch (const std::runtime_error& error) {
+      code = std::string(error.what()).find("while the model was made") != std::string::npos ? 1 : 98;
+    }
+    ::_exit(code);
+  }
+  int status = 0;
+  REQUIRE(::waitpid(child, &status, 0) == child);
+  REQUIRE(WIFEXITED(status));
+  CHECK(WEXITSTATUS(status) == 1);
+  CHECK_FALSE(std::filesystem::exists(folder.out("force.csv")));
 }
 
 TEST_CASE("A checkpoint that can't be gone on from is refused", "[solve_command][checkpoint]") {
