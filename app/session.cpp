@@ -46,6 +46,8 @@ Model buildModelOf(const Scene& scene, bool use_cache, Log& log) {
   log.info(format("%s: %d nodes, %d integration points, %d x %.0f us per tick, ready in %.2f s", scene.name.c_str(),
                   model.nodeCount(), model.pointCount(), model.substeps_per_tick, model.dt * 1e6,
                   model.setup_seconds));
+  if (model.added_mass > 0)
+    log.info(format("mass scaling added %.2g %% to the mass: the same forces at rest, slower motion", 100 * model.added_mass));
   return model;
 }
 

@@ -16,7 +16,7 @@ namespace palpate {
 namespace {
 
 constexpr std::uint64_t magic = 0x31657461706c6170;  // "palpate1" as bytes
-constexpr std::uint64_t version = 1;                  // of the layout below
+constexpr std::uint64_t version = 2;                  // of the layout below
 constexpr std::size_t block_bytes = 1 << 20;
 
 /// A word-wise mix: each step is a bijection of the state, so one changed word always changes the result.
@@ -74,13 +74,13 @@ constexpr std::size_t array_count = 29;
 struct Header {
   std::uint64_t magic_word = magic, layout = version;
   KeyHash key{};
-  double surface_volume = 0, cell_volume = 0, dt = 0, dt_proven = 0;
+  double surface_volume = 0, cell_volume = 0, dt = 0, dt_proven = 0, added_mass = 0;
   std::int64_t worst_node = 0, iterations = 0;
   std::array<std::uint64_t, array_count> length{};    // elements
   std::array<std::uint64_t, array_count> checksum{};
   std::uint64_t own_checksum = 0;                     // of all before it
 };
-static_assert(std::is_trivially_copyable_v<Header> && sizeof(Header) == (11 + 2 * array_count) * 8);  // no padding
+static_assert(std::is_trivially_copyable_v<Header> && sizeof(Header) == (12 + 2 * array_count) * 8);  // no padding
 
 std::uint64_t checksumOf(const Header& header) {
   return hashBytes(reinterpret_cast<const char*>(&header), offsetof(Header, own_checksum), version);
@@ -169,6 +169,7 @@ int writePreparation(int file, const KeyHash& key, const Preparation& p) {
   header.cell_volume = p.cell_volume;
   header.dt = p.limit.dt;
   header.dt_proven = p.limit.dt_proven;
+  header.added_mass = p.added_mass;
   header.worst_node = p.limit.worst_node;
   header.iterations = p.limit.iterations;
   std::size_t k = 0;
@@ -220,6 +221,7 @@ bool readPreparation(int file, const KeyHash& key, Preparation& p) {
   p.surface_volume = header.surface_volume;
   p.cell_volume = header.cell_volume;
   p.limit = {header.dt, header.dt_proven, static_cast<int>(header.worst_node), static_cast<int>(header.iterations)};
+  p.added_mass = header.added_mass;
   return fits(p);
 }
 

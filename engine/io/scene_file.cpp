@@ -157,6 +157,7 @@ void readDynamics(const TomlTable& table, Scene& scene) {
   table.read("rate", scene.rate_hz);
   table.read("time_step", scene.time_step);
   table.read("step_safety", scene.step_safety);
+  table.read("mass_scaling", scene.mass_scaling);
   table.read("damping", scene.damping);
   table.read("threads", scene.threads);
   if (table.readChoice("gradient_precision", 0) == 1) scene.gradient_precision = GradientPrecision::Int16;

@@ -7,8 +7,6 @@
 #include <stdexcept>
 #include <string>
 
-#include "base/float4.h"
-
 namespace palpate {
 namespace {
 
@@ -158,6 +156,13 @@ typename EssentialBoundaryOf<Real>::Set makeSet(const std::vector<int>& rows, co
     append<Real>(set.phi, phi, from);
     if (integrated) append<Real>(set.v, v, from);
   }
+  // V by nodes, so that threads can share them.
+  const SparseRows by_node = Sparse(order.inverse() * v).transpose();
+  for (int j = 0; j < static_cast<int>(mass.size()); ++j) {
+    if (by_node.outerIndexPtr()[j] == by_node.outerIndexPtr()[j + 1]) continue;
+    set.touched.push_back(j);
+    append<Real>(set.spread, by_node, j);
+  }
   const Sparse reordered = order.inverse() * A * order;
   factor<Real>(SparseRows(reordered), set);
   return set;
@@ -197,137 +202,14 @@ BoundaryScratchOf<Real> makeBoundaryScratch(const EssentialBoundaryOf<Real>& bou
   scratch.shift.assign(boundaries, Vec3::Zero());
   scratch.shift_before = scratch.shift;
   scratch.reaction.resize(boundaries);
+  for (const auto& motion : boundary.motions) scratch.moves.push_back(motion.moves());
+  for (auto& part : scratch.part_reaction) part.resize(boundaries);
   return scratch;
 }
 
-namespace {
-
-/// The motions at a time as u = rotation (X - axis_point) + shift, the rotation less the identity.
-void evaluate(const std::vector<BoundaryMotion>& motions, double time_s, std::vector<Mat3>& rotation, std::vector<Vec3>& shift) {
-  for (std::size_t b = 0; b < motions.size(); ++b) {
-    const double s = motions[b].curve.at(time_s, motions[b].duration);
-    rotation[b] = Eigen::AngleAxisd(s * motions[b].angle, motions[b].axis).toRotationMatrix() - Mat3::Identity();
-    shift[b] = s * motions[b].translation;
-  }
-}
-
-/// y_k = y_k - sum of the row's entries: one row of a triangular solve.
-/// Four partial sums, so that the subtractions overlap; their order is fixed.
-template <class Real, class RowsOf>
-GroupOf<Real> lessRow(const RowsOf& rows, int k, const Real4<Real>* x, GroupOf<Real> y) {
-  const Real* value = rows.value.data();
-  const int* column = rows.column.data();
-  const int end = rows.begin[k + 1];
-  GroupOf<Real> y1{}, y2{}, y3{};
-  int e = rows.begin[k];
-  for (; e + 4 <= end; e += 4) {
-    y -= value[e] * load(x[column[e]]);
-    y1 -= value[e + 1] * load(x[column[e + 1]]);
-    y2 -= value[e + 2] * load(x[column[e + 2]]);
-    y3 -= value[e + 3] * load(x[column[e + 3]]);
-  }
-  for (; e < end; ++e) y -= value[e] * load(x[column[e]]);
-  return (y + y1) + (y2 + y3);
-}
-
-}  // namespace
-
-template <class Real>
-Vec3 imposeBoundary(const EssentialBoundaryOf<Real>& boundary, double time_s, double dt, double alpha,
-                    const Real* inverse_mass, const std::type_identity_t<Real4<Real>>* u, Real4<Real>* du,
-                    BoundaryScratchOf<Real>& scratch) {
-  evaluate(boundary.motions, time_s, scratch.rotation, scratch.shift);
-  evaluate(boundary.motions, time_s - dt, scratch.rotation_before, scratch.shift_before);
-  for (auto& reaction : scratch.reaction) reaction = {};
-
-  for (std::size_t s = 0; s < boundary.sets.size(); ++s) {
-    const auto& set = boundary.sets[s];
-    Real4<Real>* r = scratch.rhs[s].data();
-    const int n = static_cast<int>(set.node.size());
-    // r = u_bar - Phi u~                                         (bracket of eq. 24)
-    for (int k = 0; k < n; ++k) {
-      Vec3 imposed = Vec3::Zero();
-      for (int c = 0; c < 3; ++c) {
-        const int b = set.boundary[k][c];
-        if (b < 0) continue;
-        const Vec3 arm = set.X[k] - boundary.motions[b].axis_point;
-        imposed[c] = scratch.rotation[b].row(c).dot(arm) + scratch.shift[b][c];
-        if (!u) imposed[c] -= scratch.rotation_before[b].row(c).dot(arm) + scratch.shift_before[b][c];
-      }
-      GroupOf<Real> sum = load(toReal4<Real>(imposed));
-      if (!u) {
-        sum += load(scratch.creep[s][k]);
-        scratch.creep[s][k] = {};
-      }
-      sum = lessRow<Real>(set.phi, k, du, sum);
-      if (u) sum = lessRow<Real>(set.phi, k, u, sum);
-      store(r[k], sum);
-    }
-    // A^-1 r = U^-1 L^-1 r
-    for (int k = 0; k < n; ++k) store(r[k], lessRow<Real>(set.l, k, r, load(r[k])));
-    for (int k = n - 1; k >= 0; --k) store(r[k], set.inverse_pivot[k] * lessRow<Real>(set.u, k, r, load(r[k])));
-    // du += M^-1 V A^-1 r, alpha T = A^-1 r                      (eqs. 23-25)
-    const auto& v = set.v.column.empty() ? set.phi : set.v;
-    for (int k = 0; k < n; ++k) {
-      const Real4<Real> x{r[k].x * set.mask[0], r[k].y * set.mask[1], r[k].z * set.mask[2], 0};
-      for (int e = v.begin[k]; e < v.begin[k + 1]; ++e) addScaled(du[v.column[e]], v.value[e] * inverse_mass[v.column[e]], x);
-      Vec3 arm_point = set.centre[k];  // in its present place, as imposed; a free component moves it little
-      for (int c = 0; c < 3; ++c)
-        if (const int b = set.whole[k][c]; b >= 0)
-          arm_point[c] += scratch.rotation[b].row(c).dot(set.centre[k] - boundary.motions[b].axis_point) + scratch.shift[b][c];
-      for (int c = 0; c < 3; ++c) {
-        const int b = set.boundary[k][c];
-        if (b < 0) continue;
-        Vec3 force = Vec3::Zero();
-        force[c] = set.share[k] / alpha * static_cast<double>((&x.x)[c]);
-        scratch.reaction[b].force += force;
-        scratch.reaction[b].moment += (arm_point - boundary.motions[b].axis_point).cross(force);
-      }
-    }
-  }
-  Vec3 held = Vec3::Zero();
-  for (std::size_t b = 0; b < boundary.motions.size(); ++b)
-    if (!boundary.motions[b].moves()) held += scratch.reaction[b].force;
-  return held;
-}
-
-void takeBackCreep(const EssentialBoundary& boundary, double time_s, const Float4* u, const Float4* u_low,
-                   BoundaryScratch& scratch) {
-  constexpr double share = 0.1;
-  evaluate(boundary.motions, time_s, scratch.rotation, scratch.shift);
-  for (std::size_t s = 0; s < boundary.sets.size(); ++s) {
-    const auto& set = boundary.sets[s];
-    for (std::size_t k = 0; k < set.node.size(); ++k) {
-      Vec3 away = Vec3::Zero();  // u_bar - Phi u
-      for (int c = 0; c < 3; ++c)
-        if (const int b = set.boundary[k][c]; b >= 0)
-          away[c] = scratch.rotation[b].row(c).dot(set.X[k] - boundary.motions[b].axis_point) + scratch.shift[b][c];
-      for (int e = set.phi.begin[k]; e < set.phi.begin[k + 1]; ++e) {
-        const int j = set.phi.column[e];
-        away -= static_cast<double>(set.phi.value[e]) * (toVec3(u[j]) + toVec3(u_low[j]));
-      }
-      scratch.creep[s][k] = toFloat4(share * away);
-    }
-  }
-}
-
-template <class Real>
-void addNodeReactions(const EssentialBoundaryOf<Real>& boundary, const BoundaryScratchOf<Real>& scratch, double alpha,
-                      std::vector<Vec3>& force) {
-  for (std::size_t s = 0; s < boundary.sets.size(); ++s) {
-    const auto& set = boundary.sets[s];
-    for (std::size_t k = 0; k < set.node.size(); ++k)
-      for (int c = 0; c < 3; ++c)
-        force[set.node[k]][c] += static_cast<double>(set.mask[c]) * set.share[k] / alpha * static_cast<double>((&scratch.rhs[s][k].x)[c]);
-  }
-}
-
-#define PALPATE_INSTANTIATE(Real)                                                                                     \
-  template EssentialBoundaryOf<Real> makeEssentialBoundary(const EssentialNodes&, const std::vector<double>&);        \
-  template BoundaryScratchOf<Real> makeBoundaryScratch(const EssentialBoundaryOf<Real>&);                             \
-  template Vec3 imposeBoundary(const EssentialBoundaryOf<Real>&, double, double, double, const Real*,                 \
-                               const Real4<Real>*, Real4<Real>*, BoundaryScratchOf<Real>&);                           \
-  template void addNodeReactions(const EssentialBoundaryOf<Real>&, const BoundaryScratchOf<Real>&, double, std::vector<Vec3>&);
+#define PALPATE_INSTANTIATE(Real)                                                                              \
+  template EssentialBoundaryOf<Real> makeEssentialBoundary(const EssentialNodes&, const std::vector<double>&); \
+  template BoundaryScratchOf<Real> makeBoundaryScratch(const EssentialBoundaryOf<Real>&);
 PALPATE_INSTANTIATE(float)
 PALPATE_INSTANTIATE(double)
 #undef PALPATE_INSTANTIATE

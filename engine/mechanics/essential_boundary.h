@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "approximation/shape_table.h"
+#include "base/spin_team.h"
 #include "base/types.h"
 #include "mechanics/load_curve.h"
 
@@ -70,6 +71,8 @@ struct EssentialBoundaryOf {
     std::vector<double> share;            // (row_count) sum_j V_jk: 1, or int N^k dS in m^2
     std::vector<Vec3> centre;             // (row_count) m, sum_j V_jk X_j / share: where the node's traction acts
     Rows<Real> phi, v;                    // row k: N_j(X_k); V_jk (v is empty where it equals phi)
+    std::vector<int> touched;             // (touched_count) nodes that the tractions act on
+    Rows<Real> spread;                    // V by node: row t holds V_jk of node j = touched[t], columns k
     Rows<Real> l, u;                      // unit lower and upper factor without their diagonals
     AlignedVector<Real> inverse_pivot;    // (row_count) of U
   };
@@ -84,13 +87,18 @@ struct Reaction {
   Vec3 moment = Vec3::Zero();  // N m
 };
 
+/// Shares of the rows that threads take whole.
+constexpr int boundary_parts = 8;
+
 template <class Real>
 struct BoundaryScratchOf {
   std::vector<AlignedVector<Real4<Real>>> rhs;  // (set_count)(row_count); after a step alpha times the tractions T
   std::vector<AlignedVector<Real4<Real>>> creep;  // (set_count)(row_count) m, taken back by the next step that imposes increments
   std::vector<Mat3> rotation, rotation_before;  // (boundary_count) minus identity, at the step's end and start
   std::vector<Vec3> shift, shift_before;  // (boundary_count) m
+  std::vector<std::uint8_t> moves;        // (boundary_count)
   std::vector<Reaction> reaction;         // (boundary_count) of the last step, paper eq. 18
+  std::array<std::vector<Reaction>, boundary_parts> part_reaction;  // what it is the sum of
 };
 using BoundaryScratch = BoundaryScratchOf<float>;
 
@@ -108,11 +116,12 @@ BoundaryScratchOf<Real> makeBoundaryScratch(const EssentialBoundaryOf<Real>& bou
 ///           otherwise u + du gets the whole displacement, so that no error adds up
 /// @param alpha  of paper eq. 12, s^2
 /// @return force of the boundaries that don't move on the tissue, N
+/// The team shares all but the triangular solutions; results do not depend on its size.
 /// Real-time: no allocation, no lock, no throw.
 template <class Real>
 Vec3 imposeBoundary(const EssentialBoundaryOf<Real>& boundary, double time_s, double dt, double alpha,
                     const Real* inverse_mass, const std::type_identity_t<Real4<Real>>* u, Real4<Real>* du,
-                    BoundaryScratchOf<Real>& scratch);
+                    BoundaryScratchOf<Real>& scratch, SpinTeam& team);
 
 /// Where only increments are imposed, their roundings add up: a walk of some 1e-9 of the body's size in a thousand ticks. This finds in
 /// double how far the field has crept from where it should be at `time_s`, and leaves a tenth of it to the next imposeBoundary.

@@ -51,6 +51,7 @@ RunReport makeRunReport(const Model& model, const RunSummary& summary,
   report.mean_support = model.point_shape.meanSupport();
   report.dt_s = model.dt;
   report.dt_critical_s = model.dt_critical;
+  report.added_mass = model.added_mass;
   report.rate_hz = model.scene.rate_hz;
   report.substeps_per_tick = model.substeps_per_tick;
   report.ticks = summary.ticks;
@@ -92,6 +93,7 @@ std::string toJson(const RunReport& r) {
       {"mean_support", r.mean_support},
       {"dt_s", r.dt_s},
       {"dt_critical_s", r.dt_critical_s},
+      {"added_mass", r.added_mass},
       {"rate_hz", r.rate_hz},
       {"substeps_per_tick", r.substeps_per_tick},
       {"ticks", r.ticks},

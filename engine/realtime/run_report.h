@@ -18,6 +18,7 @@ struct RunReport {
   int nodes = 0, integration_points = 0;
   double mean_support = 0;           // nodes per integration point
   double dt_s = 0, dt_critical_s = 0, rate_hz = 0;
+  double added_mass = 0;  // share of the body's own (scene.mass_scaling)
   int substeps_per_tick = 0;
   std::int64_t ticks = 0, overruns = 0, longest_overrun_streak = 0;
   std::array<std::int64_t, kLateCauseCount> late_ticks{};  // that missed deadlines, by LateCause

@@ -67,7 +67,7 @@ BatchBody::Report BatchBody::advance(double alpha, double beta, double time) {
   report.inverted_points = forces_report.inverted_points;
   for (std::size_t i = 0; i < u.size(); ++i) store(du[i], beta * load(du[i]) + (alpha * inverse_mass_[i]) * load(f[i]));
   if (has_tool_) contact(alpha, report);
-  imposeBoundary(boundary_, time, 0.0, alpha, inverse_mass_.data(), u.data(), du.data(), boundary_scratch_);
+  imposeBoundary(boundary_, time, 0.0, alpha, inverse_mass_.data(), u.data(), du.data(), boundary_scratch_, team_);
   double largest = 0;
   for (std::size_t i = 0; i < u.size(); ++i) {
     const auto d = load(du[i]);

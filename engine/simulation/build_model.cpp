@@ -96,6 +96,7 @@ Model finishModel(const Scene& scene, const SurfaceTree& tree, Preparation p, co
   model.cells = std::move(p.cells);
   model.surface_volume = p.surface_volume;
   model.cell_volume = p.cell_volume;
+  model.added_mass = p.added_mass;
   model.point_X = std::move(p.point_X);
   model.point_volume = std::move(p.point_volume);
   model.point_material = std::move(p.point_material);

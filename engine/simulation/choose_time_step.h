@@ -5,6 +5,10 @@
 
 namespace palpate {
 
+/// The next longer step for which it pays to add mass to a body with the critical step `dt_critical`: the critical step
+/// that one step fewer per tick needs (or the scene's time_step). 0: none.
+double nextCriticalStep(const Scene& scene, double dt_critical);
+
 /// Sets the model's step and its number per tick: the scene's, or the largest within its safety and the tool's reach.
 /// Throws InputError where the scene's step is unstable, too long for the contact or no whole part of a tick.
 /// @param X  nodes, m, for the message

@@ -57,6 +57,7 @@ struct Model {
   double dt_critical = 0;                   // s, of the operator at rest (Lanczos)
   double dt_proven = 0;                     // s, Gershgorin bound: stable at rest for certain
   int substeps_per_tick = 1;
+  double added_mass = 0;                    // share of the body's own mass that was added to spare steps (mass_scaling.h)
   double rest_energy = 0;                   // J, strain energy below which is rounding
   bool nearly_incompressible = false;       // Poisson's ratio of all materials at least 0.45
   double max_increment = 0;                 // m a node may move in one step; more is a blow-up

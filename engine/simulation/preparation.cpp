@@ -6,8 +6,10 @@
 #include "discretization/boundary_points.h"
 #include "discretization/consistent_gradients.h"
 #include "mechanics/lumped_mass.h"
+#include "mechanics/mass_scaling.h"
 #include "mechanics/node_patch.h"
 #include "simulation/approximate.h"
+#include "simulation/choose_time_step.h"
 #include "simulation/imposed_nodes.h"
 #include "simulation/scene_regions.h"
 
@@ -92,6 +94,17 @@ Preparation prepare(const Scene& scene, const SurfaceTree& tree, Discretization 
   if (scene.node_patch_volume)
     patches = makeNodePatches(cloud.X, cells.cells, points.X, points.volume, points.cell, p.point_material, materials);
   p.limit = criticalTimeStep(shape.points, points.volume, p.point_material, materials, p.mass, patches);
+  const std::vector<double> own_mass = p.mass;
+  const CriticalTimeStep own_limit = p.limit;
+  while (scene.mass_scaling > 0) {  // fewer and fewer steps to a tick, while they cost no more than the scene grants
+    const double wanted = nextCriticalStep(scene, p.limit.dt);
+    if (wanted == 0) break;
+    ScaledMass scaled = scaleMass(shape.points, points.volume, p.point_material, materials, own_mass, patches, own_limit, wanted);
+    if (scaled.added > scene.mass_scaling || scaled.limit.dt < wanted) break;
+    p.mass = std::move(scaled.mass);
+    p.limit = scaled.limit;
+    p.added_mass = scaled.added;
+  }
 
   p.X = std::move(cloud.X);
   p.support_radius = std::move(shape.radius);

@@ -37,6 +37,7 @@ struct Preparation {
   std::vector<Vec3> facet_weight;
   ShapeTable facet_phi;
   CriticalTimeStep limit;
+  double added_mass = 0;                     // share of the body's own that `mass` has more (scene.mass_scaling)
 };
 
 /// Throws InputError naming the place in the scene that can't be used.

@@ -84,6 +84,8 @@ std::string preparationKey(const Scene& scene, const TriangleSurface& organ) {
   key.addEach(scene.materials);
   key.addEach(scene.boundaries);
   key.add(scene.tool.radius);  // the skin is as fine as the tool needs
+  if (scene.mass_scaling > 0)
+    for (const double value : {scene.mass_scaling, scene.rate_hz, scene.time_step, scene.step_safety, scene.tool_max_speed}) key.add(value);
   return key.take();
 }
 

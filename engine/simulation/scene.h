@@ -134,6 +134,7 @@ struct Scene {
   double rate_hz = 500;                   // 100 .. 2000; one tick is 1/rate
   double time_step = 0;                   // s; 0: the largest whole division of a tick below safety * critical
   double step_safety = 0.6;               // of the critical step
+  double mass_scaling = 0;                // share of the body's mass that may be added to spare steps of a tick
   double damping = 20;                    // 1/s, mass-proportional: M u'' + c M u'
   int threads = 1;                        // physics threads
   GradientPrecision gradient_precision = GradientPrecision::Float32;  // of the real-time kernel

@@ -173,7 +173,7 @@ StepReport step(const Model& model, State& state, const Pose& tool_pose, const C
 
   // du = du~ + P (du_bar - Phi du~)                                       (eqs. 23-25)
   report.base_reaction = imposeBoundary(model.boundary, time, model.dt, integrator.alpha, model.inverse_mass.data(),
-                                        nullptr, state.du.data(), workspace.boundary);
+                                        nullptr, state.du.data(), workspace.boundary, workspace.team);
   // u += du
   const Moved moved = accumulate(model, state, workspace, report);
   report.strain_energy = forces.strain_energy;

@@ -14,6 +14,8 @@ using test::TestBody;
 
 namespace {
 
+SpinTeam team(2);
+
 constexpr double edge = 0.1;  // m
 
 /// A cube whose base is held, whose top is turned and shifted, and one of whose sides is held in x alone: two
@@ -170,7 +172,7 @@ TEST_CASE("EBCIEM imposes the field exactly, jointly over unlike component sets"
   const double alpha = 1e-7, time = 0.25;
   const auto u = randomIncrement<double>(g.body.nodeCount(), 1e-2, 5);
   auto du = randomIncrement<double>(g.body.nodeCount(), 1e-4, 3);
-  imposeBoundary(boundary, time, 0.0, alpha, inverse_mass.data(), u.data(), du.data(), scratch);
+  imposeBoundary(boundary, time, 0.0, alpha, inverse_mass.data(), u.data(), du.data(), scratch, team);
   AlignedVector<Double4> all(u.size());
   for (std::size_t i = 0; i < u.size(); ++i) all[i] = toReal4<double>(toVec3(u[i]) + toVec3(du[i]));
   double largest = 0;
@@ -180,7 +182,7 @@ TEST_CASE("EBCIEM imposes the field exactly, jointly over unlike component sets"
                                                        // below shows that a second correction removes it
 
   du = randomIncrement<double>(g.body.nodeCount(), 1e-4, 3);
-  imposeBoundary(boundary, time, 1e-3, alpha, inverse_mass.data(), nullptr, du.data(), scratch);
+  imposeBoundary(boundary, time, 1e-3, alpha, inverse_mass.data(), nullptr, du.data(), scratch, team);
   largest = 0;
   for (const auto& a : du) largest = std::max(largest, toVec3(a).norm());
   INFO("departure " << g.departure(du, time, time - 1e-3) << " largest correction " << largest);
@@ -224,7 +226,7 @@ TEST_CASE("L U of EBCIEM is Phi M^-1 V, which is not symmetric, and solves as th
   const double time = 0.3, alpha = 1e-7;
   const auto before = randomIncrement<double>(n, 1e-4, 3);
   auto du = before;
-  imposeBoundary(boundary, time, 1e-3, alpha, inverse_mass.data(), nullptr, du.data(), scratch);
+  imposeBoundary(boundary, time, 1e-3, alpha, inverse_mass.data(), nullptr, du.data(), scratch, team);
   for (const auto& set : boundary.sets) {
     const auto rows = static_cast<Eigen::Index>(set.node.size());
     const Eigen::MatrixXd phi = denseOf(set.phi, n), MV = w.asDiagonal() * bruteForceV(g, set.node, phi).transpose();
@@ -262,7 +264,7 @@ TEST_CASE("Reactions of the nodes sum to the boundaries', which are the momentum
     const double alpha = 1e-7;
     const auto before = randomIncrement<double>(g.body.nodeCount(), 1e-4, 3);
     auto du = before;
-    const Vec3 held = imposeBoundary(boundary, 0.3, 1e-3, alpha, inverse_mass.data(), nullptr, du.data(), scratch);
+    const Vec3 held = imposeBoundary(boundary, 0.3, 1e-3, alpha, inverse_mass.data(), nullptr, du.data(), scratch, team);
 
     Vec3 momentum = Vec3::Zero(), total = Vec3::Zero();
     for (std::size_t i = 0; i < du.size(); ++i) momentum += g.body.mass[i] * (toVec3(du[i]) - toVec3(before[i]));
@@ -298,7 +300,7 @@ TEST_CASE("A turning boundary's force and moment do its work", "[essential_bound
     const auto inverse_mass = g.inverseMass<double>();
     const double alpha = 1e-7, time = 0.3, e = 1e-5;
     auto du = randomIncrement<double>(g.body.nodeCount(), 1e-4, 3);
-    imposeBoundary(boundary, time, 1e-3, alpha, inverse_mass.data(), nullptr, du.data(), scratch);
+    imposeBoundary(boundary, time, 1e-3, alpha, inverse_mass.data(), nullptr, du.data(), scratch, team);
     const BoundaryMotion& motion = g.essential.motions[1];
     double work = 0, scale = 0;
     for (std::size_t s = 0; s < boundary.sets.size(); ++s) {
@@ -340,7 +342,7 @@ TEST_CASE("The boundaries' moments are those of what was added", "[essential_bou
     AlignedVector<Double4> before, du;
     for (const auto& x : g.body.X) before.push_back(toReal4<double>(1e-3 * Vec3::UnitZ().cross(x - about)));
     du = before;
-    imposeBoundary(boundary, 0.3, 1e-3, alpha, inverse_mass.data(), nullptr, du.data(), scratch);
+    imposeBoundary(boundary, 0.3, 1e-3, alpha, inverse_mass.data(), nullptr, du.data(), scratch, team);
     Vec3 added = Vec3::Zero(), moment = Vec3::Zero();
     double size = 0;
     for (std::size_t i = 0; i < du.size(); ++i)
@@ -371,8 +373,8 @@ TEST_CASE("Imposing the whole displacement leaves no drift; increments in float 
       auto du = randomIncrement<double>(n, 1e-5, static_cast<unsigned>(k));
       AlignedVector<Float4> du_float(n);
       for (int i = 0; i < n; ++i) du_float[i] = toFloat4(toVec3(du[i]));
-      imposeBoundary(exact, k * dt, 0.0, alpha, inverse_mass.data(), u.data(), du.data(), exact_scratch);
-      imposeBoundary(fast, k * dt, dt, alpha, inverse_mass_float.data(), nullptr, du_float.data(), fast_scratch);
+      imposeBoundary(exact, k * dt, 0.0, alpha, inverse_mass.data(), u.data(), du.data(), exact_scratch, team);
+      imposeBoundary(fast, k * dt, dt, alpha, inverse_mass_float.data(), nullptr, du_float.data(), fast_scratch, team);
       for (int i = 0; i < n; ++i) {
         u[i] = toReal4<double>(toVec3(u[i]) + toVec3(du[i]));
         summed[i] = toReal4<double>(toVec3(summed[i]) + toVec3(du_float[i]));  // u's own rounding is not this test's

@@ -1,4 +1,5 @@
 #include <catch2/catch.hpp>
+#include <cstring>
 #include <random>
 
 #include "mechanics/essential_boundary.h"
@@ -8,6 +9,8 @@ using namespace palpate;
 using test::TestBody;
 
 namespace {
+
+SpinTeam team(2);
 
 struct Clamped {
   TestBody body{6, 0.1, 1};
@@ -76,7 +79,7 @@ TEST_CASE("The field, not the parameters, is imposed at every boundary node", "[
   auto du = randomIncrement(c.body.nodeCount(), 1e-4);
   const auto before = du;
   const double alpha = 1e-7, time = 0.25, dt = 1e-3;
-  imposeBoundary(boundary, time, dt, alpha, inverse_mass.data(), nullptr, du.data(), scratch);
+  imposeBoundary(boundary, time, dt, alpha, inverse_mass.data(), nullptr, du.data(), scratch, team);
 
   double worst = 0;
   for (std::size_t k = 0; k < c.essential.nodes.size(); ++k) {
@@ -92,7 +95,7 @@ TEST_CASE("The field, not the parameters, is imposed at every boundary node", "[
   const auto held = makeEssentialBoundary(c.essential, c.body.mass);
   auto held_scratch = makeBoundaryScratch(held);
   du = before;
-  const Vec3 reaction = imposeBoundary(held, time, dt, alpha, inverse_mass.data(), nullptr, du.data(), held_scratch);
+  const Vec3 reaction = imposeBoundary(held, time, dt, alpha, inverse_mass.data(), nullptr, du.data(), held_scratch, team);
   Vec3 momentum = Vec3::Zero();
   for (std::size_t i = 0; i < du.size(); ++i) momentum += c.body.mass[i] * (toVec3(du[i]) - toVec3(before[i]));
   CHECK((reaction - momentum / alpha).norm() < 1e-4 * reaction.norm());
@@ -119,7 +122,7 @@ TEST_CASE("SEBCIEM in sparse factors equals the dense matrix of the paper", "[es
   const Eigen::MatrixXd MV = w.asDiagonal() * phi.transpose();
   const Eigen::VectorXd expected = u - MV * (phi * MV).ldlt().solve(phi * u);
 
-  imposeBoundary(boundary, 0.1, 1e-3, 1e-7, inverse_mass.data(), nullptr, du.data(), scratch);
+  imposeBoundary(boundary, 0.1, 1e-3, 1e-7, inverse_mass.data(), nullptr, du.data(), scratch, team);
   double worst = 0;
   for (int i = 0; i < n; ++i) worst = std::max(worst, std::abs(du[i].z - expected[i]));
   CHECK(worst < 1e-9);
@@ -150,6 +153,36 @@ TEST_CASE("A rotation by a table turns about its axis, and a translation comes o
   CHECK((m.at(Vec3(2, 0, 0), 1) - Vec3(-1, 1, 0.25)).norm() < 1e-15);
   CHECK((m.at(Vec3(2, 0, 0), 7) - Vec3(-2, 0, 0.5)).norm() < 1e-15);
   CHECK(m.at(Vec3(1, 0, 9), 2).isApprox(Vec3(0, 0, 0.375)));  // on the axis
+}
+
+TEST_CASE("However many threads impose, the bits are the same", "[essential_boundary][determinism]") {
+  Clamped c([](const Vec3& x, ImposedNode& n) {
+    if (x.z() > 0.0999) n.boundary = {1, 1, -1};
+    return x.z() == 0 || x.z() > 0.0999;
+  });
+  BoundaryMotion motion;
+  motion.translation = Vec3(0.001, 0, -0.02);
+  motion.duration = 0.5;
+  c.essential.motions.push_back(motion);
+  const auto boundary = makeEssentialBoundary(c.essential, c.body.mass);
+  const auto inverse_mass = c.inverseMass();
+  const auto before = randomIncrement(c.body.nodeCount(), 1e-4);
+  std::vector<AlignedVector<Float4>> results;
+  std::vector<Vec3> held, moment;
+  for (const int threads : {1, 2, 3}) {
+    SpinTeam members(threads);
+    auto scratch = makeBoundaryScratch(boundary);
+    AlignedVector<Float4> du(before.begin(), before.end());
+    held.push_back(imposeBoundary(boundary, 0.25, 1e-3, 1e-7, inverse_mass.data(), nullptr, du.data(), scratch, members));
+    moment.push_back(scratch.reaction[1].moment);
+    results.push_back(du);
+  }
+  for (int k = 1; k < 3; ++k) {
+    CHECK(std::memcmp(results[0].data(), results[k].data(), results[0].size() * sizeof(Float4)) == 0);
+    CHECK(held[0] == held[k]);
+    CHECK(moment[0] == moment[k]);
+  }
+  CHECK(held[0].norm() > 0);
 }
 
 TEST_CASE("Coincident imposed nodes are refused by name", "[essential_boundary]") {

@@ -218,3 +218,19 @@ TEST_CASE("What the imposed nodes have crept away is taken back", "[step]") {
   for (int k = 0; k < 2000; ++k) tick(model, state, command, workspace);
   for (const auto& u : state.u) REQUIRE(toVec3(u).norm() < 1e-9);  // the free nodes follow, as fast as damping lets them
 }
+
+TEST_CASE("Added mass leaves the force at rest as it is", "[step][mass_scaling]") {
+  Scene scene = blockScene();
+  scene.rate_hz = 200;
+  scene.tool_max_speed = 0.1;  // else the contact asks for short steps
+  double force[2];
+  for (const bool scaled : {false, true}) {
+    scene.mass_scaling = scaled ? 10 : 0;
+    const Model model = blockModel(scene);
+    REQUIRE((model.added_mass > 0.2) == scaled);
+    State state = initialState(model);
+    Workspace workspace(model, 1);
+    force[scaled ? 1 : 0] = press(model, state, workspace, 0.003, 3.0, [](const StepReport&, int) {}).tool_force.z();
+  }
+  CHECK(force[1] == Approx(force[0]).epsilon(1e-4));
+}

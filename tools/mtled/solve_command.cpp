@@ -315,6 +315,7 @@ int solveTransient(const Task& task, Results& results) {
                                  {"interrupted", stopped},
                                  {"dt_s", task.model.dt},
                                  {"dt_critical_s", task.model.dt_critical},
+                                 {"added_mass", task.model.added_mass},
                                  {"steps", solver.step()},
                                  {"solve_seconds", Seconds(std::chrono::steady_clock::now() - start).count()}});
   if (diverged)
