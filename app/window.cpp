@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "app/composition.h"
+#include "app/frame_pace.h"
 #include "app/framebuffer.h"
 #include "app/input.h"
 #include "app/interrupt.h"
@@ -25,7 +26,6 @@ namespace {
 
 using SteadyClock = std::chrono::steady_clock;
 
-constexpr auto least_frame_time = std::chrono::microseconds(16'600);  // 60 per second, also without vsync
 constexpr double hidden_wait = 0.1;       // s, between looks at the loop while the window is minimised
 constexpr int least_width = 640, least_height = 400;   // screen units
 constexpr double pick_pixels = 12;        // how near to the pointer an integration point must be
@@ -287,8 +287,9 @@ void runWindow(Session& session) {
   const std::string priority = setUpViewerThread();
   GlWindow window(session.options(), "Palpate - " + session.model().scene.name);
   Viewer viewer(session, window);
-  session.log().info(std::string("OpenGL: ") + reinterpret_cast<const char*>(glGetString(GL_RENDERER)) +
-                     ", drawing at low priority: " + priority);
+  const char* opengl = reinterpret_cast<const char*>(glGetString(GL_RENDERER));
+  session.log().info(std::string("OpenGL: ") + opengl + ", drawing at low priority: " + priority);
+  FramePace pace(isSoftwareRenderer(opengl));
 
   bool shown = false;
   auto last = SteadyClock::now();
@@ -306,7 +307,9 @@ void runWindow(Session& session) {
     if (!goes_on) break;
     if (!shown) session.send(Request::simple(Request::Kind::Resume));
     shown = true;
-    std::this_thread::sleep_until(now + least_frame_time);
+    const double drawing = std::chrono::duration<double>(SteadyClock::now() - now).count();
+    std::this_thread::sleep_until(now + std::chrono::duration_cast<SteadyClock::duration>(std::chrono::duration<double>(
+                                            pace.turn(drawing, session.latest().status.overrun_count))));
   }
 
   session.finish();
