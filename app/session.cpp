@@ -14,6 +14,7 @@
 #include "io/load_model.h"
 #include "io/scene_file.h"
 #include "io/tool_script.h"
+#include "simulation/model_hash.h"
 
 namespace palpate {
 

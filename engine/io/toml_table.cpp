@@ -1,7 +1,6 @@
 #include "io/toml_table.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -9,16 +8,12 @@
 #include <string_view>
 #include <utility>
 
+#include "base/number_text.h"
 #include "io/token_reader.h"
 
 namespace palpate {
 
 namespace {
-
-std::string shown(double value) {
-  char buffer[32];
-  return {buffer, std::to_chars(buffer, buffer + sizeof buffer, value).ptr};
-}
 
 std::string typeOf(const toml::node& node) {
   switch (node.type()) {
@@ -198,7 +193,7 @@ double TomlTable::numberAt(const KeySpec& key, const toml::node& node, const std
   }
   if (!key.range.contains(value)) {
     const std::string unit = *key.unit != '\0' ? std::string(" ") + key.unit : "";
-    throw InputError(placeOf(node.source()), what + " = " + shown(value) + unit + " is out of range",
+    throw InputError(placeOf(node.source()), what + " = " + shortest(value) + unit + " is out of range",
                      "allowed is " + key.range.text() + unit);
   }
   return value;

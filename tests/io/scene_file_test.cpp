@@ -9,6 +9,7 @@
 #include "io/scene_keys.h"
 #include "io/surface_file.h"
 #include "support/temp_folder.h"
+#include "support/text.h"
 
 using namespace palpate;
 using Catch::Contains;
@@ -90,12 +91,6 @@ const std::string minimal_scene =
     "[discretization]\nspacing = 0.01\n"
     "[[material]]\nmodel = \"neo-hookean\"\nyoung = 3000\npoisson = 0.49\n"
     "[[fixed]]\nshape = \"half-space\"\npoint = [0, 0, 0.001]\nnormal = [0, 0, 1]\n";
-
-std::string replaced(std::string text, const std::string& what, const std::string& with) {
-  const std::size_t at = text.find(what);
-  if (at == std::string::npos) throw std::logic_error("nothing to replace: " + what);
-  return text.replace(at, what.size(), with);
-}
 
 }  // namespace
 

@@ -16,6 +16,7 @@
 #include "app/options.h"
 #include "approximation/shape_functions.h"
 #include "base/build_info.h"
+#include "base/key.h"
 #include "discretization/surface_tree.h"
 #include "io/csv_table.h"
 #include "io/load_model.h"
@@ -27,7 +28,7 @@
 #include "io/vtu_file.h"
 #include "mtled/checkpoint.h"
 #include "mtled/progress.h"
-#include "realtime/recording.h"
+#include "simulation/model_hash.h"
 #include "simulation/solution_fields.h"
 #include "simulation/static_solver.h"
 #include "simulation/transient_solver.h"
@@ -51,22 +52,15 @@ double endTime(const Scene& scene, const std::optional<ToolScript>& script) {
 
 /// Of all that decides a solution: what a checkpoint must agree in.
 std::uint64_t identityOf(const Model& model, const std::optional<ToolScript>& script, double end) {
-  std::uint64_t hash = modelHash(model);
-  const auto add = [&](double value) {
-    std::uint64_t bits = 0;
-    std::memcpy(&bits, &value, sizeof bits);
-    hash = (hash ^ bits) * 0x100000001b3ull;  // FNV-1a by words
-  };
-  add(static_cast<double>(model.scene.solve.mode));
+  Key key;
+  key.add(modelHash(model), model.scene.solve.mode);
   // What a load step is; more of the same may follow.
-  if (model.scene.solve.mode == SolveSpec::Mode::Static) add(end / model.scene.solve.load_steps);
-  add(script ? 1 : 0);
-  if (!script) return hash;
-  add(script->from_touch ? 1 : 0);
-  add(script->smooth ? 1 : 0);
-  for (const auto& k : script->keyframes)
-    for (const double value : {k.time, k.advance, k.slide.x(), k.slide.y()}) add(value);
-  return hash;
+  if (model.scene.solve.mode == SolveSpec::Mode::Static) key.add(end / model.scene.solve.load_steps);
+  if (script) {
+    key.add(script->from_touch, script->smooth);
+    for (const auto& k : script->keyframes) key.add(k.time, k.advance, k.slide);
+  }
+  return key.hash();
 }
 
 /// Everything that a solution leaves in its folder.
