@@ -1,16 +1,12 @@
 #include <catch2/catch.hpp>
 
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <random>
 
 #include "base/input_error.h"
 #include "discretization/adaptive_quadrature.h"
-#include "discretization/background_cells.h"
 #include "discretization/cell_division.h"
-#include "discretization/gradient_energy.h"
-#include "discretization/solids.h"
 #include "discretization/tetrahedra.h"
 
 using namespace palpate;
@@ -51,16 +47,6 @@ std::vector<double> cellSums(const IntegrationPoints& points, std::size_t cells)
   return sum;
 }
 
-AdaptiveOptions options(double accuracy, int points_per_cell, int division, int max_depth) {
-  AdaptiveOptions o;
-  o.accuracy = accuracy;
-  o.points_per_cell = points_per_cell;
-  o.division = division;
-  o.max_depth = max_depth;
-  return o;
-}
-
-/// The 100 mm cube of section 3.1, which has 260 nodes at a spacing of about 21 mm.
 }  // namespace
 
 TEST_CASE("Division in 4 refines towards every corner", "[quadrature]") {
@@ -69,7 +55,7 @@ TEST_CASE("Division in 4 refines towards every corner", "[quadrature]") {
   const std::vector<Vec3> X(general.begin(), general.end());
   const double volume = volumeOf(general);
   const Integrand bent = [](const Vec3& x) -> Vec3 { return (x.array() * 0.3).exp(); };
-  const auto result = makeAdaptivePoints(X, {{0, 1, 2, 3}}, {volume}, options(1e-300, 1, 4, 8), bent);
+  const auto result = makeAdaptivePoints(X, {{0, 1, 2, 3}}, {volume}, AdaptiveOptions{1e-300, 1, 4, 8}, bent);
   REQUIRE(result.points.X.size() == 65536);
   for (const Vec3& corner : X) {
     double nearest = 1e9;
@@ -79,7 +65,7 @@ TEST_CASE("Division in 4 refines towards every corner", "[quadrature]") {
   // And where the trouble is in one corner, the points crowd there, whichever it is.
   for (const Vec3& corner : X) {
     const Integrand peak = [&](const Vec3& x) { return Vec3(1 / std::sqrt((x - corner).norm()), 1, 1); };
-    const auto crowd = makeAdaptivePoints(X, {{0, 1, 2, 3}}, {volume}, options(1e-4, 4, 4, 7), peak);
+    const auto crowd = makeAdaptivePoints(X, {{0, 1, 2, 3}}, {volume}, AdaptiveOptions{1e-4, 4, 4, 7}, peak);
     const auto plain = makeIntegrationPoints(X, {{0, 1, 2, 3}}, {volume}, 4);
     const auto nearest = [&](const IntegrationPoints& points) {
       double d = 1e9;
@@ -102,11 +88,11 @@ TEST_CASE("What a rule integrates exactly divides no cell, what is a degree high
   for (const auto& [per_cell, degree] : {std::pair{1, 1}, {4, 2}, {5, 3}})
     for (int division : {2, 4, 8}) {
       INFO(per_cell << " points, division " << division);
-      const auto exact = makeAdaptivePoints(grid.X, grid.cells, grid.volume, options(1e-13, per_cell, division, 2), power(degree));
+      const auto exact = makeAdaptivePoints(grid.X, grid.cells, grid.volume, AdaptiveOptions{1e-13, per_cell, division, 2}, power(degree));
       CHECK(exact.divided_cells == 0);
       CHECK(exact.points.X.size() == grid.cells.size() * per_cell);
       CHECK(exact.worst_error < 1e-13);
-      const auto higher = makeAdaptivePoints(grid.X, grid.cells, grid.volume, options(1e-13, per_cell, division, 2), power(degree + 1));
+      const auto higher = makeAdaptivePoints(grid.X, grid.cells, grid.volume, AdaptiveOptions{1e-13, per_cell, division, 2}, power(degree + 1));
       CHECK(higher.divided_cells == static_cast<int>(grid.cells.size()));
     }
 }
@@ -121,7 +107,7 @@ TEST_CASE("Adaptive points stay exact for the rule's polynomials and keep the ce
   for (int per_cell : {1, 4, 5})
     for (int division : {2, 4, 8}) {
       INFO(per_cell << " points, division " << division);
-      const AdaptiveOptions o = options(1e-3, per_cell, division, 4);
+      const AdaptiveOptions o = AdaptiveOptions{1e-3, per_cell, division, 4};
       const auto result = makeAdaptivePoints(grid.X, grid.cells, grid.volume, o, kinked);
       REQUIRE(result.divided_cells > 0);
       double sum = 0, volume = 0;
@@ -145,7 +131,7 @@ TEST_CASE("A kink refines the cells that it crosses and no others", "[quadrature
   const Integrand f = [](const Vec3& x) { return Vec3(1, std::abs(x[0] - kink) + 0.1, 1); };
   for (int division : {2, 4, 8}) {
     INFO("division " << division);
-    const auto result = makeAdaptivePoints(grid.X, grid.cells, grid.volume, options(0.003, 4, division, 6), f);
+    const auto result = makeAdaptivePoints(grid.X, grid.cells, grid.volume, AdaptiveOptions{0.003, 4, division, 6}, f);
     std::vector<int> count(grid.cells.size(), 0);
     for (std::size_t q = 0; q < result.points.X.size(); ++q) {
       const int c = result.points.cell[q];
@@ -176,7 +162,7 @@ TEST_CASE("An accuracy out of reach stops at the depth limit and says so", "[qua
   const Integrand f = [](const Vec3& x) -> Vec3 { return x.array().exp(); };
   for (int division : {2, 4, 8}) {
     for (int depth : {0, 1, 2}) {
-      const auto result = makeAdaptivePoints(grid.X, grid.cells, grid.volume, options(1e-300, 1, division, depth), f);
+      const auto result = makeAdaptivePoints(grid.X, grid.cells, grid.volume, AdaptiveOptions{1e-300, 1, division, depth}, f);
       const int leaves = 6 * static_cast<int>(std::pow(division, depth));
       CHECK(static_cast<int>(result.points.X.size()) == leaves);
       CHECK(result.limited_cells == leaves);
@@ -192,7 +178,7 @@ TEST_CASE("A generous accuracy leaves the plain rule, bit for bit", "[quadrature
   const Integrand f = [](const Vec3& x) -> Vec3 { return (x.array() * 5).exp(); };
   for (int per_cell : {1, 4, 5}) {
     const auto plain = makeIntegrationPoints(grid.X, grid.cells, grid.volume, per_cell);
-    const auto result = makeAdaptivePoints(grid.X, grid.cells, grid.volume, options(1e9, per_cell, 8, 6), f);
+    const auto result = makeAdaptivePoints(grid.X, grid.cells, grid.volume, AdaptiveOptions{1e9, per_cell, 8, 6}, f);
     CHECK(result.points.X == plain.X);
     CHECK(result.points.volume == plain.volume);
     CHECK(result.points.cell == plain.cell);
@@ -204,17 +190,17 @@ TEST_CASE("A generous accuracy leaves the plain rule, bit for bit", "[quadrature
 TEST_CASE("A component that vanishes asks for nothing; each of the others counts by itself", "[quadrature]") {
   const Grid grid(2);
   const auto flat = [](const Vec3& x) { return Vec3(1e6, 0, (x[0] - 0.5) * 0); };
-  CHECK(makeAdaptivePoints(grid.X, grid.cells, grid.volume, options(1e-6, 4, 8, 3), flat).divided_cells == 0);
+  CHECK(makeAdaptivePoints(grid.X, grid.cells, grid.volume, AdaptiveOptions{1e-6, 4, 8, 3}, flat).divided_cells == 0);
   // The second component is far below the first, and still has to be right.
   const auto small = [](const Vec3& x) { return Vec3(1e6, std::exp(8 * x[1]) * 1e-6, 0); };
-  const auto result = makeAdaptivePoints(grid.X, grid.cells, grid.volume, options(1e-3, 4, 8, 3), small);
+  const auto result = makeAdaptivePoints(grid.X, grid.cells, grid.volume, AdaptiveOptions{1e-3, 4, 8, 3}, small);
   CHECK(result.divided_cells > static_cast<int>(grid.cells.size()) / 2);  // by the norm of f none would be
 }
 
 TEST_CASE("Adaptive points don't depend on how the cells are shared out", "[quadrature]") {
   const Grid grid(4);
   const Integrand f = [](const Vec3& x) { return Vec3(std::abs(x[0] - 0.37), std::exp(4 * x[1]), 1 / (0.1 + x[2])); };
-  const AdaptiveOptions o = options(0.01, 4, 4, 5);
+  const AdaptiveOptions o = AdaptiveOptions{0.01, 4, 4, 5};
   const auto all = makeAdaptivePoints(grid.X, grid.cells, grid.volume, o, f);
   const auto again = makeAdaptivePoints(grid.X, grid.cells, grid.volume, o, f);
   CHECK(all.points.X == again.points.X);
@@ -239,7 +225,7 @@ TEST_CASE("Where the integrand is not finite, cells stay whole and the places ar
   const Integrand f = [](const Vec3& x) {
     return x[2] > 0.5 ? Vec3::Constant(std::numeric_limits<double>::quiet_NaN()).eval() : Vec3(std::exp(9 * x[0]), 1, 1);
   };
-  const auto result = makeAdaptivePoints(grid.X, grid.cells, grid.volume, options(1e-3, 4, 8, 2), f);
+  const auto result = makeAdaptivePoints(grid.X, grid.cells, grid.volume, AdaptiveOptions{1e-3, 4, 8, 2}, f);
   REQUIRE_FALSE(result.not_finite.empty());
   for (const Vec3& x : result.not_finite) CHECK(x[2] > 0.5);
   std::vector<int> count(grid.cells.size(), 0);
@@ -255,14 +241,14 @@ TEST_CASE("Impossible options of the adaptive quadrature are refused", "[quadrat
   const auto refused = [&](const AdaptiveOptions& o) {
     CHECK_THROWS_AS(makeAdaptivePoints(grid.X, grid.cells, grid.volume, o, f), InputError);
   };
-  for (double accuracy : {0.0, -0.1, std::numeric_limits<double>::quiet_NaN()}) refused(options(accuracy, 4, 8, 3));
-  for (int per_cell : {0, 2, 3, 6, -1}) refused(options(0.1, per_cell, 8, 3));
-  for (int division : {0, 1, 3, 5, 16, -2}) refused(options(0.1, 4, division, 3));
-  refused(options(0.1, 4, 8, -1));
-  refused(options(0.1, 4, 8, 7));
-  refused(options(0.1, 4, 4, 10));
-  refused(options(0.1, 4, 2, 19));
-  AdaptiveOptions few = options(1e-12, 4, 8, 3);
+  for (double accuracy : {0.0, -0.1, std::numeric_limits<double>::quiet_NaN()}) refused(AdaptiveOptions{accuracy, 4, 8, 3});
+  for (int per_cell : {0, 2, 3, 6, -1}) refused(AdaptiveOptions{0.1, per_cell, 8, 3});
+  for (int division : {0, 1, 3, 5, 16, -2}) refused(AdaptiveOptions{0.1, 4, division, 3});
+  refused(AdaptiveOptions{0.1, 4, 8, -1});
+  refused(AdaptiveOptions{0.1, 4, 8, 7});
+  refused(AdaptiveOptions{0.1, 4, 4, 10});
+  refused(AdaptiveOptions{0.1, 4, 2, 19});
+  AdaptiveOptions few = AdaptiveOptions{1e-12, 4, 8, 3};
   few.most_points = 1000;
   CHECK_THROWS_WITH(makeAdaptivePoints(grid.X, grid.cells, grid.volume, few, f),
                     Catch::Contains("more than 1000 points"));

@@ -16,16 +16,7 @@ using namespace palpate;
 
 namespace {
 
-AdaptiveOptions options(double accuracy, int points_per_cell, int division, int max_depth) {
-  AdaptiveOptions o;
-  o.accuracy = accuracy;
-  o.points_per_cell = points_per_cell;
-  o.division = division;
-  o.max_depth = max_depth;
-  return o;
-}
-
-
+/// The 100 mm cube of section 3.1, which has 260 nodes at a spacing of about 21 mm.
 struct Cube {
   NodeCloud cloud;
   BackgroundCells cells;
@@ -97,7 +88,7 @@ TEST_CASE("Supports too small to judge by are told, and grow until they can", "[
     REQUIRE(rounds < 20);
     const Neighbours neighbours(cube.cloud.X, cube.radius);
     const GradientEnergy energy(cube.cloud.X, cube.radius, neighbours, {2, 0.1});
-    const auto result = makeAdaptivePoints(cube.cloud.X, cube.cells.cells, cube.cells.volume, options(0.1, 4, 2, 1), energy);
+    const auto result = makeAdaptivePoints(cube.cloud.X, cube.cells.cells, cube.cells.volume, AdaptiveOptions{0.1, 4, 2, 1}, energy);
     if (result.not_finite.empty()) break;
     std::vector<InadmissibleSupport> failed(result.not_finite.size());
     for (std::size_t k = 0; k < failed.size(); ++k) failed[k].row = static_cast<int>(k);
@@ -116,7 +107,7 @@ TEST_CASE("The error of eq. 30 over the cells falls with the accuracy asked for"
   double last_error = 1e9;
   std::size_t last_count = 0;
   for (double accuracy : {1e9, 0.02, 0.005}) {
-    const auto result = makeAdaptivePoints(cube.cloud.X, cube.cells.cells, cube.cells.volume, options(accuracy, 4, 8, 4), energy);
+    const auto result = makeAdaptivePoints(cube.cloud.X, cube.cells.cells, cube.cells.volume, AdaptiveOptions{accuracy, 4, 8, 4}, energy);
     REQUIRE(result.not_finite.empty());
     const double error = cellError(cube.integrate(energy, result.points), reference);
     INFO("accuracy " << accuracy << ": " << result.points.X.size() << " points, error " << error);
@@ -145,7 +136,7 @@ TEST_CASE("Points against accuracy on the cube of section 3.1", "[.table]") {
         if (accuracy < 0.01 && per_cell != 4) continue;  // many points
         const int depth = division == 2 ? 12 : division == 4 ? 6 : 4;  // to 1/4096 of a cell
         const auto result = makeAdaptivePoints(cube.cloud.X, cube.cells.cells, cube.cells.volume,
-                                               options(accuracy, per_cell, division, depth), energy);
+                                               AdaptiveOptions{accuracy, per_cell, division, depth}, energy);
         std::printf("%4d %8d %9.3g %8zu %8d %7d %7d %11.3g %10.3g\n", per_cell, division, accuracy,
                     result.points.X.size(), result.divided_cells, result.deepest, result.limited_cells,
                     result.worst_error, cellError(cube.integrate(energy, result.points), reference));
