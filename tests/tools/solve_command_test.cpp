@@ -153,6 +153,9 @@ TEST_CASE("A transient solution has a row a tick", "[solve_command]") {
   CHECK(force.rowCount() == 20);
   CHECK(force["time_s"].back() == Approx(0.04).epsilon(1e-12));
   CHECK(reportIn(folder)["mode"] == "transient");
+  // Only an equilibrium has an estimate of how far it is from rest.
+  CHECK(force.find("error_m") < 0);
+  CHECK_THAT(readAll(folder.out("force.csv")), !Contains("nan"));
 }
 
 TEST_CASE("Resumed after half of the load steps, a solution ends where an unbroken one does", "[solve_command][checkpoint]") {
