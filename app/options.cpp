@@ -1,11 +1,13 @@
 #include "app/options.h"
 
 #include <CLI/CLI.hpp>
-
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 
 #include "base/build_info.h"
+#include "base/input_error.h"
+#include "base/nearest_word.h"
 
 namespace palpate {
 
@@ -136,10 +138,17 @@ ParsedOptions parseOptions(int argc, const char* const* argv) {
 std::string findScene(const std::string& scene, const std::string& scenes_folder) {
   namespace fs = std::filesystem;
   std::error_code ignored;
-  const bool is_path = scene.find('/') != std::string::npos || fs::path(scene).has_extension();
-  if (is_path || fs::is_regular_file(scene, ignored)) return scene;
-  const fs::path named = fs::path(scenes_folder) / (scene + ".toml");
-  return fs::is_regular_file(named, ignored) ? named.string() : scene;
+  if (fs::exists(scene, ignored) && !fs::is_directory(scene, ignored)) return scene;
+  std::vector<std::string> names;
+  for (const auto& entry : fs::directory_iterator(scenes_folder, ignored))
+    if (entry.path().extension() == ".toml") names.push_back(entry.path().stem().string());
+  std::sort(names.begin(), names.end());
+  if (std::find(names.begin(), names.end(), scene) != names.end()) return (fs::path(scenes_folder) / (scene + ".toml")).string();
+  if (fs::exists(scene, ignored)) return scene;  // a folder: the reader says so
+  const std::string nearest = nearestWord(fs::path(scene).stem().string(), names);
+  throw InputError({}, "there is no scene file " + palpate::quoted(scene),
+                   (nearest.empty() ? "" : "did you mean " + nearest + "? ") + "name a file" +
+                       (names.empty() ? "" : ", or one of " + listed(names, "and")));
 }
 
 }  // namespace palpate

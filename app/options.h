@@ -35,8 +35,8 @@ struct ParsedOptions {
 /// Reads the command line. Never prints or exits itself.
 ParsedOptions parseOptions(int argc, const char* const* argv);
 
-/// The scene file that `scene` means: itself where such a file exists or where it
-/// looks like a path; otherwise NAME.toml in `scenes_folder`, if that exists.
+/// The scene file that `scene` means: itself where such a file exists, otherwise NAME.toml in `scenes_folder`.
+/// Throws InputError naming the scenes of the folder, and the nearest, where there is neither.
 std::string findScene(const std::string& scene, const std::string& scenes_folder);
 
 }  // namespace palpate

@@ -14,6 +14,7 @@
 #include "io/load_model.h"
 #include "io/scene_file.h"
 #include "io/tool_script.h"
+#include "simulation/model_hash.h"
 
 namespace palpate {
 
@@ -38,9 +39,14 @@ std::optional<ResultFolder> openResults(const Options& options) {
 Model buildModelOf(const Scene& scene, bool use_cache, Log& log) {
   const ModelCache cache(use_cache ? ModelCache::userFolder() : "", [&](const std::string& line) { log.warning(line); });
   const bool watched = isatty(STDERR_FILENO) != 0;
+  std::string shown;
   Model model = loadModel(scene, [&](const std::string& what, double fraction) {
     if (interrupted()) throw std::runtime_error("interrupted while the model was made");
-    if (watched) std::cerr << format("\r\033[K%3.0f %%  %s", 100 * fraction, what.c_str()) << std::flush;
+    if (!watched) return;
+    std::string line = format("\r\033[K%3.0f %%  %s", 100 * fraction, what.c_str());
+    if (line == shown) return;
+    std::cerr << line << std::flush;
+    shown = std::move(line);
   }, cache);
   if (watched) std::cerr << "\r\033[K" << std::flush;
   log.info(format("%s: %d nodes, %d integration points, %d x %.0f us per tick, ready in %.2f s", scene.name.c_str(),

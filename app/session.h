@@ -11,7 +11,7 @@
 #include "app/panels.h"
 #include "app/result_folder.h"
 #include "app/soak.h"
-#include "realtime/recording.h"
+#include "realtime/recording_file.h"
 #include "realtime/run_report.h"
 #include "realtime/simulation_loop.h"
 #include "simulation/model.h"

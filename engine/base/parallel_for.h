@@ -3,13 +3,34 @@
 #include <algorithm>
 #include <atomic>
 #include <exception>
+#include <functional>
 #include <thread>
+#include <utility>
 #include <vector>
 
 namespace palpate {
 
 /// Threads of parallelFor; 0: one per core. Results never depend on it: tests set it to show that.
 inline std::atomic<int> setup_threads{0};
+
+/// While it lives, each parallelFor of this thread calls `look` before its parts, many times a second. It may throw,
+/// which ends that parallelFor once the parts under way are done, and so the set-up that it is part of.
+class SetupWatch {
+ public:
+  explicit SetupWatch(std::function<void()> look) : look_(std::move(look)), before_(std::exchange(current, this)) {}
+  ~SetupWatch() { current = before_; }
+  SetupWatch(const SetupWatch&) = delete;
+  SetupWatch& operator=(const SetupWatch&) = delete;
+
+  static void look() {
+    if (current) current->look_();
+  }
+
+ private:
+  static inline thread_local SetupWatch* current = nullptr;
+  std::function<void()> look_;
+  SetupWatch* before_;
+};
 
 /// Runs body(begin, end) over [0, count) in contiguous parts on all cores, a few parts per core, so that a
 /// core that is slow or taken delays the others little. What body writes must not depend on where the parts end.
@@ -24,9 +45,18 @@ void parallelFor(int count, Body&& body, int least = 64) {
   const int parts = std::clamp(count / least, 1, cores * parts_per_core);
   const int threads = std::min(cores, parts);
   std::vector<std::exception_ptr> errors(parts);
+  std::exception_ptr ended;  // by the watch
   std::atomic<int> next{0};
-  const auto work = [&] {
-    for (int p = next++; p < parts; p = next++) {
+  const auto work = [&](bool watched) {
+    for (;;) {
+      try {
+        if (watched) SetupWatch::look();
+      } catch (...) {
+        ended = std::current_exception();
+        next = parts;
+      }
+      const int p = next++;
+      if (p >= parts) return;
       try {
         body(static_cast<int>(static_cast<long long>(count) * p / parts),
              static_cast<int>(static_cast<long long>(count) * (p + 1) / parts));
@@ -36,9 +66,10 @@ void parallelFor(int count, Body&& body, int least = 64) {
     }
   };
   std::vector<std::thread> others;
-  for (int t = 1; t < threads; ++t) others.emplace_back(work);
-  work();
+  for (int t = 1; t < threads; ++t) others.emplace_back(work, false);
+  work(true);
   for (auto& t : others) t.join();
+  if (ended) std::rethrow_exception(ended);
   for (auto& e : errors)
     if (e) std::rethrow_exception(e);
 }

@@ -72,8 +72,8 @@ NodeCloud makeNodeCloud(const SurfaceTree& surface, const SpacingField& spacing,
 
 CloudStatistics cloudStatistics(const NodeCloud& cloud, const SurfaceTree& surface,
                                 const SpacingField& spacing) {
-  PointGrid grid(boundingBox(surface.surface()), std::sqrt(spacing.smallest() * spacing.largest()));
-  for (std::size_t i = 0; i < cloud.X.size(); ++i) grid.add(static_cast<int>(i), cloud.X[i]);
+  SiteGrid grid(boundingBox(surface.surface()), std::sqrt(spacing.smallest() * spacing.largest()));
+  for (const Vec3& x : cloud.X) grid.add({x, Vec3::Zero(), spacing.at(x)});
 
   CloudStatistics statistics;
   statistics.closest = statistics.depth = std::numeric_limits<double>::infinity();
@@ -82,8 +82,8 @@ CloudStatistics cloudStatistics(const NodeCloud& cloud, const SurfaceTree& surfa
     const double h = spacing.at(x);
     double nearest = std::numeric_limits<double>::infinity();
     for (double radius = h; std::isinf(nearest) && radius < 1e3 * h; radius *= 2) {
-      grid.forEachWithin(x, radius, [&](int j, const Vec3& other) {
-        if (j != static_cast<int>(i)) nearest = std::min(nearest, (other - x).norm() * 2 / (h + spacing.at(other)));
+      grid.forEachWithin(x, radius, [&](int j, const Site& other) {
+        if (j != static_cast<int>(i)) nearest = std::min(nearest, (other.X - x).norm() * 2 / (h + other.h));
         return true;
       });
     }

@@ -49,9 +49,8 @@ double Scatter::searchRadius(const Site& site, double factor) const {
 /// approach.
 double Scatter::clearance(const Site& site, double most) const {
   double least = most;
-  grid_.forEachWithin(site.X, searchRadius(site, most), [&](int j, const Vec3& x) {
-    const Site& other = sites_[j];
-    const double s = 2 * (x - site.X).norm() / (site.h + other.h);
+  grid_.forEachWithin(site.X, searchRadius(site, most), [&](int, const Site& other) {
+    const double s = 2 * (other.X - site.X).norm() / (site.h + other.h);
     const bool counts = s < closest_approach || site.normal.dot(other.normal) >= 0;
     if (counts) least = std::min(least, s);
     return least >= closest_approach;
@@ -60,7 +59,7 @@ double Scatter::clearance(const Site& site, double most) const {
 }
 
 void Scatter::add(const Site& site) {
-  grid_.add(static_cast<int>(sites_.size()), site.X);
+  grid_.add(site);
   sites_.push_back(site);
 }
 
@@ -139,15 +138,16 @@ void Scatter::throwDarts(std::vector<Site> candidates, std::size_t wanted) {
 
 /// Where the nodes around a site push it. A pair's force goes with h^(dimension - 1), as the pressure between fine
 /// and coarse parts would otherwise drive the nodes from the fine spacing into the coarse one.
-Vec3 Scatter::pushed(const Site& site, const SiteGrid& grid, int dimension) const {
+Vec3 Scatter::pushed(const Site& site, int dimension) const {
   Vec3 push = Vec3::Zero();
-  grid.forEachWithin(site.X, searchRadius(site, reach), [&](const Vec3& x, double h, const Vec3& normal) {
-    const Vec3 apart = site.X - x;
+  grid_.forEachWithin(site.X, searchRadius(site, reach), [&](int, const Site& other) {
+    const Vec3 apart = site.X - other.X;
     const double distance = apart.norm();
-    const double pair_h = (site.h + h) / 2;
-    if (distance == 0 || site.normal.dot(normal) < 0) return;
+    const double pair_h = (site.h + other.h) / 2;
+    if (distance == 0 || site.normal.dot(other.normal) < 0) return true;
     const double ratio = pair_h / site.h;
     push += (dimension == 3 ? ratio * ratio : ratio) * repulsion(distance / pair_h) / distance * apart;
+    return true;
   });
   push -= push.dot(site.normal) * site.normal;
   const double length = relax_step * push.norm();
@@ -158,13 +158,12 @@ Vec3 Scatter::pushed(const Site& site, const SiteGrid& grid, int dimension) cons
 template <class Confine>
 void Scatter::relax(std::size_t begin, int dimension, Confine&& confine) {
   std::vector<Vec3> moved(sites_.size());
-  SiteGrid grid(padded(boundingBox(surface_.surface())), std::sqrt(spacing_.smallest() * spacing_.largest()));
   for (int iteration = 0; iteration < relax_iterations; ++iteration) {
-    grid.assign(sites_);
-    parallelFor(grid.size(), [&](int first, int last) {
+    grid_.assign(sites_);
+    parallelFor(grid_.size(), [&](int first, int last) {
       for (int place = first; place < last; ++place) {
-        const std::size_t i = grid.indexAt(place);
-        if (i >= begin) moved[i] = pushed(sites_[i], grid, dimension);
+        const std::size_t i = grid_.indexAt(place);
+        if (i >= begin) moved[i] = pushed(sites_[i], dimension);
       }
     });
     parallelFor(static_cast<int>(sites_.size() - begin), [&](int first, int last) {

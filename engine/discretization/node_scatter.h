@@ -5,7 +5,6 @@
 
 #include "base/types.h"
 #include "discretization/feature_edges.h"
-#include "discretization/point_grid.h"
 #include "discretization/site_grid.h"
 #include "discretization/spacing_field.h"
 #include "discretization/surface_tree.h"
@@ -68,14 +67,14 @@ class Scatter {
   void judge(Cube& cube) const;
   std::vector<Cube> leaves() const;
   std::vector<Site> insideCandidates(double& wanted);
-  Vec3 pushed(const Site& site, const SiteGrid& grid, int dimension) const;
+  Vec3 pushed(const Site& site, int dimension) const;
   template <class Confine>
   void relax(std::size_t begin, int dimension, Confine&& confine);
 
   const SurfaceTree& surface_;
   const SpacingField& spacing_;
   Random random_;
-  PointGrid grid_;
+  SiteGrid grid_;  // of sites_
   std::vector<Site> sites_;
   double corner_count_ = 0, edge_count_ = 0;
   std::size_t surface_count_ = 0;

@@ -14,8 +14,8 @@ struct Site {
   double h = 0;                // m, the spacing wanted there
 };
 
-/// Copies of sites, sorted into the cells of a regular grid: for all sites' neighbours at once. Rows of cells lie in
-/// memory one after another, which makes it several times faster to ask than PointGrid, but it can't grow.
+/// Copies of sites in the cells of a regular grid, for neighbour searches while sites are being added or all move.
+/// (A k-d tree is faster to ask but can't grow.)
 class SiteGrid {
  public:
   /// @param box   where the sites will be; those outside are kept in the border cells
@@ -23,30 +23,38 @@ class SiteGrid {
   ///              more than 4 million cells.
   SiteGrid(const Eigen::AlignedBox3d& box, double cell);
 
-  /// Takes the place of all sites before.
+  /// Takes the place of all sites before. Each cell's then lie in memory one after another, which makes it faster to ask
+  /// than one that has grown; the answers are the same.
   void assign(const std::vector<Site>& sites);
+  void clear();
+  /// The site gets the next index, counted from 0.
+  void add(const Site& site);
 
-  int size() const { return static_cast<int>(index_.size()); }
-  /// The site at a place in the grid's order, in which neighbours are near each other.
-  int indexAt(int place) const { return index_[place]; }
+  int size() const { return static_cast<int>(entry_.size()); }
+  /// Index of the site at a place in the grid's order, in which neighbours are near each other.
+  /// @pre nothing was added since assign
+  int indexAt(int place) const { return entry_[place].index; }
 
-  /// Calls visit(X, h, normal) for all sites within `radius` of x, in an order that depends only on theirs.
+  /// Calls visit(index, site) for all sites within `radius` of x, in an order that depends only on
+  /// the order in which they were added; until visit returns false.
   template <class Visit>
   void forEachWithin(const Vec3& x, double radius, Visit&& visit) const {
     const Eigen::Array3i low = cellOf(x - Vec3::Constant(radius));
     const Eigen::Array3i high = cellOf(x + Vec3::Constant(radius));
     for (int k = low.z(); k <= high.z(); ++k)
       for (int j = low.y(); j <= high.y(); ++j)
-        for (int e = first_[slot({low.x(), j, k})]; e < first_[slot({high.x(), j, k}) + 1]; ++e) {
-          const Ball& ball = ball_[e];
-          if ((ball.X - x).squaredNorm() <= radius * radius) visit(ball.X, ball.h, normal_[e]);
-        }
+        for (int i = low.x(); i <= high.x(); ++i)
+          for (int e = first_[slot({i, j, k})]; e >= 0; e = entry_[e].next) {
+            const Entry& entry = entry_[e];
+            if ((entry.site.X - x).squaredNorm() <= radius * radius && !visit(entry.index, entry.site)) return;
+          }
   }
 
  private:
-  struct Ball {
-    Vec3 X;
-    double h;
+  struct Entry {
+    Site site;
+    int index;
+    int next;  // in the same cell, or -1
   };
 
   Eigen::Array3i cellOf(const Vec3& x) const {
@@ -60,11 +68,8 @@ class SiteGrid {
   Vec3 origin_;
   double cell_;
   Eigen::Array3i count_;
-  std::vector<int> first_;      // (cells + 1) places
-  std::vector<std::size_t> slot_of_;  // (sites) scratch
-  std::vector<Ball> ball_;      // (sites) in the grid's order, as the next two
-  std::vector<Vec3> normal_;
-  std::vector<int> index_;
+  std::vector<int> first_;  // (cells) entry of the site added last, or -1
+  std::vector<Entry> entry_;
 };
 
 }  // namespace palpate

@@ -1,16 +1,12 @@
 #include "io/key_spec.h"
 
-#include <charconv>
 #include <cmath>
+
+#include "base/number_text.h"
 
 namespace palpate {
 
 namespace {
-
-std::string numberText(double value) {
-  char buffer[32];
-  return {buffer, std::to_chars(buffer, buffer + sizeof buffer, value).ptr};
-}
 
 std::string choicesText(std::string choices) {
   for (std::size_t at = 0; (at = choices.find('|', at)) != std::string::npos; at += 4) choices.replace(at, 1, " or ");
@@ -22,10 +18,10 @@ std::string choicesText(std::string choices) {
 std::string Range::text() const {
   const bool bounded_below = std::isfinite(low), bounded_above = std::isfinite(high);
   if (bounded_below && bounded_above) {
-    return (low_excluded ? "> " : "") + numberText(low) + " .. " + (high_excluded ? "< " : "") + numberText(high);
+    return (low_excluded ? "> " : "") + shortest(low) + " .. " + (high_excluded ? "< " : "") + shortest(high);
   }
-  if (bounded_below) return (low_excluded ? "> " : ">= ") + numberText(low);
-  if (bounded_above) return (high_excluded ? "< " : "<= ") + numberText(high);
+  if (bounded_below) return (low_excluded ? "> " : ">= ") + shortest(low);
+  if (bounded_above) return (high_excluded ? "< " : "<= ") + shortest(high);
   return "";
 }
 

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <stdexcept>
 
+#include "base/parallel_for.h"
 #include "discretization/solids.h"
 #include "io/surface_file.h"
 
@@ -32,16 +33,26 @@ TriangleSurface organSurface(const Scene& scene) {
 
 Model loadModel(const Scene& scene, const Progress& progress, const ModelCache& cache) {
   const auto start = std::chrono::steady_clock::now();
-  if (progress) progress("surface", 0);
+  std::string stage = "surface";
+  double behind = 0;
+  const Progress tell = [&](const std::string& what, double fraction) {
+    stage = what;
+    behind = fraction;
+    if (progress) progress(stage, behind);
+  };
+  tell(stage, behind);
+  const SetupWatch watch([&] {  // long stages, too, can be ended
+    if (progress) progress(stage, behind);
+  });
   const SurfaceTree tree(organSurface(scene));
   const std::string key = preparationKey(scene, tree.surface());
   std::optional<Preparation> preparation = cache.find(key);
   if (!preparation) {
-    preparation = prepare(scene, tree, progress);
-    if (progress) progress("keeping it for the next start", 0.94);
+    preparation = prepare(scene, tree, tell);
+    tell("keeping it for the next start", 0.94);
     cache.keep(key, *preparation);
   }
-  Model model = finishModel(scene, tree, std::move(*preparation), progress);
+  Model model = finishModel(scene, tree, std::move(*preparation), tell);
   model.setup_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return model;
 }

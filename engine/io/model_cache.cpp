@@ -7,13 +7,13 @@
 #include <atomic>
 #include <cerrno>
 #include <chrono>
-#include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <system_error>
 #include <vector>
 
 #include "base/build_info.h"
+#include "base/number_text.h"
 #include "io/preparation_file.h"
 
 namespace palpate {
@@ -42,9 +42,7 @@ std::string ModelCache::userFolder() {
 
 std::string ModelCache::fileOf(const std::string& key) const {
   const KeyHash hash = identityOf(key);
-  char name[33];
-  std::snprintf(name, sizeof name, "%016llx%016llx", static_cast<unsigned long long>(hash[0]), static_cast<unsigned long long>(hash[1]));
-  return (fs::path(folder_) / (std::string(name) + ending)).string();
+  return (fs::path(folder_) / (hex16(hash[0]) + hex16(hash[1]) + ending)).string();
 }
 
 std::optional<Preparation> ModelCache::find(const std::string& key) const {

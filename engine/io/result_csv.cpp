@@ -1,9 +1,9 @@
 #include "io/result_csv.h"
 
 #include <cerrno>
-#include <charconv>
 #include <stdexcept>
 
+#include "base/number_text.h"
 #include "io/output_file.h"
 
 namespace palpate {
@@ -27,9 +27,8 @@ void ResultCsv::add(std::span<const double> values) {
   if (values.size() != column_count_) throw std::invalid_argument("a row of another length than the header: " + path_);
   std::string line;
   for (double value : values) {
-    char text[32];
     if (!line.empty()) line += ',';
-    line.append(text, std::to_chars(text, text + sizeof text, value).ptr);
+    line += shortest(value);
   }
   write(line + "\n");
 }

@@ -1,11 +1,11 @@
 #include "io/surface_file.h"
 
-#include <charconv>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <stdexcept>
 
+#include "base/number_text.h"
 #include "io/obj_parser.h"
 #include "io/stl_parser.h"
 #include "io/text_file.h"
@@ -51,16 +51,8 @@ TriangleSurface readClosedSurface(const std::string& path, double scale, const P
 
 void writeObj(const TriangleSurface& surface, const std::string& path) {
   std::string text;
-  const auto number = [&](double value) {
-    char buffer[32];
-    const auto end = std::to_chars(buffer, buffer + sizeof buffer, value).ptr;  // shortest that reads back exactly
-    text += ' ';
-    text.append(buffer, end);
-  };
   for (const Vec3& x : surface.vertices) {
-    text += 'v';
-    for (int k = 0; k < 3; ++k) number(x[k]);
-    text += '\n';
+    text += "v " + shortest(x[0]) + ' ' + shortest(x[1]) + ' ' + shortest(x[2]) + '\n';
   }
   for (const auto& [a, b, c] : surface.triangles) {
     text += "f " + std::to_string(a + 1) + ' ' + std::to_string(b + 1) + ' ' + std::to_string(c + 1) + '\n';

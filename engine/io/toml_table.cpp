@@ -1,24 +1,17 @@
 #include "io/toml_table.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
-#include <limits>
-#include <numeric>
 #include <stdexcept>
 #include <string_view>
-#include <utility>
 
+#include "base/nearest_word.h"
+#include "base/number_text.h"
 #include "io/token_reader.h"
 
 namespace palpate {
 
 namespace {
-
-std::string shown(double value) {
-  char buffer[32];
-  return {buffer, std::to_chars(buffer, buffer + sizeof buffer, value).ptr};
-}
 
 std::string typeOf(const toml::node& node) {
   switch (node.type()) {
@@ -47,29 +40,6 @@ std::vector<std::string> split(std::string_view choices) {
     begin = end + 1;
   }
   return parts;
-}
-
-std::string listed(const std::vector<std::string>& words, const char* last_joint) {
-  std::string text;
-  for (std::size_t i = 0; i < words.size(); ++i) {
-    text += (i == 0 ? "" : i + 1 == words.size() ? std::string(" ") + last_joint + " " : ", ") + words[i];
-  }
-  return text;
-}
-
-/// Insertions, deletions and substitutions that turn one word into the other (Levenshtein).
-int editDistance(std::string_view a, std::string_view b) {
-  std::vector<int> row(b.size() + 1);
-  std::iota(row.begin(), row.end(), 0);
-  for (std::size_t i = 1; i <= a.size(); ++i) {
-    int diagonal = std::exchange(row[0], static_cast<int>(i));
-    for (std::size_t j = 1; j <= b.size(); ++j) {
-      const int substituted = diagonal + (a[i - 1] != b[j - 1]);
-      diagonal = row[j];
-      row[j] = std::min({row[j] + 1, row[j - 1] + 1, substituted});
-    }
-  }
-  return row.back();
 }
 
 /// What people call a key elsewhere.
@@ -128,24 +98,17 @@ std::string TomlTable::title() const {
 void TomlTable::unknownKey(const toml::key& key) const {
   const std::string word(key.str());
   std::vector<std::string> here;
-  std::string nearest, elsewhere;
-  int nearest_distance = std::numeric_limits<int>::max();
+  std::string elsewhere;
   for (const KeySpec& spec : file_->keys) {
-    if (std::find(groups_.begin(), groups_.end(), spec.table) == groups_.end()) {
-      if (word == spec.name && elsewhere.empty()) elsewhere = spec.table;
-      continue;
-    }
-    here.emplace_back(spec.name);
-    const int distance = usualNameOf(word) == spec.name ? 0 : editDistance(word, spec.name);
-    if (distance < nearest_distance) {
-      nearest_distance = distance;
-      nearest = spec.name;
-    }
+    if (std::find(groups_.begin(), groups_.end(), spec.table) != groups_.end())
+      here.emplace_back(spec.name);
+    else if (word == spec.name && elsewhere.empty())
+      elsewhere = spec.table;
   }
-  // A third of the letters may be wrong; with more, the nearest word is a guess that misleads.
-  const int longest_slip = std::max(1, static_cast<int>(std::max(word.size(), nearest.size())) / 3);
+  const std::string usual = usualNameOf(word);
+  const std::string nearest = std::find(here.begin(), here.end(), usual) != here.end() ? usual : nearestWord(word, here);
   std::string advice;
-  if (nearest_distance <= longest_slip) {
+  if (!nearest.empty()) {
     advice = "did you mean \"" + nearest + "\"?";
   } else if (!elsewhere.empty()) {
     advice = "\"" + word + "\" belongs to " + elsewhere;
@@ -198,7 +161,7 @@ double TomlTable::numberAt(const KeySpec& key, const toml::node& node, const std
   }
   if (!key.range.contains(value)) {
     const std::string unit = *key.unit != '\0' ? std::string(" ") + key.unit : "";
-    throw InputError(placeOf(node.source()), what + " = " + shown(value) + unit + " is out of range",
+    throw InputError(placeOf(node.source()), what + " = " + shortest(value) + unit + " is out of range",
                      "allowed is " + key.range.text() + unit);
   }
   return value;

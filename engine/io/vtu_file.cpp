@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <charconv>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -11,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/number_text.h"
 #include "io/output_file.h"
 
 namespace palpate {
@@ -144,9 +144,7 @@ void writePvd(const std::string& path, std::span<const PvdFrame> frames) {
       "<VTKFile type=\"Collection\" version=\"0.1\" byte_order=\"LittleEndian\">\n"
       "<Collection>\n";
   for (const PvdFrame& frame : frames) {
-    char time[32];
-    const auto end = std::to_chars(time, time + sizeof time, frame.time).ptr;  // shortest that reads back exactly
-    text += "<DataSet timestep=\"" + std::string(time, end) + "\" group=\"\" part=\"0\" file=\"" + escaped(frame.file) +
+    text += "<DataSet timestep=\"" + shortest(frame.time) + "\" group=\"\" part=\"0\" file=\"" + escaped(frame.file) +
             "\"/>\n";
   }
   text += "</Collection>\n</VTKFile>\n";

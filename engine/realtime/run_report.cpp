@@ -1,11 +1,11 @@
 #include "realtime/run_report.h"
 
 #include <array>
-#include <cstdio>
 #include <nlohmann/json.hpp>
 #include <utility>
 
 #include "base/build_info.h"
+#include "base/number_text.h"
 #include "simulation/trust.h"
 
 namespace palpate {
@@ -83,8 +83,6 @@ RunReport makeRunReport(const Model& model, const RunSummary& summary,
 }
 
 std::string toJson(const RunReport& r) {
-  char hash[17];
-  std::snprintf(hash, sizeof hash, "%016llx", static_cast<unsigned long long>(r.state_hash));
   const Vec3& base = r.base_reaction_N;
   const Json json = {
       {"scene", r.scene},
@@ -116,7 +114,7 @@ std::string toJson(const RunReport& r) {
       {"volume_change", r.volume_change},
       {"peak_force_N", r.peak_force_N},
       {"base_reaction_N", Json::array({base.x(), base.y(), base.z()})},
-      {"state_hash", hash},
+      {"state_hash", hex16(r.state_hash)},
       {"flags", flagNames(r.flags)},
       {"trust", doubtName(r.doubt)},
       {"first_doubt_s", r.first_doubt_s < 0 ? Json(nullptr) : Json(r.first_doubt_s)},

@@ -16,6 +16,7 @@
 namespace palpate {
 
 /// Called with what is being done and how much of the whole set-up is behind, 0..1. May throw to end it.
+/// loadModel calls it again and again within a stage, too.
 using Progress = std::function<void(const std::string& what, double fraction)>;
 
 /// What takes long in a model's set-up and follows from the organ, the discretization, the materials and the

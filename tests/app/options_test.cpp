@@ -2,9 +2,9 @@
 
 #include <catch2/catch.hpp>
 
-#include <filesystem>
-#include <fstream>
 #include <vector>
+
+#include "support/temp_folder.h"
 
 using namespace palpate;
 
@@ -119,13 +119,17 @@ TEST_CASE("A line that can't be used is refused with exit code 2 and a message t
 }
 
 TEST_CASE("A scene is a file, or the name of one in the scenes folder", "[options]") {
-  namespace fs = std::filesystem;
-  const fs::path folder = fs::path(PALPATE_BINARY_DIR) / "find_scene_test";
-  fs::create_directories(folder);
-  std::ofstream(folder / "liver.toml") << "\n";
-  CHECK(findScene("liver", folder.string()) == (folder / "liver.toml").string());
-  CHECK(findScene("kidney", folder.string()) == "kidney");                  // not there: the reader says so
-  CHECK(findScene("liver.toml", folder.string()) == "liver.toml");          // a path stays a path
-  CHECK(findScene("./liver", folder.string()) == "./liver");
-  fs::remove_all(folder);
+  const TempFolder folder;
+  for (const char* name : {"liver.toml", "kidney.toml", "README.md"}) folder.write(name, "\n");
+  const std::string scenes = folder.path("");
+  CHECK(findScene("liver", scenes) == folder.path("liver.toml"));
+  CHECK(findScene(folder.path("README.md"), scenes) == folder.path("README.md"));  // a file that is there is taken
+  CHECK(findScene(folder.path("."), scenes) == folder.path("."));                  // a folder: the reader says so
+
+  using Catch::Contains;
+  const auto message = [&](const char* scene) { return refusal([&] { findScene(scene, scenes); }); };
+  CHECK_THAT(message("livr"), Contains("no scene file \"livr\"; did you mean liver? ") && Contains("kidney and liver") && !Contains("README"));
+  CHECK_THAT(message("./kidny.toml"), Contains("did you mean kidney?"));
+  CHECK_THAT(message("spleen"), !Contains("did you mean") && Contains("kidney and liver"));
+  CHECK_THAT(refusal([&] { findScene("liver", folder.path("none")); }), Contains("no scene file \"liver\"; name a file"));
 }

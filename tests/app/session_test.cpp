@@ -3,10 +3,9 @@
 #include <catch2/catch.hpp>
 
 #include <filesystem>
-#include <fstream>
-#include <sstream>
 
 #include "app/indent_script.h"
+#include "support/text.h"
 
 using namespace palpate;
 
@@ -27,12 +26,6 @@ Model twoPoints() {
     model.point_shape.gradN.emplace_back(0, 0, 1);
   }
   return model;
-}
-
-std::string contents(const std::string& file) {
-  std::ostringstream text;
-  text << std::ifstream(file).rdbuf();
-  return text.str();
 }
 
 }  // namespace
@@ -93,7 +86,7 @@ TEST_CASE("force.csv has the agreed header, a row per sample, and numbers that r
   sample.force_filtered = {0.5, 0, 1.0 / 3};
   results.addForce(sample);
   results.finishForces();
-  std::istringstream lines(contents(results.forceFile()));
+  std::istringstream lines(readAll(results.forceFile()));
   std::string header, row, rest;
   std::getline(lines, header);
   std::getline(lines, row);
@@ -110,7 +103,7 @@ TEST_CASE("force.csv has the agreed header, a row per sample, and numbers that r
   CHECK(value[7] == Approx(1.0 / 3).epsilon(1e-8));
   CHECK_FALSE(std::getline(lines, rest));
   results.writeReport("{}");
-  CHECK(contents(results.reportFile()) == "{}\n");
+  CHECK(readAll(results.reportFile()) == "{}\n");
   std::filesystem::remove_all(folder);
 }
 

@@ -1,35 +1,17 @@
 #include <catch2/catch.hpp>
 
-#include <Eigen/LU>
-
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <random>
 
 #include "base/input_error.h"
 #include "discretization/adaptive_quadrature.h"
-#include "discretization/background_cells.h"
 #include "discretization/cell_division.h"
-#include "discretization/gradient_energy.h"
-#include "discretization/solids.h"
+#include "discretization/tetrahedra.h"
 
 using namespace palpate;
 
 namespace {
-
-const Corners general = {Vec3(0.1, -0.2, 0.3), Vec3(1.3, 0.2, 0.1), Vec3(0.4, 1.1, -0.2), Vec3(0.2, 0.3, 1.7)};
-
-double volumeOf(const Corners& c) { return std::abs((c[1] - c[0]).cross(c[2] - c[0]).dot(c[3] - c[0])) / 6; }
-
-Vec3 centroid(const Corners& c) { return (c[0] + c[1] + c[2] + c[3]) / 4; }
-
-bool holds(const Corners& c, const Vec3& x) {
-  Mat3 edges;
-  edges << c[1] - c[0], c[2] - c[0], c[3] - c[0];
-  const Vec3 l = edges.inverse() * (x - c[0]);
-  return l.minCoeff() > 0 && l.sum() < 1;
-}
 
 /// The unit cube in Kuhn's six tetrahedra around its diagonal, `n` cubes to an edge.
 struct Grid {
@@ -65,100 +47,7 @@ std::vector<double> cellSums(const IntegrationPoints& points, std::size_t cells)
   return sum;
 }
 
-AdaptiveOptions options(double accuracy, int points_per_cell, int division, int max_depth) {
-  AdaptiveOptions o;
-  o.accuracy = accuracy;
-  o.points_per_cell = points_per_cell;
-  o.division = division;
-  o.max_depth = max_depth;
-  return o;
-}
-
-/// The 100 mm cube of section 3.1, which has 260 nodes at a spacing of about 21 mm.
-struct Cube {
-  NodeCloud cloud;
-  BackgroundCells cells;
-  std::vector<double> radius;
-  explicit Cube(double h) {
-    const SurfaceTree surface(boxSurface(Vec3(0.1, 0.1, 0.1), 0.01));
-    SpacingField spacing;
-    spacing.spacing = h;
-    cloud = makeNodeCloud(surface, spacing, 1);
-    cells = makeBackgroundCells(cloud, surface);
-    radius.assign(cloud.X.size(), 1.8 * 1.04 * spacing.spacing);  // R/h 1.8; the mean edge is 1.04 of the spacing
-  }
-
-  /// Integrals of eq. 30 over the cells.
-  std::vector<Vec3> integrate(GradientEnergy f, const IntegrationPoints& points) const {
-    std::vector<Vec3> sum(cells.cells.size(), Vec3::Zero());
-    for (std::size_t q = 0; q < points.X.size(); ++q) sum[points.cell[q]] += points.volume[q] * f(points.X[q]);
-    return sum;
-  }
-  /// The same by 4 points in each of 64 parts of a cell.
-  std::vector<Vec3> reference(const GradientEnergy& f) const {
-    IntegrationPoints fine;
-    std::array<Corners, 8> parts, small;
-    for (std::size_t c = 0; c < cells.cells.size(); ++c) {
-      const auto& [i, j, k, l] = cells.cells[c];
-      divideCell({cloud.X[i], cloud.X[j], cloud.X[k], cloud.X[l]}, 8, 0, parts);
-      for (const Corners& part : parts) {
-        divideCell(part, 8, 1, small);
-        for (const Corners& corners : small) cellRule(4).append(corners, cells.volume[c] / 64, static_cast<int>(c), fine);
-      }
-    }
-    return integrate(f, fine);
-  }
-};
-
-/// Sum of the cells' errors over the whole integral.
-double cellError(const std::vector<Vec3>& sum, const std::vector<Vec3>& reference) {
-  double error = 0, total = 0;
-  for (std::size_t c = 0; c < sum.size(); ++c) {
-    error += (sum[c] - reference[c]).cwiseAbs().sum();
-    total += reference[c].sum();
-  }
-  return error / total;
-}
-
 }  // namespace
-
-TEST_CASE("A divided cell is tiled by parts of equal volume", "[quadrature]") {
-  std::mt19937 random(3);
-  std::exponential_distribution<double> exponential(1);
-  for (int division : {2, 4, 8})
-    for (int depth = 0; depth < 5; ++depth) {
-      std::array<Corners, 8> parts;
-      divideCell(general, division, depth, parts);
-      INFO("division " << division << ", depth " << depth);
-      for (int i = 0; i < division; ++i)
-        CHECK(volumeOf(parts[i]) == Approx(volumeOf(general) / division).epsilon(1e-14));
-      for (int trial = 0; trial < 300; ++trial) {  // evenly spread over the simplex
-        double l[4], sum = 0;
-        for (double& a : l) sum += a = exponential(random);
-        Vec3 x = Vec3::Zero();
-        for (int k = 0; k < 4; ++k) x += l[k] / sum * general[k];
-        int owners = 0;
-        for (int i = 0; i < division; ++i) owners += holds(parts[i], x);
-        REQUIRE(owners == 1);
-      }
-    }
-}
-
-TEST_CASE("Division in 2 halves the longest edge, in 8 uses the octahedron's shortest diagonal", "[quadrature]") {
-  const auto longest = [](const Corners& c) {
-    double length = 0;
-    for (const Vec3& a : c)
-      for (const Vec3& b : c) length = std::max(length, (a - b).norm());
-    return length;
-  };
-  std::array<Corners, 8> parts;
-  divideCell(general, 2, 0, parts);
-  for (int i = 0; i < 2; ++i) CHECK(longest(parts[i]) < longest(general));
-  // A flat diamond: the diagonals of its octahedron are 0.5, 0.5 and 0.05 long.
-  const Corners flat = {Vec3(0.5, 0, 0), Vec3(-0.5, 0, 0), Vec3(0, 0.5, 0.05), Vec3(0, -0.5, 0.05)};
-  divideCell(flat, 8, 0, parts);
-  for (int i = 4; i < 8; ++i) CHECK((parts[i][0] - parts[i][1]).norm() == Approx(0.05));
-}
 
 TEST_CASE("Division in 4 refines towards every corner", "[quadrature]") {
   // All divided 8 times: each face had its turn twice. With one face for all, the cells at the opposite corner
@@ -166,7 +55,7 @@ TEST_CASE("Division in 4 refines towards every corner", "[quadrature]") {
   const std::vector<Vec3> X(general.begin(), general.end());
   const double volume = volumeOf(general);
   const Integrand bent = [](const Vec3& x) -> Vec3 { return (x.array() * 0.3).exp(); };
-  const auto result = makeAdaptivePoints(X, {{0, 1, 2, 3}}, {volume}, options(1e-300, 1, 4, 8), bent);
+  const auto result = makeAdaptivePoints(X, {{0, 1, 2, 3}}, {volume}, AdaptiveOptions{1e-300, 1, 4, 8}, bent);
   REQUIRE(result.points.X.size() == 65536);
   for (const Vec3& corner : X) {
     double nearest = 1e9;
@@ -176,7 +65,7 @@ TEST_CASE("Division in 4 refines towards every corner", "[quadrature]") {
   // And where the trouble is in one corner, the points crowd there, whichever it is.
   for (const Vec3& corner : X) {
     const Integrand peak = [&](const Vec3& x) { return Vec3(1 / std::sqrt((x - corner).norm()), 1, 1); };
-    const auto crowd = makeAdaptivePoints(X, {{0, 1, 2, 3}}, {volume}, options(1e-4, 4, 4, 7), peak);
+    const auto crowd = makeAdaptivePoints(X, {{0, 1, 2, 3}}, {volume}, AdaptiveOptions{1e-4, 4, 4, 7}, peak);
     const auto plain = makeIntegrationPoints(X, {{0, 1, 2, 3}}, {volume}, 4);
     const auto nearest = [&](const IntegrationPoints& points) {
       double d = 1e9;
@@ -199,11 +88,11 @@ TEST_CASE("What a rule integrates exactly divides no cell, what is a degree high
   for (const auto& [per_cell, degree] : {std::pair{1, 1}, {4, 2}, {5, 3}})
     for (int division : {2, 4, 8}) {
       INFO(per_cell << " points, division " << division);
-      const auto exact = makeAdaptivePoints(grid.X, grid.cells, grid.volume, options(1e-13, per_cell, division, 2), power(degree));
+      const auto exact = makeAdaptivePoints(grid.X, grid.cells, grid.volume, AdaptiveOptions{1e-13, per_cell, division, 2}, power(degree));
       CHECK(exact.divided_cells == 0);
       CHECK(exact.points.X.size() == grid.cells.size() * per_cell);
       CHECK(exact.worst_error < 1e-13);
-      const auto higher = makeAdaptivePoints(grid.X, grid.cells, grid.volume, options(1e-13, per_cell, division, 2), power(degree + 1));
+      const auto higher = makeAdaptivePoints(grid.X, grid.cells, grid.volume, AdaptiveOptions{1e-13, per_cell, division, 2}, power(degree + 1));
       CHECK(higher.divided_cells == static_cast<int>(grid.cells.size()));
     }
 }
@@ -218,7 +107,7 @@ TEST_CASE("Adaptive points stay exact for the rule's polynomials and keep the ce
   for (int per_cell : {1, 4, 5})
     for (int division : {2, 4, 8}) {
       INFO(per_cell << " points, division " << division);
-      const AdaptiveOptions o = options(1e-3, per_cell, division, 4);
+      const AdaptiveOptions o = AdaptiveOptions{1e-3, per_cell, division, 4};
       const auto result = makeAdaptivePoints(grid.X, grid.cells, grid.volume, o, kinked);
       REQUIRE(result.divided_cells > 0);
       double sum = 0, volume = 0;
@@ -242,7 +131,7 @@ TEST_CASE("A kink refines the cells that it crosses and no others", "[quadrature
   const Integrand f = [](const Vec3& x) { return Vec3(1, std::abs(x[0] - kink) + 0.1, 1); };
   for (int division : {2, 4, 8}) {
     INFO("division " << division);
-    const auto result = makeAdaptivePoints(grid.X, grid.cells, grid.volume, options(0.003, 4, division, 6), f);
+    const auto result = makeAdaptivePoints(grid.X, grid.cells, grid.volume, AdaptiveOptions{0.003, 4, division, 6}, f);
     std::vector<int> count(grid.cells.size(), 0);
     for (std::size_t q = 0; q < result.points.X.size(); ++q) {
       const int c = result.points.cell[q];
@@ -273,7 +162,7 @@ TEST_CASE("An accuracy out of reach stops at the depth limit and says so", "[qua
   const Integrand f = [](const Vec3& x) -> Vec3 { return x.array().exp(); };
   for (int division : {2, 4, 8}) {
     for (int depth : {0, 1, 2}) {
-      const auto result = makeAdaptivePoints(grid.X, grid.cells, grid.volume, options(1e-300, 1, division, depth), f);
+      const auto result = makeAdaptivePoints(grid.X, grid.cells, grid.volume, AdaptiveOptions{1e-300, 1, division, depth}, f);
       const int leaves = 6 * static_cast<int>(std::pow(division, depth));
       CHECK(static_cast<int>(result.points.X.size()) == leaves);
       CHECK(result.limited_cells == leaves);
@@ -289,7 +178,7 @@ TEST_CASE("A generous accuracy leaves the plain rule, bit for bit", "[quadrature
   const Integrand f = [](const Vec3& x) -> Vec3 { return (x.array() * 5).exp(); };
   for (int per_cell : {1, 4, 5}) {
     const auto plain = makeIntegrationPoints(grid.X, grid.cells, grid.volume, per_cell);
-    const auto result = makeAdaptivePoints(grid.X, grid.cells, grid.volume, options(1e9, per_cell, 8, 6), f);
+    const auto result = makeAdaptivePoints(grid.X, grid.cells, grid.volume, AdaptiveOptions{1e9, per_cell, 8, 6}, f);
     CHECK(result.points.X == plain.X);
     CHECK(result.points.volume == plain.volume);
     CHECK(result.points.cell == plain.cell);
@@ -301,17 +190,17 @@ TEST_CASE("A generous accuracy leaves the plain rule, bit for bit", "[quadrature
 TEST_CASE("A component that vanishes asks for nothing; each of the others counts by itself", "[quadrature]") {
   const Grid grid(2);
   const auto flat = [](const Vec3& x) { return Vec3(1e6, 0, (x[0] - 0.5) * 0); };
-  CHECK(makeAdaptivePoints(grid.X, grid.cells, grid.volume, options(1e-6, 4, 8, 3), flat).divided_cells == 0);
+  CHECK(makeAdaptivePoints(grid.X, grid.cells, grid.volume, AdaptiveOptions{1e-6, 4, 8, 3}, flat).divided_cells == 0);
   // The second component is far below the first, and still has to be right.
   const auto small = [](const Vec3& x) { return Vec3(1e6, std::exp(8 * x[1]) * 1e-6, 0); };
-  const auto result = makeAdaptivePoints(grid.X, grid.cells, grid.volume, options(1e-3, 4, 8, 3), small);
+  const auto result = makeAdaptivePoints(grid.X, grid.cells, grid.volume, AdaptiveOptions{1e-3, 4, 8, 3}, small);
   CHECK(result.divided_cells > static_cast<int>(grid.cells.size()) / 2);  // by the norm of f none would be
 }
 
 TEST_CASE("Adaptive points don't depend on how the cells are shared out", "[quadrature]") {
   const Grid grid(4);
   const Integrand f = [](const Vec3& x) { return Vec3(std::abs(x[0] - 0.37), std::exp(4 * x[1]), 1 / (0.1 + x[2])); };
-  const AdaptiveOptions o = options(0.01, 4, 4, 5);
+  const AdaptiveOptions o = AdaptiveOptions{0.01, 4, 4, 5};
   const auto all = makeAdaptivePoints(grid.X, grid.cells, grid.volume, o, f);
   const auto again = makeAdaptivePoints(grid.X, grid.cells, grid.volume, o, f);
   CHECK(all.points.X == again.points.X);
@@ -336,7 +225,7 @@ TEST_CASE("Where the integrand is not finite, cells stay whole and the places ar
   const Integrand f = [](const Vec3& x) {
     return x[2] > 0.5 ? Vec3::Constant(std::numeric_limits<double>::quiet_NaN()).eval() : Vec3(std::exp(9 * x[0]), 1, 1);
   };
-  const auto result = makeAdaptivePoints(grid.X, grid.cells, grid.volume, options(1e-3, 4, 8, 2), f);
+  const auto result = makeAdaptivePoints(grid.X, grid.cells, grid.volume, AdaptiveOptions{1e-3, 4, 8, 2}, f);
   REQUIRE_FALSE(result.not_finite.empty());
   for (const Vec3& x : result.not_finite) CHECK(x[2] > 0.5);
   std::vector<int> count(grid.cells.size(), 0);
@@ -352,94 +241,15 @@ TEST_CASE("Impossible options of the adaptive quadrature are refused", "[quadrat
   const auto refused = [&](const AdaptiveOptions& o) {
     CHECK_THROWS_AS(makeAdaptivePoints(grid.X, grid.cells, grid.volume, o, f), InputError);
   };
-  for (double accuracy : {0.0, -0.1, std::numeric_limits<double>::quiet_NaN()}) refused(options(accuracy, 4, 8, 3));
-  for (int per_cell : {0, 2, 3, 6, -1}) refused(options(0.1, per_cell, 8, 3));
-  for (int division : {0, 1, 3, 5, 16, -2}) refused(options(0.1, 4, division, 3));
-  refused(options(0.1, 4, 8, -1));
-  refused(options(0.1, 4, 8, 7));
-  refused(options(0.1, 4, 4, 10));
-  refused(options(0.1, 4, 2, 19));
-  AdaptiveOptions few = options(1e-12, 4, 8, 3);
+  for (double accuracy : {0.0, -0.1, std::numeric_limits<double>::quiet_NaN()}) refused(AdaptiveOptions{accuracy, 4, 8, 3});
+  for (int per_cell : {0, 2, 3, 6, -1}) refused(AdaptiveOptions{0.1, per_cell, 8, 3});
+  for (int division : {0, 1, 3, 5, 16, -2}) refused(AdaptiveOptions{0.1, 4, division, 3});
+  refused(AdaptiveOptions{0.1, 4, 8, -1});
+  refused(AdaptiveOptions{0.1, 4, 8, 7});
+  refused(AdaptiveOptions{0.1, 4, 4, 10});
+  refused(AdaptiveOptions{0.1, 4, 2, 19});
+  AdaptiveOptions few = AdaptiveOptions{1e-12, 4, 8, 3};
   few.most_points = 1000;
   CHECK_THROWS_WITH(makeAdaptivePoints(grid.X, grid.cells, grid.volume, few, f),
                     Catch::Contains("more than 1000 points"));
-}
-
-TEST_CASE("Gradient energy is the sum of squared gradients, and not finite on a bad support", "[quadrature][mmls]") {
-  const Cube cube(0.03);
-  const Neighbours neighbours(cube.cloud.X, cube.radius);
-  GradientEnergy energy(cube.cloud.X, cube.radius, neighbours, {2, 0.1});
-  const auto points = makeIntegrationPoints(cube.cloud.X, cube.cells.cells, cube.cells.volume, 1);
-  std::vector<InadmissibleSupport> failed;
-  const ShapeTable shape = shapeFunctions(points.X, cube.cloud.X, cube.radius, neighbours, {2, 0.1}, failed);
-  REQUIRE(failed.empty());
-  for (int q = 0; q < shape.rowCount(); ++q) {
-    Vec3 sum = Vec3::Zero();
-    for (int e = shape.begin[q]; e < shape.begin[q + 1]; ++e) sum += shape.gradN[e].cwiseProduct(shape.gradN[e]);
-    REQUIRE((energy(points.X[q]) - sum).norm() < 1e-12 * sum.norm());
-  }
-  CHECK_FALSE(energy(Vec3(1, 1, 1)).allFinite());  // far outside: no support
-}
-
-TEST_CASE("Supports too small to judge by are told, and grow until they can", "[quadrature][mmls]") {
-  Cube cube(0.03);
-  for (double& r : cube.radius) r *= 0.6;
-  int rounds = 0;
-  for (;; ++rounds) {
-    REQUIRE(rounds < 20);
-    const Neighbours neighbours(cube.cloud.X, cube.radius);
-    const GradientEnergy energy(cube.cloud.X, cube.radius, neighbours, {2, 0.1});
-    const auto result = makeAdaptivePoints(cube.cloud.X, cube.cells.cells, cube.cells.volume, options(0.1, 4, 2, 1), energy);
-    if (result.not_finite.empty()) break;
-    std::vector<InadmissibleSupport> failed(result.not_finite.size());
-    for (std::size_t k = 0; k < failed.size(); ++k) failed[k].row = static_cast<int>(k);
-    std::vector<double> larger = cube.radius;
-    enlargeSupports(result.not_finite, failed, neighbours, larger);
-    cube.radius = larger;
-  }
-  CHECK(rounds > 0);
-}
-
-TEST_CASE("The error of eq. 30 over the cells falls with the accuracy asked for", "[quadrature][mmls]") {
-  const Cube cube(0.03);
-  const Neighbours neighbours(cube.cloud.X, cube.radius);
-  const GradientEnergy energy(cube.cloud.X, cube.radius, neighbours, {2, 0.1});
-  const auto reference = cube.reference(energy);
-  double last_error = 1e9;
-  std::size_t last_count = 0;
-  for (double accuracy : {1e9, 0.02, 0.005}) {
-    const auto result = makeAdaptivePoints(cube.cloud.X, cube.cells.cells, cube.cells.volume, options(accuracy, 4, 8, 4), energy);
-    REQUIRE(result.not_finite.empty());
-    const double error = cellError(cube.integrate(energy, result.points), reference);
-    INFO("accuracy " << accuracy << ": " << result.points.X.size() << " points, error " << error);
-    CHECK(error < 0.6 * last_error);
-    CHECK(error < accuracy);
-    CHECK(result.points.X.size() > last_count);
-    CHECK(result.limited_cells == 0);
-    last_error = error;
-    last_count = result.points.X.size();
-  }
-}
-
-// What it costs. Run with: discretization_tests "[.table]"
-TEST_CASE("Points against accuracy on the cube of section 3.1", "[.table]") {
-  const Cube cube(0.0209);
-  const Neighbours neighbours(cube.cloud.X, cube.radius);
-  const GradientEnergy energy(cube.cloud.X, cube.radius, neighbours, {2, 0.1});
-  const auto reference = cube.reference(energy);
-  std::printf("%zu nodes, %zu cells\nrule division  accuracy   points  divided deepest limited worst_error cell_error\n",
-              cube.cloud.X.size(), cube.cells.cells.size());
-  for (int per_cell : {1, 4, 5})
-    for (int division : {2, 4, 8})
-      for (double accuracy : {1e9, 0.1, 0.05, 0.01, 0.002}) {
-        if (accuracy > 1 && division > 2) continue;   // the plain rule
-        if (accuracy < 0.01 && per_cell != 4) continue;  // many points
-        const int depth = division == 2 ? 12 : division == 4 ? 6 : 4;  // to 1/4096 of a cell
-        const auto result = makeAdaptivePoints(cube.cloud.X, cube.cells.cells, cube.cells.volume,
-                                               options(accuracy, per_cell, division, depth), energy);
-        std::printf("%4d %8d %9.3g %8zu %8d %7d %7d %11.3g %10.3g\n", per_cell, division, accuracy,
-                    result.points.X.size(), result.divided_cells, result.deepest, result.limited_cells,
-                    result.worst_error, cellError(cube.integrate(energy, result.points), reference));
-        std::fflush(stdout);
-      }
 }

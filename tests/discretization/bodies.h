@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cmath>
+#include <vector>
 
 #include "discretization/solids.h"
 #include "discretization/triangle_surface.h"
@@ -47,6 +48,26 @@ inline TriangleSurface liverLike() {
     v.z() -= 3 * v.x() * v.x();
   }
   return surface;
+}
+
+/// A body and a node spacing that suits it, m.
+struct Body {
+  const char* name;
+  TriangleSurface surface;
+  double h;
+};
+
+/// Bodies of flat and curved faces, convex and concave.
+inline std::vector<Body> variedBodies() {
+  return {
+      {"box", boxSurface({0.1, 0.08, 0.05}, 0.02), 0.008},
+      {"cylinder", cylinderSurface(0.015, 0.017, 0.0015), 0.003},
+      {"ellipsoid", ellipsoidSurface({0.08, 0.05, 0.03}, 0.004), 0.009},
+      {"half ellipsoid", halfEllipsoidSurface({0.08, 0.06, 0.05}, 0.004), 0.009},
+      {"dumbbell", dumbbell(), 0.007},
+      {"angle bracket", angleBracket(), 0.01},
+      {"liver-like", liverLike(), 0.01},
+  };
 }
 
 }  // namespace palpate::bodies

@@ -30,21 +30,7 @@ Fitted fit(const SurfaceTree& tree, double h) {
 }  // namespace
 
 TEST_CASE("Fitted cells hold the body's volume, by small moves of surface nodes", "[volume]") {
-  struct Case {
-    const char* name;
-    TriangleSurface surface;
-    double h;
-  };
-  const std::vector<Case> cases = {
-      {"sphere", ellipsoidSurface({0.05, 0.05, 0.05}, 0.003), 0.01},
-      {"ellipsoid", ellipsoidSurface({0.08, 0.05, 0.03}, 0.004), 0.01},
-      {"cylinder", cylinderSurface(0.015, 0.017, 0.0015), 0.003},
-      {"half ellipsoid", halfEllipsoidSurface({0.08, 0.06, 0.05}, 0.004), 0.009},
-      {"dumbbell", bodies::dumbbell(), 0.007},
-      {"angle bracket", bodies::angleBracket(), 0.01},
-      {"liver-like", bodies::liverLike(), 0.01},
-  };
-  for (const Case& c : cases) {
+  for (const bodies::Body& c : bodies::variedBodies()) {
     DYNAMIC_SECTION(c.name) {
       const SurfaceTree tree(c.surface);
       const Fitted fitted = fit(tree, c.h);

@@ -14,16 +14,12 @@
 #include "support/equal_models.h"
 #include "support/small_scene.h"
 #include "support/temp_folder.h"
+#include "support/text.h"
 
 using namespace palpate;
 namespace fs = std::filesystem;
 
 namespace {
-
-std::string bytesOf(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-}
 
 void replaceBytes(const std::string& path, const std::string& bytes) {
   std::ofstream(path, std::ios::binary | std::ios::trunc) << bytes;
@@ -198,7 +194,7 @@ TEST_CASE("A damaged file is never trusted: it is told of, made again and replac
   OwnCache own;
   const Scene scene = test::blockScene(0.02);
   REQUIRE(own.made(scene));
-  const std::string key = keyOf(scene), path = own.cache.fileOf(key), sound = bytesOf(path);
+  const std::string key = keyOf(scene), path = own.cache.fileOf(key), sound = readAll(path);
   REQUIRE(sound.size() > 10000);
 
   const auto refuses = [&](const std::string& bytes) {
@@ -226,7 +222,7 @@ TEST_CASE("A damaged file is never trusted: it is told of, made again and replac
   own.told.clear();
   CHECK(own.made(scene));
   CHECK(own.told.size() == 1);
-  CHECK(bytesOf(path) == sound);
+  CHECK(readAll(path) == sound);
   CHECK_FALSE(own.made(scene));
 }
 
@@ -236,7 +232,7 @@ TEST_CASE("Another scene's file under this scene's name is refused", "[model_cac
   other.seed = 2;
   REQUIRE(own.made(scene));
   REQUIRE(own.made(other));
-  replaceBytes(own.cache.fileOf(keyOf(scene)), bytesOf(own.cache.fileOf(keyOf(other))));
+  replaceBytes(own.cache.fileOf(keyOf(scene)), readAll(own.cache.fileOf(keyOf(other))));
   CHECK_FALSE(own.cache.find(keyOf(scene)));
   CHECK(own.made(scene));
 }

@@ -6,6 +6,7 @@
 
 #include "io/scene_file.h"
 #include "support/temp_folder.h"
+#include "support/text.h"
 
 using namespace palpate;
 using Catch::Contains;
@@ -80,12 +81,6 @@ end_time = 0.75
 frames = 25
 probes = "points/probes.csv"
 )";
-
-std::string replaced(std::string text, const std::string& what, const std::string& with) {
-  const std::size_t at = text.find(what);
-  if (at == std::string::npos) throw std::logic_error("nothing to replace: " + what);
-  return text.replace(at, what.size(), with);
-}
 
 /// A folder with the probes file that the scene names.
 struct SceneFolder : TempFolder {

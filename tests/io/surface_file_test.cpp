@@ -9,6 +9,7 @@
 #include "discretization/solids.h"
 #include "discretization/surface_geometry.h"
 #include "support/temp_folder.h"
+#include "support/text.h"
 
 using namespace palpate;
 using Catch::Contains;
@@ -55,12 +56,6 @@ std::string binaryStl(const TriangleSurface& s, const std::string& title = "bina
     put(std::uint16_t{0});
   }
   return bytes;
-}
-
-std::string replaced(std::string text, const std::string& what, const std::string& with) {
-  const std::size_t at = text.find(what);
-  if (at == std::string::npos) throw std::logic_error("nothing to replace: " + what);
-  return text.replace(at, what.size(), with);
 }
 
 std::string crlf(const std::string& text) {

@@ -4,6 +4,7 @@
 #include <functional>
 #include <vector>
 
+#include "base/key.h"
 #include "realtime/fixed_step_loop.h"
 #include "realtime/physics.h"
 
@@ -121,16 +122,10 @@ class FakePhysics final : public Physics {
 
   const State& state() const override { return state_; }
   std::uint64_t stateHash() const override {
-    std::uint64_t hash = 0xcbf29ce484222325ULL;
-    const auto add = [&hash](const void* data, std::size_t size) {
-      for (std::size_t b = 0; b < size; ++b) {
-        hash = (hash ^ static_cast<const unsigned char*>(data)[b]) * 0x100000001b3ULL;
-      }
-    };
-    add(state_.u.data(), state_.u.size() * sizeof(Float4));
-    add(state_.tool_pose.position.data(), 3 * sizeof(double));
-    add(&state_.tick, sizeof state_.tick);
-    return hash;
+    const auto bytesOf = [](const auto& value) { return std::string_view(reinterpret_cast<const char*>(&value), sizeof value); };
+    std::uint64_t hash = fnv1a(bytesOf(state_.tick));
+    for (const Float4& u : state_.u) hash = fnv1a(bytesOf(u), hash);
+    return fnv1a(bytesOf(state_.tool_pose.position), hash);
   }
   void reset() override { state_ = initial_; }
   void setFriction(double coefficient) override { friction = coefficient; }

@@ -4,11 +4,12 @@
 #include <cmath>
 #include <vector>
 
-#include "realtime/fakes.h"
+#include "realtime/loop_run.h"
 #include "realtime/overload_watch.h"
 #include "realtime/simulation_loop.h"
 
 using namespace palpate;
+using test::drain;
 using test::FakeClock;
 using test::FakePhysics;
 using test::smallModel;
@@ -16,14 +17,6 @@ using test::smallModel;
 namespace {
 
 constexpr std::int64_t kMs = 1'000'000;  // ns
-
-template <class T>
-std::vector<T> drain(SpscRing<T>& ring) {
-  std::vector<T> all;
-  T value;
-  while (ring.pop(value)) all.push_back(value);
-  return all;
-}
 
 LateTick late(std::int64_t late_ns, std::int64_t step_ns, std::int64_t computing_ns, std::int64_t long_waits = 0) {
   LateTick tick;

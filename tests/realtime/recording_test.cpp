@@ -1,34 +1,24 @@
-#include "realtime/recording.h"
-
-#include <unistd.h>
+#include "realtime/recording_file.h"
 
 #include <catch2/catch.hpp>
-#include <cstdio>
-#include <fstream>
 #include <limits>
 #include <numbers>
-#include <sstream>
 #include <string>
 
 #include "base/input_error.h"
 #include "realtime/fakes.h"
+#include "simulation/model_hash.h"
+#include "support/temp_folder.h"
+#include "support/text.h"
 
 using namespace palpate;
 
 namespace {
 
-/// A file of this test alone, removed at the end.
-class TemporaryFile {
- public:
-  TemporaryFile() : path(std::string(PALPATE_BINARY_DIR) + "/recording_test_" + std::to_string(getpid()) + ".txt") {}
-  ~TemporaryFile() { std::remove(path.c_str()); }
-  void write(const std::string& text) const { std::ofstream(path, std::ios::binary) << text; }
-  std::string read() const {
-    std::ostringstream text;
-    text << std::ifstream(path, std::ios::binary).rdbuf();
-    return text.str();
-  }
-  const std::string path;
+/// A file of this test alone.
+struct TemporaryFile : TempFolder {
+  const std::string file = path("session.rec");
+  void put(const std::string& text) const { write("session.rec", text); }
 };
 
 Recording everyKind() {
@@ -51,6 +41,8 @@ Recording everyKind() {
   neo.shear_modulus = 1e3 / 7;
   neo.bulk_modulus = 123456.789;
   neo.density = 1060;
+  neo.barrier_strength = 0.1;
+  neo.barrier_J0 = 1.0 / 3;
   recording.changes = {{0, Request::moveTool(pose)},
                        {1, Request::pull(411, Vec3(1e-300, 2, 1e300))},
                        {1, Request::simple(Request::Kind::ReleasePull)},
@@ -71,20 +63,15 @@ const std::string kGood =
     "15 release\n"
     "end 500\n";
 
-std::string with(const std::string& from, const std::string& to) {
-  std::string text = kGood;
-  const std::size_t at = text.find(from);
-  REQUIRE(at != std::string::npos);
-  return text.replace(at, from.size(), to);
-}
+std::string with(const std::string& from, const std::string& to) { return replaced(kGood, from, to); }
 
 }  // namespace
 
 TEST_CASE("A recording is read as it was written, bit for bit", "[recording]") {
-  const TemporaryFile file;
+  const TemporaryFile temporary;
   const Recording written = everyKind();
-  writeRecording(written, file.path);
-  const Recording read = readRecording(file.path);
+  writeRecording(written, temporary.file);
+  const Recording read = readRecording(temporary.file);
   CHECK(read.scene == written.scene);
   CHECK(read.model_hash == written.model_hash);
   CHECK(read.rate_hz == written.rate_hz);
@@ -107,23 +94,25 @@ TEST_CASE("A recording is read as it was written, bit for bit", "[recording]") {
     CHECK(a.material.term_count == b.material.term_count);
     CHECK(a.material.mu == b.material.mu);
     CHECK(a.material.alpha == b.material.alpha);
+    CHECK(a.material.barrier_strength == b.material.barrier_strength);
+    CHECK(a.material.barrier_J0 == b.material.barrier_J0);
   }
-  const std::string text = file.read();
-  writeRecording(read, file.path);
-  CHECK(file.read() == text);
+  const std::string text = readAll(temporary.file);
+  writeRecording(read, temporary.file);
+  CHECK(readAll(temporary.file) == text);
 }
 
 TEST_CASE("The documented form is read", "[recording]") {
-  const TemporaryFile file;
-  file.write(kGood);
-  const Recording recording = readRecording(file.path);
+  const TemporaryFile temporary;
+  temporary.put(kGood);
+  const Recording recording = readRecording(temporary.file);
   CHECK(recording.scene == "liver");
   CHECK(recording.model_hash == 0x0123456789abcdefULL);
   CHECK(recording.ticks == 500);
   CHECK(recording.changes.size() == 3);
   CHECK(recording.changes[1].request.point == Vec3(0.01, 0, 0.12));
-  file.write(with("500\n", "500\r\n"));  // as an editor on Windows leaves it
-  CHECK(readRecording(file.path).rate_hz == 500);
+  temporary.put(with("500\n", "500\r\n"));  // as an editor on Windows leaves it
+  CHECK(readRecording(temporary.file).rate_hz == 500);
 }
 
 TEST_CASE("Damaged recordings are refused with file and line", "[recording]") {
@@ -151,6 +140,8 @@ TEST_CASE("Damaged recordings are refused with file and line", "[recording]") {
       {with("15 release", "11 release"), 7, "ticks must not go back"},
       {with("15 release", "15 material 0 jelly"), 7, "\"jelly\" is not a material kind"},
       {with("15 release", "15 material 0 ogden 1 1 1 7"), 7, "so many terms"},
+      {with("15 release", "15 material 0 neo_hookean 1 1 1 2"), 7, "\"2\" stands where \"barrier\" should"},
+      {with("15 release", "15 material 0 neo_hookean 1 1 1 barrier 0.1"), 7, "ends before a barrier's J"},
       {with("end 500", "end 14"), 8, "ends before its last change"},
       {with("end 500\n", "end 500\n16 reset\n"), 9, "something stands after the end"},
       {with("end 500\n", ""), 7, "cut off"},
@@ -158,17 +149,17 @@ TEST_CASE("Damaged recordings are refused with file and line", "[recording]") {
       // A binary file: nothing of it reaches the terminal but what can be printed.
       {"\x1b[2J\x07\xff\x80" + std::string(100, 'x') + "\n", 1, "\"?[2J???" + std::string(33, 'x') + "...\" stands where"},
   };
-  const TemporaryFile file;
+  const TemporaryFile temporary;
   for (const Damage& damage : damages) {
     INFO("expected: line " << damage.line << ", " << damage.says);
-    file.write(damage.text);
+    temporary.put(damage.text);
     try {
-      readRecording(file.path);
+      readRecording(temporary.file);
       FAIL("read as if it were whole");
     } catch (const InputError& error) {
       const std::string what = error.what();
       INFO("got: " << what);
-      CHECK(what.find(file.path + ":" + std::to_string(damage.line)) == 0);
+      CHECK(what.find(temporary.file + ":" + std::to_string(damage.line)) == 0);
       CHECK(what.find(damage.says) != std::string::npos);
     }
   }
@@ -176,10 +167,10 @@ TEST_CASE("Damaged recordings are refused with file and line", "[recording]") {
 }
 
 TEST_CASE("No cut of a recording passes for a whole one", "[recording]") {
-  const TemporaryFile file;
+  const TemporaryFile temporary;
   for (std::size_t length = 0; length < kGood.size(); ++length) {
-    file.write(kGood.substr(0, length));
-    REQUIRE_THROWS_AS(readRecording(file.path), InputError);
+    temporary.put(kGood.substr(0, length));
+    REQUIRE_THROWS_AS(readRecording(temporary.file), InputError);
   }
 }
 

@@ -11,6 +11,7 @@
 #include "realtime/recording.h"
 #include "realtime/simulation_loop.h"
 #include "simulation/build_model.h"
+#include "simulation/model_hash.h"
 #include "simulation/step.h"
 #include "support/realtime_guard.h"
 

@@ -2,18 +2,17 @@
 
 #include <catch2/catch.hpp>
 #include <csignal>
-#include <fstream>
-#include <iostream>
 #include <set>
-#include <sstream>
 
 #include "mtled/atlas_block.h"
 #include "mtled/atlas_page.h"
 #include "mtled/atlas_run.h"
 #include "simulation/build_model.h"
 #include "simulation/trust.h"
+#include "support/captured_output.h"
 #include "support/small_scene.h"
 #include "support/temp_folder.h"
+#include "support/text.h"
 
 using namespace palpate;
 using Catch::Contains;
@@ -38,23 +37,10 @@ AtlasMeasure compared(double deviation, double bound) {
 
 /// Runs the command over cells of ours; what it prints goes to `said`.
 int atlas(const AtlasOptions& options, const std::vector<AtlasCell>& cells, std::string* said = nullptr) {
-  std::ostringstream text;
-  auto* buffer = std::cout.rdbuf(text.rdbuf());
-  int code = -1;
-  try {
-    code = atlasCommand(options, {{"a", "First axis", "what is run"}, {"b", "Second axis", "what else"}}, cells);
-  } catch (...) {
-    std::cout.rdbuf(buffer);
-    throw;
-  }
-  std::cout.rdbuf(buffer);
-  if (said) *said = text.str();
+  const CapturedOutput output;
+  const int code = atlasCommand(options, {{"a", "First axis", "what is run"}, {"b", "Second axis", "what else"}}, cells);
+  if (said) *said = output.said();
   return code;
-}
-
-std::string readAll(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
 }
 
 using When = AtlasCell::When;

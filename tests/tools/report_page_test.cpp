@@ -8,6 +8,7 @@
 
 #include "base/build_info.h"
 #include "support/temp_folder.h"
+#include "support/text.h"
 
 using namespace palpate;
 
@@ -147,10 +148,7 @@ TEST_CASE("A report comes back from its JSON, NaN and infinities too", "[report]
 TEST_CASE("A report's folder is made; one that can't be is named", "[report]") {
   const TempFolder folder;
   writeReport(folder.path("a/b"), sampleReport());
-  std::ifstream page(folder.path("a/b/README.md"));
-  std::stringstream text;
-  text << page.rdbuf();
-  CHECK(text.str() == markdownOf(sampleReport()));
+  CHECK(readAll(folder.path("a/b/README.md")) == markdownOf(sampleReport()));
   CHECK(std::ifstream(folder.path("a/b/results.json")).good());
   const std::string file = folder.write("file", "");
   CHECK_THROWS_WITH(writeReport(file + "/x", sampleReport()), Catch::Contains(file));

@@ -9,9 +9,7 @@
 #include <csignal>
 #include <cstring>
 #include <filesystem>
-#include <iostream>
 #include <nlohmann/json.hpp>
-#include <sstream>
 #include <thread>
 
 #include "app/interrupt.h"
@@ -20,20 +18,16 @@
 #include "io/load_model.h"
 #include "io/scene_file.h"
 #include "mtled/checkpoint.h"
-#include "realtime/recording.h"
+#include "simulation/model_hash.h"
 #include "simulation/static_solver.h"
+#include "support/captured_output.h"
 #include "support/temp_folder.h"
+#include "support/text.h"
 
 using namespace palpate;
 using Catch::Contains;
 
 namespace {
-
-std::string replaced(std::string text, const std::string& what, const std::string& with) {
-  const std::size_t at = text.find(what);
-  if (at == std::string::npos) throw std::logic_error("nothing to replace: " + what);
-  return text.replace(at, what.size(), with);
-}
 
 /// A small block pressed between plates, in four load steps.
 const std::string block_scene =
@@ -73,27 +67,14 @@ const std::string probes = "name,X,Y,Z\n1,0,0,0.015\n2,0.01,-0.02,0.03\n3,0.0299
 
 /// Runs the command quietly.
 int solve(const std::string& scene, const std::string& out, bool resume = false, const std::string& script = "") {
-  std::ostringstream said, complained;
-  auto* cout_buffer = std::cout.rdbuf(said.rdbuf());
-  auto* cerr_buffer = std::cerr.rdbuf(complained.rdbuf());
+  const CapturedOutput quiet;
   SolveOptions options;
   options.scene = scene;
   options.out = out;
   options.tool_script = script;
   options.threads = 1;
   options.resume = resume;
-  const auto restore = [&] {
-    std::cout.rdbuf(cout_buffer);
-    std::cerr.rdbuf(cerr_buffer);
-  };
-  try {
-    const int code = solveCommand(options);
-    restore();
-    return code;
-  } catch (...) {
-    restore();
-    throw;
-  }
+  return solveCommand(options);
 }
 
 struct Folder : TempFolder {
@@ -104,11 +85,6 @@ struct Folder : TempFolder {
   }
   std::string out(const std::string& file = "") const { return path("out") + (file.empty() ? "" : "/" + file); }
 };
-
-std::string readAll(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-}
 
 nlohmann::json reportIn(const Folder& folder) { return nlohmann::json::parse(readAll(folder.out("report.json"))); }
 
@@ -177,6 +153,9 @@ TEST_CASE("A transient solution has a row a tick", "[solve_command]") {
   CHECK(force.rowCount() == 20);
   CHECK(force["time_s"].back() == Approx(0.04).epsilon(1e-12));
   CHECK(reportIn(folder)["mode"] == "transient");
+  // Only an equilibrium has an estimate of how far it is from rest.
+  CHECK(force.find("error_m") < 0);
+  CHECK_THAT(readAll(folder.out("force.csv")), !Contains("nan"));
 }
 
 TEST_CASE("Resumed after half of the load steps, a solution ends where an unbroken one does", "[solve_command][checkpoint]") {

@@ -2,13 +2,12 @@
 
 #include <catch2/catch.hpp>
 #include <filesystem>
-#include <fstream>
-#include <iostream>
-#include <sstream>
 
 #include "mtled/report_page.h"
 #include "mtled/verification_case.h"
+#include "support/captured_output.h"
 #include "support/temp_folder.h"
+#include "support/text.h"
 
 using namespace palpate;
 using Catch::Contains;
@@ -17,23 +16,10 @@ namespace {
 
 /// Runs the command; what it prints goes to `said`.
 int verify(const VerifyOptions& options, std::string* said = nullptr) {
-  std::ostringstream text;
-  auto* buffer = std::cout.rdbuf(text.rdbuf());
-  int code = -1;
-  try {
-    code = verifyCommand(options);
-  } catch (...) {
-    std::cout.rdbuf(buffer);
-    throw;
-  }
-  std::cout.rdbuf(buffer);
-  if (said) *said = text.str();
+  const CapturedOutput output;
+  const int code = verifyCommand(options);
+  if (said) *said = output.said();
   return code;
-}
-
-std::string readAll(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
 }
 
 }  // namespace

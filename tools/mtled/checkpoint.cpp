@@ -4,18 +4,13 @@
 #include <fstream>
 
 #include "base/input_error.h"
+#include "base/key.h"
 #include "io/output_file.h"
 
 namespace palpate {
 namespace {
 
 constexpr char magic[] = "mtled checkpoint 2\n";
-
-std::uint64_t sumOf(const std::string& bytes) {
-  std::uint64_t hash = 0xcbf29ce484222325ull;  // FNV-1a
-  for (const char c : bytes) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3ull;
-  return hash;
-}
 
 template <class T>
 void add(std::string& bytes, const T* data, std::size_t count) {
@@ -42,7 +37,7 @@ void writeCheckpoint(const std::string& path, const Checkpoint& c) {
   add(bytes, c.frame_time.data(), frames);
   add(bytes, c.u.data(), c.u.size());
   add(bytes, c.du.data(), c.du.size());
-  const std::uint64_t sum = sumOf(bytes);
+  const std::uint64_t sum = fnv1a(bytes);
   add(bytes, &sum, 1);
   writeWholeFile(path, bytes);
 }
@@ -57,7 +52,7 @@ Checkpoint readCheckpoint(const std::string& path, std::uint64_t model_hash, std
   Checkpoint c;
   std::uint64_t nodes = 0, frames = 0, sum = 0;
   std::memcpy(&sum, bytes.data() + bytes.size() - tail, tail);
-  if (sum != sumOf(bytes.substr(0, bytes.size() - tail))) throw damaged();
+  if (sum != fnv1a(bytes.substr(0, bytes.size() - tail))) throw damaged();
   const char* at = bytes.data() + sizeof magic - 1;
   take(at, &c.model_hash, 1);
   take(at, &c.position, 1);

@@ -21,7 +21,7 @@
 #include "mtled/frontier_result.h"
 #include "mtled/frontier_settings.h"
 #include "mtled/progress.h"
-#include "realtime/recording.h"
+#include "simulation/model_hash.h"
 
 namespace palpate {
 namespace {

@@ -16,6 +16,7 @@
 #include "app/options.h"
 #include "approximation/shape_functions.h"
 #include "base/build_info.h"
+#include "base/key.h"
 #include "discretization/surface_tree.h"
 #include "io/csv_table.h"
 #include "io/load_model.h"
@@ -27,7 +28,7 @@
 #include "io/vtu_file.h"
 #include "mtled/checkpoint.h"
 #include "mtled/progress.h"
-#include "realtime/recording.h"
+#include "simulation/model_hash.h"
 #include "simulation/solution_fields.h"
 #include "simulation/static_solver.h"
 #include "simulation/transient_solver.h"
@@ -51,22 +52,15 @@ double endTime(const Scene& scene, const std::optional<ToolScript>& script) {
 
 /// Of all that decides a solution: what a checkpoint must agree in.
 std::uint64_t identityOf(const Model& model, const std::optional<ToolScript>& script, double end) {
-  std::uint64_t hash = modelHash(model);
-  const auto add = [&](double value) {
-    std::uint64_t bits = 0;
-    std::memcpy(&bits, &value, sizeof bits);
-    hash = (hash ^ bits) * 0x100000001b3ull;  // FNV-1a by words
-  };
-  add(static_cast<double>(model.scene.solve.mode));
+  Key key;
+  key.add(modelHash(model), model.scene.solve.mode);
   // What a load step is; more of the same may follow.
-  if (model.scene.solve.mode == SolveSpec::Mode::Static) add(end / model.scene.solve.load_steps);
-  add(script ? 1 : 0);
-  if (!script) return hash;
-  add(script->from_touch ? 1 : 0);
-  add(script->smooth ? 1 : 0);
-  for (const auto& k : script->keyframes)
-    for (const double value : {k.time, k.advance, k.slide.x(), k.slide.y()}) add(value);
-  return hash;
+  if (model.scene.solve.mode == SolveSpec::Mode::Static) key.add(end / model.scene.solve.load_steps);
+  if (script) {
+    key.add(script->from_touch, script->smooth);
+    for (const auto& k : script->keyframes) key.add(k.time, k.advance, k.slide);
+  }
+  return key.hash();
 }
 
 /// Everything that a solution leaves in its folder.
@@ -96,10 +90,11 @@ class Results {
         throw InputError({model.scene.solve.probes_file, probes_.table.line[failed.front().row]},
                          "the nodes near this point can't carry an approximation", "move it inwards, or leave it out");
     }
-    std::vector<std::string> columns{"time_s", "error_m", "iterations", "min_J", "inverted_points"};
+    std::vector<std::string> columns{"time_s", "iterations", "min_J", "inverted_points"};
     for (const auto& b : model.scene.boundaries)
       for (const char* part : {"_fx_N", "_fy_N", "_fz_N", "_mx_Nm", "_my_Nm", "_mz_Nm"}) columns.push_back(b.name + part);
     for (const char* part : {"tool_fx_N", "tool_fy_N", "tool_fz_N"}) columns.emplace_back(part);
+    if (model.scene.solve.mode == SolveSpec::Mode::Static) columns.emplace_back("error_m");  // a motion has no such estimate
     std::vector<std::vector<double>> kept;
     if (resume) {
       checkpoint_ = readCheckpoint(checkpointFile(), identity, model.X.size());
@@ -112,8 +107,9 @@ class Results {
       }
       if (!kept.empty()) {
         last_row_ = kept.back();
-        for (std::size_t at = 5; at + 9 <= last_row_.size(); at += 6)
-          last_reactions_.push_back({Vec3(last_row_[at], last_row_[at + 1], last_row_[at + 2]), Vec3(last_row_[at + 3], last_row_[at + 4], last_row_[at + 5])});
+        const double* at = last_row_.data() + first_reaction;
+        for (std::size_t b = 0; b < model.scene.boundaries.size(); ++b, at += 6)
+          last_reactions_.push_back({Vec3(at[0], at[1], at[2]), Vec3(at[3], at[4], at[5])});
       }
     } else {
       checkpoint_.model_hash = identity;
@@ -127,15 +123,17 @@ class Results {
   }
 
   const Checkpoint& checkpoint() const { return checkpoint_; }
-  double error() const { return last_row_.empty() ? 0 : last_row_[1]; }  // m, of the last row
+  double error() const { return last_row_.empty() ? 0 : last_row_.back(); }  // m, of the last equilibrium
 
   /// One equilibrium or tick, with a frame when its time has come. @param position  for a resumed run
-  void add(std::int64_t position, double time, double error, int iterations, double min_J, int inverted, const BatchBody& body,
-           const Vec3& tool_force, double largest = 0) {
-    std::vector<double> row{time, error, static_cast<double>(iterations), min_J, static_cast<double>(inverted)};
+  /// @param error  m, of an equilibrium
+  void add(std::int64_t position, double time, std::optional<double> error, int iterations, double min_J, int inverted,
+           const BatchBody& body, const Vec3& tool_force, double largest = 0) {
+    std::vector<double> row{time, static_cast<double>(iterations), min_J, static_cast<double>(inverted)};
     for (const auto& r : body.reactions())
       for (const Vec3& v : {r.force, r.moment}) row.insert(row.end(), v.data(), v.data() + 3);
     row.insert(row.end(), tool_force.data(), tool_force.data() + 3);
+    if (error) row.push_back(*error);
     force_->add(row);
     ++checkpoint_.rows;
     checkpoint_.position = position;
@@ -177,8 +175,8 @@ class Results {
                     {"build", buildInfo()}});
     if (!last_row_.empty()) {
       outcome["time_s"] = last_row_[0];
-      outcome["min_J"] = last_row_[3];
-      outcome["inverted_points"] = static_cast<int>(last_row_[4]);
+      outcome["min_J"] = last_row_[2];
+      outcome["inverted_points"] = static_cast<int>(last_row_[3]);
     }
     writeWholeFile(folder_ + "/report.json", outcome.dump(2) + "\n");
   }
@@ -192,6 +190,7 @@ class Results {
 
  private:
   using Clock = std::chrono::steady_clock;
+  static constexpr std::size_t first_reaction = 4;  // its column
 
   std::string forceFile() const { return folder_ + "/force.csv"; }
   std::string checkpointFile() const { return folder_ + "/checkpoint.bin"; }
@@ -303,7 +302,7 @@ int solveTransient(const Task& task, Results& results) {
     const auto report = solver.tick(task.tool(static_cast<double>(k) * tick));
     diverged = !report.finite || report.max_increment > task.model.max_increment;
     if (!diverged)
-      results.add(solver.step(), solver.time(), NAN, task.model.substeps_per_tick, report.min_J, report.inverted_points,
+      results.add(solver.step(), solver.time(), {}, task.model.substeps_per_tick, report.min_J, report.inverted_points,
                   solver.body(), report.tool_force);
     char detail[64];
     std::snprintf(detail, sizeof detail, "%.4g of %.4g s", solver.time(), task.end);
@@ -328,7 +327,8 @@ int solveTransient(const Task& task, Results& results) {
 }  // namespace
 
 int solveCommand(const SolveOptions& options) {
-  const Scene scene = readScene(findScene(options.scene, std::string(PALPATE_SOURCE_DIR) + "/assets/scenes"));
+  const std::string file = findScene(options.scene, std::string(PALPATE_SOURCE_DIR) + "/assets/scenes");
+  const Scene scene = readScene(file);
   std::optional<ToolScript> script;
   if (!options.tool_script.empty()) script = readToolScript(options.tool_script, scene.tool.radius);
   const double end = endTime(scene, script);
@@ -344,7 +344,7 @@ int solveCommand(const SolveOptions& options) {
     model = std::make_unique<Model>(loadModel(scene, show, cache));
   }
   const int cores = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
-  Results results(*model, options.out.empty() ? "out/" + scene.name : options.out, end, identityOf(*model, script, end), options.resume);
+  Results results(*model, options.out.empty() ? "out/" + std::filesystem::path(file).stem().string() : options.out, end, identityOf(*model, script, end), options.resume);
   std::cout << scene.name << ": " << model->nodeCount() << " nodes, " << model->pointCount() << " integration points, set up in "
             << model->setup_seconds << " s" << std::endl;
   const Task task{*model, script, end, options.threads > 0 ? options.threads : cores, options.resume};
