@@ -288,7 +288,7 @@ void runWindow(Session& session) {
   GlWindow window(session.options(), "Palpate - " + session.model().scene.name);
   Viewer viewer(session, window);
   session.log().info(std::string("OpenGL: ") + reinterpret_cast<const char*>(glGetString(GL_RENDERER)) +
-                     ", drawing at low priority (" + priority + ")");
+                     ", drawing at low priority: " + priority);
 
   bool shown = false;
   auto last = SteadyClock::now();
