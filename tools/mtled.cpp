@@ -2,6 +2,8 @@
 #include <CLI/CLI.hpp>
 #include <exception>
 #include <iostream>
+#include <sstream>
+#include <string>
 
 #include "app/interrupt.h"
 #include "base/build_info.h"
@@ -30,6 +32,15 @@ const char* const examples = R"(Examples:
 
 Exit codes: 0 done, 1 failed, not converged or interrupted (what there is is kept), 2 bad option or scene.)";
 
+/// The lines of the examples that show one command.
+std::string examplesOf(const CLI::App& command) {
+  std::istringstream all(examples);
+  std::string shown = "Examples:";
+  for (std::string line; std::getline(all, line);)
+    if (line.starts_with("  mtled " + command.get_name() + " ")) shown += "\n" + line;
+  return shown;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -41,6 +52,7 @@ int main(int argc, char** argv) {
 
   SolveOptions solve;
   CLI::App* solve_app = app.add_subcommand("solve", "Solve a scene as its [solve] table says");
+  solve_app->footer(examplesOf(*solve_app));
   solve_app->add_option("SCENE", solve.scene, "Scene file (.toml), or the name of one in assets/scenes")->required();
   solve_app->add_option("--out", solve.out, "Folder for the results (out/<scene>)")->type_name("DIR");
   solve_app->add_option("--tool", solve.tool_script, "Move the tool as a script says")->type_name("SCRIPT");
@@ -54,7 +66,7 @@ int main(int argc, char** argv) {
   std::string names = "Cases:";
   for (const auto& c : verificationCases()) names += std::string("\n  ") + c.name + ": " + c.about;
   CLI::App* verify_app = app.add_subcommand("verify", "Compare the solver with the paper and independent references");
-  verify_app->footer(names);
+  verify_app->footer(names + "\n\n" + examplesOf(*verify_app));
   verify_app->add_option("CASE", verify.cases, "Cases (all)");
   verify_app->add_flag("--quick", verify.quick, "The coarse rows only");
   verify_app->add_option("--json", verify.json, "Write the results to this file")->type_name("FILE");
@@ -63,6 +75,7 @@ int main(int argc, char** argv) {
 
   BenchOptions bench;
   CLI::App* bench_app = app.add_subcommand("bench", "Time the force kernels beside this machine's ceilings");
+  bench_app->footer(examplesOf(*bench_app));
   bench_app->add_flag("--quick", bench.quick, "Bodies of 1,000 and 5,000 nodes only, under half a minute");
   bench_app->add_option("--json", bench.json, "Write the results to this file")->type_name("FILE");
   bench_app->add_option("--plot", bench.plot, "Draw the roofline of one core into this PNG")->type_name("FILE");
@@ -73,6 +86,7 @@ int main(int argc, char** argv) {
 
   FrontierOptions frontier;
   CLI::App* frontier_app = app.add_subcommand("frontier", "Measure what each setting of a scene costs and how exact it is");
+  frontier_app->footer(examplesOf(*frontier_app));
   frontier_app->add_option("SCENE", frontier.scene, "Scene file (.toml), or the name of one in assets/scenes")->required();
   frontier_app->add_option("--out", frontier.out, "Folder for the results (out/<scene>_frontier)")->type_name("DIR");
   frontier_app->add_option("--tool", frontier.tool_script, "The tool's way (the built-in indentation)")->type_name("SCRIPT");
@@ -81,6 +95,7 @@ int main(int argc, char** argv) {
 
   FitOptions fit;
   CLI::App* fit_app = app.add_subcommand("fit", "Find the most accurate setting of a scene that holds a rate on this machine");
+  fit_app->footer(examplesOf(*fit_app));
   fit_app->add_option("SCENE", fit.scene, "Scene file (.toml), or the name of one in assets/scenes")->required();
   fit_app->add_option("--rate", fit.rate_hz, "Ticks a second (the scene's)")->type_name("HZ")->check(CLI::Range(100.0, 2000.0));
   fit_app->add_option("--cores", fit.cores, "Threads for the physics (one per core)")->type_name("N")->check(CLI::Range(1, 64));
@@ -92,7 +107,7 @@ int main(int argc, char** argv) {
   std::string axes = "Axes (AXIS/VALUE for one cell):";
   for (const auto& axis : atlasAxes()) axes += "\n  " + axis.key + ": " + axis.title;
   CLI::App* atlas_app = app.add_subcommand("atlas", "Map where the numbers are true: each cell stable, degraded or refused, none silently wrong");
-  atlas_app->footer(axes);
+  atlas_app->footer(axes + "\n\n" + examplesOf(*atlas_app));
   atlas_app->add_option("CELL", atlas.cells, "Cells or whole axes (all)");
   atlas_app->add_flag("--quick", atlas.quick, "A third of the cells, under a minute");
   atlas_app->add_option("--out", atlas.out, "Folder for atlas.json, atlas.csv and atlas.png (out/atlas)")->type_name("DIR");

@@ -1,9 +1,11 @@
 #include "realtime/recording_file.h"
 
+#include <cerrno>
 #include <cmath>
 #include <fstream>
 #include <initializer_list>
 #include <stdexcept>
+#include <system_error>
 
 #include "base/input_error.h"
 #include "base/number_text.h"
@@ -127,10 +129,11 @@ void writeRecording(const Recording& recording, const std::string& file) {
   text += "rate_hz " + shortest(recording.rate_hz) + "\n";
   for (const TimedRequest& change : recording.changes) text += lineOf(change) + "\n";
   text += "end " + std::to_string(recording.ticks) + "\n";
+  errno = 0;
   std::ofstream out(file, std::ios::binary);
   out << text;
   out.close();
-  if (!out) throw std::runtime_error(file + ": the recording can't be written");
+  if (!out) throw std::runtime_error(file + ": the recording can't be written: " + std::generic_category().message(errno));
 }
 
 Recording readRecording(const std::string& file) {
