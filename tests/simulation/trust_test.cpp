@@ -56,6 +56,31 @@ TEST_CASE("A plain indentation is trusted from the first tick to the last", "[tr
   CHECK(watched.worst_step_share >= model.dt / model.dt_critical);
 }
 
+TEST_CASE("A first touch is no energy of nothing, however fast", "[trust]") {
+  for (const ToolKind kind : {ToolKind::Sphere, ToolKind::FlatCylinder}) {
+    Scene scene = blockScene();
+    scene.tool.kind = kind;
+    scene.tool_max_speed = 2;
+    const Model model = blockModel(scene);
+    Workspace workspace(model, 1);
+    for (const double speed : {0.05, 0.1, 0.2, 0.5, 1.0, 2.0}) {
+      State state = initialState(model);
+      state.tool_pose = toolAt(model, model.touch_travel - 1e-6);
+      double worst = 0, force = 0;
+      for (int k = 1; k <= 20; ++k) {
+        Command command;
+        command.tool_target = toolAt(model, model.touch_travel + std::min(0.003, speed * k / model.scene.rate_hz));
+        const StepReport report = tick(model, state, command, workspace);
+        worst = std::max(worst, report.energy_error);
+        force = std::max(force, report.tool_force.norm());
+      }
+      CAPTURE(speed);
+      CHECK(force > 0.01);  // it did touch
+      CHECK(worst < 0.7 * TrustLimits::energy_error);
+    }
+  }
+}
+
 TEST_CASE("The strain energy is that of the double reference, and the work done on the tissue", "[trust]") {
   for (const bool patches : {false, true}) {
     Scene scene = blockScene();
