@@ -144,7 +144,7 @@ void addSolidCells(std::vector<AtlasAxis>& axes, std::vector<AtlasCell>& cells) 
   for (const double nu : {0.3, 0.45, 0.49, 0.499, 0.4999})
     cells.push_back({"nu-bonded", text(nu), nu == 0.45 ? When::Always : When::Full, [=] { return againstFiner(nu, 0.9); }});
   axes.push_back({"pressure", "Pressure / shear modulus", "The same block confined at its sides, nu 0.499, pressed until its pressure is this multiple of its shear modulus; force beside the closed form."});
-  for (const double p : {1.0, 2.0, 3.0, 3.5, 4.0, 5.0, 10.0})
+  for (const double p : {1.0, 2.0, 3.0, 4.0, 4.5, 5.0, 10.0})
     cells.push_back({"pressure", text(p), p == 2 || p == 5 ? When::Always : When::Full, [=] { return pressure(p); }});
   axes.push_back({"compression", "Compression, %", "Block between plates without friction, nu 0.49; force beside the closed form."});
   for (const double percent : {20, 40, 50, 60, 70, 80})
