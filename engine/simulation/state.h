@@ -27,7 +27,7 @@ enum StepFlag : std::uint32_t {
 /// Why the numbers of a step should not be believed, the gravest that applies (simulation/trust.h).
 enum class Doubt : std::uint8_t {
   None,
-  Volume,     // nearly incompressible tissue is under a mean pressure (or tension) far above its shear modulus
+  Volume,     // nearly incompressible tissue has changed its volume, or is under a pressure far above its shear modulus
   Contact,    // the tool is deep in the skin, or touches more of it than there is memory for
   Squeezed,   // a point is near collapse
   Step,       // deformation has stiffened the tissue beyond what the time step is stable for

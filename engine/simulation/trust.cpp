@@ -11,7 +11,7 @@ namespace {
 double pressureOverShear(const Model& model, double volume_change) {
   double stiffest = 0;
   for (const Material& m : model.materials) stiffest = std::max(stiffest, m.bulk_modulus / m.shear_modulus);
-  return std::abs(volume_change) * stiffest;
+  return -volume_change * stiffest;
 }
 
 }  // namespace
@@ -23,14 +23,16 @@ Doubt doubtOf(const Model& model, const StepReport& report) {
   if (report.step_share > TrustLimits::step_share) return Doubt::Step;
   if (report.min_J < TrustLimits::min_J) return Doubt::Squeezed;
   if ((report.flags & kContactOverflow) || report.max_penetration > TrustLimits::penetration * model.scene.tool.radius) return Doubt::Contact;
-  if (model.nearly_incompressible && pressureOverShear(model, report.volume_change) > TrustLimits::pressure) return Doubt::Volume;
+  if (model.nearly_incompressible && (std::abs(report.volume_change) > TrustLimits::volume_change ||
+                                      pressureOverShear(model, report.volume_change) > TrustLimits::pressure))
+    return Doubt::Volume;
   return Doubt::None;
 }
 
 const char* doubtText(Doubt doubt) {
   switch (doubt) {
     case Doubt::None: return "";
-    case Doubt::Volume: return "the tissue is under more pressure than its shear stiffness can hold: press less";
+    case Doubt::Volume: return "the tissue's volume has changed too much, or is under too high a pressure: press less, finer spacing, or node_patch_volume";
     case Doubt::Contact: return "the tool is deep in the skin: finer spacing, or a blunter tool";
     case Doubt::Squeezed: return "a point is squeezed to less than 0.3 of its volume: press less, or give the material a barrier";
     case Doubt::Step: return "the tissue is now too stiff for the time step: press less, or lower dynamics.step_safety";
