@@ -8,7 +8,7 @@ namespace palpate {
 /// From where on each is doubted.
 struct TrustLimits {
   // Of the tissue's volume, where Poisson's ratio is 0.45 or more. Not wrong by itself (confined blocks of nu 0.45: exact at
-  // 20 %), but the only sign that comes before a free block of nu 0.49 collapses: at 62 % compression, it gives way at 66 %.
+  // 20 %), but the only sign that comes before a free block of nu 0.49 collapses: at 62 % compression; it gives way at 68 %.
   static constexpr double volume_change = 0.02;
   // Mean pressure over the shear modulus, likewise. The nodes' volumes are only as exact as the quadrature: what a
   // pattern of displacements gains from a pressure by that, shear has to hold. Confined blocks of nu
