@@ -1,12 +1,15 @@
 #include "app/interrupt.h"
 
+#include <atomic>
 #include <csignal>
 
 namespace palpate {
 
 namespace {
 
-volatile std::sig_atomic_t asked = 0;
+// Read by any thread; a lock-free atomic may be written by a signal handler.
+std::atomic<int> asked = 0;
+static_assert(std::atomic<int>::is_always_lock_free);
 
 void onSignal(int signal) {
   asked = 1;

@@ -12,7 +12,9 @@ double EnergyBalance::look(double strain, double kinetic, double alternating, do
   mismatch = now;
   fresh = false;
   scale = std::max({scale * kept, strain + kinetic, floor});
-  return (std::abs(drift) + alternating) / scale;
+  alternating_shares[static_cast<std::size_t>(next_share)] = alternating / scale;
+  next_share = (next_share + 1) % static_cast<int>(alternating_shares.size());
+  return std::abs(drift) / scale + *std::min_element(alternating_shares.begin(), alternating_shares.end());
 }
 
 }  // namespace palpate

@@ -20,7 +20,7 @@ struct AtlasCell {
   enum class When { Always, Quick, Full };  // run always, with --quick only, or without only
   std::string axis, value;                  // an axis's key; "0.49"
   When when = When::Full;
-  /// Throws InputError where the set-up refuses, AtlasInterrupted.
+  /// Throws InputError where the set-up refuses, AtlasInterrupted. Cells are run by several threads at once.
   std::function<AtlasMeasure()> run;
 
   std::string name() const;                 // "nu/0.49": on the command line

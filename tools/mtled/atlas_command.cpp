@@ -3,9 +3,13 @@
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
+#include <exception>
 #include <fstream>
 #include <iostream>
 #include <iterator>
+#include <map>
+#include <mutex>
+#include <thread>
 
 #include "app/interrupt.h"
 #include "base/build_info.h"
@@ -52,6 +56,58 @@ AtlasRow runCell(const AtlasCell& cell) {
   return row;
 }
 
+/// Runs the cells that `before` lacks, one on each core. The last are begun first: among them are the longest, which
+/// would else run alone in the end.
+/// @param keep  gets after each cell all that are done, in their order; never called by two threads at once
+/// @return whether it was interrupted
+bool runCells(const std::vector<AtlasCell>& cells, const Atlas& before, const std::function<void(std::vector<AtlasRow>)>& keep) {
+  ProgressLine progress("atlas");
+  std::mutex mutex;  // of what follows
+  std::map<std::size_t, AtlasRow> done;
+  std::size_t left = cells.size();
+  bool stopped = false;
+  std::exception_ptr error;
+
+  const auto work = [&] {
+    std::unique_lock lock(mutex);
+    while (left > 0 && !stopped) {
+      const std::size_t k = --left;
+      const AtlasCell& cell = cells[k];
+      progress.show(static_cast<double>(done.size()) / static_cast<double>(cells.size()), cell.name());
+      const auto earlier = std::find_if(before.rows.begin(), before.rows.end(), [&](const AtlasRow& r) { return r.name == cell.name(); });
+      try {
+        AtlasRow row;
+        if (earlier != before.rows.end()) {
+          row = *earlier;
+        } else {
+          lock.unlock();
+          if (interrupted()) throw AtlasInterrupted();
+          row = runCell(cell);
+          lock.lock();
+        }
+        done[k] = std::move(row);
+        std::vector<AtlasRow> rows;
+        for (const auto& [place, one] : done) rows.push_back(one);
+        keep(std::move(rows));
+      } catch (...) {
+        if (!lock.owns_lock()) lock.lock();
+        if (!stopped) error = std::current_exception();
+        stopped = true;
+      }
+    }
+  };
+  std::vector<std::thread> others;
+  const auto threads = std::min<std::size_t>(cells.size(), std::thread::hardware_concurrency());
+  for (std::size_t t = 1; t < threads; ++t) others.emplace_back(work);
+  work();
+  for (auto& t : others) t.join();
+  try {
+    if (error) std::rethrow_exception(error);
+  } catch (const AtlasInterrupted&) {
+  }
+  return stopped;
+}
+
 Atlas earlierAtlas(const std::string& file, const std::string& identity) {
   std::ifstream in(file, std::ios::binary);
   if (!in) throw InputError({file}, "there is nothing to resume", "start without --resume");
@@ -92,21 +148,10 @@ int atlasCommand(const AtlasOptions& options, const std::vector<AtlasAxis>& axes
     if (!options.json.empty()) writeWholeFile(options.json, jsonOf(atlas));
   };
 
-  bool stopped = false;
-  {
-    ProgressLine progress("atlas");
-    for (std::size_t k = 0; k < cells.size() && !stopped; ++k) {
-      progress.show(static_cast<double>(k) / static_cast<double>(cells.size()), cells[k].name());
-      const auto done = std::find_if(before.rows.begin(), before.rows.end(), [&](const AtlasRow& r) { return r.name == cells[k].name(); });
-      try {
-        if (interrupted()) throw AtlasInterrupted();
-        atlas.rows.push_back(done != before.rows.end() ? *done : runCell(cells[k]));
-        write();
-      } catch (const AtlasInterrupted&) {
-        stopped = true;
-      }
-    }
-  }
+  const bool stopped = runCells(cells, before, [&](std::vector<AtlasRow> rows) {
+    atlas.rows = std::move(rows);
+    write();
+  });
   printAtlas(std::cout, atlas);
   std::cout << "\ntable        " << options.out << "/atlas.csv\nresults      " << options.out << "/atlas.json\n";
   if (!atlas.rows.empty()) {

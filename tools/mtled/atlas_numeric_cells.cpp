@@ -55,7 +55,7 @@ AtlasMeasure timeStep(double share, bool forced) {
 
 Scene tinyBlock() {
   Scene scene = blockScene(BlockFaces::Bonded, 3000, 0.49, 0.85);
-  scene.spacing = 0.012;
+  scene.spacing = 0.016;  // 27 nodes: 10^7 steps within a minute or two
   scene.rate_hz = 100;  // many steps a tick: the steps are what counts here
   return scene;
 }
