@@ -111,10 +111,11 @@ TEST_CASE("What is off leaves nothing in the data that a step reads", "[bench_fe
 TEST_CASE("The bare loop refuses what it does not know", "[bench_features]") {
   const FeatureBench bench = tinyBench();
   Model model = bench.plain();
+  Workspace workspace(model, 1);
   const State start = initialState(model);
   const double mu = 1000, alpha = 2;
   model.kernel.materials[0] = Material::ogden(&mu, &alpha, 1, 1e-5, 1000);
-  CHECK_THROWS_AS(BareLoop(model, start, BareLoop::Contact::None), std::invalid_argument);
+  CHECK_THROWS_AS(BareLoop(model, workspace, start, BareLoop::Contact::None), std::invalid_argument);
 }
 
 TEST_CASE("Every pair is timed, and its ratio is that of its times", "[bench_features]") {

@@ -24,11 +24,12 @@ constexpr int parts = 8;  // as in simulation/step.cpp, for the same sums
 
 }  // namespace
 
-BareLoop::BareLoop(const Model& model, const State& start, Contact contact) : model_(model), state_(start), workspace_(model, 1), contact_(contact) {
+BareLoop::BareLoop(const Model& model, Workspace& workspace, const State& start, Contact contact)
+    : model_(model), state_(start), workspace_(workspace), contact_(contact) {
   for (const Material& m : model.kernel.materials)
     if (m.kind != Material::Kind::NeoHookean) throw std::invalid_argument("the bare kernel knows neo-Hookean material only");
   if (!model.kernel.patch_begin.empty()) throw std::invalid_argument("the bare kernel knows no node patches");
-  workspace_.kernel.passes = &barePasses(chosenInstructionSet());
+  passes_ = &barePasses(chosenInstructionSet());
 }
 
 StepReport BareLoop::tick() {
@@ -36,8 +37,11 @@ StepReport BareLoop::tick() {
     findContactCandidates(model_.skin, state_.u.data(), model_.scene.tool, state_.tool_pose, 2 * model_.scene.tool_max_speed / model_.scene.rate_hz,
                           state_.contact);
   takeBackCreep(model_.boundary, static_cast<double>(state_.step) * model_.dt, state_.u.data(), state_.u_low.data(), workspace_.boundary);
+  const KernelPasses<float>* all = workspace_.kernel.passes;
+  workspace_.kernel.passes = passes_;
   StepReport report;
   for (int k = 0; k < model_.substeps_per_tick; ++k) report = step();
+  workspace_.kernel.passes = all;
   ++state_.tick;
   return report;
 }

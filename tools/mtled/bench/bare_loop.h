@@ -14,8 +14,9 @@ class BareLoop {
  public:
   enum class Contact { None, Frictionless };
 
-  /// @param model  neo-Hookean, without node patches; outlives the loop
-  BareLoop(const Model& model, const State& start, Contact contact);
+  /// @param model      neo-Hookean, without node patches
+  /// @param workspace  of one thread; both outlive the loop
+  BareLoop(const Model& model, Workspace& workspace, const State& start, Contact contact);
 
   /// With the tool held where it is.
   StepReport tick();
@@ -26,8 +27,9 @@ class BareLoop {
 
   const Model& model_;
   State state_;
-  Workspace workspace_;
+  Workspace& workspace_;
   Contact contact_;
+  const KernelPasses<float>* passes_ = nullptr;
 };
 
 }  // namespace palpate

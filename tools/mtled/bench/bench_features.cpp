@@ -20,32 +20,44 @@ namespace {
 constexpr double limit = 0.01;         // of a step: what a feature that is off may cost
 constexpr double pressed_depth = 3e-3; // m: under a third of the ball's radius
 
-/// tick() and nothing around it, the tool held where it is.
+/// tick() and nothing around it, the tool held where it is. Loops of one body share tables and workspace, so that no luck with the
+/// places of pages and cache lines comes between them.
 class TickLoop final : public FeatureLoop {
  public:
-  TickLoop(const Model& model, const State& start, int pulled = -1) : model_(model), state_(start), workspace_(model, 1) {
+  struct Use {
+    double friction = 0;
+    Material material;
+    int pulled = -1;  // skin vertex
+  };
+  TickLoop(Model& model, Workspace& workspace, const State& start, const Use& use) : model_(model), workspace_(workspace), state_(start), use_(use) {
     command_.tool_target = start.tool_pose;
-    command_.pull_vertex = pulled;
-    if (pulled >= 0) command_.pull_target = model.skin.surface.vertices[pulled] + Vec3(0, 0, 2e-3);
+    command_.pull_vertex = use.pulled;
+    if (use.pulled >= 0) command_.pull_target = model.skin.surface.vertices[use.pulled] + Vec3(0, 0, 2e-3);
   }
   double run(int ticks, const Meter& meter) override {
+    model_.scene.friction = use_.friction;
+    model_.kernel.materials[0] = use_.material;
     tick(model_, state_, command_, workspace_);
     const double before = meter();
     for (int k = 0; k < ticks; ++k) tick(model_, state_, command_, workspace_);
-    return meter() - before;
+    const double growth = meter() - before;
+    model_.scene.friction = 0;
+    model_.kernel.materials[0] = model_.materials[0];
+    return growth;
   }
   const State& state() const override { return state_; }
 
  private:
-  const Model& model_;
+  Model& model_;
+  Workspace& workspace_;
   State state_;
-  Workspace workspace_;
   Command command_;
+  Use use_;
 };
 
 class HandWrittenLoop final : public FeatureLoop {
  public:
-  HandWrittenLoop(const Model& model, const State& start, BareLoop::Contact contact) : loop_(model, start, contact) {}
+  HandWrittenLoop(const Model& model, Workspace& workspace, const State& start, BareLoop::Contact contact) : loop_(model, workspace, start, contact) {}
   double run(int ticks, const Meter& meter) override {
     loop_.tick();
     const double before = meter();
@@ -183,20 +195,14 @@ FeatureBench::FeatureBench(const BenchSize& size, const std::function<void(const
   load("a box", 0, [](Scene&) {});
   load("with node patches", 0.3, [](Scene& s) { s.node_patch_volume = true; });
   load("with adaptive points", 0.6, [](Scene& s) { s.quadrature.accuracy = 0.1, s.quadrature.max_depth = 1; });
+  for (const auto& model : models_) workspaces_.push_back(std::make_unique<Workspace>(*model, 1));
   Model& model = *models_[0];
-  const auto variant = [&](const std::function<void(Model&)>& turn) -> Model& {
-    models_.insert(models_.end() - 1, std::make_unique<Model>(model));
-    turn(*models_[models_.size() - 2]);
-    return *models_[models_.size() - 2];
-  };
-  const Model& patches = *models_[1];
-  const Model& ogden = variant([](Model& m) { m.kernel.materials[0] = m.materials[0] = ogdenLike(m.materials[0]); });
-  const Model& rough = variant([](Model& m) { m.scene.friction = 0.5; });
-  Model& recorded = variant([](Model&) {});
-
-  const State touching = pressed(model), free = released(model, touching);  // of all variants: they have the same nodes
+  const State touching = pressed(model), free = released(model, touching);  // of all three: they have the same nodes
   const State at_rest = initialState(model);
-  const auto ticks = [](const Model& m, const State& s, int pulled = -1) { return std::make_shared<TickLoop>(m, s, pulled); };
+  const Material& soft = model.materials[0];
+  const auto ticks = [&](const State& start, const TickLoop::Use& use, std::size_t body = 0) {
+    return std::make_shared<TickLoop>(*models_[body], *workspaces_[body], start, use);
+  };
   const auto add = [&](const char* name, const char* with_text, const char* without_text, double bound, std::shared_ptr<FeatureLoop> with,
                        std::shared_ptr<FeatureLoop> without) {
     FeatureRow row;
@@ -206,21 +212,23 @@ FeatureBench::FeatureBench(const BenchSize& size, const std::function<void(const
     row.limit = bound;
     pairs_.push_back({row, std::move(with), std::move(without)});
   };
-  add("contact", "ball 3 mm deep", "out of reach", NAN, ticks(model, touching), ticks(model, free));
-  add("friction", "coefficient 0.5", "0, ball 3 mm deep", NAN, ticks(rough, touching), ticks(model, touching));
-  add("pull", "at one vertex", "none", NAN, ticks(model, free, 0), ticks(model, free));
-  add("Ogden material", "two terms", "neo-Hookean", NAN, ticks(ogden, free), ticks(model, free));
-  add("node patches", "volume of patches", "of points", NAN, ticks(patches, free), ticks(model, free));
-  add("adaptive points", "tau 0.1, one division", "one a cell", NAN, ticks(adaptive(), free), ticks(model, free));
-  add("recording", "a change each tick", "none", NAN, std::make_shared<RealTimeLoop>(recorded, true), std::make_shared<RealTimeLoop>(recorded, false));
-  add("snapshots, force, watchdog, statistics", "in the real-time loop", "ticks alone", NAN, std::make_shared<RealTimeLoop>(recorded, false), ticks(model, at_rest));
+  const TickLoop::Use plain_use{0, soft};
+  const auto bare = [&](const State& start, BareLoop::Contact contact) { return std::make_shared<HandWrittenLoop>(model, *workspaces_[0], start, contact); };
+  const auto real_time = [&](bool record) { return std::make_shared<RealTimeLoop>(model, record); };
+  add("contact", "ball 3 mm deep", "out of reach", NAN, ticks(touching, plain_use), ticks(free, plain_use));
+  add("friction", "coefficient 0.5", "0, ball 3 mm deep", NAN, ticks(touching, {0.5, soft}), ticks(touching, plain_use));
+  add("pull", "at one vertex", "none", NAN, ticks(free, {0, soft, 0}), ticks(free, plain_use));
+  add("Ogden material", "two terms", "neo-Hookean", NAN, ticks(free, {0, ogdenLike(soft)}), ticks(free, plain_use));
+  add("node patches", "volume of patches", "of points", NAN, ticks(free, plain_use, 1), ticks(free, plain_use));
+  add("adaptive points", "tau 0.1, one division", "one a cell", NAN, ticks(free, plain_use, 2), ticks(free, plain_use));
+  add("recording", "a change each tick", "none", NAN, real_time(true), real_time(false));
+  add("snapshots, force, watchdog, statistics", "in the real-time loop", "ticks alone", NAN, real_time(false), ticks(at_rest, plain_use));
 
-  add("contact, friction, pull, Ogden, node patches", "a tick with all of them off", "a loop and a kernel that know none", limit, ticks(model, free),
-      std::make_shared<HandWrittenLoop>(model, free, BareLoop::Contact::None));
-  add("friction", "contact with coefficient 0", "contact that knows no friction", limit, ticks(model, touching),
-      std::make_shared<HandWrittenLoop>(model, touching, BareLoop::Contact::Frictionless));
-  add("recording, and a viewer's overlays", "the real-time loop, nobody looking", "ticks alone", limit, std::make_shared<RealTimeLoop>(recorded, false),
-      ticks(model, at_rest));
+  add("contact, friction, pull, Ogden, node patches", "a tick with all of them off", "a loop and a kernel that know none", limit, ticks(free, plain_use),
+      bare(free, BareLoop::Contact::None));
+  add("friction", "contact with coefficient 0", "contact that knows no friction", limit, ticks(touching, plain_use),
+      bare(touching, BareLoop::Contact::Frictionless));
+  add("recording, and a viewer's overlays", "the real-time loop, nobody looking", "ticks alone", limit, real_time(false), ticks(at_rest, plain_use));
 }
 
 void timePairs(std::vector<FeaturePair>& pairs, double seconds, const std::function<void(double)>& watch) {

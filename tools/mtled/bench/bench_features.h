@@ -8,6 +8,7 @@
 #include "mtled/bench/bench_body.h"
 #include "mtled/bench/feature_report.h"
 #include "simulation/state.h"
+#include "simulation/workspace.h"
 
 namespace palpate {
 
@@ -46,7 +47,8 @@ class FeatureBench {
   std::vector<FeaturePair>& pairs() { return pairs_; }
 
  private:
-  std::vector<std::unique_ptr<Model>> models_;
+  std::vector<std::unique_ptr<Model>> models_;          // plain, with node patches, with adaptive points
+  std::vector<std::unique_ptr<Workspace>> workspaces_;  // of each
   std::vector<FeaturePair> pairs_;
 };
 
