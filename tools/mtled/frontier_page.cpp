@@ -64,7 +64,7 @@ CaseResult refineCase(const Frontier& f) {
   one.name = "refine";
   one.title = "What nodes where the tool works buy";
   one.text = "The spacing is given as a multiple of the scene's, away from the tool's way and at it. Beside each what *uniform* nodes would cost at the same "
-             "force error, between (or beyond) the rows of the spacing above on logarithmic scales.";
+             "force error, by the power law through the rows of the spacing above.";
   ResultTable table{"", {"setting", "nodes", "force error", "us / ms", "uniform nodes, us / ms", "times as fast"}, {}, ""};
   double most = NAN;
   for (const auto& r : f.rows) {
@@ -82,17 +82,18 @@ CaseResult refineCase(const Frontier& f) {
 }  // namespace
 
 double uniformCostAt(const Frontier& f, double force_error) {
-  std::vector<std::pair<double, double>> curve;  // logarithms of error and cost
-  for (const auto& r : f.rows)
-    if ((r.group == "present" || r.group == "spacing") && compared(r)) curve.emplace_back(std::log(r.error.force), std::log(r.cost.us_per_ms));
-  std::sort(curve.begin(), curve.end());
-  if (curve.size() < 2) return NAN;
-  const double at = std::log(force_error);
-  std::size_t k = 1;
-  while (k + 1 < curve.size() && curve[k].first < at) ++k;
-  const auto &a = curve[k - 1], &b = curve[k];
-  if (a.first == b.first) return std::exp(std::min(a.second, b.second));
-  return std::exp(a.second + (at - a.first) / (b.first - a.first) * (b.second - a.second));
+  double count = 0, x = 0, y = 0, xx = 0, xy = 0;
+  for (const auto& r : f.rows) {
+    if ((r.group != "present" && r.group != "spacing") || !compared(r)) continue;
+    const double log_error = std::log(r.error.force), log_cost = std::log(r.cost.us_per_ms);
+    count += 1;
+    x += log_error;
+    y += log_cost;
+    xx += log_error * log_error;
+    xy += log_error * log_cost;
+  }
+  const double slope = (count * xy - x * y) / (count * xx - x * x);
+  return count >= 2 && slope < 0 ? std::exp(y / count + slope * (std::log(force_error) - x / count)) : NAN;
 }
 
 void writeFrontierPage(const std::string& folder, const std::string& command, const Frontier& frontier) {

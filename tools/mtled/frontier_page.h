@@ -6,8 +6,8 @@
 
 namespace palpate {
 
-/// What uniform nodes would cost at a force error: between the rows of groups "present" and "spacing" by their logarithms, beyond them
-/// by the nearest two. us per millisecond of physics; NaN where there are fewer than two such rows.
+/// What uniform nodes would cost at a force error: by the power law that fits the rows of groups "present" and "spacing" best (least
+/// squares of logarithms). us per millisecond of physics; NaN where there are fewer than two such rows, or finer ones are not dearer.
 double uniformCostAt(const Frontier& frontier, double force_error);
 
 /// Writes README.md (tables of all settings, the picture with the Pareto front, what refinement buys), frontier.png and results.json
