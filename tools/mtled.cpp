@@ -76,6 +76,7 @@ int main(int argc, char** argv) {
   BenchOptions bench;
   CLI::App* bench_app = app.add_subcommand("bench", "Time the force kernels beside this machine's ceilings");
   bench_app->footer(examplesOf(*bench_app));
+  bench_app->add_flag("--features", bench.features, "Instead: what each feature that a scene may use costs, on and off");
   bench_app->add_flag("--quick", bench.quick, "Bodies of 1,000 and 5,000 nodes only, under half a minute");
   bench_app->add_option("--json", bench.json, "Write the results to this file")->type_name("FILE");
   bench_app->add_option("--plot", bench.plot, "Draw the roofline of one core into this PNG")->type_name("FILE");
@@ -90,6 +91,7 @@ int main(int argc, char** argv) {
   frontier_app->add_option("SCENE", frontier.scene, "Scene file (.toml), or the name of one in assets/scenes")->required();
   frontier_app->add_option("--out", frontier.out, "Folder for the results (out/<scene>_frontier)")->type_name("DIR");
   frontier_app->add_option("--tool", frontier.tool_script, "The tool's way (the built-in indentation)")->type_name("SCRIPT");
+  frontier_app->add_option("--report", frontier.report, "Write a page with tables and the picture into this folder")->type_name("DIR");
   frontier_app->add_flag("--quick", frontier.quick, "The most telling settings, and a coarser reference");
   frontier_app->add_flag("--resume", frontier.resume, "Keep the settings that the folder has already");
 
@@ -102,6 +104,8 @@ int main(int argc, char** argv) {
   fit_app->add_option("--out", fit.out, "Scene file to write (out/<scene>_<rate>hz.toml)")->type_name("FILE");
   fit_app->add_option("--json", fit.json, "Write what was found to this file")->type_name("FILE");
   fit_app->add_option("--tool", fit.tool_script, "The tool's way (the built-in indentation)")->type_name("SCRIPT");
+  fit_app->add_flag("--uniform", fit.uniform, "The same spacing everywhere, for a tool that goes anywhere");
+  fit_app->add_flag("--resume", fit.resume, "Keep what was tried already: FILE.fit.json beside the scene to write");
 
   AtlasOptions atlas;
   std::string axes = "Axes (AXIS/VALUE for one cell):";

@@ -8,6 +8,12 @@
 namespace palpate {
 namespace {
 
+#ifdef PALPATE_BARE_KERNEL  // barePassesFor, in kernel_passes.h
+constexpr bool bare = true;
+#else
+constexpr bool bare = false;
+#endif
+
 /// Tensors of the 16 points of a batch, in memory between the passes over their quads.
 template <class Real>
 struct alignas(64) BatchTensors {
@@ -167,14 +173,15 @@ struct Kernel {
   void batchesForces(const Material& material, int begin, int end, const Real4<Real>* u, Real4<Real>* f, Sums& sums) const {
     using Lanes = LanesOf<Real>;
     const MaterialLanes lanes(material);
+    const bool patches = !bare && k.patch_begin;
     BatchTensors<Real> tensors;
     for (int batch = begin; batch < end; ++batch) {
-      if (!k.patch_begin) displacementGradients(batch, u, tensors);
+      if (!patches) displacementGradients(batch, u, tensors);
       for (int part = 0; part < part_count<Real>; ++part) {
         const int first = part * Lanes::width, first_point = batch * 16 + first;
         TensorLanesOf<Real> H, P;
         PointStateOf<Real> state;
-        if (k.patch_begin) {
+        if (patches) {
           for (int c = 0; c < 9; ++c) H[c] = Lanes::load(&k.displacement_gradient[static_cast<std::ptrdiff_t>(batch) * 144 + 16 * c + first]);
           const Lanes pressure = patchPressure(first_point);
           state = lanes.firstPiola(H, P, &pressure);
@@ -206,7 +213,7 @@ struct Kernel {
       const Material& material = k.materials[material_index];
       int end = batch;
       while (end < last && k.batch_material[end] == material_index) ++end;
-      if (material.kind == Material::Kind::NeoHookean)
+      if (bare || material.kind == Material::Kind::NeoHookean)
         batchesForces<NeoHookeanLanes<Real>>(material, batch, end, u, f, sums);
       else
         batchesForces<OgdenLanes<Real>>(material, batch, end, u, f, sums);
@@ -271,6 +278,12 @@ constexpr KernelPasses<Real> passes{dilatation<Real>, sumPatches<Real>, forces<R
 
 }  // namespace
 
+#ifdef PALPATE_BARE_KERNEL
+template <>
+const KernelPasses<float>& barePassesFor<InstructionSet::PALPATE_KERNEL>() {
+  return passes<float>;
+}
+#else
 template <>
 const KernelPasses<float>& passesFor<InstructionSet::PALPATE_KERNEL, float>() {
   return passes<float>;
@@ -279,5 +292,6 @@ template <>
 const KernelPasses<double>& passesFor<InstructionSet::PALPATE_KERNEL, double>() {
   return passes<double>;
 }
+#endif
 
 }  // namespace palpate

@@ -2,7 +2,6 @@
 
 #include <atomic>
 #include <catch2/catch.hpp>
-#include <csignal>
 #include <set>
 
 #include "mtled/atlas_block.h"

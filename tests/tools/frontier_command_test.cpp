@@ -7,6 +7,7 @@
 
 #include "io/csv_table.h"
 #include "mtled/converged_run.h"
+#include "mtled/frontier_page.h"
 #include "mtled/frontier_result.h"
 #include "mtled/frontier_settings.h"
 #include "support/small_scene.h"
@@ -136,6 +137,39 @@ TEST_CASE("A refined reference is closer to a finer one than the block as it is;
   }
   folder.write("reference.json", bytes.substr(0, bytes.size() / 2));
   CHECK_FALSE(readConvergedRun(file, "abc", back));
+}
+
+TEST_CASE("What uniform nodes would cost follows a power law through the rows of the spacing", "[frontier]") {
+  Frontier f = madeUp();
+  f.rows = {row("as it is", 1000, 0.04), row("spacing x 2", 100, 0.16), row("elsewhere", 1, 0.01)};
+  f.rows[0].group = "present";
+  f.rows[2].group = "precision";
+  CHECK(uniformCostAt(f, 0.04) == Approx(1000));
+  CHECK(uniformCostAt(f, 0.08) == Approx(std::sqrt(1e5)));  // half way on both logarithmic scales
+  CHECK(uniformCostAt(f, 0.02) == Approx(1000 * std::sqrt(10)));
+  f.rows.pop_back();
+  f.rows.back().error.force = NAN;
+  CHECK(std::isnan(uniformCostAt(f, 0.04)));
+}
+
+TEST_CASE("The frontier's page has every setting, the picture and what refinement buys", "[frontier]") {
+  Frontier f = madeUp();
+  f.rows[0].group = "present";
+  f.rows.erase(f.rows.begin() + 2);
+  FrontierRow refined = row("outside x 2, inside x 0.7", 100, 0.05);
+  refined.group = "refined at the tool";
+  f.rows.push_back(refined);
+  const TempFolder folder;
+  writeFrontierPage(folder.path("page"), "mtled frontier made_up", f);
+  std::ifstream in(folder.path("page/README.md"));
+  std::stringstream page;
+  page << in.rdbuf();
+  for (const auto& r : f.rows) CHECK_THAT(page.str(), Catch::Contains(r.name));
+  CHECK_THAT(page.str(), Catch::Contains("mtled frontier made_up") && Catch::Contains("(frontier.png)") && Catch::Contains("blew up after 3 ticks"));
+  // "as it is" costs 600 at the same error of 0.05.
+  CHECK_THAT(page.str(), Catch::Contains("| outside x 2, inside x 0.7 | 100 | 5.00 % | 100 | 600 | 6.0 |"));
+  CHECK(std::ifstream(folder.path("page/frontier.png")).good());
+  CHECK(std::ifstream(folder.path("page/results.json")).good());
 }
 
 TEST_CASE("Nothing to resume, or something of another scene, is refused", "[frontier]") {

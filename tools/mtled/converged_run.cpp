@@ -1,13 +1,17 @@
 #include "mtled/converged_run.h"
 
 #include <algorithm>
+#include <cstdio>
+#include <cstring>
 #include <fstream>
-#include <nlohmann/json.hpp>
 #include <sstream>
 #include <stdexcept>
 
+#include "base/build_info.h"
 #include "io/load_model.h"
 #include "io/output_file.h"
+#include "mtled/vector_json.h"
+#include "realtime/recording.h"
 
 namespace palpate {
 namespace {
@@ -15,18 +19,6 @@ namespace {
 constexpr double reference_safety = 0.4;
 
 using Json = nlohmann::json;
-
-Json toJson(const std::vector<Vec3>& vectors) {
-  Json json = Json::array();
-  for (const Vec3& v : vectors) json.push_back({v.x(), v.y(), v.z()});
-  return json;
-}
-
-std::vector<Vec3> toVectors(const Json& json) {
-  std::vector<Vec3> vectors;
-  for (const Json& v : json) vectors.emplace_back(v.at(0).get<double>(), v.at(1).get<double>(), v.at(2).get<double>());
-  return vectors;
-}
 
 }  // namespace
 
@@ -69,7 +61,7 @@ ConvergedRun convergedRun(const Model& present, const ToolWay& way, const std::v
 void writeConvergedRun(const std::string& file, const ConvergedRun& c, const std::string& identity) {
   const Json json = {{"identity", identity}, {"nodes", c.about.nodes}, {"points", c.about.points}, {"peak_force_N", c.about.peak_force},
                      {"coarser_nodes", c.about.coarser_nodes}, {"force_distance", c.about.convergence.force},
-                     {"displacement_distance", c.about.convergence.displacement}, {"force_N", toJson(c.run.force)}, {"probe_u_m", toJson(c.run.probe_u)}};
+                     {"displacement_distance", c.about.convergence.displacement}, {"force_N", vectorsToJson(c.run.force)}, {"probe_u_m", vectorsToJson(c.run.probe_u)}};
   writeWholeFile(file, json.dump() + "\n");
 }
 
@@ -83,13 +75,30 @@ bool readConvergedRun(const std::string& file, const std::string& identity, Conv
     if (j.at("identity") != identity) return false;
     ConvergedRun c;
     c.about = {j.at("nodes"), j.at("points"), j.at("peak_force_N"), j.at("coarser_nodes"), {j.at("force_distance"), j.at("displacement_distance")}};
-    c.run.force = toVectors(j.at("force_N"));
-    c.run.probe_u = toVectors(j.at("probe_u_m"));
+    c.run.force = vectorsFromJson(j.at("force_N"));
+    c.run.probe_u = vectorsFromJson(j.at("probe_u_m"));
     converged = std::move(c);
     return true;
   } catch (const nlohmann::json::exception&) {
     return false;
   }
+}
+
+std::string runIdentity(const Model& model, const ToolWay& way, const std::vector<double>& numbers) {
+  std::uint64_t hash = modelHash(model);
+  const auto add = [&](double value) {
+    std::uint64_t bits = 0;
+    std::memcpy(&bits, &value, sizeof bits);
+    hash = (hash ^ bits) * 0x100000001b3ull;  // FNV-1a by words
+  };
+  for (const double number : numbers) add(number);
+  add(model.scene.damping);
+  for (const char c : sourceIdentity()) add(c);
+  for (const Pose& pose : way)
+    for (int c = 0; c < 3; ++c) add(pose.position[c]);
+  char text[20];
+  std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(hash));
+  return text;
 }
 
 std::vector<Vec3> surfaceProbes(const Model& model, int count) {

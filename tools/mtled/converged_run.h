@@ -28,6 +28,9 @@ ConvergedRun convergedRun(const Model& present, const ToolWay& way, const std::v
                           const Fineness& fineness, int threads,
                           const std::function<void(double, const std::string&)>& watch);
 
+/// Tells model, tool's way and program from others, and these numbers: what a resumed run must agree in. Hexadecimal.
+std::string runIdentity(const Model& model, const ToolWay& way, const std::vector<double>& numbers);
+
 /// Keeps a converged run in a file. @param identity  of scene and way, checked by the reader
 void writeConvergedRun(const std::string& file, const ConvergedRun& converged, const std::string& identity);
 /// False where there is no such file of that identity, or it is damaged.

@@ -55,8 +55,16 @@ std::string fittedText(const std::string& scene_file, const Scene& given, const 
   text = withSceneKey(text, "discretization", "points_per_cell", std::to_string(fitted.quadrature.points_per_cell));
   text = withSceneKey(text, "discretization", "consistent_gradients", "true");
   text = withSceneKey(text, "discretization", "node_patch_volume", "true");
+  if (!fitted.refine.empty()) {
+    std::string refine;
+    for (const auto& r : fitted.refine)
+      refine += (refine.empty() ? "[{ centre = [" : ", { centre = [") + shortest(r.centre.x()) + ", " + shortest(r.centre.y()) + ", " + shortest(r.centre.z()) +
+                "], radius = " + shortest(r.radius) + ", spacing = " + shortest(r.spacing) + " }";
+    text = withSceneKey(text, "discretization", "refine", refine + "]");
+  }
   text = withSceneKey(text, "dynamics", "rate", shortest(fitted.rate_hz));
   text = withSceneKey(text, "dynamics", "time_step", "0");
+  if (fitted.mass_scaling != given.mass_scaling) text = withSceneKey(text, "dynamics", "mass_scaling", shortest(fitted.mass_scaling));
   text = withSceneKey(text, "dynamics", "threads", std::to_string(fitted.threads));
   return text;
 }
@@ -65,17 +73,22 @@ std::string fittedText(const std::string& scene_file, const Scene& given, const 
 bool says(const Scene& scene, const Scene& fitted) {
   const auto near = [](double a, double b) { return std::abs(a - b) <= 1e-5 * std::abs(b); };
   return near(scene.spacing, fitted.spacing) && near(scene.support_factor, fitted.support_factor) && near(scene.rate_hz, fitted.rate_hz) &&
-         scene.threads == fitted.threads && scene.quadrature.accuracy == 0 &&
-         scene.quadrature.points_per_cell == fitted.quadrature.points_per_cell;
+         scene.threads == fitted.threads && scene.mass_scaling == fitted.mass_scaling && scene.quadrature.accuracy == 0 &&
+         scene.quadrature.points_per_cell == fitted.quadrature.points_per_cell &&
+         std::equal(scene.refine.begin(), scene.refine.end(), fitted.refine.begin(), fitted.refine.end(), [&](const RefineSpec& a, const RefineSpec& b) {
+           return near(a.spacing, b.spacing) && near(a.radius, b.radius) && (a.centre - b.centre).norm() <= 1e-4 * b.radius;
+         });
 }
 
-}  // namespace
+void stopIfInterrupted() {
+  if (interrupted()) throw std::runtime_error("interrupted");
+}
 
-int fitCommand(const FitOptions& options) {
+int fit(const FitOptions& options) {
   const std::string scene_file = findScene(options.scene, std::string(PALPATE_SOURCE_DIR) + "/assets/scenes");
   const Scene given = readScene(scene_file);
   if (!given.refine.empty())
-    throw InputError(given.refine.front().place, "`mtled fit` chooses one spacing for the whole organ", "leave the refinements out");
+    throw InputError(given.refine.front().place, "`mtled fit` chooses the spacing and where it is finer itself", "leave the refinements out");
   if (given.quadrature.accuracy > 0)
     throw InputError(given.place, "`mtled fit` uses one point a cell", "leave quadrature_accuracy out");
   Scene scene = given;
@@ -84,6 +97,7 @@ int fitCommand(const FitOptions& options) {
   const std::string out = options.out.empty() ? "out/" + std::filesystem::path(scene_file).stem().string() + "_" + shortest(scene.rate_hz) + "hz.toml" : options.out;
   if (std::filesystem::exists(out) && std::filesystem::equivalent(out, scene_file))
     throw InputError({out}, "this is the scene itself", "give another --out");
+  const std::string stem = std::filesystem::path(out).replace_extension().string();
   const auto parent = std::filesystem::absolute(out).parent_path();
   std::error_code problem;
   std::filesystem::create_directories(parent, problem);
@@ -95,28 +109,45 @@ int fitCommand(const FitOptions& options) {
   const ToolWay way = options.tool_script.empty() ? indentationWay(present)
                                                   : scriptPoses(readToolScript(options.tool_script, scene.tool.radius), present);
   const auto probes = surfaceProbes(present, probe_count);
-  const auto families = fitFamilies(scene);
+  const WorkedOn place = options.uniform ? WorkedOn{} : workedOn(present, way);
+  const auto families = fitFamilies(scene, place);
+  const std::vector<double> asked = {scene.rate_hz, static_cast<double>(scene.threads)};
+  FitRecord record(stem + ".fit.json", runIdentity(present, way, asked));
+  if (options.resume) record.resume();
+
+  FitTask task{scene, way, probes, scene.threads, record, {}};
   std::vector<FitCandidate> candidates;
+  double start = 1;
   for (std::size_t k = 0; k < families.size(); ++k) {
-    const FitTask task{scene, way, probes, scene.threads, [&](double fraction, const std::string& what) {
-                         progress.show(0.5 * (static_cast<double>(k) + fraction) / static_cast<double>(families.size()), what);
-                       }};
-    FitCandidate c = finestWithin(task, families[k], median_share);
-    if (c.spacing_factor > 0) candidates.push_back(std::move(c));
+    task.watch = [&](double fraction, const std::string& what) {
+      progress.show(0.6 * (static_cast<double>(k) + fraction) / static_cast<double>(families.size()), what);
+    };
+    // Finer nodes where the tool works take time from the others.
+    FitCandidate c = finestWithin(task, families[k], median_share, families[k].inside < 1 ? 1.1 * start : 1);
+    if (c.spacing_factor == 0) continue;
+    if (k == 0) start = c.spacing_factor;
+    candidates.push_back(std::move(c));
   }
-  if (interrupted()) throw std::runtime_error("interrupted; nothing is written");
+  stopIfInterrupted();
   if (candidates.empty()) {
     std::cerr << "mtled: no setting of this scene holds " << scene.rate_hz << " Hz with " << scene.threads << " threads on this machine\n";
     return 1;
   }
 
   // Finer than the finest candidate.
-  double finest = candidates.front().spacing_factor;
-  for (const auto& c : candidates) finest = std::min(finest, c.spacing_factor);
-  const WorkedOn place = workedOn(present, way);
-  const Fineness fineness = fitFineness(finest);
-  const ConvergedRun converged = convergedRun(present, way, probes, place, fineness, scene.threads,
-                                              [&](double fraction, const std::string& what) { progress.show(0.5 + 0.3 * fraction, what); });
+  double outside = INFINITY, inside = INFINITY;
+  for (const auto& c : candidates) {
+    outside = std::min(outside, c.spacing_factor);
+    inside = std::min(inside, c.spacing_factor * c.inside);
+  }
+  const Fineness fineness = fitFineness(outside, inside);
+  const std::string reference_file = stem + ".reference.json", reference = runIdentity(present, way, {fineness.outside, fineness.inside});
+  ConvergedRun converged;
+  if (!options.resume || !readConvergedRun(reference_file, reference, converged)) {
+    converged = convergedRun(present, way, probes, workedOn(present, way), fineness, scene.threads,
+                             [&](double fraction, const std::string& what) { progress.show(0.6 + 0.3 * fraction, what); });
+    writeConvergedRun(reference_file, converged, reference);
+  }
   for (auto& c : candidates) {
     c.error = errorOf(c.run, converged.run);
     c.expected_error = expectedError(c.error, converged, fineness.coarser);
@@ -128,21 +159,18 @@ int fitCommand(const FitOptions& options) {
   HeldRate held;
   bool holds = false;
   for (int attempt = 0; attempt < most_checks && !holds && !interrupted(); ++attempt) {
-    progress.show(0.8 + 0.05 * attempt, "in the real-time loop");
+    progress.show(0.9 + 0.02 * attempt, "in the real-time loop");
     Model model = loadModel(chosen.scene);
     held = checkRate(model, way, scene.threads, check_seconds);
     holds = held.held(scene.rate_hz);
     if (holds) break;
-    scaleSpacing(chosen.scene, 1.06);
-    const Model coarser = loadModel(chosen.scene);
-    chosen.nodes = coarser.nodeCount();
-    chosen.points = coarser.pointCount();
-    chosen.substeps = coarser.substeps_per_tick;
-    chosen.run = runWay(coarser, way, probes, scene.threads);
+    const auto family = std::find_if(families.begin(), families.end(), [&](const FitFamily& f) { return f.name == chosen.family; });
+    chosen = tried(task, *family, 1.06 * chosen.spacing_factor);
+    if (chosen.nodes == 0 || chosen.run.interrupted) break;
     chosen.error = errorOf(chosen.run, converged.run);
     chosen.expected_error = expectedError(chosen.error, converged, fineness.coarser);
   }
-  if (interrupted()) throw std::runtime_error("interrupted; nothing is written");
+  stopIfInterrupted();
   if (!holds) {
     std::cerr << "mtled: " << scene.rate_hz << " Hz are not held in the real-time loop: " << held.overruns << " of " << held.ticks + held.overruns
               << " periods missed, p99.9 " << held.step_us.p999 << " us. Is another program busy?\n";
@@ -161,16 +189,35 @@ int fitCommand(const FitOptions& options) {
               100 * chosen.error.force, converged.about.nodes);
   std::printf("  headroom               %.0f %% of a tick at p99.9 (%.0f of %.0f us), %lld of %lld periods missed\n", 100 * headroom,
               held.step_us.p999, 1e6 / scene.rate_hz, static_cast<long long>(held.overruns), static_cast<long long>(held.ticks + held.overruns));
+  if (!chosen.scene.refine.empty())
+    std::printf("  nodes                  %.3g mm apart within %.3g mm of where the tool works, %.3g mm elsewhere (--uniform: the same everywhere)\n",
+                1e3 * chosen.scene.refine.front().spacing, 1e3 * chosen.scene.refine.front().radius, 1e3 * chosen.scene.spacing);
+  for (const auto& c : candidates)
+    std::printf("  %s %s, spacing x %.3g: %d nodes, %.2f %% expected\n", c.family == chosen.family ? "chosen               " : "also                 ",
+                c.family.c_str(), c.spacing_factor, c.nodes, 100 * c.expected_error);
   std::printf("  scene                  %s\n", out.c_str());
   if (!options.json.empty()) {
-    const nlohmann::ordered_json json = {{"scene", given.name}, {"file", out}, {"rate_hz", scene.rate_hz}, {"threads", scene.threads}, {"family", chosen.family},
-                                         {"spacing_m", chosen.scene.spacing}, {"nodes", chosen.nodes}, {"points", chosen.points}, {"substeps", chosen.substeps},
+    const nlohmann::ordered_json json = {{"scene", given.name}, {"file", out}, {"rate_hz", scene.rate_hz}, {"threads", scene.threads}, {"family", chosen.family}, {"mass_scaling", chosen.scene.mass_scaling},
+                                         {"spacing_m", chosen.scene.spacing},
+                                         {"spacing_where_the_tool_works_m", chosen.scene.spacing * chosen.inside}, {"nodes", chosen.nodes}, {"points", chosen.points}, {"substeps", chosen.substeps},
                                          {"expected_force_error", chosen.expected_error}, {"distance_from_reference", chosen.error.force},
                                          {"reference_nodes", converged.about.nodes}, {"tick_p999_us", held.step_us.p999}, {"headroom", headroom},
                                          {"overruns", held.overruns}, {"ticks", held.ticks}, {"realtime_factor", held.realtime_factor}, {"build", buildInfo()}};
     writeWholeFile(options.json, json.dump(2) + "\n");
   }
   return 0;
+}
+
+}  // namespace
+
+int fitCommand(const FitOptions& options) {
+  try {
+    return fit(options);
+  } catch (const std::runtime_error&) {
+    if (!interrupted()) throw;
+    std::cerr << "mtled: interrupted; --resume goes on with what was not tried yet\n";
+    return 1;
+  }
 }
 
 }  // namespace palpate

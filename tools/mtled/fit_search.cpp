@@ -5,6 +5,7 @@
 #include <cstdio>
 
 #include "app/interrupt.h"
+#include "base/input_error.h"
 #include "io/load_model.h"
 
 namespace palpate {
@@ -13,52 +14,81 @@ namespace {
 constexpr int most_tries = 5;
 constexpr int most_nodes = 40000;
 constexpr double coarsest = 4;  // times the given spacing
+constexpr double some_mass = 0.05;  // of the body's: motion becomes slower by half of that
 
-FitCandidate measured(const FitTask& task, const FitFamily& family, double factor) {
-  FitCandidate c;
-  c.family = family.name;
-  c.scene = task.scene;
-  family.turn(c.scene);
-  scaleSpacing(c.scene, factor);
-  c.spacing_factor = factor;
-  const Model model = loadModel(c.scene);
-  c.nodes = model.nodeCount();
-  c.points = model.pointCount();
-  c.substeps = model.substeps_per_tick;
-  c.run = runWay(model, task.way, task.probes, task.threads);
-  c.cost = costOf(c.run, c.scene.rate_hz);
-  return c;
+std::string formatted(const char* format, double value) {
+  char text[64];
+  std::snprintf(text, sizeof text, format, value);
+  return text;
 }
 
 }  // namespace
 
-std::vector<FitFamily> fitFamilies(const Scene& scene) {
+std::vector<FitFamily> fitFamilies(const Scene& scene, const WorkedOn& place) {
   std::vector<FitFamily> families;
-  std::vector<double> supports{scene.support_factor};
-  if (scene.support_factor < 2.1) supports.push_back(2.2);
-  for (const double support : supports) {
-    char name[64];
-    std::snprintf(name, sizeof name, "support_factor %g", support);
-    families.push_back({name, [support](Scene& s) {
+  const auto add = [&](double support, double inside, double mass) {
+    std::string name = formatted("support_factor %g", support);
+    if (inside < 1) name += formatted(", spacing x %g where the tool works", inside);
+    if (mass > 0) name += formatted(", mass_scaling %g", mass);
+    families.push_back({name,
+                        [=](Scene& s) {
                           s.support_factor = support;
                           s.quadrature = {1, 0, 8, 4};
                           s.consistent_gradients = s.node_patch_volume = true;
                           s.time_step = 0;
-                        }});
-  }
+                          s.mass_scaling = mass;
+                          if (inside < 1) refineWhere(s, place, 1, inside);
+                        },
+                        inside});
+  };
+  const double given = scene.mass_scaling, more = std::max(given, some_mass);
+  add(scene.support_factor, 1, given);
+  if (scene.support_factor < 2.1) add(2.2, 1, given);
+  const bool refined = place.radius > 0;
+  if (refined)
+    for (const double inside : {0.6, 0.4}) add(scene.support_factor, inside, given);
+  // Small cells limit the step: a little mass on them may spare steps.
+  if (more > given) add(scene.support_factor, refined ? 0.4 : 1, more);
   return families;
 }
 
-FitCandidate finestWithin(const FitTask& task, const FitFamily& family, double share) {
+FitCandidate tried(const FitTask& task, const FitFamily& family, double factor) {
+  FitCandidate c;
+  c.inside = family.inside;
+  c.scene = task.scene;
+  family.turn(c.scene);
+  scaleSpacing(c.scene, factor);
+  FitTry& one = c;
+  if (const FitTry* known = task.record.find(family.name, factor)) {
+    one = *known;
+    return c;
+  }
+  one.family = family.name;
+  one.spacing_factor = factor;
+  try {
+    const Model model = loadModel(c.scene);
+    one.nodes = model.nodeCount();
+    one.points = model.pointCount();
+    one.substeps = model.substeps_per_tick;
+    one.run = runWay(model, task.way, task.probes, task.threads);
+    one.cost = costOf(one.run, c.scene.rate_hz);
+  } catch (const InputError&) {  // a setting that this scene can't have
+  }
+  if (!one.run.interrupted) task.record.add(one);
+  return c;
+}
+
+FitCandidate finestWithin(const FitTask& task, const FitFamily& family, double share, double start) {
   const double limit = share * 1e6 / task.scene.rate_hz;  // us
   FitCandidate best;
   best.spacing_factor = 0;
-  double factor = 1, too_fine = 0;
+  double factor = start, too_fine = 0;
   for (int k = 0; k < most_tries && !interrupted(); ++k) {
-    char what[96];
+    char what[192];
     std::snprintf(what, sizeof what, "%s, spacing x %.3g", family.name.c_str(), factor);
     task.watch(static_cast<double>(k) / most_tries, what);
-    FitCandidate c = measured(task, family, factor);
+    FitCandidate c = tried(task, family, factor);
+    if (c.nodes == 0 || c.run.interrupted) break;
     const double ratio = c.cost.tick_p50 / limit;
     const bool fits = ratio <= 1 && c.run.sound();
     if (fits && (best.spacing_factor == 0 || factor < best.spacing_factor)) best = c;
@@ -76,7 +106,7 @@ FitCandidate finestWithin(const FitTask& task, const FitFamily& family, double s
   return best;
 }
 
-Fineness fitFineness(double factor) { return {0.85 * factor, 0.5 * factor, 1.35}; }
+Fineness fitFineness(double outside, double inside) { return {0.85 * outside, std::min(0.5 * outside, 0.75 * inside), 1.35}; }
 
 double expectedError(const RunError& error, const ConvergedRun& converged, double coarser) {
   const double lacking = converged.about.convergence.force / (coarser * coarser - 1);

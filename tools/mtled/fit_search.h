@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "mtled/converged_run.h"
+#include "mtled/fit_record.h"
 
 namespace palpate {
 
@@ -12,17 +13,15 @@ namespace palpate {
 struct FitFamily {
   std::string name;
   std::function<void(Scene&)> turn;
+  double inside = 1;           // spacing where the tool works, as a share of that elsewhere
 };
-std::vector<FitFamily> fitFamilies(const Scene& scene);
+/// @param place  where refinement is worth it; of radius 0: the spacing is the same everywhere
+std::vector<FitFamily> fitFamilies(const Scene& scene, const WorkedOn& place);
 
-/// A setting that has the time it needs.
-struct FitCandidate {
-  std::string family;
+/// A setting that was tried, with its scene.
+struct FitCandidate : FitTry {
+  double inside = 1;           // of its family
   Scene scene;
-  double spacing_factor = 1;   // times the given scene's spacing
-  int nodes = 0, points = 0, substeps = 0;
-  RunCost cost;
-  ScriptedRun run;
   RunError error;              // against the converged run
   double expected_error = 0;   // of the force, against the truth
 };
@@ -32,15 +31,21 @@ struct FitTask {
   const ToolWay& way;
   const std::vector<Vec3>& probes;
   int threads = 1;
+  FitRecord& record;           // knows what was tried already
   std::function<void(double, const std::string&)> watch;
 };
 
-/// The finest spacing of a family whose median tick takes at most `share` of its time. Empty spacing_factor 0: none does
-/// down to a few hundred nodes.
-FitCandidate finestWithin(const FitTask& task, const FitFamily& family, double share);
+/// The family at so many times the scene's spacing: run, or found in the record.
+FitCandidate tried(const FitTask& task, const FitFamily& family, double spacing_factor);
 
-/// What a candidate of `factor` times the scene's spacing is compared with.
-Fineness fitFineness(double factor);
+/// The finest spacing of a family whose median tick takes at most `share` of its time. Its spacing_factor is 0 where none does
+/// down to a few hundred nodes, or the search was interrupted.
+/// @param start  spacing factor to begin with
+FitCandidate finestWithin(const FitTask& task, const FitFamily& family, double share, double start = 1);
+
+/// What candidates are compared with.
+/// @param outside, inside  finest spacing of any of them elsewhere and where the tool works, times the scene's
+Fineness fitFineness(double outside, double inside);
 
 /// The force error to expect: the distance from the reference and what the reference itself lacks. A solution that converges with
 /// the square of the spacing is 1 / (r^2 - 1) of its distance from one r times as coarse away from the limit.

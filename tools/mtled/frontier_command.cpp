@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
@@ -18,6 +16,7 @@
 #include "io/output_file.h"
 #include "io/scene_file.h"
 #include "mtled/converged_run.h"
+#include "mtled/frontier_page.h"
 #include "mtled/frontier_result.h"
 #include "mtled/frontier_settings.h"
 #include "mtled/progress.h"
@@ -27,23 +26,6 @@ namespace palpate {
 namespace {
 
 constexpr int probe_count = 400;
-
-std::string identityOf(const Model& model, const ToolWay& way, const Fineness& fineness) {
-  std::uint64_t hash = modelHash(model);
-  const auto add = [&](double value) {
-    std::uint64_t bits = 0;
-    std::memcpy(&bits, &value, sizeof bits);
-    hash = (hash ^ bits) * 0x100000001b3ull;  // FNV-1a by words
-  };
-  add(fineness.outside);
-  add(fineness.inside);
-  add(model.scene.damping);
-  for (const Pose& pose : way)
-    for (int c = 0; c < 3; ++c) add(pose.position[c]);
-  char text[20];
-  std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(hash));
-  return text;
-}
 
 std::string whyNot(const ScriptedRun& run) {
   if (run.flags & (kNotFinite | kBlowUp)) return "blew up after " + std::to_string(run.force.size()) + " ticks";
@@ -81,6 +63,8 @@ FrontierRow measure(const FrontierSetting& setting, const Model& present, const 
       row.trouble = whyNot(run);
   } catch (const InputError& error) {
     row.trouble = error.what();  // a setting that this scene can't have
+  } catch (const std::runtime_error&) {
+    if (!interrupted()) throw;
   }
   return row;
 }
@@ -92,6 +76,13 @@ std::string readText(const std::string& file) {
   return in ? text.str() : "";
 }
 
+std::string commandOf(const FrontierOptions& options) {
+  std::string command = "build/release/tools/mtled frontier " + options.scene;
+  if (!options.tool_script.empty()) command += " --tool " + options.tool_script;
+  if (options.quick) command += " --quick";
+  return command + " --report " + options.report;
+}
+
 }  // namespace
 
 int frontierCommand(const FrontierOptions& options) {
@@ -100,6 +91,8 @@ int frontierCommand(const FrontierOptions& options) {
   std::error_code problem;
   std::filesystem::create_directories(folder, problem);
   if (problem) throw std::runtime_error(folder + ": " + problem.message());
+  if (!options.report.empty()) std::filesystem::create_directories(options.report, problem);
+  if (problem) throw std::runtime_error(options.report + ": " + problem.message());
   const int cores = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
   const Fineness fineness = options.quick ? Fineness{0.9, 0.5, 1.35} : Fineness{0.75, 0.4, 1.35};
 
@@ -116,7 +109,7 @@ int frontierCommand(const FrontierOptions& options) {
   frontier.scene = scene.name;
   frontier.way = options.tool_script.empty() ? "built-in indentation" : options.tool_script;
   frontier.build = buildInfo();
-  frontier.identity = identityOf(present, way, fineness);
+  frontier.identity = runIdentity(present, way, {fineness.outside, fineness.inside});
   frontier.rate_hz = scene.rate_hz;
   std::vector<FrontierRow> earlier;
   if (options.resume) {
@@ -149,7 +142,10 @@ int frontierCommand(const FrontierOptions& options) {
     writeWholeFile(folder + "/frontier.csv", csvOf(frontier));
     writeWholeFile(folder + "/frontier.json", jsonOf(frontier));
   }
-  if (!frontier.rows.empty()) writeFrontierFigure(folder + "/frontier.png", frontier);
+  if (!frontier.rows.empty()) {
+    writeFrontierFigure(folder + "/frontier.png", frontier);
+    if (!options.report.empty()) writeFrontierPage(options.report, commandOf(options), frontier);
+  }
   progress.show(1, "done");
   printFrontier(std::cout, frontier);
   std::cout << "table        " << folder << "/frontier.csv\nresults      " << folder << "/frontier.json\npicture      " << folder << "/frontier.png" << std::endl;

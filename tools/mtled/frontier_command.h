@@ -8,6 +8,7 @@ struct FrontierOptions {
   std::string scene;         // file, or the name of one in assets/scenes
   std::string out;           // folder; "": out/<scene's name>_frontier
   std::string tool_script;   // "": the built-in indentation
+  std::string report;        // folder for a page with tables and the picture, or ""
   bool quick = false;        // fewer settings, a coarser reference
   bool resume = false;       // keep the settings that the folder's frontier.json has already
 };

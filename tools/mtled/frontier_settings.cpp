@@ -94,6 +94,10 @@ std::vector<FrontierSetting> frontierSettings(const Scene& scene, const WorkedOn
       s.node_patch_volume = !s.node_patch_volume;
     });
 
+  const bool rounded = scene.gradient_precision == GradientPrecision::Int16;
+  add("precision", rounded ? "float32 gradients" : "int16 gradients", [rounded](Scene& s) {
+    s.gradient_precision = rounded ? GradientPrecision::Float32 : GradientPrecision::Int16;
+  });
   add("precision", "double", [](Scene&) {}).in_double = true;
 
   for (const double safety : {0.3, 0.9})
@@ -103,6 +107,15 @@ std::vector<FrontierSetting> frontierSettings(const Scene& scene, const WorkedOn
     });
   for (const double factor : {0.5, 2.0})
     if (!quick) add("time step, damping", times("damping", factor), [factor](Scene& s) { s.damping *= factor; });
+
+  // Where a few small cells limit the step, a little mass spares steps.
+  for (const double share : {0.02, 0.1})
+    if (share != scene.mass_scaling && (!quick || share == 0.1)) add("mass scaling", value("mass_scaling", share), [share](Scene& s) { s.mass_scaling = share; });
+  if (place.radius > 0)
+    add("mass scaling", "outside x 1.3, inside x 0.6, mass_scaling 0.1", [=](Scene& s) {
+      refineWhere(s, place, 1.3, 0.6);
+      s.mass_scaling = 0.1;
+    });
 
   for (const int threads : {1, cores})
     if (threads != scene.threads && (settings.back().threads != threads)) add("threads", std::to_string(threads) + (threads == 1 ? " thread" : " threads"), [](Scene&) {}).threads = threads;
