@@ -12,6 +12,7 @@
 #include "io/output_file.h"
 #include "mtled/vector_json.h"
 #include "realtime/recording.h"
+#include "simulation/model_hash.h"
 
 namespace palpate {
 namespace {

@@ -20,7 +20,6 @@
 #include "mtled/frontier_result.h"
 #include "mtled/frontier_settings.h"
 #include "mtled/progress.h"
-#include "simulation/model_hash.h"
 
 namespace palpate {
 namespace {
