@@ -69,7 +69,7 @@ void drawSceneCard(const Theme& theme, const PanelData& data, View& view) {
   row("Step / stable limit", format("%.0f %%", 100 * model.dt / model.dt_critical), colours::text,
       "dt over the critical step of the operator at rest");
   if (model.scene.mass_scaling > 0)
-    row("Mass added", format("%.2g %%", 100 * model.added_mass), colours::text, "to spare steps: forces at rest are the same, motion is slower");
+    row("Mass added", format("%.3g %%", 100 * model.added_mass), colours::text, "to spare steps: forces at rest are the same, motion is slower");
   const double volume_error = 100 * (model.cell_volume / model.surface_volume - 1);
   row("Volume error", format("%+.2f %%", volume_error), std::abs(volume_error) < 2 ? colours::text : colours::warning,
       "background cells against the organ's own surface");

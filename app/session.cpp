@@ -53,7 +53,7 @@ Model buildModelOf(const Scene& scene, bool use_cache, Log& log) {
                   model.nodeCount(), model.pointCount(), model.substeps_per_tick, model.dt * 1e6,
                   model.setup_seconds));
   if (model.added_mass > 0)
-    log.info(format("mass scaling added %.2g %% to the mass: the same forces at rest, slower motion", 100 * model.added_mass));
+    log.info(format("mass scaling added %.3g %% to the mass: the same forces at rest, slower motion", 100 * model.added_mass));
   return model;
 }
 
