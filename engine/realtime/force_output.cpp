@@ -27,22 +27,22 @@ void ForceOutput::publish(const ForceSample& s) {
       std::bit_cast<std::uint64_t>(s.force_filtered.z()),
       static_cast<std::uint64_t>(s.doubt),
   };
-  const std::uint64_t next = (newest_.load(std::memory_order_relaxed) + 1) % kSlots;
-  Slot& slot = slots_[next];
-  const std::uint64_t version = slot.version.load(std::memory_order_relaxed);
-  slot.version.store(version + 1, std::memory_order_relaxed);
+  const std::uint64_t next = newest_.load(std::memory_order_relaxed) + 1;
+  Slot& slot = slots_[next % kSlots];
+  slot.version.store(2 * next - 1, std::memory_order_relaxed);
   for (std::size_t w = 0; w < kWords; ++w) slot.words[w].store(words[w], std::memory_order_release);
-  slot.version.store(version + 2, std::memory_order_release);
+  slot.version.store(2 * next, std::memory_order_release);
   newest_.store(next, std::memory_order_release);
 }
 
 ForceSample ForceOutput::latest() const {
   std::array<std::uint64_t, kWords> words{};
   for (;;) {
-    const Slot& slot = slots_[newest_.load(std::memory_order_acquire)];
-    const std::uint64_t version = slot.version.load(std::memory_order_acquire);
+    const std::uint64_t newest = newest_.load(std::memory_order_acquire);
+    const Slot& slot = slots_[newest % kSlots];
     for (std::size_t w = 0; w < kWords; ++w) words[w] = slot.words[w].load(std::memory_order_acquire);
-    if (version % 2 == 0 && slot.version.load(std::memory_order_relaxed) == version) break;
+    // Another version: already a later sample, whole or not, that is not announced yet.
+    if (slot.version.load(std::memory_order_relaxed) == 2 * newest) break;
   }
   const auto real = [&words](std::size_t w) { return std::bit_cast<double>(words[w]); };
   ForceSample s;

@@ -23,7 +23,8 @@ ForceReading readForce(const ForceSample& sample, std::int64_t now);
 
 /// The newest force, from the loop to any number of readers (haptic device, viewer) on threads of
 /// their own. Four slots are written in turn, so that a writer who lost its core in the middle of
-/// one keeps nobody waiting; a reader repeats where three ticks went by while it read one slot.
+/// one keeps nobody waiting; a reader repeats where three ticks went by while it read one slot, and
+/// takes from a slot only the sample that was announced: so no reader ever sees time go backwards.
 class ForceOutput {
  public:
   ForceOutput() { publish({}); }
@@ -38,12 +39,12 @@ class ForceOutput {
   static constexpr std::size_t kWords = 11;
   static constexpr std::size_t kSlots = 4;
   struct Slot {
-    std::atomic<std::uint64_t> version{0};  // odd while it is written
+    std::atomic<std::uint64_t> version{0};  // 2 n for the n-th sample; odd while it is written
     std::array<std::atomic<std::uint64_t>, kWords> words{};
   };
 
   alignas(64) std::array<Slot, kSlots> slots_;
-  alignas(64) std::atomic<std::uint64_t> newest_{0};  // slot of the newest sample
+  alignas(64) std::atomic<std::uint64_t> newest_{0};  // n of the newest sample, in slot n % kSlots
 };
 
 }  // namespace palpate
