@@ -212,8 +212,13 @@ StepReport tick(const Model& model, State& state, const Command& command, Worksp
 
   // The tool travels at most `reach` until the next look, and so may the tissue in its way: what is not listed
   // can't be touched, and would be found deep inside later, which pumps energy into the tissue.
-  findContactCandidates(model.skin, state.u.data(), model.scene.tool, poseAt(share), 2 * reach, state.contact);
-  takeBackCreep(model.boundary, static_cast<double>(state.step) * model.dt, state.u.data(), state.u_low.data(), workspace.boundary);
+  const Pose arrived = poseAt(share);
+  shareOut(workspace.team, 2, [&](int part) {
+    if (part == 0)
+      findContactCandidates(model.skin, state.u.data(), model.scene.tool, arrived, 2 * reach, state.contact);
+    else
+      takeBackCreep(model.boundary, static_cast<double>(state.step) * model.dt, state.u.data(), state.u_low.data(), workspace.boundary);
+  });
   StepReport total;
   for (int k = 1; k <= model.substeps_per_tick; ++k)
     total = worstOf(total, step(model, state, poseAt(share * k / model.substeps_per_tick), command, workspace));
