@@ -8,6 +8,7 @@
 #include "app/interrupt.h"
 #include "base/build_info.h"
 #include "base/input_error.h"
+#include "io/output_file.h"
 #include "mtled/atlas_command.h"
 #include "mtled/bench_command.h"
 #include "mtled/fit_command.h"
@@ -119,20 +120,25 @@ int main(int argc, char** argv) {
   atlas_app->add_option("--report", atlas.report, "Write a page with the map into this folder")->type_name("DIR");
   atlas_app->add_flag("--resume", atlas.resume, "Keep the cells that the folder has already");
 
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    const int code = app.exit(error);
-    return code == 0 ? 0 : unusable_input;
-  }
-  solve.use_cache = !no_cache;
-  catchInterrupts();
-  try {
+  const auto runCommand = [&] {
     if (*bench_app) return benchCommand(bench);
     if (*fit_app) return fitCommand(fit);
     if (*atlas_app) return atlasCommand(atlas);
     if (*frontier_app) return frontierCommand(frontier);
     return *verify_app ? verifyCommand(verify) : solveCommand(solve);
+  };
+  catchInterrupts();
+  try {
+    int code = 0;
+    try {
+      app.parse(argc, argv);
+      solve.use_cache = !no_cache;
+      code = runCommand();
+    } catch (const CLI::ParseError& error) {  // help and version, too
+      code = app.exit(error) == 0 ? 0 : unusable_input;
+    }
+    finishStandardOutput();
+    return code;
   } catch (const InputError& error) {
     std::cerr << "mtled: " << error.what() << std::endl;
     return unusable_input;
