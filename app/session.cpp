@@ -13,7 +13,6 @@
 #include "app/interrupt.h"
 #include "io/load_model.h"
 #include "io/scene_file.h"
-#include "io/tool_script.h"
 #include "simulation/model_hash.h"
 
 namespace palpate {
@@ -71,8 +70,7 @@ SetupLine setupLine(const char* name, const std::string& outcome) {
 }  // namespace
 
 Scene readScene(const Options& options) {
-  const std::string scenes = std::string(PALPATE_SOURCE_DIR) + "/assets/scenes";
-  Scene scene = readScene(findScene(options.scene, scenes));
+  Scene scene = readScene(findScene(options.scene));
   if (options.rate_hz) scene.rate_hz = *options.rate_hz;
   if (options.threads) scene.threads = *options.threads;
   return scene;
@@ -82,6 +80,7 @@ Session::Session(const Options& options, const Scene& scene, Log& log)
     : options_(options),
       log_(log),
       scene_(scene),
+      tool_script_(namedScript(options.tool_script, scene.tool.radius)),
       results_(openResults(options)),
       model_(buildModelOf(scene_, options.use_cache, log)),
       scene_materials_(model_.materials),
@@ -126,14 +125,13 @@ void Session::chooseInput(SimulationLoopOptions& loop_options) {
     track_seconds = static_cast<double>(recording.ticks) / rate;
     track_driver_ = ToolDriver::Replay;
     script_ = fileName(options_.replay);
-  } else if (!options_.tool_script.empty()) {
-    const ToolScript script = readToolScript(options_.tool_script, scene_.tool.radius);
-    const std::vector<Pose> poses = scriptPoses(script, model_);
+  } else if (tool_script_) {
+    const std::vector<Pose> poses = scriptPoses(*tool_script_, model_);
     loop_options.track = trackFromPoses(poses);
     loop_options.track_ticks = static_cast<std::int64_t>(poses.size());
     track_seconds = static_cast<double>(poses.size()) / rate;
     track_driver_ = ToolDriver::Script;
-    script_ = script.name.empty() ? fileName(options_.tool_script) : script.name;
+    script_ = tool_script_->name.empty() ? fileName(options_.tool_script) : tool_script_->name;
   } else if (options_.offscreen) {
     track_seconds = options_.seconds.value_or(default_offscreen_seconds);
     const ToolScript script = indentScript(model_);

@@ -12,6 +12,7 @@
 #include <optional>
 #include <thread>
 
+#include "app/indent_script.h"
 #include "app/interrupt.h"
 #include "app/options.h"
 #include "approximation/shape_functions.h"
@@ -24,7 +25,6 @@
 #include "io/probes_file.h"
 #include "io/result_csv.h"
 #include "io/scene_file.h"
-#include "io/tool_script.h"
 #include "io/vtu_file.h"
 #include "mtled/checkpoint.h"
 #include "mtled/progress.h"
@@ -327,10 +327,9 @@ int solveTransient(const Task& task, Results& results) {
 }  // namespace
 
 int solveCommand(const SolveOptions& options) {
-  const std::string file = findScene(options.scene, std::string(PALPATE_SOURCE_DIR) + "/assets/scenes");
+  const std::string file = findScene(options.scene);
   const Scene scene = readScene(file);
-  std::optional<ToolScript> script;
-  if (!options.tool_script.empty()) script = readToolScript(options.tool_script, scene.tool.radius);
+  const std::optional<ToolScript> script = namedScript(options.tool_script, scene.tool.radius);
   const double end = endTime(scene, script);
   std::unique_ptr<Model> model;
   {
