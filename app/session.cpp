@@ -36,8 +36,12 @@ std::optional<ResultFolder> openResults(const Options& options) {
 }
 
 Model buildModelOf(const Scene& scene, bool use_cache, Log& log) {
-  const ModelCache cache(use_cache ? ModelCache::userFolder() : "", [&](const std::string& line) { log.warning(line); });
   const bool watched = isatty(STDERR_FILENO) != 0;
+  const auto warn = [&](const std::string& line) {
+    if (watched) std::cerr << "\r\033[K";  // over the progress
+    log.warning(line);
+  };
+  const ModelCache cache(use_cache ? ModelCache::userFolder() : "", warn);
   std::string shown;
   Model model = loadModel(scene, [&](const std::string& what, double fraction) {
     if (interrupted()) throw std::runtime_error("interrupted while the model was made");
@@ -46,7 +50,7 @@ Model buildModelOf(const Scene& scene, bool use_cache, Log& log) {
     if (line == shown) return;
     std::cerr << line << std::flush;
     shown = std::move(line);
-  }, cache);
+  }, cache, warn);
   if (watched) std::cerr << "\r\033[K" << std::flush;
   log.info(format("%s: %d nodes, %d integration points, %d x %.0f us per tick, ready in %.2f s", scene.name.c_str(),
                   model.nodeCount(), model.pointCount(), model.substeps_per_tick, model.dt * 1e6,

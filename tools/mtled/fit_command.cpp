@@ -106,7 +106,7 @@ int fit(const FitOptions& options) {
 
   ProgressLine progress("fit");
   progress.show(0, "set-up");
-  const Model present = loadModel(scene);
+  const Model present = loadModel(scene, {}, ModelCache(), warn);
   const ToolWay way = script ? scriptPoses(*script, present) : indentationWay(present);
   const auto probes = surfaceProbes(present, probe_count);
   const WorkedOn place = options.uniform ? WorkedOn{} : workedOn(present, way);

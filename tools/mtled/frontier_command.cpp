@@ -98,7 +98,7 @@ int frontierCommand(const FrontierOptions& options) {
 
   ProgressLine progress("frontier");
   progress.show(0, "set-up");
-  const Model present = loadModel(scene);
+  const Model present = loadModel(scene, {}, ModelCache(), warn);
   const ToolWay way = script ? scriptPoses(*script, present) : indentationWay(present);
   const auto probes = surfaceProbes(present, probe_count);
   const WorkedOn place = workedOn(present, way);

@@ -334,13 +334,12 @@ int solveCommand(const SolveOptions& options) {
   std::unique_ptr<Model> model;
   {
     ProgressLine progress("set-up");
-    const ModelCache cache(options.use_cache ? ModelCache::userFolder() : "",
-                           [](const std::string& line) { std::cerr << "mtled: " << line << std::endl; });
+    const ModelCache cache(options.use_cache ? ModelCache::userFolder() : "", warn);
     const auto show = [&](const std::string& what, double fraction) {
       if (interrupted()) throw std::runtime_error("interrupted while the model was made");
       progress.show(fraction, what);
     };
-    model = std::make_unique<Model>(loadModel(scene, show, cache));
+    model = std::make_unique<Model>(loadModel(scene, show, cache, warn));
   }
   const int cores = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
   Results results(*model, options.out.empty() ? "out/" + std::filesystem::path(file).stem().string() : options.out, end, identityOf(*model, script, end), options.resume);
