@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "app/options.h"
+
 namespace palpate {
 
 namespace {
@@ -46,6 +48,11 @@ ToolScript indentScript(const Model& model) {
   script.name = "indent and hold";
   script.keyframes = {{approach, 0, {0, 0}}, {approach + indent_seconds, depth, {0, 0}}};
   return script;
+}
+
+std::optional<ToolScript> namedScript(const std::string& name, double tool_radius) {
+  if (name.empty()) return {};
+  return readToolScript(findToolScript(name), tool_radius);
 }
 
 std::vector<Pose> scriptPoses(const ToolScript& script, const Model& model) {

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "io/tool_script.h"
@@ -9,9 +11,13 @@ namespace palpate {
 
 /// What the tool does off-screen when no script is given: from its start along its axis
 /// to the skin, smoothly on into the tissue, and there it stays.
-/// The depth is half the tool's radius, but at most a tenth of the organ's length along
+/// The depth is 1.2 radii of the tool, but at most a quarter of the organ's length along
 /// the axis, so that each scene shows a plain indentation that it survives.
 ToolScript indentScript(const Model& model);
+
+/// The script that --tool names (findToolScript); none where it names none. Throws InputError.
+/// @param tool_radius  m, of the scene
+std::optional<ToolScript> namedScript(const std::string& name, double tool_radius);
 
 /// The script's poses at the end of each tick, until its last keyframe.
 std::vector<Pose> scriptPoses(const ToolScript& script, const Model& model);

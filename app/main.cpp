@@ -9,6 +9,7 @@
 #include "app/session.h"
 #include "app/window.h"
 #include "base/input_error.h"
+#include "io/output_file.h"
 
 namespace {
 
@@ -31,13 +32,14 @@ void run(const palpate::Options& options) {
 
 int main(int argc, char** argv) {
   const palpate::ParsedOptions parsed = palpate::parseOptions(argc, argv);
-  if (!parsed.options) {
-    (parsed.exit_code == 0 ? std::cout : std::cerr) << parsed.message << std::endl;
-    return parsed.exit_code;
-  }
   palpate::catchInterrupts();
   try {
-    run(*parsed.options);
+    if (parsed.options)
+      run(*parsed.options);
+    else
+      (parsed.exit_code == 0 ? std::cout : std::cerr) << parsed.message << std::endl;
+    palpate::finishStandardOutput();
+    return parsed.exit_code;
   } catch (const palpate::InputError& error) {
     std::cerr << "palpate: " << error.what() << std::endl;
     return unusable_input;
@@ -45,5 +47,4 @@ int main(int argc, char** argv) {
     std::cerr << "palpate: " << error.what() << std::endl;
     return failed;
   }
-  return 0;
 }

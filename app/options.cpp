@@ -19,7 +19,7 @@ constexpr int max_side = 8192;                    // px; what every OpenGL 3.3 d
 const char* const examples = R"(Examples:
   palpate liver                                  press the probe into the liver, in a window
   palpate liver --offscreen --seconds 3          no display: picture, force curve and report in out/liver
-  palpate assets/scenes/layer_sphere.toml --tool indent.toml --out /tmp/layer
+  palpate layer_sphere --tool indent_hold_retract --out /tmp/layer         a scripted tool
   palpate --soak 60 liver --offscreen            an hour of presses; tells of memory, drift, deadlines in out/liver-soak
   palpate liver --record session.rec             keep what the tool did ...
   palpate liver --replay session.rec --offscreen --as-fast-as-possible   ... and repeat it bit for bit
@@ -58,6 +58,23 @@ ParsedOptions refusal(const std::string& problem) {
   return {{}, "palpate: " + problem + "; see palpate --help", 2};
 }
 
+/// The file that `name` means: itself, or that of this name in the folder. @param what  "scene file", for the message
+std::string findInput(const std::string& what, const std::string& name, const std::string& folder) {
+  namespace fs = std::filesystem;
+  std::error_code ignored;
+  if (fs::exists(name, ignored) && !fs::is_directory(name, ignored)) return name;
+  std::vector<std::string> names;
+  for (const auto& entry : fs::directory_iterator(folder, ignored))
+    if (entry.path().extension() == ".toml") names.push_back(entry.path().stem().string());
+  std::sort(names.begin(), names.end());
+  if (std::find(names.begin(), names.end(), name) != names.end()) return (fs::path(folder) / (name + ".toml")).string();
+  if (fs::exists(name, ignored)) return name;  // a folder: the reader says so
+  const std::string nearest = nearestWord(fs::path(name).stem().string(), names);
+  throw InputError({}, "there is no " + what + " " + palpate::quoted(name),
+                   (nearest.empty() ? "" : "did you mean " + nearest + "? ") + "name a file" +
+                       (names.empty() ? "" : ", or one of " + listed(names, "and")));
+}
+
 }  // namespace
 
 ParsedOptions parseOptions(int argc, const char* const* argv) {
@@ -83,7 +100,7 @@ ParsedOptions parseOptions(int argc, const char* const* argv) {
   app.add_option("--rate", o.rate_hz, "Ticks per second instead of the scene's rate, e.g. --rate 1000")
       ->type_name("HZ")
       ->check(numberWithin(100, 2000, "Hz"));
-  app.add_option("--tool", o.tool_script, "Move the tool as a script says, e.g. --tool indent.toml")->type_name("SCRIPT");
+  app.add_option("--tool", o.tool_script, "Move the tool as a script says: a file, or the name of one in assets/tools, e.g. --tool drag_across")->type_name("SCRIPT");
   app.add_option("--record", o.record, "Keep the tool's motion, tick by tick, e.g. --record session.rec")->type_name("FILE");
   app.add_option("--replay", o.replay, "Repeat a recording; gives the same state_hash, e.g. --replay session.rec")
       ->type_name("FILE");
@@ -135,20 +152,12 @@ ParsedOptions parseOptions(int argc, const char* const* argv) {
   return {o, "", 0};
 }
 
-std::string findScene(const std::string& scene, const std::string& scenes_folder) {
-  namespace fs = std::filesystem;
-  std::error_code ignored;
-  if (fs::exists(scene, ignored) && !fs::is_directory(scene, ignored)) return scene;
-  std::vector<std::string> names;
-  for (const auto& entry : fs::directory_iterator(scenes_folder, ignored))
-    if (entry.path().extension() == ".toml") names.push_back(entry.path().stem().string());
-  std::sort(names.begin(), names.end());
-  if (std::find(names.begin(), names.end(), scene) != names.end()) return (fs::path(scenes_folder) / (scene + ".toml")).string();
-  if (fs::exists(scene, ignored)) return scene;  // a folder: the reader says so
-  const std::string nearest = nearestWord(fs::path(scene).stem().string(), names);
-  throw InputError({}, "there is no scene file " + palpate::quoted(scene),
-                   (nearest.empty() ? "" : "did you mean " + nearest + "? ") + "name a file" +
-                       (names.empty() ? "" : ", or one of " + listed(names, "and")));
+std::string assetFolder(const std::string& name) { return std::string(PALPATE_SOURCE_DIR) + "/assets/" + name; }
+
+std::string findScene(const std::string& scene, const std::string& folder) { return findInput("scene file", scene, folder); }
+
+std::string findToolScript(const std::string& script, const std::string& folder) {
+  return findInput("tool script", script, folder);
 }
 
 }  // namespace palpate

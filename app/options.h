@@ -15,7 +15,7 @@ struct Options {
   std::optional<double> rate_hz;         // instead of the scene's
   std::optional<int> threads;            // instead of the scene's
   std::optional<double> snapshot_at;     // s; off-screen picture; default: the end of the run
-  std::string tool_script;               // empty: none
+  std::string tool_script;               // as typed: a file, or the name of a script in assets/tools; empty: none
   std::string record;                    // empty: none
   std::string replay;                    // empty: none
   std::string out;                       // empty: out/<scene> off-screen, out/<scene>-soak in a soak, nothing in the window
@@ -35,8 +35,14 @@ struct ParsedOptions {
 /// Reads the command line. Never prints or exits itself.
 ParsedOptions parseOptions(int argc, const char* const* argv);
 
-/// The scene file that `scene` means: itself where such a file exists, otherwise NAME.toml in `scenes_folder`.
+/// A folder of assets/, with the program's own scenes or tool scripts: "scenes", "tools".
+std::string assetFolder(const std::string& name);
+
+/// The scene file that `scene` means: itself where such a file exists, otherwise NAME.toml in `folder`.
 /// Throws InputError naming the scenes of the folder, and the nearest, where there is neither.
-std::string findScene(const std::string& scene, const std::string& scenes_folder);
+std::string findScene(const std::string& scene, const std::string& folder = assetFolder("scenes"));
+
+/// Likewise the tool script that --tool means.
+std::string findToolScript(const std::string& script, const std::string& folder = assetFolder("tools"));
 
 }  // namespace palpate

@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "base/input_error.h"
+#include "io/output_file.h"
 
 namespace palpate {
 namespace {
@@ -37,8 +38,12 @@ void writePng(const std::string& file, const Picture& picture) {
   image.width = static_cast<png_uint_32>(picture.width);
   image.height = static_cast<png_uint_32>(picture.height);
   image.format = PNG_FORMAT_RGB;
-  if (!png_image_write_to_file(&image, file.c_str(), 0, picture.rgb.data(), 0, nullptr))
-    throw std::runtime_error(file + ": can't write the picture (" + image.message + ")");
+  png_alloc_size_t size = PNG_IMAGE_PNG_SIZE_MAX(image);
+  std::string bytes(size, '\0');
+  if (!png_image_write_to_memory(&image, bytes.data(), &size, 0, picture.rgb.data(), 0, nullptr))
+    throw std::runtime_error(file + ": can't encode the picture (" + image.message + ")");
+  bytes.resize(size);
+  writeWholeFile(file, bytes);
 }
 
 }  // namespace palpate

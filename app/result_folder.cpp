@@ -2,35 +2,30 @@
 
 #include <cerrno>
 #include <cstdio>
-#include <cstring>
 #include <filesystem>
-#include <stdexcept>
 
+#include "io/output_file.h"
 #include "simulation/trust.h"
 
 namespace palpate {
 
 namespace {
 
-[[noreturn]] void fail(const std::string& file, int error,
-                       const std::string& advice = "choose another place with --out") {
-  throw std::runtime_error("can't write " + file + ": " + (error != 0 ? std::strerror(error) : "unknown reason") +
-                           "; " + advice);
-}
+const char* const elsewhere = "choose another place with --out";
 
 }  // namespace
 
 ResultFolder::ResultFolder(const std::string& folder, bool with_forces) : folder_(folder), with_forces_(with_forces) {
   std::error_code error;
   std::filesystem::create_directories(folder_, error);
-  if (error || !std::filesystem::is_directory(folder_, error)) fail(folder_, error ? error.value() : ENOTDIR);
+  if (error || !std::filesystem::is_directory(folder_, error)) failWriting(folder_, error ? error.value() : ENOTDIR, elsewhere);
   if (!with_forces_) {
-    checkWritable(reportFile(), "choose another place with --out");
+    checkWritable(reportFile(), elsewhere);
     return;
   }
   errno = 0;
   forces_.open(forceFile(), std::ios::trunc);
-  if (!forces_) fail(forceFile(), errno);
+  if (!forces_) failWriting(forceFile(), errno, elsewhere);
   forces_ << "time_s,depth_m,force_raw_N_x,force_raw_N_y,force_raw_N_z,"
              "force_filtered_N_x,force_filtered_N_y,force_filtered_N_z,trust\n"
           << std::flush;
@@ -38,7 +33,7 @@ ResultFolder::ResultFolder(const std::string& folder, bool with_forces) : folder
 }
 
 void ResultFolder::checkForces() {
-  if (!forces_) fail(forceFile(), errno);
+  if (!forces_) failWriting(forceFile(), errno, elsewhere);
 }
 
 void ResultFolder::addForce(const ForceSample& s) {
@@ -65,7 +60,7 @@ void ResultFolder::writeReport(const std::string& json) const {
   std::ofstream file(reportFile(), std::ios::trunc);
   file << json << '\n';
   file.close();
-  if (!file) fail(reportFile(), errno);
+  if (!file) failWriting(reportFile(), errno, elsewhere);
 }
 
 void ResultFolder::writePicture(const Picture& picture) const { writePng(pictureFile(), picture); }
@@ -73,7 +68,7 @@ void ResultFolder::writePicture(const Picture& picture) const { writePng(picture
 void checkWritable(const std::string& file, const std::string& advice) {
   errno = 0;
   const std::ofstream probe(file, std::ios::app);
-  if (!probe) fail(file, errno, advice);
+  if (!probe) failWriting(file, errno, advice);
 }
 
 }  // namespace palpate

@@ -13,7 +13,6 @@
 #include "app/interrupt.h"
 #include "io/load_model.h"
 #include "io/scene_file.h"
-#include "io/tool_script.h"
 #include "simulation/model_hash.h"
 
 namespace palpate {
@@ -37,8 +36,12 @@ std::optional<ResultFolder> openResults(const Options& options) {
 }
 
 Model buildModelOf(const Scene& scene, bool use_cache, Log& log) {
-  const ModelCache cache(use_cache ? ModelCache::userFolder() : "", [&](const std::string& line) { log.warning(line); });
   const bool watched = isatty(STDERR_FILENO) != 0;
+  const auto warn = [&](const std::string& line) {
+    if (watched) std::cerr << "\r\033[K";  // over the progress
+    log.warning(line);
+  };
+  const ModelCache cache(use_cache ? ModelCache::userFolder() : "", warn);
   std::string shown;
   Model model = loadModel(scene, [&](const std::string& what, double fraction) {
     if (interrupted()) throw std::runtime_error("interrupted while the model was made");
@@ -47,7 +50,7 @@ Model buildModelOf(const Scene& scene, bool use_cache, Log& log) {
     if (line == shown) return;
     std::cerr << line << std::flush;
     shown = std::move(line);
-  }, cache);
+  }, cache, warn);
   if (watched) std::cerr << "\r\033[K" << std::flush;
   log.info(format("%s: %d nodes, %d integration points, %d x %.0f us per tick, ready in %.2f s", scene.name.c_str(),
                   model.nodeCount(), model.pointCount(), model.substeps_per_tick, model.dt * 1e6,
@@ -71,8 +74,7 @@ SetupLine setupLine(const char* name, const std::string& outcome) {
 }  // namespace
 
 Scene readScene(const Options& options) {
-  const std::string scenes = std::string(PALPATE_SOURCE_DIR) + "/assets/scenes";
-  Scene scene = readScene(findScene(options.scene, scenes));
+  Scene scene = readScene(findScene(options.scene));
   if (options.rate_hz) scene.rate_hz = *options.rate_hz;
   if (options.threads) scene.threads = *options.threads;
   return scene;
@@ -82,6 +84,7 @@ Session::Session(const Options& options, const Scene& scene, Log& log)
     : options_(options),
       log_(log),
       scene_(scene),
+      tool_script_(namedScript(options.tool_script, scene.tool.radius)),
       results_(openResults(options)),
       model_(buildModelOf(scene_, options.use_cache, log)),
       scene_materials_(model_.materials),
@@ -126,14 +129,13 @@ void Session::chooseInput(SimulationLoopOptions& loop_options) {
     track_seconds = static_cast<double>(recording.ticks) / rate;
     track_driver_ = ToolDriver::Replay;
     script_ = fileName(options_.replay);
-  } else if (!options_.tool_script.empty()) {
-    const ToolScript script = readToolScript(options_.tool_script, scene_.tool.radius);
-    const std::vector<Pose> poses = scriptPoses(script, model_);
+  } else if (tool_script_) {
+    const std::vector<Pose> poses = scriptPoses(*tool_script_, model_);
     loop_options.track = trackFromPoses(poses);
     loop_options.track_ticks = static_cast<std::int64_t>(poses.size());
     track_seconds = static_cast<double>(poses.size()) / rate;
     track_driver_ = ToolDriver::Script;
-    script_ = script.name.empty() ? fileName(options_.tool_script) : script.name;
+    script_ = tool_script_->name.empty() ? fileName(options_.tool_script) : tool_script_->name;
   } else if (options_.offscreen) {
     track_seconds = options_.seconds.value_or(default_offscreen_seconds);
     const ToolScript script = indentScript(model_);

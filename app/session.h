@@ -11,6 +11,7 @@
 #include "app/panels.h"
 #include "app/result_folder.h"
 #include "app/soak.h"
+#include "io/tool_script.h"
 #include "realtime/recording_file.h"
 #include "realtime/run_report.h"
 #include "realtime/simulation_loop.h"
@@ -26,7 +27,7 @@ Scene readScene(const Options& options);
 /// All functions belong to the main thread; the loop has its own.
 class Session {
  public:
-  /// Opens the result files, builds the model (seconds), reads the tool's input.
+  /// Reads the tool script, opens the result files, builds the model (seconds), reads the recording.
   /// Throws InputError for what can't be used, std::runtime_error for what can't be written.
   /// @param scene  as readScene(options) gives it
   Session(const Options& options, const Scene& scene, Log& log);
@@ -76,6 +77,7 @@ class Session {
   Options options_;
   Log& log_;
   Scene scene_;                        // as loaded; the model's copy is the loop's to change
+  std::optional<ToolScript> tool_script_;
   std::optional<ResultFolder> results_;
   std::string failure_;
   Model model_;

@@ -1,5 +1,6 @@
 #include <CLI/CLI.hpp>
 
+#include <exception>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
@@ -8,6 +9,7 @@
 #include <vector>
 
 #include "base/input_error.h"
+#include "io/output_file.h"
 #include "organs/isosurface.h"
 #include "organs/organ.h"
 #include "organs/remesh.h"
@@ -73,7 +75,9 @@ int main(int argc, char** argv) try {
     app.parse(argc, argv);
     if (out_folder.empty() && check_folder.empty()) throw CLI::RequiredError("--out or --check");
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
+    const int code = app.exit(error);
+    finishStandardOutput();
+    return code == 0 ? 0 : 2;
   }
 
   bool good = true;
@@ -99,8 +103,12 @@ int main(int argc, char** argv) try {
       good = good && same;
     }
   }
+  finishStandardOutput();
   return good ? 0 : 1;
 } catch (const palpate::InputError& error) {
   std::cerr << error.what() << "\n";
   return 2;
+} catch (const std::exception& error) {
+  std::cerr << error.what() << "\n";
+  return 1;
 }

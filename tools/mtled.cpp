@@ -8,6 +8,7 @@
 #include "app/interrupt.h"
 #include "base/build_info.h"
 #include "base/input_error.h"
+#include "io/output_file.h"
 #include "mtled/atlas_command.h"
 #include "mtled/bench_command.h"
 #include "mtled/fit_command.h"
@@ -22,7 +23,7 @@ constexpr int failed = 1, unusable_input = 2;
 
 const char* const examples = R"(Examples:
   mtled solve assets/scenes/box_extension.toml --out /tmp/box    the equilibria on the way, for ParaView too
-  mtled solve liver --tool assets/tools/indent_hold_retract.toml              the tool's way, quasi-static
+  mtled solve liver --tool indent_hold_retract               the tool's way, quasi-static
   mtled verify                               all cases beside the paper and independent references
   mtled verify cube torsion --report /tmp/v  two of them, as a page with pictures
   mtled bench --quick                        the force kernels' speed beside what this machine could do at most
@@ -55,7 +56,7 @@ int main(int argc, char** argv) {
   solve_app->footer(examplesOf(*solve_app));
   solve_app->add_option("SCENE", solve.scene, "Scene file (.toml), or the name of one in assets/scenes")->required();
   solve_app->add_option("--out", solve.out, "Folder for the results (out/<scene>)")->type_name("DIR");
-  solve_app->add_option("--tool", solve.tool_script, "Move the tool as a script says")->type_name("SCRIPT");
+  solve_app->add_option("--tool", solve.tool_script, "Move the tool as a script says: a file, or the name of one in assets/tools")->type_name("SCRIPT");
   solve_app->add_option("--threads", solve.threads, "Threads (one per core)")->type_name("N")->check(CLI::Range(1, 64));
   solve_app->add_flag("--resume", solve.resume, "Go on from the folder's checkpoint.bin");
 
@@ -90,7 +91,7 @@ int main(int argc, char** argv) {
   frontier_app->footer(examplesOf(*frontier_app));
   frontier_app->add_option("SCENE", frontier.scene, "Scene file (.toml), or the name of one in assets/scenes")->required();
   frontier_app->add_option("--out", frontier.out, "Folder for the results (out/<scene>_frontier)")->type_name("DIR");
-  frontier_app->add_option("--tool", frontier.tool_script, "The tool's way (the built-in indentation)")->type_name("SCRIPT");
+  frontier_app->add_option("--tool", frontier.tool_script, "The tool's way: a script, or the name of one in assets/tools (the built-in indentation)")->type_name("SCRIPT");
   frontier_app->add_option("--report", frontier.report, "Write a page with tables and the picture into this folder")->type_name("DIR");
   frontier_app->add_flag("--quick", frontier.quick, "The most telling settings, and a coarser reference");
   frontier_app->add_flag("--resume", frontier.resume, "Keep the settings that the folder has already");
@@ -103,7 +104,7 @@ int main(int argc, char** argv) {
   fit_app->add_option("--cores", fit.cores, "Threads for the physics (one per core)")->type_name("N")->check(CLI::Range(1, 64));
   fit_app->add_option("--out", fit.out, "Scene file to write (out/<scene>_<rate>hz.toml)")->type_name("FILE");
   fit_app->add_option("--json", fit.json, "Write what was found to this file")->type_name("FILE");
-  fit_app->add_option("--tool", fit.tool_script, "The tool's way (the built-in indentation)")->type_name("SCRIPT");
+  fit_app->add_option("--tool", fit.tool_script, "The tool's way: a script, or the name of one in assets/tools (the built-in indentation)")->type_name("SCRIPT");
   fit_app->add_flag("--uniform", fit.uniform, "The same spacing everywhere, for a tool that goes anywhere");
   fit_app->add_flag("--resume", fit.resume, "Keep what was tried already: FILE.fit.json beside the scene to write");
 
@@ -119,20 +120,25 @@ int main(int argc, char** argv) {
   atlas_app->add_option("--report", atlas.report, "Write a page with the map into this folder")->type_name("DIR");
   atlas_app->add_flag("--resume", atlas.resume, "Keep the cells that the folder has already");
 
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    const int code = app.exit(error);
-    return code == 0 ? 0 : unusable_input;
-  }
-  solve.use_cache = !no_cache;
-  catchInterrupts();
-  try {
+  const auto runCommand = [&] {
     if (*bench_app) return benchCommand(bench);
     if (*fit_app) return fitCommand(fit);
     if (*atlas_app) return atlasCommand(atlas);
     if (*frontier_app) return frontierCommand(frontier);
     return *verify_app ? verifyCommand(verify) : solveCommand(solve);
+  };
+  catchInterrupts();
+  try {
+    int code = 0;
+    try {
+      app.parse(argc, argv);
+      solve.use_cache = !no_cache;
+      code = runCommand();
+    } catch (const CLI::ParseError& error) {  // help and version, too
+      code = app.exit(error) == 0 ? 0 : unusable_input;
+    }
+    finishStandardOutput();
+    return code;
   } catch (const InputError& error) {
     std::cerr << "mtled: " << error.what() << std::endl;
     return unusable_input;

@@ -1,14 +1,44 @@
 #include "io/load_model.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <chrono>
 #include <stdexcept>
+#include <utility>
 
 #include "base/parallel_for.h"
 #include "discretization/solids.h"
 #include "io/surface_file.h"
+#include "simulation/scene_messages.h"
 
 namespace palpate {
+
+namespace {
+
+constexpr double shortest_organ = 1e-3, longest_organ = 3;  // m; what is touched by hand lies well within
+
+/// The key that sets the organ's size, and the question whether it is right.
+std::pair<std::string, std::string> sizeKey(const Scene& scene) {
+  if (scene.solid != Scene::Solid::Surface) return {"organ.solid", "are its lengths in m?"};
+  if (scene.places.contains("organ.unit")) {
+    const char* const unit = scene.surface_scale == 0.001 ? "mm" : scene.surface_scale == 0.01 ? "cm" : "m";
+    return {"organ.unit", std::string("is unit = \"") + unit + "\" right?"};
+  }
+  return {"organ.scale", "is scale = " + number(scene.surface_scale) + " right?"};
+}
+
+}  // namespace
+
+std::string sizeWarning(const Scene& scene, const TriangleSurface& surface) {
+  Eigen::AlignedBox3d box;
+  for (const Vec3& x : surface.vertices) box.extend(x);
+  const double length = box.sizes().maxCoeff();
+  if (length >= shortest_organ && length <= longest_organ) return {};
+  const auto [key, question] = sizeKey(scene);
+  const std::string place = placeOf(scene, key).text();
+  return (place.empty() ? "" : place + ": ") + "the organ is " + (length < 1 ? number(1e3 * length) + " mm" : number(length) + " m") +
+         " long; " + question;
+}
 
 TriangleSurface organSurface(const Scene& scene) {
   // Curved solids lose volume to flat faces; half the spacing leaves less than the cells do.
@@ -22,16 +52,13 @@ TriangleSurface organSurface(const Scene& scene) {
       case Scene::Solid::Surface: break;
     }
   } catch (const std::invalid_argument& error) {
-    const auto spacing = scene.places.find("discretization.spacing");
-    throw InputError(spacing == scene.places.end() ? scene.place : spacing->second, error.what(),
-                     "raise discretization.spacing or tool.radius");
+    throw InputError(placeOf(scene, "discretization.spacing"), error.what(), "raise discretization.spacing or tool.radius");
   }
-  const auto place = scene.places.find("organ.surface");
-  return readClosedSurface(scene.surface_file, scene.surface_scale,
-                           place == scene.places.end() ? scene.place : place->second);
+  return readClosedSurface(scene.surface_file, scene.surface_scale, placeOf(scene, "organ.surface"));
 }
 
-Model loadModel(const Scene& scene, const Progress& progress, const ModelCache& cache) {
+Model loadModel(const Scene& scene, const Progress& progress, const ModelCache& cache,
+                const std::function<void(const std::string&)>& warn) {
   const auto start = std::chrono::steady_clock::now();
   std::string stage = "surface";
   double behind = 0;
@@ -45,6 +72,7 @@ Model loadModel(const Scene& scene, const Progress& progress, const ModelCache& 
     if (progress) progress(stage, behind);
   });
   const SurfaceTree tree(organSurface(scene));
+  if (const std::string warning = sizeWarning(scene, tree.surface()); warn && !warning.empty()) warn(warning);
   const std::string key = preparationKey(scene, tree.surface());
   std::optional<Preparation> preparation = cache.find(key);
   if (!preparation) {

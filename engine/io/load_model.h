@@ -1,5 +1,8 @@
 #pragma once
 
+#include <functional>
+#include <string>
+
 #include "io/model_cache.h"
 #include "simulation/build_model.h"
 
@@ -9,8 +12,14 @@ namespace palpate {
 /// triangulated finely enough for spacing and tool. Throws InputError with file and line.
 TriangleSurface organSurface(const Scene& scene);
 
+/// What to say of an organ whose bounding box's longest edge is below 1 mm or above 3 m: its unit is probably
+/// another one. Empty for all others.
+std::string sizeWarning(const Scene& scene, const TriangleSurface& surface);
+
 /// organSurface and buildModel: from a scene that was read to a model that is ready to run. What takes long is taken
 /// from the cache, or made and kept there; the model has the same bits either way.
-Model loadModel(const Scene& scene, const Progress& progress = {}, const ModelCache& cache = ModelCache());
+/// @param warn  gets what is allowed but probably not meant (sizeWarning), before the set-up takes time
+Model loadModel(const Scene& scene, const Progress& progress = {}, const ModelCache& cache = ModelCache(),
+                const std::function<void(const std::string&)>& warn = {});
 
 }  // namespace palpate

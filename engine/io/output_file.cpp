@@ -5,14 +5,24 @@
 
 #include <cerrno>
 #include <cstdio>
+#include <iostream>
 #include <stdexcept>
 #include <system_error>
 
 namespace palpate {
 
-void failWriting(const std::string& path, int error) {
+void failWriting(const std::string& path, int error, const std::string& advice) {
+  const bool full = error == ENOSPC || error == EDQUOT;
   throw std::runtime_error("can't write " + path + ": " +
-                           (error != 0 ? std::generic_category().message(error) : "reason unknown"));
+                           (error != 0 ? std::generic_category().message(error) : "reason unknown") + "; " +
+                           (full ? "free some space or " : "") + advice);
+}
+
+void finishStandardOutput() {
+  errno = 0;
+  if (std::fflush(stdout) == 0 && std::cout) return;  // std::cout goes through stdout
+  if (errno == 0 && std::fputc('\n', stdout) != EOF) std::fflush(stdout);  // it failed earlier: what fails again says why
+  failWriting("to standard output", errno, "send it elsewhere");
 }
 
 void writeWholeFile(const std::string& path, std::string_view bytes) {

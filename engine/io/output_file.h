@@ -10,7 +10,10 @@ namespace palpate {
 /// missing or read-only, disk full); what stood there before is then untouched.
 void writeWholeFile(const std::string& path, std::string_view bytes);
 
-/// Throws std::runtime_error "can't write FILE: reason" for an errno (0: reason unknown).
-[[noreturn]] void failWriting(const std::string& path, int error);
+/// Throws std::runtime_error "can't write FILE: reason; advice" for an errno (0: reason unknown).
+[[noreturn]] void failWriting(const std::string& path, int error, const std::string& advice = "choose another place");
+
+/// For the end of a program: throws as failWriting does where something that it printed has not arrived.
+void finishStandardOutput();
 
 }  // namespace palpate

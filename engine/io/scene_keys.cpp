@@ -24,7 +24,7 @@ constexpr KeySpec keys[] = {
     {"", "camera", T::Table, "", "", {}, "", "The first view."},
 
     {"organ", "surface", T::Text, "", depends, {}, "", "OBJ or STL file of a closed surface, relative to the scene file. Either this or `solid`."},
-    {"organ", "unit", T::Text, "", depends, {}, "mm|cm|m", "Unit of the file's coordinates; with `surface` give this or `scale`."},
+    {"organ", "unit", T::Text, "", depends, {}, "mm|cm|m", "Unit of the file's coordinates; with `surface` give this or `scale`. An organ shorter than 1 mm or longer than 3 m is warned of."},
     {"organ", "scale", T::Number, "m", depends, above(0), "", "Length of the file's unit; with `surface` give this or `unit`."},
     {"organ", "solid", T::Text, "", depends, {}, "box|cylinder|ellipsoid", "An analytic solid. Either this or `surface`."},
     {"organ", "size", T::Vector, "m", depends, aboveUpTo(0, 10), "", "Box: edge lengths. Its base is centred at the origin, z goes from 0 up."},

@@ -159,7 +159,7 @@ void SimulationLoop::apply(const Request& request, bool from_track) {
       paused_ = true;
       return;
     case Kind::Resume:
-      if (paused_) tell(LogEvent::Kind::Resumed);
+      if (paused_ && !(options_.start_paused && run_tick_ == 0)) tell(LogEvent::Kind::Resumed);
       paused_ = false;
       return;
     case Kind::SingleStep:

@@ -22,7 +22,7 @@ namespace palpate {
 struct SimulationLoopOptions {
   bool as_fast_as_possible = false;
   std::int64_t tick_limit = 0;             // the loop ends after so many ticks; 0: at Quit only
-  bool start_paused = false;
+  bool start_paused = false;               // the first Resume then begins the run, and is no event
   bool record = false;                     // hand all input changes to recorded()
   /// Input given in advance (tool script or replay), ascending ticks. While it lasts, it
   /// alone moves the tool; the viewer may still pause, step, reset (which starts it

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/float4.h"
+#include "base/key.h"
 #include "mechanics/internal_forces.h"
 #include "simulation/trust.h"
 #include "simulation/workspace.h"
@@ -227,11 +228,8 @@ StepReport tick(const Model& model, State& state, const Command& command, Worksp
 }
 
 std::uint64_t stateHash(const State& state) {
-  std::uint64_t hash = 0xcbf29ce484222325ull;  // FNV-1a
-  const auto add = [&](const void* data, std::size_t size) {
-    const auto* bytes = static_cast<const unsigned char*>(data);
-    for (std::size_t i = 0; i < size; ++i) hash = (hash ^ bytes[i]) * 0x100000001b3ull;
-  };
+  std::uint64_t hash = fnv1a({});
+  const auto add = [&](const void* data, std::size_t size) { hash = fnv1a({static_cast<const char*>(data), size}, hash); };
   add(&state.tick, sizeof state.tick);
   add(&state.step, sizeof state.step);
   add(state.u.data(), state.u.size() * sizeof(Float4));

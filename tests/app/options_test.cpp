@@ -133,3 +133,11 @@ TEST_CASE("A scene is a file, or the name of one in the scenes folder", "[option
   CHECK_THAT(message("spleen"), !Contains("did you mean") && Contains("kidney and liver"));
   CHECK_THAT(refusal([&] { findScene("liver", folder.path("none")); }), Contains("no scene file \"liver\"; name a file"));
 }
+
+TEST_CASE("A tool script is a file, or the name of one in assets/tools", "[options]") {
+  using Catch::Contains;
+  CHECK(findToolScript("drag_across") == assetFolder("tools") + "/drag_across.toml");
+  CHECK(findToolScript(findToolScript("drag_across")) == findToolScript("drag_across"));
+  CHECK_THAT(refusal([] { findToolScript("drag_acros.toml"); }),
+             Contains("no tool script \"drag_acros.toml\"; did you mean drag_across? ") && Contains("drag_across and indent_hold_retract"));
+}

@@ -6,6 +6,8 @@
 
 #include "app/picture_difference.h"
 #include "base/input_error.h"
+#include "support/temp_folder.h"
+#include "support/text.h"
 
 using namespace palpate;
 
@@ -48,6 +50,14 @@ TEST_CASE("A file that is no PNG is refused with its name", "[picture]") {
   CHECK_THROWS_AS(readPng("/does/not/exist.png"), InputError);
   CHECK_THROWS_WITH(writePng("/does/not/exist/x.png", disc(80)), Catch::Contains("/does/not/exist/x.png"));
   std::filesystem::remove(file);
+}
+
+TEST_CASE("A picture that does not fit on the disk is an error with file, reason and advice", "[picture]") {
+  const TempFolder folder;
+  const std::string file = folder.write("snapshot.png", "the one before");
+  std::filesystem::create_symlink("/dev/full", file + ".part");
+  CHECK_THROWS_WITH(writePng(file, disc(80)), Catch::Contains("can't write " + file + ": No space left on device; free some space"));
+  CHECK(readAll(file) == "the one before");
 }
 
 TEST_CASE("Rounding, dither and a contour's neighbouring pixel don't make another picture", "[picture]") {

@@ -8,6 +8,19 @@ using namespace palpate;
 
 // Friction and energy.
 
+namespace {
+
+/// A bed without damping, whose contact layer is `stiffer` times the usual.
+SpringBed undampedBed(double stiffer) {
+  SpringBed::Spec spec = tissueLike();
+  spec.damping = 0.0;
+  SpringBed bed(spec);
+  bed.skin.bulk_stiffness *= stiffer;
+  return bed;
+}
+
+}  // namespace
+
 TEST_CASE("Friction: drags with mu N, sticks below, and does not creep", "[contact]") {
   const double mu = 0.3;
   SECTION("a plate: closed form") {
@@ -84,10 +97,7 @@ TEST_CASE("Contact creates no energy", "[contact]") {
     for (double stiffer : {0.1, 1.0, 100.0}) {
       for (double friction : {0.0, 0.5}) {
         CAPTURE(static_cast<int>(kind), stiffer, friction);
-        SpringBed::Spec spec = tissueLike();
-        spec.damping = 0.0;
-        SpringBed bed(spec);
-        bed.skin.bulk_stiffness *= stiffer;
+        SpringBed bed = undampedBed(stiffer);
         const ToolShape tool = toolOf(kind);
         bed.place(tool, tipAt(0.0003, 0.0007, 0.001));
         double work = 0.0, largest = 0.0, excess = 0.0;
@@ -122,13 +132,10 @@ TEST_CASE("Contact creates no energy", "[contact]") {
 TEST_CASE("Tissue that bounces on a resting tool loses energy, if any", "[contact]") {
   for (ToolKind kind : kKinds) {
     for (double stiffer : {0.01, 1.0, 1000.0}) {
-      SpringBed::Spec spec = tissueLike();
-      spec.damping = 0.0;
-      SpringBed bed(spec);
-      bed.skin.bulk_stiffness *= stiffer;
+      SpringBed bed = undampedBed(stiffer);
       const ToolShape tool = toolOf(kind);
       bed.place(tool, tipAt(0.0003, 0.0007, 0.0005));
-      for (Float4& a : bed.du) a.z = static_cast<float>(0.5 * spec.dt);  // 0.5 m/s towards the tool
+      for (Float4& a : bed.du) a.z = static_cast<float>(0.5 * bed.spec.dt);  // 0.5 m/s towards the tool
       const double before = bed.energy();
       double most = 0.0;
       int touched = 0;

@@ -3,11 +3,14 @@
 #include <catch2/catch.hpp>
 #include <map>
 
+#include "discretization/solids.h"
+#include "io/scene_file.h"
 #include "support/equal_models.h"
 #include "support/small_scene.h"
 #include "support/temp_folder.h"
 
 using namespace palpate;
+using Catch::Contains;
 
 TEST_CASE("A set-up can be ended within each long stage, keeps nothing then, and is not changed by being watched", "[load_model]") {
   const Scene scene = test::blockScene();
@@ -33,4 +36,48 @@ TEST_CASE("A set-up can be ended within each long stage, keeps nothing then, and
     }, ModelCache(folder.path("cache"))), Ended);
   }
   CHECK((!std::filesystem::exists(folder.path("cache")) || std::filesystem::is_empty(folder.path("cache"))));
+}
+
+TEST_CASE("An organ of an unlikely size is warned of, with its length and the key to check", "[load_model]") {
+  const auto warned = [](const Scene& scene, double edge) { return sizeWarning(scene, boxSurface(Vec3(edge / 2, edge / 3, edge), edge)); };
+  Scene scene;
+  scene.solid = Scene::Solid::Surface;
+  scene.surface_scale = 1;
+  scene.places["organ.unit"] = {"small.toml", 4, 1};
+  CHECK(warned(scene, 0.00016) == "small.toml:4:1: the organ is 0.16 mm long; is unit = \"m\" right?");
+  CHECK(warned(scene, 160) == "small.toml:4:1: the organ is 160 m long; is unit = \"m\" right?");
+  for (const double likely : {0.001001, 0.16, 2.999}) CHECK(warned(scene, likely).empty());
+  scene.surface_scale = 0.001;
+  CHECK_THAT(warned(scene, 0.00016), Contains("unit = \"mm\""));
+  scene.places.clear();
+  CHECK(warned(scene, 3.5) == "the organ is 3.5 m long; is scale = 0.001 right?");
+  CHECK_THAT(warned(test::blockScene(), 5), Contains("5 m long; are its lengths in m?"));
+}
+
+TEST_CASE("No scene of assets/scenes has an unlikely size", "[load_model]") {
+  int scenes = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(PALPATE_SOURCE_DIR "/assets/scenes")) {
+    if (entry.path().extension() != ".toml") continue;
+    INFO(entry.path());
+    const Scene scene = readScene(entry.path().string());
+    CHECK(sizeWarning(scene, organSurface(scene)).empty());
+    ++scenes;
+  }
+  CHECK(scenes > 5);
+}
+
+TEST_CASE("The warning of a size comes before the set-up takes time, and once", "[load_model]") {
+  Scene scene = test::blockScene();
+  std::vector<std::string> warnings;
+  const auto keep = [&](const std::string& line) { warnings.push_back(line); };
+  loadModel(scene, {}, ModelCache(), keep);
+  CHECK(warnings.empty());
+  scene.size = Vec3(4, 4, 2);
+  scene.spacing = scene.tool.radius = 0.5;
+  struct Ended {};
+  CHECK_THROWS_AS(loadModel(scene, [&](const std::string& stage, double) {
+    if (stage != "surface") throw Ended();
+  }, ModelCache(), keep), Ended);
+  REQUIRE(warnings.size() == 1);
+  CHECK_THAT(warnings[0], Contains("the organ is 4 m long"));
 }

@@ -110,6 +110,25 @@ TEST_CASE("Pause stops time, a single step is one tick, resume goes on", "[simul
   CHECK_FALSE(loop.snapshots().latest().status.paused);
 }
 
+TEST_CASE("A run that starts paused begins with Resume, and only a later one is told", "[simulation_loop]") {
+  const Model model = smallModel();
+  FakePhysics physics(model);
+  SimulationLoopOptions options = limited(10);
+  options.start_paused = true;
+  SimulationLoop loop(model, physics, nullptr, options);
+  FakeClock clock;
+  clock.before_sleep = [&](int sleep) {
+    if (sleep == 5) CHECK(physics.calls == 0);
+    if (sleep == 5 || sleep == 11) loop.commands().push(Request::simple(Request::Kind::Resume));
+    if (sleep == 8) loop.commands().push(Request::simple(Request::Kind::Pause));
+  };
+  loop.run(clock);
+  CHECK(physics.calls == 10);
+  std::vector<LogEvent::Kind> told;
+  for (const LogEvent& event : drain(loop.log())) told.push_back(event.kind);
+  CHECK(told == std::vector{LogEvent::Kind::Paused, LogEvent::Kind::Resumed});
+}
+
 TEST_CASE("A tool moved by hand arrives smoothly at the newest pose", "[simulation_loop]") {
   const Model model = smallModel();
   FakePhysics physics(model);

@@ -1,23 +1,18 @@
 #include "mtled/fit_command.h"
 
-#include <sys/wait.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <catch2/catch.hpp>
-#include <chrono>
 #include <cmath>
-#include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <random>
-#include <thread>
 
-#include "app/interrupt.h"
 #include "io/load_model.h"
 #include "mtled/fit_search.h"
 #include "mtled/rate_check.h"
+#include "support/block_text.h"
+#include "support/interrupted_child.h"
 #include "support/small_scene.h"
 #include "support/temp_folder.h"
 
@@ -228,10 +223,7 @@ TEST_CASE("A rate is held when few periods are missed and all but one in a thous
 TEST_CASE("An interrupted fit says how to go on, and goes on only with what is its own", "[fit]") {
   const TempFolder folder;
   FitOptions options;
-  options.scene = folder.write("block.toml",
-                               "[organ]\nsolid = \"box\"\nsize = [0.06, 0.06, 0.03]\n[discretization]\nspacing = 0.015\n"
-                               "[[material]]\nmodel = \"neo-hookean\"\nyoung = 3000\npoisson = 0.45\n[[fixed]]\nshape = \"half-space\"\n"
-                               "point = [0, 0, 0.0001]\nnormal = [0, 0, 1]\n[tool]\nshape = \"sphere\"\nradius = 0.01\nposition = [0, 0, 0.035]\n");
+  options.scene = folder.write("block.toml", touched_block_text);
   options.out = folder.path("fitted.toml");
   options.resume = true;
   CHECK_THAT(refusal([&] { fitCommand(options); }), Catch::Contains("fitted.fit.json") && Catch::Contains("nothing to resume"));
@@ -239,26 +231,7 @@ TEST_CASE("An interrupted fit says how to go on, and goes on only with what is i
   CHECK_THAT(refusal([&] { fitCommand(options); }), Catch::Contains("another scene"));
   options.resume = false;
   std::filesystem::remove(folder.path("fitted.fit.json"));
-  const pid_t child = ::fork();
-  REQUIRE(child >= 0);
-  if (child == 0) {  // the flag that a signal sets is never taken back
-    catchInterrupts();
-    // Once something was tried.
-    std::thread([file = folder.path("fitted.fit.json")] {
-      while (!std::filesystem::exists(file)) std::this_thread::sleep_for(std::chrono::milliseconds(1));
-      std::raise(SIGINT);
-    }).detach();
-    int code = 99;
-    try {
-      code = fitCommand(options);
-    } catch (...) {
-    }
-    ::_exit(code);
-  }
-  int status = 0;
-  REQUIRE(::waitpid(child, &status, 0) == child);
-  REQUIRE(WIFEXITED(status));
-  CHECK(WEXITSTATUS(status) == 1);
+  CHECK(codeWhenInterrupted(folder.path("fitted.fit.json"), [&] { return fitCommand(options); }) == 1);  // once something was tried
   CHECK_FALSE(std::filesystem::exists(options.out));
   std::ifstream in(folder.path("fitted.fit.json"));
   const auto json = nlohmann::json::parse(in);

@@ -10,6 +10,7 @@
 #include "mtled/frontier_page.h"
 #include "mtled/frontier_result.h"
 #include "mtled/frontier_settings.h"
+#include "support/block_text.h"
 #include "support/small_scene.h"
 #include "support/temp_folder.h"
 
@@ -175,10 +176,7 @@ TEST_CASE("The frontier's page has every setting, the picture and what refinemen
 TEST_CASE("Nothing to resume, or something of another scene, is refused", "[frontier]") {
   const TempFolder folder;
   FrontierOptions options;
-  options.scene = folder.write("block.toml",
-                               "[organ]\nsolid = \"box\"\nsize = [0.06, 0.06, 0.03]\n[discretization]\nspacing = 0.015\n"
-                               "[[material]]\nmodel = \"neo-hookean\"\nyoung = 3000\npoisson = 0.45\n[[fixed]]\nshape = \"half-space\"\n"
-                               "point = [0, 0, 0.0001]\nnormal = [0, 0, 1]\n[tool]\nshape = \"sphere\"\nradius = 0.01\nposition = [0, 0, 0.035]\n");
+  options.scene = folder.write("block.toml", touched_block_text);
   options.out = folder.path("out");
   options.resume = true;
   CHECK_THAT(refusal([&] { frontierCommand(options); }), Catch::Contains("nothing to resume"));

@@ -1,16 +1,11 @@
 #include "mtled/solve_command.h"
 
-#include <sys/wait.h>
-#include <unistd.h>
-
 #include <catch2/catch.hpp>
-#include <chrono>
 #include <cmath>
 #include <csignal>
 #include <cstring>
 #include <filesystem>
 #include <nlohmann/json.hpp>
-#include <thread>
 
 #include "app/interrupt.h"
 #include "approximation/shape_functions.h"
@@ -20,7 +15,9 @@
 #include "mtled/checkpoint.h"
 #include "simulation/model_hash.h"
 #include "simulation/static_solver.h"
+#include "support/block_text.h"
 #include "support/captured_output.h"
+#include "support/interrupted_child.h"
 #include "support/temp_folder.h"
 #include "support/text.h"
 
@@ -30,24 +27,7 @@ using Catch::Contains;
 namespace {
 
 /// A small block pressed between plates, in four load steps.
-const std::string block_scene =
-    R"(name = "block"
-[organ]
-solid = "box"
-size = [0.06, 0.06, 0.03]
-[discretization]
-spacing = 0.012
-[[material]]
-model = "neo-hookean"
-young = 3000
-poisson = 0.45
-[[fixed]]
-name = "base"
-shape = "near-plane"
-point = [0, 0, 0]
-normal = [0, 0, 1]
-distance = 1e-6
-[[prescribed]]
+const std::string block_scene = test::block_text + R"([[prescribed]]
 name = "plate"
 shape = "near-plane"
 point = [0, 0, 0.03]
@@ -186,26 +166,8 @@ TEST_CASE("Resumed after half of the load steps, a solution ends where an unbrok
 
 TEST_CASE("Interrupted by a signal, the command says so and can be resumed", "[solve_command][checkpoint]") {
   const Folder folder;
-  const pid_t child = ::fork();
-  REQUIRE(child >= 0);
-  if (child == 0) {  // the flag that a signal sets is never taken back
-    catchInterrupts();
-    // Once the set-up is done and the solution has begun.
-    std::thread([file = folder.out("force.csv")] {
-      while (!std::filesystem::exists(file)) std::this_thread::sleep_for(std::chrono::milliseconds(1));
-      std::raise(SIGINT);
-    }).detach();
-    int code = 99;
-    try {
-      code = solve(folder.scene, folder.out());
-    } catch (...) {
-    }
-    ::_exit(code);
-  }
-  int status = 0;
-  REQUIRE(::waitpid(child, &status, 0) == child);
-  REQUIRE(WIFEXITED(status));
-  CHECK(WEXITSTATUS(status) == 1);
+  // Once the set-up is done and the solution has begun.
+  CHECK(test::codeWhenInterrupted(folder.out("force.csv"), [&] { return solve(folder.scene, folder.out()); }) == 1);
   CHECK(reportIn(folder)["interrupted"] == true);
   CHECK(reportIn(folder)["rows"] < 4);
   REQUIRE(solve(folder.scene, folder.out(), true) == 0);
@@ -218,23 +180,16 @@ TEST_CASE("Interrupted by a signal, the command says so and can be resumed", "[s
 
 TEST_CASE("Interrupted during the set-up, the command ends with nothing to keep", "[solve_command]") {
   const Folder folder;
-  const pid_t child = ::fork();
-  REQUIRE(child >= 0);
-  if (child == 0) {
+  const int code = test::exitCodeOfChild([&] {
     catchInterrupts();
     std::raise(SIGINT);
-    int code = 99;
     try {
-      solve(folder.scene, folder.out());
+      return solve(folder.scene, folder.out());
     } catch (const std::runtime_error& error) {
-      code = std::string(error.what()).find("while the model was made") != std::string::npos ? 1 : 98;
+      return std::string(error.what()).find("while the model was made") != std::string::npos ? 1 : 98;
     }
-    ::_exit(code);
-  }
-  int status = 0;
-  REQUIRE(::waitpid(child, &status, 0) == child);
-  REQUIRE(WIFEXITED(status));
-  CHECK(WEXITSTATUS(status) == 1);
+  });
+  CHECK(code == 1);
   CHECK_FALSE(std::filesystem::exists(folder.out("force.csv")));
 }
 

@@ -85,12 +85,13 @@ void stopIfInterrupted() {
 }
 
 int fit(const FitOptions& options) {
-  const std::string scene_file = findScene(options.scene, std::string(PALPATE_SOURCE_DIR) + "/assets/scenes");
+  const std::string scene_file = findScene(options.scene);
   const Scene given = readScene(scene_file);
   if (!given.refine.empty())
     throw InputError(given.refine.front().place, "`mtled fit` chooses the spacing and where it is finer itself", "leave the refinements out");
   if (given.quadrature.accuracy > 0)
     throw InputError(given.place, "`mtled fit` uses one point a cell", "leave quadrature_accuracy out");
+  const std::optional<ToolScript> script = namedScript(options.tool_script, given.tool.radius);
   Scene scene = given;
   if (options.rate_hz > 0) scene.rate_hz = options.rate_hz;
   scene.threads = options.cores > 0 ? options.cores : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
@@ -105,9 +106,8 @@ int fit(const FitOptions& options) {
 
   ProgressLine progress("fit");
   progress.show(0, "set-up");
-  const Model present = loadModel(scene);
-  const ToolWay way = options.tool_script.empty() ? indentationWay(present)
-                                                  : scriptPoses(readToolScript(options.tool_script, scene.tool.radius), present);
+  const Model present = loadModel(scene, {}, ModelCache(), warn);
+  const ToolWay way = script ? scriptPoses(*script, present) : indentationWay(present);
   const auto probes = surfaceProbes(present, probe_count);
   const WorkedOn place = options.uniform ? WorkedOn{} : workedOn(present, way);
   const auto families = fitFamilies(scene, place);

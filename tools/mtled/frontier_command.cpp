@@ -85,7 +85,8 @@ std::string commandOf(const FrontierOptions& options) {
 }  // namespace
 
 int frontierCommand(const FrontierOptions& options) {
-  const Scene scene = readScene(findScene(options.scene, std::string(PALPATE_SOURCE_DIR) + "/assets/scenes"));
+  const Scene scene = readScene(findScene(options.scene));
+  const std::optional<ToolScript> script = namedScript(options.tool_script, scene.tool.radius);
   const std::string folder = options.out.empty() ? "out/" + scene.name + "_frontier" : options.out;
   std::error_code problem;
   std::filesystem::create_directories(folder, problem);
@@ -97,9 +98,8 @@ int frontierCommand(const FrontierOptions& options) {
 
   ProgressLine progress("frontier");
   progress.show(0, "set-up");
-  const Model present = loadModel(scene);
-  const ToolWay way = options.tool_script.empty() ? indentationWay(present)
-                                                  : scriptPoses(readToolScript(options.tool_script, scene.tool.radius), present);
+  const Model present = loadModel(scene, {}, ModelCache(), warn);
+  const ToolWay way = script ? scriptPoses(*script, present) : indentationWay(present);
   const auto probes = surfaceProbes(present, probe_count);
   const WorkedOn place = workedOn(present, way);
   const auto settings = frontierSettings(scene, place, options.quick, cores);

@@ -45,4 +45,8 @@ void ProgressLine::show(double fraction, const std::string& detail) {
   }
 }
 
+void warn(const std::string& line) {
+  std::fprintf(stderr, "%smtled: warning: %s\n", isatty(STDERR_FILENO) != 0 ? "\r\033[K" : "", line.c_str());
+}
+
 }  // namespace palpate

@@ -23,4 +23,7 @@ class ProgressLine {
   int tenth_ = -1;
 };
 
+/// A line on stderr with what went otherwise than meant, over a progress line.
+void warn(const std::string& line);
+
 }  // namespace palpate

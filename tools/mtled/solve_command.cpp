@@ -12,6 +12,7 @@
 #include <optional>
 #include <thread>
 
+#include "app/indent_script.h"
 #include "app/interrupt.h"
 #include "app/options.h"
 #include "approximation/shape_functions.h"
@@ -24,7 +25,6 @@
 #include "io/probes_file.h"
 #include "io/result_csv.h"
 #include "io/scene_file.h"
-#include "io/tool_script.h"
 #include "io/vtu_file.h"
 #include "mtled/checkpoint.h"
 #include "mtled/progress.h"
@@ -327,21 +327,19 @@ int solveTransient(const Task& task, Results& results) {
 }  // namespace
 
 int solveCommand(const SolveOptions& options) {
-  const std::string file = findScene(options.scene, std::string(PALPATE_SOURCE_DIR) + "/assets/scenes");
+  const std::string file = findScene(options.scene);
   const Scene scene = readScene(file);
-  std::optional<ToolScript> script;
-  if (!options.tool_script.empty()) script = readToolScript(options.tool_script, scene.tool.radius);
+  const std::optional<ToolScript> script = namedScript(options.tool_script, scene.tool.radius);
   const double end = endTime(scene, script);
   std::unique_ptr<Model> model;
   {
     ProgressLine progress("set-up");
-    const ModelCache cache(options.use_cache ? ModelCache::userFolder() : "",
-                           [](const std::string& line) { std::cerr << "mtled: " << line << std::endl; });
+    const ModelCache cache(options.use_cache ? ModelCache::userFolder() : "", warn);
     const auto show = [&](const std::string& what, double fraction) {
       if (interrupted()) throw std::runtime_error("interrupted while the model was made");
       progress.show(fraction, what);
     };
-    model = std::make_unique<Model>(loadModel(scene, show, cache));
+    model = std::make_unique<Model>(loadModel(scene, show, cache, warn));
   }
   const int cores = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
   Results results(*model, options.out.empty() ? "out/" + std::filesystem::path(file).stem().string() : options.out, end, identityOf(*model, script, end), options.resume);
