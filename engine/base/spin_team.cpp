@@ -1,5 +1,7 @@
 #include "base/spin_team.h"
 
+#include <cassert>
+
 #if defined(__x86_64__) || defined(__i386__)
 #include <immintrin.h>
 #endif
@@ -42,7 +44,7 @@ class Backoff {
 
 }  // namespace
 
-SpinTeam::SpinTeam(int thread_count) : size_(thread_count < 1 ? 1 : thread_count) {
+SpinTeam::SpinTeam(int thread_count) : size_(thread_count < 1 ? 1 : thread_count), shares_(static_cast<std::size_t>(size_)) {
   workers_.reserve(static_cast<std::size_t>(size_ - 1));
   for (int member = 1; member < size_; ++member) {
     workers_.emplace_back([this, member] { work(member); });
@@ -57,20 +59,31 @@ SpinTeam::~SpinTeam() {
   for (std::thread& worker : workers_) worker.join();
 }
 
-void SpinTeam::run(Job job, void* context) {
+void SpinTeam::share(int part_count, Job job, void* context) { start(part_count, false, job, context); }
+
+void SpinTeam::run(Job job, void* context) { start(size_, true, job, context); }
+
+void SpinTeam::start(int part_count, bool pinned, Job job, void* context) {
+  assert(part_count >= 0 && part_count <= 0xffff);
   if (size_ == 1) {
-    job(context, 0, 1);
+    for (int part = 0; part < part_count; ++part) job(context, part, part_count);
     return;
   }
   const bool parked = (awake_.load(std::memory_order_relaxed) & 1u) == 0;
   job_ = job;
   context_ = context;
-  remaining_.store(size_ - 1, std::memory_order_relaxed);
+  part_count_ = part_count;
+  remaining_.store(part_count, std::memory_order_relaxed);
+  const std::uint64_t number = ++number_ << 33 | std::uint64_t{pinned} << 32;
+  for (int m = 0; m < size_; ++m) {
+    const auto begin = static_cast<std::uint64_t>(part_count * m / size_), end = static_cast<std::uint64_t>(part_count * (m + 1) / size_);
+    shares_[m].word.store(number | end << 16 | begin, std::memory_order_release);
+  }
   generation_.fetch_add(1);  // sequentially consistent: ordered before notify's look for sleepers
   generation_.notify_all();
   if (parked) wake();
 
-  job(context, 0, size_);
+  take(0);
 
   Backoff backoff;
   for (int left = remaining_.load(std::memory_order_acquire); left != 0;
@@ -79,6 +92,21 @@ void SpinTeam::run(Job job, void* context) {
   }
   if (backoff.isLong()) ++long_waits_;
   if (parked) park();
+}
+
+void SpinTeam::take(int member) {
+  for (int k = 0; k < size_; ++k) {
+    std::atomic<std::uint64_t>& word = shares_[(member + k) % size_].word;
+    std::uint64_t seen = word.load(std::memory_order_acquire);
+    while ((seen & 0xffff) < (seen >> 16 & 0xffff)) {
+      if (k > 0 && (seen >> 32 & 1) != 0) break;
+      // That the word is still the seen one means that this part is not done, so the job is not, and its data stand.
+      if (!word.compare_exchange_weak(seen, seen + 1, std::memory_order_acq_rel, std::memory_order_acquire)) continue;
+      job_(context_, static_cast<int>(seen & 0xffff), part_count_);
+      if (remaining_.fetch_sub(1) == 1) remaining_.notify_one();
+      seen = word.load(std::memory_order_acquire);
+    }
+  }
 }
 
 void SpinTeam::wake() {
@@ -106,12 +134,11 @@ void SpinTeam::waitForJob(std::uint32_t done_generation) {
 }
 
 void SpinTeam::work(int member) {
-  for (std::uint32_t generation = 0;; ) {
+  for (std::uint32_t generation = 0;;) {
     waitForJob(generation);
-    ++generation;
+    generation = generation_.load(std::memory_order_acquire);  // jobs that the others did meanwhile are past
     if (stop_) return;
-    job_(context_, member, size_);
-    if (remaining_.fetch_sub(1) == 1) remaining_.notify_one();
+    take(member);
   }
 }
 

@@ -7,15 +7,16 @@
 
 namespace palpate {
 
-/// A team of threads that run one function together many times a second: the owner,
-/// who is member 0, and size - 1 workers. Between the jobs of one tick the workers
-/// spin, outside a tick (park) they sleep. All waits spin for a bounded time, then
-/// yield the core, then sleep on a futex: a member that lost its core to somebody
-/// else delays the others but never starves or deadlocks them.
+/// A team of threads that share out work many times a second: the owner, who is member 0, and size - 1 workers.
+/// Between the jobs of one tick the workers spin, outside a tick (park) they sleep. All waits spin for a bounded time, then
+/// yield the core, then sleep on a futex: a member that lost its core to somebody else never starves or deadlocks the others.
+/// A job's parts are there for the taking: each member begins with its own share of them, so that it meets the data that its
+/// cache knows, and then takes from the others'. So one that wakes late, or has a slow core, delays nobody by more than the
+/// part that it holds.
 /// With one thread it calls the function directly and costs nothing.
 class SpinTeam {
  public:
-  using Job = void (*)(void* context, int member, int member_count);
+  using Job = void (*)(void* context, int part, int part_count);
 
   /// @param thread_count  the owner included; less than 1 counts as 1
   explicit SpinTeam(int thread_count);
@@ -25,13 +26,17 @@ class SpinTeam {
 
   int size() const { return size_; }
 
-  /// Runs job(context, member, size) once on each member and returns when all are done;
-  /// what they wrote is visible to the owner, and to all members of the next job.
+  /// Runs job(context, part, part_count) once for each part, on whichever member, and returns when all are done;
+  /// what they wrote is visible to the owner, and to all members in the next job.
   /// Called by the owner thread only; the job must not throw. No allocation, no lock.
   /// A parked team is woken and parked again.
+  /// @param part_count  0 to 65535
+  void share(int part_count, Job job, void* context);
+
+  /// The same with one part for each member, taken by this member and no other.
   void run(Job job, void* context);
 
-  /// Owner: wakes the workers before a tick's first run, so that they are there when it
+  /// Owner: wakes the workers before a tick's first job, so that they are there when it
   /// comes; lets them sleep after its last.
   void wake();
   void park();
@@ -43,34 +48,37 @@ class SpinTeam {
   std::vector<std::thread>& workers() { return workers_; }
 
  private:
+  void start(int part_count, bool pinned, Job job, void* context);
+  void take(int member);
   void work(int member);
   void waitForJob(std::uint32_t done_generation);
 
+  /// A member's share of the present job that nobody has taken yet. One word, so that taking a part also proves that the job
+  /// is still going on: bits 0-15 the next part, 16-31 their end, 32 only this member may take them, 33-63 the job's number.
+  struct alignas(64) Share {
+    std::atomic<std::uint64_t> word{0};
+  };
+
   int size_;
   std::vector<std::thread> workers_;
+  std::vector<Share> shares_;                          // (size)
+  // Of the present job: written while nobody holds a part, read by whoever took one.
   Job job_ = nullptr;
   void* context_ = nullptr;
-  std::int64_t long_waits_ = 0;                        // the owner's own
-  bool stop_ = false;                                  // written before generation_, like job_
+  int part_count_ = 0;
+  std::uint64_t number_ = 0;                           // the owner's own, and
+  std::int64_t long_waits_ = 0;
+  bool stop_ = false;                                  // written before generation_
   alignas(64) std::atomic<std::uint32_t> generation_{0};  // jobs given out so far
   alignas(64) std::atomic<std::uint32_t> awake_{0};       // odd while workers should spin
-  alignas(64) std::atomic<int> remaining_{0};             // workers still at the present job
+  alignas(64) std::atomic<int> remaining_{0};             // parts of the present job that are not done
 };
 
-/// Runs each(part) for part in [0, count), every member of the team taking an even share. What the parts are must not
-/// depend on the team's size where results may not.
+/// Runs each(part) for part in [0, count) on the team. What the parts are must not depend on the team's size where results
+/// may not.
 template <class Each>
 void shareOut(SpinTeam& team, int count, Each each) {
-  struct Context {
-    int count;
-    Each& each;
-  } context{count, each};
-  team.run(
-      [](void* c, int member, int members) {
-        auto& [n, call] = *static_cast<Context*>(c);
-        for (int k = n * member / members; k < n * (member + 1) / members; ++k) call(k);
-      },
-      &context);
+  team.share(count, [](void* context, int part, int) { (*static_cast<Each*>(context))(part); }, &each);
 }
 
 }  // namespace palpate

@@ -26,6 +26,14 @@ std::vector<int> hilbertOrder(const std::vector<Vec3>& X);
 /// @return order[k] = index in X of the k-th point; a permutation.
 std::vector<int> bisectionOrder(const std::vector<Vec3>& X, int leaf);
 
+/// Slices of even size along the longest side of the points' bounding box, each in bisection order: what lies close together
+/// is at most about two slices apart in the list, so whoever goes through it needs only a few slices at a time.
+///
+/// @param leaf   as in bisectionOrder; slices are whole numbers of 4 leaves
+/// @param thick  least thickness of a slice, in mean distances between points, > 0
+/// @return order[k] = index in X of the k-th point; a permutation.
+std::vector<int> slicedOrder(const std::vector<Vec3>& X, int leaf, double thick);
+
 /// values[order[k]] at place k: carries an array along to the new order.
 template <class T>
 std::vector<T> reordered(const std::vector<T>& values, const std::vector<int>& order) {

@@ -14,17 +14,17 @@
 namespace palpate {
 namespace {
 
-/// Work packages of one force evaluation. More than the threads we expect, so that a late
-/// worker costs little; few enough that summing the buffers stays below a few percent.
-constexpr int chunk_count = 4;
+/// Work packages of one force evaluation: so many that a thread with a late or slow core leaves most of its share to the
+/// others; so few that clearing and summing their buffers stays below a few percent.
+constexpr int chunk_count = 16;
 
 template <class Real>
 int unionNode(const KernelLayoutOf<Real>& layout, std::size_t at) {
   return layout.short_node.empty() ? layout.node[at] : layout.short_node[at];
 }
 
-/// Points of one material after another, each in bisection order but for what quadOrder exchanges, every material
-/// padded with -1 to whole batches.
+/// Points of one material after another, each in slices about a cell thick (thinner ones would make quads flat) but for
+/// what quadOrder exchanges, every material padded with -1 to whole batches.
 std::vector<int> batchOrder(const ShapeTable& shape, const std::vector<Vec3>& point_X, const std::vector<int>& point_material,
                             int material_count, std::vector<int>& batch_material) {
   std::vector<int> order;
@@ -37,7 +37,7 @@ std::vector<int> batchOrder(const ShapeTable& shape, const std::vector<Vec3>& po
         X.push_back(point_X[q]);
       }
     std::vector<int> placed;
-    for (int k : bisectionOrder(X, 4)) placed.push_back(mine[k]);
+    for (int k : slicedOrder(X, 4, 2)) placed.push_back(mine[k]);
     while (placed.size() % 16 != 0) placed.push_back(-1);
     placed = quadOrder(shape, std::move(placed));
     order.insert(order.end(), placed.begin(), placed.end());

@@ -66,7 +66,7 @@ Discretization discretize(const Scene& scene, const SurfaceTree& organ, const st
   progress(0.95);
   fitToVolume(d.cloud, d.cells, organ);
 
-  const auto order = hilbertOrder(d.cloud.X);
+  const auto order = slicedOrder(d.cloud.X, 4, 1);
   std::vector<int> place(order.size());
   for (std::size_t k = 0; k < order.size(); ++k) place[order[k]] = static_cast<int>(k);
   d.cloud.X = reordered(d.cloud.X, order);

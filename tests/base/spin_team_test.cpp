@@ -2,12 +2,14 @@
 
 #include <sched.h>
 
+#include <atomic>
 #include <catch2/catch.hpp>
 #include <chrono>
 #include <cstdint>
 #include <thread>
 #include <vector>
 
+using palpate::shareOut;
 using palpate::SpinTeam;
 
 namespace {
@@ -95,6 +97,43 @@ TEST_CASE("A late member delays a job but all of it is done", "[spin_team]") {
         &late);
     for (const int done : late.done) REQUIRE(done == late.round + 1);
   }
+}
+
+TEST_CASE("Each part of a shared job is done once, and seen by the next job", "[spin_team]") {
+  for (int size = 1; size <= 4; ++size) {
+    SpinTeam team(size);
+    for (const int count : {0, 1, 2, 7, 16, 300}) {
+      std::vector<std::int64_t> now(static_cast<std::size_t>(count)), next = now;
+      constexpr int rounds = 200;
+      for (int r = 0; r < rounds; ++r) {
+        if (r % 50 == 0) team.wake();
+        shareOut(team, count, [&](int part) { next[part] = now[(part + 1) % count] + 1; });
+        shareOut(team, count, [&](int part) { now[part] = next[part]; });
+        if (r % 50 == 40) team.park();
+      }
+      team.park();
+      for (const std::int64_t n : now) CHECK(n == rounds);
+    }
+  }
+}
+
+TEST_CASE("What a late member does not come to, the others do", "[spin_team]") {
+  SpinTeam team(2);
+  std::atomic<bool> held{false}, let_go{false};
+  // The worker is held in its first part until the owner has taken the last one from it.
+  std::vector<int> done(8, 0);
+  shareOut(team, 8, [&](int part) {
+    ++done[part];
+    if (part == 4) {  // the first of the worker's own
+      held = true;
+      while (!let_go) std::this_thread::yield();
+    } else if (part == 0) {
+      while (!held) std::this_thread::yield();
+    } else if (part == 7) {
+      let_go = true;
+    }
+  });
+  CHECK(done == std::vector<int>(8, 1));
 }
 
 TEST_CASE("A worker that keeps the owner waiting is noticed", "[spin_team]") {
