@@ -25,8 +25,11 @@ FigureSheet::FigureSheet(ImDrawList& draw, const Theme& theme, const Figure& fig
   int next = 0;
   for (const Series& series : figure.series) {
     colours_.push_back(series.colour == next_colour ? next++ % figure_colour_count : series.colour);
-    const int shape = std::max(0, colours_.back());
-    if (!series.label.empty()) entries_.push_back({&series, colours_.back(), shape, series.label});
+    // A colour that comes again gets another marker.
+    const int index = std::max(0, colours_.back());
+    const auto sameBefore = [&](const Entry& e) { return e.series != nullptr && e.colour == colours_.back() && hasPoints(e.series->style); };
+    shapes_.push_back(index + (hasPoints(series.style) ? static_cast<int>(std::count_if(entries_.begin(), entries_.end(), sameBefore)) : 0));
+    if (!series.label.empty()) entries_.push_back({&series, colours_.back(), shapes_.back(), series.label});
   }
   for (const Band& band : figure.bands)
     if (!band.label.empty()) entries_.push_back({nullptr, band.colour, 0, band.label});

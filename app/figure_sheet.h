@@ -73,7 +73,7 @@ class FigureSheet {
   Axis x_, y_;
   float s_;                             // px of a unit of length
   double band_opacity_ = 0.16;
-  std::vector<int> colours_;            // (series) palette index
+  std::vector<int> colours_, shapes_;   // (series) palette index, marker
   std::vector<Entry> entries_;          // of the legend
   std::vector<ImVec2> inked_;           // where data stand, densely along lines
   std::vector<Label> labels_;           // of points and marks

@@ -87,7 +87,7 @@ void FigureSheet::drawMarks() {
 
 void FigureSheet::drawSeries() {
   for (std::size_t k = 0; k < figure_.series.size(); ++k)
-    drawSeries(figure_.series[k], colourOf(colours_[k]), std::max(0, colours_[k]));
+    drawSeries(figure_.series[k], colourOf(colours_[k]), shapes_[k]);
 }
 
 void FigureSheet::drawSeries(const Series& series, ImU32 colour, int shape) {
