@@ -1,45 +1,12 @@
 #include "discretization/node_order.h"
 
 #include <algorithm>
-#include <array>
 #include <cassert>
 #include <cmath>
 #include <numeric>
 
 namespace palpate {
 namespace {
-
-constexpr int hilbert_bits = 21;  // per axis; three axes fill 63 bits of the key
-
-/// Distance along the Hilbert curve of a cell given by three coordinates of hilbert_bits bits.
-std::uint64_t hilbertKey(std::array<std::uint32_t, 3> c) {
-  // From the coarsest level down, undo the reflection (bit set) or exchange of axes (bit clear)
-  // that the curve makes in each octant.
-  for (std::uint32_t q = 1U << (hilbert_bits - 1); q > 1; q >>= 1) {
-    const std::uint32_t below = q - 1;
-    for (std::uint32_t& axis : c) {
-      if (axis & q) {
-        c[0] ^= below;
-      } else {
-        const std::uint32_t swapped = (c[0] ^ axis) & below;
-        c[0] ^= swapped;
-        axis ^= swapped;
-      }
-    }
-  }
-  // Gray code.
-  c[1] ^= c[0];
-  c[2] ^= c[1];
-  std::uint32_t flip = 0;
-  for (std::uint32_t q = 1U << (hilbert_bits - 1); q > 1; q >>= 1) {
-    if (c[2] & q) flip ^= q - 1;
-  }
-  std::uint64_t key = 0;
-  for (int bit = hilbert_bits - 1; bit >= 0; --bit) {
-    for (std::uint32_t axis : c) key = (key << 1) | (((axis ^ flip) >> bit) & 1U);
-  }
-  return key;
-}
 
 struct Bisection {
   const std::vector<Vec3>& X;
@@ -97,28 +64,6 @@ struct Bisection {
 };
 
 }  // namespace
-
-std::vector<int> hilbertOrder(const std::vector<Vec3>& X) {
-  std::vector<int> order(X.size());
-  std::iota(order.begin(), order.end(), 0);
-  if (X.empty()) return order;
-
-  Vec3 low = X[0], high = X[0];
-  for (const Vec3& x : X) {
-    low = low.cwiseMin(x);
-    high = high.cwiseMax(x);
-  }
-  const double edge = (high - low).maxCoeff();
-  const double cells = static_cast<double>((1U << hilbert_bits) - 1);
-  std::vector<std::uint64_t> key(X.size(), 0);
-  for (std::size_t i = 0; edge > 0 && i < X.size(); ++i) {
-    const Vec3 place = (X[i] - low) / edge * cells;
-    key[i] = hilbertKey({static_cast<std::uint32_t>(place.x()), static_cast<std::uint32_t>(place.y()),
-                         static_cast<std::uint32_t>(place.z())});
-  }
-  std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return key[a] < key[b]; });
-  return order;
-}
 
 std::vector<int> bisectionOrder(const std::vector<Vec3>& X, int leaf) {
   assert(leaf > 0);

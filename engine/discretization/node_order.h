@@ -6,16 +6,6 @@
 
 namespace palpate {
 
-/// The order in which a Hilbert curve through the bounding cube meets the points:
-/// neighbours in the list are neighbours in space, so arrays in this order are kind to caches.
-///
-/// @param X  positions, finite; the unit does not matter   (point_count)
-/// @return order[k] = index in X of the k-th point of the curve; a permutation. Points
-///         of one curve cell (1/2^21 of the cube's edge) keep their given order.
-/// Source: J. Skilling, Programming the Hilbert curve, AIP Conf. Proc. 707 (2004).
-/// Test: discretization/node_order_test.cpp
-std::vector<int> hilbertOrder(const std::vector<Vec3>& X);
-
 /// Recursive coordinate bisection: halves the points at the median of the longest side of
 /// their bounding box until `leaf` are left. Consecutive groups of `leaf` points are close
 /// together, and so are consecutive groups of 4 leaves (both aligned at the list's start).

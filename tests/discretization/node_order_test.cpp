@@ -27,12 +27,6 @@ bool isPermutation(std::vector<int> order, std::size_t count) {
   return order.size() == count;
 }
 
-double meanStep(const std::vector<Vec3>& X, const std::vector<int>& order) {
-  double sum = 0;
-  for (std::size_t k = 1; k < order.size(); ++k) sum += (X[order[k]] - X[order[k - 1]]).norm();
-  return sum / static_cast<double>(order.size() - 1);
-}
-
 /// Mean diagonal of the bounding boxes of consecutive groups.
 double meanExtent(const std::vector<Vec3>& X, const std::vector<int>& order, std::size_t group) {
   double sum = 0;
@@ -46,29 +40,6 @@ double meanExtent(const std::vector<Vec3>& X, const std::vector<int>& order, std
 }
 
 }  // namespace
-
-TEST_CASE("On a full lattice of 2^n points the Hilbert order takes unit steps only", "[order]") {
-  // The defining property of the curve, to which any slip in bits or reflections is fatal.
-  std::vector<Vec3> X;
-  for (int i = 0; i < 4096; ++i) X.push_back(Vec3(i % 16, (i / 16) % 16, i / 256));
-  std::shuffle(X.begin(), X.end(), std::mt19937(3));
-  const std::vector<int> order = hilbertOrder(X);
-  REQUIRE(isPermutation(order, X.size()));
-  for (std::size_t k = 1; k < order.size(); ++k) REQUIRE((X[order[k]] - X[order[k - 1]]).norm() == 1.0);
-}
-
-TEST_CASE("Hilbert order makes steps of the order of the mean spacing", "[order]") {
-  const std::vector<Vec3> X = randomPoints(8000, 1);  // spacing 8000^(-1/3) = 0.05
-  const std::vector<int> order = hilbertOrder(X);
-  REQUIRE(isPermutation(order, X.size()));
-  CHECK(meanStep(X, order) < 0.06);  // random order: 0.66, the mean distance in a cube
-}
-
-TEST_CASE("Hilbert order of no, one and equal points keeps the given order", "[order]") {
-  CHECK(hilbertOrder({}).empty());
-  CHECK(hilbertOrder({Vec3(1, 2, 3)}) == std::vector<int>{0});
-  CHECK(hilbertOrder({Vec3::Ones(), Vec3::Ones(), Vec3::Ones()}) == std::vector<int>{0, 1, 2});
-}
 
 TEST_CASE("Bisection order is a permutation for every count", "[order]") {
   for (int count = 0; count < 140; ++count) {
