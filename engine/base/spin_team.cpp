@@ -74,10 +74,9 @@ void SpinTeam::start(int part_count, bool pinned, Job job, void* context) {
   context_ = context;
   part_count_ = part_count;
   remaining_.store(part_count, std::memory_order_relaxed);
-  const std::uint64_t number = ++number_ << 33 | std::uint64_t{pinned} << 32;
   for (int m = 0; m < size_; ++m) {
     const auto begin = static_cast<std::uint64_t>(part_count * m / size_), end = static_cast<std::uint64_t>(part_count * (m + 1) / size_);
-    shares_[m].word.store(number | end << 16 | begin, std::memory_order_release);
+    shares_[m].word.store(std::uint64_t{pinned} << 32 | end << 16 | begin, std::memory_order_release);
   }
   generation_.fetch_add(1);  // sequentially consistent: ordered before notify's look for sleepers
   generation_.notify_all();
@@ -100,7 +99,6 @@ void SpinTeam::take(int member) {
     std::uint64_t seen = word.load(std::memory_order_acquire);
     while ((seen & 0xffff) < (seen >> 16 & 0xffff)) {
       if (k > 0 && (seen >> 32 & 1) != 0) break;
-      // That the word is still the seen one means that this part is not done, so the job is not, and its data stand.
       if (!word.compare_exchange_weak(seen, seen + 1, std::memory_order_acq_rel, std::memory_order_acquire)) continue;
       job_(context_, static_cast<int>(seen & 0xffff), part_count_);
       if (remaining_.fetch_sub(1) == 1) remaining_.notify_one();

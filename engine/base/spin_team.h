@@ -11,8 +11,8 @@ namespace palpate {
 /// Between the jobs of one tick the workers spin, outside a tick (park) they sleep. All waits spin for a bounded time, then
 /// yield the core, then sleep on a futex: a member that lost its core to somebody else never starves or deadlocks the others.
 /// A job's parts are there for the taking: each member begins with its own share of them, so that it meets the data that its
-/// cache knows, and then takes from the others'. So one that wakes late, or has a slow core, delays nobody by more than the
-/// part that it holds.
+/// cache knows, and then takes from the others'. So one that wakes late, or has a slow core, delays the others by no more
+/// than the part that it holds; one that loses its core within a part, until it has it back.
 /// With one thread it calls the function directly and costs nothing.
 class SpinTeam {
  public:
@@ -53,8 +53,9 @@ class SpinTeam {
   void work(int member);
   void waitForJob(std::uint32_t done_generation);
 
-  /// A member's share of the present job that nobody has taken yet. One word, so that taking a part also proves that the job
-  /// is still going on: bits 0-15 the next part, 16-31 their end, 32 only this member may take them, 33-63 the job's number.
+  /// What nobody has taken yet of a member's share of the present job. One word, so that who takes a part knows that it is
+  /// not done, hence that the job is not, and its data stand: bits 0-15 the next part, 16-31 their end, 32 only this member
+  /// may take them.
   struct alignas(64) Share {
     std::atomic<std::uint64_t> word{0};
   };
@@ -66,9 +67,8 @@ class SpinTeam {
   Job job_ = nullptr;
   void* context_ = nullptr;
   int part_count_ = 0;
-  std::uint64_t number_ = 0;                           // the owner's own, and
-  std::int64_t long_waits_ = 0;
-  bool stop_ = false;                                  // written before generation_
+  std::int64_t long_waits_ = 0;                        // the owner's own
+  std::atomic<bool> stop_{false};                      // set before generation_
   alignas(64) std::atomic<std::uint32_t> generation_{0};  // jobs given out so far
   alignas(64) std::atomic<std::uint32_t> awake_{0};       // odd while workers should spin
   alignas(64) std::atomic<int> remaining_{0};             // parts of the present job that are not done

@@ -30,27 +30,30 @@ struct Bisection {
   }
 
   /// Cuts [begin, end) into slices across an axis and splits each.
-  void slice(std::vector<int>& order, std::size_t begin, std::size_t end, int slices, int axis) const {
+  void slice(std::vector<int>& order, std::size_t begin, std::size_t end, double thick, int axis) const {
     const std::size_t unit = static_cast<std::size_t>(leaf) * 4;
-    const std::size_t middle = begin + (end - begin) * (slices / 2) / slices / unit * unit;
-    if (slices == 1 || middle == begin) {
+    const std::size_t middle = begin + (end - begin) / 2 / unit * unit;
+    const Eigen::AlignedBox3d box = boxOf(order, begin, end);
+    const double distance = std::cbrt(box.volume() / static_cast<double>(end - begin));
+    if (middle == begin || !(distance > 0) || box.sizes()[axis] < 2 * thick * distance) {
       split(order, begin, end);
       return;
     }
     halve(order, begin, middle, end, axis);
-    slice(order, begin, middle, slices / 2, axis);
-    slice(order, middle, end, slices - slices / 2, axis);
+    slice(order, begin, middle, thick, axis);
+    slice(order, middle, end, thick, axis);
+  }
+
+  Eigen::AlignedBox3d boxOf(const std::vector<int>& order, std::size_t begin, std::size_t end) const {
+    Eigen::AlignedBox3d box;
+    for (std::size_t k = begin; k < end; ++k) box.extend(X[order[k]]);
+    return box;
   }
 
   int longestAxis(const std::vector<int>& order, std::size_t begin, std::size_t end) const {
-    Vec3 low = X[order[begin]], high = low;
-    for (std::size_t k = begin; k < end; ++k) {
-      low = low.cwiseMin(X[order[k]]);
-      high = high.cwiseMax(X[order[k]]);
-    }
-    int axis = 0;
-    (high - low).maxCoeff(&axis);
-    return axis;
+    Eigen::Index axis = 0;
+    boxOf(order, begin, end).sizes().maxCoeff(&axis);
+    return static_cast<int>(axis);
   }
 
   /// Brings the points with the least coordinates to the front, up to `middle`.
@@ -77,14 +80,8 @@ std::vector<int> slicedOrder(const std::vector<Vec3>& X, int leaf, double thick)
   assert(leaf > 0 && thick > 0);
   std::vector<int> order(X.size());
   std::iota(order.begin(), order.end(), 0);
-  if (X.empty()) return order;
-  Eigen::AlignedBox3d box;
-  for (const Vec3& x : X) box.extend(x);
-  const double distance = std::cbrt(box.volume() / static_cast<double>(X.size()));
-  Eigen::Index axis = 0;
-  const double length = box.sizes().maxCoeff(&axis);
-  const double slices = distance > 0 ? std::clamp(length / (thick * distance), 1.0, static_cast<double>(X.size())) : 1;
-  Bisection{X, leaf}.slice(order, 0, X.size(), static_cast<int>(slices), static_cast<int>(axis));
+  const Bisection bisection{X, leaf};
+  if (!X.empty()) bisection.slice(order, 0, X.size(), thick, bisection.longestAxis(order, 0, X.size()));
   return order;
 }
 

@@ -16,11 +16,11 @@ namespace palpate {
 /// @return order[k] = index in X of the k-th point; a permutation.
 std::vector<int> bisectionOrder(const std::vector<Vec3>& X, int leaf);
 
-/// Slices of even size along the longest side of the points' bounding box, each in bisection order: what lies close together
-/// is at most about two slices apart in the list, so whoever goes through it needs only a few slices at a time.
+/// Slices along the longest side of the points' bounding box, each in bisection order: what lies close together is at most
+/// about two slices apart in the list, so whoever goes through it needs only a few slices at a time.
 ///
 /// @param leaf   as in bisectionOrder; slices are whole numbers of 4 leaves
-/// @param thick  least thickness of a slice, in mean distances between points, > 0
+/// @param thick  least thickness of a slice, in mean distances between the points around it, > 0; at most about twice that
 /// @return order[k] = index in X of the k-th point; a permutation.
 std::vector<int> slicedOrder(const std::vector<Vec3>& X, int leaf, double thick);
 

@@ -20,7 +20,8 @@ void failWriting(const std::string& path, int error, const std::string& advice) 
 
 void finishStandardOutput() {
   errno = 0;
-  if (std::fflush(stdout) == 0 && std::cout) return;  // std::cout goes through stdout
+  const bool failed_earlier = std::ferror(stdout) != 0;
+  if (std::fflush(stdout) == 0 && std::cout && !failed_earlier) return;  // std::cout goes through stdout
   if (errno == 0 && std::fputc('\n', stdout) != EOF) std::fflush(stdout);  // it failed earlier: what fails again says why
   failWriting("to standard output", errno, "send it elsewhere");
 }

@@ -45,11 +45,9 @@ ForceReport internalForces(const KernelLayoutOf<Real>& layout, const Real4<Real>
   const KernelView<Real> k = viewOf(layout, scratch);
   const KernelPasses<Real>& passes = *scratch.passes;
   if (k.patch_begin) {
-    constexpr int parts = 16;
-    const auto border = [](int count, int part) { return static_cast<int>(std::int64_t{count} * part / parts); };
-    const int batches = k.chunk_begin[k.chunk_count];
-    shareOut(team, parts, [&](int part) { passes.dilatation(k, border(batches, part), border(batches, part + 1), u); });
-    shareOut(team, parts, [&](int part) { passes.sumPatches(k, border(k.node_count, part), border(k.node_count, part + 1)); });
+    const auto border = [&](int part) { return static_cast<int>(std::int64_t{k.node_count} * part / k.chunk_count); };
+    shareOut(team, k.chunk_count, [&](int chunk) { passes.dilatation(k, chunk, u); });
+    shareOut(team, k.chunk_count, [&](int part) { passes.sumPatches(k, border(part), border(part + 1)); });
   }
   shareOut(team, k.chunk_count, [&](int chunk) { passes.forces(k, chunk, u); });
 

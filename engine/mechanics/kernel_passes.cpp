@@ -140,9 +140,9 @@ struct Kernel {
   }
 
   /// First pass of the node-patch volume.
-  void dilatation(int begin, int end, const Real4<Real>* u) const {
+  void dilatation(int chunk, const Real4<Real>* u) const {
     BatchTensors<Real> tensors;
-    for (int batch = begin; batch < end; ++batch) {
+    for (int batch = k.chunk_begin[chunk]; batch < k.chunk_begin[chunk + 1]; ++batch) {
       displacementGradients(batch, u, tensors);
       for (int i = 0; i < 16; i += LanesOf<Real>::width) {
         TensorLanesOf<Real> H = loadTensors(tensors, i / LanesOf<Real>::width);
@@ -250,8 +250,8 @@ void withKernel(const KernelView<Real>& k, Call call) {
 }
 
 template <class Real>
-void dilatation(const KernelView<Real>& k, int begin, int end, const Real4<Real>* u) {
-  withKernel(k, [&](const auto& kernel) { kernel.dilatation(begin, end, u); });
+void dilatation(const KernelView<Real>& k, int chunk, const Real4<Real>* u) {
+  withKernel(k, [&](const auto& kernel) { kernel.dilatation(chunk, u); });
 }
 
 template <class Real>

@@ -58,8 +58,8 @@ struct KernelView {
 /// The kernel's work in parts that threads can share; one after the other.
 template <class Real>
 struct KernelPasses {
-  /// First pass of the node-patch volume: gradient and J - 1 of the points in batches [begin, end) are kept.
-  void (*dilatation)(const KernelView<Real>& k, int begin, int end, const Real4<Real>* u);
+  /// First pass of the node-patch volume: each point's gradient and J - 1 are kept.
+  void (*dilatation)(const KernelView<Real>& k, int chunk, const Real4<Real>* u);
   /// K_a theta_a of nodes [begin, end).
   void (*sumPatches)(const KernelView<Real>& k, int begin, int end);
   /// Forces of a chunk's points, into its own buffer.

@@ -41,7 +41,7 @@ ForceSample ForceOutput::latest() const {
     const std::uint64_t newest = newest_.load(std::memory_order_acquire);
     const Slot& slot = slots_[newest % kSlots];
     for (std::size_t w = 0; w < kWords; ++w) words[w] = slot.words[w].load(std::memory_order_acquire);
-    // Another version: already a later sample, whole or not, that is not announced yet.
+    // Another version: a later sample, whole or not, that was not announced when newest_ was read.
     if (slot.version.load(std::memory_order_relaxed) == 2 * newest) break;
   }
   const auto real = [&words](std::size_t w) { return std::bit_cast<double>(words[w]); };

@@ -16,7 +16,7 @@ struct Discretization {
   BackgroundCells cells;
 };
 
-/// The scene's nodes and cells; nodes along a Hilbert curve. Throws InputError where the spacing is too fine.
+/// The scene's nodes and cells; nodes in slices along the organ (slicedOrder). Throws InputError where the spacing is too fine.
 /// @param progress  called with the share that is done, 0..1; may throw
 Discretization discretize(const Scene& scene, const SurfaceTree& organ, const std::function<void(double)>& progress);
 

@@ -104,15 +104,20 @@ TEST_CASE("Each part of a shared job is done once, and seen by the next job", "[
     SpinTeam team(size);
     for (const int count : {0, 1, 2, 7, 16, 300}) {
       std::vector<std::int64_t> now(static_cast<std::size_t>(count)), next = now;
+      std::vector<std::atomic<int>> done(static_cast<std::size_t>(count));
       constexpr int rounds = 200;
       for (int r = 0; r < rounds; ++r) {
         if (r % 50 == 0) team.wake();
-        shareOut(team, count, [&](int part) { next[part] = now[(part + 1) % count] + 1; });
+        shareOut(team, count, [&](int part) {
+          ++done[part];
+          next[part] = now[(part + 1) % count] + 1;
+        });
         shareOut(team, count, [&](int part) { now[part] = next[part]; });
         if (r % 50 == 40) team.park();
       }
       team.park();
       for (const std::int64_t n : now) CHECK(n == rounds);
+      for (const auto& n : done) CHECK(n == rounds);
     }
   }
 }
@@ -134,6 +139,16 @@ TEST_CASE("What a late member does not come to, the others do", "[spin_team]") {
     }
   });
   CHECK(done == std::vector<int>(8, 1));
+}
+
+TEST_CASE("A team can end while a worker is still coming to a job that is over", "[spin_team]") {
+  std::atomic<int> done{0};
+  for (int k = 0; k < 300; ++k) {
+    SpinTeam team(2);
+    if (k % 2 == 0) team.wake();
+    shareOut(team, 2, [&](int) { ++done; });
+  }
+  CHECK(done == 600);
 }
 
 TEST_CASE("A worker that keeps the owner waiting is noticed", "[spin_team]") {
