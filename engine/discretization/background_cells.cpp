@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 #include <stdexcept>
+#include <tuple>
 
 #include "base/input_error.h"
 #include "base/parallel_for.h"
@@ -160,38 +161,67 @@ BackgroundCells makeBackgroundCells(const NodeCloud& cloud, const SurfaceTree& s
   return result;
 }
 
-std::vector<std::array<int, 3>> boundaryFacets(const std::vector<std::array<int, 4>>& cells) {
-  struct Facet {
-    std::array<int, 3> sorted, outward;
-  };
+namespace {
+
+struct Facet {
+  std::array<int, 3> sorted, outward;
+  int cell;
+};
+
+/// All cells' facets, those of the same nodes after one another.
+std::vector<Facet> sortedFacets(const std::vector<std::array<int, 4>>& cells) {
   // By their lowest node first: many short sorts are faster than a long one.
   int nodes = 0;
   for (const auto& cell : cells) nodes = std::max(nodes, 1 + *std::max_element(cell.begin(), cell.end()));
   const auto forEachFacet = [&](auto&& visit) {
-    for (const auto& [a, b, c, d] : cells)
+    for (int k = 0; k < static_cast<int>(cells.size()); ++k) {
+      const auto& [a, b, c, d] = cells[k];
       for (const std::array<int, 3>& outward : {std::array{b, c, d}, {a, d, c}, {a, b, d}, {a, c, b}}) {
         std::array<int, 3> sorted = outward;
         std::sort(sorted.begin(), sorted.end());
-        visit(sorted, outward);
+        visit(Facet{sorted, outward, k});
       }
+    }
   };
   std::vector<int> of_node(static_cast<std::size_t>(nodes) + 1, 0);
-  forEachFacet([&](const auto& sorted, const auto&) { ++of_node[sorted[0] + 1]; });
+  forEachFacet([&](const Facet& f) { ++of_node[f.sorted[0] + 1]; });
   for (int i = 0; i < nodes; ++i) of_node[i + 1] += of_node[i];
   std::vector<Facet> facets(4 * cells.size());
   std::vector<int> next(of_node.begin(), of_node.end());
-  forEachFacet([&](const auto& sorted, const auto& outward) { facets[next[sorted[0]]++] = {sorted, outward}; });
+  forEachFacet([&](const Facet& f) { facets[next[f.sorted[0]]++] = f; });
   parallelFor(nodes, [&](int first, int last) {
     for (int i = first; i < last; ++i)
       std::sort(facets.begin() + of_node[i], facets.begin() + of_node[i + 1],
-                [](const Facet& p, const Facet& q) { return p.sorted < q.sorted; });
+                [](const Facet& p, const Facet& q) { return std::tie(p.sorted, p.cell) < std::tie(q.sorted, q.cell); });
   });
-  std::vector<std::array<int, 3>> boundary;
+  return facets;
+}
+
+/// Calls visit(first, count) for the facets of the same nodes: one on the boundary, two between cells.
+template <class Visit>
+void forEachPlace(const std::vector<Facet>& facets, Visit visit) {
   for (std::size_t begin = 0, end = 0; begin < facets.size(); begin = end) {
     while (end < facets.size() && facets[end].sorted == facets[begin].sorted) ++end;
-    if (end - begin == 1) boundary.push_back(facets[begin].outward);
+    visit(&facets[begin], end - begin);
   }
+}
+
+}  // namespace
+
+std::vector<std::array<int, 3>> boundaryFacets(const std::vector<std::array<int, 4>>& cells) {
+  std::vector<std::array<int, 3>> boundary;
+  forEachPlace(sortedFacets(cells), [&](const Facet* facet, std::size_t count) {
+    if (count == 1) boundary.push_back(facet->outward);
+  });
   return boundary;
+}
+
+std::vector<std::array<int, 2>> neighbouringCells(const std::vector<std::array<int, 4>>& cells) {
+  std::vector<std::array<int, 2>> neighbours;
+  forEachPlace(sortedFacets(cells), [&](const Facet* facet, std::size_t count) {
+    if (count == 2) neighbours.push_back({facet[0].cell, facet[1].cell});
+  });
+  return neighbours;
 }
 
 void updateVolumes(BackgroundCells& cells, const std::vector<Vec3>& X) {

@@ -37,6 +37,9 @@ BackgroundCells makeBackgroundCells(const NodeCloud& cloud, const SurfaceTree& s
 /// Sorted by their nodes' numbers.
 std::vector<std::array<int, 3>> boundaryFacets(const std::vector<std::array<int, 4>>& cells);
 
+/// Cells that share a face, the lower number first; sorted by the faces' nodes' numbers.
+std::vector<std::array<int, 2>> neighbouringCells(const std::vector<std::array<int, 4>>& cells);
+
 /// Recomputes volume and total_volume from moved nodes.
 void updateVolumes(BackgroundCells& cells, const std::vector<Vec3>& X);
 

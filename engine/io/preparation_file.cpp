@@ -16,7 +16,7 @@ namespace palpate {
 namespace {
 
 constexpr std::uint64_t magic = 0x31657461706c6170;  // "palpate1" as bytes
-constexpr std::uint64_t version = 2;                  // of the layout below
+constexpr std::uint64_t version = 3;                  // of the layout below
 constexpr std::size_t block_bytes = 1 << 20;
 
 /// A word-wise mix: each step is a bijection of the state, so one changed word always changes the result.
@@ -59,6 +59,7 @@ void forEachArray(P& p, Visit&& visit) {
   visit(p.point_volume);
   visit(p.point_material);
   visit(p.point_cell);
+  visit(p.point_other_cell);
   forEachTable(p.point_shape, visit);
   forEachTable(p.node_shape, visit);
   forEachTable(p.skin_shape, visit);
@@ -69,7 +70,7 @@ void forEachArray(P& p, Visit&& visit) {
   visit(p.facet_weight);
   forEachTable(p.facet_phi, visit);
 }
-constexpr std::size_t array_count = 29;
+constexpr std::size_t array_count = 30;
 
 struct Header {
   std::uint64_t magic_word = magic, layout = version;
@@ -150,7 +151,8 @@ bool fits(const ShapeTable& table, std::size_t rows, std::size_t nodes, bool gra
 bool fits(const Preparation& p) {
   const std::size_t nodes = p.X.size(), points = p.point_X.size(), samples = p.facet_weight.size();
   return nodes != 0 && p.support_radius.size() == nodes && p.mass.size() == nodes && p.point_volume.size() == points &&
-         p.point_material.size() == points && p.point_cell.size() == points && fits(p.point_shape, points, nodes, true) &&
+         p.point_material.size() == points && p.point_cell.size() == points &&
+         (p.point_other_cell.empty() || p.point_other_cell.size() == points) && fits(p.point_shape, points, nodes, true) &&
          fits(p.node_shape, nodes, nodes, false) && fits(p.skin_shape, p.skin.vertices.size(), nodes, true) &&
          fits(p.facet_phi, samples, nodes, samples != 0) && p.limit.worst_node >= 0 &&
          static_cast<std::size_t>(p.limit.worst_node) < nodes;

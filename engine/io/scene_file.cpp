@@ -77,7 +77,12 @@ void readQuadrature(const TomlTable& table, QuadratureSpec& quadrature) {
     table.forbid({"quadrature_division", "quadrature_depth"}, "without \"quadrature_accuracy\"");
   }
   table.read("points_per_cell", quadrature.points_per_cell);
+  table.read("cells_per_point", quadrature.cells_per_point);
   table.read("quadrature_accuracy", quadrature.accuracy);
+  if (quadrature.cells_per_point > 1) {
+    if (quadrature.points_per_cell > 1) table.forbid({"cells_per_point"}, "with more than one point per cell");
+    if (quadrature.accuracy > 0) table.forbid({"cells_per_point"}, "with \"quadrature_accuracy\"");
+  }
   table.read("quadrature_division", quadrature.division);
   table.read("quadrature_depth", quadrature.max_depth);
 }

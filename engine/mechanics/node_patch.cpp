@@ -1,6 +1,7 @@
 #include "mechanics/node_patch.h"
 
 #include <Eigen/LU>
+#include <algorithm>
 
 namespace palpate {
 
@@ -16,7 +17,12 @@ NodePatches makeNodePatches(const std::vector<Vec3>& X, const std::vector<std::a
     Mat3 edges;
     for (int c = 0; c < 3; ++c) edges.col(c) = X[cell[c + 1]] - X[cell[0]];
     const Vec3 l = edges.inverse() * (point_X[q] - X[cell[0]]);
-    const std::array<double, 4> weight{1 - l.sum(), l[0], l[1], l[2]};
+    std::array<double, 4> weight{1 - l.sum(), l[0], l[1], l[2]};
+    if (*std::min_element(weight.begin(), weight.end()) < 0) {
+      double sum = 0;
+      for (double& w : weight) sum += w = std::max(w, 0.0);
+      for (double& w : weight) w /= sum;
+    }
     for (int a = 0; a < 4; ++a) {
       patches.volume[cell[a]] += volume[q] * weight[a];
       patches.bulk_modulus[cell[a]] += volume[q] * weight[a] / materials[point_material[q]].bulk_modulus;

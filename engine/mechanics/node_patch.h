@@ -16,7 +16,8 @@ namespace palpate {
 /// instead of K (J_q - 1), with K_a = V_a / sum_q (w_q l_a / K_q). l_a is the linear coordinate of the cell's vertex a. The patch sees only the mean
 /// dilatation, so a point is no longer held to its own volume by neighbours that share its nodes. By
 /// the Cauchy-Schwarz inequality the energy is never above the plain one (that needs the harmonic mean of K):
-/// a step that is stable without patches is stable with.
+/// a step that is stable without patches is stable with. That needs l_a >= 0: for a point that stands for two cells and
+/// lies outside its own (cell_pairs.h) the negative ones are set to 0 and the others to a sum of 1.
 struct NodePatches {
   std::vector<std::array<int, 4>> node;      // (point_count) vertices of the point's cell
   std::vector<std::array<double, 4>> weight; // (point_count) l_a(x_q), summing to 1

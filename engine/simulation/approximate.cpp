@@ -4,6 +4,7 @@
 
 #include "approximation/shape_functions.h"
 #include "discretization/adaptive_quadrature.h"
+#include "discretization/cell_pairs.h"
 #include "discretization/gradient_energy.h"
 #include "simulation/scene_messages.h"
 
@@ -14,8 +15,10 @@ constexpr int max_enlargements = 8;  // by 1.15 each: a support radius grows at 
 
 }  // namespace
 
-IntegrationPoints choosePoints(const Scene& scene, const std::vector<Vec3>& X, const BackgroundCells& cells, std::vector<double>& radius) {
+IntegrationPoints choosePoints(const Scene& scene, const std::vector<Vec3>& X, const BackgroundCells& cells,
+                               const std::vector<int>& cell_material, std::vector<double>& radius) {
   const QuadratureSpec& spec = scene.quadrature;
+  if (spec.cells_per_point > 1) return makePairedPoints(X, cells, pairCells(X, cells, cell_material, spec.cells_per_point));
   if (spec.accuracy == 0) return makeIntegrationPoints(X, cells.cells, cells.volume, spec.points_per_cell);
   AdaptiveOptions options;
   options.accuracy = spec.accuracy;

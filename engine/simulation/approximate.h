@@ -9,9 +9,11 @@
 
 namespace palpate {
 
-/// The cells' integration points, adaptive where the scene asks for it. Supports on which the adaptive
-/// quadrature can't judge are enlarged in `radius`.
-IntegrationPoints choosePoints(const Scene& scene, const std::vector<Vec3>& X, const BackgroundCells& cells, std::vector<double>& radius);
+/// The cells' integration points, shared by pairs of cells or adaptive where the scene asks for it. Supports on which
+/// the adaptive quadrature can't judge are enlarged in `radius`.
+/// @param cell_material  (cell_count) index into the scene's materials: no pair has two
+IntegrationPoints choosePoints(const Scene& scene, const std::vector<Vec3>& X, const BackgroundCells& cells,
+                               const std::vector<int>& cell_material, std::vector<double>& radius);
 
 /// Shape functions at integration points, skin vertices, nodes and samples of the boundary, over supports that
 /// are enlarged where they must be.

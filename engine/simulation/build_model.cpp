@@ -101,6 +101,7 @@ Model finishModel(const Scene& scene, const SurfaceTree& tree, Preparation p, co
   model.point_volume = std::move(p.point_volume);
   model.point_material = std::move(p.point_material);
   model.point_cell = std::move(p.point_cell);
+  model.point_other_cell = std::move(p.point_other_cell);
   model.point_shape = std::move(p.point_shape);
   model.node_shape = std::move(p.node_shape);
   model.skin_shape = std::move(p.skin_shape);

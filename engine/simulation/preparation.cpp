@@ -59,7 +59,8 @@ Preparation prepare(const Scene& scene, const SurfaceTree& tree, Discretization 
   p.cell_volume = cells.total_volume;
   tell("integration points", 0.43);
   auto radius = supportRadii(cloud.X, cells.cells, scene.support_factor);
-  auto points = choosePoints(scene, cloud.X, cells, radius);
+  const std::vector<int> cell_material = materialsAt(scene, centroids(cloud.X, cells.cells), tree);
+  auto points = choosePoints(scene, cloud.X, cells, cell_material, radius);
 
   tell("skin", 0.43);
   p.skin = refineForContact(scene, tree.surface());
@@ -88,7 +89,7 @@ Preparation prepare(const Scene& scene, const SurfaceTree& tree, Discretization 
   const std::vector<Material> materials = materialsOf(scene);
   p.point_material = materialsAt(scene, points.X, tree);
   std::vector<double> cell_density;
-  for (const int m : materialsAt(scene, centroids(cloud.X, cells.cells), tree)) cell_density.push_back(materials[m].density);
+  for (const int m : cell_material) cell_density.push_back(materials[m].density);
   p.mass = lumpedMass(cloud.X, cells.cells, cells.volume, cell_density);
   NodePatches patches;
   if (scene.node_patch_volume)
@@ -112,6 +113,7 @@ Preparation prepare(const Scene& scene, const SurfaceTree& tree, Discretization 
   p.point_X = std::move(points.X);
   p.point_volume = std::move(points.volume);
   p.point_cell = std::move(points.cell);
+  p.point_other_cell = std::move(points.other_cell);
   p.point_shape = std::move(shape.points);
   p.node_shape = std::move(shape.nodes);
   p.node_shape.gradN.clear();

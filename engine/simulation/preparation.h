@@ -31,6 +31,7 @@ struct Preparation {
   std::vector<double> point_volume;          // (point_count) m^3
   std::vector<int> point_material;           // (point_count)
   std::vector<int> point_cell;               // (point_count)
+  std::vector<int> point_other_cell;         // (point_count) or empty
   ShapeTable point_shape, node_shape, skin_shape;
   TriangleSurface skin;                      // refined for contact
   std::vector<ImposedNode> imposed_nodes;    // of EssentialNodes

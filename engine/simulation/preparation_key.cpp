@@ -35,7 +35,7 @@ std::string preparationKey(const Scene& scene, const TriangleSurface& organ) {
   Key key;
   key.add(organ.vertices, organ.triangles);
   key.add(scene.spacing, scene.seed);
-  key.add(scene.quadrature.points_per_cell, scene.quadrature.accuracy, scene.quadrature.division, scene.quadrature.max_depth);
+  key.add(scene.quadrature.points_per_cell, scene.quadrature.cells_per_point, scene.quadrature.accuracy, scene.quadrature.division, scene.quadrature.max_depth);
   key.add(scene.basis_degree, scene.support_factor, scene.mu, scene.consistent_gradients, scene.node_patch_volume);
   key.add(scene.boundary_method);
   addEach(key, scene.refine);

@@ -70,6 +70,7 @@ struct BoundarySpec {
 /// Quadrature of the background cells, paper section 2.5.
 struct QuadratureSpec {
   int points_per_cell = 1;   // 1, 4 or 5
+  double cells_per_point = 1;  // 1 .. 2: so many cells share a point, in pairs (cell_pairs.h)
   double accuracy = 0;       // tau of the adaptive quadrature; 0: not adaptive
   int division = 8;          // a cell that fails is divided into 2, 4 or 8
   int max_depth = 4;         // divisions of a cell after one another

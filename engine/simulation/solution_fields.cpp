@@ -34,12 +34,14 @@ SolutionFields solutionFields(const Model& model, const std::vector<Vec3>& u) {
   fields.J.assign(model.cells.size(), 0);
   fields.pressure = fields.von_mises = fields.J;
   for (int q = 0; q < model.pointCount(); ++q) {
-    const int cell = model.point_cell[q];
     const double V = model.point_volume[q], J = F[q].determinant();
-    volume[cell] += V;
-    fields.J[cell] += V * J;
-    fields.pressure[cell] -= V * (P[q] * F[q].transpose()).trace() / (3 * J);
-    fields.von_mises[cell] += V * vonMises(P[q], F[q]);
+    for (const int cell : {model.point_cell[q], model.point_other_cell.empty() ? -1 : model.point_other_cell[q]}) {
+      if (cell < 0) continue;
+      volume[cell] += V;
+      fields.J[cell] += V * J;
+      fields.pressure[cell] -= V * (P[q] * F[q].transpose()).trace() / (3 * J);
+      fields.von_mises[cell] += V * vonMises(P[q], F[q]);
+    }
   }
   for (std::size_t c = 0; c < volume.size(); ++c)
     for (auto* field : {&fields.J, &fields.pressure, &fields.von_mises}) (*field)[c] /= volume[c];

@@ -108,6 +108,7 @@ TEST_CASE("The key changes with all that a set-up depends on, and with nothing e
       [](Scene& s) { s.spacing = 0.0121; },
       [](Scene& s) { s.seed = 2; },
       [](Scene& s) { s.quadrature.points_per_cell = 4; },
+      [](Scene& s) { s.quadrature.cells_per_point = 1.5; },
       [](Scene& s) { s.quadrature.accuracy = 0.1; },
       [](Scene& s) { s.quadrature.division = 4; },
       [](Scene& s) { s.quadrature.max_depth = 2; },

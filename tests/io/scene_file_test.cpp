@@ -125,6 +125,7 @@ TEST_CASE("What a scene leaves out is as the reference says", "[io][scene]") {
   const Scene s = readScene(folder.write("box.toml", text));
   CHECK(s.seed == minimal.seed);
   CHECK(s.quadrature.points_per_cell == minimal.quadrature.points_per_cell);
+  CHECK(s.quadrature.cells_per_point == minimal.quadrature.cells_per_point);
   CHECK(s.quadrature.accuracy == minimal.quadrature.accuracy);
   CHECK(s.quadrature.division == minimal.quadrature.division);
   CHECK(s.quadrature.max_depth == minimal.quadrature.max_depth);

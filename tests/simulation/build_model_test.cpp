@@ -1,7 +1,9 @@
+#include <Eigen/LU>
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "simulation/solution_fields.h"
 #include "support/small_scene.h"
 
 using namespace palpate;
@@ -229,6 +231,28 @@ TEST_CASE("Adaptive quadrature adds points where it is asked to, and keeps the v
       volume += in_cell[c];
     }
     CHECK(volume == Approx(0.06 * 0.06 * 0.03).epsilon(1e-12));
+  }
+}
+
+TEST_CASE("Cells that share a point keep the volume and see a uniform strain exactly, in every cell", "[build_model]") {
+  Scene scene = blockScene();
+  const int cells = static_cast<int>(blockModel(scene).cells.size());
+  Mat3 A;
+  A << 0.01, 0.02, 0, -0.03, 0.04, 0.01, 0, 0.02, -0.05;
+  for (const double cells_per_point : {1.5, 2.0}) {
+    scene.quadrature.cells_per_point = cells_per_point;
+    const Model model = blockModel(scene);
+    INFO(cells_per_point << " cells per point, " << model.pointCount() << " points");
+    CHECK(static_cast<int>(model.cells.size()) == cells);
+    CHECK(model.pointCount() < 0.7 * cells);
+    double volume = 0;
+    for (const double V : model.point_volume) volume += V;
+    CHECK(volume == Approx(0.06 * 0.06 * 0.03).epsilon(1e-12));
+    std::vector<Vec3> u;
+    for (const Vec3& X : model.X) u.push_back(A * X);
+    const SolutionFields fields = solutionFields(model, u);
+    const double J = (Mat3::Identity() + A).determinant();
+    for (const double in_cell : fields.J) CHECK(in_cell == Approx(J).epsilon(1e-9));
   }
 }
 

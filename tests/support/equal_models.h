@@ -32,6 +32,7 @@ inline void requireSameModel(const Model& a, const Model& b) {
   requireSameBits("point_volume", a.point_volume, b.point_volume);
   requireSameBits("point_material", a.point_material, b.point_material);
   requireSameBits("point_cell", a.point_cell, b.point_cell);
+  requireSameBits("point_other_cell", a.point_other_cell, b.point_other_cell);
   requireSameBits("point_shape", a.point_shape, b.point_shape);
   requireSameBits("node_shape", a.node_shape, b.node_shape);
   requireSameBits("skin_shape", a.skin_shape, b.skin_shape);

@@ -36,6 +36,7 @@ ConvergedRun convergedRun(const Model& present, const ToolWay& way, const std::v
       refineWhere(scene, place, factor * fineness.outside, factor * fineness.inside);
     else
       scaleSpacing(scene, factor * fineness.outside);
+    scene.quadrature.cells_per_point = 1;
     scene.time_step = 0;
     scene.step_safety = std::min(scene.step_safety, reference_safety);
     const Model model = loadModel(scene);

@@ -53,6 +53,7 @@ std::string fittedText(const std::string& scene_file, const Scene& given, const 
   text = withSceneKey(text, "discretization", "spacing", shortest(fitted.spacing));
   text = withSceneKey(text, "discretization", "support_factor", shortest(fitted.support_factor));
   text = withSceneKey(text, "discretization", "points_per_cell", std::to_string(fitted.quadrature.points_per_cell));
+  text = withSceneKey(text, "discretization", "cells_per_point", shortest(fitted.quadrature.cells_per_point));
   text = withSceneKey(text, "discretization", "consistent_gradients", "true");
   text = withSceneKey(text, "discretization", "node_patch_volume", "true");
   if (!fitted.refine.empty()) {
@@ -74,7 +75,7 @@ bool says(const Scene& scene, const Scene& fitted) {
   const auto near = [](double a, double b) { return std::abs(a - b) <= 1e-5 * std::abs(b); };
   return near(scene.spacing, fitted.spacing) && near(scene.support_factor, fitted.support_factor) && near(scene.rate_hz, fitted.rate_hz) &&
          scene.threads == fitted.threads && scene.mass_scaling == fitted.mass_scaling && scene.quadrature.accuracy == 0 &&
-         scene.quadrature.points_per_cell == fitted.quadrature.points_per_cell &&
+         scene.quadrature.points_per_cell == fitted.quadrature.points_per_cell && scene.quadrature.cells_per_point == fitted.quadrature.cells_per_point &&
          std::equal(scene.refine.begin(), scene.refine.end(), fitted.refine.begin(), fitted.refine.end(), [&](const RefineSpec& a, const RefineSpec& b) {
            return near(a.spacing, b.spacing) && near(a.radius, b.radius) && (a.centre - b.centre).norm() <= 1e-4 * b.radius;
          });
@@ -90,7 +91,7 @@ int fit(const FitOptions& options) {
   if (!given.refine.empty())
     throw InputError(given.refine.front().place, "`mtled fit` chooses the spacing and where it is finer itself", "leave the refinements out");
   if (given.quadrature.accuracy > 0)
-    throw InputError(given.place, "`mtled fit` uses one point a cell", "leave quadrature_accuracy out");
+    throw InputError(given.place, "`mtled fit` chooses the points itself", "leave quadrature_accuracy out");
   const std::optional<ToolScript> script = namedScript(options.tool_script, given.tool.radius);
   Scene scene = given;
   if (options.rate_hz > 0) scene.rate_hz = options.rate_hz;
@@ -181,7 +182,7 @@ int fit(const FitOptions& options) {
   writeWholeFile(out, fittedText(scene_file, given, chosen.scene, out));
   if (!says(readScene(out), chosen.scene))
     throw InputError({out}, "this scene file's layout keeps `mtled fit` from changing it",
-                     "write spacing, support_factor and points_per_cell into a [discretization] table, rate, time_step and threads into [dynamics]");
+                     "write spacing, support_factor, points_per_cell and cells_per_point into a [discretization] table, rate, time_step and threads into [dynamics]");
   const double headroom = 1 - held.step_us.p999 * 1e-6 * scene.rate_hz;
   std::printf("%s at %g Hz on %d threads: %d nodes, %d points, %d steps a tick, %s\n", given.name.c_str(), scene.rate_hz, scene.threads,
               chosen.nodes, chosen.points, chosen.substeps, chosen.family.c_str());

@@ -14,6 +14,7 @@ namespace {
 constexpr int most_tries = 5;
 constexpr int most_nodes = 40000;
 constexpr double coarsest = 4;  // times the given spacing
+constexpr double cells_per_point = 1.5;  // a third fewer points for the same error (mtled frontier)
 constexpr double some_mass = 0.05;  // of the body's: motion becomes slower by half of that
 
 std::string formatted(const char* format, double value) {
@@ -33,7 +34,7 @@ std::vector<FitFamily> fitFamilies(const Scene& scene, const WorkedOn& place) {
     families.push_back({name,
                         [=](Scene& s) {
                           s.support_factor = support;
-                          s.quadrature = {1, 0, 8, 4};
+                          s.quadrature = {1, cells_per_point, 0, 8, 4};
                           s.consistent_gradients = s.node_patch_volume = true;
                           s.time_step = 0;
                           s.mass_scaling = mass;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "base/number_text.h"
 #include "discretization/surface_tree.h"
 
 namespace palpate {
@@ -74,10 +75,13 @@ std::vector<FrontierSetting> frontierSettings(const Scene& scene, const WorkedOn
           [=, o = outside, i = inside](Scene& s) { refineWhere(s, place, o, i); });
 
   if (scene.quadrature.points_per_cell != 4 || scene.quadrature.accuracy > 0)
-    add("quadrature, basis, support", "4 points a cell", [](Scene& s) { s.quadrature = {4, 0, 8, 4}; });
-  if (scene.quadrature.points_per_cell != 1 || scene.quadrature.accuracy > 0)
-    add("quadrature, basis, support", "1 point a cell", [](Scene& s) { s.quadrature = {1, 0, 8, 4}; });
-  if (!quick) add("quadrature, basis, support", "adaptive, tau 0.1", [](Scene& s) { s.quadrature = {1, 0.1, 8, 1}; });
+    add("quadrature, basis, support", "4 points a cell", [](Scene& s) { s.quadrature = {4, 1, 0, 8, 4}; });
+  if (scene.quadrature.points_per_cell != 1 || scene.quadrature.cells_per_point > 1 || scene.quadrature.accuracy > 0)
+    add("quadrature, basis, support", "1 point a cell", [](Scene& s) { s.quadrature = {1, 1, 0, 8, 4}; });
+  for (const double cells : {1.5, 2.0})
+    if (cells != scene.quadrature.cells_per_point && (!quick || cells == 2))
+      add("quadrature, basis, support", shortest(cells) + " cells a point", [cells](Scene& s) { s.quadrature = {1, cells, 0, 8, 4}; });
+  if (!quick) add("quadrature, basis, support", "adaptive, tau 0.1", [](Scene& s) { s.quadrature = {1, 1, 0.1, 8, 1}; });
   add("quadrature, basis, support", scene.basis_degree == 2 ? "linear basis" : "quadratic basis", [](Scene& s) { s.basis_degree = 3 - s.basis_degree; });
   for (const double factor : {1.6, 2.2})
     if (factor != scene.support_factor)

@@ -76,11 +76,13 @@ CaseResult cubeCase(const CaseContext& context) {
     int points_per_cell;
     double accuracy;
     bool only_full;
+    double cells_per_point = 1;
   };
   constexpr double coarse = 0.0209, fine = 0.0079;  // about 260 and 3,364 nodes
   constexpr Row rows[] = {{"1 point", 3.08e-3, coarse, 1, 0, false},      {"4 points", 6.92e-4, coarse, 4, 0, false},
                           {"4 points", 2.94e-4, fine, 4, 0, true},        {"tau 0.1", 6.30e-4, coarse, 4, 0.1, false},
-                          {"tau 0.05", 3.45e-4, coarse, 4, 0.05, true}, {"tau 0.01", 1.04e-4, coarse, 4, 0.01, true}};
+                          {"tau 0.05", 3.45e-4, coarse, 4, 0.05, true}, {"tau 0.01", 1.04e-4, coarse, 4, 0.01, true},
+                          {"2 cells a point", NAN, coarse, 1, 0, true, 2}};
   constexpr double exact_force = -7.6327;
 
   ResultTable table{"NRMSE of u_z", {"row", "nodes", "points", "paper", "as the paper", "node patches", "consistent gradients", "both", "force, as the paper"}, {}, ""};
@@ -96,9 +98,10 @@ CaseResult cubeCase(const CaseContext& context) {
         cells.emplace_back("–");  // the coarse rows show each alone
         continue;
       }
-      const int all = context.quick ? 12 : 22;
+      const int all = context.quick ? 12 : 26;
       const CaseContext within = partOf(context, done++, all);
       Scene scene = cubeScene(row.spacing, row.points_per_cell, row.accuracy);
+      scene.quadrature.cells_per_point = row.cells_per_point;
       apply(variant, scene);
       const Outcome out = compress(scene, within);
       boundary_error = std::max(boundary_error, std::isnan(out.boundary_error) ? 1 : out.boundary_error);
@@ -106,7 +109,7 @@ CaseResult cubeCase(const CaseContext& context) {
       const std::string what = std::string(row.label) + ", " + std::to_string(out.nodes) + " nodes";
       if (&variant == &variants[0]) {
         first = out;
-        result.bounds.push_back({"NRMSE, " + what + ", as the paper", out.nrmse, row.paper, true, "", "the paper's Table 1"});
+        if (!std::isnan(row.paper)) result.bounds.push_back({"NRMSE, " + what + ", as the paper", out.nrmse, row.paper, true, "", "the paper's Table 1"});
       }
       if (variant.consistent_gradients)
         result.bounds.push_back({"NRMSE, " + what + ", " + variant.name, out.nrmse, 1e-7, true, "", "a linear field is exact"});
@@ -114,7 +117,7 @@ CaseResult cubeCase(const CaseContext& context) {
     table.rows.push_back({row.label, std::to_string(first.nodes), std::to_string(first.points), formatted(row.paper)});
     table.rows.back().insert(table.rows.back().end(), cells.begin(), cells.end());
     table.rows.back().push_back(formattedPercent(first.force / exact_force - 1));
-    if (row.spacing == coarse) {
+    if (row.spacing == coarse && !std::isnan(row.paper)) {
       points.push_back(first.points);
       errors.push_back(first.nrmse);
       paper_errors.push_back(row.paper);
