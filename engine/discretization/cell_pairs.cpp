@@ -25,14 +25,15 @@ std::vector<int> pairCells(const std::vector<Vec3>& X, const BackgroundCells& ce
   int wanted = count - static_cast<int>(std::lround(count / cells_per_point));
 
   struct Pair {
-    double moment;  // m^5, that joining adds
+    double moment;  // that joining adds, over the pair's volume^(5/3)
     int low, high;
   };
   std::vector<Pair> pairs;
   for (const auto& [low, high] : neighbouringCells(cells.cells)) {
     if (group[low] != group[high]) continue;
     const double V = cells.volume[low], W = cells.volume[high];
-    pairs.push_back({V * W / (V + W) * (centroid(X, cells.cells[low]) - centroid(X, cells.cells[high])).squaredNorm(), low, high});
+    const double distance2 = (centroid(X, cells.cells[low]) - centroid(X, cells.cells[high])).squaredNorm();
+    pairs.push_back({V * W / (V + W) * distance2 / std::pow(V + W, 5.0 / 3), low, high});
   }
   std::sort(pairs.begin(), pairs.end(), [](const Pair& a, const Pair& b) {
     return a.moment != b.moment ? a.moment < b.moment : std::pair(a.low, a.high) < std::pair(b.low, b.high);

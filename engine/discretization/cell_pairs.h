@@ -12,9 +12,10 @@ namespace palpate {
 /// Cells that share a face, joined in pairs: each cell's partner, or -1.
 ///
 /// A sample that stands for a pair instead of a cell integrates the less exactly the more the pair's second moment
-/// exceeds the cells' own, V_1 V_2 / (V_1 + V_2) |c_1 - c_2|^2 (c: centroids, V: volumes). Pairs are taken in the order of
-/// that, smallest first, until there are `cells_per_point` cells to a cell or pair, or no cell is left with an
-/// unpaired neighbour of its own group.
+/// exceeds the cells' own, by V_1 V_2 / (V_1 + V_2) |c_1 - c_2|^2 (c: centroids, V: volumes). Pairs are taken in the order
+/// of that over (V_1 + V_2)^(5/3), smallest first: the most compact, whatever their size, so that fine parts of a cloud
+/// are thinned out as much as coarse ones. It ends where there are `cells_per_point` cells to a cell or pair, or no
+/// cell is left with an unpaired neighbour of its own group.
 ///
 /// @param group            (cell_count) cells of different groups are never joined, e.g. the material
 /// @param cells_per_point  1 (no pairs) to 2 (all that can); anything else throws InputError

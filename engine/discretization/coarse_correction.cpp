@@ -5,6 +5,7 @@
 
 #include "approximation/neighbours.h"
 #include "approximation/weight_function.h"
+#include "base/input_error.h"
 #include "base/parallel_for.h"
 #include "discretization/node_order.h"
 
@@ -19,6 +20,20 @@ constexpr int most_blocks = 600;
 constexpr double overlap = 2.2;
 /// Added to the diagonals, relative to them: linear fields are in the null space, and a right-hand side has none.
 constexpr double shift = 1e-10;
+
+/// Factors a matrix that is positive but for rounding: more is added to the diagonal until it is so in fact. Coarse functions
+/// of a block of two or three nodes that reach no others are dependent, for one.
+Eigen::LLT<Eigen::MatrixXd> factored(Eigen::MatrixXd A) {
+  const double mean = A.diagonal().mean();
+  A.diagonal() *= 1 + shift;
+  Eigen::LLT<Eigen::MatrixXd> factor(A);
+  for (double more = 100 * shift; factor.info() != Eigen::Success && more < 1; more *= 100) {
+    A.diagonal().array() += more * mean;
+    factor.compute(A);
+  }
+  if (factor.info() != Eigen::Success) throw InputError({}, "the gradients can't be made consistent", "give another discretization.seed, or spacing");
+  return factor;
+}
 
 }  // namespace
 
@@ -97,8 +112,7 @@ void CoarseCorrection::factorBlocks(const NodeMatrix& A) {
           if (at != block_[b].end() && *at == A.column[k]) own(r, at - block_[b].begin()) = A.value[k];
         }
       }
-      own.diagonal() *= 1 + shift;
-      block_factor_[b].compute(own);
+      block_factor_[b] = factored(std::move(own));
     }
   }, 1);
 }
@@ -137,8 +151,7 @@ void CoarseCorrection::factorCoarse(const NodeMatrix& A) {
       coarse.middleRows<4>(4 * b) = rows;
     }
   }, 1);
-  coarse.diagonal() *= 1 + shift;
-  coarse_factor_.compute(coarse);
+  coarse_factor_ = factored(std::move(coarse));
 }
 
 void CoarseCorrection::apply(const NodeField& r, NodeField& z) const {

@@ -11,7 +11,7 @@ namespace palpate {
 struct IntegrationPoints {
   std::vector<Vec3> X;         // (point_count) m
   std::vector<double> volume;  // (point_count) m^3, > 0; with 5 points per cell some are < 0
-  std::vector<int> cell;       // (point_count) the cell it lies in
+  std::vector<int> cell;       // (point_count) the cell that it stands for
   std::vector<int> other_cell; // (point_count) a second cell that it stands for (cell_pairs.h), or -1; empty: there is none
 };
 

@@ -16,19 +16,20 @@ namespace palpate {
 /// instead of K (J_q - 1), with K_a = V_a / sum_q (w_q l_a / K_q). l_a is the linear coordinate of the cell's vertex a. The patch sees only the mean
 /// dilatation, so a point is no longer held to its own volume by neighbours that share its nodes. By
 /// the Cauchy-Schwarz inequality the energy is never above the plain one (that needs the harmonic mean of K):
-/// a step that is stable without patches is stable with. That needs l_a >= 0: for a point that stands for two cells and
-/// lies outside its own (cell_pairs.h) the negative ones are set to 0 and the others to a sum of 1.
+/// a step that is stable without patches is stable with. That needs l_a > 0: for a point that stands for two cells and
+/// does not lie inside its own (cell_pairs.h) the others are set to next to nothing, and all scaled to a sum of 1.
 struct NodePatches {
   std::vector<std::array<int, 4>> node;      // (point_count) vertices of the point's cell
   std::vector<std::array<double, 4>> weight; // (point_count) l_a(x_q), summing to 1
-  std::vector<double> volume;                // (node_count) V_a, m^3; 0 for a node in no cell
+  std::vector<double> volume;                // (node_count) V_a, m^3; 0 for a node in no point's cell
   std::vector<double> bulk_modulus;          // (node_count) K_a, Pa: harmonic mean of the patch
 
   bool empty() const { return node.empty(); }
 };
 
 /// @param X, cells        nodes (m) and their tetrahedra
-/// @param point_X, volume integration points, m and m^3; point_cell: the cell each lies in
+/// Test: mechanics/node_patch_test.cpp
+/// @param point_X, volume integration points, m and m^3; point_cell: the cell of each
 NodePatches makeNodePatches(const std::vector<Vec3>& X, const std::vector<std::array<int, 4>>& cells,
                             const std::vector<Vec3>& point_X, const std::vector<double>& volume,
                             const std::vector<int>& point_cell, const std::vector<int>& point_material,

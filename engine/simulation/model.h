@@ -34,7 +34,7 @@ struct Model {
   // Computed by shapeFunctions (MMLS).
   ShapeTable point_shape;                   // N, gradN at the integration points
   ShapeTable node_shape;                    // N at the nodes' own positions
-  std::vector<int> point_cell;              // (point_count) the cell that the point lies in
+  std::vector<int> point_cell;              // (point_count) the cell that the point stands for
   std::vector<int> point_other_cell;        // (point_count) a second one that it stands for, or -1; empty: each has one
 
   // Computed from the materials and the cells.

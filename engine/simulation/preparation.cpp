@@ -88,6 +88,8 @@ Preparation prepare(const Scene& scene, const SurfaceTree& tree, Discretization 
   tell("mass and stable step", 0.81);
   const std::vector<Material> materials = materialsOf(scene);
   p.point_material = materialsAt(scene, points.X, tree);
+  for (std::size_t q = 0; q < points.other_cell.size(); ++q)  // between two cells of one material may lie another
+    p.point_material[q] = cell_material[points.cell[q]];
   std::vector<double> cell_density;
   for (const int m : cell_material) cell_density.push_back(materials[m].density);
   p.mass = lumpedMass(cloud.X, cells.cells, cells.volume, cell_density);

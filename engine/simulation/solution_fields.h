@@ -9,7 +9,7 @@ namespace palpate {
 /// What a displaced body looks like, for results and pictures.
 struct SolutionFields {
   std::vector<Vec3> displacement;  // (node_count) the field at the nodes, m: not the parameters
-  std::vector<double> J;           // (cell_count) mean over the cell's points
+  std::vector<double> J;           // (cell_count) mean over the cell's points; two cells that share one are alike
   std::vector<double> pressure;    // (cell_count) -tr(sigma)/3 of the Cauchy stress, Pa; compression is positive
   std::vector<double> von_mises;   // (cell_count) Pa
 };

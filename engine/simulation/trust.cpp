@@ -23,8 +23,9 @@ Doubt doubtOf(const Model& model, const StepReport& report) {
   if (report.step_share > TrustLimits::step_share) return Doubt::Step;
   if (report.min_J < TrustLimits::min_J) return Doubt::Squeezed;
   if ((report.flags & kContactOverflow) || report.max_penetration > TrustLimits::penetration * model.scene.tool.radius) return Doubt::Contact;
+  const double most_pressure = model.scene.quadrature.cells_per_point > 1 ? TrustLimits::pressure_of_pairs : TrustLimits::pressure;
   if (model.nearly_incompressible && (std::abs(report.volume_change) > TrustLimits::volume_change ||
-                                      pressureOverShear(model, report.volume_change) > TrustLimits::pressure))
+                                      pressureOverShear(model, report.volume_change) > most_pressure))
     return Doubt::Volume;
   return Doubt::None;
 }

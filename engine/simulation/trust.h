@@ -15,6 +15,9 @@ struct TrustLimits {
   // 0.48 .. 0.4999, spacings 4.2 .. 7.5 mm, seven seeds, 1 and 4 points a cell, held for 1 .. 6 s: within 1e-5 of the closed
   // form up to 4.25; at 4.5 the first give way, by 6 %.
   static constexpr double pressure = 4.2;
+  // The same where cells share points (cell_pairs.h), 1.32 or 2 to a point, four to nine seeds: exact up to 2.5, the first
+  // give way at 2.75.
+  static constexpr double pressure_of_pairs = 2.4;
   static constexpr double penetration = 0.1;      // of the tool's radius
   static constexpr double min_J = 0.3;            // below which a pointwise energy of K/2 (J - 1)^2 softens
   static constexpr double step_share = 1.0;       // of the stable step

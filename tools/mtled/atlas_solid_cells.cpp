@@ -59,9 +59,13 @@ AtlasMeasure againstFiner(double poisson, double stretch) {
 }
 
 /// Confined and pressed until the pressure is a multiple of the shear modulus.
-AtlasMeasure pressure(double over_shear_modulus) {
+AtlasMeasure pressure(double over_shear_modulus, double cells_per_point = 1) {
   constexpr double nu = 0.499, mu = young / (2 * (1 + nu)), K = young / (3 * (1 - 2 * nu));
-  return uniform(BlockFaces::Confined, nu, 1 - over_shear_modulus * mu / K);
+  const double stretch = 1 - over_shear_modulus * mu / K;
+  Scene scene = blockScene(BlockFaces::Confined, young, nu, stretch);
+  scene.step_safety = 0.6;
+  scene.quadrature.cells_per_point = cells_per_point;
+  return againstClosedForm(scene, BlockFaces::Confined, nu, stretch, 0.02);
 }
 
 AtlasMeasure torsion(double degrees) {
@@ -146,6 +150,8 @@ void addSolidCells(std::vector<AtlasAxis>& axes, std::vector<AtlasCell>& cells) 
   axes.push_back({"pressure", "Pressure / shear modulus", "The same block confined at its sides, nu 0.499, pressed until its pressure is this multiple of its shear modulus; force beside the closed form."});
   for (const double p : {1.0, 2.0, 3.0, 4.0, 4.5, 5.0, 10.0})
     cells.push_back({"pressure", text(p), p == 2 || p == 5 ? When::Always : When::Full, [=] { return pressure(p); }});
+  for (const double p : {2.0, 3.0, 4.0})  // where cells share points
+    cells.push_back({"pressure", text(p) + " pairs", p == 4 ? When::Always : When::Full, [=] { return pressure(p, 2); }});
   axes.push_back({"compression", "Compression, %", "Block between plates without friction, nu 0.49; force beside the closed form."});
   for (const double percent : {20, 40, 50, 60, 70, 80})
     cells.push_back({"compression", text(percent), percent == 40 || percent == 80 ? When::Always : When::Full, [=] { return uniform(BlockFaces::Free, 0.49, 1 - percent / 100); }});

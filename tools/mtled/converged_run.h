@@ -20,7 +20,7 @@ struct Fineness {
   double coarser = 1.35;                // times these spacings, for the solution that shows how far the reference still is
 };
 
-/// The scene at that fineness with a step of at most 0.4 of the critical one.
+/// The scene at that fineness, each cell with a point of its own, with a step of at most 0.4 of the critical one.
 /// @param place  where the tool works
 /// @param watch  told what is done (fraction of it, text)
 /// Throws std::runtime_error where the finer run is not sound.

@@ -14,7 +14,7 @@ namespace {
 constexpr int most_tries = 5;
 constexpr int most_nodes = 40000;
 constexpr double coarsest = 4;  // times the given spacing
-constexpr double cells_per_point = 1.5;  // a third fewer points for the same error (mtled frontier)
+constexpr double some_pairs = 1.5;   // cells a point: a third fewer points, and more nodes for that, are mostly more exact
 constexpr double some_mass = 0.05;  // of the body's: motion becomes slower by half of that
 
 std::string formatted(const char* format, double value) {
@@ -27,8 +27,9 @@ std::string formatted(const char* format, double value) {
 
 std::vector<FitFamily> fitFamilies(const Scene& scene, const WorkedOn& place) {
   std::vector<FitFamily> families;
-  const auto add = [&](double support, double inside, double mass) {
+  const auto add = [&](double support, double inside, double mass, double cells_per_point = some_pairs) {
     std::string name = formatted("support_factor %g", support);
+    if (cells_per_point > 1) name += formatted(", %g cells a point", cells_per_point);
     if (inside < 1) name += formatted(", spacing x %g where the tool works", inside);
     if (mass > 0) name += formatted(", mass_scaling %g", mass);
     families.push_back({name,
@@ -44,6 +45,7 @@ std::vector<FitFamily> fitFamilies(const Scene& scene, const WorkedOn& place) {
   };
   const double given = scene.mass_scaling, more = std::max(given, some_mass);
   add(scene.support_factor, 1, given);
+  add(scene.support_factor, 1, given, 1);
   if (scene.support_factor < 2.1) add(2.2, 1, given);
   const bool refined = place.radius > 0;
   if (refined)

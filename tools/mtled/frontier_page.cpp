@@ -48,7 +48,7 @@ CaseResult settingsCase(const Frontier& f) {
              "it could reach at " + fixed(f.rate_hz, "%g") + " Hz. *Force error*: root mean square of the difference from the reference over the ticks with contact, over "
              "the largest force; *displ. error*: likewise over points of the surface at the end. **best**: no other setting is both cheaper and closer.";
   one.reference = "The same scene with " + std::to_string(f.reference.nodes) + " nodes and " + std::to_string(f.reference.points) +
-                  " points, finest where the tool works; the largest force is " + formatted(f.reference.peak_force, "N") + ". A solution with " +
+                  " points, one in each cell, finest where the tool works; the largest force is " + formatted(f.reference.peak_force, "N") + ". A solution with " +
                   std::to_string(f.reference.coarser_nodes) + " nodes is " + percentOf(f.reference.convergence.force) + " (force) and " +
                   percentOf(f.reference.convergence.displacement) + " (displacement) away from it: no error below that is told apart.";
   one.bounds.push_back({"Distance of the reference's force from the next coarser solution", 100 * f.reference.convergence.force, 5, true, "%",

@@ -65,6 +65,7 @@ CaseResult solveBox(const BoxProblem& problem, const CaseContext& context, CaseR
 
   ResultTable table{"Force on the top and NRMSE at " + std::to_string(probes.X.size()) + " probes",
                     {"nodes", "points", "variant", "force", "error", "u_x", "u_y", "u_z", "relative L2", "min J", "time"}, {}, ""};
+  double first_error = NAN;  // of the force: 1 point a cell, as the paper
   for (std::size_t k = 0; k < rows.size(); ++k) {
     const Row& row = rows[k];
     const bool is_fine = row.spacing == fine, ours = row.variant.consistent_gradients && row.variant.node_patch_volume;
@@ -79,13 +80,15 @@ CaseResult solveBox(const BoxProblem& problem, const CaseContext& context, CaseR
     const bool solved = !s.steps.empty() && s.steps.back().converged;
     const double force = solved ? s.reactions.back()[1].force.z() : NAN;
     const double error = force / problem.reference_force - 1;
+    if (k == 0) first_error = std::abs(error);
+    const bool paired = row.cells_per_point > 1;
+    const std::string points = paired ? shortest(row.cells_per_point) + " cells a point" : "1 point a cell";
     const auto at_probes = s.at(probes.X);
     const Vec3 e = solved ? nrmse(at_probes, reference) : Vec3(Vec3::Constant(NAN));
-    table.rows.push_back({std::to_string(s.model->nodeCount()), std::to_string(s.model->pointCount()), row.variant.name, formatted(force, "N"),
+    table.rows.push_back({std::to_string(s.model->nodeCount()), std::to_string(s.model->pointCount()), row.variant.name + (paired ? ", " + points : ""), formatted(force, "N"),
                           formattedSigned(error * 100, "%"), formatted(e.x()), formatted(e.y()), formatted(e.z()),
                           formatted(solved ? relativeL2(at_probes, reference) : NAN), formatted(s.steps.empty() ? NAN : s.steps.back().min_J), formatted(s.seconds, "s")});
     const bool plain = !row.variant.consistent_gradients && !row.variant.node_patch_volume && row.points_per_cell == 1;
-    const std::string points = row.cells_per_point > 1 ? shortest(row.cells_per_point) + " cells a point" : std::to_string(row.points_per_cell) + (row.points_per_cell > 1 ? " points a cell" : " point a cell");
     const std::string at = std::to_string(s.model->nodeCount()) + " nodes, " + points + ", " + row.variant.name;
     // Node patches cost a tenth in u_x and u_y where the cloud is fine, and gain twice in u_z and in the force.
     if (is_fine ? plain : ours)
@@ -95,7 +98,10 @@ CaseResult solveBox(const BoxProblem& problem, const CaseContext& context, CaseR
     if (!ours) continue;
     result.bounds.push_back({"Load steps solved, " + at, static_cast<double>(s.reactions.size()), static_cast<double>(problem.times.size()), false, "", ""});
     if (!solved) continue;
-    result.bounds.push_back({"Force, " + at + ", relative error", std::abs(error), problem.force_bound[is_fine], true, "", "converged finite elements"});
+    if (paired)
+      result.bounds.push_back({"Force, " + at + ", relative error", std::abs(error), first_error, true, "", "1 point a cell, as the paper"});
+    else
+      result.bounds.push_back({"Force, " + at + ", relative error", std::abs(error), problem.force_bound[is_fine], true, "", "converged finite elements"});
     const auto& r = s.reactions.back();
     result.bounds.push_back({"Top against base, " + at, (r[0].force + r[1].force).norm() / std::abs(force), 1e-3, true, "", "equilibrium"});
     if (!context.figures || (is_fine == context.quick)) continue;

@@ -114,7 +114,7 @@ CaseResult cubeCase(const CaseContext& context) {
       if (variant.consistent_gradients)
         result.bounds.push_back({"NRMSE, " + what + ", " + variant.name, out.nrmse, 1e-7, true, "", "a linear field is exact"});
     }
-    table.rows.push_back({row.label, std::to_string(first.nodes), std::to_string(first.points), formatted(row.paper)});
+    table.rows.push_back({row.label, std::to_string(first.nodes), std::to_string(first.points), std::isnan(row.paper) ? "–" : formatted(row.paper)});
     table.rows.back().insert(table.rows.back().end(), cells.begin(), cells.end());
     table.rows.back().push_back(formattedPercent(first.force / exact_force - 1));
     if (row.spacing == coarse && !std::isnan(row.paper)) {
