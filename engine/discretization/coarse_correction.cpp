@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "approximation/neighbours.h"
 #include "approximation/weight_function.h"
@@ -21,14 +22,15 @@ constexpr double overlap = 2.2;
 /// Added to the diagonals, relative to them: linear fields are in the null space, and a right-hand side has none.
 constexpr double shift = 1e-10;
 
-/// Factors a matrix that is positive but for rounding: more is added to the diagonal until it is so in fact. Coarse functions
-/// of a block of two or three nodes that reach no others are dependent, for one.
+/// Factors a matrix that is positive but for rounding: more is added to the diagonal until it is so in fact. The coarse
+/// functions of two or three nodes that reach no others are dependent; those of a single block are the linear fields, and
+/// their matrix is nothing but rounding.
 Eigen::LLT<Eigen::MatrixXd> factored(Eigen::MatrixXd A) {
-  const double mean = A.diagonal().mean();
+  const double size = std::max(A.diagonal().cwiseAbs().mean(), std::numeric_limits<double>::min());
   A.diagonal() *= 1 + shift;
   Eigen::LLT<Eigen::MatrixXd> factor(A);
-  for (double more = 100 * shift; factor.info() != Eigen::Success && more < 1; more *= 100) {
-    A.diagonal().array() += more * mean;
+  for (double more = 100 * shift; factor.info() != Eigen::Success && more < 1e8; more *= 100) {
+    A.diagonal().array() += more * size;
     factor.compute(A);
   }
   if (factor.info() != Eigen::Success) throw InputError({}, "the gradients can't be made consistent", "give another discretization.seed, or spacing");

@@ -251,6 +251,18 @@ TEST_CASE("A box that leaves two nodes beside full blocks of the gradients' syst
   CHECK(two_over > 0);
 }
 
+TEST_CASE("A body of so few nodes that the gradients' system is one block is set up like any other", "[build_model]") {
+  Scene scene = blockScene(0.02);
+  for (unsigned seed = 1; seed <= 12; ++seed) {
+    scene.seed = seed;
+    const Model model = blockModel(scene);
+    INFO("seed " << seed << ", " << model.nodeCount() << " nodes");
+    REQUIRE(model.nodeCount() < 64);
+    CHECK(model.dt_critical > 0);
+    CHECK(std::all_of(model.point_shape.gradN.begin(), model.point_shape.gradN.end(), [](const Vec3& g) { return g.allFinite(); }));
+  }
+}
+
 TEST_CASE("Cells that share a point keep the volume and see a uniform strain exactly, in every cell", "[build_model]") {
   Scene scene = blockScene();
   const int cells = static_cast<int>(blockModel(scene).cells.size());
