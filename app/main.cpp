@@ -2,22 +2,23 @@
 #include <exception>
 #include <iostream>
 
-#include "app/interrupt.h"
-#include "app/log.h"
-#include "app/offscreen_run.h"
-#include "app/options.h"
-#include "app/session.h"
-#include "app/window.h"
+#include "app/panels/log.h"
+#include "app/run/offscreen_run.h"
+#include "app/run/options.h"
+#include "app/run/session.h"
+#include "app/run/window.h"
 #include "base/input_error.h"
+#include "base/interrupt.h"
 #include "io/output_file.h"
 
 namespace {
 
 constexpr int failed = 1, unusable_input = 2;
 
-void run(const palpate::Options& options) {
+void run(const palpate::app::Options& options) {
   using namespace palpate;
-  const Scene scene = readScene(options);
+  using namespace palpate::app;
+  const Scene scene = app::readScene(options);
   if (!options.offscreen) requireDisplay();
   Log log;
   Session session(options, scene, log);
@@ -31,7 +32,7 @@ void run(const palpate::Options& options) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  const palpate::ParsedOptions parsed = palpate::parseOptions(argc, argv);
+  const palpate::app::ParsedOptions parsed = palpate::app::parseOptions(argc, argv);
   palpate::catchInterrupts();
   try {
     if (parsed.options)

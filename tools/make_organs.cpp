@@ -60,15 +60,17 @@ bool sameAsFile(const std::filesystem::path& file, const std::string& text) {
 }  // namespace
 
 int main(int argc, char** argv) try {
-  CLI::App app("Makes the organ surfaces (OBJ, metres, closed, outward normals) from formulas.\n"
-               "Exit code: 0 done, 1 a surface is bad or --check found a difference, 2 bad arguments.");
+  CLI::App app(
+      "Makes the organ surfaces (OBJ, metres, closed, outward normals) from formulas.\n"
+      "Exit code: 0 done, 1 a surface is bad or --check found a difference, 2 bad arguments.");
   std::string out_folder;
   std::string check_folder;
   std::vector<std::string> wanted;
   std::vector<std::string> names;
   for (const Organ& organ : allOrgans()) names.push_back(organ.name);
   auto* out = app.add_option("--out", out_folder, "Write the organs to this folder (made if missing)");
-  auto* check = app.add_option("--check", check_folder, "Compare with the files in this folder, byte for byte; write nothing");
+  auto* check =
+      app.add_option("--check", check_folder, "Compare with the files in this folder, byte for byte; write nothing");
   out->excludes(check);
   app.add_option("--organ", wanted, "Make only this one (may be repeated)")->check(CLI::IsMember(names));
   try {
@@ -87,7 +89,8 @@ int main(int argc, char** argv) try {
     const SurfaceReport report = reportOn(surface);
     std::cout << organ.name << "\n" << report.text();
     if (!report.isClosedSphere() || report.smallest_angle_deg < kSmallestAngleDeg) {
-      std::cout << "  BAD: must be one closed surface of genus 0 without angles below " << kSmallestAngleDeg << " degrees\n";
+      std::cout << "  BAD: must be one closed surface of genus 0 without angles below " << kSmallestAngleDeg
+                << " degrees\n";
       good = false;
     }
     const std::string text = objText(organ, surface);
@@ -99,7 +102,8 @@ int main(int argc, char** argv) try {
     } else {
       const auto file = std::filesystem::path(check_folder) / file_name;
       const bool same = sameAsFile(file, text);
-      std::cout << "  " << file.string() << (same ? " is the same\n" : " DIFFERS: run make_organs --out on its folder\n");
+      std::cout << "  " << file.string()
+                << (same ? " is the same\n" : " DIFFERS: run make_organs --out on its folder\n");
       good = good && same;
     }
   }

@@ -5,17 +5,17 @@
 #include <sstream>
 #include <string>
 
-#include "app/interrupt.h"
 #include "base/build_info.h"
 #include "base/input_error.h"
+#include "base/interrupt.h"
 #include "io/output_file.h"
-#include "mtled/atlas_command.h"
-#include "mtled/bench_command.h"
-#include "mtled/fit_command.h"
-#include "mtled/frontier_command.h"
-#include "mtled/solve_command.h"
-#include "mtled/verify_command.h"
-#include "mtled/verification_case.h"
+#include "mtled/atlas/atlas_command.h"
+#include "mtled/bench/bench_command.h"
+#include "mtled/fit/fit_command.h"
+#include "mtled/frontier/frontier_command.h"
+#include "mtled/solve/solve_command.h"
+#include "mtled/verify/verification_case.h"
+#include "mtled/verify/verify_command.h"
 
 namespace {
 
@@ -46,6 +46,7 @@ std::string examplesOf(const CLI::App& command) {
 
 int main(int argc, char** argv) {
   using namespace palpate;
+  using namespace palpate::tools;
   CLI::App app{"mtled: meshless total-Lagrangian explicit dynamics in batch."};
   app.footer(examples);
   app.set_version_flag("--version", buildInfo());
@@ -56,7 +57,10 @@ int main(int argc, char** argv) {
   solve_app->footer(examplesOf(*solve_app));
   solve_app->add_option("SCENE", solve.scene, "Scene file (.toml), or the name of one in assets/scenes")->required();
   solve_app->add_option("--out", solve.out, "Folder for the results (out/<scene>)")->type_name("DIR");
-  solve_app->add_option("--tool", solve.tool_script, "Move the tool as a script says: a file, or the name of one in assets/tools")->type_name("SCRIPT");
+  solve_app
+      ->add_option("--tool", solve.tool_script,
+                   "Move the tool as a script says: a file, or the name of one in assets/tools")
+      ->type_name("SCRIPT");
   solve_app->add_option("--threads", solve.threads, "Threads (one per core)")->type_name("N")->check(CLI::Range(1, 64));
   solve_app->add_flag("--resume", solve.resume, "Go on from the folder's checkpoint.bin");
 
@@ -71,13 +75,17 @@ int main(int argc, char** argv) {
   verify_app->add_option("CASE", verify.cases, "Cases (all)");
   verify_app->add_flag("--quick", verify.quick, "The coarse rows only");
   verify_app->add_option("--json", verify.json, "Write the results to this file")->type_name("FILE");
-  verify_app->add_option("--report", verify.report, "Write a page with tables and pictures into this folder")->type_name("DIR");
-  verify_app->add_option("--threads", verify.threads, "Threads (one per core)")->type_name("N")->check(CLI::Range(1, 64));
+  verify_app->add_option("--report", verify.report, "Write a page with tables and pictures into this folder")
+      ->type_name("DIR");
+  verify_app->add_option("--threads", verify.threads, "Threads (one per core)")
+      ->type_name("N")
+      ->check(CLI::Range(1, 64));
 
   BenchOptions bench;
   CLI::App* bench_app = app.add_subcommand("bench", "Time the force kernels beside this machine's ceilings");
   bench_app->footer(examplesOf(*bench_app));
-  bench_app->add_flag("--features", bench.features, "Instead: what each feature that a scene may use costs, on and off");
+  bench_app->add_flag("--features", bench.features,
+                      "Instead: what each feature that a scene may use costs, on and off");
   bench_app->add_flag("--quick", bench.quick, "Bodies of 1,000 and 5,000 nodes only, under half a minute");
   bench_app->add_option("--json", bench.json, "Write the results to this file")->type_name("FILE");
   bench_app->add_option("--plot", bench.plot, "Draw the roofline of one core into this PNG")->type_name("FILE");
@@ -87,35 +95,51 @@ int main(int argc, char** argv) {
   bench_app->add_flag("--check", bench.check, "Fail where a promise is missed: for a machine that is otherwise idle");
 
   FrontierOptions frontier;
-  CLI::App* frontier_app = app.add_subcommand("frontier", "Measure what each setting of a scene costs and how exact it is");
+  CLI::App* frontier_app =
+      app.add_subcommand("frontier", "Measure what each setting of a scene costs and how exact it is");
   frontier_app->footer(examplesOf(*frontier_app));
-  frontier_app->add_option("SCENE", frontier.scene, "Scene file (.toml), or the name of one in assets/scenes")->required();
+  frontier_app->add_option("SCENE", frontier.scene, "Scene file (.toml), or the name of one in assets/scenes")
+      ->required();
   frontier_app->add_option("--out", frontier.out, "Folder for the results (out/<scene>_frontier)")->type_name("DIR");
-  frontier_app->add_option("--tool", frontier.tool_script, "The tool's way: a script, or the name of one in assets/tools (the built-in indentation)")->type_name("SCRIPT");
-  frontier_app->add_option("--report", frontier.report, "Write a page with tables and the picture into this folder")->type_name("DIR");
+  frontier_app
+      ->add_option("--tool", frontier.tool_script,
+                   "The tool's way: a script, or the name of one in assets/tools (the built-in indentation)")
+      ->type_name("SCRIPT");
+  frontier_app->add_option("--report", frontier.report, "Write a page with tables and the picture into this folder")
+      ->type_name("DIR");
   frontier_app->add_flag("--quick", frontier.quick, "The most telling settings, and a coarser reference");
   frontier_app->add_flag("--resume", frontier.resume, "Keep the settings that the folder has already");
 
   FitOptions fit;
-  CLI::App* fit_app = app.add_subcommand("fit", "Find the most accurate setting of a scene that holds a rate on this machine");
+  CLI::App* fit_app =
+      app.add_subcommand("fit", "Find the most accurate setting of a scene that holds a rate on this machine");
   fit_app->footer(examplesOf(*fit_app));
   fit_app->add_option("SCENE", fit.scene, "Scene file (.toml), or the name of one in assets/scenes")->required();
-  fit_app->add_option("--rate", fit.rate_hz, "Ticks a second (the scene's)")->type_name("HZ")->check(CLI::Range(100.0, 2000.0));
-  fit_app->add_option("--cores", fit.cores, "Threads for the physics (one per core)")->type_name("N")->check(CLI::Range(1, 64));
+  fit_app->add_option("--rate", fit.rate_hz, "Ticks a second (the scene's)")
+      ->type_name("HZ")
+      ->check(CLI::Range(100.0, 2000.0));
+  fit_app->add_option("--cores", fit.cores, "Threads for the physics (one per core)")
+      ->type_name("N")
+      ->check(CLI::Range(1, 64));
   fit_app->add_option("--out", fit.out, "Scene file to write (out/<scene>_<rate>hz.toml)")->type_name("FILE");
   fit_app->add_option("--json", fit.json, "Write what was found to this file")->type_name("FILE");
-  fit_app->add_option("--tool", fit.tool_script, "The tool's way: a script, or the name of one in assets/tools (the built-in indentation)")->type_name("SCRIPT");
+  fit_app
+      ->add_option("--tool", fit.tool_script,
+                   "The tool's way: a script, or the name of one in assets/tools (the built-in indentation)")
+      ->type_name("SCRIPT");
   fit_app->add_flag("--uniform", fit.uniform, "The same spacing everywhere, for a tool that goes anywhere");
   fit_app->add_flag("--resume", fit.resume, "Keep what was tried already: FILE.fit.json beside the scene to write");
 
   AtlasOptions atlas;
   std::string axes = "Axes (AXIS/VALUE for one cell):";
   for (const auto& axis : atlasAxes()) axes += "\n  " + axis.key + ": " + axis.title;
-  CLI::App* atlas_app = app.add_subcommand("atlas", "Map where the numbers are true: each cell stable, degraded or refused, none silently wrong");
+  CLI::App* atlas_app = app.add_subcommand(
+      "atlas", "Map where the numbers are true: each cell stable, degraded or refused, none silently wrong");
   atlas_app->footer(axes + "\n\n" + examplesOf(*atlas_app));
   atlas_app->add_option("CELL", atlas.cells, "Cells or whole axes (all)");
   atlas_app->add_flag("--quick", atlas.quick, "A third of the cells, under a minute");
-  atlas_app->add_option("--out", atlas.out, "Folder for atlas.json, atlas.csv and atlas.png (out/atlas)")->type_name("DIR");
+  atlas_app->add_option("--out", atlas.out, "Folder for atlas.json, atlas.csv and atlas.png (out/atlas)")
+      ->type_name("DIR");
   atlas_app->add_option("--json", atlas.json, "Write the results to this file, too")->type_name("FILE");
   atlas_app->add_option("--report", atlas.report, "Write a page with the map into this folder")->type_name("DIR");
   atlas_app->add_flag("--resume", atlas.resume, "Keep the cells that the folder has already");

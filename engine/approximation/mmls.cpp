@@ -15,7 +15,7 @@ constexpr double singular_reciprocal_condition = 1e-13;
 template <int Dim>
 constexpr int linear_size = 1 + Dim;
 template <int Dim>
-constexpr int quadratic_size = 1 + Dim + Dim * (Dim + 1) / 2;
+constexpr int quadratic_size = 1 + Dim + Dim*(Dim + 1) / 2;
 
 /// Monomials of xi: 1, xi_k, then xi_k^2, then xi_k xi_l (k < l).
 template <int Dim, int Size, class Vec>
@@ -40,8 +40,7 @@ bool Mmls<Dim>::evaluate(const Vec& x, const Vec* X, const double* radius, int c
   dw_.resize(count);
   gp_.resize(count);
   p_.resize(static_cast<std::size_t>(count) * quadratic_size<Dim>);
-  return degree_ == 1 ? solve<linear_size<Dim>>(x, X, radius, count)
-                      : solve<quadratic_size<Dim>>(x, X, radius, count);
+  return degree_ == 1 ? solve<linear_size<Dim>>(x, X, radius, count) : solve<quadratic_size<Dim>>(x, X, radius, count);
 }
 
 template <int Dim>
@@ -124,9 +123,8 @@ bool Mmls<Dim>::solve(const Vec& x, const Vec* X, const double* radius, int coun
     quality_.gradient_norm = std::max(quality_.gradient_norm, gradN_[j].norm() * scale);
   }
   quality_.linear_error = std::max(std::abs(sum_N - 1), sum_Nxi.cwiseAbs().maxCoeff());
-  quality_.gradient_error =
-      std::max(sum_grad.cwiseAbs().maxCoeff(),
-               (sum_gradx - Eigen::Matrix<double, Dim, Dim>::Identity()).cwiseAbs().maxCoeff());
+  quality_.gradient_error = std::max(sum_grad.cwiseAbs().maxCoeff(),
+                                     (sum_gradx - Eigen::Matrix<double, Dim, Dim>::Identity()).cwiseAbs().maxCoeff());
   return std::isfinite(quality_.linear_error + quality_.gradient_error);
 }
 

@@ -17,9 +17,9 @@ struct MmlsQuality {
 
 /// Options of the modified moving least squares approximation.
 struct MmlsOptions {
-  int degree = 2;      // of the basis: 1 or 2
-  double mu = 0.2;     // weight of the constraints on second-degree coefficients, dimensionless:
-                       // in the basis of (x - X_j) / R. 0 gives classical moving least squares.
+  int degree = 2;   // of the basis: 1 or 2
+  double mu = 0.2;  // weight of the constraints on second-degree coefficients, dimensionless:
+                    // in the basis of (x - X_j) / R. 0 gives classical moving least squares.
   /// One weight per constraint instead of mu, in the order of the monomials: mu_xx, mu_yy, mu_zz, mu_xy,
   /// mu_xz, mu_yz (in 2D mu_xx, mu_yy, mu_xy, and the rest is not read). >= 0.
   std::optional<std::array<double, 6>> mu_each = std::nullopt;
@@ -51,8 +51,8 @@ class Mmls {
   /// @return false if the moment matrix is numerically singular; N and gradN are then undefined.
   bool evaluate(const Vec& x, const Vec* X, const double* radius, int count);
 
-  const std::vector<double>& N() const { return N_; }          // (count)
-  const std::vector<Vec>& gradN() const { return gradN_; }     // (count) 1/m
+  const std::vector<double>& N() const { return N_; }       // (count)
+  const std::vector<Vec>& gradN() const { return gradN_; }  // (count) 1/m
   const MmlsQuality& quality() const { return quality_; }
 
  private:

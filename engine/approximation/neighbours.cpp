@@ -19,7 +19,8 @@ struct Cloud {
 }  // namespace
 
 struct Neighbours::Tree {
-  using Index = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, Cloud>, Cloud, 3, std::uint32_t>;
+  using Index =
+      nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, Cloud>, Cloud, 3, std::uint32_t>;
   explicit Tree(const std::vector<Vec3>& X) : cloud{X}, index(3, cloud) { index.buildIndex(); }
   Cloud cloud;
   Index index;

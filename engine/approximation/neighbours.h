@@ -26,7 +26,9 @@ class Neighbours {
   struct Tree;
   void fillGrid(const std::vector<double>& radius);
   Eigen::Array3i cellOf(const Vec3& x) const;
-  std::size_t slot(int i, int j, int k) const { return (static_cast<std::size_t>(k) * count_.y() + j) * count_.x() + i; }
+  std::size_t slot(int i, int j, int k) const {
+    return (static_cast<std::size_t>(k) * count_.y() + j) * count_.x() + i;
+  }
 
   const std::vector<Vec3>& X_;
   double max_radius_ = 0;

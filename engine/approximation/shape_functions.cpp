@@ -7,9 +7,8 @@
 namespace palpate {
 
 ShapeTable shapeFunctions(const std::vector<Vec3>& points, const std::vector<Vec3>& X,
-                          const std::vector<double>& radius, const Neighbours& neighbours,
-                          const MmlsOptions& options, std::vector<InadmissibleSupport>& failed,
-                          const AdmissibilityLimits& limits) {
+                          const std::vector<double>& radius, const Neighbours& neighbours, const MmlsOptions& options,
+                          std::vector<InadmissibleSupport>& failed, const AdmissibilityLimits& limits) {
   const int rows = static_cast<int>(points.size());
   struct Row {
     std::vector<int> node;
@@ -32,8 +31,7 @@ ShapeTable shapeFunctions(const std::vector<Vec3>& points, const std::vector<Vec
         support_radius.push_back(radius[j]);
       }
       const int count = static_cast<int>(row[r].node.size());
-      if (mmls.evaluate(points[r], support_X.data(), support_radius.data(), count) &&
-          limits.admit(mmls.quality())) {
+      if (mmls.evaluate(points[r], support_X.data(), support_radius.data(), count) && limits.admit(mmls.quality())) {
         row[r].N = mmls.N();
         row[r].gradN = mmls.gradN();
       } else {

@@ -10,7 +10,7 @@ namespace palpate {
 
 /// A point that its support can't carry.
 struct InadmissibleSupport {
-  int row = -1;               // evaluation point
+  int row = -1;  // evaluation point
   int support_count = 0;
   MmlsQuality quality;
 };
@@ -31,9 +31,8 @@ struct AdmissibilityLimits {
 /// @param points   m (row_count)
 /// @param failed   receives the inadmissible rows in ascending order; their entries are left empty
 ShapeTable shapeFunctions(const std::vector<Vec3>& points, const std::vector<Vec3>& X,
-                          const std::vector<double>& radius, const Neighbours& neighbours,
-                          const MmlsOptions& options, std::vector<InadmissibleSupport>& failed,
-                          const AdmissibilityLimits& limits = {});
+                          const std::vector<double>& radius, const Neighbours& neighbours, const MmlsOptions& options,
+                          std::vector<InadmissibleSupport>& failed, const AdmissibilityLimits& limits = {});
 
 /// Multiplies by 1.15 the radii of the eight nodes nearest to each failed point: sparse supports
 /// grow until they are admissible. Returns the nodes that changed.

@@ -22,4 +22,6 @@ std::string buildInfo() {
 
 std::string sourceIdentity() { return PALPATE_SOURCE_IDENTITY; }
 
+std::string sourceFolder() { return PALPATE_SOURCE_FOLDER; }
+
 }  // namespace palpate

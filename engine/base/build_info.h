@@ -11,4 +11,7 @@ std::string buildInfo();
 /// bits on the same processor.
 std::string sourceIdentity();
 
+/// The source tree that the program was built from: where assets/ and shaders/ are.
+std::string sourceFolder();
+
 }  // namespace palpate

@@ -7,7 +7,7 @@
 namespace palpate {
 
 /// Where something stands in an input file. Line and column start at 1; 0 means "not known".
-struct Place {
+struct SourceLocation {
   std::string file;
   int line = 0;
   int column = 0;
@@ -22,7 +22,7 @@ struct Place {
 };
 
 /// What a message quotes from an input file: in quotes, shortened, unprintable characters replaced.
-inline std::string quoted(std::string_view word) {
+inline std::string inQuotes(std::string_view word) {
   constexpr std::size_t longest = 40;
   std::string s = "\"";
   for (char c : word.substr(0, longest)) s += c >= ' ' && c <= '~' ? c : '?';
@@ -34,7 +34,7 @@ inline std::string quoted(std::string_view word) {
 /// Thrown only while loading; the programs print it and exit with code 2.
 class InputError : public std::runtime_error {
  public:
-  InputError(const Place& place, const std::string& problem, const std::string& advice)
+  InputError(const SourceLocation& place, const std::string& problem, const std::string& advice)
       : std::runtime_error((place.text().empty() ? "" : place.text() + ": ") + problem +
                            (advice.empty() ? "" : "; " + advice)) {}
 };

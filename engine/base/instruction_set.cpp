@@ -8,9 +8,12 @@ namespace palpate {
 
 const char* nameOf(InstructionSet set) {
   switch (set) {
-    case InstructionSet::Avx512: return "avx512";
-    case InstructionSet::Avx2: return "avx2";
-    case InstructionSet::Plain: break;
+    case InstructionSet::Avx512:
+      return "avx512";
+    case InstructionSet::Avx2:
+      return "avx2";
+    case InstructionSet::Plain:
+      break;
   }
   return "plain";
 }
@@ -41,9 +44,11 @@ InstructionSet chosenInstructionSet() {
   }
   for (const InstructionSet set : {InstructionSet::Avx2, InstructionSet::Avx512})
     if (std::string(nameOf(set)) == wanted)
-      throw InputError({}, "PALPATE_KERNEL=" + std::string(wanted) + ": this processor does not have these instructions",
+      throw InputError({},
+                       "PALPATE_KERNEL=" + std::string(wanted) + ": this processor does not have these instructions",
                        "leave it unset or choose from: " + names);
-  throw InputError({}, "PALPATE_KERNEL=" + quoted(wanted) + " is no kernel", "leave it unset or choose from: " + names);
+  throw InputError({}, "PALPATE_KERNEL=" + inQuotes(wanted) + " is no kernel",
+                   "leave it unset or choose from: " + names);
 }
 
 }  // namespace palpate

@@ -18,7 +18,7 @@ inline std::uint64_t fnv1a(std::string_view bytes, std::uint64_t hash = 0xcbf29c
 }
 
 /// Values as bytes without padding, lists after their length, so that no two rows of values read alike.
-class Key {
+class ByteKey {
  public:
   template <class T, class... More>
   void add(const T& value, const More&... more) {

@@ -22,7 +22,7 @@ class SetupWatch {
   SetupWatch(const SetupWatch&) = delete;
   SetupWatch& operator=(const SetupWatch&) = delete;
 
-  static void look() {
+  static void check() {
     if (current) current->look_();
   }
 
@@ -50,7 +50,7 @@ void parallelFor(int count, Body&& body, int least = 64) {
   const auto work = [&](bool watched) {
     for (;;) {
       try {
-        if (watched) SetupWatch::look();
+        if (watched) SetupWatch::check();
       } catch (...) {
         ended = std::current_exception();
         next = parts;

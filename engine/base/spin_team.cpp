@@ -44,7 +44,8 @@ class Backoff {
 
 }  // namespace
 
-SpinTeam::SpinTeam(int thread_count) : size_(thread_count < 1 ? 1 : thread_count), shares_(static_cast<std::size_t>(size_)) {
+SpinTeam::SpinTeam(int thread_count)
+    : size_(thread_count < 1 ? 1 : thread_count), shares_(static_cast<std::size_t>(size_)) {
   workers_.reserve(static_cast<std::size_t>(size_ - 1));
   for (int member = 1; member < size_; ++member) {
     workers_.emplace_back([this, member] { work(member); });
@@ -75,7 +76,8 @@ void SpinTeam::start(int part_count, bool pinned, Job job, void* context) {
   part_count_ = part_count;
   remaining_.store(part_count, std::memory_order_relaxed);
   for (int m = 0; m < size_; ++m) {
-    const auto begin = static_cast<std::uint64_t>(part_count * m / size_), end = static_cast<std::uint64_t>(part_count * (m + 1) / size_);
+    const auto begin = static_cast<std::uint64_t>(part_count * m / size_),
+               end = static_cast<std::uint64_t>(part_count * (m + 1) / size_);
     shares_[m].word.store(std::uint64_t{pinned} << 32 | end << 16 | begin, std::memory_order_release);
   }
   generation_.fetch_add(1);  // sequentially consistent: ordered before notify's look for sleepers

@@ -62,13 +62,13 @@ class SpinTeam {
 
   int size_;
   std::vector<std::thread> workers_;
-  std::vector<Share> shares_;                          // (size)
+  std::vector<Share> shares_;  // (size)
   // Of the present job: written while nobody holds a part, read by whoever took one.
   Job job_ = nullptr;
   void* context_ = nullptr;
   int part_count_ = 0;
-  std::int64_t long_waits_ = 0;                        // the owner's own
-  std::atomic<bool> stop_{false};                      // set before generation_
+  std::int64_t long_waits_ = 0;                           // the owner's own
+  std::atomic<bool> stop_{false};                         // set before generation_
   alignas(64) std::atomic<std::uint32_t> generation_{0};  // jobs given out so far
   alignas(64) std::atomic<std::uint32_t> awake_{0};       // odd while workers should spin
   alignas(64) std::atomic<int> remaining_{0};             // parts of the present job that are not done
@@ -78,7 +78,8 @@ class SpinTeam {
 /// may not.
 template <class Each>
 void shareOut(SpinTeam& team, int count, Each each) {
-  team.share(count, [](void* context, int part, int) { (*static_cast<Each*>(context))(part); }, &each);
+  team.share(
+      count, [](void* context, int part, int) { (*static_cast<Each*>(context))(part); }, &each);
 }
 
 }  // namespace palpate

@@ -31,8 +31,8 @@ ContactState makeContactState(const SkinModel& skin, const ToolShape&) {
   return contact;
 }
 
-void findContactCandidates(const SkinModel& skin, const Float4* u, const ToolShape& tool,
-                           const Pose& tool_pose, double margin, ContactState& contact) {
+void findContactCandidates(const SkinModel& skin, const Float4* u, const ToolShape& tool, const Pose& tool_pose,
+                           double margin, ContactState& contact) {
   const Mat3 local_from_world = tool_pose.orientation.conjugate().toRotationMatrix();
   auto distance = [&](int v) {
     return toolDistance(tool, local_from_world * (skinPosition(skin, v, u) - tool_pose.position)).distance;
@@ -75,7 +75,8 @@ void findContactCandidates(const SkinModel& skin, const Float4* u, const ToolSha
     if (!isNear(skin.region_representative[r], skin.region_radius[r])) return;
     forRows(skin.cluster_representative, skin.region_begin[r], skin.region_begin[r + 1], [&](int c) {
       if (!isNear(skin.cluster_representative[c], skin.cluster_radius[c])) return;
-      forRows(skin.cluster_vertex, skin.cluster_begin[c], skin.cluster_begin[c + 1], [&](int k) { add(skin.cluster_vertex[k]); });
+      forRows(skin.cluster_vertex, skin.cluster_begin[c], skin.cluster_begin[c + 1],
+              [&](int k) { add(skin.cluster_vertex[k]); });
     });
   });
   // The order of the list must not depend on the clusters: the solver sweeps in it.

@@ -21,7 +21,7 @@ constexpr double kTissueTravel = 0.1;
 /// Real-time: no allocation, no lock, no throw; cost ~ one interpolation per region, per
 /// cluster of the regions in reach and per vertex of the clusters in reach.
 /// Test: contact/broad_phase_test.cpp (against all vertices).
-void findContactCandidates(const SkinModel& skin, const Float4* u, const ToolShape& tool,
-                           const Pose& tool_pose, double margin, ContactState& contact);
+void findContactCandidates(const SkinModel& skin, const Float4* u, const ToolShape& tool, const Pose& tool_pose,
+                           double margin, ContactState& contact);
 
 }  // namespace palpate

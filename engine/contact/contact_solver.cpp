@@ -31,8 +31,7 @@ Vector4f lanes(const Vec3& a) {
 }
 
 /// du_i += alpha / m_i N_i(X_v) f
-void applyForce(const SkinModel& skin, int v, const Vector4f& f, float alpha, const float* inverse_mass,
-                Float4* du) {
+void applyForce(const SkinModel& skin, int v, const Vector4f& f, float alpha, const float* inverse_mass, Float4* du) {
   const Group scaled = alpha * loadGroup(f.data());
   for (int e = skin.begin[v]; e < skin.begin[v + 1]; ++e) {
     Float4& increment = du[skin.node[e]];
@@ -98,9 +97,9 @@ Vector4f updateForce(ContactRow& row, const Vector4f& increment, float friction,
 
 }  // namespace
 
-Vec3 solveContact(const SkinModel& skin, const ToolShape& tool, const Pose& pose,
-                  const Pose& previous_pose, double friction, double alpha, const float* inverse_mass,
-                  const Float4* u, Float4* du, ContactState& contact) {
+Vec3 solveContact(const SkinModel& skin, const ToolShape& tool, const Pose& pose, const Pose& previous_pose,
+                  double friction, double alpha, const float* inverse_mass, const Float4* u, Float4* du,
+                  ContactState& contact) {
   const Motion motion(previous_pose, pose);
   const float mu = static_cast<float>(friction), alpha_f = static_cast<float>(alpha);
 

@@ -37,8 +37,8 @@ namespace palpate {
 /// Real-time: no allocation, no lock, no throw. With n support nodes per vertex: 2 n four-lane FMAs
 /// per candidate, and per vertex in contact n (5 + 2 sweeps).
 /// Test: contact/contact_solver_test.cpp.
-Vec3 solveContact(const SkinModel& skin, const ToolShape& tool, const Pose& pose,
-                  const Pose& previous_pose, double friction, double alpha, const float* inverse_mass,
-                  const Float4* u, Float4* du, ContactState& contact);
+Vec3 solveContact(const SkinModel& skin, const ToolShape& tool, const Pose& pose, const Pose& previous_pose,
+                  double friction, double alpha, const float* inverse_mass, const Float4* u, Float4* du,
+                  ContactState& contact);
 
 }  // namespace palpate

@@ -35,19 +35,19 @@ void bisect(const std::vector<Vec3>& X, int first, int last, bool in_region, Ski
   int axis = 0;
   box.sizes().maxCoeff(&axis);
   const int middle = (first + last) / 2;
-  std::nth_element(order.begin() + first, order.begin() + middle, order.begin() + last, [&](int a, int b) {
-    return X[a][axis] != X[b][axis] ? X[a][axis] < X[b][axis] : a < b;
-  });
+  std::nth_element(order.begin() + first, order.begin() + middle, order.begin() + last,
+                   [&](int a, int b) { return X[a][axis] != X[b][axis] ? X[a][axis] < X[b][axis] : a < b; });
   bisect(X, first, middle, in_region, skin);
   bisect(X, middle, last, in_region, skin);
 }
 
 /// The vertex nearest to the centre of some, and how far they are from it.
-void addSphere(const std::vector<Vec3>& X, const int* first, const int* last, std::vector<int>& representatives, std::vector<float>& radii) {
+void addSphere(const std::vector<Vec3>& X, const int* first, const int* last, std::vector<int>& representatives,
+               std::vector<float>& radii) {
   Vec3 centre = Vec3::Zero();
   for (auto v = first; v != last; ++v) centre += X[*v] / static_cast<double>(last - first);
-  const int representative =
-      *std::min_element(first, last, [&](int a, int b) { return (X[a] - centre).squaredNorm() < (X[b] - centre).squaredNorm(); });
+  const int representative = *std::min_element(
+      first, last, [&](int a, int b) { return (X[a] - centre).squaredNorm() < (X[b] - centre).squaredNorm(); });
   double radius = 0.0;
   for (auto v = first; v != last; ++v) radius = std::max(radius, (X[*v] - X[representative]).norm());
   representatives.push_back(representative);
@@ -70,8 +70,8 @@ void makeClusters(SkinModel& skin) {
     addSphere(X, first, last, skin.cluster_representative, skin.cluster_radius);
   }
   for (std::size_t r = 0; r + 1 < skin.region_begin.size(); ++r)
-    addSphere(X, vertex + skin.cluster_begin[skin.region_begin[r]], vertex + skin.cluster_begin[skin.region_begin[r + 1]],
-              skin.region_representative, skin.region_radius);
+    addSphere(X, vertex + skin.cluster_begin[skin.region_begin[r]],
+              vertex + skin.cluster_begin[skin.region_begin[r + 1]], skin.region_representative, skin.region_radius);
 }
 
 }  // namespace

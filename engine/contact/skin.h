@@ -5,7 +5,7 @@
 #include "approximation/shape_table.h"
 #include "base/float4.h"
 #include "base/types.h"
-#include "discretization/triangle_surface.h"
+#include "discretization/surface/triangle_surface.h"
 
 namespace palpate {
 
@@ -15,17 +15,17 @@ namespace palpate {
 /// touch, edges should be at most 0.35 of its radius and no longer than its rim (edgeRadius):
 /// first touch is then late by up to 0.02 R (a quarter of that with half the edges).
 struct SkinModel {
-  TriangleSurface surface;                 // reference configuration, m
-  std::vector<double> area;                // (vertex_count) a third of the adjacent triangles, m^2
+  TriangleSurface surface;   // reference configuration, m
+  std::vector<double> area;  // (vertex_count) a third of the adjacent triangles, m^2
   // Row r of the shape table in the layout of the real-time loop.
-  std::vector<int> begin;                  // (vertex_count + 1)
-  std::vector<int> node;                   // (entry_count)
-  AlignedVector<float> N;                  // (entry_count)
+  std::vector<int> begin;  // (vertex_count + 1)
+  std::vector<int> node;   // (entry_count)
+  AlignedVector<float> N;  // (entry_count)
   // Clusters for the broad phase, made by buildSkinModel.
-  std::vector<int> cluster_begin;          // (cluster_count + 1)
-  std::vector<int> cluster_vertex;         // (vertex_count) vertices, grouped by cluster
-  std::vector<int> cluster_representative; // (cluster_count) a vertex near the cluster's centre
-  std::vector<float> cluster_radius;       // (cluster_count) m, around it; reference configuration
+  std::vector<int> cluster_begin;           // (cluster_count + 1)
+  std::vector<int> cluster_vertex;          // (vertex_count) vertices, grouped by cluster
+  std::vector<int> cluster_representative;  // (cluster_count) a vertex near the cluster's centre
+  std::vector<float> cluster_radius;        // (cluster_count) m, around it; reference configuration
   // Consecutive clusters in regions, which are tested first.
   std::vector<int> region_begin;           // (region_count + 1) clusters
   std::vector<int> region_representative;  // (region_count) as a cluster's

@@ -49,7 +49,8 @@ double smoothDepth(const ToolShape& tool) {
 
 ToolDistance toolDistance(const ToolShape& tool, const Vec3& local) {
   switch (tool.kind) {
-    case ToolKind::FlatCylinder: return flatCylinderDistance(tool, local);
+    case ToolKind::FlatCylinder:
+      return flatCylinderDistance(tool, local);
     case ToolKind::Capsule: {
       const double z = std::clamp(local.z(), tool.radius, capCentre(tool));
       ToolDistance d = ballDistance({0.0, 0.0, z}, tool.radius, local);
@@ -57,7 +58,8 @@ ToolDistance toolDistance(const ToolShape& tool, const Vec3& local) {
       if (d.distance == -tool.radius && z > tool.radius) d.normal = Vec3::UnitX();
       return d;
     }
-    case ToolKind::Sphere: break;
+    case ToolKind::Sphere:
+      break;
   }
   return ballDistance({0.0, 0.0, tool.radius}, tool.radius, local);
 }

@@ -11,9 +11,9 @@ enum class ToolKind { Sphere, FlatCylinder, Capsule };
 /// where the tip is and the tool advances along -z.
 struct ToolShape {
   ToolKind kind = ToolKind::Sphere;
-  double radius = 0.01;       // m
-  double length = 0.06;       // m, tip to end; a sphere ignores it, a capsule is at least 2 radius long
-  double edge_radius = 0.0;   // m, rounding of a flat cylinder's rims (0: 0.3 radius, see edgeRadius)
+  double radius = 0.01;      // m
+  double length = 0.06;      // m, tip to end; a sphere ignores it, a capsule is at least 2 radius long
+  double edge_radius = 0.0;  // m, rounding of a flat cylinder's rims (0: 0.3 radius, see edgeRadius)
 };
 
 /// Signed distance of a point to a tool's surface, m (negative inside), and its gradient there.

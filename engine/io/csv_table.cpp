@@ -14,7 +14,7 @@ namespace {
 
 struct Field {
   std::string_view text;
-  Place place;
+  SourceLocation place;
 };
 
 std::string lowerCase(std::string text) {
@@ -44,9 +44,10 @@ std::vector<Field> fieldsOf(std::string_view line, const std::string& file, int 
 void readHeader(const std::vector<Field>& fields, CsvTable& table) {
   table.header = {table.file, fields.front().place.line, 0};
   for (const auto& [text, place] : fields) {
-    if (text.empty()) throw InputError(place, "a column without a name", "the first line names the columns, like X,Y,Z");
+    if (text.empty())
+      throw InputError(place, "a column without a name", "the first line names the columns, like X,Y,Z");
     if (std::find(table.name.begin(), table.name.end(), text) != table.name.end()) {
-      throw InputError(place, "two columns are named " + quoted(text), "rename one of them");
+      throw InputError(place, "two columns are named " + inQuotes(text), "rename one of them");
     }
     table.name.emplace_back(text);
   }
@@ -54,7 +55,7 @@ void readHeader(const std::vector<Field>& fields, CsvTable& table) {
 }
 
 void readRow(const std::vector<Field>& fields, CsvTable& table) {
-  const Place& place = fields.front().place;
+  const SourceLocation& place = fields.front().place;
   if (fields.size() != table.name.size()) {
     throw InputError({table.file, place.line, 0},
                      std::to_string(fields.size()) + " fields, but " + std::to_string(table.name.size()) + " columns",
@@ -64,7 +65,7 @@ void readRow(const std::vector<Field>& fields, CsvTable& table) {
     const auto& [text, where] = fields[k];
     const bool none = text.empty() || lowerCase(std::string(text)) == "nan";
     table.column[k].push_back(none ? std::numeric_limits<double>::quiet_NaN()
-                                   : parseNumber(text, where, "column " + palpate::quoted(table.name[k])));
+                                   : parseNumber(text, where, "column " + inQuotes(table.name[k])));
   }
   table.line.push_back(place.line);
 }
@@ -84,11 +85,11 @@ const std::vector<double>& CsvTable::operator[](const std::string& wanted) const
   const int k = find(wanted);
   if (k >= 0) return column[static_cast<std::size_t>(k)];
   std::string known;
-  for (const std::string& other : name) known += (known.empty() ? "" : ", ") + palpate::quoted(other);
-  throw InputError(header, "there is no column " + palpate::quoted(wanted), "the file has " + known);
+  for (const std::string& other : name) known += (known.empty() ? "" : ", ") + inQuotes(other);
+  throw InputError(header, "there is no column " + inQuotes(wanted), "the file has " + known);
 }
 
-CsvTable readCsvTable(const std::string& path, const Place& asked_from) {
+CsvTable readCsvTable(const std::string& path, const SourceLocation& asked_from) {
   const std::string bytes = readWholeFile(path, asked_from);
   std::string_view rest = bytes;
   if (rest.starts_with("\xEF\xBB\xBF")) rest.remove_prefix(3);  // a byte-order mark
@@ -108,7 +109,8 @@ CsvTable readCsvTable(const std::string& path, const Place& asked_from) {
       readRow(fields, table);
     }
   }
-  if (table.name.empty()) throw InputError({path, 0, 0}, "an empty file", "the first line names the columns, like X,Y,Z");
+  if (table.name.empty())
+    throw InputError({path, 0, 0}, "an empty file", "the first line names the columns, like X,Y,Z");
   return table;
 }
 

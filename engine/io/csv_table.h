@@ -11,7 +11,7 @@ namespace palpate {
 /// A table of numbers with named columns, from a CSV file.
 struct CsvTable {
   std::string file;
-  Place header;                             // the line of the names
+  SourceLocation header;                    // the line of the names
   std::vector<std::string> name;            // (column_count), unlike each other
   std::vector<std::vector<double>> column;  // (column_count)(row_count); NaN where the file has none
   std::vector<int> line;                    // (row_count), of the file
@@ -29,6 +29,6 @@ struct CsvTable {
 /// in double quotes. An empty field and `nan` are NaN; empty lines and lines that begin with # are passed over.
 /// Throws InputError with file:line:column for anything else, and at `asked_from` (where another file
 /// names this one) where the file can't be read.
-CsvTable readCsvTable(const std::string& path, const Place& asked_from = {});
+CsvTable readCsvTable(const std::string& path, const SourceLocation& asked_from = {});
 
 }  // namespace palpate

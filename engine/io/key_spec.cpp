@@ -15,7 +15,7 @@ std::string choicesText(std::string choices) {
 
 }  // namespace
 
-std::string Range::text() const {
+std::string ValueRange::text() const {
   const bool bounded_below = std::isfinite(low), bounded_above = std::isfinite(high);
   if (bounded_below && bounded_above) {
     return (low_excluded ? "> " : "") + shortest(low) + " .. " + (high_excluded ? "< " : "") + shortest(high);

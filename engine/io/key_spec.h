@@ -7,7 +7,7 @@
 namespace palpate {
 
 /// What a number may be.
-struct Range {
+struct ValueRange {
   double low = -std::numeric_limits<double>::infinity();
   double high = std::numeric_limits<double>::infinity();
   bool low_excluded = false, high_excluded = false;
@@ -18,23 +18,23 @@ struct Range {
   std::string text() const;  // "> 0", "0 .. 1", "0 .. < 0.5"; empty where anything goes
 };
 
-constexpr Range anyNumber() { return {}; }
-constexpr Range above(double low) { return {low, std::numeric_limits<double>::infinity(), true, false}; }
-constexpr Range atLeast(double low) { return {low, std::numeric_limits<double>::infinity(), false, false}; }
-constexpr Range between(double low, double high) { return {low, high, false, false}; }
-constexpr Range aboveUpTo(double low, double high) { return {low, high, true, false}; }
+constexpr ValueRange anyNumber() { return {}; }
+constexpr ValueRange above(double low) { return {low, std::numeric_limits<double>::infinity(), true, false}; }
+constexpr ValueRange atLeast(double low) { return {low, std::numeric_limits<double>::infinity(), false, false}; }
+constexpr ValueRange between(double low, double high) { return {low, high, false, false}; }
+constexpr ValueRange aboveUpTo(double low, double high) { return {low, high, true, false}; }
 
 /// One key of a TOML file of ours: the parser checks by it and the reference is printed from it,
 /// so that the two can't differ.
 struct KeySpec {
   enum class Type { Text, Number, Integer, Boolean, Vector, Plane, Numbers, Curve, Axes, Table, Tables };
 
-  const char* table;     // the table or group it belongs to, "" for the file's top level
+  const char* table;  // the table or group it belongs to, "" for the file's top level
   const char* name;
   Type type;
   const char* unit;      // "m", "Pa"; "" for none
   const char* fallback;  // the default in TOML; "" where there is none; `required` or `depends` otherwise
-  Range range;           // of numbers, of a vector's components
+  ValueRange range;      // of numbers, of a vector's components
   const char* choices;   // "a|b|c": the only values; "" for any
   const char* meaning;   // one sentence, Markdown
 

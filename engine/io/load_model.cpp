@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "base/parallel_for.h"
-#include "discretization/solids.h"
+#include "discretization/surface/solids.h"
 #include "io/surface_file.h"
 #include "simulation/scene_messages.h"
 
@@ -36,8 +36,8 @@ std::string sizeWarning(const Scene& scene, const TriangleSurface& surface) {
   if (length >= shortest_organ && length <= longest_organ) return {};
   const auto [key, question] = sizeKey(scene);
   const std::string place = placeOf(scene, key).text();
-  return (place.empty() ? "" : place + ": ") + "the organ is " + (length < 1 ? number(1e3 * length) + " mm" : number(length) + " m") +
-         " long; " + question;
+  return (place.empty() ? "" : place + ": ") + "the organ is " +
+         (length < 1 ? number(1e3 * length) + " mm" : number(length) + " m") + " long; " + question;
 }
 
 TriangleSurface organSurface(const Scene& scene) {
@@ -45,14 +45,18 @@ TriangleSurface organSurface(const Scene& scene) {
   const double edge = std::min(0.5 * scene.spacing, 0.5 * scene.tool.radius);
   try {
     switch (scene.solid) {
-      case Scene::Solid::Box: return boxSurface(scene.size, edge);
-      case Scene::Solid::Cylinder: return cylinderSurface(scene.radius, scene.height, edge);
+      case Scene::Solid::Box:
+        return boxSurface(scene.size, edge);
+      case Scene::Solid::Cylinder:
+        return cylinderSurface(scene.radius, scene.height, edge);
       case Scene::Solid::Ellipsoid:
         return scene.upper_half ? halfEllipsoidSurface(scene.semi_axes, edge) : ellipsoidSurface(scene.semi_axes, edge);
-      case Scene::Solid::Surface: break;
+      case Scene::Solid::Surface:
+        break;
     }
   } catch (const std::invalid_argument& error) {
-    throw InputError(placeOf(scene, "discretization.spacing"), error.what(), "raise discretization.spacing or tool.radius");
+    throw InputError(placeOf(scene, "discretization.spacing"), error.what(),
+                     "raise discretization.spacing or tool.radius");
   }
   return readClosedSurface(scene.surface_file, scene.surface_scale, placeOf(scene, "organ.surface"));
 }
@@ -62,12 +66,12 @@ Model loadModel(const Scene& scene, const Progress& progress, const ModelCache& 
   const auto start = std::chrono::steady_clock::now();
   std::string stage = "surface";
   double behind = 0;
-  const Progress tell = [&](const std::string& what, double fraction) {
+  const Progress report = [&](const std::string& what, double fraction) {
     stage = what;
     behind = fraction;
     if (progress) progress(stage, behind);
   };
-  tell(stage, behind);
+  report(stage, behind);
   const SetupWatch watch([&] {  // long stages, too, can be ended
     if (progress) progress(stage, behind);
   });
@@ -76,11 +80,11 @@ Model loadModel(const Scene& scene, const Progress& progress, const ModelCache& 
   const std::string key = preparationKey(scene, tree.surface());
   std::optional<Preparation> preparation = cache.find(key);
   if (!preparation) {
-    preparation = prepare(scene, tree, tell);
-    tell("keeping it for the next start", 0.94);
+    preparation = prepare(scene, tree, report);
+    report("keeping it for the next start", 0.94);
     cache.keep(key, *preparation);
   }
-  Model model = finishModel(scene, tree, std::move(*preparation), tell);
+  Model model = finishModel(scene, tree, std::move(*preparation), report);
   model.setup_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return model;
 }

@@ -35,7 +35,8 @@ std::string environment(const char* name) {
 
 std::string ModelCache::userFolder() {
   if (const std::string own = environment("PALPATE_CACHE_DIR"); !own.empty()) return own;
-  if (const std::string caches = environment("XDG_CACHE_HOME"); fs::path(caches).is_absolute()) return caches + "/palpate";
+  if (const std::string caches = environment("XDG_CACHE_HOME"); fs::path(caches).is_absolute())
+    return caches + "/palpate";
   if (const std::string home = environment("HOME"); fs::path(home).is_absolute()) return home + "/.cache/palpate";
   return {};
 }
@@ -65,7 +66,8 @@ std::optional<Preparation> ModelCache::find(const std::string& key) const {
 void ModelCache::keep(const std::string& key, const Preparation& preparation) const {
   if (folder_.empty()) return;
   static std::atomic<int> count{0};
-  const std::string path = fileOf(key), part = path + "." + std::to_string(::getpid()) + "-" + std::to_string(count++) + unfinished;
+  const std::string path = fileOf(key),
+                    part = path + "." + std::to_string(::getpid()) + "-" + std::to_string(count++) + unfinished;
   std::error_code ignored;
   fs::create_directories(folder_, ignored);  // where that fails, so does open
   const int file = ::open(part.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
@@ -77,7 +79,9 @@ void ModelCache::keep(const std::string& key, const Preparation& preparation) co
     return;
   }
   if (file >= 0) ::unlink(part.c_str());
-  if (tell_) tell_("the set-up is not kept for the next start: can't write " + path + ": " + std::generic_category().message(error));
+  if (tell_)
+    tell_("the set-up is not kept for the next start: can't write " + path + ": " +
+          std::generic_category().message(error));
 }
 
 void ModelCache::removeOldest(const std::string& newest) const {
@@ -101,7 +105,7 @@ void ModelCache::removeOldest(const std::string& newest) const {
   }
   std::sort(kept.begin(), kept.end(), [](const Kept& a, const Kept& b) { return a.used < b.used; });
   for (const Kept& file : kept) {
-    if (total <= most_bytes_) return;
+    if (total <= max_bytes_) return;
     std::error_code gone;
     fs::remove(file.path, gone);
     total -= file.size;

@@ -15,16 +15,16 @@ namespace palpate {
 /// A file has a header (magic, layout version, 128-bit key hash, every array's length, checksums) and the arrays'
 /// bytes. Nothing of it is used before the header fits, the lengths add up to the file's and to each other, and all
 /// checksums hold. It is written under a name of its own and renamed, so processes may share the folder. Beyond
-/// `most_bytes` the files that were not used for longest are removed.
+/// `max_bytes` the files that were not used for longest are removed.
 class ModelCache {
  public:
   static constexpr std::uintmax_t default_most_bytes = 2'000'000'000;
 
   /// @param folder  made when first needed; "": keeps nothing
-  /// @param tell    gets a line where a file is damaged or can't be written
-  explicit ModelCache(std::string folder = {}, std::function<void(const std::string&)> tell = {},
-                      std::uintmax_t most_bytes = default_most_bytes)
-      : folder_(std::move(folder)), tell_(std::move(tell)), most_bytes_(most_bytes) {}
+  /// @param report    gets a line where a file is damaged or can't be written
+  explicit ModelCache(std::string folder = {}, std::function<void(const std::string&)> report = {},
+                      std::uintmax_t max_bytes = default_most_bytes)
+      : folder_(std::move(folder)), tell_(std::move(report)), max_bytes_(max_bytes) {}
 
   /// $PALPATE_CACHE_DIR, or $XDG_CACHE_HOME/palpate, or ~/.cache/palpate; "" where none is set.
   static std::string userFolder();
@@ -43,7 +43,7 @@ class ModelCache {
 
   std::string folder_;
   std::function<void(const std::string&)> tell_;
-  std::uintmax_t most_bytes_;
+  std::uintmax_t max_bytes_;
 };
 
 }  // namespace palpate

@@ -15,22 +15,23 @@ namespace palpate {
 namespace {
 
 // Statements that say nothing about the shape.
-constexpr std::array<std::string_view, 17> skipped = {"vt", "vn", "vp", "o",  "g",       "s",        "mg",
-                                                      "l",  "p",  "usemtl", "mtllib", "usemap", "maplib",
-                                                      "lod", "bevel", "c_interp", "d_interp"};
+constexpr std::array<std::string_view, 17> skipped = {"vt",     "vn",  "vp",    "o",        "g",       "s",
+                                                      "mg",     "l",   "p",     "usemtl",   "mtllib",  "usemap",
+                                                      "maplib", "lod", "bevel", "c_interp", "d_interp"};
 
 /// The vertex that a corner names: "7", "7/1", "7//3", "7/1/3" or "-1/...", as an index from 0.
 /// An index beyond the vertices read so far is allowed here; the whole file decides.
-int parseCorner(std::string_view word, int vertex_count, const Place& place) {
+int parseCorner(std::string_view word, int vertex_count, const SourceLocation& place) {
   const std::string_view number = word.substr(0, word.find('/'));
   long long index = 0;
   const auto [end, error] = std::from_chars(number.data(), number.data() + number.size(), index);
   if (error == std::errc::result_out_of_range || index > std::numeric_limits<int>::max() ||
       index < -std::numeric_limits<int>::max()) {
-    throw InputError(place, "vertex index " + quoted(word) + " is out of range", "export the surface again");
+    throw InputError(place, "vertex index " + inQuotes(word) + " is out of range", "export the surface again");
   }
   if (error != std::errc{} || end != number.data() + number.size()) {
-    throw InputError(place, quoted(word) + " is not a vertex index", "write a face like \"f 1 2 3\" or \"f 1/1/1 2/2/2 3/3/3\"");
+    throw InputError(place, inQuotes(word) + " is not a vertex index",
+                     "write a face like \"f 1 2 3\" or \"f 1/1/1 2/2/2 3/3/3\"");
   }
   if (index == 0) {
     throw InputError(place, "vertex index 0", "OBJ counts vertices from 1");
@@ -58,16 +59,16 @@ SurfaceFile parseObj(const std::string& text, const std::string& file) {
   struct Polygon {
     int first_triangle;
     std::vector<int> corners;
-    Place place;
+    SourceLocation place;
   };
   std::vector<Polygon> polygons;  // with more than three corners
   int highest = -1;
-  Place highest_place;
+  SourceLocation highest_place;
   std::vector<int> corners;
   do {
     const std::string_view keyword = reader.nextInLine();
     if (keyword.empty() || keyword.front() == '#') continue;
-    const Place place = reader.place();
+    const SourceLocation place = reader.place();
     if (keyword == "v") {
       Vec3 x;
       for (int k = 0; k < 3; ++k) {
@@ -96,7 +97,7 @@ SurfaceFile parseObj(const std::string& text, const std::string& file) {
         result.source.triangle_line.push_back(place.line);
       }
     } else if (std::find(skipped.begin(), skipped.end(), keyword) == skipped.end()) {
-      throw InputError(place, quoted(keyword) + " is not a statement of a polygonal OBJ file",
+      throw InputError(place, inQuotes(keyword) + " is not a statement of a polygonal OBJ file",
                        "export the organ as an OBJ of \"v\" and \"f\" lines, or as STL");
     }
   } while (reader.nextLine());

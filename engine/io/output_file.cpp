@@ -22,7 +22,8 @@ void finishStandardOutput() {
   errno = 0;
   const bool failed_earlier = std::ferror(stdout) != 0;
   if (std::fflush(stdout) == 0 && std::cout && !failed_earlier) return;  // std::cout goes through stdout
-  if (errno == 0 && std::fputc('\n', stdout) != EOF) std::fflush(stdout);  // it failed earlier: what fails again says why
+  if (errno == 0 && std::fputc('\n', stdout) != EOF)
+    std::fflush(stdout);  // it failed earlier: what fails again says why
   failWriting("to standard output", errno, "send it elsewhere");
 }
 
@@ -39,7 +40,7 @@ void writeWholeFile(const std::string& path, std::string_view bytes) {
       error = errno;
     }
   }
-  if (::close(file) != 0 && error == 0) error = errno;  // network file systems tell of a full disk only here
+  if (::close(file) != 0 && error == 0) error = errno;  // network file systems report of a full disk only here
   if (error == 0 && std::rename(part.c_str(), path.c_str()) != 0) error = errno;
   if (error == 0) return;
   ::unlink(part.c_str());

@@ -16,7 +16,7 @@ namespace palpate {
 namespace {
 
 constexpr std::uint64_t magic = 0x31657461706c6170;  // "palpate1" as bytes
-constexpr std::uint64_t version = 3;                  // of the layout below
+constexpr std::uint64_t version = 3;                 // of the layout below
 constexpr std::size_t block_bytes = 1 << 20;
 
 /// A word-wise mix: each step is a bijection of the state, so one changed word always changes the result.
@@ -77,9 +77,9 @@ struct Header {
   KeyHash key{};
   double surface_volume = 0, cell_volume = 0, dt = 0, dt_proven = 0, added_mass = 0;
   std::int64_t worst_node = 0, iterations = 0;
-  std::array<std::uint64_t, array_count> length{};    // elements
+  std::array<std::uint64_t, array_count> length{};  // elements
   std::array<std::uint64_t, array_count> checksum{};
-  std::uint64_t own_checksum = 0;                     // of all before it
+  std::uint64_t own_checksum = 0;  // of all before it
 };
 static_assert(std::is_trivially_copyable_v<Header> && sizeof(Header) == (12 + 2 * array_count) * 8);  // no padding
 
@@ -92,12 +92,15 @@ template <class Visit>
 bool forEachBlock(std::size_t bytes, Visit&& visit) {
   const auto blocks = static_cast<int>((bytes + block_bytes - 1) / block_bytes);
   std::atomic<bool> good{true};
-  parallelFor(blocks, [&](int first, int last) {
-    for (int b = first; b < last && good; ++b) {
-      const std::size_t offset = static_cast<std::size_t>(b) * block_bytes;
-      if (!visit(b, offset, std::min(block_bytes, bytes - offset))) good = false;
-    }
-  }, 1);
+  parallelFor(
+      blocks,
+      [&](int first, int last) {
+        for (int b = first; b < last && good; ++b) {
+          const std::size_t offset = static_cast<std::size_t>(b) * block_bytes;
+          if (!visit(b, offset, std::min(block_bytes, bytes - offset))) good = false;
+        }
+      },
+      1);
   return good;
 }
 
@@ -142,26 +145,29 @@ bool readAt(int file, char* bytes, std::size_t count, std::size_t offset) {
 bool fits(const ShapeTable& table, std::size_t rows, std::size_t nodes, bool gradients) {
   if (rows == 0 && table.begin.empty()) return table.node.empty() && table.N.empty() && table.gradN.empty();
   const std::size_t entries = table.node.size();
-  return table.begin.size() == rows + 1 && table.begin.front() == 0 && static_cast<std::size_t>(table.begin.back()) == entries &&
+  return table.begin.size() == rows + 1 && table.begin.front() == 0 &&
+         static_cast<std::size_t>(table.begin.back()) == entries &&
          std::is_sorted(table.begin.begin(), table.begin.end()) && table.N.size() == entries &&
          table.gradN.size() == (gradients ? entries : 0) &&
-         std::all_of(table.node.begin(), table.node.end(), [&](int i) { return i >= 0 && static_cast<std::size_t>(i) < nodes; });
+         std::all_of(table.node.begin(), table.node.end(),
+                     [&](int i) { return i >= 0 && static_cast<std::size_t>(i) < nodes; });
 }
 
 bool fits(const Preparation& p) {
   const std::size_t nodes = p.X.size(), points = p.point_X.size(), samples = p.facet_weight.size();
   return nodes != 0 && p.support_radius.size() == nodes && p.mass.size() == nodes && p.point_volume.size() == points &&
          p.point_material.size() == points && p.point_cell.size() == points &&
-         (p.point_other_cell.empty() || p.point_other_cell.size() == points) && fits(p.point_shape, points, nodes, true) &&
-         fits(p.node_shape, nodes, nodes, false) && fits(p.skin_shape, p.skin.vertices.size(), nodes, true) &&
-         fits(p.facet_phi, samples, nodes, samples != 0) && p.limit.worst_node >= 0 &&
-         static_cast<std::size_t>(p.limit.worst_node) < nodes;
+         (p.point_other_cell.empty() || p.point_other_cell.size() == points) &&
+         fits(p.point_shape, points, nodes, true) && fits(p.node_shape, nodes, nodes, false) &&
+         fits(p.skin_shape, p.skin.vertices.size(), nodes, true) && fits(p.facet_phi, samples, nodes, samples != 0) &&
+         p.limit.worst_node >= 0 && static_cast<std::size_t>(p.limit.worst_node) < nodes;
 }
 
 }  // namespace
 
 KeyHash hashOf(const std::string& bytes) {
-  return {hashBytes(bytes.data(), bytes.size(), 0x243f6a8885a308d3ull), hashBytes(bytes.data(), bytes.size(), 0x13198a2e03707344ull)};
+  return {hashBytes(bytes.data(), bytes.size(), 0x243f6a8885a308d3ull),
+          hashBytes(bytes.data(), bytes.size(), 0x13198a2e03707344ull)};
 }
 
 int writePreparation(int file, const KeyHash& key, const Preparation& p) {
@@ -191,9 +197,10 @@ int writePreparation(int file, const KeyHash& key, const Preparation& p) {
 
 bool readPreparation(int file, const KeyHash& key, Preparation& p) {
   Header header;
-  struct stat about{};
+  struct stat about {};
   if (::fstat(file, &about) != 0 || !readAt(file, reinterpret_cast<char*>(&header), sizeof header, 0)) return false;
-  if (header.magic_word != magic || header.layout != version || header.key != key || header.own_checksum != checksumOf(header))
+  if (header.magic_word != magic || header.layout != version || header.key != key ||
+      header.own_checksum != checksumOf(header))
     return false;
   // The header holds: its lengths are those that were written. They must be the file's.
   auto left = static_cast<std::uint64_t>(about.st_size) - sizeof header;
@@ -214,8 +221,10 @@ bool readPreparation(int file, const KeyHash& key, Preparation& p) {
     auto* bytes = reinterpret_cast<char*>(array.data());
     const std::size_t count = array.size() * sizeof array[0];
     std::uint64_t sum = 0;
-    good = checksumOf(bytes, count, sum, [&](std::size_t at, std::size_t length) { return readAt(file, bytes + at, length, offset + at); }) &&
-           sum == header.checksum[k];
+    good =
+        checksumOf(bytes, count, sum,
+                   [&](std::size_t at, std::size_t length) { return readAt(file, bytes + at, length, offset + at); }) &&
+        sum == header.checksum[k];
     offset += count;
     ++k;
   });

@@ -4,7 +4,7 @@
 
 namespace palpate {
 
-Probes readProbes(const std::string& path, const Place& asked_from) {
+Probes readProbes(const std::string& path, const SourceLocation& asked_from) {
   Probes probes;
   probes.table = readCsvTable(path, asked_from);
   const CsvTable& table = probes.table;
@@ -15,7 +15,8 @@ Probes readProbes(const std::string& path, const Place& asked_from) {
       throw InputError({path, table.line[i], 0}, "a coordinate is missing", "give X, Y and Z in m on each line");
     }
   }
-  if (probes.X.empty()) throw InputError(table.header, "no points below the header", "give X,Y,Z in m, one point a line");
+  if (probes.X.empty())
+    throw InputError(table.header, "no points below the header", "give X,Y,Z in m, one point a line");
   return probes;
 }
 

@@ -17,6 +17,6 @@ struct Probes {
 /// Reads a CSV file with the columns X, Y, Z (in m; or x, y, z) among others. Throws InputError with file:line
 /// where one is missing, a coordinate is no number, or there are no points; at `asked_from` (where
 /// another file names this one) where the file can't be read.
-Probes readProbes(const std::string& path, const Place& asked_from = {});
+Probes readProbes(const std::string& path, const SourceLocation& asked_from = {});
 
 }  // namespace palpate

@@ -10,20 +10,20 @@ namespace {
 
 /// The name must be fit to head a column of CSV results, and unlike those of the others.
 void checkName(const TomlTable& table, const std::string& name, const std::vector<BoundarySpec>& others) {
-  const bool plain = std::none_of(name.begin(), name.end(), [](char c) {
-    return c == ',' || c == '"' || (c >= 0 && c < ' ') || c == 127;
-  });
+  const bool plain = std::none_of(name.begin(), name.end(),
+                                  [](char c) { return c == ',' || c == '"' || (c >= 0 && c < ' ') || c == 127; });
   if (name == "tool") {
-    throw InputError(table.place("name"), "the name \"tool\" stands for the tool's own force in the results", "give another name");
+    throw InputError(table.place("name"), "the name \"tool\" stands for the tool's own force in the results",
+                     "give another name");
   }
   if (!plain || name.find_first_not_of(' ') == std::string::npos) {
-    throw InputError(table.place("name"), "\"name\" is " + palpate::quoted(name),
+    throw InputError(table.place("name"), "\"name\" is " + inQuotes(name),
                      "give a name without commas, quotes and line ends");
   }
   for (const BoundarySpec& other : others) {
     if (other.name != name) continue;
     throw InputError(table.place("name"),
-                     "the name " + palpate::quoted(name) + " is taken by line " + std::to_string(other.place.line),
+                     "the name " + inQuotes(name) + " is taken by line " + std::to_string(other.place.line),
                      "give each [[fixed]] and [[prescribed]] a name of its own");
   }
 }
@@ -86,7 +86,8 @@ Region readRegion(const TomlTable& table) {
     std::string title;
     std::vector<const char*> keys;  // that it needs; it allows no other
   };
-  static const Shape shapes[] = {  // in the order of the key's choices
+  static const Shape shapes[] = {
+      // in the order of the key's choices
       {Region::Kind::HalfSpace, "a half-space", {"point", "normal"}},
       {Region::Kind::Box, "a box", {"min", "max"}},
       {Region::Kind::Sphere, "a sphere", {"centre", "radius"}},
@@ -97,8 +98,8 @@ Region readRegion(const TomlTable& table) {
   const Shape& shape = shapes[table.readChoice("shape", 0)];
   for (const char* key : shape.keys) table.require({key}, shape.title);
   for (const char* key : {"point", "normal", "min", "max", "centre", "radius", "height", "distance"}) {
-    const bool needed = std::any_of(shape.keys.begin(), shape.keys.end(),
-                                    [key](std::string_view needs) { return needs == key; });
+    const bool needed =
+        std::any_of(shape.keys.begin(), shape.keys.end(), [key](std::string_view needs) { return needs == key; });
     if (!needed) table.forbid({key}, "to " + shape.title);
   }
   Region region;

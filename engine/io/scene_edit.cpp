@@ -40,7 +40,8 @@ bool sets(const std::string& line, const std::string& key) {
 
 }  // namespace
 
-std::string withSceneKey(const std::string& text, const std::string& table, const std::string& key, const std::string& value) {
+std::string withSceneKey(const std::string& text, const std::string& table, const std::string& key,
+                         const std::string& value) {
   std::vector<std::string> lines;
   std::istringstream in(text);
   for (std::string line; std::getline(in, line);) lines.push_back(line);

@@ -8,6 +8,7 @@ namespace palpate {
 /// else it is added at the end of the table, or with the table at the end of the text. Comments and all else stay.
 /// @param table  "discretization", as in a header [table]
 /// @param value  as TOML writes it: `0.01`, `"int16"`
-std::string withSceneKey(const std::string& text, const std::string& table, const std::string& key, const std::string& value);
+std::string withSceneKey(const std::string& text, const std::string& table, const std::string& key,
+                         const std::string& value);
 
 }  // namespace palpate

@@ -93,7 +93,7 @@ void readDiscretization(const TomlTable& table, Scene& scene) {
   readQuadrature(table, scene.quadrature);
   scene.basis_degree = 1 + table.readChoice("basis", scene.basis_degree - 1);
   table.read("support_factor", scene.support_factor);
-  table.read("mu", scene.mu);
+  table.read("mu", scene.mmls_weight);
   table.read("consistent_gradients", scene.consistent_gradients);
   table.read("node_patch_volume", scene.node_patch_volume);
   if (table.readChoice("boundary_method", 0) == 1) scene.boundary_method = Scene::BoundaryMethod::Ebciem;
@@ -130,16 +130,17 @@ void readMaterial(const TomlTable& table, bool first, MaterialSpec& material) {
   table.read("barrier_J0", material.barrier_J0);
   table.read("density", material.density);
   if (material.kind == MaterialSpec::Kind::Ogden) {
-    constexpr std::size_t most_terms = 6;  // Material::max_terms
+    constexpr std::size_t max_terms = 6;  // Material::max_terms
     const std::size_t terms = material.ogden_mu.size();
-    if (terms < 1 || terms > most_terms || material.ogden_alpha.size() != terms) {
-      throw InputError(table.place("mu"),
-                       "\"mu\" has " + std::to_string(terms) + " terms and \"alpha\" " +
-                           std::to_string(material.ogden_alpha.size()),
-                       "give both the same number of terms, 1 to 6");
+    if (terms < 1 || terms > max_terms || material.ogden_alpha.size() != terms) {
+      throw InputError(
+          table.place("mu"),
+          "\"mu\" has " + std::to_string(terms) + " terms and \"alpha\" " + std::to_string(material.ogden_alpha.size()),
+          "give both the same number of terms, 1 to 6");
     }
     for (double alpha : material.ogden_alpha) {
-      if (alpha == 0) throw InputError(table.place("alpha"), "an exponent is 0", "its energy is not defined: leave the term out");
+      if (alpha == 0)
+        throw InputError(table.place("alpha"), "an exponent is 0", "its energy is not defined: leave the term out");
     }
     if (!(std::accumulate(material.ogden_mu.begin(), material.ogden_mu.end(), 0.0) > 0)) {
       throw InputError(table.place("mu"), "the shear modulus at rest, the sum of \"mu\", is not positive",

@@ -10,6 +10,7 @@ using T = KeySpec::Type;
 constexpr const char* required = KeySpec::required;
 constexpr const char* depends = KeySpec::depends;
 
+// clang-format off
 constexpr KeySpec keys[] = {
     {"", "name", T::Text, "", "", {}, "", "Shown in the window's title and in reports; the file's name where absent."},
     {"", "organ", T::Table, "", required, {}, "", "What is touched."},
@@ -23,103 +24,194 @@ constexpr KeySpec keys[] = {
     {"", "force", T::Table, "", "", {}, "", "How the force is smoothed for display and devices."},
     {"", "camera", T::Table, "", "", {}, "", "The first view."},
 
-    {"organ", "surface", T::Text, "", depends, {}, "", "OBJ or STL file of a closed surface, relative to the scene file. Either this or `solid`."},
-    {"organ", "unit", T::Text, "", depends, {}, "mm|cm|m", "Unit of the file's coordinates; with `surface` give this or `scale`. An organ shorter than 1 mm or longer than 3 m is warned of."},
-    {"organ", "scale", T::Number, "m", depends, above(0), "", "Length of the file's unit; with `surface` give this or `unit`."},
-    {"organ", "solid", T::Text, "", depends, {}, "box|cylinder|ellipsoid", "An analytic solid. Either this or `surface`."},
-    {"organ", "size", T::Vector, "m", depends, aboveUpTo(0, 10), "", "Box: edge lengths. Its base is centred at the origin, z goes from 0 up."},
-    {"organ", "radius", T::Number, "m", depends, aboveUpTo(0, 10), "", "Cylinder: its axis is z, its base is centred at the origin."},
+    {"organ", "surface", T::Text, "", depends, {}, "",
+     "OBJ or STL file of a closed surface, relative to the scene file. Either this or `solid`."},
+    {"organ", "unit", T::Text, "", depends, {}, "mm|cm|m",
+     "Unit of the file's coordinates; with `surface` give this or `scale`. An organ shorter than 1 mm or "
+     "longer than 3 m is warned of."},
+    {"organ", "scale", T::Number, "m", depends, above(0), "",
+     "Length of the file's unit; with `surface` give this or `unit`."},
+    {"organ", "solid", T::Text, "", depends, {}, "box|cylinder|ellipsoid",
+     "An analytic solid. Either this or `surface`."},
+    {"organ", "size", T::Vector, "m", depends, aboveUpTo(0, 10), "",
+     "Box: edge lengths. Its base is centred at the origin, z goes from 0 up."},
+    {"organ", "radius", T::Number, "m", depends, aboveUpTo(0, 10), "",
+     "Cylinder: its axis is z, its base is centred at the origin."},
     {"organ", "height", T::Number, "m", depends, aboveUpTo(0, 10), "", "Cylinder: z goes from 0 to here."},
-    {"organ", "semi_axes", T::Vector, "m", depends, aboveUpTo(0, 10), "", "Ellipsoid: along x, y, z; centred at the origin."},
+    {"organ", "semi_axes", T::Vector, "m", depends, aboveUpTo(0, 10), "",
+     "Ellipsoid: along x, y, z; centred at the origin."},
     {"organ", "upper_half", T::Boolean, "", "false", {}, "", "Ellipsoid: only the part z >= 0, with a flat base."},
-    {"organ", "colour", T::Vector, "", "[0.62, 0.21, 0.17]", between(0, 1), "", "Red, green, blue of the tissue, as linear-light albedo."},
+    {"organ", "colour", T::Vector, "", "[0.62, 0.21, 0.17]", between(0, 1), "",
+     "Red, green, blue of the tissue, as linear-light albedo."},
 
-    {"discretization", "spacing", T::Number, "m", required, aboveUpTo(0, 1), "", "Distance wanted between neighbouring nodes. Halving it makes eight times the nodes and half the time step."},
-    {"discretization", "seed", T::Integer, "", "1", between(0, 4294967295.0), "", "Another seed, another irregular node cloud; the same seed, the same bits."},
-    {"discretization", "points_per_cell", T::Integer, "", "1", {}, "1|4|5", "Integration points per background cell, or per part of a cell that the adaptive quadrature divides. 1, 4 and 5 integrate linear, quadratic and cubic polynomials exactly; 5 has a negative weight and is mostly worse than 4."},
-    {"discretization", "cells_per_point", T::Number, "", "1", between(1, 2), "", "Above 1 neighbouring cells share an integration point in pairs, until there are so many cells to a point, or (at about 1.8) none is left to pair: 1.3 has three quarters of the points and of the time a step. Neither with more than one point per cell nor with `quadrature_accuracy`."},
-    {"discretization", "quadrature_accuracy", T::Number, "", "0", between(0, 1), "", "Tolerance tau of the adaptive quadrature (paper section 2.5): a cell is divided while the integral over it of the least smooth integrand (eq. 30) differs by more than this share from the sum over its parts. 0: not adaptive. 0.1 is coarse, 0.01 fine."},
-    {"discretization", "quadrature_division", T::Integer, "", "8", {}, "2|4|8", "Into how many parts the adaptive quadrature divides a cell."},
-    {"discretization", "quadrature_depth", T::Integer, "", "4", between(0, 8), "", "How often the adaptive quadrature may divide a cell and its parts."},
-    {"discretization", "basis", T::Text, "", "\"quadratic\"", {}, "linear|quadratic", "Polynomial basis of the shape functions (paper eqs. 1-7)."},
-    {"discretization", "support_factor", T::Number, "", "1.8", between(1.4, 4), "", "Support radius over local node spacing."},
-    {"discretization", "mu", T::Number, "", "0.2", above(0), "", "Weight of the constraints on second-degree coefficients (paper eq. 4), dimensionless: the basis is scaled by the support radius."},
-    {"discretization", "consistent_gradients", T::Boolean, "", "true", {}, "", "Correct the gradients so that they satisfy the divergence theorem: a uniform strain is then exact. Costs set-up time only. Best with node_patch_volume and one point per cell."},
-    {"discretization", "node_patch_volume", T::Boolean, "", "true", {}, "", "Average the volume over the cells around each node, against volumetric locking. Costs about a third more time a step and allows a longer step."},
-    {"discretization", "boundary_method", T::Text, "", "\"sebciem\"", {}, "sebciem|ebciem", "How the forces act that impose displacements: lumped at the nodes (paper eqs. 18-20), or distributed over the boundary's faces (paper eqs. 14-17), which is more accurate with a `support_factor` above 2. Both are exact at the nodes."},
+    {"discretization", "spacing", T::Number, "m", required, aboveUpTo(0, 1), "",
+     "Distance wanted between neighbouring nodes. Halving it makes eight times the nodes and half the time "
+     "step."},
+    {"discretization", "seed", T::Integer, "", "1", between(0, 4294967295.0), "",
+     "Another seed, another irregular node cloud; the same seed, the same bits."},
+    {"discretization", "points_per_cell", T::Integer, "", "1", {}, "1|4|5",
+     "Integration points per background cell, or per part of a cell that the adaptive quadrature divides. 1, "
+     "4 and 5 integrate linear, quadratic and cubic polynomials exactly; 5 has a negative weight and is "
+     "mostly worse than 4."},
+    {"discretization", "cells_per_point", T::Number, "", "1", between(1, 2), "",
+     "Above 1 neighbouring cells share an integration point in pairs, until there are so many cells to a "
+     "point, or (at about 1.8) none is left to pair: 1.3 has three quarters of the points and of the time a "
+     "step. Neither with more than one point per cell nor with `quadrature_accuracy`."},
+    {"discretization", "quadrature_accuracy", T::Number, "", "0", between(0, 1), "",
+     "Tolerance tau of the adaptive quadrature (paper section 2.5): a cell is divided while the integral over "
+     "it of the least smooth integrand (eq. 30) differs by more than this share from the sum over its parts. "
+     "0: not adaptive. 0.1 is coarse, 0.01 fine."},
+    {"discretization", "quadrature_division", T::Integer, "", "8", {}, "2|4|8",
+     "Into how many parts the adaptive quadrature divides a cell."},
+    {"discretization", "quadrature_depth", T::Integer, "", "4", between(0, 8), "",
+     "How often the adaptive quadrature may divide a cell and its parts."},
+    {"discretization", "basis", T::Text, "", "\"quadratic\"", {}, "linear|quadratic",
+     "Polynomial basis of the shape functions (paper eqs. 1-7)."},
+    {"discretization", "support_factor", T::Number, "", "1.8", between(1.4, 4), "",
+     "Support radius over local node spacing."},
+    {"discretization", "mu", T::Number, "", "0.2", above(0), "",
+     "Weight of the constraints on second-degree coefficients (paper eq. 4), dimensionless: the basis is "
+     "scaled by the support radius."},
+    {"discretization", "consistent_gradients", T::Boolean, "", "true", {}, "",
+     "Correct the gradients so that they satisfy the divergence theorem: a uniform strain is then exact. "
+     "Costs set-up time only. Best with node_patch_volume and one point per cell."},
+    {"discretization", "node_patch_volume", T::Boolean, "", "true", {}, "",
+     "Average the volume over the cells around each node, against volumetric locking. Costs about a third "
+     "more time a step and allows a longer step."},
+    {"discretization", "boundary_method", T::Text, "", "\"sebciem\"", {}, "sebciem|ebciem",
+     "How the forces act that impose displacements: lumped at the nodes (paper eqs. 18-20), or distributed "
+     "over the boundary's faces (paper eqs. 14-17), which is more accurate with a `support_factor` above 2. "
+     "Both are exact at the nodes."},
     {"discretization", "refine", T::Tables, "", "", {}, "", "Spheres of finer spacing."},
 
     {"discretization.refine", "centre", T::Vector, "m", required, {}, "", "Centre of the sphere."},
     {"discretization.refine", "radius", T::Number, "m", required, above(0), "", "Its radius."},
-    {"discretization.refine", "spacing", T::Number, "m", required, above(0), "", "Spacing inside; smaller than the global one."},
-    {"discretization.refine", "blend", T::Number, "m", "0", atLeast(0), "", "Width over which the spacing grows back to the global one; 0: three times the difference of the two."},
+    {"discretization.refine", "spacing", T::Number, "m", required, above(0), "",
+     "Spacing inside; smaller than the global one."},
+    {"discretization.refine", "blend", T::Number, "m", "0", atLeast(0), "",
+     "Width over which the spacing grows back to the global one; 0: three times the difference of the two."},
 
-    {"material", "model", T::Text, "", required, {}, "neo-hookean|ogden", "Strain energy: neo-Hookean or Ogden (paper eq. 32), both with bulk energy K/2 (J - 1)^2."},
-    {"material", "young", T::Number, "Pa", depends, aboveUpTo(0, 1e9), "", "Neo-Hookean: Young's modulus at rest. Liver 1000 .. 6000."},
-    {"material", "poisson", T::Number, "", depends, between(0, 0.4999), "", "Neo-Hookean: Poisson's ratio at rest. 0.49 costs a smaller time step than 0.45, 0.499 a third of that of 0.49."},
-    {"material", "mu", T::Numbers, "Pa", depends, {}, "", "Ogden: shear moduli, one per term, 1 to 6 terms; their sum is the shear modulus at rest."},
+    {"material", "model", T::Text, "", required, {}, "neo-hookean|ogden",
+     "Strain energy: neo-Hookean or Ogden (paper eq. 32), both with bulk energy K/2 (J - 1)^2."},
+    {"material", "young", T::Number, "Pa", depends, aboveUpTo(0, 1e9), "",
+     "Neo-Hookean: Young's modulus at rest. Liver 1000 .. 6000."},
+    {"material", "poisson", T::Number, "", depends, between(0, 0.4999), "",
+     "Neo-Hookean: Poisson's ratio at rest. 0.49 costs a smaller time step than 0.45, 0.499 a third of that "
+     "of 0.49."},
+    {"material", "mu", T::Numbers, "Pa", depends, {}, "",
+     "Ogden: shear moduli, one per term, 1 to 6 terms; their sum is the shear modulus at rest."},
     {"material", "alpha", T::Numbers, "", depends, {}, "", "Ogden: exponents, one per term, not 0."},
     {"material", "D1", T::Number, "1/Pa", depends, above(0), "", "Ogden: compressibility; the bulk modulus is 2/D1."},
-    {"material", "barrier_strength", T::Number, "", "0", between(0, 10), "", "Barrier b against collapse: adds K b ln(J / J0) to the pressure where J < J0, which the paper's energy lacks. 0: none. 1 .. 3 where indentation goes beyond half the height."},
+    {"material", "barrier_strength", T::Number, "", "0", between(0, 10), "",
+     "Barrier b against collapse: adds K b ln(J / J0) to the pressure where J < J0, which the paper's energy "
+     "lacks. 0: none. 1 .. 3 where indentation goes beyond half the height."},
     {"material", "barrier_J0", T::Number, "", "0.5", between(0.05, 0.95), "", "Where the barrier begins."},
     {"material", "density", T::Number, "kg/m^3", "1000", between(1, 30000), "", "Mass density."},
-    {"material", "region", T::Table, "", depends, {}, "", "Where this material is (a [region](#region)). The first material is everywhere and has none; each later one needs one and replaces what was there."},
+    {"material", "region", T::Table, "", depends, {}, "",
+     "Where this material is (a [region](#region)). The first material is everywhere and has none; each later "
+     "one needs one and replaces what was there."},
 
     {"region", "shape", T::Text, "", required, {}, "half-space|box|sphere|near-plane|cylinder|shell", "Its shape."},
-    {"region", "point", T::Vector, "m", depends, {}, "", "Half-space, near-plane: a point of the plane. Cylinder: the middle of its base."},
-    {"region", "normal", T::Vector, "", depends, {}, "", "Half-space: points out of it, inside is the other side. Near-plane: the plane's normal. Cylinder: its axis, from the base to the top. Any length."},
+    {"region", "point", T::Vector, "m", depends, {}, "",
+     "Half-space, near-plane: a point of the plane. Cylinder: the middle of its base."},
+    {"region", "normal", T::Vector, "", depends, {}, "",
+     "Half-space: points out of it, inside is the other side. Near-plane: the plane's normal. Cylinder: its "
+     "axis, from the base to the top. Any length."},
     {"region", "min", T::Vector, "m", depends, {}, "", "Box: lower corner."},
     {"region", "max", T::Vector, "m", depends, {}, "", "Box: upper corner."},
     {"region", "centre", T::Vector, "m", depends, {}, "", "Sphere: its centre."},
     {"region", "radius", T::Number, "m", depends, above(0), "", "Sphere, cylinder: its radius."},
     {"region", "height", T::Number, "m", depends, above(0), "", "Cylinder: from its base to its top."},
-    {"region", "distance", T::Number, "m", depends, atLeast(0), "", "Near-plane: points up to this far from the plane, on both sides. Shell: points of the organ up to this far from its surface."},
+    {"region", "distance", T::Number, "m", depends, atLeast(0), "",
+     "Near-plane: points up to this far from the plane, on both sides. Shell: points of the organ up to this "
+     "far from its surface."},
 
-    {"boundary", "name", T::Text, "", "", {}, "", "Its name in results, unlike all others. Where absent `fixed 1`, `fixed 2`, ... and `prescribed 1`, ..., by its place among those of its kind."},
-    {"boundary", "components", T::Axes, "", "[\"x\", \"y\", \"z\"]", {}, "", "The directions of displacement that are imposed; the others stay free."},
+    {"boundary", "name", T::Text, "", "", {}, "",
+     "Its name in results, unlike all others. Where absent `fixed 1`, `fixed 2`, ... and `prescribed 1`, ..., "
+     "by its place among those of its kind."},
+    {"boundary", "components", T::Axes, "", "[\"x\", \"y\", \"z\"]", {}, "",
+     "The directions of displacement that are imposed; the others stay free."},
     {"boundary", "surface_only", T::Boolean, "", "false", {}, "", "Choose only nodes on the organ's surface."},
 
-    {"prescribed", "translation", T::Vector, "m", depends, {}, "", "Where the region's nodes go. This, a rotation or both; with both the nodes are rotated first."},
+    {"prescribed", "translation", T::Vector, "m", depends, {}, "",
+     "Where the region's nodes go. This, a rotation or both; with both the nodes are rotated first."},
     {"prescribed", "axis_point", T::Vector, "m", depends, {}, "", "Rotation: a point of its axis."},
     {"prescribed", "axis", T::Vector, "", depends, {}, "", "Rotation: the direction of its axis. Any length."},
-    {"prescribed", "angle", T::Number, "degrees", depends, between(-3600, 3600), "", "Rotation: how far, counter-clockwise seen against the axis (right-handed). Each node goes along an arc."},
-    {"prescribed", "duration", T::Number, "s", depends, above(0), "", "In which time. With `curve_table` it may be left out: the table's last time."},
-    {"prescribed", "curve", T::Text, "", "\"smooth\"", {}, "smooth|linear", "How: along 10 t^3 - 15 t^4 + 6 t^5, which starts and stops gently, or at constant speed."},
-    {"prescribed", "curve_table", T::Curve, "s", "", {}, "", "Instead of `curve`: rows of time and share of the whole motion, like `[[0.0, 0.0], [0.5, 1.0], [1.0, 0.25]]`; straight in between, constant after the last. Times ascend from 0, the first share is 0."},
+    {"prescribed", "angle", T::Number, "degrees", depends, between(-3600, 3600), "",
+     "Rotation: how far, counter-clockwise seen against the axis (right-handed). Each node goes along an arc."},
+    {"prescribed", "duration", T::Number, "s", depends, above(0), "",
+     "In which time. With `curve_table` it may be left out: the table's last time."},
+    {"prescribed", "curve", T::Text, "", "\"smooth\"", {}, "smooth|linear",
+     "How: along 10 t^3 - 15 t^4 + 6 t^5, which starts and stops gently, or at constant speed."},
+    {"prescribed", "curve_table", T::Curve, "s", "", {}, "",
+     "Instead of `curve`: rows of time and share of the whole motion, like `[[0.0, 0.0], [0.5, 1.0], [1.0, "
+     "0.25]]`; straight in between, constant after the last. Times ascend from 0, the first share is 0."},
 
-    {"dynamics", "rate", T::Number, "Hz", "500", between(100, 2000), "", "Rate of the real-time loop; one tick is 1/rate."},
-    {"dynamics", "time_step", T::Number, "s", "0", atLeast(0), "", "Fixed time step, a whole division of a tick; refused above the critical one. 0: the largest whole division below `step_safety` times the critical step in which the tool, at its top speed, goes no further than 1 mm or half its radius."},
-    {"dynamics", "step_safety", T::Number, "", "0.6", aboveUpTo(0, 1), "", "Share of the critical step used when `time_step` is 0. Tissue stiffens under compression: deep indentation needs 0.2 .. 0.3."},
-    {"dynamics", "mass_scaling", T::Number, "", "0", between(0, 10), "", "Share of the body's mass that may be added to the nodes that limit the step, if a tick needs fewer steps then (or, with `time_step`, if that one becomes stable). Forces at rest stay the same; motion becomes slower by about half that share. The mass added is reported."},
-    {"dynamics", "damping", T::Number, "1/s", "20", atLeast(0), "", "Mass-proportional damping c in M u'' + c M u' + f(u) = 0."},
-    {"dynamics", "threads", T::Integer, "", "1", between(1, 64), "", "Threads that compute the physics; the result does not depend on it."},
-    {"dynamics", "gradient_precision", T::Text, "", "\"float32\"", {}, "float32|int16", "How the real-time loop stores the shape functions' gradients. int16 takes half the memory, which is faster where the gradients do not fit the processor's caches, and changes forces by about 2e-5; the strains of rigid motion and uniform deformation stay as exact as with float32. `mtled solve` computes in double either way."},
+    {"dynamics", "rate", T::Number, "Hz", "500", between(100, 2000), "",
+     "Rate of the real-time loop; one tick is 1/rate."},
+    {"dynamics", "time_step", T::Number, "s", "0", atLeast(0), "",
+     "Fixed time step, a whole division of a tick; refused above the critical one. 0: the largest whole "
+     "division below `step_safety` times the critical step in which the tool, at its top speed, goes no "
+     "further than 1 mm or half its radius."},
+    {"dynamics", "step_safety", T::Number, "", "0.6", aboveUpTo(0, 1), "",
+     "Share of the critical step used when `time_step` is 0. Tissue stiffens under compression: deep "
+     "indentation needs 0.2 .. 0.3."},
+    {"dynamics", "mass_scaling", T::Number, "", "0", between(0, 10), "",
+     "Share of the body's mass that may be added to the nodes that limit the step, if a tick needs fewer "
+     "steps then (or, with `time_step`, if that one becomes stable). Forces at rest stay the same; motion "
+     "becomes slower by about half that share. The mass added is reported."},
+    {"dynamics", "damping", T::Number, "1/s", "20", atLeast(0), "",
+     "Mass-proportional damping c in M u'' + c M u' + f(u) = 0."},
+    {"dynamics", "threads", T::Integer, "", "1", between(1, 64), "",
+     "Threads that compute the physics; the result does not depend on it."},
+    {"dynamics", "gradient_precision", T::Text, "", "\"float32\"", {}, "float32|int16",
+     "How the real-time loop stores the shape functions' gradients. int16 takes half the memory, which is "
+     "faster where the gradients do not fit the processor's caches, and changes forces by about 2e-5; the "
+     "strains of rigid motion and uniform deformation stay as exact as with float32. `mtled solve` computes "
+     "in double either way."},
 
-    {"solve", "mode", T::Text, "", "\"static\"", {}, "static|transient", "Equilibria by dynamic relaxation (paper section 2.3), where the time of the prescribed motions is only a measure of the load; or the motion in time."},
-    {"solve", "tolerance", T::Number, "", "0.0001", aboveUpTo(0, 0.1), "", "Static: estimated error of the displacements at which relaxation stops, as a share of the largest displacement."},
-    {"solve", "load_steps", T::Integer, "", "10", between(1, 10000), "", "Static: equilibria on the way to the end, evenly spaced in time."},
-    {"solve", "end_time", T::Number, "s", "0", atLeast(0), "", "Where it ends; 0: with the last of the prescribed motions."},
-    {"solve", "frames", T::Integer, "", "10", between(1, 10000), "", "Results written for ParaView, evenly spaced in time."},
-    {"solve", "probes", T::Text, "", "", {}, "", "CSV file of the points at which displacements are wanted, relative to the scene file: a header with the columns X, Y, Z (m, at rest); other columns are ignored."},
+    {"solve", "mode", T::Text, "", "\"static\"", {}, "static|transient",
+     "Equilibria by dynamic relaxation (paper section 2.3), where the time of the prescribed motions is only "
+     "a measure of the load; or the motion in time."},
+    {"solve", "tolerance", T::Number, "", "0.0001", aboveUpTo(0, 0.1), "",
+     "Static: estimated error of the displacements at which relaxation stops, as a share of the largest "
+     "displacement."},
+    {"solve", "load_steps", T::Integer, "", "10", between(1, 10000), "",
+     "Static: equilibria on the way to the end, evenly spaced in time."},
+    {"solve", "end_time", T::Number, "s", "0", atLeast(0), "",
+     "Where it ends; 0: with the last of the prescribed motions."},
+    {"solve", "frames", T::Integer, "", "10", between(1, 10000), "",
+     "Results written for ParaView, evenly spaced in time."},
+    {"solve", "probes", T::Text, "", "", {}, "",
+     "CSV file of the points at which displacements are wanted, relative to the scene file: a header with the "
+     "columns X, Y, Z (m, at rest); other columns are ignored."},
 
-    {"tool", "shape", T::Text, "", required, {}, "sphere|cylinder|capsule", "A ball, a flat-ended cylinder, or a cylinder with a round tip."},
+    {"tool", "shape", T::Text, "", required, {}, "sphere|cylinder|capsule",
+     "A ball, a flat-ended cylinder, or a cylinder with a round tip."},
     {"tool", "radius", T::Number, "m", required, aboveUpTo(0, 1), "", "Its radius."},
-    {"tool", "length", T::Number, "m", "0.06", aboveUpTo(0, 1), "", "Cylinder, capsule: from tip to end. A capsule is at least two radii long. A sphere ignores it."},
-    {"tool", "edge_radius", T::Number, "m", "0", atLeast(0), "", "Cylinder: rounding of the rim; 0: a tenth of the radius."},
+    {"tool", "length", T::Number, "m", "0.06", aboveUpTo(0, 1), "",
+     "Cylinder, capsule: from tip to end. A capsule is at least two radii long. A sphere ignores it."},
+    {"tool", "edge_radius", T::Number, "m", "0", atLeast(0), "",
+     "Cylinder: rounding of the rim; 0: a tenth of the radius."},
     {"tool", "position", T::Vector, "m", required, {}, "", "Where the tip, the tool's foremost point, starts."},
-    {"tool", "direction", T::Vector, "", "[0.0, 0.0, -1.0]", {}, "", "The way the tip points and the tool advances; any length."},
+    {"tool", "direction", T::Vector, "", "[0.0, 0.0, -1.0]", {}, "",
+     "The way the tip points and the tool advances; any length."},
     {"tool", "max_speed", T::Number, "m/s", "1", aboveUpTo(0, 10), "", "A faster command is followed at this speed."},
-    {"tool", "friction", T::Number, "", "0", between(0, 2), "", "Coulomb coefficient between tool and tissue; 0: frictionless."},
+    {"tool", "friction", T::Number, "", "0", between(0, 2), "",
+     "Coulomb coefficient between tool and tissue; 0: frictionless."},
 
-    {"force", "cutoff", T::Number, "Hz", "30", aboveUpTo(0, 1000), "", "Corner frequency of the first-order low-pass of the filtered force."},
+    {"force", "cutoff", T::Number, "Hz", "30", aboveUpTo(0, 1000), "",
+     "Corner frequency of the first-order low-pass of the filtered force."},
     {"force", "rate_limit", T::Number, "N/s", "200", above(0), "", "The filtered force changes no faster than this."},
 
     {"camera", "target", T::Vector, "m", "[0.0, 0.0, 0.0]", {}, "", "The point in the middle of the view."},
     {"camera", "distance", T::Number, "m", "0.5", above(0), "", "From there to the eye."},
-    {"camera", "azimuth", T::Number, "degrees", "-60", between(-360, 360), "", "Direction of the eye around +z, from +x."},
+    {"camera", "azimuth", T::Number, "degrees", "-60", between(-360, 360), "",
+     "Direction of the eye around +z, from +x."},
     {"camera", "elevation", T::Number, "degrees", "25", between(-90, 90), "", "Height of the eye above the horizon."},
     {"camera", "fov", T::Number, "degrees", "35", between(5, 120), "", "Vertical field of view."},
 };
+// clang-format on
 
 struct Section {
   const char* table;
@@ -131,7 +223,8 @@ constexpr Section sections[] = {
     {"", "Top level", ""},
     {"organ", "`[organ]`", "A closed surface from a file, or an analytic solid."},
     {"discretization", "`[discretization]`", ""},
-    {"discretization.refine", "`[[discretization.refine]]`", "Any number of them; where they overlap the finest counts."},
+    {"discretization.refine", "`[[discretization.refine]]`",
+     "Any number of them; where they overlap the finest counts."},
     {"material", "`[[material]]`", "One or more."},
     {"region", "Region",
      "Not a table of its own: these keys choose a part of space, inline in `[[fixed]]` and `[[prescribed]]`, and in a "
@@ -139,7 +232,8 @@ constexpr Section sections[] = {
     {"boundary", "`[[fixed]]`",
      "One or more. The keys of a [region](#region), and these. The displacement field there is exactly zero."},
     {"prescribed", "`[[prescribed]]`",
-     "The keys of `[[fixed]]`, and these: where the region's nodes go (a translation, a rotation or a rotation followed "
+     "The keys of `[[fixed]]`, and these: where the region's nodes go (a translation, a rotation or a rotation "
+     "followed "
      "by a translation, of which only `components` are imposed), and how over time."},
     {"dynamics", "`[dynamics]`", ""},
     {"solve", "`[solve]`", "For solutions without a window; the interactive program ignores it."},

@@ -39,7 +39,7 @@ bool looksBinary(const std::string& bytes) {
 }
 
 SurfaceFile parseBinary(const std::string& bytes, const std::string& file) {
-  const Place place{file, 0, 0};
+  const SourceLocation place{file, 0, 0};
   if (bytes.size() < header_size) {
     throw InputError(place,
                      "neither an ASCII STL (it does not begin with \"solid\") nor a binary one (" +
@@ -52,7 +52,8 @@ SurfaceFile parseBinary(const std::string& bytes, const std::string& file) {
     throw InputError(place,
                      "this binary STL announces " + std::to_string(count) + " faces, which take " +
                          std::to_string(expected) + " bytes, but has " + std::to_string(bytes.size()),
-                     bytes.size() < expected ? "it was cut short or is no STL: export it again" : "it has trailing bytes or is no STL: export it again");
+                     bytes.size() < expected ? "it was cut short or is no STL: export it again"
+                                             : "it has trailing bytes or is no STL: export it again");
   }
   if (count == 0) throw InputError(place, "no faces in this file", "export the organ as a triangle mesh");
   SurfaceFile result;
@@ -84,7 +85,7 @@ SurfaceFile parseAscii(const std::string& text, const std::string& file) {
     if (lower(word) == wanted) return;
     throw InputError(reader.place(),
                      word.empty() ? "the file ends where \"" + std::string(wanted) + "\" should stand"
-                                  : quoted(word) + " where \"" + std::string(wanted) + "\" should stand",
+                                  : inQuotes(word) + " where \"" + std::string(wanted) + "\" should stand",
                      "the file was cut short or damaged: export it again");
   };
   const auto numbers = [&](Vec3& x, const std::string& what) {

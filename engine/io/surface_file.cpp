@@ -15,11 +15,11 @@ namespace palpate {
 namespace {
 
 // File indices are int, three to a face.
-constexpr std::size_t most_faces = 20'000'000;
+constexpr std::size_t max_faces = 20'000'000;
 
 }  // namespace
 
-SurfaceFile readSurface(const std::string& path, double scale, const Place& asked_from) {
+SurfaceFile readSurface(const std::string& path, double scale, const SourceLocation& asked_from) {
   if (!(scale > 0) || !std::isfinite(scale)) {
     throw InputError(asked_from, "the surface's scale must be positive", "0.001 for a file in millimetres");
   }
@@ -34,7 +34,7 @@ SurfaceFile readSurface(const std::string& path, double scale, const Place& aske
     throw InputError({path, 0, 0}, "the file is empty", "export the organ as OBJ or STL");
   }
   SurfaceFile result = extension == ".obj" ? parseObj(bytes, path) : parseStl(bytes, path);
-  if (result.surface.triangles.size() > most_faces) {
+  if (result.surface.triangles.size() > max_faces) {
     throw InputError({path, 0, 0}, std::to_string(result.surface.triangles.size()) + " faces",
                      "simplify the surface: ten thousand faces show an organ well");
   }
@@ -43,7 +43,7 @@ SurfaceFile readSurface(const std::string& path, double scale, const Place& aske
   return result;
 }
 
-TriangleSurface readClosedSurface(const std::string& path, double scale, const Place& asked_from) {
+TriangleSurface readClosedSurface(const std::string& path, double scale, const SourceLocation& asked_from) {
   SurfaceFile file = readSurface(path, scale, asked_from);
   checkSurface(file.surface, file.source);
   return std::move(file.surface);

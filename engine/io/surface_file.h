@@ -3,8 +3,8 @@
 #include <string>
 
 #include "base/input_error.h"
-#include "discretization/surface_check.h"
-#include "discretization/triangle_surface.h"
+#include "discretization/surface/surface_check.h"
+#include "discretization/surface/triangle_surface.h"
 
 namespace palpate {
 
@@ -22,10 +22,10 @@ struct SurfaceFile {
 /// Throws InputError naming file and line (for binary STL the face) where the file is missing, empty,
 /// cut short or damaged. Does not ask whether the surface is closed: readClosedSurface does.
 /// @param asked_from  where another file names this one; place of the error when the file is missing
-SurfaceFile readSurface(const std::string& path, double scale = 1.0, const Place& asked_from = {});
+SurfaceFile readSurface(const std::string& path, double scale = 1.0, const SourceLocation& asked_from = {});
 
 /// readSurface, then checkSurface: the surface bounds a solid.
-TriangleSurface readClosedSurface(const std::string& path, double scale = 1.0, const Place& asked_from = {});
+TriangleSurface readClosedSurface(const std::string& path, double scale = 1.0, const SourceLocation& asked_from = {});
 
 /// Writes an OBJ file that reads back to the same bits. Throws std::runtime_error where that fails.
 void writeObj(const TriangleSurface& surface, const std::string& path);

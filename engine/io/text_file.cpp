@@ -6,14 +6,15 @@
 
 namespace palpate {
 
-std::string readWholeFile(const std::string& path, const Place& asked_from) {
+std::string readWholeFile(const std::string& path, const SourceLocation& asked_from) {
   const bool named_elsewhere = !asked_from.file.empty();
-  const Place place = named_elsewhere ? asked_from : Place{path, 0, 0};
+  const SourceLocation place = named_elsewhere ? asked_from : SourceLocation{path, 0, 0};
   const std::string which = named_elsewhere ? "the file " + path : std::string("the file");
   std::error_code error;
   const auto status = std::filesystem::status(path, error);
   if (!std::filesystem::exists(status)) {
-    throw InputError(place, which + " does not exist", "check its name; relative paths in a file start from its folder");
+    throw InputError(place, which + " does not exist",
+                     "check its name; relative paths in a file start from its folder");
   }
   if (std::filesystem::is_directory(status)) {
     throw InputError(place, (named_elsewhere ? path : std::string("this")) + " is a folder", "name a file in it");

@@ -27,8 +27,7 @@ void TokenReader::passLineEnd() {
 std::string_view TokenReader::nextInLine() {
   for (;;) {
     while (at_ < text_.size() && isBlank(text_[at_])) ++at_;
-    const bool continued =
-        at_ + 1 < text_.size() && text_[at_] == '\\' && isLineEnd(text_[at_ + 1]);
+    const bool continued = at_ + 1 < text_.size() && text_[at_] == '\\' && isLineEnd(text_[at_ + 1]);
     if (!continued) break;
     ++at_;
     passLineEnd();
@@ -56,20 +55,20 @@ std::string_view TokenReader::next() {
   }
 }
 
-double parseNumber(std::string_view word, const Place& place, const std::string& what) {
+double parseNumber(std::string_view word, const SourceLocation& place, const std::string& what) {
   if (word.empty()) throw InputError(place, what + " is missing", "the line or file may have been cut short");
   std::string_view digits = word;
   if (digits.front() == '+') digits.remove_prefix(1);
   double value = 0;
   const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
   if (error == std::errc::result_out_of_range) {
-    throw InputError(place, quoted(word) + " is beyond what a number can hold", "check the file's units");
+    throw InputError(place, inQuotes(word) + " is beyond what a number can hold", "check the file's units");
   }
   if (error != std::errc{} || end != digits.data() + digits.size()) {
-    throw InputError(place, quoted(word) + " is not a number", "write " + what + " like 0.125 or 1.25e-1");
+    throw InputError(place, inQuotes(word) + " is not a number", "write " + what + " like 0.125 or 1.25e-1");
   }
   if (!std::isfinite(value)) {
-    throw InputError(place, what + " is " + quoted(word) + ", not finite", "repair or export the file again");
+    throw InputError(place, what + " is " + inQuotes(word) + ", not finite", "repair or export the file again");
   }
   return value;
 }

@@ -24,7 +24,7 @@ class TokenReader {
   std::string_view next();
 
   /// Where the last word stands (at a line's end: the place behind its last word).
-  Place place() const { return {file_, line_of_word_, column_of_word_}; }
+  SourceLocation place() const { return {file_, line_of_word_, column_of_word_}; }
   int line() const { return line_; }
 
  private:
@@ -39,6 +39,6 @@ class TokenReader {
 };
 
 /// The word as a finite number. Throws InputError at `place`; `what` names it ("a coordinate").
-double parseNumber(std::string_view word, const Place& place, const std::string& what);
+double parseNumber(std::string_view word, const SourceLocation& place, const std::string& what);
 
 }  // namespace palpate

@@ -44,12 +44,26 @@ std::vector<std::string> split(std::string_view choices) {
 
 /// What people call a key elsewhere.
 std::string usualNameOf(const std::string& word) {
-  static const std::map<std::string, std::string> names = {
-      {"E", "young"},        {"youngs_modulus", "young"}, {"nu", "poisson"},      {"poissons_ratio", "poisson"},
-      {"rho", "density"},    {"dt", "time_step"},         {"color", "colour"},    {"h", "spacing"},
-      {"center", "centre"},  {"file", "surface"},         {"mesh", "surface"},    {"velocity", "max_speed"},
-      {"speed", "max_speed"}, {"d1", "D1"},               {"D", "D1"},            {"rate_hz", "rate"},
-      {"t", "time"},         {"depth", "advance"},        {"frequency", "rate"},  {"type", "shape"}};
+  static const std::map<std::string, std::string> names = {{"E", "young"},
+                                                           {"youngs_modulus", "young"},
+                                                           {"nu", "poisson"},
+                                                           {"poissons_ratio", "poisson"},
+                                                           {"rho", "density"},
+                                                           {"dt", "time_step"},
+                                                           {"color", "colour"},
+                                                           {"h", "spacing"},
+                                                           {"center", "centre"},
+                                                           {"file", "surface"},
+                                                           {"mesh", "surface"},
+                                                           {"velocity", "max_speed"},
+                                                           {"speed", "max_speed"},
+                                                           {"d1", "D1"},
+                                                           {"D", "D1"},
+                                                           {"rate_hz", "rate"},
+                                                           {"t", "time"},
+                                                           {"depth", "advance"},
+                                                           {"frequency", "rate"},
+                                                           {"type", "shape"}};
   const auto found = names.find(word);
   return found == names.end() ? "" : found->second;
 }
@@ -80,11 +94,11 @@ TomlTable::TomlTable(TomlFile& file, const toml::table& table, std::string path,
   }
 }
 
-Place TomlTable::placeOf(const toml::source_region& source) const {
+SourceLocation TomlTable::placeOf(const toml::source_region& source) const {
   return {file_->name, static_cast<int>(source.begin.line), static_cast<int>(source.begin.column)};
 }
 
-Place TomlTable::place(const std::string& key) const {
+SourceLocation TomlTable::place(const std::string& key) const {
   const auto found = file_->places.find(dotted(key));
   return found != file_->places.end() ? found->second : place_;
 }
@@ -106,7 +120,8 @@ void TomlTable::unknownKey(const toml::key& key) const {
       elsewhere = spec.table;
   }
   const std::string usual = usualNameOf(word);
-  const std::string nearest = std::find(here.begin(), here.end(), usual) != here.end() ? usual : nearestWord(word, here);
+  const std::string nearest =
+      std::find(here.begin(), here.end(), usual) != here.end() ? usual : nearestWord(word, here);
   std::string advice;
   if (!nearest.empty()) {
     advice = "did you mean \"" + nearest + "\"?";
@@ -115,7 +130,7 @@ void TomlTable::unknownKey(const toml::key& key) const {
   } else {
     advice = "known here: " + listed(here, "and");
   }
-  throw InputError(placeOf(key.source()), "unknown key " + quoted(word) + " in " + title(), advice);
+  throw InputError(placeOf(key.source()), "unknown key " + inQuotes(word) + " in " + title(), advice);
 }
 
 const KeySpec& TomlTable::spec(const std::string& key) const {
@@ -304,7 +319,7 @@ int TomlTable::readChoice(const std::string& key, int absent) const {
   const std::vector<std::string> choices = split(spec(key).choices);
   const auto found = std::find(choices.begin(), choices.end(), text->get());
   if (found == choices.end()) {
-    throw InputError(placeOf(node->source()), "\"" + key + "\" is " + quoted(text->get()),
+    throw InputError(placeOf(node->source()), "\"" + key + "\" is " + inQuotes(text->get()),
                      "give " + listed(choices, "or"));
   }
   return static_cast<int>(found - choices.begin());
@@ -335,8 +350,8 @@ std::vector<TomlTable> TomlTable::tables(const std::string& key, std::vector<std
   for (std::size_t i = 0; i < array->size(); ++i) {
     const toml::table* entry = array->get(i)->as_table();
     if (entry == nullptr) {
-      throw InputError(placeOf(array->get(i)->source()), "\"" + key + "\" has an entry that is " + typeOf(*array->get(i)),
-                       advice);
+      throw InputError(placeOf(array->get(i)->source()),
+                       "\"" + key + "\" has an entry that is " + typeOf(*array->get(i)), advice);
     }
     result.emplace_back(*file_, *entry, dotted(key) + "[" + std::to_string(i) + "]", groups);
   }

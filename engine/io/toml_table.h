@@ -1,12 +1,12 @@
 #pragma once
 
+#include <toml++/toml.h>
 #include <cstdint>
 #include <initializer_list>
 #include <map>
 #include <optional>
 #include <span>
 #include <string>
-#include <toml++/toml.h>
 #include <vector>
 
 #include "base/input_error.h"
@@ -22,7 +22,7 @@ toml::table parseToml(const std::string& text, const std::string& file);
 struct TomlFile {
   std::string name;
   std::span<const KeySpec> keys;
-  std::map<std::string, Place> places;  // dotted key ("material[0].young") -> where it stands
+  std::map<std::string, SourceLocation> places;  // dotted key ("material[0].young") -> where it stands
 };
 
 /// A table of a TOML file, read by its key specifications. Each read checks type, range and choices and
@@ -38,8 +38,8 @@ class TomlTable {
   bool has(const std::string& key) const { return table_->contains(key); }
 
   /// Where the key stands; where it is absent, where the table does.
-  Place place(const std::string& key) const;
-  Place place() const { return place_; }
+  SourceLocation place(const std::string& key) const;
+  SourceLocation place() const { return place_; }
 
   void read(const std::string& key, double& value) const;
   void read(const std::string& key, int& value) const;
@@ -82,7 +82,7 @@ class TomlTable {
   std::int64_t integerAt(const KeySpec& key, const toml::node& node) const;
   [[noreturn]] void wrongType(const KeySpec& key, const toml::node& node) const;
   [[noreturn]] void unknownKey(const toml::key& key) const;
-  Place placeOf(const toml::source_region& source) const;
+  SourceLocation placeOf(const toml::source_region& source) const;
   std::string dotted(const std::string& key) const { return path_.empty() ? key : path_ + "." + key; }
   std::string title() const;  // "[dynamics]" for messages
 
@@ -90,7 +90,7 @@ class TomlTable {
   const toml::table* table_;
   std::string path_;
   std::vector<std::string> groups_;
-  Place place_;
+  SourceLocation place_;
 };
 
 }  // namespace palpate

@@ -14,21 +14,29 @@ namespace {
 
 using T = KeySpec::Type;
 
+// clang-format off
 constexpr KeySpec keys[] = {
     {"", "name", T::Text, "", "", {}, "", "For reports; the file's name where absent."},
-    {"", "from_touch", T::Boolean, "", "true", {}, "", "Advance counts from where the tool first touches the resting skin; otherwise from the scene's start pose."},
-    {"", "interpolation", T::Text, "", "\"smooth\"", {}, "linear|smooth", "Between keyframes: straight, or 10 t^3 - 15 t^4 + 6 t^5, which starts and stops gently."},
-    {"", "keyframe", T::Tables, "", KeySpec::required, {}, "", "Where the tool is when. A first one later than 0 is reached from the scene's start pose."},
+    {"", "from_touch", T::Boolean, "", "true", {}, "",
+     "Advance counts from where the tool first touches the resting skin; otherwise from the scene's start "
+     "pose."},
+    {"", "interpolation", T::Text, "", "\"smooth\"", {}, "linear|smooth",
+     "Between keyframes: straight, or 10 t^3 - 15 t^4 + 6 t^5, which starts and stops gently."},
+    {"", "keyframe", T::Tables, "", KeySpec::required, {}, "",
+     "Where the tool is when. A first one later than 0 is reached from the scene's start pose."},
     {"keyframe", "time", T::Number, "s", KeySpec::required, atLeast(0), "", "Later than the keyframe before."},
-    {"keyframe", "advance", T::Number, "m", KeySpec::depends, {}, "", "How far along the way the tip points; negative: back. This or `advance_radii`."},
-    {"keyframe", "advance_radii", T::Number, "tool radii", KeySpec::depends, {}, "", "The same in radii of the scene's tool, so that one script suits many scenes."},
+    {"keyframe", "advance", T::Number, "m", KeySpec::depends, {}, "",
+     "How far along the way the tip points; negative: back. This or `advance_radii`."},
+    {"keyframe", "advance_radii", T::Number, "tool radii", KeySpec::depends, {}, "",
+     "The same in radii of the scene's tool, so that one script suits many scenes."},
     {"keyframe", "slide", T::Plane, "m", "[0.0, 0.0]", {}, "", "How far sideways, along the tool's x and y axes."},
     {"keyframe", "slide_radii", T::Plane, "tool radii", "[0.0, 0.0]", {}, "", "The same in radii of the scene's tool."},
 };
+// clang-format on
 
 /// The keyframe as travel from the start pose.
-ToolScript::Keyframe fromStart(const ToolScript& script, ToolScript::Keyframe key, double touch_travel) {
-  if (script.from_touch) key.advance += touch_travel;
+ToolScript::Keyframe fromStart(const ToolScript& script, ToolScript::Keyframe key, double first_contact_travel) {
+  if (script.from_touch) key.advance += first_contact_travel;
   return key;
 }
 
@@ -53,10 +61,10 @@ ToolScript readToolScript(const std::string& path, double tool_radius) {
     ToolScript::Keyframe key;
     entry.read("time", key.time);
     if (entry.has("advance") == entry.has("advance_radii")) {
-      throw InputError(entry.place("advance"),
-                       entry.has("advance") ? "both \"advance\" and \"advance_radii\""
-                                            : "neither \"advance\" nor \"advance_radii\"",
-                       "give one of them");
+      throw InputError(
+          entry.place("advance"),
+          entry.has("advance") ? "both \"advance\" and \"advance_radii\"" : "neither \"advance\" nor \"advance_radii\"",
+          "give one of them");
     }
     if (entry.has("slide") && entry.has("slide_radii")) {
       throw InputError(entry.place("slide"), "both \"slide\" and \"slide_radii\"", "give one of them");
@@ -80,17 +88,17 @@ ToolScript readToolScript(const std::string& path, double tool_radius) {
   return script;
 }
 
-Pose poseAt(const ToolScript& script, const Pose& start, double touch_travel, double time) {
+Pose poseAt(const ToolScript& script, const Pose& start, double first_contact_travel, double time) {
   const auto& all = script.keyframes;
   const auto after = std::upper_bound(all.begin(), all.end(), time,
                                       [](double t, const ToolScript::Keyframe& key) { return t < key.time; });
   ToolScript::Keyframe at;
   if (after == all.end()) {
-    at = fromStart(script, all.back(), touch_travel);
+    at = fromStart(script, all.back(), first_contact_travel);
   } else {
-    const ToolScript::Keyframe to = fromStart(script, *after, touch_travel);
+    const ToolScript::Keyframe to = fromStart(script, *after, first_contact_travel);
     const ToolScript::Keyframe from =
-        after == all.begin() ? ToolScript::Keyframe{} : fromStart(script, *std::prev(after), touch_travel);
+        after == all.begin() ? ToolScript::Keyframe{} : fromStart(script, *std::prev(after), first_contact_travel);
     // A first keyframe at time 0 has no way that leads to it: the tool is there.
     const double t = to.time > from.time ? std::clamp((time - from.time) / (to.time - from.time), 0.0, 1.0) : 1.0;
     const double s = script.smooth ? t * t * t * (10 + t * (6 * t - 15)) : t;

@@ -12,14 +12,14 @@ namespace palpate {
 /// A tool's way through a demo or test: poses over time, relative to a scene's start pose.
 struct ToolScript {
   struct Keyframe {
-    double time = 0;                                // s
-    double advance = 0;                             // m along the way the tip points
+    double time = 0;                                  // s
+    double advance = 0;                               // m along the way the tip points
     Eigen::Vector2d slide = Eigen::Vector2d::Zero();  // m along the tool's x and y axes
   };
 
   std::string name;
-  bool from_touch = true;  // advance counts from the first touch of the resting skin, else from the start pose
-  bool smooth = true;      // 10 t^3 - 15 t^4 + 6 t^5 between keyframes (at rest at each), else linear
+  bool from_touch = true;           // advance counts from the first touch of the resting skin, else from the start pose
+  bool smooth = true;               // 10 t^3 - 15 t^4 + 6 t^5 between keyframes (at rest at each), else linear
   std::vector<Keyframe> keyframes;  // at least one, times strictly ascending
 
   /// Time of the last keyframe, s; the tool then stays.
@@ -33,8 +33,8 @@ ToolScript readToolScript(const std::string& path, double tool_radius);
 
 /// The tool's pose at a time, s. Before a first keyframe that is later than 0 the tool comes
 /// from the start pose. Orientation stays the start's.
-/// @param touch_travel  m from the start pose to first touch (Model::touch_travel)
-Pose poseAt(const ToolScript& script, const Pose& start, double touch_travel, double time);
+/// @param first_contact_travel  m from the start pose to first touch (Model::first_contact_travel)
+Pose poseAt(const ToolScript& script, const Pose& start, double first_contact_travel, double time);
 
 /// Every key a tool script may have, and their reference as Markdown.
 std::span<const KeySpec> toolScriptKeys();

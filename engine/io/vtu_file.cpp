@@ -48,11 +48,20 @@ std::string escaped(const std::string& text) {
   std::string result;
   for (char c : text) {
     switch (c) {
-      case '&': result += "&amp;"; break;
-      case '<': result += "&lt;"; break;
-      case '>': result += "&gt;"; break;
-      case '"': result += "&quot;"; break;
-      default: result += c;
+      case '&':
+        result += "&amp;";
+        break;
+      case '<':
+        result += "&lt;";
+        break;
+      case '>':
+        result += "&gt;";
+        break;
+      case '"':
+        result += "&quot;";
+        break;
+      default:
+        result += c;
     }
   }
   return result;
@@ -93,7 +102,8 @@ void appendCells(std::string& text, std::span<const std::array<int, 4>> cells, s
   for (const auto& cell : cells) {
     for (int node : cell) {
       if (node < 0 || static_cast<std::size_t>(node) >= point_count) {
-        throw std::invalid_argument("a cell names point " + std::to_string(node) + " of " + std::to_string(point_count));
+        throw std::invalid_argument("a cell names point " + std::to_string(node) + " of " +
+                                    std::to_string(point_count));
       }
       connectivity.push_back(node);
     }
@@ -126,8 +136,8 @@ void writeVtu(const std::string& path, std::span<const Vec3> points, std::span<c
       "<?xml version=\"1.0\"?>\n"
       "<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n"
       "<UnstructuredGrid>\n"
-      "<Piece NumberOfPoints=\"" + std::to_string(points.size()) + "\" NumberOfCells=\"" + std::to_string(cell_count) +
-      "\">\n<Points>\n";
+      "<Piece NumberOfPoints=\"" +
+      std::to_string(points.size()) + "\" NumberOfCells=\"" + std::to_string(cell_count) + "\">\n<Points>\n";
   const VtuField coordinates = vtuVectors("Points", points);
   appendArray(text, coordinates.name, 3, std::get<std::span<const double>>(coordinates.values));
   text += "</Points>\n";

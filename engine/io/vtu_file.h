@@ -11,7 +11,7 @@ namespace palpate {
 
 /// One quantity at all points, or in all cells, for ParaView. It refers to the caller's array.
 struct VtuField {
-  std::string name;    // with its unit, as ParaView shows it
+  std::string name;  // with its unit, as ParaView shows it
   std::variant<std::span<const float>, std::span<const double>, std::span<const int>> values;  // (count x components)
   int components = 1;  // 1 scalar, 3 vector, 9 tensor (by rows)
 };

@@ -18,8 +18,14 @@ class StiffnessAtRest {
  public:
   StiffnessAtRest(const ShapeTable& shape, const std::vector<double>& volume, const std::vector<int>& point_material,
                   const std::vector<Material>& materials, const std::vector<double>& mass, const NodePatches& patches)
-      : shape_(shape), volume_(volume), point_material_(point_material), materials_(materials), patches_(patches),
-        stress_(volume.size()), dilatation_(volume.size()), force_(part_count) {
+      : shape_(shape),
+        volume_(volume),
+        point_material_(point_material),
+        materials_(materials),
+        patches_(patches),
+        stress_(volume.size()),
+        dilatation_(volume.size()),
+        force_(part_count) {
     for (const double m : mass) inverse_root_mass_.push_back(1 / std::sqrt(m));
   }
 
@@ -38,18 +44,23 @@ class StiffnessAtRest {
         stress_[q] = mu * (H + H.transpose()) - 2.0 / 3 * mu * H.trace() * Mat3::Identity();
       }
     });
-    const std::vector<double> averaged = patches_.empty() ? std::vector<double>() : patchPressure(patches_, volume_, dilatation_);
+    const std::vector<double> averaged =
+        patches_.empty() ? std::vector<double>() : patchPressure(patches_, volume_, dilatation_);
     const std::vector<double>& pressure = patches_.empty() ? dilatation_ : averaged;
-    parallelFor(part_count, [&](int first, int last) {
-      for (int part = first; part < last; ++part) {
-        force_[part].assign(inverse_root_mass_.size(), Vec3::Zero());
-        const auto begin = [&](int p) { return static_cast<int>(static_cast<long long>(points) * p / part_count); };
-        for (int q = begin(part); q < begin(part + 1); ++q) {
-          const Mat3 VP = volume_[q] * (stress_[q] + pressure[q] * Mat3::Identity());
-          for (int e = shape_.begin[q]; e < shape_.begin[q + 1]; ++e) force_[part][shape_.node[e]] += VP * shape_.gradN[e];
-        }
-      }
-    }, 1);
+    parallelFor(
+        part_count,
+        [&](int first, int last) {
+          for (int part = first; part < last; ++part) {
+            force_[part].assign(inverse_root_mass_.size(), Vec3::Zero());
+            const auto begin = [&](int p) { return static_cast<int>(static_cast<long long>(points) * p / part_count); };
+            for (int q = begin(part); q < begin(part + 1); ++q) {
+              const Mat3 VP = volume_[q] * (stress_[q] + pressure[q] * Mat3::Identity());
+              for (int e = shape_.begin[q]; e < shape_.begin[q + 1]; ++e)
+                force_[part][shape_.node[e]] += VP * shape_.gradN[e];
+            }
+          }
+        },
+        1);
     parallelFor(static_cast<int>(inverse_root_mass_.size()), [&](int first, int last) {
       for (int i = first; i < last; ++i) {
         Vec3 sum = Vec3::Zero();

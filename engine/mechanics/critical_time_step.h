@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "approximation/shape_table.h"
-#include "mechanics/material.h"
+#include "mechanics/materials/material.h"
 #include "mechanics/node_patch.h"
 
 namespace palpate {

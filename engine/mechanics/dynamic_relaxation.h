@@ -32,7 +32,7 @@ class DynamicRelaxation {
  private:
   double h_;
   double r_ = 0.99;
-  double w2_ = 0;       // candidate, (rad/s)^2
+  double w2_ = 0;  // candidate, (rad/s)^2
   int agreeing_ = 0;
 };
 

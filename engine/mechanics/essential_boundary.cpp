@@ -23,7 +23,8 @@ SparseRows toSparse(int rows, std::size_t columns, const std::vector<Eigen::Trip
 }
 
 /// V^T of paper eq. 17 for the nodes of `row_of` (-1: not imposed), rows without a facet of their own left empty.
-std::vector<Eigen::Triplet<double>> integratedTractions(const EssentialNodes& essential, const std::vector<int>& row_of) {
+std::vector<Eigen::Triplet<double>> integratedTractions(const EssentialNodes& essential,
+                                                        const std::vector<int>& row_of) {
   std::vector<Eigen::Triplet<double>> entries;
   for (std::size_t f = 0; f < essential.facets.size(); ++f) {
     const auto& facet = essential.facets[f];
@@ -40,14 +41,16 @@ std::vector<Eigen::Triplet<double>> integratedTractions(const EssentialNodes& es
 }
 
 /// Where the tractions of these rows act, sum_j V_jk X_j / share = int N^k s dS / int N^k dS: the node where lumped.
-std::vector<Vec3> tractionCentres(const EssentialNodes& essential, const std::vector<int>& rows, const std::vector<int>& row_of) {
+std::vector<Vec3> tractionCentres(const EssentialNodes& essential, const std::vector<int>& rows,
+                                  const std::vector<int>& row_of) {
   std::vector<Vec3> moment(rows.size(), Vec3::Zero()), centre;
   std::vector<double> area(rows.size(), 0);
   for (std::size_t f = 0; f < essential.facets.size(); ++f) {
     const auto& facet = essential.facets[f];
     if (std::any_of(facet.begin(), facet.end(), [&](int node) { return row_of[node] < 0; })) continue;
     for (int i = 0; i < essential.facet_points; ++i) {
-      const Vec3& weight = essential.facet_weight[f * static_cast<std::size_t>(essential.facet_points) + static_cast<std::size_t>(i)];
+      const Vec3& weight =
+          essential.facet_weight[f * static_cast<std::size_t>(essential.facet_points) + static_cast<std::size_t>(i)];
       Vec3 at = Vec3::Zero();
       for (int k = 0; k < 3; ++k) at += weight[k] / weight.sum() * essential.X[rows[row_of[facet[k]]]];
       for (int k = 0; k < 3; ++k) {
@@ -56,7 +59,8 @@ std::vector<Vec3> tractionCentres(const EssentialNodes& essential, const std::ve
       }
     }
   }
-  for (std::size_t k = 0; k < rows.size(); ++k) centre.push_back(area[k] > 0 ? Vec3(moment[k] / area[k]) : essential.X[rows[k]]);
+  for (std::size_t k = 0; k < rows.size(); ++k)
+    centre.push_back(area[k] > 0 ? Vec3(moment[k] / area[k]) : essential.X[rows[k]]);
   return centre;
 }
 

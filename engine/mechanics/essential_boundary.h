@@ -33,17 +33,17 @@ struct BoundaryMotion {
 
 /// Everything about the essential boundary but the masses: what the paper's Phi and V are made of.
 struct EssentialNodes {
-  std::vector<ImposedNode> nodes;         // (row_count)
-  std::vector<Vec3> X;                    // (row_count) m
-  ShapeTable phi;                         // Phi_kj = N_j(X_k), one row per imposed node
-  std::vector<BoundaryMotion> motions;    // (boundary_count)
+  std::vector<ImposedNode> nodes;       // (row_count)
+  std::vector<Vec3> X;                  // (row_count) m
+  ShapeTable phi;                       // Phi_kj = N_j(X_k), one row per imposed node
+  std::vector<BoundaryMotion> motions;  // (boundary_count)
 
   // EBCIEM only (empty: SEBCIEM): the cells' outer faces, each with `facet_points` quadrature points.
-  std::vector<std::array<int, 3>> facets; // nodes
+  std::vector<std::array<int, 3>> facets;  // nodes
   int facet_points = 0;
-  ShapeTable facet_phi;                   // N_j at the points, facet by facet
-  std::vector<Vec3> facet_weight;         // (facet_count * facet_points) m^2 times the three corners' linear
-                                          // shape functions: w_i N^k(s_i) of paper eq. 17
+  ShapeTable facet_phi;            // N_j at the points, facet by facet
+  std::vector<Vec3> facet_weight;  // (facet_count * facet_points) m^2 times the three corners' linear
+                                   // shape functions: w_i N^k(s_i) of paper eq. 17
 };
 
 /// Imposes the displacement field at boundary nodes exactly (paper eqs. 13-25):
@@ -58,23 +58,23 @@ struct EssentialNodes {
 template <class Real>
 struct EssentialBoundaryOf {
   template <class Value>
-  struct Rows {                           // compressed rows
+  struct Rows {  // compressed rows
     std::vector<int> begin{0}, column;
     AlignedVector<Value> value;
   };
   struct Set {
-    std::array<Real, 4> mask{};           // 1 for the components that this set imposes
-    std::vector<int> node;                // (row_count) imposed node of each row, in elimination order
-    std::vector<Vec3> X;                  // (row_count) m
+    std::array<Real, 4> mask{};                // 1 for the components that this set imposes
+    std::vector<int> node;                     // (row_count) imposed node of each row, in elimination order
+    std::vector<Vec3> X;                       // (row_count) m
     std::vector<std::array<int, 3>> boundary;  // (row_count) per component, as in ImposedNode; -1 outside the mask
     std::vector<std::array<int, 3>> whole;     // (row_count) the same for all components: where the node is
-    std::vector<double> share;            // (row_count) sum_j V_jk: 1, or int N^k dS in m^2
-    std::vector<Vec3> centre;             // (row_count) m, sum_j V_jk X_j / share: where the node's traction acts
-    Rows<Real> phi, v;                    // row k: N_j(X_k); V_jk (v is empty where it equals phi)
-    std::vector<int> touched;             // (touched_count) nodes that the tractions act on
-    Rows<Real> spread;                    // V by node: row t holds V_jk of node j = touched[t], columns k
-    Rows<Real> l, u;                      // unit lower and upper factor without their diagonals
-    AlignedVector<Real> inverse_pivot;    // (row_count) of U
+    std::vector<double> share;                 // (row_count) sum_j V_jk: 1, or int N^k dS in m^2
+    std::vector<Vec3> centre;                  // (row_count) m, sum_j V_jk X_j / share: where the node's traction acts
+    Rows<Real> phi, v;                         // row k: N_j(X_k); V_jk (v is empty where it equals phi)
+    std::vector<int> touched;                  // (touched_count) nodes that the tractions act on
+    Rows<Real> spread;                         // V by node: row t holds V_jk of node j = touched[t], columns k
+    Rows<Real> l, u;                           // unit lower and upper factor without their diagonals
+    AlignedVector<Real> inverse_pivot;         // (row_count) of U
   };
   std::vector<Set> sets;
   std::vector<BoundaryMotion> motions;
@@ -93,11 +93,12 @@ constexpr int boundary_parts = 8;
 template <class Real>
 struct BoundaryScratchOf {
   std::vector<AlignedVector<Real4<Real>>> rhs;  // (set_count)(row_count); after a step alpha times the tractions T
-  std::vector<AlignedVector<Real4<Real>>> creep;  // (set_count)(row_count) m, taken back by the next step that imposes increments
+  std::vector<AlignedVector<Real4<Real>>>
+      creep;  // (set_count)(row_count) m, taken back by the next step that imposes increments
   std::vector<Mat3> rotation, rotation_before;  // (boundary_count) minus identity, at the step's end and start
-  std::vector<Vec3> shift, shift_before;  // (boundary_count) m
-  std::vector<std::uint8_t> moves;        // (boundary_count)
-  std::vector<Reaction> reaction;         // (boundary_count) of the last step, paper eq. 18
+  std::vector<Vec3> shift, shift_before;        // (boundary_count) m
+  std::vector<std::uint8_t> moves;              // (boundary_count)
+  std::vector<Reaction> reaction;               // (boundary_count) of the last step, paper eq. 18
   std::array<std::vector<Reaction>, boundary_parts> part_reaction;  // what it is the sum of
 };
 using BoundaryScratch = BoundaryScratchOf<float>;
@@ -128,8 +129,8 @@ Vec3 imposeBoundary(const EssentialBoundaryOf<Real>& boundary, double time_s, do
 /// Called once a tick it keeps the creep at the size of one rounding, however long the run.
 /// @param u, u_low  displacement parameters and what float32 lost of them, m (node_count)
 /// Real-time: no allocation, no lock, no throw.
-void takeBackCreep(const EssentialBoundary& boundary, double time_s, const Float4* u, const Float4* u_low,
-                   BoundaryScratch& scratch);
+void correctBoundaryDrift(const EssentialBoundary& boundary, double time_s, const Float4* u, const Float4* u_low,
+                          BoundaryScratch& scratch);
 
 /// Adds what each imposed node carried in the last step: share_k T_k, N. Sums to the boundaries' forces.
 /// @param force  (node_count)

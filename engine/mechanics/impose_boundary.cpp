@@ -6,7 +6,8 @@ namespace palpate {
 namespace {
 
 /// The motions at a time as u = rotation (X - axis_point) + shift, the rotation less the identity.
-void evaluate(const std::vector<BoundaryMotion>& motions, double time_s, std::vector<Mat3>& rotation, std::vector<Vec3>& shift) {
+void evaluate(const std::vector<BoundaryMotion>& motions, double time_s, std::vector<Mat3>& rotation,
+              std::vector<Vec3>& shift) {
   for (std::size_t b = 0; b < motions.size(); ++b) {
     const double s = motions[b].curve.at(time_s, motions[b].duration);
     rotation[b] = Eigen::AngleAxisd(s * motions[b].angle, motions[b].axis).toRotationMatrix() - Mat3::Identity();
@@ -36,19 +37,23 @@ GroupOf<Real> lessRow(const RowsOf& rows, int k, const Real4<Real>* x, GroupOf<R
 /// Calls each(part, begin, end) for the parts of `count` rows, shared by the team. They are always the same, whatever the team.
 template <class Each>
 void forParts(SpinTeam& team, std::size_t count, Each each) {
-  const auto border = [count](int part) { return static_cast<int>(count * static_cast<std::size_t>(part) / boundary_parts); };
+  const auto border = [count](int part) {
+    return static_cast<int>(count * static_cast<std::size_t>(part) / boundary_parts);
+  };
   shareOut(team, boundary_parts, [&](int part) { each(part, border(part), border(part + 1)); });
 }
 
 /// Adds what rows [begin, end) of a set carry.
 template <class Real>
-void addReactions(const EssentialBoundaryOf<Real>& boundary, const typename EssentialBoundaryOf<Real>::Set& set, const Real4<Real>* traction,
-                  double alpha, const BoundaryScratchOf<Real>& scratch, int begin, int end, std::vector<Reaction>& reaction) {
+void addReactions(const EssentialBoundaryOf<Real>& boundary, const typename EssentialBoundaryOf<Real>::Set& set,
+                  const Real4<Real>* traction, double alpha, const BoundaryScratchOf<Real>& scratch, int begin, int end,
+                  std::vector<Reaction>& reaction) {
   for (int k = begin; k < end; ++k) {
     Vec3 arm_point = set.centre[k];  // in its present place, as imposed; a free component moves it little
     for (int c = 0; c < 3; ++c)
       if (const int b = set.whole[k][c]; b >= 0 && scratch.moves[b])
-        arm_point[c] += scratch.rotation[b].row(c).dot(set.centre[k] - boundary.motions[b].axis_point) + scratch.shift[b][c];
+        arm_point[c] +=
+            scratch.rotation[b].row(c).dot(set.centre[k] - boundary.motions[b].axis_point) + scratch.shift[b][c];
     for (int c = 0; c < 3; ++c) {
       const int b = set.boundary[k][c];
       if (b < 0) continue;
@@ -107,7 +112,8 @@ Vec3 imposeBoundary(const EssentialBoundaryOf<Real>& boundary, double time_s, do
         store(du[j], load(du[j]) - inverse_mass[j] * lessRow<Real>(set.spread, t, r, GroupOf<Real>{}));
       }
       const auto row = [&](int p) { return n * p / boundary_parts; };
-      addReactions(boundary, set, r, alpha, scratch, row(part), row(part + 1), scratch.part_reaction[static_cast<std::size_t>(part)]);
+      addReactions(boundary, set, r, alpha, scratch, row(part), row(part + 1),
+                   scratch.part_reaction[static_cast<std::size_t>(part)]);
     });
   }
   Vec3 held = Vec3::Zero();
@@ -122,8 +128,8 @@ Vec3 imposeBoundary(const EssentialBoundaryOf<Real>& boundary, double time_s, do
   return held;
 }
 
-void takeBackCreep(const EssentialBoundary& boundary, double time_s, const Float4* u, const Float4* u_low,
-                   BoundaryScratch& scratch) {
+void correctBoundaryDrift(const EssentialBoundary& boundary, double time_s, const Float4* u, const Float4* u_low,
+                          BoundaryScratch& scratch) {
   constexpr double share = 0.1;
   evaluate(boundary.motions, time_s, scratch.rotation, scratch.shift);
   for (std::size_t s = 0; s < boundary.sets.size(); ++s) {
@@ -149,14 +155,16 @@ void addNodeReactions(const EssentialBoundaryOf<Real>& boundary, const BoundaryS
     const auto& set = boundary.sets[s];
     for (std::size_t k = 0; k < set.node.size(); ++k)
       for (int c = 0; c < 3; ++c)
-        force[set.node[k]][c] += static_cast<double>(set.mask[c]) * set.share[k] / alpha * static_cast<double>((&scratch.rhs[s][k].x)[c]);
+        force[set.node[k]][c] +=
+            static_cast<double>(set.mask[c]) * set.share[k] / alpha * static_cast<double>((&scratch.rhs[s][k].x)[c]);
   }
 }
 
-#define PALPATE_INSTANTIATE(Real)                                                                                     \
-  template Vec3 imposeBoundary(const EssentialBoundaryOf<Real>&, double, double, double, const Real*,                 \
-                               const Real4<Real>*, Real4<Real>*, BoundaryScratchOf<Real>&, SpinTeam&);                \
-  template void addNodeReactions(const EssentialBoundaryOf<Real>&, const BoundaryScratchOf<Real>&, double, std::vector<Vec3>&);
+#define PALPATE_INSTANTIATE(Real)                                                                          \
+  template Vec3 imposeBoundary(const EssentialBoundaryOf<Real>&, double, double, double, const Real*,      \
+                               const Real4<Real>*, Real4<Real>*, BoundaryScratchOf<Real>&, SpinTeam&);     \
+  template void addNodeReactions(const EssentialBoundaryOf<Real>&, const BoundaryScratchOf<Real>&, double, \
+                                 std::vector<Vec3>&);
 PALPATE_INSTANTIATE(float)
 PALPATE_INSTANTIATE(double)
 #undef PALPATE_INSTANTIATE

@@ -11,7 +11,7 @@ template <class Real>
 KernelView<Real> viewOf(const KernelLayoutOf<Real>& layout, KernelScratchOf<Real>& scratch) {
   KernelView<Real> k{};
   k.node_count = layout.node_count;
-  k.quads = layout.quads.data();
+  k.blocks = layout.blocks.data();
   k.node = layout.node.data();
   k.short_node = layout.short_node.empty() ? nullptr : layout.short_node.data();
   k.gradN = layout.gradN.data();
@@ -41,7 +41,8 @@ KernelView<Real> viewOf(const KernelLayoutOf<Real>& layout, KernelScratchOf<Real
 }  // namespace
 
 template <class Real>
-ForceReport internalForces(const KernelLayoutOf<Real>& layout, const Real4<Real>* u, KernelScratchOf<Real>& scratch, SpinTeam& team) {
+ForceReport internalForces(const KernelLayoutOf<Real>& layout, const Real4<Real>* u, KernelScratchOf<Real>& scratch,
+                           SpinTeam& team) {
   const KernelView<Real> k = viewOf(layout, scratch);
   const KernelPasses<Real>& passes = *scratch.passes;
   if (k.patch_begin) {
@@ -56,7 +57,7 @@ ForceReport internalForces(const KernelLayoutOf<Real>& layout, const Real4<Real>
     total.inverted_points += r.inverted;
     total.strain_energy += r.energy;
     total.volume_change += r.volume_change;
-    total.most_cof2 = std::max<double>(total.most_cof2, r.most_cof2);
+    total.max_cof2 = std::max<double>(total.max_cof2, r.max_cof2);
     if (r.min_J < total.min_J) {
       total.min_J = static_cast<float>(r.min_J);
       total.worst_point = layout.point[r.worst_point];
@@ -66,7 +67,8 @@ ForceReport internalForces(const KernelLayoutOf<Real>& layout, const Real4<Real>
 }
 
 template <class Real>
-void sumForces(const KernelLayoutOf<Real>& layout, const KernelScratchOf<Real>& scratch, int begin, int end, Real4<Real>* f) {
+void sumForces(const KernelLayoutOf<Real>& layout, const KernelScratchOf<Real>& scratch, int begin, int end,
+               Real4<Real>* f) {
   std::fill(f + begin, f + end, Real4<Real>{});
   for (std::size_t c = 0; c < layout.chunk_node_begin.size(); ++c) {
     const Real4<Real>* from = scratch.force.data() + c * static_cast<std::size_t>(layout.node_count);
@@ -83,8 +85,7 @@ template void sumForces(const KernelLayoutOf<double>&, const KernelScratchOf<dou
 
 Mat3 deformationGradient(const ShapeTable& shape, int row, const std::vector<Vec3>& u) {
   Mat3 F = Mat3::Identity();
-  for (int e = shape.begin[row]; e < shape.begin[row + 1]; ++e)
-    F += u[shape.node[e]] * shape.gradN[e].transpose();
+  for (int e = shape.begin[row]; e < shape.begin[row + 1]; ++e) F += u[shape.node[e]] * shape.gradN[e].transpose();
   return F;
 }
 
@@ -114,9 +115,8 @@ void referenceInternalForces(const ShapeTable& shape, const std::vector<double>&
   }
 }
 
-double strainEnergy(const ShapeTable& shape, const std::vector<double>& volume,
-                    const std::vector<int>& point_material, const std::vector<Material>& materials,
-                    const std::vector<Vec3>& u, const NodePatches& patches) {
+double strainEnergy(const ShapeTable& shape, const std::vector<double>& volume, const std::vector<int>& point_material,
+                    const std::vector<Material>& materials, const std::vector<Vec3>& u, const NodePatches& patches) {
   double energy = 0;
   std::vector<double> theta(patches.volume.size(), 0);
   for (int q = 0; q < shape.rowCount(); ++q) {

@@ -10,11 +10,11 @@ namespace palpate {
 /// Worst of a force evaluation, and its energy.
 struct ForceReport {
   float min_J = 1;
-  int worst_point = -1;   // model index of the point with min J
+  int worst_point = -1;  // model index of the point with min J
   int inverted_points = 0;
-  double strain_energy = 0;     // J
-  double volume_change = 0;     // m^3, of all points
-  double most_cof2 = 3;         // largest |cof F|^2 of a point; 3 at rest
+  double strain_energy = 0;  // J
+  double volume_change = 0;  // m^3, of all points
+  double max_cof2 = 3;       // largest |cof F|^2 of a point; 3 at rest
 };
 
 /// Internal forces of a total-Lagrangian body.
@@ -48,9 +48,9 @@ void referenceInternalForces(const ShapeTable& shape, const std::vector<double>&
                              const std::vector<Vec3>& u, std::vector<Vec3>& f, const NodePatches& patches = {});
 
 /// Strain energy of the body, J.
-double strainEnergy(const ShapeTable& shape, const std::vector<double>& volume,
-                    const std::vector<int>& point_material, const std::vector<Material>& materials,
-                    const std::vector<Vec3>& u, const NodePatches& patches = {});
+double strainEnergy(const ShapeTable& shape, const std::vector<double>& volume, const std::vector<int>& point_material,
+                    const std::vector<Material>& materials, const std::vector<Vec3>& u,
+                    const NodePatches& patches = {});
 
 /// F at one row of the shape table.
 Mat3 deformationGradient(const ShapeTable& shape, int row, const std::vector<Vec3>& u);

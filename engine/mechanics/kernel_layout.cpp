@@ -8,8 +8,8 @@
 #include <type_traits>
 
 #include "base/input_error.h"
-#include "discretization/node_order.h"
-#include "mechanics/quad_order.h"
+#include "discretization/nodes/node_order.h"
+#include "mechanics/point_block_order.h"
 
 namespace palpate {
 namespace {
@@ -23,10 +23,11 @@ int unionNode(const KernelLayoutOf<Real>& layout, std::size_t at) {
   return layout.short_node.empty() ? layout.node[at] : layout.short_node[at];
 }
 
-/// Points of one material after another, each in slices about a cell thick (thinner ones would make quads flat) but for
-/// what quadOrder exchanges, every material padded with -1 to whole batches.
-std::vector<int> batchOrder(const ShapeTable& shape, const std::vector<Vec3>& point_X, const std::vector<int>& point_material,
-                            int material_count, std::vector<int>& batch_material) {
+/// Points of one material after another, each in slices about a cell thick (thinner ones would make blocks flat) but for
+/// what pointBlockOrder exchanges, every material padded with -1 to whole batches.
+std::vector<int> batchOrder(const ShapeTable& shape, const std::vector<Vec3>& point_X,
+                            const std::vector<int>& point_material, int material_count,
+                            std::vector<int>& batch_material) {
   std::vector<int> order;
   for (int m = 0; m < material_count; ++m) {
     std::vector<int> mine;
@@ -39,7 +40,7 @@ std::vector<int> batchOrder(const ShapeTable& shape, const std::vector<Vec3>& po
     std::vector<int> placed;
     for (int k : slicedOrder(X, 4, 2)) placed.push_back(mine[k]);
     while (placed.size() % 16 != 0) placed.push_back(-1);
-    placed = quadOrder(shape, std::move(placed));
+    placed = pointBlockOrder(shape, std::move(placed));
     order.insert(order.end(), placed.begin(), placed.end());
     batch_material.resize(order.size() / 16, m);
   }
@@ -81,19 +82,21 @@ void addPatches(KernelLayoutOf<Real>& layout, const std::vector<double>& volume,
   updatePatchBulk(layout);
 }
 
-/// Union support of a quad's points (-1: padding), ascending.
+/// Union support of a block's points (-1: padding), ascending.
 std::vector<int> unionSupport(const ShapeTable& shape, const int* point) {
   std::vector<int> nodes;
   for (int p = 0; p < 4; ++p)
     if (point[p] >= 0)
-      nodes.insert(nodes.end(), shape.node.begin() + shape.begin[point[p]], shape.node.begin() + shape.begin[point[p] + 1]);
+      nodes.insert(nodes.end(), shape.node.begin() + shape.begin[point[p]],
+                   shape.node.begin() + shape.begin[point[p] + 1]);
   std::sort(nodes.begin(), nodes.end());
   nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
   return nodes;
 }
 
-/// A quad's gradients in double: [node][point], in the order of its union nodes.
-std::vector<std::array<Vec3, 4>> quadGradients(const ShapeTable& shape, const int* point, const std::vector<int>& nodes) {
+/// A block's gradients in double: [node][point], in the order of its union nodes.
+std::vector<std::array<Vec3, 4>> blockGradients(const ShapeTable& shape, const int* point,
+                                                const std::vector<int>& nodes) {
   std::vector<std::array<Vec3, 4>> gradN(nodes.size(), {Vec3::Zero(), Vec3::Zero(), Vec3::Zero(), Vec3::Zero()});
   for (int p = 0; p < 4; ++p)
     for (int e = point[p] < 0 ? 0 : shape.begin[point[p]]; e < (point[p] < 0 ? 0 : shape.begin[point[p] + 1]); ++e)
@@ -101,7 +104,7 @@ std::vector<std::array<Vec3, 4>> quadGradients(const ShapeTable& shape, const in
   return gradN;
 }
 
-/// Writes the tiles of a quad's groups [first, last): entry(node, point, component).
+/// Writes the tiles of a block's groups [first, last): entry(node, point, component).
 template <class Element, class Entry>
 void appendTiles(AlignedVector<Element>& tiles, std::size_t node_begin, std::size_t node_end, Entry entry) {
   for (std::size_t first = node_begin; first < node_end; first += 4)
@@ -131,10 +134,10 @@ void anchorsFirst(std::vector<int>& nodes, const std::vector<Vec3>& X) {
 
 /// Rounds all but the anchors' gradients to 16 bits and gives the anchors what keeps the zeroth and first moments: an error
 /// e at X_j acts on linear fields like e l_a(X_j) at the anchors, l_a their tetrahedron's linear coordinates.
-void addRoundedTiles(KernelLayoutOf<float>& layout, const std::vector<int>& nodes, std::vector<std::array<Vec3, 4>> gradN,
-                     const std::vector<Vec3>& X) {
-  const std::size_t quad = layout.quads.size() - 1;
-  layout.scale.resize(quad / 4 * 48 + 48, 1.0F);  // where there is no point, or no gradient but the anchors'
+void addRoundedTiles(KernelLayoutOf<float>& layout, const std::vector<int>& nodes,
+                     std::vector<std::array<Vec3, 4>> gradN, const std::vector<Vec3>& X) {
+  const std::size_t block = layout.blocks.size() - 1;
+  layout.scale.resize(block / 4 * 48 + 48, 1.0F);  // where there is no point, or no gradient but the anchors'
   if (gradN.empty()) {
     layout.gradN.resize(layout.gradN.size() + 48, 0.0F);
     return;
@@ -142,8 +145,9 @@ void addRoundedTiles(KernelLayoutOf<float>& layout, const std::vector<int>& node
   Mat3 edges;
   for (int c = 0; c < 3; ++c) edges.col(c) = X[nodes[c + 1]] - X[nodes[0]];
   if (nodes.size() < 4 || !(std::abs(edges.determinant()) > 1e-6 * std::pow(edges.colwise().norm().maxCoeff(), 3)))
-    throw InputError({}, "the nodes around a group of integration points lie in one plane, and 16-bit gradients can't be made",
-                     "use gradient_precision = \"float32\", or a larger support_factor");
+    throw InputError(
+        {}, "the nodes around a group of integration points lie in one plane, and 16-bit gradients can't be made",
+        "use gradient_precision = \"float32\", or a larger support_factor");
   const Mat3 inverse_edges = edges.inverse();
 
   constexpr double largest_integer = 32767;
@@ -152,7 +156,7 @@ void addRoundedTiles(KernelLayoutOf<float>& layout, const std::vector<int>& node
     for (int b = 0; b < 3; ++b) {
       double largest = 0;
       for (std::size_t n = 4; n < gradN.size(); ++n) largest = std::max(largest, std::abs(gradN[n][p][b]));
-      float& s = layout.scale[quad / 4 * 48 + b * 16 + quad % 4 * 4 + p];
+      float& s = layout.scale[block / 4 * 48 + b * 16 + block % 4 * 4 + p];
       if (largest > 0) s = static_cast<float>(largest / largest_integer);
       scale[p][b] = s;
     }
@@ -168,7 +172,9 @@ void addRoundedTiles(KernelLayoutOf<float>& layout, const std::vector<int>& node
         gradN[n][p][b] = integer * scale[p][b];
       }
   }
-  const auto inUnits = [&](std::size_t n, int p, int b) { return n < gradN.size() ? gradN[n][p][b] / scale[p][b] : 0.0; };
+  const auto inUnits = [&](std::size_t n, int p, int b) {
+    return n < gradN.size() ? gradN[n][p][b] / scale[p][b] : 0.0;
+  };
   appendTiles(layout.gradN, 0, 4, [&](std::size_t n, int p, int b) { return static_cast<float>(inUnits(n, p, b)); });
   appendTiles(layout.rounded_gradN, 4, nodes.size(),
               [&](std::size_t n, int p, int b) { return static_cast<std::int16_t>(std::lround(inUnits(n, p, b))); });
@@ -186,8 +192,8 @@ void makeChunks(KernelLayoutOf<Real>& layout) {
       end = std::max(end, node + 1);
     };
     for (int q = layout.chunk_begin[c] * 4; q < layout.chunk_begin[c + 1] * 4; ++q)
-      for (int k = 0; k < layout.quads[q].group_count * 4; ++k)
-        include(unionNode(layout, static_cast<std::size_t>(layout.quads[q].tile_begin) * 4 + k));
+      for (int k = 0; k < layout.blocks[q].group_count * 4; ++k)
+        include(unionNode(layout, static_cast<std::size_t>(layout.blocks[q].tile_begin) * 4 + k));
     layout.chunk_node_begin.push_back(std::min(begin, end));
     layout.chunk_node_end.push_back(end);
   }
@@ -212,7 +218,8 @@ void updatePatchBulk(KernelLayoutOf<Real>& layout) {
   for (std::size_t i = 0; i < layout.patch_bulk.size(); ++i) {
     Real sum = 0;
     for (int e = layout.patch_begin[i]; e < layout.patch_begin[i + 1]; ++e)
-      sum += layout.patch_share[e] / static_cast<Real>(layout.materials[layout.batch_material[layout.patch_point[e] / 16]].bulk_modulus);
+      sum += layout.patch_share[e] /
+             static_cast<Real>(layout.materials[layout.batch_material[layout.patch_point[e] / 16]].bulk_modulus);
     layout.patch_bulk[i] = sum > 0 ? 1 / sum : 0;
   }
 }
@@ -220,8 +227,9 @@ void updatePatchBulk(KernelLayoutOf<Real>& layout) {
 template <class Real>
 KernelLayoutOf<Real> makeKernelLayout(const ShapeTable& shape, const std::vector<Vec3>& point_X,
                                       const std::vector<double>& volume, const std::vector<int>& point_material,
-                                      const std::vector<Material>& materials, int node_count, const NodePatches& patches,
-                                      GradientPrecision gradients, const std::vector<Vec3>& X) {
+                                      const std::vector<Material>& materials, int node_count,
+                                      const NodePatches& patches, GradientPrecision gradients,
+                                      const std::vector<Vec3>& X) {
   const bool rounded = gradients == GradientPrecision::Int16;
   if (rounded && (sizeof(Real) != 4 || static_cast<int>(X.size()) != node_count))
     throw std::invalid_argument("16-bit gradients need a float kernel and the nodes' positions");
@@ -237,12 +245,12 @@ KernelLayoutOf<Real> makeKernelLayout(const ShapeTable& shape, const std::vector
     const int* point = &layout.point[first];
     std::vector<int> nodes = unionSupport(shape, point);
     if (rounded && nodes.size() >= 4) anchorsFirst(nodes, X);
-    const auto gradN = quadGradients(shape, point, nodes);
-    // Padding repeats the quad's first nodes, whose forces were stored long before: a repeat of the
+    const auto gradN = blockGradients(shape, point, nodes);
+    // Padding repeats the block's first nodes, whose forces were stored long before: a repeat of the
     // last one would wait for its store.
     for (int k = 0; nodes.size() % 4 != 0; ++k) nodes.push_back(nodes[k]);
     const int groups = static_cast<int>(nodes.size() / 4);
-    layout.quads.push_back({tile_count, rounded_count, groups});
+    layout.blocks.push_back({tile_count, rounded_count, groups});
     tile_count += groups;
     rounded_count += std::max(groups - 1, 0);
     if (short_nodes)
@@ -267,8 +275,8 @@ KernelLayoutOf<Real> makeKernelLayout(const ShapeTable& shape, const std::vector
 
 template <class Real>
 std::vector<std::pair<int, Vec3>> layoutGradients(const KernelLayoutOf<Real>& layout, int place) {
-  const std::size_t quad = static_cast<std::size_t>(place) / 4, p = static_cast<std::size_t>(place) % 4;
-  const PointQuad& q = layout.quads[quad];
+  const std::size_t block = static_cast<std::size_t>(place) / 4, p = static_cast<std::size_t>(place) % 4;
+  const PointBlock& q = layout.blocks[block];
   std::vector<std::pair<int, Vec3>> result;
   for (std::size_t n = 0; n < static_cast<std::size_t>(q.group_count) * 4; ++n) {
     Vec3 g;
@@ -277,8 +285,8 @@ std::vector<std::pair<int, Vec3>> layoutGradients(const KernelLayoutOf<Real>& la
       if (layout.scale.empty())
         g[b] = layout.gradN[in(q.tile_begin + n / 4)];
       else
-        g[b] = static_cast<double>(layout.scale[quad / 4 * 48 + b * 16 + quad % 4 * 4 + p]) *
-               (n < 4 ? layout.gradN[in(quad)] : layout.rounded_gradN[in(q.rounded_begin + n / 4 - 1)]);
+        g[b] = static_cast<double>(layout.scale[block / 4 * 48 + b * 16 + block % 4 * 4 + p]) *
+               (n < 4 ? layout.gradN[in(block)] : layout.rounded_gradN[in(q.rounded_begin + n / 4 - 1)]);
     }
     result.emplace_back(unionNode(layout, static_cast<std::size_t>(q.tile_begin) * 4 + n), g);
   }
@@ -307,9 +315,10 @@ template KernelLayoutOf<float> makeKernelLayout(const ShapeTable&, const std::ve
 template KernelScratchOf<float> makeKernelScratch(const KernelLayoutOf<float>&, InstructionSet);
 template std::vector<std::pair<int, Vec3>> layoutGradients(const KernelLayoutOf<float>&, int);
 template void updatePatchBulk(KernelLayoutOf<double>&);
-template KernelLayoutOf<double> makeKernelLayout(const ShapeTable&, const std::vector<Vec3>&, const std::vector<double>&,
-                                                 const std::vector<int>&, const std::vector<Material>&, int,
-                                                 const NodePatches&, GradientPrecision, const std::vector<Vec3>&);
+template KernelLayoutOf<double> makeKernelLayout(const ShapeTable&, const std::vector<Vec3>&,
+                                                 const std::vector<double>&, const std::vector<int>&,
+                                                 const std::vector<Material>&, int, const NodePatches&,
+                                                 GradientPrecision, const std::vector<Vec3>&);
 template KernelScratchOf<double> makeKernelScratch(const KernelLayoutOf<double>&, InstructionSet);
 template std::vector<std::pair<int, Vec3>> layoutGradients(const KernelLayoutOf<double>&, int);
 

@@ -8,28 +8,28 @@
 #include "base/types.h"
 #include "mechanics/gradient_precision.h"
 #include "mechanics/kernel_passes.h"
-#include "mechanics/material.h"
+#include "mechanics/materials/material.h"
 #include "mechanics/node_patch.h"
 
 namespace palpate {
 
 /// What the internal-force kernel streams, in float for the real-time loop or in double for the batch solver:
-/// integration points in quads, quads in batches of four (16 points, one vector of lanes), batches in chunks that
-/// threads take whole. A quad's points share most of their nodes, so that a node's displacement is loaded and its
+/// integration points in blocks, blocks in batches of four (16 points, one vector of lanes), batches in chunks that
+/// threads take whole. A block's points share most of their nodes, so that a node's displacement is loaded and its
 /// force stored once for four points.
 ///
-/// With 16-bit gradients, the first four union nodes of a quad, its anchors, keep theirs in float: these take what the
+/// With 16-bit gradients, the first four union nodes of a block, its anchors, keep theirs in float: these take what the
 /// rounding of the others took, so that sum_j gradN_j and sum_j gradN_j (x) X_j are as exact as in float32. Otherwise
 /// near-incompressibility would multiply the error that rounding makes in J under any rotation.
 template <class Real>
 struct KernelLayoutOf {
   int node_count = 0;
-  int point_count = 0;                        // real points; the last batch is padded with zero volume
-  std::vector<PointQuad> quads;               // (4 * batch_count)
-  AlignedVector<std::int32_t> node;           // (4 * group_count) union nodes; padding has zero gradient. Empty in favour of
+  int point_count = 0;               // real points; the last batch is padded with zero volume
+  std::vector<PointBlock> blocks;    // (4 * batch_count)
+  AlignedVector<std::int32_t> node;  // (4 * group_count) union nodes; padding has zero gradient. Empty in favour of
   AlignedVector<std::uint16_t> short_node;    // the same, for float where all numbers fit
   AlignedVector<Real> gradN;                  // (48 * group_count) tiles [component 3][node 4][point 4], 1/m;
-                                              // 16-bit: (48 * quad_count) the anchors' tiles, in units of scale
+                                              // 16-bit: (48 * block_count) the anchors' tiles, in units of scale
   AlignedVector<std::int16_t> rounded_gradN;  // 16-bit: (48 * other group_count) tiles of the others, in units of scale
   AlignedVector<Real> scale;                  // 16-bit: (48 * batch_count) [component 3][point 16] per batch, 1/m
   AlignedVector<Real> volume;                 // (16 * batch_count) m^3
@@ -37,14 +37,14 @@ struct KernelLayoutOf {
   std::vector<int> batch_material;            // (batch_count)
   std::vector<Material> materials;
   // Node-patch volume (node_patch.h); empty where the scene does without.
-  std::vector<int> patch_begin;               // (node_count + 1) entries of each node's patch in
-  std::vector<std::int32_t> patch_point;      // its points' places in `point`, ascending, and
-  AlignedVector<Real> patch_share;            // s_aq
-  AlignedVector<Real> patch_bulk;             // (node_count) K_a, Pa
-  std::vector<std::int32_t> patch_node;       // (64 * batch_count) [vertex 4][point 16] per batch
-  AlignedVector<Real> patch_weight;           // (64 * batch_count) l_a(x_q)
+  std::vector<int> patch_begin;           // (node_count + 1) entries of each node's patch in
+  std::vector<std::int32_t> patch_point;  // its points' places in `point`, ascending, and
+  AlignedVector<Real> patch_share;        // s_aq
+  AlignedVector<Real> patch_bulk;         // (node_count) K_a, Pa
+  std::vector<std::int32_t> patch_node;   // (64 * batch_count) [vertex 4][point 16] per batch
+  AlignedVector<Real> patch_weight;       // (64 * batch_count) l_a(x_q)
   // Chunks: fixed work packages, so that the sum over them does not depend on the thread count.
-  std::vector<int> chunk_begin;               // (chunk_count + 1) batches
+  std::vector<int> chunk_begin;                       // (chunk_count + 1) batches
   std::vector<int> chunk_node_begin, chunk_node_end;  // (chunk_count) range of nodes that a chunk touches
 };
 
@@ -52,13 +52,13 @@ using KernelLayout = KernelLayoutOf<float>;
 
 template <class Real>
 struct KernelScratchOf {
-  const KernelPasses<Real>* passes = nullptr;   // of the instruction set that the scratch was made for
-  AlignedVector<Real4<Real>> force;             // (chunk_count)(node_count) N; a chunk uses its range only
+  const KernelPasses<Real>* passes = nullptr;  // of the instruction set that the scratch was made for
+  AlignedVector<Real4<Real>> force;            // (chunk_count)(node_count) N; a chunk uses its range only
   std::vector<typename KernelView<Real>::ChunkReport> report;  // (chunk_count)
   // Between the two passes of the node-patch volume.
-  AlignedVector<Real> displacement_gradient;    // (9 * 16 * batch_count)
-  AlignedVector<Real> dilatation;               // (16 * batch_count) J - 1
-  AlignedVector<Real> patch_pressure;           // (node_count) K_a theta_a, Pa
+  AlignedVector<Real> displacement_gradient;  // (9 * 16 * batch_count)
+  AlignedVector<Real> dilatation;             // (16 * batch_count) J - 1
+  AlignedVector<Real> patch_pressure;         // (node_count) K_a theta_a, Pa
 };
 
 using KernelScratch = KernelScratchOf<float>;
@@ -70,7 +70,7 @@ using KernelScratch = KernelScratchOf<float>;
 /// @param patches         node patches of the points, or empty for pointwise volume
 /// @param gradients       Int16: float only, and X is needed
 /// @param X               nodes, m (node_count)
-/// Throws InputError where Int16 can't be: the nodes around a quad of points lie in one plane.
+/// Throws InputError where Int16 can't be: the nodes around a block of points lie in one plane.
 template <class Real = float>
 KernelLayoutOf<Real> makeKernelLayout(const ShapeTable& shape, const std::vector<Vec3>& point_X,
                                       const std::vector<double>& volume, const std::vector<int>& point_material,
@@ -79,7 +79,7 @@ KernelLayoutOf<Real> makeKernelLayout(const ShapeTable& shape, const std::vector
                                       GradientPrecision gradients = GradientPrecision::Float32,
                                       const std::vector<Vec3>& X = {});
 
-/// Gradients of a layout's point `place` (index into layout.point) at its quad's union nodes, as the kernel sees them, 1/m.
+/// Gradients of a layout's point `place` (index into layout.point) at its block's union nodes, as the kernel sees them, 1/m.
 template <class Real>
 std::vector<std::pair<int, Vec3>> layoutGradients(const KernelLayoutOf<Real>& layout, int place);
 
@@ -90,6 +90,7 @@ void updatePatchBulk(KernelLayoutOf<Real>& layout);
 /// @param set  of supportedInstructionSets()
 /// Throws InputError when PALPATE_KERNEL names none, as chosenInstructionSet does.
 template <class Real>
-KernelScratchOf<Real> makeKernelScratch(const KernelLayoutOf<Real>& layout, InstructionSet set = chosenInstructionSet());
+KernelScratchOf<Real> makeKernelScratch(const KernelLayoutOf<Real>& layout,
+                                        InstructionSet set = chosenInstructionSet());
 
 }  // namespace palpate

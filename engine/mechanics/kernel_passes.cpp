@@ -3,7 +3,7 @@
 #include "mechanics/kernel_passes.h"
 
 #include "base/float4.h"
-#include "mechanics/stress_lanes.h"
+#include "mechanics/simd_stress.h"
 
 namespace palpate {
 namespace {
@@ -14,28 +14,29 @@ constexpr bool bare = true;
 constexpr bool bare = false;
 #endif
 
-/// Tensors of the 16 points of a batch, in memory between the passes over their quads.
+/// Tensors of the 16 points of a batch, in memory between the passes over their blocks.
 template <class Real>
 struct alignas(64) BatchTensors {
   Real a[9][16];
 };
 
 template <class Real>
-constexpr int part_count = 16 / LanesOf<Real>::width;  // registers for one number of a batch's 16 points
+constexpr int part_count = 16 / Simd<Real>::width;  // registers for one number of a batch's 16 points
 
 template <class Real>
-TensorLanesOf<Real> loadTensors(const BatchTensors<Real>& tensors, int part) {
-  TensorLanesOf<Real> t;
-  // They were stored quad by quad.
-  for (int c = 0; c < 9; ++c) t[c] = LanesOf<Real>::gather([&](int g) { return tensors.a[c] + part * LanesOf<Real>::width + 4 * g; });
+SimdTensor<Real> loadTensors(const BatchTensors<Real>& tensors, int part) {
+  SimdTensor<Real> t;
+  // They were stored block by block.
+  for (int c = 0; c < 9; ++c)
+    t[c] = Simd<Real>::gather([&](int g) { return tensors.a[c] + part * Simd<Real>::width + 4 * g; });
   return t;
 }
 
 /// Adds u_j (x) gradN_j over groups of four union nodes, as many of the four as a register holds. Lanes of a tile:
-/// (node of the group, point of the quad).
+/// (node of the group, point of the block).
 template <class Real, class Index, class Entry>
-void addGradients(const Index* node, const Entry* tile, int group_count, const Real4<Real>* u, LanesOf<Real>* sum) {
-  using Lanes = LanesOf<Real>;
+void addGradients(const Index* node, const Entry* tile, int group_count, const Real4<Real>* u, Simd<Real>* sum) {
+  using Lanes = Simd<Real>;
   for (int g = 0; g < group_count; ++g, tile += 48, node += 4) {
     const Lanes xyz = Lanes::gather([&](int k) { return &u[node[k]].x; });
     const Lanes ux = spread<0>(xyz), uy = spread<1>(xyz), uz = spread<2>(xyz);
@@ -48,10 +49,10 @@ void addGradients(const Index* node, const Entry* tile, int group_count, const R
   }
 }
 
-/// Adds -sum over a quad's points of p gradN to its nodes' forces.
+/// Adds -sum over a block's points of p gradN to its nodes' forces.
 template <class Real, class Index, class Entry>
-void addForces(const Index* node, const Entry* tile, int group_count, const LanesOf<Real>* p, Real4<Real>* f) {
-  using Lanes = LanesOf<Real>;
+void addForces(const Index* node, const Entry* tile, int group_count, const Simd<Real>* p, Real4<Real>* f) {
+  using Lanes = Simd<Real>;
   const auto add = [f](int n, const typename Lanes::Group& g) { store(f[n], load(f[n]) - g); };
   for (int g = 0; g < group_count; ++g, tile += 48, node += 4)
     for (int part = 0; part < part_count<Real>; ++part) {
@@ -69,10 +70,10 @@ void addForces(const Index* node, const Entry* tile, int group_count, const Lane
     }
 }
 
-/// Tiles come from afar, one quad after another.
+/// Tiles come from afar, one block after another.
 template <class Entry>
 void prefetch(const Entry* tiles, int group_count) {
-  constexpr std::ptrdiff_t ahead = 2048;  // bytes, about a quad; half, twice, eight times or none: no difference
+  constexpr std::ptrdiff_t ahead = 2048;  // bytes, about a block; half, twice, eight times or none: no difference
   for (std::ptrdiff_t line = 0; line < group_count * static_cast<std::ptrdiff_t>(48 * sizeof(Entry)); line += 64)
     __builtin_prefetch(reinterpret_cast<const char*>(tiles) + ahead + line);
 }
@@ -83,23 +84,23 @@ struct Kernel {
   const KernelView<Real>& k;
   const Index* all_nodes;
 
-  /// Calls `add(node, tile, group_count)` for the groups of a quad's union nodes.
+  /// Calls `add(node, tile, group_count)` for the groups of a block's union nodes.
   template <class Add>
-  void forTiles(int quad_number, Add add) const {
-    const PointQuad& quad = k.quads[quad_number];
-    const Index* node = all_nodes + static_cast<std::ptrdiff_t>(quad.tile_begin) * 4;
+  void forTiles(int block_number, Add add) const {
+    const PointBlock& block = k.blocks[block_number];
+    const Index* node = all_nodes + static_cast<std::ptrdiff_t>(block.tile_begin) * 4;
     if constexpr (rounded) {
-      if (quad.group_count == 0) return;  // padding
-      add(node, k.gradN + static_cast<std::ptrdiff_t>(quad_number) * 48, 1);
-      add(node + 4, k.rounded_gradN + static_cast<std::ptrdiff_t>(quad.rounded_begin) * 48, quad.group_count - 1);
+      if (block.group_count == 0) return;  // padding
+      add(node, k.gradN + static_cast<std::ptrdiff_t>(block_number) * 48, 1);
+      add(node + 4, k.rounded_gradN + static_cast<std::ptrdiff_t>(block.rounded_begin) * 48, block.group_count - 1);
     } else {
-      add(node, k.gradN + static_cast<std::ptrdiff_t>(quad.tile_begin) * 48, quad.group_count);
+      add(node, k.gradN + static_cast<std::ptrdiff_t>(block.tile_begin) * 48, block.group_count);
     }
   }
 
   /// Displacement gradients of a batch's 16 points, in units of the gradients' scale.
   void displacementGradients(int batch, const Real4<Real>* u, BatchTensors<Real>& H) const {
-    using Lanes = LanesOf<Real>;
+    using Lanes = Simd<Real>;
     for (int q = 0; q < 4; ++q) {
       forTiles(batch * 4 + q, [](const Index*, const auto* tile, int group_count) { prefetch(tile, group_count); });
       // Part by part, so that the sums stay in registers; added up in the same order for every register's width.
@@ -124,17 +125,19 @@ struct Kernel {
   /// Adds -V P gradN of a batch's points to the forces of their nodes; PV holds V P, in units of the scale.
   void scatterForces(int batch, const BatchTensors<Real>& PV, Real4<Real>* f) const {
     for (int q = 0; q < 4; ++q) {
-      LanesOf<Real> p[9];
-      for (int c = 0; c < 9; ++c) p[c] = LanesOf<Real>::repeat(PV.a[c] + 4 * q);
-      forTiles(batch * 4 + q, [&](const Index* node, const auto* tile, int group_count) { addForces(node, tile, group_count, p, f); });
+      Simd<Real> p[9];
+      for (int c = 0; c < 9; ++c) p[c] = Simd<Real>::repeat(PV.a[c] + 4 * q);
+      forTiles(batch * 4 + q,
+               [&](const Index* node, const auto* tile, int group_count) { addForces(node, tile, group_count, p, f); });
     }
   }
 
   /// Multiplies tensors by the unit of the gradients, 1/m: component (c, b) of a point by its scale of b.
-  void applyScale(int first_point, TensorLanesOf<Real>& t) const {
+  void applyScale(int first_point, SimdTensor<Real>& t) const {
     if constexpr (rounded)
       for (int b = 0; b < 3; ++b) {
-        const auto scale = LanesOf<Real>::load(&k.scale[static_cast<std::ptrdiff_t>(first_point / 16) * 48 + 16 * b + first_point % 16]);
+        const auto scale =
+            Simd<Real>::load(&k.scale[static_cast<std::ptrdiff_t>(first_point / 16) * 48 + 16 * b + first_point % 16]);
         for (int c = 0; c < 9; c += 3) t[c + b] *= scale;
       }
   }
@@ -144,18 +147,19 @@ struct Kernel {
     BatchTensors<Real> tensors;
     for (int batch = k.chunk_begin[chunk]; batch < k.chunk_begin[chunk + 1]; ++batch) {
       displacementGradients(batch, u, tensors);
-      for (int i = 0; i < 16; i += LanesOf<Real>::width) {
-        TensorLanesOf<Real> H = loadTensors(tensors, i / LanesOf<Real>::width);
+      for (int i = 0; i < 16; i += Simd<Real>::width) {
+        SimdTensor<Real> H = loadTensors(tensors, i / Simd<Real>::width);
         applyScale(batch * 16 + i, H);
-        for (int c = 0; c < 9; ++c) H[c].store(&k.displacement_gradient[static_cast<std::ptrdiff_t>(batch) * 144 + 16 * c + i]);
+        for (int c = 0; c < 9; ++c)
+          H[c].store(&k.displacement_gradient[static_cast<std::ptrdiff_t>(batch) * 144 + 16 * c + i]);
         volumeChange<Real>(H).store(&k.dilatation[static_cast<std::ptrdiff_t>(batch) * 16 + i]);
       }
     }
   }
 
   /// Pressure of points from their nodes' patches: sum_a l_a K_a theta_a.
-  LanesOf<Real> patchPressure(int first_point) const {
-    using Lanes = LanesOf<Real>;
+  Simd<Real> patchPressure(int first_point) const {
+    using Lanes = Simd<Real>;
     const std::ptrdiff_t first = static_cast<std::ptrdiff_t>(first_point / 16) * 64 + first_point % 16;
     Lanes p = Real(0);
     for (int a = 0; a < 4; ++a)
@@ -165,13 +169,14 @@ struct Kernel {
 
   /// Of a chunk's points, lane by lane.
   struct Sums {
-    LeastOf<Real> least_J[part_count<Real>];
-    LanesOf<Real> energy = Real(0), volume_change = Real(0), most_cof2 = Real(3);
+    LeastOf<Real> min_J[part_count<Real>];
+    Simd<Real> energy = Real(0), volume_change = Real(0), max_cof2 = Real(3);
   };
 
   template <class MaterialLanes>
-  void batchesForces(const Material& material, int begin, int end, const Real4<Real>* u, Real4<Real>* f, Sums& sums) const {
-    using Lanes = LanesOf<Real>;
+  void batchesForces(const Material& material, int begin, int end, const Real4<Real>* u, Real4<Real>* f,
+                     Sums& sums) const {
+    using Lanes = Simd<Real>;
     const MaterialLanes lanes(material);
     const bool patches = !bare && k.patch_begin;
     BatchTensors<Real> tensors;
@@ -179,10 +184,11 @@ struct Kernel {
       if (!patches) displacementGradients(batch, u, tensors);
       for (int part = 0; part < part_count<Real>; ++part) {
         const int first = part * Lanes::width, first_point = batch * 16 + first;
-        TensorLanesOf<Real> H, P;
+        SimdTensor<Real> H, P;
         PointStateOf<Real> state;
         if (patches) {
-          for (int c = 0; c < 9; ++c) H[c] = Lanes::load(&k.displacement_gradient[static_cast<std::ptrdiff_t>(batch) * 144 + 16 * c + first]);
+          for (int c = 0; c < 9; ++c)
+            H[c] = Lanes::load(&k.displacement_gradient[static_cast<std::ptrdiff_t>(batch) * 144 + 16 * c + first]);
           const Lanes pressure = patchPressure(first_point);
           state = lanes.firstPiola(H, P, &pressure);
         } else {
@@ -191,10 +197,10 @@ struct Kernel {
           state = lanes.firstPiola(H, P);
         }
         const Lanes volume = Lanes::load(&k.volume[first_point]);
-        sums.least_J[part].note(state.J, first_point);
+        sums.min_J[part].note(state.J, first_point);
         sums.energy += volume * state.energy;
         sums.volume_change += volume * state.J_minus_1;
-        sums.most_cof2 = max(sums.most_cof2, state.cof2);
+        sums.max_cof2 = max(sums.max_cof2, state.cof2);
         for (int c = 0; c < 9; ++c) P[c] *= volume;
         applyScale(first_point, P);
         for (int c = 0; c < 9; ++c) P[c].store(tensors.a[c] + first);
@@ -221,11 +227,11 @@ struct Kernel {
     }
     auto& report = k.report[chunk];
     report = {1, -1, 0, 0, 0, 3};
-    for (const auto& least : sums.least_J) least.find(report.min_J, report.worst_point, report.inverted);
-    for (int i = 0; i < LanesOf<Real>::width; ++i) {
+    for (const auto& least : sums.min_J) least.find(report.min_J, report.worst_point, report.inverted);
+    for (int i = 0; i < Simd<Real>::width; ++i) {
       report.energy += sums.energy.v[i];
       report.volume_change += sums.volume_change.v[i];
-      report.most_cof2 = sums.most_cof2.v[i] > report.most_cof2 ? sums.most_cof2.v[i] : report.most_cof2;
+      report.max_cof2 = sums.max_cof2.v[i] > report.max_cof2 ? sums.max_cof2.v[i] : report.max_cof2;
     }
   }
 };

@@ -4,14 +4,14 @@
 
 #include "base/instruction_set.h"
 #include "base/types.h"
-#include "mechanics/material.h"
+#include "mechanics/materials/material.h"
 
 namespace palpate {
 
 /// Four neighbouring integration points that share one union support.
-struct PointQuad {
+struct PointBlock {
   int tile_begin = 0;     // its first group of 4 in node, and its first tile (of 48) in gradN if these are Real
-  int rounded_begin = 0;  // its first tile in rounded_gradN; its anchor tile is gradN's number `quad`
+  int rounded_begin = 0;  // its first tile in rounded_gradN; its anchor tile is gradN's number `block`
   int group_count = 0;    // groups of 4 union nodes, the anchors' included
 };
 
@@ -20,16 +20,16 @@ struct PointQuad {
 template <class Real>
 struct KernelView {
   int node_count;
-  const PointQuad* quads;
-  const std::int32_t* node;          // null where short_node is there
+  const PointBlock* blocks;
+  const std::int32_t* node;  // null where short_node is there
   const std::uint16_t* short_node;
   const Real* gradN;
-  const std::int16_t* rounded_gradN; // null: gradN has all
+  const std::int16_t* rounded_gradN;  // null: gradN has all
   const Real* scale;
   const Real* volume;
   const int* batch_material;
   const Material* materials;
-  const int* patch_begin;            // null: no patches
+  const int* patch_begin;  // null: no patches
   const std::int32_t* patch_point;
   const Real* patch_share;
   const Real* patch_bulk;
@@ -42,11 +42,11 @@ struct KernelView {
 
   struct ChunkReport {
     Real min_J;
-    int worst_point;                 // place in the layout's points, or -1
+    int worst_point;  // place in the layout's points, or -1
     int inverted;
-    Real energy;                     // J
-    Real volume_change;              // m^3
-    Real most_cof2;                  // largest |cof F|^2 of a point
+    Real energy;         // J
+    Real volume_change;  // m^3
+    Real max_cof2;       // largest |cof F|^2 of a point
   };
   Real4<Real>* force;
   ChunkReport* report;

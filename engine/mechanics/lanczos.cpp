@@ -7,7 +7,8 @@
 
 namespace palpate {
 
-LargestEigenvalue largestEigenvalue(Eigen::Index n, const std::function<void(const Eigen::VectorXd&, Eigen::VectorXd&)>& apply,
+LargestEigenvalue largestEigenvalue(Eigen::Index n,
+                                    const std::function<void(const Eigen::VectorXd&, Eigen::VectorXd&)>& apply,
                                     int max_iterations, double tolerance) {
   using Vector = Eigen::VectorXd;
   LargestEigenvalue result;

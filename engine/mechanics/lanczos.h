@@ -16,7 +16,8 @@ struct LargestEigenvalue {
 /// does no harm to the largest. The same start vector at every call.
 /// @param apply      y = A x, both of size n
 /// @param tolerance  stops when the residual is below this share of the value
-LargestEigenvalue largestEigenvalue(Eigen::Index n, const std::function<void(const Eigen::VectorXd& x, Eigen::VectorXd& y)>& apply,
+LargestEigenvalue largestEigenvalue(Eigen::Index n,
+                                    const std::function<void(const Eigen::VectorXd& x, Eigen::VectorXd& y)>& apply,
                                     int max_iterations, double tolerance);
 
 }  // namespace palpate

@@ -5,8 +5,7 @@
 namespace palpate {
 
 std::vector<double> lumpedMass(const std::vector<Vec3>& X, const std::vector<std::array<int, 4>>& cells,
-                               const std::vector<double>& cell_volume,
-                               const std::vector<double>& cell_density) {
+                               const std::vector<double>& cell_volume, const std::vector<double>& cell_density) {
   std::vector<double> mass(X.size(), 0.0);
   for (std::size_t c = 0; c < cells.size(); ++c) {
     for (int i : cells[c]) mass[i] += cell_volume[c] * cell_density[c] / 4;

@@ -19,7 +19,6 @@ namespace palpate {
 /// @return kg, > 0                                              (node_count)
 /// Test: mechanics/lumped_mass_test.cpp
 std::vector<double> lumpedMass(const std::vector<Vec3>& X, const std::vector<std::array<int, 4>>& cells,
-                               const std::vector<double>& cell_volume,
-                               const std::vector<double>& cell_density);
+                               const std::vector<double>& cell_volume, const std::vector<double>& cell_density);
 
 }  // namespace palpate

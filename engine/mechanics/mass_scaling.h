@@ -20,7 +20,7 @@ struct ScaledMass {
 /// @param dt     s, wanted
 /// Others as in criticalTimeStep. Test: mechanics/mass_scaling_test.cpp
 ScaledMass scaleMass(const ShapeTable& shape, const std::vector<double>& volume, const std::vector<int>& point_material,
-                     const std::vector<Material>& materials, const std::vector<double>& mass, const NodePatches& patches,
-                     const CriticalTimeStep& limit, double dt);
+                     const std::vector<Material>& materials, const std::vector<double>& mass,
+                     const NodePatches& patches, const CriticalTimeStep& limit, double dt);
 
 }  // namespace palpate

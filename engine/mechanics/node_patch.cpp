@@ -6,7 +6,7 @@
 namespace palpate {
 namespace {
 
-constexpr double least_weight = 1e-6;  // of a point for a node of its cell: no patch has points but no volume
+constexpr double min_weight = 1e-6;  // of a point for a node of its cell: no patch has points but no volume
 
 }  // namespace
 
@@ -23,9 +23,9 @@ NodePatches makeNodePatches(const std::vector<Vec3>& X, const std::vector<std::a
     for (int c = 0; c < 3; ++c) edges.col(c) = X[cell[c + 1]] - X[cell[0]];
     const Vec3 l = edges.inverse() * (point_X[q] - X[cell[0]]);
     std::array<double, 4> weight{1 - l.sum(), l[0], l[1], l[2]};
-    if (*std::min_element(weight.begin(), weight.end()) < least_weight) {
+    if (*std::min_element(weight.begin(), weight.end()) < min_weight) {
       double sum = 0;
-      for (double& w : weight) sum += w = std::max(w, least_weight);
+      for (double& w : weight) sum += w = std::max(w, min_weight);
       for (double& w : weight) w /= sum;
     }
     for (int a = 0; a < 4; ++a) {

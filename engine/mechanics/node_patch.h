@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "base/types.h"
-#include "mechanics/material.h"
+#include "mechanics/materials/material.h"
 
 namespace palpate {
 
@@ -19,10 +19,10 @@ namespace palpate {
 /// a step that is stable without patches is stable with. That needs l_a > 0: for a point that stands for two cells and
 /// does not lie inside its own (cell_pairs.h) the others are set to next to nothing, and all scaled to a sum of 1.
 struct NodePatches {
-  std::vector<std::array<int, 4>> node;      // (point_count) vertices of the point's cell
-  std::vector<std::array<double, 4>> weight; // (point_count) l_a(x_q), summing to 1
-  std::vector<double> volume;                // (node_count) V_a, m^3; 0 for a node in no point's cell
-  std::vector<double> bulk_modulus;          // (node_count) K_a, Pa: harmonic mean of the patch
+  std::vector<std::array<int, 4>> node;       // (point_count) vertices of the point's cell
+  std::vector<std::array<double, 4>> weight;  // (point_count) l_a(x_q), summing to 1
+  std::vector<double> volume;                 // (node_count) V_a, m^3; 0 for a node in no point's cell
+  std::vector<double> bulk_modulus;           // (node_count) K_a, Pa: harmonic mean of the patch
 
   bool empty() const { return node.empty(); }
 };

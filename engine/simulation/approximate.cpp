@@ -3,9 +3,9 @@
 #include <algorithm>
 
 #include "approximation/shape_functions.h"
-#include "discretization/adaptive_quadrature.h"
-#include "discretization/cell_pairs.h"
-#include "discretization/gradient_energy.h"
+#include "discretization/cells/adaptive_quadrature.h"
+#include "discretization/cells/cell_pairs.h"
+#include "discretization/gradients/gradient_energy.h"
 #include "simulation/scene_messages.h"
 
 namespace palpate {
@@ -19,8 +19,10 @@ IntegrationPoints choosePoints(const Scene& scene, const std::vector<Vec3>& X, c
                                const std::vector<int>& cell_material, std::vector<double>& radius) {
   const QuadratureSpec& spec = scene.quadrature;
   if (spec.cells_per_point != 1 && (spec.points_per_cell != 1 || spec.accuracy > 0))
-    throw InputError(placeOf(scene, "discretization.cells_per_point"), "cells can share a point only where each has one", "leave one of the two out");
-  if (spec.cells_per_point != 1) return makePairedPoints(X, cells, pairCells(X, cells, cell_material, spec.cells_per_point));
+    throw InputError(placeOf(scene, "discretization.cells_per_point"),
+                     "cells can share a point only where each has one", "leave one of the two out");
+  if (spec.cells_per_point != 1)
+    return makePairedPoints(X, cells, pairCells(X, cells, cell_material, spec.cells_per_point));
   if (spec.accuracy == 0) return makeIntegrationPoints(X, cells.cells, cells.volume, spec.points_per_cell);
   AdaptiveOptions options;
   options.accuracy = spec.accuracy;
@@ -30,8 +32,9 @@ IntegrationPoints choosePoints(const Scene& scene, const std::vector<Vec3>& X, c
   for (int attempt = 0;; ++attempt) {
     const Neighbours neighbours(X, radius);
     try {
-      auto adaptive = makeAdaptivePoints(X, cells.cells, cells.volume, options,
-                                         GradientEnergy(X, radius, neighbours, {scene.basis_degree, scene.mu}));
+      auto adaptive =
+          makeAdaptivePoints(X, cells.cells, cells.volume, options,
+                             GradientEnergy(X, radius, neighbours, {scene.basis_degree, scene.mmls_weight}));
       if (adaptive.not_finite.empty() || attempt == max_enlargements) return std::move(adaptive.points);
       std::vector<InadmissibleSupport> failed;
       for (int k = 0; k < static_cast<int>(adaptive.not_finite.size()); ++k) {
@@ -50,7 +53,7 @@ IntegrationPoints choosePoints(const Scene& scene, const std::vector<Vec3>& X, c
 Approximation approximate(const Scene& scene, const std::vector<Vec3>& X, std::vector<double> radius,
                           const std::vector<Vec3>& point_X, const std::vector<Vec3>& skin_X,
                           const std::vector<Vec3>& facet_X, const std::vector<Vec3>& boundary_X) {
-  const MmlsOptions options{scene.basis_degree, scene.mu};
+  const MmlsOptions options{scene.basis_degree, scene.mmls_weight};
   Approximation a;
   for (int attempt = 0;; ++attempt) {
     const Neighbours neighbours(X, radius);
@@ -65,8 +68,8 @@ Approximation approximate(const Scene& scene, const std::vector<Vec3>& X, std::v
       admissible = false;
       if (attempt == max_enlargements)
         throw InputError(placeOf(scene, "discretization.support_factor"),
-                         "the support of the point at " + coordinates((*at)[failed.front().row]) + " is inadmissible (" +
-                             std::to_string(failed.front().support_count) + " nodes)",
+                         "the support of the point at " + coordinates((*at)[failed.front().row]) +
+                             " is inadmissible (" + std::to_string(failed.front().support_count) + " nodes)",
                          "raise discretization.support_factor or lower discretization.spacing");
       std::vector<double> mine = radius;
       enlargeSupports(*at, failed, neighbours, mine);

@@ -3,8 +3,8 @@
 #include <vector>
 
 #include "approximation/shape_table.h"
-#include "discretization/background_cells.h"
-#include "discretization/integration_points.h"
+#include "discretization/cells/background_cells.h"
+#include "discretization/cells/integration_points.h"
 #include "simulation/scene.h"
 
 namespace palpate {

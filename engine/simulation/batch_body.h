@@ -19,9 +19,9 @@ class BatchBody {
     double min_J = 1;
     int worst_point = -1;
     int inverted_points = 0;
-    double max_increment = 0;            // m
+    double max_increment = 0;  // m
     bool finite = true;
-    Vec3 tool_force = Vec3::Zero();      // N, on the tool
+    Vec3 tool_force = Vec3::Zero();  // N, on the tool
   };
 
   /// One step of paper eqs. 12 and 21-25, the boundaries then being where they are at `time`:
@@ -54,9 +54,9 @@ class BatchBody {
   }
   const AlignedVector<double>& inverseMass() const { return inverse_mass_; }
 
-  AlignedVector<Double4> u;    // (node_count) displacement parameters, m
-  AlignedVector<Double4> du;   // (node_count) last increment, m
-  AlignedVector<Double4> f;    // (node_count) internal forces of the last step, N
+  AlignedVector<Double4> u;   // (node_count) displacement parameters, m
+  AlignedVector<Double4> du;  // (node_count) last increment, m
+  AlignedVector<Double4> f;   // (node_count) internal forces of the last step, N
 
  private:
   void contact(double alpha, Report& report);
@@ -69,8 +69,8 @@ class BatchBody {
   BoundaryScratchOf<double> boundary_scratch_;
   AlignedVector<double> inverse_mass_;
   AlignedVector<float> inverse_mass_float_;
-  double alpha_ = 1;            // of the last step, s^2
-  bool has_tool_ = false;       // a tool that was never moved is not there
+  double alpha_ = 1;       // of the last step, s^2
+  bool has_tool_ = false;  // a tool that was never moved is not there
   Pose tool_, previous_tool_;
   ContactState contact_;
   AlignedVector<Float4> u_float_, du_float_, du_before_;

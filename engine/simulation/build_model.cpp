@@ -4,7 +4,7 @@
 #include <chrono>
 #include <cmath>
 
-#include "discretization/facet_rule.h"
+#include "discretization/surface/facet_rule.h"
 #include "simulation/choose_time_step.h"
 #include "simulation/imposed_nodes.h"
 #include "simulation/scene_messages.h"
@@ -30,12 +30,13 @@ EssentialNodes essentialNodes(const Scene& scene, Preparation& p) {
 
 void placeTool(const Scene& scene, const SurfaceTree& tree, Model& model) {
   model.tool_start = {scene.tool_position, Quat::FromTwoVectors(-Vec3::UnitZ(), scene.tool_direction)};
-  model.touch_travel = touchTravel(model.skin.surface, scene.tool, model.tool_start);
+  model.first_contact_travel = firstContactTravel(model.skin.surface, scene.tool, model.tool_start);
   const Vec3 middle = model.tool_start.toWorld(Vec3(0, 0, scene.tool.radius));
-  if (model.touch_travel < 0 || tree.inside(scene.tool_position) || tree.inside(middle))
+  if (model.first_contact_travel < 0 || tree.inside(scene.tool_position) || tree.inside(middle))
     throw InputError(placeOf(scene, "tool.position"), "the tool starts inside the organ",
                      "move tool.position against tool.direction");
-  if (!std::isfinite(model.touch_travel)) model.touch_travel = 0;  // never touches: depth counts from the start
+  if (!std::isfinite(model.first_contact_travel))
+    model.first_contact_travel = 0;  // never touches: depth counts from the start
 }
 
 }  // namespace
@@ -49,11 +50,11 @@ Model buildModel(const Scene& scene, const TriangleSurface& organ, const Progres
 }
 
 Model finishModel(const Scene& scene, const SurfaceTree& tree, Preparation p, const Progress& progress) {
-  const auto tell = [&](const char* what, double fraction) {
+  const auto report = [&](const char* what, double fraction) {
     if (progress) progress(what, fraction);
   };
   const auto start = Clock::now();
-  tell("boundaries", 0.95);
+  report("boundaries", 0.95);
   Model model;
   model.scene = scene;
   model.materials = materialsOf(scene);
@@ -64,10 +65,12 @@ Model finishModel(const Scene& scene, const SurfaceTree& tree, Preparation p, co
   try {
     model.boundary = makeEssentialBoundary(model.essential, p.mass);
   } catch (const std::runtime_error& e) {
-    throw InputError(scene.boundaries.front().place, e.what(), "make the regions smaller or discretization.seed another");
+    throw InputError(scene.boundaries.front().place, e.what(),
+                     "make the regions smaller or discretization.seed another");
   }
   if (scene.node_patch_volume)
-    model.patches = makeNodePatches(p.X, p.cells, p.point_X, p.point_volume, p.point_cell, p.point_material, model.materials);
+    model.patches =
+        makeNodePatches(p.X, p.cells, p.point_X, p.point_volume, p.point_cell, p.point_material, model.materials);
   chooseTimeStep(scene, p.limit, p.X, model);
   double wave_speed = 0;
   double softest = model.materials[0].shear_modulus;
@@ -78,17 +81,19 @@ Model finishModel(const Scene& scene, const SurfaceTree& tree, Preparation p, co
   // Tissue does not move faster than sound in it; four times leaves room for whipping edges.
   model.max_increment = 4 * wave_speed * model.dt;
   double shear = 0;  // J, shear moduli times volumes
-  for (std::size_t q = 0; q < p.point_volume.size(); ++q) shear += p.point_volume[q] * model.materials[p.point_material[q]].shear_modulus;
-  model.rest_energy = 1e-5 * shear;  // of strains of about 0.3 %, far above float's rounding (of the stiffest part, too)
+  for (std::size_t q = 0; q < p.point_volume.size(); ++q)
+    shear += p.point_volume[q] * model.materials[p.point_material[q]].shear_modulus;
+  model.rest_energy =
+      1e-5 * shear;  // of strains of about 0.3 %, far above float's rounding (of the stiffest part, too)
   model.nearly_incompressible = std::all_of(model.materials.begin(), model.materials.end(), [](const Material& m) {
     return m.bulk_modulus > 2 * 1.45 / (3 * 0.1) * m.shear_modulus;  // Poisson's ratio 0.45
   });
   model.skin = buildSkinModel(p.skin, p.skin_shape, scene.tool.radius, 3 * softest);
   placeTool(scene, tree, model);
 
-  tell("kernel layout", 0.96);
-  model.kernel = makeKernelLayout(p.point_shape, p.point_X, p.point_volume, p.point_material, model.materials, nodes, model.patches,
-                                  scene.gradient_precision, p.X);
+  report("kernel layout", 0.96);
+  model.kernel = makeKernelLayout(p.point_shape, p.point_X, p.point_volume, p.point_material, model.materials, nodes,
+                                  model.patches, scene.gradient_precision, p.X);
 
   model.X = std::move(p.X);
   model.support_radius = std::move(p.support_radius);
@@ -105,7 +110,7 @@ Model finishModel(const Scene& scene, const SurfaceTree& tree, Preparation p, co
   model.point_shape = std::move(p.point_shape);
   model.node_shape = std::move(p.node_shape);
   model.skin_shape = std::move(p.skin_shape);
-  tell("ready", 1.0);
+  report("ready", 1.0);
   model.setup_seconds = std::chrono::duration<double>(Clock::now() - start).count();
   return model;
 }

@@ -33,19 +33,23 @@ void chooseTimeStep(const Scene& scene, const CriticalTimeStep& limit, const std
   const double tick = 1 / scene.rate_hz;
   const double reach = reachOf(scene);
   if (scene.time_step > 0) {
-    const Place place = placeOf(scene, "dynamics.time_step");
+    const SourceLocation place = placeOf(scene, "dynamics.time_step");
     const double substeps = std::round(tick / scene.time_step);
     if (substeps < 1 || std::abs(substeps * scene.time_step - tick) > 1e-6 * tick)
-      throw InputError(place, "a tick of " + number(tick) + " s is not a whole number of steps of " + number(scene.time_step) + " s",
-                       "use " + number(tick / std::max(1.0, std::ceil(tick / scene.time_step))) + " s, or leave time_step out");
+      throw InputError(
+          place, "a tick of " + number(tick) + " s is not a whole number of steps of " + number(scene.time_step) + " s",
+          "use " + number(tick / std::max(1.0, std::ceil(tick / scene.time_step))) + " s, or leave time_step out");
     model.substeps_per_tick = static_cast<int>(substeps);
     if (scene.time_step > limit.dt)
-      throw InputError(place, "time_step " + number(scene.time_step) + " s exceeds the critical " + number(limit.dt) +
-                                  " s (the stiffest row is the node at " + coordinates(X[limit.worst_node]) + ")",
-                       scene.mass_scaling > 0 ? "lower time_step, or raise mass_scaling" : "lower time_step, or coarsen discretization.spacing");
+      throw InputError(place,
+                       "time_step " + number(scene.time_step) + " s exceeds the critical " + number(limit.dt) +
+                           " s (the stiffest row is the node at " + coordinates(X[limit.worst_node]) + ")",
+                       scene.mass_scaling > 0 ? "lower time_step, or raise mass_scaling"
+                                              : "lower time_step, or coarsen discretization.spacing");
     if (scene.tool_max_speed * scene.time_step > reach * (1 + 1e-9))
-      throw InputError(place, "at tool.max_speed the tool travels " + number(scene.tool_max_speed * scene.time_step) +
-                                  " m in a step, more than the " + number(reach) + " m that the contact follows",
+      throw InputError(place,
+                       "at tool.max_speed the tool travels " + number(scene.tool_max_speed * scene.time_step) +
+                           " m in a step, more than the " + number(reach) + " m that the contact follows",
                        "lower time_step to " + number(reach / scene.tool_max_speed) + " s, or tool.max_speed");
   } else {
     model.substeps_per_tick = stepsPerTick(scene, limit.dt);

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "discretization/node_order.h"
-#include "discretization/refine_surface.h"
-#include "discretization/surface_geometry.h"
-#include "discretization/volume_fit.h"
+#include "discretization/nodes/node_order.h"
+#include "discretization/nodes/volume_fit.h"
+#include "discretization/surface/refine_surface.h"
+#include "discretization/surface/surface_geometry.h"
 #include "simulation/scene_messages.h"
 
 namespace palpate {
@@ -36,7 +36,8 @@ std::vector<FeatureEdges::Chain> rimsOf(const Scene& scene, const SurfaceTree& o
       // A hair inside, so that the nodes are in the region.
       const Vec3 arm = (region.radius - 1e-10) * (std::cos(angle) * e1 + std::sin(angle) * e2);
       const double past = 1e-3 * region.radius;  // beyond both ends
-      const auto hit = organ.firstHit(region.point + arm + (region.height + past) * region.normal, -region.normal, region.height + 2 * past);
+      const auto hit = organ.firstHit(region.point + arm + (region.height + past) * region.normal, -region.normal,
+                                      region.height + 2 * past);
       if (!hit) break;
       chain.points.push_back(hit->point);
     }
@@ -51,12 +52,12 @@ std::vector<FeatureEdges::Chain> rimsOf(const Scene& scene, const SurfaceTree& o
 
 Discretization discretize(const Scene& scene, const SurfaceTree& organ, const std::function<void(double)>& progress) {
   // What the set-up can hold: about 0.1 MB a node. A typing error in the spacing should not fill the memory.
-  constexpr double most_nodes = 60000;
+  constexpr double max_nodes = 60000;
   const double estimate = signedVolume(organ.surface()) / (0.7 * scene.spacing * scene.spacing * scene.spacing);
-  if (estimate > most_nodes)
+  if (estimate > max_nodes)
     throw InputError(placeOf(scene, "discretization.spacing"),
-                     "a spacing of " + number(scene.spacing) + " m makes about " + number(estimate) + " nodes, more than " +
-                         number(most_nodes),
+                     "a spacing of " + number(scene.spacing) + " m makes about " + number(estimate) +
+                         " nodes, more than " + number(max_nodes),
                      "raise it, and refine where the tool works");
 
   Discretization d;
@@ -85,7 +86,8 @@ TriangleSurface refineForContact(const Scene& scene, const TriangleSurface& orga
   });
 }
 
-std::vector<double> supportRadii(const std::vector<Vec3>& X, const std::vector<std::array<int, 4>>& cells, double factor) {
+std::vector<double> supportRadii(const std::vector<Vec3>& X, const std::vector<std::array<int, 4>>& cells,
+                                 double factor) {
   std::vector<double> sum(X.size(), 0);
   std::vector<int> count(X.size(), 0);
   for (const auto& cell : cells)

@@ -4,9 +4,9 @@
 #include <functional>
 #include <vector>
 
-#include "discretization/background_cells.h"
-#include "discretization/node_cloud.h"
-#include "discretization/surface_tree.h"
+#include "discretization/cells/background_cells.h"
+#include "discretization/nodes/node_cloud.h"
+#include "discretization/surface/surface_tree.h"
 #include "simulation/scene.h"
 
 namespace palpate {
@@ -25,6 +25,7 @@ Discretization discretize(const Scene& scene, const SurfaceTree& organ, const st
 TriangleSurface refineForContact(const Scene& scene, const TriangleSurface& organ);
 
 /// R_j = factor * (mean length of the cell edges at node j), m (node_count).
-std::vector<double> supportRadii(const std::vector<Vec3>& X, const std::vector<std::array<int, 4>>& cells, double factor);
+std::vector<double> supportRadii(const std::vector<Vec3>& X, const std::vector<std::array<int, 4>>& cells,
+                                 double factor);
 
 }  // namespace palpate

@@ -5,16 +5,16 @@
 
 namespace palpate {
 
-double EnergyBalance::look(double strain, double kinetic, double alternating, double dt, double floor) {
+double EnergyBalance::update(double strain, double kinetic, double acceleration_energy, double dt, double floor) {
   constexpr double memory = 0.25;  // s
   const double kept = std::exp(-dt / memory), now = strain - work;
   drift = drift * kept + (fresh ? 0 : now - mismatch);
   mismatch = now;
   fresh = false;
   scale = std::max({scale * kept, strain + kinetic, floor});
-  alternating_shares[static_cast<std::size_t>(next_share)] = alternating / scale;
-  next_share = (next_share + 1) % static_cast<int>(alternating_shares.size());
-  return std::abs(drift) / scale + *std::min_element(alternating_shares.begin(), alternating_shares.end());
+  acceleration_shares[static_cast<std::size_t>(next_share)] = acceleration_energy / scale;
+  next_share = (next_share + 1) % static_cast<int>(acceleration_shares.size());
+  return std::abs(drift) / scale + *std::min_element(acceleration_shares.begin(), acceleration_shares.end());
 }
 
 }  // namespace palpate

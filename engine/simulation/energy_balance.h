@@ -16,19 +16,19 @@ namespace palpate {
 ///    In a linear body these are equal whatever the step; where deformation changes the stiffness faster than the
 ///    steps follow, they part. What they part by is forgotten after a while, so that the roundings of hours do not add up.
 struct EnergyBalance {
-  double work = 0;       // J, W
-  double mismatch = 0;   // J, U - W when last looked
-  double drift = 0;      // J, by how much that changed of late
-  double scale = 0;      // J, largest U + T of late
-  std::array<double, 4> alternating_shares{};  // Q / scale of the last steps, as a ring
+  double work = 0;                              // J, W
+  double mismatch = 0;                          // J, U - W when last looked
+  double drift = 0;                             // J, by how much that changed of late
+  double scale = 0;                             // J, largest U + T of late
+  std::array<double, 4> acceleration_shares{};  // Q / scale of the last steps, as a ring
   int next_share = 0;
-  bool fresh = true;     // the next look has nothing to compare with (start, materials changed)
+  bool fresh = true;  // the next look has nothing to compare with (start, materials changed)
 
   /// Takes the energies of a step, J.
-  /// @param alternating  Q
+  /// @param acceleration_energy  Q
   /// @param floor        energy below which is rounding
-  /// @return |drift| / scale + the least alternating share
-  double look(double strain, double kinetic, double alternating, double dt, double floor);
+  /// @return |drift| / scale + the least share of Q
+  double update(double strain, double kinetic, double acceleration_energy, double dt, double floor);
 };
 
 }  // namespace palpate

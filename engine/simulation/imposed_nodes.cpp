@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "discretization/facet_rule.h"
+#include "discretization/surface/facet_rule.h"
 #include "simulation/scene_messages.h"
 #include "simulation/scene_regions.h"
 
@@ -63,12 +63,14 @@ EssentialNodes chooseImposed(const Scene& scene, const NodeCloud& cloud, const S
       }
     }
     if (found == 0)
-      throw InputError(spec.place, "no node lies in this region", "move or enlarge it (node spacing is " + number(scene.spacing) + " m)");
+      throw InputError(spec.place, "no node lies in this region",
+                       "move or enlarge it (node spacing is " + number(scene.spacing) + " m)");
   }
   return essential;
 }
 
-std::vector<Vec3> essentialFacets(const NodeCloud& cloud, const std::vector<std::array<int, 3>>& outer, EssentialNodes& essential) {
+std::vector<Vec3> essentialFacets(const NodeCloud& cloud, const std::vector<std::array<int, 3>>& outer,
+                                  EssentialNodes& essential) {
   std::vector<bool> imposed(cloud.X.size(), false);
   for (const auto& node : essential.nodes) imposed[node.node] = true;
   std::vector<Vec3> points;

@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "discretization/node_cloud.h"
-#include "discretization/surface_tree.h"
+#include "discretization/nodes/node_cloud.h"
+#include "discretization/surface/surface_tree.h"
 #include "mechanics/essential_boundary.h"
 #include "simulation/scene.h"
 
@@ -18,7 +18,8 @@ EssentialNodes chooseImposed(const Scene& scene, const NodeCloud& cloud, const S
 
 /// Sets the facets that EBCIEM integrates over; returns the places of their quadrature points, m.
 /// @param outer  the cells' outer faces
-std::vector<Vec3> essentialFacets(const NodeCloud& cloud, const std::vector<std::array<int, 3>>& outer, EssentialNodes& essential);
+std::vector<Vec3> essentialFacets(const NodeCloud& cloud, const std::vector<std::array<int, 3>>& outer,
+                                  EssentialNodes& essential);
 
 /// Bit c set: component c is imposed (node_count).
 std::vector<std::uint8_t> imposedComponents(const std::vector<ImposedNode>& nodes, std::size_t node_count);

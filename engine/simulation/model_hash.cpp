@@ -7,30 +7,30 @@
 namespace palpate {
 namespace {
 
-void add(Key& key, const KernelLayout& kernel) {
+void add(ByteKey& key, const KernelLayout& kernel) {
   key.add(chosenInstructionSet());  // its rounding depends on it
   key.add(kernel.node, kernel.short_node, kernel.gradN, kernel.rounded_gradN, kernel.scale, kernel.volume);
   key.add(kernel.batch_material, kernel.patch_begin, kernel.patch_point, kernel.patch_node);
   key.add(kernel.patch_share, kernel.patch_weight);
 }
 
-void add(Key& key, const Material& m) {
+void add(ByteKey& key, const Material& m) {
   key.add(m.kind, m.shear_modulus, m.bulk_modulus, m.term_count, m.mu, m.alpha, m.barrier_strength, m.barrier_J0);
 }
 
-void add(Key& key, const EssentialBoundary& boundary) {
+void add(ByteKey& key, const EssentialBoundary& boundary) {
   for (const EssentialBoundary::Set& set : boundary.sets)
     key.add(set.mask, set.node, set.boundary, set.phi.value, set.v.value, set.u.value);
   for (const BoundaryMotion& m : boundary.motions)
     key.add(m.translation, m.axis_point, m.axis, m.angle, m.duration, m.curve.kind, m.curve.time, m.curve.fraction);
 }
 
-void add(Key& key, const ToolShape& tool) { key.add(tool.kind, tool.radius, tool.length, tool.edge_radius); }
+void add(ByteKey& key, const ToolShape& tool) { key.add(tool.kind, tool.radius, tool.length, tool.edge_radius); }
 
 }  // namespace
 
 std::uint64_t modelHash(const Model& model) {
-  Key key;
+  ByteKey key;
   key.add(model.X, model.point_X, model.inverse_mass);
   add(key, model.kernel);
   for (const Material& m : model.materials) add(key, m);

@@ -3,8 +3,8 @@
 #include <algorithm>
 
 #include "base/parallel_for.h"
-#include "discretization/boundary_points.h"
-#include "discretization/consistent_gradients.h"
+#include "discretization/gradients/boundary_points.h"
+#include "discretization/gradients/consistent_gradients.h"
 #include "mechanics/lumped_mass.h"
 #include "mechanics/mass_scaling.h"
 #include "mechanics/node_patch.h"
@@ -25,13 +25,6 @@ std::vector<int> materialsAt(const Scene& scene, const std::vector<Vec3>& X, con
   return material;
 }
 
-std::vector<Vec3> centroids(const std::vector<Vec3>& X, const std::vector<std::array<int, 4>>& cells) {
-  std::vector<Vec3> centroid;
-  centroid.reserve(cells.size());
-  for (const auto& [a, b, c, d] : cells) centroid.push_back((X[a] + X[b] + X[c] + X[d]) / 4);
-  return centroid;
-}
-
 }  // namespace
 
 std::vector<Material> materialsOf(const Scene& scene) {
@@ -41,28 +34,29 @@ std::vector<Material> materialsOf(const Scene& scene) {
 }
 
 Preparation prepare(const Scene& scene, const SurfaceTree& tree, const Progress& progress) {
-  const auto tell = [&](double share) {
+  const auto report = [&](double share) {
     if (progress) progress("nodes and cells", 0.43 * share);
   };
-  tell(0);
-  return prepare(scene, tree, discretize(scene, tree, tell), progress);
+  report(0);
+  return prepare(scene, tree, discretize(scene, tree, report), progress);
 }
 
-Preparation prepare(const Scene& scene, const SurfaceTree& tree, Discretization discretization, const Progress& progress) {
+Preparation prepare(const Scene& scene, const SurfaceTree& tree, Discretization discretization,
+                    const Progress& progress) {
   // Shares of the time with 33,000 nodes and 190,000 points on two cores.
-  const auto tell = [&](const char* what, double fraction) {
+  const auto report = [&](const char* what, double fraction) {
     if (progress) progress(what, fraction);
   };
   Preparation p;
   auto& [cloud, cells] = discretization;
   p.surface_volume = cells.surface_volume;
   p.cell_volume = cells.total_volume;
-  tell("integration points", 0.43);
+  report("integration points", 0.43);
   auto radius = supportRadii(cloud.X, cells.cells, scene.support_factor);
   const std::vector<int> cell_material = materialsAt(scene, centroids(cloud.X, cells.cells), tree);
   auto points = choosePoints(scene, cloud.X, cells, cell_material, radius);
 
-  tell("skin", 0.43);
+  report("skin", 0.43);
   p.skin = refineForContact(scene, tree.surface());
 
   EssentialNodes essential = chooseImposed(scene, cloud, tree);
@@ -77,15 +71,15 @@ Preparation prepare(const Scene& scene, const SurfaceTree& tree, Discretization 
         integrated ? std::vector<std::uint8_t>(cloud.X.size(), 0) : imposedComponents(essential.nodes, cloud.X.size());
     boundary = boundaryPoints(cloud.X, outer, lumped);
   }
-  tell("shape functions", 0.44);
+  report("shape functions", 0.44);
   auto shape = approximate(scene, cloud.X, std::move(radius), points.X, p.skin.vertices, facet_X, boundary.X);
   if (scene.consistent_gradients) {
-    tell("consistent gradients", 0.58);
+    report("consistent gradients", 0.58);
     // 1e-6 leaves 1e-7 of the displacement.
     correctGradients(shape.points, points.X, points.volume, cloud.X, boundary, shape.boundary, 1e-6);
   }
 
-  tell("mass and stable step", 0.81);
+  report("mass and stable step", 0.81);
   const std::vector<Material> materials = materialsOf(scene);
   p.point_material = materialsAt(scene, points.X, tree);
   for (std::size_t q = 0; q < points.other_cell.size(); ++q)  // between two cells of one material may lie another
@@ -102,7 +96,8 @@ Preparation prepare(const Scene& scene, const SurfaceTree& tree, Discretization 
   while (scene.mass_scaling > 0) {  // fewer and fewer steps to a tick, while they cost no more than the scene grants
     const double wanted = nextCriticalStep(scene, p.limit.dt);
     if (wanted == 0) break;
-    ScaledMass scaled = scaleMass(shape.points, points.volume, p.point_material, materials, own_mass, patches, own_limit, wanted);
+    ScaledMass scaled =
+        scaleMass(shape.points, points.volume, p.point_material, materials, own_mass, patches, own_limit, wanted);
     if (scaled.added > scene.mass_scaling || scaled.limit.dt < wanted) break;
     p.mass = std::move(scaled.mass);
     p.limit = scaled.limit;

@@ -17,17 +17,17 @@ namespace palpate {
 struct Region {
   enum class Kind { HalfSpace, Box, Sphere, NearPlane, Cylinder, Shell };
   Kind kind = Kind::HalfSpace;
-  Vec3 point = Vec3::Zero();     // m; HalfSpace, NearPlane: a point of the plane; Sphere: its centre;
-                                 // Cylinder: the middle of its base
-  Vec3 normal = Vec3::UnitZ();   // unit; HalfSpace: inside is where (x - point) . normal <= 0;
-                                 // Cylinder: its axis, from the base up
-  Vec3 min = Vec3::Zero();       // Box, m
-  Vec3 max = Vec3::Zero();       // Box, m
-  double radius = 0;             // Sphere, Cylinder, m
-  double height = 0;             // Cylinder, m
-  double distance = 0;           // m; NearPlane: |(x - point) . normal| <= distance; Shell: no further from
-                                 // the organ's surface than this
-  Place place;                   // where the scene file says so
+  Vec3 point = Vec3::Zero();    // m; HalfSpace, NearPlane: a point of the plane; Sphere: its centre;
+                                // Cylinder: the middle of its base
+  Vec3 normal = Vec3::UnitZ();  // unit; HalfSpace: inside is where (x - point) . normal <= 0;
+                                // Cylinder: its axis, from the base up
+  Vec3 min = Vec3::Zero();      // Box, m
+  Vec3 max = Vec3::Zero();      // Box, m
+  double radius = 0;            // Sphere, Cylinder, m
+  double height = 0;            // Cylinder, m
+  double distance = 0;          // m; NearPlane: |(x - point) . normal| <= distance; Shell: no further from
+                                // the organ's surface than this
+  SourceLocation place;         // where the scene file says so
 
   /// True where x (m, reference configuration) lies inside or within `tolerance` of it.
   /// @param surface_distance  of x from the organ's surface, m; only a Shell needs it
@@ -39,22 +39,22 @@ struct Region {
 struct MaterialSpec {
   enum class Kind { NeoHookean, Ogden };
   Kind kind = Kind::NeoHookean;
-  double young = 3000;      // Pa, NeoHookean
-  double poisson = 0.49;    // NeoHookean
+  double young = 3000;              // Pa, NeoHookean
+  double poisson = 0.49;            // NeoHookean
   std::vector<double> ogden_mu;     // Pa, one per term (paper eq. 32: mu_1)
   std::vector<double> ogden_alpha;  // one per term (paper eq. 32: a_1)
   double ogden_D1 = 0;              // 1/Pa; bulk modulus 2/D1
   double barrier_strength = 0;      // against collapse (Material); 0: none
   double barrier_J0 = 0.5;
-  double density = 1000;            // kg/m^3
-  bool everywhere = true;           // otherwise only inside `region` (later entries win)
+  double density = 1000;   // kg/m^3
+  bool everywhere = true;  // otherwise only inside `region` (later entries win)
   Region region;
-  Place place;
+  SourceLocation place;
 };
 
 /// Nodes whose displacement is imposed: zero, or a translation after a rotation, both in the measure of `curve`.
 struct BoundarySpec {
-  std::string name;                        // in results; "fixed 1", "prescribed 2" where the scene gives none
+  std::string name;  // in results; "fixed 1", "prescribed 2" where the scene gives none
   Region region;
   bool component[3] = {true, true, true};  // which of x, y, z are imposed
   Vec3 translation = Vec3::Zero();         // m
@@ -63,30 +63,30 @@ struct BoundarySpec {
   double angle = 0;                        // rad, right-handed about axis
   double duration = 0;                     // s; 0 for a fixed region
   LoadCurve curve;
-  bool surface_only = false;               // choose surface nodes only
-  Place place;
+  bool surface_only = false;  // choose surface nodes only
+  SourceLocation place;
 };
 
 /// Quadrature of the background cells, paper section 2.5.
 struct QuadratureSpec {
-  int points_per_cell = 1;   // 1, 4 or 5
+  int points_per_cell = 1;     // 1, 4 or 5
   double cells_per_point = 1;  // 1 .. 2: so many cells share a point, in pairs (cell_pairs.h)
-  double accuracy = 0;       // tau of the adaptive quadrature; 0: not adaptive
-  int division = 8;          // a cell that fails is divided into 2, 4 or 8
-  int max_depth = 4;         // divisions of a cell after one another
+  double accuracy = 0;         // tau of the adaptive quadrature; 0: not adaptive
+  int division = 8;            // a cell that fails is divided into 2, 4 or 8
+  int max_depth = 4;           // divisions of a cell after one another
 };
 
 /// What `mtled solve` does with the scene.
 struct SolveSpec {
   enum class Mode { Static, Transient };
-  Mode mode = Mode::Static;       // Static: dynamic relaxation (paper section 2.3); the time of load curves is then
-                                  // a measure of the load only
-  double tolerance = 1e-4;        // Static: estimated error of the displacements, as a share of the largest
-  int load_steps = 10;            // Static: equilibria on the way, written to force.csv
-  double end_time = 0;            // s; 0: the longest duration of the prescribed motions
-  int frames = 10;                // results written for ParaView
-  std::string probes_file;        // CSV with columns X,Y,Z (m); "" for none
-  Place place;
+  Mode mode = Mode::Static;  // Static: dynamic relaxation (paper section 2.3); the time of load curves is then
+                             // a measure of the load only
+  double tolerance = 1e-4;   // Static: estimated error of the displacements, as a share of the largest
+  int load_steps = 10;       // Static: equilibria on the way, written to force.csv
+  double end_time = 0;       // s; 0: the longest duration of the prescribed motions
+  int frames = 10;           // results written for ParaView
+  std::string probes_file;   // CSV with columns X,Y,Z (m); "" for none
+  SourceLocation place;
 };
 
 /// A finer spacing inside a sphere, blending linearly to the global one over `blend`.
@@ -95,70 +95,70 @@ struct RefineSpec {
   double radius = 0;           // m
   double spacing = 0;          // m
   double blend = 0;            // m; 0: chosen as three times the difference of the spacings
-  Place place;
+  SourceLocation place;
 };
 
 /// Everything a scene file says, validated as far as that needs no geometry.
 /// Plain data; `io/scene_file.h` reads it, `simulation/build_model.h` turns it into a Model.
 struct Scene {
   std::string name;
-  Place place;                            // the file itself
-  std::map<std::string, Place> places;    // where a key stands ("dynamics.time_step"), for errors
+  SourceLocation place;                          // the file itself
+  std::map<std::string, SourceLocation> places;  // where a key stands ("dynamics.time_step"), for errors
 
   // organ
   enum class Solid { Surface, Box, Cylinder, Ellipsoid };
   Solid solid = Solid::Surface;
-  std::string surface_file;               // absolute or relative to the working directory; OBJ or STL
-  double surface_scale = 1.0;             // m per file unit
-  Vec3 size = Vec3::Zero();               // Box: edge lengths, m; base centred at the origin, z from 0
-  double radius = 0, height = 0;          // Cylinder: m; axis z, base centred at the origin
-  Vec3 semi_axes = Vec3::Zero();          // Ellipsoid: m, centred at the origin
-  bool upper_half = false;                // Ellipsoid: only z >= 0
+  std::string surface_file;       // absolute or relative to the working directory; OBJ or STL
+  double surface_scale = 1.0;     // m per file unit
+  Vec3 size = Vec3::Zero();       // Box: edge lengths, m; base centred at the origin, z from 0
+  double radius = 0, height = 0;  // Cylinder: m; axis z, base centred at the origin
+  Vec3 semi_axes = Vec3::Zero();  // Ellipsoid: m, centred at the origin
+  bool upper_half = false;        // Ellipsoid: only z >= 0
 
   // discretization
-  double spacing = 0.01;                  // m, target distance of neighbouring nodes
+  double spacing = 0.01;  // m, target distance of neighbouring nodes
   unsigned seed = 1;
   QuadratureSpec quadrature;
-  int basis_degree = 2;                   // 1 or 2
-  double support_factor = 1.8;            // R / h, h the local mean edge length
-  double mu = 0.2;                        // dimensionless weight of the MMLS constraints
-  bool consistent_gradients = true;       // correct the gradients to the divergence theorem (consistent_gradients.h)
-  bool node_patch_volume = true;          // average the volume over node patches, against locking (node_patch.h)
+  int basis_degree = 2;              // 1 or 2
+  double support_factor = 1.8;       // R / h, h the local mean edge length
+  double mmls_weight = 0.2;          // dimensionless weight of the MMLS constraints
+  bool consistent_gradients = true;  // correct the gradients to the divergence theorem (consistent_gradients.h)
+  bool node_patch_volume = true;     // average the volume over node patches, against locking (node_patch.h)
   enum class BoundaryMethod { Sebciem, Ebciem };
   BoundaryMethod boundary_method = BoundaryMethod::Sebciem;  // paper eqs. 18-20 or 14-17
   std::vector<RefineSpec> refine;
 
-  std::vector<MaterialSpec> materials;    // at least one, the first applies everywhere
-  std::vector<BoundarySpec> boundaries;   // at least one fixed
+  std::vector<MaterialSpec> materials;   // at least one, the first applies everywhere
+  std::vector<BoundarySpec> boundaries;  // at least one fixed
 
   // dynamics
-  double rate_hz = 500;                   // 100 .. 2000; one tick is 1/rate
-  double time_step = 0;                   // s; 0: the largest whole division of a tick below safety * critical
-  double step_safety = 0.6;               // of the critical step
-  double mass_scaling = 0;                // share of the body's mass that may be added to spare steps of a tick
-  double damping = 20;                    // 1/s, mass-proportional: M u'' + c M u'
-  int threads = 1;                        // physics threads
+  double rate_hz = 500;      // 100 .. 2000; one tick is 1/rate
+  double time_step = 0;      // s; 0: the largest whole division of a tick below safety * critical
+  double step_safety = 0.6;  // of the critical step
+  double mass_scaling = 0;   // share of the body's mass that may be added to spare steps of a tick
+  double damping = 20;       // 1/s, mass-proportional: M u'' + c M u'
+  int threads = 1;           // physics threads
   GradientPrecision gradient_precision = GradientPrecision::Float32;  // of the real-time kernel
 
   SolveSpec solve;
 
   // tool and contact
   ToolShape tool;
-  Vec3 tool_position = Vec3(0, 0, 0.1);   // m, tip
-  Vec3 tool_direction = -Vec3::UnitZ();   // unit, the way the tip points
-  double tool_max_speed = 1.0;            // m/s; a faster command is followed at this speed
-  double friction = 0;                    // Coulomb coefficient
+  Vec3 tool_position = Vec3(0, 0, 0.1);  // m, tip
+  Vec3 tool_direction = -Vec3::UnitZ();  // unit, the way the tip points
+  double tool_max_speed = 1.0;           // m/s; a faster command is followed at this speed
+  double friction = 0;                   // Coulomb coefficient
 
   // force output
-  double filter_cutoff_hz = 30;           // first-order low-pass
-  double force_rate_limit = 200;          // N/s
+  double filter_cutoff_hz = 30;   // first-order low-pass
+  double force_rate_limit = 200;  // N/s
 
   // picture
-  Vec3 camera_target = Vec3::Zero();      // m
-  double camera_distance = 0.5;           // m
-  double camera_azimuth_deg = -60;        // around +z, from +x
+  Vec3 camera_target = Vec3::Zero();  // m
+  double camera_distance = 0.5;       // m
+  double camera_azimuth_deg = -60;    // around +z, from +x
   double camera_elevation_deg = 25;
-  double camera_fov_deg = 35;             // vertical
+  double camera_fov_deg = 35;                   // vertical
   Vec3 tissue_colour = Vec3(0.62, 0.21, 0.17);  // linear-light albedo, 0..1
 };
 

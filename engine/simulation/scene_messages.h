@@ -20,7 +20,7 @@ inline std::string coordinates(const Vec3& x) {
 }
 
 /// Where a key stands, or the scene file where it is left out.
-inline Place placeOf(const Scene& scene, const std::string& key) {
+inline SourceLocation placeOf(const Scene& scene, const std::string& key) {
   const auto it = scene.places.find(key);
   return it == scene.places.end() ? scene.place : it->second;
 }

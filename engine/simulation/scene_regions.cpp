@@ -1,6 +1,5 @@
 #include "simulation/scene_regions.h"
 
-
 namespace palpate {
 
 bool contains(const Region& region, const Vec3& x, const SurfaceTree& organ) {

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "discretization/surface_tree.h"
-#include "mechanics/material.h"
+#include "discretization/surface/surface_tree.h"
+#include "mechanics/materials/material.h"
 #include "simulation/scene.h"
 
 namespace palpate {

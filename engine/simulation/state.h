@@ -10,8 +10,8 @@ namespace palpate {
 
 /// What a viewer, script or replay asks of one tick.
 struct Command {
-  Pose tool_target;            // where the tool should be at the end of the tick
-  int pull_vertex = -1;        // skin vertex pulled by a spring; -1: none
+  Pose tool_target;                 // where the tool should be at the end of the tick
+  int pull_vertex = -1;             // skin vertex pulled by a spring; -1: none
   Vec3 pull_target = Vec3::Zero();  // m, world
 };
 
@@ -27,45 +27,45 @@ enum StepFlag : std::uint32_t {
 /// Why the numbers of a step should not be believed, the gravest that applies (simulation/trust.h).
 enum class Doubt : std::uint8_t {
   None,
-  Volume,     // nearly incompressible tissue has changed its volume, or is under a pressure far above its shear modulus
-  Contact,    // the tool is deep in the skin, or touches more of it than there is memory for
-  Squeezed,   // a point is near collapse
-  Step,       // deformation has stiffened the tissue beyond what the time step is stable for
-  Energy,     // the steps make energy
-  Inverted,   // a point is inside out
-  Lost,       // not finite, or blown up
+  Volume,    // nearly incompressible tissue has changed its volume, or is under a pressure far above its shear modulus
+  Contact,   // the tool is deep in the skin, or touches more of it than there is memory for
+  Squeezed,  // a point is near collapse
+  Step,      // deformation has stiffened the tissue beyond what the time step is stable for
+  Energy,    // the steps make energy
+  Inverted,  // a point is inside out
+  Lost,      // not finite, or blown up
 };
 
 /// One step's (or, accumulated, one tick's) outcome.
 struct StepReport {
   std::uint32_t flags = 0;
-  int worst_point = -1;            // integration point with min J
-  int worst_node = -1;             // node that moved furthest in one step, or is not finite
+  int worst_point = -1;  // integration point with min J
+  int worst_node = -1;   // node that moved furthest in one step, or is not finite
   float min_J = 1;
   int inverted_points = 0;
-  float max_increment = 0;         // m, largest |du| of a node in one step
-  Vec3 tool_force = Vec3::Zero();      // N, on the tool
-  Vec3 base_reaction = Vec3::Zero();   // N, of the held (imposed and not moving) nodes on the tissue
-  int contact_count = 0;           // skin vertices that carry force
-  double max_penetration = 0;      // m
+  float max_increment = 0;            // m, largest |du| of a node in one step
+  Vec3 tool_force = Vec3::Zero();     // N, on the tool
+  Vec3 base_reaction = Vec3::Zero();  // N, of the held (imposed and not moving) nodes on the tissue
+  int contact_count = 0;              // skin vertices that carry force
+  double max_penetration = 0;         // m
   // For simulation/trust.h.
-  double strain_energy = 0;        // J
-  double kinetic_energy = 0;       // J
-  double energy_error = 0;         // of EnergyBalance
-  double volume_change = 0;        // relative, of all integration points
-  double step_share = 0;           // dt over the stable step, as the tissue is now
+  double strain_energy = 0;   // J
+  double kinetic_energy = 0;  // J
+  double energy_error = 0;    // of EnergyBalance
+  double volume_change = 0;   // relative, of all integration points
+  double step_share = 0;      // dt over the stable step, as the tissue is now
 };
 
 /// All that changes during a run. Equal states give equal futures, bit for bit.
 struct State {
-  std::int64_t tick = 0;           // ticks done
-  std::int64_t step = 0;           // steps of dt done; physics time is step * dt
-  AlignedVector<Float4> u;         // (node_count) displacement parameters, m
-  AlignedVector<Float4> du;        // (node_count) last step's increment, m
-  AlignedVector<Float4> u_low;     // (node_count) what float32 lost of u (Kahan), m
+  std::int64_t tick = 0;        // ticks done
+  std::int64_t step = 0;        // steps of dt done; physics time is step * dt
+  AlignedVector<Float4> u;      // (node_count) displacement parameters, m
+  AlignedVector<Float4> du;     // (node_count) last step's increment, m
+  AlignedVector<Float4> u_low;  // (node_count) what float32 lost of u (Kahan), m
   Pose tool_pose;
   ContactState contact;
-  EnergyBalance energy;            // watches; nothing depends on it
+  EnergyBalance energy;  // watches; nothing depends on it
 };
 
 }  // namespace palpate

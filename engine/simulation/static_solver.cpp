@@ -24,7 +24,8 @@ double diagonal(const std::vector<Vec3>& X) {
 StaticSolver::StaticSolver(const Model& model, int threads, double tolerance)
     : model_(model),
       tolerance_(tolerance),
-      mass_(gershgorinRows(model.point_shape, model.point_volume, model.point_material, model.materials, model.X.size())),
+      mass_(
+          gershgorinRows(model.point_shape, model.point_volume, model.point_material, model.materials, model.X.size())),
       body_(model, mass_, threads),
       relaxation_(1.0),
       size_(diagonal(model.X)),
@@ -33,8 +34,8 @@ StaticSolver::StaticSolver(const Model& model, int threads, double tolerance)
   updateStep();
 }
 
-void StaticSolver::resume(double time, const AlignedVector<Double4>& u,
-                            const std::optional<Pose>& tool, double largest) {
+void StaticSolver::resume(double time, const AlignedVector<Double4>& u, const std::optional<Pose>& tool,
+                          double largest) {
   largest_so_far_ = largest;
   time_ = time;
   body_.restore(u, AlignedVector<Double4>(u.size()));
@@ -85,7 +86,7 @@ void StaticSolver::observeFrequency() {
 
 StaticSolver::Outcome StaticSolver::relax(double time, const std::optional<Pose>& tool, int ramp, const Watch& watch,
                                           Equilibrium& equilibrium) {
-  constexpr int calm_needed = 20;        // iterations below the tolerance in a row
+  constexpr int calm_needed = 20;  // iterations below the tolerance in a row
   constexpr int reference_interval = 200;
   constexpr int watch_interval = 25;
   const double from = time_;
@@ -111,7 +112,8 @@ StaticSolver::Outcome StaticSolver::relax(double time, const std::optional<Pose>
     equilibrium.tool_force = report.tool_force;
     if (k % reference_interval == 1) {
       u_reference_ = body_.u;
-      for (std::size_t i = 0; i < u_reference_.size(); ++i) store(u_reference_[i], load(body_.u[i]) - load(body_.du[i]));
+      for (std::size_t i = 0; i < u_reference_.size(); ++i)
+        store(u_reference_[i], load(body_.u[i]) - load(body_.du[i]));
       f_reference_ = body_.f;
     } else {
       observeFrequency();

@@ -10,15 +10,15 @@ namespace palpate {
 
 /// Where a static solution stands after one load step.
 struct Equilibrium {
-  double time = 0;             // s, of the load curves
-  int iterations = 0;          // of this load step, failed attempts included
-  double error = 0;            // m, estimated distance of the displacement parameters from equilibrium
-  double largest = 0;          // m, largest displacement parameter
-  bool converged = false;      // error was below the tolerance for 20 iterations in a row
-  bool interrupted = false;    // the state is that of the last equilibrium
-  bool diverged = false;       // no step was small enough; the state is that of the last equilibrium
+  double time = 0;           // s, of the load curves
+  int iterations = 0;        // of this load step, failed attempts included
+  double error = 0;          // m, estimated distance of the displacement parameters from equilibrium
+  double largest = 0;        // m, largest displacement parameter
+  bool converged = false;    // error was below the tolerance for 20 iterations in a row
+  bool interrupted = false;  // the state is that of the last equilibrium
+  bool diverged = false;     // no step was small enough; the state is that of the last equilibrium
   double min_J = 1;
-  int worst_point = -1;        // with min J
+  int worst_point = -1;  // with min J
   int inverted_points = 0;
   Vec3 tool_force = Vec3::Zero();  // N, on the tool
 };
@@ -44,8 +44,7 @@ class StaticSolver {
   const BatchBody& body() const { return body_; }
   double time() const { return time_; }
   /// Goes on from a state that was saved. @param largest  m, largestSoFar() then
-  void resume(double time, const AlignedVector<Double4>& u,
-              const std::optional<Pose>& tool, double largest = 0);
+  void resume(double time, const AlignedVector<Double4>& u, const std::optional<Pose>& tool, double largest = 0);
   double largestSoFar() const { return largest_so_far_; }
   double convergenceRate() const { return relaxation_.convergenceRate(); }
 
@@ -59,13 +58,13 @@ class StaticSolver {
 
   const Model& model_;
   double tolerance_;
-  std::vector<double> mass_;     // fictitious, kg
+  std::vector<double> mass_;  // fictitious, kg
   BatchBody body_;
   DynamicRelaxation relaxation_;
   double time_ = 0;
-  double size_ = 0;              // m, of the body
-  double largest_so_far_ = 0;    // m, displacement parameter
-  double caution_ = 1;           // extra share of the stable step after a blow-up
+  double size_ = 0;            // m, of the body
+  double largest_so_far_ = 0;  // m, displacement parameter
+  double caution_ = 1;         // extra share of the stable step after a blow-up
   AlignedVector<Double4> u_reference_, f_reference_, probe_u_, probe_f_;
 };
 

@@ -24,7 +24,9 @@ constexpr int node_parts = 8;
 /// Runs each(part, begin, end) for all parts [begin, end) of the nodes.
 template <class Each>
 void forNodes(const Model& model, Workspace& workspace, Each each) {
-  const auto border = [n = std::int64_t{model.nodeCount()}](int part) { return static_cast<int>(n * part / node_parts); };
+  const auto border = [n = std::int64_t{model.nodeCount()}](int part) {
+    return static_cast<int>(n * part / node_parts);
+  };
   shareOut(workspace.team, node_parts, [&](int part) { each(part, border(part), border(part + 1)); });
 }
 
@@ -76,16 +78,16 @@ void pull(const Model& model, const Command& command, State& state) {
 struct Moved {
   float distance2 = 0;  // m^2
   int node = -1, not_finite = -1;
-  double work = 0;      // J, f . du
-  double kinetic = 0;   // kg m^2, sum of m |du|^2
-  double alternating = 0;  // kg m^2, sum of m |du - previous du|^2
+  double work = 0;          // J, f . du
+  double kinetic = 0;       // kg m^2, sum of m |du|^2
+  double acceleration = 0;  // kg m^2, sum of m |du - previous du|^2
 };
 
 /// u += du of nodes [begin, end), compensated (Kahan): the error of u does not grow with the number of steps.
 Moved accumulate(const Model& model, State& state, const Workspace& workspace, int begin, int end) {
   Moved moved;
   Group work{};
-  float kinetic = 0, alternating = 0;
+  float kinetic = 0, acceleration = 0;
   for (int i = begin; i < end; ++i) {
     const Group du = load(state.du[i]), u = load(state.u[i]);
     const Group y = du + load(state.u_low[i]);
@@ -101,12 +103,12 @@ Moved accumulate(const Model& model, State& state, const Workspace& workspace, i
     const Group change = du - load(workspace.previous_du[i]);
     const auto mass = static_cast<float>(model.mass[i]);
     kinetic += mass * d2;
-    alternating += mass * (change[0] * change[0] + change[1] * change[1] + change[2] * change[2]);
+    acceleration += mass * (change[0] * change[0] + change[1] * change[1] + change[2] * change[2]);
     if (!(d2 <= 1e30F) && moved.not_finite < 0) moved.not_finite = i;
   }
   moved.work = static_cast<double>(work[0]) + work[1] + work[2];
   moved.kinetic = kinetic;
-  moved.alternating = alternating;
+  moved.acceleration = acceleration;
   return moved;
 }
 
@@ -114,7 +116,8 @@ Moved accumulate(const Model& model, State& state, const Workspace& workspace, i
 /// @return what its nodes sum up to
 Moved accumulate(const Model& model, State& state, Workspace& workspace, StepReport& report) {
   Moved of[node_parts];
-  forNodes(model, workspace, [&](int part, int begin, int end) { of[part] = accumulate(model, state, workspace, begin, end); });
+  forNodes(model, workspace,
+           [&](int part, int begin, int end) { of[part] = accumulate(model, state, workspace, begin, end); });
   Moved moved;
   for (const Moved& f : of) {
     if (f.distance2 > moved.distance2) {
@@ -124,7 +127,7 @@ Moved accumulate(const Model& model, State& state, Workspace& workspace, StepRep
     if (moved.not_finite < 0) moved.not_finite = f.not_finite;
     moved.work += f.work;
     moved.kinetic += f.kinetic;
-    moved.alternating += f.alternating;
+    moved.acceleration += f.acceleration;
   }
   report.kinetic_energy = 0.5 * moved.kinetic / (model.dt * model.dt);
   report.max_increment = std::sqrt(moved.distance2);
@@ -156,8 +159,7 @@ StepReport worstOf(const StepReport& earlier, const StepReport& later) {
 
 }  // namespace
 
-StepReport step(const Model& model, State& state, const Pose& tool_pose, const Command& command,
-                Workspace& workspace) {
+StepReport step(const Model& model, State& state, const Pose& tool_pose, const Command& command, Workspace& workspace) {
   const Integrator integrator(model.dt, model.scene.damping);
   const double time = static_cast<double>(state.step + 1) * model.dt;
   StepReport report;
@@ -168,9 +170,9 @@ StepReport step(const Model& model, State& state, const Pose& tool_pose, const C
   // du~ = beta du + alpha M^-1 f, then what the user and the tool add      (eq. 22)
   state.energy.work -= 0.5 * predict(model, integrator, state, workspace);
   pull(model, command, state);
-  report.tool_force = solveContact(model.skin, model.scene.tool, tool_pose, state.tool_pose, model.scene.friction,
-                                   integrator.alpha, model.inverse_mass.data(), state.u.data(), state.du.data(),
-                                   state.contact);
+  report.tool_force =
+      solveContact(model.skin, model.scene.tool, tool_pose, state.tool_pose, model.scene.friction, integrator.alpha,
+                   model.inverse_mass.data(), state.u.data(), state.du.data(), state.contact);
 
   // du = du~ + P (du_bar - Phi du~)                                       (eqs. 23-25)
   report.base_reaction = imposeBoundary(model.boundary, time, model.dt, integrator.alpha, model.inverse_mass.data(),
@@ -178,11 +180,12 @@ StepReport step(const Model& model, State& state, const Pose& tool_pose, const C
   // u += du
   const Moved moved = accumulate(model, state, workspace, report);
   report.strain_energy = forces.strain_energy;
-  report.energy_error = state.energy.look(forces.strain_energy, report.kinetic_energy,
-                                          moved.alternating / (8 * model.dt * model.dt), model.dt, model.rest_energy);
+  report.energy_error =
+      state.energy.update(forces.strain_energy, report.kinetic_energy, moved.acceleration / (8 * model.dt * model.dt),
+                          model.dt, model.rest_energy);
   state.energy.work -= 0.5 * moved.work;
   report.volume_change = forces.volume_change / model.cell_volume;
-  report.step_share = stepShare(model, forces.most_cof2);
+  report.step_share = stepShare(model, forces.max_cof2);
   state.tool_pose = tool_pose;
   ++state.step;
 
@@ -218,7 +221,8 @@ StepReport tick(const Model& model, State& state, const Command& command, Worksp
     if (part == 0)
       findContactCandidates(model.skin, state.u.data(), model.scene.tool, arrived, 2 * reach, state.contact);
     else
-      takeBackCreep(model.boundary, static_cast<double>(state.step) * model.dt, state.u.data(), state.u_low.data(), workspace.boundary);
+      correctBoundaryDrift(model.boundary, static_cast<double>(state.step) * model.dt, state.u.data(),
+                           state.u_low.data(), workspace.boundary);
   });
   StepReport total;
   for (int k = 1; k <= model.substeps_per_tick; ++k)
@@ -229,7 +233,9 @@ StepReport tick(const Model& model, State& state, const Command& command, Worksp
 
 std::uint64_t stateHash(const State& state) {
   std::uint64_t hash = fnv1a({});
-  const auto add = [&](const void* data, std::size_t size) { hash = fnv1a({static_cast<const char*>(data), size}, hash); };
+  const auto add = [&](const void* data, std::size_t size) {
+    hash = fnv1a({static_cast<const char*>(data), size}, hash);
+  };
   add(&state.tick, sizeof state.tick);
   add(&state.step, sizeof state.step);
   add(state.u.data(), state.u.size() * sizeof(Float4));

@@ -10,8 +10,7 @@ class Workspace;  // simulation/workspace.h: buffers and threads of one stepping
 /// Advances the tissue by one dt, with the tool moving from state.tool_pose to `tool_pose`.
 /// Paper sections 2.2-2.5: eqs. 12, 21-25, 31.
 /// Real-time: no allocation, no lock, no throw.
-StepReport step(const Model& model, State& state, const Pose& tool_pose, const Command& command,
-                Workspace& workspace);
+StepReport step(const Model& model, State& state, const Pose& tool_pose, const Command& command, Workspace& workspace);
 
 /// Advances one tick, substeps_per_tick steps, the tool going evenly from where it is to
 /// command.tool_target, no faster than the scene's tool_max_speed. The report has the last

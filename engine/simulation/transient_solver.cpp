@@ -32,7 +32,7 @@ BatchBody::Report TransientSolver::tick(const std::optional<Pose>& tool) {
 }
 
 void TransientSolver::resume(std::int64_t step, const AlignedVector<Double4>& u, const AlignedVector<Double4>& du,
-                            const std::optional<Pose>& tool) {
+                             const std::optional<Pose>& tool) {
   step_ = step;
   body_.restore(u, du);
   if (tool) body_.placeTool(*tool);

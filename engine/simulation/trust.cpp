@@ -22,45 +22,64 @@ Doubt doubtOf(const Model& model, const StepReport& report) {
   if (report.energy_error > TrustLimits::energy_error) return Doubt::Energy;
   if (report.step_share > TrustLimits::step_share) return Doubt::Step;
   if (report.min_J < TrustLimits::min_J) return Doubt::Squeezed;
-  if ((report.flags & kContactOverflow) || report.max_penetration > TrustLimits::penetration * model.scene.tool.radius) return Doubt::Contact;
-  const double most_pressure = model.scene.quadrature.cells_per_point > 1 ? TrustLimits::pressure_of_pairs : TrustLimits::pressure;
+  if ((report.flags & kContactOverflow) || report.max_penetration > TrustLimits::penetration * model.scene.tool.radius)
+    return Doubt::Contact;
+  const double max_pressure =
+      model.scene.quadrature.cells_per_point > 1 ? TrustLimits::pressure_of_pairs : TrustLimits::pressure;
   if (model.nearly_incompressible && (std::abs(report.volume_change) > TrustLimits::volume_change ||
-                                      pressureOverShear(model, report.volume_change) > most_pressure))
+                                      pressureOverShear(model, report.volume_change) > max_pressure))
     return Doubt::Volume;
   return Doubt::None;
 }
 
 const char* doubtText(Doubt doubt) {
   switch (doubt) {
-    case Doubt::None: return "";
-    case Doubt::Volume: return "the tissue's volume has changed too much, or is under too high a pressure: press less, finer spacing, or node_patch_volume";
-    case Doubt::Contact: return "the tool is deep in the skin: finer spacing, or a blunter tool";
-    case Doubt::Squeezed: return "a point is squeezed to less than 0.3 of its volume: press less, or give the material a barrier";
-    case Doubt::Step: return "the tissue is now too stiff for the time step: press less, or lower dynamics.step_safety";
-    case Doubt::Energy: return "energy comes from nowhere: lower dynamics.step_safety";
-    case Doubt::Inverted: return "a point is inside out: press less";
-    case Doubt::Lost: return "the solution is lost: reset";
+    case Doubt::None:
+      return "";
+    case Doubt::Volume:
+      return "the tissue's volume has changed too much, or is under too high a pressure: press less, finer spacing, or "
+             "node_patch_volume";
+    case Doubt::Contact:
+      return "the tool is deep in the skin: finer spacing, or a blunter tool";
+    case Doubt::Squeezed:
+      return "a point is squeezed to less than 0.3 of its volume: press less, or give the material a barrier";
+    case Doubt::Step:
+      return "the tissue is now too stiff for the time step: press less, or lower dynamics.step_safety";
+    case Doubt::Energy:
+      return "energy comes from nowhere: lower dynamics.step_safety";
+    case Doubt::Inverted:
+      return "a point is inside out: press less";
+    case Doubt::Lost:
+      return "the solution is lost: reset";
   }
   return "";
 }
 
 const char* doubtName(Doubt doubt) {
   switch (doubt) {
-    case Doubt::None: return "good";
-    case Doubt::Volume: return "volume";
-    case Doubt::Contact: return "contact";
-    case Doubt::Squeezed: return "squeezed";
-    case Doubt::Step: return "step";
-    case Doubt::Energy: return "energy";
-    case Doubt::Inverted: return "inverted";
-    case Doubt::Lost: return "lost";
+    case Doubt::None:
+      return "good";
+    case Doubt::Volume:
+      return "volume";
+    case Doubt::Contact:
+      return "contact";
+    case Doubt::Squeezed:
+      return "squeezed";
+    case Doubt::Step:
+      return "step";
+    case Doubt::Energy:
+      return "energy";
+    case Doubt::Inverted:
+      return "inverted";
+    case Doubt::Lost:
+      return "lost";
   }
   return "";
 }
 
-double stepShare(const Model& model, double most_cof2) {
+double stepShare(const Model& model, double max_cof2) {
   // The largest root of s^2 + 2 / s = |cof F|^2, the other two singular values being taken as equal.
-  const double a = std::max(most_cof2, 3.0), r = std::sqrt(3 / a);
+  const double a = std::max(max_cof2, 3.0), r = std::sqrt(3 / a);
   const double s = 2 / r * std::cos(std::acos(-r * r * r) / 3);
   return model.dt / model.dt_critical * s;
 }

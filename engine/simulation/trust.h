@@ -18,10 +18,10 @@ struct TrustLimits {
   // The same where cells share points (cell_pairs.h), 1.32 or 2 to a point, four to nine seeds: exact up to 2.5, the first
   // give way at 2.75.
   static constexpr double pressure_of_pairs = 2.4;
-  static constexpr double penetration = 0.1;      // of the tool's radius
-  static constexpr double min_J = 0.3;            // below which a pointwise energy of K/2 (J - 1)^2 softens
-  static constexpr double step_share = 1.0;       // of the stable step
-  static constexpr double energy_error = 0.1;     // of the energy of late
+  static constexpr double penetration = 0.1;   // of the tool's radius
+  static constexpr double min_J = 0.3;         // below which a pointwise energy of K/2 (J - 1)^2 softens
+  static constexpr double step_share = 1.0;    // of the stable step
+  static constexpr double energy_error = 0.1;  // of the energy of late
 };
 
 /// Real-time: no allocation, no lock, no throw.
@@ -34,7 +34,7 @@ const char* doubtName(Doubt doubt);
 
 /// Share of the stable step that dt is of, the volume having stiffened: a point's volumetric stiffness goes with the square of
 /// the largest singular value of cof F. From |cof F|^2, the product of the singular values being J^2 ~ 1: not less than it is.
-/// @param most_cof2  largest |cof F|^2 of the points
-double stepShare(const Model& model, double most_cof2);
+/// @param max_cof2  largest |cof F|^2 of the points
+double stepShare(const Model& model, double max_cof2);
 
 }  // namespace palpate

@@ -21,7 +21,7 @@ class Workspace {
   SpinTeam team;
   KernelScratch kernel;
   BoundaryScratch boundary;
-  AlignedVector<Float4> f;  // (node_count) internal forces, N
+  AlignedVector<Float4> f;            // (node_count) internal forces, N
   AlignedVector<Float4> previous_du;  // (node_count) increments of the step before, m
 };
 

@@ -4,9 +4,10 @@
 
 #include "approximation/mmls.h"
 #include "approximation/shape_functions.h"
-#include "mtled/clouds.h"
+#include "mtled/verify/clouds.h"
 
 using namespace palpate;
+using namespace palpate::tools;
 
 namespace {
 
@@ -31,7 +32,7 @@ struct Support {
 };
 
 template <int Dim>
-constexpr int constraints = Dim * (Dim + 1) / 2;
+constexpr int constraints = Dim*(Dim + 1) / 2;
 
 /// Second-degree monomials in the order of mu_each: squares, then products.
 template <int Dim>
@@ -86,7 +87,8 @@ TEMPLATE_TEST_CASE_SIG("Linear fields are exact for any weight of the constraint
   }
 }
 
-TEMPLATE_TEST_CASE_SIG("Heavy constraints turn the quadratic basis into the linear one", "[mmls]", ((int Dim), Dim), 2, 3) {
+TEMPLATE_TEST_CASE_SIG("Heavy constraints turn the quadratic basis into the linear one", "[mmls]", ((int Dim), Dim), 2,
+                       3) {
   const Support<Dim> s(4);
   Mmls<Dim> heavy({2, 1e8}), linear({1, 0});
   REQUIRE(heavy.evaluate(s.x, s.X.data(), s.radius.data(), s.count()));
@@ -94,7 +96,8 @@ TEMPLATE_TEST_CASE_SIG("Heavy constraints turn the quadratic basis into the line
   for (int j = 0; j < s.count(); ++j) CHECK(heavy.N()[j] == Approx(linear.N()[j]).margin(1e-6));  // 1 / mu, times tens
 }
 
-TEMPLATE_TEST_CASE_SIG("Each constraint has its own weight, in the order of the monomials", "[mmls]", ((int Dim), Dim), 2, 3) {
+TEMPLATE_TEST_CASE_SIG("Each constraint has its own weight, in the order of the monomials", "[mmls]", ((int Dim), Dim),
+                       2, 3) {
   const Support<Dim> s(8);
   for (int weighted = 0; weighted < constraints<Dim>; ++weighted) {
     MmlsOptions options;
@@ -143,7 +146,8 @@ TEST_CASE("On two planes one weight is enough: that of the square across them", 
   }
 }
 
-TEMPLATE_TEST_CASE_SIG("Gradients equal finite differences with unequal weights, too", "[mmls]", ((int Dim), Dim), 2, 3) {
+TEMPLATE_TEST_CASE_SIG("Gradients equal finite differences with unequal weights, too", "[mmls]", ((int Dim), Dim), 2,
+                       3) {
   const Support<Dim> s(6);
   MmlsOptions options;
   options.mu_each = std::array{0.3, 0.01, 0.1, 0.0, 0.2, 0.05};

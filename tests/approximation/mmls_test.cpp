@@ -55,13 +55,13 @@ TEMPLATE_TEST_CASE_SIG("MMLS reproduces what its basis promises", "[mmls]", ((in
       double one = 0;
       Vec lin = Vec::Zero(), done = Vec::Zero();
       double quad = 0;
-      Vec dquad = Vec::Zero();
+      Vec dblock = Vec::Zero();
       for (int j = 0; j < n; ++j) {
         one += mmls.N()[j];
         lin += mmls.N()[j] * sX[j];
         done += mmls.gradN()[j];
         quad += mmls.N()[j] * sX[j][0] * sX[j][1];
-        dquad += mmls.gradN()[j] * sX[j][0] * sX[j][1];
+        dblock += mmls.gradN()[j] * sX[j][0] * sX[j][1];
       }
       CHECK(std::abs(one - 1) < 1e-12);  // a few hundred rounding errors
       CHECK((lin - x).norm() < 1e-12);
@@ -71,7 +71,7 @@ TEMPLATE_TEST_CASE_SIG("MMLS reproduces what its basis promises", "[mmls]", ((in
       Vec expected = Vec::Zero();
       expected[0] = x[1];
       expected[1] = x[0];
-      CHECK(((dquad - expected).norm() < 1e-9) == exact);
+      CHECK(((dblock - expected).norm() < 1e-9) == exact);
     }
 }
 

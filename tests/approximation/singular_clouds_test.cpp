@@ -4,9 +4,10 @@
 
 #include "approximation/mmls.h"
 #include "approximation/shape_functions.h"
-#include "mtled/clouds.h"
+#include "mtled/verify/clouds.h"
 
 using namespace palpate;
+using namespace palpate::tools;
 
 namespace {
 
@@ -25,10 +26,11 @@ TEMPLATE_TEST_CASE_SIG("MMLS stands on every cloud where classical moving least 
       const PlainMls plain = plainMls<Dim>(x, cloud.X, cloud.radius, 0);
       CHECK(plain.reciprocal_condition < 1e-15);  // singular but for rounding
       CHECK_FALSE(classical.evaluate(x, cloud.X.data(), cloud.radius.data(), n));
-      const bool stands = modified.evaluate(x, cloud.X.data(), cloud.radius.data(), n) && limits.admit(modified.quality());
+      const bool stands =
+          modified.evaluate(x, cloud.X.data(), cloud.radius.data(), n) && limits.admit(modified.quality());
       CHECK(stands == cloud.mmls_admissible);
       if (!stands) continue;
-      CHECK(modified.quality().linear_error < 1e-13);   // some hundred roundings of numbers near 1
+      CHECK(modified.quality().linear_error < 1e-13);  // some hundred roundings of numbers near 1
       CHECK(modified.quality().gradient_error < 1e-12);
       const PlainMls reference = plainMls<Dim>(x, cloud.X, cloud.radius, mu);
       for (int j = 0; j < n; ++j) REQUIRE(modified.N()[j] == Approx(reference.N[j]).margin(1e-11));
@@ -51,9 +53,11 @@ TEMPLATE_TEST_CASE_SIG("The singular clouds lie where they say, and a small nudg
 }
 
 // The demonstration of section 2.1. Run with: approximation_tests "[.table]"
-TEMPLATE_TEST_CASE_SIG("Classical and modified moving least squares on singular clouds", "[.table]",
-                       ((int Dim), Dim), 2, 3) {
-  std::printf("%dD                       nodes | MLS: rcond  unity    linear  engine  | MMLS: rcond unity    linear  engine\n", Dim);
+TEMPLATE_TEST_CASE_SIG("Classical and modified moving least squares on singular clouds", "[.table]", ((int Dim), Dim),
+                       2, 3) {
+  std::printf(
+      "%dD                       nodes | MLS: rcond  unity    linear  engine  | MMLS: rcond unity    linear  engine\n",
+      Dim);
   const AdmissibilityLimits limits;
   for (const auto& cloud : singularClouds<Dim>()) {
     const auto x = cloud.at[0];

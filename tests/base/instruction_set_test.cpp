@@ -46,7 +46,8 @@ TEST_CASE("The widest instruction set is chosen, or the one that PALPATE_KERNEL 
 
 TEST_CASE("A kernel that is unknown or can't run here is refused with the choice there is", "[instruction_set]") {
   const Wanted unknown("sse9");
-  CHECK_THROWS_WITH(chosenInstructionSet(), Catch::Contains("\"sse9\" is no kernel") && Catch::Contains("choose from: plain"));
+  CHECK_THROWS_WITH(chosenInstructionSet(),
+                    Catch::Contains("\"sse9\" is no kernel") && Catch::Contains("choose from: plain"));
   CHECK_THAT(buildInfo(), Catch::Contains("no kernel"));
   const auto supported = supportedInstructionSets();
   for (const InstructionSet set : {InstructionSet::Avx2, InstructionSet::Avx512}) {

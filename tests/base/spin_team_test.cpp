@@ -16,8 +16,8 @@ namespace {
 
 struct Tally {
   explicit Tally(int size) : calls(static_cast<std::size_t>(size), 0) {}
-  std::vector<std::int64_t> calls;    // per member; plain, so that tsan sees a missing barrier
-  std::int64_t wrong_count = 0;       // member 0's
+  std::vector<std::int64_t> calls;  // per member; plain, so that tsan sees a missing barrier
+  std::int64_t wrong_count = 0;     // member 0's
 };
 
 void countCall(void* context, int member, int member_count) {

@@ -74,7 +74,8 @@ TEST_CASE("The broad phase finds what a search of all vertices finds", "[broad-p
   for (int trial = 0; trial < 300; ++trial) {
     // Random smooth bumps; every third trial the whole skin is stretched to twice its size.
     const double stretch = trial % 3 == 0 ? 1.0 : 0.0;
-    const Vec3 wave = 200.0 * Vec3(unit(random), unit(random), 0.0), amplitude = 0.003 * Vec3(unit(random), unit(random), unit(random));
+    const Vec3 wave = 200.0 * Vec3(unit(random), unit(random), 0.0),
+               amplitude = 0.003 * Vec3(unit(random), unit(random), unit(random));
     for (int i = 0; i < bed.side * bed.side; ++i) {
       const double h = bed.spec.node_spacing;
       const Vec3 X = h * Vec3(i % bed.side - 0.5 * (bed.side - 1), i / bed.side - 0.5 * (bed.side - 1), 0.0);

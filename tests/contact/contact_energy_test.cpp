@@ -120,8 +120,8 @@ TEST_CASE("Contact creates no energy", "[contact]") {
             excess = std::max(excess, energy - work);
           }
         }
-        std::printf("energy: kind %d stiffness x %g mu %.1f: at most %.2e of the largest above the work; end %.2e\n", static_cast<int>(kind),
-                    stiffer, friction, excess / largest, (bed.energy() - work) / largest);
+        std::printf("energy: kind %d stiffness x %g mu %.1f: at most %.2e of the largest above the work; end %.2e\n",
+                    static_cast<int>(kind), stiffer, friction, excess / largest, (bed.energy() - work) / largest);
         CHECK(largest > 1e-4);
         CHECK(excess < 0.01 * largest);
       }

@@ -159,8 +159,11 @@ TEST_CASE("Moving at 10 mm/s the raw force changes smoothly, in, across and out"
     ToolKind kind;
     double friction;
   };
-  for (const Case& c : {Case{ToolKind::Sphere, 0.0}, {ToolKind::Sphere, 0.3}, {ToolKind::FlatCylinder, 0.0},
-                        {ToolKind::FlatCylinder, 0.3}, {ToolKind::Capsule, 0.3}}) {
+  for (const Case& c : {Case{ToolKind::Sphere, 0.0},
+                        {ToolKind::Sphere, 0.3},
+                        {ToolKind::FlatCylinder, 0.0},
+                        {ToolKind::FlatCylinder, 0.3},
+                        {ToolKind::Capsule, 0.3}}) {
     const ToolShape tool = toolOf(c.kind);
     SpringBed bed(tissueLike());
     bed.place(tool, tipAt(0.0003, 0.0007, 0.001));
@@ -182,11 +185,12 @@ TEST_CASE("Moving at 10 mm/s the raw force changes smoothly, in, across and out"
         most = std::max(most, bed.contact.contact_count);
       }
     }
-    std::printf("smooth: kind %d mu %.1f peak %.3f N; worst tick: in %.2f hold %.2f across %.2f out %.2f %%; "
-                "penetration %.2f %% R; %.2f sweeps, %d vertices\n",
-                static_cast<int>(c.kind), c.friction, peak, 100 * change[0] / peak, 100 * change[1] / peak,
-                100 * change[2] / peak, 100 * change[3] / peak, 100 * deepest / tool.radius,
-                static_cast<double>(sweeps) / ticks, most);
+    std::printf(
+        "smooth: kind %d mu %.1f peak %.3f N; worst tick: in %.2f hold %.2f across %.2f out %.2f %%; "
+        "penetration %.2f %% R; %.2f sweeps, %d vertices\n",
+        static_cast<int>(c.kind), c.friction, peak, 100 * change[0] / peak, 100 * change[1] / peak,
+        100 * change[2] / peak, 100 * change[3] / peak, 100 * deepest / tool.radius,
+        static_cast<double>(sweeps) / ticks, most);
     CHECK(*std::max_element(change, change + 4) < 0.03 * peak);
     CHECK(deepest < 0.02 * tool.radius);
     CHECK(sweeps <= 3 * ticks);

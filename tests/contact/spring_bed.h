@@ -12,17 +12,17 @@ namespace palpate {
 /// time integration is the paper's eq. 12. Its closed forms are those of a Winkler foundation.
 struct SpringBed {
   struct Spec {
-    double half_width = 0.03;       // m, of the skin
-    double node_spacing = 0.005;    // m
-    double skin_spacing = 0.0025;   // m
-    double foundation = 1.5e5;      // Pa/m, springs along z per area
-    double lateral = 1.5e5;         // Pa/m, along x and y
-    double tension = 0.0;           // N/m, coupling of neighbouring nodes (a Pasternak layer); 10 is tissue-like
-    double surface_density = 5.0;   // kg/m^2
-    double damping = 20.0;          // 1/s
-    double dt = 2e-4;               // s
-    double young = 3000.0;          // Pa, sets the contact layer
-    double tool_radius = 0.01;      // m, likewise
+    double half_width = 0.03;      // m, of the skin
+    double node_spacing = 0.005;   // m
+    double skin_spacing = 0.0025;  // m
+    double foundation = 1.5e5;     // Pa/m, springs along z per area
+    double lateral = 1.5e5;        // Pa/m, along x and y
+    double tension = 0.0;          // N/m, coupling of neighbouring nodes (a Pasternak layer); 10 is tissue-like
+    double surface_density = 5.0;  // kg/m^2
+    double damping = 20.0;         // 1/s
+    double dt = 2e-4;              // s
+    double young = 3000.0;         // Pa, sets the contact layer
+    double tool_radius = 0.01;     // m, likewise
   };
 
   explicit SpringBed(const Spec& s) : spec(s) {
@@ -169,10 +169,10 @@ struct SpringBed {
   }
 
   Spec spec;
-  int side = 0;                    // nodes per edge
+  int side = 0;  // nodes per edge
   SkinModel skin;
-  double mass = 0;                 // kg, per node
-  std::vector<double> area;        // (node_count) m^2
+  double mass = 0;           // kg, per node
+  std::vector<double> area;  // (node_count) m^2
   AlignedVector<float> inverse_mass;
   AlignedVector<Float4> u, du, u_low;
   Pose pose;

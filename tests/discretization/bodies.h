@@ -3,8 +3,8 @@
 #include <cmath>
 #include <vector>
 
-#include "discretization/solids.h"
-#include "discretization/triangle_surface.h"
+#include "discretization/surface/solids.h"
+#include "discretization/surface/triangle_surface.h"
 
 namespace palpate::bodies {
 

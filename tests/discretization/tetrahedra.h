@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "discretization/cell_division.h"
+#include "discretization/cells/cell_division.h"
 
 namespace palpate {
 

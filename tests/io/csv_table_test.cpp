@@ -1,4 +1,5 @@
 #include "io/csv_table.h"
+#include "base/build_info.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -15,8 +16,9 @@ using Catch::Contains;
 
 TEST_CASE("A CSV table is read by the names of its columns", "[io][csv]") {
   const TempFolder folder;
-  const CsvTable table = readCsvTable(folder.write(
-      "t.csv", "\xEF\xBB\xBF# from a spreadsheet\r\n\r\ntime_s, \"Points:0\" ,X,x\r\n0,-1.5e-3,+2,7\r\n 1 ,nan,,8\r\n\n# end\n2,\"4\",5,9"));
+  const CsvTable table = readCsvTable(folder.write("t.csv",
+                                                   "\xEF\xBB\xBF# from a spreadsheet\r\n\r\ntime_s, \"Points:0\" "
+                                                   ",X,x\r\n0,-1.5e-3,+2,7\r\n 1 ,nan,,8\r\n\n# end\n2,\"4\",5,9"));
   CHECK(table.name == std::vector<std::string>{"time_s", "Points:0", "X", "x"});
   CHECK(table.rowCount() == 3);
   CHECK(table.header.line == 3);
@@ -50,14 +52,18 @@ TEST_CASE("Bad CSV tables are refused at their place", "[io][csv][refusal]") {
   CHECK_THAT(message("X,Y\n1,1e999\n"), Contains("t.csv:2:3:") && Contains("beyond what a number can hold"));
   CHECK_THAT(message("X\n\x1b[2J\n"), Contains("t.csv:2:1: \"?[2J\""));
   CHECK_THAT(refusal([&] { readCsvTable(folder.path("none.csv")); }), Contains("none.csv: the file does not exist"));
-  CHECK_THAT(refusal([&] { readCsvTable(folder.path("none.csv"), {"s.toml", 7, 1}); }), Contains("s.toml:7:1: the file ") && Contains("none.csv does not exist"));
+  CHECK_THAT(refusal([&] {
+               readCsvTable(folder.path("none.csv"), {"s.toml", 7, 1});
+             }),
+             Contains("s.toml:7:1: the file ") && Contains("none.csv does not exist"));
   const CsvTable table = readCsvTable(folder.write("t.csv", "\nX,Y\n"));
-  CHECK_THAT(refusal([&] { (void)table["depth_m"]; }), Contains("t.csv:2: there is no column \"depth_m\"; the file has \"X\", \"Y\""));
+  CHECK_THAT(refusal([&] { (void)table["depth_m"]; }),
+             Contains("t.csv:2: there is no column \"depth_m\"; the file has \"X\", \"Y\""));
 }
 
 TEST_CASE("Every reference table is read", "[io][csv]") {
   int count = 0, probes = 0;
-  for (const auto& entry : std::filesystem::directory_iterator(PALPATE_SOURCE_DIR "/tests/reference")) {
+  for (const auto& entry : std::filesystem::directory_iterator(sourceFolder() + "/tests/reference")) {
     if (entry.path().extension() != ".csv") continue;
     ++count;
     INFO(entry.path());
@@ -71,7 +77,7 @@ TEST_CASE("Every reference table is read", "[io][csv]") {
   CHECK(count >= 14);
   CHECK(probes >= 6);
   // Numbers as the file has them.
-  const CsvTable force = readCsvTable(PALPATE_SOURCE_DIR "/tests/reference/gel_cylinder_force.csv");
+  const CsvTable force = readCsvTable(sourceFolder() + "/tests/reference/gel_cylinder_force.csv");
   CHECK(force["depth_m"][1] == 0.0005);
   CHECK(force["force_N"][1] == 0.015902);
 }
@@ -86,17 +92,24 @@ TEST_CASE("Probes are the columns X, Y, Z of a CSV file, in any order and case",
   // Positions at rest beside current ones: the exact spelling counts.
   CHECK(readProbes(folder.write("p.csv", "x,y,z,X,Y,Z\n1,2,3,4,5,6\n")).X[0] == Vec3(4, 5, 6));
 
-  const auto message = [&](const std::string& text) { return refusal([&] { readProbes(folder.write("p.csv", text)); }); };
-  CHECK_THAT(message("X,Y,ux\n1,2,3\n"), Contains("p.csv:1: there is no column \"Z\"; the file has \"X\", \"Y\", \"ux\""));
+  const auto message = [&](const std::string& text) {
+    return refusal([&] { readProbes(folder.write("p.csv", text)); });
+  };
+  CHECK_THAT(message("X,Y,ux\n1,2,3\n"),
+             Contains("p.csv:1: there is no column \"Z\"; the file has \"X\", \"Y\", \"ux\""));
   CHECK_THAT(message("X,Y,Z\n"), Contains("p.csv:1: no points below the header"));
   CHECK_THAT(message("X,Y,Z\n1,2,3\n1,,3\n"), Contains("p.csv:3: a coordinate is missing"));
   CHECK_THAT(message("X,Y,Z\n1,2,nan\n"), Contains("p.csv:2: a coordinate is missing"));
-  CHECK_THAT(refusal([&] { readProbes(folder.path("none.csv"), {"s.toml", 3, 1}); }), Contains("s.toml:3:1: the file "));
+  CHECK_THAT(refusal([&] {
+               readProbes(folder.path("none.csv"), {"s.toml", 3, 1});
+             }),
+             Contains("s.toml:3:1: the file "));
 }
 
 TEST_CASE("A result CSV reads back bit for bit, and each row is there at once", "[io][csv]") {
   const TempFolder folder;
-  const std::string path = folder.write("force.csv", "what an earlier run left, longer than what follows below ................");
+  const std::string path =
+      folder.write("force.csv", "what an earlier run left, longer than what follows below ................");
   ResultCsv csv(path, {"time_s", "base x_N"});
   CHECK(readWholeFile(path) == "time_s,base x_N\n");
   const double third = 1.0 / 3, tiny = std::numeric_limits<double>::denorm_min();
@@ -115,7 +128,8 @@ TEST_CASE("A result CSV reads back bit for bit, and each row is there at once", 
 
 TEST_CASE("A result CSV that can't be written says so, with the reason", "[io][csv][refusal]") {
   const TempFolder folder;
-  CHECK_THROWS_WITH(ResultCsv(folder.path("none/force.csv"), {"a"}), Contains("none/force.csv: No such file or directory"));
+  CHECK_THROWS_WITH(ResultCsv(folder.path("none/force.csv"), {"a"}),
+                    Contains("none/force.csv: No such file or directory"));
   CHECK_THROWS_WITH(ResultCsv(folder.path(""), {"a"}), Contains("Is a directory"));
   CHECK_THROWS_WITH(ResultCsv("/dev/full", {"a"}), Contains("can't write /dev/full: No space left on device"));
   CHECK_THROWS_AS(ResultCsv(folder.path("f.csv"), {"a,b"}), std::invalid_argument);

@@ -1,9 +1,10 @@
 #include "io/load_model.h"
+#include "base/build_info.h"
 
 #include <catch2/catch.hpp>
 #include <map>
 
-#include "discretization/solids.h"
+#include "discretization/surface/solids.h"
 #include "io/scene_file.h"
 #include "support/equal_models.h"
 #include "support/small_scene.h"
@@ -12,16 +13,20 @@
 using namespace palpate;
 using Catch::Contains;
 
-TEST_CASE("A set-up can be ended within each long stage, keeps nothing then, and is not changed by being watched", "[load_model]") {
+TEST_CASE("A set-up can be ended within each long stage, keeps nothing then, and is not changed by being watched",
+          "[load_model]") {
   const Scene scene = test::blockScene();
   const ModelCache none("");
   std::map<std::string, int> calls;
   double last = 0;
-  const Model watched = loadModel(scene, [&](const std::string& stage, double fraction) {
-    ++calls[stage];
-    CHECK(fraction >= last);
-    last = fraction;
-  }, none);
+  const Model watched = loadModel(
+      scene,
+      [&](const std::string& stage, double fraction) {
+        ++calls[stage];
+        CHECK(fraction >= last);
+        last = fraction;
+      },
+      none);
   CHECK(last == 1);
   test::requireSameModel(watched, loadModel(scene, {}, none));
 
@@ -31,15 +36,21 @@ TEST_CASE("A set-up can be ended within each long stage, keeps nothing then, and
     INFO(stage);
     REQUIRE(calls[stage] > 5);
     int left = calls[stage] / 2;
-    CHECK_THROWS_AS(loadModel(scene, [&](const std::string& what, double) {
-      if (what == stage && left-- == 0) throw Ended();
-    }, ModelCache(folder.path("cache"))), Ended);
+    CHECK_THROWS_AS(loadModel(
+                        scene,
+                        [&](const std::string& what, double) {
+                          if (what == stage && left-- == 0) throw Ended();
+                        },
+                        ModelCache(folder.path("cache"))),
+                    Ended);
   }
   CHECK((!std::filesystem::exists(folder.path("cache")) || std::filesystem::is_empty(folder.path("cache"))));
 }
 
 TEST_CASE("An organ of an unlikely size is warned of, with its length and the key to check", "[load_model]") {
-  const auto warned = [](const Scene& scene, double edge) { return sizeWarning(scene, boxSurface(Vec3(edge / 2, edge / 3, edge), edge)); };
+  const auto warned = [](const Scene& scene, double edge) {
+    return sizeWarning(scene, boxSurface(Vec3(edge / 2, edge / 3, edge), edge));
+  };
   Scene scene;
   scene.solid = Scene::Solid::Surface;
   scene.surface_scale = 1;
@@ -56,7 +67,7 @@ TEST_CASE("An organ of an unlikely size is warned of, with its length and the ke
 
 TEST_CASE("No scene of assets/scenes has an unlikely size", "[load_model]") {
   int scenes = 0;
-  for (const auto& entry : std::filesystem::directory_iterator(PALPATE_SOURCE_DIR "/assets/scenes")) {
+  for (const auto& entry : std::filesystem::directory_iterator(sourceFolder() + "/assets/scenes")) {
     if (entry.path().extension() != ".toml") continue;
     INFO(entry.path());
     const Scene scene = readScene(entry.path().string());
@@ -75,9 +86,13 @@ TEST_CASE("The warning of a size comes before the set-up takes time, and once", 
   scene.size = Vec3(4, 4, 2);
   scene.spacing = scene.tool.radius = 0.5;
   struct Ended {};
-  CHECK_THROWS_AS(loadModel(scene, [&](const std::string& stage, double) {
-    if (stage != "surface") throw Ended();
-  }, ModelCache(), keep), Ended);
+  CHECK_THROWS_AS(loadModel(
+                      scene,
+                      [&](const std::string& stage, double) {
+                        if (stage != "surface") throw Ended();
+                      },
+                      ModelCache(), keep),
+                  Ended);
   REQUIRE(warnings.size() == 1);
   CHECK_THAT(warnings[0], Contains("the organ is 4 m long"));
 }

@@ -40,7 +40,8 @@ struct OwnCache {
   /// Whether loadModel had to make the preparation; the model is left in `model`.
   bool made(const Scene& scene) {
     bool prepared = false;
-    model = loadModel(scene, [&](const std::string& what, double) { prepared = prepared || what == "shape functions"; }, cache);
+    model = loadModel(
+        scene, [&](const std::string& what, double) { prepared = prepared || what == "shape functions"; }, cache);
     return prepared;
   }
   Model model;
@@ -50,7 +51,7 @@ std::uint64_t hashAfterTicks(const Model& model, int ticks) {
   State state = initialState(model);
   Workspace workspace(model, 1);
   Command command;
-  command.tool_target = test::toolAt(model, model.touch_travel + 0.003);
+  command.tool_target = test::toolAt(model, model.first_contact_travel + 0.003);
   for (int k = 0; k < ticks; ++k) tick(model, state, command, workspace);
   return stateHash(state);
 }
@@ -114,7 +115,7 @@ TEST_CASE("The key changes with all that a set-up depends on, and with nothing e
       [](Scene& s) { s.quadrature.max_depth = 2; },
       [](Scene& s) { s.basis_degree = 1; },
       [](Scene& s) { s.support_factor = 1.9; },
-      [](Scene& s) { s.mu = 0.1; },
+      [](Scene& s) { s.mmls_weight = 0.1; },
       [](Scene& s) { s.consistent_gradients = false; },
       [](Scene& s) { s.node_patch_volume = false; },
       [](Scene& s) { s.boundary_method = Scene::BoundaryMethod::Ebciem; },
@@ -281,7 +282,8 @@ TEST_CASE("The user's cache folder follows the environment", "[model_cache]") {
   const auto set = [](const char* name, const char* value) { value ? ::setenv(name, value, 1) : ::unsetenv(name); };
   const char* const names[] = {"PALPATE_CACHE_DIR", "XDG_CACHE_HOME", "HOME"};
   std::vector<std::optional<std::string>> before;
-  for (const char* name : names) before.push_back(std::getenv(name) ? std::optional<std::string>(std::getenv(name)) : std::nullopt);
+  for (const char* name : names)
+    before.push_back(std::getenv(name) ? std::optional<std::string>(std::getenv(name)) : std::nullopt);
   set("PALPATE_CACHE_DIR", "/a");
   set("XDG_CACHE_HOME", "/b");
   set("HOME", "/c");

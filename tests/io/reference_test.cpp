@@ -3,6 +3,7 @@
 #include <fstream>
 #include <set>
 
+#include "base/build_info.h"
 #include "io/scene_file.h"
 #include "io/scene_keys.h"
 #include "io/text_file.h"
@@ -28,18 +29,19 @@ void requireReference(const std::string& path, const std::string& reference) {
     std::ofstream(path, std::ios::binary) << text;
     return;
   }
-  INFO("PALPATE_WRITE_REFERENCE=1 " << "io_tests \"[reference]\" writes it anew: " << path);
+  INFO("PALPATE_WRITE_REFERENCE=1 "
+       << "io_tests \"[reference]\" writes it anew: " << path);
   CHECK(text.substr(inside, end - inside) == wanted);
 }
 
 }  // namespace
 
 TEST_CASE("assets/scenes/README.md has the parser's keys", "[io][reference]") {
-  requireReference(PALPATE_SOURCE_DIR "/assets/scenes/README.md", sceneReference());
+  requireReference(sourceFolder() + "/assets/scenes/README.md", sceneReference());
 }
 
 TEST_CASE("assets/tools/README.md has the parser's keys", "[io][reference]") {
-  requireReference(PALPATE_SOURCE_DIR "/assets/tools/README.md", toolScriptReference());
+  requireReference(sourceFolder() + "/assets/tools/README.md", toolScriptReference());
 }
 
 TEST_CASE("The reference has a row for every key, and no key twice in a table", "[io][reference]") {
@@ -54,7 +56,7 @@ TEST_CASE("The reference has a row for every key, and no key twice in a table", 
 }
 
 TEST_CASE("The example scene of the README is a scene", "[io][reference]") {
-  const std::string text = readWholeFile(PALPATE_SOURCE_DIR "/assets/scenes/README.md");
+  const std::string text = readWholeFile(sourceFolder() + "/assets/scenes/README.md");
   const std::string fence = "```toml\n";
   const std::size_t begin = text.find(fence) + fence.size();
   TempFolder folder;

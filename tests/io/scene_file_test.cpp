@@ -1,9 +1,10 @@
 #include "io/scene_file.h"
+#include "base/build_info.h"
 
 #include <catch2/catch.hpp>
 #include <filesystem>
 
-#include "discretization/surface_geometry.h"
+#include "discretization/surface/surface_geometry.h"
 #include "io/scene_keys.h"
 #include "io/scene_texts.h"
 #include "io/surface_file.h"
@@ -27,7 +28,7 @@ TEST_CASE("Every key of a scene arrives where it belongs", "[io][scene]") {
   CHECK(s.quadrature.points_per_cell == 1);
   CHECK(s.basis_degree == 1);
   CHECK(s.support_factor == 2);
-  CHECK(s.mu == 0.05);
+  CHECK(s.mmls_weight == 0.05);
   REQUIRE(s.refine.size() == 1);
   CHECK(s.refine[0].centre == Vec3(0, 0, 0.017));
   CHECK(s.refine[0].radius == 0.003);
@@ -133,7 +134,7 @@ TEST_CASE("What a scene leaves out is as the reference says", "[io][scene]") {
   CHECK(s.gradient_precision == minimal.gradient_precision);
   CHECK(s.basis_degree == minimal.basis_degree);
   CHECK(s.support_factor == minimal.support_factor);
-  CHECK(s.mu == minimal.mu);
+  CHECK(s.mmls_weight == minimal.mmls_weight);
   CHECK(s.materials[0].density == minimal.materials[0].density);
   CHECK(std::equal(s.boundaries[0].component, s.boundaries[0].component + 3, minimal.boundaries[0].component));
   CHECK(s.boundaries[0].surface_only == minimal.boundaries[0].surface_only);
@@ -169,7 +170,8 @@ TEST_CASE("A surface organ is found from the scene's folder and scaled by its un
   TempFolder folder;
   folder.write("a.obj", "v 0 0 0\n");
   const auto scene = [&](const std::string& organ) {
-    return readScene(folder.write("s.toml", replaced(minimal_scene, "solid = \"box\"\nsize = [0.1, 0.1, 0.05]", organ)));
+    return readScene(
+        folder.write("s.toml", replaced(minimal_scene, "solid = \"box\"\nsize = [0.1, 0.1, 0.05]", organ)));
   };
   CHECK(scene("surface = \"a.obj\"\nunit = \"mm\"").surface_scale == 0.001);
   CHECK(scene("surface = \"./a.obj\"\nunit = \"cm\"").surface_scale == 0.01);
@@ -177,7 +179,8 @@ TEST_CASE("A surface organ is found from the scene's folder and scaled by its un
   CHECK(scene("surface = \"" + folder.path("a.obj") + "\"\nunit = \"m\"").surface_file == folder.path("a.obj"));
   CHECK(scene("surface = \"./a.obj\"\nunit = \"m\"").surface_file == folder.path("a.obj"));
   CHECK_THAT(refusal([&] { scene("surface = \"a.obj\""); }), Contains("s.toml:2:1: the surface's unit is missing"));
-  CHECK_THAT(refusal([&] { scene("surface = \"a.obj\"\nunit = \"m\"\nscale = 1"); }), Contains("both \"unit\" and \"scale\""));
+  CHECK_THAT(refusal([&] { scene("surface = \"a.obj\"\nunit = \"m\"\nscale = 1"); }),
+             Contains("both \"unit\" and \"scale\""));
   CHECK_THAT(refusal([&] { scene("surface = \"a.obj\"\nunit = \"inch\""); }), Contains("give mm, cm or m"));
 }
 
@@ -225,7 +228,7 @@ TEST_CASE("Regions contain what they should", "[io][scene]") {
 
 TEST_CASE("Every scene in assets/scenes parses and its surface bounds a solid", "[io][scene][assets]") {
   int count = 0;
-  for (const auto& entry : std::filesystem::directory_iterator(PALPATE_SOURCE_DIR "/assets/scenes")) {
+  for (const auto& entry : std::filesystem::directory_iterator(sourceFolder() + "/assets/scenes")) {
     if (entry.path().extension() != ".toml") continue;
     ++count;
     INFO(entry.path());

@@ -26,7 +26,8 @@ TEST_CASE("Bad scenes are refused at their place, with advice", "[io][scene][ref
       {"damping = 10", "young = 10", ":47:1", "unknown key \"young\" in [dynamics]", "belongs to material"},
       {"damping = 10", "wobbliness = 10", ":47:1", "unknown key \"wobbliness\"", "known here: rate, time_step"},
       {"[camera]", "[kamera]", ":61:2", "unknown key \"kamera\" in the file's top level", "\"camera\""},
-      {"centre = [0, 0, 0.01], radius", "centre = [0, 0, 0.01], raduis", ":29:", "unknown key \"raduis\"", "\"radius\""},
+      {"centre = [0, 0, 0.01], radius", "centre = [0, 0, 0.01], raduis", ":29:", "unknown key \"raduis\"",
+       "\"radius\""},
       // missing
       {"spacing = 0.004\n", "", ":7:1", "the key \"spacing\" is missing in [discretization]", "spacing = number in m"},
       {"height = 0.017\n", "", ":2:1", "the key \"height\" is missing", "a cylinder needs it"},
@@ -54,14 +55,20 @@ TEST_CASE("Bad scenes are refused at their place, with advice", "[io][scene][ref
       {"points_per_cell = 1", "points_per_cell = 3", ":10:19", "\"points_per_cell\" = 3 is no choice", "1, 4 or 5"},
       {"colour = [0.1, 0.2, 0.3]", "colour = [10, 0.2, 0.3]", ":6:11", "colour[0] = 10 is out of range", "0 .. 1"},
       {"\"linear\"", "\"cubic\"", ":11:9", "\"basis\" is \"cubic\"", "linear or quadratic"},
-      {"shape = \"near-plane\"", "shape = \"plane\"", ":31:9", "\"shape\" is \"plane\"", "half-space, box, sphere, near-plane, cylinder or shell"},
+      {"shape = \"near-plane\"", "shape = \"plane\"", ":31:9", "\"shape\" is \"plane\"",
+       "half-space, box, sphere, near-plane, cylinder or shell"},
       // contradictions
-      {"points_per_cell = 1", "points_per_cell = 4\ncells_per_point = 1.5", ":11:1", "\"cells_per_point\" means nothing with more than one point per cell", "remove it"},
-      {"points_per_cell = 1", "quadrature_accuracy = 0.1\ncells_per_point = 1.5", ":11:1", "\"cells_per_point\" means nothing with \"quadrature_accuracy\"", "remove it"},
-      {"height = 0.017", "height = 0.017\nsize = [1, 1, 1]", ":6:1", "\"size\" means nothing to a cylinder", "remove it"},
-      {"solid = \"cylinder\"", "solid = \"cylinder\"\nsurface = \"a.obj\"", ":3:1", "both \"surface\" and \"solid\"", "give"},
+      {"points_per_cell = 1", "points_per_cell = 4\ncells_per_point = 1.5", ":11:1",
+       "\"cells_per_point\" means nothing with more than one point per cell", "remove it"},
+      {"points_per_cell = 1", "quadrature_accuracy = 0.1\ncells_per_point = 1.5", ":11:1",
+       "\"cells_per_point\" means nothing with \"quadrature_accuracy\"", "remove it"},
+      {"height = 0.017", "height = 0.017\nsize = [1, 1, 1]", ":6:1", "\"size\" means nothing to a cylinder",
+       "remove it"},
+      {"solid = \"cylinder\"", "solid = \"cylinder\"\nsurface = \"a.obj\"", ":3:1", "both \"surface\" and \"solid\"",
+       "give"},
       {"solid = \"cylinder\"\nradius = 0.015\nheight = 0.017", "", ":2:1", "neither \"surface\" nor \"solid\"", "give"},
-      {"solid = \"cylinder\"\nradius = 0.015\nheight = 0.017", "surface = \"a.obj\"\nunit = \"mm\"", ":3:1", "there is no surface file", "scene file's folder"},
+      {"solid = \"cylinder\"\nradius = 0.015\nheight = 0.017", "surface = \"a.obj\"\nunit = \"mm\"", ":3:1",
+       "there is no surface file", "scene file's folder"},
       {"normal = [0, 0, 2]", "normal = [0, 0, 0]", ":33:1", "\"normal\" is zero", "[0, 0, 1]"},
       {"spacing = 0.001", "spacing = 0.004", ":17:1", "not below the global one", "less than"},
       {"max = [0.01, 0.01, 0.018]", "max = [0.01, 0.01, 0.0]", ":37:1", "\"min\" is above its \"max\"", "swap"},
@@ -71,9 +78,11 @@ TEST_CASE("Bad scenes are refused at their place, with advice", "[io][scene][ref
       {"alpha = [-1.1, 2]", "alpha = [-1.1, 0]", ":26:1", "an exponent is 0", "leave the term out"},
       {"mu = [600, 43.6]", "mu = [600, -700]", ":25:1", "is not positive", "signs"},
       {"poisson = 0.45", "poisson = 0.45\nD1 = 1", ":23:1", "\"D1\" means nothing to a neo-Hookean", "remove"},
-      {"region = { shape = \"sphere\", centre = [0, 0, 0.01], radius = 0.005 }\n", "", ":23:1", "no region", "add region"},
+      {"region = { shape = \"sphere\", centre = [0, 0, 0.01], radius = 0.005 }\n", "", ":23:1", "no region",
+       "add region"},
       {"edge_radius = 0.0005", "edge_radius = 0.006", ":53:1", "exceeds the tool's radius", "capsule"},
-      {"shape = \"cylinder\"\nradius = 0.005\nlength = 0.03\nedge_radius = 0.0005", "shape = \"capsule\"\nradius = 0.005\nlength = 0.003", ":52:1", "shorter than two radii", "sphere"},
+      {"shape = \"cylinder\"\nradius = 0.005\nlength = 0.03\nedge_radius = 0.0005",
+       "shape = \"capsule\"\nradius = 0.005\nlength = 0.003", ":52:1", "shorter than two radii", "sphere"},
   };
   for (const Bad& b : bad) {
     const std::string path = folder.write("full.toml", replaced(full_scene, b.what, b.with));
@@ -92,9 +101,12 @@ TEST_CASE("A missing table or file is named", "[io][scene][refusal]") {
     return refusal([&] { readScene(folder.write("s.toml", text)); });
   };
   CHECK_THAT(message(""), Contains("s.toml") && Contains("the key \"organ\" is missing") && Contains("add an [organ]"));
-  CHECK_THAT(message(minimal_scene.substr(0, minimal_scene.find("[[fixed]]"))), Contains("\"fixed\" is missing") && Contains("[[fixed]]"));
-  CHECK_THAT(message(replaced(minimal_scene, "[[material]]", "[material]")), Contains("s.toml:6:1: \"material\" is a table; write each entry as [[material]]"));
-  CHECK_THAT(message(minimal_scene + "[[material]]\nmodel = \"neo-hookean\"\nyoung = 1\npoisson = 0.3\nregion = 3\n"), Contains(":18:10") && Contains("write it as a table"));
+  CHECK_THAT(message(minimal_scene.substr(0, minimal_scene.find("[[fixed]]"))),
+             Contains("\"fixed\" is missing") && Contains("[[fixed]]"));
+  CHECK_THAT(message(replaced(minimal_scene, "[[material]]", "[material]")),
+             Contains("s.toml:6:1: \"material\" is a table; write each entry as [[material]]"));
+  CHECK_THAT(message(minimal_scene + "[[material]]\nmodel = \"neo-hookean\"\nyoung = 1\npoisson = 0.3\nregion = 3\n"),
+             Contains(":18:10") && Contains("write it as a table"));
   CHECK_THAT(refusal([&] { readScene(folder.path("none.toml")); }), Contains("none.toml: the file does not exist"));
   CHECK_THAT(refusal([&] { readScene(folder.path("")); }), Contains("folder"));
 }

@@ -151,12 +151,14 @@ TEST_CASE("Quadrature, motions and [solve] of a scene arrive where they belong",
   CHECK(s.solve.probes_file == folder.path("points/probes.csv"));
   CHECK(s.solve.place.line == 59);
 
-  const Scene still = folder.scene(replaced(solved_scene, "mode = \"transient\"", "mode = \"static\"\ntolerance = 1e-3\nload_steps = 40"));
+  const Scene still = folder.scene(
+      replaced(solved_scene, "mode = \"transient\"", "mode = \"static\"\ntolerance = 1e-3\nload_steps = 40"));
   CHECK(still.solve.mode == SolveSpec::Mode::Static);
   CHECK(still.solve.tolerance == 1e-3);
   CHECK(still.solve.load_steps == 40);
   // A longer duration than the table's is taken: the last share is held.
-  CHECK(folder.scene(replaced(solved_scene, "angle = -30", "angle = -30\nduration = 0.6")).boundaries[3].duration == 0.6);
+  CHECK(folder.scene(replaced(solved_scene, "angle = -30", "angle = -30\nduration = 0.6")).boundaries[3].duration ==
+        0.6);
 }
 
 TEST_CASE("Bad quadrature, motions and [solve] are refused at their place, with advice", "[io][scene][refusal]") {
@@ -167,28 +169,37 @@ TEST_CASE("Bad quadrature, motions and [solve] are refused at their place, with 
   const Bad bad[] = {
       // [discretization]
       {"quadrature_accuracy = 0.01", "quadrature_accuracy = 1.5", ":8:23", "out of range", "0 .. 1"},
-      {"quadrature_accuracy = 0.01\n", "", ":8:1", "\"quadrature_division\" means nothing without \"quadrature_accuracy\"", "remove it"},
-      {"quadrature_accuracy = 0.01\nquadrature_division = 2\n", "", ":8:1", "\"quadrature_depth\" means nothing", "remove it"},
-      {"quadrature_division = 2", "quadrature_division = 3", ":9:23", "\"quadrature_division\" = 3 is no choice", "2, 4 or 8"},
+      {"quadrature_accuracy = 0.01\n", "", ":8:1",
+       "\"quadrature_division\" means nothing without \"quadrature_accuracy\"", "remove it"},
+      {"quadrature_accuracy = 0.01\nquadrature_division = 2\n", "", ":8:1", "\"quadrature_depth\" means nothing",
+       "remove it"},
+      {"quadrature_division = 2", "quadrature_division = 3", ":9:23", "\"quadrature_division\" = 3 is no choice",
+       "2, 4 or 8"},
       {"quadrature_depth = 6", "quadrature_depth = 9", ":10:20", "out of range", "0 .. 8"},
       {"\"ebciem\"", "\"lagrange\"", ":11:19", "\"boundary_method\" is \"lagrange\"", "sebciem or ebciem"},
       // regions
       {"height = 0.002\n", "", ":30:1", "the key \"height\" is missing", "a cylinder needs it"},
       {"normal = [0, 0, 2]\n", "", ":30:1", "the key \"normal\" is missing", "a cylinder needs it"},
       {"height = 0.002", "height = 0", ":35:10", "\"height\" = 0 m is out of range", "> 0"},
-      {"height = 0.002", "height = 0.002\ndistance = 1", ":36:1", "\"distance\" means nothing to a cylinder", "remove it"},
+      {"height = 0.002", "height = 0.002\ndistance = 1", ":36:1", "\"distance\" means nothing to a cylinder",
+       "remove it"},
       {"distance = 0\n", "", ":27:1", "the key \"distance\" is missing", "a shell needs it"},
-      {"distance = 0\n", "distance = 0\nnormal = [0, 0, 1]\n", ":30:1", "\"normal\" means nothing to a shell", "remove it"},
-      {"radius = 0.001\naxis", "radius = 0.001\nheight = 1\naxis", ":47:1", "\"height\" means nothing to a sphere", "remove it"},
+      {"distance = 0\n", "distance = 0\nnormal = [0, 0, 1]\n", ":30:1", "\"normal\" means nothing to a shell",
+       "remove it"},
+      {"radius = 0.001\naxis", "radius = 0.001\nheight = 1\naxis", ":47:1", "\"height\" means nothing to a sphere",
+       "remove it"},
       // names
       {"name = \"ear\"", "name = \"base\"", ":43:1", "the name \"base\" is taken by line 21", "a name of its own"},
-      {"name = \"ear\"", "name = \"prescribed 1\"", ":43:1", "the name \"prescribed 1\" is taken by line 30", "a name of its own"},
-      {"name = \"base\"", "name = \"fixed 2\"", ":27:1", "the name \"fixed 2\" is taken by line 21", "a name of its own"},
+      {"name = \"ear\"", "name = \"prescribed 1\"", ":43:1", "the name \"prescribed 1\" is taken by line 30",
+       "a name of its own"},
+      {"name = \"base\"", "name = \"fixed 2\"", ":27:1", "the name \"fixed 2\" is taken by line 21",
+       "a name of its own"},
       {"name = \"ear\"", "name = \"left, ear\"", ":43:1", "\"name\" is \"left, ear\"", "without commas"},
       {"name = \"ear\"", "name = \" \"", ":43:1", "\"name\" is \" \"", "give a name"},
       {"name = \"ear\"", "name = \"a\\nb\"", ":43:1", "\"name\" is \"a?b\"", "line ends"},
       // motions
-      {"translation = [0, 0.001, 0]\n", "", ":53:1", "neither a translation nor a rotation", "give translation = [x, y, z]"},
+      {"translation = [0, 0.001, 0]\n", "", ":53:1", "neither a translation nor a rotation",
+       "give translation = [x, y, z]"},
       {"axis = [1, 0, 0]\n", "", ":42:1", "the key \"axis\" is missing", "a rotation needs it"},
       {"axis_point = [0, 0, 0]\n", "", ":42:1", "the key \"axis_point\" is missing", "a rotation needs it"},
       {"angle = -30\n", "", ":42:1", "the key \"angle\" is missing", "a rotation needs it"},
@@ -199,9 +210,12 @@ TEST_CASE("Bad quadrature, motions and [solve] are refused at their place, with 
       {"\"linear\"", "\"cubic\"", ":41:9", "\"curve\" is \"cubic\"", "smooth or linear"},
       {"angle = -30", "angle = -30\ncurve = \"linear\"", ":50:1", "both \"curve\" and \"curve_table\"", "one of them"},
       {"angle = -30", "angle = -30\nduration = 0.3", ":50:1", "\"curve_table\" goes on after \"duration\"", "leave"},
-      {"[[0, 0], [0.1, 1.0],\n               [0.4, -0.5]]", "3", ":51:15", "\"curve_table\" is a whole number", "list of pairs"},
-      {"[[0, 0], [0.1, 1.0],\n               [0.4, -0.5]]", "[]", ":51:15", "\"curve_table\" has 0 rows", "[[0.0, 0.0]"},
-      {"[[0, 0], [0.1, 1.0],\n               [0.4, -0.5]]", "[[0, 0]]", ":51:15", "\"curve_table\" has 1 rows", "[[0.0, 0.0]"},
+      {"[[0, 0], [0.1, 1.0],\n               [0.4, -0.5]]", "3", ":51:15", "\"curve_table\" is a whole number",
+       "list of pairs"},
+      {"[[0, 0], [0.1, 1.0],\n               [0.4, -0.5]]", "[]", ":51:15", "\"curve_table\" has 0 rows",
+       "[[0.0, 0.0]"},
+      {"[[0, 0], [0.1, 1.0],\n               [0.4, -0.5]]", "[[0, 0]]", ":51:15", "\"curve_table\" has 1 rows",
+       "[[0.0, 0.0]"},
       {"[0.4, -0.5]", "[0.1, -0.5]", ":52:16", "the time of \"curve_table[2]\" is not later", "order"},
       {"[0.4, -0.5]", "[0.4, -0.5, 1]", ":52:16", "\"curve_table[2]\" is not a pair", "rows of time and value"},
       {"[0.4, -0.5]", "0.4", ":52:16", "\"curve_table[2]\" is not a pair", "rows of time and value"},
@@ -211,8 +225,10 @@ TEST_CASE("Bad quadrature, motions and [solve] are refused at their place, with 
       {"[[0, 0],", "[[0, 0.5],", ":51:16", "does not start at [0.0, 0.0]", "rows"},
       // [solve]
       {"\"transient\"", "\"dynamic\"", ":60:8", "\"mode\" is \"dynamic\"", "static or transient"},
-      {"end_time = 0.75", "end_time = 0.75\ntolerance = 1e-3", ":62:1", "\"tolerance\" means nothing to a transient solution", "remove it"},
-      {"end_time = 0.75", "end_time = 0.75\nload_steps = 3", ":62:1", "\"load_steps\" means nothing to a transient solution", "remove it"},
+      {"end_time = 0.75", "end_time = 0.75\ntolerance = 1e-3", ":62:1",
+       "\"tolerance\" means nothing to a transient solution", "remove it"},
+      {"end_time = 0.75", "end_time = 0.75\nload_steps = 3", ":62:1",
+       "\"load_steps\" means nothing to a transient solution", "remove it"},
       {"mode = \"transient\"", "tolerance = 0", ":60:13", "out of range", "> 0 .. 0.1"},
       {"mode = \"transient\"", "load_steps = 0", ":60:14", "out of range", "1 .. 10000"},
       {"end_time = 0.75", "end_time = -1", ":61:12", "out of range", ">= 0"},
@@ -249,7 +265,8 @@ TEST_CASE("Cut or damaged motions and [solve] are read or refused, never worse",
     }
   };
   const std::size_t begin = solved_scene.find("[[prescribed]]");
-  for (std::size_t length = begin; length < solved_scene.size(); length += 5) tryReading(solved_scene.substr(0, length));
+  for (std::size_t length = begin; length < solved_scene.size(); length += 5)
+    tryReading(solved_scene.substr(0, length));
   for (int i = 0; i < 300; ++i) {
     std::string damaged = solved_scene;
     for (int k = 0; k < 2; ++k) {

@@ -6,8 +6,8 @@
 #include <limits>
 #include <random>
 
-#include "discretization/solids.h"
-#include "discretization/surface_geometry.h"
+#include "discretization/surface/solids.h"
+#include "discretization/surface/surface_geometry.h"
 #include "support/temp_folder.h"
 #include "support/text.h"
 
@@ -165,15 +165,18 @@ TEST_CASE("Bad STL files are refused at their place, with advice", "[io][surface
 
   // ASCII
   const std::string ascii = asciiStl(cube);
-  CHECK_THAT(message(replaced(ascii, "vertex", "vertx")), Contains("cube.stl:4:7: \"vertx\" where \"vertex\" should stand"));
+  CHECK_THAT(message(replaced(ascii, "vertex", "vertx")),
+             Contains("cube.stl:4:7: \"vertx\" where \"vertex\" should stand"));
   CHECK_THAT(message(replaced(ascii, "vertex -0.5", "vertex NaN")), Contains("cube.stl:") && Contains("not finite"));
-  CHECK_THAT(message(replaced(ascii, "endsolid made by a test", "")), Contains("the file ends where \"facet\" should stand"));
+  CHECK_THAT(message(replaced(ascii, "endsolid made by a test", "")),
+             Contains("the file ends where \"facet\" should stand"));
   CHECK_THAT(message("solid nothing\nendsolid nothing\n"), Contains("no faces in this file"));
   CHECK_THAT(message(ascii.substr(0, ascii.size() / 2)), Contains("cube.stl:") && Contains("cut short"));
 
   // binary
   const std::string binary = binaryStl(cube);
-  CHECK_THAT(message(binary.substr(0, 500)), Contains("announces " + count + " faces") && Contains("has 500; it was cut short"));
+  CHECK_THAT(message(binary.substr(0, 500)),
+             Contains("announces " + count + " faces") && Contains("has 500; it was cut short"));
   CHECK_THAT(message(binary + "abc"), Contains("trailing bytes"));
   CHECK_THAT(message(binary.substr(0, 50)), Contains("neither an ASCII STL") && Contains("50 bytes"));
   std::string lying = binary;
@@ -195,7 +198,10 @@ TEST_CASE("Bad STL files are refused at their place, with advice", "[io][surface
 TEST_CASE("Missing, empty and foreign files are refused", "[io][surface][refusal]") {
   TempFolder folder;
   CHECK_THAT(refusal([&] { readSurface(folder.path("none.obj")); }), Contains("none.obj: the file does not exist"));
-  CHECK_THAT(refusal([&] { readSurface(folder.path("none.obj"), 1, {"a.toml", 3, 11}); }), Contains("a.toml:3:11: the file "));
+  CHECK_THAT(refusal([&] {
+               readSurface(folder.path("none.obj"), 1, {"a.toml", 3, 11});
+             }),
+             Contains("a.toml:3:11: the file "));
   CHECK_THAT(refusal([&] { readSurface(folder.path("")); }), Contains("folder"));
   CHECK_THAT(refusal([&] { readSurface(folder.write("a.obj", "")); }), Contains("the file is empty"));
   CHECK_THAT(refusal([&] { readSurface(folder.write("a.stl", " \r\n")); }), Contains("the file is empty"));
@@ -221,7 +227,8 @@ TEST_CASE("Cut or damaged surfaces are read or refused, never worse", "[io][surf
     }
   };
   for (const auto& [name, whole] : {std::pair<std::string, std::string>{"cut.obj", cube_obj},
-                                    {"cut.stl", asciiStl(s)}, {"cut_b.stl", binaryStl(s)}}) {
+                                    {"cut.stl", asciiStl(s)},
+                                    {"cut_b.stl", binaryStl(s)}}) {
     for (std::size_t length = 0; length < whole.size(); length += 1 + whole.size() / 60) {
       tryReading(name, whole.substr(0, length));
     }

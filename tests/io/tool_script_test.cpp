@@ -1,4 +1,5 @@
 #include "io/tool_script.h"
+#include "base/build_info.h"
 
 #include <catch2/catch.hpp>
 #include <filesystem>
@@ -51,7 +52,10 @@ TEST_CASE("A tool script moves along the tip and sideways from the start pose", 
 TEST_CASE("Smooth scripts rest at each keyframe and pass the middle half way", "[io][tool]") {
   TempFolder folder;
   const ToolScript script = readToolScript(
-      folder.write("s.toml", "from_touch = false\n[[keyframe]]\ntime = 0\nadvance = 0.001\n[[keyframe]]\ntime = 2\nadvance = 0.011\n"), 1);
+      folder.write(
+          "s.toml",
+          "from_touch = false\n[[keyframe]]\ntime = 0\nadvance = 0.001\n[[keyframe]]\ntime = 2\nadvance = 0.011\n"),
+      1);
   const auto depth = [&](double time) { return -poseAt(script, Pose{}, 99, time).position.z(); };
   CHECK(depth(0) == 0.001);
   CHECK(depth(1) == Approx(0.006).epsilon(1e-12));
@@ -72,14 +76,18 @@ TEST_CASE("Bad tool scripts are refused at their place", "[io][tool][refusal]") 
   CHECK_THAT(message("[[keyframe]]\ntime = 1\nadvance = 0\nadvance_radii = 1\n"), Contains("s.toml:3:1: both"));
   CHECK_THAT(message("[[keyframe]]\nadvance = 0\n"), Contains("\"time\" is missing in [[keyframe]]"));
   CHECK_THAT(message("[[keyframe]]\ntime = -1\nadvance = 0\n"), Contains("s.toml:2:8:") && Contains(">= 0"));
-  CHECK_THAT(message("[[keyframe]]\ntime = 1\nadvance = 0\n[[keyframe]]\ntime = 1\nadvance = 0\n"), Contains("s.toml:5:1: this keyframe is not later"));
-  CHECK_THAT(message("[[keyframe]]\ntime = 1\ndepth = 0\n"), Contains("s.toml:3:1: unknown key \"depth\"") && Contains("\"advance\"?"));
-  CHECK_THAT(message("interpolation = \"cubic\"\n" + script_text.substr(script_text.find("[["))), Contains("linear or smooth"));
+  CHECK_THAT(message("[[keyframe]]\ntime = 1\nadvance = 0\n[[keyframe]]\ntime = 1\nadvance = 0\n"),
+             Contains("s.toml:5:1: this keyframe is not later"));
+  CHECK_THAT(message("[[keyframe]]\ntime = 1\ndepth = 0\n"),
+             Contains("s.toml:3:1: unknown key \"depth\"") && Contains("\"advance\"?"));
+  CHECK_THAT(message("interpolation = \"cubic\"\n" + script_text.substr(script_text.find("[["))),
+             Contains("linear or smooth"));
 }
 
-TEST_CASE("The scripts in assets/tools start at the start pose, press gently, and end lifted off", "[io][tool][assets]") {
+TEST_CASE("The scripts in assets/tools start at the start pose, press gently, and end lifted off",
+          "[io][tool][assets]") {
   int count = 0;
-  for (const auto& entry : std::filesystem::directory_iterator(PALPATE_SOURCE_DIR "/assets/tools")) {
+  for (const auto& entry : std::filesystem::directory_iterator(sourceFolder() + "/assets/tools")) {
     if (entry.path().extension() != ".toml") continue;
     ++count;
     INFO(entry.path());

@@ -1,4 +1,5 @@
 #include "io/vtu_file.h"
+#include "base/build_info.h"
 
 #include <sys/resource.h>
 
@@ -23,7 +24,7 @@ namespace {
 /// The file as an independent reader sees it.
 json readBack(const std::string& path) {
   // Debian's Python: another one would not see Debian's packages.
-  const std::string command = "/usr/bin/python3 '" PALPATE_SOURCE_DIR "/tests/io/read_vtu.py' '" + path + "' 2>&1";
+  const std::string command = "/usr/bin/python3 '" + sourceFolder() + "/tests/io/read_vtu.py' '" + path + "' 2>&1";
   std::string output;
   FILE* pipe = ::popen(command.c_str(), "r");
   REQUIRE(pipe != nullptr);
@@ -92,7 +93,8 @@ TEST_CASE("An independent reader finds points, tetrahedra and fields of a VTU fi
   CHECK(p[1].get<std::vector<float>>() == pressure);
   CHECK(read["cell_data"]["region"] == json::array({"int32", region}));
   CHECK(read["cell_data"]["P_Pa"][1][1][8] == 0.9);
-  CHECK(read["cell_data"]["P_Pa"][1][0].get<std::vector<double>>() == std::vector<double>(stress.begin(), stress.begin() + 9));
+  CHECK(read["cell_data"]["P_Pa"][1][0].get<std::vector<double>>() ==
+        std::vector<double>(stress.begin(), stress.begin() + 9));
   CHECK(fileCount(folder) == 1);
 }
 
@@ -120,7 +122,8 @@ TEST_CASE("A PVD file lists times and files", "[io][vtu]") {
   const TempFolder folder;
   const std::vector<PvdFrame> frames = {{0, "a & b.vtu"}, {1.0 / 3, "frames/1.vtu"}};
   writePvd(folder.path("run.pvd"), frames);
-  CHECK(readBack(folder.path("run.pvd")) == json::array({json::array({0.0, "a & b.vtu"}), json::array({1.0 / 3, "frames/1.vtu"})}));
+  CHECK(readBack(folder.path("run.pvd")) ==
+        json::array({json::array({0.0, "a & b.vtu"}), json::array({1.0 / 3, "frames/1.vtu"})}));
 }
 
 TEST_CASE("Fields and cells that do not fit are refused before anything is written", "[io][vtu][refusal]") {
@@ -128,7 +131,8 @@ TEST_CASE("Fields and cells that do not fit are refused before anything is writt
   const std::vector<double> four(4);
   const VtuField field{"s", std::span(four)};
   const std::string path = folder.path("a.vtu");
-  CHECK_THROWS_WITH(writeVtu(path, points, cells, {&field, 1}), Contains("the field s has 4 values, not 1 for each of 5"));
+  CHECK_THROWS_WITH(writeVtu(path, points, cells, {&field, 1}),
+                    Contains("the field s has 4 values, not 1 for each of 5"));
   CHECK_THROWS_AS(writeVtu(path, points, cells, {}, {&field, 1}), std::invalid_argument);
   const std::vector<std::array<int, 4>> beyond = {{0, 1, 2, 5}};
   CHECK_THROWS_WITH(writeVtu(path, points, beyond, {}), Contains("a cell names point 5 of 5"));
@@ -137,7 +141,8 @@ TEST_CASE("Fields and cells that do not fit are refused before anything is writt
 
 TEST_CASE("Results that can't be written say so, with the reason, and leave what was there", "[io][vtu][refusal]") {
   const TempFolder folder;
-  CHECK_THROWS_WITH(writeVtu(folder.path("none/a.vtu"), points, cells, {}), Contains("can't write") && Contains("none/a.vtu: No such file or directory"));
+  CHECK_THROWS_WITH(writeVtu(folder.path("none/a.vtu"), points, cells, {}),
+                    Contains("can't write") && Contains("none/a.vtu: No such file or directory"));
   const std::string path = folder.write("a.vtu", "an earlier result");
   CHECK_THROWS_WITH(writeVtu(path + "/b.vtu", points, cells, {}), Contains("a.vtu/b.vtu: Not a directory"));
   std::filesystem::create_directory(folder.path("folder.vtu"));

@@ -14,7 +14,8 @@ namespace {
 double growth(const TestBody& body, double dt, int steps) {
   std::vector<Vec3> u(body.X.size(), Vec3::Zero()), du(body.X.size()), f;
   for (std::size_t i = 0; i < u.size(); ++i)
-    du[i] = 1e-9 * Vec3(std::sin(12.3 * static_cast<double>(i)), std::sin(7.7 * static_cast<double>(i)), std::cos(3.1 * static_cast<double>(i)));
+    du[i] = 1e-9 * Vec3(std::sin(12.3 * static_cast<double>(i)), std::sin(7.7 * static_cast<double>(i)),
+                        std::cos(3.1 * static_cast<double>(i)));
   for (int s = 0; s < steps; ++s) {
     referenceInternalForces(body.shape, body.volume, body.point_material, body.materials, u, f);
     for (std::size_t i = 0; i < u.size(); ++i) {
@@ -71,8 +72,8 @@ TEST_CASE("Lanczos finds the largest eigenvalue of a small body", "[critical_tim
     referenceInternalForces(body.shape, body.volume, body.point_material, body.materials, u, behind);
     u[c / 3][c % 3] = 0;
     for (int r = 0; r < n; ++r)
-      K(r, c) = -(ahead[r / 3][r % 3] - behind[r / 3][r % 3]) / (2 * e) /
-                std::sqrt(body.mass[r / 3] * body.mass[c / 3]);
+      K(r, c) =
+          -(ahead[r / 3][r % 3] - behind[r / 3][r % 3]) / (2 * e) / std::sqrt(body.mass[r / 3] * body.mass[c / 3]);
   }
   const double largest = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(K).eigenvalues().maxCoeff();
   const double exact = 2 / std::sqrt(largest);

@@ -2,8 +2,8 @@
 #include <catch2/catch.hpp>
 #include <random>
 
-#include "discretization/background_cells.h"
-#include "discretization/facet_rule.h"
+#include "discretization/cells/background_cells.h"
+#include "discretization/surface/facet_rule.h"
 #include "mechanics/essential_boundary.h"
 #include "support/test_body.h"
 
@@ -186,10 +186,12 @@ TEST_CASE("EBCIEM imposes the field exactly, jointly over unlike component sets"
   largest = 0;
   for (const auto& a : du) largest = std::max(largest, toVec3(a).norm());
   INFO("departure " << g.departure(du, time, time - 1e-3) << " largest correction " << largest);
-  CHECK(g.departure(du, time, time - 1e-3) < 1e-15 * edge);  // the motion's difference over the step rounds as its whole
+  CHECK(g.departure(du, time, time - 1e-3) <
+        1e-15 * edge);  // the motion's difference over the step rounds as its whole
 }
 
-TEST_CASE("V of EBCIEM is the integral of eq. 17, and its rows share out the facets' area", "[essential_boundary][ebciem]") {
+TEST_CASE("V of EBCIEM is the integral of eq. 17, and its rows share out the facets' area",
+          "[essential_boundary][ebciem]") {
   const Gripped g(true);
   const auto boundary = makeEssentialBoundary<double>(g.essential, g.body.mass);
   for (const auto& set : boundary.sets) {
@@ -214,7 +216,8 @@ TEST_CASE("V of EBCIEM is the integral of eq. 17, and its rows share out the fac
   }
 }
 
-TEST_CASE("L U of EBCIEM is Phi M^-1 V, which is not symmetric, and solves as the dense matrix does", "[essential_boundary][ebciem]") {
+TEST_CASE("L U of EBCIEM is Phi M^-1 V, which is not symmetric, and solves as the dense matrix does",
+          "[essential_boundary][ebciem]") {
   const Gripped g(true);
   const auto boundary = makeEssentialBoundary<double>(g.essential, g.body.mass);
   auto scratch = makeBoundaryScratch(boundary);
@@ -255,7 +258,8 @@ TEST_CASE("L U of EBCIEM is Phi M^-1 V, which is not symmetric, and solves as th
   }
 }
 
-TEST_CASE("Reactions of the nodes sum to the boundaries', which are the momentum that was added", "[essential_boundary][ebciem]") {
+TEST_CASE("Reactions of the nodes sum to the boundaries', which are the momentum that was added",
+          "[essential_boundary][ebciem]") {
   for (const bool integrated : {false, true}) {
     const Gripped g(integrated);
     const auto boundary = makeEssentialBoundary<double>(g.essential, g.body.mass);
@@ -264,7 +268,8 @@ TEST_CASE("Reactions of the nodes sum to the boundaries', which are the momentum
     const double alpha = 1e-7;
     const auto before = randomIncrement<double>(g.body.nodeCount(), 1e-4, 3);
     auto du = before;
-    const Vec3 held = imposeBoundary(boundary, 0.3, 1e-3, alpha, inverse_mass.data(), nullptr, du.data(), scratch, team);
+    const Vec3 held =
+        imposeBoundary(boundary, 0.3, 1e-3, alpha, inverse_mass.data(), nullptr, du.data(), scratch, team);
 
     Vec3 momentum = Vec3::Zero(), total = Vec3::Zero();
     for (std::size_t i = 0; i < du.size(); ++i) momentum += g.body.mass[i] * (toVec3(du[i]) - toVec3(before[i]));
@@ -315,11 +320,13 @@ TEST_CASE("A turning boundary's force and moment do its work", "[essential_bound
           scale += std::abs(force * velocity);
         }
     }
-    const double rate = (motion.curve.at(time + e, motion.duration) - motion.curve.at(time - e, motion.duration)) / (2 * e);
+    const double rate =
+        (motion.curve.at(time + e, motion.duration) - motion.curve.at(time - e, motion.duration)) / (2 * e);
     const Reaction& r = scratch.reaction[1];
     // The arm counts from the axis as it stands; the shift, on top, moves it along.
     const Vec3 shift = motion.curve.at(time, motion.duration) * motion.translation;
-    const double power = rate * (r.force.dot(motion.translation) + (r.moment - shift.cross(r.force)).dot(motion.axis) * motion.angle);
+    const double power =
+        rate * (r.force.dot(motion.translation) + (r.moment - shift.cross(r.force)).dot(motion.axis) * motion.angle);
     CHECK(work == Approx(power).epsilon(1e-7).margin(1e-8 * scale));  // e^2 times the curve's third derivative
     CHECK(std::abs(r.moment.dot(motion.axis)) > 1e-3 * scale * edge / 1.0);
   }
@@ -356,7 +363,8 @@ TEST_CASE("The boundaries' moments are those of what was added", "[essential_bou
   }
 }
 
-TEST_CASE("Imposing the whole displacement leaves no drift; increments in float drift little", "[essential_boundary][ebciem]") {
+TEST_CASE("Imposing the whole displacement leaves no drift; increments in float drift little",
+          "[essential_boundary][ebciem]") {
   constexpr int steps = 1000;
   const double dt = 1e-3, alpha = 1e-7;  // to 1 s, twice the motion's duration
   for (const bool integrated : {false, true}) {

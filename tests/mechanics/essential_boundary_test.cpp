@@ -84,7 +84,8 @@ TEST_CASE("The field, not the parameters, is imposed at every boundary node", "[
   double worst = 0;
   for (std::size_t k = 0; k < c.essential.nodes.size(); ++k) {
     const Vec3 v = c.field(static_cast<int>(k), du), X = c.essential.X[k];
-    const Vec3 target = c.essential.nodes[k].boundary[0] == 0 ? Vec3(0, 0, 0) : Vec3(motion.at(X, time) - motion.at(X, time - dt));
+    const Vec3 target =
+        c.essential.nodes[k].boundary[0] == 0 ? Vec3(0, 0, 0) : Vec3(motion.at(X, time) - motion.at(X, time - dt));
     for (int d = 0; d < 3; ++d)
       if (c.essential.nodes[k].boundary[d] >= 0) worst = std::max(worst, std::abs(v[d] - target[d]));
   }
@@ -95,7 +96,8 @@ TEST_CASE("The field, not the parameters, is imposed at every boundary node", "[
   const auto held = makeEssentialBoundary(c.essential, c.body.mass);
   auto held_scratch = makeBoundaryScratch(held);
   du = before;
-  const Vec3 reaction = imposeBoundary(held, time, dt, alpha, inverse_mass.data(), nullptr, du.data(), held_scratch, team);
+  const Vec3 reaction =
+      imposeBoundary(held, time, dt, alpha, inverse_mass.data(), nullptr, du.data(), held_scratch, team);
   Vec3 momentum = Vec3::Zero();
   for (std::size_t i = 0; i < du.size(); ++i) momentum += c.body.mass[i] * (toVec3(du[i]) - toVec3(before[i]));
   CHECK((reaction - momentum / alpha).norm() < 1e-4 * reaction.norm());
@@ -173,7 +175,8 @@ TEST_CASE("However many threads impose, the bits are the same", "[essential_boun
     SpinTeam members(threads);
     auto scratch = makeBoundaryScratch(boundary);
     AlignedVector<Float4> du(before.begin(), before.end());
-    held.push_back(imposeBoundary(boundary, 0.25, 1e-3, 1e-7, inverse_mass.data(), nullptr, du.data(), scratch, members));
+    held.push_back(
+        imposeBoundary(boundary, 0.25, 1e-3, 1e-7, inverse_mass.data(), nullptr, du.data(), scratch, members));
     moment.push_back(scratch.reaction[1].moment);
     results.push_back(du);
   }

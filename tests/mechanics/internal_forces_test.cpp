@@ -13,7 +13,8 @@ TEST_CASE("A linear displacement field gives a uniform F", "[internal_forces]") 
   F << 1.1, 0.2, 0, -0.1, 0.8, 0.05, 0.3, 0, 1.2;
   const auto u = body.displacement(F);
   double worst = 0;
-  for (int q = 0; q < body.shape.rowCount(); ++q) worst = std::max(worst, (deformationGradient(body.shape, q, u) - F).norm());
+  for (int q = 0; q < body.shape.rowCount(); ++q)
+    worst = std::max(worst, (deformationGradient(body.shape, q, u) - F).norm());
   CHECK(worst < 1e-10);  // linear consistency of MMLS, some hundred roundings times |gradN| R
 }
 
@@ -21,47 +22,52 @@ TEST_CASE("Internal forces are minus the derivative of the strain energy", "[int
   for (const auto& material : {Material::neoHookean(3000, 0.49, 1000), ogden()}) {
     const TestBody body(4, 0.1, 1, 1.8, 0.1, 0.2, material);
     for (const NodePatches& patches : {NodePatches{}, body.patches()}) {
-    auto u = wave(body, 0.2);
-    const auto f = referenceForces(body, u, patches);
-    const auto energy = [&] { return strainEnergy(body.shape, body.volume, body.point_material, body.materials, u, patches); };
-    const double e = 1e-7;
-    for (const int i : {0, 13, 21, 42, 63})
-      for (int c = 0; c < 3; ++c) {
-        u[i][c] += e;
-        const double ahead = energy();
-        u[i][c] -= 2 * e;
-        const double behind = energy();
-        u[i][c] += e;
-        CHECK(-(ahead - behind) / (2 * e) == Approx(f[i][c]).epsilon(1e-5).margin(1e-6 * norm(f)));
-      }
+      auto u = wave(body, 0.2);
+      const auto f = referenceForces(body, u, patches);
+      const auto energy = [&] {
+        return strainEnergy(body.shape, body.volume, body.point_material, body.materials, u, patches);
+      };
+      const double e = 1e-7;
+      for (const int i : {0, 13, 21, 42, 63})
+        for (int c = 0; c < 3; ++c) {
+          u[i][c] += e;
+          const double ahead = energy();
+          u[i][c] -= 2 * e;
+          const double behind = energy();
+          u[i][c] += e;
+          CHECK(-(ahead - behind) / (2 * e) == Approx(f[i][c]).epsilon(1e-5).margin(1e-6 * norm(f)));
+        }
     }
   }
 }
 
 TEST_CASE("The fast kernel equals the reference in double", "[internal_forces][kernel]") {
-  for (const auto& material : {Material::neoHookean(3000, 0.49, 1000), Material::neoHookean(3000, 0.499, 1000), ogden()})
+  for (const auto& material :
+       {Material::neoHookean(3000, 0.49, 1000), Material::neoHookean(3000, 0.499, 1000), ogden()})
     for (const int points : {1, 4}) {
       const TestBody body(6, 0.1, points, 1.8, 0.1, 0.2, material);
       for (const NodePatches& patches : {NodePatches{}, body.patches()})
-      for (const auto& u : hardStates(body)) {
-        ForceReport report;
-        const auto fast = fastForces(body, u, 1, &report, patches), exact = referenceForces(body, u, patches);
-        // Gradients rounded to float move J by 6e-8 |gradN| |u| n^(1/2) ~ 1e-6, which the bulk modulus
-        // multiplies against forces of the order of the shear modulus: (K / mu) 1e-6.
-        const double ratio = material.bulk_modulus / material.shear_modulus;
-        INFO("relative error " << distance(fast, exact) / norm(exact) << " at K/mu " << ratio);
-        CHECK(distance(fast, exact) < 1e-6 * ratio * norm(exact));
-        double min_J = 1e9;
-        for (int q = 0; q < body.shape.rowCount(); ++q)
-          min_J = std::min(min_J, deformationGradient(body.shape, q, u).determinant());
-        CHECK(report.min_J == Approx(std::min(1.0, min_J)).epsilon(1e-4));
-        CHECK(report.inverted_points == 0);
-      }
+        for (const auto& u : hardStates(body)) {
+          ForceReport report;
+          const auto fast = fastForces(body, u, 1, &report, patches), exact = referenceForces(body, u, patches);
+          // Gradients rounded to float move J by 6e-8 |gradN| |u| n^(1/2) ~ 1e-6, which the bulk modulus
+          // multiplies against forces of the order of the shear modulus: (K / mu) 1e-6.
+          const double ratio = material.bulk_modulus / material.shear_modulus;
+          INFO("relative error " << distance(fast, exact) / norm(exact) << " at K/mu " << ratio);
+          CHECK(distance(fast, exact) < 1e-6 * ratio * norm(exact));
+          double min_J = 1e9;
+          for (int q = 0; q < body.shape.rowCount(); ++q)
+            min_J = std::min(min_J, deformationGradient(body.shape, q, u).determinant());
+          CHECK(report.min_J == Approx(std::min(1.0, min_J)).epsilon(1e-4));
+          CHECK(report.inverted_points == 0);
+        }
     }
 }
 
-TEST_CASE("The kernel in double equals the reference to rounding, and the one in float follows", "[internal_forces][kernel]") {
-  std::vector<Material> materials{Material::neoHookean(3000, 0.49, 1000), Material::neoHookean(3000, 0.499, 1000), ogden()};
+TEST_CASE("The kernel in double equals the reference to rounding, and the one in float follows",
+          "[internal_forces][kernel]") {
+  std::vector<Material> materials{Material::neoHookean(3000, 0.49, 1000), Material::neoHookean(3000, 0.499, 1000),
+                                  ogden()};
   for (std::size_t k = materials.size(); k-- > 0;) {
     materials.push_back(materials[k]);
     materials.back().barrier_strength = 2;
@@ -75,10 +81,12 @@ TEST_CASE("The kernel in double equals the reference to rounding, and the one in
         for (const auto& u : states) {
           ForceReport report;
           const auto fast = fastForces<double>(body, u, 1, &report, patches), exact = referenceForces(body, u, patches);
-          const double ratio = material.bulk_modulus / material.shear_modulus, error = distance(fast, exact) / norm(exact);
+          const double ratio = material.bulk_modulus / material.shear_modulus,
+                       error = distance(fast, exact) / norm(exact);
           INFO("relative error " << error << " at K/mu " << ratio << " barrier " << material.barrier_strength);
           CHECK(error < 1e-12);
-          CHECK(distance(fastForces<float>(body, u, 1, nullptr, patches), fast) < 1e-6 * ratio * norm(exact));  // as above
+          CHECK(distance(fastForces<float>(body, u, 1, nullptr, patches), fast) <
+                1e-6 * ratio * norm(exact));  // as above
           double min_J = 1;
           for (int q = 0; q < body.shape.rowCount(); ++q)
             min_J = std::min(min_J, deformationGradient(body.shape, q, u).determinant());
@@ -87,14 +95,16 @@ TEST_CASE("The kernel in double equals the reference to rounding, and the one in
     }
 }
 
-TEST_CASE("In double a rigid motion's forces are rounding, and more threads change no bit", "[internal_forces][kernel][determinism]") {
+TEST_CASE("In double a rigid motion's forces are rounding, and more threads change no bit",
+          "[internal_forces][kernel][determinism]") {
   const TestBody body(6, 0.1, 4);
   for (const double angle : {0.7, M_PI / 2}) {
     auto rigid = body.displacement(Eigen::AngleAxisd(angle, Vec3(1, 1, 0).normalized()).toRotationMatrix());
     for (auto& a : rigid) a += Vec3(0.05, -0.02, 0.01);
     const auto strained = fastForces<double>(body, wave(body, 0.3));
     for (const NodePatches& patches : {NodePatches{}, body.patches()})
-      CHECK(norm(fastForces<double>(body, rigid, 1, nullptr, patches)) < 1e-12 * norm(strained));  // K/mu times rounding
+      CHECK(norm(fastForces<double>(body, rigid, 1, nullptr, patches)) <
+            1e-12 * norm(strained));  // K/mu times rounding
   }
   const auto u = wave(body, 0.3);
   const auto patches = body.patches();

@@ -24,13 +24,16 @@ std::vector<Vec3> shaken(const TestBody& body) {
 }
 
 std::string describe(InstructionSet set, GradientPrecision gradients, bool patched) {
-  return std::string(nameOf(set)) + (gradients == GradientPrecision::Int16 ? ", int16" : ", float32") + (patched ? ", patches" : "");
+  return std::string(nameOf(set)) + (gradients == GradientPrecision::Int16 ? ", int16" : ", float32") +
+         (patched ? ", patches" : "");
 }
 
 }  // namespace
 
-TEST_CASE("Each instruction set's kernel equals the reference, with float32 and 16-bit gradients", "[kernel][instructions]") {
-  for (const auto& material : {Material::neoHookean(3000, 0.49, 1000), Material::neoHookean(3000, 0.499, 1000), ogden()}) {
+TEST_CASE("Each instruction set's kernel equals the reference, with float32 and 16-bit gradients",
+          "[kernel][instructions]") {
+  for (const auto& material :
+       {Material::neoHookean(3000, 0.49, 1000), Material::neoHookean(3000, 0.499, 1000), ogden()}) {
     const TestBody body(6, 0.1, 1, 1.8, 0.1, 0.2, material);
     auto states = hardStates(body);  // strained, turned by 90 degrees, compressed by 75 %
     states.push_back(shaken(body));
@@ -46,7 +49,8 @@ TEST_CASE("Each instruction set's kernel equals the reference, with float32 and 
             const auto fast = fastForces(body, states[state], 1, &report, patches, gradients, set);
             const double ratio = material.bulk_modulus / material.shear_modulus;
             const double error = distance(fast, exact) / norm(exact);
-            INFO(describe(set, gradients, !patches.empty()) << ", state " << state << ": relative error " << error << " at K/mu " << ratio);
+            INFO(describe(set, gradients, !patches.empty())
+                 << ", state " << state << ": relative error " << error << " at K/mu " << ratio);
             // Gradients rounded to float move J by 6e-8 |gradN| |u| n^(1/2) ~ 1e-6, which the bulk modulus multiplies
             // against forces of the order of the shear modulus: (K / mu) 1e-6. Rounded to 16 bits they are off by up to
             // 1.5e-5 of the largest, and so are the forces that they spread, whatever K; F is not (kernel_layout.h).
@@ -69,7 +73,8 @@ TEST_CASE("Rigid motion makes no force in any kernel", "[kernel][instructions]")
         for (const NodePatches& patches : {NodePatches{}, body.patches()}) {
           const double error = norm(fastForces(body, u, 1, nullptr, patches, gradients, set)) / norm(strained);
           INFO(describe(set, gradients, !patches.empty()) << ": " << error << " of a working force");
-          CHECK(error < 1e-4);  // float's 1e-6 in J times K / mu = 500, against a force to which K gives most: a fifth of it
+          CHECK(error <
+                1e-4);  // float's 1e-6 in J times K / mu = 500, against a force to which K gives most: a fifth of it
         }
   }
 }
@@ -84,7 +89,8 @@ TEST_CASE("In every kernel any number of threads gives the same bits", "[kernel]
         for (const GradientPrecision gradients : precisions) {
           INFO(describe(set, gradients, !patches.empty()));
           forces.push_back(fastForces(body, u, 1, nullptr, patches, gradients, set));
-          for (const int threads : {2, 3}) CHECK(fastForces(body, u, threads, nullptr, patches, gradients, set) == forces.back());
+          for (const int threads : {2, 3})
+            CHECK(fastForces(body, u, threads, nullptr, patches, gradients, set) == forces.back());
         }
         CHECK(forces[0] != forces[1]);  // these really are other gradients
       }

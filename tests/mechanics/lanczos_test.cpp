@@ -14,7 +14,8 @@ using Vector = Eigen::VectorXd;
 namespace {
 
 LargestEigenvalue largestOf(const Matrix& A, int iterations, double tolerance) {
-  return largestEigenvalue(A.rows(), [&](const Vector& x, Vector& y) { y = A * x; }, iterations, tolerance);
+  return largestEigenvalue(
+      A.rows(), [&](const Vector& x, Vector& y) { y = A * x; }, iterations, tolerance);
 }
 
 /// A symmetric matrix with these eigenvalues and a rotation of no special directions.
@@ -22,7 +23,8 @@ Matrix withSpectrum(const Vector& eigenvalues) {
   const Eigen::Index n = eigenvalues.size();
   Matrix Q(n, n);
   for (Eigen::Index i = 0; i < n; ++i)
-    for (Eigen::Index j = 0; j < n; ++j) Q(i, j) = std::sin(1.0 + 3.7 * static_cast<double>(i) + 11.3 * static_cast<double>(j * j));
+    for (Eigen::Index j = 0; j < n; ++j)
+      Q(i, j) = std::sin(1.0 + 3.7 * static_cast<double>(i) + 11.3 * static_cast<double>(j * j));
   Q = Q.householderQr().householderQ();
   return Q * eigenvalues.asDiagonal() * Q.transpose();
 }
@@ -54,7 +56,7 @@ TEST_CASE("Lanczos finds the largest eigenvalue of known matrices", "[lanczos]")
   pair[0] = pair[1] = 7;
   const auto twofold = largestOf(withSpectrum(pair), 40, 1e-12);
   CHECK(twofold.value == Approx(7).epsilon(1e-12));
-  CHECK(twofold.iterations < 25);  // well separated: it stops by its residual
+  CHECK(twofold.iterations < 25);                    // well separated: it stops by its residual
   Vector negative = Vector::LinSpaced(30, -100, 5);  // the largest, not that of the largest modulus
   CHECK(largestOf(withSpectrum(negative), 30, 1e-10).value == Approx(5).epsilon(1e-9));
 }
@@ -97,7 +99,8 @@ TEST_CASE("Gershgorin rows of one point are its weight times the gradients' norm
   CHECK(gershgorinRows(shape, {-volume}, {0}, {m}, 4) == rows);
 }
 
-TEST_CASE("Gershgorin rows bound the frequencies with any masses; as masses they make all of them below 1", "[critical_time_step]") {
+TEST_CASE("Gershgorin rows bound the frequencies with any masses; as masses they make all of them below 1",
+          "[critical_time_step]") {
   for (const int points : {1, 4}) {
     const test::TestBody body(3, 0.1, points);
     const auto rows = gershgorinRows(body.shape, body.volume, body.point_material, body.materials, body.X.size());

@@ -12,7 +12,8 @@ namespace {
 
 ScaledMass scaled(const TestBody& body, const NodePatches& patches, double factor) {
   const auto limit = criticalTimeStep(body.shape, body.volume, body.point_material, body.materials, body.mass, patches);
-  return scaleMass(body.shape, body.volume, body.point_material, body.materials, body.mass, patches, limit, factor * limit.dt);
+  return scaleMass(body.shape, body.volume, body.point_material, body.materials, body.mass, patches, limit,
+                   factor * limit.dt);
 }
 
 double sum(const std::vector<double>& values) { return std::accumulate(values.begin(), values.end(), 0.0); }
@@ -28,7 +29,8 @@ TEST_CASE("Mass is added just as far as the wanted step needs it", "[mass_scalin
     for (const double factor : {1.02, 1.2, 2.0}) {
       INFO("patches " << patched << ", step x " << factor);
       const ScaledMass s = scaled(body, patches, factor);
-      const auto again = criticalTimeStep(body.shape, body.volume, body.point_material, body.materials, s.mass, patches);
+      const auto again =
+          criticalTimeStep(body.shape, body.volume, body.point_material, body.materials, s.mass, patches);
       CHECK(again.dt == s.limit.dt);
       CHECK(again.dt >= factor * own.dt);
       CHECK(again.dt <= 1.006 * factor * own.dt);
@@ -49,7 +51,8 @@ TEST_CASE("One light node costs its own mass, not the body's", "[mass_scaling]")
   body.mass[inner] *= 1e-3;
   const auto limit = criticalTimeStep(body.shape, body.volume, body.point_material, body.materials, body.mass);
   REQUIRE(limit.dt < 0.5 * even.dt);
-  const ScaledMass s = scaleMass(body.shape, body.volume, body.point_material, body.materials, body.mass, {}, limit, 0.95 * even.dt);
+  const ScaledMass s =
+      scaleMass(body.shape, body.volume, body.point_material, body.materials, body.mass, {}, limit, 0.95 * even.dt);
   CHECK(s.limit.dt >= 0.95 * even.dt);
   CHECK(s.mass[inner] > 10 * body.mass[inner]);
   CHECK(s.added < 0.05);

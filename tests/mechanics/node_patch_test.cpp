@@ -3,7 +3,7 @@
 #include <catch2/catch.hpp>
 #include <numeric>
 
-#include "discretization/cell_pairs.h"
+#include "discretization/cells/cell_pairs.h"
 #include "support/test_body.h"
 
 using namespace palpate;
@@ -30,7 +30,8 @@ TEST_CASE("Patches of points that stand for two cells have volume and see a unif
       }
       CHECK(std::accumulate(patches.weight[q].begin(), patches.weight[q].end(), 0.0) == Approx(1).epsilon(1e-14));
     }
-    CHECK(std::accumulate(patches.volume.begin(), patches.volume.end(), 0.0) == Approx(cells.total_volume).epsilon(1e-12));
+    CHECK(std::accumulate(patches.volume.begin(), patches.volume.end(), 0.0) ==
+          Approx(cells.total_volume).epsilon(1e-12));
     const double dilatation = 0.01, expected = body.materials[0].bulk_modulus * dilatation;
     for (const double p : patchPressure(patches, points.volume, std::vector<double>(points.X.size(), dilatation)))
       CHECK(p == Approx(expected).epsilon(1e-12));

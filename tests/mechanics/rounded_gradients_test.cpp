@@ -9,8 +9,8 @@ using namespace palpate::test;
 namespace {
 
 KernelLayout roundedLayout(const TestBody& body) {
-  return makeKernelLayout(body.shape, body.point_X, body.volume, body.point_material, body.materials, body.nodeCount(), {},
-                          GradientPrecision::Int16, body.X);
+  return makeKernelLayout(body.shape, body.point_X, body.volume, body.point_material, body.materials, body.nodeCount(),
+                          {}, GradientPrecision::Int16, body.X);
 }
 
 }  // namespace
@@ -41,15 +41,18 @@ TEST_CASE("16-bit gradients keep the zero sum and the first moments to float rou
     for (int e = body.shape.begin[q]; e < body.shape.begin[q + 1]; ++e)
       for (const auto& [node, g] : gradients)
         if (node == body.shape.node[e] && !g.isZero(0)) {
-          largest_change = std::max(largest_change, (g - body.shape.gradN[e]).cwiseAbs().maxCoeff() * body.radius[node]);
+          largest_change =
+              std::max(largest_change, (g - body.shape.gradN[e]).cwiseAbs().maxCoeff() * body.radius[node]);
           break;
         }
   }
   CHECK(largest_change > 1e-6);  // they are rounded
-  CHECK(largest_change < 1e-3);  // times the radius gradients are about 1: 40 errors of 1.5e-5, to an anchor twice as far
+  CHECK(largest_change <
+        1e-3);  // times the radius gradients are about 1: 40 errors of 1.5e-5, to an anchor twice as far
 }
 
-TEST_CASE("16-bit gradients give J of uniform deformation as exactly as float32, and forces close in any", "[kernel][rounded]") {
+TEST_CASE("16-bit gradients give J of uniform deformation as exactly as float32, and forces close in any",
+          "[kernel][rounded]") {
   const TestBody body(6, 0.1, 1, 1.8, 0.1, 0.2, Material::neoHookean(3000, 0.499, 1000));
   const double ratio = body.materials[0].bulk_modulus / body.materials[0].shear_modulus;
   Mat3 sheared;
@@ -74,10 +77,14 @@ TEST_CASE("16-bit gradients give J of uniform deformation as exactly as float32,
 
 TEST_CASE("A layout with 16-bit gradients streams little more than half the bytes", "[kernel][rounded]") {
   const TestBody body(8, 0.1, 1, 1.6);
-  const auto whole = makeKernelLayout(body.shape, body.point_X, body.volume, body.point_material, body.materials, body.nodeCount());
+  const auto whole =
+      makeKernelLayout(body.shape, body.point_X, body.volume, body.point_material, body.materials, body.nodeCount());
   const auto rounded = roundedLayout(body);
-  const double bytes = static_cast<double>(rounded.gradN.size() * 4 + rounded.rounded_gradN.size() * 2 + rounded.scale.size() * 4);
-  CHECK(bytes < 0.62 * 4 * static_cast<double>(whole.gradN.size()));  // half, 1 of 22 anchors' halves and 12 B of scale per point
+  const double bytes =
+      static_cast<double>(rounded.gradN.size() * 4 + rounded.rounded_gradN.size() * 2 + rounded.scale.size() * 4);
+  CHECK(bytes <
+        0.62 * 4 *
+            static_cast<double>(whole.gradN.size()));  // half, 1 of 22 anchors' halves and 12 B of scale per point
 }
 
 TEST_CASE("Where 16-bit gradients can't be made this is said", "[kernel][rounded]") {

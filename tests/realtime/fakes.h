@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "base/key.h"
-#include "realtime/fixed_step_loop.h"
-#include "realtime/physics.h"
+#include "realtime/loop/physics.h"
+#include "realtime/timing/fixed_step_loop.h"
 
 namespace palpate::test {
 
@@ -16,7 +16,7 @@ class FakeClock final : public Clock {
   std::int64_t time = 1'000'000'007;  // ns; no multiple of any period
   std::int64_t late = 0;              // ns, how late sleepers wake
   int sleeps = 0;
-  std::int64_t away = 0;     // ns of `time` in which the thread did not run
+  std::int64_t away = 0;  // ns of `time` in which the thread did not run
   ThreadUse use;
   std::function<void(int)> before_sleep;  // called with the number of sleeps before
 
@@ -69,7 +69,7 @@ inline Model smallModel(double rate_hz = 500) {
   model.mass = {1, 0.5, 1.0 / 3, 0.25};
   model.skin.surface.vertices = {{0, 0, 0}, {0.01, 0, 0}};
   model.tool_start.position = Vec3(0, 0, 0.1);
-  model.touch_travel = 0.02;
+  model.first_contact_travel = 0.02;
   model.dt = 1 / rate_hz / 4;
   model.dt_critical = model.dt * 1.6;
   model.substeps_per_tick = 4;
@@ -122,7 +122,9 @@ class FakePhysics final : public Physics {
 
   const State& state() const override { return state_; }
   std::uint64_t stateHash() const override {
-    const auto bytesOf = [](const auto& value) { return std::string_view(reinterpret_cast<const char*>(&value), sizeof value); };
+    const auto bytesOf = [](const auto& value) {
+      return std::string_view(reinterpret_cast<const char*>(&value), sizeof value);
+    };
     std::uint64_t hash = fnv1a(bytesOf(state_.tick));
     for (const Float4& u : state_.u) hash = fnv1a(bytesOf(u), hash);
     return fnv1a(bytesOf(state_.tool_pose.position), hash);

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "realtime/fakes.h"
-#include "realtime/simulation_loop.h"
+#include "realtime/loop/simulation_loop.h"
 
 namespace palpate::test {
 

@@ -21,14 +21,15 @@ TEST_CASE("A model says what it is made of", "[build_model]") {
   const double box = 0.06 * 0.06 * 0.03;
   CHECK(volume == Approx(box).epsilon(1e-12));  // flat faces: nothing is lost
   CHECK(mass == Approx(1000 * box).epsilon(1e-12));
-  CHECK(model.touch_travel == Approx(0.002).epsilon(1e-6));
+  CHECK(model.first_contact_travel == Approx(0.002).epsilon(1e-6));
   CHECK(model.dt <= model.scene.step_safety * model.dt_critical);
   CHECK(model.dt * model.substeps_per_tick == Approx(1 / model.scene.rate_hz).epsilon(1e-14));
   CHECK(model.dt_proven < model.dt_critical);
   CHECK(model.point_shape.meanSupport() > 15);
 }
 
-TEST_CASE("Supports are a partition of unity that reproduces linear fields, at points and on the skin", "[build_model]") {
+TEST_CASE("Supports are a partition of unity that reproduces linear fields, at points and on the skin",
+          "[build_model]") {
   const Model model = blockModel();
   for (const ShapeTable* table : {&model.point_shape, &model.skin_shape}) {
     double worst = 0;
@@ -112,7 +113,8 @@ Scene gripped(const Vec3& travel) {
 }
 
 int imposedCount(const Model& model) {
-  return static_cast<int>(std::count_if(model.imposed.begin(), model.imposed.end(), [](auto bits) { return bits != 0; }));
+  return static_cast<int>(
+      std::count_if(model.imposed.begin(), model.imposed.end(), [](auto bits) { return bits != 0; }));
 }
 
 }  // namespace
@@ -160,7 +162,8 @@ TEST_CASE("Motions that agree may share nodes; the first has them", "[build_mode
   scene.boundaries.push_back(side);
   const Model model = blockModel(scene);
   for (const auto& node : model.essential.nodes)
-    for (int c = 0; c < 3; ++c) CHECK((node.boundary[c] < 0 || node.boundary[c] == 0 || node.boundary[c] == 1 || node.boundary[c] == 4));
+    for (int c = 0; c < 3; ++c)
+      CHECK((node.boundary[c] < 0 || node.boundary[c] == 0 || node.boundary[c] == 1 || node.boundary[c] == 4));
   CHECK(imposedCount(model) > imposedCount(blockModel(once)));
 }
 
@@ -226,7 +229,10 @@ TEST_CASE("Adaptive quadrature adds points where it is asked to, and keeps the v
     double volume = 0;
     for (std::size_t c = 0; c < in_cell.size(); ++c) {
       const auto& n = model.cells[c];
-      const double exact = std::abs((model.X[n[1]] - model.X[n[0]]).cross(model.X[n[2]] - model.X[n[0]]).dot(model.X[n[3]] - model.X[n[0]])) / 6;
+      const double exact =
+          std::abs(
+              (model.X[n[1]] - model.X[n[0]]).cross(model.X[n[2]] - model.X[n[0]]).dot(model.X[n[3]] - model.X[n[0]])) /
+          6;
       CHECK(in_cell[c] == Approx(exact).epsilon(1e-12));
       volume += in_cell[c];
     }
@@ -234,7 +240,8 @@ TEST_CASE("Adaptive quadrature adds points where it is asked to, and keeps the v
   }
 }
 
-TEST_CASE("A box that leaves two nodes beside full blocks of the gradients' system is set up like any other", "[build_model]") {
+TEST_CASE("A box that leaves two nodes beside full blocks of the gradients' system is set up like any other",
+          "[build_model]") {
   Scene scene = blockScene(0.0042);
   scene.size = Vec3(0.03, 0.03, 0.03);
   scene.tool.radius = 0.006;
@@ -246,7 +253,8 @@ TEST_CASE("A box that leaves two nodes beside full blocks of the gradients' syst
     two_over += model.nodeCount() % 64 == 2;  // the block's coarse functions are dependent
     CHECK(std::isfinite(model.dt_critical));
     CHECK(model.dt_critical > 0);
-    CHECK(std::all_of(model.point_shape.gradN.begin(), model.point_shape.gradN.end(), [](const Vec3& g) { return g.allFinite(); }));
+    CHECK(std::all_of(model.point_shape.gradN.begin(), model.point_shape.gradN.end(),
+                      [](const Vec3& g) { return g.allFinite(); }));
   }
   CHECK(two_over > 0);
 }
@@ -259,7 +267,8 @@ TEST_CASE("A body of so few nodes that the gradients' system is one block is set
     INFO("seed " << seed << ", " << model.nodeCount() << " nodes");
     REQUIRE(model.nodeCount() < 64);
     CHECK(model.dt_critical > 0);
-    CHECK(std::all_of(model.point_shape.gradN.begin(), model.point_shape.gradN.end(), [](const Vec3& g) { return g.allFinite(); }));
+    CHECK(std::all_of(model.point_shape.gradN.begin(), model.point_shape.gradN.end(),
+                      [](const Vec3& g) { return g.allFinite(); }));
   }
 }
 
@@ -291,7 +300,8 @@ TEST_CASE("EBCIEM is chosen by the scene and holds the base as exactly", "[build
   scene.boundary_method = Scene::BoundaryMethod::Ebciem;
   const Model model = blockModel(scene);
   REQUIRE_FALSE(model.essential.facets.empty());
-  CHECK(model.essential.facet_weight.size() == model.essential.facets.size() * static_cast<std::size_t>(model.essential.facet_points));
+  CHECK(model.essential.facet_weight.size() ==
+        model.essential.facets.size() * static_cast<std::size_t>(model.essential.facet_points));
   double area = 0;
   for (const auto& w : model.essential.facet_weight) area += w.sum();
   CHECK(area == Approx(2 * 0.06 * 0.06).epsilon(1e-12));  // base and top

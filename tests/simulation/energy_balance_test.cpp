@@ -15,13 +15,14 @@ TEST_CASE("A mode beyond the stable step is seen by more than a quarter of its e
       u += du;
       const double f = -u, next = du + dt * dt * f;
       balance.work -= 0.5 * f * du;
-      seen = balance.look(0.5 * u * u, 0.5 * next * next / (dt * dt), (next - du) * (next - du) / (8 * dt * dt), dt, 0);
+      seen =
+          balance.update(0.5 * u * u, 0.5 * next * next / (dt * dt), (next - du) * (next - du) / (8 * dt * dt), dt, 0);
       balance.work -= 0.5 * f * next;
       du = next;
     }
     CAPTURE(g);
     REQUIRE(std::abs(u) == Approx(std::pow(g, 20)).epsilon(1e-6));
-    for (const double share : balance.alternating_shares) CHECK(share == Approx((1 + g) / (4 * g)).epsilon(1e-6));
+    for (const double share : balance.acceleration_shares) CHECK(share == Approx((1 + g) / (4 * g)).epsilon(1e-6));
     CHECK(seen > 0.25);
   }
 }
@@ -33,7 +34,7 @@ TEST_CASE("What strikes a body sets it moving, and that is no energy of nothing"
   double worst = 0, kinetic = 0;
   for (int struck = 1; struck <= 10; ++struck) {
     kinetic += m / 2;
-    worst = std::max(worst, balance.look(0, kinetic, m / 8, dt, 0));
+    worst = std::max(worst, balance.update(0, kinetic, m / 8, dt, 0));
   }
   CHECK(worst == Approx(1.0 / 16).epsilon(1e-2));  // in the fourth step: a quarter of a quarter of the energy
 }

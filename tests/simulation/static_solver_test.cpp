@@ -2,6 +2,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "base/build_info.h"
 #include "io/csv_table.h"
 #include "simulation/static_solver.h"
 #include "simulation/step.h"
@@ -57,9 +58,10 @@ struct Uniaxial {
   double lateral, stress;  // 1, Pa
 };
 Uniaxial reference(double stretch) {
-  const CsvTable table = readCsvTable(std::string(PALPATE_SOURCE_DIR) + "/tests/reference/uniaxial_neo_hookean_E3000_nu0.49.csv");
+  const CsvTable table = readCsvTable(sourceFolder() + "/tests/reference/uniaxial_neo_hookean_E3000_nu0.49.csv");
   for (std::size_t r = 0; r < table.rowCount(); ++r)
-    if (std::abs(table["stretch"][r] - stretch) < 1e-9) return {table["lateral_stretch"][r], table["nominal_stress_Pa"][r]};
+    if (std::abs(table["stretch"][r] - stretch) < 1e-9)
+      return {table["lateral_stretch"][r], table["nominal_stress_Pa"][r]};
   throw std::logic_error("no such stretch in the reference");
 }
 
@@ -98,7 +100,9 @@ TEST_CASE("A block on rollers meets the closed form of uniaxial stress", "[stati
       const auto& top = solver.body().reactions()[3].force;
       INFO("stretch " << stretch << " method " << static_cast<int>(method) << " displacement off by " << worst / travel
                       << ", force by " << top.z() / (exact.stress * area) - 1);
-      CHECK(worst < 1e-5 * travel);  // consistent gradients leave 1e-7, the tolerance 1e-6 in parameters of a few times the field
+      CHECK(worst <
+            1e-5 *
+                travel);  // consistent gradients leave 1e-7, the tolerance 1e-6 in parameters of a few times the field
       CHECK(top.z() == Approx(exact.stress * area).epsilon(1e-4));  // the bulk modulus multiplies it
       CHECK(e.min_J == Approx(std::min(1.0, exact.lateral * exact.lateral * stretch)).epsilon(1e-4));
     }
@@ -126,8 +130,8 @@ TEST_CASE("The estimated error is above the true one", "[static_solver]") {
       const Equilibrium e = solver.advanceTo(1);
       REQUIRE(e.converged);
       const double truth = largestDifference(solver.body().u, tight.body().u);
-      INFO("travel " << travel.transpose() << " tolerance " << tolerance << " true " << truth << " estimated " << e.error
-                     << " iterations " << e.iterations << " rate " << solver.convergenceRate());
+      INFO("travel " << travel.transpose() << " tolerance " << tolerance << " true " << truth << " estimated "
+                     << e.error << " iterations " << e.iterations << " rate " << solver.convergenceRate());
       CHECK(e.error <= tolerance * e.largest);
       CHECK(truth <= e.error);
       CHECK(truth > 0.01 * e.error);  // not by caution alone
@@ -169,14 +173,15 @@ TEST_CASE("A solution that goes on from a saved state ends where the unbroken on
   CHECK(second.time() == 0.5);
   for (int k = 3; k <= 4; ++k) REQUIRE(second.advanceTo(k / 4.0).converged);
   CHECK(largestDifference(whole.body().u, second.body().u) < 2 * tolerance * e.largest);  // the two errors
-  CHECK((whole.body().reactions()[1].force - second.body().reactions()[1].force).norm() < 1e-3 * whole.body().reactions()[1].force.norm());
+  CHECK((whole.body().reactions()[1].force - second.body().reactions()[1].force).norm() <
+        1e-3 * whole.body().reactions()[1].force.norm());
 }
 
 TEST_CASE("A tool pressed statically has the real-time loop's force at rest", "[static_solver][contact]") {
   const Model model = blockModel();
   constexpr double depth = 0.003;
   StaticSolver solver(model, 1, 1e-4);
-  const Equilibrium e = solver.advanceTo(1, toolAt(model, model.touch_travel + depth));
+  const Equilibrium e = solver.advanceTo(1, toolAt(model, model.first_contact_travel + depth));
   REQUIRE(e.converged);
 
   State state = initialState(model);
@@ -184,7 +189,8 @@ TEST_CASE("A tool pressed statically has the real-time loop's force at rest", "[
   Command command;
   StepReport report;
   for (int k = 1; k <= 1000; ++k) {  // 1 s down, 1 s to come to rest
-    command.tool_target = toolAt(model, (model.touch_travel + depth) * LoadCurve{}.at(k / model.scene.rate_hz, 1.0));
+    command.tool_target =
+        toolAt(model, (model.first_contact_travel + depth) * LoadCurve{}.at(k / model.scene.rate_hz, 1.0));
     report = tick(model, state, command, workspace);
     REQUIRE(report.flags == 0);
   }
@@ -221,7 +227,8 @@ TEST_CASE("An impossible load is owned up to, and leaves no number that is not o
   const Model model = blockModel(plates(Vec3(0, 0, -1.5 * height)));
   StaticSolver solver(model, 2, 1e-3);
   const Equilibrium e = solver.advanceTo(1);
-  INFO("iterations " << e.iterations << " diverged " << e.diverged << " converged " << e.converged << " inverted " << e.inverted_points);
+  INFO("iterations " << e.iterations << " diverged " << e.diverged << " converged " << e.converged << " inverted "
+                     << e.inverted_points);
   CHECK(e.diverged);
   CHECK_FALSE(e.converged);
   REQUIRE(allFinite(solver.body().u));

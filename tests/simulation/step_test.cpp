@@ -15,15 +15,14 @@ namespace {
 /// within one tick drops the force by density * wave speed * area * speed, as it should), and holds for `hold` s. Calls each(report, k) per tick.
 template <class Each>
 StepReport press(const Model& model, State& state, Workspace& workspace, double depth, double hold, Each&& each) {
-  const double travel = model.touch_travel + depth;
+  const double travel = model.first_contact_travel + depth;
   const double seconds = 1.875 * travel / 0.01;  // the 3-4-5 polynomial's top speed is 1.875 of its mean
   const int moving = static_cast<int>(seconds * model.scene.rate_hz);
   const int ticks = moving + static_cast<int>(hold * model.scene.rate_hz);
   StepReport report;
   Command command;
   for (int k = 1; k <= ticks; ++k) {
-    command.tool_target =
-        toolAt(model, travel * LoadCurve{}.at(k / model.scene.rate_hz, seconds));
+    command.tool_target = toolAt(model, travel * LoadCurve{}.at(k / model.scene.rate_hz, seconds));
     report = tick(model, state, command, workspace);
     each(report, k);
   }
@@ -69,7 +68,8 @@ TEST_CASE("A pressed block holds its base, balances its forces and keeps its vol
   for (const auto& set : model.boundary.sets)
     for (std::size_t k = 0; k < set.node.size(); ++k) {
       Vec3 x = Vec3::Zero();
-      for (int e = set.phi.begin[k]; e < set.phi.begin[k + 1]; ++e) x += set.phi.value[e] * toVec3(state.u[set.phi.column[e]]);
+      for (int e = set.phi.begin[k]; e < set.phi.begin[k + 1]; ++e)
+        x += set.phi.value[e] * toVec3(state.u[set.phi.column[e]]);
       moved = std::max(moved, x.norm());
     }
   CHECK(moved < 1e-7);  // float32 of displacements of 4 mm over 2000 steps
@@ -89,7 +89,8 @@ TEST_CASE("The same run gives the same bits, whatever the thread count", "[step]
   for (const auto h : hashes) CHECK(h == hashes[0]);
 }
 
-TEST_CASE("A model built twice from one scene is the same to the last bit, and so is its future", "[step][determinism]") {
+TEST_CASE("A model built twice from one scene is the same to the last bit, and so is its future",
+          "[step][determinism]") {
   std::vector<std::uint64_t> hashes;
   for (int k = 0; k < 2; ++k) {
     const Model model = blockModel();
@@ -128,7 +129,7 @@ TEST_CASE("Dragging with friction pulls the tissue along; without, it slides und
     StepReport report;
     Command command;
     for (int k = 1; k <= 250; ++k) {
-      command.tool_target = toolAt(model, model.touch_travel + 0.003, 0.01 * k / 500.0);
+      command.tool_target = toolAt(model, model.first_contact_travel + 0.003, 0.01 * k / 500.0);
       report = tick(model, state, command, workspace);
       REQUIRE(report.flags == 0);
     }
@@ -155,7 +156,8 @@ TEST_CASE("Pulling a skin vertex brings it towards the pointer", "[step]") {
   command.pull_target = model.skin.surface.vertices[v] + Vec3(0, 0, 0.01);
   const auto height = [&] {
     double z = model.skin.surface.vertices[v].z();
-    for (int e = model.skin.begin[v]; e < model.skin.begin[v + 1]; ++e) z += model.skin.N[e] * state.u[model.skin.node[e]].z;
+    for (int e = model.skin.begin[v]; e < model.skin.begin[v + 1]; ++e)
+      z += model.skin.N[e] * state.u[model.skin.node[e]].z;
     return z;
   };
   const double before = height();
@@ -183,7 +185,7 @@ TEST_CASE("No pose of the tool makes a number that is not finite", "[step][conta
     State state = initialState(model);
     Workspace workspace(model, 1);
     Command command;
-    command.tool_target = toolAt(model, model.touch_travel + depth);
+    command.tool_target = toolAt(model, model.first_contact_travel + depth);
     std::uint32_t flags = 0;
     for (int k = 0; k < 100; ++k) flags |= tick(model, state, command, workspace).flags;
     bool finite = true;
@@ -205,7 +207,8 @@ TEST_CASE("What the imposed nodes have crept away is taken back", "[step]") {
     const auto& phi = model.essential.phi;
     for (int k = 0; k < phi.rowCount(); ++k) {
       Vec3 u = Vec3::Zero();
-      for (int e = phi.begin[k]; e < phi.begin[k + 1]; ++e) u += phi.N[e] * (toVec3(state.u[phi.node[e]]) + toVec3(state.u_low[phi.node[e]]));
+      for (int e = phi.begin[k]; e < phi.begin[k + 1]; ++e)
+        u += phi.N[e] * (toVec3(state.u[phi.node[e]]) + toVec3(state.u_low[phi.node[e]]));
       largest = std::max(largest, u.norm());
     }
     return largest;
@@ -216,7 +219,8 @@ TEST_CASE("What the imposed nodes have crept away is taken back", "[step]") {
   for (int k = 0; k < 200; ++k) tick(model, state, command, workspace);
   CHECK(largestAtBase() < 1e-11);  // a tenth a tick, down to the roundings of a micrometre
   for (int k = 0; k < 2000; ++k) tick(model, state, command, workspace);
-  for (const auto& u : state.u) REQUIRE(toVec3(u).norm() < 1e-9);  // the free nodes follow, as fast as damping lets them
+  for (const auto& u : state.u)
+    REQUIRE(toVec3(u).norm() < 1e-9);  // the free nodes follow, as fast as damping lets them
 }
 
 TEST_CASE("Added mass leaves the force at rest as it is", "[step][mass_scaling]") {

@@ -33,7 +33,8 @@ double largest(const State& state) {
 
 double difference(const State& state, const BatchBody& body) {
   double worst = 0;
-  for (std::size_t i = 0; i < state.u.size(); ++i) worst = std::max(worst, (toVec3(state.u[i]) - toVec3(body.u[i])).norm());
+  for (std::size_t i = 0; i < state.u.size(); ++i)
+    worst = std::max(worst, (toVec3(state.u[i]) - toVec3(body.u[i])).norm());
   return worst;
 }
 
@@ -67,21 +68,22 @@ TEST_CASE("Under a tool, too, double and float go the same way", "[transient_sol
   StepReport report;
   BatchBody::Report batch;
   for (int k = 1; k <= 100; ++k) {
-    command.tool_target = toolAt(model, (model.touch_travel + 0.003) * LoadCurve{}.at(k, 100));
+    command.tool_target = toolAt(model, (model.first_contact_travel + 0.003) * LoadCurve{}.at(k, 100));
     report = tick(model, state, command, workspace);
     REQUIRE(report.flags == 0);
     batch = solver.tick(command.tool_target);
     REQUIRE(batch.finite);
   }
-  INFO("difference " << difference(state, solver.body()) << " of " << largest(state) << "; forces " << report.tool_force.transpose()
-                     << " and " << batch.tool_force.transpose());
+  INFO("difference " << difference(state, solver.body()) << " of " << largest(state) << "; forces "
+                     << report.tool_force.transpose() << " and " << batch.tool_force.transpose());
   CHECK(report.tool_force.z() > 0.01);
   CHECK((batch.tool_force - report.tool_force).norm() < 1e-3 * report.tool_force.norm());
   CHECK(difference(state, solver.body()) < 1e-4 * largest(state));  // contacts that begin a step apart
   CHECK(batch.min_J == Approx(report.min_J).epsilon(1e-4));
 }
 
-TEST_CASE("A transient solution that goes on from a saved state has the same future, to the bit", "[transient_solver][determinism]") {
+TEST_CASE("A transient solution that goes on from a saved state has the same future, to the bit",
+          "[transient_solver][determinism]") {
   const Model model = blockModel(shaken());
   TransientSolver whole(model, 1), first(model, 2), second(model, 1);
   for (int k = 0; k < 20; ++k) whole.tick();
@@ -103,7 +105,8 @@ TEST_CASE("A batch body's forces are the reference kernel's, and fieldAt sums N 
     u4.push_back(toReal4<double>(u.back()));
   }
   body.forces(u4, f4);
-  referenceInternalForces(model.point_shape, model.point_volume, model.point_material, model.materials, u, f, model.patches);
+  referenceInternalForces(model.point_shape, model.point_volume, model.point_material, model.materials, u, f,
+                          model.patches);
   double worst = 0, size = 0;
   for (std::size_t i = 0; i < f.size(); ++i) {
     worst = std::max(worst, (toVec3(f4[i]) - f[i]).norm());

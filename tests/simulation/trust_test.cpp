@@ -16,7 +16,7 @@ namespace {
 /// What a run saw, tick by tick, with the tool pressed in and held.
 struct Watched {
   double worst_energy_error = 0, worst_step_share = 0;
-  int first_doubt = -1, lost = -1;   // ticks
+  int first_doubt = -1, lost = -1;  // ticks
   Doubt first = Doubt::None;
 };
 
@@ -28,7 +28,7 @@ Watched press(const Model& model, double depth, double seconds) {
   for (int k = 0; k < ticks; ++k) {
     const double s = std::min(1.0, 2.0 * k / ticks);
     Command command;
-    command.tool_target = toolAt(model, model.touch_travel + depth * s * s * (3 - 2 * s));
+    command.tool_target = toolAt(model, model.first_contact_travel + depth * s * s * (3 - 2 * s));
     const StepReport report = tick(model, state, command, workspace);
     watched.worst_energy_error = std::max(watched.worst_energy_error, report.energy_error);
     watched.worst_step_share = std::max(watched.worst_step_share, report.step_share);
@@ -65,11 +65,12 @@ TEST_CASE("A first touch is no energy of nothing, however fast", "[trust]") {
     Workspace workspace(model, 1);
     for (const double speed : {0.05, 0.1, 0.2, 0.5, 1.0, 2.0}) {
       State state = initialState(model);
-      state.tool_pose = toolAt(model, model.touch_travel - 1e-6);
+      state.tool_pose = toolAt(model, model.first_contact_travel - 1e-6);
       double worst = 0, force = 0;
       for (int k = 1; k <= 20; ++k) {
         Command command;
-        command.tool_target = toolAt(model, model.touch_travel + std::min(0.003, speed * k / model.scene.rate_hz));
+        command.tool_target =
+            toolAt(model, model.first_contact_travel + std::min(0.003, speed * k / model.scene.rate_hz));
         const StepReport report = tick(model, state, command, workspace);
         worst = std::max(worst, report.energy_error);
         force = std::max(force, report.tool_force.norm());
@@ -91,13 +92,15 @@ TEST_CASE("The strain energy is that of the double reference, and the work done 
     StepReport report;
     for (int k = 1; k <= 200; ++k) {
       Command command;
-      command.tool_target = toolAt(model, model.touch_travel + 0.004 * k / 200);
+      command.tool_target = toolAt(model, model.first_contact_travel + 0.004 * k / 200);
       // Of the state that the last step began with.
       std::vector<Vec3> u;
       for (const auto& a : state.u) u.push_back(toVec3(a));
       report = tick(model, state, command, workspace);
       if (k != 200 || model.substeps_per_tick != 1) continue;
-      CHECK(report.strain_energy == Approx(strainEnergy(model.point_shape, model.point_volume, model.point_material, model.materials, u, model.patches)).epsilon(1e-4));
+      CHECK(report.strain_energy == Approx(strainEnergy(model.point_shape, model.point_volume, model.point_material,
+                                                        model.materials, u, model.patches))
+                                        .epsilon(1e-4));
     }
     CHECK(report.strain_energy > 1e-6);
     CHECK(state.energy.work == Approx(report.strain_energy).epsilon(0.02));
@@ -180,6 +183,7 @@ TEST_CASE("Each doubt has its words, and the gravest is told", "[trust]") {
   CHECK(doubtOf(model, report) == Doubt::Inverted);
   report.flags = kBlowUp;
   CHECK(doubtOf(model, report) == Doubt::Lost);
-  for (const Doubt doubt : {Doubt::Volume, Doubt::Contact, Doubt::Squeezed, Doubt::Step, Doubt::Energy, Doubt::Inverted, Doubt::Lost})
+  for (const Doubt doubt :
+       {Doubt::Volume, Doubt::Contact, Doubt::Squeezed, Doubt::Step, Doubt::Energy, Doubt::Inverted, Doubt::Lost})
     CHECK(std::string(doubtText(doubt)).size() > 10);
 }

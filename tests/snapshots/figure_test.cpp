@@ -1,18 +1,19 @@
 // Figures and body pictures for printed pages: what stands where, by the colours of pixels.
-#include "app/figure.h"
+#include "app/figures/figure.h"
 
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <limits>
 
-#include "app/body_picture.h"
-#include "app/colour_map.h"
-#include "app/field.h"
+#include "app/render/body_picture.h"
+#include "app/render/colour_map.h"
+#include "app/render/field.h"
 #include "snapshots/hand_made_model.h"
 #include "support/temp_folder.h"
 
 using namespace palpate;
+using namespace palpate::app;
 
 namespace {
 
@@ -35,7 +36,8 @@ bool drawnAt(const DrawnFigure& drawn, double x, double y, const Eigen::Vector3i
 }
 
 /// Pixels of this colour in a rectangle.
-int countOf(const Picture& picture, double left, double top, double right, double bottom, const Eigen::Vector3i& colour) {
+int countOf(const Picture& picture, double left, double top, double right, double bottom,
+            const Eigen::Vector3i& colour) {
   int count = 0;
   for (double y = std::ceil(top); y < bottom; ++y)
     for (double x = std::ceil(left); x < right; ++x) count += near(colourAt(picture, x, y), colour);
@@ -101,7 +103,7 @@ TEST_CASE("The range has air, keeps zero where it is near, and is never empty", 
   const auto range = [](double low, double high, bool log) { return aired({low, high, false}, log, 0.05); };
   CHECK(range(0, 10, false).low == 0);
   CHECK(range(0, 10, false).high == Approx(10.5));
-  CHECK(range(1, 10, false).low == 0);    // a tenth of the axis is a small price
+  CHECK(range(1, 10, false).low == 0);  // a tenth of the axis is a small price
   CHECK(range(8, 10, false).low == Approx(7.9));
   CHECK(range(-10, -1, false).high == 0);
   CHECK(range(3, 3, false).low < 3);
@@ -136,16 +138,18 @@ TEST_CASE("Curves pass through their data, in the palette's order, and break at 
   CHECK_FALSE(drawnAt(drawn, 1.5, 4, vermilion));  // on both sides of the missing point
   CHECK_FALSE(drawnAt(drawn, 2.5, 4, vermilion));
   CHECK(near(colourAt(drawn.picture, 2, 2), white));
-  CHECK(drawn.y.begin > drawn.y.end);               // up is up
+  CHECK(drawn.y.begin > drawn.y.end);  // up is up
   // Nothing is drawn outside the frame but labels in grey.
-  CHECK(countOf(drawn.picture, blue) == countOf(drawn.picture, drawn.x.begin, drawn.y.end, drawn.x.end, drawn.y.begin, blue));
+  CHECK(countOf(drawn.picture, blue) ==
+        countOf(drawn.picture, drawn.x.begin, drawn.y.end, drawn.x.end, drawn.y.begin, blue));
 }
 
 TEST_CASE("Logarithmic axes put decades evenly and leave out what has no logarithm", "[figure]") {
   FigureWriter writer;
   Figure figure;
   figure.log_x = figure.log_y = true;
-  figure.series = {line({0.1, 1, 10, 100}, {1e-4, 1e-3, 1e-2, 1e-1}), line({0.1, 1, 10, 100}, {0.05, -1, 0, 0.05}, SeriesStyle::Points)};
+  figure.series = {line({0.1, 1, 10, 100}, {1e-4, 1e-3, 1e-2, 1e-1}),
+                   line({0.1, 1, 10, 100}, {0.05, -1, 0, 0.05}, SeriesStyle::Points)};
   const DrawnFigure drawn = writer.draw(figure, 800, 500);
   CHECK(drawn.x.at(1) - drawn.x.at(0.1) == Approx(drawn.x.at(100) - drawn.x.at(10)));
   CHECK(drawnAt(drawn, std::sqrt(10), 1e-3 * std::sqrt(10), blue));  // a power law is straight
@@ -180,8 +184,8 @@ TEST_CASE("The legend stands where there are no data, or above the frame", "[fig
   const DrawnFigure inside = writer.draw(figure, 800, 500);
   figure.series[0].label = "";
   const DrawnFigure without = writer.draw(figure, 800, 500);
-  CHECK(inside.y.end == without.y.end);        // it takes no room
-  CHECK(inked(inside) > inked(without));       // its sample stands in the frame, and covers no data
+  CHECK(inside.y.end == without.y.end);   // it takes no room
+  CHECK(inked(inside) > inked(without));  // its sample stands in the frame, and covers no data
   // Zigzags all over: no free place is left inside.
   Series zigzag;
   for (int k = 0; k < 200; ++k) {
@@ -211,7 +215,8 @@ TEST_CASE("Marks cross the frame, points carry names, highlighted ones a ring", 
   CHECK(around(ringed, 3, 2) == around(plain, 3, 2));
   figure.marks = {{"limit", 1.5, true, 1}, {"", 2.5, false, 2}};
   const DrawnFigure marked = writer.draw(figure, 800, 500);
-  CHECK(countOf(marked.picture, marked.x.begin, marked.y.at(1.5) - 2, marked.x.end, marked.y.at(1.5) + 2, vermilion) > 200);
+  CHECK(countOf(marked.picture, marked.x.begin, marked.y.at(1.5) - 2, marked.x.end, marked.y.at(1.5) + 2, vermilion) >
+        200);
   CHECK(countOf(marked.picture, marked.x.at(2.5) - 2, marked.y.end, marked.x.at(2.5) + 2, marked.y.begin, green) > 100);
   figure.series[0].point_labels = {"a", "b"};
   CHECK_THROWS_WITH(writer.draw(figure), Catch::Contains("lengths"));
@@ -258,13 +263,9 @@ TEST_CASE("Equal figures give equal pictures, whatever was drawn between; files 
 
 namespace {
 
-Model organ() {
-  return handMadeModel(ellipsoidSurface(Vec3(0.07, 0.05, 0.035), 3), 0.012, ToolShape{});
-}
+Model organ() { return handMadeModel(ellipsoidSurface(Vec3(0.07, 0.05, 0.035), 3), 0.012, ToolShape{}); }
 
-Eigen::Vector3i barColour(ColourMap map, double t) {
-  return (255 * colourOf(map, t)).array().round().cast<int>();
-}
+Eigen::Vector3i barColour(ColourMap map, double t) { return (255 * colourOf(map, t)).array().round().cast<int>(); }
 
 }  // namespace
 
@@ -273,7 +274,8 @@ TEST_CASE("A body is framed as it is deformed, on white, with a bar for its colo
   const Model model = organ();
   BodyPainter painter(writer, model);
   AlignedVector<Float4> u(model.X.size());
-  for (std::size_t i = 0; i < u.size(); ++i) u[i] = toFloat4(Vec3(0, 0, 0.3 + 2 * model.X[i].z()));  // far away, stretched
+  for (std::size_t i = 0; i < u.size(); ++i)
+    u[i] = toFloat4(Vec3(0, 0, 0.3 + 2 * model.X[i].z()));  // far away, stretched
   BodyPicture picture;
   picture.title = "Stretched";
   picture.rest_outline = false;

@@ -5,7 +5,7 @@
 #include <map>
 #include <utility>
 
-#include "realtime/snapshot.h"
+#include "realtime/channels/snapshot.h"
 #include "simulation/model.h"
 
 namespace palpate {
@@ -23,8 +23,8 @@ inline ShapeTable shepardShape(const std::vector<Vec3>& nodes, double reach, con
       const Vec3 d = p - nodes[i];
       const double s = d.norm() / reach;
       if (s >= 1) continue;
-      const double w = 1 - s * s * (6 - s * (8 - 3 * s));                        // 1 - 6 s^2 + 8 s^3 - 3 s^4
-      const Vec3 grad = -12 * (1 - s) * (1 - s) / (reach * reach) * d;           // its gradient
+      const double w = 1 - s * s * (6 - s * (8 - 3 * s));               // 1 - 6 s^2 + 8 s^3 - 3 s^4
+      const Vec3 grad = -12 * (1 - s) * (1 - s) / (reach * reach) * d;  // its gradient
       shape.node.push_back(static_cast<int>(i));
       shape.N.push_back(w);
       shape.gradN.push_back(grad);
@@ -82,11 +82,11 @@ inline Model handMadeModel(TriangleSurface surface, double spacing, const ToolSh
 inline TriangleSurface ellipsoidSurface(const Vec3& semi_axes, int subdivisions) {
   const double g = (1 + std::sqrt(5.0)) / 2;
   TriangleSurface s;
-  s.vertices = {{-1, g, 0}, {1, g, 0}, {-1, -g, 0}, {1, -g, 0}, {0, -1, g}, {0, 1, g},
-                {0, -1, -g}, {0, 1, -g}, {g, 0, -1}, {g, 0, 1}, {-g, 0, -1}, {-g, 0, 1}};
-  s.triangles = {{0, 11, 5}, {0, 5, 1}, {0, 1, 7}, {0, 7, 10}, {0, 10, 11}, {1, 5, 9}, {5, 11, 4},
-                 {11, 10, 2}, {10, 7, 6}, {7, 1, 8}, {3, 9, 4}, {3, 4, 2}, {3, 2, 6}, {3, 6, 8},
-                 {3, 8, 9}, {4, 9, 5}, {2, 4, 11}, {6, 2, 10}, {8, 6, 7}, {9, 8, 1}};
+  s.vertices = {{-1, g, 0},  {1, g, 0},  {-1, -g, 0}, {1, -g, 0}, {0, -1, g},  {0, 1, g},
+                {0, -1, -g}, {0, 1, -g}, {g, 0, -1},  {g, 0, 1},  {-g, 0, -1}, {-g, 0, 1}};
+  s.triangles = {{0, 11, 5},  {0, 5, 1},  {0, 1, 7},  {0, 7, 10}, {0, 10, 11}, {1, 5, 9}, {5, 11, 4},
+                 {11, 10, 2}, {10, 7, 6}, {7, 1, 8},  {3, 9, 4},  {3, 4, 2},   {3, 2, 6}, {3, 6, 8},
+                 {3, 8, 9},   {4, 9, 5},  {2, 4, 11}, {6, 2, 10}, {8, 6, 7},   {9, 8, 1}};
   for (int round = 0; round < subdivisions; ++round) {
     std::map<std::pair<int, int>, int> middle;
     const auto between = [&](int a, int b) {

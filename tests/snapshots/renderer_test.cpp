@@ -1,6 +1,7 @@
 // Pictures of the renderer, held to reference pictures in this folder. Set
 // PALPATE_UPDATE_SNAPSHOTS=1 to write the references anew, then look at them before committing.
-#include "app/renderer.h"
+#include "app/render/renderer.h"
+#include "base/build_info.h"
 
 #include <epoxy/gl.h>
 
@@ -8,12 +9,13 @@
 #include <cstdlib>
 #include <filesystem>
 
-#include "app/framebuffer.h"
-#include "app/offscreen_context.h"
-#include "app/picture_difference.h"
+#include "app/render/framebuffer.h"
+#include "app/render/offscreen_context.h"
+#include "app/render/picture_difference.h"
 #include "snapshots/hand_made_model.h"
 
 using namespace palpate;
+using namespace palpate::app;
 namespace fs = std::filesystem;
 
 namespace {
@@ -59,7 +61,7 @@ struct Studio {
   ColourScale scale;
 };
 
-std::string referenceFile(const std::string& name) { return PALPATE_SOURCE_DIR "/tests/snapshots/" + name + ".png"; }
+std::string referenceFile(const std::string& name) { return sourceFolder() + "/tests/snapshots/" + name + ".png"; }
 
 /// Compares with the reference of this name; where they differ, leaves the picture and the
 /// difference in the build folder and says where.

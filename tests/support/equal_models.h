@@ -65,8 +65,15 @@ inline void requireSameModel(const Model& a, const Model& b) {
   requireSameBits("skin N", a.skin.N, b.skin.N);
   requireSameBits("skin clusters", a.skin.cluster_vertex, b.skin.cluster_vertex);
   const auto numbers = [](const Model& m) {
-    return std::vector<double>{m.surface_volume, m.cell_volume, m.touch_travel, m.dt, m.dt_critical, m.dt_proven,
-                               static_cast<double>(m.substeps_per_tick), m.max_increment, m.skin.bulk_stiffness};
+    return std::vector<double>{m.surface_volume,
+                               m.cell_volume,
+                               m.first_contact_travel,
+                               m.dt,
+                               m.dt_critical,
+                               m.dt_proven,
+                               static_cast<double>(m.substeps_per_tick),
+                               m.max_increment,
+                               m.skin.bulk_stiffness};
   };
   requireSameBits("numbers", numbers(a), numbers(b));
 }

@@ -6,7 +6,7 @@
 #include <string>
 #include <thread>
 
-#include "app/interrupt.h"
+#include "base/interrupt.h"
 #include "support/realtime_guard.h"
 
 namespace palpate::test {

@@ -10,8 +10,9 @@ namespace palpate::test {
 
 /// Forces of the fast kernel in one instruction set.
 template <class Real = float>
-std::vector<Vec3> fastForces(const TestBody& body, const std::vector<Vec3>& u, int threads = 1, ForceReport* report = nullptr,
-                             const NodePatches& patches = {}, GradientPrecision gradients = GradientPrecision::Float32,
+std::vector<Vec3> fastForces(const TestBody& body, const std::vector<Vec3>& u, int threads = 1,
+                             ForceReport* report = nullptr, const NodePatches& patches = {},
+                             GradientPrecision gradients = GradientPrecision::Float32,
                              InstructionSet set = chosenInstructionSet()) {
   const auto layout = makeKernelLayout<Real>(body.shape, body.point_X, body.volume, body.point_material, body.materials,
                                              body.nodeCount(), patches, gradients, body.X);
@@ -29,7 +30,8 @@ std::vector<Vec3> fastForces(const TestBody& body, const std::vector<Vec3>& u, i
   return result;
 }
 
-inline std::vector<Vec3> referenceForces(const TestBody& body, const std::vector<Vec3>& u, const NodePatches& patches = {}) {
+inline std::vector<Vec3> referenceForces(const TestBody& body, const std::vector<Vec3>& u,
+                                         const NodePatches& patches = {}) {
   std::vector<Vec3> f;
   referenceInternalForces(body.shape, body.volume, body.point_material, body.materials, u, f, patches);
   return f;
@@ -51,7 +53,8 @@ inline std::vector<Vec3> wave(const TestBody& body, double size) {
   const double L = body.X.back()[0];
   std::vector<Vec3> u;
   for (const auto& x : body.X)
-    u.emplace_back(size * L / 4 * Vec3(std::sin(3 * x[1] / L), std::cos(2 * x[2] / L), std::sin(2 * x[0] / L + x[2] / L)));
+    u.emplace_back(size * L / 4 *
+                   Vec3(std::sin(3 * x[1] / L), std::cos(2 * x[2] / L), std::sin(2 * x[0] / L + x[2] / L)));
   return u;
 }
 

@@ -8,7 +8,7 @@ namespace palpate::test {
 struct GuardCounts {
   int allocations = 0;  // malloc and relatives, operator new through them
   int frees = 0;
-  int locks = 0;        // mutex, read-write lock, condition variable
+  int locks = 0;  // mutex, read-write lock, condition variable
 
   int total() const { return allocations + frees + locks; }
 };

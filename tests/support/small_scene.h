@@ -1,6 +1,6 @@
 #pragma once
 
-#include "discretization/solids.h"
+#include "discretization/surface/solids.h"
 #include "simulation/build_model.h"
 
 namespace palpate::test {
@@ -26,9 +26,7 @@ inline Scene blockScene(double spacing = 0.012) {
   return scene;
 }
 
-inline Model blockModel(const Scene& scene = blockScene()) {
-  return buildModel(scene, boxSurface(scene.size, 0.004));
-}
+inline Model blockModel(const Scene& scene = blockScene()) { return buildModel(scene, boxSurface(scene.size, 0.004)); }
 
 /// The tool's start pose moved by `travel` along its axis and `slide` in x.
 inline Pose toolAt(const Model& model, double travel, double slide = 0) {

@@ -6,7 +6,7 @@
 
 #include "approximation/shape_functions.h"
 #include "base/types.h"
-#include "mechanics/material.h"
+#include "mechanics/materials/material.h"
 #include "mechanics/node_patch.h"
 
 namespace palpate::test {
@@ -61,8 +61,7 @@ struct TestBody {
     mass.assign(X.size(), 0);
     constexpr double a = 0.58541019662496845, b = 0.13819660112501052;
     for (const auto& c : cells) {
-      const double v =
-          std::abs((X[c[1]] - X[c[0]]).cross(X[c[2]] - X[c[0]]).dot(X[c[3]] - X[c[0]])) / 6;
+      const double v = std::abs((X[c[1]] - X[c[0]]).cross(X[c[2]] - X[c[0]]).dot(X[c[3]] - X[c[0]])) / 6;
       for (int s = 0; s < 4; ++s) mass[c[s]] += material.density * v / 4;
       const int cell = static_cast<int>(&c - cells.data());
       for (int p = 0; p < points; ++p) point_cell.push_back(cell);
@@ -86,7 +85,9 @@ struct TestBody {
     if (!failed.empty()) throw std::runtime_error("test body has inadmissible supports");
   }
 
-  NodePatches patches() const { return makeNodePatches(X, cells, point_X, volume, point_cell, point_material, materials); }
+  NodePatches patches() const {
+    return makeNodePatches(X, cells, point_X, volume, point_cell, point_material, materials);
+  }
   int nodeCount() const { return static_cast<int>(X.size()); }
   std::vector<Vec3> displacement(const Mat3& F) const {
     std::vector<Vec3> u;

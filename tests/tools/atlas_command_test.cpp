@@ -1,12 +1,12 @@
-#include "mtled/atlas_command.h"
+#include "mtled/atlas/atlas_command.h"
 
 #include <atomic>
 #include <catch2/catch.hpp>
 #include <set>
 
-#include "mtled/atlas_block.h"
-#include "mtled/atlas_page.h"
-#include "mtled/atlas_run.h"
+#include "mtled/atlas/atlas_block.h"
+#include "mtled/atlas/atlas_page.h"
+#include "mtled/atlas/atlas_run.h"
 #include "simulation/build_model.h"
 #include "simulation/trust.h"
 #include "support/captured_output.h"
@@ -15,6 +15,7 @@
 #include "support/text.h"
 
 using namespace palpate;
+using namespace palpate::tools;
 using Catch::Contains;
 
 namespace {
@@ -38,7 +39,8 @@ AtlasMeasure compared(double deviation, double bound) {
 /// Runs the command over cells of ours; what it prints goes to `said`.
 int atlas(const AtlasOptions& options, const std::vector<AtlasCell>& cells, std::string* said = nullptr) {
   const CapturedOutput output;
-  const int code = atlasCommand(options, {{"a", "First axis", "what is run"}, {"b", "Second axis", "what else"}}, cells);
+  const int code =
+      atlasCommand(options, {{"a", "First axis", "what is run"}, {"b", "Second axis", "what else"}}, cells);
   if (said) *said = output.said();
   return code;
 }
@@ -108,13 +110,15 @@ TEST_CASE("A cell that is silently wrong fails the atlas; one that is refused do
   options.out = folder.path("out");
   options.report = folder.path("page");
   options.json = folder.path("again.json");
-  std::vector<AtlasCell> cells{{"a", "1", When::Always, [] { return compared(0.001, 0.02); }},
-                               {"a", "2", When::Always, []() -> AtlasMeasure { throw InputError({}, "too flat", "thicken it"); }}};
+  std::vector<AtlasCell> cells{
+      {"a", "1", When::Always, [] { return compared(0.001, 0.02); }},
+      {"a", "2", When::Always, []() -> AtlasMeasure { throw InputError({}, "too flat", "thicken it"); }}};
   std::string said;
   CHECK(atlas(options, cells, &said) == 0);
   CHECK_THAT(said, Contains("1 stable, 0 degraded, 1 refused, 0 silently wrong") && Contains("too flat; thicken it"));
   CHECK(readAll(options.json) == readAll(folder.path("out/atlas.json")));
-  CHECK_THAT(readAll(folder.path("page/README.md")), Contains("First axis") && Contains("atlas.png") && !Contains("Second axis"));
+  CHECK_THAT(readAll(folder.path("page/README.md")),
+             Contains("First axis") && Contains("atlas.png") && !Contains("Second axis"));
   CHECK(readAll(folder.path("page/atlas.png")).substr(1, 3) == "PNG");
   CHECK(readAll(folder.path("out/atlas.png")).substr(1, 3) == "PNG");
 
@@ -133,7 +137,8 @@ TEST_CASE("A resumed atlas runs only what is missing, and only of the same progr
     return ran();
   };
   // The last is begun first, whatever the number of threads.
-  std::vector<AtlasCell> cells{{"a", "1", When::Always, []() -> AtlasMeasure { throw AtlasInterrupted(); }}, {"a", "2", When::Always, counted}};
+  std::vector<AtlasCell> cells{{"a", "1", When::Always, []() -> AtlasMeasure { throw AtlasInterrupted(); }},
+                               {"a", "2", When::Always, counted}};
   CHECK(atlas(options, cells) == 1);  // interrupted: what is done is kept
   CHECK(runs == 1);
   cells[0].run = counted;
@@ -156,11 +161,15 @@ TEST_CASE("A resumed atlas runs only what is missing, and only of the same progr
   CHECK(runs == 2);
 }
 
-TEST_CASE("Cells are chosen by name, by axis and by --quick; an unknown one is refused with the names of all", "[atlas]") {
+TEST_CASE("Cells are chosen by name, by axis and by --quick; an unknown one is refused with the names of all",
+          "[atlas]") {
   const TempFolder folder;
   AtlasOptions options;
   options.out = folder.path("out");
-  std::vector<AtlasCell> cells{{"a", "1", When::Always, ran}, {"a", "2 s", When::Quick, ran}, {"a", "60 s", When::Full, ran}, {"b", "1", When::Full, ran}};
+  std::vector<AtlasCell> cells{{"a", "1", When::Always, ran},
+                               {"a", "2 s", When::Quick, ran},
+                               {"a", "60 s", When::Full, ran},
+                               {"b", "1", When::Full, ran}};
   const auto names = [&](std::vector<std::string> asked, bool quick) {
     options.cells = std::move(asked);
     options.quick = quick;
@@ -202,7 +211,8 @@ TEST_CASE("The force of a block in closed form is Young's for small strains and 
   CHECK(blockForce(BlockFaces::Confined, E, nu, 1 + strain, area) == Approx(confined * strain * area).epsilon(1e-5));
   // An incompressible one: P = mu (l - 1 / l^2).
   const double mu = E / 3;
-  for (const double l : {0.3, 2.0}) CHECK(blockForce(BlockFaces::Free, E, 0.4999999, l, 1) == Approx(mu * (l - 1 / (l * l))).epsilon(1e-4));
+  for (const double l : {0.3, 2.0})
+    CHECK(blockForce(BlockFaces::Free, E, 0.4999999, l, 1) == Approx(mu * (l - 1 / (l * l))).epsilon(1e-4));
 }
 
 TEST_CASE("A drive tells the first doubt, the loss after it, and measures only what was not lost", "[atlas]") {

@@ -1,4 +1,4 @@
-#include "mtled/bench_command.h"
+#include "mtled/bench/bench_command.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -16,13 +16,15 @@
 #include "support/test_body.h"
 
 using namespace palpate;
+using namespace palpate::app;
+using namespace palpate::tools;
 using Catch::Contains;
 
 namespace {
 
 constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
 
-/// Four points with the same five nodes: one quad of two groups in a batch of 16, of which 12 points are padding.
+/// Four points with the same five nodes: one block of two groups in a batch of 16, of which 12 points are padding.
 struct TinyBody {
   ShapeTable shape;
   std::vector<Vec3> X{Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1), Vec3(1, 1, 1)};
@@ -47,7 +49,8 @@ struct TinyBody {
   }
   template <class Real>
   KernelCost cost(const NodePatches& with = {}, GradientPrecision precision = GradientPrecision::Float32) const {
-    return quadKernelCost(makeKernelLayout<Real>(shape, point_X, volume, point_material, materials, 5, with, precision, X), shape);
+    return blockKernelCost(
+        makeKernelLayout<Real>(shape, point_X, volume, point_material, materials, 5, with, precision, X), shape);
   }
 };
 
@@ -77,9 +80,9 @@ BenchReport goodReport() {
   report.machine = {"processor", 2, 1 << 20, 32 << 20};
   report.ceilings = {ceilingsOf(1), ceilingsOf(2)};
   report.bodies = {{"5k", 4922, 25562, 28.9, 3.0, {}}};
-  report.bodies[0].rows = {rowOf("plain Eigen", "double", 1, 260),      rowOf("quads", "float32", 1, 40),
-                           rowOf("quads", "float32", 2, 22),             rowOf("quads, node patches", "float32", 1, 54),
-                           rowOf("quads, node patches", "float32", 2, 30)};
+  report.bodies[0].rows = {rowOf("plain Eigen", "double", 1, 260), rowOf("blocks", "float32", 1, 40),
+                           rowOf("blocks", "float32", 2, 22), rowOf("blocks, node patches", "float32", 1, 54),
+                           rowOf("blocks, node patches", "float32", 2, 30)};
   return report;
 }
 
@@ -91,10 +94,10 @@ std::string verdict(const BenchReport& report, const std::string& quantity) {
 
 }  // namespace
 
-TEST_CASE("Bytes and flops of the quad kernel are those counted by hand", "[bench_command]") {
+TEST_CASE("Bytes and flops of the block kernel are those counted by hand", "[bench_command]") {
   const TinyBody body;
-  // Two groups of 48 gradients and of 4 node numbers, 4 quads, 16 volumes, 1 material; 5 nodes' u and f.
-  const double tables = 2 * 48 * 4 + 8 * 2 + 4 * sizeof(PointQuad), vectors = 2 * 5 * 16;
+  // Two groups of 48 gradients and of 4 node numbers, 4 blocks, 16 volumes, 1 material; 5 nodes' u and f.
+  const double tables = 2 * 48 * 4 + 8 * 2 + 4 * sizeof(PointBlock), vectors = 2 * 5 * 16;
   const KernelCost plain = body.cost<float>();
   CHECK(plain.streamed_bytes == tables + 16 * 4 + 4 + vectors);
   CHECK(plain.working_set == plain.streamed_bytes);
@@ -104,20 +107,22 @@ TEST_CASE("Bytes and flops of the quad kernel are those counted by hand", "[benc
   // Twice the tables; gradients of F and J - 1 written and read; 16 shares with their points in 5 patches; nodes and weights of
   // 64 corners; pressures written and read, bulk moduli read.
   const KernelCost patched = body.cost<float>(body.patches);
-  const double tensors = 9 * 16 * 4, dilatation = 16 * 4, shares = 16 * (4 + 4) + 6 * 4, corners = 64 * (4 + 4), patch = 5 * 4;
-  CHECK(patched.streamed_bytes == plain.streamed_bytes + tables + 2 * (tensors + dilatation) + shares + corners + 3 * patch);
+  const double tensors = 9 * 16 * 4, dilatation = 16 * 4, shares = 16 * (4 + 4) + 6 * 4, corners = 64 * (4 + 4),
+               patch = 5 * 4;
+  CHECK(patched.streamed_bytes ==
+        plain.streamed_bytes + tables + 2 * (tensors + dilatation) + shares + corners + 3 * patch);
   CHECK(patched.working_set == plain.working_set + tensors + dilatation + shares + corners + 2 * patch);
   CHECK(patched.useful_flops == plain.useful_flops);
   CHECK(patched.executed_flops == plain.executed_flops + 16 * 42);
 
-  // 16-bit: of two groups, one in float for each quad, padding too, and one of 2 bytes; 3 scales for 16 points.
+  // 16-bit: of two groups, one in float for each block, padding too, and one of 2 bytes; 3 scales for 16 points.
   const KernelCost rounded = body.cost<float>({}, GradientPrecision::Int16);
   CHECK(rounded.streamed_bytes == plain.streamed_bytes - 2 * 48 * 4 + (4 * 48 * 4 + 48 * 2) + 48 * 4);
   CHECK(rounded.useful_flops == plain.useful_flops);
   CHECK(rounded.executed_flops == plain.executed_flops + 16 * 18);
 
-  // Only what is a number doubles: quads and the material stay, and node numbers have 4 bytes in double.
-  CHECK(body.cost<double>().streamed_bytes == 2 * plain.streamed_bytes - (4 * sizeof(PointQuad) + 4));
+  // Only what is a number doubles: blocks and the material stay, and node numbers have 4 bytes in double.
+  CHECK(body.cost<double>().streamed_bytes == 2 * plain.streamed_bytes - (4 * sizeof(PointBlock) + 4));
 }
 
 TEST_CASE("The plain Eigen kernel equals the reference on any number of threads", "[bench_command]") {
@@ -223,21 +228,24 @@ TEST_CASE("A body's kernels agree with the reference and have times and ceilings
     const double by_arithmetic = row.useful_flops / ((row.precision == "double" ? 50 : 100) * row.threads);
     const double working_set = row.bytes * body.points;
     CHECK(row.ceiling_ns >= Approx(by_arithmetic));
-    if (working_set < 9e5 && row.kernel != "quads, node patches") CHECK(row.ceiling_ns == Approx(std::max(by_arithmetic, row.bytes / 50)));
+    if (working_set < 9e5 && row.kernel != "blocks, node patches")
+      CHECK(row.ceiling_ns == Approx(std::max(by_arithmetic, row.bytes / 50)));
     CHECK(row.share == Approx(row.ceiling_ns / row.best_ns));
   }
-  // The reference; two thread counts of the plain kernel and of the quads in double; of those in float32 and with
+  // The reference; two thread counts of the plain kernel and of the blocks in double; of those in float32 and with
   // 16-bit gradients without and with patches; these without patches once for each narrower instruction set.
   CHECK(kernels == 1 + 2 + 2 + 2 * (2 + 2 + supportedInstructionSets().size() - 1));
   const char* widest = nameOf(supportedInstructionSets().back());
   for (const int threads : {1, 2}) {
     CHECK(body.plain(threads) != nullptr);
-    for (const char* kernel : {"quads", "quads, node patches"})
-      for (const char* precision : {"float32", "int16"}) CHECK(body.find(kernel, precision, widest, threads) != nullptr);
+    for (const char* kernel : {"blocks", "blocks, node patches"})
+      for (const char* precision : {"float32", "int16"})
+        CHECK(body.find(kernel, precision, widest, threads) != nullptr);
     CHECK(body.find("whole step", "float32", nameOf(chosenInstructionSet()), threads) != nullptr);
   }
-  CHECK(body.find("quads", "float32", widest, 3) == nullptr);
-  for (const InstructionSet set : supportedInstructionSets()) CHECK(body.find("quads", "int16", nameOf(set), 1) != nullptr);
+  CHECK(body.find("blocks", "float32", widest, 3) == nullptr);
+  for (const InstructionSet set : supportedInstructionSets())
+    CHECK(body.find("blocks", "int16", nameOf(set), 1) != nullptr);
 }
 
 TEST_CASE("Promises are held, missed or not measured", "[bench_command]") {
@@ -252,9 +260,9 @@ TEST_CASE("Promises are held, missed or not measured", "[bench_command]") {
   CHECK(benchExitCode(report, true) == 0);
 
   BenchReport slow = report;
-  slow.bodies[0].rows[1] = rowOf("quads", "float32", 1, 61);
-  slow.bodies[0].rows[2] = rowOf("quads", "float32", 2, 40);
-  slow.bodies[0].rows[3] = rowOf("quads, node patches", "float32", 1, 90);
+  slow.bodies[0].rows[1] = rowOf("blocks", "float32", 1, 61);
+  slow.bodies[0].rows[2] = rowOf("blocks", "float32", 2, 40);
+  slow.bodies[0].rows[3] = rowOf("blocks, node patches", "float32", 1, 90);
   CHECK(verdict(slow, "float32, one core") == "missed");
   CHECK(verdict(slow, "node patches, float32, one core") == "missed");
   CHECK(verdict(slow, "two threads, float32") == "missed");

@@ -13,11 +13,14 @@
 #include "support/realtime_guard.h"
 
 using namespace palpate;
+using namespace palpate::tools;
 using Catch::Contains;
 
 namespace {
 
-FeatureBench tinyBench() { return FeatureBench({"tiny", 0.025, 1.9}, [](const std::string&, double) {}); }
+FeatureBench tinyBench() {
+  return FeatureBench({"tiny", 0.025, 1.9}, [](const std::string&, double) {});
+}
 
 const Meter nothing = [] { return 0.0; };
 
@@ -74,7 +77,8 @@ TEST_CASE("No feature allocates or locks in a tick, on or off", "[bench_features
     }
 }
 
-TEST_CASE("A tick with everything off computes what a loop and a kernel do that know nothing of it", "[bench_features]") {
+TEST_CASE("A tick with everything off computes what a loop and a kernel do that know nothing of it",
+          "[bench_features]") {
   FeatureBench bench = tinyBench();
   FeaturePair& off = pairOf(bench, "contact, friction, pull, Ogden, node patches");
   off.with->run(20, nothing);
@@ -131,7 +135,8 @@ TEST_CASE("Every pair is timed, and its ratio is that of its times", "[bench_fea
   }
 }
 
-TEST_CASE("A feature that is off is judged by instructions where they are counted, else by time; a price is not judged", "[bench_features]") {
+TEST_CASE("A feature that is off is judged by instructions where they are counted, else by time; a price is not judged",
+          "[bench_features]") {
   FeatureReport report = madeUp();
   CHECK(report.held());
   report.rows[1].more = 0.02;
@@ -154,8 +159,8 @@ TEST_CASE("A feature that is off is judged by instructions where they are counte
 TEST_CASE("A feature report prints both tables and survives as JSON", "[bench_features]") {
   std::ostringstream out;
   printFeatures(out, madeUp());
-  CHECK_THAT(out.str(), Contains("when it is on") && Contains("when it is off") && Contains("+10.00 %") && Contains("+0.40 %") && Contains("held") &&
-                            Contains("no counter"));
+  CHECK_THAT(out.str(), Contains("when it is on") && Contains("when it is off") && Contains("+10.00 %") &&
+                            Contains("+0.40 %") && Contains("held") && Contains("no counter"));
   const auto json = nlohmann::json::parse(jsonOf(madeUp()));
   CHECK(json.at("features").size() == 2);
   CHECK(json.at("features")[0].at("limit").is_null());

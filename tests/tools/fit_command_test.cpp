@@ -1,4 +1,4 @@
-#include "mtled/fit_command.h"
+#include "mtled/fit/fit_command.h"
 
 #include <algorithm>
 #include <catch2/catch.hpp>
@@ -9,14 +9,15 @@
 #include <random>
 
 #include "io/load_model.h"
-#include "mtled/fit_search.h"
-#include "mtled/rate_check.h"
+#include "mtled/fit/fit_search.h"
+#include "mtled/fit/rate_check.h"
 #include "support/block_text.h"
 #include "support/interrupted_child.h"
 #include "support/small_scene.h"
 #include "support/temp_folder.h"
 
 using namespace palpate;
+using namespace palpate::tools;
 using namespace palpate::test;
 
 namespace {
@@ -24,7 +25,9 @@ namespace {
 /// A body, a material and a tool drawn by lot: none that anything was tuned on.
 Scene randomScene(unsigned seed) {
   std::mt19937 random(seed);
-  const auto between = [&random](double low, double high) { return low + (high - low) * std::uniform_real_distribution<>()(random); };
+  const auto between = [&random](double low, double high) {
+    return low + (high - low) * std::uniform_real_distribution<>()(random);
+  };
   Scene scene;
   scene.name = "random " + std::to_string(seed);
   double top = 0;
@@ -55,30 +58,36 @@ Scene randomScene(unsigned seed) {
 }  // namespace
 
 // A minute of work: a ctest of its own, not under sanitizers (tests/CMakeLists.txt).
-TEST_CASE("The force error that fit expects is within a factor of two of the measured one, on scenes drawn by lot", "[.][random_scenes]") {
+TEST_CASE("The force error that fit expects is within a factor of two of the measured one, on scenes drawn by lot",
+          "[.][random_scenes]") {
   const auto quiet = [](double, const std::string&) {};
   for (const unsigned seed : {11U, 12U, 13U}) {
     const Scene scene = randomScene(seed);
     const Model model = loadModel(scene);
-    const ToolWay way = indentationWay(model);
+    const ToolTrajectory way = indentationTrajectory(model);
     const auto probes = surfaceProbes(model, 50);
-    const WorkedOn place = workedOn(model, way);
+    const ContactRegion place = contactRegion(model, way);
     const TempFolder folder;
     FitRecord record(folder.path("record.json"), "");
     const FitTask task{scene, way, probes, 2, record, quiet};
     // As fit does, with even nodes and with nodes dense where the tool works ...
     const auto families = fitFamilies(scene, place);
-    const FitFamily &even = families.front(), &refined = *std::find_if(families.begin(), families.end(), [](const FitFamily& f) { return f.inside == 0.6; });
+    const FitFamily &even = families.front(),
+                    &refined = *std::find_if(families.begin(), families.end(),
+                                             [](const FitFamily&f) { return f.inside == 0.6; });
     const FitCandidate candidates[] = {tried(task, even, 1), tried(task, refined, 1.2)};
     const double inside = 1.2 * refined.inside;
     const Fineness fineness = fitFineness(1, inside);
     const ConvergedRun converged = convergedRun(model, way, probes, place, fineness, 2, quiet);
     // ... and against a solution finer than what fit compares with.
-    const ConvergedRun finer = convergedRun(model, way, probes, place, {0.95 * fineness.outside, 0.78 * fineness.inside, 1.35}, 2, quiet);
+    const ConvergedRun finer =
+        convergedRun(model, way, probes, place, {0.95 * fineness.outside, 0.78 * fineness.inside, 1.35}, 2, quiet);
     for (const FitCandidate& c : candidates) {
       REQUIRE(c.run.sound());
-      const double expected = expectedError(errorOf(c.run, converged.run), converged, fineness.coarser), measured = errorOf(c.run, finer.run).force;
-      CAPTURE(seed, c.family, c.nodes, converged.about.nodes, finer.about.nodes, expected, measured, converged.about.convergence.force);
+      const double expected = expectedError(errorOf(c.run, converged.run), converged, fineness.coarser),
+                   measured = errorOf(c.run, finer.run).force;
+      CAPTURE(seed, c.family, c.nodes, converged.about.nodes, finer.about.nodes, expected, measured,
+              converged.about.convergence.force);
       CHECK(measured > 0);
       CHECK(expected < 2 * measured);
       CHECK(expected > measured / 2);
@@ -88,16 +97,19 @@ TEST_CASE("The force error that fit expects is within a factor of two of the mea
 
 TEST_CASE("fit refuses what it can not fit, with what to do", "[fit]") {
   const TempFolder folder;
-  const std::string scene = folder.write("block.toml",
-                                       "name = \"block\"\n[organ]\nsolid = \"box\"\nsize = [0.06, 0.06, 0.03]  # m\n[discretization]\nspacing = 0.012\n"
-                                       "[[material]]\nmodel = \"neo-hookean\"\nyoung = 3000\npoisson = 0.45\n[[fixed]]\nshape = \"half-space\"\n"
-                                       "point = [0, 0, 0.0001]\nnormal = [0, 0, 1]\n[tool]\nshape = \"sphere\"\nradius = 0.01\nposition = [0, 0, 0.035]\n");
+  const std::string scene = folder.write(
+      "block.toml",
+      "name = \"block\"\n[organ]\nsolid = \"box\"\nsize = [0.06, 0.06, 0.03]  # m\n[discretization]\nspacing = 0.012\n"
+      "[[material]]\nmodel = \"neo-hookean\"\nyoung = 3000\npoisson = 0.45\n[[fixed]]\nshape = \"half-space\"\n"
+      "point = [0, 0, 0.0001]\nnormal = [0, 0, 1]\n[tool]\nshape = \"sphere\"\nradius = 0.01\nposition = [0, 0, "
+      "0.035]\n");
   FitOptions options;
-  options.scene = folder.write("refined.toml",
-                               "[organ]\nsolid = \"box\"\nsize = [0.06, 0.06, 0.03]\n[discretization]\nspacing = 0.012\n"
-                               "refine = [{ centre = [0, 0, 0.03], radius = 0.01, spacing = 0.006 }]\n"
-                               "[[material]]\nmodel = \"neo-hookean\"\nyoung = 3000\npoisson = 0.45\n[[fixed]]\nshape = \"half-space\"\n"
-                               "point = [0, 0, 0.0001]\nnormal = [0, 0, 1]\n");
+  options.scene = folder.write(
+      "refined.toml",
+      "[organ]\nsolid = \"box\"\nsize = [0.06, 0.06, 0.03]\n[discretization]\nspacing = 0.012\n"
+      "refine = [{ centre = [0, 0, 0.03], radius = 0.01, spacing = 0.006 }]\n"
+      "[[material]]\nmodel = \"neo-hookean\"\nyoung = 3000\npoisson = 0.45\n[[fixed]]\nshape = \"half-space\"\n"
+      "point = [0, 0, 0.0001]\nnormal = [0, 0, 1]\n");
   CHECK_THAT(refusal([&] { fitCommand(options); }), Catch::Contains("leave the refinements out"));
   options.scene = scene;
   options.out = scene;
@@ -149,7 +161,7 @@ TEST_CASE("What a fit has tried is not tried again, and the finest that fits is 
   Scene scene = blockScene();
   scene.rate_hz = 500;
   const Model model = loadModel(scene);
-  const ToolWay way = indentationWay(model);
+  const ToolTrajectory way = indentationTrajectory(model);
   const auto probes = surfaceProbes(model, 10);
   FitRecord record(folder.path("record.json"), "abc");
   int tries = 0;
@@ -182,9 +194,11 @@ TEST_CASE("What a fit has tried is not tried again, and the finest that fits is 
   CHECK(empty.find(family.name, 1.2) != nullptr);
 }
 
-TEST_CASE("Families differ in name and scene, are refined only where a tool works, and add mass only beyond the scene's own", "[fit]") {
+TEST_CASE(
+    "Families differ in name and scene, are refined only where a tool works, and add mass only beyond the scene's own",
+    "[fit]") {
   Scene scene = blockScene();
-  const WorkedOn place{Vec3(0, 0, 0.03), 0.02};
+  const ContactRegion place{Vec3(0, 0, 0.03), 0.02};
   const auto families = fitFamilies(scene, place);
   std::vector<Scene> turned;
   for (const auto& family : families) {
@@ -226,12 +240,14 @@ TEST_CASE("An interrupted fit says how to go on, and goes on only with what is i
   options.scene = folder.write("block.toml", touched_block_text);
   options.out = folder.path("fitted.toml");
   options.resume = true;
-  CHECK_THAT(refusal([&] { fitCommand(options); }), Catch::Contains("fitted.fit.json") && Catch::Contains("nothing to resume"));
+  CHECK_THAT(refusal([&] { fitCommand(options); }),
+             Catch::Contains("fitted.fit.json") && Catch::Contains("nothing to resume"));
   folder.write("fitted.fit.json", "{\"identity\": \"0\", \"tries\": []}");
   CHECK_THAT(refusal([&] { fitCommand(options); }), Catch::Contains("another scene"));
   options.resume = false;
   std::filesystem::remove(folder.path("fitted.fit.json"));
-  CHECK(codeWhenInterrupted(folder.path("fitted.fit.json"), [&] { return fitCommand(options); }) == 1);  // once something was tried
+  CHECK(codeWhenInterrupted(folder.path("fitted.fit.json"), [&] { return fitCommand(options); }) ==
+        1);  // once something was tried
   CHECK_FALSE(std::filesystem::exists(options.out));
   std::ifstream in(folder.path("fitted.fit.json"));
   const auto json = nlohmann::json::parse(in);

@@ -1,4 +1,4 @@
-#include "mtled/frontier_command.h"
+#include "mtled/frontier/frontier_command.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -6,15 +6,16 @@
 #include <sstream>
 
 #include "io/csv_table.h"
-#include "mtled/converged_run.h"
-#include "mtled/frontier_page.h"
-#include "mtled/frontier_result.h"
-#include "mtled/frontier_settings.h"
+#include "mtled/frontier/frontier_page.h"
+#include "mtled/frontier/frontier_result.h"
+#include "mtled/frontier/frontier_settings.h"
+#include "mtled/verify/converged_run.h"
 #include "support/block_text.h"
 #include "support/small_scene.h"
 #include "support/temp_folder.h"
 
 using namespace palpate;
+using namespace palpate::tools;
 using namespace palpate::test;
 
 namespace {
@@ -41,7 +42,8 @@ Frontier madeUp() {
   f.identity = "0123";
   f.rate_hz = 500;
   f.reference = {4000, 20000, 0.31, 2000, {0.01, 0.02}};
-  f.rows = {row("as it is", 600, 0.05), row("cheap", 200, 0.2), row("worse and dearer", 700, 0.06), row("lost", 100, NAN)};
+  f.rows = {row("as it is", 600, 0.05), row("cheap", 200, 0.2), row("worse and dearer", 700, 0.06),
+            row("lost", 100, NAN)};
   f.rows.back().trouble = "blew up after 3 ticks";
   return f;
 }
@@ -80,7 +82,7 @@ TEST_CASE("Errors are measured against the better run's largest force and displa
 
 TEST_CASE("Each setting turns something, has a name of its own, and the first is the scene as it is", "[frontier]") {
   const Scene scene = blockScene();
-  const WorkedOn place{Vec3(0, 0, 0.03), 0.02};
+  const ContactRegion place{Vec3(0, 0, 0.03), 0.02};
   for (const bool quick : {false, true}) {
     const auto settings = frontierSettings(scene, place, quick, 2);
     REQUIRE(settings.size() > 10);
@@ -100,25 +102,27 @@ TEST_CASE("Each setting turns something, has a name of its own, and the first is
 
 TEST_CASE("The place that a tool works on is found from its way", "[frontier]") {
   const Model model = blockModel();
-  ToolWay way = indentationWay(model);
-  const WorkedOn place = workedOn(model, way);
+  ToolTrajectory way = indentationTrajectory(model);
+  const ContactRegion place = contactRegion(model, way);
   CHECK((place.centre - Vec3(0, 0, 0.03)).norm() < 0.006);
   CHECK(place.radius >= 2 * model.scene.tool.radius);
   CHECK(place.radius < 4 * model.scene.tool.radius);
   for (auto& pose : way) pose.position.z() += 1;
-  CHECK(workedOn(model, way).radius == 0);
+  CHECK(contactRegion(model, way).radius == 0);
 }
 
-TEST_CASE("A refined reference is closer to a finer one than the block as it is; doubles agree with floats", "[frontier]") {
+TEST_CASE("A refined reference is closer to a finer one than the block as it is; doubles agree with floats",
+          "[frontier]") {
   const Model model = blockModel();
-  const ToolWay way = indentationWay(model);
+  const ToolTrajectory way = indentationTrajectory(model);
   const auto probes = surfaceProbes(model, 20);
-  const ScriptedRun run = runWay(model, way, probes, 1), in_double = runWay(model, way, probes, 1, true);
+  const ScriptedRun run = runTrajectory(model, way, probes, 1), in_double = runTrajectory(model, way, probes, 1, true);
   REQUIRE(run.sound());
   CHECK(run.tick_us.size() == way.size());
   CHECK(errorOf(run, in_double).force < 1e-3);
   CHECK(errorOf(run, in_double).displacement < 1e-4);
-  const ConvergedRun converged = convergedRun(model, way, probes, workedOn(model, way), {1, 0.6, 1.3}, 1, [](double, const std::string&) {});
+  const ConvergedRun converged =
+      convergedRun(model, way, probes, contactRegion(model, way), {1, 0.6, 1.3}, 1, [](double, const std::string&) {});
   CHECK(converged.about.nodes > model.nodeCount());
   CHECK(converged.about.convergence.force < errorOf(run, converged.run).force);
 
@@ -166,7 +170,8 @@ TEST_CASE("The frontier's page has every setting, the picture and what refinemen
   std::stringstream page;
   page << in.rdbuf();
   for (const auto& r : f.rows) CHECK_THAT(page.str(), Catch::Contains(r.name));
-  CHECK_THAT(page.str(), Catch::Contains("mtled frontier made_up") && Catch::Contains("(frontier.png)") && Catch::Contains("blew up after 3 ticks"));
+  CHECK_THAT(page.str(), Catch::Contains("mtled frontier made_up") && Catch::Contains("(frontier.png)") &&
+                             Catch::Contains("blew up after 3 ticks"));
   // "as it is" costs 600 at the same error of 0.05.
   CHECK_THAT(page.str(), Catch::Contains("| outside x 2, inside x 0.7 | 100 | 5.00 % | 100 | 600 | 6.0 |"));
   CHECK(std::ifstream(folder.path("page/frontier.png")).good());

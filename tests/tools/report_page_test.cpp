@@ -1,4 +1,4 @@
-#include "mtled/report_page.h"
+#include "mtled/report/report_page.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -11,6 +11,7 @@
 #include "support/text.h"
 
 using namespace palpate;
+using namespace palpate::tools;
 
 namespace {
 
@@ -23,8 +24,10 @@ Report sampleReport() {
   gel.title = "Compressed gel cylinder";
   gel.reference = "Finite elements, 1.0 mm mesh; tests/reference/gel_cylinder_force.csv";
   gel.text = "A cylinder of gel, 17 mm high, is pressed together by a fifth between rough plates.";
-  gel.tables.push_back({"Reaction by spacing", {"Spacing", "Nodes", "Reaction", "Error"},
-                        {{"3.40 mm", "412", "1.31 N", "+2.50 %"}, {"1.70 mm", "2711", "1.29 N", "+0.80 %"}}, "At full compression."});
+  gel.tables.push_back({"Reaction by spacing",
+                        {"Spacing", "Nodes", "Reaction", "Error"},
+                        {{"3.40 mm", "412", "1.31 N", "+2.50 %"}, {"1.70 mm", "2711", "1.29 N", "+0.80 %"}},
+                        "At full compression."});
   gel.bounds.push_back({"Reaction, relative error", 0.8, 3, true, "%", "the paper's own"});
   gel.bounds.push_back({"Largest distance to the reference", 41e-6, 50e-6, true, "m", ""});
   gel.bounds.push_back({"Order of convergence", 1.9, 1.5, false, "", ""});
@@ -46,7 +49,7 @@ TEST_CASE("Numbers have three digits and a fitting prefix", "[report]") {
   CHECK(formatted(4.1e-5, "m") == "41.0 \u00b5m");
   CHECK(formatted(45600, "Pa") == "45.6 kPa");
   CHECK(formatted(1, "N") == "1.00 N");
-  CHECK(formatted(0.9996, "N") == "1.00 N");     // rounds over a power of a thousand
+  CHECK(formatted(0.9996, "N") == "1.00 N");  // rounds over a power of a thousand
   CHECK(formatted(0.0009996, "s") == "1.00 ms");
   CHECK(formatted(999.6, "Pa") == "1.00 kPa");
   CHECK(formatted(1e-15, "m") == "1.00e-15 m");  // below the prefixes
@@ -118,7 +121,7 @@ TEST_CASE("The page has a summary, each case, its tables, bounds and pictures, a
   CHECK(contains(page, "| Spacing | Nodes | Reaction | Error |\n| ---: | ---: | ---: | ---: |\n"));
   CHECK(contains(page, "| Order of convergence | 1.90 | \u2265 1.50 | 79 % | held |"));
   CHECK(contains(page, "](gel_cylinder_force.png)"));
-  CHECK(contains(page, "computed\\]]("));           // brackets in a picture's text don't end it
+  CHECK(contains(page, "computed\\]]("));             // brackets in a picture's text don't end it
   CHECK(contains(page, "[measured \\| computed]*"));  // nor does a bar end a cell
   CHECK(contains(page, "```sh\nmtled verify --report out\n```"));
   CHECK(contains(page, buildInfo()));

@@ -1,4 +1,4 @@
-#include "mtled/solve_command.h"
+#include "mtled/solve/solve_command.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -7,12 +7,12 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "app/interrupt.h"
 #include "approximation/shape_functions.h"
+#include "base/interrupt.h"
 #include "io/csv_table.h"
 #include "io/load_model.h"
 #include "io/scene_file.h"
-#include "mtled/checkpoint.h"
+#include "mtled/solve/checkpoint.h"
 #include "simulation/model_hash.h"
 #include "simulation/static_solver.h"
 #include "support/block_text.h"
@@ -22,6 +22,7 @@
 #include "support/text.h"
 
 using namespace palpate;
+using namespace palpate::tools;
 using Catch::Contains;
 
 namespace {
@@ -92,7 +93,8 @@ TEST_CASE("A solution leaves its force curve, pictures, probes and report", "[so
   CHECK_FALSE(std::filesystem::exists(folder.out("solution_0002.vtu")));
   const std::string collection = readAll(folder.out("solution.pvd")), vtu = readAll(folder.out("solution_0001.vtu"));
   CHECK_THAT(collection, Contains("timestep=\"0.5\"") && Contains("timestep=\"1\"") && Contains("solution_0001.vtu"));
-  CHECK_THAT(vtu, Contains("displacement_m") && Contains("reaction_N") && Contains("von_Mises_Pa") && Contains("pressure_Pa"));
+  CHECK_THAT(
+      vtu, Contains("displacement_m") && Contains("reaction_N") && Contains("von_Mises_Pa") && Contains("pressure_Pa"));
 
   const auto report = reportIn(folder);
   CHECK(report["converged"] == true);
@@ -112,7 +114,7 @@ TEST_CASE("probes.csv holds the displacement field of the solver", "[solve_comma
   const std::vector<Vec3> at{Vec3(0, 0, 0.015), Vec3(0.01, -0.02, 0.03), Vec3(0.0299, 0.01, 0.007)};
   std::vector<InadmissibleSupport> failed;
   const ShapeTable shape = shapeFunctions(at, model.X, model.support_radius, Neighbours(model.X, model.support_radius),
-                                          {model.scene.basis_degree, model.scene.mu}, failed);
+                                          {model.scene.basis_degree, model.scene.mmls_weight}, failed);
   const auto expected = fieldAt(shape, solver.body().u);
   const CsvTable table = readCsvTable(folder.out("probes.csv"));
   REQUIRE(table.rowCount() == 3);
@@ -125,7 +127,8 @@ TEST_CASE("probes.csv holds the displacement field of the solver", "[solve_comma
 }
 
 TEST_CASE("A transient solution has a row a tick", "[solve_command]") {
-  std::string text = replaced(block_scene, "[solve]\ntolerance = 1e-5\nload_steps = 4\n", "[dynamics]\nrate = 500\n[solve]\nmode = \"transient\"\n");
+  std::string text = replaced(block_scene, "[solve]\ntolerance = 1e-5\nload_steps = 4\n",
+                              "[dynamics]\nrate = 500\n[solve]\nmode = \"transient\"\n");
   text = replaced(text, "end_time = 1", "end_time = 0.04");
   const Folder folder(text);
   REQUIRE(solve(folder.scene, folder.out()) == 0);
@@ -138,11 +141,13 @@ TEST_CASE("A transient solution has a row a tick", "[solve_command]") {
   CHECK_THAT(readAll(folder.out("force.csv")), !Contains("nan"));
 }
 
-TEST_CASE("Resumed after half of the load steps, a solution ends where an unbroken one does", "[solve_command][checkpoint]") {
+TEST_CASE("Resumed after half of the load steps, a solution ends where an unbroken one does",
+          "[solve_command][checkpoint]") {
   const Folder whole;
   REQUIRE(solve(whole.scene, whole.out()) == 0);
   // The first half as a run of its own: the same model, steps and times.
-  const Folder broken(replaced(replaced(block_scene, "load_steps = 4", "load_steps = 2"), "end_time = 1", "end_time = 0.5"));
+  const Folder broken(
+      replaced(replaced(block_scene, "load_steps = 4", "load_steps = 2"), "end_time = 1", "end_time = 0.5"));
   REQUIRE(solve(broken.scene, broken.out()) == 0);
   const CsvTable half = readCsvTable(broken.out("force.csv"));
   broken.write("block.toml", block_scene);
@@ -153,7 +158,8 @@ TEST_CASE("Resumed after half of the load steps, a solution ends where an unbrok
   CHECK(b.name == a.name);
   for (std::size_t r = 0; r < 4; ++r) {
     CHECK(b["time_s"][r] == Approx(a["time_s"][r]).epsilon(1e-12));
-    CHECK(b["plate_fz_N"][r] == Approx(a["plate_fz_N"][r]).epsilon(1e-3));  // tolerance 1e-5 of u, times the bulk stiffness
+    CHECK(b["plate_fz_N"][r] ==
+          Approx(a["plate_fz_N"][r]).epsilon(1e-3));  // tolerance 1e-5 of u, times the bulk stiffness
   }
   for (std::size_t r = 0; r < 2; ++r) CHECK(b["plate_fz_N"][r] == half["plate_fz_N"][r]);  // kept as they were
   const CsvTable u = readCsvTable(whole.out("probes.csv")), v = readCsvTable(broken.out("probes.csv"));
@@ -203,7 +209,8 @@ TEST_CASE("A checkpoint that can't be gone on from is refused", "[solve_command]
 
   std::string bad = good;
   bad[good.size() / 2] = static_cast<char>(bad[good.size() / 2] ^ 1);
-  for (const std::string& bytes : {bad, good.substr(0, good.size() - 1), good.substr(0, 20), std::string(), good + "x"}) {
+  for (const std::string& bytes :
+       {bad, good.substr(0, good.size() - 1), good.substr(0, 20), std::string(), good + "x"}) {
     folder.write("out/checkpoint.bin", bytes);
     CHECK_THAT(resumed(), Contains("checkpoint.bin") && Contains("damaged") && Contains("--resume"));
   }
@@ -277,14 +284,16 @@ TEST_CASE("Scenes that can't be solved are refused with what is missing", "[solv
 
   const Folder folder;
   folder.write("probes.csv", probes + "4,0.5,0,0\n");
-  CHECK_THAT(refusal([&] { solve(folder.scene, folder.out()); }), Contains("probes.csv:5") && Contains("outside the body"));
+  CHECK_THAT(refusal([&] { solve(folder.scene, folder.out()); }),
+             Contains("probes.csv:5") && Contains("outside the body"));
   CHECK_THROWS_AS(solve(folder.path("absent.toml"), folder.out()), InputError);
   CHECK_THROWS_AS(solve(folder.scene, folder.out(), false, folder.path("absent_script.toml")), InputError);
 }
 
 TEST_CASE("A load that nothing can bear ends with code 1 and a report that says so", "[solve_command]") {
-  const Folder folder(replaced(replaced(block_scene, "translation = [0.001, 0, -0.003]", "translation = [0, 0, -0.045]"),
-                               "load_steps = 4", "load_steps = 1"));
+  const Folder folder(
+      replaced(replaced(block_scene, "translation = [0.001, 0, -0.003]", "translation = [0, 0, -0.045]"),
+               "load_steps = 4", "load_steps = 1"));
   CHECK(solve(folder.scene, folder.out()) == 1);
   CHECK(reportIn(folder)["diverged"] == true);
   CHECK(reportIn(folder)["converged"] == false);

@@ -1,15 +1,16 @@
-#include "mtled/verify_command.h"
+#include "mtled/verify/verify_command.h"
 
 #include <catch2/catch.hpp>
 #include <filesystem>
 
-#include "mtled/report_page.h"
-#include "mtled/verification_case.h"
+#include "mtled/report/report_page.h"
+#include "mtled/verify/verification_case.h"
 #include "support/captured_output.h"
 #include "support/temp_folder.h"
 #include "support/text.h"
 
 using namespace palpate;
+using namespace palpate::tools;
 using Catch::Contains;
 
 namespace {

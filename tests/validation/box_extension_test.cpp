@@ -1,10 +1,11 @@
-#include <catch2/catch.hpp>
 #include <algorithm>
+#include <catch2/catch.hpp>
 #include <fstream>
 #include <sstream>
 
 #include "approximation/shape_functions.h"
-#include "discretization/solids.h"
+#include "base/build_info.h"
+#include "discretization/surface/solids.h"
 #include "mechanics/internal_forces.h"
 #include "simulation/build_model.h"
 #include "simulation/step.h"
@@ -20,7 +21,7 @@ struct Probe {
 
 /// Converged mixed finite elements (tests/reference/README.md): probes within 1 um.
 std::vector<Probe> referenceProbes() {
-  std::ifstream file(std::string(PALPATE_SOURCE_DIR) + "/tests/reference/box_extension_probes.csv");
+  std::ifstream file(sourceFolder() + "/tests/reference/box_extension_probes.csv");
   REQUIRE(file);
   std::vector<Probe> probes;
   std::string line;
@@ -50,7 +51,7 @@ Outcome extend(bool consistent, bool patches, double spacing = 1.43e-3) {
   scene.spacing = spacing;
   scene.quadrature.points_per_cell = 1;
   scene.support_factor = 1.8;
-  scene.mu = 0.3;
+  scene.mmls_weight = 0.3;
   scene.consistent_gradients = consistent;
   scene.node_patch_volume = patches;
   scene.materials.emplace_back();
@@ -78,7 +79,8 @@ Outcome extend(bool consistent, bool patches, double spacing = 1.43e-3) {
   std::vector<Vec3> u;
   for (const auto& a : state.u) u.push_back(toVec3(a));
   std::vector<double> pressure;
-  for (int q = 0; q < model.pointCount(); ++q) pressure.push_back(deformationGradient(model.point_shape, q, u).determinant() - 1);
+  for (int q = 0; q < model.pointCount(); ++q)
+    pressure.push_back(deformationGradient(model.point_shape, q, u).determinant() - 1);
   if (patches)
     pressure = patchPressure(model.patches, model.point_volume, pressure);
   else
@@ -89,14 +91,16 @@ Outcome extend(bool consistent, bool patches, double spacing = 1.43e-3) {
   // Virtual work of the field (0, 0, z), which the shape functions hold: force * height = int P_zz dV.
   for (int q = 0; q < model.pointCount(); ++q)
     out.force += model.point_volume[q] *
-                 model.materials[0].firstPiola(deformationGradient(model.point_shape, q, u), pressure[q])(2, 2) / height;
+                 model.materials[0].firstPiola(deformationGradient(model.point_shape, q, u), pressure[q])(2, 2) /
+                 height;
 
   const auto probes = referenceProbes();
   std::vector<Vec3> at;
   for (const auto& p : probes) at.push_back(p.X);
   const Neighbours neighbours(model.X, model.support_radius);
   std::vector<InadmissibleSupport> failed;
-  const ShapeTable table = shapeFunctions(at, model.X, model.support_radius, neighbours, {2, scene.mu}, failed);
+  const ShapeTable table =
+      shapeFunctions(at, model.X, model.support_radius, neighbours, {2, scene.mmls_weight}, failed);
   REQUIRE(failed.empty());
   Vec3 sum = Vec3::Zero(), low = probes[0].u, high = low;
   for (std::size_t k = 0; k < probes.size(); ++k) {
@@ -116,7 +120,9 @@ TEST_CASE("Extension of the sheep-brain box: force and field against converged f
   constexpr double reference_force = 0.31002;
   const Outcome plain = extend(false, false), patches = extend(false, true), both = extend(true, true);
   for (const Outcome* o : {&plain, &patches, &both})
-    UNSCOPED_INFO((o == &plain ? "plain: " : o == &patches ? "node patches: " : "node patches and consistent gradients: ")
+    UNSCOPED_INFO((o == &plain     ? "plain: "
+                   : o == &patches ? "node patches: "
+                                   : "node patches and consistent gradients: ")
                   << o->nodes << " nodes, " << o->points << " points, force " << o->force << " N ("
                   << (o->force / reference_force - 1) * 100 << " %), NRMSE " << o->nrmse.transpose());
   const auto error = [&](const Outcome& o) { return std::abs(o.force / reference_force - 1); };

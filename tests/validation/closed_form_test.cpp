@@ -1,7 +1,7 @@
 #include <catch2/catch.hpp>
 
 #include "approximation/shape_functions.h"
-#include "discretization/solids.h"
+#include "discretization/surface/solids.h"
 #include "io/load_model.h"
 #include "simulation/step.h"
 #include "simulation/workspace.h"
@@ -54,7 +54,7 @@ std::vector<double> pressLayer(double spacing_under_sphere, const std::vector<do
   std::vector<double> forces;
   double from = 0;
   for (const double depth : depths) {
-    const double to = model.touch_travel + depth;
+    const double to = model.first_contact_travel + depth;
     StepReport report;
     for (int k = 1; k <= 80; ++k) {
       command.tool_target = model.tool_start;
@@ -73,7 +73,8 @@ std::vector<double> pressLayer(double spacing_under_sphere, const std::vector<do
 
 }  // namespace
 
-TEST_CASE("A sphere on a bonded layer meets the closed form, and refinement brings it closer", "[validation][contact]") {
+TEST_CASE("A sphere on a bonded layer meets the closed form, and refinement brings it closer",
+          "[validation][contact]") {
   // The formula itself is 1 - 2.5 % above a converged finite-strain solution in this range.
   const std::vector<double> depths{0.3e-3, 0.6e-3, 1.0e-3};
   const auto worst = [&](double spacing) {
@@ -81,8 +82,8 @@ TEST_CASE("A sphere on a bonded layer meets the closed form, and refinement brin
     double error = 0;
     for (std::size_t k = 0; k < depths.size(); ++k) {
       const double expected = dimitriadis(3000, 0.49, 0.01, 0.015, depths[k]);
-      UNSCOPED_INFO("spacing " << spacing * 1e3 << " mm, depth " << depths[k] * 1e3 << " mm: " << forces[k] << " N, closed form "
-                               << expected << " N, " << (forces[k] / expected - 1) * 100 << " %");
+      UNSCOPED_INFO("spacing " << spacing * 1e3 << " mm, depth " << depths[k] * 1e3 << " mm: " << forces[k]
+                               << " N, closed form " << expected << " N, " << (forces[k] / expected - 1) * 100 << " %");
       error = std::max(error, std::abs(forces[k] / expected - 1));
     }
     return error;
@@ -100,7 +101,7 @@ TEST_CASE("Unconstrained compression of the cube: NRMSE of u_z beside the paper'
     scene.solid = Scene::Solid::Box;
     scene.size = Vec3(0.1, 0.1, 0.1);
     scene.spacing = 0.0195;
-    scene.mu = 0.1;
+    scene.mmls_weight = 0.1;
     scene.quadrature.points_per_cell = points_per_cell;
     scene.consistent_gradients = consistent;
     scene.materials.emplace_back();
@@ -131,7 +132,8 @@ TEST_CASE("Unconstrained compression of the cube: NRMSE of u_z beside the paper'
 
     const Neighbours neighbours(model.X, model.support_radius);
     std::vector<InadmissibleSupport> failed;
-    const ShapeTable at_nodes = shapeFunctions(model.X, model.X, model.support_radius, neighbours, {2, scene.mu}, failed);
+    const ShapeTable at_nodes =
+        shapeFunctions(model.X, model.X, model.support_radius, neighbours, {2, scene.mmls_weight}, failed);
     REQUIRE(failed.empty());
     double sum = 0, boundary = 0;
     for (int i = 0; i < model.nodeCount(); ++i) {
@@ -142,8 +144,9 @@ TEST_CASE("Unconstrained compression of the cube: NRMSE of u_z beside the paper'
       if (model.imposed[i] & 4) boundary = std::max(boundary, error);
     }
     const double result = std::sqrt(sum / model.nodeCount()) / 0.02;
-    UNSCOPED_INFO((consistent ? "consistent gradients, " : "plain MMLS, ") << points_per_cell << " points per cell: " << model.nodeCount() << " nodes, " << model.pointCount()
-                                  << " points, NRMSE " << result << ", boundary error " << boundary << " m");
+    UNSCOPED_INFO((consistent ? "consistent gradients, " : "plain MMLS, ")
+                  << points_per_cell << " points per cell: " << model.nodeCount() << " nodes, " << model.pointCount()
+                  << " points, NRMSE " << result << ", boundary error " << boundary << " m");
     CHECK(boundary < 1e-7);  // float32 of a 0.1 m body over 2000 steps
     return result;
   };

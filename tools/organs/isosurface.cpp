@@ -91,8 +91,7 @@ class Marcher {
   void add(int in, int out0, int out1, int out2, int a, int b, int c) {
     const auto& x = surface_.vertices;
     const Vec3 normal = (x[b] - x[a]).cross(x[c] - x[a]);
-    const Vec3 outward =
-        (grid_.position(out0) + grid_.position(out1) + grid_.position(out2)) / 3 - grid_.position(in);
+    const Vec3 outward = (grid_.position(out0) + grid_.position(out1) + grid_.position(out2)) / 3 - grid_.position(in);
     if (normal.dot(outward) < 0) std::swap(b, c);
     surface_.triangles.push_back({a, b, c});
   }

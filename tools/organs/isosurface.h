@@ -1,6 +1,6 @@
 #pragma once
 
-#include "discretization/triangle_surface.h"
+#include "discretization/surface/triangle_surface.h"
 #include "organs/organ.h"
 
 namespace palpate::organs {

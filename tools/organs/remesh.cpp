@@ -255,8 +255,8 @@ class Remesher {
   const Field& field_;
   double target_;
   std::vector<Vec3> x_;
-  std::vector<Triangle> triangles_;     // {-1, -1, -1} once collapsed away
-  std::vector<std::vector<int>> fan_;   // empty once merged away
+  std::vector<Triangle> triangles_;    // {-1, -1, -1} once collapsed away
+  std::vector<std::vector<int>> fan_;  // empty once merged away
 };
 
 }  // namespace

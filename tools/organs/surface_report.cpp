@@ -99,8 +99,10 @@ std::string SurfaceReport::text() const {
   std::ostringstream s;
   const Vec3 size = max - min;
   s << std::fixed << std::setprecision(1) << "  " << triangles << " triangles, " << vertices << " vertices; "
-    << (manifold ? "closed manifold" : closed ? "closed, NOT manifold" : "NOT closed") << ", " << components
-    << (components == 1 ? " piece" : " pieces") << ", genus " << genus << "\n"
+    << (manifold ? "closed manifold"
+        : closed ? "closed, NOT manifold"
+                 : "NOT closed")
+    << ", " << components << (components == 1 ? " piece" : " pieces") << ", genus " << genus << "\n"
     << "  size " << size.x() * 1e3 << " x " << size.y() * 1e3 << " x " << size.z() * 1e3 << " mm, x " << min.x() * 1e3
     << ".." << max.x() * 1e3 << ", y " << min.y() * 1e3 << ".." << max.y() * 1e3 << ", z " << min.z() * 1e3 << ".."
     << max.z() * 1e3 << "\n"

@@ -8,7 +8,7 @@
 #include "mtled/bench/frictionless_contact.h"
 #include "simulation/trust.h"
 
-namespace palpate {
+namespace palpate::tools {
 namespace {
 
 const KernelPasses<float>& barePasses(InstructionSet set) {
@@ -27,16 +27,18 @@ constexpr int parts = 8;  // as in simulation/step.cpp, for the same sums
 BareLoop::BareLoop(const Model& model, Workspace& workspace, const State& start, Contact contact)
     : model_(model), state_(start), workspace_(workspace), contact_(contact) {
   for (const Material& m : model.kernel.materials)
-    if (m.kind != Material::Kind::NeoHookean) throw std::invalid_argument("the bare kernel knows neo-Hookean material only");
+    if (m.kind != Material::Kind::NeoHookean)
+      throw std::invalid_argument("the bare kernel knows neo-Hookean material only");
   if (!model.kernel.patch_begin.empty()) throw std::invalid_argument("the bare kernel knows no node patches");
   passes_ = &barePasses(chosenInstructionSet());
 }
 
 StepReport BareLoop::tick() {
   if (contact_ != Contact::None)
-    findContactCandidates(model_.skin, state_.u.data(), model_.scene.tool, state_.tool_pose, 2 * model_.scene.tool_max_speed / model_.scene.rate_hz,
-                          state_.contact);
-  takeBackCreep(model_.boundary, static_cast<double>(state_.step) * model_.dt, state_.u.data(), state_.u_low.data(), workspace_.boundary);
+    findContactCandidates(model_.skin, state_.u.data(), model_.scene.tool, state_.tool_pose,
+                          2 * model_.scene.tool_max_speed / model_.scene.rate_hz, state_.contact);
+  correctBoundaryDrift(model_.boundary, static_cast<double>(state_.step) * model_.dt, state_.u.data(),
+                       state_.u_low.data(), workspace_.boundary);
   const KernelPasses<float>* all = workspace_.kernel.passes;
   workspace_.kernel.passes = passes_;
   StepReport report;
@@ -68,17 +70,19 @@ StepReport BareLoop::step() {
 
   StepReport report;
   if (contact_ == Contact::Frictionless)
-    report.tool_force = frictionlessContact(model_.skin, model_.scene.tool, state_.tool_pose, state_.tool_pose, alpha, model_.inverse_mass.data(),
-                                            state_.u.data(), state_.du.data(), state_.contact);
-  report.base_reaction = imposeBoundary(model_.boundary, static_cast<double>(state_.step + 1) * h, h, alpha, model_.inverse_mass.data(), nullptr,
-                                        state_.du.data(), workspace_.boundary, workspace_.team);
+    report.tool_force =
+        frictionlessContact(model_.skin, model_.scene.tool, state_.tool_pose, state_.tool_pose, alpha,
+                            model_.inverse_mass.data(), state_.u.data(), state_.du.data(), state_.contact);
+  report.base_reaction =
+      imposeBoundary(model_.boundary, static_cast<double>(state_.step + 1) * h, h, alpha, model_.inverse_mass.data(),
+                     nullptr, state_.du.data(), workspace_.boundary, workspace_.team);
 
-  double after = 0, kinetic = 0, alternating = 0;
+  double after = 0, kinetic = 0, acceleration = 0;
   float furthest = 0;
   bool finite = true;
   for (int part = 0; part < parts; ++part) {
     Group work{};
-    float kinetic_part = 0, alternating_part = 0;
+    float kinetic_part = 0, acceleration_part = 0;
     for (int i = border(part); i < border(part + 1); ++i) {
       const Group du = load(state_.du[i]), u = load(state_.u[i]);
       const Group y = du + load(state_.u_low[i]), t = u + y;
@@ -93,20 +97,21 @@ StepReport BareLoop::step() {
       const Group change = du - load(workspace_.previous_du[i]);
       const auto mass = static_cast<float>(model_.mass[i]);
       kinetic_part += mass * d2;
-      alternating_part += mass * (change[0] * change[0] + change[1] * change[1] + change[2] * change[2]);
+      acceleration_part += mass * (change[0] * change[0] + change[1] * change[1] + change[2] * change[2]);
       if (!(d2 <= 1e30F)) finite = false;
     }
     after += static_cast<double>(work[0]) + work[1] + work[2];
     kinetic += kinetic_part;
-    alternating += alternating_part;
+    acceleration += acceleration_part;
   }
   report.max_increment = std::sqrt(furthest);
   report.kinetic_energy = 0.5 * kinetic / (h * h);
   report.strain_energy = forces.strain_energy;
-  report.energy_error = state_.energy.look(forces.strain_energy, report.kinetic_energy, alternating / (8 * h * h), h, model_.rest_energy);
+  report.energy_error = state_.energy.update(forces.strain_energy, report.kinetic_energy, acceleration / (8 * h * h), h,
+                                             model_.rest_energy);
   state_.energy.work -= 0.5 * after;
   report.volume_change = forces.volume_change / model_.cell_volume;
-  report.step_share = stepShare(model_, forces.most_cof2);
+  report.step_share = stepShare(model_, forces.max_cof2);
   report.min_J = forces.min_J;
   if (!finite) report.flags |= kNotFinite;
   if (report.max_increment > model_.max_increment) report.flags |= kBlowUp;
@@ -115,4 +120,4 @@ StepReport BareLoop::step() {
   return report;
 }
 
-}  // namespace palpate
+}  // namespace palpate::tools

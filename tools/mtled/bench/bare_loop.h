@@ -4,7 +4,7 @@
 #include "simulation/state.h"
 #include "simulation/workspace.h"
 
-namespace palpate {
+namespace palpate::tools {
 
 /// Ticks written by hand of only the passes that a neo-Hookean body without node patches needs: forces from a kernel that knows
 /// nothing else (barePassesFor), central difference, imposed nodes, watched energy. What simulation/step.cpp is held to where a
@@ -32,4 +32,4 @@ class BareLoop {
   const KernelPasses<float>* passes_ = nullptr;
 };
 
-}  // namespace palpate
+}  // namespace palpate::tools

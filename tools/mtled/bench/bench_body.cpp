@@ -3,7 +3,7 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
-namespace palpate {
+namespace palpate::tools {
 namespace {
 
 const Vec3 box_size(0.10, 0.10, 0.06);  // m
@@ -49,4 +49,4 @@ std::vector<Vec3> benchDisplacement(const std::vector<Vec3>& X) {
   return u;
 }
 
-}  // namespace palpate
+}  // namespace palpate::tools

@@ -5,7 +5,7 @@
 
 #include "simulation/model.h"
 
-namespace palpate {
+namespace palpate::tools {
 
 /// A body of about so many nodes, with supports of 29 nodes on the mean.
 struct BenchSize {
@@ -25,4 +25,4 @@ Scene benchScene(const BenchSize& size);
 /// numbers that float represents exactly, so that all precisions start alike. m (node_count)
 std::vector<Vec3> benchDisplacement(const std::vector<Vec3>& X);
 
-}  // namespace palpate
+}  // namespace palpate::tools

@@ -6,19 +6,19 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "app/interrupt.h"
+#include "base/interrupt.h"
 #include "io/load_model.h"
 #include "mtled/bench/bare_loop.h"
 #include "mtled/bench/instruction_counter.h"
-#include "realtime/recording.h"
-#include "realtime/simulation_loop.h"
+#include "realtime/loop/simulation_loop.h"
+#include "realtime/recording/recording.h"
 #include "simulation/step.h"
 
-namespace palpate {
+namespace palpate::tools {
 namespace {
 
-constexpr double limit = 0.01;         // of a step: what a feature that is off may cost
-constexpr double pressed_depth = 3e-3; // m: under a third of the ball's radius
+constexpr double limit = 0.01;          // of a step: what a feature that is off may cost
+constexpr double pressed_depth = 3e-3;  // m: under a third of the ball's radius
 
 /// tick() and nothing around it, the tool held where it is. Loops of one body share tables and workspace, so that no luck with the
 /// places of pages and cache lines comes between them.
@@ -29,7 +29,8 @@ class TickLoop final : public FeatureLoop {
     Material material;
     int pulled = -1;  // skin vertex
   };
-  TickLoop(Model& model, Workspace& workspace, const State& start, const Use& use) : model_(model), workspace_(workspace), state_(start), use_(use) {
+  TickLoop(Model& model, Workspace& workspace, const State& start, const Use& use)
+      : model_(model), workspace_(workspace), state_(start), use_(use) {
     command_.tool_target = start.tool_pose;
     command_.pull_vertex = use.pulled;
     if (use.pulled >= 0) command_.pull_target = model.skin.surface.vertices[use.pulled] + Vec3(0, 0, 2e-3);
@@ -57,7 +58,8 @@ class TickLoop final : public FeatureLoop {
 
 class HandWrittenLoop final : public FeatureLoop {
  public:
-  HandWrittenLoop(const Model& model, Workspace& workspace, const State& start, BareLoop::Contact contact) : loop_(model, workspace, start, contact) {}
+  HandWrittenLoop(const Model& model, Workspace& workspace, const State& start, BareLoop::Contact contact)
+      : loop_(model, workspace, start, contact) {}
   double run(int ticks, const Meter& meter) override {
     loop_.tick();
     const double before = meter();
@@ -110,7 +112,8 @@ class RealTimeLoop final : public FeatureLoop {
     for (std::size_t k = 0; k < poses.size(); ++k) poses[k].position.z() += 1e-6 * static_cast<double>(k % 8);
     SimulationLoopOptions options;
     options.as_fast_as_possible = true;
-    options.tick_limit = ticks + 2;  // the first is not counted, and the last not to its end, where the loop sums up its run
+    options.tick_limit =
+        ticks + 2;  // the first is not counted, and the last not to its end, where the loop sums up its run
     options.track = trackFromPoses(poses);
     options.record = record_;
     options.force_capacity = options.record_capacity = 1024;  // fresh memory would drive the body from the caches
@@ -137,12 +140,13 @@ State pressed(const Model& model) {
   Workspace workspace(model, 1);
   Command command;
   command.tool_target = model.tool_start;
-  const double travel = model.touch_travel + pressed_depth;
+  const double travel = model.first_contact_travel + pressed_depth;
   command.tool_target.position += travel * (model.tool_start.orientation * -Vec3::UnitZ());
   const int ticks = 1 + static_cast<int>(std::ceil(travel / model.scene.tool_max_speed * model.scene.rate_hz));
   StepReport report;
   for (int k = 0; k < ticks; ++k) report = tick(model, state, command, workspace);
-  if (report.flags != 0 || report.contact_count == 0) throw std::runtime_error("the ball can't be pressed into the box");
+  if (report.flags != 0 || report.contact_count == 0)
+    throw std::runtime_error("the ball can't be pressed into the box");
   return state;
 }
 
@@ -203,8 +207,8 @@ FeatureBench::FeatureBench(const BenchSize& size, const std::function<void(const
   const auto ticks = [&](const State& start, const TickLoop::Use& use, std::size_t body = 0) {
     return std::make_shared<TickLoop>(*models_[body], *workspaces_[body], start, use);
   };
-  const auto add = [&](const char* name, const char* with_text, const char* without_text, double bound, std::shared_ptr<FeatureLoop> with,
-                       std::shared_ptr<FeatureLoop> without) {
+  const auto add = [&](const char* name, const char* with_text, const char* without_text, double bound,
+                       std::shared_ptr<FeatureLoop> with, std::shared_ptr<FeatureLoop> without) {
     FeatureRow row;
     row.name = name;
     row.with = with_text;
@@ -213,22 +217,27 @@ FeatureBench::FeatureBench(const BenchSize& size, const std::function<void(const
     pairs_.push_back({row, std::move(with), std::move(without)});
   };
   const TickLoop::Use plain_use{0, soft};
-  const auto bare = [&](const State& start, BareLoop::Contact contact) { return std::make_shared<HandWrittenLoop>(model, *workspaces_[0], start, contact); };
+  const auto bare = [&](const State& start, BareLoop::Contact contact) {
+    return std::make_shared<HandWrittenLoop>(model, *workspaces_[0], start, contact);
+  };
   const auto real_time = [&](bool record) { return std::make_shared<RealTimeLoop>(model, record); };
   add("contact", "ball 3 mm deep", "out of reach", NAN, ticks(touching, plain_use), ticks(free, plain_use));
-  add("friction", "coefficient 0.5", "0, ball 3 mm deep", NAN, ticks(touching, {0.5, soft}), ticks(touching, plain_use));
+  add("friction", "coefficient 0.5", "0, ball 3 mm deep", NAN, ticks(touching, {0.5, soft}),
+      ticks(touching, plain_use));
   add("pull", "at one vertex", "none", NAN, ticks(free, {0, soft, 0}), ticks(free, plain_use));
   add("Ogden material", "two terms", "neo-Hookean", NAN, ticks(free, {0, ogdenLike(soft)}), ticks(free, plain_use));
   add("node patches", "volume of patches", "of points", NAN, ticks(free, plain_use, 1), ticks(free, plain_use));
   add("adaptive points", "tau 0.1, one division", "one a cell", NAN, ticks(free, plain_use, 2), ticks(free, plain_use));
   add("recording", "a change each tick", "none", NAN, real_time(true), real_time(false));
-  add("snapshots, force, watchdog, statistics", "in the real-time loop", "ticks alone", NAN, real_time(false), ticks(at_rest, plain_use));
+  add("snapshots, force, watchdog, statistics", "in the real-time loop", "ticks alone", NAN, real_time(false),
+      ticks(at_rest, plain_use));
 
-  add("contact, friction, pull, Ogden, node patches", "a tick with all of them off", "a loop and a kernel that know none", limit, ticks(free, plain_use),
-      bare(free, BareLoop::Contact::None));
+  add("contact, friction, pull, Ogden, node patches", "a tick with all of them off",
+      "a loop and a kernel that know none", limit, ticks(free, plain_use), bare(free, BareLoop::Contact::None));
   add("friction", "contact with coefficient 0", "contact that knows no friction", limit, ticks(touching, plain_use),
       bare(touching, BareLoop::Contact::Frictionless));
-  add("recording, and a viewer's overlays", "the real-time loop, nobody looking", "ticks alone", limit, real_time(false), ticks(at_rest, plain_use));
+  add("recording, and a viewer's overlays", "the real-time loop, nobody looking", "ticks alone", limit,
+      real_time(false), ticks(at_rest, plain_use));
 }
 
 void timePairs(std::vector<FeaturePair>& pairs, double seconds, const std::function<void(double)>& watch) {
@@ -236,7 +245,8 @@ void timePairs(std::vector<FeaturePair>& pairs, double seconds, const std::funct
   constexpr int judged_rounds = 5;  // for one of the others: a hundredth is to be told apart
   flushDenormals();
   const InstructionCounter counter;
-  const Meter seconds_of_core = processorSeconds, instructions = [&counter] { return static_cast<double>(counter.count()); };
+  const Meter seconds_of_core = processorSeconds,
+              instructions = [&counter] { return static_cast<double>(counter.count()); };
   struct Times {
     int ticks = 1;
     std::vector<double> with, without, ratio;  // s
@@ -246,7 +256,8 @@ void timePairs(std::vector<FeaturePair>& pairs, double seconds, const std::funct
     const double tick = measured(*pairs[p].without, 1, seconds_of_core);
     times[p].ticks = std::max(1, static_cast<int>(std::ceil(round_seconds / tick)));
     if (counter.available())
-      pairs[p].row.more_instructions = measured(*pairs[p].with, 1, instructions) / measured(*pairs[p].without, 1, instructions) - 1;
+      pairs[p].row.more_instructions =
+          measured(*pairs[p].with, 1, instructions) / measured(*pairs[p].without, 1, instructions) - 1;
   }
   const auto rounds = std::max<std::size_t>(5, static_cast<std::size_t>(seconds / (5 * round_seconds)));
   for (std::size_t r = 0; r < rounds; ++r) {
@@ -272,8 +283,9 @@ void timePairs(std::vector<FeaturePair>& pairs, double seconds, const std::funct
     row.without_us = 1e6 * quantile(times[p].without, 0.5) / times[p].ticks;
     row.more = quantile(times[p].ratio, 0.5) - 1;
     // Of a median, as if the ratios were normally distributed.
-    row.uncertainty = 1.2533 / 1.349 * (quantile(times[p].ratio, 0.75) - quantile(times[p].ratio, 0.25)) / std::sqrt(static_cast<double>(times[p].ratio.size()));
+    row.uncertainty = 1.2533 / 1.349 * (quantile(times[p].ratio, 0.75) - quantile(times[p].ratio, 0.25)) /
+                      std::sqrt(static_cast<double>(times[p].ratio.size()));
   }
 }
 
-}  // namespace palpate
+}  // namespace palpate::tools

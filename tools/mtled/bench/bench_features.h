@@ -10,7 +10,7 @@
 #include "simulation/state.h"
 #include "simulation/workspace.h"
 
-namespace palpate {
+namespace palpate::tools {
 
 /// Shows something that grows: this thread's time on its core, or its instructions.
 using Meter = std::function<double()>;
@@ -30,7 +30,7 @@ class FeatureLoop {
 
 /// Two loops that differ in what `name` says.
 struct FeaturePair {
-  FeatureRow row;                      // what they are; numbers still to be measured
+  FeatureRow row;  // what they are; numbers still to be measured
   std::shared_ptr<FeatureLoop> with, without;
 };
 
@@ -57,4 +57,4 @@ class FeatureBench {
 /// @param seconds  for each pair
 void timePairs(std::vector<FeaturePair>& pairs, double seconds, const std::function<void(double)>& watch);
 
-}  // namespace palpate
+}  // namespace palpate::tools

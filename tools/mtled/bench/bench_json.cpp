@@ -6,13 +6,15 @@
 
 #include "mtled/bench/bench_report.h"
 
-namespace palpate {
+namespace palpate::tools {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
 Json toJson(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
-double toDouble(const Json& json) { return json.is_null() ? std::numeric_limits<double>::quiet_NaN() : json.get<double>(); }
+double toDouble(const Json& json) {
+  return json.is_null() ? std::numeric_limits<double>::quiet_NaN() : json.get<double>();
+}
 
 Json toJson(const Machine& m) {
   return {{"processor", m.processor}, {"cores", m.cores}, {"l2_bytes", m.l2_bytes}, {"l3_bytes", m.l3_bytes}};
@@ -25,7 +27,8 @@ Json toJson(const Ceilings& c) {
   for (std::size_t k = 0; k < c.fma_gflops.size(); ++k)
     if (c.fma_gflops[k] > 0) fma[nameOf(static_cast<InstructionSet>(k))] = c.fma_gflops[k];
   for (const MemoryLevel& level : c.levels)
-    levels.push_back({{"name", level.name}, {"capacity_bytes", level.capacity}, {"read_gb_per_s", toJson(level.gb_per_s)}});
+    levels.push_back(
+        {{"name", level.name}, {"capacity_bytes", level.capacity}, {"read_gb_per_s", toJson(level.gb_per_s)}});
   return {{"threads", c.threads}, {"fma_float32_gflop_per_s", fma}, {"memory", levels}};
 }
 
@@ -56,7 +59,10 @@ void eachNumber(Row& row, Each each) {
 }
 
 Json toJson(const BenchRow& row) {
-  Json j = {{"kernel", row.kernel}, {"precision", row.precision}, {"instruction_set", row.instruction_set}, {"threads", row.threads},
+  Json j = {{"kernel", row.kernel},
+            {"precision", row.precision},
+            {"instruction_set", row.instruction_set},
+            {"threads", row.threads},
             {"ceiling", row.ceiling}};
   eachNumber(row, [&](const char* name, double value) { j[name] = toJson(value); });
   return j;
@@ -85,14 +91,17 @@ Json toJson(const BenchBodyResult& body) {
 }
 
 BenchBodyResult toBody(const Json& j) {
-  BenchBodyResult body{j.at("name"), j.at("nodes"), j.at("points"), toDouble(j.at("mean_support")), toDouble(j.at("setup_seconds")), {}};
+  BenchBodyResult body{
+      j.at("name"), j.at("nodes"), j.at("points"), toDouble(j.at("mean_support")), toDouble(j.at("setup_seconds")), {}};
   for (const Json& row : j.at("rows")) body.rows.push_back(toRow(row));
   return body;
 }
 
 Json toJson(const Verdict& v) {
-  return {{"quantity", v.bound.quantity}, {"value", toJson(v.bound.value)}, {"limit", v.bound.limit}, {"at_most", v.bound.at_most},
-          {"unit", v.bound.unit},         {"note", v.bound.note},           {"verdict", v.text()},    {"missing", v.missing}};
+  return {{"quantity", v.bound.quantity}, {"value", toJson(v.bound.value)},
+          {"limit", v.bound.limit},       {"at_most", v.bound.at_most},
+          {"unit", v.bound.unit},         {"note", v.bound.note},
+          {"verdict", v.text()},          {"missing", v.missing}};
 }
 
 }  // namespace
@@ -102,8 +111,8 @@ std::string jsonOf(const BenchReport& report) {
   for (const Ceilings& c : report.ceilings) ceilings.push_back(toJson(c));
   for (const BenchBodyResult& body : report.bodies) bodies.push_back(toJson(body));
   for (const Verdict& v : verdictsOf(report)) verdicts.push_back(toJson(v));
-  const Json json = {{"command", report.command}, {"build", report.build},  {"machine", toJson(report.machine)},
-                     {"ceilings", ceilings},      {"bodies", bodies},       {"verdicts", verdicts}};
+  const Json json = {{"command", report.command}, {"build", report.build}, {"machine", toJson(report.machine)},
+                     {"ceilings", ceilings},      {"bodies", bodies},      {"verdicts", verdicts}};
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
@@ -122,4 +131,4 @@ BenchReport benchReportFromJson(const std::string& text) {
   }
 }
 
-}  // namespace palpate
+}  // namespace palpate::tools

@@ -5,7 +5,7 @@
 #include "mechanics/internal_forces.h"
 #include "mtled/bench/plain_kernel.h"
 
-namespace palpate {
+namespace palpate::tools {
 namespace {
 
 constexpr double double_limit = 1e-12;  // rounding of some hundred terms, times K/mu
@@ -31,15 +31,16 @@ BenchKernel referenceKernel(const Model& model, const std::vector<Vec3>& u) {
   return k;
 }
 
-BenchKernel plainKernel(const Model& model, const std::vector<Vec3>& u, int most_threads) {
-  auto kernel = std::make_shared<PlainKernel>(model.kernel.point, model.point_shape, model.point_volume, model.materials[0]);
+BenchKernel plainKernel(const Model& model, const std::vector<Vec3>& u, int max_threads) {
+  auto kernel =
+      std::make_shared<PlainKernel>(model.kernel.point, model.point_shape, model.point_volume, model.materials[0]);
   auto f = std::make_shared<std::vector<Vec3>>();
   BenchKernel k;
   k.name = "plain Eigen";
   k.precision = "double";
   k.set = compiledInstructionSet();
   k.error_limit = double_limit;
-  k.most_threads = most_threads;
+  k.max_threads = max_threads;
   k.cost.useful_flops = k.cost.executed_flops = usefulFlops(model.point_shape);
   k.cost.streamed_bytes = k.cost.working_set = kernel->streamedBytes() + 2.0 * sizeof(Vec3) * model.nodeCount();
   k.evaluate = [&u, kernel, f](SpinTeam& team) { kernel->forces(u, *f, team); };
@@ -58,7 +59,8 @@ Layout<Real> layoutOf(const Model& model, bool patches, GradientPrecision precis
 }
 
 template <class Real>
-BenchKernel quadKernel(const Model& model, const std::vector<Vec3>& u, const Layout<Real>& layout, InstructionSet set, int most_threads) {
+BenchKernel blockKernel(const Model& model, const std::vector<Vec3>& u, const Layout<Real>& layout, InstructionSet set,
+                        int max_threads) {
   struct Data {
     Layout<Real> layout;
     KernelScratchOf<Real> scratch;
@@ -69,12 +71,12 @@ BenchKernel quadKernel(const Model& model, const std::vector<Vec3>& u, const Lay
   const bool is_double = sizeof(Real) == 8, rounded = !layout->rounded_gradN.empty();
   BenchKernel k;
   k.patches = !layout->patch_node.empty();
-  k.name = k.patches ? "quads, node patches" : "quads";
+  k.name = k.patches ? "blocks, node patches" : "blocks";
   k.precision = is_double ? "double" : rounded ? "int16" : "float32";
   k.set = set;
-  k.cost = quadKernelCost(*layout, model.point_shape);
+  k.cost = blockKernelCost(*layout, model.point_shape);
   k.error_limit = is_double ? double_limit : rounded ? int16Limit(model.materials[0]) : floatLimit(model.materials[0]);
-  k.most_threads = most_threads;
+  k.max_threads = max_threads;
   k.evaluate = [data](SpinTeam& team) { internalForces(*data->layout, data->u.data(), data->scratch, team); };
   k.forces = [data] {
     AlignedVector<Real4<Real>> sum(data->u.size());
@@ -88,19 +90,21 @@ BenchKernel quadKernel(const Model& model, const std::vector<Vec3>& u, const Lay
 
 }  // namespace
 
-std::vector<BenchKernel> benchKernels(const Model& model, const std::vector<Vec3>& u, int most_threads, bool with_reference) {
+std::vector<BenchKernel> benchKernels(const Model& model, const std::vector<Vec3>& u, int max_threads,
+                                      bool with_reference) {
   const auto sets = supportedInstructionSets();
   const InstructionSet widest = sets.back();
   std::vector<BenchKernel> kernels;
-  kernels.push_back(plainKernel(model, u, most_threads));
+  kernels.push_back(plainKernel(model, u, max_threads));
   if (with_reference) kernels.push_back(referenceKernel(model, u));
-  kernels.push_back(quadKernel<double>(model, u, layoutOf<double>(model, false), widest, most_threads));
+  kernels.push_back(blockKernel<double>(model, u, layoutOf<double>(model, false), widest, max_threads));
   for (const auto precision : {GradientPrecision::Float32, GradientPrecision::Int16}) {
     const auto layout = layoutOf<float>(model, false, precision);
-    for (const InstructionSet set : sets) kernels.push_back(quadKernel(model, u, layout, set, set == widest ? most_threads : 1));
-    kernels.push_back(quadKernel(model, u, layoutOf<float>(model, true, precision), widest, most_threads));
+    for (const InstructionSet set : sets)
+      kernels.push_back(blockKernel(model, u, layout, set, set == widest ? max_threads : 1));
+    kernels.push_back(blockKernel(model, u, layoutOf<float>(model, true, precision), widest, max_threads));
   }
   return kernels;
 }
 
-}  // namespace palpate
+}  // namespace palpate::tools

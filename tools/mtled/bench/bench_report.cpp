@@ -6,9 +6,9 @@
 #include <ostream>
 #include <utility>
 
-#include "mtled/report_page.h"
+#include "mtled/report/report_page.h"
 
-namespace palpate {
+namespace palpate::tools {
 namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
@@ -25,7 +25,8 @@ ResultTable ceilingTable(const BenchReport& report) {
   table.columns = {"Threads"};
   if (report.ceilings.empty()) return table;
   for (std::size_t k = 0; k < report.ceilings[0].fma_gflops.size(); ++k)
-    if (report.ceilings[0].fma_gflops[k] > 0) table.columns.push_back(std::string("FMA ") + nameOf(static_cast<InstructionSet>(k)) + ", GFLOP/s");
+    if (report.ceilings[0].fma_gflops[k] > 0)
+      table.columns.push_back(std::string("FMA ") + nameOf(static_cast<InstructionSet>(k)) + ", GFLOP/s");
   for (const auto& level : report.ceilings[0].levels) table.columns.push_back(level.name + ", GB/s");
   for (const Ceilings& c : report.ceilings) {
     std::vector<std::string> row = {std::to_string(c.threads)};
@@ -38,8 +39,8 @@ ResultTable ceilingTable(const BenchReport& report) {
 }
 
 std::string headOf(const BenchBodyResult& body) {
-  return body.name + ": " + std::to_string(body.nodes) + " nodes, " + std::to_string(body.points) + " points, mean support " +
-         formatted(body.mean_support) + ", set up in " + formatted(body.setup_seconds, "s");
+  return body.name + ": " + std::to_string(body.nodes) + " nodes, " + std::to_string(body.points) +
+         " points, mean support " + formatted(body.mean_support) + ", set up in " + formatted(body.setup_seconds, "s");
 }
 
 std::vector<std::string> namesOf(const BenchRow& row) {
@@ -49,30 +50,34 @@ std::vector<std::string> namesOf(const BenchRow& row) {
 ResultTable timeTable(const BenchBodyResult& body) {
   ResultTable table;
   table.title = headOf(body) + "\n  Time per point and step";
-  table.columns = {"Kernel", "Precision", "Set", "Threads", "Best, ns", "Median, ns", "Plain / this", "1 thread / this", "Force error", "Allowed"};
+  table.columns = {"Kernel",       "Precision",       "Set",         "Threads", "Best, ns", "Median, ns",
+                   "Plain / this", "1 thread / this", "Force error", "Allowed"};
   for (const BenchRow& row : body.rows) {
     const double plain = timeOf(body.plain(1));
     const double alone = timeOf(body.find(row.kernel, row.precision, row.instruction_set, 1));
     auto cells = namesOf(row);
-    for (const std::string& text : {cell(row.best_ns), cell(row.median_ns), times(plain / row.best_ns), times(alone / row.best_ns),
-                                    cell(row.force_error), cell(row.error_limit)})
+    for (const std::string& text : {cell(row.best_ns), cell(row.median_ns), times(plain / row.best_ns),
+                                    times(alone / row.best_ns), cell(row.force_error), cell(row.error_limit)})
       cells.push_back(text);
     if (row.wrong()) cells.push_back("WRONG");
     table.rows.push_back(cells);
   }
-  if (std::any_of(body.rows.begin(), body.rows.end(), [](const BenchRow& r) { return r.wrong(); })) table.columns.emplace_back("");
+  if (std::any_of(body.rows.begin(), body.rows.end(), [](const BenchRow& r) { return r.wrong(); }))
+    table.columns.emplace_back("");
   return table;
 }
 
 ResultTable costTable(const BenchBodyResult& body) {
   ResultTable table;
   table.title = "Cost per point, counted, and the ceiling that binds";
-  table.columns = {"Kernel", "Precision", "Set", "Threads", "Bytes", "Flops", "with padding", "GB/s", "GFLOP/s", "Ceiling", "allows, ns", "Reached"};
+  table.columns = {"Kernel",       "Precision", "Set",     "Threads", "Bytes",      "Flops",
+                   "with padding", "GB/s",      "GFLOP/s", "Ceiling", "allows, ns", "Reached"};
   for (const BenchRow& row : body.rows) {
     if (!std::isfinite(row.bytes)) continue;
     auto cells = namesOf(row);
-    for (const std::string& text : {cell(row.bytes), cell(row.useful_flops), cell(row.executed_flops), cell(row.gb_per_s),
-                                    cell(row.gflop_per_s), row.ceiling, cell(row.ceiling_ns), percent(row.share)})
+    for (const std::string& text :
+         {cell(row.bytes), cell(row.useful_flops), cell(row.executed_flops), cell(row.gb_per_s), cell(row.gflop_per_s),
+          row.ceiling, cell(row.ceiling_ns), percent(row.share)})
       cells.push_back(text);
     table.rows.push_back(cells);
   }
@@ -88,8 +93,8 @@ struct Judge {
   const BenchRow* row(const std::string& kernel, const std::string& precision, int threads) const {
     return body ? body->find(kernel, precision, set, threads) : nullptr;
   }
-  void add(const std::string& quantity, double value, double limit, bool at_most, const std::string& of_unit, const std::string& note,
-           const std::string& unasked = "") {
+  void add(const std::string& quantity, double value, double limit, bool at_most, const std::string& of_unit,
+           const std::string& note, const std::string& unasked = "") {
     Verdict v{{quantity, value, limit, at_most, of_unit, note}, unasked};
     if (v.missing.empty() && !body) v.missing = "no body of about 5,000 nodes";
     if (v.missing.empty() && std::isnan(value)) v.missing = "no such row";
@@ -99,16 +104,18 @@ struct Judge {
 
 }  // namespace
 
-const BenchRow* BenchBodyResult::find(const std::string& kernel, const std::string& precision, const std::string& instruction_set,
-                                      int threads) const {
+const BenchRow* BenchBodyResult::find(const std::string& kernel, const std::string& precision,
+                                      const std::string& instruction_set, int threads) const {
   const auto it = std::find_if(rows.begin(), rows.end(), [&](const BenchRow& r) {
-    return r.kernel == kernel && r.precision == precision && r.instruction_set == instruction_set && r.threads == threads;
+    return r.kernel == kernel && r.precision == precision && r.instruction_set == instruction_set &&
+           r.threads == threads;
   });
   return it == rows.end() ? nullptr : &*it;
 }
 
 const BenchRow* BenchBodyResult::plain(int threads) const {
-  const auto it = std::find_if(rows.begin(), rows.end(), [&](const BenchRow& r) { return r.kernel == "plain Eigen" && r.threads == threads; });
+  const auto it = std::find_if(rows.begin(), rows.end(),
+                               [&](const BenchRow& r) { return r.kernel == "plain Eigen" && r.threads == threads; });
   return it == rows.end() ? nullptr : &*it;
 }
 
@@ -125,22 +132,27 @@ std::vector<Verdict> verdictsOf(const BenchReport& report) {
   for (const auto& body : report.bodies)
     if (body.nodes > 4000 && body.nodes < 6000) judge.body = &body;
   for (const auto set : {InstructionSet::Plain, InstructionSet::Avx2, InstructionSet::Avx512})
-    if (judge.body && judge.body->find("quads", "float32", nameOf(set), 1)) judge.set = nameOf(set);
+    if (judge.body && judge.body->find("blocks", "float32", nameOf(set), 1)) judge.set = nameOf(set);
   const std::string narrow = judge.set == nameOf(InstructionSet::Avx512) ? "" : "no AVX-512 in use";
-  const BenchRow* fast = judge.row("quads", "float32", 1);
-  const BenchRow* patched = judge.row("quads, node patches", "float32", 1);
-  const BenchRow* packed = judge.row("quads", "int16", 1);
+  const BenchRow* fast = judge.row("blocks", "float32", 1);
+  const BenchRow* patched = judge.row("blocks, node patches", "float32", 1);
+  const BenchRow* packed = judge.row("blocks", "int16", 1);
 
   judge.add("float32, one core", timeOf(fast), 60, true, "ns", "per point and step", narrow);
   judge.add("int16, one core", timeOf(packed), 45, true, "ns", "per point and step", narrow);
-  judge.add("node patches, float32, one core", 100 * (timeOf(patched) / timeOf(fast) - 1), 40, true, "%", "on top of the same without");
+  judge.add("node patches, float32, one core", 100 * (timeOf(patched) / timeOf(fast) - 1), 40, true, "%",
+            "on top of the same without");
   std::string gain = "one thread's time / two threads'";
-  const auto pair = std::find_if(report.ceilings.begin(), report.ceilings.end(), [](const Ceilings& c) { return c.threads == 2; });
-  if (pair != report.ceilings.end()) gain += "; multiply-adds alone gain " + formatted(pair->mostGflops() / report.ceilings.front().mostGflops()) + " x";
+  const auto pair =
+      std::find_if(report.ceilings.begin(), report.ceilings.end(), [](const Ceilings& c) { return c.threads == 2; });
+  if (pair != report.ceilings.end())
+    gain += "; multiply-adds alone gain " + formatted(pair->mostGflops() / report.ceilings.front().mostGflops()) + " x";
 
-  judge.add("two threads, float32", timeOf(fast) / timeOf(judge.row("quads", "float32", 2)), 1.7, false, "x", gain);
-  judge.add("two threads, float32, node patches", timeOf(patched) / timeOf(judge.row("quads, node patches", "float32", 2)), 1.7, false, "x", gain);
-  judge.add("float32 beside the plain double kernel", timeOf(judge.body ? judge.body->plain(1) : nullptr) / timeOf(fast), 5, false, "x", "one core each");
+  judge.add("two threads, float32", timeOf(fast) / timeOf(judge.row("blocks", "float32", 2)), 1.7, false, "x", gain);
+  judge.add("two threads, float32, node patches",
+            timeOf(patched) / timeOf(judge.row("blocks, node patches", "float32", 2)), 1.7, false, "x", gain);
+  judge.add("float32 beside the plain double kernel",
+            timeOf(judge.body ? judge.body->plain(1) : nullptr) / timeOf(fast), 5, false, "x", "one core each");
   for (const auto& [name, row] : {std::pair("float32", fast), std::pair("int16", packed)})
     judge.add(std::string(name) + ", time over what the ceiling allows", row ? 1 / row->share : nan, 2, true, "x",
               row ? "one core; " + row->ceiling + " binds" : "one core");
@@ -175,4 +187,4 @@ void printVerdicts(std::ostream& out, const BenchReport& report) {
   printTable(out, table);
 }
 
-}  // namespace palpate
+}  // namespace palpate::tools

@@ -5,43 +5,45 @@
 #include <vector>
 
 #include "mtled/bench/machine_ceilings.h"
-#include "mtled/case_result.h"
+#include "mtled/report/case_result.h"
 
-namespace palpate {
+namespace palpate::tools {
 
 /// One kernel on one body with so many threads. Times and counts are per integration point and evaluation (= step).
 /// NaN stands for what does not apply.
 struct BenchRow {
-  std::string kernel;            // "plain Eigen", "ten-line reference", "quads", "quads, node patches", "whole step" (with patches)
-  std::string precision;         // "double", "float32", "int16"
-  std::string instruction_set;   // nameOf(InstructionSet)
+  std::string
+      kernel;  // "plain Eigen", "ten-line reference", "blocks", "blocks, node patches", "whole step" (with patches)
+  std::string precision;        // "double", "float32", "int16"
+  std::string instruction_set;  // nameOf(InstructionSet)
   int threads = 1;
   double best_ns = 0, median_ns = 0;
-  double force_error = 0;        // |f - f_reference| / |f_reference|, of the whole field
+  double force_error = 0;  // |f - f_reference| / |f_reference|, of the whole field
   double error_limit = 0;
   double bytes = 0, useful_flops = 0, executed_flops = 0;
   double gb_per_s = 0, gflop_per_s = 0;  // reached by the best time; useful flops
-  std::string ceiling;           // which binds: "FMA", "L2", "L3" or "DRAM"
-  double ceiling_ns = 0;         // no faster than this by that ceiling
-  double share = 0;              // of the ceiling that is reached: ceiling_ns / best_ns
+  std::string ceiling;                   // which binds: "FMA", "L2", "L3" or "DRAM"
+  double ceiling_ns = 0;                 // no faster than this by that ceiling
+  double share = 0;                      // of the ceiling that is reached: ceiling_ns / best_ns
 
   bool wrong() const { return force_error > error_limit; }  // NaN: nothing was compared
 };
 
 struct BenchBodyResult {
-  std::string name;              // "5k"
+  std::string name;  // "5k"
   int nodes = 0, points = 0;
   double mean_support = 0;
   double setup_seconds = 0;
   std::vector<BenchRow> rows;
 
   /// Null where there is no such row.
-  const BenchRow* find(const std::string& kernel, const std::string& precision, const std::string& instruction_set, int threads) const;
+  const BenchRow* find(const std::string& kernel, const std::string& precision, const std::string& instruction_set,
+                       int threads) const;
   const BenchRow* plain(int threads) const;  // the baseline, whatever it was compiled for
 };
 
 struct BenchReport {
-  std::string build;             // buildInfo()
+  std::string build;  // buildInfo()
   std::string command;
   Machine machine;
   std::vector<Ceilings> ceilings;  // one per thread count
@@ -54,9 +56,9 @@ struct BenchReport {
 /// What was promised of the kernel, and what came out.
 struct Verdict {
   Bound bound;
-  std::string missing;           // why it can't be judged here, or ""
+  std::string missing;  // why it can't be judged here, or ""
 
-  std::string text() const;      // "held", "missed" or "not measured"
+  std::string text() const;  // "held", "missed" or "not measured"
 };
 
 /// The promises at about 5,000 nodes and 20,000 points, on rows of the widest instruction set: float32 in 60 ns and
@@ -77,4 +79,4 @@ std::string jsonOf(const BenchReport& report);
 /// what is missing or of another type.
 BenchReport benchReportFromJson(const std::string& text);
 
-}  // namespace palpate
+}  // namespace palpate::tools

@@ -9,12 +9,12 @@
 #include "mechanics/internal_forces.h"
 #include "mtled/bench/bench_kernels.h"
 #include "mtled/bench/timing.h"
-#include "mtled/progress.h"
-#include "realtime/thread_setup.h"
+#include "mtled/solve/progress.h"
+#include "realtime/loop/thread_setup.h"
 #include "simulation/step.h"
 #include "simulation/workspace.h"
 
-namespace palpate {
+namespace palpate::tools {
 namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
@@ -53,8 +53,8 @@ void judgeByCeilings(const KernelCost& cost, InstructionSet set, int points, con
 
 using Teams = std::vector<std::unique_ptr<SpinTeam>>;  // one per thread count
 
-void benchForces(const Model& model, const std::vector<Ceilings>& ceilings, Teams& teams, double seconds, bool with_reference,
-                 BenchBodyResult& result) {
+void benchForces(const Model& model, const std::vector<Ceilings>& ceilings, Teams& teams, double seconds,
+                 bool with_reference, BenchBodyResult& result) {
   const auto u = benchDisplacement(model.X);
   const std::vector<Vec3> exact[] = {exactForces(model, u, false), exactForces(model, u, true)};
   const auto kernels = benchKernels(model, u, ceilings.back().threads, with_reference);
@@ -62,7 +62,7 @@ void benchForces(const Model& model, const std::vector<Ceilings>& ceilings, Team
   std::vector<std::pair<const BenchKernel*, const Ceilings*>> what;  // of each call
   for (const BenchKernel& kernel : kernels)
     for (std::size_t t = 0; t < teams.size(); ++t) {
-      if (teams[t]->size() > kernel.most_threads) continue;
+      if (teams[t]->size() > kernel.max_threads) continue;
       kernel.evaluate(*teams[t]);
       BenchRow row;
       row.kernel = kernel.name;
@@ -84,7 +84,8 @@ void benchForces(const Model& model, const std::vector<Ceilings>& ceilings, Team
     if (what[k].first->cost.streamed_bytes > 0) {
       judgeByCeilings(what[k].first->cost, what[k].first->set, result.points, *what[k].second, row);
     } else {
-      row.bytes = row.useful_flops = row.executed_flops = row.gb_per_s = row.gflop_per_s = row.ceiling_ns = row.share = nan;
+      row.bytes = row.useful_flops = row.executed_flops = row.gb_per_s = row.gflop_per_s = row.ceiling_ns = row.share =
+          nan;
     }
   }
 }
@@ -93,17 +94,18 @@ void benchForces(const Model& model, const std::vector<Ceilings>& ceilings, Team
 State pressedState(const Model& model, Command& command) {
   constexpr double depth = 0.003;  // m: under a third of the ball's radius
   command.tool_target = model.tool_start;
-  command.tool_target.position += (model.touch_travel + depth) * (model.tool_start.orientation * -Vec3::UnitZ());
+  command.tool_target.position +=
+      (model.first_contact_travel + depth) * (model.tool_start.orientation * -Vec3::UnitZ());
   State state = initialState(model);
   Workspace workspace(model, 1);
   setUpLoopThread(&workspace.team, false);
-  const double travel = model.touch_travel + depth;
+  const double travel = model.first_contact_travel + depth;
   const int ticks = 1 + static_cast<int>(std::ceil(travel / model.scene.tool_max_speed * model.scene.rate_hz));
   StepReport report;
   for (int k = 0; k < ticks; ++k) report = tick(model, state, command, workspace);
   if (report.flags != 0 || report.contact_count == 0)
-    throw std::runtime_error("the step to be timed is not one of contact (flags " + std::to_string(report.flags) + ", " +
-                             std::to_string(report.contact_count) + " contacts)");
+    throw std::runtime_error("the step to be timed is not one of contact (flags " + std::to_string(report.flags) +
+                             ", " + std::to_string(report.contact_count) + " contacts)");
   return state;
 }
 
@@ -112,7 +114,9 @@ void benchSteps(const Model& model, const Teams& teams, double seconds, BenchBod
     Workspace workspace;
     State state;
     std::uint32_t flags = 0;
-    Run(const Model& m, int threads, const State& start) : workspace(m, threads), state(start) { setUpLoopThread(&workspace.team, false); }
+    Run(const Model& m, int threads, const State& start) : workspace(m, threads), state(start) {
+      setUpLoopThread(&workspace.team, false);
+    }
   };
   Command command;
   const State pressed = pressedState(model, command);
@@ -121,11 +125,14 @@ void benchSteps(const Model& model, const Teams& teams, double seconds, BenchBod
   for (const auto& team : teams) {
     runs.push_back(std::make_unique<Run>(model, team->size(), pressed));
     Run* run = runs.back().get();
-    calls.push_back({&run->workspace.team, [&model, &command, run] { run->flags |= tick(model, run->state, command, run->workspace).flags; }});
+    calls.push_back({&run->workspace.team, [&model, &command, run] {
+                       run->flags |= tick(model, run->state, command, run->workspace).flags;
+                     }});
   }
   timeInTurns(calls, seconds);
   for (std::size_t k = 0; k < calls.size(); ++k) {
-    if (runs[k]->flags != 0) throw std::runtime_error("the timed steps went wrong (flags " + std::to_string(runs[k]->flags) + ")");
+    if (runs[k]->flags != 0)
+      throw std::runtime_error("the timed steps went wrong (flags " + std::to_string(runs[k]->flags) + ")");
     BenchRow row;
     row.kernel = "whole step";
     row.precision = "float32";
@@ -135,7 +142,8 @@ void benchSteps(const Model& model, const Teams& teams, double seconds, BenchBod
     row.best_ns = calls[k].best() / point_steps * 1e9;
     row.median_ns = calls[k].median() / point_steps * 1e9;
     row.force_error = row.error_limit = nan;
-    row.bytes = row.useful_flops = row.executed_flops = row.gb_per_s = row.gflop_per_s = row.ceiling_ns = row.share = nan;
+    row.bytes = row.useful_flops = row.executed_flops = row.gb_per_s = row.gflop_per_s = row.ceiling_ns = row.share =
+        nan;
     result.rows.push_back(row);
   }
 }
@@ -149,11 +157,13 @@ std::vector<int> benchThreadCounts(int cores) {
   return counts;
 }
 
-BenchBodyResult benchBody(const BenchSize& size, const std::vector<Ceilings>& ceilings, double seconds, bool with_reference) {
+BenchBodyResult benchBody(const BenchSize& size, const std::vector<Ceilings>& ceilings, double seconds,
+                          bool with_reference) {
   BenchBodyResult result;
   ProgressLine progress("bench " + size.name);
   // Set-up is most of the time of the largest body.
-  const Model model = loadModel(benchScene(size), [&](const std::string& what, double fraction) { progress.show(0.6 * fraction, what); });
+  const Model model = loadModel(benchScene(size),
+                                [&](const std::string& what, double fraction) { progress.show(0.6 * fraction, what); });
   result.name = size.name;
   result.nodes = model.nodeCount();
   result.points = model.pointCount();
@@ -172,4 +182,4 @@ BenchBodyResult benchBody(const BenchSize& size, const std::vector<Ceilings>& ce
   return result;
 }
 
-}  // namespace palpate
+}  // namespace palpate::tools

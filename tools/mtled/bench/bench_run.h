@@ -5,7 +5,7 @@
 #include "mtled/bench/bench_body.h"
 #include "mtled/bench/bench_report.h"
 
-namespace palpate {
+namespace palpate::tools {
 
 /// 1, 2, 4 ... and `cores`.
 std::vector<int> benchThreadCounts(int cores);
@@ -16,6 +16,7 @@ std::vector<int> benchThreadCounts(int cores);
 /// @param seconds         for each figure
 /// @param with_reference  time the ten-line reference, too
 /// Test: tools/bench_command_test.cpp
-BenchBodyResult benchBody(const BenchSize& size, const std::vector<Ceilings>& ceilings, double seconds, bool with_reference);
+BenchBodyResult benchBody(const BenchSize& size, const std::vector<Ceilings>& ceilings, double seconds,
+                          bool with_reference);
 
-}  // namespace palpate
+}  // namespace palpate::tools

@@ -6,10 +6,10 @@
 #include <nlohmann/json.hpp>
 #include <ostream>
 
-#include "mtled/case_result.h"
-#include "mtled/report_page.h"
+#include "mtled/report/case_result.h"
+#include "mtled/report/report_page.h"
 
-namespace palpate {
+namespace palpate::tools {
 namespace {
 
 std::string fixed(double value, int digits) {
@@ -34,21 +34,33 @@ std::string FeatureRow::verdict() const {
 }
 
 bool FeatureReport::held() const {
-  return std::all_of(rows.begin(), rows.end(), [](const FeatureRow& r) { return std::isnan(r.limit) || r.verdict() == "held"; });
+  return std::all_of(rows.begin(), rows.end(),
+                     [](const FeatureRow& r) { return std::isnan(r.limit) || r.verdict() == "held"; });
 }
 
 void printFeatures(std::ostream& out, const FeatureReport& report) {
-  out << "  " << report.build << "\n  " << report.processor << ", one thread; a box of " << report.nodes << " nodes and " << report.points
-      << " points, " << report.substeps << (report.substeps == 1 ? " step" : " steps") << " a tick\n\n";
+  out << "  " << report.build << "\n  " << report.processor << ", one thread; a box of " << report.nodes
+      << " nodes and " << report.points << " points, " << report.substeps << (report.substeps == 1 ? " step" : " steps")
+      << " a tick\n\n";
   const bool counted = report.no_instructions.empty();
-  ResultTable price{"What it costs when it is on", {"feature", "on", "off", "tick on, us", "tick off, us", "more", "+-"}, {}, ""};
-  ResultTable rest{"What is left of it when it is off", {"off", "step as it is", "beside", "tick, us", "without, us", "more", "+-", "limit", "verdict"}, {}, ""};
+  ResultTable price{
+      "What it costs when it is on", {"feature", "on", "off", "tick on, us", "tick off, us", "more", "+-"}, {}, ""};
+  ResultTable rest{"What is left of it when it is off",
+                   {"off", "step as it is", "beside", "tick, us", "without, us", "more", "+-", "limit", "verdict"},
+                   {},
+                   ""};
   if (counted) {
     price.columns.emplace_back("instructions");
     rest.columns.emplace_back("instructions");
   }
   for (const auto& r : report.rows) {
-    std::vector<std::string> cells = {r.name, r.with, r.without, fixed(r.with_us, 1), fixed(r.without_us, 1), percent(r.more), fixed(100 * r.uncertainty, 2) + " %"};
+    std::vector<std::string> cells = {r.name,
+                                      r.with,
+                                      r.without,
+                                      fixed(r.with_us, 1),
+                                      fixed(r.without_us, 1),
+                                      percent(r.more),
+                                      fixed(100 * r.uncertainty, 2) + " %"};
     if (std::isfinite(r.limit)) cells.insert(cells.end(), {fixed(100 * r.limit, 0) + " %", r.verdict()});
     if (counted) cells.push_back(percent(r.more_instructions));
     (std::isfinite(r.limit) ? rest : price).rows.push_back(cells);
@@ -58,7 +70,8 @@ void printFeatures(std::ostream& out, const FeatureReport& report) {
   printTable(out, rest);
   out << "\n  Processor time of a tick; more: median over short rounds that take turns, +- its standard error.";
   if (!counted) out << " Instructions can't be counted on this machine (" << report.no_instructions << ").";
-  out << "\n  Adaptive points, refinement, prescribed motions and overlays have no code in the step: off, there is nothing left of them.\n";
+  out << "\n  Adaptive points, refinement, prescribed motions and overlays have no code in the step: off, there is "
+         "nothing left of them.\n";
 }
 
 std::string jsonOf(const FeatureReport& report) {
@@ -66,12 +79,25 @@ std::string jsonOf(const FeatureReport& report) {
   const auto number = [](double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); };
   Json rows = Json::array();
   for (const auto& r : report.rows)
-    rows.push_back({{"feature", r.name}, {"with", r.with}, {"without", r.without}, {"with_us", number(r.with_us)}, {"without_us", number(r.without_us)},
-                    {"more", number(r.more)}, {"more_uncertainty", number(r.uncertainty)},
-                    {"more_instructions", number(r.more_instructions)}, {"limit", number(r.limit)}, {"verdict", r.verdict()}});
-  const Json json = {{"build", report.build}, {"command", report.command}, {"processor", report.processor}, {"nodes", report.nodes}, {"points", report.points},
-                     {"substeps", report.substeps}, {"instructions_not_counted", report.no_instructions}, {"features", rows}};
+    rows.push_back({{"feature", r.name},
+                    {"with", r.with},
+                    {"without", r.without},
+                    {"with_us", number(r.with_us)},
+                    {"without_us", number(r.without_us)},
+                    {"more", number(r.more)},
+                    {"more_uncertainty", number(r.uncertainty)},
+                    {"more_instructions", number(r.more_instructions)},
+                    {"limit", number(r.limit)},
+                    {"verdict", r.verdict()}});
+  const Json json = {{"build", report.build},
+                     {"command", report.command},
+                     {"processor", report.processor},
+                     {"nodes", report.nodes},
+                     {"points", report.points},
+                     {"substeps", report.substeps},
+                     {"instructions_not_counted", report.no_instructions},
+                     {"features", rows}};
   return json.dump(2) + "\n";
 }
 
-}  // namespace palpate
+}  // namespace palpate::tools

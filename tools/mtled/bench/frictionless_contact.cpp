@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace palpate {
+namespace palpate::tools {
 namespace {
 
 using Eigen::Vector4f;
@@ -14,7 +14,8 @@ constexpr float kTolerance = 1e-4F;
 constexpr double kActiveGap = 0.01, kPressureCapDepth = 0.2, kDeep = 0.5, kSameSide = 0.5;
 
 /// du_i += alpha / m_i N_i(X_v) f n
-void applyForce(const SkinModel& skin, int v, float f, const Vector4f& normal, float alpha, const float* inverse_mass, Float4* du) {
+void applyForce(const SkinModel& skin, int v, float f, const Vector4f& normal, float alpha, const float* inverse_mass,
+                Float4* du) {
   const Group scaled = alpha * f * loadGroup(normal.data());
   for (int e = skin.begin[v]; e < skin.begin[v + 1]; ++e) {
     Float4& increment = du[skin.node[e]];
@@ -32,9 +33,10 @@ ToolDistance distanceBySide(const ToolShape& tool, const Vec3& local, const Vec3
 
 }  // namespace
 
-Vec3 frictionlessContact(const SkinModel& skin, const ToolShape& tool, const Pose& pose, const Pose& previous_pose, double alpha,
-                         const float* inverse_mass, const Float4* u, Float4* du, ContactState& contact) {
-  const Mat3 world_from_tool = pose.orientation.toRotationMatrix(), tool_from_old_world = previous_pose.orientation.conjugate().toRotationMatrix();
+Vec3 frictionlessContact(const SkinModel& skin, const ToolShape& tool, const Pose& pose, const Pose& previous_pose,
+                         double alpha, const float* inverse_mass, const Float4* u, Float4* du, ContactState& contact) {
+  const Mat3 world_from_tool = pose.orientation.toRotationMatrix(),
+             tool_from_old_world = previous_pose.orientation.conjugate().toRotationMatrix();
   const auto alpha_f = static_cast<float>(alpha);
   int row_count = 0;
   for (int slot = 0; slot < contact.count; ++slot) {
@@ -42,7 +44,8 @@ Vec3 frictionlessContact(const SkinModel& skin, const ToolShape& tool, const Pos
     const Vector4f predicted = interpolateAtVertex(skin, v, du);
     const Vec3 start = skinPosition(skin, v, u), end = start + predicted.head<3>().cast<double>();
     const Vec3 local = world_from_tool.transpose() * (end - pose.position);
-    const ToolDistance d = distanceBySide(tool, local, tool_from_old_world * (start - previous_pose.position), contact.normal[slot]);
+    const ToolDistance d =
+        distanceBySide(tool, local, tool_from_old_world * (start - previous_pose.position), contact.normal[slot]);
     if (!(d.distance <= kActiveGap * tool.radius)) {
       contact.force[slot] = Float4{};
       contact.normal[slot].setZero();
@@ -57,7 +60,8 @@ Vec3 frictionlessContact(const SkinModel& skin, const ToolShape& tool, const Pos
     row.predicted = predicted;
     row.stiffness = static_cast<float>(skin.bulk_stiffness * skin.area[v]);
     float compliance = 0;
-    for (int e = skin.begin[v]; e < skin.begin[v + 1]; ++e) compliance += skin.N[e] * skin.N[e] * inverse_mass[skin.node[e]];
+    for (int e = skin.begin[v]; e < skin.begin[v + 1]; ++e)
+      compliance += skin.N[e] * skin.N[e] * inverse_mass[skin.node[e]];
     row.mobility = alpha_f * compliance;
     row.penetration = 0;
     // The normal force goes with the tool, and so does the side.
@@ -75,7 +79,8 @@ Vec3 frictionlessContact(const SkinModel& skin, const ToolShape& tool, const Pos
       ContactRow& row = contact.row[sweep % 2 == 0 ? k : row_count - 1 - k];
       const float K = row.stiffness, A = row.mobility, before = row.force[0];
       const float penetration = -(row.gap + row.normal.dot(interpolateAtVertex(skin, row.vertex, du) - row.predicted));
-      const float force = std::clamp(K / (1 + K * A) * (penetration + A * before), 0.0F, cap * K), change = force - before;
+      const float force = std::clamp(K / (1 + K * A) * (penetration + A * before), 0.0F, cap * K),
+                  change = force - before;
       row.penetration = penetration - A * change;
       row.force[0] = force;
       size += force * force;
@@ -101,4 +106,4 @@ Vec3 frictionlessContact(const SkinModel& skin, const ToolShape& tool, const Pos
   return -on_tissue;
 }
 
-}  // namespace palpate
+}  // namespace palpate::tools

@@ -7,7 +7,7 @@
 #include <cerrno>
 #include <cstring>
 
-namespace palpate {
+namespace palpate::tools {
 
 InstructionCounter::InstructionCounter() {
   perf_event_attr attr{};
@@ -28,4 +28,4 @@ std::int64_t InstructionCounter::count() const {
   return file_ >= 0 && read(file_, &value, sizeof value) == sizeof value ? value : 0;
 }
 
-}  // namespace palpate
+}  // namespace palpate::tools

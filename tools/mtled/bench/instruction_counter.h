@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <string>
 
-namespace palpate {
+namespace palpate::tools {
 
 /// Counts the user-space instructions that the calling thread retires, by Linux's perf_event_open: the same number on every run.
 class InstructionCounter {
@@ -24,4 +24,4 @@ class InstructionCounter {
   std::string reason_;
 };
 
-}  // namespace palpate
+}  // namespace palpate::tools

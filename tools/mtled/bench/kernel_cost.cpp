@@ -1,14 +1,14 @@
 #include "mtled/bench/kernel_cost.h"
 
-namespace palpate {
+namespace palpate::tools {
 namespace {
 
 // Of mechanics/internal_forces.cpp, in lanes that are used or padding alike.
 // Per group of 4 nodes and 4 points: 9 multiply-adds for F (288), 15 operations for V P gradN (240), three sums
 // across points (48), 4 nodes' forces (16).
 constexpr double flops_per_group = 592;
-// Per quad: the sum over the 4 nodes of a group, 3 additions of 4 lanes for each of 9 components.
-constexpr double flops_per_quad = 108;
+// Per block: the sum over the 4 nodes of a group, 3 additions of 4 lanes for each of 9 components.
+constexpr double flops_per_block = 108;
 // Per point, mechanics/stress_lanes.h: F 3, cofactor 27, J 27, I1 17, J^(-2/3) and its slope 25, factors 5, P 27, V P 9.
 constexpr double flops_per_point = 140;
 // Per point with 16-bit gradients: H and P by the gradients' scale.
@@ -28,20 +28,22 @@ double usefulFlops(const ShapeTable& shape) {
 }
 
 template <class Real>
-KernelCost quadKernelCost(const KernelLayoutOf<Real>& layout, const ShapeTable& shape) {
+KernelCost blockKernelCost(const KernelLayoutOf<Real>& layout, const ShapeTable& shape) {
   double touched = 0;  // nodes of all chunks; those of two chunks twice
-  for (std::size_t c = 0; c < layout.chunk_node_begin.size(); ++c) touched += layout.chunk_node_end[c] - layout.chunk_node_begin[c];
-  const double tables = bytesOf(layout.gradN) + bytesOf(layout.rounded_gradN) + bytesOf(layout.node) + bytesOf(layout.short_node) +
-                        bytesOf(layout.quads);
+  for (std::size_t c = 0; c < layout.chunk_node_begin.size(); ++c)
+    touched += layout.chunk_node_end[c] - layout.chunk_node_begin[c];
+  const double tables = bytesOf(layout.gradN) + bytesOf(layout.rounded_gradN) + bytesOf(layout.node) +
+                        bytesOf(layout.short_node) + bytesOf(layout.blocks);
   const double scales = bytesOf(layout.scale), points = bytesOf(layout.volume) + bytesOf(layout.batch_material);
   const double u = layout.node_count * static_cast<double>(sizeof(Real4<Real>)), forces = touched * sizeof(Real4<Real>);
 
   KernelCost cost;
   cost.useful_flops = usefulFlops(shape);
   double groups = 0;
-  for (const PointQuad& quad : layout.quads) groups += quad.group_count;
-  const auto quads = static_cast<double>(layout.quads.size()), padded_points = static_cast<double>(layout.volume.size());
-  cost.executed_flops = groups * flops_per_group + quads * flops_per_quad + padded_points * flops_per_point;
+  for (const PointBlock& block : layout.blocks) groups += block.group_count;
+  const auto blocks = static_cast<double>(layout.blocks.size()),
+             padded_points = static_cast<double>(layout.volume.size());
+  cost.executed_flops = groups * flops_per_group + blocks * flops_per_block + padded_points * flops_per_point;
   if (!layout.scale.empty()) cost.executed_flops += padded_points * scale_flops_per_point;
   cost.streamed_bytes = cost.working_set = tables + scales + points + u + forces;
   if (layout.patch_begin.empty()) return cost;
@@ -57,7 +59,7 @@ KernelCost quadKernelCost(const KernelLayoutOf<Real>& layout, const ShapeTable& 
   return cost;
 }
 
-template KernelCost quadKernelCost(const KernelLayoutOf<float>&, const ShapeTable&);
-template KernelCost quadKernelCost(const KernelLayoutOf<double>&, const ShapeTable&);
+template KernelCost blockKernelCost(const KernelLayoutOf<float>&, const ShapeTable&);
+template KernelCost blockKernelCost(const KernelLayoutOf<double>&, const ShapeTable&);
 
-}  // namespace palpate
+}  // namespace palpate::tools

@@ -13,7 +13,7 @@
 #include "base/types.h"
 #include "mtled/bench/timing.h"
 
-namespace palpate {
+namespace palpate::tools {
 namespace {
 
 // Twelve chains cover the latency of two multiply-add units (2 x 4 or 5 cycles) and fit into 16 registers.
@@ -22,9 +22,9 @@ constexpr int chains = 12;
 /// v = v x + y in all lanes of all chains, so many times. Inlined into a function of each instruction set.
 template <int bytes, bool fused>
 [[gnu::always_inline]] inline void multiplyAdd(long rounds) {
-  typedef float Vector __attribute__((vector_size(bytes)));  // NOLINT: `using` drops the attribute here
+  typedef float Vector __attribute__((vector_size(bytes)));      // NOLINT: `using` drops the attribute here
   Vector x = Vector{} + 0.75F, y = Vector{} + 0.25F, v[chains];  // tends to 1: no overflow, no denormals
-  asm volatile("" : "+m"(x), "+m"(y));                         // not constants to the compiler
+  asm volatile("" : "+m"(x), "+m"(y));                           // not constants to the compiler
   for (int k = 0; k < chains; ++k) v[k] = Vector{} + static_cast<float>(k);
   for (long i = 0; i < rounds; ++i) {
 #pragma GCC unroll 12
@@ -80,7 +80,7 @@ Loops loopsOf(InstructionSet set) {
   return {multiplyAddPlain, readPlain, 4};
 }
 
-constexpr long fma_rounds = 100000;        // 0.1 to 1 ms
+constexpr long fma_rounds = 100000;          // 0.1 to 1 ms
 constexpr std::size_t floats_at_once = 128;  // what readForward takes in one turn at the widest
 
 /// What one thread reads in one pass, and how often it does so in one timed round.
@@ -172,12 +172,12 @@ std::vector<Ceilings> measureCeilings(const Machine& machine, const std::vector<
   const auto sets = supportedInstructionSets();
   const Loops widest = loopsOf(sets.back());
   std::vector<std::vector<LevelPlan>> plans;
-  std::size_t most_floats = 0;
+  std::size_t max_floats = 0;
   for (const int threads : thread_counts) {
     plans.push_back(planLevels(machine, threads));
-    for (const auto& plan : plans.back()) most_floats = std::max(most_floats, plan.reading.floats * threads);
+    for (const auto& plan : plans.back()) max_floats = std::max(max_floats, plan.reading.floats * threads);
   }
-  const AlignedVector<float> memory(most_floats, 1.0F);
+  const AlignedVector<float> memory(max_floats, 1.0F);
 
   // One row per figure, in the order in which they are read back below.
   std::vector<std::unique_ptr<SpinTeam>> teams;
@@ -193,7 +193,8 @@ std::vector<Ceilings> measureCeilings(const Machine& machine, const std::vector<
     for (const LevelPlan& plan : plans[t])
       calls.push_back({team, [team, reading = plan.reading, read = widest.read, from = memory.data()] {
                          auto each = [&](int member) {
-                           for (int pass = 0; pass < reading.passes; ++pass) read(from + reading.floats * member, reading.floats);
+                           for (int pass = 0; pass < reading.passes; ++pass)
+                             read(from + reading.floats * member, reading.floats);
                          };
                          onAll(*team, each);
                        }});
@@ -221,4 +222,4 @@ std::vector<Ceilings> measureCeilings(const Machine& machine, const std::vector<
   return all;
 }
 
-}  // namespace palpate
+}  // namespace palpate::tools

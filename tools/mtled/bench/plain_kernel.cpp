@@ -4,7 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 
-namespace palpate {
+namespace palpate::tools {
 
 PlainKernel::PlainKernel(const std::vector<int>& order, const ShapeTable& shape, const std::vector<double>& volume,
                          const Material& material)
@@ -42,9 +42,11 @@ void PlainKernel::forces(const std::vector<Vec3>& u, std::vector<Vec3>& f, SpinT
     std::vector<Vec3>& mine = member == 0 ? f : partial_[member - 1];
     std::fill(mine.begin(), mine.end(), Vec3::Zero());
     const auto points = static_cast<long long>(volume_.size());
-    pointForces(static_cast<int>(points * member / members), static_cast<int>(points * (member + 1) / members), u.data(), mine.data());
+    pointForces(static_cast<int>(points * member / members), static_cast<int>(points * (member + 1) / members),
+                u.data(), mine.data());
   };
-  team.run([](void* context, int member, int members) { (*static_cast<decltype(each)*>(context))(member, members); }, &each);
+  team.run([](void* context, int member, int members) { (*static_cast<decltype(each)*>(context))(member, members); },
+           &each);
   for (const auto& part : partial_)
     for (std::size_t i = 0; i < f.size(); ++i) f[i] += part[i];
 }
@@ -54,4 +56,4 @@ double PlainKernel::streamedBytes() const {
                              volume_.size() * sizeof(double));
 }
 
-}  // namespace palpate
+}  // namespace palpate::tools

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-namespace palpate {
+namespace palpate::tools {
+
+using namespace app;  // what draws
 
 Figure rooflineOf(const BenchReport& report) {
   constexpr double least = 0.5, most = 32;  // flops per byte; the kernels lie between 1 and 6
@@ -41,4 +43,4 @@ Figure rooflineOf(const BenchReport& report) {
   return figure;
 }
 
-}  // namespace palpate
+}  // namespace palpate::tools

@@ -5,9 +5,9 @@
 #include <limits>
 #include <stdexcept>
 
-#include "app/interrupt.h"
+#include "base/interrupt.h"
 
-namespace palpate {
+namespace palpate::tools {
 
 double TimedCall::best() const {
   return seconds.empty() ? std::numeric_limits<double>::quiet_NaN() : *std::min_element(seconds.begin(), seconds.end());
@@ -29,7 +29,9 @@ void timeInTurns(std::vector<TimedCall>& calls, double seconds) {
   const int turn_count = std::max(3, static_cast<int>(seconds / turn));
   for (int t = 0; t < turn_count; ++t)
     for (TimedCall& timed : calls) {
-      if (interrupted()) throw std::runtime_error("interrupted; bodies that were done are above, and in the JSON file if one was asked for");
+      if (interrupted())
+        throw std::runtime_error(
+            "interrupted; bodies that were done are above, and in the JSON file if one was asked for");
       timed.team->wake();
       timed.call();
       const auto end = Clock::now() + std::chrono::duration<double>(turn);
@@ -42,4 +44,4 @@ void timeInTurns(std::vector<TimedCall>& calls, double seconds) {
     }
 }
 
-}  // namespace palpate
+}  // namespace palpate::tools

@@ -5,15 +5,15 @@
 
 #include "base/spin_team.h"
 
-namespace palpate {
+namespace palpate::tools {
 
 /// Something whose time is taken again and again, and the times so far.
 struct TimedCall {
-  SpinTeam* team = nullptr;        // awake while its calls are timed
+  SpinTeam* team = nullptr;  // awake while its calls are timed
   std::function<void()> call;
-  std::vector<double> seconds{};   // of each timed call
+  std::vector<double> seconds{};  // of each timed call
 
-  double best() const;             // the machine's noise only ever adds
+  double best() const;  // the machine's noise only ever adds
   double median() const;
 };
 
@@ -23,4 +23,4 @@ struct TimedCall {
 /// Throws std::runtime_error where the user interrupts.
 void timeInTurns(std::vector<TimedCall>& calls, double seconds);
 
-}  // namespace palpate
+}  // namespace palpate::tools

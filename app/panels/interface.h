@@ -1,0 +1,37 @@
+#pragma once
+
+#include "app/panels/panels.h"
+#include "app/panels/theme.h"
+
+struct GLFWwindow;
+struct ImGuiContext;
+
+namespace palpate::app {
+
+/// Dear ImGui on the current OpenGL context, with or without a window: fonts, style and
+/// the frame around the panels. One thread, one context.
+class Interface {
+ public:
+  /// @param window  its events drive the panels; null: off-screen
+  /// @param scale   content scale of the screen
+  /// Throws std::runtime_error where the context can't draw panels.
+  Interface(GLFWwindow* window, float scale);
+  ~Interface();
+  Interface(const Interface&) = delete;
+  Interface& operator=(const Interface&) = delete;
+
+  /// Begins a frame. Off-screen the size is given here; a window knows its own.
+  void begin(int width = 0, int height = 0);
+
+  /// Draws the frame into the framebuffer that is bound.
+  void end();
+
+  const Theme& theme() const { return theme_; }
+
+ private:
+  GLFWwindow* window_;
+  ImGuiContext* context_;
+  Theme theme_;
+};
+
+}  // namespace palpate::app

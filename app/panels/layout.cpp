@@ -1,0 +1,41 @@
+#include "app/panels/layout.h"
+
+#include <algorithm>
+
+namespace palpate::app {
+
+namespace {
+// px at scale 1. The columns are as wide as their longest line needs at the body font's size.
+constexpr float margin = 10, bar_height = 38, left_width = 264, right_width = 344, log_height = 104;
+constexpr float min_view_width = 320, min_view_height = 200;
+}  // namespace
+
+Layout layoutFor(int width, int height, float scale, bool panels_shown) {
+  Layout layout;
+  const float w = static_cast<float>(width), h = static_cast<float>(height), m = margin * scale;
+  layout.view = {0, 0, w, h};
+  layout.panels = panels_shown;
+  if (!panels_shown) return layout;
+
+  layout.bar = {m, m, w - 2 * m, bar_height * scale};
+  const float top = layout.bar.bottom() + m;
+  const float column_height = std::max(0.0F, h - top - m);
+  float view_left = 0, view_right = w;
+  if (w >= (right_width + min_view_width + margin) * scale) {
+    layout.right = {w - m - right_width * scale, top, right_width * scale, column_height};
+    view_right = layout.right.x;
+  }
+  if (w >= (left_width + right_width + min_view_width + 2 * margin) * scale) {
+    layout.left = {m, top, left_width * scale, column_height};
+    view_left = layout.left.right();
+  }
+  float view_bottom = h;
+  if (h - top >= (log_height + margin + min_view_height) * scale) {
+    layout.log = {view_left + m, h - m - log_height * scale, view_right - view_left - 2 * m, log_height * scale};
+    view_bottom = layout.log.y;
+  }
+  layout.view = {view_left, top, view_right - view_left, std::max(1.0F, view_bottom - top)};
+  return layout;
+}
+
+}  // namespace palpate::app

@@ -1,0 +1,28 @@
+#pragma once
+
+namespace palpate::app {
+
+/// A rectangle in pixels, (0, 0) in the upper left corner of the window.
+struct Rect {
+  float x = 0, y = 0, width = 0, height = 0;
+
+  float right() const { return x + width; }
+  float bottom() const { return y + height; }
+};
+
+/// Where things stand in a window of a given size: two columns of panels, a bar
+/// above and a log below the view between them. Nothing overlaps; all lies inside.
+struct Layout {
+  Rect bar;    // scene, run state, real-time factor
+  Rect left;   // scene, tool, material
+  Rect right;  // force, timing
+  Rect log;
+  Rect view;  // what is left for the organ (all of the window when panels are hidden)
+  bool panels = true;
+};
+
+/// @param scale  content scale of the screen: 1 plain, 2 high-DPI
+/// In a window too narrow for two columns the left one is left out, then the right one.
+Layout layoutFor(int width, int height, float scale, bool panels_shown);
+
+}  // namespace palpate::app

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace palpate::app {
+
+enum class LogLevel { Info, Warning, Error };
+
+struct LogLine {
+  double wall_s = 0;  // since the program started
+  LogLevel level = LogLevel::Info;
+  std::string text;
+};
+
+/// Messages for the Log panel and the terminal. Belongs to the main thread.
+class Log {
+ public:
+  /// Keeps the line and prints it: warnings and errors to stderr, the rest to stdout.
+  /// A line equal to the one before is counted instead of repeated.
+  void add(LogLevel level, const std::string& text);
+  void info(const std::string& text) { add(LogLevel::Info, text); }
+  void warning(const std::string& text) { add(LogLevel::Warning, text); }
+  void error(const std::string& text) { add(LogLevel::Error, text); }
+
+  const std::vector<LogLine>& lines() const { return lines_; }
+
+ private:
+  std::vector<LogLine> lines_;
+  std::string last_text_;
+  int repeats_ = 0;
+};
+
+}  // namespace palpate::app

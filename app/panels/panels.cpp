@@ -1,0 +1,157 @@
+#include "app/panels/panels.h"
+
+#include <imgui.h>
+
+#include <algorithm>
+
+#include "app/panels/widgets.h"
+
+namespace palpate::app {
+
+namespace {
+
+struct RunState {
+  const char* text;
+  ImU32 colour;
+};
+
+RunState runState(const LoopStatus& status) {
+  if (status.frozen) return {"FROZEN", colours::bad};
+  if (status.paused) return {"PAUSED", colours::warning};
+  return {"RUNNING", colours::good};
+}
+
+}  // namespace
+
+PanelRequests drawPanels(const Theme& theme, const PanelData& data, const Layout& layout, PanelState& state,
+                         View& view) {
+  PanelRequests requests;
+  ImGui::PushFont(theme.body);
+  if (layout.panels) {
+    drawBar(theme, data, layout.bar, state, requests);
+    if (layout.left.width > 0) {
+      if (beginPane("##left", layout.left)) {
+        drawSceneCard(theme, data, view);
+        drawToolCard(theme, data, state, requests);
+        drawMaterialCard(theme, data, requests);
+      }
+      ImGui::End();
+    }
+    if (layout.right.width > 0) {
+      if (beginPane("##right", layout.right)) {
+        drawForceCard(theme, data, layout.right.height);
+        drawTimingCard(theme, data);
+      }
+      ImGui::End();
+    }
+    if (layout.log.width > 0) drawLog(theme, data, layout.log);
+  }
+  drawLegend(theme, data.colour_scale, layout.view);
+  if (data.snapshot.status.frozen) drawFrozenBanner(theme, data, layout.view, requests);
+  if (state.help_shown) drawHelp(theme, state, layout.view);
+  ImGui::PopFont();
+  return requests;
+}
+
+void drawBar(const Theme& theme, const PanelData& data, const Rect& place, PanelState& state, PanelRequests& requests) {
+  const LoopStatus& status = data.snapshot.status;
+  if (beginPane("##bar", place, ImGuiWindowFlags_NoScrollbar | ImGuiWindowFlags_NoScrollWithMouse)) {
+    const float s = theme.scale;
+    const float text_y = 0.5F * (place.height - ImGui::GetFontSize());
+    const float button_y = 0.5F * (place.height - ImGui::GetFrameHeight());
+    const auto at = [&](float x, float y) { ImGui::SetCursorPos({x, y}); };
+
+    at(14 * s, text_y - s);
+    ImGui::PushFont(theme.title);
+    ImGui::TextUnformatted("Palpate");
+    ImGui::PopFont();
+    ImGui::SameLine(0, 12 * s);
+    ImGui::SetCursorPosY(text_y);
+    ImGui::TextDisabled("%s", fitted(data.model.scene.name, 160 * s).c_str());
+    ImGui::SameLine(0, 16 * s);
+    ImGui::SetCursorPosY(0.5F * (place.height - theme.small->FontSize - 6 * s));
+    const RunState run = runState(status);
+    badge(theme, run.text, run.colour);
+
+    float x = 340 * s;
+    const float width = 74 * s;
+    at(x, button_y);
+    if (button(status.paused ? "Run" : "Pause", width, !status.frozen, "frozen: reset first"))
+      requests.toggle_pause = true;
+    at(x += width + 6 * s, button_y);
+    if (button("Step", width, status.paused && !status.frozen, "pause first, then single ticks can be made"))
+      requests.single_step = true;
+    at(x += width + 6 * s, button_y);
+    if (button("Reset", width)) requests.reset = true;
+    at(x += width + 6 * s, button_y);
+    if (button("Frame", width)) requests.frame_view = true;
+    x += width + 16 * s;
+
+    // Figures stand at the right end, so that the buttons never move.
+    std::string figures = format("t %.2f s", data.snapshot.time_s);
+    figures += format("   real time x%.3f", status.recent_realtime_factor);
+    if (data.frames_per_second > 0) figures += format("   %.0f fps", data.frames_per_second);
+    const float help_width = 64 * s;
+    const float right = place.width - help_width - 10 * s;
+    figures = fitted(figures, right - x - 8 * s);
+    at(right - 12 * s - ImGui::CalcTextSize(figures.c_str()).x, text_y);
+    const bool slow = !status.paused && status.recent_realtime_factor < 0.99;
+    ImGui::PushStyleColor(ImGuiCol_Text, slow ? colours::warning : colours::text);
+    ImGui::TextUnformatted(figures.c_str());
+    ImGui::PopStyleColor();
+    at(right, button_y);
+    if (button("F1 help", help_width)) state.help_shown = !state.help_shown;
+  }
+  ImGui::End();
+}
+
+void drawLog(const Theme& theme, const PanelData& data, const Rect& place) {
+  if (beginPane("##log", place)) {
+    ImGui::PushFont(theme.small);
+    for (const LogLine& line : data.log) {
+      const ImU32 colour = line.level == LogLevel::Error     ? colours::bad
+                           : line.level == LogLevel::Warning ? colours::warning
+                                                             : colours::text;
+      ImGui::PushStyleColor(ImGuiCol_Text, colours::faint);
+      const float left = ImGui::GetCursorPosX();
+      const std::string time = format("%.2f s", line.wall_s);
+      ImGui::SetCursorPosX(left + 52 * theme.scale - ImGui::CalcTextSize(time.c_str()).x);
+      ImGui::TextUnformatted(time.c_str());
+      ImGui::PopStyleColor();
+      ImGui::SameLine();
+      ImGui::SetCursorPosX(left + 62 * theme.scale);
+      ImGui::PushStyleColor(ImGuiCol_Text, colour);
+      ImGui::PushTextWrapPos(0);
+      ImGui::TextUnformatted(line.text.c_str());
+      ImGui::PopTextWrapPos();
+      ImGui::PopStyleColor();
+    }
+    // Follow the newest line unless the user scrolled up to read.
+    if (ImGui::GetScrollY() >= ImGui::GetScrollMaxY() - ImGui::GetFontSize()) ImGui::SetScrollHereY(1);
+    ImGui::PopFont();
+  }
+  ImGui::End();
+}
+
+void drawFrozenBanner(const Theme& theme, const PanelData& data, const Rect& view, PanelRequests& requests) {
+  const float s = theme.scale;
+  const float width = std::min(view.width - 20 * s, 460 * s);
+  ImGui::SetNextWindowPos({view.x + 0.5F * (view.width - width), view.y + 10 * s}, ImGuiCond_Always);
+  ImGui::SetNextWindowSize({width, 0}, ImGuiCond_Always);
+  ImGui::PushStyleColor(ImGuiCol_WindowBg, IM_COL32(70, 24, 24, 245));
+  if (ImGui::Begin("##frozen", nullptr,
+                   ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings)) {
+    ImGui::PushFont(theme.title);
+    ImGui::TextUnformatted("The tissue is frozen");
+    ImGui::PopFont();
+    ImGui::PushTextWrapPos(0);
+    ImGui::TextUnformatted(data.frozen_reason.c_str());
+    ImGui::PopTextWrapPos();
+    ImGui::Spacing();
+    if (button("Reset (Backspace)", 150 * s)) requests.reset = true;
+  }
+  ImGui::End();
+  ImGui::PopStyleColor();
+}
+
+}  // namespace palpate::app

@@ -1,0 +1,104 @@
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "app/panels/force_history.h"
+#include "app/panels/layout.h"
+#include "app/panels/log.h"
+#include "app/panels/theme.h"
+#include "app/render/colour_map.h"
+#include "app/render/view.h"
+#include "realtime/channels/force_output.h"
+#include "realtime/channels/snapshot.h"
+#include "simulation/model.h"
+
+namespace palpate::app {
+
+/// One thing that the loop asked of the system and what came of it.
+struct SetupLine {
+  std::string name;  // "scheduling", "memory lock", ...
+  std::string text;  // "SCHED_FIFO 80", or why not
+  bool done = false;
+};
+
+/// How long ticks took, for the Timing panel. Times in us.
+struct TimingView {
+  double rate_hz = 0;
+  int threads = 1;
+  double step_p50 = 0, step_p99 = 0, step_p999 = 0, step_max = 0;
+  double late_p99 = 0, late_max = 0;  // waking up after the deadline
+  std::vector<float> histogram;       // ticks per bin, equal bins from 0 to histogram_end
+  double histogram_end = 1;           // us
+  std::vector<SetupLine> setup;
+};
+
+/// What moves the tool.
+enum class ToolDriver { User, Script, Replay };
+
+/// A material as it is now, and what the scene gave.
+struct MaterialView {
+  const MaterialSpec& spec;
+  Material material;     // at present
+  double stiffness = 1;  // times that of the scene
+};
+
+/// What the panels show: gathered afresh for each picture, never kept.
+struct PanelData {
+  const Model& model;
+  const Snapshot& snapshot;
+  const ForceHistory& forces;
+  std::span<const LogLine> log;
+  TimingView timing{};
+  ForceReading force{};  // at the time of drawing, newer than the snapshot's
+  std::vector<MaterialView> materials{};
+  double friction = 0;         // Coulomb coefficient at present
+  std::string input_note{};    // why material and friction can't be changed now; empty: they can
+  ColourScale colour_scale{};  // of the picture behind the panels
+  ToolDriver driver = ToolDriver::User;
+  std::string script{};          // name of the script or recording; empty: none at hand
+  std::string frozen_reason{};   // what the watchdog saw, and where; used while frozen
+  double frames_per_second = 0;  // 0: not shown
+};
+
+/// What the user sets in the panels and keeps from frame to frame.
+struct PanelState {
+  bool panels_shown = true;
+  bool help_shown = false;
+  double tool_speed_mm_s = 20;  // of the tool when moved by keys
+};
+
+/// What was clicked in this frame.
+struct PanelRequests {
+  bool toggle_pause = false, single_step = false, reset = false;
+  bool restart_script = false;
+  bool tool_to_start = false;
+  std::optional<double> friction;
+  int material = -1;     // whose stiffness changes; -1: none
+  double stiffness = 1;  // times that of the scene
+  bool frame_view = false;
+};
+
+/// Draws all panels of one frame between ImGui::NewFrame and ImGui::Render; the same
+/// in the window and off-screen. Settings of the picture are edited in `view`.
+PanelRequests drawPanels(const Theme& theme, const PanelData& data, const Layout& layout, PanelState& state,
+                         View& view);
+
+/// What stands beside a force that is not the present one: "stale, 23 ms old", "paused"; empty: it is.
+std::string staleMark(const ForceReading& force, const LoopStatus& status);
+
+// The parts, each in a file of its own.
+void drawBar(const Theme&, const PanelData&, const Rect&, PanelState&, PanelRequests&);
+void drawSceneCard(const Theme&, const PanelData&, View&);
+void drawToolCard(const Theme&, const PanelData&, PanelState&, PanelRequests&);
+void drawMaterialCard(const Theme&, const PanelData&, PanelRequests&);
+void drawForceCard(const Theme&, const PanelData&, float height);
+void drawTimingCard(const Theme&, const PanelData&);
+void drawLog(const Theme&, const PanelData&, const Rect&);
+void drawLegend(const Theme&, const ColourScale&, const Rect& view);
+void drawFrozenBanner(const Theme&, const PanelData&, const Rect& view, PanelRequests&);
+void drawHelp(const Theme&, PanelState&, const Rect& view);
+
+}  // namespace palpate::app

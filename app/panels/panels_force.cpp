@@ -1,0 +1,160 @@
+// The right column: force and timing.
+#include <imgui.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "app/panels/panels.h"
+#include "app/panels/plot.h"
+#include "app/panels/widgets.h"
+#include "simulation/trust.h"
+
+namespace palpate::app {
+
+namespace {
+
+constexpr double min_force_axis = 0.05;  // N; below that an axis would show rounding as if it were signal
+constexpr double min_depth_axis = 1;     // mm
+
+/// Least and greatest y of two curves.
+PlotAxes axesOver(std::span<const PlotPoint> a, std::span<const PlotPoint> b) {
+  PlotAxes axes;
+  axes.x_min = axes.y_min = 0;
+  axes.x_max = axes.y_max = 0;
+  for (const auto& curve : {a, b})
+    for (const PlotPoint& p : curve) {
+      axes.x_min = std::min<double>(axes.x_min, p.x);
+      axes.x_max = std::max<double>(axes.x_max, p.x);
+      axes.y_min = std::min<double>(axes.y_min, p.y);
+      axes.y_max = std::max<double>(axes.y_max, p.y);
+    }
+  widenToRound(axes.y_min, axes.y_max, min_force_axis);
+  return axes;
+}
+
+void bigNumber(const Theme& theme, const char* name, double newton, ImU32 colour, float width) {
+  const float left = ImGui::GetCursorPosX();
+  ImGui::BeginGroup();
+  ImGui::PushStyleColor(ImGuiCol_Text, colour);
+  ImGui::PushFont(theme.big);
+  const std::string number = format("%.*f", std::abs(newton) < 100 ? 3 : 1, newton);
+  ImGui::TextUnformatted(number.c_str());
+  const float baseline = ImGui::GetItemRectMax().y;
+  ImGui::PopFont();
+  ImGui::PopStyleColor();
+  ImGui::SameLine(0, 4 * theme.scale);
+  ImGui::SetCursorScreenPos({ImGui::GetCursorScreenPos().x, baseline - 1.45F * ImGui::GetFontSize()});
+  ImGui::TextDisabled("N");
+  ImGui::SetCursorScreenPos({ImGui::GetWindowPos().x + left, baseline - 2 * theme.scale});
+  note(theme, name);
+  ImGui::EndGroup();
+  ImGui::SameLine(left + width);
+}
+
+}  // namespace
+
+std::string staleMark(const ForceReading& force, const LoopStatus& status) {
+  if (force.fresh) return {};
+  if (status.paused || force.sample.tick == 0) return "paused";
+  return force.age_s < 1 ? format("stale, %.0f ms old", 1e3 * force.age_s) : format("stale, %.1f s old", force.age_s);
+}
+
+void drawForceCard(const Theme& theme, const PanelData& data, float height) {
+  if (!beginCard(theme, "Force on the tool")) return;
+  const ForceSample& force = data.force.sample;
+  const bool fresh = data.force.fresh;
+  const std::string mark = staleMark(data.force, data.snapshot.status);
+  // Amber before it goes wrong: whoever feels or reads the number sees the doubt in it.
+  const bool doubted = force.doubt != Doubt::None;
+  const ImU32 filtered_colour = !fresh ? colours::stale : doubted ? colours::warning : colours::accent;
+  const ImU32 raw_colour = !fresh ? colours::stale : doubted ? colours::warning : colours::raw;
+  const float half = 0.5F * ImGui::GetContentRegionAvail().x;
+  bigNumber(theme, fresh ? "filtered" : mark.c_str(), force.force_filtered.norm(), filtered_colour, half);
+  bigNumber(theme, fresh ? "raw" : mark.c_str(), force.force_raw.norm(), raw_colour, half);
+  ImGui::NewLine();
+  const Vec3& f = force.force_filtered;
+  row("Components", format("%+.3f  %+.3f  %+.3f N", f.x(), f.y(), f.z()), fresh ? colours::text : colours::stale,
+      "x, y, z of the filtered force");
+  row("Peak", format("%.3f N filtered, %.3f N raw", data.forces.peakFiltered(), data.forces.peakRaw()));
+
+  const StepReport& report = data.snapshot.report;
+  row("Trust", doubted ? std::string("doubt: ") + doubtName(force.doubt) : "good",
+      doubted ? colours::warning : colours::good,
+      doubted ? doubtText(force.doubt) : "volume, smallest J, energy balance and time step are within their limits");
+  note(theme, format("volume %+.2f %%   J %.2f   energy %.1f %%   dt/limit %.2f", 100 * report.volume_change,
+                     report.min_J, 100 * report.energy_error, report.step_share));
+
+  const float plot_height = std::clamp(0.158F * height, 100 * theme.scale, 220 * theme.scale);
+  ImGui::PushFont(theme.small);
+  {
+    const auto raw = data.forces.rawOverTime(), filtered = data.forces.filteredOverTime();
+    PlotAxes axes = axesOver(raw, filtered);
+    axes.x_label = "s";
+    axes.y_label = "N over time";
+    axes.x_max = std::max(data.snapshot.force.time_s, data.forces.seconds());  // the run's time: a reset keeps it
+    axes.x_min = axes.x_max - data.forces.seconds();
+    const std::array series{PlotSeries{"raw", raw, colours::raw, 1.2F},
+                            PlotSeries{"filtered", filtered, colours::accent, 1.8F}};
+    drawPlot("##time", plot_height, axes, series);
+  }
+  {
+    const auto raw = data.forces.rawOverDepth(), filtered = data.forces.filteredOverDepth();
+    PlotAxes axes = axesOver(raw, filtered);
+    axes.x_label = "mm";
+    axes.y_label = "N over depth";
+    axes.x_min = std::min(0.0, std::max(axes.x_min, -0.25 * axes.x_max));  // little of the way to the skin
+    widenToRound(axes.x_min, axes.x_max, min_depth_axis);
+    const std::array series{PlotSeries{"raw", raw, colours::raw, 1.2F},
+                            PlotSeries{"filtered", filtered, colours::accent, 1.8F}};
+    drawPlot("##depth", plot_height, axes, series);
+  }
+  ImGui::PopFont();
+  ImGui::Spacing();
+}
+
+void drawTimingCard(const Theme& theme, const PanelData& data) {
+  if (!beginCard(theme, "Timing")) return;
+  const TimingView& timing = data.timing;
+  const LoopStatus& status = data.snapshot.status;
+  const double budget = 1e6 / timing.rate_hz;  // us
+
+  const bool slow = timing.histogram_end >= 2e4;
+  const double unit = slow ? 1e-3 : 1;  // of the plot per us
+  ImGui::PushFont(theme.small);
+  PlotAxes axes;
+  axes.x_label = slow ? "ms" : "us";
+  axes.y_label = "Ticks by computing time";
+  axes.x_max = timing.histogram_end * unit;
+  const std::array marks{
+      PlotMark{"p50", timing.step_p50 * unit, colours::text}, PlotMark{"p99", timing.step_p99 * unit, colours::accent},
+      PlotMark{"p99.9", timing.step_p999 * unit, colours::warning}, PlotMark{"tick", budget * unit, colours::bad}};
+  drawHistogram("##steps", 92 * theme.scale, axes, timing.histogram, colours::raw, marks);
+  ImGui::PopFont();
+
+  row("p50 / 99 / 99.9 / max",
+      format("%.0f / %.0f / %.0f / %.0f us", timing.step_p50, timing.step_p99, timing.step_p999, timing.step_max),
+      timing.step_max < budget ? colours::text : colours::warning,
+      format("of the %.0f us that a tick has", budget).c_str());
+  row("Cost of 1 ms of physics",
+      format("%.0f us, x%.2f possible", timing.step_p50 * timing.rate_hz * 1e-3,
+             budget / std::max(timing.step_p50, 1e-3)),
+      colours::text,
+      "what mtled frontier compares settings by: the median tick's, and the real-time factor that it could reach");
+  row("Wake-up late, p99 / max", format("%.0f / %.0f us", timing.late_p99, timing.late_max));
+  const auto periods = static_cast<long long>(status.ticks + status.overrun_count);
+  const double share =
+      periods > 0 ? 100.0 * static_cast<double>(status.overrun_count) / static_cast<double>(periods) : 0;
+  row("Overruns", format("%lld of %lld (%.3f %%)", static_cast<long long>(status.overrun_count), periods, share),
+      share < 0.1 ? colours::good : colours::warning, "periods gone by without a tick of their own");
+  row("Real-time factor", format("%.4f", status.realtime_factor),
+      status.realtime_factor >= 0.999 ? colours::good : colours::warning,
+      "physics time over wall time since the start or the last pause");
+  row("Rate", format("%.0f Hz x %d steps, %d thread%s", timing.rate_hz, data.model.substeps_per_tick, timing.threads,
+                     timing.threads == 1 ? "" : "s"));
+  for (const SetupLine& line : timing.setup)
+    row(line.name.c_str(), line.text, line.done ? colours::good : colours::faint, line.text.c_str());
+  ImGui::Spacing();
+}
+
+}  // namespace palpate::app

@@ -1,0 +1,157 @@
+// The left column: scene, tool, material.
+#include <imgui.h>
+
+#include <cmath>
+
+#include "app/panels/panels.h"
+#include "app/panels/widgets.h"
+
+namespace palpate::app {
+
+namespace {
+
+constexpr double mm = 1e3, us = 1e6;         // per m, per s
+constexpr float min_stiffness_percent = 10;  // softer tissue sinks under its own contact
+
+const char* toolName(ToolKind kind) {
+  switch (kind) {
+    case ToolKind::Sphere:
+      return "sphere";
+    case ToolKind::FlatCylinder:
+      return "flat cylinder";
+    case ToolKind::Capsule:
+      return "capsule";
+  }
+  return "";
+}
+
+std::string grouped(long long n) {
+  std::string s = std::to_string(n);
+  for (int at = static_cast<int>(s.size()) - 3; at > (n < 0 ? 1 : 0); at -= 3)
+    s.insert(static_cast<std::size_t>(at), 1, ',');
+  return s;
+}
+
+std::string pressure(double pa) {
+  if (std::abs(pa) >= 1e6) return format("%.4g MPa", 1e-6 * pa);
+  if (std::abs(pa) >= 1e4) return format("%.4g kPa", 1e-3 * pa);
+  return format("%.4g Pa", pa);
+}
+
+void drawMaterial(const Theme& theme, const MaterialView& view) {
+  const char* nu = theme.has_greek ? "\xCE\xBD" : "nu";
+  const char* mu = theme.has_greek ? "\xCE\xBC" : "mu";
+  const Material& material = view.material;
+  if (view.spec.kind == MaterialSpec::Kind::NeoHookean) {
+    row("Model", "neo-Hookean");
+    row("Young's modulus E", pressure(view.spec.young * view.stiffness));
+    row(format("Poisson's ratio %s", nu).c_str(), format("%.4g", view.spec.poisson));
+  } else {
+    row("Model", format("Ogden, %d term%s", material.term_count, material.term_count == 1 ? "" : "s"));
+    for (int k = 0; k < material.term_count; ++k) {
+      const auto i = static_cast<std::size_t>(k);
+      row(format("%s%d, a%d", mu, k + 1, k + 1).c_str(),
+          pressure(material.mu[i]) + format(", %.4g", material.alpha[i]));
+    }
+  }
+  row("Shear modulus", pressure(material.shear_modulus));
+  row("Bulk modulus", pressure(material.bulk_modulus));
+  row("Density", format("%.4g kg/m\xC2\xB3", material.density));
+}
+
+}  // namespace
+
+void drawSceneCard(const Theme& theme, const PanelData& data, View& view) {
+  if (!beginCard(theme, "Scene")) return;
+  const Model& model = data.model;
+  row("Nodes", grouped(model.nodeCount()));
+  row("Integration points", grouped(model.pointCount()));
+  row("Nodes per point", format("%.1f", model.point_shape.meanSupport()), colours::text,
+      "mean size of an integration point's support");
+  row("Time step", format("%.1f us x %d", model.dt * us, model.substeps_per_tick), colours::text,
+      "dt and how many of them make one tick");
+  row("Step / stable limit", format("%.0f %%", 100 * model.dt / model.dt_critical), colours::text,
+      "dt over the critical step of the operator at rest");
+  if (model.scene.mass_scaling > 0)
+    row("Mass added", format("%.3g %%", 100 * model.added_mass), colours::text,
+        "to spare steps: forces at rest are the same, motion is slower");
+  const double volume_error = 100 * (model.cell_volume / model.surface_volume - 1);
+  row("Volume error", format("%+.2f %%", volume_error), std::abs(volume_error) < 2 ? colours::text : colours::warning,
+      "background cells against the organ's own surface");
+
+  ImGui::Spacing();
+  ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x);
+  if (ImGui::BeginCombo("##colour", quantityName(view.colour_map))) {
+    for (int k = 0; k < 4; ++k) {
+      const auto map = static_cast<ColourMap>(k);
+      if (ImGui::Selectable(format("%d  %s", k + 1, quantityName(map)).c_str(), map == view.colour_map))
+        view.colour_map = map;
+    }
+    ImGui::EndCombo();
+  }
+  const float half = 0.5F * ImGui::GetContentRegionAvail().x;
+  const float left = ImGui::GetCursorPosX();
+  ImGui::Checkbox("Nodes", &view.show_nodes);
+  ImGui::SameLine(left + half);
+  ImGui::Checkbox("Points", &view.show_points);
+  ImGui::Checkbox("Tool force", &view.show_forces);
+  ImGui::SameLine(left + half);
+  ImGui::Checkbox("Contact", &view.show_contact);
+  ImGui::Checkbox("Fixed skin", &view.show_fixed);
+  ImGui::SameLine(left + half);
+  ImGui::Checkbox("Tool", &view.show_tool);
+  ImGui::Spacing();
+}
+
+void drawToolCard(const Theme& theme, const PanelData& data, PanelState& state, PanelRequests& requests) {
+  if (!beginCard(theme, "Tool")) return;
+  const ToolShape& tool = data.model.scene.tool;
+  row("Shape", format("%s, R %.3g mm", toolName(tool.kind), tool.radius * mm));
+  const Vec3 tip = data.snapshot.tool_pose.position * mm;
+  row("Tip", format("%.1f  %.1f  %.1f mm", tip.x(), tip.y(), tip.z()));
+  row("Depth", format("%.2f mm", data.snapshot.force.depth_m * mm), colours::text,
+      "travel of the tip past its first touch of the resting skin");
+  row("Skin vertices touched", std::to_string(data.snapshot.report.contact_count));
+  auto friction = static_cast<float>(data.friction);
+  if (slider("Friction", friction, 0, 1, "%.2f", data.input_note)) requests.friction = friction;
+  auto speed = static_cast<float>(state.tool_speed_mm_s);
+  if (slider("Key speed", speed, 1, 100, "%.0f mm/s", "")) state.tool_speed_mm_s = speed;
+
+  const float half = 0.5F * (ImGui::GetContentRegionAvail().x - ImGui::GetStyle().ItemSpacing.x);
+  const bool by_hand = data.driver == ToolDriver::User;
+  if (button("Play script", half, !data.script.empty(), "none given: start with --tool SCRIPT"))
+    requests.restart_script = true;
+  ImGui::SameLine();
+  if (button("To start pose", half, by_hand, "the tool is not moved by hand now")) requests.tool_to_start = true;
+  switch (data.driver) {
+    case ToolDriver::User:
+      note(theme, "Shift+drag moves it, Shift+wheel pushes it; arrows, PageUp/PageDown");
+      break;
+    case ToolDriver::Script:
+      note(theme, "Moved by the script " + data.script);
+      break;
+    case ToolDriver::Replay:
+      note(theme, "Moved by the recording " + data.script);
+      break;
+  }
+  ImGui::Spacing();
+}
+
+void drawMaterialCard(const Theme& theme, const PanelData& data, PanelRequests& requests) {
+  if (!beginCard(theme, "Material")) return;
+  for (std::size_t k = 0; k < data.materials.size(); ++k) {
+    if (k > 0) ImGui::Separator();
+    drawMaterial(theme, data.materials[k]);
+    ImGui::PushID(static_cast<int>(k));
+    auto percent = static_cast<float>(100 * data.materials[k].stiffness);
+    if (slider("Stiffness", percent, min_stiffness_percent, 100, "%.0f %% of scene", data.input_note)) {
+      requests.material = static_cast<int>(k);
+      requests.stiffness = percent / 100;
+    }
+    ImGui::PopID();
+  }
+  note(theme, "Softer is safe at any time. Stiffer would need a smaller time step: change it in the scene.");
+  ImGui::Spacing();
+}
+
+}  // namespace palpate::app

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <imgui.h>
+
+#include <string>
+
+#include "app/panels/format.h"
+#include "app/panels/layout.h"
+#include "app/panels/theme.h"
+
+namespace palpate::app {
+
+/// `text` shortened with an ellipsis so that it is at most `width` px wide in the present font.
+std::string fitted(const std::string& text, float width);
+
+/// A window that stands exactly in `place`, without title, move or resize.
+/// As ImGui::Begin: call ImGui::End whatever it returns.
+bool beginPane(const char* id, const Rect& place, ImGuiWindowFlags more = 0);
+
+/// A section of a column with a heading that folds it. False where it is folded.
+bool beginCard(const Theme& theme, const char* title, bool open = true);
+
+/// A line with a faint name on the left and a value on the right; a hint shows on hovering.
+void row(const char* name, const std::string& value, ImU32 colour = colours::text, const char* hint = nullptr);
+
+/// Text in the small font, faint, wrapped.
+void note(const Theme& theme, const std::string& text, ImU32 colour = colours::faint);
+
+/// A button that is greyed out with the reason as its hint where `enabled` is false.
+bool button(const char* label, float width, bool enabled = true, const char* reason = nullptr);
+
+/// A line with a faint name on the left and a slider on the right, greyed out where
+/// there is a reason not to move it.
+bool slider(const char* name, float& value, float low, float high, const char* pattern, const std::string& reason);
+
+/// A filled rounded label, e.g. "RUNNING", on the present line.
+void badge(const Theme& theme, const char* text, ImU32 colour);
+
+}  // namespace palpate::app

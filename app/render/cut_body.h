@@ -1,0 +1,21 @@
+#pragma once
+
+#include "simulation/model.h"
+
+namespace palpate::app {
+
+/// A plane through a body at rest; what lies on the side of its normal is taken away.
+struct CutPlane {
+  Vec3 point = Vec3::Zero();     // m, reference configuration
+  Vec3 normal = -Vec3::UnitY();  // need not be a unit vector
+};
+
+/// A model to look at, cut open: its skin is cut along the plane and closed there by a section
+/// whose vertices have shape functions of their own, so that it deforms with the body and shows
+/// what fields are inside. Along the cut, skin and section have vertices of their own at equal
+/// places. Nodes, points and materials are the model's; what only a solution needs
+/// (masses, kernel, boundary) is left out.
+/// Throws std::invalid_argument where the plane leaves nothing.
+Model cutBody(const Model& model, const CutPlane& plane);
+
+}  // namespace palpate::app

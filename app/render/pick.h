@@ -1,0 +1,26 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "app/render/camera.h"
+#include "realtime/channels/snapshot.h"
+#include "simulation/model.h"
+
+namespace palpate::app {
+
+struct SkinHit {
+  int vertex = -1;               // of the hit triangle, the one nearest to the ray's hit
+  Vec3 position = Vec3::Zero();  // m
+  double distance = 0;           // m, along the ray
+};
+
+/// The first triangle that the ray meets from outside.
+/// @param positions  skin's vertices, m, e.g. Renderer::skinPositions()
+std::optional<SkinHit> pickSkin(const TriangleSurface& surface, const std::vector<Vec3f>& positions, const Ray& ray);
+
+/// The integration point that stands nearest to the ray in the present state, or -1 when
+/// none is within `tolerance`, m.
+int pickPoint(const Model& model, const Snapshot& snapshot, const Ray& ray, double tolerance);
+
+}  // namespace palpate::app

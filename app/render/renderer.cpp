@@ -1,0 +1,295 @@
+#include "app/render/renderer.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <numbers>
+#include <stdexcept>
+
+#include "app/render/colour.h"
+#include "app/render/frame.h"
+#include "app/render/ground_shade.h"
+#include "app/render/mesh_buffers.h"
+#include "app/render/multisample_target.h"
+#include "app/render/noise_texture.h"
+#include "app/render/overlays.h"
+#include "app/render/shader_program.h"
+#include "app/render/shadow_map.h"
+#include "app/render/skin_mesh.h"
+#include "app/render/solid_mesh.h"
+#include "app/render/texture_units.h"
+#include "base/build_info.h"
+
+namespace palpate::app {
+namespace {
+
+constexpr double degree = std::numbers::pi / 180;
+
+// The key light stands to the left of the camera's first position, high and towards it; it
+// stays there while the camera turns, as in a room.
+constexpr double key_azimuth_from_camera_deg = -58;
+constexpr double key_elevation_deg = 52;
+
+constexpr float patterns_per_radius = 0.62F;  // repeats of the tissue's coarse unevenness
+constexpr int colour_count = 256;
+
+Vec3 keyDirection(double camera_azimuth_deg) {
+  const double a = (camera_azimuth_deg + key_azimuth_from_camera_deg) * degree, e = key_elevation_deg * degree;
+  return {std::cos(e) * std::cos(a), std::cos(e) * std::sin(a), std::sin(e)};
+}
+
+/// Where things stand; what camera, light and ground are laid out around.
+struct Extent {
+  Vec3 centre = Vec3::Zero(), ground = Vec3::Zero();  // m
+  double radius = 0;                                  // m
+
+  /// @param positions  the skin's vertices, m
+  template <class Position>
+  explicit Extent(const std::vector<Position>& positions) {
+    Eigen::AlignedBox3d box;
+    for (const Position& x : positions) box.extend(x.template cast<double>());
+    if (box.isEmpty()) return;
+    centre = box.center();
+    for (const Position& x : positions) radius = std::max(radius, (x.template cast<double>() - centre).norm());
+    // A hair below the lowest point, so that a flat base does not fight with the ground.
+    ground = {centre.x(), centre.y(), box.min().z() - 2e-3 * radius};
+  }
+};
+
+void requireOpenGl33() {
+  if (epoxy_gl_version() < 33)
+    throw std::runtime_error("OpenGL 3.3 is needed, this context has " + std::to_string(epoxy_gl_version() / 10) + "." +
+                             std::to_string(epoxy_gl_version() % 10) + "; run with --offscreen");
+}
+
+Eigen::Matrix4f worldFromTool(const Pose& pose) {
+  Eigen::Matrix4d m = Eigen::Matrix4d::Identity();
+  m.topLeftCorner<3, 3>() = pose.orientation.toRotationMatrix();
+  m.topRightCorner<3, 1>() = pose.position;
+  return m.cast<float>();
+}
+
+Eigen::Vector4f with(const Vec3& v, double w) {
+  return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z()), static_cast<float>(w)};
+}
+
+}  // namespace
+
+struct Renderer::Parts {
+  Parts(const Model& the_model, const std::string& shader_dir);
+
+  void fillFrame(const Snapshot& snapshot, const View& view, int width, int height);
+  void drawShadows(const Snapshot& snapshot, const View& view);
+  void drawPicture(const Snapshot& snapshot, const View& view);
+  void bindTextures(const View& view);
+  void releaseState() const;
+
+  const Model& model;
+  const Extent rest;
+  Extent extent;  // at rest; of the present shape where it stands alone on paper
+  Vec3 key;
+
+  SkinMesh skin;
+  MeshBuffers skin_buffers, tool_buffers;
+  ShaderProgram skin_program, tool_program, ground_program, backdrop_program;
+  GLint tool_place;
+  ShadowMap shadow_map;
+  GroundShade ground_shade;
+  NoiseTexture noise;
+  GlTexture sequential_colours, diverging_colours;
+  GlBuffer frame_buffer;
+  GlVertexArray no_vertices;
+  MultisampleTarget target;
+  Overlays overlays;
+};
+
+namespace {
+
+void fillColours(GLuint texture, ColourMap map) {
+  std::vector<Vec3f> linear(colour_count);
+  for (int i = 0; i < colour_count; ++i)
+    linear[i] = colourOf(map, i / (colour_count - 1.0)).unaryExpr([](float c) { return decodeSrgb(c); });
+  glBindTexture(GL_TEXTURE_2D, texture);
+  glTexImage2D(GL_TEXTURE_2D, 0, GL_RGB16F, colour_count, 1, 0, GL_RGB, GL_FLOAT, linear.data());
+  for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER})
+    glTexParameteri(GL_TEXTURE_2D, filter, GL_LINEAR);
+  for (const GLenum wrap : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T})
+    glTexParameteri(GL_TEXTURE_2D, wrap, GL_CLAMP_TO_EDGE);
+  glBindTexture(GL_TEXTURE_2D, 0);
+}
+
+}  // namespace
+
+Renderer::Parts::Parts(const Model& the_model, const std::string& shader_dir)
+    : model(the_model),
+      rest(model.skin.surface.vertices),
+      extent(rest),
+      key(keyDirection(model.scene.camera_azimuth_deg)),
+      skin(model),
+      skin_buffers(skin),
+      tool_buffers(toolMesh(model.scene.tool)),
+      skin_program(shader_dir, "skin.vert", "skin.frag"),
+      tool_program(shader_dir, "solid.vert", "tool.frag"),
+      ground_program(shader_dir, "ground.vert", "ground.frag"),
+      backdrop_program(shader_dir, "backdrop.vert", "backdrop.frag"),
+      tool_place(tool_program.uniform("world_from_local")),
+      shadow_map(shader_dir),
+      ground_shade(shader_dir),
+      overlays(model, shader_dir) {
+  fillColours(sequential_colours, ColourMap::Displacement);
+  fillColours(diverging_colours, ColourMap::J);
+  glBindBuffer(GL_UNIFORM_BUFFER, frame_buffer);
+  glBufferData(GL_UNIFORM_BUFFER, sizeof(Frame), nullptr, GL_STREAM_DRAW);
+  glBindBuffer(GL_UNIFORM_BUFFER, 0);
+}
+
+void Renderer::Parts::fillFrame(const Snapshot& snapshot, const View& view, int width, int height) {
+  const Camera& camera = view.camera;
+  const ToolShape& tool = model.scene.tool;
+  Frame frame;
+  frame.clip_from_world = (camera.projection(width, height) * camera.view()).cast<float>();
+  frame.shadow_from_world = shadow_map.mapFromWorld();
+  frame.eye = with(camera.eye(), 1);
+  frame.key = with(key, shadow_map.normalOffset());
+  const double handle_end = toolHandleEnd(tool);
+  frame.tool_begin = with(snapshot.tool_pose.toWorld({0, 0, tool.radius}), view.show_tool ? tool.radius : 0);
+  frame.tool_end = with(snapshot.tool_pose.toWorld({0, 0, handle_end}), view.show_fixed ? 1 : 0);
+  // On paper nothing lies under the body that would take light from it.
+  frame.ground =
+      with(view.show_room ? extent.ground : Vec3(extent.ground - 100 * extent.radius * Vec3::UnitZ()), extent.radius);
+  frame.picture = {static_cast<float>(width), static_cast<float>(height), view.pixel_ratio,
+                   view.colour_map == ColourMap::Tissue ? 0.0F
+                   : view.show_room                     ? 1.0F
+                                                        : 2.0F};
+  frame.tissue = with(model.scene.tissue_colour, patterns_per_radius / rest.radius);
+  glBindBuffer(GL_UNIFORM_BUFFER, frame_buffer);
+  glBufferData(GL_UNIFORM_BUFFER, sizeof frame, &frame, GL_STREAM_DRAW);
+  glBindBuffer(GL_UNIFORM_BUFFER, 0);
+  glBindBufferBase(GL_UNIFORM_BUFFER, 0, frame_buffer);
+}
+
+void Renderer::Parts::drawShadows(const Snapshot& snapshot, const View& view) {
+  const DrawCasters casters = [&](GLint clip_from_local, const Eigen::Matrix4f& clip_from_world) {
+    glUniformMatrix4fv(clip_from_local, 1, GL_FALSE, clip_from_world.data());
+    skin_buffers.draw();
+    if (!view.show_tool) return;
+    const Eigen::Matrix4f clip_from_tool = clip_from_world * worldFromTool(snapshot.tool_pose);
+    glUniformMatrix4fv(clip_from_local, 1, GL_FALSE, clip_from_tool.data());
+    tool_buffers.draw();
+  };
+  shadow_map.draw(key, extent.centre, extent.radius, casters);
+  ground_shade.draw(key, extent.ground, extent.radius, casters);
+}
+
+void Renderer::Parts::bindTextures(const View& view) {
+  const auto bind = [](TextureUnit unit, GLenum kind, GLuint texture) {
+    glActiveTexture(GL_TEXTURE0 + unit);
+    glBindTexture(kind, texture);
+  };
+  bind(kShadowMapUnit, GL_TEXTURE_2D, shadow_map.texture());
+  bind(kNoiseUnit, GL_TEXTURE_3D, noise.texture());
+  bind(kColoursUnit, GL_TEXTURE_2D, view.colour_map == ColourMap::J ? diverging_colours : sequential_colours);
+  bind(kGroundShadeUnit, GL_TEXTURE_2D, ground_shade.texture());
+  glActiveTexture(GL_TEXTURE0);
+}
+
+void Renderer::Parts::drawPicture(const Snapshot& snapshot, const View& view) {
+  // Bodies first: what they hide of ground and backdrop is then never shaded.
+  glEnable(GL_CULL_FACE);
+  skin_program.use();
+  skin_buffers.draw();
+  if (view.show_tool) {
+    const Eigen::Matrix4f place = worldFromTool(snapshot.tool_pose);
+    tool_program.use();
+    glUniformMatrix4fv(tool_place, 1, GL_FALSE, place.data());
+    tool_buffers.draw();
+  }
+  if (!view.show_room) {
+    glDisable(GL_CULL_FACE);
+    glDepthFunc(GL_LEQUAL);
+    return;
+  }
+  glBindVertexArray(no_vertices);
+  ground_program.use();
+  glDrawArrays(GL_TRIANGLES, 0, 3 * 64);
+  glDisable(GL_CULL_FACE);
+  glDepthFunc(GL_LEQUAL);
+  backdrop_program.use();
+  glDrawArrays(GL_TRIANGLES, 0, 3);
+}
+
+/// Leaves the context as a fresh one has it, but for the framebuffer and its viewport.
+void Renderer::Parts::releaseState() const {
+  glDisable(GL_DEPTH_TEST);
+  glDepthFunc(GL_LESS);
+  glUseProgram(0);
+  glBindVertexArray(0);
+  glBindBuffer(GL_ARRAY_BUFFER, 0);
+  glBindBufferBase(GL_UNIFORM_BUFFER, 0, 0);
+  for (int unit = kTextureUnitCount - 1; unit >= 0; --unit) {
+    glActiveTexture(GL_TEXTURE0 + unit);
+    glBindTexture(GL_TEXTURE_2D, 0);
+    glBindTexture(GL_TEXTURE_3D, 0);
+  }
+  glBlendFunc(GL_ONE, GL_ZERO);
+  glClearColor(0, 0, 0, 0);
+  glPolygonOffset(0, 0);
+}
+
+Renderer::Renderer(const Model& model, const std::string& shader_dir) {
+  requireOpenGl33();
+  parts_ = std::make_unique<Parts>(model, shader_dir);
+}
+
+Renderer::~Renderer() = default;
+
+ColourScale Renderer::draw(const Snapshot& snapshot, const View& view, int framebuffer_width, int framebuffer_height) {
+  Parts& parts = *parts_;
+  if (framebuffer_width <= 0 || framebuffer_height <= 0) return {view.colour_map, 0, 1};  // a minimised window
+  GLint shown = 0;
+  glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &shown);
+
+  const ColourScale scale = parts.skin.update(snapshot, view);
+  parts.skin_buffers.update(parts.skin);
+  parts.extent = view.show_room ? parts.rest : Extent(parts.skin.positions());
+  parts.key = keyDirection(view.light_azimuth_deg.value_or(parts.model.scene.camera_azimuth_deg));
+
+  glEnable(GL_DEPTH_TEST);
+  parts.drawShadows(snapshot, view);
+  parts.fillFrame(snapshot, view, framebuffer_width, framebuffer_height);
+  parts.target.bind(framebuffer_width, framebuffer_height);
+  if (!view.show_room) glClearColor(1, 1, 1, 1);
+  glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+  parts.bindTextures(view);
+  parts.drawPicture(snapshot, view);
+  parts.overlays.draw(snapshot, view, parts.skin.positions(), parts.extent.radius, framebuffer_height);
+  parts.target.resolveInto(static_cast<GLuint>(shown));
+  parts.releaseState();
+  return scale;
+}
+
+const std::vector<Vec3f>& Renderer::skinPositions() const { return parts_->skin.positions(); }
+Vec3 Renderer::centre() const { return parts_->rest.centre; }
+double Renderer::radius() const { return parts_->rest.radius; }
+
+std::string findShaderDir() {
+  namespace fs = std::filesystem;
+  const auto holdsShaders = [](const fs::path& folder) {
+    std::error_code ignored;
+    return fs::exists(folder / "frame.glsl", ignored);
+  };
+  if (const char* wanted = std::getenv("PALPATE_SHADER_DIR"); wanted && *wanted) {
+    if (holdsShaders(wanted)) return wanted;
+    throw std::runtime_error(std::string("PALPATE_SHADER_DIR names ") + wanted + ", which holds no frame.glsl");
+  }
+  const fs::path source = sourceFolder() + "/shaders";
+  if (holdsShaders(source)) return source;
+  std::error_code ignored;
+  const fs::path beside = fs::read_symlink("/proc/self/exe", ignored).parent_path() / "shaders";
+  if (holdsShaders(beside)) return beside;
+  throw std::runtime_error("no shaders in " + source.string() + " nor in " + beside.string() +
+                           "; set PALPATE_SHADER_DIR to the folder of frame.glsl");
+}
+
+}  // namespace palpate::app

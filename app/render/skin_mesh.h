@@ -1,0 +1,56 @@
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "app/render/field.h"
+#include "app/render/view.h"
+#include "realtime/channels/snapshot.h"
+#include "simulation/model.h"
+
+namespace palpate::app {
+
+/// A skin vertex as the shaders read it.
+struct SkinVertex {
+  Vec3f position;     // m, deformed
+  Vec3f normal;       // unit, outward
+  Vec3f reference;    // m, at rest: what patterns stick to
+  float value = 0;    // of the shown field, 0..1 within the colour scale
+  float contact = 0;  // pressure of the tool over the tissue's shear modulus, 0..1
+  float cavity = 0;   // mean curvature times the tool's radius; > 0 in hollows
+  float fixed = 0;    // share of imposed nodes in the support, 0..1
+};
+
+/// The skin to draw: the model's surface, moved by the nodes, with smooth normals.
+/// Where the surface at rest has an edge (a cylinder's rim), its vertices are doubled so
+/// that the edge stays sharp.
+class SkinMesh {
+ public:
+  explicit SkinMesh(const Model& model);
+
+  /// Follows a snapshot. @return the scale of the vertices' values
+  ColourScale update(const Snapshot& snapshot, const View& view);
+
+  const std::vector<SkinVertex>& vertices() const { return vertices_; }
+  const std::vector<std::array<int, 3>>& triangles() const { return triangles_; }  // of vertices()
+  const std::vector<Vec3f>& positions() const { return positions_; }               // of the model's skin
+
+ private:
+  void splitEdges();
+  void findNeighbours();
+  void updateNormals();
+  void updateCavities();
+  void updateContact(const Snapshot& snapshot);
+  void spread(std::vector<float>& values) const;
+
+  const Model& model_;
+  std::vector<SkinVertex> vertices_;
+  std::vector<int> skin_vertex_;  // (vertices) the model's skin vertex behind each
+  std::vector<std::array<int, 3>> triangles_;
+  std::vector<int> neighbour_begin_, neighbour_;  // around each skin vertex, compressed rows
+  std::vector<Vec3f> positions_;                  // (skin vertex_count) m
+  std::vector<Vec3f> normals_;                    // (skin vertex_count) unit
+  std::vector<float> cavity_, contact_;           // (skin vertex_count)
+};
+
+}  // namespace palpate::app

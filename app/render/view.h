@@ -1,0 +1,40 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "app/render/camera.h"
+#include "app/render/colour_map.h"
+#include "base/types.h"
+
+namespace palpate::app {
+
+/// What the viewer wants to see. The window edits it, the renderer reads it.
+struct View {
+  Camera camera;
+
+  ColourMap colour_map = ColourMap::Tissue;
+  bool colour_auto = true;  // range from the field's present values; else the two below
+  double colour_min = 0;    // m, Pa or 1, as the map's quantity
+  double colour_max = 1;
+  const std::vector<float>* node_values =
+      nullptr;  // (node_count) shown in place of the map's own field, in its colours
+
+  bool show_tool = true;
+  bool show_nodes = false;
+  bool show_points = false;   // integration points, thinned where there are many
+  bool show_forces = true;    // arrow of the tool's force
+  bool show_contact = false;  // arrows of the forces at the skin's vertices
+  bool show_fixed = true;     // hint of the imposed region on the skin
+  int picked_point = -1;      // integration point whose support is shown; -1: none
+
+  int pulled_vertex = -1;           // skin vertex that a spring pulls; -1: none
+  Vec3 pull_target = Vec3::Zero();  // m
+
+  bool show_room = true;                         // backdrop and ground; else the body on white paper
+  std::optional<double> light_azimuth_deg = {};  // of the key light; else beside the scene's first camera
+
+  float pixel_ratio = 1;  // framebuffer pixels per screen unit: sizes of points and lines
+};
+
+}  // namespace palpate::app

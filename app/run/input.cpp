@@ -1,0 +1,121 @@
+#include "app/run/input.h"
+
+#include <GLFW/glfw3.h>
+#include <imgui.h>
+
+#include <array>
+#include <cstddef>
+#include <utility>
+
+namespace palpate::app {
+
+namespace {
+
+Drag beginningDrag(const Input& input) {
+  if (!input.left && !input.right) return Drag::None;
+  if (input.mouse_taken) return Drag::Panel;
+  if (input.left && input.ctrl) return Drag::Pull;
+  if (input.shift) return input.left ? Drag::MoveTool : Drag::PushTool;
+  return input.left ? Drag::Orbit : Drag::Pan;
+}
+
+}  // namespace
+
+Actions Controls::read(const Input& input, bool help_is_open) {
+  Actions actions;
+
+  const Drag before = drag_;
+  if (!input.left && !input.right)
+    drag_ = Drag::None;
+  else if (drag_ == Drag::None)
+    drag_ = beginningDrag(input);
+  const bool began = drag_ != before;
+
+  // The press itself is no movement: the pointer may have come from anywhere.
+  const Eigen::Vector2d moved = began ? Eigen::Vector2d(0, 0) : input.mouse_delta;
+  switch (drag_) {
+    case Drag::None:
+    case Drag::Panel:
+      break;
+    case Drag::Orbit:
+      actions.orbit = moved;
+      break;
+    case Drag::Pan:
+      actions.pan = moved;
+      break;
+    case Drag::MoveTool:
+      actions.move_tool = moved;
+      break;
+    case Drag::PushTool:
+      actions.push_tool_px = moved.y();
+      break;
+    case Drag::Pull:
+      actions.pull_begin = began;
+      actions.pulling = true;
+      break;
+  }
+  actions.pick_point = input.double_click && drag_ == Drag::Orbit;
+  if (!input.mouse_taken) (input.shift ? actions.push_tool_notches : actions.zoom) = input.wheel;
+
+  if (input.keys_taken) return actions;
+  actions.toggle_pause = input.wasPressed(Key::Space);
+  actions.reset = input.wasPressed(Key::Backspace);
+  actions.single_step = input.wasPressed(Key::Period);
+  actions.frame_view = input.wasPressed(Key::F);
+  actions.toggle_panels = input.wasPressed(Key::H);
+  actions.toggle_help = input.wasPressed(Key::F1);
+  actions.close_help = input.wasPressed(Key::Escape) && help_is_open;
+  actions.quit = input.wasPressed(Key::Escape) && !help_is_open;
+  actions.toggle_nodes = input.wasPressed(Key::N);
+  actions.toggle_points = input.wasPressed(Key::P);
+  for (int k = 0; k < 4; ++k)
+    if (input.wasPressed(static_cast<Key>(static_cast<int>(Key::Digit1) + k))) actions.colour_map = k;
+  actions.tool_keys = input.arrows;
+  return actions;
+}
+
+std::optional<Key> keyFromGlfw(int code) {
+  static constexpr std::array<std::pair<int, Key>, static_cast<std::size_t>(Key::Count)> keys{
+      {{GLFW_KEY_SPACE, Key::Space},
+       {GLFW_KEY_BACKSPACE, Key::Backspace},
+       {GLFW_KEY_PERIOD, Key::Period},
+       {GLFW_KEY_F, Key::F},
+       {GLFW_KEY_H, Key::H},
+       {GLFW_KEY_F1, Key::F1},
+       {GLFW_KEY_ESCAPE, Key::Escape},
+       {GLFW_KEY_1, Key::Digit1},
+       {GLFW_KEY_2, Key::Digit2},
+       {GLFW_KEY_3, Key::Digit3},
+       {GLFW_KEY_4, Key::Digit4},
+       {GLFW_KEY_N, Key::N},
+       {GLFW_KEY_P, Key::P}}};
+  for (const auto& [glfw_code, key] : keys)
+    if (glfw_code == code) return key;
+  return {};
+}
+
+Input inputFromImGui(std::uint32_t pressed) {
+  const ImGuiIO& io = ImGui::GetIO();
+  Input input;
+  input.mouse = {io.MousePos.x, io.MousePos.y};
+  input.mouse_delta = {io.MouseDelta.x, io.MouseDelta.y};
+  // Shift turns the wheel sideways on some systems.
+  input.wheel = io.MouseWheel != 0 ? io.MouseWheel : io.KeyShift ? io.MouseWheelH : 0;
+  input.left = io.MouseDown[0];
+  input.right = io.MouseDown[1];
+  input.double_click = io.MouseDoubleClicked[0];
+  input.shift = io.KeyShift;
+  input.ctrl = io.KeyCtrl;
+  input.mouse_taken = io.WantCaptureMouse;
+  input.keys_taken = io.WantTextInput;
+  input.pressed = pressed;
+
+  const auto axis = [](int minus, int plus) {
+    return (ImGui::IsKeyDown(plus) ? 1.0 : 0.0) - (ImGui::IsKeyDown(minus) ? 1.0 : 0.0);
+  };
+  input.arrows = {axis(GLFW_KEY_LEFT, GLFW_KEY_RIGHT), axis(GLFW_KEY_DOWN, GLFW_KEY_UP),
+                  axis(GLFW_KEY_PAGE_DOWN, GLFW_KEY_PAGE_UP)};
+  return input;
+}
+
+}  // namespace palpate::app

@@ -1,0 +1,85 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include <cstdint>
+#include <optional>
+
+namespace palpate::app {
+
+/// The keys that mean something in the view; letters are those of MuJoCo's simulate where it has them.
+enum class Key : std::uint8_t {
+  Space,
+  Backspace,
+  Period,
+  F,
+  H,
+  F1,
+  Escape,
+  Digit1,
+  Digit2,
+  Digit3,
+  Digit4,
+  N,
+  P,
+  Count
+};
+
+/// What mouse and keyboard did since the last frame.
+struct Input {
+  Eigen::Vector2d mouse{0, 0};        // px, from the window's top left corner
+  Eigen::Vector2d mouse_delta{0, 0};  // px
+  double wheel = 0;                   // notches, away from the user positive
+  bool left = false, right = false;   // buttons held
+  bool double_click = false;          // left button
+  bool shift = false, ctrl = false;
+  bool mouse_taken = false;         // the pointer is over a panel
+  bool keys_taken = false;          // a panel is being typed into
+  std::uint32_t pressed = 0;        // bit per Key: went down since the last frame
+  Eigen::Vector3d arrows{0, 0, 0};  // held keys, -1..1: Left/Right, Down/Up, PageDown/PageUp
+
+  bool wasPressed(Key key) const { return (pressed >> static_cast<unsigned>(key) & 1u) != 0; }
+  void press(Key key) { pressed |= 1u << static_cast<unsigned>(key); }
+};
+
+/// What a held mouse button is doing. It is settled when the button goes down and
+/// stays so until it comes up, whatever the modifiers or the pointer do meanwhile.
+enum class Drag : std::uint8_t { None, Panel, Orbit, Pan, Pull, MoveTool, PushTool };
+
+/// What one frame's input asks for.
+struct Actions {
+  bool toggle_pause = false, reset = false, single_step = false;
+  bool frame_view = false, toggle_panels = false, toggle_help = false;
+  bool close_help = false, quit = false;
+  bool toggle_nodes = false, toggle_points = false;
+  int colour_map = -1;                     // 0..3, -1: no change
+  Eigen::Vector2d orbit{0, 0}, pan{0, 0};  // px
+  double zoom = 0;                         // notches
+  Eigen::Vector2d move_tool{0, 0};         // px in the view plane
+  double push_tool_px = 0;                 // px along the tool's axis, into the tissue positive
+  double push_tool_notches = 0;            // the same by wheel
+  Eigen::Vector3d tool_keys{0, 0, 0};      // -1..1: right, away from the viewer, out of the tissue
+  bool pick_point = false;                 // show the support of the point under the pointer
+  bool pull_begin = false;                 // take hold of the skin under the pointer
+  bool pulling = false;                    // the pointer drags what was taken hold of
+};
+
+/// Turns input into actions; keeps nothing but the present drag.
+class Controls {
+ public:
+  Actions read(const Input& input, bool help_is_open);
+  Drag drag() const { return drag_; }
+
+ private:
+  Drag drag_ = Drag::None;
+};
+
+/// The meaning of a GLFW key code, if it has one here.
+std::optional<Key> keyFromGlfw(int code);
+
+/// The input that ImGui gathered for the present frame, with the keys that went down
+/// since the last one (a bit per Key): ImGui knows which keys are down, and so misses
+/// those that are up again before a slow frame ends.
+Input inputFromImGui(std::uint32_t pressed);
+
+}  // namespace palpate::app

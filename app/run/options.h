@@ -1,0 +1,38 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+namespace palpate::app {
+
+/// What the command line of `palpate` asks for. Values are checked as far as that
+/// needs neither the scene nor the file system.
+struct Options {
+  std::string scene;  // as typed: a file, or the name of a scene in assets/scenes
+  bool offscreen = false;
+  std::optional<double> seconds;       // s of physics time, then end
+  std::optional<double> soak_minutes;  // min of physics time under a tool that never stops, then end
+  std::optional<double> rate_hz;       // instead of the scene's
+  std::optional<int> threads;          // instead of the scene's
+  std::optional<double> snapshot_at;   // s; off-screen picture; default: the end of the run
+  std::string tool_script;             // as typed: a file, or the name of a script in assets/tools; empty: none
+  std::string record;                  // empty: none
+  std::string replay;                  // empty: none
+  std::string out;                 // empty: out/<scene> off-screen, out/<scene>-soak in a soak, nothing in the window
+  int width = 1280, height = 800;  // px
+  bool as_fast_as_possible = false;
+  bool use_cache = false;  // keep the set-up for the next start
+};
+
+/// The outcome of reading a command line: options to run with, or a text to print
+/// and an exit code (0: help or version was asked for; 2: the line can't be used).
+struct ParsedOptions {
+  std::optional<Options> options;
+  std::string message;
+  int exit_code = 0;
+};
+
+/// Reads the command line. Never prints or exits itself.
+ParsedOptions parseOptions(int argc, const char* const* argv);
+
+}  // namespace palpate::app

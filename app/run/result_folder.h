@@ -1,0 +1,47 @@
+#pragma once
+
+#include <fstream>
+#include <string>
+
+#include "app/render/picture.h"
+#include "realtime/channels/snapshot.h"
+
+namespace palpate::app {
+
+/// The folder that a run's results go to: force.csv, report.json, snapshot.png.
+/// Each function throws std::runtime_error naming the file and the system's reason
+/// when it can't be written (folder read-only, disk full).
+class ResultFolder {
+ public:
+  /// Makes the folder where it is missing and begins force.csv, so that a run that
+  /// could not keep its results never starts.
+  /// @param with_forces  false: no force.csv; addForce does nothing
+  explicit ResultFolder(const std::string& folder, bool with_forces = true);
+
+  /// One row of force.csv.
+  void addForce(const ForceSample& sample);
+  /// Ends force.csv. Rows that could not be written are found here at the latest.
+  void finishForces();
+
+  void writeReport(const std::string& json) const;
+  void writePicture(const Picture& picture) const;
+
+  std::string forceFile() const { return folder_ + "/force.csv"; }
+  std::string reportFile() const { return folder_ + "/report.json"; }
+  std::string soakJsonFile() const { return folder_ + "/soak.json"; }
+  std::string soakTextFile() const { return folder_ + "/soak.txt"; }
+  std::string pictureFile() const { return folder_ + "/snapshot.png"; }
+
+ private:
+  void checkForces();
+
+  std::string folder_;
+  bool with_forces_;
+  std::ofstream forces_;
+};
+
+/// Throws std::runtime_error with the system's reason and `advice` unless `file` can be
+/// created or overwritten.
+void checkWritable(const std::string& file, const std::string& advice);
+
+}  // namespace palpate::app

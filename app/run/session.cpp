@@ -1,0 +1,339 @@
+#include "app/run/session.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <iostream>
+#include <stdexcept>
+
+#include "app/panels/format.h"
+#include "base/interrupt.h"
+#include "io/find_asset.h"
+#include "io/indent_script.h"
+#include "io/load_model.h"
+#include "io/scene_file.h"
+#include "simulation/model_hash.h"
+
+namespace palpate::app {
+
+namespace {
+
+constexpr double history_seconds = 8;  // of the plots
+constexpr double default_offscreen_seconds = 4;
+
+std::string fileName(const std::string& path) { return std::filesystem::path(path).filename().string(); }
+
+/// The files that the run will write, opened or tried before anything takes time.
+std::optional<ResultFolder> openResults(const Options& options) {
+  if (!options.record.empty()) checkWritable(options.record, "choose another file with --record");
+  const std::string named = "out/" + std::filesystem::path(options.scene).stem().string();
+  // A soak's force curve would grow by 150 MB an hour and tell nothing that its report doesn't.
+  if (options.soak_minutes) return ResultFolder(options.out.empty() ? named + "-soak" : options.out, false);
+  if (!options.out.empty()) return ResultFolder(options.out);
+  if (options.offscreen) return ResultFolder(named);
+  return {};
+}
+
+Model buildModelOf(const Scene& scene, bool use_cache, Log& log) {
+  const bool watched = isatty(STDERR_FILENO) != 0;
+  const auto warn = [&](const std::string& line) {
+    if (watched) std::cerr << "\r\033[K";  // over the progress
+    log.warning(line);
+  };
+  const ModelCache cache(use_cache ? ModelCache::userFolder() : "", warn);
+  std::string shown;
+  Model model = loadModel(
+      scene,
+      [&](const std::string& what, double fraction) {
+        if (interrupted()) throw std::runtime_error("interrupted while the model was made");
+        if (!watched) return;
+        std::string line = format("\r\033[K%3.0f %%  %s", 100 * fraction, what.c_str());
+        if (line == shown) return;
+        std::cerr << line << std::flush;
+        shown = std::move(line);
+      },
+      cache, warn);
+  if (watched) std::cerr << "\r\033[K" << std::flush;
+  log.info(format("%s: %d nodes, %d integration points, %d x %.0f us per tick, ready in %.2f s", scene.name.c_str(),
+                  model.nodeCount(), model.pointCount(), model.substeps_per_tick, model.dt * 1e6, model.setup_seconds));
+  if (model.added_mass > 0)
+    log.info(format("mass scaling added %.3g %% to the mass: the same forces at rest, slower motion",
+                    100 * model.added_mass));
+  return model;
+}
+
+std::int64_t ticksIn(double seconds, double rate_hz) {
+  return std::max<std::int64_t>(1, std::llround(seconds * rate_hz));
+}
+
+SetupLine setupLine(const char* name, const std::string& outcome) {
+  const std::string done = "done: ", refused = "not done: ";
+  if (outcome.starts_with(done)) return {name, outcome.substr(done.size()), true};
+  if (outcome.starts_with(refused)) return {name, "no: " + outcome.substr(refused.size()), false};
+  return {name, outcome, false};
+}
+
+}  // namespace
+
+Scene readScene(const Options& options) {
+  Scene scene = palpate::readScene(findScene(options.scene));
+  if (options.rate_hz) scene.rate_hz = *options.rate_hz;
+  if (options.threads) scene.threads = *options.threads;
+  return scene;
+}
+
+Session::Session(const Options& options, const Scene& scene, Log& log)
+    : options_(options),
+      log_(log),
+      scene_(scene),
+      tool_script_(namedScript(options.tool_script, scene.tool.radius)),
+      results_(openResults(options)),
+      model_(buildModelOf(scene_, options.use_cache, log)),
+      scene_materials_(model_.materials),
+      stiffness_(model_.materials.size(), 1.0),
+      sent_before_(stiffness_),
+      friction_(scene_.friction),
+      forces_(history_seconds) {
+  SimulationLoopOptions loop_options;
+  loop_options.as_fast_as_possible = options_.as_fast_as_possible;
+  loop_options.start_paused = !options_.offscreen;  // the window resumes with its first picture
+  chooseInput(loop_options);
+
+  if (!options_.record.empty()) {
+    recording_ = Recording{scene_.name, modelHash(model_), scene_.rate_hz, 0, {}};
+    loop_options.record = true;
+  }
+
+  physics_ = std::make_unique<TissuePhysics>(model_, scene_.threads);
+  loop_ = std::make_unique<SimulationLoop>(model_, *physics_, &physics_->team(), std::move(loop_options));
+}
+
+Session::~Session() = default;
+
+/// What moves the tool, and how long the run lasts.
+void Session::chooseInput(SimulationLoopOptions& loop_options) {
+  const double rate = scene_.rate_hz;
+  double track_seconds = 0;
+  if (options_.soak_minutes) {
+    soak_.emplace(model_, *options_.soak_minutes);
+    loop_options.motion = &soak_->motion();
+    loop_options.tick_limit = ticksIn(60 * *options_.soak_minutes, rate);
+    track_driver_ = ToolDriver::Script;
+    script_ = "soak";
+    track_over_ = false;
+    return;
+  }
+  if (!options_.replay.empty()) {
+    Recording recording = readRecording(options_.replay);
+    checkRecordingFits(recording, model_, options_.replay);
+    loop_options.track = std::move(recording.changes);
+    loop_options.track_ticks = recording.ticks;
+    track_seconds = static_cast<double>(recording.ticks) / rate;
+    track_driver_ = ToolDriver::Replay;
+    script_ = fileName(options_.replay);
+  } else if (tool_script_) {
+    const std::vector<Pose> poses = scriptPoses(*tool_script_, model_);
+    loop_options.track = trackFromPoses(poses);
+    loop_options.track_ticks = static_cast<std::int64_t>(poses.size());
+    track_seconds = static_cast<double>(poses.size()) / rate;
+    track_driver_ = ToolDriver::Script;
+    script_ = tool_script_->name.empty() ? fileName(options_.tool_script) : tool_script_->name;
+  } else if (options_.offscreen) {
+    track_seconds = options_.seconds.value_or(default_offscreen_seconds);
+    const ToolScript script = indentScript(model_);
+    loop_options.track = trackFromPoses(scriptPoses(script, model_));
+    loop_options.track_ticks = ticksIn(track_seconds, rate);  // longer than the script: the tool stays
+    track_driver_ = ToolDriver::Script;
+    script_ = script.name;
+  }
+  track_over_ = loop_options.track.empty();
+
+  if (options_.seconds)
+    loop_options.tick_limit = ticksIn(*options_.seconds, rate);
+  else if (options_.offscreen)
+    loop_options.tick_limit = ticksIn(track_seconds, rate);
+}
+
+void Session::start() { loop_->start(); }
+
+void Session::gather() {
+  ForceSample sample;
+  while (loop_->forces().pop(sample)) {
+    forces_.add(sample);
+    if (results_) results_->addForce(sample);
+  }
+  LogEvent event;
+  while (loop_->log().pop(event)) takeEvent(event);
+  TimedRequest change;
+  while (loop_->recorded().pop(change))
+    if (recording_) recording_->changes.push_back(change);
+  if (soak_ && !ended_) soak_->update(*loop_, *results_);
+}
+
+void Session::takeEvent(const LogEvent& event) {
+  using Kind = LogEvent::Kind;
+  const std::string text = logText(event);
+  if (event.isFreeze()) {
+    frozen_reason_ = text;
+    if (soak_) loop_->quit();  // broken for good
+    log_.error(text);
+  } else if (event.isWarning() || event.kind == Kind::MaterialRefused) {
+    log_.warning(text);
+  } else {
+    log_.info(text);
+  }
+  switch (event.kind) {
+    case Kind::TrackEnded:
+      track_over_ = true;
+      break;
+    case Kind::FrictionSet:
+      friction_ = event.value;
+      break;
+    case Kind::MaterialRefused: {
+      const auto m = static_cast<std::size_t>(event.index);
+      stiffness_[m] = sent_before_[m];
+      break;
+    }
+    case Kind::Reset:
+      forces_.clear();
+      if (track_driver_ != ToolDriver::User) {  // the track starts over, with the scene's own values
+        track_over_ = false;
+        stiffness_.assign(stiffness_.size(), 1.0);
+      }
+      break;
+    default:
+      break;
+  }
+}
+
+void Session::finish() {
+  if (ended_) return;
+  ended_ = true;
+  loop_->quit();
+  loop_->join();
+  gather();
+  const RunSummary& summary = loop_->summary();
+  if (summary.lost_force_samples > 0)
+    log_.warning(format("%lld force samples were lost: the main thread was kept from running",
+                        static_cast<long long>(summary.lost_force_samples)));
+  if (results_) results_->finishForces();
+  if (soak_) {
+    const std::string broken = soak_->finish(*loop_, *results_, interrupted());
+    if (!broken.empty()) failure_ = "the soak failed: " + broken;
+  }
+  if (recording_) {
+    recording_->ticks = summary.ticks;
+    try {
+      if (summary.lost_records > 0)
+        throw std::runtime_error(options_.record + " was not written: " + std::to_string(summary.lost_records) +
+                                 " changes were lost, the run can't be repeated from it");
+      writeRecording(*recording_, options_.record);
+      log_.info("recording: " + options_.record);
+    } catch (const std::exception& error) {
+      failure_ = error.what();
+    }
+  }
+  if (summary.frozen && options_.offscreen && failure_.empty()) failure_ = "the run ended frozen: " + frozen_reason_;
+}
+
+void Session::send(const Request& request) {
+  if (loop_->commands().push(request) || request.kind == Request::Kind::MoveTool) return;
+  log_.warning("the loop did not take a request: it has not run for a long time");
+}
+
+void Session::setFriction(double coefficient) {
+  friction_ = coefficient;
+  send(Request::setFriction(coefficient));
+}
+
+void Session::setStiffness(int material, double stiffness) {
+  const auto m = static_cast<std::size_t>(material);
+  sent_before_[m] = stiffness_[m];
+  stiffness_[m] = stiffness;
+  send(Request::setMaterial(material, stiffened(scene_materials_[m], stiffness)));
+}
+
+ToolDriver Session::driver() const { return track_over_ ? ToolDriver::User : track_driver_; }
+
+TimingView Session::timing(const Snapshot& snapshot) const {
+  constexpr int bar_count = 80;
+  const DeadlineStatistics& statistics = loop_->statistics();
+  const Percentiles step = statistics.step.percentiles(), late = statistics.wakeup_late.percentiles();
+  TimingView view;
+  view.rate_hz = scene_.rate_hz;
+  view.threads = physics_->team().size();
+  view.step_p50 = step.p50;
+  view.step_p99 = step.p99;
+  view.step_p999 = step.p999;
+  view.step_max = step.max;
+  view.late_p99 = late.p99;
+  view.late_max = late.max;
+  view.histogram_end = std::max(1.1e6 / scene_.rate_hz, 1.1 * step.p999);
+  view.histogram.assign(bar_count, 0.0F);
+  for (int b = 0; b < DurationHistogram::kBinCount; ++b) {
+    const std::int64_t count = statistics.step.binCount(b);
+    if (count == 0) continue;
+    const double middle = 0.5 * (DurationHistogram::binBeginUs(b) + DurationHistogram::binEndUs(b));
+    const int bar = std::min(bar_count - 1, static_cast<int>(bar_count * middle / view.histogram_end));
+    view.histogram[static_cast<std::size_t>(bar)] += static_cast<float>(count);
+  }
+  // The loop's thread has set itself up before it publishes its first tick.
+  if (snapshot.status.ticks > 0) {
+    const RtSetup& setup = loop_->summary().rt_setup;
+    view.setup = {setupLine("Scheduling", setup.scheduling), setupLine("Memory lock", setup.memory_lock),
+                  setupLine("Affinity", setup.affinity), setupLine("Denormals", setup.denormals)};
+  }
+  return view;
+}
+
+/// Pictures of a moment, off-screen or after the end, show its force as it was then.
+ForceReading Session::shownForce(const Snapshot& snapshot) const {
+  return ended_ || options_.offscreen ? ForceReading{snapshot.force, 0, true} : loop_->force();
+}
+
+PanelData Session::panelData(const Snapshot& snapshot) const {
+  PanelData data{.model = model_, .snapshot = snapshot, .forces = forces_, .log = log_.lines()};
+  data.timing = timing(snapshot);
+  data.force = shownForce(snapshot);
+  for (std::size_t m = 0; m < stiffness_.size(); ++m)
+    data.materials.push_back({scene_.materials[m], stiffened(scene_materials_[m], stiffness_[m]), stiffness_[m]});
+  data.friction = friction_;
+  data.driver = driver();
+  data.script = script_;
+  if (data.driver == ToolDriver::Script) data.input_note = "a script runs, which must find the scene's own values";
+  if (data.driver == ToolDriver::Replay) data.input_note = "a recording runs, which brings its own values";
+  data.frozen_reason = frozen_reason_;
+  return data;
+}
+
+RunReport Session::report() {
+  return makeRunReport(model_, loop_->summary(), loop_->statistics(), physics_->team().size(),
+                       volumeChange(model_, latest().u.data()));
+}
+
+Material stiffened(Material material, double factor) {
+  material.shear_modulus *= factor;
+  material.bulk_modulus *= factor;
+  for (double& mu : material.mu) mu *= factor;
+  return material;
+}
+
+double volumeChange(const Model& model, const Float4* u) {
+  const ShapeTable& shape = model.point_shape;
+  double volume = 0, change = 0;
+  for (int q = 0; q < model.pointCount(); ++q) {
+    Mat3 F = Mat3::Identity();
+    for (int k = shape.begin[static_cast<std::size_t>(q)]; k < shape.begin[static_cast<std::size_t>(q) + 1]; ++k) {
+      const auto e = static_cast<std::size_t>(k);
+      F += toVec3(u[shape.node[e]]) * shape.gradN[e].transpose();
+    }
+    const double V = model.point_volume[static_cast<std::size_t>(q)];
+    volume += V;
+    change += V * (F.determinant() - 1);
+  }
+  return volume > 0 ? change / volume : 0;
+}
+
+}  // namespace palpate::app

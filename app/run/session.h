@@ -1,0 +1,108 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "app/panels/force_history.h"
+#include "app/panels/log.h"
+#include "app/panels/panels.h"
+#include "app/run/options.h"
+#include "app/run/result_folder.h"
+#include "app/run/soak.h"
+#include "io/tool_script.h"
+#include "realtime/loop/simulation_loop.h"
+#include "realtime/recording/recording_file.h"
+#include "realtime/recording/run_report.h"
+#include "simulation/model.h"
+
+namespace palpate::app {
+
+/// The scene that the options name, with what they say instead. Throws InputError.
+Scene readScene(const Options& options);
+
+/// A run as window and off-screen program share it: scene, model and loop, and all that
+/// the loop tells while it runs (forces, messages, changes to record).
+/// All functions belong to the main thread; the loop has its own.
+class Session {
+ public:
+  /// Reads the tool script, opens the result files, builds the model (seconds), reads the recording.
+  /// Throws InputError for what can't be used, std::runtime_error for what can't be written.
+  /// @param scene  as readScene(options) gives it
+  Session(const Options& options, const Scene& scene, Log& log);
+  ~Session();
+  Session(const Session&) = delete;
+  Session& operator=(const Session&) = delete;
+
+  void start();
+  bool finished() const { return loop_->finished(); }
+
+  /// Takes what the loop has to tell since the last call. At least once a second.
+  void gather();
+
+  /// Ends the loop, takes the rest, and writes recording and forces. Once.
+  void finish();
+
+  /// The newest tick; valid until the next call.
+  const Snapshot& latest() { return loop_->snapshots().latest(); }
+
+  /// Hands a request to the loop; says so in the log where the loop does not take it.
+  void send(const Request& request);
+  void setFriction(double coefficient);
+  /// @param stiffness  times the scene's
+  void setStiffness(int material, double stiffness);
+
+  /// What the panels show besides the picture. Refers to this session and `snapshot`.
+  PanelData panelData(const Snapshot& snapshot) const;
+  ToolDriver driver() const;
+
+  /// (after finish) All that report.json says.
+  RunReport report();
+
+  const Model& model() const { return model_; }
+  const Options& options() const { return options_; }
+  /// (after finish) Why the run counts as failed though its files are kept; empty: it does not.
+  const std::string& failure() const { return failure_; }
+
+  ResultFolder* results() { return results_ ? &*results_ : nullptr; }
+  Log& log() { return log_; }
+
+ private:
+  void chooseInput(SimulationLoopOptions& loop_options);
+  void takeEvent(const LogEvent& event);
+  TimingView timing(const Snapshot& snapshot) const;
+  ForceReading shownForce(const Snapshot& snapshot) const;
+
+  Options options_;
+  Log& log_;
+  Scene scene_;  // as loaded; the model's copy is the loop's to change
+  std::optional<ToolScript> tool_script_;
+  std::optional<ResultFolder> results_;
+  std::string failure_;
+  Model model_;
+  std::vector<Material> scene_materials_;
+  std::vector<double> stiffness_;    // (material_count) present, times the scene's
+  std::vector<double> sent_before_;  // (material_count) before the last request, should it be refused
+  double friction_ = 0;
+  std::optional<Soak> soak_;
+  std::unique_ptr<TissuePhysics> physics_;
+  std::unique_ptr<SimulationLoop> loop_;
+  std::optional<Recording> recording_;
+  ForceHistory forces_;
+  std::string script_;  // name of tool script or recording
+  ToolDriver track_driver_ = ToolDriver::User;
+  bool track_over_ = true;
+  std::string frozen_reason_;
+  bool ended_ = false;
+};
+
+/// The material with all its stiffnesses times `factor`; the density stays.
+Material stiffened(Material material, double factor);
+
+/// Relative change of the organ's volume: sum_q V_q (J_q - 1) / sum_q V_q, with J_q = det F_q
+/// and F_q = I + sum_i u_i (x) gradN_i(X_q) (X of paper eqs. 9, 31).
+/// @param u  displacement parameters, m  (node_count)
+double volumeChange(const Model& model, const Float4* u);
+
+}  // namespace palpate::app

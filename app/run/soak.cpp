@@ -1,0 +1,113 @@
+#include "app/run/soak.h"
+
+#include <iostream>
+#include <utility>
+
+#include "app/run/soak_places.h"
+#include "io/output_file.h"
+
+namespace palpate::app {
+
+namespace {
+
+constexpr int place_count = 24;
+constexpr unsigned seed = 1;
+constexpr int warm_cycles = 2;
+constexpr double counter_seconds = 1;  // the threads' counters are gone with them, so they are read often
+
+double secondsSince(std::chrono::steady_clock::time_point time) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - time).count();
+}
+
+std::vector<SoakThread> countersOf(const SimulationLoop& loop) {
+  std::vector<SoakThread> threads;
+  for (const int id : loop.summary().rt_setup.thread_ids) threads.push_back({id, readThreadCounters(id)});
+  return threads;
+}
+
+}  // namespace
+
+Soak::Soak(const Model& model, double minutes)
+    : motion_(model, soakPlaces(model, place_count, seed), seed), rate_hz_(model.scene.rate_hz) {
+  report_.scene = model.scene.name;
+  report_.state = "running";
+  report_.minutes = minutes;
+  report_.organ_size_m = motion_.organSize();
+}
+
+void Soak::takeCycles() {
+  for (SoakCycle cycle; motion_.cycles().pop(cycle);) addCycle(report_, cycle);
+}
+
+void Soak::update(SimulationLoop& loop, const ResultFolder& results) {
+  takeCycles();
+  if (!report_.warm && report_.cycles >= warm_cycles &&
+      static_cast<double>(loop.statistics().ticks) >= warm_physics_seconds * rate_hz_)
+    warmUp(loop, results);
+  if (report_.warm && secondsSince(last_counters_) >= counter_seconds) countThreads(loop);
+  if (secondsSince(last_report_) < interval_seconds) return;
+  last_report_ = SteadyClock::now();
+  measure(loop);
+  write(results);
+  std::cout << soakLine(report_) << std::endl;  // not into the log, which keeps its lines
+}
+
+/// Does all that the later reports do, so that they find the memory that they need.
+void Soak::warmUp(SimulationLoop& loop, const ResultFolder& results) {
+  measure(loop);
+  write(results);
+  report_.warm_physics_seconds = report_.physics_seconds;
+  warm_threads_ = countersOf(loop);
+  countThreads(loop);
+  report_.warm = readMemoryUse();
+}
+
+void Soak::measure(SimulationLoop& loop) {
+  const DeadlineStatistics& statistics = loop.statistics();
+  const LoopStatus& status = loop.snapshots().latest().status;
+  report_.ticks = statistics.ticks;
+  report_.physics_seconds = static_cast<double>(report_.ticks) / rate_hz_;
+  report_.wall_seconds = secondsSince(begin_);
+  report_.realtime_factor = status.realtime_factor;
+  report_.recent_realtime_factor = status.recent_realtime_factor;
+  report_.frozen = status.frozen;
+  report_.overruns = statistics.overrun_count;
+  report_.longest_overrun_streak = statistics.longest_overrun_streak;
+  for (std::size_t c = 0; c < kLateCauseCount; ++c) report_.late_ticks[c] = statistics.late_ticks[c];
+  report_.step_us = statistics.step.percentiles();
+  report_.wakeup_late_us = statistics.wakeup_late.percentiles();
+  report_.step_bars = barsOf(statistics.step);
+  report_.wakeup_late_bars = barsOf(statistics.wakeup_late);
+  report_.memory = readMemoryUse();
+}
+
+/// Threads that have ended count no more: what was read last stays.
+void Soak::countThreads(const SimulationLoop& loop) {
+  last_counters_ = SteadyClock::now();
+  std::vector<SoakThread> threads = countersOf(loop);
+  if (loop.finished()) return;
+  for (std::size_t t = 0; t < threads.size(); ++t)
+    threads[t].counters = threads[t].counters - warm_threads_[t].counters;
+  report_.threads = std::move(threads);
+}
+
+void Soak::write(const ResultFolder& results) const {
+  writeWholeFile(results.soakJsonFile(), toJson(report_));
+  writeWholeFile(results.soakTextFile(), toText(report_));
+}
+
+std::string Soak::finish(SimulationLoop& loop, const ResultFolder& results, bool interrupted) {
+  takeCycles();
+  report_.state = interrupted ? "interrupted" : "done";
+  measure(loop);
+  report_.flags |= loop.summary().flags;
+  report_.frozen = loop.summary().frozen;
+  report_.realtime_factor = loop.summary().totals.realtime_factor;
+  write(results);
+  std::cout << toText(report_) << std::flush;
+  std::string broken;
+  for (const std::string& promise : brokenPromises(report_)) broken += (broken.empty() ? "" : "; ") + promise;
+  return broken;
+}
+
+}  // namespace palpate::app

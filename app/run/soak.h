@@ -1,0 +1,48 @@
+#pragma once
+
+#include <chrono>
+#include <string>
+
+#include "app/run/result_folder.h"
+#include "app/run/soak_motion.h"
+#include "app/run/soak_report.h"
+#include "realtime/loop/simulation_loop.h"
+
+namespace palpate::app {
+
+/// A long run under a tool that never stops, watched for what must not change: memory, the state at
+/// rest, finite numbers. Belongs to the main thread; motion() to the loop's.
+class Soak {
+ public:
+  static constexpr double interval_seconds = 60;      // wall time between lines and reports
+  static constexpr double warm_physics_seconds = 20;  // by then every buffer of the program has its size
+
+  /// @param minutes  of physics time
+  Soak(const Model& model, double minutes);
+
+  ToolMotion& motion() { return motion_; }
+
+  /// Takes what the loop has to tell; prints and writes the report once a minute. At least once a second.
+  void update(SimulationLoop& loop, const ResultFolder& results);
+
+  /// After the loop's end: the last report.
+  /// @return the promises that were broken, as one sentence; empty: all kept
+  std::string finish(SimulationLoop& loop, const ResultFolder& results, bool interrupted);
+
+ private:
+  using SteadyClock = std::chrono::steady_clock;
+
+  void takeCycles();
+  void warmUp(SimulationLoop& loop, const ResultFolder& results);
+  void measure(SimulationLoop& loop);
+  void countThreads(const SimulationLoop& loop);
+  void write(const ResultFolder& results) const;
+
+  SoakMotion motion_;
+  SoakReport report_;
+  double rate_hz_;
+  std::vector<SoakThread> warm_threads_;
+  SteadyClock::time_point begin_ = SteadyClock::now(), last_report_ = begin_, last_counters_ = begin_;
+};
+
+}  // namespace palpate::app

@@ -1,0 +1,178 @@
+#include "app/run/soak_report.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "realtime/recording/run_report.h"
+
+namespace palpate::app {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr int kBinsPerBar = (1 << DurationHistogram::kSubBits) / 4;
+constexpr int kLongestBar = 50;  // characters
+
+template <class... Values>
+std::string format(const char* pattern, Values... values) {
+  char text[512];
+  std::snprintf(text, sizeof text, pattern, values...);
+  return text;
+}
+
+long long number(std::int64_t n) { return static_cast<long long>(n); }
+double kB(std::int64_t bytes) { return static_cast<double>(bytes) / 1024; }
+
+Json barsJson(const std::vector<HistogramBar>& bars) {
+  Json json = Json::array();
+  for (const HistogramBar& bar : bars) json.push_back(Json::array({bar.begin_us, bar.end_us, bar.count}));
+  return json;
+}
+
+std::string barsText(const char* title, const std::vector<HistogramBar>& bars, const Percentiles& p) {
+  std::string text =
+      format("%s: p50 %.1f, p99 %.1f, p99.9 %.1f, longest %.1f us\n", title, p.p50, p.p99, p.p999, p.max);
+  std::int64_t most = 1;
+  for (const HistogramBar& bar : bars) most = std::max(most, bar.count);
+  for (const HistogramBar& bar : bars) {
+    // Logarithmic: a single late tick among a million must show.
+    const double share = std::log1p(static_cast<double>(bar.count)) / std::log1p(static_cast<double>(most));
+    text += format("%10.1f us %12lld ", bar.begin_us, number(bar.count)) +
+            std::string(static_cast<std::size_t>(std::lround(kLongestBar * share)), '#') + "\n";
+  }
+  return text;
+}
+
+std::string memoryText(const SoakReport& r) {
+  if (!r.warm) return "still warming up";
+  return format("%+.0f kB", kB(r.memoryGrowth()));
+}
+
+}  // namespace
+
+std::vector<HistogramBar> barsOf(const DurationHistogram& histogram) {
+  std::vector<HistogramBar> bars;
+  for (int b = 0; b < DurationHistogram::kBinCount; b += kBinsPerBar) {
+    HistogramBar bar{DurationHistogram::binBeginUs(b), DurationHistogram::binBeginUs(b + kBinsPerBar), 0};
+    for (int k = b; k < b + kBinsPerBar; ++k) bar.count += histogram.binCount(k);
+    if (bar.count > 0 || !bars.empty()) bars.push_back(bar);
+  }
+  while (!bars.empty() && bars.back().count == 0) bars.pop_back();
+  return bars;
+}
+
+void addCycle(SoakReport& report, const SoakCycle& cycle) {
+  ++report.cycles;
+  report.unrested_cycles += !cycle.rested;
+  report.longest_rest_s = std::max(report.longest_rest_s, cycle.rest_s);
+  report.drift_m = cycle.drift_m;
+  report.largest_drift_m = std::max(report.largest_drift_m, cycle.drift_m);
+  report.peak_force_N = std::max(report.peak_force_N, cycle.peak_force_N);
+  report.min_J = std::min(report.min_J, cycle.min_J);
+  report.flags |= cycle.flags;
+}
+
+std::vector<std::string> brokenPromises(const SoakReport& r) {
+  std::vector<std::string> broken;
+  if (r.frozen || (r.flags & (kNotFinite | kBlowUp)) != 0 || !std::isfinite(r.drift_m) ||
+      !std::isfinite(r.peak_force_N))
+    broken.push_back("the state did not stay finite");
+  if (r.memoryGrowth() > 0) broken.push_back(format("memory grew by %.0f kB after the warm-up", kB(r.memoryGrowth())));
+  if (r.drift() > SoakMotion::drift_limit)
+    broken.push_back(format("the state at rest drifted by %.2g of the organ's size (limit %.0e)", r.drift(),
+                            SoakMotion::drift_limit));
+  if (r.unrested_cycles > 0)
+    broken.push_back(
+        format("after %lld of %lld cycles the tissue was still moving %.0f s later: too little damping, "
+               "or rounding that never settles",
+               number(r.unrested_cycles), number(r.cycles), SoakMotion::longest_rest_s));
+  return broken;
+}
+
+std::string soakLine(const SoakReport& r) {
+  return format("%.1f min: %lld cycles, real time x%.4f, step p99.9 %.0f us, %lld overruns, drift %.1e, min J %.3f, ",
+                r.physics_seconds / 60, number(r.cycles), r.realtime_factor, r.step_us.p999, number(r.overruns),
+                r.drift(), static_cast<double>(r.min_J)) +
+         "memory " + memoryText(r);
+}
+
+std::string toJson(const SoakReport& r) {
+  Json threads = Json::array();
+  for (const SoakThread& t : r.threads) {
+    threads.push_back({{"id", t.id},
+                       {"minor_faults", t.counters.minor_faults},
+                       {"major_faults", t.counters.major_faults},
+                       {"voluntary_switches", t.counters.voluntary_switches},
+                       {"involuntary_switches", t.counters.involuntary_switches}});
+  }
+  const auto memory = [](const MemoryUse& m) { return Json{{"resident", m.resident}, {"anonymous", m.anonymous}}; };
+  const Json json = {
+      {"scene", r.scene},
+      {"state", r.state},
+      {"broken_promises", brokenPromises(r)},
+      {"minutes", r.minutes},
+      {"physics_seconds", r.physics_seconds},
+      {"wall_seconds", r.wall_seconds},
+      {"realtime_factor", r.realtime_factor},
+      {"recent_realtime_factor", r.recent_realtime_factor},
+      {"ticks", r.ticks},
+      {"overruns", r.overruns},
+      {"longest_overrun_streak", r.longest_overrun_streak},
+      {"late_ticks", lateTicksJson(r.late_ticks)},
+      {"step_us", percentilesJson(r.step_us)},
+      {"wakeup_late_us", percentilesJson(r.wakeup_late_us)},
+      {"step_histogram", barsJson(r.step_bars)},
+      {"wakeup_late_histogram", barsJson(r.wakeup_late_bars)},
+      {"cycles", r.cycles},
+      {"unrested_cycles", r.unrested_cycles},
+      {"longest_rest_s", r.longest_rest_s},
+      {"organ_size_m", r.organ_size_m},
+      {"drift_m", r.drift_m},
+      {"drift", r.drift()},
+      {"largest_drift_m", r.largest_drift_m},
+      {"peak_force_N", r.peak_force_N},
+      {"min_J", r.min_J},
+      {"flags", flagNames(r.flags)},
+      {"frozen", r.frozen},
+      {"warm_physics_seconds", r.warm_physics_seconds},
+      {"memory_warm", r.warm ? memory(*r.warm) : Json()},
+      {"memory", memory(r.memory)},
+      {"memory_growth", r.warm ? Json(r.memoryGrowth()) : Json()},
+      {"threads_since_warm_up", threads},
+  };
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+std::string toText(const SoakReport& r) {
+  std::string text = format("soak of %s, %s: %.1f of %.1f min of physics in %.1f min\n", r.scene.c_str(),
+                            r.state.c_str(), r.physics_seconds / 60, r.minutes, r.wall_seconds / 60);
+  for (const std::string& broken : brokenPromises(r)) text += "BROKEN: " + broken + "\n";
+  text += soakLine(r) + "\n";
+  text +=
+      format("rest: longest wait %.2f s, drift at last %.2e m, at most %.2e m, of an organ of %.3f m; %lld unrested\n",
+             r.longest_rest_s, r.drift_m, r.largest_drift_m, r.organ_size_m, number(r.unrested_cycles));
+  std::string flags;
+  for (const std::string& name : flagNames(r.flags)) flags += " " + name;
+  text += format("peak force %.3f N, min J %.3f, flags:", r.peak_force_N, static_cast<double>(r.min_J)) +
+          (flags.empty() ? " none" : flags) + "\n";
+  text += format(
+      "ticks %lld, overruns %lld, longest streak %lld; late ticks: %lld woken late, %lld core taken, "
+      "%lld worker late, %lld long computation\n",
+      number(r.ticks), number(r.overruns), number(r.longest_overrun_streak), number(r.late_ticks[0]),
+      number(r.late_ticks[1]), number(r.late_ticks[2]), number(r.late_ticks[3]));
+  text += format("memory: %.0f kB anonymous, %.0f kB resident; since the warm-up (%.0f s of physics): ",
+                 kB(r.memory.anonymous), kB(r.memory.resident), r.warm_physics_seconds) +
+          memoryText(r) + "\n";
+  for (const SoakThread& t : r.threads)
+    text += format(
+        "thread %d since the warm-up: %lld minor and %lld major page faults, %lld voluntary and %lld "
+        "involuntary switches\n",
+        t.id, number(t.counters.minor_faults), number(t.counters.major_faults), number(t.counters.voluntary_switches),
+        number(t.counters.involuntary_switches));
+  text += barsText("step", r.step_bars, r.step_us) + barsText("wake-up late", r.wakeup_late_bars, r.wakeup_late_us);
+  return text;
+}
+
+}  // namespace palpate::app

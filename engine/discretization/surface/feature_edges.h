@@ -1,0 +1,24 @@
+#pragma once
+
+#include <vector>
+
+#include "base/types.h"
+#include "discretization/surface/triangle_surface.h"
+
+namespace palpate {
+
+/// The sharp lines of a surface, which a node cloud must follow so that its cells keep the shape.
+struct FeatureEdges {
+  struct Chain {
+    std::vector<Vec3> points;  // polyline, m; a closed one repeats its first point at the end
+    bool closed = false;
+  };
+  std::vector<Vec3> corners;  // where chains end, meet or turn sharply, m
+  std::vector<Chain> chains;  // open ones run from corner to corner
+};
+
+/// Finds the edges at which the faces' normals differ by more than `angle` (rad), and links them.
+/// Default 40 degrees: above what a coarse but smooth mesh has (a round of 9 faces), below a right angle.
+FeatureEdges findFeatureEdges(const TriangleSurface& surface, double angle = 0.698);
+
+}  // namespace palpate

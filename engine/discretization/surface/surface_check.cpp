@@ -1,0 +1,306 @@
+#include "discretization/surface/surface_check.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <numeric>
+
+#include "base/input_error.h"
+#include "discretization/surface/surface_geometry.h"
+#include "discretization/surface/surface_parts.h"
+#include "discretization/surface/surface_tree.h"
+
+namespace palpate {
+
+namespace {
+
+// A face is refused as flat where its height is below this fraction of its longest edge:
+// its normal would be rounding noise.
+constexpr double flat_face_ratio = 1e-9;
+
+// Faces pierce one another where an edge goes through by more than this fraction of their size;
+// below it they merely touch.
+constexpr double pierce_ratio = 1e-9;
+
+std::string text(const Vec3& x) {
+  char buffer[96];
+  std::snprintf(buffer, sizeof buffer, "(%.6g, %.6g, %.6g) m", x.x(), x.y(), x.z());
+  return buffer;
+}
+
+std::string counted(int count, const std::string& one, const std::string& many) {
+  return std::to_string(count) + " " + (count == 1 ? one : many);
+}
+
+/// The surface with its source: what the single checks share.
+struct Subject {
+  const TriangleSurface& surface;
+  const SurfaceSource& source;
+
+  int faceCount() const { return static_cast<int>(surface.triangles.size()); }
+  SourceLocation facePlace(int t) const {
+    return {source.file, source.triangle_line.empty() ? 0 : source.triangle_line[t], 0};
+  }
+  SourceLocation vertexPlace(int v) const {
+    return {source.file, source.vertex_line.empty() ? 0 : source.vertex_line[v], 0};
+  }
+  /// "face 3 of 12": counted from 1, as OBJ counts.
+  std::string face(int t) const { return "face " + std::to_string(t + 1) + " of " + std::to_string(faceCount()); }
+  /// Where a vertex stands in space and, where known, in the file.
+  std::string vertex(int v) const {
+    const int line = vertexPlace(v).line;
+    return text(surface.vertices[v]) + (line > 0 ? " [line " + std::to_string(line) + "]" : "");
+  }
+};
+
+void checkNumbers(const Subject& s) {
+  if (s.surface.triangles.empty()) {
+    throw InputError({s.source.file, 0, 0}, "the surface has no faces", "export the organ as a triangle mesh");
+  }
+  const int vertex_count = static_cast<int>(s.surface.vertices.size());
+  for (int v = 0; v < vertex_count; ++v) {
+    if (!s.surface.vertices[v].allFinite()) {
+      throw InputError(s.vertexPlace(v),
+                       "vertex " + std::to_string(v + 1) + " is not finite: " + text(s.surface.vertices[v]),
+                       "repair or export the surface again");
+    }
+  }
+  for (int t = 0; t < s.faceCount(); ++t) {
+    for (int v : s.surface.triangles[t]) {
+      if (v < 0 || v >= vertex_count) {
+        throw InputError(s.facePlace(t),
+                         s.face(t) + " names vertex " + std::to_string(v + 1) + " of " + std::to_string(vertex_count),
+                         "export the surface again");
+      }
+    }
+  }
+}
+
+void checkAreas(const Subject& s) {
+  for (int t = 0; t < s.faceCount(); ++t) {
+    const auto& [a, b, c] = s.surface.triangles[t];
+    const Vec3 &A = s.surface.vertices[a], &B = s.surface.vertices[b], &C = s.surface.vertices[c];
+    const double longest = std::max({(B - A).norm(), (C - B).norm(), (A - C).norm()});
+    const bool repeated = a == b || b == c || c == a;
+    if (repeated || 2 * areaVector(s.surface, t).norm() <= flat_face_ratio * longest * longest) {
+      throw InputError(s.facePlace(t),
+                       s.face(t) + " has zero area" + (repeated ? " (two corners coincide)" : "") + ": corners " +
+                           s.vertex(a) + ", " + s.vertex(b) + ", " + s.vertex(c),
+                       "collapse its shortest edge or swap its longest one, e.g. with a mesh repair filter");
+    }
+  }
+}
+
+void checkEdges(const Subject& s, const std::vector<FaceEdge>& edges) {
+  int open_count = 0, first_open = -1;
+  for (std::size_t i = 0; i < edges.size();) {
+    std::size_t end = i + 1;
+    while (end < edges.size() && edges[end].low == edges[i].low && edges[end].high == edges[i].high) ++end;
+    if (end - i == 1) {
+      if (first_open < 0 || edges[i].triangle < edges[first_open].triangle) first_open = static_cast<int>(i);
+      ++open_count;
+    }
+    if (end - i > 2) {
+      throw InputError(s.facePlace(edges[i + 2].triangle),
+                       "the edge from " + s.vertex(edges[i].low) + " to " + s.vertex(edges[i].high) + " belongs to " +
+                           std::to_string(end - i) + " faces (" + s.face(edges[i].triangle) + ", " +
+                           std::to_string(edges[i + 1].triangle + 1) + ", " +
+                           std::to_string(edges[i + 2].triangle + 1) + ")",
+                       "a solid has two faces at each edge: remove doubled faces and inner walls");
+    }
+    i = end;
+  }
+  if (first_open >= 0) {
+    const FaceEdge& edge = edges[first_open];
+    throw InputError(s.facePlace(edge.triangle),
+                     "the surface has a hole: the edge of " + s.face(edge.triangle) + " from " + s.vertex(edge.low) +
+                         " to " + s.vertex(edge.high) + " has no second face (" +
+                         counted(open_count, "open edge", "open edges") + " in all)",
+                     "close the hole, e.g. with a mesh editor's \"fill holes\"");
+  }
+}
+
+void checkOrientation(const Subject& s, const SurfaceParts& parts) {
+  std::vector<int> turned(parts.count, 0), size(parts.count, 0);
+  for (int t = 0; t < s.faceCount(); ++t) {
+    ++size[parts.part[t]];
+    turned[parts.part[t]] += parts.turned[t];
+  }
+  for (int t = 0; t < s.faceCount(); ++t) {
+    const int p = parts.part[t];
+    if (parts.one_sided[p]) {
+      throw InputError(s.facePlace(t), "the surface around " + s.face(t) + " is one-sided (like a Moebius strip)",
+                       "export a surface that bounds a solid");
+    }
+    const bool majority_turned = 2 * turned[p] > size[p];
+    if (parts.turned[t] != majority_turned) {
+      const int minority = majority_turned ? size[p] - turned[p] : turned[p];
+      const int corner = s.surface.triangles[t][0];
+      throw InputError(s.facePlace(t),
+                       s.face(t) + " at " + s.vertex(corner) + " is turned against its neighbours (" +
+                           counted(minority, "such face", "such faces") + " in all)",
+                       "reverse its vertex order, or let a mesh editor \"recalculate normals outside\"");
+    }
+  }
+}
+
+bool edgePierces(const Vec3& p, const Vec3& q, const Vec3& a, const Vec3& b, const Vec3& c, double tolerance) {
+  const auto volume = [](const Vec3& o, const Vec3& x, const Vec3& y, const Vec3& z) {
+    return (x - o).cross(y - o).dot(z - o);
+  };
+  const double above = volume(a, b, c, p), below = volume(a, b, c, q);
+  if (!((above > tolerance && below < -tolerance) || (above < -tolerance && below > tolerance))) return false;
+  const double u = volume(p, q, a, b), v = volume(p, q, b, c), w = volume(p, q, c, a);
+  return (u > tolerance && v > tolerance && w > tolerance) || (u < -tolerance && v < -tolerance && w < -tolerance);
+}
+
+bool facesPierce(const TriangleSurface& surface, int s, int t) {
+  const auto &f = surface.triangles[s], &g = surface.triangles[t];
+  int shared = 0;
+  for (int v : f) shared += std::find(g.begin(), g.end(), v) != g.end();
+  if (shared >= 2) return false;  // neighbours across an edge
+  Box3 box;
+  for (int v : f) box.extend(surface.vertices[v]);
+  for (int v : g) box.extend(surface.vertices[v]);
+  const double size = box.diagonal().norm(), tolerance = pierce_ratio * size * size * size;
+  const auto anyEdge = [&](const std::array<int, 3>& from, const std::array<int, 3>& through) {
+    for (int k = 0; k < 3; ++k) {
+      const int p = from[k], q = from[(k + 1) % 3];
+      if (std::find(through.begin(), through.end(), p) != through.end()) continue;
+      if (std::find(through.begin(), through.end(), q) != through.end()) continue;
+      if (edgePierces(surface.vertices[p], surface.vertices[q], surface.vertices[through[0]],
+                      surface.vertices[through[1]], surface.vertices[through[2]], tolerance)) {
+        return true;
+      }
+    }
+    return false;
+  };
+  return anyEdge(f, g) || anyEdge(g, f);
+}
+
+void checkPiercing(const Subject& s) {
+  const SurfaceTree tree(s.surface);
+  std::vector<int> near;
+  for (int t = 0; t < s.faceCount(); ++t) {
+    Box3 box;
+    for (int v : s.surface.triangles[t]) box.extend(s.surface.vertices[v]);
+    near.clear();
+    tree.facesNear(box, near);
+    std::sort(near.begin(), near.end());
+    for (int other : near) {
+      if (other <= t || !facesPierce(s.surface, t, other)) continue;
+      const Vec3 middle = box.center();
+      throw InputError(
+          s.facePlace(t),
+          s.face(t) + " and face " + std::to_string(other + 1) + " pierce one another near " + text(middle),
+          "unite overlapping parts (boolean union) or remove the self-intersection");
+    }
+  }
+}
+
+void checkNesting(const Subject& s, const SurfaceParts& parts) {
+  const std::vector<TriangleSurface> pieces = separateParts(s.surface, parts);
+  std::vector<int> first(parts.count, -1);
+  for (int t = s.faceCount() - 1; t >= 0; --t) first[parts.part[t]] = t;
+  std::vector<SurfaceTree> trees;
+  if (parts.count > 1) {
+    for (const TriangleSurface& piece : pieces) trees.emplace_back(piece);
+  }
+  for (int p = 0; p < parts.count; ++p) {
+    const int t = first[p];
+    const auto& [a, b, c] = s.surface.triangles[t];
+    const Vec3 at = (s.surface.vertices[a] + s.surface.vertices[b] + s.surface.vertices[c]) / 3.0;
+    double around = 0;
+    for (int other = 0; other < parts.count && parts.count > 1; ++other) {
+      if (other != p) around += std::round(trees[other].windingNumber(at));
+    }
+    const bool outward = signedVolume(pieces[p]) > 0;
+    if (around < 0.5 && !outward) {
+      throw InputError(s.facePlace(t),
+                       (parts.count == 1 ? std::string("the surface") : "the part with " + s.face(t)) +
+                           " is inside out: its faces are clockwise seen from outside",
+                       "reverse all of its faces (\"flip normals\")");
+    }
+    if (around > 0.5 && outward) {
+      throw InputError(s.facePlace(t), "the part with " + s.face(t) + " lies inside another part",
+                       "remove it, or flip its normals if it is a cavity");
+    }
+    if (around > 1.5) {
+      throw InputError(s.facePlace(t), "the part with " + s.face(t) + " lies inside several other parts",
+                       "unite the parts (boolean union)");
+    }
+  }
+}
+
+}  // namespace
+
+void checkSurface(const TriangleSurface& surface, const SurfaceSource& source) {
+  const Subject subject{surface, source};
+  checkNumbers(subject);
+  checkAreas(subject);
+  const std::vector<FaceEdge> edges = faceEdges(surface);
+  checkEdges(subject, edges);
+  const SurfaceParts parts = connectedParts(surface, edges);
+  checkOrientation(subject, parts);
+  checkPiercing(subject);
+  checkNesting(subject, parts);
+}
+
+int weldVertices(TriangleSurface& surface, SurfaceSource& source, double relative_tolerance) {
+  const int count = static_cast<int>(surface.vertices.size());
+  for (const Vec3& v : surface.vertices) {
+    if (!v.allFinite()) return 0;
+  }
+  const double tolerance = relative_tolerance * boundingBox(surface).diagonal().norm();
+
+  // Sweep along a direction that no usual model is aligned with, so that few vertices share a coordinate.
+  const Vec3 direction = Vec3(0.4171, 0.6853, 0.5970).normalized();
+  std::vector<double> along(count);
+  for (int v = 0; v < count; ++v) along[v] = direction.dot(surface.vertices[v]);
+  std::vector<int> order(count);
+  std::iota(order.begin(), order.end(), 0);
+  std::sort(order.begin(), order.end(),
+            [&](int v, int w) { return along[v] < along[w] || (along[v] == along[w] && v < w); });
+  std::vector<int> joined(count);  // the lowest vertex of each group
+  std::iota(joined.begin(), joined.end(), 0);
+  std::vector<char> taken(count, 0);
+  std::vector<int> group;
+  for (int i = 0; i < count; ++i) {
+    if (taken[order[i]]) continue;
+    group.assign(1, order[i]);
+    for (int j = i + 1; j < count && along[order[j]] - along[order[i]] <= tolerance; ++j) {
+      if (taken[order[j]]) continue;
+      if ((surface.vertices[order[j]] - surface.vertices[order[i]]).norm() <= tolerance) group.push_back(order[j]);
+    }
+    const int lowest = *std::min_element(group.begin(), group.end());
+    for (int v : group) {
+      joined[v] = lowest;
+      taken[v] = 1;
+    }
+  }
+
+  std::vector<char> used(count, 0);
+  for (auto& triangle : surface.triangles) {
+    for (int& v : triangle) {
+      v = joined[v];
+      used[v] = 1;
+    }
+  }
+  std::vector<int> renumbered(count, -1);
+  int kept = 0;
+  for (int v = 0; v < count; ++v) {
+    if (!used[v]) continue;
+    renumbered[v] = kept;
+    surface.vertices[kept] = surface.vertices[v];
+    if (!source.vertex_line.empty()) source.vertex_line[kept] = source.vertex_line[v];
+    ++kept;
+  }
+  surface.vertices.resize(kept);
+  if (!source.vertex_line.empty()) source.vertex_line.resize(kept);
+  for (auto& triangle : surface.triangles) {
+    for (int& v : triangle) v = renumbered[v];
+  }
+  return count - kept;
+}
+
+}  // namespace palpate

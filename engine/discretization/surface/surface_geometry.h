@@ -1,0 +1,32 @@
+#pragma once
+
+#include <vector>
+
+#include "base/types.h"
+#include "discretization/surface/triangle_surface.h"
+
+namespace palpate {
+
+using Box3 = Eigen::AlignedBox3d;
+
+/// Half the cross product of two edges of face t: its normal times its area, m^2.
+Vec3 areaVector(const TriangleSurface& surface, int t);
+
+/// Sum of the faces' areas, m^2.
+double surfaceArea(const TriangleSurface& surface);
+
+/// Volume enclosed by a closed surface, m^3; negative where its normals point inward.
+/// Divergence theorem about the bounding box's centre, so that a surface far from the origin loses no digits.
+double signedVolume(const TriangleSurface& surface);
+
+/// Smallest axis-aligned box around all vertices, m; empty for a surface without vertices.
+Box3 boundingBox(const TriangleSurface& surface);
+
+/// Unit normals at the vertices, each the mean of its faces' normals weighted by their angles there
+/// (independent of how a face is cut into triangles). Zero at a vertex without faces. (vertex_count)
+std::vector<Vec3> vertexNormals(const TriangleSurface& surface);
+
+/// Point of triangle abc that is closest to x, in barycentric coordinates (weights of a, b, c; sum 1).
+Vec3 closestBarycentric(const Vec3& x, const Vec3& a, const Vec3& b, const Vec3& c);
+
+}  // namespace palpate

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <cstdint>
+
+#include "base/types.h"
+#include "mechanics/materials/material.h"
+#include "realtime/channels/spsc_ring.h"
+
+namespace palpate {
+
+/// One thing that a viewer, script or recording asks of the loop. Fixed size; build
+/// it with the functions below.
+struct Request {
+  enum class Kind : std::uint8_t {
+    MoveTool,  // pose: where the tool should go
+    Pull,      // index, point: spring from a skin vertex to a world position, m
+    ReleasePull,
+    Pause,
+    Resume,
+    SingleStep,   // one tick, while paused
+    Reset,        // back to the freshly loaded state; leaves a freeze
+    SetFriction,  // value: Coulomb coefficient
+    SetMaterial,  // index: into Model::materials; material
+    Quit,
+  };
+  Kind kind = Kind::Pause;
+  int index = -1;             // Pull: skin vertex; SetMaterial: material
+  double value = 0;           // SetFriction
+  Vec3 point = Vec3::Zero();  // Pull, m
+  Pose pose;                  // MoveTool
+  Material material;          // SetMaterial
+
+  static Request moveTool(const Pose& pose);
+  static Request pull(int skin_vertex, const Vec3& target);
+  static Request setFriction(double coefficient);
+  /// Refused by the loop (with a log event) where the material is stiffer than the
+  /// time step allows.
+  static Request setMaterial(int index, const Material& material);
+  static Request simple(Kind kind);  // those without parameters
+};
+
+/// Requests, viewer to loop. The viewer thread pushes, the loop thread pops all of
+/// them at each tick (also while paused or frozen). push() is false when full: the
+/// loop has not run for a long time; a lost MoveTool does no harm, others are sent again.
+using CommandQueue = SpscRing<Request>;
+
+/// A request at a tick of the run: what recordings are made of and scripts feed in.
+/// It takes effect before the tick with that number (0: the first).
+struct TimedRequest {
+  std::int64_t tick = 0;
+  Request request;
+};
+
+}  // namespace palpate

@@ -1,0 +1,59 @@
+#include "realtime/channels/force_output.h"
+
+#include <algorithm>
+#include <bit>
+
+namespace palpate {
+
+ForceReading readForce(const ForceSample& sample, std::int64_t now) {
+  ForceReading reading{sample, 1e-9 * static_cast<double>(std::max<std::int64_t>(0, now - sample.wall_ns)), false};
+  reading.fresh = sample.tick > 0 && reading.age_s <= ForceReading::fresh_seconds;
+  return reading;
+}
+
+// The order that makes a torn read visible: a reader that saw any new word (acquire) of a slot has
+// synchronised with its store (release), so it sees the odd version stored before it, too.
+void ForceOutput::publish(const ForceSample& s) {
+  const std::array<std::uint64_t, kWords> words = {
+      std::bit_cast<std::uint64_t>(s.tick),
+      std::bit_cast<std::uint64_t>(s.wall_ns),
+      std::bit_cast<std::uint64_t>(s.time_s),
+      std::bit_cast<std::uint64_t>(s.depth_m),
+      std::bit_cast<std::uint64_t>(s.force_raw.x()),
+      std::bit_cast<std::uint64_t>(s.force_raw.y()),
+      std::bit_cast<std::uint64_t>(s.force_raw.z()),
+      std::bit_cast<std::uint64_t>(s.force_filtered.x()),
+      std::bit_cast<std::uint64_t>(s.force_filtered.y()),
+      std::bit_cast<std::uint64_t>(s.force_filtered.z()),
+      static_cast<std::uint64_t>(s.doubt),
+  };
+  const std::uint64_t next = newest_.load(std::memory_order_relaxed) + 1;
+  Slot& slot = slots_[next % kSlots];
+  slot.version.store(2 * next - 1, std::memory_order_relaxed);
+  for (std::size_t w = 0; w < kWords; ++w) slot.words[w].store(words[w], std::memory_order_release);
+  slot.version.store(2 * next, std::memory_order_release);
+  newest_.store(next, std::memory_order_release);
+}
+
+ForceSample ForceOutput::latest() const {
+  std::array<std::uint64_t, kWords> words{};
+  for (;;) {
+    const std::uint64_t newest = newest_.load(std::memory_order_acquire);
+    const Slot& slot = slots_[newest % kSlots];
+    for (std::size_t w = 0; w < kWords; ++w) words[w] = slot.words[w].load(std::memory_order_acquire);
+    // Another version: a later sample, whole or not, that was not announced when newest_ was read.
+    if (slot.version.load(std::memory_order_relaxed) == 2 * newest) break;
+  }
+  const auto real = [&words](std::size_t w) { return std::bit_cast<double>(words[w]); };
+  ForceSample s;
+  s.tick = std::bit_cast<std::int64_t>(words[0]);
+  s.wall_ns = std::bit_cast<std::int64_t>(words[1]);
+  s.time_s = real(2);
+  s.depth_m = real(3);
+  s.force_raw = {real(4), real(5), real(6)};
+  s.force_filtered = {real(7), real(8), real(9)};
+  s.doubt = static_cast<Doubt>(words[10]);
+  return s;
+}
+
+}  // namespace palpate

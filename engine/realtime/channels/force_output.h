@@ -1,0 +1,50 @@
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+
+#include "realtime/channels/snapshot.h"
+
+namespace palpate {
+
+/// A force and what whoever feels or shows it must know of its age.
+struct ForceReading {
+  ForceSample sample;
+  double age_s = 0;    // wall time since the begin of the tick that computed it
+  bool fresh = false;  // computed, and no older than fresh_seconds: fit for a hand
+
+  /// A haptic device must not go on pushing with a force older than this: the hand has moved on.
+  static constexpr double fresh_seconds = 0.010;
+};
+
+/// @param now  ns, by the clock of ForceSample::wall_ns, read after the sample was taken
+ForceReading readForce(const ForceSample& sample, std::int64_t now);
+
+/// The newest force, from the loop to any number of readers (haptic device, viewer) on threads of
+/// their own. Four slots are written in turn, so that a writer who lost its core in the middle of
+/// one keeps nobody waiting; a reader repeats where three ticks went by while it read one slot, and
+/// takes from a slot only the sample that was announced: so no reader ever sees time go backwards.
+class ForceOutput {
+ public:
+  ForceOutput() { publish({}); }
+
+  /// Writer. Real-time: no allocation, no lock, wait-free.
+  void publish(const ForceSample& sample);
+
+  /// Any thread: the newest sample, whole. Lock-free; tick 0: none computed yet.
+  ForceSample latest() const;
+
+ private:
+  static constexpr std::size_t kWords = 11;
+  static constexpr std::size_t kSlots = 4;
+  struct Slot {
+    std::atomic<std::uint64_t> version{0};  // 2 n for the n-th sample; odd while it is written
+    std::array<std::atomic<std::uint64_t>, kWords> words{};
+  };
+
+  alignas(64) std::array<Slot, kSlots> slots_;
+  alignas(64) std::atomic<std::uint64_t> newest_{0};  // n of the newest sample, in slot n % kSlots
+};
+
+}  // namespace palpate

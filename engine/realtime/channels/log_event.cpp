@@ -1,0 +1,79 @@
+#include "realtime/channels/log_event.h"
+
+#include <cstdio>
+
+#include "simulation/trust.h"
+
+namespace palpate {
+namespace {
+
+std::string sentence(const LogEvent& e) {
+  const Vec3& p = e.position;
+  char text[256];
+  const auto format = [&text](const char* pattern, auto... values) {
+    std::snprintf(text, sizeof text, pattern, values...);
+    return std::string(text);
+  };
+  switch (e.kind) {
+    case LogEvent::Kind::FrozenNotFinite:
+      return format(
+          "frozen: the displacement of node %d at (%.4f, %.4f, %.4f) m is not a number; "
+          "reset to go on, lower dynamics.time_step or step_safety if it comes again",
+          e.index, p.x(), p.y(), p.z());
+    case LogEvent::Kind::FrozenBlowUp:
+      return format(
+          "frozen: node %d at (%.4f, %.4f, %.4f) m went %.3g mm in one step; "
+          "reset to go on, lower dynamics.time_step or step_safety if it comes again",
+          e.index, p.x(), p.y(), p.z(), 1e3 * e.value);
+    case LogEvent::Kind::FrozenInverted:
+      return format(
+          "frozen: %.0f integration points are inverted, the worst, %d, at (%.4f, %.4f, %.4f) m; "
+          "reset to go on, press less hard or refine there",
+          e.value, e.index, p.x(), p.y(), p.z());
+    case LogEvent::Kind::InvertedPoints:
+      return format(
+          "%.0f integration points are inverted, the worst, %d, at (%.4f, %.4f, %.4f) m; "
+          "results there are not to be trusted",
+          e.value, e.index, p.x(), p.y(), p.z());
+    case LogEvent::Kind::ContactOverflow:
+      return "more skin near the tool than memory was taken for: part of the contact is ignored";
+    case LogEvent::Kind::DeepContact:
+      return format("the tool stands %.3g mm deep in the skin: the contact is not to be trusted", 1e3 * e.value);
+    case LogEvent::Kind::Doubted:
+      return format("the force is not to be trusted: %s", doubtText(static_cast<Doubt>(e.index)));
+    case LogEvent::Kind::TickLate:
+      return "overload: " + lateTickText(e.overload.worst);
+    case LogEvent::Kind::Overloaded:
+      return "overload: " + overloadText(e.overload);
+    case LogEvent::Kind::OverloadEnded:
+      return "on time again after " + overloadText(e.overload);
+    case LogEvent::Kind::Reset:
+      return "reset";
+    case LogEvent::Kind::Paused:
+      return "paused";
+    case LogEvent::Kind::Resumed:
+      return "resumed";
+    case LogEvent::Kind::FrictionSet:
+      return format("friction is now %.3g", e.value);
+    case LogEvent::Kind::MaterialSet:
+      return format("material %d changed", e.index);
+    case LogEvent::Kind::MaterialRefused:
+      return format(
+          "material %d is %.3g times too stiff for the time step: not changed; "
+          "set it in the scene and load again",
+          e.index, e.value);
+    case LogEvent::Kind::TrackEnded:
+      return "the script or replay has ended";
+  }
+  return "unknown event";
+}
+
+}  // namespace
+
+std::string logText(const LogEvent& event) {
+  char time[32];
+  std::snprintf(time, sizeof time, "%.3f s: ", event.time_s);
+  return time + sentence(event);
+}
+
+}  // namespace palpate

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "base/types.h"
+#include "realtime/channels/spsc_ring.h"
+#include "realtime/timing/overload.h"
+
+namespace palpate {
+
+/// Something worth telling that happened in the loop. Fixed size, so that the
+/// real-time thread can hand it out; logText() makes the sentence elsewhere.
+struct LogEvent {
+  enum class Kind : std::uint8_t {
+    FrozenNotFinite,  // node, position
+    FrozenBlowUp,     // node, position; value: m, increment in one step
+    FrozenInverted,   // point, position; value: inverted points
+    InvertedPoints,   // warning: point, position; value: how many
+    ContactOverflow,  // warning
+    DeepContact,      // warning: value: penetration, m
+    Doubted,          // warning: index: the Doubt
+    TickLate,         // warning: overload.worst
+    Overloaded,       // warning: overload, which goes on
+    OverloadEnded,    // overload
+    Reset,
+    Paused,
+    Resumed,
+    FrictionSet,      // value
+    MaterialSet,      // index: material
+    MaterialRefused,  // index: material; value: factor by which it is too stiff
+    TrackEnded,       // script or replay is over
+  };
+  Kind kind = Kind::Reset;
+  std::int64_t tick = 0;         // of the run
+  double time_s = 0;             // of the run
+  int index = -1;                // node, integration point or material, as noted above
+  Vec3 position = Vec3::Zero();  // m, reference configuration
+  double value = 0;
+  Overload overload;
+
+  bool isFreeze() const { return kind <= Kind::FrozenInverted; }
+  bool isWarning() const { return kind > Kind::FrozenInverted && kind <= Kind::Overloaded; }
+};
+
+using LogRing = SpscRing<LogEvent>;
+
+/// "12.340 s: frozen: 12 of the integration points are inverted, the worst, 4711, at
+/// (0.010, 0.020, 0.051) m; press Backspace to reset". Allocates: not for the loop thread.
+std::string logText(const LogEvent& event);
+
+}  // namespace palpate

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "base/types.h"
+#include "mechanics/materials/material.h"
+#include "simulation/state.h"
+
+namespace palpate {
+
+/// One tick's force, as written to force.csv and plotted.
+struct ForceSample {
+  std::int64_t tick = 0;
+  std::int64_t wall_ns = 0;            // CLOCK_MONOTONIC when the tick began: the input that it answers is as old
+  double time_s = 0;                   // physics time
+  double depth_m = 0;                  // tip travel along the tool's axis past first touch of the resting skin
+  Vec3 force_raw = Vec3::Zero();       // N, on the tool
+  Vec3 force_filtered = Vec3::Zero();  // N
+  Doubt doubt = Doubt::None;           // why it should not be believed
+};
+
+/// How well the loop holds its rate, up to the present tick.
+struct LoopStatus {
+  std::int64_t ticks = 0;
+  std::int64_t overrun_count = 0;
+  std::int64_t longest_overrun_streak = 0;
+  double realtime_factor = 1;         // physics time / wall time since start or last resume
+  double recent_realtime_factor = 1;  // over about the last second
+  float last_step_us = 0;             // computing time of the last tick, us
+  bool paused = false;
+  bool frozen = false;  // the watchdog stopped the tissue; reset is offered
+};
+
+/// What the loop hands to whoever draws: a whole, consistent tick.
+struct Snapshot {
+  std::int64_t tick = 0;
+  double time_s = 0;
+  AlignedVector<Float4> u;  // (node_count) m
+  Pose tool_pose;
+  ForceSample force;
+  StepReport report;  // of that tick
+  LoopStatus status;
+  int contact_count = 0;              // entries used below
+  std::vector<int> contact_vertex;    // (capacity) skin vertices in contact
+  std::vector<Float4> contact_force;  // (capacity) N, on the tissue
+  std::vector<Material> materials;    // (material_count) present ones: they may be changed live
+};
+
+}  // namespace palpate

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "base/spin_team.h"
+
+namespace palpate {
+
+/// What was asked of the operating system for the loop's threads, and what came of
+/// it: "done: ..." or "not done: <reason, and what would allow it>". For report.json.
+struct RtSetup {
+  std::string scheduling;       // SCHED_FIFO
+  std::string memory_lock;      // mlockall
+  std::string affinity;         // a core of its own for each physics thread
+  std::string denormals;        // flush-to-zero, denormals-are-zero
+  std::vector<int> thread_ids;  // the kernel's, member 0 (the loop's thread) first
+};
+
+/// Prepares the calling thread and the team's workers for fixed-rate work: SCHED_FIFO,
+/// memory lock, core affinity (member 0 on the last allowed
+/// core, the others below it; only with SCHED_FIFO: without it, a pinned thread can't flee
+/// from a busy core), timer slack, flush-to-zero. Goes on without what is refused.
+/// @param real_time  false (as fast as possible): only flush-to-zero, so that a busy
+///                   loop doesn't hold cores against the rest of the machine
+RtSetup setUpLoopThread(SpinTeam* team, bool real_time);
+
+/// Makes the calling (drawing) thread give way to the loop: nice level 10. Threads that
+/// it starts later inherit that. Returns "done: ..." or "not done: <reason>".
+std::string setUpViewerThread();
+
+/// Denormal results and operands count as zero on the calling thread from here on.
+void flushDenormals();
+
+}  // namespace palpate

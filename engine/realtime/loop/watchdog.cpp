@@ -1,0 +1,84 @@
+#include "realtime/loop/watchdog.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "simulation/trust.h"
+
+namespace palpate {
+namespace {
+
+// A condition must be gone for so long before it is told again.
+constexpr double kQuietSeconds = 1.0;
+
+Vec3 placeOf(const std::vector<Vec3>& X, int index) {
+  const bool known = index >= 0 && index < static_cast<int>(X.size());
+  return known ? X[static_cast<std::size_t>(index)] : Vec3::Zero();
+}
+
+}  // namespace
+
+Watchdog::Watchdog(const Model& model, const WatchdogLimits& limits) : model_(model), limits_(limits) { reset(); }
+
+void Watchdog::reset() {
+  inverted_ticks_ = 0;
+  last_seen_.fill(kNever);
+}
+
+bool Watchdog::begins(int warning, bool condition, std::int64_t tick) {
+  if (!condition) return false;
+  std::int64_t& last = last_seen_[static_cast<std::size_t>(warning)];
+  const bool news = last == kNever || static_cast<double>(tick - last) > kQuietSeconds * model_.scene.rate_hz;
+  last = tick;
+  return news;
+}
+
+bool Watchdog::judge(const StepReport& report, std::int64_t tick, LogRing& log) {
+  const auto logEvent = [&](LogEvent::Kind kind, int index, const Vec3& position, double value) {
+    LogEvent event;
+    event.kind = kind;
+    event.tick = tick;
+    event.time_s = static_cast<double>(tick) / model_.scene.rate_hz;
+    event.index = index;
+    event.position = position;
+    event.value = value;
+    log.push(event);
+  };
+  const Vec3 node_X = placeOf(model_.X, report.worst_node);
+  const Vec3 point_X = placeOf(model_.point_X, report.worst_point);
+
+  if ((report.flags & kNotFinite) || !report.tool_force.allFinite()) {
+    logEvent(LogEvent::Kind::FrozenNotFinite, report.worst_node, node_X, 0);
+    return true;
+  }
+  if (report.flags & kBlowUp) {
+    logEvent(LogEvent::Kind::FrozenBlowUp, report.worst_node, node_X, report.max_increment);
+    return true;
+  }
+  const int flood =
+      std::max(limits_.flood_minimum, static_cast<int>(std::ceil(limits_.flood_fraction * model_.pointCount())));
+  const int flood_at_once = std::max(flood, static_cast<int>(std::ceil(limits_.flood_at_once * model_.pointCount())));
+  inverted_ticks_ = report.inverted_points >= flood ? inverted_ticks_ + 1 : 0;
+  if (inverted_ticks_ >= limits_.flood_ticks || report.inverted_points >= flood_at_once) {
+    logEvent(LogEvent::Kind::FrozenInverted, report.worst_point, point_X, report.inverted_points);
+    return true;
+  }
+
+  if (begins(0, report.inverted_points > 0, tick)) {
+    logEvent(LogEvent::Kind::InvertedPoints, report.worst_point, point_X, report.inverted_points);
+  }
+  if (begins(1, report.flags & kContactOverflow, tick)) {
+    logEvent(LogEvent::Kind::ContactOverflow, -1, Vec3::Zero(), 0);
+  }
+  if (begins(2, report.flags & kDeepContact, tick)) {
+    logEvent(LogEvent::Kind::DeepContact, -1, Vec3::Zero(), report.max_penetration);
+  }
+  // What has no sentence of its own above.
+  const Doubt doubt = doubtOf(model_, report);
+  const bool other =
+      doubt == Doubt::Volume || doubt == Doubt::Squeezed || doubt == Doubt::Step || doubt == Doubt::Energy;
+  if (begins(3, other, tick)) logEvent(LogEvent::Kind::Doubted, static_cast<int>(doubt), Vec3::Zero(), 0);
+  return false;
+}
+
+}  // namespace palpate

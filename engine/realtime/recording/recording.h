@@ -1,0 +1,29 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "realtime/channels/command_queue.h"
+
+namespace palpate {
+
+/// All input of a run, tick by tick: enough to repeat it bit for bit. Only changes are
+/// kept. Pauses are not: they don't move simulated time. Its file: recording_file.h.
+struct Recording {
+  std::string scene;
+  std::uint64_t model_hash = 0;  // modelHash
+  double rate_hz = 0;
+  std::int64_t ticks = 0;             // of the run
+  std::vector<TimedRequest> changes;  // ascending ticks
+};
+
+struct Model;
+
+/// Throws InputError unless the recording was made with this model and rate.
+void checkRecordingFits(const Recording& recording, const Model& model, const std::string& file);
+
+/// A track that moves the tool to poses[k] in tick k.
+std::vector<TimedRequest> trackFromPoses(const std::vector<Pose>& poses);
+
+}  // namespace palpate

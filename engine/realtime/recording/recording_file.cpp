@@ -1,0 +1,209 @@
+#include "realtime/recording/recording_file.h"
+
+#include <cerrno>
+#include <cmath>
+#include <fstream>
+#include <initializer_list>
+#include <stdexcept>
+#include <system_error>
+
+#include "base/input_error.h"
+#include "base/number_text.h"
+#include "realtime/recording/line_reader.h"
+
+namespace palpate {
+namespace {
+
+constexpr const char* kMagic = "palpate-recording";
+constexpr int kVersion = 1;
+
+void append(std::string& line, std::initializer_list<double> values) {
+  for (const double value : values) line += " " + shortest(value);
+}
+
+std::string lineOf(const TimedRequest& change) {
+  const Request& r = change.request;
+  std::string line = std::to_string(change.tick);
+  switch (r.kind) {
+    case Request::Kind::MoveTool: {
+      const Vec3& p = r.pose.position;
+      const Quat& q = r.pose.orientation;
+      line += " tool";
+      append(line, {p.x(), p.y(), p.z(), q.w(), q.x(), q.y(), q.z()});
+      break;
+    }
+    case Request::Kind::Pull:
+      line += " pull " + std::to_string(r.index);
+      append(line, {r.point.x(), r.point.y(), r.point.z()});
+      break;
+    case Request::Kind::ReleasePull:
+      line += " release";
+      break;
+    case Request::Kind::SetFriction:
+      line += " friction";
+      append(line, {r.value});
+      break;
+    case Request::Kind::SetMaterial: {
+      const Material& m = r.material;
+      line += " material " + std::to_string(r.index) + (m.kind == Material::Kind::Ogden ? " ogden" : " neo_hookean");
+      append(line, {m.shear_modulus, m.bulk_modulus, m.density});
+      if (m.kind == Material::Kind::Ogden) {
+        line += " " + std::to_string(m.term_count);
+        for (std::size_t k = 0; k < static_cast<std::size_t>(m.term_count); ++k) append(line, {m.mu[k], m.alpha[k]});
+      }
+      if (m.barrier_strength != 0) {
+        line += " barrier";
+        append(line, {m.barrier_strength, m.barrier_J0});
+      }
+      break;
+    }
+    case Request::Kind::Reset:
+      line += " reset";
+      break;
+    default:
+      throw std::invalid_argument("a recording holds only what moves the physics");
+  }
+  return line;
+}
+
+Material readMaterial(LineReader& line) {
+  const std::string_view kind = line.word("a material kind");
+  Material material;
+  if (kind == "ogden") {
+    material.kind = Material::Kind::Ogden;
+  } else if (kind != "neo_hookean") {
+    line.fail(inQuotes(kind) + " is not a material kind");
+  }
+  material.shear_modulus = line.number("a shear modulus, Pa");
+  material.bulk_modulus = line.number("a bulk modulus, Pa");
+  material.density = line.number("a density, kg/m^3");
+  if (material.kind == Material::Kind::Ogden) {
+    material.term_count = line.integer<int>("a number of terms");
+    if (material.term_count < 1 || material.term_count > Material::max_terms) line.fail("so many terms can't be");
+    for (std::size_t k = 0; k < static_cast<std::size_t>(material.term_count); ++k) {
+      material.mu[k] = line.number("a term's mu, Pa");
+      material.alpha[k] = line.number("a term's alpha");
+    }
+  }
+  if (!line.atEnd()) {
+    line.expect("barrier");
+    material.barrier_strength = line.number("a barrier's strength");
+    material.barrier_J0 = line.number("a barrier's J");
+  }
+  return material;
+}
+
+Request readChange(LineReader& line) {
+  const std::string_view what = line.word("what changed");
+  if (what == "tool") {
+    Pose pose;
+    pose.position = line.vector("a coordinate, m");
+    const double w = line.number("a quaternion's number");
+    const Vec3 v = line.vector("a quaternion's number");
+    pose.orientation = Quat(w, v.x(), v.y(), v.z());
+    if (std::abs(pose.orientation.norm() - 1) > 1e-6) line.fail("the tool's quaternion is not of length 1");
+    return Request::moveTool(pose);
+  }
+  if (what == "pull") {
+    const int vertex = line.integer<int>("a skin vertex");
+    if (vertex < 0) line.fail("a skin vertex can't be negative");
+    return Request::pull(vertex, line.vector("a coordinate, m"));
+  }
+  if (what == "release") return Request::simple(Request::Kind::ReleasePull);
+  if (what == "reset") return Request::simple(Request::Kind::Reset);
+  if (what == "friction") return Request::setFriction(line.number("a friction coefficient"));
+  if (what == "material") {
+    const int index = line.integer<int>("a material's index");
+    return Request::setMaterial(index, readMaterial(line));
+  }
+  line.fail(inQuotes(what) + " is not a change that a recording can hold");
+}
+
+}  // namespace
+
+void writeRecording(const Recording& recording, const std::string& file) {
+  std::string text;
+  text += std::string(kMagic) + " " + std::to_string(kVersion) + "\n";
+  text += "scene " + recording.scene + "\n";
+  text += "model " + hex16(recording.model_hash) + "\n";
+  text += "rate_hz " + shortest(recording.rate_hz) + "\n";
+  for (const TimedRequest& change : recording.changes) text += lineOf(change) + "\n";
+  text += "end " + std::to_string(recording.ticks) + "\n";
+  errno = 0;
+  std::ofstream out(file, std::ios::binary);
+  out << text;
+  out.close();
+  if (!out)
+    throw std::runtime_error(file + ": the recording can't be written: " + std::generic_category().message(errno));
+}
+
+Recording readRecording(const std::string& file) {
+  std::ifstream in(file, std::ios::binary);
+  if (!in) throw InputError({file}, "the recording can't be opened", "check the path");
+
+  Recording recording;
+  std::string text;
+  int number = 0;
+  const auto header = [&](const char* key) {
+    ++number;
+    if (!std::getline(in, text))
+      throw InputError({file, number}, inQuotes(key) + " is missing", "record the run again");
+    LineReader line(file, number, text);
+    line.expect(key);
+    return line;
+  };
+  {
+    LineReader line = header(kMagic);
+    const int version = line.integer<int>("a version");
+    if (version != kVersion) {
+      line.fail("version " + std::to_string(version) + " is not known", "this program reads version 1");
+    }
+    line.done();
+  }
+  {
+    LineReader line = header("scene");
+    if (!line.atEnd()) recording.scene = line.rest("the scene's name");
+  }
+  {
+    LineReader line = header("model");
+    recording.model_hash = line.integer<std::uint64_t>("a hash of 16 hex digits", 16);
+    if (line.wordLength() != 16) line.fail("the model's hash has not 16 hex digits");
+    line.done();
+  }
+  {
+    LineReader line = header("rate_hz");
+    recording.rate_hz = line.number("a rate, Hz");
+    if (recording.rate_hz <= 0) line.fail("the rate must be positive");
+    line.done();
+  }
+
+  std::int64_t last = 0;
+  while (std::getline(in, text)) {
+    ++number;
+    LineReader line(file, number, text);
+    if (line.atEnd()) continue;
+    if (text.starts_with("end")) {
+      line.expect("end");
+      recording.ticks = line.integer<std::int64_t>("a number of ticks");
+      if (in.eof()) line.fail("the recording is cut off within this line: no line end follows");
+      if (recording.ticks < last) line.fail("the run ends before its last change");
+      line.done();
+      while (std::getline(in, text)) {
+        LineReader after(file, ++number, text);
+        if (!after.atEnd()) after.fail("something stands after the end");
+      }
+      return recording;
+    }
+    TimedRequest change;
+    change.tick = line.integer<std::int64_t>("a tick");
+    if (change.tick < last) line.fail("ticks must not go back");
+    last = change.tick;
+    change.request = readChange(line);
+    line.done();
+    recording.changes.push_back(change);
+  }
+  throw InputError({file, number}, "the recording is cut off after this line: 'end' is missing",
+                   "record the run again");
+}
+
+}  // namespace palpate

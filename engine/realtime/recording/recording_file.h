@@ -1,0 +1,29 @@
+#pragma once
+
+#include <string>
+
+#include "realtime/recording/recording.h"
+
+namespace palpate {
+
+/// Writes a recording as text, one change per line, numbers in their shortest exact form:
+///   palpate-recording 1
+///   scene liver
+///   model 0123456789abcdef
+///   rate_hz 500
+///   0 tool 0 0 0.1  1 0 0 0              position m, quaternion w x y z
+///   12 pull 411 0.01 0 0.12              skin vertex, target m
+///   15 release
+///   20 friction 0.3
+///   21 material 0 neo_hookean 1000 5e4 1060         mu Pa, K Pa, density kg/m^3
+///   21 material 0 ogden 1500 5e4 1060 2  1000 2  500 -2    and terms: mu Pa, alpha
+///   22 material 0 neo_hookean 1000 5e4 1060  barrier 0.1 0.5       strength, J0
+///   30 reset
+///   end 500                              ticks of the run; missing: cut off
+/// Throws std::runtime_error when the file can't be written.
+void writeRecording(const Recording& recording, const std::string& file);
+
+/// Throws InputError naming file and line of what is damaged or missing.
+Recording readRecording(const std::string& file);
+
+}  // namespace palpate

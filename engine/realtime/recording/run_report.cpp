@@ -1,0 +1,129 @@
+#include "realtime/recording/run_report.h"
+
+#include <array>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "base/build_info.h"
+#include "base/number_text.h"
+#include "simulation/trust.h"
+
+namespace palpate {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::array<std::pair<StepFlag, const char*>, 5> kFlagNames{{
+    {kNotFinite, "not_finite"},
+    {kBlowUp, "blow_up"},
+    {kInvertedPoints, "inverted_points"},
+    {kContactOverflow, "contact_overflow"},
+    {kDeepContact, "deep_contact"},
+}};
+
+}  // namespace
+
+Json percentilesJson(const Percentiles& p) {
+  return {{"p50", p.p50}, {"p99", p.p99}, {"p999", p.p999}, {"max", p.max}};
+}
+
+Json lateTicksJson(const std::array<std::int64_t, kLateCauseCount>& late_ticks) {
+  return {{"woken_late", late_ticks[static_cast<std::size_t>(LateCause::LateWakeUp)]},
+          {"core_taken", late_ticks[static_cast<std::size_t>(LateCause::CoreTaken)]},
+          {"worker_late", late_ticks[static_cast<std::size_t>(LateCause::WorkerLate)]},
+          {"long_computation", late_ticks[static_cast<std::size_t>(LateCause::LongComputation)]}};
+}
+
+std::vector<std::string> flagNames(std::uint32_t flags) {
+  std::vector<std::string> names;
+  for (const auto& [flag, name] : kFlagNames) {
+    if (flags & flag) names.emplace_back(name);
+  }
+  return names;
+}
+
+RunReport makeRunReport(const Model& model, const RunSummary& summary, const DeadlineStatistics& statistics,
+                        int threads, double volume_change) {
+  RunReport report;
+  report.scene = model.scene.name;
+  report.nodes = model.nodeCount();
+  report.integration_points = model.pointCount();
+  report.mean_support = model.point_shape.meanSupport();
+  report.dt_s = model.dt;
+  report.dt_critical_s = model.dt_critical;
+  report.added_mass = model.added_mass;
+  report.rate_hz = model.scene.rate_hz;
+  report.substeps_per_tick = model.substeps_per_tick;
+  report.ticks = summary.ticks;
+  report.overruns = statistics.overrun_count.load(std::memory_order_relaxed);
+  report.longest_overrun_streak = statistics.longest_overrun_streak.load(std::memory_order_relaxed);
+  for (std::size_t c = 0; c < kLateCauseCount; ++c) {
+    report.late_ticks[c] = statistics.late_ticks[c].load(std::memory_order_relaxed);
+  }
+  report.physics_seconds = summary.totals.simulated_seconds;
+  report.wall_seconds = summary.totals.wall_seconds;
+  report.realtime_factor = summary.totals.realtime_factor;
+  report.step_us = statistics.step.percentiles();
+  report.wakeup_late_us = statistics.wakeup_late.percentiles();
+  report.rt_setup = summary.rt_setup;
+  report.threads = threads;
+  report.min_J = static_cast<double>(summary.min_J);
+  report.volume_error = model.cell_volume / model.surface_volume - 1;
+  report.volume_change = volume_change;
+  report.peak_force_N = summary.peak_force;
+  report.base_reaction_N = summary.base_reaction;
+  report.state_hash = summary.state_hash;
+  report.flags = summary.flags;
+  report.doubt = summary.doubt;
+  if (summary.first_doubt_tick >= 0)
+    report.first_doubt_s = static_cast<double>(summary.first_doubt_tick) / model.scene.rate_hz;
+  report.frozen = summary.frozen;
+  report.setup_seconds = model.setup_seconds;
+  report.build = buildInfo();
+  return report;
+}
+
+std::string toJson(const RunReport& r) {
+  const Vec3& base = r.base_reaction_N;
+  const Json json = {
+      {"scene", r.scene},
+      {"nodes", r.nodes},
+      {"integration_points", r.integration_points},
+      {"mean_support", r.mean_support},
+      {"dt_s", r.dt_s},
+      {"dt_critical_s", r.dt_critical_s},
+      {"added_mass", r.added_mass},
+      {"rate_hz", r.rate_hz},
+      {"substeps_per_tick", r.substeps_per_tick},
+      {"ticks", r.ticks},
+      {"overruns", r.overruns},
+      {"longest_overrun_streak", r.longest_overrun_streak},
+      {"late_ticks", lateTicksJson(r.late_ticks)},
+      {"physics_seconds", r.physics_seconds},
+      {"wall_seconds", r.wall_seconds},
+      {"realtime_factor", r.realtime_factor},
+      {"step_us", percentilesJson(r.step_us)},
+      {"wakeup_late_us", percentilesJson(r.wakeup_late_us)},
+      {"rt_setup",
+       {{"scheduling", r.rt_setup.scheduling},
+        {"memory_lock", r.rt_setup.memory_lock},
+        {"affinity", r.rt_setup.affinity},
+        {"denormals", r.rt_setup.denormals}}},
+      {"threads", r.threads},
+      {"min_J", r.min_J},
+      {"volume_error", r.volume_error},
+      {"volume_change", r.volume_change},
+      {"peak_force_N", r.peak_force_N},
+      {"base_reaction_N", Json::array({base.x(), base.y(), base.z()})},
+      {"state_hash", hex16(r.state_hash)},
+      {"flags", flagNames(r.flags)},
+      {"trust", doubtName(r.doubt)},
+      {"first_doubt_s", r.first_doubt_s < 0 ? Json(nullptr) : Json(r.first_doubt_s)},
+      {"frozen", r.frozen},
+      {"setup_seconds", r.setup_seconds},
+      {"build", r.build},
+  };
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace palpate

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <vector>
+
+#include "realtime/loop/simulation_loop.h"
+#include "realtime/timing/deadline_statistics.h"
+#include "simulation/model.h"
+
+namespace palpate {
+
+/// All that report.json says about a run.
+struct RunReport {
+  std::string scene;
+  int nodes = 0, integration_points = 0;
+  double mean_support = 0;  // nodes per integration point
+  double dt_s = 0, dt_critical_s = 0, rate_hz = 0;
+  double added_mass = 0;  // share of the body's own (scene.mass_scaling)
+  int substeps_per_tick = 0;
+  std::int64_t ticks = 0, overruns = 0, longest_overrun_streak = 0;
+  std::array<std::int64_t, kLateCauseCount> late_ticks{};  // that missed deadlines, by LateCause
+  double physics_seconds = 0, wall_seconds = 0, realtime_factor = 0;
+  Percentiles step_us, wakeup_late_us;
+  RtSetup rt_setup;
+  int threads = 0;
+  double min_J = 1;
+  double volume_error = 0;   // of the background cells against the organ's own surface, relative
+  double volume_change = 0;  // of the integration points at the end, relative
+  double peak_force_N = 0;
+  Vec3 base_reaction_N = Vec3::Zero();
+  std::uint64_t state_hash = 0;
+  std::uint32_t flags = 0;    // StepFlag, all ticks
+  Doubt doubt = Doubt::None;  // the gravest of all ticks
+  double first_doubt_s = -1;  // < 0: none
+  bool frozen = false;
+  double setup_seconds = 0;
+  std::string build;
+};
+
+/// @param volume_change  sum_q V_q (J_q - 1) / sum_q V_q, computed by the caller outside the loop
+RunReport makeRunReport(const Model& model, const RunSummary& summary, const DeadlineStatistics& statistics,
+                        int threads, double volume_change);
+
+/// report.json: keys as the members; state_hash as 16 hex digits, flags as names;
+/// numbers that are not finite become null.
+std::string toJson(const RunReport& report);
+
+/// Parts that other reports have, too: {p50, p99, p999, max}, ticks by cause, names of StepFlags.
+nlohmann::ordered_json percentilesJson(const Percentiles& percentiles);
+nlohmann::ordered_json lateTicksJson(const std::array<std::int64_t, kLateCauseCount>& late_ticks);
+std::vector<std::string> flagNames(std::uint32_t flags);
+
+}  // namespace palpate

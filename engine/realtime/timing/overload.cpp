@@ -1,0 +1,82 @@
+#include "realtime/timing/overload.h"
+
+#include <cstdio>
+
+namespace palpate {
+namespace {
+
+constexpr std::array<const char*, kLateCauseCount> kCauseNames = {"woken late", "core taken", "worker late",
+                                                                  "long computation"};
+
+template <class... Values>
+std::string format(const char* pattern, Values... values) {
+  char text[320];
+  std::snprintf(text, sizeof text, pattern, values...);
+  return text;
+}
+
+double ms(std::int64_t ns) { return 1e-6 * static_cast<double>(ns); }
+long long number(std::int64_t n) { return static_cast<long long>(n); }
+
+std::string periodsSkipped(std::int64_t missed) {
+  return format("%lld period%s skipped", number(missed), missed == 1 ? "" : "s");
+}
+
+}  // namespace
+
+LateCause causeOf(const LateTick& tick) {
+  // What, had it been otherwise, would have kept the deadline? A late wake-up counts from a quarter of
+  // the period on: every wake-up is some microseconds late, and would be the last straw of a long tick.
+  const bool woken_late = 4 * tick.late_ns >= tick.period_ns;
+  if (woken_late && (tick.step_ns <= tick.period_ns || tick.late_ns >= tick.step_ns)) return LateCause::LateWakeUp;
+  if (tick.late_ns + tick.computing_ns > tick.period_ns) return LateCause::LongComputation;
+  return tick.long_waits > 0 ? LateCause::WorkerLate : LateCause::CoreTaken;
+}
+
+void Overload::add(const LateTick& tick) {
+  if (late_ticks == 0) first_tick = tick.tick;
+  ++late_ticks;
+  missed += tick.missed;
+  ++by_cause[static_cast<std::size_t>(causeOf(tick))];
+  if (tick.missed > worst.missed) worst = tick;
+}
+
+std::string lateTickText(const LateTick& t) {
+  std::string text = format("tick %lld ", number(t.tick));
+  switch (causeOf(t)) {
+    case LateCause::LateWakeUp:
+      text += format("was woken %.1f ms late: its core was taken or the process stopped", ms(t.late_ns));
+      break;
+    case LateCause::CoreTaken:
+      text += format("took %.1f ms, %.1f of them computing: its core was taken or the process stopped", ms(t.step_ns),
+                     ms(t.computing_ns));
+      break;
+    case LateCause::WorkerLate:
+      text += format("took %.1f ms, %.1f of them computing: it waited for a worker thread, whose core was taken",
+                     ms(t.step_ns), ms(t.computing_ns));
+      break;
+    case LateCause::LongComputation:
+      text += format(
+          "computed for %.1f ms of a period of %.1f ms: long computation, or a core slowed by its "
+          "neighbour or host",
+          ms(t.computing_ns), ms(t.period_ns));
+      break;
+  }
+  return text +
+         format(" (%lld involuntary switches, %lld page faults); ", number(t.involuntary_switches),
+                number(t.page_faults)) +
+         periodsSkipped(t.missed);
+}
+
+std::string overloadText(const Overload& overload) {
+  std::string causes;
+  for (std::size_t c = 0; c < kLateCauseCount; ++c) {
+    if (overload.by_cause[c] == 0) continue;
+    causes += format("%s%lld %s", causes.empty() ? "" : ", ", number(overload.by_cause[c]), kCauseNames[c]);
+  }
+  return format("%lld late tick%s in %.1f s (", number(overload.late_ticks), overload.late_ticks == 1 ? "" : "s",
+                overload.seconds) +
+         causes + "), " + periodsSkipped(overload.missed) + "; the worst: " + lateTickText(overload.worst);
+}
+
+}  // namespace palpate

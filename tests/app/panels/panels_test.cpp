@@ -1,0 +1,189 @@
+#include "app/panels/panels.h"
+
+#include <imgui.h>
+#include <imgui_internal.h>
+#include <catch2/catch.hpp>
+
+#include <limits>
+#include <string>
+#include <utility>
+#include <vector>
+
+using namespace palpate;
+using namespace palpate::app;
+
+namespace {
+
+/// Dear ImGui without a screen: panels are laid out, nothing reaches a screen.
+class Panels {
+ public:
+  Panels() : context_(ImGui::CreateContext()), theme_(makeTheme(1)) {
+    unsigned char* pixels = nullptr;
+    int width = 0, height = 0;
+    ImGui::GetIO().Fonts->GetTexDataAsAlpha8(&pixels, &width, &height);
+    model_.scene.name = "test organ";
+    model_.scene.materials.emplace_back();
+    model_.X.resize(1234);
+    model_.point_X.resize(5678);
+    model_.dt = 1e-4;
+    model_.dt_critical = 2e-4;
+    model_.substeps_per_tick = 20;
+    model_.surface_volume = 1;
+    model_.cell_volume = 0.99;
+    timing_.rate_hz = 500;
+    timing_.histogram.assign(80, 1.0F);
+    timing_.histogram_end = 2200;
+  }
+  ~Panels() { ImGui::DestroyContext(context_); }
+
+  /// Draws until the layout has settled; returns the names of the windows that are shown.
+  std::string draw(int width, int height) {
+    ImGuiIO& io = ImGui::GetIO();
+    io.DisplaySize = {static_cast<float>(width), static_cast<float>(height)};
+    io.MousePos = {-1e6F, -1e6F};
+    std::string names;
+    for (int k = 0; k < 3; ++k) {
+      ImGui::NewFrame();
+      PanelData data{
+          .model = model_, .snapshot = snapshot_, .forces = forces_, .log = log_, .timing = timing_, .force = force_};
+      data.materials.push_back({model_.scene.materials[0], Material::neoHookean(3000, 0.49, 1000), 1.0});
+      data.frozen_reason = "12 integration points are inverted";
+      names = drawPanels(data, width, height);
+      ImGui::Render();
+    }
+    return names;
+  }
+
+  Model model_;
+  Snapshot snapshot_;
+  ForceHistory forces_{8};
+  std::vector<LogLine> log_;
+  TimingView timing_;
+  ForceReading force_{{}, 0, true};
+  PanelState state_;
+  View view_;
+  PanelRequests requests_;
+
+ private:
+  std::string drawPanels(const PanelData& data, int width, int height) {
+    requests_ = palpate::app::drawPanels(theme_, data, layoutFor(width, height, 1, state_.panels_shown), state_, view_);
+    std::string names;
+    for (const ImGuiWindow* window : context_->Windows)
+      if (window->Active) names += std::string(window->Name) + "\n";
+    return names;
+  }
+
+  ImGuiContext* context_;
+  Theme theme_;
+};
+
+const ImGuiWindow* windowNamed(const char* name) { return ImGui::FindWindowByName(name); }
+
+}  // namespace
+
+TEST_CASE("At 1280x800 and larger the columns show all of their content without scrolling", "[panels]") {
+  Panels panels;
+  for (int k = 0; k < 4; ++k) panels.timing_.setup.push_back({"Scheduling", "SCHED_FIFO 40", true});
+  for (const auto& [width, height] : {std::pair{1280, 800}, {1600, 1000}, {1920, 1080}}) {
+    panels.draw(width, height);
+    for (const char* name : {"##left", "##right", "##bar"}) {
+      const ImGuiWindow* window = windowNamed(name);
+      REQUIRE(window != nullptr);
+      INFO(name << " at " << width << "x" << height << ": content " << window->ContentSize.y << " in "
+                << window->InnerRect.GetHeight());
+      CHECK(window->ScrollMax.y == 0);
+      CHECK(window->ScrollMax.x == 0);
+      CHECK(window->ContentSize.x <= window->InnerRect.GetWidth());
+    }
+  }
+}
+
+TEST_CASE("Hidden panels leave nothing but what must be said", "[panels]") {
+  Panels panels;
+  panels.state_.panels_shown = false;
+  const std::string hidden = panels.draw(1280, 800);
+  CHECK(hidden.find("##left") == std::string::npos);
+  CHECK(hidden.find("##right") == std::string::npos);
+  CHECK(hidden.find("##frozen") == std::string::npos);
+  panels.snapshot_.status.frozen = true;
+  CHECK(panels.draw(1280, 800).find("##frozen") != std::string::npos);
+}
+
+TEST_CASE("The help lies inside the window and above all else", "[panels]") {
+  Panels panels;
+  panels.state_.help_shown = true;
+  for (const auto& [width, height] : {std::pair{1280, 800}, {1024, 640}}) {
+    panels.draw(width, height);
+    const ImGuiWindow* help = windowNamed("##help");
+    REQUIRE(help != nullptr);
+    CHECK(help->Pos.x >= 0);
+    CHECK(help->Pos.y >= 0);
+    CHECK(help->Pos.x + help->Size.x <= static_cast<float>(width));
+    CHECK(help->Pos.y + help->Size.y <= static_cast<float>(height));
+  }
+}
+
+TEST_CASE("Numbers that are not finite are drawn, not fatal", "[panels]") {
+  Panels panels;
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  panels.force_.sample.force_raw = {nan, nan, nan};
+  ForceSample sample;
+  for (int k = 0; k < 10; ++k) {
+    sample.time_s = 0.1 * k;
+    sample.force_raw = {0, 0, k == 5 ? nan : 1.0};
+    panels.forces_.add(sample);
+  }
+  panels.draw(1280, 800);
+  CHECK(windowNamed("##right")->Active);
+}
+
+TEST_CASE("A force that is not the present one is marked and greyed", "[panels]") {
+  ForceReading force;
+  force.sample.tick = 5;
+  LoopStatus status;
+  force.age_s = 0.009;
+  force.fresh = true;
+  CHECK(staleMark(force, status).empty());
+  force.fresh = false;
+  force.age_s = 0.023;
+  CHECK(staleMark(force, status) == "stale, 23 ms old");
+  force.age_s = 2.34;
+  CHECK(staleMark(force, status) == "stale, 2.3 s old");
+  status.paused = true;
+  CHECK(staleMark(force, status) == "paused");
+
+  Panels panels;
+  const auto has = [&panels](ImU32 colour) {  // anything drawn in that colour in the right column
+    panels.draw(1280, 800);
+    for (const ImDrawVert& v : windowNamed("##right")->DrawList->VtxBuffer)
+      if (v.col == colour) return true;
+    return false;
+  };
+  CHECK_FALSE(has(colours::stale));
+  panels.force_ = {panels.force_.sample, 0.5, false};
+  CHECK(has(colours::stale));
+}
+
+TEST_CASE("Nothing is requested unless something is clicked", "[panels]") {
+  Panels panels;
+  panels.draw(1280, 800);
+  const PanelRequests& r = panels.requests_;
+  CHECK_FALSE((r.toggle_pause || r.single_step || r.reset || r.restart_script || r.tool_to_start || r.frame_view));
+  CHECK_FALSE(r.friction);
+  CHECK(r.material == -1);
+}
+
+TEST_CASE("A force that is not to be trusted is amber, and nothing is while it is", "[panels]") {
+  Panels panels;
+  panels.force_.sample.force_filtered = Vec3(0, 0, 1.234);
+  // The lines of the plots have colours of their own; letters are quads of one colour.
+  const auto amber = [&panels] {
+    panels.draw(1280, 800);
+    int count = 0;
+    for (const ImDrawVert& v : windowNamed("##right")->DrawList->VtxBuffer) count += v.col == colours::warning ? 1 : 0;
+    return count;
+  };
+  const int without = amber();
+  panels.force_.sample.doubt = Doubt::Energy;
+  CHECK(amber() >= without + 2 * 4 * 5);  // two numbers of five signs
+}

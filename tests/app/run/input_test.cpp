@@ -1,0 +1,140 @@
+#include "app/run/input.h"
+
+#include <GLFW/glfw3.h>
+
+#include <catch2/catch.hpp>
+
+using namespace palpate;
+using namespace palpate::app;
+
+namespace {
+
+Input moved(double x, double y) {
+  Input input;
+  input.mouse_delta = {x, y};
+  return input;
+}
+
+}  // namespace
+
+TEST_CASE("Each drag does its own thing and nothing else", "[input]") {
+  struct Case {
+    bool left, right, shift, ctrl;
+    Drag drag;
+  };
+  const Case cases[] = {{true, false, false, false, Drag::Orbit},
+                        {false, true, false, false, Drag::Pan},
+                        {true, false, true, false, Drag::MoveTool},
+                        {false, true, true, false, Drag::PushTool},
+                        {true, false, false, true, Drag::Pull}};
+  for (const Case& c : cases) {
+    Controls controls;
+    Input input = moved(3, 5);
+    input.left = c.left;
+    input.right = c.right;
+    input.shift = c.shift;
+    input.ctrl = c.ctrl;
+    Actions first = controls.read(input, false);
+    CHECK(controls.drag() == c.drag);
+    CHECK(first.orbit.isZero());  // the press is no movement
+    CHECK(first.pan.isZero());
+    CHECK(first.move_tool.isZero());
+    CHECK(first.push_tool_px == 0);
+    CHECK(first.pull_begin == (c.drag == Drag::Pull));
+
+    const Actions next = controls.read(input, false);
+    CHECK(next.orbit == (c.drag == Drag::Orbit ? Eigen::Vector2d(3, 5) : Eigen::Vector2d(0, 0)));
+    CHECK(next.pan == (c.drag == Drag::Pan ? Eigen::Vector2d(3, 5) : Eigen::Vector2d(0, 0)));
+    CHECK(next.move_tool == (c.drag == Drag::MoveTool ? Eigen::Vector2d(3, 5) : Eigen::Vector2d(0, 0)));
+    CHECK(next.push_tool_px == (c.drag == Drag::PushTool ? 5 : 0));
+    CHECK(next.pulling == (c.drag == Drag::Pull));
+    CHECK_FALSE(next.pull_begin);
+  }
+}
+
+TEST_CASE("A drag keeps its meaning until the button comes up", "[input]") {
+  Controls controls;
+  Input input = moved(1, 0);
+  input.left = true;
+  input.shift = true;
+  controls.read(input, false);
+  input.shift = false;       // let go early
+  input.mouse_taken = true;  // and wander over a panel
+  const Actions actions = controls.read(input, false);
+  CHECK(controls.drag() == Drag::MoveTool);
+  CHECK(actions.move_tool == Eigen::Vector2d(1, 0));
+  input.left = false;
+  controls.read(input, false);
+  CHECK(controls.drag() == Drag::None);
+}
+
+TEST_CASE("What belongs to a panel does not reach the view", "[input]") {
+  Controls controls;
+  Input input = moved(4, 4);
+  input.left = true;
+  input.mouse_taken = true;
+  input.wheel = 1;
+  controls.read(input, false);
+  input.mouse_taken = false;  // dragged off the panel, e.g. a slider's end
+  input.wheel = 0;
+  Actions actions = controls.read(input, false);
+  CHECK(controls.drag() == Drag::Panel);
+  CHECK(actions.orbit.isZero());
+
+  Controls others;
+  Input wheel;
+  wheel.wheel = 1;
+  wheel.mouse_taken = true;
+  CHECK(others.read(wheel, false).zoom == 0);
+  wheel.mouse_taken = false;
+  CHECK(others.read(wheel, false).zoom == 1);
+
+  Input typing;
+  typing.keys_taken = true;
+  typing.press(Key::Backspace);
+  typing.press(Key::Escape);
+  actions = others.read(typing, false);
+  CHECK_FALSE(actions.reset);
+  CHECK_FALSE(actions.quit);
+}
+
+TEST_CASE("Keys have meanings by their GLFW codes, others have none", "[input]") {
+  CHECK(keyFromGlfw(GLFW_KEY_SPACE) == Key::Space);
+  CHECK(keyFromGlfw(GLFW_KEY_PERIOD) == Key::Period);
+  CHECK(keyFromGlfw(GLFW_KEY_P) == Key::P);
+  CHECK_FALSE(keyFromGlfw(GLFW_KEY_Q));
+  CHECK_FALSE(keyFromGlfw(GLFW_KEY_UNKNOWN));
+}
+
+TEST_CASE("Shift turns the wheel from zooming to pushing the tool", "[input]") {
+  Controls controls;
+  Input input;
+  input.wheel = -2;
+  input.shift = true;
+  const Actions actions = controls.read(input, false);
+  CHECK(actions.zoom == 0);
+  CHECK(actions.push_tool_notches == -2);
+}
+
+TEST_CASE("Each key has its action; Escape closes the help before it quits", "[input]") {
+  Controls controls;
+  const auto with = [&](Key key, bool help = false) {
+    Input input;
+    input.press(key);
+    return controls.read(input, help);
+  };
+  CHECK(with(Key::Space).toggle_pause);
+  CHECK(with(Key::Backspace).reset);
+  CHECK(with(Key::Period).single_step);
+  CHECK(with(Key::F).frame_view);
+  CHECK(with(Key::H).toggle_panels);
+  CHECK(with(Key::F1).toggle_help);
+  CHECK(with(Key::N).toggle_nodes);
+  CHECK(with(Key::P).toggle_points);
+  CHECK(with(Key::Digit1).colour_map == 0);
+  CHECK(with(Key::Digit4).colour_map == 3);
+  CHECK(with(Key::Space).colour_map == -1);
+  CHECK(with(Key::Escape, true).close_help);
+  CHECK_FALSE(with(Key::Escape, true).quit);
+  CHECK(with(Key::Escape, false).quit);
+}

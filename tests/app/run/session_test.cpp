@@ -1,0 +1,130 @@
+#include "app/run/session.h"
+
+#include <catch2/catch.hpp>
+
+#include <filesystem>
+
+#include "io/indent_script.h"
+#include "support/text.h"
+
+using namespace palpate;
+using namespace palpate::app;
+
+namespace {
+
+/// Two points of a body with three nodes whose gradients reproduce linear fields exactly:
+/// sum gradN = 0, sum X (x) gradN restricted to the xz-plane's two directions.
+Model twoPoints() {
+  Model model;
+  model.X = {{0, 0, 0}, {1, 0, 0}, {0, 0, 1}};
+  model.point_X = {{0.2, 0, 0.2}, {0.4, 0, 0.4}};
+  model.point_volume = {1e-6, 3e-6};
+  model.point_shape.begin = {0, 3, 6};
+  model.point_shape.node = {0, 1, 2, 0, 1, 2};
+  for (int q = 0; q < 2; ++q) {
+    model.point_shape.gradN.emplace_back(-1, 0, -1);
+    model.point_shape.gradN.emplace_back(1, 0, 0);
+    model.point_shape.gradN.emplace_back(0, 0, 1);
+  }
+  return model;
+}
+
+}  // namespace
+
+TEST_CASE("The volume's change is that of the deformation gradient", "[session]") {
+  const Model model = twoPoints();
+  AlignedVector<Float4> u(3);
+  CHECK(volumeChange(model, u.data()) == 0);
+  u[1].x = 0.10F;   // stretch of 10 % along x,
+  u[2].z = -0.05F;  // 5 % shorter along z: J = 1.1 * 0.95
+  CHECK(volumeChange(model, u.data()) == Approx(1.1 * 0.95 - 1).epsilon(1e-6));
+  for (Float4& a : u) a.y += 3;  // a translation changes nothing
+  CHECK(volumeChange(model, u.data()) == Approx(1.1 * 0.95 - 1).epsilon(1e-6));
+}
+
+TEST_CASE("A stiffer material's stress is in proportion, its Poisson's ratio and density stay", "[session]") {
+  const Material soft = Material::neoHookean(3000, 0.49, 1060);
+  const Material half = stiffened(soft, 0.5);
+  Mat3 F = Mat3::Identity();
+  F(0, 1) = 0.2;
+  F(2, 2) = 0.9;
+  CHECK((half.firstPiola(F) - 0.5 * soft.firstPiola(F)).norm() < 1e-12 * soft.firstPiola(F).norm());
+  CHECK(half.density == soft.density);
+
+  const double mu[] = {1000, 500}, alpha[] = {2, -2};
+  const Material ogden = Material::ogden(mu, alpha, 2, 1e-5, 1000);
+  CHECK((stiffened(ogden, 2).firstPiola(F) - 2 * ogden.firstPiola(F)).norm() < 1e-9 * ogden.firstPiola(F).norm());
+}
+
+TEST_CASE("The default indentation goes from the start pose by the touch into the tissue and stays", "[session]") {
+  Model model;
+  model.scene.rate_hz = 500;
+  model.scene.tool.radius = 0.01;
+  model.skin.surface.vertices = {{0, 0, 0}, {0, 0, 0.08}};
+  model.tool_start.position = {0, 0, 0.1};
+  model.first_contact_travel = 0.02;
+  const std::vector<Pose> poses = scriptPoses(indentScript(model), model);
+  const double depth = 0.012;  // 1.2 radii; a quarter of the height would be 20 mm
+  CHECK(poses.back().position.z() == Approx(0.08 - depth).epsilon(1e-9));
+  double last = 0.1;
+  double fastest = 0;
+  for (const Pose& pose : poses) {
+    CHECK(pose.position.z() <= last + 1e-12);  // never back
+    fastest = std::max(fastest, (last - pose.position.z()) * 500);
+    last = pose.position.z();
+  }
+  CHECK(fastest < 0.2);  // m/s; 1.875 times the mean of the approach, at most
+}
+
+TEST_CASE("force.csv has the agreed header, a row per sample, and numbers that read back exactly", "[session]") {
+  const std::string folder = std::string(PALPATE_BINARY_DIR) + "/result_folder_test/nested";
+  std::filesystem::remove_all(folder);
+  ResultFolder results(folder);
+  ForceSample sample;
+  sample.time_s = 0.002;
+  sample.depth_m = -0.0123456789;
+  sample.force_raw = {1, 2.5, -3e-7};
+  sample.force_filtered = {0.5, 0, 1.0 / 3};
+  results.addForce(sample);
+  results.finishForces();
+  std::istringstream lines(readAll(results.forceFile()));
+  std::string header, row, rest;
+  std::getline(lines, header);
+  std::getline(lines, row);
+  CHECK(header ==
+        "time_s,depth_m,force_raw_N_x,force_raw_N_y,force_raw_N_z,"
+        "force_filtered_N_x,force_filtered_N_y,force_filtered_N_z,trust");
+  double value[8] = {};
+  char comma = 0;
+  std::istringstream cells(row);
+  for (double& v : value) cells >> v >> comma;
+  CHECK(value[0] == 0.002);
+  CHECK(value[1] == Approx(-0.0123456789).epsilon(1e-8));
+  CHECK(value[4] == -3e-7);
+  CHECK(value[7] == Approx(1.0 / 3).epsilon(1e-8));
+  CHECK_FALSE(std::getline(lines, rest));
+  results.writeReport("{}");
+  CHECK(readAll(results.reportFile()) == "{}\n");
+  std::filesystem::remove_all(folder);
+}
+
+TEST_CASE("A folder that can't be written is refused with its name and the reason", "[session]") {
+  const auto message = [](const std::string& folder) -> std::string {
+    try {
+      ResultFolder results(folder);
+    } catch (const std::runtime_error& error) {
+      return error.what();
+    }
+    return "";
+  };
+  CHECK(message("/proc/palpate").find("/proc/palpate") != std::string::npos);
+  CHECK(message("/dev/null/x").find("Not a directory") != std::string::npos);
+
+  // A full disk: /dev/full takes the file but not the rows.
+  const std::string folder = std::string(PALPATE_BINARY_DIR) + "/full_disk_test";
+  std::filesystem::remove_all(folder);
+  std::filesystem::create_directories(folder);
+  std::filesystem::create_symlink("/dev/full", folder + "/force.csv");
+  CHECK(message(folder).find("No space left on device") != std::string::npos);
+  std::filesystem::remove_all(folder);
+}

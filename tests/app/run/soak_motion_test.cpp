@@ -1,0 +1,135 @@
+#include "app/run/soak_motion.h"
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <vector>
+
+#include "realtime/fakes.h"
+#include "realtime/loop/simulation_loop.h"
+#include "support/realtime_guard.h"
+#include "support/small_scene.h"
+
+using namespace palpate;
+using namespace palpate::app;
+
+namespace {
+
+const std::vector<SoakPlace> kPlaces = {{{0, 0}, 0.002, 0.006}, {{0.01, -0.01}, 0.002, 0.005}};
+
+std::vector<SoakCycle> drain(SpscRing<SoakCycle>& ring) {
+  std::vector<SoakCycle> all;
+  for (SoakCycle cycle; ring.pop(cycle);) all.push_back(cycle);
+  return all;
+}
+
+SimulationLoopOptions driven(ToolMotion& motion, std::int64_t ticks) {
+  SimulationLoopOptions options;
+  options.motion = &motion;
+  options.tick_limit = ticks;
+  return options;
+}
+
+}  // namespace
+
+TEST_CASE("Cycles on tissue press, drag, lift off and end at the same rest", "[soak_motion]") {
+  const Scene scene = test::blockScene(0.015);
+  const std::int64_t ticks = std::llround(20 * scene.rate_hz);
+  std::uint64_t hash[2];
+  for (std::uint64_t& h : hash) {
+    Model model = test::blockModel(scene);
+    TissuePhysics physics(model, 1);
+    SoakMotion motion(model, kPlaces, 3);
+    SimulationLoop loop(model, physics, nullptr, driven(motion, ticks));
+    test::FakeClock clock;
+    Vec3 last = model.tool_start.position;
+    double fastest = 0, lowest = 1, sideways = 0;
+    clock.before_sleep = [&](int sleep) {
+      const Vec3 now = physics.state().tool_pose.position;
+      fastest = std::max(fastest, (now - last).norm() * scene.rate_hz);
+      lowest = std::min(lowest, now.z());
+      sideways = std::max(sideways, now.head<2>().norm());
+      last = now;
+      // A viewer's moves count for nothing.
+      if (sleep == 100) loop.commands().push(Request::moveTool(Pose{}));
+    };
+    loop.run(clock);
+    h = loop.summary().state_hash;
+    CHECK(fastest > 0.1);
+    CHECK(fastest < 1.875 * 0.2 * 1.001);  // m/s: the quickest leg's mean, and what its smooth start and stop add
+    CHECK(lowest < 0.03 - 0.3 * 0.005);
+    CHECK(lowest > 0.03 - 0.006 - 1e-9);
+    CHECK(sideways > 0.012);
+    CHECK(sideways < std::hypot(0.01, 0.01) + 0.6 * 0.01);
+
+    const std::vector<SoakCycle> cycles = drain(motion.cycles());
+    REQUIRE(cycles.size() >= 4);
+    CHECK(cycles[0].drift_m == 0);
+    for (std::size_t k = 0; k < cycles.size(); ++k) {
+      INFO("cycle " << k << ", rest of " << cycles[k].rest_s << " s, drift " << cycles[k].drift_m << " m");
+      CHECK(cycles[k].number == static_cast<std::int64_t>(k) + 1);
+      CHECK(cycles[k].rested);
+      CHECK(cycles[k].rest_speed <= motion.restSpeed());
+      CHECK(cycles[k].rest_s > SoakMotion::rest_hold_s);
+      CHECK(cycles[k].drift_m < SoakMotion::drift_limit * motion.organSize());
+      CHECK(cycles[k].peak_force_N > 0.02);
+      CHECK(cycles[k].min_J < 0.999F);
+      CHECK(cycles[k].depth_m >= 0.3 * 0.005);
+      CHECK(cycles[k].depth_m <= 0.006);
+    }
+    CHECK(cycles[0].depth_m != cycles[1].depth_m);
+  }
+  CHECK(hash[0] == hash[1]);
+}
+
+TEST_CASE("A rest that is not the first one's is told as drift, tissue that never rests as that", "[soak_motion]") {
+  const Model model = test::smallModel();
+  for (const bool moving : {false, true}) {
+    test::FakePhysics physics(model);
+    physics.on_tick = [moving](State& state, StepReport& report) {
+      for (Float4& u : state.u) u = {};
+      state.u[2].y = 1e-6F * static_cast<float>(state.tick);
+      report.max_increment = moving ? 1e-3F : 0;
+    };
+    SoakMotion motion(model, kPlaces, 1);
+    SimulationLoop loop(model, physics, nullptr, driven(motion, 40'000));
+    test::FakeClock clock;
+    loop.run(clock);
+    const std::vector<SoakCycle> cycles = drain(motion.cycles());
+    REQUIRE(cycles.size() >= 2);
+    CHECK(cycles[1].rested != moving);
+    CHECK(cycles[1].rest_s == Approx(moving ? SoakMotion::longest_rest_s : SoakMotion::rest_hold_s).margin(0.003));
+    const auto ticks = static_cast<double>(cycles[1].end_tick - cycles[0].end_tick);
+    CHECK(cycles[1].drift_m == Approx(1e-6 * ticks).epsilon(1e-4));
+  }
+}
+
+TEST_CASE("After a reset the cycles begin again", "[soak_motion]") {
+  const Model model = test::smallModel();
+  test::FakePhysics physics(model);
+  SoakMotion motion(model, kPlaces, 1);
+  SimulationLoop loop(model, physics, nullptr, driven(motion, 700));
+  test::FakeClock clock;
+  std::vector<Vec3> way;
+  clock.before_sleep = [&](int sleep) {
+    if (sleep > 0) way.push_back(loop.snapshots().latest().tool_pose.position);
+    if (sleep == 350) loop.commands().push(Request::simple(Request::Kind::Reset));
+  };
+  loop.run(clock);
+  for (std::size_t k = 0; k < 349; ++k) REQUIRE(way[k] == way[350 + k]);
+  CHECK(way[100] != way[200]);
+}
+
+TEST_CASE("The soak's motion neither allocates nor locks", "[soak_motion]") {
+  if (!test::guardAvailable()) return;
+  const Model model = test::smallModel();
+  test::FakePhysics physics(model);
+  physics.on_tick = [](State&, StepReport& report) { report.max_increment = 0; };
+  SoakMotion motion(model, kPlaces, 1);
+  SimulationLoop loop(model, physics, nullptr, driven(motion, 5000));
+  test::FakeClock clock;
+  test::startGuard();
+  loop.run(clock);
+  const test::GuardCounts counts = test::stopGuard();
+  CHECK(counts.total() == 0);
+  CHECK(motion.cycles().size() >= 2);
+}

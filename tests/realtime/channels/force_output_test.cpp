@@ -1,0 +1,91 @@
+#include "realtime/channels/force_output.h"
+
+#include <atomic>
+#include <catch2/catch.hpp>
+#include <thread>
+#include <vector>
+
+#include "realtime/fakes.h"
+#include "realtime/loop/simulation_loop.h"
+
+using namespace palpate;
+
+namespace {
+
+/// A sample all of whose numbers tell its tick.
+ForceSample marked(std::int64_t tick) {
+  const auto t = static_cast<double>(tick);
+  ForceSample sample;
+  sample.tick = tick;
+  sample.wall_ns = 1000 * tick;
+  sample.time_s = 2 * t;
+  sample.depth_m = 3 * t;
+  sample.force_raw = {4 * t, 5 * t, 6 * t};
+  sample.force_filtered = {7 * t, 8 * t, 9 * t};
+  return sample;
+}
+
+bool isMarked(const ForceSample& s) {
+  const ForceSample whole = marked(s.tick);
+  return s.wall_ns == whole.wall_ns && s.time_s == whole.time_s && s.depth_m == whole.depth_m &&
+         s.force_raw == whole.force_raw && s.force_filtered == whole.force_filtered;
+}
+
+}  // namespace
+
+TEST_CASE("A force is fresh for ten milliseconds, and not before there is one", "[force_output]") {
+  constexpr std::int64_t begin = 5'000'000'000, limit = 10'000'000;  // ns
+  ForceSample sample;
+  sample.wall_ns = begin;
+  CHECK_FALSE(readForce(sample, begin).fresh);  // tick 0: nothing was computed
+  sample.tick = 1;
+  CHECK(readForce(sample, begin).fresh);
+  CHECK(readForce(sample, begin + limit).fresh);
+  CHECK_FALSE(readForce(sample, begin + limit + 1000).fresh);
+  CHECK(readForce(sample, begin + 2 * limit).age_s == Approx(0.02).epsilon(1e-12));
+  CHECK(readForce(sample, begin - 1).age_s == 0);
+}
+
+TEST_CASE("A force that took 200 ms to compute is stale when it comes out", "[force_output]") {
+  const Model model = test::smallModel(500);
+  test::FakePhysics physics(model);
+  test::FakeClock clock;
+  physics.on_tick = [&clock](State& state, StepReport&) { clock.time += state.tick == 50 ? 200'000'000 : 500'000; };
+  SimulationLoopOptions options;
+  options.tick_limit = 51;
+  SimulationLoop loop(model, physics, nullptr, options);
+  std::vector<ForceReading> after;  // each tick, as soon as it is done
+  clock.before_sleep = [&](int) { after.push_back(readForce(loop.force().sample, clock.time)); };
+  loop.run(clock);
+  REQUIRE(after.size() == 52);
+  CHECK_FALSE(after[0].fresh);
+  for (std::size_t k = 1; k <= 51; ++k) {
+    INFO("after tick " << k);
+    CHECK(after[k].sample.tick == static_cast<std::int64_t>(k));
+    CHECK(after[k].fresh == (k != 50));
+    CHECK(after[k].age_s == Approx(k == 50 ? 0.2 : 5e-4).epsilon(1e-9));
+  }
+}
+
+TEST_CASE("Every reader gets whole samples that only grow newer", "[force_output]") {
+  ForceOutput output;
+  constexpr std::int64_t last = 200'000;
+  std::atomic<std::int64_t> torn{0}, backwards{0}, seen{0};
+  std::vector<std::thread> readers;
+  for (int r = 0; r < 3; ++r) {
+    readers.emplace_back([&] {
+      for (std::int64_t tick = 0; tick < last;) {
+        const ForceSample sample = output.latest();
+        torn += !isMarked(sample);
+        backwards += sample.tick < tick;
+        seen += sample.tick > tick;
+        tick = sample.tick;
+      }
+    });
+  }
+  for (std::int64_t tick = 1; tick <= last; ++tick) output.publish(marked(tick));
+  for (std::thread& reader : readers) reader.join();
+  CHECK(torn == 0);
+  CHECK(backwards == 0);
+  CHECK(seen >= 3);
+}

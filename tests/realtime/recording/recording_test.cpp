@@ -1,0 +1,199 @@
+#include "realtime/recording/recording_file.h"
+
+#include <catch2/catch.hpp>
+#include <limits>
+#include <numbers>
+#include <string>
+
+#include "base/input_error.h"
+#include "realtime/fakes.h"
+#include "simulation/model_hash.h"
+#include "support/temp_folder.h"
+#include "support/text.h"
+
+using namespace palpate;
+
+namespace {
+
+/// A file of this test alone.
+struct TemporaryFile : TempFolder {
+  const std::string file = path("session.rec");
+  void put(const std::string& text) const { write("session.rec", text); }
+};
+
+Recording everyKind() {
+  Recording recording;
+  recording.scene = "a scene with spaces";
+  recording.model_hash = 0x00ff'1234'5678'9abcULL;
+  recording.rate_hz = 1000.0 / 3;
+  recording.ticks = 1000;
+  Pose pose;
+  pose.position = Vec3(0.1, -std::numbers::pi, std::numeric_limits<double>::denorm_min());
+  pose.orientation = Quat(Eigen::AngleAxisd(0.7, Vec3(1, 2, 3).normalized()));
+  Material ogden;
+  ogden.kind = Material::Kind::Ogden;
+  ogden.shear_modulus = 1500.5;
+  ogden.bulk_modulus = 5e4;
+  ogden.term_count = 2;
+  ogden.mu = {1000, 500.5};
+  ogden.alpha = {2, -1.0 / 3};
+  Material neo;
+  neo.shear_modulus = 1e3 / 7;
+  neo.bulk_modulus = 123456.789;
+  neo.density = 1060;
+  neo.barrier_strength = 0.1;
+  neo.barrier_J0 = 1.0 / 3;
+  recording.changes = {{0, Request::moveTool(pose)},
+                       {1, Request::pull(411, Vec3(1e-300, 2, 1e300))},
+                       {1, Request::simple(Request::Kind::ReleasePull)},
+                       {7, Request::setFriction(0.3)},
+                       {8, Request::setMaterial(0, neo)},
+                       {8, Request::setMaterial(1, ogden)},
+                       {999, Request::simple(Request::Kind::Reset)}};
+  return recording;
+}
+
+const std::string kGood =
+    "palpate-recording 1\n"
+    "scene liver\n"
+    "model 0123456789abcdef\n"
+    "rate_hz 500\n"
+    "0 tool 0 0 0.1  1 0 0 0\n"
+    "12 pull 411 0.01 0 0.12\n"
+    "15 release\n"
+    "end 500\n";
+
+std::string with(const std::string& from, const std::string& to) { return replaced(kGood, from, to); }
+
+}  // namespace
+
+TEST_CASE("A recording is read as it was written, bit for bit", "[recording]") {
+  const TemporaryFile temporary;
+  const Recording written = everyKind();
+  writeRecording(written, temporary.file);
+  const Recording read = readRecording(temporary.file);
+  CHECK(read.scene == written.scene);
+  CHECK(read.model_hash == written.model_hash);
+  CHECK(read.rate_hz == written.rate_hz);
+  CHECK(read.ticks == written.ticks);
+  REQUIRE(read.changes.size() == written.changes.size());
+  for (std::size_t c = 0; c < read.changes.size(); ++c) {
+    const Request& a = read.changes[c].request;
+    const Request& b = written.changes[c].request;
+    CHECK(read.changes[c].tick == written.changes[c].tick);
+    CHECK(a.kind == b.kind);
+    CHECK(a.index == b.index);
+    CHECK(a.value == b.value);
+    CHECK(a.point == b.point);
+    CHECK(a.pose.position == b.pose.position);
+    CHECK(a.pose.orientation.coeffs() == b.pose.orientation.coeffs());
+    CHECK(a.material.kind == b.material.kind);
+    CHECK(a.material.shear_modulus == b.material.shear_modulus);
+    CHECK(a.material.bulk_modulus == b.material.bulk_modulus);
+    CHECK(a.material.density == b.material.density);
+    CHECK(a.material.term_count == b.material.term_count);
+    CHECK(a.material.mu == b.material.mu);
+    CHECK(a.material.alpha == b.material.alpha);
+    CHECK(a.material.barrier_strength == b.material.barrier_strength);
+    CHECK(a.material.barrier_J0 == b.material.barrier_J0);
+  }
+  const std::string text = readAll(temporary.file);
+  writeRecording(read, temporary.file);
+  CHECK(readAll(temporary.file) == text);
+}
+
+TEST_CASE("The documented form is read", "[recording]") {
+  const TemporaryFile temporary;
+  temporary.put(kGood);
+  const Recording recording = readRecording(temporary.file);
+  CHECK(recording.scene == "liver");
+  CHECK(recording.model_hash == 0x0123456789abcdefULL);
+  CHECK(recording.ticks == 500);
+  CHECK(recording.changes.size() == 3);
+  CHECK(recording.changes[1].request.point == Vec3(0.01, 0, 0.12));
+  temporary.put(with("500\n", "500\r\n"));  // as an editor on Windows leaves it
+  CHECK(readRecording(temporary.file).rate_hz == 500);
+}
+
+TEST_CASE("Damaged recordings are refused with file and line", "[recording]") {
+  struct Damage {
+    std::string text;
+    int line;
+    std::string says;
+  };
+  const std::vector<Damage> damages = {
+      {"", 1, "\"palpate-recording\" is missing"},
+      {"time_s,depth_m\n", 1, "\"time_s,depth_m\" stands where \"palpate-recording\" should"},
+      {with("recording 1", "recording 2"), 1, "version 2 is not known"},
+      {with("scene liver\n", ""), 2, "where \"scene\" should"},
+      {with("abcdef", "abcdeg"), 3, "is not a hash"},
+      {with("abcdef", "abcdef0"), 3, "has not 16 hex digits"},
+      {with("rate_hz 500", "rate_hz -500"), 4, "must be positive"},
+      {with("rate_hz 500", "rate_hz nan"), 4, "is not a rate"},
+      {with("0.1  1 0 0 0", "0.1  1 0 0"), 5, "the line ends before"},
+      {with("0.1  1 0 0 0", "0.1  1 0 0 0 9"), 5, "goes on after its end"},
+      {with("0.1  1 0 0 0", "0.1  1 1 0 0"), 5, "not of length 1"},
+      {with("0.1  1", "0.1x 1"), 5, "\"0.1x\" is not a coordinate"},
+      {with("pull 411", "pull 4.5"), 6, "is not a skin vertex"},
+      {with("pull 411", "push 411"), 6, "\"push\" is not a change"},
+      {with("12 pull", "twelve pull"), 6, "\"twelve\" is not a tick"},
+      {with("15 release", "11 release"), 7, "ticks must not go back"},
+      {with("15 release", "15 material 0 jelly"), 7, "\"jelly\" is not a material kind"},
+      {with("15 release", "15 material 0 ogden 1 1 1 7"), 7, "so many terms"},
+      {with("15 release", "15 material 0 neo_hookean 1 1 1 2"), 7, "\"2\" stands where \"barrier\" should"},
+      {with("15 release", "15 material 0 neo_hookean 1 1 1 barrier 0.1"), 7, "ends before a barrier's J"},
+      {with("end 500", "end 14"), 8, "ends before its last change"},
+      {with("end 500\n", "end 500\n16 reset\n"), 9, "something stands after the end"},
+      {with("end 500\n", ""), 7, "cut off"},
+      {with("15 release\nend 500\n", "15 rel"), 7, "\"rel\" is not a change"},
+      // A binary file: nothing of it reaches the terminal but what can be printed.
+      {"\x1b[2J\x07\xff\x80" + std::string(100, 'x') + "\n", 1,
+       "\"?[2J???" + std::string(33, 'x') + "...\" stands where"},
+  };
+  const TemporaryFile temporary;
+  for (const Damage& damage : damages) {
+    INFO("expected: line " << damage.line << ", " << damage.says);
+    temporary.put(damage.text);
+    try {
+      readRecording(temporary.file);
+      FAIL("read as if it were whole");
+    } catch (const InputError& error) {
+      const std::string what = error.what();
+      INFO("got: " << what);
+      CHECK(what.find(temporary.file + ":" + std::to_string(damage.line)) == 0);
+      CHECK(what.find(damage.says) != std::string::npos);
+    }
+  }
+  CHECK_THROWS_AS(readRecording("/nowhere/at/all"), InputError);
+}
+
+TEST_CASE("No cut of a recording passes for a whole one", "[recording]") {
+  const TemporaryFile temporary;
+  for (std::size_t length = 0; length < kGood.size(); ++length) {
+    temporary.put(kGood.substr(0, length));
+    REQUIRE_THROWS_AS(readRecording(temporary.file), InputError);
+  }
+}
+
+TEST_CASE("A recording of another model or rate is refused", "[recording]") {
+  const Model model = test::smallModel();
+  Recording recording;
+  recording.scene = "small";
+  recording.rate_hz = 500;
+  recording.model_hash = modelHash(model);
+  checkRecordingFits(recording, model, "file");  // does not throw
+
+  CHECK_THROWS_WITH(checkRecordingFits(recording, test::smallModel(1000), "file"),
+                    Catch::StartsWith("file:4: ") && Catch::Contains("--rate 500"));
+  Model moved = model;
+  moved.X[2].y() = std::nextafter(moved.X[2].y(), 1.0);
+  CHECK_THROWS_WITH(checkRecordingFits(recording, moved, "file"), Catch::StartsWith("file:3: "));
+
+  Model softer = model;
+  softer.materials[0].shear_modulus *= 0.5;
+  CHECK(modelHash(softer) != modelHash(model));
+  Model rougher = model;
+  rougher.scene.friction = 0.2;
+  CHECK(modelHash(rougher) != modelHash(model));
+  CHECK(modelHash(test::smallModel()) == modelHash(model));
+}

@@ -1,0 +1,144 @@
+#include "mtled/atlas/atlas_run.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/interrupt.h"
+#include "realtime/loop/watchdog.h"
+#include "simulation/build_model.h"
+#include "simulation/step.h"
+#include "simulation/transient_solver.h"
+#include "simulation/trust.h"
+#include "simulation/workspace.h"
+
+namespace palpate::tools {
+namespace {
+
+struct Schedule {
+  int ticks, still, measured;  // in all; the first of the still ones and of those that are measured
+  int early() const { return still + (ticks - still) / 10; }  // the first of the still phase's second tenth
+  Schedule(const Model& model, const AtlasDrive& drive)
+      : ticks(static_cast<int>(std::lround(drive.seconds * model.scene.rate_hz))),
+        still(static_cast<int>(std::lround(drive.still_from * model.scene.rate_hz))),
+        measured(ticks - std::max(1, (ticks - still) / 5)) {}
+};
+
+struct Mean {
+  std::vector<Reaction> sum;
+  int count = 0;
+
+  void add(const std::vector<Reaction>& reactions) {
+    sum.resize(reactions.size());
+    for (std::size_t b = 0; b < reactions.size(); ++b) {
+      sum[b].force += reactions[b].force;
+      sum[b].moment += reactions[b].moment;
+    }
+    ++count;
+  }
+  std::vector<Reaction> value() const {
+    std::vector<Reaction> mean = sum;
+    for (auto& r : mean) {
+      r.force /= count;
+      r.moment /= count;
+    }
+    return mean;
+  }
+};
+
+const char* lossName(const LogEvent& event) {
+  switch (event.kind) {
+    case LogEvent::Kind::FrozenNotFinite:
+      return "not finite";
+    case LogEvent::Kind::FrozenBlowUp:
+      return "blow-up";
+    default:
+      return "frozen: points inside out";
+  }
+}
+
+/// Ticks between two looks at the signals.
+constexpr int look_every = 64;
+
+std::vector<Reaction> unknown(const Model& model) {
+  return std::vector<Reaction>(model.boundary.motions.size(), {Vec3::Constant(NAN), Vec3::Constant(NAN)});
+}
+
+}  // namespace
+
+AtlasRun drive(const Model& model, const AtlasDrive& drive) {
+  const Schedule schedule(model, drive);
+  const double tick_s = 1 / model.scene.rate_hz;
+  AtlasRun run;
+  AtlasMeasure& m = run.measure;
+  m.nodes = model.nodeCount();
+  m.points = model.pointCount();
+  Workspace workspace(model, 1);
+  Watchdog watchdog(model);
+  LogRing log(64);
+  State state = initialState(model);
+  if (drive.disturb) drive.disturb(state);
+  Mean reaction;
+  double still_energy = 0, largest_energy = 0;
+  for (int k = 0; k < schedule.ticks; ++k) {
+    if (k % look_every == 0 && interrupted()) throw AtlasInterrupted();
+    const double time = (k + 1) * tick_s;
+    Command command;
+    command.tool_target = model.tool_start;
+    if (drive.command) command = drive.command(time);
+    const StepReport report = tick(model, state, command, workspace);
+    m.energy_error = std::max(m.energy_error, report.energy_error);
+    m.step_share = std::max(m.step_share, report.step_share);
+    m.min_J = std::min(m.min_J, static_cast<double>(report.min_J));
+    const Doubt doubt = doubtOf(model, report);
+    if (doubt != Doubt::None && std::isnan(m.doubt_at) && doubt != Doubt::Lost) {
+      m.doubt_at = time;
+      m.doubt = doubtName(doubt);
+    }
+    if (doubt != Doubt::None) m.doubted_for += tick_s;
+    const bool frozen = watchdog.judge(report, k + 1, log);
+    LogEvent event;
+    while (log.pop(event))
+      if (event.isFreeze()) m.loss = lossName(event);
+    if (frozen) {
+      m.lost_at = time;
+      break;
+    }
+    const double energy = report.strain_energy + report.kinetic_energy;
+    if (k == schedule.still) still_energy = largest_energy = energy;
+    if (k > schedule.still) largest_energy = std::max(largest_energy, energy);
+    const int early_count = schedule.early() - schedule.still;
+    if (k >= schedule.early() && k < schedule.early() + early_count)
+      run.early_tool_force += report.tool_force / early_count;
+    if (k < schedule.measured) continue;
+    m.doubted_then = m.doubted_then || doubt != Doubt::None;
+    run.tool_force += report.tool_force / (schedule.ticks - schedule.measured);
+    reaction.add(workspace.boundary.reaction);
+  }
+  m.steps = static_cast<double>(state.step);
+  m.growth = (largest_energy - still_energy) / std::max(still_energy, model.rest_energy);
+  run.reaction = run.lost() ? unknown(model) : reaction.value();
+  for (const auto& a : state.u) run.u.push_back(toVec3(a));
+  return run;
+}
+
+std::vector<Reaction> driveInDouble(const Model& model, const AtlasDrive& drive) {
+  const Schedule schedule(model, drive);
+  TransientSolver solver(model, 1);
+  Mean reaction;
+  for (int k = 0; k < schedule.ticks; ++k) {
+    if (k % look_every == 0 && interrupted()) throw AtlasInterrupted();
+    if (!solver.tick().finite) return unknown(model);
+    if (k >= schedule.measured) reaction.add(solver.body().reactions());
+  }
+  return reaction.value();
+}
+
+AtlasMeasure compare(const AtlasRun& run, const std::string& what, double value, double truth, double bound) {
+  AtlasMeasure measure = run.measure;
+  measure.compared = what;
+  measure.deviation = (value - truth) / std::abs(truth);
+  measure.bound = bound;
+  return measure;
+}
+
+}  // namespace palpate::tools

@@ -1,0 +1,96 @@
+#include "mtled/bench/bench_command.h"
+
+#include <algorithm>
+#include <iostream>
+#include <memory>
+
+#include "app/figures/figure.h"
+#include "base/build_info.h"
+#include "base/input_error.h"
+#include "io/output_file.h"
+#include "mtled/bench/bench_features.h"
+#include "mtled/bench/bench_run.h"
+#include "mtled/bench/instruction_counter.h"
+#include "mtled/bench/roofline.h"
+#include "mtled/solve/progress.h"
+
+namespace palpate::tools {
+
+using namespace app;  // what draws
+namespace {
+
+int benchFeatures(const BenchOptions& options) {
+  if (!options.plot.empty()) throw InputError({}, "--features has no roofline to draw", "leave --plot out");
+  const BenchSize size = benchSizes(true).back();  // 5k
+  if (!options.json.empty()) writeWholeFile(options.json, "");
+  FeatureReport report;
+  report.build = buildInfo();
+  report.command = std::string("build/release/tools/mtled bench --features") + (options.quick ? " --quick" : "");
+  report.processor = thisMachine().processor;
+  report.no_instructions = InstructionCounter().reason();
+  {
+    ProgressLine progress("features");
+    FeatureBench bench(size, [&](const std::string& what, double share) { progress.show(0.3 * share, what); });
+    report.nodes = bench.plain().nodeCount();
+    report.points = bench.plain().pointCount();
+    report.substeps = bench.plain().substeps_per_tick;
+    timePairs(bench.pairs(),
+              options.seconds > 0 ? options.seconds
+              : options.quick     ? 1
+                                  : 3,
+              [&](double share) { progress.show(0.3 + 0.7 * share, "rounds"); });
+    for (const auto& pair : bench.pairs()) report.rows.push_back(pair.row);
+  }
+  printFeatures(std::cout, report);
+  if (!options.json.empty()) writeWholeFile(options.json, jsonOf(report));
+  return options.check && !report.held() ? 1 : 0;
+}
+
+}  // namespace
+
+int benchCommand(const BenchOptions& options) {
+  if (!(options.seconds >= 0 && options.seconds <= 60))
+    throw InputError({}, "--seconds must be between 0 and 60", "leave it out for the usual length");
+  if (options.features) return benchFeatures(options);
+  const double seconds = options.seconds > 0 ? options.seconds : options.quick ? 0.15 : 0.5;
+
+  BenchReport report;
+  report.build = buildInfo();
+  report.command = "build/release/tools/mtled bench";
+  if (options.quick) report.command += " --quick";
+  if (options.seconds > 0) report.command += " --seconds " + formatted(options.seconds);
+  report.machine = thisMachine();
+  const auto write = [&] {
+    if (!options.json.empty()) writeWholeFile(options.json, jsonOf(report));
+  };
+  std::unique_ptr<FigureWriter> figures;
+  if (!options.plot.empty()) {
+    figures = std::make_unique<FigureWriter>();
+    writeWholeFile(options.plot, "");
+  }
+  write();  // a place that can't be written to is found before the work, not after
+  // All shares hang on these few figures.
+  constexpr double min_seconds = 0.5;
+  report.ceilings =
+      measureCeilings(report.machine, benchThreadCounts(report.machine.cores), std::max(min_seconds, seconds));
+  printMachine(std::cout, report);
+  for (const BenchSize& size : benchSizes(options.quick)) {
+    report.bodies.push_back(benchBody(size, report.ceilings, seconds, report.bodies.empty()));
+    printBody(std::cout, report.bodies.back());
+    std::cout << std::flush;
+    write();  // what is done stays if the rest is interrupted
+  }
+  printVerdicts(std::cout, report);
+  if (figures) figures->write(options.plot, rooflineOf(report));
+  if (!report.right()) std::cout << "\n  A kernel's forces are wrong: its times mean nothing.\n";
+  return benchExitCode(report, options.check);
+}
+
+int benchExitCode(const BenchReport& report, bool check) {
+  const auto verdicts = verdictsOf(report);
+  const bool missed =
+      std::any_of(verdicts.begin(), verdicts.end(), [](const Verdict& v) { return v.text() == "missed"; });
+  return !report.right() || (check && missed) ? 1 : 0;
+}
+
+}  // namespace palpate::tools

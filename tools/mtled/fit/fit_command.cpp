@@ -1,0 +1,260 @@
+#include "mtled/fit/fit_command.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <thread>
+
+#include "base/build_info.h"
+#include "base/interrupt.h"
+#include "io/find_asset.h"
+#include "io/indent_script.h"
+#include "io/load_model.h"
+#include "io/output_file.h"
+#include "io/scene_edit.h"
+#include "io/scene_file.h"
+#include "mtled/fit/fit_search.h"
+#include "mtled/fit/rate_check.h"
+#include "mtled/solve/progress.h"
+
+namespace palpate::tools {
+namespace {
+
+constexpr int probe_count = 200;
+// Of a tick for its median: the 99.9th percentile is a fifth to a quarter above it.
+constexpr double median_share = 0.72;
+constexpr double check_seconds = 4;
+constexpr int max_checks = 4;
+
+std::string shortest(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.6g", value);
+  return text;
+}
+
+/// The scene file with what was fitted, its paths made to fit the new place. Throws InputError where the file's layout
+/// hides a key from the editor.
+std::string fittedText(const std::string& scene_file, const Scene& given, const Scene& fitted, const std::string& to) {
+  std::ifstream in(scene_file, std::ios::binary);
+  std::stringstream read;
+  read << in.rdbuf();
+  std::string text = read.str();
+  const auto folder = std::filesystem::absolute(to).parent_path();
+  const auto pathFrom = [&](const std::string& path) {
+    return "\"" + std::filesystem::proximate(std::filesystem::absolute(path), folder).generic_string() + "\"";
+  };
+  if (given.solid == Scene::Solid::Surface) text = withSceneKey(text, "organ", "surface", pathFrom(given.surface_file));
+  if (!given.solve.probes_file.empty()) text = withSceneKey(text, "solve", "probes", pathFrom(given.solve.probes_file));
+  text = withSceneKey(text, "discretization", "spacing", shortest(fitted.spacing));
+  text = withSceneKey(text, "discretization", "support_factor", shortest(fitted.support_factor));
+  text = withSceneKey(text, "discretization", "points_per_cell", std::to_string(fitted.quadrature.points_per_cell));
+  text = withSceneKey(text, "discretization", "cells_per_point", shortest(fitted.quadrature.cells_per_point));
+  text = withSceneKey(text, "discretization", "consistent_gradients", "true");
+  text = withSceneKey(text, "discretization", "node_patch_volume", "true");
+  if (!fitted.refine.empty()) {
+    std::string refine;
+    for (const auto& r : fitted.refine)
+      refine += (refine.empty() ? "[{ centre = [" : ", { centre = [") + shortest(r.centre.x()) + ", " +
+                shortest(r.centre.y()) + ", " + shortest(r.centre.z()) + "], radius = " + shortest(r.radius) +
+                ", spacing = " + shortest(r.spacing) + " }";
+    text = withSceneKey(text, "discretization", "refine", refine + "]");
+  }
+  text = withSceneKey(text, "dynamics", "rate", shortest(fitted.rate_hz));
+  text = withSceneKey(text, "dynamics", "time_step", "0");
+  if (fitted.mass_scaling != given.mass_scaling)
+    text = withSceneKey(text, "dynamics", "mass_scaling", shortest(fitted.mass_scaling));
+  text = withSceneKey(text, "dynamics", "threads", std::to_string(fitted.threads));
+  return text;
+}
+
+/// Whether a scene says what was fitted.
+bool says(const Scene& scene, const Scene& fitted) {
+  const auto near = [](double a, double b) { return std::abs(a - b) <= 1e-5 * std::abs(b); };
+  return near(scene.spacing, fitted.spacing) && near(scene.support_factor, fitted.support_factor) &&
+         near(scene.rate_hz, fitted.rate_hz) && scene.threads == fitted.threads &&
+         scene.mass_scaling == fitted.mass_scaling && scene.quadrature.accuracy == 0 &&
+         scene.quadrature.points_per_cell == fitted.quadrature.points_per_cell &&
+         scene.quadrature.cells_per_point == fitted.quadrature.cells_per_point &&
+         std::equal(scene.refine.begin(), scene.refine.end(), fitted.refine.begin(), fitted.refine.end(),
+                    [&](const RefineSpec& a, const RefineSpec& b) {
+                      return near(a.spacing, b.spacing) && near(a.radius, b.radius) &&
+                             (a.centre - b.centre).norm() <= 1e-4 * b.radius;
+                    });
+}
+
+void stopIfInterrupted() {
+  if (interrupted()) throw std::runtime_error("interrupted");
+}
+
+int fit(const FitOptions& options) {
+  const std::string scene_file = findScene(options.scene);
+  const Scene given = readScene(scene_file);
+  if (!given.refine.empty())
+    throw InputError(given.refine.front().place, "`mtled fit` chooses the spacing and where it is finer itself",
+                     "leave the refinements out");
+  if (given.quadrature.accuracy > 0)
+    throw InputError(given.place, "`mtled fit` chooses the points itself", "leave quadrature_accuracy out");
+  const std::optional<ToolScript> script = namedScript(options.tool_script, given.tool.radius);
+  Scene scene = given;
+  if (options.rate_hz > 0) scene.rate_hz = options.rate_hz;
+  scene.threads =
+      options.cores > 0 ? options.cores : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  const std::string out = options.out.empty() ? "out/" + std::filesystem::path(scene_file).stem().string() + "_" +
+                                                    shortest(scene.rate_hz) + "hz.toml"
+                                              : options.out;
+  if (std::filesystem::exists(out) && std::filesystem::equivalent(out, scene_file))
+    throw InputError({out}, "this is the scene itself", "give another --out");
+  const std::string stem = std::filesystem::path(out).replace_extension().string();
+  const auto parent = std::filesystem::absolute(out).parent_path();
+  std::error_code problem;
+  std::filesystem::create_directories(parent, problem);
+  if (problem) throw std::runtime_error(parent.string() + ": " + problem.message());
+
+  ProgressLine progress("fit");
+  progress.show(0, "set-up");
+  const Model present = loadModel(scene, {}, ModelCache(), warn);
+  const ToolTrajectory way = script ? scriptPoses(*script, present) : indentationTrajectory(present);
+  const auto probes = surfaceProbes(present, probe_count);
+  const ContactRegion place = options.uniform ? ContactRegion{} : contactRegion(present, way);
+  const auto families = fitFamilies(scene, place);
+  const std::vector<double> asked = {scene.rate_hz, static_cast<double>(scene.threads)};
+  FitRecord record(stem + ".fit.json", runIdentity(present, way, asked));
+  if (options.resume) record.resume();
+
+  FitTask task{scene, way, probes, scene.threads, record, {}};
+  std::vector<FitCandidate> candidates;
+  double start = 1;
+  for (std::size_t k = 0; k < families.size(); ++k) {
+    task.watch = [&](double fraction, const std::string& what) {
+      progress.show(0.6 * (static_cast<double>(k) + fraction) / static_cast<double>(families.size()), what);
+    };
+    // Finer nodes where the tool works take time from the others.
+    FitCandidate c = finestWithin(task, families[k], median_share, families[k].inside < 1 ? 1.1 * start : 1);
+    if (c.spacing_factor == 0) continue;
+    if (k == 0) start = c.spacing_factor;
+    candidates.push_back(std::move(c));
+  }
+  stopIfInterrupted();
+  if (candidates.empty()) {
+    std::cerr << "mtled: no setting of this scene holds " << scene.rate_hz << " Hz with " << scene.threads
+              << " threads on this machine\n";
+    return 1;
+  }
+
+  // Finer than the finest candidate.
+  double outside = INFINITY, inside = INFINITY;
+  for (const auto& c : candidates) {
+    outside = std::min(outside, c.spacing_factor);
+    inside = std::min(inside, c.spacing_factor * c.inside);
+  }
+  const Fineness fineness = fitFineness(outside, inside);
+  const std::string reference_file = stem + ".reference.json",
+                    reference = runIdentity(present, way, {fineness.outside, fineness.inside});
+  ConvergedRun converged;
+  if (!options.resume || !readConvergedRun(reference_file, reference, converged)) {
+    converged =
+        convergedRun(present, way, probes, contactRegion(present, way), fineness, scene.threads,
+                     [&](double fraction, const std::string& what) { progress.show(0.6 + 0.3 * fraction, what); });
+    writeConvergedRun(reference_file, converged, reference);
+  }
+  for (auto& c : candidates) {
+    c.error = errorOf(c.run, converged.run);
+    c.expected_error = expectedError(c.error, converged, fineness.coarser);
+  }
+  FitCandidate chosen = *std::min_element(candidates.begin(), candidates.end(), [](const auto& a, const auto& b) {
+    return a.expected_error < b.expected_error;
+  });
+
+  // In the real-time loop, where the rest of the machine has its say: coarser until it holds.
+  HeldRate held;
+  bool holds = false;
+  for (int attempt = 0; attempt < max_checks && !holds && !interrupted(); ++attempt) {
+    progress.show(0.9 + 0.02 * attempt, "in the real-time loop");
+    Model model = loadModel(chosen.scene);
+    held = checkRate(model, way, scene.threads, check_seconds);
+    holds = held.held(scene.rate_hz);
+    if (holds) break;
+    const auto family =
+        std::find_if(families.begin(), families.end(), [&](const FitFamily& f) { return f.name == chosen.family; });
+    chosen = tried(task, *family, 1.06 * chosen.spacing_factor);
+    if (chosen.nodes == 0 || chosen.run.interrupted) break;
+    chosen.error = errorOf(chosen.run, converged.run);
+    chosen.expected_error = expectedError(chosen.error, converged, fineness.coarser);
+  }
+  stopIfInterrupted();
+  if (!holds) {
+    std::cerr << "mtled: " << scene.rate_hz << " Hz are not held in the real-time loop: " << held.overruns << " of "
+              << held.ticks + held.overruns << " periods missed, p99.9 " << held.step_us.p999
+              << " us. Is another program busy?\n";
+    return 1;
+  }
+  progress.show(1, "done");
+
+  writeWholeFile(out, fittedText(scene_file, given, chosen.scene, out));
+  if (!says(readScene(out), chosen.scene))
+    throw InputError({out}, "this scene file's layout keeps `mtled fit` from changing it",
+                     "write spacing, support_factor, points_per_cell and cells_per_point into a [discretization] "
+                     "table, rate, time_step and threads into [dynamics]");
+  const double headroom = 1 - held.step_us.p999 * 1e-6 * scene.rate_hz;
+  std::printf("%s at %g Hz on %d threads: %d nodes, %d points, %d steps a tick, %s\n", given.name.c_str(),
+              scene.rate_hz, scene.threads, chosen.nodes, chosen.points, chosen.substeps, chosen.family.c_str());
+  std::printf("  expected force error   %.2f %% of the largest force (%.2f %% from a solution with %d nodes)\n",
+              100 * chosen.expected_error, 100 * chosen.error.force, converged.about.nodes);
+  std::printf("  headroom               %.0f %% of a tick at p99.9 (%.0f of %.0f us), %lld of %lld periods missed\n",
+              100 * headroom, held.step_us.p999, 1e6 / scene.rate_hz, static_cast<long long>(held.overruns),
+              static_cast<long long>(held.ticks + held.overruns));
+  if (!chosen.scene.refine.empty())
+    std::printf(
+        "  nodes                  %.3g mm apart within %.3g mm of where the tool works, %.3g mm elsewhere (--uniform: "
+        "the same everywhere)\n",
+        1e3 * chosen.scene.refine.front().spacing, 1e3 * chosen.scene.refine.front().radius,
+        1e3 * chosen.scene.spacing);
+  for (const auto& c : candidates)
+    std::printf("  %s %s, spacing x %.3g: %d nodes, %.2f %% expected\n",
+                c.family == chosen.family ? "chosen               " : "also                 ", c.family.c_str(),
+                c.spacing_factor, c.nodes, 100 * c.expected_error);
+  std::printf("  scene                  %s\n", out.c_str());
+  if (!options.json.empty()) {
+    const nlohmann::ordered_json json = {{"scene", given.name},
+                                         {"file", out},
+                                         {"rate_hz", scene.rate_hz},
+                                         {"threads", scene.threads},
+                                         {"family", chosen.family},
+                                         {"mass_scaling", chosen.scene.mass_scaling},
+                                         {"spacing_m", chosen.scene.spacing},
+                                         {"spacing_where_the_tool_works_m", chosen.scene.spacing * chosen.inside},
+                                         {"nodes", chosen.nodes},
+                                         {"points", chosen.points},
+                                         {"substeps", chosen.substeps},
+                                         {"expected_force_error", chosen.expected_error},
+                                         {"distance_from_reference", chosen.error.force},
+                                         {"reference_nodes", converged.about.nodes},
+                                         {"tick_p999_us", held.step_us.p999},
+                                         {"headroom", headroom},
+                                         {"overruns", held.overruns},
+                                         {"ticks", held.ticks},
+                                         {"realtime_factor", held.realtime_factor},
+                                         {"build", buildInfo()}};
+    writeWholeFile(options.json, json.dump(2) + "\n");
+  }
+  return 0;
+}
+
+}  // namespace
+
+int fitCommand(const FitOptions& options) {
+  try {
+    return fit(options);
+  } catch (const std::runtime_error&) {
+    if (!interrupted()) throw;
+    std::cerr << "mtled: interrupted; --resume goes on with what was not tried yet\n";
+    return 1;
+  }
+}
+
+}  // namespace palpate::tools

@@ -1,0 +1,123 @@
+#include "mtled/fit/fit_search.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "base/input_error.h"
+#include "base/interrupt.h"
+#include "io/load_model.h"
+
+namespace palpate::tools {
+namespace {
+
+constexpr int max_tries = 5;
+constexpr int max_nodes = 40000;
+constexpr double coarsest = 4;  // times the given spacing
+constexpr double some_pairs =
+    1.5;  // cells a point: a third fewer points, and more nodes for that, are mostly more exact
+constexpr double some_mass = 0.05;  // of the body's: motion becomes slower by half of that
+
+std::string formatted(const char* format, double value) {
+  char text[64];
+  std::snprintf(text, sizeof text, format, value);
+  return text;
+}
+
+}  // namespace
+
+std::vector<FitFamily> fitFamilies(const Scene& scene, const ContactRegion& place) {
+  std::vector<FitFamily> families;
+  const auto add = [&](double support, double inside, double mass, double cells_per_point = some_pairs) {
+    std::string name = formatted("support_factor %g", support);
+    if (cells_per_point > 1) name += formatted(", %g cells a point", cells_per_point);
+    if (inside < 1) name += formatted(", spacing x %g where the tool works", inside);
+    if (mass > 0) name += formatted(", mass_scaling %g", mass);
+    families.push_back({name,
+                        [=](Scene& s) {
+                          s.support_factor = support;
+                          s.quadrature = {1, cells_per_point, 0, 8, 4};
+                          s.consistent_gradients = s.node_patch_volume = true;
+                          s.time_step = 0;
+                          s.mass_scaling = mass;
+                          if (inside < 1) refineWhere(s, place, 1, inside);
+                        },
+                        inside});
+  };
+  const double given = scene.mass_scaling, more = std::max(given, some_mass);
+  add(scene.support_factor, 1, given);
+  add(scene.support_factor, 1, given, 1);
+  if (scene.support_factor < 2.1) add(2.2, 1, given);
+  const bool refined = place.radius > 0;
+  if (refined)
+    for (const double inside : {0.6, 0.4}) add(scene.support_factor, inside, given);
+  // Small cells limit the step: a little mass on them may spare steps.
+  if (more > given) add(scene.support_factor, refined ? 0.4 : 1, more);
+  return families;
+}
+
+FitCandidate tried(const FitTask& task, const FitFamily& family, double factor) {
+  FitCandidate c;
+  c.inside = family.inside;
+  c.scene = task.scene;
+  family.turn(c.scene);
+  scaleSpacing(c.scene, factor);
+  FitTry& one = c;
+  if (const FitTry* known = task.record.find(family.name, factor)) {
+    one = *known;
+    return c;
+  }
+  one.family = family.name;
+  one.spacing_factor = factor;
+  try {
+    const Model model = loadModel(c.scene);
+    one.nodes = model.nodeCount();
+    one.points = model.pointCount();
+    one.substeps = model.substeps_per_tick;
+    one.run = runTrajectory(model, task.way, task.probes, task.threads);
+    one.cost = costOf(one.run, c.scene.rate_hz);
+  } catch (const InputError&) {  // a setting that this scene can't have
+  }
+  if (!one.run.interrupted) task.record.add(one);
+  return c;
+}
+
+FitCandidate finestWithin(const FitTask& task, const FitFamily& family, double share, double start) {
+  const double limit = share * 1e6 / task.scene.rate_hz;  // us
+  FitCandidate best;
+  best.spacing_factor = 0;
+  double factor = start, too_fine = 0;
+  for (int k = 0; k < max_tries && !interrupted(); ++k) {
+    char what[192];
+    std::snprintf(what, sizeof what, "%s, spacing x %.3g", family.name.c_str(), factor);
+    task.watch(static_cast<double>(k) / max_tries, what);
+    FitCandidate c = tried(task, family, factor);
+    if (c.nodes == 0 || c.run.interrupted) break;
+    const double ratio = c.cost.tick_p50 / limit;
+    const bool fits = ratio <= 1 && c.run.sound();
+    if (fits && (best.spacing_factor == 0 || factor < best.spacing_factor)) best = c;
+    if (!fits) too_fine = std::max(too_fine, factor);
+    if (fits && ratio > 0.85) break;
+    // Points and steps a tick: between the third and the fourth power of the spacing.
+    double next = factor * std::pow(ratio / 0.93, 1 / 3.5);
+    if (!c.run.sound()) next = 1.3 * factor;  // too fine a cloud under the tool; nothing known of a finer one's time
+    next = std::max(next, factor * std::cbrt(static_cast<double>(c.nodes) / max_nodes));
+    // Whole steps a tick make the time jump: never beyond what is known not to fit.
+    if (too_fine > 0 && next <= too_fine)
+      next = best.spacing_factor > 0 ? std::sqrt(too_fine * best.spacing_factor) : 1.1 * too_fine;
+    if (next > coarsest || std::abs(next / factor - 1) < 0.01) break;
+    factor = next;
+  }
+  return best;
+}
+
+Fineness fitFineness(double outside, double inside) {
+  return {0.85 * outside, std::min(0.5 * outside, 0.75 * inside), 1.35};
+}
+
+double expectedError(const RunError& error, const ConvergedRun& converged, double coarser) {
+  const double lacking = converged.about.convergence.force / (coarser * coarser - 1);
+  return std::hypot(error.force, lacking);
+}
+
+}  // namespace palpate::tools

@@ -1,0 +1,45 @@
+#include "mtled/fit/rate_check.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <thread>
+
+#include "base/interrupt.h"
+#include "realtime/loop/simulation_loop.h"
+#include "realtime/recording/recording.h"
+
+namespace palpate::tools {
+
+bool HeldRate::held(double rate_hz) const {
+  return !frozen && ticks > 0 && static_cast<double>(overruns) < 1e-3 * static_cast<double>(ticks + overruns) &&
+         step_us.p999 < 1e6 / rate_hz;
+}
+
+HeldRate checkRate(Model& model, const ToolTrajectory& way, int threads, double seconds) {
+  ToolTrajectory there_and_back = way;
+  there_and_back.insert(there_and_back.end(), way.rbegin(), way.rend());
+  const auto ticks = static_cast<std::size_t>(std::ceil(seconds * model.scene.rate_hz));
+  std::vector<Pose> poses;
+  while (poses.size() < ticks) poses.insert(poses.end(), there_and_back.begin(), there_and_back.end());
+
+  TissuePhysics physics(model, threads);
+  SimulationLoopOptions options;
+  options.track = trackFromPoses(poses);
+  options.tick_limit = static_cast<std::int64_t>(poses.size());
+  SimulationLoop loop(model, physics, &physics.team(), options);
+  loop.start();
+  ForceSample sample;
+  while (!loop.finished()) {
+    if (interrupted()) loop.quit();
+    while (loop.forces().pop(sample)) {
+    }  // nobody else takes them
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  loop.join();
+  const auto& statistics = loop.statistics();
+  return {statistics.step.percentiles(), statistics.ticks.load(), statistics.overrun_count.load(),
+          loop.summary().totals.realtime_factor, loop.summary().frozen};
+}
+
+}  // namespace palpate::tools

@@ -1,0 +1,192 @@
+#include "mtled/frontier/frontier_result.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+#include <ostream>
+#include <sstream>
+
+#include "app/figures/figure.h"
+
+namespace palpate::tools {
+
+using namespace app;  // what draws
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json toJson(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+double toDouble(const Json& json) { return json.is_null() ? NAN : json.get<double>(); }
+
+std::string formatted(const char* format, double value) {
+  char text[64];
+  std::snprintf(text, sizeof text, format, value);
+  return text;
+}
+
+std::string percent(double share) { return std::isfinite(share) ? formatted("%.2f %%", share * 100) : "-"; }
+
+}  // namespace
+
+std::vector<int> bestRows(const Frontier& frontier) {
+  std::vector<double> cost, error;
+  for (const auto& row : frontier.rows) {
+    cost.push_back(row.cost.us_per_ms);
+    error.push_back(row.error.force);
+  }
+  return paretoFront(cost, error);
+}
+
+void printFrontier(std::ostream& out, const Frontier& f) {
+  const auto best = bestRows(f);
+  const auto line = [&](const std::string& name, const char* format, auto... values) {
+    char rest[160];
+    std::snprintf(rest, sizeof rest, format, values...);
+    out << "  " << name << std::string(name.size() < 34 ? 34 - name.size() : 1, ' ') << rest << "\n";
+  };
+  line("setting", "%7s %8s %9s %9s %9s %8s %9s", "nodes", "points", "us / ms", "p99.9 us", "real time", "force",
+       "displ.");
+  for (std::size_t k = 0; k < f.rows.size(); ++k) {
+    const auto& row = f.rows[k];
+    const bool on_front = std::find(best.begin(), best.end(), static_cast<int>(k)) != best.end();
+    line((on_front ? "* " : "  ") + row.name, "%7d %8d %9.0f %9.0f %8.2fx %8s %9s  %s", row.nodes, row.points,
+         row.cost.us_per_ms, row.cost.tick_p999, row.realtime_factor, percent(row.error.force).c_str(),
+         percent(row.error.displacement).c_str(), row.trouble.c_str());
+  }
+  out << "  * none is both cheaper and closer. us / ms: computing time per millisecond of physics; real time: the "
+         "factor that it could\n"
+         "  reach; force, displ.: distance from the reference, "
+      << f.reference.nodes << " nodes and " << f.reference.points << " points, which itself is "
+      << percent(f.reference.convergence.force) << " and " << percent(f.reference.convergence.displacement)
+      << "\n  away from the solution with " << f.reference.coarser_nodes << " nodes.\n";
+}
+
+std::string csvOf(const Frontier& f) {
+  std::ostringstream out;
+  out.precision(9);
+  out << "group,name,nodes,points,substeps,threads,dt_s,setup_s,us_per_ms,tick_p50_us,tick_p999_us,realtime_factor,"
+         "force_error,"
+         "displacement_error,peak_force_N,min_J,trouble\n";
+  for (const auto& r : f.rows)
+    out << '"' << r.group << "\",\"" << r.name << "\"," << r.nodes << ',' << r.points << ',' << r.substeps << ','
+        << r.threads << ',' << r.dt << ',' << r.setup_seconds << ',' << r.cost.us_per_ms << ',' << r.cost.tick_p50
+        << ',' << r.cost.tick_p999 << ',' << r.realtime_factor << ',' << r.error.force << ',' << r.error.displacement
+        << ',' << r.peak_force << ',' << r.min_J << ",\"" << r.trouble << "\"\n";
+  return out.str();
+}
+
+std::string jsonOf(const Frontier& f) {
+  Json rows = Json::array();
+  for (const auto& r : f.rows)
+    rows.push_back({{"group", r.group},
+                    {"name", r.name},
+                    {"nodes", r.nodes},
+                    {"points", r.points},
+                    {"substeps", r.substeps},
+                    {"threads", r.threads},
+                    {"dt_s", r.dt},
+                    {"setup_s", r.setup_seconds},
+                    {"us_per_ms", toJson(r.cost.us_per_ms)},
+                    {"tick_p50_us", toJson(r.cost.tick_p50)},
+                    {"tick_p999_us", toJson(r.cost.tick_p999)},
+                    {"realtime_factor", toJson(r.realtime_factor)},
+                    {"force_error", toJson(r.error.force)},
+                    {"displacement_error", toJson(r.error.displacement)},
+                    {"peak_force_N", toJson(r.peak_force)},
+                    {"min_J", r.min_J},
+                    {"trouble", r.trouble}});
+  Json front = Json::array();
+  for (const int k : bestRows(f)) front.push_back(f.rows[static_cast<std::size_t>(k)].name);
+  const auto& ref = f.reference;
+  const Json json = {{"scene", f.scene},
+                     {"way", f.way},
+                     {"build", f.build},
+                     {"identity", f.identity},
+                     {"rate_hz", f.rate_hz},
+                     {"reference",
+                      {{"nodes", ref.nodes},
+                       {"points", ref.points},
+                       {"peak_force_N", toJson(ref.peak_force)},
+                       {"coarser_nodes", ref.coarser_nodes},
+                       {"force_distance", toJson(ref.convergence.force)},
+                       {"displacement_distance", toJson(ref.convergence.displacement)}}},
+                     {"pareto_front", front},
+                     {"rows", rows}};
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+Frontier frontierFromJson(const std::string& text) {
+  try {
+    const Json j = Json::parse(text);
+    Frontier f{j.at("scene"), j.at("way"), j.at("build"), j.at("identity"), j.at("rate_hz"), {}, {}};
+    const Json& ref = j.at("reference");
+    f.reference = {ref.at("nodes"),
+                   ref.at("points"),
+                   toDouble(ref.at("peak_force_N")),
+                   ref.at("coarser_nodes"),
+                   {toDouble(ref.at("force_distance")), toDouble(ref.at("displacement_distance"))}};
+    for (const Json& r : j.at("rows")) {
+      FrontierRow row;
+      row.group = r.at("group");
+      row.name = r.at("name");
+      row.nodes = r.at("nodes");
+      row.points = r.at("points");
+      row.substeps = r.at("substeps");
+      row.threads = r.at("threads");
+      row.dt = r.at("dt_s");
+      row.setup_seconds = r.at("setup_s");
+      row.cost = {toDouble(r.at("us_per_ms")), toDouble(r.at("tick_p50_us")), toDouble(r.at("tick_p999_us"))};
+      row.realtime_factor = toDouble(r.at("realtime_factor"));
+      row.error = {toDouble(r.at("force_error")), toDouble(r.at("displacement_error"))};
+      row.peak_force = toDouble(r.at("peak_force_N"));
+      row.min_J = r.at("min_J");
+      row.trouble = r.at("trouble");
+      f.rows.push_back(std::move(row));
+    }
+    return f;
+  } catch (const nlohmann::json::exception& error) {
+    throw std::runtime_error(std::string("frontier in JSON: ") + error.what());
+  }
+}
+
+void writeFrontierFigure(const std::string& png, const Frontier& f) {
+  Figure figure;
+  figure.title = f.scene + ": what a microsecond buys";
+  figure.x_label = "Computing time per millisecond of physics, us";
+  figure.y_label = "Force error, % of the largest force";
+  figure.log_x = figure.log_y = true;
+  const auto best = bestRows(f);
+  Series front{"best", {}, {}, SeriesStyle::Step, ink_colour};
+  for (const int k : best) {
+    front.x.push_back(f.rows[static_cast<std::size_t>(k)].cost.us_per_ms);
+    front.y.push_back(100 * f.rows[static_cast<std::size_t>(k)].error.force);
+  }
+  figure.series.push_back(front);
+  std::vector<std::string> groups;
+  for (const auto& row : f.rows)
+    if (std::find(groups.begin(), groups.end(), row.group) == groups.end()) groups.push_back(row.group);
+  for (std::size_t g = 0; g < groups.size(); ++g) {
+    Series series{groups[g],
+                  {},
+                  {},
+                  SeriesStyle::Points,
+                  groups[g] == "present" ? ink_colour : static_cast<int>((g - 1) % figure_colour_count)};
+    for (std::size_t k = 0; k < f.rows.size(); ++k) {
+      const auto& row = f.rows[k];
+      if (row.group != groups[g]) continue;
+      if (std::find(best.begin(), best.end(), static_cast<int>(k)) != best.end() || g == 0)
+        series.highlighted.push_back(static_cast<int>(series.x.size()));
+      series.x.push_back(row.cost.us_per_ms);
+      series.y.push_back(100 * row.error.force);
+      series.point_labels.push_back(row.name);
+    }
+    figure.series.push_back(series);
+  }
+  figure.marks.push_back({"real time", 1000, false, ink_colour});
+  if (std::isfinite(f.reference.convergence.force))
+    figure.marks.push_back({"the reference's own", 100 * f.reference.convergence.force, true, ink_colour});
+  FigureWriter().write(png, figure);
+}
+
+}  // namespace palpate::tools

@@ -1,0 +1,137 @@
+#include "mtled/frontier/frontier_settings.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "base/number_text.h"
+#include "discretization/surface/surface_tree.h"
+
+namespace palpate::tools {
+namespace {
+
+std::string times(const char* what, double factor) {
+  char text[64];
+  std::snprintf(text, sizeof text, "%s x %g", what, factor);
+  return text;
+}
+
+std::string value(const char* what, double number) {
+  char text[64];
+  std::snprintf(text, sizeof text, "%s %g", what, number);
+  return text;
+}
+
+}  // namespace
+
+void scaleSpacing(Scene& scene, double factor) {
+  scene.spacing *= factor;
+  for (auto& refine : scene.refine) refine.spacing *= factor;
+}
+
+ContactRegion contactRegion(const Model& model, const ToolTrajectory& way) {
+  const SurfaceTree skin(model.skin.surface);
+  const double radius = model.scene.tool.radius;
+  Vec3 low = Vec3::Constant(INFINITY), high = -low;
+  std::vector<Vec3> places;
+  for (const Pose& pose : way) {
+    const auto closest = skin.closest(pose.position, radius);
+    if (!(closest.distance < radius)) continue;
+    places.push_back(closest.point);
+    low = low.cwiseMin(closest.point);
+    high = high.cwiseMax(closest.point);
+  }
+  if (places.empty()) return {};
+  ContactRegion place{(low + high) / 2, 0};
+  for (const Vec3& x : places) place.radius = std::max(place.radius, (x - place.centre).norm());
+  place.radius += 2 * radius;
+  return place;
+}
+
+void refineWhere(Scene& scene, const ContactRegion& place, double outside, double inside) {
+  const double present = scene.spacing;
+  scaleSpacing(scene, outside);
+  RefineSpec refine;
+  refine.centre = place.centre;
+  refine.radius = place.radius;
+  refine.spacing = inside * present;
+  scene.refine.push_back(refine);
+}
+
+std::vector<FrontierSetting> frontierSettings(const Scene& scene, const ContactRegion& place, bool quick, int cores) {
+  std::vector<FrontierSetting> settings;
+  const auto add = [&](const char* group, const std::string& name,
+                       std::function<void(Scene&)> turn) -> FrontierSetting& {
+    settings.push_back({group, name, std::move(turn)});
+    return settings.back();
+  };
+  add("present", "as it is", [](Scene&) {});
+
+  for (const double factor : {2.0, 1.6, 1.3, 0.85})
+    add("spacing", times("spacing", factor), [factor](Scene& s) { scaleSpacing(s, factor); });
+
+  for (const auto& [outside, inside] : {std::pair{1.6, 0.8}, {2.0, 1.0}, {2.0, 0.7}, {1.3, 0.6}})
+    if (place.radius > 0)
+      add("refined at the tool", times("outside", outside) + ", " + times("inside", inside),
+          [=, o = outside, i = inside](Scene& s) { refineWhere(s, place, o, i); });
+
+  if (scene.quadrature.points_per_cell != 4 || scene.quadrature.accuracy > 0)
+    add("quadrature, basis, support", "4 points a cell", [](Scene& s) { s.quadrature = {4, 1, 0, 8, 4}; });
+  if (scene.quadrature.points_per_cell != 1 || scene.quadrature.cells_per_point > 1 || scene.quadrature.accuracy > 0)
+    add("quadrature, basis, support", "1 point a cell", [](Scene& s) { s.quadrature = {1, 1, 0, 8, 4}; });
+  for (const double cells : {1.5, 2.0})
+    if (cells != scene.quadrature.cells_per_point && (!quick || cells == 2))
+      add("quadrature, basis, support", shortest(cells) + " cells a point", [cells](Scene& s) {
+        s.quadrature = {1, cells, 0, 8, 4};
+      });
+  if (!quick)
+    add("quadrature, basis, support", "adaptive, tau 0.1", [](Scene& s) { s.quadrature = {1, 1, 0.1, 8, 1}; });
+  add("quadrature, basis, support", scene.basis_degree == 2 ? "linear basis" : "quadratic basis",
+      [](Scene& s) { s.basis_degree = 3 - s.basis_degree; });
+  for (const double factor : {1.6, 2.2})
+    if (factor != scene.support_factor)
+      add("quadrature, basis, support", value("support", factor), [factor](Scene& s) { s.support_factor = factor; });
+
+  const auto flip = [&](const char* name, bool Scene::*feature) {
+    add("features", std::string(name) + (scene.*feature ? " off" : " on"),
+        [feature](Scene& s) { s.*feature = !(s.*feature); });
+  };
+  flip("consistent gradients", &Scene::consistent_gradients);
+  flip("node patches", &Scene::node_patch_volume);
+  if (!quick)
+    add("features", "both steps turned", [](Scene& s) {
+      s.consistent_gradients = !s.consistent_gradients;
+      s.node_patch_volume = !s.node_patch_volume;
+    });
+
+  const bool rounded = scene.gradient_precision == GradientPrecision::Int16;
+  add("precision", rounded ? "float32 gradients" : "int16 gradients",
+      [rounded](Scene& s) { s.gradient_precision = rounded ? GradientPrecision::Float32 : GradientPrecision::Int16; });
+  add("precision", "double", [](Scene&) {}).in_double = true;
+
+  for (const double safety : {0.3, 0.9})
+    add("time step, damping", value("step_safety", safety), [safety](Scene& s) {
+      s.time_step = 0;
+      s.step_safety = safety;
+    });
+  for (const double factor : {0.5, 2.0})
+    if (!quick) add("time step, damping", times("damping", factor), [factor](Scene& s) { s.damping *= factor; });
+
+  // Where a few small cells limit the step, a little mass spares steps.
+  for (const double share : {0.02, 0.1})
+    if (share != scene.mass_scaling && (!quick || share == 0.1))
+      add("mass scaling", value("mass_scaling", share), [share](Scene& s) { s.mass_scaling = share; });
+  if (place.radius > 0)
+    add("mass scaling", "outside x 1.3, inside x 0.6, mass_scaling 0.1", [=](Scene& s) {
+      refineWhere(s, place, 1.3, 0.6);
+      s.mass_scaling = 0.1;
+    });
+
+  for (const int threads : {1, cores})
+    if (threads != scene.threads && (settings.back().threads != threads))
+      add("threads", std::to_string(threads) + (threads == 1 ? " thread" : " threads"), [](Scene&) {}).threads =
+          threads;
+  return settings;
+}
+
+}  // namespace palpate::tools

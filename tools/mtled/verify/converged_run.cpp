@@ -1,0 +1,127 @@
+#include "mtled/verify/converged_run.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <cstring>
+#include <fstream>
+#include <sstream>
+#include <stdexcept>
+
+#include "base/build_info.h"
+#include "io/load_model.h"
+#include "io/output_file.h"
+#include "mtled/report/vector_json.h"
+#include "realtime/recording/recording.h"
+#include "simulation/model_hash.h"
+
+namespace palpate::tools {
+namespace {
+
+constexpr double reference_safety = 0.4;
+
+using Json = nlohmann::json;
+
+}  // namespace
+
+ConvergedRun convergedRun(const Model& present, const ToolTrajectory& way, const std::vector<Vec3>& probes,
+                          const ContactRegion& place, const Fineness& fineness, int threads,
+                          const std::function<void(double, const std::string&)>& watch) {
+  ConvergedRun converged;
+  ScriptedRun coarser;
+  for (const bool fine : {false, true}) {
+    watch(fine ? 0.3 : 0, fine ? "the reference" : "a coarser reference");
+    Scene scene = present.scene;
+    const double factor = fine ? 1 : fineness.coarser;
+    if (place.radius > 0)
+      refineWhere(scene, place, factor * fineness.outside, factor * fineness.inside);
+    else
+      scaleSpacing(scene, factor * fineness.outside);
+    scene.quadrature.cells_per_point = 1;
+    scene.time_step = 0;
+    scene.step_safety = std::min(scene.step_safety, reference_safety);
+    const Model model = loadModel(scene);
+    ScriptedRun run = runTrajectory(model, way, probes, threads);
+    if (run.interrupted) throw std::runtime_error("interrupted during the reference solution; nothing is kept");
+    if (!run.sound())
+      throw std::runtime_error(
+          "the reference solution is not sound: the tool's way is beyond what the scene can follow");
+    double peak = 0;
+    for (const Vec3& f : run.force) peak = std::max(peak, f.norm());
+    if (peak == 0)
+      throw std::runtime_error("the tool never touches the organ on this way, so there is no force to compare");
+    if (!fine) {
+      coarser = std::move(run);
+      converged.about.coarser_nodes = model.nodeCount();
+      continue;
+    }
+    converged.about.nodes = model.nodeCount();
+    converged.about.points = model.pointCount();
+    converged.about.peak_force = peak;
+    converged.run = std::move(run);
+  }
+  converged.about.convergence = errorOf(coarser, converged.run);
+  return converged;
+}
+
+void writeConvergedRun(const std::string& file, const ConvergedRun& c, const std::string& identity) {
+  const Json json = {{"identity", identity},
+                     {"nodes", c.about.nodes},
+                     {"points", c.about.points},
+                     {"peak_force_N", c.about.peak_force},
+                     {"coarser_nodes", c.about.coarser_nodes},
+                     {"force_distance", c.about.convergence.force},
+                     {"displacement_distance", c.about.convergence.displacement},
+                     {"force_N", vectorsToJson(c.run.force)},
+                     {"probe_u_m", vectorsToJson(c.run.probe_u)}};
+  writeWholeFile(file, json.dump() + "\n");
+}
+
+bool readConvergedRun(const std::string& file, const std::string& identity, ConvergedRun& converged) {
+  std::ifstream in(file, std::ios::binary);
+  if (!in) return false;
+  std::stringstream text;
+  text << in.rdbuf();
+  try {
+    const Json j = Json::parse(text.str());
+    if (j.at("identity") != identity) return false;
+    ConvergedRun c;
+    c.about = {j.at("nodes"),
+               j.at("points"),
+               j.at("peak_force_N"),
+               j.at("coarser_nodes"),
+               {j.at("force_distance"), j.at("displacement_distance")}};
+    c.run.force = vectorsFromJson(j.at("force_N"));
+    c.run.probe_u = vectorsFromJson(j.at("probe_u_m"));
+    converged = std::move(c);
+    return true;
+  } catch (const nlohmann::json::exception&) {
+    return false;
+  }
+}
+
+std::string runIdentity(const Model& model, const ToolTrajectory& way, const std::vector<double>& numbers) {
+  std::uint64_t hash = modelHash(model);
+  const auto add = [&](double value) {
+    std::uint64_t bits = 0;
+    std::memcpy(&bits, &value, sizeof bits);
+    hash = (hash ^ bits) * 0x100000001b3ull;  // FNV-1a by words
+  };
+  for (const double number : numbers) add(number);
+  add(model.scene.damping);
+  for (const char c : sourceIdentity()) add(c);
+  for (const Pose& pose : way)
+    for (int c = 0; c < 3; ++c) add(pose.position[c]);
+  char text[20];
+  std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(hash));
+  return text;
+}
+
+std::vector<Vec3> surfaceProbes(const Model& model, int count) {
+  const auto& vertices = model.skin.surface.vertices;
+  std::vector<Vec3> probes;
+  const std::size_t stride = std::max<std::size_t>(1, vertices.size() / static_cast<std::size_t>(count));
+  for (std::size_t v = 0; v < vertices.size(); v += stride) probes.push_back(vertices[v]);
+  return probes;
+}
+
+}  // namespace palpate::tools

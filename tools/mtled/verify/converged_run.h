@@ -1,0 +1,42 @@
+#pragma once
+
+#include <functional>
+
+#include "mtled/frontier/frontier_result.h"
+#include "mtled/frontier/frontier_settings.h"
+#include "mtled/solve/scripted_run.h"
+
+namespace palpate::tools {
+
+/// A scene's way followed on finer clouds: what its errors are measured against.
+struct ConvergedRun {
+  FrontierReference about;
+  ScriptedRun run;
+};
+
+/// How fine a converged run is.
+struct Fineness {
+  double outside = 0.75, inside = 0.4;  // times the scene's spacing, away from the tool's way and at it
+  double coarser = 1.35;  // times these spacings, for the solution that shows how far the reference still is
+};
+
+/// The scene at that fineness, each cell with a point of its own, with a step of at most 0.4 of the critical one.
+/// @param place  where the tool works
+/// @param watch  told what is done (fraction of it, text)
+/// Throws std::runtime_error where the finer run is not sound.
+ConvergedRun convergedRun(const Model& present, const ToolTrajectory& way, const std::vector<Vec3>& probes,
+                          const ContactRegion& place, const Fineness& fineness, int threads,
+                          const std::function<void(double, const std::string&)>& watch);
+
+/// Tells model, tool's way and program from others, and these numbers: what a resumed run must agree in. Hexadecimal.
+std::string runIdentity(const Model& model, const ToolTrajectory& way, const std::vector<double>& numbers);
+
+/// Keeps a converged run in a file. @param identity  of scene and way, checked by the reader
+void writeConvergedRun(const std::string& file, const ConvergedRun& converged, const std::string& identity);
+/// False where there is no such file of that identity, or it is damaged.
+bool readConvergedRun(const std::string& file, const std::string& identity, ConvergedRun& converged);
+
+/// Points of the surface at which displacements are compared: evenly chosen vertices of the skin.
+std::vector<Vec3> surfaceProbes(const Model& model, int count);
+
+}  // namespace palpate::tools

@@ -1,0 +1,175 @@
+#include "mtled/verify/verification_case.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <stdexcept>
+
+#include "app/figures/figure.h"
+#include "app/render/body_picture.h"
+#include "approximation/shape_functions.h"
+#include "base/interrupt.h"
+#include "io/load_model.h"
+#include "mtled/verify/cases/cases.h"
+
+namespace palpate::tools {
+
+using namespace app;  // what draws
+
+const std::vector<VerificationCase>& verificationCases() {
+  static const std::vector<VerificationCase> cases{
+      {"approximation", "modified moving least squares where the classical fail; rates of convergence",
+       approximationCase},
+      {"cube", "unconstrained compression of a cube, Table 1", cubeCase},
+      {"box_extension", "extension of a sheep brain sample, Table 2", boxExtensionCase},
+      {"box_compression", "its compression by 20 %, Table 3", boxCompressionCase},
+      {"half_ellipsoid", "brain indentation by 5 mm (section 3.3, on a stand-in)", halfEllipsoidCase},
+      {"gel_cylinder", "Sylgard cylinder pressed to a quarter of its height (section 4)", gelCylinderCase},
+      {"locking", "pressure of a nearly incompressible sample, Fig. 7", lockingCase},
+      {"modes", "whether one point a cell leaves a mode without energy", modesCase},
+      {"torsion", "twisting a cylinder, Rivlin's closed form", torsionCase},
+      {"flexure", "bending a block into a ring, Rivlin's closed form", flexureCase},
+  };
+  return cases;
+}
+
+void apply(const Variant& variant, Scene& scene) {
+  scene.consistent_gradients = variant.consistent_gradients;
+  scene.node_patch_volume = variant.node_patch_volume;
+}
+
+CaseContext partOf(const CaseContext& context, double begin, double all, double width) {
+  CaseContext part = context;
+  part.progress = [whole = context.progress, begin, all, width](double fraction, const std::string& what) {
+    whole((begin + width * fraction) / all, what);
+  };
+  return part;
+}
+
+std::vector<Variant> variantsFor(const CaseContext& context, bool fine) {
+  if (context.quick || fine) return {variants[0], variants[3]};
+  return {std::begin(variants), std::end(variants)};
+}
+
+BoundarySpec planeBoundary(const std::string& name, const Vec3& point, const Vec3& normal,
+                           const std::array<bool, 3>& components) {
+  BoundarySpec b;
+  b.name = name;
+  b.region.kind = Region::Kind::NearPlane;
+  b.region.point = point;
+  b.region.normal = normal;
+  b.region.distance = 1e-9;
+  for (int c = 0; c < 3; ++c) b.component[c] = components[c];
+  return b;
+}
+
+Scene caseScene(double young, double poisson) {
+  Scene scene;
+  scene.materials.emplace_back();
+  scene.materials[0].young = young;
+  scene.materials[0].poisson = poisson;
+  scene.tool.radius = 0.01;  // a case that has no tool needs a skin no finer than for this
+  scene.tool_position = Vec3(0, 0, 1);
+  return scene;
+}
+
+AlignedVector<Float4> StaticSolution::uForPictures() const {
+  AlignedVector<Float4> result;
+  for (const auto& a : u()) result.push_back(toFloat4(toVec3(a)));
+  return result;
+}
+
+std::vector<Vec3> StaticSolution::uAsVectors() const {
+  std::vector<Vec3> result;
+  for (const auto& a : u()) result.push_back(toVec3(a));
+  return result;
+}
+
+std::vector<Vec3> StaticSolution::at(const std::vector<Vec3>& X) const {
+  const Neighbours neighbours(model->X, model->support_radius);
+  std::vector<InadmissibleSupport> failed;
+  const ShapeTable shape = shapeFunctions(X, model->X, model->support_radius, neighbours,
+                                          {model->scene.basis_degree, model->scene.mmls_weight}, failed);
+  if (!failed.empty()) throw std::runtime_error("a probe lies outside the body");
+  return fieldAt(shape, u());
+}
+
+StaticSolution solveCase(const Scene& scene, const std::vector<double>& times, const CaseContext& context,
+                         double tolerance, const StaticSolution* start_from) {
+  StaticSolution s;
+  context.progress(0, "set-up");
+  s.model = std::make_unique<Model>(loadModel(scene));
+  const auto start = std::chrono::steady_clock::now();
+  s.solver = std::make_unique<StaticSolver>(*s.model, context.threads, tolerance);
+  if (start_from) s.solver->resume(start_from->solver->time(), start_from->u(), {});
+  for (std::size_t k = 0; k < times.size(); ++k) {
+    const auto watch = [&](int iterations) {
+      const double within = 1 - std::exp(-iterations / 400.0);
+      context.progress((static_cast<double>(k) + within) / static_cast<double>(times.size()),
+                       std::to_string(s.model->nodeCount()) + " nodes");
+      return !interrupted();
+    };
+    s.steps.push_back(s.solver->advanceTo(times[k], {}, watch));
+    if (s.steps.back().interrupted) throw std::runtime_error("interrupted");
+    if (!s.steps.back().converged) break;
+    s.reactions.push_back(s.solver->body().reactions());
+  }
+  s.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return s;
+}
+
+std::vector<double> evenTimes(int n) {
+  std::vector<double> times;
+  for (int k = 1; k <= n; ++k) times.push_back(static_cast<double>(k) / n);
+  return times;
+}
+
+void addFigure(const CaseContext& context, const std::string& file, const std::string& caption, const Figure& figure,
+               CaseResult& result) {
+  context.figures->write(context.folder + "/" + file, figure);
+  result.figures.push_back({file, caption});
+}
+
+void addFigure(const CaseContext& context, const std::string& file, const std::string& caption, const Histogram& figure,
+               CaseResult& result) {
+  context.figures->write(context.folder + "/" + file, figure);
+  result.figures.push_back({file, caption});
+}
+
+void addBodyPicture(const CaseContext& context, const std::string& file, const std::string& caption,
+                    const BodyPicture& picture, const StaticSolution& solution, CaseResult& result,
+                    const CutPlane* cut) {
+  BodyPainter painter(*context.figures, *solution.model, cut ? std::optional(*cut) : std::nullopt);
+  painter.write(context.folder + "/" + file, picture, solution.uForPictures());
+  result.figures.push_back({file, caption});
+}
+
+Vec3 nrmse(const std::vector<Vec3>& computed, const std::vector<Vec3>& reference) {
+  Vec3 sum = Vec3::Zero(), low = reference.front(), high = low;
+  for (std::size_t k = 0; k < reference.size(); ++k) {
+    sum += (computed[k] - reference[k]).cwiseAbs2();
+    low = low.cwiseMin(reference[k]);
+    high = high.cwiseMax(reference[k]);
+  }
+  return (sum / static_cast<double>(reference.size())).cwiseSqrt().cwiseQuotient(high - low);
+}
+
+double relativeL2(const std::vector<Vec3>& computed, const std::vector<Vec3>& reference) {
+  double difference = 0, size = 0;
+  for (std::size_t k = 0; k < reference.size(); ++k) {
+    difference += (computed[k] - reference[k]).squaredNorm();
+    size += reference[k].squaredNorm();
+  }
+  return std::sqrt(difference / size);
+}
+
+double interpolated(const std::vector<double>& at, const std::vector<double>& value, double x) {
+  const auto after = std::lower_bound(at.begin(), at.end(), x);
+  if (after == at.end() || (after == at.begin() && x < at.front())) return NAN;
+  const auto k = static_cast<std::size_t>(after - at.begin());
+  if (k == 0) return value.front();
+  const double s = (x - at[k - 1]) / (at[k] - at[k - 1]);
+  return value[k - 1] + s * (value[k] - value[k - 1]);
+}
+
+}  // namespace palpate::tools
