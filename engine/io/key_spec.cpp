@@ -1,9 +1,5 @@
 #include "io/key_spec.h"
 
-#include <cmath>
-
-#include "base/number_text.h"
-
 namespace palpate {
 
 namespace {
@@ -14,16 +10,6 @@ std::string choicesText(std::string choices) {
 }
 
 }  // namespace
-
-std::string ValueRange::text() const {
-  const bool bounded_below = std::isfinite(low), bounded_above = std::isfinite(high);
-  if (bounded_below && bounded_above) {
-    return (low_excluded ? "> " : "") + shortest(low) + " .. " + (high_excluded ? "< " : "") + shortest(high);
-  }
-  if (bounded_below) return (low_excluded ? "> " : ">= ") + shortest(low);
-  if (bounded_above) return (high_excluded ? "< " : "<= ") + shortest(high);
-  return "";
-}
 
 std::string typeText(KeySpec::Type type) {
   switch (type) {

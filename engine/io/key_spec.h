@@ -1,28 +1,11 @@
 #pragma once
 
-#include <limits>
 #include <span>
 #include <string>
 
+#include "base/parameter.h"
+
 namespace palpate {
-
-/// What a number may be.
-struct ValueRange {
-  double low = -std::numeric_limits<double>::infinity();
-  double high = std::numeric_limits<double>::infinity();
-  bool low_excluded = false, high_excluded = false;
-
-  bool contains(double value) const {
-    return (low_excluded ? value > low : value >= low) && (high_excluded ? value < high : value <= high);
-  }
-  std::string text() const;  // "> 0", "0 .. 1", "0 .. < 0.5"; empty where anything goes
-};
-
-constexpr ValueRange anyNumber() { return {}; }
-constexpr ValueRange above(double low) { return {low, std::numeric_limits<double>::infinity(), true, false}; }
-constexpr ValueRange atLeast(double low) { return {low, std::numeric_limits<double>::infinity(), false, false}; }
-constexpr ValueRange between(double low, double high) { return {low, high, false, false}; }
-constexpr ValueRange aboveUpTo(double low, double high) { return {low, high, true, false}; }
 
 /// One key of a TOML file of ours: the parser checks by it and the reference is printed from it,
 /// so that the two can't differ.
