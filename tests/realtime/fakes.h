@@ -90,6 +90,7 @@ class FakePhysics final : public Physics {
   }
 
   std::function<void(State&, StepReport&)> on_tick;  // may spoil the outcome
+  std::function<void(double)> on_friction;           // told of each change
   double friction;
   double stiffness = 1;
   double force_per_m = 100;  // N/m along z below the start
@@ -130,7 +131,10 @@ class FakePhysics final : public Physics {
     return fnv1a(bytesOf(state_.tool_pose.position), hash);
   }
   void reset() override { state_ = initial_; }
-  void setFriction(double coefficient) override { friction = coefficient; }
+  void setFriction(double coefficient) override {
+    friction = coefficient;
+    if (on_friction) on_friction(coefficient);
+  }
   double setMaterial(int, const Material& material) override {
     const double excess = material.shear_modulus / 2000;
     if (excess > 1) return excess;

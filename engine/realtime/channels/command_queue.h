@@ -39,9 +39,10 @@ struct Request {
   static Request simple(Kind kind);  // those without parameters
 };
 
-/// Requests, viewer to loop. The viewer thread pushes, the loop thread pops all of
-/// them at each tick (also while paused or frozen). push() is false when full: the
-/// loop has not run for a long time; a lost MoveTool does no harm, others are sent again.
+/// Requests, viewer to loop. The viewer thread pushes; at each tick (also while paused or
+/// frozen) the loop thread pops as many as were waiting when the tick began, at most the
+/// capacity. push() is false when full: the loop has not run for a long time; a lost
+/// MoveTool does no harm, others are sent again.
 using CommandQueue = SpscRing<Request>;
 
 /// A request at a tick of the run: what recordings are made of and scripts feed in.

@@ -5,9 +5,15 @@
 
 namespace palpate {
 
-ForceReading readForce(const ForceSample& sample, std::int64_t now) {
+double freshSeconds(double rate_hz) {
+  constexpr double kHandSeconds = 0.010;  // longer: a device pushes against where the hand was
+  constexpr double kPeriods = 3;          // below 2, an on-time loop reads as stale
+  return std::max(kHandSeconds, kPeriods / rate_hz);
+}
+
+ForceReading readForce(const ForceSample& sample, std::int64_t now, double rate_hz) {
   ForceReading reading{sample, 1e-9 * static_cast<double>(std::max<std::int64_t>(0, now - sample.wall_ns)), false};
-  reading.fresh = sample.tick > 0 && reading.age_s <= ForceReading::fresh_seconds;
+  reading.fresh = sample.tick > 0 && reading.age_s <= freshSeconds(rate_hz);
   return reading;
 }
 

@@ -12,14 +12,17 @@ namespace palpate {
 struct ForceReading {
   ForceSample sample;
   double age_s = 0;    // wall time since the begin of the tick that computed it
-  bool fresh = false;  // computed, and no older than fresh_seconds: fit for a hand
-
-  /// A haptic device must not go on pushing with a force older than this: the hand has moved on.
-  static constexpr double fresh_seconds = 0.010;
+  bool fresh = false;  // computed, and no older than freshSeconds: fit for a hand
 };
 
-/// @param now  ns, by the clock of ForceSample::wall_ns, read after the sample was taken
-ForceReading readForce(const ForceSample& sample, std::int64_t now);
+/// The age up to which a force is fresh, s: 10 ms, or three periods where they are longer (below 300 Hz).
+/// A haptic device must not go on pushing with an older force: the hand has moved on. But in a loop that keeps its
+/// deadlines a force may be two periods old: one to compute it, one until the next is done. The third is slack.
+double freshSeconds(double rate_hz);
+
+/// @param now      ns, by the clock of ForceSample::wall_ns, read after the sample was taken
+/// @param rate_hz  of the loop that computes the force
+ForceReading readForce(const ForceSample& sample, std::int64_t now, double rate_hz);
 
 /// The newest force, from the loop to any number of readers (haptic device, viewer) on threads of
 /// their own. Four slots are written in turn, so that a writer who lost its core in the middle of

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "realtime/loop/simulation_loop.h"
+#include "realtime/loop/run_summary.h"
 #include "realtime/timing/deadline_statistics.h"
 #include "simulation/model.h"
 

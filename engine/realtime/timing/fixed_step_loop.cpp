@@ -121,7 +121,7 @@ LoopTotals runFixedStepLoop(const FixedStepOptions& options, Clock& clock, LoopB
   std::int64_t k = 0;                                      // grid index of the present tick
   std::int64_t streak = 0;                                 // missed deadlines since a tick was last on time
   std::int64_t cpu = fast ? 0 : clock.threadCpu();         // before the sleep
-  ThreadUse use = fast ? ThreadUse{} : clock.threadUse();  // at the last late tick
+  ThreadUse use = fast ? ThreadUse{} : clock.threadUse();  // at the last late tick or in a pause
   for (;;) {
     if (!fast) clock.sleepUntil(grid.at(k));
     const std::int64_t begin = time.begin_ns = clock.now();
@@ -133,7 +133,13 @@ LoopTotals runFixedStepLoop(const FixedStepOptions& options, Clock& clock, LoopB
       progress.paused();
       streak = 0;
       k = grid.firstNotBefore(end, k + 1);
-      if (fast) clock.sleepUntil(grid.at(k));  // nothing to hurry for
+      if (fast) {
+        clock.sleepUntil(grid.at(k));  // nothing to hurry for
+        continue;
+      }
+      // What the pause took must not be charged to the tick that comes after it.
+      cpu = clock.threadCpu();
+      use = clock.threadUse();
       continue;
     }
 

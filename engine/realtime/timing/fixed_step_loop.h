@@ -75,7 +75,7 @@ struct LoopTotals {
 /// phase is kept, simulated time falls behind, and the step never stretches.
 /// Real-time: no allocation, no lock, no throw. System calls: the sleep and, between a tick's end and
 /// the sleep, where it delays nothing, a look at the thread's own CPU clock, so that the first late tick
-/// can be told whether it computed or lost its core; getrusage after late ticks only.
+/// can be told whether it computed or lost its core; getrusage after late ticks and in a pause.
 LoopTotals runFixedStepLoop(const FixedStepOptions& options, Clock& clock, LoopBody& body,
                             DeadlineStatistics& statistics);
 

@@ -21,10 +21,10 @@ struct LateTick {
   std::int64_t period_ns = 0;
   std::int64_t late_ns = 0;               // its begin after its grid time
   std::int64_t step_ns = 0;               // wall time from begin to end
-  std::int64_t computing_ns = 0;          // CPU time of the loop's thread since the tick before
+  std::int64_t computing_ns = 0;          // CPU time of the loop's thread since the tick or pause before
   std::int64_t missed = 0;                // grid times skipped after it
   std::int64_t long_waits = 0;            // times in it that a worker kept the loop's thread waiting
-  std::int64_t involuntary_switches = 0;  // of the loop's thread since the late tick before
+  std::int64_t involuntary_switches = 0;  // of the loop's thread since the late tick or pause before
   std::int64_t page_faults = 0;           // likewise
 };
 

@@ -3,6 +3,7 @@
 #include <atomic>
 #include <catch2/catch.hpp>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "realtime/fakes.h"
@@ -33,17 +34,55 @@ bool isMarked(const ForceSample& s) {
 
 }  // namespace
 
-TEST_CASE("A force is fresh for ten milliseconds, and not before there is one", "[force_output]") {
-  constexpr std::int64_t begin = 5'000'000'000, limit = 10'000'000;  // ns
-  ForceSample sample;
-  sample.wall_ns = begin;
-  CHECK_FALSE(readForce(sample, begin).fresh);  // tick 0: nothing was computed
-  sample.tick = 1;
-  CHECK(readForce(sample, begin).fresh);
-  CHECK(readForce(sample, begin + limit).fresh);
-  CHECK_FALSE(readForce(sample, begin + limit + 1000).fresh);
-  CHECK(readForce(sample, begin + 2 * limit).age_s == Approx(0.02).epsilon(1e-12));
-  CHECK(readForce(sample, begin - 1).age_s == 0);
+TEST_CASE("A force is fresh for ten milliseconds or three periods, and not before there is one", "[force_output]") {
+  constexpr std::int64_t begin = 5'000'000'000;  // ns
+  for (const auto& [rate_hz, limit] : {std::pair{1000.0, 10'000'000}, {500.0, 10'000'000}, {100.0, 30'000'000}}) {
+    ForceSample sample;
+    sample.wall_ns = begin;
+    CHECK_FALSE(readForce(sample, begin, rate_hz).fresh);  // tick 0: nothing was computed
+    sample.tick = 1;
+    CHECK(readForce(sample, begin, rate_hz).fresh);
+    CHECK(readForce(sample, begin + limit - 1000, rate_hz).fresh);
+    CHECK_FALSE(readForce(sample, begin + limit + 1000, rate_hz).fresh);
+    CHECK(readForce(sample, begin + 2 * limit, rate_hz).age_s == Approx(2e-9 * limit).epsilon(1e-12));
+    CHECK(readForce(sample, begin - 1, rate_hz).age_s == 0);
+  }
+}
+
+TEST_CASE("While a loop keeps its deadlines its force is fresh at any time and rate", "[force_output]") {
+  for (const double rate_hz : {20.0, 100.0, 250.0, 1000.0}) {
+    const Model model = test::smallModel(rate_hz);
+    test::FakePhysics physics(model);
+    test::FakeClock clock;
+    const std::int64_t start = clock.time;
+    const auto period = static_cast<std::int64_t>(1e9 / rate_hz);
+    std::int64_t reads = 0, stale = 0;
+    const SimulationLoop* running = nullptr;
+    const auto read = [&](std::int64_t now) {
+      const ForceReading reading = readForce(running->force().sample, now, rate_hz);
+      if (reading.sample.tick == 0) return;
+      ++reads;
+      stale += !reading.fresh;
+    };
+    // Every other tick takes nearly its whole period: the forces then grow as old as they can, on time.
+    physics.on_tick = [&](State& state, StepReport&) {
+      const std::int64_t cost = state.tick % 2 == 0 ? period * 99 / 100 : period / 100;
+      for (int part = 0; part < 10; ++part) read(clock.time += cost / 10);
+    };
+    SimulationLoopOptions options;
+    options.tick_limit = 100;
+    SimulationLoop loop(model, physics, nullptr, options);
+    running = &loop;
+    clock.before_sleep = [&](int) {
+      const std::int64_t rest = period - (clock.time - start) % period;
+      for (int part = 0; part < 10; ++part) read(clock.time + part * rest / 10);
+    };
+    loop.run(clock);
+    INFO(rate_hz << " Hz");
+    CHECK(loop.statistics().overrun_count == 0);
+    CHECK(reads > 1900);
+    CHECK(stale == 0);
+  }
 }
 
 TEST_CASE("A force that took 200 ms to compute is stale when it comes out", "[force_output]") {
@@ -55,7 +94,7 @@ TEST_CASE("A force that took 200 ms to compute is stale when it comes out", "[fo
   options.tick_limit = 51;
   SimulationLoop loop(model, physics, nullptr, options);
   std::vector<ForceReading> after;  // each tick, as soon as it is done
-  clock.before_sleep = [&](int) { after.push_back(readForce(loop.force().sample, clock.time)); };
+  clock.before_sleep = [&](int) { after.push_back(readForce(loop.force().sample, clock.time, 500)); };
   loop.run(clock);
   REQUIRE(after.size() == 52);
   CHECK_FALSE(after[0].fresh);

@@ -1,5 +1,6 @@
 #include "realtime/loop/simulation_loop.h"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <limits>
@@ -154,6 +155,32 @@ TEST_CASE("A tool moved by hand arrives smoothly at the newest pose", "[simulati
   CHECK(physics.state().tool_pose.orientation.isApprox(target.orientation, 1e-15));
   // A first-order lag of 20 ms: the first of its 2 ms ticks is the largest, 1 - exp(-0.1) of the way.
   CHECK(largest == Approx(std::sqrt(2.0) * 0.01 * (1 - std::exp(-0.1))).epsilon(1e-9));
+}
+
+TEST_CASE("A tick takes the requests that were waiting when it began, and leaves those that come meanwhile",
+          "[simulation_loop]") {
+  const Model model = smallModel();
+  FakePhysics physics(model);
+  SimulationLoop loop(model, physics, nullptr, limited(50));
+  // A producer without a pause: each request that is taken is followed by the next, 1000 in all.
+  int changes = 0;
+  physics.on_friction = [&](double friction) {
+    if (++changes < 1000) loop.commands().push(Request::setFriction(friction + 0.001));
+  };
+  FakeClock clock;
+  std::vector<int> changes_at_sleep;
+  clock.before_sleep = [&](int sleep) {
+    changes_at_sleep.push_back(changes);
+    if (sleep != 10) return;
+    for (int k = 1; k <= 3; ++k) loop.commands().push(Request::setFriction(k));
+  };
+  loop.run(clock);
+  CHECK(physics.calls == 50);
+  REQUIRE(changes_at_sleep.size() == 51);
+  for (int sleep = 0; sleep <= 50; ++sleep) {
+    INFO("sleep " << sleep);
+    CHECK(changes_at_sleep[static_cast<std::size_t>(sleep)] == 3 * std::max(0, sleep - 10));
+  }
 }
 
 TEST_CASE("Reset gives the freshly loaded state, bit for bit", "[simulation_loop]") {

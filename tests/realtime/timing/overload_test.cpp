@@ -114,6 +114,39 @@ TEST_CASE("Each late tick of a run is logged with tick and cause, and never stre
   CHECK(period + 1 == 4 * spacing + 13);
 }
 
+TEST_CASE("What a pause takes is not charged to the late tick after it", "[overload]") {
+  const Model model = smallModel(500);
+  FakePhysics physics(model);
+  FakeClock clock;
+  constexpr int paused = 100;
+  physics.on_tick = [&clock](State& state, StepReport&) {
+    clock.time += state.tick == 11 ? 31 * kMs / 10 : kMs / 2;  // the first after the pause: 3.1 ms
+  };
+  SimulationLoopOptions options;
+  options.tick_limit = 20;
+  SimulationLoop loop(model, physics, nullptr, options);
+  clock.before_sleep = [&](int sleep) {
+    if (sleep == 10) loop.commands().push(Request::simple(Request::Kind::Pause));
+    if (sleep == 10 + paused) loop.commands().push(Request::simple(Request::Kind::Resume));
+    if (sleep <= 10 || sleep >= 10 + paused) return;
+    clock.time += kMs / 10;  // CPU time and switches of a pause, before each sleep
+    clock.use.involuntary_switches += 7;
+    clock.use.page_faults += 5;
+  };
+  loop.run(clock);
+  std::vector<LateTick> late_ticks;
+  for (const LogEvent& event : drain(loop.log()))
+    if (event.kind == LogEvent::Kind::TickLate) late_ticks.push_back(event.overload.worst);
+  REQUIRE(late_ticks.size() == 1);
+  CHECK(late_ticks[0].tick == 10);
+  CHECK(late_ticks[0].step_ns == 31 * kMs / 10);
+  // At most the last period of the pause: the loop looks when its body has returned.
+  CHECK(late_ticks[0].computing_ns <= 32 * kMs / 10);
+  CHECK(late_ticks[0].computing_ns >= 31 * kMs / 10);
+  CHECK(late_ticks[0].involuntary_switches <= 7);
+  CHECK(late_ticks[0].page_faults <= 5);
+}
+
 TEST_CASE("A lasting overload is told at its begin, summed up every minute and at its end", "[overload]") {
   const Model model = smallModel(500);
   FakePhysics physics(model);

@@ -1,0 +1,34 @@
+#include "realtime/loop/input_recorder.h"
+
+namespace palpate {
+namespace {
+
+bool samePose(const Pose& a, const Pose& b) {
+  return a.position == b.position && a.orientation.coeffs() == b.orientation.coeffs();
+}
+
+}  // namespace
+
+InputRecorder::InputRecorder(SpscRing<TimedRequest>& ring, bool on, const Pose& start) : ring_(ring), on_(on) {
+  command_.tool_target = start;
+}
+
+void InputRecorder::add(std::int64_t tick, const Request& request) {
+  if (on_ && !ring_.push({tick, request})) ++lost_;
+}
+
+void InputRecorder::addCommand(std::int64_t tick, const Command& command) {
+  if (!samePose(command.tool_target, command_.tool_target)) add(tick, Request::moveTool(command.tool_target));
+  if (command.pull_vertex != command_.pull_vertex || command.pull_target != command_.pull_target) {
+    add(tick, command.pull_vertex < 0 ? Request::simple(Request::Kind::ReleasePull)
+                                      : Request::pull(command.pull_vertex, command.pull_target));
+  }
+  command_ = command;
+}
+
+void InputRecorder::addReset(std::int64_t tick, const Command& command) {
+  command_ = command;
+  add(tick, Request::simple(Request::Kind::Reset));
+}
+
+}  // namespace palpate

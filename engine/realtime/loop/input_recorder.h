@@ -1,0 +1,38 @@
+#pragma once
+
+#include <cstdint>
+
+#include "realtime/channels/command_queue.h"
+#include "simulation/state.h"
+
+namespace palpate {
+
+/// Writes down each change of what moves the physics, with the tick of the run that it takes effect before:
+/// what a Recording is made of.
+/// Loop thread only (the other end of the ring is the viewer's). Real-time: no allocation, no lock, no throw.
+class InputRecorder {
+ public:
+  /// @param ring   must outlive this
+  /// @param on     false: writes down nothing
+  /// @param start  pose of the tool at rest, which is no change
+  InputRecorder(SpscRing<TimedRequest>& ring, bool on, const Pose& start);
+
+  void add(std::int64_t tick, const Request& request);
+
+  /// What is new in the command of this tick.
+  void addCommand(std::int64_t tick, const Command& command);
+
+  /// The physics was reset, and the command is now this one.
+  void addReset(std::int64_t tick, const Command& command);
+
+  /// Changes that found no room: the viewer took none for too long.
+  std::int64_t lostCount() const { return lost_; }
+
+ private:
+  SpscRing<TimedRequest>& ring_;
+  const bool on_;
+  Command command_;  // as far as the recording tells
+  std::int64_t lost_ = 0;
+};
+
+}  // namespace palpate

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <vector>
+
+#include "realtime/channels/command_queue.h"
+#include "realtime/loop/physics.h"
+
+namespace palpate {
+
+/// Friction and materials, as they were asked for while the loop runs. Holds only what was asked; what is in
+/// force is the physics' own.
+/// Loop thread only. Real-time: no allocation, no lock, no throw; but not the constructor.
+class LiveSettings {
+ public:
+  enum class Outcome {
+    Ignored,  // nonsense, or what it is already
+    Refused,  // the material is too stiff for the time step
+    Changed,
+  };
+  struct Answer {
+    Outcome outcome = Outcome::Ignored;
+    double excess = 0;  // where refused: the factor (> 1) by which the material is too stiff
+  };
+
+  /// The physics must outlive this. What `model` was loaded with is what loaded() brings back.
+  LiveSettings(const Model& model, Physics& physics);
+
+  /// Takes a SetFriction or SetMaterial to the physics; it counts from the next tick on.
+  Answer apply(const Request& request);
+
+  /// The requests that bring back what was loaded: a script or replay that starts over must find it.
+  const std::vector<Request>& loaded() const { return loaded_; }
+
+ private:
+  Answer setFriction(double coefficient);
+  Answer setMaterial(int index, const Material& material);
+
+  Physics& physics_;
+  const int material_count_;
+  const std::vector<Request> loaded_;
+  double friction_;  // the last that was asked for
+};
+
+}  // namespace palpate

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+
+#include "realtime/channels/command_queue.h"
+#include "realtime/channels/force_output.h"
+#include "realtime/channels/log_event.h"
+#include "realtime/channels/snapshot_buffer.h"
+#include "realtime/timing/deadline_statistics.h"
+#include "simulation/model.h"
+#include "simulation/state.h"
+
+namespace palpate {
+
+/// All that passes between the loop's thread and the others. Each member says which thread may do what;
+/// "viewer" is the one thread that draws and asks. The constructor takes all memory; nothing here waits.
+struct LoopChannels {
+  /// @param force_capacity   force samples kept until the viewer takes them
+  /// @param record_capacity  changes of input, likewise
+  LoopChannels(const Model& model, const State& state, std::size_t force_capacity, std::size_t record_capacity);
+
+  CommandQueue commands;              // viewer: push; loop: pop
+  SnapshotBuffer snapshots;           // loop: back, publish; viewer: latest
+  SpscRing<ForceSample> forces;       // loop: push; viewer: pop
+  ForceOutput newest_force;           // loop: publish; any thread: latest
+  LogRing log;                        // loop: push; viewer: pop
+  SpscRing<TimedRequest> recorded;    // loop: push; viewer: pop
+  DeadlineStatistics statistics;      // loop: writes; any thread: reads
+  std::atomic<bool> quit{false};      // any thread: sets; loop: reads
+  std::atomic<bool> finished{false};  // loop: sets at its end; any thread: reads
+};
+
+}  // namespace palpate

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <cstdint>
+
+namespace palpate {
+
+/// Where a run stands. Loop thread only.
+struct RunState {
+  std::int64_t tick = 0;        // ticks of the run that are done: the number of the present one
+  std::int64_t tick_limit = 0;  // the run ends after so many; 0: never by itself
+  bool starts_paused = false;   // the first Resume begins the run, and is no event
+  bool paused = false;
+  bool step_once = false;  // a single tick, then paused again
+  bool frozen = false;     // the watchdog stopped the tissue
+  bool stop = false;       // Quit was asked for
+
+  bool isOver() const { return stop || (tick_limit > 0 && tick >= tick_limit); }
+};
+
+}  // namespace palpate

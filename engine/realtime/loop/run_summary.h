@@ -1,0 +1,28 @@
+#pragma once
+
+#include <cstdint>
+
+#include "realtime/loop/thread_setup.h"
+#include "realtime/timing/fixed_step_loop.h"
+#include "simulation/state.h"
+
+namespace palpate {
+
+/// The facts of a run that has ended.
+struct RunSummary {
+  std::int64_t ticks = 0;  // of the run, frozen ones included
+  LoopTotals totals;
+  std::uint64_t state_hash = 0;
+  std::uint32_t flags = 0;              // StepFlag, all ticks
+  float min_J = 1;                      // lowest of all ticks
+  Doubt doubt = Doubt::None;            // the gravest of all ticks
+  std::int64_t first_doubt_tick = -1;   // of the run; -1: none
+  double peak_force = 0;                // N, raw
+  Vec3 base_reaction = Vec3::Zero();    // N, last tick
+  std::int64_t lost_force_samples = 0;  // ring full: nobody took them
+  std::int64_t lost_records = 0;
+  bool frozen = false;  // at the end
+  RtSetup rt_setup;
+};
+
+}  // namespace palpate

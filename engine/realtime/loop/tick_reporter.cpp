@@ -1,0 +1,128 @@
+#include "realtime/loop/tick_reporter.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "simulation/trust.h"
+
+namespace palpate {
+
+TickReporter::TickReporter(const Model& model, const Physics& physics, const SpinTeam* team, LoopChannels& channels)
+    : model_(model),
+      physics_(physics),
+      team_(team),
+      channels_(channels),
+      tool_axis_(model.tool_start.orientation * -Vec3::UnitZ()),
+      filter_(model.scene.filter_cutoff_hz, model.scene.force_rate_limit, model.scene.rate_hz),
+      watchdog_(model),
+      overload_(model.scene.rate_hz),
+      shown_u_(physics.state().u) {}
+
+void TickReporter::beginTick(const LoopTime& time, const RunState& run) {
+  overload_.update(time.begin_ns, run.tick, channels_.log);
+  if (team_ != nullptr) long_waits_ = team_->longWaits();
+}
+
+bool TickReporter::judge(const StepReport& report, const RunState& run) {
+  report_ = report;
+  summary_.flags |= report_.flags;
+  if (std::isfinite(report_.min_J)) summary_.min_J = std::min(summary_.min_J, report_.min_J);
+  force_.doubt = doubtOf(model_, report_);
+  if (force_.doubt != Doubt::None && summary_.first_doubt_tick < 0) summary_.first_doubt_tick = run.tick;
+  summary_.doubt = std::max(summary_.doubt, force_.doubt);
+  const bool freeze = watchdog_.judge(report_, run.tick, channels_.log);
+  if (freeze) {
+    report_.tool_force.setZero();
+    report_.base_reaction.setZero();
+    report_.contact_count = 0;
+  } else {
+    std::copy(physics_.state().u.begin(), physics_.state().u.end(), shown_u_.begin());
+    summary_.peak_force = std::max(summary_.peak_force, report_.tool_force.norm());
+    summary_.base_reaction = report_.base_reaction;
+  }
+  return freeze;
+}
+
+void TickReporter::sendForce(const LoopTime& time, const RunState& run) {
+  force_.tick = run.tick;
+  force_.wall_ns = time.begin_ns;
+  force_.time_s = secondsAt(run.tick);
+  force_.depth_m =
+      (physics_.state().tool_pose.position - model_.tool_start.position).dot(tool_axis_) - model_.first_contact_travel;
+  force_.force_raw = report_.tool_force;
+  force_.force_filtered = run.frozen ? filter_.fade() : filter_.update(force_.force_raw);
+  channels_.newest_force.publish(force_);
+  if (!channels_.forces.push(force_)) ++summary_.lost_force_samples;
+}
+
+void TickReporter::publish(const LoopTime& time, const RunState& run) {
+  const State& state = physics_.state();
+  const DeadlineStatistics& statistics = channels_.statistics;
+  Snapshot& snapshot = channels_.snapshots.back();
+  snapshot.tick = state.tick;
+  snapshot.time_s = secondsAt(state.tick);
+  std::copy(shown_u_.begin(), shown_u_.end(), snapshot.u.begin());
+  snapshot.tool_pose = state.tool_pose;
+  snapshot.force = force_;
+  snapshot.report = report_;
+
+  snapshot.status.ticks = run.tick;
+  snapshot.status.overrun_count = statistics.overrun_count.load(std::memory_order_relaxed);
+  snapshot.status.longest_overrun_streak = statistics.longest_overrun_streak.load(std::memory_order_relaxed);
+  snapshot.status.realtime_factor = time.realtime_factor;
+  snapshot.status.recent_realtime_factor = time.recent_realtime_factor;
+  snapshot.status.last_step_us = 1e-3F * static_cast<float>(time.last_step_ns);
+  snapshot.status.paused = run.paused;
+  snapshot.status.frozen = run.frozen;
+
+  const ContactState& contact = state.contact;
+  std::size_t used = 0;
+  for (int c = 0; c < contact.count && !run.frozen && used < snapshot.contact_vertex.size(); ++c) {
+    const Float4& f = contact.force[static_cast<std::size_t>(c)];
+    if (f.x == 0 && f.y == 0 && f.z == 0) continue;
+    snapshot.contact_vertex[used] = contact.vertex[static_cast<std::size_t>(c)];
+    snapshot.contact_force[used] = f;
+    ++used;
+  }
+  snapshot.contact_count = static_cast<int>(used);
+  // The kernel's materials are the ones in force; the vector has its size since the channels were made.
+  std::copy(model_.kernel.materials.begin(), model_.kernel.materials.end(), snapshot.materials.begin());
+  channels_.snapshots.publish();
+}
+
+void TickReporter::addLate(const LateTick& measured, const LoopTime& time, const RunState& run) {
+  LateTick late = measured;
+  late.tick = run.tick - 1;
+  if (team_ != nullptr) late.long_waits = team_->longWaits() - long_waits_;
+  std::atomic<std::int64_t>& count = channels_.statistics.late_ticks[static_cast<std::size_t>(causeOf(late))];
+  count.store(count.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);
+  overload_.add(late, time.begin_ns + late.step_ns, channels_.log);
+}
+
+void TickReporter::reset() {
+  watchdog_.reset();
+  report_ = {};
+  force_.force_raw.setZero();
+  std::copy(physics_.state().u.begin(), physics_.state().u.end(), shown_u_.begin());
+}
+
+void TickReporter::logEvent(LogEvent::Kind kind, const RunState& run, int index, double value) {
+  LogEvent event;
+  event.kind = kind;
+  event.tick = run.tick;
+  event.time_s = secondsAt(run.tick);
+  event.index = index;
+  event.value = value;
+  channels_.log.push(event);
+}
+
+void TickReporter::finish(const LoopTotals& totals, const RunState& run, std::int64_t lost_records) {
+  overload_.end(run.tick, channels_.log);
+  summary_.totals = totals;
+  summary_.ticks = run.tick;
+  summary_.state_hash = physics_.stateHash();
+  summary_.frozen = run.frozen;
+  summary_.lost_records = lost_records;
+}
+
+}  // namespace palpate

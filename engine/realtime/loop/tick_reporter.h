@@ -1,0 +1,69 @@
+#pragma once
+
+#include "base/spin_team.h"
+#include "realtime/loop/force_filter.h"
+#include "realtime/loop/loop_channels.h"
+#include "realtime/loop/physics.h"
+#include "realtime/loop/run_state.h"
+#include "realtime/loop/run_summary.h"
+#include "realtime/loop/watchdog.h"
+#include "realtime/timing/overload_watch.h"
+
+namespace palpate {
+
+/// Tells of each tick what others want to know: judges the physics' report, filters the force, fills the
+/// channels (force, snapshot, log, late ticks) and sums up the run.
+/// Loop thread only; summary() also by others once the run has ended.
+/// Real-time: no allocation, no lock, no throw; but not the constructor.
+class TickReporter {
+ public:
+  /// All must outlive this. @param team  whose workers may keep the loop waiting, or null
+  TickReporter(const Model& model, const Physics& physics, const SpinTeam* team, LoopChannels& channels);
+
+  /// A period begins.
+  void beginTick(const LoopTime& time, const RunState& run);
+
+  /// The physics has done a tick. @return true where the watchdog wants the tissue frozen
+  bool judge(const StepReport& report, const RunState& run);
+
+  /// The tick is done, frozen or not, and counted in `run`: its force goes out.
+  void sendForce(const LoopTime& time, const RunState& run);
+
+  /// The period is done, paused or not: its snapshot goes out.
+  void publish(const LoopTime& time, const RunState& run);
+
+  /// The tick before, by `run`, was not done at the next grid time.
+  void addLate(const LateTick& measured, const LoopTime& time, const RunState& run);
+
+  /// The physics was reset. The force filter is left as it is: the force in a hand goes back smoothly, too.
+  void reset();
+
+  void logEvent(LogEvent::Kind kind, const RunState& run, int index = -1, double value = 0);
+
+  /// The run has ended.
+  void finish(const LoopTotals& totals, const RunState& run, std::int64_t lost_records);
+
+  /// The last tick's, as it was judged.
+  const StepReport& lastReport() const { return report_; }
+  RunSummary& summary() { return summary_; }
+  const RunSummary& summary() const { return summary_; }
+
+ private:
+  double secondsAt(std::int64_t tick) const { return static_cast<double>(tick) / model_.scene.rate_hz; }
+
+  const Model& model_;
+  const Physics& physics_;
+  const SpinTeam* team_;
+  LoopChannels& channels_;
+  const Vec3 tool_axis_;  // unit, the way the tool advances
+  ForceFilter filter_;
+  Watchdog watchdog_;
+  OverloadWatch overload_;
+  std::int64_t long_waits_ = 0;  // of the team, before the present tick
+  StepReport report_;
+  ForceSample force_;
+  AlignedVector<Float4> shown_u_;  // the last displacement worth showing
+  RunSummary summary_;
+};
+
+}  // namespace palpate

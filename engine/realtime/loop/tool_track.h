@@ -1,0 +1,54 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "realtime/channels/command_queue.h"
+#include "realtime/loop/tool_motion.h"
+
+namespace palpate {
+
+/// What drives the tool, tick by tick: a ToolMotion or a track given in advance (tool script, replay) while it
+/// lasts; then the viewer, whose newest pose the tool follows smoothly.
+/// Loop thread only. Real-time: no allocation, no lock, no throw; but not the constructor.
+class ToolTrack {
+ public:
+  /// @param track    ascending ticks, counted from the track's begin
+  /// @param ticks    how long track or motion lasts; 0: to the track's last entry, or a motion without end
+  /// @param motion   drives instead of the track; must outlive this. Null: none
+  /// @param start    pose of the tool at rest
+  ToolTrack(std::vector<TimedRequest> track, std::int64_t ticks, ToolMotion* motion, const Pose& start, double rate_hz);
+
+  /// Whether track or motion has the tool in this tick of the run, so that the viewer has not.
+  bool drives(std::int64_t tick) const;
+
+  /// The track's next request that takes effect before this tick of the run; null: none is due.
+  const Request* takeDue(std::int64_t tick);
+
+  /// Where the tool should go once nothing else drives it.
+  void setTarget(const Pose& target) { target_ = target; }
+
+  /// The tool's target in this tick of the run.
+  /// @param present  the target of the tick before, or what the track has just set
+  /// @param last     the tick before's outcome
+  /// @param frozen   the tissue does not move: a motion, which goes by the tissue, waits
+  Pose next(std::int64_t tick, const Pose& present, const State& state, const StepReport& last, bool frozen);
+
+  /// The physics was reset: the target is the start again, and a motion begins again.
+  void reset();
+
+  /// The track, or a motion that has an end, begins again at this tick of the run. False where there is neither.
+  bool startOver(std::int64_t tick);
+
+ private:
+  const std::vector<TimedRequest> track_;
+  const std::int64_t end_;  // ticks that track or motion lasts
+  ToolMotion* const motion_;
+  const Pose start_;
+  const double follow_gain_;  // share of the way to target_ that the tool goes in one tick
+  std::int64_t begin_ = 0;    // tick of the run at which track or motion began
+  std::size_t next_ = 0;      // of track_, to be taken
+  Pose target_;               // the viewer's
+};
+
+}  // namespace palpate
