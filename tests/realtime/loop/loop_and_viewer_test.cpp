@@ -1,5 +1,6 @@
 #include "realtime/loop/simulation_loop.h"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <chrono>
 #include <cmath>
@@ -133,24 +134,28 @@ TEST_CASE("A viewer that takes nothing costs no tick, only what it did not take"
   CHECK(drain(loop.forces()).back().tick == 1024);
 }
 
-TEST_CASE("A stalled renderer that holds a snapshot can't stop the loop", "[simulation_loop]") {
-  const Model model = smallModel();
+TEST_CASE("A stalled renderer that holds snapshots makes the loop miss no deadline", "[simulation_loop]") {
+  const Model model = smallModel(250);
   FakePhysics physics(model);
-  SimulationLoopOptions options = limited(20'000);
-  options.as_fast_as_possible = true;
-  SimulationLoop loop(model, physics, nullptr, options);
+  SimulationLoop loop(model, physics, nullptr, limited(400));
   loop.start();
-  // Takes one snapshot and keeps it until the loop is done: if the loop waited for it,
-  // neither would ever end.
-  const Snapshot& held = loop.snapshots().latest();
-  const std::int64_t tick = held.tick;
-  const float x = held.u[0].x;
-  while (!loop.finished()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  CHECK(held.tick == tick);
-  CHECK(held.u[0].x == x);
+  std::int64_t changed = 0, held_ticks = 0;
+  while (!loop.finished()) {
+    const Snapshot& held = loop.snapshots().latest();
+    const std::int64_t tick = held.tick;
+    const float x = held.u[0].x;
+    // A picture that takes 50 periods. A loop that waited for it would run a tick or two a picture.
+    std::this_thread::sleep_for(std::chrono::milliseconds(200));
+    changed += held.tick != tick || held.u[0].x != x;
+    held_ticks = std::max<std::int64_t>(held_ticks, loop.statistics().ticks - tick);
+  }
   loop.join();
-  CHECK(loop.summary().ticks == 20'000);
-  CHECK(loop.snapshots().latest().tick == 20'000);
+  CHECK(changed == 0);
+  CHECK(held_ticks > 10);  // the loop did run on while a snapshot was held
+  CHECK(loop.summary().ticks == 400);
+  CHECK(loop.snapshots().latest().tick == 400);
+  // A machine that is busy with other work may cost some deadlines; waiting for the renderer would cost nearly all.
+  CHECK(loop.statistics().overrun_count < 100);
 }
 
 TEST_CASE("Under a viewer on another thread, every snapshot is one tick", "[simulation_loop]") {

@@ -13,6 +13,7 @@
 
 #include "realtime/fakes.h"
 #include "realtime/loop/simulation_loop.h"
+#include "realtime/team_guard.h"
 #include "support/realtime_guard.h"
 
 using namespace palpate;
@@ -112,6 +113,26 @@ TEST_CASE("The guard sees allocations and locks in a tick", "[realtime_safety]")
     };
     CHECK(guardedRun(session).locks >= 1);
   }
+}
+
+TEST_CASE("The guard sees what each worker does, and whose it is", "[realtime_safety]") {
+  if (!test::guardAvailable()) return;
+  SpinTeam team(3);
+  std::vector<test::GuardCounts> counts(3);
+  std::mutex mutex;
+  const auto spoil = [](void* shared, int member, int) {
+    if (member == 1) std::vector<int>(100).swap(*std::make_unique<std::vector<int>>());
+    if (member == 2) std::lock_guard<std::mutex> lock(*static_cast<std::mutex*>(shared));
+  };
+  test::startGuard(team);
+  team.run(spoil, &mutex);
+  test::stopGuard(team, counts);
+  CHECK(counts[0].total() == 0);
+  CHECK(counts[1].allocations >= 1);
+  CHECK(counts[1].frees >= 1);
+  CHECK(counts[1].locks == 0);
+  CHECK(counts[2].allocations == 0);
+  CHECK(counts[2].locks >= 1);
 }
 
 TEST_CASE("The loop's thread makes no system call but the sleep and looks at its own use of the processor",

@@ -10,6 +10,7 @@
 #include "realtime/fakes.h"
 #include "realtime/loop/simulation_loop.h"
 #include "realtime/recording/recording.h"
+#include "realtime/team_guard.h"
 #include "simulation/build_model.h"
 #include "simulation/model_hash.h"
 #include "simulation/step.h"
@@ -177,9 +178,9 @@ TEST_CASE("A material too stiff for the time step is refused, a softer one gives
   CHECK(force[1] < 0.6 * force[0]);
 }
 
-TEST_CASE("Ticks of tissue neither allocate nor lock", "[tissue_physics]") {
+TEST_CASE("Ticks of tissue neither allocate nor lock, on any thread of the team", "[tissue_physics]") {
   if (!test::guardAvailable()) return;  // under a sanitizer; the release preset has it
-  for (const int threads : {1, 2}) {
+  for (const int threads : {1, 2, 3}) {
     Model model = block();
     TissuePhysics physics(model, threads);
     SimulationLoopOptions options = pressing(60, false);
@@ -189,12 +190,16 @@ TEST_CASE("Ticks of tissue neither allocate nor lock", "[tissue_physics]") {
     options.tick_limit = 80;
     SimulationLoop loop(model, physics, &physics.team(), options);
     test::FakeClock clock;
-    test::startGuard();
+    std::vector<test::GuardCounts> counts(static_cast<std::size_t>(threads));
+    test::startGuard(physics.team());
     loop.run(clock);
-    const test::GuardCounts counts = test::stopGuard();
-    CHECK(counts.allocations == 0);
-    CHECK(counts.frees == 0);
-    CHECK(counts.locks == 0);
+    test::stopGuard(physics.team(), counts);
+    for (std::size_t member = 0; member < counts.size(); ++member) {
+      INFO("member " << member << " of " << threads);
+      CHECK(counts[member].allocations == 0);
+      CHECK(counts[member].frees == 0);
+      CHECK(counts[member].locks == 0);
+    }
     CHECK(loop.summary().peak_force > 0.05);
   }
 }
