@@ -8,7 +8,8 @@ namespace palpate {
 namespace {
 
 template <class Real>
-KernelView<Real> viewOf(const KernelLayoutOf<Real>& layout, KernelScratchOf<Real>& scratch) {
+KernelView<Real> viewOf(const KernelLayoutOf<Real>& layout, const KernelMaterialsOf<Real>& materials,
+                        KernelScratchOf<Real>& scratch) {
   KernelView<Real> k{};
   k.node_count = layout.node_count;
   k.blocks = layout.blocks.data();
@@ -19,11 +20,11 @@ KernelView<Real> viewOf(const KernelLayoutOf<Real>& layout, KernelScratchOf<Real
   k.scale = layout.scale.data();
   k.volume = layout.volume.data();
   k.batch_material = layout.batch_material.data();
-  k.materials = layout.materials.data();
+  k.materials = materials.materials.data();
   k.patch_begin = layout.patch_begin.empty() ? nullptr : layout.patch_begin.data();
   k.patch_point = layout.patch_point.data();
   k.patch_share = layout.patch_share.data();
-  k.patch_bulk = layout.patch_bulk.data();
+  k.patch_bulk = materials.patch_bulk.data();
   k.patch_node = layout.patch_node.data();
   k.patch_weight = layout.patch_weight.data();
   k.chunk_begin = layout.chunk_begin.data();
@@ -41,9 +42,9 @@ KernelView<Real> viewOf(const KernelLayoutOf<Real>& layout, KernelScratchOf<Real
 }  // namespace
 
 template <class Real>
-ForceReport internalForces(const KernelLayoutOf<Real>& layout, const Real4<Real>* u, KernelScratchOf<Real>& scratch,
-                           SpinTeam& team) {
-  const KernelView<Real> k = viewOf(layout, scratch);
+ForceReport internalForces(const KernelLayoutOf<Real>& layout, const KernelMaterialsOf<Real>& materials,
+                           const Real4<Real>* u, KernelScratchOf<Real>& scratch, SpinTeam& team) {
+  const KernelView<Real> k = viewOf(layout, materials, scratch);
   const KernelPasses<Real>& passes = *scratch.passes;
   if (k.patch_begin) {
     const auto border = [&](int part) { return static_cast<int>(std::int64_t{k.node_count} * part / k.chunk_count); };
@@ -78,8 +79,10 @@ void sumForces(const KernelLayoutOf<Real>& layout, const KernelScratchOf<Real>& 
   for (int i = begin; i < end; ++i) f[i].w = 0;  // the kernel leaves the z component there, too
 }
 
-template ForceReport internalForces(const KernelLayoutOf<float>&, const Float4*, KernelScratchOf<float>&, SpinTeam&);
-template ForceReport internalForces(const KernelLayoutOf<double>&, const Double4*, KernelScratchOf<double>&, SpinTeam&);
+template ForceReport internalForces(const KernelLayoutOf<float>&, const KernelMaterialsOf<float>&, const Float4*,
+                                    KernelScratchOf<float>&, SpinTeam&);
+template ForceReport internalForces(const KernelLayoutOf<double>&, const KernelMaterialsOf<double>&, const Double4*,
+                                    KernelScratchOf<double>&, SpinTeam&);
 template void sumForces(const KernelLayoutOf<float>&, const KernelScratchOf<float>&, int, int, Float4*);
 template void sumForces(const KernelLayoutOf<double>&, const KernelScratchOf<double>&, int, int, Double4*);
 

@@ -32,8 +32,8 @@ struct ForceReport {
 /// Real-time: no allocation, no lock, no throw.
 /// Test: mechanics/internal_forces_test.cpp (f = -d energy / du; equals the reference kernel).
 template <class Real>
-ForceReport internalForces(const KernelLayoutOf<Real>& layout, const Real4<Real>* u, KernelScratchOf<Real>& scratch,
-                           SpinTeam& team);
+ForceReport internalForces(const KernelLayoutOf<Real>& layout, const KernelMaterialsOf<Real>& materials,
+                           const Real4<Real>* u, KernelScratchOf<Real>& scratch, SpinTeam& team);
 
 /// Adds up the chunks' forces of nodes [begin, end) into f.
 template <class Real>

@@ -53,7 +53,6 @@ void addPatches(KernelLayoutOf<Real>& layout, const std::vector<double>& volume,
   const std::size_t batches = layout.batch_material.size();
   layout.patch_node.assign(batches * 64, 0);
   layout.patch_weight.assign(batches * 64, Real(0));
-  layout.patch_bulk.resize(patches.volume.size());
   for (std::size_t slot = 0; slot < layout.point.size(); ++slot) {
     const int q = layout.point[slot];
     if (q < 0) continue;
@@ -79,7 +78,6 @@ void addPatches(KernelLayoutOf<Real>& layout, const std::vector<double>& volume,
       layout.patch_share[at] = static_cast<Real>(volume[q] * patches.weight[q][a] / patches.volume[node]);
     }
   }
-  updatePatchBulk(layout);
 }
 
 /// Union support of a block's points (-1: padding), ascending.
@@ -213,14 +211,23 @@ const KernelPasses<Real>& passesOf(InstructionSet set) {
 }  // namespace
 
 template <class Real>
-void updatePatchBulk(KernelLayoutOf<Real>& layout) {
+KernelMaterialsOf<Real> makeKernelMaterials(const KernelLayoutOf<Real>& layout, std::vector<Material> materials) {
+  KernelMaterialsOf<Real> result;
+  result.materials = std::move(materials);
+  if (!layout.patch_begin.empty()) result.patch_bulk.resize(layout.patch_begin.size() - 1);
+  updatePatchBulk(layout, result);
+  return result;
+}
+
+template <class Real>
+void updatePatchBulk(const KernelLayoutOf<Real>& layout, KernelMaterialsOf<Real>& materials) {
   // A patch's shares sum to 1, so this is the harmonic mean of the bulk moduli in it.
-  for (std::size_t i = 0; i < layout.patch_bulk.size(); ++i) {
+  for (std::size_t i = 0; i < materials.patch_bulk.size(); ++i) {
     Real sum = 0;
     for (int e = layout.patch_begin[i]; e < layout.patch_begin[i + 1]; ++e)
       sum += layout.patch_share[e] /
-             static_cast<Real>(layout.materials[layout.batch_material[layout.patch_point[e] / 16]].bulk_modulus);
-    layout.patch_bulk[i] = sum > 0 ? 1 / sum : 0;
+             static_cast<Real>(materials.materials[layout.batch_material[layout.patch_point[e] / 16]].bulk_modulus);
+    materials.patch_bulk[i] = sum > 0 ? 1 / sum : 0;
   }
 }
 
@@ -236,7 +243,6 @@ KernelLayoutOf<Real> makeKernelLayout(const ShapeTable& shape, const std::vector
   KernelLayoutOf<Real> layout;
   layout.node_count = node_count;
   layout.point_count = static_cast<int>(point_X.size());
-  layout.materials = materials;
   layout.point = batchOrder(shape, point_X, point_material, static_cast<int>(materials.size()), layout.batch_material);
   const bool short_nodes = sizeof(Real) == 4 && node_count <= 65536;
 
@@ -308,13 +314,15 @@ KernelScratchOf<Real> makeKernelScratch(const KernelLayoutOf<Real>& layout, Inst
   return scratch;
 }
 
-template void updatePatchBulk(KernelLayoutOf<float>&);
+template KernelMaterialsOf<float> makeKernelMaterials(const KernelLayoutOf<float>&, std::vector<Material>);
+template void updatePatchBulk(const KernelLayoutOf<float>&, KernelMaterialsOf<float>&);
 template KernelLayoutOf<float> makeKernelLayout(const ShapeTable&, const std::vector<Vec3>&, const std::vector<double>&,
                                                 const std::vector<int>&, const std::vector<Material>&, int,
                                                 const NodePatches&, GradientPrecision, const std::vector<Vec3>&);
 template KernelScratchOf<float> makeKernelScratch(const KernelLayoutOf<float>&, InstructionSet);
 template std::vector<std::pair<int, Vec3>> layoutGradients(const KernelLayoutOf<float>&, int);
-template void updatePatchBulk(KernelLayoutOf<double>&);
+template KernelMaterialsOf<double> makeKernelMaterials(const KernelLayoutOf<double>&, std::vector<Material>);
+template void updatePatchBulk(const KernelLayoutOf<double>&, KernelMaterialsOf<double>&);
 template KernelLayoutOf<double> makeKernelLayout(const ShapeTable&, const std::vector<Vec3>&,
                                                  const std::vector<double>&, const std::vector<int>&,
                                                  const std::vector<Material>&, int, const NodePatches&,

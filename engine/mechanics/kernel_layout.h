@@ -35,12 +35,10 @@ struct KernelLayoutOf {
   AlignedVector<Real> volume;                 // (16 * batch_count) m^3
   std::vector<int> point;                     // (16 * batch_count) index in the model, or -1 for padding
   std::vector<int> batch_material;            // (batch_count)
-  std::vector<Material> materials;
   // Node-patch volume (node_patch.h); empty where the scene does without.
   std::vector<int> patch_begin;           // (node_count + 1) entries of each node's patch in
   std::vector<std::int32_t> patch_point;  // its points' places in `point`, ascending, and
   AlignedVector<Real> patch_share;        // s_aq
-  AlignedVector<Real> patch_bulk;         // (node_count) K_a, Pa
   std::vector<std::int32_t> patch_node;   // (64 * batch_count) [vertex 4][point 16] per batch
   AlignedVector<Real> patch_weight;       // (64 * batch_count) l_a(x_q)
   // Chunks: fixed work packages, so that the sum over them does not depend on the thread count.
@@ -49,6 +47,15 @@ struct KernelLayoutOf {
 };
 
 using KernelLayout = KernelLayoutOf<float>;
+
+/// What the kernel reads that may change from step to step. The layout is constant, and many bodies may share one.
+template <class Real>
+struct KernelMaterialsOf {
+  std::vector<Material> materials;  // (material_count) that batch_material counts
+  AlignedVector<Real> patch_bulk;   // (node_count) K_a, Pa, by updatePatchBulk; empty without node patches
+};
+
+using KernelMaterials = KernelMaterialsOf<float>;
 
 template <class Real>
 struct KernelScratchOf {
@@ -83,9 +90,13 @@ KernelLayoutOf<Real> makeKernelLayout(const ShapeTable& shape, const std::vector
 template <class Real>
 std::vector<std::pair<int, Vec3>> layoutGradients(const KernelLayoutOf<Real>& layout, int place);
 
-/// K_a of all patches from the layout's materials; after one of these changed. Real-time.
+/// Materials for a layout, with the K_a of its patches.
 template <class Real>
-void updatePatchBulk(KernelLayoutOf<Real>& layout);
+KernelMaterialsOf<Real> makeKernelMaterials(const KernelLayoutOf<Real>& layout, std::vector<Material> materials);
+
+/// K_a of all patches from the materials; after one of these changed. Real-time.
+template <class Real>
+void updatePatchBulk(const KernelLayoutOf<Real>& layout, KernelMaterialsOf<Real>& materials);
 
 /// @param set  of supportedInstructionSets()
 /// Throws InputError when PALPATE_KERNEL names none, as chosenInstructionSet does.

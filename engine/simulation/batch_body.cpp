@@ -15,6 +15,7 @@ BatchBody::BatchBody(const Model& model, const std::vector<double>& mass, int th
       team_(threads),
       kernel_(makeKernelLayout<double>(model.point_shape, model.point_X, model.point_volume, model.point_material,
                                        model.materials, model.nodeCount(), model.patches)),
+      materials_(makeKernelMaterials(kernel_, model.materials)),
       kernel_scratch_(makeKernelScratch(kernel_)),
       boundary_(makeEssentialBoundary<double>(model.essential, mass)),
       boundary_scratch_(makeBoundaryScratch(boundary_)),
@@ -31,7 +32,7 @@ BatchBody::BatchBody(const Model& model, const std::vector<double>& mass, int th
 }
 
 ForceReport BatchBody::forces(const AlignedVector<Double4>& at, AlignedVector<Double4>& force) {
-  const ForceReport report = internalForces(kernel_, at.data(), kernel_scratch_, team_);
+  const ForceReport report = internalForces(kernel_, materials_, at.data(), kernel_scratch_, team_);
   sumForces(kernel_, kernel_scratch_, 0, model_.nodeCount(), force.data());
   return report;
 }

@@ -64,6 +64,7 @@ class BatchBody {
   const Model& model_;
   SpinTeam team_;
   KernelLayoutOf<double> kernel_;
+  KernelMaterialsOf<double> materials_;
   KernelScratchOf<double> kernel_scratch_;
   EssentialBoundaryOf<double> boundary_;
   BoundaryScratchOf<double> boundary_scratch_;

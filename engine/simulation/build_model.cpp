@@ -85,9 +85,6 @@ Model finishModel(const Scene& scene, const SurfaceTree& tree, Preparation p, co
     shear += p.point_volume[q] * model.materials[p.point_material[q]].shear_modulus;
   model.rest_energy =
       1e-5 * shear;  // of strains of about 0.3 %, far above float's rounding (of the stiffest part, too)
-  model.nearly_incompressible = std::all_of(model.materials.begin(), model.materials.end(), [](const Material& m) {
-    return m.bulk_modulus > 2 * 1.45 / (3 * 0.1) * m.shear_modulus;  // Poisson's ratio 0.45
-  });
   model.skin = buildSkinModel(p.skin, p.skin_shape, scene.tool.radius, 3 * softest);
   placeTool(scene, tree, model);
 
@@ -121,6 +118,7 @@ State initialState(const Model& model) {
   state.du = state.u_low = state.u;
   state.tool_pose = model.tool_start;
   state.contact = makeContactState(model.skin, model.scene.tool);
+  state.live = loadedParameters(model);
   return state;
 }
 

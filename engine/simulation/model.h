@@ -14,7 +14,7 @@
 
 namespace palpate {
 
-/// A scene made ready to run. Never changes during a run.
+/// A scene made ready to run. Never changes during a run (what is set live is in State), so simulations may share one.
 struct Model {
   Scene scene;
 
@@ -38,7 +38,7 @@ struct Model {
   std::vector<int> point_other_cell;  // (point_count) a second one that it stands for, or -1; empty: each has one
 
   // Computed from the materials and the cells.
-  std::vector<Material> materials;
+  std::vector<Material> materials;    // as loaded; those in force are in State
   std::vector<double> mass;           // (node_count) kg
   AlignedVector<float> inverse_mass;  // (node_count) 1/kg
 
@@ -58,10 +58,9 @@ struct Model {
   double dt_critical = 0;  // s, of the operator at rest (Lanczos)
   double dt_proven = 0;    // s, Gershgorin bound: stable at rest for certain
   int substeps_per_tick = 1;
-  double added_mass = 0;               // share of the body's own mass that was added to spare steps (mass_scaling.h)
-  double rest_energy = 0;              // J, strain energy below which is rounding
-  bool nearly_incompressible = false;  // Poisson's ratio of all materials at least 0.45
-  double max_increment = 0;            // m a node may move in one step; more is a blow-up
+  double added_mass = 0;     // share of the body's own mass that was added to spare steps (mass_scaling.h)
+  double rest_energy = 0;    // J, strain energy below which is rounding
+  double max_increment = 0;  // m a node may move in one step; more is a blow-up
   double setup_seconds = 0;
 
   int nodeCount() const { return static_cast<int>(X.size()); }

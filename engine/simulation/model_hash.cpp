@@ -3,6 +3,7 @@
 #include "base/instruction_set.h"
 #include "base/key.h"
 #include "simulation/model.h"
+#include "simulation/state.h"
 
 namespace palpate {
 namespace {
@@ -27,6 +28,24 @@ void add(ByteKey& key, const EssentialBoundary& boundary) {
 
 void add(ByteKey& key, const ToolShape& tool) { key.add(tool.kind, tool.radius, tool.length, tool.edge_radius); }
 
+bool same(const Material& a, const Material& b) {
+  return a.kind == b.kind && a.shear_modulus == b.shear_modulus && a.bulk_modulus == b.bulk_modulus &&
+         a.term_count == b.term_count && a.mu == b.mu && a.alpha == b.alpha &&
+         a.barrier_strength == b.barrier_strength && a.barrier_J0 == b.barrier_J0;
+}
+
+/// What is set live and differs from the model, each setting after its number; the patches' moduli follow from it.
+std::string liveChanges(const Model& model, const LiveParameters& live) {
+  ByteKey changes;
+  if (live.friction != model.scene.friction) changes.add(-1, live.friction);
+  for (std::size_t m = 0; m < model.materials.size(); ++m) {
+    if (same(live.kernel.materials[m], model.materials[m])) continue;
+    changes.add(static_cast<int>(m));
+    add(changes, live.kernel.materials[m]);
+  }
+  return changes.bytes();
+}
+
 }  // namespace
 
 std::uint64_t modelHash(const Model& model) {
@@ -41,6 +60,25 @@ std::uint64_t modelHash(const Model& model) {
   key.add(model.scene.friction, model.scene.damping, model.scene.rate_hz);
   key.add(model.dt, model.substeps_per_tick, model.max_increment);
   return key.hash();
+}
+
+std::uint64_t stateHash(const Model& model, const State& state) {
+  std::uint64_t hash = fnv1a({});
+  const auto add = [&](const void* data, std::size_t size) {
+    hash = fnv1a({static_cast<const char*>(data), size}, hash);
+  };
+  add(&state.tick, sizeof state.tick);
+  add(&state.step, sizeof state.step);
+  add(state.u.data(), state.u.size() * sizeof(Float4));
+  add(state.du.data(), state.du.size() * sizeof(Float4));
+  add(state.u_low.data(), state.u_low.size() * sizeof(Float4));
+  const auto contacts = static_cast<std::size_t>(state.contact.count);
+  add(state.contact.vertex.data(), contacts * sizeof(int));
+  add(state.contact.force.data(), contacts * sizeof(Float4));
+  add(state.contact.normal.data(), contacts * sizeof(Vec3f));
+  add(state.tool_pose.position.data(), sizeof(double) * 3);
+  add(state.tool_pose.orientation.coeffs().data(), sizeof(double) * 4);
+  return fnv1a(liveChanges(model, state.live), hash);
 }
 
 }  // namespace palpate

@@ -5,6 +5,7 @@
 #include "base/types.h"
 #include "contact/contact.h"
 #include "simulation/energy_balance.h"
+#include "simulation/live_parameters.h"
 
 namespace palpate {
 
@@ -49,14 +50,16 @@ struct StepReport {
   int contact_count = 0;              // skin vertices that carry force
   double max_penetration = 0;         // m
   // For simulation/trust.h.
-  double strain_energy = 0;   // J
-  double kinetic_energy = 0;  // J
-  double energy_error = 0;    // of EnergyBalance
-  double volume_change = 0;   // relative, of all integration points
-  double step_share = 0;      // dt over the stable step, as the tissue is now
+  double strain_energy = 0;            // J
+  double kinetic_energy = 0;           // J
+  double energy_error = 0;             // of EnergyBalance
+  double volume_change = 0;            // relative, of all integration points
+  double pressure_over_shear = 0;      // mean pressure over the shear modulus of the material that feels it most
+  bool nearly_incompressible = false;  // Poisson's ratio of all materials in force is at least 0.45
+  double step_share = 0;               // dt over the stable step, as the tissue is now
 };
 
-/// All that changes during a run. Equal states give equal futures, bit for bit.
+/// All that changes during a run, live settings too. Equal states of one model give equal futures, bit for bit.
 struct State {
   std::int64_t tick = 0;        // ticks done
   std::int64_t step = 0;        // steps of dt done; physics time is step * dt
@@ -65,6 +68,7 @@ struct State {
   AlignedVector<Float4> u_low;  // (node_count) what float32 lost of u (Kahan), m
   Pose tool_pose;
   ContactState contact;
+  LiveParameters live;
   EnergyBalance energy;  // watches; nothing depends on it
 };
 

@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "base/float4.h"
-#include "base/key.h"
 #include "mechanics/internal_forces.h"
 #include "simulation/trust.h"
 #include "simulation/workspace.h"
@@ -165,13 +164,14 @@ StepReport step(const Model& model, State& state, const Pose& tool_pose, const C
   StepReport report;
 
   // f = -F_int(u)                                                         (eq. 31)
-  const ForceReport forces = internalForces(model.kernel, state.u.data(), workspace.kernel, workspace.team);
+  const ForceReport forces =
+      internalForces(model.kernel, state.live.kernel, state.u.data(), workspace.kernel, workspace.team);
 
   // du~ = beta du + alpha M^-1 f, then what the user and the tool add      (eq. 22)
   state.energy.work -= 0.5 * predict(model, integrator, state, workspace);
   pull(model, command, state);
   report.tool_force =
-      solveContact(model.skin, model.scene.tool, tool_pose, state.tool_pose, model.scene.friction, integrator.alpha,
+      solveContact(model.skin, model.scene.tool, tool_pose, state.tool_pose, state.live.friction, integrator.alpha,
                    model.inverse_mass.data(), state.u.data(), state.du.data(), state.contact);
 
   // du = du~ + P (du_bar - Phi du~)                                       (eqs. 23-25)
@@ -185,7 +185,9 @@ StepReport step(const Model& model, State& state, const Pose& tool_pose, const C
                           model.dt, model.rest_energy);
   state.energy.work -= 0.5 * moved.work;
   report.volume_change = forces.volume_change / model.cell_volume;
-  report.step_share = stepShare(model, forces.max_cof2);
+  report.pressure_over_shear = -report.volume_change * bulkOverShear(state.live);
+  report.nearly_incompressible = nearlyIncompressible(state.live);
+  report.step_share = stepShare(model, state.live, forces.max_cof2);
   state.tool_pose = tool_pose;
   ++state.step;
 
@@ -229,25 +231,6 @@ StepReport tick(const Model& model, State& state, const Command& command, Worksp
     total = worstOf(total, step(model, state, poseAt(share * k / model.substeps_per_tick), command, workspace));
   ++state.tick;
   return total;
-}
-
-std::uint64_t stateHash(const State& state) {
-  std::uint64_t hash = fnv1a({});
-  const auto add = [&](const void* data, std::size_t size) {
-    hash = fnv1a({static_cast<const char*>(data), size}, hash);
-  };
-  add(&state.tick, sizeof state.tick);
-  add(&state.step, sizeof state.step);
-  add(state.u.data(), state.u.size() * sizeof(Float4));
-  add(state.du.data(), state.du.size() * sizeof(Float4));
-  add(state.u_low.data(), state.u_low.size() * sizeof(Float4));
-  const auto contacts = static_cast<std::size_t>(state.contact.count);
-  add(state.contact.vertex.data(), contacts * sizeof(int));
-  add(state.contact.force.data(), contacts * sizeof(Float4));
-  add(state.contact.normal.data(), contacts * sizeof(Vec3f));
-  add(state.tool_pose.position.data(), sizeof(double) * 3);
-  add(state.tool_pose.orientation.coeffs().data(), sizeof(double) * 4);
-  return hash;
 }
 
 }  // namespace palpate

@@ -18,7 +18,4 @@ StepReport step(const Model& model, State& state, const Pose& tool_pose, const C
 /// Real-time: as step().
 StepReport tick(const Model& model, State& state, const Command& command, Workspace& workspace);
 
-/// 64-bit FNV-1a over all that decides the future: tick, step, u, du, u_low, contact forces, tool pose.
-std::uint64_t stateHash(const State& state);
-
 }  // namespace palpate

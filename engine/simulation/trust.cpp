@@ -5,17 +5,6 @@
 
 namespace palpate {
 
-namespace {
-
-/// Mean pressure over the shear modulus of the material that feels it most.
-double pressureOverShear(const Model& model, double volume_change) {
-  double stiffest = 0;
-  for (const Material& m : model.materials) stiffest = std::max(stiffest, m.bulk_modulus / m.shear_modulus);
-  return -volume_change * stiffest;
-}
-
-}  // namespace
-
 Doubt doubtOf(const Model& model, const StepReport& report) {
   if (report.flags & (kNotFinite | kBlowUp)) return Doubt::Lost;
   if (report.inverted_points > 0) return Doubt::Inverted;
@@ -26,8 +15,8 @@ Doubt doubtOf(const Model& model, const StepReport& report) {
     return Doubt::Contact;
   const double max_pressure =
       model.scene.quadrature.cells_per_point > 1 ? TrustLimits::pressure_of_pairs : TrustLimits::pressure;
-  if (model.nearly_incompressible && (std::abs(report.volume_change) > TrustLimits::volume_change ||
-                                      pressureOverShear(model, report.volume_change) > max_pressure))
+  if (report.nearly_incompressible &&
+      (std::abs(report.volume_change) > TrustLimits::volume_change || report.pressure_over_shear > max_pressure))
     return Doubt::Volume;
   return Doubt::None;
 }
@@ -77,11 +66,11 @@ const char* doubtName(Doubt doubt) {
   return "";
 }
 
-double stepShare(const Model& model, double max_cof2) {
+double stepShare(const Model& model, const LiveParameters& live, double max_cof2) {
   // The largest root of s^2 + 2 / s = |cof F|^2, the other two singular values being taken as equal.
   const double a = std::max(max_cof2, 3.0), r = std::sqrt(3 / a);
   const double s = 2 / r * std::cos(std::acos(-r * r * r) / 3);
-  return model.dt / model.dt_critical * s;
+  return model.dt / model.dt_critical * std::sqrt(stiffening(model, live)) * s;
 }
 
 }  // namespace palpate

@@ -34,7 +34,8 @@ const char* doubtName(Doubt doubt);
 
 /// Share of the stable step that dt is of, the volume having stiffened: a point's volumetric stiffness goes with the square of
 /// the largest singular value of cof F. From |cof F|^2, the product of the singular values being J^2 ~ 1: not less than it is.
+/// Materials that were made stiffer live shorten the stable step, too (live_parameters.h).
 /// @param max_cof2  largest |cof F|^2 of the points
-double stepShare(const Model& model, double max_cof2);
+double stepShare(const Model& model, const LiveParameters& live, double max_cof2);
 
 }  // namespace palpate

@@ -9,6 +9,7 @@
 #include "io/load_model.h"
 #include "io/model_cache.h"
 #include "io/preparation_file.h"
+#include "simulation/model_hash.h"
 #include "simulation/step.h"
 #include "simulation/workspace.h"
 #include "support/equal_models.h"
@@ -53,7 +54,7 @@ std::uint64_t hashAfterTicks(const Model& model, int ticks) {
   Command command;
   command.tool_target = test::toolAt(model, model.first_contact_travel + 0.003);
   for (int k = 0; k < ticks; ++k) tick(model, state, command, workspace);
-  return stateHash(state);
+  return stateHash(model, state);
 }
 
 }  // namespace

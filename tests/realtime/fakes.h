@@ -84,6 +84,7 @@ class FakePhysics final : public Physics {
     initial_.u.resize(model.X.size());
     for (std::size_t i = 0; i < initial_.u.size(); ++i) initial_.u[i].x = 0.1F + 0.1F * static_cast<float>(i);
     initial_.tool_pose = model.tool_start;
+    initial_.live.kernel.materials = model.materials;
     initial_.contact.vertex.assign(4, -1);
     initial_.contact.force.assign(4, Float4{});
     state_ = initial_;

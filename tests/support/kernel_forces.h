@@ -21,7 +21,7 @@ std::vector<Vec3> fastForces(const TestBody& body, const std::vector<Vec3>& u, i
   team.wake();
   AlignedVector<Real4<Real>> u4, f(body.X.size());
   for (const auto& a : u) u4.push_back(toReal4<Real>(a));
-  const auto r = internalForces(layout, u4.data(), scratch, team);
+  const auto r = internalForces(layout, makeKernelMaterials(layout, body.materials), u4.data(), scratch, team);
   if (report) *report = r;
   sumForces(layout, scratch, 0, body.nodeCount(), f.data());
   team.park();

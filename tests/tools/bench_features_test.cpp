@@ -114,11 +114,11 @@ TEST_CASE("What is off leaves nothing in the data that a step reads", "[bench_fe
 
 TEST_CASE("The bare loop refuses what it does not know", "[bench_features]") {
   const FeatureBench bench = tinyBench();
-  Model model = bench.plain();
+  const Model& model = bench.plain();
   Workspace workspace(model, 1);
-  const State start = initialState(model);
+  State start = initialState(model);
   const double mu = 1000, alpha = 2;
-  model.kernel.materials[0] = Material::ogden(&mu, &alpha, 1, 1e-5, 1000);
+  setMaterial(model, 0, Material::ogden(&mu, &alpha, 1, 1e-5, 1000), start.live);
   CHECK_THROWS_AS(BareLoop(model, workspace, start, BareLoop::Contact::None), std::invalid_argument);
 }
 

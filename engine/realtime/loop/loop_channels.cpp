@@ -12,7 +12,7 @@ LoopChannels::LoopChannels(const Model& model, const State& state, std::size_t f
                            std::size_t record_capacity)
     : commands(kCommandCapacity),
       snapshots(makeSnapshot(static_cast<int>(state.u.size()), static_cast<int>(state.contact.vertex.size()),
-                             static_cast<int>(model.kernel.materials.size()))),
+                             static_cast<int>(model.materials.size()))),
       forces(force_capacity),
       log(kLogCapacity),
       recorded(record_capacity) {}

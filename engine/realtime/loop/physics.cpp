@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "simulation/build_model.h"
+#include "simulation/model_hash.h"
 #include "simulation/step.h"
 
 namespace palpate {
@@ -14,38 +15,30 @@ constexpr double kLiveStepSafety = 0.75;
 
 }  // namespace
 
-TissuePhysics::TissuePhysics(Model& model, int threads)
+TissuePhysics::TissuePhysics(const Model& model, int threads)
     : model_(model), initial_(initialState(model)), state_(initial_), workspace_(model, threads) {
-  // The critical step goes with 1 / sqrt(wave modulus). Which material set it is not
-  // known, so each is taken for the one.
+  // The critical step goes with 1 / sqrt(stiffness). Which material set it is not known, so each is taken for the one.
   const double ratio = kLiveStepSafety * model.dt_critical / model.dt;
-  for (const Material& material : model.materials) {
-    allowed_wave_modulus_.push_back(material.waveModulus() * (ratio > 1 ? ratio * ratio : 1.0));
-  }
+  allowed_stiffening_ = std::max(ratio * ratio, 1.0);
 }
 
 StepReport TissuePhysics::tick(const Command& command) { return palpate::tick(model_, state_, command, workspace_); }
 
-std::uint64_t TissuePhysics::stateHash() const { return palpate::stateHash(state_); }
+std::uint64_t TissuePhysics::stateHash() const { return palpate::stateHash(model_, state_); }
 
 // Same sizes: the vectors' copies go into the memory that they have.
-void TissuePhysics::reset() { state_ = initial_; }
+void TissuePhysics::reset() {
+  initial_.live = state_.live;
+  state_ = initial_;
+}
 
-void TissuePhysics::setFriction(double coefficient) { model_.scene.friction = coefficient; }
+void TissuePhysics::setFriction(double coefficient) { state_.live.friction = coefficient; }
 
 double TissuePhysics::setMaterial(int index, const Material& material) {
-  const auto m = static_cast<std::size_t>(index);
-  // Bulk and shear stiffness each count: at one wave modulus one can be traded for the other, but node
-  // patches relax only the bulk.
-  const Material& loaded = model_.materials[m];
-  const double allowed = allowed_wave_modulus_[m] / loaded.waveModulus();
-  const double excess =
-      std::max(material.bulk_modulus / loaded.bulk_modulus, material.shear_modulus / loaded.shear_modulus) / allowed;
+  const Material& loaded = model_.materials[static_cast<std::size_t>(index)];
+  const double excess = stiffening(loaded, material) / allowed_stiffening_;
   if (excess > 1) return excess;
-  // The density is in the lumped masses, which stay.
-  // model_.materials stays as loaded: other threads read it.
-  model_.kernel.materials[m] = material;
-  updatePatchBulk(model_.kernel);
+  palpate::setMaterial(model_, index, material, state_.live);
   state_.energy.fresh = true;
   return 0;
 }

@@ -14,22 +14,21 @@ class Physics {
   virtual StepReport tick(const Command& command) = 0;
   virtual const State& state() const = 0;
   virtual std::uint64_t stateHash() const = 0;
-  /// The freshly loaded state, bit for bit.
+  /// The freshly loaded state, bit for bit, but for friction and materials: these stay as they were set.
   virtual void reset() = 0;
   virtual void setFriction(double coefficient) = 0;
   /// Replaces a material from the next step on. Returns 0 when done; where it is
   /// stiffer than dt is stable for, changes nothing and returns the factor (> 1) by
-  /// which its wave modulus is too high.
+  /// which it is too stiff.
   virtual double setMaterial(int index, const Material& material) = 0;
 };
 
 /// A model, its state and its workspace.
 class TissuePhysics final : public Physics {
  public:
-  /// Keeps a reference to `model`, which must not be changed elsewhere while this lives;
-  /// setFriction and setMaterial change it between ticks, on the loop's thread.
+  /// @param model  must outlive this; several may share it, and none changes it
   /// @param threads  physics threads, the loop's own included
-  TissuePhysics(Model& model, int threads);
+  TissuePhysics(const Model& model, int threads);
 
   StepReport tick(const Command& command) override;
   const State& state() const override { return state_; }
@@ -41,11 +40,11 @@ class TissuePhysics final : public Physics {
   SpinTeam& team() { return workspace_.team; }
 
  private:
-  Model& model_;
-  const State initial_;
+  const Model& model_;
+  State initial_;  // at rest, with the live settings in force
   State state_;
   Workspace workspace_;
-  std::vector<double> allowed_wave_modulus_;  // (material_count) Pa
+  double allowed_stiffening_;  // of a material over the loaded one
 };
 
 }  // namespace palpate

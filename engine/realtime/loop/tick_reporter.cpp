@@ -85,8 +85,9 @@ void TickReporter::publish(const LoopTime& time, const RunState& run) {
     ++used;
   }
   snapshot.contact_count = static_cast<int>(used);
-  // The kernel's materials are the ones in force; the vector has its size since the channels were made.
-  std::copy(model_.kernel.materials.begin(), model_.kernel.materials.end(), snapshot.materials.begin());
+  // The vector has its size since the channels were made.
+  const std::vector<Material>& materials = physics_.state().live.kernel.materials;
+  std::copy(materials.begin(), materials.end(), snapshot.materials.begin());
   channels_.snapshots.publish();
 }
 

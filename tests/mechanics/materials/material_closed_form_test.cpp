@@ -101,7 +101,7 @@ double kernelError(const test::TestBody& body, const Mat3& F) {
   team.wake();
   const auto u = body.displacement(F);
   const auto u4 = test::toFloat4s(u);
-  internalForces(layout, u4.data(), scratch, team);
+  internalForces(layout, makeKernelMaterials(layout, body.materials), u4.data(), scratch, team);
   AlignedVector<Float4> fast(body.X.size());
   sumForces(layout, scratch, 0, body.nodeCount(), fast.data());
   team.park();

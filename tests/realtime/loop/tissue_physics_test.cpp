@@ -61,7 +61,7 @@ SimulationLoopOptions pressing(int ticks, bool fast = true) {
   return options;
 }
 
-RunSummary run(TissuePhysics& physics, Model& model, const SimulationLoopOptions& options) {
+RunSummary run(TissuePhysics& physics, const Model& model, const SimulationLoopOptions& options) {
   SimulationLoop loop(model, physics, &physics.team(), options);
   loop.start();
   loop.join();
@@ -79,7 +79,7 @@ TEST_CASE("A press gives the same state on 1, 2 and 3 threads, in real time or n
   std::vector<std::uint64_t> hashes;
   for (const int threads : {1, 2, 3}) {
     for (const bool fast : {true, false}) {
-      Model model = block();
+      const Model& model = block();
       TissuePhysics physics(model, threads);
       const RunSummary summary = run(physics, model, pressing(ticks, fast));
       CHECK(summary.ticks == ticks);
@@ -92,7 +92,7 @@ TEST_CASE("A press gives the same state on 1, 2 and 3 threads, in real time or n
 }
 
 TEST_CASE("Reset equals a fresh load, bit for bit, and so does what follows", "[tissue_physics]") {
-  Model model = block();
+  const Model& model = block();
   TissuePhysics physics(model, 1);
   const RunSummary first = run(physics, model, pressing(40));
   CHECK(first.peak_force > 0.05);
@@ -104,7 +104,7 @@ TEST_CASE("Reset equals a fresh load, bit for bit, and so does what follows", "[
   CHECK(physics.state().tick == 0);
   CHECK(physics.state().step == 0);
   CHECK(physics.state().contact.count == fresh.contact.count);
-  CHECK(physics.stateHash() == stateHash(fresh));
+  CHECK(physics.stateHash() == stateHash(model, fresh));
   const RunSummary again = run(physics, model, pressing(40));
   CHECK(again.state_hash == first.state_hash);
   CHECK(again.peak_force == first.peak_force);
@@ -115,7 +115,7 @@ TEST_CASE("A live session on tissue is repeated by its recording", "[tissue_phys
   Recording recording;
   std::uint64_t hash = 0;
   {
-    Model model = block();
+    const Model& model = block();
     recording.model_hash = modelHash(model);
     recording.rate_hz = model.scene.rate_hz;
     TissuePhysics physics(model, 1);
@@ -141,10 +141,10 @@ TEST_CASE("A live session on tissue is repeated by its recording", "[tissue_phys
     while (loop.recorded().pop(change)) recording.changes.push_back(change);
     recording.ticks = loop.summary().ticks;
     hash = loop.summary().state_hash;
-    CHECK(model.scene.friction == 0);
-    CHECK(model.kernel.materials[0].shear_modulus == soft.shear_modulus);
+    CHECK(physics.state().live.friction == 0);
+    CHECK(physics.state().live.kernel.materials[0].shear_modulus == soft.shear_modulus);
   }
-  Model model = block();
+  const Model& model = block();
   checkRecordingFits(recording, model, "recording");
   TissuePhysics physics(model, 2);
   SimulationLoopOptions options;
@@ -160,13 +160,13 @@ TEST_CASE("A live session on tissue is repeated by its recording", "[tissue_phys
 TEST_CASE("A material too stiff for the time step is refused, a softer one gives way", "[tissue_physics]") {
   double force[2];
   for (const int soft : {0, 1}) {
-    Model model = block();
+    const Model& model = block();
     TissuePhysics physics(model, 1);
     Material material = model.materials[0];
     const double stiff_bulk = material.bulk_modulus;
     material.bulk_modulus = 10 * stiff_bulk;
     CHECK(physics.setMaterial(0, material) > 1);
-    CHECK(model.kernel.materials[0].bulk_modulus == stiff_bulk);
+    CHECK(physics.state().live.kernel.materials[0].bulk_modulus == stiff_bulk);
     if (soft == 1) {
       material = model.materials[0];
       material.shear_modulus *= 0.25;
@@ -178,10 +178,68 @@ TEST_CASE("A material too stiff for the time step is refused, a softer one gives
   CHECK(force[1] < 0.6 * force[0]);
 }
 
+TEST_CASE("Two simulations share a model, and what is set live in one leaves the other as it was", "[tissue_physics]") {
+  const Model& model = block();
+  const std::uint64_t as_loaded = modelHash(model);
+  constexpr int ticks = 60;
+  TissuePhysics alone(model, 1);
+  const RunSummary expected = run(alone, model, pressing(ticks));
+  Material stiff = model.materials[0];
+  stiff.shear_modulus *= 1.2;
+  stiff.bulk_modulus *= 1.2;
+
+  for (const bool at_once : {false, true}) {
+    TissuePhysics changed(model, 1), untouched(model, 1);
+    const auto change = [&] {
+      REQUIRE(changed.setMaterial(0, stiff) == 0);
+      changed.setFriction(0);
+    };
+    RunSummary of_changed, of_untouched;
+    if (at_once) {  // each on a thread of its own, the change in the middle
+      SimulationLoopOptions options = pressing(ticks);
+      options.track.push_back({ticks / 2, Request::setMaterial(0, stiff)});
+      options.track.push_back({ticks / 2, Request::setFriction(0)});
+      std::stable_sort(options.track.begin(), options.track.end(),
+                       [](const TimedRequest& a, const TimedRequest& b) { return a.tick < b.tick; });
+      SimulationLoop first(model, changed, nullptr, options), second(model, untouched, nullptr, pressing(ticks));
+      first.start();
+      second.start();
+      first.join();
+      second.join();
+      of_changed = first.summary();
+      of_untouched = second.summary();
+    } else {
+      change();
+      of_changed = run(changed, model, pressing(ticks));
+      of_untouched = run(untouched, model, pressing(ticks));
+    }
+    CHECK(changed.state().live.friction == 0);
+    CHECK(untouched.state().live.friction == model.scene.friction);
+    CHECK(of_changed.state_hash != expected.state_hash);
+    CHECK(of_changed.peak_force > 1.05 * expected.peak_force);
+    CHECK(of_untouched.state_hash == expected.state_hash);
+    CHECK(of_untouched.peak_force == expected.peak_force);
+    CHECK(sameBits(untouched.state().u, alone.state().u));
+  }
+  CHECK(modelHash(model) == as_loaded);
+}
+
+TEST_CASE("A reset keeps what was set live", "[tissue_physics]") {
+  const Model& model = block();
+  TissuePhysics physics(model, 1);
+  Material soft = model.materials[0];
+  soft.shear_modulus *= 0.5;
+  physics.setFriction(0.7);
+  CHECK(physics.setMaterial(0, soft) == 0);
+  physics.reset();
+  CHECK(physics.state().live.friction == 0.7);
+  CHECK(physics.state().live.kernel.materials[0].shear_modulus == soft.shear_modulus);
+}
+
 TEST_CASE("Ticks of tissue neither allocate nor lock, on any thread of the team", "[tissue_physics]") {
   if (!test::guardAvailable()) return;  // under a sanitizer; the release preset has it
   for (const int threads : {1, 2, 3}) {
-    Model model = block();
+    const Model& model = block();
     TissuePhysics physics(model, threads);
     SimulationLoopOptions options = pressing(60, false);
     options.record = true;

@@ -26,7 +26,7 @@ constexpr int parts = 8;  // as in simulation/step.cpp, for the same sums
 
 BareLoop::BareLoop(const Model& model, Workspace& workspace, const State& start, Contact contact)
     : model_(model), state_(start), workspace_(workspace), contact_(contact) {
-  for (const Material& m : model.kernel.materials)
+  for (const Material& m : start.live.kernel.materials)
     if (m.kind != Material::Kind::NeoHookean)
       throw std::invalid_argument("the bare kernel knows neo-Hookean material only");
   if (!model.kernel.patch_begin.empty()) throw std::invalid_argument("the bare kernel knows no node patches");
@@ -51,7 +51,8 @@ StepReport BareLoop::tick() {
 StepReport BareLoop::step() {
   const double h = model_.dt, c = model_.scene.damping, alpha = 2 * h * h / (2 + c * h);
   const auto alpha_f = static_cast<float>(alpha), beta = static_cast<float>((2 - c * h) / (2 + c * h));
-  const ForceReport forces = internalForces(model_.kernel, state_.u.data(), workspace_.kernel, workspace_.team);
+  const ForceReport forces =
+      internalForces(model_.kernel, state_.live.kernel, state_.u.data(), workspace_.kernel, workspace_.team);
   const auto border = [n = std::int64_t{model_.nodeCount()}](int part) { return static_cast<int>(n * part / parts); };
 
   double before = 0;
@@ -111,7 +112,7 @@ StepReport BareLoop::step() {
                                              model_.rest_energy);
   state_.energy.work -= 0.5 * after;
   report.volume_change = forces.volume_change / model_.cell_volume;
-  report.step_share = stepShare(model_, forces.max_cof2);
+  report.step_share = stepShare(model_, state_.live, forces.max_cof2);
   report.min_J = forces.min_J;
   if (!finite) report.flags |= kNotFinite;
   if (report.max_increment > model_.max_increment) report.flags |= kBlowUp;

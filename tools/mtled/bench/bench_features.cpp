@@ -29,31 +29,28 @@ class TickLoop final : public FeatureLoop {
     Material material;
     int pulled = -1;  // skin vertex
   };
-  TickLoop(Model& model, Workspace& workspace, const State& start, const Use& use)
-      : model_(model), workspace_(workspace), state_(start), use_(use) {
+  TickLoop(const Model& model, Workspace& workspace, const State& start, const Use& use)
+      : model_(model), workspace_(workspace), state_(start) {
+    state_.live = loadedParameters(model);  // `start` may be another body's
+    state_.live.friction = use.friction;
+    setMaterial(model, 0, use.material, state_.live);
     command_.tool_target = start.tool_pose;
     command_.pull_vertex = use.pulled;
     if (use.pulled >= 0) command_.pull_target = model.skin.surface.vertices[use.pulled] + Vec3(0, 0, 2e-3);
   }
   double run(int ticks, const Meter& meter) override {
-    model_.scene.friction = use_.friction;
-    model_.kernel.materials[0] = use_.material;
     tick(model_, state_, command_, workspace_);
     const double before = meter();
     for (int k = 0; k < ticks; ++k) tick(model_, state_, command_, workspace_);
-    const double growth = meter() - before;
-    model_.scene.friction = 0;
-    model_.kernel.materials[0] = model_.materials[0];
-    return growth;
+    return meter() - before;
   }
   const State& state() const override { return state_; }
 
  private:
-  Model& model_;
+  const Model& model_;
   Workspace& workspace_;
   State state_;
   Command command_;
-  Use use_;
 };
 
 class HandWrittenLoop final : public FeatureLoop {
@@ -75,7 +72,7 @@ class HandWrittenLoop final : public FeatureLoop {
 /// The tissue's physics, looking at a meter when its second and its last tick begin.
 class MeteredPhysics final : public Physics {
  public:
-  explicit MeteredPhysics(Model& model) : tissue_(model, 1) {}
+  explicit MeteredPhysics(const Model& model) : tissue_(model, 1) {}
   void expect(int ticks, const Meter& meter) {
     meter_ = &meter;
     last_ = ticks;
@@ -106,7 +103,7 @@ class MeteredPhysics final : public Physics {
 /// tissue, so that every tick has something to record.
 class RealTimeLoop final : public FeatureLoop {
  public:
-  RealTimeLoop(Model& model, bool record) : model_(model), physics_(model), record_(record) {}
+  RealTimeLoop(const Model& model, bool record) : model_(model), physics_(model), record_(record) {}
   void prepare(int ticks) override {
     std::vector<Pose> poses(static_cast<std::size_t>(ticks + 2), model_.tool_start);
     for (std::size_t k = 0; k < poses.size(); ++k) poses[k].position.z() += 1e-6 * static_cast<double>(k % 8);
@@ -127,7 +124,7 @@ class RealTimeLoop final : public FeatureLoop {
   const State& state() const override { return physics_.state(); }
 
  private:
-  Model& model_;
+  const Model& model_;
   MeteredPhysics physics_;
   bool record_;
   MonotonicClock clock_;
@@ -200,7 +197,7 @@ FeatureBench::FeatureBench(const BenchSize& size, const std::function<void(const
   load("with node patches", 0.3, [](Scene& s) { s.node_patch_volume = true; });
   load("with adaptive points", 0.6, [](Scene& s) { s.quadrature.accuracy = 0.1, s.quadrature.max_depth = 1; });
   for (const auto& model : models_) workspaces_.push_back(std::make_unique<Workspace>(*model, 1));
-  Model& model = *models_[0];
+  const Model& model = *models_[0];
   const State touching = pressed(model), free = released(model, touching);  // of all three: they have the same nodes
   const State at_rest = initialState(model);
   const Material& soft = model.materials[0];

@@ -63,10 +63,12 @@ BenchKernel blockKernel(const Model& model, const std::vector<Vec3>& u, const La
                         int max_threads) {
   struct Data {
     Layout<Real> layout;
+    KernelMaterialsOf<Real> materials;
     KernelScratchOf<Real> scratch;
     AlignedVector<Real4<Real>> u;
   };
-  auto data = std::make_shared<Data>(Data{layout, makeKernelScratch(*layout, set), {}});
+  auto data = std::make_shared<Data>(
+      Data{layout, makeKernelMaterials(*layout, model.materials), makeKernelScratch(*layout, set), {}});
   for (const Vec3& a : u) data->u.push_back(toReal4<Real>(a));
   const bool is_double = sizeof(Real) == 8, rounded = !layout->rounded_gradN.empty();
   BenchKernel k;
@@ -77,7 +79,9 @@ BenchKernel blockKernel(const Model& model, const std::vector<Vec3>& u, const La
   k.cost = blockKernelCost(*layout, model.point_shape);
   k.error_limit = is_double ? double_limit : rounded ? int16Limit(model.materials[0]) : floatLimit(model.materials[0]);
   k.max_threads = max_threads;
-  k.evaluate = [data](SpinTeam& team) { internalForces(*data->layout, data->u.data(), data->scratch, team); };
+  k.evaluate = [data](SpinTeam& team) {
+    internalForces(*data->layout, data->materials, data->u.data(), data->scratch, team);
+  };
   k.forces = [data] {
     AlignedVector<Real4<Real>> sum(data->u.size());
     sumForces(*data->layout, data->scratch, 0, data->layout->node_count, sum.data());

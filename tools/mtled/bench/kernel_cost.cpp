@@ -49,7 +49,7 @@ KernelCost blockKernelCost(const KernelLayoutOf<Real>& layout, const ShapeTable&
   if (layout.patch_begin.empty()) return cost;
 
   const double tensors = 9 * bytesOf(layout.volume);
-  const double per_node = bytesOf(layout.patch_bulk), dilatation = bytesOf(layout.volume);
+  const double per_node = layout.node_count * static_cast<double>(sizeof(Real)), dilatation = bytesOf(layout.volume);
   const double patches = bytesOf(layout.patch_begin) + bytesOf(layout.patch_point) + bytesOf(layout.patch_share) +
                          bytesOf(layout.patch_node) + bytesOf(layout.patch_weight);
   cost.working_set += tensors + patches + 2 * per_node + dilatation;  // bulk moduli and pressures

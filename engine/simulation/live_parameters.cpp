@@ -1,0 +1,41 @@
+#include "simulation/live_parameters.h"
+
+#include <algorithm>
+
+#include "simulation/model.h"
+
+namespace palpate {
+
+LiveParameters loadedParameters(const Model& model) {
+  return {model.scene.friction, makeKernelMaterials(model.kernel, model.materials)};
+}
+
+void setMaterial(const Model& model, int index, const Material& material, LiveParameters& live) {
+  live.kernel.materials[static_cast<std::size_t>(index)] = material;
+  updatePatchBulk(model.kernel, live.kernel);
+}
+
+double stiffening(const Material& loaded, const Material& present) {
+  return std::max(present.bulk_modulus / loaded.bulk_modulus, present.shear_modulus / loaded.shear_modulus);
+}
+
+double stiffening(const Model& model, const LiveParameters& live) {
+  double largest = model.materials.empty() ? 1 : 0;
+  for (std::size_t m = 0; m < model.materials.size(); ++m)
+    largest = std::max(largest, stiffening(model.materials[m], live.kernel.materials[m]));
+  return largest;
+}
+
+double bulkOverShear(const LiveParameters& live) {
+  double largest = 0;
+  for (const Material& m : live.kernel.materials) largest = std::max(largest, m.bulk_modulus / m.shear_modulus);
+  return largest;
+}
+
+bool nearlyIncompressible(const LiveParameters& live) {
+  return std::all_of(live.kernel.materials.begin(), live.kernel.materials.end(), [](const Material& m) {
+    return m.bulk_modulus > 2 * 1.45 / (3 * 0.1) * m.shear_modulus;  // Poisson's ratio 0.45
+  });
+}
+
+}  // namespace palpate

@@ -1,0 +1,146 @@
+#include "simulation/live_parameters.h"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "simulation/build_model.h"
+#include "simulation/model_hash.h"
+#include "simulation/step.h"
+#include "simulation/trust.h"
+#include "simulation/workspace.h"
+#include "support/small_scene.h"
+
+using namespace palpate;
+
+namespace {
+
+Material scaled(Material material, double factor) {
+  material.shear_modulus *= factor;
+  material.bulk_modulus *= factor;
+  return material;
+}
+
+/// The tool `depth` deep after `ticks` ticks.
+void press(const Model& model, State& state, Workspace& workspace, double depth, int ticks) {
+  Command command;
+  for (int k = 1; k <= ticks; ++k) {
+    command.tool_target = test::toolAt(model, model.first_contact_travel + depth * k / ticks);
+    tick(model, state, command, workspace);
+  }
+}
+
+/// Share of the stable step at rest, and the depth at which the step is first doubted, m.
+struct Amber {
+  double rest_share = 0, depth = 0;
+};
+
+Amber amberOf(const Model& model, State state) {
+  Workspace workspace(model, 1);
+  Amber amber;
+  for (int k = 0; k < 3000; ++k) {
+    const double depth = 0.012 * k / 3000;
+    Command command;
+    command.tool_target = test::toolAt(model, model.first_contact_travel + depth);
+    const StepReport report = tick(model, state, command, workspace);
+    if (k == 0) amber.rest_share = report.step_share;
+    const Doubt doubt = doubtOf(model, report);
+    if (doubt >= Doubt::Step) {
+      REQUIRE(doubt == Doubt::Step);
+      amber.depth = depth;
+      return amber;
+    }
+  }
+  return amber;
+}
+
+}  // namespace
+
+TEST_CASE("The state's hash follows live settings where they differ from the loaded ones", "[live_parameters]") {
+  const Model model = test::blockModel();
+  State state = initialState(model);
+  const std::uint64_t loaded = stateHash(model, state);
+  state.live.friction = 0.4;
+  const std::uint64_t rough = stateHash(model, state);
+  CHECK(rough != loaded);
+  setMaterial(model, 0, scaled(model.materials[0], 2), state.live);
+  const std::uint64_t rough_and_stiff = stateHash(model, state);
+  CHECK(rough_and_stiff != rough);
+  state.live.friction = model.scene.friction;
+  CHECK(stateHash(model, state) != loaded);
+  CHECK(stateHash(model, state) != rough_and_stiff);
+  setMaterial(model, 0, model.materials[0], state.live);
+  CHECK(stateHash(model, state) == loaded);
+}
+
+TEST_CASE("Equal states give equal futures, live settings included", "[live_parameters]") {
+  const Model model = test::blockModel();
+  Workspace one(model, 1), other(model, 2);
+  State state = initialState(model);
+  state.live.friction = 0.4;
+  setMaterial(model, 0, scaled(model.materials[0], 0.5), state.live);
+  press(model, state, one, 0.002, 40);
+  State copy = state;
+  State with_loaded_settings = state;
+  with_loaded_settings.live = loadedParameters(model);
+  press(model, state, one, 0.003, 40);
+  press(model, copy, other, 0.003, 40);
+  press(model, with_loaded_settings, other, 0.003, 40);
+  CHECK(stateHash(model, copy) == stateHash(model, state));
+  CHECK(toVec3(copy.contact.force[0]) == toVec3(state.contact.force[0]));
+  CHECK(stateHash(model, with_loaded_settings) != stateHash(model, state));
+}
+
+TEST_CASE("Patch moduli of a live material are those of a model that was loaded with it", "[live_parameters]") {
+  Scene scene = test::blockScene();
+  scene.node_patch_volume = true;
+  const Model soft = test::blockModel(scene);
+  scene.materials[0].young *= 3;
+  const Model stiff = test::blockModel(scene);
+  State state = initialState(soft);
+  const AlignedVector<float> before = state.live.kernel.patch_bulk;
+  REQUIRE_FALSE(before.empty());
+  setMaterial(soft, 0, stiff.materials[0], state.live);
+  CHECK(state.live.kernel.patch_bulk == initialState(stiff).live.kernel.patch_bulk);
+  CHECK(state.live.kernel.patch_bulk != before);
+  CHECK(initialState(soft).live.kernel.patch_bulk == before);  // the model is as it was
+}
+
+TEST_CASE("The stiffening is the larger of bulk and shear, over all materials", "[live_parameters]") {
+  Model model;
+  model.materials = {Material::neoHookean(3000, 0.45, 1000), Material::neoHookean(9000, 0.49, 1000)};
+  LiveParameters live;
+  live.kernel.materials = model.materials;
+  CHECK(stiffening(model, live) == 1);
+  live.kernel.materials[1] = scaled(model.materials[1], 0.5);
+  CHECK(stiffening(model, live) == 1);  // the first is as it was
+  live.kernel.materials[0] = scaled(model.materials[0], 0.25);
+  CHECK(stiffening(model, live) == 0.5);
+  live.kernel.materials[0].bulk_modulus = 4 * model.materials[0].bulk_modulus;
+  CHECK(stiffening(model, live) == 4);
+}
+
+TEST_CASE("A slab stiffened live is doubted where one that was loaded as stiff is", "[live_parameters][trust]") {
+  constexpr double factor = 2.5;
+  Scene scene = test::blockScene();
+  scene.step_safety = 0.4;
+  const Model loaded = test::blockModel(scene);
+  State state = initialState(loaded);
+  const Amber soft = amberOf(loaded, state);
+  setMaterial(loaded, 0, scaled(loaded.materials[0], factor), state.live);
+  const Amber live = amberOf(loaded, state);
+
+  scene.materials[0].young *= factor;
+  Model stiff = test::blockModel(scene);
+  stiff.dt = loaded.dt;  // the same steps: those that it would choose are shorter
+  stiff.substeps_per_tick = loaded.substeps_per_tick;
+  const Amber reference = amberOf(stiff, initialState(stiff));
+
+  CHECK(live.rest_share == Approx(std::sqrt(factor) * soft.rest_share).epsilon(1e-6));
+  CHECK(live.rest_share == Approx(reference.rest_share).epsilon(0.02));  // two estimates of an eigenvalue
+  INFO("amber at " << 1e3 * live.depth << " mm, loaded as stiff at " << 1e3 * reference.depth << " mm, soft at "
+                   << 1e3 * soft.depth << " mm");
+  REQUIRE(live.depth > 0);
+  REQUIRE(reference.depth > 0);
+  CHECK(live.depth == Approx(reference.depth).epsilon(0.05));
+  CHECK((soft.depth == 0 || soft.depth > 1.5 * live.depth));  // what the loaded limit would say
+}
