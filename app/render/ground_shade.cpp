@@ -5,15 +5,15 @@
 namespace palpate::app {
 namespace {
 
-constexpr GLsizei size = 128;
-constexpr double extent_in_radii = 2.0;                 // half width; as shade_extent in shaders/ground.frag
+constexpr GLsizei shade_texels = 128;
+constexpr double shade_extent_in_radii = 2.0;           // half width; as shade_extent in shaders/ground.frag
 constexpr double depth_in_radii = 4.0;                  // height of what is looked at
 constexpr double reach_in_radii = 0.30;                 // height over which a body's hold on the room's light fades
 constexpr float key_spread = 0.7F, room_spread = 1.6F;  // texels between taps
 
 void makeTarget(GLuint framebuffer, GLuint texture) {
   glBindTexture(GL_TEXTURE_2D, texture);
-  glTexImage2D(GL_TEXTURE_2D, 0, GL_RG8, size, size, 0, GL_RG, GL_UNSIGNED_BYTE, nullptr);
+  glTexImage2D(GL_TEXTURE_2D, 0, GL_RG8, shade_texels, shade_texels, 0, GL_RG, GL_UNSIGNED_BYTE, nullptr);
   for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER})
     glTexParameteri(GL_TEXTURE_2D, filter, GL_LINEAR);
   for (const GLenum wrap : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T})
@@ -53,10 +53,10 @@ GroundShade::GroundShade(const std::string& shader_dir)
 void GroundShade::draw(const Vec3& key, const Vec3& ground, double radius, const DrawCasters& casters) {
   // Seen from below: x to the right, y up the texture, heights from 0 on the ground.
   const double depth = depth_in_radii * radius;
-  const Eigen::Matrix4f from_below =
-      parallelProjection(Vec3::UnitX(), Vec3::UnitY(), -Vec3::UnitZ(), ground, extent_in_radii * radius, 0, depth);
+  const Eigen::Matrix4f from_below = parallelProjection(Vec3::UnitX(), Vec3::UnitY(), -Vec3::UnitZ(), ground,
+                                                        shade_extent_in_radii * radius, 0, depth);
   glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_);
-  glViewport(0, 0, size, size);
+  glViewport(0, 0, shade_texels, shade_texels);
   glClearColor(0, 0, 0, 0);
   glClear(GL_COLOR_BUFFER_BIT);
   glDisable(GL_DEPTH_TEST);
@@ -80,7 +80,7 @@ void GroundShade::draw(const Vec3& key, const Vec3& ground, double radius, const
   const auto pass = [&](GLuint from, GLuint to, float x, float y) {
     glBindFramebuffer(GL_FRAMEBUFFER, to);
     glBindTexture(GL_TEXTURE_2D, from);
-    glUniform2f(direction_, x / size, y / size);
+    glUniform2f(direction_, x / shade_texels, y / shade_texels);
     glDrawArrays(GL_TRIANGLES, 0, 3);
   };
   pass(shade_, scratch_framebuffer_, 1, 0);

@@ -11,7 +11,7 @@
 namespace palpate::app {
 namespace {
 
-constexpr int size = 32;                                     // texels along an edge
+constexpr int edge_texels = 32;                              // texels along an edge
 constexpr int octaves = 2;                                   // of 4 and 8 lattice cells along an edge
 constexpr float value_scale = 1.2F, gradient_scale = 0.16F;  // bring most of the range into -0.5..0.5
 
@@ -48,7 +48,7 @@ float gradientNoise(const Vec3f& p, int period) {
 float value(const Vec3f& texel) {
   float sum = 0, amplitude = 1;
   for (int octave = 0, period = 4; octave < octaves; ++octave, period *= 2, amplitude *= 0.5F)
-    sum += amplitude * gradientNoise(texel * static_cast<float>(period) / size, period);
+    sum += amplitude * gradientNoise(texel * static_cast<float>(period) / edge_texels, period);
   return sum;
 }
 
@@ -59,25 +59,27 @@ std::uint8_t encoded(float centred) {
 }  // namespace
 
 NoiseTexture::NoiseTexture() {
-  std::vector<float> values(size * size * size);
+  std::vector<float> values(edge_texels * edge_texels * edge_texels);
   const auto at = [&](int x, int y, int z) -> float& {
-    return values[((z & (size - 1)) * size + (y & (size - 1))) * size + (x & (size - 1))];
+    return values[((z & (edge_texels - 1)) * edge_texels + (y & (edge_texels - 1))) * edge_texels +
+                  (x & (edge_texels - 1))];
   };
-  for (int z = 0; z < size; ++z)
-    for (int y = 0; y < size; ++y)
-      for (int x = 0; x < size; ++x) at(x, y, z) = value(Vec3f(x, y, z));
+  for (int z = 0; z < edge_texels; ++z)
+    for (int y = 0; y < edge_texels; ++y)
+      for (int x = 0; x < edge_texels; ++x) at(x, y, z) = value(Vec3f(x, y, z));
   std::vector<std::array<std::uint8_t, 4>> texels;
   texels.reserve(values.size());
-  for (int z = 0; z < size; ++z)
-    for (int y = 0; y < size; ++y)
-      for (int x = 0; x < size; ++x) {
+  for (int z = 0; z < edge_texels; ++z)
+    for (int y = 0; y < edge_texels; ++y)
+      for (int x = 0; x < edge_texels; ++x) {
         const Vec3f gradient(at(x + 1, y, z) - at(x - 1, y, z), at(x, y + 1, z) - at(x, y - 1, z),
                              at(x, y, z + 1) - at(x, y, z - 1));
-        const Vec3f g = gradient_scale * 0.5F * size / 4 * gradient;
+        const Vec3f g = gradient_scale * 0.5F * edge_texels / 4 * gradient;
         texels.push_back({encoded(g.x()), encoded(g.y()), encoded(g.z()), encoded(value_scale * 0.5F * at(x, y, z))});
       }
   glBindTexture(GL_TEXTURE_3D, texture_);
-  glTexImage3D(GL_TEXTURE_3D, 0, GL_RGBA8, size, size, size, 0, GL_RGBA, GL_UNSIGNED_BYTE, texels.data());
+  glTexImage3D(GL_TEXTURE_3D, 0, GL_RGBA8, edge_texels, edge_texels, edge_texels, 0, GL_RGBA, GL_UNSIGNED_BYTE,
+               texels.data());
   glGenerateMipmap(GL_TEXTURE_3D);
   glTexParameteri(GL_TEXTURE_3D, GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_NEAREST);
   glTexParameteri(GL_TEXTURE_3D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);

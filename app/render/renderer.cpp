@@ -24,7 +24,7 @@
 namespace palpate::app {
 namespace {
 
-constexpr double degree = std::numbers::pi / 180;
+constexpr double radians_per_degree = std::numbers::pi / 180;
 
 // The key light stands to the left of the camera's first position, high and towards it; it
 // stays there while the camera turns, as in a room.
@@ -35,7 +35,8 @@ constexpr float patterns_per_radius = 0.62F;  // repeats of the tissue's coarse 
 constexpr int colour_count = 256;
 
 Vec3 keyDirection(double camera_azimuth_deg) {
-  const double a = (camera_azimuth_deg + key_azimuth_from_camera_deg) * degree, e = key_elevation_deg * degree;
+  const double a = (camera_azimuth_deg + key_azimuth_from_camera_deg) * radians_per_degree,
+               e = key_elevation_deg * radians_per_degree;
   return {std::cos(e) * std::cos(a), std::cos(e) * std::sin(a), std::sin(e)};
 }
 

@@ -11,7 +11,7 @@ constexpr const char* required = KeySpec::required;
 constexpr const char* depends = KeySpec::depends;
 
 // clang-format off
-constexpr KeySpec keys[] = {
+constexpr KeySpec scene_keys[] = {
     {"", "name", T::Text, "", "", {}, "", "Shown in the window's title and in reports; the file's name where absent."},
     {"", "organ", T::Table, "", required, {}, "", "What is touched."},
     {"", "discretization", T::Table, "", required, {}, "", "How it is cut into nodes and integration points."},
@@ -244,14 +244,14 @@ constexpr Section sections[] = {
 
 }  // namespace
 
-std::span<const KeySpec> sceneKeys() { return keys; }
+std::span<const KeySpec> sceneKeys() { return scene_keys; }
 
 std::string sceneReference() {
   std::string text;
   for (const auto& [table, title, introduction] : sections) {
     text += std::string(text.empty() ? "" : "\n") + "### " + title + "\n\n";
     if (*introduction != '\0') text += std::string(introduction) + "\n\n";
-    text += keyReference(keys, table);
+    text += keyReference(scene_keys, table);
   }
   return text;
 }

@@ -15,7 +15,7 @@ namespace {
 using T = KeySpec::Type;
 
 // clang-format off
-constexpr KeySpec keys[] = {
+constexpr KeySpec script_keys[] = {
     {"", "name", T::Text, "", "", {}, "", "For reports; the file's name where absent."},
     {"", "from_touch", T::Boolean, "", "true", {}, "",
      "Advance counts from where the tool first touches the resting skin; otherwise from the scene's start "
@@ -42,15 +42,15 @@ ToolScript::Keyframe fromStart(const ToolScript& script, ToolScript::Keyframe ke
 
 }  // namespace
 
-std::span<const KeySpec> toolScriptKeys() { return keys; }
+std::span<const KeySpec> toolScriptKeys() { return script_keys; }
 
 std::string toolScriptReference() {
-  return "### Top level\n\n" + keyReference(keys, "") + "\n### `[[keyframe]]`\n\n" + keyReference(keys, "keyframe");
+  return "### Top level\n\n" + keyReference(script_keys, "") + "\n### `[[keyframe]]`\n\n" + keyReference(script_keys, "keyframe");
 }
 
 ToolScript readToolScript(const std::string& path, double tool_radius) {
   const toml::table document = parseToml(readWholeFile(path), path);
-  TomlFile file{path, keys, {}};
+  TomlFile file{path, script_keys, {}};
   const TomlTable top(file, document, "", {""});
   ToolScript script;
   script.name = std::filesystem::path(path).stem().string();

@@ -8,14 +8,14 @@
 namespace palpate {
 namespace {
 
-struct Edge {
+struct CornerEdge {
   int a, b;  // vertices, a < b
   int face;
 };
 
 /// Pairs of vertices joined by a sharp edge, sorted. An edge without exactly two faces counts as sharp.
 std::vector<std::array<int, 2>> sharpEdges(const TriangleSurface& surface, double angle) {
-  std::vector<Edge> edges;
+  std::vector<CornerEdge> edges;
   edges.reserve(3 * surface.triangles.size());
   std::vector<Vec3> normal(surface.triangles.size());
   for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
@@ -26,11 +26,11 @@ std::vector<std::array<int, 2>> sharpEdges(const TriangleSurface& surface, doubl
     }
   }
   std::sort(edges.begin(), edges.end(),
-            [](const Edge& p, const Edge& q) { return std::tie(p.a, p.b, p.face) < std::tie(q.a, q.b, q.face); });
+            [](const CornerEdge& p, const CornerEdge& q) { return std::tie(p.a, p.b, p.face) < std::tie(q.a, q.b, q.face); });
 
   std::vector<std::array<int, 2>> sharp;
   for (std::size_t begin = 0, end = 0; begin < edges.size(); begin = end) {
-    const Edge& edge = edges[begin];
+    const CornerEdge& edge = edges[begin];
     while (end < edges.size() && edges[end].a == edge.a && edges[end].b == edge.b) ++end;
     const bool smooth = end - begin == 2 && normal[edge.face].dot(normal[edges[begin + 1].face]) >= std::cos(angle);
     if (!smooth) sharp.push_back({edge.a, edge.b});
