@@ -9,9 +9,9 @@
 namespace palpate {
 namespace {
 
-// The wait between two jobs of a tick is about a microsecond, and a barrier that spins
-// costs 0.15 us where one that sleeps costs 5. Longer waits mean that a member has lost
-// its core: then spinning keeps that core from it.
+// The wait between two jobs of a tick is about a microsecond; a barrier that spins costs
+// 0.15 us, one that sleeps 5 us. A longer wait means that some member has lost its core,
+// and a thread that goes on spinning may be what keeps the core from it.
 constexpr int kSpins = 2000;  // pauses of ~40 ns: some 50-100 us
 constexpr int kYields = 100;
 
@@ -80,7 +80,7 @@ void SpinTeam::start(int part_count, bool pinned, Job job, void* context) {
                end = static_cast<std::uint64_t>(part_count * (m + 1) / size_);
     shares_[m].word.store(std::uint64_t{pinned} << 32 | end << 16 | begin, std::memory_order_release);
   }
-  generation_.fetch_add(1);  // sequentially consistent: ordered before notify's look for sleepers
+  generation_.fetch_add(1);  // sequentially consistent: before notify looks for sleepers
   generation_.notify_all();
   if (parked) wake();
 
@@ -136,7 +136,7 @@ void SpinTeam::waitForJob(std::uint32_t done_generation) {
 void SpinTeam::work(int member) {
   for (std::uint32_t generation = 0;;) {
     waitForJob(generation);
-    generation = generation_.load(std::memory_order_acquire);  // jobs that the others did meanwhile are past
+    generation = generation_.load(std::memory_order_acquire);  // skips jobs that the others have finished meanwhile
     if (stop_) return;
     take(member);
   }

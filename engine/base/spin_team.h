@@ -7,13 +7,14 @@
 
 namespace palpate {
 
-/// A team of threads that share out work many times a second: the owner, who is member 0, and size - 1 workers.
-/// Between the jobs of one tick the workers spin, outside a tick (park) they sleep. All waits spin for a bounded time, then
-/// yield the core, then sleep on a futex: a member that lost its core to somebody else never starves or deadlocks the others.
-/// A job's parts are there for the taking: each member begins with its own share of them, so that it meets the data that its
-/// cache knows, and then takes from the others'. So one that wakes late, or has a slow core, delays the others by no more
-/// than the part that it holds; one that loses its core within a part, until it has it back.
-/// With one thread it calls the function directly and costs nothing.
+/// A team of threads that share work many times a second: the owner, who is member 0, and size - 1 workers.
+/// Between the jobs of one tick the workers spin; between ticks (park) they sleep. Every wait spins for a bounded time,
+/// then yields the core, then sleeps on a futex, so a member that has lost its core can't starve or deadlock the
+/// others. No thread takes a lock. A worker that goes to sleep, and the owner who wakes it, make a system call (futex).
+/// Each member begins with the parts of a job that are its own, whose data are in its cache, and then takes parts that
+/// others have not begun. A member that wakes late or has a slow core therefore delays the others by at most the one
+/// part that it works on; one that loses its core within a part delays them until it has the core back.
+/// With one thread the job is called directly.
 class SpinTeam {
  public:
   using Job = void (*)(void* context, int part, int part_count);
@@ -36,8 +37,8 @@ class SpinTeam {
   /// The same with one part for each member, taken by this member and no other.
   void run(Job job, void* context);
 
-  /// Owner: wakes the workers before a tick's first job, so that they are there when it
-  /// comes; lets them sleep after its last.
+  /// Owner: wake() before a tick's first job, so that the workers are awake when it comes;
+  /// park() after its last, so that they sleep.
   void wake();
   void park();
 
@@ -53,9 +54,12 @@ class SpinTeam {
   void work(int member);
   void waitForJob(std::uint32_t done_generation);
 
-  /// What nobody has taken yet of a member's share of the present job. One word, so that who takes a part knows that it is
-  /// not done, hence that the job is not, and its data stand: bits 0-15 the next part, 16-31 their end, 32 only this member
-  /// may take them.
+  /// The parts of the present job that belong to one member and that nobody has taken yet.
+  ///   bits 0-15   the next part to take
+  ///   bits 16-31  one past the last part
+  ///   bit  32     set: only this member may take them
+  /// All in one word, so that a part is taken by a single compare-and-exchange. Whoever succeeds holds a part that is
+  /// not done; so the job is not done either, and job_, context_ and part_count_ can't change under it.
   struct alignas(64) Share {
     std::atomic<std::uint64_t> word{0};
   };
@@ -63,19 +67,19 @@ class SpinTeam {
   int size_;
   std::vector<std::thread> workers_;
   std::vector<Share> shares_;  // (size)
-  // Of the present job: written while nobody holds a part, read by whoever took one.
+  // The present job. Written only while no member holds a part; read only by members that hold one.
   Job job_ = nullptr;
   void* context_ = nullptr;
   int part_count_ = 0;
-  std::int64_t long_waits_ = 0;                           // the owner's own
-  std::atomic<bool> stop_{false};                         // set before generation_
-  alignas(64) std::atomic<std::uint32_t> generation_{0};  // jobs given out so far
+  std::int64_t long_waits_ = 0;                           // read and written by the owner only
+  std::atomic<bool> stop_{false};                         // written before the generation_ that shows it
+  alignas(64) std::atomic<std::uint32_t> generation_{0};  // jobs started so far
   alignas(64) std::atomic<std::uint32_t> awake_{0};       // odd while workers should spin
   alignas(64) std::atomic<int> remaining_{0};             // parts of the present job that are not done
 };
 
-/// Runs each(part) for part in [0, count) on the team. What the parts are must not depend on the team's size where results
-/// may not.
+/// Runs each(part) for part in [0, count) on the team. Where results must not depend on the team's size, neither may
+/// the division into parts.
 template <class Each>
 void shareOut(SpinTeam& team, int count, Each each) {
   team.share(

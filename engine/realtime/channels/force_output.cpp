@@ -17,8 +17,8 @@ ForceReading readForce(const ForceSample& sample, std::int64_t now, double rate_
   return reading;
 }
 
-// The order that makes a torn read visible: a reader that saw any new word (acquire) of a slot has
-// synchronised with its store (release), so it sees the odd version stored before it, too.
+// The order of the stores makes a torn read visible: a reader that has seen any new word of a slot (acquire) is
+// synchronised with that word's store (release), and so sees the odd version that was stored before it.
 void ForceOutput::publish(const ForceSample& s) {
   const std::array<std::uint64_t, kWords> words = {
       std::bit_cast<std::uint64_t>(s.tick),
@@ -47,7 +47,7 @@ ForceSample ForceOutput::latest() const {
     const std::uint64_t newest = newest_.load(std::memory_order_acquire);
     const Slot& slot = slots_[newest % kSlots];
     for (std::size_t w = 0; w < kWords; ++w) words[w] = slot.words[w].load(std::memory_order_acquire);
-    // Another version: a later sample, whole or not, that was not announced when newest_ was read.
+    // Any other version means that the slot has been reused, whole or in part, since newest_ was read.
     if (slot.version.load(std::memory_order_relaxed) == 2 * newest) break;
   }
   const auto real = [&words](std::size_t w) { return std::bit_cast<double>(words[w]); };

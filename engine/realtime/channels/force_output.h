@@ -8,7 +8,7 @@
 
 namespace palpate {
 
-/// A force and what whoever feels or shows it must know of its age.
+/// A force with its age, for those who feel or show it.
 struct ForceReading {
   ForceSample sample;
   double age_s = 0;    // wall time since the begin of the tick that computed it
@@ -25,9 +25,10 @@ double freshSeconds(double rate_hz);
 ForceReading readForce(const ForceSample& sample, std::int64_t now, double rate_hz);
 
 /// The newest force, from the loop to any number of readers (haptic device, viewer) on threads of
-/// their own. Four slots are written in turn, so that a writer who lost its core in the middle of
-/// one keeps nobody waiting; a reader repeats where three ticks went by while it read one slot, and
-/// takes from a slot only the sample that was announced: so no reader ever sees time go backwards.
+/// their own. Four slots are written in turn: where the writer loses its core in the middle of one,
+/// readers still read the slot before. A reader whose slot was overwritten while it read, which takes
+/// three ticks, reads again. It accepts only the sample that newest_ announced, so no reader sees time
+/// go backwards.
 class ForceOutput {
  public:
   ForceOutput() { publish({}); }

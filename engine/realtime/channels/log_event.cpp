@@ -22,7 +22,7 @@ std::string sentence(const LogEvent& e) {
           e.index, p.x(), p.y(), p.z());
     case LogEvent::Kind::FrozenBlowUp:
       return format(
-          "frozen: node %d at (%.4f, %.4f, %.4f) m went %.3g mm in one step; "
+          "frozen: node %d at (%.4f, %.4f, %.4f) m moved %.3g mm in one step; "
           "reset to go on, lower dynamics.time_step or step_safety if it comes again",
           e.index, p.x(), p.y(), p.z(), 1e3 * e.value);
     case LogEvent::Kind::FrozenInverted:
@@ -36,9 +36,11 @@ std::string sentence(const LogEvent& e) {
           "results there are not to be trusted",
           e.value, e.index, p.x(), p.y(), p.z());
     case LogEvent::Kind::ContactOverflow:
-      return "more skin near the tool than memory was taken for: part of the contact is ignored";
+      return "more skin is near the tool than the contact list can hold: part of the contact is ignored; use a smaller "
+             "tool";
     case LogEvent::Kind::DeepContact:
-      return format("the tool stands %.3g mm deep in the skin: the contact is not to be trusted", 1e3 * e.value);
+      return format("the tool is %.3g mm deep in the skin: the contact is not to be trusted; press less hard",
+                    1e3 * e.value);
     case LogEvent::Kind::Doubted:
       return format("the force is not to be trusted: %s", doubtText(static_cast<Doubt>(e.index)));
     case LogEvent::Kind::TickLate:

@@ -9,8 +9,8 @@
 
 namespace palpate {
 
-/// Something worth telling that happened in the loop. Fixed size, so that the
-/// real-time thread can hand it out; logText() makes the sentence elsewhere.
+/// Something that happened in the loop and that the user should read. Fixed size, so that
+/// the real-time thread can pass it on; another thread makes the sentence with logText().
 struct LogEvent {
   enum class Kind : std::uint8_t {
     FrozenNotFinite,  // node, position
@@ -45,8 +45,8 @@ struct LogEvent {
 
 using LogRing = SpscRing<LogEvent>;
 
-/// "12.340 s: frozen: 12 of the integration points are inverted, the worst, 4711, at
-/// (0.010, 0.020, 0.051) m; press Backspace to reset". Allocates: not for the loop thread.
+/// "12.340 s: frozen: 12 integration points are inverted, the worst, 4711, at (0.0100, 0.0200, 0.0510) m;
+/// reset to go on, press less hard or refine there". Allocates: not for the loop thread.
 std::string logText(const LogEvent& event);
 
 }  // namespace palpate

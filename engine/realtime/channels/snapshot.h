@@ -12,12 +12,12 @@ namespace palpate {
 /// One tick's force, as written to force.csv and plotted.
 struct ForceSample {
   std::int64_t tick = 0;
-  std::int64_t wall_ns = 0;            // CLOCK_MONOTONIC when the tick began: the input that it answers is as old
+  std::int64_t wall_ns = 0;            // CLOCK_MONOTONIC when the tick began and took its input
   double time_s = 0;                   // physics time
   double depth_m = 0;                  // tip travel along the tool's axis past first touch of the resting skin
   Vec3 force_raw = Vec3::Zero();       // N, on the tool
   Vec3 force_filtered = Vec3::Zero();  // N
-  Doubt doubt = Doubt::None;           // why it should not be believed
+  Doubt doubt = Doubt::None;           // why the force should not be believed
 };
 
 /// How well the loop holds its rate, up to the present tick.
@@ -44,7 +44,7 @@ struct Snapshot {
   int contact_count = 0;              // entries used below
   std::vector<int> contact_vertex;    // (capacity) skin vertices in contact
   std::vector<Float4> contact_force;  // (capacity) N, on the tissue
-  std::vector<Material> materials;    // (material_count) present ones: they may be changed live
+  std::vector<Material> materials;    // (material_count) those in force; live changes show here
 };
 
 }  // namespace palpate

@@ -5,7 +5,7 @@
 namespace palpate {
 
 /// Makes the raw contact force fit for a hand: a first-order low-pass, then a limit
-/// on the rate of change. Keeps apart from the raw force, which is never touched.
+/// on the rate of change. The raw force is handed on beside it, unchanged.
 ///
 ///   g_k = g_(k-1) + (1 - exp(-2 pi f_c / rate)) (raw_k - g_(k-1))     exact for a held input
 ///   out_k = out_(k-1) + clamp(g_k - out_(k-1), rate_limit / rate)     in norm
@@ -19,7 +19,7 @@ class ForceFilter {
   ForceFilter(double cutoff_hz, double rate_limit, double rate_hz);
 
   /// One tick: the filtered force for the raw one, N. After a fade it goes on from
-  /// where the ramp is.
+  /// the value that the ramp has reached.
   Vec3 update(const Vec3& raw);
 
   /// One tick while the tissue is frozen: from the present value to exactly zero along

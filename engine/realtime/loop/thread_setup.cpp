@@ -21,8 +21,8 @@
 namespace palpate {
 namespace {
 
-// Above the kernel's default for threaded interrupts (50) nothing would be left to
-// drivers; 40 is above all ordinary work and below them.
+// Above all ordinary work, and below the kernel's threaded interrupts (50 by default),
+// which drivers need.
 constexpr int kPriority = 40;
 
 // What the loop's thread may use of its stack without a page fault.
@@ -40,8 +40,8 @@ std::vector<pthread_t> threadsOf(SpinTeam* team) {
   return threads;
 }
 
-/// All threads get the class or none: a worker below the owner's class, on the owner's
-/// core, would not run while the owner waits for it.
+/// All threads get the class, or none does: a worker of a lower class than the owner, on
+/// the owner's core, could not run while the owner waits for it.
 std::string setScheduling(const std::vector<pthread_t>& threads, bool& granted) {
   granted = false;
   sched_param priority{};
@@ -59,8 +59,8 @@ std::string setScheduling(const std::vector<pthread_t>& threads, bool& granted) 
 }
 
 std::string lockMemory() {
-  // On fault: pages in use stay, untouched ones (libraries, stacks) are not read in.
-  // Not MCL_FUTURE: what is mapped later is the viewer's, and would count against the limit.
+  // MCL_ONFAULT: pages in use stay in memory, and untouched ones (libraries, stacks) are not read in.
+  // No MCL_FUTURE: what is mapped later belongs to the viewer, and would count against the limit.
   if (mlockall(MCL_CURRENT | MCL_ONFAULT) == 0) return "done: pages in use are locked";
   return refused(errno, "allow locked memory (ulimit -l unlimited, or CAP_IPC_LOCK)");
 }

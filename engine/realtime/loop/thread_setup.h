@@ -18,9 +18,9 @@ struct RtSetup {
 };
 
 /// Prepares the calling thread and the team's workers for fixed-rate work: SCHED_FIFO,
-/// memory lock, core affinity (member 0 on the last allowed
-/// core, the others below it; only with SCHED_FIFO: without it, a pinned thread can't flee
-/// from a busy core), timer slack, flush-to-zero. Goes on without what is refused.
+/// memory lock, core affinity (member 0 on the last allowed core, the others below it; only
+/// with SCHED_FIFO, because without it a pinned thread can't leave a busy core), timer slack,
+/// flush-to-zero. What the system refuses is left out and said to be.
 /// @param real_time  false (as fast as possible): only flush-to-zero, so that a busy
 ///                   loop doesn't hold cores against the rest of the machine
 RtSetup setUpLoopThread(SpinTeam* team, bool real_time);

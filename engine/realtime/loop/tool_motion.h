@@ -6,14 +6,14 @@
 namespace palpate {
 
 /// Moves the tool from inside the loop, tick by tick: for runs too long to hold as a list of poses,
-/// and for motions that depend on what the tissue does. A function of the states seen so far, so that
-/// the run stays repeatable. Called on the loop's thread: no allocation, no lock, no throw.
+/// and for motions that depend on what the tissue does. Must depend on nothing but the states seen so
+/// far, so that the run can be repeated. Called on the loop's thread: no allocation, no lock, no throw.
 class ToolMotion {
  public:
   virtual ~ToolMotion() = default;
 
   /// The tool's target for the coming tick.
-  /// @param last  the tick before's outcome; of the first tick: nothing yet
+  /// @param last  outcome of the tick before; empty at the first tick
   virtual Pose next(const State& state, const StepReport& last) = 0;
 
   /// The physics was reset: begin again.

@@ -8,7 +8,7 @@
 namespace palpate {
 namespace {
 
-// A condition must be gone for so long before it is told again.
+// A condition must have been absent for so long before it is logged again.
 constexpr double kQuietSeconds = 1.0;
 
 Vec3 placeOf(const std::vector<Vec3>& X, int index) {
@@ -73,7 +73,7 @@ bool Watchdog::judge(const StepReport& report, std::int64_t tick, LogRing& log) 
   if (begins(2, report.flags & kDeepContact, tick)) {
     logEvent(LogEvent::Kind::DeepContact, -1, Vec3::Zero(), report.max_penetration);
   }
-  // What has no sentence of its own above.
+  // The doubts that none of the events above tells of.
   const Doubt doubt = doubtOf(model_, report);
   const bool other =
       doubt == Doubt::Volume || doubt == Doubt::Squeezed || doubt == Doubt::Step || doubt == Doubt::Energy;

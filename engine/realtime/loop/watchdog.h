@@ -11,15 +11,15 @@ namespace palpate {
 
 /// When the watchdog freezes the tissue.
 struct WatchdogLimits {
-  // A point or two inverted under a hard poke recover; a flood does not.
+  // One or two points that are inverted under a hard poke recover; many do not.
   double flood_fraction = 0.02;  // of the integration points (at least flood_minimum)
   int flood_minimum = 8;
-  int flood_ticks = 25;         // that many ticks in a row
-  double flood_at_once = 0.20;  // so many: no waiting
+  int flood_ticks = 25;         // in a row with that many: freeze
+  double flood_at_once = 0.20;  // of the integration points: freeze in the first tick
 };
 
-/// Judges each tick's report: go on, warn, or freeze. Warnings are told when a
-/// condition begins, and again only after it has been gone for a while.
+/// Judges each tick's report: go on, warn, or freeze. A warning is logged when its
+/// condition begins, and again only after the condition has been absent for a second.
 /// Real-time: no allocation, no lock, no throw.
 class Watchdog {
  public:

@@ -57,7 +57,7 @@ struct DeadlineStatistics {
   DurationHistogram wakeup_late;  // start of a tick after its deadline
   std::atomic<std::int64_t> ticks{0};
   std::atomic<std::int64_t> overrun_count{0};
-  std::atomic<std::int64_t> longest_overrun_streak{0};  // missed deadlines until a tick was on time again
+  std::atomic<std::int64_t> longest_overrun_streak{0};  // most deadlines missed between two ticks that were on time
   std::array<std::atomic<std::int64_t>, kLateCauseCount> late_ticks{};  // ticks that missed deadlines, by LateCause
 };
 

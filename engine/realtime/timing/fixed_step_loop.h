@@ -73,9 +73,9 @@ struct LoopTotals {
 /// k / rate, computed from k and so free of drift. A tick that isn't done at the next
 /// grid time has missed it: the missed times are counted and skipped whole, so the
 /// phase is kept, simulated time falls behind, and the step never stretches.
-/// Real-time: no allocation, no lock, no throw. System calls: the sleep and, between a tick's end and
-/// the sleep, where it delays nothing, a look at the thread's own CPU clock, so that the first late tick
-/// can be told whether it computed or lost its core; getrusage after late ticks and in a pause.
+/// Real-time: no allocation, no lock, no throw. System calls: the sleep; before each sleep, where it
+/// delays no tick, a look at the thread's own CPU clock, which later tells whether a late tick computed
+/// or had lost its core; getrusage after late ticks and in a pause.
 LoopTotals runFixedStepLoop(const FixedStepOptions& options, Clock& clock, LoopBody& body,
                             DeadlineStatistics& statistics);
 

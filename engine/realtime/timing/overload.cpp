@@ -25,8 +25,8 @@ std::string periodsSkipped(std::int64_t missed) {
 }  // namespace
 
 LateCause causeOf(const LateTick& tick) {
-  // What, had it been otherwise, would have kept the deadline? A late wake-up counts from a quarter of
-  // the period on: every wake-up is some microseconds late, and would be the last straw of a long tick.
+  // The cause is what alone would have had to be different for the tick to be in time. A wake-up counts as late
+  // from a quarter of the period on: each is some microseconds late, which a long tick must not be blamed on.
   const bool woken_late = 4 * tick.late_ns >= tick.period_ns;
   if (woken_late && (tick.step_ns <= tick.period_ns || tick.late_ns >= tick.step_ns)) return LateCause::LateWakeUp;
   if (tick.late_ns + tick.computing_ns > tick.period_ns) return LateCause::LongComputation;

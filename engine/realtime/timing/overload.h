@@ -8,10 +8,10 @@ namespace palpate {
 
 /// Why a tick missed its deadline, as far as can be measured.
 enum class LateCause : std::uint8_t {
-  LateWakeUp,       // it began late, else it would have fitted in its period
+  LateWakeUp,       // it began late, and that cost the deadline
   CoreTaken,        // it began in time, but for part of it the thread was not running
   WorkerLate,       // the thread waited for a worker of its team
-  LongComputation,  // it computed for so long that it could not have fitted
+  LongComputation,  // it computed too long to be in time
 };
 inline constexpr std::size_t kLateCauseCount = 4;
 
@@ -30,7 +30,7 @@ struct LateTick {
 
 LateCause causeOf(const LateTick& tick);
 
-/// Late ticks one soon after another.
+/// A spell of late ticks, each soon after the one before.
 struct Overload {
   std::int64_t late_ticks = 0;
   std::int64_t missed = 0;                               // grid times skipped

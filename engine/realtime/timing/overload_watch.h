@@ -7,10 +7,10 @@
 
 namespace palpate {
 
-/// Tells of late ticks without flooding the log. The first is told at once. Those that follow are
-/// summed up and told when no tick has been late for quiet_seconds, or every line_seconds while it
-/// goes on; after a line, the next overload waits until line_seconds have gone by. So there are at
-/// most two lines in line_seconds, and no late tick goes uncounted.
+/// Logs late ticks without flooding the log. The first is logged at once. Those that follow are summed
+/// up in one line when no tick has been late for quiet_seconds, or every line_seconds while the overload
+/// goes on. A new overload is logged only when line_seconds have gone by since the last line. So there
+/// are at most two lines in line_seconds, and every late tick is counted in one.
 /// Real-time: no allocation, no lock, no throw.
 class OverloadWatch {
  public:
@@ -22,11 +22,11 @@ class OverloadWatch {
   /// @param now  ns, wall clock
   void add(const LateTick& tick, std::int64_t now, LogRing& log);
 
-  /// Each tick: tells what has gathered and is due.
+  /// Each tick: logs the summary that is due, if any.
   /// @param tick  of the run
   void update(std::int64_t now, std::int64_t tick, LogRing& log);
 
-  /// At the end of the run: tells what has not been told.
+  /// At the end of the run: logs what has not been logged.
   void end(std::int64_t tick, LogRing& log);
 
  private:
@@ -35,7 +35,7 @@ class OverloadWatch {
 
   double rate_hz_;
   bool open_ = false;        // an overload is being watched
-  bool first_told_ = false;  // its first tick was told at once
+  bool first_told_ = false;  // its first tick was logged at once
   Overload overload_;
   std::int64_t told_ticks_ = 0;                  // of overload_.late_ticks
   std::int64_t first_late_ = 0, last_late_ = 0;  // ns

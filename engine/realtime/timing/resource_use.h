@@ -18,7 +18,7 @@ ThreadCounters readThreadCounters(int thread_id);
 /// Memory of this process, bytes. Exact (smaps_rollup), unlike the kernel's running totals, which each
 /// thread brings up to date only now and then.
 struct MemoryUse {
-  std::int64_t resident = 0;   // all of it, with files that are mapped: code comes in when it first runs
+  std::int64_t resident = 0;   // with mapped files: code counts from when it first runs
   std::int64_t anonymous = 0;  // heap and stacks: what a leak grows
 };
 

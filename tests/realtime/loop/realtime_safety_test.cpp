@@ -1,6 +1,6 @@
-// What the loop's thread must never do while ticks run: allocate, lock, make system
-// calls other than the sleep and looks at its own use of the processor. The real clock and the real SimulationLoop, on a fake
-// physics; tissue_physics_test.cpp holds the tissue's own step to the same.
+// What the loop's thread must never do while ticks run: allocate, lock, make system calls other than the sleep and
+// looks at its own use of the processor. The real clock and the real SimulationLoop, on a fake physics;
+// tissue_physics_test.cpp holds the tissue's own step, on each thread of its team, to the same.
 
 #include <sys/syscall.h>
 #include <unistd.h>

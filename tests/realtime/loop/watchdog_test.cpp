@@ -68,7 +68,7 @@ TEST_CASE("A blow-up freezes at once and says how far the node went", "[watchdog
   REQUIRE(log.pop(event));
   CHECK(event.kind == LogEvent::Kind::FrozenBlowUp);
   CHECK(event.value == 0.25);
-  CHECK(logText(event).find("went 250 mm in one step") != std::string::npos);
+  CHECK(logText(event).find("moved 250 mm in one step") != std::string::npos);
 }
 
 TEST_CASE("A few inverted points warn once; a lasting flood freezes; a huge one at once", "[watchdog]") {
