@@ -9,6 +9,7 @@
 #include "app/run/window.h"
 #include "base/input_error.h"
 #include "base/interrupt.h"
+#include "base/printable_text.h"
 #include "io/output_file.h"
 
 namespace {
@@ -42,10 +43,10 @@ int main(int argc, char** argv) {
     palpate::finishStandardOutput();
     return parsed.exit_code;
   } catch (const palpate::InputError& error) {
-    std::cerr << "palpate: " << error.what() << std::endl;
+    std::cerr << "palpate: " << palpate::printable(error.what(), palpate::LineEnds::Keep) << std::endl;
     return unusable_input;
   } catch (const std::exception& error) {
-    std::cerr << "palpate: " << error.what() << std::endl;
+    std::cerr << "palpate: " << palpate::printable(error.what(), palpate::LineEnds::Keep) << std::endl;
     return failed;
   }
 }

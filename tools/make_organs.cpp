@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "base/input_error.h"
+#include "base/printable_text.h"
 #include "io/output_file.h"
 #include "organs/isosurface.h"
 #include "organs/organ.h"
@@ -110,9 +111,9 @@ int main(int argc, char** argv) try {
   finishStandardOutput();
   return good ? 0 : 1;
 } catch (const palpate::InputError& error) {
-  std::cerr << error.what() << "\n";
+  std::cerr << palpate::printable(error.what(), palpate::LineEnds::Keep) << "\n";
   return 2;
 } catch (const std::exception& error) {
-  std::cerr << error.what() << "\n";
+  std::cerr << palpate::printable(error.what(), palpate::LineEnds::Keep) << "\n";
   return 1;
 }

@@ -8,6 +8,7 @@
 #include "base/build_info.h"
 #include "base/input_error.h"
 #include "base/interrupt.h"
+#include "base/printable_text.h"
 #include "io/output_file.h"
 #include "mtled/atlas/atlas_command.h"
 #include "mtled/bench/bench_command.h"
@@ -164,10 +165,10 @@ int main(int argc, char** argv) {
     finishStandardOutput();
     return code;
   } catch (const InputError& error) {
-    std::cerr << "mtled: " << error.what() << std::endl;
+    std::cerr << "mtled: " << printable(error.what(), LineEnds::Keep) << std::endl;
     return unusable_input;
   } catch (const std::exception& error) {
-    std::cerr << "mtled: " << error.what() << std::endl;
+    std::cerr << "mtled: " << printable(error.what(), LineEnds::Keep) << std::endl;
     return failed;
   }
 }

@@ -3,6 +3,8 @@
 #include <chrono>
 #include <iostream>
 
+#include "base/printable_text.h"
+
 namespace palpate::app {
 
 namespace {
@@ -23,7 +25,10 @@ void Log::add(LogLevel level, const std::string& text) {
   if (lines_.size() >= max_lines) lines_.erase(lines_.begin(), lines_.begin() + max_lines / 2);
   lines_.push_back({now, level, text});
   std::ostream& out = level == LogLevel::Info ? std::cout : std::cerr;
-  out << (level == LogLevel::Error ? "error: " : level == LogLevel::Warning ? "warning: " : "") << text << std::endl;
+  out << (level == LogLevel::Error     ? "error: "
+          : level == LogLevel::Warning ? "warning: "
+                                       : "")
+      << printable(text, LineEnds::Keep) << std::endl;
 }
 
 }  // namespace palpate::app

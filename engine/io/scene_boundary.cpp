@@ -10,15 +10,13 @@ namespace {
 
 /// The name must be fit to head a column of CSV results, and unlike those of the others.
 void checkName(const TomlTable& table, const std::string& name, const std::vector<BoundarySpec>& others) {
-  const bool plain = std::none_of(name.begin(), name.end(),
-                                  [](char c) { return c == ',' || c == '"' || (c >= 0 && c < ' ') || c == 127; });
+  const bool plain = name.find_first_of(",\"") == std::string::npos;
   if (name == "tool") {
     throw InputError(table.place("name"), "the name \"tool\" stands for the tool's own force in the results",
                      "give another name");
   }
-  if (!plain || name.find_first_not_of(' ') == std::string::npos) {
-    throw InputError(table.place("name"), "\"name\" is " + inQuotes(name),
-                     "give a name without commas, quotes and line ends");
+  if (!plain || name.empty()) {
+    throw InputError(table.place("name"), "\"name\" is " + inQuotes(name), "give a name without commas and quotes");
   }
   for (const BoundarySpec& other : others) {
     if (other.name != name) continue;
@@ -35,7 +33,7 @@ BoundarySpec readBoundary(const TomlTable& table, const std::string& usual_name,
   BoundarySpec boundary;
   boundary.place = table.place();
   boundary.name = usual_name;
-  table.read("name", boundary.name);
+  table.readName("name", boundary.name);
   checkName(table, boundary.name, others);
   boundary.region = readRegion(table);
   table.readAxes("components", boundary.component);

@@ -6,6 +6,7 @@
 #include <numeric>
 #include <utility>
 
+#include "base/printable_text.h"
 #include "io/scene_boundary.h"
 #include "io/scene_keys.h"
 #include "io/text_file.h"
@@ -226,15 +227,15 @@ void readTool(const TomlTable& table, Scene& scene) {
 }  // namespace
 
 Scene readScene(const std::string& path) {
-  const toml::table document = parseToml(readWholeFile(path), path);
+  const toml::table document = parseToml(readWholeFile(path, {}, max_toml_bytes), path);
   TomlFile file{path, sceneKeys(), {}};
   Scene scene;
   scene.place = {path, 0, 0};
   const std::filesystem::path folder = std::filesystem::path(path).parent_path();
 
   const TomlTable top(file, document, "", {""});
-  scene.name = std::filesystem::path(path).stem().string();
-  top.read("name", scene.name);
+  scene.name = printable(std::filesystem::path(path).stem().string());
+  top.readName("name", scene.name);
   readOrgan(top.table("organ", {"organ"}), folder, scene);
   readDiscretization(top.table("discretization", {"discretization"}), scene);
   for (const TomlTable& entry : top.tables("material", {"material"})) {

@@ -17,15 +17,21 @@ namespace {
 // File indices are int, three to a face.
 constexpr std::size_t max_faces = 20'000'000;
 
+// Far beyond any organ, and so small that lengths, areas and volumes stay finite numbers.
+constexpr double max_coordinate = 1e9;  // m
+
 }  // namespace
 
 SurfaceFile readSurface(const std::string& path, double scale, const SourceLocation& asked_from) {
   if (!(scale > 0) || !std::isfinite(scale)) {
     throw InputError(asked_from, "the surface's scale must be positive", "0.001 for a file in millimetres");
   }
+  return surfaceFrom(readWholeFile(path, asked_from), path, scale);
+}
+
+SurfaceFile surfaceFrom(const std::string& bytes, const std::string& path, double scale) {
   std::string extension = std::filesystem::path(path).extension().string();
   for (char& c : extension) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  const std::string bytes = readWholeFile(path, asked_from);
   if (extension != ".obj" && extension != ".stl") {
     throw InputError({path, 0, 0}, "\"" + extension + "\" is not a surface format that can be read",
                      "use .obj or .stl");
@@ -38,7 +44,16 @@ SurfaceFile readSurface(const std::string& path, double scale, const SourceLocat
     throw InputError({path, 0, 0}, std::to_string(result.surface.triangles.size()) + " faces",
                      "simplify the surface: ten thousand faces show an organ well");
   }
-  for (Vec3& x : result.surface.vertices) x *= scale;
+  for (std::size_t i = 0; i < result.surface.vertices.size(); ++i) {
+    Vec3& x = result.surface.vertices[i];
+    x *= scale;
+    if (!(x.cwiseAbs().maxCoeff() <= max_coordinate)) {
+      const auto& line = result.source.vertex_line;
+      throw InputError({path, i < line.size() ? line[i] : 0, 0},
+                       "vertex " + std::to_string(i + 1) + " is more than a billion metres away",
+                       "check it, and the surface's unit or scale");
+    }
+  }
   weldVertices(result.surface, result.source);
   return result;
 }

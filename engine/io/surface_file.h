@@ -24,6 +24,9 @@ struct SurfaceFile {
 /// @param asked_from  where another file names this one; place of the error when the file is missing
 SurfaceFile readSurface(const std::string& path, double scale = 1.0, const SourceLocation& asked_from = {});
 
+/// The same from the file's bytes. @param path  its ending tells the format; for messages, too
+SurfaceFile surfaceFrom(const std::string& bytes, const std::string& path, double scale = 1.0);
+
 /// readSurface, then checkSurface: the surface bounds a solid.
 TriangleSurface readClosedSurface(const std::string& path, double scale = 1.0, const SourceLocation& asked_from = {});
 

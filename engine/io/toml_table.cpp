@@ -7,7 +7,8 @@
 
 #include "base/nearest_word.h"
 #include "base/number_text.h"
-#include "io/token_reader.h"
+#include "base/printable_text.h"
+#include "io/toml_depth.h"
 
 namespace palpate {
 
@@ -71,6 +72,7 @@ std::string usualNameOf(const std::string& word) {
 }  // namespace
 
 toml::table parseToml(const std::string& text, const std::string& file) {
+  checkTomlDepth(text, file);
   try {
     return toml::parse(std::string_view(text), std::string_view(file));
   } catch (const toml::parse_error& error) {
@@ -242,23 +244,44 @@ void TomlTable::read(const std::string& key, std::string& value) const {
   }
 }
 
-void TomlTable::read(const std::string& key, Vec3& value) const {
-  if (const toml::node* node = find(key)) value = Vec3(numbersAt(spec(key), *node).data());
+void TomlTable::readLengths(const std::string& key, double* values) const {
+  const toml::node* node = find(key);
+  if (node == nullptr) return;
+  const std::vector<double> numbers = numbersAt(spec(key), *node);
+  // Each number may be finite where the length is not: [1.7e308, 1.7e308, 0] divided by its length is zero.
+  if (!std::isfinite(Eigen::Map<const Eigen::VectorXd>(numbers.data(), std::ssize(numbers)).stableNorm())) {
+    throw InputError(placeOf(node->source()), "the length of \"" + key + "\" is more than a number can hold",
+                     "give smaller numbers");
+  }
+  std::copy(numbers.begin(), numbers.end(), values);
 }
 
-void TomlTable::read(const std::string& key, Eigen::Vector2d& value) const {
-  if (const toml::node* node = find(key)) value = Eigen::Vector2d(numbersAt(spec(key), *node).data());
-}
+void TomlTable::read(const std::string& key, Vec3& value) const { readLengths(key, value.data()); }
+
+void TomlTable::read(const std::string& key, Eigen::Vector2d& value) const { readLengths(key, value.data()); }
 
 void TomlTable::read(const std::string& key, std::vector<double>& value) const {
   if (const toml::node* node = find(key)) value = numbersAt(spec(key), *node);
 }
 
+void TomlTable::readName(const std::string& key, std::string& value) const {
+  read(key, value);
+  if (!has(key)) return;
+  const std::string_view blanks = " \t";
+  const bool trimmed =
+      value.empty() || (blanks.find(value.front()) == blanks.npos && blanks.find(value.back()) == blanks.npos);
+  if (printable(value) == value && trimmed) return;
+  throw InputError(place(key), "\"" + key + "\" is " + inQuotes(value),
+                   "give a name without line ends, control characters and blanks at its ends");
+}
+
 void TomlTable::readDirection(const std::string& key, Vec3& value) const {
   read(key, value);
-  const double length = value.stableNorm();
-  if (!(length > 0)) throw InputError(place(key), "\"" + key + "\" is zero", "give a direction, like [0, 0, 1]");
-  value /= length;
+  const double largest = value.cwiseAbs().maxCoeff();
+  if (!(largest > 0)) throw InputError(place(key), "\"" + key + "\" is zero", "give a direction, like [0, 0, 1]");
+  // Numbers with few bits left would round the length: [5e-324, 5e-324, 0] has 5e-324.
+  if (largest < std::numeric_limits<double>::min() / std::numeric_limits<double>::epsilon()) value /= largest;
+  value /= value.stableNorm();
 }
 
 void TomlTable::readCurve(const std::string& key, std::vector<double>& times, std::vector<double>& values) const {

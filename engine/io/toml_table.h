@@ -15,7 +15,14 @@
 
 namespace palpate {
 
-/// Parses TOML text. Throws InputError with file, line and column where it is no TOML.
+/// More than any file of ours needs: a tool script with a keyframe for each of a million ticks.
+constexpr std::uintmax_t max_toml_bytes = 64 << 20;
+
+/// How many parts a dotted key or a table's name may have, and how many lists and inline tables may stand in one
+/// another. Our keys have two and three; the parser below calls itself for each, and would use up its stack.
+constexpr int max_toml_depth = 32;
+
+/// Parses TOML text. Throws InputError with file, line and column where it is no TOML or nested too deep.
 toml::table parseToml(const std::string& text, const std::string& file);
 
 /// What all tables of one file share.
@@ -46,9 +53,13 @@ class TomlTable {
   void read(const std::string& key, unsigned& value) const;
   void read(const std::string& key, bool& value) const;
   void read(const std::string& key, std::string& value) const;
-  void read(const std::string& key, Vec3& value) const;
+  void read(const std::string& key, Vec3& value) const;  // its length, too, must be finite
   void read(const std::string& key, Eigen::Vector2d& value) const;
   void read(const std::string& key, std::vector<double>& value) const;
+
+  /// A text that goes into reports, recordings and results on one line: without line ends, other control characters
+  /// and blanks at its ends.
+  void readName(const std::string& key, std::string& value) const;
 
   /// A direction: made a unit vector; zero is refused.
   void readDirection(const std::string& key, Vec3& value) const;
@@ -79,6 +90,7 @@ class TomlTable {
   const toml::node* find(const std::string& key) const;  // null where absent and allowed to be
   double numberAt(const KeySpec& key, const toml::node& node, const std::string& what) const;
   std::vector<double> numbersAt(const KeySpec& key, const toml::node& node) const;
+  void readLengths(const std::string& key, double* values) const;  // of a vector or plane; untouched where absent
   std::int64_t integerAt(const KeySpec& key, const toml::node& node) const;
   [[noreturn]] void wrongType(const KeySpec& key, const toml::node& node) const;
   [[noreturn]] void unknownKey(const toml::key& key) const;

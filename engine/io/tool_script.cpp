@@ -5,6 +5,7 @@
 #include <iterator>
 #include <utility>
 
+#include "base/printable_text.h"
 #include "io/text_file.h"
 #include "io/toml_table.h"
 
@@ -49,12 +50,12 @@ std::string toolScriptReference() {
 }
 
 ToolScript readToolScript(const std::string& path, double tool_radius) {
-  const toml::table document = parseToml(readWholeFile(path), path);
+  const toml::table document = parseToml(readWholeFile(path, {}, max_toml_bytes), path);
   TomlFile file{path, script_keys, {}};
   const TomlTable top(file, document, "", {""});
   ToolScript script;
-  script.name = std::filesystem::path(path).stem().string();
-  top.read("name", script.name);
+  script.name = printable(std::filesystem::path(path).stem().string());
+  top.readName("name", script.name);
   top.read("from_touch", script.from_touch);
   script.smooth = top.readChoice("interpolation", 1) == 1;
   for (const TomlTable& entry : top.tables("keyframe", {"keyframe"})) {

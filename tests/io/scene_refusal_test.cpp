@@ -1,4 +1,5 @@
 #include <catch2/catch.hpp>
+#include <cmath>
 #include <random>
 
 #include "io/scene_file.h"
@@ -70,6 +71,15 @@ TEST_CASE("Bad scenes are refused at their place, with advice", "[io][scene][ref
       {"solid = \"cylinder\"\nradius = 0.015\nheight = 0.017", "surface = \"a.obj\"\nunit = \"mm\"", ":3:1",
        "there is no surface file", "scene file's folder"},
       {"normal = [0, 0, 2]", "normal = [0, 0, 0]", ":33:1", "\"normal\" is zero", "[0, 0, 1]"},
+      // Each number is finite, the length is not: divided by it, all would be zero.
+      {"normal = [0, 0, 2]", "normal = [1.7e308, 1.7e308, 0]", ":33:10", "the length of \"normal\"", "smaller"},
+      {"direction = [0, 3, -4]", "direction = [1.7e308, 0, 1.7e308]", ":55:13", "the length of \"direction\"",
+       "smaller"},
+      {"translation = [0, 0, -0.002]", "translation = [1.7e308, 1.7e308, 0]", ":41:15", "\"translation\"", "smaller"},
+      {"name = \"Everything\"", "name = \"one\\ntwo\"", ":1:1", "\"name\" is \"one?two\"", "line ends"},
+      {"name = \"Everything\"", "name = \"\\u009b2J\"", ":1:1", "\"name\" is", "control characters"},
+      {"name = \"Everything\"", "name = \"one \"", ":1:1", "\"name\" is \"one \"", "blanks at its ends"},
+      {"[[prescribed]]", "[[prescribed]]\nname = \" base\"", ":36:1", "\"name\" is \" base\"", "blanks at its ends"},
       {"spacing = 0.001", "spacing = 0.004", ":17:1", "not below the global one", "less than"},
       {"max = [0.01, 0.01, 0.018]", "max = [0.01, 0.01, 0.0]", ":37:1", "\"min\" is above its \"max\"", "swap"},
       {"time_step = 0.0005", "time_step = 0.0003", ":45:1", "not a whole number of steps", "0.00025 s (4 steps"},
@@ -109,6 +119,23 @@ TEST_CASE("A missing table or file is named", "[io][scene][refusal]") {
              Contains(":18:10") && Contains("write it as a table"));
   CHECK_THAT(refusal([&] { readScene(folder.path("none.toml")); }), Contains("none.toml: the file does not exist"));
   CHECK_THAT(refusal([&] { readScene(folder.path("")); }), Contains("folder"));
+}
+
+TEST_CASE("A direction is a unit vector, however short or long it is given", "[io][scene]") {
+  TempFolder folder;
+  const auto normal = [&](const std::string& text) {
+    const std::string path = folder.write("s.toml", replaced(minimal_scene, "normal = [0, 0, 1]", "normal = " + text));
+    return readScene(path).boundaries.at(0).region.normal;
+  };
+  CHECK((normal("[5e-324, 5e-324, 0]") - Vec3(1, 1, 0) / std::sqrt(2.0)).norm() < 1e-15);
+  CHECK((normal("[3e-310, 0, -4e-310]") - Vec3(0.6, 0, -0.8)).norm() < 1e-13);  // 46 bits are left of such numbers
+  CHECK((normal("[1e308, 0, 1e308]") - Vec3(1, 0, 1) / std::sqrt(2.0)).norm() < 1e-15);
+}
+
+TEST_CASE("A scene's name from its file's can be printed, whatever bytes it has", "[io][scene]") {
+  TempFolder folder;
+  CHECK(readScene(folder.write("one\ntwo \xff.toml", minimal_scene)).name == "one?two ?");
+  CHECK(readScene(folder.write("Leber \xc3\xa4.toml", minimal_scene)).name == "Leber \xc3\xa4");
 }
 
 TEST_CASE("Cut or damaged scenes are read or refused, never worse", "[io][scene][fuzz]") {

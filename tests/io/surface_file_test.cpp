@@ -207,6 +207,11 @@ TEST_CASE("Missing, empty and foreign files are refused", "[io][surface][refusal
   CHECK_THAT(refusal([&] { readSurface(folder.write("a.stl", " \r\n")); }), Contains("the file is empty"));
   CHECK_THAT(refusal([&] { readSurface(folder.write("a.obj", "# nothing\n")); }), Contains("no faces"));
   CHECK_THAT(refusal([&] { readSurface(folder.write("a.ply", "ply\n")); }), Contains("use .obj or .stl"));
+  const std::string far = "v 0 0 0\nv 1 0 0\nv 0 -2e9 0\nf 1 2 3\n";
+  CHECK_THAT(refusal([&] { readSurface(folder.write("a.obj", far)); }),
+             Contains("a.obj:3: vertex 3 is more than a billion metres away") && Contains("unit"));
+  CHECK_NOTHROW(readSurface(folder.write("a.obj", far), 0.1));
+  CHECK_THAT(refusal([&] { readSurface(folder.write("a.obj", far), 1e308); }), Contains("a.obj:2: vertex 2 is more"));
   CHECK_THAT(refusal([&] { readSurface(folder.write("a.obj", cube_obj), -1); }), Contains("scale must be positive"));
   const std::string l_shape = "v 0 0 0\nv 2 0 0\nv 2 1 0\nv 1 1 0\nv 1 2 0\nv 0 2 0\nf 3 4 5 6 1 2\n";
   CHECK_THAT(refusal([&] { readSurface(folder.write("l.obj", l_shape)); }), Contains("l.obj:7:1: a concave polygon"));

@@ -80,6 +80,12 @@ TEST_CASE("Bad tool scripts are refused at their place", "[io][tool][refusal]") 
              Contains("s.toml:5:1: this keyframe is not later"));
   CHECK_THAT(message("[[keyframe]]\ntime = 1\ndepth = 0\n"),
              Contains("s.toml:3:1: unknown key \"depth\"") && Contains("\"advance\"?"));
+  std::string deep = "a";
+  for (int i = 0; i < 50000; ++i) deep += ".a";
+  CHECK_THAT(message("interpolation = \"linear\"\n" + deep + " = 1\n"), Contains("s.toml:2:64: a key of more than"));
+  CHECK_THAT(message("name = \"press\\r\"\n"), Contains("s.toml:1:1: \"name\" is \"press?\""));
+  CHECK_THAT(message("[[keyframe]]\ntime = 1\nadvance = 0\nslide = [1.7e308, 1.7e308]\n"),
+             Contains("s.toml:4:9: the length of \"slide\""));
   CHECK_THAT(message("interpolation = \"cubic\"\n" + script_text.substr(script_text.find("[["))),
              Contains("linear or smooth"));
 }

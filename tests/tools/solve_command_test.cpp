@@ -9,6 +9,7 @@
 
 #include "approximation/shape_functions.h"
 #include "base/interrupt.h"
+#include "base/key.h"
 #include "io/csv_table.h"
 #include "io/load_model.h"
 #include "io/scene_file.h"
@@ -243,7 +244,7 @@ TEST_CASE("A checkpoint is read back as it was written", "[checkpoint]") {
   c.frame_time = {0.25, 0.5};
   for (int i = 0; i < 5; ++i) {
     c.u.push_back({0.1 * i, -1.0 / 3, 1e-300, 0});
-    c.du.push_back({1e-9 * i, NAN, 0, 0});
+    c.du.push_back({1e-9 * i, -5e-324, -0.0, 0});
   }
   const std::string path = folder.path("checkpoint.bin");
   writeCheckpoint(path, c);
@@ -255,6 +256,65 @@ TEST_CASE("A checkpoint is read back as it was written", "[checkpoint]") {
   CHECK(std::memcmp(d.du.data(), c.du.data(), 5 * sizeof(Double4)) == 0);
   CHECK_THAT(refusal([&] { readCheckpoint(path, c.model_hash + 1, 5); }), Contains("another scene"));
   CHECK_THAT(refusal([&] { readCheckpoint(path, c.model_hash, 6); }), Contains("another scene"));
+}
+
+TEST_CASE("A forged checkpoint with a checksum that holds is refused", "[checkpoint]") {
+  const TempFolder folder;
+  const std::string path = folder.path("checkpoint.bin");
+  Checkpoint good;
+  good.position = 2;
+  good.rows = 1;
+  good.frame_time = {0.5};
+  good.u.resize(3);
+  good.du.resize(3);
+  writeCheckpoint(path, good);
+  CHECK(readCheckpoint(path, 0, 3).rows == 1);
+  const auto refused = [&] {
+    CHECK_THAT(refusal([&] { readCheckpoint(path, 0, 3); }), Contains("checkpoint.bin: the checkpoint is damaged"));
+  };
+  const auto with = [&](auto&& change) {
+    Checkpoint c = good;
+    change(c);
+    writeCheckpoint(path, c);
+    refused();
+  };
+  with([](Checkpoint& c) { c.rows = -1; });
+  with([](Checkpoint& c) { c.rows = 3; });  // more than steps
+  with([](Checkpoint& c) { c.position = c.rows = -5; });
+  with([](Checkpoint& c) { c.position = std::int64_t{1} << 62; });
+  with([](Checkpoint& c) { c.largest = -1; });
+  with([](Checkpoint& c) { c.largest = NAN; });
+  with([](Checkpoint& c) { c.frame_time = {1, 0.5}; });
+  with([](Checkpoint& c) { c.frame_time = {INFINITY}; });
+  with([](Checkpoint& c) { c.frame_time = {-1}; });
+  with([](Checkpoint& c) { c.u[1].y = INFINITY; });
+  with([](Checkpoint& c) { c.du[2].z = NAN; });
+
+  // 2^61 more frames or 2^58 more nodes take no more bytes, counted modulo 2^64.
+  writeCheckpoint(path, good);
+  const std::string bytes = readAll(path);
+  const std::size_t frames = bytes.find('\n') + 1 + 4 * 8;
+  for (const auto& [offset, byte] : {std::pair<std::size_t, char>{frames, '\x20'}, {frames + 8, '\x04'}}) {
+    std::string forged = bytes.substr(0, bytes.size() - 8);
+    forged[offset + 7] = byte;
+    const std::uint64_t sum = fnv1a(forged);
+    forged.append(reinterpret_cast<const char*>(&sum), sizeof sum);
+    folder.write("checkpoint.bin", forged);
+    refused();
+  }
+}
+
+TEST_CASE("A boundary with blanks in its name can be resumed", "[solve_command][checkpoint]") {
+  const Folder folder(replaced(block_scene, "name = \"plate\"", "name = \"upper  plate #1\""));
+  REQUIRE(solve(folder.scene, folder.out()) == 0);
+  CHECK(solve(folder.scene, folder.out(), true) == 0);
+}
+
+TEST_CASE("A scene file whose name is not UTF-8 is solved and reported", "[solve_command]") {
+  const Folder folder;
+  const std::string scene = folder.write("block \xff\n.toml", block_scene);
+  REQUIRE(solve(scene, folder.out()) == 0);
+  CHECK(reportIn(folder)["scene"] == "block ??");
 }
 
 TEST_CASE("A folder that can't be made is an error of the system, with its name", "[solve_command]") {

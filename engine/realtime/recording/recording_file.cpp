@@ -2,6 +2,7 @@
 
 #include <cerrno>
 #include <cmath>
+#include <filesystem>
 #include <fstream>
 #include <initializer_list>
 #include <stdexcept>
@@ -9,6 +10,7 @@
 
 #include "base/input_error.h"
 #include "base/number_text.h"
+#include "base/printable_text.h"
 #include "realtime/recording/line_reader.h"
 
 namespace palpate {
@@ -16,9 +18,10 @@ namespace {
 
 constexpr const char* kMagic = "palpate-recording";
 constexpr int kVersion = 1;
+constexpr std::uintmax_t kMaxBytes = std::uintmax_t{4} << 30;  // ten hours of a tool that moves each millisecond
 
 void append(std::string& line, std::initializer_list<double> values) {
-  for (const double value : values) line += " " + shortest(value);
+  for (const double value : values) line.append(" ").append(shortest(value));
 }
 
 std::string lineOf(const TimedRequest& change) {
@@ -48,7 +51,7 @@ std::string lineOf(const TimedRequest& change) {
       line += " material " + std::to_string(r.index) + (m.kind == Material::Kind::Ogden ? " ogden" : " neo_hookean");
       append(line, {m.shear_modulus, m.bulk_modulus, m.density});
       if (m.kind == Material::Kind::Ogden) {
-        line += " " + std::to_string(m.term_count);
+        line.append(" ").append(std::to_string(m.term_count));
         for (std::size_t k = 0; k < static_cast<std::size_t>(m.term_count); ++k) append(line, {m.mu[k], m.alpha[k]});
       }
       if (m.barrier_strength != 0) {
@@ -124,7 +127,7 @@ Request readChange(LineReader& line) {
 void writeRecording(const Recording& recording, const std::string& file) {
   std::string text;
   text += std::string(kMagic) + " " + std::to_string(kVersion) + "\n";
-  text += "scene " + recording.scene + "\n";
+  text += "scene " + printable(recording.scene) + "\n";
   text += "model " + hex16(recording.model_hash) + "\n";
   text += "rate_hz " + shortest(recording.rate_hz) + "\n";
   for (const TimedRequest& change : recording.changes) text += lineOf(change) + "\n";
@@ -138,6 +141,14 @@ void writeRecording(const Recording& recording, const std::string& file) {
 }
 
 Recording readRecording(const std::string& file) {
+  std::error_code error;
+  if (std::filesystem::exists(file, error) && !std::filesystem::is_regular_file(file, error)) {
+    throw InputError({file}, "a folder, a device or a pipe is no recording", "name a file that --record left");
+  }
+  if (std::filesystem::file_size(file, error) > kMaxBytes && !error) {
+    throw InputError({file}, "longer than the " + std::to_string(kMaxBytes) + " bytes that are read",
+                     "check that it is a recording");
+  }
   std::ifstream in(file, std::ios::binary);
   if (!in) throw InputError({file}, "the recording can't be opened", "check the path");
 

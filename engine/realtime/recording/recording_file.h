@@ -20,6 +20,7 @@ namespace palpate {
 ///   22 material 0 neo_hookean 1000 5e4 1060  barrier 0.1 0.5       strength, J0
 ///   30 reset
 ///   end 500                              ticks of the run; missing: cut off
+/// The scene's name is written without line ends and other control characters, which would end its line.
 /// Throws std::runtime_error when the file can't be written.
 void writeRecording(const Recording& recording, const std::string& file);
 

@@ -1,6 +1,7 @@
 #include "realtime/recording/recording_file.h"
 
 #include <catch2/catch.hpp>
+#include <filesystem>
 #include <limits>
 #include <numbers>
 #include <string>
@@ -165,6 +166,19 @@ TEST_CASE("Damaged recordings are refused with file and line", "[recording]") {
     }
   }
   CHECK_THROWS_AS(readRecording("/nowhere/at/all"), InputError);
+  CHECK_THROWS_WITH(readRecording("/dev/zero"), Catch::Contains("/dev/zero: a folder, a device or a pipe"));
+  std::filesystem::resize_file(temporary.file, std::uintmax_t{5} << 30);  // nothing but a hole on the disk
+  CHECK_THROWS_WITH(readRecording(temporary.file), Catch::Contains("longer than the 4294967296 bytes"));
+}
+
+TEST_CASE("A recording of a scene with any name can be read again", "[recording]") {
+  const TemporaryFile temporary;
+  Recording recording = everyKind();
+  recording.scene = "one\ntwo\r \xff\x1b[2J \xc3\xa4";
+  writeRecording(recording, temporary.file);
+  const Recording read = readRecording(temporary.file);
+  CHECK(read.scene == "one?two? ??[2J \xc3\xa4");
+  CHECK(read.changes.size() == recording.changes.size());
 }
 
 TEST_CASE("No cut of a recording passes for a whole one", "[recording]") {

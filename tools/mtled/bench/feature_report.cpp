@@ -97,7 +97,7 @@ std::string jsonOf(const FeatureReport& report) {
                      {"substeps", report.substeps},
                      {"instructions_not_counted", report.no_instructions},
                      {"features", rows}};
-  return json.dump(2) + "\n";
+  return json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
 }
 
 }  // namespace palpate::tools

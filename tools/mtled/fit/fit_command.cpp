@@ -240,7 +240,7 @@ int fit(const FitOptions& options) {
                                          {"ticks", held.ticks},
                                          {"realtime_factor", held.realtime_factor},
                                          {"build", buildInfo()}};
-    writeWholeFile(options.json, json.dump(2) + "\n");
+    writeWholeFile(options.json, json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
   }
   return 0;
 }

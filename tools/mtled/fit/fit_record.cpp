@@ -66,7 +66,7 @@ void FitRecord::add(const FitTry& one) {
                      {"force_N", vectorsToJson(t.run.force)},
                      {"probe_u_m", vectorsToJson(t.run.probe_u)}});
   const Json json = {{"identity", identity_}, {"tries", tries}};
-  writeWholeFile(file_, json.dump() + "\n");
+  writeWholeFile(file_, json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
 }
 
 }  // namespace palpate::tools

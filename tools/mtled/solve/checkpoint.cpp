@@ -1,11 +1,14 @@
 #include "mtled/solve/checkpoint.h"
 
+#include <algorithm>
+#include <cmath>
 #include <cstring>
-#include <fstream>
+#include <filesystem>
 
 #include "base/input_error.h"
 #include "base/key.h"
 #include "io/output_file.h"
+#include "io/text_file.h"
 
 namespace palpate::tools {
 namespace {
@@ -21,6 +24,21 @@ template <class T>
 void take(const char*& at, T* data, std::size_t count) {
   if (count != 0) std::memcpy(static_cast<void*>(data), at, count * sizeof(T));  // an empty vector has no address
   at += count * sizeof(T);
+}
+
+bool finite(const AlignedVector<Double4>& field) {
+  return std::all_of(field.begin(), field.end(), [](const Double4& a) {
+    return std::isfinite(a.x) && std::isfinite(a.y) && std::isfinite(a.z) && std::isfinite(a.w);
+  });
+}
+
+/// Whether a solution can have stood so.
+bool possible(const Checkpoint& c) {
+  constexpr std::int64_t most = std::int64_t{1} << 53;  // what a double counts exactly, as times are computed
+  return c.position >= 0 && c.position <= most && c.rows >= 0 && c.rows <= c.position && std::isfinite(c.largest) &&
+         c.largest >= 0 && std::all_of(c.frame_time.begin(), c.frame_time.end(), [](double t) { return t >= 0; }) &&
+         std::all_of(c.frame_time.begin(), c.frame_time.end(), [](double t) { return std::isfinite(t); }) &&
+         std::is_sorted(c.frame_time.begin(), c.frame_time.end()) && finite(c.u) && finite(c.du);
 }
 
 }  // namespace
@@ -43,9 +61,8 @@ void writeCheckpoint(const std::string& path, const Checkpoint& c) {
 }
 
 Checkpoint readCheckpoint(const std::string& path, std::uint64_t model_hash, std::size_t node_count) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file) throw InputError({path}, "there is no checkpoint", "start without --resume");
-  const std::string bytes((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
+  if (!std::filesystem::exists(path)) throw InputError({path}, "there is no checkpoint", "start without --resume");
+  const std::string bytes = readWholeFile(path);
   constexpr std::size_t head = sizeof magic - 1 + 6 * 8, tail = 8;
   const auto damaged = [&] { return InputError({path}, "the checkpoint is damaged", "start without --resume"); };
   if (bytes.size() < head + tail || bytes.compare(0, sizeof magic - 1, magic) != 0) throw damaged();
@@ -60,7 +77,10 @@ Checkpoint readCheckpoint(const std::string& path, std::uint64_t model_hash, std
   take(at, &c.largest, 1);
   take(at, &frames, 1);
   take(at, &nodes, 1);
-  if (bytes.size() != head + tail + frames * sizeof(double) + 2 * nodes * sizeof(Double4)) throw damaged();
+  // Divided, not multiplied: a forged count of 2^61 frames would come out as 0 bytes.
+  const std::uint64_t rest = bytes.size() - head - tail, node_size = 2 * sizeof(Double4);
+  if (nodes > rest / node_size || frames > rest / sizeof(double) || rest != frames * sizeof(double) + nodes * node_size)
+    throw damaged();
   if (c.model_hash != model_hash || nodes != node_count)
     throw InputError({path}, "the checkpoint was made with another scene, load_steps, end_time, mode or tool script",
                      "take them back, or start without --resume");
@@ -70,6 +90,7 @@ Checkpoint readCheckpoint(const std::string& path, std::uint64_t model_hash, std
   take(at, c.frame_time.data(), frames);
   take(at, c.u.data(), nodes);
   take(at, c.du.data(), nodes);
+  if (!possible(c)) throw damaged();
   return c;
 }
 

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "base/printable_text.h"
+
 namespace palpate::tools {
 namespace {
 
@@ -48,7 +50,7 @@ void ProgressLine::show(double fraction, const std::string& detail) {
 }
 
 void warn(const std::string& line) {
-  std::fprintf(stderr, "%smtled: warning: %s\n", isatty(STDERR_FILENO) != 0 ? "\r\033[K" : "", line.c_str());
+  std::fprintf(stderr, "%smtled: warning: %s\n", isatty(STDERR_FILENO) != 0 ? "\r\033[K" : "", printable(line).c_str());
 }
 
 }  // namespace palpate::tools

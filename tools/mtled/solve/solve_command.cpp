@@ -185,7 +185,8 @@ class Results {
       outcome["min_J"] = last_row_[2];
       outcome["inverted_points"] = static_cast<int>(last_row_[3]);
     }
-    writeWholeFile(folder_ + "/report.json", outcome.dump(2) + "\n");
+    writeWholeFile(folder_ + "/report.json",
+                   outcome.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
   }
 
   void print() const {
@@ -267,7 +268,7 @@ int solveStatic(const Task& task, Results& results) {
   int iterations = 0;
   Equilibrium e;
   e.converged = true;
-  for (auto k = static_cast<int>(results.checkpoint().position) + 1; k <= spec.load_steps; ++k) {
+  for (std::int64_t k = results.checkpoint().position + 1; k <= spec.load_steps; ++k) {
     const auto watch = [&](int of_step) {
       // A load step takes a few hundred iterations; the bar moves within it, and never past it.
       const double within = 1 - std::exp(-of_step / 400.0);

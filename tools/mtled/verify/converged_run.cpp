@@ -73,7 +73,7 @@ void writeConvergedRun(const std::string& file, const ConvergedRun& c, const std
                      {"displacement_distance", c.about.convergence.displacement},
                      {"force_N", vectorsToJson(c.run.force)},
                      {"probe_u_m", vectorsToJson(c.run.probe_u)}};
-  writeWholeFile(file, json.dump() + "\n");
+  writeWholeFile(file, json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
 }
 
 bool readConvergedRun(const std::string& file, const std::string& identity, ConvergedRun& converged) {

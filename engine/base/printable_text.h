@@ -1,0 +1,15 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace palpate {
+
+enum class LineEnds { Replace, Keep };
+
+/// The text as a terminal, a report in JSON and one line of a recording can hold it: valid UTF-8 without control
+/// characters (U+0000 .. U+001F, U+007F .. U+009F). Each of those and each byte that is no UTF-8 becomes a '?'.
+/// @param line_ends  whether '\n' stays, as in a message of several lines
+std::string printable(std::string_view text, LineEnds line_ends = LineEnds::Replace);
+
+}  // namespace palpate
