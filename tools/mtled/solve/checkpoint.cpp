@@ -43,7 +43,7 @@ bool possible(const Checkpoint& c) {
 
 }  // namespace
 
-void writeCheckpoint(const std::string& path, const Checkpoint& c) {
+std::string checkpointBytes(const Checkpoint& c) {
   std::string bytes(magic);
   const std::uint64_t nodes = c.u.size(), frames = c.frame_time.size();
   add(bytes, &c.model_hash, 1);
@@ -57,7 +57,11 @@ void writeCheckpoint(const std::string& path, const Checkpoint& c) {
   add(bytes, c.du.data(), c.du.size());
   const std::uint64_t sum = fnv1a(bytes);
   add(bytes, &sum, 1);
-  writeWholeFile(path, bytes);
+  return bytes;
+}
+
+void writeCheckpoint(const std::string& path, const Checkpoint& checkpoint) {
+  writeWholeFile(path, checkpointBytes(checkpoint));
 }
 
 Checkpoint readCheckpoint(const std::string& path, std::uint64_t model_hash, std::size_t node_count) {

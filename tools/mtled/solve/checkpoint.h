@@ -18,6 +18,9 @@ struct Checkpoint {
   AlignedVector<Double4> u, du;    // (node_count) m
 };
 
+/// What the file holds: numbers as they lie in memory, and a checksum of them.
+std::string checkpointBytes(const Checkpoint& checkpoint);
+
 /// Whole or not at all. Throws std::runtime_error that names the file and the reason.
 void writeCheckpoint(const std::string& path, const Checkpoint& checkpoint);
 
