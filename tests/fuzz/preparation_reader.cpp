@@ -46,6 +46,7 @@ Preparation tetrahedron() {
   p.skin_shape = row(4);
   p.skin = {p.X, {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}}};
   p.imposed_nodes = {{0, {0, 0, 0}}};
+  p.limit.worst_node = 0;
   return p;
 }
 
