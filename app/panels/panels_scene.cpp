@@ -13,16 +13,17 @@ namespace {
 constexpr double mm = 1e3, us = 1e6;         // per m, per s
 constexpr float min_stiffness_percent = 10;  // softer tissue sinks under its own contact
 
-const char* toolName(ToolKind kind) {
-  switch (kind) {
-    case ToolKind::Sphere:
-      return "sphere";
-    case ToolKind::FlatCylinder:
-      return "flat cylinder";
-    case ToolKind::Capsule:
-      return "capsule";
+/// "length 60 mm, rim 3 mm": what the tool's file lists, as the scene says it.
+std::string toolParameters(const ToolShape& tool) {
+  std::string text = format("length %.3g mm", tool.length * mm);
+  std::size_t k = 0;
+  for (const Parameter& parameter : toolType(tool.kind).parameters) {
+    const double value = tool.parameter[k++];
+    text += std::string(", ") + parameter.label + " ";
+    text += std::string_view(parameter.unit) == "m" ? format("%.3g mm", value * mm)
+                                                    : format("%.3g %s", value, parameter.unit);
   }
-  return "";
+  return text;
 }
 
 std::string grouped(long long n) {
@@ -106,7 +107,8 @@ void drawSceneCard(const Theme& theme, const PanelData& data, View& view) {
 void drawToolCard(const Theme& theme, const PanelData& data, PanelState& state, PanelRequests& requests) {
   if (!beginCard(theme, "Tool")) return;
   const ToolShape& tool = data.model.scene.tool;
-  row("Shape", format("%s, R %.3g mm", toolName(tool.kind), tool.radius * mm));
+  row("Shape", format("%s, R %.3g mm", toolType(tool.kind).title, tool.radius * mm), colours::text,
+      toolParameters(tool).c_str());
   const Vec3 tip = data.snapshot.tool_pose.position * mm;
   row("Tip", format("%.1f  %.1f  %.1f mm", tip.x(), tip.y(), tip.z()));
   row("Depth", format("%.2f mm", data.snapshot.force.depth_m * mm), colours::text,

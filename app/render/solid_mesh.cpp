@@ -46,15 +46,14 @@ void addGrip(SolidMesh& mesh, float z_begin, float z_end, float radius) {
   addTurned(mesh, profile, Finish::Grip);
 }
 
-// The handle, in tool radii. It is only drawn; the contact knows the tool up to its length.
-constexpr float sphere_shaft_radius = 0.32F, sphere_shaft_end = 7.5F;
-constexpr float neck_radius = 0.42F, neck_length = 1.2F;
+// The handle beyond the tool's neck, in tool radii. It is only drawn; the contact knows the tool up to its length.
+constexpr float neck_begin = 0.6F;  // below the tool's end
 constexpr float collar_radius = 0.72F, collar_length = 0.7F;
 constexpr float grip_radius = 0.85F, grip_length = 8.0F;
 
 float handleBegin(const ToolShape& shape) {
-  const float R = static_cast<float>(shape.radius);
-  return shape.kind == ToolKind::Sphere ? sphere_shaft_end * R : static_cast<float>(shape.length) + neck_length * R;
+  const double neck = toolType(shape.kind).neck_length * shape.radius;
+  return static_cast<float>(toolProfile(shape).length + neck);
 }
 
 }  // namespace
@@ -82,28 +81,13 @@ void addTurned(SolidMesh& mesh, const std::vector<ProfilePoint>& profile, Finish
 
 SolidMesh toolMesh(const ToolShape& shape) {
   SolidMesh mesh;
-  const float R = static_cast<float>(shape.radius), L = static_cast<float>(shape.length);
-  const float handle = handleBegin(shape);
-  std::vector<ProfilePoint> tip;
-  switch (shape.kind) {
-    case ToolKind::Sphere:
-      addArc(tip, 0, R, R, -pi / 2, pi / 2, body_arc_segments);
-      addTurned(mesh, tip, Finish::Steel);
-      addRod(mesh, R, handle + 0.1F * R, sphere_shaft_radius * R, 0.02F * R, Finish::Steel);
-      break;
-    case ToolKind::FlatCylinder: {
-      const float rim = shape.edge_radius > 0 ? static_cast<float>(shape.edge_radius) : 0.1F * R;
-      addRod(mesh, 0, L, R, std::min({rim, R, 0.5F * L}), Finish::Steel);
-      break;
-    }
-    case ToolKind::Capsule:
-      addArc(tip, 0, R, R, -pi / 2, 0, body_arc_segments);
-      addArc(tip, 0, std::max(R, L - R), R, 0, pi / 2, body_arc_segments);
-      addTurned(mesh, tip, Finish::Steel);
-      break;
-  }
-  if (shape.kind != ToolKind::Sphere)
-    addRod(mesh, L - 0.6F * R, handle + 0.1F * R, neck_radius * R, 0.02F * R, Finish::Steel);
+  const ToolProfile profile = toolProfile(shape);
+  std::vector<ProfilePoint> body;
+  for (const MeridianPoint& p : outline(profile)) body.emplace_back(static_cast<float>(p.r), static_cast<float>(p.z));
+  addTurned(mesh, body, Finish::Steel);
+  const float R = static_cast<float>(shape.radius), L = static_cast<float>(profile.length);
+  const float handle = handleBegin(shape), neck = static_cast<float>(toolType(shape.kind).neck_radius) * R;
+  addRod(mesh, L - neck_begin * R, handle + 0.1F * R, neck, 0.02F * R, Finish::Steel);
   addRod(mesh, handle, handle + collar_length * R, collar_radius * R, 0.12F * R, Finish::Collar);
   addGrip(mesh, handle + 0.9F * collar_length * R, toolHandleEnd(shape), grip_radius * R);
   return mesh;

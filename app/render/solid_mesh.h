@@ -31,7 +31,8 @@ using ProfilePoint = Eigen::Vector2f;
 /// edges between smooth curves stay sharp.
 void addTurned(SolidMesh& mesh, const std::vector<ProfilePoint>& profile, Finish finish);
 
-/// The tool in its own frame (contact/tool.h), with a handle beyond the part that can touch.
+/// The tool in its own frame (contact/tool.h): its outline turned, which comes first in the mesh, and a handle beyond
+/// the part that can touch.
 SolidMesh toolMesh(const ToolShape& shape);
 
 /// Where the tool's handle ends, m along its axis from the tip.

@@ -34,8 +34,9 @@ ContactState makeContactState(const SkinModel& skin, const ToolShape&) {
 void findContactCandidates(const SkinModel& skin, const Float4* u, const ToolShape& tool, const Pose& tool_pose,
                            double margin, ContactState& contact) {
   const Mat3 local_from_world = tool_pose.orientation.conjugate().toRotationMatrix();
+  const ToolProfile profile = toolProfile(tool);
   auto distance = [&](int v) {
-    return toolDistance(tool, local_from_world * (skinPosition(skin, v, u) - tool_pose.position)).distance;
+    return toolDistance(profile, local_from_world * (skinPosition(skin, v, u) - tool_pose.position)).distance;
   };
 
   const double reach = margin + kTissueTravel * tool.radius;

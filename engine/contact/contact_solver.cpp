@@ -22,7 +22,7 @@ constexpr double kActiveGap = 0.01;
 /// tool that is put into the tissue gets there; the cap lets it be expelled instead of exploding.
 constexpr double kPressureCapDepth = 0.2;
 
-/// Part of smoothDepth() from which on a turn of the normal by more than 60 degrees is distrusted.
+/// Part of the rounding, in depth, from which on a turn of the normal by more than 60 degrees is distrusted.
 constexpr double kDeep = 0.5;
 constexpr double kSameSide = 0.5;
 
@@ -63,9 +63,9 @@ struct Motion {
 
 /// Signed distance at the end of the step. Deep inside, where the nearest side may not be the one
 /// that the vertex came in by, the distance is that to leave by the remembered side.
-ToolDistance distanceBySide(const ToolShape& tool, const Vec3& local, const Vec3& old_local, const Vec3f& memory) {
+ToolDistance distanceBySide(const ToolProfile& tool, const Vec3& local, const Vec3& old_local, const Vec3f& memory) {
   ToolDistance d = toolDistance(tool, local);
-  if (d.distance > -kDeep * smoothDepth(tool)) return d;
+  if (d.distance > -kDeep * tool.rounding) return d;
   const Vec3 side = memory.isZero() ? toolDistance(tool, old_local).normal : Vec3(memory.cast<double>());
   if (d.normal.dot(side) < kSameSide) d = {-exitDistance(tool, local, side), side};
   return d;
@@ -101,6 +101,7 @@ Vec3 solveContact(const SkinModel& skin, const ToolShape& tool, const Pose& pose
                   double friction, double alpha, const float* inverse_mass, const Float4* u, Float4* du,
                   ContactState& contact) {
   const Motion motion(previous_pose, pose);
+  const ToolProfile profile = toolProfile(tool);
   const float mu = static_cast<float>(friction), alpha_f = static_cast<float>(alpha);
 
   // Rows: the vertices that touch, or nearly.
@@ -112,7 +113,7 @@ Vec3 solveContact(const SkinModel& skin, const ToolShape& tool, const Pose& pose
     const Vec3 end = start + predicted.head<3>().cast<double>();
     const Vec3 local = motion.world_from_tool.transpose() * (end - motion.position);
     const Vec3 old_local = motion.world_from_old_tool.transpose() * (start - motion.old_position);
-    const ToolDistance d = distanceBySide(tool, local, old_local, contact.normal[slot]);
+    const ToolDistance d = distanceBySide(profile, local, old_local, contact.normal[slot]);
     if (!(d.distance <= kActiveGap * tool.radius)) {  // also where it is not a number
       contact.force[slot] = Float4{};
       contact.normal[slot].setZero();

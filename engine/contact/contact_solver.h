@@ -23,7 +23,7 @@ namespace palpate {
 /// Solved by Gauss-Seidel over the vertices, forwards and backwards by turns, in place on du,
 /// starting from the last step's forces; at most kMaxSweeps sweeps.
 ///
-/// A vertex deeper than the tool's smoothDepth() is pushed out by the side it came in by.
+/// A vertex deeper than the tool's rounding is pushed out by the side it came in by.
 /// A vertex whose position is not finite takes no part.
 ///
 /// @param alpha         the step's mobility factor of paper eq. 12, s^2

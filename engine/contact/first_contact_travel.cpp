@@ -29,20 +29,20 @@ double convexArgmin(const Function& f) {
 }  // namespace
 
 double firstContactTravel(const TriangleSurface& surface, const ToolShape& tool, const Pose& start) {
-  const double height = tool.kind == ToolKind::Sphere ? 2.0 * tool.radius : tool.length;
+  const ToolProfile profile = toolProfile(tool);
   // A point at (r, z) in the tool's frame is touched after profile(r) - z. The profile is convex in r
   // and z is linear over a triangle, so each triangle has one minimum. Beyond the tool's radius
   // the profile goes on as a steep cone, which keeps it convex and steers the search inwards.
   constexpr double kSteep = 1e6;
   auto travel = [&](const Vec3& p) {
     const double r = std::hypot(p.x(), p.y());
-    return tipProfile(tool, std::min(r, tool.radius)) + kSteep * std::max(0.0, r - tool.radius) - p.z();
+    return tipProfile(profile, std::min(r, tool.radius)) + kSteep * std::max(0.0, r - tool.radius) - p.z();
   };
   double first = std::numeric_limits<double>::infinity();
   auto consider = [&](const Vec3& p) {
     const double r = std::hypot(p.x(), p.y());
-    if (p.z() > height || r > tool.radius * (1.0 + 1e-9)) return;
-    first = std::min(first, tipProfile(tool, std::min(r, tool.radius)) - p.z());
+    if (p.z() > profile.length || r > tool.radius * (1.0 + 1e-9)) return;
+    first = std::min(first, tipProfile(profile, std::min(r, tool.radius)) - p.z());
   };
 
   std::vector<Vec3> local(surface.vertices.size());

@@ -12,7 +12,7 @@ namespace palpate {
 /// The skin as the contact reads it: constant. Vertices are not nodes; vertex v
 /// stands at X_v + sum_i N_i(X_v) u_i. They are also the quadrature points of the
 /// contact pressure, so what the tool feels is only as fine as the skin. Where a tool can
-/// touch, edges should be at most 0.35 of its radius and no longer than its rim (edgeRadius):
+/// touch, edges should be at most 0.35 of its radius and no longer than its rounding (ToolProfile):
 /// first touch is then late by up to 0.02 R (a quarter of that with half the edges).
 struct SkinModel {
   TriangleSurface surface;   // reference configuration, m

@@ -39,6 +39,18 @@ std::string typeText(KeySpec::Type type) {
   return "";
 }
 
+KeySpec keySpec(const char* table, const Parameter& parameter) {
+  const bool is_list = parameter.type == Parameter::Type::Numbers;
+  return {table,
+          parameter.name,
+          is_list ? KeySpec::Type::Numbers : KeySpec::Type::Number,
+          parameter.unit,
+          parameter.isRequired() ? KeySpec::required : parameter.fallback,
+          parameter.range,
+          "",
+          parameter.text};
+}
+
 std::string keyReference(std::span<const KeySpec> keys, const std::string& table) {
   std::string text = "| key | value | unit | default | allowed | meaning |\n|---|---|---|---|---|---|\n";
   for (const KeySpec& key : keys) {

@@ -26,6 +26,9 @@ struct KeySpec {
   static constexpr const char* depends = "depends";
 };
 
+/// The key of a parameter.
+KeySpec keySpec(const char* table, const Parameter& parameter);
+
 /// A Markdown table of the keys of one table or group.
 std::string keyReference(std::span<const KeySpec> keys, const std::string& table);
 

@@ -1,9 +1,11 @@
 #include "io/scene_file.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <numeric>
+#include <string_view>
 #include <utility>
 
 #include "base/printable_text.h"
@@ -200,28 +202,32 @@ void readSolve(const TomlTable& table, const std::filesystem::path& folder, Solv
   }
 }
 
-void readTool(const TomlTable& table, Scene& scene) {
-  constexpr ToolKind kinds[] = {ToolKind::Sphere, ToolKind::FlatCylinder, ToolKind::Capsule};
+void readTool(const TomlTable& top, Scene& scene) {
+  std::vector<std::string> groups{"tool"};
+  for (const ToolType* type : toolTypes()) groups.push_back(toolKeyGroup(*type));
+  const TomlTable any = top.table("tool", groups);
   ToolShape& tool = scene.tool;
-  tool.kind = kinds[table.readChoice("shape", 0)];
+  tool.kind = static_cast<ToolKind>(any.readChoice("shape", 0));
+  const ToolType& type = toolType(tool.kind);
+  for (const ToolType* other : toolTypes()) {
+    for (const Parameter& foreign : other->parameters) {
+      const bool known = std::any_of(type.parameters.begin(), type.parameters.end(),
+                                     [&](const Parameter& own) { return std::string_view(own.name) == foreign.name; });
+      if (!known) any.forbid({foreign.name}, std::string("to a ") + type.title);
+    }
+  }
+
+  const TomlTable table = top.table("tool", {"tool", toolKeyGroup(type)});
   table.read("radius", tool.radius);
   table.read("length", tool.length);
-  table.read("edge_radius", tool.edge_radius);
+  tool = ToolShape::of(tool.kind, tool.radius, tool.length);
+  for (std::size_t k = 0; k < type.parameters.size(); ++k) table.read(type.parameters[k].name, tool.parameter[k]);
   table.read("position", scene.tool_position);
   table.readDirection("direction", scene.tool_direction);
   table.read("max_speed", scene.tool_max_speed);
   table.read("friction", scene.friction);
-  if (tool.kind != ToolKind::FlatCylinder) table.forbid({"edge_radius"}, "to a tool without a rim");
-  if (tool.edge_radius > tool.radius) {
-    throw InputError(table.place("edge_radius"), "the rim's rounding exceeds the tool's radius",
-                     "give at most the radius; a capsule has a round tip");
-  }
-  if (tool.kind == ToolKind::Capsule && tool.length < 2 * tool.radius) {
-    throw InputError(table.place("length"), "a capsule shorter than two radii", "lengthen it, or make it a sphere");
-  }
-  if (tool.kind == ToolKind::FlatCylinder && tool.length < 2 * tool.edge_radius) {
-    throw InputError(table.place("length"), "a cylinder shorter than its two rounded rims", "lengthen it");
-  }
+  if (const std::optional<ToolFault> fault = type.fault(tool))
+    throw InputError(table.place(fault->key), fault->problem, fault->advice);
 }
 
 }  // namespace
@@ -250,7 +256,7 @@ Scene readScene(const std::string& path) {
   }
   readDynamics(top.table("dynamics", {"dynamics"}), scene);
   readSolve(top.table("solve", {"solve"}), folder, scene.solve);
-  if (top.has("tool")) readTool(top.table("tool", {"tool"}), scene);
+  if (top.has("tool")) readTool(top, scene);
 
   const TomlTable force = top.table("force", {"force"});
   force.read("cutoff", scene.filter_cutoff_hz);

@@ -1,6 +1,10 @@
 #include "io/scene_keys.h"
 
-#include <utility>
+#include <deque>
+#include <string_view>
+#include <vector>
+
+#include "contact/tool.h"
 
 namespace palpate {
 
@@ -186,13 +190,9 @@ constexpr KeySpec scene_keys[] = {
      "CSV file of the points at which displacements are wanted, relative to the scene file: a header with the "
      "columns X, Y, Z (m, at rest); other columns are ignored."},
 
-    {"tool", "shape", T::Text, "", required, {}, "sphere|cylinder|capsule",
-     "A ball, a flat-ended cylinder, or a cylinder with a round tip."},
+    {"tool", "shape", T::Text, "", required, {}, "", "Which of the tools below."},  // choices: allKeys()
     {"tool", "radius", T::Number, "m", required, aboveUpTo(0, 1), "", "Its radius."},
-    {"tool", "length", T::Number, "m", "0.06", aboveUpTo(0, 1), "",
-     "Cylinder, capsule: from tip to end. A capsule is at least two radii long. A sphere ignores it."},
-    {"tool", "edge_radius", T::Number, "m", "0", atLeast(0), "",
-     "Cylinder: rounding of the rim; 0: a tenth of the radius."},
+    {"tool", "length", T::Number, "m", "0.06", aboveUpTo(0, 1), "", "From tip to end. A sphere ignores it."},
     {"tool", "position", T::Vector, "m", required, {}, "", "Where the tip, the tool's foremost point, starts."},
     {"tool", "direction", T::Vector, "", "[0.0, 0.0, -1.0]", {}, "",
      "The way the tip points and the tool advances; any length."},
@@ -242,16 +242,51 @@ constexpr Section sections[] = {
     {"camera", "`[camera]`", ""},
 };
 
+/// The keys above and those of the tools, each tool's in a group of its own.
+std::vector<KeySpec> allKeys() {
+  static std::string shapes;
+  static std::deque<std::string> groups;  // KeySpec points to its texts
+  for (const ToolType* tool : toolTypes()) {
+    if (!shapes.empty()) shapes += '|';
+    shapes += tool->name;
+    groups.push_back(toolKeyGroup(*tool));
+  }
+  std::vector<KeySpec> all(std::begin(scene_keys), std::end(scene_keys));
+  for (KeySpec& key : all)
+    if (std::string_view(key.table) == "tool" && std::string_view(key.name) == "shape") key.choices = shapes.c_str();
+  for (std::size_t k = 0; k < toolTypes().size(); ++k)
+    for (const Parameter& parameter : toolTypes()[k]->parameters) all.push_back(keySpec(groups[k].c_str(), parameter));
+  return all;
+}
+
+/// What each tool is and the keys that only it has.
+std::string toolReference() {
+  std::string text;
+  for (const ToolType* tool : toolTypes()) {
+    text += std::string("\n`shape = \"") + tool->name + "\"`: " + tool->meaning + ".\n";
+    if (tool->parameters.empty()) continue;
+    text += '\n';
+    text += keyReference(sceneKeys(), toolKeyGroup(*tool));
+  }
+  return text;
+}
+
 }  // namespace
 
-std::span<const KeySpec> sceneKeys() { return scene_keys; }
+std::string toolKeyGroup(const ToolType& tool) { return std::string("tool (") + tool.name + ")"; }
+
+std::span<const KeySpec> sceneKeys() {
+  static const std::vector<KeySpec> all = allKeys();
+  return all;
+}
 
 std::string sceneReference() {
   std::string text;
   for (const auto& [table, title, introduction] : sections) {
     text += std::string(text.empty() ? "" : "\n") + "### " + title + "\n\n";
     if (*introduction != '\0') text += std::string(introduction) + "\n\n";
-    text += keyReference(scene_keys, table);
+    text += keyReference(sceneKeys(), table);
+    if (std::string_view(table) == "tool") text += toolReference();
   }
   return text;
 }

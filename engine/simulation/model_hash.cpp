@@ -26,7 +26,7 @@ void add(ByteKey& key, const EssentialBoundary& boundary) {
     key.add(m.translation, m.axis_point, m.axis, m.angle, m.duration, m.curve.kind, m.curve.time, m.curve.fraction);
 }
 
-void add(ByteKey& key, const ToolShape& tool) { key.add(tool.kind, tool.radius, tool.length, tool.edge_radius); }
+void add(ByteKey& key, const ToolShape& tool) { key.add(tool.kind, tool.radius, tool.length, tool.parameter); }
 
 bool same(const Material& a, const Material& b) {
   return a.kind == b.kind && a.shear_modulus == b.shear_modulus && a.bulk_modulus == b.bulk_modulus &&

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "contact/spring_bed.h"
+#include "contact/tools/tool_list.h"
 
 namespace palpate {
 
@@ -10,12 +11,7 @@ namespace palpate {
 
 inline constexpr int kSubsteps = 10;  // of 0.2 ms: ticks of 2 ms, 500 Hz
 
-inline ToolShape toolOf(ToolKind kind, double radius = 0.01) {
-  ToolShape tool;
-  tool.kind = kind;
-  tool.radius = radius;
-  return tool;
-}
+inline ToolShape toolOf(ToolKind kind, double radius = 0.01) { return ToolShape::of(kind, radius); }
 
 inline const ToolKind kKinds[] = {ToolKind::Sphere, ToolKind::FlatCylinder, ToolKind::Capsule};
 

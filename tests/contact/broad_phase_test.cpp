@@ -7,14 +7,15 @@
 #include <random>
 
 #include "contact/spring_bed.h"
+#include "contact/tools/tool_list.h"
 
 using namespace palpate;
 
 namespace {
 
-const ToolShape kTools[] = {{ToolKind::Sphere, 0.01, 0.06, 0.0},
-                            {ToolKind::FlatCylinder, 0.006, 0.06, 0.0},
-                            {ToolKind::Capsule, 0.004, 0.06, 0.0}};
+const ToolShape kTools[] = {{ToolKind::Sphere, 0.01, 0.06, {0.0}},
+                            {ToolKind::FlatCylinder, 0.006, 0.06, {0.0}},
+                            {ToolKind::Capsule, 0.004, 0.06, {0.0}}};
 
 std::vector<int> allWithin(const SpringBed& bed, const ToolShape& tool, const Pose& pose, double margin) {
   std::vector<int> found;

@@ -65,7 +65,7 @@ TEST_CASE("Nothing tunnels at 1 and 2 m/s", "[contact]") {
 }
 
 TEST_CASE("A vertex deep under a flat end is pushed out by the end, not by the wall", "[contact]") {
-  const ToolShape tool{ToolKind::FlatCylinder, 0.01, 0.06, 0.0005};
+  const ToolShape tool{ToolKind::FlatCylinder, 0.01, 0.06, {0.0005}};
   SpringBed::Spec spec = tissueLike();
   spec.skin_spacing = 0.001;
   SpringBed bed(spec);
@@ -78,7 +78,7 @@ TEST_CASE("A vertex deep under a flat end is pushed out by the end, not by the w
     for (int k = 0; k < bed.contact.count; ++k) {
       const Vec3 local = bed.pose.toLocal(bed.skin.surface.vertices[bed.contact.vertex[k]]);
       const double r = local.head<2>().norm();
-      if (r > tool.radius - 2.0 * edgeRadius(tool)) continue;
+      if (r > tool.radius - 2.0 * toolProfile(tool).rounding) continue;
       near_wall += r > tool.radius - 0.0025 ? 1 : 0;
       const Vec3 force = toVec3(bed.contact.force[k]);
       REQUIRE(force.head<2>().norm() <= 1e-3 * force.norm());

@@ -54,7 +54,7 @@ TEST_CASE("A sphere on a Winkler foundation", "[contact]") {
 TEST_CASE("A flat punch on a Winkler foundation", "[contact]") {
   // F = kappa pi R^2 d. Splines can't break off at the rim: the bed gives way over half their
   // width (1.5 h) more, by half the depth on average: an error of at most 2 * 0.75 h / R.
-  const ToolShape tool{ToolKind::FlatCylinder, 0.01, 0.06, 0.0005};
+  const ToolShape tool{ToolKind::FlatCylinder, 0.01, 0.06, {0.0005}};
   double error[2];
   for (int fine : {0, 1}) {
     SpringBed::Spec spec = damped({});

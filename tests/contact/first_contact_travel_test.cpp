@@ -3,14 +3,15 @@
 #include <cmath>
 
 #include "contact/first_contact_travel.h"
+#include "contact/tools/tool_list.h"
 
 using namespace palpate;
 
 namespace {
 
-const ToolShape kTools[] = {{ToolKind::Sphere, 0.01, 0.06, 0.0},
-                            {ToolKind::FlatCylinder, 0.01, 0.06, 0.002},
-                            {ToolKind::Capsule, 0.01, 0.06, 0.0}};
+const ToolShape kTools[] = {{ToolKind::Sphere, 0.01, 0.06, {0.0}},
+                            {ToolKind::FlatCylinder, 0.01, 0.06, {0.002}},
+                            {ToolKind::Capsule, 0.01, 0.06, {0.0}}};
 
 /// Two triangles, 0.4 m wide, through the origin with the given slope along x.
 TriangleSurface plane(double slope) {
@@ -45,7 +46,7 @@ TEST_CASE("Travel to a sloping skin", "[touch]") {
   const double slope = 0.5, r_over_cos = std::sqrt(1.0 + slope * slope);
   for (const ToolShape& tool : kTools) {
     const bool flat = tool.kind == ToolKind::FlatCylinder;
-    const double ball = flat ? edgeRadius(tool) : tool.radius;
+    const double ball = flat ? toolProfile(tool).rounding : tool.radius;
     const double offset = flat ? tool.radius - ball : 0.0;
     const double expected = 0.05 - (slope * (0.01 + offset) + ball * r_over_cos - ball);
     CHECK(firstContactTravel(plane(slope), tool, tipAt(0.01, 0.0, 0.05)) == Approx(expected).epsilon(1e-7));

@@ -91,6 +91,8 @@ TEST_CASE("Bad scenes are refused at their place, with advice", "[io][scene][ref
       {"region = { shape = \"sphere\", centre = [0, 0, 0.01], radius = 0.005 }\n", "", ":23:1", "no region",
        "add region"},
       {"edge_radius = 0.0005", "edge_radius = 0.006", ":53:1", "exceeds the tool's radius", "capsule"},
+      {"shape = \"cylinder\"", "shape = \"capsule\"", ":53:1", "\"edge_radius\" means nothing to a capsule", "remove"},
+      {"length = 0.03", "length = 0.0009", ":52:1", "shorter than its two rounded rims", "lengthen"},
       {"shape = \"cylinder\"\nradius = 0.005\nlength = 0.03\nedge_radius = 0.0005",
        "shape = \"capsule\"\nradius = 0.005\nlength = 0.003", ":52:1", "shorter than two radii", "sphere"},
   };

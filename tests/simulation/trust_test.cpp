@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "contact/tools/tool_list.h"
 #include "mechanics/internal_forces.h"
 #include "simulation/step.h"
 #include "simulation/workspace.h"

@@ -12,6 +12,7 @@
 #include "app/render/framebuffer.h"
 #include "app/render/offscreen_context.h"
 #include "app/render/picture_difference.h"
+#include "contact/tools/tool_list.h"
 #include "snapshots/hand_made_model.h"
 
 using namespace palpate;
@@ -132,7 +133,7 @@ TEST_CASE("Overlays look as they should", "[snapshot]") {
 }
 
 TEST_CASE("Flat and round bars look as they should, from nearby and below", "[snapshot]") {
-  ToolShape tool{ToolKind::FlatCylinder, 0.008, 0.03, 0};
+  ToolShape tool{ToolKind::FlatCylinder, 0.008, 0.03, {}};
   {
     Studio studio(tool);
     studio.view.camera.distance *= 0.5;

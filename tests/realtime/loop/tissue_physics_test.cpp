@@ -6,6 +6,7 @@
 #include <memory>
 #include <vector>
 
+#include "contact/tools/tool_list.h"
 #include "discretization/surface/solids.h"
 #include "realtime/fakes.h"
 #include "realtime/loop/simulation_loop.h"

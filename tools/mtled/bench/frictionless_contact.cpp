@@ -23,9 +23,9 @@ void applyForce(const SkinModel& skin, int v, float f, const Vector4f& normal, f
   }
 }
 
-ToolDistance distanceBySide(const ToolShape& tool, const Vec3& local, const Vec3& old_local, const Vec3f& memory) {
+ToolDistance distanceBySide(const ToolProfile& tool, const Vec3& local, const Vec3& old_local, const Vec3f& memory) {
   ToolDistance d = toolDistance(tool, local);
-  if (d.distance > -kDeep * smoothDepth(tool)) return d;
+  if (d.distance > -kDeep * tool.rounding) return d;
   const Vec3 side = memory.isZero() ? toolDistance(tool, old_local).normal : Vec3(memory.cast<double>());
   if (d.normal.dot(side) < kSameSide) d = {-exitDistance(tool, local, side), side};
   return d;
@@ -35,6 +35,7 @@ ToolDistance distanceBySide(const ToolShape& tool, const Vec3& local, const Vec3
 
 Vec3 frictionlessContact(const SkinModel& skin, const ToolShape& tool, const Pose& pose, const Pose& previous_pose,
                          double alpha, const float* inverse_mass, const Float4* u, Float4* du, ContactState& contact) {
+  const ToolProfile profile = toolProfile(tool);
   const Mat3 world_from_tool = pose.orientation.toRotationMatrix(),
              tool_from_old_world = previous_pose.orientation.conjugate().toRotationMatrix();
   const auto alpha_f = static_cast<float>(alpha);
@@ -45,7 +46,7 @@ Vec3 frictionlessContact(const SkinModel& skin, const ToolShape& tool, const Pos
     const Vec3 start = skinPosition(skin, v, u), end = start + predicted.head<3>().cast<double>();
     const Vec3 local = world_from_tool.transpose() * (end - pose.position);
     const ToolDistance d =
-        distanceBySide(tool, local, tool_from_old_world * (start - previous_pose.position), contact.normal[slot]);
+        distanceBySide(profile, local, tool_from_old_world * (start - previous_pose.position), contact.normal[slot]);
     if (!(d.distance <= kActiveGap * tool.radius)) {
       contact.force[slot] = Float4{};
       contact.normal[slot].setZero();

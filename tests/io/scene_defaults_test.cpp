@@ -1,0 +1,122 @@
+#include <catch2/catch.hpp>
+#include <sstream>
+
+#include "base/number_text.h"
+#include "contact/tools/tool_list.h"
+#include "io/scene_file.h"
+#include "io/scene_keys.h"
+#include "io/scene_texts.h"
+#include "support/temp_folder.h"
+#include "support/text.h"
+
+using namespace palpate;
+
+namespace {
+
+/// Every member of a scene that a key with a default sets.
+std::string described(const Scene& s) {
+  std::ostringstream text;
+  text.precision(17);
+  const auto add = [&](const auto&... values) { ((text << values << ' '), ...); };
+  const auto vector = [&](const Vec3& v) { add(v.x() + 0.0, v.y() + 0.0, v.z() + 0.0); };  // no -0
+  add(s.upper_half), vector(s.tissue_colour);
+  add(s.spacing, s.seed, s.basis_degree, s.support_factor, s.mmls_weight, s.consistent_gradients, s.node_patch_volume);
+  add(static_cast<int>(s.boundary_method), s.quadrature.points_per_cell, s.quadrature.cells_per_point);
+  add(s.quadrature.accuracy, s.quadrature.division, s.quadrature.max_depth);
+  for (const RefineSpec& r : s.refine) add(r.spacing, r.blend);
+  for (const MaterialSpec& m : s.materials) add(m.barrier_strength, m.barrier_J0, m.density);
+  for (const BoundarySpec& b : s.boundaries)
+    add(b.component[0], b.component[1], b.component[2], b.surface_only, static_cast<int>(b.curve.kind));
+  add(s.rate_hz, s.time_step, s.step_safety, s.mass_scaling, s.damping, s.threads);
+  add(static_cast<int>(s.gradient_precision), static_cast<int>(s.solve.mode), s.solve.tolerance, s.solve.load_steps);
+  add(s.solve.end_time, s.solve.frames);
+  add(static_cast<int>(s.tool.kind), s.tool.radius, s.tool.length);
+  for (const double parameter : s.tool.parameter) add(parameter);
+  vector(s.tool_position), vector(s.tool_direction);
+  add(s.tool_max_speed, s.friction, s.filter_cutoff_hz, s.force_rate_limit);
+  vector(s.camera_target);
+  add(s.camera_distance, s.camera_azimuth_deg, s.camera_elevation_deg, s.camera_fov_deg);
+  return text.str();
+}
+
+/// A scene with `given` in the table that the key stands in.
+std::string sceneWith(const KeySpec& key, const std::string& given) {
+  const std::string group = key.table, name = key.name;
+  // How a cell is divided means nothing where none is.
+  const std::string line = (name.starts_with("quadrature_d") ? "quadrature_accuracy = 0.1\n" : "") + given;
+  if (group == "organ") {
+    return replaced(minimal_scene, "solid = \"box\"\nsize = [0.1, 0.1, 0.05]\n",
+                    "solid = \"ellipsoid\"\nsemi_axes = [0.1, 0.1, 0.05]\n" + line);
+  }
+  const auto after = [&](const std::string& table) {
+    return replaced(minimal_scene, table + "\n", table + "\n" + line);
+  };
+  if (group == "discretization" || group == "material")
+    return after(group == "material" ? "[[material]]" : "[discretization]");
+  if (group == "boundary") return after("[[fixed]]");
+  if (group == "discretization.refine") {
+    return minimal_scene + "[[discretization.refine]]\ncentre = [0, 0, 0]\nradius = 0.01\nspacing = 0.005\n" + line;
+  }
+  if (group == "prescribed") {
+    return minimal_scene +
+           "[[prescribed]]\nshape = \"sphere\"\ncentre = [0, 0, 1]\nradius = 1\ntranslation = [0, 0, 1]\nduration = "
+           "1\n" +
+           line;
+  }
+  if (group == "tool" || group.starts_with("tool (")) {
+    const std::string shape = group == "tool" ? "sphere" : group.substr(6, group.size() - 7);
+    return minimal_scene + "[tool]\nshape = \"" + shape + "\"\nradius = 0.01\nposition = [0, 0, 0.1]\n" + line;
+  }
+  if (group == "dynamics" || group == "solve" || group == "force" || group == "camera")
+    return minimal_scene + "[" + group + "]\n" + line;
+  FAIL("sceneWith() has no place for the keys of " << group);
+  return "";
+}
+
+/// Another value that the key may have.
+std::string otherValue(const KeySpec& key) {
+  const std::string fallback = key.fallback;
+  using T = KeySpec::Type;
+  if (key.type == T::Boolean) return fallback == "true" ? "false" : "true";
+  if (key.type == T::Axes) return "[\"x\"]";
+  if (key.type == T::Vector) return "[0.25, 0.5, 0.75]";
+  if (*key.choices != '\0') {
+    const std::string choices = key.choices, quote = key.type == T::Text ? "\"" : "";
+    const std::string first = quote + choices.substr(0, choices.find('|')) + quote;
+    const std::string last = quote + choices.substr(choices.rfind('|') + 1) + quote;
+    return first == fallback ? last : first;
+  }
+  const double value = std::stod(fallback), step = key.type == T::Integer ? 1 : 0.001;
+  return shortest(key.range.contains(value + step) ? value + step : value - step);
+}
+
+}  // namespace
+
+TEST_CASE("Each default of the reference is what a scene without the key has", "[io][scene]") {
+  TempFolder folder;
+  const auto read = [&](const std::string& text) { return described(readScene(folder.write("box.toml", text))); };
+  int defaults = 0;
+  for (const KeySpec& key : sceneKeys()) {
+    const std::string fallback = key.fallback;
+    if (fallback.empty() || fallback == KeySpec::required || fallback == KeySpec::depends) continue;  // none
+    ++defaults;
+    INFO(key.table << "." << key.name << " = " << fallback << ", otherwise " << otherValue(key));
+    const std::string line = std::string(key.name) + " = ", without = read(sceneWith(key, ""));
+    CHECK(read(sceneWith(key, line + fallback + "\n")) == without);
+    CHECK(read(sceneWith(key, line + otherValue(key) + "\n")) != without);  // so described() has this key
+  }
+  CHECK(defaults > 40);
+}
+
+TEST_CASE("A scene without a tool has the tool that the reference names", "[io][scene]") {
+  TempFolder folder;
+  const Scene s = readScene(folder.write("box.toml", minimal_scene));
+  CHECK(s.name == "box");
+  CHECK(s.places.count("dynamics.rate") == 0);
+  CHECK(s.solve.probes_file.empty());
+  CHECK(sceneReference().find("a ball of radius 10 mm starts at (0, 0, 0.1) m and points down") != std::string::npos);
+  CHECK(s.tool.kind == ToolKind::Sphere);
+  CHECK(s.tool.radius == 0.01);
+  CHECK(s.tool_position == Vec3(0, 0, 0.1));
+  CHECK(s.tool_direction == Vec3(0, 0, -1));
+}
