@@ -79,7 +79,7 @@ SetupLine setupLine(const char* name, const std::string& outcome) {
 
 Scene readScene(const Options& options) {
   Scene scene = palpate::readScene(findScene(options.scene));
-  if (options.rate_hz) scene.rate_hz = *options.rate_hz;
+  if (options.rate_hz) overrideRate(scene, *options.rate_hz);
   if (options.threads) scene.threads = *options.threads;
   return scene;
 }

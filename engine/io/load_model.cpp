@@ -75,16 +75,16 @@ Model loadModel(const Scene& scene, const Progress& progress, const ModelCache& 
   const SetupWatch watch([&] {  // long stages, too, can be ended
     if (progress) progress(stage, behind);
   });
-  const SurfaceTree tree(organSurface(scene));
-  if (const std::string warning = sizeWarning(scene, tree.surface()); warn && !warning.empty()) warn(warning);
-  const std::string key = preparationKey(scene, tree.surface());
-  std::optional<Preparation> preparation = cache.find(key);
-  if (!preparation) {
-    preparation = prepare(scene, tree, report);
-    report("keeping it for the next start", 0.94);
-    cache.keep(key, *preparation);
+  const TriangleSurface organ = organSurface(scene);
+  if (const std::string warning = sizeWarning(scene, organ); warn && !warning.empty()) warn(warning);
+  const std::string key = preparationKey(scene, organ);
+  BuildOptions options;
+  options.progress = report;
+  if (!scene.set_up_values.empty()) {  // else nothing says what a preparation was made from
+    options.find = [&] { return cache.find(key, scene.materials.size(), scene.boundaries.size()); };
+    options.keep = [&](const Preparation& preparation) { cache.keep(key, preparation); };
   }
-  Model model = finishModel(scene, tree, std::move(*preparation), report);
+  Model model = buildModel(scene, organ, options);
   model.setup_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return model;
 }

@@ -46,13 +46,15 @@ std::string ModelCache::fileOf(const std::string& key) const {
   return (fs::path(folder_) / (hex16(hash[0]) + hex16(hash[1]) + ending)).string();
 }
 
-std::optional<Preparation> ModelCache::find(const std::string& key) const {
+std::optional<Preparation> ModelCache::find(const std::string& key, std::size_t material_count,
+                                            std::size_t boundary_count) const {
   if (folder_.empty()) return {};
   const std::string path = fileOf(key);
   const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
   if (file < 0) return {};
   Preparation preparation;
-  const bool good = readPreparation(file, identityOf(key), preparation);
+  const bool good =
+      readPreparation(file, identityOf(key), preparation) && isSound(preparation, material_count, boundary_count);
   ::close(file);
   if (!good) {
     if (tell_) tell_("the kept set-up " + path + " is damaged; making it again");

@@ -13,8 +13,8 @@ namespace palpate {
 /// sources and compiler: what another program made is not found.
 ///
 /// A file has a header (magic, layout version, 128-bit key hash, every array's length, checksums) and the arrays'
-/// bytes. Nothing of it is used before the header fits, the lengths add up to the file's and to each other, and all
-/// checksums hold. It is written under a name of its own and renamed, so processes may share the folder. Beyond
+/// bytes. Nothing of it is used before the header fits, the lengths add up to the file's and to each other, all
+/// checksums hold, and every index and number is in its range. It is written under a name of its own and renamed, so processes may share the folder. Beyond
 /// `max_bytes` the files that were not used for longest are removed.
 class ModelCache {
  public:
@@ -29,8 +29,10 @@ class ModelCache {
   /// $PALPATE_CACHE_DIR, or $XDG_CACHE_HOME/palpate, or ~/.cache/palpate; "" where none is set.
   static std::string userFolder();
 
-  /// What was kept for this key, or nothing. A file that is there but can't be trusted is told of.
-  std::optional<Preparation> find(const std::string& key) const;
+  /// What was kept for this key, or nothing. A file that is there but can't be trusted is told of, also where its
+  /// checksums hold and its contents do not (isSound).
+  /// @param material_count, boundary_count  of the scene, which the preparation's indices count
+  std::optional<Preparation> find(const std::string& key, std::size_t material_count, std::size_t boundary_count) const;
 
   /// Keeps it. Never throws: what can't be kept will be made again.
   void keep(const std::string& key, const Preparation& preparation) const;

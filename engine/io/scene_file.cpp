@@ -8,6 +8,7 @@
 #include <string_view>
 #include <utility>
 
+#include "base/number_text.h"
 #include "base/printable_text.h"
 #include "io/scene_boundary.h"
 #include "io/scene_keys.h"
@@ -230,7 +231,21 @@ void readTool(const TomlTable& top, Scene& scene) {
     throw InputError(table.place(fault->key), fault->problem, fault->advice);
 }
 
+/// What a cache goes by: every value that was accepted and that a preparation depends on, a line each.
+std::string setUpValues(const TomlFile& file, bool mass_scaling) {
+  std::string lines;
+  for (const auto& [key, value] : file.set_up) lines += key + " = " + value + "\n";
+  if (mass_scaling)
+    for (const auto& [key, value] : file.set_up_with_mass_scaling) lines += key + " = " + value + "\n";
+  return lines;
+}
+
 }  // namespace
+
+void overrideRate(Scene& scene, double rate_hz) {
+  scene.rate_hz = rate_hz;
+  if (scene.mass_scaling > 0) scene.set_up_values += "instead: dynamics.rate = " + shortest(rate_hz) + "\n";
+}
 
 Scene readScene(const std::string& path) {
   const toml::table document = parseToml(readWholeFile(path, {}, max_toml_bytes), path);
@@ -270,6 +285,7 @@ Scene readScene(const std::string& path) {
   camera.read("fov", scene.camera_fov_deg);
 
   scene.places = std::move(file.places);
+  scene.set_up_values = setUpValues(file, scene.mass_scaling > 0);
   return scene;
 }
 

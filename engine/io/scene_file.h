@@ -17,4 +17,7 @@ namespace palpate {
 /// "fixed[1]" (lists count from 0). Boundaries are in the file's order, all fixed ones first.
 Scene readScene(const std::string& path);
 
+/// Runs the scene at another rate than the file's. A preparation with added mass depends on it.
+void overrideRate(Scene& scene, double rate_hz);
+
 }  // namespace palpate

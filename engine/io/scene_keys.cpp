@@ -13,10 +13,12 @@ namespace {
 using T = KeySpec::Type;
 constexpr const char* required = KeySpec::required;
 constexpr const char* depends = KeySpec::depends;
+constexpr auto never = KeySpec::SetUp::Never, with_mass_scaling = KeySpec::SetUp::WithMassScaling;
 
 // clang-format off
 constexpr KeySpec scene_keys[] = {
-    {"", "name", T::Text, "", "", {}, "", "Shown in the window's title and in reports; the file's name where absent."},
+    {"", "name", T::Text, "", "", {}, "",
+     "Shown in the window's title and in reports; the file's name where absent.", never},
     {"", "organ", T::Table, "", required, {}, "", "What is touched."},
     {"", "discretization", T::Table, "", required, {}, "", "How it is cut into nodes and integration points."},
     {"", "material", T::Tables, "", required, {}, "", "What it is made of."},
@@ -29,7 +31,7 @@ constexpr KeySpec scene_keys[] = {
     {"", "camera", T::Table, "", "", {}, "", "The first view."},
 
     {"organ", "surface", T::Text, "", depends, {}, "",
-     "OBJ or STL file of a closed surface, relative to the scene file. Either this or `solid`."},
+     "OBJ or STL file of a closed surface, relative to the scene file. Either this or `solid`.", never},
     {"organ", "unit", T::Text, "", depends, {}, "mm|cm|m",
      "Unit of the file's coordinates; with `surface` give this or `scale`. An organ shorter than 1 mm or "
      "longer than 3 m is warned of."},
@@ -46,7 +48,7 @@ constexpr KeySpec scene_keys[] = {
      "Ellipsoid: along x, y, z; centred at the origin."},
     {"organ", "upper_half", T::Boolean, "", "false", {}, "", "Ellipsoid: only the part z >= 0, with a flat base."},
     {"organ", "colour", T::Vector, "", "[0.62, 0.21, 0.17]", between(0, 1), "",
-     "Red, green, blue of the tissue, as linear-light albedo."},
+     "Red, green, blue of the tissue, as linear-light albedo.", never},
 
     {"discretization", "spacing", T::Number, "m", required, aboveUpTo(0, 1), "",
      "Distance wanted between neighbouring nodes. Halving it makes eight times the nodes and half the time "
@@ -132,7 +134,7 @@ constexpr KeySpec scene_keys[] = {
 
     {"boundary", "name", T::Text, "", "", {}, "",
      "Its name in results, unlike all others. Where absent `fixed 1`, `fixed 2`, ... and `prescribed 1`, ..., "
-     "by its place among those of its kind."},
+     "by its place among those of its kind.", never},
     {"boundary", "components", T::Axes, "", "[\"x\", \"y\", \"z\"]", {}, "",
      "The directions of displacement that are imposed; the others stay free."},
     {"boundary", "surface_only", T::Boolean, "", "false", {}, "", "Choose only nodes on the organ's surface."},
@@ -152,64 +154,68 @@ constexpr KeySpec scene_keys[] = {
      "0.25]]`; straight in between, constant after the last. Times ascend from 0, the first share is 0."},
 
     {"dynamics", "rate", T::Number, "Hz", "500", between(100, 2000), "",
-     "Rate of the real-time loop; one tick is 1/rate."},
+     "Rate of the real-time loop; one tick is 1/rate.", with_mass_scaling},
     {"dynamics", "time_step", T::Number, "s", "0", atLeast(0), "",
      "Fixed time step, a whole division of a tick; refused above the critical one. 0: the largest whole "
      "division below `step_safety` times the critical step in which the tool, at its top speed, goes no "
-     "further than 1 mm or half its radius."},
+     "further than 1 mm or half its radius.", with_mass_scaling},
     {"dynamics", "step_safety", T::Number, "", "0.6", aboveUpTo(0, 1), "",
      "Share of the critical step used when `time_step` is 0. Tissue stiffens under compression: deep "
-     "indentation needs 0.2 .. 0.3."},
+     "indentation needs 0.2 .. 0.3.", with_mass_scaling},
     {"dynamics", "mass_scaling", T::Number, "", "0", between(0, 10), "",
      "Share of the body's mass that may be added to the nodes that limit the step, if a tick needs fewer "
      "steps then (or, with `time_step`, if that one becomes stable). Forces at rest stay the same; motion "
      "becomes slower by about half that share. The mass added is reported."},
     {"dynamics", "damping", T::Number, "1/s", "20", atLeast(0), "",
-     "Mass-proportional damping c in M u'' + c M u' + f(u) = 0."},
+     "Mass-proportional damping c in M u'' + c M u' + f(u) = 0.", never},
     {"dynamics", "threads", T::Integer, "", "1", between(1, 64), "",
-     "Threads that compute the physics; the result does not depend on it."},
+     "Threads that compute the physics; the result does not depend on it.", never},
     {"dynamics", "gradient_precision", T::Text, "", "\"float32\"", {}, "float32|int16",
      "How the real-time loop stores the shape functions' gradients. int16 takes half the memory, which is "
      "faster where the gradients do not fit the processor's caches, and changes forces by about 2e-5; the "
      "strains of rigid motion and uniform deformation stay as exact as with float32. `mtled solve` computes "
-     "in double either way."},
+     "in double either way.", never},
 
     {"solve", "mode", T::Text, "", "\"static\"", {}, "static|transient",
      "Equilibria by dynamic relaxation (paper section 2.3), where the time of the prescribed motions is only "
-     "a measure of the load; or the motion in time."},
+     "a measure of the load; or the motion in time.", never},
     {"solve", "tolerance", T::Number, "", "0.0001", aboveUpTo(0, 0.1), "",
      "Static: estimated error of the displacements at which relaxation stops, as a share of the largest "
-     "displacement."},
+     "displacement.", never},
     {"solve", "load_steps", T::Integer, "", "10", between(1, 10000), "",
-     "Static: equilibria on the way to the end, evenly spaced in time."},
+     "Static: equilibria on the way to the end, evenly spaced in time.", never},
     {"solve", "end_time", T::Number, "s", "0", atLeast(0), "",
-     "Where it ends; 0: with the last of the prescribed motions."},
+     "Where it ends; 0: with the last of the prescribed motions.", never},
     {"solve", "frames", T::Integer, "", "10", between(1, 10000), "",
-     "Results written for ParaView, evenly spaced in time."},
+     "Results written for ParaView, evenly spaced in time.", never},
     {"solve", "probes", T::Text, "", "", {}, "",
      "CSV file of the points at which displacements are wanted, relative to the scene file: a header with the "
-     "columns X, Y, Z (m, at rest); other columns are ignored."},
+     "columns X, Y, Z (m, at rest); other columns are ignored.", never},
 
-    {"tool", "shape", T::Text, "", required, {}, "", "Which of the tools below."},  // choices: allKeys()
+    {"tool", "shape", T::Text, "", required, {}, "", "Which of the tools below.", never},  // choices: allKeys()
     {"tool", "radius", T::Number, "m", required, aboveUpTo(0, 1), "", "Its radius."},
-    {"tool", "length", T::Number, "m", "0.06", aboveUpTo(0, 1), "", "From tip to end. A sphere ignores it."},
-    {"tool", "position", T::Vector, "m", required, {}, "", "Where the tip, the tool's foremost point, starts."},
+    {"tool", "length", T::Number, "m", "0.06", aboveUpTo(0, 1), "", "From tip to end. A sphere ignores it.",
+     never},
+    {"tool", "position", T::Vector, "m", required, {}, "", "Where the tip, the tool's foremost point, starts.", never},
     {"tool", "direction", T::Vector, "", "[0.0, 0.0, -1.0]", {}, "",
-     "The way the tip points and the tool advances; any length."},
-    {"tool", "max_speed", T::Number, "m/s", "1", aboveUpTo(0, 10), "", "A faster command is followed at this speed."},
+     "The way the tip points and the tool advances; any length.", never},
+    {"tool", "max_speed", T::Number, "m/s", "1", aboveUpTo(0, 10), "",
+     "A faster command is followed at this speed.", with_mass_scaling},
     {"tool", "friction", T::Number, "", "0", between(0, 2), "",
-     "Coulomb coefficient between tool and tissue; 0: frictionless."},
+     "Coulomb coefficient between tool and tissue; 0: frictionless.", never},
 
     {"force", "cutoff", T::Number, "Hz", "30", aboveUpTo(0, 1000), "",
-     "Corner frequency of the first-order low-pass of the filtered force."},
-    {"force", "rate_limit", T::Number, "N/s", "200", above(0), "", "The filtered force changes no faster than this."},
+     "Corner frequency of the first-order low-pass of the filtered force.", never},
+    {"force", "rate_limit", T::Number, "N/s", "200", above(0), "",
+     "The filtered force changes no faster than this.", never},
 
-    {"camera", "target", T::Vector, "m", "[0.0, 0.0, 0.0]", {}, "", "The point in the middle of the view."},
-    {"camera", "distance", T::Number, "m", "0.5", above(0), "", "From there to the eye."},
+    {"camera", "target", T::Vector, "m", "[0.0, 0.0, 0.0]", {}, "", "The point in the middle of the view.", never},
+    {"camera", "distance", T::Number, "m", "0.5", above(0), "", "From there to the eye.", never},
     {"camera", "azimuth", T::Number, "degrees", "-60", between(-360, 360), "",
-     "Direction of the eye around +z, from +x."},
-    {"camera", "elevation", T::Number, "degrees", "25", between(-90, 90), "", "Height of the eye above the horizon."},
-    {"camera", "fov", T::Number, "degrees", "35", between(5, 120), "", "Vertical field of view."},
+     "Direction of the eye around +z, from +x.", never},
+    {"camera", "elevation", T::Number, "degrees", "25", between(-90, 90), "",
+     "Height of the eye above the horizon.", never},
+    {"camera", "fov", T::Number, "degrees", "35", between(5, 120), "", "Vertical field of view.", never},
 };
 // clang-format on
 
@@ -255,7 +261,8 @@ std::vector<KeySpec> allKeys() {
   for (KeySpec& key : all)
     if (std::string_view(key.table) == "tool" && std::string_view(key.name) == "shape") key.choices = shapes.c_str();
   for (std::size_t k = 0; k < toolTypes().size(); ++k)
-    for (const Parameter& parameter : toolTypes()[k]->parameters) all.push_back(keySpec(groups[k].c_str(), parameter));
+    for (const Parameter& parameter : toolTypes()[k]->parameters)
+      all.emplace_back(keySpec(groups[k].c_str(), parameter)).set_up = never;  // the skin is made for the radius alone
   return all;
 }
 

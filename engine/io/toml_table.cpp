@@ -69,6 +69,18 @@ std::string usualNameOf(const std::string& word) {
   return found == names.end() ? "" : found->second;
 }
 
+/// A value as text; equal texts, equal values.
+std::string valueText(const toml::node& node) {
+  if (const auto* number = node.as_floating_point()) return shortest(number->get());
+  if (const auto* integer = node.as_integer()) return shortest(static_cast<double>(integer->get()));
+  if (const auto* boolean = node.as_boolean()) return boolean->get() ? "true" : "false";
+  if (const auto* text = node.as_string()) return inQuotes(text->get());
+  std::string list = "[";
+  if (const auto* array = node.as_array())
+    for (const toml::node& entry : *array) list += valueText(entry) + ",";
+  return list + "]";
+}
+
 }  // namespace
 
 toml::table parseToml(const std::string& text, const std::string& file) {
@@ -154,7 +166,15 @@ const toml::node* TomlTable::find(const std::string& key) const {
                              : "add " + key + " = " + typeText(specification.type) +
                                    (*specification.unit != '\0' ? std::string(" in ") + specification.unit : ""));
   }
+  if (node != nullptr) note(specification, *node);
   return node;
+}
+
+void TomlTable::note(const KeySpec& key, const toml::node& node) const {
+  const bool holds_keys = key.type == KeySpec::Type::Table || key.type == KeySpec::Type::Tables;  // noted themselves
+  if (holds_keys || key.set_up == KeySpec::SetUp::Never) return;
+  auto& values = key.set_up == KeySpec::SetUp::Always ? file_->set_up : file_->set_up_with_mass_scaling;
+  values[dotted(key.name)] = valueText(node);
 }
 
 void TomlTable::wrongType(const KeySpec& key, const toml::node& node) const {

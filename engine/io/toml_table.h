@@ -30,6 +30,8 @@ struct TomlFile {
   std::string name;
   std::span<const KeySpec> keys;
   std::map<std::string, SourceLocation> places;  // dotted key ("material[0].young") -> where it stands
+  /// What was read of the keys that a preparation depends on, always or with mass scaling: dotted key -> its value.
+  std::map<std::string, std::string> set_up{}, set_up_with_mass_scaling{};
 };
 
 /// A table of a TOML file, read by its key specifications. Each read checks type, range and choices and
@@ -87,7 +89,8 @@ class TomlTable {
 
  private:
   const KeySpec& spec(const std::string& key) const;
-  const toml::node* find(const std::string& key) const;  // null where absent and allowed to be
+  const toml::node* find(const std::string& key) const;         // null where absent and allowed to be
+  void note(const KeySpec& key, const toml::node& node) const;  // in the file's set_up
   double numberAt(const KeySpec& key, const toml::node& node, const std::string& what) const;
   std::vector<double> numbersAt(const KeySpec& key, const toml::node& node) const;
   void readLengths(const std::string& key, double* values) const;  // of a vector or plane; untouched where absent

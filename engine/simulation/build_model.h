@@ -1,22 +1,37 @@
 #pragma once
 
-#include "discretization/surface/triangle_surface.h"
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "discretization/surface/surface_tree.h"
+#include "simulation/discretize.h"
 #include "simulation/model.h"
-#include "simulation/preparation.h"
 #include "simulation/state.h"
 
 namespace palpate {
 
-/// Turns a scene and its organ's surface into a model: cloud, cells, points, shape
-/// functions, masses, boundaries, stable step, kernel layout. Throws InputError naming
-/// the place in the scene that can't be used. `io/load_model.h` reads the files first.
-/// @param organ  closed surface, checked, m
-Model buildModel(const Scene& scene, const TriangleSurface& organ, const Progress& progress = {});
+/// Called with what is being done and how much of the whole set-up is behind, 0..1. May throw to end it.
+/// loadModel calls it again and again within a stage, too.
+using Progress = std::function<void(const std::string& what, double fraction)>;
 
-/// The second half of buildModel: what is quick, and what depends on rate, step and tool. The same bits from a
-/// preparation that was kept as from a new one.
-/// @param tree  of the organ's closed surface
-Model finishModel(const Scene& scene, const SurfaceTree& tree, Preparation preparation, const Progress& progress = {});
+/// Where buildModel's long first half may come from, and who looks on.
+struct BuildOptions {
+  Progress progress;
+  std::function<std::optional<Preparation>()> find;  // one that was kept for this scene and organ, or nothing
+  std::function<void(const Preparation&)> keep;      // gets one that was made
+  std::function<void(Discretization&, const SurfaceTree&)> disturb;  // changes nodes and cells before they are used
+};
+
+/// The one way from a scene to a model:
+///
+///   organ -> nodes and cells (discretize) -> Preparation (prepare) -> Model
+///
+/// The first two take long and can be kept; the last takes a moment and depends on rate, step and tool, too. A model has
+/// the same bits from a preparation that was kept as from a new one. `io/load_model.h` reads the files and keeps
+/// preparations. Throws InputError naming the place in the scene that can't be used.
+/// @param organ  closed surface, checked, m
+Model buildModel(const Scene& scene, const TriangleSurface& organ, const BuildOptions& options = {});
 
 /// The model at rest with the tool at its start pose. Equal bits at each call.
 State initialState(const Model& model);

@@ -1,125 +1,92 @@
 #include "simulation/preparation.h"
 
 #include <algorithm>
+#include <cmath>
 
-#include "base/parallel_for.h"
-#include "discretization/gradients/boundary_points.h"
-#include "discretization/gradients/consistent_gradients.h"
-#include "mechanics/lumped_mass.h"
-#include "mechanics/mass_scaling.h"
-#include "mechanics/node_patch.h"
-#include "simulation/approximate.h"
-#include "simulation/choose_time_step.h"
-#include "simulation/imposed_nodes.h"
-#include "simulation/scene_regions.h"
+#include "discretization/surface/facet_rule.h"
 
 namespace palpate {
 namespace {
 
-/// materialAt of many places, on all cores.
-std::vector<int> materialsAt(const Scene& scene, const std::vector<Vec3>& X, const SurfaceTree& tree) {
-  std::vector<int> material(X.size());
-  parallelFor(static_cast<int>(X.size()), [&](int first, int last) {
-    for (int k = first; k < last; ++k) material[k] = materialAt(scene, X[k], tree);
+bool within(int index, std::size_t count, int lowest = 0) {
+  return index >= lowest && (index < 0 || static_cast<std::size_t>(index) < count);
+}
+
+bool allWithin(const std::vector<int>& indices, std::size_t count, int lowest = 0) {
+  return std::all_of(indices.begin(), indices.end(), [&](int i) { return within(i, count, lowest); });
+}
+
+template <std::size_t size>
+bool allWithin(const std::vector<std::array<int, size>>& rows, std::size_t count) {
+  return std::all_of(rows.begin(), rows.end(), [&](const auto& row) {
+    return std::all_of(row.begin(), row.end(), [&](int i) { return within(i, count); });
   });
-  return material;
+}
+
+bool allFinite(const std::vector<double>& values) {
+  return std::all_of(values.begin(), values.end(), [](double a) { return std::isfinite(a); });
+}
+
+bool allPositive(const std::vector<double>& values) {
+  return std::all_of(values.begin(), values.end(), [](double a) { return std::isfinite(a) && a > 0; });
+}
+
+bool allFinite(const std::vector<Vec3>& values) {
+  return std::all_of(values.begin(), values.end(), [](const Vec3& a) { return a.allFinite(); });
+}
+
+/// Rows in order, each with ascending nodes of `nodes`.
+bool isTable(const ShapeTable& table, std::size_t rows, std::size_t nodes, bool gradients) {
+  if (rows == 0 && table.begin.empty()) return table.node.empty() && table.N.empty() && table.gradN.empty();
+  const std::size_t entries = table.node.size();
+  if (table.begin.size() != rows + 1 || table.begin.front() != 0 ||
+      static_cast<std::size_t>(table.begin.back()) != entries ||
+      !std::is_sorted(table.begin.begin(), table.begin.end()) || table.N.size() != entries ||
+      table.gradN.size() != (gradients ? entries : 0))
+    return false;
+  for (std::size_t r = 0; r < rows; ++r)
+    for (int e = table.begin[r] + 1; e < table.begin[r + 1]; ++e)
+      if (table.node[e - 1] >= table.node[e]) return false;
+  return allWithin(table.node, nodes) && allFinite(table.N) && allFinite(table.gradN);
+}
+
+/// Each imposed node once, and only such nodes at the facets.
+bool isEssential(const EssentialNodes& essential, std::size_t nodes, std::size_t boundary_count) {
+  std::vector<char> imposed(nodes, 0);
+  for (const ImposedNode& node : essential.nodes) {
+    if (!within(node.node, nodes) || imposed[node.node]) return false;
+    imposed[node.node] = 1;
+    for (const int boundary : node.boundary)
+      if (!within(boundary, boundary_count, -1)) return false;
+  }
+  if (!allWithin(essential.facets, nodes)) return false;
+  for (const auto& facet : essential.facets)
+    for (const int node : facet)
+      if (!imposed[node]) return false;
+  const std::size_t samples = essential.facets.size() * FacetRule::size;
+  return essential.facet_weight.size() == samples && allFinite(essential.facet_weight) &&
+         isTable(essential.facet_phi, samples, nodes, samples != 0);
+}
+
+bool hasSoundPoints(const Preparation& p, std::size_t material_count) {
+  const std::size_t points = p.point_X.size(), cells = p.cells.size();
+  return points != 0 && p.point_volume.size() == points && p.point_material.size() == points &&
+         p.point_cell.size() == points && (p.point_other_cell.empty() || p.point_other_cell.size() == points) &&
+         allFinite(p.point_X) && allFinite(p.point_volume) && allWithin(p.point_material, material_count) &&
+         allWithin(p.point_cell, cells) && allWithin(p.point_other_cell, cells, -1);
 }
 
 }  // namespace
 
-std::vector<Material> materialsOf(const Scene& scene) {
-  std::vector<Material> materials;
-  for (const auto& spec : scene.materials) materials.push_back(toMaterial(spec));
-  return materials;
-}
-
-Preparation prepare(const Scene& scene, const SurfaceTree& tree, const Progress& progress) {
-  const auto report = [&](double share) {
-    if (progress) progress("nodes and cells", 0.43 * share);
-  };
-  report(0);
-  return prepare(scene, tree, discretize(scene, tree, report), progress);
-}
-
-Preparation prepare(const Scene& scene, const SurfaceTree& tree, Discretization discretization,
-                    const Progress& progress) {
-  // Shares of the time with 33,000 nodes and 190,000 points on two cores.
-  const auto report = [&](const char* what, double fraction) {
-    if (progress) progress(what, fraction);
-  };
-  Preparation p;
-  auto& [cloud, cells] = discretization;
-  p.surface_volume = cells.surface_volume;
-  p.cell_volume = cells.total_volume;
-  report("integration points", 0.43);
-  auto radius = supportRadii(cloud.X, cells.cells, scene.support_factor);
-  const std::vector<int> cell_material = materialsAt(scene, centroids(cloud.X, cells.cells), tree);
-  auto points = choosePoints(scene, cloud.X, cells, cell_material, radius);
-
-  report("skin", 0.43);
-  p.skin = refineForContact(scene, tree.surface());
-
-  EssentialNodes essential = chooseImposed(scene, cloud, tree);
-  const auto outer = boundaryFacets(cells.cells);
-  const bool integrated = scene.boundary_method == Scene::BoundaryMethod::Ebciem;
-  std::vector<Vec3> facet_X;
-  if (integrated) facet_X = essentialFacets(cloud, outer, essential);
-  BoundaryPoints boundary;
-  if (scene.consistent_gradients) {
-    // Tractions that are integrated over facets can answer any stress; lumped ones only a sum over the nodes.
-    const std::vector<std::uint8_t> lumped =
-        integrated ? std::vector<std::uint8_t>(cloud.X.size(), 0) : imposedComponents(essential.nodes, cloud.X.size());
-    boundary = boundaryPoints(cloud.X, outer, lumped);
-  }
-  report("shape functions", 0.44);
-  auto shape = approximate(scene, cloud.X, std::move(radius), points.X, p.skin.vertices, facet_X, boundary.X);
-  if (scene.consistent_gradients) {
-    report("consistent gradients", 0.58);
-    // 1e-6 leaves 1e-7 of the displacement.
-    correctGradients(shape.points, points.X, points.volume, cloud.X, boundary, shape.boundary, 1e-6);
-  }
-
-  report("mass and stable step", 0.81);
-  const std::vector<Material> materials = materialsOf(scene);
-  p.point_material = materialsAt(scene, points.X, tree);
-  for (std::size_t q = 0; q < points.other_cell.size(); ++q)  // between two cells of one material may lie another
-    p.point_material[q] = cell_material[points.cell[q]];
-  std::vector<double> cell_density;
-  for (const int m : cell_material) cell_density.push_back(materials[m].density);
-  p.mass = lumpedMass(cloud.X, cells.cells, cells.volume, cell_density);
-  NodePatches patches;
-  if (scene.node_patch_volume)
-    patches = makeNodePatches(cloud.X, cells.cells, points.X, points.volume, points.cell, p.point_material, materials);
-  p.limit = criticalTimeStep(shape.points, points.volume, p.point_material, materials, p.mass, patches);
-  const std::vector<double> own_mass = p.mass;
-  const CriticalTimeStep own_limit = p.limit;
-  while (scene.mass_scaling > 0) {  // fewer and fewer steps to a tick, while they cost no more than the scene grants
-    const double wanted = nextCriticalStep(scene, p.limit.dt);
-    if (wanted == 0) break;
-    ScaledMass scaled =
-        scaleMass(shape.points, points.volume, p.point_material, materials, own_mass, patches, own_limit, wanted);
-    if (scaled.added > scene.mass_scaling || scaled.limit.dt < wanted) break;
-    p.mass = std::move(scaled.mass);
-    p.limit = scaled.limit;
-    p.added_mass = scaled.added;
-  }
-
-  p.X = std::move(cloud.X);
-  p.support_radius = std::move(shape.radius);
-  p.cells = std::move(cells.cells);
-  p.point_X = std::move(points.X);
-  p.point_volume = std::move(points.volume);
-  p.point_cell = std::move(points.cell);
-  p.point_other_cell = std::move(points.other_cell);
-  p.point_shape = std::move(shape.points);
-  p.node_shape = std::move(shape.nodes);
-  p.node_shape.gradN.clear();
-  p.skin_shape = std::move(shape.skin);
-  p.facet_phi = std::move(shape.facets);
-  p.imposed_nodes = std::move(essential.nodes);
-  p.facets = std::move(essential.facets);
-  p.facet_weight = std::move(essential.facet_weight);
-  return p;
+bool isSound(const Preparation& p, std::size_t material_count, std::size_t boundary_count) {
+  const std::size_t nodes = p.X.size(), vertices = p.skin.surface.vertices.size();
+  return nodes != 0 && p.support_radius.size() == nodes && p.mass.size() == nodes && allFinite(p.X) &&
+         allPositive(p.support_radius) && allPositive(p.mass) && allWithin(p.cells, nodes) &&
+         hasSoundPoints(p, material_count) && isTable(p.point_shape, p.point_X.size(), nodes, true) &&
+         isTable(p.node_shape, nodes, nodes, false) && isTable(p.skin_shape, vertices, nodes, true) &&
+         allFinite(p.skin.surface.vertices) && allWithin(p.skin.surface.triangles, vertices) &&
+         isEssential(p.essential, nodes, boundary_count) && within(p.limit.worst_node, nodes) &&
+         allPositive({p.limit.dt, p.limit.dt_proven, p.surface_volume, p.cell_volume}) && std::isfinite(p.added_mass);
 }
 
 }  // namespace palpate

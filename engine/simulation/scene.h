@@ -104,6 +104,9 @@ struct Scene {
   std::string name;
   SourceLocation place;                          // the file itself
   std::map<std::string, SourceLocation> places;  // where a key stands ("dynamics.time_step"), for errors
+  /// The values that the reader accepted of all keys that a Preparation depends on (KeySpec::SetUp), one a line: what a
+  /// cache goes by. Empty: made or changed by a program, and then nothing is kept.
+  std::string set_up_values;
 
   // organ
   enum class Solid { Surface, Box, Cylinder, Ellipsoid };

@@ -44,9 +44,10 @@ Preparation tetrahedron() {
   p.node_shape = row(4);
   p.node_shape.gradN.clear();
   p.skin_shape = row(4);
-  p.skin = {p.X, {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}}};
-  p.imposed_nodes = {{0, {0, 0, 0}}};
-  p.limit.worst_node = 0;
+  p.skin.surface = {p.X, {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}}};
+  p.essential.nodes = {{0, {0, 0, 0}}};
+  p.limit = {1e-3, 5e-4, 0, 1};
+  p.surface_volume = p.cell_volume = 1.0 / 6;
   return p;
 }
 
@@ -65,7 +66,7 @@ void forge(Preparation& p, const Forgery& forgery) {
     case 0:
       return forge(p.cells, forgery);
     case 1:
-      return forge(p.skin.triangles, forgery);
+      return forge(p.skin.surface.triangles, forgery);
     case 2:
       return forge(p.point_material, forgery);
     case 3:
@@ -73,11 +74,11 @@ void forge(Preparation& p, const Forgery& forgery) {
     case 4:
       return forge(p.point_other_cell, forgery);
     case 5:
-      return forge(p.imposed_nodes, forgery);
+      return forge(p.essential.nodes, forgery);
     case 6:
-      return forge(p.facets, forgery);
+      return forge(p.essential.facets, forgery);
     case 7:
-      return forge(p.facet_weight, forgery);
+      return forge(p.essential.facet_weight, forgery);
     case 8:
       return forge(p.point_shape.begin, forgery);
     case 9:
@@ -87,7 +88,7 @@ void forge(Preparation& p, const Forgery& forgery) {
     case 11:
       return forge(p.skin_shape.node, forgery);
     case 12:
-      return forge(p.facet_phi.begin, forgery);
+      return forge(p.essential.facet_phi.begin, forgery);
     default:
       return forge(p.mass, forgery);
   }
@@ -121,13 +122,15 @@ void readPreparationFrom(const std::string& bytes) {
   ::lseek(file.descriptor(), 0, SEEK_SET);
   hold(writePreparation(file.descriptor(), key, forged) == 0, "it can't be written");
   Preparation p;
-  if (!readPreparation(file.descriptor(), key, p)) throw InputError({}, "refused", "");
+  constexpr std::size_t materials = 1, boundaries = 1;
+  if (!readPreparation(file.descriptor(), key, p) || !isSound(p, materials, boundaries))
+    throw InputError({}, "refused", "");
   holdIndices(p.cells, p.X.size(), "a cell has a node that is not there");
-  holdIndices(p.skin.triangles, p.skin.vertices.size(), "a face has a vertex that is not there");
-  for (const int m : p.point_material) hold(m >= 0, "a point has a material that is not there");
+  holdIndices(p.skin.surface.triangles, p.skin.surface.vertices.size(), "a face has a vertex that is not there");
+  for (const int m : p.point_material) hold(m == 0, "a point has a material that is not there");
   for (const int c : p.point_cell)
     hold(c >= 0 && static_cast<std::size_t>(c) < p.cells.size(), "a point lies in a cell that is not there");
-  for (const ImposedNode& imposed : p.imposed_nodes)
+  for (const ImposedNode& imposed : p.essential.nodes)
     hold(imposed.node >= 0 && static_cast<std::size_t>(imposed.node) < p.X.size(), "an imposed node is not there");
 }
 

@@ -15,7 +15,8 @@ using Catch::Contains;
 
 TEST_CASE("A set-up can be ended within each long stage, keeps nothing then, and is not changed by being watched",
           "[load_model]") {
-  const Scene scene = test::blockScene();
+  Scene scene = test::blockScene();
+  scene.set_up_values = "a block";  // so that it would be kept
   const ModelCache none("");
   std::map<std::string, int> calls;
   double last = 0;

@@ -18,11 +18,12 @@ constexpr double young = 3000, poisson = 0.45, stretch = 0.9;
 /// Presses a block that has these nodes and cells by 10 % between plates.
 /// @param area_share  of the scene's cross-section that the nodes fill
 AtlasMeasure press(const Scene& scene, const std::function<void(NodeCloud&)>& disturb, double area_share = 1) {
-  const SurfaceTree tree(organSurface(scene));
-  Discretization d = discretize(scene, tree, [](double) {});
-  disturb(d.cloud);
-  d.cells = makeBackgroundCells(d.cloud, tree);
-  const Model model = finishModel(scene, tree, prepare(scene, tree, std::move(d), {}));
+  BuildOptions options;
+  options.disturb = [&](Discretization& d, const SurfaceTree& tree) {
+    disturb(d.cloud);
+    d.cells = makeBackgroundCells(d.cloud, tree);
+  };
+  const Model model = buildModel(scene, organSurface(scene), options);
   const AtlasRun run = drive(model, blockDrive());
   return compare(run, "force / closed form", run.reaction[1].force.z(),
                  blockForce(BlockFaces::Free, young, poisson, stretch, area_share * scene.size.x() * scene.size.y()),

@@ -1,0 +1,125 @@
+#include "simulation/prepare.h"
+
+#include <algorithm>
+
+#include "base/parallel_for.h"
+#include "discretization/gradients/boundary_points.h"
+#include "discretization/gradients/consistent_gradients.h"
+#include "mechanics/lumped_mass.h"
+#include "mechanics/mass_scaling.h"
+#include "mechanics/node_patch.h"
+#include "simulation/approximate.h"
+#include "simulation/choose_time_step.h"
+#include "simulation/imposed_nodes.h"
+#include "simulation/scene_regions.h"
+
+namespace palpate {
+namespace {
+
+/// materialAt of many places, on all cores.
+std::vector<int> materialsAt(const Scene& scene, const std::vector<Vec3>& X, const SurfaceTree& tree) {
+  std::vector<int> material(X.size());
+  parallelFor(static_cast<int>(X.size()), [&](int first, int last) {
+    for (int k = first; k < last; ++k) material[k] = materialAt(scene, X[k], tree);
+  });
+  return material;
+}
+
+/// Samples of the organ's border at which gradients are made consistent.
+BoundaryPoints consistencyPoints(const Scene& scene, const NodeCloud& cloud,
+                                 const std::vector<std::array<int, 3>>& outer, const EssentialNodes& essential) {
+  if (!scene.consistent_gradients) return {};
+  // Tractions that are integrated over facets can answer any stress; lumped ones only a sum over the nodes.
+  const bool integrated = scene.boundary_method == Scene::BoundaryMethod::Ebciem;
+  const std::vector<std::uint8_t> lumped =
+      integrated ? std::vector<std::uint8_t>(cloud.X.size(), 0) : imposedComponents(essential.nodes, cloud.X.size());
+  return boundaryPoints(cloud.X, outer, lumped);
+}
+
+/// Masses and the stable step, with the mass added that spares steps of a tick.
+void addMasses(const Scene& scene, const std::vector<Vec3>& X, const BackgroundCells& cells,
+               const IntegrationPoints& points, const std::vector<int>& cell_material, const ShapeTable& shape,
+               Preparation& p) {
+  const std::vector<Material> materials = materialsOf(scene);
+  std::vector<double> cell_density;
+  for (const int m : cell_material) cell_density.push_back(materials[m].density);
+  p.mass = lumpedMass(X, cells.cells, cells.volume, cell_density);
+  NodePatches patches;
+  if (scene.node_patch_volume)
+    patches = makeNodePatches(X, cells.cells, points.X, points.volume, points.cell, p.point_material, materials);
+  p.limit = criticalTimeStep(shape, points.volume, p.point_material, materials, p.mass, patches);
+  const std::vector<double> own_mass = p.mass;
+  const CriticalTimeStep own_limit = p.limit;
+  while (scene.mass_scaling > 0) {  // fewer and fewer steps to a tick, while they cost no more than the scene grants
+    const double wanted = nextCriticalStep(scene, p.limit.dt);
+    if (wanted == 0) break;
+    ScaledMass scaled =
+        scaleMass(shape, points.volume, p.point_material, materials, own_mass, patches, own_limit, wanted);
+    if (scaled.added > scene.mass_scaling || scaled.limit.dt < wanted) break;
+    p.mass = std::move(scaled.mass);
+    p.limit = scaled.limit;
+    p.added_mass = scaled.added;
+  }
+}
+
+}  // namespace
+
+std::vector<Material> materialsOf(const Scene& scene) {
+  std::vector<Material> materials;
+  for (const auto& spec : scene.materials) materials.push_back(toMaterial(spec));
+  return materials;
+}
+
+Preparation prepare(const Scene& scene, const SurfaceTree& tree, Discretization discretization,
+                    const Progress& progress) {
+  // Shares of the time with 33,000 nodes and 190,000 points on two cores.
+  const auto report = [&](const char* what, double fraction) {
+    if (progress) progress(what, fraction);
+  };
+  Preparation p;
+  auto& [cloud, cells] = discretization;
+  p.surface_volume = cells.surface_volume;
+  p.cell_volume = cells.total_volume;
+  report("integration points", 0.43);
+  auto radius = supportRadii(cloud.X, cells.cells, scene.support_factor);
+  const std::vector<int> cell_material = materialsAt(scene, centroids(cloud.X, cells.cells), tree);
+  auto points = choosePoints(scene, cloud.X, cells, cell_material, radius);
+
+  report("skin", 0.43);
+  p.skin.surface = refineForContact(scene, tree.surface());
+
+  p.essential = chooseImposed(scene, cloud, tree);
+  const auto outer = boundaryFacets(cells.cells);
+  std::vector<Vec3> facet_X;
+  if (scene.boundary_method == Scene::BoundaryMethod::Ebciem) facet_X = essentialFacets(cloud, outer, p.essential);
+  const BoundaryPoints boundary = consistencyPoints(scene, cloud, outer, p.essential);
+  report("shape functions", 0.44);
+  auto shape = approximate(scene, cloud.X, std::move(radius), points.X, p.skin.surface.vertices, facet_X, boundary.X);
+  if (scene.consistent_gradients) {
+    report("consistent gradients", 0.58);
+    // 1e-6 leaves 1e-7 of the displacement.
+    correctGradients(shape.points, points.X, points.volume, cloud.X, boundary, shape.boundary, 1e-6);
+  }
+
+  report("mass and stable step", 0.81);
+  p.point_material = materialsAt(scene, points.X, tree);
+  for (std::size_t q = 0; q < points.other_cell.size(); ++q)  // between two cells of one material may lie another
+    p.point_material[q] = cell_material[points.cell[q]];
+  addMasses(scene, cloud.X, cells, points, cell_material, shape.points, p);
+
+  p.X = std::move(cloud.X);
+  p.support_radius = std::move(shape.radius);
+  p.cells = std::move(cells.cells);
+  p.point_X = std::move(points.X);
+  p.point_volume = std::move(points.volume);
+  p.point_cell = std::move(points.cell);
+  p.point_other_cell = std::move(points.other_cell);
+  p.point_shape = std::move(shape.points);
+  p.node_shape = std::move(shape.nodes);
+  p.node_shape.gradN.clear();
+  p.skin_shape = std::move(shape.skin);
+  p.essential.facet_phi = std::move(shape.facets);
+  return p;
+}
+
+}  // namespace palpate

@@ -1,0 +1,75 @@
+#include "simulation/step_report.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "simulation/trust.h"
+
+namespace palpate {
+namespace {
+
+/// Deeper than this share of the tool's radius the contact is no longer trusted to push out evenly.
+constexpr double deep_contact = 0.2;
+
+std::uint32_t flagsOf(const Model& model, const StepReport& report, const StepOutcome& outcome, const State& state) {
+  std::uint32_t flags = 0;
+  if (outcome.moved.not_finite >= 0) flags |= kNotFinite;
+  if (report.max_increment > model.max_increment) flags |= kBlowUp;
+  if (report.inverted_points > 0) flags |= kInvertedPoints;
+  if (state.contact.overflow) flags |= kContactOverflow;
+  if (report.max_penetration > deep_contact * model.scene.tool.radius) flags |= kDeepContact;
+  return flags;
+}
+
+}  // namespace
+
+StepReport reportOf(const Model& model, const StepOutcome& outcome, State& state) {
+  const ForceReport& forces = outcome.forces;
+  const Moved& moved = outcome.moved;
+  const double dt2 = model.dt * model.dt;
+  StepReport report;
+  report.tool_force = outcome.tool_force;
+  report.base_reaction = outcome.base_reaction;
+
+  report.max_increment = std::sqrt(moved.distance2);
+  report.worst_node = moved.not_finite < 0 ? moved.node : moved.not_finite;
+  report.min_J = forces.min_J;
+  report.worst_point = forces.worst_point;
+  report.inverted_points = forces.inverted_points;
+  report.contact_count = state.contact.contact_count;
+  report.max_penetration = state.contact.max_penetration;
+
+  report.strain_energy = forces.strain_energy;
+  report.kinetic_energy = 0.5 * moved.kinetic / dt2;
+  state.energy.work -= 0.5 * outcome.work_before;
+  report.energy_error = state.energy.update(forces.strain_energy, report.kinetic_energy, moved.acceleration / (8 * dt2),
+                                            model.dt, model.rest_energy);
+  state.energy.work -= 0.5 * moved.work;
+  report.volume_change = forces.volume_change / model.cell_volume;
+  report.pressure_over_shear = -report.volume_change * bulkOverShear(state.live);
+  report.nearly_incompressible = nearlyIncompressible(state.live);
+  report.step_share = stepShare(model, state.live, forces.max_cof2);
+  report.flags = flagsOf(model, report, outcome, state);
+  return report;
+}
+
+StepReport worstOf(const StepReport& earlier, const StepReport& later) {
+  StepReport both = later;
+  both.flags |= earlier.flags;
+  both.inverted_points = std::max(earlier.inverted_points, later.inverted_points);
+  both.max_penetration = std::max(earlier.max_penetration, later.max_penetration);
+  if (earlier.max_increment > later.max_increment) {
+    both.max_increment = earlier.max_increment;
+    both.worst_node = earlier.worst_node;
+  }
+  if (earlier.min_J < later.min_J) {
+    both.min_J = earlier.min_J;
+    both.worst_point = earlier.worst_point;
+  }
+  both.energy_error = std::max(earlier.energy_error, later.energy_error);
+  both.step_share = std::max(earlier.step_share, later.step_share);
+  if (earlier.flags & kNotFinite) both.worst_node = earlier.worst_node;
+  return both;
+}
+
+}  // namespace palpate

@@ -1,0 +1,26 @@
+#pragma once
+
+#include "mechanics/internal_forces.h"
+#include "simulation/model.h"
+#include "simulation/node_passes.h"
+#include "simulation/state.h"
+
+namespace palpate {
+
+/// What the physics of one step leaves for its report.
+struct StepOutcome {
+  ForceReport forces;
+  double work_before = 0;             // J, of the internal forces on the increments before the step
+  Moved moved;                        // the step's own increments
+  Vec3 tool_force = Vec3::Zero();     // N
+  Vec3 base_reaction = Vec3::Zero();  // N
+};
+
+/// The report of a step that has been done; keeps the state's account of energy.
+/// Real-time: no allocation, no lock, no throw.
+StepReport reportOf(const Model& model, const StepOutcome& outcome, State& state);
+
+/// The later step's forces with the worst that either saw.
+StepReport worstOf(const StepReport& earlier, const StepReport& later);
+
+}  // namespace palpate

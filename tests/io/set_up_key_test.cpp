@@ -1,0 +1,188 @@
+// The key of kept preparations against every key of the scene reference.
+
+#include <catch2/catch.hpp>
+#include <map>
+#include <string>
+
+#include "io/scene_file.h"
+#include "io/scene_keys.h"
+#include "io/scene_texts.h"
+#include "simulation/preparation.h"
+#include "support/temp_folder.h"
+#include "support/text.h"
+
+using namespace palpate;
+
+namespace {
+
+// Scenes with what `full_scene` lacks; each has mass scaling, or not, as the test asks.
+const std::string motion =
+    "[[prescribed]]\nshape = \"sphere\"\ncentre = [0, 0, 1]\nradius = 1\ntranslation = [0, 0, 1]\n"
+    "axis_point = [0, 0, 0]\naxis = [0, 0, 1]\nangle = 10\nduration = 1\n";
+const std::string moved = minimal_scene + motion;
+const std::string surface =
+    replaced(minimal_scene, "solid = \"box\"\nsize = [0.1, 0.1, 0.05]", "surface = \"a.obj\"\nunit = \"mm\"");
+const std::string scaled_surface = replaced(surface, "unit = \"mm\"", "scale = 0.001");
+const std::string ellipsoid = replaced(minimal_scene, "solid = \"box\"\nsize = [0.1, 0.1, 0.05]",
+                                       "solid = \"ellipsoid\"\nsemi_axes = [0.1, 0.1, 0.05]");
+const std::string adaptive = replaced(minimal_scene, "spacing = 0.01\n", "spacing = 0.01\nquadrature_accuracy = 0.1\n");
+const std::string rod =
+    replaced(minimal_scene, "shape = \"half-space\"", "shape = \"cylinder\"\nradius = 0.01\nheight = 0.02");
+const std::string solved = minimal_scene + "[solve]\n";
+
+/// A scene, and what to write in it instead of something else, so that one key changes.
+struct Change {
+  std::string scene, from, to;
+};
+
+/// For every key of the reference: "table.key".
+std::map<std::string, Change> changes() {
+  const auto added = [](const std::string& scene, const std::string& after, const std::string& line) {
+    return Change{scene, after, after + line + "\n"};
+  };
+  const std::string grid = "[discretization]\n";
+  return {
+      {".name", {full_scene, "\"Everything\"", "\"Something\""}},
+      {"organ.surface", {surface, "\"a.obj\"", "\"./b.obj\""}},
+      {"organ.unit", {surface, "\"mm\"", "\"cm\""}},
+      {"organ.scale", {scaled_surface, "scale = 0.001", "scale = 0.002"}},
+      {"organ.solid",
+       {minimal_scene, "\"box\"\nsize = [0.1, 0.1, 0.05]", "\"ellipsoid\"\nsemi_axes = [0.1, 0.1, 0.1]"}},
+      {"organ.size", {minimal_scene, "[0.1, 0.1, 0.05]", "[0.1, 0.1, 0.06]"}},
+      {"organ.radius", {full_scene, "radius = 0.015", "radius = 0.016"}},
+      {"organ.height", {full_scene, "height = 0.017", "height = 0.018"}},
+      {"organ.semi_axes", {ellipsoid, "[0.1, 0.1, 0.05]", "[0.1, 0.1, 0.06]"}},
+      {"organ.upper_half", {ellipsoid, "[0.1, 0.1, 0.05]", "[0.1, 0.1, 0.05]\nupper_half = true"}},
+      {"organ.colour", {full_scene, "[0.1, 0.2, 0.3]", "[0.1, 0.2, 0.4]"}},
+      {"discretization.spacing", {full_scene, "spacing = 0.004", "spacing = 0.0041"}},
+      {"discretization.seed", {full_scene, "seed = 9", "seed = 10"}},
+      {"discretization.points_per_cell", {full_scene, "points_per_cell = 1", "points_per_cell = 4"}},
+      {"discretization.cells_per_point", added(minimal_scene, grid, "cells_per_point = 1.3")},
+      {"discretization.quadrature_accuracy", {adaptive, "accuracy = 0.1", "accuracy = 0.2"}},
+      {"discretization.quadrature_division", added(adaptive, grid, "quadrature_division = 4")},
+      {"discretization.quadrature_depth", added(adaptive, grid, "quadrature_depth = 2")},
+      {"discretization.basis", {full_scene, "\"linear\"", "\"quadratic\""}},
+      {"discretization.support_factor", {full_scene, "support_factor = 2", "support_factor = 2.1"}},
+      {"discretization.mu", {full_scene, "mu = 0.05", "mu = 0.06"}},
+      {"discretization.consistent_gradients", added(minimal_scene, grid, "consistent_gradients = false")},
+      {"discretization.node_patch_volume", added(minimal_scene, grid, "node_patch_volume = false")},
+      {"discretization.boundary_method", added(minimal_scene, grid, "boundary_method = \"ebciem\"")},
+      {"discretization.refine.centre", {full_scene, "centre = [0, 0, 0.017]", "centre = [0, 0, 0.016]"}},
+      {"discretization.refine.radius", {full_scene, "radius = 0.003", "radius = 0.004"}},
+      {"discretization.refine.spacing", {full_scene, "spacing = 0.001", "spacing = 0.0011"}},
+      {"discretization.refine.blend", {full_scene, "blend = 0.004", "blend = 0.005"}},
+      {"material.model",
+       {minimal_scene, "\"neo-hookean\"\nyoung = 3000\npoisson = 0.49",
+        "\"ogden\"\nmu = [1000]\nalpha = [2]\nD1 = 1e-4"}},
+      {"material.young", {full_scene, "young = 1000", "young = 1001"}},
+      {"material.poisson", {full_scene, "poisson = 0.45", "poisson = 0.46"}},
+      {"material.mu", {full_scene, "[600, 43.6]", "[600, 43.7]"}},
+      {"material.alpha", {full_scene, "[-1.1, 2]", "[-1.2, 2]"}},
+      {"material.D1", {full_scene, "1.2598e-4", "1.2599e-4"}},
+      {"material.barrier_strength", added(minimal_scene, "poisson = 0.49\n", "barrier_strength = 1")},
+      {"material.barrier_J0", added(minimal_scene, "poisson = 0.49\n", "barrier_J0 = 0.4")},
+      {"material.density", {full_scene, "density = 970", "density = 971"}},
+      {"region.shape", {rod, "\"cylinder\"\nradius = 0.01\nheight = 0.02", "\"half-space\""}},
+      {"region.point", {full_scene, "point = [0, 0, 0]", "point = [0, 0, 1e-5]"}},
+      {"region.normal", {full_scene, "normal = [0, 0, 2]", "normal = [0, 1, 2]"}},
+      {"region.min", {full_scene, "min = [-0.01,", "min = [-0.011,"}},
+      {"region.max", {full_scene, "max = [0.01,", "max = [0.011,"}},
+      {"region.centre", {full_scene, "centre = [0, 0, 0.01]", "centre = [0, 0, 0.011]"}},
+      {"region.radius", {rod, "radius = 0.01", "radius = 0.011"}},
+      {"region.height", {rod, "height = 0.02", "height = 0.021"}},
+      {"region.distance", {full_scene, "distance = 1e-5", "distance = 2e-5"}},
+      {"boundary.name", added(minimal_scene, "[[fixed]]\n", "name = \"base\"")},
+      {"boundary.components", {full_scene, "[\"z\"]", "[\"x\"]"}},
+      {"boundary.surface_only", {full_scene, "surface_only = true", "surface_only = false"}},
+      {"prescribed.translation", {full_scene, "[0, 0, -0.002]", "[0, 0, -0.003]"}},
+      {"prescribed.axis_point", {moved, "axis_point = [0, 0, 0]", "axis_point = [0, 0, 1]"}},
+      {"prescribed.axis", {moved, "axis = [0, 0, 1]", "axis = [0, 1, 1]"}},
+      {"prescribed.angle", {moved, "angle = 10", "angle = 11"}},
+      {"prescribed.duration", {moved, "duration = 1", "duration = 2"}},
+      {"prescribed.curve", {moved, "duration = 1", "duration = 1\ncurve = \"linear\""}},
+      {"prescribed.curve_table", {moved, "duration = 1", "duration = 1\ncurve_table = [[0, 0], [1, 1]]"}},
+      {"dynamics.rate", {full_scene, "rate = 1000", "rate = 500"}},
+      {"dynamics.time_step", {full_scene, "time_step = 0.0005", "time_step = 0.00025"}},
+      {"dynamics.step_safety", {full_scene, "step_safety = 0.5", "step_safety = 0.6"}},
+      {"dynamics.damping", {full_scene, "damping = 10", "damping = 11"}},
+      {"dynamics.threads", {full_scene, "threads = 2", "threads = 3"}},
+      {"dynamics.gradient_precision", added(full_scene, "[dynamics]\n", "gradient_precision = \"int16\"")},
+      {"solve.mode", added(solved, "[solve]\n", "mode = \"transient\"")},
+      {"solve.tolerance", added(solved, "[solve]\n", "tolerance = 0.001")},
+      {"solve.load_steps", added(solved, "[solve]\n", "load_steps = 2")},
+      {"solve.end_time", added(solved, "[solve]\n", "end_time = 2")},
+      {"solve.frames", added(solved, "[solve]\n", "frames = 2")},
+      {"solve.probes", added(solved, "[solve]\n", "probes = \"p.csv\"")},
+      {"tool.shape",
+       {full_scene, "\"cylinder\"\nradius = 0.005\nlength = 0.03\nedge_radius = 0.0005",
+        "\"capsule\"\nradius = 0.005\nlength = 0.03"}},
+      {"tool.radius", {full_scene, "radius = 0.005\nlength", "radius = 0.006\nlength"}},
+      {"tool.length", {full_scene, "length = 0.03", "length = 0.04"}},
+      {"tool (cylinder).edge_radius", {full_scene, "edge_radius = 0.0005", "edge_radius = 0.0006"}},
+      {"tool.position", {full_scene, "position = [0, 0, 0.03]", "position = [0, 0, 0.04]"}},
+      {"tool.direction", {full_scene, "direction = [0, 3, -4]", "direction = [0, 3, -5]"}},
+      {"tool.max_speed", {full_scene, "max_speed = 0.5", "max_speed = 0.6"}},
+      {"tool.friction", {full_scene, "friction = 0.2", "friction = 0.3"}},
+      {"force.cutoff", {full_scene, "cutoff = 40", "cutoff = 50"}},
+      {"force.rate_limit", {full_scene, "rate_limit = 100", "rate_limit = 101"}},
+      {"camera.target", {full_scene, "target = [0, 0, 0.01]", "target = [0, 0, 0.02]"}},
+      {"camera.distance", {full_scene, "distance = 0.2", "distance = 0.3"}},
+      {"camera.azimuth", {full_scene, "azimuth = 30", "azimuth = 31"}},
+      {"camera.elevation", {full_scene, "elevation = 10", "elevation = 11"}},
+      {"camera.fov", {full_scene, "fov = 40", "fov = 41"}},
+  };
+}
+
+/// The scene with this much mass scaling.
+std::string withMassScaling(const std::string& scene, const std::string& amount) {
+  const std::string line = "mass_scaling = " + amount + "\n";
+  if (scene.find("[dynamics]\n") == std::string::npos) return scene + "[dynamics]\n" + line;
+  return replaced(scene, "[dynamics]\n", "[dynamics]\n" + line);
+}
+
+}  // namespace
+
+TEST_CASE("Changing a key of the reference changes the cache key where the set-up depends on it, and nowhere else",
+          "[io][set_up_key]") {
+  TempFolder folder;
+  folder.write("a.obj", "v 0 0 0\n");
+  folder.write("b.obj", "v 0 0 0\n");
+  folder.write("p.csv", "X,Y,Z\n0,0,0\n");
+  const auto keyOf = [&](const std::string& text) {
+    return preparationKey(readScene(folder.write("s.toml", text)), TriangleSurface{});
+  };
+  const auto all = changes();
+  int always = 0, with_scaling = 0, never = 0;
+  for (const KeySpec& spec : sceneKeys()) {
+    if (spec.type == KeySpec::Type::Table || spec.type == KeySpec::Type::Tables) continue;  // their keys are here
+    const std::string name = std::string(spec.table) + "." + spec.name;
+    INFO(name);
+    const bool scaling = name == "dynamics.mass_scaling";
+    REQUIRE((scaling || all.contains(name)));  // a new key needs a line in changes()
+    for (const bool scaled : {false, true}) {
+      const std::string amount = scaled ? "0.5" : "0";
+      const std::string before = withMassScaling(scaling ? full_scene : all.at(name).scene, amount);
+      const std::string after = scaling ? replaced(before, "mass_scaling = " + amount, "mass_scaling = 0.25")
+                                        : replaced(before, all.at(name).from, all.at(name).to);
+      REQUIRE(after != before);
+      const bool matters =
+          spec.set_up == KeySpec::SetUp::Always || (spec.set_up == KeySpec::SetUp::WithMassScaling && scaled);
+      CHECK((keyOf(after) != keyOf(before)) == matters);
+    }
+    ++(spec.set_up == KeySpec::SetUp::Always ? always : spec.set_up == KeySpec::SetUp::Never ? never : with_scaling);
+  }
+  CHECK(always > 40);
+  CHECK(with_scaling == 4);
+  CHECK(never > 20);
+}
+
+TEST_CASE("A rate that replaces the file's counts where mass is scaled", "[io][set_up_key]") {
+  TempFolder folder;
+  for (const bool scaled : {false, true}) {
+    Scene scene = readScene(folder.write("s.toml", withMassScaling(full_scene, scaled ? "0.5" : "0")));
+    const std::string before = preparationKey(scene, {});
+    overrideRate(scene, 500);
+    CHECK(scene.rate_hz == 500);
+    CHECK((preparationKey(scene, {}) != before) == scaled);
+  }
+}
