@@ -2,6 +2,7 @@
 
 // The register of material laws. A law is one file here, with its parameters, energy and stress; in the register it is
 // its file and its name.
+#include "mechanics/materials/mooney_rivlin.h"
 #include "mechanics/materials/neo_hookean.h"
 #include "mechanics/materials/ogden.h"
 
@@ -12,7 +13,7 @@ template <class... Laws>
 struct LawList {};
 
 /// In the order of the scene reference.
-using RegisteredLaws = LawList<NeoHookean, Ogden>;
+using RegisteredLaws = LawList<NeoHookean, MooneyRivlin, Ogden>;
 
 template <class Law, class... Laws>
 consteval int placeOf(LawList<Laws...>) {
