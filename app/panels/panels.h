@@ -38,9 +38,8 @@ struct TimingView {
 /// What moves the tool.
 enum class ToolDriver { User, Script, Replay };
 
-/// A material as it is now, and what the scene gave.
+/// A material as it is now.
 struct MaterialView {
-  const MaterialSpec& spec;
   Material material;     // at present
   double stiffness = 1;  // times that of the scene
 };

@@ -2,9 +2,13 @@
 #include <imgui.h>
 
 #include <cmath>
+#include <span>
+#include <string_view>
+#include <vector>
 
 #include "app/panels/panels.h"
 #include "app/panels/widgets.h"
+#include "mechanics/materials/material_law.h"
 
 namespace palpate::app {
 
@@ -39,25 +43,50 @@ std::string pressure(double pa) {
   return format("%.4g Pa", pa);
 }
 
-void drawMaterial(const Theme& theme, const MaterialView& view) {
-  const char* nu = theme.has_greek ? "\xCE\xBD" : "nu";
-  const char* mu = theme.has_greek ? "\xCE\xBC" : "mu";
-  const Material& material = view.material;
-  if (view.spec.kind == MaterialSpec::Kind::NeoHookean) {
-    row("Model", "neo-Hookean");
-    row("Young's modulus E", pressure(view.spec.young * view.stiffness));
-    row(format("Poisson's ratio %s", nu).c_str(), format("%.4g", view.spec.poisson));
-  } else {
-    row("Model", format("Ogden, %d term%s", material.term_count, material.term_count == 1 ? "" : "s"));
-    for (int k = 0; k < material.term_count; ++k) {
-      const auto i = static_cast<std::size_t>(k);
-      row(format("%s%d, a%d", mu, k + 1, k + 1).c_str(),
-          pressure(material.mu[i]) + format(", %.4g", material.alpha[i]));
+std::string replacedAll(std::string text, std::string_view from, std::string_view to) {
+  for (std::size_t at = 0; (at = text.find(from, at)) != std::string::npos; at += to.size())
+    text.replace(at, from.size(), to);
+  return text;
+}
+
+/// "2.5 kPa", "1060 kg/m^3" with the small three
+std::string valueText(const Parameter& parameter, double value) {
+  const std::string unit = parameter.unit;
+  if (unit == "Pa") return pressure(value);
+  return format("%.4g", value) + (unit.empty() ? "" : " " + replacedAll(unit, "^3", "\xC2\xB3"));
+}
+
+/// A row for each parameter that has a label: the law's own, or those that all laws have.
+void drawParameters(const Theme& theme, const Material& material, bool common) {
+  const std::size_t own_count = material.lawDescription().parameters.size();
+  std::size_t number = 0;
+  struct Row {
+    std::string label, value;
+  };
+  std::vector<Row> terms;  // of the lists: one row holds an entry of each
+  forEachParameter(material, [&](const Parameter& parameter, std::span<const double> values) {
+    if ((number++ >= own_count) != common || *parameter.label == '\0') return;
+    std::string label = parameter.label;
+    if (!theme.has_greek) label = replacedAll(replacedAll(label, "\xCE\xBD", "nu"), "\xCE\xBC", "mu");
+    if (parameter.type == Parameter::Type::Number) return row(label.c_str(), valueText(parameter, values[0]));
+    terms.resize(values.size());
+    for (std::size_t k = 0; k < values.size(); ++k) {
+      const char* separator = terms[k].label.empty() ? "" : ", ";
+      terms[k].label += separator + label + std::to_string(k + 1);
+      terms[k].value += separator + valueText(parameter, values[k]);
     }
-  }
+  });
+  for (const Row& term : terms) row(term.label.c_str(), term.value);
+}
+
+void drawMaterial(const Theme& theme, const Material& material) {
+  const char* law = material.lawDescription().title;
+  const int terms = material.term_count;
+  row("Model", terms == 0 ? law : format("%s, %d term%s", law, terms, terms == 1 ? "" : "s"));
+  drawParameters(theme, material, false);
   row("Shear modulus", pressure(material.shear_modulus));
   row("Bulk modulus", pressure(material.bulk_modulus));
-  row("Density", format("%.4g kg/m\xC2\xB3", material.density));
+  drawParameters(theme, material, true);
 }
 
 }  // namespace
@@ -143,7 +172,7 @@ void drawMaterialCard(const Theme& theme, const PanelData& data, PanelRequests& 
   if (!beginCard(theme, "Material")) return;
   for (std::size_t k = 0; k < data.materials.size(); ++k) {
     if (k > 0) ImGui::Separator();
-    drawMaterial(theme, data.materials[k]);
+    drawMaterial(theme, data.materials[k].material);
     ImGui::PushID(static_cast<int>(k));
     auto percent = static_cast<float>(100 * data.materials[k].stiffness);
     if (slider("Stiffness", percent, min_stiffness_percent, 100, "%.0f %% of scene", data.input_note)) {

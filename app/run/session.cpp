@@ -298,7 +298,7 @@ PanelData Session::panelData(const Snapshot& snapshot) const {
   data.timing = timing(snapshot);
   data.force = shownForce(snapshot);
   for (std::size_t m = 0; m < stiffness_.size(); ++m)
-    data.materials.push_back({scene_.materials[m], stiffened(scene_materials_[m], stiffness_[m]), stiffness_[m]});
+    data.materials.push_back({stiffened(scene_materials_[m], stiffness_[m]), stiffness_[m]});
   data.friction = friction_;
   data.driver = driver();
   data.script = script_;
@@ -311,13 +311,6 @@ PanelData Session::panelData(const Snapshot& snapshot) const {
 RunReport Session::report() {
   return makeRunReport(model_, loop_->summary(), loop_->statistics(), physics_->team().size(),
                        volumeChange(model_, latest().u.data()));
-}
-
-Material stiffened(Material material, double factor) {
-  material.shear_modulus *= factor;
-  material.bulk_modulus *= factor;
-  for (double& mu : material.mu) mu *= factor;
-  return material;
 }
 
 double volumeChange(const Model& model, const Float4* u) {

@@ -97,9 +97,6 @@ class Session {
   bool ended_ = false;
 };
 
-/// The material with all its stiffnesses times `factor`; the density stays.
-Material stiffened(Material material, double factor);
-
 /// Relative change of the organ's volume: sum_q V_q (J_q - 1) / sum_q V_q, with J_q = det F_q
 /// and F_q = I + sum_i u_i (x) gradN_i(X_q) (X of paper eqs. 9, 31).
 /// @param u  displacement parameters, m  (node_count)

@@ -4,7 +4,8 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
-#include <numeric>
+#include <map>
+#include <span>
 #include <string_view>
 #include <utility>
 
@@ -14,6 +15,7 @@
 #include "io/scene_keys.h"
 #include "io/text_file.h"
 #include "io/toml_table.h"
+#include "mechanics/materials/material_law.h"
 
 namespace palpate {
 
@@ -115,42 +117,72 @@ void readDiscretization(const TomlTable& table, Scene& scene) {
   }
 }
 
+/// "an Ogden material"
+std::string withArticle(const MaterialLaw& law) {
+  const bool vowel = std::string_view("AEIOUaeiou").find(*law.title) != std::string_view::npos;
+  return std::string(vowel ? "an " : "a ") + law.title + " material";
+}
+
+/// A law's lists have one entry for each term, and the kernel room for some.
+void checkTermCounts(const TomlTable& table, const std::map<std::string, std::vector<double>>& lists,
+                     std::span<const Parameter> parameters) {
+  std::string found;
+  const Parameter* first = nullptr;
+  bool wrong = false;
+  for (const Parameter& p : parameters) {
+    if (p.type != Parameter::Type::Numbers) continue;
+    if (first == nullptr) first = &p;
+    const std::size_t terms = lists.at(p.name).size();
+    wrong |= terms < 1 || terms > std::size_t{Material::max_terms} || terms != lists.at(first->name).size();
+    if (&p != first) found += " and ";
+    found += inQuotes(p.name);
+    found += &p == first ? " has " : " ";
+    found += std::to_string(terms);
+    if (&p == first) found += " terms";
+  }
+  if (!wrong) return;
+  const std::string limit = std::to_string(Material::max_terms);
+  throw InputError(table.place(first->name), found,
+                   std::string(lists.size() > 1 ? "give both the same number of terms, 1 to " : "give 1 to ") + limit);
+}
+
+/// The law that the table chooses, with its parameters and those of all laws.
+Material readLaw(const TomlTable& table) {
+  const auto laws = materialLaws();
+  const MaterialLaw& law = laws[static_cast<std::size_t>(table.readChoice("model", 0))];
+  const std::string one = withArticle(law);
+  for (const Parameter& p : law.parameters)
+    if (p.isRequired()) table.require({p.name}, one);
+  for (const MaterialLaw& other : laws)
+    for (const Parameter& p : other.parameters) {
+      const bool own = std::any_of(law.parameters.begin(), law.parameters.end(),
+                                   [&](const Parameter& mine) { return std::string_view(mine.name) == p.name; });
+      if (!own) table.forbid({p.name}, "to " + one);
+    }
+  Material material = Material::of(law.name);
+  std::map<std::string, std::vector<double>> lists;
+  const auto readNumber = [&](const Parameter& p) {
+    double value = 0;
+    table.read(p.name, value);
+    if (table.has(p.name)) material.set(p.name, value);
+  };
+  for (const Parameter& p : law.parameters) {
+    if (p.type == Parameter::Type::Numbers)
+      table.read(p.name, lists[p.name]);
+    else
+      readNumber(p);
+  }
+  for (const auto& [parameter, member] : commonMaterialParameters()) readNumber(parameter);
+  checkTermCounts(table, lists, law.parameters);
+  for (const auto& [name, values] : lists) material.set(name, values);
+  if (const auto problem = law.check(material))
+    throw InputError(table.place(problem->parameter), problem->problem, problem->advice);
+  return material;
+}
+
 void readMaterial(const TomlTable& table, bool first, MaterialSpec& material) {
   material.place = table.place();
-  if (table.readChoice("model", 0) == 0) {
-    table.require({"young", "poisson"}, "a neo-Hookean material");
-    table.forbid({"mu", "alpha", "D1"}, "to a neo-Hookean material");
-  } else {
-    material.kind = MaterialSpec::Kind::Ogden;
-    table.require({"mu", "alpha", "D1"}, "an Ogden material");
-    table.forbid({"young", "poisson"}, "to an Ogden material");
-  }
-  table.read("young", material.young);
-  table.read("poisson", material.poisson);
-  table.read("mu", material.ogden_mu);
-  table.read("alpha", material.ogden_alpha);
-  table.read("D1", material.ogden_D1);
-  table.read("barrier_strength", material.barrier_strength);
-  table.read("barrier_J0", material.barrier_J0);
-  table.read("density", material.density);
-  if (material.kind == MaterialSpec::Kind::Ogden) {
-    constexpr std::size_t max_terms = 6;  // Material::max_terms
-    const std::size_t terms = material.ogden_mu.size();
-    if (terms < 1 || terms > max_terms || material.ogden_alpha.size() != terms) {
-      throw InputError(
-          table.place("mu"),
-          "\"mu\" has " + std::to_string(terms) + " terms and \"alpha\" " + std::to_string(material.ogden_alpha.size()),
-          "give both the same number of terms, 1 to 6");
-    }
-    for (double alpha : material.ogden_alpha) {
-      if (alpha == 0)
-        throw InputError(table.place("alpha"), "an exponent is 0", "its energy is not defined: leave the term out");
-    }
-    if (!(std::accumulate(material.ogden_mu.begin(), material.ogden_mu.end(), 0.0) > 0)) {
-      throw InputError(table.place("mu"), "the shear modulus at rest, the sum of \"mu\", is not positive",
-                       "check the signs: paper eq. 32 has energy 2 mu / alpha^2 (...)");
-    }
-  }
+  material.material = readLaw(table);
   if (first && table.has("region")) {
     throw InputError(table.place("region"), "the first material has a region",
                      "the first applies everywhere; give regions to later ones");

@@ -1,10 +1,14 @@
 #include "io/scene_keys.h"
 
+#include <algorithm>
+#include <cctype>
 #include <deque>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "contact/tool.h"
+#include "mechanics/materials/material_law.h"
 
 namespace palpate {
 
@@ -16,6 +20,7 @@ constexpr const char* depends = KeySpec::depends;
 constexpr auto never = KeySpec::SetUp::Never, with_mass_scaling = KeySpec::SetUp::WithMassScaling;
 
 // clang-format off
+// All but those of the material laws and of the tools.
 constexpr KeySpec scene_keys[] = {
     {"", "name", T::Text, "", "", {}, "",
      "Shown in the window's title and in reports; the file's name where absent.", never},
@@ -97,22 +102,6 @@ constexpr KeySpec scene_keys[] = {
     {"discretization.refine", "blend", T::Number, "m", "0", atLeast(0), "",
      "Width over which the spacing grows back to the global one; 0: three times the difference of the two."},
 
-    {"material", "model", T::Text, "", required, {}, "neo-hookean|ogden",
-     "Strain energy: neo-Hookean or Ogden (paper eq. 32), both with bulk energy K/2 (J - 1)^2."},
-    {"material", "young", T::Number, "Pa", depends, aboveUpTo(0, 1e9), "",
-     "Neo-Hookean: Young's modulus at rest. Liver 1000 .. 6000."},
-    {"material", "poisson", T::Number, "", depends, between(0, 0.4999), "",
-     "Neo-Hookean: Poisson's ratio at rest. 0.49 costs a smaller time step than 0.45, 0.499 a third of that "
-     "of 0.49."},
-    {"material", "mu", T::Numbers, "Pa", depends, {}, "",
-     "Ogden: shear moduli, one per term, 1 to 6 terms; their sum is the shear modulus at rest."},
-    {"material", "alpha", T::Numbers, "", depends, {}, "", "Ogden: exponents, one per term, not 0."},
-    {"material", "D1", T::Number, "1/Pa", depends, above(0), "", "Ogden: compressibility; the bulk modulus is 2/D1."},
-    {"material", "barrier_strength", T::Number, "", "0", between(0, 10), "",
-     "Barrier b against collapse: adds K b ln(J / J0) to the pressure where J < J0, which the paper's energy "
-     "lacks. 0: none. 1 .. 3 where indentation goes beyond half the height."},
-    {"material", "barrier_J0", T::Number, "", "0.5", between(0.05, 0.95), "", "Where the barrier begins."},
-    {"material", "density", T::Number, "kg/m^3", "1000", between(1, 30000), "", "Mass density."},
     {"material", "region", T::Table, "", depends, {}, "",
      "Where this material is (a [region](#region)). The first material is everywhere and has none; each later "
      "one needs one and replaces what was there."},
@@ -219,6 +208,53 @@ constexpr KeySpec scene_keys[] = {
 };
 // clang-format on
 
+/// Keeps a text for as long as the program runs.
+const char* kept(std::string text) {
+  static std::deque<std::string> texts;
+  return texts.emplace_back(std::move(text)).c_str();
+}
+
+KeySpec materialKey(const Parameter& parameter, const char* fallback, const std::string& meaning) {
+  KeySpec key = keySpec("material", parameter);
+  key.fallback = fallback;
+  key.meaning = kept(meaning);
+  return key;
+}
+
+/// The keys that choose and describe a material law: `model`, each law's parameters, those that all laws have.
+std::vector<KeySpec> materialKeys() {
+  std::string names, titles;
+  std::vector<KeySpec> keys(1);  // `model`, below
+  for (const MaterialLaw& law : materialLaws()) {
+    if (!names.empty()) names += '|', titles += " or ";
+    names += law.name;
+    titles += law.title;
+    if (*law.reference != '\0') titles.append(" (").append(law.reference).append(")");
+    std::string title = law.title;
+    title[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(title[0])));
+    for (const Parameter& parameter : law.parameters) {
+      const std::string meaning = std::string(title).append(": ").append(parameter.text);
+      const auto same = std::find_if(keys.begin() + 1, keys.end(),
+                                     [&](const KeySpec& key) { return std::string_view(key.name) == parameter.name; });
+      if (same != keys.end())
+        same->meaning = kept(std::string(same->meaning).append(" ").append(meaning));
+      else
+        keys.push_back(materialKey(parameter, depends, meaning));
+    }
+  }
+  keys[0] = {"material",
+             "model",
+             T::Text,
+             "",
+             required,
+             {},
+             kept(names),
+             kept(std::string("Strain energy: ").append(titles).append(", each with bulk energy K/2 (J - 1)^2."))};
+  for (const auto& [parameter, member] : commonMaterialParameters())
+    keys.push_back(materialKey(parameter, parameter.fallback, parameter.text));
+  return keys;
+}
+
 struct Section {
   const char* table;
   const char* title;
@@ -248,7 +284,8 @@ constexpr Section sections[] = {
     {"camera", "`[camera]`", ""},
 };
 
-/// The keys above and those of the tools, each tool's in a group of its own.
+/// The keys above, those of the material laws where their table begins, and those of the tools, each tool's in a group
+/// of its own.
 std::vector<KeySpec> allKeys() {
   static std::string shapes;
   static std::deque<std::string> groups;  // KeySpec points to its texts
@@ -258,6 +295,10 @@ std::vector<KeySpec> allKeys() {
     groups.push_back(toolKeyGroup(*tool));
   }
   std::vector<KeySpec> all(std::begin(scene_keys), std::end(scene_keys));
+  const auto material = std::find_if(all.begin(), all.end(),
+                                     [](const KeySpec& key) { return std::string_view(key.table) == "material"; });
+  const std::vector<KeySpec> added = materialKeys();
+  all.insert(material, added.begin(), added.end());
   for (KeySpec& key : all)
     if (std::string_view(key.table) == "tool" && std::string_view(key.name) == "shape") key.choices = shapes.c_str();
   for (std::size_t k = 0; k < toolTypes().size(); ++k)

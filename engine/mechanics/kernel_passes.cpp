@@ -3,7 +3,7 @@
 #include "mechanics/kernel_passes.h"
 
 #include "base/float4.h"
-#include "mechanics/simd_stress.h"
+#include "mechanics/materials/laws.h"
 
 namespace palpate {
 namespace {
@@ -209,6 +209,16 @@ struct Kernel {
     }
   }
 
+  /// The same for the material's law among `Laws`.
+  template <class... Laws>
+  void batchesForcesOf(LawList<Laws...>, const Material& material, int begin, int end, const Real4<Real>* u,
+                       Real4<Real>* f, Sums& sums) const {
+    int place = 0;  // No lambda here: GCC 12 then fuses other products in the material's formulas.
+    ((material.law == place++ ? batchesForces<typename Laws::template Lanes<Real>>(material, begin, end, u, f, sums)
+                              : void()),
+     ...);
+  }
+
   void forces(int chunk, const Real4<Real>* u) const {
     Real4<Real>* f = k.force + static_cast<std::ptrdiff_t>(chunk) * k.node_count;
     for (int i = k.chunk_node_begin[chunk]; i < k.chunk_node_end[chunk]; ++i) store(f[i], GroupOf<Real>{});
@@ -219,10 +229,10 @@ struct Kernel {
       const Material& material = k.materials[material_index];
       int end = batch;
       while (end < last && k.batch_material[end] == material_index) ++end;
-      if (bare || material.kind == Material::Kind::NeoHookean)
-        batchesForces<NeoHookeanLanes<Real>>(material, batch, end, u, f, sums);
+      if constexpr (bare)
+        batchesForces<NeoHookean::Lanes<Real>>(material, batch, end, u, f, sums);
       else
-        batchesForces<OgdenLanes<Real>>(material, batch, end, u, f, sums);
+        batchesForcesOf(RegisteredLaws{}, material, batch, end, u, f, sums);
       batch = end;
     }
     auto& report = k.report[chunk];

@@ -2,6 +2,7 @@
 
 #include "base/instruction_set.h"
 #include "base/key.h"
+#include "mechanics/materials/material_law.h"
 #include "simulation/model.h"
 #include "simulation/state.h"
 
@@ -15,10 +16,6 @@ void add(ByteKey& key, const KernelLayout& kernel) {
   key.add(kernel.patch_share, kernel.patch_weight);
 }
 
-void add(ByteKey& key, const Material& m) {
-  key.add(m.kind, m.shear_modulus, m.bulk_modulus, m.term_count, m.mu, m.alpha, m.barrier_strength, m.barrier_J0);
-}
-
 void add(ByteKey& key, const EssentialBoundary& boundary) {
   for (const EssentialBoundary::Set& set : boundary.sets)
     key.add(set.mask, set.node, set.boundary, set.phi.value, set.v.value, set.u.value);
@@ -28,18 +25,12 @@ void add(ByteKey& key, const EssentialBoundary& boundary) {
 
 void add(ByteKey& key, const ToolShape& tool) { key.add(tool.kind, tool.radius, tool.length, tool.parameter); }
 
-bool same(const Material& a, const Material& b) {
-  return a.kind == b.kind && a.shear_modulus == b.shear_modulus && a.bulk_modulus == b.bulk_modulus &&
-         a.term_count == b.term_count && a.mu == b.mu && a.alpha == b.alpha &&
-         a.barrier_strength == b.barrier_strength && a.barrier_J0 == b.barrier_J0;
-}
-
 /// What is set live and differs from the model, each setting after its number; the patches' moduli follow from it.
 std::string liveChanges(const Model& model, const LiveParameters& live) {
   ByteKey changes;
   if (live.friction != model.scene.friction) changes.add(-1, live.friction);
   for (std::size_t m = 0; m < model.materials.size(); ++m) {
-    if (same(live.kernel.materials[m], model.materials[m])) continue;
+    if (live.kernel.materials[m] == model.materials[m]) continue;
     changes.add(static_cast<int>(m));
     add(changes, live.kernel.materials[m]);
   }

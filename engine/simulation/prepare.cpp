@@ -66,7 +66,7 @@ void addMasses(const Scene& scene, const std::vector<Vec3>& X, const BackgroundC
 
 std::vector<Material> materialsOf(const Scene& scene) {
   std::vector<Material> materials;
-  for (const auto& spec : scene.materials) materials.push_back(toMaterial(spec));
+  for (const auto& spec : scene.materials) materials.push_back(spec.material);
   return materials;
 }
 

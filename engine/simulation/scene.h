@@ -10,6 +10,7 @@
 #include "contact/tool.h"
 #include "mechanics/gradient_precision.h"
 #include "mechanics/load_curve.h"
+#include "mechanics/materials/material.h"
 
 namespace palpate {
 
@@ -35,18 +36,9 @@ struct Region {
                 double surface_distance = std::numeric_limits<double>::infinity()) const;
 };
 
-/// Elastic material as the scene states it. SI units.
+/// A material and where it is.
 struct MaterialSpec {
-  enum class Kind { NeoHookean, Ogden };
-  Kind kind = Kind::NeoHookean;
-  double young = 3000;              // Pa, NeoHookean
-  double poisson = 0.49;            // NeoHookean
-  std::vector<double> ogden_mu;     // Pa, one per term (paper eq. 32: mu_1)
-  std::vector<double> ogden_alpha;  // one per term (paper eq. 32: a_1)
-  double ogden_D1 = 0;              // 1/Pa; bulk modulus 2/D1
-  double barrier_strength = 0;      // against collapse (Material); 0: none
-  double barrier_J0 = 0.5;
-  double density = 1000;   // kg/m^3
+  Material material = Material::neoHookean(3000, 0.49, 1000);
   bool everywhere = true;  // otherwise only inside `region` (later entries win)
   Region region;
   SourceLocation place;

@@ -14,14 +14,4 @@ int materialAt(const Scene& scene, const Vec3& x, const SurfaceTree& organ) {
   return 0;
 }
 
-Material toMaterial(const MaterialSpec& spec) {
-  Material material = spec.kind == MaterialSpec::Kind::NeoHookean
-                          ? Material::neoHookean(spec.young, spec.poisson, spec.density)
-                          : Material::ogden(spec.ogden_mu.data(), spec.ogden_alpha.data(),
-                                            static_cast<int>(spec.ogden_mu.size()), spec.ogden_D1, spec.density);
-  material.barrier_strength = spec.barrier_strength;
-  material.barrier_J0 = spec.barrier_J0;
-  return material;
-}
-
 }  // namespace palpate

@@ -1,7 +1,6 @@
 #pragma once
 
 #include "discretization/surface/surface_tree.h"
-#include "mechanics/materials/material.h"
 #include "simulation/scene.h"
 
 namespace palpate {
@@ -11,7 +10,5 @@ bool contains(const Region& region, const Vec3& x, const SurfaceTree& organ);
 
 /// Index into scene.materials: of several, the last whose region holds x (m).
 int materialAt(const Scene& scene, const Vec3& x, const SurfaceTree& organ);
-
-Material toMaterial(const MaterialSpec& spec);
 
 }  // namespace palpate

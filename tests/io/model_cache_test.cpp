@@ -78,7 +78,7 @@ TEST_CASE("A model from the cache has the bits of one that was built", "[model_c
   SECTION("with tractions over facets and a second material") {
     scene.boundary_method = Scene::BoundaryMethod::Ebciem;
     scene.materials.push_back(scene.materials[0]);
-    scene.materials[1].young = 9000;
+    scene.materials[1].material.set("young", 9000);
     scene.materials[1].everywhere = false;
     scene.materials[1].region.normal = -Vec3::UnitX();
   }

@@ -6,6 +6,7 @@
 #include "io/scene_file.h"
 #include "io/scene_keys.h"
 #include "io/scene_texts.h"
+#include "mechanics/materials/material_law.h"
 #include "support/temp_folder.h"
 #include "support/text.h"
 
@@ -24,7 +25,8 @@ std::string described(const Scene& s) {
   add(static_cast<int>(s.boundary_method), s.quadrature.points_per_cell, s.quadrature.cells_per_point);
   add(s.quadrature.accuracy, s.quadrature.division, s.quadrature.max_depth);
   for (const RefineSpec& r : s.refine) add(r.spacing, r.blend);
-  for (const MaterialSpec& m : s.materials) add(m.barrier_strength, m.barrier_J0, m.density);
+  for (const MaterialSpec& m : s.materials)
+    for (const auto& [parameter, member] : commonMaterialParameters()) add(m.material.*member);
   for (const BoundarySpec& b : s.boundaries)
     add(b.component[0], b.component[1], b.component[2], b.surface_only, static_cast<int>(b.curve.kind));
   add(s.rate_hz, s.time_step, s.step_safety, s.mass_scaling, s.damping, s.threads);

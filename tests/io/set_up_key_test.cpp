@@ -4,10 +4,11 @@
 #include <map>
 #include <string>
 
+#include "io/material_texts.h"
 #include "io/scene_file.h"
 #include "io/scene_keys.h"
-#include "io/scene_texts.h"
 #include "simulation/preparation.h"
+#include "support/law_values.h"
 #include "support/temp_folder.h"
 #include "support/text.h"
 
@@ -41,7 +42,7 @@ std::map<std::string, Change> changes() {
     return Change{scene, after, after + line + "\n"};
   };
   const std::string grid = "[discretization]\n";
-  return {
+  std::map<std::string, Change> all = {
       {".name", {full_scene, "\"Everything\"", "\"Something\""}},
       {"organ.surface", {surface, "\"a.obj\"", "\"./b.obj\""}},
       {"organ.unit", {surface, "\"mm\"", "\"cm\""}},
@@ -74,14 +75,6 @@ std::map<std::string, Change> changes() {
       {"material.model",
        {minimal_scene, "\"neo-hookean\"\nyoung = 3000\npoisson = 0.49",
         "\"ogden\"\nmu = [1000]\nalpha = [2]\nD1 = 1e-4"}},
-      {"material.young", {full_scene, "young = 1000", "young = 1001"}},
-      {"material.poisson", {full_scene, "poisson = 0.45", "poisson = 0.46"}},
-      {"material.mu", {full_scene, "[600, 43.6]", "[600, 43.7]"}},
-      {"material.alpha", {full_scene, "[-1.1, 2]", "[-1.2, 2]"}},
-      {"material.D1", {full_scene, "1.2598e-4", "1.2599e-4"}},
-      {"material.barrier_strength", added(minimal_scene, "poisson = 0.49\n", "barrier_strength = 1")},
-      {"material.barrier_J0", added(minimal_scene, "poisson = 0.49\n", "barrier_J0 = 0.4")},
-      {"material.density", {full_scene, "density = 970", "density = 971"}},
       {"region.shape", {rod, "\"cylinder\"\nradius = 0.01\nheight = 0.02", "\"half-space\""}},
       {"region.point", {full_scene, "point = [0, 0, 0]", "point = [0, 0, 1e-5]"}},
       {"region.normal", {full_scene, "normal = [0, 0, 2]", "normal = [0, 1, 2]"}},
@@ -131,6 +124,15 @@ std::map<std::string, Change> changes() {
       {"camera.elevation", {full_scene, "elevation = 10", "elevation = 11"}},
       {"camera.fov", {full_scene, "fov = 40", "fov = 41"}},
   };
+  for (const MaterialLaw& law : materialLaws()) {
+    const Material material = test::sampleMaterial(law);
+    forEachParameter(material, [&](const Parameter& p, std::span<const double> values) {
+      std::vector<double> other(values.begin(), values.end());
+      other.back() *= 1.001;
+      all[std::string("material.") + p.name] = {sceneOf(material), keyLine(p, values), keyLine(p, other)};
+    });
+  }
+  return all;
 }
 
 /// The scene with this much mass scaling.

@@ -82,8 +82,8 @@ TEST_CASE("A material region changes the points inside it alone", "[build_model]
   Scene scene = blockScene();
   MaterialSpec stiff = scene.materials[0];
   stiff.everywhere = false;
-  stiff.young = 9000;
-  stiff.density = 2000;
+  stiff.material.set("young", 9000);
+  stiff.material.set("density", 2000);
   stiff.region.kind = Region::Kind::HalfSpace;
   stiff.region.point = Vec3(0.01, 0, 0);
   stiff.region.normal = -Vec3::UnitX();  // x >= 0.01

@@ -14,12 +14,6 @@ using namespace palpate;
 
 namespace {
 
-Material scaled(Material material, double factor) {
-  material.shear_modulus *= factor;
-  material.bulk_modulus *= factor;
-  return material;
-}
-
 /// The tool `depth` deep after `ticks` ticks.
 void press(const Model& model, State& state, Workspace& workspace, double depth, int ticks) {
   Command command;
@@ -62,7 +56,7 @@ TEST_CASE("The state's hash follows live settings where they differ from the loa
   state.live.friction = 0.4;
   const std::uint64_t rough = stateHash(model, state);
   CHECK(rough != loaded);
-  setMaterial(model, 0, scaled(model.materials[0], 2), state.live);
+  setMaterial(model, 0, stiffened(model.materials[0], 2), state.live);
   const std::uint64_t rough_and_stiff = stateHash(model, state);
   CHECK(rough_and_stiff != rough);
   state.live.friction = model.scene.friction;
@@ -77,7 +71,7 @@ TEST_CASE("Equal states give equal futures, live settings included", "[live_para
   Workspace one(model, 1), other(model, 2);
   State state = initialState(model);
   state.live.friction = 0.4;
-  setMaterial(model, 0, scaled(model.materials[0], 0.5), state.live);
+  setMaterial(model, 0, stiffened(model.materials[0], 0.5), state.live);
   press(model, state, one, 0.002, 40);
   State copy = state;
   State with_loaded_settings = state;
@@ -94,7 +88,7 @@ TEST_CASE("Patch moduli of a live material are those of a model that was loaded 
   Scene scene = test::blockScene();
   scene.node_patch_volume = true;
   const Model soft = test::blockModel(scene);
-  scene.materials[0].young *= 3;
+  scene.materials[0].material = stiffened(scene.materials[0].material, 3);
   const Model stiff = test::blockModel(scene);
   State state = initialState(soft);
   const AlignedVector<float> before = state.live.kernel.patch_bulk;
@@ -111,9 +105,9 @@ TEST_CASE("The stiffening is the larger of bulk and shear, over all materials", 
   LiveParameters live;
   live.kernel.materials = model.materials;
   CHECK(stiffening(model, live) == 1);
-  live.kernel.materials[1] = scaled(model.materials[1], 0.5);
+  live.kernel.materials[1] = stiffened(model.materials[1], 0.5);
   CHECK(stiffening(model, live) == 1);  // the first is as it was
-  live.kernel.materials[0] = scaled(model.materials[0], 0.25);
+  live.kernel.materials[0] = stiffened(model.materials[0], 0.25);
   CHECK(stiffening(model, live) == 0.5);
   live.kernel.materials[0].bulk_modulus = 4 * model.materials[0].bulk_modulus;
   CHECK(stiffening(model, live) == 4);
@@ -126,10 +120,10 @@ TEST_CASE("A slab stiffened live is doubted where one that was loaded as stiff i
   const Model loaded = test::blockModel(scene);
   State state = initialState(loaded);
   const Amber soft = amberOf(loaded, state);
-  setMaterial(loaded, 0, scaled(loaded.materials[0], factor), state.live);
+  setMaterial(loaded, 0, stiffened(loaded.materials[0], factor), state.live);
   const Amber live = amberOf(loaded, state);
 
-  scene.materials[0].young *= factor;
+  scene.materials[0].material = stiffened(scene.materials[0].material, factor);
   Model stiff = test::blockModel(scene);
   stiff.dt = loaded.dt;  // the same steps: those that it would choose are shorter
   stiff.substeps_per_tick = loaded.substeps_per_tick;

@@ -34,7 +34,7 @@ BoundarySpec onPlane(const char* name, const Vec3& point, const Vec3& normal, bo
 /// The block on rollers on three sides, its top moved by `travel` in z within 1 s: a homogeneous state.
 Scene rollers(double travel) {
   Scene scene = blockScene();
-  scene.materials[0].poisson = 0.49;
+  scene.materials[0].material.set("poisson", 0.49);
   scene.boundaries = {onPlane("base", Vec3::Zero(), Vec3::UnitZ(), false, false, true),
                       onPlane("left", Vec3(-0.03, 0, 0), Vec3::UnitX(), true, false, false),
                       onPlane("front", Vec3(0, -0.03, 0), Vec3::UnitY(), false, true, false),

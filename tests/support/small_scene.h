@@ -14,8 +14,8 @@ inline Scene blockScene(double spacing = 0.012) {
   scene.spacing = spacing;
   scene.quadrature.points_per_cell = 1;
   scene.materials.emplace_back();
-  scene.materials[0].young = 3000;
-  scene.materials[0].poisson = 0.48;
+  scene.materials[0].material.set("young", 3000);
+  scene.materials[0].material.set("poisson", 0.48);
   BoundarySpec base;
   base.region.kind = Region::Kind::NearPlane;
   base.region.distance = 1e-6;

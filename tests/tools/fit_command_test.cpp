@@ -42,8 +42,8 @@ Scene randomScene(unsigned seed) {
     top = scene.semi_axes.z();
   }
   scene.materials.emplace_back();
-  scene.materials[0].young = between(1000, 8000);
-  scene.materials[0].poisson = between(0.4, 0.49);
+  scene.materials[0].material.set("young", between(1000, 8000));
+  scene.materials[0].material.set("poisson", between(0.4, 0.49));
   BoundarySpec base;
   base.region.kind = Region::Kind::HalfSpace;
   base.region.point = Vec3(0, 0, 1e-6);

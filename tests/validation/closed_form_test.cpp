@@ -32,8 +32,8 @@ Scene layerScene(double spacing_under_sphere) {
   scene.refine.push_back({Vec3(0, 0, 0.015), 0.005, spacing_under_sphere, 0.01, {}});
   scene.consistent_gradients = true;  // as in the scene; without, 2 - 5 % below the closed form instead of 1 - 2 %
   scene.materials.emplace_back();
-  scene.materials[0].young = 3000;
-  scene.materials[0].poisson = 0.49;
+  scene.materials[0].material.set("young", 3000);
+  scene.materials[0].material.set("poisson", 0.49);
   BoundarySpec base;
   base.region.kind = Region::Kind::NearPlane;
   base.region.distance = 1e-6;

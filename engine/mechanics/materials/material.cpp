@@ -1,66 +1,76 @@
 #include "mechanics/materials/material.h"
 
-#include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
+#include <string>
+
+#include "mechanics/materials/laws.h"
+#include "mechanics/materials/material_law.h"
 
 namespace palpate {
 namespace {
 
-Mat3 cofactor(const Mat3& F) {
-  Mat3 c;
-  c.col(0) = F.col(1).cross(F.col(2));
-  c.col(1) = F.col(2).cross(F.col(0));
-  c.col(2) = F.col(0).cross(F.col(1));
-  return c;
+[[noreturn]] void refuse(const MaterialLaw& law, std::string_view parameter, const char* problem) {
+  std::string text = "material law ";
+  throw std::invalid_argument(text.append(law.name).append(", ").append(parameter).append(": ").append(problem));
 }
-
-/// g(J) = J^e and its derivative; below min_isochoric_J the tangent there, so that energy and
-/// stress stay finite and consistent for inverted F.
-struct IsochoricFactor {
-  double value, slope;
-  IsochoricFactor(double J, double e) {
-    const double Jc = std::max(J, Material::min_isochoric_J);
-    value = std::pow(Jc, e);
-    slope = e * value / Jc;
-    value += slope * (J - Jc);
-  }
-};
-
-struct PrincipalStretches {
-  Vec3 squared;
-  Mat3 direction;
-  explicit PrincipalStretches(const Mat3& F) {
-    const Eigen::SelfAdjointEigenSolver<Mat3> eigen(F.transpose() * F);
-    squared = eigen.eigenvalues().cwiseMax(1e-12);
-    direction = eigen.eigenvectors();
-  }
-};
 
 }  // namespace
 
+const MaterialLaw& Material::lawDescription() const { return materialLaws()[static_cast<std::size_t>(law)]; }
+
+Material Material::of(std::string_view law) {
+  const auto laws = materialLaws();
+  const auto found = std::find_if(laws.begin(), laws.end(), [&](const MaterialLaw& l) { return law == l.name; });
+  if (found == laws.end()) throw std::invalid_argument(std::string("there is no material law ").append(law));
+  Material material;
+  material.law = static_cast<int>(found - laws.begin());
+  forEachParameter(material, [](const Parameter& parameter, std::span<double> values) {
+    if (!parameter.isRequired()) std::fill(values.begin(), values.end(), parameter.fallbackValue());
+  });
+  return material;
+}
+
 Material Material::neoHookean(double young, double poisson, double density) {
-  Material m;
-  m.kind = Kind::NeoHookean;
-  m.shear_modulus = young / (2 * (1 + poisson));
-  m.bulk_modulus = young / (3 * (1 - 2 * poisson));
-  m.density = density;
-  return m;
+  return of(NeoHookean::name).set("young", young).set("poisson", poisson).set("density", density);
 }
 
 Material Material::ogden(const double* mu, const double* alpha, int term_count, double D1, double density) {
   if (term_count < 1 || term_count > max_terms) throw std::invalid_argument("Ogden material: 1 to 6 terms");
-  Material m;
-  m.kind = Kind::Ogden;
-  m.term_count = term_count;
-  for (int k = 0; k < term_count; ++k) {
-    m.mu[k] = mu[k];
-    m.alpha[k] = alpha[k];
-    m.shear_modulus += mu[k];
-  }
-  m.bulk_modulus = 2 / D1;
-  m.density = density;
-  return m;
+  const auto terms = static_cast<std::size_t>(term_count);
+  return of(Ogden::name).set("mu", {mu, terms}).set("alpha", {alpha, terms}).set("D1", D1).set("density", density);
+}
+
+Material& Material::set(std::string_view parameter, std::span<const double> values) {
+  bool known = false;
+  forEachParameter(*this, [&](const Parameter& p, std::span<double> present) {
+    if (parameter != p.name) return;
+    known = true;
+    const bool is_list = p.type == Parameter::Type::Numbers;
+    if (values.empty() || values.size() > static_cast<std::size_t>(is_list ? max_terms : 1))
+      refuse(lawDescription(), parameter, is_list ? "1 to 6 numbers" : "one number");
+    if (is_list) term_count = static_cast<int>(values.size());
+    std::copy(values.begin(), values.end(), present.data());  // a list has room for max_terms
+  });
+  if (!known) refuse(lawDescription(), parameter, "it has no such parameter");
+  updateModuli();
+  return *this;
+}
+
+std::span<const double> Material::get(std::string_view parameter) const {
+  std::span<const double> found;
+  forEachParameter(*this, [&](const Parameter& p, std::span<const double> values) {
+    if (parameter == p.name) found = values;
+  });
+  if (found.data() == nullptr) refuse(lawDescription(), parameter, "it has no such parameter");
+  return found;
+}
+
+void Material::updateModuli() {
+  const RestModuli moduli = lawDescription().restModuli(*this);
+  shear_modulus = moduli.shear;
+  bulk_modulus = moduli.bulk;
 }
 
 double Material::barrierPressure(double J) const {
@@ -77,37 +87,25 @@ double Material::energy(const Mat3& F) const {
     W += bulk_modulus * barrier_strength *
          (Jc * std::log(Jc / barrier_J0) - Jc + barrier_J0 + d * std::log(Jc / barrier_J0) + d * d / (2 * Jc));
   }
-  if (kind == Kind::NeoHookean)
-    return W + 0.5 * shear_modulus * (IsochoricFactor(J, -2.0 / 3).value * F.squaredNorm() - 3);
-  const PrincipalStretches stretch(F);
-  for (int k = 0; k < term_count; ++k) {
-    const double a = alpha[k];
-    const double sum = stretch.squared.array().pow(a / 2).sum();
-    W += 2 * mu[k] / (a * a) * (IsochoricFactor(J, -a / 3).value * sum - 3);
-  }
-  return W;
+  return W + lawDescription().isochoricEnergy(*this, F);
 }
 
 Mat3 Material::firstPiola(const Mat3& F) const { return firstPiola(F, bulk_modulus * (F.determinant() - 1)); }
 
 Mat3 Material::firstPiola(const Mat3& F, double pressure) const {
-  const double J = F.determinant();
-  const Mat3 cof = cofactor(F);  // dJ/dF
-  pressure += barrierPressure(J);
-  if (kind == Kind::NeoHookean) {
-    const IsochoricFactor g(J, -2.0 / 3);
-    return shear_modulus * g.value * F + (0.5 * shear_modulus * g.slope * F.squaredNorm() + pressure) * cof;
-  }
-  const PrincipalStretches stretch(F);
-  Vec3 s = Vec3::Zero();  // coefficients of F n (x) n; `pressure` collects those of cof F
-  for (int k = 0; k < term_count; ++k) {
-    const double a = alpha[k];
-    const IsochoricFactor g(J, -a / 3);
-    const Vec3 power = stretch.squared.array().pow(a / 2);
-    s += 2 * mu[k] / a * g.value * power.cwiseQuotient(stretch.squared);
-    pressure += 2 * mu[k] / (a * a) * g.slope * power.sum();
-  }
-  return F * (stretch.direction * s.asDiagonal() * stretch.direction.transpose()) + pressure * cof;
+  return lawDescription().firstPiola(*this, F, pressure + barrierPressure(F.determinant()));
+}
+
+Material stiffened(Material material, double factor) {
+  forEachParameter(material, [factor](const Parameter& parameter, std::span<double> values) {
+    const std::string_view unit = parameter.unit;
+    for (double& value : values) {
+      if (unit == "Pa") value *= factor;
+      if (unit == "1/Pa") value /= factor;
+    }
+  });
+  material.updateModuli();
+  return material;
 }
 
 double vonMises(const Mat3& P, const Mat3& F) {

@@ -1,34 +1,57 @@
 #pragma once
 
-#include <array>
+#include <span>
+#include <string_view>
+#include <type_traits>
 
 #include "base/types.h"
 
 namespace palpate {
 
-/// Isotropic hyperelastic material with density: a small value type.
-///
-/// Neo-Hookean:  W = mu/2 (J^(-2/3) I1 - 3) + K/2 (J - 1)^2
-/// Ogden (paper eq. 32):
-///   W = sum_k 2 mu_k / a_k^2 (J^(-a_k/3) (l1^a_k + l2^a_k + l3^a_k) - 3) + K/2 (J - 1)^2,  K = 2/D1
-/// with the principal stretches l1, l2, l3.
-struct Material {
-  enum class Kind { NeoHookean, Ogden };
-  static constexpr int max_terms = 6;
+struct MaterialLaw;
 
-  Kind kind = Kind::NeoHookean;
-  double shear_modulus = 0;                     // Pa, at rest (Ogden: sum of mu_k)
-  double bulk_modulus = 0;                      // Pa
-  double density = 1000;                        // kg/m^3
-  int term_count = 0;                           // Ogden
-  std::array<double, max_terms> mu{}, alpha{};  // Ogden: Pa, 1
-  // Optional barrier against collapse, for J < barrier_J0: the energies above permit J = 0 at a finite pressure.
-  //   W += K b (J ln(J / J0) - J + J0),  p += K b ln(J / J0).  It departs from eq. 32; 0 is none.
+/// Isotropic hyperelastic material with density: a law (laws.h) and the values of its parameters. A small value type,
+/// which threads pass to each other.
+///
+///   W = W_law(J^(-2/3) C) + K/2 (J - 1)^2          an isochoric part of the law's, and the volume
+struct Material {
+  static constexpr int max_terms = 6;  // entries of a parameter that is a list
+  static constexpr int max_values = 2 * max_terms + 1;
+
+  int law = 0;                 // place in materialLaws()
+  int term_count = 0;          // entries in use of each list
+  double value[max_values]{};  // the law's parameters in the order of its list; one that is a list takes max_terms
+
+  // Follow from the parameters (set).
+  double shear_modulus = 0;  // Pa, at rest
+  double bulk_modulus = 0;   // Pa, K
+
+  // Parameters of every law.
+  double density = 1000;  // kg/m^3
+  // Optional barrier against collapse, for J < barrier_J0: the energy above permits J = 0 at a finite pressure.
+  //   W += K b (J ln(J / J0) - J + J0),  p += K b ln(J / J0).  It departs from paper eq. 32; 0 is none.
   double barrier_strength = 0;  // b
   double barrier_J0 = 0.5;
 
+  /// A material of the law with this name: values not set yet are their defaults, or 0.
+  /// Throws std::invalid_argument where there is no such law.
+  static Material of(std::string_view law);
+
   static Material neoHookean(double young, double poisson, double density);
   static Material ogden(const double* mu, const double* alpha, int term_count, double D1, double density);
+
+  const MaterialLaw& lawDescription() const;
+
+  /// Sets a parameter by its name, and with it the moduli at rest. A list sets term_count: a law's lists are equally
+  /// long once all are set. Throws std::invalid_argument where the law has no such parameter, or too many entries.
+  Material& set(std::string_view parameter, std::span<const double> values);
+  Material& set(std::string_view parameter, double number) { return set(parameter, std::span(&number, 1)); }
+
+  /// Values of a parameter, by its name. Throws std::invalid_argument where the law has no such parameter.
+  std::span<const double> get(std::string_view parameter) const;
+
+  /// Makes the moduli at rest what the law says of the values.
+  void updateModuli();
 
   /// Strain energy per reference volume, J/m^3. F is the deformation gradient.
   double energy(const Mat3& F) const;
@@ -47,10 +70,16 @@ struct Material {
   /// P-wave modulus at rest, K + 4/3 mu, Pa.
   double waveModulus() const { return bulk_modulus + 4.0 / 3.0 * shear_modulus; }
 
+  bool operator==(const Material&) const = default;
+
   /// Below this J the isochoric factor J^(-a/3) continues along its tangent, so that an inverted point gets a
   /// finite force that pushes it back. A state that gets here is flagged, not trusted.
   static constexpr double min_isochoric_J = 0.02;
 };
+static_assert(std::is_trivially_copyable_v<Material>);  // it goes through lock-free queues
+
+/// The material with all its stiffnesses times `factor`: parameters in Pa are multiplied, those in 1/Pa divided.
+Material stiffened(Material material, double factor);
 
 /// von Mises equivalent of the Cauchy stress P F^T / J, Pa.
 double vonMises(const Mat3& P, const Mat3& F);

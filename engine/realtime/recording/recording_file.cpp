@@ -1,16 +1,21 @@
 #include "realtime/recording/recording_file.h"
 
+#include <algorithm>
 #include <cerrno>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <initializer_list>
+#include <span>
 #include <stdexcept>
 #include <system_error>
+#include <utility>
+#include <vector>
 
 #include "base/input_error.h"
 #include "base/number_text.h"
 #include "base/printable_text.h"
+#include "mechanics/materials/material_law.h"
 #include "realtime/recording/line_reader.h"
 
 namespace palpate {
@@ -47,17 +52,12 @@ std::string lineOf(const TimedRequest& change) {
       append(line, {r.value});
       break;
     case Request::Kind::SetMaterial: {
-      const Material& m = r.material;
-      line += " material " + std::to_string(r.index) + (m.kind == Material::Kind::Ogden ? " ogden" : " neo_hookean");
-      append(line, {m.shear_modulus, m.bulk_modulus, m.density});
-      if (m.kind == Material::Kind::Ogden) {
-        line.append(" ").append(std::to_string(m.term_count));
-        for (std::size_t k = 0; k < static_cast<std::size_t>(m.term_count); ++k) append(line, {m.mu[k], m.alpha[k]});
-      }
-      if (m.barrier_strength != 0) {
-        line += " barrier";
-        append(line, {m.barrier_strength, m.barrier_J0});
-      }
+      line += " material " + std::to_string(r.index) + " " + r.material.lawDescription().name;
+      forEachParameter(r.material, [&line](const Parameter& parameter, std::span<const double> values) {
+        line += std::string(" ") + parameter.name;
+        if (parameter.type == Parameter::Type::Numbers) line += " " + std::to_string(values.size());
+        for (const double value : values) append(line, {value});
+      });
       break;
     }
     case Request::Kind::Reset:
@@ -70,29 +70,24 @@ std::string lineOf(const TimedRequest& change) {
 }
 
 Material readMaterial(LineReader& line) {
-  const std::string_view kind = line.word("a material kind");
-  Material material;
-  if (kind == "ogden") {
-    material.kind = Material::Kind::Ogden;
-  } else if (kind != "neo_hookean") {
-    line.fail(inQuotes(kind) + " is not a material kind");
-  }
-  material.shear_modulus = line.number("a shear modulus, Pa");
-  material.bulk_modulus = line.number("a bulk modulus, Pa");
-  material.density = line.number("a density, kg/m^3");
-  if (material.kind == Material::Kind::Ogden) {
-    material.term_count = line.integer<int>("a number of terms");
-    if (material.term_count < 1 || material.term_count > Material::max_terms) line.fail("so many terms can't be");
-    for (std::size_t k = 0; k < static_cast<std::size_t>(material.term_count); ++k) {
-      material.mu[k] = line.number("a term's mu, Pa");
-      material.alpha[k] = line.number("a term's alpha");
+  const std::string_view name = line.word("a material law");
+  const auto laws = materialLaws();
+  if (std::none_of(laws.begin(), laws.end(), [name](const MaterialLaw& law) { return name == law.name; }))
+    line.fail(inQuotes(name) + " is not a material law");
+  Material material = Material::of(name);
+  int terms = 0;  // of the lists read so far
+  forEachParameter(std::as_const(material), [&](const Parameter& parameter, std::span<const double>) {
+    line.expect(parameter.name);
+    std::vector<double> values(1);
+    if (parameter.type == Parameter::Type::Numbers) {
+      const int count = line.integer<int>("a number of terms");
+      if (count < 1 || count > Material::max_terms || (terms > 0 && count != terms))
+        line.fail("so many terms can't be");
+      values.resize(static_cast<std::size_t>(terms = count));
     }
-  }
-  if (!line.atEnd()) {
-    line.expect("barrier");
-    material.barrier_strength = line.number("a barrier's strength");
-    material.barrier_J0 = line.number("a barrier's J");
-  }
+    for (double& value : values) value = line.number((std::string("a value of ") + parameter.name).c_str());
+    material.set(parameter.name, values);
+  });
   return material;
 }
 

@@ -15,9 +15,8 @@ namespace palpate {
 ///   12 pull 411 0.01 0 0.12              skin vertex, target m
 ///   15 release
 ///   20 friction 0.3
-///   21 material 0 neo_hookean 1000 5e4 1060         mu Pa, K Pa, density kg/m^3
-///   21 material 0 ogden 1500 5e4 1060 2  1000 2  500 -2    and terms: mu Pa, alpha
-///   22 material 0 neo_hookean 1000 5e4 1060  barrier 0.1 0.5       strength, J0
+///   21 material 0 neo-hookean young 3000 poisson 0.49 barrier_strength 0 barrier_J0 0.5 density 1060
+///   21 material 0 ogden mu 2 1000 500 alpha 2 2 -2 D1 4e-5 barrier_strength 0 ...    lists after their length
 ///   30 reset
 ///   end 500                              ticks of the run; missing: cut off
 /// The scene's name is written without line ends and other control characters, which would end its line.

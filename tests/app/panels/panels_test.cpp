@@ -46,7 +46,7 @@ class Panels {
       ImGui::NewFrame();
       PanelData data{
           .model = model_, .snapshot = snapshot_, .forces = forces_, .log = log_, .timing = timing_, .force = force_};
-      data.materials.push_back({model_.scene.materials[0], Material::neoHookean(3000, 0.49, 1000), 1.0});
+      data.materials.push_back({Material::neoHookean(3000, 0.49, 1000), 1.0});
       data.frozen_reason = "12 integration points are inverted";
       names = drawPanels(data, width, height);
       ImGui::Render();

@@ -126,9 +126,7 @@ TEST_CASE("A live session on tissue is repeated by its recording", "[tissue_phys
     SimulationLoop loop(model, physics, &physics.team(), options);
     Pose pressed = model.tool_start;
     pressed.position.z() -= 0.004;
-    Material soft = model.materials[0];
-    soft.shear_modulus *= 0.5;
-    soft.bulk_modulus *= 0.5;
+    const Material soft = stiffened(model.materials[0], 0.5);
     test::FakeClock clock;
     clock.before_sleep = [&](int sleep) {
       if (sleep == 2) loop.commands().push(Request::moveTool(pressed));
@@ -170,8 +168,7 @@ TEST_CASE("A material too stiff for the time step is refused, a softer one gives
     CHECK(physics.state().live.kernel.materials[0].bulk_modulus == stiff_bulk);
     if (soft == 1) {
       material = model.materials[0];
-      material.shear_modulus *= 0.25;
-      material.bulk_modulus *= 0.25;
+      material = stiffened(material, 0.25);
       CHECK(physics.setMaterial(0, material) == 0);
     }
     force[soft] = run(physics, model, pressing(60)).peak_force;
@@ -185,9 +182,7 @@ TEST_CASE("Two simulations share a model, and what is set live in one leaves the
   constexpr int ticks = 60;
   TissuePhysics alone(model, 1);
   const RunSummary expected = run(alone, model, pressing(ticks));
-  Material stiff = model.materials[0];
-  stiff.shear_modulus *= 1.2;
-  stiff.bulk_modulus *= 1.2;
+  const Material stiff = stiffened(model.materials[0], 1.2);
 
   for (const bool at_once : {false, true}) {
     TissuePhysics changed(model, 1), untouched(model, 1);

@@ -7,8 +7,10 @@
 #include <string>
 
 #include "base/input_error.h"
+#include "mechanics/materials/material_law.h"
 #include "realtime/fakes.h"
 #include "simulation/model_hash.h"
+#include "support/law_values.h"
 #include "support/temp_folder.h"
 #include "support/text.h"
 
@@ -31,17 +33,9 @@ Recording everyKind() {
   Pose pose;
   pose.position = Vec3(0.1, -std::numbers::pi, std::numeric_limits<double>::denorm_min());
   pose.orientation = Quat(Eigen::AngleAxisd(0.7, Vec3(1, 2, 3).normalized()));
-  Material ogden;
-  ogden.kind = Material::Kind::Ogden;
-  ogden.shear_modulus = 1500.5;
-  ogden.bulk_modulus = 5e4;
-  ogden.term_count = 2;
-  ogden.mu = {1000, 500.5};
-  ogden.alpha = {2, -1.0 / 3};
-  Material neo;
-  neo.shear_modulus = 1e3 / 7;
-  neo.bulk_modulus = 123456.789;
-  neo.density = 1060;
+  const double mu[] = {1000, 500.5}, alpha[] = {2, -1.0 / 3};
+  const Material ogden = Material::ogden(mu, alpha, 2, 4e-5, 1000);
+  Material neo = Material::neoHookean(1e3 / 7, 0.123456789, 1060);
   neo.barrier_strength = 0.1;
   neo.barrier_J0 = 1.0 / 3;
   recording.changes = {{0, Request::moveTool(pose)},
@@ -51,6 +45,8 @@ Recording everyKind() {
                        {8, Request::setMaterial(0, neo)},
                        {8, Request::setMaterial(1, ogden)},
                        {999, Request::simple(Request::Kind::Reset)}};
+  for (const MaterialLaw& law : materialLaws())
+    recording.changes.push_back({999, Request::setMaterial(0, test::sampleMaterial(law))});
   return recording;
 }
 
@@ -88,15 +84,7 @@ TEST_CASE("A recording is read as it was written, bit for bit", "[recording]") {
     CHECK(a.point == b.point);
     CHECK(a.pose.position == b.pose.position);
     CHECK(a.pose.orientation.coeffs() == b.pose.orientation.coeffs());
-    CHECK(a.material.kind == b.material.kind);
-    CHECK(a.material.shear_modulus == b.material.shear_modulus);
-    CHECK(a.material.bulk_modulus == b.material.bulk_modulus);
-    CHECK(a.material.density == b.material.density);
-    CHECK(a.material.term_count == b.material.term_count);
-    CHECK(a.material.mu == b.material.mu);
-    CHECK(a.material.alpha == b.material.alpha);
-    CHECK(a.material.barrier_strength == b.material.barrier_strength);
-    CHECK(a.material.barrier_J0 == b.material.barrier_J0);
+    CHECK(a.material == b.material);
   }
   const std::string text = readAll(temporary.file);
   writeRecording(read, temporary.file);
@@ -139,10 +127,11 @@ TEST_CASE("Damaged recordings are refused with file and line", "[recording]") {
       {with("pull 411", "push 411"), 6, "\"push\" is not a change"},
       {with("12 pull", "twelve pull"), 6, "\"twelve\" is not a tick"},
       {with("15 release", "11 release"), 7, "ticks must not go back"},
-      {with("15 release", "15 material 0 jelly"), 7, "\"jelly\" is not a material kind"},
-      {with("15 release", "15 material 0 ogden 1 1 1 7"), 7, "so many terms"},
-      {with("15 release", "15 material 0 neo_hookean 1 1 1 2"), 7, "\"2\" stands where \"barrier\" should"},
-      {with("15 release", "15 material 0 neo_hookean 1 1 1 barrier 0.1"), 7, "ends before a barrier's J"},
+      {with("15 release", "15 material 0 jelly"), 7, "\"jelly\" is not a material law"},
+      {with("15 release", "15 material 0 ogden mu 7"), 7, "so many terms"},
+      {with("15 release", "15 material 0 ogden mu 2 1 1 alpha 1"), 7, "so many terms"},
+      {with("15 release", "15 material 0 neo-hookean young 1 2"), 7, "\"2\" stands where \"poisson\" should"},
+      {with("15 release", "15 material 0 neo-hookean young"), 7, "ends before a value of young"},
       {with("end 500", "end 14"), 8, "ends before its last change"},
       {with("end 500\n", "end 500\n16 reset\n"), 9, "something stands after the end"},
       {with("end 500\n", ""), 7, "cut off"},

@@ -103,7 +103,7 @@ AtlasMeasure stiffness(double contrast, bool parallel) {
   Scene scene = blockScene(faces, young, nu, stretch);
   const double H = scene.size.z(), area = scene.size.x() * scene.size.y();
   MaterialSpec other = scene.materials[0];
-  other.young *= contrast;
+  other.material.set("young", young * contrast);
   other.everywhere = false;
   if (parallel)
     other.region.normal = Vec3::UnitX();  // x <= 0
@@ -130,7 +130,7 @@ AtlasMeasure density(double contrast) {
   const double nu = 0.45, stretch = 0.9;
   Scene scene = blockScene(BlockFaces::Free, young, nu, stretch);
   MaterialSpec light = scene.materials[0];
-  light.density /= contrast;
+  light.material.density /= contrast;
   light.everywhere = false;
   light.region = below(scene.size.z() / 2);
   scene.materials.push_back(light);

@@ -5,6 +5,7 @@
 
 #include "base/float4.h"
 #include "mechanics/internal_forces.h"
+#include "mechanics/materials/laws.h"
 #include "mtled/bench/frictionless_contact.h"
 #include "simulation/trust.h"
 
@@ -27,7 +28,7 @@ constexpr int parts = 8;  // as in simulation/step.cpp, for the same sums
 BareLoop::BareLoop(const Model& model, Workspace& workspace, const State& start, Contact contact)
     : model_(model), state_(start), workspace_(workspace), contact_(contact) {
   for (const Material& m : start.live.kernel.materials)
-    if (m.kind != Material::Kind::NeoHookean)
+    if (m.law != lawNumber<NeoHookean>())
       throw std::invalid_argument("the bare kernel knows neo-Hookean material only");
   if (!model.kernel.patch_begin.empty()) throw std::invalid_argument("the bare kernel knows no node patches");
   passes_ = &barePasses(chosenInstructionSet());

@@ -25,7 +25,7 @@ Scene benchScene(const BenchSize& size) {
   scene.support_factor = size.support_factor;
   scene.consistent_gradients = false;
   scene.materials.emplace_back();
-  scene.materials[0].poisson = 0.49;
+  scene.materials[0].material.set("poisson", 0.49);
   BoundarySpec base;
   base.region.kind = Region::Kind::NearPlane;
   base.region.distance = 1e-9;

@@ -4,12 +4,14 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "mechanics/materials/laws.h"
+
 namespace palpate::tools {
 
 PlainKernel::PlainKernel(const std::vector<int>& order, const ShapeTable& shape, const std::vector<double>& volume,
                          const Material& material)
     : mu_(material.shear_modulus), K_(material.bulk_modulus) {
-  if (material.kind != Material::Kind::NeoHookean || material.barrier_strength != 0)
+  if (material.law != lawNumber<NeoHookean>() || material.barrier_strength != 0)
     throw std::invalid_argument("the plain kernel knows the neo-Hookean material without barrier only");
   for (const int q : order) {
     if (q < 0) continue;

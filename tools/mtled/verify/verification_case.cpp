@@ -66,8 +66,8 @@ BoundarySpec planeBoundary(const std::string& name, const Vec3& point, const Vec
 Scene caseScene(double young, double poisson) {
   Scene scene;
   scene.materials.emplace_back();
-  scene.materials[0].young = young;
-  scene.materials[0].poisson = poisson;
+  scene.materials[0].material.set("young", young);
+  scene.materials[0].material.set("poisson", poisson);
   scene.tool.radius = 0.01;  // a case that has no tool needs a skin no finer than for this
   scene.tool_position = Vec3(0, 0, 1);
   return scene;

@@ -31,11 +31,9 @@ constexpr double barrier_strength = 3, barrier_J0 = 0.7;
 Scene gelScene(const GelRow& row) {
   Scene scene = caseScene(0, 0);
   scene.name = "Sylgard cylinder";
-  MaterialSpec& gel = scene.materials[0];
-  gel.kind = MaterialSpec::Kind::Ogden;
-  gel.ogden_mu = {643.6};
-  gel.ogden_alpha = {-1.1};
-  gel.ogden_D1 = 1.2598e-4;
+  constexpr double mu = 643.6, alpha = -1.1, D1 = 1.2598e-4;  // Pa, 1, 1/Pa
+  Material& gel = scene.materials[0].material;
+  gel = Material::ogden(&mu, &alpha, 1, D1, gel.density);
   if (row.reached > 0.5 * height) {
     gel.barrier_strength = barrier_strength;
     gel.barrier_J0 = barrier_J0;

@@ -1,0 +1,66 @@
+#pragma once
+
+#include <optional>
+#include <span>
+
+#include "base/parameter.h"
+#include "mechanics/materials/material.h"
+
+namespace palpate {
+
+class ByteKey;
+
+/// Moduli at rest, Pa.
+struct RestModuli {
+  double shear, bulk;
+};
+
+/// What is wrong with the values of a law's parameters together.
+struct ParameterProblem {
+  const char* parameter;  // the one to look at
+  const char* problem;
+  const char* advice;
+};
+
+/// What the program knows of a law of laws.h, whose file has the formulas.
+struct MaterialLaw {
+  const char* name;       // the scene's `model`: "neo-hookean"
+  const char* title;      // "neo-Hookean"
+  const char* reference;  // where the formula stands: "paper eq. 32"; "" where everyone knows it
+  std::span<const Parameter> parameters;
+  RestModuli (*restModuli)(const Material&);
+  std::optional<ParameterProblem> (*check)(const Material&);
+  double (*isochoricEnergy)(const Material&, const Mat3& F);            // J/m^3
+  Mat3 (*firstPiola)(const Material&, const Mat3& F, double pressure);  // Pa
+};
+
+/// All laws, in the order of the scene reference.
+std::span<const MaterialLaw> materialLaws();
+
+/// A parameter that every law has, with its place in Material.
+struct CommonMaterialParameter {
+  Parameter parameter;
+  double Material::*member;
+};
+
+/// In the order of the scene reference.
+std::span<const CommonMaterialParameter> commonMaterialParameters();
+
+/// Calls `call(parameter, values)` for each parameter of the material's law and then for those that all laws have;
+/// `values` is a span of one number, or of term_count for a list.
+template <class SomeMaterial, class Call>
+void forEachParameter(SomeMaterial&& material, Call call) {
+  auto* value = material.value;
+  for (const Parameter& p : materialLaws()[static_cast<std::size_t>(material.law)].parameters) {
+    const bool is_list = p.type == Parameter::Type::Numbers;
+    call(p, std::span(value, is_list ? static_cast<std::size_t>(material.term_count) : 1));
+    value += is_list ? Material::max_terms : 1;
+  }
+  for (const CommonMaterialParameter& c : commonMaterialParameters())
+    call(c.parameter, std::span(&(material.*c.member), 1));
+}
+
+/// Adds the law, all its values and the moduli at rest.
+void add(ByteKey& key, const Material& material);
+
+}  // namespace palpate

@@ -1,0 +1,142 @@
+#pragma once
+
+#include <Eigen/Eigenvalues>
+#include <cmath>
+
+#include "mechanics/materials/isochoric_factor.h"
+#include "mechanics/materials/material_law.h"
+#include "mechanics/simd_eigen.h"
+
+namespace palpate {
+inline namespace PALPATE_KERNEL {
+
+///   W = sum_k 2 mu_k / a_k^2 (J^(-a_k/3) (l1^a_k + l2^a_k + l3^a_k) - 3) + K/2 (J - 1)^2,  K = 2/D1
+/// with the principal stretches l1, l2, l3: paper eq. 32.
+struct Ogden {
+  static constexpr const char *name = "ogden", *title = "Ogden", *reference = "paper eq. 32";
+  static constexpr Parameter parameters[] = {
+      {"mu", "\xCE\xBC", Parameter::Type::Numbers, "Pa", "", anyNumber(),
+       "shear moduli, one per term, 1 to 6 terms; their sum is the shear modulus at rest."},
+      {"alpha", "a", Parameter::Type::Numbers, "", "", anyNumber(), "exponents, one per term, not 0."},
+      {"D1", "", Parameter::Type::Number, "1/Pa", "", above(0), "compressibility; the bulk modulus is 2/D1."}};
+  static constexpr int mu_at = 0, alpha_at = Material::max_terms,
+                       D1_at = 2 * Material::max_terms;  // in Material::value
+
+  static RestModuli restModuli(const Material& m) {
+    double shear = 0;
+    for (int k = 0; k < m.term_count; ++k) shear += m.value[mu_at + k];
+    return {shear, 2 / m.value[D1_at]};
+  }
+
+  static std::optional<ParameterProblem> check(const Material& m) {
+    for (int k = 0; k < m.term_count; ++k)
+      if (m.value[alpha_at + k] == 0)
+        return {{"alpha", "an exponent is 0", "its energy is not defined: leave the term out"}};
+    if (m.shear_modulus > 0) return {};
+    return {{"mu", "the shear modulus at rest, the sum of \"mu\", is not positive",
+             "check the signs: paper eq. 32 has energy 2 mu / alpha^2 (...)"}};
+  }
+
+  struct PrincipalStretches {
+    Vec3 squared;
+    Mat3 direction;
+    explicit PrincipalStretches(const Mat3& F) {
+      const Eigen::SelfAdjointEigenSolver<Mat3> eigen(F.transpose() * F);
+      squared = eigen.eigenvalues().cwiseMax(1e-12);
+      direction = eigen.eigenvectors();
+    }
+  };
+
+  static double isochoricEnergy(const Material& m, const Mat3& F) {
+    const double J = F.determinant();
+    const PrincipalStretches stretch(F);
+    double W = 0;
+    for (int k = 0; k < m.term_count; ++k) {
+      const double mu = m.value[mu_at + k], a = m.value[alpha_at + k];
+      const double sum = stretch.squared.array().pow(a / 2).sum();
+      W += 2 * mu / (a * a) * (IsochoricFactor(J, -a / 3).value * sum - 3);
+    }
+    return W;
+  }
+
+  static Mat3 firstPiola(const Material& m, const Mat3& F, double pressure) {
+    const double J = F.determinant();
+    const PrincipalStretches stretch(F);
+    Vec3 s = Vec3::Zero();  // coefficients of F n (x) n; `pressure` collects those of cof F
+    for (int k = 0; k < m.term_count; ++k) {
+      const double mu = m.value[mu_at + k], a = m.value[alpha_at + k];
+      const IsochoricFactor g(J, -a / 3);
+      const Vec3 power = stretch.squared.array().pow(a / 2);
+      s += 2 * mu / a * g.value * power.cwiseQuotient(stretch.squared);
+      pressure += 2 * mu / (a * a) * g.slope * power.sum();
+    }
+    return F * (stretch.direction * s.asDiagonal() * stretch.direction.transpose()) + pressure * cofactor(F);
+  }
+
+  template <class Real>
+  struct Lanes {
+    using Numbers = Simd<Real>;
+    using SimdTensors = SimdTensor<Real>;
+    int terms;
+    Real K;
+    Real mu[Material::max_terms], alpha[Material::max_terms];
+    BarrierLanes<Real> barrier;
+    explicit Lanes(const Material& m) : terms(m.term_count), K(static_cast<Real>(m.bulk_modulus)), barrier(m) {
+      for (int k = 0; k < terms; ++k) {
+        mu[k] = static_cast<Real>(m.value[mu_at + k]);
+        alpha[k] = static_cast<Real>(m.value[alpha_at + k]);
+      }
+    }
+
+    /// @param patch_pressure  replaces K (J - 1) where the scene averages volume over node patches; or null
+    PointStateOf<Real> firstPiola(const SimdTensors& H, SimdTensors& P, const Numbers* patch_pressure = nullptr) const {
+      SimdTensors F, cof;
+      PointStateOf<Real> state;
+      const Numbers J = state.J = volumeRatioAndCofactor<Real>(H, F, cof, state.J_minus_1);
+      const SymmetricEigenLanes<Real> eigen(F);
+      const Numbers Jc = max(J, Numbers(static_cast<Real>(Material::min_isochoric_J)));
+      const Numbers log_J = log2(Jc);
+      Numbers squared[3], log_squared[3], s[3];
+      for (int i = 0; i < 3; ++i) {
+        squared[i] = max(eigen.a[i][i], Numbers(Real(1e-12)));
+        log_squared[i] = log2(squared[i]);
+        s[i] = 0.0F;
+      }
+      Numbers pressure = patch_pressure ? *patch_pressure : state.J_minus_1 * K;
+      state.energy = Real(0.5) * pressure * state.J_minus_1;
+      barrier.addTo(pressure, state.energy, J);
+      for (int k = 0; k < terms; ++k) {
+        const Real al = alpha[k];
+        Numbers g = exp2(log_J * (-al / 3));
+        const Numbers slope = g * (-al / 3) / Jc;
+        g += slope * (J - Jc);
+        Numbers sum = 0.0F;
+        for (int i = 0; i < 3; ++i) {
+          const Numbers power = exp2(log_squared[i] * (Real(0.5) * al));
+          s[i] += g * power * (2 * mu[k] / al) / squared[i];
+          sum += power;
+        }
+        const Real factor = 2 * mu[k] / (al * al);
+        pressure += slope * sum * factor;
+        state.energy += factor * (g * sum - Real(3));
+      }
+      // S = sum s_i n_i (x) n_i,  P = F S + pressure cof F
+      for (int i = 0; i < 3; ++i) {
+        Numbers Fn[3];
+        for (int r = 0; r < 3; ++r)
+          Fn[r] = (F[3 * r] * eigen.v[0][i] + F[3 * r + 1] * eigen.v[1][i] + F[3 * r + 2] * eigen.v[2][i]) * s[i];
+        for (int r = 0; r < 3; ++r)
+          for (int c = 0; c < 3; ++c) {
+            const Numbers term = Fn[r] * eigen.v[c][i];
+            P[3 * r + c] = i == 0 ? term : P[3 * r + c] + term;
+          }
+      }
+      for (int k = 0; k < 9; ++k) P[k] += pressure * cof[k];
+      state.cof2 = squaredNorm(cof);
+      return state;
+    }
+  };
+};
+
+}  // namespace PALPATE_KERNEL
+}  // namespace palpate

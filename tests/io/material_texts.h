@@ -1,0 +1,28 @@
+#pragma once
+
+#include <string>
+
+#include "base/number_text.h"
+#include "io/scene_texts.h"
+#include "mechanics/materials/material_law.h"
+
+namespace palpate {
+
+inline std::string keyLine(const Parameter& p, std::span<const double> values) {
+  std::string text = std::string(p.name) + " = ";
+  if (p.type == Parameter::Type::Number) return text + shortest(values[0]) + "\n";
+  for (std::size_t k = 0; k < values.size(); ++k) text += (k == 0 ? "[" : ", ") + shortest(values[k]);
+  return text + "]\n";
+}
+
+/// The minimal scene with this material, without its key `left_out`.
+inline std::string sceneOf(const Material& m, const std::string& left_out = "") {
+  std::string text = std::string("model = \"") + m.lawDescription().name + "\"\n";
+  forEachParameter(m, [&](const Parameter& p, std::span<const double> values) {
+    if (p.name != left_out) text += keyLine(p, values);
+  });
+  const std::size_t begin = minimal_scene.find("model = "), end = minimal_scene.find('[', begin);
+  return minimal_scene.substr(0, begin) + text + minimal_scene.substr(end);
+}
+
+}  // namespace palpate
