@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 
 #include "base/types.h"
@@ -14,6 +15,7 @@ struct Command {
   Pose tool_target;                 // where the tool should be at the end of the tick
   int pull_vertex = -1;             // skin vertex pulled by a spring; -1: none
   Vec3 pull_target = Vec3::Zero();  // m, world
+  const std::atomic<bool>* stop = nullptr;  // once true, the tick ends after the present step; null: never
 };
 
 /// Reasons to distrust a step; the loop decides what to do about them.
@@ -40,6 +42,7 @@ enum class Doubt : std::uint8_t {
 /// One step's (or, accumulated, one tick's) outcome.
 struct StepReport {
   std::uint32_t flags = 0;
+  bool cut_short = false;  // Command::stop ended the tick: it does not count
   int worst_point = -1;  // integration point with min J
   int worst_node = -1;   // node that moved furthest in one step, or is not finite
   float min_J = 1;
