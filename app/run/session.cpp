@@ -167,7 +167,10 @@ void Session::chooseInput(SimulationLoopOptions& loop_options) {
     loop_options.tick_limit = ticksIn(track_seconds, rate);
 }
 
-void Session::start() { loop_->start(); }
+void Session::start() {
+  if (results_) results_->begin();
+  loop_->start();
+}
 
 void Session::gather() {
   ForceSample sample;

@@ -36,6 +36,7 @@ class Session {
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
 
+  /// The result files take their places, and the loop runs. Throws std::runtime_error where they can't.
   void start();
   bool finished() const { return loop_->finished(); }
 

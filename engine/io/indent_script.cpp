@@ -13,7 +13,7 @@ constexpr double min_approach = 0.1;     // s, also where the tool starts at the
 constexpr double indent_seconds = 1.0;   // slow against the tissue's own swinging
 constexpr double depth_per_radius = 1.2;
 constexpr std::int64_t max_poses = 1'000'000;  // 64 MB
-constexpr double max_of_organ = 0.25;    // of the organ's length along the axis
+constexpr double max_of_organ = 0.25;          // of the organ's length along the axis
 
 }  // namespace
 

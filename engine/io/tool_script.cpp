@@ -16,10 +16,10 @@ namespace {
 using T = KeySpec::Type;
 
 // clang-format off
-constexpr ValueRange travel = between(-10, 10);         // m; organs are far smaller
-constexpr ValueRange travel_radii = between(-1e4, 1e4);
+constexpr ValueRange keyframe_travel = between(-10, 10);         // m; organs are far smaller
+constexpr ValueRange keyframe_travel_radii = between(-1e4, 1e4);
 
-constexpr KeySpec keys[] = {
+constexpr KeySpec script_keys[] = {
     {"", "name", T::Text, "", "", {}, "", "For reports; the file's name where absent."},
     {"", "from_touch", T::Boolean, "", "true", {}, "",
      "Advance counts from where the tool first touches the resting skin; otherwise from the scene's start "
@@ -29,12 +29,13 @@ constexpr KeySpec keys[] = {
     {"", "keyframe", T::Tables, "", KeySpec::required, {}, "",
      "Where the tool is when. A first one later than 0 is reached from the scene's start pose."},
     {"keyframe", "time", T::Number, "s", KeySpec::required, between(0, 1e6), "", "Later than the keyframe before."},
-    {"keyframe", "advance", T::Number, "m", KeySpec::depends, travel, "",
+    {"keyframe", "advance", T::Number, "m", KeySpec::depends, keyframe_travel, "",
      "How far along the way the tip points; negative: back. This or `advance_radii`."},
-    {"keyframe", "advance_radii", T::Number, "tool radii", KeySpec::depends, travel_radii, "",
+    {"keyframe", "advance_radii", T::Number, "tool radii", KeySpec::depends, keyframe_travel_radii, "",
      "The same in radii of the scene's tool, so that one script suits many scenes."},
-    {"keyframe", "slide", T::Plane, "m", "[0.0, 0.0]", travel, "", "How far sideways, along the tool's x and y axes."},
-    {"keyframe", "slide_radii", T::Plane, "tool radii", "[0.0, 0.0]", travel_radii, "",
+    {"keyframe", "slide", T::Plane, "m", "[0.0, 0.0]", keyframe_travel, "",
+     "How far sideways, along the tool's x and y axes."},
+    {"keyframe", "slide_radii", T::Plane, "tool radii", "[0.0, 0.0]", keyframe_travel_radii, "",
      "The same in radii of the scene's tool."},
 };
 // clang-format on
@@ -47,10 +48,11 @@ ToolScript::Keyframe fromStart(const ToolScript& script, ToolScript::Keyframe ke
 
 }  // namespace
 
-std::span<const KeySpec> toolScriptKeys() { return keys; }
+std::span<const KeySpec> toolScriptKeys() { return script_keys; }
 
 std::string toolScriptReference() {
-  return "### Top level\n\n" + keyReference(keys, "") + "\n### `[[keyframe]]`\n\n" + keyReference(keys, "keyframe");
+  return "### Top level\n\n" + keyReference(script_keys, "") + "\n### `[[keyframe]]`\n\n" +
+         keyReference(script_keys, "keyframe");
 }
 
 ToolScript readToolScript(const std::string& path, double tool_radius) {

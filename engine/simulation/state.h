@@ -12,9 +12,9 @@ namespace palpate {
 
 /// What a viewer, script or replay asks of one tick.
 struct Command {
-  Pose tool_target;                 // where the tool should be at the end of the tick
-  int pull_vertex = -1;             // skin vertex pulled by a spring; -1: none
-  Vec3 pull_target = Vec3::Zero();  // m, world
+  Pose tool_target;                         // where the tool should be at the end of the tick
+  int pull_vertex = -1;                     // skin vertex pulled by a spring; -1: none
+  Vec3 pull_target = Vec3::Zero();          // m, world
   const std::atomic<bool>* stop = nullptr;  // once true, the tick ends after the present step; null: never
 };
 
@@ -43,8 +43,8 @@ enum class Doubt : std::uint8_t {
 struct StepReport {
   std::uint32_t flags = 0;
   bool cut_short = false;  // Command::stop ended the tick: it does not count
-  int worst_point = -1;  // integration point with min J
-  int worst_node = -1;   // node that moved furthest in one step, or is not finite
+  int worst_point = -1;    // integration point with min J
+  int worst_node = -1;     // node that moved furthest in one step, or is not finite
   float min_J = 1;
   int inverted_points = 0;
   float max_increment = 0;            // m, largest |du| of a node in one step

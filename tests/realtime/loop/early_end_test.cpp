@@ -94,7 +94,7 @@ TEST_CASE("What a long tick leaves does not depend on whether it could have been
     command.stop = &never;
     CHECK_FALSE(physics.tick(command).cut_short);
   }
-  CHECK(physics.stateHash() == stateHash(state));
+  CHECK(physics.stateHash() == stateHash(model, state));
 
   // Stopped at once, and taken up again.
   const std::atomic<bool> at_once{true};
@@ -102,11 +102,11 @@ TEST_CASE("What a long tick leaves does not depend on whether it could have been
   command.tool_target = toolAt(model, model.first_contact_travel + 1e-3);
   command.stop = &at_once;
   CHECK(physics.tick(command).cut_short);
-  CHECK(physics.stateHash() == stateHash(state));
+  CHECK(physics.stateHash() == stateHash(model, state));
   command.stop = nullptr;
   physics.tick(command);
   tick(model, state, command, workspace);
-  CHECK(physics.stateHash() == stateHash(state));
+  CHECK(physics.stateHash() == stateHash(model, state));
 }
 
 TEST_CASE("A motion that ends is a track: the same state, then the viewer has the tool, a reset begins it again",
