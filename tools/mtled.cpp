@@ -1,13 +1,16 @@
 // mtled: solves scenes in batch, verifies the solver against the paper and independent references, and times its kernels.
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <exception>
 #include <iostream>
 #include <sstream>
 #include <string>
+#include <vector>
 
 #include "base/build_info.h"
 #include "base/input_error.h"
 #include "base/interrupt.h"
+#include "base/nearest_word.h"
 #include "base/printable_text.h"
 #include "io/output_file.h"
 #include "mtled/atlas/atlas_command.h"
@@ -41,6 +44,18 @@ std::string examplesOf(const CLI::App& command) {
   for (std::string line; std::getline(all, line);)
     if (line.starts_with("  mtled " + command.get_name() + " ")) shown += "\n" + line;
   return shown;
+}
+
+/// What to say of a first word that is no command; empty where it is one, or an option.
+std::string wrongCommand(const CLI::App& app, int argc, char** argv) {
+  if (argc < 2 || argv[1][0] == '-') return {};
+  std::vector<std::string> names;
+  for (const CLI::App* command : app.get_subcommands(nullptr)) names.push_back(command->get_name());
+  const std::string word = argv[1];
+  if (std::find(names.begin(), names.end(), word) != names.end()) return {};
+  const std::string meant = palpate::nearestWord(word, names);
+  return "\"" + palpate::printable(word) + "\" is not a command" + (meant.empty() ? "" : "; did you mean \"" + meant + "\"?") +
+         (meant.empty() ? "; there are " + palpate::listed(names, "and") : "");
 }
 
 }  // namespace
@@ -152,6 +167,10 @@ int main(int argc, char** argv) {
     if (*frontier_app) return frontierCommand(frontier);
     return *verify_app ? verifyCommand(verify) : solveCommand(solve);
   };
+  if (const std::string wrong = wrongCommand(app, argc, argv); !wrong.empty()) {
+    std::cerr << "mtled: " << wrong << std::endl;
+    return unusable_input;
+  }
   catchInterrupts();
   try {
     int code = 0;

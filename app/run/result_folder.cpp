@@ -15,7 +15,8 @@ const char* const elsewhere = "choose another place with --out";
 
 }  // namespace
 
-ResultFolder::ResultFolder(const std::string& folder, bool with_forces) : folder_(folder), with_forces_(with_forces) {
+ResultFolder::ResultFolder(const std::string& folder, bool with_forces)
+    : folder_(folder), with_forces_(with_forces), pending_(with_forces ? forceFile() : "") {
   std::error_code error;
   std::filesystem::create_directories(folder_, error);
   if (error || !std::filesystem::is_directory(folder_, error))
@@ -25,12 +26,16 @@ ResultFolder::ResultFolder(const std::string& folder, bool with_forces) : folder
     return;
   }
   errno = 0;
-  forces_.open(forceFile(), std::ios::trunc);
+  forces_.open(pending_.part(), std::ios::trunc);
   if (!forces_) failWriting(forceFile(), errno, elsewhere);
   forces_ << "time_s,depth_m,force_raw_N_x,force_raw_N_y,force_raw_N_z,"
              "force_filtered_N_x,force_filtered_N_y,force_filtered_N_z,trust\n"
           << std::flush;
   checkForces();
+}
+
+void ResultFolder::begin() {
+  if (pending_.pending()) pending_.takePlace(elsewhere);
 }
 
 void ResultFolder::checkForces() {
@@ -56,20 +61,17 @@ void ResultFolder::finishForces() {
   checkForces();
 }
 
-void ResultFolder::writeReport(const std::string& json) const {
-  errno = 0;
-  std::ofstream file(reportFile(), std::ios::trunc);
-  file << json << '\n';
-  file.close();
-  if (!file) failWriting(reportFile(), errno, elsewhere);
-}
+void ResultFolder::writeReport(const std::string& json) const { writeWholeFile(reportFile(), json + '\n', elsewhere); }
 
 void ResultFolder::writePicture(const Picture& picture) const { writePng(pictureFile(), picture); }
 
 void checkWritable(const std::string& file, const std::string& advice) {
+  std::error_code ignored;
+  const bool there = std::filesystem::exists(file, ignored);
   errno = 0;
   const std::ofstream probe(file, std::ios::app);
   if (!probe) failWriting(file, errno, advice);
+  if (!there) std::filesystem::remove(file, ignored);
 }
 
 }  // namespace palpate::app

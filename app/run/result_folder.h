@@ -4,6 +4,7 @@
 #include <string>
 
 #include "app/render/picture.h"
+#include "io/output_file.h"
 #include "realtime/channels/snapshot.h"
 
 namespace palpate::app {
@@ -13,10 +14,13 @@ namespace palpate::app {
 /// when it can't be written (folder read-only, disk full).
 class ResultFolder {
  public:
-  /// Makes the folder where it is missing and begins force.csv, so that a run that
-  /// could not keep its results never starts.
+  /// Makes the folder where it is missing and begins force.csv beside an earlier one, so that a run that
+  /// could not keep its results never starts, and one that is refused takes nothing away.
   /// @param with_forces  false: no force.csv; addForce does nothing
   explicit ResultFolder(const std::string& folder, bool with_forces = true);
+
+  /// The run starts: force.csv takes the place of an earlier one.
+  void begin();
 
   /// One row of force.csv.
   void addForce(const ForceSample& sample);
@@ -37,11 +41,12 @@ class ResultFolder {
 
   std::string folder_;
   bool with_forces_;
+  PendingFile pending_;  // force.csv
   std::ofstream forces_;
 };
 
 /// Throws std::runtime_error with the system's reason and `advice` unless `file` can be
-/// created or overwritten.
+/// created or overwritten. Leaves what there is as it is.
 void checkWritable(const std::string& file, const std::string& advice);
 
 }  // namespace palpate::app

@@ -36,6 +36,14 @@ std::optional<ResultFolder> openResults(const Options& options) {
   return {};
 }
 
+/// What --replay names, as far as it can be checked without the model.
+std::optional<Recording> recordingToReplay(const Options& options, const Scene& scene) {
+  if (options.replay.empty()) return {};
+  Recording recording = readRecording(options.replay);
+  checkRate(recording, scene.rate_hz, options.replay);
+  return recording;
+}
+
 Model buildModelOf(const Scene& scene, bool use_cache, Log& log) {
   const bool watched = isatty(STDERR_FILENO) != 0;
   const auto warn = [&](const std::string& line) {
@@ -89,6 +97,7 @@ Session::Session(const Options& options, const Scene& scene, Log& log)
       log_(log),
       scene_(scene),
       tool_script_(namedScript(options.tool_script, scene.tool.radius)),
+      replay_(recordingToReplay(options, scene)),
       results_(openResults(options)),
       model_(buildModelOf(scene_, options.use_cache, log)),
       scene_materials_(model_.materials),
@@ -112,6 +121,13 @@ Session::Session(const Options& options, const Scene& scene, Log& log)
 
 Session::~Session() = default;
 
+void Session::followScript(const ToolScript& script, SimulationLoopOptions& loop_options) {
+  script_motion_.emplace(trajectoryOf(script, model_));
+  loop_options.motion = &*script_motion_;
+  loop_options.track_ticks = script_motion_->ticks();
+  track_driver_ = ToolDriver::Script;
+}
+
 /// What moves the tool, and how long the run lasts.
 void Session::chooseInput(SimulationLoopOptions& loop_options) {
   const double rate = scene_.rate_hz;
@@ -125,30 +141,25 @@ void Session::chooseInput(SimulationLoopOptions& loop_options) {
     track_over_ = false;
     return;
   }
-  if (!options_.replay.empty()) {
-    Recording recording = readRecording(options_.replay);
-    checkRecordingFits(recording, model_, options_.replay);
-    loop_options.track = std::move(recording.changes);
-    loop_options.track_ticks = recording.ticks;
-    track_seconds = static_cast<double>(recording.ticks) / rate;
+  if (replay_) {
+    checkRecordingFits(*replay_, model_, options_.replay);
+    loop_options.track = std::move(replay_->changes);
+    loop_options.track_ticks = replay_->ticks;
+    track_seconds = static_cast<double>(replay_->ticks) / rate;
     track_driver_ = ToolDriver::Replay;
     script_ = fileName(options_.replay);
   } else if (tool_script_) {
-    const std::vector<Pose> poses = scriptPoses(*tool_script_, model_);
-    loop_options.track = trackFromPoses(poses);
-    loop_options.track_ticks = static_cast<std::int64_t>(poses.size());
-    track_seconds = static_cast<double>(poses.size()) / rate;
-    track_driver_ = ToolDriver::Script;
+    followScript(*tool_script_, loop_options);
+    track_seconds = static_cast<double>(loop_options.track_ticks) / rate;
     script_ = tool_script_->name.empty() ? fileName(options_.tool_script) : tool_script_->name;
   } else if (options_.offscreen) {
     track_seconds = options_.seconds.value_or(default_offscreen_seconds);
     const ToolScript script = indentScript(model_);
-    loop_options.track = trackFromPoses(scriptPoses(script, model_));
+    followScript(script, loop_options);
     loop_options.track_ticks = ticksIn(track_seconds, rate);  // longer than the script: the tool stays
-    track_driver_ = ToolDriver::Script;
     script_ = script.name;
   }
-  track_over_ = loop_options.track.empty();
+  track_over_ = loop_options.track.empty() && loop_options.motion == nullptr;
 
   if (options_.seconds)
     loop_options.tick_limit = ticksIn(*options_.seconds, rate);
@@ -156,7 +167,10 @@ void Session::chooseInput(SimulationLoopOptions& loop_options) {
     loop_options.tick_limit = ticksIn(track_seconds, rate);
 }
 
-void Session::start() { loop_->start(); }
+void Session::start() {
+  if (results_) results_->begin();
+  loop_->start();
+}
 
 void Session::gather() {
   ForceSample sample;

@@ -10,6 +10,7 @@
 #include "app/panels/panels.h"
 #include "app/run/options.h"
 #include "app/run/result_folder.h"
+#include "app/run/script_motion.h"
 #include "app/run/soak.h"
 #include "io/tool_script.h"
 #include "realtime/loop/simulation_loop.h"
@@ -27,7 +28,7 @@ Scene readScene(const Options& options);
 /// All functions belong to the main thread; the loop has its own.
 class Session {
  public:
-  /// Reads the tool script, opens the result files, builds the model (seconds), reads the recording.
+  /// Reads the tool script or the recording, opens the result files, builds the model (seconds).
   /// Throws InputError for what can't be used, std::runtime_error for what can't be written.
   /// @param scene  as readScene(options) gives it
   Session(const Options& options, const Scene& scene, Log& log);
@@ -35,6 +36,7 @@ class Session {
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
 
+  /// The result files take their places, and the loop runs. Throws std::runtime_error where they can't.
   void start();
   bool finished() const { return loop_->finished(); }
 
@@ -70,6 +72,7 @@ class Session {
 
  private:
   void chooseInput(SimulationLoopOptions& loop_options);
+  void followScript(const ToolScript& script, SimulationLoopOptions& loop_options);
   void takeEvent(const LogEvent& event);
   TimingView timing(const Snapshot& snapshot) const;
   ForceReading shownForce(const Snapshot& snapshot) const;
@@ -78,6 +81,7 @@ class Session {
   Log& log_;
   Scene scene_;  // as loaded; the model's copy is the loop's to change
   std::optional<ToolScript> tool_script_;
+  std::optional<Recording> replay_;
   std::optional<ResultFolder> results_;
   std::string failure_;
   Model model_;
@@ -86,6 +90,7 @@ class Session {
   std::vector<double> sent_before_;  // (material_count) before the last request, should it be refused
   double friction_ = 0;
   std::optional<Soak> soak_;
+  std::optional<ScriptMotion> script_motion_;
   std::unique_ptr<TissuePhysics> physics_;
   std::unique_ptr<SimulationLoop> loop_;
   std::optional<Recording> recording_;

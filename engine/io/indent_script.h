@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "io/script_trajectory.h"
 #include "io/tool_script.h"
 #include "simulation/model.h"
 
@@ -19,7 +20,10 @@ ToolScript indentScript(const Model& model);
 /// @param tool_radius  m, of the scene
 std::optional<ToolScript> namedScript(const std::string& name, double tool_radius);
 
-/// The script's poses at the end of each tick, until its last keyframe.
+/// The script's poses tick by tick, for a model and its rate.
+ScriptTrajectory trajectoryOf(const ToolScript& script, const Model& model);
+
+/// All of them at once. Throws InputError where they would be more than a million.
 std::vector<Pose> scriptPoses(const ToolScript& script, const Model& model);
 
 }  // namespace palpate

@@ -3,12 +3,15 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <stdexcept>
 #include <utility>
 
 #include "base/parallel_for.h"
 #include "discretization/surface/solids.h"
 #include "io/surface_file.h"
+#include "simulation/choose_time_step.h"
+#include "simulation/discretize.h"
 #include "simulation/scene_messages.h"
 
 namespace palpate {
@@ -27,6 +30,17 @@ std::pair<std::string, std::string> sizeKey(const Scene& scene) {
   return {"organ.scale", "is scale = " + number(scene.surface_scale) + " right?"};
 }
 
+/// Refuses a solid that is too finely divided before it is made, which would take long.
+void checkSolid(const Scene& scene) {
+  if (scene.solid == Scene::Solid::Surface) return;
+  const double volume = scene.solid == Scene::Solid::Box        ? scene.size.prod()
+                        : scene.solid == Scene::Solid::Cylinder ? M_PI * scene.radius * scene.radius * scene.height
+                                                                : 4.0 / 3 * M_PI * scene.semi_axes.prod();
+  // Flat faces take less than a hundredth of a round solid away, whose surface is no smaller than a ball's.
+  const double least = 0.99 * (scene.upper_half ? volume / 2 : volume);
+  checkCounts(scene, least, std::cbrt(36 * M_PI * least * least));
+}
+
 }  // namespace
 
 std::string sizeWarning(const Scene& scene, const TriangleSurface& surface) {
@@ -41,6 +55,7 @@ std::string sizeWarning(const Scene& scene, const TriangleSurface& surface) {
 }
 
 TriangleSurface organSurface(const Scene& scene) {
+  checkSolid(scene);
   // Curved solids lose volume to flat faces; half the spacing leaves less than the cells do.
   const double edge = std::min(0.5 * scene.spacing, 0.5 * scene.tool.radius);
   try {
@@ -71,6 +86,7 @@ Model loadModel(const Scene& scene, const Progress& progress, const ModelCache& 
     behind = fraction;
     if (progress) progress(stage, behind);
   };
+  checkStepsAsked(scene);
   report(stage, behind);
   const SetupWatch watch([&] {  // long stages, too, can be ended
     if (progress) progress(stage, behind);

@@ -27,10 +27,19 @@ void finishStandardOutput() {
   failWriting("to standard output", errno, "send it elsewhere");
 }
 
-void writeWholeFile(const std::string& path, std::string_view bytes) {
+PendingFile::~PendingFile() {
+  if (pending()) ::unlink(part().c_str());
+}
+
+void PendingFile::takePlace(const std::string& advice) {
+  if (std::rename(part().c_str(), path_.c_str()) != 0) failWriting(path_, errno, advice);
+  path_.clear();
+}
+
+void writeWholeFile(const std::string& path, std::string_view bytes, const std::string& advice) {
   const std::string part = path + ".part";
   const int file = ::open(part.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
-  if (file < 0) failWriting(path, errno);
+  if (file < 0) failWriting(path, errno, advice);
   int error = 0;
   while (!bytes.empty() && error == 0) {
     const ssize_t written = ::write(file, bytes.data(), bytes.size());
@@ -44,7 +53,7 @@ void writeWholeFile(const std::string& path, std::string_view bytes) {
   if (error == 0 && std::rename(part.c_str(), path.c_str()) != 0) error = errno;
   if (error == 0) return;
   ::unlink(part.c_str());
-  failWriting(path, error);
+  failWriting(path, error, advice);
 }
 
 }  // namespace palpate

@@ -2,13 +2,34 @@
 
 #include <string>
 #include <string_view>
+#include <utility>
 
 namespace palpate {
 
 /// Writes a file whole or not at all: into FILE.part beside it, which then takes its place, so that who
 /// reads it never sees a half. Throws std::runtime_error with the file and the system's reason (folder
-/// missing or read-only, disk full); what stood there before is then untouched.
-void writeWholeFile(const std::string& path, std::string_view bytes);
+/// missing or read-only, disk full) and `advice`; what stood there before is then untouched.
+void writeWholeFile(const std::string& path, std::string_view bytes,
+                    const std::string& advice = "choose another place");
+
+/// A file that grows beside the one that it replaces, as FILE.part, until what it is for has been accepted.
+/// Given up before, it is removed, and what stood there stays.
+class PendingFile {
+ public:
+  explicit PendingFile(std::string path) : path_(std::move(path)) {}
+  ~PendingFile();
+  PendingFile(PendingFile&& other) noexcept : path_(std::exchange(other.path_, {})) {}
+  PendingFile& operator=(PendingFile&&) = delete;
+
+  std::string part() const { return path_ + ".part"; }
+  bool pending() const { return !path_.empty(); }
+
+  /// Takes its place; whoever has the file open writes on. Throws std::runtime_error as failWriting does.
+  void takePlace(const std::string& advice = "choose another place");
+
+ private:
+  std::string path_;  // empty: it stands in its place
+};
 
 /// Throws std::runtime_error "can't write FILE: reason; advice" for an errno (0: reason unknown).
 [[noreturn]] void failWriting(const std::string& path, int error, const std::string& advice = "choose another place");

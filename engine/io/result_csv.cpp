@@ -4,14 +4,13 @@
 #include <stdexcept>
 
 #include "base/number_text.h"
-#include "io/output_file.h"
 
 namespace palpate {
 
 ResultCsv::ResultCsv(const std::string& path, const std::vector<std::string>& columns)
-    : path_(path), column_count_(columns.size()) {
+    : path_(path), file_(path), column_count_(columns.size()) {
   errno = 0;
-  out_.open(path, std::ios::binary | std::ios::trunc);
+  out_.open(file_.part(), std::ios::binary | std::ios::trunc);
   if (!out_) failWriting(path_, errno);
   std::string header;
   for (const std::string& column : columns) {
@@ -37,6 +36,7 @@ void ResultCsv::finish() {
   errno = 0;
   out_.close();
   if (!out_) failWriting(path_, errno);
+  if (file_.pending()) file_.takePlace();
 }
 
 void ResultCsv::write(const std::string& line) {

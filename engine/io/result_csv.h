@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "io/output_file.h"
+
 namespace palpate {
 
 /// A CSV file that grows row by row while something is computed; what is there stays if the program is killed.
@@ -13,7 +15,7 @@ namespace palpate {
 /// and the system's reason when it can't be written.
 class ResultCsv {
  public:
-  /// Replaces the file and writes the header.
+  /// Begins beside the file, which stays as it is until takePlace() or finish(), and writes the header.
   /// @param columns  names, with units ("time_s"), without commas, quotes and line ends
   ResultCsv(const std::string& path, const std::vector<std::string>& columns);
 
@@ -21,13 +23,17 @@ class ResultCsv {
   /// @pre  one value per column
   void add(std::span<const double> values);
 
-  /// Closes the file. Only after this are all rows known to have been taken.
+  /// Replaces the file with the rows that there are; more may follow.
+  void takePlace() { file_.takePlace(); }
+
+  /// Closes the file, which then stands in its place. Only after this are all rows known to have been taken.
   void finish();
 
  private:
   void write(const std::string& line);
 
   std::string path_;
+  PendingFile file_;
   std::size_t column_count_;
   std::ofstream out_;
 };

@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "base/number_text.h"
+#include "discretization/surface/weld_vertices.h"
 #include "io/obj_parser.h"
 #include "io/stl_parser.h"
 #include "io/text_file.h"

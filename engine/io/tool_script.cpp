@@ -16,6 +16,9 @@ namespace {
 using T = KeySpec::Type;
 
 // clang-format off
+constexpr ValueRange keyframe_travel = between(-10, 10);         // m; organs are far smaller
+constexpr ValueRange keyframe_travel_radii = between(-1e4, 1e4);
+
 constexpr KeySpec script_keys[] = {
     {"", "name", T::Text, "", "", {}, "", "For reports; the file's name where absent."},
     {"", "from_touch", T::Boolean, "", "true", {}, "",
@@ -25,13 +28,15 @@ constexpr KeySpec script_keys[] = {
      "Between keyframes: straight, or 10 t^3 - 15 t^4 + 6 t^5, which starts and stops gently."},
     {"", "keyframe", T::Tables, "", KeySpec::required, {}, "",
      "Where the tool is when. A first one later than 0 is reached from the scene's start pose."},
-    {"keyframe", "time", T::Number, "s", KeySpec::required, atLeast(0), "", "Later than the keyframe before."},
-    {"keyframe", "advance", T::Number, "m", KeySpec::depends, {}, "",
+    {"keyframe", "time", T::Number, "s", KeySpec::required, between(0, 1e6), "", "Later than the keyframe before."},
+    {"keyframe", "advance", T::Number, "m", KeySpec::depends, keyframe_travel, "",
      "How far along the way the tip points; negative: back. This or `advance_radii`."},
-    {"keyframe", "advance_radii", T::Number, "tool radii", KeySpec::depends, {}, "",
+    {"keyframe", "advance_radii", T::Number, "tool radii", KeySpec::depends, keyframe_travel_radii, "",
      "The same in radii of the scene's tool, so that one script suits many scenes."},
-    {"keyframe", "slide", T::Plane, "m", "[0.0, 0.0]", {}, "", "How far sideways, along the tool's x and y axes."},
-    {"keyframe", "slide_radii", T::Plane, "tool radii", "[0.0, 0.0]", {}, "", "The same in radii of the scene's tool."},
+    {"keyframe", "slide", T::Plane, "m", "[0.0, 0.0]", keyframe_travel, "",
+     "How far sideways, along the tool's x and y axes."},
+    {"keyframe", "slide_radii", T::Plane, "tool radii", "[0.0, 0.0]", keyframe_travel_radii, "",
+     "The same in radii of the scene's tool."},
 };
 // clang-format on
 
@@ -46,7 +51,8 @@ ToolScript::Keyframe fromStart(const ToolScript& script, ToolScript::Keyframe ke
 std::span<const KeySpec> toolScriptKeys() { return script_keys; }
 
 std::string toolScriptReference() {
-  return "### Top level\n\n" + keyReference(script_keys, "") + "\n### `[[keyframe]]`\n\n" + keyReference(script_keys, "keyframe");
+  return "### Top level\n\n" + keyReference(script_keys, "") + "\n### `[[keyframe]]`\n\n" +
+         keyReference(script_keys, "keyframe");
 }
 
 ToolScript readToolScript(const std::string& path, double tool_radius) {
@@ -85,6 +91,7 @@ ToolScript readToolScript(const std::string& path, double tool_radius) {
                        "keyframes stand in the order of their times");
     }
     script.keyframes.push_back(key);
+    script.end_place = entry.place("time");
   }
   return script;
 }

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "base/input_error.h"
 #include "base/types.h"
 #include "io/key_spec.h"
 
@@ -21,6 +22,7 @@ struct ToolScript {
   bool from_touch = true;           // advance counts from the first touch of the resting skin, else from the start pose
   bool smooth = true;               // 10 t^3 - 15 t^4 + 6 t^5 between keyframes (at rest at each), else linear
   std::vector<Keyframe> keyframes;  // at least one, times strictly ascending
+  SourceLocation end_place;         // of the last keyframe's time, for messages
 
   /// Time of the last keyframe, s; the tool then stays.
   double duration() const { return keyframes.back().time; }

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "simulation/scene_messages.h"
+#include "simulation/scene_regions.h"
 
 namespace palpate {
 namespace {
@@ -11,23 +12,69 @@ namespace {
 /// How far the tool may go in a step for the contact to follow without tunnelling (contact/contact_solver.h), m.
 double reachOf(const Scene& scene) { return std::min(1e-3, scene.tool.radius / 2); }
 
-/// Steps of a tick, for the tool's reach and a body with this critical step.
-int stepsPerTick(const Scene& scene, double dt_critical) {
+/// Steps of a tick, a whole number, for the tool's reach and a body with this critical step.
+double stepsPerTick(const Scene& scene, double dt_critical) {
   const double longest = std::min(scene.step_safety * dt_critical, reachOf(scene) / scene.tool_max_speed);
-  return std::max(1, static_cast<int>(std::ceil(1 / scene.rate_hz / longest * (1 - 1e-9))));
+  return std::max(1.0, std::ceil(1 / scene.rate_hz / longest * (1 - 1e-9)));
+}
+
+/// The material with the fastest waves: what makes the critical step short.
+const MaterialSpec& stiffestMaterial(const Scene& scene) {
+  const auto speed = [](const MaterialSpec& spec) { return toMaterial(spec).waveModulus() / spec.density; };
+  return *std::max_element(scene.materials.begin(), scene.materials.end(),
+                           [&](const MaterialSpec& a, const MaterialSpec& b) { return speed(a) < speed(b); });
+}
+
+[[noreturn]] void refuseSteps(const SourceLocation& place, double steps, const std::string& why,
+                              const std::string& advice) {
+  throw InputError(place,
+                   number(steps) + " steps would make a tick, more than the " + number(max_steps_per_tick) +
+                       " that one may have: " + why,
+                   advice);
+}
+
+/// Refuses more steps to a tick than are taken, at the key that asks for them.
+void checkChosenSteps(const Scene& scene, double steps, const CriticalTimeStep& limit, const std::vector<Vec3>& X) {
+  if (steps <= max_steps_per_tick) return;
+  const double needed = 1 / scene.rate_hz / max_steps_per_tick;  // s, the shortest step that is taken
+  const std::string critical = "the critical step is " + number(limit.dt) + " s (the stiffest row is the node at " +
+                               coordinates(X[limit.worst_node]) + ")";
+  if (limit.dt > needed)
+    refuseSteps(placeOf(scene, "dynamics.step_safety"), steps, critical,
+                "raise dynamics.step_safety to more than " + number(needed / limit.dt));
+  const SourceLocation& material = stiffestMaterial(scene).place;
+  refuseSteps(material.file.empty() ? scene.place : material, steps, critical,
+              "is this material's stiffness in Pa? Soften it, or coarsen discretization.spacing");
 }
 
 }  // namespace
 
 double nextCriticalStep(const Scene& scene, double dt_critical) {
   if (scene.time_step > 0) return dt_critical < scene.time_step ? scene.time_step / scene.step_safety : 0;
-  const int fewer = stepsPerTick(scene, dt_critical) - 1;
-  if (fewer < 1) return 0;
+  const double fewer = stepsPerTick(scene, dt_critical) - 1;
+  if (fewer < 1 || !(fewer < max_steps_per_tick)) return 0;  // none, or refused later
   const double needed = 1 / scene.rate_hz / fewer / scene.step_safety;
   return stepsPerTick(scene, needed) <= fewer ? needed : 0;  // else it is the tool that asks for short steps
 }
 
+void checkStepsAsked(const Scene& scene) {
+  const double tick = 1 / scene.rate_hz, reach = reachOf(scene), shortest = tick / max_steps_per_tick;
+  if (scene.time_step > 0) {
+    const double steps = std::round(tick / scene.time_step);
+    if (steps > max_steps_per_tick)
+      refuseSteps(placeOf(scene, "dynamics.time_step"), steps, "time_step is " + number(scene.time_step) + " s",
+                  "raise it to at least " + number(shortest) + " s, or leave it out");
+    return;
+  }
+  const double steps = std::ceil(tick / (reach / scene.tool_max_speed) * (1 - 1e-9));
+  if (steps > max_steps_per_tick)
+    refuseSteps(placeOf(scene, scene.places.contains("tool.max_speed") ? "tool.max_speed" : "tool.radius"), steps,
+                "the contact follows the tool no further than " + number(reach) + " m in a step",
+                "lower tool.max_speed to " + number(reach / shortest) + " m/s, or raise tool.radius");
+}
+
 void chooseTimeStep(const Scene& scene, const CriticalTimeStep& limit, const std::vector<Vec3>& X, Model& model) {
+  checkStepsAsked(scene);
   model.dt_critical = limit.dt;
   model.dt_proven = limit.dt_proven;
   const double tick = 1 / scene.rate_hz;
@@ -52,7 +99,9 @@ void chooseTimeStep(const Scene& scene, const CriticalTimeStep& limit, const std
                            " m in a step, more than the " + number(reach) + " m that the contact follows",
                        "lower time_step to " + number(reach / scene.tool_max_speed) + " s, or tool.max_speed");
   } else {
-    model.substeps_per_tick = stepsPerTick(scene, limit.dt);
+    const double steps = stepsPerTick(scene, limit.dt);
+    checkChosenSteps(scene, steps, limit, X);
+    model.substeps_per_tick = static_cast<int>(steps);
   }
   model.dt = tick / model.substeps_per_tick;
 }

@@ -2,15 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
 #include "discretization/nodes/node_order.h"
 #include "discretization/nodes/volume_fit.h"
-#include "discretization/surface/refine_surface.h"
 #include "discretization/surface/surface_geometry.h"
 #include "simulation/scene_messages.h"
 
 namespace palpate {
 namespace {
+
+constexpr double tool_edge = 0.35;  // of the tool's radius: the longest edge of the skin that it touches
 
 SpacingField spacingField(const Scene& scene) {
   SpacingField spacing;
@@ -50,16 +52,27 @@ std::vector<FeatureEdges::Chain> rimsOf(const Scene& scene, const SurfaceTree& o
 
 }  // namespace
 
-Discretization discretize(const Scene& scene, const SurfaceTree& organ, const std::function<void(double)>& progress) {
+void checkCounts(const Scene& scene, double volume, double area) {
   // What the set-up can hold: about 0.1 MB a node. A typing error in the spacing should not fill the memory.
   constexpr double max_nodes = 60000;
-  const double estimate = signedVolume(organ.surface()) / (0.7 * scene.spacing * scene.spacing * scene.spacing);
-  if (estimate > max_nodes)
+  const double nodes = volume / (0.7 * scene.spacing * scene.spacing * scene.spacing);
+  if (nodes > max_nodes)
     throw InputError(placeOf(scene, "discretization.spacing"),
-                     "a spacing of " + number(scene.spacing) + " m makes about " + number(estimate) +
-                         " nodes, more than " + number(max_nodes),
+                     "a spacing of " + number(scene.spacing) + " m makes " +
+                         (nodes < 1e15 ? "about " + number(nodes) : "countless") + " nodes, more than " +
+                         number(max_nodes),
                      "raise it, and refine where the tool works");
+  const double edge = tool_edge * scene.tool.radius, faces = area / (std::sqrt(3.0) / 4 * edge * edge);
+  if (faces > max_refined_triangles)
+    throw InputError(placeOf(scene, "tool.radius"),
+                     "a tool with a radius of " + number(scene.tool.radius) + " m needs a skin of more than " +
+                         number(faces) + " faces to touch; " + number(max_refined_triangles) + " are possible",
+                     "raise it to " + number(scene.tool.radius * std::sqrt(2 * faces / max_refined_triangles)) +
+                         " m, or is the organ's size right?");
+}
 
+Discretization discretize(const Scene& scene, const SurfaceTree& organ, const std::function<void(double)>& progress) {
+  checkCounts(scene, signedVolume(organ.surface()), surfaceArea(organ.surface()));
   Discretization d;
   d.cloud = makeNodeCloud(organ, spacingField(scene), scene.seed, rimsOf(scene, organ));
   progress(0.7);
@@ -77,13 +90,24 @@ Discretization discretize(const Scene& scene, const SurfaceTree& organ, const st
   return d;
 }
 
-TriangleSurface refineForContact(const Scene& scene, const TriangleSurface& organ) {
+TriangleSurface refineForContact(const Scene& scene, const TriangleSurface& organ, int max_triangles) {
   const SpacingField spacing = spacingField(scene);
-  const double by_tool = 0.35 * scene.tool.radius;
-  return refineSurface(organ, [&](const Vec3& x) {
-    const double h = spacing.at(x);
-    return h < scene.spacing ? std::min(by_tool, h / 3) : by_tool;
-  });
+  const double by_tool = tool_edge * scene.tool.radius;
+  try {
+    return refineSurface(
+        organ,
+        [&](const Vec3& x) {
+          const double h = spacing.at(x);
+          return h < scene.spacing ? std::min(by_tool, h / 3) : by_tool;
+        },
+        max_triangles);
+  } catch (const std::length_error&) {
+    const bool finer = std::any_of(scene.refine.begin(), scene.refine.end(),
+                                   [&](const RefineSpec& r) { return r.spacing / 3 < by_tool; });
+    throw InputError(finer ? scene.refine.front().place : placeOf(scene, "tool.radius"),
+                     "the skin that the tool touches would have more than " + number(max_triangles) + " faces",
+                     finer ? "raise the spacing of [[discretization.refine]], or tool.radius" : "raise tool.radius");
+  }
 }
 
 std::vector<double> supportRadii(const std::vector<Vec3>& X, const std::vector<std::array<int, 4>>& cells,

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 
 #include "base/types.h"
@@ -11,9 +12,10 @@ namespace palpate {
 
 /// What a viewer, script or replay asks of one tick.
 struct Command {
-  Pose tool_target;                 // where the tool should be at the end of the tick
-  int pull_vertex = -1;             // skin vertex pulled by a spring; -1: none
-  Vec3 pull_target = Vec3::Zero();  // m, world
+  Pose tool_target;                         // where the tool should be at the end of the tick
+  int pull_vertex = -1;                     // skin vertex pulled by a spring; -1: none
+  Vec3 pull_target = Vec3::Zero();          // m, world
+  const std::atomic<bool>* stop = nullptr;  // once true, the tick ends after the present step; null: never
 };
 
 /// Reasons to distrust a step; the loop decides what to do about them.
@@ -40,8 +42,9 @@ enum class Doubt : std::uint8_t {
 /// One step's (or, accumulated, one tick's) outcome.
 struct StepReport {
   std::uint32_t flags = 0;
-  int worst_point = -1;  // integration point with min J
-  int worst_node = -1;   // node that moved furthest in one step, or is not finite
+  bool cut_short = false;  // Command::stop ended the tick: it does not count
+  int worst_point = -1;    // integration point with min J
+  int worst_node = -1;     // node that moved furthest in one step, or is not finite
   float min_J = 1;
   int inverted_points = 0;
   float max_increment = 0;            // m, largest |du| of a node in one step

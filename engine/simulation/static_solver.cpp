@@ -13,6 +13,10 @@ namespace {
 /// Of the largest stable step: what is left is for the stiffening within one load step.
 constexpr double step_safety = 0.8;
 
+/// Of the body's size: an error that rounding leaves. Where nothing is loaded, or a tool only just touches, the largest
+/// displacement is no more than that itself, and no share of it can be reached.
+constexpr double rounding_error = 1e-13;
+
 double diagonal(const std::vector<Vec3>& X) {
   Eigen::AlignedBox3d box;
   for (const auto& x : X) box.extend(x);
@@ -126,7 +130,7 @@ StaticSolver::Outcome StaticSolver::relax(double time, const std::optional<Pose>
         equilibrium.largest = std::sqrt(largest);
         largest_so_far_ = std::max(largest_so_far_, equilibrium.largest);
       }
-      calm = equilibrium.error <= tolerance_ * largest_so_far_ ? calm + 1 : 0;
+      calm = equilibrium.error <= std::max(tolerance_ * largest_so_far_, rounding_error * size_) ? calm + 1 : 0;
       if (calm >= calm_needed) return Outcome::Converged;
     }
     if (watch && k % watch_interval == 0 && !watch(equilibrium.iterations)) return Outcome::Interrupted;

@@ -61,8 +61,13 @@ StepReport tick(const Model& model, State& state, const Command& command, Worksp
                            state.u_low.data(), workspace.boundary);
   });
   StepReport total;
-  for (int k = 1; k <= model.substeps_per_tick; ++k)
+  for (int k = 1; k <= model.substeps_per_tick; ++k) {
+    if (command.stop != nullptr && command.stop->load(std::memory_order_relaxed)) {
+      total.cut_short = true;
+      return total;
+    }
     total = worstOf(total, step(model, state, poseAt(share * k / model.substeps_per_tick), command, workspace));
+  }
   ++state.tick;
   return total;
 }

@@ -14,7 +14,8 @@ StepReport step(const Model& model, State& state, const Pose& tool_pose, const C
 
 /// Advances one tick, substeps_per_tick steps, the tool going evenly from where it is to
 /// command.tool_target, no faster than the scene's tool_max_speed. The report has the last
-/// step's force and the worst of the rest.
+/// step's force and the worst of the rest. Where command.stop became true in between, the report is cut_short, the tick
+/// is not counted, and the state is of no use: the caller keeps that of before.
 /// Real-time: as step().
 StepReport tick(const Model& model, State& state, const Command& command, Workspace& workspace);
 

@@ -4,12 +4,21 @@
 
 namespace palpate {
 
-BatchBody::Report TransientSolver::tick(const std::optional<Pose>& tool) {
+std::optional<BatchBody::Report> TransientSolver::tick(const std::optional<Pose>& tool, const Watch& watch) {
   const double h = model_.dt, c = model_.scene.damping;
   const double alpha = 2 * h * h / (2 + c * h), beta = (2 - c * h) / (2 + c * h);
   const Pose from = body_.toolPose();
+  if (watch) {
+    u_before_ = body_.u;
+    du_before_ = body_.du;
+  }
+  const std::int64_t step_before = step_;
   BatchBody::Report total;
   for (int k = 1; k <= model_.substeps_per_tick; ++k) {
+    if (watch && !watch()) {
+      resume(step_before, u_before_, du_before_, tool ? std::optional(from) : std::nullopt);
+      return {};
+    }
     if (tool) {
       const double s = static_cast<double>(k) / model_.substeps_per_tick;
       Pose pose;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <optional>
 
 #include "simulation/batch_body.h"
@@ -11,9 +12,14 @@ class TransientSolver {
  public:
   TransientSolver(const Model& model, int threads) : model_(model), body_(model, model.mass, threads) {}
 
+  /// Called before each step; false interrupts.
+  using Watch = std::function<bool()>;
+
   /// One tick (model.substeps_per_tick steps of model.dt); the worst that its steps saw, and the last one's force.
+  /// Nothing where it was interrupted: time and motion are then those at the end of the tick before.
   /// @param tool  pose at the tick's end; without, the tool is not there
-  BatchBody::Report tick(const std::optional<Pose>& tool = {});
+  std::optional<BatchBody::Report> tick(const std::optional<Pose>& tool, const Watch& watch);
+  BatchBody::Report tick(const std::optional<Pose>& tool = {}) { return *tick(tool, Watch{}); }
 
   const BatchBody& body() const { return body_; }
   double time() const { return static_cast<double>(step_) * model_.dt; }
@@ -26,6 +32,7 @@ class TransientSolver {
   const Model& model_;
   BatchBody body_;
   std::int64_t step_ = 0;
+  AlignedVector<Double4> u_before_, du_before_;  // the present tick, where it is watched
 };
 
 }  // namespace palpate

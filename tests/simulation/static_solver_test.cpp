@@ -200,6 +200,32 @@ TEST_CASE("A tool pressed statically has the real-time loop's force at rest", "[
   CHECK((solver.body().reactions()[0].force - e.tool_force).norm() < 0.01 * e.tool_force.norm());
 }
 
+TEST_CASE("Where a tool only just touches, zero is an equilibrium", "[static_solver][contact]") {
+  const Model model = blockModel();
+  // The travel at which the sphere meets its first skin vertex, |v - c| = R.
+  const double R = model.scene.tool.radius;
+  double touch = 1;
+  for (const Vec3& v : model.skin.surface.vertices) {
+    const Vec3 from_axis = v - model.tool_start.position;
+    const double r2 = from_axis.head<2>().squaredNorm();
+    if (r2 < R * R) touch = std::min(touch, -from_axis.z() - std::sqrt(R * R - r2) + R);
+  }
+  REQUIRE(touch > model.first_contact_travel);
+  REQUIRE(touch < model.first_contact_travel + 1e-3);
+  double largest = 0;
+  for (const double deeper : {-1e-6, 0.0, 1e-16, 1e-15, 1e-14, 1e-13, 1e-12, 1e-11, 1e-9})
+    for (const double tolerance : {1e-3, 1e-6}) {
+      StaticSolver solver(model, 1, tolerance);
+      const Equilibrium e = solver.advanceTo(1, toolAt(model, touch + deeper));
+      INFO("deeper " << deeper << " tolerance " << tolerance << " error " << e.error << " largest " << e.largest);
+      CHECK(e.converged);
+      CHECK(e.iterations < StaticSolver::max_iterations / 4);
+      CHECK(e.largest < 3e-9);
+      largest = std::max(largest, e.largest);
+    }
+  CHECK(largest > 1e-10);  // the deepest does touch
+}
+
 TEST_CASE("A watch interrupts a solution, which can be taken up again", "[static_solver]") {
   const Model model = blockModel(plates(Vec3(0, 0, -0.003)));
   StaticSolver solver(model, 1, 1e-4);

@@ -95,6 +95,32 @@ TEST_CASE("A transient solution that goes on from a saved state has the same fut
   CHECK(second.body().reactions()[1].force == whole.body().reactions()[1].force);
 }
 
+TEST_CASE("A tick that is interrupted between its steps never was", "[transient_solver]") {
+  Scene scene = shaken();
+  scene.rate_hz = 100;
+  const Model model = blockModel(scene);
+  REQUIRE(model.substeps_per_tick > 4);
+  TransientSolver solver(model, 1), unbroken(model, 1);
+  for (int k = 0; k < 3; ++k) {
+    solver.tick();
+    unbroken.tick();
+  }
+  int calls = 0;
+  CHECK_FALSE(solver.tick({}, [&] { return ++calls < 4; }).has_value());
+  CHECK(calls == 4);
+  CHECK(solver.step() == unbroken.step());
+  CHECK(solver.time() == unbroken.time());
+  const auto same = [&] {
+    return std::memcmp(solver.body().u.data(), unbroken.body().u.data(), solver.body().u.size() * sizeof(Double4)) == 0;
+  };
+  CHECK(same());
+  calls = 0;
+  CHECK(solver.tick({}, [&] { return ++calls > 0; }).has_value());
+  CHECK(calls == model.substeps_per_tick);
+  unbroken.tick();
+  CHECK(same());
+}
+
 TEST_CASE("A batch body's forces are the reference kernel's, and fieldAt sums N u", "[batch_body]") {
   const Model model = blockModel();
   BatchBody body(model, model.mass, 2);

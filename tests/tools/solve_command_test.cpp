@@ -351,6 +351,33 @@ TEST_CASE("Scenes that can't be solved are refused with what is missing", "[solv
   CHECK_THROWS_AS(solve(folder.scene, folder.out(), false, folder.path("absent_script.toml")), InputError);
 }
 
+TEST_CASE("A motion too long to be written, or shorter than a tick, is not passed over in silence", "[solve_command]") {
+  const std::string transient = replaced(block_scene, "[solve]\ntolerance = 1e-5\nload_steps = 4\n",
+                                         "[dynamics]\nrate = 500\n[solve]\nmode = \"transient\"\n");
+  for (const char* end : {"end_time = 1e300", "end_time = 1e6"}) {
+    const Folder folder(replaced(transient, "end_time = 1", end));
+    CHECK_THAT(refusal([&] { solve(folder.scene, folder.out()); }),
+               Contains("block.toml:30:1") && Contains("ticks") && Contains("2e+05 s; lower end_time"));
+    CHECK_FALSE(std::filesystem::exists(folder.out("force.csv")));
+  }
+  const Folder folder(replaced(transient, "end_time = 1", "end_time = 1e-12"));
+  CHECK(solve(folder.scene, folder.out()) == 0);
+  CHECK(readCsvTable(folder.out("force.csv")).rowCount() == 1);
+}
+
+TEST_CASE("A refused run leaves an earlier run's results as they are", "[solve_command]") {
+  const Folder folder;
+  REQUIRE(solve(folder.scene, folder.out()) == 0);
+  const std::string force = readAll(folder.out("force.csv")), checkpoint = readAll(folder.out("checkpoint.bin"));
+  folder.write("block.toml", replaced(block_scene, "spacing = 0.012", "spacing = 1e-5"));
+  CHECK_THROWS_AS(solve(folder.scene, folder.out()), InputError);
+  folder.write("block.toml", replaced(block_scene, "name = \"plate\"", "name = \"a,b\""));
+  CHECK_THROWS(solve(folder.scene, folder.out()));  // no name for a column
+  CHECK(readAll(folder.out("force.csv")) == force);
+  CHECK(readAll(folder.out("checkpoint.bin")) == checkpoint);
+  CHECK_FALSE(std::filesystem::exists(folder.out("force.csv.part")));
+}
+
 TEST_CASE("A load that nothing can bear ends with code 1 and a report that says so", "[solve_command]") {
   const Folder folder(
       replaced(replaced(block_scene, "translation = [0.001, 0, -0.003]", "translation = [0, 0, -0.045]"),

@@ -30,7 +30,9 @@ void checkAgainstBody(const SpacingField& spacing, const SurfaceTree& surface) {
     const double nodes = part / (volume_per_node * h * h * h);
     if (nodes <= max_nodes) return;
     std::ostringstream problem, advice;
-    problem << "the node spacing " << h << " m would need about " << std::llround(nodes) << " nodes";
+    problem << "the node spacing " << h << " m would need ";
+    nodes < 1e15 ? problem << "about " << std::llround(nodes) : problem << "countless";
+    problem << " nodes";
     advice << "use at least " << std::cbrt(part / (volume_per_node * max_nodes)) << " m, or check the surface's scale";
     throw InputError(place, problem.str(), advice.str());
   };

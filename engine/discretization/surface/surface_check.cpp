@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <numeric>
 
 #include "base/input_error.h"
 #include "discretization/surface/surface_geometry.h"
@@ -18,9 +17,12 @@ namespace {
 // its normal would be rounding noise.
 constexpr double flat_face_ratio = 1e-9;
 
-// Faces pierce one another where an edge goes through by more than this fraction of their size;
+// Faces pierce one another where an edge goes through by more than this fraction of the smaller one's size;
 // below it they merely touch.
 constexpr double pierce_ratio = 1e-9;
+
+// Of a product of three lengths: what rounding may make of the volume that they span.
+constexpr double volume_rounding = 1e-14;
 
 std::string text(const Vec3& x) {
   char buffer[96];
@@ -144,14 +146,26 @@ void checkOrientation(const Subject& s, const SurfaceParts& parts) {
   }
 }
 
-bool edgePierces(const Vec3& p, const Vec3& q, const Vec3& a, const Vec3& b, const Vec3& c, double tolerance) {
-  const auto volume = [](const Vec3& o, const Vec3& x, const Vec3& y, const Vec3& z) {
-    return (x - o).cross(y - o).dot(z - o);
+/// Six times the volume of a tetrahedron; 0 where that can't be told from rounding.
+double sixfoldVolume(const Vec3& o, const Vec3& x, const Vec3& y, const Vec3& z) {
+  const Vec3 ox = x - o, oy = y - o, oz = z - o;
+  const double volume = ox.cross(oy).dot(oz);
+  return std::abs(volume) > volume_rounding * ox.norm() * oy.norm() * oz.norm() ? volume : 0;
+}
+
+/// Whether pq goes through abc by more than `depth` (m): its ends that far from the plane, its line that far from the
+/// lines of all three edges. Lengths, not volumes, are compared: a face that is long elsewhere hides nothing.
+bool edgePierces(const Vec3& p, const Vec3& q, const Vec3& a, const Vec3& b, const Vec3& c, double depth) {
+  const double area = (b - a).cross(c - a).norm();  // twice the face's
+  const double above = sixfoldVolume(a, b, c, p), below = sixfoldVolume(a, b, c, q);
+  if (above * below >= 0 || std::min(std::abs(above), std::abs(below)) <= depth * area) return false;
+  int side = 0;
+  const auto passes = [&](const Vec3& from, const Vec3& to) {
+    const double volume = sixfoldVolume(p, q, from, to);
+    side += volume > 0 ? 1 : -1;
+    return std::abs(volume) > depth * (q - p).cross(to - from).norm();
   };
-  const double above = volume(a, b, c, p), below = volume(a, b, c, q);
-  if (!((above > tolerance && below < -tolerance) || (above < -tolerance && below > tolerance))) return false;
-  const double u = volume(p, q, a, b), v = volume(p, q, b, c), w = volume(p, q, c, a);
-  return (u > tolerance && v > tolerance && w > tolerance) || (u < -tolerance && v < -tolerance && w < -tolerance);
+  return passes(a, b) && passes(b, c) && passes(c, a) && std::abs(side) == 3;
 }
 
 bool facesPierce(const TriangleSurface& surface, int s, int t) {
@@ -159,17 +173,19 @@ bool facesPierce(const TriangleSurface& surface, int s, int t) {
   int shared = 0;
   for (int v : f) shared += std::find(g.begin(), g.end(), v) != g.end();
   if (shared >= 2) return false;  // neighbours across an edge
-  Box3 box;
-  for (int v : f) box.extend(surface.vertices[v]);
-  for (int v : g) box.extend(surface.vertices[v]);
-  const double size = box.diagonal().norm(), tolerance = pierce_ratio * size * size * size;
+  const auto size = [&](const std::array<int, 3>& face) {
+    Box3 box;
+    for (int v : face) box.extend(surface.vertices[v]);
+    return box.diagonal().norm();
+  };
+  const double depth = pierce_ratio * std::min(size(f), size(g));
   const auto anyEdge = [&](const std::array<int, 3>& from, const std::array<int, 3>& through) {
     for (int k = 0; k < 3; ++k) {
       const int p = from[k], q = from[(k + 1) % 3];
       if (std::find(through.begin(), through.end(), p) != through.end()) continue;
       if (std::find(through.begin(), through.end(), q) != through.end()) continue;
       if (edgePierces(surface.vertices[p], surface.vertices[q], surface.vertices[through[0]],
-                      surface.vertices[through[1]], surface.vertices[through[2]], tolerance)) {
+                      surface.vertices[through[1]], surface.vertices[through[2]], depth)) {
         return true;
       }
     }
@@ -244,63 +260,6 @@ void checkSurface(const TriangleSurface& surface, const SurfaceSource& source) {
   checkOrientation(subject, parts);
   checkPiercing(subject);
   checkNesting(subject, parts);
-}
-
-int weldVertices(TriangleSurface& surface, SurfaceSource& source, double relative_tolerance) {
-  const int count = static_cast<int>(surface.vertices.size());
-  for (const Vec3& v : surface.vertices) {
-    if (!v.allFinite()) return 0;
-  }
-  const double tolerance = relative_tolerance * boundingBox(surface).diagonal().norm();
-
-  // Sweep along a direction that no usual model is aligned with, so that few vertices share a coordinate.
-  const Vec3 direction = Vec3(0.4171, 0.6853, 0.5970).normalized();
-  std::vector<double> along(count);
-  for (int v = 0; v < count; ++v) along[v] = direction.dot(surface.vertices[v]);
-  std::vector<int> order(count);
-  std::iota(order.begin(), order.end(), 0);
-  std::sort(order.begin(), order.end(),
-            [&](int v, int w) { return along[v] < along[w] || (along[v] == along[w] && v < w); });
-  std::vector<int> joined(count);  // the lowest vertex of each group
-  std::iota(joined.begin(), joined.end(), 0);
-  std::vector<char> taken(count, 0);
-  std::vector<int> group;
-  for (int i = 0; i < count; ++i) {
-    if (taken[order[i]]) continue;
-    group.assign(1, order[i]);
-    for (int j = i + 1; j < count && along[order[j]] - along[order[i]] <= tolerance; ++j) {
-      if (taken[order[j]]) continue;
-      if ((surface.vertices[order[j]] - surface.vertices[order[i]]).norm() <= tolerance) group.push_back(order[j]);
-    }
-    const int lowest = *std::min_element(group.begin(), group.end());
-    for (int v : group) {
-      joined[v] = lowest;
-      taken[v] = 1;
-    }
-  }
-
-  std::vector<char> used(count, 0);
-  for (auto& triangle : surface.triangles) {
-    for (int& v : triangle) {
-      v = joined[v];
-      used[v] = 1;
-    }
-  }
-  std::vector<int> renumbered(count, -1);
-  int kept = 0;
-  for (int v = 0; v < count; ++v) {
-    if (!used[v]) continue;
-    renumbered[v] = kept;
-    surface.vertices[kept] = surface.vertices[v];
-    if (!source.vertex_line.empty()) source.vertex_line[kept] = source.vertex_line[v];
-    ++kept;
-  }
-  surface.vertices.resize(kept);
-  if (!source.vertex_line.empty()) source.vertex_line.resize(kept);
-  for (auto& triangle : surface.triangles) {
-    for (int& v : triangle) v = renumbered[v];
-  }
-  return count - kept;
 }
 
 }  // namespace palpate

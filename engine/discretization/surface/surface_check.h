@@ -27,10 +27,4 @@ struct SurfaceSource {
 /// faces pointing into the hollow, and two parts may touch in vertices only.
 void checkSurface(const TriangleSurface& surface, const SurfaceSource& source = {});
 
-/// Joins vertices closer than `relative_tolerance` times the bounding box's diagonal and drops those that
-/// no face uses. STL files, which repeat each vertex in each face, need it; so do OBJ files that were
-/// split along texture seams. Keeps `source` in step. A face that collapses by it stays, for checkSurface to
-/// refuse. Does nothing where a coordinate is not finite. Returns the number of vertices removed.
-int weldVertices(TriangleSurface& surface, SurfaceSource& source, double relative_tolerance = 1e-6);
-
 }  // namespace palpate

@@ -11,6 +11,7 @@ namespace palpate {
 class Physics {
  public:
   virtual ~Physics() = default;
+  /// Where command.stop cuts the tick short, the report says so and the state is that of before.
   virtual StepReport tick(const Command& command) = 0;
   virtual const State& state() const = 0;
   virtual std::uint64_t stateHash() const = 0;
@@ -43,6 +44,7 @@ class TissuePhysics final : public Physics {
   const Model& model_;
   State initial_;  // at rest, with the live settings in force
   State state_;
+  State before_;  // the present tick, where that is long enough to be cut short; else empty
   Workspace workspace_;
   double allowed_stiffening_;  // of a material over the loaded one
 };

@@ -75,7 +75,7 @@ TickOutcome SimulationLoop::onTick(const LoopTime& time) {
   const bool moves = !run_.paused || run_.step_once;
   run_.step_once = false;
   if (moves) {
-    advance();
+    if (!advance()) return TickOutcome::Stop;
     reporter_.sendForce(time, run_);
   }
   reporter_.publish(time, run_);
@@ -85,23 +85,27 @@ TickOutcome SimulationLoop::onTick(const LoopTime& time) {
 void SimulationLoop::onLate(const LateTick& late, const LoopTime& time) { reporter_.addLate(late, time, run_); }
 
 /// One tick of the run: the input that takes effect before it, then the physics, unless frozen.
-void SimulationLoop::advance() {
+bool SimulationLoop::advance() {
   while (const Request* due = track_.takeDue(run_.tick)) apply(*due, true);
   command_.tool_target =
       track_.next(run_.tick, command_.tool_target, physics_.state(), reporter_.lastReport(), run_.frozen);
+  if (!run_.frozen && !step()) return false;
   recorder_.addCommand(run_.tick, command_);
-  if (!run_.frozen) step();
 
   const bool track_drove = track_.drives(run_.tick);
   ++run_.tick;
   if (track_drove && !track_.drives(run_.tick)) reporter_.logEvent(LogEvent::Kind::TrackEnded, run_);
+  return true;
 }
 
-void SimulationLoop::step() {
+bool SimulationLoop::step() {
+  command_.stop = &channels_.quit;
   if (team_ != nullptr) team_->wake();
   const StepReport report = physics_.tick(command_);
   if (team_ != nullptr && !as_fast_as_possible_) team_->park();
+  if (report.cut_short) return false;
   run_.frozen = reporter_.judge(report, run_);
+  return true;
 }
 
 void SimulationLoop::takeRequests() {

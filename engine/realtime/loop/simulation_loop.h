@@ -59,7 +59,8 @@ class SimulationLoop final : private LoopBody {
   void run();
   void run(Clock& clock);
 
-  /// (any thread) Asks the loop to end; safe also when the command queue is full.
+  /// (any thread) Asks the loop to end; safe also when the command queue is full. A long tick under way is broken
+  /// off, and the run ends as it was before it.
   void quit() { channels_.quit.store(true, std::memory_order_relaxed); }
   bool finished() const { return channels_.finished.load(std::memory_order_acquire); }
 
@@ -85,8 +86,8 @@ class SimulationLoop final : private LoopBody {
   void pull(int skin_vertex, const Vec3& target);
   void change(const Request& setting);
   void reset(bool from_track);
-  void advance();
-  void step();
+  bool advance();  // false: quit() broke the tick off, which then never was
+  bool step();     // likewise
 
   const Model& model_;
   Physics& physics_;

@@ -7,14 +7,18 @@
 
 namespace palpate {
 
+void checkRate(const Recording& recording, double rate_hz, const std::string& file) {
+  constexpr int kRateLine = 4;
+  if (recording.rate_hz == rate_hz) return;
+  throw InputError(
+      {file, kRateLine},
+      "recorded at " + shortest(recording.rate_hz) + " Hz, but the scene runs at " + shortest(rate_hz) + " Hz",
+      "replay with --rate " + shortest(recording.rate_hz));
+}
+
 void checkRecordingFits(const Recording& recording, const Model& model, const std::string& file) {
-  constexpr int kModelLine = 3, kRateLine = 4;
-  if (recording.rate_hz != model.scene.rate_hz) {
-    throw InputError({file, kRateLine},
-                     "recorded at " + shortest(recording.rate_hz) + " Hz, but the scene runs at " +
-                         shortest(model.scene.rate_hz) + " Hz",
-                     "replay with --rate " + shortest(recording.rate_hz));
-  }
+  constexpr int kModelLine = 3;
+  checkRate(recording, model.scene.rate_hz, file);
   const std::uint64_t hash = modelHash(model);
   if (recording.model_hash != hash) {
     throw InputError({file, kModelLine},

@@ -20,6 +20,9 @@ struct Recording {
 
 struct Model;
 
+/// Throws InputError unless the recording was made at this rate. Needs no model.
+void checkRate(const Recording& recording, double rate_hz, const std::string& file);
+
 /// Throws InputError unless the recording was made with this model and rate.
 void checkRecordingFits(const Recording& recording, const Model& model, const std::string& file);
 

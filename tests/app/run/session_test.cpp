@@ -2,9 +2,13 @@
 
 #include <catch2/catch.hpp>
 
+#include <algorithm>
 #include <filesystem>
+#include <utility>
 
 #include "io/indent_script.h"
+#include "support/block_text.h"
+#include "support/temp_folder.h"
 #include "support/text.h"
 
 using namespace palpate;
@@ -80,6 +84,7 @@ TEST_CASE("force.csv has the agreed header, a row per sample, and numbers that r
   const std::string folder = std::string(PALPATE_BINARY_DIR) + "/result_folder_test/nested";
   std::filesystem::remove_all(folder);
   ResultFolder results(folder);
+  results.begin();
   ForceSample sample;
   sample.time_s = 0.002;
   sample.depth_m = -0.0123456789;
@@ -124,7 +129,89 @@ TEST_CASE("A folder that can't be written is refused with its name and the reaso
   const std::string folder = std::string(PALPATE_BINARY_DIR) + "/full_disk_test";
   std::filesystem::remove_all(folder);
   std::filesystem::create_directories(folder);
-  std::filesystem::create_symlink("/dev/full", folder + "/force.csv");
+  std::filesystem::create_symlink("/dev/full", folder + "/force.csv.part");
   CHECK(message(folder).find("No space left on device") != std::string::npos);
   std::filesystem::remove_all(folder);
+}
+
+TEST_CASE("A run that is refused takes nothing of an earlier one's results away", "[session]") {
+  const TempFolder folder;
+  Options options;
+  options.offscreen = true;
+  options.as_fast_as_possible = true;
+  options.seconds = 0.01;
+  options.out = folder.path("out");
+  std::filesystem::create_directories(options.out);
+  folder.write("out/force.csv", "earlier\n");
+  const auto files = [&] {
+    return std::distance(std::filesystem::directory_iterator(options.out), std::filesystem::directory_iterator());
+  };
+  Log log;
+  // The tool inside the organ: found when everything else is made.
+  options.scene = folder.write("inside.toml", replaced(test::touched_block_text, "0, 0, 0.035", "0, 0, 0.02"));
+  CHECK_THAT(refusal([&] { Session(options, app::readScene(options), log); }), Catch::Contains("inside the organ"));
+  CHECK(readAll(folder.path("out/force.csv")) == "earlier\n");
+  CHECK(files() == 1);
+
+  // Accepted, but never started: no display, say.
+  options.scene = folder.write("block.toml", test::touched_block_text);
+  Session(options, app::readScene(options), log);
+  CHECK(readAll(folder.path("out/force.csv")) == "earlier\n");
+  CHECK(files() == 1);
+
+  Session session(options, app::readScene(options), log);
+  session.start();
+  while (!session.finished()) session.gather();
+  session.finish();
+  const std::string force = readAll(folder.path("out/force.csv"));
+  CHECK(std::count(force.begin(), force.end(), '\n') == 1 + 5);
+  CHECK(files() == 1);
+}
+
+TEST_CASE("A recording that can't be replayed is found before the set-up is made", "[session]") {
+  const TempFolder folder;
+  Options options;
+  options.offscreen = true;
+  // A scene that is refused when everything else is made, so that what is said shows what came first.
+  options.scene = folder.write("inside.toml", replaced(test::touched_block_text, "0, 0, 0.035", "0, 0, 0.02"));
+  options.out = folder.path("out");
+  Log log;
+  const auto message = [&] { return refusal([&] { Session(options, app::readScene(options), log); }); };
+  options.replay = folder.path("absent.rec");
+  CHECK_THAT(message(), Catch::Contains("absent.rec"));
+  options.replay =
+      folder.write("slow.rec", "palpate-recording 1\nscene block\nmodel 0123456789abcdef\nrate_hz 250\nend 5\n");
+  CHECK_THAT(message(), Catch::Contains("slow.rec:4") && Catch::Contains("--rate 250"));
+  options.replay.clear();
+  options.tool_script = folder.path("absent.toml");
+  CHECK_THAT(message(), Catch::Contains("absent.toml"));
+  CHECK_FALSE(std::filesystem::exists(options.out));
+}
+
+TEST_CASE("A scripted run is repeated by its recording, bit for bit", "[session]") {
+  const TempFolder folder;
+  Options options;
+  options.offscreen = options.as_fast_as_possible = true;
+  options.scene = folder.write("block.toml", test::touched_block_text);
+  options.out = folder.path("out");
+  options.tool_script = folder.write("press.toml",
+                                     "[[keyframe]]\ntime = 0.05\nadvance = 0\n"
+                                     "[[keyframe]]\ntime = 0.15\nadvance = 0.003\n");
+  options.record = folder.path("press.rec");
+  Log log;
+  const auto hashOf = [&] {
+    Session session(options, app::readScene(options), log);
+    session.start();
+    while (!session.finished()) session.gather();
+    session.finish();
+    CHECK(session.failure().empty());
+    return session.report().state_hash;
+  };
+  const auto scripted = hashOf();
+  options.tool_script.clear();
+  options.replay = std::exchange(options.record, "");
+  CHECK(hashOf() == scripted);
+  const Recording recording = readRecording(options.replay);
+  CHECK(recording.ticks == 75 + 10);  // 0.15 s, and the last corner's rounding
+  CHECK(recording.changes.size() > 50);
 }

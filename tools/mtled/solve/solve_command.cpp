@@ -29,6 +29,7 @@
 #include "mtled/solve/checkpoint.h"
 #include "mtled/solve/progress.h"
 #include "simulation/model_hash.h"
+#include "simulation/scene_messages.h"
 #include "simulation/solution_fields.h"
 #include "simulation/static_solver.h"
 #include "simulation/transient_solver.h"
@@ -49,6 +50,21 @@ double endTime(const Scene& scene, const std::optional<ToolScript>& script) {
                      "nothing moves in this scene, so there is no time to solve to",
                      "add a [[prescribed]] motion or --tool SCRIPT, or set end_time in [solve]");
   return end;
+}
+
+/// Ticks of a motion to a time, a whole number; at least one.
+double ticksTo(double end, const Scene& scene) { return std::max(1.0, std::ceil(end / (1 / scene.rate_hz) - 1e-9)); }
+
+/// A motion that would fill every disk with its force curve is a typing error.
+void checkLength(const Scene& scene, double end) {
+  constexpr double max_ticks = 1e8;
+  if (scene.solve.mode != SolveSpec::Mode::Transient || ticksTo(end, scene) <= max_ticks) return;
+  const std::string advice = "a transient solution can have 1e8, " + number(max_ticks / scene.rate_hz) + " s; ";
+  throw InputError(scene.places.contains("solve.end_time") ? placeOf(scene, "solve.end_time")
+                   : scene.solve.place.file.empty()        ? scene.place
+                                                           : scene.solve.place,
+                   "the motion to " + number(end) + " s has " + number(ticksTo(end, scene)) + " ticks",
+                   advice + (scene.solve.end_time > 0 ? "lower end_time" : "set end_time in [solve]"));
 }
 
 /// Of all that decides a solution: what a checkpoint must agree in.
@@ -119,10 +135,12 @@ class Results {
       checkpoint_.model_hash = identity;
       checkpoint_.u.resize(model.X.size());
       checkpoint_.du.resize(model.X.size());
-      std::filesystem::remove(checkpointFile(), error);  // of an earlier run: it does not belong to the new rows
     }
     force_ = std::make_unique<ResultCsv>(forceFile(), columns);
     for (const auto& row : kept) force_->add(row);
+    // Nothing can be refused any more: what an earlier run left gives way.
+    if (!resume) std::filesystem::remove(checkpointFile(), error);
+    force_->takePlace();
     for (std::size_t k = 0; k < checkpoint_.frame_time.size(); ++k)
       pvd_.push_back({checkpoint_.frame_time[k], frameName(k)});
   }
@@ -311,14 +329,16 @@ int solveTransient(const Task& task, Results& results) {
                   task.tool(static_cast<double>(results.checkpoint().position) * task.model.dt));
   ProgressLine progress("solve");
   const double tick = 1 / task.model.scene.rate_hz;
-  const auto ticks = static_cast<std::int64_t>(std::ceil(task.end / tick - 1e-9));
+  const auto ticks = static_cast<std::int64_t>(ticksTo(task.end, task.model.scene));
   bool stopped = false, diverged = false;
   for (std::int64_t k = solver.step() / task.model.substeps_per_tick + 1; k <= ticks && !stopped && !diverged; ++k) {
-    const auto report = solver.tick(task.tool(static_cast<double>(k) * tick));
-    diverged = !report.finite || report.max_increment > task.model.max_increment;
+    const auto report = solver.tick(task.tool(static_cast<double>(k) * tick), [] { return !interrupted(); });
+    stopped = !report;
+    if (stopped) break;
+    diverged = !report->finite || report->max_increment > task.model.max_increment;
     if (!diverged)
-      results.add(solver.step(), solver.time(), {}, task.model.substeps_per_tick, report.min_J, report.inverted_points,
-                  solver.body(), report.tool_force);
+      results.add(solver.step(), solver.time(), {}, task.model.substeps_per_tick, report->min_J,
+                  report->inverted_points, solver.body(), report->tool_force);
     char detail[64];
     std::snprintf(detail, sizeof detail, "%.4g of %.4g s", solver.time(), task.end);
     progress.show(static_cast<double>(k) / static_cast<double>(ticks), detail);
@@ -346,6 +366,7 @@ int solveCommand(const SolveOptions& options) {
   const Scene scene = readScene(file);
   const std::optional<ToolScript> script = namedScript(options.tool_script, scene.tool.radius);
   const double end = endTime(scene, script);
+  checkLength(scene, end);
   std::unique_ptr<Model> model;
   {
     ProgressLine progress("set-up");
