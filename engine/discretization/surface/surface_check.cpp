@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "base/input_error.h"
+#include "base/number_text.h"
 #include "discretization/surface/surface_geometry.h"
 #include "discretization/surface/surface_parts.h"
 #include "discretization/surface/surface_tree.h"
@@ -22,11 +23,7 @@ constexpr double flat_face_ratio = 1e-9;
 // below it they merely touch.
 constexpr double pierce_ratio = 1e-9;
 
-std::string text(const Vec3& x) {
-  char buffer[96];
-  std::snprintf(buffer, sizeof buffer, "(%.6g, %.6g, %.6g) m", x.x(), x.y(), x.z());
-  return buffer;
-}
+std::string text(const Vec3& x) { return format("(%.6g, %.6g, %.6g) m", x.x(), x.y(), x.z()); }
 
 std::string counted(int count, const std::string& one, const std::string& many) {
   return std::to_string(count) + " " + (count == 1 ? one : many);
