@@ -1,16 +1,12 @@
 #pragma once
 
-#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "app/figures/figure_axis.h"
-#include "app/render/picture.h"
+// What figures show, as plain data: who only describes figures needs nothing that draws them (figure_writer.h).
 
 namespace palpate::app {
-
-class Canvas;
 
 /// How a series is drawn. Step: level from each point to the next one's x, then up or down.
 enum class SeriesStyle { Line, Dashed, Points, LineAndPoints, Step };
@@ -73,34 +69,5 @@ Histogram histogramOf(const std::vector<double>& values, int bin_count, bool log
 /// The points than which no other is at most as large in both x and y, by rising x: what a
 /// Step series joins. NaN never belongs to it.
 std::vector<int> paretoFront(const std::vector<double>& x, const std::vector<double>& y);
-
-/// A figure with the places of its axes, px.
-struct DrawnFigure {
-  Picture picture;
-  Axis x, y;
-};
-
-/// Draws figures for a printed page, off-screen: dark on white, type as large as is fit for
-/// pictures that are shown at about half their pixels. One at a time, used by one thread.
-class FigureWriter {
- public:
-  /// Throws std::runtime_error where there is no off-screen drawing, saying what to install.
-  FigureWriter();
-  ~FigureWriter();
-
-  /// Throws std::invalid_argument, naming the series, where x and y differ in length.
-  DrawnFigure draw(const Figure& figure, int width = 1600, int height = 1000);
-  DrawnFigure draw(const Histogram& histogram, int width = 1600, int height = 1000);
-
-  /// The same into a PNG file. Throws std::runtime_error that names the file and the reason.
-  void write(const std::string& png, const Figure& figure, int width = 1600, int height = 1000);
-  void write(const std::string& png, const Histogram& histogram, int width = 1600, int height = 1000);
-
-  /// What it draws on, for other pictures of the same page (BodyPainter).
-  Canvas& canvas() { return *canvas_; }
-
- private:
-  std::unique_ptr<Canvas> canvas_;
-};
 
 }  // namespace palpate::app

@@ -5,8 +5,8 @@
 #include <cstdlib>
 #include <limits>
 
-#include "app/panels/format.h"
-#include "app/panels/plot.h"
+#include "app/figures/round_ticks.h"
+#include "base/number_text.h"
 
 namespace palpate::app {
 namespace {

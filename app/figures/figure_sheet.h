@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "app/figures/figure.h"
+#include "app/figures/figure_axis.h"
 #include "app/figures/paper.h"
 #include "app/panels/theme.h"
 

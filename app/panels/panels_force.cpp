@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 
+#include "app/figures/round_ticks.h"
 #include "app/panels/panels.h"
 #include "app/panels/plot.h"
 #include "app/panels/widgets.h"

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 
+#include "app/figures/round_ticks.h"
 #include "app/panels/panels.h"
 #include "app/panels/plot.h"
 #include "app/panels/widgets.h"

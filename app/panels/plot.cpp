@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 
+#include "app/figures/round_ticks.h"
 #include "app/panels/theme.h"
 
 namespace palpate::app {
@@ -24,12 +24,6 @@ struct Frame {
     return max.y - static_cast<float>((value - axes.y_min) / (axes.y_max - axes.y_min)) * (max.y - min.y);
   }
 };
-
-double roundStep(double raw) {
-  const double power = std::pow(10.0, std::floor(std::log10(raw)));
-  const double m = raw / power;  // 1 <= m < 10
-  return power * (m <= 1.000001 ? 1 : m <= 2.000001 ? 2 : m <= 5.000001 ? 5 : 10);
-}
 
 double stepOf(const std::vector<double>& ticks) { return ticks.size() < 2 ? 1 : ticks[1] - ticks[0]; }
 
@@ -87,32 +81,6 @@ void endPlot(const Frame& frame) {
 }
 
 }  // namespace
-
-std::vector<double> roundTicks(double low, double high, int max_count) {
-  std::vector<double> ticks;
-  if (!std::isfinite(low) || !std::isfinite(high) || high <= low || max_count < 1) return ticks;
-  const double step = roundStep((high - low) / max_count);
-  const double tolerance = 1e-9 * (high - low);  // so that an end that is a tick up to rounding counts
-  const auto first = static_cast<long long>(std::ceil((low - tolerance) / step));
-  for (long long k = first; static_cast<double>(k) * step <= high + tolerance; ++k)
-    ticks.push_back(static_cast<double>(k) * step);
-  return ticks;
-}
-
-std::string tickLabel(double value, double step) {
-  const int decimals = step > 0 ? std::clamp(static_cast<int>(std::ceil(-std::log10(step) - 1e-9)), 0, 9) : 0;
-  char text[32];
-  std::snprintf(text, sizeof text, "%.*f", decimals, value == 0 ? 0.0 : value);
-  return text;
-}
-
-void widenToRound(double& low, double& high, double least) {
-  if (!std::isfinite(low) || !std::isfinite(high) || high < low) low = high = 0;
-  if (high - low < least) high = low + least;
-  const double step = roundStep((high - low) / 4);
-  low = std::floor(low / step + 1e-9) * step;
-  high = std::ceil(high / step - 1e-9) * step;
-}
 
 void drawPlot(const char* id, float height, const PlotAxes& axes, std::span<const PlotSeries> series) {
   const Frame frame = beginPlot(id, height, axes, true);

@@ -4,9 +4,9 @@
 
 #include <string>
 
-#include "app/panels/format.h"
 #include "app/panels/layout.h"
 #include "app/panels/theme.h"
+#include "base/number_text.h"
 
 namespace palpate::app {
 

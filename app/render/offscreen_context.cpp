@@ -7,6 +7,8 @@
 #include <cstring>
 #include <stdexcept>
 
+#include "base/number_text.h"
+
 namespace palpate::app {
 namespace {
 
@@ -19,8 +21,7 @@ bool has(const char* extensions, const char* name) {
 }
 
 std::runtime_error failure(const std::string& what) {
-  char code[16];
-  std::snprintf(code, sizeof code, "0x%x", static_cast<unsigned>(eglGetError()));
+  const std::string code = format("0x%x", static_cast<unsigned>(eglGetError()));
   return std::runtime_error("off-screen drawing: " + what + " (EGL error " + code +
                             "); install Mesa's software renderer: apt install libegl1 libegl-mesa0 libgl1-mesa-dri");
 }

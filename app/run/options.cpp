@@ -56,16 +56,8 @@ bool readSize(const std::string& text, int& width, int& height) {
 
 ParsedOptions refusal(const std::string& problem) { return {{}, "palpate: " + problem + "; see palpate --help", 2}; }
 
-}  // namespace
-
-ParsedOptions parseOptions(int argc, const char* const* argv) {
-  Options o;
-  std::string size;
-  bool no_cache = false;
-  CLI::App app{"Palpate: press a probe into soft tissue, simulated without a mesh at haptic rates."};
-  app.footer(examples);
-  app.set_version_flag("--version", buildInfo());
-  app.get_formatter()->column_width(36);
+/// @param size, no_cache  what the options say of these; they reach `o` later
+void addOptions(CLI::App& app, Options& o, std::string& size, bool& no_cache) {
   app.add_option("SCENE", o.scene, "Scene file (.toml), or the name of one in assets/scenes, e.g. liver");
   app.add_flag("--offscreen", o.offscreen,
                "Run without a display; write snapshot.png, force.csv and report.json, e.g. palpate liver --offscreen");
@@ -103,8 +95,20 @@ ParsedOptions parseOptions(int argc, const char* const* argv) {
       ->check(numberWithin(1, 64, "threads"));
   app.add_flag("--as-fast-as-possible,--fast", o.as_fast_as_possible,
                "Do not wait for the clock, e.g. palpate liver --replay session.rec --offscreen --as-fast-as-possible");
-
   app.add_flag("--no-cache", no_cache, "Make the set-up anew and do not keep it, e.g. palpate liver --no-cache");
+}
+
+}  // namespace
+
+ParsedOptions parseOptions(int argc, const char* const* argv) {
+  Options o;
+  std::string size;
+  bool no_cache = false;
+  CLI::App app{"Palpate: press a probe into soft tissue, simulated without a mesh at haptic rates."};
+  app.footer(examples);
+  app.set_version_flag("--version", buildInfo());
+  app.get_formatter()->column_width(36);
+  addOptions(app, o, size, no_cache);
 
   try {
     app.parse(argc, argv);

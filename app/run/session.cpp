@@ -8,8 +8,8 @@
 #include <iostream>
 #include <stdexcept>
 
-#include "app/panels/format.h"
 #include "base/interrupt.h"
+#include "base/number_text.h"
 #include "io/find_asset.h"
 #include "io/indent_script.h"
 #include "io/load_model.h"

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "base/number_text.h"
 #include "realtime/recording/run_report.h"
 
 namespace palpate::app {
@@ -15,14 +15,6 @@ using Json = nlohmann::ordered_json;
 constexpr int kBinsPerBar = (1 << DurationHistogram::kSubBits) / 4;
 constexpr int kLongestBar = 50;  // characters
 
-template <class... Values>
-std::string format(const char* pattern, Values... values) {
-  char text[512];
-  std::snprintf(text, sizeof text, pattern, values...);
-  return text;
-}
-
-long long number(std::int64_t n) { return static_cast<long long>(n); }
 double kB(std::int64_t bytes) { return static_cast<double>(bytes) / 1024; }
 
 Json barsJson(const std::vector<HistogramBar>& bars) {
@@ -39,7 +31,7 @@ std::string barsText(const char* title, const std::vector<HistogramBar>& bars, c
   for (const HistogramBar& bar : bars) {
     // Logarithmic: a single late tick among a million must show.
     const double share = std::log1p(static_cast<double>(bar.count)) / std::log1p(static_cast<double>(most));
-    text += format("%10.1f us %12lld ", bar.begin_us, number(bar.count)) +
+    text += format("%10.1f us %12lld ", bar.begin_us, asLongLong(bar.count)) +
             std::string(static_cast<std::size_t>(std::lround(kLongestBar * share)), '#') + "\n";
   }
   return text;
@@ -87,13 +79,13 @@ std::vector<std::string> brokenPromises(const SoakReport& r) {
     broken.push_back(
         format("after %lld of %lld cycles the tissue was still moving %.0f s later: too little damping, "
                "or rounding that never settles",
-               number(r.unrested_cycles), number(r.cycles), SoakMotion::longest_rest_s));
+               asLongLong(r.unrested_cycles), asLongLong(r.cycles), SoakMotion::longest_rest_s));
   return broken;
 }
 
 std::string soakLine(const SoakReport& r) {
   return format("%.1f min: %lld cycles, real time x%.4f, step p99.9 %.0f us, %lld overruns, drift %.1e, min J %.3f, ",
-                r.physics_seconds / 60, number(r.cycles), r.realtime_factor, r.step_us.p999, number(r.overruns),
+                r.physics_seconds / 60, asLongLong(r.cycles), r.realtime_factor, r.step_us.p999, asLongLong(r.overruns),
                 r.drift(), static_cast<double>(r.min_J)) +
          "memory " + memoryText(r);
 }
@@ -152,7 +144,7 @@ std::string toText(const SoakReport& r) {
   text += soakLine(r) + "\n";
   text +=
       format("rest: longest wait %.2f s, drift at last %.2e m, at most %.2e m, of an organ of %.3f m; %lld unrested\n",
-             r.longest_rest_s, r.drift_m, r.largest_drift_m, r.organ_size_m, number(r.unrested_cycles));
+             r.longest_rest_s, r.drift_m, r.largest_drift_m, r.organ_size_m, asLongLong(r.unrested_cycles));
   std::string flags;
   for (const std::string& name : flagNames(r.flags)) flags += " " + name;
   text += format("peak force %.3f N, min J %.3f, flags:", r.peak_force_N, static_cast<double>(r.min_J)) +
@@ -160,8 +152,8 @@ std::string toText(const SoakReport& r) {
   text += format(
       "ticks %lld, overruns %lld, longest streak %lld; late ticks: %lld woken late, %lld core taken, "
       "%lld worker late, %lld long computation\n",
-      number(r.ticks), number(r.overruns), number(r.longest_overrun_streak), number(r.late_ticks[0]),
-      number(r.late_ticks[1]), number(r.late_ticks[2]), number(r.late_ticks[3]));
+      asLongLong(r.ticks), asLongLong(r.overruns), asLongLong(r.longest_overrun_streak), asLongLong(r.late_ticks[0]),
+      asLongLong(r.late_ticks[1]), asLongLong(r.late_ticks[2]), asLongLong(r.late_ticks[3]));
   text += format("memory: %.0f kB anonymous, %.0f kB resident; since the warm-up (%.0f s of physics): ",
                  kB(r.memory.anonymous), kB(r.memory.resident), r.warm_physics_seconds) +
           memoryText(r) + "\n";
@@ -169,8 +161,8 @@ std::string toText(const SoakReport& r) {
     text += format(
         "thread %d since the warm-up: %lld minor and %lld major page faults, %lld voluntary and %lld "
         "involuntary switches\n",
-        t.id, number(t.counters.minor_faults), number(t.counters.major_faults), number(t.counters.voluntary_switches),
-        number(t.counters.involuntary_switches));
+        t.id, asLongLong(t.counters.minor_faults), asLongLong(t.counters.major_faults),
+        asLongLong(t.counters.voluntary_switches), asLongLong(t.counters.involuntary_switches));
   text += barsText("step", r.step_bars, r.step_us) + barsText("wake-up late", r.wakeup_late_bars, r.wakeup_late_us);
   return text;
 }

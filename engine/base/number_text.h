@@ -6,6 +6,12 @@
 
 namespace palpate {
 
+/// printf into a string of any length.
+std::string format(const char* pattern, ...) __attribute__((format(printf, 1, 2)));
+
+/// A count as "%lld" takes it.
+inline long long asLongLong(std::int64_t count) { return count; }
+
 /// The shortest decimal text that reads back as the same bits.
 inline std::string shortest(double value) {
   char text[32];

@@ -1,22 +1,18 @@
 #pragma once
 
-#include <cstdio>
 #include <string>
 
+#include "base/number_text.h"
 #include "simulation/scene.h"
 
 namespace palpate {
 
 // Words of the messages that refuse a scene.
 
-inline std::string number(double a) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.3g", a);
-  return text;
-}
+inline std::string number(double a) { return format("%.3g", a); }
 
 inline std::string coordinates(const Vec3& x) {
-  return "(" + number(x[0]) + ", " + number(x[1]) + ", " + number(x[2]) + ") m";
+  return format("(%.3g, %.3g, %.3g) m", x[0], x[1], x[2]);
 }
 
 /// Where a key stands, or the scene file where it is left out.

@@ -4,7 +4,7 @@
 #include "fuzz/memory_file.h"
 #include "fuzz/reader.h"
 #include "io/text_file.h"
-#include "mtled/solve/checkpoint.h"
+#include "mtled/run/checkpoint.h"
 
 namespace palpate::fuzz {
 

@@ -1,12 +1,12 @@
 // Figures and body pictures for printed pages: what stands where, by the colours of pixels.
-#include "app/figures/figure.h"
+#include "app/figures/figure_writer.h"
 
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <limits>
 
-#include "app/render/body_picture.h"
+#include "app/render/body_painter.h"
 #include "app/render/colour_map.h"
 #include "app/render/field.h"
 #include "snapshots/hand_made_model.h"

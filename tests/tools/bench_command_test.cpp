@@ -16,7 +16,6 @@
 #include "support/test_body.h"
 
 using namespace palpate;
-using namespace palpate::app;
 using namespace palpate::tools;
 using Catch::Contains;
 

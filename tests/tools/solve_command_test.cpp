@@ -13,7 +13,7 @@
 #include "io/csv_table.h"
 #include "io/load_model.h"
 #include "io/scene_file.h"
-#include "mtled/solve/checkpoint.h"
+#include "mtled/run/checkpoint.h"
 #include "simulation/model_hash.h"
 #include "simulation/static_solver.h"
 #include "support/block_text.h"

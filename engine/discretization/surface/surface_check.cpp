@@ -5,6 +5,7 @@
 #include <cstdio>
 
 #include "base/input_error.h"
+#include "base/number_text.h"
 #include "discretization/surface/surface_geometry.h"
 #include "discretization/surface/surface_parts.h"
 #include "discretization/surface/surface_tree.h"
@@ -24,11 +25,7 @@ constexpr double pierce_ratio = 1e-9;
 // Of a product of three lengths: what rounding may make of the volume that they span.
 constexpr double volume_rounding = 1e-14;
 
-std::string text(const Vec3& x) {
-  char buffer[96];
-  std::snprintf(buffer, sizeof buffer, "(%.6g, %.6g, %.6g) m", x.x(), x.y(), x.z());
-  return buffer;
-}
+std::string text(const Vec3& x) { return format("(%.6g, %.6g, %.6g) m", x.x(), x.y(), x.z()); }
 
 std::string counted(int count, const std::string& one, const std::string& many) {
   return std::to_string(count) + " " + (count == 1 ? one : many);

@@ -1,7 +1,6 @@
 #include "realtime/channels/log_event.h"
 
-#include <cstdio>
-
+#include "base/number_text.h"
 #include "simulation/trust.h"
 
 namespace palpate {
@@ -9,11 +8,6 @@ namespace {
 
 std::string sentence(const LogEvent& e) {
   const Vec3& p = e.position;
-  char text[256];
-  const auto format = [&text](const char* pattern, auto... values) {
-    std::snprintf(text, sizeof text, pattern, values...);
-    return std::string(text);
-  };
   switch (e.kind) {
     case LogEvent::Kind::FrozenNotFinite:
       return format(
@@ -72,10 +66,6 @@ std::string sentence(const LogEvent& e) {
 
 }  // namespace
 
-std::string logText(const LogEvent& event) {
-  char time[32];
-  std::snprintf(time, sizeof time, "%.3f s: ", event.time_s);
-  return time + sentence(event);
-}
+std::string logText(const LogEvent& event) { return format("%.3f s: ", event.time_s) + sentence(event); }
 
 }  // namespace palpate

@@ -1,6 +1,6 @@
 #include "realtime/timing/overload.h"
 
-#include <cstdio>
+#include "base/number_text.h"
 
 namespace palpate {
 namespace {
@@ -8,18 +8,10 @@ namespace {
 constexpr std::array<const char*, kLateCauseCount> kCauseNames = {"woken late", "core taken", "worker late",
                                                                   "long computation"};
 
-template <class... Values>
-std::string format(const char* pattern, Values... values) {
-  char text[320];
-  std::snprintf(text, sizeof text, pattern, values...);
-  return text;
-}
-
 double ms(std::int64_t ns) { return 1e-6 * static_cast<double>(ns); }
-long long number(std::int64_t n) { return static_cast<long long>(n); }
 
 std::string periodsSkipped(std::int64_t missed) {
-  return format("%lld period%s skipped", number(missed), missed == 1 ? "" : "s");
+  return format("%lld period%s skipped", asLongLong(missed), missed == 1 ? "" : "s");
 }
 
 }  // namespace
@@ -42,7 +34,7 @@ void Overload::add(const LateTick& tick) {
 }
 
 std::string lateTickText(const LateTick& t) {
-  std::string text = format("tick %lld ", number(t.tick));
+  std::string text = format("tick %lld ", asLongLong(t.tick));
   switch (causeOf(t)) {
     case LateCause::LateWakeUp:
       text += format("was woken %.1f ms late: its core was taken or the process stopped", ms(t.late_ns));
@@ -63,8 +55,8 @@ std::string lateTickText(const LateTick& t) {
       break;
   }
   return text +
-         format(" (%lld involuntary switches, %lld page faults); ", number(t.involuntary_switches),
-                number(t.page_faults)) +
+         format(" (%lld involuntary switches, %lld page faults); ", asLongLong(t.involuntary_switches),
+                asLongLong(t.page_faults)) +
          periodsSkipped(t.missed);
 }
 
@@ -72,9 +64,9 @@ std::string overloadText(const Overload& overload) {
   std::string causes;
   for (std::size_t c = 0; c < kLateCauseCount; ++c) {
     if (overload.by_cause[c] == 0) continue;
-    causes += format("%s%lld %s", causes.empty() ? "" : ", ", number(overload.by_cause[c]), kCauseNames[c]);
+    causes += format("%s%lld %s", causes.empty() ? "" : ", ", asLongLong(overload.by_cause[c]), kCauseNames[c]);
   }
-  return format("%lld late tick%s in %.1f s (", number(overload.late_ticks), overload.late_ticks == 1 ? "" : "s",
+  return format("%lld late tick%s in %.1f s (", asLongLong(overload.late_ticks), overload.late_ticks == 1 ? "" : "s",
                 overload.seconds) +
          causes + "), " + periodsSkipped(overload.missed) + "; the worst: " + lateTickText(overload.worst);
 }

@@ -1,4 +1,4 @@
-#include "app/panels/plot.h"
+#include "app/figures/round_ticks.h"
 
 #include <catch2/catch.hpp>
 

@@ -17,7 +17,8 @@
 #include "io/output_file.h"
 #include "mtled/atlas/atlas_page.h"
 #include "mtled/atlas/atlas_run.h"
-#include "mtled/solve/progress.h"
+#include "mtled/pictures/pictures.h"
+#include "mtled/run/progress.h"
 
 namespace palpate::tools {
 namespace {
@@ -163,8 +164,7 @@ int atlasCommand(const AtlasOptions& options, const std::vector<AtlasAxis>& axes
   printAtlas(std::cout, atlas);
   std::cout << "\ntable        " << options.out << "/atlas.csv\nresults      " << options.out << "/atlas.json\n";
   if (!atlas.rows.empty()) {
-    writeAtlasFigure(options.out + "/atlas.png", atlas, axes);
-    std::cout << "picture      " << options.out << "/atlas.png\n";
+    std::cout << "picture      " << writePicture(options.out + "/atlas.png", atlas, axes) << "\n";
     if (!options.report.empty()) writeAtlasPage(options.report, commandOf(options), atlas, axes);
   }
   std::cout.flush();

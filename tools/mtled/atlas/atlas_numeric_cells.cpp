@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/number_text.h"
 #include "io/load_model.h"
 #include "mtled/atlas/atlas_block.h"
 #include "mtled/atlas/atlas_cells.h"
@@ -13,12 +14,6 @@ namespace palpate::tools {
 namespace {
 
 using When = AtlasCell::When;
-
-std::string two(double value) {
-  char text[16];
-  std::snprintf(text, sizeof text, "%.2f", value);
-  return text;
-}
 
 /// Noise of a nanometre a step in all nodes, which the fastest modes can grow from. The same at each run.
 void nudge(State& state) {
@@ -121,13 +116,14 @@ void addNumericCells(std::vector<AtlasAxis>& axes, std::vector<AtlasCell>& cells
                   "Block pressed by 10 % between plates and held, all nodes jolted by 1 nm at the start; force beside "
                   "the closed form."});
   for (const double share : {0.5, 0.7, 0.8, 0.9, 0.95, 1.0, 1.02, 1.05})
-    cells.push_back({"dt", two(share), share == 0.5 || share == 0.9 || share == 1.05 ? When::Always : When::Full,
+    cells.push_back({"dt", format("%.2f", share),
+                     share == 0.5 || share == 0.9 || share == 1.05 ? When::Always : When::Full,
                      [=] { return timeStep(share, false); }});
   axes.push_back({"dt-forced", "The same, not refused",
                   "Steps that the set-up refuses, set behind its back: the doubt has to come before the loss."});
   for (const double share : {1.01, 1.02, 1.05, 1.2, 1.5})
-    cells.push_back(
-        {"dt-forced", two(share), share == 1.05 ? When::Always : When::Full, [=] { return timeStep(share, true); }});
+    cells.push_back({"dt-forced", format("%.2f", share), share == 1.05 ? When::Always : When::Full,
+                     [=] { return timeStep(share, true); }});
   axes.push_back({"float32", "Single precision, steps",
                   "Small block pressed by 15 % and held (force beside the equilibrium in double), or released (what "
                   "stays of the displacement), after so many steps."});

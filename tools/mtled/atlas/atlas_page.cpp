@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "mtled/pictures/pictures.h"
 #include "mtled/report/case_result.h"
 #include "mtled/report/report_page.h"
 
@@ -13,7 +14,6 @@ void writeAtlasPage(const std::string& folder, const std::string& command, const
   std::error_code problem;
   std::filesystem::create_directories(folder, problem);
   if (problem) throw std::runtime_error(folder + ": " + problem.message());
-  writeAtlasFigure(folder + "/atlas.png", atlas, axes);
   Report report;
   report.title = "Where Palpate's numbers are true";
   report.intro =
@@ -23,7 +23,9 @@ void writeAtlasPage(const std::string& folder, const std::string& command, const
       "stand in the table), before "
       "a loss where there is one. **Refused**: the set-up says why. **SILENT**: wrong beyond the bound, lost, or with "
       "energy of nothing, without a "
-      "doubt; the run then fails.\n\n![Map of the cells](atlas.png)";
+      "doubt; the run then fails.\n\n";
+  const std::string picture = writePicture(folder + "/atlas.png", atlas, axes);
+  report.intro += withoutPictures().empty() ? "![Map of the cells](atlas.png)" : "Map of the cells: " + picture + ".";
   report.command = command;
   report.build = atlas.build;
   for (const auto& axis : axes) {

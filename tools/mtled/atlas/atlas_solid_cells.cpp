@@ -1,6 +1,7 @@
 // Cells of tools/mtled/atlas/atlas_cells.h: how far a body may be deformed, and of what it may be made.
 #include <cmath>
 
+#include "base/number_text.h"
 #include "io/load_model.h"
 #include "mtled/atlas/atlas_block.h"
 #include "mtled/atlas/atlas_cells.h"
@@ -13,13 +14,6 @@ namespace {
 using When = AtlasCell::When;
 
 constexpr double young = 3000;
-
-/// Numbers as on the command line.
-std::string text(double value) {
-  char buffer[32];
-  std::snprintf(buffer, sizeof buffer, "%g", value);
-  return buffer;
-}
 
 AtlasMeasure againstClosedForm(const Scene& scene, BlockFaces faces, double poisson, double stretch, double bound) {
   const Model model = loadModel(scene);
@@ -143,70 +137,72 @@ void addSolidCells(std::vector<AtlasAxis>& axes, std::vector<AtlasCell>& cells) 
   axes.push_back({"nu", "Poisson's ratio, sides free",
                   "Block of 30 mm pressed by 20 % between plates without friction; force beside the closed form."});
   for (const double nu : {0.3, 0.4, 0.45, 0.49, 0.499, 0.4999})
-    cells.push_back({"nu", text(nu), nu == 0.3 || nu == 0.49 || nu == 0.499 ? When::Always : When::Full,
+    cells.push_back({"nu", format("%g", nu), nu == 0.3 || nu == 0.49 || nu == 0.499 ? When::Always : When::Full,
                      [=] { return uniform(BlockFaces::Free, nu, 0.8); }});
   axes.push_back({"nu-confined", "Poisson's ratio, sides confined",
                   "The same block confined at its sides, pressed by 1.5 %; force beside the closed form."});
   for (const double nu : {0.3, 0.45, 0.49, 0.499, 0.4999})
-    cells.push_back({"nu-confined", text(nu), nu == 0.49 ? When::Always : When::Full,
+    cells.push_back({"nu-confined", format("%g", nu), nu == 0.49 ? When::Always : When::Full,
                      [=] { return uniform(BlockFaces::Confined, nu, 0.985); }});
   axes.push_back({"nu-bonded", "Poisson's ratio, ends bonded",
                   "The same block with bonded ends pressed by 10 %; force beside the equilibrium in double of a cloud "
                   "with five times the nodes."});
   for (const double nu : {0.3, 0.45, 0.49, 0.499, 0.4999})
     cells.push_back(
-        {"nu-bonded", text(nu), nu == 0.45 ? When::Always : When::Full, [=] { return againstFiner(nu, 0.9); }});
+        {"nu-bonded", format("%g", nu), nu == 0.45 ? When::Always : When::Full, [=] { return againstFiner(nu, 0.9); }});
   axes.push_back({"pressure", "Pressure / shear modulus",
                   "The same block confined at its sides, nu 0.499, pressed until its pressure is this multiple of its "
                   "shear modulus; force beside the closed form."});
   for (const double p : {1.0, 2.0, 3.0, 4.0, 4.5, 5.0, 10.0})
-    cells.push_back({"pressure", text(p), p == 2 || p == 5 ? When::Always : When::Full, [=] { return pressure(p); }});
+    cells.push_back(
+        {"pressure", format("%g", p), p == 2 || p == 5 ? When::Always : When::Full, [=] { return pressure(p); }});
   for (const double p : {2.0, 3.0, 4.0})  // where cells share points
     cells.push_back(
-        {"pressure", text(p) + " pairs", p == 4 ? When::Always : When::Full, [=] { return pressure(p, 2); }});
+        {"pressure", format("%g pairs", p), p == 4 ? When::Always : When::Full, [=] { return pressure(p, 2); }});
   axes.push_back({"compression", "Compression, %",
                   "Block between plates without friction, nu 0.49; force beside the closed form."});
   for (const double percent : {20, 40, 50, 60, 70, 80})
-    cells.push_back({"compression", text(percent), percent == 40 || percent == 80 ? When::Always : When::Full,
+    cells.push_back({"compression", format("%g", percent), percent == 40 || percent == 80 ? When::Always : When::Full,
                      [=] { return uniform(BlockFaces::Free, 0.49, 1 - percent / 100); }});
   cells.push_back(
       {"compression", "80 small step", When::Full, [] { return uniform(BlockFaces::Free, 0.49, 0.2, 0.1); }});
   axes.push_back({"compression-bonded", "Compression, ends bonded, %",
                   "The same with bonded ends; force beside the same motion in double."});
   for (const double percent : {20, 40, 60, 80})
-    cells.push_back({"compression-bonded", text(percent), percent == 20 || percent == 80 ? When::Always : When::Full,
+    cells.push_back({"compression-bonded", format("%g", percent),
+                     percent == 20 || percent == 80 ? When::Always : When::Full,
                      [=] { return bonded(0.49, 1 - percent / 100); }});
   axes.push_back(
       {"stretch", "Stretch", "Block between plates without friction, nu 0.49; force beside the closed form."});
   for (const double factor : {1.2, 1.5, 2.0, 3.0})
-    cells.push_back({"stretch", "x" + text(factor), factor == 1.5 || factor == 3 ? When::Always : When::Full,
+    cells.push_back({"stretch", format("x%g", factor), factor == 1.5 || factor == 3 ? When::Always : When::Full,
                      [=] { return uniform(BlockFaces::Free, 0.49, factor); }});
   axes.push_back(
       {"stretch-bonded", "Stretch, ends bonded", "The same with bonded ends; force beside the same motion in double."});
   for (const double factor : {1.2, 1.5, 2.0, 3.0})
-    cells.push_back({"stretch-bonded", "x" + text(factor), factor == 3 ? When::Always : When::Full,
+    cells.push_back({"stretch-bonded", format("x%g", factor), factor == 3 ? When::Always : When::Full,
                      [=] { return bonded(0.49, factor); }});
   axes.push_back({"torsion", "Torsion, degrees",
                   "Cylinder, radius 10 mm, height 20 mm, ends bonded, nu 0.49; moment beside Rivlin's closed form."});
   for (const double degrees : {30, 60, 90, 120, 150, 180})
-    cells.push_back({"torsion", text(degrees), degrees == 60 || degrees == 180 ? When::Always : When::Full,
+    cells.push_back({"torsion", format("%g", degrees), degrees == 60 || degrees == 180 ? When::Always : When::Full,
                      [=] { return torsion(degrees); }});
   axes.push_back(
       {"stiffness-parallel", "Stiffness contrast, side by side",
        "Block between plates, one half stiffer, pressed by 5 % along the border; force beside the closed form."});
   for (const double contrast : {10, 100, 1000})
-    cells.push_back({"stiffness-parallel", "1:" + text(contrast), contrast == 100 ? When::Always : When::Full,
+    cells.push_back({"stiffness-parallel", format("1:%g", contrast), contrast == 100 ? When::Always : When::Full,
                      [=] { return stiffness(contrast, true); }});
   axes.push_back({"stiffness-series", "Stiffness contrast, layers",
                   "The same confined at its sides and pressed across the border; force beside the closed form, of "
                   "which the width of a support across the border may take up to 25 %."});
   for (const double contrast : {10, 100, 1000})
-    cells.push_back({"stiffness-series", "1:" + text(contrast), contrast == 100 ? When::Always : When::Full,
+    cells.push_back({"stiffness-series", format("1:%g", contrast), contrast == 100 ? When::Always : When::Full,
                      [=] { return stiffness(contrast, false); }});
   axes.push_back({"density", "Density contrast",
                   "Block between plates, one half lighter, pressed by 10 %; force beside the closed form."});
   for (const double contrast : {10, 100, 1000})
-    cells.push_back({"density", "1:" + text(contrast), contrast == 100 ? When::Always : When::Full,
+    cells.push_back({"density", format("1:%g", contrast), contrast == 100 ? When::Always : When::Full,
                      [=] { return density(contrast); }});
 }
 

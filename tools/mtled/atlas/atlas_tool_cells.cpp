@@ -3,6 +3,7 @@
 #include <cmath>
 #include <memory>
 
+#include "base/number_text.h"
 #include "io/load_model.h"
 #include "mtled/atlas/atlas_cells.h"
 #include "mtled/atlas/atlas_run.h"
@@ -120,12 +121,6 @@ AtlasMeasure bottomAndBack(double share) {
   return residual(drive(model, push));
 }
 
-std::string number(double value) {
-  char text[16];
-  std::snprintf(text, sizeof text, "%g", value);
-  return text;
-}
-
 std::string percent(double share) { return std::to_string(std::lround(100 * share)); }
 
 }  // namespace
@@ -135,8 +130,8 @@ void addToolCells(std::vector<AtlasAxis>& axes, std::vector<AtlasCell>& cells) {
                   "Slab of 50 x 50 x 20 mm bonded to its base; a sphere of 8 mm goes 6 mm deep at this speed and "
                   "stops; held force beside the equilibrium in double."});
   for (const double speed : {0.1, 0.5, 1.0, 2.0})
-    cells.push_back(
-        {"speed", number(speed), speed == 0.5 || speed == 2 ? When::Always : When::Full, [=] { return poke(speed); }});
+    cells.push_back({"speed", format("%g", speed), speed == 0.5 || speed == 2 ? When::Always : When::Full,
+                     [=] { return poke(speed); }});
   axes.push_back({"teleport", "Teleport",
                   "The tool is told to be elsewhere from one tick to the next, every 0.25 s: across the slab 6 mm deep "
                   "(held force beside the equilibrium); sideways through all of it, and through its base and back "

@@ -4,7 +4,6 @@
 #include <iostream>
 #include <memory>
 
-#include "app/figures/figure.h"
 #include "base/build_info.h"
 #include "base/input_error.h"
 #include "io/output_file.h"
@@ -12,11 +11,10 @@
 #include "mtled/bench/bench_run.h"
 #include "mtled/bench/instruction_counter.h"
 #include "mtled/bench/roofline.h"
-#include "mtled/solve/progress.h"
+#include "mtled/pictures/pictures.h"
+#include "mtled/run/progress.h"
 
 namespace palpate::tools {
-
-using namespace app;  // what draws
 namespace {
 
 int benchFeatures(const BenchOptions& options) {
@@ -63,10 +61,10 @@ int benchCommand(const BenchOptions& options) {
   const auto write = [&] {
     if (!options.json.empty()) writeWholeFile(options.json, jsonOf(report));
   };
-  std::unique_ptr<FigureWriter> figures;
+  std::unique_ptr<Pictures> pictures;
   if (!options.plot.empty()) {
-    figures = std::make_unique<FigureWriter>();
-    writeWholeFile(options.plot, "");
+    pictures = openPictures();
+    if (pictures) writeWholeFile(options.plot, "");
   }
   write();  // a place that can't be written to is found before the work, not after
   // All shares hang on these few figures.
@@ -81,7 +79,8 @@ int benchCommand(const BenchOptions& options) {
     write();  // what is done stays if the rest is interrupted
   }
   printVerdicts(std::cout, report);
-  if (figures) figures->write(options.plot, rooflineOf(report));
+  if (pictures) pictures->write(options.plot, rooflineOf(report));
+  if (!options.plot.empty() && !pictures) std::cout << "\n  roofline " << withoutPictures() << "\n";
   if (!report.right()) std::cout << "\n  A kernel's forces are wrong: its times mean nothing.\n";
   return benchExitCode(report, options.check);
 }

@@ -9,7 +9,7 @@
 #include "mechanics/internal_forces.h"
 #include "mtled/bench/bench_kernels.h"
 #include "mtled/bench/timing.h"
-#include "mtled/solve/progress.h"
+#include "mtled/run/progress.h"
 #include "realtime/loop/thread_setup.h"
 #include "simulation/step.h"
 #include "simulation/workspace.h"

@@ -6,23 +6,14 @@
 #include <nlohmann/json.hpp>
 #include <ostream>
 
+#include "base/number_text.h"
 #include "mtled/report/case_result.h"
 #include "mtled/report/report_page.h"
 
 namespace palpate::tools {
 namespace {
 
-std::string fixed(double value, int digits) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.*f", digits, value);
-  return text;
-}
-
-std::string percent(double share) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%+.2f %%", 100 * share);
-  return std::isfinite(share) ? text : "";
-}
+std::string percent(double share) { return std::isfinite(share) ? format("%+.2f %%", 100 * share) : ""; }
 
 }  // namespace
 
@@ -57,11 +48,11 @@ void printFeatures(std::ostream& out, const FeatureReport& report) {
     std::vector<std::string> cells = {r.name,
                                       r.with,
                                       r.without,
-                                      fixed(r.with_us, 1),
-                                      fixed(r.without_us, 1),
+                                      format("%.1f", r.with_us),
+                                      format("%.1f", r.without_us),
                                       percent(r.more),
-                                      fixed(100 * r.uncertainty, 2) + " %"};
-    if (std::isfinite(r.limit)) cells.insert(cells.end(), {fixed(100 * r.limit, 0) + " %", r.verdict()});
+                                      format("%.2f", 100 * r.uncertainty) + " %"};
+    if (std::isfinite(r.limit)) cells.insert(cells.end(), {format("%.0f", 100 * r.limit) + " %", r.verdict()});
     if (counted) cells.push_back(percent(r.more_instructions));
     (std::isfinite(r.limit) ? rest : price).rows.push_back(cells);
   }

@@ -5,8 +5,6 @@
 
 namespace palpate::tools {
 
-using namespace app;  // what draws
-
 Figure rooflineOf(const BenchReport& report) {
   constexpr double least = 0.5, most = 32;  // flops per byte; the kernels lie between 1 and 6
   const Ceilings& one = report.ceilings.front();

@@ -12,6 +12,7 @@
 
 #include "base/build_info.h"
 #include "base/interrupt.h"
+#include "base/number_text.h"
 #include "io/find_asset.h"
 #include "io/indent_script.h"
 #include "io/load_model.h"
@@ -20,7 +21,7 @@
 #include "io/scene_file.h"
 #include "mtled/fit/fit_search.h"
 #include "mtled/fit/rate_check.h"
-#include "mtled/solve/progress.h"
+#include "mtled/run/progress.h"
 
 namespace palpate::tools {
 namespace {
@@ -30,12 +31,6 @@ constexpr int probe_count = 200;
 constexpr double median_share = 0.72;
 constexpr double check_seconds = 4;
 constexpr int max_checks = 4;
-
-std::string shortest(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.6g", value);
-  return text;
-}
 
 /// The scene file with what was fitted, its paths made to fit the new place. Throws InputError where the file's layout
 /// hides a key from the editor.
@@ -50,24 +45,24 @@ std::string fittedText(const std::string& scene_file, const Scene& given, const 
   };
   if (given.solid == Scene::Solid::Surface) text = withSceneKey(text, "organ", "surface", pathFrom(given.surface_file));
   if (!given.solve.probes_file.empty()) text = withSceneKey(text, "solve", "probes", pathFrom(given.solve.probes_file));
-  text = withSceneKey(text, "discretization", "spacing", shortest(fitted.spacing));
-  text = withSceneKey(text, "discretization", "support_factor", shortest(fitted.support_factor));
+  text = withSceneKey(text, "discretization", "spacing", format("%.6g", fitted.spacing));
+  text = withSceneKey(text, "discretization", "support_factor", format("%.6g", fitted.support_factor));
   text = withSceneKey(text, "discretization", "points_per_cell", std::to_string(fitted.quadrature.points_per_cell));
-  text = withSceneKey(text, "discretization", "cells_per_point", shortest(fitted.quadrature.cells_per_point));
+  text = withSceneKey(text, "discretization", "cells_per_point", format("%.6g", fitted.quadrature.cells_per_point));
   text = withSceneKey(text, "discretization", "consistent_gradients", "true");
   text = withSceneKey(text, "discretization", "node_patch_volume", "true");
   if (!fitted.refine.empty()) {
     std::string refine;
     for (const auto& r : fitted.refine)
-      refine += (refine.empty() ? "[{ centre = [" : ", { centre = [") + shortest(r.centre.x()) + ", " +
-                shortest(r.centre.y()) + ", " + shortest(r.centre.z()) + "], radius = " + shortest(r.radius) +
-                ", spacing = " + shortest(r.spacing) + " }";
+      refine += (refine.empty() ? "[{ centre = [" : ", { centre = [") + format("%.6g", r.centre.x()) + ", " +
+                format("%.6g", r.centre.y()) + ", " + format("%.6g", r.centre.z()) +
+                "], radius = " + format("%.6g", r.radius) + ", spacing = " + format("%.6g", r.spacing) + " }";
     text = withSceneKey(text, "discretization", "refine", refine + "]");
   }
-  text = withSceneKey(text, "dynamics", "rate", shortest(fitted.rate_hz));
+  text = withSceneKey(text, "dynamics", "rate", format("%.6g", fitted.rate_hz));
   text = withSceneKey(text, "dynamics", "time_step", "0");
   if (fitted.mass_scaling != given.mass_scaling)
-    text = withSceneKey(text, "dynamics", "mass_scaling", shortest(fitted.mass_scaling));
+    text = withSceneKey(text, "dynamics", "mass_scaling", format("%.6g", fitted.mass_scaling));
   text = withSceneKey(text, "dynamics", "threads", std::to_string(fitted.threads));
   return text;
 }
@@ -91,42 +86,50 @@ void stopIfInterrupted() {
   if (interrupted()) throw std::runtime_error("interrupted");
 }
 
-int fit(const FitOptions& options) {
-  const std::string scene_file = findScene(options.scene);
-  const Scene given = readScene(scene_file);
+/// What is to be fitted, checked, and where it is to go.
+struct FitOrder {
+  std::string scene_file, out, stem;
+  Scene given, scene;  // as it is; with the rate and the threads that are asked for
+  std::optional<ToolScript> script;
+};
+
+FitOrder orderOf(const FitOptions& options) {
+  FitOrder order;
+  order.scene_file = findScene(options.scene);
+  order.given = readScene(order.scene_file);
+  const Scene& given = order.given;
   if (!given.refine.empty())
     throw InputError(given.refine.front().place, "`mtled fit` chooses the spacing and where it is finer itself",
                      "leave the refinements out");
   if (given.quadrature.accuracy > 0)
     throw InputError(given.place, "`mtled fit` chooses the points itself", "leave quadrature_accuracy out");
-  const std::optional<ToolScript> script = namedScript(options.tool_script, given.tool.radius);
-  Scene scene = given;
-  if (options.rate_hz > 0) scene.rate_hz = options.rate_hz;
-  scene.threads =
+  order.script = namedScript(options.tool_script, given.tool.radius);
+  order.scene = given;
+  if (options.rate_hz > 0) order.scene.rate_hz = options.rate_hz;
+  order.scene.threads =
       options.cores > 0 ? options.cores : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
-  const std::string out = options.out.empty() ? "out/" + std::filesystem::path(scene_file).stem().string() + "_" +
-                                                    shortest(scene.rate_hz) + "hz.toml"
-                                              : options.out;
-  if (std::filesystem::exists(out) && std::filesystem::equivalent(out, scene_file))
-    throw InputError({out}, "this is the scene itself", "give another --out");
-  const std::string stem = std::filesystem::path(out).replace_extension().string();
-  const auto parent = std::filesystem::absolute(out).parent_path();
+  order.out = options.out.empty() ? "out/" + std::filesystem::path(order.scene_file).stem().string() + "_" +
+                                        format("%.6g", order.scene.rate_hz) + "hz.toml"
+                                  : options.out;
+  if (std::filesystem::exists(order.out) && std::filesystem::equivalent(order.out, order.scene_file))
+    throw InputError({order.out}, "this is the scene itself", "give another --out");
+  order.stem = std::filesystem::path(order.out).replace_extension().string();
+  const auto parent = std::filesystem::absolute(order.out).parent_path();
   std::error_code problem;
   std::filesystem::create_directories(parent, problem);
   if (problem) throw std::runtime_error(parent.string() + ": " + problem.message());
+  return order;
+}
 
-  ProgressLine progress("fit");
-  progress.show(0, "set-up");
-  const Model present = loadModel(scene, {}, ModelCache(), warn);
-  const ToolTrajectory way = script ? scriptPoses(*script, present) : indentationTrajectory(present);
-  const auto probes = surfaceProbes(present, probe_count);
-  const ContactRegion place = options.uniform ? ContactRegion{} : contactRegion(present, way);
-  const auto families = fitFamilies(scene, place);
-  const std::vector<double> asked = {scene.rate_hz, static_cast<double>(scene.threads)};
-  FitRecord record(stem + ".fit.json", runIdentity(present, way, asked));
-  if (options.resume) record.resume();
+/// What is known of the way that the tool goes.
+struct FitWay {
+  const Model& present;
+  ToolTrajectory way;
+  std::vector<Vec3> probes;
+};
 
-  FitTask task{scene, way, probes, scene.threads, record, {}};
+/// The finest setting of each family that holds the rate.
+std::vector<FitCandidate> finestOfEach(FitTask& task, const std::vector<FitFamily>& families, ProgressLine& progress) {
   std::vector<FitCandidate> candidates;
   double start = 1;
   for (std::size_t k = 0; k < families.size(); ++k) {
@@ -139,46 +142,43 @@ int fit(const FitOptions& options) {
     if (k == 0) start = c.spacing_factor;
     candidates.push_back(std::move(c));
   }
-  stopIfInterrupted();
-  if (candidates.empty()) {
-    std::cerr << "mtled: no setting of this scene holds " << scene.rate_hz << " Hz with " << scene.threads
-              << " threads on this machine\n";
-    return 1;
-  }
+  task.watch = [](double, const std::string&) {};
+  return candidates;
+}
 
-  // Finer than the finest candidate.
+/// Finer than the finest candidate.
+Fineness finerThan(const std::vector<FitCandidate>& candidates) {
   double outside = INFINITY, inside = INFINITY;
   for (const auto& c : candidates) {
     outside = std::min(outside, c.spacing_factor);
     inside = std::min(inside, c.spacing_factor * c.inside);
   }
-  const Fineness fineness = fitFineness(outside, inside);
-  const std::string reference_file = stem + ".reference.json",
-                    reference = runIdentity(present, way, {fineness.outside, fineness.inside});
-  ConvergedRun converged;
-  if (!options.resume || !readConvergedRun(reference_file, reference, converged)) {
-    converged =
-        convergedRun(present, way, probes, contactRegion(present, way), fineness, scene.threads,
-                     [&](double fraction, const std::string& what) { progress.show(0.6 + 0.3 * fraction, what); });
-    writeConvergedRun(reference_file, converged, reference);
-  }
-  for (auto& c : candidates) {
-    c.error = errorOf(c.run, converged.run);
-    c.expected_error = expectedError(c.error, converged, fineness.coarser);
-  }
-  FitCandidate chosen = *std::min_element(candidates.begin(), candidates.end(), [](const auto& a, const auto& b) {
-    return a.expected_error < b.expected_error;
-  });
+  return fitFineness(outside, inside);
+}
 
-  // In the real-time loop, where the rest of the machine has its say: coarser until it holds.
+ConvergedRun referenceRun(const FitOptions& options, const FitOrder& order, const FitWay& w, const Fineness& fineness,
+                          ProgressLine& progress) {
+  const std::string file = order.stem + ".reference.json",
+                    identity = runIdentity(w.present, w.way, {fineness.outside, fineness.inside});
+  ConvergedRun converged;
+  if (options.resume && readConvergedRun(file, identity, converged)) return converged;
+  converged =
+      convergedRun(w.present, w.way, w.probes, contactRegion(w.present, w.way), fineness, order.scene.threads,
+                   [&](double fraction, const std::string& what) { progress.show(0.6 + 0.3 * fraction, what); });
+  writeConvergedRun(file, converged, identity);
+  return converged;
+}
+
+/// In the real-time loop, where the rest of the machine has its say: coarser until it holds.
+/// @param chosen  where to begin; becomes what holds
+HeldRate heldInTheLoop(FitTask& task, const std::vector<FitFamily>& families, const ConvergedRun& converged,
+                       const Fineness& fineness, FitCandidate& chosen, ProgressLine& progress) {
   HeldRate held;
-  bool holds = false;
-  for (int attempt = 0; attempt < max_checks && !holds && !interrupted(); ++attempt) {
+  for (int attempt = 0; attempt < max_checks && !interrupted(); ++attempt) {
     progress.show(0.9 + 0.02 * attempt, "in the real-time loop");
     Model model = loadModel(chosen.scene);
-    held = checkRate(model, way, scene.threads, check_seconds);
-    holds = held.held(scene.rate_hz);
-    if (holds) break;
+    held = checkRate(model, task.way, task.threads, check_seconds);
+    if (held.held(task.scene.rate_hz)) break;
     const auto family =
         std::find_if(families.begin(), families.end(), [&](const FitFamily& f) { return f.name == chosen.family; });
     chosen = tried(task, *family, 1.06 * chosen.spacing_factor);
@@ -186,8 +186,101 @@ int fit(const FitOptions& options) {
     chosen.error = errorOf(chosen.run, converged.run);
     chosen.expected_error = expectedError(chosen.error, converged, fineness.coarser);
   }
+  return held;
+}
+
+/// What is told of the scene that was written.
+struct Fitted {
+  const FitOrder& order;
+  const FitCandidate& chosen;
+  const std::vector<FitCandidate>& candidates;
+  const HeldRate& held;
+  int reference_nodes;
+
+  double headroom() const { return 1 - held.step_us.p999 * 1e-6 * order.scene.rate_hz; }
+};
+
+void printFitted(const Fitted& f) {
+  std::printf("%s at %g Hz on %d threads: %d nodes, %d points, %d steps a tick, %s\n", f.order.given.name.c_str(),
+              f.order.scene.rate_hz, f.order.scene.threads, f.chosen.nodes, f.chosen.points, f.chosen.substeps,
+              f.chosen.family.c_str());
+  std::printf("  expected force error   %.2f %% of the largest force (%.2f %% from a solution with %d nodes)\n",
+              100 * f.chosen.expected_error, 100 * f.chosen.error.force, f.reference_nodes);
+  std::printf(
+      "  f.headroom()               %.0f %% of a tick at p99.9 (%.0f of %.0f us), %lld of %lld periods missed\n",
+      100 * f.headroom(), f.held.step_us.p999, 1e6 / f.order.scene.rate_hz, static_cast<long long>(f.held.overruns),
+      static_cast<long long>(f.held.ticks + f.held.overruns));
+  if (!f.chosen.scene.refine.empty())
+    std::printf(
+        "  nodes                  %.3g mm apart within %.3g mm of where the tool works, %.3g mm elsewhere (--uniform: "
+        "the same everywhere)\n",
+        1e3 * f.chosen.scene.refine.front().spacing, 1e3 * f.chosen.scene.refine.front().radius,
+        1e3 * f.chosen.scene.spacing);
+  for (const auto& c : f.candidates)
+    std::printf("  %s %s, spacing x %.3g: %d nodes, %.2f %% expected\n",
+                c.family == f.chosen.family ? "chosen               " : "also                 ", c.family.c_str(),
+                c.spacing_factor, c.nodes, 100 * c.expected_error);
+  std::printf("  scene                  %s\n", f.order.out.c_str());
+}
+
+std::string jsonOf(const Fitted& f) {
+  const nlohmann::ordered_json json = {{"scene", f.order.given.name},
+                                       {"file", f.order.out},
+                                       {"rate_hz", f.order.scene.rate_hz},
+                                       {"threads", f.order.scene.threads},
+                                       {"family", f.chosen.family},
+                                       {"mass_scaling", f.chosen.scene.mass_scaling},
+                                       {"spacing_m", f.chosen.scene.spacing},
+                                       {"spacing_where_the_tool_works_m", f.chosen.scene.spacing * f.chosen.inside},
+                                       {"nodes", f.chosen.nodes},
+                                       {"points", f.chosen.points},
+                                       {"substeps", f.chosen.substeps},
+                                       {"expected_force_error", f.chosen.expected_error},
+                                       {"distance_from_reference", f.chosen.error.force},
+                                       {"reference_nodes", f.reference_nodes},
+                                       {"tick_p999_us", f.held.step_us.p999},
+                                       {"headroom", f.headroom()},
+                                       {"overruns", f.held.overruns},
+                                       {"ticks", f.held.ticks},
+                                       {"realtime_factor", f.held.realtime_factor},
+                                       {"build", buildInfo()}};
+  return json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+}
+
+int fit(const FitOptions& options) {
+  const FitOrder order = orderOf(options);
+  const Scene& scene = order.scene;
+
+  ProgressLine progress("fit");
+  progress.show(0, "set-up");
+  const Model present = loadModel(scene, {}, ModelCache(), warn);
+  FitWay w{present, order.script ? scriptPoses(*order.script, present) : indentationTrajectory(present),
+           surfaceProbes(present, probe_count)};
+  const auto families = fitFamilies(scene, options.uniform ? ContactRegion{} : contactRegion(present, w.way));
+  const std::vector<double> asked = {scene.rate_hz, static_cast<double>(scene.threads)};
+  FitRecord record(order.stem + ".fit.json", runIdentity(present, w.way, asked));
+  if (options.resume) record.resume();
+
+  FitTask task{scene, w.way, w.probes, scene.threads, record, {}};
+  std::vector<FitCandidate> candidates = finestOfEach(task, families, progress);
   stopIfInterrupted();
-  if (!holds) {
+  if (candidates.empty()) {
+    std::cerr << "mtled: no setting of this scene holds " << scene.rate_hz << " Hz with " << scene.threads
+              << " threads on this machine\n";
+    return 1;
+  }
+  const Fineness fineness = finerThan(candidates);
+  const ConvergedRun converged = referenceRun(options, order, w, fineness, progress);
+  for (auto& c : candidates) {
+    c.error = errorOf(c.run, converged.run);
+    c.expected_error = expectedError(c.error, converged, fineness.coarser);
+  }
+  FitCandidate chosen = *std::min_element(candidates.begin(), candidates.end(), [](const auto& a, const auto& b) {
+    return a.expected_error < b.expected_error;
+  });
+  const HeldRate held = heldInTheLoop(task, families, converged, fineness, chosen, progress);
+  stopIfInterrupted();
+  if (!held.held(scene.rate_hz)) {
     std::cerr << "mtled: " << scene.rate_hz << " Hz are not held in the real-time loop: " << held.overruns << " of "
               << held.ticks + held.overruns << " periods missed, p99.9 " << held.step_us.p999
               << " us. Is another program busy?\n";
@@ -195,53 +288,14 @@ int fit(const FitOptions& options) {
   }
   progress.show(1, "done");
 
-  writeWholeFile(out, fittedText(scene_file, given, chosen.scene, out));
-  if (!says(readScene(out), chosen.scene))
-    throw InputError({out}, "this scene file's layout keeps `mtled fit` from changing it",
+  writeWholeFile(order.out, fittedText(order.scene_file, order.given, chosen.scene, order.out));
+  if (!says(readScene(order.out), chosen.scene))
+    throw InputError({order.out}, "this scene file's layout keeps `mtled fit` from changing it",
                      "write spacing, support_factor, points_per_cell and cells_per_point into a [discretization] "
                      "table, rate, time_step and threads into [dynamics]");
-  const double headroom = 1 - held.step_us.p999 * 1e-6 * scene.rate_hz;
-  std::printf("%s at %g Hz on %d threads: %d nodes, %d points, %d steps a tick, %s\n", given.name.c_str(),
-              scene.rate_hz, scene.threads, chosen.nodes, chosen.points, chosen.substeps, chosen.family.c_str());
-  std::printf("  expected force error   %.2f %% of the largest force (%.2f %% from a solution with %d nodes)\n",
-              100 * chosen.expected_error, 100 * chosen.error.force, converged.about.nodes);
-  std::printf("  headroom               %.0f %% of a tick at p99.9 (%.0f of %.0f us), %lld of %lld periods missed\n",
-              100 * headroom, held.step_us.p999, 1e6 / scene.rate_hz, static_cast<long long>(held.overruns),
-              static_cast<long long>(held.ticks + held.overruns));
-  if (!chosen.scene.refine.empty())
-    std::printf(
-        "  nodes                  %.3g mm apart within %.3g mm of where the tool works, %.3g mm elsewhere (--uniform: "
-        "the same everywhere)\n",
-        1e3 * chosen.scene.refine.front().spacing, 1e3 * chosen.scene.refine.front().radius,
-        1e3 * chosen.scene.spacing);
-  for (const auto& c : candidates)
-    std::printf("  %s %s, spacing x %.3g: %d nodes, %.2f %% expected\n",
-                c.family == chosen.family ? "chosen               " : "also                 ", c.family.c_str(),
-                c.spacing_factor, c.nodes, 100 * c.expected_error);
-  std::printf("  scene                  %s\n", out.c_str());
-  if (!options.json.empty()) {
-    const nlohmann::ordered_json json = {{"scene", given.name},
-                                         {"file", out},
-                                         {"rate_hz", scene.rate_hz},
-                                         {"threads", scene.threads},
-                                         {"family", chosen.family},
-                                         {"mass_scaling", chosen.scene.mass_scaling},
-                                         {"spacing_m", chosen.scene.spacing},
-                                         {"spacing_where_the_tool_works_m", chosen.scene.spacing * chosen.inside},
-                                         {"nodes", chosen.nodes},
-                                         {"points", chosen.points},
-                                         {"substeps", chosen.substeps},
-                                         {"expected_force_error", chosen.expected_error},
-                                         {"distance_from_reference", chosen.error.force},
-                                         {"reference_nodes", converged.about.nodes},
-                                         {"tick_p999_us", held.step_us.p999},
-                                         {"headroom", headroom},
-                                         {"overruns", held.overruns},
-                                         {"ticks", held.ticks},
-                                         {"realtime_factor", held.realtime_factor},
-                                         {"build", buildInfo()}};
-    writeWholeFile(options.json, json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
-  }
+  const Fitted fitted{order, chosen, candidates, held, converged.about.nodes};
+  printFitted(fitted);
+  if (!options.json.empty()) writeWholeFile(options.json, jsonOf(fitted));
   return 0;
 }
 

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "mtled/solve/scripted_run.h"
+#include "mtled/run/scripted_run.h"
 
 namespace palpate::tools {
 

@@ -6,6 +6,7 @@
 
 #include "base/input_error.h"
 #include "base/interrupt.h"
+#include "base/number_text.h"
 #include "io/load_model.h"
 
 namespace palpate::tools {
@@ -18,21 +19,15 @@ constexpr double some_pairs =
     1.5;  // cells a point: a third fewer points, and more nodes for that, are mostly more exact
 constexpr double some_mass = 0.05;  // of the body's: motion becomes slower by half of that
 
-std::string formatted(const char* format, double value) {
-  char text[64];
-  std::snprintf(text, sizeof text, format, value);
-  return text;
-}
-
 }  // namespace
 
 std::vector<FitFamily> fitFamilies(const Scene& scene, const ContactRegion& place) {
   std::vector<FitFamily> families;
   const auto add = [&](double support, double inside, double mass, double cells_per_point = some_pairs) {
-    std::string name = formatted("support_factor %g", support);
-    if (cells_per_point > 1) name += formatted(", %g cells a point", cells_per_point);
-    if (inside < 1) name += formatted(", spacing x %g where the tool works", inside);
-    if (mass > 0) name += formatted(", mass_scaling %g", mass);
+    std::string name = format("support_factor %g", support);
+    if (cells_per_point > 1) name += format(", %g cells a point", cells_per_point);
+    if (inside < 1) name += format(", spacing x %g where the tool works", inside);
+    if (mass > 0) name += format(", mass_scaling %g", mass);
     families.push_back({name,
                         [=](Scene& s) {
                           s.support_factor = support;
@@ -88,9 +83,7 @@ FitCandidate finestWithin(const FitTask& task, const FitFamily& family, double s
   best.spacing_factor = 0;
   double factor = start, too_fine = 0;
   for (int k = 0; k < max_tries && !interrupted(); ++k) {
-    char what[192];
-    std::snprintf(what, sizeof what, "%s, spacing x %.3g", family.name.c_str(), factor);
-    task.watch(static_cast<double>(k) / max_tries, what);
+    task.watch(static_cast<double>(k) / max_tries, family.name + format(", spacing x %.3g", factor));
     FitCandidate c = tried(task, family, factor);
     if (c.nodes == 0 || c.run.interrupted) break;
     const double ratio = c.cost.tick_p50 / limit;

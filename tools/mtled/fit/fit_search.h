@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "mtled/fit/fit_record.h"
-#include "mtled/verify/converged_run.h"
+#include "mtled/run/converged_run.h"
 
 namespace palpate::tools {
 

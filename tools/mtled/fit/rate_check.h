@@ -1,6 +1,6 @@
 #pragma once
 
-#include "mtled/solve/scripted_run.h"
+#include "mtled/run/scripted_run.h"
 #include "realtime/timing/deadline_statistics.h"
 
 namespace palpate::tools {

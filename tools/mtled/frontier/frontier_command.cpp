@@ -18,8 +18,8 @@
 #include "mtled/frontier/frontier_page.h"
 #include "mtled/frontier/frontier_result.h"
 #include "mtled/frontier/frontier_settings.h"
-#include "mtled/solve/progress.h"
-#include "mtled/verify/converged_run.h"
+#include "mtled/run/converged_run.h"
+#include "mtled/run/progress.h"
 
 namespace palpate::tools {
 namespace {
@@ -145,14 +145,15 @@ int frontierCommand(const FrontierOptions& options) {
     writeWholeFile(folder + "/frontier.csv", csvOf(frontier));
     writeWholeFile(folder + "/frontier.json", jsonOf(frontier));
   }
+  std::string picture = "none: no setting was measured";
   if (!frontier.rows.empty()) {
-    writeFrontierFigure(folder + "/frontier.png", frontier);
+    picture = writePicture(folder + "/frontier.png", frontierFigure(frontier));
     if (!options.report.empty()) writeFrontierPage(options.report, commandOf(options), frontier);
   }
   progress.show(1, "done");
   printFrontier(std::cout, frontier);
   std::cout << "table        " << folder << "/frontier.csv\nresults      " << folder << "/frontier.json\npicture      "
-            << folder << "/frontier.png" << std::endl;
+            << picture << std::endl;
   if (stopped) std::cerr << "mtled: interrupted; --resume goes on with the next setting\n";
   return stopped ? 1 : 0;
 }

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <stdexcept>
 
+#include "base/number_text.h"
 #include "mtled/report/case_result.h"
 #include "mtled/report/report_page.h"
 
@@ -14,13 +15,10 @@ namespace {
 
 constexpr const char* refined_group = "refined at the tool";
 
-std::string fixed(double value, const char* format) {
-  char text[32];
-  std::snprintf(text, sizeof text, format, value);
-  return std::isfinite(value) ? text : "";
-}
+/// Nothing where there is no such number.
+std::string finite(const char* pattern, double value) { return std::isfinite(value) ? format(pattern, value) : ""; }
 
-std::string percentOf(double share) { return fixed(100 * share, "%.2f %%"); }
+std::string percentOf(double share) { return finite("%.2f %%", 100 * share); }
 
 bool compared(const FrontierRow& r) {
   return std::isfinite(r.error.force) && r.error.force > 0 && r.cost.us_per_ms > 0;
@@ -40,8 +38,8 @@ std::vector<ResultTable> settingTables(const Frontier& f) {
                         ""});
     const bool on_front = std::find(best.begin(), best.end(), static_cast<int>(k)) != best.end();
     tables.back().rows.push_back({r.name, std::to_string(r.nodes), std::to_string(r.points), std::to_string(r.substeps),
-                                  fixed(r.cost.us_per_ms, "%.0f"), fixed(r.cost.tick_p999, "%.0f"),
-                                  fixed(r.realtime_factor, "%.2fx"), percentOf(r.error.force),
+                                  finite("%.0f", r.cost.us_per_ms), finite("%.0f", r.cost.tick_p999),
+                                  finite("%.2fx", r.realtime_factor), percentOf(r.error.force),
                                   percentOf(r.error.displacement),
                                   r.trouble.empty() ? on_front ? "**best**" : "" : r.trouble});
   }
@@ -56,7 +54,7 @@ CaseResult settingsCase(const Frontier& f) {
       "One thing is turned at a time, all else is as the scene has it. *us / ms*: computing time per millisecond of "
       "physics; *real time*: the factor that "
       "it could reach at " +
-      fixed(f.rate_hz, "%g") +
+      finite("%g", f.rate_hz) +
       " Hz. *Force error*: root mean square of the difference from the reference over the ticks with contact, over "
       "the largest force; *displ. error*: likewise over points of the surface at the end. **best**: no other setting "
       "is both cheaper and closer.";
@@ -69,9 +67,10 @@ CaseResult settingsCase(const Frontier& f) {
                   " (displacement) away from it: no error below that is told apart.";
   one.bounds.push_back({"Distance of the reference's force from the next coarser solution",
                         100 * f.reference.convergence.force, 5, true, "%", "what is told apart from it"});
-  one.figures.push_back(
-      {"frontier.png",
-       "Cost against force error. The line joins the best settings; ringed black: the scene as it is."});
+  if (withoutPictures().empty())
+    one.figures.push_back(
+        {"frontier.png",
+         "Cost against force error. The line joins the best settings; ringed black: the scene as it is."});
   one.tables = settingTables(f);
   one.seconds = NAN;
   return one;
@@ -92,8 +91,8 @@ CaseResult refineCase(const Frontier& f) {
     if (r.group != refined_group || !compared(r)) continue;
     const double uniform = uniformCostAt(f, r.error.force), gain = uniform / r.cost.us_per_ms;
     if (!(most >= gain)) most = gain;
-    table.rows.push_back({r.name, std::to_string(r.nodes), percentOf(r.error.force), fixed(r.cost.us_per_ms, "%.0f"),
-                          fixed(uniform, "%.0f"), fixed(gain, "%.1f")});
+    table.rows.push_back({r.name, std::to_string(r.nodes), percentOf(r.error.force), finite("%.0f", r.cost.us_per_ms),
+                          finite("%.0f", uniform), finite("%.1f", gain)});
   }
   one.tables.push_back(table);
   one.bounds.push_back({"Speed of the best refined setting over uniform nodes of the same error", most, 1, false, "",
@@ -123,12 +122,13 @@ void writeFrontierPage(const std::string& folder, const std::string& command, co
   std::error_code problem;
   std::filesystem::create_directories(folder, problem);
   if (problem) throw std::runtime_error(folder + ": " + problem.message());
-  writeFrontierFigure(folder + "/frontier.png", frontier);
+  const std::string picture = writePicture(folder + "/frontier.png", frontierFigure(frontier));
   Report report;
   report.title = frontier.scene + ": what a microsecond buys";
   report.intro = "What `mtled frontier` found when it followed the tool's way (" + frontier.way +
                  ") with each setting of the scene. Times are of the machine "
                  "that wrote this page; errors are the same everywhere.";
+  if (!withoutPictures().empty()) report.intro += "\n\nPicture: " + picture + ".";
   report.command = command;
   report.build = frontier.build;
   report.cases.push_back(settingsCase(frontier));

@@ -7,11 +7,10 @@
 #include <ostream>
 #include <sstream>
 
-#include "app/figures/figure.h"
+#include "base/number_text.h"
+#include "mtled/pictures/pictures.h"
 
 namespace palpate::tools {
-
-using namespace app;  // what draws
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -19,13 +18,7 @@ using Json = nlohmann::ordered_json;
 Json toJson(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 double toDouble(const Json& json) { return json.is_null() ? NAN : json.get<double>(); }
 
-std::string formatted(const char* format, double value) {
-  char text[64];
-  std::snprintf(text, sizeof text, format, value);
-  return text;
-}
-
-std::string percent(double share) { return std::isfinite(share) ? formatted("%.2f %%", share * 100) : "-"; }
+std::string percent(double share) { return std::isfinite(share) ? format("%.2f %%", share * 100) : "-"; }
 
 }  // namespace
 
@@ -40,10 +33,9 @@ std::vector<int> bestRows(const Frontier& frontier) {
 
 void printFrontier(std::ostream& out, const Frontier& f) {
   const auto best = bestRows(f);
-  const auto line = [&](const std::string& name, const char* format, auto... values) {
-    char rest[160];
-    std::snprintf(rest, sizeof rest, format, values...);
-    out << "  " << name << std::string(name.size() < 34 ? 34 - name.size() : 1, ' ') << rest << "\n";
+  const auto line = [&](const std::string& name, const char* pattern, auto... values) {
+    out << "  " << name << std::string(name.size() < 34 ? 34 - name.size() : 1, ' ') << format(pattern, values...)
+        << "\n";
   };
   line("setting", "%7s %8s %9s %9s %9s %8s %9s", "nodes", "points", "us / ms", "p99.9 us", "real time", "force",
        "displ.");
@@ -150,7 +142,7 @@ Frontier frontierFromJson(const std::string& text) {
   }
 }
 
-void writeFrontierFigure(const std::string& png, const Frontier& f) {
+Figure frontierFigure(const Frontier& f) {
   Figure figure;
   figure.title = f.scene + ": what a microsecond buys";
   figure.x_label = "Computing time per millisecond of physics, us";
@@ -186,7 +178,7 @@ void writeFrontierFigure(const std::string& png, const Frontier& f) {
   figure.marks.push_back({"real time", 1000, false, ink_colour});
   if (std::isfinite(f.reference.convergence.force))
     figure.marks.push_back({"the reference's own", 100 * f.reference.convergence.force, true, ink_colour});
-  FigureWriter().write(png, figure);
+  return figure;
 }
 
 }  // namespace palpate::tools

@@ -4,7 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "mtled/solve/scripted_run.h"
+#include "mtled/pictures/pictures.h"
+#include "mtled/run/scripted_run.h"
 
 namespace palpate::tools {
 
@@ -47,6 +48,6 @@ std::string jsonOf(const Frontier& frontier);
 /// Throws std::runtime_error where the text is no frontier.
 Frontier frontierFromJson(const std::string& text);
 /// Cost against force error, by group, with the Pareto front and the scene's present place.
-void writeFrontierFigure(const std::string& png, const Frontier& frontier);
+Figure frontierFigure(const Frontier& frontier);
 
 }  // namespace palpate::tools

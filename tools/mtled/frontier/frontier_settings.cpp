@@ -10,17 +10,9 @@
 namespace palpate::tools {
 namespace {
 
-std::string times(const char* what, double factor) {
-  char text[64];
-  std::snprintf(text, sizeof text, "%s x %g", what, factor);
-  return text;
-}
+std::string times(const char* what, double factor) { return format("%s x %g", what, factor); }
 
-std::string value(const char* what, double number) {
-  char text[64];
-  std::snprintf(text, sizeof text, "%s %g", what, number);
-  return text;
-}
+std::string value(const char* what, double number) { return format("%s %g", what, number); }
 
 }  // namespace
 

@@ -6,25 +6,21 @@
 #include <cstdio>
 #include <limits>
 
+#include "base/number_text.h"
+
 namespace palpate::tools {
 namespace {
 
 constexpr int digits = 3;  // significant
 constexpr double min_plain = 1e-3, max_plain = 1e5;
 
-std::string print(const char* pattern, int precision, double value) {
-  char text[64];
-  std::snprintf(text, sizeof text, pattern, precision, value);
-  return text;
-}
-
 /// `value` rounded to the significant digits.
-double rounded(double value) { return std::stod(print("%.*e", digits - 1, value)); }
+double rounded(double value) { return std::stod(format("%.*e", digits - 1, value)); }
 
 /// Of a value that is rounded already: 1.20, 12.3, 123, 1230.
 std::string plain(double value) {
   const int before_point = value == 0 ? 1 : static_cast<int>(std::floor(std::log10(std::abs(value)))) + 1;
-  return print("%.*f", std::max(0, digits - before_point), value);
+  return format("%.*f", std::max(0, digits - before_point), value);
 }
 
 std::string withUnit(const std::string& number, const std::string& unit) {
@@ -52,7 +48,7 @@ std::string formatted(double value, const std::string& unit) {
   } else if (std::abs(r) >= min_plain && std::abs(r) < max_plain) {
     return withUnit(plain(r), unit);
   }
-  return withUnit(print("%.*e", digits - 1, r), unit);
+  return withUnit(format("%.*e", digits - 1, r), unit);
 }
 
 std::string formattedSigned(double value, const std::string& unit) {

@@ -11,6 +11,8 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "base/number_text.h"
+
 namespace palpate::tools {
 namespace {
 
@@ -26,22 +28,15 @@ std::string limitOf(const Bound& bound) {
 std::string useOf(const Bound& bound) {
   const double use = bound.use();
   if (!std::isfinite(use)) return "\u2013";
-  char text[32];
-  std::snprintf(text, sizeof text, "%.0f %%", 100 * use);
-  return text;
+  return format("%.0f %%", 100 * use);
 }
 
 /// Two digits: a time is never the same twice, and more would only be noise between two reports.
 std::string timeOf(double seconds) {
-  char text[32];
   if (!(seconds >= 0)) return "\u2013";
-  if (seconds < 10)
-    std::snprintf(text, sizeof text, "%.1f s", seconds);
-  else if (seconds < 120)
-    std::snprintf(text, sizeof text, "%.0f s", seconds);
-  else
-    std::snprintf(text, sizeof text, "%.0f min", seconds / 60);
-  return text;
+  if (seconds < 10) return format("%.1f s", seconds);
+  if (seconds < 120) return format("%.0f s", seconds);
+  return format("%.0f min", seconds / 60);
 }
 
 Cells cellsOf(const std::vector<Bound>& bounds, std::string (*verdict_of)(bool)) {

@@ -5,16 +5,12 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "app/figures/figure.h"
-#include "app/render/body_picture.h"
 #include "approximation/shape_functions.h"
 #include "base/interrupt.h"
 #include "io/load_model.h"
 #include "mtled/verify/cases/cases.h"
 
 namespace palpate::tools {
-
-using namespace app;  // what draws
 
 const std::vector<VerificationCase>& verificationCases() {
   static const std::vector<VerificationCase> cases{
@@ -126,21 +122,20 @@ std::vector<double> evenTimes(int n) {
 
 void addFigure(const CaseContext& context, const std::string& file, const std::string& caption, const Figure& figure,
                CaseResult& result) {
-  context.figures->write(context.folder + "/" + file, figure);
+  context.pictures->write(context.folder + "/" + file, figure);
   result.figures.push_back({file, caption});
 }
 
 void addFigure(const CaseContext& context, const std::string& file, const std::string& caption, const Histogram& figure,
                CaseResult& result) {
-  context.figures->write(context.folder + "/" + file, figure);
+  context.pictures->write(context.folder + "/" + file, figure);
   result.figures.push_back({file, caption});
 }
 
 void addBodyPicture(const CaseContext& context, const std::string& file, const std::string& caption,
                     const BodyPicture& picture, const StaticSolution& solution, CaseResult& result,
                     const CutPlane* cut) {
-  BodyPainter painter(*context.figures, *solution.model, cut ? std::optional(*cut) : std::nullopt);
-  painter.write(context.folder + "/" + file, picture, solution.uForPictures());
+  context.pictures->write(context.folder + "/" + file, picture, *solution.model, solution.uForPictures(), cut);
   result.figures.push_back({file, caption});
 }
 

@@ -5,16 +5,9 @@
 #include <string>
 #include <vector>
 
+#include "mtled/pictures/pictures.h"
 #include "mtled/report/case_result.h"
 #include "simulation/static_solver.h"
-
-namespace palpate::app {
-struct BodyPicture;
-struct CutPlane;
-struct Figure;
-class FigureWriter;
-struct Histogram;
-}  // namespace palpate::app
 
 namespace palpate::tools {
 
@@ -22,9 +15,9 @@ namespace palpate::tools {
 struct CaseContext {
   bool quick = false;  // the coarse rows only, for CI
   int threads = 1;
-  std::string references;                // folder of the reference files, tests/reference
-  std::string folder;                    // where figures go
-  app::FigureWriter* figures = nullptr;  // null: no figures
+  std::string references;        // folder of the reference files, tests/reference
+  std::string folder;            // where pictures go
+  Pictures* pictures = nullptr;  // null: none are wanted, or none can be drawn
   std::function<void(double fraction, const std::string& what)> progress = [](double, const std::string&) {};
 };
 
@@ -84,14 +77,14 @@ struct StaticSolution {
 StaticSolution solveCase(const Scene& scene, const std::vector<double>& times, const CaseContext& context,
                          double tolerance = 1e-4, const StaticSolution* start_from = nullptr);
 
-/// Writes a plot, or the deformed body, as `file` into the context's folder and lists it in the result. Only with context.figures.
-void addFigure(const CaseContext& context, const std::string& file, const std::string& caption,
-               const app::Figure& figure, CaseResult& result);
-void addFigure(const CaseContext& context, const std::string& file, const std::string& caption,
-               const app::Histogram& figure, CaseResult& result);
+/// Writes a plot, or the deformed body, as `file` into the context's folder and lists it in the result. Only with context.pictures.
+void addFigure(const CaseContext& context, const std::string& file, const std::string& caption, const Figure& figure,
+               CaseResult& result);
+void addFigure(const CaseContext& context, const std::string& file, const std::string& caption, const Histogram& figure,
+               CaseResult& result);
 void addBodyPicture(const CaseContext& context, const std::string& file, const std::string& caption,
-                    const app::BodyPicture& picture, const StaticSolution& solution, CaseResult& result,
-                    const app::CutPlane* cut = nullptr);
+                    const BodyPicture& picture, const StaticSolution& solution, CaseResult& result,
+                    const CutPlane* cut = nullptr);
 
 /// 1/n, 2/n, .., 1.
 std::vector<double> evenTimes(int n);

@@ -7,18 +7,16 @@
 #include <memory>
 #include <thread>
 
-#include "app/figures/figure.h"
 #include "base/build_info.h"
 #include "base/input_error.h"
 #include "base/interrupt.h"
 #include "io/output_file.h"
+#include "mtled/pictures/pictures.h"
 #include "mtled/report/report_page.h"
-#include "mtled/solve/progress.h"
+#include "mtled/run/progress.h"
 #include "mtled/verify/verification_case.h"
 
 namespace palpate::tools {
-
-using namespace app;  // what draws
 namespace {
 
 std::vector<VerificationCase> chosenCases(const std::vector<std::string>& names) {
@@ -64,13 +62,13 @@ int verifyCommand(const VerifyOptions& options) {
   context.threads =
       options.threads > 0 ? options.threads : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
   context.references = sourceFolder() + "/tests/reference";
-  std::unique_ptr<FigureWriter> figures;
+  std::unique_ptr<Pictures> pictures;
   if (!options.report.empty()) {
     std::error_code error;
     std::filesystem::create_directories(options.report, error);
     if (error) throw std::runtime_error(options.report + ": " + error.message());
-    figures = std::make_unique<FigureWriter>();
-    context.figures = figures.get();
+    pictures = openPictures();
+    context.pictures = pictures.get();
     context.folder = options.report;
   }
 
@@ -82,6 +80,7 @@ int verifyCommand(const VerifyOptions& options) {
       "for Surgical Simulation*) and beside independent references. \"As the paper\" is its formulation; *node "
       "patches* average the "
       "volume over the cells around a node, against locking; *consistent gradients* satisfy the divergence theorem.";
+  if (!options.report.empty() && !pictures) report.intro += "\n\nPictures: " + withoutPictures() + ".";
   report.command = "build/release/tools/mtled verify";
   for (const auto& name : options.cases) report.command += " " + name;
   if (options.quick) report.command += " --quick";
@@ -100,6 +99,7 @@ int verifyCommand(const VerifyOptions& options) {
     write();  // what is done stays if the rest is interrupted
   }
   printSummary(std::cout, report);
+  if (!options.report.empty() && !pictures) std::cout << "\n  pictures " << withoutPictures() << "\n";
   return report.held() ? 0 : 1;
 }
 

@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "app/figures/figure.h"
 #include "approximation/shape_functions.h"
 #include "discretization/nodes/node_cloud.h"
 #include "discretization/surface/solids.h"
@@ -9,8 +8,6 @@
 #include "mtled/verify/clouds.h"
 
 namespace palpate::tools {
-
-using namespace app;  // what draws
 namespace {
 
 template <int Dim>
@@ -161,7 +158,7 @@ CaseResult approximationCase(const CaseContext& context) {
     figure.series.push_back(g);
   }
   result.tables.push_back(rates);
-  if (context.figures) {
+  if (context.pictures) {
     addFigure(context, "approximation_rates.png", "Convergence of the interpolation", figure, result);
   }
   return result;

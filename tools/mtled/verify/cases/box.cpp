@@ -1,15 +1,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "app/figures/figure.h"
-#include "app/render/body_picture.h"
 #include "base/number_text.h"
 #include "io/probes_file.h"
 #include "mtled/verify/cases/cases.h"
 
 namespace palpate::tools {
-
-using namespace app;  // what draws
 namespace {
 
 constexpr double height = 5.25e-3;
@@ -43,20 +39,16 @@ struct BoxProblem {
   Vec3 paper[2];              // NRMSE, coarse and fine; NaN where the paper has none
 };
 
-CaseResult solveBox(const BoxProblem& problem, const CaseContext& context, CaseResult result) {
-  const Probes probes = readProbes(context.references + "/" + problem.name + "_probes.csv");
-  std::vector<Vec3> reference;
-  for (std::size_t k = 0; k < probes.X.size(); ++k)
-    reference.emplace_back(probes.table["ux"][k], probes.table["uy"][k], probes.table["uz"][k]);
-  const CsvTable curve = readCsvTable(context.references + "/" + problem.name + "_force.csv");
+/// One row of the table.
+struct Row {
+  double spacing;
+  Variant variant;
+  int points_per_cell;
+  double cells_per_point = 1;
+};
+constexpr double coarse = 1.44e-3, fine = 0.575e-3;  // about 1,085 and 13,073 nodes
 
-  struct Row {
-    double spacing;
-    Variant variant;
-    int points_per_cell;
-    double cells_per_point = 1;
-  };
-  constexpr double coarse = 1.44e-3, fine = 0.575e-3;  // about 1,085 and 13,073 nodes
+std::vector<Row> rowsFor(const CaseContext& context) {
   std::vector<Row> rows;
   for (const Variant& v : variantsFor(context)) rows.push_back({coarse, v, 1});
   if (!context.quick) {
@@ -65,7 +57,52 @@ CaseResult solveBox(const BoxProblem& problem, const CaseContext& context, CaseR
     rows.push_back({fine, variants[0], 1});
     rows.push_back({fine, variants[3], 1});
   }
+  return rows;
+}
 
+/// @param at  says which solution this is
+void addPictures(const BoxProblem& problem, const CaseContext& context, const StaticSolution& s, const Probes& probes,
+                 const std::vector<Vec3>& reference, const CsvTable& curve, const std::string& at, CaseResult& result) {
+  std::vector<double> difference;
+  const auto at_probes = s.at(probes.X);
+  for (std::size_t p = 0; p < probes.X.size(); ++p) difference.push_back((at_probes[p] - reference[p]).norm() * 1e3);
+  Histogram h = histogramOf(difference, 40);
+  h.title = "Distance to the reference at the probes";
+  h.x_label = "Distance, mm";
+  h.y_label = "Probes";
+  const std::string prefix = std::string(problem.name) + "_";
+  addFigure(context, prefix + "errors.png", "Differences from the finite elements, " + at, h, result);
+
+  Figure figure;
+  figure.title = "Force on the top";
+  figure.x_label = "Motion of the top, mm";
+  figure.y_label = "Force, N";
+  Series fe{"finite elements", {}, {}, SeriesStyle::Line, ink_colour};
+  for (std::size_t p = 0; p < curve.rowCount(); ++p) {
+    fe.x.push_back(curve["uz_top_m"][p] * 1e3);
+    fe.y.push_back(curve["top_force_z_N"][p]);
+  }
+  Series us{"mtled, " + std::to_string(s.model->nodeCount()) + " nodes", {0}, {0}, SeriesStyle::Points};
+  for (std::size_t p = 0; p < s.reactions.size(); ++p) {
+    us.x.push_back(problem.times[p] * problem.motion * 1e3);
+    us.y.push_back(s.reactions[p][1].force.z());
+  }
+  figure.series = {fe, us};
+  addFigure(context, prefix + "force.png", "Force against the motion of the top", figure, result);
+
+  BodyPicture picture;
+  picture.title = "Displacement";
+  addBodyPicture(context, prefix + "body.png", "The deformed sample", picture, s, result);
+}
+
+CaseResult solveBox(const BoxProblem& problem, const CaseContext& context, CaseResult result) {
+  const Probes probes = readProbes(context.references + "/" + problem.name + "_probes.csv");
+  std::vector<Vec3> reference;
+  for (std::size_t k = 0; k < probes.X.size(); ++k)
+    reference.emplace_back(probes.table["ux"][k], probes.table["uy"][k], probes.table["uz"][k]);
+  const CsvTable curve = readCsvTable(context.references + "/" + problem.name + "_force.csv");
+
+  const std::vector<Row> rows = rowsFor(context);
   ResultTable table{
       "Force on the top and NRMSE at " + std::to_string(probes.X.size()) + " probes",
       {"nodes", "points", "variant", "force", "error", "u_x", "u_y", "u_z", "relative L2", "min J", "time"},
@@ -117,37 +154,9 @@ CaseResult solveBox(const BoxProblem& problem, const CaseContext& context, CaseR
     const auto& r = s.reactions.back();
     result.bounds.push_back(
         {"Top against base, " + at, (r[0].force + r[1].force).norm() / std::abs(force), 1e-3, true, "", "equilibrium"});
-    if (!context.figures || (is_fine == context.quick)) continue;
+    if (!context.pictures || (is_fine == context.quick)) continue;
 
-    std::vector<double> difference;
-    for (std::size_t p = 0; p < probes.X.size(); ++p) difference.push_back((at_probes[p] - reference[p]).norm() * 1e3);
-    Histogram h = histogramOf(difference, 40);
-    h.title = "Distance to the reference at the probes";
-    h.x_label = "Distance, mm";
-    h.y_label = "Probes";
-    const std::string prefix = std::string(problem.name) + "_";
-    addFigure(context, prefix + "errors.png", "Differences from the finite elements, " + at, h, result);
-
-    Figure figure;
-    figure.title = "Force on the top";
-    figure.x_label = "Motion of the top, mm";
-    figure.y_label = "Force, N";
-    Series fe{"finite elements", {}, {}, SeriesStyle::Line, ink_colour};
-    for (std::size_t p = 0; p < curve.rowCount(); ++p) {
-      fe.x.push_back(curve["uz_top_m"][p] * 1e3);
-      fe.y.push_back(curve["top_force_z_N"][p]);
-    }
-    Series us{"mtled, " + std::to_string(s.model->nodeCount()) + " nodes", {0}, {0}, SeriesStyle::Points};
-    for (std::size_t p = 0; p < s.reactions.size(); ++p) {
-      us.x.push_back(problem.times[p] * problem.motion * 1e3);
-      us.y.push_back(s.reactions[p][1].force.z());
-    }
-    figure.series = {fe, us};
-    addFigure(context, prefix + "force.png", "Force against the motion of the top", figure, result);
-
-    BodyPicture picture;
-    picture.title = "Displacement";
-    addBodyPicture(context, prefix + "body.png", "The deformed sample", picture, s, result);
+    addPictures(problem, context, s, probes, reference, curve, at, result);
   }
   result.tables.push_back(table);
   return result;

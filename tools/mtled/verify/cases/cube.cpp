@@ -3,11 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "app/figures/figure.h"
-
 namespace palpate::tools {
-
-using namespace app;  // what draws
 namespace {
 
 constexpr double edge = 0.1, top_motion = -0.02;
@@ -61,6 +57,49 @@ Outcome compress(const Scene& scene, const CaseContext& context) {
   return out;
 }
 
+/// One row of the table.
+struct Row {
+  const char* label;
+  double paper;
+  double spacing;
+  int points_per_cell;
+  double accuracy;
+  bool only_full;
+  double cells_per_point = 1;
+};
+constexpr double coarse = 0.0209, fine = 0.0079;  // about 260 and 3,364 nodes
+constexpr Row rows[] = {{"1 point", 3.08e-3, coarse, 1, 0, false},      {"4 points", 6.92e-4, coarse, 4, 0, false},
+                        {"4 points", 2.94e-4, fine, 4, 0, true},        {"tau 0.1", 6.30e-4, coarse, 4, 0.1, false},
+                        {"tau 0.05", 3.45e-4, coarse, 4, 0.05, true},   {"tau 0.01", 1.04e-4, coarse, 4, 0.01, true},
+                        {"2 cells a point", NAN, coarse, 1, 0, true, 2}};
+
+void addErrorHistogram(const CaseContext& context, const std::vector<double>& relative_errors, CaseResult& result) {
+  std::vector<double> percent;
+  for (const double e : relative_errors) percent.push_back(e * 100);
+  Histogram h = histogramOf(percent, 30);
+  h.title = "Error of u_z node by node (the paper's Fig. 2a)";
+  h.x_label = "Relative error, %";
+  h.y_label = "Nodes";
+  addFigure(context, "cube_errors.png", "Relative errors of the nodes, 4 points a cell, as the paper", h, result);
+}
+
+void addErrorFigure(const CaseContext& context, const std::vector<double>& points, const std::vector<double>& errors,
+                    CaseResult& result) {
+  Figure figure;
+  figure.title = "Cube, about 260 nodes: error against the number of integration points";
+  figure.x_label = "Integration points";
+  figure.y_label = "NRMSE of u_z";
+  figure.log_x = figure.log_y = true;
+  Series ours{"as the paper", points, errors, SeriesStyle::Points};
+  figure.series.push_back(ours);
+  figure.series.push_back({"paper's Table 1 (its own points)",
+                           {1014, 4056, 4992, 16284, 71352},
+                           {3.08e-3, 6.92e-4, 6.30e-4, 3.45e-4, 1.04e-4},
+                           SeriesStyle::LineAndPoints,
+                           ink_colour});
+  addFigure(context, "cube_points.png", "Adaptive quadrature: points against error", figure, result);
+}
+
 }  // namespace
 
 CaseResult cubeCase(const CaseContext& context) {
@@ -73,20 +112,6 @@ CaseResult cubeCase(const CaseContext& context) {
       "Edge 100 mm, neo-Hookean, E 3000 Pa, nu 0.49, 20 % compression. It is a patch test: what is left is the error "
       "of the "
       "quadrature, which consistent gradients remove. EBCIEM, R/h 1.8, mu 0.1. NRMSE of u_z at the nodes.";
-  struct Row {
-    const char* label;
-    double paper;
-    double spacing;
-    int points_per_cell;
-    double accuracy;
-    bool only_full;
-    double cells_per_point = 1;
-  };
-  constexpr double coarse = 0.0209, fine = 0.0079;  // about 260 and 3,364 nodes
-  constexpr Row rows[] = {{"1 point", 3.08e-3, coarse, 1, 0, false},      {"4 points", 6.92e-4, coarse, 4, 0, false},
-                          {"4 points", 2.94e-4, fine, 4, 0, true},        {"tau 0.1", 6.30e-4, coarse, 4, 0.1, false},
-                          {"tau 0.05", 3.45e-4, coarse, 4, 0.05, true},   {"tau 0.01", 1.04e-4, coarse, 4, 0.01, true},
-                          {"2 cells a point", NAN, coarse, 1, 0, true, 2}};
   constexpr double exact_force = -7.6327;
 
   ResultTable table{"NRMSE of u_z",
@@ -94,7 +119,7 @@ CaseResult cubeCase(const CaseContext& context) {
                      "force, as the paper"},
                     {},
                     ""};
-  std::vector<double> points, errors, paper_errors;
+  std::vector<double> points, errors;
   double boundary_error = 0;
   int done = 0;
   for (const Row& row : rows) {
@@ -132,35 +157,16 @@ CaseResult cubeCase(const CaseContext& context) {
     if (row.spacing == coarse && !std::isnan(row.paper)) {
       points.push_back(first.points);
       errors.push_back(first.nrmse);
-      paper_errors.push_back(row.paper);
     }
-    if (context.figures && &row == &rows[1]) {
-      std::vector<double> percent;
-      for (const double e : first.relative_errors) percent.push_back(e * 100);
-      Histogram h = histogramOf(percent, 30);
-      h.title = "Error of u_z node by node (the paper's Fig. 2a)";
-      h.x_label = "Relative error, %";
-      h.y_label = "Nodes";
-      addFigure(context, "cube_errors.png", "Relative errors of the nodes, 4 points a cell, as the paper", h, result);
+    if (context.pictures && &row == &rows[1]) {
+      addErrorHistogram(context, first.relative_errors, result);
     }
   }
   result.tables.push_back(table);
   result.bounds.push_back(
       {"Largest error at imposed nodes, over the edge", boundary_error / edge, 1e-12, true, "", "exact in double"});
-  if (context.figures) {
-    Figure figure;
-    figure.title = "Cube, about 260 nodes: error against the number of integration points";
-    figure.x_label = "Integration points";
-    figure.y_label = "NRMSE of u_z";
-    figure.log_x = figure.log_y = true;
-    Series ours{"as the paper", points, errors, SeriesStyle::Points};
-    figure.series.push_back(ours);
-    figure.series.push_back({"paper's Table 1 (its own points)",
-                             {1014, 4056, 4992, 16284, 71352},
-                             {3.08e-3, 6.92e-4, 6.30e-4, 3.45e-4, 1.04e-4},
-                             SeriesStyle::LineAndPoints,
-                             ink_colour});
-    addFigure(context, "cube_points.png", "Adaptive quadrature: points against error", figure, result);
+  if (context.pictures) {
+    addErrorFigure(context, points, errors, result);
   }
   return result;
 }

@@ -1,14 +1,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "app/figures/figure.h"
-#include "app/render/body_picture.h"
 #include "io/csv_table.h"
 #include "mtled/verify/cases/cases.h"
 
 namespace palpate::tools {
-
-using namespace app;  // what draws
 namespace {
 
 constexpr double height = 0.017, gel_radius = 0.015, punch_radius = 0.005, depth = 0.0125;
@@ -23,6 +19,8 @@ struct GelRow {
   double reached;  // m, how deep to go
   int load_steps;
   bool quick;
+
+  bool deep() const { return reached > 0.5 * height; }
 };
 
 /// Beyond half the height the energy of eq. 32 lets points collapse; the barrier below J0 holds them apart.
@@ -34,7 +32,7 @@ Scene gelScene(const GelRow& row) {
   constexpr double mu = 643.6, alpha = -1.1, D1 = 1.2598e-4;  // Pa, 1, 1/Pa
   Material& gel = scene.materials[0].material;
   gel = Material::ogden(&mu, &alpha, 1, D1, gel.density);
-  if (row.reached > 0.5 * height) {
+  if (row.deep()) {
     gel.barrier_strength = barrier_strength;
     gel.barrier_J0 = barrier_J0;
   }
@@ -64,47 +62,37 @@ Scene gelScene(const GelRow& row) {
   return scene;
 }
 
-}  // namespace
+/// What one row's body answered.
+struct GelCurve {
+  std::vector<double> depth{0}, force{0};  // (load step + 1) m, N
+  double min_J = 1;
+  double balance = 0;     // the largest of top against base, relative
+  double rising_to = 0;   // m, as far as the force rises at each step
+  double in_bracket = 0;  // how far outside the finite elements' bracket, as a share of the force
+};
 
-CaseResult gelCylinderCase(const CaseContext& context) {
-  CaseResult result;
-  result.name = "gel_cylinder";
-  result.title = "Indentation of a Sylgard cylinder to 12.5 mm of 17 (paper 4, Figs. 10 to 12)";
-  result.reference =
-      "tests/reference/gel_cylinder_*: several finite-element codes; a bracket to 3.4 mm. Deeper nobody is "
-      "mesh-converged: the "
-      "curves show where each mesh stopped.";
-  result.text =
-      "Diameter 30 mm, height 17 mm, base fixed, a disc of 10 mm pressed down without slip; Ogden, a1 = -1.1, mu1 = "
-      "643.6 Pa, D1 = "
-      "1.2598e-4 /Pa. One point a cell. The rows to 12.5 mm are as the paper but for a barrier against collapse that "
-      "eq. 32 "
-      "does not have (3 K ln(J / 0.7) below J = 0.7; without it points collapse and the force drops between 9 and 11 "
-      "mm); it changes the "
-      "force by 0.6 % at 5.75 mm and by 3.6 % at 10.25 mm (2 mm spacing). Finer clouds fold at the rim earlier, as the "
-      "finite "
-      "elements do: with 1.8 mm the force rises to 11.8 mm only. The rows to 3.4 mm have EBCIEM and no "
-      "barrier; they show how much of the force is the resolution of the punch's rim.";
-  constexpr GelRow all_rows[] = {
-      {"3 mm", 3.0e-3, 0, 0, variants[0], depth, 50, true},
-      {"2.3 mm", 2.3e-3, 0, 0, variants[0], depth, 50, false},
-      {"2 mm", 2.0e-3, 0, 0, variants[0], depth, 50, false},
-      {"2.5 mm, 1 mm at the punch", 2.5e-3, 1.0e-3, 0, variants[0], 3.4e-3, 4, false},
-      {"2.5 mm, 1 mm at the punch", 2.5e-3, 1.0e-3, 0, variants[1], 3.4e-3, 4, false},
-      {"2.5 mm, 1 mm at the punch", 2.5e-3, 1.0e-3, 0, variants[2], 3.4e-3, 4, false},
-      {"2.5 mm, 1 mm at the punch", 2.5e-3, 1.0e-3, 0, variants[3], 3.4e-3, 4, true},
-      {"the same, 0.5 mm at its rim", 2.5e-3, 1.0e-3, 0.5e-3, variants[3], 3.4e-3, 4, false},
-      {"the same, 0.22 mm at its rim", 2.5e-3, 1.0e-3, 0.22e-3, variants[3], 3.4e-3, 4, false}};
-  std::vector<GelRow> rows;
-  for (const GelRow& row : all_rows)
-    if (row.quick || !context.quick) rows.push_back(row);
-  const CsvTable bracket = readCsvTable(context.references + "/gel_cylinder_force.csv");
-  const CsvTable meshes = readCsvTable(context.references + "/gel_cylinder_force_by_mesh.csv");
-  ResultTable table{"Force on the punch",
-                    {"spacing", "variant", "nodes", "points", "0.85 mm", "3.4 mm", "5.7 mm", "9 mm", "12 mm", "12.5 mm",
-                     "min J", "top against base", "rising to", "time"},
-                    {},
-                    ""};
+GelCurve curveOf(const StaticSolution& s, const GelRow& row, const CsvTable& bracket) {
+  GelCurve g;
+  for (std::size_t k = 0; k < s.reactions.size(); ++k) {
+    const auto& r = s.reactions[k];
+    g.depth.push_back(s.steps[k].time * row.reached);
+    g.force.push_back(-r[1].force.z());
+    g.min_J = std::min(g.min_J, s.steps[k].min_J);
+    g.balance = std::max(g.balance, (r[0].force + r[1].force).norm() / r[1].force.norm());
+    if (g.rising_to == g.depth[k] && g.force[k + 1] > g.force[k]) g.rising_to = g.depth[k + 1];
+    if (row.deep()) continue;
+    const double low = interpolated(bracket["depth_m"], bracket["low_N"], g.depth.back()),
+                 high = interpolated(bracket["depth_m"], bracket["high_N"], g.depth.back());
+    if (!std::isnan(low))
+      g.in_bracket =
+          std::max({g.in_bracket, (low - g.force.back()) / g.force.back(), (g.force.back() - high) / g.force.back()});
+  }
+  if (!row.deep() && s.reactions.size() < static_cast<std::size_t>(row.load_steps)) g.in_bracket = NAN;
+  return g;
+}
+
+/// The finite elements' forces over depth.
+Figure referenceFigure(const CsvTable& bracket, const CsvTable& meshes) {
   Figure figure;
   figure.title = "Force on the punch: three node spacings and the finite elements";
   figure.x_label = "Depth, mm";
@@ -126,68 +114,10 @@ CaseResult gelCylinderCase(const CaseContext& context) {
     }
     figure.series.push_back(series);
   }
-  for (std::size_t n = 0; n < rows.size(); ++n) {
-    const GelRow& row = rows[n];
-    const bool deep = row.reached > 0.5 * height;
-    const CaseContext within = partOf(context, static_cast<double>(n), static_cast<double>(rows.size()));
-    const StaticSolution s = solveCase(gelScene(row), evenTimes(row.load_steps), within, deep ? 1e-3 : 3e-4);
-    Series curve{std::string("mtled, ") + row.label + (deep ? "" : std::string(", ") + row.variant.name),
-                 {},
-                 {},
-                 SeriesStyle::LineAndPoints};
-    std::vector<double> depth_m{0}, force{0};
-    double min_J = 1, balance = 0, rising_to = 0, in_bracket = 0;
-    for (std::size_t k = 0; k < s.reactions.size(); ++k) {
-      const auto& r = s.reactions[k];
-      depth_m.push_back(s.steps[k].time * row.reached);
-      force.push_back(-r[1].force.z());
-      min_J = std::min(min_J, s.steps[k].min_J);
-      balance = std::max(balance, (r[0].force + r[1].force).norm() / r[1].force.norm());
-      if (rising_to == depth_m[k] && force[k + 1] > force[k]) rising_to = depth_m[k + 1];
-      if (deep) continue;
-      const double low = interpolated(bracket["depth_m"], bracket["low_N"], depth_m.back()),
-                   high = interpolated(bracket["depth_m"], bracket["high_N"], depth_m.back());
-      // How far outside, as a share of the force.
-      if (!std::isnan(low))
-        in_bracket = std::max({in_bracket, (low - force.back()) / force.back(), (force.back() - high) / force.back()});
-    }
-    for (std::size_t k = 1; k < force.size(); ++k) {
-      curve.x.push_back(depth_m[k] * 1e3);
-      curve.y.push_back(force[k]);
-    }
-    if (deep || &row == &rows.back()) figure.series.push_back(curve);
-    const auto at = [&](double d) {
-      const double value = interpolated(depth_m, force, d);
-      return std::isnan(value) ? std::string("–") : formatted(value, "N");
-    };
-    table.rows.push_back({row.label, row.variant.name, std::to_string(s.model->nodeCount()),
-                          std::to_string(s.model->pointCount()), at(0.85e-3), at(3.4e-3 - 1e-12), at(5.7e-3), at(9e-3),
-                          at(12e-3), at(12.5e-3 - 1e-9), formatted(min_J), formattedPercent(balance),
-                          formatted(rising_to, "m"), formatted(s.seconds, "s")});
-    const std::string which = ", " + std::to_string(s.model->nodeCount()) + " nodes";
-    if (!deep) {
-      if (s.reactions.size() < static_cast<std::size_t>(row.load_steps)) in_bracket = NAN;
-      if (&row == &rows.back() && !context.quick)
-        result.bounds.push_back({"Outside the bracket to 3.4 mm, share of the force" + which, in_bracket, 0, true, "",
-                                 "the finite elements' bracket"});
-      continue;
-    }
-    result.bounds.push_back({"Depth reached" + which, depth_m.back(), 0.0125 - 1e-9, false, "m",
-                             "75 % of the height in the paper's words"});
-    result.bounds.push_back({"Smallest J" + which, min_J, 0, false, "", "no point inverts"});
-    result.bounds.push_back({"Top against base" + which, balance, 0.01, true, "", "equilibrium at every depth"});
-    result.bounds.push_back({"Rising to" + which, rising_to, 0.012, false, "m", "the paper's curve rises throughout"});
-    if (n + 1 < rows.size() && rows[n + 1].reached > 0.5 * height) continue;
-    if (!context.figures) continue;
-    const CutPlane middle{Vec3::Zero(), Vec3(0.5, -0.866, 0)};
-    BodyPicture picture;
-    picture.title = "Cut in the middle, at " + formatted(depth_m.back(), "m") + " (the paper's Fig. 12a)";
-    addBodyPicture(context, "gel_cylinder_body.png", "The deformed cylinder", picture, s, result, &middle);
-  }
-  result.tables.push_back(table);
-  if (context.figures) {
-    addFigure(context, "gel_cylinder_force.png", "Force against depth", figure, result);
-  }
+  return figure;
+}
+
+ResultTable reachedByElements(const CsvTable& meshes) {
   ResultTable reached{
       "What each finite element reached", {"element", "deepest equilibrium", "share of the height"}, {}, ""};
   for (std::size_t c = 1; c < meshes.name.size(); ++c) {
@@ -196,7 +126,104 @@ CaseResult gelCylinderCase(const CaseContext& context) {
       if (!std::isnan(meshes.column[c][k])) last = meshes["depth_m"][k];
     reached.rows.push_back({meshes.name[c], formatted(last, "m"), formattedPercent(last / height)});
   }
-  result.tables.push_back(reached);
+  return reached;
+}
+
+std::vector<GelRow> gelRows(bool quick) {
+  constexpr GelRow all_rows[] = {
+      {"3 mm", 3.0e-3, 0, 0, variants[0], depth, 50, true},
+      {"2.3 mm", 2.3e-3, 0, 0, variants[0], depth, 50, false},
+      {"2 mm", 2.0e-3, 0, 0, variants[0], depth, 50, false},
+      {"2.5 mm, 1 mm at the punch", 2.5e-3, 1.0e-3, 0, variants[0], 3.4e-3, 4, false},
+      {"2.5 mm, 1 mm at the punch", 2.5e-3, 1.0e-3, 0, variants[1], 3.4e-3, 4, false},
+      {"2.5 mm, 1 mm at the punch", 2.5e-3, 1.0e-3, 0, variants[2], 3.4e-3, 4, false},
+      {"2.5 mm, 1 mm at the punch", 2.5e-3, 1.0e-3, 0, variants[3], 3.4e-3, 4, true},
+      {"the same, 0.5 mm at its rim", 2.5e-3, 1.0e-3, 0.5e-3, variants[3], 3.4e-3, 4, false},
+      {"the same, 0.22 mm at its rim", 2.5e-3, 1.0e-3, 0.22e-3, variants[3], 3.4e-3, 4, false}};
+  std::vector<GelRow> rows;
+  for (const GelRow& row : all_rows)
+    if (row.quick || !quick) rows.push_back(row);
+  return rows;
+}
+
+}  // namespace
+
+CaseResult gelCylinderCase(const CaseContext& context) {
+  CaseResult result;
+  result.name = "gel_cylinder";
+  result.title = "Indentation of a Sylgard cylinder to 12.5 mm of 17 (paper 4, Figs. 10 to 12)";
+  result.reference =
+      "tests/reference/gel_cylinder_*: several finite-element codes; a bracket to 3.4 mm. Deeper nobody is "
+      "mesh-converged: the "
+      "curves show where each mesh stopped.";
+  result.text =
+      "Diameter 30 mm, height 17 mm, base fixed, a disc of 10 mm pressed down without slip; Ogden, a1 = -1.1, mu1 = "
+      "643.6 Pa, D1 = "
+      "1.2598e-4 /Pa. One point a cell. The rows to 12.5 mm are as the paper but for a barrier against collapse that "
+      "eq. 32 "
+      "does not have (3 K ln(J / 0.7) below J = 0.7; without it points collapse and the force drops between 9 and 11 "
+      "mm); it changes the "
+      "force by 0.6 % at 5.75 mm and by 3.6 % at 10.25 mm (2 mm spacing). Finer clouds fold at the rim earlier, as the "
+      "finite "
+      "elements do: with 1.8 mm the force rises to 11.8 mm only. The rows to 3.4 mm have EBCIEM and no "
+      "barrier; they show how much of the force is the resolution of the punch's rim.";
+  const std::vector<GelRow> rows = gelRows(context.quick);
+  const CsvTable bracket = readCsvTable(context.references + "/gel_cylinder_force.csv");
+  const CsvTable meshes = readCsvTable(context.references + "/gel_cylinder_force_by_mesh.csv");
+  ResultTable table{"Force on the punch",
+                    {"spacing", "variant", "nodes", "points", "0.85 mm", "3.4 mm", "5.7 mm", "9 mm", "12 mm", "12.5 mm",
+                     "min J", "top against base", "rising to", "time"},
+                    {},
+                    ""};
+  Figure figure = referenceFigure(bracket, meshes);
+  for (std::size_t n = 0; n < rows.size(); ++n) {
+    const GelRow& row = rows[n];
+    const bool deep = row.deep();
+    const CaseContext within = partOf(context, static_cast<double>(n), static_cast<double>(rows.size()));
+    const StaticSolution s = solveCase(gelScene(row), evenTimes(row.load_steps), within, deep ? 1e-3 : 3e-4);
+    Series curve{std::string("mtled, ") + row.label + (deep ? "" : std::string(", ") + row.variant.name),
+                 {},
+                 {},
+                 SeriesStyle::LineAndPoints};
+    const GelCurve g = curveOf(s, row, bracket);
+    for (std::size_t k = 1; k < g.force.size(); ++k) {
+      curve.x.push_back(g.depth[k] * 1e3);
+      curve.y.push_back(g.force[k]);
+    }
+    if (deep || &row == &rows.back()) figure.series.push_back(curve);
+    const auto at = [&](double d) {
+      const double value = interpolated(g.depth, g.force, d);
+      return std::isnan(value) ? std::string("–") : formatted(value, "N");
+    };
+    table.rows.push_back({row.label, row.variant.name, std::to_string(s.model->nodeCount()),
+                          std::to_string(s.model->pointCount()), at(0.85e-3), at(3.4e-3 - 1e-12), at(5.7e-3), at(9e-3),
+                          at(12e-3), at(12.5e-3 - 1e-9), formatted(g.min_J), formattedPercent(g.balance),
+                          formatted(g.rising_to, "m"), formatted(s.seconds, "s")});
+    const std::string which = ", " + std::to_string(s.model->nodeCount()) + " nodes";
+    if (!deep) {
+      if (&row == &rows.back() && !context.quick)
+        result.bounds.push_back({"Outside the bracket to 3.4 mm, share of the force" + which, g.in_bracket, 0, true, "",
+                                 "the finite elements' bracket"});
+      continue;
+    }
+    result.bounds.push_back({"Depth reached" + which, g.depth.back(), 0.0125 - 1e-9, false, "m",
+                             "75 % of the height in the paper's words"});
+    result.bounds.push_back({"Smallest J" + which, g.min_J, 0, false, "", "no point inverts"});
+    result.bounds.push_back({"Top against base" + which, g.balance, 0.01, true, "", "equilibrium at every depth"});
+    result.bounds.push_back(
+        {"Rising to" + which, g.rising_to, 0.012, false, "m", "the paper's curve rises throughout"});
+    if (n + 1 < rows.size() && rows[n + 1].deep()) continue;
+    if (!context.pictures) continue;
+    const CutPlane middle{Vec3::Zero(), Vec3(0.5, -0.866, 0)};
+    BodyPicture picture;
+    picture.title = "Cut in the middle, at " + formatted(g.depth.back(), "m") + " (the paper's Fig. 12a)";
+    addBodyPicture(context, "gel_cylinder_body.png", "The deformed cylinder", picture, s, result, &middle);
+  }
+  result.tables.push_back(table);
+  if (context.pictures) {
+    addFigure(context, "gel_cylinder_force.png", "Force against depth", figure, result);
+  }
+  result.tables.push_back(reachedByElements(meshes));
   return result;
 }
 

@@ -1,14 +1,90 @@
 #include <algorithm>
 #include <cmath>
 
-#include "app/figures/figure.h"
-#include "app/render/body_picture.h"
 #include "io/probes_file.h"
 #include "mtled/verify/cases/cases.h"
 
 namespace palpate::tools {
+namespace {
 
-using namespace app;  // what draws
+constexpr double mu = 210, nu = 0.49, depth = 5e-3, reference_force = 0.0454;
+
+/// One row of the table.
+struct Row {
+  const char* label;
+  double spacing, fine_spacing;
+  int points_per_cell, max_depth;
+  double accuracy;
+  Variant variant;
+  bool quick;
+};
+
+Scene indentedScene(const Row& row) {
+  Scene scene = caseScene(2 * mu * (1 + nu), nu);
+  scene.name = "half-ellipsoid";
+  scene.solid = Scene::Solid::Ellipsoid;
+  scene.semi_axes = Vec3(0.04, 0.03, 0.03);
+  scene.upper_half = true;
+  scene.spacing = row.spacing;
+  scene.refine.push_back({Vec3(0, 0, 0.03), 0.007, row.fine_spacing, 0.02, {}});
+  scene.support_factor = 1.8;
+  scene.mmls_weight = 0.1;
+  scene.quadrature.points_per_cell = row.points_per_cell;
+  scene.quadrature.accuracy = row.accuracy;
+  scene.quadrature.max_depth = row.max_depth;
+  apply(row.variant, scene);
+  scene.boundary_method = Scene::BoundaryMethod::Ebciem;
+  scene.tissue_colour = Vec3(0.72, 0.5, 0.45);
+  BoundarySpec tip;
+  tip.name = "indenter";
+  tip.region.kind = Region::Kind::Cylinder;
+  tip.region.point = Vec3(0, 0, 0.015);
+  tip.region.radius = 5e-3;
+  tip.region.height = 0.02;
+  tip.surface_only = true;
+  tip.translation = Vec3(0, 0, -depth);
+  tip.duration = 1;
+  tip.curve.kind = LoadCurve::Kind::Linear;
+  scene.boundaries = {planeBoundary("base", Vec3::Zero(), Vec3::UnitZ()), tip};
+  return scene;
+}
+
+/// @param difference  from the reference at the probes, mm
+void addPictures(const CaseContext& context, const StaticSolution& s, const std::vector<double>& difference,
+                 CaseResult& result) {
+  Histogram h = histogramOf(difference, 40);
+  h.title = "Distance to the finite elements (the paper's Fig. 9b)";
+  h.x_label = "Distance, mm";
+  h.y_label = "Probes";
+  addFigure(context, "half_ellipsoid_errors.png", "Differences at the probes", h, result);
+  const CsvTable curve = readCsvTable(context.references + "/half_ellipsoid_force.csv");
+  Figure figure;
+  figure.title = "Force on the indenter";
+  figure.x_label = "Depth, mm";
+  figure.y_label = "Force, N";
+  Series fe{"finite elements", {}, {}, SeriesStyle::Line, ink_colour};
+  Band band{"their bracket", {}, {}, {}, ink_colour};
+  for (std::size_t p = 0; p < curve.rowCount(); ++p) {
+    fe.x.push_back(curve["depth_m"][p] * 1e3);
+    fe.y.push_back(curve["force_N"][p]);
+    band.low.push_back(curve["low_N"][p]);
+    band.high.push_back(curve["high_N"][p]);
+  }
+  band.x = fe.x;
+  Series us{"mtled, " + std::to_string(s.model->nodeCount()) + " nodes", {0}, {0}, SeriesStyle::Points};
+  for (std::size_t p = 0; p < s.reactions.size(); ++p) {
+    us.x.push_back(s.steps[p].time * depth * 1e3);
+    us.y.push_back(-s.reactions[p][1].force.z());
+  }
+  figure.bands = {band};
+  figure.series = {fe, us};
+  addFigure(context, "half_ellipsoid_force.png", "Force against depth", figure, result);
+  BodyPicture picture;
+  picture.title = "Displacement at 5 mm";
+  addBodyPicture(context, "half_ellipsoid_body.png", "The indented body", picture, s, result);
+}
+
+}  // namespace
 
 CaseResult halfEllipsoidCase(const CaseContext& context) {
   CaseResult result;
@@ -24,21 +100,11 @@ CaseResult halfEllipsoidCase(const CaseContext& context) {
       "210 Pa, nu 0.49. Nodes about 1 mm apart near the indenter, further away elsewhere. The words to hold are the "
       "paper's: differences "
       "under 0.1 mm for the vast majority of the nodes, nowhere above 0.8 mm.";
-  constexpr double mu = 210, nu = 0.49, depth = 5e-3, reference_force = 0.0454;
-
   const Probes probes = readProbes(context.references + "/half_ellipsoid_probes_5mm.csv");
   std::vector<Vec3> reference;
   for (std::size_t k = 0; k < probes.X.size(); ++k)
     reference.emplace_back(probes.table["ux"][k], probes.table["uy"][k], probes.table["uz"][k]);
 
-  struct Row {
-    const char* label;
-    double spacing, fine_spacing;
-    int points_per_cell, max_depth;
-    double accuracy;
-    Variant variant;
-    bool quick;
-  };
   constexpr Row rows[] = {
       {"1 point", 6e-3, 1.2e-3, 1, 0, 0, variants[3], true},
       {"1 point", 6e-3, 1.2e-3, 1, 0, 0, variants[0], false},
@@ -58,33 +124,7 @@ CaseResult halfEllipsoidCase(const CaseContext& context) {
     const int all = context.quick ? 1 : 7;
     const int at = done++;
     const CaseContext within = partOf(context, at, all);
-    Scene scene = caseScene(2 * mu * (1 + nu), nu);
-    scene.name = "half-ellipsoid";
-    scene.solid = Scene::Solid::Ellipsoid;
-    scene.semi_axes = Vec3(0.04, 0.03, 0.03);
-    scene.upper_half = true;
-    scene.spacing = row.spacing;
-    scene.refine.push_back({Vec3(0, 0, 0.03), 0.007, row.fine_spacing, 0.02, {}});
-    scene.support_factor = 1.8;
-    scene.mmls_weight = 0.1;
-    scene.quadrature.points_per_cell = row.points_per_cell;
-    scene.quadrature.accuracy = row.accuracy;
-    scene.quadrature.max_depth = row.max_depth;
-    apply(row.variant, scene);
-    scene.boundary_method = Scene::BoundaryMethod::Ebciem;
-    scene.tissue_colour = Vec3(0.72, 0.5, 0.45);
-    BoundarySpec tip;
-    tip.name = "indenter";
-    tip.region.kind = Region::Kind::Cylinder;
-    tip.region.point = Vec3(0, 0, 0.015);
-    tip.region.radius = 5e-3;
-    tip.region.height = 0.02;
-    tip.surface_only = true;
-    tip.translation = Vec3(0, 0, -depth);
-    tip.duration = 1;
-    tip.curve.kind = LoadCurve::Kind::Linear;
-    scene.boundaries = {planeBoundary("base", Vec3::Zero(), Vec3::UnitZ()), tip};
-    const StaticSolution s = solveCase(scene, evenTimes(5), within);
+    const StaticSolution s = solveCase(indentedScene(row), evenTimes(5), within);
     const bool solved = !s.steps.empty() && s.steps.back().converged;
     const double force = solved ? -s.reactions.back()[1].force.z() : NAN;
     const auto u = s.at(probes.X);
@@ -106,37 +146,8 @@ CaseResult halfEllipsoidCase(const CaseContext& context) {
                              0.02, true, "", "finite elements, +-1 %"});
     result.bounds.push_back({std::string("Largest difference, ") + row.label, solved ? largest * 1e-3 : NAN, 0.8e-3,
                              true, "m", "the paper's words"});
-    if (!context.figures || at != (context.quick ? 0 : 4)) continue;
-    Histogram h = histogramOf(difference, 40);
-    h.title = "Distance to the finite elements (the paper's Fig. 9b)";
-    h.x_label = "Distance, mm";
-    h.y_label = "Probes";
-    addFigure(context, "half_ellipsoid_errors.png", "Differences at the probes", h, result);
-    const CsvTable curve = readCsvTable(context.references + "/half_ellipsoid_force.csv");
-    Figure figure;
-    figure.title = "Force on the indenter";
-    figure.x_label = "Depth, mm";
-    figure.y_label = "Force, N";
-    Series fe{"finite elements", {}, {}, SeriesStyle::Line, ink_colour};
-    Band band{"their bracket", {}, {}, {}, ink_colour};
-    for (std::size_t p = 0; p < curve.rowCount(); ++p) {
-      fe.x.push_back(curve["depth_m"][p] * 1e3);
-      fe.y.push_back(curve["force_N"][p]);
-      band.low.push_back(curve["low_N"][p]);
-      band.high.push_back(curve["high_N"][p]);
-    }
-    band.x = fe.x;
-    Series us{"mtled, " + std::to_string(s.model->nodeCount()) + " nodes", {0}, {0}, SeriesStyle::Points};
-    for (std::size_t p = 0; p < s.reactions.size(); ++p) {
-      us.x.push_back(s.steps[p].time * depth * 1e3);
-      us.y.push_back(-s.reactions[p][1].force.z());
-    }
-    figure.bands = {band};
-    figure.series = {fe, us};
-    addFigure(context, "half_ellipsoid_force.png", "Force against depth", figure, result);
-    BodyPicture picture;
-    picture.title = "Displacement at 5 mm";
-    addBodyPicture(context, "half_ellipsoid_body.png", "The indented body", picture, s, result);
+    if (!context.pictures || at != (context.quick ? 0 : 4)) continue;
+    addPictures(context, s, difference, result);
   }
   result.tables.push_back(table);
   return result;

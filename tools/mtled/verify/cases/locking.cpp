@@ -3,14 +3,10 @@
 #include <cmath>
 #include <map>
 
-#include "app/figures/figure.h"
-#include "app/render/body_picture.h"
 #include "mtled/verify/cases/cases.h"
 #include "simulation/solution_fields.h"
 
 namespace palpate::tools {
-
-using namespace app;  // what draws
 namespace {
 
 /// How unlike the pressures of cells are that share a face.
@@ -100,7 +96,7 @@ CaseResult lockingCase(const CaseContext& context) {
                                true, "", "linear tetrahedra: a third"});
       result.bounds.push_back(
           {"rms jump of pressure / mean, " + nodes + " nodes", p.rms_jump, 0.5, true, "", "linear tetrahedra: 1.85"});
-      if (!context.figures || spacing != spacings.back()) continue;
+      if (!context.pictures || spacing != spacings.back()) continue;
       // Means of the cells around each node, for the picture.
       NodeField field{std::vector<float>(s.model->X.size(), 0.0F), "Pressure, kPa"};
       std::vector<float> count(s.model->X.size(), 0.0F);

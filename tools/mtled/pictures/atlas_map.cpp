@@ -1,16 +1,20 @@
-// The map of tools/mtled/atlas/atlas_page.h.
+#include "mtled/pictures/atlas_map.h"
+
 #include <algorithm>
 #include <cmath>
 
 #include "app/figures/canvas.h"
 #include "app/figures/paper.h"
-#include "mtled/atlas/atlas_page.h"
-#include "mtled/report/case_result.h"
+#include "base/number_text.h"
 
 namespace palpate::tools {
-
-using namespace app;  // what draws
 namespace {
+
+namespace paper = app::paper;
+using app::faded;
+using app::textSize;
+using app::Theme;
+using app::writeText;
 
 // px
 constexpr float margin = 48, cell_height = 70, gap = 6, padding = 12, row_height = cell_height + gap;
@@ -44,13 +48,11 @@ std::string shortly(const AtlasMeasure& m) {
   if (!std::isnan(m.lost_at)) return m.doubt + ", lost";
   std::string text = std::isnan(m.doubt_at) ? "" : m.doubt;
   if (m.compared.empty() || !std::isfinite(m.deviation)) return text;
-  char share[32];
   const double percent = 100 * m.deviation;
-  std::snprintf(share, sizeof share,
-                std::abs(percent) < 0.05   ? "0 %%"
-                : std::abs(percent) < 9.95 ? "%+.1f %%"
-                                           : "%+.0f %%",
-                percent);
+  const std::string share = format(std::abs(percent) < 0.05   ? "0 %%"
+                                   : std::abs(percent) < 9.95 ? "%+.1f %%"
+                                                              : "%+.0f %%",
+                                   percent);
   return text + (text.empty() ? "" : ", ") + share;
 }
 
@@ -145,12 +147,11 @@ ImVec2 drawMap(ImDrawList& draw, const Theme& theme, const Atlas& atlas, const s
 
 }  // namespace
 
-void writeAtlasFigure(const std::string& png, const Atlas& atlas, const std::vector<AtlasAxis>& axes) {
-  Canvas canvas;
+app::Picture drawAtlasMap(app::Canvas& canvas, const Atlas& atlas, const std::vector<AtlasAxis>& axes) {
   const ImVec2 size = drawMap(canvas.begin(1, 1), canvas.theme(), atlas, axes);  // the texts' sizes decide
   canvas.end();
   drawMap(canvas.begin(static_cast<int>(size.x), static_cast<int>(size.y)), canvas.theme(), atlas, axes);
-  writePng(png, canvas.end());
+  return canvas.end();
 }
 
 }  // namespace palpate::tools

@@ -1,4 +1,4 @@
-#include "mtled/solve/checkpoint.h"
+#include "mtled/run/checkpoint.h"
 
 #include <algorithm>
 #include <cmath>

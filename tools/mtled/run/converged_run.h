@@ -4,7 +4,7 @@
 
 #include "mtled/frontier/frontier_result.h"
 #include "mtled/frontier/frontier_settings.h"
-#include "mtled/solve/scripted_run.h"
+#include "mtled/run/scripted_run.h"
 
 namespace palpate::tools {
 

@@ -1,13 +1,13 @@
-#include "mtled/verify/converged_run.h"
+#include "mtled/run/converged_run.h"
 
 #include <algorithm>
-#include <cstdio>
 #include <cstring>
 #include <fstream>
 #include <sstream>
 #include <stdexcept>
 
 #include "base/build_info.h"
+#include "base/number_text.h"
 #include "io/load_model.h"
 #include "io/output_file.h"
 #include "mtled/report/vector_json.h"
@@ -111,9 +111,7 @@ std::string runIdentity(const Model& model, const ToolTrajectory& way, const std
   for (const char c : sourceIdentity()) add(c);
   for (const Pose& pose : way)
     for (int c = 0; c < 3; ++c) add(pose.position[c]);
-  char text[20];
-  std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(hash));
-  return text;
+  return hex16(hash);
 }
 
 std::vector<Vec3> surfaceProbes(const Model& model, int count) {

@@ -1,22 +1,18 @@
-#include "mtled/solve/progress.h"
+#include "mtled/run/progress.h"
 
 #include <unistd.h>
 
 #include <algorithm>
 #include <cstdio>
 
+#include "base/number_text.h"
 #include "base/printable_text.h"
 
 namespace palpate::tools {
 namespace {
 
 std::string timeText(double seconds) {
-  char text[32];
-  if (seconds < 90)
-    std::snprintf(text, sizeof text, "%.0f s", seconds);
-  else
-    std::snprintf(text, sizeof text, "%.0f min", seconds / 60);
-  return text;
+  return seconds < 90 ? format("%.0f s", seconds) : format("%.0f min", seconds / 60);
 }
 
 }  // namespace

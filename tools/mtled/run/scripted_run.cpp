@@ -1,4 +1,4 @@
-#include "mtled/solve/scripted_run.h"
+#include "mtled/run/scripted_run.h"
 
 #include <algorithm>
 #include <chrono>

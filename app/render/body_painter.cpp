@@ -1,4 +1,4 @@
-#include "app/render/body_picture.h"
+#include "app/render/body_painter.h"
 
 #include <imgui.h>
 
@@ -9,6 +9,8 @@
 #include <stdexcept>
 
 #include "app/figures/canvas.h"
+#include "app/figures/figure_axis.h"
+#include "app/figures/figure_writer.h"
 #include "app/figures/paper.h"
 #include "app/render/field.h"
 #include "app/render/renderer.h"
