@@ -9,7 +9,7 @@ namespace palpate {
 /// The longest edge wanted around a point, m; positive.
 using EdgeLengthAt = std::function<double(const Vec3& x)>;
 
-/// Halves edges until none is longer than the smallest of what `longest_at` says at its ends and its
+/// Halves edges until none is longer than the smallest value of `longest_at` at its two ends and its
 /// midpoint. The given vertices stay, with their numbers; the surface keeps its shape, volume, orientation
 /// and closedness (no vertex is left hanging in an edge). An edge is only halved when it is the longest
 /// of both its faces, so no angle falls below half the smallest given one (Rosenberg and Stenger 1975,
