@@ -1,4 +1,4 @@
-// What all shaders know about the picture; app/frame.h fills it. Lengths in m, world coordinates.
+// What all shaders know about the picture; app/render/frame.h fills it. Lengths in m, world coordinates.
 layout(std140) uniform Frame {
   mat4 clip_from_world;
   mat4 shadow_from_world;  // key light's shadow map, 0..1

@@ -7,7 +7,7 @@ uniform sampler2D ground_shade;  // r: share of the key light taken, g: share of
 in vec2 away;
 out vec4 colour;
 
-const float shade_extent = 2.0;  // half width of ground_shade in organ radii, as app/ground_shade.cpp
+const float shade_extent = 2.0;  // half width of ground_shade in organ radii, as app/render/ground_shade.cpp
 
 void main() {
   float pool = 1.0 - smoothstep(0.5, 3.1, length(away));

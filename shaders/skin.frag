@@ -14,7 +14,7 @@ out vec4 colour;
 
 // How far light creeps around the terminator under the surface, for what is absorbed most
 // and least: in flesh red goes furthest, in a blue gel blue does.
-const float least_creep = 0.09, most_creep = 0.34;
+const float min_creep = 0.09, max_creep = 0.34;
 
 vec3 hatched(vec3 albedo, float fixed_share) {
   float s = dot(X, vec3(0.57, 0.57, 0.59)) * tissue.w * 22.0;
@@ -39,7 +39,7 @@ void main() {
   albedo *= 1.0 + 0.75 * coarse.a + 0.35 * fine.a + 0.22 * finest.a;
   vec3 passing = tissue.rgb / max(max(tissue.r, tissue.g), max(tissue.b, 1e-3));  // 1 for what goes furthest
   albedo *= mix(vec3(1.0), mix(vec3(0.62), vec3(0.82), passing), clamp(coarse.r * 1.6, 0.0, 1.0));
-  vec3 creep = mix(vec3(least_creep), vec3(most_creep), passing * passing);
+  vec3 creep = mix(vec3(min_creep), vec3(max_creep), passing * passing);
   if (field) albedo = texture(colours, vec2(trait.x, 0.5)).rgb * 0.9;
   albedo = mix(albedo, vec3(0.86, 0.60, 0.50), 0.55 * trait.y * (field ? 0.0 : 1.0));
   albedo = hatched(albedo, trait.w);

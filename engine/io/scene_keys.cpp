@@ -319,6 +319,33 @@ std::string toolReference() {
   return text;
 }
 
+/// What stands before the tables. A test reads the scene in it.
+constexpr const char* introduction = R"(## A scene in ten lines
+
+Type this into `my.toml`:
+
+```toml
+name = "slab"                                       # title of the window
+organ = { solid = "box", size = [0.1, 0.1, 0.05] }  # m: z goes from 0 to 0.05, the z axis is in the middle
+discretization = { spacing = 0.01 }                 # m between nodes: half of it makes eight times as many
+fixed = [{ shape = "half-space", point = [0, 0, 0.001], normal = [0, 0, 1] }]  # m: held below z = 0.001
+tool = { shape = "sphere", radius = 0.01, position = [0, 0, 0.06] }  # m: a ball, 10 mm above the slab
+[[material]]           # all keys from here on describe the tissue
+model = "neo-hookean"  # its law
+young = 3000           # Pa: about as soft as a liver
+poisson = 0.45         # nearly incompressible (0.5 would be entirely)
+density = 1050         # kg/m^3
+```
+
+`tools/run my.toml` opens it. `tools/run my.toml --tool indent_hold_retract` presses the ball 5 mm deep: the force at the
+hold is 0.2 N. Change `young` to 6000, and it is twice that.
+
+## Reference
+
+The tables are printed from the parser's own list of keys (`engine/io/scene_keys.cpp`). "Depends" means: required or
+without meaning, depending on the other keys.
+)";
+
 }  // namespace
 
 std::string toolKeyGroup(const ToolType& tool) { return std::string("tool (") + tool.name + ")"; }
@@ -329,10 +356,10 @@ std::span<const KeySpec> sceneKeys() {
 }
 
 std::string sceneReference() {
-  std::string text;
-  for (const auto& [table, title, introduction] : sections) {
-    text += std::string(text.empty() ? "" : "\n") + "### " + title + "\n\n";
-    if (*introduction != '\0') text += std::string(introduction) + "\n\n";
+  std::string text = introduction;
+  for (const auto& [table, title, about] : sections) {
+    text += std::string("\n### ") + title + "\n\n";
+    if (*about != '\0') text += std::string(about) + "\n\n";
     text += keyReference(sceneKeys(), table);
     if (std::string_view(table) == "tool") text += toolReference();
   }

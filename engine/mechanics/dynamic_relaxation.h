@@ -3,7 +3,7 @@
 namespace palpate {
 
 /// Damping and stopping of dynamic relaxation (paper section 2.3; Joldes, Wittek, Miller 2009, 2011). With
-/// lowest and highest frequency w0 and w1 and the step h = 2 / sqrt(w0^2 + w1^2) ~ 2 / w1, the error falls by
+/// lowest and highest frequency w0 and w1 and the step h = 2 / sqrt(w0^2 + w1^2) ~ 2 / w1, the error is multiplied by
 ///   r = (sqrt(k) - 1) / (sqrt(k) + 1),   sqrt(k) = 2 / (w0 h)
 /// in each step of u+ = u + beta du + alpha M^-1 f, the fastest of all such iterations.
 class DynamicRelaxation {
@@ -16,17 +16,17 @@ class DynamicRelaxation {
   double convergenceRate() const { return r_; }
   double step() const { return h_; }
   void setStep(double h) { h_ = h; }
-  /// Sets the rate of a lowest frequency, rad/s.
+  /// Sets the rate that belongs to a lowest frequency, rad/s.
   void setLowestFrequency(double w0);
 
-  /// Feeds the estimate of w0: the Rayleigh quotient of the way U from a reference state and the change F of the
-  /// internal forces along it, in which the lowest modes, the last to settle, are left over.
+  /// Updates the estimate of w0 by the Rayleigh quotient of the displacement U since a reference state and the change
+  /// F of the internal forces over it. The lowest modes settle last, so they dominate U.
   /// @param work     -U . F, J      @param inertia  U . M U, kg m^2
-  /// An estimate is taken over when twenty in a row agree within 1 %.
+  /// An estimate is used when twenty in a row agree within 1 %.
   void observe(double work, double inertia);
 
-  /// Estimated distance of u from equilibrium, in the unit of `increment`: what the remaining geometric series of
-  /// increments adds up to at the rate of a mode that is slower than the estimated lowest.
+  /// Estimated distance of u from equilibrium, in the unit of `increment`: the sum of the geometric series of the
+  /// increments still to come, at the rate of a mode somewhat slower than the estimated lowest.
   double remaining(double increment) const;
 
  private:

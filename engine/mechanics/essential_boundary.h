@@ -17,7 +17,7 @@ struct ImposedNode {
   std::array<int, 3> boundary{-1, -1, -1};  // index into EssentialNodes::motions; -1: the component is free
 };
 
-/// How one boundary moves: a rotation, then a translation, both in the measure of the load curve.
+/// How one boundary moves: a rotation, then a translation, both scaled by the load curve.
 struct BoundaryMotion {
   Vec3 translation = Vec3::Zero();  // m
   Vec3 axis_point = Vec3::Zero();   // m, a point of the axis of rotation; the resultant moment is about it
@@ -27,11 +27,11 @@ struct BoundaryMotion {
   LoadCurve curve;
 
   bool moves() const { return angle != 0 || !translation.isZero(0); }
-  /// Displacement at `time_s` of what stood at X, m.
+  /// Displacement at `time_s` of the point that is at X at rest, m.
   Vec3 at(const Vec3& X, double time_s) const;
 };
 
-/// Everything about the essential boundary but the masses: what the paper's Phi and V are made of.
+/// All data of the essential boundary except the masses: the paper's Phi and V follow from it.
 struct EssentialNodes {
   std::vector<ImposedNode> nodes;       // (row_count)
   std::vector<Vec3> X;                  // (row_count) m
@@ -49,11 +49,11 @@ struct EssentialNodes {
 /// Imposes the displacement field at boundary nodes exactly (paper eqs. 13-25):
 ///   du += M^-1 V A^-1 (du_bar - Phi du),   A = Phi M^-1 V
 /// SEBCIEM lumps the tractions at the nodes, V = Phi^T (eq. 20); EBCIEM interpolates them linearly on the
-/// boundary's facets and integrates, V_jk = sum_i Phi_j(s_i) N^k(s_i) w_i (eq. 17). A node with no facet all of
-/// whose nodes are imposed carries a lumped traction in both.
+/// boundary's facets and integrates, V_jk = sum_i Phi_j(s_i) N^k(s_i) w_i (eq. 17). A node that belongs to no
+/// fully imposed facet carries a lumped traction with either method.
 ///
-/// A is factored sparsely once (A = L U in an order of little fill); P = M^-1 V A^-1 of eq. 25 is never formed.
-/// All boundaries of a component are imposed together, so that it is exact where supports overlap. Components
+/// A is factored once as a sparse matrix (A = L U in an order with little fill-in); P = M^-1 V A^-1 of eq. 25 is never
+/// formed. All boundaries of a component are imposed together, so that it is exact where supports overlap. Components
 /// with the same nodes share one factor.
 template <class Real>
 struct EssentialBoundaryOf {
@@ -67,7 +67,7 @@ struct EssentialBoundaryOf {
     std::vector<int> node;                     // (row_count) imposed node of each row, in elimination order
     std::vector<Vec3> X;                       // (row_count) m
     std::vector<std::array<int, 3>> boundary;  // (row_count) per component, as in ImposedNode; -1 outside the mask
-    std::vector<std::array<int, 3>> whole;     // (row_count) the same for all components: where the node is
+    std::vector<std::array<int, 3>> whole;     // (row_count) the same for all components, whatever the mask
     std::vector<double> share;                 // (row_count) sum_j V_jk: 1, or int N^k dS in m^2
     std::vector<Vec3> centre;                  // (row_count) m, sum_j V_jk X_j / share: where the node's traction acts
     Rows<Real> phi, v;                         // row k: N_j(X_k); V_jk (v is empty where it equals phi)
@@ -87,19 +87,19 @@ struct Reaction {
   Vec3 moment = Vec3::Zero();  // N m
 };
 
-/// Shares of the rows that threads take whole.
+/// Into so many parts the rows are divided; a part is computed by one thread.
 constexpr int boundary_parts = 8;
 
 template <class Real>
 struct BoundaryScratchOf {
   std::vector<AlignedVector<Real4<Real>>> rhs;  // (set_count)(row_count); after a step alpha times the tractions T
   std::vector<AlignedVector<Real4<Real>>>
-      creep;  // (set_count)(row_count) m, taken back by the next step that imposes increments
+      drift;  // (set_count)(row_count) m, drift that the next step with increments corrects
   std::vector<Mat3> rotation, rotation_before;  // (boundary_count) minus identity, at the step's end and start
   std::vector<Vec3> shift, shift_before;        // (boundary_count) m
   std::vector<std::uint8_t> moves;              // (boundary_count)
   std::vector<Reaction> reaction;               // (boundary_count) of the last step, paper eq. 18
-  std::array<std::vector<Reaction>, boundary_parts> part_reaction;  // what it is the sum of
+  std::array<std::vector<Reaction>, boundary_parts> part_reaction;  // the terms of its sum
 };
 using BoundaryScratch = BoundaryScratchOf<float>;
 
@@ -113,8 +113,8 @@ BoundaryScratchOf<Real> makeBoundaryScratch(const EssentialBoundaryOf<Real>& bou
 
 /// Corrects `du` so that the field at the imposed nodes follows the motions to `time_s`, and leaves every
 /// boundary's reaction in `scratch`.
-/// @param u  null: du alone gets the motions' increment over [time_s - dt, time_s], which is what float32 holds best;
-///           otherwise u + du gets the whole displacement, so that no error adds up
+/// @param u  null: du is set to the motions' increment over [time_s - dt, time_s], the most exact in float32;
+///           otherwise u + du is set to the whole displacement, so that no errors accumulate
 /// @param alpha  of paper eq. 12, s^2
 /// @return force of the boundaries that don't move on the tissue, N
 /// The team shares all but the triangular solutions; results do not depend on its size.
@@ -124,15 +124,16 @@ Vec3 imposeBoundary(const EssentialBoundaryOf<Real>& boundary, double time_s, do
                     const Real* inverse_mass, const std::type_identity_t<Real4<Real>>* u, Real4<Real>* du,
                     BoundaryScratchOf<Real>& scratch, SpinTeam& team);
 
-/// Where only increments are imposed, their roundings add up: a walk of some 1e-9 of the body's size in a thousand ticks. This finds in
-/// double how far the field has crept from where it should be at `time_s`, and leaves a tenth of it to the next imposeBoundary.
-/// Called once a tick it keeps the creep at the size of one rounding, however long the run.
+/// Where only increments are imposed, their rounding errors add up to a drift of some 1e-9 of the body's size in a
+/// thousand ticks. This function computes in double how far the field at the imposed nodes is from where it should be
+/// at `time_s`; the next imposeBoundary corrects a tenth of it. Called once per tick, it keeps the drift at the size
+/// of one rounding error, however long the run.
 /// @param u, u_low  displacement parameters and what float32 lost of them, m (node_count)
 /// Real-time: no allocation, no lock, no throw.
 void correctBoundaryDrift(const EssentialBoundary& boundary, double time_s, const Float4* u, const Float4* u_low,
                           BoundaryScratch& scratch);
 
-/// Adds what each imposed node carried in the last step: share_k T_k, N. Sums to the boundaries' forces.
+/// Adds the force of each imposed node in the last step: share_k T_k, N. They sum to the boundaries' forces.
 /// @param force  (node_count)
 template <class Real>
 void addNodeReactions(const EssentialBoundaryOf<Real>& boundary, const BoundaryScratchOf<Real>& scratch, double alpha,

@@ -34,7 +34,8 @@ GroupOf<Real> lessRow(const RowsOf& rows, int k, const Real4<Real>* x, GroupOf<R
   return (y + y1) + (y2 + y3);
 }
 
-/// Calls each(part, begin, end) for the parts of `count` rows, shared by the team. They are always the same, whatever the team.
+/// Calls each(part, begin, end) for the parts of `count` rows, shared by the team. They are always the same, whatever
+/// the team.
 template <class Each>
 void forParts(SpinTeam& team, std::size_t count, Each each) {
   const auto border = [count](int part) {
@@ -93,8 +94,8 @@ Vec3 imposeBoundary(const EssentialBoundaryOf<Real>& boundary, double time_s, do
         }
         GroupOf<Real> sum = load(toReal4<Real>(imposed));
         if (!u) {
-          sum += load(scratch.creep[s][k]);
-          scratch.creep[s][k] = {};
+          sum += load(scratch.drift[s][k]);
+          scratch.drift[s][k] = {};
         }
         sum = lessRow<Real>(set.phi, k, du, sum);
         if (u) sum = lessRow<Real>(set.phi, k, u, sum);
@@ -143,7 +144,7 @@ void correctBoundaryDrift(const EssentialBoundary& boundary, double time_s, cons
         const int j = set.phi.column[e];
         away -= static_cast<double>(set.phi.value[e]) * (toVec3(u[j]) + toVec3(u_low[j]));
       }
-      scratch.creep[s][k] = toFloat4(share * away);
+      scratch.drift[s][k] = toFloat4(share * away);
     }
   }
 }

@@ -7,7 +7,7 @@
 
 namespace palpate {
 
-/// Worst of a force evaluation, and its energy.
+/// The worst point of a force evaluation, and sums over all points.
 struct ForceReport {
   float min_J = 1;
   int worst_point = -1;  // model index of the point with min J
@@ -25,8 +25,8 @@ struct ForceReport {
 /// Where the layout has node patches, the pressure K (J - 1) in P is that of node_patch.h: two passes over the
 /// points, the gradients kept in between.
 ///
-/// Threads take whole chunks; each chunk sums into its own buffer, and sumForces adds these in
-/// chunk order, so that the result does not depend on the thread count.
+/// A chunk is computed by one thread and sums into its own buffer; sumForces adds the buffers in chunk order, so that
+/// the result does not depend on the thread count.
 ///
 /// @param u  displacement parameters, m (node_count)
 /// Real-time: no allocation, no lock, no throw.
@@ -40,7 +40,7 @@ template <class Real>
 void sumForces(const KernelLayoutOf<Real>& layout, const KernelScratchOf<Real>& scratch, int begin, int end,
                Real4<Real>* f);
 
-/// The same formula in ten lines of double: what the fast kernel is held to.
+/// The same formula in ten lines of double: the reference that the tests compare the fast kernel with.
 /// @param u, f     (node_count); f is overwritten
 /// @param patches  of the points where volume is averaged over node patches, or empty
 void referenceInternalForces(const ShapeTable& shape, const std::vector<double>& volume,

@@ -13,14 +13,14 @@
 
 namespace palpate {
 
-/// What the internal-force kernel streams, in float for the real-time loop or in double for the batch solver:
-/// integration points in blocks, blocks in batches of four (16 points, one vector of lanes), batches in chunks that
-/// threads take whole. A block's points share most of their nodes, so that a node's displacement is loaded and its
-/// force stored once for four points.
+/// The data that the internal-force kernel reads, in float for the real-time loop or in double for the batch solver:
+/// integration points in blocks of four, blocks in batches of four (16 points, one vector of lanes), batches in chunks,
+/// each of which one thread computes. A block's points share most of their nodes, so that a node's displacement is
+/// loaded and its force stored once for four points.
 ///
-/// With 16-bit gradients, the first four union nodes of a block, its anchors, keep theirs in float: these take what the
-/// rounding of the others took, so that sum_j gradN_j and sum_j gradN_j (x) X_j are as exact as in float32. Otherwise
-/// near-incompressibility would multiply the error that rounding makes in J under any rotation.
+/// With 16-bit gradients, the gradients of a block's first four union nodes, its anchors, stay in float. The rounding
+/// errors of the other nodes are added to them, so that sum_j gradN_j and sum_j gradN_j (x) X_j are as exact as in
+/// float32. Otherwise rounding would cause an error of J under any rotation, which near-incompressibility multiplies.
 template <class Real>
 struct KernelLayoutOf {
   int node_count = 0;
@@ -48,7 +48,7 @@ struct KernelLayoutOf {
 
 using KernelLayout = KernelLayoutOf<float>;
 
-/// What the kernel reads that may change from step to step. The layout is constant, and many bodies may share one.
+/// Data of the kernel that may change from step to step. The layout itself is constant, and many bodies may share it.
 template <class Real>
 struct KernelMaterialsOf {
   std::vector<Material> materials;  // (material_count) that batch_material counts
@@ -86,7 +86,8 @@ KernelLayoutOf<Real> makeKernelLayout(const ShapeTable& shape, const std::vector
                                       GradientPrecision gradients = GradientPrecision::Float32,
                                       const std::vector<Vec3>& X = {});
 
-/// Gradients of a layout's point `place` (index into layout.point) at its block's union nodes, as the kernel sees them, 1/m.
+/// Gradients of a layout's point `place` (index into layout.point) at its block's union nodes, as the kernel sees them,
+/// 1/m.
 template <class Real>
 std::vector<std::pair<int, Vec3>> layoutGradients(const KernelLayoutOf<Real>& layout, int place);
 

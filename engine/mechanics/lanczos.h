@@ -13,7 +13,7 @@ struct LargestEigenvalue {
 };
 
 /// Lanczos' iteration, without reorthogonalisation: lost orthogonality only repeats converged Ritz values, which
-/// does no harm to the largest. The same start vector at every call.
+/// does not change the largest. The start vector is the same at every call.
 /// @param apply      y = A x, both of size n
 /// @param tolerance  stops when the residual is below this share of the value
 LargestEigenvalue largestEigenvalue(Eigen::Index n,

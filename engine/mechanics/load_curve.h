@@ -4,7 +4,7 @@
 
 namespace palpate {
 
-/// How much of an imposed motion is done at a time: 0 .. 1, or as a table says.
+/// The fraction of an imposed motion that is reached at a time: 0 .. 1, or the values of a table.
 struct LoadCurve {
   enum class Kind { Smooth, Linear, Table };
   Kind kind = Kind::Smooth;      // Smooth: the 3-4-5 polynomial 10 t^3 - 15 t^4 + 6 t^5

@@ -8,9 +8,9 @@
 namespace palpate {
 
 /// Lumped masses: a quarter of each cell's mass to each of its vertices. (Row sums of the shape
-/// functions would keep the total as well, but MMLS shape functions go negative and so would they.)
-/// A node in no cell shares the mass of the nearest node that has some, in equal parts with it and
-/// with others in the same case, so the total stays exact and every mass is > 0.
+/// functions would keep the total as well, but could be negative, as MMLS shape functions are in places.)
+/// A node in no cell shares the mass of the nearest node that has mass, in equal parts with that node and
+/// with other such nodes, so the total stays exact and every mass is > 0.
 ///
 /// @param X             node positions, m                       (node_count)
 /// @param cells         vertices                                (cell_count), at least one

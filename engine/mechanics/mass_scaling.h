@@ -13,9 +13,9 @@ struct ScaledMass {
   double added = 0;          // share of the body's mass
 };
 
-/// Selective mass scaling: m_i' = max(m_i, row_i / c), row the Gershgorin row sums, with the largest c for which the critical
-/// step reaches `dt` (within half a percent above). Mass comes where the step is limited, and nowhere else. Equilibria stay
-/// as they are; motion becomes slower, by about half the share that was added.
+/// Selective mass scaling: m_i' = max(m_i, row_i / c), where row_i are the Gershgorin row sums and c is the largest
+/// value for which the critical step reaches `dt` (within half a percent above). Mass is added only to nodes that limit
+/// the step. Equilibria do not change; motion becomes slower, by about half the share of mass that was added.
 /// @param limit  with `mass`; where it reaches dt, nothing is added
 /// @param dt     s, wanted
 /// Others as in criticalTimeStep. Test: mechanics/mass_scaling_test.cpp

@@ -13,11 +13,12 @@ namespace palpate {
 ///   theta_a = sum_q s_aq (J_q - 1),  s_aq = w_q l_a(x_q) / V_a,  V_a = sum_q w_q l_a(x_q)
 ///   volumetric energy  sum_a V_a K_a / 2 theta_a^2,   so at q the pressure is  p_q = sum_a l_a(x_q) K_a theta_a
 ///
-/// instead of K (J_q - 1), with K_a = V_a / sum_q (w_q l_a / K_q). l_a is the linear coordinate of the cell's vertex a. The patch sees only the mean
-/// dilatation, so a point is no longer held to its own volume by neighbours that share its nodes. By
-/// the Cauchy-Schwarz inequality the energy is never above the plain one (that needs the harmonic mean of K):
-/// a step that is stable without patches is stable with. That needs l_a > 0: for a point that stands for two cells and
-/// does not lie inside its own (cell_pairs.h) the others are set to next to nothing, and all scaled to a sum of 1.
+/// instead of K (J_q - 1), with K_a = V_a / sum_q (w_q l_a / K_q). l_a is the linear coordinate of the cell's vertex a.
+/// The energy depends only on a patch's mean dilatation, so neighbours that share nodes no longer force each point to
+/// keep its own volume. By the Cauchy-Schwarz inequality, with K_a the harmonic mean of K, this energy is never above
+/// the pointwise one: a step that is stable without patches is stable with them. This needs l_a > 0. A point that
+/// samples two cells and lies outside its own (cell_pairs.h) has some l_a <= 0: these are set to a tiny positive value,
+/// and all are scaled to a sum of 1.
 struct NodePatches {
   std::vector<std::array<int, 4>> node;       // (point_count) vertices of the point's cell
   std::vector<std::array<double, 4>> weight;  // (point_count) l_a(x_q), summing to 1

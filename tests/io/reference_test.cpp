@@ -1,9 +1,11 @@
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cstdlib>
 #include <fstream>
 #include <set>
 
 #include "base/build_info.h"
+#include "io/load_model.h"
 #include "io/scene_file.h"
 #include "io/scene_keys.h"
 #include "io/text_file.h"
@@ -55,10 +57,17 @@ TEST_CASE("The reference has a row for every key, and no key twice in a table", 
   }
 }
 
-TEST_CASE("The example scene of the README is a scene", "[io][reference]") {
+TEST_CASE("The tutorial's scene has ten lines, each with a comment, and loads", "[io][reference]") {
   const std::string text = readWholeFile(sourceFolder() + "/assets/scenes/README.md");
   const std::string fence = "```toml\n";
   const std::size_t begin = text.find(fence) + fence.size();
-  TempFolder folder;
-  CHECK(readScene(folder.write("example.toml", text.substr(begin, text.find("```", begin) - begin))).spacing == 0.01);
+  REQUIRE(begin < text.find("## Reference"));
+  const std::string block = text.substr(begin, text.find("```", begin) - begin);
+  CHECK(std::count(block.begin(), block.end(), '\n') == 10);
+  CHECK(std::count(block.begin(), block.end(), '#') == 10);
+
+  const TempFolder folder;
+  const Model model = loadModel(readScene(folder.write("my.toml", block)), {}, ModelCache(""));
+  CHECK(model.first_contact_travel == Approx(0.01).margin(1e-4));  // "10 mm above the slab"
+  CHECK(model.materials[0].density == 1050);                       // "all keys from here on describe the tissue"
 }

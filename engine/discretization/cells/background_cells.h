@@ -12,15 +12,16 @@ namespace palpate {
 /// Tetrahedra that fill the body and carry its integration points. They need no quality: the
 /// approximation is meshless, and a cell only says which part of the volume a point stands for.
 struct BackgroundCells {
-  std::vector<std::array<int, 4>> cells;  // (cell_count) nodes, positively oriented, ascending but for that
-  std::vector<double> volume;             // (cell_count) m^3, > 0
-  double total_volume = 0;                // m^3, sum of the cells' volumes
-  double surface_volume = 0;              // m^3, of the body's own surface
-  int outside_count = 0;                  // Delaunay tetrahedra dropped as outside the body
-  int sliver_count = 0;                   // and as having next to no volume
-  std::vector<int> unused_nodes;          // nodes in no cell
+  std::vector<std::array<int, 4>>
+      cells;                      // (cell_count) nodes in ascending order, two swapped where the orientation needs it
+  std::vector<double> volume;     // (cell_count) m^3, > 0
+  double total_volume = 0;        // m^3, sum of the cells' volumes
+  double surface_volume = 0;      // m^3, of the body's own surface
+  int outside_count = 0;          // Delaunay tetrahedra dropped as outside the body
+  int sliver_count = 0;           // Delaunay tetrahedra dropped for having next to no volume
+  std::vector<int> unused_nodes;  // nodes in no cell
 
-  /// Relative, signed: negative where the cells fill less than the body.
+  /// Relative error of the cells' volume: negative where the cells fill less than the body.
   double volumeError() const { return total_volume / surface_volume - 1; }
 };
 
@@ -28,9 +29,9 @@ struct BackgroundCells {
 /// (judged by 15 points inside each that is near it) and less the slivers.
 ///
 /// The cells' flat faces cut the corners of curved surfaces: on a sphere of radius r the loss is about
-/// 0.4 (h/r)^2 of the volume. fitToVolume (volume_fit.h) makes it good.
+/// 0.4 (h/r)^2 of the volume. fitToVolume (volume_fit.h) removes this loss.
 /// Throws InputError where all nodes lie in one plane.
-/// Test: discretization/background_cells_test.cpp
+/// Test: discretization/cells/background_cells_test.cpp
 BackgroundCells makeBackgroundCells(const NodeCloud& cloud, const SurfaceTree& surface);
 
 /// The cells' faces that belong to one cell only, counter-clockwise seen from outside.

@@ -14,7 +14,7 @@ namespace palpate {
 ///
 /// @param X  positions, m   (point_count); at least 4, not all in one plane
 /// Throws std::runtime_error with qhull's message where qhull fails (e.g. all points in one plane).
-/// Test: discretization/background_cells_test.cpp (empty spheres, volume of the hull)
+/// Test: discretization/cells/background_cells_test.cpp (empty spheres, volume of the hull)
 std::vector<std::array<int, 4>> delaunay(const std::vector<Vec3>& X);
 
 /// Signed volume of a tetrahedron, (b - a) x (c - a) . (d - a) / 6, m^3. Positive is the cells' orientation.

@@ -11,13 +11,13 @@ namespace palpate {
 struct IntegrationPoints {
   std::vector<Vec3> X;         // (point_count) m
   std::vector<double> volume;  // (point_count) m^3, > 0; with 5 points per cell some are < 0
-  std::vector<int> cell;       // (point_count) the cell that it stands for
+  std::vector<int> cell;       // (point_count) the cell that the point samples
   std::vector<int>
-      other_cell;  // (point_count) a second cell that it stands for (cell_pairs.h), or -1; empty: there is none
+      other_cell;  // (point_count) a second cell that the point samples (cell_pairs.h), or -1; empty: no point has one
 };
 
-/// Quadrature of a tetrahedron by its centroid (first), by four points that lie `a` of one vertex and `b` of
-/// each other one (a + 3 b = 1), in the vertices' order, or by both.
+/// Quadrature of a tetrahedron by its centroid (first), by four points with barycentric coordinates `a` for one vertex
+/// and `b` for each of the others (a + 3 b = 1), in the vertices' order, or by both.
 struct CellRule {
   double centroid_share = 0;  // of the cell's volume; 0: not a point
   double corner_share = 0;    // of each of the four; 0: no points
@@ -28,14 +28,14 @@ struct CellRule {
   void append(const std::array<Vec3, 4>& corners, double volume, int cell, IntegrationPoints& points) const;
 };
 
-/// The rule with so many points:
+/// The rule with the given number of points:
 ///
 ///   1: the centroid, exact for linear functions
 ///   4: a = 0.5854102, b = 0.1381966, shares 1/4, exact for quadratics
 ///      (a = (5 + 3 sqrt 5)/20, b = (5 - sqrt 5)/20; Hammer, Stroud 1956)
-///   5: the centroid with share -4/5, and a = 1/2, b = 1/6 with shares 9/20; exact for cubics. Its negative
-///      volume makes it no better than 4 points for shape functions, which are not polynomials, and asks
-///      those who take volumes for positive (bounds of the time step, weighted means) for care.
+///   5: the centroid with share -4/5, and a = 1/2, b = 1/6 with shares 9/20; exact for cubics. For shape
+///      functions, which are not polynomials, its negative volume makes it no better than 4 points. Code that
+///      assumes positive volumes (bounds of the time step, weighted means) must allow for it.
 ///
 /// Any other number throws InputError.
 CellRule cellRule(int points_per_cell);
@@ -44,11 +44,11 @@ CellRule cellRule(int points_per_cell);
 ///
 /// @param X                positions of the cells' vertices, m    (node_count)
 /// @param cells            vertices                               (cell_count)
-/// @param cell_volume      what a cell's points share, m^3        (cell_count)
+/// @param cell_volume      sum of the volumes of a cell's points, m^3 (cell_count)
 /// @param points_per_cell  1, 4 or 5; anything else throws InputError
 /// The points' volumes of a cell sum to cell_volume: bit for bit with 1 or 4 points (a division by 4 does
 /// not round), to 1e-15 of it with 5.
-/// Test: discretization/integration_points_test.cpp
+/// Test: discretization/cells/integration_points_test.cpp
 IntegrationPoints makeIntegrationPoints(const std::vector<Vec3>& X, const std::vector<std::array<int, 4>>& cells,
                                         const std::vector<double>& cell_volume, int points_per_cell);
 

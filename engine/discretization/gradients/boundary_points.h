@@ -14,7 +14,7 @@ struct BoundaryPoints {
   std::vector<Vec3> area;  // (sample_count) weight times area times outward normal, m^2
 };
 
-/// Samples of the cells' outer faces, by the rule that the tractions on each can answer:
+/// Samples of the cells' outer faces. The rule of each face is one whose integral the tractions there can balance:
 ///
 ///   facets whose three nodes are imposed  the nodes, a third of the area to each: tractions of SEBCIEM act at
 ///                                         nodes (paper eqs. 18-20), and a uniform stress is in equilibrium with
@@ -30,7 +30,7 @@ struct BoundaryPoints {
 /// @param facets   outward, counter-clockwise (background_cells.h)
 /// @param imposed  not 0 where a component of the node is imposed              (node_count)
 /// Facets' samples come in their order, then the nodes' in ascending order.
-/// Test: discretization/consistent_gradients_test.cpp
+/// Test: discretization/gradients/consistent_gradients_test.cpp
 BoundaryPoints boundaryPoints(const std::vector<Vec3>& X, const std::vector<std::array<int, 3>>& facets,
                               const std::vector<std::uint8_t>& imposed);
 

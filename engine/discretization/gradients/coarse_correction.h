@@ -8,14 +8,15 @@
 
 namespace palpate {
 
-/// Preconditioner of correctGradients' system, whose energy measures how far a field is from linear over each
-/// support: like a plate's, so that its condition grows with the fourth power of the number of nodes across the body.
+/// Preconditioner of the system of correctGradients. The energy of that system measures how far a field is from linear
+/// over each support. It behaves like a bending plate's: its condition number grows with the fourth power of the number
+/// of nodes across the body.
 ///
 ///   z = sum_b A_bb^-1 r_b  +  P (P^T A P)^-1 P^T r
 ///
-/// with blocks b of neighbouring nodes (which share no node), and a coarse space of one linear field per block,
-/// blended by a smooth partition of unity: it holds all linear fields, and smooth ones nearly. What z has of linear
-/// fields, which rounding would blow up, is taken out.
+/// with disjoint blocks b of neighbouring nodes, and a coarse space of one linear field per block, blended by a smooth
+/// partition of unity: it contains all linear fields and approximates smooth ones. The linear part of z, which rounding
+/// would amplify, is removed.
 class CoarseCorrection {
  public:
   /// @param A  positive semidefinite, null space: the linear fields

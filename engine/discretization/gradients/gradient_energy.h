@@ -17,7 +17,7 @@ namespace palpate {
 /// inadmissible.
 ///
 /// Keeps scratch: one object per thread. Copies are independent.
-/// Test: discretization/adaptive_quadrature_test.cpp
+/// Test: discretization/cells/adaptive_quadrature_test.cpp
 class GradientEnergy {
  public:
   /// @param X, radius   nodes, m, and their supports' radii, m (node_count); kept by reference

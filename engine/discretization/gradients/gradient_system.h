@@ -14,7 +14,7 @@ using NodeField = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;  //
 template <class T>
 using AlignedList = std::vector<T, Eigen::aligned_allocator<T>>;
 
-/// A sparse symmetric matrix over the nodes, all of it stored, row by row.
+/// A sparse symmetric matrix over the nodes. Both triangles are stored, row by row.
 struct NodeMatrix {
   std::vector<std::size_t> begin;  // (node_count + 1)
   std::vector<int> column;         // (entry_count) ascending in each row
@@ -29,12 +29,12 @@ struct NodeMatrix {
 /// and g = L^-1 p a projection is I - g^T g.
 class GradientSystem {
  public:
-  /// All by reference. @param shape its gradN is not read.
+  /// Keeps references to its arguments. @param shape  only N is read, not gradN
   GradientSystem(const ShapeTable& shape, const NodeEntries& entries, const std::vector<Vec3>& point_X,
                  const std::vector<double>& volume, const std::vector<Vec3>& X);
 
-  /// A_ij = sum_q V_q (delta_ij - g_iq . g_jq): about 6 times as many entries as a support has nodes, and a tenth
-  /// of the memory that the points' own projections take, which is what an application costs.
+  /// A_ij = sum_q V_q (delta_ij - g_iq . g_jq): each row has about 6 times as many entries as a support has
+  /// nodes. It takes a tenth of the memory of the points' own projections, and reading memory is what a product costs.
   NodeMatrix matrix() const;
 
   /// gradN_iq += lambda_i - g_iq . sum_j g_jq lambda_j

@@ -17,8 +17,8 @@ struct NodeCloud {
 };
 
 /// Fills a body with nodes: on the surface's corners, along its sharp edges, over its faces, inside.
-/// Each of these is a blue-noise sample (darts thrown with a shrinking radius until the
-/// wanted number has landed), then relaxed by short-range repulsion with the former held in place.
+/// Each of these stages is a blue-noise sample (dart throwing with a radius that shrinks until the wanted number of
+/// nodes is placed), then relaxed by short-range repulsion while the nodes of earlier stages are held in place.
 ///
 /// With h the spacing field: no two nodes are closer than 0.5 h (h the mean of theirs) and no inner
 /// node is closer to the surface than 0.5 h; where two parts of the surface or two corners come closer than
@@ -28,14 +28,14 @@ struct NodeCloud {
 /// 0.52-0.63 on fine clouds and up to 0.78 on coarse ones, whose edges weigh more.
 ///
 /// @param surface  closed, outward (see surface_check.h)
-/// @param rims     closed curves on the surface that get nodes as its sharp edges do: what an imposed region ends at
+/// @param rims     closed curves on the surface that get nodes as sharp edges do: the borders of imposed regions
 /// @param seed     another seed, another cloud of the same quality; the same seed gives the same bits
 /// Throws InputError (place of the spacing field) for spacings that are not positive, exceed the body's
 /// smallest extent, or would need more than 500,000 nodes.
 ///
 /// Cost: ~ node_count; a few seconds on one core for 30,000 nodes.
 ///
-/// Test: discretization/node_cloud_test.cpp
+/// Test: discretization/nodes/node_cloud_test.cpp
 NodeCloud makeNodeCloud(const SurfaceTree& surface, const SpacingField& spacing, unsigned seed,
                         const std::vector<FeatureEdges::Chain>& rims = {});
 

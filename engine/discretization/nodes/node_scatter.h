@@ -36,8 +36,8 @@ struct Cube {
   enum class Kind { Open, Outside, Divided, Leaf };
   Vec3 centre = Vec3::Zero();
   double edge = 0;           // m
-  double depth = 0;          // m below the surface at the centre, negative outside; at the parent's while open
-  Vec3 foot = Vec3::Zero();  // of the surface, closest to the centre; to the parent's while open
+  double depth = 0;          // m below the surface at the centre, negative outside; the parent's until computed
+  Vec3 foot = Vec3::Zero();  // point of the surface closest to the centre; the parent's until computed
   double h = 0;              // m, the spacing wanted at the centre
   bool deep = false;         // known to lie inside, deeper than any node must
   Kind kind = Kind::Open;

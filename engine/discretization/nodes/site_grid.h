@@ -7,7 +7,7 @@
 
 namespace palpate {
 
-/// A node, or a place where one may come to be.
+/// A node, or a place where a node may be put.
 struct Site {
   Vec3 X = Vec3::Zero();
   Vec3 normal = Vec3::Zero();  // of the face it lies on, outward; zero on edges, corners and inside
@@ -15,7 +15,7 @@ struct Site {
 };
 
 /// Copies of sites in the cells of a regular grid, for neighbour searches while sites are being added or all move.
-/// (A k-d tree is faster to ask but can't grow.)
+/// (A k-d tree is faster to search, but can't grow.)
 class SiteGrid {
  public:
   /// @param box   where the sites will be; those outside are kept in the border cells
@@ -23,8 +23,8 @@ class SiteGrid {
   ///              more than 4 million cells.
   SiteGrid(const Eigen::AlignedBox3d& box, double cell);
 
-  /// Takes the place of all sites before. Each cell's then lie in memory one after another, which makes it faster to ask
-  /// than one that has grown; the answers are the same.
+  /// Replaces all sites. The sites of a cell are then contiguous in memory, so that searches are faster than after a
+  /// series of additions; the results are the same.
   void assign(const std::vector<Site>& sites);
   void clear();
   /// The site gets the next index, counted from 0.

@@ -14,7 +14,7 @@ struct SpacingField {
     Vec3 centre = Vec3::Zero();  // m
     double radius = 0;           // m, >= 0
     double spacing = 0;          // m, inside the sphere
-    double blend = 0;            // m, width of the zone that leads back; 0: three times the difference of spacings
+    double blend = 0;            // m, width of the zone of transition to `spacing` below; 0: 3 x the difference
     SourceLocation place;        // where the scene asks for it
   };
 
@@ -22,8 +22,8 @@ struct SpacingField {
   std::vector<Refinement> refinements;
   SourceLocation place;  // where the scene asks for it
 
-  /// The steepest growth of the spacing, m per m. Steeper, and cells next to each other differ by more
-  /// than 1.5 times in size, which costs accuracy; a blend that is too narrow for it is widened.
+  /// The steepest growth of the spacing, m per m. If it grew faster, neighbouring cells would differ by more than
+  /// 1.5 times in size, which costs accuracy; a blend that is too narrow for this growth is widened.
   static constexpr double steepest_growth = 0.5;
 
   /// Spacing at x, m. Lipschitz with constant steepest_growth.

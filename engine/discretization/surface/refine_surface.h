@@ -12,7 +12,7 @@ using EdgeLengthAt = std::function<double(const Vec3& x)>;
 /// Beyond this many faces a surface takes gigabytes, and a contact with it seconds.
 inline constexpr int max_refined_triangles = 4'000'000;
 
-/// Halves edges until none is longer than the smallest of what `longest_at` says at its ends and its
+/// Halves edges until none is longer than the smallest value of `longest_at` at its two ends and its
 /// midpoint. The given vertices stay, with their numbers; the surface keeps its shape, volume, orientation
 /// and closedness (no vertex is left hanging in an edge). An edge is only halved when it is the longest
 /// of both its faces, so no angle falls below half the smallest given one (Rosenberg and Stenger 1975,

@@ -22,8 +22,8 @@ double signedVolume(const TriangleSurface& surface);
 /// Smallest axis-aligned box around all vertices, m; empty for a surface without vertices.
 Box3 boundingBox(const TriangleSurface& surface);
 
-/// Unit normals at the vertices, each the mean of its faces' normals weighted by their angles there
-/// (independent of how a face is cut into triangles). Zero at a vertex without faces. (vertex_count)
+/// Unit normals at the vertices, each the mean of its faces' normals weighted by their angles at the vertex
+/// (independent of how a flat face is divided into triangles). Zero at a vertex without faces. (vertex_count)
 std::vector<Vec3> vertexNormals(const TriangleSurface& surface);
 
 /// Point of triangle abc that is closest to x, in barycentric coordinates (weights of a, b, c; sum 1).

@@ -6,7 +6,7 @@
 
 namespace palpate {
 
-/// An edge as one face sees it.
+/// An edge of one face, with its direction in that face.
 struct FaceEdge {
   int low = 0, high = 0;  // its vertices, low < high
   int triangle = 0;

@@ -9,7 +9,7 @@ namespace {
 constexpr double flops_per_group = 592;
 // Per block: the sum over the 4 nodes of a group, 3 additions of 4 lanes for each of 9 components.
 constexpr double flops_per_block = 108;
-// Per point, mechanics/stress_lanes.h: F 3, cofactor 27, J 27, I1 17, J^(-2/3) and its slope 25, factors 5, P 27, V P 9.
+// Per point, mechanics/simd_stress.h: F 3, cofactor 27, J 27, I1 17, J^(-2/3) and its slope 25, factors 5, P 27, V P 9.
 constexpr double flops_per_point = 140;
 // Per point with 16-bit gradients: H and P by the gradients' scale.
 constexpr double scale_flops_per_point = 18;

@@ -11,7 +11,7 @@ namespace palpate::tools {
 /// The tool's way in world coordinates, the same for every discretization of a scene: poses at the end of each tick.
 using ToolTrajectory = std::vector<Pose>;
 
-/// What a scene does when nothing else is asked: the built-in indentation (app/run/indent_script.h) from just above the
+/// What a scene does when nothing else is asked: the built-in indentation (io/indent_script.h) from just above the
 /// skin on, then a quarter of a second at rest.
 ToolTrajectory indentationTrajectory(const Model& model);
 
