@@ -18,12 +18,12 @@ namespace palpate {
 /// `max_bytes` the files that were not used for longest are removed.
 class ModelCache {
  public:
-  static constexpr std::uintmax_t default_most_bytes = 2'000'000'000;
+  static constexpr std::uintmax_t default_max_bytes = 2'000'000'000;
 
   /// @param folder  made when first needed; "": keeps nothing
   /// @param report    gets a line where a file is damaged or can't be written
   explicit ModelCache(std::string folder = {}, std::function<void(const std::string&)> report = {},
-                      std::uintmax_t max_bytes = default_most_bytes)
+                      std::uintmax_t max_bytes = default_max_bytes)
       : folder_(std::move(folder)), tell_(std::move(report)), max_bytes_(max_bytes) {}
 
   /// $PALPATE_CACHE_DIR, or $XDG_CACHE_HOME/palpate, or ~/.cache/palpate; "" where none is set.
