@@ -20,7 +20,7 @@ double stepsPerTick(const Scene& scene, double dt_critical) {
 
 /// The material with the fastest waves: what makes the critical step short.
 const MaterialSpec& stiffestMaterial(const Scene& scene) {
-  const auto speed = [](const MaterialSpec& spec) { return toMaterial(spec).waveModulus() / spec.density; };
+  const auto speed = [](const MaterialSpec& spec) { return spec.material.waveModulus() / spec.material.density; };
   return *std::max_element(scene.materials.begin(), scene.materials.end(),
                            [&](const MaterialSpec& a, const MaterialSpec& b) { return speed(a) < speed(b); });
 }
