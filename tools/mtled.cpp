@@ -54,7 +54,8 @@ std::string wrongCommand(const CLI::App& app, int argc, char** argv) {
   const std::string word = argv[1];
   if (std::find(names.begin(), names.end(), word) != names.end()) return {};
   const std::string meant = palpate::nearestWord(word, names);
-  return "\"" + palpate::printable(word) + "\" is not a command" + (meant.empty() ? "" : "; did you mean \"" + meant + "\"?") +
+  return "\"" + palpate::printable(word) + "\" is not a command" +
+         (meant.empty() ? "" : "; did you mean \"" + meant + "\"?") +
          (meant.empty() ? "; there are " + palpate::listed(names, "and") : "");
 }
 
