@@ -52,10 +52,10 @@ std::string lineOf(const TimedRequest& change) {
       append(line, {r.value});
       break;
     case Request::Kind::SetMaterial: {
-      line += " material " + std::to_string(r.index) + " " + r.material.lawDescription().name;
+      line.append(" material ").append(std::to_string(r.index)).append(" ").append(r.material.lawDescription().name);
       forEachParameter(r.material, [&line](const Parameter& parameter, std::span<const double> values) {
-        line += std::string(" ") + parameter.name;
-        if (parameter.type == Parameter::Type::Numbers) line += " " + std::to_string(values.size());
+        line.append(" ").append(parameter.name);
+        if (parameter.type == Parameter::Type::Numbers) line.append(" ").append(std::to_string(values.size()));
         for (const double value : values) append(line, {value});
       });
       break;
