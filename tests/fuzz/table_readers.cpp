@@ -17,7 +17,7 @@ std::vector<std::string> csvSeeds() {
 }
 
 std::vector<std::string> recordingSeeds() {
-  return {R"(palpate-recording 1
+  return {R"(palpate-recording 2
 scene liver and gall
 model 0123456789abcdef
 rate_hz 500
@@ -25,8 +25,8 @@ rate_hz 500
 12 pull 411 0.01 0 0.12
 15 release
 20 friction 0.3
-21 material 0 neo_hookean 1000 5e4 1060
-22 material 0 neo_hookean 1000 5e4 1060 barrier 0.1 0.5
+21 material 0 neo-hookean young 3000 poisson 0.49 barrier_strength 0 barrier_J0 0.5 density 1060
+22 material 0 neo-hookean young 3000 poisson 0.49 barrier_strength 0.1 barrier_J0 0.5 density 1060
 30 reset
 end 500
 )"};

@@ -48,7 +48,7 @@ TEST_CASE("More steps to a tick than an int can count, or anybody means, are ref
     CHECK_THAT(refused(scene), Contains("block.toml:22:3"));
   }
   Scene stiff = placedScene();
-  stiff.materials[0].young = 1e16;
+  stiff.materials[0].material.set("young", 1e16);
   CHECK_THAT(refused(stiff), Contains("block.toml:9:1") && Contains("the critical step is") && Contains("in Pa?") &&
                                  Contains("spacing"));
   Scene fast = placedScene();

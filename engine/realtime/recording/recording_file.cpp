@@ -22,7 +22,7 @@ namespace palpate {
 namespace {
 
 constexpr const char* kMagic = "palpate-recording";
-constexpr int kVersion = 1;
+constexpr int kVersion = 2;
 constexpr std::uintmax_t kMaxBytes = std::uintmax_t{4} << 30;  // ten hours of a tool that moves each millisecond
 
 void append(std::string& line, std::initializer_list<double> values) {
@@ -162,7 +162,8 @@ Recording readRecording(const std::string& file) {
     LineReader line = header(kMagic);
     const int version = line.integer<int>("a version");
     if (version != kVersion) {
-      line.fail("version " + std::to_string(version) + " is not known", "this program reads version 1");
+      line.fail("version " + std::to_string(version) + " is not known",
+                "this program reads version " + std::to_string(kVersion));
     }
     line.done();
   }

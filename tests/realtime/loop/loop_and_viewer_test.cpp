@@ -26,8 +26,8 @@ TEST_CASE("A recorded session, replayed, gives the same state", "[simulation_loo
     SimulationLoop loop(model, physics, nullptr, options);
     FakeClock clock;
     Material soft = model.materials[0], hard = model.materials[0];
-    soft.shear_modulus = 700;
-    hard.shear_modulus = 1e5;
+    soft.set("young", 2000.0);
+    hard.set("young", 3e5);
     clock.before_sleep = [&](int sleep) {
       if (sleep % 8 == 3) {
         loop.commands().push(Request::moveTool(poseAt(Vec3(0.01 * std::sin(0.1 * sleep), 0, 0.09), 0.01 * sleep)));

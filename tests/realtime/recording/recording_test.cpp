@@ -51,7 +51,7 @@ Recording everyKind() {
 }
 
 const std::string kGood =
-    "palpate-recording 1\n"
+    "palpate-recording 2\n"
     "scene liver\n"
     "model 0123456789abcdef\n"
     "rate_hz 500\n"
@@ -113,7 +113,7 @@ TEST_CASE("Damaged recordings are refused with file and line", "[recording]") {
   const std::vector<Damage> damages = {
       {"", 1, "\"palpate-recording\" is missing"},
       {"time_s,depth_m\n", 1, "\"time_s,depth_m\" stands where \"palpate-recording\" should"},
-      {with("recording 1", "recording 2"), 1, "version 2 is not known"},
+      {with("recording 2", "recording 1"), 1, "version 1 is not known"},
       {with("scene liver\n", ""), 2, "where \"scene\" should"},
       {with("abcdef", "abcdeg"), 3, "is not a hash"},
       {with("abcdef", "abcdef0"), 3, "has not 16 hex digits"},
@@ -193,7 +193,7 @@ TEST_CASE("A recording of another model or rate is refused", "[recording]") {
   CHECK_THROWS_WITH(checkRecordingFits(recording, moved, "file"), Catch::StartsWith("file:3: "));
 
   Model softer = model;
-  softer.materials[0].shear_modulus *= 0.5;
+  softer.materials[0] = stiffened(softer.materials[0], 0.5);
   CHECK(modelHash(softer) != modelHash(model));
   Model rougher = model;
   rougher.scene.friction = 0.2;
