@@ -43,17 +43,19 @@ std::string pressure(double pa) {
   return format("%.4g Pa", pa);
 }
 
-std::string replacedAll(std::string text, std::string_view from, std::string_view to) {
-  for (std::size_t at = 0; (at = text.find(from, at)) != std::string::npos; at += to.size())
-    text.replace(at, from.size(), to);
-  return text;
+std::string replacedAll(const std::string& text, const std::string& from, const std::string& to) {
+  std::string replaced;
+  std::size_t begin = 0;
+  for (std::size_t at; (at = text.find(from, begin)) != std::string::npos; begin = at + from.size())
+    replaced.append(text, begin, at - begin).append(to);
+  return replaced.append(text, begin);
 }
 
 /// "2.5 kPa", "1060 kg/m^3" with the small three
 std::string valueText(const Parameter& parameter, double value) {
   const std::string unit = parameter.unit;
   if (unit == "Pa") return pressure(value);
-  return format("%.4g", value) + (unit.empty() ? "" : " " + replacedAll(unit, "^3", "\xC2\xB3"));
+  return unit.empty() ? format("%.4g", value) : format("%.4g %s", value, replacedAll(unit, "^3", "\xC2\xB3").c_str());
 }
 
 /// A row for each parameter that has a label: the law's own, or those that all laws have.
@@ -72,8 +74,8 @@ void drawParameters(const Theme& theme, const Material& material, bool common) {
     terms.resize(values.size());
     for (std::size_t k = 0; k < values.size(); ++k) {
       const char* separator = terms[k].label.empty() ? "" : ", ";
-      terms[k].label += separator + label + std::to_string(k + 1);
-      terms[k].value += separator + valueText(parameter, values[k]);
+      terms[k].label.append(separator).append(label).append(std::to_string(k + 1));
+      terms[k].value.append(separator).append(valueText(parameter, values[k]));
     }
   });
   for (const Row& term : terms) row(term.label.c_str(), term.value);
