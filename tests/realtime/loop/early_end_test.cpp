@@ -7,6 +7,7 @@
 
 #include "realtime/loop_run.h"
 #include "realtime/recording/recording.h"
+#include "simulation/model_hash.h"
 #include "simulation/step.h"
 #include "support/small_scene.h"
 
