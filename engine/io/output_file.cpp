@@ -5,6 +5,7 @@
 
 #include <cerrno>
 #include <cstdio>
+#include <filesystem>
 #include <iostream>
 #include <stdexcept>
 #include <system_error>
@@ -27,12 +28,18 @@ void finishStandardOutput() {
   failWriting("to standard output", errno, "send it elsewhere");
 }
 
+PendingFile::PendingFile(std::string path) : path_(std::move(path)) {
+  std::error_code ignored;
+  const std::filesystem::file_status status = std::filesystem::status(path_, ignored);
+  if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status)) suffix_ = "";
+}
+
 PendingFile::~PendingFile() {
-  if (pending()) ::unlink(part().c_str());
+  if (pending() && *suffix_ != '\0') ::unlink(part().c_str());
 }
 
 void PendingFile::takePlace(const std::string& advice) {
-  if (std::rename(part().c_str(), path_.c_str()) != 0) failWriting(path_, errno, advice);
+  if (*suffix_ != '\0' && std::rename(part().c_str(), path_.c_str()) != 0) failWriting(path_, errno, advice);
   path_.clear();
 }
 

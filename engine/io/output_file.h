@@ -13,22 +13,24 @@ void writeWholeFile(const std::string& path, std::string_view bytes,
                     const std::string& advice = "choose another place");
 
 /// A file that grows beside the one that it replaces, as FILE.part, until what it is for has been accepted.
-/// Given up before, it is removed, and what stood there stays.
+/// Given up before, it is removed, and what stood there stays. What is no regular file (a device, a folder) has
+/// nothing to lose: it is written itself.
 class PendingFile {
  public:
-  explicit PendingFile(std::string path) : path_(std::move(path)) {}
+  explicit PendingFile(std::string path);
   ~PendingFile();
-  PendingFile(PendingFile&& other) noexcept : path_(std::exchange(other.path_, {})) {}
+  PendingFile(PendingFile&& other) noexcept : path_(std::exchange(other.path_, {})), suffix_(other.suffix_) {}
   PendingFile& operator=(PendingFile&&) = delete;
 
-  std::string part() const { return path_ + ".part"; }
+  std::string part() const { return path_ + suffix_; }
   bool pending() const { return !path_.empty(); }
 
   /// Takes its place; whoever has the file open writes on. Throws std::runtime_error as failWriting does.
   void takePlace(const std::string& advice = "choose another place");
 
  private:
-  std::string path_;  // empty: it stands in its place
+  std::string path_;              // empty: it stands in its place
+  const char* suffix_ = ".part";  // empty where the path itself is written
 };
 
 /// Throws std::runtime_error "can't write FILE: reason; advice" for an errno (0: reason unknown).

@@ -111,6 +111,7 @@ TEST_CASE("A result CSV reads back bit for bit, and each row is there at once", 
   const std::string path =
       folder.write("force.csv", "what an earlier run left, longer than what follows below ................");
   ResultCsv csv(path, {"time_s", "base x_N"});
+  csv.takePlace();
   CHECK(readWholeFile(path) == "time_s,base x_N\n");
   const double third = 1.0 / 3, tiny = std::numeric_limits<double>::denorm_min();
   csv.add(std::vector<double>{0.1, third});

@@ -75,7 +75,7 @@ TEST_CASE("Bad tool scripts are refused at their place", "[io][tool][refusal]") 
   CHECK_THAT(message("[[keyframe]]\ntime = 1\n"), Contains("s.toml:1:1: neither \"advance\" nor \"advance_radii\""));
   CHECK_THAT(message("[[keyframe]]\ntime = 1\nadvance = 0\nadvance_radii = 1\n"), Contains("s.toml:3:1: both"));
   CHECK_THAT(message("[[keyframe]]\nadvance = 0\n"), Contains("\"time\" is missing in [[keyframe]]"));
-  CHECK_THAT(message("[[keyframe]]\ntime = -1\nadvance = 0\n"), Contains("s.toml:2:8:") && Contains(">= 0"));
+  CHECK_THAT(message("[[keyframe]]\ntime = -1\nadvance = 0\n"), Contains("s.toml:2:8:") && Contains("0 .. 1e+06 s"));
   CHECK_THAT(message("[[keyframe]]\ntime = 1\nadvance = 0\n[[keyframe]]\ntime = 1\nadvance = 0\n"),
              Contains("s.toml:5:1: this keyframe is not later"));
   CHECK_THAT(message("[[keyframe]]\ntime = 1\ndepth = 0\n"),
@@ -85,7 +85,7 @@ TEST_CASE("Bad tool scripts are refused at their place", "[io][tool][refusal]") 
   CHECK_THAT(message("interpolation = \"linear\"\n" + deep + " = 1\n"), Contains("s.toml:2:64: a key of more than"));
   CHECK_THAT(message("name = \"press\\r\"\n"), Contains("s.toml:1:1: \"name\" is \"press?\""));
   CHECK_THAT(message("[[keyframe]]\ntime = 1\nadvance = 0\nslide = [1.7e308, 1.7e308]\n"),
-             Contains("s.toml:4:9: ") && Contains("\"slide\""));
+             Contains("s.toml:4:10: slide[0]") && Contains("-10 .. 10 m"));
   // What would overflow a number of ticks, or leave the world.
   CHECK_THAT(message("[[keyframe]]\ntime = 1e308\nadvance = 0\n"), Contains("s.toml:2:8:") && Contains("1e+06"));
   CHECK_THAT(message("[[keyframe]]\ntime = inf\nadvance = 0\n"), Contains("s.toml:2:8:"));

@@ -173,7 +173,7 @@ TEST_CASE("Faces that only touch do not pierce, however unlike their sizes", "[s
     const Quat on_corner = Quat::FromTwoVectors(Vec3(1, 1, 1).normalized(), Vec3::UnitZ());
     for (Vec3& x : standing.vertices) x = on_corner * (x - upright.vertices[0]);
     append(s, standing, Vec3(0.1, 0.2, 1), scale, false);
-    append(s, upright, Vec3(0.5 + scale / 2, 0.1, 0.3), scale, false);
+    append(s, upright, Vec3(0.5 + scale / 2, 0.1, 0.3 - 0.5 * scale), scale, false);
     INFO("scale " << scale);
     CHECK_NOTHROW(checkSurface(s));
   }
