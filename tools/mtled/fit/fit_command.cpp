@@ -41,7 +41,9 @@ std::string fittedText(const std::string& scene_file, const Scene& given, const 
   std::string text = read.str();
   const auto folder = std::filesystem::absolute(to).parent_path();
   const auto pathFrom = [&](const std::string& path) {
-    return "\"" + std::filesystem::proximate(std::filesystem::absolute(path), folder).generic_string() + "\"";
+    std::string value = "\"";
+    value.append(std::filesystem::proximate(std::filesystem::absolute(path), folder).generic_string()).append("\"");
+    return value;
   };
   if (given.solid == Scene::Solid::Surface) text = withSceneKey(text, "organ", "surface", pathFrom(given.surface_file));
   if (!given.solve.probes_file.empty()) text = withSceneKey(text, "solve", "probes", pathFrom(given.solve.probes_file));
