@@ -11,6 +11,24 @@
 #include <system_error>
 
 namespace palpate {
+namespace {
+
+/// What a symbolic link leads to, so that the link stays; other paths as they are.
+std::string linkedFile(std::string path) {
+  std::error_code error;
+  if (!std::filesystem::is_symlink(path, error)) return path;
+  const std::filesystem::path target = std::filesystem::canonical(path, error);
+  return error ? path : target.string();
+}
+
+/// A device or a folder: nothing can take its place, and it has nothing to lose.
+bool isWrittenItself(const std::string& path) {
+  std::error_code error;
+  const std::filesystem::file_status status = std::filesystem::status(path, error);
+  return std::filesystem::exists(status) && !std::filesystem::is_regular_file(status);
+}
+
+}  // namespace
 
 void failWriting(const std::string& path, int error, const std::string& advice) {
   const bool full = error == ENOSPC || error == EDQUOT;
@@ -28,10 +46,8 @@ void finishStandardOutput() {
   failWriting("to standard output", errno, "send it elsewhere");
 }
 
-PendingFile::PendingFile(std::string path) : path_(std::move(path)) {
-  std::error_code ignored;
-  const std::filesystem::file_status status = std::filesystem::status(path_, ignored);
-  if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status)) suffix_ = "";
+PendingFile::PendingFile(std::string path) : path_(linkedFile(std::move(path))) {
+  if (isWrittenItself(path_)) suffix_ = "";
 }
 
 PendingFile::~PendingFile() {
@@ -43,10 +59,12 @@ void PendingFile::takePlace(const std::string& advice) {
   path_.clear();
 }
 
-void writeWholeFile(const std::string& path, std::string_view bytes, const std::string& advice) {
-  const std::string part = path + ".part";
+void writeWholeFile(const std::string& given_path, std::string_view bytes, const std::string& advice) {
+  const std::string path = linkedFile(given_path);
+  const bool direct = isWrittenItself(path);
+  const std::string part = direct ? path : path + ".part";
   const int file = ::open(part.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
-  if (file < 0) failWriting(path, errno, advice);
+  if (file < 0) failWriting(given_path, errno, advice);
   int error = 0;
   while (!bytes.empty() && error == 0) {
     const ssize_t written = ::write(file, bytes.data(), bytes.size());
@@ -57,10 +75,10 @@ void writeWholeFile(const std::string& path, std::string_view bytes, const std::
     }
   }
   if (::close(file) != 0 && error == 0) error = errno;  // network file systems report of a full disk only here
-  if (error == 0 && std::rename(part.c_str(), path.c_str()) != 0) error = errno;
+  if (error == 0 && !direct && std::rename(part.c_str(), path.c_str()) != 0) error = errno;
   if (error == 0) return;
-  ::unlink(part.c_str());
-  failWriting(path, error, advice);
+  if (!direct) ::unlink(part.c_str());
+  failWriting(given_path, error, advice);
 }
 
 }  // namespace palpate

@@ -7,7 +7,7 @@
 namespace palpate {
 
 /// What the loop drives, one call a tick; TissuePhysics is the real one, tests have
-/// theirs. All but the constructor is real-time: no allocation, no lock, no throw.
+/// theirs. All but the constructor and stateHash is real-time: no allocation, no lock, no throw.
 class Physics {
  public:
   virtual ~Physics() = default;

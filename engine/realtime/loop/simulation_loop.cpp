@@ -70,7 +70,12 @@ ForceReading SimulationLoop::force() const {
 TickOutcome SimulationLoop::onTick(const LoopTime& time) {
   reporter_.beginTick(time, run_);
   takeRequests();
-  if (run_.isOver() || channels_.quit.load(std::memory_order_relaxed)) return TickOutcome::Stop;
+  if (run_.isOver() || channels_.quit.load(std::memory_order_relaxed)) {
+    // What a recording set after its last tick belongs to its last state.
+    if (!track_.drives(run_.tick))
+      while (const Request* due = track_.takeDue(run_.tick)) apply(*due, true);
+    return TickOutcome::Stop;
+  }
 
   const bool moves = !run_.paused || run_.step_once;
   run_.step_once = false;

@@ -14,7 +14,7 @@ namespace palpate {
 /// Tells of each tick what others want to know: judges the physics' report, filters the force, fills the
 /// channels (force, snapshot, log, late ticks) and sums up the run.
 /// Loop thread only; summary() also by others once the run has ended.
-/// Real-time: no allocation, no lock, no throw; but not the constructor.
+/// Real-time: no allocation, no lock, no throw; but not the constructor and finish.
 class TickReporter {
  public:
   /// All must outlive this. @param team  whose workers may keep the loop waiting, or null

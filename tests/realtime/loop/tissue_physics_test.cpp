@@ -134,13 +134,14 @@ TEST_CASE("A live session on tissue is repeated by its recording", "[tissue_phys
       if (sleep == 40) loop.commands().push(Request::setMaterial(0, soft));
       if (sleep == 50) loop.commands().push(Request::pull(0, Vec3(0, 0, 0.05)));
       if (sleep == 60) loop.commands().push(Request::simple(Request::Kind::ReleasePull));
+      if (sleep == ticks) loop.commands().push(Request::setFriction(0.6));  // after the last tick
     };
     loop.run(clock);
     TimedRequest change;
     while (loop.recorded().pop(change)) recording.changes.push_back(change);
     recording.ticks = loop.summary().ticks;
     hash = loop.summary().state_hash;
-    CHECK(physics.state().live.friction == 0);
+    CHECK(physics.state().live.friction == 0.6);
     CHECK(physics.state().live.kernel.materials[0].shear_modulus == soft.shear_modulus);
   }
   const Model& model = block();
