@@ -1,4 +1,5 @@
-// The least that a program needs: loads a scene, presses the tool 2 mm into the tissue within a second, prints the force.
+// The least that a program needs: loads a scene, presses the tool 2 mm into the tissue within a second, prints the
+// force.
 #include <exception>
 #include <iostream>
 

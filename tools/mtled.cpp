@@ -1,4 +1,5 @@
-// mtled: solves scenes in batch, verifies the solver against the paper and independent references, and times its kernels.
+// mtled: solves scenes in batch, verifies the solver against the paper and independent references, and times its
+// kernels.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <exception>

@@ -4,8 +4,10 @@
 
 namespace palpate::app {
 
-/// When to draw. A graphics card draws beside the physics: 60 frames a second. A software OpenGL takes the physics' caches and
-/// memory bandwidth, and a tick that finds them taken is slow: there the picture rests as long as a frame took, and gives
+/// When to draw. A graphics card draws beside the physics: 60 frames a second. A software OpenGL takes the physics'
+/// caches and
+/// memory bandwidth, and a tick that finds them taken is slow: there the picture rests as long as a frame took, and
+/// gives
 /// way further, down to five frames a second, while ticks come late.
 class FramePace {
  public:

@@ -5,7 +5,8 @@
 
 namespace palpate {
 
-/// Instruction sets that the hot kernel is compiled for, narrowest first. Their results differ by rounding: the plain one
+/// Instruction sets that the hot kernel is compiled for, narrowest first. Their results differ by rounding: the
+/// plain one
 /// has no fused multiply-add, and the compiler fuses a little differently in the others (seen in the Ogden material).
 enum class InstructionSet {
   Plain,   // the architecture's baseline (x86-64: SSE2)

@@ -11,7 +11,8 @@ namespace palpate {
 /// so that the two can't differ.
 struct KeySpec {
   /// Whether a preparation (simulation/preparation.h) depends on the key, so that one that was kept no longer serves
-  /// where the key is changed. What is not marked does: a key that nobody thought of costs a set-up, never a wrong model.
+  /// where the key is changed. What is not marked does: a key that nobody thought of costs a set-up, never a wrong
+  /// model.
   enum class SetUp { Always, WithMassScaling, Never };
   enum class Type { Text, Number, Integer, Boolean, Vector, Plane, Numbers, Curve, Axes, Table, Tables };
 

@@ -17,7 +17,8 @@ TriangleSurface organSurface(const Scene& scene);
 std::string sizeWarning(const Scene& scene, const TriangleSurface& surface);
 
 /// organSurface and buildModel: from a scene that was read to a model that is ready to run. What takes long is taken
-/// from the cache, or made and kept there; the model has the same bits either way. Scenes without set_up_values, which no
+/// from the cache, or made and kept there; the model has the same bits either way. Scenes without set_up_values,
+/// which no
 /// file was read for, are not kept.
 /// @param warn  gets what is allowed but probably not meant (sizeWarning), before the set-up takes time
 Model loadModel(const Scene& scene, const Progress& progress = {}, const ModelCache& cache = ModelCache(),

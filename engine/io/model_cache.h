@@ -14,7 +14,8 @@ namespace palpate {
 ///
 /// A file has a header (magic, layout version, 128-bit key hash, every array's length, checksums) and the arrays'
 /// bytes. Nothing of it is used before the header fits, the lengths add up to the file's and to each other, all
-/// checksums hold, and every index and number is in its range. It is written under a name of its own and renamed, so processes may share the folder. Beyond
+/// checksums hold, and every index and number is in its range. It is written under a name of its own and renamed, so
+/// processes may share the folder. Beyond
 /// `max_bytes` the files that were not used for longest are removed.
 class ModelCache {
  public:

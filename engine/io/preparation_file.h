@@ -17,7 +17,8 @@ KeyHash hashOf(const std::string& bytes);
 int writePreparation(int file, const KeyHash& key, const Preparation& preparation);
 
 /// Reads it back, bit for bit. False where the file is damaged, cut short, of another layout or for another key;
-/// `preparation` then holds nothing useful. What it holds is as it was written, whoever wrote it: see isSound. Never takes more memory than the file is long.
+/// `preparation` then holds nothing useful. What it holds is as it was written, whoever wrote it: see isSound. Never
+/// takes more memory than the file is long.
 bool readPreparation(int file, const KeyHash& key, Preparation& preparation);
 
 }  // namespace palpate

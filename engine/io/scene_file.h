@@ -13,7 +13,8 @@ namespace palpate {
 /// wrong type, a value out of range or contradicting another, a missing key, a missing surface or probes file.
 ///
 /// In the result `surface_file` and `solve.probes_file` are the scene's folder joined with the path in the scene,
-/// directions are unit vectors, angles of boundaries rad, names of boundaries unique, and `places` has each key that the file sets: "dynamics.time_step", "material[0].young",
+/// directions are unit vectors, angles of boundaries rad, names of boundaries unique, and `places` has each key that
+/// the file sets: "dynamics.time_step", "material[0].young",
 /// "fixed[1]" (lists count from 0). Boundaries are in the file's order, all fixed ones first.
 Scene readScene(const std::string& path);
 

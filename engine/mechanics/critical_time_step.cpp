@@ -10,7 +10,8 @@ namespace {
 
 using Vector = Eigen::VectorXd;
 
-/// Parts of the points, each summed on its own: that there are always as many keeps the bits the same on any number of cores.
+/// Parts of the points, each summed on its own: that there are always as many keeps the bits the same on any number
+/// of cores.
 constexpr int part_count = 8;
 
 /// M^-1/2 K M^-1/2 of the body at rest, applied on all cores.

@@ -14,7 +14,8 @@
 namespace palpate {
 namespace {
 
-/// Work packages of one force evaluation: so many that a thread with a late or slow core leaves most of its share to the
+/// Work packages of one force evaluation: so many that a thread with a late or slow core leaves most of its share to
+/// the
 /// others; so few that clearing and summing their buffers stays below a few percent.
 constexpr int chunk_count = 16;
 
@@ -23,7 +24,8 @@ int unionNode(const KernelLayoutOf<Real>& layout, std::size_t at) {
   return layout.short_node.empty() ? layout.node[at] : layout.short_node[at];
 }
 
-/// Points of one material after another, each in slices about a cell thick (thinner ones would make blocks flat) but for
+/// Points of one material after another, each in slices about a cell thick (thinner ones would make blocks flat) but
+/// for
 /// what pointBlockOrder exchanges, every material padded with -1 to whole batches.
 std::vector<int> batchOrder(const ShapeTable& shape, const std::vector<Vec3>& point_X,
                             const std::vector<int>& point_material, int material_count,
@@ -111,7 +113,8 @@ void appendTiles(AlignedVector<Element>& tiles, std::size_t node_begin, std::siz
         for (int p = 0; p < 4; ++p) tiles.push_back(entry(n, p, b));
 }
 
-/// Moves four nodes that span a large tetrahedron to the front: the pair furthest apart from the first node on, the node
+/// Moves four nodes that span a large tetrahedron to the front: the pair furthest apart from the first node on, the
+/// node
 /// furthest from their line, the one furthest from that plane.
 void anchorsFirst(std::vector<int>& nodes, const std::vector<Vec3>& X) {
   const auto bring = [&](std::size_t place, auto measure) {
@@ -130,7 +133,8 @@ void anchorsFirst(std::vector<int>& nodes, const std::vector<Vec3>& X) {
   bring(3, [&](const Vec3& x) { return std::abs(normal.dot(x - a)); });
 }
 
-/// Rounds all but the anchors' gradients to 16 bits and gives the anchors what keeps the zeroth and first moments: an error
+/// Rounds all but the anchors' gradients to 16 bits and gives the anchors what keeps the zeroth and first moments:
+/// an error
 /// e at X_j acts on linear fields like e l_a(X_j) at the anchors, l_a their tetrahedron's linear coordinates.
 void addRoundedTiles(KernelLayoutOf<float>& layout, const std::vector<int>& nodes,
                      std::vector<std::array<Vec3, 4>> gradN, const std::vector<Vec3>& X) {

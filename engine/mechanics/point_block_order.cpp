@@ -11,7 +11,8 @@ namespace {
 constexpr int group_blocks = 16;  // blocks that exchange points with each other
 constexpr int max_sweeps = 6;
 
-/// Cost of a union of `size` nodes: what the kernel executes, then the nodes themselves, since a smaller union is nearer
+/// Cost of a union of `size` nodes: what the kernel executes, then the nodes themselves, since a smaller union is
+/// nearer
 /// to the next whole group.
 int costOf(int size) { return (size + 3) / 4 * 64 + size; }
 

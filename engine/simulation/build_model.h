@@ -27,7 +27,8 @@ struct BuildOptions {
 ///
 ///   organ -> nodes and cells (discretize) -> Preparation (prepare) -> Model
 ///
-/// The first two take long and can be kept; the last takes a moment and depends on rate, step and tool, too. A model has
+/// The first two take long and can be kept; the last takes a moment and depends on rate, step and tool, too. A model
+/// has
 /// the same bits from a preparation that was kept as from a new one. `io/load_model.h` reads the files and keeps
 /// preparations. Throws InputError naming the place in the scene that can't be used.
 /// @param organ  closed surface, checked, m

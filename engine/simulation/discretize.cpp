@@ -23,7 +23,8 @@ SpacingField spacingField(const Scene& scene) {
 }
 
 /// Where the mantle of an imposed cylindrical region meets the organ's surface, so that the region ends at nodes: a
-/// punch whose rim falls between nodes would be too small by half their distance. No curve where the rim leaves the organ.
+/// punch whose rim falls between nodes would be too small by half their distance. No curve where the rim leaves the
+/// organ.
 std::vector<FeatureEdges::Chain> rimsOf(const Scene& scene, const SurfaceTree& organ) {
   std::vector<FeatureEdges::Chain> rims;
   for (const auto& boundary : scene.boundaries) {

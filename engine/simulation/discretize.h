@@ -21,7 +21,8 @@ struct Discretization {
 /// can hold, or more faces under the tool than refineSurface makes. Costs nothing, so ask before the body is made.
 void checkCounts(const Scene& scene, double volume, double area);
 
-/// The scene's nodes and cells; nodes in slices along the organ (slicedOrder). Throws InputError where the spacing is too fine.
+/// The scene's nodes and cells; nodes in slices along the organ (slicedOrder). Throws InputError where the spacing
+/// is too fine.
 /// @param progress  called with the share that is done, 0..1; may throw
 Discretization discretize(const Scene& scene, const SurfaceTree& organ, const std::function<void(double)>& progress);
 

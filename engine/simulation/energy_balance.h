@@ -6,7 +6,8 @@ namespace palpate {
 
 /// Two signs that the time steps create energy, both relative to the largest recent energy.
 ///
-/// 1. Motion that alternates from step to step. Central differences conserve E* = U + T - Q with Q = dt^2/8 a . M a. For
+/// 1. Motion that alternates from step to step. Central differences conserve E* = U + T - Q with Q = dt^2/8 a . M a.
+/// For
 ///    modes that the step resolves, Q is small: (omega dt)^2 / 4 of a mode's energy. Beyond the stable step the fastest
 ///    modes grow by a factor g > 1 a step, and Q = (1 + g) / 4g > 1/4 of U + T in each step. An impact of a tool or
 ///    boundary moves nodes from 0 to v in one step, which makes a Q of T / 4 as well, but only in that step. Therefore

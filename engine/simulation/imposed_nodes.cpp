@@ -18,7 +18,8 @@ namespace {
 bool agree(const BoundarySpec& a, const BoundarySpec& b, const Vec3& X, int component) {
   const BoundaryMotion p = motionOf(a), q = motionOf(b);
   if (!p.moves() && !q.moves()) return true;
-  // Curves are polynomials or linear between their tables' times: equal at these and at a few times more, they are equal.
+  // Curves are polynomials or linear between their tables' times: equal at these and at a few times more, they are
+  // equal.
   constexpr int samples = 16;
   const double end = std::max({p.duration, q.duration, p.curve.time.empty() ? 0 : p.curve.time.back(),
                                q.curve.time.empty() ? 0 : q.curve.time.back()});

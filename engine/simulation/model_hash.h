@@ -12,7 +12,8 @@ struct State;
 std::uint64_t modelHash(const Model& model);
 
 /// 64-bit FNV-1a over all that decides a state's future under its model: tick, step, u, du, u_low, contact forces, tool
-/// pose, and the live settings where they differ from what the model was loaded with. Left as loaded they add nothing, so
+/// pose, and the live settings where they differ from what the model was loaded with. Left as loaded they add
+/// nothing, so
 /// that states which were never set live compare with those of programs that had no live settings.
 std::uint64_t stateHash(const Model& model, const State& state);
 

@@ -13,7 +13,8 @@ struct Integrator {
   Integrator(double h, double c) : alpha(2 * h * h / (2 + c * h)), beta((2 - c * h) / (2 + c * h)) {}
 };
 
-// Passes over all nodes, shared by the workspace's team in parts whose number is fixed, so that no result depends on the
+// Passes over all nodes, shared by the workspace's team in parts whose number is fixed, so that no result depends on
+// the
 // number of threads. Real-time: no allocation, no lock, no throw.
 
 /// du~ = beta du + alpha M^-1 f                                            (eq. 22)

@@ -47,7 +47,8 @@ struct Preparation {
   int pointCount() const { return static_cast<int>(point_X.size()); }
 };
 
-/// Whether all sizes agree, all indices are in range, and all numbers are finite (masses, radii and the step positive): what the
+/// Whether all sizes agree, all indices are in range, and all numbers are finite (masses, radii and the step
+/// positive): what the
 /// rest of the set-up relies on, and what a file that was kept must be held to.
 /// Test: io/model_cache_test.cpp
 bool isSound(const Preparation& preparation, std::size_t material_count, std::size_t boundary_count);

@@ -24,7 +24,8 @@ struct Equilibrium {
 };
 
 /// Follows the equilibria of a model under imposed motions and a tool by dynamic relaxation, with fictitious masses
-/// that give all nodes the same stable step (paper section 2.3). Times are those of the load curves; there is no inertia.
+/// that give all nodes the same stable step (paper section 2.3). Times are those of the load curves; there is no
+/// inertia.
 ///
 /// The stable step is taken from the largest eigenvalue of the tangent at each equilibrium, so that it follows
 /// the stiffening under compression. An iteration that blows up all the same is taken back and repeated with half

@@ -297,7 +297,8 @@ TEST_CASE("Reactions of the nodes sum to the boundaries', which are the momentum
 }
 
 TEST_CASE("A turning boundary's force and moment do its work", "[essential_boundary][ebciem]") {
-  // Virtual work: sum_k F_k . d(u_bar at k) = F . d(shift) + M . axis d(angle) for nodes that all turn with the boundary.
+  // Virtual work: sum_k F_k . d(u_bar at k) = F . d(shift) + M . axis d(angle) for nodes that all turn with the
+  // boundary.
   for (const bool integrated : {false, true}) {
     const Gripped g(integrated);
     const auto boundary = makeEssentialBoundary<double>(g.essential, g.body.mass);

@@ -13,7 +13,8 @@ using test::toolAt;
 namespace {
 
 /// Presses to `depth` past first touch, at 10 mm/s where it is fastest and without a jerk (a stop
-/// within one tick drops the force by density * wave speed * area * speed, as it should), and holds for `hold` s. Calls each(report, k) per tick.
+/// within one tick drops the force by density * wave speed * area * speed, as it should), and holds for `hold` s.
+/// Calls each(report, k) per tick.
 template <class Each>
 StepReport press(const Model& model, State& state, Workspace& workspace, double depth, double hold, Each&& each) {
   const double travel = model.first_contact_travel + depth;

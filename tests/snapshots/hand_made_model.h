@@ -41,7 +41,8 @@ inline ShapeTable shepardShape(const std::vector<Vec3>& nodes, double reach, con
 }
 
 /// A model to look at, made by hand around a roundish surface: a grid of nodes and of
-/// integration points in and just around the ellipsoid of its bounding box, Shepard shape functions, soft neo-Hookean tissue, the lowest
+/// integration points in and just around the ellipsoid of its bounding box, Shepard shape functions, soft
+/// neo-Hookean tissue, the lowest
 /// nodes imposed. Nothing here can be stepped.
 inline Model handMadeModel(TriangleSurface surface, double spacing, const ToolShape& tool, double node_reach = 1) {
   Model model;

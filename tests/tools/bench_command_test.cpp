@@ -103,7 +103,8 @@ TEST_CASE("Bytes and flops of the block kernel are those counted by hand", "[ben
   CHECK(plain.useful_flops == 4 * (36 * 5 + 95));
   CHECK(plain.executed_flops == 2 * 592 + 4 * 108 + 16 * 140);
 
-  // Twice the tables; gradients of F and J - 1 written and read; 16 shares with their points in 5 patches; nodes and weights of
+  // Twice the tables; gradients of F and J - 1 written and read; 16 shares with their points in 5 patches; nodes and
+  // weights of
   // 64 corners; pressures written and read, bulk moduli read.
   const KernelCost patched = body.cost<float>(body.patches);
   const double tensors = 9 * 16 * 4, dilatation = 16 * 4, shares = 16 * (4 + 4) + 6 * 4, corners = 64 * (4 + 4),

@@ -23,7 +23,8 @@ constexpr double overlap = 2.2;
 constexpr double shift = 1e-10;
 
 /// Factors a matrix that is positive but for rounding: more is added to the diagonal until it is so in fact. The coarse
-/// functions of two or three nodes that reach no others are dependent; those of a single block are the linear fields, and
+/// functions of two or three nodes that reach no others are dependent; those of a single block are the linear
+/// fields, and
 /// their matrix is nothing but rounding.
 Eigen::LLT<Eigen::MatrixXd> factored(Eigen::MatrixXd A) {
   const double size = std::max(A.diagonal().cwiseAbs().mean(), std::numeric_limits<double>::min());

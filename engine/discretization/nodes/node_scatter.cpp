@@ -45,7 +45,8 @@ double Scatter::searchRadius(const Site& site, double factor) const {
 }
 
 /// Distance to the nearest node in units of the mean of both spacings, or `most` where there is none within
-/// that; where it is below the closest approach, which no node may have, any such value. Nodes on a face that looks the other way (the far side of a thin rim) only count within the closest
+/// that; where it is below the closest approach, which no node may have, any such value. Nodes on a face that looks
+/// the other way (the far side of a thin rim) only count within the closest
 /// approach.
 double Scatter::clearance(const Site& site, double most) const {
   double least = most;

@@ -25,8 +25,9 @@ std::vector<std::array<int, 2>> sharpEdges(const TriangleSurface& surface, doubl
       edges.push_back({a, b, static_cast<int>(t)});
     }
   }
-  std::sort(edges.begin(), edges.end(),
-            [](const CornerEdge& p, const CornerEdge& q) { return std::tie(p.a, p.b, p.face) < std::tie(q.a, q.b, q.face); });
+  std::sort(edges.begin(), edges.end(), [](const CornerEdge& p, const CornerEdge& q) {
+    return std::tie(p.a, p.b, p.face) < std::tie(q.a, q.b, q.face);
+  });
 
   std::vector<std::array<int, 2>> sharp;
   for (std::size_t begin = 0, end = 0; begin < edges.size(); begin = end) {

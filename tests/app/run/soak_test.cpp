@@ -62,7 +62,8 @@ TEST_CASE("A soak runs to its end, leaves its report and fails just where a prom
   CHECK(report["ticks"] == 15'000);
   CHECK(report["cycles"] >= 8);
   CHECK(report["unrested_cycles"] == 0);
-  // How far this coarse block's rests may lie apart is soak_motion_test.cpp's matter; here: what is told is what counts.
+  // How far this coarse block's rests may lie apart is soak_motion_test.cpp's matter; here: what is told is what
+  // counts.
   const bool drifted = report["drift"] > 1e-6;
   CHECK(report["broken_promises"].size() == (drifted ? 1 : 0));
   CHECK(session.failure().empty() == !drifted);

@@ -14,7 +14,8 @@ enum class BlockFaces {
   Bonded,    // both ends held
 };
 
-/// A block whose top is moved by `stretch` - 1 times its height within half a second; boundary 0 is the base, 1 the top.
+/// A block whose top is moved by `stretch` - 1 times its height within half a second; boundary 0 is the base, 1 the
+/// top.
 Scene blockScene(BlockFaces faces, double young, double poisson, double stretch);
 
 /// The drive that waits for it to come to rest.

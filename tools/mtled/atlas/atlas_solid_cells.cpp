@@ -89,7 +89,8 @@ Region below(double z) {
   return region;
 }
 
-/// Two layers of stiffness 1 and `contrast`, each of which is stretched uniformly: one on the other in a confined block,
+/// Two layers of stiffness 1 and `contrast`, each of which is stretched uniformly: one on the other in a confined
+/// block,
 /// or side by side with sides free, where the lateral stretch of both is the same.
 AtlasMeasure stiffness(double contrast, bool parallel) {
   const double nu = 0.45, stretch = 0.95;

@@ -6,8 +6,10 @@
 
 namespace palpate::tools {
 
-/// Ticks written by hand of only the passes that a neo-Hookean body without node patches needs: forces from a kernel that knows
-/// nothing else (barePassesFor), central difference, imposed nodes, watched energy. What simulation/step.cpp is held to where a
+/// Ticks written by hand of only the passes that a neo-Hookean body without node patches needs: forces from a kernel
+/// that knows
+/// nothing else (barePassesFor), central difference, imposed nodes, watched energy. What simulation/step.cpp is held
+/// to where a
 /// scene uses no more than that. One thread.
 /// Test: tools/bench_features_test.cpp (as tick() but for rounding)
 class BareLoop {

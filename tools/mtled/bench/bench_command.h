@@ -15,7 +15,8 @@ struct BenchOptions {
   bool check = false;     // a promise that is missed is a failure
 };
 
-/// Measures the machine's ceilings and the force kernels beside them, and prints tables and verdicts; or what each feature that a
+/// Measures the machine's ceilings and the force kernels beside them, and prints tables and verdicts; or what each
+/// feature that a
 /// scene may use costs, and what is left of it when it is off.
 /// @return 0; 1 where a kernel's forces are wrong, or with `check` where a promise is missed
 /// Throws InputError for an option out of range, std::runtime_error where a file can't be written.

@@ -20,7 +20,8 @@ namespace {
 constexpr double limit = 0.01;          // of a step: what a feature that is off may cost
 constexpr double pressed_depth = 3e-3;  // m: under a third of the ball's radius
 
-/// tick() and nothing around it, the tool held where it is. Loops of one body share tables and workspace, so that no luck with the
+/// tick() and nothing around it, the tool held where it is. Loops of one body share tables and workspace, so that no
+/// luck with the
 /// places of pages and cache lines comes between them.
 class TickLoop final : public FeatureLoop {
  public:
@@ -99,7 +100,8 @@ class MeteredPhysics final : public Physics {
   double at_second_ = 0, at_last_ = 0;
 };
 
-/// Ticks in the real-time loop, as fast as it can, its force, snapshots, watchdog and statistics with them. The tool trembles above the
+/// Ticks in the real-time loop, as fast as it can, its force, snapshots, watchdog and statistics with them. The tool
+/// trembles above the
 /// tissue, so that every tick has something to record.
 class RealTimeLoop final : public FeatureLoop {
  public:

@@ -34,7 +34,8 @@ struct FeaturePair {
   std::shared_ptr<FeatureLoop> with, without;
 };
 
-/// The features that a scene may use, on a neo-Hookean box without node patches under a ball (bench_body.h): each on beside off, and
+/// The features that a scene may use, on a neo-Hookean box without node patches under a ball (bench_body.h): each on
+/// beside off, and
 /// all off beside loops that were written, and a kernel that was compiled, without them.
 class FeatureBench {
  public:
@@ -52,8 +53,10 @@ class FeatureBench {
   std::vector<FeaturePair> pairs_;
 };
 
-/// Runs all pairs in short rounds by turns, now the one first, now the other, and fills in their rows: processor time, its median
-/// over the rounds, and the median of the rounds' ratios, since what slows one slows its partner, too. Those with a limit have five times as many.
+/// Runs all pairs in short rounds by turns, now the one first, now the other, and fills in their rows: processor
+/// time, its median
+/// over the rounds, and the median of the rounds' ratios, since what slows one slows its partner, too. Those with a
+/// limit have five times as many.
 /// @param seconds  for each pair
 void timePairs(std::vector<FeaturePair>& pairs, double seconds, const std::function<void(double)>& watch);
 

@@ -9,7 +9,8 @@ namespace palpate::tools {
 namespace {
 
 constexpr double double_limit = 1e-12;  // rounding of some hundred terms, times K/mu
-/// Gradients rounded to float move J by about 1e-6, which the bulk modulus multiplies against forces of the order of the
+/// Gradients rounded to float move J by about 1e-6, which the bulk modulus multiplies against forces of the order of
+/// the
 /// shear modulus; the bound of mechanics/internal_forces_test.cpp.
 double floatLimit(const Material& material) { return 1e-6 * material.bulk_modulus / material.shear_modulus; }
 

@@ -62,7 +62,8 @@ struct Verdict {
 };
 
 /// The promises at about 5,000 nodes and 20,000 points, on rows of the widest instruction set: float32 in 60 ns and
-/// int16 in 45 ns on one AVX-512 core, node patches for at most 40 % more, 1.7 times as fast on two threads, 5 times as fast as
+/// int16 in 45 ns on one AVX-512 core, node patches for at most 40 % more, 1.7 times as fast on two threads, 5 times
+/// as fast as
 /// the plain kernel, within twice the time that the binding ceiling allows.
 std::vector<Verdict> verdictsOf(const BenchReport& report);
 

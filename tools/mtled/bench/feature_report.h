@@ -17,7 +17,8 @@ struct FeatureRow {
   double uncertainty = 0;                                   // its standard error
   double more_instructions = std::numeric_limits<double>::quiet_NaN();  // with / without - 1; NaN: not counted
 
-  /// "held", "missed", or "too noisy" where the uncertainty is above half the limit; "" for a price. By instructions where they are
+  /// "held", "missed", or "too noisy" where the uncertainty is above half the limit; "" for a price. By instructions
+  /// where they are
   /// counted: they are the same on every run.
   std::string verdict() const;
 };

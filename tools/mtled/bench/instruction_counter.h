@@ -5,7 +5,8 @@
 
 namespace palpate::tools {
 
-/// Counts the user-space instructions that the calling thread retires, by Linux's perf_event_open: the same number on every run.
+/// Counts the user-space instructions that the calling thread retires, by Linux's perf_event_open: the same number
+/// on every run.
 class InstructionCounter {
  public:
   InstructionCounter();

@@ -40,8 +40,10 @@ struct Ceilings {
   const MemoryLevel& levelOf(double bytes) const;
 };
 
-/// Measures the ceilings of 1 .. n cores: independent chains of multiply-adds that stay in registers (fused where the set has that), and
-/// forward reads with the hot kernel's prefetch distance. Memory is written before it is read, so that no level is the kernel's zero page.
+/// Measures the ceilings of 1 .. n cores: independent chains of multiply-adds that stay in registers (fused where
+/// the set has that), and
+/// forward reads with the hot kernel's prefetch distance. Memory is written before it is read, so that no level is
+/// the kernel's zero page.
 ///
 /// All figures take turns in short rounds until each has had `seconds`, and each is the best of its rounds:
 /// a neighbour on the machine, a clock that is still rising or one that falls with wide registers costs

@@ -15,8 +15,10 @@ struct FitOptions {
   bool resume = false;      // keep what was tried already
 };
 
-/// Finds the most accurate setting of a scene that holds a rate on this machine and writes it as a scene file: the finest spacing
-/// that a tick has time for, at several supports, with a point for each cell or less, evenly and with nodes dense where the tool works; of these the one closest to a converged
+/// Finds the most accurate setting of a scene that holds a rate on this machine and writes it as a scene file: the
+/// finest spacing
+/// that a tick has time for, at several supports, with a point for each cell or less, evenly and with nodes dense
+/// where the tool works; of these the one closest to a converged
 /// solution. Prints what it expects of the force's error, and how much of a tick is left.
 /// What was tried is kept beside the scene: OUT.fit.json and OUT.reference.json.
 /// @return 0 done, 1 no setting holds the rate, or interrupted

@@ -38,7 +38,8 @@ struct FitTask {
 /// The family at so many times the scene's spacing: run, or found in the record.
 FitCandidate tried(const FitTask& task, const FitFamily& family, double spacing_factor);
 
-/// The finest spacing of a family whose median tick takes at most `share` of its time. Its spacing_factor is 0 where none does
+/// The finest spacing of a family whose median tick takes at most `share` of its time. Its spacing_factor is 0 where
+/// none does
 /// down to a few hundred nodes, or the search was interrupted.
 /// @param start  spacing factor to begin with
 FitCandidate finestWithin(const FitTask& task, const FitFamily& family, double share, double start = 1);
@@ -47,7 +48,8 @@ FitCandidate finestWithin(const FitTask& task, const FitFamily& family, double s
 /// @param outside, inside  finest spacing of any of them elsewhere and where the tool works, times the scene's
 Fineness fitFineness(double outside, double inside);
 
-/// The force error to expect: the distance from the reference and what the reference itself lacks. A solution that converges with
+/// The force error to expect: the distance from the reference and what the reference itself lacks. A solution that
+/// converges with
 /// the square of the spacing is 1 / (r^2 - 1) of its distance from one r times as coarse away from the limit.
 double expectedError(const RunError& error, const ConvergedRun& converged, double coarser);
 

@@ -14,7 +14,8 @@ struct FrontierOptions {
 };
 
 /// Runs a scene's tool script at every setting that a user can turn and compares each with a converged solution of
-/// the same scene: what a microsecond buys. Leaves frontier.csv, frontier.json and frontier.png in the folder after each setting.
+/// the same scene: what a microsecond buys. Leaves frontier.csv, frontier.json and frontier.png in the folder after
+/// each setting.
 /// @return 0 done, 1 interrupted (what is done is kept)
 /// Throws InputError for unusable input, std::runtime_error where a file can't be written.
 int frontierCommand(const FrontierOptions& options);

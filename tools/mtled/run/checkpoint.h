@@ -24,7 +24,8 @@ std::string checkpointBytes(const Checkpoint& checkpoint);
 /// Whole or not at all. Throws std::runtime_error that names the file and the reason.
 void writeCheckpoint(const std::string& path, const Checkpoint& checkpoint);
 
-/// Throws InputError where the file is missing, cut short, damaged (numbers that no solution leaves are damage, too), or
+/// Throws InputError where the file is missing, cut short, damaged (numbers that no solution leaves are damage,
+/// too), or
 /// of another model or load.
 Checkpoint readCheckpoint(const std::string& path, std::uint64_t model_hash, std::size_t node_count);
 

@@ -77,7 +77,8 @@ struct StaticSolution {
 StaticSolution solveCase(const Scene& scene, const std::vector<double>& times, const CaseContext& context,
                          double tolerance = 1e-4, const StaticSolution* start_from = nullptr);
 
-/// Writes a plot, or the deformed body, as `file` into the context's folder and lists it in the result. Only with context.pictures.
+/// Writes a plot, or the deformed body, as `file` into the context's folder and lists it in the result. Only with
+/// context.pictures.
 void addFigure(const CaseContext& context, const std::string& file, const std::string& caption, const Figure& figure,
                CaseResult& result);
 void addFigure(const CaseContext& context, const std::string& file, const std::string& caption, const Histogram& figure,

@@ -4,8 +4,10 @@
 
 namespace palpate::tools {
 
-/// Of every displacement field that the model's shape functions hold but rigid motions: the energy that its scheme sees at
-/// rest over mu int |grad u|^2 / 2. One near 0 would be a mode without energy. One material; dense, for some hundred nodes.
+/// Of every displacement field that the model's shape functions hold but rigid motions: the energy that its scheme
+/// sees at
+/// rest over mu int |grad u|^2 / 2. One near 0 would be a mode without energy. One material; dense, for some hundred
+/// nodes.
 /// @return (3 node_count - 6) ascending
 std::vector<double> energyShares(const Model& model);
 
