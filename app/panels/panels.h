@@ -13,7 +13,7 @@
 #include "app/render/view.h"
 #include "realtime/channels/force_output.h"
 #include "realtime/channels/snapshot.h"
-#include "simulation/model.h"
+#include "simulation/body.h"
 
 namespace palpate::app {
 
@@ -46,7 +46,7 @@ struct MaterialView {
 
 /// What the panels show: gathered afresh for each picture, never kept.
 struct PanelData {
-  const Model& model;
+  const Body& model;
   const Snapshot& snapshot;
   const ForceHistory& forces;
   std::span<const LogLine> log;

@@ -95,7 +95,7 @@ void drawMaterial(const Theme& theme, const Material& material) {
 
 void drawSceneCard(const Theme& theme, const PanelData& data, View& view) {
   if (!beginCard(theme, "Scene")) return;
-  const Model& model = data.model;
+  const Body& model = data.model;
   row("Nodes", grouped(model.nodeCount()));
   row("Integration points", grouped(model.pointCount()));
   row("Nodes per point", format("%.1f", model.point_shape.meanSupport()), colours::text,

@@ -123,9 +123,9 @@ Range fieldRange(const std::vector<float>& values, bool diverging) {
 
 }  // namespace
 
-BodyPainter::BodyPainter(FigureWriter& writer, const Model& model, const std::optional<CutPlane>& cut)
+BodyPainter::BodyPainter(FigureWriter& writer, const Body& model, const std::optional<CutPlane>& cut)
     : writer_(writer),
-      cut_(cut ? std::make_unique<const Model>(cutBody(model, *cut)) : nullptr),
+      cut_(cut ? std::make_unique<const Body>(cutBody(model, *cut)) : nullptr),
       model_(cut_ ? *cut_ : model),
       renderer_(std::make_unique<Renderer>(model_, findShaderDir())) {}
 

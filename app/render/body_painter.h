@@ -26,7 +26,7 @@ struct DrawnBody {
 class BodyPainter {
  public:
   /// @param cut  where the body is cut open, so that its inside is seen
-  BodyPainter(FigureWriter& writer, const Model& model, const std::optional<CutPlane>& cut = {});
+  BodyPainter(FigureWriter& writer, const Body& model, const std::optional<CutPlane>& cut = {});
   ~BodyPainter();
 
   /// @param u  displacement parameters, m   (node_count); empty: at rest
@@ -39,8 +39,8 @@ class BodyPainter {
 
  private:
   FigureWriter& writer_;
-  std::unique_ptr<const Model> cut_;
-  const Model& model_;  // that is drawn: cut open or whole
+  std::unique_ptr<const Body> cut_;
+  const Body& model_;  // that is drawn: cut open or whole
   std::unique_ptr<Renderer> renderer_;
 };
 

@@ -178,7 +178,7 @@ void appendRow(ShapeTable& to, const ShapeTable& from, int row) {
 }
 
 /// Old vertices keep their rows; new ones get theirs from the nodes around them.
-ShapeTable shapeAt(const Model& model, const Clipped& clipped) {
+ShapeTable shapeAt(const Body& model, const Clipped& clipped) {
   std::vector<Vec3> points;
   std::vector<int> row(clipped.old_vertex.size(), -1);
   for (std::size_t v = 0; v < row.size(); ++v)
@@ -215,7 +215,7 @@ ShapeTable shapeAt(const Model& model, const Clipped& clipped) {
 
 }  // namespace
 
-Model cutBody(const Model& model, const CutPlane& plane) {
+Body cutBody(const Body& model, const CutPlane& plane) {
   const PlaneFrame frame(plane);
   double length = 0;
   for (const auto& t : model.skin.surface.triangles)
@@ -225,7 +225,7 @@ Model cutBody(const Model& model, const CutPlane& plane) {
   if (clipped.surface.triangles.empty()) throw std::invalid_argument("the cut plane leaves nothing of the body");
   addSection(clipped, frame, edge);
 
-  Model cut;
+  Body cut;
   cut.scene = model.scene;
   cut.X = model.X;
   cut.support_radius = model.support_radius;

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "simulation/model.h"
+#include "simulation/body.h"
 
 namespace palpate::app {
 
@@ -10,12 +10,12 @@ struct CutPlane {
   Vec3 normal = -Vec3::UnitY();  // need not be a unit vector
 };
 
-/// A model to look at, cut open: its skin is cut along the plane and closed there by a section
+/// A body to look at, cut open: its skin is cut along the plane and closed there by a section
 /// whose vertices have shape functions of their own, so that it deforms with the body and shows
 /// what fields are inside. Along the cut, skin and section have vertices of their own at equal
-/// places. Nodes, points and materials are the model's; what only a solution needs
-/// (masses, kernel, boundary) is left out.
+/// places. Nodes, points and materials are the whole body's; masses, cells and
+/// boundaries are left out.
 /// Throws std::invalid_argument where the plane leaves nothing.
-Model cutBody(const Model& model, const CutPlane& plane);
+Body cutBody(const Body& model, const CutPlane& plane);
 
 }  // namespace palpate::app

@@ -20,7 +20,7 @@ std::vector<Vec3f> deformed(const std::vector<Vec3>& X, const ShapeTable& shape,
   return x;
 }
 
-std::vector<float> pointValues(const Model& model, const Displacements& u, ColourMap map,
+std::vector<float> pointValues(const Body& model, const Displacements& u, ColourMap map,
                                const std::vector<Material>& present) {
   const ShapeTable& shape = model.point_shape;
   const std::vector<Material>& materials = present.empty() ? model.materials : present;
@@ -37,7 +37,7 @@ std::vector<float> pointValues(const Model& model, const Displacements& u, Colou
   return values;
 }
 
-std::vector<float> nodeAverages(const Model& model, const std::vector<float>& point_values) {
+std::vector<float> nodeAverages(const Body& model, const std::vector<float>& point_values) {
   const ShapeTable& shape = model.point_shape;
   std::vector<double> sum(model.X.size(), 0.0), weight(model.X.size(), 0.0);
   for (std::size_t q = 0; q < point_values.size(); ++q) {
@@ -54,7 +54,7 @@ std::vector<float> nodeAverages(const Model& model, const std::vector<float>& po
   return averages;
 }
 
-std::vector<float> skinAverages(const Model& model, const std::vector<float>& node_values) {
+std::vector<float> skinAverages(const Body& model, const std::vector<float>& node_values) {
   const ShapeTable& shape = model.skin_shape;
   std::vector<float> values(shape.rowCount());
   for (std::size_t v = 0; v < values.size(); ++v) {
@@ -70,7 +70,7 @@ std::vector<float> skinAverages(const Model& model, const std::vector<float>& no
   return values;
 }
 
-std::vector<float> skinValues(const Model& model, const Displacements& u, const std::vector<Vec3f>& x, ColourMap map,
+std::vector<float> skinValues(const Body& model, const Displacements& u, const std::vector<Vec3f>& x, ColourMap map,
                               const std::vector<Material>& materials) {
   switch (map) {
     case ColourMap::Tissue:

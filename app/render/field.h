@@ -4,7 +4,7 @@
 
 #include "app/render/colour_map.h"
 #include "base/types.h"
-#include "simulation/model.h"
+#include "simulation/body.h"
 
 namespace palpate::app {
 
@@ -16,22 +16,22 @@ std::vector<Vec3f> deformed(const std::vector<Vec3>& X, const ShapeTable& shape,
 /// von Mises stress (Pa) or J at the integration points, from F = I + sum_i u_i (x) gradN_i
 /// (X of paper eqs. 9, 31).  (point_count)
 /// @param materials  the present ones where they were changed live (Snapshot::materials); empty: the model's
-std::vector<float> pointValues(const Model& model, const Displacements& u, ColourMap map,
+std::vector<float> pointValues(const Body& model, const Displacements& u, ColourMap map,
                                const std::vector<Material>& materials = {});
 
 /// Averages over the integration points around each node, weighted by volume and by the
 /// positive part of the node's shape function: a convex mean, so that no average leaves the
 /// range of the values. NaN for a node that no integration point sees.  (node_count)
-std::vector<float> nodeAverages(const Model& model, const std::vector<float>& point_values);
+std::vector<float> nodeAverages(const Body& model, const std::vector<float>& point_values);
 
 /// Values at the skin's vertices from the nodes', likewise convex; NaN nodes don't count.
 /// (skin vertex_count)
-std::vector<float> skinAverages(const Model& model, const std::vector<float>& node_values);
+std::vector<float> skinAverages(const Body& model, const std::vector<float>& node_values);
 
 /// The field that `map` shows, at the skin's vertices: m, Pa or 1; zeros for Tissue.
 /// @param x  the skin's vertices under u, m
 /// @param materials  as for pointValues
-std::vector<float> skinValues(const Model& model, const Displacements& u, const std::vector<Vec3f>& x, ColourMap map,
+std::vector<float> skinValues(const Body& model, const Displacements& u, const std::vector<Vec3f>& x, ColourMap map,
                               const std::vector<Material>& materials = {});
 
 /// The range that shows these values well: from 0 to the largest, or for J evenly about 1;

@@ -35,7 +35,7 @@ double arrowLength(double force, double organ_radius) {
 
 }  // namespace
 
-Overlays::Overlays(const Model& model, const std::string& shader_dir)
+Overlays::Overlays(const Body& model, const std::string& shader_dir)
     : model_(model),
       dot_program_(shader_dir, "point.vert", "point.frag"),
       arrow_program_(shader_dir, "arrow.vert", "marker.frag"),

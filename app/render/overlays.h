@@ -7,14 +7,14 @@
 #include "app/render/shader_program.h"
 #include "app/render/view.h"
 #include "realtime/channels/snapshot.h"
-#include "simulation/model.h"
+#include "simulation/body.h"
 
 namespace palpate::app {
 
 /// What explains the picture: nodes, integration points, a support, arrows of force, a pull.
 class Overlays {
  public:
-  Overlays(const Model& model, const std::string& shader_dir);
+  Overlays(const Body& model, const std::string& shader_dir);
 
   /// Draws over the tissue; what it hides of points shows faintly through.
   /// @param positions  the skin's vertices as drawn, m
@@ -45,7 +45,7 @@ class Overlays {
   void drawArrows(const std::vector<Arrow>& arrows, GLenum depth_test) const;
   void drawBubble() const;
 
-  const Model& model_;
+  const Body& model_;
   ShaderProgram dot_program_, arrow_program_, bubble_program_;
   GLint opacity_, arrow_clear_, bubble_clear_, bubble_place_, bubble_tint_;
   GlVertexArray dot_array_;

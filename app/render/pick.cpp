@@ -50,7 +50,7 @@ std::optional<SkinHit> pickSkin(const TriangleSurface& surface, const std::vecto
   return hit;
 }
 
-int pickPoint(const Model& model, const Snapshot& snapshot, const Ray& ray, double tolerance) {
+int pickPoint(const Body& model, const Snapshot& snapshot, const Ray& ray, double tolerance) {
   const std::vector<Vec3f> x = deformed(model.point_X, model.point_shape, snapshot.u);
   int picked = -1;
   double nearest = tolerance;

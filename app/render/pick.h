@@ -5,7 +5,7 @@
 
 #include "app/render/camera.h"
 #include "realtime/channels/snapshot.h"
-#include "simulation/model.h"
+#include "simulation/body.h"
 
 namespace palpate::app {
 
@@ -21,6 +21,6 @@ std::optional<SkinHit> pickSkin(const TriangleSurface& surface, const std::vecto
 
 /// The integration point that stands nearest to the ray in the present state, or -1 when
 /// none is within `tolerance`, m.
-int pickPoint(const Model& model, const Snapshot& snapshot, const Ray& ray, double tolerance);
+int pickPoint(const Body& model, const Snapshot& snapshot, const Ray& ray, double tolerance);
 
 }  // namespace palpate::app

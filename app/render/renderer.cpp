@@ -78,7 +78,7 @@ Eigen::Vector4f with(const Vec3& v, double w) {
 }  // namespace
 
 struct Renderer::Parts {
-  Parts(const Model& the_model, const std::string& shader_dir);
+  Parts(const Body& the_model, const std::string& shader_dir);
 
   void fillFrame(const Snapshot& snapshot, const View& view, int width, int height);
   void drawShadows(const Snapshot& snapshot, const View& view);
@@ -86,7 +86,7 @@ struct Renderer::Parts {
   void bindTextures(const View& view);
   void releaseState() const;
 
-  const Model& model;
+  const Body& model;
   const Extent rest;
   Extent extent;  // at rest; of the present shape where it stands alone on paper
   Vec3 key;
@@ -122,7 +122,7 @@ void fillColours(GLuint texture, ColourMap map) {
 
 }  // namespace
 
-Renderer::Parts::Parts(const Model& the_model, const std::string& shader_dir)
+Renderer::Parts::Parts(const Body& the_model, const std::string& shader_dir)
     : model(the_model),
       rest(model.skin.surface.vertices),
       extent(rest),
@@ -238,7 +238,7 @@ void Renderer::Parts::releaseState() const {
   glPolygonOffset(0, 0);
 }
 
-Renderer::Renderer(const Model& model, const std::string& shader_dir) {
+Renderer::Renderer(const Body& model, const std::string& shader_dir) {
   requireOpenGl33();
   parts_ = std::make_unique<Parts>(model, shader_dir);
 }

@@ -7,7 +7,7 @@
 #include "app/render/colour_map.h"
 #include "app/render/view.h"
 #include "realtime/channels/snapshot.h"
-#include "simulation/model.h"
+#include "simulation/body.h"
 
 namespace palpate::app {
 
@@ -19,7 +19,7 @@ class Renderer {
   /// @param shader_dir  folder of the GLSL files, e.g. findShaderDir()
   /// Throws std::runtime_error that names file and line where a shader can't be used,
   /// or says what the context lacks.
-  Renderer(const Model& model, const std::string& shader_dir);
+  Renderer(const Body& model, const std::string& shader_dir);
   ~Renderer();
   Renderer(const Renderer&) = delete;
   Renderer& operator=(const Renderer&) = delete;

@@ -31,7 +31,7 @@ bool shareEdge(const std::array<int, 3>& a, const std::array<int, 3>& b) {
 
 }  // namespace
 
-SkinMesh::SkinMesh(const Model& model) : model_(model), triangles_(model.skin.surface.triangles) {
+SkinMesh::SkinMesh(const Body& model) : model_(model), triangles_(model.skin.surface.triangles) {
   for (const Vec3& X : model.skin.surface.vertices) positions_.push_back(X.cast<float>());
   splitEdges();
   findNeighbours();

@@ -6,7 +6,7 @@
 #include "app/render/field.h"
 #include "app/render/view.h"
 #include "realtime/channels/snapshot.h"
-#include "simulation/model.h"
+#include "simulation/body.h"
 
 namespace palpate::app {
 
@@ -26,7 +26,7 @@ struct SkinVertex {
 /// that the edge stays sharp.
 class SkinMesh {
  public:
-  explicit SkinMesh(const Model& model);
+  explicit SkinMesh(const Body& model);
 
   /// Follows a snapshot. @return the scale of the vertices' values
   ColourScale update(const Snapshot& snapshot, const View& view);
@@ -43,7 +43,7 @@ class SkinMesh {
   void updateContact(const Snapshot& snapshot);
   void spread(std::vector<float>& values) const;
 
-  const Model& model_;
+  const Body& model_;
   std::vector<SkinVertex> vertices_;
   std::vector<int> skin_vertex_;  // (vertices) the model's skin vertex behind each
   std::vector<std::array<int, 3>> triangles_;

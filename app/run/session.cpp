@@ -41,6 +41,8 @@ std::optional<Recording> recordingToReplay(const Options& options, const Scene& 
   if (options.replay.empty()) return {};
   Recording recording = readRecording(options.replay);
   checkRate(recording, scene.rate_hz, options.replay);
+  if (recording.ticks == 0)
+    throw InputError({options.replay}, "the recording ended before its first tick", "record a run anew with --record");
   return recording;
 }
 

@@ -20,7 +20,7 @@ constexpr double kRestShare = 0.1 * SoakMotion::drift_limit;
 
 }  // namespace
 
-SoakMotion::SoakMotion(const Model& model, std::vector<SoakPlace> places, unsigned seed)
+SoakMotion::SoakMotion(const Body& model, std::vector<SoakPlace> places, unsigned seed)
     : start_(model.tool_start),
       tick_seconds_(1 / model.scene.rate_hz),
       dt_(model.dt),

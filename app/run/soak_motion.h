@@ -7,7 +7,7 @@
 
 #include "realtime/channels/spsc_ring.h"
 #include "realtime/loop/tool_motion.h"
-#include "simulation/model.h"
+#include "simulation/body.h"
 
 namespace palpate::app {
 
@@ -48,7 +48,7 @@ class SoakMotion final : public ToolMotion {
   static constexpr double drift_limit = 1e-6;  // of the organ's size: what a rest may differ from the first
 
   /// @param places  at least one
-  SoakMotion(const Model& model, std::vector<SoakPlace> places, unsigned seed);
+  SoakMotion(const Body& model, std::vector<SoakPlace> places, unsigned seed);
 
   Pose next(const State& state, const StepReport& last) override;
   void restart() override;

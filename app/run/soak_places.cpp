@@ -19,7 +19,7 @@ constexpr double slant_per_radius = 0.3;       // the skin under the middle may 
 
 }  // namespace
 
-std::vector<SoakPlace> soakPlaces(const Model& model, int count, unsigned seed) {
+std::vector<SoakPlace> soakPlaces(const Body& model, int count, unsigned seed) {
   const TriangleSurface& surface = model.skin.surface;
   const double radius = model.scene.tool.radius;
   Vec3 low = Vec3::Zero(), high = Vec3::Zero();  // of the skin in the tool's frame

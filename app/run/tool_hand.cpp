@@ -17,7 +17,7 @@ Vec3 across(const Vec3& v, const Vec3& axis) {
 
 }  // namespace
 
-ToolHand::ToolHand(const Model& model)
+ToolHand::ToolHand(const Body& model)
     : start_(model.tool_start), target_(start_), axis_(start_.orientation * -Vec3::UnitZ()) {
   Vec3 low = start_.position, high = start_.position;
   for (const Vec3& X : model.skin.surface.vertices) {

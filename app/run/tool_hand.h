@@ -2,7 +2,7 @@
 
 #include "app/render/camera.h"
 #include "app/run/input.h"
-#include "simulation/model.h"
+#include "simulation/body.h"
 
 namespace palpate::app {
 
@@ -10,7 +10,7 @@ namespace palpate::app {
 /// turns never; its tip stays near the organ, so that it can't be lost.
 class ToolHand {
  public:
-  explicit ToolHand(const Model& model);
+  explicit ToolHand(const Body& model);
 
   const Pose& target() const { return target_; }
   void moveTo(const Pose& pose) { target_ = pose; }

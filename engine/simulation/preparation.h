@@ -7,7 +7,7 @@
 #include "approximation/shape_table.h"
 #include "contact/skin.h"
 #include "mechanics/critical_time_step.h"
-#include "mechanics/essential_boundary.h"
+#include "mechanics/essential_nodes.h"
 #include "simulation/scene.h"
 
 namespace palpate {

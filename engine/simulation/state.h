@@ -4,9 +4,10 @@
 #include <cstdint>
 
 #include "base/types.h"
-#include "contact/contact.h"
+#include "contact/contact_state.h"
 #include "simulation/energy_balance.h"
 #include "simulation/live_parameters.h"
+#include "simulation/report.h"
 
 namespace palpate {
 
@@ -16,50 +17,6 @@ struct Command {
   int pull_vertex = -1;                     // skin vertex pulled by a spring; -1: none
   Vec3 pull_target = Vec3::Zero();          // m, world
   const std::atomic<bool>* stop = nullptr;  // once true, the tick ends after the present step; null: never
-};
-
-/// Reasons to distrust a step; the loop decides what to do about them.
-enum StepFlag : std::uint32_t {
-  kNotFinite = 1u << 0,        // NaN or infinity in the displacement
-  kBlowUp = 1u << 1,           // a node moved further in one step than physics allows
-  kInvertedPoints = 1u << 2,   // integration points with J <= 0
-  kContactOverflow = 1u << 3,  // more skin vertices near the tool than memory was taken for
-  kDeepContact = 1u << 4,      // penetration beyond a fifth of the tool's radius
-};
-
-/// Why the numbers of a step should not be believed, the gravest that applies (simulation/trust.h).
-enum class Doubt : std::uint8_t {
-  None,
-  Volume,    // nearly incompressible tissue has changed its volume, or is under a pressure far above its shear modulus
-  Contact,   // the tool is deep in the skin, or touches more of it than there is memory for
-  Squeezed,  // a point is near collapse
-  Step,      // deformation has stiffened the tissue beyond what the time step is stable for
-  Energy,    // the steps make energy
-  Inverted,  // a point is inside out
-  Lost,      // not finite, or blown up
-};
-
-/// One step's (or, accumulated, one tick's) outcome.
-struct StepReport {
-  std::uint32_t flags = 0;
-  bool cut_short = false;  // Command::stop ended the tick: it does not count
-  int worst_point = -1;    // integration point with min J
-  int worst_node = -1;     // node that moved furthest in one step, or is not finite
-  float min_J = 1;
-  int inverted_points = 0;
-  float max_increment = 0;            // m, largest |du| of a node in one step
-  Vec3 tool_force = Vec3::Zero();     // N, on the tool
-  Vec3 base_reaction = Vec3::Zero();  // N, of the held (imposed and not moving) nodes on the tissue
-  int contact_count = 0;              // skin vertices that carry force
-  double max_penetration = 0;         // m
-  // For simulation/trust.h.
-  double strain_energy = 0;            // J
-  double kinetic_energy = 0;           // J
-  double energy_error = 0;             // of EnergyBalance
-  double volume_change = 0;            // relative, of all integration points
-  double pressure_over_shear = 0;      // mean pressure over the shear modulus of the material that feels it most
-  bool nearly_incompressible = false;  // Poisson's ratio of all materials in force is at least 0.45
-  double step_share = 0;               // dt over the stable step, as the tissue is now
 };
 
 /// All that changes during a run, live settings too. Equal states of one model give equal futures, bit for bit.

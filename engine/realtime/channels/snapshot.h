@@ -5,7 +5,7 @@
 
 #include "base/types.h"
 #include "mechanics/materials/material.h"
-#include "simulation/state.h"
+#include "simulation/report.h"
 
 namespace palpate {
 

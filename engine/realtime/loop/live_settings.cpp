@@ -19,7 +19,7 @@ LiveSettings::LiveSettings(const Model& model, Physics& physics)
     : physics_(physics),
       material_count_(static_cast<int>(model.materials.size())),
       loaded_(settingsOf(model)),
-      friction_(model.scene.friction) {}
+      friction_(physics.state().live.friction) {}
 
 LiveSettings::Answer LiveSettings::apply(const Request& request) {
   if (request.kind == Request::Kind::SetFriction) return setFriction(request.value);

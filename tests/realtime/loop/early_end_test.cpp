@@ -1,7 +1,7 @@
 // How a run ends before its time: within a tick, or because the motion of its tool is over.
 
+#include <atomic>
 #include <catch2/catch.hpp>
-#include <chrono>
 #include <cstring>
 #include <thread>
 
@@ -31,6 +31,29 @@ class ListedMotion final : public ToolMotion {
  private:
   std::vector<Pose> poses_;
   std::size_t at_ = 0;
+};
+
+/// The real physics; says when its first tick begins, and whether one was cut short.
+class WatchedPhysics final : public Physics {
+ public:
+  explicit WatchedPhysics(const Model& model) : physics_(model, 1) {}
+  std::atomic<bool> entered{false};
+  bool cut_short = false;
+
+  StepReport tick(const Command& command) override {
+    entered = true;
+    const StepReport report = physics_.tick(command);
+    cut_short = cut_short || report.cut_short;
+    return report;
+  }
+  const State& state() const override { return physics_.state(); }
+  std::uint64_t stateHash() const override { return physics_.stateHash(); }
+  void reset() override { physics_.reset(); }
+  void setFriction(double coefficient) override { physics_.setFriction(coefficient); }
+  double setMaterial(int index, const Material& material) override { return physics_.setMaterial(index, material); }
+
+ private:
+  TissuePhysics physics_;
 };
 
 }  // namespace
@@ -63,16 +86,18 @@ TEST_CASE("A tick that quitting broke off never was: not counted, not recorded, 
 TEST_CASE("A tick of many steps ends where it is asked to, and leaves the state of before", "[tissue_physics]") {
   Model model = blockModel();
   model.substeps_per_tick = 100'000'000;  // an hour of computing
-  TissuePhysics physics(model, 1);
+  WatchedPhysics physics(model);
   const std::uint64_t before = physics.stateHash();
   SimulationLoopOptions options;
   options.as_fast_as_possible = true;
   SimulationLoop loop(model, physics, nullptr, options);
   loop.commands().push(Request::moveTool(toolAt(model, 0.01)));
+  CHECK_FALSE(physics.cut_short);
   loop.start();
-  std::this_thread::sleep_for(std::chrono::milliseconds(100));  // well within the first tick
+  while (!physics.entered) std::this_thread::yield();  // the first tick has begun
   loop.quit();
   loop.join();
+  CHECK(physics.cut_short);
   CHECK(loop.summary().ticks == 0);
   CHECK(loop.summary().state_hash == before);
   CHECK(physics.state().step == 0);

@@ -52,7 +52,8 @@ std::string formatted(double value, const std::string& unit) {
 }
 
 std::string formattedSigned(double value, const std::string& unit) {
-  return (value > 0 ? "+" : "") + formatted(value, unit);
+  const std::string text = formatted(value, unit);
+  return value > 0 ? "+" + text : text;
 }
 
 std::string formattedPercent(double share) { return formatted(100 * share, "%"); }

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "base/types.h"
+#include "mechanics/materials/material.h"
+#include "simulation/preparation.h"
+#include "simulation/scene.h"
+
+namespace palpate {
+
+/// What a scene is, without what only the solver reads: all that a viewer needs.
+struct Body : Preparation {
+  Scene scene;
+  std::vector<std::uint8_t> imposed;  // (node_count) bit c set: component c is imposed
+  std::vector<Material> materials;    // as loaded; those in force are in State
+
+  Pose tool_start;
+  double first_contact_travel = 0;  // m the tool goes along its axis before it first touches the skin
+
+  // Time. tick = substeps_per_tick * dt = 1 / scene.rate_hz.
+  double dt = 0;           // s
+  double dt_critical = 0;  // s, of the operator at rest (Lanczos)
+  double dt_proven = 0;    // s, Gershgorin bound: stable at rest for certain
+  int substeps_per_tick = 1;
+  double setup_seconds = 0;
+};
+
+}  // namespace palpate
