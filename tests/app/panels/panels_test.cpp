@@ -54,7 +54,7 @@ class Panels {
     return names;
   }
 
-  Model model_;
+  Body model_;
   Snapshot snapshot_;
   ForceHistory forces_{8};
   std::vector<LogLine> log_;

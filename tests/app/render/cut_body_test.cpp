@@ -46,7 +46,7 @@ TEST_CASE("A cut body is closed, and has the volume that is left", "[cut]") {
   for (const Vec3& X : block.skin.surface.vertices) box.extend(X);
   // Through the middle every plane halves a block, also one that passes vertices.
   for (const Vec3& normal : {Vec3(0, -1, 0), Vec3(1, 0, 0), Vec3(0, 0, 1), Vec3(1, 2, 0.3), Vec3(-0.5, 0.866, 0)}) {
-    const Model cut = cutBody(block, {box.center(), normal});
+    const Body cut = cutBody(block, {box.center(), normal});
     INFO("normal " << normal.transpose());
     CHECK(openEdges(cut.skin.surface) == 0);
     CHECK(volumeOf(cut.skin.surface) ==
@@ -59,7 +59,7 @@ TEST_CASE("A cut body is closed, and has the volume that is left", "[cut]") {
 
 TEST_CASE("A section's vertices follow a linear field, as all points of a body do", "[cut]") {
   const Model block = test::blockModel();
-  const Model cut = cutBody(block, {Vec3(0, 0, 0.015), Vec3(1, 2, 0.3)});
+  const Body cut = cutBody(block, {Vec3(0, 0, 0.015), Vec3(1, 2, 0.3)});
   Mat3 gradient;
   gradient << 0.1, -0.2, 0.3, 0.05, 0.15, 0, -0.1, 0.2, -0.3;
   Displacements u;
@@ -75,7 +75,7 @@ TEST_CASE("A section's vertices follow a linear field, as all points of a body d
 
 TEST_CASE("A plane beside a body cuts nothing or leaves nothing", "[cut]") {
   const Model block = test::blockModel();
-  const Model all = cutBody(block, {Vec3(1, 0, 0), Vec3(1, 0, 0)});
+  const Body all = cutBody(block, {Vec3(1, 0, 0), Vec3(1, 0, 0)});
   CHECK(volumeOf(all.skin.surface) == Approx(volumeOf(block.skin.surface)));
   CHECK(all.skin.surface.triangles.size() == block.skin.surface.triangles.size());
   CHECK_THROWS_AS(cutBody(block, {Vec3(1, 0, 0), Vec3(-1, 0, 0)}), std::invalid_argument);
@@ -86,7 +86,7 @@ TEST_CASE("A round body's cut is closed too", "[cut]") {
   scene.solid = Scene::Solid::Cylinder;
   const Model cylinder = buildModel(scene, cylinderSurface(0.03, 0.03, 0.004));
   for (const double angle : {0.0, 0.3, 1.1, 2.0}) {
-    const Model cut = cutBody(cylinder, {Vec3(0.0011, 0.0003, 0), Vec3(std::cos(angle), std::sin(angle), 0)});
+    const Body cut = cutBody(cylinder, {Vec3(0.0011, 0.0003, 0), Vec3(std::cos(angle), std::sin(angle), 0)});
     INFO("angle " << angle);
     CHECK(openEdges(cut.skin.surface) == 0);
     CHECK(volumeOf(cut.skin.surface) ==

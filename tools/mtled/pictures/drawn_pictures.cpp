@@ -4,6 +4,7 @@
 #include "app/render/body_painter.h"
 #include "mtled/pictures/atlas_map.h"
 #include "mtled/pictures/pictures.h"
+#include "simulation/model.h"
 
 namespace palpate::tools {
 namespace {
