@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "contact/face_samples.h"
+
 namespace palpate {
 namespace {
 
@@ -10,6 +12,16 @@ constexpr double kStretch = 2.0;
 
 /// Most vertices that a contact may have: 4096 keep a step below about half a millisecond.
 constexpr int kMaxCapacity = 4096;
+
+/// Most samples of stretched faces. They are about as far apart as the skin's vertices are at rest: under a tool whose
+/// skin has edges of 0.35 R about 100, of 0.1 R about 750.
+constexpr int kSampleCapacity = 1024;
+
+/// A point of a triangle is no further from the nearest corner than this part of the longest edge (1 / sqrt 3).
+constexpr double kCornerReach = 0.5774;
+
+/// What stretched edges may grow by from one search to the next.
+constexpr double kGrowth = 1.1;
 
 bool nearer(const ContactState::Candidate& a, const ContactState::Candidate& b) {
   return a.distance != b.distance ? a.distance < b.distance : a.vertex < b.vertex;
@@ -23,11 +35,27 @@ ContactState makeContactState(const SkinModel& skin, const ToolShape&) {
   contact.vertex.resize(capacity);
   contact.force.resize(capacity);
   contact.normal.resize(capacity, Vec3f::Zero());
+  contact.side.resize(capacity, Vec3f::Zero());
   contact.candidate.resize(capacity);
   contact.old_vertex.resize(capacity);
   contact.old_force.resize(capacity);
   contact.old_normal.resize(capacity, Vec3f::Zero());
-  contact.row.resize(capacity);
+  contact.old_side.resize(capacity, Vec3f::Zero());
+  contact.row.resize(capacity + kSampleCapacity);
+
+  FaceSamples& samples = contact.samples;
+  for (auto* ids : {&samples.id, &samples.old_id}) ids->resize(kSampleCapacity);
+  for (auto* forces : {&samples.force, &samples.old_force}) forces->resize(kSampleCapacity);
+  for (auto* sides : {&samples.normal, &samples.side, &samples.old_normal, &samples.old_side})
+    sides->resize(kSampleCapacity, Vec3f::Zero());
+  samples.point.resize(kSampleCapacity);
+  samples.area.resize(kSampleCapacity);
+  samples.lift.resize(kSampleCapacity);
+  samples.candidate.resize(2 * kSampleCapacity);
+  const auto vertices = static_cast<std::size_t>(skin.vertexCount());
+  samples.position.resize(vertices, Vec3f::Zero());
+  samples.mark.resize(vertices);
+  samples.marked.resize(vertices);
   return contact;
 }
 
@@ -35,11 +63,14 @@ void findContactCandidates(const SkinModel& skin, const Float4* u, const ToolSha
                            double margin, ContactState& contact) {
   const Mat3 local_from_world = tool_pose.orientation.conjugate().toRotationMatrix();
   const ToolProfile profile = toolProfile(tool);
-  auto distance = [&](int v) {
-    return toolDistance(profile, local_from_world * (skinPosition(skin, v, u) - tool_pose.position)).distance;
+  auto distanceTo = [&](const Vec3& x) {
+    return toolDistance(profile, local_from_world * (x - tool_pose.position)).distance;
   };
 
-  const double reach = margin + kTissueTravel * tool.radius;
+  // Of a face that is in reach at least a corner is listed.
+  const double near_reach = margin + kTissueTravel * tool.radius;
+  const double reach = near_reach + kGrowth * kCornerReach * static_cast<double>(contact.samples.longest_edge);
+  const double stretch = std::max(kStretch, kGrowth * static_cast<double>(contact.samples.largest_stretch));
 
   // While there is room the list is unordered; when full, a heap with the farthest on top.
   const auto begin = contact.candidate.begin();
@@ -47,11 +78,13 @@ void findContactCandidates(const SkinModel& skin, const Float4* u, const ToolSha
   int count = 0;
   contact.overflow = false;
   const auto isNear = [&](int representative, float radius) {
-    return distance(representative) <= kStretch * static_cast<double>(radius) + reach;
+    return distanceTo(skinPosition(skin, representative, u)) <= stretch * static_cast<double>(radius) + reach;
   };
   const auto add = [&](int v) {
-    const ContactState::Candidate found{distance(v), v};
+    const Vec3 x = skinPosition(skin, v, u);
+    const ContactState::Candidate found{distanceTo(x), v};
     if (!(found.distance <= reach)) return;
+    contact.samples.position[v] = x.cast<float>();
     if (count < capacity) {
       begin[count++] = found;
       return;
@@ -87,6 +120,7 @@ void findContactCandidates(const SkinModel& skin, const Float4* u, const ToolSha
   std::swap(contact.vertex, contact.old_vertex);
   std::swap(contact.force, contact.old_force);
   std::swap(contact.normal, contact.old_normal);
+  std::swap(contact.side, contact.old_side);
   int old = 0;
   for (int k = 0; k < count; ++k) {
     const int v = begin[k].vertex;
@@ -95,8 +129,12 @@ void findContactCandidates(const SkinModel& skin, const Float4* u, const ToolSha
     contact.vertex[k] = v;
     contact.force[k] = stays ? contact.old_force[old] : Float4{};
     contact.normal[k] = stays ? contact.old_normal[old] : Vec3f(Vec3f::Zero());
+    contact.side[k] = stays ? contact.old_side[old] : Vec3f(Vec3f::Zero());
   }
   contact.count = count;
+
+  if (!findFaceSamples(skin, u, profile, local_from_world, tool_pose.position, near_reach, contact))
+    contact.overflow = true;
 }
 
 }  // namespace palpate

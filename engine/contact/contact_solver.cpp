@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "contact/face_samples.h"
+#include "contact/tool_side.h"
+
 namespace palpate {
 namespace {
 
@@ -21,10 +24,6 @@ constexpr double kActiveGap = 0.01;
 /// Depth, per tool radius, from which the pressure grows no further (100 Young's moduli). Only a
 /// tool that is put into the tissue gets there; the cap lets it be expelled instead of exploding.
 constexpr double kPressureCapDepth = 0.2;
-
-/// Part of the rounding, in depth, from which on a turn of the normal by more than 60 degrees is distrusted.
-constexpr double kDeep = 0.5;
-constexpr double kSameSide = 0.5;
 
 Vector4f lanes(const Vec3& a) {
   return {static_cast<float>(a.x()), static_cast<float>(a.y()), static_cast<float>(a.z()), 0.0F};
@@ -48,6 +47,26 @@ float compliance(const SkinModel& skin, int v, const float* inverse_mass) {
   return sum;
 }
 
+/// Bound on a sample's: its corners move each other no more than themselves. Too large a response makes the sweeps
+/// careful, not wrong.
+float compliance(const SkinModel& skin, const SkinPoint& sample, const float* inverse_mass) {
+  float root = 0.0F;
+  for (int c = 0; c < sample.corners; ++c)
+    root += sample.share[c] * std::sqrt(compliance(skin, sample.vertex[c], inverse_mass));
+  return root * root;
+}
+
+Vector4f interpolateAt(const SkinModel& skin, const ContactRow& row, const Float4* field) {
+  return row.sample == nullptr ? interpolateAtVertex(skin, row.vertex, field) : interpolate(skin, *row.sample, field);
+}
+
+void applyForce(const SkinModel& skin, const ContactRow& row, const Vector4f& f, float alpha, const float* inverse_mass,
+                Float4* du) {
+  if (row.sample == nullptr) return applyForce(skin, row.vertex, f, alpha, inverse_mass, du);
+  for (int c = 0; c < row.sample->corners; ++c)
+    applyForce(skin, row.sample->vertex[c], row.sample->share[c] * f, alpha, inverse_mass, du);
+}
+
 /// Rotations and places of one step, computed once.
 struct Motion {
   explicit Motion(const Pose& from, const Pose& to)
@@ -60,16 +79,6 @@ struct Motion {
   Mat3 world_from_tool, world_from_old_tool, turn;
   Vec3 position, old_position;
 };
-
-/// Signed distance at the end of the step. Deep inside, where the nearest side may not be the one
-/// that the vertex came in by, the distance is that to leave by the remembered side.
-ToolDistance distanceBySide(const ToolProfile& tool, const Vec3& local, const Vec3& old_local, const Vec3f& memory) {
-  ToolDistance d = toolDistance(tool, local);
-  if (d.distance > -kDeep * tool.rounding) return d;
-  const Vec3 side = memory.isZero() ? toolDistance(tool, old_local).normal : Vec3(memory.cast<double>());
-  if (d.normal.dot(side) < kSameSide) d = {-exitDistance(tool, local, side), side};
-  return d;
-}
 
 /// Solves one vertex's law with all other forces held; returns the change of its force.
 Vector4f updateForce(ContactRow& row, const Vector4f& increment, float friction, float force_cap) {
@@ -104,44 +113,56 @@ Vec3 solveContact(const SkinModel& skin, const ToolShape& tool, const Pose& pose
   const ToolProfile profile = toolProfile(tool);
   const float mu = static_cast<float>(friction), alpha_f = static_cast<float>(alpha);
 
-  // Rows: the vertices that touch, or nearly.
+  // Rows: the vertices that touch, or nearly, then the samples of stretched faces.
+  FaceSamples& samples = contact.samples;
   int row_count = 0;
-  for (int slot = 0; slot < contact.count; ++slot) {
-    const int v = contact.vertex[slot];
-    const Vector4f predicted = interpolateAtVertex(skin, v, du);
-    const Vec3 start = skinPosition(skin, v, u);
+  for (int k = 0; k < contact.count + samples.count; ++k) {
+    const bool is_vertex = k < contact.count;
+    const int slot = is_vertex ? k : k - contact.count;
+    const SkinPoint* const sample = is_vertex ? nullptr : &samples.point[slot];
+    const int v = is_vertex ? contact.vertex[slot] : sample->vertex[0];
+    Float4& last_force = (is_vertex ? contact.force : samples.force)[slot];
+    Vec3f& last_normal = (is_vertex ? contact.normal : samples.normal)[slot];
+    Vec3f& side = (is_vertex ? contact.side : samples.side)[slot];
+
+    const Vector4f predicted = is_vertex ? interpolateAtVertex(skin, v, du) : interpolate(skin, *sample, du);
+    const Vec3 start = is_vertex ? skinPosition(skin, v, u) : skinPosition(skin, *sample, u);
     const Vec3 end = start + predicted.head<3>().cast<double>();
     const Vec3 local = motion.world_from_tool.transpose() * (end - motion.position);
     const Vec3 old_local = motion.world_from_old_tool.transpose() * (start - motion.old_position);
-    const ToolDistance d = distanceBySide(profile, local, old_local, contact.normal[slot]);
+    ToolDistance d = distanceBySide(profile, local, old_local, last_normal, side);
+    if (!is_vertex) d.distance += static_cast<double>(samples.lift[slot]);
     if (!(d.distance <= kActiveGap * tool.radius)) {  // also where it is not a number
-      contact.force[slot] = Float4{};
-      contact.normal[slot].setZero();
+      last_force = Float4{};
+      last_normal.setZero();
+      side.setZero();
       continue;
     }
     ContactRow& row = contact.row[row_count++];
     row.slot = slot;
     row.vertex = v;
+    row.sample = sample;
     row.normal = lanes(Vec3(motion.world_from_tool * d.normal));
     row.gap = static_cast<float>(d.distance);
     row.predicted = predicted;
     row.tool_increment = lanes(Vec3(end - (motion.world_from_old_tool * local + motion.old_position)));
-    row.stiffness = static_cast<float>(skin.bulk_stiffness * skin.area[v]);
-    row.mobility = alpha_f * compliance(skin, v, inverse_mass);
+    row.stiffness =
+        static_cast<float>(skin.bulk_stiffness * (is_vertex ? skin.area[v] : static_cast<double>(samples.area[slot])));
+    row.mobility = alpha_f * (is_vertex ? compliance(skin, v, inverse_mass) : compliance(skin, *sample, inverse_mass));
     row.penetration = 0.0F;
 
     // Last step's force, turned with the tool and the normal.
-    const Vec3 old_force = motion.turn * toVec3(contact.force[slot]);
-    const Vec3 old_normal = motion.world_from_tool * contact.normal[slot].cast<double>();
+    const Vec3 old_force = motion.turn * toVec3(last_force);
+    const Vec3 old_normal = motion.world_from_tool * last_normal.cast<double>();
     const double normal_force = old_normal.dot(old_force);
     row.stick = lanes(Vec3(old_force - normal_force * old_normal));
     row.stick -= row.normal.dot(row.stick) * row.normal;
     row.force = static_cast<float>(normal_force) * row.normal + row.stick;
-    contact.normal[slot] = d.normal.cast<float>();
+    last_normal = d.normal.cast<float>();
   }
 
   for (int r = 0; r < row_count; ++r) {
-    applyForce(skin, contact.row[r].vertex, contact.row[r].force, alpha_f, inverse_mass, du);
+    applyForce(skin, contact.row[r], contact.row[r].force, alpha_f, inverse_mass, du);
   }
   const float cap = static_cast<float>(kPressureCapDepth * tool.radius);
   int sweep = 0;
@@ -149,11 +170,11 @@ Vec3 solveContact(const SkinModel& skin, const ToolShape& tool, const Pose& pose
     float changed = 0.0F, size = 0.0F;
     for (int k = 0; k < row_count; ++k) {
       ContactRow& row = contact.row[sweep % 2 == 0 ? k : row_count - 1 - k];
-      const Vector4f change = updateForce(row, interpolateAtVertex(skin, row.vertex, du), mu, cap);
+      const Vector4f change = updateForce(row, interpolateAt(skin, row, du), mu, cap);
       size += row.force.squaredNorm();
       if (change.isZero(0.0F)) continue;
       changed += change.squaredNorm();
-      applyForce(skin, row.vertex, change, alpha_f, inverse_mass, du);
+      applyForce(skin, row, change, alpha_f, inverse_mass, du);
     }
     settled = changed <= kTolerance * kTolerance * size;
   }
@@ -164,7 +185,7 @@ Vec3 solveContact(const SkinModel& skin, const ToolShape& tool, const Pose& pose
   contact.sweep_count = sweep;
   for (int r = 0; r < row_count; ++r) {
     const ContactRow& row = contact.row[r];
-    store(contact.force[row.slot], loadGroup(row.force.data()));
+    store((row.sample == nullptr ? contact.force : samples.force)[row.slot], loadGroup(row.force.data()));
     on_tissue += row.force.head<3>().cast<double>();
     contact.max_penetration = std::max(contact.max_penetration, static_cast<double>(row.penetration));
     contact.contact_count += row.force.isZero(0.0F) ? 0 : 1;

@@ -23,7 +23,8 @@ namespace palpate {
 /// Solved by Gauss-Seidel over the vertices, forwards and backwards by turns, in place on du,
 /// starting from the last step's forces; at most kMaxSweeps sweeps.
 ///
-/// A vertex deeper than the tool's rounding is pushed out by the side it came in by.
+/// Samples of stretched faces (contact.samples) take part like vertices; a force on one goes to its corners by their
+/// shares. A point that is deep in the tool is pushed out by the side it came in by (tool_side.h).
 /// A vertex whose position is not finite takes no part.
 ///
 /// @param alpha         the step's mobility factor of paper eq. 12, s^2

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "base/types.h"
@@ -8,19 +9,59 @@
 
 namespace palpate {
 
-/// One skin vertex in solveContact's system.
+/// A point of the skin that follows some of its vertices: one itself, two of an edge, three of a face.
+struct SkinPoint {
+  int corners = 1;
+  std::array<int, 3> vertex = {};    // (corners)
+  std::array<float, 3> share = {1};  // (corners) sum 1
+};
+
+/// One point of the skin in solveContact's system.
 struct ContactRow {
   Eigen::Vector4f normal;          // unit, outward from the tool, world
-  Eigen::Vector4f predicted;       // increment of the vertex before contact, m
-  Eigen::Vector4f tool_increment;  // of the tool's surface at the vertex, m
+  Eigen::Vector4f predicted;       // increment of the point before contact, m
+  Eigen::Vector4f tool_increment;  // of the tool's surface at the point, m
   Eigen::Vector4f stick;           // tangential force carried over from the last step, N
   Eigen::Vector4f force;           // on the tissue, N
   float gap = 0;                   // m, at the end of the step if there were no contact
-  float stiffness = 0;             // N/m, of the contact layer at this vertex
-  float mobility = 0;              // m/N, alpha sum_i N_i^2 / m_i
+  float stiffness = 0;             // N/m, of the contact layer at this point
+  float mobility = 0;              // m/N, alpha sum_i N_i^2 / m_i; of several corners a bound of it
   float penetration = 0;           // m, after the last sweep
-  int slot = 0;                    // index in ContactState
-  int vertex = 0;                  // skin vertex
+  int slot = 0;                    // index in ContactState, or in its samples
+  int vertex = 0;                  // skin vertex; of a sample its first corner
+  const SkinPoint* sample = nullptr;
+};
+
+/// Contact points on edges and faces of the skin that are stretched (face_samples.h), and what is remembered of them.
+struct FaceSamples {
+  // Remembered from step to step.
+  int count = 0;
+  std::vector<int> id;        // (capacity) edge or face and place on it, ascending
+  std::vector<Float4> force;  // (capacity) on the tissue, N
+  std::vector<Vec3f> normal;  // (capacity) as ContactState::normal
+  std::vector<Vec3f> side;    // (capacity) as ContactState::side
+  float longest_edge = 0;     // m, of the stretched faces near the tool, now; 0: none is stretched
+  float largest_stretch = 1;  // of their edges
+
+  // Of this tick.
+  std::vector<SkinPoint> point;  // (capacity)
+  std::vector<float> area;       // (capacity) m^2, share of the skin as it is now
+  std::vector<float> lift;       // (capacity) m, added to the distance while a sample is being brought in
+
+  // Scratch.
+  struct Candidate {
+    int id = 0;
+    SkinPoint point;
+    float area = 0, lift = 0;
+  };
+  std::vector<Candidate> candidate;  // (2 capacity)
+  std::vector<int> old_id;           // (capacity)
+  std::vector<Float4> old_force;     // (capacity)
+  std::vector<Vec3f> old_normal;     // (capacity)
+  std::vector<Vec3f> old_side;       // (capacity)
+  std::vector<Vec3f> position;       // (vertex_count) m, of the vertices that are marked
+  std::vector<int> mark;             // (vertex_count) 0: position unknown, > 0: slot in ContactState + 1, -1: other
+  std::vector<int> marked;           // (vertex_count) those with -1
 };
 
 /// Forces between tool and tissue in one step, and what the solver remembers.
@@ -30,9 +71,11 @@ struct ContactState {
   std::vector<int> vertex;     // (capacity) skin vertex, ascending
   std::vector<Float4> force;   // (capacity) on the tissue at that vertex, N; warm start of the next step
   std::vector<Vec3f> normal;   // (capacity) side of the tool that it touches, tool's frame; 0: none
-  bool overflow = false;       // more vertices near the tool than capacity; the farthest were dropped
+  std::vector<Vec3f> side;     // (capacity) while it is deep: the side by which it came in (tool_side.h); 0: not deep
+  FaceSamples samples;         // the same for points of stretched faces
+  bool overflow = false;       // more points near the tool than capacity; the farthest vertices were dropped
   double max_penetration = 0;  // m, deepest after the last step
-  int contact_count = 0;       // vertices that carry force after the last step
+  int contact_count = 0;       // vertices and samples that carry force after the last step
   int sweep_count = 0;         // sweeps of the last step
 
   // Scratch.
@@ -43,12 +86,14 @@ struct ContactState {
   std::vector<Candidate> candidate;  // (capacity)
   std::vector<Float4> old_force;     // (capacity)
   std::vector<Vec3f> old_normal;     // (capacity)
+  std::vector<Vec3f> old_side;       // (capacity)
   std::vector<int> old_vertex;       // (capacity)
-  std::vector<ContactRow> row;       // (capacity)
+  std::vector<ContactRow> row;       // (capacity of vertices and samples)
 };
 
 /// Memory for the largest contact that this tool can make with this skin: every vertex, but no
-/// more than 4096 (a tool of radius R over a skin with edges of 0.1 R touches about 750 at a time).
+/// more than 4096 (a tool of radius R over a skin with edges of 0.1 R touches about 750 at a time), and 1024 samples
+/// of stretched faces.
 ContactState makeContactState(const SkinModel& skin, const ToolShape& tool);
 
 }  // namespace palpate

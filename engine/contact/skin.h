@@ -5,13 +5,15 @@
 #include "approximation/shape_table.h"
 #include "base/float4.h"
 #include "base/types.h"
+#include "contact/skin_topology.h"
 #include "discretization/surface/triangle_surface.h"
 
 namespace palpate {
 
 /// The skin as the contact reads it: constant. Vertices are not nodes; vertex v
 /// stands at X_v + sum_i N_i(X_v) u_i. They are also the quadrature points of the
-/// contact pressure, so what the tool feels is only as fine as the skin. Where a tool can
+/// contact pressure, so what the tool feels is only as fine as the skin (faces that are stretched
+/// get points of their own, face_samples.h). Where a tool can
 /// touch, edges should be at most 0.35 of its radius and no longer than its rounding (ToolProfile):
 /// first touch is then late by up to 0.02 R (a quarter of that with half the edges).
 struct SkinModel {
@@ -31,6 +33,7 @@ struct SkinModel {
   std::vector<int> region_representative;  // (region_count) as a cluster's
   std::vector<float> region_radius;        // (region_count)
   double bulk_stiffness = 0;               // Pa/m, pressure per penetration of the contact layer
+  SkinTopology topology;                   // for samples on stretched faces (face_samples.h)
 
   int vertexCount() const { return static_cast<int>(area.size()); }
   int clusterCount() const { return static_cast<int>(cluster_representative.size()); }

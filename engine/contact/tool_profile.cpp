@@ -81,12 +81,13 @@ ToolDistance toolDistance(const ToolProfile& p, const Vec3& local) {
 double exitDistance(const ToolProfile& p, const Vec3& local, const Vec3& direction) {
   // A step as long as the distance to the surface can't pass through it.
   const double close = 1e-4 * p.radius;
-  double travelled = 0.0;
+  double travelled = 0.0, last = 0.0;
   for (int i = 0; i < 32; ++i) {
     const double depth = -toolDistance(p, local + travelled * direction).distance;
     if (!(depth > 0.0)) break;
     travelled += depth;
-    if (depth < close) break;
+    if (depth < close && depth < last) break;  // near the surface and going out
+    last = depth;
   }
   return travelled;
 }

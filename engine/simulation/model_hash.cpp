@@ -67,6 +67,17 @@ std::uint64_t stateHash(const Model& model, const State& state) {
   add(state.contact.vertex.data(), contacts * sizeof(int));
   add(state.contact.force.data(), contacts * sizeof(Float4));
   add(state.contact.normal.data(), contacts * sizeof(Vec3f));
+  for (std::size_t k = 0; k < contacts; ++k)
+    if (!state.contact.side[k].isZero()) add(&k, sizeof k), add(&state.contact.side[k], sizeof(Vec3f));
+  if (const FaceSamples& samples = state.contact.samples; samples.longest_edge > 0) {
+    const auto count = static_cast<std::size_t>(samples.count);
+    add(samples.id.data(), count * sizeof(int));
+    add(samples.force.data(), count * sizeof(Float4));
+    add(samples.normal.data(), count * sizeof(Vec3f));
+    add(samples.side.data(), count * sizeof(Vec3f));
+    add(&samples.longest_edge, sizeof(float));
+    add(&samples.largest_stretch, sizeof(float));
+  }
   add(state.tool_pose.position.data(), sizeof(double) * 3);
   add(state.tool_pose.orientation.coeffs().data(), sizeof(double) * 4);
   return fnv1a(liveChanges(model, state.live), hash);

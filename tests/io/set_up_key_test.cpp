@@ -30,6 +30,9 @@ const std::string adaptive = replaced(minimal_scene, "spacing = 0.01\n", "spacin
 const std::string rod =
     replaced(minimal_scene, "shape = \"half-space\"", "shape = \"cylinder\"\nradius = 0.01\nheight = 0.02");
 const std::string solved = minimal_scene + "[solve]\n";
+const std::string cone =
+    replaced(full_scene, "shape = \"cylinder\"\nradius = 0.005\nlength = 0.03\nedge_radius = 0.0005",
+             "shape = \"cone\"\nradius = 0.005\nhalf_angle = 40\ntip_radius = 0.002");
 
 /// A scene, and what to write in it instead of something else, so that one key changes.
 struct Change {
@@ -112,6 +115,8 @@ std::map<std::string, Change> changes() {
       {"tool.radius", {full_scene, "radius = 0.005\nlength", "radius = 0.006\nlength"}},
       {"tool.length", {full_scene, "length = 0.03", "length = 0.04"}},
       {"tool (cylinder).edge_radius", {full_scene, "edge_radius = 0.0005", "edge_radius = 0.0006"}},
+      {"tool (cone).half_angle", {cone, "half_angle = 40", "half_angle = 41"}},
+      {"tool (cone).tip_radius", {cone, "tip_radius = 0.002", "tip_radius = 0.0021"}},
       {"tool.position", {full_scene, "position = [0, 0, 0.03]", "position = [0, 0, 0.04]"}},
       {"tool.direction", {full_scene, "direction = [0, 3, -4]", "direction = [0, 3, -5]"}},
       {"tool.max_speed", {full_scene, "max_speed = 0.5", "max_speed = 0.6"}},

@@ -7,7 +7,8 @@
 #define PALPATE_TOOLS(TOOL) \
   TOOL(Sphere)              \
   TOOL(FlatCylinder)        \
-  TOOL(Capsule)
+  TOOL(Capsule)             \
+  TOOL(Cone)
 
 namespace palpate {
 

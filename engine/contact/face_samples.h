@@ -1,0 +1,39 @@
+#pragma once
+
+#include "contact/contact_state.h"
+
+namespace palpate {
+
+/// Up to this stretch of its edges (length over that at rest) a face is felt by its vertices alone.
+constexpr float kStretchLimit = 1.5F;
+
+/// From this stretch on a first sample takes part in full.
+constexpr float kFullStretch = 2.25F;
+
+/// Finds the contact points on stretched edges and faces whose distance to the tool is at most `reach`, and lists them
+/// in contact.samples by ascending id, keeping the forces of those that stay.
+///
+/// Contact is felt at the skin's vertices. Where the skin is stretched they spread, until a tool fits between them. So
+/// an edge that is stretched by s gets a sample in its middle, those halves that are still stretched by s / 2 get one in
+/// theirs, and so on for three levels, up to s = 8 (12 between samples that are kStretchLimit apart); and faces in their
+/// inside, where halved edges meet. A sample follows its corners linearly: it feels the skin that is drawn.
+///
+/// Nothing jumps as a sample comes in. Between kStretchLimit and kFullStretch its weight w goes from 0 to 1: the layer
+/// there is w times as stiff, and the tool is as far from it as from its corners on average, less w times the rest.
+/// (The distance to a convex tool is nowhere more than that average.)
+/// @pre  contact.vertex are the vertices near the tool; of those, samples.position is where they are. Edges near the tool
+///       grow by no more than a tenth between two searches: a tool that is put on skin that is stretched already to
+///       several times its size is felt when it comes to a vertex.
+/// @return false if there were more than there is memory for
+/// Real-time: no allocation, no lock, no throw; where no edge is stretched, a comparison for each edge of the listed
+/// vertices. Test: contact/face_samples_test.cpp.
+bool findFaceSamples(const SkinModel& skin, const Float4* u, const ToolProfile& tool, const Mat3& local_from_world,
+                     const Vec3& tool_position, double reach, ContactState& contact);
+
+/// Where a point of the skin is now, m. Real-time.
+Vec3 skinPosition(const SkinModel& skin, const SkinPoint& point, const Float4* u);
+
+/// Interpolates a nodal field at a point of the skin. Lane w is 0. Real-time.
+Eigen::Vector4f interpolate(const SkinModel& skin, const SkinPoint& point, const Float4* field);
+
+}  // namespace palpate
