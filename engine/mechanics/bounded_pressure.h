@@ -1,0 +1,34 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+namespace palpate {
+
+// A pressure that is bounded by a limit, and its energy: cell_volume.h.
+
+/// Share of its limit from which on a node's pressure counts.
+inline constexpr double pressed_from = 0.8;
+
+/// h of a pressure K theta.
+template <class Real>
+Real boundedEnergy(Real pressure, Real limit, Real bulk) {
+  const Real p = std::abs(pressure);
+  return p <= limit ? p * p / (2 * bulk) : limit * (p - limit / 2) / bulk;
+}
+
+template <class Real>
+Real bounded(Real pressure, Real limit) {
+  return std::clamp(pressure, -limit, limit);
+}
+
+/// How much a node counts as pressed: 0 up to pressed_from of its limit, 1 from the limit on.
+template <class Real>
+Real pressedShare(Real pressure, Real limit) {
+  constexpr Real from = static_cast<Real>(pressed_from);
+  const Real p = std::abs(pressure);
+  if (!(p > from * limit)) return 0;
+  return p < limit ? (p / limit - from) / (1 - from) : 1;
+}
+
+}  // namespace palpate
