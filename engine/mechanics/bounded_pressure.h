@@ -7,6 +7,11 @@ namespace palpate {
 
 // A pressure that is bounded by a limit, and its energy: cell_volume.h.
 
+/// p1 over shear modulus. The patches alone give way from 4.5 on, and where cells share points (cell_pairs.h) from 2.75.
+/// At 1 torsion and indentation are as exact as at 2.5, but more nodes are looked at; at 2.5 the free block leaves the
+/// closed form a little earlier, and points are squeezed more.
+inline constexpr double pressure_limit = 1.5;
+
 /// Share of its limit from which on a node's pressure counts.
 inline constexpr double pressed_from = 0.8;
 

@@ -149,7 +149,7 @@ struct CellPasses {
 
   /// Bounds a patch's pressure, and notes the cells around it if it is pressed.
   void bound(int a, std::size_t part) const {
-    const Real limit = cells.limit * patches.shear[a], p = patches.pressure[a];
+    const Real limit = static_cast<Real>(pressure_limit) * patches.shear[a], p = patches.pressure[a];
     if (!(limit > 0)) return;  // in no cell
     Real largest = 0;
     for (int e = patches.begin[a]; e < patches.begin[a + 1]; ++e)
@@ -193,7 +193,7 @@ struct CellPasses {
     Real change = 0;
     for (int e = cells.corner_begin[a]; e < cells.corner_begin[a + 1]; ++e)
       change += s.volume_change[cells.corner[e] / 4];
-    const Real bulk = patches.bulk[a], limit = cells.limit * patches.shear[a];
+    const Real bulk = patches.bulk[a], limit = static_cast<Real>(pressure_limit) * patches.shear[a];
     const Real p = bulk * (change / (4 * cells.volume[a]));
     s.pressure[a] = s.weight[a] * (p - bounded(p, limit));
     if (s.pressure[a] == 0) return;

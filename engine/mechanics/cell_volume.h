@@ -22,7 +22,7 @@ namespace palpate {
 ///   energy  sum_a V_a h(K_a theta_a) + V'_a w_a (K_a theta'_a^2 / 2 - h(K_a theta'_a))
 ///
 /// over nodes a and their cells t; theta_a and V_a are the patches' (node_patch.h). h is the energy of a pressure
-/// bounded by p1 = limit times the least shear modulus in the patch: p^2 / 2K up to |p| = p1, p1 (|p| - p1/2) / K
+/// bounded by p1 = pressure_limit times the least shear modulus in the patch: p^2 / 2K up to |p| = p1, p1 (|p| - p1/2) / K
 /// beyond. So a patch's pressure is clamp(K theta, -p1, p1), and what is beyond comes from the cells: their pressure is
 /// the mean of w_a (K theta'_a - clamp(K theta'_a, -p1, p1)) of their four nodes, and -p_t dV_t/dx_a goes to the nodes j
 /// by N_j(X_a). Below p1 the patches alone are the more exact (torsion, indentation).
@@ -34,7 +34,6 @@ namespace palpate {
 /// node whose cells are beyond the limit while no point around is, the change of w_a is left out.
 template <class Real>
 struct CellVolumeOf {
-  Real limit = 0;  // p1 over shear modulus
   // N_j(X_a) by rows a and by columns j.
   std::vector<int> row_begin, column_begin;         // (node_count + 1)
   std::vector<std::int32_t> row_node, column_node;  // j of a row, a of a column
@@ -96,11 +95,7 @@ struct CellVolumeSpec {
   const std::vector<std::array<int, 4>>& cells;  // (cell_count) of either orientation
   const ShapeTable& node_shape;                  // N at X; no gradients
   const NodePatches& patches;
-  double limit;  // p1 over shear modulus
 };
-
-/// p1 over shear modulus. The patches give way from 4.5 on, and where cells share points (cell_pairs.h) from 2.75.
-double pressureLimit(double cells_per_point);
 
 template <class Real>
 CellVolumeOf<Real> makeCellVolume(const CellVolumeSpec& spec);

@@ -76,12 +76,9 @@ void addCells(const CellVolumeSpec& spec, CellVolumeOf<Real>& result) {
 
 }  // namespace
 
-double pressureLimit(double cells_per_point) { return cells_per_point > 1 ? 1.5 : 2.5; }
-
 template <class Real>
 CellVolumeOf<Real> makeCellVolume(const CellVolumeSpec& spec) {
   CellVolumeOf<Real> result;
-  result.limit = static_cast<Real>(spec.limit);
   addTables(spec.node_shape, result);
   addCells(spec, result);
   result.patch_volume.assign(spec.patches.volume.begin(), spec.patches.volume.end());
@@ -145,10 +142,10 @@ CellVolumeReference referenceCellVolume(const CellVolumeSpec& spec, const std::v
     }
   for (std::size_t q = 0; q < J_minus_1.size(); ++q)
     for (const int a : spec.patches.node[q])
-      weight[a] = std::max(weight[a], pressedShare(K[a] * J_minus_1[q], spec.limit * shear[a]));
+      weight[a] = std::max(weight[a], pressedShare(K[a] * J_minus_1[q], pressure_limit * shear[a]));
   for (std::size_t a = 0; a < nodes; ++a) {
     if (K[a] == 0) continue;
-    const double limit = spec.limit * shear[a], p = K[a] * change[a] / cell_volume[a];
+    const double limit = pressure_limit * shear[a], p = K[a] * change[a] / cell_volume[a];
     result.patch_pressure[a] = bounded(K[a] * theta[a], limit);
     result.cell_pressure[a] = weight[a] * (p - bounded(p, limit));
     result.energy += spec.patches.volume[a] * boundedEnergy(K[a] * theta[a], limit, K[a]) +

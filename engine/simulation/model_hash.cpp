@@ -15,7 +15,7 @@ void add(ByteKey& key, const KernelLayout& kernel) {
   key.add(kernel.batch_material, kernel.patch_begin, kernel.patch_point, kernel.patch_node);
   key.add(kernel.patch_share, kernel.patch_weight);
   const CellVolumeOf<float>& cells = kernel.cell_volume;
-  key.add(cells.limit, cells.row_node, cells.row_N, cells.cell_node, cells.edge);
+  key.add(cells.row_node, cells.row_N, cells.cell_node, cells.edge);
 }
 
 void add(ByteKey& key, const EssentialBoundary& boundary) {
