@@ -39,6 +39,20 @@ KernelView<Real> viewOf(const KernelLayoutOf<Real>& layout, const KernelMaterial
   return k;
 }
 
+template <class Real>
+PatchStateOf<Real> patchState(const KernelLayoutOf<Real>& layout, const KernelMaterialsOf<Real>& materials,
+                              const KernelView<Real>& k) {
+  return {static_cast<int>(layout.batch_material.size()),
+          k.patch_node,
+          k.patch_begin,
+          k.patch_point,
+          k.patch_bulk,
+          materials.patch_shear.data(),
+          k.dilatation,
+          k.patch_pressure,
+          materials.least_pressed_dilatation};
+}
+
 }  // namespace
 
 template <class Real>
@@ -46,14 +60,20 @@ ForceReport internalForces(const KernelLayoutOf<Real>& layout, const KernelMater
                            const Real4<Real>* u, KernelScratchOf<Real>& scratch, SpinTeam& team) {
   const KernelView<Real> k = viewOf(layout, materials, scratch);
   const KernelPasses<Real>& passes = *scratch.passes;
+  ForceReport total;
   if (k.patch_begin) {
     const auto border = [&](int part) { return static_cast<int>(std::int64_t{k.node_count} * part / k.chunk_count); };
     shareOut(team, k.chunk_count, [&](int chunk) { passes.dilatation(k, chunk, u); });
-    shareOut(team, k.chunk_count, [&](int part) { passes.sumPatches(k, border(part), border(part + 1)); });
+    const PatchStateOf<Real> patches = patchState(layout, materials, k);
+    const bool with_cells = !layout.cell_volume.empty();
+    shareOut(team, k.chunk_count, [&](int part) {
+      passes.sumPatches(k, border(part), border(part + 1));
+      if (with_cells) findPressed(patches, part, scratch.cell_volume);
+    });
+    if (with_cells) total.strain_energy = cellForces(layout.cell_volume, patches, u, scratch.cell_volume, team);
   }
   shareOut(team, k.chunk_count, [&](int chunk) { passes.forces(k, chunk, u); });
 
-  ForceReport total;
   for (const auto& r : scratch.report) {
     total.inverted_points += r.inverted;
     total.strain_energy += r.energy;
@@ -76,6 +96,7 @@ void sumForces(const KernelLayoutOf<Real>& layout, const KernelScratchOf<Real>& 
     for (int i = std::max(begin, layout.chunk_node_begin[c]); i < std::min(end, layout.chunk_node_end[c]); ++i)
       store(f[i], load(f[i]) + load(from[i]));
   }
+  if (!layout.cell_volume.empty()) addCellForces(layout.cell_volume, scratch.cell_volume, begin, end, f);
   for (int i = begin; i < end; ++i) f[i].w = 0;  // the kernel leaves the z component there, too
 }
 

@@ -23,7 +23,7 @@ struct ForceReport {
 ///   f_i = -sum_q V_q P(F_q) gradN_i(X_q)          paper eq. 31
 ///
 /// Where the layout has node patches, the pressure K (J - 1) in P is that of node_patch.h: two passes over the
-/// points, the gradients kept in between.
+/// points, the gradients kept in between. What is beyond a limit of that comes from the cells (cell_volume.h).
 ///
 /// A chunk is computed by one thread and sums into its own buffer; sumForces adds the buffers in chunk order, so that
 /// the result does not depend on the thread count.

@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <stdexcept>
 #include <type_traits>
 
 #include "base/input_error.h"
 #include "discretization/nodes/node_order.h"
+#include "mechanics/bounded_pressure.h"
 #include "mechanics/point_block_order.h"
 
 namespace palpate {
@@ -219,20 +221,28 @@ KernelMaterialsOf<Real> makeKernelMaterials(const KernelLayoutOf<Real>& layout, 
   KernelMaterialsOf<Real> result;
   result.materials = std::move(materials);
   if (!layout.patch_begin.empty()) result.patch_bulk.resize(layout.patch_begin.size() - 1);
+  result.patch_shear.resize(result.patch_bulk.size());
   updatePatchBulk(layout, result);
   return result;
 }
 
 template <class Real>
 void updatePatchBulk(const KernelLayoutOf<Real>& layout, KernelMaterialsOf<Real>& materials) {
+  auto least_ratio = std::numeric_limits<Real>::infinity();  // of shear to bulk modulus
   // A patch's shares sum to 1, so this is the harmonic mean of the bulk moduli in it.
   for (std::size_t i = 0; i < materials.patch_bulk.size(); ++i) {
-    Real sum = 0;
-    for (int e = layout.patch_begin[i]; e < layout.patch_begin[i + 1]; ++e)
-      sum += layout.patch_share[e] /
-             static_cast<Real>(materials.materials[layout.batch_material[layout.patch_point[e] / 16]].bulk_modulus);
+    Real sum = 0, least = 0;
+    for (int e = layout.patch_begin[i]; e < layout.patch_begin[i + 1]; ++e) {
+      const Material& material = materials.materials[layout.batch_material[layout.patch_point[e] / 16]];
+      const auto shear = static_cast<Real>(material.shear_modulus);
+      sum += layout.patch_share[e] / static_cast<Real>(material.bulk_modulus);
+      if (e == layout.patch_begin[i] || shear < least) least = shear;
+    }
     materials.patch_bulk[i] = sum > 0 ? 1 / sum : 0;
+    materials.patch_shear[i] = least;
+    if (sum > 0) least_ratio = std::min(least_ratio, least * sum);
   }
+  materials.least_pressed_dilatation = static_cast<Real>(pressed_from * pressure_limit) * least_ratio;
 }
 
 template <class Real>
@@ -314,6 +324,7 @@ KernelScratchOf<Real> makeKernelScratch(const KernelLayoutOf<Real>& layout, Inst
     scratch.displacement_gradient.resize(layout.batch_material.size() * 144);
     scratch.dilatation.resize(layout.point.size());
     scratch.patch_pressure.resize(nodes);
+    scratch.cell_volume = makeCellVolumeScratch(layout.cell_volume, static_cast<int>(chunks));
   }
   return scratch;
 }

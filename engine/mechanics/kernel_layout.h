@@ -6,6 +6,7 @@
 
 #include "approximation/shape_table.h"
 #include "base/types.h"
+#include "mechanics/cell_volume.h"
 #include "mechanics/gradient_precision.h"
 #include "mechanics/kernel_passes.h"
 #include "mechanics/materials/material.h"
@@ -41,6 +42,7 @@ struct KernelLayoutOf {
   AlignedVector<Real> patch_share;        // s_aq
   std::vector<std::int32_t> patch_node;   // (64 * batch_count) [vertex 4][point 16] per batch
   AlignedVector<Real> patch_weight;       // (64 * batch_count) l_a(x_q)
+  CellVolumeOf<Real> cell_volume;         // takes over under pressure; empty: nothing does
   // Chunks: fixed work packages, so that the sum over them does not depend on the thread count.
   std::vector<int> chunk_begin;                       // (chunk_count + 1) batches
   std::vector<int> chunk_node_begin, chunk_node_end;  // (chunk_count) range of nodes that a chunk touches
@@ -51,8 +53,10 @@ using KernelLayout = KernelLayoutOf<float>;
 /// Data of the kernel that may change from step to step. The layout itself is constant, and many bodies may share it.
 template <class Real>
 struct KernelMaterialsOf {
-  std::vector<Material> materials;  // (material_count) that batch_material counts
-  AlignedVector<Real> patch_bulk;   // (node_count) K_a, Pa, by updatePatchBulk; empty without node patches
+  std::vector<Material> materials;    // (material_count) that batch_material counts
+  AlignedVector<Real> patch_bulk;     // (node_count) K_a, Pa, by updatePatchBulk; empty without node patches
+  AlignedVector<Real> patch_shear;    // (node_count) least shear modulus of the patch, Pa, by the same
+  Real least_pressed_dilatation = 0;  // from which on cell_volume.h looks at a point, by the same
 };
 
 using KernelMaterials = KernelMaterialsOf<float>;
@@ -65,7 +69,8 @@ struct KernelScratchOf {
   // Between the two passes of the node-patch volume.
   AlignedVector<Real> displacement_gradient;  // (9 * 16 * batch_count)
   AlignedVector<Real> dilatation;             // (16 * batch_count) J - 1
-  AlignedVector<Real> patch_pressure;         // (node_count) K_a theta_a, Pa
+  AlignedVector<Real> patch_pressure;         // (node_count) K_a theta_a, Pa; bounded where there is cell_volume
+  CellVolumeScratchOf<Real> cell_volume;
 };
 
 using KernelScratch = KernelScratchOf<float>;
@@ -95,7 +100,7 @@ std::vector<std::pair<int, Vec3>> layoutGradients(const KernelLayoutOf<Real>& la
 template <class Real>
 KernelMaterialsOf<Real> makeKernelMaterials(const KernelLayoutOf<Real>& layout, std::vector<Material> materials);
 
-/// K_a of all patches from the materials; after one of these changed. Real-time.
+/// K_a and least shear modulus of all patches from the materials; after one of these changed. Real-time.
 template <class Real>
 void updatePatchBulk(const KernelLayoutOf<Real>& layout, KernelMaterialsOf<Real>& materials);
 

@@ -40,20 +40,29 @@ NodePatches makeNodePatches(const std::vector<Vec3>& X, const std::vector<std::a
   return patches;
 }
 
-std::vector<double> patchPressure(const NodePatches& patches, const std::vector<double>& volume,
-                                  const std::vector<double>& J_minus_1) {
-  std::vector<double> theta(patches.volume.size(), 0), pressure(J_minus_1.size(), 0);
+std::vector<double> patchDilatation(const NodePatches& patches, const std::vector<double>& volume,
+                                    const std::vector<double>& J_minus_1) {
+  std::vector<double> theta(patches.volume.size(), 0);
   for (std::size_t q = 0; q < J_minus_1.size(); ++q)
     for (int a = 0; a < 4; ++a) {
       const int node = patches.node[q][a];
       theta[node] += volume[q] * patches.weight[q][a] / patches.volume[node] * J_minus_1[q];
     }
-  for (std::size_t q = 0; q < J_minus_1.size(); ++q)
-    for (int a = 0; a < 4; ++a) {
-      const int node = patches.node[q][a];
-      pressure[q] += patches.weight[q][a] * patches.bulk_modulus[node] * theta[node];
-    }
+  return theta;
+}
+
+std::vector<double> pointPressure(const NodePatches& patches, const std::vector<double>& node_pressure) {
+  std::vector<double> pressure(patches.node.size(), 0);
+  for (std::size_t q = 0; q < pressure.size(); ++q)
+    for (int a = 0; a < 4; ++a) pressure[q] += patches.weight[q][a] * node_pressure[patches.node[q][a]];
   return pressure;
+}
+
+std::vector<double> patchPressure(const NodePatches& patches, const std::vector<double>& volume,
+                                  const std::vector<double>& J_minus_1) {
+  std::vector<double> pressure = patchDilatation(patches, volume, J_minus_1);
+  for (std::size_t a = 0; a < pressure.size(); ++a) pressure[a] *= patches.bulk_modulus[a];
+  return pointPressure(patches, pressure);
 }
 
 }  // namespace palpate

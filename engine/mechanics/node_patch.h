@@ -36,6 +36,13 @@ NodePatches makeNodePatches(const std::vector<Vec3>& X, const std::vector<std::a
                             const std::vector<int>& point_cell, const std::vector<int>& point_material,
                             const std::vector<Material>& materials);
 
+/// theta_a of the nodes from the points' J - 1, in double.
+std::vector<double> patchDilatation(const NodePatches& patches, const std::vector<double>& volume,
+                                    const std::vector<double>& J_minus_1);
+
+/// p_q of the points from a pressure of each node, sum_a l_a(x_q) p_a.
+std::vector<double> pointPressure(const NodePatches& patches, const std::vector<double>& node_pressure);
+
 /// p_q of the points from their J - 1, in double: what the fast kernel is held to.
 std::vector<double> patchPressure(const NodePatches& patches, const std::vector<double>& volume,
                                   const std::vector<double>& J_minus_1);

@@ -6,6 +6,16 @@
 #include "base/float4.h"
 
 namespace palpate {
+namespace {
+
+KernelLayoutOf<double> kernelInDouble(const Model& model) {
+  auto kernel = makeKernelLayout<double>(model.point_shape, model.point_X, model.point_volume, model.point_material,
+                                         model.materials, model.nodeCount(), model.patches);
+  if (!model.patches.empty()) kernel.cell_volume = makeCellVolume<double>(model.cellVolume());
+  return kernel;
+}
+
+}  // namespace
 
 BatchBody::BatchBody(const Model& model, const std::vector<double>& mass, int threads)
     : u(model.X.size()),
@@ -13,8 +23,7 @@ BatchBody::BatchBody(const Model& model, const std::vector<double>& mass, int th
       f(model.X.size()),
       model_(model),
       team_(threads),
-      kernel_(makeKernelLayout<double>(model.point_shape, model.point_X, model.point_volume, model.point_material,
-                                       model.materials, model.nodeCount(), model.patches)),
+      kernel_(kernelInDouble(model)),
       materials_(makeKernelMaterials(kernel_, model.materials)),
       kernel_scratch_(makeKernelScratch(kernel_)),
       boundary_(makeEssentialBoundary<double>(model.essential, mass)),

@@ -79,6 +79,7 @@ Model finish(const Scene& scene, const SurfaceTree& tree, Preparation preparatio
   report("kernel layout", 0.96);
   model.kernel = makeKernelLayout(model.point_shape, model.point_X, model.point_volume, model.point_material,
                                   model.materials, model.nodeCount(), model.patches, scene.gradient_precision, model.X);
+  if (!model.patches.empty()) model.kernel.cell_volume = makeCellVolume<float>(model.cellVolume());
   report("ready", 1.0);
   return model;
 }

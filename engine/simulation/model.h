@@ -18,6 +18,9 @@ struct Model : Body {
 
   double rest_energy = 0;    // J, strain energy below which is rounding
   double max_increment = 0;  // m a node may move in one step; more is a blow-up
+
+  /// What takes over from the patches under pressure; only where there are patches.
+  CellVolumeSpec cellVolume() const { return {X, cells, node_shape, patches}; }
 };
 
 }  // namespace palpate

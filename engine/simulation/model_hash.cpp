@@ -14,6 +14,8 @@ void add(ByteKey& key, const KernelLayout& kernel) {
   key.add(kernel.node, kernel.short_node, kernel.gradN, kernel.rounded_gradN, kernel.scale, kernel.volume);
   key.add(kernel.batch_material, kernel.patch_begin, kernel.patch_point, kernel.patch_node);
   key.add(kernel.patch_share, kernel.patch_weight);
+  const CellVolumeOf<float>& cells = kernel.cell_volume;
+  key.add(cells.row_node, cells.row_N, cells.cell_node, cells.edge);
 }
 
 void add(ByteKey& key, const EssentialBoundary& boundary) {

@@ -12,10 +12,14 @@ std::vector<Mat3> pointStresses(const Model& model, const std::vector<Vec3>& u, 
     F[q] = deformationGradient(model.point_shape, q, u);
     pressure[q] = F[q].determinant() - 1;
   }
-  if (!model.patches.empty())
-    pressure = patchPressure(model.patches, model.point_volume, pressure);
-  else
+  if (!model.patches.empty()) {
+    const auto shear = patchShear(model.patches, model.point_material, model.materials);
+    auto of_node = referenceCellVolume(model.cellVolume(), model.point_volume, pressure, shear, u);
+    for (int a = 0; a < model.nodeCount(); ++a) of_node.patch_pressure[a] += of_node.cell_pressure[a];
+    pressure = pointPressure(model.patches, of_node.patch_pressure);
+  } else {
     for (int q = 0; q < points; ++q) pressure[q] *= model.materials[model.point_material[q]].bulk_modulus;
+  }
   std::vector<Mat3> P(points);
   for (int q = 0; q < points; ++q) P[q] = model.materials[model.point_material[q]].firstPiola(F[q], pressure[q]);
   return P;

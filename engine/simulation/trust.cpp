@@ -14,7 +14,7 @@ Doubt doubtOf(const Model& model, const StepReport& report) {
   if ((report.flags & kContactOverflow) || report.max_penetration > TrustLimits::penetration * model.scene.tool.radius)
     return Doubt::Contact;
   const double max_pressure =
-      model.scene.quadrature.cells_per_point > 1 ? TrustLimits::pressure_of_pairs : TrustLimits::pressure;
+      model.scene.node_patch_volume ? TrustLimits::pressure : TrustLimits::pressure_without_patches;
   if (report.nearly_incompressible &&
       (std::abs(report.volume_change) > TrustLimits::volume_change || report.pressure_over_shear > max_pressure))
     return Doubt::Volume;

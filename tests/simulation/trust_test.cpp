@@ -166,15 +166,19 @@ TEST_CASE("Each doubt has its words, and the gravest is told", "[trust]") {
   report.nearly_incompressible = false;
   CHECK(doubtOf(model, report) == Doubt::None);
   report.nearly_incompressible = true;
-  // A pressure of 4 and of 4.5 shear moduli at nu 0.499.
-  const Material stiff = Material::neoHookean(3000, 0.499, 1000);
+  // Pressures of a share of the limit and beyond it, at nu 0.4999.
+  const Material stiff = Material::neoHookean(3000, 0.4999, 1000);
   const double each = stiff.shear_modulus / stiff.bulk_modulus;
-  report.volume_change = -4 * each;
-  report.pressure_over_shear = 4;
-  CHECK(doubtOf(model, report) == Doubt::None);
-  report.volume_change = -4.5 * each;
-  report.pressure_over_shear = 4.5;
-  CHECK(doubtOf(model, report) == Doubt::Volume);
+  for (const bool patches : {false, true}) {
+    model.scene.node_patch_volume = patches;
+    const double limit = patches ? TrustLimits::pressure : TrustLimits::pressure_without_patches;
+    report.pressure_over_shear = 0.95 * limit;
+    report.volume_change = -report.pressure_over_shear * each;
+    CHECK(doubtOf(model, report) == Doubt::None);
+    report.pressure_over_shear = 1.05 * limit;
+    report.volume_change = -report.pressure_over_shear * each;
+    CHECK(doubtOf(model, report) == Doubt::Volume);
+  }
   report.max_penetration = 0.002;
   CHECK(doubtOf(model, report) == Doubt::Contact);
   report.min_J = 0.2F;

@@ -1,0 +1,144 @@
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "approximation/shape_table.h"
+#include "base/spin_team.h"
+#include "base/types.h"
+#include "mechanics/node_patch.h"
+
+namespace palpate {
+
+/// The volume of the background cells at the field's positions, which takes over where node patches are under a
+/// pressure that their own volume can't hold.
+///
+/// Under a constant pressure the volumetric energy does the work p sum_q w_q (J_q - 1). In the continuum that depends
+/// on the boundary alone. With MLS gradients it does so to first order only; to second order some inner displacements
+/// gain energy in proportion to p, and from a few shear moduli on shear no longer holds them. The tetrahedra between
+/// the nodes' positions fill what their outer faces enclose, whatever the inner nodes do:
+///
+///   x_a = X_a + sum_j N_j(X_a) u_j,   theta'_a = sum_t (V_t(x) - V_t) / 4 V'_a,   V'_a = sum_t V_t / 4
+///   energy  sum_a V_a h(K_a theta_a) + V'_a w_a (K_a theta'_a^2 / 2 - h(K_a theta'_a))
+///
+/// over nodes a and their cells t; theta_a and V_a are the patches' (node_patch.h). h is the energy of a pressure
+/// bounded by p1 = pressure_limit times the least shear modulus in the patch: p^2 / 2K up to |p| = p1, p1 (|p| - p1/2) / K
+/// beyond. So a patch's pressure is clamp(K theta, -p1, p1), and what is beyond comes from the cells: their pressure is
+/// the mean of w_a (K theta'_a - clamp(K theta'_a, -p1, p1)) of their four nodes, and -p_t dV_t/dx_a goes to the nodes j
+/// by N_j(X_a). Below p1 the patches alone are the more exact (torsion, indentation).
+///
+/// Which nodes are looked at follows from the points alone: w_a rises from 0 to 1 as the largest K_a |J_q - 1| / p1 of
+/// the points in the patch rises from pressed_from to 1. Where no point gets there, nothing is computed. (A patch's own
+/// theta, the points' mean, is no guide: under a tool, theta' is beyond the limit at nodes whose theta is nearly 0.)
+/// Forces are continuous; they are the energy's derivative where w_a is 0 or 1, or theta'_a is below p1. Elsewhere, at a
+/// node whose cells are beyond the limit while no point around is, the change of w_a is left out.
+template <class Real>
+struct CellVolumeOf {
+  // N_j(X_a) by rows a and by columns j.
+  std::vector<int> row_begin, column_begin;         // (node_count + 1)
+  std::vector<std::int32_t> row_node, column_node;  // j of a row, a of a column
+  AlignedVector<Real> row_N, column_N;
+  // Cells in blocks of four, ordered by their lowest node, which is vertex 0.
+  std::vector<std::int32_t> cell_node;  // (16 * block_count) [vertex 4][cell 4]; the last block repeats a node
+  AlignedVector<Real> edge;             // (36 * block_count) [edge 3][component 3][cell 4], from vertex 0, m
+  // Of each node.
+  std::vector<int> corner_begin;     // (node_count + 1) entries in
+  std::vector<std::int32_t> corner;  // (4 * cell_count) 4 * cell + vertex
+  AlignedVector<Real> patch_volume;  // (node_count) V_a, m^3
+  AlignedVector<Real> volume;        // (node_count) V'_a, m^3
+
+  bool empty() const { return row_begin.empty(); }
+  int nodeCount() const { return static_cast<int>(volume.size()); }
+  int blockCount() const { return static_cast<int>(cell_node.size() / 16); }
+};
+
+/// What the points and patches leave for the cells' volume; arrays of KernelLayoutOf and KernelScratchOf.
+template <class Real>
+struct PatchStateOf {
+  int batch_count;
+  const std::int32_t* node;  // (64 * batch_count) patches of the points, [vertex 4][point 16] per batch
+  const int* begin;          // (node_count + 1) entries of each patch in
+  const std::int32_t* point;
+  const Real* bulk;               // (node_count) K_a, Pa
+  const Real* shear;              // (node_count) least shear modulus, Pa
+  const Real* dilatation;         // (16 * batch_count) J - 1 of the points
+  Real* pressure;                 // (node_count) K_a theta_a, Pa; is bounded
+  Real least_pressed_dilatation;  // pressed_from times the least p1 / K_a of all patches
+};
+
+/// Which nodes and cells are looked at, and what is known of them. Nodes are listed by groups of 16.
+template <class Real>
+struct CellVolumeScratchOf {
+  static constexpr int group_size = 16;
+  /// Flags of cells around some nodes, and of these cells' vertices.
+  struct Selection {
+    std::vector<std::uint8_t> block, node, group;  // (block_count), (node_count), (group_count)
+  };
+  bool pressed = false;                     // some patch may be; else all flags are 0
+  std::vector<double> energy;               // (part_count) J
+  std::vector<std::uint8_t> group_pressed;  // (group_count) some point of a node's patch is pressed
+  Selection looked, loaded;                 // around nodes with w_a > 0; around those with a pressure
+  std::vector<std::uint8_t> touched;        // (node_count) moves the field at a vertex of loaded cells
+  // Lists of what is flagged: pressed groups; groups and blocks of a selection.
+  std::vector<int> groups, groups_of_cells, blocks;
+  AlignedVector<Real> weight;               // (node_count) w_a
+  AlignedVector<Real4<Real>> field;         // (node_count) displacement at X_a, m
+  AlignedVector<Real> volume_change;        // (4 * block_count) V_t(x) - V_t, m^3
+  AlignedVector<Real> pressure;             // (node_count) w_a (K theta' - clamp), Pa
+  AlignedVector<Real4<Real>> corner_force;  // (16 * block_count) N
+  AlignedVector<Real4<Real>> vertex_force;  // (node_count) N, at X_a
+};
+
+/// What the cells' volume is computed from, in double.
+struct CellVolumeSpec {
+  const std::vector<Vec3>& X;                    // (node_count) m
+  const std::vector<std::array<int, 4>>& cells;  // (cell_count) of either orientation
+  const ShapeTable& node_shape;                  // N at X; no gradients
+  const NodePatches& patches;
+};
+
+template <class Real>
+CellVolumeOf<Real> makeCellVolume(const CellVolumeSpec& spec);
+
+/// @param part_count  parts of the work, on which the order of sums depends
+template <class Real>
+CellVolumeScratchOf<Real> makeCellVolumeScratch(const CellVolumeOf<Real>& cells, int part_count);
+
+// The work of one force evaluation. Real-time: no allocation, no lock, no throw; the same bits for any team.
+// Test: mechanics/cell_volume_test.cpp
+
+/// Notes the patches of points that are pressed, of a part of the points; after their dilatation is known.
+template <class Real>
+void findPressed(const PatchStateOf<Real>& patches, int part, CellVolumeScratchOf<Real>& scratch);
+
+/// After all parts of findPressed: bounds the patches' pressure, and keeps the cells' forces in the scratch.
+/// @return energy, J, that the points' sum of p_q (J_q - 1) / 2 lacks
+template <class Real>
+double cellForces(const CellVolumeOf<Real>& cells, const PatchStateOf<Real>& patches, const Real4<Real>* u,
+                  CellVolumeScratchOf<Real>& scratch, SpinTeam& team);
+
+/// Adds them to f of nodes [begin, end).
+template <class Real>
+void addCellForces(const CellVolumeOf<Real>& cells, const CellVolumeScratchOf<Real>& scratch, int begin, int end,
+                   Real4<Real>* f);
+
+/// The same plainly, in double: what the fast passes are held to.
+struct CellVolumeReference {
+  double energy = 0;                   // J, of patches and cells
+  std::vector<double> patch_pressure;  // (node_count) Pa, bounded
+  std::vector<double> cell_pressure;   // (node_count) Pa, what is beyond
+  std::vector<Vec3> force;             // (node_count) N, of the cells
+};
+
+/// @param volume     of the points, m^3                       (point_count)
+/// @param J_minus_1  of the points                            (point_count)
+/// @param shear      least shear modulus of the patches, Pa   (node_count)
+CellVolumeReference referenceCellVolume(const CellVolumeSpec& spec, const std::vector<double>& volume,
+                                        const std::vector<double>& J_minus_1, const std::vector<double>& shear,
+                                        const std::vector<Vec3>& u);
+
+/// Least shear modulus in each node's patch, Pa; 0 where there is none.
+std::vector<double> patchShear(const NodePatches& patches, const std::vector<int>& point_material,
+                               const std::vector<Material>& materials);
+
+}  // namespace palpate

@@ -1,0 +1,177 @@
+#include <algorithm>
+#include <numeric>
+
+#include "mechanics/bounded_pressure.h"
+#include "mechanics/cell_volume.h"
+
+namespace palpate {
+namespace {
+
+double signedVolume(const std::vector<Vec3>& X, const std::array<int, 4>& cell) {
+  return (X[cell[1]] - X[cell[0]]).cross(X[cell[2]] - X[cell[0]]).dot(X[cell[3]] - X[cell[0]]) / 6;
+}
+
+/// Cells of positive volume whose first vertex is the lowest, in its order.
+std::vector<std::array<int, 4>> orderedCells(const CellVolumeSpec& spec) {
+  std::vector<std::array<int, 4>> cells = spec.cells;
+  for (auto& cell : cells) {
+    std::sort(cell.begin(), cell.end());
+    if (signedVolume(spec.X, cell) < 0) std::swap(cell[2], cell[3]);
+  }
+  std::sort(cells.begin(), cells.end());
+  return cells;
+}
+
+/// Lists of lists as one, after its borders.
+void flatten(const std::vector<std::vector<int>>& lists, std::vector<int>& begin, std::vector<std::int32_t>& all) {
+  begin.assign(1, 0);
+  for (const auto& list : lists) {
+    all.insert(all.end(), list.begin(), list.end());
+    begin.push_back(static_cast<int>(all.size()));
+  }
+}
+
+template <class Real>
+void addTables(const ShapeTable& shape, CellVolumeOf<Real>& result) {
+  const auto real = [](double a) { return static_cast<Real>(a); };
+  const int nodes = shape.rowCount();
+  result.row_begin = shape.begin;
+  result.row_node.assign(shape.node.begin(), shape.node.end());
+  std::transform(shape.N.begin(), shape.N.end(), std::back_inserter(result.row_N), real);
+  result.column_begin.assign(static_cast<std::size_t>(nodes) + 1, 0);
+  for (const int j : shape.node) ++result.column_begin[j + 1];
+  std::partial_sum(result.column_begin.begin(), result.column_begin.end(), result.column_begin.begin());
+  result.column_node.resize(shape.node.size());
+  result.column_N.resize(shape.node.size());
+  std::vector<int> next(result.column_begin.begin(), result.column_begin.end() - 1);
+  for (int a = 0; a < nodes; ++a)
+    for (int e = shape.begin[a]; e < shape.begin[a + 1]; ++e) {
+      const int at = next[shape.node[e]]++;
+      result.column_node[at] = a;
+      result.column_N[at] = real(shape.N[e]);
+    }
+}
+
+template <class Real>
+void addCells(const CellVolumeSpec& spec, CellVolumeOf<Real>& result) {
+  const auto cells = orderedCells(spec);
+  std::vector<double> volume(spec.X.size(), 0);
+  std::vector<std::vector<int>> corners(spec.X.size());
+  const std::size_t blocks = (cells.size() + 3) / 4;
+  result.cell_node.assign(blocks * 16, cells.empty() ? 0 : cells.back()[0]);
+  result.edge.assign(blocks * 36, Real(0));
+  for (std::size_t t = 0; t < cells.size(); ++t)
+    for (int v = 0; v < 4; ++v) {
+      const int node = cells[t][v];
+      result.cell_node[t / 4 * 16 + static_cast<std::size_t>(v) * 4 + t % 4] = node;
+      for (int c = 0; v > 0 && c < 3; ++c)
+        result.edge[t / 4 * 36 + static_cast<std::size_t>(3 * (v - 1) + c) * 4 + t % 4] =
+            static_cast<Real>(spec.X[node][c] - spec.X[cells[t][0]][c]);
+      volume[node] += signedVolume(spec.X, cells[t]) / 4;
+      corners[node].push_back(static_cast<int>(4 * t) + v);
+    }
+  flatten(corners, result.corner_begin, result.corner);
+  result.volume.assign(volume.begin(), volume.end());
+}
+
+}  // namespace
+
+template <class Real>
+CellVolumeOf<Real> makeCellVolume(const CellVolumeSpec& spec) {
+  CellVolumeOf<Real> result;
+  addTables(spec.node_shape, result);
+  addCells(spec, result);
+  result.patch_volume.assign(spec.patches.volume.begin(), spec.patches.volume.end());
+  return result;
+}
+
+template <class Real>
+CellVolumeScratchOf<Real> makeCellVolumeScratch(const CellVolumeOf<Real>& cells, int part_count) {
+  CellVolumeScratchOf<Real> scratch;
+  if (cells.empty()) return scratch;
+  const auto nodes = static_cast<std::size_t>(cells.nodeCount()), blocks = static_cast<std::size_t>(cells.blockCount());
+  const std::size_t groups = (nodes + scratch.group_size - 1) / scratch.group_size;
+  scratch.energy.resize(static_cast<std::size_t>(part_count));
+  scratch.groups.reserve(groups);
+  scratch.groups_of_cells.reserve(groups);
+  scratch.blocks.reserve(blocks);
+  scratch.group_pressed.resize(groups);
+  for (auto* selection : {&scratch.looked, &scratch.loaded}) {
+    selection->block.resize(blocks);
+    selection->node.resize(nodes);
+    selection->group.resize(groups);
+  }
+  scratch.touched.resize(nodes);
+  scratch.weight.resize(nodes);
+  scratch.field.resize(nodes);
+  scratch.volume_change.resize(4 * blocks);
+  scratch.pressure.resize(nodes);
+  scratch.corner_force.resize(16 * blocks);
+  scratch.vertex_force.resize(nodes);
+  return scratch;
+}
+
+std::vector<double> patchShear(const NodePatches& patches, const std::vector<int>& point_material,
+                               const std::vector<Material>& materials) {
+  std::vector<double> shear(patches.volume.size(), 0);
+  for (std::size_t q = 0; q < patches.node.size(); ++q)
+    for (const int a : patches.node[q]) {
+      const double mu = materials[point_material[q]].shear_modulus;
+      shear[a] = shear[a] == 0 ? mu : std::min(shear[a], mu);
+    }
+  return shear;
+}
+
+CellVolumeReference referenceCellVolume(const CellVolumeSpec& spec, const std::vector<double>& volume,
+                                        const std::vector<double>& J_minus_1, const std::vector<double>& shear,
+                                        const std::vector<Vec3>& u) {
+  const auto cells = orderedCells(spec);
+  const std::size_t nodes = spec.X.size();
+  const auto& K = spec.patches.bulk_modulus;
+  const auto theta = patchDilatation(spec.patches, volume, J_minus_1);
+  CellVolumeReference result{0, std::vector<double>(nodes), std::vector<double>(nodes), {nodes, Vec3::Zero()}};
+  std::vector<Vec3> x = spec.X, force(nodes, Vec3::Zero());
+  for (std::size_t a = 0; a < nodes; ++a)
+    for (int e = spec.node_shape.begin[a]; e < spec.node_shape.begin[a + 1]; ++e)
+      x[a] += spec.node_shape.N[e] * u[spec.node_shape.node[e]];
+  std::vector<double> change(nodes, 0), cell_volume(nodes, 0), weight(nodes, 0);
+  for (const auto& cell : cells)
+    for (const int a : cell) {
+      cell_volume[a] += signedVolume(spec.X, cell) / 4;
+      change[a] += (signedVolume(x, cell) - signedVolume(spec.X, cell)) / 4;
+    }
+  for (std::size_t q = 0; q < J_minus_1.size(); ++q)
+    for (const int a : spec.patches.node[q])
+      weight[a] = std::max(weight[a], pressedShare(K[a] * J_minus_1[q], pressure_limit * shear[a]));
+  for (std::size_t a = 0; a < nodes; ++a) {
+    if (K[a] == 0) continue;
+    const double limit = pressure_limit * shear[a], p = K[a] * change[a] / cell_volume[a];
+    result.patch_pressure[a] = bounded(K[a] * theta[a], limit);
+    result.cell_pressure[a] = weight[a] * (p - bounded(p, limit));
+    result.energy += spec.patches.volume[a] * boundedEnergy(K[a] * theta[a], limit, K[a]) +
+                     cell_volume[a] * weight[a] * (p * p / (2 * K[a]) - boundedEnergy(p, limit, K[a]));
+  }
+  for (const auto& cell : cells) {
+    double p = 0;
+    for (const int a : cell) p += result.cell_pressure[a] / 4;
+    const auto edge = [&](int v) { return Vec3(x[cell[v]] - x[cell[0]]); };
+    for (int v = 1; v < 4; ++v) {
+      const Vec3 gradient = edge(v % 3 + 1).cross(edge((v + 1) % 3 + 1)) / 6;
+      force[cell[v]] -= p * gradient;
+      force[cell[0]] += p * gradient;
+    }
+  }
+  for (std::size_t a = 0; a < nodes; ++a)
+    for (int e = spec.node_shape.begin[a]; e < spec.node_shape.begin[a + 1]; ++e)
+      result.force[spec.node_shape.node[e]] += spec.node_shape.N[e] * force[a];
+  return result;
+}
+
+template struct CellVolumeOf<float>;
+template struct CellVolumeOf<double>;
+template CellVolumeOf<float> makeCellVolume(const CellVolumeSpec&);
+template CellVolumeOf<double> makeCellVolume(const CellVolumeSpec&);
+template CellVolumeScratchOf<float> makeCellVolumeScratch(const CellVolumeOf<float>&, int);
+template CellVolumeScratchOf<double> makeCellVolumeScratch(const CellVolumeOf<double>&, int);
+
+}  // namespace palpate

@@ -1,0 +1,132 @@
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "io/load_model.h"
+#include "simulation/static_solver.h"
+#include "simulation/step.h"
+#include "simulation/workspace.h"
+
+using namespace palpate;
+
+namespace {
+
+constexpr double young = 3000, edge = 0.03;
+
+/// A block of about 360 nodes between plates without friction, the top going down linearly in `seconds` by a share of
+/// its height; its sides confined, or two of them free.
+Scene blockScene(double poisson, double compression, bool confined, double seconds) {
+  Scene scene;
+  scene.solid = Scene::Solid::Box;
+  scene.size = Vec3::Constant(edge);
+  scene.spacing = 0.0055;
+  scene.materials.emplace_back();
+  scene.materials[0].material.set("young", young);
+  scene.materials[0].material.set("poisson", poisson);
+  scene.tool_position = Vec3(0, 0, 1);
+  scene.damping = 60;
+  const auto plane = [&](const Vec3& point, int component) {
+    BoundarySpec b;
+    b.region.kind = Region::Kind::NearPlane;
+    b.region.point = point;
+    b.region.normal = Vec3::Unit(component);
+    b.region.distance = 1e-9;
+    for (int c = 0; c < 3; ++c) b.component[c] = c == component;
+    scene.boundaries.push_back(b);
+  };
+  plane(Vec3::Zero(), 2);
+  plane(Vec3(0, 0, edge), 2);
+  scene.boundaries[1].translation = Vec3(0, 0, -compression * edge);
+  scene.boundaries[1].duration = seconds;
+  scene.boundaries[1].curve.kind = LoadCurve::Kind::Linear;
+  for (int c = 0; c < 2; ++c)
+    for (const double side : {-1.0, 1.0})
+      if (confined || side < 0) plane(side * edge / 2 * Vec3::Unit(c), c);
+  return scene;
+}
+
+/// Force on the top along z, N, of uniform stretches `along` z and `side` across:
+///   P = mu J^(-2/3) (l - I1 / (3 l)) + K (J - 1) J / l
+double stress(double poisson, double along, double other, double third) {
+  const double mu = young / (2 * (1 + poisson)), K = young / (3 * (1 - 2 * poisson));
+  const double J = along * other * third, I1 = along * along + other * other + third * third;
+  return mu * std::pow(J, -2.0 / 3) * (along - I1 / (3 * along)) + K * (J - 1) * J / along;
+}
+
+double closedForm(double poisson, double compression, bool confined) {
+  const double stretch = 1 - compression;
+  double side = 1;
+  if (!confined) {
+    double low = 0.5, high = 3;  // the stress on the free side rises with its stretch
+    for (int k = 0; k < 100; ++k) {
+      side = (low + high) / 2;
+      (stress(poisson, side, side, stretch) > 0 ? high : low) = side;
+    }
+  }
+  return edge * edge * stress(poisson, stretch, side, side);
+}
+
+/// Compression at which the confined block's pressure is a multiple of its shear modulus.
+double compressionFor(double poisson, double pressure_over_shear) {
+  return pressure_over_shear * 3 * (1 - 2 * poisson) / (2 * (1 + poisson));
+}
+
+}  // namespace
+
+TEST_CASE("Confined tissue meets the closed form at 5 to 40 shear moduli of pressure", "[validation][cell_volume]") {
+  // Without the cells' volume it gives way at 4.5, with paired cells at 2.75: -24 % at 5, -53 % at 10, lost at 40.
+  constexpr double nu = 0.499;
+  struct Case {
+    unsigned seed;
+    double cells_per_point;
+  };
+  for (const Case& c : {Case{1, 1}, Case{2, 2}}) {
+    Scene scene = blockScene(nu, compressionFor(nu, 40), true, 1);
+    scene.seed = c.seed;
+    scene.quadrature.cells_per_point = c.cells_per_point;
+    const Model model = loadModel(scene);
+    StaticSolver solver(model, 1, 1e-5);
+    for (const double pressure : {5.0, 10.0, 40.0}) {
+      INFO("seed " << c.seed << ", " << c.cells_per_point << " cells a point, " << pressure << " shear moduli");
+      REQUIRE(solver.advanceTo(pressure / 40).converged);
+      const double force = solver.body().reactions()[1].force.z();
+      CHECK(force == Approx(closedForm(nu, compressionFor(nu, pressure), true)).epsilon(1e-3));
+    }
+  }
+}
+
+TEST_CASE("So it does in the loop, in float32", "[validation][cell_volume]") {
+  constexpr double nu = 0.499;
+  for (const double cells_per_point : {1.0, 2.0}) {
+    Scene scene = blockScene(nu, compressionFor(nu, 40), true, 0.1);
+    scene.seed = 3;
+    scene.quadrature.cells_per_point = cells_per_point;
+    const Model model = loadModel(scene);
+    State state = initialState(model);
+    Workspace workspace(model, 1);
+    Command command;
+    command.tool_target = model.tool_start;
+    double force = 0;
+    constexpr int ticks = 150, measured = 50;
+    for (int k = 0; k < ticks; ++k) {
+      const StepReport report = tick(model, state, command, workspace);
+      REQUIRE(report.flags == 0);
+      CHECK(report.energy_error < 0.1);
+      if (k >= ticks - measured) force += workspace.boundary.reaction[1].force.z() / measured;
+    }
+    CHECK(force == Approx(closedForm(nu, compressionFor(nu, 40), true)).epsilon(5e-3));
+  }
+}
+
+TEST_CASE("A free block meets the closed form up to 45 % compression", "[validation][cell_volume]") {
+  // A surface creases where the ratio of its stretches is 2.4, at 44 % (Hong, Zhao, Suo 2009): beyond that there is no
+  // uniform solution to be close to for long.
+  for (const double nu : {0.45, 0.49}) {
+    const Model model = loadModel(blockScene(nu, 0.45, false, 1));
+    StaticSolver solver(model, 1, 1e-5);
+    for (const double share : {0.5, 1.0}) {
+      REQUIRE(solver.advanceTo(share).converged);
+      const double force = solver.body().reactions()[1].force.z();
+      CHECK(force == Approx(closedForm(nu, 0.45 * share, false)).epsilon(1e-2));
+    }
+  }
+}
