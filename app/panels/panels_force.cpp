@@ -143,11 +143,15 @@ void drawTimingCard(const Theme& theme, const PanelData& data) {
       colours::text,
       "what mtled frontier compares settings by: the median tick's, and the real-time factor that it could reach");
   row("Wake-up late, p99 / max", format("%.0f / %.0f us", timing.late_p99, timing.late_max));
-  const auto periods = static_cast<long long>(status.ticks + status.overrun_count);
+  const auto periods = static_cast<long long>(status.ticks + status.overrun_count - status.caught_up_count);
   const double share =
       periods > 0 ? 100.0 * static_cast<double>(status.overrun_count) / static_cast<double>(periods) : 0;
   row("Overruns", format("%lld of %lld (%.3f %%)", static_cast<long long>(status.overrun_count), periods, share),
-      share < 0.1 ? colours::good : colours::warning, "periods gone by without a tick of their own");
+      share < 0.1 ? colours::good : colours::warning, "grid times that went by while the loop was busy");
+  row("Made good / skipped",
+      format("%lld / %lld", static_cast<long long>(status.caught_up_count),
+             static_cast<long long>(status.overrun_count - status.caught_up_count)),
+      colours::text, "of the overruns: late ticks that were run at once, and those that never will be");
   row("Real-time factor", format("%.4f", status.realtime_factor),
       status.realtime_factor >= 0.999 ? colours::good : colours::warning,
       "physics time over wall time since the start or the last pause");

@@ -72,6 +72,7 @@ void Soak::measure(SimulationLoop& loop) {
   report_.recent_realtime_factor = status.recent_realtime_factor;
   report_.frozen = status.frozen;
   report_.overruns = statistics.overrun_count;
+  report_.caught_up = statistics.caught_up_count;
   report_.longest_overrun_streak = statistics.longest_overrun_streak;
   for (std::size_t c = 0; c < kLateCauseCount; ++c) report_.late_ticks[c] = statistics.late_ticks[c];
   report_.step_us = statistics.step.percentiles();

@@ -111,6 +111,7 @@ std::string toJson(const SoakReport& r) {
       {"recent_realtime_factor", r.recent_realtime_factor},
       {"ticks", r.ticks},
       {"overruns", r.overruns},
+      {"caught_up", r.caught_up},
       {"longest_overrun_streak", r.longest_overrun_streak},
       {"late_ticks", lateTicksJson(r.late_ticks)},
       {"step_us", percentilesJson(r.step_us)},
@@ -150,10 +151,11 @@ std::string toText(const SoakReport& r) {
   text += format("peak force %.3f N, min J %.3f, flags:", r.peak_force_N, static_cast<double>(r.min_J)) +
           (flags.empty() ? " none" : flags) + "\n";
   text += format(
-      "ticks %lld, overruns %lld, longest streak %lld; late ticks: %lld woken late, %lld core taken, "
+      "ticks %lld, overruns %lld (%lld made good), longest streak %lld; late ticks: %lld woken late, %lld core taken, "
       "%lld worker late, %lld long computation\n",
-      asLongLong(r.ticks), asLongLong(r.overruns), asLongLong(r.longest_overrun_streak), asLongLong(r.late_ticks[0]),
-      asLongLong(r.late_ticks[1]), asLongLong(r.late_ticks[2]), asLongLong(r.late_ticks[3]));
+      asLongLong(r.ticks), asLongLong(r.overruns), asLongLong(r.caught_up), asLongLong(r.longest_overrun_streak),
+      asLongLong(r.late_ticks[0]), asLongLong(r.late_ticks[1]), asLongLong(r.late_ticks[2]),
+      asLongLong(r.late_ticks[3]));
   text += format("memory: %.0f kB anonymous, %.0f kB resident; since the warm-up (%.0f s of physics): ",
                  kB(r.memory.anonymous), kB(r.memory.resident), r.warm_physics_seconds) +
           memoryText(r) + "\n";

@@ -33,7 +33,7 @@ struct SoakReport {
   double minutes = 0;        // asked for, of physics time
   double physics_seconds = 0, wall_seconds = 0;
   double realtime_factor = 0, recent_realtime_factor = 0;
-  std::int64_t ticks = 0, overruns = 0, longest_overrun_streak = 0;
+  std::int64_t ticks = 0, overruns = 0, caught_up = 0, longest_overrun_streak = 0;
   std::array<std::int64_t, kLateCauseCount> late_ticks{};  // by LateCause
   Percentiles step_us, wakeup_late_us;
   std::vector<HistogramBar> step_bars, wakeup_late_bars;

@@ -197,6 +197,7 @@ void readMaterial(const TomlTable& table, bool first, MaterialSpec& material) {
 
 void readDynamics(const TomlTable& table, Scene& scene) {
   table.read("rate", scene.rate_hz);
+  table.read("catch_up", scene.catch_up);
   table.read("time_step", scene.time_step);
   table.read("step_safety", scene.step_safety);
   table.read("mass_scaling", scene.mass_scaling);

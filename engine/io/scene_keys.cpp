@@ -144,6 +144,10 @@ constexpr KeySpec scene_keys[] = {
 
     {"dynamics", "rate", T::Number, "Hz", "500", between(100, 2000), "",
      "Rate of the real-time loop; one tick is 1/rate.", with_mass_scaling},
+    {"dynamics", "catch_up", T::Integer, "", "16", between(0, 100), "",
+     "After a stall (the computer did something else) the loop makes so many late ticks good, one at once after "
+     "the other, and simulated time is real time again; it skips those beyond, and all where the computer is too "
+     "slow for the rate. 0: skips all. The result of a recorded run does not depend on it.", never},
     {"dynamics", "time_step", T::Number, "s", "0", atLeast(0), "",
      "Fixed time step, a whole division of a tick; refused above the critical one. 0: the largest whole "
      "division below `step_safety` times the critical step in which the tool, at its top speed, goes no "

@@ -128,6 +128,7 @@ struct Scene {
 
   // dynamics
   double rate_hz = 500;      // 100 .. 2000; one tick is 1/rate
+  int catch_up = 16;         // late ticks that the loop makes good
   double time_step = 0;      // s; 0: the largest whole division of a tick below safety * critical
   double step_safety = 0.6;  // of the critical step
   double mass_scaling = 0;   // share of the body's mass that may be added to spare steps of a tick

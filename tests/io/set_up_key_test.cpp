@@ -98,6 +98,7 @@ std::map<std::string, Change> changes() {
       {"prescribed.curve", {moved, "duration = 1", "duration = 1\ncurve = \"linear\""}},
       {"prescribed.curve_table", {moved, "duration = 1", "duration = 1\ncurve_table = [[0, 0], [1, 1]]"}},
       {"dynamics.rate", {full_scene, "rate = 1000", "rate = 500"}},
+      {"dynamics.catch_up", added(full_scene, "[dynamics]\n", "catch_up = 0")},
       {"dynamics.time_step", {full_scene, "time_step = 0.0005", "time_step = 0.00025"}},
       {"dynamics.step_safety", {full_scene, "step_safety = 0.5", "step_safety = 0.6"}},
       {"dynamics.damping", {full_scene, "damping = 10", "damping = 11"}},

@@ -56,6 +56,7 @@ inline Model smallModel(double rate_hz = 500) {
   Model model;
   model.scene.name = "small";
   model.scene.rate_hz = rate_hz;
+  model.scene.catch_up = 0;  // what is late is skipped, unless a test is about that
   model.scene.friction = 0.1;
   model.scene.filter_cutoff_hz = 30;
   model.scene.force_rate_limit = 200;

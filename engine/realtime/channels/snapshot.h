@@ -24,6 +24,7 @@ struct ForceSample {
 struct LoopStatus {
   std::int64_t ticks = 0;
   std::int64_t overrun_count = 0;
+  std::int64_t caught_up_count = 0;  // late ticks that were made good
   std::int64_t longest_overrun_streak = 0;
   double realtime_factor = 1;         // physics time / wall time since start or last resume
   double recent_realtime_factor = 1;  // over about the last second

@@ -56,6 +56,7 @@ void SimulationLoop::run(Clock& clock) {
   FixedStepOptions loop;
   loop.rate_hz = model_.scene.rate_hz;
   loop.as_fast_as_possible = as_fast_as_possible_;
+  loop.catch_up = model_.scene.catch_up;
   const LoopTotals totals = runFixedStepLoop(loop, clock, *this, channels_.statistics);
   reporter_.finish(totals, run_, recorder_.lostCount());
   channels_.finished.store(true, std::memory_order_release);

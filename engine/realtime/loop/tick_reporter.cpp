@@ -68,6 +68,7 @@ void TickReporter::publish(const LoopTime& time, const RunState& run) {
 
   snapshot.status.ticks = run.tick;
   snapshot.status.overrun_count = statistics.overrun_count.load(std::memory_order_relaxed);
+  snapshot.status.caught_up_count = statistics.caught_up_count.load(std::memory_order_relaxed);
   snapshot.status.longest_overrun_streak = statistics.longest_overrun_streak.load(std::memory_order_relaxed);
   snapshot.status.realtime_factor = time.realtime_factor;
   snapshot.status.recent_realtime_factor = time.recent_realtime_factor;

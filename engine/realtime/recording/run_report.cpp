@@ -56,6 +56,7 @@ RunReport makeRunReport(const Model& model, const RunSummary& summary, const Dea
   report.substeps_per_tick = model.substeps_per_tick;
   report.ticks = summary.ticks;
   report.overruns = statistics.overrun_count.load(std::memory_order_relaxed);
+  report.caught_up = statistics.caught_up_count.load(std::memory_order_relaxed);
   report.longest_overrun_streak = statistics.longest_overrun_streak.load(std::memory_order_relaxed);
   for (std::size_t c = 0; c < kLateCauseCount; ++c) {
     report.late_ticks[c] = statistics.late_ticks[c].load(std::memory_order_relaxed);
@@ -97,6 +98,7 @@ std::string toJson(const RunReport& r) {
       {"substeps_per_tick", r.substeps_per_tick},
       {"ticks", r.ticks},
       {"overruns", r.overruns},
+      {"caught_up", r.caught_up},
       {"longest_overrun_streak", r.longest_overrun_streak},
       {"late_ticks", lateTicksJson(r.late_ticks)},
       {"physics_seconds", r.physics_seconds},
