@@ -259,6 +259,7 @@ void readTool(const TomlTable& top, Scene& scene) {
   table.read("position", scene.tool_position);
   table.readDirection("direction", scene.tool_direction);
   table.read("max_speed", scene.tool_max_speed);
+  table.read("max_force", scene.tool_max_force);
   table.read("friction", scene.friction);
   if (const std::optional<ToolFault> fault = type.fault(tool))
     throw InputError(table.place(fault->key), fault->problem, fault->advice);

@@ -16,8 +16,9 @@ struct Model : Body {
   KernelLayout kernel;                // what the hot kernel reads
   EssentialBoundary boundary;         // of `essential` and the masses
 
-  double rest_energy = 0;    // J, strain energy below which is rounding
-  double max_increment = 0;  // m a node may move in one step; more is a blow-up
+  double rest_energy = 0;     // J, strain energy below which is rounding
+  double max_increment = 0;   // m a node may move in one step; more is a blow-up
+  double max_tool_force = 0;  // N, at which the tool advances no further (realtime/loop/tool_proxy.h); 0: none
 };
 
 }  // namespace palpate

@@ -143,6 +143,7 @@ struct Scene {
   Vec3 tool_position = Vec3(0, 0, 0.1);  // m, tip
   Vec3 tool_direction = -Vec3::UnitZ();  // unit, the way the tip points
   double tool_max_speed = 1.0;           // m/s; a faster command is followed at this speed
+  double tool_max_force = 0;             // N; 0: from the tissue (maxToolForce)
   double friction = 0;                   // Coulomb coefficient
 
   // force output

@@ -35,7 +35,7 @@ std::string described(const Scene& s) {
   add(static_cast<int>(s.tool.kind), s.tool.radius, s.tool.length);
   for (const double parameter : s.tool.parameter) add(parameter);
   vector(s.tool_position), vector(s.tool_direction);
-  add(s.tool_max_speed, s.friction, s.filter_cutoff_hz, s.force_rate_limit);
+  add(s.tool_max_speed, s.tool_max_force, s.friction, s.filter_cutoff_hz, s.force_rate_limit);
   vector(s.camera_target);
   add(s.camera_distance, s.camera_azimuth_deg, s.camera_elevation_deg, s.camera_fov_deg);
   return text.str();

@@ -133,6 +133,7 @@ class FakePhysics final : public Physics {
     return fnv1a(bytesOf(state_.tool_pose.position), hash);
   }
   void reset() override { state_ = initial_; }
+  void restore(const State& past) override { state_ = past; }
   void setFriction(double coefficient) override {
     friction = coefficient;
     if (on_friction) on_friction(coefficient);

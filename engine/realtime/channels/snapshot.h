@@ -30,7 +30,9 @@ struct LoopStatus {
   double recent_realtime_factor = 1;  // over about the last second
   float last_step_us = 0;             // computing time of the last tick, us
   bool paused = false;
-  bool frozen = false;  // the watchdog stopped the tissue; reset is offered
+  bool frozen = false;              // the watchdog stopped the tissue; reset is offered
+  std::int64_t restored_count = 0;  // times that the tissue was lost and went back to an earlier state
+  std::int64_t undo_count = 0;
 };
 
 /// What the loop hands to whoever draws: a whole, consistent tick.
@@ -39,6 +41,8 @@ struct Snapshot {
   double time_s = 0;
   AlignedVector<Float4> u;  // (node_count) m
   Pose tool_pose;
+  Pose hand_pose;      // where the tool would be if it did not yield (ToolProxy)
+  double yield_m = 0;  // by how much it does
   ForceSample force;
   StepReport report;  // of that tick
   LoopStatus status;

@@ -36,6 +36,9 @@ struct RunReport {
   std::uint32_t flags = 0;    // StepFlag, all ticks
   Doubt doubt = Doubt::None;  // the gravest of all ticks
   double first_doubt_s = -1;  // < 0: none
+  std::int64_t restored_count = 0;
+  double largest_yield_m = 0;   // that the tool stayed behind hand or script; 0: it went where it was asked to
+  double yielding_seconds = 0;  // for how long
   bool frozen = false;
   double setup_seconds = 0;
   std::string build;

@@ -1,0 +1,56 @@
+#include "realtime/loop/tool_proxy.h"
+
+#include <algorithm>
+
+#include "simulation/trust.h"
+
+namespace palpate {
+namespace {
+
+/// 1 up to `begin`, 0 from `end` on.
+double fade(double value, double begin, double end) { return std::clamp((end - value) / (end - begin), 0.0, 1.0); }
+
+}  // namespace
+
+ToolProxy::ToolProxy(const Model& model) : model_(model) {}
+
+double ToolProxy::freedom(const Model& model, const StepReport& last) {
+  const double radius = model.scene.tool.radius;
+  double g = fade(last.step_share, TrustLimits::step_share, YieldLimits::step_share);
+  g = std::min(g, fade(-static_cast<double>(last.min_J), -TrustLimits::min_J, -YieldLimits::min_J));
+  g = std::min(g, fade(last.max_penetration, TrustLimits::penetration * radius, YieldLimits::penetration * radius));
+  const double most = model.max_tool_force;
+  if (most > 0) g = std::min(g, fade(last.tool_force.norm(), YieldLimits::free_force * most, most));
+  return g;
+}
+
+Pose ToolProxy::follow(const Pose& hand, const State& state, const StepReport& last) {
+  const double g = freedom(model_, last), share = g * g;
+  yield_ = 0;
+  if (share >= 1 && !gentle_) return hand;
+
+  const Pose& from = state.tool_pose;
+  const bool touches = !last.tool_force.isZero(0);
+  const Vec3 out = touches ? Vec3(last.tool_force.normalized()) : Vec3(from.orientation * Vec3::UnitZ());
+  const double tick_s = 1 / model_.scene.rate_hz;
+  const Vec3 way = hand.position - from.position;
+  Vec3 move = way;
+  const double reach = tick_s * (gentle_ && !touches ? approach_speed : model_.scene.tool_max_speed);
+  if (move.norm() > reach) move *= reach / move.norm();
+  const double deeper = -move.dot(out);
+  if (deeper > 0) {
+    double allowed = share * deeper;
+    if (gentle_ && touches) allowed = std::min(allowed, tick_s * gentle_speed);
+    move += (deeper - allowed) * out;
+  }
+
+  Pose pose;
+  const bool arrives = move == way;
+  pose.position = arrives ? hand.position : Vec3(from.position + move);
+  pose.orientation = share >= 1 ? hand.orientation : from.orientation.slerp(share, hand.orientation).normalized();
+  if (arrives) gentle_ = false;
+  if (!arrives) yield_ = (hand.position - pose.position).norm();
+  return pose;
+}
+
+}  // namespace palpate

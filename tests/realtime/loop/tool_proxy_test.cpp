@@ -1,0 +1,126 @@
+#include "realtime/loop/tool_proxy.h"
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "realtime/fakes.h"
+#include "simulation/trust.h"
+
+using namespace palpate;
+
+namespace {
+
+Model toolModel() {
+  Model model = test::smallModel(500);
+  model.scene.tool.radius = 0.01;
+  model.scene.tool_max_speed = 1;
+  model.max_tool_force = 4;
+  return model;
+}
+
+/// The tool at the origin, pushed up by the tissue.
+struct Touch {
+  State state;
+  StepReport report;
+  Touch() { report.tool_force = Vec3(0, 0, 1); }
+};
+
+Pose at(double x, double y, double z) {
+  Pose pose;
+  pose.position = Vec3(x, y, z);
+  return pose;
+}
+
+}  // namespace
+
+TEST_CASE("Where nothing is doubted the tool is the hand, bit for bit", "[tool_proxy]") {
+  const Model model = toolModel();
+  ToolProxy proxy(model);
+  Touch touch;
+  touch.report.step_share = TrustLimits::step_share;
+  touch.report.min_J = TrustLimits::min_J + 1e-6F;
+  touch.report.max_penetration = TrustLimits::penetration * model.scene.tool.radius;
+  touch.report.tool_force = Vec3(0, 0, 0.5 * model.max_tool_force);
+  Pose hand = at(0.1, -0.2, -0.3);
+  hand.orientation = Quat(Eigen::AngleAxisd(0.3, Vec3::UnitX()));
+  const Pose tool = proxy.follow(hand, touch.state, touch.report);
+  CHECK(tool.position == hand.position);
+  CHECK(tool.orientation.coeffs() == hand.orientation.coeffs());
+  CHECK(proxy.yield() == 0);
+}
+
+TEST_CASE("Each limit slows the advance and stops it; the gravest counts", "[tool_proxy]") {
+  const Model model = toolModel();
+  StepReport report;
+  CHECK(ToolProxy::freedom(model, report) == 1);
+  report.step_share = 0.5 * (TrustLimits::step_share + YieldLimits::step_share);
+  CHECK(ToolProxy::freedom(model, report) == Approx(0.5));
+  report.min_J = static_cast<float>(0.25 * TrustLimits::min_J + 0.75 * YieldLimits::min_J);
+  CHECK(ToolProxy::freedom(model, report) == Approx(0.25));
+  report.tool_force = Vec3(0, 0.9 * model.max_tool_force, 0);
+  CHECK(ToolProxy::freedom(model, report) == Approx(0.2));
+  report.max_penetration = YieldLimits::penetration * model.scene.tool.radius;
+  CHECK(ToolProxy::freedom(model, report) == 0);
+  report = {};
+  report.min_J = -0.1F;
+  CHECK(ToolProxy::freedom(model, report) == 0);
+  report = {};
+  report.step_share = 10;
+  CHECK(ToolProxy::freedom(model, report) == 0);
+}
+
+TEST_CASE("A tool that yields is slowed where it goes deeper, and free sideways and backwards", "[tool_proxy]") {
+  const Model model = toolModel();
+  ToolProxy proxy(model);
+  Touch touch;
+  touch.report.step_share = 0.5 * (TrustLimits::step_share + YieldLimits::step_share);  // g^2 = 1/4
+  // The hand a millimetre deeper and one aside: within the reach of 2 mm a tick.
+  Pose tool = proxy.follow(at(1e-3, 0, -1e-3), touch.state, touch.report);
+  CHECK(tool.position.x() == Approx(1e-3).epsilon(1e-12));
+  CHECK(tool.position.z() == Approx(-0.25e-3).epsilon(1e-12));
+  CHECK(proxy.yield() == Approx(0.75e-3).epsilon(1e-12));
+  // Far away: no faster than the tool may go.
+  tool = proxy.follow(at(0, 0, -0.05), touch.state, touch.report);
+  CHECK(tool.position.z() == Approx(-0.25 * 2e-3).epsilon(1e-12));
+  // Backwards and sideways: all the way.
+  tool = proxy.follow(at(1e-3, 1e-3, 1e-3), touch.state, touch.report);
+  CHECK(tool.position == Vec3(1e-3, 1e-3, 1e-3));
+  CHECK(proxy.yield() == 0);
+  // Beyond the limit it stands.
+  touch.report.step_share = 2;
+  tool = proxy.follow(at(0, 0, -0.05), touch.state, touch.report);
+  CHECK(tool.position.norm() < 1e-15);
+  CHECK(proxy.yield() == Approx(0.05));
+}
+
+TEST_CASE("After the tissue was put back the tool comes gently, until it has reached the hand", "[tool_proxy]") {
+  const Model model = toolModel();
+  ToolProxy proxy(model);
+  Touch touch;
+  proxy.beGentle();
+  const Pose hand = at(0, 0, -0.01);
+  double fastest = 0;
+  int ticks = 0;
+  while (touch.state.tool_pose.position.z() > hand.position.z() && ticks < 1000) {
+    const Pose tool = proxy.follow(hand, touch.state, touch.report);
+    fastest = std::max(fastest, (tool.position - touch.state.tool_pose.position).norm());
+    touch.state.tool_pose = tool;
+    ++ticks;
+  }
+  CHECK(fastest * 500 == Approx(ToolProxy::gentle_speed));
+  CHECK(std::abs(ticks - 250) <= 1);  // 10 mm at 20 mm/s
+  touch.state.tool_pose = hand;
+  proxy.follow(hand, touch.state, touch.report);
+  // Then as fast as the hand.
+  CHECK(proxy.follow(at(0, 0, -0.5), touch.state, touch.report).position == Vec3(0, 0, -0.5));
+
+  // In the air it comes faster, and where the hand waits outside, it is there at once.
+  ToolProxy free(model);
+  State state;
+  free.beGentle();
+  const Pose tool = free.follow(at(0, 0, -1), state, {});
+  CHECK(tool.position.z() * 500 == Approx(-ToolProxy::approach_speed));
+  CHECK(free.follow(at(0, 0, 0), state, {}).position == Vec3::Zero());
+  CHECK(free.follow(at(0, 0, -1), state, {}).position == Vec3(0, 0, -1));
+}
