@@ -7,12 +7,12 @@
 namespace palpate::app {
 namespace {
 
-constexpr double kAway = 1.0;                          // m/s, lifting off
-constexpr double kPressSlow = 0.05, kPressFast = 0.3;  // m/s
-constexpr double kDragSlow = 0.05, kDragFast = 0.5;    // m/s
-constexpr double kShortHold = 0.05, kLongHold = 0.4;   // s
-constexpr double kSoft = 0.5;                          // of the scene's stiffness
-constexpr double kBeyond = 0.1;                        // of the organ's size: jumps end in the air, too
+constexpr double kRoughAway = 1.0;                               // m/s, lifting off
+constexpr double kRoughPressSlow = 0.05, kRoughPressFast = 0.3;  // m/s
+constexpr double kRoughDragSlow = 0.05, kRoughDragFast = 0.5;    // m/s
+constexpr double kRoughShortHold = 0.05, kRoughLongHold = 0.4;   // s
+constexpr double kRoughSoft = 0.5;                               // of the scene's stiffness
+constexpr double kRoughBeyond = 0.1;                             // of the organ's size: jumps end in the air, too
 
 }  // namespace
 
@@ -44,19 +44,19 @@ void RoughMotion::planAct() {
   Vec3 top = place(0, 0);
   top.z() = lift_;
   Vec3 inside = place(0, 0.9);
-  const double hold = uniform(kShortHold, kLongHold);
+  const double hold = uniform(kRoughShortHold, kRoughLongHold);
   switch (random_() % 4) {
     case 0:  // a poke to the bottom, and out at once
       add(top, 0, 0);
-      add({top.x(), top.y(), low_.z()}, poke_speed, uniform(0, kShortHold));
+      add({top.x(), top.y(), low_.z()}, poke_speed, uniform(0, kRoughShortHold));
       return add(top, poke_speed, 0);
     case 1:  // a press that is held
-      add(top, kAway, 0);
-      return add({top.x(), top.y(), inside.z()}, uniform(kPressSlow, kPressFast), hold);
+      add(top, kRoughAway, 0);
+      return add({top.x(), top.y(), inside.z()}, uniform(kRoughPressSlow, kRoughPressFast), hold);
     case 2:  // a drag from wherever the hand is
-      return add(inside, uniform(kDragSlow, kDragFast), 0);
+      return add(inside, uniform(kRoughDragSlow, kRoughDragFast), 0);
     default:  // a jump
-      return add(place(-kBeyond, 1 + kBeyond), 0, hold);
+      return add(place(-kRoughBeyond, 1 + kRoughBeyond), 0, hold);
   }
 }
 
@@ -64,7 +64,7 @@ void RoughMotion::planSettings() {
   setting_ = setting_count_ = 0;
   settings_[setting_count_++] = Request::setFriction(uniform(0, 1));
   const std::size_t m = random_() % materials_.size();
-  const double stiffness = random_() % 2 == 0 ? 1 : kSoft;
+  const double stiffness = random_() % 2 == 0 ? 1 : kRoughSoft;
   settings_[setting_count_++] = Request::setMaterial(static_cast<int>(m), stiffened(materials_[m], stiffness));
 }
 
@@ -74,7 +74,7 @@ void RoughMotion::planRound() {
   for (std::size_t a = 0; a < acts; ++a) planAct();
   Vec3 away = legs_[leg_count_ - 1].goal;
   away.z() = lift_;
-  add(away, kAway, 0);
+  add(away, kRoughAway, 0);
   held_ = 0;
   rest_.begin();
   planSettings();

@@ -67,7 +67,6 @@ class SoakMotion final : public SoakHand {
 
   void plan();
   void watch(const State& state, const StepReport& last);
-  void endCycle(const State& state);
   double uniform(double low, double high);
   double oneOf(double low, double high, double distance);
   Pose poseAt(const Leg& from, const Leg& to, double share) const;

@@ -165,7 +165,8 @@ void SimulationLoop::apply(const Request& request, bool from_track) {
       run_.stop = true;
       return;
     case Kind::Reset:
-      return reset(from_track);
+    case Kind::Restart:
+      return reset(request.kind, from_track);
     default:
       break;
   }
@@ -237,18 +238,20 @@ void SimulationLoop::undo() {
   reporter_.logEvent(LogEvent::Kind::Undone, run_, -1, seconds);
 }
 
-void SimulationLoop::reset(bool from_track) {
+void SimulationLoop::reset(Request::Kind kind, bool from_track) {
+  const bool over = !from_track && track_.startOver(run_.tick);
+  if (over) kind = Request::Kind::Restart;
   physics_.reset();
   history_.clear();
-  proxy_.beGentle();
+  if (kind == Request::Kind::Reset) proxy_.beGentle();
   run_.frozen = false;
   reporter_.reset();
   track_.reset();
   command_ = {};
   command_.tool_target = run_.hand = model_.tool_start;
-  recorder_.addJump(run_.tick, Request::Kind::Reset, command_);
+  recorder_.addJump(run_.tick, kind, command_);
   reporter_.logEvent(LogEvent::Kind::Reset, run_);
-  if (from_track || !track_.startOver(run_.tick)) return;
+  if (!over) return;
   for (const Request& setting : settings_.loaded()) change(setting);
 }
 

@@ -89,7 +89,7 @@ class SimulationLoop final : private LoopBody {
   void moveTool(const Pose& pose, bool from_track);
   void pull(int skin_vertex, const Vec3& target);
   void change(const Request& setting);
-  void reset(bool from_track);
+  void reset(Request::Kind kind, bool from_track);
   void undo();
   void goBackTo(const State& past);
   bool advance();  // false: quit() broke the tick off, which then never was

@@ -1,6 +1,7 @@
 #include "realtime/loop/tool_proxy.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "simulation/trust.h"
 
@@ -12,7 +13,13 @@ double fade(double value, double begin, double end) { return std::clamp((end - v
 
 }  // namespace
 
-ToolProxy::ToolProxy(const Model& model) : model_(model) {}
+ToolProxy::ToolProxy(const Model& model)
+    : model_(model), arrival_ticks_(static_cast<int>(std::lround(arrival_seconds * model.scene.rate_hz))) {}
+
+void ToolProxy::beGentle() {
+  gentle_ = true;
+  arrived_ticks_ = 0;
+}
 
 double ToolProxy::freedom(const Model& model, const StepReport& last) {
   const double radius = model.scene.tool.radius;
@@ -25,12 +32,12 @@ double ToolProxy::freedom(const Model& model, const StepReport& last) {
 }
 
 Pose ToolProxy::follow(const Pose& hand, const State& state, const StepReport& last) {
-  const double g = freedom(model_, last), share = g * g;
+  const bool touches = !last.tool_force.isZero(0);
+  const double g = touches ? freedom(model_, last) : 1, share = g * g;
   yield_ = 0;
   if (share >= 1 && !gentle_) return hand;
 
   const Pose& from = state.tool_pose;
-  const bool touches = !last.tool_force.isZero(0);
   const Vec3 out = touches ? Vec3(last.tool_force.normalized()) : Vec3(from.orientation * Vec3::UnitZ());
   const double tick_s = 1 / model_.scene.rate_hz;
   const Vec3 way = hand.position - from.position;
@@ -48,7 +55,8 @@ Pose ToolProxy::follow(const Pose& hand, const State& state, const StepReport& l
   const bool arrives = move == way;
   pose.position = arrives ? hand.position : Vec3(from.position + move);
   pose.orientation = share >= 1 ? hand.orientation : from.orientation.slerp(share, hand.orientation).normalized();
-  if (arrives) gentle_ = false;
+  arrived_ticks_ = arrives ? arrived_ticks_ + 1 : 0;
+  if (arrived_ticks_ >= arrival_ticks_) gentle_ = false;
   if (!arrives) yield_ = (hand.position - pose.position).norm();
   return pose;
 }

@@ -21,8 +21,8 @@ struct YieldLimits {
 ///   g = min over the limits of clamp((limit - value) / (limit - begin), 0, 1)
 ///
 /// Sideways and backwards the tool is free. Where no value is beyond its begin, the tool is the hand, bit for bit.
-/// After the tissue was put back (a reset, an undo, a solution that was lost) the hand may still be deep: then the
-/// tool comes gently until it has reached the hand.
+/// Without contact it is free, too. After the tissue was put back (a reset, an undo, a solution that was lost) the hand
+/// may still be deep: then the tool comes gently until it has been where the hand is for a while.
 ///
 /// Depends on the hand's poses, the state and the last tick's report alone: a replay of the hand repeats it.
 /// Loop thread only. Real-time: no allocation, no lock, no throw. Test: realtime/loop/tool_proxy_test.cpp
@@ -31,6 +31,7 @@ class ToolProxy {
   // After the tissue was put back.
   static constexpr double approach_speed = 0.2;  // m/s, up to the skin
   static constexpr double gentle_speed = 0.02;   // m/s, deeper
+  static constexpr double arrival_seconds = 0.5;
 
   explicit ToolProxy(const Model& model);
 
@@ -40,7 +41,7 @@ class ToolProxy {
   Pose follow(const Pose& hand, const State& state, const StepReport& last);
 
   /// The tissue was put back.
-  void beGentle() { gentle_ = true; }
+  void beGentle();
 
   /// m, how far the tool stays behind the hand because it yields; 0: it does not.
   double yield() const { return yield_; }
@@ -50,7 +51,9 @@ class ToolProxy {
 
  private:
   const Model& model_;
+  const int arrival_ticks_;
   bool gentle_ = false;
+  int arrived_ticks_ = 0;  // in a row, while gentle
   double yield_ = 0;
 };
 

@@ -63,6 +63,9 @@ std::string lineOf(const TimedRequest& change) {
     case Request::Kind::Reset:
       line += " reset";
       break;
+    case Request::Kind::Restart:
+      line += " restart";
+      break;
     case Request::Kind::Undo:
       line += " undo";
       break;
@@ -112,6 +115,7 @@ Request readChange(LineReader& line) {
   }
   if (what == "release") return Request::simple(Request::Kind::ReleasePull);
   if (what == "reset") return Request::simple(Request::Kind::Reset);
+  if (what == "restart") return Request::simple(Request::Kind::Restart);
   if (what == "undo") return Request::simple(Request::Kind::Undo);
   if (what == "friction") return Request::setFriction(line.number("a friction coefficient"));
   if (what == "material") {

@@ -40,7 +40,10 @@ TEST_CASE("Undoing goes back half a second at a time, as far as states are kept"
   StateHistory history(stateAt(0), 500);
   CHECK(history.before(0) == nullptr);
   std::int64_t tick = 0;
-  while (tick < 10'000) history.keep(stateAt(++tick), tick % 3 == 0 ? Doubt::None : Doubt::Volume);
+  while (tick < 10'000) {
+    ++tick;
+    history.keep(stateAt(tick), tick % 3 == 0 ? Doubt::None : Doubt::Volume);
+  }
   int steps = 0;
   for (const State* past = history.before(tick); past != nullptr; past = history.before(tick), ++steps) {
     CHECK(tick - past->tick >= 125);

@@ -26,7 +26,7 @@ struct Touch {
   Touch() { report.tool_force = Vec3(0, 0, 1); }
 };
 
-Pose at(double x, double y, double z) {
+Pose handAt(double x, double y, double z) {
   Pose pose;
   pose.position = Vec3(x, y, z);
   return pose;
@@ -42,7 +42,7 @@ TEST_CASE("Where nothing is doubted the tool is the hand, bit for bit", "[tool_p
   touch.report.min_J = TrustLimits::min_J + 1e-6F;
   touch.report.max_penetration = TrustLimits::penetration * model.scene.tool.radius;
   touch.report.tool_force = Vec3(0, 0, 0.5 * model.max_tool_force);
-  Pose hand = at(0.1, -0.2, -0.3);
+  Pose hand = handAt(0.1, -0.2, -0.3);
   hand.orientation = Quat(Eigen::AngleAxisd(0.3, Vec3::UnitX()));
   const Pose tool = proxy.follow(hand, touch.state, touch.report);
   CHECK(tool.position == hand.position);
@@ -76,22 +76,25 @@ TEST_CASE("A tool that yields is slowed where it goes deeper, and free sideways 
   Touch touch;
   touch.report.step_share = 0.5 * (TrustLimits::step_share + YieldLimits::step_share);  // g^2 = 1/4
   // The hand a millimetre deeper and one aside: within the reach of 2 mm a tick.
-  Pose tool = proxy.follow(at(1e-3, 0, -1e-3), touch.state, touch.report);
+  Pose tool = proxy.follow(handAt(1e-3, 0, -1e-3), touch.state, touch.report);
   CHECK(tool.position.x() == Approx(1e-3).epsilon(1e-12));
   CHECK(tool.position.z() == Approx(-0.25e-3).epsilon(1e-12));
   CHECK(proxy.yield() == Approx(0.75e-3).epsilon(1e-12));
   // Far away: no faster than the tool may go.
-  tool = proxy.follow(at(0, 0, -0.05), touch.state, touch.report);
+  tool = proxy.follow(handAt(0, 0, -0.05), touch.state, touch.report);
   CHECK(tool.position.z() == Approx(-0.25 * 2e-3).epsilon(1e-12));
   // Backwards and sideways: all the way.
-  tool = proxy.follow(at(1e-3, 1e-3, 1e-3), touch.state, touch.report);
+  tool = proxy.follow(handAt(1e-3, 1e-3, 1e-3), touch.state, touch.report);
   CHECK(tool.position == Vec3(1e-3, 1e-3, 1e-3));
   CHECK(proxy.yield() == 0);
   // Beyond the limit it stands.
-  touch.report.step_share = 2;
-  tool = proxy.follow(at(0, 0, -0.05), touch.state, touch.report);
+  touch.report.step_share = 10;
+  tool = proxy.follow(handAt(0, 0, -0.05), touch.state, touch.report);
   CHECK(tool.position.norm() < 1e-15);
   CHECK(proxy.yield() == Approx(0.05));
+  // It is not the tool's doing where it touches nothing.
+  touch.report.tool_force.setZero();
+  CHECK(proxy.follow(handAt(0, 0, -0.05), touch.state, touch.report).position == Vec3(0, 0, -0.05));
 }
 
 TEST_CASE("After the tissue was put back the tool comes gently, until it has reached the hand", "[tool_proxy]") {
@@ -99,7 +102,7 @@ TEST_CASE("After the tissue was put back the tool comes gently, until it has rea
   ToolProxy proxy(model);
   Touch touch;
   proxy.beGentle();
-  const Pose hand = at(0, 0, -0.01);
+  const Pose hand = handAt(0, 0, -0.01);
   double fastest = 0;
   int ticks = 0;
   while (touch.state.tool_pose.position.z() > hand.position.z() && ticks < 1000) {
@@ -111,16 +114,17 @@ TEST_CASE("After the tissue was put back the tool comes gently, until it has rea
   CHECK(fastest * 500 == Approx(ToolProxy::gentle_speed));
   CHECK(std::abs(ticks - 250) <= 1);  // 10 mm at 20 mm/s
   touch.state.tool_pose = hand;
-  proxy.follow(hand, touch.state, touch.report);
-  // Then as fast as the hand.
-  CHECK(proxy.follow(at(0, 0, -0.5), touch.state, touch.report).position == Vec3(0, 0, -0.5));
+  // Then, after a while there, as fast as the hand.
+  for (int k = 0; k < 500 * ToolProxy::arrival_seconds; ++k) proxy.follow(hand, touch.state, touch.report);
+  CHECK(proxy.follow(handAt(0, 0, -0.5), touch.state, touch.report).position == Vec3(0, 0, -0.5));
 
-  // In the air it comes faster, and where the hand waits outside, it is there at once.
+  // In the air it comes faster.
   ToolProxy free(model);
   State state;
   free.beGentle();
-  const Pose tool = free.follow(at(0, 0, -1), state, {});
+  const Pose tool = free.follow(handAt(0, 0, -1), state, {});
   CHECK(tool.position.z() * 500 == Approx(-ToolProxy::approach_speed));
-  CHECK(free.follow(at(0, 0, 0), state, {}).position == Vec3::Zero());
-  CHECK(free.follow(at(0, 0, -1), state, {}).position == Vec3(0, 0, -1));
+  for (int k = 0; k < 500 * ToolProxy::arrival_seconds; ++k)
+    CHECK(free.follow(handAt(0, 0, 0), state, {}).position == Vec3::Zero());
+  CHECK(free.follow(handAt(0, 0, -1), state, {}).position == Vec3(0, 0, -1));
 }

@@ -5,13 +5,14 @@
 #include <vector>
 
 #include "realtime/loop_run.h"
+#include "realtime/recording/recording.h"
 
 using namespace palpate;
 using namespace palpate::test;
 
 namespace {
 
-constexpr std::int64_t kMs = 1'000'000;  // ns
+constexpr std::int64_t kStallMs = 1'000'000;  // ns
 
 /// A run of the loop on a computer that now and then does something else for 5 to 15 ms.
 struct StalledRun {
@@ -21,7 +22,8 @@ struct StalledRun {
   std::vector<std::int64_t> begins;  // ns since the start
 };
 
-StalledRun stalledRun(int catch_up, double stalls_per_tick, std::int64_t tick_ns = 8 * kMs / 10, int ticks = 10'000) {
+StalledRun stalledRun(int catch_up, double stalls_per_tick, std::int64_t tick_ns = 8 * kStallMs / 10,
+                      int ticks = 10'000) {
   Model model = smallModel(500);
   model.scene.catch_up = catch_up;
   FakePhysics physics(model);
@@ -33,7 +35,7 @@ StalledRun stalledRun(int catch_up, double stalls_per_tick, std::int64_t tick_ns
     run.begins.push_back(clock.time - start);
     clock.time += tick_ns;
     const bool stalls = random() < stalls_per_tick * 4294967296.0;
-    const auto stall = static_cast<std::int64_t>(random() % (10 * kMs)) + 5 * kMs;
+    const auto stall = static_cast<std::int64_t>(random() % (10 * kStallMs)) + 5 * kStallMs;
     if (stalls) clock.time += stall;
   };
   SimulationLoopOptions options = limited(ticks);
@@ -78,13 +80,14 @@ TEST_CASE("After a stall the late ticks follow at once until the grid is reached
   std::vector<std::int64_t> begins;
   physics.on_tick = [&](State& state, StepReport&) {
     begins.push_back(clock.time - start);
-    clock.time += state.tick == 11 ? 91 * kMs / 10 : kMs / 2;  // tick 10, from 20 ms to 29.1 ms
+    clock.time += state.tick == 11 ? 91 * kStallMs / 10 : kStallMs / 2;  // tick 10, from 20 ms to 29.1 ms
   };
   SimulationLoop loop(model, physics, nullptr, limited(40));
   loop.run(clock);
   // Grid times 22, 24, 26, 28 were missed; the tick of 30 begins when the four are made good at 31.1, late by 1.1.
-  for (std::size_t k = 11; k <= 15; ++k) CHECK(begins[k] == 291 * kMs / 10 + static_cast<int>(k - 11) * kMs / 2);
-  for (std::size_t k = 16; k < 40; ++k) CHECK(begins[k] == static_cast<int>(k) * 2 * kMs);
+  for (std::size_t k = 11; k <= 15; ++k)
+    CHECK(begins[k] == 291 * kStallMs / 10 + static_cast<int>(k - 11) * kStallMs / 2);
+  for (std::size_t k = 16; k < 40; ++k) CHECK(begins[k] == static_cast<int>(k) * 2 * kStallMs);
   CHECK(loop.statistics().overrun_count == 5);
   CHECK(loop.statistics().caught_up_count == 5);
   CHECK(loop.statistics().longest_overrun_streak == 5);
@@ -111,21 +114,21 @@ TEST_CASE("A stall longer than what is made good skips the rest, and says so", "
   CHECK(catch_up.streak() == 0);
 
   LateTick late;
-  late.period_ns = 2 * kMs;
-  late.step_ns = 21 * kMs;
+  late.period_ns = 2 * kStallMs;
+  late.step_ns = 21 * kStallMs;
   late.missed = 10;
   late.skipped = 6;
   CHECK(lateTickText(late).find("10 periods late, 6 skipped") != std::string::npos);
 }
 
 TEST_CASE("A computer too slow for the rate skips as without catching up, but for one spell", "[catch_up]") {
-  const StalledRun skipping = stalledRun(0, 0, 3 * kMs), overloaded = stalledRun(16, 0, 3 * kMs);
+  const StalledRun skipping = stalledRun(0, 0, 3 * kStallMs), overloaded = stalledRun(16, 0, 3 * kStallMs);
   CHECK(skipping.realtime_factor == Approx(0.5).epsilon(1e-9));
   CHECK(overloaded.realtime_factor == Approx(0.5).epsilon(0.01));
   CHECK(overloaded.caught_up <= 16 * CatchUp::longest_spell);
   CHECK(overloaded.hash == skipping.hash);
   // Once it has given up it begins on the grid again.
-  for (std::size_t k = 100; k < overloaded.begins.size(); ++k) REQUIRE(overloaded.begins[k] % (2 * kMs) == 0);
+  for (std::size_t k = 100; k < overloaded.begins.size(); ++k) REQUIRE(overloaded.begins[k] % (2 * kStallMs) == 0);
 }
 
 TEST_CASE("Nothing is owed after a pause", "[catch_up]") {
