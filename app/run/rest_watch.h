@@ -20,6 +20,8 @@ class RestWatch {
   static constexpr double rest_hold_s = 0.1;
   static constexpr double longest_rest_s = 30;
   static constexpr double drift_limit = 1e-6;  // of the organ's size: what a rest may differ from the first
+  // The same under a rough hand, m: a hundredth of a hair. What was pressed flat leaves more rounding behind.
+  static constexpr double rough_drift_limit_m = 1e-6;
 
   explicit RestWatch(const Model& model);
 

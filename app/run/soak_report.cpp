@@ -74,7 +74,10 @@ std::vector<std::string> brokenPromises(const SoakReport& r) {
       !std::isfinite(r.peak_force_N))
     broken.push_back("the state did not stay finite");
   if (r.memoryGrowth() > 0) broken.push_back(format("memory grew by %.0f kB after the warm-up", kB(r.memoryGrowth())));
-  if (r.drift() > RestWatch::drift_limit)
+  if (r.rough && r.largest_drift_m > RestWatch::rough_drift_limit_m)
+    broken.push_back(format("the state at rest drifted by %.2g m (limit %.0e m)", r.largest_drift_m,
+                            RestWatch::rough_drift_limit_m));
+  if (!r.rough && r.drift() > RestWatch::drift_limit)
     broken.push_back(format("the state at rest drifted by %.2g of the organ's size (limit %.0e)", r.drift(),
                             RestWatch::drift_limit));
   if (r.unrested_cycles > 0)

@@ -23,7 +23,7 @@ void ToolProxy::beGentle() {
 
 double ToolProxy::freedom(const Model& model, const StepReport& last) {
   const double radius = model.scene.tool.radius;
-  double g = fade(last.step_share, TrustLimits::step_share, YieldLimits::step_share);
+  double g = fade(last.step_share, YieldLimits::free_step_share, YieldLimits::step_share);
   g = std::min(g, fade(-static_cast<double>(last.min_J), -TrustLimits::min_J, -YieldLimits::min_J));
   g = std::min(g, fade(last.max_penetration, TrustLimits::penetration * radius, YieldLimits::penetration * radius));
   const double most = model.max_tool_force;
@@ -46,9 +46,9 @@ Pose ToolProxy::follow(const Pose& hand, const State& state, const StepReport& l
   if (move.norm() > reach) move *= reach / move.norm();
   const double deeper = -move.dot(out);
   if (deeper > 0) {
-    double allowed = share * deeper;
-    if (gentle_ && touches) allowed = std::min(allowed, tick_s * gentle_speed);
-    move += (deeper - allowed) * out;
+    move += (1 - share) * deeper * out;
+    const double gently = tick_s * gentle_speed;  // sideways, too: a slant leads down
+    if (gentle_ && touches && move.norm() > gently) move *= gently / move.norm();
   }
 
   Pose pose;

@@ -8,10 +8,11 @@ namespace palpate {
 /// Where the tool yields: beyond a doubt's limit (simulation/trust.h) its advance becomes slower, and here it ends.
 /// Each is the last resort before the solution is lost, not where it becomes inexact.
 struct YieldLimits {
-  static constexpr double step_share = 1.6;   // from TrustLimits::step_share on
-  static constexpr double min_J = 0.1;        // from TrustLimits::min_J on
-  static constexpr double penetration = 0.3;  // of the tool's radius, from TrustLimits::penetration on
-  static constexpr double free_force = 0.5;   // of Model::max_tool_force: up to here the force does not count
+  static constexpr double step_share = 1.7;       // the share is a bound: the default liver freezes at about 2
+  static constexpr double free_step_share = 1.2;  // up to here it does not count
+  static constexpr double min_J = 0.1;            // from TrustLimits::min_J on
+  static constexpr double penetration = 0.3;      // of the tool's radius, from TrustLimits::penetration on
+  static constexpr double free_force = 0.5;       // of Model::max_tool_force: up to here the force does not count
 };
 
 /// The tool that the tissue feels: it follows the hand (mouse, device, script or recording), but yields where the

@@ -38,7 +38,7 @@ TEST_CASE("Where nothing is doubted the tool is the hand, bit for bit", "[tool_p
   const Model model = toolModel();
   ToolProxy proxy(model);
   Touch touch;
-  touch.report.step_share = TrustLimits::step_share;
+  touch.report.step_share = YieldLimits::free_step_share;
   touch.report.min_J = TrustLimits::min_J + 1e-6F;
   touch.report.max_penetration = TrustLimits::penetration * model.scene.tool.radius;
   touch.report.tool_force = Vec3(0, 0, 0.5 * model.max_tool_force);
@@ -54,7 +54,7 @@ TEST_CASE("Each limit slows the advance and stops it; the gravest counts", "[too
   const Model model = toolModel();
   StepReport report;
   CHECK(ToolProxy::freedom(model, report) == 1);
-  report.step_share = 0.5 * (TrustLimits::step_share + YieldLimits::step_share);
+  report.step_share = 0.5 * (YieldLimits::free_step_share + YieldLimits::step_share);
   CHECK(ToolProxy::freedom(model, report) == Approx(0.5));
   report.min_J = static_cast<float>(0.25 * TrustLimits::min_J + 0.75 * YieldLimits::min_J);
   CHECK(ToolProxy::freedom(model, report) == Approx(0.25));
@@ -74,7 +74,7 @@ TEST_CASE("A tool that yields is slowed where it goes deeper, and free sideways 
   const Model model = toolModel();
   ToolProxy proxy(model);
   Touch touch;
-  touch.report.step_share = 0.5 * (TrustLimits::step_share + YieldLimits::step_share);  // g^2 = 1/4
+  touch.report.step_share = 0.5 * (YieldLimits::free_step_share + YieldLimits::step_share);  // g^2 = 1/4
   // The hand a millimetre deeper and one aside: within the reach of 2 mm a tick.
   Pose tool = proxy.follow(handAt(1e-3, 0, -1e-3), touch.state, touch.report);
   CHECK(tool.position.x() == Approx(1e-3).epsilon(1e-12));
