@@ -10,7 +10,7 @@ constexpr double kRestShare = 0.1 * RestWatch::drift_limit;
 
 }  // namespace
 
-RestWatch::RestWatch(const Model& model)
+RestWatch::RestWatch(const Body& model)
     : tick_seconds_(1 / model.scene.rate_hz), dt_(model.dt), first_(model.X.size()) {
   Vec3 low = model.X.empty() ? Vec3(Vec3::Zero()) : model.X[0], high = low;
   for (const Vec3& X : model.X) {

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "base/types.h"
-#include "simulation/model.h"
+#include "simulation/body.h"
 #include "simulation/state.h"
 
 namespace palpate::app {
@@ -23,7 +23,7 @@ class RestWatch {
   // The same under a rough hand, m: a hundredth of a hair. What was pressed flat leaves more rounding behind.
   static constexpr double rough_drift_limit_m = 1e-6;
 
-  explicit RestWatch(const Model& model);
+  explicit RestWatch(const Body& model);
 
   /// The tool has lifted off: the wait begins.
   void begin() { rest_time_ = still_time_ = 0; }

@@ -16,7 +16,7 @@ constexpr double kRoughBeyond = 0.1;                             // of the organ
 
 }  // namespace
 
-RoughMotion::RoughMotion(const Model& model, unsigned seed)
+RoughMotion::RoughMotion(const Body& model, unsigned seed)
     : start_(model.tool_start),
       tick_seconds_(1 / model.scene.rate_hz),
       materials_(model.materials),

@@ -7,7 +7,7 @@
 #include "app/run/rest_watch.h"
 #include "app/run/soak_motion.h"
 #include "realtime/loop/tool_motion.h"
-#include "simulation/model.h"
+#include "simulation/body.h"
 
 namespace palpate::app {
 
@@ -19,7 +19,7 @@ class RoughMotion final : public SoakHand {
  public:
   static constexpr double poke_speed = 0.5;  // m/s
 
-  RoughMotion(const Model& model, unsigned seed);
+  RoughMotion(const Body& model, unsigned seed);
 
   Pose next(const State& state, const StepReport& last) override;
   const Request* nextSetting() override;

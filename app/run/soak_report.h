@@ -70,7 +70,8 @@ void addCycle(SoakReport& report, const SoakCycle& cycle);
 
 /// What a long run must keep, and this one did not; empty: all kept. Memory does not grow after the
 /// warm-up, rests drift by less than RestWatch::drift_limit, the tissue comes to rest, all stays finite; under a rough
-/// hand rests may differ by RestWatch::rough_drift_limit_m, and it may be lost, but then goes back to an earlier state and never freezes.
+/// hand rests may differ by RestWatch::rough_drift_limit_m, and the tissue may be lost, but then goes back to an
+/// earlier state and never freezes.
 std::vector<std::string> brokenPromises(const SoakReport& report);
 
 /// "12.0 min: 240 cycles, real time x1.0000, step p99.9 812 us, 3 overruns, drift 2.1e-09, memory +0 kB"
