@@ -11,6 +11,15 @@ namespace {
 /// 1 up to `begin`, 0 from `end` on.
 double fade(double value, double begin, double end) { return std::clamp((end - value) / (end - begin), 0.0, 1.0); }
 
+/// `move` without a part of what goes against `out`, one of the two components of the tissue's unit push on the tool.
+/// @param share  what is left of it, 0 .. 1, where the component is no small one
+Vec3 held(const Vec3& move, const Vec3& out, double share) {
+  constexpr double small = 0.5;  // of the push: below, the tissue is hardly in this way
+  const double size = out.norm(), against = size > 0 ? -move.dot(out) / size : 0;
+  if (against <= 0) return move;
+  return move + (1 - share) * std::min(1.0, size / small) * against / size * out;
+}
+
 }  // namespace
 
 ToolProxy::ToolProxy(const Model& model)
@@ -38,18 +47,17 @@ Pose ToolProxy::follow(const Pose& hand, const State& state, const StepReport& l
   if (share >= 1 && !gentle_) return hand;
 
   const Pose& from = state.tool_pose;
-  const Vec3 out = touches ? Vec3(last.tool_force.normalized()) : Vec3(from.orientation * Vec3::UnitZ());
+  const Vec3 axis = from.orientation * Vec3::UnitZ();
+  const Vec3 out = touches ? Vec3(last.tool_force.normalized()) : axis;
   const double tick_s = 1 / model_.scene.rate_hz;
   const Vec3 way = hand.position - from.position;
   Vec3 move = way;
   const double reach = tick_s * (gentle_ && !touches ? approach_speed : model_.scene.tool_max_speed);
   if (move.norm() > reach) move *= reach / move.norm();
-  const double deeper = -move.dot(out);
-  if (deeper > 0) {
-    move += (1 - share) * deeper * out;
-    const double gently = tick_s * gentle_speed;  // sideways, too: a slant leads down
-    if (gentle_ && touches && move.norm() > gently) move *= gently / move.norm();
-  }
+  const bool deeper = move.dot(out) < 0;
+  move = held(held(move, out.dot(axis) * axis, share), out - out.dot(axis) * axis, share);
+  const double gently = tick_s * gentle_speed;
+  if (gentle_ && touches && deeper && move.norm() > gently) move *= gently / move.norm();
 
   Pose pose;
   const bool arrives = move == way;

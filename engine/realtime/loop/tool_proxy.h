@@ -18,10 +18,11 @@ struct YieldLimits {
 /// The tool that the tissue feels: it follows the hand (mouse, device, script or recording), but yields where the
 /// tissue can take no more, as a hand on a real tool would.
 ///
-///   advance = g^2 (hand - tool) . (-n)          n: where the tissue pushes the tool
+///   advance = g^2 (hand - tool), along the tool's axis and across it, each as far as it goes against the tissue's push
 ///   g = min over the limits of clamp((limit - value) / (limit - begin), 0, 1)
 ///
-/// Sideways and backwards the tool is free. Where no value is beyond its begin, the tool is the hand, bit for bit.
+/// Across the push and backwards the tool is free; it doesn't slide off a slope, as it would along the skin. Where no
+/// value is beyond its begin, the tool is the hand, bit for bit.
 /// Without contact it is free, too. After the tissue was put back (a reset, an undo, a solution that was lost) the hand
 /// may still be deep: then the tool comes gently until it has been where the hand is for a while.
 ///

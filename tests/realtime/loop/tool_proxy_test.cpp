@@ -87,6 +87,13 @@ TEST_CASE("A tool that yields is slowed where it goes deeper, and free sideways 
   tool = proxy.follow(handAt(1e-3, 1e-3, 1e-3), touch.state, touch.report);
   CHECK(tool.position == Vec3(1e-3, 1e-3, 1e-3));
   CHECK(proxy.yield() == 0);
+  // On a slope, too, it stays under the hand; and what the tissue beside it pushes back is no free way.
+  touch.report.tool_force = Vec3(0.6, 0, 0.8);
+  tool = proxy.follow(handAt(0, 0, -1e-3), touch.state, touch.report);
+  CHECK(tool.position.isApprox(Vec3(0, 0, -0.25e-3), 1e-12));
+  tool = proxy.follow(handAt(-1e-3, 1e-3, 0), touch.state, touch.report);
+  CHECK(tool.position.isApprox(Vec3(-0.25e-3, 1e-3, 0), 1e-12));
+  touch.report.tool_force = Vec3(0, 0, 1);
   // Beyond the limit it stands.
   touch.report.step_share = 10;
   tool = proxy.follow(handAt(0, 0, -0.05), touch.state, touch.report);
