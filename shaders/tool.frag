@@ -3,6 +3,7 @@
 #include "studio.glsl"
 
 uniform mat4 world_from_local;
+uniform float opacity;
 
 in vec3 p;
 in vec3 n;
@@ -39,7 +40,7 @@ void main() {
   if (finish == 1.0) {  // grip
     vec3 light = key_colour * clamp(dot(normal, key.xyz), 0.0, 1.0) + ambientLight(normal);
     vec3 glint = reflectedRoom(reflect(-to_eye, normal), 0.55, 1.0) * fresnel(facing, 0.04) * 0.8;
-    colour = encode(vec3(0.030, 0.034, 0.040) * light + glint, 1.0);
+    colour = encode(vec3(0.030, 0.034, 0.040) * light + glint, opacity);
     return;
   }
   // The grain spreads reflections along the axis: three normals tilted that way stand for it.
@@ -57,5 +58,5 @@ void main() {
   vec3 metal = finish == 2.0 ? vec3(0.16, 0.34, 0.46) : vec3(0.60, 0.60, 0.61);
   vec3 reflectance = metal + (1.0 - metal) * fresnel(facing, 0.0);
   float tip = mix(0.55, 1.0, smoothstep(0.0, 0.5, above + max(normal.z, 0.0)));
-  colour = encode(room * reflectance * tip, 1.0);
+  colour = encode(room * reflectance * tip, opacity);
 }

@@ -74,7 +74,7 @@ void drawBar(const Theme& theme, const PanelData& data, const Rect& place, Panel
     badge(theme, run.text, run.colour);
 
     float x = 340 * s;
-    const float width = 74 * s;
+    const float width = 66 * s;
     at(x, button_y);
     if (button(status.paused ? "Run" : "Pause", width, !status.frozen, "frozen: reset first"))
       requests.toggle_pause = true;
@@ -83,6 +83,10 @@ void drawBar(const Theme& theme, const PanelData& data, const Rect& place, Panel
       requests.single_step = true;
     at(x += width + 6 * s, button_y);
     if (button("Reset", width)) requests.reset = true;
+    at(x += width + 6 * s, button_y);
+    const bool by_hand = data.driver == ToolDriver::User;
+    if (button("Undo", width, by_hand, "a script or recording moves the tool: reset begins it again"))
+      requests.undo = true;
     at(x += width + 6 * s, button_y);
     if (button("Frame", width)) requests.frame_view = true;
     x += width + 16 * s;
@@ -149,6 +153,9 @@ void drawFrozenBanner(const Theme& theme, const PanelData& data, const Rect& vie
     ImGui::PopTextWrapPos();
     ImGui::Spacing();
     if (button("Reset (Backspace)", 150 * s)) requests.reset = true;
+    ImGui::SameLine();
+    if (button("Undo (Ctrl+Z)", 130 * s, data.driver == ToolDriver::User, "a script or recording moves the tool"))
+      requests.undo = true;
   }
   ImGui::End();
   ImGui::PopStyleColor();

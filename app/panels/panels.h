@@ -71,7 +71,7 @@ struct PanelState {
 
 /// What was clicked in this frame.
 struct PanelRequests {
-  bool toggle_pause = false, single_step = false, reset = false;
+  bool toggle_pause = false, single_step = false, reset = false, undo = false;
   bool restart_script = false;
   bool tool_to_start = false;
   std::optional<double> friction;

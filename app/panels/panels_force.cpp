@@ -143,11 +143,18 @@ void drawTimingCard(const Theme& theme, const PanelData& data) {
       colours::text,
       "what mtled frontier compares settings by: the median tick's, and the real-time factor that it could reach");
   row("Wake-up late, p99 / max", format("%.0f / %.0f us", timing.late_p99, timing.late_max));
-  const auto periods = static_cast<long long>(status.ticks + status.overrun_count);
+  const auto periods = static_cast<long long>(status.ticks + status.overrun_count - status.caught_up_count);
   const double share =
       periods > 0 ? 100.0 * static_cast<double>(status.overrun_count) / static_cast<double>(periods) : 0;
-  row("Overruns", format("%lld of %lld (%.3f %%)", static_cast<long long>(status.overrun_count), periods, share),
-      share < 0.1 ? colours::good : colours::warning, "periods gone by without a tick of their own");
+  const auto overruns = static_cast<long long>(status.overrun_count);
+  const auto caught_up = static_cast<long long>(status.caught_up_count);
+  row("Overruns",
+      caught_up > 0 ? format("%lld, %lld made good", overruns, caught_up)
+                    : format("%lld of %lld (%.3f %%)", overruns, periods, share),
+      share < 0.1 ? colours::good : colours::warning,
+      format("%.3f %% of the grid times went by while the loop was busy; those not made good at once were skipped",
+             share)
+          .c_str());
   row("Real-time factor", format("%.4f", status.realtime_factor),
       status.realtime_factor >= 0.999 ? colours::good : colours::warning,
       "physics time over wall time since the start or the last pause");

@@ -39,7 +39,8 @@ constexpr std::array tool_help{
     HelpLine{"Ctrl + left drag", "pull the tissue under the pointer"},
 };
 constexpr std::array run_help{
-    HelpLine{"Space", "pause, run"}, HelpLine{".", "one tick while paused"},  HelpLine{"Backspace", "reset"},
+    HelpLine{"Space", "pause, run"}, HelpLine{".", "one tick while paused"},
+    HelpLine{"Backspace", "reset"},  HelpLine{"Ctrl + Z", "half a second back, again and again"},
     HelpLine{"F1", "this help"},     HelpLine{"Esc", "close the help; quit"},
 };
 

@@ -15,6 +15,7 @@ namespace palpate::app {
 namespace {
 
 constexpr double mm = 1e3, us = 1e6;         // per m, per s
+constexpr double least_yield = 1e-4;         // m, worth showing
 constexpr float min_stiffness_percent = 10;  // softer tissue sinks under its own contact
 
 /// "length 60 mm, rim 3 mm": what the tool's file lists, as the scene says it.
@@ -144,6 +145,12 @@ void drawToolCard(const Theme& theme, const PanelData& data, PanelState& state, 
   row("Tip", format("%.1f  %.1f  %.1f mm", tip.x(), tip.y(), tip.z()));
   row("Depth", format("%.2f mm", data.snapshot.force.depth_m * mm), colours::text,
       "travel of the tip past its first touch of the resting skin");
+  if (data.snapshot.yield_m > least_yield)
+    row("Behind the hand", format("%.1f mm", data.snapshot.yield_m * mm), colours::warning,
+        "the tool yields: the tissue can take no more (tool.max_force and others); the ghost is the hand");
+  if (data.snapshot.status.restored_count > 0)
+    row("Restored", format("%lld times", static_cast<long long>(data.snapshot.status.restored_count)), colours::warning,
+        "the solution was lost, and the tissue went back to where it was shortly before");
   row("Skin vertices touched", std::to_string(data.snapshot.report.contact_count));
   auto friction = static_cast<float>(data.friction);
   if (slider("Friction", friction, 0, 1, "%.2f", data.input_note)) requests.friction = friction;

@@ -33,6 +33,8 @@ constexpr double key_elevation_deg = 52;
 
 constexpr float patterns_per_radius = 0.62F;  // repeats of the tissue's coarse unevenness
 constexpr int colour_count = 256;
+constexpr float ghost_opacity = 0.35F;
+constexpr double ghost_distance = 5e-4;  // m, between tool and hand: less can't be told apart
 
 Vec3 keyDirection(double camera_azimuth_deg) {
   const double a = (camera_azimuth_deg + key_azimuth_from_camera_deg) * radians_per_degree,
@@ -83,6 +85,7 @@ struct Renderer::Parts {
   void fillFrame(const Snapshot& snapshot, const View& view, int width, int height);
   void drawShadows(const Snapshot& snapshot, const View& view);
   void drawPicture(const Snapshot& snapshot, const View& view);
+  void drawGhost(const Pose& hand) const;
   void bindTextures(const View& view);
   void releaseState() const;
 
@@ -94,7 +97,7 @@ struct Renderer::Parts {
   SkinMesh skin;
   MeshBuffers skin_buffers, tool_buffers;
   ShaderProgram skin_program, tool_program, ground_program, backdrop_program;
-  GLint tool_place;
+  GLint tool_place, tool_opacity;
   ShadowMap shadow_map;
   GroundShade ground_shade;
   NoiseTexture noise;
@@ -135,6 +138,7 @@ Renderer::Parts::Parts(const Body& the_model, const std::string& shader_dir)
       ground_program(shader_dir, "ground.vert", "ground.frag"),
       backdrop_program(shader_dir, "backdrop.vert", "backdrop.frag"),
       tool_place(tool_program.uniform("world_from_local")),
+      tool_opacity(tool_program.uniform("opacity")),
       shadow_map(shader_dir),
       ground_shade(shader_dir),
       overlays(model, shader_dir) {
@@ -204,6 +208,7 @@ void Renderer::Parts::drawPicture(const Snapshot& snapshot, const View& view) {
     const Eigen::Matrix4f place = worldFromTool(snapshot.tool_pose);
     tool_program.use();
     glUniformMatrix4fv(tool_place, 1, GL_FALSE, place.data());
+    glUniform1f(tool_opacity, 1);
     tool_buffers.draw();
   }
   if (!view.show_room) {
@@ -218,6 +223,22 @@ void Renderer::Parts::drawPicture(const Snapshot& snapshot, const View& view) {
   glDepthFunc(GL_LEQUAL);
   backdrop_program.use();
   glDrawArrays(GL_TRIANGLES, 0, 3);
+}
+
+/// Where the hand is that the tool stays behind: seen through tissue and tool.
+void Renderer::Parts::drawGhost(const Pose& hand) const {
+  const Eigen::Matrix4f place = worldFromTool(hand);
+  tool_program.use();
+  glUniformMatrix4fv(tool_place, 1, GL_FALSE, place.data());
+  glUniform1f(tool_opacity, ghost_opacity);
+  glEnable(GL_CULL_FACE);
+  glEnable(GL_BLEND);
+  glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
+  glDisable(GL_DEPTH_TEST);
+  tool_buffers.draw();
+  glEnable(GL_DEPTH_TEST);
+  glDisable(GL_BLEND);
+  glDisable(GL_CULL_FACE);
 }
 
 /// Leaves the context as a fresh one has it, but for the framebuffer and its viewport.
@@ -264,6 +285,7 @@ ColourScale Renderer::draw(const Snapshot& snapshot, const View& view, int frame
   glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
   parts.bindTextures(view);
   parts.drawPicture(snapshot, view);
+  if (view.show_tool && snapshot.yield_m > ghost_distance) parts.drawGhost(snapshot.hand_pose);
   parts.overlays.draw(snapshot, view, parts.skin.positions(), parts.extent.radius, framebuffer_height);
   parts.target.resolveInto(static_cast<GLuint>(shown));
   parts.releaseState();

@@ -60,6 +60,7 @@ Actions Controls::read(const Input& input, bool help_is_open) {
   if (input.keys_taken) return actions;
   actions.toggle_pause = input.wasPressed(Key::Space);
   actions.reset = input.wasPressed(Key::Backspace);
+  actions.undo = input.ctrl && input.wasPressed(Key::Z);
   actions.single_step = input.wasPressed(Key::Period);
   actions.frame_view = input.wasPressed(Key::F);
   actions.toggle_panels = input.wasPressed(Key::H);
@@ -88,7 +89,8 @@ std::optional<Key> keyFromGlfw(int code) {
        {GLFW_KEY_3, Key::Digit3},
        {GLFW_KEY_4, Key::Digit4},
        {GLFW_KEY_N, Key::N},
-       {GLFW_KEY_P, Key::P}}};
+       {GLFW_KEY_P, Key::P},
+       {GLFW_KEY_Z, Key::Z}}};
   for (const auto& [glfw_code, key] : keys)
     if (glfw_code == code) return key;
   return {};

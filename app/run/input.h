@@ -22,6 +22,7 @@ enum class Key : std::uint8_t {
   Digit4,
   N,
   P,
+  Z,
   Count
 };
 
@@ -48,7 +49,7 @@ enum class Drag : std::uint8_t { None, Panel, Orbit, Pan, Pull, MoveTool, PushTo
 
 /// What one frame's input asks for.
 struct Actions {
-  bool toggle_pause = false, reset = false, single_step = false;
+  bool toggle_pause = false, reset = false, undo = false, single_step = false;
   bool frame_view = false, toggle_panels = false, toggle_help = false;
   bool close_help = false, quit = false;
   bool toggle_nodes = false, toggle_points = false;

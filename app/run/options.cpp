@@ -70,6 +70,11 @@ void addOptions(CLI::App& app, Options& o, std::string& size, bool& no_cache) {
                  "e.g. --soak 60 liver --offscreen --fast")
       ->type_name("MINUTES")
       ->check(numberWithin(0.01, 1e6, "minutes"));
+  app.add_flag("--rough", o.rough,
+               "With --soak: a rough hand, which pokes to the bottom, jumps, presses and holds, while friction and "
+               "materials change, e.g. --soak 10 --rough liver --offscreen --fast");
+  app.add_option("--seed", o.seed, "With --soak: another sequence of presses, e.g. --soak 10 --rough --seed 7")
+      ->type_name("N");
   app.add_option("--rate", o.rate_hz, "Ticks per second instead of the scene's rate, e.g. --rate 1000")
       ->type_name("HZ")
       ->check(numberWithin(100, 2000, "Hz"));
@@ -122,6 +127,8 @@ ParsedOptions parseOptions(int argc, const char* const* argv) {
 
   o.use_cache = !no_cache;
   if (o.soak_minutes && o.scene.empty()) o.scene = "liver";
+  if (!o.soak_minutes && (o.rough || o.seed))
+    return refusal("--rough and --seed are for --soak; say for how many minutes, e.g. --soak 10 --rough");
   if (o.scene.empty())
     return refusal("SCENE is required: a scene file, or the name of one in assets/scenes, e.g. liver");
   if (o.soak_minutes && (o.seconds || !o.tool_script.empty() || !o.replay.empty()))

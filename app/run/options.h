@@ -12,6 +12,8 @@ struct Options {
   bool offscreen = false;
   std::optional<double> seconds;       // s of physics time, then end
   std::optional<double> soak_minutes;  // min of physics time under a tool that never stops, then end
+  bool rough = false;                  // that tool is a rough hand's
+  std::optional<unsigned> seed;        // of the soak's tool
   std::optional<double> rate_hz;       // instead of the scene's
   std::optional<int> threads;          // instead of the scene's
   std::optional<double> snapshot_at;   // s; off-screen picture; default: the end of the run

@@ -135,11 +135,11 @@ void Session::chooseInput(SimulationLoopOptions& loop_options) {
   const double rate = scene_.rate_hz;
   double track_seconds = 0;
   if (options_.soak_minutes) {
-    soak_.emplace(model_, *options_.soak_minutes);
+    soak_.emplace(model_, *options_.soak_minutes, options_.rough, options_.seed.value_or(1));
     loop_options.motion = &soak_->motion();
     loop_options.tick_limit = ticksIn(60 * *options_.soak_minutes, rate);
     track_driver_ = ToolDriver::Script;
-    script_ = "soak";
+    script_ = options_.rough ? "rough soak" : "soak";
     track_over_ = false;
     return;
   }
@@ -195,6 +195,8 @@ void Session::takeEvent(const LogEvent& event) {
     frozen_reason_ = text;
     if (soak_) loop_->quit();  // broken for good
     log_.error(text);
+  } else if (options_.rough && !event.isRestore()) {
+    // Each second of a rough hand has its warnings and settings: the report has their sums.
   } else if (event.isWarning() || event.kind == Kind::MaterialRefused) {
     log_.warning(text);
   } else {

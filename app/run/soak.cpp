@@ -3,6 +3,7 @@
 #include <iostream>
 #include <utility>
 
+#include "app/run/rough_motion.h"
 #include "app/run/soak_places.h"
 #include "io/output_file.h"
 
@@ -11,7 +12,6 @@ namespace palpate::app {
 namespace {
 
 constexpr int place_count = 24;
-constexpr unsigned seed = 1;
 constexpr int warm_cycles = 2;
 constexpr double counter_seconds = 1;  // the threads' counters are gone with them, so they are read often
 
@@ -25,18 +25,25 @@ std::vector<SoakThread> countersOf(const SimulationLoop& loop) {
   return threads;
 }
 
+std::unique_ptr<SoakHand> handFor(const Model& model, bool rough, unsigned seed) {
+  if (rough) return std::make_unique<RoughMotion>(model, seed);
+  return std::make_unique<SoakMotion>(model, soakPlaces(model, place_count, seed), seed);
+}
+
 }  // namespace
 
-Soak::Soak(const Model& model, double minutes)
-    : motion_(model, soakPlaces(model, place_count, seed), seed), rate_hz_(model.scene.rate_hz) {
+Soak::Soak(const Model& model, double minutes, bool rough, unsigned seed)
+    : hand_(handFor(model, rough, seed)), rate_hz_(model.scene.rate_hz) {
+  report_.rough = rough;
+  report_.seed = seed;
   report_.scene = model.scene.name;
   report_.state = "running";
   report_.minutes = minutes;
-  report_.organ_size_m = motion_.organSize();
+  report_.organ_size_m = hand_->rest().organSize();
 }
 
 void Soak::takeCycles() {
-  for (SoakCycle cycle; motion_.cycles().pop(cycle);) addCycle(report_, cycle);
+  for (SoakCycle cycle; hand_->cycles().pop(cycle);) addCycle(report_, cycle);
 }
 
 void Soak::update(SimulationLoop& loop, const ResultFolder& results) {
@@ -71,7 +78,9 @@ void Soak::measure(SimulationLoop& loop) {
   report_.realtime_factor = status.realtime_factor;
   report_.recent_realtime_factor = status.recent_realtime_factor;
   report_.frozen = status.frozen;
+  report_.restored = status.restored_count;
   report_.overruns = statistics.overrun_count;
+  report_.caught_up = statistics.caught_up_count;
   report_.longest_overrun_streak = statistics.longest_overrun_streak;
   for (std::size_t c = 0; c < kLateCauseCount; ++c) report_.late_ticks[c] = statistics.late_ticks[c];
   report_.step_us = statistics.step.percentiles();
@@ -102,6 +111,8 @@ std::string Soak::finish(SimulationLoop& loop, const ResultFolder& results, bool
   measure(loop);
   report_.flags |= loop.summary().flags;
   report_.frozen = loop.summary().frozen;
+  report_.restored = loop.summary().restored_count;
+  report_.largest_yield_m = loop.summary().largest_yield;
   report_.realtime_factor = loop.summary().totals.realtime_factor;
   write(results);
   std::cout << toText(report_) << std::flush;

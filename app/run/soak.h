@@ -1,6 +1,7 @@
 #pragma once
 
 #include <chrono>
+#include <memory>
 #include <string>
 
 #include "app/run/result_folder.h"
@@ -18,9 +19,10 @@ class Soak {
   static constexpr double warm_physics_seconds = 20;  // by then every buffer of the program has its size
 
   /// @param minutes  of physics time
-  Soak(const Model& model, double minutes);
+  /// @param rough    a RoughMotion instead of a SoakMotion
+  Soak(const Model& model, double minutes, bool rough, unsigned seed);
 
-  ToolMotion& motion() { return motion_; }
+  ToolMotion& motion() { return *hand_; }
 
   /// Takes what the loop has to tell; prints and writes the report once a minute. At least once a second.
   void update(SimulationLoop& loop, const ResultFolder& results);
@@ -38,7 +40,7 @@ class Soak {
   void countThreads(const SimulationLoop& loop);
   void write(const ResultFolder& results) const;
 
-  SoakMotion motion_;
+  std::unique_ptr<SoakHand> hand_;
   SoakReport report_;
   double rate_hz_;
   std::vector<SoakThread> warm_threads_;

@@ -15,27 +15,23 @@ constexpr double kLeastLeg = 0.05;                   // s: no leg is a jerk
 constexpr double kLeastDepth = 0.3;                  // of the place's
 constexpr double kDragShort = 0.2, kDragLong = 0.6;  // tool radii
 
-// A node that far from rest, relative to the organ's size, would be a tenth of the promised drift.
-constexpr double kRestShare = 0.1 * SoakMotion::drift_limit;
-
 }  // namespace
+
+void addTick(SoakCycle& cycle, const StepReport& report) {
+  cycle.flags |= report.flags;
+  cycle.not_finite += (report.flags & kNotFinite) != 0 || !report.tool_force.allFinite();
+  cycle.min_J = std::min(cycle.min_J, report.min_J);
+  cycle.peak_force_N = std::max(cycle.peak_force_N, report.tool_force.norm());
+}
 
 SoakMotion::SoakMotion(const Body& model, std::vector<SoakPlace> places, unsigned seed)
     : start_(model.tool_start),
       tick_seconds_(1 / model.scene.rate_hz),
-      dt_(model.dt),
       tool_radius_(model.scene.tool.radius),
       places_(std::move(places)),
       seed_(seed),
-      random_(seed),
-      first_rest_(model.X.size()) {
-  Vec3 low = model.X.empty() ? Vec3(Vec3::Zero()) : model.X[0], high = low;
-  for (const Vec3& X : model.X) {
-    low = low.cwiseMin(X);
-    high = high.cwiseMax(X);
-  }
-  organ_size_ = (high - low).norm();
-  rest_speed_ = kRestShare * organ_size_ * 0.5 * std::max(model.scene.damping, 1.0);
+      rest_(model),
+      random_(seed) {
   for (const Vec3& X : model.skin.surface.vertices) lift_ = std::min(lift_, -start_.toLocal(X).z() - tool_radius_);
   plan();
 }
@@ -61,7 +57,8 @@ void SoakMotion::plan() {
            Leg{in, dragged, oneOf(kDragSlow, kDragFast, length)},
            Leg{lift_, dragged, oneOf(kPressFast, kTravelSpeed, way + depth)}};
   leg_ = 0;
-  leg_time_ = rest_time_ = still_time_ = 0;
+  leg_time_ = 0;
+  rest_.begin();
   cycle_ = {.number = cycle_.number + 1, .depth_m = depth};
 }
 
@@ -69,7 +66,7 @@ void SoakMotion::restart() {
   random_.seed(seed_);
   from_ = {};
   cycle_ = {};
-  has_first_rest_ = false;
+  rest_.forgetFirst();
   plan();
 }
 
@@ -83,25 +80,12 @@ Pose SoakMotion::poseAt(const Leg& from, const Leg& to, double share) const {
 }
 
 void SoakMotion::watch(const State& state, const StepReport& last) {
-  cycle_.flags |= last.flags;
-  cycle_.min_J = std::min(cycle_.min_J, last.min_J);
-  cycle_.peak_force_N = std::max(cycle_.peak_force_N, last.tool_force.norm());
-  if (leg_ < legs_.size()) return;
-  cycle_.rest_speed = static_cast<double>(last.max_increment) / dt_;
-  rest_time_ += tick_seconds_;
-  still_time_ = cycle_.rest_speed <= rest_speed_ ? still_time_ + tick_seconds_ : 0;
-  cycle_.rested = still_time_ >= rest_hold_s;
-  if (cycle_.rested || rest_time_ >= longest_rest_s) endCycle(state);
-}
-
-void SoakMotion::endCycle(const State& state) {
-  if (!has_first_rest_) std::copy(state.u.begin(), state.u.end(), first_rest_.begin());
-  has_first_rest_ = true;
-  double largest = 0;
-  for (std::size_t i = 0; i < first_rest_.size(); ++i)
-    largest = std::max(largest, (toVec3(state.u[i]) - toVec3(first_rest_[i])).norm());
-  cycle_.drift_m = largest;
-  cycle_.rest_s = rest_time_;
+  addTick(cycle_, last);
+  if (leg_ < legs_.size() || !rest_.update(last)) return;
+  cycle_.rest_speed = rest_.speed();
+  cycle_.rested = rest_.rested();
+  cycle_.rest_s = rest_.seconds();
+  cycle_.drift_m = rest_.driftOf(state);
   cycle_.end_tick = state.tick;
   cycles_.push(cycle_);
   from_ = legs_.back();

@@ -64,29 +64,36 @@ void addCycle(SoakReport& report, const SoakCycle& cycle) {
   report.peak_force_N = std::max(report.peak_force_N, cycle.peak_force_N);
   report.min_J = std::min(report.min_J, cycle.min_J);
   report.flags |= cycle.flags;
+  report.not_finite += cycle.not_finite;
 }
 
 std::vector<std::string> brokenPromises(const SoakReport& r) {
   std::vector<std::string> broken;
-  if (r.frozen || (r.flags & (kNotFinite | kBlowUp)) != 0 || !std::isfinite(r.drift_m) ||
+  const std::uint32_t fatal = kNotFinite | (r.rough ? 0u : kBlowUp);
+  if (r.frozen || (r.flags & fatal) != 0 || (r.restored > 0 && !r.rough) || !std::isfinite(r.drift_m) ||
       !std::isfinite(r.peak_force_N))
     broken.push_back("the state did not stay finite");
   if (r.memoryGrowth() > 0) broken.push_back(format("memory grew by %.0f kB after the warm-up", kB(r.memoryGrowth())));
-  if (r.drift() > SoakMotion::drift_limit)
+  if (r.rough && r.largest_drift_m > RestWatch::rough_drift_limit_m)
+    broken.push_back(format("the state at rest drifted by %.2g m (limit %.0e m)", r.largest_drift_m,
+                            RestWatch::rough_drift_limit_m));
+  if (!r.rough && r.drift() > RestWatch::drift_limit)
     broken.push_back(format("the state at rest drifted by %.2g of the organ's size (limit %.0e)", r.drift(),
-                            SoakMotion::drift_limit));
+                            RestWatch::drift_limit));
   if (r.unrested_cycles > 0)
     broken.push_back(
         format("after %lld of %lld cycles the tissue was still moving %.0f s later: too little damping, "
                "or rounding that never settles",
-               asLongLong(r.unrested_cycles), asLongLong(r.cycles), SoakMotion::longest_rest_s));
+               asLongLong(r.unrested_cycles), asLongLong(r.cycles), RestWatch::longest_rest_s));
   return broken;
 }
 
 std::string soakLine(const SoakReport& r) {
-  return format("%.1f min: %lld cycles, real time x%.4f, step p99.9 %.0f us, %lld overruns, drift %.1e, min J %.3f, ",
-                r.physics_seconds / 60, asLongLong(r.cycles), r.realtime_factor, r.step_us.p999, asLongLong(r.overruns),
-                r.drift(), static_cast<double>(r.min_J)) +
+  return format(
+             "%.1f min: %lld cycles, real time x%.4f, step p99.9 %.0f us, %lld overruns, drift %.1e, min J %.3f, %lld "
+             "restored, ",
+             r.physics_seconds / 60, asLongLong(r.cycles), r.realtime_factor, r.step_us.p999, asLongLong(r.overruns),
+             r.drift(), static_cast<double>(r.min_J), asLongLong(r.restored)) +
          "memory " + memoryText(r);
 }
 
@@ -111,6 +118,7 @@ std::string toJson(const SoakReport& r) {
       {"recent_realtime_factor", r.recent_realtime_factor},
       {"ticks", r.ticks},
       {"overruns", r.overruns},
+      {"caught_up", r.caught_up},
       {"longest_overrun_streak", r.longest_overrun_streak},
       {"late_ticks", lateTicksJson(r.late_ticks)},
       {"step_us", percentilesJson(r.step_us)},
@@ -127,6 +135,12 @@ std::string toJson(const SoakReport& r) {
       {"peak_force_N", r.peak_force_N},
       {"min_J", r.min_J},
       {"flags", flagNames(r.flags)},
+      {"rough", r.rough},
+      {"seed", r.seed},
+      {"freezes", r.frozen ? 1 : 0},
+      {"restored", r.restored},
+      {"not_finite_ticks", r.not_finite},
+      {"largest_yield_m", r.largest_yield_m},
       {"frozen", r.frozen},
       {"warm_physics_seconds", r.warm_physics_seconds},
       {"memory_warm", r.warm ? memory(*r.warm) : Json()},
@@ -145,15 +159,19 @@ std::string toText(const SoakReport& r) {
   text +=
       format("rest: longest wait %.2f s, drift at last %.2e m, at most %.2e m, of an organ of %.3f m; %lld unrested\n",
              r.longest_rest_s, r.drift_m, r.largest_drift_m, r.organ_size_m, asLongLong(r.unrested_cycles));
+  text += format("%s hand, seed %u: %d freezes, %lld times restored, %lld ticks not finite; it yielded by %.1f mm\n",
+                 r.rough ? "rough" : "careful", r.seed, r.frozen ? 1 : 0, asLongLong(r.restored),
+                 asLongLong(r.not_finite), 1e3 * r.largest_yield_m);
   std::string flags;
   for (const std::string& name : flagNames(r.flags)) flags += " " + name;
   text += format("peak force %.3f N, min J %.3f, flags:", r.peak_force_N, static_cast<double>(r.min_J)) +
           (flags.empty() ? " none" : flags) + "\n";
   text += format(
-      "ticks %lld, overruns %lld, longest streak %lld; late ticks: %lld woken late, %lld core taken, "
+      "ticks %lld, overruns %lld (%lld made good), longest streak %lld; late ticks: %lld woken late, %lld core taken, "
       "%lld worker late, %lld long computation\n",
-      asLongLong(r.ticks), asLongLong(r.overruns), asLongLong(r.longest_overrun_streak), asLongLong(r.late_ticks[0]),
-      asLongLong(r.late_ticks[1]), asLongLong(r.late_ticks[2]), asLongLong(r.late_ticks[3]));
+      asLongLong(r.ticks), asLongLong(r.overruns), asLongLong(r.caught_up), asLongLong(r.longest_overrun_streak),
+      asLongLong(r.late_ticks[0]), asLongLong(r.late_ticks[1]), asLongLong(r.late_ticks[2]),
+      asLongLong(r.late_ticks[3]));
   text += format("memory: %.0f kB anonymous, %.0f kB resident; since the warm-up (%.0f s of physics): ",
                  kB(r.memory.anonymous), kB(r.memory.resident), r.warm_physics_seconds) +
           memoryText(r) + "\n";

@@ -33,13 +33,13 @@ struct SoakReport {
   double minutes = 0;        // asked for, of physics time
   double physics_seconds = 0, wall_seconds = 0;
   double realtime_factor = 0, recent_realtime_factor = 0;
-  std::int64_t ticks = 0, overruns = 0, longest_overrun_streak = 0;
+  std::int64_t ticks = 0, overruns = 0, caught_up = 0, longest_overrun_streak = 0;
   std::array<std::int64_t, kLateCauseCount> late_ticks{};  // by LateCause
   Percentiles step_us, wakeup_late_us;
   std::vector<HistogramBar> step_bars, wakeup_late_bars;
 
   std::int64_t cycles = 0;           // that have ended
-  std::int64_t unrested_cycles = 0;  // the tissue was still moving after SoakMotion::longest_rest_s
+  std::int64_t unrested_cycles = 0;  // the tissue was still moving after RestWatch::longest_rest_s
   double longest_rest_s = 0;
   double organ_size_m = 0;
   double drift_m = 0;          // of the last rest from the first
@@ -47,7 +47,12 @@ struct SoakReport {
   double peak_force_N = 0;
   float min_J = 1;
   std::uint32_t flags = 0;  // StepFlag, all ticks
+  bool rough = false;       // a rough hand: restoring is allowed
+  unsigned seed = 1;
   bool frozen = false;
+  std::int64_t restored = 0;    // times that the tissue was lost and went back to an earlier state
+  std::int64_t not_finite = 0;  // ticks with a number that was not finite
+  double largest_yield_m = 0;   // that the tool stayed behind the hand; known at the end
 
   std::optional<MemoryUse> warm;  // at the end of the warm-up, if that has come
   double warm_physics_seconds = 0;
@@ -64,7 +69,9 @@ struct SoakReport {
 void addCycle(SoakReport& report, const SoakCycle& cycle);
 
 /// What a long run must keep, and this one did not; empty: all kept. Memory does not grow after the
-/// warm-up, rests drift by less than SoakMotion::drift_limit, the tissue comes to rest, all stays finite.
+/// warm-up, rests drift by less than RestWatch::drift_limit, the tissue comes to rest, all stays finite; under a rough
+/// hand rests may differ by RestWatch::rough_drift_limit_m, and the tissue may be lost, but then goes back to an
+/// earlier state and never freezes.
 std::vector<std::string> brokenPromises(const SoakReport& report);
 
 /// "12.0 min: 240 cycles, real time x1.0000, step p99.9 812 us, 3 overruns, drift 2.1e-09, memory +0 kB"

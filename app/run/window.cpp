@@ -155,7 +155,8 @@ class Viewer {
   Controls controls_;
   View view_;
   PanelState panels_;
-  double frame_seconds_ = 0;  // mean of the last ones
+  std::int64_t undo_count_ = 0;  // of the last snapshot
+  double frame_seconds_ = 0;     // mean of the last ones
 };
 
 void Viewer::reset() {
@@ -186,6 +187,7 @@ void Viewer::applyRun(const Actions& actions, const Snapshot& snapshot) {
     session_.send(Request::simple(Kind::SingleStep));
   }
   if (actions.reset) reset();
+  if (actions.undo) session_.send(Request::simple(Kind::Undo));
 }
 
 void Viewer::applyTool(const Actions& actions, const Camera& camera, const Snapshot& snapshot, const CanvasSize& size,
@@ -193,6 +195,10 @@ void Viewer::applyTool(const Actions& actions, const Camera& camera, const Snaps
   if (session_.driver() != ToolDriver::User) {
     hand_.moveTo(snapshot.tool_pose);  // so that the hand takes over where the script ends
     return;
+  }
+  if (std::exchange(undo_count_, snapshot.status.undo_count) != snapshot.status.undo_count) {
+    hand_.moveTo(snapshot.hand_pose);  // where the tool was then
+    view_.pulled_vertex = -1;
   }
   if (hand_.apply(actions, camera, size.pixelHeight(), 1e-3 * panels_.tool_speed_mm_s, seconds))
     session_.send(Request::moveTool(hand_.target()));
@@ -227,6 +233,7 @@ void Viewer::applyRequests(const PanelRequests& requests, const Snapshot& snapsh
   actions.toggle_pause = requests.toggle_pause;
   actions.single_step = requests.single_step;
   actions.reset = requests.reset || requests.restart_script;
+  actions.undo = requests.undo;
   applyRun(actions, snapshot);
   if (requests.restart_script && snapshot.status.paused) session_.send(Request::simple(Request::Kind::Resume));
   if (requests.frame_view) frameOrgan(view_.camera, renderer_, layout(size), size);

@@ -197,6 +197,7 @@ void readMaterial(const TomlTable& table, bool first, MaterialSpec& material) {
 
 void readDynamics(const TomlTable& table, Scene& scene) {
   table.read("rate", scene.rate_hz);
+  table.read("catch_up", scene.catch_up);
   table.read("time_step", scene.time_step);
   table.read("step_safety", scene.step_safety);
   table.read("mass_scaling", scene.mass_scaling);
@@ -258,6 +259,7 @@ void readTool(const TomlTable& top, Scene& scene) {
   table.read("position", scene.tool_position);
   table.readDirection("direction", scene.tool_direction);
   table.read("max_speed", scene.tool_max_speed);
+  table.read("max_force", scene.tool_max_force);
   table.read("friction", scene.friction);
   if (const std::optional<ToolFault> fault = type.fault(tool))
     throw InputError(table.place(fault->key), fault->problem, fault->advice);

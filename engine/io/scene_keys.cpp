@@ -144,6 +144,10 @@ constexpr KeySpec scene_keys[] = {
 
     {"dynamics", "rate", T::Number, "Hz", "500", between(100, 2000), "",
      "Rate of the real-time loop; one tick is 1/rate.", with_mass_scaling},
+    {"dynamics", "catch_up", T::Integer, "", "16", between(0, 100), "",
+     "After a stall (the computer did something else) the loop makes so many late ticks good, one at once after "
+     "the other, and simulated time is real time again; it skips those beyond, and all where the computer is too "
+     "slow for the rate. 0: skips all. The result of a recorded run does not depend on it.", never},
     {"dynamics", "time_step", T::Number, "s", "0", atLeast(0), "",
      "Fixed time step, a whole division of a tick; refused above the critical one. 0: the largest whole "
      "division below `step_safety` times the critical step in which the tool, at its top speed, goes no "
@@ -191,6 +195,10 @@ constexpr KeySpec scene_keys[] = {
      "The way the tip points and the tool advances; any length.", never},
     {"tool", "max_speed", T::Number, "m/s", "1", aboveUpTo(0, 10), "",
      "A faster command is followed at this speed.", with_mass_scaling},
+    {"tool", "max_force", T::Number, "N", "0", atLeast(0), "",
+     "What the hand that holds the tool would push at most. From half of it on the tool yields: it stays behind the "
+     "mouse, device or script, and reports say by how much. 0: forty shear moduli of the stiffest material on the "
+     "tool's cross-section.", never},
     {"tool", "friction", T::Number, "", "0", between(0, 2), "",
      "Coulomb coefficient between tool and tissue; 0: frictionless.", never},
 

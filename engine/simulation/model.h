@@ -18,8 +18,9 @@ struct Model : Body {
   EssentialBoundary boundary;         // of `essential` and the masses
   StiffnessMeans stiffness_means;     // how masses follow the stiffness of squeezed tissue
 
-  double rest_energy = 0;    // J, strain energy below which is rounding
-  double max_increment = 0;  // m a node may move in one step; more is a blow-up
+  double rest_energy = 0;     // J, strain energy below which is rounding
+  double max_increment = 0;   // m a node may move in one step; more is a blow-up
+  double max_tool_force = 0;  // N, at which the tool advances no further (realtime/loop/tool_proxy.h); 0: none
 
   /// What takes over from the patches under pressure; only where there are patches.
   CellVolumeSpec cellVolume() const { return {X, cells, node_shape, patches}; }

@@ -128,6 +128,7 @@ struct Scene {
 
   // dynamics
   double rate_hz = 500;      // 100 .. 2000; one tick is 1/rate
+  int catch_up = 16;         // late ticks that the loop makes good
   double time_step = 0;      // s; 0: the largest whole division of a tick below safety * critical
   double step_safety = 0.6;  // of the critical step
   double mass_scaling = 0;   // share of the body's mass that may be added to spare steps of a tick
@@ -142,6 +143,7 @@ struct Scene {
   Vec3 tool_position = Vec3(0, 0, 0.1);  // m, tip
   Vec3 tool_direction = -Vec3::UnitZ();  // unit, the way the tip points
   double tool_max_speed = 1.0;           // m/s; a faster command is followed at this speed
+  double tool_max_force = 0;             // N; 0: from the tissue (maxToolForce)
   double friction = 0;                   // Coulomb coefficient
 
   // force output

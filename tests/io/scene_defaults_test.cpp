@@ -29,13 +29,13 @@ std::string described(const Scene& s) {
     for (const auto& [parameter, member] : commonMaterialParameters()) add(m.material.*member);
   for (const BoundarySpec& b : s.boundaries)
     add(b.component[0], b.component[1], b.component[2], b.surface_only, static_cast<int>(b.curve.kind));
-  add(s.rate_hz, s.time_step, s.step_safety, s.mass_scaling, s.damping, s.threads);
+  add(s.rate_hz, s.catch_up, s.time_step, s.step_safety, s.mass_scaling, s.damping, s.threads);
   add(static_cast<int>(s.gradient_precision), static_cast<int>(s.solve.mode), s.solve.tolerance, s.solve.load_steps);
   add(s.solve.end_time, s.solve.frames);
   add(static_cast<int>(s.tool.kind), s.tool.radius, s.tool.length);
   for (const double parameter : s.tool.parameter) add(parameter);
   vector(s.tool_position), vector(s.tool_direction);
-  add(s.tool_max_speed, s.friction, s.filter_cutoff_hz, s.force_rate_limit);
+  add(s.tool_max_speed, s.tool_max_force, s.friction, s.filter_cutoff_hz, s.force_rate_limit);
   vector(s.camera_target);
   add(s.camera_distance, s.camera_azimuth_deg, s.camera_elevation_deg, s.camera_fov_deg);
   return text.str();

@@ -56,6 +56,7 @@ inline Model smallModel(double rate_hz = 500) {
   Model model;
   model.scene.name = "small";
   model.scene.rate_hz = rate_hz;
+  model.scene.catch_up = 0;  // what is late is skipped, unless a test is about that
   model.scene.friction = 0.1;
   model.scene.filter_cutoff_hz = 30;
   model.scene.force_rate_limit = 200;
@@ -132,6 +133,7 @@ class FakePhysics final : public Physics {
     return fnv1a(bytesOf(state_.tool_pose.position), hash);
   }
   void reset() override { state_ = initial_; }
+  void restore(const State& past) override { state_ = past; }
   void setFriction(double coefficient) override {
     friction = coefficient;
     if (on_friction) on_friction(coefficient);

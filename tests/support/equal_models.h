@@ -73,6 +73,7 @@ inline void requireSameModel(const Model& a, const Model& b) {
                                m.dt_proven,
                                static_cast<double>(m.substeps_per_tick),
                                m.max_increment,
+                               m.max_tool_force,
                                m.skin.bulk_stiffness};
   };
   requireSameBits("numbers", numbers(a), numbers(b));

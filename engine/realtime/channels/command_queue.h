@@ -19,6 +19,8 @@ struct Request {
     Resume,
     SingleStep,   // one tick, while paused
     Reset,        // back to the freshly loaded state; leaves a freeze
+    Restart,      // the same, where a script or replay begins again with it: the tool then need not come gently
+    Undo,         // half a second to a second back; leaves a freeze; not while a script or replay lasts
     SetFriction,  // value: Coulomb coefficient
     SetMaterial,  // index: into Model::materials; material
     Quit,

@@ -24,6 +24,21 @@ std::string sentence(const LogEvent& e) {
           "frozen: %.0f integration points are inverted, the worst, %d, at (%.4f, %.4f, %.4f) m; "
           "reset to go on, press less hard or refine there",
           e.value, e.index, p.x(), p.y(), p.z());
+    case LogEvent::Kind::RestoredNotFinite:
+      return format(
+          "restored: the displacement of node %d at (%.4f, %.4f, %.4f) m was not a number; the tissue is back where "
+          "it was shortly before, at rest",
+          e.index, p.x(), p.y(), p.z());
+    case LogEvent::Kind::RestoredBlowUp:
+      return format(
+          "restored: node %d at (%.4f, %.4f, %.4f) m moved %.3g mm in one step; the tissue is back where it was "
+          "shortly before, at rest",
+          e.index, p.x(), p.y(), p.z(), 1e3 * e.value);
+    case LogEvent::Kind::RestoredInverted:
+      return format(
+          "restored: %.0f integration points were inverted, the worst, %d, at (%.4f, %.4f, %.4f) m; the tissue is back "
+          "where it was shortly before, at rest",
+          e.value, e.index, p.x(), p.y(), p.z());
     case LogEvent::Kind::InvertedPoints:
       return format(
           "%.0f integration points are inverted, the worst, %d, at (%.4f, %.4f, %.4f) m; "
@@ -43,8 +58,12 @@ std::string sentence(const LogEvent& e) {
       return "overload: " + overloadText(e.overload);
     case LogEvent::Kind::OverloadEnded:
       return "on time again after " + overloadText(e.overload);
+    case LogEvent::Kind::ToolYields:
+      return format("the tool yields: the tissue can take no more; it stays %.3g mm behind the hand", 1e3 * e.value);
     case LogEvent::Kind::Reset:
       return "reset";
+    case LogEvent::Kind::Undone:
+      return e.value > 0 ? format("undone: %.2f s back", e.value) : std::string("nothing to undo: no state is kept");
     case LogEvent::Kind::Paused:
       return "paused";
     case LogEvent::Kind::Resumed:

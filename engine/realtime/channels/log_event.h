@@ -13,9 +13,12 @@ namespace palpate {
 /// the real-time thread can pass it on; another thread makes the sentence with logText().
 struct LogEvent {
   enum class Kind : std::uint8_t {
-    FrozenNotFinite,  // node, position
-    FrozenBlowUp,     // node, position; value: m, increment in one step
-    FrozenInverted,   // point, position; value: inverted points
+    FrozenNotFinite,    // node, position
+    FrozenBlowUp,       // node, position; value: m, increment in one step
+    FrozenInverted,     // point, position; value: inverted points
+    RestoredNotFinite,  // the same, after which the tissue went back to an earlier state
+    RestoredBlowUp,
+    RestoredInverted,
     InvertedPoints,   // warning: point, position; value: how many
     ContactOverflow,  // warning
     DeepContact,      // warning: value: penetration, m
@@ -23,7 +26,9 @@ struct LogEvent {
     TickLate,         // warning: overload.worst
     Overloaded,       // warning: overload, which goes on
     OverloadEnded,    // overload
+    ToolYields,       // warning: value: m, how far the tool stays behind the hand
     Reset,
+    Undone,  // value: s of physics time that the tissue went back; 0: nothing was kept to go back to
     Paused,
     Resumed,
     FrictionSet,      // value
@@ -40,7 +45,10 @@ struct LogEvent {
   Overload overload;
 
   bool isFreeze() const { return kind <= Kind::FrozenInverted; }
-  bool isWarning() const { return kind > Kind::FrozenInverted && kind <= Kind::Overloaded; }
+  bool isRestore() const { return kind > Kind::FrozenInverted && kind <= Kind::RestoredInverted; }
+  bool isWarning() const {
+    return (kind > Kind::FrozenInverted && kind <= Kind::Overloaded) || kind == Kind::ToolYields;
+  }
 };
 
 using LogRing = SpscRing<LogEvent>;

@@ -24,12 +24,15 @@ struct ForceSample {
 struct LoopStatus {
   std::int64_t ticks = 0;
   std::int64_t overrun_count = 0;
+  std::int64_t caught_up_count = 0;  // late ticks that were made good
   std::int64_t longest_overrun_streak = 0;
   double realtime_factor = 1;         // physics time / wall time since start or last resume
   double recent_realtime_factor = 1;  // over about the last second
   float last_step_us = 0;             // computing time of the last tick, us
   bool paused = false;
-  bool frozen = false;  // the watchdog stopped the tissue; reset is offered
+  bool frozen = false;              // the watchdog stopped the tissue; reset is offered
+  std::int64_t restored_count = 0;  // times that the tissue was lost and went back to an earlier state
+  std::int64_t undo_count = 0;
 };
 
 /// What the loop hands to whoever draws: a whole, consistent tick.
@@ -38,6 +41,8 @@ struct Snapshot {
   double time_s = 0;
   AlignedVector<Float4> u;  // (node_count) m
   Pose tool_pose;
+  Pose hand_pose;      // where the tool would be if it did not yield (ToolProxy)
+  double yield_m = 0;  // by how much it does
   ForceSample force;
   StepReport report;  // of that tick
   LoopStatus status;

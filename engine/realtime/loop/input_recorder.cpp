@@ -26,9 +26,9 @@ void InputRecorder::addCommand(std::int64_t tick, const Command& command) {
   command_ = command;
 }
 
-void InputRecorder::addReset(std::int64_t tick, const Command& command) {
+void InputRecorder::addJump(std::int64_t tick, Request::Kind kind, const Command& command) {
   command_ = command;
-  add(tick, Request::simple(Request::Kind::Reset));
+  add(tick, Request::simple(kind));
 }
 
 }  // namespace palpate

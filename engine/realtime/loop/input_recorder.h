@@ -22,8 +22,8 @@ class InputRecorder {
   /// What is new in the command of this tick.
   void addCommand(std::int64_t tick, const Command& command);
 
-  /// The physics was reset, and the command is now this one.
-  void addReset(std::int64_t tick, const Command& command);
+  /// The physics was put back (Reset or Undo), and the command is now this one.
+  void addJump(std::int64_t tick, Request::Kind kind, const Command& command);
 
   /// Changes that found no room: the viewer took none for too long.
   std::int64_t lostCount() const { return lost_; }

@@ -47,6 +47,14 @@ void TissuePhysics::reset() {
   state_ = initial_;
 }
 
+void TissuePhysics::restore(const State& past) {
+  initial_.live = state_.live;
+  state_ = past;
+  state_.live = initial_.live;
+  std::fill(state_.du.begin(), state_.du.end(), Float4{});
+  state_.energy.fresh = true;  // its kinetic energy is gone
+}
+
 void TissuePhysics::setFriction(double coefficient) { state_.live.friction = coefficient; }
 
 double TissuePhysics::setMaterial(int index, const Material& material) {

@@ -17,6 +17,8 @@ class Physics {
   virtual std::uint64_t stateHash() const = 0;
   /// The freshly loaded state, bit for bit, but for friction and materials: these stay as they were set.
   virtual void reset() = 0;
+  /// An earlier state of this physics, with zero velocity; friction and materials stay as they were set.
+  virtual void restore(const State& past) = 0;
   virtual void setFriction(double coefficient) = 0;
   /// Replaces a material from the next step on. Returns 0 when done; where it is
   /// stiffer than dt is stable for, changes nothing and returns the factor (> 1) by
@@ -35,6 +37,7 @@ class TissuePhysics final : public Physics {
   const State& state() const override { return state_; }
   std::uint64_t stateHash() const override;
   void reset() override;
+  void restore(const State& past) override;
   void setFriction(double coefficient) override;
   double setMaterial(int index, const Material& material) override;
 

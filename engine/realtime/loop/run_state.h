@@ -2,6 +2,8 @@
 
 #include <cstdint>
 
+#include "base/types.h"
+
 namespace palpate {
 
 /// Where a run stands. Loop thread only.
@@ -13,6 +15,9 @@ struct RunState {
   bool step_once = false;  // a single tick, then paused again
   bool frozen = false;     // the watchdog stopped the tissue
   bool stop = false;       // Quit was asked for
+  Pose hand;               // where the tool would be without tissue
+  double yield = 0;        // m, how far the tool stays behind it
+  std::int64_t undo_count = 0;
 
   bool isOver() const { return stop || (tick_limit > 0 && tick >= tick_limit); }
 };

@@ -26,10 +26,12 @@ SimulationLoop::SimulationLoop(const Model& model, Physics& physics, SpinTeam* t
       channels_(model, physics.state(), options.force_capacity, options.record ? options.record_capacity : 1),
       run_(startOf(options)),
       track_(std::move(options.track), options.track_ticks, options.motion, model.tool_start, model.scene.rate_hz),
+      proxy_(model),
+      history_(physics.state(), model.scene.rate_hz),
       settings_(model, physics),
       recorder_(channels_.recorded, options.record, model.tool_start),
       reporter_(model, physics, team, channels_) {
-  command_.tool_target = model.tool_start;
+  command_.tool_target = run_.hand = model.tool_start;
   reporter_.publish({}, run_);
 }
 
@@ -56,6 +58,7 @@ void SimulationLoop::run(Clock& clock) {
   FixedStepOptions loop;
   loop.rate_hz = model_.scene.rate_hz;
   loop.as_fast_as_possible = as_fast_as_possible_;
+  loop.catch_up = model_.scene.catch_up;
   const LoopTotals totals = runFixedStepLoop(loop, clock, *this, channels_.statistics);
   reporter_.finish(totals, run_, recorder_.lostCount());
   channels_.finished.store(true, std::memory_order_release);
@@ -92,8 +95,10 @@ void SimulationLoop::onLate(const LateTick& late, const LoopTime& time) { report
 /// One tick of the run: the input that takes effect before it, then the physics, unless frozen.
 bool SimulationLoop::advance() {
   while (const Request* due = track_.takeDue(run_.tick)) apply(*due, true);
+  while (const Request* setting = track_.takeSetting(run_.tick, run_.frozen)) change(*setting);
   command_.tool_target =
       track_.next(run_.tick, command_.tool_target, physics_.state(), reporter_.lastReport(), run_.frozen);
+  run_.hand = command_.tool_target;
   if (!run_.frozen && !step()) return false;
   recorder_.addCommand(run_.tick, command_);
 
@@ -104,13 +109,34 @@ bool SimulationLoop::advance() {
 }
 
 bool SimulationLoop::step() {
-  command_.stop = &channels_.quit;
+  Command command = command_;
+  command.tool_target = proxy_.follow(run_.hand, physics_.state(), reporter_.lastReport());
+  command.stop = &channels_.quit;
+  run_.yield = proxy_.yield();
   if (team_ != nullptr) team_->wake();
-  const StepReport report = physics_.tick(command_);
+  const StepReport report = physics_.tick(command);
   if (team_ != nullptr && !as_fast_as_possible_) team_->park();
   if (report.cut_short) return false;
-  run_.frozen = reporter_.judge(report, run_);
+  switch (reporter_.judge(report, run_)) {
+    case Verdict::Good:
+      history_.keep(physics_.state(), reporter_.lastDoubt());
+      break;
+    case Verdict::Restore:
+      goBackTo(history_.good(reporter_.recentLosses()));
+      reporter_.restored();
+      break;
+    case Verdict::Freeze:
+      run_.frozen = true;
+      break;
+  }
   return true;
+}
+
+/// The tool is where it was then, too; it will come gently to where the hand is.
+void SimulationLoop::goBackTo(const State& past) {
+  physics_.restore(past);
+  history_.wentBackTo(past.tick);
+  proxy_.beGentle();
 }
 
 void SimulationLoop::takeRequests() {
@@ -139,13 +165,16 @@ void SimulationLoop::apply(const Request& request, bool from_track) {
       run_.stop = true;
       return;
     case Kind::Reset:
-      return reset(from_track);
+    case Kind::Restart:
+      return reset(request.kind, from_track);
     default:
       break;
   }
   // What is left moves the physics: while the track lasts, it alone may.
   if (!from_track && track_.drives(run_.tick)) return;
   switch (request.kind) {
+    case Kind::Undo:
+      return undo();
     case Kind::MoveTool:
       return moveTool(request.pose, from_track);
     case Kind::Pull:
@@ -193,16 +222,36 @@ void SimulationLoop::change(const Request& setting) {
                      setting.value);
 }
 
-void SimulationLoop::reset(bool from_track) {
+void SimulationLoop::undo() {
+  const std::int64_t tick = physics_.state().tick;
+  const State* past = history_.before(tick);
+  if (past == nullptr) return reporter_.logEvent(LogEvent::Kind::Undone, run_);
+  goBackTo(*past);
+  run_.frozen = false;
+  ++run_.undo_count;
+  reporter_.reset();
+  command_ = {};
+  command_.tool_target = run_.hand = past->tool_pose;
+  track_.setTarget(past->tool_pose);
+  recorder_.addJump(run_.tick, Request::Kind::Undo, command_);
+  const double seconds = static_cast<double>(tick - past->tick) / model_.scene.rate_hz;
+  reporter_.logEvent(LogEvent::Kind::Undone, run_, -1, seconds);
+}
+
+void SimulationLoop::reset(Request::Kind kind, bool from_track) {
+  const bool over = !from_track && track_.startOver(run_.tick);
+  if (over) kind = Request::Kind::Restart;
   physics_.reset();
+  history_.clear();
+  if (kind == Request::Kind::Reset) proxy_.beGentle();
   run_.frozen = false;
   reporter_.reset();
   track_.reset();
   command_ = {};
-  command_.tool_target = model_.tool_start;
-  recorder_.addReset(run_.tick, command_);
+  command_.tool_target = run_.hand = model_.tool_start;
+  recorder_.addJump(run_.tick, kind, command_);
   reporter_.logEvent(LogEvent::Kind::Reset, run_);
-  if (from_track || !track_.startOver(run_.tick)) return;
+  if (!over) return;
   for (const Request& setting : settings_.loaded()) change(setting);
 }
 

@@ -10,7 +10,9 @@
 #include "realtime/loop/physics.h"
 #include "realtime/loop/run_state.h"
 #include "realtime/loop/run_summary.h"
+#include "realtime/loop/state_history.h"
 #include "realtime/loop/tick_reporter.h"
+#include "realtime/loop/tool_proxy.h"
 #include "realtime/loop/tool_track.h"
 #include "realtime/timing/fixed_step_loop.h"
 
@@ -34,9 +36,11 @@ struct SimulationLoopOptions {
 
 /// The simulation in time: each tick takes the newest input, advances the physics by
 /// 1 / rate, filters the force, lets the watchdog judge, and publishes a snapshot and
-/// a force sample. "Tick k of the run" counts ticks since the start (pauses left out,
-/// resets and frozen ticks included); its time is exactly k / rate. State::tick counts
-/// physics ticks since the start or the last reset.
+/// a force sample. Where the solution is lost, the tissue goes back to an earlier state,
+/// and the tool comes back gently. "Tick k of the run" counts ticks since the start
+/// (pauses left out, resets and frozen ticks included); its time is exactly k / rate.
+/// State::tick counts physics ticks since the start or the last reset, less those gone
+/// back.
 ///
 /// Threads: one viewer thread uses the functions marked (viewer); the loop's own
 /// thread does the rest. Nothing that the viewer does or omits delays a tick. The loop's
@@ -85,7 +89,9 @@ class SimulationLoop final : private LoopBody {
   void moveTool(const Pose& pose, bool from_track);
   void pull(int skin_vertex, const Vec3& target);
   void change(const Request& setting);
-  void reset(bool from_track);
+  void reset(Request::Kind kind, bool from_track);
+  void undo();
+  void goBackTo(const State& past);
   bool advance();  // false: quit() broke the tick off, which then never was
   bool step();     // likewise
 
@@ -98,8 +104,10 @@ class SimulationLoop final : private LoopBody {
 
   // The loop thread's own.
   RunState run_;
-  Command command_;  // of the present tick
+  Command command_;  // of the present tick; its tool is where the hand is
   ToolTrack track_;
+  ToolProxy proxy_;
+  StateHistory history_;
   LiveSettings settings_;
   InputRecorder recorder_;
   TickReporter reporter_;

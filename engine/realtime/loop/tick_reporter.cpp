@@ -23,24 +23,49 @@ void TickReporter::beginTick(const LoopTime& time, const RunState& run) {
   if (team_ != nullptr) long_waits_ = team_->longWaits();
 }
 
-bool TickReporter::judge(const StepReport& report, const RunState& run) {
-  report_ = report;
-  summary_.flags |= report_.flags;
-  if (std::isfinite(report_.min_J)) summary_.min_J = std::min(summary_.min_J, report_.min_J);
-  force_.doubt = doubtOf(model_, report_);
+Verdict TickReporter::judge(const StepReport& report, const RunState& run) {
+  const Verdict verdict = watchdog_.judge(report, run.tick, channels_.log);
+  const std::uint32_t flags = report.flags;
+  summary_.flags |= flags;
+  force_.doubt = doubtOf(model_, report);
   if (force_.doubt != Doubt::None && summary_.first_doubt_tick < 0) summary_.first_doubt_tick = run.tick;
   summary_.doubt = std::max(summary_.doubt, force_.doubt);
-  const bool freeze = watchdog_.judge(report_, run.tick, channels_.log);
-  if (freeze) {
+  watchYield(run);
+  if (verdict == Verdict::Restore) {  // the report of before, and its force, hold for this tick
+    report_.flags = flags;
+    return verdict;
+  }
+  report_ = report;
+  if (std::isfinite(report_.min_J)) summary_.min_J = std::min(summary_.min_J, report_.min_J);
+  if (verdict == Verdict::Freeze) {
     report_.tool_force.setZero();
     report_.base_reaction.setZero();
     report_.contact_count = 0;
-  } else {
-    std::copy(physics_.state().u.begin(), physics_.state().u.end(), shown_u_.begin());
-    summary_.peak_force = std::max(summary_.peak_force, report_.tool_force.norm());
-    summary_.base_reaction = report_.base_reaction;
+    return verdict;
   }
-  return freeze;
+  showState();
+  summary_.peak_force = std::max(summary_.peak_force, report_.tool_force.norm());
+  summary_.base_reaction = report_.base_reaction;
+  return verdict;
+}
+
+/// Tells of a tool that yields when it begins to, and again when it has not for a second.
+void TickReporter::watchYield(const RunState& run) {
+  constexpr double kTold = 5e-4, kQuietSeconds = 1;  // m, s
+  if (run.yield <= 0) return;
+  ++summary_.yielding_ticks;
+  summary_.largest_yield = std::max(summary_.largest_yield, run.yield);
+  if (run.yield < kTold) return;
+  const bool begins = last_yield_tick_ < 0 || secondsAt(run.tick - last_yield_tick_) > kQuietSeconds;
+  last_yield_tick_ = run.tick;
+  if (begins) logEvent(LogEvent::Kind::ToolYields, run, -1, run.yield);
+}
+
+void TickReporter::showState() { std::copy(physics_.state().u.begin(), physics_.state().u.end(), shown_u_.begin()); }
+
+void TickReporter::restored() {
+  ++summary_.restored_count;
+  showState();
 }
 
 void TickReporter::sendForce(const LoopTime& time, const RunState& run) {
@@ -63,17 +88,22 @@ void TickReporter::publish(const LoopTime& time, const RunState& run) {
   snapshot.time_s = secondsAt(state.tick);
   std::copy(shown_u_.begin(), shown_u_.end(), snapshot.u.begin());
   snapshot.tool_pose = state.tool_pose;
+  snapshot.hand_pose = run.hand;
+  snapshot.yield_m = run.yield;
   snapshot.force = force_;
   snapshot.report = report_;
 
   snapshot.status.ticks = run.tick;
   snapshot.status.overrun_count = statistics.overrun_count.load(std::memory_order_relaxed);
+  snapshot.status.caught_up_count = statistics.caught_up_count.load(std::memory_order_relaxed);
   snapshot.status.longest_overrun_streak = statistics.longest_overrun_streak.load(std::memory_order_relaxed);
   snapshot.status.realtime_factor = time.realtime_factor;
   snapshot.status.recent_realtime_factor = time.recent_realtime_factor;
   snapshot.status.last_step_us = 1e-3F * static_cast<float>(time.last_step_ns);
   snapshot.status.paused = run.paused;
   snapshot.status.frozen = run.frozen;
+  snapshot.status.restored_count = summary_.restored_count;
+  snapshot.status.undo_count = run.undo_count;
 
   const ContactState& contact = state.contact;
   std::size_t used = 0;
@@ -104,7 +134,7 @@ void TickReporter::reset() {
   watchdog_.reset();
   report_ = {};
   force_.force_raw.setZero();
-  std::copy(physics_.state().u.begin(), physics_.state().u.end(), shown_u_.begin());
+  showState();
 }
 
 void TickReporter::logEvent(LogEvent::Kind kind, const RunState& run, int index, double value) {

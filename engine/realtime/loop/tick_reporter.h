@@ -23,8 +23,14 @@ class TickReporter {
   /// A period begins.
   void beginTick(const LoopTime& time, const RunState& run);
 
-  /// The physics has done a tick. @return true where the watchdog wants the tissue frozen
-  bool judge(const StepReport& report, const RunState& run);
+  /// The physics has done a tick.
+  Verdict judge(const StepReport& report, const RunState& run);
+
+  /// After the verdict Restore: how often that was so within the last second before.
+  int recentLosses() const { return watchdog_.recentLosses(); }
+
+  /// The physics went back to an earlier state, as judge() wanted.
+  void restored();
 
   /// The tick is done, frozen or not, and counted in `run`: its force goes out.
   void sendForce(const LoopTime& time, const RunState& run);
@@ -35,7 +41,8 @@ class TickReporter {
   /// The tick before, by `run`, was not done at the next grid time.
   void addLate(const LateTick& measured, const LoopTime& time, const RunState& run);
 
-  /// The physics was reset. The force filter is left as it is: the force in a hand goes back smoothly, too.
+  /// The physics was reset, or the last seconds undone. The force filter is left as it is: the force in a hand goes
+  /// back smoothly, too.
   void reset();
 
   void logEvent(LogEvent::Kind kind, const RunState& run, int index = -1, double value = 0);
@@ -45,10 +52,13 @@ class TickReporter {
 
   /// The last tick's, as it was judged.
   const StepReport& lastReport() const { return report_; }
+  Doubt lastDoubt() const { return force_.doubt; }
   RunSummary& summary() { return summary_; }
   const RunSummary& summary() const { return summary_; }
 
  private:
+  void watchYield(const RunState& run);
+  void showState();
   double secondsAt(std::int64_t tick) const { return static_cast<double>(tick) / model_.scene.rate_hz; }
 
   const Model& model_;
@@ -62,6 +72,7 @@ class TickReporter {
   std::int64_t long_waits_ = 0;  // of the team, before the present tick
   StepReport report_;
   ForceSample force_;
+  std::int64_t last_yield_tick_ = -1;
   AlignedVector<Float4> shown_u_;  // the last displacement worth showing
   RunSummary summary_;
 };

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "base/types.h"
+#include "realtime/channels/command_queue.h"
 #include "simulation/state.h"
 
 namespace palpate {
@@ -15,6 +16,9 @@ class ToolMotion {
   /// The tool's target for the coming tick.
   /// @param last  outcome of the tick before; empty at the first tick
   virtual Pose next(const State& state, const StepReport& last) = 0;
+
+  /// Friction or a material that is to change before the coming tick; called before next() until there is none more.
+  virtual const Request* nextSetting() { return nullptr; }
 
   /// The physics was reset: begin again.
   virtual void restart() = 0;

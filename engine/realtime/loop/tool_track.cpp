@@ -52,6 +52,10 @@ const Request* ToolTrack::takeDue(std::int64_t tick) {
   return &track_[next_++].request;
 }
 
+const Request* ToolTrack::takeSetting(std::int64_t tick, bool frozen) {
+  return drives(tick) && motion_ != nullptr && !frozen ? motion_->nextSetting() : nullptr;
+}
+
 Pose ToolTrack::next(std::int64_t tick, const Pose& present, const State& state, const StepReport& last, bool frozen) {
   if (!drives(tick)) return follow(present, target_, follow_gain_);
   if (motion_ == nullptr || frozen) return present;

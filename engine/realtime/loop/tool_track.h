@@ -25,6 +25,9 @@ class ToolTrack {
   /// The track's next request that takes effect before this tick of the run; null: none is due.
   const Request* takeDue(std::int64_t tick);
 
+  /// The motion's next change of a setting before this tick; null: none more.
+  const Request* takeSetting(std::int64_t tick, bool frozen);
+
   /// Where the tool should go once nothing else drives it.
   void setTarget(const Pose& target) { target_ = target; }
 

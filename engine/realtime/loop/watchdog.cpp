@@ -11,6 +11,9 @@ namespace {
 // A condition must have been absent for so long before it is logged again.
 constexpr double kQuietSeconds = 1.0;
 
+// Three losses within this time are restored from; a fourth freezes.
+constexpr double kLossSeconds = 1.0;
+
 Vec3 placeOf(const std::vector<Vec3>& X, int index) {
   const bool known = index >= 0 && index < static_cast<int>(X.size());
   return known ? X[static_cast<std::size_t>(index)] : Vec3::Zero();
@@ -21,7 +24,8 @@ Vec3 placeOf(const std::vector<Vec3>& X, int index) {
 Watchdog::Watchdog(const Model& model, const WatchdogLimits& limits) : model_(model), limits_(limits) { reset(); }
 
 void Watchdog::reset() {
-  inverted_ticks_ = 0;
+  inverted_ticks_ = recent_losses_ = 0;
+  losses_.fill(kNever);
   last_seen_.fill(kNever);
 }
 
@@ -33,7 +37,19 @@ bool Watchdog::begins(int warning, bool condition, std::int64_t tick) {
   return news;
 }
 
-bool Watchdog::judge(const StepReport& report, std::int64_t tick, LogRing& log) {
+Verdict Watchdog::lost(std::int64_t tick) {
+  const auto is_recent = [&](std::int64_t loss) {
+    return loss != kNever && static_cast<double>(tick - loss) <= kLossSeconds * model_.scene.rate_hz;
+  };
+  recent_losses_ = static_cast<int>(std::count_if(losses_.begin(), losses_.end(), is_recent));
+  if (recent_losses_ == static_cast<int>(losses_.size())) return Verdict::Freeze;
+  losses_[next_loss_] = tick;
+  next_loss_ = (next_loss_ + 1) % losses_.size();
+  inverted_ticks_ = 0;
+  return Verdict::Restore;
+}
+
+Verdict Watchdog::judge(const StepReport& report, std::int64_t tick, LogRing& log) {
   const auto logEvent = [&](LogEvent::Kind kind, int index, const Vec3& position, double value) {
     LogEvent event;
     event.kind = kind;
@@ -47,21 +63,28 @@ bool Watchdog::judge(const StepReport& report, std::int64_t tick, LogRing& log) 
   const Vec3 node_X = placeOf(model_.X, report.worst_node);
   const Vec3 point_X = placeOf(model_.point_X, report.worst_point);
 
+  using Kind = LogEvent::Kind;
   if ((report.flags & kNotFinite) || !report.tool_force.allFinite()) {
-    logEvent(LogEvent::Kind::FrozenNotFinite, report.worst_node, node_X, 0);
-    return true;
+    const Verdict verdict = lost(tick);
+    logEvent(verdict == Verdict::Freeze ? Kind::FrozenNotFinite : Kind::RestoredNotFinite, report.worst_node, node_X,
+             0);
+    return verdict;
   }
   if (report.flags & kBlowUp) {
-    logEvent(LogEvent::Kind::FrozenBlowUp, report.worst_node, node_X, report.max_increment);
-    return true;
+    const Verdict verdict = lost(tick);
+    logEvent(verdict == Verdict::Freeze ? Kind::FrozenBlowUp : Kind::RestoredBlowUp, report.worst_node, node_X,
+             report.max_increment);
+    return verdict;
   }
   const int flood =
       std::max(limits_.flood_minimum, static_cast<int>(std::ceil(limits_.flood_fraction * model_.pointCount())));
   const int flood_at_once = std::max(flood, static_cast<int>(std::ceil(limits_.flood_at_once * model_.pointCount())));
   inverted_ticks_ = report.inverted_points >= flood ? inverted_ticks_ + 1 : 0;
   if (inverted_ticks_ >= limits_.flood_ticks || report.inverted_points >= flood_at_once) {
-    logEvent(LogEvent::Kind::FrozenInverted, report.worst_point, point_X, report.inverted_points);
-    return true;
+    const Verdict verdict = lost(tick);
+    logEvent(verdict == Verdict::Freeze ? Kind::FrozenInverted : Kind::RestoredInverted, report.worst_point, point_X,
+             report.inverted_points);
+    return verdict;
   }
 
   if (begins(0, report.inverted_points > 0, tick)) {
@@ -78,7 +101,7 @@ bool Watchdog::judge(const StepReport& report, std::int64_t tick, LogRing& log) 
   const bool other =
       doubt == Doubt::Volume || doubt == Doubt::Squeezed || doubt == Doubt::Step || doubt == Doubt::Energy;
   if (begins(3, other, tick)) logEvent(LogEvent::Kind::Doubted, static_cast<int>(doubt), Vec3::Zero(), 0);
-  return false;
+  return Verdict::Good;
 }
 
 }  // namespace palpate

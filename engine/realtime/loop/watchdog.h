@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 
 #include "realtime/channels/log_event.h"
@@ -9,16 +10,24 @@
 
 namespace palpate {
 
-/// When the watchdog freezes the tissue.
+/// What the watchdog wants after a tick.
+enum class Verdict : std::uint8_t {
+  Good,
+  Restore,  // the solution is lost: back to an earlier state
+  Freeze,   // it has been lost too often of late
+};
+
+/// When the watchdog takes the solution for lost.
 struct WatchdogLimits {
   // One or two points that are inverted under a hard poke recover; many do not.
   double flood_fraction = 0.02;  // of the integration points (at least flood_minimum)
   int flood_minimum = 8;
-  int flood_ticks = 25;         // in a row with that many: freeze
-  double flood_at_once = 0.20;  // of the integration points: freeze in the first tick
+  int flood_ticks = 25;         // in a row with that many: lost
+  double flood_at_once = 0.20;  // of the integration points: lost in the first tick
 };
 
-/// Judges each tick's report: go on, warn, or freeze. A warning is logged when its
+/// Judges each tick's report: go on, warn, restore, or freeze: where the solution has been lost and restored three
+/// times within a second of physics time, the fourth loss freezes the tissue. A warning is logged when its
 /// condition begins, and again only after the condition has been absent for a second.
 /// Real-time: no allocation, no lock, no throw.
 class Watchdog {
@@ -26,9 +35,11 @@ class Watchdog {
   explicit Watchdog(const Model& model, const WatchdogLimits& limits = {});
 
   /// @param tick  of the run; goes into the events
-  /// @return true where the tissue must be frozen; then log holds a freeze event that
-  ///         names the place
-  bool judge(const StepReport& report, std::int64_t tick, LogRing& log);
+  /// Where the verdict is not Good, log holds an event that names cause and place.
+  Verdict judge(const StepReport& report, std::int64_t tick, LogRing& log);
+
+  /// How often the solution was lost within the last second before the present loss: how far to go back.
+  int recentLosses() const { return recent_losses_; }
 
   void reset();
 
@@ -36,10 +47,14 @@ class Watchdog {
   static constexpr std::size_t kWarningCount = 4;
   static constexpr std::int64_t kNever = -1;
   bool begins(int warning, bool condition, std::int64_t tick);
+  Verdict lost(std::int64_t tick);
 
   const Model& model_;
   WatchdogLimits limits_;
   int inverted_ticks_ = 0;
+  std::array<std::int64_t, 3> losses_{};  // ticks of the last, as a ring
+  std::size_t next_loss_ = 0;
+  int recent_losses_ = 0;
   std::array<std::int64_t, kWarningCount> last_seen_{};  // tick of each warning's condition
 };
 

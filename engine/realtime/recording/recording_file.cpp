@@ -63,6 +63,12 @@ std::string lineOf(const TimedRequest& change) {
     case Request::Kind::Reset:
       line += " reset";
       break;
+    case Request::Kind::Restart:
+      line += " restart";
+      break;
+    case Request::Kind::Undo:
+      line += " undo";
+      break;
     default:
       throw std::invalid_argument("a recording holds only what moves the physics");
   }
@@ -109,6 +115,8 @@ Request readChange(LineReader& line) {
   }
   if (what == "release") return Request::simple(Request::Kind::ReleasePull);
   if (what == "reset") return Request::simple(Request::Kind::Reset);
+  if (what == "restart") return Request::simple(Request::Kind::Restart);
+  if (what == "undo") return Request::simple(Request::Kind::Undo);
   if (what == "friction") return Request::setFriction(line.number("a friction coefficient"));
   if (what == "material") {
     const int index = line.integer<int>("a material's index");

@@ -56,6 +56,7 @@ RunReport makeRunReport(const Model& model, const RunSummary& summary, const Dea
   report.substeps_per_tick = model.substeps_per_tick;
   report.ticks = summary.ticks;
   report.overruns = statistics.overrun_count.load(std::memory_order_relaxed);
+  report.caught_up = statistics.caught_up_count.load(std::memory_order_relaxed);
   report.longest_overrun_streak = statistics.longest_overrun_streak.load(std::memory_order_relaxed);
   for (std::size_t c = 0; c < kLateCauseCount; ++c) {
     report.late_ticks[c] = statistics.late_ticks[c].load(std::memory_order_relaxed);
@@ -77,6 +78,9 @@ RunReport makeRunReport(const Model& model, const RunSummary& summary, const Dea
   report.doubt = summary.doubt;
   if (summary.first_doubt_tick >= 0)
     report.first_doubt_s = static_cast<double>(summary.first_doubt_tick) / model.scene.rate_hz;
+  report.restored_count = summary.restored_count;
+  report.largest_yield_m = summary.largest_yield;
+  report.yielding_seconds = static_cast<double>(summary.yielding_ticks) / model.scene.rate_hz;
   report.frozen = summary.frozen;
   report.setup_seconds = model.setup_seconds;
   report.build = buildInfo();
@@ -97,6 +101,7 @@ std::string toJson(const RunReport& r) {
       {"substeps_per_tick", r.substeps_per_tick},
       {"ticks", r.ticks},
       {"overruns", r.overruns},
+      {"caught_up", r.caught_up},
       {"longest_overrun_streak", r.longest_overrun_streak},
       {"late_ticks", lateTicksJson(r.late_ticks)},
       {"physics_seconds", r.physics_seconds},
@@ -119,6 +124,9 @@ std::string toJson(const RunReport& r) {
       {"flags", flagNames(r.flags)},
       {"trust", doubtName(r.doubt)},
       {"first_doubt_s", r.first_doubt_s < 0 ? Json(nullptr) : Json(r.first_doubt_s)},
+      {"restored_count", r.restored_count},
+      {"largest_yield_m", r.largest_yield_m},
+      {"yielding_seconds", r.yielding_seconds},
       {"frozen", r.frozen},
       {"setup_seconds", r.setup_seconds},
       {"build", r.build},

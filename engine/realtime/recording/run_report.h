@@ -21,7 +21,8 @@ struct RunReport {
   double added_mass = 0;  // share of the body's own (scene.mass_scaling)
   int substeps_per_tick = 0;
   std::int64_t ticks = 0, overruns = 0, longest_overrun_streak = 0;
-  std::array<std::int64_t, kLateCauseCount> late_ticks{};  // that missed deadlines, by LateCause
+  std::int64_t caught_up = 0;                              // ticks that were late and made good
+  std::array<std::int64_t, kLateCauseCount> late_ticks{};  // late by themselves, by LateCause
   double physics_seconds = 0, wall_seconds = 0, realtime_factor = 0;
   Percentiles step_us, wakeup_late_us;
   RtSetup rt_setup;
@@ -35,6 +36,9 @@ struct RunReport {
   std::uint32_t flags = 0;    // StepFlag, all ticks
   Doubt doubt = Doubt::None;  // the gravest of all ticks
   double first_doubt_s = -1;  // < 0: none
+  std::int64_t restored_count = 0;
+  double largest_yield_m = 0;   // that the tool stayed behind hand or script; 0: it went where it was asked to
+  double yielding_seconds = 0;  // for how long
   bool frozen = false;
   double setup_seconds = 0;
   std::string build;

@@ -50,15 +50,19 @@ class DurationHistogram {
 ///
 /// Tick k of the grid should start at start + k * period and be done before the next
 /// grid time. Each grid time at which the loop was still busy (or asleep) is a missed
-/// deadline: it is counted here and no tick is run for it. So
-/// ticks + overrun_count = periods gone by, and realtime_factor = ticks / periods.
+/// deadline and counted. Its tick is then made good, late, and counted again
+/// (caught_up_count), or it is skipped and never run. So
+/// ticks + overrun_count - caught_up_count = periods gone by, but for the few ticks that
+/// are owed at the moment, and realtime_factor = ticks / periods.
 struct DeadlineStatistics {
   DurationHistogram step;         // computing time of a tick
-  DurationHistogram wakeup_late;  // start of a tick after its deadline
+  DurationHistogram wakeup_late;  // start of a tick after its deadline; not of ticks that are made good
   std::atomic<std::int64_t> ticks{0};
   std::atomic<std::int64_t> overrun_count{0};
+  std::atomic<std::int64_t> caught_up_count{0};         // ticks that were made good
   std::atomic<std::int64_t> longest_overrun_streak{0};  // most deadlines missed between two ticks that were on time
-  std::array<std::atomic<std::int64_t>, kLateCauseCount> late_ticks{};  // ticks that missed deadlines, by LateCause
+  std::array<std::atomic<std::int64_t>, kLateCauseCount>
+      late_ticks{};  // ticks that were late by themselves, by LateCause
 };
 
 }  // namespace palpate

@@ -8,6 +8,8 @@
 #include <cmath>
 #include <utility>
 
+#include "realtime/timing/catch_up.h"
+
 namespace palpate {
 namespace {
 
@@ -86,6 +88,10 @@ void increase(std::atomic<std::int64_t>& counter, std::int64_t by) {  // one wri
   counter.store(counter.load(std::memory_order_relaxed) + by, std::memory_order_relaxed);
 }
 
+void raise(std::atomic<std::int64_t>& largest, std::int64_t value) {  // one writer
+  if (value > largest.load(std::memory_order_relaxed)) largest.store(value, std::memory_order_relaxed);
+}
+
 }  // namespace
 
 std::int64_t MonotonicClock::now() {
@@ -115,15 +121,17 @@ ThreadUse MonotonicClock::threadUse() {
 LoopTotals runFixedStepLoop(const FixedStepOptions& options, Clock& clock, LoopBody& body,
                             DeadlineStatistics& statistics) {
   const Grid grid{clock.now(), static_cast<double>(kNsPerSecond) / options.rate_hz};
+  const auto period = std::llround(grid.period);
   const bool fast = options.as_fast_as_possible;
   Progress progress(grid.period);
+  CatchUp catch_up(options.catch_up);
   LoopTime time;
   std::int64_t k = 0;                                      // grid index of the present tick
-  std::int64_t streak = 0;                                 // missed deadlines since a tick was last on time
   std::int64_t cpu = fast ? 0 : clock.threadCpu();         // before the sleep
   ThreadUse use = fast ? ThreadUse{} : clock.threadUse();  // at the last late tick or in a pause
   for (;;) {
-    if (!fast) clock.sleepUntil(grid.at(k));
+    const bool made_good = catch_up.owes();  // this tick, whose grid time has gone by
+    if (!fast && !made_good) clock.sleepUntil(grid.at(k));
     const std::int64_t begin = time.begin_ns = clock.now();
     const TickOutcome outcome = body.onTick(time);
     const std::int64_t end = clock.now();
@@ -131,7 +139,7 @@ LoopTotals runFixedStepLoop(const FixedStepOptions& options, Clock& clock, LoopB
     if (outcome == TickOutcome::Stop) return progress.totals();
     if (outcome == TickOutcome::Idle) {
       progress.paused();
-      streak = 0;
+      catch_up.paused();
       k = grid.firstNotBefore(end, k + 1);
       if (fast) {
         clock.sleepUntil(grid.at(k));  // nothing to hurry for
@@ -150,29 +158,30 @@ LoopTotals runFixedStepLoop(const FixedStepOptions& options, Clock& clock, LoopB
       progress.advanced(begin, end, time);
       continue;
     }
-    statistics.wakeup_late.add(begin - grid.at(k));
+    if (!made_good) statistics.wakeup_late.add(begin - grid.at(k));
     const std::int64_t next = grid.firstNotBefore(end, k + 1);
-    const std::int64_t missed = next - (k + 1);
-    streak = missed > 0 ? streak + missed : 0;
-    increase(statistics.overrun_count, missed);
-    if (streak > statistics.longest_overrun_streak.load(std::memory_order_relaxed)) {
-      statistics.longest_overrun_streak.store(streak, std::memory_order_relaxed);
-    }
+    const CatchUp::Outcome lost = catch_up.tickEnded(next - (k + 1));
+    increase(statistics.overrun_count, lost.missed);
+    increase(statistics.caught_up_count, made_good ? 1 : 0);
+    raise(statistics.longest_overrun_streak, catch_up.streak());
     progress.advanced(grid.at(k), grid.at(next), time);
     const std::int64_t cpu_before = std::exchange(cpu, clock.threadCpu());
-    if (missed > 0) {
+    // A tick that follows at once begins late by intent: it counts as late where it alone took too long.
+    const bool late_itself = lost.missed > 0 && (!made_good || end - begin > period);
+    if (late_itself || lost.skipped > 0) {
       const ThreadUse use_before = std::exchange(use, clock.threadUse());
       LateTick late;
-      late.period_ns = std::llround(grid.period);
-      late.late_ns = begin - grid.at(k);
+      late.period_ns = period;
+      late.late_ns = made_good ? 0 : begin - grid.at(k);
       late.step_ns = end - begin;
       late.computing_ns = cpu - cpu_before;
-      late.missed = missed;
+      late.missed = lost.missed;
+      late.skipped = lost.skipped;
       late.involuntary_switches = use.involuntary_switches - use_before.involuntary_switches;
       late.page_faults = use.page_faults - use_before.page_faults;
       body.onLate(late, time);
     }
-    k = next;
+    k += 1 + lost.skipped;
   }
 }
 

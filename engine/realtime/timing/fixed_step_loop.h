@@ -60,6 +60,7 @@ class LoopBody {
 struct FixedStepOptions {
   double rate_hz = 500;
   bool as_fast_as_possible = false;  // no sleep, no deadlines
+  int catch_up = 0;                  // late ticks that are made good (CatchUp); 0: missed grid times are skipped
 };
 
 /// Totals of a loop that has ended.
@@ -71,8 +72,10 @@ struct LoopTotals {
 
 /// Calls `body` at the fixed rate until it says Stop. Deadlines are absolute, start +
 /// k / rate, computed from k and so free of drift. A tick that isn't done at the next
-/// grid time has missed it: the missed times are counted and skipped whole, so the
-/// phase is kept, simulated time falls behind, and the step never stretches.
+/// grid time has missed it: the missed times are counted. Up to `catch_up` of them are
+/// made good: their ticks follow at once, without a sleep (catch_up.h). The others are
+/// skipped whole, so the phase is kept, simulated time falls behind, and the step never
+/// stretches. The ticks are the same in either case, bit for bit.
 /// Real-time: no allocation, no lock, no throw. System calls: the sleep; before each sleep, where it
 /// delays no tick, a look at the thread's own CPU clock, which later tells whether a late tick computed
 /// or had lost its core; getrusage after late ticks and in a pause.

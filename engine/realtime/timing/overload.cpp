@@ -10,8 +10,12 @@ constexpr std::array<const char*, kLateCauseCount> kCauseNames = {"woken late", 
 
 double ms(std::int64_t ns) { return 1e-6 * static_cast<double>(ns); }
 
-std::string periodsSkipped(std::int64_t missed) {
-  return format("%lld period%s skipped", asLongLong(missed), missed == 1 ? "" : "s");
+/// "7 periods late, 3 skipped": of all that were missed, those that are not made good.
+std::string periodsText(std::int64_t missed, std::int64_t skipped) {
+  const char* s = missed == 1 ? "" : "s";
+  if (skipped >= missed) return format("%lld period%s skipped", asLongLong(skipped), skipped == 1 ? "" : "s");
+  if (skipped == 0) return format("%lld period%s late, made good", asLongLong(missed), s);
+  return format("%lld period%s late, %lld skipped", asLongLong(missed), s, asLongLong(skipped));
 }
 
 }  // namespace
@@ -29,6 +33,7 @@ void Overload::add(const LateTick& tick) {
   if (late_ticks == 0) first_tick = tick.tick;
   ++late_ticks;
   missed += tick.missed;
+  skipped += tick.skipped;
   ++by_cause[static_cast<std::size_t>(causeOf(tick))];
   if (tick.missed > worst.missed) worst = tick;
 }
@@ -57,7 +62,7 @@ std::string lateTickText(const LateTick& t) {
   return text +
          format(" (%lld involuntary switches, %lld page faults); ", asLongLong(t.involuntary_switches),
                 asLongLong(t.page_faults)) +
-         periodsSkipped(t.missed);
+         periodsText(t.missed, t.skipped);
 }
 
 std::string overloadText(const Overload& overload) {
@@ -68,7 +73,8 @@ std::string overloadText(const Overload& overload) {
   }
   return format("%lld late tick%s in %.1f s (", asLongLong(overload.late_ticks), overload.late_ticks == 1 ? "" : "s",
                 overload.seconds) +
-         causes + "), " + periodsSkipped(overload.missed) + "; the worst: " + lateTickText(overload.worst);
+         causes + "), " + periodsText(overload.missed, overload.skipped) +
+         "; the worst: " + lateTickText(overload.worst);
 }
 
 }  // namespace palpate

@@ -22,7 +22,8 @@ struct LateTick {
   std::int64_t late_ns = 0;               // its begin after its grid time
   std::int64_t step_ns = 0;               // wall time from begin to end
   std::int64_t computing_ns = 0;          // CPU time of the loop's thread since the tick or pause before
-  std::int64_t missed = 0;                // grid times skipped after it
+  std::int64_t missed = 0;                // grid times that went by before it was done
+  std::int64_t skipped = 0;               // grid times, then, whose ticks will not be made good
   std::int64_t long_waits = 0;            // times in it that a worker kept the loop's thread waiting
   std::int64_t involuntary_switches = 0;  // of the loop's thread since the late tick or pause before
   std::int64_t page_faults = 0;           // likewise
@@ -33,11 +34,12 @@ LateCause causeOf(const LateTick& tick);
 /// A spell of late ticks, each soon after the one before.
 struct Overload {
   std::int64_t late_ticks = 0;
-  std::int64_t missed = 0;                               // grid times skipped
+  std::int64_t missed = 0;                               // grid times gone by in late ticks
+  std::int64_t skipped = 0;                              // grid times that were not made good
   std::array<std::int64_t, kLateCauseCount> by_cause{};  // late ticks
   std::int64_t first_tick = 0;
   double seconds = 0;  // wall time from the first late tick to the last
-  LateTick worst;      // the one after which most grid times were skipped
+  LateTick worst;      // the one in which most grid times went by
 
   void add(const LateTick& tick);
 };

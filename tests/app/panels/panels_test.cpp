@@ -168,7 +168,8 @@ TEST_CASE("Nothing is requested unless something is clicked", "[panels]") {
   Panels panels;
   panels.draw(1280, 800);
   const PanelRequests& r = panels.requests_;
-  CHECK_FALSE((r.toggle_pause || r.single_step || r.reset || r.restart_script || r.tool_to_start || r.frame_view));
+  CHECK_FALSE(
+      (r.toggle_pause || r.single_step || r.reset || r.undo || r.restart_script || r.tool_to_start || r.frame_view));
   CHECK_FALSE(r.friction);
   CHECK(r.material == -1);
 }

@@ -137,4 +137,9 @@ TEST_CASE("Each key has its action; Escape closes the help before it quits", "[i
   CHECK(with(Key::Escape, true).close_help);
   CHECK_FALSE(with(Key::Escape, true).quit);
   CHECK(with(Key::Escape, false).quit);
+  CHECK_FALSE(with(Key::Z).undo);
+  Input undo;
+  undo.ctrl = true;
+  undo.press(Key::Z);
+  CHECK(controls.read(undo, false).undo);
 }

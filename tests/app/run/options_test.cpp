@@ -77,6 +77,10 @@ TEST_CASE("Each option reaches its field", "[options]") {
   CHECK(soak.soak_minutes.value() == 60);
   CHECK(soak.scene == "kidney");
   CHECK(soak.as_fast_as_possible);
+  CHECK_FALSE(soak.rough);
+  const Options rough = parse({"--soak", "2", "--rough", "--seed", "7"}).options.value();
+  CHECK(rough.rough);
+  CHECK(rough.seed.value() == 7);
   CHECK(parse({"--soak", "1.5"}).options.value().scene == "liver");
 }
 
@@ -84,8 +88,9 @@ TEST_CASE("--help names every option with an example and is no error", "[options
   const ParsedOptions parsed = parse({"--help"});
   CHECK_FALSE(parsed.options);
   CHECK(parsed.exit_code == 0);
-  for (const char* option : {"--offscreen", "--seconds", "--rate", "--tool", "--record", "--replay", "--out", "--size",
-                             "--as-fast-as-possible", "--threads", "--snapshot-at", "--no-cache", "--soak"}) {
+  for (const char* option :
+       {"--offscreen", "--seconds", "--rate", "--tool", "--record", "--replay", "--out", "--size",
+        "--as-fast-as-possible", "--threads", "--snapshot-at", "--no-cache", "--soak", "--rough", "--seed"}) {
     INFO(option);
     const auto at = parsed.message.find("  " + std::string(option));
     REQUIRE(at != std::string::npos);
@@ -121,6 +126,9 @@ TEST_CASE("A line that can't be used is refused with exit code 2 and a message t
       {{"liver", "--soak", "5", "--tool", "a"}, "--tool"},
       {{"liver", "--soak", "5", "--replay", "a"}, "--replay"},
       {{"liver", "--soak", "5", "--record", "a"}, "--record"},
+      {{"liver", "--rough"}, "--soak"},
+      {{"liver", "--seed", "3"}, "--soak"},
+      {{"liver", "--soak", "5", "--seed", "-3"}, "--seed"},
       {{"liver", "kidney"}, "kidney"},
       {{"liver", "--tool", "a", "--replay", "b"}, "--replay"},
       {{"liver", "--record", "a", "--replay", "a"}, "--record"},

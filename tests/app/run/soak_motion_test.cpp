@@ -68,9 +68,9 @@ TEST_CASE("Cycles on tissue press, drag, lift off and end at the same rest", "[s
       INFO("cycle " << k << ", rest of " << cycles[k].rest_s << " s, drift " << cycles[k].drift_m << " m");
       CHECK(cycles[k].number == static_cast<std::int64_t>(k) + 1);
       CHECK(cycles[k].rested);
-      CHECK(cycles[k].rest_speed <= motion.restSpeed());
-      CHECK(cycles[k].rest_s > SoakMotion::rest_hold_s);
-      CHECK(cycles[k].drift_m < SoakMotion::drift_limit * motion.organSize());
+      CHECK(cycles[k].rest_speed <= motion.rest().restSpeed());
+      CHECK(cycles[k].rest_s > RestWatch::rest_hold_s);
+      CHECK(cycles[k].drift_m < RestWatch::drift_limit * motion.rest().organSize());
       CHECK(cycles[k].peak_force_N > 0.02);
       CHECK(cycles[k].min_J < 0.999F);
       CHECK(cycles[k].depth_m >= 0.3 * 0.005);
@@ -97,7 +97,7 @@ TEST_CASE("A rest that is not the first one's is told as drift, tissue that neve
     const std::vector<SoakCycle> cycles = drain(motion.cycles());
     REQUIRE(cycles.size() >= 2);
     CHECK(cycles[1].rested != moving);
-    CHECK(cycles[1].rest_s == Approx(moving ? SoakMotion::longest_rest_s : SoakMotion::rest_hold_s).margin(0.003));
+    CHECK(cycles[1].rest_s == Approx(moving ? RestWatch::longest_rest_s : RestWatch::rest_hold_s).margin(0.003));
     const auto ticks = static_cast<double>(cycles[1].end_tick - cycles[0].end_tick);
     CHECK(cycles[1].drift_m == Approx(1e-6 * ticks).epsilon(1e-4));
   }

@@ -49,6 +49,7 @@ class WatchedPhysics final : public Physics {
   const State& state() const override { return physics_.state(); }
   std::uint64_t stateHash() const override { return physics_.stateHash(); }
   void reset() override { physics_.reset(); }
+  void restore(const State& past) override { physics_.restore(past); }
   void setFriction(double coefficient) override { physics_.setFriction(coefficient); }
   double setMaterial(int index, const Material& material) override { return physics_.setMaterial(index, material); }
 

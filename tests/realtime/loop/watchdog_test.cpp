@@ -27,35 +27,35 @@ StepReport inverted(int count) {
 
 }  // namespace
 
-TEST_CASE("A displacement that is not a number freezes at once and names the node", "[watchdog]") {
+TEST_CASE("A displacement that is not a number is a loss at once, and the node is named", "[watchdog]") {
   const Model model = manyPoints();
   Watchdog watchdog(model);
   LogRing log(16);
   StepReport report;
-  REQUIRE_FALSE(watchdog.judge(report, 0, log));
+  REQUIRE(watchdog.judge(report, 0, log) == Verdict::Good);
   report.flags = kNotFinite;
   report.worst_node = 2;
-  CHECK(watchdog.judge(report, 1234, log));
+  CHECK(watchdog.judge(report, 1234, log) == Verdict::Restore);
   LogEvent event;
   REQUIRE(log.pop(event));
-  CHECK(event.isFreeze());
-  CHECK(event.kind == LogEvent::Kind::FrozenNotFinite);
+  CHECK(event.isRestore());
+  CHECK(event.kind == LogEvent::Kind::RestoredNotFinite);
   CHECK(event.index == 2);
   CHECK(event.position == model.X[2]);
   CHECK(event.time_s == Approx(2.468));
-  CHECK(logText(event).find("2.468 s: frozen: the displacement of node 2 at (0.0000, 0.0200, 0.0000) m") == 0);
+  CHECK(logText(event).find("2.468 s: restored: the displacement of node 2 at (0.0000, 0.0200, 0.0000) m") == 0);
 }
 
-TEST_CASE("A tool force that is not a number freezes though no flag is set", "[watchdog]") {
+TEST_CASE("A tool force that is not a number is a loss though no flag is set", "[watchdog]") {
   const Model model = manyPoints();
   Watchdog watchdog(model);
   LogRing log(16);
   StepReport report;
   report.tool_force.y() = std::numeric_limits<double>::quiet_NaN();
-  CHECK(watchdog.judge(report, 5, log));
+  CHECK(watchdog.judge(report, 5, log) == Verdict::Restore);
 }
 
-TEST_CASE("A blow-up freezes at once and says how far the node went", "[watchdog]") {
+TEST_CASE("A blow-up is a loss at once, and it is said how far the node went", "[watchdog]") {
   const Model model = manyPoints();
   Watchdog watchdog(model);
   LogRing log(16);
@@ -63,22 +63,22 @@ TEST_CASE("A blow-up freezes at once and says how far the node went", "[watchdog
   report.flags = kBlowUp;
   report.worst_node = 3;
   report.max_increment = 0.25F;
-  CHECK(watchdog.judge(report, 1, log));
+  CHECK(watchdog.judge(report, 1, log) == Verdict::Restore);
   LogEvent event;
   REQUIRE(log.pop(event));
-  CHECK(event.kind == LogEvent::Kind::FrozenBlowUp);
+  CHECK(event.kind == LogEvent::Kind::RestoredBlowUp);
   CHECK(event.value == 0.25);
   CHECK(logText(event).find("moved 250 mm in one step") != std::string::npos);
 }
 
-TEST_CASE("A few inverted points warn once; a lasting flood freezes; a huge one at once", "[watchdog]") {
+TEST_CASE("A few inverted points warn once; a lasting flood is a loss; a huge one at once", "[watchdog]") {
   const Model model = manyPoints();  // 1000 points: flood 20, at once 200
   const WatchdogLimits limits;
   LogRing log(64);
   LogEvent event;
   {
     Watchdog watchdog(model);
-    for (int t = 0; t < 2000; ++t) REQUIRE_FALSE(watchdog.judge(inverted(19), t, log));
+    for (int t = 0; t < 2000; ++t) REQUIRE(watchdog.judge(inverted(19), t, log) == Verdict::Good);
     REQUIRE(log.size() == 1);
     log.pop(event);
     CHECK(event.isWarning());
@@ -93,27 +93,49 @@ TEST_CASE("A few inverted points warn once; a lasting flood freezes; a huge one 
   }
   {
     Watchdog watchdog(model);
-    for (int t = 0; t < limits.flood_ticks - 1; ++t) REQUIRE_FALSE(watchdog.judge(inverted(20), t, log));
-    REQUIRE_FALSE(watchdog.judge(inverted(0), 100, log));  // recovers: counts from the beginning
-    for (int t = 0; t < limits.flood_ticks - 1; ++t) REQUIRE_FALSE(watchdog.judge(inverted(20), 200 + t, log));
-    CHECK(watchdog.judge(inverted(20), 300, log));
+    for (int t = 0; t < limits.flood_ticks - 1; ++t) REQUIRE(watchdog.judge(inverted(20), t, log) == Verdict::Good);
+    REQUIRE(watchdog.judge(inverted(0), 100, log) == Verdict::Good);  // recovers: counts from the beginning
+    for (int t = 0; t < limits.flood_ticks - 1; ++t)
+      REQUIRE(watchdog.judge(inverted(20), 200 + t, log) == Verdict::Good);
+    CHECK(watchdog.judge(inverted(20), 300, log) == Verdict::Restore);
     while (log.size() > 0) log.pop(event);
-    CHECK(event.kind == LogEvent::Kind::FrozenInverted);
+    CHECK(event.kind == LogEvent::Kind::RestoredInverted);
     CHECK(event.value == 20);
   }
   {
     Watchdog watchdog(model);
-    CHECK_FALSE(watchdog.judge(inverted(199), 0, log));
-    CHECK(watchdog.judge(inverted(200), 1, log));
+    CHECK(watchdog.judge(inverted(199), 0, log) == Verdict::Good);
+    CHECK(watchdog.judge(inverted(200), 1, log) == Verdict::Restore);
   }
 }
 
-TEST_CASE("A full log does not keep the watchdog from freezing", "[watchdog]") {
+TEST_CASE("A full log does not keep the watchdog from its verdict", "[watchdog]") {
   const Model model = manyPoints();
   Watchdog watchdog(model);
   LogRing log(1);
   log.push({});
   StepReport report;
   report.flags = kNotFinite;
-  CHECK(watchdog.judge(report, 0, log));
+  CHECK(watchdog.judge(report, 0, log) == Verdict::Restore);
+}
+
+TEST_CASE("Three losses within a second are restored from, the fourth freezes; slower ones never do", "[watchdog]") {
+  const Model model = manyPoints();  // 500 ticks a second
+  StepReport lost;
+  lost.flags = kBlowUp;
+  LogRing log(256);
+  {
+    Watchdog watchdog(model);
+    for (int k = 0; k < 3; ++k) {
+      CHECK(watchdog.judge(lost, 100 * k, log) == Verdict::Restore);
+      CHECK(watchdog.recentLosses() == k);
+    }
+    CHECK(watchdog.judge(lost, 300, log) == Verdict::Freeze);
+    LogEvent event;
+    while (log.pop(event)) CHECK(event.isFreeze() == (event.tick == 300));
+    watchdog.reset();
+    CHECK(watchdog.judge(lost, 301, log) == Verdict::Restore);
+  }
+  Watchdog watchdog(model);
+  for (int k = 0; k < 50; ++k) CHECK(watchdog.judge(lost, 200 * k, log) == Verdict::Restore);
 }

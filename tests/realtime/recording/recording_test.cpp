@@ -44,7 +44,9 @@ Recording everyKind() {
                        {7, Request::setFriction(0.3)},
                        {8, Request::setMaterial(0, neo)},
                        {8, Request::setMaterial(1, ogden)},
-                       {999, Request::simple(Request::Kind::Reset)}};
+                       {999, Request::simple(Request::Kind::Reset)},
+                       {999, Request::simple(Request::Kind::Restart)},
+                       {999, Request::simple(Request::Kind::Undo)}};
   for (const MaterialLaw& law : materialLaws())
     recording.changes.push_back({999, Request::setMaterial(0, test::sampleMaterial(law))});
   return recording;

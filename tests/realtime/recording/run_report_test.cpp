@@ -22,6 +22,10 @@ TEST_CASE("report.json has the keys that other tools read", "[run_report]") {
                           "substeps_per_tick",
                           "ticks",
                           "overruns",
+                          "caught_up",
+                          "restored_count",
+                          "largest_yield_m",
+                          "yielding_seconds",
                           "longest_overrun_streak",
                           "late_ticks",
                           "physics_seconds",
@@ -54,6 +58,7 @@ TEST_CASE("A report tells what the run was", "[run_report]") {
   const auto statistics = std::make_unique<DeadlineStatistics>();
   statistics->step.add(500'000);
   statistics->overrun_count = 3;
+  statistics->caught_up_count = 1;
   statistics->longest_overrun_streak = 2;
   statistics->late_ticks[1] = 2;
   RunSummary summary;
@@ -72,6 +77,7 @@ TEST_CASE("A report tells what the run was", "[run_report]") {
   CHECK(report["substeps_per_tick"] == 4);
   CHECK(report["ticks"] == 997);
   CHECK(report["overruns"] == 3);
+  CHECK(report["caught_up"] == 1);
   CHECK(report["longest_overrun_streak"] == 2);
   CHECK(report["late_ticks"]["core_taken"] == 2);
   CHECK(report["realtime_factor"] == 0.997);

@@ -48,8 +48,10 @@ struct Mean {
 const char* lossName(const LogEvent& event) {
   switch (event.kind) {
     case LogEvent::Kind::FrozenNotFinite:
+    case LogEvent::Kind::RestoredNotFinite:
       return "not finite";
     case LogEvent::Kind::FrozenBlowUp:
+    case LogEvent::Kind::RestoredBlowUp:
       return "blow-up";
     default:
       return "frozen: points inside out";
@@ -95,11 +97,11 @@ AtlasRun drive(const Model& model, const AtlasDrive& drive) {
       m.doubt = doubtName(doubt);
     }
     if (doubt != Doubt::None) m.doubted_for += tick_s;
-    const bool frozen = watchdog.judge(report, k + 1, log);
+    const bool lost = watchdog.judge(report, k + 1, log) != Verdict::Good;
     LogEvent event;
     while (log.pop(event))
-      if (event.isFreeze()) m.loss = lossName(event);
-    if (frozen) {
+      if (event.isFreeze() || event.isRestore()) m.loss = lossName(event);
+    if (lost) {
       m.lost_at = time;
       break;
     }

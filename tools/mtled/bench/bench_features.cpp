@@ -90,6 +90,7 @@ class MeteredPhysics final : public Physics {
   const State& state() const override { return tissue_.state(); }
   std::uint64_t stateHash() const override { return tissue_.stateHash(); }
   void reset() override { tissue_.reset(); }
+  void restore(const State& past) override { tissue_.restore(past); }
   void setFriction(double coefficient) override { tissue_.setFriction(coefficient); }
   double setMaterial(int index, const Material& material) override { return tissue_.setMaterial(index, material); }
 

@@ -23,6 +23,7 @@ HeldRate checkRate(Model& model, const ToolTrajectory& way, int threads, double 
   std::vector<Pose> poses;
   while (poses.size() < ticks) poses.insert(poses.end(), there_and_back.begin(), there_and_back.end());
 
+  model.scene.catch_up = 0;  // a rate that is held needs none
   TissuePhysics physics(model, threads);
   SimulationLoopOptions options;
   options.track = trackFromPoses(poses);

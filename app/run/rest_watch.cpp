@@ -1,0 +1,40 @@
+#include "app/run/rest_watch.h"
+
+#include <algorithm>
+
+namespace palpate::app {
+namespace {
+
+// A node that far from rest, relative to the organ's size, would be a tenth of the promised drift.
+constexpr double kRestShare = 0.1 * RestWatch::drift_limit;
+
+}  // namespace
+
+RestWatch::RestWatch(const Body& model)
+    : tick_seconds_(1 / model.scene.rate_hz), dt_(model.dt), first_(model.X.size()) {
+  Vec3 low = model.X.empty() ? Vec3(Vec3::Zero()) : model.X[0], high = low;
+  for (const Vec3& X : model.X) {
+    low = low.cwiseMin(X);
+    high = high.cwiseMax(X);
+  }
+  organ_size_ = (high - low).norm();
+  rest_speed_ = kRestShare * organ_size_ * 0.5 * std::max(model.scene.damping, 1.0);
+}
+
+bool RestWatch::update(const StepReport& last) {
+  speed_ = static_cast<double>(last.max_increment) / dt_;
+  rest_time_ += tick_seconds_;
+  still_time_ = speed_ <= rest_speed_ ? still_time_ + tick_seconds_ : 0;
+  return rested() || rest_time_ >= longest_rest_s;
+}
+
+double RestWatch::driftOf(const State& state) {
+  if (!has_first_) std::copy(state.u.begin(), state.u.end(), first_.begin());
+  has_first_ = true;
+  double largest = 0;
+  for (std::size_t i = 0; i < first_.size(); ++i)
+    largest = std::max(largest, (toVec3(state.u[i]) - toVec3(first_[i])).norm());
+  return largest;
+}
+
+}  // namespace palpate::app

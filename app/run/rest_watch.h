@@ -1,0 +1,51 @@
+#pragma once
+
+#include "base/types.h"
+#include "simulation/body.h"
+#include "simulation/state.h"
+
+namespace palpate::app {
+
+/// Tells when the tissue has come to rest after a tool has lifted off, and how far from the first rest that is.
+///
+/// At rest: for rest_hold_s no node went faster than restSpeed(). Mass-proportional damping c lets an
+/// oscillating mode decay with exp(-c t / 2) (paper eq. 8), so from speed v it still goes about 2 v / c;
+/// the bound is chosen so that this is a tenth of the drift that is promised. (A hundredth would be below
+/// what float rounding keeps moving: some 3e-8 m/s in the liver.) Slow overdamped modes of very soft or
+/// strongly damped scenes go further, which would show as drift. Scenes that do not come to rest in
+/// longest_rest_s (damping 0) are told apart by rested().
+/// No allocation but in the constructor, no lock, no throw.
+class RestWatch {
+ public:
+  static constexpr double rest_hold_s = 0.1;
+  static constexpr double longest_rest_s = 30;
+  static constexpr double drift_limit = 1e-6;  // of the organ's size: what a rest may differ from the first
+  // The same under a rough hand, m: a hundredth of a hair. What was pressed flat leaves more rounding behind.
+  static constexpr double rough_drift_limit_m = 1e-6;
+
+  explicit RestWatch(const Body& model);
+
+  /// The tool has lifted off: the wait begins.
+  void begin() { rest_time_ = still_time_ = 0; }
+  /// Another tick. @return true where the wait is over: at rest, or after longest_rest_s
+  bool update(const StepReport& last);
+  /// m, largest |u - u at the first rest| of a node; the first call is that rest.
+  double driftOf(const State& state);
+  void forgetFirst() { has_first_ = false; }
+
+  bool rested() const { return still_time_ >= rest_hold_s; }
+  double seconds() const { return rest_time_; }     // s since begin()
+  double speed() const { return speed_; }           // m/s, of the fastest node in the last tick
+  double restSpeed() const { return rest_speed_; }  // m/s
+  double organSize() const { return organ_size_; }  // m, diagonal of the nodes' bounding box
+
+ private:
+  const double tick_seconds_, dt_;
+  double organ_size_ = 0, rest_speed_ = 0;
+  double rest_time_ = 0, still_time_ = 0;  // s
+  double speed_ = 0;
+  bool has_first_ = false;
+  AlignedVector<Float4> first_;  // (node_count) m
+};
+
+}  // namespace palpate::app

@@ -1,0 +1,133 @@
+#include "app/run/rough_motion.h"
+
+#include <algorithm>
+
+#include "mechanics/materials/material.h"
+
+namespace palpate::app {
+namespace {
+
+constexpr double kRoughAway = 1.0;                               // m/s, lifting off
+constexpr double kRoughPressSlow = 0.05, kRoughPressFast = 0.3;  // m/s
+constexpr double kRoughDragSlow = 0.05, kRoughDragFast = 0.5;    // m/s
+constexpr double kRoughShortHold = 0.05, kRoughLongHold = 0.4;   // s
+constexpr double kRoughSoft = 0.5;                               // of the scene's stiffness
+constexpr double kRoughBeyond = 0.1;                             // of the organ's size: jumps end in the air, too
+
+}  // namespace
+
+RoughMotion::RoughMotion(const Body& model, unsigned seed)
+    : start_(model.tool_start),
+      tick_seconds_(1 / model.scene.rate_hz),
+      materials_(model.materials),
+      seed_(seed),
+      rest_(model),
+      random_(seed) {
+  low_ = high_ = start_.toLocal(model.skin.surface.vertices.front());
+  for (const Vec3& X : model.skin.surface.vertices) {
+    low_ = low_.cwiseMin(start_.toLocal(X));
+    high_ = high_.cwiseMax(start_.toLocal(X));
+  }
+  lift_ = high_.z() + 0.5 * model.scene.tool.radius;
+  planRound();
+}
+
+double RoughMotion::uniform(double low, double high) { return low + (high - low) * (random_() / 4294967296.0); }
+
+/// Somewhere over, in or under the organ: its height is this share of the organ's, from the bottom.
+Vec3 RoughMotion::place(double low_share, double high_share) {
+  const double x = uniform(low_.x(), high_.x()), y = uniform(low_.y(), high_.y());
+  return {x, y, low_.z() + uniform(low_share, high_share) * (high_.z() - low_.z())};
+}
+
+void RoughMotion::planAct() {
+  Vec3 top = place(0, 0);
+  top.z() = lift_;
+  Vec3 inside = place(0, 0.9);
+  const double hold = uniform(kRoughShortHold, kRoughLongHold);
+  switch (random_() % 4) {
+    case 0:  // a poke to the bottom, and out at once
+      add(top, 0, 0);
+      add({top.x(), top.y(), low_.z()}, poke_speed, uniform(0, kRoughShortHold));
+      return add(top, poke_speed, 0);
+    case 1:  // a press that is held
+      add(top, kRoughAway, 0);
+      return add({top.x(), top.y(), inside.z()}, uniform(kRoughPressSlow, kRoughPressFast), hold);
+    case 2:  // a drag from wherever the hand is
+      return add(inside, uniform(kRoughDragSlow, kRoughDragFast), 0);
+    default:  // a jump
+      return add(place(-kRoughBeyond, 1 + kRoughBeyond), 0, hold);
+  }
+}
+
+void RoughMotion::planSettings() {
+  setting_ = setting_count_ = 0;
+  settings_[setting_count_++] = Request::setFriction(uniform(0, 1));
+  const std::size_t m = random_() % materials_.size();
+  const double stiffness = random_() % 2 == 0 ? 1 : kRoughSoft;
+  settings_[setting_count_++] = Request::setMaterial(static_cast<int>(m), stiffened(materials_[m], stiffness));
+}
+
+void RoughMotion::planRound() {
+  leg_ = leg_count_ = 0;
+  const std::size_t acts = 2 + random_() % (most_acts - 1);
+  for (std::size_t a = 0; a < acts; ++a) planAct();
+  Vec3 away = legs_[leg_count_ - 1].goal;
+  away.z() = lift_;
+  add(away, kRoughAway, 0);
+  held_ = 0;
+  rest_.begin();
+  planSettings();
+  cycle_ = {.number = cycle_.number + 1};
+}
+
+void RoughMotion::restart() {
+  random_.seed(seed_);
+  hand_.setZero();
+  cycle_ = {};
+  rest_.forgetFirst();
+  planRound();
+}
+
+const Request* RoughMotion::nextSetting() {
+  if (setting_ == setting_count_) return nullptr;
+  return &settings_[setting_++];
+}
+
+void RoughMotion::watch(const State& state, const StepReport& last) {
+  addTick(cycle_, last);
+  if (leg_ < leg_count_ || !rest_.update(last)) return;
+  cycle_.rest_speed = rest_.speed();
+  cycle_.rested = rest_.rested();
+  cycle_.rest_s = rest_.seconds();
+  cycle_.drift_m = rest_.driftOf(state);
+  cycle_.end_tick = state.tick;
+  cycles_.push(cycle_);
+  planRound();
+}
+
+void RoughMotion::advance() {
+  if (leg_ == leg_count_) return;  // resting
+  const Leg& leg = legs_[leg_];
+  const Vec3 way = leg.goal - hand_;
+  const double reach = leg.speed * tick_seconds_, distance = way.norm();
+  if (leg.speed > 0 && distance > reach) {
+    hand_ += reach / distance * way;
+    return;
+  }
+  hand_ = leg.goal;
+  held_ += tick_seconds_;
+  if (held_ < leg.hold) return;
+  held_ = 0;
+  ++leg_;
+}
+
+Pose RoughMotion::next(const State& state, const StepReport& last) {
+  watch(state, last);
+  advance();
+  Pose pose = start_;
+  pose.position = start_.toWorld(hand_);
+  return pose;
+}
+
+}  // namespace palpate::app

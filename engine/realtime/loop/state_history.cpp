@@ -1,0 +1,75 @@
+#include "realtime/loop/state_history.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace palpate {
+namespace {
+
+template <class T>
+std::size_t bytesOf(const std::vector<T>& values) {
+  return values.size() * sizeof(T);
+}
+
+/// Of the vectors that make up nearly all of a state.
+std::size_t bytesOf(const State& s) {
+  const ContactState& c = s.contact;
+  return sizeof(State) + 3 * s.u.size() * sizeof(Float4) + bytesOf(c.vertex) + bytesOf(c.force) + bytesOf(c.normal) +
+         bytesOf(c.candidate) + bytesOf(c.old_force) + bytesOf(c.old_normal) + bytesOf(c.old_vertex) + bytesOf(c.row);
+}
+
+}  // namespace
+
+void StateHistory::Ring::keep(const State& state) {
+  newest = (newest + 1) % slots.size();
+  used = std::min(used + 1, slots.size());
+  slots[newest] = state;  // same sizes: no allocation
+  due = state.tick + every;
+}
+
+const State& StateHistory::Ring::at(std::size_t age) const {
+  return slots[(newest + slots.size() - age) % slots.size()];
+}
+
+void StateHistory::Ring::dropAfter(std::int64_t tick) {
+  for (; used > 0 && at(0).tick > tick; --used) newest = (newest + slots.size() - 1) % slots.size();
+  due = used > 0 ? at(0).tick + every : tick + every;
+}
+
+StateHistory::StateHistory(const State& start, double rate_hz) : start_(start) {
+  const std::size_t fitting = std::clamp<std::size_t>(max_past_bytes / bytesOf(start), 2, past_count);
+  good_.slots.assign(2, start);
+  past_.slots.assign(fitting, start);
+  good_.every = std::max<std::int64_t>(1, std::llround(good_seconds * rate_hz));
+  past_.every = std::max<std::int64_t>(1, std::llround(past_seconds * rate_hz));
+}
+
+void StateHistory::keep(const State& state, Doubt doubt) {
+  if (doubt == Doubt::None && state.tick >= good_.due) return good_.keep(state);  // never two copies in one tick
+  if (doubt < Doubt::Inverted && state.tick >= past_.due) past_.keep(state);
+}
+
+const State& StateHistory::good(int age) const {
+  const auto wanted = static_cast<std::size_t>(age);
+  return wanted < good_.used ? good_.at(wanted) : start_;
+}
+
+const State* StateHistory::before(std::int64_t tick) const {
+  for (std::size_t age = 0; age < past_.used; ++age)
+    if (past_.at(age).tick <= tick - past_.every / 2) return &past_.at(age);
+  return nullptr;
+}
+
+void StateHistory::wentBackTo(std::int64_t tick) {
+  good_.dropAfter(tick);
+  past_.dropAfter(tick);
+}
+
+void StateHistory::clear() {
+  good_.used = past_.used = 0;
+  good_.due = past_.due = 0;
+}
+
+std::size_t StateHistory::bytes() const { return (1 + good_.slots.size() + past_.slots.size()) * bytesOf(start_); }
+
+}  // namespace palpate

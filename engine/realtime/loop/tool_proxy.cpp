@@ -1,0 +1,72 @@
+#include "realtime/loop/tool_proxy.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "simulation/trust.h"
+
+namespace palpate {
+namespace {
+
+/// 1 up to `begin`, 0 from `end` on.
+double fade(double value, double begin, double end) { return std::clamp((end - value) / (end - begin), 0.0, 1.0); }
+
+/// `move` without a part of what goes against `out`, one of the two components of the tissue's unit push on the tool.
+/// @param share  what is left of it, 0 .. 1, where the component is no small one
+Vec3 held(const Vec3& move, const Vec3& out, double share) {
+  constexpr double small = 0.5;  // of the push: below, the tissue is hardly in this way
+  const double size = out.norm(), against = size > 0 ? -move.dot(out) / size : 0;
+  if (against <= 0) return move;
+  return move + (1 - share) * std::min(1.0, size / small) * against / size * out;
+}
+
+}  // namespace
+
+ToolProxy::ToolProxy(const Model& model)
+    : model_(model), arrival_ticks_(static_cast<int>(std::lround(arrival_seconds * model.scene.rate_hz))) {}
+
+void ToolProxy::beGentle() {
+  gentle_ = true;
+  arrived_ticks_ = 0;
+}
+
+double ToolProxy::freedom(const Model& model, const StepReport& last) {
+  const double radius = model.scene.tool.radius;
+  double g = fade(last.step_share, YieldLimits::free_step_share, YieldLimits::step_share);
+  g = std::min(g, fade(-static_cast<double>(last.min_J), -TrustLimits::min_J, -YieldLimits::min_J));
+  g = std::min(g, fade(last.max_penetration, TrustLimits::penetration * radius, YieldLimits::penetration * radius));
+  const double most = model.max_tool_force;
+  if (most > 0) g = std::min(g, fade(last.tool_force.norm(), YieldLimits::free_force * most, most));
+  return g;
+}
+
+Pose ToolProxy::follow(const Pose& hand, const State& state, const StepReport& last) {
+  const bool touches = !last.tool_force.isZero(0);
+  const double g = touches ? freedom(model_, last) : 1, share = g * g;
+  yield_ = 0;
+  if (share >= 1 && !gentle_) return hand;
+
+  const Pose& from = state.tool_pose;
+  const Vec3 axis = from.orientation * Vec3::UnitZ();
+  const Vec3 out = touches ? Vec3(last.tool_force.normalized()) : axis;
+  const double tick_s = 1 / model_.scene.rate_hz;
+  const Vec3 way = hand.position - from.position;
+  Vec3 move = way;
+  const double reach = tick_s * (gentle_ && !touches ? approach_speed : model_.scene.tool_max_speed);
+  if (move.norm() > reach) move *= reach / move.norm();
+  const bool deeper = move.dot(out) < 0;
+  move = held(held(move, out.dot(axis) * axis, share), out - out.dot(axis) * axis, share);
+  const double gently = tick_s * gentle_speed;
+  if (gentle_ && touches && deeper && move.norm() > gently) move *= gently / move.norm();
+
+  Pose pose;
+  const bool arrives = move == way;
+  pose.position = arrives ? hand.position : Vec3(from.position + move);
+  pose.orientation = share >= 1 ? hand.orientation : from.orientation.slerp(share, hand.orientation).normalized();
+  arrived_ticks_ = arrives ? arrived_ticks_ + 1 : 0;
+  if (arrived_ticks_ >= arrival_ticks_) gentle_ = false;
+  if (!arrives) yield_ = (hand.position - pose.position).norm();
+  return pose;
+}
+
+}  // namespace palpate

@@ -1,0 +1,62 @@
+#pragma once
+
+#include "simulation/model.h"
+#include "simulation/state.h"
+
+namespace palpate {
+
+/// Where the tool yields: beyond a doubt's limit (simulation/trust.h) its advance becomes slower, and here it ends.
+/// Each is the last resort before the solution is lost, not where it becomes inexact.
+struct YieldLimits {
+  static constexpr double step_share = 1.7;       // the share is a bound: the default liver freezes at about 2
+  static constexpr double free_step_share = 1.2;  // up to here it does not count
+  static constexpr double min_J = 0.1;            // from TrustLimits::min_J on
+  static constexpr double penetration = 0.3;      // of the tool's radius, from TrustLimits::penetration on
+  static constexpr double free_force = 0.5;       // of Model::max_tool_force: up to here the force does not count
+};
+
+/// The tool that the tissue feels: it follows the hand (mouse, device, script or recording), but yields where the
+/// tissue can take no more, as a hand on a real tool would.
+///
+///   advance = g^2 (hand - tool), along the tool's axis and across it, each as far as it goes against the tissue's push
+///   g = min over the limits of clamp((limit - value) / (limit - begin), 0, 1)
+///
+/// Across the push and backwards the tool is free; it doesn't slide off a slope, as it would along the skin. Where no
+/// value is beyond its begin, the tool is the hand, bit for bit.
+/// Without contact it is free, too. After the tissue was put back (a reset, an undo, a solution that was lost) the hand
+/// may still be deep: then the tool comes gently until it has been where the hand is for a while.
+///
+/// Depends on the hand's poses, the state and the last tick's report alone: a replay of the hand repeats it.
+/// Loop thread only. Real-time: no allocation, no lock, no throw. Test: realtime/loop/tool_proxy_test.cpp
+class ToolProxy {
+ public:
+  // After the tissue was put back.
+  static constexpr double approach_speed = 0.2;  // m/s, up to the skin
+  static constexpr double gentle_speed = 0.02;   // m/s, deeper
+  static constexpr double arrival_seconds = 0.5;
+
+  explicit ToolProxy(const Model& model);
+
+  /// The tool's target in the coming tick.
+  /// @param hand  where the tool would be without tissue
+  /// @param last  the tick before's outcome
+  Pose follow(const Pose& hand, const State& state, const StepReport& last);
+
+  /// The tissue was put back.
+  void beGentle();
+
+  /// m, how far the tool stays behind the hand because it yields; 0: it does not.
+  double yield() const { return yield_; }
+
+  /// g above: 1 free, 0 no further.
+  static double freedom(const Model& model, const StepReport& last);
+
+ private:
+  const Model& model_;
+  const int arrival_ticks_;
+  bool gentle_ = false;
+  int arrived_ticks_ = 0;  // in a row, while gentle
+  double yield_ = 0;
+};
+
+}  // namespace palpate

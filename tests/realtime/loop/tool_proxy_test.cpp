@@ -1,0 +1,137 @@
+#include "realtime/loop/tool_proxy.h"
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "realtime/fakes.h"
+#include "simulation/trust.h"
+
+using namespace palpate;
+
+namespace {
+
+Model toolModel() {
+  Model model = test::smallModel(500);
+  model.scene.tool.radius = 0.01;
+  model.scene.tool_max_speed = 1;
+  model.max_tool_force = 4;
+  return model;
+}
+
+/// The tool at the origin, pushed up by the tissue.
+struct Touch {
+  State state;
+  StepReport report;
+  Touch() { report.tool_force = Vec3(0, 0, 1); }
+};
+
+Pose handAt(double x, double y, double z) {
+  Pose pose;
+  pose.position = Vec3(x, y, z);
+  return pose;
+}
+
+}  // namespace
+
+TEST_CASE("Where nothing is doubted the tool is the hand, bit for bit", "[tool_proxy]") {
+  const Model model = toolModel();
+  ToolProxy proxy(model);
+  Touch touch;
+  touch.report.step_share = YieldLimits::free_step_share;
+  touch.report.min_J = TrustLimits::min_J + 1e-6F;
+  touch.report.max_penetration = TrustLimits::penetration * model.scene.tool.radius;
+  touch.report.tool_force = Vec3(0, 0, 0.5 * model.max_tool_force);
+  Pose hand = handAt(0.1, -0.2, -0.3);
+  hand.orientation = Quat(Eigen::AngleAxisd(0.3, Vec3::UnitX()));
+  const Pose tool = proxy.follow(hand, touch.state, touch.report);
+  CHECK(tool.position == hand.position);
+  CHECK(tool.orientation.coeffs() == hand.orientation.coeffs());
+  CHECK(proxy.yield() == 0);
+}
+
+TEST_CASE("Each limit slows the advance and stops it; the gravest counts", "[tool_proxy]") {
+  const Model model = toolModel();
+  StepReport report;
+  CHECK(ToolProxy::freedom(model, report) == 1);
+  report.step_share = 0.5 * (YieldLimits::free_step_share + YieldLimits::step_share);
+  CHECK(ToolProxy::freedom(model, report) == Approx(0.5));
+  report.min_J = static_cast<float>(0.25 * TrustLimits::min_J + 0.75 * YieldLimits::min_J);
+  CHECK(ToolProxy::freedom(model, report) == Approx(0.25));
+  report.tool_force = Vec3(0, 0.9 * model.max_tool_force, 0);
+  CHECK(ToolProxy::freedom(model, report) == Approx(0.2));
+  report.max_penetration = YieldLimits::penetration * model.scene.tool.radius;
+  CHECK(ToolProxy::freedom(model, report) == 0);
+  report = {};
+  report.min_J = -0.1F;
+  CHECK(ToolProxy::freedom(model, report) == 0);
+  report = {};
+  report.step_share = 10;
+  CHECK(ToolProxy::freedom(model, report) == 0);
+}
+
+TEST_CASE("A tool that yields is slowed where it goes deeper, and free sideways and backwards", "[tool_proxy]") {
+  const Model model = toolModel();
+  ToolProxy proxy(model);
+  Touch touch;
+  touch.report.step_share = 0.5 * (YieldLimits::free_step_share + YieldLimits::step_share);  // g^2 = 1/4
+  // The hand a millimetre deeper and one aside: within the reach of 2 mm a tick.
+  Pose tool = proxy.follow(handAt(1e-3, 0, -1e-3), touch.state, touch.report);
+  CHECK(tool.position.x() == Approx(1e-3).epsilon(1e-12));
+  CHECK(tool.position.z() == Approx(-0.25e-3).epsilon(1e-12));
+  CHECK(proxy.yield() == Approx(0.75e-3).epsilon(1e-12));
+  // Far away: no faster than the tool may go.
+  tool = proxy.follow(handAt(0, 0, -0.05), touch.state, touch.report);
+  CHECK(tool.position.z() == Approx(-0.25 * 2e-3).epsilon(1e-12));
+  // Backwards and sideways: all the way.
+  tool = proxy.follow(handAt(1e-3, 1e-3, 1e-3), touch.state, touch.report);
+  CHECK(tool.position == Vec3(1e-3, 1e-3, 1e-3));
+  CHECK(proxy.yield() == 0);
+  // On a slope, too, it stays under the hand; and what the tissue beside it pushes back is no free way.
+  touch.report.tool_force = Vec3(0.6, 0, 0.8);
+  tool = proxy.follow(handAt(0, 0, -1e-3), touch.state, touch.report);
+  CHECK(tool.position.isApprox(Vec3(0, 0, -0.25e-3), 1e-12));
+  tool = proxy.follow(handAt(-1e-3, 1e-3, 0), touch.state, touch.report);
+  CHECK(tool.position.isApprox(Vec3(-0.25e-3, 1e-3, 0), 1e-12));
+  touch.report.tool_force = Vec3(0, 0, 1);
+  // Beyond the limit it stands.
+  touch.report.step_share = 10;
+  tool = proxy.follow(handAt(0, 0, -0.05), touch.state, touch.report);
+  CHECK(tool.position.norm() < 1e-15);
+  CHECK(proxy.yield() == Approx(0.05));
+  // It is not the tool's doing where it touches nothing.
+  touch.report.tool_force.setZero();
+  CHECK(proxy.follow(handAt(0, 0, -0.05), touch.state, touch.report).position == Vec3(0, 0, -0.05));
+}
+
+TEST_CASE("After the tissue was put back the tool comes gently, until it has reached the hand", "[tool_proxy]") {
+  const Model model = toolModel();
+  ToolProxy proxy(model);
+  Touch touch;
+  proxy.beGentle();
+  const Pose hand = handAt(0, 0, -0.01);
+  double fastest = 0;
+  int ticks = 0;
+  while (touch.state.tool_pose.position.z() > hand.position.z() && ticks < 1000) {
+    const Pose tool = proxy.follow(hand, touch.state, touch.report);
+    fastest = std::max(fastest, (tool.position - touch.state.tool_pose.position).norm());
+    touch.state.tool_pose = tool;
+    ++ticks;
+  }
+  CHECK(fastest * 500 == Approx(ToolProxy::gentle_speed));
+  CHECK(std::abs(ticks - 250) <= 1);  // 10 mm at 20 mm/s
+  touch.state.tool_pose = hand;
+  // Then, after a while there, as fast as the hand.
+  for (int k = 0; k < 500 * ToolProxy::arrival_seconds; ++k) proxy.follow(hand, touch.state, touch.report);
+  CHECK(proxy.follow(handAt(0, 0, -0.5), touch.state, touch.report).position == Vec3(0, 0, -0.5));
+
+  // In the air it comes faster.
+  ToolProxy free(model);
+  State state;
+  free.beGentle();
+  const Pose tool = free.follow(handAt(0, 0, -1), state, {});
+  CHECK(tool.position.z() * 500 == Approx(-ToolProxy::approach_speed));
+  for (int k = 0; k < 500 * ToolProxy::arrival_seconds; ++k)
+    CHECK(free.follow(handAt(0, 0, 0), state, {}).position == Vec3::Zero());
+  CHECK(free.follow(handAt(0, 0, -1), state, {}).position == Vec3(0, 0, -1));
+}
