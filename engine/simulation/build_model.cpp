@@ -116,6 +116,7 @@ State initialState(const Model& model) {
   state.tool_pose = model.tool_start;
   state.contact = makeContactState(model.skin, model.scene.tool);
   state.live = loadedParameters(model);
+  state.relaxation = makeRelaxationHistory<float>(model.kernel.batch_material.size(), model.materials);
   return state;
 }
 

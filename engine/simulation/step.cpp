@@ -13,7 +13,8 @@ StepReport step(const Model& model, State& state, const Pose& tool_pose, const C
   StepOutcome outcome;
 
   // f = -F_int(u)                                                         (eq. 31)
-  outcome.forces = internalForces(model.kernel, state.live.kernel, state.u.data(), workspace.kernel, workspace.team);
+  outcome.forces = internalForces(model.kernel, state.live.kernel, state.u.data(), workspace.kernel, workspace.team,
+                                  &state.relaxation, model.dt);
 
   // du~ = beta du + alpha M^-1 f                                          (eq. 22)
   outcome.work_before = predict(model, integrator, state, workspace);
