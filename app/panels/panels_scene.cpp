@@ -72,6 +72,13 @@ void drawParameters(const Theme& theme, const Material& material, bool common) {
     std::string label = parameter.label;
     if (!theme.has_greek) label = replacedAll(replacedAll(label, "\xCE\xBD", "nu"), "\xCE\xBC", "mu");
     if (parameter.type == Parameter::Type::Number) return row(label.c_str(), valueText(parameter, values[0]));
+    if (parameter.type == Parameter::Type::Pairs) {
+      std::string pairs;
+      for (std::size_t k = 0; k < values.size(); k += 2)
+        pairs += (pairs.empty() ? "" : ", ") + format("%.3g %% in %.3g s", 100 * values[k], values[k + 1]);
+      if (!pairs.empty()) row(label.c_str(), pairs, colours::text, "shares of the shear stress, and their times");
+      return;
+    }
     terms.resize(values.size());
     for (std::size_t k = 0; k < values.size(); ++k) {
       const char* separator = terms[k].label.empty() ? "" : ", ";

@@ -15,6 +15,7 @@ std::vector<Vec3f> deformed(const std::vector<Vec3>& X, const ShapeTable& shape,
 
 /// von Mises stress (Pa) or J at the integration points, from F = I + sum_i u_i (x) gradN_i
 /// (X of paper eqs. 9, 31).  (point_count)
+/// Of a material that relaxes the stress of its law: what has relaxed is the simulation's.
 /// @param materials  the present ones where they were changed live (Snapshot::materials); empty: the model's
 std::vector<float> pointValues(const Body& model, const Displacements& u, ColourMap map,
                                const std::vector<Material>& materials = {});

@@ -40,10 +40,10 @@ std::string typeText(KeySpec::Type type) {
 }
 
 KeySpec keySpec(const char* table, const Parameter& parameter) {
-  const bool is_list = parameter.type == Parameter::Type::Numbers;
+  constexpr KeySpec::Type types[] = {KeySpec::Type::Number, KeySpec::Type::Numbers, KeySpec::Type::Curve};
   return {table,
           parameter.name,
-          is_list ? KeySpec::Type::Numbers : KeySpec::Type::Number,
+          types[static_cast<int>(parameter.type)],
           parameter.unit,
           parameter.isRequired() ? KeySpec::required : parameter.fallback,
           parameter.range,

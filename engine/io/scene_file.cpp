@@ -146,6 +146,22 @@ void checkTermCounts(const TomlTable& table, const std::map<std::string, std::ve
                    std::string(lists.size() > 1 ? "give both the same number of terms, 1 to " : "give 1 to ") + limit);
 }
 
+/// Prony terms, where there are any.
+void readRelaxation(const TomlTable& table, Material& material) {
+  const char* key = relaxationParameter().name;
+  if (!table.has(key)) return;
+  std::vector<double> pairs;
+  table.readPairs(key, pairs);
+  const std::size_t terms = pairs.size() / 2;
+  if (terms < 1 || terms > std::size_t{Material::max_relaxation_terms})
+    throw InputError(table.place(key), inQuotes(key) + " has " + std::to_string(terms) + " terms",
+                     "give 1 to " + std::to_string(Material::max_relaxation_terms) +
+                         " pairs [g, tau], or leave it out: the tissue is elastic then");
+  material.set(key, pairs);
+  if (const auto problem = relaxationProblem(material))
+    throw InputError(table.place(key), problem->problem, problem->advice);
+}
+
 /// The law that the table chooses, with its parameters and those of all laws.
 Material readLaw(const TomlTable& table) {
   const auto laws = materialLaws();
@@ -175,6 +191,7 @@ Material readLaw(const TomlTable& table) {
   for (const auto& [parameter, member] : commonMaterialParameters()) readNumber(parameter);
   checkTermCounts(table, lists, law.parameters);
   for (const auto& [name, values] : lists) material.set(name, values);
+  readRelaxation(table, material);
   if (const auto problem = law.check(material))
     throw InputError(table.place(problem->parameter), problem->problem, problem->advice);
   return material;

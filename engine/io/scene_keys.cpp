@@ -261,6 +261,8 @@ std::vector<KeySpec> materialKeys() {
              kept(std::string("Strain energy: ").append(titles).append(", each with bulk energy K/2 (J - 1)^2."))};
   for (const auto& [parameter, member] : commonMaterialParameters())
     keys.push_back(materialKey(parameter, parameter.fallback, parameter.text));
+  keys.push_back(materialKey(relaxationParameter(), "", relaxationParameter().text));
+  keys.back().set_up = never;
   return keys;
 }
 

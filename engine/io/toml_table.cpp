@@ -304,6 +304,28 @@ void TomlTable::readDirection(const std::string& key, Vec3& value) const {
   value /= value.stableNorm();
 }
 
+std::pair<double, double> TomlTable::pairAt(const KeySpec& key, const toml::node& entry, const std::string& row,
+                                            const char* advice) const {
+  const toml::array* pair = entry.as_array();
+  if (pair == nullptr || pair->size() != 2)
+    throw InputError(placeOf(entry.source()), "\"" + row + "\" is not a pair of numbers", advice);
+  return {numberAt(key, *pair->get(0), row + "[0]"), numberAt(key, *pair->get(1), row + "[1]")};
+}
+
+void TomlTable::readPairs(const std::string& key, std::vector<double>& values) const {
+  const toml::node* node = find(key);
+  if (node == nullptr) return;
+  const toml::array* rows = node->as_array();
+  if (rows == nullptr) wrongType(spec(key), *node);
+  values.clear();
+  for (const toml::node& entry : *rows) {
+    const std::string row = key + "[" + std::to_string(values.size() / 2) + "]";
+    const auto [first, second] = pairAt(spec(key), entry, row, "give a list of pairs, like [[0.3, 0.1], [0.2, 2.0]]");
+    values.push_back(first);
+    values.push_back(second);
+  }
+}
+
 void TomlTable::readCurve(const std::string& key, std::vector<double>& times, std::vector<double>& values) const {
   const toml::node* node = find(key);
   if (node == nullptr) return;
@@ -317,12 +339,7 @@ void TomlTable::readCurve(const std::string& key, std::vector<double>& times, st
   values.clear();
   for (const toml::node& entry : *rows) {
     const std::string row = key + "[" + std::to_string(times.size()) + "]";
-    const toml::array* pair = entry.as_array();
-    if (pair == nullptr || pair->size() != 2) {
-      throw InputError(placeOf(entry.source()), "\"" + row + "\" is not a pair of numbers", advice);
-    }
-    const double time = numberAt(spec(key), *pair->get(0), row + "[0]");
-    const double value = numberAt(spec(key), *pair->get(1), row + "[1]");
+    const auto [time, value] = pairAt(spec(key), entry, row, advice);
     // A start elsewhere would be a jump, which explicit time stepping can't follow.
     if (times.empty() && (time != 0 || value != 0)) {
       throw InputError(placeOf(entry.source()), "\"" + key + "\" does not start at [0.0, 0.0]", advice);

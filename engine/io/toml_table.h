@@ -69,6 +69,9 @@ class TomlTable {
   /// A list of [time, value]: at least two, times strictly ascending from 0, the first value 0.
   void readCurve(const std::string& key, std::vector<double>& times, std::vector<double>& values) const;
 
+  /// A list of pairs of numbers, one after another.
+  void readPairs(const std::string& key, std::vector<double>& values) const;
+
   /// A list of "x", "y", "z".
   void readAxes(const std::string& key, bool (&value)[3]) const;
 
@@ -92,6 +95,9 @@ class TomlTable {
   const toml::node* find(const std::string& key) const;         // null where absent and allowed to be
   void note(const KeySpec& key, const toml::node& node) const;  // in the file's set_up
   double numberAt(const KeySpec& key, const toml::node& node, const std::string& what) const;
+  /// An entry of a list of pairs. @param row  its name
+  std::pair<double, double> pairAt(const KeySpec& key, const toml::node& entry, const std::string& row,
+                                   const char* advice) const;
   std::vector<double> numbersAt(const KeySpec& key, const toml::node& node) const;
   void readLengths(const std::string& key, double* values) const;  // of a vector or plane; untouched where absent
   std::int64_t integerAt(const KeySpec& key, const toml::node& node) const;

@@ -1,6 +1,7 @@
 #include "mechanics/internal_forces.h"
 
 #include <algorithm>
+#include <limits>
 
 #include "base/float4.h"
 
@@ -59,8 +60,12 @@ PatchStateOf<Real> patchState(const KernelLayoutOf<Real>& layout, const KernelMa
 
 template <class Real>
 ForceReport internalForces(const KernelLayoutOf<Real>& layout, const KernelMaterialsOf<Real>& materials,
-                           const Real4<Real>* u, KernelScratchOf<Real>& scratch, SpinTeam& team) {
-  const KernelView<Real> k = viewOf(layout, materials, scratch);
+                           const Real4<Real>* u, KernelScratchOf<Real>& scratch, SpinTeam& team,
+                           RelaxationHistoryOf<Real>* history, double h) {
+  KernelView<Real> k = viewOf(layout, materials, scratch);
+  k.relaxation_terms = history != nullptr ? history->term_count : Material::max_relaxation_terms;
+  k.relaxation_step = history != nullptr ? h : std::numeric_limits<double>::infinity();
+  k.relaxation = history != nullptr ? history->Z.data() : nullptr;
   const KernelPasses<Real>& passes = *scratch.passes;
   ForceReport total;
   if (k.patch_begin) {
@@ -80,6 +85,8 @@ ForceReport internalForces(const KernelLayoutOf<Real>& layout, const KernelMater
     total.inverted_points += r.inverted;
     total.strain_energy += r.energy;
     total.volume_change += r.volume_change;
+    total.relaxed_energy += r.relaxed_energy;
+    total.relaxation_power += r.relaxation_power;
     total.max_cof2 = std::max<double>(total.max_cof2, r.max_cof2);
     if (r.min_J < total.min_J) {
       total.min_J = static_cast<float>(r.min_J);
@@ -103,9 +110,9 @@ void sumForces(const KernelLayoutOf<Real>& layout, const KernelScratchOf<Real>& 
 }
 
 template ForceReport internalForces(const KernelLayoutOf<float>&, const KernelMaterialsOf<float>&, const Float4*,
-                                    KernelScratchOf<float>&, SpinTeam&);
+                                    KernelScratchOf<float>&, SpinTeam&, RelaxationHistory*, double);
 template ForceReport internalForces(const KernelLayoutOf<double>&, const KernelMaterialsOf<double>&, const Double4*,
-                                    KernelScratchOf<double>&, SpinTeam&);
+                                    KernelScratchOf<double>&, SpinTeam&, RelaxationHistoryOf<double>*, double);
 template void sumForces(const KernelLayoutOf<float>&, const KernelScratchOf<float>&, int, int, Float4*);
 template void sumForces(const KernelLayoutOf<double>&, const KernelScratchOf<double>&, int, int, Double4*);
 

@@ -4,6 +4,7 @@
 
 #include "base/spin_team.h"
 #include "mechanics/kernel_layout.h"
+#include "mechanics/relaxation.h"
 
 namespace palpate {
 
@@ -12,9 +13,13 @@ struct ForceReport {
   float min_J = 1;
   int worst_point = -1;  // model index of the point with min J
   int inverted_points = 0;
-  double strain_energy = 0;  // J
+  double strain_energy = 0;  // J, of the laws
   double volume_change = 0;  // m^3, of all points
   double max_cof2 = 3;       // largest |cof F|^2 of a point; 3 at rest
+  // Of all points (RelaxedStress); the work that relaxation keeps from the strain energy is the first less the integral
+  // of the second over time.
+  double relaxed_energy = 0;    // J
+  double relaxation_power = 0;  // W
 };
 
 /// Internal forces of a total-Lagrangian body.
@@ -28,12 +33,14 @@ struct ForceReport {
 /// A chunk is computed by one thread and sums into its own buffer; sumForces adds the buffers in chunk order, so that
 /// the result does not depend on the thread count.
 ///
-/// @param u  displacement parameters, m (node_count)
+/// @param u        displacement parameters, m (node_count)
+/// @param history  of materials that relax: one step of h s is done in it. Null: their equilibrium after a long time
 /// Real-time: no allocation, no lock, no throw.
 /// Test: mechanics/internal_forces_test.cpp (f = -d energy / du; equals the reference kernel).
 template <class Real>
 ForceReport internalForces(const KernelLayoutOf<Real>& layout, const KernelMaterialsOf<Real>& materials,
-                           const Real4<Real>* u, KernelScratchOf<Real>& scratch, SpinTeam& team);
+                           const Real4<Real>* u, KernelScratchOf<Real>& scratch, SpinTeam& team,
+                           RelaxationHistoryOf<Real>* history = nullptr, double h = 0);
 
 /// Adds up the chunks' forces of nodes [begin, end) into f.
 template <class Real>

@@ -4,6 +4,7 @@
 
 #include "base/float4.h"
 #include "mechanics/materials/laws.h"
+#include "mechanics/relaxation_lanes.h"
 
 namespace palpate {
 namespace {
@@ -171,7 +172,24 @@ struct Kernel {
   struct Sums {
     LeastOf<Real> min_J[part_count<Real>];
     Simd<Real> energy = Real(0), volume_change = Real(0), max_cof2 = Real(3);
+    Simd<Real> relaxed_energy = Real(0), relaxation_power = Real(0);
   };
+
+  /// Takes from the law's stress what has relaxed. Inline, so that what has nothing to relax stays in registers.
+  [[gnu::always_inline]] void relaxStress(const RelaxationStep& step, int first_point, const SimdTensor<Real>& H,
+                                          const Simd<Real>& volume, SimdTensor<Real>& P, Sums& sums) const {
+    RelaxingPoints<Real> points;
+    for (int c = 0; c < 9; ++c) {
+      H[c].store(points.H[c]);
+      P[c].store(points.P[c]);
+    }
+    const std::ptrdiff_t at =
+        static_cast<std::ptrdiff_t>(first_point / 16) * k.relaxation_terms * 96 + first_point % 16;
+    relax(step, k.relaxation != nullptr ? k.relaxation + at : nullptr, points);
+    for (int c = 0; c < 9; ++c) P[c] = Simd<Real>::load(points.P[c]);
+    sums.relaxed_energy += volume * Simd<Real>::load(points.energy);
+    sums.relaxation_power += volume * Simd<Real>::load(points.power);
+  }
 
   template <class MaterialLanes>
   void batchesForces(const Material& material, int begin, int end, const Real4<Real>* u, Real4<Real>* f,
@@ -179,6 +197,8 @@ struct Kernel {
     using Lanes = Simd<Real>;
     const MaterialLanes lanes(material);
     const bool patches = !bare && k.patch_begin;
+    RelaxationStep relaxation;
+    if constexpr (!bare) relaxation = relaxationStep(material, k.relaxation_step, k.relaxation_terms);
     BatchTensors<Real> tensors;
     for (int batch = begin; batch < end; ++batch) {
       if (!patches) displacementGradients(batch, u, tensors);
@@ -203,6 +223,7 @@ struct Kernel {
         sums.max_cof2 = max(sums.max_cof2, state.cof2);
         state.cof2.store(&k.cof2[first_point]);
         state.J.store(&k.J[first_point]);
+        if (relaxation.term_count > 0) relaxStress(relaxation, first_point, H, volume, P, sums);
         for (int c = 0; c < 9; ++c) P[c] *= volume;
         applyScale(first_point, P);
         for (int c = 0; c < 9; ++c) P[c].store(tensors.a[c] + first);
@@ -238,11 +259,13 @@ struct Kernel {
       batch = end;
     }
     auto& report = k.report[chunk];
-    report = {1, -1, 0, 0, 0, 3};
+    report = {1, -1, 0, 0, 0, 3, 0, 0};
     for (const auto& least : sums.min_J) least.find(report.min_J, report.worst_point, report.inverted);
     for (int i = 0; i < Simd<Real>::width; ++i) {
       report.energy += sums.energy.v[i];
       report.volume_change += sums.volume_change.v[i];
+      report.relaxed_energy += sums.relaxed_energy.v[i];
+      report.relaxation_power += sums.relaxation_power.v[i];
       report.max_cof2 = sums.max_cof2.v[i] > report.max_cof2 ? sums.max_cof2.v[i] : report.max_cof2;
     }
   }

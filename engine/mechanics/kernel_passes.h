@@ -44,9 +44,11 @@ struct KernelView {
     Real min_J;
     int worst_point;  // place in the layout's points, or -1
     int inverted;
-    Real energy;         // J
-    Real volume_change;  // m^3
-    Real max_cof2;       // largest |cof F|^2 of a point
+    Real energy;          // J
+    Real volume_change;   // m^3
+    Real max_cof2;        // largest |cof F|^2 of a point
+    Real relaxed_energy;  // J and W, of ForceReport
+    Real relaxation_power;
   };
   Real4<Real>* force;
   ChunkReport* report;
@@ -55,6 +57,10 @@ struct KernelView {
   Real* patch_pressure;
   Real* cof2;
   Real* J;
+  // Relaxation (relaxation.h).
+  int relaxation_terms;    // that count
+  double relaxation_step;  // s; infinity with no history
+  Real* relaxation;        // RelaxationHistoryOf::Z; null: none
 };
 
 /// The kernel's work in parts that threads can share; one after the other.

@@ -40,8 +40,42 @@ BatchBody::BatchBody(const Model& model, const std::vector<double>& mass, int th
   }
 }
 
+void BatchBody::keepHistory(double h) {
+  history_ = makeRelaxationHistory<double>(kernel_.batch_material.size(), model_.materials);
+  history_step_ = h;
+}
+
+PointHistory BatchBody::pointHistory() const {
+  PointHistory result{history_.term_count, history_step_, {}};
+  const auto terms = static_cast<std::size_t>(history_.term_count);
+  result.Z.resize(terms * static_cast<std::size_t>(model_.pointCount()));
+  for (std::size_t p = 0; p < kernel_.point.size(); ++p)
+    for (std::size_t i = 0; i < terms && kernel_.point[p] >= 0; ++i) {
+      const double* z = &history_.Z[(p / 16 * terms + i) * 96 + p % 16];
+      result.Z[static_cast<std::size_t>(kernel_.point[p]) * terms + i] << z[0], z[80], z[64], z[80], z[16], z[48],
+          z[64], z[48], z[32];
+    }
+  return result;
+}
+
+void BatchBody::restore(const AlignedVector<Double4>& displacement, const AlignedVector<Double4>& increment,
+                        const AlignedVector<double>& history) {
+  u = displacement;
+  du = increment;
+  if (history.empty())
+    std::fill(history_.Z.begin(), history_.Z.end(), 0.0);
+  else
+    history_.Z = history;
+}
+
 ForceReport BatchBody::forces(const AlignedVector<Double4>& at, AlignedVector<Double4>& force) {
-  const ForceReport report = internalForces(kernel_, materials_, at.data(), kernel_scratch_, team_);
+  return forces(at, force, nullptr);
+}
+
+ForceReport BatchBody::forces(const AlignedVector<Double4>& at, AlignedVector<Double4>& force,
+                              RelaxationHistoryOf<double>* history) {
+  const ForceReport report =
+      internalForces(kernel_, materials_, at.data(), kernel_scratch_, team_, history, history_step_);
   sumForces(kernel_, kernel_scratch_, 0, model_.nodeCount(), force.data());
   return report;
 }
@@ -71,7 +105,7 @@ void BatchBody::contact(double alpha, Report& report) {
 BatchBody::Report BatchBody::advance(double alpha, double beta, double time) {
   Report report;
   alpha_ = alpha;
-  const ForceReport forces_report = forces(u, f);
+  const ForceReport forces_report = forces(u, f, history_step_ > 0 ? &history_ : nullptr);
   report.min_J = forces_report.min_J;
   report.worst_point = forces_report.worst_point;
   report.inverted_points = forces_report.inverted_points;

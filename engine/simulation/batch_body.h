@@ -37,13 +37,16 @@ class BatchBody {
   }
   const Pose& toolPose() const { return tool_; }
 
-  /// Goes on from a saved state.
-  void restore(const AlignedVector<Double4>& displacement, const AlignedVector<Double4>& increment) {
-    u = displacement;
-    du = increment;
-  }
+  /// Materials that relax keep the history of steps of h s from now on. Without, they are in equilibrium.
+  void keepHistory(double h);
+  const AlignedVector<double>& history() const { return history_.Z; }
+  PointHistory pointHistory() const;
 
-  /// Internal forces at a displacement, N; `force` and the report's J.
+  /// Goes on from a saved state. @param history  of history(); empty: nothing has been before
+  void restore(const AlignedVector<Double4>& displacement, const AlignedVector<Double4>& increment,
+               const AlignedVector<double>& history = {});
+
+  /// Internal forces at a displacement, N; `force` and the report's J. Of materials that relax, after a long time.
   ForceReport forces(const AlignedVector<Double4>& at, AlignedVector<Double4>& force);
 
   const Model& model() const { return model_; }
@@ -59,6 +62,8 @@ class BatchBody {
   AlignedVector<Double4> f;   // (node_count) internal forces of the last step, N
 
  private:
+  ForceReport forces(const AlignedVector<Double4>& at, AlignedVector<Double4>& force,
+                     RelaxationHistoryOf<double>* history);
   void contact(double alpha, Report& report);
 
   const Model& model_;
@@ -66,6 +71,8 @@ class BatchBody {
   KernelLayoutOf<double> kernel_;
   KernelMaterialsOf<double> materials_;
   KernelScratchOf<double> kernel_scratch_;
+  RelaxationHistoryOf<double> history_;
+  double history_step_ = 0;  // s; 0: no history is kept
   EssentialBoundaryOf<double> boundary_;
   BoundaryScratchOf<double> boundary_scratch_;
   AlignedVector<double> inverse_mass_;

@@ -138,6 +138,7 @@ State initialState(const Model& model) {
   state.contact = makeContactState(model.skin, model.scene.tool);
   state.live = loadedParameters(model);
   state.local_mass.factor.assign(model.X.size(), 1.0F);
+  state.relaxation = makeRelaxationHistory<float>(model.kernel.batch_material.size(), model.materials);
   return state;
 }
 

@@ -5,9 +5,15 @@
 
 namespace palpate {
 
+void EnergyBalance::relax(double energy, double power, double dt) {
+  relaxation_flow += 0.5 * dt * (relaxation_power + power);
+  relaxation_power = power;
+  relaxed = energy - relaxation_flow;
+}
+
 double EnergyBalance::update(double strain, double kinetic, double acceleration_energy, double dt, double floor) {
   constexpr double memory = 0.25;  // s
-  const double kept = std::exp(-dt / memory), now = strain - work;
+  const double kept = std::exp(-dt / memory), now = strain - relaxed - work;
   drift = drift * kept + (fresh ? 0 : now - mismatch);
   mismatch = now;
   fresh = false;

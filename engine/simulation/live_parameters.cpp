@@ -28,7 +28,8 @@ double stiffening(const Model& model, const LiveParameters& live) {
 
 double bulkOverShear(const LiveParameters& live) {
   double largest = 0;
-  for (const Material& m : live.kernel.materials) largest = std::max(largest, m.bulk_modulus / m.shear_modulus);
+  for (const Material& m : live.kernel.materials)
+    largest = std::max(largest, m.bulk_modulus / (m.shear_modulus * m.longTermShare()));
   return largest;
 }
 

@@ -16,6 +16,7 @@ struct LiveParameters {
 LiveParameters loadedParameters(const Model& model);
 
 /// Replaces a material from the next step on. Its density has no effect: it is in the lumped masses.
+/// What has relaxed stays; terms beyond those that the model was loaded with have no effect.
 /// @param index  into Model::materials
 /// Real-time: no allocation, no lock, no throw.
 void setMaterial(const Model& model, int index, const Material& material, LiveParameters& live);
@@ -29,7 +30,7 @@ double stiffening(const Material& loaded, const Material& present);
 /// Real-time. Test: simulation/live_parameters_test.cpp
 double stiffening(const Model& model, const LiveParameters& live);
 
-/// The largest bulk modulus over shear modulus of the materials in force.
+/// The largest bulk modulus over shear modulus, after a long time, of the materials in force.
 double bulkOverShear(const LiveParameters& live);
 
 /// Whether Poisson's ratio of all materials in force is at least 0.45.

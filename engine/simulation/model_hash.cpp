@@ -66,6 +66,7 @@ std::uint64_t stateHash(const Model& model, const State& state) {
   add(state.u.data(), state.u.size() * sizeof(Float4));
   add(state.du.data(), state.du.size() * sizeof(Float4));
   add(state.u_low.data(), state.u_low.size() * sizeof(Float4));
+  add(state.relaxation.Z.data(), state.relaxation.Z.size() * sizeof(float));
   const auto contacts = static_cast<std::size_t>(state.contact.count);
   add(state.contact.vertex.data(), contacts * sizeof(int));
   add(state.contact.force.data(), contacts * sizeof(Float4));

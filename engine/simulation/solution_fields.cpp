@@ -1,10 +1,28 @@
 #include "simulation/solution_fields.h"
 
+#include <limits>
+
 #include "mechanics/internal_forces.h"
 
 namespace palpate {
+namespace {
 
-std::vector<Mat3> pointStresses(const Model& model, const std::vector<Vec3>& u, std::vector<Mat3>& F) {
+/// Takes from a point's stress what has relaxed.
+void relax(const Material& material, const PointHistory& history, int q, const Mat3& F, Mat3& P) {
+  if (material.relaxation_count == 0) return;
+  if (history.empty()) {
+    P = relaxedStress(relaxationStep(material, std::numeric_limits<double>::infinity()), F, P).P;
+    return;
+  }
+  const auto first = history.Z.begin() + static_cast<std::ptrdiff_t>(q) * history.term_count;
+  std::vector<Mat3> Z(first, first + history.term_count);
+  P = relaxedStress(relaxationStep(material, history.h, history.term_count), F, P, Z.data()).P;
+}
+
+}  // namespace
+
+std::vector<Mat3> pointStresses(const Model& model, const std::vector<Vec3>& u, std::vector<Mat3>& F,
+                                const PointHistory& history) {
   const int points = model.pointCount();
   F.resize(points);
   std::vector<double> pressure(points);
@@ -21,11 +39,15 @@ std::vector<Mat3> pointStresses(const Model& model, const std::vector<Vec3>& u, 
     for (int q = 0; q < points; ++q) pressure[q] *= model.materials[model.point_material[q]].bulk_modulus;
   }
   std::vector<Mat3> P(points);
-  for (int q = 0; q < points; ++q) P[q] = model.materials[model.point_material[q]].firstPiola(F[q], pressure[q]);
+  for (int q = 0; q < points; ++q) {
+    const Material& material = model.materials[model.point_material[q]];
+    P[q] = material.firstPiola(F[q], pressure[q]);
+    relax(material, history, q, F[q], P[q]);
+  }
   return P;
 }
 
-SolutionFields solutionFields(const Model& model, const std::vector<Vec3>& u) {
+SolutionFields solutionFields(const Model& model, const std::vector<Vec3>& u, const PointHistory& history) {
   SolutionFields fields;
   fields.displacement.assign(model.nodeCount(), Vec3::Zero());
   for (int i = 0; i < model.nodeCount(); ++i)
@@ -33,7 +55,7 @@ SolutionFields solutionFields(const Model& model, const std::vector<Vec3>& u) {
       fields.displacement[i] += model.node_shape.N[e] * u[model.node_shape.node[e]];
 
   std::vector<Mat3> F;
-  const auto P = pointStresses(model, u, F);
+  const auto P = pointStresses(model, u, F, history);
   std::vector<double> volume(model.cells.size(), 0);
   fields.J.assign(model.cells.size(), 0);
   fields.pressure = fields.von_mises = fields.J;

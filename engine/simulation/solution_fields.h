@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "mechanics/relaxation.h"
 #include "simulation/model.h"
 
 namespace palpate {
@@ -14,11 +15,13 @@ struct SolutionFields {
   std::vector<double> von_mises;   // (cell_count) Pa
 };
 
-/// @param u  displacement parameters, m (node_count)
-SolutionFields solutionFields(const Model& model, const std::vector<Vec3>& u);
+/// @param u        displacement parameters, m (node_count)
+/// @param history  of materials that relax; empty: their equilibrium after a long time
+SolutionFields solutionFields(const Model& model, const std::vector<Vec3>& u, const PointHistory& history = {});
 
 /// First Piola-Kirchhoff stress at the integration points, Pa (point_count), with the volume law of the scene.
 /// @param F  receives the deformation gradients (point_count)
-std::vector<Mat3> pointStresses(const Model& model, const std::vector<Vec3>& u, std::vector<Mat3>& F);
+std::vector<Mat3> pointStresses(const Model& model, const std::vector<Vec3>& u, std::vector<Mat3>& F,
+                                const PointHistory& history = {});
 
 }  // namespace palpate

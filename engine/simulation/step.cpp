@@ -14,7 +14,8 @@ StepReport step(const Model& model, State& state, const Pose& tool_pose, const C
   StepOutcome outcome;
 
   // f = -F_int(u)                                                         (eq. 31)
-  outcome.forces = internalForces(model.kernel, state.live.kernel, state.u.data(), workspace.kernel, workspace.team);
+  outcome.forces = internalForces(model.kernel, state.live.kernel, state.u.data(), workspace.kernel, workspace.team,
+                                  &state.relaxation, model.dt);
 
   // M, with mass added where the tissue is squeezed so far that dt would be too long
   const StepMasses masses = outcome.masses = followStiffness(model, integrator, outcome.forces, state, workspace);

@@ -56,6 +56,7 @@ StepReport reportOf(const Model& model, const StepOutcome& outcome, State& state
   report.strain_energy = forces.strain_energy;
   report.kinetic_energy = 0.5 * moved.kinetic / dt2;
   state.energy.work -= 0.5 * outcome.work_before;
+  state.energy.relax(forces.relaxed_energy, forces.relaxation_power, model.dt);
   report.energy_error = state.energy.update(forces.strain_energy, report.kinetic_energy, moved.acceleration / (8 * dt2),
                                             model.dt, model.rest_energy);
   state.energy.work -= 0.5 * moved.work;

@@ -11,12 +11,13 @@ std::optional<BatchBody::Report> TransientSolver::tick(const std::optional<Pose>
   if (watch) {
     u_before_ = body_.u;
     du_before_ = body_.du;
+    history_before_ = body_.history();
   }
   const std::int64_t step_before = step_;
   BatchBody::Report total;
   for (int k = 1; k <= model_.substeps_per_tick; ++k) {
     if (watch && !watch()) {
-      resume(step_before, u_before_, du_before_, tool ? std::optional(from) : std::nullopt);
+      resume(step_before, u_before_, du_before_, tool ? std::optional(from) : std::nullopt, history_before_);
       return {};
     }
     if (tool) {
@@ -41,9 +42,9 @@ std::optional<BatchBody::Report> TransientSolver::tick(const std::optional<Pose>
 }
 
 void TransientSolver::resume(std::int64_t step, const AlignedVector<Double4>& u, const AlignedVector<Double4>& du,
-                             const std::optional<Pose>& tool) {
+                             const std::optional<Pose>& tool, const AlignedVector<double>& history) {
   step_ = step;
-  body_.restore(u, du);
+  body_.restore(u, du, history);
   if (tool) body_.placeTool(*tool);
 }
 

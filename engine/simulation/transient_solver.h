@@ -10,7 +10,9 @@ namespace palpate {
 /// The physical motion of a model in double, by paper eq. 12 with its own masses and damping.
 class TransientSolver {
  public:
-  TransientSolver(const Model& model, int threads) : model_(model), body_(model, model.mass, threads) {}
+  TransientSolver(const Model& model, int threads) : model_(model), body_(model, model.mass, threads) {
+    body_.keepHistory(model.dt);
+  }
 
   /// Called before each step; false interrupts.
   using Watch = std::function<bool()>;
@@ -23,9 +25,9 @@ class TransientSolver {
 
   const BatchBody& body() const { return body_; }
   double time() const { return static_cast<double>(step_) * model_.dt; }
-  /// Goes on from a state that was saved.
+  /// Goes on from a state that was saved. @param history  body().history() then
   void resume(std::int64_t step, const AlignedVector<Double4>& u, const AlignedVector<Double4>& du,
-              const std::optional<Pose>& tool);
+              const std::optional<Pose>& tool, const AlignedVector<double>& history = {});
   std::int64_t step() const { return step_; }
 
  private:
@@ -33,6 +35,7 @@ class TransientSolver {
   BatchBody body_;
   std::int64_t step_ = 0;
   AlignedVector<Double4> u_before_, du_before_;  // the present tick, where it is watched
+  AlignedVector<double> history_before_;
 };
 
 }  // namespace palpate

@@ -26,7 +26,7 @@ rate_hz 500
 15 release
 20 friction 0.3
 21 material 0 neo-hookean young 3000 poisson 0.49 barrier_strength 0 barrier_J0 0.5 density 1060
-22 material 0 neo-hookean young 3000 poisson 0.49 barrier_strength 0.1 barrier_J0 0.5 density 1060
+22 material 0 neo-hookean young 3000 poisson 0.49 barrier_strength 0.1 barrier_J0 0.5 density 1060 relaxation 2 0.3 0.1
 30 reset
 end 500
 )"};

@@ -11,6 +11,11 @@ namespace palpate {
 inline std::string keyLine(const Parameter& p, std::span<const double> values) {
   std::string text = std::string(p.name) + " = ";
   if (p.type == Parameter::Type::Number) return text + shortest(values[0]) + "\n";
+  if (p.type == Parameter::Type::Pairs) {
+    for (std::size_t k = 0; k < values.size(); k += 2)
+      text += (k == 0 ? "[[" : ", [") + shortest(values[k]) + ", " + shortest(values[k + 1]) + "]";
+    return text + "]\n";
+  }
   for (std::size_t k = 0; k < values.size(); ++k) text += (k == 0 ? "[" : ", ") + shortest(values[k]);
   return text + "]\n";
 }

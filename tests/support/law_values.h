@@ -22,6 +22,7 @@ inline Material sampleMaterial(const MaterialLaw& law) {
               : above        ? p.range.high - number
                              : (below ? p.range.low : 0) + number;
     }
+    if (p.type == Parameter::Type::Pairs) values = {0.25, number + 1, 0.125, number + 2};
     m.set(p.name, values);
   });
   return m;

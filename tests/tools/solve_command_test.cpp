@@ -246,12 +246,14 @@ TEST_CASE("A checkpoint is read back as it was written", "[checkpoint]") {
     c.u.push_back({0.1 * i, -1.0 / 3, 1e-300, 0});
     c.du.push_back({1e-9 * i, -5e-324, -0.0, 0});
   }
+  c.history = {1, -2.5, 1e-300};
   const std::string path = folder.path("checkpoint.bin");
   writeCheckpoint(path, c);
   const Checkpoint d = readCheckpoint(path, c.model_hash, 5);
   CHECK(d.position == 7);
   CHECK(d.rows == 6);
   CHECK(d.frame_time == c.frame_time);
+  CHECK(d.history == c.history);
   CHECK(std::memcmp(d.u.data(), c.u.data(), 5 * sizeof(Double4)) == 0);
   CHECK(std::memcmp(d.du.data(), c.du.data(), 5 * sizeof(Double4)) == 0);
   CHECK_THAT(refusal([&] { readCheckpoint(path, c.model_hash + 1, 5); }), Contains("another scene"));
@@ -289,12 +291,14 @@ TEST_CASE("A forged checkpoint with a checksum that holds is refused", "[checkpo
   with([](Checkpoint& c) { c.frame_time = {-1}; });
   with([](Checkpoint& c) { c.u[1].y = INFINITY; });
   with([](Checkpoint& c) { c.du[2].z = NAN; });
+  with([](Checkpoint& c) { c.history = {NAN}; });
 
-  // 2^61 more frames or 2^58 more nodes take no more bytes, counted modulo 2^64.
+  // 2^61 more frames, 2^58 more nodes or 2^61 more numbers of history take no more bytes, counted modulo 2^64.
   writeCheckpoint(path, good);
   const std::string bytes = readAll(path);
   const std::size_t frames = bytes.find('\n') + 1 + 4 * 8;
-  for (const auto& [offset, byte] : {std::pair<std::size_t, char>{frames, '\x20'}, {frames + 8, '\x04'}}) {
+  for (const auto& [offset, byte] :
+       {std::pair<std::size_t, char>{frames, '\x20'}, {frames + 8, '\x04'}, {frames + 16, '\x20'}}) {
     std::string forged = bytes.substr(0, bytes.size() - 8);
     forged[offset + 7] = byte;
     const std::uint64_t sum = fnv1a(forged);

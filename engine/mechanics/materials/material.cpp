@@ -47,11 +47,13 @@ Material& Material::set(std::string_view parameter, std::span<const double> valu
   forEachParameter(*this, [&](const Parameter& p, std::span<double> present) {
     if (parameter != p.name) return;
     known = true;
-    const bool is_list = p.type == Parameter::Type::Numbers;
-    if (values.empty() || values.size() > static_cast<std::size_t>(is_list ? max_terms : 1))
-      refuse(lawDescription(), parameter, is_list ? "1 to 6 numbers" : "one number");
+    const bool is_list = p.type == Parameter::Type::Numbers, is_pairs = p.type == Parameter::Type::Pairs;
+    const int room = is_list ? max_terms : is_pairs ? 2 * max_relaxation_terms : 1;
+    if (values.empty() || values.size() > static_cast<std::size_t>(room) || (is_pairs && values.size() % 2 == 1))
+      refuse(lawDescription(), parameter, is_list ? "1 to 6 numbers" : is_pairs ? "1 to 3 pairs" : "one number");
     if (is_list) term_count = static_cast<int>(values.size());
-    std::copy(values.begin(), values.end(), present.data());  // a list has room for max_terms
+    if (is_pairs) relaxation_count = static_cast<int>(values.size()) / 2;
+    std::copy(values.begin(), values.end(), present.data());  // a list has room for them
   });
   if (!known) refuse(lawDescription(), parameter, "it has no such parameter");
   updateModuli();
@@ -71,6 +73,12 @@ void Material::updateModuli() {
   const RestModuli moduli = lawDescription().restModuli(*this);
   shear_modulus = moduli.shear;
   bulk_modulus = moduli.bulk;
+}
+
+double Material::longTermShare() const {
+  double share = 1;
+  for (int i = 0; i < relaxation_count; ++i) share -= relaxation[2 * i];
+  return share;
 }
 
 double Material::barrierPressure(double J) const {

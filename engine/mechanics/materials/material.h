@@ -17,6 +17,7 @@ struct MaterialLaw;
 struct Material {
   static constexpr int max_terms = 6;  // entries of a parameter that is a list
   static constexpr int max_values = 2 * max_terms + 1;
+  static constexpr int max_relaxation_terms = 3;
 
   int law = 0;                 // place in materialLaws()
   int term_count = 0;          // entries in use of each list
@@ -32,6 +33,10 @@ struct Material {
   //   W += K b (J ln(J / J0) - J + J0),  p += K b ln(J / J0).  It departs from paper eq. 32; 0 is none.
   double barrier_strength = 0;  // b
   double barrier_J0 = 0.5;
+  // Optional relaxation of the isochoric stress (relaxation.h): pairs of the share g_i that relaxes and its time tau_i,
+  // s. The law's moduli are those at once.
+  int relaxation_count = 0;
+  double relaxation[2 * max_relaxation_terms]{};
 
   /// A material of the law with this name: values not set yet are their defaults, or 0.
   /// Throws std::invalid_argument where there is no such law.
@@ -70,6 +75,9 @@ struct Material {
   /// P-wave modulus at rest, K + 4/3 mu, Pa.
   double waveModulus() const { return bulk_modulus + 4.0 / 3.0 * shear_modulus; }
 
+  /// Of the isochoric stress, what is left after a long time: 1 - sum g.
+  double longTermShare() const;
+
   bool operator==(const Material&) const = default;
 
   /// Below this J the isochoric factor J^(-a/3) continues along its tangent, so that an inverted point gets a
@@ -78,7 +86,8 @@ struct Material {
 };
 static_assert(std::is_trivially_copyable_v<Material>);  // it goes through lock-free queues
 
-/// The material with all its stiffnesses times `factor`: parameters in Pa are multiplied, those in 1/Pa divided.
+/// The material with all its stiffnesses times `factor`: parameters in Pa are multiplied, those in 1/Pa divided. What
+/// relaxes, and how fast, stays.
 Material stiffened(Material material, double factor);
 
 /// von Mises equivalent of the Cauchy stress P F^T / J, Pa.

@@ -39,7 +39,37 @@ constexpr CommonMaterialParameter common_parameters[] = {
     {{"density", "Density", T::Number, "kg/m^3", "1000", between(1, 30000), "Mass density."}, &Material::density},
 };
 
+// Up to 100 s: in 1e5 steps and more the loop's float32 loses the last percents of what relaxes.
+constexpr double max_relaxation_time = 100;
+
+constexpr Parameter relaxation = {
+    "relaxation",
+    "Relaxation",
+    T::Pairs,
+    "",
+    "",
+    anyNumber(),
+    "Viscoelasticity: 1 to 3 pairs `[g, tau]`, like `[[0.3, 0.1], [0.2, 2.0]]`. The share g of the isochoric stress "
+    "(their sum below 1) relaxes with the time tau (up to 100 s): G(t) = G0 (1 - sum g (1 - exp(-t/tau))). The law's "
+    "moduli are those at once, G0. The loop and transient solutions keep the history; a static one is the equilibrium "
+    "after a long time. Without it the tissue is elastic."};
+
 }  // namespace
+
+const Parameter& relaxationParameter() { return relaxation; }
+
+std::optional<ParameterProblem> relaxationProblem(const Material& material) {
+  const char* pairs = "give pairs [g, tau], like [[0.3, 0.1], [0.2, 2.0]]: g of the stress relaxes with tau, s";
+  for (int i = 0; i < material.relaxation_count; ++i) {
+    const double g = material.relaxation[2 * i], tau = material.relaxation[2 * i + 1];
+    if (!(g > 0 && g < 1)) return {{relaxation.name, "a share g of \"relaxation\" is not above 0 and below 1", pairs}};
+    if (!(tau > 0 && tau <= max_relaxation_time))
+      return {{relaxation.name, "a time tau of \"relaxation\" is not above 0 and up to 100 s", pairs}};
+  }
+  if (material.longTermShare() > 0) return {};
+  return {{relaxation.name, "the shares g of \"relaxation\" add up to 1 or more",
+           "leave some of the stress: 1 minus their sum is what stays after a long time"}};
+}
 
 std::span<const MaterialLaw> materialLaws() { return law_table; }
 
@@ -47,7 +77,8 @@ std::span<const CommonMaterialParameter> commonMaterialParameters() { return com
 
 void add(ByteKey& key, const Material& material) {
   key.add(fnv1a(material.lawDescription().name), material.shear_modulus, material.bulk_modulus);
-  forEachParameter(material, [&](const Parameter&, std::span<const double> values) {
+  forEachParameter(material, [&](const Parameter& parameter, std::span<const double> values) {
+    if (parameter.type == Parameter::Type::Pairs && values.empty()) return;  // keys of elastic materials stay
     key.add(values.size());
     for (const double value : values) key.add(value);
   });

@@ -46,8 +46,14 @@ struct CommonMaterialParameter {
 /// In the order of the scene reference.
 std::span<const CommonMaterialParameter> commonMaterialParameters();
 
+/// "relaxation", which every law has: 1 to 3 pairs [g, tau], or none.
+const Parameter& relaxationParameter();
+
+/// What is wrong with a material's relaxation, if anything.
+std::optional<ParameterProblem> relaxationProblem(const Material& material);
+
 /// Calls `call(parameter, values)` for each parameter of the material's law and then for those that all laws have;
-/// `values` is a span of one number, or of term_count for a list.
+/// `values` is a span of one number, or of term_count for a list; at last for the relaxation, with pairs or nothing.
 template <class SomeMaterial, class Call>
 void forEachParameter(SomeMaterial&& material, Call call) {
   auto* value = material.value;
@@ -58,6 +64,8 @@ void forEachParameter(SomeMaterial&& material, Call call) {
   }
   for (const CommonMaterialParameter& c : commonMaterialParameters())
     call(c.parameter, std::span(&(material.*c.member), 1));
+  call(relaxationParameter(),
+       std::span(&material.relaxation[0], 2 * static_cast<std::size_t>(material.relaxation_count)));
 }
 
 /// Adds the law, all its values and the moduli at rest.

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "mechanics/materials/material_law.h"
+
 namespace palpate {
 namespace {
 
@@ -36,7 +38,8 @@ LiveSettings::Answer LiveSettings::setFriction(double coefficient) {
 
 LiveSettings::Answer LiveSettings::setMaterial(int index, const Material& material) {
   const double modulus = material.waveModulus();
-  if (index < 0 || index >= material_count_ || !std::isfinite(modulus) || modulus <= 0) return {};
+  if (index < 0 || index >= material_count_ || !std::isfinite(modulus) || modulus <= 0 || relaxationProblem(material))
+    return {};
   const double excess = physics_.setMaterial(index, material);
   if (excess > 0) return {Outcome::Refused, excess};
   return {Outcome::Changed};

@@ -54,8 +54,9 @@ std::string lineOf(const TimedRequest& change) {
     case Request::Kind::SetMaterial: {
       line.append(" material ").append(std::to_string(r.index)).append(" ").append(r.material.lawDescription().name);
       forEachParameter(r.material, [&line](const Parameter& parameter, std::span<const double> values) {
+        if (parameter.type == Parameter::Type::Pairs && values.empty()) return;
         line.append(" ").append(parameter.name);
-        if (parameter.type == Parameter::Type::Numbers) line.append(" ").append(std::to_string(values.size()));
+        if (parameter.type != Parameter::Type::Number) line.append(" ").append(std::to_string(values.size()));
         for (const double value : values) append(line, {value});
       });
       break;
@@ -83,8 +84,15 @@ Material readMaterial(LineReader& line) {
   Material material = Material::of(name);
   int terms = 0;  // of the lists read so far
   forEachParameter(std::as_const(material), [&](const Parameter& parameter, std::span<const double>) {
+    const bool pairs = parameter.type == Parameter::Type::Pairs;
+    if (pairs && line.atEnd()) return;
     line.expect(parameter.name);
     std::vector<double> values(1);
+    if (pairs) {
+      const int count = line.integer<int>("a number of numbers");
+      if (count < 2 || count > 2 * Material::max_relaxation_terms || count % 2 == 1) line.fail("so many can't be");
+      values.resize(static_cast<std::size_t>(count));
+    }
     if (parameter.type == Parameter::Type::Numbers) {
       const int count = line.integer<int>("a number of terms");
       if (count < 1 || count > Material::max_terms || (terms > 0 && count != terms))
@@ -94,6 +102,7 @@ Material readMaterial(LineReader& line) {
     for (double& value : values) value = line.number((std::string("a value of ") + parameter.name).c_str());
     material.set(parameter.name, values);
   });
+  if (const auto problem = relaxationProblem(material)) line.fail(problem->problem);
   return material;
 }
 

@@ -17,6 +17,7 @@ namespace palpate {
 ///   20 friction 0.3
 ///   21 material 0 neo-hookean young 3000 poisson 0.49 barrier_strength 0 barrier_J0 0.5 density 1060
 ///   21 material 0 ogden mu 2 1000 500 alpha 2 2 -2 D1 4e-5 barrier_strength 0 ...    lists after their length
+///      ... density 1060 relaxation 4 0.3 0.1 0.2 2    at the end, of one that relaxes
 ///   30 reset
 ///   end 500                              ticks of the run; missing: cut off
 /// The scene's name is written without line ends and other control characters, which would end its line.

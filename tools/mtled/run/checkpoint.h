@@ -16,6 +16,7 @@ struct Checkpoint {
   double largest = 0;              // m, largest displacement so far; what the tolerance is a share of
   std::vector<double> frame_time;  // (frame_count) s, of the VTU files written
   AlignedVector<Double4> u, du;    // (node_count) m
+  AlignedVector<double> history;   // Pa, of materials that relax (BatchBody::history)
 };
 
 /// What the file holds: numbers as they lie in memory, and a checksum of them.

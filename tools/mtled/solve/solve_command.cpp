@@ -146,6 +146,11 @@ class Results {
   }
 
   const Checkpoint& checkpoint() const { return checkpoint_; }
+  /// Throws where the checkpoint remembers other than a solver does.
+  void checkHistory(const AlignedVector<double>& solver) const {
+    if (checkpoint_.history.size() != solver.size())
+      throw InputError({checkpointFile()}, "the checkpoint is damaged", "start without --resume");
+  }
   double error() const { return last_row_.empty() ? 0 : last_row_.back(); }  // m, of the last equilibrium
 
   /// One equilibrium or tick, with a frame when its time has come. @param position  for a resumed run
@@ -163,6 +168,7 @@ class Results {
     checkpoint_.largest = largest;
     checkpoint_.u = body.u;
     checkpoint_.du = body.du;
+    checkpoint_.history = body.history();
     last_reactions_ = body.reactions();
     last_row_ = std::move(row);
     const int frames = model_.scene.solve.frames;
@@ -228,7 +234,7 @@ class Results {
   void addFrame(double time, const BatchBody& body) {
     std::vector<Vec3> u;
     for (const auto& a : body.u) u.push_back(toVec3(a));
-    const SolutionFields fields = solutionFields(model_, u);
+    const SolutionFields fields = solutionFields(model_, u, body.pointHistory());
     std::vector<Vec3> reaction(model_.X.size(), Vec3::Zero());
     body.addNodeReactions(reaction);
     const std::vector<VtuField> at_nodes{vtuVectors("displacement_m", fields.displacement),
@@ -324,9 +330,11 @@ int solveStatic(const Task& task, Results& results) {
 int solveTransient(const Task& task, Results& results) {
   const auto start = std::chrono::steady_clock::now();
   TransientSolver solver(task.model, task.threads);
+  if (task.resume) results.checkHistory(solver.body().history());
   if (task.resume)
     solver.resume(results.checkpoint().position, results.checkpoint().u, results.checkpoint().du,
-                  task.tool(static_cast<double>(results.checkpoint().position) * task.model.dt));
+                  task.tool(static_cast<double>(results.checkpoint().position) * task.model.dt),
+                  results.checkpoint().history);
   ProgressLine progress("solve");
   const double tick = 1 / task.model.scene.rate_hz;
   const auto ticks = static_cast<std::int64_t>(ticksTo(task.end, task.model.scene));
