@@ -240,7 +240,7 @@ void SimulationLoop::undo() {
 
 void SimulationLoop::reset(Request::Kind kind, bool from_track) {
   const bool over = !from_track && track_.startOver(run_.tick);
-  if (over) kind = Request::Kind::Restart;
+  if (over || (!from_track && track_.drives(run_.tick))) kind = Request::Kind::Restart;  // an endless motion, too
   physics_.reset();
   history_.clear();
   if (kind == Request::Kind::Reset) proxy_.beGentle();
