@@ -102,6 +102,10 @@ void readDiscretization(const TomlTable& table, Scene& scene) {
   table.read("mu", scene.mmls_weight);
   table.read("consistent_gradients", scene.consistent_gradients);
   table.read("node_patch_volume", scene.node_patch_volume);
+  table.read("cell_volume", scene.cell_volume);
+  if (scene.cell_volume && !scene.node_patch_volume)
+    throw InputError(table.place("cell_volume"), "cell_volume takes over from node patches, and there are none",
+                     "set node_patch_volume = true, or leave cell_volume out");
   if (table.readChoice("boundary_method", 0) == 1) scene.boundary_method = Scene::BoundaryMethod::Ebciem;
   for (const TomlTable& entry : table.tables("refine", {"discretization.refine"})) {
     RefineSpec& refine = scene.refine.emplace_back();

@@ -30,15 +30,15 @@ void collect(const std::vector<std::uint8_t>& flags, std::vector<int>& list) {
   }
 }
 
-/// Whether one of 16 numbers is further from zero than the limit.
+/// Whether one of 16 numbers is below the limit.
 template <class Real>
-bool anyBeyond(const Real* number, Real limit) {
-  GroupOf<Real> largest{};
+bool anyBelow(const Real* number, Real limit) {
+  GroupOf<Real> least{};
   for (int i = 0; i < 16; i += 4) {
-    const GroupOf<Real> a = loadGroup(number + i), size = a < -a ? -a : a;
-    largest = size > largest ? size : largest;
+    const GroupOf<Real> a = loadGroup(number + i);
+    least = a < least ? a : least;
   }
-  return largest[0] > limit || largest[1] > limit || largest[2] > limit || largest[3] > limit;
+  return least[0] < limit || least[1] < limit || least[2] < limit || least[3] < limit;
 }
 
 template <class Real>
@@ -151,10 +151,10 @@ struct CellPasses {
   void bound(int a, std::size_t part) const {
     const Real limit = static_cast<Real>(pressure_limit) * patches.shear[a], p = patches.pressure[a];
     if (!(limit > 0)) return;  // in no cell
-    Real largest = 0;
+    Real least = 0;
     for (int e = patches.begin[a]; e < patches.begin[a + 1]; ++e)
-      largest = std::max(largest, std::abs(patches.dilatation[patches.point[e]]));
-    s.weight[a] = pressedShare(patches.bulk[a] * largest, limit);
+      least = std::min(least, patches.dilatation[patches.point[e]]);
+    s.weight[a] = pressedShare(patches.bulk[a] * least, limit);
     if (s.weight[a] == 0) return;
     patches.pressure[a] = bounded(p, limit);
     s.energy[part] += cells.patch_volume[a] *
@@ -246,9 +246,9 @@ void findPressed(const PatchStateOf<Real>& patches, int part, CellVolumeScratchO
   const auto border = [&](int k) { return static_cast<int>(std::int64_t{patches.batch_count} * k / parts); };
   for (int batch = border(part); batch < border(part + 1); ++batch) {
     const Real* dilatation = patches.dilatation + static_cast<std::ptrdiff_t>(batch) * 16;
-    if (!anyBeyond(dilatation, patches.least_pressed_dilatation)) continue;
+    if (!anyBelow(dilatation, patches.pressed_dilatation)) continue;
     for (int i = 0; i < 16; ++i)
-      if (std::abs(dilatation[i]) > patches.least_pressed_dilatation)
+      if (dilatation[i] < patches.pressed_dilatation)
         for (int v = 0; v < 4; ++v)
           mark(
               scratch.group_pressed[groupOf<Real>(patches.node[static_cast<std::ptrdiff_t>(batch) * 64 + 16 * v + i])]);

@@ -53,7 +53,7 @@ PatchStateOf<Real> patchState(const KernelLayoutOf<Real>& layout, const KernelMa
           materials.patch_shear.data(),
           k.dilatation,
           k.patch_pressure,
-          materials.least_pressed_dilatation};
+          materials.pressed_dilatation};
 }
 
 }  // namespace

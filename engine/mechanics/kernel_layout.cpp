@@ -242,7 +242,7 @@ void updatePatchBulk(const KernelLayoutOf<Real>& layout, KernelMaterialsOf<Real>
     materials.patch_shear[i] = least;
     if (sum > 0) least_ratio = std::min(least_ratio, least * sum);
   }
-  materials.least_pressed_dilatation = static_cast<Real>(pressed_from * pressure_limit) * least_ratio;
+  materials.pressed_dilatation = -static_cast<Real>(pressed_from * pressure_limit) * least_ratio;
 }
 
 template <class Real>

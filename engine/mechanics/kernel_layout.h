@@ -53,10 +53,10 @@ using KernelLayout = KernelLayoutOf<float>;
 /// Data of the kernel that may change from step to step. The layout itself is constant, and many bodies may share it.
 template <class Real>
 struct KernelMaterialsOf {
-  std::vector<Material> materials;    // (material_count) that batch_material counts
-  AlignedVector<Real> patch_bulk;     // (node_count) K_a, Pa, by updatePatchBulk; empty without node patches
-  AlignedVector<Real> patch_shear;    // (node_count) least shear modulus of the patch, Pa, by the same
-  Real least_pressed_dilatation = 0;  // from which on cell_volume.h looks at a point, by the same
+  std::vector<Material> materials;  // (material_count) that batch_material counts
+  AlignedVector<Real> patch_bulk;   // (node_count) K_a, Pa, by updatePatchBulk; empty without node patches
+  AlignedVector<Real> patch_shear;  // (node_count) least shear modulus of the patch, Pa, by the same
+  Real pressed_dilatation = 0;      // from which on cell_volume.h looks at a point, by the same
 };
 
 using KernelMaterials = KernelMaterialsOf<float>;

@@ -11,7 +11,7 @@ namespace {
 KernelLayoutOf<double> kernelInDouble(const Model& model) {
   auto kernel = makeKernelLayout<double>(model.point_shape, model.point_X, model.point_volume, model.point_material,
                                          model.materials, model.nodeCount(), model.patches);
-  if (!model.patches.empty()) kernel.cell_volume = makeCellVolume<double>(model.cellVolume());
+  if (model.hasCellVolume()) kernel.cell_volume = makeCellVolume<double>(model.cellVolume());
   return kernel;
 }
 

@@ -95,7 +95,7 @@ Model finish(const Scene& scene, const SurfaceTree& tree, Preparation preparatio
   report("kernel layout", 0.96);
   model.kernel = makeKernelLayout(model.point_shape, model.point_X, model.point_volume, model.point_material,
                                   model.materials, model.nodeCount(), model.patches, scene.gradient_precision, model.X);
-  if (!model.patches.empty()) model.kernel.cell_volume = makeCellVolume<float>(model.cellVolume());
+  if (model.hasCellVolume()) model.kernel.cell_volume = makeCellVolume<float>(model.cellVolume());
   std::vector<std::array<int, 4>> vertices;  // of each point's cell
   for (const int c : model.point_cell) vertices.push_back(model.cells[c]);
   model.stiffness_means = makeStiffnessMeans(model.kernel, model.point_shape, vertices, model.point_volume,

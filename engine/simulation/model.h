@@ -22,7 +22,8 @@ struct Model : Body {
   double max_increment = 0;   // m a node may move in one step; more is a blow-up
   double max_tool_force = 0;  // N, at which the tool advances no further (realtime/loop/tool_proxy.h); 0: none
 
-  /// What takes over from the patches under pressure; only where there are patches.
+  /// What takes over from the patches under pressure, where the scene asks for it.
+  bool hasCellVolume() const { return scene.cell_volume && !patches.empty(); }
   CellVolumeSpec cellVolume() const { return {X, cells, node_shape, patches}; }
 };
 

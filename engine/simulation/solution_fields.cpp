@@ -30,11 +30,13 @@ std::vector<Mat3> pointStresses(const Model& model, const std::vector<Vec3>& u, 
     F[q] = deformationGradient(model.point_shape, q, u);
     pressure[q] = F[q].determinant() - 1;
   }
-  if (!model.patches.empty()) {
+  if (model.hasCellVolume()) {
     const auto shear = patchShear(model.patches, model.point_material, model.materials);
     auto of_node = referenceCellVolume(model.cellVolume(), model.point_volume, pressure, shear, u);
     for (int a = 0; a < model.nodeCount(); ++a) of_node.patch_pressure[a] += of_node.cell_pressure[a];
     pressure = pointPressure(model.patches, of_node.patch_pressure);
+  } else if (!model.patches.empty()) {
+    pressure = patchPressure(model.patches, model.point_volume, pressure);
   } else {
     for (int q = 0; q < points; ++q) pressure[q] *= model.materials[model.point_material[q]].bulk_modulus;
   }

@@ -14,8 +14,9 @@ Doubt doubtOf(const Model& model, const StepReport& report) {
   if (report.min_J < TrustLimits::min_J) return Doubt::Squeezed;
   if ((report.flags & kContactOverflow) || report.max_penetration > TrustLimits::penetration * model.scene.tool.radius)
     return Doubt::Contact;
-  const double max_pressure =
-      model.scene.node_patch_volume ? TrustLimits::pressure : TrustLimits::pressure_without_patches;
+  const double max_pressure = model.scene.cell_volume                      ? TrustLimits::pressure_with_cells
+                              : model.scene.quadrature.cells_per_point > 1 ? TrustLimits::pressure_of_pairs
+                                                                           : TrustLimits::pressure;
   if (report.nearly_incompressible &&
       (std::abs(report.volume_change) > TrustLimits::volume_change || report.pressure_over_shear > max_pressure))
     return Doubt::Volume;

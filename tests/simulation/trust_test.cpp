@@ -172,9 +172,9 @@ TEST_CASE("Each doubt has its words, and the gravest is told", "[trust]") {
   // Pressures of a share of the limit and beyond it, at nu 0.4999.
   const Material stiff = Material::neoHookean(3000, 0.4999, 1000);
   const double each = stiff.shear_modulus / stiff.bulk_modulus;
-  for (const bool patches : {false, true}) {
-    model.scene.node_patch_volume = patches;
-    const double limit = patches ? TrustLimits::pressure : TrustLimits::pressure_without_patches;
+  for (const bool cells : {true, false}) {
+    model.scene.cell_volume = cells;
+    const double limit = cells ? TrustLimits::pressure_with_cells : TrustLimits::pressure;
     report.pressure_over_shear = 0.95 * limit;
     report.volume_change = -report.pressure_over_shear * each;
     CHECK(doubtOf(model, report) == Doubt::None);

@@ -54,12 +54,13 @@ AtlasMeasure againstFiner(double poisson, double stretch) {
 }
 
 /// Confined and pressed until the pressure is a multiple of the shear modulus.
-AtlasMeasure pressure(double over_shear_modulus, double cells_per_point = 1) {
+AtlasMeasure pressure(double over_shear_modulus, double cells_per_point = 1, bool held = false) {
   constexpr double nu = 0.499, mu = young / (2 * (1 + nu)), K = young / (3 * (1 - 2 * nu));
   const double stretch = 1 - over_shear_modulus * mu / K;
   Scene scene = blockScene(BlockFaces::Confined, young, nu, stretch);
   scene.step_safety = 0.6;
   scene.quadrature.cells_per_point = cells_per_point;
+  scene.cell_volume = held;
   return againstClosedForm(scene, BlockFaces::Confined, nu, stretch, 0.02);
 }
 
@@ -154,12 +155,17 @@ void addSolidCells(std::vector<AtlasAxis>& axes, std::vector<AtlasCell>& cells) 
   axes.push_back({"pressure", "Pressure / shear modulus",
                   "The same block confined at its sides, nu 0.499, pressed until its pressure is this multiple of its "
                   "shear modulus; force beside the closed form."});
-  for (const double p : {1.0, 2.0, 3.0, 5.0, 10.0, 20.0, 40.0})
+  for (const double p : {1.0, 2.0, 3.0, 4.0, 4.5, 5.0, 10.0})
     cells.push_back(
-        {"pressure", format("%g", p), p == 2 || p == 40 ? When::Always : When::Full, [=] { return pressure(p); }});
-  for (const double p : {1.0, 2.0, 4.0, 10.0, 40.0})  // where cells share points
+        {"pressure", format("%g", p), p == 2 || p == 5 ? When::Always : When::Full, [=] { return pressure(p); }});
+  for (const double p : {2.0, 3.0, 4.0})  // where cells share points
     cells.push_back(
-        {"pressure", format("%g pairs", p), p == 10 ? When::Always : When::Full, [=] { return pressure(p, 2); }});
+        {"pressure", format("%g pairs", p), p == 4 ? When::Always : When::Full, [=] { return pressure(p, 2); }});
+  for (const double p : {5.0, 10.0, 20.0, 40.0})  // with cell_volume
+    cells.push_back(
+        {"pressure", format("%g cells", p), p == 40 ? When::Always : When::Full, [=] { return pressure(p, 1, true); }});
+  for (const double p : {10.0, 40.0})
+    cells.push_back({"pressure", format("%g pairs, cells", p), When::Full, [=] { return pressure(p, 2, true); }});
   axes.push_back({"compression", "Compression, %",
                   "Block between plates without friction, nu 0.49; force beside the closed form."});
   for (const double percent : {20, 40, 50, 60, 70, 80})
