@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "contact/face_samples.h"
+#include "contact/samples/face_samples.h"
 
 namespace palpate {
 namespace {
@@ -16,12 +16,6 @@ constexpr int kMaxCapacity = 4096;
 /// Most samples of stretched faces. They are about as far apart as the skin's vertices are at rest: under a tool whose
 /// skin has edges of 0.35 R about 100, of 0.1 R about 750.
 constexpr int kSampleCapacity = 1024;
-
-/// A point of a triangle is no further from the nearest corner than this part of the longest edge (1 / sqrt 3).
-constexpr double kCornerReach = 0.5774;
-
-/// What stretched edges may grow by from one search to the next.
-constexpr double kGrowth = 1.1;
 
 bool nearer(const ContactState::Candidate& a, const ContactState::Candidate& b) {
   return a.distance != b.distance ? a.distance < b.distance : a.vertex < b.vertex;
@@ -63,14 +57,13 @@ void findContactCandidates(const SkinModel& skin, const Float4* u, const ToolSha
                            double margin, ContactState& contact) {
   const Mat3 local_from_world = tool_pose.orientation.conjugate().toRotationMatrix();
   const ToolProfile profile = toolProfile(tool);
-  auto distanceTo = [&](const Vec3& x) {
-    return toolDistance(profile, local_from_world * (x - tool_pose.position)).distance;
+  auto distance = [&](int v) {
+    return toolDistance(profile, local_from_world * (skinPosition(skin, v, u) - tool_pose.position)).distance;
   };
 
-  // Of a face that is in reach at least a corner is listed.
-  const double near_reach = margin + kTissueTravel * tool.radius;
-  const double reach = near_reach + kGrowth * kCornerReach * static_cast<double>(contact.samples.longest_edge);
-  const double stretch = std::max(kStretch, kGrowth * static_cast<double>(contact.samples.largest_stretch));
+  // Of a stretched face that is in reach at least a corner is listed.
+  const double reach = margin + kTissueTravel * tool.radius + cornerReach(contact.samples);
+  const double stretch = std::max(kStretch, expectedStretch(contact.samples));
 
   // While there is room the list is unordered; when full, a heap with the farthest on top.
   const auto begin = contact.candidate.begin();
@@ -78,13 +71,11 @@ void findContactCandidates(const SkinModel& skin, const Float4* u, const ToolSha
   int count = 0;
   contact.overflow = false;
   const auto isNear = [&](int representative, float radius) {
-    return distanceTo(skinPosition(skin, representative, u)) <= stretch * static_cast<double>(radius) + reach;
+    return distance(representative) <= stretch * static_cast<double>(radius) + reach;
   };
   const auto add = [&](int v) {
-    const Vec3 x = skinPosition(skin, v, u);
-    const ContactState::Candidate found{distanceTo(x), v};
+    const ContactState::Candidate found{distance(v), v};
     if (!(found.distance <= reach)) return;
-    contact.samples.position[v] = x.cast<float>();
     if (count < capacity) {
       begin[count++] = found;
       return;
@@ -132,9 +123,6 @@ void findContactCandidates(const SkinModel& skin, const Float4* u, const ToolSha
     contact.side[k] = stays ? contact.old_side[old] : Vec3f(Vec3f::Zero());
   }
   contact.count = count;
-
-  if (!findFaceSamples(skin, u, profile, local_from_world, tool_pose.position, near_reach, contact))
-    contact.overflow = true;
 }
 
 }  // namespace palpate

@@ -14,7 +14,7 @@ constexpr double kTissueTravel = 0.1;
 /// Finds the skin vertices whose distance to the tool is at most `margin` + kTissueTravel R (regions
 /// and clusters first, with bounds that allow for the tissue's stretch) and lists them in `contact` by ascending
 /// vertex, keeping the warm-start forces of those that stay. Where faces near the tool are stretched, the reach grows with
-/// their edges, and contact.samples are found, too (face_samples.h). Once per tick. A vertex that is not
+/// their edges (face_samples.h). Once per tick. A vertex that is not
 /// finite is never listed.
 /// @param margin  m; what the tool travels until the next call (largestTravel), seen from `tool_pose`
 /// @pre  no vertex of a region or cluster is further from its representative than twice the reference distance (or than the largest stretch near the tool);

@@ -7,6 +7,6 @@
 #include "contact/first_contact_travel.h"  // firstContactTravel, at load
 #include "contact/contact_state.h"         // makeContactState, at load
 #include "contact/broad_phase.h"           // findContactCandidates, once per tick
-#include "contact/face_samples.h"          // findFaceSamples, called by it
+#include "contact/samples/face_samples.h"          // findFaceSamples, once per tick after it
 #include "contact/contact_solver.h"        // solveContact, once per step
 // clang-format on

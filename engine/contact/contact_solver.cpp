@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "contact/face_samples.h"
+#include "contact/samples/face_samples.h"
 #include "contact/tool_side.h"
 
 namespace palpate {

@@ -91,7 +91,6 @@ SkinModel buildSkinModel(const TriangleSurface& surface, const ShapeTable& shape
   skin.N.assign(shape.N.begin(), shape.N.end());
   skin.bulk_stiffness = young_modulus / (kLayerDepthPerRadius * tool_radius);
   makeClusters(skin);
-  skin.topology = makeSkinTopology(surface);
   return skin;
 }
 

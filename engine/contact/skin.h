@@ -5,7 +5,7 @@
 #include "approximation/shape_table.h"
 #include "base/float4.h"
 #include "base/types.h"
-#include "contact/skin_topology.h"
+#include "contact/samples/skin_topology.h"
 #include "discretization/surface/triangle_surface.h"
 
 namespace palpate {
@@ -41,7 +41,7 @@ struct SkinModel {
 };
 
 /// Groups the skin's vertices into clusters and copies the shape table into the
-/// real-time layout. `shape` has one row per skin vertex.
+/// real-time layout. `shape` has one row per skin vertex. The topology is the caller's to add.
 /// @param young_modulus  Pa, the softest tissue's; sets the contact layer's stiffness
 SkinModel buildSkinModel(const TriangleSurface& surface, const ShapeTable& shape, double tool_radius,
                          double young_modulus);

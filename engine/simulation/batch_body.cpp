@@ -93,8 +93,9 @@ void BatchBody::contact(double alpha, Report& report) {
     u_float_[i] = toFloat(u[i]);
     du_float_[i] = du_before_[i] = toFloat(du[i]);
   }
-  findContactCandidates(model_.skin, u_float_.data(), model_.scene.tool, tool_,
-                        2 * largestTravel(model_.scene.tool, previous_tool_, tool_), contact_);
+  const double margin = 2 * largestTravel(model_.scene.tool, previous_tool_, tool_);
+  findContactCandidates(model_.skin, u_float_.data(), model_.scene.tool, tool_, margin, contact_);
+  findFaceSamples(model_.skin, u_float_.data(), model_.scene.tool, tool_, margin, contact_);
   report.tool_force = solveContact(model_.skin, model_.scene.tool, tool_, previous_tool_, model_.scene.friction, alpha,
                                    inverse_mass_float_.data(), u_float_.data(), du_float_.data(), contact_);
   previous_tool_ = tool_;

@@ -65,6 +65,7 @@ void addSkinAndTool(const Scene& scene, const SurfaceTree& tree, Model& model) {
   double softest = model.materials[0].shear_modulus;
   for (const auto& m : model.materials) softest = std::min(softest, m.shear_modulus);
   model.skin = buildSkinModel(model.skin.surface, model.skin_shape, scene.tool.radius, 3 * softest);
+  model.skin.topology = makeSkinTopology(model.skin.surface);
   model.tool_start = {scene.tool_position, Quat::FromTwoVectors(-Vec3::UnitZ(), scene.tool_direction)};
   model.first_contact_travel = firstContactTravel(model.skin.surface, scene.tool, model.tool_start);
   const Vec3 middle = model.tool_start.toWorld(Vec3(0, 0, scene.tool.radius));

@@ -65,6 +65,7 @@ StepReport tick(const Model& model, State& state, const Command& command, Worksp
       correctBoundaryDrift(model.boundary, static_cast<double>(state.step) * model.dt, state.u.data(),
                            state.u_low.data(), workspace.boundary);
   });
+  findFaceSamples(model.skin, state.u.data(), model.scene.tool, arrived, 2 * reach, state.contact);
   StepReport total;
   for (int k = 1; k <= model.substeps_per_tick; ++k) {
     if (command.stop != nullptr && command.stop->load(std::memory_order_relaxed)) {

@@ -2,12 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 
 #include "contact/contact.h"
 #include "contact/tools/tool_list.h"
-#include "io/load_model.h"
-#include "io/scene_file.h"
 #include "simulation/step.h"
 #include "simulation/workspace.h"
 #include "support/small_scene.h"
@@ -71,7 +68,11 @@ Standing standing(const Model& model, const State& state) {
 
 TEST_CASE("A tool two thirds of a body deep is felt all the way and across, and stays outside of it",
           "[contact][deep]") {
-  for (const ToolKind kind : {ToolKind::Sphere, ToolKind::FlatCylinder}) {
+  struct Case {
+    ToolKind kind;
+    double depth;  // of the skin's faces in the tool at most, radii; felt by vertices alone a ball gets to 0.21
+  };
+  for (const auto& [kind, allowed] : {Case{ToolKind::Sphere, 0.13}, {ToolKind::FlatCylinder, 0.2}}) {
     const ToolShape tool = ToolShape::of(kind, 0.01);
     CAPTURE(toolType(kind).name);
     const Model model = cube(tool);
@@ -90,8 +91,8 @@ TEST_CASE("A tool two thirds of a body deep is felt all the way and across, and 
       const StepReport report = tick(model, state, command, workspace);
       REQUIRE((report.flags & ~kDeepContact) == 0);
       const double force = report.tool_force.norm();
-      (k <= 625 ? change : drag_change) =
-          std::max(k <= 625 ? change : drag_change, k == 1 ? 0 : (report.tool_force - last).norm());
+      double& worst = k <= 625 ? change : drag_change;
+      if (k > 50) worst = std::max(worst, (report.tool_force - last).norm());  // the first touch is a blow
       last = report.tool_force;
       peak = std::max(peak, force);
       if (k <= 575 && k % 25 == 0) {
@@ -104,13 +105,6 @@ TEST_CASE("A tool two thirds of a body deep is felt all the way and across, and 
         CHECK(s.inside == 0);
         deepest = std::max(deepest, s.deepest);
         stretch = std::max(stretch, s.stretch);
-        if (std::getenv("PRINT"))
-          std::printf(
-              "%4d depth %4.1f mm F %6.3f %6.3f %6.3f N, deepest %.2f R, stretch %.2f, %d in contact, samples %d, "
-              "listed %d, penetration %.2f mm, min J %.2f, share %.2f\n",
-              k, 1e3 * depth, last.x(), last.y(), last.z(), s.deepest / tool.radius, s.stretch, report.contact_count,
-              state.contact.samples.count, state.contact.count, 1e3 * report.max_penetration, report.min_J,
-              report.step_share);
       }
     }
     std::printf(
@@ -119,45 +113,9 @@ TEST_CASE("A tool two thirds of a body deep is felt all the way and across, and 
         toolType(kind).name, peak, least / peak, stretch, deepest / tool.radius, 100 * change / peak,
         100 * drag_change / peak);
     CHECK(stretch > 2.5);
-    CHECK(deepest < 0.15 * tool.radius);
+    CHECK(deepest < allowed * tool.radius);
     CHECK(least > 0.4 * peak);
     CHECK(change < 0.03 * peak);
     CHECK(drag_change < 0.03 * peak);
-  }
-}
-
-TEST_CASE("Experiment", "[.deep]") {
-  Scene scene = readScene(std::getenv("LIVER"));
-  const Model model = loadModel(scene);
-  State state = initialState(model);
-  Workspace workspace(model, 1);
-  double peak = 0, change = 0;
-  Vec3 last = Vec3::Zero();
-  int worst_k = 0;
-  const double full = std::getenv("DEPTH") ? std::atof(std::getenv("DEPTH")) : 0.06;
-  for (int k = 1; k <= 1000; ++k) {
-    const double depth = std::min(full, 0.0001 * k), slide = k <= 700 ? 0 : 2e-5 * (k - 700);
-    Command command;
-    command.tool_target = test::toolAt(model, model.first_contact_travel + depth, slide);
-    const StepReport r = tick(model, state, command, workspace);
-    peak = std::max(peak, r.tool_force.norm());
-    const double c = (r.tool_force - last).norm();
-    if (c > change) change = c, worst_k = k;
-    last = r.tool_force;
-    if (k % 50 == 0) {
-      const Standing s = standing(model, state);
-      std::printf(
-          "%4d depth %4.1f mm F %6.3f %6.3f %6.3f N, worst tick %.3f at %d, deepest %.2f R, inside %d, stretch %.2f, "
-          "%d in "
-          "contact, samples %d of %d listed, longest %.1f mm, penetration %.2f mm, min J %.2f, share %.2f flags %x\n",
-          k, 1e3 * depth, r.tool_force.x(), r.tool_force.y(), r.tool_force.z(), change, worst_k, s.deepest / 0.01,
-          s.inside, s.stretch, r.contact_count, state.contact.samples.count, state.contact.count,
-          1e3 * state.contact.samples.longest_edge, 1e3 * r.max_penetration, r.min_J, r.step_share, r.flags);
-      change = 0;
-    }
-    if (r.flags & 3) {
-      std::printf("lost at %d\n", k);
-      break;
-    }
   }
 }

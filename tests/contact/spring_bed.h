@@ -62,6 +62,7 @@ struct SpringBed {
       }
     }
     skin = buildSkinModel(surface, shape, s.tool_radius, s.young);
+    skin.topology = makeSkinTopology(surface);
     const double node_area = s.node_spacing * s.node_spacing;
     const std::size_t n = static_cast<std::size_t>(side) * side;
     mass = s.surface_density * node_area;
@@ -103,6 +104,7 @@ struct SpringBed {
   Vec3 tick(const ToolShape& tool, const Pose& target, int substeps, double friction = 0.0) {
     const Pose from = pose;
     findContactCandidates(skin, u.data(), tool, from, largestTravel(tool, from, target), contact);
+    findFaceSamples(skin, u.data(), tool, from, largestTravel(tool, from, target), contact);
     Vec3 force = Vec3::Zero();
     for (int k = 1; k <= substeps; ++k) {
       const double t = static_cast<double>(k) / substeps;

@@ -28,6 +28,7 @@ TEST_CASE("A point that is swept through a tool leaves where it came in, and its
     CAPTURE(toolType(tool.kind).name);
     const ToolProfile profile = toolProfile(tool);
     int deep_paths = 0, behind = 0;
+    double jump = 0.0;  // largest change of the distance in a step, of what is allowed
     for (int path = 0; path < 200; ++path) {
       // Straight through the tool, in by the tip.
       const Vec3 from(0.006 * unit(random), 0.006 * unit(random), -0.002);
@@ -40,8 +41,10 @@ TEST_CASE("A point that is swept through a tool leaves where it came in, and its
       for (Vec3 x = from; x.z() < 1.1 * profile.length && x.norm() < 0.1; x += step * way) {
         const ToolDistance d = distanceBySide(profile, x, old, normal, side);
         REQUIRE(d.normal.norm() == Approx(1.0).epsilon(1e-6));
-        // The way out of a ball grows like sqrt(2 R h) where it is tangential.
-        if (d.distance < 0.0) REQUIRE(std::abs(d.distance - last) < 2.0 * std::sqrt(2.0 * tool.radius * step));
+        // The way out of a ball grows like sqrt(2 R h) where it is tangential. Of other tools the normal itself jumps
+        // inside; a way out turned by less than 45 degrees is up to 1.41 times the shortest.
+        const double allowed = 0.1 * tool.radius + (tool.kind == ToolKind::Sphere ? 0.0 : 0.5 * std::abs(last));
+        if (d.distance < 0.0) jump = std::max(jump, std::abs(d.distance - last) / allowed);
         if (!side.isZero()) {
           if (!deep) entry = side.cast<double>();
           deep = true;
@@ -55,6 +58,7 @@ TEST_CASE("A point that is swept through a tool leaves where it came in, and its
       }
       deep_paths += deep ? 1 : 0;
     }
+    CHECK(jump < 1.0);
     CHECK(deep_paths > 100);
     CHECK(behind > 1000);  // nearest points on the far side, which were not taken
   }

@@ -1,4 +1,4 @@
-#include "contact/skin_topology.h"
+#include "contact/samples/skin_topology.h"
 
 #include <algorithm>
 #include <numeric>

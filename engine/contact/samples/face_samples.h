@@ -10,8 +10,8 @@ constexpr float kStretchLimit = 1.5F;
 /// From this stretch on a first sample takes part in full.
 constexpr float kFullStretch = 2.25F;
 
-/// Finds the contact points on stretched edges and faces whose distance to the tool is at most `reach`, and lists them
-/// in contact.samples by ascending id, keeping the forces of those that stay.
+/// Finds the contact points on stretched edges and faces that findContactCandidates would list if they were vertices,
+/// and lists them in contact.samples by ascending id, keeping the forces of those that stay. Once per tick, after it.
 ///
 /// Contact is felt at the skin's vertices. Where the skin is stretched they spread, until a tool fits between them. So
 /// an edge that is stretched by s gets a sample in its middle, those halves that are still stretched by s / 2 get one in
@@ -21,14 +21,21 @@ constexpr float kFullStretch = 2.25F;
 /// Nothing jumps as a sample comes in. Between kStretchLimit and kFullStretch its weight w goes from 0 to 1: the layer
 /// there is w times as stiff, and the tool is as far from it as from its corners on average, less w times the rest.
 /// (The distance to a convex tool is nowhere more than that average.)
-/// @pre  contact.vertex are the vertices near the tool; of those, samples.position is where they are. Edges near the tool
-///       grow by no more than a tenth between two searches: a tool that is put on skin that is stretched already to
-///       several times its size is felt when it comes to a vertex.
-/// @return false if there were more than there is memory for
-/// Real-time: no allocation, no lock, no throw; where no edge is stretched, a comparison for each edge of the listed
-/// vertices. Test: contact/face_samples_test.cpp.
-bool findFaceSamples(const SkinModel& skin, const Float4* u, const ToolProfile& tool, const Mat3& local_from_world,
-                     const Vec3& tool_position, double reach, ContactState& contact);
+/// @param margin  as for findContactCandidates
+/// @pre  contact.vertex are the vertices near the tool. Edges near the tool grow by no more than a tenth between two
+///       searches: a tool that is put on skin that is stretched already to several times its size is felt when it comes
+///       to a vertex.
+/// Sets contact.overflow if there are more than there is memory for.
+/// Real-time: no allocation, no lock, no throw; where no edge is stretched, an interpolation for each listed vertex and
+/// a comparison for each of its edges. Test: contact/face_samples_test.cpp.
+void findFaceSamples(const SkinModel& skin, const Float4* u, const ToolShape& tool, const Pose& tool_pose,
+                     double margin, ContactState& contact);
+
+/// How much further than its nearest point the nearest corner of a stretched face may be, m. Real-time.
+double cornerReach(const FaceSamples& samples);
+
+/// Bound on the stretch of edges near the tool. Real-time.
+double expectedStretch(const FaceSamples& samples);
 
 /// Where a point of the skin is now, m. Real-time.
 Vec3 skinPosition(const SkinModel& skin, const SkinPoint& point, const Float4* u);

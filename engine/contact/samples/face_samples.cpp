@@ -1,9 +1,20 @@
-#include "contact/face_samples.h"
+#include "contact/samples/face_samples.h"
 
 #include <algorithm>
 
+#include "contact/broad_phase.h"
+
 namespace palpate {
 namespace {
+
+/// A point of a triangle is no further from the nearest corner than this part of the longest edge (1 / sqrt 3).
+constexpr double kCornerReach = 0.5774;
+
+/// What stretched edges may grow by from one search to the next.
+constexpr double kGrowth = 1.1;
+
+/// Part of the reach within which vertices are listed for certain.
+constexpr double kInside = 0.999;
 
 // Places are multiples of an eighth of an edge: those of a half, of quarters and of eighths are the three levels.
 constexpr int kPieces = 8;
@@ -53,14 +64,15 @@ float shareOf(int level) { return 1.0F / static_cast<float>(1 << (2 * level)); }
 struct Search {
   const SkinModel& skin;
   const Float4* u;
-  const ToolProfile& tool;
-  const Mat3& local_from_world;
-  const Vec3& tool_position;
-  double reach;
+  const ToolProfile tool;
+  const Mat3 local_from_world;
+  const Vec3 tool_position;
+  const double reach;
   ContactState& contact;
   FaceSamples& samples = contact.samples;
   const SkinTopology& topology = skin.topology;
   int found = 0, marked = 0;
+  float longest_edge = 0, largest_stretch = 1;
   bool overflow = false;
 
   float distanceAt(const Vec3f& x) const {
@@ -68,7 +80,22 @@ struct Search {
   }
 
   void markListed() {
-    for (int slot = 0; slot < contact.count; ++slot) samples.mark[contact.vertex[slot]] = slot + 1;
+    for (int slot = 0; slot < contact.count; ++slot) {
+      const int v = contact.vertex[slot];
+      samples.mark[v] = slot + 1;
+      samples.position[v] = skinPosition(skin, v, u).cast<float>();
+    }
+  }
+
+  /// Takes the mark off vertices at the border of the list: another thread may have moved it by rounding.
+  void unmarkBorder() {
+    const double inside = kInside * (reach + cornerReach(samples));
+    for (int slot = 0; slot < contact.count; ++slot) {
+      const int v = contact.vertex[slot];
+      if (static_cast<double>(distanceAt(samples.position[v])) <= inside) continue;
+      samples.mark[v] = -1;
+      samples.marked[marked++] = v;
+    }
   }
 
   void unmark() {
@@ -132,11 +159,11 @@ struct Search {
       largest = std::max(largest, stretch[c]);
     }
     if (!(largest > kStretchLimit)) return;
-    samples.longest_edge = std::max(samples.longest_edge, longest);
-    samples.largest_stretch = std::max(samples.largest_stretch, largest);
     for (int c = 0; c < 3; ++c) distance[c] = distanceAt(samples.position[corner[c]]);
     if (!(*std::min_element(distance.begin(), distance.end()) <= reach + longest)) return;
     const float area = areaOf(corner);
+    longest_edge = std::max(longest_edge, longest);
+    largest_stretch = std::max(largest_stretch, largest);
 
     for (int c = 0; c < 3; ++c) {
       const int e = topology.face_edge[f][c], first = (c + 1) % 3, second = (c + 2) % 3;
@@ -167,6 +194,7 @@ struct Search {
       const int v = contact.vertex[slot];
       for (int k = topology.face_begin[v]; k < topology.face_begin[v + 1]; ++k) {
         const int f = topology.face_of[k];
+        if (samples.mark[v] < 0) break;
         const auto before = [&](int w) { return samples.mark[w] > 0 && samples.mark[w] <= slot; };
         const auto& corner = skin.surface.triangles[f];
         if (std::none_of(corner.begin(), corner.end(), before)) addFace(f);
@@ -223,22 +251,35 @@ struct Search {
 
 }  // namespace
 
-bool findFaceSamples(const SkinModel& skin, const Float4* u, const ToolProfile& tool, const Mat3& local_from_world,
-                     const Vec3& tool_position, double reach, ContactState& contact) {
-  Search search{skin, u, tool, local_from_world, tool_position, reach, contact};
-  FaceSamples& samples = contact.samples;
-  samples.longest_edge = 0.0F;
-  samples.largest_stretch = 1.0F;
+void findFaceSamples(const SkinModel& skin, const Float4* u, const ToolShape& tool, const Pose& tool_pose,
+                     double margin, ContactState& contact) {
+  Search search{skin,
+                u,
+                toolProfile(tool),
+                tool_pose.orientation.conjugate().toRotationMatrix(),
+                tool_pose.position,
+                margin + kTissueTravel * tool.radius,
+                contact};
   search.markListed();
+  FaceSamples& samples = contact.samples;
   if (search.anyStretched()) {
+    search.unmarkBorder();
     search.addFaces();
     search.merge();
+    contact.overflow = contact.overflow || search.overflow;
   } else {
     samples.count = 0;
   }
+  samples.longest_edge = search.longest_edge;
+  samples.largest_stretch = search.largest_stretch;
   search.unmark();
-  return !search.overflow;
 }
+
+double cornerReach(const FaceSamples& samples) {
+  return kGrowth * kCornerReach * static_cast<double>(samples.longest_edge);
+}
+
+double expectedStretch(const FaceSamples& samples) { return kGrowth * static_cast<double>(samples.largest_stretch); }
 
 Vec3 skinPosition(const SkinModel& skin, const SkinPoint& point, const Float4* u) {
   Vec3 x = Vec3::Zero();
