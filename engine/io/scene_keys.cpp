@@ -149,8 +149,9 @@ constexpr KeySpec scene_keys[] = {
      "division below `step_safety` times the critical step in which the tool, at its top speed, goes no "
      "further than 1 mm or half its radius.", with_mass_scaling},
     {"dynamics", "step_safety", T::Number, "", "0.6", aboveUpTo(0, 1), "",
-     "Share of the critical step used when `time_step` is 0. Tissue stiffens under compression: deep "
-     "indentation needs 0.2 .. 0.3.", with_mass_scaling},
+     "Share of the critical step used when `time_step` is 0. Tissue stiffens under compression; where 0.9 of its "
+     "stable step is passed, mass is added to it, which slows fast deep presses: 0.2 .. 0.3 spares them that.",
+     with_mass_scaling},
     {"dynamics", "mass_scaling", T::Number, "", "0", between(0, 10), "",
      "Share of the body's mass that may be added to the nodes that limit the step, if a tick needs fewer "
      "steps then (or, with `time_step`, if that one becomes stable). Forces at rest stay the same; motion "

@@ -36,6 +36,8 @@ KernelView<Real> viewOf(const KernelLayoutOf<Real>& layout, const KernelMaterial
   k.displacement_gradient = scratch.displacement_gradient.data();
   k.dilatation = scratch.dilatation.data();
   k.patch_pressure = scratch.patch_pressure.data();
+  k.cof2 = scratch.cof2.data();
+  k.J = scratch.J.data();
   return k;
 }
 

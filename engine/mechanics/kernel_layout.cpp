@@ -310,6 +310,8 @@ KernelScratchOf<Real> makeKernelScratch(const KernelLayoutOf<Real>& layout, Inst
   const std::size_t chunks = layout.chunk_begin.size() - 1, nodes = static_cast<std::size_t>(layout.node_count);
   scratch.force.resize(chunks * nodes);
   scratch.report.resize(chunks);
+  scratch.cof2.assign(layout.point.size(), Real(3));
+  scratch.J.assign(layout.point.size(), Real(1));
   if (!layout.patch_node.empty()) {
     scratch.displacement_gradient.resize(layout.batch_material.size() * 144);
     scratch.dilatation.resize(layout.point.size());

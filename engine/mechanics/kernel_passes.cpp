@@ -201,6 +201,8 @@ struct Kernel {
         sums.energy += volume * state.energy;
         sums.volume_change += volume * state.J_minus_1;
         sums.max_cof2 = max(sums.max_cof2, state.cof2);
+        state.cof2.store(&k.cof2[first_point]);
+        state.J.store(&k.J[first_point]);
         for (int c = 0; c < 9; ++c) P[c] *= volume;
         applyScale(first_point, P);
         for (int c = 0; c < 9; ++c) P[c].store(tensors.a[c] + first);

@@ -53,6 +53,8 @@ struct KernelView {
   Real* displacement_gradient;
   Real* dilatation;
   Real* patch_pressure;
+  Real* cof2;
+  Real* J;
 };
 
 /// The kernel's work in parts that threads can share; one after the other.

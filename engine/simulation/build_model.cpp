@@ -79,6 +79,10 @@ Model finish(const Scene& scene, const SurfaceTree& tree, Preparation preparatio
   report("kernel layout", 0.96);
   model.kernel = makeKernelLayout(model.point_shape, model.point_X, model.point_volume, model.point_material,
                                   model.materials, model.nodeCount(), model.patches, scene.gradient_precision, model.X);
+  std::vector<std::array<int, 4>> vertices;  // of each point's cell
+  for (const int c : model.point_cell) vertices.push_back(model.cells[c]);
+  model.stiffness_means = makeStiffnessMeans(model.kernel, model.point_shape, vertices, model.point_volume,
+                                             model.point_material, model.materials, model.boundary);
   report("ready", 1.0);
   return model;
 }
@@ -116,6 +120,7 @@ State initialState(const Model& model) {
   state.tool_pose = model.tool_start;
   state.contact = makeContactState(model.skin, model.scene.tool);
   state.live = loadedParameters(model);
+  state.local_mass.factor.assign(model.X.size(), 1.0F);
   return state;
 }
 

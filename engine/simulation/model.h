@@ -4,6 +4,7 @@
 #include "contact/contact.h"
 #include "mechanics/essential_boundary.h"
 #include "mechanics/kernel_layout.h"
+#include "mechanics/local_mass.h"
 #include "simulation/body.h"
 
 namespace palpate {
@@ -15,6 +16,7 @@ struct Model : Body {
   NodePatches patches;                // empty without scene.node_patch_volume
   KernelLayout kernel;                // what the hot kernel reads
   EssentialBoundary boundary;         // of `essential` and the masses
+  StiffnessMeans stiffness_means;     // how masses follow the stiffness of squeezed tissue
 
   double rest_energy = 0;    // J, strain energy below which is rounding
   double max_increment = 0;  // m a node may move in one step; more is a blow-up

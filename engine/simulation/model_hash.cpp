@@ -50,6 +50,7 @@ std::uint64_t modelHash(const Model& model) {
   key.add(model.tool_start.position, model.tool_start.orientation.coeffs(), model.scene.tool_max_speed);
   key.add(model.scene.friction, model.scene.damping, model.scene.rate_hz);
   key.add(model.dt, model.substeps_per_tick, model.max_increment);
+  key.add(model.stiffness_means.point_weight, model.stiffness_means.node_weight, model.stiffness_means.bounded);
   return key.hash();
 }
 
@@ -69,6 +70,7 @@ std::uint64_t stateHash(const Model& model, const State& state) {
   add(state.contact.normal.data(), contacts * sizeof(Vec3f));
   add(state.tool_pose.position.data(), sizeof(double) * 3);
   add(state.tool_pose.orientation.coeffs().data(), sizeof(double) * 4);
+  if (state.local_mass.active) add(state.local_mass.factor.data(), state.local_mass.factor.size() * sizeof(float));
   return fnv1a(liveChanges(model, state.live), hash);
 }
 

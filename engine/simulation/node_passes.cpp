@@ -4,6 +4,7 @@
 
 #include "base/float4.h"
 #include "mechanics/internal_forces.h"
+#include "simulation/follow_stiffness.h"
 #include "simulation/workspace.h"
 
 namespace palpate {
@@ -22,9 +23,10 @@ void forNodes(const Model& model, Workspace& workspace, Each each) {
 }
 
 /// u += du of nodes [begin, end), compensated (Kahan): the error of u does not grow with the number of steps.
-Moved accumulate(const Model& model, State& state, const Workspace& workspace, int begin, int end) {
+Moved accumulate(const Model& model, const StepMasses& masses, State& state, const Workspace& workspace, int begin,
+                 int end) {
   Moved moved;
-  Group work{};
+  Group work{}, added_momentum{};
   float kinetic = 0, acceleration = 0;
   for (int i = begin; i < end; ++i) {
     const Group du = load(state.du[i]), u = load(state.u[i]);
@@ -39,7 +41,12 @@ Moved accumulate(const Model& model, State& state, const Workspace& workspace, i
       moved.node = i;
     }
     const Group change = du - load(workspace.previous_du[i]);
-    const auto mass = static_cast<float>(model.mass[i]);
+    auto mass = static_cast<float>(model.mass[i]);
+    if (masses.factor) {
+      const float own = mass;
+      mass *= masses.factor[i];
+      added_momentum += (mass - own) * du;
+    }
     kinetic += mass * d2;
     acceleration += mass * (change[0] * change[0] + change[1] * change[1] + change[2] * change[2]);
     if (!(d2 <= 1e30F) && moved.not_finite < 0) moved.not_finite = i;
@@ -47,13 +54,16 @@ Moved accumulate(const Model& model, State& state, const Workspace& workspace, i
   moved.work = static_cast<double>(work[0]) + work[1] + work[2];
   moved.kinetic = kinetic;
   moved.acceleration = acceleration;
+  moved.added_momentum = Vec3(added_momentum[0], added_momentum[1], added_momentum[2]);
   return moved;
 }
 
 }  // namespace
 
-double predict(const Model& model, const Integrator& integrator, State& state, Workspace& workspace) {
+double predict(const Model& model, const Integrator& integrator, const StepMasses& masses, State& state,
+               Workspace& workspace) {
   const auto alpha = static_cast<float>(integrator.alpha), beta = static_cast<float>(integrator.beta);
+  const auto ch = static_cast<float>(integrator.ch);
   double of[node_parts];
   forNodes(model, workspace, [&](int part, int begin, int end) {
     sumForces(model.kernel, workspace.kernel, begin, end, workspace.f.data());
@@ -61,8 +71,15 @@ double predict(const Model& model, const Integrator& integrator, State& state, W
     for (int i = begin; i < end; ++i) {
       const Group du = load(state.du[i]), f = load(workspace.f[i]);
       work += f * du;
-      workspace.previous_du[i] = state.du[i];
-      store(state.du[i], beta * du + alpha * model.inverse_mass[i] * f);
+      if (masses.factor) {
+        const Group kept = masses.kept[i] * du;
+        const float twice = 2 * masses.factor[i];
+        store(workspace.previous_du[i], kept);
+        store(state.du[i], (twice - ch) / (twice + ch) * kept + alpha * masses.inverse[i] * f);
+      } else {
+        workspace.previous_du[i] = state.du[i];
+        store(state.du[i], beta * du + alpha * masses.inverse[i] * f);
+      }
     }
     of[part] = static_cast<double>(work[0]) + work[1] + work[2];
   });
@@ -71,10 +88,10 @@ double predict(const Model& model, const Integrator& integrator, State& state, W
   return sum;
 }
 
-Moved accumulate(const Model& model, State& state, Workspace& workspace) {
+Moved accumulate(const Model& model, const StepMasses& masses, State& state, Workspace& workspace) {
   Moved of[node_parts];
   forNodes(model, workspace,
-           [&](int part, int begin, int end) { of[part] = accumulate(model, state, workspace, begin, end); });
+           [&](int part, int begin, int end) { of[part] = accumulate(model, masses, state, workspace, begin, end); });
   Moved moved;
   for (const Moved& f : of) {
     if (f.distance2 > moved.distance2) {
@@ -85,11 +102,12 @@ Moved accumulate(const Model& model, State& state, Workspace& workspace) {
     moved.work += f.work;
     moved.kinetic += f.kinetic;
     moved.acceleration += f.acceleration;
+    moved.added_momentum += f.added_momentum;
   }
   return moved;
 }
 
-void pull(const Model& model, const Command& command, State& state) {
+void pull(const Model& model, const Command& command, const StepMasses& masses, State& state) {
   const int v = command.pull_vertex;
   if (v < 0 || v >= static_cast<int>(model.skin.surface.vertices.size())) return;
   const auto& skin = model.skin;
@@ -97,7 +115,7 @@ void pull(const Model& model, const Command& command, State& state) {
   double mobility = 0;  // N^T M^-1 N
   for (int e = skin.begin[v]; e < skin.begin[v + 1]; ++e) {
     x += skin.N[e] * (toVec3(state.u[skin.node[e]]) + toVec3(state.du[skin.node[e]]));
-    mobility += static_cast<double>(skin.N[e]) * skin.N[e] * model.inverse_mass[skin.node[e]];
+    mobility += static_cast<double>(skin.N[e]) * skin.N[e] * masses.inverse[skin.node[e]];
   }
   // Stiff enough to lead, soft enough to leave the stable step alone: the spring alone would
   // correct a fiftieth of the gap in one step.
@@ -107,7 +125,7 @@ void pull(const Model& model, const Command& command, State& state) {
   if (gap.norm() > longest) gap *= longest / gap.norm();
   const Vec3 impulse = share_per_step / mobility * gap;  // alpha * force
   for (int e = skin.begin[v]; e < skin.begin[v + 1]; ++e)
-    addScaled(state.du[skin.node[e]], skin.N[e] * model.inverse_mass[skin.node[e]], toFloat4(impulse));
+    addScaled(state.du[skin.node[e]], skin.N[e] * masses.inverse[skin.node[e]], toFloat4(impulse));
 }
 
 }  // namespace palpate

@@ -21,7 +21,7 @@ enum class Doubt : std::uint8_t {
   Volume,    // nearly incompressible tissue has changed its volume, or is under a pressure far above its shear modulus
   Contact,   // the tool is deep in the skin, or touches more of it than there is memory for
   Squeezed,  // a point is near collapse
-  Step,      // deformation has stiffened the tissue beyond what the time step is stable for
+  Step,      // the mass that keeps squeezed tissue stable with this time step slows it
   Energy,    // the steps make energy
   Inverted,  // a point is inside out
   Lost,      // not finite, or blown up
@@ -47,7 +47,9 @@ struct StepReport {
   double volume_change = 0;            // relative, of all integration points
   double pressure_over_shear = 0;      // mean pressure over the shear modulus of the material that feels it most
   bool nearly_incompressible = false;  // Poisson's ratio of all materials in force is at least 0.45
-  double step_share = 0;               // dt over the stable step, as the tissue is now
+  double step_share = 0;               // dt over the stable step, as the tissue is now, with the mass that was added
+  double added_mass = 0;               // by followStiffness, as a share of the body's own
+  double added_inertia = 0;            // force that accelerates that mass, as a share of the recent forces
 };
 
 }  // namespace palpate

@@ -19,6 +19,15 @@ struct Command {
   const std::atomic<bool>* stop = nullptr;  // once true, the tick ends after the present step; null: never
 };
 
+/// Mass that was added where the tissue is squeezed (followStiffness).
+struct LocalMass {
+  AlignedVector<float> factor;  // (node_count) of the model's masses, at least 1
+  bool active = false;          // some factor is above 1
+  // What the report watches it by; nothing depends on them.
+  Vec3 momentum = Vec3::Zero();  // kg m/s of the added mass, smoothed
+  double force = 0;              // N, the largest recent force of tool or base
+};
+
 /// All that changes during a run, live settings too. Equal states of one model give equal futures, bit for bit.
 struct State {
   std::int64_t tick = 0;        // ticks done
@@ -29,6 +38,7 @@ struct State {
   Pose tool_pose;
   ContactState contact;
   LiveParameters live;
+  LocalMass local_mass;
   EnergyBalance energy;  // watches; nothing depends on it
 };
 

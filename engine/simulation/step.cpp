@@ -1,6 +1,7 @@
 #include "simulation/step.h"
 
 #include "mechanics/internal_forces.h"
+#include "simulation/follow_stiffness.h"
 #include "simulation/node_passes.h"
 #include "simulation/step_report.h"
 #include "simulation/workspace.h"
@@ -15,21 +16,24 @@ StepReport step(const Model& model, State& state, const Pose& tool_pose, const C
   // f = -F_int(u)                                                         (eq. 31)
   outcome.forces = internalForces(model.kernel, state.live.kernel, state.u.data(), workspace.kernel, workspace.team);
 
+  // M, with mass added where the tissue is squeezed so far that dt would be too long
+  const StepMasses masses = outcome.masses = followStiffness(model, integrator, outcome.forces, state, workspace);
+
   // du~ = beta du + alpha M^-1 f                                          (eq. 22)
-  outcome.work_before = predict(model, integrator, state, workspace);
+  outcome.work_before = predict(model, integrator, masses, state, workspace);
 
   // What the user and the tool add to du~
-  pull(model, command, state);
-  outcome.tool_force =
-      solveContact(model.skin, model.scene.tool, tool_pose, state.tool_pose, state.live.friction, integrator.alpha,
-                   model.inverse_mass.data(), state.u.data(), state.du.data(), state.contact);
+  pull(model, command, masses, state);
+  outcome.tool_force = solveContact(model.skin, model.scene.tool, tool_pose, state.tool_pose, state.live.friction,
+                                    integrator.alpha, masses.inverse, state.u.data(), state.du.data(), state.contact);
 
   // du = du~ + P (du_bar - Phi du~)                                       (eqs. 23-25)
-  outcome.base_reaction = imposeBoundary(model.boundary, time, model.dt, integrator.alpha, model.inverse_mass.data(),
-                                         nullptr, state.du.data(), workspace.boundary, workspace.team);
+  outcome.base_reaction =
+      imposeBoundary(model.boundary, time, model.dt, masses.boundary_alpha, model.inverse_mass.data(), nullptr,
+                     state.du.data(), workspace.boundary, workspace.team);
 
   // u += du
-  outcome.moved = accumulate(model, state, workspace);
+  outcome.moved = accumulate(model, masses, state, workspace);
 
   state.tool_pose = tool_pose;
   ++state.step;

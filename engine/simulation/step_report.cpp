@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "simulation/trust.h"
-
 namespace palpate {
 namespace {
 
@@ -19,6 +17,22 @@ std::uint32_t flagsOf(const Model& model, const StepReport& report, const StepOu
   if (state.contact.overflow) flags |= kContactOverflow;
   if (report.max_penetration > deep_contact * model.scene.tool.radius) flags |= kDeepContact;
   return flags;
+}
+
+/// The force that accelerates the added mass, as a share of the largest recent force of tool or base. Smoothed over
+/// 10 ms, since vibrations take turns.
+double addedInertia(const Model& model, const StepOutcome& outcome, LocalMass& local) {
+  constexpr double smoothing = 0.01, memory = 0.25;  // s
+  if (!local.active) {
+    local.momentum.setZero();
+    local.force = 0;
+    return 0;
+  }
+  const Vec3 change = outcome.moved.added_momentum / model.dt - local.momentum;
+  local.momentum += model.dt / (smoothing + model.dt) * change;
+  local.force = std::max(
+      {local.force * std::max(0.0, 1 - model.dt / memory), outcome.tool_force.norm(), outcome.base_reaction.norm()});
+  return local.force > 0 ? change.norm() / smoothing / local.force : 0;
 }
 
 }  // namespace
@@ -48,7 +62,9 @@ StepReport reportOf(const Model& model, const StepOutcome& outcome, State& state
   report.volume_change = forces.volume_change / model.cell_volume;
   report.pressure_over_shear = -report.volume_change * bulkOverShear(state.live);
   report.nearly_incompressible = nearlyIncompressible(state.live);
-  report.step_share = stepShare(model, state.live, forces.max_cof2);
+  report.step_share = outcome.masses.step_share;
+  report.added_mass = outcome.masses.added;
+  report.added_inertia = addedInertia(model, outcome, state.local_mass);
   report.flags = flagsOf(model, report, outcome, state);
   return report;
 }
@@ -68,6 +84,8 @@ StepReport worstOf(const StepReport& earlier, const StepReport& later) {
   }
   both.energy_error = std::max(earlier.energy_error, later.energy_error);
   both.step_share = std::max(earlier.step_share, later.step_share);
+  both.added_mass = std::max(earlier.added_mass, later.added_mass);
+  both.added_inertia = std::max(earlier.added_inertia, later.added_inertia);
   if (earlier.flags & kNotFinite) both.worst_node = earlier.worst_node;
   return both;
 }

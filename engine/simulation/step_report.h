@@ -1,6 +1,7 @@
 #pragma once
 
 #include "mechanics/internal_forces.h"
+#include "simulation/follow_stiffness.h"
 #include "simulation/model.h"
 #include "simulation/node_passes.h"
 #include "simulation/state.h"
@@ -10,6 +11,7 @@ namespace palpate {
 /// What the physics of one step leaves for its report.
 struct StepOutcome {
   ForceReport forces;
+  StepMasses masses;
   double work_before = 0;             // J, of the internal forces on the increments before the step
   Moved moved;                        // the step's own increments
   Vec3 tool_force = Vec3::Zero();     // N

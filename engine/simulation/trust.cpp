@@ -9,7 +9,8 @@ Doubt doubtOf(const Model& model, const StepReport& report) {
   if (report.flags & (kNotFinite | kBlowUp)) return Doubt::Lost;
   if (report.inverted_points > 0) return Doubt::Inverted;
   if (report.energy_error > TrustLimits::energy_error) return Doubt::Energy;
-  if (report.step_share > TrustLimits::step_share) return Doubt::Step;
+  if (report.step_share > TrustLimits::step_share || report.added_inertia > TrustLimits::added_inertia)
+    return Doubt::Step;
   if (report.min_J < TrustLimits::min_J) return Doubt::Squeezed;
   if ((report.flags & kContactOverflow) || report.max_penetration > TrustLimits::penetration * model.scene.tool.radius)
     return Doubt::Contact;
@@ -33,7 +34,8 @@ const char* doubtText(Doubt doubt) {
     case Doubt::Squeezed:
       return "a point is squeezed to less than 0.3 of its volume: press less, or give the material a barrier";
     case Doubt::Step:
-      return "the tissue is now too stiff for the time step: press less, or lower dynamics.step_safety";
+      return "the tissue is too stiff for the time step and is slowed to stay stable: press slower, or lower "
+             "dynamics.step_safety";
     case Doubt::Energy:
       return "energy comes from nowhere: lower dynamics.step_safety";
     case Doubt::Inverted:
