@@ -155,8 +155,6 @@ TEST_CASE("With mass that follows the stiffness, no squeeze shortens the stable 
           const double own = largestAt(body, patches, u, body.mass), followed = largestAt(body, patches, u, mass);
           INFO("nu " << nu << ", patches " << patched << ", to " << l << ": " << std::sqrt(own / at_rest) << " -> "
                      << std::sqrt(followed / at_rest));
-          std::printf("nu %g patches %d l %g: %.3f -> %.3f\n", nu, patched, l, std::sqrt(own / at_rest),
-                      std::sqrt(followed / at_rest));
           CHECK(followed < (1 + 1e-3) * own);
           CHECK(followed < at_rest);
         }

@@ -113,8 +113,9 @@ TEST_CASE("The stiffening is the larger of bulk and shear, over all materials", 
 TEST_CASE("A slab stiffened live gets mass where one that was loaded as stiff does", "[live_parameters]") {
   constexpr double factor = 2.5;
   Scene scene = test::blockScene();
-  scene.step_safety = 0.4;
-  const Model loaded = test::blockModel(scene);
+  Model loaded = test::blockModel(scene);
+  loaded.dt = 0.52 * loaded.dt_critical;
+  loaded.substeps_per_tick = 1;
   State state = initialState(loaded);
   const Limit soft = limitOf(loaded, state);
   setMaterial(loaded, 0, stiffened(loaded.materials[0], factor), state.live);
