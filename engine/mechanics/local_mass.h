@@ -57,7 +57,7 @@ StiffnessMeans makeStiffnessMeans(const KernelLayout& layout, const ShapeTable& 
 /// Moduli of a batch of 16 points for waves in the direction in which they are squeezed most:
 ///   c = K s^2 + mu J^(-2/3) (5/9 (1 + 2 s^3 / J^2) - 1/3),   K + 4/3 mu at rest
 /// the largest eigenvalue of the acoustic tensor of a neo-Hookean solid, s being the largest singular value of cof F
-/// and the two others equal. s comes from |cof F|^2 = s^2 + 2 J^2 / s, up to 0.3 % too large.
+/// and the two others equal. s comes from |cof F|^2 = s^2 + 2 J^2 / s, up to 1 % too large.
 /// @param cofactor_norm2, J  |cof F|^2 and det F (16)
 /// @param bulk, shear        K and mu, Pa, or shares of a modulus
 /// @param modulus            as `bulk` (16)

@@ -99,8 +99,8 @@ TEST_CASE("The modulus across a squeeze is that of the acoustic tensor", "[local
         below(2, 2) -= h;
         const double exact = (material.firstPiola(above)(2, 2) - material.firstPiola(below)(2, 2)) / (2 * h);
         CAPTURE(nu, J, l);
-        CHECK(modulusOf(F) >= (1 - 1e-5) * exact);
-        CHECK(modulusOf(F) <= 1.01 * exact);
+        CHECK(modulusOf(F) >= (1 - 3e-4) * exact);
+        CHECK(modulusOf(F) <= 1.02 * exact);
       }
   }
 }
