@@ -1,13 +1,14 @@
 #include "mechanics/local_mass.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 namespace palpate {
 namespace {
 
-/// Entries of a node's row below this part of the row's largest are left out: the mean changes by less than a percent.
-constexpr double least_weight = 0.02;
+/// Entries of a row below this part of its largest are left out: a mean is then over some 16 nodes.
+constexpr double least_weight = 0.15;
 
 /// One row of weights, summed by key.
 class WeightRow {
@@ -18,7 +19,7 @@ class WeightRow {
     weight_[static_cast<std::size_t>(key)] += weight;
   }
   /// Appends the keys, ascending, with weights of sum 1, and forgets them.
-  void flush(std::vector<std::int32_t>& keys, AlignedVector<float>& weights) {
+  void flush(StiffnessMeans::Rows& rows) {
     std::sort(keys_.begin(), keys_.end());
     double largest = 0, sum = 0;
     const auto of = [&](int key) -> double& { return weight_[static_cast<std::size_t>(key)]; };
@@ -27,11 +28,12 @@ class WeightRow {
       if (of(key) >= least_weight * largest) sum += of(key);
     for (const int key : keys_) {
       if (of(key) >= least_weight * largest) {
-        keys.push_back(key);
-        weights.push_back(static_cast<float>(of(key) / sum));
+        rows.index.push_back(key);
+        rows.weight.push_back(static_cast<float>(of(key) / sum));
       }
       of(key) = 0;
     }
+    rows.begin.push_back(static_cast<int>(rows.index.size()));
     keys_.clear();
   }
 
@@ -40,7 +42,33 @@ class WeightRow {
   std::vector<int> keys_;
 };
 
+/// What the rows of each group of nodes have in them, `per` entries of an index being one.
+StiffnessMeans::Lists listsOf(const StiffnessMeans::Rows& rows, int per) {
+  StiffnessMeans::Lists lists;
+  const int count = static_cast<int>(rows.begin.size()) - 1;
+  std::vector<std::int32_t> all;
+  for (int first = 0; first < count; first += StiffnessMeans::group_size) {
+    const int last = std::min(first + StiffnessMeans::group_size, count);
+    all.clear();
+    for (int e = rows.begin[first]; e < rows.begin[last]; ++e) all.push_back(rows.index[e] / per);
+    std::sort(all.begin(), all.end());
+    lists.index.insert(lists.index.end(), all.begin(), std::unique(all.begin(), all.end()));
+    lists.begin.push_back(static_cast<int>(lists.index.size()));
+  }
+  return lists;
+}
+
 }  // namespace
+
+float StiffnessMeans::Rows::mean(int row, const float* values) const {
+  float sum[4] = {};  // so that the additions overlap; their order is fixed
+  int e = begin[row];
+  const int end = begin[row + 1];
+  for (; e + 4 <= end; e += 4)
+    for (int k = 0; k < 4; ++k) sum[k] += weight[e + k] * values[index[e + k]];
+  for (; e < end; ++e) sum[0] += weight[e] * values[index[e]];
+  return (sum[0] + sum[1]) + (sum[2] + sum[3]);
+}
 
 StiffnessMeans makeStiffnessMeans(const KernelLayout& layout, const ShapeTable& shape,
                                   const std::vector<std::array<int, 4>>& point_vertices,
@@ -48,9 +76,6 @@ StiffnessMeans makeStiffnessMeans(const KernelLayout& layout, const ShapeTable& 
                                   const std::vector<Material>& materials, const EssentialBoundary& boundary) {
   const auto nodes = static_cast<std::size_t>(layout.node_count);
   StiffnessMeans means;
-  means.point_begin.push_back(0);
-  means.node_begin.push_back(0);
-
   std::vector<int> place(volume.size(), 0);
   for (std::size_t p = 0; p < layout.point.size(); ++p)
     if (layout.point[p] >= 0) place[static_cast<std::size_t>(layout.point[p])] = static_cast<int>(p);
@@ -63,8 +88,7 @@ StiffnessMeans makeStiffnessMeans(const KernelLayout& layout, const ShapeTable& 
   WeightRow points(layout.point.size());
   for (std::size_t i = 0; i < nodes; ++i) {
     for (const int q : points_at[i]) points.add(place[q], std::abs(volume[q]));
-    points.flush(means.point, means.point_weight);
-    means.point_begin.push_back(static_cast<int>(means.point.size()));
+    points.flush(means.points);
   }
 
   std::vector<std::vector<std::pair<int, double>>> row(nodes);  // (point, its part of the node's Gershgorin row)
@@ -77,9 +101,10 @@ StiffnessMeans makeStiffnessMeans(const KernelLayout& layout, const ShapeTable& 
   for (std::size_t i = 0; i < nodes; ++i) {
     for (const auto& [q, weight] : row[i])
       for (const int a : point_vertices[q]) neighbours.add(a, weight);
-    neighbours.flush(means.node, means.node_weight);
-    means.node_begin.push_back(static_cast<int>(means.node.size()));
+    neighbours.flush(means.nodes);
   }
+  means.batches = listsOf(means.points, 16);
+  means.groups = listsOf(means.nodes, StiffnessMeans::group_size);
 
   means.bounded.assign(nodes, 0);
   for (const auto& set : boundary.sets)
@@ -89,20 +114,38 @@ StiffnessMeans makeStiffnessMeans(const KernelLayout& layout, const ShapeTable& 
   return means;
 }
 
-void squeezedModulus(const float* cofactor_norm2, const float* J, int count, float bulk, float shear, float* modulus) {
+bool hardlySqueezed(const float* cofactor_norm2, const float* J) {
+  // |cof F|^2 / J^(4/3) - 3 <= 0.01, J within 3 %: s^2 <= 1.17, s^3 / J^2 <= 1.2
+  int above = 0;
+  for (int k = 0; k < 16; ++k) {
+    const float change = J[k] - 1.0F;
+    above += static_cast<int>(!(cofactor_norm2[k] - 3.0F - 4.0F * change <= 0.01F)) |
+             static_cast<int>(!(change * change <= 9e-4F));
+  }
+  return above == 0;
+}
+
+void squeezedModulus(const float* cofactor_norm2, const float* J, float bulk, float shear, float* modulus) {
+  constexpr int n = 16;
   constexpr float min_J = Material::min_isochoric_J, max_J = 8;
-  for (int k = 0; k < count; ++k) {
-    const float j = std::min(std::max(J[k], min_J), max_J);
-    float root = 0.35F + 0.65F * j;  // J^(1/3) by Newton's iteration
-    for (int round = 0; round < 4; ++round) root = (2.0F * root + j / (root * root)) / 3.0F;
-    const float J23 = root * root;
-    // s = J^(2/3) (1 + d) with d = sqrt(e (1 + d) / (3 + d)), e = |cof F|^2 / J^(4/3) - 3. From above, each round
-    // divides the relative error by 7 or more.
-    const float e = std::max(cofactor_norm2[k] / (J23 * J23) - 3.0F, 0.0F);
-    float d = std::sqrt(e);
-    for (int round = 0; round < 3; ++round) d = std::sqrt(e * (1.0F + d) / (3.0F + d));
-    const float t = 1.0F + d, s = J23 * t;  // t^3 = s^3 / J^2
-    modulus[k] = bulk * s * s + shear / J23 * (5.0F / 9.0F * (1.0F + 2.0F * t * t * t) - 1.0F / 3.0F);
+  float j[n], root[n], e[n], d[n];  // one short loop for each line: they become vectors
+  for (int k = 0; k < n; ++k) j[k] = J[k] > min_J ? J[k] : min_J;
+  for (int k = 0; k < n; ++k) j[k] = j[k] < max_J ? j[k] : max_J;
+  // J^(1/3): a third of the exponent, within 4 %, then Newton's iteration.
+  for (int k = 0; k < n; ++k) root[k] = std::bit_cast<float>(std::bit_cast<std::int32_t>(j[k]) / 3 + 0x2a5137a0);
+  for (int round = 0; round < 2; ++round)
+    for (int k = 0; k < n; ++k) root[k] = (2.0F / 3.0F) * root[k] + j[k] / (3.0F * root[k] * root[k]);
+  // s = J^(2/3) (1 + d) with d = sqrt(e (1 + d) / (3 + d)), e = |cof F|^2 / J^(4/3) - 3. From above, each round divides
+  // the relative error by 7 or more.
+  for (int k = 0; k < n; ++k) root[k] *= root[k];  // J^(2/3)
+  for (int k = 0; k < n; ++k) e[k] = cofactor_norm2[k] / (root[k] * root[k]) - 3.0F;
+  for (int k = 0; k < n; ++k) e[k] = e[k] > 0.0F ? e[k] : 0.0F;
+  for (int k = 0; k < n; ++k) d[k] = std::sqrt(e[k]);
+  for (int round = 0; round < 2; ++round)
+    for (int k = 0; k < n; ++k) d[k] = std::sqrt(e[k] * (1.0F + d[k]) / (3.0F + d[k]));
+  for (int k = 0; k < n; ++k) {
+    const float t = 1.0F + d[k], s = root[k] * t;  // t^3 = s^3 / J^2
+    modulus[k] = bulk * s * s + shear / root[k] * (5.0F / 9.0F * (1.0F + 2.0F * t * t * t) - 1.0F / 3.0F);
   }
 }
 

@@ -22,12 +22,24 @@ namespace palpate {
 ///
 /// Test: mechanics/local_mass_test.cpp (against the largest eigenvalue of the tangent in squeezed bodies).
 struct StiffnessMeans {
-  std::vector<int> point_begin;       // (node_count + 1) entries of each node's points in
-  std::vector<std::int32_t> point;    // places in KernelLayout::point, and
-  AlignedVector<float> point_weight;  // their weights, of sum 1
-  std::vector<int> node_begin;        // (node_count + 1) entries of the nodes that are in a node's row in
-  std::vector<std::int32_t> node;     // their numbers, and
-  AlignedVector<float> node_weight;   // their weights, of sum 1
+  /// Rows of weights, each of sum 1.
+  struct Rows {
+    std::vector<int> begin{0};  // (row_count + 1) entries of
+    std::vector<std::int32_t> index;
+    AlignedVector<float> weight;
+    /// Mean of values by a row's weights. Real-time.
+    float mean(int row, const float* values) const;
+  };
+  Rows points;  // (node_count) places in KernelLayout::point of the points around each node
+  Rows nodes;   // (node_count) nodes that are in each node's row
+  /// Where little is squeezed little is computed: `group_size` nodes in a row at a time. Lists without weights.
+  static constexpr int group_size = 16;
+  struct Lists {
+    std::vector<int> begin{0};
+    std::vector<std::int32_t> index;
+  };
+  Lists batches;  // (group_count) batches of 16 points that a group's `points` are in
+  Lists groups;   // (group_count) groups that a group's `nodes` are in
   /// (node_count) 1 where tractions of an essential boundary act. These nodes have one factor f in common, the largest
   /// that any of them needs: P = M^-1 V A^-1 of the boundary does not change if all its masses are multiplied by the
   /// same number.
@@ -42,14 +54,18 @@ StiffnessMeans makeStiffnessMeans(const KernelLayout& layout, const ShapeTable& 
                                   const std::vector<double>& volume, const std::vector<int>& point_material,
                                   const std::vector<Material>& materials, const EssentialBoundary& boundary);
 
-/// Moduli of points for waves in the direction in which they are squeezed most:
+/// Moduli of a batch of 16 points for waves in the direction in which they are squeezed most:
 ///   c = K s^2 + mu J^(-2/3) (5/9 (1 + 2 s^3 / J^2) - 1/3),   K + 4/3 mu at rest
 /// the largest eigenvalue of the acoustic tensor of a neo-Hookean solid, s being the largest singular value of cof F
-/// and the two others equal. s comes from |cof F|^2 = s^2 + 2 J^2 / s, up to 0.3 % too large.
-/// @param cofactor_norm2, J  |cof F|^2 and det F (count)
+/// and the two others equal. s comes from |cof F|^2 = s^2 + 2 J^2 / s, up to 1 % too large.
+/// @param cofactor_norm2, J  |cof F|^2 and det F (16)
 /// @param bulk, shear        K and mu, Pa, or shares of a modulus
-/// @param modulus            as `bulk` (count)
+/// @param modulus            as `bulk` (16)
 /// Real-time.
-void squeezedModulus(const float* cofactor_norm2, const float* J, int count, float bulk, float shear, float* modulus);
+void squeezedModulus(const float* cofactor_norm2, const float* J, float bulk, float shear, float* modulus);
+
+/// Whether no point of a batch is squeezed by more than about 4 %: then no modulus is above hardlySqueezedModulus().
+bool hardlySqueezed(const float* cofactor_norm2, const float* J);
+inline float hardlySqueezedModulus(float bulk, float shear) { return 1.2F * bulk + 1.6F * shear; }
 
 }  // namespace palpate

@@ -14,54 +14,69 @@ constexpr float kept_per_step = 0.98F;  // of a factor, where less is needed
 /// Beyond this the tissue is lost, and stability no matter: it keeps what is not a number out of the masses.
 constexpr float max_factor = 1e4F;
 
-/// Calls each(part, begin, end) for parts of `count` numbers, whole cache lines of them.
+/// Calls each(part, begin, end) for parts of `count` numbers.
 template <class Each>
 void forParts(SpinTeam& team, std::size_t count, Each each) {
-  const auto border = [lines = (count + 15) / 16, count](int part) {
-    return static_cast<int>(std::min(count, lines * static_cast<std::size_t>(part) / parts * 16));
-  };
+  const auto border = [count](int part) { return static_cast<int>(count * static_cast<std::size_t>(part) / parts); };
   shareOut(team, parts, [&](int part) { each(part, border(part), border(part + 1)); });
 }
 
-/// Weighted mean of values[index[e]] over a row's entries. Four partial sums, so that the additions overlap; their order
-/// is fixed.
-float mean(const std::vector<int>& begin, const std::vector<std::int32_t>& index, const AlignedVector<float>& weight,
-           int row, const float* values) {
-  float sum[4] = {};
-  int e = begin[row];
-  const int end = begin[row + 1];
-  for (; e + 4 <= end; e += 4)
-    for (int k = 0; k < 4; ++k) sum[k] += weight[e + k] * values[index[e + k]];
-  for (; e < end; ++e) sum[0] += weight[e] * values[index[e]];
-  return (sum[0] + sum[1]) + (sum[2] + sum[3]);
+/// The largest of values[lists' entries].
+float largestOf(const StiffnessMeans::Lists& lists, int list, const float* values) {
+  float largest = 0;
+  for (int e = lists.begin[list]; e < lists.begin[list + 1]; ++e) largest = std::max(largest, values[lists.index[e]]);
+  return largest;
 }
 
-/// The factor of each node's mass that makes dt the followed share of the stable step, into `need`; below 1 where the
-/// node has mass enough. Returns the largest of the nodes that have theirs in common.
+/// The factor of each node's mass that makes dt the followed share of the stable step, into `need`; a bound of at most
+/// 1 where the node has mass enough. Returns the largest of the nodes that share a factor.
 float computeNeeds(const Model& model, const LiveParameters& live, Workspace& workspace) {
+  constexpr int group_size = StiffnessMeans::group_size;
   const StiffnessMeans& means = model.stiffness_means;
   LocalMassScratch& scratch = workspace.local_mass;
+  const int nodes = model.nodeCount();
   const double rest = model.dt / model.dt_critical / followed_step_share;
-  forParts(workspace.team, scratch.point.size(), [&](int, int begin, int end) {
-    for (int p = begin; p < end; p += 16) {
-      const auto m = static_cast<std::size_t>(model.kernel.batch_material[static_cast<std::size_t>(p) / 16]);
+  forParts(workspace.team, scratch.squeezed.size(), [&](int, int begin, int end) {
+    for (int b = begin; b < end; ++b) {
+      const auto m = static_cast<std::size_t>(model.kernel.batch_material[b]), at = static_cast<std::size_t>(b) * 16;
       const double scale = rest * rest / model.materials[m].waveModulus();
-      squeezedModulus(&workspace.kernel.cof2[p], &workspace.kernel.J[p], 16,
-                      static_cast<float>(scale * live.kernel.materials[m].bulk_modulus),
-                      static_cast<float>(scale * live.kernel.materials[m].shear_modulus), &scratch.point[p]);
+      const auto bulk = static_cast<float>(scale * live.kernel.materials[m].bulk_modulus),
+                 shear = static_cast<float>(scale * live.kernel.materials[m].shear_modulus);
+      const float *const cof2 = &workspace.kernel.cof2[at], *const J = &workspace.kernel.J[at];
+      const float enough = hardlySqueezedModulus(bulk, shear);
+      scratch.squeezed[b] = enough > 1 || !hardlySqueezed(cof2, J);
+      if (scratch.squeezed[b])
+        squeezedModulus(cof2, J, bulk, shear, &scratch.point[at]);
+      else
+        std::fill_n(&scratch.point[at], 16, enough);
     }
   });
-  forParts(workspace.team, scratch.node.size(), [&](int, int begin, int end) {
-    for (int i = begin; i < end; ++i)
-      scratch.node[i] = mean(means.point_begin, means.point, means.point_weight, i, scratch.point.data());
+  forParts(workspace.team, scratch.group.size(), [&](int, int begin, int end) {
+    for (int g = begin; g < end; ++g) {
+      bool squeezed = false;
+      float bound = 0;
+      for (int e = means.batches.begin[g]; e < means.batches.begin[g + 1]; ++e) {
+        squeezed |= scratch.squeezed[means.batches.index[e]] != 0;
+        bound = std::max(bound, scratch.point[static_cast<std::size_t>(means.batches.index[e]) * 16]);
+      }
+      if (squeezed) bound = 0;
+      for (int i = g * group_size; i < std::min(nodes, (g + 1) * group_size); ++i) {
+        scratch.node[i] = squeezed ? means.points.mean(i, scratch.point.data()) : bound;
+        bound = std::max(bound, scratch.node[i]);
+      }
+      scratch.group[g] = bound;
+    }
   });
   float bounded[parts];
-  forParts(workspace.team, scratch.need.size(), [&](int part, int begin, int end) {
+  forParts(workspace.team, scratch.group.size(), [&](int part, int begin, int end) {
     bounded[part] = 0;
-    for (int i = begin; i < end; ++i) {
-      const float need = mean(means.node_begin, means.node, means.node_weight, i, scratch.node.data());
-      scratch.need[i] = need <= max_factor ? need : max_factor;  // also where it is not a number
-      if (means.bounded[i]) bounded[part] = std::max(bounded[part], scratch.need[i]);
+    for (int g = begin; g < end; ++g) {
+      const float bound = largestOf(means.groups, g, scratch.group.data());
+      for (int i = g * group_size; i < std::min(nodes, (g + 1) * group_size); ++i) {
+        const float need = bound <= 1 ? bound : means.nodes.mean(i, scratch.node.data());
+        scratch.need[i] = need <= max_factor ? need : max_factor;  // also where it is not a number
+        if (means.bounded[i]) bounded[part] = std::max(bounded[part], scratch.need[i]);
+      }
     }
   });
   return *std::max_element(bounded, bounded + parts);
@@ -88,13 +103,18 @@ StepMasses followStiffness(const Model& model, const Integrator& integrator, con
     for (int i = begin; i < end; ++i) {
       const float need = means.bounded[i] ? bounded_need : scratch.need[i];
       const float old = local.factor[i], now = std::max({1.0F, need, kept_per_step * old});
+      needed = std::max(needed, need / now);
+      mass += model.mass[i];
+      if (now == 1.0F && old == 1.0F) {  // most nodes
+        scratch.kept[i] = 1.0F;
+        scratch.inverse[i] = model.inverse_mass[i];
+        continue;
+      }
       local.factor[i] = now;
       scratch.kept[i] = now > old ? old / now : 1.0F;
       // The model's own mass is damped, what is added is not: m f u'' + c m u' = f_i.
       scratch.inverse[i] = model.inverse_mass[i] * static_cast<float>((2 + ch) / (2 * now + ch));
       added += model.mass[i] * (static_cast<double>(now) - 1);
-      mass += model.mass[i];
-      needed = std::max(needed, need / now);
     }
     added_of[part] = added;
     mass_of[part] = mass;

@@ -52,7 +52,7 @@ std::uint64_t modelHash(const Model& model) {
   key.add(model.tool_start.position, model.tool_start.orientation.coeffs(), model.scene.tool_max_speed);
   key.add(model.scene.friction, model.scene.damping, model.scene.rate_hz);
   key.add(model.dt, model.substeps_per_tick, model.max_increment, model.max_tool_force);
-  key.add(model.stiffness_means.point_weight, model.stiffness_means.node_weight, model.stiffness_means.bounded);
+  key.add(model.stiffness_means.points.weight, model.stiffness_means.nodes.weight, model.stiffness_means.bounded);
   return key.hash();
 }
 

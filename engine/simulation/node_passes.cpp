@@ -71,7 +71,7 @@ double predict(const Model& model, const Integrator& integrator, const StepMasse
     for (int i = begin; i < end; ++i) {
       const Group du = load(state.du[i]), f = load(workspace.f[i]);
       work += f * du;
-      if (masses.factor) {
+      if (masses.factor && masses.factor[i] != 1.0F) {
         const Group kept = masses.kept[i] * du;
         const float twice = 2 * masses.factor[i];
         store(workspace.previous_du[i], kept);

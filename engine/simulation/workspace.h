@@ -6,12 +6,20 @@
 
 namespace palpate {
 
-/// Scratch of followStiffness.
+/// Scratch of followStiffness: factors that points, their means around nodes, the largest of those in a group, and
+/// nodes' rows need.
 struct LocalMassScratch {
-  LocalMassScratch(std::size_t nodes, std::size_t points)
-      : point(points), node(nodes), need(nodes), kept(nodes), inverse(nodes) {}
-  AlignedVector<float> point, node, need;  // factors that points, the patches of nodes, and nodes' rows need
-  AlignedVector<float> kept, inverse;      // of StepMasses
+  LocalMassScratch(std::size_t nodes, const KernelLayout& kernel, const StiffnessMeans& means)
+      : squeezed(kernel.batch_material.size()),
+        point(kernel.point.size()),
+        node(nodes),
+        group(means.groups.begin.size() - 1),
+        need(nodes),
+        kept(nodes),
+        inverse(nodes) {}
+  AlignedVector<std::uint8_t> squeezed;  // (batch_count) 0: all its points need the same little
+  AlignedVector<float> point, node, group, need;
+  AlignedVector<float> kept, inverse;  // of StepMasses
 };
 
 /// Scratch memory and worker threads for stepping one model. All memory is taken here.
@@ -25,7 +33,7 @@ class Workspace {
         boundary(makeBoundaryScratch(model.boundary)),
         f(model.X.size()),
         previous_du(model.X.size()),
-        local_mass(model.X.size(), model.kernel.point.size()) {}
+        local_mass(model.X.size(), model.kernel, model.stiffness_means) {}
 
   SpinTeam team;
   KernelScratch kernel;

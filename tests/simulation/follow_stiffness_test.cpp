@@ -172,7 +172,7 @@ TEST_CASE("A boundary is imposed as exactly where the nodes that carry it have g
   fine.dt /= 8;
   fine.substeps_per_tick = 8;
   double force[2] = {};
-  for (const Model* m : std::initializer_list<const Model*>{&fine, &model}) {
+  for (const Model* m : {static_cast<const Model*>(&fine), &model}) {
     Workspace workspace(*m, 1);
     State state = initialState(*m);
     Command command;
