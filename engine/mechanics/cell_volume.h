@@ -141,7 +141,7 @@ CellVolumeReference referenceCellVolume(const CellVolumeSpec& spec, const std::v
                                         const std::vector<double>& J_minus_1, const std::vector<double>& shear,
                                         const std::vector<Vec3>& u);
 
-/// Least shear modulus in each node's patch, Pa; 0 where there is none.
+/// Least shear modulus in each node's patch, what relaxes left out, Pa; 0 where there is none.
 std::vector<double> patchShear(const NodePatches& patches, const std::vector<int>& point_material,
                                const std::vector<Material>& materials);
 

@@ -116,7 +116,8 @@ std::vector<double> patchShear(const NodePatches& patches, const std::vector<int
   std::vector<double> shear(patches.volume.size(), 0);
   for (std::size_t q = 0; q < patches.node.size(); ++q)
     for (const int a : patches.node[q]) {
-      const double mu = materials[point_material[q]].shear_modulus;
+      const Material& material = materials[point_material[q]];
+      const double mu = material.shear_modulus * material.longTermShare();
       shear[a] = shear[a] == 0 ? mu : std::min(shear[a], mu);
     }
   return shear;

@@ -234,7 +234,7 @@ void updatePatchBulk(const KernelLayoutOf<Real>& layout, KernelMaterialsOf<Real>
     Real sum = 0, least = 0;
     for (int e = layout.patch_begin[i]; e < layout.patch_begin[i + 1]; ++e) {
       const Material& material = materials.materials[layout.batch_material[layout.patch_point[e] / 16]];
-      const auto shear = static_cast<Real>(material.shear_modulus);
+      const auto shear = static_cast<Real>(material.shear_modulus * material.longTermShare());
       sum += layout.patch_share[e] / static_cast<Real>(material.bulk_modulus);
       if (e == layout.patch_begin[i] || shear < least) least = shear;
     }

@@ -101,7 +101,8 @@ std::vector<std::pair<int, Vec3>> layoutGradients(const KernelLayoutOf<Real>& la
 template <class Real>
 KernelMaterialsOf<Real> makeKernelMaterials(const KernelLayoutOf<Real>& layout, std::vector<Material> materials);
 
-/// K_a and least shear modulus of all patches from the materials; after one of these changed. Real-time.
+/// K_a and least shear modulus (what relaxes left out) of all patches from the materials; after one of these changed.
+/// Real-time.
 template <class Real>
 void updatePatchBulk(const KernelLayoutOf<Real>& layout, KernelMaterialsOf<Real>& materials);
 

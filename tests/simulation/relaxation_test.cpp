@@ -74,10 +74,10 @@ double closedForm(double shear, double t) {
   return edge * edge * (l * relaxed(along) - relaxed(across) / (l * l));
 }
 
-/// Presses a ball 4 mm deep in 0.2 s, holds for `hold` s, draws it back in 0.2 s; each(report, depth) after each tick.
+/// Presses a ball 4 mm deep in 0.5 s, holds for `hold` s, draws it back in 0.5 s; each(report, depth) after each tick.
 template <class Each>
 void indent(const Model& model, State& state, Workspace& workspace, double hold, Each each) {
-  const double rate = model.scene.rate_hz, travel = model.first_contact_travel + 0.004, way = 0.2;
+  const double rate = model.scene.rate_hz, travel = model.first_contact_travel + 0.004, way = 0.5;
   Command command;
   for (int k = 1; k <= static_cast<int>((2 * way + hold) * rate); ++k) {
     const double t = k / rate;
@@ -88,8 +88,15 @@ void indent(const Model& model, State& state, Workspace& workspace, double hold,
   }
 }
 
-Model relaxingBlock(double g, double tau) {
+/// A block in which little but the material takes energy.
+Scene slowlyDamped() {
   Scene scene = blockScene();
+  scene.damping = 20;
+  return scene;
+}
+
+Model relaxingBlock(double g, double tau) {
+  Scene scene = slowlyDamped();
   scene.materials[0].material.set("relaxation", std::vector<double>{g, tau});
   return blockModel(scene);
 }
@@ -155,10 +162,10 @@ TEST_CASE("Indented, held and released: the force falls to what is left, the way
   });
   CHECK(work > 0.15 * pressed);
   CHECK(held < 0.8 * peak);
-  CHECK(state.energy.relaxed > 0.1 * pressed);
+  CHECK(state.energy.relaxed < -0.1 * pressed);  // a closed way: what the tissue kept
 
   // What the equilibrium is: a block of the shear modulus that is left, at the same bulk modulus.
-  Scene scene = blockScene();
+  Scene scene = slowlyDamped();
   const Material& m = model.materials[0];
   const double K = m.bulk_modulus, mu = (1 - g) * m.shear_modulus;
   scene.materials[0].material.set("young", 9 * K * mu / (3 * K + mu));
