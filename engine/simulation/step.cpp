@@ -20,9 +20,6 @@ StepReport step(const Model& model, State& state, const Pose& tool_pose, const C
   // M, with mass added where the tissue is squeezed so far that dt would be too long
   const StepMasses masses = outcome.masses = followStiffness(model, integrator, outcome.forces, state, workspace);
 
-  // M, with mass added where the tissue is squeezed so far that dt would be too long
-  const StepMasses masses = outcome.masses = followStiffness(model, integrator, outcome.forces, state, workspace);
-
   // du~ = beta du + alpha M^-1 f                                          (eq. 22)
   outcome.work_before = predict(model, integrator, masses, state, workspace);
 
