@@ -10,8 +10,7 @@ namespace palpate {
 /// Nearer to the surface than half the rounding that is the nearest side. Deeper, the nearest side need not be the one
 /// that the point came in by: that side is remembered until the point is near the surface on the same side again, or
 /// out, and where the nearest side is turned against it by more than 45 degrees, the way out turns to it (fully from
-/// 72 degrees on): in a ball the distance then has no jump, in other tools one of at most 41 %, where the nearest side
-/// changes. A point that entered in front never leaves behind.
+/// 72 degrees on). A point that entered in front never leaves behind.
 /// @param local, old_local  the point in the tool's frame at the step's end and start, m
 /// @param last_normal       the way out of the last step, tool's frame; 0: it was not in contact
 /// @param side              what is remembered: the side, 0 where the point is not deep
