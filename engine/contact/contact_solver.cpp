@@ -60,11 +60,16 @@ Vector4f interpolateAt(const SkinModel& skin, const ContactRow& row, const Float
   return row.sample == nullptr ? interpolateAtVertex(skin, row.vertex, field) : interpolate(skin, *row.sample, field);
 }
 
+void applyForce(const SkinModel& skin, const SkinPoint& sample, const Vector4f& f, float alpha,
+                const float* inverse_mass, Float4* du) {
+  for (int c = 0; c < sample.corners; ++c)
+    applyForce(skin, sample.vertex[c], sample.share[c] * f, alpha, inverse_mass, du);
+}
+
 void applyForce(const SkinModel& skin, const ContactRow& row, const Vector4f& f, float alpha, const float* inverse_mass,
                 Float4* du) {
   if (row.sample == nullptr) return applyForce(skin, row.vertex, f, alpha, inverse_mass, du);
-  for (int c = 0; c < row.sample->corners; ++c)
-    applyForce(skin, row.sample->vertex[c], row.sample->share[c] * f, alpha, inverse_mass, du);
+  applyForce(skin, *row.sample, f, alpha, inverse_mass, du);
 }
 
 /// Rotations and places of one step, computed once.
@@ -113,8 +118,16 @@ Vec3 solveContact(const SkinModel& skin, const ToolShape& tool, const Pose& pose
   const ToolProfile profile = toolProfile(tool);
   const float mu = static_cast<float>(friction), alpha_f = static_cast<float>(alpha);
 
-  // Rows: the vertices that touch, or nearly, then the samples of stretched faces.
   FaceSamples& samples = contact.samples;
+  // The last step's forces, turned with the tool, act from the start: the gaps and normals below are then those of where
+  // the skin goes. Without them a long step takes it far into the tool, and what it finds there depends on dt.
+  const auto turned = [&](const Float4& force) { return lanes(Vec3(motion.turn * toVec3(force))); };
+  for (int slot = 0; slot < contact.count; ++slot)
+    applyForce(skin, contact.vertex[slot], turned(contact.force[slot]), alpha_f, inverse_mass, du);
+  for (int slot = 0; slot < samples.count; ++slot)
+    applyForce(skin, samples.point[slot], turned(samples.force[slot]), alpha_f, inverse_mass, du);
+
+  // Rows: the vertices that touch, or nearly, then the samples of stretched faces.
   int row_count = 0;
   for (int k = 0; k < contact.count + samples.count; ++k) {
     const bool is_vertex = k < contact.count;
@@ -132,7 +145,12 @@ Vec3 solveContact(const SkinModel& skin, const ToolShape& tool, const Pose& pose
     const Vec3 old_local = motion.world_from_old_tool.transpose() * (start - motion.old_position);
     ToolDistance d = distanceBySide(profile, local, old_local, last_normal, side);
     if (!is_vertex) d.distance += static_cast<double>(samples.lift[slot]);
+    const Vector4f applied = turned(last_force);
     if (!(d.distance <= kActiveGap * tool.radius)) {  // also where it is not a number
+      if (is_vertex)
+        applyForce(skin, v, -applied, alpha_f, inverse_mass, du);
+      else
+        applyForce(skin, *sample, -applied, alpha_f, inverse_mass, du);
       last_force = Float4{};
       last_normal.setZero();
       side.setZero();
@@ -159,11 +177,9 @@ Vec3 solveContact(const SkinModel& skin, const ToolShape& tool, const Pose& pose
     row.stick -= row.normal.dot(row.stick) * row.normal;
     row.force = static_cast<float>(normal_force) * row.normal + row.stick;
     last_normal = d.normal.cast<float>();
+    applyForce(skin, row, row.force - applied, alpha_f, inverse_mass, du);
   }
 
-  for (int r = 0; r < row_count; ++r) {
-    applyForce(skin, contact.row[r], contact.row[r].force, alpha_f, inverse_mass, du);
-  }
   const float cap = static_cast<float>(kPressureCapDepth * tool.radius);
   int sweep = 0;
   for (bool settled = row_count == 0; sweep < kMaxSweeps && !settled; ++sweep) {
