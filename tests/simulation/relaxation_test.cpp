@@ -146,12 +146,12 @@ TEST_CASE("A cube held at a fifth less height relaxes by the closed form: loop, 
 
 TEST_CASE("Indented, held and released: the force falls to what is left, the way back is softer, no doubt arises",
           "[relaxation][contact]") {
-  constexpr double g = 0.4, tau = 0.1;
+  constexpr double g = 0.4, tau = 0.3;
   const Model model = relaxingBlock(g, tau);
   State state = initialState(model);
   Workspace workspace(model, 1);
   double work = 0, pressed = 0, last_depth = 0, peak = 0, held = 0;
-  indent(model, state, workspace, 1.0, [&](const StepReport& report, double depth) {
+  indent(model, state, workspace, 2.0, [&](const StepReport& report, double depth) {
     REQUIRE(doubtOf(model, report) == Doubt::None);  // the energy's included
     const double force = report.tool_force.z();
     work += force * (depth - last_depth);
@@ -175,7 +175,7 @@ TEST_CASE("Indented, held and released: the force falls to what is left, the way
   Workspace other(left, 1);
   double elastic_held = 0, elastic_work = 0, elastic_pressed = 0;
   last_depth = 0;
-  indent(left, elastic, other, 1.0, [&](const StepReport& report, double depth) {
+  indent(left, elastic, other, 2.0, [&](const StepReport& report, double depth) {
     elastic_work += report.tool_force.z() * (depth - last_depth);
     elastic_pressed = std::max(elastic_pressed, elastic_work);
     if (depth == last_depth) elastic_held = report.tool_force.z();
