@@ -13,10 +13,9 @@ constexpr int kMaxSweeps = 8;
 constexpr float kTolerance = 1e-4F;
 constexpr double kActiveGap = 0.01, kPressureCapDepth = 0.2, kDeep = 0.5, kSameSide = 0.5;
 
-/// du_i += alpha / m_i N_i(X_v) f n
-void applyForce(const SkinModel& skin, int v, float f, const Vector4f& normal, float alpha, const float* inverse_mass,
-                Float4* du) {
-  const Group scaled = alpha * f * loadGroup(normal.data());
+/// du_i += alpha / m_i N_i(X_v) f
+void applyForce(const SkinModel& skin, int v, const Vector4f& f, float alpha, const float* inverse_mass, Float4* du) {
+  const Group scaled = alpha * loadGroup(f.data());
   for (int e = skin.begin[v]; e < skin.begin[v + 1]; ++e) {
     Float4& increment = du[skin.node[e]];
     store(increment, load(increment) + (skin.N[e] * inverse_mass[skin.node[e]]) * scaled);
@@ -39,6 +38,15 @@ Vec3 frictionlessContact(const SkinModel& skin, const ToolShape& tool, const Pos
   const Mat3 world_from_tool = pose.orientation.toRotationMatrix(),
              tool_from_old_world = previous_pose.orientation.conjugate().toRotationMatrix();
   const auto alpha_f = static_cast<float>(alpha);
+  // The last step's forces, turned with the tool, act from the start.
+  const Mat3 turn = world_from_tool * tool_from_old_world;
+  const auto turned = [&](const Float4& force) {
+    Vector4f f = Vector4f::Zero();
+    f.head<3>() = (turn * toVec3(force)).cast<float>();
+    return f;
+  };
+  for (int slot = 0; slot < contact.count; ++slot)
+    applyForce(skin, contact.vertex[slot], turned(contact.force[slot]), alpha_f, inverse_mass, du);
   int row_count = 0;
   for (int slot = 0; slot < contact.count; ++slot) {
     const int v = contact.vertex[slot];
@@ -47,7 +55,9 @@ Vec3 frictionlessContact(const SkinModel& skin, const ToolShape& tool, const Pos
     const Vec3 local = world_from_tool.transpose() * (end - pose.position);
     const ToolDistance d =
         distanceBySide(profile, local, tool_from_old_world * (start - previous_pose.position), contact.normal[slot]);
+    const Vector4f applied = turned(contact.force[slot]);
     if (!(d.distance <= kActiveGap * tool.radius)) {
+      applyForce(skin, v, -applied, alpha_f, inverse_mass, du);
       contact.force[slot] = Float4{};
       contact.normal[slot].setZero();
       continue;
@@ -68,9 +78,8 @@ Vec3 frictionlessContact(const SkinModel& skin, const ToolShape& tool, const Pos
     // The normal force goes with the tool, and so does the side.
     row.force[0] = std::sqrt(toVec3(contact.force[slot]).squaredNorm());
     contact.normal[slot] = d.normal.cast<float>();
+    applyForce(skin, v, row.force[0] * row.normal - applied, alpha_f, inverse_mass, du);
   }
-  for (int r = 0; r < row_count; ++r)
-    applyForce(skin, contact.row[r].vertex, contact.row[r].force[0], contact.row[r].normal, alpha_f, inverse_mass, du);
 
   const auto cap = static_cast<float>(kPressureCapDepth * tool.radius);
   int sweep = 0;
@@ -87,7 +96,7 @@ Vec3 frictionlessContact(const SkinModel& skin, const ToolShape& tool, const Pos
       size += force * force;
       if (change == 0) continue;
       changed += change * change;
-      applyForce(skin, row.vertex, change, row.normal, alpha_f, inverse_mass, du);
+      applyForce(skin, row.vertex, change * row.normal, alpha_f, inverse_mass, du);
     }
     settled = changed <= kTolerance * kTolerance * size;
   }
