@@ -72,6 +72,23 @@ void applyForce(const SkinModel& skin, const ContactRow& row, const Vector4f& f,
   applyForce(skin, *row.sample, f, alpha, inverse_mass, du);
 }
 
+/// Squared length of a remembered side (a unit vector otherwise) from which on it says that the tool came from inside.
+constexpr float kPassing = 2.0F;
+
+/// Whether a tool that comes to the skin at vertex v would push it along `way`, outwards: it comes from inside then, and
+/// passes, or it would carry the skin off. Cosine beyond which that is so: a tool in a dent touches its walls sideways.
+bool comesFromInside(const SkinModel& skin, int v, const Vec3& way, const Float4* u) {
+  constexpr double kOutwards = 0.5;
+  if (skin.topology.face_begin.empty()) return false;
+  Vec3 outside = Vec3::Zero();
+  for (int k = skin.topology.face_begin[v]; k < skin.topology.face_begin[v + 1]; ++k) {
+    const auto& corner = skin.surface.triangles[skin.topology.face_of[k]];
+    const Vec3 x = skinPosition(skin, corner[0], u);
+    outside += (skinPosition(skin, corner[1], u) - x).cross(skinPosition(skin, corner[2], u) - x);
+  }
+  return way.dot(outside) > kOutwards * outside.norm();
+}
+
 /// Rotations and places of one step, computed once.
 struct Motion {
   explicit Motion(const Pose& from, const Pose& to)
@@ -143,17 +160,24 @@ Vec3 solveContact(const SkinModel& skin, const ToolShape& tool, const Pose& pose
     const Vec3 end = start + predicted.head<3>().cast<double>();
     const Vec3 local = motion.world_from_tool.transpose() * (end - motion.position);
     const Vec3 old_local = motion.world_from_old_tool.transpose() * (start - motion.old_position);
+    if (side.squaredNorm() > kPassing) {  // the tool came to it from inside, and it is left alone until it has passed
+      if (toolDistance(profile, local).distance <= kActiveGap * tool.radius) continue;
+      side.setZero();
+    }
     ToolDistance d = distanceBySide(profile, local, old_local, last_normal, side);
     if (!is_vertex) d.distance += static_cast<double>(samples.lift[slot]);
     const Vector4f applied = turned(last_force);
-    if (!(d.distance <= kActiveGap * tool.radius)) {  // also where it is not a number
+    const bool touches = d.distance <= kActiveGap * tool.radius;  // not where it is not a number
+    const bool from_inside =
+        touches && last_normal.isZero() && comesFromInside(skin, v, motion.world_from_tool * d.normal, u);
+    if (!touches || from_inside) {
       if (is_vertex)
         applyForce(skin, v, -applied, alpha_f, inverse_mass, du);
       else
         applyForce(skin, *sample, -applied, alpha_f, inverse_mass, du);
       last_force = Float4{};
       last_normal.setZero();
-      side.setZero();
+      side = from_inside ? Vec3f(2, 0, 0) : Vec3f::Zero();
       continue;
     }
     ContactRow& row = contact.row[row_count++];
