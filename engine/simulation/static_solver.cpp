@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "base/float4.h"
 #include "mechanics/critical_time_step.h"
@@ -16,6 +17,10 @@ constexpr double step_safety = 0.8;
 /// Of the body's size: an error that rounding leaves. Where nothing is loaded, or a tool only just touches, the largest
 /// displacement is no more than that itself, and no share of it can be reached.
 constexpr double rounding_error = 1e-13;
+
+/// Of the body's size: increments below what a coordinate of it is rounded to are no motion. Where a tool only just
+/// touches, contact goes on at this level for ever.
+constexpr double coordinate_rounding = std::numeric_limits<double>::epsilon() / 2;
 
 double diagonal(const std::vector<Vec3>& X) {
   Eigen::AlignedBox3d box;
@@ -130,7 +135,9 @@ StaticSolver::Outcome StaticSolver::relax(double time, const std::optional<Pose>
         equilibrium.largest = std::sqrt(largest);
         largest_so_far_ = std::max(largest_so_far_, equilibrium.largest);
       }
-      calm = equilibrium.error <= std::max(tolerance_ * largest_so_far_, rounding_error * size_) ? calm + 1 : 0;
+      const bool at_rest = equilibrium.error <= std::max(tolerance_ * largest_so_far_, rounding_error * size_) ||
+                           report.max_increment <= coordinate_rounding * size_;
+      calm = at_rest ? calm + 1 : 0;
       if (calm >= calm_needed) return Outcome::Converged;
     }
     if (watch && k % watch_interval == 0 && !watch(equilibrium.iterations)) return Outcome::Interrupted;
