@@ -40,6 +40,11 @@ double ToolProxy::freedom(const Model& model, const StepReport& last) {
   return g;
 }
 
+double ToolProxy::pushedBack(const Model& model, const StepReport& last) {
+  const double most = model.max_tool_force, force = last.tool_force.norm();
+  return most > 0 && force > most ? std::min(1.0, force / most - 1) : 0;
+}
+
 Pose ToolProxy::follow(const Pose& hand, const State& state, const StepReport& last) {
   const bool touches = !last.tool_force.isZero(0);
   const double g = touches ? freedom(model_, last) : 1, share = g * g;
@@ -58,6 +63,8 @@ Pose ToolProxy::follow(const Pose& hand, const State& state, const StepReport& l
   move = held(held(move, out.dot(axis) * axis, share), out - out.dot(axis) * axis, share);
   const double gently = tick_s * gentle_speed;
   if (gentle_ && touches && deeper && move.norm() > gently) move *= gently / move.norm();
+  const double push = pushedBack(model_, last);
+  if (push > 0) move += std::max(0.0, push * tick_s * model_.scene.tool_max_speed - move.dot(out)) * out;
 
   Pose pose;
   const bool arrives = move == way;

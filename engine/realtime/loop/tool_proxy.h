@@ -21,6 +21,10 @@ struct YieldLimits {
 ///   advance = g^2 (hand - tool), along the tool's axis and across it, each as far as it goes against the tissue's push
 ///   g = min over the limits of clamp((limit - value) / (limit - begin), 0, 1)
 ///
+/// A force above Model::max_tool_force, which only a blow can bring about, pushes the tool back, as it would a hand:
+///
+///   retreat = min(force / max_tool_force - 1, 1) tool_max_speed, along the push
+///
 /// Across the push and backwards the tool is free; it doesn't slide off a slope, as it would along the skin. Where no
 /// value is beyond its begin, the tool is the hand, bit for bit.
 /// Without contact it is free, too. After the tissue was put back (a reset, an undo, a solution that was lost) the hand
@@ -50,6 +54,9 @@ class ToolProxy {
 
   /// g above: 1 free, 0 no further.
   static double freedom(const Model& model, const StepReport& last);
+  /// 0: the force is within Model::max_tool_force; else, up to 1, how much of the tool's greatest speed it is pushed
+  /// back with.
+  static double pushedBack(const Model& model, const StepReport& last);
 
  private:
   const Model& model_;

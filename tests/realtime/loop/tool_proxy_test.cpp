@@ -104,6 +104,22 @@ TEST_CASE("A tool that yields is slowed where it goes deeper, and free sideways 
   CHECK(proxy.follow(handAt(0, 0, -0.05), touch.state, touch.report).position == Vec3(0, 0, -0.05));
 }
 
+TEST_CASE("A force above what the tool may have pushes it back", "[tool_proxy]") {
+  const Model model = toolModel();
+  ToolProxy proxy(model);
+  Touch touch;
+  touch.report.tool_force = Vec3(0, 0, model.max_tool_force);
+  CHECK(proxy.follow(handAt(0, 0, -0.05), touch.state, touch.report).position.norm() < 1e-15);
+  touch.report.tool_force *= 1.5;  // half the excess, half of 2 mm a tick
+  CHECK(proxy.follow(handAt(1e-4, 0, -0.05), touch.state, touch.report).position.z() == Approx(1e-3).epsilon(1e-12));
+  touch.report.tool_force *= 100;  // no faster than the tool may go
+  CHECK(proxy.follow(handAt(0, 0, -0.05), touch.state, touch.report).position.z() == Approx(2e-3).epsilon(1e-12));
+  // A hand that goes back as fast already is not pushed.
+  const Pose back = handAt(0, 0, 2e-3);
+  CHECK(proxy.follow(back, touch.state, touch.report).position == back.position);
+  CHECK(proxy.yield() == 0);
+}
+
 TEST_CASE("After the tissue was put back the tool comes gently, until it has reached the hand", "[tool_proxy]") {
   const Model model = toolModel();
   ToolProxy proxy(model);
