@@ -110,6 +110,9 @@ std::string Soak::finish(SimulationLoop& loop, const ResultFolder& results, bool
   report_.state = interrupted ? "interrupted" : "done";
   measure(loop);
   report_.flags |= loop.summary().flags;
+  // With the cycle that was not ended.
+  report_.peak_force_N = std::max(report_.peak_force_N, loop.summary().peak_force);
+  report_.min_J = std::min(report_.min_J, loop.summary().min_J);
   report_.frozen = loop.summary().frozen;
   report_.restored = loop.summary().restored_count;
   report_.largest_yield_m = loop.summary().largest_yield;

@@ -21,7 +21,7 @@ SpringBed undampedBed(double stiffer) {
 
 }  // namespace
 
-TEST_CASE("Friction: drags with mu N, sticks below, and does not creep", "[contact]") {
+TEST_CASE("Friction: drags with mu N, sticks below, and does not creep", "[contact][whole]") {
   const double mu = 0.3;
   SECTION("a plate: closed form") {
     const ToolShape plate = toolOf(ToolKind::FlatCylinder, 0.1);

@@ -67,7 +67,7 @@ Standing standing(const Model& model, const State& state) {
 }  // namespace
 
 TEST_CASE("A tool two thirds of a body deep is felt all the way and across, and stays outside of it",
-          "[contact][deep]") {
+          "[contact][deep][whole]") {
   struct Case {
     ToolKind kind;
     double depth;  // of the skin's faces in the tool at most, radii; felt by vertices alone a ball gets to 0.21

@@ -313,7 +313,8 @@ TEST_CASE("EBCIEM is chosen by the scene and holds the base as exactly", "[build
   CHECK(share == Approx(area).epsilon(1e-12));
 }
 
-TEST_CASE("Mass is added where it spares a step, and never more than the scene grants", "[build_model][mass_scaling]") {
+TEST_CASE("Mass is added where it spares a step, and never more than the scene grants",
+          "[build_model][mass_scaling][whole]") {
   Scene scene = blockScene();
   scene.rate_hz = 200;
   scene.tool_max_speed = 0.1;  // else the contact asks for short steps

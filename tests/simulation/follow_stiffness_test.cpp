@@ -85,7 +85,8 @@ Pressed press(const Model& model, double depth, double speed, double hold, int l
 
 }  // namespace
 
-TEST_CASE("Squeezed tissue stays below its stable step, and near the solution of small steps", "[follow_stiffness]") {
+TEST_CASE("Squeezed tissue stays below its stable step, and near the solution of small steps",
+          "[follow_stiffness][whole]") {
   for (const double nu : {0.3, 0.48}) {
     Scene scene = blockScene();
     scene.materials[0].material.set("poisson", nu);
@@ -157,7 +158,8 @@ TEST_CASE("Mass comes and goes without adding energy, and momentum is kept as it
   for (const float f : state.local_mass.factor) REQUIRE(f == 1);
 }
 
-TEST_CASE("A boundary is imposed as exactly where the nodes that carry it have gained mass", "[follow_stiffness]") {
+TEST_CASE("A boundary is imposed as exactly where the nodes that carry it have gained mass",
+          "[follow_stiffness][whole]") {
   Scene scene = blockScene();
   BoundarySpec top;
   top.region.kind = Region::Kind::NearPlane;

@@ -110,7 +110,7 @@ TEST_CASE("The stiffening is the larger of bulk and shear, over all materials", 
   CHECK(stiffening(model, live) == 4);
 }
 
-TEST_CASE("A slab stiffened live gets mass where one that was loaded as stiff does", "[live_parameters]") {
+TEST_CASE("A slab stiffened live gets mass where one that was loaded as stiff does", "[live_parameters][whole]") {
   constexpr double factor = 2.5;
   Scene scene = test::blockScene();
   Model loaded = test::blockModel(scene);

@@ -145,7 +145,7 @@ TEST_CASE("A cube held at a fifth less height relaxes by the closed form: loop, 
 }
 
 TEST_CASE("Indented, held and released: the force falls to what is left, the way back is softer, no doubt arises",
-          "[relaxation][contact]") {
+          "[relaxation][contact][whole]") {
   constexpr double g = 0.4, tau = 0.3;
   const Model model = relaxingBlock(g, tau);
   State state = initialState(model);

@@ -79,7 +79,7 @@ bool allFinite(const AlignedVector<Double4>& u) {
 
 }  // namespace
 
-TEST_CASE("A block on rollers meets the closed form of uniaxial stress", "[static_solver]") {
+TEST_CASE("A block on rollers meets the closed form of uniaxial stress", "[static_solver][whole]") {
   for (const auto method : {Scene::BoundaryMethod::Sebciem, Scene::BoundaryMethod::Ebciem})
     for (const double stretch : {0.8, 1.2}) {
       Scene scene = rollers((stretch - 1) * height);
@@ -120,7 +120,7 @@ TEST_CASE("A static solution is the same to the bit for any number of threads", 
   CHECK(std::memcmp(one.data(), two.data(), one.size() * sizeof(Double4)) == 0);
 }
 
-TEST_CASE("The estimated error is above the true one", "[static_solver]") {
+TEST_CASE("The estimated error is above the true one", "[static_solver][whole]") {
   for (const Vec3& travel : {Vec3(0.004, 0, -0.004), Vec3(0, 0.01, 0), Vec3(0, 0, 0.006)}) {
     const Model model = blockModel(plates(travel));
     StaticSolver tight(model, 1, 1e-9);
@@ -248,7 +248,7 @@ TEST_CASE("A watch interrupts a solution, which can be taken up again", "[static
   CHECK(largestDifference(solver.body().u, unbroken.body().u) < 2e-4 * e.largest);
 }
 
-TEST_CASE("An impossible load is owned up to, and leaves no number that is not one", "[static_solver]") {
+TEST_CASE("An impossible load is owned up to, and leaves no number that is not one", "[static_solver][whole]") {
   // The upper plate goes through the lower: no equilibrium that the material can have.
   const Model model = blockModel(plates(Vec3(0, 0, -1.5 * height)));
   StaticSolver solver(model, 2, 1e-3);

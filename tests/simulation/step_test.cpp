@@ -225,7 +225,7 @@ TEST_CASE("What the imposed nodes have crept away is taken back", "[step]") {
     REQUIRE(toVec3(u).norm() < 1e-9);  // the free nodes follow, as fast as damping lets them
 }
 
-TEST_CASE("Added mass leaves the force at rest as it is", "[step][mass_scaling]") {
+TEST_CASE("Added mass leaves the force at rest as it is", "[step][mass_scaling][whole]") {
   Scene scene = blockScene();
   scene.rate_hz = 200;
   scene.tool_max_speed = 0.1;  // else the contact asks for short steps

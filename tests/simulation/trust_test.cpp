@@ -111,7 +111,7 @@ TEST_CASE("The strain energy is that of the double reference, and the work done 
   }
 }
 
-TEST_CASE("A step too long for the tissue at rest gives it the mass that it needs", "[trust]") {
+TEST_CASE("A step too long for the tissue at rest gives it the mass that it needs", "[trust][whole]") {
   Model model = blockModel();
   for (const double share : {1.03, 1.3}) {
     // No scene may ask for this: the set-up refuses it.

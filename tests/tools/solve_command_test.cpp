@@ -382,7 +382,7 @@ TEST_CASE("A refused run leaves an earlier run's results as they are", "[solve_c
   CHECK_FALSE(std::filesystem::exists(folder.out("force.csv.part")));
 }
 
-TEST_CASE("A load that nothing can bear ends with code 1 and a report that says so", "[solve_command]") {
+TEST_CASE("A load that nothing can bear ends with code 1 and a report that says so", "[solve_command][whole]") {
   const Folder folder(
       replaced(replaced(block_scene, "translation = [0.001, 0, -0.003]", "translation = [0, 0, -0.045]"),
                "load_steps = 4", "load_steps = 1"));

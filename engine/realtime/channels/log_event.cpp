@@ -39,6 +39,12 @@ std::string sentence(const LogEvent& e) {
           "restored: %.0f integration points were inverted, the worst, %d, at (%.4f, %.4f, %.4f) m; the tissue is back "
           "where it was shortly before, at rest",
           e.value, e.index, p.x(), p.y(), p.z());
+    case LogEvent::Kind::RestoredFolded:
+      return format(
+          "restored: nothing touches the tissue, and yet it stood still folded, a point of it at %.0f %% of its "
+          "volume; "
+          "it is put back to rest",
+          100 * e.value);
     case LogEvent::Kind::InvertedPoints:
       return format(
           "%.0f integration points are inverted, the worst, %d, at (%.4f, %.4f, %.4f) m; "

@@ -19,6 +19,7 @@ struct LogEvent {
     RestoredNotFinite,  // the same, after which the tissue went back to an earlier state
     RestoredBlowUp,
     RestoredInverted,
+    RestoredFolded,   // value: J of the worst point
     InvertedPoints,   // warning: point, position; value: how many
     ContactOverflow,  // warning
     DeepContact,      // warning: value: penetration, m
@@ -45,7 +46,7 @@ struct LogEvent {
   Overload overload;
 
   bool isFreeze() const { return kind <= Kind::FrozenInverted; }
-  bool isRestore() const { return kind > Kind::FrozenInverted && kind <= Kind::RestoredInverted; }
+  bool isRestore() const { return kind > Kind::FrozenInverted && kind <= Kind::RestoredFolded; }
   bool isWarning() const {
     return (kind > Kind::FrozenInverted && kind <= Kind::Overloaded) || kind == Kind::ToolYields;
   }

@@ -28,6 +28,7 @@ SimulationLoop::SimulationLoop(const Model& model, Physics& physics, SpinTeam* t
       track_(std::move(options.track), options.track_ticks, options.motion, model.tool_start, model.scene.rate_hz),
       proxy_(model),
       history_(physics.state(), model.scene.rate_hz),
+      folds_(model),
       settings_(model, physics),
       recorder_(channels_.recorded, options.record, model.tool_start),
       reporter_(model, physics, team, channels_) {
@@ -119,6 +120,12 @@ bool SimulationLoop::step() {
   if (report.cut_short) return false;
   switch (reporter_.judge(report, run_)) {
     case Verdict::Good:
+      if (folds_.update(report, command.pull_vertex >= 0)) {
+        goBackTo(history_.start());
+        reporter_.restored();
+        reporter_.logEvent(LogEvent::Kind::RestoredFolded, run_, report.worst_point, report.min_J);
+        break;
+      }
       history_.keep(physics_.state(), reporter_.lastDoubt());
       break;
     case Verdict::Restore:

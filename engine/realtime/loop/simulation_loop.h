@@ -4,6 +4,7 @@
 #include <thread>
 #include <vector>
 
+#include "realtime/loop/fold_watch.h"
 #include "realtime/loop/input_recorder.h"
 #include "realtime/loop/live_settings.h"
 #include "realtime/loop/loop_channels.h"
@@ -108,6 +109,7 @@ class SimulationLoop final : private LoopBody {
   ToolTrack track_;
   ToolProxy proxy_;
   StateHistory history_;
+  FoldWatch folds_;
   LiveSettings settings_;
   InputRecorder recorder_;
   TickReporter reporter_;

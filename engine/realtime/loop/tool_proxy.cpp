@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "simulation/trust.h"
 
@@ -10,6 +11,13 @@ namespace {
 
 /// 1 up to `begin`, 0 from `end` on.
 double fade(double value, double begin, double end) { return std::clamp((end - value) / (end - begin), 0.0, 1.0); }
+
+/// m/s, in the softest material at rest.
+double slowestSound(const Model& model) {
+  double slowest = std::numeric_limits<double>::infinity();
+  for (const Material& m : model.materials) slowest = std::min(slowest, std::sqrt(m.waveModulus() / m.density));
+  return slowest;
+}
 
 /// `move` without a part of what goes against `out`, one of the two components of the tissue's unit push on the tool.
 /// @param share  what is left of it, 0 .. 1, where the component is no small one
@@ -23,7 +31,9 @@ Vec3 held(const Vec3& move, const Vec3& out, double share) {
 }  // namespace
 
 ToolProxy::ToolProxy(const Model& model)
-    : model_(model), arrival_ticks_(static_cast<int>(std::lround(arrival_seconds * model.scene.rate_hz))) {}
+    : model_(model),
+      arrival_ticks_(static_cast<int>(std::lround(arrival_seconds * model.scene.rate_hz))),
+      max_advance_(YieldLimits::sound_share * slowestSound(model) / model.scene.rate_hz) {}
 
 void ToolProxy::beGentle() {
   gentle_ = true;
@@ -49,13 +59,14 @@ Pose ToolProxy::follow(const Pose& hand, const State& state, const StepReport& l
   const bool touches = !last.tool_force.isZero(0);
   const double g = touches ? freedom(model_, last) : 1, share = g * g;
   yield_ = 0;
-  if (share >= 1 && !gentle_) return hand;
-
   const Pose& from = state.tool_pose;
   const Vec3 axis = from.orientation * Vec3::UnitZ();
   const Vec3 out = touches ? Vec3(last.tool_force.normalized()) : axis;
   const double tick_s = 1 / model_.scene.rate_hz;
   const Vec3 way = hand.position - from.position;
+  const bool too_fast = touches && tick_s * model_.scene.tool_max_speed > max_advance_ && -way.dot(out) > max_advance_;
+  if (share >= 1 && !gentle_ && !too_fast) return hand;
+
   Vec3 move = way;
   const double reach = tick_s * (gentle_ && !touches ? approach_speed : model_.scene.tool_max_speed);
   if (move.norm() > reach) move *= reach / move.norm();
@@ -63,6 +74,7 @@ Pose ToolProxy::follow(const Pose& hand, const State& state, const StepReport& l
   move = held(held(move, out.dot(axis) * axis, share), out - out.dot(axis) * axis, share);
   const double gently = tick_s * gentle_speed;
   if (gentle_ && touches && deeper && move.norm() > gently) move *= gently / move.norm();
+  if (too_fast) move += std::max(0.0, -move.dot(out) - max_advance_) * out;
   const double push = pushedBack(model_, last);
   if (push > 0) move += std::max(0.0, push * tick_s * model_.scene.tool_max_speed - move.dot(out)) * out;
 

@@ -13,6 +13,9 @@ struct YieldLimits {
   static constexpr double min_J = 0.1;            // from TrustLimits::min_J on
   static constexpr double penetration = 0.3;      // of the tool's radius, from TrustLimits::penetration on
   static constexpr double free_force = 0.5;       // of Model::max_tool_force: up to here the force does not count
+  // Of sound in the softest tissue: a tool as fast as sound would crush what is before it, as the tissue behind knows
+  // nothing of it yet (J = 1 - speed / sound, in one dimension).
+  static constexpr double sound_share = 0.5;
 };
 
 /// The tool that the tissue feels: it follows the hand (mouse, device, script or recording), but yields where the
@@ -25,6 +28,7 @@ struct YieldLimits {
 ///
 ///   retreat = min(force / max_tool_force - 1, 1) tool_max_speed, along the push
 ///
+/// In tissue it advances at half the speed of sound at most: for very soft tissue and a very quick hand.
 /// Across the push and backwards the tool is free; it doesn't slide off a slope, as it would along the skin. Where no
 /// value is beyond its begin, the tool is the hand, bit for bit.
 /// Without contact it is free, too. After the tissue was put back (a reset, an undo, a solution that was lost) the hand
@@ -61,6 +65,7 @@ class ToolProxy {
  private:
   const Model& model_;
   const int arrival_ticks_;
+  const double max_advance_;  // m a tick in tissue
   bool gentle_ = false;
   int arrived_ticks_ = 0;  // in a row, while gentle
   double yield_ = 0;

@@ -120,6 +120,23 @@ TEST_CASE("A force above what the tool may have pushes it back", "[tool_proxy]")
   CHECK(proxy.yield() == 0);
 }
 
+TEST_CASE("In tissue no tool advances faster than half of sound", "[tool_proxy]") {
+  Model model = toolModel();
+  double sound = 1e9;
+  for (const Material& m : model.materials) sound = std::min(sound, std::sqrt(m.waveModulus() / m.density));
+  model.scene.tool_max_speed = 10 * sound;
+  ToolProxy proxy(model);
+  Touch touch;
+  const double tick_s = 1 / model.scene.rate_hz, most = 0.5 * sound * tick_s;
+  CHECK(proxy.follow(handAt(1e-4, 0, -0.9 * most), touch.state, touch.report).position == Vec3(1e-4, 0, -0.9 * most));
+  CHECK(proxy.yield() == 0);
+  const Pose tool = proxy.follow(handAt(1e-4, 0, -5 * most), touch.state, touch.report);
+  CHECK(tool.position.isApprox(Vec3(1e-4, 0, -most), 1e-12));
+  CHECK(proxy.yield() == Approx(4 * most).epsilon(1e-12));
+  touch.report.tool_force.setZero();  // in the air it may
+  CHECK(proxy.follow(handAt(0, 0, -5 * most), touch.state, touch.report).position == Vec3(0, 0, -5 * most));
+}
+
 TEST_CASE("After the tissue was put back the tool comes gently, until it has reached the hand", "[tool_proxy]") {
   const Model model = toolModel();
   ToolProxy proxy(model);

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <cstdint>
+
+#include "simulation/model.h"
+#include "simulation/report.h"
+
+namespace palpate {
+
+/// Finds tissue that has folded: nothing touches or pulls it, it stands still, and yet it is not at rest. A hand rough
+/// enough can push a coarse cloud into such an equilibrium, a crumpled edge or a part turned inside out, from which it
+/// does not come back by itself; the model knows no contact of the skin with itself, which would hold it back.
+///
+/// Bodies whose boundaries are moved are loaded always, and never folded by this. Where the stress relaxes, tissue comes
+/// back slowly, so there only what is crushed counts.
+/// Loop thread only. Real-time: no allocation, no lock, no throw. Test: realtime/loop/fold_watch_test.cpp
+class FoldWatch {
+ public:
+  static constexpr double seconds = 2;          // so long
+  static constexpr double strained = 10;        // Model::rest_energy: a strain of 1 % everywhere, or one crushed cell
+  static constexpr double calm = 1e-3;          // kinetic energy as a share of the strain energy
+  static constexpr double steady_share = 0.99;  // what the strain energy must not fall below meanwhile
+
+  explicit FoldWatch(const Model& model);
+
+  /// A tick has ended well.
+  /// @param pulled  a spring pulls the skin
+  /// @return whether the tissue has folded; then the watch begins anew
+  bool update(const StepReport& report, bool pulled);
+
+ private:
+  bool looksFolded(const StepReport& report) const;
+
+  const std::int64_t needed_;  // ticks
+  const double strained_;      // J
+  bool moved_ = false, relaxes_ = false;
+  std::int64_t ticks_ = 0;
+  double energy_ = 0;  // J, strain energy in the first of them
+};
+
+}  // namespace palpate

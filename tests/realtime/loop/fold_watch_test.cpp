@@ -1,0 +1,102 @@
+#include "realtime/loop/fold_watch.h"
+
+#include <catch2/catch.hpp>
+
+#include "realtime/fakes.h"
+#include "realtime/loop/simulation_loop.h"
+#include "simulation/trust.h"
+
+using namespace palpate;
+
+namespace {
+
+Model watched() {
+  Model model = test::smallModel(500);
+  model.rest_energy = 1e-6;
+  return model;
+}
+
+/// Nothing touches, nothing moves, and a point is crushed.
+StepReport folded() {
+  StepReport report;
+  report.strain_energy = 1e-3;
+  report.min_J = TrustLimits::min_J - 0.01F;
+  return report;
+}
+
+/// The ticks after which `watch` finds a fold; -1: not within `most`.
+int ticksUntilFound(FoldWatch& watch, const StepReport& report, bool pulled = false, int most = 5000) {
+  for (int t = 1; t <= most; ++t)
+    if (watch.update(report, pulled)) return t;
+  return -1;
+}
+
+}  // namespace
+
+TEST_CASE("Tissue that stands still strained, and nothing touches it, has folded", "[fold_watch]") {
+  const Model model = watched();
+  FoldWatch watch(model);
+  CHECK(ticksUntilFound(watch, folded()) == 1000);
+  CHECK(ticksUntilFound(watch, folded()) == 1000);  // and anew
+  StepReport strained = folded();
+  strained.min_J = 0.9F;
+  CHECK(ticksUntilFound(watch, strained) == 1000);
+  strained.strain_energy = 0.9 * FoldWatch::strained * model.rest_energy;
+  CHECK(ticksUntilFound(watch, strained) == -1);
+  StepReport crushed = folded();  // a single point in a large body
+  crushed.strain_energy = 0.1 * model.rest_energy;
+  CHECK(ticksUntilFound(watch, crushed) == 1000);
+}
+
+TEST_CASE("Tissue that is touched, pulled, moved or on its way has not folded", "[fold_watch]") {
+  Model model = watched();
+  FoldWatch watch(model);
+  CHECK(ticksUntilFound(watch, folded(), true) == -1);
+  StepReport touched = folded();
+  touched.contact_count = 1;
+  CHECK(ticksUntilFound(watch, touched) == -1);
+  StepReport swinging = folded();
+  swinging.kinetic_energy = 0.01 * swinging.strain_energy;
+  CHECK(ticksUntilFound(watch, swinging) == -1);
+  // Creeping back: half of the energy in each ten seconds.
+  StepReport creeping = folded();
+  for (int t = 0; t < 5000; ++t) {
+    creeping.strain_energy *= 1 - 0.693 / 5000;
+    REQUIRE_FALSE(watch.update(creeping, false));
+  }
+  // A touch in between begins the time anew.
+  for (int t = 0; t < 5000; ++t) REQUIRE_FALSE(watch.update(t % 900 == 0 ? touched : folded(), false));
+  Model moved = watched();
+  moved.scene.boundaries.emplace_back();
+  moved.scene.boundaries.back().duration = 1;
+  FoldWatch of_moved(moved);
+  CHECK(ticksUntilFound(of_moved, folded()) == -1);
+  model.materials.front().relaxation_count = 1;  // comes back slowly: only what is crushed counts
+  FoldWatch relaxing(model);
+  StepReport strained = folded();
+  strained.min_J = 0.9F;
+  CHECK(ticksUntilFound(relaxing, strained) == -1);
+  CHECK(ticksUntilFound(relaxing, folded()) == 1000);
+}
+
+TEST_CASE("Folded tissue is put back to rest, counted and told of", "[fold_watch]") {
+  const Model model = watched();
+  test::FakePhysics physics(model);
+  physics.on_tick = [](State& state, StepReport& report) {
+    if (state.tick < 100) return;
+    report = folded();
+    state.u[0].x = 0.05F;
+  };
+  SimulationLoopOptions options;
+  options.tick_limit = 1150;
+  SimulationLoop loop(model, physics, nullptr, options);
+  test::FakeClock clock;
+  loop.run(clock);
+  CHECK(loop.summary().restored_count == 1);
+  CHECK_FALSE(loop.summary().frozen);
+  int told = 0;
+  LogEvent event;
+  while (loop.log().pop(event)) told += event.kind == LogEvent::Kind::RestoredFolded && event.isRestore();
+  CHECK(told == 1);
+  CHECK(physics.state().u[0].x != 0.05F);
+}

@@ -1,0 +1,65 @@
+// Each scene of assets under a rough hand, with coarser clouds, which are quick. Long; the app's own tests see the same
+// code in short (tests/app/run/rough_motion_test.cpp).
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <string>
+
+#include "app/run/rough_motion.h"
+#include "app/run/soak_report.h"
+#include "base/build_info.h"
+#include "io/load_model.h"
+#include "io/scene_file.h"
+#include "realtime/fakes.h"
+#include "realtime/loop/simulation_loop.h"
+
+using namespace palpate;
+using namespace palpate::app;
+
+namespace {
+
+/// The scene with an eighth of its nodes.
+Model coarse(const std::string& name) {
+  constexpr double coarser = 2;
+  Scene scene = readScene(sourceFolder() + "/assets/scenes/" + name + ".toml");
+  scene.spacing *= coarser;
+  for (RefineSpec& refine : scene.refine) refine.spacing *= coarser;
+  return buildModel(scene, organSurface(scene));
+}
+
+/// @param rests  ends cycles, at rest by the rule of RestWatch and not only by eye
+void roughHand(const std::string& name, unsigned seed, bool rests = true) {
+  const Model model = coarse(name);
+  TissuePhysics physics(model, 1);
+  RoughMotion motion(model, seed);
+  SimulationLoopOptions options;
+  options.motion = &motion;
+  options.tick_limit = 10000;
+  SimulationLoop loop(model, physics, nullptr, options);
+  test::FakeClock clock;
+  loop.run(clock);
+  const RunSummary& summary = loop.summary();
+  SoakReport report;
+  report.rough = true;
+  report.organ_size_m = motion.rest().organSize();
+  report.frozen = summary.frozen;
+  report.restored = summary.restored_count;
+  for (SoakCycle cycle; motion.cycles().pop(cycle);) addCycle(report, cycle);
+  INFO(name << ", " << model.X.size() << " nodes, " << report.cycles << " cycles, restored " << report.restored
+            << ", peak " << summary.peak_force << " N, min J " << summary.min_J << ", drift " << report.largest_drift_m
+            << " m");
+  for (const std::string& broken : brokenPromises(report)) FAIL_CHECK(broken);
+  if (rests) CHECK(report.cycles >= 1);
+  CHECK((summary.flags & kNotFinite) == 0);
+  CHECK_FALSE(summary.frozen);
+  CHECK(summary.peak_force > 0);
+}
+
+}  // namespace
+
+TEST_CASE("No rough hand breaks the liver", "[rough]") { roughHand("liver", 11); }
+TEST_CASE("No rough hand breaks the liver at 1 kHz", "[rough]") { roughHand("liver_1khz", 12); }
+TEST_CASE("No rough hand breaks the kidney", "[rough]") { roughHand("kidney", 13); }
+TEST_CASE("No rough hand breaks the layer", "[rough]") { roughHand("layer_sphere", 14); }
+// Ogden's principal stretches have more rounding, which keeps the gel moving for longer than this.
+TEST_CASE("No rough hand breaks the gel cylinder", "[rough]") { roughHand("gel_cylinder", 15, false); }
+TEST_CASE("No rough hand breaks the half-ellipsoid of brain", "[rough]") { roughHand("brain_half_ellipsoid", 16); }
