@@ -1,11 +1,10 @@
 #include "app/run/result_folder.h"
 
 #include <cerrno>
-#include <cstdio>
 #include <filesystem>
 
 #include "io/output_file.h"
-#include "simulation/trust.h"
+#include "realtime/recording/force_csv.h"
 
 namespace palpate::app {
 
@@ -28,10 +27,7 @@ ResultFolder::ResultFolder(const std::string& folder, bool with_forces)
   errno = 0;
   forces_.open(pending_.part(), std::ios::trunc);
   if (!forces_) failWriting(forceFile(), errno, elsewhere);
-  forces_ << "time_s,depth_m,force_raw_N_x,force_raw_N_y,force_raw_N_z,"
-             "force_filtered_N_x,force_filtered_N_y,force_filtered_N_z,trust,"
-             "tool_x_m,tool_y_m,tool_z_m,tool_qx,tool_qy,tool_qz,tool_qw,torque_Nm_x,torque_Nm_y,torque_Nm_z,contacts\n"
-          << std::flush;
+  forces_ << force_csv_header << std::flush;
   checkForces();
 }
 
@@ -45,17 +41,8 @@ void ResultFolder::checkForces() {
 
 void ResultFolder::addForce(const ForceSample& s) {
   if (!with_forces_) return;
-  // %.9g tells neighbouring floats apart; the clock's times have at most 1e-4 s of detail.
-  char row[512];
-  const Vec3 &raw = s.force_raw, &filtered = s.force_filtered, &at = s.tool_pose.position, &torque = s.torque;
-  const Quat& q = s.tool_pose.orientation;
-  int length = std::snprintf(row, sizeof row, "%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%s", s.time_s, s.depth_m,
-                             raw.x(), raw.y(), raw.z(), filtered.x(), filtered.y(), filtered.z(), doubtName(s.doubt));
-  length += std::snprintf(row + length, sizeof row - static_cast<std::size_t>(length),
-                          ",%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%d\n", at.x(), at.y(), at.z(), q.x(),
-                          q.y(), q.z(), q.w(), torque.x(), torque.y(), torque.z(), s.contact_count);
   errno = 0;
-  forces_.write(row, length);
+  forces_ << forceCsvRow(s);
   checkForces();
 }
 

@@ -151,7 +151,8 @@ PALPATE_API int32_t palpate_describe(const palpate_model *model, palpate_model_i
 PALPATE_API int32_t palpate_skin_triangles(const palpate_model *model, int32_t *corners, int32_t triangle_count);
 
 /* The poses of a tool script, one for the end of each tick.
- * @param script    a file, or the name of a script that the library brings; NULL or "": the indentation of an off-screen run
+ * @param script    a file, or the name of a script that the library brings; NULL or "": the indentation of an
+ *                  off-screen run
  * @param poses     (capacity, 7); NULL with capacity 0: only counts
  * @param count     receives how many there are, also where capacity is less: then the first ones are written */
 PALPATE_API int32_t palpate_script(const palpate_model *model, const char *script, double *poses, int64_t capacity,
@@ -165,8 +166,8 @@ PALPATE_API int32_t palpate_create(const palpate_model *model, palpate_simulatio
 /* Stops it where it runs. NULL does nothing. */
 PALPATE_API void palpate_destroy(palpate_simulation *simulation);
 
-/* (control; acts as hand, too) n ticks on the calling thread, as fast as it can: bit for bit what the loop does. The tool
- * goes to `pose` in the first of them, or as far as the scene's max_speed lets it, and stays.
+/* (control; acts as hand, too) n ticks on the calling thread, as fast as it can: bit for bit what the loop does. The
+ * tool goes to `pose` in the first of them, or as far as the scene's max_speed lets it, and stays.
  * @param n      0: takes the pose only, for the next tick
  * @param pose   (7); NULL: as before
  * @param state  receives the last tick's outcome; may be NULL */
@@ -182,7 +183,8 @@ PALPATE_API int32_t palpate_start(palpate_simulation *simulation, uint32_t flags
 /* (control) Ends that thread after its present tick, and waits for it. It may be started, or stepped, again. */
 PALPATE_API int32_t palpate_stop(palpate_simulation *simulation);
 
-/* (hand) Where the tool should be: the latest wins, and nothing smooths it. Wait-free: no allocation, lock or system call.
+/* (hand) Where the tool should be: the latest wins, and nothing smooths it. Wait-free: no allocation, lock or system
+ * call.
  * @param pose      (7)
  * @param sequence  comes back as palpate_state.pose_sequence */
 PALPATE_API int32_t palpate_set_target(palpate_simulation *simulation, const double *pose, uint64_t sequence);
@@ -195,8 +197,8 @@ PALPATE_API int32_t palpate_read(const palpate_simulation *simulation, palpate_s
  * @param vertex_count  as palpate_describe says */
 PALPATE_API int32_t palpate_skin_positions(palpate_simulation *simulation, float *positions, int32_t vertex_count);
 
-/* (viewer) The forces on the tissue in the newest tick, by skin vertex. They sum to minus the tool's force; a vertex may
- * come more than once.
+/* (viewer) The forces on the tissue in the newest tick, by skin vertex. They sum to minus the tool's force; a vertex
+ * may come more than once.
  * @param vertex  (capacity)
  * @param force   (capacity, 3) N
  * @param count   receives how many there are, also where capacity is less: then the first ones are written */

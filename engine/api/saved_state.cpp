@@ -18,7 +18,8 @@ struct Header {
   std::uint64_t sum = 0;    // of those after the header
 };
 
-/// What of the state changes but for the live settings, in the order of the bytes. What each tick makes anew is left out.
+/// What of the state changes but for the live settings, in the order of the bytes. What each tick makes anew is
+/// left out.
 template <class SomeState, class Call>
 void forEachPart(SomeState& s, Call call) {
   const auto one = [&call](auto& value) { call(&value, sizeof value); };

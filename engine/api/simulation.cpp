@@ -154,7 +154,7 @@ int32_t palpate_read(const palpate_simulation* simulation, palpate_state* state)
   put(s.contact_normal, out.normal);
   out.stiffness = s.stiffness;
   out.depth_m = s.depth_m;
-  out.advance_m = s.depth_m;
+  out.advance_m = s.advance_m;
   out.work_J = s.work_J;
   return fill(state, out);
 }

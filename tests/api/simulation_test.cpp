@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "api/pressed_block.h"
+#include "support/realtime_guard.h"
 #include "support/text.h"
 
 using namespace palpate;
@@ -196,6 +197,31 @@ TEST_CASE("A simulation on its own thread answers the hand's newest pose, and go
   REQUIRE(palpate_start(simulation.get(), PALPATE_ORDINARY_THREAD) == PALPATE_OK);
   while (state.tick < later.tick + 3) REQUIRE(palpate_read(simulation.get(), &state) == PALPATE_OK);
   CHECK(state.force[2] > 0);
+}
+
+TEST_CASE("Hand, readers and the steps themselves take no lock and allocate nothing", "[api]") {
+  if (!guardAvailable()) return;
+  const ModelHandle model = loadBlock();
+  const palpate_model_info info = describe(model);
+  const SimulationHandle simulation = create(model);
+  press(simulation, info, 0, 30);
+  auto state = sized<palpate_state>();
+  std::vector<float> positions(3 * static_cast<std::size_t>(info.skin_vertex_count)), forces(300);
+  std::vector<std::int32_t> vertex(100);
+  std::int32_t count = 0, code = 0;
+  const auto pose = poseAtDepth(info, 0.002);
+  startGuard();
+  code |= palpate_set_target(simulation.get(), pose.data(), 7);
+  code |= palpate_step(simulation.get(), 5, nullptr, &state);
+  code |= palpate_read(simulation.get(), &state);
+  code |= palpate_skin_positions(simulation.get(), positions.data(), info.skin_vertex_count);
+  code |= palpate_contacts(simulation.get(), vertex.data(), forces.data(), 100, &count);
+  code |= palpate_set_friction(simulation.get(), 0.1);
+  const GuardCounts counts = stopGuard();
+  CHECK(code == PALPATE_OK);
+  CHECK(counts.total() == 0);
+  CHECK(state.pose_sequence == 7);
+  CHECK(count > 0);
 }
 
 TEST_CASE("What can't be used is told with its place, and leaves the caller's program alone", "[api]") {

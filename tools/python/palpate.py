@@ -207,7 +207,7 @@ class Model:
         return poses
 
     def pose_at(self, depth, slide=(0, 0)):
-        """The start pose moved along the tool's axis to `depth` m past first touch, and by `slide` m in world x and y."""
+        """The start pose moved along the tool's axis to `depth` m past first touch, and by `slide` m in x and y."""
         pose = self.tool_start.copy()
         pose[:3] += (self.first_contact_travel + depth) * self.tool_axis
         pose[:2] += slide
@@ -303,7 +303,10 @@ class Simulation:
 
 
 class Environment:
-    """The customary form: observation, info = reset(seed); observation, reward, terminated, truncated, info = step(action).
+    """The customary form.
+
+        observation, info = reset(seed)
+        observation, reward, terminated, truncated, info = step(action)
 
     action       (3) where the tip should be, m, or (7) a pose
     observation  (17) float64: pose of the tool (7), force (3), torque (3), normal (3), depth

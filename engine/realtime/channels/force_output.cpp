@@ -50,6 +50,7 @@ void ForceOutput::publish(const ForceSample& s) {
   packer.add(std::bit_cast<std::uint64_t>(s.wall_ns));
   packer.add(s.time_s);
   packer.add(s.depth_m);
+  packer.add(s.advance_m);
   packer.add(s.force_raw);
   packer.add(s.force_filtered);
   packer.add(static_cast<std::uint64_t>(s.doubt));
@@ -86,6 +87,7 @@ ForceSample ForceOutput::latest() const {
   s.wall_ns = std::bit_cast<std::int64_t>(unpacker.whole());
   s.time_s = unpacker.real();
   s.depth_m = unpacker.real();
+  s.advance_m = unpacker.real();
   s.force_raw = unpacker.vector();
   s.force_filtered = unpacker.vector();
   s.doubt = static_cast<Doubt>(unpacker.whole());

@@ -15,6 +15,7 @@ struct ForceSample {
   std::int64_t wall_ns = 0;            // CLOCK_MONOTONIC when the tick began and took its input
   double time_s = 0;                   // physics time
   double depth_m = 0;                  // tip travel along the tool's axis past first touch of the resting skin
+  double advance_m = 0;                // the same along the tool's axis at rest
   Vec3 force_raw = Vec3::Zero();       // N, on the tool
   Vec3 force_filtered = Vec3::Zero();  // N
   Doubt doubt = Doubt::None;           // why the force should not be believed

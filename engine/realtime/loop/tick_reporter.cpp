@@ -77,7 +77,7 @@ void TickReporter::sendForce(const LoopTime& time, const RunState& run) {
   force_.tick = run.tick;
   force_.wall_ns = time.begin_ns;
   force_.time_s = secondsAt(run.tick);
-  force_.depth_m =
+  force_.depth_m = force_.advance_m =
       (physics_.state().tool_pose.position - model_.tool_start.position).dot(tool_axis_) - model_.first_contact_travel;
   force_.force_raw = report_.tool_force;
   force_.tool_pose = physics_.state().tool_pose;
