@@ -86,6 +86,13 @@ if(APP)
   if(NOT lines EQUAL 500)
     message(FATAL_ERROR "${lines} forces were compared, not 500")
   endif()
+
+  # A job of a batch has the same bytes.
+  file(WRITE ${WORK}/jobs.jsonl "{\"id\": \"one\", \"scene\": \"moved\", \"seconds\": 1}\n")
+  run(0 ${PREFIX}/bin/mtled batch jobs.jsonl --no-cache --out ${WORK}/batch)
+  file(READ ${WORK}/out/force.csv single)
+  file(READ ${WORK}/batch/one/force.csv job)
+  require_equal("a job's force.csv is not that of a run of its own" "${job}" "${single}")
 endif()
 
 # A scene that can't be used, through C and through Python.

@@ -8,9 +8,9 @@
 
 Or, in the form that reinforcement learning is used to, `Environment`: reset(seed), step(action), render().
 
-The library is looked for in $PALPATE_LIBRARY (a file), beside an installed copy of this file, and in the newest build
-of the source tree that this file is in. Units are m, N, s, rad; a pose is x, y, z, then the quaternion x, y, z, w.
-What may be called by which thread, and what each number means, stands in palpate.h.
+The library is looked for in $PALPATE_LIBRARY (a file), beside an installed copy of this file, and in the release build,
+or else the newest, of the source tree that this file is in. Units are m, N, s, rad; a pose is x, y, z, then the
+quaternion x, y, z, w. What may be called by which thread, and what each number means, stands in palpate.h.
 """
 import ctypes as C
 import glob
@@ -90,7 +90,7 @@ def find_library(name="palpate"):
         return os.path.join(os.path.dirname(os.path.realpath(find_library())), file)
     up = lambda *parts: os.path.normpath(os.path.join(here, *parts))
     places = glob.glob(up("../../../lib*", file)) + glob.glob(up("../../../lib/*", file))
-    places += sorted(glob.glob(up("../../build/*", file)), key=os.path.getmtime, reverse=True)
+    places += sorted(glob.glob(up("../../build/*", file)), key=lambda p: ("release" not in p, -os.path.getmtime(p)))
     if not places:
         raise Error(FAILED, f"there is no {file} near {here}; install or build Palpate, or set PALPATE_LIBRARY")
     return places[0]
