@@ -17,9 +17,11 @@
 #include "base/printable_text.h"
 #include "io/output_file.h"
 #include "mtled/atlas/atlas_command.h"
+#include "mtled/batch/batch_command.h"
 #include "mtled/bench/bench_command.h"
 #include "mtled/fit/fit_command.h"
 #include "mtled/frontier/frontier_command.h"
+#include "mtled/identify/identify_command.h"
 #include "mtled/solve/solve_command.h"
 #include "mtled/verify/verification_case.h"
 #include "mtled/verify/verify_command.h"
@@ -39,6 +41,8 @@ const char* const examples = R"(Examples:
   mtled bench --quick                        the force kernels' speed beside what this machine could do at most
   mtled frontier liver --quick               what each microsecond buys
   mtled fit liver --rate 1000                the most accurate setting that holds 1 kHz here
+  mtled batch jobs.jsonl --jobs 8            many scenes, one thread each
+  mtled identify kidney --measured force.csv    the material that gives a measured force curve
   mtled atlas --quick                        where the numbers are true, doubted or refused
 
 Exit codes: 0 done, 1 failed, not converged or interrupted (what there is is kept), 2 bad option or scene.)";
@@ -150,6 +154,48 @@ CLI::App* addFit(CLI::App& app, FitOptions& options) {
   return command;
 }
 
+CLI::App* addBatch(CLI::App& app, BatchOptions& options) {
+  CLI::App* command = app.add_subcommand("batch", "Run many scenes, each on a thread of its own");
+  command->footer(
+      "A job is a line of JSON: {\"id\": \"soft\", \"scene\": \"liver\", \"set\": {\"material[0].young\": 2000},\n"
+      "\"tool\": \"drag_across\", \"seconds\": 2, \"field\": true}. Only the scene is needed.\n\n" +
+      examplesOf(*command));
+  command->add_option("JOBS", options.jobs, "File with a job in each line (JSON Lines)")->required();
+  command->add_option("--out", options.out, "Folder for the results (out/<file>)")->type_name("DIR");
+  command->add_option("--jobs", options.workers, "Jobs at once (one per core)")
+      ->type_name("N")
+      ->check(CLI::Range(1, 1024));
+  CLI::Option* shard =
+      command->add_option("--shard", options.shard, "Every N-th job from the K-th on: for many machines")
+          ->type_name("K/N");
+  command->add_option("--merge", options.merge, "Run nothing: make one result of the folders of all shards")
+      ->type_name("DIR")
+      ->excludes(shard);
+  options.use_cache = true;
+  command->add_flag_callback(
+      "--no-cache", [&options] { options.use_cache = false; }, "Make the set-ups anew and do not keep them");
+  return command;
+}
+
+CLI::App* addIdentify(CLI::App& app, IdentifyOptions& options) {
+  CLI::App* command = app.add_subcommand("identify", "Find a material's parameters from a measured force curve");
+  command->footer(examplesOf(*command));
+  command->add_option("SCENE", options.scene, "Scene file (.toml), or the name of one in assets/scenes")->required();
+  command->add_option("--measured", options.measured, "CSV with columns depth_m and force_N, or a run's force.csv")
+      ->type_name("FILE")
+      ->required();
+  command->add_option("--parameter", options.parameters, "One or two of the material's law (its first)")
+      ->type_name("NAME");
+  command->add_option("--material", options.material, "Which material, from 0")
+      ->type_name("N")
+      ->check(CLI::Range(0, 99));
+  command->add_option("--seconds", options.seconds, "Physics time in which the simulated tool is pressed in (2)")
+      ->type_name("S")
+      ->check(CLI::Range(0.1, 100.0));
+  command->add_option("--out", options.out, "Folder for the results (out/<scene>_identify)")->type_name("DIR");
+  return command;
+}
+
 CLI::App* addAtlas(CLI::App& app, AtlasOptions& options) {
   std::string axes = "Axes (AXIS/VALUE for one cell):";
   for (const auto& axis : atlasAxes()) axes += "\n  " + axis.key + ": " + axis.title;
@@ -179,13 +225,17 @@ int main(int argc, char** argv) {
   FrontierOptions frontier;
   FitOptions fit;
   AtlasOptions atlas;
+  BatchOptions batch;
+  IdentifyOptions identify;
   const std::pair<CLI::App*, std::function<int()>> commands[] = {
       {addSolve(app, solve), [&] { return solveCommand(solve); }},
       {addVerify(app, verify), [&] { return verifyCommand(verify); }},
       {addBench(app, bench), [&] { return benchCommand(bench); }},
       {addFrontier(app, frontier), [&] { return frontierCommand(frontier); }},
       {addFit(app, fit), [&] { return fitCommand(fit); }},
-      {addAtlas(app, atlas), [&] { return atlasCommand(atlas); }}};
+      {addAtlas(app, atlas), [&] { return atlasCommand(atlas); }},
+      {addBatch(app, batch), [&] { return batchCommand(batch); }},
+      {addIdentify(app, identify), [&] { return identifyCommand(identify); }}};
   if (const std::string wrong = wrongCommand(app, argc, argv); !wrong.empty()) {
     std::cerr << "mtled: " << wrong << std::endl;
     return unusable_input;

@@ -306,7 +306,7 @@ std::string findShaderDir() {
     if (holdsShaders(wanted)) return wanted;
     throw std::runtime_error(std::string("PALPATE_SHADER_DIR names ") + wanted + ", which holds no frame.glsl");
   }
-  const fs::path source = sourceFolder() + "/shaders";
+  const fs::path source = dataFolder() + "/shaders";
   if (holdsShaders(source)) return source;
   std::error_code ignored;
   const fs::path beside = fs::read_symlink("/proc/self/exe", ignored).parent_path() / "shaders";

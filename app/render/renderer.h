@@ -43,8 +43,8 @@ class Renderer {
   std::unique_ptr<Parts> parts_;
 };
 
-/// The folder of the shaders: $PALPATE_SHADER_DIR; else shaders/ of the source tree that
-/// this program was built from; else shaders/ beside the executable.
+/// The folder of the shaders: $PALPATE_SHADER_DIR; else shaders/ of dataFolder(), which is that of an installed program
+/// or library, else the source tree; else shaders/ beside the executable.
 /// Throws std::runtime_error that lists where it looked.
 std::string findShaderDir();
 

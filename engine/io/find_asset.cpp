@@ -30,7 +30,7 @@ std::string findInput(const std::string& what, const std::string& name, const st
 
 }  // namespace
 
-std::string assetFolder(const std::string& name) { return sourceFolder() + "/assets/" + name; }
+std::string assetFolder(const std::string& name) { return dataFolder() + "/assets/" + name; }
 
 std::string findScene(const std::string& scene, const std::string& folder) {
   return findInput("scene file", scene, folder);

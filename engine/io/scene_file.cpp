@@ -295,6 +295,38 @@ std::string setUpValues(const TomlFile& file, bool mass_scaling) {
   return lines;
 }
 
+/// "material[0]" as name and place in the list; -1: no list.
+std::pair<std::string, int> listEntry(const std::string& part, const SourceLocation& place) {
+  const std::size_t bracket = part.find('[');
+  if (bracket == std::string::npos) return {part, -1};
+  const std::string digits = part.substr(bracket + 1, part.size() - bracket - 2);
+  const bool number = part.back() == ']' && !digits.empty() && digits.size() < 5 &&
+                      digits.find_first_not_of("0123456789") == std::string::npos;
+  if (!number) throw InputError(place, inQuotes(part) + " names no entry of a list", "write material[0].young");
+  return {part.substr(0, bracket), std::stoi(digits)};
+}
+
+/// Sets what a change says, in tables that are made where they are missing.
+void apply(const SceneChange& change, const std::string& path, toml::table& document) {
+  const SourceLocation place{path, 0, 0};
+  const toml::table parsed = parseToml("value = " + change.value, path + ", set to another value, " + change.key);
+  if (parsed.size() != 1) throw InputError(place, "the value of " + inQuotes(change.key) + " is more than one", "");
+  toml::table* table = &document;
+  std::string rest = change.key;
+  for (std::size_t dot = rest.find('.'); dot != std::string::npos; dot = rest.find('.')) {
+    const auto [name, index] = listEntry(rest.substr(0, dot), place);
+    rest.erase(0, dot + 1);
+    if (index < 0 && !table->contains(name)) table->insert(name, toml::table());
+    toml::node* node = table->get(name);
+    if (index >= 0 && node != nullptr && node->is_array())
+      node = node->as_array()->get(static_cast<std::size_t>(index));
+    if (node == nullptr || !node->is_table())
+      throw InputError(place, "the scene has no " + inQuotes(change.key), "name a key that its tables have");
+    table = node->as_table();
+  }
+  parsed.get("value")->visit([&](const auto& value) { table->insert_or_assign(rest, value); });
+}
+
 }  // namespace
 
 void overrideRate(Scene& scene, double rate_hz) {
@@ -302,8 +334,11 @@ void overrideRate(Scene& scene, double rate_hz) {
   if (scene.mass_scaling > 0) scene.set_up_values += "instead: dynamics.rate = " + shortest(rate_hz) + "\n";
 }
 
-Scene readScene(const std::string& path) {
-  const toml::table document = parseToml(readWholeFile(path, {}, max_toml_bytes), path);
+Scene readScene(const std::string& path) { return readScene(path, {}); }
+
+Scene readScene(const std::string& path, std::span<const SceneChange> changes) {
+  toml::table document = parseToml(readWholeFile(path, {}, max_toml_bytes), path);
+  for (const SceneChange& change : changes) apply(change, path, document);
   TomlFile file{path, sceneKeys(), {}};
   Scene scene;
   scene.place = {path, 0, 0};

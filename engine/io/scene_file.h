@@ -1,5 +1,6 @@
 #pragma once
 
+#include <span>
 #include <string>
 
 #include "simulation/scene.h"
@@ -17,6 +18,16 @@ namespace palpate {
 /// the file sets: "dynamics.time_step", "material[0].young",
 /// "fixed[1]" (lists count from 0). Boundaries are in the file's order, all fixed ones first.
 Scene readScene(const std::string& path);
+
+/// A key that gets another value than the file's: "dynamics.damping", "material[0].young" (lists count from 0; the entry
+/// must be there).
+struct SceneChange {
+  std::string key;
+  std::string value;  // as TOML writes it: `0.01`, `"int16"`, `[0, 0, 1]`
+};
+
+/// The same with changes, which are checked as if they stood in the file.
+Scene readScene(const std::string& path, std::span<const SceneChange> changes);
 
 /// Runs the scene at another rate than the file's. A preparation with added mass depends on it.
 void overrideRate(Scene& scene, double rate_hz);

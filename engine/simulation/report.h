@@ -35,11 +35,13 @@ struct StepReport {
   int worst_node = -1;     // node that moved furthest in one step, or is not finite
   float min_J = 1;
   int inverted_points = 0;
-  float max_increment = 0;            // m, largest |du| of a node in one step
-  Vec3 tool_force = Vec3::Zero();     // N, on the tool
-  Vec3 base_reaction = Vec3::Zero();  // N, of the held (imposed and not moving) nodes on the tissue
-  int contact_count = 0;              // skin vertices that carry force
-  double max_penetration = 0;         // m
+  float max_increment = 0;             // m, largest |du| of a node in one step
+  Vec3 tool_force = Vec3::Zero();      // N, on the tool
+  Vec3 base_reaction = Vec3::Zero();   // N, of the held (imposed and not moving) nodes on the tissue
+  Vec3 tool_torque = Vec3::Zero();     // N m, on the tool about its tip; of a whole tick only (tool_contact.h)
+  Vec3 contact_normal = Vec3::Zero();  // unit, from the tissue towards the tool; 0: no contact; likewise
+  int contact_count = 0;               // skin vertices that carry force
+  double max_penetration = 0;          // m
   // For simulation/trust.h.
   double strain_energy = 0;            // J
   double kinetic_energy = 0;           // J

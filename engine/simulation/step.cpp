@@ -4,6 +4,7 @@
 #include "simulation/follow_stiffness.h"
 #include "simulation/node_passes.h"
 #include "simulation/step_report.h"
+#include "simulation/tool_contact.h"
 #include "simulation/workspace.h"
 
 namespace palpate {
@@ -75,6 +76,9 @@ StepReport tick(const Model& model, State& state, const Command& command, Worksp
     total = worstOf(total, step(model, state, poseAt(share * k / model.substeps_per_tick), command, workspace));
   }
   ++state.tick;
+  const ToolContact contact = toolContact(model, state);
+  total.tool_torque = contact.torque;
+  total.contact_normal = contact.normal;
   return total;
 }
 

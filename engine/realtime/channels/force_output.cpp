@@ -17,22 +17,53 @@ ForceReading readForce(const ForceSample& sample, std::int64_t now, double rate_
   return reading;
 }
 
+namespace {
+
+/// The words of a sample one after another.
+struct Packer {
+  std::uint64_t* word;
+  void add(std::uint64_t value) { *word++ = value; }
+  void add(double value) { add(std::bit_cast<std::uint64_t>(value)); }
+  void add(const Vec3& value) {
+    for (const double component : value) add(component);
+  }
+};
+
+struct Unpacker {
+  const std::uint64_t* word;
+  std::uint64_t whole() { return *word++; }
+  double real() { return std::bit_cast<double>(whole()); }
+  Vec3 vector() {
+    const double x = real(), y = real(), z = real();
+    return {x, y, z};
+  }
+};
+
+}  // namespace
+
 // The order of the stores makes a torn read visible: a reader that has seen any new word of a slot (acquire) is
 // synchronised with that word's store (release), and so sees the odd version that was stored before it.
 void ForceOutput::publish(const ForceSample& s) {
-  const std::array<std::uint64_t, kWords> words = {
-      std::bit_cast<std::uint64_t>(s.tick),
-      std::bit_cast<std::uint64_t>(s.wall_ns),
-      std::bit_cast<std::uint64_t>(s.time_s),
-      std::bit_cast<std::uint64_t>(s.depth_m),
-      std::bit_cast<std::uint64_t>(s.force_raw.x()),
-      std::bit_cast<std::uint64_t>(s.force_raw.y()),
-      std::bit_cast<std::uint64_t>(s.force_raw.z()),
-      std::bit_cast<std::uint64_t>(s.force_filtered.x()),
-      std::bit_cast<std::uint64_t>(s.force_filtered.y()),
-      std::bit_cast<std::uint64_t>(s.force_filtered.z()),
-      static_cast<std::uint64_t>(s.doubt),
-  };
+  std::array<std::uint64_t, kWords> words{};
+  Packer packer{words.data()};
+  packer.add(std::bit_cast<std::uint64_t>(s.tick));
+  packer.add(std::bit_cast<std::uint64_t>(s.wall_ns));
+  packer.add(s.time_s);
+  packer.add(s.depth_m);
+  packer.add(s.advance_m);
+  packer.add(s.force_raw);
+  packer.add(s.force_filtered);
+  packer.add(static_cast<std::uint64_t>(s.doubt));
+  packer.add(s.tool_pose.position);
+  for (const double component : s.tool_pose.orientation.coeffs()) packer.add(component);
+  packer.add(s.torque);
+  packer.add(s.contact_normal);
+  packer.add(s.stiffness);
+  packer.add(s.work_J);
+  packer.add(s.pose_sequence);
+  packer.add(std::bit_cast<std::uint64_t>(s.loss_count));
+  packer.add(static_cast<std::uint64_t>(s.contact_count));
+  packer.add(static_cast<std::uint64_t>(s.frozen));
   const std::uint64_t next = newest_.load(std::memory_order_relaxed) + 1;
   Slot& slot = slots_[next % kSlots];
   slot.version.store(2 * next - 1, std::memory_order_relaxed);
@@ -50,15 +81,26 @@ ForceSample ForceOutput::latest() const {
     // Any other version means that the slot has been reused, whole or in part, since newest_ was read.
     if (slot.version.load(std::memory_order_relaxed) == 2 * newest) break;
   }
-  const auto real = [&words](std::size_t w) { return std::bit_cast<double>(words[w]); };
+  Unpacker unpacker{words.data()};
   ForceSample s;
-  s.tick = std::bit_cast<std::int64_t>(words[0]);
-  s.wall_ns = std::bit_cast<std::int64_t>(words[1]);
-  s.time_s = real(2);
-  s.depth_m = real(3);
-  s.force_raw = {real(4), real(5), real(6)};
-  s.force_filtered = {real(7), real(8), real(9)};
-  s.doubt = static_cast<Doubt>(words[10]);
+  s.tick = std::bit_cast<std::int64_t>(unpacker.whole());
+  s.wall_ns = std::bit_cast<std::int64_t>(unpacker.whole());
+  s.time_s = unpacker.real();
+  s.depth_m = unpacker.real();
+  s.advance_m = unpacker.real();
+  s.force_raw = unpacker.vector();
+  s.force_filtered = unpacker.vector();
+  s.doubt = static_cast<Doubt>(unpacker.whole());
+  s.tool_pose.position = unpacker.vector();
+  for (double& component : s.tool_pose.orientation.coeffs()) component = unpacker.real();
+  s.torque = unpacker.vector();
+  s.contact_normal = unpacker.vector();
+  s.stiffness = unpacker.real();
+  s.work_J = unpacker.real();
+  s.pose_sequence = unpacker.whole();
+  s.loss_count = std::bit_cast<std::int64_t>(unpacker.whole());
+  s.contact_count = static_cast<int>(unpacker.whole());
+  s.frozen = unpacker.whole() != 0;
   return s;
 }
 

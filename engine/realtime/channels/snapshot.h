@@ -15,9 +15,19 @@ struct ForceSample {
   std::int64_t wall_ns = 0;            // CLOCK_MONOTONIC when the tick began and took its input
   double time_s = 0;                   // physics time
   double depth_m = 0;                  // tip travel along the tool's axis past first touch of the resting skin
+  double advance_m = 0;                // the same along the tool's axis at rest
   Vec3 force_raw = Vec3::Zero();       // N, on the tool
   Vec3 force_filtered = Vec3::Zero();  // N
   Doubt doubt = Doubt::None;           // why the force should not be believed
+  Pose tool_pose;                      // of the tool that the tissue felt
+  Vec3 torque = Vec3::Zero();          // N m, on the tool about its tip, raw
+  Vec3 contact_normal = Vec3::Zero();  // unit, from the tissue towards the tool; 0: no contact
+  double stiffness = 0;                // N/m, along the normal (ContactTrend); 0: not known
+  double work_J = 0;                   // that the tool has done on the tissue (ContactTrend)
+  std::uint64_t pose_sequence = 0;     // of the hand's pose that this tick took (HandSlot)
+  std::int64_t loss_count = 0;         // times that the solution was lost and the tissue went back
+  int contact_count = 0;               // points of the skin that carry force
+  bool frozen = false;                 // the watchdog stopped the tissue
 };
 
 /// How well the loop holds its rate, up to the present tick.
@@ -46,7 +56,8 @@ struct Snapshot {
   ForceSample force;
   StepReport report;  // of that tick
   LoopStatus status;
-  int contact_count = 0;              // entries used below
+  int contact_count = 0;              // entries used below for vertices,
+  int contact_entries = 0;            // and in all: the others are samples' shares (tool_contact.h)
   std::vector<int> contact_vertex;    // (capacity) skin vertices in contact
   std::vector<Float4> contact_force;  // (capacity) N, on the tissue
   std::vector<Material> materials;    // (material_count) those in force; live changes show here

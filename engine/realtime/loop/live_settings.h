@@ -28,6 +28,9 @@ class LiveSettings {
   /// Takes a SetFriction or SetMaterial to the physics; it counts from the next tick on.
   Answer apply(const Request& request);
 
+  /// The physics has a state from elsewhere.
+  void recall() { friction_ = physics_.state().live.friction; }
+
   /// The requests that bring back what was loaded: a script or replay that starts over must find it.
   const std::vector<Request>& loaded() const { return loaded_; }
 

@@ -11,7 +11,9 @@ constexpr std::size_t kLogCapacity = 1024;
 LoopChannels::LoopChannels(const Model& model, const State& state, std::size_t force_capacity,
                            std::size_t record_capacity)
     : commands(kCommandCapacity),
-      snapshots(makeSnapshot(static_cast<int>(state.u.size()), static_cast<int>(state.contact.vertex.size()),
+      hand(HandPose{}),
+      snapshots(makeSnapshot(static_cast<int>(state.u.size()),
+                             static_cast<int>(state.contact.vertex.size() + 3 * state.contact.samples.id.size()),
                              static_cast<int>(model.materials.size()))),
       forces(force_capacity),
       log(kLogCapacity),

@@ -5,6 +5,7 @@
 
 #include "realtime/channels/command_queue.h"
 #include "realtime/channels/force_output.h"
+#include "realtime/channels/hand_slot.h"
 #include "realtime/channels/log_event.h"
 #include "realtime/channels/snapshot_buffer.h"
 #include "realtime/timing/deadline_statistics.h"
@@ -21,6 +22,7 @@ struct LoopChannels {
   LoopChannels(const Model& model, const State& state, std::size_t force_capacity, std::size_t record_capacity);
 
   CommandQueue commands;              // viewer: push; loop: pop
+  HandSlot hand;                      // hand's thread: back, publish; loop: latest
   SnapshotBuffer snapshots;           // loop: back, publish; viewer: latest
   SpscRing<ForceSample> forces;       // loop: push; viewer: pop
   ForceOutput newest_force;           // loop: publish; any thread: latest

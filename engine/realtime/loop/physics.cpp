@@ -57,10 +57,14 @@ void TissuePhysics::restore(const State& past) {
 
 void TissuePhysics::setFriction(double coefficient) { state_.live.friction = coefficient; }
 
-double TissuePhysics::setMaterial(int index, const Material& material) {
+double TissuePhysics::excessOf(int index, const Material& material) const {
   const Material& loaded = model_.materials[static_cast<std::size_t>(index)];
   const double excess = stiffening(loaded, material) / allowed_stiffening_;
-  if (excess > 1) return excess;
+  return excess > 1 ? excess : 0;
+}
+
+double TissuePhysics::setMaterial(int index, const Material& material) {
+  if (const double excess = excessOf(index, material); excess > 0) return excess;
   palpate::setMaterial(model_, index, material, state_.live);
   state_.energy.fresh = true;
   return 0;

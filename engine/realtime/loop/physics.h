@@ -38,6 +38,10 @@ class TissuePhysics final : public Physics {
   std::uint64_t stateHash() const override;
   void reset() override;
   void restore(const State& past) override;
+  /// Puts in a state of this model as it is, live settings included.
+  void putIn(const State& state) { state_ = state; }
+  /// What setMaterial would return, without doing it. Any thread.
+  double excessOf(int index, const Material& material) const;
   void setFriction(double coefficient) override;
   double setMaterial(int index, const Material& material) override;
 

@@ -12,11 +12,12 @@ struct RunState {
   std::int64_t tick_limit = 0;  // the run ends after so many; 0: never by itself
   bool starts_paused = false;   // the first Resume begins the run, and is no event
   bool paused = false;
-  bool step_once = false;  // a single tick, then paused again
-  bool frozen = false;     // the watchdog stopped the tissue
-  bool stop = false;       // Quit was asked for
-  Pose hand;               // where the tool would be without tissue
-  double yield = 0;        // m, how far the tool stays behind it
+  bool step_once = false;           // a single tick, then paused again
+  bool frozen = false;              // the watchdog stopped the tissue
+  bool stop = false;                // Quit was asked for
+  Pose hand;                        // where the tool would be without tissue
+  double yield = 0;                 // m, how far the tool stays behind it
+  std::uint64_t pose_sequence = 0;  // of the newest pose from HandSlot
   std::int64_t undo_count = 0;
 
   bool isOver() const { return stop || (tick_limit > 0 && tick >= tick_limit); }

@@ -23,6 +23,7 @@ SimulationLoop::SimulationLoop(const Model& model, Physics& physics, SpinTeam* t
       physics_(physics),
       team_(team),
       as_fast_as_possible_(options.as_fast_as_possible),
+      real_time_(!options.as_fast_as_possible),
       channels_(model, physics.state(), options.force_capacity, options.record ? options.record_capacity : 1),
       run_(startOf(options)),
       track_(std::move(options.track), options.track_ticks, options.motion, model.tool_start, model.scene.rate_hz),
@@ -42,6 +43,11 @@ SimulationLoop::~SimulationLoop() {
 }
 
 void SimulationLoop::start() {
+  if (finished()) {  // once more
+    channels_.quit.store(false, std::memory_order_relaxed);
+    channels_.finished.store(false, std::memory_order_relaxed);
+    run_.stop = false;
+  }
   thread_ = std::thread([this] { run(); });
 }
 
@@ -50,7 +56,7 @@ void SimulationLoop::join() {
 }
 
 void SimulationLoop::run() {
-  reporter_.summary().rt_setup = setUpLoopThread(team_, !as_fast_as_possible_);
+  reporter_.summary().rt_setup = setUpLoopThread(team_, real_time_);
   MonotonicClock clock;
   run(clock);
 }
@@ -65,6 +71,48 @@ void SimulationLoop::run(Clock& clock) {
   channels_.finished.store(true, std::memory_order_release);
 }
 
+void SimulationLoop::advanceHere(std::int64_t ticks) {
+  const FlushedDenormals flushed;
+  channels_.quit.store(false, std::memory_order_relaxed);  // of a thread that ran before
+  LoopTime time;
+  time.begin_ns = MonotonicClock().now();
+  takeRequests();
+  takeHand();
+  for (std::int64_t k = 0; k < ticks; ++k) {
+    time.begin_ns = MonotonicClock().now();
+    reporter_.beginTick(time, run_);
+    if (!advance()) break;
+    reporter_.sendForce(time, run_);
+  }
+  reporter_.publish(time, run_);
+}
+
+RunMemory SimulationLoop::memory() const {
+  RunMemory memory;
+  memory.tick = run_.tick;
+  memory.frozen = run_.frozen;
+  memory.hand = command_.tool_target;
+  memory.pose_sequence = run_.pose_sequence;
+  memory.proxy = proxy_.memory();
+  reporter_.tell(memory);
+  return memory;
+}
+
+void SimulationLoop::recall(const RunMemory& memory) {
+  run_.tick = memory.tick;
+  run_.frozen = memory.frozen;
+  run_.hand = memory.hand;
+  run_.pose_sequence = memory.pose_sequence;
+  command_ = {};
+  command_.tool_target = memory.hand;
+  track_.setTarget(memory.hand);
+  proxy_.recall(memory.proxy);
+  history_.startAt(physics_.state());
+  settings_.recall();
+  reporter_.recall(memory);
+  reporter_.publish({}, run_);
+}
+
 ForceReading SimulationLoop::force() const {
   const ForceSample sample = channels_.newest_force.latest();
   // After the sample: a reader that was stopped in between must not take it for younger than it is.
@@ -74,6 +122,7 @@ ForceReading SimulationLoop::force() const {
 TickOutcome SimulationLoop::onTick(const LoopTime& time) {
   reporter_.beginTick(time, run_);
   takeRequests();
+  takeHand();
   if (run_.isOver() || channels_.quit.load(std::memory_order_relaxed)) {
     // What a recording set after its last tick belongs to its last state.
     if (!track_.drives(run_.tick))
@@ -152,6 +201,14 @@ void SimulationLoop::takeRequests() {
   for (std::size_t waiting = channels_.commands.size(); waiting > 0; --waiting) {
     if (channels_.commands.pop(request)) apply(request, false);
   }
+}
+
+void SimulationLoop::takeHand() {
+  if (!channels_.hand.hasNews()) return;
+  const HandPose& hand = channels_.hand.latest();
+  if (track_.drives(run_.tick)) return;
+  run_.pose_sequence = hand.sequence;
+  moveTool(hand.pose, true);
 }
 
 void SimulationLoop::apply(const Request& request, bool from_track) {

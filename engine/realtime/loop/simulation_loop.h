@@ -9,6 +9,7 @@
 #include "realtime/loop/live_settings.h"
 #include "realtime/loop/loop_channels.h"
 #include "realtime/loop/physics.h"
+#include "realtime/loop/run_memory.h"
 #include "realtime/loop/run_state.h"
 #include "realtime/loop/run_summary.h"
 #include "realtime/loop/state_history.h"
@@ -55,20 +56,34 @@ class SimulationLoop final : private LoopBody {
   SimulationLoop(const Model& model, Physics& physics, SpinTeam* team, SimulationLoopOptions options);
   ~SimulationLoop() override;  // quits and joins
 
-  /// (viewer) Runs on a thread of its own; join() waits for its end.
+  /// (viewer) Runs on a thread of its own; join() waits for its end. After that it may be started again, and goes on.
   void start();
   void join();
+  /// (viewer) While no thread runs: whether start() asks the system for what a fixed rate needs (setUpLoopThread).
+  void setRealTime(bool wanted) { real_time_ = wanted && !as_fast_as_possible_; }
   /// (viewer) Runs on the calling thread until the end. In real-time mode use start():
   /// what is asked of the system for the thread (SCHED_FIFO, ...) stays with it. With a
   /// `clock` given, nothing is asked and denormals are not flushed; that is for tests.
   void run();
   void run(Clock& clock);
 
+  /// (viewer) While no thread runs, does the next ticks on the calling one, bit for bit as run() would: the tool is at
+  /// each tick's end where `hand()` has it. 0: takes what was asked of commands() and hand(), and does no tick.
+  /// Denormals are flushed meanwhile. Publishes at the end.
+  void advanceHere(std::int64_t ticks);
+
+  /// (viewer) While no thread runs: what another loop of this model goes on from, together with the physics' state.
+  /// What was kept to go back to (StateHistory), and the watchdog's memory of losses, begin anew there.
+  RunMemory memory() const;
+  void recall(const RunMemory& memory);
+
   /// (any thread) Asks the loop to end; safe also when the command queue is full. A long tick under way is broken
   /// off, and the run ends as it was before it.
   void quit() { channels_.quit.store(true, std::memory_order_relaxed); }
   bool finished() const { return channels_.finished.load(std::memory_order_acquire); }
 
+  /// (one thread) The latest pose wins. The tool goes there at once, as fast as the scene lets it, while no track drives.
+  HandSlot& hand() { return channels_.hand; }
   CommandQueue& commands() { return channels_.commands; }                        // (viewer) push
   SnapshotBuffer& snapshots() { return channels_.snapshots; }                    // (viewer) latest
   SpscRing<ForceSample>& forces() { return channels_.forces; }                   // (viewer) pop
@@ -86,6 +101,7 @@ class SimulationLoop final : private LoopBody {
   TickOutcome onTick(const LoopTime& time) override;
   void onLate(const LateTick& late, const LoopTime& time) override;
   void takeRequests();
+  void takeHand();
   void apply(const Request& request, bool from_track);
   void moveTool(const Pose& pose, bool from_track);
   void pull(int skin_vertex, const Vec3& target);
@@ -100,6 +116,7 @@ class SimulationLoop final : private LoopBody {
   Physics& physics_;
   SpinTeam* team_;
   const bool as_fast_as_possible_;
+  bool real_time_;
   LoopChannels channels_;
   std::thread thread_;
 

@@ -71,6 +71,12 @@ void StateHistory::clear() {
   good_.due = past_.due = 0;
 }
 
+void StateHistory::startAt(const State& state) {
+  start_ = state;  // same sizes: no allocation
+  clear();
+  good_.due = past_.due = state.tick;
+}
+
 std::size_t StateHistory::bytes() const { return (1 + good_.slots.size() + past_.slots.size()) * bytesOf(start_); }
 
 }  // namespace palpate

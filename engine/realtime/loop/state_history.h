@@ -40,6 +40,9 @@ class StateHistory {
   /// The physics was reset.
   void clear();
 
+  /// The physics is at a state from elsewhere, which is the start from now on.
+  void startAt(const State& state);
+
   std::size_t bytes() const;
 
  private:
@@ -55,7 +58,7 @@ class StateHistory {
     void dropAfter(std::int64_t tick);
   };
 
-  const State start_;
+  State start_;
   Ring good_, past_;
 };
 

@@ -119,6 +119,19 @@ void flushDenormals() {
 #endif
 }
 
+FlushedDenormals::FlushedDenormals() {
+#if defined(__SSE__)
+  before_ = _mm_getcsr();
+#endif
+  flushDenormals();
+}
+
+FlushedDenormals::~FlushedDenormals() {
+#if defined(__SSE__)
+  _mm_setcsr(before_);
+#endif
+}
+
 RtSetup setUpLoopThread(SpinTeam* team, bool real_time) {
   RtSetup setup;
   MemberSetup members{real_time, std::vector<int>(team != nullptr ? static_cast<std::size_t>(team->size()) : 1)};

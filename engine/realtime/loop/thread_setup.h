@@ -32,4 +32,16 @@ std::string setUpViewerThread();
 /// Denormal results and operands count as zero on the calling thread from here on.
 void flushDenormals();
 
+/// The same while it lives; then what the thread had before.
+class FlushedDenormals {
+ public:
+  FlushedDenormals();
+  ~FlushedDenormals();
+  FlushedDenormals(const FlushedDenormals&) = delete;
+  FlushedDenormals& operator=(const FlushedDenormals&) = delete;
+
+ private:
+  unsigned before_ = 0;
+};
+
 }  // namespace palpate

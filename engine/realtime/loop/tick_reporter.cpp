@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "simulation/tool_contact.h"
 #include "simulation/trust.h"
 
 namespace palpate {
@@ -39,11 +40,14 @@ Verdict TickReporter::judge(const StepReport& report, const RunState& run) {
   if (std::isfinite(report_.min_J)) summary_.min_J = std::min(summary_.min_J, report_.min_J);
   if (verdict == Verdict::Freeze) {
     report_.tool_force.setZero();
+    report_.tool_torque.setZero();
+    report_.contact_normal.setZero();
     report_.base_reaction.setZero();
     report_.contact_count = 0;
     return verdict;
   }
   showState();
+  trend_.update(physics_.state().tool_pose, report_, model_.scene.rate_hz);
   summary_.peak_force = std::max(summary_.peak_force, report_.tool_force.norm());
   summary_.base_reaction = report_.base_reaction;
   return verdict;
@@ -65,6 +69,7 @@ void TickReporter::showState() { std::copy(physics_.state().u.begin(), physics_.
 
 void TickReporter::restored() {
   ++summary_.restored_count;
+  trend_.restart(false);
   showState();
 }
 
@@ -72,9 +77,18 @@ void TickReporter::sendForce(const LoopTime& time, const RunState& run) {
   force_.tick = run.tick;
   force_.wall_ns = time.begin_ns;
   force_.time_s = secondsAt(run.tick);
-  force_.depth_m =
+  force_.depth_m = force_.advance_m =
       (physics_.state().tool_pose.position - model_.tool_start.position).dot(tool_axis_) - model_.first_contact_travel;
   force_.force_raw = report_.tool_force;
+  force_.tool_pose = physics_.state().tool_pose;
+  force_.torque = report_.tool_torque;
+  force_.contact_normal = report_.contact_normal;
+  force_.stiffness = trend_.stiffness;
+  force_.work_J = trend_.work;
+  force_.pose_sequence = run.pose_sequence;
+  force_.loss_count = summary_.restored_count;
+  force_.contact_count = report_.contact_count;
+  force_.frozen = run.frozen;
   force_.force_filtered = run.frozen ? filter_.fade() : filter_.update(force_.force_raw);
   channels_.newest_force.publish(force_);
   if (!channels_.forces.push(force_)) ++summary_.lost_force_samples;
@@ -105,16 +119,17 @@ void TickReporter::publish(const LoopTime& time, const RunState& run) {
   snapshot.status.restored_count = summary_.restored_count;
   snapshot.status.undo_count = run.undo_count;
 
-  const ContactState& contact = state.contact;
   std::size_t used = 0;
-  for (int c = 0; c < contact.count && !run.frozen && used < snapshot.contact_vertex.size(); ++c) {
-    const Float4& f = contact.force[static_cast<std::size_t>(c)];
-    if (f.x == 0 && f.y == 0 && f.z == 0) continue;
-    snapshot.contact_vertex[used] = contact.vertex[static_cast<std::size_t>(c)];
-    snapshot.contact_force[used] = f;
+  const auto take = [&](int vertex, const Float4& force) {
+    if (run.frozen || used >= snapshot.contact_vertex.size()) return;
+    snapshot.contact_vertex[used] = vertex;
+    snapshot.contact_force[used] = force;
     ++used;
-  }
+  };
+  forEachVertexForce(state.contact, take);
   snapshot.contact_count = static_cast<int>(used);
+  forEachSampleForce(state.contact.samples, take);
+  snapshot.contact_entries = static_cast<int>(used);
   // The vector has its size since the channels were made.
   const std::vector<Material>& materials = physics_.state().live.kernel.materials;
   std::copy(materials.begin(), materials.end(), snapshot.materials.begin());
@@ -134,6 +149,25 @@ void TickReporter::reset() {
   watchdog_.reset();
   report_ = {};
   force_.force_raw.setZero();
+  trend_.restart(true);
+  showState();
+}
+
+void TickReporter::tell(RunMemory& memory) const {
+  memory.report = report_;
+  memory.force = force_;
+  memory.filter = filter_;
+  memory.trend = trend_;
+}
+
+void TickReporter::recall(const RunMemory& memory) {
+  watchdog_.reset();
+  report_ = memory.report;
+  force_ = memory.force;
+  filter_ = memory.filter;
+  trend_ = memory.trend;
+  summary_.restored_count = force_.loss_count;
+  channels_.newest_force.publish(force_);
   showState();
 }
 

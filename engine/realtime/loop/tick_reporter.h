@@ -1,9 +1,11 @@
 #pragma once
 
 #include "base/spin_team.h"
+#include "realtime/loop/contact_trend.h"
 #include "realtime/loop/force_filter.h"
 #include "realtime/loop/loop_channels.h"
 #include "realtime/loop/physics.h"
+#include "realtime/loop/run_memory.h"
 #include "realtime/loop/run_state.h"
 #include "realtime/loop/run_summary.h"
 #include "realtime/loop/watchdog.h"
@@ -45,6 +47,10 @@ class TickReporter {
   /// back smoothly, too.
   void reset();
 
+  /// Adds to, or takes from, what another loop of this model is to go on from.
+  void tell(RunMemory& memory) const;
+  void recall(const RunMemory& memory);
+
   void logEvent(LogEvent::Kind kind, const RunState& run, int index = -1, double value = 0);
 
   /// The run has ended.
@@ -67,6 +73,7 @@ class TickReporter {
   LoopChannels& channels_;
   const Vec3 tool_axis_;  // unit, the way the tool advances
   ForceFilter filter_;
+  ContactTrend trend_;
   Watchdog watchdog_;
   OverloadWatch overload_;
   std::int64_t long_waits_ = 0;  // of the team, before the present tick

@@ -53,6 +53,17 @@ class ToolProxy {
   /// The tissue was put back.
   void beGentle();
 
+  /// What the next call depends on beside its arguments.
+  struct Memory {
+    bool gentle = false;
+    int arrived_ticks = 0;
+  };
+  Memory memory() const { return {gentle_, arrived_ticks_}; }
+  void recall(const Memory& memory) {
+    gentle_ = memory.gentle;
+    arrived_ticks_ = memory.arrived_ticks;
+  }
+
   /// m, how far the tool stays behind the hand because it yields; 0: it does not.
   double yield() const { return yield_; }
 

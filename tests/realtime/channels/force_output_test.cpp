@@ -21,15 +21,32 @@ ForceSample marked(std::int64_t tick) {
   sample.wall_ns = 1000 * tick;
   sample.time_s = 2 * t;
   sample.depth_m = 3 * t;
+  sample.advance_m = -3 * t;
   sample.force_raw = {4 * t, 5 * t, 6 * t};
   sample.force_filtered = {7 * t, 8 * t, 9 * t};
+  sample.doubt = static_cast<Doubt>(tick % 8);
+  sample.tool_pose.position = {10 * t, 11 * t, 12 * t};
+  sample.tool_pose.orientation = Quat(1 + 13 * t, 14 * t, 15 * t, 16 * t);
+  sample.torque = {17 * t, 18 * t, 19 * t};
+  sample.contact_normal = {20 * t, 21 * t, 22 * t};
+  sample.stiffness = 23 * t;
+  sample.work_J = 24 * t;
+  sample.pose_sequence = static_cast<std::uint64_t>(25 * tick);
+  sample.loss_count = 26 * tick;
+  sample.contact_count = static_cast<int>(tick % 1000);
+  sample.frozen = tick % 2 == 1;
   return sample;
 }
 
 bool isMarked(const ForceSample& s) {
   const ForceSample whole = marked(s.tick);
-  return s.wall_ns == whole.wall_ns && s.time_s == whole.time_s && s.depth_m == whole.depth_m &&
-         s.force_raw == whole.force_raw && s.force_filtered == whole.force_filtered;
+  return s.wall_ns == whole.wall_ns && s.time_s == whole.time_s && s.depth_m == whole.depth_m && s.advance_m == whole.advance_m &&
+         s.force_raw == whole.force_raw && s.force_filtered == whole.force_filtered && s.doubt == whole.doubt &&
+         s.tool_pose.position == whole.tool_pose.position &&
+         s.tool_pose.orientation.coeffs() == whole.tool_pose.orientation.coeffs() && s.torque == whole.torque &&
+         s.contact_normal == whole.contact_normal && s.stiffness == whole.stiffness && s.work_J == whole.work_J &&
+         s.pose_sequence == whole.pose_sequence && s.loss_count == whole.loss_count &&
+         s.contact_count == whole.contact_count && s.frozen == whole.frozen;
 }
 
 }  // namespace

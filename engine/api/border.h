@@ -1,0 +1,94 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstring>
+#include <exception>
+#include <stdexcept>
+#include <string>
+
+#include "api/palpate.h"
+#include "base/input_error.h"
+#include "base/types.h"
+
+namespace palpate::api {
+
+/// Why a call is not done.
+struct Refusal : std::runtime_error {
+  Refusal(std::int32_t why, const std::string& text) : std::runtime_error(text), code(why) {}
+  std::int32_t code;
+};
+
+/// Whether a struct's size can be meant: one that was never set is 0 or anything.
+inline bool isSize(std::uint32_t size) { return size >= 8 && size <= 4096; }
+
+/// Writes what the caller's struct has room for. Its first member is its size.
+template <class T>
+std::int32_t fill(T* out, T value) {
+  if (out == nullptr || !isSize(out->size)) return PALPATE_BAD_ARGUMENT;
+  const std::uint32_t size = out->size;
+  if (size > sizeof(T)) std::memset(out, 0, size);
+  value.size = size;
+  std::memcpy(out, &value, std::min<std::size_t>(size, sizeof(T)));
+  return PALPATE_OK;
+}
+
+inline std::int32_t say(palpate_error* error, std::int32_t code, const char* text) {
+  if (error == nullptr) return code;
+  palpate_error whole{};
+  whole.code = code;
+  std::strncpy(whole.text, text, sizeof whole.text - 1);
+  fill(error, whole);
+  return code;
+}
+
+/// Calls `action`, which returns a code; what it throws becomes one.
+template <class Action>
+std::int32_t guarded(palpate_error* error, Action action) noexcept {
+  try {
+    const std::int32_t code = action();
+    return say(error, code, code == PALPATE_OK ? "" : palpate_result_text(code));
+  } catch (const Refusal& refusal) {
+    return say(error, refusal.code, refusal.what());
+  } catch (const InputError& input) {
+    return say(error, PALPATE_BAD_INPUT, input.what());
+  } catch (const std::exception& failure) {
+    return say(error, PALPATE_FAILED, failure.what());
+  } catch (...) {
+    return say(error, PALPATE_FAILED, "something unknown was thrown");
+  }
+}
+
+/// The caller's struct as far as it goes; the rest is 0.
+template <class T>
+T given(const T* in) {
+  T value{};
+  if (in != nullptr && !isSize(in->size)) throw Refusal(PALPATE_BAD_ARGUMENT, "options.size is not sizeof its struct");
+  if (in != nullptr) std::memcpy(&value, in, std::min<std::size_t>(in->size, sizeof(T)));
+  return value;
+}
+
+inline bool isPose(const double* p) {
+  if (p == nullptr || !std::all_of(p, p + 7, [](double v) { return std::isfinite(v); })) return false;
+  const double size = p[3] * p[3] + p[4] * p[4] + p[5] * p[5] + p[6] * p[6];
+  return size > 0.25 && size < 4;
+}
+
+/// @pre isPose(p). A quaternion that is a unit one but for rounding keeps its bits.
+inline Pose poseFrom(const double* p) {
+  constexpr double rounding = 1e-12;
+  Pose pose;
+  pose.position = {p[0], p[1], p[2]};
+  pose.orientation.coeffs() << p[3], p[4], p[5], p[6];
+  if (std::abs(pose.orientation.squaredNorm() - 1) > rounding) pose.orientation.normalize();
+  return pose;
+}
+
+inline void put(const Vec3& v, double* out) { std::copy_n(v.data(), 3, out); }
+inline void put(const Pose& pose, double* out) {
+  put(pose.position, out);
+  std::copy_n(pose.orientation.coeffs().data(), 4, out + 3);
+}
+
+}  // namespace palpate::api

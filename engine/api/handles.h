@@ -1,0 +1,30 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "api/palpate.h"
+#include "realtime/loop/simulation_loop.h"
+#include "simulation/model.h"
+
+/// What is behind the handles of palpate.h.
+struct palpate_model {
+  std::shared_ptr<const palpate::Model> model;
+};
+
+struct palpate_simulation {
+  palpate_simulation(std::shared_ptr<const palpate::Model> shared, int threads);
+
+  std::string identity;  // of the sources: a library beside this one looks into this struct
+  std::shared_ptr<const palpate::Model> model;
+  palpate::TissuePhysics physics;
+  palpate::SimulationLoop loop;
+  palpate::RunMemory start;                  // of the loop, before its first tick
+  std::vector<palpate::Material> materials;  // as last asked for
+  std::uint64_t step_sequence = 0;           // of the last pose given to palpate_step
+  std::atomic<bool> running{false};
+};

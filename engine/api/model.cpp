@@ -1,0 +1,133 @@
+#include <limits>
+
+#include "api/border.h"
+#include "api/handles.h"
+#include "base/build_info.h"
+#include "io/find_asset.h"
+#include "io/indent_script.h"
+#include "io/load_model.h"
+#include "io/scene_file.h"
+#include "simulation/model_hash.h"
+#include "simulation/trust.h"
+
+using namespace palpate;
+using namespace palpate::api;
+
+namespace {
+
+constexpr int max_threads = 64;
+
+Scene sceneOf(const char* name, const palpate_options& options) {
+  Scene scene = readScene(findScene(name));
+  if (options.rate_hz != 0) {
+    if (!(options.rate_hz >= 100 && options.rate_hz <= 2000))
+      throw Refusal(PALPATE_BAD_ARGUMENT, "options.rate_hz is not in 100 .. 2000 Hz");
+    overrideRate(scene, options.rate_hz);
+  }
+  if (options.threads < 0 || options.threads > max_threads)
+    throw Refusal(PALPATE_BAD_ARGUMENT, "options.threads is not in 0 .. " + std::to_string(max_threads));
+  if (options.threads > 0) scene.threads = options.threads;
+  return scene;
+}
+
+}  // namespace
+
+extern "C" {
+
+const char* palpate_version(void) {
+  static const std::string version = programVersion();
+  return version.c_str();
+}
+
+const char* palpate_build(void) {
+  static const std::string build = buildInfo();
+  return build.c_str();
+}
+
+const char* palpate_result_text(int32_t code) {
+  switch (code) {
+    case PALPATE_OK:
+      return "done";
+    case PALPATE_BAD_ARGUMENT:
+      return "an argument is NULL, not finite, out of range or of an unknown size";
+    case PALPATE_BAD_INPUT:
+      return "a scene or script can't be used";
+    case PALPATE_REFUSED:
+      return "not possible; nothing has changed";
+    case PALPATE_BUSY:
+      return "not while the simulation runs on its own thread; stop it first";
+    case PALPATE_FAILED:
+      return "the system could not do it";
+    default:
+      return "unknown outcome";
+  }
+}
+
+const char* palpate_doubt_text(int32_t doubt) {
+  if (doubt < PALPATE_DOUBT_NONE || doubt > PALPATE_DOUBT_LOST) return "";
+  return doubtText(static_cast<Doubt>(doubt));
+}
+
+int32_t palpate_load(const char* scene, const palpate_options* options, palpate_model** model, palpate_error* error) {
+  if (model != nullptr) *model = nullptr;
+  if (scene == nullptr || model == nullptr) return say(error, PALPATE_BAD_ARGUMENT, "scene or model is NULL");
+  return guarded(error, [&] {
+    const palpate_options asked = given(options);
+    const ModelCache cache(asked.cache_folder != nullptr ? asked.cache_folder : "");
+    const Progress progress = [&asked](const std::string& what, double fraction) {
+      if (asked.progress != nullptr && asked.progress(asked.user, what.c_str(), fraction) != 0)
+        throw Refusal(PALPATE_REFUSED, "given up while the model was made, as options.progress wanted");
+    };
+    auto handle = std::make_unique<palpate_model>();
+    handle->model = std::make_shared<const Model>(loadModel(sceneOf(scene, asked), progress, cache));
+    *model = handle.release();
+    return PALPATE_OK;
+  });
+}
+
+void palpate_model_destroy(palpate_model* model) { delete model; }
+
+int32_t palpate_describe(const palpate_model* model, palpate_model_info* info) {
+  if (model == nullptr) return PALPATE_BAD_ARGUMENT;
+  const Model& m = *model->model;
+  palpate_model_info out{};
+  out.node_count = m.nodeCount();
+  out.point_count = m.pointCount();
+  out.skin_vertex_count = m.skin.vertexCount();
+  out.skin_triangle_count = static_cast<std::int32_t>(m.skin.surface.triangles.size());
+  out.material_count = static_cast<std::int32_t>(m.materials.size());
+  out.rate_hz = m.scene.rate_hz;
+  put(m.tool_start, out.tool_start);
+  out.tool_radius = m.scene.tool.radius;
+  out.first_contact_travel = m.first_contact_travel;
+  return guarded(nullptr, [&] {
+    out.hash = modelHash(m);
+    return fill(info, out);
+  });
+}
+
+int32_t palpate_skin_triangles(const palpate_model* model, int32_t* corners, int32_t triangle_count) {
+  if (model == nullptr || corners == nullptr) return PALPATE_BAD_ARGUMENT;
+  const auto& triangles = model->model->skin.surface.triangles;
+  if (triangle_count != static_cast<std::int32_t>(triangles.size())) return PALPATE_BAD_ARGUMENT;
+  for (const auto& triangle : triangles)
+    for (const int corner : triangle) *corners++ = corner;
+  return PALPATE_OK;
+}
+
+int32_t palpate_script(const palpate_model* model, const char* script, double* poses, int64_t capacity, int64_t* count,
+                       palpate_error* error) {
+  if (model == nullptr || count == nullptr || capacity < 0 || (poses == nullptr && capacity > 0))
+    return say(error, PALPATE_BAD_ARGUMENT, palpate_result_text(PALPATE_BAD_ARGUMENT));
+  return guarded(error, [&] {
+    const Model& m = *model->model;
+    const ToolScript motion =
+        script == nullptr || *script == '\0' ? indentScript(m) : *namedScript(script, m.scene.tool.radius);
+    ScriptTrajectory trajectory = trajectoryOf(motion, m);
+    *count = trajectory.ticks();
+    for (std::int64_t k = 0; k < std::min(capacity, *count); ++k) put(trajectory.next(), poses + 7 * k);
+    return PALPATE_OK;
+  });
+}
+
+}  // extern "C"

@@ -1,0 +1,141 @@
+#include "api/border.h"
+#include "api/handles.h"
+#include "base/build_info.h"
+#include "base/key.h"
+#include "simulation/live_parameters.h"
+#include "simulation/model_hash.h"
+
+using namespace palpate;
+using namespace palpate::api;
+
+namespace {
+
+struct Header {
+  char magic[8] = {'P', 'A', 'L', 'P', 'S', 'A', 'V', '1'};
+  std::uint64_t build = 0;  // hash of sources and compiler: the bytes are those of its structs
+  std::uint64_t model = 0;  // modelHash
+  std::uint64_t size = 0;   // of all bytes
+  std::uint64_t sum = 0;    // of those after the header
+};
+
+/// What of the state changes but for the live settings, in the order of the bytes. What each tick makes anew is
+/// left out.
+template <class SomeState, class Call>
+void forEachPart(SomeState& s, Call call) {
+  const auto one = [&call](auto& value) { call(&value, sizeof value); };
+  const auto list = [&call](auto& values) { call(values.data(), values.size() * sizeof values[0]); };
+  one(s.tick), one(s.step);
+  list(s.u), list(s.du), list(s.u_low);
+  one(s.tool_pose);
+  auto& c = s.contact;
+  one(c.count), list(c.vertex), list(c.force), list(c.normal), list(c.side);
+  one(c.overflow), one(c.max_penetration), one(c.contact_count), one(c.sweep_count);
+  auto& f = c.samples;
+  one(f.count), list(f.id), list(f.force), list(f.normal), list(f.side), list(f.point), list(f.area), list(f.lift);
+  one(f.longest_edge), one(f.largest_stretch);
+  list(s.relaxation.Z);
+  list(s.local_mass.factor), one(s.local_mass.active), one(s.local_mass.momentum), one(s.local_mass.force);
+  one(s.energy);
+  one(s.live.friction);
+}
+
+std::size_t sizeOf(const palpate_simulation& simulation) {
+  std::size_t size =
+      sizeof(Header) + sizeof(RunMemory) + simulation.materials.size() * sizeof(Material) + sizeof(std::uint64_t);
+  forEachPart(simulation.physics.state(), [&](const void*, std::size_t bytes) { size += bytes; });
+  return size;
+}
+
+std::uint64_t buildHash() { return fnv1a(sourceIdentity() + buildInfo()); }
+
+std::uint64_t sumOf(const char* bytes, std::size_t size) {
+  return fnv1a({bytes + sizeof(Header), size - sizeof(Header)});
+}
+
+/// Plain data, though Eigen's vectors do not say so.
+template <class T>
+void take(const char*& from, T& value) {
+  std::memcpy(static_cast<void*>(&value), from, sizeof value);
+  from += sizeof value;
+}
+
+}  // namespace
+
+extern "C" {
+
+size_t palpate_save_size(const palpate_simulation* simulation) {
+  return simulation != nullptr ? sizeOf(*simulation) : 0;
+}
+
+int32_t palpate_save(const palpate_simulation* simulation, void* bytes, size_t size) {
+  if (simulation == nullptr || bytes == nullptr || size != sizeOf(*simulation)) return PALPATE_BAD_ARGUMENT;
+  if (simulation->running) return PALPATE_BUSY;
+  return guarded(nullptr, [&] {
+    char* const begin = static_cast<char*>(bytes);
+    char* at = begin + sizeof(Header);
+    const auto put = [&at](const void* part, std::size_t length) {
+      if (length > 0) std::memcpy(at, part, length);
+      at += length;
+    };
+    const RunMemory memory = simulation->loop.memory();
+    put(&memory, sizeof memory);
+    put(&simulation->step_sequence, sizeof simulation->step_sequence);
+    const State& state = simulation->physics.state();
+    put(state.live.kernel.materials.data(), state.live.kernel.materials.size() * sizeof(Material));
+    forEachPart(state, put);
+    Header header;
+    header.build = buildHash();
+    header.model = modelHash(*simulation->model);
+    header.size = size;
+    header.sum = sumOf(begin, size);
+    std::memcpy(begin, &header, sizeof header);
+    return PALPATE_OK;
+  });
+}
+
+int32_t palpate_restore(palpate_simulation* simulation, const void* bytes, size_t size, palpate_error* error) {
+  if (simulation == nullptr || bytes == nullptr) return say(error, PALPATE_BAD_ARGUMENT, "simulation or bytes is NULL");
+  if (simulation->running) return say(error, PALPATE_BUSY, palpate_result_text(PALPATE_BUSY));
+  return guarded(error, [&] {
+    const char* at = static_cast<const char*>(bytes);
+    Header header;
+    const Header right;
+    if (size >= sizeof header) std::memcpy(static_cast<void*>(&header), bytes, sizeof header);
+    if (size < sizeof header || std::memcmp(header.magic, right.magic, sizeof right.magic) != 0)
+      throw Refusal(PALPATE_BAD_INPUT, "these are no bytes of palpate_save");
+    if (header.build != buildHash())
+      throw Refusal(PALPATE_BAD_INPUT, "the state was saved by another build of the library; run it anew");
+    if (header.model != modelHash(*simulation->model))
+      throw Refusal(PALPATE_BAD_INPUT, "the state was saved of another model; load its scene");
+    if (size != sizeOf(*simulation) || header.size != size || header.sum != sumOf(at, size))
+      throw Refusal(PALPATE_BAD_INPUT, "the saved state is damaged");
+
+    at += sizeof header;
+    RunMemory memory;
+    take(at, memory);
+    take(at, simulation->step_sequence);
+    State state = simulation->physics.state();
+    for (std::size_t m = 0; m < simulation->materials.size(); ++m) {
+      take(at, simulation->materials[m]);
+      setMaterial(*simulation->model, static_cast<int>(m), simulation->materials[m], state.live);
+    }
+    forEachPart(state, [&at](void* part, std::size_t length) {
+      if (length > 0) std::memcpy(part, at, length);
+      at += length;
+    });
+    simulation->physics.putIn(state);
+    simulation->loop.recall(memory);
+    return PALPATE_OK;
+  });
+}
+
+int32_t palpate_hash(const palpate_simulation* simulation, uint64_t* hash) {
+  if (simulation == nullptr || hash == nullptr) return PALPATE_BAD_ARGUMENT;
+  if (simulation->running) return PALPATE_BUSY;
+  return guarded(nullptr, [&] {
+    *hash = simulation->physics.stateHash();
+    return PALPATE_OK;
+  });
+}
+
+}  // extern "C"

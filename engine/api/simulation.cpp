@@ -1,0 +1,198 @@
+#include <span>
+
+#include "api/border.h"
+#include "api/handles.h"
+#include "base/build_info.h"
+#include "mechanics/materials/material_law.h"
+#include "realtime/loop/thread_setup.h"
+
+using namespace palpate;
+using namespace palpate::api;
+
+namespace {
+
+/// What nobody takes from the loop need not be kept.
+SimulationLoopOptions loopOptions() {
+  SimulationLoopOptions options;
+  options.force_capacity = 1;
+  options.record_capacity = 1;
+  return options;
+}
+
+}  // namespace
+
+palpate_simulation::palpate_simulation(std::shared_ptr<const Model> shared, int threads)
+    : identity(sourceIdentity()),
+      model(std::move(shared)),
+      physics(*model, threads),
+      loop(*model, physics, &physics.team(), loopOptions()),
+      start(loop.memory()),
+      materials(model->materials) {
+  const FlushedDenormals here;  // setUpLoopThread leaves them flushed
+  setUpLoopThread(&physics.team(), false);
+}
+
+namespace {
+
+void setHand(palpate_simulation& simulation, const Pose& pose, std::uint64_t sequence) {
+  HandSlot& hand = simulation.loop.hand();
+  hand.back() = {pose, sequence};
+  hand.publish();
+}
+
+/// The loop takes it in the next tick; where none runs, now.
+std::int32_t send(palpate_simulation& simulation, const Request& request) {
+  if (!simulation.loop.commands().push(request)) return PALPATE_REFUSED;  // full: the loop has not run for long
+  if (!simulation.running) simulation.loop.advanceHere(0);
+  return PALPATE_OK;
+}
+
+/// What `name` of the material may be, and its new values in it.
+void set(Material& material, const palpate_parameter& wanted) {
+  if (wanted.name == nullptr || wanted.values == nullptr || wanted.count < 1)
+    throw Refusal(PALPATE_BAD_ARGUMENT, "a parameter without name or values");
+  const std::span<const double> values(wanted.values, static_cast<std::size_t>(wanted.count));
+  const Parameter* found = nullptr;
+  std::size_t room = 0;
+  std::string names;
+  forEachParameter(material, [&](const Parameter& p, std::span<double> present) {
+    names += (names.empty() ? "" : ", ") + std::string(p.name);
+    if (std::string(wanted.name) == p.name) found = &p, room = present.size();
+  });
+  const std::string name = inQuotes(wanted.name);
+  if (found == nullptr) throw Refusal(PALPATE_BAD_ARGUMENT, "the material has no " + name + "; it has " + names);
+  if (values.size() != room)
+    throw Refusal(PALPATE_BAD_ARGUMENT, name + " takes " + std::to_string(room) + " values, as the scene gives it");
+  for (const double value : values)
+    if (!std::isfinite(value) || !found->range.contains(value))
+      throw Refusal(PALPATE_BAD_ARGUMENT, name + " must be " + found->range.text());
+  forEachParameter(material, [&](const Parameter& p, std::span<double> present) {
+    if (&p == found) std::copy(values.begin(), values.end(), present.begin());
+  });
+}
+
+void check(const Material& material) {
+  const MaterialLaw& law = material.lawDescription();
+  std::optional<ParameterProblem> problem = law.check != nullptr ? law.check(material) : std::nullopt;
+  if (!problem) problem = relaxationProblem(material);
+  if (!problem) return;
+  throw Refusal(PALPATE_BAD_ARGUMENT,
+                std::string(problem->parameter) + ": " + problem->problem + "; " + problem->advice);
+}
+
+}  // namespace
+
+extern "C" {
+
+int32_t palpate_create(const palpate_model* model, palpate_simulation** simulation, palpate_error* error) {
+  if (simulation != nullptr) *simulation = nullptr;
+  if (model == nullptr || simulation == nullptr) return say(error, PALPATE_BAD_ARGUMENT, "model or simulation is NULL");
+  return guarded(error, [&] {
+    *simulation = new palpate_simulation(model->model, model->model->scene.threads);
+    return PALPATE_OK;
+  });
+}
+
+void palpate_destroy(palpate_simulation* simulation) { delete simulation; }
+
+int32_t palpate_step(palpate_simulation* simulation, int64_t n, const double* pose, palpate_state* state) {
+  if (simulation == nullptr || n < 0 || (pose != nullptr && !isPose(pose))) return PALPATE_BAD_ARGUMENT;
+  if (simulation->running) return PALPATE_BUSY;
+  return guarded(nullptr, [&] {
+    if (pose != nullptr) setHand(*simulation, poseFrom(pose), ++simulation->step_sequence);
+    simulation->loop.advanceHere(n);
+    return state != nullptr ? palpate_read(simulation, state) : PALPATE_OK;
+  });
+}
+
+int32_t palpate_start(palpate_simulation* simulation, uint32_t flags) {
+  if (simulation == nullptr || (flags & ~static_cast<std::uint32_t>(PALPATE_ORDINARY_THREAD)) != 0)
+    return PALPATE_BAD_ARGUMENT;
+  if (simulation->running) return PALPATE_BUSY;
+  return guarded(nullptr, [&] {
+    simulation->loop.setRealTime((flags & PALPATE_ORDINARY_THREAD) == 0);
+    simulation->loop.start();
+    simulation->running = true;
+    return PALPATE_OK;
+  });
+}
+
+int32_t palpate_stop(palpate_simulation* simulation) {
+  if (simulation == nullptr) return PALPATE_BAD_ARGUMENT;
+  return guarded(nullptr, [&] {
+    simulation->loop.quit();
+    simulation->loop.join();
+    simulation->running = false;
+    return PALPATE_OK;
+  });
+}
+
+int32_t palpate_set_target(palpate_simulation* simulation, const double* pose, uint64_t sequence) {
+  if (simulation == nullptr || !isPose(pose)) return PALPATE_BAD_ARGUMENT;
+  setHand(*simulation, poseFrom(pose), sequence);
+  return PALPATE_OK;
+}
+
+int32_t palpate_read(const palpate_simulation* simulation, palpate_state* state) {
+  if (simulation == nullptr) return PALPATE_BAD_ARGUMENT;
+  const ForceReading reading = simulation->loop.force();
+  const ForceSample& s = reading.sample;
+  palpate_state out{};
+  out.doubt = static_cast<std::int32_t>(s.doubt);
+  out.fresh = reading.fresh;
+  out.frozen = s.frozen;
+  out.contact_count = s.contact_count;
+  out.loss_count = static_cast<std::int32_t>(s.loss_count);
+  out.tick = s.tick;
+  out.pose_sequence = s.pose_sequence;
+  out.time_s = s.time_s;
+  out.age_s = s.tick > 0 ? reading.age_s : 0;
+  put(s.tick > 0 ? s.tool_pose : simulation->model->tool_start, out.pose);
+  put(s.force_raw, out.force);
+  put(s.force_filtered, out.force_filtered);
+  put(s.torque, out.torque);
+  put(s.contact_normal, out.normal);
+  out.stiffness = s.stiffness;
+  out.depth_m = s.depth_m;
+  out.advance_m = s.advance_m;
+  out.work_J = s.work_J;
+  return fill(state, out);
+}
+
+int32_t palpate_set_friction(palpate_simulation* simulation, double coefficient) {
+  if (simulation == nullptr || !std::isfinite(coefficient) || coefficient < 0) return PALPATE_BAD_ARGUMENT;
+  return guarded(nullptr, [&] { return send(*simulation, Request::setFriction(coefficient)); });
+}
+
+int32_t palpate_set_material(palpate_simulation* simulation, int32_t material, const palpate_parameter* parameters,
+                             int32_t parameter_count, palpate_error* error) {
+  if (simulation == nullptr || material < 0 || material >= static_cast<int>(simulation->materials.size()) ||
+      parameters == nullptr || parameter_count < 1)
+    return say(error, PALPATE_BAD_ARGUMENT, palpate_result_text(PALPATE_BAD_ARGUMENT));
+  return guarded(error, [&] {
+    Material& present = simulation->materials[static_cast<std::size_t>(material)];
+    Material wanted = present;
+    for (int k = 0; k < parameter_count; ++k) set(wanted, parameters[k]);
+    check(wanted);
+    wanted.updateModuli();
+    if (const double excess = simulation->physics.excessOf(material, wanted); excess > 0)
+      throw Refusal(PALPATE_REFUSED, "the material is " + std::to_string(excess) +
+                                         " times too stiff for the time step; load a scene that has it");
+    const std::int32_t code = send(*simulation, Request::setMaterial(material, wanted));
+    if (code == PALPATE_OK) present = wanted;
+    return code;
+  });
+}
+
+int32_t palpate_reset(palpate_simulation* simulation) {
+  if (simulation == nullptr) return PALPATE_BAD_ARGUMENT;
+  return guarded(nullptr, [&]() -> std::int32_t {
+    if (simulation->running) return send(*simulation, Request::simple(Request::Kind::Reset));
+    simulation->physics.reset();
+    simulation->loop.recall(simulation->start);
+    simulation->step_sequence = 0;
+    return PALPATE_OK;
+  });
+}
+
+}  // extern "C"

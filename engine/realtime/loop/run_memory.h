@@ -1,0 +1,27 @@
+#pragma once
+
+#include <cstdint>
+
+#include "base/types.h"
+#include "realtime/channels/snapshot.h"
+#include "realtime/loop/contact_trend.h"
+#include "realtime/loop/force_filter.h"
+#include "realtime/loop/tool_proxy.h"
+#include "simulation/report.h"
+
+namespace palpate {
+
+/// What a run's coming ticks depend on beside the physics' State, and what is told of the present one. Plain data.
+struct RunMemory {
+  std::int64_t tick = 0;  // of the run
+  bool frozen = false;
+  Pose hand;
+  std::uint64_t pose_sequence = 0;
+  ToolProxy::Memory proxy;
+  StepReport report;
+  ForceSample force;
+  ForceFilter filter{0, 0, 1};
+  ContactTrend trend;
+};
+
+}  // namespace palpate

@@ -1,0 +1,111 @@
+// What callers were compiled with must not change in silence: raise the library's version with any line here.
+#include <array>
+#include <catch2/catch.hpp>
+#include <cstddef>
+#include <type_traits>
+
+#include "api/palpate.h"
+
+namespace {
+
+struct Field {
+  const char* name;
+  std::size_t offset, expected;
+};
+
+#define FIELD(type, member, expected) \
+  Field { #type "." #member, offsetof(type, member), expected }
+
+}  // namespace
+
+TEST_CASE("The structs of palpate.h have the layout that callers were compiled with", "[abi]") {
+  CHECK(sizeof(palpate_error) == 1024);
+  CHECK(sizeof(palpate_options) == 40);
+  CHECK(sizeof(palpate_model_info) == 112);
+  CHECK(sizeof(palpate_state) == 240);
+  CHECK(sizeof(palpate_parameter) == 24);
+  for (const Field& field : std::array{FIELD(palpate_error, size, 0),
+                                       FIELD(palpate_error, code, 4),
+                                       FIELD(palpate_error, text, 8),
+                                       FIELD(palpate_options, size, 0),
+                                       FIELD(palpate_options, threads, 4),
+                                       FIELD(palpate_options, rate_hz, 8),
+                                       FIELD(palpate_options, cache_folder, 16),
+                                       FIELD(palpate_options, progress, 24),
+                                       FIELD(palpate_options, user, 32),
+                                       FIELD(palpate_model_info, size, 0),
+                                       FIELD(palpate_model_info, node_count, 4),
+                                       FIELD(palpate_model_info, point_count, 8),
+                                       FIELD(palpate_model_info, skin_vertex_count, 12),
+                                       FIELD(palpate_model_info, skin_triangle_count, 16),
+                                       FIELD(palpate_model_info, material_count, 20),
+                                       FIELD(palpate_model_info, rate_hz, 24),
+                                       FIELD(palpate_model_info, tool_start, 32),
+                                       FIELD(palpate_model_info, tool_radius, 88),
+                                       FIELD(palpate_model_info, first_contact_travel, 96),
+                                       FIELD(palpate_model_info, hash, 104),
+                                       FIELD(palpate_state, size, 0),
+                                       FIELD(palpate_state, doubt, 4),
+                                       FIELD(palpate_state, fresh, 8),
+                                       FIELD(palpate_state, frozen, 12),
+                                       FIELD(palpate_state, contact_count, 16),
+                                       FIELD(palpate_state, loss_count, 20),
+                                       FIELD(palpate_state, tick, 24),
+                                       FIELD(palpate_state, pose_sequence, 32),
+                                       FIELD(palpate_state, time_s, 40),
+                                       FIELD(palpate_state, age_s, 48),
+                                       FIELD(palpate_state, pose, 56),
+                                       FIELD(palpate_state, force, 112),
+                                       FIELD(palpate_state, force_filtered, 136),
+                                       FIELD(palpate_state, torque, 160),
+                                       FIELD(palpate_state, normal, 184),
+                                       FIELD(palpate_state, stiffness, 208),
+                                       FIELD(palpate_state, depth_m, 216),
+                                       FIELD(palpate_state, advance_m, 224),
+                                       FIELD(palpate_state, work_J, 232),
+                                       FIELD(palpate_parameter, name, 0),
+                                       FIELD(palpate_parameter, values, 8),
+                                       FIELD(palpate_parameter, count, 16)}) {
+    INFO(field.name);
+    CHECK(field.offset == field.expected);
+  }
+}
+
+TEST_CASE("The numbers of palpate.h are those that callers were compiled with", "[abi]") {
+  const std::array outcomes{PALPATE_OK,      PALPATE_BAD_ARGUMENT, PALPATE_BAD_INPUT,
+                            PALPATE_REFUSED, PALPATE_BUSY,         PALPATE_FAILED};
+  for (std::size_t k = 0; k < outcomes.size(); ++k) CHECK(outcomes[k] == static_cast<int>(k));
+  const std::array doubts{PALPATE_DOUBT_NONE, PALPATE_DOUBT_VOLUME, PALPATE_DOUBT_CONTACT,  PALPATE_DOUBT_SQUEEZED,
+                          PALPATE_DOUBT_STEP, PALPATE_DOUBT_ENERGY, PALPATE_DOUBT_INVERTED, PALPATE_DOUBT_LOST};
+  for (std::size_t k = 0; k < doubts.size(); ++k) CHECK(doubts[k] == static_cast<int>(k));
+  CHECK(PALPATE_ORDINARY_THREAD == 1);
+}
+
+// The functions' types; their names are held by tests/consumer.
+template <class Function, class Expected>
+constexpr bool same = std::is_same_v<Function, Expected>;
+using Simulation = palpate_simulation*;
+using Error = palpate_error*;
+static_assert(same<decltype(palpate_load), int32_t(const char*, const palpate_options*, palpate_model**, Error)>);
+static_assert(same<decltype(palpate_model_destroy), void(palpate_model*)>);
+static_assert(same<decltype(palpate_describe), int32_t(const palpate_model*, palpate_model_info*)>);
+static_assert(same<decltype(palpate_skin_triangles), int32_t(const palpate_model*, int32_t*, int32_t)>);
+static_assert(
+    same<decltype(palpate_script), int32_t(const palpate_model*, const char*, double*, int64_t, int64_t*, Error)>);
+static_assert(same<decltype(palpate_create), int32_t(const palpate_model*, Simulation*, Error)>);
+static_assert(same<decltype(palpate_destroy), void(Simulation)>);
+static_assert(same<decltype(palpate_step), int32_t(Simulation, int64_t, const double*, palpate_state*)>);
+static_assert(same<decltype(palpate_start), int32_t(Simulation, uint32_t)>);
+static_assert(same<decltype(palpate_stop), int32_t(Simulation)>);
+static_assert(same<decltype(palpate_set_target), int32_t(Simulation, const double*, uint64_t)>);
+static_assert(same<decltype(palpate_read), int32_t(const palpate_simulation*, palpate_state*)>);
+static_assert(same<decltype(palpate_skin_positions), int32_t(Simulation, float*, int32_t)>);
+static_assert(same<decltype(palpate_contacts), int32_t(Simulation, int32_t*, float*, int32_t, int32_t*)>);
+static_assert(same<decltype(palpate_set_friction), int32_t(Simulation, double)>);
+static_assert(
+    same<decltype(palpate_set_material), int32_t(Simulation, int32_t, const palpate_parameter*, int32_t, Error)>);
+static_assert(same<decltype(palpate_reset), int32_t(Simulation)>);
+static_assert(same<decltype(palpate_save_size), size_t(const palpate_simulation*)>);
+static_assert(same<decltype(palpate_save), int32_t(const palpate_simulation*, void*, size_t)>);
+static_assert(same<decltype(palpate_restore), int32_t(Simulation, const void*, size_t, Error)>);
+static_assert(same<decltype(palpate_hash), int32_t(const palpate_simulation*, uint64_t*)>);

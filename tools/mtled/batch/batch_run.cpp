@@ -1,0 +1,106 @@
+#include "mtled/batch/batch_run.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <fstream>
+#include <stdexcept>
+
+#include "base/interrupt.h"
+#include "io/find_asset.h"
+#include "io/indent_script.h"
+#include "io/load_model.h"
+#include "io/output_file.h"
+#include "io/vtu_file.h"
+#include "realtime/loop/simulation_loop.h"
+#include "realtime/recording/force_csv.h"
+#include "simulation/trust.h"
+
+namespace palpate::tools {
+namespace {
+
+constexpr double default_seconds = 4;  // as off-screen runs without a script
+
+std::int64_t ticksOf(const BatchJob& job, const ScriptTrajectory& way, double rate_hz) {
+  if (!job.seconds && !job.tool.empty()) return way.ticks();
+  return std::max<std::int64_t>(1, std::llround(job.seconds.value_or(default_seconds) * rate_hz));
+}
+
+void writeField(const Model& model, const State& state, const std::string& path) {
+  std::vector<Vec3> u(state.u.size()), displacement(state.u.size(), Vec3::Zero());
+  std::transform(state.u.begin(), state.u.end(), u.begin(), [](const Float4& v) { return toVec3(v); });
+  const ShapeTable& shape = model.node_shape;
+  for (std::size_t i = 0; i < u.size(); ++i)
+    for (int k = shape.begin[i]; k < shape.begin[i + 1]; ++k) {
+      const auto e = static_cast<std::size_t>(k);
+      displacement[i] += shape.N[e] * u[static_cast<std::size_t>(shape.node[e])];
+    }
+  const std::vector<VtuField> fields{vtuVectors("displacement_m", displacement)};
+  writeVtu(path, model.X, model.cells, fields);
+}
+
+}  // namespace
+
+BatchModels::BatchModels(const std::vector<BatchJob>& jobs, ModelCache cache) : cache_(std::move(cache)) {
+  for (const BatchJob& job : jobs) ++shelves_[job.modelKey()].waiting;
+}
+
+std::shared_ptr<const Model> BatchModels::take(const BatchJob& job) {
+  const std::lock_guard lock(mutex_);
+  Shelf& shelf = shelves_.at(job.modelKey());
+  const bool last = --shelf.waiting == 0;
+  if (!shelf.model) {
+    const Progress progress = [](const std::string&, double) {
+      if (interrupted()) throw Interrupted();
+    };
+    shelf.model =
+        std::make_shared<const Model>(loadModel(readScene(findScene(job.scene), job.changes), progress, cache_));
+  }
+  return last ? std::move(shelf.model) : shelf.model;
+}
+
+BatchResult runBatchJob(const BatchJob& job, const Model& model, const std::string& folder) {
+  const std::optional<ToolScript> script = namedScript(job.tool, model.scene.tool.radius);
+  ScriptTrajectory way = trajectoryOf(script ? *script : indentScript(model), model);
+  const std::int64_t ticks = ticksOf(job, way, model.scene.rate_hz);
+
+  TissuePhysics physics(model, 1);
+  SimulationLoopOptions options;
+  options.force_capacity = 1;
+  SimulationLoop loop(model, physics, &physics.team(), options);
+  BatchResult result;
+  result.id = job.id;
+  result.job = job.text;
+  Doubt doubt = Doubt::None;
+  PendingFile pending(folder + "/force.csv");
+  errno = 0;
+  std::ofstream rows(pending.part(), std::ios::binary | std::ios::trunc);
+  rows << force_csv_header;
+  for (std::int64_t k = 0; k < ticks; ++k) {
+    if (interrupted()) throw Interrupted();
+    if (!script || k < way.ticks()) {  // after a script the tool stays where it is
+      loop.hand().back().pose = way.next();
+      loop.hand().publish();
+    }
+    loop.advanceHere(1);
+    const ForceSample sample = loop.force().sample;
+    rows << forceCsvRow(sample);
+    doubt = std::max(doubt, sample.doubt);
+    result.peak_force = std::max(result.peak_force, sample.force_raw.norm());
+    result.last_force = sample.force_raw.norm();
+    result.last_depth = sample.depth_m;
+    if (k + 1 == ticks && sample.frozen) result.reason = "the run ended frozen: its solution was lost again and again";
+  }
+  result.done = result.reason.empty();
+  result.ticks = ticks;
+  result.seconds = static_cast<double>(ticks) / model.scene.rate_hz;
+  result.state_hash = physics.stateHash();
+  result.doubt = doubtName(doubt);
+  rows.close();
+  if (!rows) failWriting(folder + "/force.csv", errno);
+  pending.takePlace();
+  if (job.field) writeField(model, physics.state(), folder + "/field.vtu");
+  return result;
+}
+
+}  // namespace palpate::tools
