@@ -10,10 +10,9 @@
 
 #include "base/input_error.h"
 #include "base/printable_text.h"
+#include "imaging/remesh.h"
 #include "io/output_file.h"
-#include "organs/isosurface.h"
 #include "organs/organ.h"
-#include "organs/remesh.h"
 #include "organs/surface_report.h"
 
 /// Makes the organs in assets/organs from formulas: implicit surface, marching

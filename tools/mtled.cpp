@@ -22,6 +22,7 @@
 #include "mtled/fit/fit_command.h"
 #include "mtled/frontier/frontier_command.h"
 #include "mtled/identify/identify_command.h"
+#include "mtled/import/import_command.h"
 #include "mtled/solve/solve_command.h"
 #include "mtled/verify/verification_case.h"
 #include "mtled/verify/verify_command.h"
@@ -44,6 +45,7 @@ const char* const examples = R"(Examples:
   mtled batch jobs.jsonl --jobs 8            many scenes, one thread each
   mtled identify kidney --measured force.csv    the material that gives a measured force curve
   mtled atlas --quick                        where the numbers are true, doubted or refused
+  mtled import liver.stl --unit mm --out my/liver   a scene of any surface, repaired where it must be
 
 Exit codes: 0 done, 1 failed, not converged or interrupted (what there is is kept), 2 bad option or scene.)";
 
@@ -212,6 +214,21 @@ CLI::App* addAtlas(CLI::App& app, AtlasOptions& options) {
   return command;
 }
 
+CLI::App* addImport(CLI::App& app, ImportOptions& options) {
+  CLI::App* command =
+      app.add_subcommand("import", "Make an organ and its scene of a surface, and repair what is wrong with it");
+  command->footer(examplesOf(*command));
+  command->add_option("FILE", options.file, "Surface: .obj, .stl, .ply, .off or .vtk")->required();
+  command->add_option("--out", options.out, "Folder for surface, scene, picture and report (out/<file's name>)")
+      ->type_name("DIR");
+  command->add_option("--unit", options.unit, "Unit of the file's coordinates (guessed where its size leaves no doubt)")
+      ->type_name("mm|cm|m")
+      ->check(CLI::IsMember({"mm", "cm", "m"}));
+  command->add_flag_callback(
+      "--no-cache", [&options] { options.use_cache = false; }, "Do not keep the set-up for the first opening");
+  return command;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -227,6 +244,7 @@ int main(int argc, char** argv) {
   AtlasOptions atlas;
   BatchOptions batch;
   IdentifyOptions identify;
+  ImportOptions imported;
   const std::pair<CLI::App*, std::function<int()>> commands[] = {
       {addSolve(app, solve), [&] { return solveCommand(solve); }},
       {addVerify(app, verify), [&] { return verifyCommand(verify); }},
@@ -235,7 +253,8 @@ int main(int argc, char** argv) {
       {addFit(app, fit), [&] { return fitCommand(fit); }},
       {addAtlas(app, atlas), [&] { return atlasCommand(atlas); }},
       {addBatch(app, batch), [&] { return batchCommand(batch); }},
-      {addIdentify(app, identify), [&] { return identifyCommand(identify); }}};
+      {addIdentify(app, identify), [&] { return identifyCommand(identify); }},
+      {addImport(app, imported), [&] { return importCommand(imported); }}};
   if (const std::string wrong = wrongCommand(app, argc, argv); !wrong.empty()) {
     std::cerr << "mtled: " << wrong << std::endl;
     return unusable_input;

@@ -9,6 +9,7 @@
 
 #include "base/parallel_for.h"
 #include "discretization/surface/solids.h"
+#include "imaging/repair_surface.h"
 #include "io/surface_file.h"
 #include "simulation/choose_time_step.h"
 #include "simulation/discretize.h"
@@ -72,6 +73,11 @@ TriangleSurface organSurface(const Scene& scene) {
   } catch (const std::invalid_argument& error) {
     throw InputError(placeOf(scene, "discretization.spacing"), error.what(),
                      "raise discretization.spacing or tool.radius");
+  }
+  if (scene.repair_surface) {
+    SurfaceFile file = readSurface(scene.surface_file, scene.surface_scale, placeOf(scene, "organ.surface"),
+                                   SurfaceReading::Tolerant);
+    return repairSurface(std::move(file.surface), std::move(file.source)).surface;
   }
   return readClosedSurface(scene.surface_file, scene.surface_scale, placeOf(scene, "organ.surface"));
 }

@@ -8,8 +8,8 @@
 
 namespace palpate {
 
-/// The organ's closed surface: the scene's file, read, scaled and checked, or its analytic solid
-/// triangulated finely enough for spacing and tool. Throws InputError with file and line.
+/// The organ's closed surface: the scene's file, read, scaled and checked (or, with `repair`, repaired), or its
+/// analytic solid triangulated finely enough for spacing and tool. Throws InputError with file and line.
 TriangleSurface organSurface(const Scene& scene);
 
 /// What to say of an organ whose bounding box's longest edge is below 1 mm or above 3 m: its unit is probably

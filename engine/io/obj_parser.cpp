@@ -8,6 +8,7 @@
 #include <system_error>
 #include <vector>
 
+#include "io/polygon_faces.h"
 #include "io/token_reader.h"
 
 namespace palpate {
@@ -48,81 +49,96 @@ int parseCorner(std::string_view word, int vertex_count, const SourceLocation& p
   return static_cast<int>(index) - 1;
 }
 
-}  // namespace
+/// Reads statement by statement.
+class ObjReader {
+ public:
+  ObjReader(const std::string& text, const std::string& file, SurfaceFile& result)
+      : reader_(text, file), result_(result), faces_(result) {
+    result_.source.file = file;
+  }
 
-SurfaceFile parseObj(const std::string& text, const std::string& file) {
-  SurfaceFile result;
-  result.source.file = file;
-  auto& [vertices, triangles] = result.surface;
-  TokenReader reader(text, file);
-
-  struct Polygon {
-    int first_triangle;
-    std::vector<int> corners;
-    SourceLocation place;
-  };
-  std::vector<Polygon> polygons;  // with more than three corners
-  int highest = -1;
-  SourceLocation highest_place;
-  std::vector<int> corners;
-  do {
-    const std::string_view keyword = reader.nextInLine();
-    if (keyword.empty() || keyword.front() == '#') continue;
-    const SourceLocation place = reader.place();
+  /// The statement on this line, if there is one.
+  void read() {
+    const std::string_view keyword = reader_.nextInLine();
+    if (keyword.empty() || keyword.front() == '#') return;
+    const SourceLocation place = reader_.place();
     if (keyword == "v") {
-      Vec3 x;
-      for (int k = 0; k < 3; ++k) {
-        const std::string_view word = reader.nextInLine();
-        x[k] = parseNumber(word, reader.place(), "coordinate " + std::to_string(k + 1) + " of this vertex");
-      }
-      vertices.push_back(x);
-      result.source.vertex_line.push_back(place.line);
+      readVertex(place);
     } else if (keyword == "f") {
-      corners.clear();
-      for (std::string_view word = reader.nextInLine(); !word.empty() && word.front() != '#';
-           word = reader.nextInLine()) {
-        corners.push_back(parseCorner(word, static_cast<int>(vertices.size()), reader.place()));
-        if (corners.back() > highest) {
-          highest = corners.back();
-          highest_place = reader.place();
-        }
-      }
-      if (corners.size() < 3) {
-        throw InputError(place, "a face with " + std::to_string(corners.size()) + " corners",
-                         "a face needs at least 3; the line may have been cut short");
-      }
-      if (corners.size() > 3) polygons.push_back({static_cast<int>(triangles.size()), corners, place});
-      for (std::size_t k = 1; k + 1 < corners.size(); ++k) {
-        triangles.push_back({corners[0], corners[k], corners[k + 1]});
-        result.source.triangle_line.push_back(place.line);
-      }
+      readFace(place);
     } else if (std::find(skipped.begin(), skipped.end(), keyword) == skipped.end()) {
       throw InputError(place, inQuotes(keyword) + " is not a statement of a polygonal OBJ file",
                        "export the organ as an OBJ of \"v\" and \"f\" lines, or as STL");
     }
-  } while (reader.nextLine());
-
-  if (highest >= static_cast<int>(vertices.size())) {
-    throw InputError(highest_place,
-                     "vertex index " + std::to_string(highest + 1) + " but the file has " +
-                         std::to_string(vertices.size()) + " vertices",
-                     "the file may have been cut short: export it again");
   }
-  if (triangles.empty()) throw InputError({file, 0, 0}, "no faces in this file", "an OBJ surface has \"f\" lines");
+  bool nextLine() { return reader_.nextLine(); }
 
-  // A fan fills a polygon only if none of its triangles points against the whole.
-  for (const Polygon& polygon : polygons) {
-    Vec3 whole = Vec3::Zero();
-    const Vec3& o = vertices[polygon.corners[0]];
-    for (std::size_t k = 1; k + 1 < polygon.corners.size(); ++k) {
-      whole += (vertices[polygon.corners[k]] - o).cross(vertices[polygon.corners[k + 1]] - o);
+  /// Throws where a vertex is named that the file does not have.
+  void checkHighest() const {
+    const int count = static_cast<int>(result_.surface.vertices.size());
+    if (highest_ < count) return;
+    throw InputError(
+        highest_place_,
+        "vertex index " + std::to_string(highest_ + 1) + " but the file has " + std::to_string(count) + " vertices",
+        "the file may have been cut short: export it again");
+  }
+  void finish() { faces_.finish(); }
+
+ private:
+  void readVertex(const SourceLocation& place) {
+    // Counted even where it can't be read, so that the others keep their numbers.
+    result_.surface.vertices.push_back(Vec3::Constant(std::numeric_limits<double>::quiet_NaN()));
+    result_.source.vertex_line.push_back(place.line);
+    Vec3 x;
+    for (int k = 0; k < 3; ++k) {
+      const std::string_view word = reader_.nextInLine();
+      x[k] = parseNumber(word, reader_.place(), "coordinate " + std::to_string(k + 1) + " of this vertex");
     }
-    for (std::size_t k = 1; k + 1 < polygon.corners.size(); ++k) {
-      if ((vertices[polygon.corners[k]] - o).cross(vertices[polygon.corners[k + 1]] - o).dot(whole) < 0) {
-        throw InputError(polygon.place, "a concave polygon", "let the exporting program triangulate the faces");
+    result_.surface.vertices.back() = x;
+  }
+
+  void readFace(const SourceLocation& place) {
+    corners_.clear();
+    for (std::string_view word = reader_.nextInLine(); !word.empty() && word.front() != '#';
+         word = reader_.nextInLine()) {
+      corners_.push_back(parseCorner(word, static_cast<int>(result_.surface.vertices.size()), reader_.place()));
+      if (corners_.back() > highest_) {
+        highest_ = corners_.back();
+        highest_place_ = reader_.place();
       }
     }
+    if (corners_.size() < 3) {
+      throw InputError(place, "a face with " + std::to_string(corners_.size()) + " corners",
+                       "a face needs at least 3; the line may have been cut short");
+    }
+    faces_.add(corners_, place.line);
   }
+
+  TokenReader reader_;
+  SurfaceFile& result_;
+  PolygonFaces faces_;
+  std::vector<int> corners_;
+  int highest_ = -1;
+  SourceLocation highest_place_;
+};
+
+}  // namespace
+
+SurfaceFile parseObj(const std::string& text, const std::string& file, SurfaceReading reading) {
+  SurfaceFile result;
+  ObjReader reader(text, file, result);
+  do {
+    try {
+      reader.read();
+    } catch (const InputError&) {
+      constexpr int max_unreadable = 10'000;  // beyond, it is no OBJ file
+      if (reading == SurfaceReading::Strict || ++result.unreadable_faces > max_unreadable) throw;
+    }
+  } while (reader.nextLine());
+  if (reading == SurfaceReading::Strict) reader.checkHighest();
+  if (result.surface.triangles.empty())
+    throw InputError({file, 0, 0}, "no faces in this file", "an OBJ surface has \"f\" lines");
+  reader.finish();
   return result;
 }
 

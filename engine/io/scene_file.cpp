@@ -52,9 +52,10 @@ void readOrgan(const TomlTable& organ, const std::filesystem::path& folder, Scen
     constexpr double units[] = {0.001, 0.01, 1.0};  // in the order of the key's choices
     if (organ.has("unit")) scene.surface_scale = units[organ.readChoice("unit", 2)];
     organ.read("scale", scene.surface_scale);
+    organ.read("repair", scene.repair_surface);
     return;
   }
-  organ.forbid({"unit", "scale"}, "to a solid, which is given in m");
+  organ.forbid({"unit", "scale", "repair"}, "to a solid, which is given in m");
   switch (organ.readChoice("solid", 0)) {
     case 0:
       scene.solid = Scene::Solid::Box;

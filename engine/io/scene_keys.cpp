@@ -36,12 +36,16 @@ constexpr KeySpec scene_keys[] = {
     {"", "camera", T::Table, "", "", {}, "", "The first view."},
 
     {"organ", "surface", T::Text, "", depends, {}, "",
-     "OBJ or STL file of a closed surface, relative to the scene file. Either this or `solid`.", never},
+     "File of a closed surface (.obj, .stl, .ply, .off, .vtk), relative to the scene file. Either this or `solid`.",
+     never},
     {"organ", "unit", T::Text, "", depends, {}, "mm|cm|m",
      "Unit of the file's coordinates; with `surface` give this or `scale`. An organ shorter than 1 mm or "
      "longer than 3 m is warned of."},
     {"organ", "scale", T::Number, "m", depends, above(0), "",
      "Length of the file's unit; with `surface` give this or `unit`."},
+    {"organ", "repair", T::Boolean, "", "false", {}, "",
+     "Repair the surface as `mtled import` does, each time that it is read: holes, doubled and turned faces, faces "
+     "that pierce others, sheets inside. `mtled import FILE` does it once, and says what it found."},
     {"organ", "solid", T::Text, "", depends, {}, "box|cylinder|ellipsoid",
      "An analytic solid. Either this or `surface`."},
     {"organ", "size", T::Vector, "m", depends, aboveUpTo(0, 10), "",

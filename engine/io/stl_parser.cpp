@@ -38,7 +38,8 @@ bool looksBinary(const std::string& bytes) {
   return bytes.find('\0') != std::string::npos;
 }
 
-SurfaceFile parseBinary(const std::string& bytes, const std::string& file) {
+SurfaceFile parseBinary(const std::string& bytes, const std::string& file, SurfaceReading reading) {
+  const bool tolerant = reading == SurfaceReading::Tolerant;
   const SourceLocation place{file, 0, 0};
   if (bytes.size() < header_size) {
     throw InputError(place,
@@ -46,9 +47,16 @@ SurfaceFile parseBinary(const std::string& bytes, const std::string& file) {
                          std::to_string(bytes.size()) + " bytes, a header alone has 84)",
                      "export it again as STL or OBJ");
   }
-  const std::uint32_t count = statedFaceCount(bytes);
+  std::uint32_t count = statedFaceCount(bytes);
   const std::uint64_t expected = header_size + std::uint64_t{face_size} * count;
-  if (bytes.size() != expected) {
+  SurfaceFile result;
+  result.source.file = file;
+  if (bytes.size() != expected && tolerant) {
+    // The faces that are there, whole ones.
+    const auto there = static_cast<std::uint32_t>((bytes.size() - header_size) / face_size);
+    result.unreadable_faces = count > there && count < 2 * there ? static_cast<int>(count - there) : 1;
+    count = there;
+  } else if (bytes.size() != expected) {
     throw InputError(place,
                      "this binary STL announces " + std::to_string(count) + " faces, which take " +
                          std::to_string(expected) + " bytes, but has " + std::to_string(bytes.size()),
@@ -56,15 +64,13 @@ SurfaceFile parseBinary(const std::string& bytes, const std::string& file) {
                                              : "it has trailing bytes or is no STL: export it again");
   }
   if (count == 0) throw InputError(place, "no faces in this file", "export the organ as a triangle mesh");
-  SurfaceFile result;
-  result.source.file = file;
   for (std::uint32_t t = 0; t < count; ++t) {
     float corner[9];
     std::memcpy(corner, bytes.data() + header_size + std::size_t{face_size} * t + 12, sizeof corner);
     const int first = static_cast<int>(result.surface.vertices.size());
     for (int k = 0; k < 3; ++k) {
       const Vec3 x(corner[3 * k], corner[3 * k + 1], corner[3 * k + 2]);
-      if (!x.allFinite()) {
+      if (!x.allFinite() && !tolerant) {
         throw InputError(place,
                          "corner " + std::to_string(k + 1) + " of face " + std::to_string(t + 1) + " of " +
                              std::to_string(count) + " is not finite",
@@ -77,8 +83,8 @@ SurfaceFile parseBinary(const std::string& bytes, const std::string& file) {
   return result;
 }
 
-SurfaceFile parseAscii(const std::string& text, const std::string& file) {
-  SurfaceFile result;
+/// Adds the faces to `result`, up to where it throws.
+void parseAscii(const std::string& text, const std::string& file, SurfaceFile& result) {
   result.source.file = file;
   TokenReader reader(text, file);
   const auto expect = [&](std::string_view word, const char* wanted) {
@@ -123,16 +129,24 @@ SurfaceFile parseAscii(const std::string& text, const std::string& file) {
     }
     reader.nextLine();
   }
-  if (result.surface.triangles.empty()) {
-    throw InputError({file, 0, 0}, "no faces in this file", "export the organ as a triangle mesh");
-  }
-  return result;
 }
 
 }  // namespace
 
-SurfaceFile parseStl(const std::string& bytes, const std::string& file) {
-  return looksBinary(bytes) ? parseBinary(bytes, file) : parseAscii(bytes, file);
+SurfaceFile parseStl(const std::string& bytes, const std::string& file, SurfaceReading reading) {
+  if (looksBinary(bytes)) return parseBinary(bytes, file, reading);
+  SurfaceFile result;
+  try {
+    parseAscii(bytes, file, result);
+  } catch (const InputError&) {
+    if (reading == SurfaceReading::Strict || result.surface.triangles.empty()) throw;
+    result.unreadable_faces = 1;
+    result.surface.vertices.resize(3 * result.surface.triangles.size());  // without those of the face cut off
+    result.source.vertex_line.resize(result.surface.vertices.size());
+  }
+  if (result.surface.triangles.empty())
+    throw InputError({file, 0, 0}, "no faces in this file", "export the organ as a triangle mesh");
+  return result;
 }
 
 }  // namespace palpate

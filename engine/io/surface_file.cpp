@@ -1,15 +1,22 @@
 #include "io/surface_file.h"
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <stdexcept>
+#include <vector>
 
 #include "base/number_text.h"
 #include "discretization/surface/weld_vertices.h"
+#include "imaging/mend_surface.h"
 #include "io/obj_parser.h"
+#include "io/off_parser.h"
+#include "io/ply_parser.h"
 #include "io/stl_parser.h"
 #include "io/text_file.h"
+#include "io/vtk_surface_parser.h"
 
 namespace palpate {
 
@@ -21,47 +28,95 @@ constexpr std::size_t max_faces = 20'000'000;
 // Far beyond any organ, and so small that lengths, areas and volumes stay finite numbers.
 constexpr double max_coordinate = 1e9;  // m
 
+struct Format {
+  const char* ending;
+  SurfaceFile (*parse)(const std::string& bytes, const std::string& file, SurfaceReading reading);
+};
+constexpr Format formats[] = {
+    {".obj", parseObj}, {".stl", parseStl}, {".ply", parsePly}, {".off", parseOff}, {".vtk", parseVtk}};
+
+bool isNear(const Vec3& x) { return x.cwiseAbs().maxCoeff() <= max_coordinate; }
+
+/// Leaves out the faces with vertices that are not there, not finite or out of this world.
+void leaveOutUnreadable(SurfaceFile& file) {
+  auto& [vertices, triangles] = file.surface;
+  std::vector<char> good(vertices.size());
+  for (std::size_t v = 0; v < vertices.size(); ++v) good[v] = vertices[v].allFinite() && isNear(vertices[v]);
+  std::size_t kept = 0;
+  for (std::size_t t = 0; t < triangles.size(); ++t) {
+    const bool readable = std::all_of(triangles[t].begin(), triangles[t].end(), [&](int v) {
+      return v >= 0 && static_cast<std::size_t>(v) < good.size() && good[static_cast<std::size_t>(v)];
+    });
+    if (!readable) continue;
+    triangles[kept] = triangles[t];
+    if (!file.source.triangle_line.empty()) file.source.triangle_line[kept] = file.source.triangle_line[t];
+    ++kept;
+  }
+  file.unreadable_faces += static_cast<int>(triangles.size() - kept);
+  triangles.resize(kept);
+  if (!file.source.triangle_line.empty()) file.source.triangle_line.resize(kept);
+  if (triangles.empty())
+    throw InputError({file.source.file, 0, 0}, "no face of this file can be read", "export the surface again");
+  dropUnusedVertices(file.surface, file.source);
+}
+
+void checkVertices(const SurfaceFile& file, const std::string& path) {
+  for (std::size_t i = 0; i < file.surface.vertices.size(); ++i) {
+    if (isNear(file.surface.vertices[i])) continue;
+    const auto& line = file.source.vertex_line;
+    throw InputError({path, i < line.size() ? line[i] : 0, 0},
+                     "vertex " + std::to_string(i + 1) + " is more than a billion metres away",
+                     "check it, and the surface's unit or scale");
+  }
+}
+
 }  // namespace
 
-SurfaceFile readSurface(const std::string& path, double scale, const SourceLocation& asked_from) {
+std::string surfaceFormats() {
+  std::string list;
+  for (const Format& format : formats) list += (list.empty() ? "" : ", ") + std::string(format.ending);
+  return list;
+}
+
+SurfaceFile readSurface(const std::string& path, double scale, const SourceLocation& asked_from,
+                        SurfaceReading reading) {
   if (!(scale > 0) || !std::isfinite(scale)) {
     throw InputError(asked_from, "the surface's scale must be positive", "0.001 for a file in millimetres");
   }
-  return surfaceFrom(readWholeFile(path, asked_from), path, scale);
+  return surfaceFrom(readWholeFile(path, asked_from), path, scale, reading);
 }
 
-SurfaceFile surfaceFrom(const std::string& bytes, const std::string& path, double scale) {
-  std::string extension = std::filesystem::path(path).extension().string();
-  for (char& c : extension) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  if (extension != ".obj" && extension != ".stl") {
-    throw InputError({path, 0, 0}, "\"" + extension + "\" is not a surface format that can be read",
-                     "use .obj or .stl");
+SurfaceFile surfaceFrom(const std::string& bytes, const std::string& path, double scale, SurfaceReading reading) {
+  std::string ending = std::filesystem::path(path).extension().string();
+  for (char& c : ending) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  const auto format =
+      std::find_if(std::begin(formats), std::end(formats), [&](const Format& f) { return ending == f.ending; });
+  if (format == std::end(formats)) {
+    throw InputError({path, 0, 0}, "\"" + ending + "\" is not a surface format that can be read",
+                     "use one of " + surfaceFormats());
   }
   if (bytes.find_first_not_of(" \t\r\n") == std::string::npos) {
     throw InputError({path, 0, 0}, "the file is empty", "export the organ as OBJ or STL");
   }
-  SurfaceFile result = extension == ".obj" ? parseObj(bytes, path) : parseStl(bytes, path);
+  SurfaceFile result = format->parse(bytes, path, reading);
   if (result.surface.triangles.size() > max_faces) {
     throw InputError({path, 0, 0}, std::to_string(result.surface.triangles.size()) + " faces",
                      "simplify the surface: ten thousand faces show an organ well");
   }
-  for (std::size_t i = 0; i < result.surface.vertices.size(); ++i) {
-    Vec3& x = result.surface.vertices[i];
-    x *= scale;
-    if (!(x.cwiseAbs().maxCoeff() <= max_coordinate)) {
-      const auto& line = result.source.vertex_line;
-      throw InputError({path, i < line.size() ? line[i] : 0, 0},
-                       "vertex " + std::to_string(i + 1) + " is more than a billion metres away",
-                       "check it, and the surface's unit or scale");
-    }
-  }
+  for (Vec3& x : result.surface.vertices) x *= scale;
+  if (reading == SurfaceReading::Tolerant) leaveOutUnreadable(result);
+  checkVertices(result, path);
   weldVertices(result.surface, result.source);
   return result;
 }
 
 TriangleSurface readClosedSurface(const std::string& path, double scale, const SourceLocation& asked_from) {
   SurfaceFile file = readSurface(path, scale, asked_from);
-  checkSurface(file.surface, file.source);
+  try {
+    checkSurface(file.surface, file.source);
+  } catch (const InputError& error) {
+    throw InputError({}, error.what(), "or let `mtled import " + path + "` repair it, or [organ] repair = true");
+  }
   return std::move(file.surface);
 }
 

@@ -103,8 +103,9 @@ struct Scene {
   // organ
   enum class Solid { Surface, Box, Cylinder, Ellipsoid };
   Solid solid = Solid::Surface;
-  std::string surface_file;       // absolute or relative to the working directory; OBJ or STL
+  std::string surface_file;       // absolute or relative to the working directory; see surfaceFormats()
   double surface_scale = 1.0;     // m per file unit
+  bool repair_surface = false;    // the file's surface is repaired (repairSurface) instead of refused
   Vec3 size = Vec3::Zero();       // Box: edge lengths, m; base centred at the origin, z from 0
   double radius = 0, height = 0;  // Cylinder: m; axis z, base centred at the origin
   Vec3 semi_axes = Vec3::Zero();  // Ellipsoid: m, centred at the origin

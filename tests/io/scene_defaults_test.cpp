@@ -20,7 +20,7 @@ std::string described(const Scene& s) {
   text.precision(17);
   const auto add = [&](const auto&... values) { ((text << values << ' '), ...); };
   const auto vector = [&](const Vec3& v) { add(v.x() + 0.0, v.y() + 0.0, v.z() + 0.0); };  // no -0
-  add(s.upper_half), vector(s.tissue_colour);
+  add(s.upper_half, s.repair_surface), vector(s.tissue_colour);
   add(s.spacing, s.seed, s.basis_degree, s.support_factor, s.mmls_weight, s.consistent_gradients, s.node_patch_volume);
   add(s.cell_volume);
   add(static_cast<int>(s.boundary_method), s.quadrature.points_per_cell, s.quadrature.cells_per_point);
@@ -47,6 +47,10 @@ std::string sceneWith(const KeySpec& key, const std::string& given) {
   const std::string group = key.table, name = key.name;
   // How a cell is divided means nothing where none is.
   const std::string line = (name.starts_with("quadrature_d") ? "quadrature_accuracy = 0.1\n" : "") + given;
+  if (group == "organ" && name == "repair") {
+    return replaced(minimal_scene, "solid = \"box\"\nsize = [0.1, 0.1, 0.05]\n",
+                    "surface = \"a.obj\"\nunit = \"mm\"\n" + line);
+  }
   if (group == "organ") {
     return replaced(minimal_scene, "solid = \"box\"\nsize = [0.1, 0.1, 0.05]\n",
                     "solid = \"ellipsoid\"\nsemi_axes = [0.1, 0.1, 0.05]\n" + line);
@@ -97,6 +101,7 @@ std::string otherValue(const KeySpec& key) {
 
 TEST_CASE("Each default of the reference is what a scene without the key has", "[io][scene]") {
   TempFolder folder;
+  folder.write("a.obj", "v 0 0 0\n");
   const auto read = [&](const std::string& text) { return described(readScene(folder.write("box.toml", text))); };
   int defaults = 0;
   for (const KeySpec& key : sceneKeys()) {

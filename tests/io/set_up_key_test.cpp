@@ -50,6 +50,7 @@ std::map<std::string, Change> changes() {
       {"organ.surface", {surface, "\"a.obj\"", "\"./b.obj\""}},
       {"organ.unit", {surface, "\"mm\"", "\"cm\""}},
       {"organ.scale", {scaled_surface, "scale = 0.001", "scale = 0.002"}},
+      {"organ.repair", {surface, "unit = \"mm\"", "unit = \"mm\"\nrepair = true"}},
       {"organ.solid",
        {minimal_scene, "\"box\"\nsize = [0.1, 0.1, 0.05]", "\"ellipsoid\"\nsemi_axes = [0.1, 0.1, 0.1]"}},
       {"organ.size", {minimal_scene, "[0.1, 0.1, 0.05]", "[0.1, 0.1, 0.06]"}},

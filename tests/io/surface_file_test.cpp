@@ -1,5 +1,6 @@
 #include "io/surface_file.h"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cstdint>
 #include <cstring>
@@ -117,6 +118,94 @@ TEST_CASE("An OBJ split along seams is joined", "[io][surface]") {
   CHECK(readClosedSurface(folder.write("split.obj", text)).vertices.size() == s.vertices.size());
 }
 
+namespace {
+
+const std::string ply_head =
+    "element vertex 4\nproperty float x\nproperty float y\nproperty float z\nproperty uchar red\nelement face 4\n"
+    "property list uchar int vertex_indices\nend_header\n";
+const std::string text_ply = "ply\nformat ascii 1.0\ncomment a scanner's\n" + ply_head +
+                             "0 0 0 9\n2 0 0 9\n0 1 0 9\n0 0 1 9\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n";
+const std::string off =
+    "OFF # by hand\n4 4 6\n0 0 0\n2 0 0 0 0 1\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3 255 0 0\n3 0 3 2\n3 1 2 3\n";
+const std::string vtk_head = "# vtk DataFile Version 4.2\nliver\n";
+const std::string vtk_set = "DATASET POLYDATA\nPOINTS 4 float\n";
+const std::string text_vtk = vtk_head + "ASCII\n" + vtk_set + "0 0 0 2 0 0 0 1 0\n0 0 1\n";
+
+/// Numbers as they lie in a file of the other byte order, or of this one.
+template <class T>
+std::string raw(const std::vector<T>& values, bool big_endian) {
+  std::string bytes;
+  for (const T value : values) {
+    char one[sizeof value];
+    std::memcpy(one, &value, sizeof value);
+    if (big_endian) std::reverse(one, one + sizeof value);
+    bytes.append(one, sizeof value);
+  }
+  return bytes;
+}
+
+std::string binaryPly(bool big_endian) {
+  std::string bytes = std::string("ply\nformat binary_") + (big_endian ? "big" : "little") + "_endian 1.0\n" + ply_head;
+  for (const std::vector<float>& x : {std::vector<float>{0, 0, 0}, {2, 0, 0}, {0, 1, 0}, {0, 0, 1}})
+    bytes += raw(x, big_endian) + 'r';
+  for (const std::vector<int>& t : {std::vector<int>{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}})
+    bytes += '\3' + raw(t, big_endian);
+  return bytes;
+}
+
+}  // namespace
+
+TEST_CASE("PLY, OFF and VTK are read, text or binary, to the same tetrahedron", "[io][surface]") {
+  TempFolder folder;
+  const std::string binary_vtk =
+      vtk_head + "BINARY\n" + vtk_set + raw(std::vector<float>{0, 0, 0, 2, 0, 0, 0, 1, 0, 0, 0, 1}, true) +
+      "\nPOLYGONS 4 16\n" + raw(std::vector<int>{3, 0, 2, 1, 3, 0, 1, 3, 3, 0, 3, 2, 3, 1, 2, 3}, true) + "\n";
+  const std::vector<std::pair<std::string, std::string>> files = {
+      {"text.ply", text_ply},
+      {"little.ply", binaryPly(false)},
+      {"big.PLY", binaryPly(true)},
+      {"a.off", off},
+      {"old.vtk", text_vtk + "POLYGONS 4 16\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\nPOINT_DATA 4\n"},
+      {"new.vtk", text_vtk + "METADATA\n\nPOLYGONS 5 12\nOFFSETS vtktypeint64\n0 3 6 9 12\n"
+                             "CONNECTIVITY vtktypeint64\n0 2 1 0 1 3 0 3 2 1 2 3\n"},
+      {"binary.vtk", binary_vtk}};
+  for (const auto& [name, bytes] : files) {
+    INFO(name);
+    const TriangleSurface s = readClosedSurface(folder.write(name, bytes), 0.5);
+    CHECK(s.triangles.size() == 4);
+    CHECK(signedVolume(s) == Approx(2.0 / 6 / 8));
+    // Cut short anywhere it is refused; a tolerant reader takes the faces that are there.
+    const std::string cut = bytes.substr(0, bytes.size() - (name == "binary.vtk" || name == "new.vtk" ? 40 : 30));
+    CHECK_THROWS_AS(surfaceFrom(cut, name), InputError);
+  }
+  CHECK(surfaceFrom(off.substr(0, off.size() - 5), "a.off", 1, SurfaceReading::Tolerant).surface.triangles.size() ==
+        3);
+  CHECK(surfaceFrom(text_ply + "", "a.ply").source.triangle_line[1] == 17);
+}
+
+TEST_CASE("Counts that a file is too short for are refused before memory is taken", "[io][surface][refusal]") {
+  const auto message = [](const std::string& bytes, const std::string& name) {
+    return refusal([&] { surfaceFrom(bytes, name); });
+  };
+  CHECK_THAT(message(replaced(text_ply, "vertex 4", "vertex 2000000000"), "a.ply"), Contains("more of \"vertex\""));
+  CHECK_THAT(message(replaced(text_ply, "vertex 4", "vertex 4e9"), "a.ply"), Contains("can't be"));
+  CHECK_THAT(message(replaced(off, "4 4 6", "400000000 4 6"), "a.off"), Contains("than the file has bytes for"));
+  CHECK_THAT(message(replaced(text_vtk, "POINTS 4", "POINTS 600000000"), "a.vtk"), Contains("than the file has bytes"));
+  CHECK_THAT(message(replaced(text_ply, "3 1 2 3", "3 1 2 7"), "a.ply"), Contains("face 4 names a vertex"));
+  CHECK_THAT(message(replaced(text_vtk, "POLYDATA", "STRUCTURED_POINTS"), "a.vtk"), Contains("no POLYDATA set"));
+}
+
+TEST_CASE("A tolerant reader takes what can be read, and counts the rest", "[io][surface]") {
+  const std::string damaged =
+      replaced(replaced(cube_obj, "v 1 1 1\n", "v 1 1 nan\n"), "usemtl red\n", "f 1 2 99\nwhat\n");
+  const SurfaceFile file = surfaceFrom(damaged, "cube.obj", 1, SurfaceReading::Tolerant);
+  CHECK(file.surface.triangles.size() + static_cast<std::size_t>(file.unreadable_faces) == 12 + 3);
+  CHECK(file.surface.vertices.size() == 7);
+  const std::string binary = binaryStl(boxSurface({1, 1, 1}, 1));
+  const SurfaceFile cut = surfaceFrom(binary.substr(0, binary.size() - 70), "a.stl", 1, SurfaceReading::Tolerant);
+  CHECK(cut.unreadable_faces == 2);
+}
+
 TEST_CASE("Bad OBJ files are refused at their place, with advice", "[io][surface][refusal]") {
   TempFolder folder;
   struct Bad {
@@ -206,7 +295,8 @@ TEST_CASE("Missing, empty and foreign files are refused", "[io][surface][refusal
   CHECK_THAT(refusal([&] { readSurface(folder.write("a.obj", "")); }), Contains("the file is empty"));
   CHECK_THAT(refusal([&] { readSurface(folder.write("a.stl", " \r\n")); }), Contains("the file is empty"));
   CHECK_THAT(refusal([&] { readSurface(folder.write("a.obj", "# nothing\n")); }), Contains("no faces"));
-  CHECK_THAT(refusal([&] { readSurface(folder.write("a.ply", "ply\n")); }), Contains("use .obj or .stl"));
+  CHECK_THAT(refusal([&] { readSurface(folder.write("a.gltf", "{}\n")); }),
+             Contains("use one of .obj, .stl, .ply, .off, .vtk"));
   const std::string far = "v 0 0 0\nv 1 0 0\nv 0 -2e9 0\nf 1 2 3\n";
   CHECK_THAT(refusal([&] { readSurface(folder.write("a.obj", far)); }),
              Contains("a.obj:3: vertex 3 is more than a billion metres away") && Contains("unit"));
@@ -214,7 +304,9 @@ TEST_CASE("Missing, empty and foreign files are refused", "[io][surface][refusal
   CHECK_THAT(refusal([&] { readSurface(folder.write("a.obj", far), 1e308); }), Contains("a.obj:2: vertex 2 is more"));
   CHECK_THAT(refusal([&] { readSurface(folder.write("a.obj", cube_obj), -1); }), Contains("scale must be positive"));
   const std::string l_shape = "v 0 0 0\nv 2 0 0\nv 2 1 0\nv 1 1 0\nv 1 2 0\nv 0 2 0\nf 3 4 5 6 1 2\n";
-  CHECK_THAT(refusal([&] { readSurface(folder.write("l.obj", l_shape)); }), Contains("l.obj:7:1: a concave polygon"));
+  const SurfaceFile l = readSurface(folder.write("l.obj", l_shape));
+  CHECK(l.concave_polygons == 1);
+  CHECK(surfaceArea(l.surface) == Approx(3));  // a fan from its first corner would cover more
 }
 
 TEST_CASE("Cut or damaged surfaces are read or refused, never worse", "[io][surface][fuzz]") {

@@ -3,10 +3,9 @@
 #include <cmath>
 
 #include "base/input_error.h"
+#include "imaging/remesh.h"
 #include "organs/implicit.h"
-#include "organs/isosurface.h"
 #include "organs/organ.h"
-#include "organs/remesh.h"
 #include "organs/surface_report.h"
 
 using namespace palpate;

@@ -1,5 +1,6 @@
 #include "organs/organ.h"
 
+#include "base/input_error.h"
 #include "organs/implicit.h"
 
 namespace palpate::organs {
@@ -89,6 +90,13 @@ const std::vector<Organ>& allOrgans() {
        Vec3(0.10, 0.11, 0.15), 0.0034, brain},
   };
   return organs;
+}
+
+TriangleSurface isosurface(const Organ& organ, double cell) {
+  const SampledField sampled = sampleField(organ.field, organ.min, organ.max, cell);
+  if (reachesBox(sampled))
+    throw InputError({}, organ.name + " reaches its box", "enlarge min/max in tools/organs/organ.cpp");
+  return palpate::isosurface(sampled);
 }
 
 }  // namespace palpate::organs

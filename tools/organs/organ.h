@@ -1,15 +1,11 @@
 #pragma once
 
-#include <functional>
 #include <string>
 #include <vector>
 
-#include "base/types.h"
+#include "imaging/isosurface.h"
 
 namespace palpate::organs {
-
-/// Negative inside the organ, positive outside, roughly a distance; m.
-using Field = std::function<double(const Vec3&)>;
 
 /// An organ as a formula. z points up; x runs from the patient's right to left.
 struct Organ {
@@ -22,5 +18,9 @@ struct Organ {
 
 /// The organs that this program knows, in a fixed order.
 const std::vector<Organ>& allOrgans();
+
+/// The zero level of `organ.field` inside its box on a grid of spacing `cell` (m): palpate::isosurface.
+/// @throws InputError if the surface reaches the box.
+TriangleSurface isosurface(const Organ& organ, double cell);
 
 }  // namespace palpate::organs

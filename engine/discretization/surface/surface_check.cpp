@@ -6,6 +6,7 @@
 
 #include "base/input_error.h"
 #include "base/number_text.h"
+#include "base/parallel_for.h"
 #include "discretization/surface/surface_geometry.h"
 #include "discretization/surface/surface_parts.h"
 #include "discretization/surface/surface_tree.h"
@@ -191,24 +192,32 @@ bool facesPierce(const TriangleSurface& surface, int s, int t) {
   return anyEdge(f, g) || anyEdge(g, f);
 }
 
-void checkPiercing(const Subject& s) {
-  const SurfaceTree tree(s.surface);
+/// Calls found(t, other) for pairs of faces that pierce one another, t < other, until it returns false.
+template <class Found>
+void forPiercingPairs(const TriangleSurface& surface, Found&& found) {
+  const SurfaceTree tree(surface);
   std::vector<int> near;
-  for (int t = 0; t < s.faceCount(); ++t) {
+  for (int t = 0; t < static_cast<int>(surface.triangles.size()); ++t) {
+    if (t % 4096 == 0) SetupWatch::check();
     Box3 box;
-    for (int v : s.surface.triangles[t]) box.extend(s.surface.vertices[v]);
+    for (int v : surface.triangles[t]) box.extend(surface.vertices[v]);
     near.clear();
     tree.facesNear(box, near);
     std::sort(near.begin(), near.end());
-    for (int other : near) {
-      if (other <= t || !facesPierce(s.surface, t, other)) continue;
-      const Vec3 middle = box.center();
-      throw InputError(
-          s.facePlace(t),
-          s.face(t) + " and face " + std::to_string(other + 1) + " pierce one another near " + text(middle),
-          "unite overlapping parts (boolean union) or remove the self-intersection");
-    }
+    for (int other : near)
+      if (other > t && facesPierce(surface, t, other) && !found(t, other)) return;
   }
+}
+
+void checkPiercing(const Subject& s) {
+  forPiercingPairs(s.surface, [&](int t, int other) -> bool {
+    Box3 box;
+    for (int v : s.surface.triangles[t]) box.extend(s.surface.vertices[v]);
+    throw InputError(s.facePlace(t),
+                     s.face(t) + " and face " + std::to_string(other + 1) + " pierce one another near " +
+                         text(box.center()),
+                     "unite overlapping parts (boolean union) or remove the self-intersection");
+  });
 }
 
 void checkNesting(const Subject& s, const SurfaceParts& parts) {
@@ -257,6 +266,17 @@ void checkSurface(const TriangleSurface& surface, const SurfaceSource& source) {
   checkOrientation(subject, parts);
   checkPiercing(subject);
   checkNesting(subject, parts);
+}
+
+std::vector<int> piercingFaces(const TriangleSurface& surface, int most) {
+  std::vector<int> faces;
+  forPiercingPairs(surface, [&](int t, int other) {
+    faces.insert(faces.end(), {t, other});
+    return static_cast<int>(faces.size()) < most;
+  });
+  std::sort(faces.begin(), faces.end());
+  faces.erase(std::unique(faces.begin(), faces.end()), faces.end());
+  return faces;
 }
 
 }  // namespace palpate

@@ -27,4 +27,7 @@ struct SurfaceSource {
 /// faces pointing into the hollow, and two parts may touch in vertices only.
 void checkSurface(const TriangleSurface& surface, const SurfaceSource& source = {});
 
+/// The faces that pierce another one, ascending; the search ends with the pair that makes them `most` or more.
+std::vector<int> piercingFaces(const TriangleSurface& surface, int most);
+
 }  // namespace palpate

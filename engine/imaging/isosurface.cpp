@@ -1,44 +1,17 @@
-#include "organs/isosurface.h"
+#include "imaging/isosurface.h"
 
 #include <algorithm>
 #include <array>
 #include <cstdint>
 #include <unordered_map>
+#include <utility>
 
-#include "base/input_error.h"
-
-namespace palpate::organs {
+namespace palpate {
 namespace {
-
-/// Field values on a regular grid; node n = i + nx (j + ny k).
-struct Grid {
-  Vec3 origin;
-  double cell;
-  std::array<int, 3> count;
-  std::vector<double> value;
-
-  int node(int i, int j, int k) const { return i + count[0] * (j + count[1] * k); }
-  Vec3 position(int n) const {
-    const int i = n % count[0];
-    const int j = n / count[0] % count[1];
-    const int k = n / count[0] / count[1];
-    return origin + cell * Vec3(i, j, k);
-  }
-};
-
-Grid sample(const Organ& organ, double cell) {
-  Grid grid{organ.min, cell, {}, {}};
-  for (int a = 0; a < 3; ++a) grid.count[a] = 1 + static_cast<int>((organ.max[a] - organ.min[a]) / cell);
-  grid.value.resize(static_cast<std::size_t>(grid.count[0]) * grid.count[1] * grid.count[2]);
-  for (std::size_t n = 0; n < grid.value.size(); ++n) {
-    grid.value[n] = organ.field(grid.position(static_cast<int>(n)));
-  }
-  return grid;
-}
 
 class Marcher {
  public:
-  explicit Marcher(const Grid& grid) : grid_(grid) {}
+  explicit Marcher(const SampledField& grid) : grid_(grid) {}
 
   /// The part of the surface in one tetrahedron of grid nodes.
   void march(const std::array<int, 4>& tet) {
@@ -96,35 +69,67 @@ class Marcher {
     surface_.triangles.push_back({a, b, c});
   }
 
-  const Grid& grid_;
+  const SampledField& grid_;
   TriangleSurface surface_;
   std::unordered_map<std::uint64_t, int> vertex_of_edge_;
 };
 
 }  // namespace
 
-TriangleSurface isosurface(const Organ& organ, double cell) {
-  const Grid grid = sample(organ, cell);
-  const auto& [nx, ny, nz] = grid.count;
-  Marcher marcher(grid);
+double SampledField::at(const Vec3& x) const {
+  std::array<int, 3> low{};
+  Vec3 t;
+  for (int a = 0; a < 3; ++a) {
+    const double u = std::clamp((x[a] - origin[a]) / cell, 0.0, static_cast<double>(count[a] - 1));
+    low[a] = std::min(static_cast<int>(u), std::max(0, count[a] - 2));
+    t[a] = u - low[a];
+  }
+  const auto along = [](double a, double b, double s) { return a + s * (b - a); };
+  const auto row = [&](int j, int k) {
+    const std::size_t n =
+        static_cast<std::size_t>(node(low[0], std::min(low[1] + j, count[1] - 1), std::min(low[2] + k, count[2] - 1)));
+    return along(value[n], value[n + (count[0] > 1 ? 1 : 0)], t[0]);
+  };
+  return along(along(row(0, 0), row(1, 0), t[1]), along(row(0, 1), row(1, 1), t[1]), t[2]);
+}
+
+SampledField sampleField(const Field& field, const Vec3& min, const Vec3& max, double cell) {
+  SampledField grid{min, cell};
+  for (int a = 0; a < 3; ++a) grid.count[a] = 1 + static_cast<int>((max[a] - min[a]) / cell);
+  grid.value.resize(static_cast<std::size_t>(grid.count[0]) * grid.count[1] * grid.count[2]);
+  for (std::size_t n = 0; n < grid.value.size(); ++n) grid.value[n] = field(grid.position(static_cast<int>(n)));
+  return grid;
+}
+
+bool reachesBox(const SampledField& field) {
+  const auto& [nx, ny, nz] = field.count;
+  for (int k = 0; k < nz; ++k)
+    for (int j = 0; j < ny; ++j)
+      for (int i = 0; i < nx; ++i)
+        if (field.onBox(i, j, k) && field.value[field.node(i, j, k)] < 0) return true;
+  return false;
+}
+
+TriangleSurface isosurface(const SampledField& field) {
+  const auto& [nx, ny, nz] = field.count;
+  Marcher marcher(field);
   // Each cell is cut into the six tetrahedra that climb from its low corner to its high
   // one, an axis at a time in each order; neighbouring cells then agree on shared faces.
   constexpr int kOrders[6][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2}, {1, 2, 0}, {2, 0, 1}, {2, 1, 0}};
-  for (int k = 0; k < nz; ++k) {
-    for (int j = 0; j < ny; ++j) {
-      for (int i = 0; i < nx; ++i) {
-        const bool on_box = i == 0 || j == 0 || k == 0 || i == nx - 1 || j == ny - 1 || k == nz - 1;
-        if (on_box && grid.value[grid.node(i, j, k)] < 0) {
-          throw InputError({}, organ.name + " reaches its box", "enlarge min/max in tools/organs/organ.cpp");
-        }
-        if (i == nx - 1 || j == ny - 1 || k == nz - 1) continue;
+  for (int k = 0; k + 1 < nz; ++k) {
+    for (int j = 0; j + 1 < ny; ++j) {
+      for (int i = 0; i + 1 < nx; ++i) {
+        int inner = 0;
+        for (int corner = 0; corner < 8; ++corner)
+          inner += field.value[field.node(i + corner % 2, j + corner / 2 % 2, k + corner / 4)] < 0 ? 1 : 0;
+        if (inner == 0 || inner == 8) continue;
         for (const auto& order : kOrders) {
           std::array<int, 3> corner = {i, j, k};
           std::array<int, 4> tet{};
-          tet[0] = grid.node(i, j, k);
+          tet[0] = field.node(i, j, k);
           for (int s = 0; s < 3; ++s) {
             ++corner[order[s]];
-            tet[s + 1] = grid.node(corner[0], corner[1], corner[2]);
+            tet[s + 1] = field.node(corner[0], corner[1], corner[2]);
           }
           marcher.march(tet);
         }
@@ -134,4 +139,4 @@ TriangleSurface isosurface(const Organ& organ, double cell) {
   return marcher.take();
 }
 
-}  // namespace palpate::organs
+}  // namespace palpate

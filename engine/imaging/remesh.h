@@ -1,9 +1,8 @@
 #pragma once
 
-#include "discretization/surface/triangle_surface.h"
-#include "organs/organ.h"
+#include "imaging/isosurface.h"
 
-namespace palpate::organs {
+namespace palpate {
 
 /// Even, near-equilateral triangles of about `edge_length` (m) on the zero level of `field`,
 /// starting from any closed manifold triangulation of it. Topology and orientation are kept.
@@ -14,4 +13,4 @@ namespace palpate::organs {
 /// and put each vertex back on the surface - here on the field itself, so nothing drifts.
 TriangleSurface remesh(const TriangleSurface& surface, const Field& field, double edge_length);
 
-}  // namespace palpate::organs
+}  // namespace palpate

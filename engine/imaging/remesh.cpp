@@ -1,11 +1,11 @@
-#include "organs/remesh.h"
+#include "imaging/remesh.h"
 
 #include <algorithm>
 #include <cmath>
 #include <optional>
 #include <utility>
 
-namespace palpate::organs {
+namespace palpate {
 namespace {
 
 using Triangle = std::array<int, 3>;
@@ -279,4 +279,4 @@ TriangleSurface remesh(const TriangleSurface& surface, const Field& field, doubl
   return mesh.take();
 }
 
-}  // namespace palpate::organs
+}  // namespace palpate

@@ -1,0 +1,144 @@
+#include <algorithm>
+#include <numeric>
+#include <unordered_map>
+
+#include "base/parallel_for.h"
+#include "discretization/surface/polygon_triangles.h"
+#include "discretization/surface/surface_geometry.h"
+#include "discretization/surface/surface_parts.h"
+#include "discretization/surface/surface_tree.h"
+#include "imaging/mend_surface.h"
+
+namespace palpate {
+namespace {
+
+// Rims of more corners than this are filled as nearly flat polygons, since the smallest fill takes too long.
+constexpr int most_for_smallest_fill = 120;
+
+/// The rims of holes: closed curves of open edges, each against its face's sense, so that a fill turns as they do.
+std::vector<std::vector<int>> rimsOf(const TriangleSurface& surface, int& crowded) {
+  const std::vector<FaceEdge> edges = faceEdges(surface);
+  std::unordered_map<int, std::vector<int>> next;
+  std::vector<int> starts;
+  crowded = 0;
+  for (std::size_t i = 0; i < edges.size();) {
+    std::size_t end = i + 1;
+    while (end < edges.size() && edges[end].low == edges[i].low && edges[end].high == edges[i].high) ++end;
+    if (end - i > 2) ++crowded;
+    if (end - i == 1) {
+      const int from = edges[i].forward ? edges[i].high : edges[i].low;
+      next[from].push_back(edges[i].forward ? edges[i].low : edges[i].high);
+      starts.push_back(from);
+    }
+    i = end;
+  }
+  std::vector<std::vector<int>> rims;
+  std::unordered_map<int, std::size_t> place;  // of a vertex on the way
+  for (const int start : starts) {
+    std::vector<int> way = {start};
+    place.clear();
+    place[start] = 0;
+    for (;;) {
+      auto& out = next[way.back()];
+      if (out.empty()) break;  // the curve does not close
+      const int to = out.back();
+      out.pop_back();
+      const auto met = place.find(to);
+      if (met == place.end()) {
+        place[to] = way.size();
+        way.push_back(to);
+        continue;
+      }
+      // Where the way meets itself, what lies between is a rim of its own.
+      const std::size_t first = met->second;
+      rims.emplace_back(way.begin() + static_cast<long>(first), way.end());
+      for (std::size_t k = first + 1; k < way.size(); ++k) place.erase(way[k]);
+      way.resize(first + 1);
+    }
+  }
+  return rims;
+}
+
+struct Fill {
+  std::vector<std::array<int, 3>> faces;
+  double area = 0;
+  int edges = 0;
+};
+
+Fill fillOf(const TriangleSurface& surface, const std::vector<int>& rim) {
+  Fill fill;
+  fill.edges = static_cast<int>(rim.size());
+  std::vector<Vec3> corners;
+  for (const int v : rim) corners.push_back(surface.vertices[v]);
+  const auto triangles = fill.edges <= most_for_smallest_fill ? smallestFill(corners) : polygonTriangles(corners);
+  for (const auto& [a, b, c] : triangles) {
+    fill.faces.push_back({rim[a], rim[b], rim[c]});
+    fill.area += 0.5 * (corners[b] - corners[a]).cross(corners[c] - corners[a]).norm();
+  }
+  return fill;
+}
+
+}  // namespace
+
+int fillHoles(TriangleSurface& surface, SurfaceSource& source, RepairReport& report) {
+  const int given = static_cast<int>(surface.triangles.size());
+  std::vector<Fill> fills;
+  for (const std::vector<int>& rim : rimsOf(surface, report.crowded_edges)) {
+    SetupWatch::check();
+    if (rim.size() >= 3) fills.push_back(fillOf(surface, rim));
+  }
+  std::stable_sort(fills.begin(), fills.end(), [](const Fill& a, const Fill& b) { return a.area < b.area; });
+  double all = surfaceArea(surface), filled = 0;
+  for (const Fill& fill : fills) {
+    filled += fill.area;
+    all += fill.area;
+    if (filled > max_filled_share * all) break;
+    surface.triangles.insert(surface.triangles.end(), fill.faces.begin(), fill.faces.end());
+    ++report.holes;
+    report.hole_edges += fill.edges;
+  }
+  if (!source.triangle_line.empty()) source.triangle_line.resize(surface.triangles.size(), 0);
+  return given;
+}
+
+void dropSmallParts(TriangleSurface& surface, SurfaceSource& source, RepairReport& report) {
+  std::vector<FaceEdge> edges = faceEdges(surface), pairs;
+  for (std::size_t i = 0; i < edges.size();) {
+    std::size_t end = i + 1;
+    while (end < edges.size() && edges[end].low == edges[i].low && edges[end].high == edges[i].high) ++end;
+    if (end - i == 2) pairs.insert(pairs.end(), {edges[i], edges[i + 1]});
+    i = end;
+  }
+  const SurfaceParts parts = connectedParts(surface, pairs);
+  const Vec3 centre = boundingBox(surface).center();
+  std::vector<double> volume(parts.count, 0);
+  for (int t = 0; t < static_cast<int>(surface.triangles.size()); ++t)
+    volume[parts.part[t]] += areaVector(surface, t).dot(surface.vertices[surface.triangles[t][0]] - centre) / 3;
+  const double largest = parts.count > 0 ? *std::max_element(volume.begin(), volume.end()) : 0;
+  if (!(largest > 0)) return;
+  double whole = 0, dropped = 0;
+  std::vector<char> drops(parts.count, 0);
+  for (int p = 0; p < parts.count; ++p) {
+    drops[p] = volume[p] < 0 ? -volume[p] < least_cavity_share * largest : volume[p] < least_part_share * largest;
+    whole += std::max(0.0, volume[p]);
+    if (drops[p]) {
+      dropped += std::abs(volume[p]);
+      ++(volume[p] < 0 ? report.filled_bubbles : report.small_parts);
+    }
+  }
+  // A cavity of a part that goes must go, too, or it bounds nothing: with all the part's faces further in than it
+  // is small, it is below the least share as well.
+  report.small_volume_share = whole > 0 ? dropped / whole : 0;
+  std::size_t kept = 0;
+  for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
+    if (drops[parts.part[t]]) continue;
+    surface.triangles[kept] = surface.triangles[t];
+    if (!source.triangle_line.empty()) source.triangle_line[kept] = source.triangle_line[t];
+    ++kept;
+  }
+  surface.triangles.resize(kept);
+  if (!source.triangle_line.empty()) source.triangle_line.resize(kept);
+  dropUnusedVertices(surface, source);
+}
+
+}  // namespace palpate

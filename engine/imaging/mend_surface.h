@@ -1,0 +1,39 @@
+#pragma once
+
+#include <string>
+
+#include "discretization/surface/surface_check.h"
+#include "imaging/repair_report.h"
+
+namespace palpate {
+
+/// Removes faces that are there more than once and those without area, and splits faces at vertices that hang in their
+/// open edges (T-junctions), so that what was meant to be joined is. No vertex moves, but open rims that lie closer
+/// together than a thousandth of the surface's size and a fifth of their edges are joined. Keeps `source` in step.
+void tidyFaces(TriangleSurface& surface, SurfaceSource& source, RepairReport& report);
+
+/// Turns the faces of each patch (joined across edges that exactly two faces have) alike, and each patch so that its
+/// front is seen from outside: what encloses a volume, or nearly, by that volume; sheets by rays, of which more escape
+/// from one side (Takayama et al. 2014). Removes what bounds nothing: sheets inside the body, closed surfaces inside it
+/// that face outward, and sheets that are seen from both sides, unless they are all there is. Closed surfaces inside
+/// that face inward, by the file's own sense, are cavities and stay.
+void orientPatches(TriangleSurface& surface, SurfaceSource& source, RepairReport& report);
+
+/// Closes holes by the smallest surface that their rims span, as long as all of that is at most
+/// `max_filled_share` of the surface then. @return the faces that are new stand behind this many that were there
+int fillHoles(TriangleSurface& surface, SurfaceSource& source, RepairReport& report);
+
+/// Drops closed parts of less than `least_part_share` of the largest one's volume, and cavities below
+/// `least_cavity_share`.
+void dropSmallParts(TriangleSurface& surface, SurfaceSource& source, RepairReport& report);
+
+/// Of the surface's area: what may be closed without its having been there. A bust with an open base has less, a box
+/// without a lid more.
+inline constexpr double max_filled_share = 0.15;
+/// Of the largest part's volume.
+inline constexpr double least_part_share = 0.01, least_cavity_share = 1e-3;
+
+/// Vertices that no face uses go.
+void dropUnusedVertices(TriangleSurface& surface, SurfaceSource& source);
+
+}  // namespace palpate

@@ -1,0 +1,325 @@
+#include "imaging/repair_surface.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <utility>
+
+#include "base/input_error.h"
+#include "base/number_text.h"
+#include "base/parallel_for.h"
+#include "discretization/surface/surface_geometry.h"
+#include "discretization/surface/surface_parts.h"
+#include "discretization/surface/surface_tree.h"
+#include "imaging/mend_surface.h"
+#include "imaging/remesh.h"
+#include "imaging/signed_field.h"
+#include "imaging/surface_distance.h"
+
+namespace palpate {
+namespace {
+
+// The grid's cell beside the spacing of the body's nodes; and beside their cube root, the least cells along the body.
+constexpr double cell_of_spacing = 0.25, cells_of_nodes = 2.3, least_cell_of_spacing = 0.12;
+// The thinnest walls have so many cells, if the grid then has no more nodes than can be held.
+constexpr double cells_of_wall = 3;
+constexpr double grid_nodes_of_node = 800;
+// Edges of the even triangles, in cells.
+constexpr double edge_in_cells = 2.0, short_edge_in_cells = 1.25;
+// A surface whose inside lets out this share of the rays that its outside does is an open sheet: a half ball has 0.5, a
+// box without a lid 0.2: what max_filled_share allows of the boundary of a convex body.
+constexpr double sheet_see_through = 0.19;
+// Points of a surface at which distances are measured.
+constexpr int distance_points = 20'000;
+// Where more of the given surface than this is lost, a finer grid is tried.
+constexpr double bearable_loss = 0.02;
+// Piercing faces are cut out where they and those around them are no more of the area than this, and the volume changes
+// by no more.
+constexpr double max_cut_share = 0.03;
+// Faces closer to another part than this fraction of the size touch it; so many of all make the parts one.
+constexpr double contact_gap = 1e-4, contact_share = 2e-3;
+// The next try's cell; the widest opening, in cells: the field knows its distance to three.
+constexpr double finer = 0.6, most_opening = 5;
+// A gap is what is further from the given faces than this many cells.
+constexpr double gap_cells = 2;
+
+/// What checkSurface says of it; empty: it bounds a solid.
+std::string faultOf(const TriangleSurface& surface) {
+  try {
+    checkSurface(surface);
+    return {};
+  } catch (const InputError& error) {
+    const std::string text = error.what();
+    return text.substr(0, text.find(';'));
+  }
+}
+
+/// Takes the surface to the origin and to a length of 0.2, where rounding is small, and back.
+class Frame {
+ public:
+  explicit Frame(const Box3& box)
+      : centre_(box.center()), scale_(box.diagonal().norm() > 0 ? box.diagonal().norm() / 0.2 : 1) {}
+  TriangleSurface to(TriangleSurface s) const {
+    for (Vec3& x : s.vertices) x = (x - centre_) / scale_;
+    return s;
+  }
+  TriangleSurface back(TriangleSurface s) const {
+    for (Vec3& x : s.vertices) x = centre_ + scale_ * x;
+    return s;
+  }
+  double scale() const { return scale_; }
+
+ private:
+  Vec3 centre_;
+  double scale_;
+};
+
+class Repair {
+ public:
+  Repair(TriangleSurface surface, SurfaceSource source, const RepairOptions& options)
+      : surface_(std::move(surface)), source_(std::move(source)), options_(options) {
+    report_.given_faces = static_cast<int>(surface_.triangles.size());
+  }
+
+  RepairedSurface run() {
+    const bool too_fine = options_.max_faces > 0 && report_.given_faces > options_.max_faces;
+    const bool anew = too_fine || options_.thinnest > 0;
+    step("checking", 0);
+    if (!anew && (report_.resampled_because = faultOrContact()).empty()) {
+      dropSmallParts(surface_, source_, report_);
+      return finish();
+    }
+    step("mending", 0.1);
+    tidyFaces(surface_, source_, report_);
+    if (surface_.triangles.empty()) refuseSheet();
+    step("finding the outside", 0.15);
+    orientPatches(surface_, source_, report_);
+    if (report_.see_through > sheet_see_through) refuseSheet();
+    step("closing holes", 0.25);
+    TriangleSurface given = surface_;
+    given.triangles.resize(static_cast<std::size_t>(fillHoles(surface_, source_, report_)));
+    if (!anew) {
+      dropSmallParts(surface_, source_, report_);
+      step("checking", 0.3);
+      if ((report_.resampled_because = faultOrContact()).empty()) return finish();
+      step("cutting out faces that pierce others", 0.35);
+      if (cutPiercing()) return finish();
+    } else if (!too_fine) {
+      report_.resampled_because = "the body can't be divided while it has such thin spikes or walls";
+    } else {
+      report_.resampled_because =
+          "there are more than the " + std::to_string(options_.max_faces) + " faces that a touched surface needs";
+    }
+    makeAnew(given);
+    return finish();
+  }
+
+ private:
+  void step(const char* what, double share) {
+    if (options_.progress) options_.progress(what, share);
+  }
+
+  [[noreturn]] void refuseSheet() {
+    std::string problem = "the surface does not enclose a volume: ";
+    if (report_.invented_share > 0)
+      problem += format("%.0f %% of what would have to bound it is missing", 100 * report_.invented_share);
+    else
+      problem += "it is an open sheet, or has a large opening";
+    throw InputError({source_.file, 0, 0}, problem,
+                     "an organ needs a surface that is closed but for small holes: cap the opening (\"fill holes\"), "
+                     "or give the sheet a thickness (\"solidify\"), in a mesh editor");
+  }
+
+  /// What is wrong with the surface, or that parts of it touch face on face: nothing is wrong with each, but they are one
+  /// body. Empty: neither.
+  std::string faultOrContact() const {
+    const std::string fault = faultOf(surface_);
+    if (!fault.empty() || connectedParts(surface_, faceEdges(surface_)).count == 1) return fault;
+    const SurfaceTree tree(surface_);
+    const double off = contact_gap * boundingBox(surface_).diagonal().norm();
+    const SurfacePoints points = pointsOn(surface_, distance_points / 4);
+    int touching = 0;
+    for (std::size_t k = 0; k < points.x.size(); ++k) {
+      const Vec3 n = areaVector(surface_, points.face[k]).stableNormalized();
+      touching += tree.windingNumber(points.x[k] + off * n) > 0.5 ? 1 : 0;
+    }
+    return touching > contact_share * static_cast<double>(points.x.size()) ? "parts of it touch, face on face" : "";
+  }
+
+  /// Cuts the faces that pierce others out, with those around them, and closes the holes. False, and nothing has
+  /// changed, where they are many or the result is no better.
+  bool cutPiercing() {
+    TriangleSurface surface = surface_;
+    SurfaceSource source = source_;
+    RepairReport report = report_;
+    const int most = std::max(20, static_cast<int>(surface.triangles.size()) / 200);
+    constexpr int max_rounds = 3;
+    for (int round = 0; round < max_rounds; ++round) {
+      const std::vector<int> piercing = piercingFaces(surface, most);
+      if (piercing.empty() || static_cast<int>(piercing.size()) >= most) return false;
+      std::vector<char> near(surface.vertices.size(), 0), cut(surface.triangles.size(), 0);
+      for (const int t : piercing) cut[t] = 1;
+      for (int ring = 0; ring <= round; ++ring) {
+        for (std::size_t t = 0; t < cut.size(); ++t)
+          if (cut[t])
+            for (const int v : surface.triangles[t]) near[v] = 1;
+        for (std::size_t t = 0; t < cut.size(); ++t)
+          for (const int v : surface.triangles[t]) cut[t] |= near[v];
+      }
+      std::size_t kept = 0;
+      double area = 0;
+      for (std::size_t t = 0; t < cut.size(); ++t) {
+        if (cut[t])
+          area += areaVector(surface, static_cast<int>(t)).norm();
+        else
+          surface.triangles[kept++] = surface.triangles[t];
+      }
+      if (area > max_cut_share * surfaceArea(surface_)) return false;
+      surface.triangles.resize(kept);
+      source.triangle_line.clear();
+      source.vertex_line.clear();
+      RepairReport ignored;
+      dropUnusedVertices(surface, source);
+      fillHoles(surface, source, ignored);
+      dropSmallParts(surface, source, ignored);
+      report.piercing_faces += static_cast<int>(piercing.size());
+      const bool same_volume =
+          std::abs(signedVolume(surface) - signedVolume(surface_)) <= max_cut_share * std::abs(signedVolume(surface_));
+      if (same_volume && faultOf(surface).empty()) {
+        surface_ = std::move(surface);
+        source_ = std::move(source);
+        report_ = report;
+        report_.resampled_because.clear();
+        return true;
+      }
+    }
+    return false;
+  }
+
+  double firstCell(const TriangleSurface& s) const {
+    const double size = boundingBox(s).diagonal().norm(), area = surfaceArea(s);
+    const double volume = std::max(std::abs(signedVolume(s)), 1e-4 * area * size);
+    const double spacing = std::cbrt(volume / (0.7 * options_.body_nodes));
+    const double wall = std::max(2 * volume / area / cells_of_wall, least_cell_of_spacing * spacing);
+    return std::min({cell_of_spacing * spacing, wall, size / (cells_of_nodes * std::cbrt(options_.body_nodes))});
+  }
+
+  /// Share of the given surface's outside that has no new surface within reach.
+  double lostShare(const SurfaceTree& given, const SurfaceTree& made, double reach) const {
+    const SurfacePoints points = pointsOn(given.surface(), distance_points / 4);
+    int outer = 0, lost = 0;
+    for (std::size_t k = 0; k < points.x.size(); ++k) {
+      const Vec3 n = areaVector(given.surface(), points.face[k]).stableNormalized();
+      if (given.windingNumber(points.x[k] + 1e-4 * 0.2 * n) > 0.5) continue;
+      ++outer;
+      if (made.closest(points.x[k], reach).triangle < 0) ++lost;
+    }
+    return outer > 0 ? static_cast<double>(lost) / outer : 0;
+  }
+
+  /// @param given_faces  the mended surface without the faces that close holes
+  void makeAnew(const TriangleSurface& given_faces) {
+    const Frame frame(boundingBox(surface_));
+    const TriangleSurface normal = frame.to(surface_);
+    const SurfaceTree tree(normal);
+    const SurfaceTree given(report_.holes > 0 ? frame.to(given_faces) : normal);
+    const Box3 box = boundingBox(normal);
+    double cell = firstCell(normal);
+    SampledField field;
+    TriangleSurface made;
+    constexpr int max_tries = 2;
+    for (int attempt = 1;; ++attempt) {
+      while (fieldNodes(box, cell) > grid_nodes_of_node * options_.body_nodes) cell *= 1.05;
+      const double from = 0.2 + 0.2 * attempt;
+      field = signedField(tree, cell, [&](double share) { step("winding numbers on a grid", from + 0.15 * share); });
+      const SmallRegions small = removeSmallRegions(field, least_part_share, least_cavity_share);
+      made = isosurface(field);
+      report_.small_parts = small.parts;
+      report_.small_volume_share = small.part_share;
+      report_.filled_bubbles = small.hollows;
+      const bool last = attempt == max_tries || options_.thinnest > 0;
+      if (!made.triangles.empty())
+        report_.lost_share = lostShare(given, SurfaceTree(made), gap_cells * cell);
+      else if (last)
+        refuseSheet();
+      if (last || (!made.triangles.empty() && report_.lost_share <= bearable_loss)) break;
+      cell *= finer;
+    }
+    report_.invented_share = distanceTo(given, pointsOn(made, distance_points).x).shareBeyond(gap_cells * cell);
+    if (report_.invented_share > max_filled_share || 2 * signedVolume(made) < 0.5 * cell * surfaceArea(made))
+      refuseSheet();
+    report_.cell = cell * frame.scale();
+    step("making the triangles even", 0.85);
+    surface_ = frame.back(evenOrOpened(made, field, options_.thinnest / frame.scale()));
+    if (report_.opened > 0) {
+      report_.opened *= frame.scale();
+      report_.lost_share = lostShare(given, SurfaceTree(frame.to(surface_)), gap_cells * cell);
+    }
+    report_.made_faces = static_cast<int>(surface_.triangles.size());
+  }
+
+  /// Even triangles; without spikes and walls thinner than `thinnest`, or, where that takes it, than two cells. As the
+  /// grid gives them where nothing helps.
+  TriangleSurface evenOrOpened(const TriangleSurface& made, const SampledField& field, double thinnest) {
+    if (thinnest <= 0) {
+      if (auto even = evenTriangles(made, field)) return std::move(*even);
+      thinnest = 2 * field.cell;
+    }
+    step("removing spikes", 0.9);
+    const SampledField open = opened(made, field.cell, 0.5 * std::min(thinnest, most_opening * field.cell));
+    const TriangleSurface without = open.value.empty() ? TriangleSurface() : isosurface(open);
+    if (without.triangles.empty()) return made;
+    report_.opened = thinnest;
+    if (auto even = evenTriangles(without, open)) return std::move(*even);
+    return without;
+  }
+
+  /// The body without what a ball of this radius does not reach from inside (a morphological opening). No values where
+  /// nothing is left.
+  static SampledField opened(const TriangleSurface& body, double cell, double radius) {
+    SampledField field = signedField(SurfaceTree(body), cell);  // to the body's own skin: the given had walls inside
+    for (double& value : field.value) value += radius;
+    removeSmallRegions(field, least_part_share, 0);
+    const TriangleSurface core = isosurface(field);
+    if (core.triangles.empty()) return {};
+    field = signedField(SurfaceTree(core), cell);
+    for (double& value : field.value) value -= radius;
+    return reachesBox(field) ? SampledField() : field;
+  }
+
+  /// Nothing where walls would meet.
+  std::optional<TriangleSurface> evenTriangles(const TriangleSurface& made, const SampledField& field) {
+    const Field at = [&](const Vec3& x) { return field.at(x); };
+    for (const double edge : {edge_in_cells, short_edge_in_cells}) {
+      SetupWatch::check();
+      TriangleSurface even = remesh(made, at, edge * field.cell);
+      if (even.triangles.empty() || !faultOf(even).empty()) continue;
+      report_.even_triangles = true;
+      return even;
+    }
+    return {};
+  }
+
+  RepairedSurface finish() {
+    const SurfaceParts parts = connectedParts(surface_, faceEdges(surface_));
+    report_.parts = parts.count;
+    report_.cavities = 0;
+    if (parts.count > 1)
+      for (const TriangleSurface& part : separateParts(surface_, parts)) report_.cavities += signedVolume(part) < 0;
+    step("done", 1);
+    return {std::move(surface_), std::move(report_)};
+  }
+
+  TriangleSurface surface_;
+  SurfaceSource source_;
+  const RepairOptions& options_;
+  RepairReport report_;
+};
+
+}  // namespace
+
+RepairedSurface repairSurface(TriangleSurface surface, SurfaceSource source, const RepairOptions& options) {
+  return Repair(std::move(surface), std::move(source), options).run();
+}
+
+}  // namespace palpate

@@ -1,0 +1,250 @@
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <numeric>
+
+#include "base/parallel_for.h"
+#include "discretization/surface/surface_geometry.h"
+#include "discretization/surface/surface_parts.h"
+#include "discretization/surface/surface_tree.h"
+#include "imaging/mend_surface.h"
+
+namespace palpate {
+namespace {
+
+using Triangle = std::array<int, 3>;
+
+// As checkSurface has it: a face is flat where its height is below this fraction of its longest edge.
+constexpr double flat_face_ratio = 1e-9;
+
+// Rims closer together than this fraction of the surface's size, and of their own edges, were meant to be joined.
+constexpr double rim_gap = 1e-3, rim_gap_of_edge = 0.2;
+// A vertex hangs in an edge where it is no further from it than this fraction of the surface's size and of the edge.
+constexpr double hanging_gap = 2e-5, hanging_gap_of_edge = 0.05;
+
+bool isFlat(const TriangleSurface& s, const Triangle& t) {
+  const auto& [a, b, c] = t;
+  if (a == b || b == c || c == a) return true;
+  const Vec3 &A = s.vertices[a], &B = s.vertices[b], &C = s.vertices[c];
+  const double longest = std::max({(B - A).squaredNorm(), (C - B).squaredNorm(), (A - C).squaredNorm()});
+  return !((B - A).cross(C - A).norm() > 1.5 * flat_face_ratio * longest);
+}
+
+/// Keeps the faces for which `stays`, and their lines.
+template <class Stays>
+int keepFaces(TriangleSurface& surface, SurfaceSource& source, Stays&& stays) {
+  std::size_t kept = 0;
+  const std::size_t count = surface.triangles.size();
+  for (std::size_t t = 0; t < count; ++t) {
+    if (!stays(static_cast<int>(t))) continue;
+    surface.triangles[kept] = surface.triangles[t];
+    if (!source.triangle_line.empty()) source.triangle_line[kept] = source.triangle_line[t];
+    ++kept;
+  }
+  surface.triangles.resize(kept);
+  if (!source.triangle_line.empty()) source.triangle_line.resize(kept);
+  return static_cast<int>(count - kept);
+}
+
+int removeFlat(TriangleSurface& surface, SurfaceSource& source) {
+  return keepFaces(surface, source, [&](int t) { return !isFlat(surface, surface.triangles[t]); });
+}
+
+int removeDoubled(TriangleSurface& surface, SurfaceSource& source) {
+  const int count = static_cast<int>(surface.triangles.size());
+  std::vector<Triangle> sorted = surface.triangles;
+  for (Triangle& t : sorted) std::sort(t.begin(), t.end());
+  std::vector<int> order(count);
+  std::iota(order.begin(), order.end(), 0);
+  std::sort(order.begin(), order.end(),
+            [&](int s, int t) { return sorted[s] != sorted[t] ? sorted[s] < sorted[t] : s < t; });
+  std::vector<char> doubled(count, 0);
+  for (int i = 1; i < count; ++i) doubled[order[i]] = sorted[order[i]] == sorted[order[i - 1]];
+  return keepFaces(surface, source, [&](int t) { return !doubled[t]; });
+}
+
+/// The edges that one face has.
+std::vector<FaceEdge> openEdges(const TriangleSurface& surface) {
+  const std::vector<FaceEdge> edges = faceEdges(surface);
+  std::vector<FaceEdge> open;
+  for (std::size_t i = 0; i < edges.size();) {
+    std::size_t end = i + 1;
+    while (end < edges.size() && edges[end].low == edges[i].low && edges[end].high == edges[i].high) ++end;
+    if (end - i == 1) open.push_back(edges[i]);
+    i = end;
+  }
+  return open;
+}
+
+/// The vertices of open edges, to be found near a place.
+class RimVertices {
+ public:
+  RimVertices(const TriangleSurface& surface, const std::vector<FaceEdge>& open) {
+    for (const FaceEdge& e : open) {
+      vertex.push_back(e.low);
+      vertex.push_back(e.high);
+    }
+    std::sort(vertex.begin(), vertex.end());
+    vertex.erase(std::unique(vertex.begin(), vertex.end()), vertex.end());
+    TriangleSurface points;
+    for (int i = 0; i < static_cast<int>(vertex.size()); ++i) {
+      points.vertices.push_back(surface.vertices[vertex[i]]);
+      points.triangles.push_back({i, i, i});
+    }
+    tree_.emplace(std::move(points));
+  }
+
+  /// Indices into `vertex`, ascending.
+  void near(const Box3& box, std::vector<int>& found) const {
+    found.clear();
+    tree_->facesNear(box, found);
+    std::sort(found.begin(), found.end());
+  }
+
+  std::vector<int> vertex;  // (rim vertex count), ascending
+
+ private:
+  std::optional<SurfaceTree> tree_;
+};
+
+/// Joins vertices of different rims that nearly touch. Returns how many went.
+int joinRims(TriangleSurface& surface, double size) {
+  const std::vector<FaceEdge> open = openEdges(surface);
+  if (open.empty()) return 0;
+  const RimVertices rim(surface, open);
+  std::vector<double> reach(rim.vertex.size(), rim_gap * size);
+  const auto place = [&](int v) {
+    return static_cast<std::size_t>(std::lower_bound(rim.vertex.begin(), rim.vertex.end(), v) - rim.vertex.begin());
+  };
+  for (const FaceEdge& e : open) {
+    const double length = rim_gap_of_edge * (surface.vertices[e.low] - surface.vertices[e.high]).norm();
+    for (const int v : {e.low, e.high}) reach[place(v)] = std::min(reach[place(v)], length);
+  }
+  std::vector<int> joined(surface.vertices.size());
+  std::iota(joined.begin(), joined.end(), 0);
+  std::vector<int> near;
+  int count = 0;
+  for (std::size_t i = 0; i < rim.vertex.size(); ++i) {
+    const int v = rim.vertex[i];
+    if (joined[v] != v) continue;
+    const Vec3 x = surface.vertices[v], r = Vec3::Constant(reach[i]);
+    rim.near(Box3(x - r, x + r), near);
+    for (const int k : near) {
+      const int w = rim.vertex[k];
+      if (w <= v || joined[w] != w) continue;
+      if ((surface.vertices[w] - x).norm() > std::min(reach[i], reach[static_cast<std::size_t>(k)])) continue;
+      joined[w] = v;
+      ++count;
+    }
+  }
+  if (count == 0) return 0;
+  for (Triangle& t : surface.triangles)
+    for (int& v : t) v = joined[v];
+  return count;
+}
+
+/// Splits faces at vertices that hang in their open edges. Returns how many it split.
+int splitAtHanging(TriangleSurface& surface, SurfaceSource& source, double size) {
+  const std::vector<FaceEdge> open = openEdges(surface);
+  if (open.empty()) return 0;
+  const RimVertices rim(surface, open);
+  // Of each face the vertices on its edges 0 1, 1 2 and 2 0, from one end to the other.
+  std::map<int, std::array<std::vector<int>, 3>> hanging;
+  std::vector<int> near;
+  for (const FaceEdge& e : open) {
+    SetupWatch::check();
+    const Triangle& t = surface.triangles[e.triangle];
+    const int from = e.forward ? e.low : e.high, to = e.forward ? e.high : e.low;
+    const int side = t[0] == from ? 0 : t[1] == from ? 1 : 2;
+    const Vec3 a = surface.vertices[from], ab = surface.vertices[to] - a;
+    const double length = ab.norm(), gap = std::min(hanging_gap * size, hanging_gap_of_edge * length);
+    Box3 box(a);
+    box.extend(surface.vertices[to]);
+    rim.near(Box3(box.min() - Vec3::Constant(gap), box.max() + Vec3::Constant(gap)), near);
+    std::vector<std::pair<double, int>> on;
+    for (const int k : near) {
+      const int v = rim.vertex[k];
+      if (v == t[0] || v == t[1] || v == t[2]) continue;
+      const double along = (surface.vertices[v] - a).dot(ab) / (length * length);
+      if (along * length <= gap || (1 - along) * length <= gap) continue;
+      if ((surface.vertices[v] - a - along * ab).norm() <= gap) on.emplace_back(along, v);
+    }
+    std::sort(on.begin(), on.end());
+    for (const auto& [along, v] : on) hanging[e.triangle][side].push_back(v);
+  }
+  for (const auto& [t, sides] : hanging) {
+    const Triangle corner = surface.triangles[t];
+    std::vector<Triangle> pieces = {corner};
+    for (int side = 0; side < 3; ++side) {
+      for (const int v : sides[side]) {
+        // The piece with the rest of this edge: from what was split off last to the edge's end.
+        const int to = corner[(side + 1) % 3];
+        const std::size_t at = [&] {
+          for (std::size_t p = 0; p < pieces.size(); ++p)
+            for (int s = 0; s < 3; ++s)
+              if (pieces[p][(s + 1) % 3] == to &&
+                  (pieces[p][s] == corner[side] ||
+                   std::find(sides[side].begin(), sides[side].end(), pieces[p][s]) != sides[side].end()))
+                return p;
+          return pieces.size();
+        }();
+        if (at == pieces.size()) continue;
+        Triangle& piece = pieces[at];
+        const int s = piece[1] == to ? 0 : piece[2] == to ? 1 : 2;
+        const Triangle rest = {v, to, piece[(s + 2) % 3]};
+        piece = {piece[s], v, piece[(s + 2) % 3]};
+        pieces.push_back(rest);
+      }
+    }
+    surface.triangles[t] = pieces[0];
+    for (std::size_t p = 1; p < pieces.size(); ++p) {
+      surface.triangles.push_back(pieces[p]);
+      if (!source.triangle_line.empty()) source.triangle_line.push_back(source.triangle_line[t]);
+    }
+  }
+  return static_cast<int>(hanging.size());
+}
+
+}  // namespace
+
+void tidyFaces(TriangleSurface& surface, SurfaceSource& source, RepairReport& report) {
+  const double size = boundingBox(surface).diagonal().norm();
+  report.flat_faces += removeFlat(surface, source);
+  report.doubled_faces += removeDoubled(surface, source);
+  if (const int joined = joinRims(surface, size); joined > 0) {
+    report.joined_vertices += joined;
+    report.flat_faces += removeFlat(surface, source);
+    report.doubled_faces += removeDoubled(surface, source);
+  }
+  constexpr int max_rounds = 4;  // a split may leave another vertex hanging
+  for (int round = 0; round < max_rounds; ++round) {
+    const int split = splitAtHanging(surface, source, size);
+    report.split_faces += split;
+    if (split == 0) break;
+    report.flat_faces += removeFlat(surface, source);
+    report.doubled_faces += removeDoubled(surface, source);
+  }
+  dropUnusedVertices(surface, source);
+}
+
+void dropUnusedVertices(TriangleSurface& surface, SurfaceSource& source) {
+  std::vector<int> number(surface.vertices.size(), -1);
+  for (const Triangle& t : surface.triangles)
+    for (const int v : t) number[v] = 0;
+  int kept = 0;
+  for (std::size_t v = 0; v < number.size(); ++v) {
+    if (number[v] < 0) continue;
+    number[v] = kept;
+    surface.vertices[kept] = surface.vertices[v];
+    if (!source.vertex_line.empty()) source.vertex_line[kept] = source.vertex_line[v];
+    ++kept;
+  }
+  surface.vertices.resize(kept);
+  if (!source.vertex_line.empty()) source.vertex_line.resize(kept);
+  for (Triangle& t : surface.triangles)
+    for (int& v : t) v = number[v];
+}
+
+}  // namespace palpate

@@ -1,0 +1,114 @@
+#include "mtled/import/import_command.h"
+
+#include <catch2/catch.hpp>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "discretization/surface/solids.h"
+#include "discretization/surface/surface_tree.h"
+#include "io/load_model.h"
+#include "io/scene_file.h"
+#include "io/surface_file.h"
+#include "io/text_file.h"
+#include "mtled/import/import_scene.h"
+#include "mtled/import/import_unit.h"
+#include "support/captured_output.h"
+#include "support/temp_folder.h"
+
+using namespace palpate;
+using namespace palpate::tools;
+using Catch::Contains;
+
+namespace {
+
+/// What the command says.
+std::string import(const std::string& file, const std::string& out, const std::string& unit = "mm") {
+  const CapturedOutput output;
+  ImportOptions options;
+  options.file = file;
+  options.out = out;
+  options.unit = unit;
+  options.use_cache = false;
+  const int code = importCommand(options);
+  CHECK(code == 0);
+  return output.said();
+}
+
+}  // namespace
+
+TEST_CASE("A damaged surface is imported as a scene that opens, with a report", "[import]") {
+  const TempFolder folder;
+  TriangleSurface surface = boxSurface({8, 6, 5}, 1.5);
+  surface.triangles.erase(surface.triangles.begin() + 3);
+  std::swap(surface.triangles[10][0], surface.triangles[10][1]);
+  for (Vec3& x : surface.vertices) x += Vec3(1e4, 0, 0);
+  const std::string file = folder.path("my \"organ\".obj"), out = folder.path("out");
+  writeObj(surface, file);
+  const std::string said = import(file, out);
+  CHECK_THAT(said, Contains("1 hole (3 open edges): closed"));
+  CHECK_THAT(said, Contains("1 face facing inward or against the neighbours: turned"));
+  CHECK_THAT(said, Contains("moved to the origin"));
+  const auto report = nlohmann::json::parse(readWholeFile(out + "/report.json"));
+  CHECK(report["holes_closed"] == 1);
+  CHECK(report["distance_from_file_m"]["p95"].get<double>() < 1e-9);  // undamaged faces stay where they were
+  CHECK(report["kept_as_it_is"] == false);
+  const Scene scene = readScene(out + "/scene.toml");
+  CHECK(scene.name == "my _organ_");
+  const SurfaceTree organ(organSurface(scene));
+  CHECK(signedVolume(organ.surface()) == Approx(240e-9));
+  CHECK(boundingBox(organ.surface()).center().norm() < 1e-6);
+  CHECK(organ.signedDistance(scene.tool_position + scene.tool.radius * Vec3::UnitZ()) > scene.tool.radius);
+  const double node_steps = report["nodes"].get<double>() * report["steps_per_tick"].get<double>();
+  CHECK(node_steps > 0.3 * node_steps_budget);
+  CHECK(node_steps < 1.2 * node_steps_budget);
+
+  // The same at load.
+  Scene repaired = scene;
+  repaired.surface_file = file;
+  repaired.surface_scale = 0.001;
+  CHECK_THAT(refusal([&] { organSurface(repaired); }), Contains("`mtled import " + file + "`"));
+  repaired.repair_surface = true;
+  CHECK(signedVolume(organSurface(repaired)) == Approx(240e-9));
+
+  CHECK_THAT(refusal([&] { import(out + "/surface.obj", out, "m"); }), Contains("written over"));
+}
+
+TEST_CASE("The unit of a surface is guessed only where its size leaves no doubt", "[import]") {
+  CHECK(surfaceUnit("a.stl", "", 217).name == "mm");
+  CHECK(surfaceUnit("a.stl", "", 0.217).name == "m");
+  CHECK_THAT(surfaceUnit("a.stl", "", 217).reason, Contains("21.7 cm long") && Contains("--unit"));
+  CHECK(surfaceUnit("a.stl", "cm", 217).length == 0.01);
+  for (const double length : {2.0, 25.0, 1e5, 1e-4}) {
+    INFO(length);
+    CHECK_THAT(refusal([&] { surfaceUnit("a.stl", "", length); }),
+               Contains("a.stl: ") && Contains("does not say in which unit") && Contains("with --unit cm"));
+  }
+  CHECK_THAT(refusal([] { surfaceUnit("a.stl", "", 25); }), Contains("25 mm with --unit mm, 25 cm with --unit cm"));
+}
+
+TEST_CASE("Each part of an imported organ is held, and the tool starts above it, free", "[import]") {
+  TriangleSurface two = boxSurface({0.02, 0.02, 0.02}, 0.005);
+  const TriangleSurface high = boxSurface({0.01, 0.01, 0.03}, 0.005);
+  const int first = static_cast<int>(two.vertices.size());
+  for (const Vec3& x : high.vertices) two.vertices.emplace_back(x + Vec3(0.018, 0, 0.01));
+  for (const auto& [a, b, c] : high.triangles) two.triangles.push_back({a + first, b + first, c + first});
+  const SurfaceTree organ(two);
+  const ImportedScene scene = chooseScene(organ, 0.002);
+  REQUIRE(scene.held.size() == 2);
+  for (int part = 0; part < 2; ++part) {
+    const double base = part == 0 ? 0 : 0.01;
+    CHECK(scene.held[part].min.z() < base);
+    CHECK(scene.held[part].max.z() > base + 0.0014);
+    CHECK(scene.held[part].max.z() < base + 0.006);
+  }
+  CHECK(organ.signedDistance(scene.tool_tip + scene.tool_radius * Vec3::UnitZ()) > scene.tool_radius);
+  CHECK(scene.tool_tip.z() > 0.02);
+}
+
+TEST_CASE("Scans are told from surfaces, and what is no surface is refused", "[import][refusal]") {
+  const TempFolder folder;
+  CHECK_THAT(refusal([&] { import(folder.path("brain.nii.gz"), folder.path("out")); }), Contains("brain.nii.gz"));
+  CHECK_THAT(refusal([&] { import(folder.path("none.stl"), folder.path("out")); }), Contains("does not exist"));
+  CHECK_THAT(refusal([&] { import(folder.write("a.xyz", "0 0 0\n"), folder.path("out")); }), Contains(".ply"));
+  CHECK(!std::filesystem::exists(folder.path("out")));
+}

@@ -1,0 +1,286 @@
+#include "mtled/import/import_command.h"
+
+#include <cmath>
+#include <filesystem>
+#include <iostream>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <stdexcept>
+
+#include "base/build_info.h"
+#include "base/input_error.h"
+#include "base/interrupt.h"
+#include "base/number_text.h"
+#include "base/parallel_for.h"
+#include "base/printable_text.h"
+#include "discretization/surface/surface_parts.h"
+#include "imaging/repair_surface.h"
+#include "imaging/surface_distance.h"
+#include "io/load_model.h"
+#include "io/output_file.h"
+#include "io/scene_file.h"
+#include "io/surface_file.h"
+#include "mtled/import/import_scan.h"
+#include "mtled/import/import_scene.h"
+#include "mtled/import/import_unit.h"
+#include "mtled/pictures/pictures.h"
+#include "mtled/run/progress.h"
+
+namespace palpate::tools {
+namespace {
+
+// More faces than these cost the window and the contact time, and show nothing.
+constexpr int max_faces = 100'000;
+// A surface further from the origin than this many of its sizes is moved there: single precision would feel it.
+constexpr double far_sizes = 20;
+// The widest spacing, of the body's least extent; and the nodes on a thin body's skin that can be waited for.
+constexpr double least_layers = 0.95, max_skin_nodes = 25'000;
+// Points on each of two surfaces at which their distance is measured.
+constexpr int distance_points = 40'000;
+
+void stopWhereInterrupted() {
+  if (interrupted()) throw std::runtime_error("interrupted: nothing was imported");
+}
+
+/// Both ways: from the given faces to the organ's, and back.
+struct Deviation {
+  SurfaceDistance from_given, from_made;
+  std::string text() const {
+    return format(
+        "%.3g mm mean, %.3g mm for 95 %%, %.3g mm at most; from the organ back to the file %.3g, %.3g and "
+        "%.3g mm",
+        1e3 * from_given.mean, 1e3 * from_given.p95, 1e3 * from_given.max, 1e3 * from_made.mean, 1e3 * from_made.p95,
+        1e3 * from_made.max);
+  }
+};
+
+nlohmann::json jsonOf(const SurfaceDistance& d) { return {{"mean", d.mean}, {"p95", d.p95}, {"max", d.max}}; }
+
+class SurfaceImport {
+ public:
+  explicit SurfaceImport(const ImportOptions& options)
+      : options_(options),
+        name_(printable(std::filesystem::path(options.file).stem().string())),
+        folder_(options.out.empty() ? "out/" + std::filesystem::path(options.file).stem().string() : options.out) {}
+
+  int run() {
+    const SetupWatch watch(stopWhereInterrupted);
+    read();
+    found_in_file_ = findings_;
+    makeOrgan();
+    makeScene();
+    for (const std::string& line : findings_) std::cout << "  " << line << "\n";
+    std::cout << name_ << ": " << model_->nodeCount() << " nodes, " << model_->substeps_per_tick
+              << (model_->substeps_per_tick == 1 ? " step" : " steps") << " a tick, spacing "
+              << format("%.3g mm", 1e3 * model_->scene.spacing) << "\n";
+    const std::string picture = draw();
+    writeReport(picture);
+    std::cout << "surface  " << folder_ << "/surface.obj\nscene    " << folder_ << "/scene.toml\npicture  " << picture
+              << "\nreport   " << folder_ << "/report.json\nTouch it: palpate " << folder_ << "/scene.toml\n";
+    std::cout.flush();
+    return 0;
+  }
+
+ private:
+  void find(const std::string& line) { findings_.push_back(line); }
+
+  void read() {
+    {
+      ProgressLine progress("import");
+      progress.show(0, "reading");
+      file_ = readSurface(options_.file, 1.0, {}, SurfaceReading::Tolerant);
+    }
+    const Box3 box = boundingBox(file_.surface);
+    unit_ = surfaceUnit(options_.file, options_.unit, box.sizes().maxCoeff());
+    find(std::to_string(file_.surface.triangles.size()) + " faces in " + unit_.name + " (" + unit_.reason + ")");
+    for (Vec3& x : file_.surface.vertices) x *= unit_.length;
+    const double size = unit_.length * box.diagonal().norm();
+    const Vec3 centre = unit_.length * box.center();
+    if (centre.norm() > far_sizes * size) {
+      moved_ = -centre;
+      for (Vec3& x : file_.surface.vertices) x += moved_;
+      find(format("moved to the origin, by (%.6g, %.6g, %.6g) m: it was %.0f of its sizes away", moved_.x(), moved_.y(),
+                  moved_.z(), centre.norm() / size));
+    }
+  }
+
+  /// Points of the file's surface, without those that lie within the organ: walls and parts that were united or
+  /// removed.
+  std::vector<Vec3> pointsOutside() {
+    std::vector<Vec3> points = pointsOn(file_.surface, distance_points).x;
+    const double within = std::max(2 * report_.cell, 1e-3 * boundingBox(organ_->surface()).diagonal().norm());
+    const auto all = static_cast<double>(points.size());
+    std::vector<char> inside(points.size(), 0);
+    parallelFor(static_cast<int>(points.size()), [&](int begin, int end) {
+      for (int k = begin; k < end; ++k)
+        inside[k] = organ_->closest(points[k], within).triangle < 0 && organ_->inside(points[k]);
+    });
+    std::size_t kept = 0;
+    for (std::size_t k = 0; k < points.size(); ++k)
+      if (!inside[k]) points[kept++] = points[k];
+    points.resize(kept);
+    inside_share_ = all > 0 ? 1 - static_cast<double>(kept) / all : 0;
+    return points;
+  }
+
+  /// @param thinnest  see RepairOptions
+  void makeOrgan(double thinnest = 0) {
+    ProgressLine progress("import");
+    RepairOptions repair;
+    repair.thinnest = thinnest;
+    repair.max_faces = max_faces;
+    repair.progress = [&](const std::string& what, double share) {
+      stopWhereInterrupted();
+      progress.show(0.6 * share, what);
+    };
+    RepairedSurface repaired = repairSurface(file_.surface, file_.source, repair);
+    report_ = std::move(repaired.report);
+    report_.unreadable_faces = file_.unreadable_faces;
+    report_.concave_polygons = file_.concave_polygons;
+    findings_ = found_in_file_;
+    if (report_.changedNothing()) find("it bounds a solid: kept as it is");
+    for (const std::string& line : report_.lines()) find(line);
+    progress.show(0.7, "measuring the distance");
+    organ_.emplace(std::move(repaired.surface));
+    deviation_.from_given = distanceTo(*organ_, pointsOutside());
+    deviation_.from_made = distanceTo(SurfaceTree(file_.surface), pointsOn(organ_->surface(), distance_points).x);
+    stopWhereInterrupted();
+    if (inside_share_ > 0.0005)
+      find(format("%.2g %% of the file's surface lies within the organ", 100 * inside_share_));
+    if (!report_.changedNothing()) find("distance from the file's outer surface to the organ's: " + deviation_.text());
+    const TriangleSurface& surface = organ_->surface();
+    const Vec3 size = 1e3 * boundingBox(surface).sizes();
+    find(format("%.3g x %.3g x %.3g mm, %.3g ml, ", size.x(), size.y(), size.z(), 1e6 * signedVolume(surface)) +
+         std::to_string(surface.triangles.size()) + " faces");
+  }
+
+  /// Where a body with thin spikes or walls can't be divided: one without them, if something is left then.
+  bool makeThicker(double spacing) {
+    try {
+      makeOrgan(0.5 * spacing);
+      return true;
+    } catch (const InputError&) {
+      return false;  // all of it is thin
+    }
+  }
+
+  /// Writes surface and scene, and opens them as the window will, with a coarser spacing where the first costs too
+  /// much or is refused.
+  void makeScene() {
+    const std::string surface_file = folder_ + "/surface.obj", scene_file = folder_ + "/scene.toml";
+    std::error_code error;
+    std::filesystem::create_directories(folder_, error);
+    if (error) throw std::runtime_error("can't make " + folder_ + ": " + error.message() + "; choose another --out");
+    if (std::filesystem::equivalent(options_.file, surface_file, error))
+      throw InputError({options_.file}, "the surface would be written over this file", "choose another --out");
+    double spacing = firstSpacing(signedVolume(organ_->surface()), surfaceArea(organ_->surface()));
+    // The nodes are no further apart than the body is thick, whatever that costs.
+    spacing = std::min(spacing, least_layers * boundingBox(organ_->surface()).sizes().minCoeff());
+    constexpr int max_tries = 5;
+    for (int attempt = 1;; ++attempt) {
+      const double nodes = surfaceArea(organ_->surface()) / (spacing * spacing);
+      if (nodes > max_skin_nodes)
+        throw InputError({options_.file}, format("so thin for its size that it takes some %.0f nodes", nodes),
+                         "import a part of it, or a thicker one: 5,000 nodes hold 500 Hz");
+      ImportedScene scene = chooseScene(*organ_, spacing);
+      scene.name = name_;
+      scene.source = std::filesystem::path(options_.file).filename().string();
+      writeObj(organ_->surface(), surface_file);
+      writeWholeFile(scene_file, sceneText(scene));
+      try {
+        model_.emplace(open(scene_file));
+      } catch (const InputError&) {
+        if (attempt == max_tries) throw;
+        if (attempt != 1 || !makeThicker(spacing))
+          spacing *= 0.8;  // a finer one follows a difficult shape more closely
+        continue;
+      }
+      const double cost = static_cast<double>(model_->nodeCount()) * model_->substeps_per_tick / node_steps_budget;
+      const double coarser = spacing * std::max(1.03, std::pow(cost, 0.27));
+      if (cost <= 1.08 || attempt == max_tries ||
+          coarser > least_layers * boundingBox(organ_->surface()).sizes().minCoeff()) {
+        if (cost > 1.2)
+          findings_.push_back(
+              format("so thin that it takes %.1f times what holds 500 Hz on two cores: slower than life", cost));
+        return;
+      }
+      spacing = coarser;
+    }
+  }
+
+  Model open(const std::string& scene_file) {
+    ProgressLine progress("opening the scene");
+    const ModelCache cache(options_.use_cache ? ModelCache::userFolder() : "", warn);
+    return loadModel(
+        readScene(scene_file),
+        [&](const std::string& what, double share) {
+          if (interrupted()) throw std::runtime_error("interrupted: " + scene_file + " is written, but not tried");
+          progress.show(share, what);
+        },
+        cache, warn);
+  }
+
+  /// What to say of the picture: its file, or why there is none.
+  std::string draw() const {
+    BodyPicture picture;
+    picture.title = name_;
+    picture.colour = ColourMap::Tissue;
+    picture.azimuth_deg = -68;
+    picture.elevation_deg = 30;
+    picture.rest_outline = false;
+    picture.tool = model_->tool_start;
+    try {
+      const CutPlane* const whole = nullptr;
+      return writePicture(folder_ + "/organ.png", picture, *model_, AlignedVector<Float4>(), whole);
+    } catch (const std::runtime_error& error) {
+      return std::string("none: ") + error.what();
+    }
+  }
+
+  void writeReport(const std::string& picture) const {
+    nlohmann::json report = {{"file", options_.file},
+                             {"unit", unit_.name},
+                             {"unit_reason", unit_.reason},
+                             {"moved_m", {moved_.x(), moved_.y(), moved_.z()}},
+                             {"findings", findings_},
+                             {"kept_as_it_is", report_.changedNothing()},
+                             {"made_anew", report_.resampled()},
+                             {"cell_m", report_.cell},
+                             {"holes_closed", report_.holes},
+                             {"turned_faces", report_.turned_faces},
+                             {"parts", report_.parts},
+                             {"cavities", report_.cavities},
+                             {"faces", organ_->surface().triangles.size()},
+                             {"volume_m3", signedVolume(organ_->surface())},
+                             {"share_of_file_within", inside_share_},
+                             {"distance_from_file_m", jsonOf(deviation_.from_given)},
+                             {"distance_to_file_m", jsonOf(deviation_.from_made)},
+                             {"nodes", model_->nodeCount()},
+                             {"steps_per_tick", model_->substeps_per_tick},
+                             {"spacing_m", model_->scene.spacing},
+                             {"picture", picture},
+                             {"build", buildInfo()}};
+    writeWholeFile(folder_ + "/report.json",
+                   report.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
+  }
+
+  const ImportOptions& options_;
+  std::string name_, folder_;
+  SurfaceFile file_;  // m, once the unit is known
+  SurfaceUnit unit_;
+  Vec3 moved_ = Vec3::Zero();  // m
+  RepairReport report_;
+  std::optional<SurfaceTree> organ_;
+  Deviation deviation_;
+  double inside_share_ = 0;  // of the file's surface
+  std::vector<std::string> found_in_file_, findings_;
+  std::optional<Model> model_;
+};
+
+}  // namespace
+
+int importCommand(const ImportOptions& options) {
+  return isScan(options.file) ? importScan(options) : SurfaceImport(options).run();
+}
+
+}  // namespace palpate::tools
