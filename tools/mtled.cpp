@@ -23,6 +23,10 @@
 #include "mtled/frontier/frontier_command.h"
 #include "mtled/identify/identify_command.h"
 #include "mtled/import/import_command.h"
+#include "mtled/scan/brainshift_command.h"
+#include "mtled/scan/import_scan.h"
+#include "mtled/scan/phantom_command.h"
+#include "mtled/scan/warp_command.h"
 #include "mtled/solve/solve_command.h"
 #include "mtled/verify/verification_case.h"
 #include "mtled/verify/verify_command.h"
@@ -44,6 +48,11 @@ const char* const examples = R"(Examples:
   mtled fit liver --rate 1000                the most accurate setting that holds 1 kHz here
   mtled batch jobs.jsonl --jobs 8            many scenes, one thread each
   mtled identify kidney --measured force.csv    the material that gives a measured force curve
+  mtled phantom --out out/phantom            a brain scan by formula, its mask and electrodes
+  mtled import out/phantom/scan.nii.gz --mask out/phantom/mask.nii.gz --out out/case   from a scan to a scene
+  mtled brainshift out/phantom/scan.nii.gz --mask out/phantom/mask.nii.gz --electrodes out/phantom/electrodes.csv \
+      --frame ras --out out/shift            the scan as it is with the electrodes in place
+  mtled warp out/shift --image out/phantom/scan.nii.gz   another image of a solved case
   mtled atlas --quick                        where the numbers are true, doubted or refused
   mtled import liver.stl --unit mm --out my/liver   a scene of any surface, repaired where it must be
 
@@ -214,18 +223,116 @@ CLI::App* addAtlas(CLI::App& app, AtlasOptions& options) {
   return command;
 }
 
-CLI::App* addImport(CLI::App& app, ImportOptions& options) {
-  CLI::App* command =
-      app.add_subcommand("import", "Make an organ and its scene of a surface, and repair what is wrong with it");
-  command->footer(examplesOf(*command));
-  command->add_option("FILE", options.file, "Surface: .obj, .stl, .ply, .off or .vtk")->required();
+/// What import and brainshift have in common, for scans only.
+void addScanOptions(CLI::App& command, ImportScanOptions& options) {
+  command.footer(examplesOf(command));
+  command.add_option("--mask", options.mask, "Which voxels are the organ: a NIfTI file of 0 and 1")->type_name("FILE");
+  command.add_option("--labels", options.labels, "In place of a mask: a NIfTI file of labels")->type_name("FILE");
+  command.add_option("--label", options.label, "The labels that are the organ, such as 2,3,41,42")
+      ->delimiter(',')
+      ->type_name("N,...");
+  command.add_option("--classes", options.classes, "Classes of tissue by intensity (3); 0: one tissue")
+      ->type_name("N")
+      ->check(CLI::IsMember({0, 2, 3, 4, 5, 6}));
+  command.add_option("--fluid", options.fluid, "The class that is fluid: dark (T1, the default), bright (T2) or none")
+      ->check(CLI::IsMember({"dark", "bright", "none"}));
+  command
+      .add_option("--electrodes", options.electrodes,
+                  "Where points of the surface went: CSV with x,y,z (and x0,y0,z0 before), .fcsv or .mrk.json")
+      ->type_name("FILE");
+  command
+      .add_option("--frame", options.frame, "Of the electrodes' CSV: ras (right, front, top) or lps (left, back, top)")
+      ->check(CLI::IsMember({"ras", "lps"}));
+  command.add_option("--spacing", options.spacing_mm, "Between nodes, mm (for --nodes)")
+      ->type_name("MM")
+      ->check(CLI::Range(0.1, 1000.0));
+  command.add_option("--nodes", options.nodes, "How many there should be about (3000, which holds 500 Hz)")
+      ->type_name("N")
+      ->check(CLI::Range(50, 40000));
+  command.add_option("--smoothing", options.smoothing_mm, "Of the mask's border, mm (0.35 of the spacing)")
+      ->type_name("MM")
+      ->check(CLI::Range(0.0, 100.0));
+  command.add_flag("--assume-ras", options.assume_ras,
+                   "Take the axes of a scan that does not say how it lies as right, front, top");
+}
+
+/// A surface, or a scan with all that only a scan has.
+CLI::App* addImport(CLI::App& app, ImportOptions& options, ImportScanOptions& scan) {
+  CLI::App* command = app.add_subcommand(
+      "import", "Make a scene of a surface, repaired where it must be, or of a scan and the organ's mask");
+  addScanOptions(*command, scan);
+  const std::vector<CLI::Option*> of_scans =
+      command->get_options([](const CLI::Option* option) { return option->get_name() != "--help"; });
+  command->add_option("FILE", options.file, "Surface: .obj, .stl, .ply, .off or .vtk; scan: .nii or .nii.gz")
+      ->required();
   command->add_option("--out", options.out, "Folder for surface, scene, picture and report (out/<file's name>)")
       ->type_name("DIR");
-  command->add_option("--unit", options.unit, "Unit of the file's coordinates (guessed where its size leaves no doubt)")
+  command
+      ->add_option(
+          "--unit", options.unit,
+          "Of the surface's coordinates (guessed where its size leaves no doubt), or of the electrodes' CSV (mm)")
       ->type_name("mm|cm|m")
       ->check(CLI::IsMember({"mm", "cm", "m"}));
   command->add_flag_callback(
-      "--no-cache", [&options] { options.use_cache = false; }, "Do not keep the set-up for the first opening");
+      "--no-cache", [&options] { options.use_cache = false; }, "Do not keep a surface's set-up for the first opening");
+  command->parse_complete_callback([&options, &scan, of_scans] {
+    if (isScan(options.file)) {
+      scan.scan = options.file;
+      scan.out = options.out;
+      if (!options.unit.empty()) scan.unit = options.unit;
+      return;
+    }
+    for (const CLI::Option* option : of_scans)
+      if (option->count() > 0) throw CLI::ValidationError(option->get_name(), "is for scans (.nii, .nii.gz) only");
+  });
+  return command;
+}
+
+CLI::App* addBrainshift(CLI::App& app, ImportScanOptions& options, std::string& like) {
+  CLI::App* command = app.add_subcommand(
+      "brainshift", "Import a scan, solve it moved by its electrodes, and warp it: the paper's section 5");
+  addScanOptions(*command, options);
+  command->add_option("SCAN", options.scan, "The scan (.nii, .nii.gz)")->required();
+  command->add_option("--unit", options.unit, "Of the electrodes' CSV: mm (the default), cm or m")
+      ->check(CLI::IsMember({"mm", "cm", "m"}));
+  command->add_option("--out", options.out, "Folder of the case (out/<scan's name>)")->type_name("DIR");
+  command->add_option("--like", like, "NIfTI file whose voxels the results have (the scan's)")->type_name("FILE");
+  return command;
+}
+
+CLI::App* addWarp(CLI::App& app, WarpOptions& options) {
+  CLI::App* command = app.add_subcommand("warp", "Warp an image by the solution of a case");
+  command->footer(examplesOf(*command));
+  command->add_option("CASE", options.folder, "Folder that mtled import wrote and mtled solve solved")->required();
+  command->add_option("--image", options.image, "The image (.nii, .nii.gz)")->type_name("FILE");
+  command->add_flag("--labels", options.labels, "Its values name things: none is made between two");
+  command->add_option("--like", options.like, "NIfTI file whose voxels the results have (the image's)")
+      ->type_name("FILE");
+  command->add_option("--fill", options.fill, "Value where tissue was and is no more (0)");
+  command->add_flag("--assume-ras", options.assume_ras,
+                    "Take the axes of an image that does not say how it lies as right, front, top");
+  command->add_option("--out", options.out, "Folder for the results (the case's)")->type_name("DIR");
+  return command;
+}
+
+CLI::App* addPhantom(CLI::App& app, PhantomCommandOptions& options) {
+  CLI::App* command = app.add_subcommand("phantom", "Make a brain scan by formula, to try import with");
+  command->footer(examplesOf(*command));
+  PhantomOptions& p = options.phantom;
+  command->add_option("--out", options.out, "Folder (out/phantom)")->type_name("DIR");
+  command->add_option("--voxels", p.voxels, "Along the longest side of 192 mm (128)")
+      ->type_name("N")
+      ->check(CLI::Range(24, 512));
+  command->add_option("--noise", p.noise, "Of the white matter's intensity (0.03)")->check(CLI::Range(0.0, 0.5));
+  command->add_option("--bias", p.bias, "How much brighter one end is than the other (0.4)")
+      ->check(CLI::Range(0.0, 2.0));
+  command
+      ->add_option_function<double>(
+          "--shift", [&options](double shift) { options.phantom.shift = shift * mm; },
+          "How far the middle electrode is pushed in, mm (12)")
+      ->type_name("MM")
+      ->check(CLI::Range(0.0, 40.0));
+  command->add_option("--seed", p.seed, "Of the noise (1)");
   return command;
 }
 
@@ -244,7 +351,12 @@ int main(int argc, char** argv) {
   AtlasOptions atlas;
   BatchOptions batch;
   IdentifyOptions identify;
-  ImportOptions imported;
+  ImportOptions import;
+  ImportScanOptions scan;
+  PhantomCommandOptions phantom;
+  ImportScanOptions shift;
+  std::string shift_like;
+  WarpOptions warp;
   const std::pair<CLI::App*, std::function<int()>> commands[] = {
       {addSolve(app, solve), [&] { return solveCommand(solve); }},
       {addVerify(app, verify), [&] { return verifyCommand(verify); }},
@@ -254,7 +366,10 @@ int main(int argc, char** argv) {
       {addAtlas(app, atlas), [&] { return atlasCommand(atlas); }},
       {addBatch(app, batch), [&] { return batchCommand(batch); }},
       {addIdentify(app, identify), [&] { return identifyCommand(identify); }},
-      {addImport(app, imported), [&] { return importCommand(imported); }}};
+      {addImport(app, import, scan), [&] { return isScan(import.file) ? importScan(scan) : importCommand(import); }},
+      {addWarp(app, warp), [&] { return warpCommand(warp); }},
+      {addBrainshift(app, shift, shift_like), [&] { return brainshiftCommand(shift, shift_like); }},
+      {addPhantom(app, phantom), [&] { return phantomCommand(phantom); }}};
   if (const std::string wrong = wrongCommand(app, argc, argv); !wrong.empty()) {
     std::cerr << "mtled: " << wrong << std::endl;
     return unusable_input;

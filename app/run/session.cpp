@@ -315,7 +315,9 @@ PanelData Session::panelData(const Snapshot& snapshot) const {
   PanelData data{.model = model_, .snapshot = snapshot, .forces = forces_, .log = log_.lines()};
   data.timing = timing(snapshot);
   data.force = shownForce(snapshot);
-  for (std::size_t m = 0; m < stiffness_.size(); ++m)
+  // Mixtures of tissue are hundreds of materials; one of them alone is nothing to change.
+  const bool mixes = stiffness_.size() != scene_.materials.size();
+  for (std::size_t m = 0; m < stiffness_.size() && !mixes; ++m)
     data.materials.push_back({stiffened(scene_materials_[m], stiffness_[m]), stiffness_[m]});
   data.friction = friction_;
   data.driver = driver();

@@ -13,6 +13,8 @@
 #include "io/surface_file.h"
 #include "simulation/choose_time_step.h"
 #include "simulation/discretize.h"
+#include "simulation/mixtures.h"
+#include "simulation/point_boundaries.h"
 #include "simulation/scene_messages.h"
 
 namespace palpate {
@@ -82,7 +84,7 @@ TriangleSurface organSurface(const Scene& scene) {
   return readClosedSurface(scene.surface_file, scene.surface_scale, placeOf(scene, "organ.surface"));
 }
 
-Model loadModel(const Scene& scene, const Progress& progress, const ModelCache& cache,
+Model loadModel(const Scene& as_read, const Progress& progress, const ModelCache& cache,
                 const std::function<void(const std::string&)>& warn) {
   const auto start = std::chrono::steady_clock::now();
   std::string stage = "surface";
@@ -92,18 +94,21 @@ Model loadModel(const Scene& scene, const Progress& progress, const ModelCache& 
     behind = fraction;
     if (progress) progress(stage, behind);
   };
-  checkStepsAsked(scene);
+  checkStepsAsked(as_read);
   report(stage, behind);
   const SetupWatch watch([&] {  // long stages, too, can be ended
     if (progress) progress(stage, behind);
   });
-  const TriangleSurface organ = organSurface(scene);
+  const TriangleSurface organ = organSurface(as_read);
+  const bool has_points = std::any_of(as_read.boundaries.begin(), as_read.boundaries.end(),
+                                      [](const BoundarySpec& b) { return b.points != nullptr; });
+  const Scene scene = has_points ? withPointBoundaries(as_read, SurfaceTree(organ), warn) : as_read;
   if (const std::string warning = sizeWarning(scene, organ); warn && !warning.empty()) warn(warning);
   const std::string key = preparationKey(scene, organ);
   BuildOptions options;
   options.progress = report;
   if (!scene.set_up_values.empty()) {  // else nothing says what a preparation was made from
-    options.find = [&] { return cache.find(key, scene.materials.size(), scene.boundaries.size()); };
+    options.find = [&] { return cache.find(key, materialsOf(scene).size(), scene.boundaries.size()); };
     options.keep = [&](const Preparation& preparation) { cache.keep(key, preparation); };
   }
   Model model = buildModel(scene, organ, options);

@@ -1,8 +1,13 @@
 #include "io/scene_boundary.h"
 
 #include <algorithm>
+#include <filesystem>
+#include <memory>
 #include <numbers>
+#include <optional>
 #include <string_view>
+
+#include "io/point_file.h"
 
 namespace palpate {
 
@@ -35,14 +40,31 @@ BoundarySpec readBoundary(const TomlTable& table, const std::string& usual_name,
   boundary.name = usual_name;
   table.readName("name", boundary.name);
   checkName(table, boundary.name, others);
-  boundary.region = readRegion(table);
+  if (!table.has("points")) boundary.region = readRegion(table);
   table.readAxes("components", boundary.component);
   table.read("surface_only", boundary.surface_only);
   return boundary;
 }
 
-/// Where the boundary goes, and how over time.
-void readMotion(const TomlTable& table, BoundarySpec& boundary) {
+/// Points that go where they were measured.
+void readMeasured(const TomlTable& table, const std::string& folder, BoundarySpec& boundary) {
+  for (const char* key : {"shape", "point", "normal", "min", "max", "centre", "radius", "height", "distance",
+                          "surface_only", "translation", "axis_point", "axis", "angle"})
+    table.forbid({key}, "to measured points");
+  std::string name;
+  table.read("points", name);
+  constexpr double units[] = {0.001, 0.01, 1.0};  // in the order of the key's choices
+  std::optional<double> unit;
+  std::optional<Frame> frame;
+  if (table.has("unit")) unit = units[table.readChoice("unit", 0)];
+  if (table.has("frame")) frame = table.readChoice("frame", 0) == 0 ? Frame::Ras : Frame::Lps;
+  const auto path = (std::filesystem::path(folder) / name).lexically_normal();
+  boundary.points = std::make_shared<PointLoad>(readPoints(path.string(), unit, frame, table.place("points")));
+}
+
+/// Where a region goes.
+void readWay(const TomlTable& table, BoundarySpec& boundary) {
+  table.forbid({"unit", "frame"}, "without \"points\"");
   table.read("translation", boundary.translation);
   const bool rotates = table.has("axis_point") || table.has("axis") || table.has("angle");
   if (rotates) {
@@ -56,6 +78,10 @@ void readMotion(const TomlTable& table, BoundarySpec& boundary) {
     throw InputError(table.place(), "neither a translation nor a rotation",
                      "give translation = [x, y, z] in m; or axis_point, axis and angle; or all four");
   }
+}
+
+/// How a boundary goes over time.
+void readCourse(const TomlTable& table, BoundarySpec& boundary) {
   if (!table.has("curve_table")) {
     table.require({"duration"}, "a motion without \"curve_table\"");
     table.read("duration", boundary.duration);
@@ -121,10 +147,15 @@ BoundarySpec readFixed(const TomlTable& table, const std::vector<BoundarySpec>& 
   return readBoundary(table, "fixed " + std::to_string(before.size() + 1), before);
 }
 
-BoundarySpec readPrescribed(const TomlTable& table, const std::vector<BoundarySpec>& before) {
+BoundarySpec readPrescribed(const TomlTable& table, const std::string& folder,
+                            const std::vector<BoundarySpec>& before) {
   const auto moving = std::count_if(before.begin(), before.end(), [](const BoundarySpec& b) { return b.duration > 0; });
   BoundarySpec boundary = readBoundary(table, "prescribed " + std::to_string(moving + 1), before);
-  readMotion(table, boundary);
+  if (table.has("points"))
+    readMeasured(table, folder, boundary);
+  else
+    readWay(table, boundary);
+  readCourse(table, boundary);
   return boundary;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "io/toml_table.h"
@@ -16,6 +17,7 @@ Region readRegion(const TomlTable& table);
 BoundarySpec readFixed(const TomlTable& table, const std::vector<BoundarySpec>& before);
 
 /// An entry of [[prescribed]]; those come after the fixed ones.
-BoundarySpec readPrescribed(const TomlTable& table, const std::vector<BoundarySpec>& before);
+/// @param folder  from which the paths of files start
+BoundarySpec readPrescribed(const TomlTable& table, const std::string& folder, const std::vector<BoundarySpec>& before);
 
 }  // namespace palpate

@@ -11,6 +11,8 @@
 
 #include "base/number_text.h"
 #include "base/printable_text.h"
+#include "imaging/membership.h"
+#include "io/image_file.h"
 #include "io/scene_boundary.h"
 #include "io/scene_keys.h"
 #include "io/text_file.h"
@@ -202,9 +204,52 @@ Material readLaw(const TomlTable& table) {
   return material;
 }
 
-void readMaterial(const TomlTable& table, bool first, MaterialSpec& material) {
+/// What the law of tissue that mixes must be.
+void checkMixes(const MaterialSpec& spec) {
+  if (spec.material.law != Material::of("neo-hookean").law || spec.material.relaxation_count > 0)
+    throw InputError(spec.place, "only neo-Hookean tissue without relaxation mixes by a membership",
+                     "use model = \"neo-hookean\" for it and for the first material");
+}
+
+/// Membership and mask of a material, on the same voxels.
+std::shared_ptr<const Membership> readMembership(const TomlTable& table, const std::filesystem::path& folder,
+                                                 const std::vector<MaterialSpec>& before) {
+  const auto file = [&](const char* key) {
+    std::string name;
+    table.read(key, name);
+    return existingFile(table, key, folder / name, "image");
+  };
+  checkMixes(before.front());
+  for (const MaterialSpec& other : before)
+    if (other.membership)
+      throw InputError(table.place("membership"), "a second material with a membership", "one of a scene may have it");
+  auto membership = std::make_shared<Membership>();
+  membership->share = readImage(file("membership"), {}, table.place("membership"));
+  if (!table.has("mask")) return membership;
+  membership->mask = maskOf(readImage(file("mask"), {}, table.place("mask")));
+  if (!sameGrid(membership->mask->grid, membership->share.grid))
+    throw InputError(table.place("mask"), "the mask's voxels are not those of the membership",
+                     "resample it to the membership's");
+  return membership;
+}
+
+/// @param before  the materials that the scene has so far
+void readMaterial(const TomlTable& table, const std::filesystem::path& folder, const std::vector<MaterialSpec>& before,
+                  MaterialSpec& material) {
+  const bool first = before.empty();
   material.place = table.place();
   material.material = readLaw(table);
+  if (table.has("mask") && !table.has("membership")) table.forbid({"mask"}, "without \"membership\"");
+  if (table.has("membership")) {
+    table.forbid({"region"}, "beside \"membership\"");
+    if (first)
+      throw InputError(table.place("membership"), "the first material has a membership",
+                       "the first is what remains; give the membership to a later one");
+    checkMixes(material);
+    material.membership = readMembership(table, folder, before);
+    material.everywhere = false;
+    return;
+  }
   if (first && table.has("region")) {
     throw InputError(table.place("region"), "the first material has a region",
                      "the first applies everywhere; give regions to later ones");
@@ -224,6 +269,7 @@ void readDynamics(const TomlTable& table, Scene& scene) {
   table.read("step_safety", scene.step_safety);
   table.read("mass_scaling", scene.mass_scaling);
   table.read("damping", scene.damping);
+  table.read("gravity", scene.gravity);
   table.read("threads", scene.threads);
   if (table.readChoice("gradient_precision", 0) == 1) scene.gradient_precision = GradientPrecision::Int16;
   if (scene.time_step <= 0) return;
@@ -351,14 +397,15 @@ Scene readScene(const std::string& path, std::span<const SceneChange> changes) {
   readOrgan(top.table("organ", {"organ"}), folder, scene);
   readDiscretization(top.table("discretization", {"discretization"}), scene);
   for (const TomlTable& entry : top.tables("material", {"material"})) {
-    const bool first = scene.materials.empty();
-    readMaterial(entry, first, scene.materials.emplace_back());
+    MaterialSpec material;
+    readMaterial(entry, folder, scene.materials, material);
+    scene.materials.push_back(std::move(material));
   }
   for (const TomlTable& entry : top.tables("fixed", {"boundary", "region"})) {
     scene.boundaries.push_back(readFixed(entry, scene.boundaries));
   }
   for (const TomlTable& entry : top.tables("prescribed", {"prescribed", "boundary", "region"})) {
-    scene.boundaries.push_back(readPrescribed(entry, scene.boundaries));
+    scene.boundaries.push_back(readPrescribed(entry, folder.string(), scene.boundaries));
   }
   readDynamics(top.table("dynamics", {"dynamics"}), scene);
   readSolve(top.table("solve", {"solve"}), folder, scene.solve);

@@ -116,6 +116,14 @@ constexpr KeySpec scene_keys[] = {
      "Where this material is (a [region](#region)). The first material is everywhere and has none; each later "
      "one needs one and replaces what was there."},
 
+    {"material", "membership", T::Text, "", depends, {}, "",
+     "In place of a region: NIfTI file (.nii, .nii.gz), relative to the scene file, of how much of each voxel is this "
+     "material, 0 to 1; the rest is the first material. Shear modulus, bulk modulus and density of each integration "
+     "point are mixed linearly by the mean over its cell. World coordinates of the image in mm are the organ's in m "
+     "times 1000. Both materials are neo-Hookean; one material of a scene may have it.", never},
+    {"material", "mask", T::Text, "", "", {}, "",
+     "With `membership`: NIfTI file on the same voxels; those where it is not above 0.5 are left out of the mean.", never},
+
     {"region", "shape", T::Text, "", required, {}, "half-space|box|sphere|near-plane|cylinder|shell", "Its shape."},
     {"region", "point", T::Vector, "m", depends, {}, "",
      "Half-space, near-plane: a point of the plane. Cylinder: the middle of its base."},
@@ -138,6 +146,16 @@ constexpr KeySpec scene_keys[] = {
      "The directions of displacement that are imposed; the others stay free."},
     {"boundary", "surface_only", T::Boolean, "", "false", {}, "", "Choose only nodes on the organ's surface."},
 
+    {"prescribed", "points", T::Text, "", "", {}, "",
+     "In place of a region and a motion: measured points that go where they were measured, each imposed exactly at its "
+     "place on the surface. A CSV file, relative to the scene file, with the columns x, y, z and, where it was measured, "
+     "x0, y0, z0: where each is, and was before (else the nearest point of the surface); or a file of 3D Slicer (.fcsv, "
+     ".mrk.json). Points nearer to each other than half the spacing are joined; more than 40 mm from the surface are "
+     "refused.", never},
+    {"prescribed", "unit", T::Text, "", depends, {}, "mm|cm|m", "Of the points' coordinates. Slicer's files say it.", never},
+    {"prescribed", "frame", T::Text, "", depends, {}, "ras|lps",
+     "Of the points' coordinates: +x, +y, +z to the patient's right, front and top (as the organ's, where it comes from "
+     "a scan), or left, back and top. Slicer's files say it.", never},
     {"prescribed", "translation", T::Vector, "m", depends, {}, "",
      "Where the region's nodes go. This, a rotation or both; with both the nodes are rotated first."},
     {"prescribed", "axis_point", T::Vector, "m", depends, {}, "", "Rotation: a point of its axis."},
@@ -172,6 +190,8 @@ constexpr KeySpec scene_keys[] = {
      "becomes slower by about half that share. The mass added is reported."},
     {"dynamics", "damping", T::Number, "1/s", "20", atLeast(0), "",
      "Mass-proportional damping c in M u'' + c M u' + f(u) = 0.", never},
+    {"dynamics", "gravity", T::Vector, "m/s^2", "[0.0, 0.0, 0.0]", {}, "",
+     "Acceleration that pulls at the tissue: [0.0, 0.0, -9.81] with z up. The shape at rest is that without it.", never},
     {"dynamics", "threads", T::Integer, "", "1", between(1, 64), "",
      "Threads that compute the physics; the result does not depend on it.", never},
     {"dynamics", "gradient_precision", T::Text, "", "\"float32\"", {}, "float32|int16",

@@ -122,7 +122,7 @@ typename EssentialBoundaryOf<Real>::Set makeSet(const std::vector<int>& rows, co
   std::vector<int> row_of(mass.size(), -1);
   std::vector<Eigen::Triplet<double>> entries;
   for (int k = 0; k < n; ++k) {
-    row_of[essential.nodes[rows[k]].node] = k;
+    if (essential.nodes[rows[k]].node >= 0) row_of[essential.nodes[rows[k]].node] = k;
     for (int e = essential.phi.begin[rows[k]]; e < essential.phi.begin[rows[k] + 1]; ++e)
       entries.emplace_back(k, essential.phi.node[e], essential.phi.N[e]);
   }

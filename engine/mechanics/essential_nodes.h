@@ -9,9 +9,10 @@
 
 namespace palpate {
 
-/// A node where displacement is imposed, and which boundary imposes each component.
+/// A node, or a point between the nodes, where displacement is imposed, and which boundary imposes each component.
 struct ImposedNode {
-  int node = 0;
+  static constexpr int point = -1;
+  int node = 0;                             // or `point`: its place and row stand in EssentialNodes
   std::array<int, 3> boundary{-1, -1, -1};  // index into EssentialNodes::motions; -1: the component is free
 };
 

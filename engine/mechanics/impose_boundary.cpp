@@ -155,9 +155,15 @@ void addNodeReactions(const EssentialBoundaryOf<Real>& boundary, const BoundaryS
   for (std::size_t s = 0; s < boundary.sets.size(); ++s) {
     const auto& set = boundary.sets[s];
     for (std::size_t k = 0; k < set.node.size(); ++k)
-      for (int c = 0; c < 3; ++c)
-        force[set.node[k]][c] +=
+      for (int c = 0; c < 3; ++c) {
+        const double traction =
             static_cast<double>(set.mask[c]) * set.share[k] / alpha * static_cast<double>((&scratch.rhs[s][k].x)[c]);
+        if (set.node[k] >= 0)
+          force[set.node[k]][c] += traction;
+        else  // a point between the nodes
+          for (int e = set.phi.begin[k]; e < set.phi.begin[k + 1]; ++e)
+            force[set.phi.column[e]][c] += static_cast<double>(set.phi.value[e]) * traction;
+      }
   }
 }
 

@@ -20,6 +20,7 @@ KernelView<Real> viewOf(const KernelLayoutOf<Real>& layout, const KernelMaterial
   k.rounded_gradN = layout.scale.empty() ? nullptr : layout.rounded_gradN.data();
   k.scale = layout.scale.data();
   k.volume = layout.volume.data();
+  k.stress_volume = layout.stress_volume.empty() ? layout.volume.data() : layout.stress_volume.data();
   k.batch_material = layout.batch_material.data();
   k.materials = materials.materials.data();
   k.patch_begin = layout.patch_begin.empty() ? nullptr : layout.patch_begin.data();

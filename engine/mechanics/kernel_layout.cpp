@@ -51,6 +51,23 @@ std::vector<int> batchOrder(const ShapeTable& shape, const std::vector<Vec3>& po
   return order;
 }
 
+/// How the points' moduli differ from their batches'. @pre  `base` is not empty
+template <class Real>
+void addShares(KernelLayoutOf<Real>& layout, const std::vector<int>& point_material, const std::vector<int>& base,
+               const std::vector<Material>& materials) {
+  layout.shear_share.assign(layout.point.size(), Real(1));
+  layout.bulk_share = layout.shear_share;
+  layout.stress_volume = layout.volume;
+  for (std::size_t place = 0; place < layout.point.size(); ++place) {
+    if (layout.point[place] < 0) continue;
+    const Material& own = materials[point_material[layout.point[place]]];
+    const Material& common = materials[base[point_material[layout.point[place]]]];
+    layout.shear_share[place] = static_cast<Real>(own.shear_modulus / common.shear_modulus);
+    layout.bulk_share[place] = static_cast<Real>(own.bulk_modulus / common.bulk_modulus);
+    layout.stress_volume[place] *= layout.shear_share[place];
+  }
+}
+
 /// Padding points are in no patch; their weights are zero.
 template <class Real>
 void addPatches(KernelLayoutOf<Real>& layout, const std::vector<double>& volume, const NodePatches& patches) {
@@ -64,6 +81,7 @@ void addPatches(KernelLayoutOf<Real>& layout, const std::vector<double>& volume,
       const std::size_t at = slot / 16 * 64 + static_cast<std::size_t>(a) * 16 + slot % 16;
       layout.patch_node[at] = patches.node[q][a];
       layout.patch_weight[at] = static_cast<Real>(patches.weight[q][a]);
+      if (!layout.shear_share.empty()) layout.patch_weight[at] /= layout.shear_share[slot];
     }
   }
 
@@ -234,8 +252,13 @@ void updatePatchBulk(const KernelLayoutOf<Real>& layout, KernelMaterialsOf<Real>
     Real sum = 0, least = 0;
     for (int e = layout.patch_begin[i]; e < layout.patch_begin[i + 1]; ++e) {
       const Material& material = materials.materials[layout.batch_material[layout.patch_point[e] / 16]];
-      const auto shear = static_cast<Real>(material.shear_modulus * material.longTermShare());
-      sum += layout.patch_share[e] / static_cast<Real>(material.bulk_modulus);
+      auto shear = static_cast<Real>(material.shear_modulus * material.longTermShare());
+      auto bulk = static_cast<Real>(material.bulk_modulus);
+      if (!layout.shear_share.empty()) {
+        shear *= layout.shear_share[layout.patch_point[e]];
+        bulk *= layout.bulk_share[layout.patch_point[e]];
+      }
+      sum += layout.patch_share[e] / bulk;
       if (e == layout.patch_begin[i] || shear < least) least = shear;
     }
     materials.patch_bulk[i] = sum > 0 ? 1 / sum : 0;
@@ -250,14 +273,16 @@ KernelLayoutOf<Real> makeKernelLayout(const ShapeTable& shape, const std::vector
                                       const std::vector<double>& volume, const std::vector<int>& point_material,
                                       const std::vector<Material>& materials, int node_count,
                                       const NodePatches& patches, GradientPrecision gradients,
-                                      const std::vector<Vec3>& X) {
+                                      const std::vector<Vec3>& X, const std::vector<int>& base) {
   const bool rounded = gradients == GradientPrecision::Int16;
   if (rounded && (sizeof(Real) != 4 || static_cast<int>(X.size()) != node_count))
     throw std::invalid_argument("16-bit gradients need a float kernel and the nodes' positions");
   KernelLayoutOf<Real> layout;
   layout.node_count = node_count;
   layout.point_count = static_cast<int>(point_X.size());
-  layout.point = batchOrder(shape, point_X, point_material, static_cast<int>(materials.size()), layout.batch_material);
+  std::vector<int> computed_as = point_material;
+  for (int& m : computed_as) m = base.empty() ? m : base[m];
+  layout.point = batchOrder(shape, point_X, computed_as, static_cast<int>(materials.size()), layout.batch_material);
   const bool short_nodes = sizeof(Real) == 4 && node_count <= 65536;
 
   int tile_count = 0, rounded_count = 0;
@@ -288,6 +313,7 @@ KernelLayoutOf<Real> makeKernelLayout(const ShapeTable& shape, const std::vector
     });
   }
 
+  if (!base.empty()) addShares(layout, point_material, base, materials);
   if (!patches.empty()) addPatches(layout, volume, patches);
   makeChunks(layout);
   return layout;
@@ -335,7 +361,8 @@ template KernelMaterialsOf<float> makeKernelMaterials(const KernelLayoutOf<float
 template void updatePatchBulk(const KernelLayoutOf<float>&, KernelMaterialsOf<float>&);
 template KernelLayoutOf<float> makeKernelLayout(const ShapeTable&, const std::vector<Vec3>&, const std::vector<double>&,
                                                 const std::vector<int>&, const std::vector<Material>&, int,
-                                                const NodePatches&, GradientPrecision, const std::vector<Vec3>&);
+                                                const NodePatches&, GradientPrecision, const std::vector<Vec3>&,
+                                                const std::vector<int>&);
 template KernelScratchOf<float> makeKernelScratch(const KernelLayoutOf<float>&, InstructionSet);
 template std::vector<std::pair<int, Vec3>> layoutGradients(const KernelLayoutOf<float>&, int);
 template KernelMaterialsOf<double> makeKernelMaterials(const KernelLayoutOf<double>&, std::vector<Material>);
@@ -343,7 +370,7 @@ template void updatePatchBulk(const KernelLayoutOf<double>&, KernelMaterialsOf<d
 template KernelLayoutOf<double> makeKernelLayout(const ShapeTable&, const std::vector<Vec3>&,
                                                  const std::vector<double>&, const std::vector<int>&,
                                                  const std::vector<Material>&, int, const NodePatches&,
-                                                 GradientPrecision, const std::vector<Vec3>&);
+                                                 GradientPrecision, const std::vector<Vec3>&, const std::vector<int>&);
 template KernelScratchOf<double> makeKernelScratch(const KernelLayoutOf<double>&, InstructionSet);
 template std::vector<std::pair<int, Vec3>> layoutGradients(const KernelLayoutOf<double>&, int);
 

@@ -36,6 +36,11 @@ struct KernelLayoutOf {
   AlignedVector<Real> volume;                 // (16 * batch_count) m^3
   std::vector<int> point;                     // (16 * batch_count) index in the model, or -1 for padding
   std::vector<int> batch_material;            // (batch_count)
+  // Where materials mix (a point's material is another than its batch's): of the point's moduli over the batch's
+  // material's; empty where none do. Stresses are in proportion to the shear modulus once the pressure is divided by
+  // the same share, which is in patch_weight: the kernel needs to know of nothing but another volume.
+  AlignedVector<Real> stress_volume;            // (16 * batch_count) m^3, volume times shear_share
+  AlignedVector<Real> shear_share, bulk_share;  // (16 * batch_count)
   // Node-patch volume (node_patch.h); empty where the scene does without.
   std::vector<int> patch_begin;           // (node_count + 1) entries of each node's patch in
   std::vector<std::int32_t> patch_point;  // its points' places in `point`, ascending, and
@@ -83,6 +88,9 @@ using KernelScratch = KernelScratchOf<float>;
 /// @param patches         node patches of the points, or empty for pointwise volume
 /// @param gradients       Int16: float only, and X is needed
 /// @param X               nodes, m (node_count)
+/// @param base            of each material the one by whose law and moduli the kernel computes it, so that their
+///                        points share batches (material_count); they differ in moduli only, and without patches in
+///                        one factor. Empty: each by itself
 /// Throws InputError where Int16 can't be: the nodes around a block of points lie in one plane.
 template <class Real = float>
 KernelLayoutOf<Real> makeKernelLayout(const ShapeTable& shape, const std::vector<Vec3>& point_X,
@@ -90,7 +98,7 @@ KernelLayoutOf<Real> makeKernelLayout(const ShapeTable& shape, const std::vector
                                       const std::vector<Material>& materials, int node_count,
                                       const NodePatches& patches = {},
                                       GradientPrecision gradients = GradientPrecision::Float32,
-                                      const std::vector<Vec3>& X = {});
+                                      const std::vector<Vec3>& X = {}, const std::vector<int>& base = {});
 
 /// Gradients of a layout's point `place` (index into layout.point) at its block's union nodes, as the kernel sees them,
 /// 1/m.

@@ -216,15 +216,16 @@ struct Kernel {
           applyScale(first_point, H);
           state = lanes.firstPiola(H, P);
         }
-        const Lanes volume = Lanes::load(&k.volume[first_point]);
+        const Lanes volume = Lanes::load(&k.volume[first_point]),
+                    stress_volume = Lanes::load(&k.stress_volume[first_point]);
         sums.min_J[part].note(state.J, first_point);
-        sums.energy += volume * state.energy;
+        sums.energy += stress_volume * state.energy;
         sums.volume_change += volume * state.J_minus_1;
         sums.max_cof2 = max(sums.max_cof2, state.cof2);
         state.cof2.store(&k.cof2[first_point]);
         state.J.store(&k.J[first_point]);
         if (relaxation.term_count > 0) relaxStress(relaxation, first_point, H, volume, P, sums);
-        for (int c = 0; c < 9; ++c) P[c] *= volume;
+        for (int c = 0; c < 9; ++c) P[c] *= stress_volume;
         applyScale(first_point, P);
         for (int c = 0; c < 9; ++c) P[c].store(tensors.a[c] + first);
       }

@@ -27,6 +27,7 @@ struct KernelView {
   const std::int16_t* rounded_gradN;  // null: gradN has all
   const Real* scale;
   const Real* volume;
+  const Real* stress_volume;  // `volume` itself where no materials mix
   const int* batch_material;
   const Material* materials;
   const int* patch_begin;  // null: no patches

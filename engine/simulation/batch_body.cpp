@@ -4,13 +4,15 @@
 #include <cmath>
 
 #include "base/float4.h"
+#include "simulation/mixtures.h"
 
 namespace palpate {
 namespace {
 
 KernelLayoutOf<double> kernelInDouble(const Model& model) {
   auto kernel = makeKernelLayout<double>(model.point_shape, model.point_X, model.point_volume, model.point_material,
-                                         model.materials, model.nodeCount(), model.patches);
+                                         model.materials, model.nodeCount(), model.patches, GradientPrecision::Float32,
+                                         {}, mixtureBases(model.scene));
   if (model.hasCellVolume()) kernel.cell_volume = makeCellVolume<double>(model.cellVolume());
   return kernel;
 }
@@ -111,6 +113,8 @@ BatchBody::Report BatchBody::advance(double alpha, double beta, double time) {
   report.worst_point = forces_report.worst_point;
   report.inverted_points = forces_report.inverted_points;
   for (std::size_t i = 0; i < u.size(); ++i) store(du[i], beta * load(du[i]) + (alpha * inverse_mass_[i]) * load(f[i]));
+  for (std::size_t i = 0; i < model_.weight.size(); ++i)
+    store(du[i], load(du[i]) + (alpha * inverse_mass_[i]) * load(model_.weight[i]));
   if (has_tool_) contact(alpha, report);
   imposeBoundary(boundary_, time, 0.0, alpha, inverse_mass_.data(), u.data(), du.data(), boundary_scratch_, team_);
   double largest = 0;

@@ -5,9 +5,11 @@
 #include <cmath>
 #include <numbers>
 
+#include "approximation/shape_functions.h"
 #include "discretization/surface/facet_rule.h"
 #include "simulation/choose_time_step.h"
 #include "simulation/imposed_nodes.h"
+#include "simulation/mixtures.h"
 #include "simulation/prepare.h"
 #include "simulation/scene_messages.h"
 
@@ -16,14 +18,36 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
+/// Where an imposed point that is no node stands, m.
+const Vec3& imposedPoint(const Scene& scene, const ImposedNode& point) {
+  return scene.boundaries[*std::max_element(point.boundary.begin(), point.boundary.end())].region.point;
+}
+
+/// Shape functions at points of the body.
+ShapeTable shapeAt(const Model& model, const std::vector<Vec3>& points) {
+  const Neighbours neighbours(model.X, model.support_radius);
+  std::vector<InadmissibleSupport> failed;
+  ShapeTable shape = shapeFunctions(points, model.X, model.support_radius, neighbours,
+                                    {model.scene.basis_degree, model.scene.mmls_weight}, failed);
+  if (failed.empty()) return shape;
+  throw InputError(
+      model.scene.boundaries.front().place,
+      "the nodes near the point at " + coordinates(points[failed.front().row]) + " can't carry an approximation",
+      "lower discretization.spacing, or leave the point out");
+}
+
 /// What follows from the imposed nodes and the scene.
 void completeEssential(const Scene& scene, Model& model) {
   EssentialNodes& essential = model.essential;
   essential.motions.clear();
   for (const auto& spec : scene.boundaries) essential.motions.push_back(motionOf(spec));
   essential.X.clear();
-  for (const auto& node : essential.nodes) essential.X.push_back(model.X[node.node]);
-  essential.phi = rowsOf(model.node_shape, essential.nodes);
+  std::vector<Vec3> points;  // between the nodes
+  for (const auto& node : essential.nodes) {
+    if (node.node < 0) points.push_back(imposedPoint(scene, node));
+    essential.X.push_back(node.node < 0 ? points.back() : model.X[node.node]);
+  }
+  essential.phi = rowsOf(model.node_shape, essential.nodes, points.empty() ? ShapeTable{} : shapeAt(model, points));
   essential.facet_points = essential.facets.empty() ? 0 : FacetRule::size;
   model.imposed = imposedComponents(essential.nodes, model.X.size());
   try {
@@ -32,6 +56,20 @@ void completeEssential(const Scene& scene, Model& model) {
     throw InputError(scene.boundaries.front().place, e.what(),
                      "make the regions smaller or discretization.seed another");
   }
+}
+
+/// The weight at the nodes, f_i = sum_q V_q rho_q N_i(X_q) g: of the tissue itself, not of mass that was added for the
+/// sake of the step.
+void addWeight(Model& model) {
+  const Vec3& g = model.scene.gravity;
+  if (g.isZero(0)) return;
+  std::vector<Vec3> weight(model.X.size(), Vec3::Zero());
+  const ShapeTable& shape = model.point_shape;
+  for (int q = 0; q < model.pointCount(); ++q) {
+    const double mass = model.point_volume[q] * model.materials[model.point_material[q]].density;
+    for (int e = shape.begin[q]; e < shape.begin[q + 1]; ++e) weight[shape.node[e]] += mass * shape.N[e] * g;
+  }
+  for (const Vec3& f : weight) model.weight.push_back(toReal4<double>(f));
 }
 
 /// What tells rounding and blow-ups from motion.
@@ -90,13 +128,15 @@ Model finish(const Scene& scene, const SurfaceTree& tree, Preparation preparatio
     model.patches = makeNodePatches(model.X, model.cells, model.point_X, model.point_volume, model.point_cell,
                                     model.point_material, model.materials);
   chooseTimeStep(scene, model.limit, model.X, model);
+  addWeight(model);
   setBounds(model);
   model.max_tool_force = maxToolForce(scene, model.materials);
   addSkinAndTool(scene, tree, model);
 
   report("kernel layout", 0.96);
-  model.kernel = makeKernelLayout(model.point_shape, model.point_X, model.point_volume, model.point_material,
-                                  model.materials, model.nodeCount(), model.patches, scene.gradient_precision, model.X);
+  model.kernel =
+      makeKernelLayout(model.point_shape, model.point_X, model.point_volume, model.point_material, model.materials,
+                       model.nodeCount(), model.patches, scene.gradient_precision, model.X, mixtureBases(scene));
   if (model.hasCellVolume()) model.kernel.cell_volume = makeCellVolume<float>(model.cellVolume());
   std::vector<std::array<int, 4>> vertices;  // of each point's cell
   for (const int c : model.point_cell) vertices.push_back(model.cells[c]);

@@ -36,12 +36,42 @@ bool agree(const BoundarySpec& a, const BoundarySpec& b, const Vec3& X, int comp
 
 }  // namespace
 
+namespace {
+
+/// Adds a row for a point between the nodes. Nodes that are imposed nearer than half the spacing would leave the two no
+/// independent displacements.
+void addPoint(const Scene& scene, int b, const NodeCloud& cloud, EssentialNodes& essential) {
+  const BoundarySpec& spec = scene.boundaries[b];
+  const Vec3& X = spec.region.point;
+  for (std::size_t k = 0; k < essential.nodes.size(); ++k) {
+    const ImposedNode& other = essential.nodes[k];
+    const Vec3& at = other.node < 0 ? essential.X[k] : cloud.X[other.node];
+    if ((at - X).norm() >= 0.5 * scene.spacing) continue;
+    const int owner = *std::max_element(other.boundary.begin(), other.boundary.end());
+    throw InputError(spec.place,
+                     "the point at " + coordinates(X) + " is nearer than half the spacing to what is imposed at " +
+                         scene.boundaries[owner].place.text(),
+                     "make that region smaller, or leave the point out");
+  }
+  ImposedNode row{ImposedNode::point, {-1, -1, -1}};
+  for (int c = 0; c < 3; ++c)
+    if (spec.component[c]) row.boundary[c] = b;
+  essential.nodes.push_back(row);
+  essential.X.push_back(X);
+}
+
+}  // namespace
+
 EssentialNodes chooseImposed(const Scene& scene, const NodeCloud& cloud, const SurfaceTree& organ) {
   EssentialNodes essential;
   std::vector<int> slot(cloud.X.size(), -1);
   for (int b = 0; b < static_cast<int>(scene.boundaries.size()); ++b) {
     const auto& spec = scene.boundaries[b];
     essential.motions.push_back(motionOf(spec));
+    if (spec.region.kind == Region::Kind::Point) {
+      addPoint(scene, b, cloud, essential);
+      continue;
+    }
     int found = 0;
     for (int i = 0; i < static_cast<int>(cloud.X.size()); ++i) {
       if (spec.surface_only && !cloud.on_surface[i]) continue;
@@ -73,7 +103,8 @@ EssentialNodes chooseImposed(const Scene& scene, const NodeCloud& cloud, const S
 std::vector<Vec3> essentialFacets(const NodeCloud& cloud, const std::vector<std::array<int, 3>>& outer,
                                   EssentialNodes& essential) {
   std::vector<bool> imposed(cloud.X.size(), false);
-  for (const auto& node : essential.nodes) imposed[node.node] = true;
+  for (const auto& node : essential.nodes)
+    if (node.node >= 0) imposed[node.node] = true;
   std::vector<Vec3> points;
   essential.facet_points = FacetRule::size;
   for (const auto& f : outer) {
@@ -92,17 +123,20 @@ std::vector<std::uint8_t> imposedComponents(const std::vector<ImposedNode>& node
   std::vector<std::uint8_t> imposed(node_count, 0);
   for (const auto& node : nodes)
     for (int c = 0; c < 3; ++c)
-      if (node.boundary[c] >= 0) imposed[node.node] |= static_cast<std::uint8_t>(1u << c);
+      if (node.node >= 0 && node.boundary[c] >= 0) imposed[node.node] |= static_cast<std::uint8_t>(1u << c);
   return imposed;
 }
 
-ShapeTable rowsOf(const ShapeTable& table, const std::vector<ImposedNode>& nodes) {
+ShapeTable rowsOf(const ShapeTable& table, const std::vector<ImposedNode>& nodes, const ShapeTable& point_table) {
   ShapeTable rows;
   rows.begin.push_back(0);
+  int point = 0;
   for (const auto& node : nodes) {
-    const int begin = table.begin[node.node], end = table.begin[node.node + 1];
-    rows.node.insert(rows.node.end(), table.node.begin() + begin, table.node.begin() + end);
-    rows.N.insert(rows.N.end(), table.N.begin() + begin, table.N.begin() + end);
+    const ShapeTable& from = node.node < 0 ? point_table : table;
+    const int row = node.node < 0 ? point++ : node.node;
+    const int begin = from.begin[row], end = from.begin[row + 1];
+    rows.node.insert(rows.node.end(), from.node.begin() + begin, from.node.begin() + end);
+    rows.N.insert(rows.N.end(), from.N.begin() + begin, from.N.begin() + end);
     rows.begin.push_back(static_cast<int>(rows.node.size()));
   }
   return rows;

@@ -24,7 +24,8 @@ std::vector<Vec3> essentialFacets(const NodeCloud& cloud, const std::vector<std:
 /// Bit c set: component c is imposed (node_count).
 std::vector<std::uint8_t> imposedComponents(const std::vector<ImposedNode>& nodes, std::size_t node_count);
 
-/// The rows of the imposed nodes from a table with one row per node.
-ShapeTable rowsOf(const ShapeTable& table, const std::vector<ImposedNode>& nodes);
+/// The rows of the imposed nodes from a table with one row per node, and those of points between the nodes from one
+/// with one row per point.
+ShapeTable rowsOf(const ShapeTable& table, const std::vector<ImposedNode>& nodes, const ShapeTable& point_table = {});
 
 }  // namespace palpate

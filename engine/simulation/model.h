@@ -14,6 +14,7 @@ struct Model : Body {
   // Computed from the materials and the cells.
   AlignedVector<float> inverse_mass;  // (node_count) 1/kg
   NodePatches patches;                // empty without scene.node_patch_volume
+  AlignedVector<Double4> weight;      // (node_count) N; empty without scene.gravity
   KernelLayout kernel;                // what the hot kernel reads
   EssentialBoundary boundary;         // of `essential` and the masses
   StiffnessMeans stiffness_means;     // how masses follow the stiffness of squeezed tissue

@@ -14,6 +14,7 @@ void add(ByteKey& key, const KernelLayout& kernel) {
   key.add(kernel.node, kernel.short_node, kernel.gradN, kernel.rounded_gradN, kernel.scale, kernel.volume);
   key.add(kernel.batch_material, kernel.patch_begin, kernel.patch_point, kernel.patch_node);
   key.add(kernel.patch_share, kernel.patch_weight);
+  if (!kernel.shear_share.empty()) key.add(kernel.shear_share, kernel.bulk_share);  // none: hashes are those of before
   const CellVolumeOf<float>& cells = kernel.cell_volume;
   key.add(cells.row_node, cells.row_N, cells.cell_node, cells.edge);
 }
@@ -47,6 +48,7 @@ std::uint64_t modelHash(const Model& model) {
   add(key, model.kernel);
   for (const Material& m : model.materials) add(key, m);
   add(key, model.boundary);
+  if (!model.weight.empty()) key.add(model.weight);  // none: hashes are those of before
   key.add(model.skin.surface.vertices, model.skin.area, model.skin.node, model.skin.N, model.skin.bulk_stiffness);
   add(key, model.scene.tool);
   key.add(model.tool_start.position, model.tool_start.orientation.coeffs(), model.scene.tool_max_speed);

@@ -54,8 +54,10 @@ bool isTable(const ShapeTable& table, std::size_t rows, std::size_t nodes, bool 
 bool isEssential(const EssentialNodes& essential, std::size_t nodes, std::size_t boundary_count) {
   std::vector<char> imposed(nodes, 0);
   for (const ImposedNode& node : essential.nodes) {
-    if (!within(node.node, nodes) || imposed[node.node]) return false;
-    imposed[node.node] = 1;
+    const bool is_point = node.node == ImposedNode::point;
+    if (!is_point && (!within(node.node, nodes) || imposed[node.node])) return false;
+    if (is_point && *std::max_element(node.boundary.begin(), node.boundary.end()) < 0) return false;
+    if (!is_point) imposed[node.node] = 1;
     for (const int boundary : node.boundary)
       if (!within(boundary, boundary_count, -1)) return false;
   }

@@ -11,6 +11,7 @@
 #include "simulation/approximate.h"
 #include "simulation/choose_time_step.h"
 #include "simulation/imposed_nodes.h"
+#include "simulation/mixtures.h"
 #include "simulation/scene_regions.h"
 
 namespace palpate {
@@ -64,12 +65,6 @@ void addMasses(const Scene& scene, const std::vector<Vec3>& X, const BackgroundC
 
 }  // namespace
 
-std::vector<Material> materialsOf(const Scene& scene) {
-  std::vector<Material> materials;
-  for (const auto& spec : scene.materials) materials.push_back(spec.material);
-  return materials;
-}
-
 Preparation prepare(const Scene& scene, const SurfaceTree& tree, Discretization discretization,
                     const Progress& progress) {
   // Shares of the time with 33,000 nodes and 190,000 points on two cores.
@@ -82,7 +77,7 @@ Preparation prepare(const Scene& scene, const SurfaceTree& tree, Discretization 
   p.cell_volume = cells.total_volume;
   report("integration points", 0.43);
   auto radius = supportRadii(cloud.X, cells.cells, scene.support_factor);
-  const std::vector<int> cell_material = materialsAt(scene, centroids(cloud.X, cells.cells), tree);
+  std::vector<int> cell_material = materialsAt(scene, centroids(cloud.X, cells.cells), tree);
   auto points = choosePoints(scene, cloud.X, cells, cell_material, radius);
 
   report("skin", 0.43);
@@ -105,6 +100,11 @@ Preparation prepare(const Scene& scene, const SurfaceTree& tree, Discretization 
   p.point_material = materialsAt(scene, points.X, tree);
   for (std::size_t q = 0; q < points.other_cell.size(); ++q)  // between two cells of one material may lie another
     p.point_material[q] = cell_material[points.cell[q]];
+  if (mixedMaterial(scene) != 0) {
+    const std::vector<double> share = cellShares(scene, cloud.X, cells);
+    mixPoints(scene, share, cells, points, p.point_material);
+    mixCells(scene, share, cell_material);
+  }
   addMasses(scene, cloud.X, cells, points, cell_material, shape.points, p);
 
   p.X = std::move(cloud.X);

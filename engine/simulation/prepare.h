@@ -13,7 +13,4 @@ namespace palpate {
 Preparation prepare(const Scene& scene, const SurfaceTree& tree, Discretization discretization,
                     const Progress& progress);
 
-/// The scene's materials, ready to use.
-std::vector<Material> materialsOf(const Scene& scene);
-
 }  // namespace palpate

@@ -20,6 +20,8 @@ bool Region::contains(const Vec3& x, double tolerance, double surface_distance) 
     }
     case Kind::Shell:
       return surface_distance <= distance + tolerance;
+    case Kind::Point:
+      break;
   }
   return false;
 }

@@ -2,6 +2,7 @@
 
 #include <limits>
 #include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -16,10 +17,10 @@ namespace palpate {
 
 /// A part of space, used to choose nodes (fixed, prescribed) or points (material).
 struct Region {
-  enum class Kind { HalfSpace, Box, Sphere, NearPlane, Cylinder, Shell };
+  enum class Kind { HalfSpace, Box, Sphere, NearPlane, Cylinder, Shell, Point };
   Kind kind = Kind::HalfSpace;
   Vec3 point = Vec3::Zero();    // m; HalfSpace, NearPlane: a point of the plane; Sphere: its centre;
-                                // Cylinder: the middle of its base
+                                // Cylinder: the middle of its base; Point: itself, which holds no node
   Vec3 normal = Vec3::UnitZ();  // unit; HalfSpace: inside is where (x - point) . normal <= 0;
                                 // Cylinder: its axis, from the base up
   Vec3 min = Vec3::Zero();      // Box, m
@@ -36,11 +37,22 @@ struct Region {
                 double surface_distance = std::numeric_limits<double>::infinity()) const;
 };
 
+struct Membership;
+
+/// Measured points that go from one place to another, in the organ's coordinates.
+struct PointLoad {
+  std::string file;
+  std::vector<int> line;            // (point_count) of the file, or empty
+  std::vector<Vec3> before, after;  // (point_count) m; `before` empty: not measured
+};
+
 /// A material and where it is.
 struct MaterialSpec {
   Material material = Material::neoHookean(3000, 0.49, 1000);
   bool everywhere = true;  // otherwise only inside `region` (later entries win)
   Region region;
+  /// Not null: there is as much of it as an image says, and the rest is the first material (mixtures.h).
+  std::shared_ptr<const Membership> membership;
   SourceLocation place;
 };
 
@@ -56,6 +68,8 @@ struct BoundarySpec {
   double duration = 0;                     // s; 0 for a fixed region
   LoadCurve curve;
   bool surface_only = false;  // choose surface nodes only
+  /// Not null: in place of region and motion, points that go where they were measured (point_boundaries.h).
+  std::shared_ptr<const PointLoad> points;
   SourceLocation place;
 };
 
@@ -129,13 +143,14 @@ struct Scene {
   std::vector<BoundarySpec> boundaries;  // at least one fixed
 
   // dynamics
-  double rate_hz = 500;      // 100 .. 2000; one tick is 1/rate
-  int catch_up = 16;         // late ticks that the loop makes good
-  double time_step = 0;      // s; 0: the largest whole division of a tick below safety * critical
-  double step_safety = 0.6;  // of the critical step
-  double mass_scaling = 0;   // share of the body's mass that may be added to spare steps of a tick
-  double damping = 20;       // 1/s, mass-proportional: M u'' + c M u'
-  int threads = 1;           // physics threads
+  double rate_hz = 500;         // 100 .. 2000; one tick is 1/rate
+  int catch_up = 16;            // late ticks that the loop makes good
+  double time_step = 0;         // s; 0: the largest whole division of a tick below safety * critical
+  double step_safety = 0.6;     // of the critical step
+  double mass_scaling = 0;      // share of the body's mass that may be added to spare steps of a tick
+  double damping = 20;          // 1/s, mass-proportional: M u'' + c M u'
+  Vec3 gravity = Vec3::Zero();  // m/s^2, of the tissue; it bears its weight from the start
+  int threads = 1;              // physics threads
   GradientPrecision gradient_precision = GradientPrecision::Float32;  // of the real-time kernel
 
   SolveSpec solve;

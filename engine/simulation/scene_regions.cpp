@@ -10,7 +10,9 @@ bool contains(const Region& region, const Vec3& x, const SurfaceTree& organ) {
 
 int materialAt(const Scene& scene, const Vec3& x, const SurfaceTree& organ) {
   for (int m = static_cast<int>(scene.materials.size()) - 1; m > 0; --m)
-    if (scene.materials[m].everywhere || contains(scene.materials[m].region, x, organ)) return m;
+    if (!scene.materials[m].membership &&
+        (scene.materials[m].everywhere || contains(scene.materials[m].region, x, organ)))
+      return m;
   return 0;
 }
 

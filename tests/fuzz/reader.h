@@ -37,6 +37,6 @@ inline void hold(bool sound, const char* what) {
 
 // One of these each for `readers`.
 extern const Reader scene_reader, tool_script_reader, csv_reader, recording_reader, obj_reader, stl_reader,
-    ply_reader, off_reader, vtk_reader, repair_reader, checkpoint_reader, preparation_reader;
+    ply_reader, off_reader, vtk_reader, repair_reader, checkpoint_reader, preparation_reader, nifti_reader;
 
 }  // namespace palpate::fuzz

@@ -8,9 +8,9 @@
 namespace palpate::fuzz {
 
 std::span<const Reader> readers() {
-  static const std::array all{scene_reader, tool_script_reader, csv_reader,        recording_reader,
-                              obj_reader,   stl_reader,         ply_reader,        off_reader,
-                              vtk_reader,   repair_reader,      checkpoint_reader, preparation_reader};
+  static const std::array all{scene_reader,      tool_script_reader, csv_reader,  recording_reader, obj_reader,
+                              stl_reader,        ply_reader,         off_reader,  vtk_reader,       repair_reader,
+                              checkpoint_reader, preparation_reader, nifti_reader};
   return all;
 }
 

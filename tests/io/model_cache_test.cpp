@@ -208,7 +208,7 @@ TEST_CASE("A forged file whose checksums hold is refused for every size, index a
       {"a point's second cell below none", [&](P& p) { p.point_other_cell[0] = -2; }},
       {"a second cell missing", [&](P& p) { p.point_other_cell.pop_back(); }},
       {"an imposed node too high", [&](P& p) { p.essential.nodes[0].node = nodes; }},
-      {"an imposed node negative", [&](P& p) { p.essential.nodes[0].node = -1; }},
+      {"an imposed node negative", [&](P& p) { p.essential.nodes[0].node = -2; }},
       {"an imposed node twice", [&](P& p) { p.essential.nodes[1].node = p.essential.nodes[0].node; }},
       {"a boundary too high", [&](P& p) { p.essential.nodes[0].boundary[1] = 1; }},
       {"a boundary below none", [&](P& p) { p.essential.nodes[0].boundary[1] = -2; }},

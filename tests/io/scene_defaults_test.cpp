@@ -30,6 +30,7 @@ std::string described(const Scene& s) {
     for (const auto& [parameter, member] : commonMaterialParameters()) add(m.material.*member);
   for (const BoundarySpec& b : s.boundaries)
     add(b.component[0], b.component[1], b.component[2], b.surface_only, static_cast<int>(b.curve.kind));
+  vector(s.gravity);
   add(s.rate_hz, s.catch_up, s.time_step, s.step_safety, s.mass_scaling, s.damping, s.threads);
   add(static_cast<int>(s.gradient_precision), static_cast<int>(s.solve.mode), s.solve.tolerance, s.solve.load_steps);
   add(s.solve.end_time, s.solve.frames);

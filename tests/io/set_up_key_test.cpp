@@ -4,6 +4,7 @@
 #include <map>
 #include <string>
 
+#include "imaging/nifti.h"
 #include "io/material_texts.h"
 #include "io/scene_file.h"
 #include "io/scene_keys.h"
@@ -30,6 +31,11 @@ const std::string adaptive = replaced(minimal_scene, "spacing = 0.01\n", "spacin
 const std::string rod =
     replaced(minimal_scene, "shape = \"half-space\"", "shape = \"cylinder\"\nradius = 0.01\nheight = 0.02");
 const std::string solved = minimal_scene + "[solve]\n";
+const std::string mixed =
+    minimal_scene +
+    "[[material]]\nmodel = \"neo-hookean\"\nyoung = 100\npoisson = 0.49\nmembership = \"m.nii\"\nmask = \"k.nii\"\n";
+const std::string measured =
+    minimal_scene + "[[prescribed]]\npoints = \"e.csv\"\nunit = \"mm\"\nframe = \"ras\"\nduration = 1\n";
 const std::string cone =
     replaced(full_scene, "shape = \"cylinder\"\nradius = 0.005\nlength = 0.03\nedge_radius = 0.0005",
              "shape = \"cone\"\nradius = 0.005\nhalf_angle = 40\ntip_radius = 0.002");
@@ -80,6 +86,8 @@ std::map<std::string, Change> changes() {
       {"material.model",
        {minimal_scene, "\"neo-hookean\"\nyoung = 3000\npoisson = 0.49",
         "\"ogden\"\nmu = [1000]\nalpha = [2]\nD1 = 1e-4"}},
+      {"material.membership", {mixed, "\"m.nii\"", "\"./m.nii\""}},
+      {"material.mask", {mixed, "\"k.nii\"", "\"./k.nii\""}},
       {"region.shape", {rod, "\"cylinder\"\nradius = 0.01\nheight = 0.02", "\"half-space\""}},
       {"region.point", {full_scene, "point = [0, 0, 0]", "point = [0, 0, 1e-5]"}},
       {"region.normal", {full_scene, "normal = [0, 0, 2]", "normal = [0, 1, 2]"}},
@@ -92,6 +100,9 @@ std::map<std::string, Change> changes() {
       {"boundary.name", added(minimal_scene, "[[fixed]]\n", "name = \"base\"")},
       {"boundary.components", {full_scene, "[\"z\"]", "[\"x\"]"}},
       {"boundary.surface_only", {full_scene, "surface_only = true", "surface_only = false"}},
+      {"prescribed.points", {measured, "\"e.csv\"", "\"./e.csv\""}},
+      {"prescribed.unit", {measured, "\"mm\"", "\"cm\""}},
+      {"prescribed.frame", {measured, "\"ras\"", "\"lps\""}},
       {"prescribed.translation", {full_scene, "[0, 0, -0.002]", "[0, 0, -0.003]"}},
       {"prescribed.axis_point", {moved, "axis_point = [0, 0, 0]", "axis_point = [0, 0, 1]"}},
       {"prescribed.axis", {moved, "axis = [0, 0, 1]", "axis = [0, 1, 1]"}},
@@ -104,6 +115,7 @@ std::map<std::string, Change> changes() {
       {"dynamics.time_step", {full_scene, "time_step = 0.0005", "time_step = 0.00025"}},
       {"dynamics.step_safety", {full_scene, "step_safety = 0.5", "step_safety = 0.6"}},
       {"dynamics.damping", {full_scene, "damping = 10", "damping = 11"}},
+      {"dynamics.gravity", added(full_scene, "[dynamics]\n", "gravity = [0, 0, -9.81]")},
       {"dynamics.threads", {full_scene, "threads = 2", "threads = 3"}},
       {"dynamics.gradient_precision", added(full_scene, "[dynamics]\n", "gradient_precision = \"int16\"")},
       {"solve.mode", added(solved, "[solve]\n", "mode = \"transient\"")},
@@ -159,6 +171,9 @@ TEST_CASE("Changing a key of the reference changes the cache key where the set-u
   folder.write("a.obj", "v 0 0 0\n");
   folder.write("b.obj", "v 0 0 0\n");
   folder.write("p.csv", "X,Y,Z\n0,0,0\n");
+  folder.write("e.csv", "x,y,z\n0,0,50\n");
+  const Image image(ImageGrid({2, 2, 2}, Mat3::Identity(), Vec3::Zero()), 1.0F);
+  for (const char* name : {"m.nii", "k.nii"}) folder.write(name, niftiFrom(image, NiftiType::UInt8, false));
   const auto keyOf = [&](const std::string& text) {
     return preparationKey(readScene(folder.write("s.toml", text)), TriangleSurface{});
   };
@@ -196,4 +211,27 @@ TEST_CASE("A rate that replaces the file's counts where mass is scaled", "[io][s
     CHECK(scene.rate_hz == 500);
     CHECK((preparationKey(scene, {}) != before) == scaled);
   }
+}
+
+TEST_CASE("What the files of a scene say is part of the cache key", "[io][set_up_key]") {
+  TempFolder folder;
+  folder.write("e.csv", "x,y,z\n0,0,50\n");
+  Image image(ImageGrid({2, 2, 2}, Mat3::Identity(), Vec3::Zero()), 1.0F);
+  const auto keyOf = [&](const std::string& text) {
+    for (const char* name : {"m.nii", "k.nii"}) folder.write(name, niftiFrom(image, NiftiType::Float32, false));
+    return preparationKey(readScene(folder.write("s.toml", text)), {});
+  };
+  const std::string before = keyOf(mixed);
+  CHECK(keyOf(mixed) == before);
+  image.value[3] = 0.9F;
+  CHECK(keyOf(mixed) != before);
+
+  Scene scene = readScene(folder.write("t.toml", measured));
+  REQUIRE(scene.boundaries[1].points);
+  CHECK((scene.boundaries[1].points->after.at(0) - Vec3(0, 0, 0.05)).norm() < 1e-15);
+  BoundarySpec& point = scene.boundaries[1];
+  point.region.kind = Region::Kind::Point;
+  const std::string here = preparationKey(scene, {});
+  point.region.point.x() = 1e-3;
+  CHECK(preparationKey(scene, {}) != here);
 }

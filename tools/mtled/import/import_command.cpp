@@ -20,7 +20,6 @@
 #include "io/output_file.h"
 #include "io/scene_file.h"
 #include "io/surface_file.h"
-#include "mtled/import/import_scan.h"
 #include "mtled/import/import_scene.h"
 #include "mtled/import/import_unit.h"
 #include "mtled/pictures/pictures.h"
@@ -280,7 +279,7 @@ class SurfaceImport {
 }  // namespace
 
 int importCommand(const ImportOptions& options) {
-  return isScan(options.file) ? importScan(options) : SurfaceImport(options).run();
+  return SurfaceImport(options).run();
 }
 
 }  // namespace palpate::tools

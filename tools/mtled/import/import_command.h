@@ -5,7 +5,7 @@
 namespace palpate::tools {
 
 struct ImportOptions {
-  std::string file;       // a surface (surfaceFormats()) or a scan (.nii, .nii.gz)
+  std::string file;       // a surface (surfaceFormats())
   std::string out;        // folder; "": out/<file's name>
   std::string unit;       // "mm", "cm" or "m"; "": guessed where the size leaves no doubt
   bool use_cache = true;  // keep the set-up, so that the scene opens at once

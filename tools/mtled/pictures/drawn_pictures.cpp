@@ -14,6 +14,8 @@ class DrawnPictures : public Pictures {
   void write(const std::string& png, const Figure& figure) override { writer_.write(png, figure); }
   void write(const std::string& png, const Histogram& histogram) override { writer_.write(png, histogram); }
 
+  void write(const std::string& png, const Picture& picture) override { app::writePng(png, picture); }
+
   void write(const std::string& png, const BodyPicture& picture, const Model& model, const AlignedVector<Float4>& u,
              const CutPlane* cut) override {
     app::BodyPainter painter(writer_, model, cut ? std::optional(*cut) : std::nullopt);

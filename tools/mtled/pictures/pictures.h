@@ -8,6 +8,7 @@
 #include "app/figures/figure.h"
 #include "app/render/body_picture.h"
 #include "app/render/cut_body.h"
+#include "app/render/picture.h"
 #include "base/types.h"
 
 namespace palpate {
@@ -28,6 +29,7 @@ using app::histogramOf;
 using app::ink_colour;
 using app::NodeField;
 using app::paretoFront;
+using app::Picture;
 using app::Series;
 using app::SeriesStyle;
 
@@ -42,6 +44,7 @@ class Pictures {
 
   virtual void write(const std::string& png, const Figure& figure) = 0;
   virtual void write(const std::string& png, const Histogram& histogram) = 0;
+  virtual void write(const std::string& png, const Picture& picture) = 0;
 
   /// A deformed body.
   /// @param u    displacement parameters, m   (node_count)

@@ -45,11 +45,27 @@ double endTime(const Scene& scene, const std::optional<ToolScript>& script) {
   double end = script ? script->duration() : 0;
   for (const auto& b : scene.boundaries)
     end = std::max({end, b.duration, b.curve.time.empty() ? 0 : b.curve.time.back()});
+  if (end <= 0 && !scene.gravity.isZero(0)) return 1;  // the weight is there from the start
   if (end <= 0)
     throw InputError(scene.solve.place.file.empty() ? scene.place : scene.solve.place,
                      "nothing moves in this scene, so there is no time to solve to",
                      "add a [[prescribed]] motion or --tool SCRIPT, or set end_time in [solve]");
   return end;
+}
+
+/// The scene file that a word means: a case's folder has one of this name.
+std::string sceneFileOf(const std::string& scene) {
+  std::error_code error;
+  if (std::filesystem::is_directory(scene, error)) return (std::filesystem::path(scene) / "scene.toml").string();
+  return findScene(scene);
+}
+
+/// Where results go if nothing is said.
+std::string usualFolder(const SolveOptions& options, const std::string& file) {
+  std::error_code error;
+  if (std::filesystem::is_directory(options.scene, error))
+    return (std::filesystem::path(options.scene) / "solution").string();
+  return "out/" + std::filesystem::path(file).stem().string();
 }
 
 /// Ticks of a motion to a time, a whole number; at least one.
@@ -370,7 +386,7 @@ int solveTransient(const Task& task, Results& results) {
 }  // namespace
 
 int solveCommand(const SolveOptions& options) {
-  const std::string file = findScene(options.scene);
+  const std::string file = sceneFileOf(options.scene);
   const Scene scene = readScene(file);
   const std::optional<ToolScript> script = namedScript(options.tool_script, scene.tool.radius);
   const double end = endTime(scene, script);
@@ -386,7 +402,7 @@ int solveCommand(const SolveOptions& options) {
     model = std::make_unique<Model>(loadModel(scene, show, cache, warn));
   }
   const int cores = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
-  Results results(*model, options.out.empty() ? "out/" + std::filesystem::path(file).stem().string() : options.out, end,
+  Results results(*model, options.out.empty() ? usualFolder(options, file) : options.out, end,
                   identityOf(*model, script, end), options.resume);
   std::cout << scene.name << ": " << model->nodeCount() << " nodes, " << model->pointCount()
             << " integration points, set up in " << model->setup_seconds << " s" << std::endl;
@@ -395,6 +411,15 @@ int solveCommand(const SolveOptions& options) {
       scene.solve.mode == SolveSpec::Mode::Static ? solveStatic(task, results) : solveTransient(task, results);
   results.print();
   return code;
+}
+
+AlignedVector<Double4> solutionOf(const Model& model, const std::string& folder) {
+  const std::string file = (std::filesystem::path(folder) / "checkpoint.bin").string();
+  const std::uint64_t identity = identityOf(model, {}, endTime(model.scene, {}));
+  const Checkpoint checkpoint = readCheckpoint(file, identity, model.X.size());
+  if (model.scene.solve.mode == SolveSpec::Mode::Static && checkpoint.position < model.scene.solve.load_steps)
+    warn(file + ": the solution ends before the last load step");
+  return checkpoint.u;
 }
 
 }  // namespace palpate::tools

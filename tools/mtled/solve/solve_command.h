@@ -2,11 +2,17 @@
 
 #include <string>
 
+#include "base/types.h"
+
+namespace palpate {
+struct Model;
+}
+
 namespace palpate::tools {
 
 struct SolveOptions {
-  std::string scene;        // file, or the name of one in assets/scenes
-  std::string out;          // folder; "": out/<scene's name>
+  std::string scene;        // file, the name of one in assets/scenes, or a case's folder (mtled import)
+  std::string out;          // folder; "": out/<scene's name>, or `solution` in the case's
   std::string tool_script;  // "": no tool
   int threads = 0;          // 0: one per core
   bool resume = false;      // go on from the folder's checkpoint
@@ -18,5 +24,9 @@ struct SolveOptions {
 /// @return 0 solved, 1 not converged, diverged or interrupted (report.json says which)
 /// Throws InputError for unusable input, std::runtime_error where a file can't be written.
 int solveCommand(const SolveOptions& options);
+
+/// Displacement parameters (m) that solveCommand left in a folder, without a tool (node_count).
+/// Throws InputError where there is none, or it is of another model or load.
+AlignedVector<Double4> solutionOf(const Model& model, const std::string& folder);
 
 }  // namespace palpate::tools

@@ -24,6 +24,7 @@ const std::vector<VerificationCase>& verificationCases() {
       {"locking", "pressure of a nearly incompressible sample, Fig. 7", lockingCase},
       {"modes", "whether one point a cell leaves a mode without energy", modesCase},
       {"torsion", "twisting a cylinder, Rivlin's closed form", torsionCase},
+      {"brain_shift", "from a scan to the shifted scan, on a phantom (section 5)", brainShiftCase},
       {"flexure", "bending a block into a ring, Rivlin's closed form", flexureCase},
   };
   return cases;

@@ -21,5 +21,6 @@ CaseResult modesCase(const CaseContext& context);
 CaseResult lockingCase(const CaseContext& context);
 CaseResult torsionCase(const CaseContext& context);
 CaseResult flexureCase(const CaseContext& context);
+CaseResult brainShiftCase(const CaseContext& context);
 
 }  // namespace palpate::tools

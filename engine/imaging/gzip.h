@@ -1,0 +1,37 @@
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <string>
+#include <string_view>
+
+namespace palpate {
+
+bool isGzip(std::string_view bytes);
+
+/// Bytes as a gzip file: pieces of 4 MB compressed on all cores, one member each, which every reader of gzip takes for
+/// one file (RFC 1952, 2.2). The same bytes on any number of cores.
+std::string gzipped(std::string_view bytes);
+
+/// Reads what stands in a gzip file or, where it is none, the bytes themselves, piece by piece.
+class ByteReader {
+ public:
+  explicit ByteReader(std::string_view bytes);
+  ~ByteReader();
+  ByteReader(const ByteReader&) = delete;
+  ByteReader& operator=(const ByteReader&) = delete;
+
+  /// Reads up to `count` bytes; fewer at the end. Throws std::runtime_error saying what is wrong with the gzip data.
+  std::size_t read(char* to, std::size_t count);
+
+  /// How many bytes there can be at most: a gzip file of so many bytes expands to no more than 1032 times that.
+  std::size_t maxSize() const;
+
+ private:
+  struct Inflate;
+  std::string_view bytes_;
+  std::size_t at_ = 0;
+  std::unique_ptr<Inflate> inflate_;  // null: not compressed
+};
+
+}  // namespace palpate

@@ -1,0 +1,77 @@
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "base/types.h"
+
+namespace palpate {
+
+constexpr double mm = 1e-3;  // m
+
+/// Where the voxels of an image are: the centre of voxel (i, j, k) lies at origin + axes (i, j, k).
+///
+/// World coordinates are the scan's, RAS, as NIfTI has them: +x to the patient's right, +y to the front (anterior), +z
+/// up (superior). One millimetre of the file is 1e-3 here, and nothing is recentred, so that results lie where the scan
+/// does.
+struct ImageGrid {
+  std::array<int, 3> size{0, 0, 0};
+  Mat3 axes = Mat3::Identity();     // m; column a: from a voxel's centre to the next along index a. Any angles
+  Vec3 origin = Vec3::Zero();       // m, centre of voxel (0, 0, 0)
+  Mat3 inverse = Mat3::Identity();  // 1/m, of axes
+
+  ImageGrid() = default;
+  ImageGrid(const std::array<int, 3>& voxels, const Mat3& steps, const Vec3& first)
+      : size(voxels), axes(steps), origin(first), inverse(steps.inverse()) {}
+
+  std::size_t voxelCount() const {
+    return static_cast<std::size_t>(size[0]) * static_cast<std::size_t>(size[1]) * static_cast<std::size_t>(size[2]);
+  }
+  std::size_t at(int i, int j, int k) const {
+    return static_cast<std::size_t>(i) +
+           static_cast<std::size_t>(size[0]) *
+               (static_cast<std::size_t>(j) + static_cast<std::size_t>(size[1]) * static_cast<std::size_t>(k));
+  }
+  Vec3 worldOf(const Vec3& index) const { return origin + axes * index; }
+  Vec3 worldOf(int i, int j, int k) const { return worldOf(Vec3(i, j, k)); }
+  /// The index at which a place lies; whole numbers are voxels' centres.
+  Vec3 indexOf(const Vec3& X) const { return inverse * (X - origin); }
+  /// m, the distances between neighbouring voxels' centres.
+  Vec3 spacing() const { return axes.colwise().norm(); }
+  double voxelVolume() const { return std::abs(axes.determinant()); }  // m^3
+};
+
+/// Whether two grids have the same voxels, but for rounding (a thousandth of a voxel at the corners).
+bool sameGrid(const ImageGrid& a, const ImageGrid& b);
+
+/// A value for each voxel; the first index runs fastest.
+template <class T>
+struct ImageOf {
+  ImageGrid grid;
+  std::vector<T> value;  // (voxel_count)
+
+  ImageOf() = default;
+  explicit ImageOf(const ImageGrid& where, T fill = T{}) : grid(where), value(where.voxelCount(), fill) {}
+
+  T& operator()(int i, int j, int k) { return value[grid.at(i, j, k)]; }
+  const T& operator()(int i, int j, int k) const { return value[grid.at(i, j, k)]; }
+};
+using Image = ImageOf<float>;
+using Mask = ImageOf<std::uint8_t>;  // 1 inside, 0 outside
+using VectorImage = ImageOf<Vec3f>;
+
+/// Value at an index between voxels; beyond the outermost centres that of the nearest voxel.
+float nearestValue(const Image& image, const Vec3& index);
+float linearValue(const Image& image, const Vec3& index);
+/// By cubic convolution (Catmull-Rom: exact for quadratics), clamped to the values of the eight voxels around.
+float cubicValue(const Image& image, const Vec3& index);
+
+/// Voxels at which the image is above a half, or is one of `labels` where there are some.
+Mask maskOf(const Image& image, const std::vector<int>& labels = {});
+
+std::size_t countOf(const Mask& mask);
+
+}  // namespace palpate

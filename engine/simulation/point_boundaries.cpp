@@ -1,0 +1,84 @@
+#include "simulation/point_boundaries.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/number_text.h"
+#include "simulation/scene_messages.h"
+
+namespace palpate {
+namespace {
+
+constexpr double farthest = 0.04;  // m from the surface: no electrode is, but in a wrong frame they are
+
+/// Measured points as places on the organ, and where these go.
+struct MovedPoint {
+  Vec3 X, u;
+  int count = 1;  // points that were joined
+};
+
+std::vector<MovedPoint> movedPoints(const PointLoad& load, const SurfaceTree& organ) {
+  std::vector<MovedPoint> moved;
+  for (std::size_t k = 0; k < load.after.size(); ++k) {
+    const bool has_before = !load.before.empty();
+    const Vec3& measured = has_before ? load.before[k] : load.after[k];
+    const SurfaceTree::Closest closest = organ.closest(measured);
+    if (!(closest.distance <= farthest))
+      throw InputError({load.file, k < load.line.size() ? load.line[k] : 0},
+                       "this point is " + format("%.0f mm", 1e3 * closest.distance) + " from the organ's surface",
+                       "is its frame (\"ras\" or \"lps\") or its unit another one?");
+    moved.push_back({closest.point, load.after[k] - (has_before ? measured : closest.point)});
+  }
+  return moved;
+}
+
+/// Joins points that are nearer to an earlier one than `nearest`, in their order, until none are.
+std::vector<MovedPoint> joined(std::vector<MovedPoint> points, double nearest) {
+  for (;;) {
+    std::vector<MovedPoint> result;
+    for (const MovedPoint& point : points) {
+      const auto near = std::find_if(result.begin(), result.end(),
+                                     [&](const MovedPoint& other) { return (other.X - point.X).norm() < nearest; });
+      if (near == result.end()) {
+        result.push_back(point);
+        continue;
+      }
+      near->count += point.count;
+      const double share = static_cast<double>(point.count) / near->count;
+      near->X += share * (point.X - near->X);
+      near->u += share * (point.u - near->u);
+    }
+    if (result.size() == points.size()) return result;
+    points = std::move(result);  // their middles may be nearer to each other than they were
+  }
+}
+
+}  // namespace
+
+Scene withPointBoundaries(const Scene& scene, const SurfaceTree& organ,
+                          const std::function<void(const std::string&)>& warn) {
+  Scene result = scene;
+  result.boundaries.clear();
+  for (const BoundarySpec& spec : scene.boundaries) {
+    if (!spec.points) {
+      result.boundaries.push_back(spec);
+      continue;
+    }
+    const std::vector<MovedPoint> all = movedPoints(*spec.points, organ);
+    const std::vector<MovedPoint> kept = joined(all, 0.5 * scene.spacing);
+    if (kept.size() < all.size() && warn)
+      warn(spec.place.text() + ": of " + std::to_string(all.size()) + " points " + std::to_string(kept.size()) +
+           " are left: those nearer to each other than half the spacing were joined");
+    for (std::size_t k = 0; k < kept.size(); ++k) {
+      BoundarySpec& point = result.boundaries.emplace_back(spec);
+      point.points.reset();
+      point.name = spec.name + " " + std::to_string(k + 1);
+      point.region.kind = Region::Kind::Point;
+      point.region.point = kept[k].X;
+      point.translation = kept[k].u;
+    }
+  }
+  return result;
+}
+
+}  // namespace palpate

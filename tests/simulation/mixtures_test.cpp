@@ -1,0 +1,211 @@
+#include "simulation/mixtures.h"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <set>
+
+#include "approximation/shape_functions.h"
+#include "imaging/membership.h"
+#include "io/load_model.h"
+#include "mechanics/internal_forces.h"
+#include "simulation/batch_body.h"
+#include "simulation/static_solver.h"
+#include "support/small_scene.h"
+
+using namespace palpate;
+
+namespace {
+
+constexpr double ball = 0.05, inner = 0.02,
+                 outer = 0.035;  // m: all of the second tissue within, all of the first beyond
+
+double shareAt(double r) { return std::clamp((outer - r) / (outer - inner), 0.0, 1.0); }
+
+/// How much of the soft core there is, by distance from the origin, on voxels of 2 mm.
+std::shared_ptr<const Membership> coreMembership() {
+  constexpr int n = 60;
+  auto m = std::make_shared<Membership>();
+  m->share = Image(ImageGrid({n, n, n}, 2e-3 * Mat3::Identity(), Vec3::Constant(-0.059)));
+  for (int k = 0; k < n; ++k)
+    for (int j = 0; j < n; ++j)
+      for (int i = 0; i < n; ++i)
+        m->share(i, j, k) = static_cast<float>(shareAt(m->share.grid.worldOf(i, j, k).norm()));
+  return m;
+}
+
+Material tissue(double young, double density = 1000) { return Material::neoHookean(young, 0.3, density); }
+
+MaterialSpec mixedIn(const Material& material, std::shared_ptr<const Membership> membership) {
+  MaterialSpec spec;
+  spec.material = material;
+  spec.everywhere = false;
+  spec.membership = std::move(membership);
+  return spec;
+}
+
+Scene ballScene(double spacing = 0.011, double soft = 600) {
+  Scene scene;
+  scene.solid = Scene::Solid::Ellipsoid;
+  scene.semi_axes = Vec3::Constant(ball);
+  scene.spacing = spacing;
+  scene.tool.radius = 0.03;
+  scene.tool_position = Vec3(0, 0, 1);
+  scene.materials.emplace_back();
+  scene.materials[0].material = tissue(6000);
+  scene.materials.push_back(mixedIn(tissue(soft), coreMembership()));
+  BoundarySpec skin;
+  skin.name = "skin";
+  skin.region.kind = Region::Kind::Shell;
+  skin.surface_only = true;
+  skin.region.distance = 1e-3;
+  scene.boundaries.push_back(skin);
+  return scene;
+}
+
+/// Radial displacement of the ball over that of its skin, by linear elements on a thousand shells: of
+/// int [lambda/2 (u' + 2 u/r)^2 + mu (u'^2 + 2 u^2/r^2)] r^2 dr the least.
+std::vector<double> radialReference(const Material& first, const Material& second) {
+  constexpr int n = 1000;
+  constexpr double h = ball / n;
+  std::vector<double> low(n + 1, 0), diagonal(n + 1, 0);  // a tridiagonal, symmetric matrix
+  for (int e = 0; e < n; ++e) {
+    const double r = (e + 0.5) * h, s = shareAt(r);
+    const double mu = (1 - s) * first.shear_modulus + s * second.shear_modulus;
+    const double lambda = (1 - s) * first.bulk_modulus + s * second.bulk_modulus - 2.0 / 3 * mu;
+    const double b[2] = {-1 / h, 1 / h}, c = 1 / (2 * r);  // u' and u/r of the two ends
+    const auto entry = [&](int i, int j) {
+      return (lambda * (b[i] + 2 * c) * (b[j] + 2 * c) + 2 * mu * (b[i] * b[j] + 2 * c * c)) * r * r * h;
+    };
+    diagonal[static_cast<std::size_t>(e)] += entry(0, 0);
+    diagonal[static_cast<std::size_t>(e) + 1] += entry(1, 1);
+    low[static_cast<std::size_t>(e) + 1] = entry(1, 0);
+  }
+  // u_0 = 0, u_n = 1: elimination from the centre outwards.
+  std::vector<double> u(n + 1, 0);
+  u[n] = 1;
+  std::vector<double> pivot = diagonal;
+  for (std::size_t i = 2; i < n; ++i) pivot[i] -= low[i] * low[i] / pivot[i - 1];
+  for (std::size_t i = n - 1; i > 0; --i) u[i] = -low[i + 1] * u[i + 1] / pivot[i];
+  return u;
+}
+
+}  // namespace
+
+TEST_CASE("A ball whose modulus varies with an image is compressed as its radial equation says",
+          "[simulation][mixtures]") {
+  // Pointwise, and with the volume averaged over patches of unlike tissue, which is coarser: 1 % at half the spacing.
+  for (const auto& [patches, bound] : {std::pair{false, 0.01}, {true, 0.04}}) {
+    Scene scene = ballScene(0.011, 2000);
+    scene.node_patch_volume = patches;
+    const TriangleSurface surface = organSurface(scene);
+    const Model skin = buildModel(scene, surface);  // says where the nodes on the surface are
+    const double travel = 1e-3;                     // of the radius: linear to a thousandth
+    scene.boundaries.clear();
+    for (const Vec3& X : skin.essential.X) {
+      BoundarySpec& b = scene.boundaries.emplace_back();
+      b.name = std::to_string(scene.boundaries.size());
+      b.region.kind = Region::Kind::Sphere;
+      b.region.point = X;
+      b.region.radius = 1e-7;
+      b.translation = -travel * X;
+      b.duration = 1;
+    }
+    const Model model = buildModel(scene, surface);
+    REQUIRE(model.essential.nodes.size() == skin.essential.nodes.size());
+    CHECK(std::set<int>(model.point_material.begin(), model.point_material.end()).size() > 50);
+
+    StaticSolver solver(model, 2, 1e-4);
+    REQUIRE(solver.advanceTo(1).converged);
+    const std::vector<double> reference = radialReference(model.materials[0], model.materials[1]);
+    const Neighbours neighbours(model.X, model.support_radius);
+    std::vector<InadmissibleSupport> failed;
+    std::vector<Vec3> at;
+    for (const Vec3& way : {Vec3(1, 0, 0), Vec3(0, -1, 0), Vec3(0, 0, 1), Vec3(1, 1, 1), Vec3(-1, 1, -1)})
+      for (int k = 1; k < 10; ++k) at.emplace_back(way.normalized() * ball * k / 10);
+    const ShapeTable shape =
+        shapeFunctions(at, model.X, model.support_radius, neighbours, {scene.basis_degree, scene.mmls_weight}, failed);
+    REQUIRE(failed.empty());
+    const std::vector<Vec3> u = fieldAt(shape, solver.body().u);
+    double worst = 0, from_uniform = 0;
+    for (std::size_t k = 0; k < at.size(); ++k) {
+      const double r = at[k].norm(), share = reference[static_cast<std::size_t>(std::lround(r / ball * 1000))];
+      worst = std::max(worst, (u[k] + travel * ball * share * at[k] / r).norm() / (travel * ball));
+      from_uniform = std::max(from_uniform, std::abs(share - r / ball));
+    }
+    CHECK(from_uniform > 0.1);  // with one tissue u would be in proportion to r
+    CHECK(worst < bound);
+  }
+}
+
+TEST_CASE("Mixtures lie between their tissues in equal steps, densities too", "[simulation][mixtures]") {
+  Scene scene = ballScene();
+  scene.materials[0].material.set("density", 1040);
+  const std::vector<Material> all = materialsOf(scene);
+  REQUIRE(all.size() == 2 + mixture_steps - 1);
+  for (int step = 1; step < mixture_steps; ++step) {
+    const Material& m = all[static_cast<std::size_t>(1 + step)];
+    const double s = static_cast<double>(step) / mixture_steps;
+    CHECK(m.shear_modulus == Approx((1 - s) * all[0].shear_modulus + s * all[1].shear_modulus).epsilon(1e-12));
+    CHECK(m.bulk_modulus == Approx((1 - s) * all[0].bulk_modulus + s * all[1].bulk_modulus).epsilon(1e-12));
+    CHECK(m.density == Approx(1040 - 40 * s).epsilon(1e-12));
+  }
+  scene.materials.pop_back();
+  CHECK(materialsOf(scene).size() == 1);
+}
+
+TEST_CASE("The mass of mixed tissue is that of its shares, with paired cells too", "[simulation][mixtures]") {
+  Scene scene = ballScene();
+  scene.materials[1].material.set("density", 500);
+  double expected = 0;  // of the shells
+  for (int k = 0; k < 5000; ++k) {
+    const double r = (k + 0.5) * ball / 5000;
+    expected += 4 * M_PI * r * r * ball / 5000 * (1000 - 500 * shareAt(r));
+  }
+  for (const double cells : {1.0, 1.5}) {
+    scene.quadrature.cells_per_point = cells;
+    const Model model = buildModel(scene, organSurface(scene));
+    double nodes = 0, points = 0;
+    for (const double m : model.mass) nodes += m;
+    for (int q = 0; q < model.pointCount(); ++q)
+      points += model.point_volume[q] * model.materials[model.point_material[q]].density;
+    CHECK(nodes == Approx(expected).epsilon(0.02));  // the ball's facets take 1 % away
+    CHECK(points == Approx(nodes).epsilon(0.002));
+  }
+}
+
+TEST_CASE("The kernel computes mixtures in common as the reference does one by one", "[simulation][mixtures]") {
+  for (const bool patches : {true, false}) {
+    Scene scene = ballScene(0.016);
+    scene.node_patch_volume = patches;
+    if (patches) scene.materials[1].material.set("poisson", 0.49);  // the moduli's shares differ
+    const Model model = buildModel(scene, organSurface(scene));
+    BatchBody body(model, model.mass, 1);
+    std::vector<Vec3> u, expected;
+    for (std::size_t i = 0; i < model.X.size(); ++i) {
+      const Vec3& X = model.X[i];
+      u.push_back(0.1 * ball * Vec3(std::sin(40 * X.y()), std::cos(50 * X.z() + X.x()), std::sin(60 * X.x() * 2)));
+      body.u[i] = toReal4<double>(u.back());
+    }
+    const ForceReport report = body.forces(body.u, body.f);
+    referenceInternalForces(model.point_shape, model.point_volume, model.point_material, model.materials, u, expected,
+                            model.patches);
+    double difference = 0, largest = 0;
+    for (std::size_t i = 0; i < expected.size(); ++i) {
+      difference = std::max(difference, (toVec3(body.f[i]) - expected[i]).norm());
+      largest = std::max(largest, expected[i].norm());
+    }
+    CHECK(difference < 1e-9 * largest);
+    CHECK(report.strain_energy == Approx(strainEnergy(model.point_shape, model.point_volume, model.point_material,
+                                                      model.materials, u, model.patches))
+                                      .epsilon(1e-9));
+    std::set<int> batches(model.kernel.batch_material.begin(), model.kernel.batch_material.end());
+    CHECK(batches.size() == 1);
+  }
+}
+
+TEST_CASE("Unlike Poisson's ratios without node patches are refused", "[simulation][mixtures]") {
+  Scene scene = ballScene(0.016);
+  scene.node_patch_volume = false;
+  scene.materials[1].material.set("poisson", 0.49);
+  CHECK_THROWS_WITH(buildModel(scene, organSurface(scene)), Catch::Contains("node_patch_volume"));
+}

@@ -1,0 +1,135 @@
+#include "mtled/scan/import_scan.h"
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "io/image_file.h"
+#include "io/load_model.h"
+#include "io/scene_file.h"
+#include "io/text_file.h"
+#include "mtled/scan/mask_surface.h"
+#include "mtled/scan/phantom_command.h"
+#include "mtled/scan/warp_command.h"
+#include "mtled/solve/solve_command.h"
+#include "support/captured_output.h"
+#include "support/temp_folder.h"
+
+using namespace palpate;
+using namespace palpate::tools;
+using Catch::Matchers::Contains;
+
+namespace {
+
+/// A phantom of voxels of 6 mm and a few electrodes, in files.
+ImportScanOptions smallPhantom(const TempFolder& folder) {
+  PhantomCommandOptions options;
+  options.phantom.voxels = 32;
+  options.phantom.rows = 2;
+  options.phantom.columns = 8;  // 10 mm apart: some are joined
+  options.phantom.shift = 6e-3;
+  options.out = folder.path("phantom");
+  REQUIRE(phantomCommand(options) == 0);
+  ImportScanOptions import;
+  import.scan = folder.path("phantom/scan.nii.gz");
+  import.mask = folder.path("phantom/mask.nii.gz");
+  import.electrodes = folder.path("phantom/electrodes.csv");
+  import.frame = "ras";
+  import.nodes = 150;
+  import.out = folder.path("case");
+  return import;
+}
+
+}  // namespace
+
+TEST_CASE("From a scan to a warped scan: import, solve, warp", "[import_scan]") {
+  TempFolder folder;
+  ::setenv("PALPATE_CACHE_DIR", folder.path("cache").c_str(), 1);
+  CapturedOutput output;
+  const ImportScanOptions import = smallPhantom(folder);
+  REQUIRE(importScan(import) == 0);
+  const auto report = nlohmann::json::parse(readWholeFile(folder.path("case/report.json")));
+  CHECK(std::abs(report.at("surface").at("volume_error").get<double>()) < 5e-3);
+  CHECK(report.at("nodes").get<int>() > 80);
+  CHECK(report.at("nodes").get<int>() < 350);
+  CHECK(report.at("classes").size() == 3);
+
+  WarpOptions warp;
+  warp.folder = import.out;
+  warp.image = import.scan;
+  CHECK_THAT(refusal([&] { warpCommand(warp); }), Contains("checkpoint.bin"));  // it was not solved yet
+
+  SolveOptions solve;
+  solve.scene = import.out;
+  solve.use_cache = true;
+  REQUIRE(solveCommand(solve) == 0);
+
+  REQUIRE(warpCommand(warp) == 0);
+  const auto warped = nlohmann::json::parse(readWholeFile(folder.path("case/warp.json")));
+  CHECK(warped.at("sampling_error_mean_mm").get<double>() < 0.02);
+  CHECK(warped.at("sampling_error_max_mm").get<double>() < 0.1);
+  CHECK(warped.at("largest_displacement_mm").get<double>() == Approx(6).epsilon(0.25));
+  // What was pushed in left space, which is not valid.
+  const Image before = readImage(import.scan), after = readImage(folder.path("case/warped.nii.gz"));
+  const Image valid = readImage(folder.path("case/valid.nii.gz"));
+  CHECK(sameGrid(before.grid, after.grid));
+  CHECK(warped.at("voxels_left_empty").get<int>() > 5);
+  CHECK(std::count(valid.value.begin(), valid.value.end(), 0.0F) == warped.at("voxels_left_empty").get<int>());
+  for (const char* file : {"field.nii.gz", "forward.nii.gz", "jacobian.nii.gz", "csf.nii.gz", "mask.nii.gz"})
+    CHECK(std::filesystem::exists(folder.path(std::string("case/") + file)));
+
+  warp.image = folder.path("phantom/labels.nii.gz");
+  warp.labels = true;
+  warp.out = folder.path("labels");
+  REQUIRE(warpCommand(warp) == 0);
+  const Image labels = readImage(folder.path("labels/warped.nii.gz"));
+  CHECK(std::all_of(labels.value.begin(), labels.value.end(),
+                    [](float a) { return a == 0 || a == 1 || a == 2 || a == 3; }));
+  ::unsetenv("PALPATE_CACHE_DIR");
+}
+
+TEST_CASE("Scans that can't be imported are refused with what is missing", "[import_scan]") {
+  TempFolder folder;
+  CapturedOutput output;
+  const ImportScanOptions good = smallPhantom(folder);
+  const auto refused = [&](const auto& change) {
+    ImportScanOptions options = good;
+    change(options);
+    return refusal([&] { importScan(options); });
+  };
+  CHECK_THAT(refused([](auto& o) { o.mask = ""; }), Contains("--mask"));
+  CHECK_THAT(refused([](auto& o) { o.labels = o.mask; }), Contains("both"));
+  CHECK_THAT(refused([](auto& o) { o.labels = std::exchange(o.mask, ""); }), Contains("--label"));
+  CHECK_THAT(refused([&](auto& o) {
+               o.labels = folder.path("phantom/labels.nii.gz");
+               o.mask = "";
+               o.label = {7};
+             }),
+             Contains("labels right"));
+  CHECK_THAT(refused([](auto& o) {
+               o.frame = "";
+               o.classes = 0;
+             }),
+             Contains("--frame"));
+  CHECK_THAT(refused([](auto& o) { o.scan = o.electrodes; }), Contains("NIfTI"));
+}
+
+TEST_CASE("A surface around a mask has its volume, whatever the voxels' axes", "[import_scan]") {
+  for (const double sign : {1.0, -1.0}) {
+    const Mat3 axes = Eigen::AngleAxisd(0.4, Vec3(1, 2, 3).normalized()).toRotationMatrix() *
+                      Vec3(sign * 2e-3, 2.5e-3, 4e-3).asDiagonal();
+    Mask mask(ImageGrid({34, 28, 18}, axes, -axes * Vec3(16.5, 13.5, 8.5)));
+    for (int k = 0; k < 18; ++k)
+      for (int j = 0; j < 28; ++j)
+        for (int i = 0; i < 34; ++i)
+          mask(i, j, k) = mask.grid.worldOf(i, j, k).cwiseQuotient(Vec3(0.026, 0.022, 0.02)).norm() < 1;
+    const MaskSurface made = surfaceOf(mask, 5e-3, 3e-3);
+    CHECK(std::abs(made.volume / made.mask_volume - 1) < 5e-3);
+    CHECK(made.distance_95 < 2.5e-3);  // half a voxel's diagonal
+    CHECK(made.surface.triangles.size() > 300);
+  }
+}

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <string>
+
+#include "discretization/surface/triangle_surface.h"
+
+namespace palpate::tools {
+
+/// What the scene of a case says that its surface does not.
+struct CaseScene {
+  std::string name;
+  double spacing = 0;          // m
+  bool has_fluid = false;      // csf.nii.gz and mask.nii.gz are there
+  std::string electrodes;      // file in the case's folder; "" for none
+  std::string electrode_keys;  // lines with unit and frame
+};
+
+/// m between nodes, so that a volume (m^3) has about so many.
+double spacingFor(double volume, int nodes);
+
+/// The text of scene.toml: surface.obj, brain and fluid as the paper has them (E 3000 and 100 Pa, Poisson's ratio
+/// 0.49), held at the lowest twentieth, moved by the electrodes, a ball above it.
+std::string sceneText(const CaseScene& scene, const TriangleSurface& surface);
+
+}  // namespace palpate::tools

@@ -1,0 +1,41 @@
+#include "mtled/scan/phantom_command.h"
+
+#include <filesystem>
+#include <iostream>
+#include <stdexcept>
+
+#include "io/image_file.h"
+#include "io/result_csv.h"
+#include "mtled/run/progress.h"
+
+namespace palpate::tools {
+
+int phantomCommand(const PhantomCommandOptions& options) {
+  std::error_code error;
+  std::filesystem::create_directories(options.out, error);
+  if (error) throw std::runtime_error(options.out + ": " + error.message());
+  const auto file = [&](const char* name) { return (std::filesystem::path(options.out) / name).string(); };
+  ProgressLine progress("phantom");
+  progress.show(0, "tissue");
+  const Phantom phantom = makePhantom(options.phantom);
+  progress.show(0.7, "writing");
+  writeImage(file("scan.nii.gz"), phantom.scan);
+  writeImage(file("mask.nii.gz"), phantom.mask);
+  writeImage(file("labels.nii.gz"), phantom.labels, NiftiType::UInt8);
+  const char* const names[] = {"true_fluid.nii.gz", "true_grey.nii.gz", "true_white.nii.gz"};
+  for (std::size_t t = 0; t < 3; ++t) writeImage(file(names[t]), phantom.fraction[t]);
+  ResultCsv csv(file("electrodes.csv"), {"x0", "y0", "z0", "x", "y", "z"});
+  for (std::size_t k = 0; k < phantom.before.size(); ++k) {
+    const Vec3 before = phantom.before[k] / mm, after = phantom.after[k] / mm;
+    csv.add(std::vector<double>{before.x(), before.y(), before.z(), after.x(), after.y(), after.z()});
+  }
+  csv.finish();
+  const auto& size = phantom.scan.grid.size;
+  std::cout << "phantom: " << size[0] << " x " << size[1] << " x " << size[2] << " voxels, " << phantom.before.size()
+            << " electrodes, in " << options.out << "\nnext     mtled import " << file("scan.nii.gz") << " --mask "
+            << file("mask.nii.gz") << " --electrodes " << file("electrodes.csv") << " --frame ras --out CASE"
+            << std::endl;
+  return 0;
+}
+
+}  // namespace palpate::tools

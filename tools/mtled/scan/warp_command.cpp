@@ -1,0 +1,165 @@
+#include "mtled/scan/warp_command.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+#include <iostream>
+#include <nlohmann/json.hpp>
+
+#include "base/build_info.h"
+#include "base/input_error.h"
+#include "base/interrupt.h"
+#include "base/number_text.h"
+#include "imaging/warp.h"
+#include "io/image_file.h"
+#include "io/load_model.h"
+#include "io/output_file.h"
+#include "io/scene_file.h"
+#include "mtled/pictures/pictures.h"
+#include "mtled/run/progress.h"
+#include "mtled/scan/interruption.h"
+#include "mtled/scan/slices.h"
+#include "mtled/solve/solve_command.h"
+
+namespace palpate::tools {
+namespace {
+
+namespace fs = std::filesystem;
+using Seconds = std::chrono::duration<double>;
+
+constexpr double samples_per_spacing = 3;
+constexpr int checked_voxels = 10'000;
+
+/// Part of the work, shown on the progress line.
+std::function<void(double)> partOf(ProgressLine& line, double begin, double width, const char* what) {
+  return [&line, begin, width, what](double share) {
+    if (interrupted()) throw Interrupted{};
+    line.show(begin + width * share, what);
+  };
+}
+
+/// The solved body as a field.
+std::unique_ptr<MmlsDeformation> deformationOf(const std::string& folder, double& spacing, int& nodes) {
+  const Scene scene = readScene((fs::path(folder) / "scene.toml").string());
+  const Model model = loadModel(scene, {}, ModelCache(ModelCache::userFolder(), warn), warn);
+  std::vector<Vec3> u;
+  for (const Double4& a : solutionOf(model, (fs::path(folder) / "solution").string())) u.push_back(toVec3(a));
+  spacing = scene.spacing;
+  nodes = model.nodeCount();
+  return std::make_unique<MmlsDeformation>(model.X, model.support_radius, std::move(u),
+                                           MmlsOptions{scene.basis_degree, scene.mmls_weight}, organSurface(scene));
+}
+
+/// |after - before|, to look at.
+Image differenceOf(const Image& before, const Image& after) {
+  Image difference(after.grid);
+  for (int k = 0; k < after.grid.size[2]; ++k)
+    for (int j = 0; j < after.grid.size[1]; ++j)
+      for (int i = 0; i < after.grid.size[0]; ++i)
+        difference(i, j, k) =
+            std::abs(after(i, j, k) - linearValue(before, before.grid.indexOf(after.grid.worldOf(i, j, k))));
+  return difference;
+}
+
+void drawShift(const std::string& png, const Image& before, const Image& after, const BackwardField& field) {
+  const std::unique_ptr<Pictures> pictures = openPictures();
+  if (!pictures || countOf(field.body) == 0) return;
+  const auto [low, high] = windowOf(after, field.body);
+  const Image difference = differenceOf(before, after);
+  Mask touched = field.body;
+  for (std::size_t v = 0; v < touched.value.size(); ++v) touched.value[v] |= field.vacated.value[v];
+  // Through the place that moved most.
+  std::size_t most = 0;
+  for (std::size_t v = 0; v < field.to_rest.value.size(); ++v)
+    if (field.to_rest.value[v].squaredNorm() > field.to_rest.value[most].squaredNorm()) most = v;
+  const ImageGrid& grid = after.grid;
+  const auto row = static_cast<std::size_t>(grid.size[0]), plane = row * static_cast<std::size_t>(grid.size[1]);
+  const Vec3 place =
+      grid.worldOf(static_cast<int>(most % row), static_cast<int>(most % plane / row), static_cast<int>(most / plane));
+  pictures->write(
+      png,
+      drawSlices({{&before, nullptr, nullptr}, {&after, &field.body, nullptr}, {&difference, &field.body, nullptr}},
+                 boxOf(touched, 0.012), place, low, high));
+}
+
+}  // namespace
+
+int warpCommand(const WarpOptions& options) {
+  const auto start = std::chrono::steady_clock::now();
+  if (options.image.empty() && options.like.empty())
+    throw InputError({}, "neither --image nor --like", "give the image that is to be warped");
+  const fs::path out = options.out.empty() ? fs::path(options.folder) : fs::path(options.out);
+  std::error_code error;
+  fs::create_directories(out, error);
+  if (error) throw std::runtime_error(out.string() + ": " + error.message());
+  const auto file = [&](const char* name) { return (out / name).string(); };
+  const NiftiOptions reading{options.assume_ras, warn};
+  try {
+    ProgressLine progress("warp");
+    progress.show(0, "reading");
+    Image image;
+    if (!options.image.empty()) image = readImage(options.image, reading);
+    const ImageGrid grid = options.like.empty() ? image.grid : readImage(options.like, reading).grid;
+    if (options.image.empty()) image.grid = grid;
+    double spacing = 0;
+    int nodes = 0;
+    const auto whole = deformationOf(options.folder, spacing, nodes);
+    const auto loaded = std::chrono::steady_clock::now();
+    partOf(progress, 0.1, 0, "sampling the field")(0);
+    const SampledDeformation sampled(*whole, spacing / samples_per_spacing);
+    const auto sampled_at = std::chrono::steady_clock::now();
+    const BackwardField field = backwardField(sampled, grid, partOf(progress, 0.3, 0.3, "inverting it"));
+    const auto inverted = std::chrono::steady_clock::now();
+    partOf(progress, 0.6, 0, "checking it")(0);
+    const WarpCheck check = checkField(field, *whole, InverseDeformation(sampled), checked_voxels);
+    const auto checked = std::chrono::steady_clock::now();
+    partOf(progress, 0.65, 0, "writing")(0);
+    writeImage(file("field.nii.gz"), field.to_rest);
+    writeImage(file("jacobian.nii.gz"), field.jacobian);
+    writeImage(file("forward.nii.gz"), forwardField(sampled, image.grid));
+    writeImage(file("valid.nii.gz"), validOf(image.grid, field));
+    if (!options.image.empty()) {
+      partOf(progress, 0.9, 0, "the image")(0);
+      const Image result = warped(image, field, options.labels ? Between::Nearest : Between::Cubic, options.fill);
+      const bool small = options.labels && std::all_of(result.value.begin(), result.value.end(),
+                                                       [](float a) { return std::abs(a) <= 32767; });
+      writeImage(file("warped.nii.gz"), result, small ? NiftiType::Int16 : NiftiType::Float32);
+      if (!options.labels) drawShift(file("shift.png"), image, result, field);
+    }
+    const auto end = std::chrono::steady_clock::now();
+    double largest = 0;
+    for (const Vec3f& d : field.to_rest.value) largest = std::max(largest, static_cast<double>(d.norm()));
+    const nlohmann::json report = {{"image", options.image},
+                                   {"voxels", grid.voxelCount()},
+                                   {"nodes", nodes},
+                                   {"voxels_of_the_body", countOf(field.body)},
+                                   {"voxels_left_empty", countOf(field.vacated)},
+                                   {"largest_displacement_mm", largest / mm},
+                                   {"checked_voxels", check.count},
+                                   {"sampling_error_mean_mm", check.mean / mm},
+                                   {"sampling_error_max_mm", check.max / mm},
+                                   {"forward_after_inverse_max_mm", check.round_trip / mm},
+                                   {"load_seconds", Seconds(loaded - start).count()},
+                                   {"sample_seconds", Seconds(sampled_at - loaded).count()},
+                                   {"invert_seconds", Seconds(inverted - sampled_at).count()},
+                                   {"check_seconds", Seconds(checked - inverted).count()},
+                                   {"write_seconds", Seconds(end - checked).count()},
+                                   {"warp_seconds", Seconds(end - loaded).count()},
+                                   {"build", buildInfo()}};
+    writeWholeFile(file("warp.json"), report.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
+    std::cout << format(
+                     "warp: %.1f mm at most; of %d voxels the sampled field is %.4f mm off on average, %.4f mm at "
+                     "most; %.1f s\n",
+                     largest / mm, check.count, check.mean / mm, check.max / mm, Seconds(end - start).count())
+              << "fields   " << file("field.nii.gz") << ", " << file("forward.nii.gz") << "\n";
+    if (!options.image.empty()) std::cout << "image    " << file("warped.nii.gz") << "\n";
+    std::cout.flush();
+    return 0;
+  } catch (const Interrupted&) {
+    std::cerr << "mtled: interrupted; what was written stays in " << out.string() << "\n";
+    return 1;
+  }
+}
+
+}  // namespace palpate::tools
