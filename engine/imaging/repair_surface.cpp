@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <utility>
 
@@ -23,7 +24,9 @@ namespace {
 constexpr double cell_of_spacing = 0.25, cells_of_nodes = 2.3, least_cell_of_spacing = 0.12;
 // The thinnest walls have so many cells, if the grid then has no more nodes than can be held.
 constexpr double cells_of_wall = 3;
-constexpr double grid_nodes_of_node = 800;
+constexpr double grid_nodes_of_node = 500;
+// Rays that measure the walls.
+constexpr int wall_rays = 1000;
 // Edges of the even triangles, in cells.
 constexpr double edge_in_cells = 2.0, short_edge_in_cells = 1.25;
 // A surface whose inside lets out this share of the rays that its outside does is an open sheet: a half ball has 0.5, a
@@ -32,7 +35,7 @@ constexpr double sheet_see_through = 0.19;
 // Points of a surface at which distances are measured.
 constexpr int distance_points = 20'000;
 // Where more of the given surface than this is lost, a finer grid is tried.
-constexpr double bearable_loss = 0.02;
+constexpr double bearable_loss = 0.05;
 // Piercing faces are cut out where they and those around them are no more of the area than this, and the volume changes
 // by no more.
 constexpr double max_cut_share = 0.03;
@@ -196,11 +199,28 @@ class Repair {
     return false;
   }
 
-  double firstCell(const TriangleSurface& s) const {
+  /// The wall's thickness below which a fifth of the surface has it, by rays inwards: spikes have less area.
+  static double thinWall(const SurfaceTree& tree) {
+    const TriangleSurface& s = tree.surface();
+    const double off = 1e-5 * boundingBox(s).diagonal().norm();
+    const SurfacePoints points = pointsOn(s, wall_rays);
+    std::vector<double> walls;
+    for (std::size_t k = 0; k < points.x.size(); ++k) {
+      const Vec3 n = areaVector(s, points.face[k]).stableNormalized();
+      if (const auto hit = tree.firstHit(points.x[k] - off * n, -n)) walls.push_back(hit->distance);
+    }
+    if (walls.empty()) return std::numeric_limits<double>::infinity();
+    const auto fifth = walls.begin() + static_cast<long>(walls.size() / 5);
+    std::nth_element(walls.begin(), fifth, walls.end());
+    return *fifth;
+  }
+
+  double firstCell(const SurfaceTree& tree) const {
+    const TriangleSurface& s = tree.surface();
     const double size = boundingBox(s).diagonal().norm(), area = surfaceArea(s);
     const double volume = std::max(std::abs(signedVolume(s)), 1e-4 * area * size);
     const double spacing = std::cbrt(volume / (0.7 * options_.body_nodes));
-    const double wall = std::max(2 * volume / area / cells_of_wall, least_cell_of_spacing * spacing);
+    const double wall = std::max(thinWall(tree) / cells_of_wall, least_cell_of_spacing * spacing);
     return std::min({cell_of_spacing * spacing, wall, size / (cells_of_nodes * std::cbrt(options_.body_nodes))});
   }
 
@@ -224,7 +244,7 @@ class Repair {
     const SurfaceTree tree(normal);
     const SurfaceTree given(report_.holes > 0 ? frame.to(given_faces) : normal);
     const Box3 box = boundingBox(normal);
-    double cell = firstCell(normal);
+    double cell = firstCell(tree);
     SampledField field;
     TriangleSurface made;
     constexpr int max_tries = 2;

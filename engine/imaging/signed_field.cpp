@@ -44,12 +44,14 @@ class Blocks {
     const auto foot = surface_.closest(centre, free);
     if (size == 1) {
       const double distance = std::min(foot.triangle < 0 ? reach : foot.distance, reach);
-      const double w = surface_.windingNumber(centre);
       if (distance < on_surface * field_.cell) {
         // Either side would do, but not specks of both; a wall between two parts that touch is inside.
-        value(low) = (w > inner_wall ? -on_surface : on_surface) * field_.cell;
+        const Vec3 off = 0.01 * field_.cell * areaVector(surface_.surface(), foot.triangle).stableNormalized();
+        const double both = 0.5 * (surface_.windingNumber(centre + off) + surface_.windingNumber(centre - off));
+        value(low) = (both > inner_wall ? -on_surface : on_surface) * field_.cell;
         return;
       }
+      const double w = surface_.windingNumber(centre);
       value(low) = distance * std::clamp((0.5 - w) / full_winding, -1.0, 1.0);
       return;
     }

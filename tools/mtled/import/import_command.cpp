@@ -196,7 +196,7 @@ class SurfaceImport {
       }
       const double cost = static_cast<double>(model_->nodeCount()) * model_->substeps_per_tick / node_steps_budget;
       const double coarser = spacing * std::max(1.03, std::pow(cost, 0.27));
-      if (cost <= 1.08 || attempt == max_tries ||
+      if (cost <= 1.1 || attempt == max_tries ||
           coarser > least_layers * boundingBox(organ_->surface()).sizes().minCoeff()) {
         if (cost > 1.2)
           findings_.push_back(

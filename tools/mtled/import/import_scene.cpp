@@ -21,7 +21,7 @@ constexpr double tool_radius = 1.4, tool_clearance = 1.2;
 // takes two. Of cloud and step as they are made; whoever opens the scene finds out whether they hold.
 constexpr double one_step_spacing = 0.007;  // m
 // A node has so many cubes of the spacing in a compact body, and so many squares on a thin one.
-constexpr double volume_of_node = 0.6, area_of_node = 1.1;
+constexpr double volume_of_node = 0.57, area_of_node = 1.1;
 constexpr double tick = 0.002;  // s
 
 /// Height below which lies `held_share` of a surface's area.
