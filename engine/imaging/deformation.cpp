@@ -9,8 +9,12 @@
 namespace palpate {
 namespace {
 
-/// How far beyond the surface fields are sampled: cubic interpolation at the surface asks two samples outside.
-constexpr double samples_beyond = 3;
+/// How far beyond the surface fields are sampled, and how far these samples are continued: cubic interpolation at the
+/// surface asks for two more along each axis.
+constexpr double samples_beyond = 3, continued_beyond = 4;
+
+/// How far from a bin a start is looked for: tissue stretched to thrice its length leaves such gaps.
+constexpr int farthest_seed = 3;
 
 /// Where an inverse is good enough, m: a thousandth of what is promised.
 constexpr double inverse_accuracy = 1e-9;
@@ -65,6 +69,7 @@ SampledDeformation::SampledDeformation(const Deformation& whole, double step) : 
   distance_ = Image(ImageGrid(size, Mat3::Identity() * step, box.min()));
   u_.assign(distance_.value.size(), Vec3f::Zero());
   known_.assign(distance_.value.size(), 0);
+  std::vector<Eigen::Matrix3f> gradients(distance_.value.size(), Eigen::Matrix3f::Zero());
   parallelFor(
       size[1] * size[2],
       [&](int first, int last) {
@@ -80,10 +85,48 @@ SampledDeformation::SampledDeformation(const Deformation& whole, double step) : 
             Mat3 gradient;
             if (!whole.at(X, u, gradient)) continue;
             u_[v] = u.cast<float>();
+            gradients[v] = gradient.cast<float>();
             known_[v] = 1;
           }
       },
       1);
+  extend(gradients);
+}
+
+/// Continues the samples by what those beside them say, a layer at a time.
+void SampledDeformation::extend(std::vector<Eigen::Matrix3f>& gradient) {
+  const ImageGrid& grid = distance_.grid;
+  constexpr int layers = 4;
+  for (int layer = 0; layer < layers; ++layer) {
+    const std::vector<char> before = known_;
+    parallelFor(
+        grid.size[2],
+        [&](int first, int last) {
+          for (int k = std::max(first, 1); k < std::min(last, grid.size[2] - 1); ++k)
+            for (int j = 1; j + 1 < grid.size[1]; ++j)
+              for (int i = 1; i + 1 < grid.size[0]; ++i) {
+                const std::size_t v = grid.at(i, j, k);
+                if (before[v] || static_cast<double>(distance_.value[v]) > continued_beyond * step_) continue;
+                Vec3f u = Vec3f::Zero();
+                Eigen::Matrix3f slope = Eigen::Matrix3f::Zero();
+                float count = 0;
+                for (int n = 0; n < 27; ++n) {
+                  const Vec3f way(static_cast<float>(n % 3 - 1), static_cast<float>(n / 3 % 3 - 1),
+                                  static_cast<float>(n / 9 - 1));
+                  const std::size_t other = grid.at(i + n % 3 - 1, j + n / 3 % 3 - 1, k + n / 9 - 1);
+                  if (!before[other]) continue;
+                  u += u_[other] - static_cast<float>(step_) * (gradient[other] * way);
+                  slope += gradient[other];
+                  ++count;
+                }
+                if (count == 0) continue;
+                u_[v] = u / count;
+                gradient[v] = slope / count;
+                known_[v] = 1;
+              }
+        },
+        1);
+  }
 }
 
 double SampledDeformation::surfaceDistance(const Vec3& X) const {
@@ -158,17 +201,29 @@ InverseDeformation::InverseDeformation(const SampledDeformation& forward) : forw
     nearest[bin] = distance;
     seed_[bin] = static_cast<std::int32_t>(v);
   });
+  near_.assign(seed_.size(), 0);
+  constexpr int r = farthest_seed;
+  for (int k = 0; k < size[2]; ++k)
+    for (int j = 0; j < size[1]; ++j)
+      for (int i = 0; i < size[0]; ++i) {
+        if (seed_[bins_.at(i, j, k)] < 0) continue;
+        const int from = std::max(0, i - r), to = std::min(size[0] - 1, i + r);
+        for (int c = std::max(0, k - r); c <= std::min(size[2] - 1, k + r); ++c)
+          for (int b = std::max(0, j - r); b <= std::min(size[1] - 1, j + r); ++b)
+            std::fill_n(&near_[bins_.at(from, b, c)], to - from + 1, char{1});
+      }
 }
 
 bool InverseDeformation::at(const Vec3& x, const Deformation& exact, Vec3& X, Mat3& gradient) const {
-  constexpr int farthest = 3, max_iterations = 30;  // bins: tissue stretched to thrice its length leaves such gaps
+  constexpr int farthest = farthest_seed, max_iterations = 30;
   const ImageGrid& grid = forward_.grid();
   const Vec3 index = bins_.indexOf(x);
   int middle[3];
   for (int a = 0; a < 3; ++a) {
     if (!(index[a] > -farthest && index[a] < bins_.size[static_cast<std::size_t>(a)] + farthest)) return false;
-    middle[a] = static_cast<int>(std::lround(index[a]));
+    middle[a] = std::clamp(static_cast<int>(std::lround(index[a])), 0, bins_.size[static_cast<std::size_t>(a)] - 1);
   }
+  if (!near_[bins_.at(middle[0], middle[1], middle[2])]) return false;
   const auto placeOf = [&](std::size_t v) {
     const auto row = static_cast<std::size_t>(grid.size[0]), plane = row * static_cast<std::size_t>(grid.size[1]);
     return grid.worldOf(static_cast<int>(v % row), static_cast<int>(v % plane / row), static_cast<int>(v / plane));

@@ -45,7 +45,8 @@ class MmlsDeformation : public Deformation {
 };
 
 /// Another deformation sampled on a regular grid, and cubic between (Catmull-Rom, third order): a hundredth of the
-/// cost. Where one of the 64 samples around is missing, it asks the other.
+/// cost. Samples outside the body to which the other does not reach are continued linearly from those beside them. Where
+/// one of the 64 samples around is still missing, it asks the other.
 class SampledDeformation : public Deformation {
  public:
   /// @param step  m, of the samples; a third of the nodes' spacing leaves errors below 0.01 mm of a smooth shift
@@ -64,6 +65,8 @@ class SampledDeformation : public Deformation {
   double step() const { return step_; }
 
  private:
+  void extend(std::vector<Eigen::Matrix3f>& gradient);
+
   const Deformation& whole_;
   double step_;
   Image distance_;           // m
@@ -87,6 +90,7 @@ class InverseDeformation {
   const SampledDeformation& forward_;
   ImageGrid bins_;                  // of the world as it is now
   std::vector<std::int32_t> seed_;  // (bin_count) sample that is now nearest to the bin's middle, or -1
+  std::vector<char> near_;          // (bin_count) whether a seed is near enough to start from
 };
 
 }  // namespace palpate

@@ -153,11 +153,11 @@ void judgeWarp(const CaseContext& context, const Phantom& phantom, const StaticS
                             "Before, after and their difference; the brain's border in orange. Vacated space is black: "
                             "there is no old brain in it."});
   context.pictures->write(context.folder + "/brain_shift_tissue.png",
-                          drawSlices({{&phantom.scan, nullptr, &tissue.membership[0]},
+                          drawSlices({{&tissue.membership[0], nullptr, nullptr},
                                       {&tissue.membership[1], nullptr, nullptr},
                                       {&tissue.membership[2], nullptr, nullptr}},
                                      box, place, 0, 1));
-  result.figures.push_back({"brain_shift_tissue.png", "Memberships of fluid (blue), grey and white matter"});
+  result.figures.push_back({"brain_shift_tissue.png", "Memberships of fluid, grey and white matter: black 0, white 1"});
   BodyPicture picture;
   picture.title = "Displacement under the electrode grid";
   picture.azimuth_deg = 20;
