@@ -150,8 +150,12 @@ void drawToolCard(const Theme& theme, const PanelData& data, PanelState& state, 
       toolParameters(tool).c_str());
   const Vec3 tip = data.snapshot.tool_pose.position * mm;
   row("Tip", format("%.1f  %.1f  %.1f mm", tip.x(), tip.y(), tip.z()));
-  row("Depth", format("%.2f mm", data.snapshot.force.depth_m * mm), colours::text,
-      "travel of the tip past its first touch of the resting skin");
+  const ForceSample& force = data.snapshot.force;
+  row(force.depth_m < 0 ? "Gap to the skin" : "Depth", format("%.2f mm", std::abs(force.depth_m) * mm), colours::text,
+      format("how far the skin under the tip is pressed from where it lay at rest, along the contact's normal; "
+             "advance along the start axis: %.2f mm",
+             force.advance_m * mm)
+          .c_str());
   if (data.snapshot.yield_m > least_yield)
     row("Behind the hand", format("%.1f mm", data.snapshot.yield_m * mm), colours::warning,
         "the tool yields: the tissue can take no more (tool.max_force and others); the ghost is the hand");

@@ -28,7 +28,7 @@ ResultFolder::ResultFolder(const std::string& folder, bool with_forces)
   errno = 0;
   forces_.open(pending_.part(), std::ios::trunc);
   if (!forces_) failWriting(forceFile(), errno, elsewhere);
-  forces_ << "time_s,depth_m,force_raw_N_x,force_raw_N_y,force_raw_N_z,"
+  forces_ << "time_s,depth_m,advance_m,force_raw_N_x,force_raw_N_y,force_raw_N_z,"
              "force_filtered_N_x,force_filtered_N_y,force_filtered_N_z,trust\n"
           << std::flush;
   checkForces();
@@ -46,9 +46,10 @@ void ResultFolder::addForce(const ForceSample& s) {
   if (!with_forces_) return;
   // %.9g tells neighbouring floats apart; the clock's times have at most 1e-4 s of detail.
   char row[256];
-  const int length = std::snprintf(row, sizeof row, "%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%s\n", s.time_s, s.depth_m,
-                                   s.force_raw.x(), s.force_raw.y(), s.force_raw.z(), s.force_filtered.x(),
-                                   s.force_filtered.y(), s.force_filtered.z(), doubtName(s.doubt));
+  const int length =
+      std::snprintf(row, sizeof row, "%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%s\n", s.time_s, s.depth_m,
+                    s.advance_m, s.force_raw.x(), s.force_raw.y(), s.force_raw.z(), s.force_filtered.x(),
+                    s.force_filtered.y(), s.force_filtered.z(), doubtName(s.doubt));
   errno = 0;
   forces_.write(row, length);
   checkForces();

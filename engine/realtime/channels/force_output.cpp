@@ -32,6 +32,7 @@ void ForceOutput::publish(const ForceSample& s) {
       std::bit_cast<std::uint64_t>(s.force_filtered.y()),
       std::bit_cast<std::uint64_t>(s.force_filtered.z()),
       static_cast<std::uint64_t>(s.doubt),
+      std::bit_cast<std::uint64_t>(s.advance_m),
   };
   const std::uint64_t next = newest_.load(std::memory_order_relaxed) + 1;
   Slot& slot = slots_[next % kSlots];
@@ -59,6 +60,7 @@ ForceSample ForceOutput::latest() const {
   s.force_raw = {real(4), real(5), real(6)};
   s.force_filtered = {real(7), real(8), real(9)};
   s.doubt = static_cast<Doubt>(words[10]);
+  s.advance_m = real(11);
   return s;
 }
 

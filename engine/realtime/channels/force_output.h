@@ -40,7 +40,7 @@ class ForceOutput {
   ForceSample latest() const;
 
  private:
-  static constexpr std::size_t kWords = 11;
+  static constexpr std::size_t kWords = 12;
   static constexpr std::size_t kSlots = 4;
   struct Slot {
     std::atomic<std::uint64_t> version{0};  // 2 n for the n-th sample; odd while it is written

@@ -30,6 +30,7 @@ struct SimulationLoopOptions {
   std::int64_t track_ticks = 0;  // how long it lasts; 0: to its last entry, or, of a motion, without end
   /// Moves the tool instead of a track, for track_ticks; must outlive the loop. Null: none.
   ToolMotion* motion = nullptr;
+  bool keeps_settings = false;  // friction and materials stay as they were set when track or motion starts over
   std::size_t force_capacity = 1 << 16;   // samples kept until the viewer takes them
   std::size_t record_capacity = 1 << 16;  // changes kept until the viewer takes them
 };
@@ -86,7 +87,8 @@ class SimulationLoop final : private LoopBody {
   void onLate(const LateTick& late, const LoopTime& time) override;
   void takeRequests();
   void apply(const Request& request, bool from_track);
-  void moveTool(const Pose& pose, bool from_track);
+  void moveTool(const Request& request, bool from_track);
+  void steer(const Request& request);
   void pull(int skin_vertex, const Vec3& target);
   void change(const Request& setting);
   void reset(Request::Kind kind, bool from_track);
@@ -99,6 +101,7 @@ class SimulationLoop final : private LoopBody {
   Physics& physics_;
   SpinTeam* team_;
   const bool as_fast_as_possible_;
+  const bool keeps_settings_;
   LoopChannels channels_;
   std::thread thread_;
 

@@ -88,6 +88,7 @@ TEST_CASE("force.csv has the agreed header, a row per sample, and numbers that r
   ForceSample sample;
   sample.time_s = 0.002;
   sample.depth_m = -0.0123456789;
+  sample.advance_m = 0.25;
   sample.force_raw = {1, 2.5, -3e-7};
   sample.force_filtered = {0.5, 0, 1.0 / 3};
   results.addForce(sample);
@@ -97,16 +98,17 @@ TEST_CASE("force.csv has the agreed header, a row per sample, and numbers that r
   std::getline(lines, header);
   std::getline(lines, row);
   CHECK(header ==
-        "time_s,depth_m,force_raw_N_x,force_raw_N_y,force_raw_N_z,"
+        "time_s,depth_m,advance_m,force_raw_N_x,force_raw_N_y,force_raw_N_z,"
         "force_filtered_N_x,force_filtered_N_y,force_filtered_N_z,trust");
-  double value[8] = {};
+  double value[9] = {};
   char comma = 0;
   std::istringstream cells(row);
   for (double& v : value) cells >> v >> comma;
   CHECK(value[0] == 0.002);
   CHECK(value[1] == Approx(-0.0123456789).epsilon(1e-8));
-  CHECK(value[4] == -3e-7);
-  CHECK(value[7] == Approx(1.0 / 3).epsilon(1e-8));
+  CHECK(value[2] == 0.25);
+  CHECK(value[5] == -3e-7);
+  CHECK(value[8] == Approx(1.0 / 3).epsilon(1e-8));
   CHECK_FALSE(std::getline(lines, rest));
   results.writeReport("{}");
   CHECK(readAll(results.reportFile()) == "{}\n");

@@ -21,6 +21,7 @@ ForceSample marked(std::int64_t tick) {
   sample.wall_ns = 1000 * tick;
   sample.time_s = 2 * t;
   sample.depth_m = 3 * t;
+  sample.advance_m = 5 * t;
   sample.force_raw = {4 * t, 5 * t, 6 * t};
   sample.force_filtered = {7 * t, 8 * t, 9 * t};
   return sample;
@@ -29,7 +30,7 @@ ForceSample marked(std::int64_t tick) {
 bool isMarked(const ForceSample& s) {
   const ForceSample whole = marked(s.tick);
   return s.wall_ns == whole.wall_ns && s.time_s == whole.time_s && s.depth_m == whole.depth_m &&
-         s.force_raw == whole.force_raw && s.force_filtered == whole.force_filtered;
+         s.advance_m == whole.advance_m && s.force_raw == whole.force_raw && s.force_filtered == whole.force_filtered;
 }
 
 }  // namespace
