@@ -19,6 +19,7 @@ struct ForceSample {
   Vec3 force_raw = Vec3::Zero();       // N, on the tool
   Vec3 force_filtered = Vec3::Zero();  // N
   Doubt doubt = Doubt::None;           // why the force should not be believed
+  Pose tool_pose;                      // of the tool that the tissue felt
 };
 
 /// How well the loop holds its rate, up to the present tick.

@@ -24,6 +24,7 @@ SimulationLoop::SimulationLoop(const Model& model, Physics& physics, SpinTeam* t
       team_(team),
       as_fast_as_possible_(options.as_fast_as_possible),
       keeps_settings_(options.keeps_settings),
+      pause_at_(options.pause_at),
       channels_(model, physics.state(), options.force_capacity, options.record ? options.record_capacity : 1),
       run_(startOf(options)),
       track_(std::move(options.track), options.track_ticks, options.motion, model.tool_start, model.scene.rate_hz),
@@ -107,6 +108,10 @@ bool SimulationLoop::advance() {
   const bool track_drove = track_.drives(run_.tick);
   ++run_.tick;
   if (track_drove && !track_.drives(run_.tick)) reporter_.logEvent(LogEvent::Kind::TrackEnded, run_);
+  if (next_pause_ < pause_at_.size() && run_.tick >= pause_at_[next_pause_]) {
+    run_.paused = true;
+    ++next_pause_;
+  }
   return true;
 }
 

@@ -22,7 +22,9 @@ struct SimulationLoopOptions {
   bool as_fast_as_possible = false;
   std::int64_t tick_limit = 0;  // the loop ends after so many ticks; 0: at Quit only
   bool start_paused = false;    // the first Resume then begins the run, and is no event
-  bool record = false;          // hand all input changes to recorded()
+  std::vector<std::int64_t>
+      pause_at{};       // ascending: paused after so many ticks, so that others can look at just that one
+  bool record = false;  // hand all input changes to recorded()
   /// Input given in advance (tool script or replay), ascending ticks. While it lasts, it
   /// alone moves the tool; the viewer may still pause, step, reset (which starts it
   /// over) and quit.
@@ -102,6 +104,8 @@ class SimulationLoop final : private LoopBody {
   SpinTeam* team_;
   const bool as_fast_as_possible_;
   const bool keeps_settings_;
+  const std::vector<std::int64_t> pause_at_;
+  std::size_t next_pause_ = 0;  // of pause_at_
   LoopChannels channels_;
   std::thread thread_;
 

@@ -77,6 +77,7 @@ void TickReporter::sendForce(const LoopTime& time, const RunState& run) {
   summary_.peak_depth = std::max(summary_.peak_depth, force_.depth_m);
   force_.advance_m =
       (physics_.state().tool_pose.position - model_.tool_start.position).dot(tool_axis_) - model_.first_contact_travel;
+  force_.tool_pose = physics_.state().tool_pose;
   force_.force_raw = report_.tool_force;
   force_.force_filtered = run.frozen ? filter_.fade() : filter_.update(force_.force_raw);
   channels_.newest_force.publish(force_);
