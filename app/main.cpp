@@ -3,6 +3,7 @@
 #include <iostream>
 
 #include "app/panels/log.h"
+#include "app/run/gl_window.h"
 #include "app/run/offscreen_run.h"
 #include "app/run/options.h"
 #include "app/run/session.h"
@@ -16,18 +17,29 @@ namespace {
 
 constexpr int failed = 1, unusable_input = 2;
 
-void run(const palpate::app::Options& options) {
+int run(const palpate::app::Options& options) {
   using namespace palpate;
   using namespace palpate::app;
+  if (options.scene.ends_with(".png")) return comparePictures(options);
   const Scene scene = app::readScene(options);
-  if (!options.offscreen) requireDisplay();
+  if (options.check_lumps) return checkLumps(options, scene);
   Log log;
-  Session session(options, scene, log);
-  if (options.offscreen)
-    runOffscreen(session);
-  else
-    runWindow(session);
-  if (!session.failure().empty()) throw std::runtime_error(session.failure());
+  std::string failure;
+  int code = 0;
+  if (options.offscreen) {
+    Session session(options, scene, log);
+    code = runOffscreen(session);
+    failure = session.failure();
+    if (!failure.empty() && code != 0) {  // it has a code of its own
+      std::cerr << "palpate: " << failure << std::endl;
+      return code;
+    }
+  } else {
+    requireDisplay();
+    failure = runWindow(options, scene, log);
+  }
+  if (!failure.empty()) throw std::runtime_error(failure);
+  return code;
 }
 
 }  // namespace
@@ -36,12 +48,13 @@ int main(int argc, char** argv) {
   const palpate::app::ParsedOptions parsed = palpate::app::parseOptions(argc, argv);
   palpate::catchInterrupts();
   try {
+    int code = parsed.exit_code;
     if (parsed.options)
-      run(*parsed.options);
+      code = run(*parsed.options);
     else
       (parsed.exit_code == 0 ? std::cout : std::cerr) << parsed.message << std::endl;
     palpate::finishStandardOutput();
-    return parsed.exit_code;
+    return code;
   } catch (const palpate::InputError& error) {
     std::cerr << "palpate: " << palpate::printable(error.what(), palpate::LineEnds::Keep) << std::endl;
     return unusable_input;

@@ -3,6 +3,7 @@
 #include "shadow.glsl"
 #include "studio.glsl"
 
+uniform float opacity;       // below 1 the skin is seen through, less so where it turns away
 uniform sampler3D noise;     // rgb: gradient, a: value, both 0..1 around 0.5
 uniform sampler2D colours;   // a field's colour over its value, linear light
 
@@ -56,7 +57,7 @@ void main() {
   vec3 light = key_colour * key_light * visible_under + rim_colour * facing_rim * open + ambientLight(smooth_n) * open;
   if (field) light = mix(vec3(dot(light, vec3(1.0 / 3.0))), vec3(1.0), 0.25) * 0.85;
   if (printed) {  // colours are compared with a bar beside them: just enough light and shade to see the shape
-    colour = vec4(srgb(toneMap(albedo * mix(vec3(1.12), light, 0.52))), 1.0);
+    colour = vec4(srgb(toneMap(albedo * mix(vec3(1.12), light, 0.52))), opacity);
     return;
   }
 
@@ -67,5 +68,6 @@ void main() {
   float film = fresnel(facing, 0.035) * mix(0.25, 1.0, open) * groundOcclusion(p, mirrored);
   float sheen = pow(clamp(dot(smooth_n, normalize(key.xyz + to_eye)), 0.0, 1.0), 26.0) * 0.085 * visible;
   vec3 glint = reflectedRoom(mirrored, 0.14, visible) * film + key_colour * sheen;
-  colour = encode(albedo * light + (field ? 0.35 : 1.0) * glint, 1.0);
+  float alpha = opacity < 1.0 ? mix(1.0, opacity, facing * facing) : 1.0;
+  colour = encode(albedo * light + (field ? 0.35 : 1.0) * glint, alpha);
 }

@@ -37,6 +37,11 @@ void main() {
   // Close to the tissue the room is hidden by it and its colour shows instead.
   float above = clamp(local.z / (1.6 * tool_begin.w), 0.0, 1.0);
 
+  if (finish == 3.0) {  // lump: pale, firm tissue
+    vec3 light = key_colour * clamp(0.25 + 0.75 * dot(normal, key.xyz), 0.0, 1.0) + ambientLight(normal);
+    colour = encode(vec3(0.72, 0.58, 0.24) * light, opacity);
+    return;
+  }
   if (finish == 1.0) {  // grip
     vec3 light = key_colour * clamp(dot(normal, key.xyz), 0.0, 1.0) + ambientLight(normal);
     vec3 glint = reflectedRoom(reflect(-to_eye, normal), 0.55, 1.0) * fresnel(facing, 0.04) * 0.8;

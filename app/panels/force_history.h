@@ -20,6 +20,7 @@ class ForceHistory {
   void clear();
 
   double seconds() const { return seconds_; }
+  double lastTime() const { return last_time_; }  // s of the run; < 0: none
   /// The kept samples, oldest first; all four have the same length.
   std::span<const PlotPoint> rawOverTime() const { return kept(raw_time_); }
   std::span<const PlotPoint> filteredOverTime() const { return kept(filtered_time_); }

@@ -7,6 +7,7 @@ namespace palpate::app {
 namespace {
 // px at scale 1. The columns are as wide as their longest line needs at the body font's size.
 constexpr float margin = 10, bar_height = 38, left_width = 264, right_width = 344, log_height = 104;
+constexpr float min_right_width = 260;  // narrower than this its numbers are cut
 constexpr float min_view_width = 320, min_view_height = 200;
 }  // namespace
 
@@ -21,8 +22,9 @@ Layout layoutFor(int width, int height, float scale, bool panels_shown) {
   const float top = layout.bar.bottom() + m;
   const float column_height = std::max(0.0F, h - top - m);
   float view_left = 0, view_right = w;
-  if (w >= (right_width + min_view_width + margin) * scale) {
-    layout.right = {w - m - right_width * scale, top, right_width * scale, column_height};
+  const float right = std::min(right_width * scale, w - (min_view_width + margin) * scale);
+  if (right >= min_right_width * scale) {
+    layout.right = {w - m - right, top, right, column_height};
     view_right = layout.right.x;
   }
   if (w >= (left_width + right_width + min_view_width + 2 * margin) * scale) {

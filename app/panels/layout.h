@@ -22,7 +22,8 @@ struct Layout {
 };
 
 /// @param scale  content scale of the screen: 1 plain, 2 high-DPI
-/// In a window too narrow for two columns the left one is left out, then the right one.
+/// In a window too narrow for two columns the left one's panels stand in the right one, below its own; that is scrolled
+/// and becomes narrower, down to 590 px of width; below, it is left out.
 Layout layoutFor(int width, int height, float scale, bool panels_shown);
 
 }  // namespace palpate::app

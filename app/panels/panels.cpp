@@ -27,28 +27,37 @@ PanelRequests drawPanels(const Theme& theme, const PanelData& data, const Layout
                          View& view) {
   PanelRequests requests;
   ImGui::PushFont(theme.body);
+  const auto tissueCards = [&] {
+    if (data.task != nullptr) drawTaskCard(theme, data, state, requests);
+    drawToolCard(theme, data, state, requests);
+    drawViewCard(theme, data, view, requests);
+    drawMaterialCard(theme, data, requests);
+    drawNumbersCard(theme, data);
+  };
   if (layout.panels) {
     drawBar(theme, data, layout.bar, state, requests);
     if (layout.left.width > 0) {
-      if (beginPane("##left", layout.left)) {
-        drawSceneCard(theme, data, view);
-        drawToolCard(theme, data, state, requests);
-        drawMaterialCard(theme, data, requests);
-      }
+      if (beginPane("##left", layout.left)) tissueCards();
       ImGui::End();
     }
     if (layout.right.width > 0) {
       if (beginPane("##right", layout.right)) {
-        drawForceCard(theme, data, layout.right.height);
-        drawTimingCard(theme, data);
+        drawForceCard(theme, data, layout.right.height, requests);
+        if (layout.left.width <= 0) tissueCards();  // one column for all, to be scrolled
+        if (!data.timeless) drawTimingCard(theme, data, layout.left.width > 0);
       }
       ImGui::End();
     }
-    if (layout.log.width > 0) drawLog(theme, data, layout.log);
+    if (layout.log.width > 0 && !data.timeless) drawLog(theme, data, layout.log);
+  } else if (state.demo) {
+    drawDemoForce(theme, data);
   }
   drawLegend(theme, data.colour_scale, layout.view);
-  if (data.snapshot.status.frozen) drawFrozenBanner(theme, data, layout.view, requests);
+  drawPullForce(theme, data);
+  if (data.notice || data.snapshot.status.frozen) drawNotice(theme, data, layout.view, requests);
   if (state.help_shown) drawHelp(theme, state, layout.view);
+  if (state.open_shown) drawOpenDialog(theme, data, state, requests);
+  if (state.quit_asked) drawQuitDialog(theme, state, requests);
   ImGui::PopFont();
   return requests;
 }
@@ -61,45 +70,55 @@ void drawBar(const Theme& theme, const PanelData& data, const Rect& place, Panel
     const float button_y = 0.5F * (place.height - ImGui::GetFrameHeight());
     const auto at = [&](float x, float y) { ImGui::SetCursorPos({x, y}); };
 
+    // In a narrow window the buttons stay, and what can be seen elsewhere goes.
+    const bool roomy = place.width >= 900 * s, narrow = place.width < 700 * s;
     at(14 * s, text_y - s);
     ImGui::PushFont(theme.title);
     ImGui::TextUnformatted("Palpate");
     ImGui::PopFont();
-    ImGui::SameLine(0, 12 * s);
-    ImGui::SetCursorPosY(text_y);
-    ImGui::TextDisabled("%s", fitted(data.model.scene.name, 160 * s).c_str());
-    ImGui::SameLine(0, 16 * s);
-    ImGui::SetCursorPosY(0.5F * (place.height - theme.small->FontSize - 6 * s));
-    const RunState run = runState(status);
-    badge(theme, run.text, run.colour);
+    if (roomy) {
+      ImGui::SameLine(0, 12 * s);
+      ImGui::SetCursorPosY(text_y);
+      ImGui::TextDisabled("%s", fitted(data.model.scene.name, 110 * s).c_str());
+    }
+    if (!narrow) {
+      ImGui::SameLine(0, 16 * s);
+      ImGui::SetCursorPosY(0.5F * (place.height - theme.small->FontSize - 6 * s));
+      const RunState run = data.timeless ? RunState{"SNAPSHOT", colours::accent} : runState(status);
+      badge(theme, run.text, run.colour);
+    }
 
-    float x = 340 * s;
-    const float width = 66 * s;
+    float x = (roomy ? 300 : narrow ? 84 : 190) * s;
+    const float width = (narrow ? 60 : 66) * s, next = width + (narrow ? 3 : 6) * s;
     at(x, button_y);
+    if (button("File", width)) ImGui::OpenPopup("##file");
+    drawFileMenu(theme, state, requests);
+    at(x += next, button_y);
     if (button(status.paused ? "Run" : "Pause", width, !status.frozen, "frozen: reset first"))
       requests.toggle_pause = true;
-    at(x += width + 6 * s, button_y);
+    at(x += next, button_y);
     if (button("Step", width, status.paused && !status.frozen, "pause first, then single ticks can be made"))
       requests.single_step = true;
-    at(x += width + 6 * s, button_y);
+    at(x += next, button_y);
     if (button("Reset", width)) requests.reset = true;
-    at(x += width + 6 * s, button_y);
+    at(x += next, button_y);
     const bool by_hand = data.driver == ToolDriver::User;
     if (button("Undo", width, by_hand, "a script or recording moves the tool: reset begins it again"))
       requests.undo = true;
-    at(x += width + 6 * s, button_y);
+    at(x += next, button_y);
     if (button("Frame", width)) requests.frame_view = true;
     x += width + 16 * s;
 
     // Figures stand at the right end, so that the buttons never move.
     std::string figures = format("t %.2f s", data.snapshot.time_s);
-    figures += format("   real time x%.3f", status.recent_realtime_factor);
+    if (!data.timeless) figures += format("   real time x%.3f", status.recent_realtime_factor);
     if (data.frames_per_second > 0) figures += format("   %.0f fps", data.frames_per_second);
     const float help_width = 64 * s;
     const float right = place.width - help_width - 10 * s;
-    figures = fitted(figures, right - x - 8 * s);
+    const float room = right - x - 8 * s;
+    figures = room > 50 * s ? fitted(figures, room) : std::string();
     at(right - 12 * s - ImGui::CalcTextSize(figures.c_str()).x, text_y);
-    const bool slow = !status.paused && status.recent_realtime_factor < 0.99;
+    const bool slow = !status.paused && !data.timeless && status.recent_realtime_factor < 0.99;
     ImGui::PushStyleColor(ImGuiCol_Text, slow ? colours::warning : colours::text);
     ImGui::TextUnformatted(figures.c_str());
     ImGui::PopStyleColor();
@@ -135,30 +154,6 @@ void drawLog(const Theme& theme, const PanelData& data, const Rect& place) {
     ImGui::PopFont();
   }
   ImGui::End();
-}
-
-void drawFrozenBanner(const Theme& theme, const PanelData& data, const Rect& view, PanelRequests& requests) {
-  const float s = theme.scale;
-  const float width = std::min(view.width - 20 * s, 460 * s);
-  ImGui::SetNextWindowPos({view.x + 0.5F * (view.width - width), view.y + 10 * s}, ImGuiCond_Always);
-  ImGui::SetNextWindowSize({width, 0}, ImGuiCond_Always);
-  ImGui::PushStyleColor(ImGuiCol_WindowBg, IM_COL32(70, 24, 24, 245));
-  if (ImGui::Begin("##frozen", nullptr,
-                   ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings)) {
-    ImGui::PushFont(theme.title);
-    ImGui::TextUnformatted("The tissue is frozen");
-    ImGui::PopFont();
-    ImGui::PushTextWrapPos(0);
-    ImGui::TextUnformatted(data.frozen_reason.c_str());
-    ImGui::PopTextWrapPos();
-    ImGui::Spacing();
-    if (button("Reset (Backspace)", 150 * s)) requests.reset = true;
-    ImGui::SameLine();
-    if (button("Undo (Ctrl+Z)", 130 * s, data.driver == ToolDriver::User, "a script or recording moves the tool"))
-      requests.undo = true;
-  }
-  ImGui::End();
-  ImGui::PopStyleColor();
 }
 
 }  // namespace palpate::app

@@ -8,9 +8,13 @@
 #include "app/panels/force_history.h"
 #include "app/panels/layout.h"
 #include "app/panels/log.h"
+#include "app/panels/notice.h"
+#include "app/panels/press_curves.h"
 #include "app/panels/theme.h"
 #include "app/render/colour_map.h"
 #include "app/render/view.h"
+#include "app/run/tool_choice.h"
+#include "app/trainer/task_score.h"
 #include "realtime/channels/force_output.h"
 #include "realtime/channels/snapshot.h"
 #include "simulation/body.h"
@@ -57,9 +61,18 @@ struct PanelData {
   std::string input_note{};    // why material and friction can't be changed now; empty: they can
   ColourScale colour_scale{};  // of the picture behind the panels
   ToolDriver driver = ToolDriver::User;
-  std::string script{};          // name of the script or recording; empty: none at hand
-  std::string frozen_reason{};   // what the watchdog saw, and where; used while frozen
-  double frames_per_second = 0;  // 0: not shown
+  std::string script{};                   // name of the script or recording; empty: none at hand
+  std::string frozen_reason{};            // what the watchdog saw, and where; used while frozen
+  double frames_per_second = 0;           // 0: not shown
+  std::optional<Notice> notice{};         // what has to be said
+  const PressCurves* presses = nullptr;   // of the session; null: none are kept
+  const TaskScore* task = nullptr;        // the search for lumps; null: there is none
+  bool revealed = false;                  // it is over
+  bool timeless = false;                  // nothing that the clock says of this machine
+  double pull_N = -1;                     // of the spring under the pointer; < 0: nothing is pulled
+  double hand_depth_m = 0;                // that the gliding hand presses
+  bool hand_on_skin = false;              // it glides
+  std::span<const std::string> scenes{};  // to open: the program's own, then those of late
 };
 
 /// What the user sets in the panels and keeps from frame to frame.
@@ -67,11 +80,31 @@ struct PanelState {
   bool panels_shown = true;
   bool help_shown = false;
   double tool_speed_mm_s = 20;  // of the tool when moved by keys
+  bool glide = true;            // the probe glides over the skin; else it is moved freely
+  bool demo = false;            // full picture, large force, no panels
+  bool open_shown = false;      // the dialog that opens a file
+  bool open_script = false;     // it asks for a tool script
+  bool quit_asked = false;      // something unsaved would be lost
+  std::string path;             // typed there
+  ToolChoice tool;              // as set in the panel, until it is applied
+  bool tool_edited = false;
+  int hardness = 2;  // of the next mark
 };
 
 /// What was clicked in this frame.
 struct PanelRequests {
   bool toggle_pause = false, single_step = false, reset = false, undo = false;
+  bool undo_more = false;  // two seconds
+  bool reset_all = false;  // friction and materials, too
+  bool dismiss_notice = false;
+  bool save_picture = false, save_forces = false, save_state = false, save_presses = false, clear_presses = false;
+  bool full_screen = false, demo = false, quit = false, quit_now = false;
+  bool section_through_tool = false, section_faces = false;
+  bool mark = false, unmark = false, submit = false;
+  bool upright = false;            // the probe stands on the skin again
+  std::optional<bool> glide;       // the hand's mode
+  std::optional<ToolChoice> tool;  // another probe
+  std::string open_scene, open_script;
   bool restart_script = false;
   bool tool_to_start = false;
   std::optional<double> friction;
@@ -90,14 +123,21 @@ std::string staleMark(const ForceReading& force, const LoopStatus& status);
 
 // The parts, each in a file of its own.
 void drawBar(const Theme&, const PanelData&, const Rect&, PanelState&, PanelRequests&);
-void drawSceneCard(const Theme&, const PanelData&, View&);
+void drawViewCard(const Theme&, const PanelData&, View&, PanelRequests&);
+void drawTaskCard(const Theme&, const PanelData&, PanelState&, PanelRequests&);
+void drawNumbersCard(const Theme&, const PanelData&);
 void drawToolCard(const Theme&, const PanelData&, PanelState&, PanelRequests&);
 void drawMaterialCard(const Theme&, const PanelData&, PanelRequests&);
-void drawForceCard(const Theme&, const PanelData&, float height);
-void drawTimingCard(const Theme&, const PanelData&);
+void drawForceCard(const Theme&, const PanelData&, float height, PanelRequests&);
+void drawTimingCard(const Theme&, const PanelData&, bool open);
 void drawLog(const Theme&, const PanelData&, const Rect&);
 void drawLegend(const Theme&, const ColourScale&, const Rect& view);
-void drawFrozenBanner(const Theme&, const PanelData&, const Rect& view, PanelRequests&);
+void drawNotice(const Theme&, const PanelData&, const Rect& view, PanelRequests&);
+void drawPullForce(const Theme&, const PanelData&);
+void drawDemoForce(const Theme&, const PanelData&);
+void drawFileMenu(const Theme&, PanelState&, PanelRequests&);
+void drawOpenDialog(const Theme&, const PanelData&, PanelState&, PanelRequests&);
+void drawQuitDialog(const Theme&, PanelState&, PanelRequests&);
 void drawHelp(const Theme&, PanelState&, const Rect& view);
 
 }  // namespace palpate::app

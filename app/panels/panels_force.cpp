@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
+#include <vector>
 
 #include "app/figures/round_ticks.h"
 #include "app/panels/panels.h"
@@ -55,13 +57,37 @@ void bigNumber(const Theme& theme, const char* name, double newton, ImU32 colour
 
 }  // namespace
 
+namespace {
+
+constexpr std::size_t shown_presses = 8;  // of the session, behind the present one
+constexpr ImU32 press_colour = IM_COL32(170, 142, 200, 130);
+
+std::vector<std::reference_wrapper<const Press>> lastOf(const std::deque<Press>& all, std::size_t count) {
+  return {all.end() - static_cast<std::ptrdiff_t>(std::min(count, all.size())), all.end()};
+}
+
+/// What is known of the last press beside those before it, and what can be done with all.
+void drawPresses(const Theme& theme, const PressCurves& presses, PanelRequests& requests) {
+  const Press& last = presses.all().back();
+  row(format("Press %d", last.number).c_str(), format("%.3f N at %.2f mm", last.peak_N, last.peak_mm), colours::text,
+      "largest force and depth of the last press; violet curves are the presses before it");
+  const float half = 0.5F * (ImGui::GetContentRegionAvail().x - ImGui::GetStyle().ItemSpacing.x);
+  ImGui::PushFont(theme.small);
+  if (button("Save the curves", half)) requests.save_presses = true;
+  ImGui::SameLine();
+  if (button("Clear them", half)) requests.clear_presses = true;
+  ImGui::PopFont();
+}
+
+}  // namespace
+
 std::string staleMark(const ForceReading& force, const LoopStatus& status) {
   if (force.fresh) return {};
   if (status.paused || force.sample.tick == 0) return "paused";
   return force.age_s < 1 ? format("stale, %.0f ms old", 1e3 * force.age_s) : format("stale, %.1f s old", force.age_s);
 }
 
-void drawForceCard(const Theme& theme, const PanelData& data, float height) {
+void drawForceCard(const Theme& theme, const PanelData& data, float height, PanelRequests& requests) {
   if (!beginCard(theme, "Force on the tool")) return;
   const ForceSample& force = data.force.sample;
   const bool fresh = data.force.fresh;
@@ -106,16 +132,26 @@ void drawForceCard(const Theme& theme, const PanelData& data, float height) {
     axes.y_label = "N over depth";
     axes.x_min = std::min(0.0, std::max(axes.x_min, -0.25 * axes.x_max));  // little of the way to the skin
     widenToRound(axes.x_min, axes.x_max, min_depth_axis);
-    const std::array series{PlotSeries{"raw", raw, colours::raw, 1.2F},
-                            PlotSeries{"filtered", filtered, colours::accent, 1.8F}};
+    std::vector<PlotSeries> series;
+    if (data.presses != nullptr)
+      for (const Press& press : lastOf(data.presses->all(), shown_presses)) {
+        for (const PlotPoint& p : press.curve) axes.x_max = std::max<double>(axes.x_max, p.x);
+        axes.y_max = std::max(axes.y_max, 1.02 * press.peak_N);
+        series.push_back({"", press.curve, press_colour, 1.0F});
+      }
+    widenToRound(axes.x_min, axes.x_max, min_depth_axis);
+    widenToRound(axes.y_min, axes.y_max, min_force_axis);
+    series.push_back({"raw", raw, colours::raw, 1.2F});
+    series.push_back({"filtered", filtered, colours::accent, 1.8F});
     drawPlot("##depth", plot_height, axes, series);
   }
   ImGui::PopFont();
+  if (data.presses != nullptr && !data.presses->all().empty()) drawPresses(theme, *data.presses, requests);
   ImGui::Spacing();
 }
 
-void drawTimingCard(const Theme& theme, const PanelData& data) {
-  if (!beginCard(theme, "Timing")) return;
+void drawTimingCard(const Theme& theme, const PanelData& data, bool open) {
+  if (!beginCard(theme, "Timing", open)) return;
   const TimingView& timing = data.timing;
   const LoopStatus& status = data.snapshot.status;
   const double budget = 1e6 / timing.rate_hz;  // us

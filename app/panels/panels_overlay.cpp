@@ -21,27 +21,30 @@ struct HelpLine {
 };
 
 constexpr std::array view_help{
-    HelpLine{"Left drag", "turn the view"},
+    HelpLine{"Left or middle drag", "turn the view (left: beside the organ)"},
     HelpLine{"Right drag", "move the view"},
-    HelpLine{"Wheel", "nearer, further"},
-    HelpLine{"F", "show the whole organ"},
-    HelpLine{"1 2 3 4", "colour: tissue, displacement, stress, J"},
-    HelpLine{"N, P", "show nodes, integration points"},
-    HelpLine{"Double click", "the support of an integration point"},
-    HelpLine{"H", "hide or show the panels"},
+    HelpLine{"Wheel, F", "nearer, further; the whole organ"},
+    HelpLine{"X, G", "cut the organ open, see through its skin"},
+    HelpLine{"1 2 3 4, N, P", "tissue, displacement, stress, J; nodes, points"},
+    HelpLine{"H, F10, F11", "hide the panels, demo, full screen"},
+    HelpLine{"F12", "save the picture"},
 };
 constexpr std::array tool_help{
+    HelpLine{"Click the skin", "bring the probe there; drag to glide"},
     HelpLine{"Shift + left drag", "move the probe in the view's plane"},
-    HelpLine{"Shift + wheel", "push the probe along its axis"},
-    HelpLine{"Shift + right drag", "the same, finely: down pushes in"},
+    HelpLine{"Shift + wheel", "press in; while gliding the wheel alone"},
     HelpLine{"Arrow keys", "move the probe sideways"},
-    HelpLine{"PageDown, PageUp", "push in, pull out"},
+    HelpLine{"PageDown, PageUp", "press in, draw back"},
+    HelpLine{"I J K L, Alt + drag", "tilt the probe"},
     HelpLine{"Ctrl + left drag", "pull the tissue under the pointer"},
 };
 constexpr std::array run_help{
-    HelpLine{"Space", "pause, run"}, HelpLine{".", "one tick while paused"},
-    HelpLine{"Backspace", "reset"},  HelpLine{"Ctrl + Z", "half a second back, again and again"},
-    HelpLine{"F1", "this help"},     HelpLine{"Esc", "close the help; quit"},
+    HelpLine{"Space, .", "pause and run, one tick"},
+    HelpLine{"Backspace", "reset"},
+    HelpLine{"Ctrl + Z", "half a second back, again and again"},
+    HelpLine{"Ctrl + O", "open a scene"},
+    HelpLine{"F1", "this help"},
+    HelpLine{"Esc", "close what is open; quit"},
 };
 
 void drawHelpSection(const Theme& theme, const char* title, std::span<const HelpLine> lines) {

@@ -101,8 +101,51 @@ void drawMaterial(const Theme& theme, const Material& material) {
 
 }  // namespace
 
-void drawSceneCard(const Theme& theme, const PanelData& data, View& view) {
-  if (!beginCard(theme, "Scene")) return;
+void drawViewCard(const Theme& theme, const PanelData& data, View& view, PanelRequests& requests) {
+  if (!beginCard(theme, "View")) return;
+  ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x);
+  if (ImGui::BeginCombo("##colour", quantityName(view.colour_map))) {
+    for (int k = 0; k < 4; ++k) {
+      const auto map = static_cast<ColourMap>(k);
+      if (ImGui::Selectable(format("%d  %s", k + 1, quantityName(map)).c_str(), map == view.colour_map)) {
+        view.colour_map = map;
+        view.colour_auto = true;
+      }
+    }
+    ImGui::EndCombo();
+  }
+  const float half = 0.5F * ImGui::GetContentRegionAvail().x;
+  const float left = ImGui::GetCursorPosX();
+  if (view.colour_map != ColourMap::Tissue) {
+    bool locked = !view.colour_auto;
+    if (ImGui::Checkbox("Lock the colours' range", &locked)) {
+      view.colour_auto = !locked;
+      view.colour_min = data.colour_scale.min;
+      view.colour_max = data.colour_scale.max;
+    }
+  }
+  ImGui::Checkbox("Tool force", &view.show_forces);
+  ImGui::SameLine(left + half);
+  ImGui::Checkbox("Contact", &view.show_contact);
+  ImGui::Checkbox("Fixed skin", &view.show_fixed);
+  ImGui::SameLine(left + half);
+  ImGui::Checkbox("Tool", &view.show_tool);
+  ImGui::Checkbox("Nodes", &view.show_nodes);
+  ImGui::SameLine(left + half);
+  ImGui::Checkbox("Points", &view.show_points);
+  if (ImGui::Checkbox("Cut open", &view.section.on) && view.section.on) requests.section_faces = true;
+  ImGui::SameLine(left + half);
+  ImGui::Checkbox("See through", &view.ghost);
+  if (view.section.on) {
+    float percent = 100 * view.section.offset;
+    if (slider("Cut", percent, -95, 95, "%.0f %%", "")) view.section.offset = percent / 100;
+    if (button("Cut through the probe", ImGui::GetContentRegionAvail().x)) requests.section_through_tool = true;
+  }
+  ImGui::Spacing();
+}
+
+void drawNumbersCard(const Theme& theme, const PanelData& data) {
+  if (!beginCard(theme, "Model", false)) return;
   const Body& model = data.model;
   row("Nodes", grouped(model.nodeCount()));
   row("Integration points", grouped(model.pointCount()));
@@ -118,61 +161,86 @@ void drawSceneCard(const Theme& theme, const PanelData& data, View& view) {
   const double volume_error = 100 * (model.cell_volume / model.surface_volume - 1);
   row("Volume error", format("%+.2f %%", volume_error), std::abs(volume_error) < 2 ? colours::text : colours::warning,
       "background cells against the organ's own surface");
-
-  ImGui::Spacing();
-  ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x);
-  if (ImGui::BeginCombo("##colour", quantityName(view.colour_map))) {
-    for (int k = 0; k < 4; ++k) {
-      const auto map = static_cast<ColourMap>(k);
-      if (ImGui::Selectable(format("%d  %s", k + 1, quantityName(map)).c_str(), map == view.colour_map))
-        view.colour_map = map;
-    }
-    ImGui::EndCombo();
-  }
-  const float half = 0.5F * ImGui::GetContentRegionAvail().x;
-  const float left = ImGui::GetCursorPosX();
-  ImGui::Checkbox("Nodes", &view.show_nodes);
-  ImGui::SameLine(left + half);
-  ImGui::Checkbox("Points", &view.show_points);
-  ImGui::Checkbox("Tool force", &view.show_forces);
-  ImGui::SameLine(left + half);
-  ImGui::Checkbox("Contact", &view.show_contact);
-  ImGui::Checkbox("Fixed skin", &view.show_fixed);
-  ImGui::SameLine(left + half);
-  ImGui::Checkbox("Tool", &view.show_tool);
   ImGui::Spacing();
 }
 
-void drawToolCard(const Theme& theme, const PanelData& data, PanelState& state, PanelRequests& requests) {
-  if (!beginCard(theme, "Tool")) return;
+namespace {
+
+/// Shape and radius, and a button that loads the scene anew with them.
+void drawProbeChoice(const PanelData& data, PanelState& state, PanelRequests& requests) {
   const ToolShape& tool = data.model.scene.tool;
-  row("Shape", format("%s, R %.3g mm", toolType(tool.kind).title, tool.radius * mm), colours::text,
-      toolParameters(tool).c_str());
-  const Vec3 tip = data.snapshot.tool_pose.position * mm;
-  row("Tip", format("%.1f  %.1f  %.1f mm", tip.x(), tip.y(), tip.z()));
-  row("Depth", format("%.2f mm", data.snapshot.force.depth_m * mm), colours::text,
-      "travel of the tip past its first touch of the resting skin");
+  if (!state.tool_edited) state.tool = {tool.kind, tool.radius};
+  ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x);
+  if (ImGui::BeginCombo("##shape", toolType(state.tool.kind).title)) {
+    int k = 0;
+    for (const ToolType* type : toolTypes()) {
+      const auto kind = static_cast<ToolKind>(k++);
+      if (ImGui::Selectable(type->title, kind == state.tool.kind)) {
+        state.tool.kind = kind;
+        state.tool_edited = true;
+      }
+    }
+    ImGui::EndCombo();
+  }
+  auto radius = static_cast<float>(state.tool.radius * mm);
+  if (slider("Radius", radius, 3, 30, "%.1f mm", "")) {
+    state.tool.radius = static_cast<double>(radius) / mm;
+    state.tool_edited = true;
+  }
+  if (!state.tool_edited) return;
+  const float half = 0.5F * (ImGui::GetContentRegionAvail().x - ImGui::GetStyle().ItemSpacing.x);
+  if (button("Use this probe", half)) {
+    requests.tool = state.tool;
+    state.tool_edited = false;
+  }
+  ImGui::SameLine();
+  if (button("Keep the old", half)) state.tool_edited = false;
+}
+
+}  // namespace
+
+void drawToolCard(const Theme& theme, const PanelData& data, PanelState& state, PanelRequests& requests) {
+  if (!beginCard(theme, "Probe")) return;
+  const bool by_hand = data.driver == ToolDriver::User;
+  const float half = 0.5F * (ImGui::GetContentRegionAvail().x - ImGui::GetStyle().ItemSpacing.x);
+  const float left = ImGui::GetCursorPosX();
+  if (ImGui::RadioButton("On the skin", state.glide)) requests.glide = state.glide = true;
+  if (ImGui::IsItemHovered()) ImGui::SetTooltip("click the skin: the probe comes there and glides with the pointer");
+  ImGui::SameLine(left + half);
+  if (ImGui::RadioButton("Free", !state.glide)) requests.glide = state.glide = false;
+  if (ImGui::IsItemHovered()) ImGui::SetTooltip("Shift+drag moves the probe in the view's plane");
+  drawProbeChoice(data, state, requests);
+  const ForceSample& force = data.snapshot.force;
+  row(force.depth_m < 0 ? "Gap to the skin" : "Depth", format("%.2f mm", std::abs(force.depth_m) * mm), colours::text,
+      format("how far the skin under the tip is pressed from where it lay at rest, along the contact's normal; "
+             "advance along the start axis: %.2f mm; %s",
+             force.advance_m * mm, toolParameters(data.model.scene.tool).c_str())
+          .c_str());
   if (data.snapshot.yield_m > least_yield)
     row("Behind the hand", format("%.1f mm", data.snapshot.yield_m * mm), colours::warning,
         "the tool yields: the tissue can take no more (tool.max_force and others); the ghost is the hand");
   if (data.snapshot.status.restored_count > 0)
-    row("Restored", format("%lld times", static_cast<long long>(data.snapshot.status.restored_count)), colours::warning,
-        "the solution was lost, and the tissue went back to where it was shortly before");
-  row("Skin vertices touched", std::to_string(data.snapshot.report.contact_count));
+    row("Set back", format("%lld times", static_cast<long long>(data.snapshot.status.restored_count)), colours::warning,
+        "the tissue could take no more, and went back to where it was shortly before");
+  const Vec3 tip = data.snapshot.tool_pose.position * mm;
+  row("Tip", format("%.1f  %.1f  %.1f mm", tip.x(), tip.y(), tip.z()), colours::text,
+      format("%d skin vertices touched", data.snapshot.report.contact_count).c_str());
   auto friction = static_cast<float>(data.friction);
   if (slider("Friction", friction, 0, 1, "%.2f", data.input_note)) requests.friction = friction;
   auto speed = static_cast<float>(state.tool_speed_mm_s);
   if (slider("Key speed", speed, 1, 100, "%.0f mm/s", "")) state.tool_speed_mm_s = speed;
 
-  const float half = 0.5F * (ImGui::GetContentRegionAvail().x - ImGui::GetStyle().ItemSpacing.x);
-  const bool by_hand = data.driver == ToolDriver::User;
-  if (button("Play script", half, !data.script.empty(), "none given: start with --tool SCRIPT"))
-    requests.restart_script = true;
+  const char* const not_by_hand = "the probe is not moved by hand now";
+  if (button("Upright", half, by_hand, not_by_hand)) requests.upright = true;
   ImGui::SameLine();
-  if (button("To start pose", half, by_hand, "the tool is not moved by hand now")) requests.tool_to_start = true;
+  if (button("To start pose", half, by_hand, not_by_hand)) requests.tool_to_start = true;
+  if (!data.script.empty() && button("Play script again", 2 * half + ImGui::GetStyle().ItemSpacing.x))
+    requests.restart_script = true;
   switch (data.driver) {
     case ToolDriver::User:
-      note(theme, "Shift+drag moves it, Shift+wheel pushes it; arrows, PageUp/PageDown");
+      note(theme, data.hand_on_skin ? "Drag it over the skin; Shift+wheel or PageDown press in; I J K L tilt it"
+                  : state.glide     ? "Click the skin to bring the probe there; PageDown presses in"
+                                    : "Shift+drag moves it, Shift+wheel pushes it; arrows, PageUp/PageDown");
       break;
     case ToolDriver::Script:
       note(theme, "Moved by the script " + data.script);
@@ -197,7 +265,9 @@ void drawMaterialCard(const Theme& theme, const PanelData& data, PanelRequests& 
     }
     ImGui::PopID();
   }
-  note(theme, "Softer is safe at any time. Stiffer would need a smaller time step: change it in the scene.");
+  if (button("Reset all", ImGui::GetContentRegionAvail().x)) requests.reset_all = true;
+  if (ImGui::IsItemHovered())
+    ImGui::SetTooltip("the tissue at rest, with the scene's own friction and stiffness; Reset keeps what was set here");
   ImGui::Spacing();
 }
 

@@ -34,7 +34,8 @@ constexpr double key_elevation_deg = 52;
 constexpr float patterns_per_radius = 0.62F;  // repeats of the tissue's coarse unevenness
 constexpr int colour_count = 256;
 constexpr float ghost_opacity = 0.35F;
-constexpr double ghost_distance = 5e-4;  // m, between tool and hand: less can't be told apart
+constexpr float ghost_skin_opacity = 0.30F;  // lumps 15 mm deep show, and so does the organ's shape
+constexpr double ghost_distance = 5e-4;      // m, between tool and hand: less can't be told apart
 
 Vec3 keyDirection(double camera_azimuth_deg) {
   const double a = (camera_azimuth_deg + key_azimuth_from_camera_deg) * radians_per_degree,
@@ -85,6 +86,8 @@ struct Renderer::Parts {
   void fillFrame(const Snapshot& snapshot, const View& view, int width, int height);
   void drawShadows(const Snapshot& snapshot, const View& view);
   void drawPicture(const Snapshot& snapshot, const View& view);
+  void drawSkin(float opacity);
+  void drawBalls(const View& view) const;
   void drawGhost(const Pose& hand) const;
   void bindTextures(const View& view);
   void releaseState() const;
@@ -97,7 +100,8 @@ struct Renderer::Parts {
   SkinMesh skin;
   MeshBuffers skin_buffers, tool_buffers;
   ShaderProgram skin_program, tool_program, ground_program, backdrop_program;
-  GLint tool_place, tool_opacity;
+  GLint tool_place, tool_opacity, skin_opacity;
+  MeshBuffers ball_buffers;
   ShadowMap shadow_map;
   GroundShade ground_shade;
   NoiseTexture noise;
@@ -123,6 +127,13 @@ void fillColours(GLuint texture, ColourMap map) {
   glBindTexture(GL_TEXTURE_2D, 0);
 }
 
+/// A lump, as tool.frag shades it.
+SolidMesh ballMesh() {
+  SolidMesh mesh = sphereMesh();
+  for (SolidVertex& vertex : mesh.vertices) vertex.finish = static_cast<float>(Finish::Lump);
+  return mesh;
+}
+
 }  // namespace
 
 Renderer::Parts::Parts(const Body& the_model, const std::string& shader_dir)
@@ -139,6 +150,8 @@ Renderer::Parts::Parts(const Body& the_model, const std::string& shader_dir)
       backdrop_program(shader_dir, "backdrop.vert", "backdrop.frag"),
       tool_place(tool_program.uniform("world_from_local")),
       tool_opacity(tool_program.uniform("opacity")),
+      skin_opacity(skin_program.uniform("opacity")),
+      ball_buffers(ballMesh()),
       shadow_map(shader_dir),
       ground_shade(shader_dir),
       overlays(model, shader_dir) {
@@ -202,8 +215,8 @@ void Renderer::Parts::bindTextures(const View& view) {
 void Renderer::Parts::drawPicture(const Snapshot& snapshot, const View& view) {
   // Bodies first: what they hide of ground and backdrop is then never shaded.
   glEnable(GL_CULL_FACE);
-  skin_program.use();
-  skin_buffers.draw();
+  if (!view.ghost) drawSkin(1);
+  drawBalls(view);
   if (view.show_tool) {
     const Eigen::Matrix4f place = worldFromTool(snapshot.tool_pose);
     tool_program.use();
@@ -212,6 +225,7 @@ void Renderer::Parts::drawPicture(const Snapshot& snapshot, const View& view) {
     tool_buffers.draw();
   }
   if (!view.show_room) {
+    if (view.ghost) drawSkin(ghost_skin_opacity);
     glDisable(GL_CULL_FACE);
     glDepthFunc(GL_LEQUAL);
     return;
@@ -223,6 +237,33 @@ void Renderer::Parts::drawPicture(const Snapshot& snapshot, const View& view) {
   glDepthFunc(GL_LEQUAL);
   backdrop_program.use();
   glDrawArrays(GL_TRIANGLES, 0, 3);
+  if (view.ghost) drawSkin(ghost_skin_opacity);
+}
+
+/// @param opacity  1, or less: over all that is drawn before, its near side only
+void Renderer::Parts::drawSkin(float opacity) {
+  skin_program.use();
+  glUniform1f(skin_opacity, opacity);
+  if (opacity >= 1) return skin_buffers.draw();
+  glEnable(GL_CULL_FACE);
+  glEnable(GL_BLEND);
+  glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
+  skin_buffers.draw();
+  glDisable(GL_BLEND);
+  glDisable(GL_CULL_FACE);
+}
+
+void Renderer::Parts::drawBalls(const View& view) const {
+  if (view.balls.empty()) return;
+  tool_program.use();
+  glUniform1f(tool_opacity, 1);
+  for (const Ball& ball : view.balls) {
+    Eigen::Matrix4f place = Eigen::Matrix4f::Identity();
+    place.topLeftCorner<3, 3>() *= static_cast<float>(ball.radius);
+    place.topRightCorner<3, 1>() = ball.centre.cast<float>();
+    glUniformMatrix4fv(tool_place, 1, GL_FALSE, place.data());
+    ball_buffers.draw();
+  }
 }
 
 /// Where the hand is that the tool stays behind: seen through tissue and tool.

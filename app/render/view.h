@@ -9,6 +9,19 @@
 
 namespace palpate::app {
 
+/// Something solid inside the body, e.g. a lump, as it lies now.
+struct Ball {
+  Vec3 centre = Vec3::Zero();  // m
+  double radius = 0;           // m
+};
+
+/// Where the organ is cut open: a plane through the body at rest, which then deforms with it.
+struct Section {
+  bool on = false;
+  Vec3 normal = -Vec3::UnitY();  // unit; what lies on its side is taken away
+  float offset = 0;              // of the organ's radius, along the normal from its middle
+};
+
 /// What the viewer wants to see. The window edits it, the renderer reads it.
 struct View {
   Camera camera;
@@ -26,7 +39,10 @@ struct View {
   bool show_forces = true;    // arrow of the tool's force
   bool show_contact = false;  // arrows of the forces at the skin's vertices
   bool show_fixed = true;     // hint of the imposed region on the skin
-  int picked_point = -1;      // integration point whose support is shown; -1: none
+  bool ghost = false;         // the skin is translucent, what is inside is seen through it
+  std::vector<Ball> balls;    // inside
+  Section section;
+  int picked_point = -1;  // integration point whose support is shown; -1: none
 
   int pulled_vertex = -1;           // skin vertex that a spring pulls; -1: none
   Vec3 pull_target = Vec3::Zero();  // m

@@ -2,6 +2,10 @@
 
 namespace palpate::app {
 
+namespace {
+constexpr double mark_radius = 0.003;  // m, of the ball that shows a mark
+}
+
 Camera startCamera(const Scene& scene, const Layout& layout, const CanvasSize& size) {
   Camera camera = Camera::fromScene(scene);
   camera.distance *= static_cast<double>(size.height) / static_cast<double>(layout.view.height);
@@ -16,25 +20,36 @@ Camera centredIn(const Layout& layout, const Camera& camera, const CanvasSize& s
   return shifted;
 }
 
-void frameOrgan(Camera& camera, const Renderer& renderer, const Layout& layout, const CanvasSize& size) {
+void frameOrgan(Camera& camera, const OrganView& organ, const Layout& layout, const CanvasSize& size) {
   // The free part sees a share of the picture's height: a sphere that much larger,
   // framed in a picture of the free part's shape, then fits into it.
   const double share = static_cast<double>(layout.view.height) / size.height;
-  camera.frame(renderer.centre(), renderer.radius() / share, static_cast<int>(layout.view.width),
+  camera.frame(organ.centre(), organ.radius() / share, static_cast<int>(layout.view.width),
                static_cast<int>(layout.view.height));
 }
 
-PanelRequests drawComposition(Renderer& renderer, Interface& ui, const Session& session, const Snapshot& snapshot,
+PanelRequests drawComposition(OrganView& organ, Interface& ui, const Session& session, const Snapshot& snapshot,
                               View& view, PanelState& panels, const Layout& layout, const CanvasSize& size,
-                              double frames_per_second) {
+                              const Shown& shown) {
   View drawn = view;
   drawn.camera = centredIn(layout, view.camera, size);
+  const TaskScore* task = session.task();
+  const bool hidden = task != nullptr && !session.revealed();
+  if (hidden) drawn.ghost = drawn.section.on = false;
+  if (drawn.ghost || drawn.section.on) drawn.balls = ballsInside(session.model(), snapshot.u);
+  if (task != nullptr)
+    for (const LumpMark& mark : task->marks()) drawn.balls.push_back({mark.place, mark_radius});
   drawn.pixel_ratio = size.pixel_ratio * ui.theme().scale;
-  const ColourScale scale = renderer.draw(snapshot, drawn, size.pixelWidth(), size.pixelHeight());
+  const ColourScale scale = organ.draw(snapshot, drawn, size.pixelWidth(), size.pixelHeight());
 
   PanelData data = session.panelData(snapshot);
   data.colour_scale = scale;
-  data.frames_per_second = frames_per_second;
+  data.frames_per_second = shown.frames_per_second;
+  data.pull_N = shown.pull_N;
+  data.hand_depth_m = shown.hand_depth_m;
+  data.hand_on_skin = shown.hand_on_skin;
+  data.scenes = shown.scenes;
+  data.timeless = !shown.timing;
   const PanelRequests requests = drawPanels(ui.theme(), data, layout, panels, view);
   ui.end();
   return requests;

@@ -1,9 +1,12 @@
 #pragma once
 
+#include <span>
+#include <string>
+
 #include "app/panels/interface.h"
 #include "app/panels/layout.h"
-#include "app/render/renderer.h"
 #include "app/render/view.h"
+#include "app/run/organ_view.h"
 #include "app/run/session.h"
 
 namespace palpate::app {
@@ -25,12 +28,22 @@ Camera startCamera(const Scene& scene, const Layout& layout, const CanvasSize& s
 Camera centredIn(const Layout& layout, const Camera& camera, const CanvasSize& size);
 
 /// Brings the whole organ into that part of the picture.
-void frameOrgan(Camera& camera, const Renderer& renderer, const Layout& layout, const CanvasSize& size);
+void frameOrgan(Camera& camera, const OrganView& organ, const Layout& layout, const CanvasSize& size);
+
+/// What the panels show of the window beside the session.
+struct Shown {
+  double frames_per_second = 0;
+  double pull_N = -1;
+  double hand_depth_m = 0;
+  bool hand_on_skin = false;
+  std::span<const std::string> scenes{};
+  bool timing = true;  // what the clock says of this machine
+};
 
 /// Draws organ and panels into the framebuffer that is bound, between ui.begin() and
 /// the buffers' swap: the same for window and off-screen run.
-PanelRequests drawComposition(Renderer& renderer, Interface& ui, const Session& session, const Snapshot& snapshot,
+PanelRequests drawComposition(OrganView& organ, Interface& ui, const Session& session, const Snapshot& snapshot,
                               View& view, PanelState& panels, const Layout& layout, const CanvasSize& size,
-                              double frames_per_second);
+                              const Shown& shown);
 
 }  // namespace palpate::app

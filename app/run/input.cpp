@@ -12,20 +12,23 @@ namespace palpate::app {
 namespace {
 
 Drag beginningDrag(const Input& input) {
-  if (!input.left && !input.right) return Drag::None;
+  if (!input.left && !input.right && !input.middle) return Drag::None;
   if (input.mouse_taken) return Drag::Panel;
+  if (input.middle) return Drag::Orbit;
   if (input.left && input.ctrl) return Drag::Pull;
   if (input.shift) return input.left ? Drag::MoveTool : Drag::PushTool;
+  if (input.left && input.alt) return Drag::TurnTool;
+  if (input.left && input.on_skin) return Drag::Glide;
   return input.left ? Drag::Orbit : Drag::Pan;
 }
 
 }  // namespace
 
-Actions Controls::read(const Input& input, bool help_is_open) {
+Actions Controls::read(const Input& input, bool something_open) {
   Actions actions;
 
   const Drag before = drag_;
-  if (!input.left && !input.right)
+  if (!input.left && !input.right && !input.middle)
     drag_ = Drag::None;
   else if (drag_ == Drag::None)
     drag_ = beginningDrag(input);
@@ -49,13 +52,20 @@ Actions Controls::read(const Input& input, bool help_is_open) {
     case Drag::PushTool:
       actions.push_tool_px = moved.y();
       break;
+    case Drag::Glide:
+      actions.glide = true;
+      break;
+    case Drag::TurnTool:
+      actions.turn_tool = moved;
+      break;
     case Drag::Pull:
       actions.pull_begin = began;
       actions.pulling = true;
       break;
   }
   actions.pick_point = input.double_click && drag_ == Drag::Orbit;
-  if (!input.mouse_taken) (input.shift ? actions.push_tool_notches : actions.zoom) = input.wheel;
+  const bool pushes = input.shift || drag_ == Drag::Glide;
+  if (!input.mouse_taken) (pushes ? actions.push_tool_notches : actions.zoom) = input.wheel;
 
   if (input.keys_taken) return actions;
   actions.toggle_pause = input.wasPressed(Key::Space);
@@ -65,32 +75,38 @@ Actions Controls::read(const Input& input, bool help_is_open) {
   actions.frame_view = input.wasPressed(Key::F);
   actions.toggle_panels = input.wasPressed(Key::H);
   actions.toggle_help = input.wasPressed(Key::F1);
-  actions.close_help = input.wasPressed(Key::Escape) && help_is_open;
-  actions.quit = input.wasPressed(Key::Escape) && !help_is_open;
+  actions.close = input.wasPressed(Key::Escape) && something_open;
+  actions.quit = input.wasPressed(Key::Escape) && !something_open;
+  actions.open_scene = input.ctrl && input.wasPressed(Key::O);
+  actions.save_forces = input.ctrl && input.wasPressed(Key::S);
+  actions.save_picture = input.wasPressed(Key::F12);
+  actions.toggle_full_screen = input.wasPressed(Key::F11);
+  actions.toggle_demo = input.wasPressed(Key::F10);
+  actions.toggle_section = input.wasPressed(Key::X);
+  actions.toggle_ghost = input.wasPressed(Key::G);
+  actions.mark = input.wasPressed(Key::M);
   actions.toggle_nodes = input.wasPressed(Key::N);
   actions.toggle_points = input.wasPressed(Key::P);
   for (int k = 0; k < 4; ++k)
     if (input.wasPressed(static_cast<Key>(static_cast<int>(Key::Digit1) + k))) actions.colour_map = k;
   actions.tool_keys = input.arrows;
+  actions.turn_keys = input.tilt;
   return actions;
 }
 
 std::optional<Key> keyFromGlfw(int code) {
   static constexpr std::array<std::pair<int, Key>, static_cast<std::size_t>(Key::Count)> keys{
-      {{GLFW_KEY_SPACE, Key::Space},
-       {GLFW_KEY_BACKSPACE, Key::Backspace},
-       {GLFW_KEY_PERIOD, Key::Period},
-       {GLFW_KEY_F, Key::F},
-       {GLFW_KEY_H, Key::H},
-       {GLFW_KEY_F1, Key::F1},
-       {GLFW_KEY_ESCAPE, Key::Escape},
-       {GLFW_KEY_1, Key::Digit1},
-       {GLFW_KEY_2, Key::Digit2},
-       {GLFW_KEY_3, Key::Digit3},
-       {GLFW_KEY_4, Key::Digit4},
-       {GLFW_KEY_N, Key::N},
-       {GLFW_KEY_P, Key::P},
-       {GLFW_KEY_Z, Key::Z}}};
+      {{GLFW_KEY_SPACE, Key::Space},   {GLFW_KEY_BACKSPACE, Key::Backspace},
+       {GLFW_KEY_PERIOD, Key::Period}, {GLFW_KEY_F, Key::F},
+       {GLFW_KEY_H, Key::H},           {GLFW_KEY_F1, Key::F1},
+       {GLFW_KEY_ESCAPE, Key::Escape}, {GLFW_KEY_1, Key::Digit1},
+       {GLFW_KEY_2, Key::Digit2},      {GLFW_KEY_3, Key::Digit3},
+       {GLFW_KEY_4, Key::Digit4},      {GLFW_KEY_N, Key::N},
+       {GLFW_KEY_P, Key::P},           {GLFW_KEY_Z, Key::Z},
+       {GLFW_KEY_O, Key::O},           {GLFW_KEY_S, Key::S},
+       {GLFW_KEY_G, Key::G},           {GLFW_KEY_X, Key::X},
+       {GLFW_KEY_M, Key::M},           {GLFW_KEY_F10, Key::F10},
+       {GLFW_KEY_F11, Key::F11},       {GLFW_KEY_F12, Key::F12}}};
   for (const auto& [glfw_code, key] : keys)
     if (glfw_code == code) return key;
   return {};
@@ -105,9 +121,11 @@ Input inputFromImGui(std::uint32_t pressed) {
   input.wheel = io.MouseWheel != 0 ? io.MouseWheel : io.KeyShift ? io.MouseWheelH : 0;
   input.left = io.MouseDown[0];
   input.right = io.MouseDown[1];
+  input.middle = io.MouseDown[2];
   input.double_click = io.MouseDoubleClicked[0];
   input.shift = io.KeyShift;
   input.ctrl = io.KeyCtrl;
+  input.alt = io.KeyAlt;
   input.mouse_taken = io.WantCaptureMouse;
   input.keys_taken = io.WantTextInput;
   input.pressed = pressed;
@@ -117,6 +135,7 @@ Input inputFromImGui(std::uint32_t pressed) {
   };
   input.arrows = {axis(GLFW_KEY_LEFT, GLFW_KEY_RIGHT), axis(GLFW_KEY_DOWN, GLFW_KEY_UP),
                   axis(GLFW_KEY_PAGE_DOWN, GLFW_KEY_PAGE_UP)};
+  input.tilt = {axis(GLFW_KEY_J, GLFW_KEY_L), axis(GLFW_KEY_K, GLFW_KEY_I)};
   return input;
 }
 

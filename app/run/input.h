@@ -23,21 +23,31 @@ enum class Key : std::uint8_t {
   N,
   P,
   Z,
+  O,
+  S,
+  G,
+  X,
+  M,
+  F10,
+  F11,
+  F12,
   Count
 };
 
 /// What mouse and keyboard did since the last frame.
 struct Input {
-  Eigen::Vector2d mouse{0, 0};        // px, from the window's top left corner
-  Eigen::Vector2d mouse_delta{0, 0};  // px
-  double wheel = 0;                   // notches, away from the user positive
-  bool left = false, right = false;   // buttons held
-  bool double_click = false;          // left button
-  bool shift = false, ctrl = false;
+  Eigen::Vector2d mouse{0, 0};                       // px, from the window's top left corner
+  Eigen::Vector2d mouse_delta{0, 0};                 // px
+  double wheel = 0;                                  // notches, away from the user positive
+  bool left = false, right = false, middle = false;  // buttons held
+  bool double_click = false;                         // left button
+  bool shift = false, ctrl = false, alt = false;
+  bool on_skin = false;             // the pointer is over the skin, and the probe glides there
   bool mouse_taken = false;         // the pointer is over a panel
   bool keys_taken = false;          // a panel is being typed into
   std::uint32_t pressed = 0;        // bit per Key: went down since the last frame
   Eigen::Vector3d arrows{0, 0, 0};  // held keys, -1..1: Left/Right, Down/Up, PageDown/PageUp
+  Eigen::Vector2d tilt{0, 0};       // held keys, -1..1: J/L, K/I
 
   bool wasPressed(Key key) const { return (pressed >> static_cast<unsigned>(key) & 1u) != 0; }
   void press(Key key) { pressed |= 1u << static_cast<unsigned>(key); }
@@ -45,13 +55,15 @@ struct Input {
 
 /// What a held mouse button is doing. It is settled when the button goes down and
 /// stays so until it comes up, whatever the modifiers or the pointer do meanwhile.
-enum class Drag : std::uint8_t { None, Panel, Orbit, Pan, Pull, MoveTool, PushTool };
+enum class Drag : std::uint8_t { None, Panel, Orbit, Pan, Pull, MoveTool, PushTool, Glide, TurnTool };
 
 /// What one frame's input asks for.
 struct Actions {
   bool toggle_pause = false, reset = false, undo = false, single_step = false;
   bool frame_view = false, toggle_panels = false, toggle_help = false;
-  bool close_help = false, quit = false;
+  bool close = false, quit = false;  // close: what is open
+  bool open_scene = false, save_picture = false, save_forces = false;
+  bool toggle_full_screen = false, toggle_demo = false, toggle_section = false, toggle_ghost = false, mark = false;
   bool toggle_nodes = false, toggle_points = false;
   int colour_map = -1;                     // 0..3, -1: no change
   Eigen::Vector2d orbit{0, 0}, pan{0, 0};  // px
@@ -60,6 +72,9 @@ struct Actions {
   double push_tool_px = 0;                 // px along the tool's axis, into the tissue positive
   double push_tool_notches = 0;            // the same by wheel
   Eigen::Vector3d tool_keys{0, 0, 0};      // -1..1: right, away from the viewer, out of the tissue
+  Eigen::Vector2d turn_keys{0, 0};         // -1..1: to the right, away from the viewer
+  Eigen::Vector2d turn_tool{0, 0};         // px
+  bool glide = false;                      // the pointer leads the probe over the skin
   bool pick_point = false;                 // show the support of the point under the pointer
   bool pull_begin = false;                 // take hold of the skin under the pointer
   bool pulling = false;                    // the pointer drags what was taken hold of
@@ -68,7 +83,8 @@ struct Actions {
 /// Turns input into actions; keeps nothing but the present drag.
 class Controls {
  public:
-  Actions read(const Input& input, bool help_is_open);
+  /// @param something_open  that Escape closes before it quits
+  Actions read(const Input& input, bool something_open);
   Drag drag() const { return drag_; }
 
  private:

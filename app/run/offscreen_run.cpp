@@ -9,7 +9,17 @@
 #include "app/render/framebuffer.h"
 #include "app/render/offscreen_context.h"
 #include "app/run/composition.h"
+#include "app/run/run_checks.h"
+#include "app/run/saved_files.h"
 #include "base/interrupt.h"
+#include "base/key.h"
+#include "base/number_text.h"
+#include "contact/tools/tool_list.h"
+#include "io/find_asset.h"
+#include "io/load_model.h"
+#include "io/output_file.h"
+#include "io/text_file.h"
+#include "simulation/model_hash.h"
 
 namespace palpate::app {
 
@@ -19,51 +29,182 @@ constexpr auto gather_every = std::chrono::milliseconds(2);  // far below what t
 constexpr double plain_width = 1280, plain_height = 800;     // px for which the panels are laid out at scale 1
 constexpr int settling_frames = 3;                           // ImGui needs two to settle sizes, one to draw
 
-Picture drawPicture(Renderer& renderer, Session& session, const Snapshot& snapshot) {
-  const CanvasSize size{session.options().width, session.options().height, 1};
+Picture drawPicture(OrganView& organ, Session& session, const Snapshot& snapshot) {
+  const Options& options = session.options();
+  const CanvasSize size{options.width, options.height, 1};
   const double scale = std::max(1.0, std::min(size.width / plain_width, size.height / plain_height));
   Interface ui(nullptr, static_cast<float>(scale));
-  const Layout layout = layoutFor(size.width, size.height, ui.theme().scale, true);
+  PanelState panels;
+  panels.panels_shown = options.picture.panels;
+  const Layout layout = layoutFor(size.width, size.height, ui.theme().scale, panels.panels_shown);
   View view;
   view.camera = startCamera(session.model().scene, layout, size);
-  PanelState panels;
+  applyChoice(options.picture, view);
+  if (options.picture.cut)
+    cutThroughTool(view.section, snapshot.tool_pose, view.camera, organ.centre(), organ.radius());
+  Shown shown;
+  shown.timing = options.picture.timing;
   const Framebuffer framebuffer(size.width, size.height);
   for (int k = 0; k < settling_frames; ++k) {
     framebuffer.bind();
     ui.begin(size.width, size.height);
-    drawComposition(renderer, ui, session, snapshot, view, panels, layout, size, 0);
+    drawComposition(organ, ui, session, snapshot, view, panels, layout, size, shown);
   }
   return framebuffer.read();
 }
 
-}  // namespace
+/// The references that the run is held to, read before it begins.
+struct References {
+  std::optional<Picture> picture;
+  std::optional<Baseline> baseline;
+};
 
-void runOffscreen(Session& session) {
-  // First what may be missing, so that a long run is not for nothing.
-  const OffscreenContext context;
-  Renderer renderer(session.model(), findShaderDir());
-  session.log().info("OpenGL: " + context.description());
+References readReferences(const Options& options) {
+  References references;
+  if (!options.compare.empty()) references.picture = readPng(options.compare);
+  if (!options.expect.empty()) references.baseline.emplace(options.expect);
+  return references;
+}
 
-  const auto snapshot_at = session.options().snapshot_at;
-  std::optional<Snapshot> wanted;
+/// Runs to the end; where the options name times, `take` gets each of these ticks, at which the loop waits.
+template <class Take>
+void runAndTake(Session& session, const Take& take) {
+  const std::vector<double>& times = session.options().snapshot_at;
+  std::size_t taken = 0;
   session.start();
   while (!session.finished() && !interrupted()) {
     session.gather();
-    if (snapshot_at && !wanted && session.latest().force.time_s >= *snapshot_at) wanted = session.latest();
+    if (taken < times.size() && session.latest().status.paused) {
+      session.gather();  // what that tick told after the last look
+      const std::int64_t tick = session.latest().status.ticks;
+      take(times[taken++], session.latest());
+      session.send(Request::simple(Request::Kind::Resume));
+      while (session.latest().status.ticks == tick && !session.finished() && !interrupted())
+        std::this_thread::sleep_for(gather_every);
+      continue;
+    }
     std::this_thread::sleep_for(gather_every);
   }
   session.finish();
-  if (interrupted()) session.log().info("interrupted: keeping what was done so far");
+  const double end = session.latest().force.time_s + 0.5 / session.model().scene.rate_hz;
+  for (; taken < times.size() && times[taken] <= end; ++taken) take(times[taken], session.latest());  // the last tick's
+}
 
+int exitCodeOf(Session& session, const References& references, const Picture& last, const std::string& report) {
+  const Options& options = session.options();
+  Log& log = session.log();
+  int code = exit_code::done;
+  if (references.picture) {
+    const std::string image = session.results()->fileNamed("difference.png");
+    const std::string problem = pictureDifference(*references.picture, last, options.tolerance, image);
+    if (!problem.empty()) {
+      log.error(problem);
+      code = exit_code::differs;
+    }
+  }
+  if (references.baseline)
+    for (const std::string& line : references.baseline->differences(report)) {
+      log.error(line);
+      code = exit_code::differs;
+    }
+  if (options.strict && session.report().doubt != Doubt::None) code = exit_code::doubted;
+  if (session.report().frozen) code = exit_code::frozen;
+  if (interrupted()) code = exit_code::interrupted;
+  return code;
+}
+
+void writeManifest(Session& session, Manifest manifest) {
+  const Options& options = session.options();
+  manifest.scene_file = findScene(options.scene);
+  manifest.scene_hash = hex16(fnv1a(readWholeFile(manifest.scene_file)));
+  manifest.model_hash = hex16(modelHash(session.model()));
+  manifest.command = options.command;
+  manifest.width = options.width;
+  manifest.height = options.height;
+  manifest.files.insert(manifest.files.end(), {"force.csv", "report.json"});
+  writeWholeFile(session.results()->fileNamed("manifest.json"), toJson(manifest));
+}
+
+}  // namespace
+
+int runOffscreen(Session& session) {
+  // First what may be missing, so that a long run is not for nothing.
+  const References references = readReferences(session.options());
+  const OffscreenContext context;
+  OrganView organ(session.model());
+  session.log().info("OpenGL: " + context.description());
+
+  const Options& options = session.options();
   ResultFolder& results = *session.results();
-  results.writeReport(toJson(session.report()));
-  results.writePicture(drawPicture(renderer, session, wanted ? *wanted : session.latest()));
-  std::cout << "picture      " << results.pictureFile() << '\n';
-  if (session.options().soak_minutes)
+  Manifest manifest;
+  manifest.opengl = context.description();
+  Picture last;
+  const auto keep = [&](const std::string& stem, const Snapshot& snapshot) {
+    last = drawPicture(organ, session, snapshot);
+    manifest.files.push_back(stem + ".png");
+    manifest.picture_times_s.push_back(snapshot.force.time_s);
+    writePng(results.fileNamed(stem + ".png"), last);
+    std::cout << "picture      " << results.fileNamed(stem + ".png") << '\n';
+    if (!options.dump_fields) return;
+    manifest.files.push_back(stem + ".vtu");
+    writeStateVtu(results.fileNamed(stem + ".vtu"), session.model(), snapshot.u);
+    std::cout << "fields       " << results.fileNamed(stem + ".vtu") << '\n';
+  };
+  const bool one = options.snapshot_at.size() <= 1;
+  runAndTake(session, [&](double time, const Snapshot& snapshot) {
+    keep(one ? "snapshot" : format("snapshot_%gs", time), snapshot);
+  });
+  if (interrupted()) session.log().info("interrupted: keeping what was done so far");
+  if (manifest.files.empty()) keep("snapshot", session.latest());
+
+  if (session.task() != nullptr && options.trainee) {
+    writeWholeFile(results.fileNamed("score.json"), session.submitTask());
+    const TaskScore::Sheet sheet = session.task()->sheet();
+    std::cout << format("score        %s: %d found, %d missed, %d false, %.1f mm off\n",
+                        results.fileNamed("score.json").c_str(), sheet.hits, sheet.misses, sheet.false_alarms,
+                        sheet.mean_error_mm);
+  }
+  const std::string report = toJson(session.report());
+  results.writeReport(report);
+  writeManifest(session, manifest);
+  if (options.soak_minutes)
     std::cout << "soak         " << results.soakTextFile() << '\n';
   else
     std::cout << "force curve  " << results.forceFile() << '\n';
   std::cout << "report       " << results.reportFile() << std::endl;
+  return exitCodeOf(session, references, last, report);
+}
+
+int checkLumps(const Options& options, const Scene& scene) {
+  const Model model = loadModel(scene, {}, ModelCache(options.use_cache ? ModelCache::userFolder() : "", {}));
+  const double depth = 0.8 * scene.tool.radius;
+  const std::vector<Lump> lumps = lumpsOf(model);
+  const std::vector<LumpFeel> feels = feelLumps(model, depth);
+  bool felt = true;
+  std::cout << format("pressed %.1f mm deep by a %s of %.1f mm\n", 1e3 * depth, toolType(scene.tool.kind).title,
+                      1e3 * scene.tool.radius);
+  for (std::size_t k = 0; k < lumps.size(); ++k) {
+    const bool clear = feels[k].ratio() >= least_feel;
+    felt &= clear;
+    std::cout << format(
+        "lump %d: radius %.1f mm, top %.1f mm deep, %.1f times as stiff: %.0f N/m above it, %.0f beside "
+        "it, ratio %.2f%s\n",
+        static_cast<int>(k) + 1, 1e3 * lumps[k].radius, 1e3 * lumps[k].top, lumps[k].stiffness, feels[k].above_N_per_m,
+        feels[k].beside_N_per_m, feels[k].ratio(), clear ? "" : ": can't be felt");
+  }
+  if (!felt)
+    std::cerr << format(
+        "palpate: a lump is felt less than %.1f times as stiff as the tissue beside it; make it larger, "
+        "stiffer or less deep\n",
+        least_feel);
+  return felt ? exit_code::done : exit_code::differs;
+}
+
+int comparePictures(const Options& options) {
+  const std::string problem =
+      pictureDifference(readPng(options.compare), readPng(options.scene), options.tolerance, "");
+  std::cout << (problem.empty() ? "the pictures look the same" : problem) << std::endl;
+  return problem.empty() ? exit_code::done : exit_code::differs;
 }
 
 }  // namespace palpate::app

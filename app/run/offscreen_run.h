@@ -4,9 +4,16 @@
 
 namespace palpate::app {
 
-/// Runs a session without a display to its end (or to SIGINT), then leaves snapshot.png,
-/// force.csv and report.json in its result folder and prints where they are.
-/// Throws std::runtime_error where there is no OpenGL at all or a file can't be written.
-void runOffscreen(Session& session);
+/// Runs a session to its end without a display and writes its results: pictures (at the very ticks that were asked
+/// for), forces, report, manifest. Compares with references where the options name some.
+/// @return the exit code (run_checks.h)
+/// Throws InputError for a reference that can't be used, before the run.
+int runOffscreen(Session& session);
+
+/// `palpate SCENE --check-lumps`: whether each lump is felt at the working depth, 0.8 tool radii. Returns the exit code.
+int checkLumps(const Options& options, const Scene& scene);
+
+/// `palpate NEW.png --compare REFERENCE.png`: compares two pictures. Returns the exit code.
+int comparePictures(const Options& options);
 
 }  // namespace palpate::app

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <sstream>
 
 #include "base/build_info.h"
 #include "base/input_error.h"
@@ -24,7 +25,8 @@ const char* const examples = R"(Examples:
   palpate liver --record session.rec             keep what the tool did ...
   palpate liver --replay session.rec --offscreen --as-fast-as-possible   ... and repeat it bit for bit
 
-Keys in the window: F1 shows them. Exit codes: 0 done, 1 failed while running, 2 bad option or scene.)";
+Keys in the window: F1 shows them. Exit codes: 0 done, 1 failed while running, 2 bad option or scene,
+3 doubted (--strict), 4 ended frozen, 5 differs (--compare, --expect), 130 interrupted; results are kept.)";
 
 /// Accepts finite numbers in [low, high] and says so otherwise.
 CLI::Validator numberWithin(double low, double high, const std::string& unit) {
@@ -56,8 +58,92 @@ bool readSize(const std::string& text, int& width, int& height) {
 
 ParsedOptions refusal(const std::string& problem) { return {{}, "palpate: " + problem + "; see palpate --help", 2}; }
 
-/// @param size, no_cache  what the options say of these; they reach `o` later
-void addOptions(CLI::App& app, Options& o, std::string& size, bool& no_cache) {
+/// Options that are read further when all are known.
+struct Texts {
+  std::string times, camera, view, field, range;
+};
+
+void addPictureOptions(CLI::App& app, Options& o, Texts& texts) {
+  app.add_flag("!--no-panels", o.picture.panels,
+               "Off-screen: the organ alone, e.g. palpate liver --offscreen --no-panels");
+  app.add_flag(
+      "--timing", o.picture.timing,
+      "Off-screen: with the log, and how fast this machine was, in the picture; without, it is the same again");
+  app.add_option("--camera", texts.camera,
+                 "Off-screen: look from AZIMUTH,ELEVATION[,DISTANCE], e.g. --camera -60,25,0.4")
+      ->type_name("AZ,EL[,M]");
+  app.add_option("--view", texts.view, "Off-screen: look from front, back, left, right, top or bottom, e.g. --view top")
+      ->type_name("NAME");
+  app.add_option("--field", texts.field, "Off-screen: colour by displacement, von_mises or J, e.g. --field von_mises")
+      ->type_name("NAME");
+  app.add_option("--range", texts.range, "The colours' range in m, Pa or 1, e.g. --field displacement --range 0:0.01")
+      ->type_name("LOW:HIGH");
+  app.add_option("--show", o.picture.show,
+                 "Overlays to show: nodes, points, force, contact, fixed, tool, e.g. --show nodes")
+      ->type_name("LIST");
+  app.add_option("--hide", o.picture.hide, "Overlays to hide, likewise, e.g. --hide force,fixed")->type_name("LIST");
+  app.add_flag("--cut", o.picture.cut,
+               "Off-screen: the organ cut open through the probe, e.g. palpate liver --offscreen --cut");
+  app.add_flag("--ghost", o.picture.ghost,
+               "Off-screen: the skin is seen through, e.g. palpate liver --offscreen --ghost");
+  app.add_flag("--fields", o.dump_fields, "Off-screen: the deformed body beside each picture, as VTU, e.g. --fields");
+  app.add_option(
+         "--compare", o.compare,
+         "Off-screen: exit with code 5 where the last picture differs from PNG, e.g. --compare ref.png; SCENE may "
+         "be a picture, too: palpate new.png --compare ref.png")
+      ->type_name("PNG");
+  app.add_option("--tolerance", o.tolerance,
+                 "Of --compare: mean colour difference (delta E) allowed, e.g. --tolerance 1")
+      ->type_name("E")
+      ->check(numberWithin(0, 100, "delta E"));
+  app.add_option(
+         "--expect", o.expect,
+         "Off-screen: exit with code 5 where report.json differs from this baseline, e.g. --expect baseline.json")
+      ->type_name("JSON");
+  app.add_flag("--strict", o.strict, "Off-screen: exit with code 3 where a force was doubted, e.g. --strict");
+}
+
+/// "0.5,1.5" as ascending times; empty where it is something else.
+std::vector<double> timesOf(const std::string& text) {
+  std::vector<double> times;
+  std::istringstream parts(text);
+  for (std::string part; std::getline(parts, part, ',');) {
+    double time = 0;
+    if (!CLI::detail::lexical_cast(part, time) || !std::isfinite(time) || time < 0 || time > 1e6) return {};
+    times.push_back(time);
+  }
+  std::sort(times.begin(), times.end());
+  return times;
+}
+
+/// What is wrong with the options of off-screen pictures; empty: nothing.
+std::string readPictureOptions(Options& o, const Texts& texts) {
+  if (!texts.times.empty()) {
+    o.snapshot_at = timesOf(texts.times);
+    if (o.snapshot_at.empty())
+      return "--snapshot-at: '" + texts.times + "' is not a time from 0 to 1e6 s, or several with commas";
+    if (!o.offscreen) return "--snapshot-at is for off-screen runs; add --offscreen";
+    if (o.seconds && o.snapshot_at.back() > *o.seconds) return "--snapshot-at lies after the end that --seconds sets";
+  }
+  if (o.trainee && (!o.offscreen || o.seconds || !o.tool_script.empty() || !o.replay.empty() || o.soak_minutes))
+    return "--trainee moves the tool itself, off-screen, to its end; add --offscreen, and leave out --seconds, --tool, "
+           "--replay and --soak";
+  const std::string problem = readPictureChoice(texts.camera, texts.view, texts.field, texts.range, o.picture);
+  if (!problem.empty()) return problem;
+  const bool for_pictures = !texts.camera.empty() || !texts.view.empty() || !texts.field.empty() ||
+                            !o.picture.show.empty() || !o.picture.hide.empty() || !o.picture.panels ||
+                            o.picture.timing || o.picture.cut || o.picture.ghost || o.dump_fields ||
+                            !o.expect.empty() || o.strict;
+  if (for_pictures && !o.offscreen)
+    return "--no-panels, --timing, --camera, --view, --field, --show, --hide, --cut, --ghost, --fields, --expect and "
+           "--strict are for off-screen runs; add --offscreen";
+  if (!o.compare.empty() && !o.offscreen && !o.scene.ends_with(".png"))
+    return "--compare is for off-screen runs and pictures; add --offscreen";
+  return {};
+}
+
+/// @param size, no_cache, texts  what the options say of these; they reach `o` later
+void addOptions(CLI::App& app, Options& o, std::string& size, bool& no_cache, Texts& texts) {
   app.add_option("SCENE", o.scene, "Scene file (.toml), or the name of one in assets/scenes, e.g. liver");
   app.add_flag("--offscreen", o.offscreen,
                "Run without a display; write snapshot.png, force.csv and report.json, e.g. palpate liver --offscreen");
@@ -91,10 +177,18 @@ void addOptions(CLI::App& app, Options& o, std::string& size, bool& no_cache) {
   app.add_option("--size", size, "Size of the window or picture in pixels, e.g. --size 1600x1000")
       ->type_name("WxH")
       ->default_str("1280x800");
-  app.add_option("--snapshot-at", o.snapshot_at,
-                 "Off-screen: take the picture at S seconds instead of at the end, e.g. --snapshot-at 1.5")
-      ->type_name("S")
-      ->check(numberWithin(0, 1e6, "s"));
+  app.add_option("--snapshot-at", texts.times,
+                 "Off-screen: take the picture at S seconds instead of at the end, or several, e.g. --snapshot-at "
+                 "0.5,1.5; picture, plots and fields are of that very tick")
+      ->type_name("S");
+  addPictureOptions(app, o, texts);
+  app.add_flag("--trainee", o.trainee,
+               "Off-screen: a trainee by rule looks for the scene's lumps; writes score.json, e.g. palpate "
+               "lump_liver --trainee --offscreen --fast");
+  app.add_flag(
+      "--check-lumps", o.check_lumps,
+      "Tell how clearly each lump is felt at the working depth; exit with code 5 where one is not, e.g. palpate "
+      "lump_liver --check-lumps");
   app.add_option("--threads", o.threads, "Physics threads instead of the scene's number, e.g. --threads 2")
       ->type_name("N")
       ->check(numberWithin(1, 64, "threads"));
@@ -113,7 +207,8 @@ ParsedOptions parseOptions(int argc, const char* const* argv) {
   app.footer(examples);
   app.set_version_flag("--version", buildInfo());
   app.get_formatter()->column_width(36);
-  addOptions(app, o, size, no_cache);
+  Texts texts;
+  addOptions(app, o, size, no_cache, texts);
 
   try {
     app.parse(argc, argv);
@@ -143,9 +238,8 @@ ParsedOptions parseOptions(int argc, const char* const* argv) {
     return refusal("--replay and --tool both say where the tool goes; give one of them");
   if (!o.replay.empty() && o.replay == o.record)
     return refusal("--record would overwrite the recording that --replay reads; name another file");
-  if (o.snapshot_at && !o.offscreen) return refusal("--snapshot-at is for off-screen runs; add --offscreen");
-  if (o.snapshot_at && o.seconds && *o.snapshot_at > *o.seconds)
-    return refusal("--snapshot-at lies after the end that --seconds sets");
+  if (const std::string problem = readPictureOptions(o, texts); !problem.empty()) return refusal(problem);
+  for (int k = 0; k < argc; ++k) o.command += (k > 0 ? " " : "") + std::string(argv[k]);
   return {o, "", 0};
 }
 

@@ -2,6 +2,10 @@
 
 #include <optional>
 #include <string>
+#include <vector>
+
+#include "app/run/picture_choice.h"
+#include "app/run/tool_choice.h"
 
 namespace palpate::app {
 
@@ -10,16 +14,25 @@ namespace palpate::app {
 struct Options {
   std::string scene;  // as typed: a file, or the name of a scene in assets/scenes
   bool offscreen = false;
-  std::optional<double> seconds;       // s of physics time, then end
-  std::optional<double> soak_minutes;  // min of physics time under a tool that never stops, then end
-  bool rough = false;                  // that tool is a rough hand's
-  std::optional<unsigned> seed;        // of the soak's tool
-  std::optional<double> rate_hz;       // instead of the scene's
-  std::optional<int> threads;          // instead of the scene's
-  std::optional<double> snapshot_at;   // s; off-screen picture; default: the end of the run
-  std::string tool_script;             // as typed: a file, or the name of a script in assets/tools; empty: none
-  std::string record;                  // empty: none
-  std::string replay;                  // empty: none
+  std::optional<double> seconds;          // s of physics time, then end
+  std::optional<double> soak_minutes;     // min of physics time under a tool that never stops, then end
+  bool rough = false;                     // that tool is a rough hand's
+  std::optional<unsigned> seed;           // of the soak's tool
+  std::optional<double> rate_hz;          // instead of the scene's
+  std::optional<int> threads;             // instead of the scene's
+  std::vector<double> snapshot_at;        // s, ascending; off-screen pictures; empty: the end of the run
+  PictureChoice picture;                  // of these
+  bool dump_fields = false;               // beside each picture, for ParaView
+  std::string compare, expect;            // a reference picture, a baseline of the report; empty: none
+  double tolerance = 0.5;                 // of compare: mean delta E
+  bool trainee = false;                   // a trainee by rule looks for the lumps
+  bool check_lumps = false;               // whether they can be felt
+  bool strict = false;                    // a doubted run is a failed one
+  std::string command;                    // as typed
+  std::optional<ToolChoice> tool_choice;  // chosen in the window, instead of the scene's
+  std::string tool_script;                // as typed: a file, or the name of a script in assets/tools; empty: none
+  std::string record;                     // empty: none
+  std::string replay;                     // empty: none
   std::string out;                 // empty: out/<scene> off-screen, out/<scene>-soak in a soak, nothing in the window
   int width = 1280, height = 800;  // px
   bool as_fast_as_possible = false;

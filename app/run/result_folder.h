@@ -34,7 +34,8 @@ class ResultFolder {
   std::string reportFile() const { return folder_ + "/report.json"; }
   std::string soakJsonFile() const { return folder_ + "/soak.json"; }
   std::string soakTextFile() const { return folder_ + "/soak.txt"; }
-  std::string pictureFile() const { return folder_ + "/snapshot.png"; }
+  std::string pictureFile() const { return fileNamed("snapshot.png"); }
+  std::string fileNamed(const std::string& name) const { return folder_ + "/" + name; }
 
  private:
   void checkForces();

@@ -22,6 +22,8 @@ namespace {
 
 constexpr double history_seconds = 8;  // of the plots
 constexpr double default_offscreen_seconds = 4;
+constexpr std::size_t most_samples = 150000;  // kept to be saved: five minutes at 500 Hz
+constexpr double notice_seconds = 6;          // of the run, that a notice stays when its cause does not come again
 
 std::string fileName(const std::string& path) { return std::filesystem::path(path).filename().string(); }
 
@@ -46,7 +48,7 @@ std::optional<Recording> recordingToReplay(const Options& options, const Scene& 
   return recording;
 }
 
-Model buildModelOf(const Scene& scene, bool use_cache, Log& log) {
+Model buildModelOf(const Scene& scene, bool use_cache, Log& log, const LoadProgress& progress) {
   const bool watched = isatty(STDERR_FILENO) != 0;
   const auto warn = [&](const std::string& line) {
     if (watched) std::cerr << "\r\033[K";  // over the progress
@@ -58,6 +60,7 @@ Model buildModelOf(const Scene& scene, bool use_cache, Log& log) {
       scene,
       [&](const std::string& what, double fraction) {
         if (interrupted()) throw std::runtime_error("interrupted while the model was made");
+        if (progress) progress(what, fraction);
         if (!watched) return;
         std::string line = format("\r\033[K%3.0f %%  %s", 100 * fraction, what.c_str());
         if (line == shown) return;
@@ -87,30 +90,47 @@ SetupLine setupLine(const char* name, const std::string& outcome) {
 
 }  // namespace
 
+/// Another probe in the scene's place. What is kept of a set-up depends on the radius.
+static void overrideTool(Scene& scene, const ToolChoice& choice) {
+  scene.tool = ToolShape::of(choice.kind, choice.radius, std::max(scene.tool.length, 3 * choice.radius));
+  if (!scene.set_up_values.empty()) scene.set_up_values += "instead: tool.radius = " + shortest(choice.radius) + "\n";
+  if (const std::optional<ToolFault> fault = toolType(choice.kind).fault(scene.tool))
+    throw InputError(scene.place, fault->problem, fault->advice);
+}
+
 Scene readScene(const Options& options) {
   Scene scene = palpate::readScene(findScene(options.scene));
   if (options.rate_hz) overrideRate(scene, *options.rate_hz);
   if (options.threads) scene.threads = *options.threads;
+  if (options.tool_choice) overrideTool(scene, *options.tool_choice);
   return scene;
 }
 
-Session::Session(const Options& options, const Scene& scene, Log& log)
+bool isTask(const Scene& scene) {
+  return scene.places.contains("lumps.count") || scene.places.contains("lump[0].radius");
+}
+
+void checkOptions(const Options& options) { namedScript(options.tool_script, readScene(options).tool.radius); }
+
+Session::Session(const Options& options, const Scene& scene, Log& log, const LoadProgress& progress)
     : options_(options),
       log_(log),
       scene_(scene),
       tool_script_(namedScript(options.tool_script, scene.tool.radius)),
       replay_(recordingToReplay(options, scene)),
       results_(openResults(options)),
-      model_(buildModelOf(scene_, options.use_cache, log)),
+      model_(buildModelOf(scene_, options.use_cache, log, progress)),
       scene_materials_(model_.materials),
       stiffness_(model_.materials.size(), 1.0),
       sent_before_(stiffness_),
       friction_(scene_.friction),
       forces_(history_seconds) {
+  if (isTask(scene_)) task_.emplace(model_, lumpsOf(model_));
   SimulationLoopOptions loop_options;
   loop_options.as_fast_as_possible = options_.as_fast_as_possible;
   loop_options.start_paused = !options_.offscreen;  // the window resumes with its first picture
   chooseInput(loop_options);
+  for (const double time : options_.snapshot_at) loop_options.pause_at.push_back(ticksIn(time, scene_.rate_hz));
 
   if (!options_.record.empty()) {
     recording_ = Recording{scene_.name, modelHash(model_), scene_.rate_hz, 0, {}};
@@ -127,6 +147,7 @@ void Session::followScript(const ToolScript& script, SimulationLoopOptions& loop
   script_motion_.emplace(trajectoryOf(script, model_));
   loop_options.motion = &*script_motion_;
   loop_options.track_ticks = script_motion_->ticks();
+  loop_options.keeps_settings = !options_.offscreen;  // what was tried by hand stays when the script is played again
   track_driver_ = ToolDriver::Script;
 }
 
@@ -140,6 +161,15 @@ void Session::chooseInput(SimulationLoopOptions& loop_options) {
     loop_options.tick_limit = ticksIn(60 * *options_.soak_minutes, rate);
     track_driver_ = ToolDriver::Script;
     script_ = options_.rough ? "rough soak" : "soak";
+    track_over_ = false;
+    return;
+  }
+  if (options_.trainee) {
+    trainee_.emplace(model_, 0.8 * model_.scene.tool.radius, 1.1 * model_.scene.tool.radius);
+    loop_options.motion = &*trainee_;
+    loop_options.track_ticks = loop_options.tick_limit = trainee_->ticks();
+    track_driver_ = ToolDriver::Script;
+    script_ = "trainee";
     track_over_ = false;
     return;
   }
@@ -178,10 +208,16 @@ void Session::gather() {
   ForceSample sample;
   while (loop_->forces().pop(sample)) {
     forces_.add(sample);
+    if (task_ && !revealed_) task_->add(sample);
     if (results_) results_->addForce(sample);
+    if (options_.soak_minutes || options_.offscreen) continue;  // nobody is there to look at them
+    presses_.add(sample);
+    samples_.push_back(sample);
+    if (samples_.size() > most_samples) samples_.pop_front();
   }
   LogEvent event;
   while (loop_->log().pop(event)) takeEvent(event);
+  if (notice_ && !notice_->frozen && forces_.lastTime() > notice_->time_s + notice_seconds) notice_.reset();
   TimedRequest change;
   while (loop_->recorded().pop(change))
     if (recording_) recording_->changes.push_back(change);
@@ -191,6 +227,7 @@ void Session::gather() {
 void Session::takeEvent(const LogEvent& event) {
   using Kind = LogEvent::Kind;
   const std::string text = logText(event);
+  if (std::optional<Notice> notice = noticeOf(event); notice && !options_.rough) notice_ = std::move(notice);
   if (event.isFreeze()) {
     frozen_reason_ = text;
     if (soak_) loop_->quit();  // broken for good
@@ -214,11 +251,15 @@ void Session::takeEvent(const LogEvent& event) {
       stiffness_[m] = sent_before_[m];
       break;
     }
+    case Kind::Undone:
+      if (event.value > 0) notice_.reset();
+      break;
     case Kind::Reset:
+      notice_.reset();
       forces_.clear();
       if (track_driver_ != ToolDriver::User) {  // the track starts over, with the scene's own values
         track_over_ = false;
-        stiffness_.assign(stiffness_.size(), 1.0);
+        if (track_driver_ == ToolDriver::Replay || options_.offscreen) stiffness_.assign(stiffness_.size(), 1.0);
       }
       break;
     default:
@@ -273,6 +314,18 @@ void Session::setStiffness(int material, double stiffness) {
   send(Request::setMaterial(material, stiffened(scene_materials_[m], stiffness)));
 }
 
+std::string Session::submitTask() {
+  if (trainee_)
+    for (const Vec3& place : trainee_->marks()) task_->mark(place, 2, task_->seconds());
+  revealed_ = true;
+  return task_->json(scene_.name);
+}
+
+void Session::loadedSettings() {
+  setFriction(scene_.friction);
+  for (std::size_t m = 0; m < stiffness_.size(); ++m) setStiffness(static_cast<int>(m), 1.0);
+}
+
 ToolDriver Session::driver() const { return track_over_ ? ToolDriver::User : track_driver_; }
 
 TimingView Session::timing(const Snapshot& snapshot) const {
@@ -325,12 +378,29 @@ PanelData Session::panelData(const Snapshot& snapshot) const {
   if (data.driver == ToolDriver::Script) data.input_note = "a script runs, which must find the scene's own values";
   if (data.driver == ToolDriver::Replay) data.input_note = "a recording runs, which brings its own values";
   data.frozen_reason = frozen_reason_;
+  data.task = task();
+  data.revealed = revealed_;
+  data.notice = notice_;
+  if (!options_.offscreen) data.presses = &presses_;
   return data;
 }
 
 RunReport Session::report() {
   return makeRunReport(model_, loop_->summary(), loop_->statistics(), physics_->team().size(),
                        volumeChange(model_, latest().u.data()));
+}
+
+double pullForce(const Model& model, int vertex, const Vec3& gap) {
+  const auto v = static_cast<std::size_t>(vertex);
+  double mobility = 0;  // N^T M^-1 N
+  for (int e = model.skin.begin[v]; e < model.skin.begin[v + 1]; ++e) {
+    const auto k = static_cast<std::size_t>(e);
+    const double N = static_cast<double>(model.skin.N[k]);
+    mobility += N * N / model.mass[static_cast<std::size_t>(model.skin.node[k])];
+  }
+  constexpr double share_per_step = 0.02;
+  const double c = model.scene.damping, h = model.dt, alpha = 2 * h * h / (2 + c * h);
+  return share_per_step * std::min(gap.norm(), 2 * model.scene.tool.radius) / (mobility * alpha);
 }
 
 double volumeChange(const Model& model, const Float4* u) {

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <deque>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -12,6 +14,8 @@
 #include "app/run/result_folder.h"
 #include "app/run/script_motion.h"
 #include "app/run/soak.h"
+#include "app/trainer/task_score.h"
+#include "app/trainer/trainee.h"
 #include "io/tool_script.h"
 #include "realtime/loop/simulation_loop.h"
 #include "realtime/recording/recording_file.h"
@@ -23,6 +27,15 @@ namespace palpate::app {
 /// The scene that the options name, with what they say instead. Throws InputError.
 Scene readScene(const Options& options);
 
+/// Whether the scene hides lumps that are to be found.
+bool isTask(const Scene& scene);
+
+/// Reads scene and tool script, and throws InputError where they can't be used: before a running session is given up.
+void checkOptions(const Options& options);
+
+/// How far the making of a model is, 0 .. 1; may throw to end it.
+using LoadProgress = std::function<void(const std::string& stage, double fraction)>;
+
 /// A run as window and off-screen program share it: scene, model and loop, and all that
 /// the loop tells while it runs (forces, messages, changes to record).
 /// All functions belong to the main thread; the loop has its own.
@@ -31,7 +44,7 @@ class Session {
   /// Reads the tool script or the recording, opens the result files, builds the model (seconds).
   /// Throws InputError for what can't be used, std::runtime_error for what can't be written.
   /// @param scene  as readScene(options) gives it
-  Session(const Options& options, const Scene& scene, Log& log);
+  Session(const Options& options, const Scene& scene, Log& log, const LoadProgress& progress = {});
   ~Session();
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
@@ -54,6 +67,25 @@ class Session {
   void setFriction(double coefficient);
   /// @param stiffness  times the scene's
   void setStiffness(int material, double stiffness);
+
+  /// Friction and materials as the scene has them.
+  void loadedSettings();
+
+  /// What the run has to say to who holds the probe; empty: nothing.
+  const std::optional<Notice>& notice() const { return notice_; }
+  void dismissNotice() { notice_.reset(); }
+
+  /// The search for the scene's lumps; null where it has none that are hidden.
+  TaskScore* task() { return task_ ? &*task_ : nullptr; }
+  const TaskScore* task() const { return task_ ? &*task_ : nullptr; }
+  bool revealed() const { return revealed_; }
+  /// The answers are in: lumps may be seen, and nothing more counts. Returns the score sheet's text.
+  std::string submitTask();
+
+  /// The last minutes' forces (not in a soak), and the presses of the session.
+  const std::deque<ForceSample>& samples() const { return samples_; }
+  const PressCurves& presses() const { return presses_; }
+  void clearPresses() { presses_.clear(); }
 
   /// What the panels show besides the picture. Refers to this session and `snapshot`.
   PanelData panelData(const Snapshot& snapshot) const;
@@ -91,16 +123,25 @@ class Session {
   double friction_ = 0;
   std::optional<Soak> soak_;
   std::optional<ScriptMotion> script_motion_;
+  std::optional<Trainee> trainee_;
+  std::optional<TaskScore> task_;
+  bool revealed_ = false;
   std::unique_ptr<TissuePhysics> physics_;
   std::unique_ptr<SimulationLoop> loop_;
   std::optional<Recording> recording_;
   ForceHistory forces_;
+  std::deque<ForceSample> samples_;
+  PressCurves presses_;
+  std::optional<Notice> notice_;
   std::string script_;  // name of tool script or recording
   ToolDriver track_driver_ = ToolDriver::User;
   bool track_over_ = true;
   std::string frozen_reason_;
   bool ended_ = false;
 };
+
+/// Force of the spring that pulls a skin vertex by `gap`, m, in N (node_passes.h).
+double pullForce(const Model& model, int vertex, const Vec3& gap);
 
 /// Relative change of the organ's volume: sum_q V_q (J_q - 1) / sum_q V_q, with J_q = det F_q
 /// and F_q = I + sum_i u_i (x) gradN_i(X_q) (X of paper eqs. 9, 31).

@@ -1,32 +1,80 @@
 #pragma once
 
+#include <optional>
+#include <vector>
+
 #include "app/render/camera.h"
 #include "app/run/input.h"
+#include "app/run/skin_surface.h"
+#include "realtime/channels/command_queue.h"
 #include "simulation/body.h"
 
 namespace palpate::app {
 
-/// The pose that the user wants the tool to have, moved by mouse and keys. The tool
-/// turns never; its tip stays near the organ, so that it can't be lost.
+/// How mouse and keys move the tool.
+enum class HandMode { Glide, Free };
+
+/// Turns what mouse and keys do into requests that the loop carries out evenly, tick by tick (ToolGoal): keys become
+/// velocities, drags and notches ways that take as long as a picture does.
+///
+///   Glide  a click on the skin brings the tool there, upright on it; dragged, it glides over the skin at rest; wheel
+///          and keys press it in along the skin's normal by depth()
+///   Free   drags move it in the view's plane, wheel and keys along its own axis
+///
+/// Its tip stays near the organ, so that it can't be lost. Belongs to the main thread.
 class ToolHand {
  public:
   explicit ToolHand(const Body& model);
 
-  const Pose& target() const { return target_; }
-  void moveTo(const Pose& pose) { target_ = pose; }
-  void toStart() { target_ = start_; }
+  HandMode mode() const { return mode_; }
+  void setMode(HandMode mode);
 
-  /// Moves the target as `actions` ask; true where that changed it.
+  /// Where the hand is going.
+  const Pose& target() const { return target_; }
+  /// Whether it goes along the skin, and how deep it presses there, m; negative: above it.
+  bool onSkin() const { return place_.has_value(); }
+  double depth() const { return depth_; }
+
+  /// The loop has put the tool elsewhere: a script, an undo.
+  void moveTo(const Pose& pose);
+  /// Back to where it was at first. The requests lead it there around the organ.
+  std::vector<Request> toStart();
+  /// As toStart, without the way: after a reset.
+  void reset();
+  /// Upright on the skin (Glide), or as at first (Free).
+  std::vector<Request> upright();
+
+  /// What `actions` ask for.
+  /// @param touched  m, where the pointer is on the skin at rest, while it leads the tool there; else empty
   /// @param height   of the picture, framebuffer pixels
   /// @param speed    of held keys, m/s
   /// @param seconds  since the last frame
-  bool apply(const Actions& actions, const Camera& camera, int height, double speed, double seconds);
+  /// @param goal     where the loop's own goal stands (Snapshot::goal_pose)
+  std::vector<Request> apply(const Actions& actions, const std::optional<Vec3>& touched, const Camera& camera,
+                             int height, double speed, double seconds, const Pose& goal);
 
  private:
+  Pose poseOn(const SkinSurface::Place& place) const;
+  Vec3 withinReach(const Vec3& position) const;
+  std::optional<Request> steer(const Actions& actions, const Camera& camera, double speed, double seconds,
+                               const Pose& goal);
+  Request glideKeys(const Actions& actions, const Camera& camera, double speed, double seconds, const Pose& goal);
+  void moveByMouse(const Actions& actions, const Camera& camera, int height, double seconds,
+                   std::vector<Request>& requests);
+  void glideTo(const Vec3& touched, double seconds, std::vector<Request>& requests);
+  void wayAround(const Pose& to, const Vec3& up, std::vector<Request>& requests) const;
+
+  SkinSurface skin_;
+  HandMode mode_ = HandMode::Glide;
   Pose start_, target_;
-  Vec3 axis_;     // unit, the way the tool advances
-  Vec3 centre_;   // m, of the room that the tip has
-  double reach_;  // m
+  std::optional<SkinSurface::Place> place_;    // that it glides at
+  Quat tilt_ = Quat::Identity();               // off the skin's normal, in the world
+  double depth_ = 0;                           // m
+  bool pressing_ = false;                      // keys press in or draw back
+  int behind_ = 0;                             // frames in which the loop may have gone on by itself
+  bool steering_ = false;                      // keys were held in the last frame
+  Vec3 centre_;                                // m, of the room that the tip has
+  double organ_radius_, reach_, tool_radius_;  // m
 };
 
 }  // namespace palpate::app

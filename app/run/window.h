@@ -1,16 +1,17 @@
 #pragma once
 
-#include "app/run/session.h"
+#include <string>
+
+#include "app/panels/log.h"
+#include "app/run/options.h"
+#include "simulation/scene.h"
 
 namespace palpate::app {
 
-/// Throws std::runtime_error that names --offscreen where there is no display.
-void requireDisplay();
-
-/// Runs a session in a window until the user quits, the run ends or SIGINT comes; then
-/// writes what was asked for. The session's loop never waits for the window.
-/// Throws std::runtime_error that names --offscreen where no window with OpenGL 3.3
-/// can be made, and as ResultFolder does.
-void runWindow(Session& session);
+/// Shows sessions in a window until the user quits or a run ends: the first made of `options` and `scene`, with the
+/// set-up's progress in the window, then whatever the user opens. Writes results where the options ask for them.
+/// @return why the last run counts as failed though its files are kept; empty: it does not
+/// Throws what the making of the first session throws, std::runtime_error without a display.
+std::string runWindow(const Options& options, const Scene& scene, Log& log);
 
 }  // namespace palpate::app

@@ -9,4 +9,5 @@
 #include "contact/broad_phase.h"           // findContactCandidates, once per tick
 #include "contact/samples/face_samples.h"          // findFaceSamples, once per tick after it
 #include "contact/contact_solver.h"        // solveContact, once per step
+#include "contact/true_depth.h"            // how deep the skin is pressed, once per tick
 // clang-format on

@@ -15,6 +15,7 @@
 #include "io/image_file.h"
 #include "io/scene_boundary.h"
 #include "io/scene_keys.h"
+#include "io/scene_lumps.h"
 #include "io/text_file.h"
 #include "io/toml_table.h"
 #include "mechanics/materials/material_law.h"
@@ -410,6 +411,8 @@ Scene readScene(const std::string& path, std::span<const SceneChange> changes) {
   readDynamics(top.table("dynamics", {"dynamics"}), scene);
   readSolve(top.table("solve", {"solve"}), folder, scene.solve);
   if (top.has("tool")) readTool(top, scene);
+  scene.places = file.places;  // of the organ, for what is wrong with it
+  readLumps(top, scene);
 
   const TomlTable force = top.table("force", {"force"});
   force.read("cutoff", scene.filter_cutoff_hz);

@@ -34,6 +34,8 @@ constexpr KeySpec scene_keys[] = {
     {"", "tool", T::Table, "", "", {}, "", "What touches it."},
     {"", "force", T::Table, "", "", {}, "", "How the force is smoothed for display and devices."},
     {"", "camera", T::Table, "", "", {}, "", "The first view."},
+    {"", "lump", T::Tables, "", "", {}, "", "Stiff balls to be found by touch."},
+    {"", "lumps", T::Table, "", "", {}, "", "The same, at random places."},
 
     {"organ", "surface", T::Text, "", depends, {}, "",
      "File of a closed surface (.obj, .stl, .ply, .off, .vtk), relative to the scene file. Either this or `solid`.",
@@ -244,6 +246,16 @@ constexpr KeySpec scene_keys[] = {
     {"camera", "elevation", T::Number, "degrees", "25", between(-90, 90), "",
      "Height of the eye above the horizon.", never},
     {"camera", "fov", T::Number, "degrees", "35", between(5, 120), "", "Vertical field of view.", never},
+
+    {"lump", "centre", T::Vector, "m", required, {}, "", "Its middle, in the organ at rest."},
+    {"lump", "radius", T::Number, "m", required, aboveUpTo(0, 0.1), "", "Its radius."},
+    {"lump", "young", T::Number, "Pa", required, above(0), "",
+     "Young's modulus at small strain, above the tissue's; the law is the first material's."},
+    {"lumps", "count", T::Integer, "", required, between(1, 20), "", "How many are placed below the skin."},
+    {"lumps", "level", T::Integer, "", "1", {}, "1|2|3",
+     "How hard they are to find: 16 to 20 mm large, 3 to 5 mm deep and 40 to 50 kPa; 12 to 16 mm, 5 to 9 mm and 30 to "
+     "40 kPa; 8 to 12 mm, 9 to 15 mm and 20 to 30 kPa."},
+    {"lumps", "seed", T::Integer, "", "1", between(0, 4294967295.0), "", "Another seed, other places."},
 };
 // clang-format on
 
@@ -323,6 +335,10 @@ constexpr Section sections[] = {
     {"tool", "`[tool]`", "Without this table a ball of radius 10 mm starts at (0, 0, 0.1) m and points down."},
     {"force", "`[force]`", ""},
     {"camera", "`[camera]`", ""},
+    {"lump", "`[[lump]]`",
+     "A stiffer ball of tissue with a finer spacing around it, as `[[material]]` and `[[discretization.refine]]` would "
+     "make it. Scenes with lumps are tasks: they are hidden until the answers are in."},
+    {"lumps", "`[lumps]`", "Lumps at random places that the tool gets to, the same for the same seed."},
 };
 
 /// The keys above, those of the material laws where their table begins, and those of the tools, each tool's in a group

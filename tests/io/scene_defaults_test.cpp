@@ -26,6 +26,7 @@ std::string described(const Scene& s) {
   add(static_cast<int>(s.boundary_method), s.quadrature.points_per_cell, s.quadrature.cells_per_point);
   add(s.quadrature.accuracy, s.quadrature.division, s.quadrature.max_depth);
   for (const RefineSpec& r : s.refine) add(r.spacing, r.blend);
+  for (const MaterialSpec& m : s.materials) vector(m.region.point), add(m.region.radius);
   for (const MaterialSpec& m : s.materials)
     for (const auto& [parameter, member] : commonMaterialParameters()) add(m.material.*member);
   for (const BoundarySpec& b : s.boundaries)
@@ -71,6 +72,7 @@ std::string sceneWith(const KeySpec& key, const std::string& given) {
            "1\n" +
            line;
   }
+  if (group == "lumps") return minimal_scene + "[lumps]\ncount = 1\n" + line;
   if (group == "tool" || group.starts_with("tool (")) {
     const std::string shape = group == "tool" ? "sphere" : group.substr(6, group.size() - 7);
     return minimal_scene + "[tool]\nshape = \"" + shape + "\"\nradius = 0.01\nposition = [0, 0, 0.1]\n" + line;

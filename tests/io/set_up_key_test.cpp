@@ -40,6 +40,10 @@ const std::string cone =
     replaced(full_scene, "shape = \"cylinder\"\nradius = 0.005\nlength = 0.03\nedge_radius = 0.0005",
              "shape = \"cone\"\nradius = 0.005\nhalf_angle = 40\ntip_radius = 0.002");
 
+const std::string lumped = minimal_scene +
+                           "[[lump]]\ncentre = [0, 0, 0.03]\nradius = 0.008\nyoung = 40000\n"
+                           "[lumps]\ncount = 2\nlevel = 1\nseed = 3\n";
+
 /// A scene, and what to write in it instead of something else, so that one key changes.
 struct Change {
   std::string scene, from, to;
@@ -139,6 +143,12 @@ std::map<std::string, Change> changes() {
       {"tool.friction", {full_scene, "friction = 0.2", "friction = 0.3"}},
       {"force.cutoff", {full_scene, "cutoff = 40", "cutoff = 50"}},
       {"force.rate_limit", {full_scene, "rate_limit = 100", "rate_limit = 101"}},
+      {"lump.centre", {lumped, "centre = [0, 0, 0.03]", "centre = [0, 0, 0.031]"}},
+      {"lump.radius", {lumped, "radius = 0.008", "radius = 0.009"}},
+      {"lump.young", {lumped, "young = 40000", "young = 41000"}},
+      {"lumps.count", {lumped, "count = 2", "count = 1"}},
+      {"lumps.level", {lumped, "level = 1", "level = 2"}},
+      {"lumps.seed", {lumped, "seed = 3", "seed = 4"}},
       {"camera.target", {full_scene, "target = [0, 0, 0.01]", "target = [0, 0, 0.02]"}},
       {"camera.distance", {full_scene, "distance = 0.2", "distance = 0.3"}},
       {"camera.azimuth", {full_scene, "azimuth = 30", "azimuth = 31"}},

@@ -88,6 +88,7 @@ class FakePhysics final : public Physics {
     initial_.live.kernel.materials = model.materials;
     initial_.contact.vertex.assign(4, -1);
     initial_.contact.force.assign(4, Float4{});
+    initial_.contact.normal.assign(4, -Vec3f::UnitZ());
     state_ = initial_;
   }
 

@@ -8,9 +8,24 @@ Request Request::simple(Kind kind) {
   return request;
 }
 
-Request Request::moveTool(const Pose& pose) {
+Request Request::moveTool(const Pose& pose, double seconds) {
   Request request = simple(Kind::MoveTool);
   request.pose = pose;
+  request.value = seconds;
+  return request;
+}
+
+Request Request::thenMoveTool(const Pose& pose, double seconds) {
+  Request request = moveTool(pose, seconds);
+  request.kind = Kind::ThenMoveTool;
+  return request;
+}
+
+Request Request::steer(const Vec3& velocity, const Vec3& turn, double seconds) {
+  Request request = simple(Kind::Steer);
+  request.pose.position = velocity;
+  request.point = turn;
+  request.value = seconds;
   return request;
 }
 

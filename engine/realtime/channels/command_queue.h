@@ -12,8 +12,10 @@ namespace palpate {
 /// it with the functions below.
 struct Request {
   enum class Kind : std::uint8_t {
-    MoveTool,  // pose: where the tool should go
-    Pull,      // index, point: spring from a skin vertex to a world position, m
+    MoveTool,      // pose: where the tool should go; value: s that it takes there, evenly
+    ThenMoveTool,  // the same, once it has come where it was sent before
+    Steer,  // pose.position: m/s, point: rad/s, both in the world, the turn about the tip; value: s that this holds
+    Pull,   // index, point: spring from a skin vertex to a world position, m
     ReleasePull,
     Pause,
     Resume,
@@ -27,12 +29,17 @@ struct Request {
   };
   Kind kind = Kind::Pause;
   int index = -1;             // Pull: skin vertex; SetMaterial: material
-  double value = 0;           // SetFriction
+  double value = 0;           // SetFriction; seconds of the tool's motions
   Vec3 point = Vec3::Zero();  // Pull, m
   Pose pose;                  // MoveTool
   Material material;          // SetMaterial
 
-  static Request moveTool(const Pose& pose);
+  /// @param seconds  for the way, which is gone evenly; 0: as fast as the hand is followed (ToolTrack)
+  static Request moveTool(const Pose& pose, double seconds = 0);
+  static Request thenMoveTool(const Pose& pose, double seconds);
+  /// Moves the tool evenly from tick to tick, however seldom the viewer draws.
+  /// @param velocity  m/s; @param turn  rad/s; @param seconds  after which it stands, unless it is asked again
+  static Request steer(const Vec3& velocity, const Vec3& turn, double seconds);
   static Request pull(int skin_vertex, const Vec3& target);
   static Request setFriction(double coefficient);
   /// Refused by the loop (with a log event) where the material is stiffer than the

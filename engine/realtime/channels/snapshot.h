@@ -12,10 +12,10 @@ namespace palpate {
 /// One tick's force, as written to force.csv and plotted.
 struct ForceSample {
   std::int64_t tick = 0;
-  std::int64_t wall_ns = 0;            // CLOCK_MONOTONIC when the tick began and took its input
-  double time_s = 0;                   // physics time
-  double depth_m = 0;                  // tip travel along the tool's axis past first touch of the resting skin
-  double advance_m = 0;                // the same along the tool's axis at rest
+  std::int64_t wall_ns = 0;  // CLOCK_MONOTONIC when the tick began and took its input
+  double time_s = 0;         // physics time
+  double depth_m = 0;    // the skin under the tip, pressed from where it lay at rest; negative: gap in air (TrueDepth)
+  double advance_m = 0;  // tip travel along the tool's axis at rest past first touch of the resting skin
   Vec3 force_raw = Vec3::Zero();       // N, on the tool
   Vec3 force_filtered = Vec3::Zero();  // N
   Doubt doubt = Doubt::None;           // why the force should not be believed
@@ -51,6 +51,7 @@ struct Snapshot {
   double time_s = 0;
   AlignedVector<Float4> u;  // (node_count) m
   Pose tool_pose;
+  Pose goal_pose;      // where the viewer's requests have led the hand, which follows smoothly (ToolTrack)
   Pose hand_pose;      // where the tool would be if it did not yield (ToolProxy)
   double yield_m = 0;  // by how much it does
   ForceSample force;

@@ -15,6 +15,7 @@ struct RunState {
   bool step_once = false;           // a single tick, then paused again
   bool frozen = false;              // the watchdog stopped the tissue
   bool stop = false;                // Quit was asked for
+  Pose goal;                        // where the viewer's requests have led the hand
   Pose hand;                        // where the tool would be without tissue
   double yield = 0;                 // m, how far the tool stays behind it
   std::uint64_t pose_sequence = 0;  // of the newest pose from HandSlot

@@ -18,6 +18,7 @@ struct RunSummary {
   Doubt doubt = Doubt::None;           // the gravest of all ticks
   std::int64_t first_doubt_tick = -1;  // of the run; -1: none
   double peak_force = 0;               // N, raw
+  double peak_depth = 0;               // m, true depth
   std::int64_t restored_count = 0;     // times that the solution was lost, and the tissue went back to an earlier state
   double largest_yield = 0;            // m, that the tool stayed behind the hand (ToolProxy)
   std::int64_t yielding_ticks = 0;

@@ -23,6 +23,8 @@ SimulationLoop::SimulationLoop(const Model& model, Physics& physics, SpinTeam* t
       physics_(physics),
       team_(team),
       as_fast_as_possible_(options.as_fast_as_possible),
+      keeps_settings_(options.keeps_settings),
+      pause_at_(options.pause_at),
       real_time_(!options.as_fast_as_possible),
       channels_(model, physics.state(), options.force_capacity, options.record ? options.record_capacity : 1),
       run_(startOf(options)),
@@ -33,7 +35,7 @@ SimulationLoop::SimulationLoop(const Model& model, Physics& physics, SpinTeam* t
       settings_(model, physics),
       recorder_(channels_.recorded, options.record, model.tool_start),
       reporter_(model, physics, team, channels_) {
-  command_.tool_target = run_.hand = model.tool_start;
+  command_.tool_target = run_.hand = run_.goal = model.tool_start;
   reporter_.publish({}, run_);
 }
 
@@ -101,11 +103,11 @@ RunMemory SimulationLoop::memory() const {
 void SimulationLoop::recall(const RunMemory& memory) {
   run_.tick = memory.tick;
   run_.frozen = memory.frozen;
-  run_.hand = memory.hand;
+  run_.hand = run_.goal = memory.hand;
   run_.pose_sequence = memory.pose_sequence;
   command_ = {};
   command_.tool_target = memory.hand;
-  track_.setTarget(memory.hand);
+  track_.goal().jumpTo(memory.hand);
   proxy_.recall(memory.proxy);
   history_.startAt(physics_.state());
   settings_.recall();
@@ -149,12 +151,17 @@ bool SimulationLoop::advance() {
   command_.tool_target =
       track_.next(run_.tick, command_.tool_target, physics_.state(), reporter_.lastReport(), run_.frozen);
   run_.hand = command_.tool_target;
+  run_.goal = track_.drives(run_.tick) ? run_.hand : track_.goal().pose();
   if (!run_.frozen && !step()) return false;
   recorder_.addCommand(run_.tick, command_);
 
   const bool track_drove = track_.drives(run_.tick);
   ++run_.tick;
   if (track_drove && !track_.drives(run_.tick)) reporter_.logEvent(LogEvent::Kind::TrackEnded, run_);
+  if (next_pause_ < pause_at_.size() && run_.tick >= pause_at_[next_pause_]) {
+    run_.paused = true;
+    ++next_pause_;
+  }
   return true;
 }
 
@@ -208,7 +215,7 @@ void SimulationLoop::takeHand() {
   const HandPose& hand = channels_.hand.latest();
   if (track_.drives(run_.tick)) return;
   run_.pose_sequence = hand.sequence;
-  moveTool(hand.pose, true);
+  moveTool(Request::moveTool(hand.pose), true);
 }
 
 void SimulationLoop::apply(const Request& request, bool from_track) {
@@ -240,7 +247,10 @@ void SimulationLoop::apply(const Request& request, bool from_track) {
     case Kind::Undo:
       return undo();
     case Kind::MoveTool:
-      return moveTool(request.pose, from_track);
+    case Kind::ThenMoveTool:
+      return moveTool(request, from_track);
+    case Kind::Steer:
+      return steer(request);
     case Kind::Pull:
       return pull(request.index, request.point);
     case Kind::ReleasePull:
@@ -255,16 +265,24 @@ void SimulationLoop::apply(const Request& request, bool from_track) {
   }
 }
 
-void SimulationLoop::moveTool(const Pose& pose, bool from_track) {
-  if (!isFinite(pose)) return;
+void SimulationLoop::moveTool(const Request& request, bool from_track) {
+  Pose target = request.pose;
+  if (!isFinite(target)) return;
   if (from_track) {  // exactly, and at once
-    command_.tool_target = pose;
-    track_.setTarget(pose);
+    command_.tool_target = target;
+    track_.goal().jumpTo(target);
     return;
   }
-  Pose target = pose;
   target.orientation.normalize();
-  track_.setTarget(target);
+  if (request.kind == Request::Kind::ThenMoveTool)
+    track_.goal().thenMoveTo(target, request.value);
+  else
+    track_.goal().moveTo(target, request.value);
+}
+
+void SimulationLoop::steer(const Request& request) {
+  if (request.pose.position.allFinite() && request.point.allFinite())
+    track_.goal().steer(request.pose.position, request.point, request.value);
 }
 
 void SimulationLoop::pull(int skin_vertex, const Vec3& target) {
@@ -295,8 +313,8 @@ void SimulationLoop::undo() {
   ++run_.undo_count;
   reporter_.reset();
   command_ = {};
-  command_.tool_target = run_.hand = past->tool_pose;
-  track_.setTarget(past->tool_pose);
+  command_.tool_target = run_.hand = run_.goal = past->tool_pose;
+  track_.goal().jumpTo(past->tool_pose);
   recorder_.addJump(run_.tick, Request::Kind::Undo, command_);
   const double seconds = static_cast<double>(tick - past->tick) / model_.scene.rate_hz;
   reporter_.logEvent(LogEvent::Kind::Undone, run_, -1, seconds);
@@ -312,10 +330,10 @@ void SimulationLoop::reset(Request::Kind kind, bool from_track) {
   reporter_.reset();
   track_.reset();
   command_ = {};
-  command_.tool_target = run_.hand = model_.tool_start;
+  command_.tool_target = run_.hand = run_.goal = model_.tool_start;
   recorder_.addJump(run_.tick, kind, command_);
   reporter_.logEvent(LogEvent::Kind::Reset, run_);
-  if (!over) return;
+  if (!over || keeps_settings_) return;
   for (const Request& setting : settings_.loaded()) change(setting);
 }
 

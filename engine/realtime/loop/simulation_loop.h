@@ -24,7 +24,9 @@ struct SimulationLoopOptions {
   bool as_fast_as_possible = false;
   std::int64_t tick_limit = 0;  // the loop ends after so many ticks; 0: at Quit only
   bool start_paused = false;    // the first Resume then begins the run, and is no event
-  bool record = false;          // hand all input changes to recorded()
+  std::vector<std::int64_t>
+      pause_at{};       // ascending: paused after so many ticks, so that others can look at just that one
+  bool record = false;  // hand all input changes to recorded()
   /// Input given in advance (tool script or replay), ascending ticks. While it lasts, it
   /// alone moves the tool; the viewer may still pause, step, reset (which starts it
   /// over) and quit.
@@ -32,6 +34,7 @@ struct SimulationLoopOptions {
   std::int64_t track_ticks = 0;  // how long it lasts; 0: to its last entry, or, of a motion, without end
   /// Moves the tool instead of a track, for track_ticks; must outlive the loop. Null: none.
   ToolMotion* motion = nullptr;
+  bool keeps_settings = false;  // friction and materials stay as they were set when track or motion starts over
   std::size_t force_capacity = 1 << 16;   // samples kept until the viewer takes them
   std::size_t record_capacity = 1 << 16;  // changes kept until the viewer takes them
 };
@@ -103,7 +106,8 @@ class SimulationLoop final : private LoopBody {
   void takeRequests();
   void takeHand();
   void apply(const Request& request, bool from_track);
-  void moveTool(const Pose& pose, bool from_track);
+  void moveTool(const Request& request, bool from_track);
+  void steer(const Request& request);
   void pull(int skin_vertex, const Vec3& target);
   void change(const Request& setting);
   void reset(Request::Kind kind, bool from_track);
@@ -116,6 +120,9 @@ class SimulationLoop final : private LoopBody {
   Physics& physics_;
   SpinTeam* team_;
   const bool as_fast_as_possible_;
+  const bool keeps_settings_;
+  const std::vector<std::int64_t> pause_at_;
+  std::size_t next_pause_ = 0;  // of pause_at_
   bool real_time_;
   LoopChannels channels_;
   std::thread thread_;

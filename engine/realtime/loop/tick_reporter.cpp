@@ -14,6 +14,7 @@ TickReporter::TickReporter(const Model& model, const Physics& physics, const Spi
       team_(team),
       channels_(channels),
       tool_axis_(model.tool_start.orientation * -Vec3::UnitZ()),
+      depth_(model.skin, model.scene.tool),
       filter_(model.scene.filter_cutoff_hz, model.scene.force_rate_limit, model.scene.rate_hz),
       watchdog_(model),
       overload_(model.scene.rate_hz),
@@ -77,10 +78,12 @@ void TickReporter::sendForce(const LoopTime& time, const RunState& run) {
   force_.tick = run.tick;
   force_.wall_ns = time.begin_ns;
   force_.time_s = secondsAt(run.tick);
-  force_.depth_m = force_.advance_m =
+  force_.depth_m = depth_.of(physics_.state().tool_pose, physics_.state().contact);
+  summary_.peak_depth = std::max(summary_.peak_depth, force_.depth_m);
+  force_.advance_m =
       (physics_.state().tool_pose.position - model_.tool_start.position).dot(tool_axis_) - model_.first_contact_travel;
-  force_.force_raw = report_.tool_force;
   force_.tool_pose = physics_.state().tool_pose;
+  force_.force_raw = report_.tool_force;
   force_.torque = report_.tool_torque;
   force_.contact_normal = report_.contact_normal;
   force_.stiffness = trend_.stiffness;
@@ -102,6 +105,7 @@ void TickReporter::publish(const LoopTime& time, const RunState& run) {
   snapshot.time_s = secondsAt(state.tick);
   std::copy(shown_u_.begin(), shown_u_.end(), snapshot.u.begin());
   snapshot.tool_pose = state.tool_pose;
+  snapshot.goal_pose = run.goal;
   snapshot.hand_pose = run.hand;
   snapshot.yield_m = run.yield;
   snapshot.force = force_;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "base/spin_team.h"
+#include "contact/true_depth.h"
 #include "realtime/loop/contact_trend.h"
 #include "realtime/loop/force_filter.h"
 #include "realtime/loop/loop_channels.h"
@@ -72,6 +73,7 @@ class TickReporter {
   const SpinTeam* team_;
   LoopChannels& channels_;
   const Vec3 tool_axis_;  // unit, the way the tool advances
+  const TrueDepth depth_;
   ForceFilter filter_;
   ContactTrend trend_;
   Watchdog watchdog_;

@@ -43,7 +43,7 @@ ToolTrack::ToolTrack(std::vector<TimedRequest> track, std::int64_t ticks, ToolMo
       motion_(motion),
       start_(start),
       follow_gain_(-std::expm1(-1 / (kFollowSeconds * rate_hz))),
-      target_(start) {}
+      goal_(start, rate_hz) {}
 
 bool ToolTrack::drives(std::int64_t tick) const { return tick - begin_ < end_; }
 
@@ -57,13 +57,17 @@ const Request* ToolTrack::takeSetting(std::int64_t tick, bool frozen) {
 }
 
 Pose ToolTrack::next(std::int64_t tick, const Pose& present, const State& state, const StepReport& last, bool frozen) {
-  if (!drives(tick)) return follow(present, target_, follow_gain_);
+  if (!drives(tick)) {
+    goal_.advance();
+    return follow(present, goal_.pose(), follow_gain_);
+  }
   if (motion_ == nullptr || frozen) return present;
-  return target_ = motion_->next(state, last);
+  goal_.jumpTo(motion_->next(state, last));
+  return goal_.pose();
 }
 
 void ToolTrack::reset() {
-  target_ = start_;
+  goal_.jumpTo(start_);
   if (motion_ != nullptr) motion_->restart();
 }
 

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "realtime/channels/command_queue.h"
+#include "realtime/loop/tool_goal.h"
 #include "realtime/loop/tool_motion.h"
 
 namespace palpate {
@@ -28,8 +29,9 @@ class ToolTrack {
   /// The motion's next change of a setting before this tick; null: none more.
   const Request* takeSetting(std::int64_t tick, bool frozen);
 
-  /// Where the tool should go once nothing else drives it.
-  void setTarget(const Pose& target) { target_ = target; }
+  /// Where the viewer's requests lead the tool once nothing else drives it.
+  ToolGoal& goal() { return goal_; }
+  const ToolGoal& goal() const { return goal_; }
 
   /// The tool's target in this tick of the run.
   /// @param present  the target of the tick before, or what the track has just set
@@ -48,10 +50,10 @@ class ToolTrack {
   const std::int64_t end_;  // ticks that track or motion lasts
   ToolMotion* const motion_;
   const Pose start_;
-  const double follow_gain_;  // share of the way to target_ that the tool goes in one tick
+  const double follow_gain_;  // share of the way to the goal that the tool goes in one tick
   std::int64_t begin_ = 0;    // tick of the run at which track or motion began
   std::size_t next_ = 0;      // of track_, to be taken
-  Pose target_;               // the viewer's
+  ToolGoal goal_;             // the viewer's
 };
 
 }  // namespace palpate

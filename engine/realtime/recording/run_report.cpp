@@ -72,6 +72,7 @@ RunReport makeRunReport(const Model& model, const RunSummary& summary, const Dea
   report.volume_error = model.cell_volume / model.surface_volume - 1;
   report.volume_change = volume_change;
   report.peak_force_N = summary.peak_force;
+  report.peak_depth_m = summary.peak_depth;
   report.base_reaction_N = summary.base_reaction;
   report.state_hash = summary.state_hash;
   report.flags = summary.flags;
@@ -119,6 +120,7 @@ std::string toJson(const RunReport& r) {
       {"volume_error", r.volume_error},
       {"volume_change", r.volume_change},
       {"peak_force_N", r.peak_force_N},
+      {"peak_depth_m", r.peak_depth_m},
       {"base_reaction_N", Json::array({base.x(), base.y(), base.z()})},
       {"state_hash", hex16(r.state_hash)},
       {"flags", flagNames(r.flags)},

@@ -31,6 +31,7 @@ struct RunReport {
   double volume_error = 0;   // of the background cells against the organ's own surface, relative
   double volume_change = 0;  // of the integration points at the end, relative
   double peak_force_N = 0;
+  double peak_depth_m = 0;  // of the skin under the tip, from where it lay at rest
   Vec3 base_reaction_N = Vec3::Zero();
   std::uint64_t state_hash = 0;
   std::uint32_t flags = 0;    // StepFlag, all ticks

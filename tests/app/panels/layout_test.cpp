@@ -2,6 +2,7 @@
 
 #include <catch2/catch.hpp>
 
+#include <utility>
 #include <vector>
 
 using namespace palpate;
@@ -42,4 +43,12 @@ TEST_CASE("The default window has all panels; hidden panels leave all to the vie
   const Layout hidden = layoutFor(1280, 800, 1, false);
   CHECK(hidden.view.width == 1280);
   CHECK(hidden.view.height == 800);
+}
+
+TEST_CASE("The force stays in sight down to 640x400, and all panels can be reached at 900x600", "[layout]") {
+  for (const auto& [width, height] : {std::pair{900, 600}, {640, 400}}) {
+    const Layout layout = layoutFor(width, height, 1, true);
+    CHECK(layout.right.width >= 260);  // with the left column's panels below its own
+    CHECK(layout.bar.width > 0);
+  }
 }

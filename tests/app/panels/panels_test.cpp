@@ -47,6 +47,7 @@ class Panels {
       PanelData data{
           .model = model_, .snapshot = snapshot_, .forces = forces_, .log = log_, .timing = timing_, .force = force_};
       data.materials.push_back({Material::neoHookean(3000, 0.49, 1000), 1.0});
+      data.notice = notice_;
       data.frozen_reason = "12 integration points are inverted";
       names = drawPanels(data, width, height);
       ImGui::Render();
@@ -61,6 +62,7 @@ class Panels {
   TimingView timing_;
   ForceReading force_{{}, 0, true};
   PanelState state_;
+  std::optional<Notice> notice_;
   View view_;
   PanelRequests requests_;
 
@@ -187,4 +189,26 @@ TEST_CASE("A force that is not to be trusted is amber, and nothing is while it i
   const int without = amber();
   panels.force_.sample.doubt = Doubt::Energy;
   CHECK(amber() >= without + 2 * 4 * 5);  // two numbers of five signs
+}
+
+TEST_CASE("In a small window nothing is wider than its column, and the force is on the screen", "[panels]") {
+  Panels panels;
+  for (const auto& [width, height] : {std::pair{900, 600}, {640, 400}}) {
+    panels.draw(width, height);
+    CHECK(windowNamed("##left") == nullptr);
+    const ImGuiWindow* column = windowNamed("##right");
+    REQUIRE(column->Active);
+    INFO(width << "x" << height);
+    CHECK(column->ContentSize.x <= column->InnerRect.GetWidth());
+    CHECK(column->Pos.y + 110 < static_cast<float>(height));  // heading and both numbers
+    CHECK(windowNamed("##bar")->ContentSize.x <= windowNamed("##bar")->Size.x);
+  }
+}
+
+TEST_CASE("What the tissue can't take is said in a banner that offers a way back", "[panels]") {
+  Panels panels;
+  panels.notice_ = Notice{"The tissue gives no further.", "the tool yields", 1, false};
+  CHECK(panels.draw(1280, 800).find("##notice") != std::string::npos);
+  panels.notice_.reset();
+  CHECK(panels.draw(1280, 800).find("##notice") == std::string::npos);
 }

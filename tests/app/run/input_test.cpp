@@ -134,7 +134,7 @@ TEST_CASE("Each key has its action; Escape closes the help before it quits", "[i
   CHECK(with(Key::Digit1).colour_map == 0);
   CHECK(with(Key::Digit4).colour_map == 3);
   CHECK(with(Key::Space).colour_map == -1);
-  CHECK(with(Key::Escape, true).close_help);
+  CHECK(with(Key::Escape, true).close);
   CHECK_FALSE(with(Key::Escape, true).quit);
   CHECK(with(Key::Escape, false).quit);
   CHECK_FALSE(with(Key::Z).undo);
@@ -142,4 +142,32 @@ TEST_CASE("Each key has its action; Escape closes the help before it quits", "[i
   undo.ctrl = true;
   undo.press(Key::Z);
   CHECK(controls.read(undo, false).undo);
+}
+
+TEST_CASE(
+    "On the skin a drag leads the probe, and its wheel presses; beside it and with the middle button it turns the view",
+    "[input]") {
+  Controls controls;
+  Input input = moved(3, 5);
+  input.left = input.on_skin = true;
+  input.wheel = 2;
+  Actions actions = controls.read(input, false);
+  CHECK(controls.drag() == Drag::Glide);
+  CHECK(actions.glide);
+  CHECK(actions.push_tool_notches == 2);
+  CHECK(actions.zoom == 0);
+  input.on_skin = false;  // it goes on past the organ's edge
+  CHECK(controls.read(input, false).glide);
+
+  Controls others;
+  Input middle = moved(3, 5);
+  middle.middle = middle.on_skin = true;
+  others.read(middle, false);
+  CHECK(others.drag() == Drag::Orbit);
+
+  Controls turning;
+  Input alt = moved(3, 5);
+  alt.left = alt.alt = alt.on_skin = true;
+  turning.read(alt, false);
+  CHECK(turning.read(alt, false).turn_tool == Eigen::Vector2d(3, 5));
 }

@@ -67,7 +67,7 @@ TEST_CASE("Each option reaches its field", "[options]") {
   CHECK(o.out == "dir");
   CHECK(o.width == 640);
   CHECK(o.height == 480);
-  CHECK(o.snapshot_at.value() == 1.5);
+  CHECK(o.snapshot_at == std::vector<double>{1.5});
   CHECK(o.threads.value() == 2);
   CHECK(o.as_fast_as_possible);
   CHECK_FALSE(o.use_cache);
@@ -88,9 +88,15 @@ TEST_CASE("--help names every option with an example and is no error", "[options
   const ParsedOptions parsed = parse({"--help"});
   CHECK_FALSE(parsed.options);
   CHECK(parsed.exit_code == 0);
-  for (const char* option :
-       {"--offscreen", "--seconds", "--rate", "--tool", "--record", "--replay", "--out", "--size",
-        "--as-fast-as-possible", "--threads", "--snapshot-at", "--no-cache", "--soak", "--rough", "--seed"}) {
+  for (const char* option : {"--offscreen", "--seconds",     "--rate",
+                             "--tool",      "--record",      "--replay",
+                             "--out",       "--size",        "--as-fast-as-possible",
+                             "--threads",   "--snapshot-at", "--no-cache",
+                             "--soak",      "--rough",       "--seed",
+                             "--camera",    "--view",        "--field",
+                             "--range",     "--show",        "--hide",
+                             "--compare",   "--tolerance",   "--expect",
+                             "--strict"}) {
     INFO(option);
     const auto at = parsed.message.find("  " + std::string(option));
     REQUIRE(at != std::string::npos);
@@ -134,6 +140,15 @@ TEST_CASE("A line that can't be used is refused with exit code 2 and a message t
       {{"liver", "--record", "a", "--replay", "a"}, "--record"},
       {{"liver", "--snapshot-at", "1"}, "--snapshot-at"},
       {{"liver", "--offscreen", "--seconds", "1", "--snapshot-at", "2"}, "--snapshot-at"},
+      {{"liver", "--offscreen", "--snapshot-at", "1,soon"}, "--snapshot-at"},
+      {{"liver", "--no-panels"}, "--no-panels"},
+      {{"liver", "--offscreen", "--camera", "left"}, "--camera"},
+      {{"liver", "--offscreen", "--view", "inside"}, "--view"},
+      {{"liver", "--offscreen", "--field", "heat"}, "--field"},
+      {{"liver", "--offscreen", "--range", "0:1"}, "--range"},
+      {{"liver", "--offscreen", "--field", "J", "--range", "1:0"}, "--range"},
+      {{"liver", "--offscreen", "--show", "bones"}, "bones"},
+      {{"liver", "--compare", "a.png"}, "--compare"},
   };
   for (const Case& c : cases) {
     const ParsedOptions parsed = parse(c.words);

@@ -88,6 +88,7 @@ TEST_CASE("force.csv has the agreed header, a row per sample, and numbers that r
   ForceSample sample;
   sample.time_s = 0.002;
   sample.depth_m = -0.0123456789;
+  sample.advance_m = 0.25;
   sample.force_raw = {1, 2.5, -3e-7};
   sample.force_filtered = {0.5, 0, 1.0 / 3};
   sample.tool_pose.position = {0.125, -0.25, 1.0 / 7};
@@ -109,6 +110,7 @@ TEST_CASE("force.csv has the agreed header, a row per sample, and numbers that r
   for (double& v : value) cells >> v >> comma;
   CHECK(value[0] == 0.002);
   CHECK(value[1] == Approx(-0.0123456789).epsilon(1e-8));
+  CHECK(value[2] == 0.25);
   CHECK(value[5] == -3e-7);
   CHECK(value[8] == Approx(1.0 / 3).epsilon(1e-8));
   CHECK(row.ends_with(",good,0.125,-0.25,0.142857143,0,0,0,1,-1e-05,0,0.666666667,17"));

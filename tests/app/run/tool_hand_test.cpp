@@ -2,18 +2,23 @@
 
 #include <catch2/catch.hpp>
 
-#include <limits>
+#include <numbers>
+#include <vector>
+
+#include "discretization/surface/solids.h"
 
 using namespace palpate;
 using namespace palpate::app;
 
 namespace {
 
-/// An organ between (-0.1, -0.1, 0) and (0.1, 0.1, 0.1), the tool above it, pointing down.
+/// A ball of 50 mm about (0, 0, 0.05), the tool above it, pointing down.
 Model organ() {
   Model model;
-  model.skin.surface.vertices = {{-0.1, -0.1, 0}, {0.1, 0.1, 0.1}};
+  model.skin.surface = ellipsoidSurface({0.05, 0.05, 0.05}, 0.004);
+  for (Vec3& X : model.skin.surface.vertices) X.z() += 0.05;
   model.tool_start.position = {0, 0, 0.15};
+  model.scene.tool.radius = 0.01;
   return model;
 }
 
@@ -27,53 +32,144 @@ Camera inFront() {
 }
 
 constexpr int height = 800;
+constexpr double speed = 0.02;  // m/s, of keys
+
+std::vector<Request> ask(ToolHand& hand, const Actions& actions, double seconds = 0.016,
+                         const std::optional<Vec3>& touched = {}) {
+  return hand.apply(actions, touched, inFront(), height, speed, seconds, hand.target());
+}
+
+Vec3 velocityOf(const Request& request) { return request.pose.position; }
+
+const Vec3 on_the_side = Vec3(0.05, 0, 0.05);
 
 }  // namespace
 
-TEST_CASE("Dragged in the view's plane, the tip stays under the pointer", "[tool_hand]") {
+TEST_CASE("Dragged in the view's plane, the tip stays under the pointer, and gets there with the next picture",
+          "[tool_hand]") {
   const Model model = organ();
   const Camera camera = inFront();
   ToolHand hand(model);
+  hand.setMode(HandMode::Free);
   const Vec3 before = camera.project(hand.target().position, 1280, height);
   Actions actions;
   actions.move_tool = {40, -25};
-  REQUIRE(hand.apply(actions, camera, height, 0.02, 0.016));
+  const std::vector<Request> requests = ask(hand, actions, 0.5);
+  REQUIRE(requests.size() == 1);
+  CHECK(requests[0].kind == Request::Kind::MoveTool);
+  CHECK(requests[0].pose.position == hand.target().position);
+  CHECK(requests[0].value == 0.5);
   const Vec3 after = camera.project(hand.target().position, 1280, height);
   CHECK(after.x() - before.x() == Approx(40).margin(0.5));
   CHECK(after.y() - before.y() == Approx(-25).margin(0.5));
   CHECK(after.z() == Approx(before.z()).epsilon(1e-9));  // neither nearer nor further
 }
 
-TEST_CASE("Wheel and keys move along the tool's axis and across it", "[tool_hand]") {
+TEST_CASE("Held keys are a velocity, the same however seldom a picture comes; let go, it is none", "[tool_hand]") {
   const Model model = organ();
-  const Camera camera = inFront();
-  ToolHand hand(model);
-  Actions wheel;
-  wheel.push_tool_notches = 4;
-  REQUIRE(hand.apply(wheel, camera, height, 0.02, 0.016));
-  CHECK((hand.target().position - Vec3(0, 0, 0.148)).norm() < 1e-12);  // 4 notches of 0.5 mm
-
-  hand.toStart();
-  Actions keys;
-  keys.tool_keys = {1, 0, 0};
-  REQUIRE(hand.apply(keys, camera, height, 0.02, 0.5));
-  CHECK((hand.target().position - Vec3(0.01, 0, 0.15)).norm() < 1e-12);
-  keys.tool_keys = {0, 1, -1};  // away from the viewer, and into the tissue
-  hand.toStart();
-  REQUIRE(hand.apply(keys, camera, height, 0.02, 0.5));
-  CHECK((hand.target().position - Vec3(0, 0.01, 0.14)).norm() < 1e-12);
+  for (const double seconds : {0.016, 0.5}) {
+    ToolHand hand(model);
+    Actions keys;
+    keys.tool_keys = {1, 0, 0};
+    std::vector<Request> requests = ask(hand, keys, seconds);
+    REQUIRE(requests.size() == 1);
+    CHECK(requests[0].kind == Request::Kind::Steer);
+    CHECK((velocityOf(requests[0]) - Vec3(speed, 0, 0)).norm() < 1e-12);
+    CHECK(requests[0].value > seconds);  // holds until the next picture, and not for ever
+    CHECK(requests[0].value <= 2);
+    keys.tool_keys = {0, 1, -1};  // away from the viewer, and into the tissue
+    requests = ask(hand, keys, seconds);
+    CHECK((velocityOf(requests[0]) - Vec3(0, speed, -speed)).norm() < 1e-12);
+    requests = ask(hand, Actions{}, seconds);
+    REQUIRE(requests.size() == 1);
+    CHECK(velocityOf(requests[0]).isZero(0));
+    CHECK(ask(hand, Actions{}, seconds).empty());
+  }
 }
 
-TEST_CASE("The tool neither turns nor gets lost, and rests when nothing is asked", "[tool_hand]") {
+TEST_CASE("The tool does not get lost, and rests when nothing is asked", "[tool_hand]") {
   const Model model = organ();
   ToolHand hand(model);
-  CHECK_FALSE(hand.apply(Actions{}, inFront(), height, 0.02, 0.016));
+  CHECK(ask(hand, Actions{}).empty());
+  hand.setMode(HandMode::Free);
   Actions far;
-  far.tool_keys = {1, 0, 0};
-  for (int k = 0; k < 100; ++k) hand.apply(far, inFront(), height, 1.0, 1.0);
+  far.move_tool = {500, 0};
+  for (int k = 0; k < 100; ++k) ask(hand, far);
   CHECK(hand.target().position.norm() < 1.0);
-  CHECK(hand.target().position.x() > 0.1);  // and yet reaches beyond the organ
-  CHECK(hand.target().orientation.coeffs() == model.tool_start.orientation.coeffs());
-  hand.toStart();
-  CHECK(hand.target().position == model.tool_start.position);
+  CHECK(hand.target().position.x() > 0.06);  // and yet reaches beyond the organ
+  Actions keys;
+  keys.tool_keys = {1, 0, 0};
+  CHECK(velocityOf(ask(hand, keys)[0]).dot(hand.target().position - Vec3(0, 0, 0.075)) < 1e-9);
+  const std::vector<Request> back = hand.toStart();
+  CHECK(back.back().pose.position == model.tool_start.position);
+}
+
+TEST_CASE("A click on the skin brings the probe there, upright, from above, and around the organ", "[tool_hand]") {
+  const Model model = organ();
+  ToolHand hand(model);
+  const std::vector<Request> requests = ask(hand, {}, 0.016, on_the_side);
+  REQUIRE(requests.size() >= 3);
+  CHECK(hand.onSkin());
+  CHECK((hand.target().position - on_the_side).norm() < 1e-3);
+  CHECK((hand.target().orientation * Vec3::UnitZ() - Vec3::UnitX()).norm() < 0.1);
+  for (const Request& way : requests) CHECK((way.pose.position - Vec3(0, 0, 0.05)).norm() > 0.049);
+  for (std::size_t k = 1; k < requests.size(); ++k) {  // no way leads through the organ
+    const Vec3 a = requests[k - 1].pose.position, b = requests[k].pose.position;
+    for (const double s : {0.25, 0.5, 0.75}) CHECK((a + s * (b - a) - Vec3(0, 0, 0.05)).norm() > 0.049);
+  }
+  CHECK(requests.back().pose.position == hand.target().position);
+}
+
+TEST_CASE("On the skin the wheel presses along its normal, and a drag glides at that depth", "[tool_hand]") {
+  const Model model = organ();
+  ToolHand hand(model);
+  ask(hand, {}, 0.016, on_the_side);
+  Actions wheel;
+  wheel.push_tool_notches = 8;
+  const std::vector<Request> pressed = ask(hand, wheel);
+  REQUIRE(pressed.size() == 1);
+  CHECK(hand.depth() == Approx(0.004));
+  CHECK((hand.target().position - Vec3(0.046, 0, 0.05)).norm() < 1e-3);
+  const double angle = 0.15;
+  const Vec3 next = Vec3(0.05 * std::cos(angle), 0.05 * std::sin(angle), 0.05);
+  const std::vector<Request> glided = ask(hand, {}, 0.1, next);
+  REQUIRE(glided.size() == 1);
+  CHECK((hand.target().position - (0.046 / 0.05 * (next - Vec3(0, 0, 0.05)) + Vec3(0, 0, 0.05))).norm() < 1e-3);
+  CHECK(glided[0].value >= 0.1);
+  CHECK(hand.depth() == Approx(0.004));
+}
+
+TEST_CASE("Over the skin keys go along it, hold the depth and turn the probe with it", "[tool_hand]") {
+  const Model model = organ();
+  ToolHand hand(model);
+  ask(hand, {}, 0.016, Vec3(0, 0, 0.1));
+  Actions keys;
+  keys.tool_keys = {1, 0, 0};
+  Pose goal = hand.target();
+  for (int k = 0; k < 200;
+       ++k) {  // 20 mm over the top at 10 pictures a second, each tenth carried out as the loop does
+    const auto requests = hand.apply(keys, {}, inFront(), height, speed, 0.05, goal);
+    REQUIRE(requests.size() == 1);
+    goal.position += 0.005 * velocityOf(requests[0]);
+    const double w = requests[0].point.norm();
+    if (w > 0)
+      goal.orientation = (Quat(Eigen::AngleAxisd(0.005 * w, requests[0].point / w)) * goal.orientation).normalized();
+  }
+  const Vec3 out = goal.position - Vec3(0, 0, 0.05);
+  CHECK(out.norm() == Approx(0.05).margin(5e-4));
+  CHECK(std::atan2(out.x(), out.z()) == Approx(0.4).epsilon(0.05));
+  CHECK((goal.orientation * Vec3::UnitZ() - out.normalized()).norm() < 0.15);
+}
+
+TEST_CASE("The probe can be tilted, and stands upright again when asked", "[tool_hand]") {
+  const Model model = organ();
+  ToolHand hand(model);
+  ask(hand, {}, 0.016, Vec3(0, 0, 0.1));
+  const Quat before = hand.target().orientation;
+  Actions turn;
+  turn.turn_tool = {50, 0};
+  ask(hand, turn);
+  CHECK(hand.target().orientation.angularDistance(before) == Approx(0.3).epsilon(0.01));
+  hand.upright();
+  CHECK(hand.target().orientation.angularDistance(before) < 1e-9);
 }

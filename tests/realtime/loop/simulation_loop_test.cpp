@@ -33,7 +33,7 @@ TEST_CASE("Each tick advances the physics once and gives a force sample at exact
     const ForceSample& sample = samples[static_cast<std::size_t>(k)];
     REQUIRE(sample.tick == k + 1);
     REQUIRE(sample.time_s == (k + 1) / 700.0);
-    REQUIRE(sample.depth_m == Approx(1e-4 * (k + 1) - model.first_contact_travel).margin(1e-15));
+    REQUIRE(sample.advance_m == Approx(1e-4 * (k + 1) - model.first_contact_travel).margin(1e-15));
     REQUIRE(sample.force_raw.z() == Approx(100 * 1e-4 * (k + 1)));
   }
   CHECK(samples[299].force_filtered.z() < samples[299].force_raw.z());

@@ -38,6 +38,7 @@ TEST_CASE("report.json has the keys that other tools read", "[run_report]") {
                           "min_J",
                           "volume_change",
                           "peak_force_N",
+                          "peak_depth_m",
                           "base_reaction_N",
                           "state_hash",
                           "flags",

@@ -1,0 +1,107 @@
+// The File menu and its dialogs.
+#include <imgui.h>
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <filesystem>
+
+#include "app/panels/panels.h"
+#include "app/panels/widgets.h"
+
+namespace palpate::app {
+
+namespace {
+
+constexpr ImGuiWindowFlags dialog_flags = ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize |
+                                          ImGuiWindowFlags_NoMove | ImGuiWindowFlags_AlwaysAutoResize |
+                                          ImGuiWindowFlags_NoSavedSettings;
+
+void beginDialog(const Theme& theme, const char* name, const char* title) {
+  const ImVec2 screen = ImGui::GetIO().DisplaySize;
+  const float s = theme.scale;
+  ImGui::SetNextWindowPos({0.5F * screen.x, 0.5F * screen.y}, ImGuiCond_Always, {0.5F, 0.5F});
+  ImGui::SetNextWindowSizeConstraints({std::min(420 * s, screen.x - 20 * s), 0},
+                                      {screen.x - 20 * s, screen.y - 20 * s});
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {18 * s, 14 * s});
+  ImGui::Begin(name, nullptr, dialog_flags);
+  ImGui::PushFont(theme.title);
+  ImGui::TextUnformatted(title);
+  ImGui::PopFont();
+  ImGui::Spacing();
+}
+
+void endDialog() {
+  ImGui::End();
+  ImGui::PopStyleVar();
+}
+
+}  // namespace
+
+void drawFileMenu(const Theme& theme, PanelState& state, PanelRequests& requests) {
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {10 * theme.scale, 8 * theme.scale});
+  if (ImGui::BeginPopup("##file")) {
+    const auto open = [&](bool script) {
+      state.open_shown = true;
+      state.open_script = script;
+      state.path.clear();
+    };
+    if (ImGui::MenuItem("Open scene ...", "Ctrl+O")) open(false);
+    if (ImGui::MenuItem("Open tool script ...")) open(true);
+    ImGui::Separator();
+    if (ImGui::MenuItem("Save picture", "F12")) requests.save_picture = true;
+    if (ImGui::MenuItem("Save force as CSV", "Ctrl+S")) requests.save_forces = true;
+    if (ImGui::MenuItem("Save force-depth curves")) requests.save_presses = true;
+    if (ImGui::MenuItem("Save the tissue's state (VTU)")) requests.save_state = true;
+    ImGui::Separator();
+    if (ImGui::MenuItem("Full screen", "F11")) requests.full_screen = true;
+    if (ImGui::MenuItem("Demo: large force, no panels", "F10")) requests.demo = true;
+    ImGui::Separator();
+    if (ImGui::MenuItem("Quit", "Esc")) requests.quit = true;
+    ImGui::EndPopup();
+  }
+  ImGui::PopStyleVar();
+}
+
+void drawOpenDialog(const Theme& theme, const PanelData& data, PanelState& state, PanelRequests& requests) {
+  const float s = theme.scale;
+  beginDialog(theme, "##open", state.open_script ? "Open a tool script" : "Open a scene");
+  std::string chosen;
+  if (!state.open_script) {
+    ImGui::BeginChild("##scenes", {400 * s, 190 * s}, true);
+    for (const std::string& scene : data.scenes)
+      if (ImGui::Selectable(scene.c_str())) chosen = scene;
+    ImGui::EndChild();
+  }
+  std::array<char, 1024> typed{};
+  std::strncpy(typed.data(), state.path.c_str(), typed.size() - 1);
+  ImGui::SetNextItemWidth(400 * s);
+  const bool enter = ImGui::InputTextWithHint(
+      "##path", state.open_script ? "a script's file, or indent_hold_retract" : "or a scene's file", typed.data(),
+      typed.size(), ImGuiInputTextFlags_EnterReturnsTrue);
+  state.path = typed.data();
+  if (button("Open", 90 * s, !state.path.empty(), "type the path of a file, or choose above") ||
+      (enter && !state.path.empty()))
+    chosen = state.path;
+  ImGui::SameLine();
+  if (button("Cancel", 90 * s)) state.open_shown = false;
+  note(theme, "A file can also be dropped on the window.");
+  if (!chosen.empty()) {
+    (state.open_script ? requests.open_script : requests.open_scene) = chosen;
+    state.open_shown = false;
+  }
+  endDialog();
+}
+
+void drawQuitDialog(const Theme& theme, PanelState& state, PanelRequests& requests) {
+  const float s = theme.scale;
+  beginDialog(theme, "##quit", "Quit without saving?");
+  ImGui::TextUnformatted("A task is under way; its answers would be lost.");
+  ImGui::Spacing();
+  if (button("Quit", 90 * s)) requests.quit_now = true;
+  ImGui::SameLine();
+  if (button("Stay", 90 * s)) state.quit_asked = false;
+  endDialog();
+}
+
+}  // namespace palpate::app

@@ -1,0 +1,53 @@
+// The search for lumps: marks, answers, score.
+#include <imgui.h>
+
+#include "app/panels/panels.h"
+#include "app/panels/widgets.h"
+
+namespace palpate::app {
+
+namespace {
+
+void drawSheet(const TaskScore::Sheet& sheet) {
+  row("Found", std::to_string(sheet.hits), colours::good);
+  row("Missed", std::to_string(sheet.misses), sheet.misses > 0 ? colours::warning : colours::text);
+  row("False alarms", std::to_string(sheet.false_alarms), sheet.false_alarms > 0 ? colours::warning : colours::text);
+  if (sheet.hits > 0) row("Off by", format("%.1f mm", sheet.mean_error_mm));
+  row("Time", format("%.0f s", sheet.seconds));
+  row("Skin covered", format("%.0f %%", 100 * sheet.covered_share));
+  row("Force", format("%.2f N mean, %.2f N peak", sheet.mean_force_N, sheet.peak_force_N));
+  row("Above the limit", format("%.1f s", sheet.seconds_above_limit),
+      sheet.seconds_above_limit > 0 ? colours::warning : colours::text,
+      format("seconds with more than %.0f N", TaskScore::force_limit).c_str());
+}
+
+}  // namespace
+
+void drawTaskCard(const Theme& theme, const PanelData& data, PanelState& state, PanelRequests& requests) {
+  if (!beginCard(theme, "Find the lumps")) return;
+  const TaskScore& task = *data.task;
+  if (data.revealed) {
+    const TaskScore::Sheet sheet = task.sheet();
+    drawSheet(sheet);
+    if (sheet.missed_too_light > 0)
+      note(theme, "Deep lumps were missed where you pressed too lightly to reach them.", colours::warning);
+    ImGui::Spacing();
+    return;
+  }
+  row("Hidden / marked",
+      format("%d / %d", static_cast<int>(task.lumps().size()), static_cast<int>(task.marks().size())));
+  row("Time", format("%.0f s", task.seconds()));
+  for (int k = 1; k <= 3; ++k) {
+    if (k > 1) ImGui::SameLine();
+    ImGui::RadioButton(k == 1 ? "firm" : k == 2 ? "hard" : "very hard", &state.hardness, k);
+  }
+  const float third = (ImGui::GetContentRegionAvail().x - 2 * ImGui::GetStyle().ItemSpacing.x) / 3;
+  if (button("Mark (M)", third)) requests.mark = true;
+  ImGui::SameLine();
+  if (button("Take back", third, !task.marks().empty(), "nothing is marked")) requests.unmark = true;
+  ImGui::SameLine();
+  if (button("Submit", third)) requests.submit = true;
+  ImGui::Spacing();
+}
+
+}  // namespace palpate::app

@@ -1,0 +1,66 @@
+#include "app/run/saved_files.h"
+
+#include <filesystem>
+
+#include "app/run/result_folder.h"
+#include "io/output_file.h"
+#include "io/vtu_file.h"
+#include "simulation/solution_fields.h"
+
+namespace palpate::app {
+
+SavedFiles::SavedFiles(const std::string& scene) : folder_("out/" + std::filesystem::path(scene).stem().string()) {}
+
+std::string SavedFiles::free(const std::string& name, const std::string& ending) const {
+  std::error_code error;
+  std::filesystem::create_directories(folder_, error);  // what is wrong with it is told by who writes
+  for (int k = 1;; ++k) {
+    std::string path = folder_ + "/" + name + "-" + std::to_string(k) + ending;
+    if (!std::filesystem::exists(path, error)) return path;
+  }
+}
+
+std::string SavedFiles::picture(const Picture& picture) const {
+  std::string path = free("picture", ".png");
+  writePng(path, picture);
+  return path;
+}
+
+std::string SavedFiles::forces(const std::deque<ForceSample>& samples) const {
+  const std::string path = free("force", "");
+  ResultFolder results(path);
+  results.begin();
+  for (const ForceSample& sample : samples) results.addForce(sample);
+  results.finishForces();
+  return results.forceFile();
+}
+
+std::string SavedFiles::presses(const PressCurves& presses) const {
+  std::string path = free("presses", ".csv");
+  writeWholeFile(path, presses.csv());
+  return path;
+}
+
+std::string SavedFiles::score(const std::string& json) const {
+  std::string path = free("score", ".json");
+  writeWholeFile(path, json);
+  return path;
+}
+
+std::string SavedFiles::state(const Model& model, const Snapshot& snapshot) const {
+  std::string path = free("state", ".vtu");
+  writeStateVtu(path, model, snapshot.u);
+  return path;
+}
+
+void writeStateVtu(const std::string& path, const Model& model, const AlignedVector<Float4>& u) {
+  std::vector<Vec3> parameters;
+  for (const Float4& one : u) parameters.push_back(toVec3(one));
+  const SolutionFields fields = solutionFields(model, parameters);
+  const std::vector<VtuField> at_nodes{vtuVectors("displacement_m", fields.displacement)};
+  const std::vector<VtuField> in_cells{
+      {"J", fields.J}, {"von_Mises_Pa", fields.von_mises}, {"pressure_Pa", fields.pressure}};
+  writeVtu(path, model.X, model.cells, at_nodes, in_cells);
+}
+
+}  // namespace palpate::app

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <deque>
+#include <string>
+#include <vector>
+
+#include "app/panels/press_curves.h"
+#include "app/render/picture.h"
+#include "realtime/channels/snapshot.h"
+#include "simulation/model.h"
+
+namespace palpate::app {
+
+/// What the File menu saves: in out/<scene>, under the first name that is free, so that nothing is overwritten.
+/// Each function returns the file and throws std::runtime_error with file and reason where it can't be written.
+class SavedFiles {
+ public:
+  /// @param scene  as it was named: a file, or the name of one in assets/scenes
+  explicit SavedFiles(const std::string& scene);
+
+  std::string picture(const Picture& picture) const;
+  std::string forces(const std::deque<ForceSample>& samples) const;
+  std::string presses(const PressCurves& presses) const;
+  std::string score(const std::string& json) const;
+  std::string state(const Model& model, const Snapshot& snapshot) const;
+
+ private:
+  std::string free(const std::string& name, const std::string& ending) const;
+
+  std::string folder_;
+};
+
+/// The deformed body for ParaView: displacement at the nodes; J, pressure and von Mises stress in the cells.
+void writeStateVtu(const std::string& path, const Model& model, const AlignedVector<Float4>& u);
+
+}  // namespace palpate::app

@@ -1,0 +1,264 @@
+#include "app/run/viewer.h"
+
+#include <epoxy/gl.h>
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+
+#include "app/render/framebuffer.h"
+#include "app/render/pick.h"
+#include "app/run/saved_files.h"
+
+namespace palpate::app {
+
+namespace {
+
+constexpr double pick_pixels = 12;  // how near to the pointer an integration point must be
+constexpr int undo_more_count = 3;  // undos of half a second to a second each: two seconds
+
+/// Where on the skin at rest the point is that is now under the ray.
+std::optional<Vec3> touchedAtRest(const TriangleSurface& rest, const std::vector<Vec3f>& positions, const Ray& ray) {
+  const auto hit = pickSkin(rest, positions, ray);
+  if (!hit) return {};
+  const auto v = static_cast<std::size_t>(hit->vertex);
+  return rest.vertices[v] + (hit->position - positions[v].cast<double>());
+}
+
+}  // namespace
+
+Viewer::Viewer(Session& session, GlWindow& window, Interface& ui, PanelState& panels)
+    : session_(session), window_(window), organ_(session.model()), ui_(ui), hand_(session.model()), panels_(panels) {
+  const CanvasSize size = window.size();
+  view_.camera = startCamera(session.model().scene, layoutFor(size.width, size.height, ui_.theme().scale, true), size);
+  hand_.setMode(panels.glide ? HandMode::Glide : HandMode::Free);
+}
+
+Layout Viewer::layout(const CanvasSize& size) const {
+  return layoutFor(size.width, size.height, ui_.theme().scale, panels_.panels_shown);
+}
+
+void Viewer::send(const std::vector<Request>& requests) {
+  for (const Request& request : requests) session_.send(request);
+}
+
+void Viewer::reset() {
+  session_.send(Request::simple(Request::Kind::Reset));
+  hand_.reset();
+  view_.pulled_vertex = -1;
+}
+
+void Viewer::applyView(const Actions& actions, const CanvasSize& size) {
+  const int height = size.pixelHeight();
+  view_.camera.orbit(actions.orbit.x(), actions.orbit.y(), height);
+  view_.camera.pan(actions.pan.x(), actions.pan.y(), height);
+  if (actions.zoom != 0) view_.camera.zoom(actions.zoom);
+  if (actions.colour_map >= 0) {
+    view_.colour_map = static_cast<ColourMap>(actions.colour_map);
+    view_.colour_auto = true;
+  }
+  if (actions.toggle_nodes) view_.show_nodes = !view_.show_nodes;
+  if (actions.toggle_points) view_.show_points = !view_.show_points;
+  if (actions.toggle_panels) panels_.panels_shown = !panels_.panels_shown;
+  if (actions.toggle_help) panels_.help_shown = !panels_.help_shown;
+  if (actions.close) {
+    if (panels_.help_shown)
+      panels_.help_shown = false;
+    else if (panels_.open_shown || panels_.quit_asked)
+      panels_.open_shown = panels_.quit_asked = false;
+    else
+      panels_.demo = false, panels_.panels_shown = true;
+  }
+  if (actions.open_scene) panels_.open_shown = true, panels_.open_script = false, panels_.path.clear();
+  if (actions.toggle_full_screen) window_.toggleFullScreen();
+  if (actions.toggle_ghost) view_.ghost = !view_.ghost;
+  if (actions.toggle_section) {
+    view_.section.on = !view_.section.on;
+    if (view_.section.on) faceCut(view_.section, view_.camera);
+  }
+  if (actions.frame_view) frameOrgan(view_.camera, organ_, layout(size), size);
+}
+
+void Viewer::applyRun(const Actions& actions, const Snapshot& snapshot) {
+  using Kind = Request::Kind;
+  if (actions.toggle_pause) session_.send(Request::simple(snapshot.status.paused ? Kind::Resume : Kind::Pause));
+  if (actions.single_step) {
+    if (!snapshot.status.paused) session_.send(Request::simple(Kind::Pause));
+    session_.send(Request::simple(Kind::SingleStep));
+  }
+  if (actions.reset) reset();
+  if (actions.undo) session_.send(Request::simple(Kind::Undo));
+}
+
+void Viewer::applyTool(const Actions& actions, const Camera& camera, const Snapshot& snapshot, const Input& input,
+                       const CanvasSize& size, double seconds) {
+  if (session_.driver() != ToolDriver::User) {
+    hand_.reset();
+    hand_.moveTo(snapshot.tool_pose);  // so that the hand takes over where the script ends
+    return;
+  }
+  if (std::exchange(undo_count_, snapshot.status.undo_count) != snapshot.status.undo_count) {
+    hand_.moveTo(snapshot.hand_pose);  // where the tool was then
+    view_.pulled_vertex = -1;
+  }
+  std::optional<Vec3> touched;
+  if (actions.glide)
+    touched = touchedAtRest(session_.model().skin.surface, organ_.skinPositions(),
+                            camera.rayThrough(input.mouse.x(), input.mouse.y(), size.pixelWidth(), size.pixelHeight()));
+  send(hand_.apply(actions, touched, camera, size.pixelHeight(), 1e-3 * panels_.tool_speed_mm_s, seconds,
+                   snapshot.goal_pose));
+}
+
+void Viewer::applyPull(const Actions& actions, const Camera& camera, const Eigen::Vector2d& mouse,
+                       const CanvasSize& size) {
+  const Ray ray = camera.rayThrough(mouse.x(), mouse.y(), size.pixelWidth(), size.pixelHeight());
+  if (actions.pull_begin && session_.driver() == ToolDriver::User) {
+    if (const auto hit = pickSkin(session_.model().skin.surface, organ_.skinPositions(), ray)) {
+      view_.pulled_vertex = hit->vertex;
+      view_.pull_target = hit->position;
+    }
+  }
+  if (view_.pulled_vertex < 0) return;
+  if (!actions.pulling) {
+    view_.pulled_vertex = -1;
+    session_.send(Request::simple(Request::Kind::ReleasePull));
+    return;
+  }
+  // The target stays in the plane through the first hit that faces the viewer.
+  const double depth = (view_.pull_target - ray.origin).dot(camera.forward());
+  const Vec3 target = ray.origin + depth / ray.direction.dot(camera.forward()) * ray.direction;
+  if (actions.pull_begin || target != view_.pull_target) {
+    view_.pull_target = target;
+    session_.send(Request::pull(view_.pulled_vertex, target));
+  }
+}
+
+void Viewer::applyRequests(const PanelRequests& requests, const Snapshot& snapshot, const CanvasSize& size) {
+  Actions actions;
+  actions.toggle_pause = requests.toggle_pause;
+  actions.single_step = requests.single_step;
+  actions.reset = requests.reset || requests.restart_script || requests.reset_all;
+  actions.undo = requests.undo;
+  applyRun(actions, snapshot);
+  if (requests.reset_all) session_.loadedSettings();
+  if (requests.undo_more)
+    for (int k = 0; k < undo_more_count; ++k) session_.send(Request::simple(Request::Kind::Undo));
+  if (requests.dismiss_notice || requests.undo_more || actions.reset) session_.dismissNotice();
+  if (requests.restart_script && snapshot.status.paused) session_.send(Request::simple(Request::Kind::Resume));
+  if (requests.frame_view) frameOrgan(view_.camera, organ_, layout(size), size);
+  if (requests.glide) hand_.setMode(*requests.glide ? HandMode::Glide : HandMode::Free);
+  if (requests.section_through_tool)
+    cutThroughTool(view_.section, snapshot.tool_pose, view_.camera, organ_.centre(), organ_.radius());
+  if (requests.section_faces) faceCut(view_.section, view_.camera);
+  if (requests.tool_to_start) send(hand_.toStart());
+  if (requests.upright) send(hand_.upright());
+  if (requests.friction) session_.setFriction(*requests.friction);
+  if (requests.material >= 0) session_.setStiffness(requests.material, requests.stiffness);
+  if (requests.full_screen) window_.toggleFullScreen();
+  if (requests.demo) {
+    panels_.demo = !panels_.demo;
+    panels_.panels_shown = !panels_.demo;
+    if (panels_.demo != window_.fullScreen()) window_.toggleFullScreen();
+  }
+  if (TaskScore* task = session_.task(); task != nullptr && !session_.revealed()) {
+    if (requests.mark) task->mark(snapshot.tool_pose.position, panels_.hardness, snapshot.force.time_s);
+    if (requests.unmark) task->unmark();
+    if (requests.submit) submit();
+  }
+  applyFiles(requests);
+}
+
+/// The answers are in: the lumps are shown, and the score sheet is written.
+void Viewer::submit() {
+  const std::string sheet = session_.submitTask();
+  view_.ghost = true;
+  try {
+    session_.log().info("score: " + SavedFiles(session_.options().scene).score(sheet));
+  } catch (const std::exception& error) {
+    session_.log().error(error.what());
+  }
+}
+
+/// What can't be written is said in the log; the run goes on.
+void Viewer::applyFiles(const PanelRequests& requests) {
+  try {
+    Log& log = session_.log();
+    const SavedFiles files(session_.options().scene);
+    if (requests.save_picture) log.info("saved: " + files.picture(picture()));
+    if (requests.save_forces) log.info("saved: " + files.forces(session_.samples()));
+    if (requests.save_presses) log.info("saved: " + files.presses(session_.presses()));
+    if (requests.save_state) log.info("saved: " + files.state(session_.model(), session_.latest()));
+  } catch (const std::exception& error) {
+    session_.log().error(error.what());
+  }
+  if (requests.clear_presses) session_.clearPresses();
+}
+
+ProgramRequests Viewer::frame(double seconds, const std::vector<std::string>& scenes) {
+  const CanvasSize size = window_.size();
+  constexpr double share = 0.05;  // of the newest frame in the mean that is shown
+  frame_seconds_ = frame_seconds_ == 0 ? seconds : frame_seconds_ + share * (seconds - frame_seconds_);
+  session_.gather();
+  const Snapshot& snapshot = session_.latest();
+  ui_.begin();
+
+  Input input = inputFromImGui(window_.takePressed());
+  input.mouse *= size.pixel_ratio;
+  input.mouse_delta *= size.pixel_ratio;
+  const Camera before = centredIn(layout(size), view_.camera, size);
+  if (panels_.glide && controls_.drag() == Drag::None && (input.left || input.right))
+    input.on_skin = pickSkin(session_.model().skin.surface, organ_.skinPositions(),
+                             before.rayThrough(input.mouse.x(), input.mouse.y(), size.pixelWidth(), size.pixelHeight()))
+                        .has_value();
+  const bool something_open = panels_.help_shown || panels_.open_shown || panels_.quit_asked || panels_.demo;
+  const Actions actions = controls_.read(input, something_open);
+  applyView(actions, size);
+  applyRun(actions, snapshot);
+  const Camera shown = centredIn(layout(size), view_.camera, size);
+  applyTool(actions, shown, snapshot, input, size, seconds);
+  applyPull(actions, shown, input.mouse, size);
+  if (actions.pick_point) {
+    const Ray ray = shown.rayThrough(input.mouse.x(), input.mouse.y(), size.pixelWidth(), size.pixelHeight());
+    view_.picked_point =
+        pickPoint(session_.model(), snapshot, ray, pick_pixels * shown.pixelSize(shown.target, size.pixelHeight()));
+  }
+
+  glBindFramebuffer(GL_FRAMEBUFFER, 0);
+  Shown& more = shown_;
+  more.frames_per_second = frame_seconds_ > 0 ? 1 / frame_seconds_ : 0;
+  more.scenes = scenes;
+  more.hand_on_skin = hand_.onSkin();
+  more.hand_depth_m = hand_.depth();
+  more.pull_N = -1;
+  if (view_.pulled_vertex >= 0)
+    more.pull_N = pullForce(
+        session_.model(), view_.pulled_vertex,
+        view_.pull_target - organ_.skinPositions()[static_cast<std::size_t>(view_.pulled_vertex)].cast<double>());
+  PanelRequests requests = drawComposition(organ_, ui_, session_, snapshot, view_, panels_, layout(size), size, more);
+  requests.save_picture |= actions.save_picture;
+  requests.save_forces |= actions.save_forces;
+  requests.demo |= actions.toggle_demo;
+  requests.mark |= actions.mark;
+  applyRequests(requests, snapshot, size);
+  ProgramRequests program;
+  const TaskScore* task = session_.task();
+  const bool unsaved = task != nullptr && !session_.revealed() && !task->marks().empty();
+  const bool quits = actions.quit || requests.quit;
+  if (quits && unsaved) panels_.quit_asked = true;
+  program.quit = (quits && !unsaved) || requests.quit_now;
+  program.open_scene = requests.open_scene;
+  program.open_script = requests.open_script;
+  program.tool = requests.tool;
+  return program;
+}
+
+Picture Viewer::picture() {
+  const CanvasSize size = window_.size();
+  const Framebuffer framebuffer(size.pixelWidth(), size.pixelHeight());
+  framebuffer.bind();
+  ui_.begin();
+  drawComposition(organ_, ui_, session_, session_.latest(), view_, panels_, layout(size), size, shown_);
+  return framebuffer.read();
+}
+
+}  // namespace palpate::app

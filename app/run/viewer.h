@@ -1,0 +1,57 @@
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "app/run/composition.h"
+#include "app/run/gl_window.h"
+#include "app/run/input.h"
+#include "app/run/tool_hand.h"
+
+namespace palpate::app {
+
+/// What a frame asks of the program beyond the session that it shows.
+struct ProgramRequests {
+  bool quit = false;
+  std::string open_scene, open_script;  // empty: none
+  std::optional<ToolChoice> tool;       // the same scene with another probe
+};
+
+/// One session in the window: what the user sees, holds and sets. Main thread.
+class Viewer {
+ public:
+  /// @param panels  what was set before, in another session; kept between sessions by the caller
+  Viewer(Session& session, GlWindow& window, Interface& ui, PanelState& panels);
+
+  /// One frame: input, requests to the loop, picture.
+  ProgramRequests frame(double seconds, const std::vector<std::string>& scenes);
+  /// The present picture, drawn once more.
+  Picture picture();
+
+ private:
+  Layout layout(const CanvasSize& size) const;
+  void applyView(const Actions& actions, const CanvasSize& size);
+  void applyRun(const Actions& actions, const Snapshot& snapshot);
+  void applyTool(const Actions& actions, const Camera& camera, const Snapshot& snapshot, const Input& input,
+                 const CanvasSize& size, double seconds);
+  void applyPull(const Actions& actions, const Camera& camera, const Eigen::Vector2d& mouse, const CanvasSize& size);
+  void applyRequests(const PanelRequests& requests, const Snapshot& snapshot, const CanvasSize& size);
+  void applyFiles(const PanelRequests& requests);
+  void send(const std::vector<Request>& requests);
+  void reset();
+  void submit();
+
+  Session& session_;
+  GlWindow& window_;
+  OrganView organ_;
+  Interface& ui_;
+  ToolHand hand_;
+  Controls controls_;
+  View view_;
+  PanelState& panels_;
+  std::int64_t undo_count_ = 0;  // of the last snapshot
+  double frame_seconds_ = 0;     // mean of the last ones
+  Shown shown_;
+};
+
+}  // namespace palpate::app

@@ -1,0 +1,88 @@
+#include "app/trainer/lumps.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "simulation/build_model.h"
+#include "simulation/step.h"
+#include "simulation/workspace.h"
+
+namespace palpate::app {
+
+namespace {
+
+constexpr double press_speed = 0.03;  // m/s
+constexpr double start_gap = 0.002;   // m
+constexpr double slope_begin = 0.6;   // of the working depth: from here on the slope is taken
+
+/// Slope of force over depth, N/m, of a press along the skin's normal.
+double pressSlope(const Model& model, const SkinSurface::Place& place, double depth, Workspace& workspace) {
+  State state = initialState(model);
+  Command command;
+  command.tool_target.orientation = Quat::FromTwoVectors(Vec3::UnitZ(), place.normal);
+  state.tool_pose = command.tool_target;
+  state.tool_pose.position = place.point + start_gap * place.normal;
+  double first = 0, last = 0;
+  const int ticks = static_cast<int>(std::lround((depth + start_gap) / press_speed * model.scene.rate_hz));
+  for (int k = 1; k <= ticks; ++k) {
+    const double d = (depth + start_gap) * k / ticks - start_gap;
+    command.tool_target.position = place.point - d * place.normal;
+    last = tick(model, state, command, workspace).tool_force.norm();
+    if (d <= slope_begin * depth) first = last;
+  }
+  return (last - first) / ((1 - slope_begin) * depth);
+}
+
+/// Of the places around a lump's foot, the one farthest from all lumps that faces much the same way.
+SkinSurface::Place besideOf(const Lump& lump, const std::vector<Lump>& all, const SkinSurface& skin) {
+  const Vec3 n = lump.foot.normal;
+  const Vec3 side = n.unitOrthogonal();
+  SkinSurface::Place best = lump.foot;
+  double farthest = -1;
+  for (const double radii : {2.5, 3.0, 4.0})
+    for (int k = 0; k < 12; ++k) {
+      const double angle = 2 * std::numbers::pi * k / 12;
+      const Vec3 away = std::cos(angle) * side + std::sin(angle) * n.cross(side);
+      const SkinSurface::Place place = skin.nearest(lump.foot.point + radii * lump.radius * away);
+      double distance = std::numeric_limits<double>::infinity();
+      for (const Lump& other : all) distance = std::min(distance, (other.centre - place.point).norm() - other.radius);
+      const double merit = std::min(distance, 0.03) * std::max(0.0, place.normal.dot(n));
+      if (merit > farthest) {
+        farthest = merit;
+        best = place;
+      }
+    }
+  return best;
+}
+
+}  // namespace
+
+std::vector<Lump> lumpsOf(const Body& model) {
+  const SkinSurface skin(model.skin.surface);
+  std::vector<Lump> lumps;
+  const auto& materials = model.scene.materials;
+  for (std::size_t m = 1; m < materials.size(); ++m) {
+    const MaterialSpec& spec = materials[m];
+    const double stiffness = spec.material.shear_modulus / materials.front().material.shear_modulus;
+    if (spec.everywhere || spec.region.kind != Region::Kind::Sphere || stiffness <= 1) continue;
+    Lump lump{spec.region.point, spec.region.radius, stiffness, skin.nearest(spec.region.point), 0};
+    lump.top = (lump.foot.point - lump.centre).norm() - lump.radius;
+    lumps.push_back(lump);
+  }
+  return lumps;
+}
+
+std::vector<LumpFeel> feelLumps(const Model& model, double depth) {
+  const std::vector<Lump> lumps = lumpsOf(model);
+  const SkinSurface skin(model.skin.surface);
+  Workspace workspace(model, std::max(1, model.scene.threads));
+  std::vector<LumpFeel> feels;
+  for (const Lump& lump : lumps)
+    feels.push_back({pressSlope(model, lump.foot, depth, workspace),
+                     pressSlope(model, besideOf(lump, lumps, skin), depth, workspace)});
+  return feels;
+}
+
+}  // namespace palpate::app

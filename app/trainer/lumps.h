@@ -1,0 +1,34 @@
+#pragma once
+
+#include <vector>
+
+#include "app/run/skin_surface.h"
+#include "simulation/model.h"
+
+namespace palpate::app {
+
+/// A stiff ball in softer tissue, and where on the skin it is felt.
+struct Lump {
+  Vec3 centre = Vec3::Zero();  // m, at rest
+  double radius = 0;           // m
+  double stiffness = 1;        // shear modulus over that of the tissue
+  SkinSurface::Place foot;     // the skin nearest to it
+  double top = 0;              // m, its top below the skin
+};
+
+/// The spheres of the scene's later materials that are stiffer than the first.
+std::vector<Lump> lumpsOf(const Body& model);
+
+/// How a lump is felt: the slope of force over depth above it and beside it, at the working depth.
+struct LumpFeel {
+  double above_N_per_m = 0, beside_N_per_m = 0;
+  double ratio() const { return beside_N_per_m > 0 ? above_N_per_m / beside_N_per_m : 0; }
+};
+inline constexpr double least_feel = 1.5;  // ratio from which a trained finger is taken to find a lump
+
+/// Presses the scene's tool in above each lump and beside it, on states of its own; some tenths of a second each.
+/// Beside means the same skin 2.5 to 4 lump radii away, as far from all lumps as can be.
+/// @param depth  m, the working depth
+std::vector<LumpFeel> feelLumps(const Model& model, double depth);
+
+}  // namespace palpate::app

@@ -1,0 +1,138 @@
+#include "app/trainer/task_score.h"
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <numbers>
+
+namespace palpate::app {
+
+namespace {
+
+constexpr double path_step = 0.002;     // m, between two points of the path
+constexpr double reached_cosine = 0.3;  // of the skin to the tool's way, where the tool gets to
+constexpr double light_share = 0.5;     // of a lump's depth that must be pressed to feel it
+
+using Json = nlohmann::ordered_json;
+
+Json millimetres(const Vec3& v) { return {1e3 * v.x(), 1e3 * v.y(), 1e3 * v.z()}; }
+
+}  // namespace
+
+TaskScore::TaskScore(const Model& model, std::vector<Lump> lumps)
+    : model_(model),
+      lumps_(std::move(lumps)),
+      skin_(model.skin.surface),
+      pressure_(model.skin.surface.vertices.size(), 0.0F),
+      deepest_(lumps_.size(), 0.0) {}
+
+void TaskScore::add(const ForceSample& sample) {
+  if (begin_s_ < 0) begin_s_ = sample.time_s;
+  seconds_ = sample.time_s - begin_s_;
+  ++samples_;
+  const double force = sample.force_raw.norm();
+  if (!(force > 0) || !std::isfinite(force)) return;
+  ++touching_;
+  force_sum_ += force;
+  peak_ = std::max(peak_, force);
+  if (force > force_limit) ++above_limit_;
+
+  const Vec3& tip = sample.tool_pose.position;
+  const double depth = std::max(0.0, sample.depth_m);
+  const Vec3 foot = tip + depth * (sample.tool_pose.orientation * Vec3::UnitZ());  // about where the skin was
+  for (std::size_t k = 0; k < lumps_.size(); ++k)
+    if ((lumps_[k].foot.point - foot).norm() < lumps_[k].radius) deepest_[k] = std::max(deepest_[k], depth);
+  // The patch of a ball of radius R that is d deep has about the radius sqrt(R d).
+  const double R = model_.scene.tool.radius;
+  const double patch = std::min(R, std::sqrt(R * std::max(depth, 1e-4)));
+  const auto pressure = static_cast<float>(force / (std::numbers::pi * patch * patch));
+  for (std::size_t v = 0; v < pressure_.size(); ++v)
+    if ((model_.skin.surface.vertices[v] - foot).squaredNorm() < patch * patch)
+      pressure_[v] = std::max(pressure_[v], pressure);
+  if (path_.empty() || (tip - path_.back()).norm() > path_step) {
+    if (!path_.empty()) length_ += (tip - path_.back()).norm();
+    path_.push_back(tip);
+  }
+}
+
+void TaskScore::mark(const Vec3& place, int hardness, double time_s) {
+  marks_.push_back({skin_.nearest(place).point, std::clamp(hardness, 1, 3), time_s});
+}
+
+TaskScore::Sheet TaskScore::sheet() const {
+  Sheet sheet;
+  std::vector<bool> found(lumps_.size(), false);
+  double errors = 0;
+  for (const LumpMark& mark : marks_) {
+    int nearest = -1;
+    double least = 1e9;
+    for (std::size_t k = 0; k < lumps_.size(); ++k) {
+      const double error = (lumps_[k].foot.point - mark.place).norm();
+      if (found[k] || error > lumps_[k].radius + mark_tolerance || error >= least) continue;
+      least = error;
+      nearest = static_cast<int>(k);
+    }
+    sheet.lump_of_mark.push_back(nearest);
+    if (nearest < 0) continue;
+    found[static_cast<std::size_t>(nearest)] = true;
+    errors += least;
+    ++sheet.hits;
+  }
+  sheet.misses = static_cast<int>(lumps_.size()) - sheet.hits;
+  sheet.false_alarms = static_cast<int>(marks_.size()) - sheet.hits;
+  sheet.mean_error_mm = sheet.hits > 0 ? 1e3 * errors / sheet.hits : 0;
+  for (std::size_t k = 0; k < lumps_.size(); ++k)
+    if (!found[k] && deepest_[k] < light_share * lumps_[k].top) ++sheet.missed_too_light;
+  sheet.seconds = seconds_;
+  sheet.mean_force_N = touching_ > 0 ? force_sum_ / static_cast<double>(touching_) : 0;
+  sheet.peak_force_N = peak_;
+  sheet.seconds_above_limit = static_cast<double>(above_limit_) / model_.scene.rate_hz;
+  sheet.path_m = length_;
+  double covered = 0, reached = 0;
+  for (std::size_t v = 0; v < pressure_.size(); ++v) {
+    const double area = v < model_.skin.area.size() ? model_.skin.area[v] : 1;
+    if (skin_.nearest(model_.skin.surface.vertices[v]).normal.dot(-model_.scene.tool_direction) < reached_cosine)
+      continue;
+    reached += area;
+    if (static_cast<double>(pressure_[v]) >= threshold_pressure) covered += area;
+  }
+  sheet.covered_share = reached > 0 ? covered / reached : 0;
+  return sheet;
+}
+
+std::string TaskScore::json(const std::string& scene) const {
+  const Sheet s = sheet();
+  Json json = {{"scene", scene},
+               {"hits", s.hits},
+               {"misses", s.misses},
+               {"false_alarms", s.false_alarms},
+               {"mean_error_mm", s.mean_error_mm},
+               {"seconds", s.seconds},
+               {"mean_force_N", s.mean_force_N},
+               {"peak_force_N", s.peak_force_N},
+               {"force_limit_N", force_limit},
+               {"seconds_above_limit", s.seconds_above_limit},
+               {"threshold_pressure_Pa", threshold_pressure},
+               {"covered_share", s.covered_share},
+               {"path_m", s.path_m},
+               {"missed_too_light", s.missed_too_light}};
+  json["marks"] = Json::array();
+  for (std::size_t k = 0; k < marks_.size(); ++k)
+    json["marks"].push_back({{"place_mm", millimetres(marks_[k].place)},
+                             {"hardness", marks_[k].hardness},
+                             {"time_s", marks_[k].time_s},
+                             {"lump", s.lump_of_mark[k] < 0 ? Json(nullptr) : Json(s.lump_of_mark[k])}});
+  json["lumps"] = Json::array();
+  for (std::size_t k = 0; k < lumps_.size(); ++k)
+    json["lumps"].push_back({{"centre_mm", millimetres(lumps_[k].centre)},
+                             {"radius_mm", 1e3 * lumps_[k].radius},
+                             {"top_mm", 1e3 * lumps_[k].top},
+                             {"stiffness", lumps_[k].stiffness},
+                             {"pressed_mm", 1e3 * deepest_[k]}});
+  json["path_mm"] = Json::array();
+  for (const Vec3& p : path_) json["path_mm"].push_back(millimetres(p));
+  json["peak_pressure_Pa"] = pressure_;
+  return json.dump() + "\n";
+}
+
+}  // namespace palpate::app

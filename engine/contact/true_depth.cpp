@@ -1,0 +1,92 @@
+#include "contact/true_depth.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace palpate {
+namespace {
+
+constexpr double kUnderTheTip = 0.98;  // cosine to the mean normal, from which a vertex counts as under the tip
+
+/// Calls use(force on the tissue, outward normal of the tool in its frame, rest position) for all that touches.
+template <class Use>
+void forEachTouched(const SkinModel& skin, const ContactState& contact, const Use& use) {
+  for (int c = 0; c < contact.count; ++c) {
+    const auto k = static_cast<std::size_t>(c);
+    const double f = toVec3(contact.force[k]).norm();
+    if (f > 0) use(f, contact.normal[k], skin.surface.vertices[static_cast<std::size_t>(contact.vertex[k])]);
+  }
+  const FaceSamples& samples = contact.samples;
+  for (int c = 0; c < samples.count; ++c) {
+    const auto k = static_cast<std::size_t>(c);
+    const double f = toVec3(samples.force[k]).norm();
+    if (!(f > 0)) continue;
+    const SkinPoint& point = samples.point[k];
+    Vec3 X = Vec3::Zero();
+    for (std::size_t a = 0; a < static_cast<std::size_t>(point.corners); ++a)
+      X += static_cast<double>(point.share[a]) * skin.surface.vertices[static_cast<std::size_t>(point.vertex[a])];
+    use(f, samples.normal[k], X);
+  }
+}
+
+}  // namespace
+
+TrueDepth::TrueDepth(const SkinModel& skin, const ToolShape& tool) : skin_(skin), profile_(toolProfile(tool)) {}
+
+/// How far the tool reaches along a unit direction of its frame, m from its tip.
+double TrueDepth::support(const Vec3& direction) const {
+  const double across = std::hypot(direction.x(), direction.y());
+  double most = -std::numeric_limits<double>::infinity();
+  for (int k = 0; k < profile_.corner_count; ++k) {
+    const MeridianPoint& corner = profile_.corner[static_cast<std::size_t>(k)];
+    most = std::max(most, corner.r * across + corner.z * direction.z());
+  }
+  return most + profile_.rounding;
+}
+
+double TrueDepth::of(const Pose& tool, const ContactState& contact) const {
+  Vec3 sum = Vec3::Zero();  // tool's frame
+  forEachTouched(skin_, contact, [&](double f, const Vec3f& normal, const Vec3&) { sum += f * normal.cast<double>(); });
+  const double size = sum.norm();
+  if (!(size > 0)) return -gap(tool);
+  const Vec3 local = sum / size, n = tool.orientation * local;
+
+  // The best aligned first: a tool that touches around its foremost point, as a hollow one would, has none there.
+  double best = -1;
+  forEachTouched(skin_, contact, [&](double, const Vec3f& normal, const Vec3&) {
+    best = std::max(best, local.dot(normal.cast<double>()));
+  });
+  double weight = 0, rest = 0;
+  forEachTouched(skin_, contact, [&](double f, const Vec3f& normal, const Vec3& X) {
+    if (local.dot(normal.cast<double>()) < std::min(best, kUnderTheTip)) return;
+    weight += f;
+    rest += f * (X - tool.position).dot(n);
+  });
+  return weight > 0 ? support(local) - rest / weight : 0;
+}
+
+/// Clusters and regions that can't hold a nearer vertex are passed over.
+double TrueDepth::gap(const Pose& tool) const {
+  const std::vector<Vec3>& X = skin_.surface.vertices;
+  const auto distance = [&](int v) {
+    return toolDistance(profile_, tool.toLocal(X[static_cast<std::size_t>(v)])).distance;
+  };
+  double nearest = std::numeric_limits<double>::infinity();
+  for (int r = 0; r < skin_.regionCount(); ++r) {
+    const auto region = static_cast<std::size_t>(r);
+    if (distance(skin_.region_representative[region]) - static_cast<double>(skin_.region_radius[region]) > nearest)
+      continue;
+    for (int c = skin_.region_begin[region]; c < skin_.region_begin[region + 1]; ++c) {
+      const auto cluster = static_cast<std::size_t>(c);
+      const double middle = distance(skin_.cluster_representative[cluster]);
+      nearest = std::min(nearest, middle);
+      if (middle - static_cast<double>(skin_.cluster_radius[cluster]) > nearest) continue;
+      for (int k = skin_.cluster_begin[cluster]; k < skin_.cluster_begin[cluster + 1]; ++k)
+        nearest = std::min(nearest, distance(skin_.cluster_vertex[static_cast<std::size_t>(k)]));
+    }
+  }
+  return std::isfinite(nearest) ? nearest : 0;
+}
+
+}  // namespace palpate

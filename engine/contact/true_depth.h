@@ -1,0 +1,36 @@
+#pragma once
+
+#include "contact/contact_state.h"
+#include "contact/skin.h"
+#include "contact/tool_profile.h"
+
+namespace palpate {
+
+/// How deep the tool has pressed the skin: for any shape and pose of the tool, and wherever on the body it is.
+///
+///   touching:  d = max_s s . n - mean_v X_v . n     s on the tool, n = mean unit normal of the contact, into the tissue
+///   in air:    d = -min_v distance(tool, X_v)       the gap to the skin at rest
+///
+/// The mean over v is weighted by force and takes the touched vertices whose normal is within 11 degrees of n: those
+/// under the tip, or under the whole face of a flat tool. d is how far the tool's foremost point stands beyond where
+/// the skin under it lay at rest, along the contact's normal: 0 at first touch. The skin's vertices stand for the
+/// skin, so d is exact to what the contact itself sees (SkinModel). In air the tissue counts as at rest.
+///
+/// Real-time but for the constructor: no allocation, no lock, no throw. Test: contact/true_depth_test.cpp
+class TrueDepth {
+ public:
+  /// The skin must outlive this.
+  TrueDepth(const SkinModel& skin, const ToolShape& tool);
+
+  /// m; negative in air: the gap. 0 where there is no skin.
+  double of(const Pose& tool, const ContactState& contact) const;
+
+ private:
+  double gap(const Pose& tool) const;
+  double support(const Vec3& direction) const;
+
+  const SkinModel& skin_;
+  const ToolProfile profile_;
+};
+
+}  // namespace palpate
