@@ -101,6 +101,23 @@ void drawMaterial(const Theme& theme, const Material& material) {
 
 }  // namespace
 
+namespace {
+
+/// Cut open, see through.
+void drawInside(View& view, PanelRequests& requests) {
+  const float left = ImGui::GetCursorPosX(), half = 0.5F * ImGui::GetContentRegionAvail().x;
+  if (ImGui::Checkbox("Cut open", &view.section.on) && view.section.on) requests.section_faces = true;
+  ImGui::SameLine(left + half);
+  ImGui::Checkbox("See through", &view.ghost);
+  if (view.section.on) {
+    float percent = 100 * view.section.offset;
+    if (slider("Cut", percent, -95, 95, "%.0f %%", "")) view.section.offset = percent / 100;
+    if (button("Cut through the probe", ImGui::GetContentRegionAvail().x)) requests.section_through_tool = true;
+  }
+}
+
+}  // namespace
+
 void drawViewCard(const Theme& theme, const PanelData& data, View& view, PanelRequests& requests) {
   if (!beginCard(theme, "View")) return;
   ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x);
@@ -133,14 +150,10 @@ void drawViewCard(const Theme& theme, const PanelData& data, View& view, PanelRe
   ImGui::Checkbox("Nodes", &view.show_nodes);
   ImGui::SameLine(left + half);
   ImGui::Checkbox("Points", &view.show_points);
-  if (ImGui::Checkbox("Cut open", &view.section.on) && view.section.on) requests.section_faces = true;
-  ImGui::SameLine(left + half);
-  ImGui::Checkbox("See through", &view.ghost);
-  if (view.section.on) {
-    float percent = 100 * view.section.offset;
-    if (slider("Cut", percent, -95, 95, "%.0f %%", "")) view.section.offset = percent / 100;
-    if (button("Cut through the probe", ImGui::GetContentRegionAvail().x)) requests.section_through_tool = true;
-  }
+  if (data.task != nullptr && !data.revealed)
+    note(theme, "Cutting it open and seeing through wait until the answers are in.");
+  else
+    drawInside(view, requests);
   ImGui::Spacing();
 }
 

@@ -35,13 +35,13 @@ struct View {
 
   bool show_tool = true;
   bool show_nodes = false;
-  bool show_points = false;   // integration points, thinned where there are many
-  bool show_forces = true;    // arrow of the tool's force
-  bool show_contact = false;  // arrows of the forces at the skin's vertices
-  bool show_fixed = true;     // hint of the imposed region on the skin
-  bool ghost = false;         // the skin is translucent, what is inside is seen through it
-  std::vector<Ball> balls;    // inside
-  Section section;
+  bool show_points = false;      // integration points, thinned where there are many
+  bool show_forces = true;       // arrow of the tool's force
+  bool show_contact = false;     // arrows of the forces at the skin's vertices
+  bool show_fixed = true;        // hint of the imposed region on the skin
+  bool ghost = false;            // the skin is translucent, what is inside is seen through it
+  std::vector<Ball> balls = {};  // inside
+  Section section = {};
   int picked_point = -1;  // integration point whose support is shown; -1: none
 
   int pulled_vertex = -1;           // skin vertex that a spring pulls; -1: none

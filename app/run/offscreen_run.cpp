@@ -155,8 +155,6 @@ int runOffscreen(Session& session) {
     keep(one ? "snapshot" : format("snapshot_%gs", time), snapshot);
   });
   if (interrupted()) session.log().info("interrupted: keeping what was done so far");
-  if (manifest.files.empty()) keep("snapshot", session.latest());
-
   if (session.task() != nullptr && options.trainee) {
     writeWholeFile(results.fileNamed("score.json"), session.submitTask());
     const TaskScore::Sheet sheet = session.task()->sheet();
@@ -164,6 +162,8 @@ int runOffscreen(Session& session) {
                         results.fileNamed("score.json").c_str(), sheet.hits, sheet.misses, sheet.false_alarms,
                         sheet.mean_error_mm);
   }
+  if (manifest.files.empty()) keep("snapshot", session.latest());  // with the lumps, once the answers are in
+
   const std::string report = toJson(session.report());
   results.writeReport(report);
   writeManifest(session, manifest);

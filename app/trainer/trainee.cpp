@@ -8,14 +8,21 @@ namespace palpate::app {
 namespace {
 
 constexpr double travel_seconds = 0.16, press_seconds = 0.20, back_seconds = 0.08;
-constexpr double hover = 0.006;       // m, over the skin between two places
-constexpr double rise_begin = 0.6;   // of the depth
-constexpr double facing = 0.45;       // cosine between skin and tool, where it presses
-constexpr double around_steps = 4.5;  // of the places that a place is compared with
+constexpr double hover = 0.006;        // m, over the skin between two places
+constexpr double rise_begin = 0.6;     // of the depth
+constexpr double held_margin = 0.015;  // m, from what is held
+constexpr double facing = 0.45;        // cosine between skin and tool, where it presses
+constexpr double around_steps = 4.5;   // of the places that a place is compared with
 
 double smooth(double s) {
   s = std::clamp(s, 0.0, 1.0);
   return s * s * (3 - 2 * s);
+}
+
+/// What is held is stiff without a lump.
+bool isNearHeld(const Scene& scene, const Vec3& x) {
+  return std::any_of(scene.boundaries.begin(), scene.boundaries.end(),
+                     [&](const BoundarySpec& held) { return held.region.contains(x, held_margin); });
 }
 
 /// Places a step apart, thinned from the skin's vertices in their order, row by row across the tool's way.
@@ -25,7 +32,7 @@ std::vector<SkinSurface::Place> gridOn(const Model& model, double step) {
   std::vector<SkinSurface::Place> places;
   for (const Vec3& X : model.skin.surface.vertices) {
     const SkinSurface::Place place = skin.nearest(X);
-    if (place.normal.dot(towards) < facing) continue;
+    if (place.normal.dot(towards) < facing || isNearHeld(model.scene, place.point)) continue;
     const bool free = std::all_of(places.begin(), places.end(), [&](const SkinSurface::Place& other) {
       return (other.point - place.point).norm() >= step;
     });
