@@ -9,26 +9,27 @@ namespace palpate {
 FoldWatch::FoldWatch(const Model& model)
     : needed_(std::llround(seconds * model.scene.rate_hz)), strained_(strained * model.rest_energy) {
   for (const BoundarySpec& boundary : model.scene.boundaries) moved_ = moved_ || boundary.duration > 0;
-  for (const Material& material : model.materials) relaxes_ = relaxes_ || material.relaxation_count > 0;
+  strained_anyway_ = !model.scene.gravity.isZero(0);
+  for (const Material& material : model.materials) strained_anyway_ = strained_anyway_ || material.relaxation_count > 0;
 }
 
 bool FoldWatch::looksFolded(const StepReport& report) const {
   if (moved_ || report.contact_count > 0 || !report.tool_force.isZero(0)) return false;
   if (report.kinetic_energy > calm * report.strain_energy) return false;
-  return report.min_J < TrustLimits::min_J || (!relaxes_ && report.strain_energy > strained_);
+  return report.min_J < TrustLimits::min_J || (!strained_anyway_ && report.strain_energy > strained_);
 }
 
 bool FoldWatch::update(const StepReport& report, bool pulled) {
   if (pulled || !looksFolded(report)) {
-    ticks_ = 0;
+    memory_.ticks = 0;
     return false;
   }
-  if (ticks_ == 0 || report.strain_energy < steady_share * energy_) {
-    energy_ = report.strain_energy;
-    ticks_ = 0;
+  if (memory_.ticks == 0 || report.strain_energy < steady_share * memory_.energy) {
+    memory_.energy = report.strain_energy;
+    memory_.ticks = 0;
   }
-  if (++ticks_ < needed_) return false;
-  ticks_ = 0;
+  if (++memory_.ticks < needed_) return false;
+  memory_.ticks = 0;
   return true;
 }
 

@@ -12,7 +12,7 @@ namespace palpate {
 /// does not come back by itself; the model knows no contact of the skin with itself, which would hold it back.
 ///
 /// Bodies whose boundaries are moved are loaded always, and never folded by this. Where the stress relaxes, tissue comes
-/// back slowly, so there only what is crushed counts.
+/// back slowly, and where it has weight, it is strained by that, so there only what is crushed counts.
 /// Loop thread only. Real-time: no allocation, no lock, no throw. Test: realtime/loop/fold_watch_test.cpp
 class FoldWatch {
  public:
@@ -22,6 +22,14 @@ class FoldWatch {
   static constexpr double steady_share = 0.99;  // what the strain energy must not fall below meanwhile
 
   explicit FoldWatch(const Model& model);
+
+  /// What its coming verdicts depend on.
+  struct Memory {
+    std::int64_t ticks = 0;
+    double energy = 0;  // J, strain energy in the first of them
+  };
+  Memory memory() const { return memory_; }
+  void recall(const Memory& memory) { memory_ = memory; }
 
   /// A tick has ended well.
   /// @param pulled  a spring pulls the skin
@@ -33,9 +41,8 @@ class FoldWatch {
 
   const std::int64_t needed_;  // ticks
   const double strained_;      // J
-  bool moved_ = false, relaxes_ = false;
-  std::int64_t ticks_ = 0;
-  double energy_ = 0;  // J, strain energy in the first of them
+  bool moved_ = false, strained_anyway_ = false;
+  Memory memory_;
 };
 
 }  // namespace palpate

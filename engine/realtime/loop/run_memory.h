@@ -5,6 +5,7 @@
 #include "base/types.h"
 #include "realtime/channels/snapshot.h"
 #include "realtime/loop/contact_trend.h"
+#include "realtime/loop/fold_watch.h"
 #include "realtime/loop/force_filter.h"
 #include "realtime/loop/tool_proxy.h"
 #include "simulation/report.h"
@@ -18,6 +19,7 @@ struct RunMemory {
   Pose hand;
   std::uint64_t pose_sequence = 0;
   ToolProxy::Memory proxy;
+  FoldWatch::Memory folds;
   StepReport report;
   ForceSample force;
   ForceFilter filter{0, 0, 1};

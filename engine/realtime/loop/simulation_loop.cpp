@@ -96,6 +96,7 @@ RunMemory SimulationLoop::memory() const {
   memory.hand = command_.tool_target;
   memory.pose_sequence = run_.pose_sequence;
   memory.proxy = proxy_.memory();
+  memory.folds = folds_.memory();
   reporter_.tell(memory);
   return memory;
 }
@@ -109,6 +110,7 @@ void SimulationLoop::recall(const RunMemory& memory) {
   command_.tool_target = memory.hand;
   track_.goal().jumpTo(memory.hand);
   proxy_.recall(memory.proxy);
+  folds_.recall(memory.folds);
   history_.startAt(physics_.state());
   settings_.recall();
   reporter_.recall(memory);
