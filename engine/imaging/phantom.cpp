@@ -9,21 +9,21 @@
 namespace palpate {
 namespace {
 
-const Vec3 centre(4 * mm, -18 * mm, 22 * mm), semi_axes(68 * mm, 85 * mm, 62 * mm);
+const Vec3 brain_centre(4 * mm, -18 * mm, 22 * mm), brain_semi_axes(68 * mm, 85 * mm, 62 * mm);
 constexpr double intensity[3] = {220, 560, 880};  // of fluid, grey and white, T1
 
 /// Distance to the envelope, m, to first order; negative inside. Flattened below.
 double envelope(const Vec3& X) {
-  const Vec3 p = X - centre, unit = p.cwiseQuotient(semi_axes);
-  const double k = unit.norm(), slope = unit.cwiseQuotient(semi_axes).norm();
-  const double ball = slope < 1e-9 ? -semi_axes.minCoeff() : k * (k - 1) / slope;
+  const Vec3 p = X - brain_centre, unit = p.cwiseQuotient(brain_semi_axes);
+  const double k = unit.norm(), slope = unit.cwiseQuotient(brain_semi_axes).norm();
+  const double ball = slope < 1e-9 ? -brain_semi_axes.minCoeff() : k * (k - 1) / slope;
   const double base = -p.z() - 46 * mm;
   return std::max(ball, base);
 }
 
 /// Distance to the nearest sulcus' middle, m, where they go down to `depth` below the envelope.
 double sulcus(const Vec3& X, double depth_here) {
-  const Vec3 p = (X - centre) / mm;
+  const Vec3 p = (X - brain_centre) / mm;
   const Vec3 bent = p + 7 * Vec3(std::sin(p.y() / 17), std::sin(p.z() / 15 + 1), std::sin(p.x() / 19 + 2));
   constexpr double period = 30, deepest = 15;  // mm
   const double k = std::numbers::pi / period;
@@ -43,7 +43,7 @@ double ellipsoid(const Vec3& p, const Vec3& at, const Vec3& axes) {
 
 /// Distance to the ventricles, m.
 double ventricles(const Vec3& X) {
-  Vec3 p = (X - centre) / mm;
+  Vec3 p = (X - brain_centre) / mm;
   p.x() = std::abs(p.x());
   const double horn = ellipsoid(p, {11, 6 - 0.1 * p.x(), 6}, {6, 27, 8});
   const double third = ellipsoid(p, {0, 2, -6}, {2.5, 12, 9});
@@ -51,14 +51,14 @@ double ventricles(const Vec3& X) {
 }
 
 double nuclei(const Vec3& X) {
-  Vec3 p = (X - centre) / mm;
+  Vec3 p = (X - brain_centre) / mm;
   p.x() = std::abs(p.x());
   return mm * ellipsoid(p, {23, 4, -4}, {8, 17, 11});
 }
 
 /// A smooth field that is no polynomial: 0 .. 1.
 double biasShape(const Vec3& X) {
-  const Vec3 p = (X - centre) / (90 * mm);
+  const Vec3 p = (X - brain_centre) / (90 * mm);
   return 0.5 + 0.5 * std::sin(1.1 * p.x() + 0.9 * p.y() - 0.7 * p.z() + 0.4) * std::cos(0.6 * p.y() - 0.8 * p.z());
 }
 
@@ -117,7 +117,7 @@ void placeElectrodes(Phantom& phantom, const PhantomOptions& options) {
     for (int c = 0; c < options.columns; ++c) {
       const double a = (r - (options.rows - 1) / 2.0) * pitch, b = (c - (options.columns - 1) / 2.0) * pitch;
       // The point of the envelope on a ray from within.
-      const Vec3 start = centre + a * along + b * across;
+      const Vec3 start = brain_centre + a * along + b * across;
       double low = 0, high = 120 * mm;
       for (int bisection = 0; bisection < 50; ++bisection) {
         const double middle = (low + high) / 2;
@@ -151,7 +151,7 @@ Phantom makePhantom(const PhantomOptions& options) {
   const Vec3 half = edge * Vec3(size[0] - 1, size[1] - 1, size[2] - 1) / 2;
   // Left to right as scanners store it, with a negative determinant (radiological order).
   const Mat3 axes = (Vec3(-edge, edge, edge)).asDiagonal();
-  const ImageGrid grid(size, axes, centre + Vec3(half.x(), -half.y(), -half.z() + 6 * mm));
+  const ImageGrid grid(size, axes, brain_centre + Vec3(half.x(), -half.y(), -half.z() + 6 * mm));
   phantom.scan = phantom.labels = Image(grid);
   phantom.bias = Image(grid, 1.0F);
   phantom.fraction.assign(3, Image(grid));
