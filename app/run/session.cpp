@@ -323,7 +323,8 @@ std::string Session::submitTask() {
 
 void Session::loadedSettings() {
   setFriction(scene_.friction);
-  for (std::size_t m = 0; m < stiffness_.size(); ++m) setStiffness(static_cast<int>(m), 1.0);
+  for (std::size_t m = 0; m < stiffness_.size(); ++m)
+    if (stiffness_[m] != 1.0) setStiffness(static_cast<int>(m), 1.0);
 }
 
 ToolDriver Session::driver() const { return track_over_ ? ToolDriver::User : track_driver_; }

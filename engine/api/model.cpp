@@ -95,7 +95,7 @@ int32_t palpate_describe(const palpate_model* model, palpate_model_info* info) {
   out.point_count = m.pointCount();
   out.skin_vertex_count = m.skin.vertexCount();
   out.skin_triangle_count = static_cast<std::int32_t>(m.skin.surface.triangles.size());
-  out.material_count = static_cast<std::int32_t>(m.materials.size());
+  out.material_count = static_cast<std::int32_t>(m.scene.materials.size()) /* not their mixtures */;
   out.rate_hz = m.scene.rate_hz;
   put(m.tool_start, out.tool_start);
   out.tool_radius = m.scene.tool.radius;

@@ -61,9 +61,9 @@ typedef struct palpate_options {
   int32_t threads;          /* physics threads of each simulation, its own one included; 0: the scene's. No result
                                depends on it */
   double rate_hz;           /* ticks per second; 0: the scene's */
-  const char *cache_folder; /* where set-ups are kept for the next time; NULL: nowhere */
-  int (*progress)(void *user, const char *what, double fraction); /* called by the loading thread; not 0: give up */
-  void *user;
+  const char* cache_folder; /* where set-ups are kept for the next time; NULL: nowhere */
+  int (*progress)(void* user, const char* what, double fraction); /* called by the loading thread; not 0: give up */
+  void* user;
 } palpate_options;
 
 typedef struct palpate_model_info {
@@ -98,7 +98,7 @@ typedef struct palpate_state {
   int32_t frozen;           /* 1: the tissue was lost too often and stands still; palpate_reset */
   int32_t contact_count;    /* points of the skin that carry force */
   int32_t loss_count;       /* times that the solution was lost, and the tissue went back to an earlier state */
-  int64_t tick;             /* ticks since create or reset; 0: none yet */
+  int64_t tick;             /* ticks since create, or since a reset while stopped; 0: none yet */
   uint64_t pose_sequence;   /* of the pose that this answers, as given to palpate_set_target */
   double time_s;            /* tick / rate */
   double age_s;             /* wall time since the tick began that computed this */
@@ -115,122 +115,122 @@ typedef struct palpate_state {
 
 /* A parameter of a material's law, by the name that scenes give it: "young", "poisson", "mu". */
 typedef struct palpate_parameter {
-  const char *name;
-  const double *values; /* as many as the law takes: one, or a list's */
+  const char* name;
+  const double* values; /* as many as the law takes: one, or a list's */
   int32_t count;
 } palpate_parameter;
 
 /* ---- Library ---- */
 
 /* "0.1.0". */
-PALPATE_API const char *palpate_version(void);
+PALPATE_API const char* palpate_version(void);
 
 /* One line for reports: version, compiler, instruction set. */
-PALPATE_API const char *palpate_build(void);
+PALPATE_API const char* palpate_build(void);
 
 /* A sentence for an outcome, or for a palpate_state.doubt ("" for none). */
-PALPATE_API const char *palpate_result_text(int32_t code);
-PALPATE_API const char *palpate_doubt_text(int32_t doubt);
+PALPATE_API const char* palpate_result_text(int32_t code);
+PALPATE_API const char* palpate_doubt_text(int32_t doubt);
 
 /* ---- Model ---- */
 
 /* Makes a model from a scene file, or from the name of a scene that the library brings. Takes seconds.
  * @param options  NULL: the scene's own
  * @param model    receives it; NULL where it fails */
-PALPATE_API int32_t palpate_load(const char *scene, const palpate_options *options, palpate_model **model,
-                                 palpate_error *error);
+PALPATE_API int32_t palpate_load(const char* scene, const palpate_options* options, palpate_model** model,
+                                 palpate_error* error);
 
 /* Simulations that use it live on. NULL does nothing. */
-PALPATE_API void palpate_model_destroy(palpate_model *model);
+PALPATE_API void palpate_model_destroy(palpate_model* model);
 
-PALPATE_API int32_t palpate_describe(const palpate_model *model, palpate_model_info *info);
+PALPATE_API int32_t palpate_describe(const palpate_model* model, palpate_model_info* info);
 
 /* Corners of the skin's triangles, counter-clockwise from outside.
  * @param corners  (triangle_count, 3), indices of skin vertices
  * @param triangle_count  as palpate_describe says */
-PALPATE_API int32_t palpate_skin_triangles(const palpate_model *model, int32_t *corners, int32_t triangle_count);
+PALPATE_API int32_t palpate_skin_triangles(const palpate_model* model, int32_t* corners, int32_t triangle_count);
 
 /* The poses of a tool script, one for the end of each tick.
  * @param script    a file, or the name of a script that the library brings; NULL or "": the indentation of an
  *                  off-screen run
  * @param poses     (capacity, 7); NULL with capacity 0: only counts
  * @param count     receives how many there are, also where capacity is less: then the first ones are written */
-PALPATE_API int32_t palpate_script(const palpate_model *model, const char *script, double *poses, int64_t capacity,
-                                   int64_t *count, palpate_error *error);
+PALPATE_API int32_t palpate_script(const palpate_model* model, const char* script, double* poses, int64_t capacity,
+                                   int64_t* count, palpate_error* error);
 
 /* ---- Simulation ---- */
 
 /* The body at rest and the tool at its start. Takes all memory, and starts the physics threads. */
-PALPATE_API int32_t palpate_create(const palpate_model *model, palpate_simulation **simulation, palpate_error *error);
+PALPATE_API int32_t palpate_create(const palpate_model* model, palpate_simulation** simulation, palpate_error* error);
 
 /* Stops it where it runs. NULL does nothing. */
-PALPATE_API void palpate_destroy(palpate_simulation *simulation);
+PALPATE_API void palpate_destroy(palpate_simulation* simulation);
 
 /* (control; acts as hand, too) n ticks on the calling thread, as fast as it can: bit for bit what the loop does. The
  * tool goes to `pose` in the first of them, or as far as the scene's max_speed lets it, and stays.
  * @param n      0: takes the pose only, for the next tick
  * @param pose   (7); NULL: as before
  * @param state  receives the last tick's outcome; may be NULL */
-PALPATE_API int32_t palpate_step(palpate_simulation *simulation, int64_t n, const double *pose, palpate_state *state);
+PALPATE_API int32_t palpate_step(palpate_simulation* simulation, int64_t n, const double* pose, palpate_state* state);
 
 enum { PALPATE_ORDINARY_THREAD = 1 };
 
 /* (control) The simulation goes on by itself, at the scene's rate, on a thread of its own. It asks the system for
  * real-time scheduling and locked memory, and does without where they are refused.
  * @param flags  PALPATE_ORDINARY_THREAD: asks the system for nothing */
-PALPATE_API int32_t palpate_start(palpate_simulation *simulation, uint32_t flags);
+PALPATE_API int32_t palpate_start(palpate_simulation* simulation, uint32_t flags);
 
 /* (control) Ends that thread after its present tick, and waits for it. It may be started, or stepped, again. */
-PALPATE_API int32_t palpate_stop(palpate_simulation *simulation);
+PALPATE_API int32_t palpate_stop(palpate_simulation* simulation);
 
 /* (hand) Where the tool should be: the latest wins, and nothing smooths it. Wait-free: no allocation, lock or system
  * call.
  * @param pose      (7)
  * @param sequence  comes back as palpate_state.pose_sequence */
-PALPATE_API int32_t palpate_set_target(palpate_simulation *simulation, const double *pose, uint64_t sequence);
+PALPATE_API int32_t palpate_set_target(palpate_simulation* simulation, const double* pose, uint64_t sequence);
 
 /* (any) The newest tick's outcome. Lock-free: no allocation or lock. */
-PALPATE_API int32_t palpate_read(const palpate_simulation *simulation, palpate_state *state);
+PALPATE_API int32_t palpate_read(const palpate_simulation* simulation, palpate_state* state);
 
 /* (viewer) Where the skin is in the newest tick. No allocation or lock.
  * @param positions     (vertex_count, 3) m
  * @param vertex_count  as palpate_describe says */
-PALPATE_API int32_t palpate_skin_positions(palpate_simulation *simulation, float *positions, int32_t vertex_count);
+PALPATE_API int32_t palpate_skin_positions(palpate_simulation* simulation, float* positions, int32_t vertex_count);
 
 /* (viewer) The forces on the tissue in the newest tick, by skin vertex. They sum to minus the tool's force; a vertex
  * may come more than once.
  * @param vertex  (capacity)
  * @param force   (capacity, 3) N
  * @param count   receives how many there are, also where capacity is less: then the first ones are written */
-PALPATE_API int32_t palpate_contacts(palpate_simulation *simulation, int32_t *vertex, float *force, int32_t capacity,
-                                     int32_t *count);
+PALPATE_API int32_t palpate_contacts(palpate_simulation* simulation, int32_t* vertex, float* force, int32_t capacity,
+                                     int32_t* count);
 
 /* (control) Coulomb coefficient between tool and tissue, from the next tick on. */
-PALPATE_API int32_t palpate_set_friction(palpate_simulation *simulation, double coefficient);
+PALPATE_API int32_t palpate_set_friction(palpate_simulation* simulation, double coefficient);
 
 /* (control) Parameters of a material, from the next tick on; those not named stay. PALPATE_REFUSED where it is stiffer
  * than the time step is stable for.
  * @param material  0 to material_count - 1, in the scene's order */
-PALPATE_API int32_t palpate_set_material(palpate_simulation *simulation, int32_t material,
-                                         const palpate_parameter *parameters, int32_t parameter_count,
-                                         palpate_error *error);
+PALPATE_API int32_t palpate_set_material(palpate_simulation* simulation, int32_t material,
+                                         const palpate_parameter* parameters, int32_t parameter_count,
+                                         palpate_error* error);
 
 /* (control) The body at rest again, and the tool at its start; friction and materials stay as they were set. Stopped:
  * at once, and what follows has the bits of a new simulation. Running: in the next tick, and the tool then comes back
  * gently. */
-PALPATE_API int32_t palpate_reset(palpate_simulation *simulation);
+PALPATE_API int32_t palpate_reset(palpate_simulation* simulation);
 
 /* (control, stopped) The whole state as bytes. A simulation of the same model that restores them goes on bit for bit,
  * friction and materials included. (Only what the loop keeps to go back to when a solution is lost begins anew.) The
  * bytes are for the same build of the library on the same kind of processor; others refuse them.
  * @param size  palpate_save_size, the same for all simulations of a model */
-PALPATE_API size_t palpate_save_size(const palpate_simulation *simulation);
-PALPATE_API int32_t palpate_save(const palpate_simulation *simulation, void *bytes, size_t size);
-PALPATE_API int32_t palpate_restore(palpate_simulation *simulation, const void *bytes, size_t size,
-                                    palpate_error *error);
+PALPATE_API size_t palpate_save_size(const palpate_simulation* simulation);
+PALPATE_API int32_t palpate_save(const palpate_simulation* simulation, void* bytes, size_t size);
+PALPATE_API int32_t palpate_restore(palpate_simulation* simulation, const void* bytes, size_t size,
+                                    palpate_error* error);
 
 /* (control, stopped) A hash of the state: equal where all that follows is equal. */
-PALPATE_API int32_t palpate_hash(const palpate_simulation *simulation, uint64_t *hash);
+PALPATE_API int32_t palpate_hash(const palpate_simulation* simulation, uint64_t* hash);
 
 #ifdef __cplusplus
 }

@@ -119,6 +119,7 @@ int32_t palpate_start(palpate_simulation* simulation, uint32_t flags) {
 
 int32_t palpate_stop(palpate_simulation* simulation) {
   if (simulation == nullptr) return PALPATE_BAD_ARGUMENT;
+  if (!simulation->running) return PALPATE_OK;  // a loop that never ran would remember it
   return guarded(nullptr, [&] {
     simulation->loop.quit();
     simulation->loop.join();
@@ -166,10 +167,14 @@ int32_t palpate_set_friction(palpate_simulation* simulation, double coefficient)
 
 int32_t palpate_set_material(palpate_simulation* simulation, int32_t material, const palpate_parameter* parameters,
                              int32_t parameter_count, palpate_error* error) {
-  if (simulation == nullptr || material < 0 || material >= static_cast<int>(simulation->materials.size()) ||
-      parameters == nullptr || parameter_count < 1)
+  if (simulation == nullptr || material < 0 ||
+      material >= static_cast<int>(simulation->model->scene.materials.size()) || parameters == nullptr ||
+      parameter_count < 1)
     return say(error, PALPATE_BAD_ARGUMENT, palpate_result_text(PALPATE_BAD_ARGUMENT));
   return guarded(error, [&] {
+    if (simulation->materials.size() != simulation->model->scene.materials.size())
+      throw Refusal(PALPATE_REFUSED,
+                    "the materials of a scene that mixes them can't be changed live; load another scene");
     Material& present = simulation->materials[static_cast<std::size_t>(material)];
     Material wanted = present;
     for (int k = 0; k < parameter_count; ++k) set(wanted, parameters[k]);

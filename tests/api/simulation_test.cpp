@@ -289,3 +289,24 @@ TEST_CASE("A caller with an older, shorter struct gets what it knows and nothing
   CHECK(state.tick == 2);
   CHECK(std::memcmp(state.force, untouched.force, sizeof state - offsetof(palpate_state, force)) == 0);
 }
+
+TEST_CASE("A stop before the first start is none; what was sent before a restore is of another future", "[api]") {
+  const ModelHandle model = loadBlock();
+  const palpate_model_info info = describe(model);
+  const SimulationHandle simulation = create(model), fresh = create(model);
+  REQUIRE(palpate_stop(simulation.get()) == PALPATE_OK);
+  const auto pose = poseAtDepth(info, 0.002);
+  REQUIRE(palpate_set_target(simulation.get(), pose.data(), 7) == PALPATE_OK);
+  REQUIRE(palpate_reset(simulation.get()) == PALPATE_OK);
+  REQUIRE(palpate_step(simulation.get(), 20, nullptr, nullptr) == PALPATE_OK);
+  REQUIRE(palpate_step(fresh.get(), 20, nullptr, nullptr) == PALPATE_OK);
+  CHECK(hashOf(simulation) == hashOf(fresh));
+  REQUIRE(palpate_start(simulation.get(), PALPATE_ORDINARY_THREAD) == PALPATE_OK);
+  auto state = sized<palpate_state>();
+  for (int k = 0; k < 5000 && state.tick <= 20; ++k) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    REQUIRE(palpate_read(simulation.get(), &state) == PALPATE_OK);
+  }
+  CHECK(state.tick > 20);
+  REQUIRE(palpate_stop(simulation.get()) == PALPATE_OK);
+}

@@ -17,7 +17,7 @@ std::vector<std::string> csvSeeds() {
 }
 
 std::vector<std::string> recordingSeeds() {
-  return {R"(palpate-recording 2
+  return {R"(palpate-recording 3
 scene liver and gall
 model 0123456789abcdef
 rate_hz 500

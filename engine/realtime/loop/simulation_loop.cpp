@@ -102,6 +102,10 @@ RunMemory SimulationLoop::memory() const {
 }
 
 void SimulationLoop::recall(const RunMemory& memory) {
+  // What was sent before is of another future.
+  channels_.hand.latest();
+  for (Request request; channels_.commands.pop(request);) {
+  }
   run_.tick = memory.tick;
   run_.frozen = memory.frozen;
   run_.hand = run_.goal = memory.hand;
@@ -179,7 +183,9 @@ bool SimulationLoop::step() {
   switch (reporter_.judge(report, run_)) {
     case Verdict::Good:
       if (folds_.update(report, command.pull_vertex >= 0)) {
-        goBackTo(history_.start());
+        physics_.reset();  // not to where a recalled run began: that may have been folded
+        history_.clear();
+        proxy_.beGentle();
         reporter_.restored();
         reporter_.logEvent(LogEvent::Kind::RestoredFolded, run_, report.worst_point, report.min_J);
         break;

@@ -28,9 +28,6 @@ class StateHistory {
   /// The undoubted state that was kept last (age 0), the one before (1); the start where there is none.
   const State& good(int age) const;
 
-  /// As it was loaded.
-  const State& start() const { return start_; }
-
   /// The newest state to undo with that is some time older than `tick`; null: none is kept.
   const State* before(std::int64_t tick) const;
 

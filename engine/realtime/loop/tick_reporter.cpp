@@ -168,6 +168,7 @@ void TickReporter::recall(const RunMemory& memory) {
   watchdog_.reset();
   report_ = memory.report;
   force_ = memory.force;
+  force_.wall_ns = 0;  // of whatever clock: no force for a hand
   filter_ = memory.filter;
   trend_ = memory.trend;
   summary_.restored_count = force_.loss_count;

@@ -22,7 +22,7 @@ namespace palpate {
 namespace {
 
 constexpr const char* kMagic = "palpate-recording";
-constexpr int kVersion = 2;
+constexpr int kVersion = 3;                                    // what the loop makes of the same input is part of it
 constexpr std::uintmax_t kMaxBytes = std::uintmax_t{4} << 30;  // ten hours of a tool that moves each millisecond
 
 void append(std::string& line, std::initializer_list<double> values) {

@@ -7,7 +7,7 @@
 namespace palpate {
 
 /// Writes a recording as text, one change per line, numbers in their shortest exact form:
-///   palpate-recording 2
+///   palpate-recording 3
 ///   scene liver
 ///   model 0123456789abcdef
 ///   rate_hz 500

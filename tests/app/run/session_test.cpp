@@ -187,7 +187,7 @@ TEST_CASE("A recording that can't be replayed is found before the set-up is made
   options.replay = folder.path("absent.rec");
   CHECK_THAT(message(), Catch::Contains("absent.rec"));
   options.replay =
-      folder.write("slow.rec", "palpate-recording 2\nscene block\nmodel 0123456789abcdef\nrate_hz 250\nend 5\n");
+      folder.write("slow.rec", "palpate-recording 3\nscene block\nmodel 0123456789abcdef\nrate_hz 250\nend 5\n");
   CHECK_THAT(message(), Catch::Contains("slow.rec:4") && Catch::Contains("--rate 250"));
   options.replay.clear();
   options.tool_script = folder.path("absent.toml");

@@ -100,3 +100,21 @@ TEST_CASE("Folded tissue is put back to rest, counted and told of", "[fold_watch
   CHECK(told == 1);
   CHECK(physics.state().u[0].x != 0.05F);
 }
+
+TEST_CASE("A run recalled from a folded state, too, comes back to rest", "[fold_watch]") {
+  const Model model = watched();
+  test::FakePhysics physics(model);
+  const float rest = physics.state().u[0].x;
+  physics.on_tick = [](State& state, StepReport& report) {
+    if (state.tick > 0 && state.u[0].y != 0) report = folded();
+  };
+  SimulationLoop loop(model, physics, nullptr, {});
+  loop.advanceHere(100);
+  loop.recall(loop.memory());
+  loop.advanceHere(899);
+  CHECK(physics.state().tick == 999);
+  loop.advanceHere(1);
+  // Put back to the state at rest, not to that of the recall, which was folded.
+  CHECK(physics.state().tick < 100);
+  CHECK(physics.state().u[0].x == rest);
+}

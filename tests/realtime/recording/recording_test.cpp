@@ -53,7 +53,7 @@ Recording everyKind() {
 }
 
 const std::string kGood =
-    "palpate-recording 2\n"
+    "palpate-recording 3\n"
     "scene liver\n"
     "model 0123456789abcdef\n"
     "rate_hz 500\n"
@@ -115,7 +115,7 @@ TEST_CASE("Damaged recordings are refused with file and line", "[recording]") {
   const std::vector<Damage> damages = {
       {"", 1, "\"palpate-recording\" is missing"},
       {"time_s,depth_m\n", 1, "\"time_s,depth_m\" stands where \"palpate-recording\" should"},
-      {with("recording 2", "recording 1"), 1, "version 1 is not known"},
+      {with("recording 3", "recording 1"), 1, "version 1 is not known"},
       {with("scene liver\n", ""), 2, "where \"scene\" should"},
       {with("abcdef", "abcdeg"), 3, "is not a hash"},
       {with("abcdef", "abcdef0"), 3, "has not 16 hex digits"},

@@ -17,8 +17,10 @@
 #include "base/interrupt.h"
 #include "base/key.h"
 #include "base/number_text.h"
+#include "imaging/membership.h"
 #include "io/find_asset.h"
 #include "io/output_file.h"
+#include "io/scene_file.h"
 #include "io/text_file.h"
 #include "mtled/batch/batch_run.h"
 #include "mtled/run/progress.h"
@@ -60,6 +62,15 @@ std::string originOf(const BatchJob& job) {
   ByteKey key;
   for (const std::string& file : {findScene(job.scene), job.tool.empty() ? "" : findToolScript(job.tool)})
     if (!file.empty()) key.add(fnv1a(readWholeFile(file)));
+  try {
+    const Scene scene = readScene(findScene(job.scene), job.changes);
+    if (!scene.surface_file.empty()) key.add(fnv1a(readWholeFile(scene.surface_file)));
+    for (const MaterialSpec& material : scene.materials)
+      if (material.membership) key.add(fnv1a(identityOf(*material.membership)));
+    for (const BoundarySpec& boundary : scene.boundaries)
+      if (boundary.points) key.add(fnv1a(readWholeFile(boundary.points->file)));
+  } catch (const InputError&) {  // said when the job is run
+  }
   return sourceIdentity() + " " + std::to_string(key.hash());
 }
 
