@@ -31,7 +31,7 @@ SimulationLoopOptions driven(ToolMotion& motion, std::int64_t ticks) {
 
 }  // namespace
 
-TEST_CASE("Cycles on tissue press, drag, lift off and end at the same rest", "[soak_motion]") {
+TEST_CASE("Cycles on tissue press, drag, lift off and end at the same rest", "[soak_motion][whole]") {
   const Scene scene = test::blockScene(0.015);
   const std::int64_t ticks = std::llround(20 * scene.rate_hz);
   std::uint64_t hash[2];

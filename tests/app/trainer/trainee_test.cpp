@@ -68,7 +68,7 @@ std::string scored(const Model& model, const Played& played, const std::vector<V
 }  // namespace
 
 TEST_CASE("A trainee by rule finds a lump of the first level, and a replay has the same score bit for bit",
-          "[trainer]") {
+          "[trainer][whole]") {
   const Model model = blockWithLump();
   const Played played = play(model);
   TaskScore score(model, lumpsOf(model));
