@@ -18,9 +18,9 @@ constexpr double step_safety = 0.8;
 /// displacement is no more than that itself, and no share of it can be reached.
 constexpr double rounding_error = 1e-13;
 
-/// Of the body's size: increments below what a coordinate of it is rounded to are no motion. Where a tool only just
-/// touches, contact goes on at this level for ever.
-constexpr double coordinate_rounding = std::numeric_limits<double>::epsilon() / 2;
+/// Of the body's size: increments below what a coordinate of it is rounded to, a few times over, are no motion. Where a
+/// tool only just touches, gaps are differences of such coordinates, and contact goes on at this level for ever.
+constexpr double coordinate_rounding = 4 * std::numeric_limits<double>::epsilon();
 
 double diagonal(const std::vector<Vec3>& X) {
   Eigen::AlignedBox3d box;
