@@ -123,6 +123,7 @@ int32_t palpate_stop(palpate_simulation* simulation) {
   return guarded(nullptr, [&] {
     simulation->loop.quit();
     simulation->loop.join();
+    endRealTime(simulation->physics.team());  // the caller's thread steps with them now
     simulation->running = false;
     return PALPATE_OK;
   });

@@ -101,6 +101,7 @@ class TomlTable {
   std::vector<double> numbersAt(const KeySpec& key, const toml::node& node) const;
   void readLengths(const std::string& key, double* values) const;  // of a vector or plane; untouched where absent
   std::int64_t integerAt(const KeySpec& key, const toml::node& node) const;
+  static std::string typeOf(const toml::node& node);  // "a whole number" for messages
   [[noreturn]] void wrongType(const KeySpec& key, const toml::node& node) const;
   [[noreturn]] void unknownKey(const toml::key& key) const;
   SourceLocation placeOf(const toml::source_region& source) const;

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "app/run/rough_motion.h"
-#include "app/run/soak_report.h"
+#include "app/run/rough_report.h"
 #include "base/build_info.h"
 #include "io/load_model.h"
 #include "io/scene_file.h"
@@ -38,12 +38,7 @@ void roughHand(const std::string& name, unsigned seed, bool rests = true) {
   test::FakeClock clock;
   loop.run(clock);
   const RunSummary& summary = loop.summary();
-  SoakReport report;
-  report.rough = true;
-  report.organ_size_m = motion.rest().organSize();
-  report.frozen = summary.frozen;
-  report.restored = summary.restored_count;
-  for (SoakCycle cycle; motion.cycles().pop(cycle);) addCycle(report, cycle);
+  const SoakReport report = test::roughReport(motion, summary);
   INFO(name << ", " << model.X.size() << " nodes, " << report.cycles << " cycles, restored " << report.restored
             << ", peak " << summary.peak_force << " N, min J " << summary.min_J << ", drift " << report.largest_drift_m
             << " m");

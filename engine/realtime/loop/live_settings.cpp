@@ -9,6 +9,7 @@ namespace {
 
 std::vector<Request> settingsOf(const Model& model) {
   std::vector<Request> requests{Request::setFriction(model.scene.friction)};
+  if (model.materials.size() != model.scene.materials.size()) return requests;  // mixed ones can't be changed live
   for (std::size_t m = 0; m < model.materials.size(); ++m) {
     requests.push_back(Request::setMaterial(static_cast<int>(m), model.materials[m]));
   }

@@ -158,6 +158,17 @@ RtSetup setUpLoopThread(SpinTeam* team, bool real_time) {
   return setup;
 }
 
+void endRealTime(SpinTeam& team) {
+  const sched_param ordinary{};
+  cpu_set_t allowed;
+  CPU_ZERO(&allowed);
+  const bool known = sched_getaffinity(0, sizeof allowed, &allowed) == 0;
+  for (std::thread& worker : team.workers()) {
+    pthread_setschedparam(worker.native_handle(), SCHED_OTHER, &ordinary);
+    if (known) pthread_setaffinity_np(worker.native_handle(), sizeof allowed, &allowed);
+  }
+}
+
 std::string setUpViewerThread() {
   constexpr int kNice = 10;
   // On Linux, a thread's own id addresses this thread alone.

@@ -25,6 +25,10 @@ struct RtSetup {
 ///                   loop doesn't hold cores against the rest of the machine
 RtSetup setUpLoopThread(SpinTeam* team, bool real_time);
 
+/// The team's workers become ordinary threads again, on the cores that the calling thread may use: for who goes on with
+/// the team after its loop has ended.
+void endRealTime(SpinTeam& team);
+
 /// Makes the calling (drawing) thread give way to the loop: nice level 10. Threads that
 /// it starts later inherit that. Returns "done: ..." or "not done: <reason>".
 std::string setUpViewerThread();

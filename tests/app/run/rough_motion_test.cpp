@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "app/run/soak_report.h"
+#include "app/run/rough_report.h"
 #include "realtime/fakes.h"
 #include "realtime/loop/simulation_loop.h"
 #include "support/realtime_guard.h"
@@ -52,12 +52,7 @@ TEST_CASE("Under a rough hand the tissue is always there, always finite, and com
     };
     loop.run(clock);
     const RunSummary& summary = loop.summary();
-    SoakReport report;
-    report.rough = true;
-    report.organ_size_m = motion.rest().organSize();
-    report.frozen = summary.frozen;
-    report.restored = summary.restored_count;
-    for (SoakCycle cycle; motion.cycles().pop(cycle);) addCycle(report, cycle);
+    const SoakReport report = test::roughReport(motion, summary);
     INFO("seed " << seed << ", " << report.cycles << " cycles, restored " << report.restored << ", min J "
                  << report.min_J << ", drift " << report.largest_drift_m << " m");
     CHECK(brokenPromises(report).empty());

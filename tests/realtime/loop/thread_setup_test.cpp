@@ -1,5 +1,6 @@
 #include "realtime/loop/thread_setup.h"
 
+#include <pthread.h>
 #include <sched.h>
 #include <sys/mman.h>
 
@@ -69,6 +70,27 @@ TEST_CASE("More physics threads than cores are not pinned", "[thread_setup]") {
     CHECK(setup.affinity.rfind("not done: ", 0) == 0);
     munlockall();
   });
+}
+
+TEST_CASE("After its loop a team's workers are ordinary threads again, on any core", "[thread_setup]") {
+  SpinTeam team(2);
+  const auto prepare = [&] {
+    setUpLoopThread(&team, true);
+    munlockall();
+  };
+  onOtherThread(prepare);
+  cpu_set_t allowed;
+  REQUIRE(sched_getaffinity(0, sizeof allowed, &allowed) == 0);
+  endRealTime(team);
+  for (std::thread& worker : team.workers()) {
+    int policy = -1;
+    sched_param priority{};
+    REQUIRE(pthread_getschedparam(worker.native_handle(), &policy, &priority) == 0);
+    CHECK(policy == SCHED_OTHER);
+    cpu_set_t cores;
+    REQUIRE(pthread_getaffinity_np(worker.native_handle(), sizeof cores, &cores) == 0);
+    CHECK(CPU_EQUAL(&cores, &allowed));
+  }
 }
 
 TEST_CASE("The viewer's thread gives way, alone", "[thread_setup]") {
