@@ -27,11 +27,12 @@ ResultFolder::ResultFolder(const std::string& folder, bool with_forces)
   errno = 0;
   forces_.open(pending_.part(), std::ios::trunc);
   if (!forces_) failWriting(forceFile(), errno, elsewhere);
-  forces_ << force_csv_header << std::flush;
-  checkForces();
 }
 
-void ResultFolder::begin() {
+void ResultFolder::begin(const ToolSet& tools) {
+  tools_ = tools;
+  if (with_forces_) forces_ << forceCsvHeader(tools_) << std::flush;
+  checkForces();
   if (pending_.pending()) pending_.takePlace(elsewhere);
 }
 
@@ -39,10 +40,10 @@ void ResultFolder::checkForces() {
   if (!forces_) failWriting(forceFile(), errno, elsewhere);
 }
 
-void ResultFolder::addForce(const ForceSample& s) {
+void ResultFolder::addForce(const ForceSample& s, const ToolReadings& readings) {
   if (!with_forces_) return;
   errno = 0;
-  forces_ << forceCsvRow(s);
+  forces_ << forceCsvRow(s, readings, tools_);
   checkForces();
 }
 
