@@ -237,10 +237,10 @@ constexpr KeySpec scene_keys[] = {
      "Makes it jaws: two fingers of this shape side by side, this far apart at the start. `position` is the middle "
      "between their tips, and they close along the tool's x axis (the world's, where it points down). Without "
      "`friction` they hold nothing. Absent: no jaws.", never},
-    {"tool", "input", T::Text, "", "\"hand\"", {}, "",
-     "What moves it. `\"hand\"`: mouse, device or program; where there is none it stands still, but the first tool is "
-     "pressed in by off-screen runs. `\"script:FILE\"`: a [tool script](../tools/README.md), relative to the scene file, "
-     "until a hand takes the tool over; the first tool follows it in off-screen runs.", never},
+    {"tool", "input", T::Text, "", "", {}, "",
+     "What moves it. `\"hand\"`, or absent: mouse, device or program; where there is none it stands still, but the first "
+     "tool is pressed in by off-screen runs. `\"script:FILE\"`: a [tool script](../tools/README.md), relative to the "
+     "scene file, until a hand takes the tool over; the first tool follows it in off-screen runs.", never},
 
     {"force", "cutoff", T::Number, "Hz", "30", aboveUpTo(0, 1000), "",
      "Corner frequency of the first-order low-pass of the filtered force.", never},
