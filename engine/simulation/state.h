@@ -16,7 +16,8 @@ namespace palpate {
 /// What a viewer, script or replay asks of one tick.
 struct Command {
   Pose tool_target;                         // where the first tool should be at the end of the tick
-  ToolPostures tools;                       // where the others should; of the first only the opening (restCommand)
+  bool moves_others = false;                // else all but the first stay where they are, jaws as open as they are
+  ToolPostures tools;                       // where the others should be; of the first only the opening counts
   int pull_vertex = -1;                     // skin vertex pulled by a spring; -1: none
   Vec3 pull_target = Vec3::Zero();          // m, world
   const std::atomic<bool>* stop = nullptr;  // once true, the tick ends after the present step; null: never

@@ -93,6 +93,7 @@ ToolPosture startOf(const Model& model, int tool) {
 Command restCommand(const Model& model) {
   Command command;
   command.tool_target = model.tool_start;
+  command.moves_others = true;
   for (int t = 0; t < model.tools.toolCount() && !model.tools.empty(); ++t)
     command.tools[static_cast<std::size_t>(t)] = startOf(model, t);
   return command;
@@ -122,7 +123,10 @@ ToolBody toolBody(const Model& model, int body) {
 }
 
 ToolWays::ToolWays(const Model& model, const State& state, const Command& command)
-    : model_(model), count_(model.tools.toolCount()), from_(posturesOf(model, state)), to_(command.tools) {
+    : model_(model),
+      count_(model.tools.toolCount()),
+      from_(posturesOf(model, state)),
+      to_(command.moves_others ? command.tools : from_) {
   to_[0].pose = command.tool_target;
   for (int t = 0; t < count_; ++t) {
     const auto k = static_cast<std::size_t>(t);

@@ -18,7 +18,7 @@ ToolSet makeToolSet(const Scene& scene, const SurfaceTree& organ, const Triangle
 /// The memory that a state has for them. For set-up.
 MoreTools makeMoreTools(const Model& model);
 
-/// The command under which every tool stays where it starts.
+/// The command under which every tool is where it starts.
 Command restCommand(const Model& model);
 
 /// Where tool k starts; where it is.

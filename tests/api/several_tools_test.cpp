@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <catch2/catch.hpp>
+#include <utility>
 #include <vector>
 
 #include "api/pressed_block.h"
@@ -19,10 +20,12 @@ radius = 0.006
 position = [0, 0, 0.014]
 opening = 0.03
 friction = 0.6
+max_speed = 0.2
 [[tool]]
 shape = "sphere"
 radius = 0.008
 position = [0, 0, 0.035]
+max_speed = 0.2
 )";
 
 palpate_tool_state readTool(const SimulationHandle& simulation, int tool) {

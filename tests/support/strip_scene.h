@@ -26,6 +26,7 @@ inline Scene stripScene() {
   guide.component[2] = false;
   scene.boundaries.push_back(guide);
   scene.gravity = Vec3(0, 0, -9.81);
+  scene.damping = 60;
   scene.tool = ToolShape::of(ToolKind::Capsule, 0.004, 0.03);
   scene.tool_position = Vec3(0, 0, 0.012);
   scene.tool_opening = 0.012;

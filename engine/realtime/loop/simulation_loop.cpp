@@ -120,7 +120,7 @@ void SimulationLoop::recall(const RunMemory& memory) {
   run_.frozen = memory.frozen;
   run_.hand = run_.goal = memory.hand;
   run_.pose_sequence = memory.pose_sequence;
-  command_ = {};
+  command_ = restCommand(model_);
   command_.tool_target = memory.hand;
   command_.tools = memory.hands;
   track_.goal().jumpTo(memory.hand);
@@ -368,7 +368,7 @@ void SimulationLoop::undo() {
   run_.frozen = false;
   ++run_.undo_count;
   reporter_.reset();
-  command_ = {};
+  command_ = restCommand(model_);
   command_.tool_target = run_.hand = run_.goal = past->tool_pose;
   if (!model_.tools.empty()) command_.tools = posturesOf(model_, *past);
   track_.goal().jumpTo(past->tool_pose);
