@@ -104,6 +104,8 @@ void drawForceCard(const Theme& theme, const PanelData& data, float height, Pane
   row("Components", format("%+.3f  %+.3f  %+.3f N", f.x(), f.y(), f.z()), fresh ? colours::text : colours::stale,
       "x, y, z of the filtered force");
   row("Peak", format("%.3f N filtered, %.3f N raw", data.forces.peakFiltered(), data.forces.peakRaw()));
+  if (const ToolReading& jaws = data.snapshot.tools.tool[0]; jaws.opening > 0 || jaws.pinch > 0)
+    row("Pinch", format("%.3f N, %.1f mm open", jaws.pinch, 1e3 * jaws.opening));
 
   const StepReport& report = data.snapshot.report;
   row("Trust", doubted ? std::string("doubt: ") + doubtName(force.doubt) : "good",

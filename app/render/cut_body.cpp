@@ -236,6 +236,7 @@ Body cutBody(const Body& model, const CutPlane& plane) {
   cut.point_shape = model.point_shape;
   cut.materials = model.materials;
   cut.tool_start = model.tool_start;
+  cut.tools = model.tools;
   cut.skin_shape = shapeAt(model, clipped);
   cut.skin.area.assign(clipped.surface.vertices.size(), 0.0);
   for (const auto& t : clipped.surface.triangles) {

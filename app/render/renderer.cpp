@@ -4,8 +4,10 @@
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
+#include <memory>
 #include <numbers>
 #include <stdexcept>
+#include <vector>
 
 #include "app/render/colour.h"
 #include "app/render/frame.h"
@@ -88,7 +90,9 @@ struct Renderer::Parts {
   void drawPicture(const Snapshot& snapshot, const View& view);
   void drawSkin(float opacity);
   void drawBalls(const View& view) const;
-  void drawGhost(const Pose& hand) const;
+  void drawGhost(const Snapshot& snapshot) const;
+  template <class Draw>
+  void forEachTool(const Snapshot& snapshot, Draw draw) const;
   void bindTextures(const View& view);
   void releaseState() const;
 
@@ -99,6 +103,7 @@ struct Renderer::Parts {
 
   SkinMesh skin;
   MeshBuffers skin_buffers, tool_buffers;
+  std::vector<std::unique_ptr<MeshBuffers>> further_buffers;  // of the tools beside the first
   ShaderProgram skin_program, tool_program, ground_program, backdrop_program;
   GLint tool_place, tool_opacity, skin_opacity;
   MeshBuffers ball_buffers;
@@ -155,11 +160,24 @@ Renderer::Parts::Parts(const Body& the_model, const std::string& shader_dir)
       shadow_map(shader_dir),
       ground_shade(shader_dir),
       overlays(model, shader_dir) {
+  for (std::size_t t = 1; t < model.tools.tool.size(); ++t)
+    further_buffers.push_back(std::make_unique<MeshBuffers>(toolMesh(model.tools.tool[t].shape)));
   fillColours(sequential_colours, ColourMap::Displacement);
   fillColours(diverging_colours, ColourMap::J);
   glBindBuffer(GL_UNIFORM_BUFFER, frame_buffer);
   glBufferData(GL_UNIFORM_BUFFER, sizeof(Frame), nullptr, GL_STREAM_DRAW);
   glBindBuffer(GL_UNIFORM_BUFFER, 0);
+}
+
+/// Calls draw(tool, pose, mesh) for each tool and each finger of jaws.
+template <class Draw>
+void Renderer::Parts::forEachTool(const Snapshot& snapshot, Draw draw) const {
+  if (snapshot.tools.count == 0 || model.tools.empty()) return draw(0, snapshot.tool_pose, tool_buffers);
+  for (const ToolBody& body : model.tools.body) {
+    const auto further = static_cast<std::size_t>(body.tool - 1);
+    draw(body.tool, bodyPose(body, snapshot.tools.posture(body.tool)),
+         body.tool == 0 ? tool_buffers : *further_buffers[further]);
+  }
 }
 
 void Renderer::Parts::fillFrame(const Snapshot& snapshot, const View& view, int width, int height) {
@@ -192,9 +210,11 @@ void Renderer::Parts::drawShadows(const Snapshot& snapshot, const View& view) {
     glUniformMatrix4fv(clip_from_local, 1, GL_FALSE, clip_from_world.data());
     skin_buffers.draw();
     if (!view.show_tool) return;
-    const Eigen::Matrix4f clip_from_tool = clip_from_world * worldFromTool(snapshot.tool_pose);
-    glUniformMatrix4fv(clip_from_local, 1, GL_FALSE, clip_from_tool.data());
-    tool_buffers.draw();
+    forEachTool(snapshot, [&](int, const Pose& pose, const MeshBuffers& mesh) {
+      const Eigen::Matrix4f clip_from_tool = clip_from_world * worldFromTool(pose);
+      glUniformMatrix4fv(clip_from_local, 1, GL_FALSE, clip_from_tool.data());
+      mesh.draw();
+    });
   };
   shadow_map.draw(key, extent.centre, extent.radius, casters);
   ground_shade.draw(key, extent.ground, extent.radius, casters);
@@ -218,11 +238,13 @@ void Renderer::Parts::drawPicture(const Snapshot& snapshot, const View& view) {
   if (!view.ghost) drawSkin(1);
   drawBalls(view);
   if (view.show_tool) {
-    const Eigen::Matrix4f place = worldFromTool(snapshot.tool_pose);
     tool_program.use();
-    glUniformMatrix4fv(tool_place, 1, GL_FALSE, place.data());
     glUniform1f(tool_opacity, 1);
-    tool_buffers.draw();
+    forEachTool(snapshot, [&](int, const Pose& pose, const MeshBuffers& mesh) {
+      const Eigen::Matrix4f place = worldFromTool(pose);
+      glUniformMatrix4fv(tool_place, 1, GL_FALSE, place.data());
+      mesh.draw();
+    });
   }
   if (!view.show_room) {
     if (view.ghost) drawSkin(ghost_skin_opacity);
@@ -266,17 +288,23 @@ void Renderer::Parts::drawBalls(const View& view) const {
   }
 }
 
-/// Where the hand is that the tool stays behind: seen through tissue and tool.
-void Renderer::Parts::drawGhost(const Pose& hand) const {
-  const Eigen::Matrix4f place = worldFromTool(hand);
+/// Where the hand is that the first tool stays behind: seen through tissue and tool.
+void Renderer::Parts::drawGhost(const Snapshot& snapshot) const {
   tool_program.use();
-  glUniformMatrix4fv(tool_place, 1, GL_FALSE, place.data());
   glUniform1f(tool_opacity, ghost_opacity);
   glEnable(GL_CULL_FACE);
   glEnable(GL_BLEND);
   glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
   glDisable(GL_DEPTH_TEST);
-  tool_buffers.draw();
+  forEachTool(snapshot, [&](int tool, Pose pose, const MeshBuffers& mesh) {
+    if (tool > 0) return;
+    const Quat turn = snapshot.hand_pose.orientation * snapshot.tool_pose.orientation.conjugate();
+    pose.position = snapshot.hand_pose.position + turn * (pose.position - snapshot.tool_pose.position);
+    pose.orientation = turn * pose.orientation;
+    const Eigen::Matrix4f place = worldFromTool(pose);
+    glUniformMatrix4fv(tool_place, 1, GL_FALSE, place.data());
+    mesh.draw();
+  });
   glEnable(GL_DEPTH_TEST);
   glDisable(GL_BLEND);
   glDisable(GL_CULL_FACE);
@@ -326,7 +354,7 @@ ColourScale Renderer::draw(const Snapshot& snapshot, const View& view, int frame
   glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
   parts.bindTextures(view);
   parts.drawPicture(snapshot, view);
-  if (view.show_tool && snapshot.yield_m > ghost_distance) parts.drawGhost(snapshot.hand_pose);
+  if (view.show_tool && snapshot.yield_m > ghost_distance) parts.drawGhost(snapshot);
   parts.overlays.draw(snapshot, view, parts.skin.positions(), parts.extent.radius, framebuffer_height);
   parts.target.resolveInto(static_cast<GLuint>(shown));
   parts.releaseState();

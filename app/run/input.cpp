@@ -91,6 +91,7 @@ Actions Controls::read(const Input& input, bool something_open) {
     if (input.wasPressed(static_cast<Key>(static_cast<int>(Key::Digit1) + k))) actions.colour_map = k;
   actions.tool_keys = input.arrows;
   actions.turn_keys = input.tilt;
+  if (!input.ctrl) actions.jaws_keys = input.jaws;
   return actions;
 }
 
@@ -136,6 +137,7 @@ Input inputFromImGui(std::uint32_t pressed) {
   input.arrows = {axis(GLFW_KEY_LEFT, GLFW_KEY_RIGHT), axis(GLFW_KEY_DOWN, GLFW_KEY_UP),
                   axis(GLFW_KEY_PAGE_DOWN, GLFW_KEY_PAGE_UP)};
   input.tilt = {axis(GLFW_KEY_J, GLFW_KEY_L), axis(GLFW_KEY_K, GLFW_KEY_I)};
+  input.jaws = axis(GLFW_KEY_C, GLFW_KEY_V);
   return input;
 }
 

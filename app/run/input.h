@@ -48,6 +48,7 @@ struct Input {
   std::uint32_t pressed = 0;        // bit per Key: went down since the last frame
   Eigen::Vector3d arrows{0, 0, 0};  // held keys, -1..1: Left/Right, Down/Up, PageDown/PageUp
   Eigen::Vector2d tilt{0, 0};       // held keys, -1..1: J/L, K/I
+  double jaws = 0;                  // held keys, -1..1: C/V
 
   bool wasPressed(Key key) const { return (pressed >> static_cast<unsigned>(key) & 1u) != 0; }
   void press(Key key) { pressed |= 1u << static_cast<unsigned>(key); }
@@ -73,6 +74,7 @@ struct Actions {
   double push_tool_notches = 0;            // the same by wheel
   Eigen::Vector3d tool_keys{0, 0, 0};      // -1..1: right, away from the viewer, out of the tissue
   Eigen::Vector2d turn_keys{0, 0};         // -1..1: to the right, away from the viewer
+  double jaws_keys = 0;                    // -1..1: close, open
   Eigen::Vector2d turn_tool{0, 0};         // px
   bool glide = false;                      // the pointer leads the probe over the skin
   bool pick_point = false;                 // show the support of the point under the pointer

@@ -1,7 +1,9 @@
 #include "app/run/result_folder.h"
 
 #include <cerrno>
+#include <cstring>
 #include <filesystem>
+#include <string_view>
 
 #include "io/output_file.h"
 #include "realtime/recording/force_csv.h"
@@ -11,6 +13,9 @@ namespace palpate::app {
 namespace {
 
 const char* const elsewhere = "choose another place with --out";
+
+/// Characters of the header that all runs have: without its line end, which comes when the run's tools are known.
+const std::size_t common_columns = std::strlen(force_csv_header) - 1;
 
 }  // namespace
 
@@ -27,11 +32,17 @@ ResultFolder::ResultFolder(const std::string& folder, bool with_forces)
   errno = 0;
   forces_.open(pending_.part(), std::ios::trunc);
   if (!forces_) failWriting(forceFile(), errno, elsewhere);
-  forces_ << force_csv_header << std::flush;
+  forces_ << std::string_view(force_csv_header).substr(0, common_columns) << std::flush;
   checkForces();
 }
 
-void ResultFolder::begin() {
+void ResultFolder::begin(const ToolSet& tools) {
+  tools_ = tools;
+  if (with_forces_) {
+    errno = 0;
+    forces_ << forceCsvHeader(tools_).substr(common_columns) << std::flush;
+    checkForces();
+  }
   if (pending_.pending()) pending_.takePlace(elsewhere);
 }
 
@@ -39,10 +50,10 @@ void ResultFolder::checkForces() {
   if (!forces_) failWriting(forceFile(), errno, elsewhere);
 }
 
-void ResultFolder::addForce(const ForceSample& s) {
+void ResultFolder::addForce(const ForceSample& s, const ToolReadings& readings) {
   if (!with_forces_) return;
   errno = 0;
-  forces_ << forceCsvRow(s);
+  forces_ << forceCsvRow(s, readings, tools_);
   checkForces();
 }
 

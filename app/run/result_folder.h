@@ -19,11 +19,11 @@ class ResultFolder {
   /// @param with_forces  false: no force.csv; addForce does nothing
   explicit ResultFolder(const std::string& folder, bool with_forces = true);
 
-  /// The run starts: force.csv takes the place of an earlier one.
-  void begin();
+  /// The run starts: force.csv takes the place of an earlier one, with the columns that these tools have.
+  void begin(const ToolSet& tools = {});
 
-  /// One row of force.csv.
-  void addForce(const ForceSample& sample);
+  /// One row of force.csv. @param readings  of the same tick, where there are several tools or jaws
+  void addForce(const ForceSample& sample, const ToolReadings& readings = {});
   /// Ends force.csv. Rows that could not be written are found here at the latest.
   void finishForces();
 
@@ -42,6 +42,7 @@ class ResultFolder {
 
   std::string folder_;
   bool with_forces_;
+  ToolSet tools_;
   PendingFile pending_;  // force.csv
   std::ofstream forces_;
 };

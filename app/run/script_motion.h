@@ -14,6 +14,7 @@ class ScriptMotion final : public ToolMotion {
 
   std::int64_t ticks() const { return trajectory_.ticks(); }
   Pose next(const State&, const StepReport&) override { return trajectory_.next(); }
+  double opening() const override { return trajectory_.opening(); }
   void restart() override { trajectory_.restart(); }
 
  private:

@@ -200,16 +200,18 @@ void Session::chooseInput(SimulationLoopOptions& loop_options) {
 }
 
 void Session::start() {
-  if (results_) results_->begin();
+  if (results_) results_->begin(model_.tools);
   loop_->start();
 }
 
 void Session::gather() {
   ForceSample sample;
   while (loop_->forces().pop(sample)) {
+    ToolReadings readings;
+    if (!model_.tools.empty()) loop_->tools().pop(readings);
     forces_.add(sample);
     if (task_ && !revealed_) task_->add(sample);
-    if (results_) results_->addForce(sample);
+    if (results_) results_->addForce(sample, readings);
     if (options_.soak_minutes || options_.offscreen) continue;  // nobody is there to look at them
     presses_.add(sample);
     samples_.push_back(sample);

@@ -51,7 +51,9 @@ ToolHand::ToolHand(const Body& model)
       start_(model.tool_start),
       target_(start_),
       organ_radius_(0),
-      tool_radius_(model.scene.tool.radius) {
+      tool_radius_(model.scene.tool.radius),
+      start_opening_(model.scene.tool_opening),
+      opening_(start_opening_) {
   Vec3 low = start_.position, high = start_.position;
   for (const Vec3& X : model.skin.surface.vertices) {
     low = low.cwiseMin(X);
@@ -69,6 +71,7 @@ void ToolHand::setMode(HandMode mode) {
 
 void ToolHand::reset() {
   target_ = start_;
+  opening_ = start_opening_;
   place_.reset();
   tilt_ = Quat::Identity();
   depth_ = 0;
@@ -115,6 +118,11 @@ std::vector<Request> ToolHand::apply(const Actions& actions, const std::optional
   if (const std::optional<Request> keys = steer(actions, camera, speed, seconds, goal)) requests.push_back(*keys);
   if (touched && mode_ == HandMode::Glide) glideTo(*touched, seconds, requests);
   moveByMouse(actions, camera, height, seconds, requests);
+  if (actions.jaws_keys != 0 && opening_ >= 0) {
+    const double widest = 2 * std::max(start_opening_, tool_radius_);
+    opening_ = std::clamp(opening_ + actions.jaws_keys * speed * seconds, 0.0, widest);
+    requests.push_back(Request::setOpening(0, opening_));
+  }
   return requests;
 }
 

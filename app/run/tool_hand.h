@@ -75,6 +75,7 @@ class ToolHand {
   bool steering_ = false;                      // keys were held in the last frame
   Vec3 centre_;                                // m, of the room that the tip has
   double organ_radius_, reach_, tool_radius_;  // m
+  double start_opening_, opening_;             // m, of jaws; < 0: none
 };
 
 }  // namespace palpate::app

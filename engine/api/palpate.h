@@ -120,6 +120,18 @@ typedef struct palpate_parameter {
   int32_t count;
 } palpate_parameter;
 
+/* One tool's part of a tick's outcome, in a scene that has several, or jaws. */
+typedef struct palpate_tool_state {
+  uint32_t size;         /* sizeof(palpate_tool_state) */
+  int32_t contact_count; /* points of the skin that carry force */
+  int64_t tick;          /* as palpate_state.tick */
+  double pose[7];        /* of the tool that the tissue felt; of jaws, of the middle between their tips */
+  double force[3];       /* N, on the tool; jaws: both fingers' */
+  double torque[3];      /* N m, on the tool about its tip */
+  double opening;        /* m, of jaws: the gap between their fingers; else 0 */
+  double pinch;          /* N, of jaws: mean of what presses the two fingers apart; else 0 */
+} palpate_tool_state;
+
 /* ---- Library ---- */
 
 /* "0.1.0". */
@@ -142,6 +154,10 @@ PALPATE_API int32_t palpate_load(const char* scene, const palpate_options* optio
 
 /* Simulations that use it live on. NULL does nothing. */
 PALPATE_API void palpate_model_destroy(palpate_model* model);
+
+/* How many tools the scene has; those beside the first have the numbers 1, 2, ...
+ * @param count  receives it */
+PALPATE_API int32_t palpate_tool_count(const palpate_model* model, int32_t* count);
 
 PALPATE_API int32_t palpate_describe(const palpate_model* model, palpate_model_info* info);
 
@@ -192,12 +208,27 @@ PALPATE_API int32_t palpate_set_target(palpate_simulation* simulation, const dou
 /* (any) The newest tick's outcome. Lock-free: no allocation or lock. */
 PALPATE_API int32_t palpate_read(const palpate_simulation* simulation, palpate_state* state);
 
+/* (hand, a thread for each tool) As palpate_set_target, for any of the scene's tools. One that its scene's script moves
+ * is taken over. The sequence comes back for tool 0 only. PALPATE_BAD_ARGUMENT where there is no such tool.
+ * @param tool  0 to palpate_tool_count - 1 */
+PALPATE_API int32_t palpate_set_tool_target(palpate_simulation* simulation, int32_t tool, const double* pose,
+                                            uint64_t sequence);
+
+/* (hand, a thread for each tool) How far the jaws of a tool should be open, from the next tick on; they go there as
+ * fast as the scene lets them, and yield to what they pinch. The latest wins. PALPATE_BAD_ARGUMENT where that tool is
+ * no jaws.
+ * @param opening  m, the gap between the fingers, at least 0 */
+PALPATE_API int32_t palpate_set_opening(palpate_simulation* simulation, int32_t tool, double opening);
+
+/* (any) One tool's part of the newest tick. Lock-free: no allocation or lock. */
+PALPATE_API int32_t palpate_read_tool(const palpate_simulation* simulation, int32_t tool, palpate_tool_state* state);
+
 /* (viewer) Where the skin is in the newest tick. No allocation or lock.
  * @param positions     (vertex_count, 3) m
  * @param vertex_count  as palpate_describe says */
 PALPATE_API int32_t palpate_skin_positions(palpate_simulation* simulation, float* positions, int32_t vertex_count);
 
-/* (viewer) The forces on the tissue in the newest tick, by skin vertex. They sum to minus the tool's force; a vertex
+/* (viewer) The forces on the tissue in the newest tick, by skin vertex. They sum to minus the force on all tools; a vertex
  * may come more than once.
  * @param vertex  (capacity)
  * @param force   (capacity, 3) N

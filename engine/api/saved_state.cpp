@@ -27,12 +27,16 @@ void forEachPart(SomeState& s, Call call) {
   one(s.tick), one(s.step);
   list(s.u), list(s.du), list(s.u_low);
   one(s.tool_pose);
-  auto& c = s.contact;
-  one(c.count), list(c.vertex), list(c.force), list(c.normal), list(c.side);
-  one(c.overflow), one(c.max_penetration), one(c.contact_count), one(c.sweep_count);
-  auto& f = c.samples;
-  one(f.count), list(f.id), list(f.force), list(f.normal), list(f.side), list(f.point), list(f.area), list(f.lift);
-  one(f.longest_edge), one(f.largest_stretch);
+  const auto contact = [&](auto& c) {
+    one(c.count), list(c.vertex), list(c.force), list(c.normal), list(c.side);
+    one(c.overflow), one(c.max_penetration), one(c.contact_count), one(c.sweep_count);
+    auto& f = c.samples;
+    one(f.count), list(f.id), list(f.force), list(f.normal), list(f.side), list(f.point), list(f.area), list(f.lift);
+    one(f.longest_edge), one(f.largest_stretch);
+  };
+  contact(s.contact);
+  one(s.more.opening), list(s.more.posture);
+  for (auto& further : s.more.contact) contact(further);
   list(s.relaxation.Z);
   list(s.local_mass.factor), one(s.local_mass.active), one(s.local_mass.momentum), one(s.local_mass.force);
   one(s.energy);

@@ -3,6 +3,7 @@
 // Contact between a rigid tool and the tissue's skin, in the order of use:
 // clang-format off
 #include "contact/tool.h"                  // shape, signed distance
+#include "contact/tool_set.h"              // several tools, jaws
 #include "contact/skin.h"                  // buildSkinModel, at load
 #include "contact/first_contact_travel.h"  // firstContactTravel, at load
 #include "contact/contact_state.h"         // makeContactState, at load

@@ -1,9 +1,12 @@
 #include "contact/contact_solver.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <optional>
 
 #include "contact/samples/face_samples.h"
+#include "contact/tool_set.h"
 #include "contact/tool_side.h"
 
 namespace palpate {
@@ -126,25 +129,45 @@ Vector4f updateForce(ContactRow& row, const Vector4f& increment, float friction,
   return change;
 }
 
-}  // namespace
+/// One tool's part of the system.
+struct Touching {
+  const ToolShape* tool;
+  ContactState* contact;
+  Motion motion;
+  ToolProfile profile;
+  float mu, cap;  // cap: m, of the depth that counts
+  int row_count = 0;
 
-Vec3 solveContact(const SkinModel& skin, const ToolShape& tool, const Pose& pose, const Pose& previous_pose,
-                  double friction, double alpha, const float* inverse_mass, const Float4* u, Float4* du,
-                  ContactState& contact) {
-  const Motion motion(previous_pose, pose);
-  const ToolProfile profile = toolProfile(tool);
-  const float mu = static_cast<float>(friction), alpha_f = static_cast<float>(alpha);
+  explicit Touching(const TouchingTool& t)
+      : tool(t.shape),
+        contact(t.contact),
+        motion(t.previous_pose, t.pose),
+        profile(toolProfile(*t.shape)),
+        mu(static_cast<float>(t.friction)),
+        cap(static_cast<float>(kPressureCapDepth * t.shape->radius)) {}
 
-  FaceSamples& samples = contact.samples;
-  // The last step's forces, turned with the tool, act from the start: the gaps and normals below are then those of where
-  // the skin goes. Without them a long step takes it far into the tool, and what it finds there depends on dt.
-  const auto turned = [&](const Float4& force) { return lanes(Vec3(motion.turn * toVec3(force))); };
+  Vector4f turned(const Float4& force) const { return lanes(Vec3(motion.turn * toVec3(force))); }
+};
+
+/// The last step's forces, turned with the tool, act from the start: the gaps and normals are then those of where the
+/// skin goes. Without them a long step takes it far into the tool, and what it finds there depends on dt.
+void applyLastForces(const SkinModel& skin, const Touching& body, float alpha, const float* inverse_mass, Float4* du) {
+  const ContactState& contact = *body.contact;
   for (int slot = 0; slot < contact.count; ++slot)
-    applyForce(skin, contact.vertex[slot], turned(contact.force[slot]), alpha_f, inverse_mass, du);
+    applyForce(skin, contact.vertex[slot], body.turned(contact.force[slot]), alpha, inverse_mass, du);
+  const FaceSamples& samples = contact.samples;
   for (int slot = 0; slot < samples.count; ++slot)
-    applyForce(skin, samples.point[slot], turned(samples.force[slot]), alpha_f, inverse_mass, du);
+    applyForce(skin, samples.point[slot], body.turned(samples.force[slot]), alpha, inverse_mass, du);
+}
 
-  // Rows: the vertices that touch, or nearly, then the samples of stretched faces.
+/// Rows: the vertices that touch, or nearly, then the samples of stretched faces.
+void makeRows(const SkinModel& skin, Touching& body, float alpha_f, const float* inverse_mass, const Float4* u,
+              Float4* du) {
+  const ToolShape& tool = *body.tool;
+  const ToolProfile& profile = body.profile;
+  const Motion& motion = body.motion;
+  ContactState& contact = *body.contact;
+  FaceSamples& samples = contact.samples;
   int row_count = 0;
   for (int k = 0; k < contact.count + samples.count; ++k) {
     const bool is_vertex = k < contact.count;
@@ -166,7 +189,7 @@ Vec3 solveContact(const SkinModel& skin, const ToolShape& tool, const Pose& pose
     }
     ToolDistance d = distanceBySide(profile, local, old_local, last_normal, side);
     if (!is_vertex) d.distance += static_cast<double>(samples.lift[slot]);
-    const Vector4f applied = turned(last_force);
+    const Vector4f applied = body.turned(last_force);
     const bool touches = d.distance <= kActiveGap * tool.radius;  // not where it is not a number
     const bool from_inside =
         touches && last_normal.isZero() && comesFromInside(skin, v, motion.world_from_tool * d.normal, u);
@@ -203,34 +226,79 @@ Vec3 solveContact(const SkinModel& skin, const ToolShape& tool, const Pose& pose
     last_normal = d.normal.cast<float>();
     applyForce(skin, row, row.force - applied, alpha_f, inverse_mass, du);
   }
+  body.row_count = row_count;
+}
 
-  const float cap = static_cast<float>(kPressureCapDepth * tool.radius);
-  int sweep = 0;
-  for (bool settled = row_count == 0; sweep < kMaxSweeps && !settled; ++sweep) {
-    float changed = 0.0F, size = 0.0F;
-    for (int k = 0; k < row_count; ++k) {
-      ContactRow& row = contact.row[sweep % 2 == 0 ? k : row_count - 1 - k];
-      const Vector4f change = updateForce(row, interpolateAt(skin, row, du), mu, cap);
-      size += row.force.squaredNorm();
-      if (change.isZero(0.0F)) continue;
-      changed += change.squaredNorm();
-      applyForce(skin, row, change, alpha_f, inverse_mass, du);
-    }
-    settled = changed <= kTolerance * kTolerance * size;
+/// Goes once over all points of a tool. `changed`, `size`: squared sums of the forces' changes and of the forces.
+void sweepOnce(const SkinModel& skin, Touching& body, bool forwards, float alpha, const float* inverse_mass, Float4* du,
+               float& changed, float& size) {
+  for (int k = 0; k < body.row_count; ++k) {
+    ContactRow& row = body.contact->row[forwards ? k : body.row_count - 1 - k];
+    const Vector4f change = updateForce(row, interpolateAt(skin, row, du), body.mu, body.cap);
+    size += row.force.squaredNorm();
+    if (change.isZero(0.0F)) continue;
+    changed += change.squaredNorm();
+    applyForce(skin, row, change, alpha, inverse_mass, du);
   }
+}
 
+/// Keeps the forces for the next step. Returns that on the tool.
+Vec3 finish(const Touching& body, int sweeps) {
+  ContactState& contact = *body.contact;
   Vec3 on_tissue = Vec3::Zero();
   contact.max_penetration = 0.0;
   contact.contact_count = 0;
-  contact.sweep_count = sweep;
-  for (int r = 0; r < row_count; ++r) {
+  contact.sweep_count = sweeps;
+  for (int r = 0; r < body.row_count; ++r) {
     const ContactRow& row = contact.row[r];
-    store((row.sample == nullptr ? contact.force : samples.force)[row.slot], loadGroup(row.force.data()));
+    store((row.sample == nullptr ? contact.force : contact.samples.force)[row.slot], loadGroup(row.force.data()));
     on_tissue += row.force.head<3>().cast<double>();
     contact.max_penetration = std::max(contact.max_penetration, static_cast<double>(row.penetration));
     contact.contact_count += row.force.isZero(0.0F) ? 0 : 1;
   }
   return -on_tissue;
+}
+
+/// Solves for up to `capacity` tools.
+template <std::size_t capacity>
+void solve(const SkinModel& skin, std::span<TouchingTool> tools, double alpha, const float* inverse_mass,
+           const Float4* u, Float4* du) {
+  const float alpha_f = static_cast<float>(alpha);
+  std::array<std::optional<Touching>, capacity> bodies;
+  const std::size_t count = tools.size();
+  for (std::size_t b = 0; b < count; ++b) {
+    bodies[b].emplace(tools[b]);
+    applyLastForces(skin, *bodies[b], alpha_f, inverse_mass, du);
+  }
+  int row_count = 0;
+  for (std::size_t b = 0; b < count; ++b) {
+    makeRows(skin, *bodies[b], alpha_f, inverse_mass, u, du);
+    row_count += bodies[b]->row_count;
+  }
+  int sweep = 0;
+  for (bool settled = row_count == 0; sweep < kMaxSweeps && !settled; ++sweep) {
+    float changed = 0.0F, size = 0.0F;
+    const bool forwards = sweep % 2 == 0;
+    for (std::size_t b = 0; b < count; ++b)
+      sweepOnce(skin, *bodies[forwards ? b : count - 1 - b], forwards, alpha_f, inverse_mass, du, changed, size);
+    settled = changed <= kTolerance * kTolerance * size;
+  }
+  for (std::size_t b = 0; b < count; ++b) tools[b].force = finish(*bodies[b], sweep);
+}
+
+}  // namespace
+
+Vec3 solveContact(const SkinModel& skin, const ToolShape& tool, const Pose& pose, const Pose& previous_pose,
+                  double friction, double alpha, const float* inverse_mass, const Float4* u, Float4* du,
+                  ContactState& contact) {
+  TouchingTool one{&tool, pose, previous_pose, friction, &contact, Vec3::Zero()};
+  solve<1>(skin, {&one, 1}, alpha, inverse_mass, u, du);
+  return one.force;
+}
+
+void solveContacts(const SkinModel& skin, std::span<TouchingTool> tools, double alpha, const float* inverse_mass,
+                   const Float4* u, Float4* du) {
+  solve<max_tool_bodies>(skin, tools, alpha, inverse_mass, u, du);
 }
 
 }  // namespace palpate

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <span>
+
 #include "contact/contact_state.h"
 #include "contact/skin.h"
 #include "contact/tool.h"
@@ -41,5 +43,20 @@ namespace palpate {
 Vec3 solveContact(const SkinModel& skin, const ToolShape& tool, const Pose& pose, const Pose& previous_pose,
                   double friction, double alpha, const float* inverse_mass, const Float4* u, Float4* du,
                   ContactState& contact);
+
+/// One of several tools that touch the same skin.
+struct TouchingTool {
+  const ToolShape* shape = nullptr;
+  Pose pose, previous_pose;
+  double friction = 0;
+  ContactState* contact = nullptr;
+  Vec3 force = Vec3::Zero();  // receives what solveContact returns
+};
+
+/// The same for tools that touch at once: each sweep goes over the points of all of them, so their forces answer each
+/// other within the step. With one tool it is solveContact, bit for bit.
+/// @param tools  at most max_tool_bodies
+void solveContacts(const SkinModel& skin, std::span<TouchingTool> tools, double alpha, const float* inverse_mass,
+                   const Float4* u, Float4* du);
 
 }  // namespace palpate

@@ -18,6 +18,7 @@ constexpr double max_of_organ = 0.25;          // of the organ's length along th
 }  // namespace
 
 ToolScript indentScript(const Model& model) {
+  if (!model.scene.tool_script.empty()) return readToolScript(model.scene.tool_script, model.scene.tool.radius);
   const Vec3 axis = model.tool_start.orientation * -Vec3::UnitZ();  // the way the tool advances
   double low = 0, high = 0;
   for (std::size_t v = 0; v < model.skin.surface.vertices.size(); ++v) {
@@ -40,7 +41,7 @@ std::optional<ToolScript> namedScript(const std::string& name, double tool_radiu
 }
 
 ScriptTrajectory trajectoryOf(const ToolScript& script, const Model& model) {
-  return {script, model.tool_start, model.first_contact_travel, model.scene.rate_hz};
+  return {script, model.tool_start, model.first_contact_travel, model.scene.rate_hz, model.scene.tool_opening};
 }
 
 std::vector<Pose> scriptPoses(const ToolScript& script, const Model& model) {
@@ -53,6 +54,24 @@ std::vector<Pose> scriptPoses(const ToolScript& script, const Model& model) {
   std::vector<Pose> poses(static_cast<std::size_t>(trajectory.ticks()));
   for (Pose& pose : poses) pose = trajectory.next();
   return poses;
+}
+
+void addToolPaths(Model& model) {
+  const std::vector<ToolSpec> specs = toolsOf(model.scene);
+  for (std::size_t k = 1; k < model.tools.tool.size(); ++k) {
+    if (specs[k].script.empty()) continue;
+    ToolSetUp& tool = model.tools.tool[k];
+    const ToolScript script = readToolScript(specs[k].script, tool.shape.radius);
+    ScriptTrajectory way(script, tool.start.pose, tool.first_contact_travel, model.scene.rate_hz, specs[k].opening);
+    if (way.ticks() > max_poses)
+      throw InputError(script.end_place, "the tool script has " + std::to_string(way.ticks()) + " ticks",
+                       "shorten it to " + std::to_string(max_poses));
+    tool.path.resize(static_cast<std::size_t>(way.ticks()));
+    for (ToolPosture& posture : tool.path) {
+      posture.pose = way.next();
+      posture.opening = std::max(0.0, way.opening());
+    }
+  }
 }
 
 }  // namespace palpate

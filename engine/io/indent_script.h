@@ -10,7 +10,7 @@
 
 namespace palpate {
 
-/// What the tool does off-screen when no script is given: from its start along its axis
+/// What the tool does off-screen when no script is given: as the scene's own script for it says, or from its start along its axis
 /// to the skin, smoothly on into the tissue, and there it stays.
 /// The depth is 1.2 radii of the tool, but at most a quarter of the organ's length along
 /// the axis, so that each scene shows a plain indentation that it survives.
@@ -22,6 +22,9 @@ std::optional<ToolScript> namedScript(const std::string& name, double tool_radiu
 
 /// The script's poses tick by tick, for a model and its rate.
 ScriptTrajectory trajectoryOf(const ToolScript& script, const Model& model);
+
+/// The ways of the tools beside the first whose scene has a script for them. Throws InputError. For set-up.
+void addToolPaths(Model& model);
 
 /// All of them at once. Throws InputError where they would be more than a million.
 std::vector<Pose> scriptPoses(const ToolScript& script, const Model& model);

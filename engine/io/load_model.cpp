@@ -10,6 +10,7 @@
 #include "base/parallel_for.h"
 #include "discretization/surface/solids.h"
 #include "imaging/repair_surface.h"
+#include "io/indent_script.h"
 #include "io/surface_file.h"
 #include "simulation/choose_time_step.h"
 #include "simulation/discretize.h"
@@ -60,7 +61,7 @@ std::string sizeWarning(const Scene& scene, const TriangleSurface& surface) {
 TriangleSurface organSurface(const Scene& scene) {
   checkSolid(scene);
   // Curved solids lose volume to flat faces; half the spacing leaves less than the cells do.
-  const double edge = std::min(0.5 * scene.spacing, 0.5 * scene.tool.radius);
+  const double edge = std::min(0.5 * scene.spacing, 0.5 * smallestToolRadius(scene));
   try {
     switch (scene.solid) {
       case Scene::Solid::Box:
@@ -77,8 +78,8 @@ TriangleSurface organSurface(const Scene& scene) {
                      "raise discretization.spacing or tool.radius");
   }
   if (scene.repair_surface) {
-    SurfaceFile file = readSurface(scene.surface_file, scene.surface_scale, placeOf(scene, "organ.surface"),
-                                   SurfaceReading::Tolerant);
+    SurfaceFile file =
+        readSurface(scene.surface_file, scene.surface_scale, placeOf(scene, "organ.surface"), SurfaceReading::Tolerant);
     return repairSurface(std::move(file.surface), std::move(file.source)).surface;
   }
   return readClosedSurface(scene.surface_file, scene.surface_scale, placeOf(scene, "organ.surface"));
@@ -104,6 +105,9 @@ Model loadModel(const Scene& as_read, const Progress& progress, const ModelCache
                                       [](const BoundarySpec& b) { return b.points != nullptr; });
   const Scene scene = has_points ? withPointBoundaries(as_read, SurfaceTree(organ), warn) : as_read;
   if (const std::string warning = sizeWarning(scene, organ); warn && !warning.empty()) warn(warning);
+  for (const ToolSpec& tool : toolsOf(scene))
+    if (warn && tool.jaws() && tool.friction == 0)
+      warn(tool.place.text() + ": jaws without friction hold nothing; give them friction = 0.8");
   const std::string key = preparationKey(scene, organ);
   BuildOptions options;
   options.progress = report;
@@ -112,6 +116,7 @@ Model loadModel(const Scene& as_read, const Progress& progress, const ModelCache
     options.keep = [&](const Preparation& preparation) { cache.keep(key, preparation); };
   }
   Model model = buildModel(scene, organ, options);
+  addToolPaths(model);
   model.setup_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return model;
 }

@@ -11,6 +11,7 @@
 
 #include "base/number_text.h"
 #include "base/printable_text.h"
+#include "contact/tool_set.h"
 #include "imaging/membership.h"
 #include "io/image_file.h"
 #include "io/scene_boundary.h"
@@ -305,11 +306,30 @@ void readSolve(const TomlTable& table, const std::filesystem::path& folder, Solv
   }
 }
 
-void readTool(const TomlTable& top, Scene& scene) {
+/// The groups of keys that tools may have.
+std::vector<std::string> toolGroups() {
   std::vector<std::string> groups{"tool"};
   for (const ToolType* type : toolTypes()) groups.push_back(toolKeyGroup(*type));
-  const TomlTable any = top.table("tool", groups);
-  ToolShape& tool = scene.tool;
+  return groups;
+}
+
+/// The script that a tool follows; "": a hand leads it.
+std::string readInput(const TomlTable& table, const std::filesystem::path& folder) {
+  const std::string script = "script:";
+  std::string input = "hand";
+  table.read("input", input);
+  if (input == "hand") return "";
+  if (!input.starts_with(script))
+    throw InputError(table.place("input"), inQuotes(input) + " is no input",
+                     "give \"hand\", or \"script:FILE\" with a tool script");
+  return existingFile(table, "input", folder / input.substr(script.size()), "tool script");
+}
+
+/// @param any  in which the keys of all tools may stand
+ToolSpec readTool(const TomlTable& any, const std::filesystem::path& folder) {
+  ToolSpec spec;
+  spec.place = any.place();
+  ToolShape& tool = spec.shape;
   tool.kind = static_cast<ToolKind>(any.readChoice("shape", 0));
   const ToolType& type = toolType(tool.kind);
   for (const ToolType* other : toolTypes()) {
@@ -320,18 +340,46 @@ void readTool(const TomlTable& top, Scene& scene) {
     }
   }
 
-  const TomlTable table = top.table("tool", {"tool", toolKeyGroup(type)});
+  const TomlTable table = any.within({"tool", toolKeyGroup(type)});
   table.read("radius", tool.radius);
   table.read("length", tool.length);
   tool = ToolShape::of(tool.kind, tool.radius, tool.length);
   for (std::size_t k = 0; k < type.parameters.size(); ++k) table.read(type.parameters[k].name, tool.parameter[k]);
-  table.read("position", scene.tool_position);
-  table.readDirection("direction", scene.tool_direction);
-  table.read("max_speed", scene.tool_max_speed);
-  table.read("max_force", scene.tool_max_force);
-  table.read("friction", scene.friction);
+  table.read("position", spec.position);
+  table.readDirection("direction", spec.direction);
+  table.read("max_speed", spec.max_speed);
+  table.read("max_force", spec.max_force);
+  table.read("friction", spec.friction);
+  table.read("opening", spec.opening);
+  spec.script = readInput(table, folder);
   if (const std::optional<ToolFault> fault = type.fault(tool))
     throw InputError(table.place(fault->key), fault->problem, fault->advice);
+  return spec;
+}
+
+/// [tool], or up to max_tools of [[tool]].
+void readTools(const TomlTable& top, const std::filesystem::path& folder, Scene& scene) {
+  std::vector<ToolSpec> specs;
+  if (top.isList("tool")) {
+    for (const TomlTable& entry : top.tables("tool", toolGroups())) {
+      if (specs.size() == std::size_t{max_tools})
+        throw InputError(entry.place(), "more than " + std::to_string(max_tools) + " tools", "leave the others out");
+      specs.push_back(readTool(entry, folder));
+    }
+  } else {
+    specs.push_back(readTool(top.table("tool", toolGroups()), folder));
+  }
+  if (specs.empty()) return;
+  const ToolSpec& first = specs[0];
+  scene.tool = first.shape;
+  scene.tool_position = first.position;
+  scene.tool_direction = first.direction;
+  scene.tool_max_speed = first.max_speed;
+  scene.tool_max_force = first.max_force;
+  scene.friction = first.friction;
+  scene.tool_opening = first.opening;
+  scene.tool_script = first.script;
+  scene.further_tools.assign(specs.begin() + 1, specs.end());
 }
 
 /// What a cache goes by: every value that was accepted and that a preparation depends on, a line each.
@@ -410,7 +458,7 @@ Scene readScene(const std::string& path, std::span<const SceneChange> changes) {
   }
   readDynamics(top.table("dynamics", {"dynamics"}), scene);
   readSolve(top.table("solve", {"solve"}), folder, scene.solve);
-  if (top.has("tool")) readTool(top, scene);
+  if (top.has("tool")) readTools(top, folder, scene);
   scene.places = file.places;  // of the organ, for what is wrong with it
   readLumps(top, scene);
 

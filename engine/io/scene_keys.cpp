@@ -31,7 +31,7 @@ constexpr KeySpec scene_keys[] = {
     {"", "prescribed", T::Tables, "", "", {}, "", "Where it is moved."},
     {"", "dynamics", T::Table, "", "", {}, "", "Loop rate, time step, damping."},
     {"", "solve", T::Table, "", "", {}, "", "How far and how finely `mtled solve` computes."},
-    {"", "tool", T::Table, "", "", {}, "", "What touches it."},
+    {"", "tool", T::Table, "", "", {}, "", "What touches it; `[[tool]]`: up to four."},
     {"", "force", T::Table, "", "", {}, "", "How the force is smoothed for display and devices."},
     {"", "camera", T::Table, "", "", {}, "", "The first view."},
     {"", "lump", T::Tables, "", "", {}, "", "Stiff balls to be found by touch."},
@@ -233,6 +233,14 @@ constexpr KeySpec scene_keys[] = {
      "of the stiffest material on the tool's cross-section.", never},
     {"tool", "friction", T::Number, "", "0", between(0, 2), "",
      "Coulomb coefficient between tool and tissue; 0: frictionless.", never},
+    {"tool", "opening", T::Number, "m", depends, between(0, 1), "",
+     "Makes it jaws: two fingers of this shape side by side, this far apart at the start. `position` is the middle "
+     "between their tips, and they close along the tool's x axis (the world's, where it points down). Without "
+     "`friction` they hold nothing. Absent: no jaws.", never},
+    {"tool", "input", T::Text, "", "", {}, "",
+     "What moves it. `\"hand\"`, or absent: mouse, device or program; where there is none it stands still, but the first "
+     "tool is pressed in by off-screen runs. `\"script:FILE\"`: a [tool script](../tools/README.md), relative to the "
+     "scene file, until a hand takes the tool over; the first tool follows it in off-screen runs.", never},
 
     {"force", "cutoff", T::Number, "Hz", "30", aboveUpTo(0, 1000), "",
      "Corner frequency of the first-order low-pass of the filtered force.", never},
@@ -332,7 +340,9 @@ constexpr Section sections[] = {
      "by a translation, of which only `components` are imposed), and how over time."},
     {"dynamics", "`[dynamics]`", ""},
     {"solve", "`[solve]`", "For solutions without a window; the interactive program ignores it."},
-    {"tool", "`[tool]`", "Without this table a ball of radius 10 mm starts at (0, 0, 0.1) m and points down."},
+    {"tool", "`[tool]`",
+     "Without this table a ball of radius 10 mm starts at (0, 0, 0.1) m and points down. Up to four are written as "
+     "`[[tool]]`, each with keys of its own; the first is the mouse's, and the one whose force is filtered."},
     {"force", "`[force]`", ""},
     {"camera", "`[camera]`", ""},
     {"lump", "`[[lump]]`",

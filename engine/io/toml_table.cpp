@@ -178,6 +178,11 @@ TomlTable TomlTable::table(const std::string& key, std::vector<std::string> grou
   return {*file_, *below, dotted(key), std::move(groups)};
 }
 
+bool TomlTable::isList(const std::string& key) const {
+  const toml::node* node = table_->get(key);
+  return node != nullptr && node->is_array();
+}
+
 std::vector<TomlTable> TomlTable::tables(const std::string& key, std::vector<std::string> groups) const {
   std::vector<TomlTable> result;
   const toml::node* node = find(key);

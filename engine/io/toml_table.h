@@ -81,6 +81,12 @@ class TomlTable {
   /// A table below this one; an empty one where it is absent and not required.
   TomlTable table(const std::string& key, std::vector<std::string> groups) const;
 
+  /// Whether the key is there and is a list.
+  bool isList(const std::string& key) const;
+
+  /// The same table, in which the keys of other groups may stand. Refuses those that stand there.
+  TomlTable within(std::vector<std::string> groups) const { return {*file_, *table_, path_, std::move(groups)}; }
+
   /// A list of tables ([[key]]).
   std::vector<TomlTable> tables(const std::string& key, std::vector<std::string> groups) const;
 

@@ -35,6 +35,8 @@ constexpr KeySpec script_keys[] = {
      "The same in radii of the scene's tool, so that one script suits many scenes."},
     {"keyframe", "slide", T::Plane, "m", "[0.0, 0.0]", keyframe_travel, "",
      "How far sideways, along the tool's x and y axes."},
+    {"keyframe", "opening", T::Number, "m", KeySpec::depends, between(0, 1), "",
+     "Jaws: the gap between their fingers. Absent: as in the keyframe before, or as the scene has it."},
     {"keyframe", "slide_radii", T::Plane, "tool radii", "[0.0, 0.0]", keyframe_travel_radii, "",
      "The same in radii of the scene's tool."},
 };
@@ -76,6 +78,8 @@ ToolScript readToolScript(const std::string& path, double tool_radius) {
     if (entry.has("slide") && entry.has("slide_radii")) {
       throw InputError(entry.place("slide"), "both \"slide\" and \"slide_radii\"", "give one of them");
     }
+    if (!script.keyframes.empty()) key.opening = script.keyframes.back().opening;
+    entry.read("opening", key.opening);
     entry.read("advance", key.advance);
     entry.read("slide", key.slide);
     if (entry.has("advance_radii")) {
@@ -96,10 +100,35 @@ ToolScript readToolScript(const std::string& path, double tool_radius) {
   return script;
 }
 
+namespace {
+
+/// Share of the way from the keyframe before `after` to it that is behind at this time.
+double shareOfWay(const ToolScript& script, double from, double to, double time) {
+  // A first keyframe at time 0 has no way that leads to it: the tool is there.
+  const double t = to > from ? std::clamp((time - from) / (to - from), 0.0, 1.0) : 1.0;
+  return script.smooth ? t * t * t * (10 + t * (6 * t - 15)) : t;
+}
+
+/// The first keyframe later than a time.
+std::vector<ToolScript::Keyframe>::const_iterator keyframeAfter(const ToolScript& script, double time) {
+  return std::upper_bound(script.keyframes.begin(), script.keyframes.end(), time,
+                          [](double t, const ToolScript::Keyframe& key) { return t < key.time; });
+}
+
+}  // namespace
+
+double openingAt(const ToolScript& script, double start, double time) {
+  const auto openingOf = [&](const ToolScript::Keyframe& key) { return key.opening < 0 ? start : key.opening; };
+  const auto after = keyframeAfter(script, time);
+  if (after == script.keyframes.end()) return openingOf(script.keyframes.back());
+  const bool first = after == script.keyframes.begin();
+  const double from = first ? start : openingOf(*std::prev(after));
+  return from + shareOfWay(script, first ? 0 : std::prev(after)->time, after->time, time) * (openingOf(*after) - from);
+}
+
 Pose poseAt(const ToolScript& script, const Pose& start, double first_contact_travel, double time) {
   const auto& all = script.keyframes;
-  const auto after = std::upper_bound(all.begin(), all.end(), time,
-                                      [](double t, const ToolScript::Keyframe& key) { return t < key.time; });
+  const auto after = keyframeAfter(script, time);
   ToolScript::Keyframe at;
   if (after == all.end()) {
     at = fromStart(script, all.back(), first_contact_travel);
@@ -107,9 +136,7 @@ Pose poseAt(const ToolScript& script, const Pose& start, double first_contact_tr
     const ToolScript::Keyframe to = fromStart(script, *after, first_contact_travel);
     const ToolScript::Keyframe from =
         after == all.begin() ? ToolScript::Keyframe{} : fromStart(script, *std::prev(after), first_contact_travel);
-    // A first keyframe at time 0 has no way that leads to it: the tool is there.
-    const double t = to.time > from.time ? std::clamp((time - from.time) / (to.time - from.time), 0.0, 1.0) : 1.0;
-    const double s = script.smooth ? t * t * t * (10 + t * (6 * t - 15)) : t;
+    const double s = shareOfWay(script, from.time, to.time, time);
     at.advance = from.advance + s * (to.advance - from.advance);
     at.slide = from.slide + s * (to.slide - from.slide);
   }

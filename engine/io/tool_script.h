@@ -16,6 +16,7 @@ struct ToolScript {
     double time = 0;                                  // s
     double advance = 0;                               // m along the way the tip points
     Eigen::Vector2d slide = Eigen::Vector2d::Zero();  // m along the tool's x and y axes
+    double opening = -1;                              // m, of jaws; < 0: as at the start
   };
 
   std::string name;
@@ -37,6 +38,9 @@ ToolScript readToolScript(const std::string& path, double tool_radius);
 /// from the start pose. Orientation stays the start's.
 /// @param first_contact_travel  m from the start pose to first touch (Model::first_contact_travel)
 Pose poseAt(const ToolScript& script, const Pose& start, double first_contact_travel, double time);
+
+/// How far jaws are open at a time, m. @param start  as at the start
+double openingAt(const ToolScript& script, double start, double time);
 
 /// Every key a tool script may have, and their reference as Markdown.
 std::span<const KeySpec> toolScriptKeys();

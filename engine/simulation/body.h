@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "base/types.h"
+#include "contact/tool_set.h"
 #include "mechanics/materials/material.h"
 #include "simulation/preparation.h"
 #include "simulation/scene.h"
@@ -17,6 +18,7 @@ struct Body : Preparation {
   std::vector<Material> materials;    // as loaded; those in force are in State
 
   Pose tool_start;
+  ToolSet tools;                    // empty where the scene has one tool that is one body
   double first_contact_travel = 0;  // m the tool goes along its axis before it first touches the skin
 
   // Time. tick = substeps_per_tick * dt = 1 / scene.rate_hz.

@@ -12,6 +12,7 @@
 #include "simulation/mixtures.h"
 #include "simulation/prepare.h"
 #include "simulation/scene_messages.h"
+#include "simulation/tool_bodies.h"
 
 namespace palpate {
 namespace {
@@ -83,7 +84,7 @@ void setBounds(Model& model) {
   // Tissue does not move faster than sound in it, or than a tool that is faster; four times and twice that leave room
   // for whipping edges. A node that goes half way to the next in one step is lost in any case: at 1 m/s a tool moves
   // those before it by a fifth of that.
-  model.max_increment = std::min(std::max(4 * wave_speed, 2 * model.scene.tool_max_speed) * model.dt, 0.5 * spacing);
+  model.max_increment = std::min(std::max(4 * wave_speed, 2 * largestToolSpeed(model.scene)) * model.dt, 0.5 * spacing);
   // Of strains of about 0.3 %, far above float's rounding (of the stiffest part, too).
   model.rest_energy = 1e-5 * shear;
 }
@@ -91,21 +92,28 @@ void setBounds(Model& model) {
 /// N, where the tool yields by default: a mean pressure of forty shear moduli on its cross-section. Up to that pressure
 /// the volume of confined tissue is exact (tests hold it to 40), and a hand that presses a ball of 20 mm into liver
 /// meets a tenth of it at a depth of its radius.
-double maxToolForce(const Scene& scene, const std::vector<Material>& materials) {
+double maxToolForce(double asked, double radius, const std::vector<Material>& materials) {
   constexpr double pressure = 40;  // shear moduli
-  if (scene.tool_max_force > 0) return scene.tool_max_force;
+  if (asked > 0) return asked;
   double stiffest = 0;  // Pa
   for (const Material& m : materials) stiffest = std::max(stiffest, m.shear_modulus);
-  return pressure * stiffest * std::numbers::pi * scene.tool.radius * scene.tool.radius;
+  return pressure * stiffest * std::numbers::pi * radius * radius;
 }
 
 /// The skin as the contact reads it, and the tool before it.
 void addSkinAndTool(const Scene& scene, const SurfaceTree& tree, Model& model) {
   double softest = model.materials[0].shear_modulus;
   for (const auto& m : model.materials) softest = std::min(softest, m.shear_modulus);
-  model.skin = buildSkinModel(model.skin.surface, model.skin_shape, scene.tool.radius, 3 * softest);
+  model.skin = buildSkinModel(model.skin.surface, model.skin_shape, smallestToolRadius(scene), 3 * softest);
   model.skin.topology = makeSkinTopology(model.skin.surface);
   model.tool_start = {scene.tool_position, Quat::FromTwoVectors(-Vec3::UnitZ(), scene.tool_direction)};
+  model.tools = makeToolSet(scene, tree, model.skin.surface);
+  for (ToolSetUp& tool : model.tools.tool)
+    tool.max_force = maxToolForce(tool.max_force, tool.shape.radius, model.materials);
+  if (!model.tools.empty()) {
+    model.first_contact_travel = model.tools.tool[0].first_contact_travel;
+    return;
+  }
   model.first_contact_travel = firstContactTravel(model.skin.surface, scene.tool, model.tool_start);
   const Vec3 middle = model.tool_start.toWorld(Vec3(0, 0, scene.tool.radius));
   if (model.first_contact_travel < 0 || tree.inside(scene.tool_position) || tree.inside(middle))
@@ -130,7 +138,7 @@ Model finish(const Scene& scene, const SurfaceTree& tree, Preparation preparatio
   chooseTimeStep(scene, model.limit, model.X, model);
   addWeight(model);
   setBounds(model);
-  model.max_tool_force = maxToolForce(scene, model.materials);
+  model.max_tool_force = maxToolForce(scene.tool_max_force, scene.tool.radius, model.materials);
   addSkinAndTool(scene, tree, model);
 
   report("kernel layout", 0.96);
@@ -178,6 +186,7 @@ State initialState(const Model& model) {
   state.du = state.u_low = state.u;
   state.tool_pose = model.tool_start;
   state.contact = makeContactState(model.skin, model.scene.tool);
+  state.more = makeMoreTools(model);
   state.live = loadedParameters(model);
   state.local_mass.factor.assign(model.X.size(), 1.0F);
   state.relaxation = makeRelaxationHistory<float>(model.kernel.batch_material.size(), model.materials);

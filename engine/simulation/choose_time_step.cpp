@@ -10,11 +10,11 @@ namespace palpate {
 namespace {
 
 /// How far the tool may go in a step for the contact to follow without tunnelling (contact/contact_solver.h), m.
-double reachOf(const Scene& scene) { return std::min(1e-3, scene.tool.radius / 2); }
+double reachOf(const Scene& scene) { return std::min(1e-3, smallestToolRadius(scene) / 2); }
 
 /// Steps of a tick, a whole number, for the tool's reach and a body with this critical step.
 double stepsPerTick(const Scene& scene, double dt_critical) {
-  const double longest = std::min(scene.step_safety * dt_critical, reachOf(scene) / scene.tool_max_speed);
+  const double longest = std::min(scene.step_safety * dt_critical, reachOf(scene) / largestToolSpeed(scene));
   return std::max(1.0, std::ceil(1 / scene.rate_hz / longest * (1 - 1e-9)));
 }
 
@@ -66,7 +66,7 @@ void checkStepsAsked(const Scene& scene) {
                   "raise it to at least " + number(shortest) + " s, or leave it out");
     return;
   }
-  const double steps = std::ceil(tick / (reach / scene.tool_max_speed) * (1 - 1e-9));
+  const double steps = std::ceil(tick / (reach / largestToolSpeed(scene)) * (1 - 1e-9));
   if (steps > max_steps_per_tick)
     refuseSteps(placeOf(scene, scene.places.contains("tool.max_speed") ? "tool.max_speed" : "tool.radius"), steps,
                 "the contact follows the tool no further than " + number(reach) + " m in a step",
@@ -93,11 +93,11 @@ void chooseTimeStep(const Scene& scene, const CriticalTimeStep& limit, const std
                            " s (the stiffest row is the node at " + coordinates(X[limit.worst_node]) + ")",
                        scene.mass_scaling > 0 ? "lower time_step, or raise mass_scaling"
                                               : "lower time_step, or coarsen discretization.spacing");
-    if (scene.tool_max_speed * scene.time_step > reach * (1 + 1e-9))
+    if (largestToolSpeed(scene) * scene.time_step > reach * (1 + 1e-9))
       throw InputError(place,
-                       "at tool.max_speed the tool travels " + number(scene.tool_max_speed * scene.time_step) +
+                       "at tool.max_speed the tool travels " + number(largestToolSpeed(scene) * scene.time_step) +
                            " m in a step, more than the " + number(reach) + " m that the contact follows",
-                       "lower time_step to " + number(reach / scene.tool_max_speed) + " s, or tool.max_speed");
+                       "lower time_step to " + number(reach / largestToolSpeed(scene)) + " s, or tool.max_speed");
   } else {
     const double steps = stepsPerTick(scene, limit.dt);
     checkChosenSteps(scene, steps, limit, X);

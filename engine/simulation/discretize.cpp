@@ -63,12 +63,12 @@ void checkCounts(const Scene& scene, double volume, double area) {
                          (nodes < 1e15 ? "about " + number(nodes) : "countless") + " nodes, more than " +
                          number(max_nodes),
                      "raise it, and refine where the tool works");
-  const double edge = tool_edge * scene.tool.radius, faces = area / (std::sqrt(3.0) / 4 * edge * edge);
+  const double edge = tool_edge * smallestToolRadius(scene), faces = area / (std::sqrt(3.0) / 4 * edge * edge);
   if (faces > max_refined_triangles)
     throw InputError(placeOf(scene, "tool.radius"),
-                     "a tool with a radius of " + number(scene.tool.radius) + " m needs a skin of more than " +
+                     "a tool with a radius of " + number(smallestToolRadius(scene)) + " m needs a skin of more than " +
                          number(faces) + " faces to touch; " + number(max_refined_triangles) + " are possible",
-                     "raise it to " + number(scene.tool.radius * std::sqrt(2 * faces / max_refined_triangles)) +
+                     "raise it to " + number(smallestToolRadius(scene) * std::sqrt(2 * faces / max_refined_triangles)) +
                          " m, or is the organ's size right?");
 }
 
@@ -93,7 +93,7 @@ Discretization discretize(const Scene& scene, const SurfaceTree& organ, const st
 
 TriangleSurface refineForContact(const Scene& scene, const TriangleSurface& organ, int max_triangles) {
   const SpacingField spacing = spacingField(scene);
-  const double by_tool = tool_edge * scene.tool.radius;
+  const double by_tool = tool_edge * smallestToolRadius(scene);
   try {
     return refineSurface(
         organ,

@@ -40,6 +40,26 @@ std::string liveChanges(const Model& model, const LiveParameters& live) {
   return changes.bytes();
 }
 
+/// What a tool's contact remembers. @param add  gets bytes and their number
+template <class Add>
+void addContact(const ContactState& contact, const Add& add) {
+  const auto contacts = static_cast<std::size_t>(contact.count);
+  add(contact.vertex.data(), contacts * sizeof(int));
+  add(contact.force.data(), contacts * sizeof(Float4));
+  add(contact.normal.data(), contacts * sizeof(Vec3f));
+  for (std::size_t k = 0; k < contacts; ++k)
+    if (!contact.side[k].isZero()) add(&k, sizeof k), add(&contact.side[k], sizeof(Vec3f));
+  if (const FaceSamples& samples = contact.samples; samples.longest_edge > 0) {
+    const auto count = static_cast<std::size_t>(samples.count);
+    add(samples.id.data(), count * sizeof(int));
+    add(samples.force.data(), count * sizeof(Float4));
+    add(samples.normal.data(), count * sizeof(Vec3f));
+    add(samples.side.data(), count * sizeof(Vec3f));
+    add(&samples.longest_edge, sizeof(float));
+    add(&samples.largest_stretch, sizeof(float));
+  }
+}
+
 }  // namespace
 
 std::uint64_t modelHash(const Model& model) {
@@ -54,6 +74,15 @@ std::uint64_t modelHash(const Model& model) {
   key.add(model.tool_start.position, model.tool_start.orientation.coeffs(), model.scene.tool_max_speed);
   key.add(model.scene.friction, model.scene.damping, model.scene.rate_hz);
   key.add(model.dt, model.substeps_per_tick, model.max_increment, model.max_tool_force);
+  for (const ToolBody& body : model.tools.body) {  // one tool: hashes are those of before
+    key.add(body.tool, body.side);
+    add(key, body.shape);
+  }
+  for (const ToolSetUp& tool : model.tools.tool) {
+    key.add(tool.start.pose.position, tool.start.pose.orientation.coeffs(), tool.start.opening);
+    key.add(tool.max_speed, tool.max_force, tool.friction, tool.path.size());
+    for (const ToolPosture& p : tool.path) key.add(p.pose.position, p.pose.orientation.coeffs(), p.opening);
+  }
   key.add(model.stiffness_means.points.weight, model.stiffness_means.nodes.weight, model.stiffness_means.bounded);
   return key.hash();
 }
@@ -69,23 +98,18 @@ std::uint64_t stateHash(const Model& model, const State& state) {
   add(state.du.data(), state.du.size() * sizeof(Float4));
   add(state.u_low.data(), state.u_low.size() * sizeof(Float4));
   add(state.relaxation.Z.data(), state.relaxation.Z.size() * sizeof(float));
-  const auto contacts = static_cast<std::size_t>(state.contact.count);
-  add(state.contact.vertex.data(), contacts * sizeof(int));
-  add(state.contact.force.data(), contacts * sizeof(Float4));
-  add(state.contact.normal.data(), contacts * sizeof(Vec3f));
-  for (std::size_t k = 0; k < contacts; ++k)
-    if (!state.contact.side[k].isZero()) add(&k, sizeof k), add(&state.contact.side[k], sizeof(Vec3f));
-  if (const FaceSamples& samples = state.contact.samples; samples.longest_edge > 0) {
-    const auto count = static_cast<std::size_t>(samples.count);
-    add(samples.id.data(), count * sizeof(int));
-    add(samples.force.data(), count * sizeof(Float4));
-    add(samples.normal.data(), count * sizeof(Vec3f));
-    add(samples.side.data(), count * sizeof(Vec3f));
-    add(&samples.longest_edge, sizeof(float));
-    add(&samples.largest_stretch, sizeof(float));
-  }
+  addContact(state.contact, add);
   add(state.tool_pose.position.data(), sizeof(double) * 3);
   add(state.tool_pose.orientation.coeffs().data(), sizeof(double) * 4);
+  if (!model.tools.empty()) {
+    add(&state.more.opening, sizeof(double));
+    for (const ToolPosture& tool : state.more.posture) {
+      add(tool.pose.position.data(), sizeof(double) * 3);
+      add(tool.pose.orientation.coeffs().data(), sizeof(double) * 4);
+      add(&tool.opening, sizeof(double));
+    }
+    for (const ContactState& contact : state.more.contact) addContact(contact, add);
+  }
   if (state.local_mass.active) add(state.local_mass.factor.data(), state.local_mass.factor.size() * sizeof(float));
   return fnv1a(liveChanges(model, state.live), hash);
 }

@@ -3,6 +3,7 @@
 #include <cstdint>
 
 #include "base/types.h"
+#include "contact/tool_set.h"
 
 namespace palpate {
 
@@ -36,12 +37,13 @@ struct StepReport {
   float min_J = 1;
   int inverted_points = 0;
   float max_increment = 0;             // m, largest |du| of a node in one step
-  Vec3 tool_force = Vec3::Zero();      // N, on the tool
+  Vec3 tool_force = Vec3::Zero();      // N, on the first tool
   Vec3 base_reaction = Vec3::Zero();   // N, of the held (imposed and not moving) nodes on the tissue
   Vec3 tool_torque = Vec3::Zero();     // N m, on the tool about its tip; of a whole tick only (tool_contact.h)
   Vec3 contact_normal = Vec3::Zero();  // unit, from the tissue towards the tool; 0: no contact; likewise
   int contact_count = 0;               // skin vertices that carry force
-  double max_penetration = 0;          // m
+  double max_penetration = 0;          // m; of several tools the deepest for its radius, times the first one's radius
+  ToolLoads loads;                     // where the scene has several tools or jaws (Model::tools); else all 0
   // For simulation/trust.h.
   double strain_energy = 0;            // J
   double kinetic_energy = 0;           // J

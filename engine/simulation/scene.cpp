@@ -1,5 +1,6 @@
 #include "simulation/scene.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace palpate {
@@ -24,6 +25,28 @@ bool Region::contains(const Vec3& x, double tolerance, double surface_distance) 
       break;
   }
   return false;
+}
+
+std::vector<ToolSpec> toolsOf(const Scene& scene) {
+  ToolSpec first{scene.tool,     scene.tool_position, scene.tool_direction, scene.tool_max_speed, scene.tool_max_force,
+                 scene.friction, scene.tool_opening,  scene.tool_script,    scene.place};
+  for (const char* key : {"tool", "tool.position", "tool[0].position"})
+    if (const auto at = scene.places.find(key); at != scene.places.end()) first.place = at->second;
+  std::vector<ToolSpec> tools{first};
+  tools.insert(tools.end(), scene.further_tools.begin(), scene.further_tools.end());
+  return tools;
+}
+
+double smallestToolRadius(const Scene& scene) {
+  double smallest = scene.tool.radius;
+  for (const ToolSpec& tool : scene.further_tools) smallest = std::min(smallest, tool.shape.radius);
+  return smallest;
+}
+
+double largestToolSpeed(const Scene& scene) {
+  double largest = scene.tool_max_speed;
+  for (const ToolSpec& tool : scene.further_tools) largest = std::max(largest, tool.max_speed);
+  return largest;
 }
 
 }  // namespace palpate

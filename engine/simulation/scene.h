@@ -104,6 +104,19 @@ struct RefineSpec {
   SourceLocation place;
 };
 
+/// A tool, as the scene says it. The first one's shape, place and limits are members of Scene.
+struct ToolSpec {
+  ToolShape shape;
+  Vec3 position = Vec3(0, 0, 0.1);  // m, tip
+  Vec3 direction = -Vec3::UnitZ();  // unit
+  double max_speed = 1, max_force = 0, friction = 0;
+  double opening = -1;  // m, jaws: the gap at the start between two fingers of that shape; < 0: no jaws
+  std::string script;   // file of a tool script that it follows; "": a hand leads it
+  SourceLocation place;
+
+  bool jaws() const { return opening >= 0; }
+};
+
 /// Everything a scene file says, validated as far as that needs no geometry.
 /// Plain data; `io/scene_file.h` reads it, `simulation/build_model.h` turns it into a Model.
 struct Scene {
@@ -162,6 +175,9 @@ struct Scene {
   double tool_max_speed = 1.0;           // m/s; a faster command is followed at this speed
   double tool_max_force = 0;             // N; 0: from the tissue (maxToolForce)
   double friction = 0;                   // Coulomb coefficient
+  double tool_opening = -1;              // as ToolSpec::opening
+  std::string tool_script;  // what runs without a hand do with it, as ToolSpec::script; "": they press it in
+  std::vector<ToolSpec> further_tools;  // beside it, at most max_tools - 1
 
   // force output
   double filter_cutoff_hz = 30;   // first-order low-pass
@@ -175,5 +191,13 @@ struct Scene {
   double camera_fov_deg = 35;                   // vertical
   Vec3 tissue_colour = Vec3(0.62, 0.21, 0.17);  // linear-light albedo, 0..1
 };
+
+/// All tools, the first one first.
+std::vector<ToolSpec> toolsOf(const Scene& scene);
+
+/// The radius that the skin is made for, m, and the top speed that the time step is, m/s: of all tools the smallest and
+/// the largest.
+double smallestToolRadius(const Scene& scene);
+double largestToolSpeed(const Scene& scene);
 
 }  // namespace palpate

@@ -5,6 +5,7 @@
 
 #include "base/types.h"
 #include "contact/contact_state.h"
+#include "contact/tool_set.h"
 #include "mechanics/relaxation.h"
 #include "simulation/energy_balance.h"
 #include "simulation/live_parameters.h"
@@ -14,7 +15,9 @@ namespace palpate {
 
 /// What a viewer, script or replay asks of one tick.
 struct Command {
-  Pose tool_target;                         // where the tool should be at the end of the tick
+  Pose tool_target;                         // where the first tool should be at the end of the tick
+  bool moves_others = false;                // else all but the first stay where they are, jaws as open as they are
+  ToolPostures tools;                       // where the others should be; of the first only the opening counts
   int pull_vertex = -1;                     // skin vertex pulled by a spring; -1: none
   Vec3 pull_target = Vec3::Zero();          // m, world
   const std::atomic<bool>* stop = nullptr;  // once true, the tick ends after the present step; null: never
@@ -29,6 +32,13 @@ struct LocalMass {
   double force = 0;              // N, the largest recent force of tool or base
 };
 
+/// What State has beside tool_pose and contact where the scene has several tools or jaws; else empty.
+struct MoreTools {
+  double opening = 0;                 // m, of the first tool
+  std::vector<ToolPosture> posture;   // (tool_count - 1) of the others
+  std::vector<ContactState> contact;  // (body_count - 1) of the bodies but the first
+};
+
 /// All that changes during a run, live settings too. Equal states of one model give equal futures, bit for bit.
 struct State {
   std::int64_t tick = 0;        // ticks done
@@ -36,8 +46,9 @@ struct State {
   AlignedVector<Float4> u;      // (node_count) displacement parameters, m
   AlignedVector<Float4> du;     // (node_count) last step's increment, m
   AlignedVector<Float4> u_low;  // (node_count) what float32 lost of u (Kahan), m
-  Pose tool_pose;
+  Pose tool_pose;               // of the first tool
   ContactState contact;
+  MoreTools more;
   RelaxationHistory relaxation;  // of materials that relax; empty where none does
   LiveParameters live;
   LocalMass local_mass;

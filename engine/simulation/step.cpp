@@ -4,12 +4,20 @@
 #include "simulation/follow_stiffness.h"
 #include "simulation/node_passes.h"
 #include "simulation/step_report.h"
+#include "simulation/tool_bodies.h"
 #include "simulation/tool_contact.h"
 #include "simulation/workspace.h"
 
 namespace palpate {
 
 StepReport step(const Model& model, State& state, const Pose& tool_pose, const Command& command, Workspace& workspace) {
+  ToolPostures tools = posturesOf(model, state);
+  tools[0].pose = tool_pose;
+  return step(model, state, tools, command, workspace);
+}
+
+StepReport step(const Model& model, State& state, const ToolPostures& tools, const Command& command,
+                Workspace& workspace) {
   const Integrator integrator(model.dt, model.scene.damping);
   const double time = static_cast<double>(state.step + 1) * model.dt;
   StepOutcome outcome;
@@ -24,10 +32,9 @@ StepReport step(const Model& model, State& state, const Pose& tool_pose, const C
   // du~ = beta du + alpha M^-1 f                                          (eq. 22)
   outcome.work_before = predict(model, integrator, masses, state, workspace);
 
-  // What the user and the tool add to du~
+  // What the user and the tools add to du~
   pull(model, command, masses, state);
-  outcome.tool_force = solveContact(model.skin, model.scene.tool, tool_pose, state.tool_pose, state.live.friction,
-                                    integrator.alpha, masses.inverse, state.u.data(), state.du.data(), state.contact);
+  outcome.tool_force = solveToolContacts(model, tools, integrator.alpha, masses.inverse, state, outcome.loads);
 
   // du = du~ + P (du_bar - Phi du~)                                       (eqs. 23-25)
   outcome.base_reaction =
@@ -37,48 +44,46 @@ StepReport step(const Model& model, State& state, const Pose& tool_pose, const C
   // u += du
   outcome.moved = accumulate(model, masses, state, workspace);
 
-  state.tool_pose = tool_pose;
+  setPostures(model, tools, state);
   ++state.step;
   return reportOf(model, outcome, state);
 }
 
 StepReport tick(const Model& model, State& state, const Command& command, Workspace& workspace) {
-  // The tool follows its command no faster than the scene allows, turning included.
-  const Pose from = state.tool_pose;
-  const double reach = model.scene.tool_max_speed / model.scene.rate_hz;
-  const double wanted = largestTravel(model.scene.tool, from, command.tool_target);
-  const double share = wanted > reach ? reach / wanted : 1;
-  const auto poseAt = [&](double s) {
-    Pose pose;
-    pose.position = from.position + s * (command.tool_target.position - from.position);
-    pose.orientation = s >= 1 ? command.tool_target.orientation
-                              : from.orientation.slerp(s, command.tool_target.orientation).normalized();
-    return pose;
-  };
+  // Each tool follows its command no faster than the scene allows, turning included.
+  const ToolWays ways(model, state, command);
+  const ToolPostures arrived = ways.at(1, 1);
+  const int bodies = model.tools.bodyCount();
 
   // The tool travels at most `reach` until the next look, and so may the tissue in its way: what is not listed
   // can't be touched, and would be found deep inside later, which pumps energy into the tissue.
-  const Pose arrived = poseAt(share);
-  shareOut(workspace.team, 2, [&](int part) {
-    if (part == 0)
-      findContactCandidates(model.skin, state.u.data(), model.scene.tool, arrived, 2 * reach, state.contact);
+  const auto forBody = [&](int b, auto find) {
+    const ToolBody body = toolBody(model, b);
+    const Pose pose = bodyPose(body, arrived[static_cast<std::size_t>(body.tool)]);
+    find(model.skin, state.u.data(), body.shape, pose, 2 * ways.reach(b), contactOf(state, b));
+  };
+  shareOut(workspace.team, 1 + bodies, [&](int part) {
+    if (part < bodies)
+      forBody(part, findContactCandidates);
     else
       correctBoundaryDrift(model.boundary, static_cast<double>(state.step) * model.dt, state.u.data(),
                            state.u_low.data(), workspace.boundary);
   });
-  findFaceSamples(model.skin, state.u.data(), model.scene.tool, arrived, 2 * reach, state.contact);
+  for (int b = 0; b < bodies; ++b) forBody(b, findFaceSamples);
   StepReport total;
   for (int k = 1; k <= model.substeps_per_tick; ++k) {
     if (command.stop != nullptr && command.stop->load(std::memory_order_relaxed)) {
       total.cut_short = true;
       return total;
     }
-    total = worstOf(total, step(model, state, poseAt(share * k / model.substeps_per_tick), command, workspace));
+    total = worstOf(total, step(model, state, ways.at(k, model.substeps_per_tick), command, workspace));
   }
   ++state.tick;
   const ToolContact contact = toolContact(model, state);
   total.tool_torque = contact.torque;
   total.contact_normal = contact.normal;
+  for (std::size_t t = 0; t < model.tools.tool.size(); ++t)
+    total.loads[t].torque = t == 0 ? contact.torque : toolContact(model, state, static_cast<int>(t)).torque;
   return total;
 }
 

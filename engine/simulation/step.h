@@ -7,13 +7,17 @@ namespace palpate {
 
 class Workspace;  // simulation/workspace.h: buffers and threads of one stepping thread
 
-/// Advances the tissue by one dt, with the tool moving from state.tool_pose to `tool_pose`.
+/// Advances the tissue by one dt, with the tools moving from where the state has them to `tools`.
 /// Paper sections 2.2-2.5: eqs. 12, 21-25, 31.
 /// Real-time: no allocation, no lock, no throw.
+StepReport step(const Model& model, State& state, const ToolPostures& tools, const Command& command,
+                Workspace& workspace);
+
+/// The same with the first tool moving to `tool_pose`, and the others standing.
 StepReport step(const Model& model, State& state, const Pose& tool_pose, const Command& command, Workspace& workspace);
 
-/// Advances one tick, substeps_per_tick steps, the tool going evenly from where it is to
-/// command.tool_target, no faster than the scene's tool_max_speed. The report has the last
+/// Advances one tick, substeps_per_tick steps, the tools going evenly from where they are to
+/// command.tool_target and command.tools, no faster than the scene allows. The report has the last
 /// step's force and the worst of the rest. Where command.stop became true in between, the report is cut_short, the tick
 /// is not counted, and the state is of no use: the caller keeps that of before.
 /// Real-time: as step().

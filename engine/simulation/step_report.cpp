@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "simulation/tool_bodies.h"
+
 namespace palpate {
 namespace {
 
@@ -15,8 +17,27 @@ std::uint32_t flagsOf(const Model& model, const StepReport& report, const StepOu
   if (report.max_increment > model.max_increment) flags |= kBlowUp;
   if (report.inverted_points > 0) flags |= kInvertedPoints;
   if (state.contact.overflow) flags |= kContactOverflow;
+  for (const ContactState& contact : state.more.contact)
+    if (contact.overflow) flags |= kContactOverflow;
   if (report.max_penetration > deep_contact * model.scene.tool.radius) flags |= kDeepContact;
   return flags;
+}
+
+/// Contact of all tools, where there are several or jaws.
+void addTools(const Model& model, const StepOutcome& outcome, const State& state, StepReport& report) {
+  report.loads = outcome.loads;
+  report.contact_count = outcome.loads[0].contact_count;
+  for (int b = 1; b < model.tools.bodyCount(); ++b)
+    report.max_penetration =
+        std::max(report.max_penetration,
+                 contactOf(state, b).max_penetration * model.scene.tool.radius / toolBody(model, b).shape.radius);
+}
+
+/// The largest force that a tool has on it, or a finger.
+double largestForce(const StepOutcome& outcome) {
+  double largest = outcome.tool_force.norm();
+  for (const ToolLoad& load : outcome.loads) largest = std::max({largest, load.force.norm(), load.pinch});
+  return largest;
 }
 
 /// The force that accelerates the added mass, as a share of the largest recent force of tool or base. Smoothed over
@@ -31,7 +52,7 @@ double addedInertia(const Model& model, const StepOutcome& outcome, LocalMass& l
   const Vec3 change = outcome.moved.added_momentum / model.dt - local.momentum;
   local.momentum += model.dt / (smoothing + model.dt) * change;
   local.force = std::max(
-      {local.force * std::max(0.0, 1 - model.dt / memory), outcome.tool_force.norm(), outcome.base_reaction.norm()});
+      {local.force * std::max(0.0, 1 - model.dt / memory), largestForce(outcome), outcome.base_reaction.norm()});
   return local.force > 0 ? change.norm() / smoothing / local.force : 0;
 }
 
@@ -52,6 +73,7 @@ StepReport reportOf(const Model& model, const StepOutcome& outcome, State& state
   report.inverted_points = forces.inverted_points;
   report.contact_count = state.contact.contact_count;
   report.max_penetration = state.contact.max_penetration;
+  if (!model.tools.empty()) addTools(model, outcome, state, report);
 
   report.strain_energy = forces.strain_energy;
   report.kinetic_energy = 0.5 * moved.kinetic / dt2;

@@ -15,6 +15,7 @@ struct StepOutcome {
   double work_before = 0;             // J, of the internal forces on the increments before the step
   Moved moved;                        // the step's own increments
   Vec3 tool_force = Vec3::Zero();     // N
+  ToolLoads loads;                    // as StepReport has them
   Vec3 base_reaction = Vec3::Zero();  // N
 };
 

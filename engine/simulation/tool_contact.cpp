@@ -3,19 +3,20 @@
 #include <algorithm>
 
 #include "contact/skin.h"
+#include "simulation/tool_bodies.h"
 
 namespace palpate {
 
-ToolContact toolContact(const Model& model, const State& state) {
-  const ContactState& contact = state.contact;
-  const Vec3& tip = state.tool_pose.position;
-  ToolContact result;
+namespace {
+
+/// Adds what a body at this orientation feels; `sum`: of the normal forces.
+void addContact(const Model& model, const State& state, const ContactState& contact, const Pose& body, const Vec3& tip,
+                Vec3& torque, Vec3& sum) {
   forEachContactForce(contact, [&](int vertex, const Float4& force) {
-    result.torque -= (skinPosition(model.skin, vertex, state.u.data()) - tip).cross(toVec3(force));
+    torque -= (skinPosition(model.skin, vertex, state.u.data()) - tip).cross(toVec3(force));
   });
 
-  const Mat3 world_from_tool = state.tool_pose.orientation.toRotationMatrix();
-  Vec3 sum = Vec3::Zero();
+  const Mat3 world_from_tool = body.orientation.toRotationMatrix();
   const auto press = [&](const Vec3f& side, const Float4& force) {
     const Vec3 normal = world_from_tool * side.cast<double>();
     sum += std::max(normal.dot(toVec3(force)), 0.0) * normal;
@@ -23,6 +24,19 @@ ToolContact toolContact(const Model& model, const State& state) {
   for (std::size_t c = 0; c < static_cast<std::size_t>(contact.count); ++c) press(contact.normal[c], contact.force[c]);
   const FaceSamples& samples = contact.samples;
   for (std::size_t s = 0; s < static_cast<std::size_t>(samples.count); ++s) press(samples.normal[s], samples.force[s]);
+}
+
+}  // namespace
+
+ToolContact toolContact(const Model& model, const State& state, int tool) {
+  ToolContact result;
+  Vec3 sum = Vec3::Zero();
+  const ToolPosture posture = postureOf(state, tool);
+  for (int b = 0; b < model.tools.bodyCount(); ++b) {
+    const ToolBody body = toolBody(model, b);
+    if (body.tool == tool)
+      addContact(model, state, contactOf(state, b), bodyPose(body, posture), posture.pose.position, result.torque, sum);
+  }
   const double size = sum.norm();
   if (size > 0) result.normal = -sum / size;
   return result;

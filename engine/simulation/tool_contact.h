@@ -19,7 +19,8 @@ struct ToolContact {
 /// @param state  after a step; its contact forces are that step's
 /// Real-time: no allocation, no lock, no throw; cost ~ 25 four-lane FMAs per vertex or sample's corner that carries
 /// force. Test: simulation/tool_contact_test.cpp
-ToolContact toolContact(const Model& model, const State& state);
+/// @param tool  of scenes that have several
+ToolContact toolContact(const Model& model, const State& state, int tool = 0);
 
 /// Calls `call(vertex, force)` for each force at a skin vertex, N on the tissue.
 template <class Call>

@@ -24,6 +24,7 @@ TEST_CASE("The structs of palpate.h have the layout that callers were compiled w
   CHECK(sizeof(palpate_model_info) == 112);
   CHECK(sizeof(palpate_state) == 240);
   CHECK(sizeof(palpate_parameter) == 24);
+  CHECK(sizeof(palpate_tool_state) == 136);
   for (const Field& field : std::array{FIELD(palpate_error, size, 0),
                                        FIELD(palpate_error, code, 4),
                                        FIELD(palpate_error, text, 8),
@@ -63,6 +64,14 @@ TEST_CASE("The structs of palpate.h have the layout that callers were compiled w
                                        FIELD(palpate_state, depth_m, 216),
                                        FIELD(palpate_state, advance_m, 224),
                                        FIELD(palpate_state, work_J, 232),
+                                       FIELD(palpate_tool_state, size, 0),
+                                       FIELD(palpate_tool_state, contact_count, 4),
+                                       FIELD(palpate_tool_state, tick, 8),
+                                       FIELD(palpate_tool_state, pose, 16),
+                                       FIELD(palpate_tool_state, force, 72),
+                                       FIELD(palpate_tool_state, torque, 96),
+                                       FIELD(palpate_tool_state, opening, 120),
+                                       FIELD(palpate_tool_state, pinch, 128),
                                        FIELD(palpate_parameter, name, 0),
                                        FIELD(palpate_parameter, values, 8),
                                        FIELD(palpate_parameter, count, 16)}) {
@@ -108,4 +117,8 @@ static_assert(same<decltype(palpate_reset), int32_t(Simulation)>);
 static_assert(same<decltype(palpate_save_size), size_t(const palpate_simulation*)>);
 static_assert(same<decltype(palpate_save), int32_t(const palpate_simulation*, void*, size_t)>);
 static_assert(same<decltype(palpate_restore), int32_t(Simulation, const void*, size_t, Error)>);
+static_assert(same<decltype(palpate_tool_count), int32_t(const palpate_model*, int32_t*)>);
+static_assert(same<decltype(palpate_set_tool_target), int32_t(Simulation, int32_t, const double*, uint64_t)>);
+static_assert(same<decltype(palpate_set_opening), int32_t(Simulation, int32_t, double)>);
+static_assert(same<decltype(palpate_read_tool), int32_t(const palpate_simulation*, int32_t, palpate_tool_state*)>);
 static_assert(same<decltype(palpate_hash), int32_t(const palpate_simulation*, uint64_t*)>);

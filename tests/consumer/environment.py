@@ -41,6 +41,8 @@ vertex, force = simulation.contacts()
 assert np.allclose(force.sum(axis=0), -simulation.read().force, atol=1e-4 * np.linalg.norm(simulation.read().force))
 assert simulation.skin_positions().shape == (model.skin_vertex_count, 3) and vertex.max() < model.skin_vertex_count
 assert model.triangles.max() == model.skin_vertex_count - 1
+tool = simulation.read_tool()
+assert model.tool_count == 1 and np.array_equal(tool.force, simulation.read().force) and tool.pinch == 0
 saved = simulation.save()
 a = simulation.step(ticks=10).force
 simulation.restore(saved)

@@ -63,6 +63,11 @@ class _State(_Sized):
                 ("work", C.c_double)]
 
 
+class _ToolState(_Sized):
+    _fields_ = [("size", C.c_uint32), ("contact_count", C.c_int32), ("tick", C.c_int64), ("pose", C.c_double * 7),
+                ("force", C.c_double * 3), ("torque", C.c_double * 3), ("opening", C.c_double), ("pinch", C.c_double)]
+
+
 class _Parameter(C.Structure):
     _fields_ = [("name", C.c_char_p), ("values", C.POINTER(C.c_double)), ("count", C.c_int32)]
 
@@ -81,6 +86,18 @@ class State:
         return f"State(tick={self.tick}, depth={self.depth:.5g} m, force={self.force} N, {self.doubt})"
 
 
+class ToolState:
+    """One tool's part of a tick's outcome: the fields of palpate_tool_state, vectors as numpy arrays."""
+
+    def __init__(self, raw):
+        for name, kind in raw._fields_[1:]:
+            value = getattr(raw, name)
+            setattr(self, name, np.array(value) if issubclass(kind, C.Array) else value)
+
+    def __repr__(self):
+        return f"ToolState(tick={self.tick}, force={self.force} N, pinch={self.pinch:.5g} N)"
+
+
 def find_library(name="palpate"):
     """The file of lib<name>.so, looked for as the top of this module says."""
     if name == "palpate" and os.environ.get("PALPATE_LIBRARY"):
@@ -97,7 +114,7 @@ def find_library(name="palpate"):
 
 
 _NAMES = ("load describe skin_triangles script create step start stop set_target read skin_positions contacts "
-          "set_friction set_material reset save restore hash").split()
+          "set_friction set_material reset save restore hash tool_count set_tool_target set_opening read_tool").split()
 
 
 def _load_library():
@@ -122,6 +139,10 @@ def _load_library():
         "save": [pointer, pointer, size],
         "restore": [pointer, pointer, size, C.POINTER(_Error)],
         "hash": [pointer, C.POINTER(C.c_uint64)],
+        "tool_count": [pointer, C.POINTER(C.c_int32)],
+        "set_tool_target": [pointer, C.c_int32, pose, C.c_uint64],
+        "set_opening": [pointer, C.c_int32, C.c_double],
+        "read_tool": [pointer, C.c_int32, C.POINTER(_ToolState)],
     }
     for name in _NAMES:
         function = getattr(lib, "palpate_" + name)
@@ -185,6 +206,9 @@ class Model:
         self.skin_vertex_count = info.skin_vertex_count
         self.tool_start, self.tool_radius = np.array(info.tool_start), info.tool_radius
         self.first_contact_travel = info.first_contact_travel
+        tools = C.c_int32()
+        _call("tool_count", self._handle, C.byref(tools))
+        self.tool_count = tools.value
         self.triangles = np.empty((info.skin_triangle_count, 3), dtype=np.int32)
         _call("skin_triangles", self._handle, self.triangles.ctypes.data, len(self.triangles))
 
@@ -251,6 +275,20 @@ class Simulation:
     def set_target(self, pose, sequence=0):
         """Where the tool should be while it runs by itself; the latest wins."""
         _call("set_target", self._handle, _pose(pose), sequence)
+
+    def set_tool_target(self, tool, pose, sequence=0):
+        """Where one of several tools should be, from the next tick on; the latest wins."""
+        _call("set_tool_target", self._handle, tool, _pose(pose), sequence)
+
+    def set_opening(self, opening, tool=0):
+        """How far a tool's jaws should be open, m, from the next tick on."""
+        _call("set_opening", self._handle, tool, opening)
+
+    def read_tool(self, tool=0):
+        """One tool's part of the newest tick: its ToolState."""
+        raw = _ToolState()
+        _call("read_tool", self._handle, tool, C.byref(raw))
+        return ToolState(raw)
 
     def read(self):
         """The newest tick's State."""

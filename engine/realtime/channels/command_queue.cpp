@@ -49,4 +49,18 @@ Request Request::setMaterial(int index, const Material& material) {
   return request;
 }
 
+Request Request::moveHand(int tool, const Pose& pose) {
+  Request request = simple(Kind::MoveHand);
+  request.index = tool;
+  request.pose = pose;
+  return request;
+}
+
+Request Request::setOpening(int tool, double opening) {
+  Request request = simple(Kind::SetOpening);
+  request.index = tool;
+  request.value = opening;
+  return request;
+}
+
 }  // namespace palpate

@@ -26,10 +26,12 @@ struct Request {
     SetFriction,  // value: Coulomb coefficient
     SetMaterial,  // index: into Model::materials; material
     Quit,
+    MoveHand,    // index: tool, from 1; pose: where it should go, at once
+    SetOpening,  // index: tool, from 0; value: m, the gap between the fingers of its jaws
   };
   Kind kind = Kind::Pause;
-  int index = -1;             // Pull: skin vertex; SetMaterial: material
-  double value = 0;           // SetFriction; seconds of the tool's motions
+  int index = -1;             // Pull: skin vertex; SetMaterial: material; MoveHand, SetOpening: tool
+  double value = 0;           // SetFriction; seconds of the tool's motions; SetOpening, m
   Vec3 point = Vec3::Zero();  // Pull, m
   Pose pose;                  // MoveTool
   Material material;          // SetMaterial
@@ -45,6 +47,8 @@ struct Request {
   /// Refused by the loop (with a log event) where the material is stiffer than the
   /// time step allows.
   static Request setMaterial(int index, const Material& material);
+  static Request moveHand(int tool, const Pose& pose);
+  static Request setOpening(int tool, double opening);
   static Request simple(Kind kind);  // those without parameters
 };
 

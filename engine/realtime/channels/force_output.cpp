@@ -41,10 +41,8 @@ struct Unpacker {
 
 }  // namespace
 
-// The order of the stores makes a torn read visible: a reader that has seen any new word of a slot (acquire) is
-// synchronised with that word's store (release), and so sees the odd version that was stored before it.
 void ForceOutput::publish(const ForceSample& s) {
-  std::array<std::uint64_t, kWords> words{};
+  LatestWords<31>::Words words{};
   Packer packer{words.data()};
   packer.add(std::bit_cast<std::uint64_t>(s.tick));
   packer.add(std::bit_cast<std::uint64_t>(s.wall_ns));
@@ -64,23 +62,11 @@ void ForceOutput::publish(const ForceSample& s) {
   packer.add(std::bit_cast<std::uint64_t>(s.loss_count));
   packer.add(static_cast<std::uint64_t>(s.contact_count));
   packer.add(static_cast<std::uint64_t>(s.frozen));
-  const std::uint64_t next = newest_.load(std::memory_order_relaxed) + 1;
-  Slot& slot = slots_[next % kSlots];
-  slot.version.store(2 * next - 1, std::memory_order_relaxed);
-  for (std::size_t w = 0; w < kWords; ++w) slot.words[w].store(words[w], std::memory_order_release);
-  slot.version.store(2 * next, std::memory_order_release);
-  newest_.store(next, std::memory_order_release);
+  words_.publish(words);
 }
 
 ForceSample ForceOutput::latest() const {
-  std::array<std::uint64_t, kWords> words{};
-  for (;;) {
-    const std::uint64_t newest = newest_.load(std::memory_order_acquire);
-    const Slot& slot = slots_[newest % kSlots];
-    for (std::size_t w = 0; w < kWords; ++w) words[w] = slot.words[w].load(std::memory_order_acquire);
-    // Any other version means that the slot has been reused, whole or in part, since newest_ was read.
-    if (slot.version.load(std::memory_order_relaxed) == 2 * newest) break;
-  }
+  const LatestWords<31>::Words words = words_.latest();
   Unpacker unpacker{words.data()};
   ForceSample s;
   s.tick = std::bit_cast<std::int64_t>(unpacker.whole());

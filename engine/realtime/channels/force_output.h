@@ -1,9 +1,8 @@
 #pragma once
 
-#include <array>
-#include <atomic>
 #include <cstdint>
 
+#include "realtime/channels/latest_words.h"
 #include "realtime/channels/snapshot.h"
 
 namespace palpate {
@@ -24,11 +23,8 @@ double freshSeconds(double rate_hz);
 /// @param rate_hz  of the loop that computes the force
 ForceReading readForce(const ForceSample& sample, std::int64_t now, double rate_hz);
 
-/// The newest force, from the loop to any number of readers (haptic device, viewer) on threads of
-/// their own. Four slots are written in turn: where the writer loses its core in the middle of one,
-/// readers still read the slot before. A reader whose slot was overwritten while it read, which takes
-/// three ticks, reads again. It accepts only the sample that newest_ announced, so no reader sees time
-/// go backwards.
+/// The newest force, from the loop to any number of readers (haptic device, viewer) on threads of their own
+/// (LatestWords).
 class ForceOutput {
  public:
   ForceOutput() { publish({}); }
@@ -40,15 +36,7 @@ class ForceOutput {
   ForceSample latest() const;
 
  private:
-  static constexpr std::size_t kWords = 31;
-  static constexpr std::size_t kSlots = 4;
-  struct Slot {
-    std::atomic<std::uint64_t> version{0};  // 2 n for the n-th sample; odd while it is written
-    std::array<std::atomic<std::uint64_t>, kWords> words{};
-  };
-
-  alignas(64) std::array<Slot, kSlots> slots_;
-  alignas(64) std::atomic<std::uint64_t> newest_{0};  // n of the newest sample, in slot n % kSlots
+  LatestWords<31> words_;
 };
 
 }  // namespace palpate

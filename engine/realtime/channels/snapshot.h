@@ -5,6 +5,7 @@
 
 #include "base/types.h"
 #include "mechanics/materials/material.h"
+#include "realtime/channels/tool_readings.h"
 #include "simulation/report.h"
 
 namespace palpate {
@@ -55,7 +56,8 @@ struct Snapshot {
   Pose hand_pose;      // where the tool would be if it did not yield (ToolProxy)
   double yield_m = 0;  // by how much it does
   ForceSample force;
-  StepReport report;  // of that tick
+  ToolReadings tools;  // where the scene has several or jaws, from the start on; else their count is 0
+  StepReport report;   // of that tick
   LoopStatus status;
   int contact_count = 0;              // entries used below for vertices,
   int contact_entries = 0;            // and in all: the others are samples' shares (tool_contact.h)

@@ -15,6 +15,8 @@ FoldWatch::FoldWatch(const Model& model)
 
 bool FoldWatch::looksFolded(const StepReport& report) const {
   if (moved_ || report.contact_count > 0 || !report.tool_force.isZero(0)) return false;
+  for (const ToolLoad& load : report.loads)
+    if (load.contact_count > 0) return false;
   if (report.kinetic_energy > calm * report.strain_energy) return false;
   return report.min_J < TrustLimits::min_J || (!strained_anyway_ && report.strain_energy > strained_);
 }

@@ -23,6 +23,12 @@ void InputRecorder::addCommand(std::int64_t tick, const Command& command) {
     add(tick, command.pull_vertex < 0 ? Request::simple(Request::Kind::ReleasePull)
                                       : Request::pull(command.pull_vertex, command.pull_target));
   }
+  for (int k = 0; k < max_tools; ++k) {
+    const ToolPosture& now = command.tools[static_cast<std::size_t>(k)];
+    const ToolPosture& before = command_.tools[static_cast<std::size_t>(k)];
+    if (k > 0 && !samePose(now.pose, before.pose)) add(tick, Request::moveHand(k, now.pose));
+    if (now.opening != before.opening) add(tick, Request::setOpening(k, now.opening));
+  }
   command_ = command;
 }
 

@@ -17,6 +17,9 @@ class InputRecorder {
   /// @param start  pose of the tool at rest, which is no change
   InputRecorder(SpscRing<TimedRequest>& ring, bool on, const Pose& start);
 
+  /// What the command is at rest, which is no change.
+  void startFrom(const Command& command) { command_ = command; }
+
   void add(std::int64_t tick, const Request& request);
 
   /// What is new in the command of this tick.

@@ -8,6 +8,7 @@
 #include "realtime/channels/hand_slot.h"
 #include "realtime/channels/log_event.h"
 #include "realtime/channels/snapshot_buffer.h"
+#include "realtime/channels/tool_readings.h"
 #include "realtime/timing/deadline_statistics.h"
 #include "simulation/model.h"
 #include "simulation/state.h"
@@ -23,9 +24,12 @@ struct LoopChannels {
 
   CommandQueue commands;              // viewer: push; loop: pop
   HandSlot hand;                      // hand's thread: back, publish; loop: latest
+  ToolHands tool_hands;               // each hand's thread: as `hand`; loop: latest
   SnapshotBuffer snapshots;           // loop: back, publish; viewer: latest
   SpscRing<ForceSample> forces;       // loop: push; viewer: pop
   ForceOutput newest_force;           // loop: publish; any thread: latest
+  SpscRing<ToolReadings> tools;       // one for each force where the scene has several tools or jaws; as `forces`
+  ToolsOutput newest_tools;           // likewise; loop: publish; any thread: latest
   LogRing log;                        // loop: push; viewer: pop
   SpscRing<TimedRequest> recorded;    // loop: push; viewer: pop
   DeadlineStatistics statistics;      // loop: writes; any thread: reads

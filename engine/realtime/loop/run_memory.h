@@ -4,9 +4,11 @@
 
 #include "base/types.h"
 #include "realtime/channels/snapshot.h"
+#include "realtime/channels/tool_readings.h"
 #include "realtime/loop/contact_trend.h"
 #include "realtime/loop/fold_watch.h"
 #include "realtime/loop/force_filter.h"
+#include "realtime/loop/further_hands.h"
 #include "realtime/loop/tool_proxy.h"
 #include "simulation/report.h"
 
@@ -19,6 +21,10 @@ struct RunMemory {
   Pose hand;
   std::uint64_t pose_sequence = 0;
   ToolProxy::Memory proxy;
+  ToolPostures hands;  // of the tools beside the first; of the first its opening
+  FurtherHands::Memory further;
+  std::array<ToolProxy::Memory, max_tools> proxies;  // of the tools beside the first
+  ToolReadings readings;
   FoldWatch::Memory folds;
   StepReport report;
   ForceSample force;

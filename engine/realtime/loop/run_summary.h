@@ -13,14 +13,15 @@ struct RunSummary {
   std::int64_t ticks = 0;  // of the run, frozen ones included
   LoopTotals totals;
   std::uint64_t state_hash = 0;
-  std::uint32_t flags = 0;             // StepFlag, all ticks
-  float min_J = 1;                     // lowest of all ticks
-  Doubt doubt = Doubt::None;           // the gravest of all ticks
-  std::int64_t first_doubt_tick = -1;  // of the run; -1: none
-  double peak_force = 0;               // N, raw
-  double peak_depth = 0;               // m, true depth
-  std::int64_t restored_count = 0;     // times that the solution was lost, and the tissue went back to an earlier state
-  double largest_yield = 0;            // m, that the tool stayed behind the hand (ToolProxy)
+  std::uint32_t flags = 0;                                        // StepFlag, all ticks
+  float min_J = 1;                                                // lowest of all ticks
+  Doubt doubt = Doubt::None;                                      // the gravest of all ticks
+  std::int64_t first_doubt_tick = -1;                             // of the run; -1: none
+  double peak_force = 0;                                          // N, raw
+  double peak_depth = 0;                                          // m, true depth
+  std::array<double, max_tools> peak_tool_force{}, peak_pinch{};  // N, where there are several tools or jaws
+  std::int64_t restored_count = 0;  // times that the solution was lost, and the tissue went back to an earlier state
+  double largest_yield = 0;         // m, that the tool stayed behind the hand (ToolProxy)
   std::int64_t yielding_ticks = 0;
   Vec3 base_reaction = Vec3::Zero();    // N, last tick
   std::int64_t lost_force_samples = 0;  // ring full: nobody took them

@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "simulation/tool_bodies.h"
+
 namespace palpate {
 namespace {
 
@@ -30,12 +32,16 @@ SimulationLoop::SimulationLoop(const Model& model, Physics& physics, SpinTeam* t
       run_(startOf(options)),
       track_(std::move(options.track), options.track_ticks, options.motion, model.tool_start, model.scene.rate_hz),
       proxy_(model),
+      further_(model),
       history_(physics.state(), model.scene.rate_hz),
       folds_(model),
       settings_(model, physics),
       recorder_(channels_.recorded, options.record, model.tool_start),
       reporter_(model, physics, team, channels_) {
-  command_.tool_target = run_.hand = run_.goal = model.tool_start;
+  command_ = restCommand(model);
+  run_.hand = run_.goal = model.tool_start;
+  recorder_.startFrom(command_);
+  for (int k = 1; k < model.tools.toolCount(); ++k) further_proxies_.emplace_back(model, k);
   reporter_.publish({}, run_);
 }
 
@@ -96,6 +102,9 @@ RunMemory SimulationLoop::memory() const {
   memory.hand = command_.tool_target;
   memory.pose_sequence = run_.pose_sequence;
   memory.proxy = proxy_.memory();
+  memory.hands = command_.tools;
+  memory.further = further_.memory();
+  for (std::size_t k = 0; k < further_proxies_.size(); ++k) memory.proxies[k] = further_proxies_[k].memory();
   memory.folds = folds_.memory();
   reporter_.tell(memory);
   return memory;
@@ -104,16 +113,20 @@ RunMemory SimulationLoop::memory() const {
 void SimulationLoop::recall(const RunMemory& memory) {
   // What was sent before is of another future.
   channels_.hand.latest();
+  channels_.tool_hands.forget();
   for (Request request; channels_.commands.pop(request);) {
   }
   run_.tick = memory.tick;
   run_.frozen = memory.frozen;
   run_.hand = run_.goal = memory.hand;
   run_.pose_sequence = memory.pose_sequence;
-  command_ = {};
+  command_ = restCommand(model_);
   command_.tool_target = memory.hand;
+  command_.tools = memory.hands;
   track_.goal().jumpTo(memory.hand);
   proxy_.recall(memory.proxy);
+  further_.recall(memory.further);
+  for (std::size_t k = 0; k < further_proxies_.size(); ++k) further_proxies_[k].recall(memory.proxies[k]);
   folds_.recall(memory.folds);
   history_.startAt(physics_.state());
   settings_.recall();
@@ -156,6 +169,9 @@ bool SimulationLoop::advance() {
   while (const Request* setting = track_.takeSetting(run_.tick, run_.frozen)) change(*setting);
   command_.tool_target =
       track_.next(run_.tick, command_.tool_target, physics_.state(), reporter_.lastReport(), run_.frozen);
+  further_.next(run_.tick, command_);
+  if (const double open = track_.opening(run_.tick, run_.frozen); open >= 0)
+    further_.take(Request::setOpening(0, open), command_);
   run_.hand = command_.tool_target;
   run_.goal = track_.drives(run_.tick) ? run_.hand : track_.goal().pose();
   if (!run_.frozen && !step()) return false;
@@ -171,9 +187,18 @@ bool SimulationLoop::advance() {
   return true;
 }
 
+/// The tools beside the first yield, too, and all jaws. The first one's pose is done already.
+void SimulationLoop::yieldFurther(Command& command) {
+  const State& state = physics_.state();
+  command.tools[0].opening = proxy_.followOpening(command_.tools[0].opening, state, reporter_.lastReport());
+  for (std::size_t k = 0; k < further_proxies_.size(); ++k)
+    command.tools[k + 1] = further_proxies_[k].follow(command_.tools[k + 1], state, reporter_.lastReport());
+}
+
 bool SimulationLoop::step() {
   Command command = command_;
   command.tool_target = proxy_.follow(run_.hand, physics_.state(), reporter_.lastReport());
+  if (!model_.tools.empty()) yieldFurther(command);
   command.stop = &channels_.quit;
   run_.yield = proxy_.yield();
   if (team_ != nullptr) team_->wake();
@@ -185,7 +210,7 @@ bool SimulationLoop::step() {
       if (folds_.update(report, command.pull_vertex >= 0)) {
         physics_.reset();  // not to where a recalled run began: that may have been folded
         history_.clear();
-        proxy_.beGentle();
+        beGentle();
         reporter_.restored();
         reporter_.logEvent(LogEvent::Kind::RestoredFolded, run_, report.worst_point, report.min_J);
         break;
@@ -207,7 +232,12 @@ bool SimulationLoop::step() {
 void SimulationLoop::goBackTo(const State& past) {
   physics_.restore(past);
   history_.wentBackTo(past.tick);
+  beGentle();
+}
+
+void SimulationLoop::beGentle() {
   proxy_.beGentle();
+  for (ToolProxy& proxy : further_proxies_) proxy.beGentle();
 }
 
 void SimulationLoop::takeRequests() {
@@ -218,7 +248,22 @@ void SimulationLoop::takeRequests() {
   }
 }
 
+void SimulationLoop::takeFurtherHands() {
+  const bool driven = track_.drives(run_.tick);
+  ToolHands& hands = channels_.tool_hands;
+  for (int k = 0; k < model_.tools.toolCount(); ++k) {
+    if (k > 0)
+      if (HandSlot& hand = hands.further[static_cast<std::size_t>(k - 1)]; hand.hasNews()) {
+        const Request move = Request::moveHand(k, hand.latest().pose);
+        if (!driven) further_.take(move, command_);
+      }
+    const Request open = Request::setOpening(k, hands.takeOpening(k));
+    if (!driven) further_.take(open, command_);
+  }
+}
+
 void SimulationLoop::takeHand() {
+  if (!model_.tools.empty()) takeFurtherHands();
   if (!channels_.hand.hasNews()) return;
   const HandPose& hand = channels_.hand.latest();
   if (track_.drives(run_.tick)) return;
@@ -265,6 +310,9 @@ void SimulationLoop::apply(const Request& request, bool from_track) {
       command_.pull_vertex = -1;
       command_.pull_target.setZero();
       return;
+    case Kind::MoveHand:
+    case Kind::SetOpening:
+      return further_.take(request, command_);
     case Kind::SetFriction:
     case Kind::SetMaterial:
       return change(request);
@@ -320,8 +368,9 @@ void SimulationLoop::undo() {
   run_.frozen = false;
   ++run_.undo_count;
   reporter_.reset();
-  command_ = {};
+  command_ = restCommand(model_);
   command_.tool_target = run_.hand = run_.goal = past->tool_pose;
+  if (!model_.tools.empty()) command_.tools = posturesOf(model_, *past);
   track_.goal().jumpTo(past->tool_pose);
   recorder_.addJump(run_.tick, Request::Kind::Undo, command_);
   const double seconds = static_cast<double>(tick - past->tick) / model_.scene.rate_hz;
@@ -333,12 +382,13 @@ void SimulationLoop::reset(Request::Kind kind, bool from_track) {
   if (over || (!from_track && track_.drives(run_.tick))) kind = Request::Kind::Restart;  // an endless motion, too
   physics_.reset();
   history_.clear();
-  if (kind == Request::Kind::Reset) proxy_.beGentle();
+  if (kind == Request::Kind::Reset) beGentle();
   run_.frozen = false;
   reporter_.reset();
   track_.reset();
-  command_ = {};
-  command_.tool_target = run_.hand = run_.goal = model_.tool_start;
+  command_ = restCommand(model_);
+  run_.hand = run_.goal = model_.tool_start;
+  further_.restart(run_.tick);
   recorder_.addJump(run_.tick, kind, command_);
   reporter_.logEvent(LogEvent::Kind::Reset, run_);
   if (!over || keeps_settings_) return;

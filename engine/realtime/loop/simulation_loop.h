@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "realtime/loop/fold_watch.h"
+#include "realtime/loop/further_hands.h"
 #include "realtime/loop/input_recorder.h"
 #include "realtime/loop/live_settings.h"
 #include "realtime/loop/loop_channels.h"
@@ -87,15 +88,20 @@ class SimulationLoop final : private LoopBody {
 
   /// (one thread) The latest pose wins. The tool goes there at once, as fast as the scene lets it, while no track drives.
   HandSlot& hand() { return channels_.hand; }
-  CommandQueue& commands() { return channels_.commands; }                        // (viewer) push
-  SnapshotBuffer& snapshots() { return channels_.snapshots; }                    // (viewer) latest
-  SpscRing<ForceSample>& forces() { return channels_.forces; }                   // (viewer) pop
-  LogRing& log() { return channels_.log; }                                       // (viewer) pop
-  SpscRing<TimedRequest>& recorded() { return channels_.recorded; }              // (viewer) pop
+  /// (a thread for each tool) The same for tools beside the first, and for how far jaws should be open.
+  ToolHands& toolHands() { return channels_.tool_hands; }
+  CommandQueue& commands() { return channels_.commands; }            // (viewer) push
+  SnapshotBuffer& snapshots() { return channels_.snapshots; }        // (viewer) latest
+  SpscRing<ForceSample>& forces() { return channels_.forces; }       // (viewer) pop
+  SpscRing<ToolReadings>& tools() { return channels_.tools; }        // (viewer) pop, one after each of forces(), if any
+  LogRing& log() { return channels_.log; }                           // (viewer) pop
+  SpscRing<TimedRequest>& recorded() { return channels_.recorded; }  // (viewer) pop
   const DeadlineStatistics& statistics() const { return channels_.statistics; }  // any thread
   /// (any thread, any number of them) The newest force with its age: what a haptic device or a
   /// readout goes by. Under overload, in a pause and after the end it grows old and is not fresh.
   ForceReading force() const;
+  /// (any thread, any number of them) The newest readings of all tools, where the scene has several or jaws.
+  ToolReadings toolReadings() const { return channels_.newest_tools.latest(); }
 
   /// (viewer) After the end; rt_setup also once a tick has been published.
   const RunSummary& summary() const { return reporter_.summary(); }
@@ -105,6 +111,7 @@ class SimulationLoop final : private LoopBody {
   void onLate(const LateTick& late, const LoopTime& time) override;
   void takeRequests();
   void takeHand();
+  void takeFurtherHands();
   void apply(const Request& request, bool from_track);
   void moveTool(const Request& request, bool from_track);
   void steer(const Request& request);
@@ -112,6 +119,8 @@ class SimulationLoop final : private LoopBody {
   void change(const Request& setting);
   void reset(Request::Kind kind, bool from_track);
   void undo();
+  void beGentle();
+  void yieldFurther(Command& command);
   void goBackTo(const State& past);
   bool advance();  // false: quit() broke the tick off, which then never was
   bool step();     // likewise
@@ -132,6 +141,8 @@ class SimulationLoop final : private LoopBody {
   Command command_;  // of the present tick; its tool is where the hand is
   ToolTrack track_;
   ToolProxy proxy_;
+  FurtherHands further_;
+  std::vector<ToolProxy> further_proxies_;  // of the tools beside the first
   StateHistory history_;
   FoldWatch folds_;
   LiveSettings settings_;

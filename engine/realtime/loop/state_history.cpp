@@ -11,12 +11,17 @@ std::size_t bytesOf(const std::vector<T>& values) {
   return values.size() * sizeof(T);
 }
 
+std::size_t bytesOf(const ContactState& c) {
+  return bytesOf(c.vertex) + bytesOf(c.force) + bytesOf(c.normal) + bytesOf(c.candidate) + bytesOf(c.old_force) +
+         bytesOf(c.old_normal) + bytesOf(c.old_vertex) + bytesOf(c.row);
+}
+
 /// Of the vectors that make up nearly all of a state.
 std::size_t bytesOf(const State& s) {
-  const ContactState& c = s.contact;
-  return sizeof(State) + 3 * s.u.size() * sizeof(Float4) + s.relaxation.Z.size() * sizeof(float) + bytesOf(c.vertex) +
-         bytesOf(c.force) + bytesOf(c.normal) + bytesOf(c.candidate) + bytesOf(c.old_force) + bytesOf(c.old_normal) +
-         bytesOf(c.old_vertex) + bytesOf(c.row);
+  std::size_t bytes =
+      sizeof(State) + 3 * s.u.size() * sizeof(Float4) + s.relaxation.Z.size() * sizeof(float) + bytesOf(s.contact);
+  for (const ContactState& contact : s.more.contact) bytes += bytesOf(contact);
+  return bytes;
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "simulation/tool_bodies.h"
 #include "simulation/tool_contact.h"
 #include "simulation/trust.h"
 
@@ -18,7 +19,17 @@ TickReporter::TickReporter(const Model& model, const Physics& physics, const Spi
       filter_(model.scene.filter_cutoff_hz, model.scene.force_rate_limit, model.scene.rate_hz),
       watchdog_(model),
       overload_(model.scene.rate_hz),
-      shown_u_(physics.state().u) {}
+      shown_u_(physics.state().u) {
+  readings_.count = model.tools.empty() ? 0 : model.tools.toolCount();
+  readTools({});
+}
+
+/// Where the tools are, and what is on them.
+void TickReporter::readTools(const RunState& run) {
+  readings_.tick = run.tick;
+  for (int k = 0; k < static_cast<int>(readings_.count); ++k)
+    readings_.set(k, postureOf(physics_.state(), k), report_.loads[static_cast<std::size_t>(k)]);
+}
 
 void TickReporter::beginTick(const LoopTime& time, const RunState& run) {
   overload_.update(time.begin_ns, run.tick, channels_.log);
@@ -45,11 +56,16 @@ Verdict TickReporter::judge(const StepReport& report, const RunState& run) {
     report_.contact_normal.setZero();
     report_.base_reaction.setZero();
     report_.contact_count = 0;
+    report_.loads = {};
     return verdict;
   }
   showState();
   trend_.update(physics_.state().tool_pose, report_, model_.scene.rate_hz);
   summary_.peak_force = std::max(summary_.peak_force, report_.tool_force.norm());
+  for (std::size_t k = 0; k < static_cast<std::size_t>(readings_.count); ++k) {
+    summary_.peak_tool_force[k] = std::max(summary_.peak_tool_force[k], report_.loads[k].force.norm());
+    summary_.peak_pinch[k] = std::max(summary_.peak_pinch[k], report_.loads[k].pinch);
+  }
   summary_.base_reaction = report_.base_reaction;
   return verdict;
 }
@@ -74,11 +90,14 @@ void TickReporter::restored() {
   showState();
 }
 
+/// Where the first tool is; of jaws their first finger.
+Pose TickReporter::firstBody() const { return bodyPose(toolBody(model_, 0), postureOf(physics_.state(), 0)); }
+
 void TickReporter::sendForce(const LoopTime& time, const RunState& run) {
   force_.tick = run.tick;
   force_.wall_ns = time.begin_ns;
   force_.time_s = secondsAt(run.tick);
-  force_.depth_m = depth_.of(physics_.state().tool_pose, physics_.state().contact);
+  force_.depth_m = depth_.of(firstBody(), physics_.state().contact);
   summary_.peak_depth = std::max(summary_.peak_depth, force_.depth_m);
   force_.advance_m =
       (physics_.state().tool_pose.position - model_.tool_start.position).dot(tool_axis_) - model_.first_contact_travel;
@@ -94,6 +113,15 @@ void TickReporter::sendForce(const LoopTime& time, const RunState& run) {
   force_.frozen = run.frozen;
   force_.force_filtered = run.frozen ? filter_.fade() : filter_.update(force_.force_raw);
   channels_.newest_force.publish(force_);
+  if (readings_.count > 0) {
+    readTools(run);
+    channels_.newest_tools.publish(readings_);
+    // Before its force, and no force without it: whoever takes a force finds the readings that belong to it.
+    if (!channels_.tools.push(readings_)) {
+      ++summary_.lost_force_samples;
+      return;
+    }
+  }
   if (!channels_.forces.push(force_)) ++summary_.lost_force_samples;
 }
 
@@ -109,6 +137,8 @@ void TickReporter::publish(const LoopTime& time, const RunState& run) {
   snapshot.hand_pose = run.hand;
   snapshot.yield_m = run.yield;
   snapshot.force = force_;
+  if (readings_.count > 0) readTools(run);
+  snapshot.tools = readings_;
   snapshot.report = report_;
 
   snapshot.status.ticks = run.tick;
@@ -130,9 +160,9 @@ void TickReporter::publish(const LoopTime& time, const RunState& run) {
     snapshot.contact_force[used] = force;
     ++used;
   };
-  forEachVertexForce(state.contact, take);
+  for (int b = 0; b < model_.tools.bodyCount(); ++b) forEachVertexForce(contactOf(state, b), take);
   snapshot.contact_count = static_cast<int>(used);
-  forEachSampleForce(state.contact.samples, take);
+  for (int b = 0; b < model_.tools.bodyCount(); ++b) forEachSampleForce(contactOf(state, b).samples, take);
   snapshot.contact_entries = static_cast<int>(used);
   // The vector has its size since the channels were made.
   const std::vector<Material>& materials = physics_.state().live.kernel.materials;
@@ -160,6 +190,7 @@ void TickReporter::reset() {
 void TickReporter::tell(RunMemory& memory) const {
   memory.report = report_;
   memory.force = force_;
+  memory.readings = readings_;
   memory.filter = filter_;
   memory.trend = trend_;
 }
@@ -171,6 +202,8 @@ void TickReporter::recall(const RunMemory& memory) {
   force_.wall_ns = 0;  // of whatever clock: no force for a hand
   filter_ = memory.filter;
   trend_ = memory.trend;
+  readings_ = memory.readings;
+  channels_.newest_tools.publish(readings_);
   summary_.restored_count = force_.loss_count;
   channels_.newest_force.publish(force_);
   showState();

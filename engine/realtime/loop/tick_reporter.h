@@ -65,6 +65,8 @@ class TickReporter {
 
  private:
   void watchYield(const RunState& run);
+  void readTools(const RunState& run);
+  Pose firstBody() const;
   void showState();
   double secondsAt(std::int64_t tick) const { return static_cast<double>(tick) / model_.scene.rate_hz; }
 
@@ -81,6 +83,7 @@ class TickReporter {
   std::int64_t long_waits_ = 0;  // of the team, before the present tick
   StepReport report_;
   ForceSample force_;
+  ToolReadings readings_;  // where there are several tools or jaws
   std::int64_t last_yield_tick_ = -1;
   AlignedVector<Float4> shown_u_;  // the last displacement worth showing
   RunSummary summary_;

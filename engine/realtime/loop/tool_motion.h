@@ -17,6 +17,9 @@ class ToolMotion {
   /// @param last  outcome of the tick before; empty at the first tick
   virtual Pose next(const State& state, const StepReport& last) = 0;
 
+  /// How far the first tool's jaws should be open in that tick, m; < 0: it does not say. Called after next().
+  virtual double opening() const { return -1; }
+
   /// Friction or a material that is to change before the coming tick; called before next() until there is none more.
   virtual const Request* nextSetting() { return nullptr; }
 

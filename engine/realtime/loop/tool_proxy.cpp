@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "simulation/tool_bodies.h"
 #include "simulation/trust.h"
 
 namespace palpate {
@@ -28,10 +29,25 @@ Vec3 held(const Vec3& move, const Vec3& out, double share) {
   return move + (1 - share) * std::min(1.0, size / small) * against / size * out;
 }
 
+/// g of tool_proxy.h for a tool with this force on it.
+double freedomUnder(const Model& model, const StepReport& last, double force, double most) {
+  const double radius = model.scene.tool.radius;
+  double g = fade(last.step_share, YieldLimits::free_step_share, YieldLimits::step_share);
+  g = std::min(g, fade(-static_cast<double>(last.min_J), -TrustLimits::min_J, -YieldLimits::min_J));
+  g = std::min(g, fade(last.max_penetration, TrustLimits::penetration * radius, YieldLimits::penetration * radius));
+  if (most > 0) g = std::min(g, fade(force, YieldLimits::free_force * most, most));
+  return g;
+}
+
+double pushUnder(double force, double most) { return most > 0 && force > most ? std::min(1.0, force / most - 1) : 0; }
+
 }  // namespace
 
-ToolProxy::ToolProxy(const Model& model)
+ToolProxy::ToolProxy(const Model& model, int tool)
     : model_(model),
+      tool_(tool),
+      max_speed_(tool == 0 ? model.scene.tool_max_speed : model.tools.tool[static_cast<std::size_t>(tool)].max_speed),
+      max_force_(tool == 0 ? model.max_tool_force : model.tools.tool[static_cast<std::size_t>(tool)].max_force),
       arrival_ticks_(static_cast<int>(std::lround(arrival_seconds * model.scene.rate_hz))),
       max_advance_(YieldLimits::sound_share * slowestSound(model) / model.scene.rate_hz) {}
 
@@ -41,42 +57,57 @@ void ToolProxy::beGentle() {
 }
 
 double ToolProxy::freedom(const Model& model, const StepReport& last) {
-  const double radius = model.scene.tool.radius;
-  double g = fade(last.step_share, YieldLimits::free_step_share, YieldLimits::step_share);
-  g = std::min(g, fade(-static_cast<double>(last.min_J), -TrustLimits::min_J, -YieldLimits::min_J));
-  g = std::min(g, fade(last.max_penetration, TrustLimits::penetration * radius, YieldLimits::penetration * radius));
-  const double most = model.max_tool_force;
-  if (most > 0) g = std::min(g, fade(last.tool_force.norm(), YieldLimits::free_force * most, most));
-  return g;
+  return freedomUnder(model, last, last.tool_force.norm(), model.max_tool_force);
 }
 
 double ToolProxy::pushedBack(const Model& model, const StepReport& last) {
-  const double most = model.max_tool_force, force = last.tool_force.norm();
-  return most > 0 && force > most ? std::min(1.0, force / most - 1) : 0;
+  return pushUnder(last.tool_force.norm(), model.max_tool_force);
 }
 
 Pose ToolProxy::follow(const Pose& hand, const State& state, const StepReport& last) {
-  const bool touches = !last.tool_force.isZero(0);
-  const double g = touches ? freedom(model_, last) : 1, share = g * g;
+  return followFrom(state.tool_pose, hand, last.tool_force, last);
+}
+
+ToolPosture ToolProxy::follow(const ToolPosture& hand, const State& state, const StepReport& last) {
+  const ToolPosture from = postureOf(state, tool_);
+  const ToolLoad& load = last.loads[static_cast<std::size_t>(tool_)];
+  return {followFrom(from.pose, hand.pose, load.force, last), followOpening(hand.opening, state, last)};
+}
+
+double ToolProxy::followOpening(double wanted, const State& state, const StepReport& last) const {
+  const double opening = postureOf(state, tool_).opening;
+  const double pinch = last.loads[static_cast<std::size_t>(tool_)].pinch;
+  const double reach = max_speed_ / model_.scene.rate_hz;
+  double change = std::clamp(wanted - opening, -reach, reach);
+  if (change < 0 && pinch > 0) {
+    const double g = freedomUnder(model_, last, pinch, max_force_);
+    change *= g * g;
+  }
+  if (const double push = pushUnder(pinch, max_force_); push > 0) change = std::max(change, push * reach);
+  return opening + change;
+}
+
+Pose ToolProxy::followFrom(const Pose& from, const Pose& hand, const Vec3& force, const StepReport& last) {
+  const bool touches = !force.isZero(0);
+  const double g = touches ? freedomUnder(model_, last, force.norm(), max_force_) : 1, share = g * g;
   yield_ = 0;
-  const Pose& from = state.tool_pose;
   const Vec3 axis = from.orientation * Vec3::UnitZ();
-  const Vec3 out = touches ? Vec3(last.tool_force.normalized()) : axis;
+  const Vec3 out = touches ? Vec3(force.normalized()) : axis;
   const double tick_s = 1 / model_.scene.rate_hz;
   const Vec3 way = hand.position - from.position;
-  const bool too_fast = touches && tick_s * model_.scene.tool_max_speed > max_advance_ && -way.dot(out) > max_advance_;
+  const bool too_fast = touches && tick_s * max_speed_ > max_advance_ && -way.dot(out) > max_advance_;
   if (share >= 1 && !gentle_ && !too_fast) return hand;
 
   Vec3 move = way;
-  const double reach = tick_s * (gentle_ && !touches ? approach_speed : model_.scene.tool_max_speed);
+  const double reach = tick_s * (gentle_ && !touches ? approach_speed : max_speed_);
   if (move.norm() > reach) move *= reach / move.norm();
   const bool deeper = move.dot(out) < 0;
   move = held(held(move, out.dot(axis) * axis, share), out - out.dot(axis) * axis, share);
   const double gently = tick_s * gentle_speed;
   if (gentle_ && touches && deeper && move.norm() > gently) move *= gently / move.norm();
   if (too_fast) move += std::max(0.0, -move.dot(out) - max_advance_) * out;
-  const double push = pushedBack(model_, last);
-  if (push > 0) move += std::max(0.0, push * tick_s * model_.scene.tool_max_speed - move.dot(out)) * out;
+  const double push = pushUnder(force.norm(), max_force_);
+  if (push > 0) move += std::max(0.0, push * tick_s * max_speed_ - move.dot(out)) * out;
 
   Pose pose;
   const bool arrives = move == way;

@@ -43,12 +43,20 @@ class ToolProxy {
   static constexpr double gentle_speed = 0.02;   // m/s, deeper
   static constexpr double arrival_seconds = 0.5;
 
-  explicit ToolProxy(const Model& model);
+  /// @param tool  that it is for
+  explicit ToolProxy(const Model& model, int tool = 0);
 
   /// The tool's target in the coming tick.
   /// @param hand  where the tool would be without tissue
   /// @param last  the tick before's outcome
   Pose follow(const Pose& hand, const State& state, const StepReport& last);
+
+  /// The same for any tool of a scene that has several or jaws, its opening included.
+  ToolPosture follow(const ToolPosture& hand, const State& state, const StepReport& last);
+
+  /// How far its jaws are open at the tick's end, m: jaws that close yield to what they pinch as a tool that advances
+  /// yields to what it presses.
+  double followOpening(double wanted, const State& state, const StepReport& last) const;
 
   /// The tissue was put back.
   void beGentle();
@@ -74,7 +82,11 @@ class ToolProxy {
   static double pushedBack(const Model& model, const StepReport& last);
 
  private:
+  Pose followFrom(const Pose& from, const Pose& hand, const Vec3& force, const StepReport& last);
+
   const Model& model_;
+  int tool_;
+  double max_speed_, max_force_;  // m/s, N
   const int arrival_ticks_;
   const double max_advance_;  // m a tick in tissue
   bool gentle_ = false;

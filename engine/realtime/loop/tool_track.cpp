@@ -66,6 +66,10 @@ Pose ToolTrack::next(std::int64_t tick, const Pose& present, const State& state,
   return goal_.pose();
 }
 
+double ToolTrack::opening(std::int64_t tick, bool frozen) const {
+  return drives(tick) && motion_ != nullptr && !frozen ? motion_->opening() : -1;
+}
+
 void ToolTrack::reset() {
   goal_.jumpTo(start_);
   if (motion_ != nullptr) motion_->restart();

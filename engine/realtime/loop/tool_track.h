@@ -39,6 +39,9 @@ class ToolTrack {
   /// @param frozen   the tissue does not move: a motion, which goes by the tissue, waits
   Pose next(std::int64_t tick, const Pose& present, const State& state, const StepReport& last, bool frozen);
 
+  /// How far the motion wants the first tool's jaws open in this tick, m; < 0: it does not say. After next().
+  double opening(std::int64_t tick, bool frozen) const;
+
   /// The physics was reset: the target is the start again, and a motion begins again.
   void reset();
 

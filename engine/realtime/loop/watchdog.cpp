@@ -64,7 +64,9 @@ Verdict Watchdog::judge(const StepReport& report, std::int64_t tick, LogRing& lo
   const Vec3 point_X = placeOf(model_.point_X, report.worst_point);
 
   using Kind = LogEvent::Kind;
-  if ((report.flags & kNotFinite) || !report.tool_force.allFinite()) {
+  const bool finite = std::all_of(report.loads.begin(), report.loads.end(),
+                                  [](const ToolLoad& load) { return load.force.allFinite(); });
+  if ((report.flags & kNotFinite) || !report.tool_force.allFinite() || !finite) {
     const Verdict verdict = lost(tick);
     logEvent(verdict == Verdict::Freeze ? Kind::FrozenNotFinite : Kind::RestoredNotFinite, report.worst_node, node_X,
              0);

@@ -28,4 +28,39 @@ std::string forceCsvRow(const ForceSample& s) {
   return row + std::to_string(s.contact_count) + '\n';
 }
 
+std::string forceCsvHeader(const ToolSet& tools) {
+  std::string header(force_csv_header);
+  header.pop_back();
+  for (std::size_t k = 0; k < tools.tool.size(); ++k) {
+    const std::string name = ",tool" + std::to_string(k + 1) + "_";
+    if (k > 0)
+      for (const char* column : {"x_m", "y_m", "z_m", "qx", "qy", "qz", "qw", "force_N_x", "force_N_y", "force_N_z",
+                                 "torque_Nm_x", "torque_Nm_y", "torque_Nm_z", "contacts"})
+        header.append(name).append(column);
+    if (tools.tool[k].jaws) header.append(name).append("opening_m").append(name).append("pinch_N");
+  }
+  return header + '\n';
+}
+
+std::string forceCsvRow(const ForceSample& sample, const ToolReadings& readings, const ToolSet& tools) {
+  std::string row = forceCsvRow(sample);
+  row.pop_back();
+  const auto add = [&row](double value) {
+    char text[32];
+    const int length = std::snprintf(text, sizeof text, ",%.9g", value);
+    row.append(text, static_cast<std::size_t>(length));
+  };
+  for (std::size_t k = 0; k < tools.tool.size(); ++k) {
+    const ToolReading& t = readings.tool[k];
+    if (k > 0) {
+      for (const double value : t.pose) add(value);
+      for (const double value : t.force) add(value);
+      for (const double value : t.torque) add(value);
+      row += ',' + std::to_string(t.contact_count);
+    }
+    if (tools.tool[k].jaws) add(t.opening), add(t.pinch);
+  }
+  return row + '\n';
+}
+
 }  // namespace palpate

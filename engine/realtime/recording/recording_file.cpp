@@ -15,6 +15,7 @@
 #include "base/input_error.h"
 #include "base/number_text.h"
 #include "base/printable_text.h"
+#include "contact/tool_set.h"
 #include "mechanics/materials/material_law.h"
 #include "realtime/recording/line_reader.h"
 
@@ -40,6 +41,17 @@ std::string lineOf(const TimedRequest& change) {
       append(line, {p.x(), p.y(), p.z(), q.w(), q.x(), q.y(), q.z()});
       break;
     }
+    case Request::Kind::MoveHand: {
+      const Vec3& p = r.pose.position;
+      const Quat& q = r.pose.orientation;
+      line += " hand " + std::to_string(r.index);
+      append(line, {p.x(), p.y(), p.z(), q.w(), q.x(), q.y(), q.z()});
+      break;
+    }
+    case Request::Kind::SetOpening:
+      line += " opening " + std::to_string(r.index);
+      append(line, {r.value});
+      break;
     case Request::Kind::Pull:
       line += " pull " + std::to_string(r.index);
       append(line, {r.point.x(), r.point.y(), r.point.z()});
@@ -106,16 +118,33 @@ Material readMaterial(LineReader& line) {
   return material;
 }
 
+Pose readPose(LineReader& line) {
+  Pose pose;
+  pose.position = line.vector("a coordinate, m");
+  const double w = line.number("a quaternion's number");
+  const Vec3 v = line.vector("a quaternion's number");
+  pose.orientation = Quat(w, v.x(), v.y(), v.z());
+  if (std::abs(pose.orientation.norm() - 1) > 1e-6) line.fail("the tool's quaternion is not of length 1");
+  return pose;
+}
+
+/// Which of a scene's tools. @param first  the lowest that it may be
+int readTool(LineReader& line, int first) {
+  const int tool = line.integer<int>("a tool's number");
+  if (tool < first || tool >= max_tools) line.fail("there is no such tool");
+  return tool;
+}
+
 Request readChange(LineReader& line) {
   const std::string_view what = line.word("what changed");
-  if (what == "tool") {
-    Pose pose;
-    pose.position = line.vector("a coordinate, m");
-    const double w = line.number("a quaternion's number");
-    const Vec3 v = line.vector("a quaternion's number");
-    pose.orientation = Quat(w, v.x(), v.y(), v.z());
-    if (std::abs(pose.orientation.norm() - 1) > 1e-6) line.fail("the tool's quaternion is not of length 1");
-    return Request::moveTool(pose);
+  if (what == "tool") return Request::moveTool(readPose(line));
+  if (what == "hand") {
+    const int tool = readTool(line, 1);
+    return Request::moveHand(tool, readPose(line));
+  }
+  if (what == "opening") {
+    const int tool = readTool(line, 0);
+    return Request::setOpening(tool, line.number("an opening, m"));
   }
   if (what == "pull") {
     const int vertex = line.integer<int>("a skin vertex");

@@ -12,6 +12,8 @@ namespace palpate {
 ///   model 0123456789abcdef
 ///   rate_hz 500
 ///   0 tool 0 0 0.1  1 0 0 0              position m, quaternion w x y z
+///   0 hand 1 0.02 0 0.1  1 0 0 0         likewise of a further tool, by its number from 1
+///   3 opening 0 0.004                    m, of the jaws of a tool, by its number from 0
 ///   12 pull 411 0.01 0 0.12              skin vertex, target m
 ///   15 release
 ///   20 friction 0.3

@@ -72,6 +72,8 @@ RunReport makeRunReport(const Model& model, const RunSummary& summary, const Dea
   report.volume_error = model.cell_volume / model.surface_volume - 1;
   report.volume_change = volume_change;
   report.peak_force_N = summary.peak_force;
+  for (std::size_t k = 0; k < model.tools.tool.size(); ++k)
+    report.tools.push_back({summary.peak_tool_force[k], summary.peak_pinch[k], model.tools.tool[k].jaws});
   report.peak_depth_m = summary.peak_depth;
   report.base_reaction_N = summary.base_reaction;
   report.state_hash = summary.state_hash;
@@ -90,7 +92,7 @@ RunReport makeRunReport(const Model& model, const RunSummary& summary, const Dea
 
 std::string toJson(const RunReport& r) {
   const Vec3& base = r.base_reaction_N;
-  const Json json = {
+  Json json = {
       {"scene", r.scene},
       {"nodes", r.nodes},
       {"integration_points", r.integration_points},
@@ -133,6 +135,11 @@ std::string toJson(const RunReport& r) {
       {"setup_seconds", r.setup_seconds},
       {"build", r.build},
   };
+  for (const RunReport::Tool& tool : r.tools) {
+    Json entry = {{"peak_force_N", tool.peak_force_N}};
+    if (tool.jaws) entry["peak_pinch_N"] = tool.peak_pinch_N;
+    json["tools"].push_back(entry);
+  }
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 

@@ -31,6 +31,11 @@ struct RunReport {
   double volume_error = 0;   // of the background cells against the organ's own surface, relative
   double volume_change = 0;  // of the integration points at the end, relative
   double peak_force_N = 0;
+  struct Tool {
+    double peak_force_N = 0, peak_pinch_N = 0;
+    bool jaws = false;
+  };
+  std::vector<Tool> tools;  // where the scene has several or jaws; else empty, and report.json has no "tools"
   double peak_depth_m = 0;  // of the skin under the tip, from where it lay at rest
   Vec3 base_reaction_N = Vec3::Zero();
   std::uint64_t state_hash = 0;

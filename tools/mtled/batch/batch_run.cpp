@@ -75,16 +75,17 @@ BatchResult runBatchJob(const BatchJob& job, const Model& model, const std::stri
   PendingFile pending(folder + "/force.csv");
   errno = 0;
   std::ofstream rows(pending.part(), std::ios::binary | std::ios::trunc);
-  rows << force_csv_header;
+  rows << forceCsvHeader(model.tools);
   for (std::int64_t k = 0; k < ticks; ++k) {
     if (interrupted()) throw Interrupted();
     if (!script || k < way.ticks()) {  // after a script the tool stays where it is
       loop.hand().back().pose = way.next();
       loop.hand().publish();
+      if (way.opening() >= 0) loop.toolHands().opening[0] = way.opening();
     }
     loop.advanceHere(1);
     const ForceSample sample = loop.force().sample;
-    rows << forceCsvRow(sample);
+    rows << forceCsvRow(sample, loop.toolReadings(), model.tools);
     doubt = std::max(doubt, sample.doubt);
     result.peak_force = std::max(result.peak_force, sample.force_raw.norm());
     result.last_force = sample.force_raw.norm();

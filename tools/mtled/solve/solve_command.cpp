@@ -388,6 +388,9 @@ int solveTransient(const Task& task, Results& results) {
 int solveCommand(const SolveOptions& options) {
   const std::string file = sceneFileOf(options.scene);
   const Scene scene = readScene(file);
+  if (const std::vector<ToolSpec> tools = toolsOf(scene); tools.size() > 1 || tools[0].jaws())
+    throw InputError(tools.back().place, "mtled solve moves a single tool, and no jaws",
+                     "leave the others and \"opening\" out, or run the scene with palpate --offscreen");
   const std::optional<ToolScript> script = namedScript(options.tool_script, scene.tool.radius);
   const double end = endTime(scene, script);
   checkLength(scene, end);
