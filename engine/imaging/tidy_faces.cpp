@@ -181,7 +181,7 @@ int splitAtHanging(TriangleSurface& surface, SurfaceSource& source, double size)
       for (const int v : sides[side]) {
         // The piece with the rest of this edge: from what was split off last to the edge's end.
         const int to = corner[(side + 1) % 3];
-        const std::size_t at = [&] {
+        const std::size_t at = [&, &sides = sides] {
           for (std::size_t p = 0; p < pieces.size(); ++p)
             for (int s = 0; s < 3; ++s)
               if (pieces[p][(s + 1) % 3] == to &&

@@ -89,8 +89,8 @@ TomlTable::TomlTable(TomlFile& file, const toml::table& table, std::string path,
   place_ = placeOf(table.source());
   if (!path_.empty() && place_.line > 0) file.places.emplace(path_, place_);
   for (const auto& [key, node] : table) {
-    const bool known = std::any_of(file.keys.begin(), file.keys.end(), [&](const KeySpec& spec) {
-      return key.str() == spec.name && std::find(groups_.begin(), groups_.end(), spec.table) != groups_.end();
+    const bool known = std::any_of(file.keys.begin(), file.keys.end(), [&, name = key.str()](const KeySpec& spec) {
+      return name == spec.name && std::find(groups_.begin(), groups_.end(), spec.table) != groups_.end();
     });
     if (!known) unknownKey(key);
     file.places.insert_or_assign(dotted(std::string(key.str())), placeOf(key.source()));

@@ -75,6 +75,7 @@ constexpr Row rows[] = {{"1 point", 3.08e-3, coarse, 1, 0, false},      {"4 poin
 
 void addErrorHistogram(const CaseContext& context, const std::vector<double>& relative_errors, CaseResult& result) {
   std::vector<double> percent;
+  percent.reserve(relative_errors.size());
   for (const double e : relative_errors) percent.push_back(e * 100);
   Histogram h = histogramOf(percent, 30);
   h.title = "Error of u_z node by node (the paper's Fig. 2a)";
