@@ -36,7 +36,7 @@ Scene squeezedScene() {
   return scene;
 }
 
-Command squeeze(const Model& model, double depth) {
+Command fingersAt(const Model& model, double depth) {
   Command command = restCommand(model);
   command.tool_target.position.x() -= 0.003 + depth;
   command.tools[1].pose.position.x() += 0.003 + depth;
@@ -53,7 +53,7 @@ TEST_CASE("Two fingers that squeeze a block feel equal and opposite forces", "[t
   StepReport report;
   constexpr int press = 150, hold = 250;
   for (int k = 1; k <= press + hold; ++k)
-    report = tick(model, state, squeeze(model, 0.004 * std::min(1.0, double(k) / press)), workspace);
+    report = tick(model, state, fingersAt(model, 0.004 * std::min(1.0, double(k) / press)), workspace);
   CHECK(report.flags == 0);
   const Vec3 right = report.loads[0].force, left = report.loads[1].force;
   CHECK(report.tool_force == right);
@@ -83,7 +83,7 @@ TEST_CASE("Jaws that lift a strip carry its weight and do not lose it", "[tools]
   State state = initialState(model);
   Workspace workspace(model, 1);
   const double rate = model.scene.rate_hz;
-  const double weight = weightOf(model);
+  const double weight = stripWeight(model);
   CHECK(weight == Approx(1050 * 9.81 * 0.008 * 0.03 * 0.024).epsilon(0.01));
   StepReport report;
   std::uint32_t flags = 0;
