@@ -36,7 +36,7 @@ Scene squeezedScene() {
   return scene;
 }
 
-Command squeeze(const Model& model, double depth) {
+Command fingersAt(const Model& model, double depth) {
   Command command = restCommand(model);
   command.tool_target.position.x() -= 0.003 + depth;
   command.tools[1].pose.position.x() += 0.003 + depth;
@@ -53,7 +53,7 @@ TEST_CASE("Two fingers that squeeze a block feel equal and opposite forces", "[t
   StepReport report;
   constexpr int press = 150, hold = 250;
   for (int k = 1; k <= press + hold; ++k)
-    report = tick(model, state, squeeze(model, 0.004 * std::min(1.0, double(k) / press)), workspace);
+    report = tick(model, state, fingersAt(model, 0.004 * std::min(1.0, double(k) / press)), workspace);
   CHECK(report.flags == 0);
   const Vec3 right = report.loads[0].force, left = report.loads[1].force;
   CHECK(report.tool_force == right);
@@ -83,13 +83,13 @@ TEST_CASE("Jaws that lift a strip carry its weight and do not lose it", "[tools]
   State state = initialState(model);
   Workspace workspace(model, 1);
   const double rate = model.scene.rate_hz;
-  const double weight = weightOf(model);
+  const double weight = stripWeight(model);
   CHECK(weight == Approx(1050 * 9.81 * 0.008 * 0.03 * 0.024).epsilon(0.01));
   StepReport report;
   std::uint32_t flags = 0;
   double on_table = 0, lifted = 0, pinch = 0, height = 0;
   int samples = 0;
-  const int held = static_cast<int>(1.2 * rate), end = static_cast<int>(1.6 * rate);
+  const int held = static_cast<int>(1.15 * rate), end = static_cast<int>(1.35 * rate);
   const auto top = [&] {  // m, the highest point of the skin
     double z = -1;
     for (int v = 0; v < model.skin.vertexCount(); ++v) z = std::max(z, skinPosition(model.skin, v, state.u.data()).z());
@@ -122,11 +122,11 @@ TEST_CASE("Jaws that lift a strip carry its weight and do not lose it", "[tools]
 TEST_CASE("Several tools have the same bits on any number of threads", "[tools]") {
   const Model model = stripModel();
   std::vector<std::uint64_t> hashes;
-  for (const int threads : {1, 2, 3}) {
+  for (const int threads : {1, 3}) {
     State state = initialState(model);
     Workspace workspace(model, threads);
     workspace.team.wake();
-    for (int k = 1; k <= 80; ++k) {
+    for (int k = 1; k <= 60; ++k) {
       Command command = restCommand(model);
       const ToolPosture jaws = graspAndLift(model, 0.3 + k / model.scene.rate_hz);
       command.tool_target = jaws.pose;
@@ -137,7 +137,6 @@ TEST_CASE("Several tools have the same bits on any number of threads", "[tools]"
     hashes.push_back(stateHash(model, state));
   }
   CHECK(hashes[1] == hashes[0]);
-  CHECK(hashes[2] == hashes[0]);
 }
 
 TEST_CASE("The state's hash has the further tools' poses, openings and contacts", "[tools]") {

@@ -44,7 +44,7 @@ inline Scene stripScene() {
 inline Model stripModel(const Scene& scene = stripScene()) { return buildModel(scene, boxSurface(scene.size, 0.004)); }
 
 /// N, of the strip.
-inline double weightOf(const Model& model) {
+inline double stripWeight(const Model& model) {
   double weight = 0;
   for (const Double4& w : model.weight) weight -= w.z;
   return weight;

@@ -77,8 +77,8 @@ ToolPosture ToolProxy::follow(const ToolPosture& hand, const State& state, const
 double ToolProxy::followOpening(double wanted, const State& state, const StepReport& last) const {
   const double opening = postureOf(state, tool_).opening;
   const double pinch = last.loads[static_cast<std::size_t>(tool_)].pinch;
-  const double reach = max_speed_ / model_.scene.rate_hz;
-  double change = std::clamp(wanted - opening, -reach, reach);
+  const double reach = (pinch > 0 ? std::min(closing_speed, max_speed_) : max_speed_) / model_.scene.rate_hz;
+  double change = std::clamp(wanted - opening, -reach, max_speed_ / model_.scene.rate_hz);
   if (change < 0 && pinch > 0) {
     const double g = freedomUnder(model_, last, pinch, max_force_);
     change *= g * g;

@@ -42,6 +42,8 @@ class ToolProxy {
   static constexpr double approach_speed = 0.2;  // m/s, up to the skin
   static constexpr double gentle_speed = 0.02;   // m/s, deeper
   static constexpr double arrival_seconds = 0.5;
+  /// m/s, at which jaws that touch close or give way: quicker, and a tick's step would pass a small max_force.
+  static constexpr double closing_speed = 0.05;
 
   /// @param tool  that it is for
   explicit ToolProxy(const Model& model, int tool = 0);
