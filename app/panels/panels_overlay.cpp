@@ -96,6 +96,7 @@ void drawLegend(const Theme& theme, const ColourScale& scale, const Rect& view) 
     draw->AddTriangleFilled({a.x - 2 * s, a.y}, {a.x - 2 * s, b.y}, {a.x - 10 * s, middle}, packed(belowColour()));
   if (scale.above)
     draw->AddTriangleFilled({b.x + 2 * s, a.y}, {b.x + 2 * s, b.y}, {b.x + 10 * s, middle}, packed(aboveColour()));
+  if (scale.below) draw->AddTriangle({a.x - 2 * s, a.y}, {a.x - 2 * s, b.y}, {a.x - 10 * s, middle}, colours::faint, s);
   const double low = scale.min * unit.per_si, high = scale.max * unit.per_si;
   const auto ticks = roundTicks(low, high, 5);
   const double step = ticks.size() > 1 ? ticks[1] - ticks[0] : high - low;

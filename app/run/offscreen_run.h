@@ -4,7 +4,7 @@
 
 namespace palpate::app {
 
-/// Reads what the options' run is to be compared with, and throws InputError where that can't be used: before the set-up.
+/// Reads what the run is to be compared with, and throws InputError where that can't be used: before the set-up.
 void checkReferences(const Options& options);
 
 /// Runs a session to its end without a display and writes its results: pictures (at the very ticks that were asked

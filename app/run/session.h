@@ -87,8 +87,8 @@ class Session {
   const PressCurves& presses() const { return presses_; }
   void clearPresses() { presses_.clear(); }
 
-  /// The run from its start to the present tick, to be repeated bit for bit. Throws std::runtime_error where changes were
-  /// lost, or came to more than are kept.
+  /// The run from its start to the present tick, to be repeated bit for bit.
+  /// Throws std::runtime_error where changes were lost, or came to more than are kept.
   Recording recordingSoFar();
 
   /// What the panels show besides the picture. Refers to this session and `snapshot`.

@@ -21,6 +21,7 @@ namespace {
 
 // A4 at 150 dots per inch.
 constexpr int page_width = 1240, page_height = 1754, map_height = 1010;
+constexpr double key_height = 55;  // px, half of what the key below the map takes
 constexpr float margin = 90, line = 37, text_px = 23, small_px = 19, title_px = 40;
 constexpr std::size_t most_lumps = 6;  // listed one by one
 
@@ -87,7 +88,8 @@ Camera fromTheTool(const Model& model, const OrganView& view) {
   camera.elevation_deg = std::clamp(std::asin(std::clamp(eye.z(), -1.0, 1.0)) * 180 / std::numbers::pi, -89.0, 89.0);
   camera.azimuth_deg = eye.head<2>().norm() > 0.1 ? std::atan2(eye.y(), eye.x()) * 180 / std::numbers::pi : -90;
   camera.fov_deg = 20;  // nearly parallel: what is measured in the picture is nearly true
-  camera.frame(view.centre(), 0.88 * view.radius(), page_width, map_height);
+  camera.frame(view.centre(), 0.99 * view.radius(), page_width, map_height);
+  camera.pan(0, -key_height, map_height);
   return camera;
 }
 
