@@ -6,6 +6,7 @@
 uniform float opacity;       // below 1 the skin is seen through, less so where it turns away
 uniform sampler3D noise;     // rgb: gradient, a: value, both 0..1 around 0.5
 uniform sampler2D colours;   // a field's colour over its value, linear light
+uniform vec3 below, above;   // of stripes where a value lies outside the range, linear light
 
 in vec3 p;
 in vec3 n;
@@ -25,6 +26,15 @@ vec3 hatched(vec3 albedo, float fixed_share) {
   return mix(albedo, vec3(0.10, 0.19, 0.32), amount * mix(0.22, 0.70, stripe));
 }
 
+/// Stripes over what lies outside the colours' range, so that no colour vision is needed to see it.
+vec3 outside(vec3 albedo, float value) {
+  if (value >= -1e-4 && value <= 1.0001) return albedo;
+  float s = dot(X, value < 0.0 ? vec3(0.57, 0.57, 0.59) : vec3(0.57, -0.57, 0.59)) * tissue.w * 17.0;
+  float line = abs(fract(s) - 0.5), width = fwidth(s);
+  float stripe = mix(smoothstep(0.25 - width, 0.25 + width, line), 0.5, clamp(2.0 * width - 0.4, 0.0, 1.0));
+  return mix(albedo, value < 0.0 ? below : above, 0.2 + 0.7 * stripe);
+}
+
 void main() {
   bool field = picture.w > 0.5, printed = picture.w > 1.5;
   vec3 smooth_n = normalize(n);
@@ -41,7 +51,7 @@ void main() {
   vec3 passing = tissue.rgb / max(max(tissue.r, tissue.g), max(tissue.b, 1e-3));  // 1 for what goes furthest
   albedo *= mix(vec3(1.0), mix(vec3(0.62), vec3(0.82), passing), clamp(coarse.r * 1.6, 0.0, 1.0));
   vec3 creep = mix(vec3(min_creep), vec3(max_creep), passing * passing);
-  if (field) albedo = texture(colours, vec2(trait.x, 0.5)).rgb * 0.9;
+  if (field) albedo = outside(texture(colours, vec2(trait.x, 0.5)).rgb, trait.x) * 0.9;
   albedo = mix(albedo, vec3(0.86, 0.60, 0.50), 0.55 * trait.y * (field ? 0.0 : 1.0));
   albedo = hatched(albedo, trait.w);
 

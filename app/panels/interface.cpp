@@ -25,6 +25,15 @@ Interface::~Interface() {
   ImGui::DestroyContext(context_);
 }
 
+void Interface::hold(std::span<const int> codes) {
+  ImGuiIO& io = ImGui::GetIO();
+  for (const int code : codes) {
+    if (code < 0 || code >= IM_ARRAYSIZE(io.KeysDown) || io.KeysDown[code]) continue;
+    io.KeysDown[code] = true;
+    held_.push_back(code);
+  }
+}
+
 void Interface::begin(int width, int height) {
   ImGui_ImplOpenGL3_NewFrame();
   if (window_ != nullptr) {
@@ -41,6 +50,8 @@ void Interface::begin(int width, int height) {
 void Interface::end() {
   ImGui::Render();
   ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
+  for (const int code : held_) ImGui::GetIO().KeysDown[code] = false;
+  held_.clear();
 }
 
 }  // namespace palpate::app

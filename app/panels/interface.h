@@ -1,5 +1,8 @@
 #pragma once
 
+#include <span>
+#include <vector>
+
 #include "app/panels/panels.h"
 #include "app/panels/theme.h"
 
@@ -20,6 +23,10 @@ class Interface {
   Interface(const Interface&) = delete;
   Interface& operator=(const Interface&) = delete;
 
+  /// Keys (GLFW's codes) that count as down in the next frame though they may be up again: what was only tapped since
+  /// the last one would else never reach a text field.
+  void hold(std::span<const int> codes);
+
   /// Begins a frame. Off-screen the size is given here; a window knows its own.
   void begin(int width = 0, int height = 0);
 
@@ -32,6 +39,7 @@ class Interface {
   GLFWwindow* window_;
   ImGuiContext* context_;
   Theme theme_;
+  std::vector<int> held_;  // keys that are up, and count as down in the present frame
 };
 
 }  // namespace palpate::app

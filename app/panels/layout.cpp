@@ -13,12 +13,13 @@ constexpr float min_view_width = 320, min_view_height = 200;
 
 Layout layoutFor(int width, int height, float scale, bool panels_shown) {
   Layout layout;
-  const float w = static_cast<float>(width), h = static_cast<float>(height), m = margin * scale;
+  const float w = static_cast<float>(std::max(1, width)), h = static_cast<float>(std::max(1, height));
+  const float m = margin * scale;
   layout.view = {0, 0, w, h};
   layout.panels = panels_shown;
   if (!panels_shown) return layout;
 
-  layout.bar = {m, m, w - 2 * m, bar_height * scale};
+  layout.bar = {m, m, std::max(1.0F, w - 2 * m), bar_height * scale};
   const float top = layout.bar.bottom() + m;
   const float column_height = std::max(0.0F, h - top - m);
   float view_left = 0, view_right = w;

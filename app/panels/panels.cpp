@@ -28,7 +28,7 @@ PanelRequests drawPanels(const Theme& theme, const PanelData& data, const Layout
   PanelRequests requests;
   ImGui::PushFont(theme.body);
   const auto tissueCards = [&] {
-    if (data.task != nullptr) drawTaskCard(theme, data, state, requests);
+    if (data.task != nullptr) drawTaskCard(theme, data, state, view, requests);
     drawToolCard(theme, data, state, requests);
     drawViewCard(theme, data, view, requests);
     drawMaterialCard(theme, data, requests);
@@ -42,7 +42,7 @@ PanelRequests drawPanels(const Theme& theme, const PanelData& data, const Layout
     }
     if (layout.right.width > 0) {
       if (beginPane("##right", layout.right)) {
-        drawForceCard(theme, data, layout.right.height, requests);
+        drawForceCard(theme, data, layout.right.height, state, requests);
         if (layout.left.width <= 0) tissueCards();  // one column for all, to be scrolled
         if (!data.timeless) drawTimingCard(theme, data, layout.left.width > 0);
       }
@@ -53,10 +53,12 @@ PanelRequests drawPanels(const Theme& theme, const PanelData& data, const Layout
     drawDemoForce(theme, data);
   }
   drawLegend(theme, data.colour_scale, layout.view);
+  if (state.timeline_shown && data.timeline) drawTimeline(theme, data, layout.view, state, requests);
   drawPullForce(theme, data);
   if (data.notice || data.snapshot.status.frozen) drawNotice(theme, data, layout.view, requests);
   if (state.help_shown) drawHelp(theme, state, layout.view);
   if (state.open_shown) drawOpenDialog(theme, data, state, requests);
+  if (!state.problem.empty()) drawProblem(theme, state);
   if (state.quit_asked) drawQuitDialog(theme, state, requests);
   ImGui::PopFont();
   return requests;

@@ -10,6 +10,7 @@
 #include "app/panels/log.h"
 #include "app/panels/notice.h"
 #include "app/panels/press_curves.h"
+#include "app/panels/reference_curve.h"
 #include "app/panels/theme.h"
 #include "app/render/colour_map.h"
 #include "app/render/view.h"
@@ -42,11 +43,24 @@ struct TimingView {
 /// What moves the tool.
 enum class ToolDriver { User, Script, Replay };
 
-/// A material as it is now.
+/// A material as it is now, and as far as it can be changed while it runs: the time step bounds how stiff it may get.
 struct MaterialView {
-  Material material;     // at present
-  double stiffness = 1;  // times that of the scene
+  Material material;               // at present
+  double stiffness = 1;            // times that of the scene
+  std::string name{};              // "" where the scene gives none
+  double most_stiffness = 1;       // likewise
+  bool elastic_constants = false;  // it has Young's modulus and Poisson's ratio, which these bound, each by itself
+  double scene_young = 0, most_young = 0, most_poisson = 0;  // Pa, 1
 };
+
+/// The last minute, to look back at.
+struct TimelineView {
+  double begin_s = 0, now_s = 0, shown_s = 0;  // of the run
+  bool past = false;                           // an earlier picture is shown
+};
+
+/// What a file is opened as.
+enum class OpenKind { Scene, Script, Recording, Curve };
 
 /// What the panels show: gathered afresh for each picture, never kept.
 struct PanelData {
@@ -61,18 +75,19 @@ struct PanelData {
   std::string input_note{};    // why material and friction can't be changed now; empty: they can
   ColourScale colour_scale{};  // of the picture behind the panels
   ToolDriver driver = ToolDriver::User;
-  std::string script{};                   // name of the script or recording; empty: none at hand
-  std::string frozen_reason{};            // what the watchdog saw, and where; used while frozen
-  double frames_per_second = 0;           // 0: not shown
-  std::optional<Notice> notice{};         // what has to be said
-  const PressCurves* presses = nullptr;   // of the session; null: none are kept
-  const TaskScore* task = nullptr;        // the search for lumps; null: there is none
-  bool revealed = false;                  // it is over
-  bool timeless = false;                  // nothing that the clock says of this machine
-  double pull_N = -1;                     // of the spring under the pointer; < 0: nothing is pulled
-  double hand_depth_m = 0;                // that the gliding hand presses
-  bool hand_on_skin = false;              // it glides
-  std::span<const std::string> scenes{};  // to open: the program's own, then those of late
+  std::string script{};                    // name of the script or recording; empty: none at hand
+  std::string frozen_reason{};             // what the watchdog saw, and where; used while frozen
+  double frames_per_second = 0;            // 0: not shown
+  std::optional<Notice> notice{};          // what has to be said
+  const PressCurves* presses = nullptr;    // of the session; null: none are kept
+  const TaskScore* task = nullptr;         // the search for lumps; null: there is none
+  bool revealed = false;                   // it is over
+  bool timeless = false;                   // nothing that the clock says of this machine
+  double pull_N = -1;                      // of the spring under the pointer; < 0: nothing is pulled
+  double hand_depth_m = 0;                 // that the gliding hand presses
+  bool hand_on_skin = false;               // it glides
+  std::optional<TimelineView> timeline{};  // null: nothing is kept
+  std::span<const std::string> scenes{};   // to open: the program's own, then those of late
 };
 
 /// What the user sets in the panels and keeps from frame to frame.
@@ -83,12 +98,17 @@ struct PanelState {
   bool glide = true;            // the probe glides over the skin; else it is moved freely
   bool demo = false;            // full picture, large force, no panels
   bool open_shown = false;      // the dialog that opens a file
-  bool open_script = false;     // it asks for a tool script
+  OpenKind open_kind = OpenKind::Scene;
+  bool timeline_shown = false;  // the last minute can be looked at
+  bool timeline_plays = false;  // it goes by
   bool quit_asked = false;      // something unsaved would be lost
+  std::string problem;          // why something could not be opened, until it is closed
   std::string path;             // typed there
   ToolChoice tool;              // as set in the panel, until it is applied
   bool tool_edited = false;
-  int hardness = 2;  // of the next mark
+  int hardness = 2;                         // of the next mark
+  bool hertz = false;                       // the closed form lies over the presses
+  std::optional<ReferenceCurve> reference;  // of a file, likewise
 };
 
 /// What was clicked in this frame.
@@ -104,12 +124,15 @@ struct PanelRequests {
   bool upright = false;            // the probe stands on the skin again
   std::optional<bool> glide;       // the hand's mode
   std::optional<ToolChoice> tool;  // another probe
-  std::string open_scene, open_script;
+  std::string open_scene, open_script, open_recording, open_curve;
+  std::optional<double> look_at_s;  // of the run: an earlier picture
+  bool look_now = false;            // the present one again
+  bool save_recording = false;
   bool restart_script = false;
   bool tool_to_start = false;
   std::optional<double> friction;
-  int material = -1;     // whose stiffness changes; -1: none
-  double stiffness = 1;  // times that of the scene
+  int material = -1;  // that changes; -1: none
+  Material changed;   // what it is to be
   bool frame_view = false;
 };
 
@@ -124,20 +147,22 @@ std::string staleMark(const ForceReading& force, const LoopStatus& status);
 // The parts, each in a file of its own.
 void drawBar(const Theme&, const PanelData&, const Rect&, PanelState&, PanelRequests&);
 void drawViewCard(const Theme&, const PanelData&, View&, PanelRequests&);
-void drawTaskCard(const Theme&, const PanelData&, PanelState&, PanelRequests&);
+void drawTaskCard(const Theme&, const PanelData&, PanelState&, View&, PanelRequests&);
 void drawNumbersCard(const Theme&, const PanelData&);
 void drawToolCard(const Theme&, const PanelData&, PanelState&, PanelRequests&);
 void drawMaterialCard(const Theme&, const PanelData&, PanelRequests&);
-void drawForceCard(const Theme&, const PanelData&, float height, PanelRequests&);
+void drawForceCard(const Theme&, const PanelData&, float height, PanelState&, PanelRequests&);
 void drawTimingCard(const Theme&, const PanelData&, bool open);
 void drawLog(const Theme&, const PanelData&, const Rect&);
 void drawLegend(const Theme&, const ColourScale&, const Rect& view);
 void drawNotice(const Theme&, const PanelData&, const Rect& view, PanelRequests&);
+void drawTimeline(const Theme&, const PanelData&, const Rect& view, PanelState&, PanelRequests&);
 void drawPullForce(const Theme&, const PanelData&);
 void drawDemoForce(const Theme&, const PanelData&);
 void drawFileMenu(const Theme&, PanelState&, PanelRequests&);
 void drawOpenDialog(const Theme&, const PanelData&, PanelState&, PanelRequests&);
 void drawQuitDialog(const Theme&, PanelState&, PanelRequests&);
+void drawProblem(const Theme&, PanelState&);
 void drawHelp(const Theme&, PanelState&, const Rect& view);
 
 }  // namespace palpate::app

@@ -66,11 +66,63 @@ std::vector<std::reference_wrapper<const Press>> lastOf(const std::deque<Press>&
   return {all.end() - static_cast<std::ptrdiff_t>(std::min(count, all.size())), all.end()};
 }
 
+/// Force over depth: the present course, the presses before it, and what they are held against.
+void drawDepthPlot(const PanelData& data, float height, const PanelState& state) {
+  const auto raw = data.forces.rawOverDepth(), filtered = data.forces.filteredOverDepth();
+  PlotAxes axes = axesOver(raw, filtered);
+  axes.x_label = "mm";
+  axes.y_label = "N over depth";
+  axes.x_min = std::min(0.0, std::max(axes.x_min, -0.25 * axes.x_max));  // little of the way to the skin
+  widenToRound(axes.x_min, axes.x_max, min_depth_axis);
+  std::vector<PlotSeries> series;
+  if (data.presses != nullptr)
+    for (const Press& press : lastOf(data.presses->all(), shown_presses)) {
+      for (const PlotPoint& p : press.curve) axes.x_max = std::max<double>(axes.x_max, p.x);
+      axes.y_max = std::max(axes.y_max, 1.02 * press.peak_N);
+      series.push_back({"", press.curve, press_colour, 1.0F});
+    }
+  if (state.reference) {
+    for (const PlotPoint& p : state.reference->curve) {
+      axes.x_max = std::max<double>(axes.x_max, p.x);
+      axes.y_max = std::max<double>(axes.y_max, p.y);
+    }
+    series.push_back({"file", state.reference->curve, colours::warning, 1.6F});
+  }
+  widenToRound(axes.x_min, axes.x_max, min_depth_axis);
+  widenToRound(axes.y_min, axes.y_max, min_force_axis);
+  std::optional<ReferenceCurve> hertz;
+  if (state.hertz && data.materials.size() == 1) hertz = hertzCurve(data.model, data.materials[0].material, axes.x_max);
+  if (hertz) series.push_back({"Hertz", hertz->curve, colours::good, 1.6F});
+  series.push_back({"raw", raw, colours::raw, 1.2F});
+  series.push_back({"filtered", filtered, colours::accent, 1.8F});
+  drawPlot("##depth", height, axes, series);
+}
+
+/// Which references lie over the plot.
+void drawReferenceChoice(const PanelData& data, PanelState& state) {
+  if (data.timeless) return;
+  const float left = ImGui::GetCursorPosX(), half = 0.5F * ImGui::GetContentRegionAvail().x;
+  const bool possible = data.materials.size() == 1 && hertzCurve(data.model, data.materials[0].material, 1);
+  ImGui::BeginDisabled(!possible);
+  ImGui::Checkbox("Hertz", &state.hertz);
+  ImGui::EndDisabled();
+  if (ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled))
+    ImGui::SetTooltip(possible ? "a rigid sphere on an elastic half-space (Hertz 1882): what a press should begin like"
+                               : "the closed form is for a spherical probe on tissue of one material");
+  if (!state.reference) return;
+  ImGui::SameLine(left + half);
+  bool shown = true;
+  if (ImGui::Checkbox(fitted(state.reference->label, 0.75F * half).c_str(), &shown)) state.reference.reset();
+}
+
 /// What is known of the last press beside those before it, and what can be done with all.
 void drawPresses(const Theme& theme, const PressCurves& presses, PanelRequests& requests) {
   const Press& last = presses.all().back();
   row(format("Press %d", last.number).c_str(), format("%.3f N at %.2f mm", last.peak_N, last.peak_mm), colours::text,
       "largest force and depth of the last press; violet curves are the presses before it");
+  if (last.loaded_mJ > 0 && !presses.underWay())
+    row("Hysteresis", format("%.0f %% of %.3g mJ", 100 * last.lost_mJ / last.loaded_mJ, last.loaded_mJ), colours::text,
+        "of the work done on the tissue while it was pressed in, what did not come back");
   const float half = 0.5F * (ImGui::GetContentRegionAvail().x - ImGui::GetStyle().ItemSpacing.x);
   ImGui::PushFont(theme.small);
   if (button("Save the curves", half)) requests.save_presses = true;
@@ -87,7 +139,8 @@ std::string staleMark(const ForceReading& force, const LoopStatus& status) {
   return force.age_s < 1 ? format("stale, %.0f ms old", 1e3 * force.age_s) : format("stale, %.1f s old", force.age_s);
 }
 
-void drawForceCard(const Theme& theme, const PanelData& data, float height, PanelRequests& requests) {
+void drawForceCard(const Theme& theme, const PanelData& data, float height, PanelState& state,
+                   PanelRequests& requests) {
   if (!beginCard(theme, "Force on the tool")) return;
   const ForceSample& force = data.force.sample;
   const bool fresh = data.force.fresh;
@@ -114,7 +167,7 @@ void drawForceCard(const Theme& theme, const PanelData& data, float height, Pane
   note(theme, format("volume %+.2f %%   J %.2f   energy %.1f %%   dt/limit %.2f", 100 * report.volume_change,
                      report.min_J, 100 * report.energy_error, report.step_share));
 
-  const float plot_height = std::clamp(0.158F * height, 100 * theme.scale, 220 * theme.scale);
+  const float plot_height = std::clamp(0.138F * height, 92 * theme.scale, 220 * theme.scale);
   ImGui::PushFont(theme.small);
   {
     const auto raw = data.forces.rawOverTime(), filtered = data.forces.filteredOverTime();
@@ -127,28 +180,10 @@ void drawForceCard(const Theme& theme, const PanelData& data, float height, Pane
                             PlotSeries{"filtered", filtered, colours::accent, 1.8F}};
     drawPlot("##time", plot_height, axes, series);
   }
-  {
-    const auto raw = data.forces.rawOverDepth(), filtered = data.forces.filteredOverDepth();
-    PlotAxes axes = axesOver(raw, filtered);
-    axes.x_label = "mm";
-    axes.y_label = "N over depth";
-    axes.x_min = std::min(0.0, std::max(axes.x_min, -0.25 * axes.x_max));  // little of the way to the skin
-    widenToRound(axes.x_min, axes.x_max, min_depth_axis);
-    std::vector<PlotSeries> series;
-    if (data.presses != nullptr)
-      for (const Press& press : lastOf(data.presses->all(), shown_presses)) {
-        for (const PlotPoint& p : press.curve) axes.x_max = std::max<double>(axes.x_max, p.x);
-        axes.y_max = std::max(axes.y_max, 1.02 * press.peak_N);
-        series.push_back({"", press.curve, press_colour, 1.0F});
-      }
-    widenToRound(axes.x_min, axes.x_max, min_depth_axis);
-    widenToRound(axes.y_min, axes.y_max, min_force_axis);
-    series.push_back({"raw", raw, colours::raw, 1.2F});
-    series.push_back({"filtered", filtered, colours::accent, 1.8F});
-    drawPlot("##depth", plot_height, axes, series);
-  }
+  drawDepthPlot(data, plot_height, state);
   ImGui::PopFont();
   if (data.presses != nullptr && !data.presses->all().empty()) drawPresses(theme, *data.presses, requests);
+  drawReferenceChoice(data, state);
   ImGui::Spacing();
 }
 

@@ -17,6 +17,14 @@ constexpr ImGuiWindowFlags dialog_flags = ImGuiWindowFlags_NoTitleBar | ImGuiWin
                                           ImGuiWindowFlags_NoMove | ImGuiWindowFlags_AlwaysAutoResize |
                                           ImGuiWindowFlags_NoSavedSettings;
 
+struct OpenWords {
+  const char *title, *hint;
+};
+constexpr OpenWords open_words[] = {{"Open a scene", "or a scene's file"},
+                                    {"Open a tool script", "a script's file, or indent_hold_retract"},
+                                    {"Replay a recording", "a file that was saved as a recording, .rec"},
+                                    {"Lay a curve over the force", "CSV with the columns depth_mm and force_N"}};
+
 void beginDialog(const Theme& theme, const char* name, const char* title) {
   const ImVec2 screen = ImGui::GetIO().DisplaySize;
   const float s = theme.scale;
@@ -41,14 +49,19 @@ void endDialog() {
 void drawFileMenu(const Theme& theme, PanelState& state, PanelRequests& requests) {
   ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {10 * theme.scale, 8 * theme.scale});
   if (ImGui::BeginPopup("##file")) {
-    const auto open = [&](bool script) {
+    const auto open = [&](OpenKind kind) {
       state.open_shown = true;
-      state.open_script = script;
+      state.open_kind = kind;
       state.path.clear();
     };
-    if (ImGui::MenuItem("Open scene ...", "Ctrl+O")) open(false);
-    if (ImGui::MenuItem("Open tool script ...")) open(true);
+    if (ImGui::MenuItem("Open scene ...", "Ctrl+O")) open(OpenKind::Scene);
+    if (ImGui::MenuItem("Open tool script ...")) open(OpenKind::Script);
+    if (ImGui::MenuItem("Replay a recording ...")) open(OpenKind::Recording);
+    if (ImGui::MenuItem("Lay a curve over the force ...")) open(OpenKind::Curve);
     ImGui::Separator();
+    if (ImGui::MenuItem("Look back over the last minute", "T", state.timeline_shown))
+      state.timeline_shown = !state.timeline_shown;
+    if (ImGui::MenuItem("Save the run as a recording")) requests.save_recording = true;
     if (ImGui::MenuItem("Save picture", "F12")) requests.save_picture = true;
     if (ImGui::MenuItem("Save force as CSV", "Ctrl+S")) requests.save_forces = true;
     if (ImGui::MenuItem("Save force-depth curves")) requests.save_presses = true;
@@ -65,9 +78,10 @@ void drawFileMenu(const Theme& theme, PanelState& state, PanelRequests& requests
 
 void drawOpenDialog(const Theme& theme, const PanelData& data, PanelState& state, PanelRequests& requests) {
   const float s = theme.scale;
-  beginDialog(theme, "##open", state.open_script ? "Open a tool script" : "Open a scene");
+  const OpenWords& words = open_words[static_cast<std::size_t>(state.open_kind)];
+  beginDialog(theme, "##open", words.title);
   std::string chosen;
-  if (!state.open_script) {
+  if (state.open_kind == OpenKind::Scene) {
     ImGui::BeginChild("##scenes", {400 * s, 190 * s}, true);
     for (const std::string& scene : data.scenes)
       if (ImGui::Selectable(scene.c_str())) chosen = scene;
@@ -76,9 +90,9 @@ void drawOpenDialog(const Theme& theme, const PanelData& data, PanelState& state
   std::array<char, 1024> typed{};
   std::strncpy(typed.data(), state.path.c_str(), typed.size() - 1);
   ImGui::SetNextItemWidth(400 * s);
-  const bool enter = ImGui::InputTextWithHint(
-      "##path", state.open_script ? "a script's file, or indent_hold_retract" : "or a scene's file", typed.data(),
-      typed.size(), ImGuiInputTextFlags_EnterReturnsTrue);
+  if (ImGui::IsWindowAppearing()) ImGui::SetKeyboardFocusHere();
+  const bool enter =
+      ImGui::InputTextWithHint("##path", words.hint, typed.data(), typed.size(), ImGuiInputTextFlags_EnterReturnsTrue);
   state.path = typed.data();
   if (button("Open", 90 * s, !state.path.empty(), "type the path of a file, or choose above") ||
       (enter && !state.path.empty()))
@@ -87,9 +101,22 @@ void drawOpenDialog(const Theme& theme, const PanelData& data, PanelState& state
   if (button("Cancel", 90 * s)) state.open_shown = false;
   note(theme, "A file can also be dropped on the window.");
   if (!chosen.empty()) {
-    (state.open_script ? requests.open_script : requests.open_scene) = chosen;
+    std::string* const asked[] = {&requests.open_scene, &requests.open_script, &requests.open_recording,
+                                  &requests.open_curve};
+    *asked[static_cast<std::size_t>(state.open_kind)] = chosen;
     state.open_shown = false;
   }
+  endDialog();
+}
+
+void drawProblem(const Theme& theme, PanelState& state) {
+  beginDialog(theme, "##problem", "That did not work");
+  ImGui::PushTextWrapPos(0.9F * ImGui::GetIO().DisplaySize.x);
+  ImGui::TextUnformatted(state.problem.c_str());
+  ImGui::PopTextWrapPos();
+  note(theme, "The scene that was open goes on.");
+  ImGui::Spacing();
+  if (button("Close", 90 * theme.scale)) state.problem.clear();
   endDialog();
 }
 

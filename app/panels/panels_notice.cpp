@@ -14,7 +14,7 @@ void drawNotice(const Theme& theme, const PanelData& data, const Rect& view, Pan
   const float width = std::min(view.width - 20 * s, 470 * s);
   ImGui::SetNextWindowPos({view.x + 0.5F * (view.width - width), view.y + 10 * s}, ImGuiCond_Always);
   ImGui::SetNextWindowSize({width, 0}, ImGuiCond_Always);
-  ImGui::PushStyleColor(ImGuiCol_WindowBg, frozen ? IM_COL32(70, 24, 24, 245) : IM_COL32(58, 44, 20, 240));
+  ImGui::PushStyleColor(ImGuiCol_WindowBg, frozen ? colours::frozen_banner : colours::notice_banner);
   if (ImGui::Begin(frozen ? "##frozen" : "##notice", nullptr,
                    ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings |
                        ImGuiWindowFlags_NoFocusOnAppearing)) {

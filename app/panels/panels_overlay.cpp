@@ -90,6 +90,13 @@ void drawLegend(const Theme& theme, const ColourScale& scale, const Rect& view) 
                                   packed(colourOf(scale.map, static_cast<double>(k + 1) / bands)),
                                   packed(colourOf(scale.map, static_cast<double>(k) / bands)));
   }
+  // Arrowheads where values lie beyond an end: what is striped on the skin.
+  const float middle = 0.5F * (a.y + b.y);
+  if (scale.below)
+    draw->AddTriangleFilled({a.x - 2 * s, a.y}, {a.x - 2 * s, b.y}, {a.x - 10 * s, middle}, packed(belowColour()));
+  if (scale.above)
+    draw->AddTriangleFilled({b.x + 2 * s, a.y}, {b.x + 2 * s, b.y}, {b.x + 10 * s, middle}, packed(aboveColour()));
+  if (scale.below) draw->AddTriangle({a.x - 2 * s, a.y}, {a.x - 2 * s, b.y}, {a.x - 10 * s, middle}, colours::faint, s);
   const double low = scale.min * unit.per_si, high = scale.max * unit.per_si;
   const auto ticks = roundTicks(low, high, 5);
   const double step = ticks.size() > 1 ? ticks[1] - ticks[0] : high - low;

@@ -1,6 +1,7 @@
 // The left column: scene, tool, material.
 #include <imgui.h>
 
+#include <algorithm>
 #include <cmath>
 #include <span>
 #include <string_view>
@@ -8,15 +9,13 @@
 
 #include "app/panels/panels.h"
 #include "app/panels/widgets.h"
-#include "mechanics/materials/material_law.h"
 
 namespace palpate::app {
 
 namespace {
 
-constexpr double mm = 1e3, us = 1e6;         // per m, per s
-constexpr double least_yield = 1e-4;         // m, worth showing
-constexpr float min_stiffness_percent = 10;  // softer tissue sinks under its own contact
+constexpr double mm = 1e3, us = 1e6;  // per m, per s
+constexpr double least_yield = 1e-4;  // m, worth showing
 
 /// "length 60 mm, rim 3 mm": what the tool's file lists, as the scene says it.
 std::string toolParameters(const ToolShape& tool) {
@@ -38,67 +37,6 @@ std::string grouped(long long n) {
   return s;
 }
 
-std::string pressure(double pa) {
-  if (std::abs(pa) >= 1e6) return format("%.4g MPa", 1e-6 * pa);
-  if (std::abs(pa) >= 1e4) return format("%.4g kPa", 1e-3 * pa);
-  return format("%.4g Pa", pa);
-}
-
-std::string replacedAll(const std::string& text, const std::string& from, const std::string& to) {
-  std::string replaced;
-  std::size_t begin = 0;
-  for (std::size_t at; (at = text.find(from, begin)) != std::string::npos; begin = at + from.size())
-    replaced.append(text, begin, at - begin).append(to);
-  return replaced.append(text, begin);
-}
-
-/// "2.5 kPa", "1060 kg/m^3" with the small three
-std::string valueText(const Parameter& parameter, double value) {
-  const std::string unit = parameter.unit;
-  if (unit == "Pa") return pressure(value);
-  return unit.empty() ? format("%.4g", value) : format("%.4g %s", value, replacedAll(unit, "^3", "\xC2\xB3").c_str());
-}
-
-/// A row for each parameter that has a label: the law's own, or those that all laws have.
-void drawParameters(const Theme& theme, const Material& material, bool common) {
-  const std::size_t own_count = material.lawDescription().parameters.size();
-  std::size_t number = 0;
-  struct Row {
-    std::string label, value;
-  };
-  std::vector<Row> terms;  // of the lists: one row holds an entry of each
-  forEachParameter(material, [&](const Parameter& parameter, std::span<const double> values) {
-    if ((number++ >= own_count) != common || *parameter.label == '\0') return;
-    std::string label = parameter.label;
-    if (!theme.has_greek) label = replacedAll(replacedAll(label, "\xCE\xBD", "nu"), "\xCE\xBC", "mu");
-    if (parameter.type == Parameter::Type::Number) return row(label.c_str(), valueText(parameter, values[0]));
-    if (parameter.type == Parameter::Type::Pairs) {
-      std::string pairs;
-      for (std::size_t k = 0; k < values.size(); k += 2)
-        pairs += (pairs.empty() ? "" : ", ") + format("%.3g %% in %.3g s", 100 * values[k], values[k + 1]);
-      if (!pairs.empty()) row(label.c_str(), pairs, colours::text, "shares of the shear stress, and their times");
-      return;
-    }
-    terms.resize(values.size());
-    for (std::size_t k = 0; k < values.size(); ++k) {
-      const char* separator = terms[k].label.empty() ? "" : ", ";
-      terms[k].label.append(separator).append(label).append(std::to_string(k + 1));
-      terms[k].value.append(separator).append(valueText(parameter, values[k]));
-    }
-  });
-  for (const Row& term : terms) row(term.label.c_str(), term.value);
-}
-
-void drawMaterial(const Theme& theme, const Material& material) {
-  const char* law = material.lawDescription().title;
-  const int terms = material.term_count;
-  row("Model", terms == 0 ? law : format("%s, %d term%s", law, terms, terms == 1 ? "" : "s"));
-  drawParameters(theme, material, false);
-  row("Shear modulus", pressure(material.shear_modulus));
-  row("Bulk modulus", pressure(material.bulk_modulus));
-  drawParameters(theme, material, true);
-}
-
 }  // namespace
 
 namespace {
@@ -118,11 +56,32 @@ void drawInside(View& view, PanelRequests& requests) {
 
 }  // namespace
 
+namespace {
+
+/// The two ends of a locked range, in the legend's unit; dragged or typed (Ctrl+click).
+void drawRange(const ColourScale& scale, View& view) {
+  const ColourUnit unit = unitOf(scale.map, std::max(std::abs(scale.min), std::abs(scale.max)));
+  float ends[2] = {static_cast<float>(view.colour_min * unit.per_si),
+                   static_cast<float>(view.colour_max * unit.per_si)};
+  const float step = std::max(1e-4F, 0.005F * (ends[1] - ends[0]));
+  ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x);
+  const std::string pattern = unit.name[0] != '\0' ? std::string("%.3g ") + unit.name : std::string("%.3g");
+  if (ImGui::DragFloat2("##range", ends, step, 0, 0, pattern.c_str()) && std::isfinite(ends[0]) &&
+      std::isfinite(ends[1]) && ends[0] < ends[1]) {
+    view.colour_min = static_cast<double>(ends[0]) / unit.per_si;
+    view.colour_max = static_cast<double>(ends[1]) / unit.per_si;
+  }
+  if (ImGui::IsItemHovered())
+    ImGui::SetTooltip("drag, or Ctrl+click to type; what lies below or above is striped on the skin");
+}
+
+}  // namespace
+
 void drawViewCard(const Theme& theme, const PanelData& data, View& view, PanelRequests& requests) {
   if (!beginCard(theme, "View")) return;
   ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x);
   if (ImGui::BeginCombo("##colour", quantityName(view.colour_map))) {
-    for (int k = 0; k < 4; ++k) {
+    for (int k = 0; k < (data.task != nullptr ? 5 : 4); ++k) {
       const auto map = static_cast<ColourMap>(k);
       if (ImGui::Selectable(format("%d  %s", k + 1, quantityName(map)).c_str(), map == view.colour_map)) {
         view.colour_map = map;
@@ -140,6 +99,7 @@ void drawViewCard(const Theme& theme, const PanelData& data, View& view, PanelRe
       view.colour_min = data.colour_scale.min;
       view.colour_max = data.colour_scale.max;
     }
+    if (locked) drawRange(data.colour_scale, view);
   }
   ImGui::Checkbox("Tool force", &view.show_forces);
   ImGui::SameLine(left + half);
@@ -262,25 +222,6 @@ void drawToolCard(const Theme& theme, const PanelData& data, PanelState& state, 
       note(theme, "Moved by the recording " + data.script);
       break;
   }
-  ImGui::Spacing();
-}
-
-void drawMaterialCard(const Theme& theme, const PanelData& data, PanelRequests& requests) {
-  if (!beginCard(theme, "Material")) return;
-  for (std::size_t k = 0; k < data.materials.size(); ++k) {
-    if (k > 0) ImGui::Separator();
-    drawMaterial(theme, data.materials[k].material);
-    ImGui::PushID(static_cast<int>(k));
-    auto percent = static_cast<float>(100 * data.materials[k].stiffness);
-    if (slider("Stiffness", percent, min_stiffness_percent, 100, "%.0f %% of scene", data.input_note)) {
-      requests.material = static_cast<int>(k);
-      requests.stiffness = percent / 100;
-    }
-    ImGui::PopID();
-  }
-  if (button("Reset all", ImGui::GetContentRegionAvail().x)) requests.reset_all = true;
-  if (ImGui::IsItemHovered())
-    ImGui::SetTooltip("the tissue at rest, with the scene's own friction and stiffness; Reset keeps what was set here");
   ImGui::Spacing();
 }
 

@@ -23,9 +23,15 @@ void drawSheet(const TaskScore::Sheet& sheet) {
 
 }  // namespace
 
-void drawTaskCard(const Theme& theme, const PanelData& data, PanelState& state, PanelRequests& requests) {
+void drawTaskCard(const Theme& theme, const PanelData& data, PanelState& state, View& view, PanelRequests& requests) {
   if (!beginCard(theme, "Find the lumps")) return;
   const TaskScore& task = *data.task;
+  bool pressed = view.colour_map == ColourMap::Pressure;
+  if (ImGui::Checkbox("Show where I pressed", &pressed)) {
+    view.colour_map = pressed ? ColourMap::Pressure : ColourMap::Tissue;
+    view.colour_auto = true;
+  }
+  if (ImGui::IsItemHovered()) ImGui::SetTooltip("the largest pressure so far, on the skin");
   if (data.revealed) {
     const TaskScore::Sheet sheet = task.sheet();
     drawSheet(sheet);

@@ -80,6 +80,34 @@ void endPlot(const Frame& frame) {
   frame.draw->AddRect(frame.min, frame.max, colours::frame, 0.2F * ImGui::GetFontSize());
 }
 
+/// Marks the point of a curve that is nearest to the pointer, and says its values.
+void drawCursor(const Frame& frame, std::span<const PlotSeries> series) {
+  const ImVec2 mouse = ImGui::GetIO().MousePos;
+  if (!ImGui::IsWindowHovered() || mouse.x < frame.min.x || mouse.x > frame.max.x || mouse.y < frame.min.y ||
+      mouse.y > frame.max.y)
+    return;
+  const float unit = ImGui::GetFontSize();
+  float least = 9 * unit * unit;
+  const PlotPoint* nearest = nullptr;
+  const PlotSeries* curve = nullptr;
+  for (const PlotSeries& one : series)
+    for (const PlotPoint& point : one.points) {
+      const float dx = frame.x(point.x) - mouse.x, dy = frame.y(point.y) - mouse.y;
+      if (!(dx * dx + dy * dy < least)) continue;
+      least = dx * dx + dy * dy;
+      nearest = &point;
+      curve = &one;
+    }
+  if (nearest == nullptr) return;
+  const ImVec2 at{frame.x(nearest->x), frame.y(nearest->y)};
+  frame.draw->AddLine({at.x, frame.min.y}, {at.x, frame.max.y}, colours::frame);
+  frame.draw->AddLine({frame.min.x, at.y}, {frame.max.x, at.y}, colours::frame);
+  frame.draw->AddCircleFilled(at, 0.33F * unit, curve->colour);
+  const std::string name = curve->label[0] != '\0' ? std::string(curve->label) + ": " : std::string();
+  ImGui::SetTooltip("%s%.3g %s, %.3f N", name.c_str(), static_cast<double>(nearest->x), frame.axes.x_label,
+                    static_cast<double>(nearest->y));
+}
+
 }  // namespace
 
 void drawPlot(const char* id, float height, const PlotAxes& axes, std::span<const PlotSeries> series) {
@@ -108,6 +136,7 @@ void drawPlot(const char* id, float height, const PlotAxes& axes, std::span<cons
     draw.AddCircleFilled(last, 0.22F * unit, one.colour);
   }
   draw.PopClipRect();
+  drawCursor(frame, series);
 
   // The legend stands above the frame, at its right end.
   float right = frame.max.x;

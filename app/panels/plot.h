@@ -37,7 +37,8 @@ struct PlotMark {
 
 /// Curves in a frame with grid, round ticks, axis labels and a legend. Takes the
 /// width of the window and `height` px. Points nearer than a pixel to the last
-/// drawn one are skipped, so a long history costs no more than its pixels.
+/// drawn one are skipped, so a long history costs no more than its pixels. Under the pointer the nearest point of a
+/// curve is marked and its values are shown.
 void drawPlot(const char* id, float height, const PlotAxes& axes, std::span<const PlotSeries> series);
 
 /// Bars over equal bins from axes.x_min to axes.x_max; heights are drawn on a

@@ -31,11 +31,18 @@ void PressCurves::add(const ForceSample& sample) {
   air_ = 0;
   if (!under_way_) {
     under_way_ = true;
-    presses_.push_back({++number_, sample.time_s, 0, 0, {}});
+    presses_.push_back({++number_, sample.time_s, 0, 0, 0, 0, {}});
     if (presses_.size() > most_kept) presses_.pop_front();
   }
   Press& press = presses_.back();
   const PlotPoint point{static_cast<float>(1e3 * sample.depth_m), static_cast<float>(force)};
+  if (!press.curve.empty()) {
+    const double work = 0.5 * (static_cast<double>(last_.y) + force) *
+                        (static_cast<double>(point.x) - static_cast<double>(last_.x));  // N mm
+    press.loaded_mJ += std::max(0.0, work);
+    press.lost_mJ += work;
+  }
+  last_ = point;
   press.peak_N = std::max(press.peak_N, force);
   press.peak_mm = std::max(press.peak_mm, static_cast<double>(point.x));
   const bool apart = press.curve.empty() || std::abs(point.x - press.curve.back().x) >= least_mm ||

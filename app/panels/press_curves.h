@@ -14,6 +14,7 @@ struct Press {
   int number = 0;      // from 1, in the session
   double begin_s = 0;  // of the run
   double peak_N = 0, peak_mm = 0;
+  double loaded_mJ = 0, lost_mJ = 0;  // work done while it went in; of that, what did not come back
   std::vector<PlotPoint> curve;
 };
 
@@ -36,6 +37,7 @@ class PressCurves {
 
  private:
   std::deque<Press> presses_;
+  PlotPoint last_;  // of the present press
   bool under_way_ = false;
   int air_ = 0;  // samples in a row without force
   int number_ = 0;

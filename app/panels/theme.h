@@ -23,10 +23,12 @@ inline constexpr ImU32 grid = IM_COL32(255, 255, 255, 20);
 inline constexpr ImU32 frame = IM_COL32(255, 255, 255, 34);
 inline constexpr ImU32 plot_ground = IM_COL32(13, 16, 21, 255);
 inline constexpr ImU32 raw = IM_COL32(112, 128, 150, 255);    // the raw force
-inline constexpr ImU32 stale = IM_COL32(96, 102, 112, 255);   // a force that is not the present one
+inline constexpr ImU32 stale = IM_COL32(134, 141, 152, 255);  // a force that is not the present one
 inline constexpr ImU32 accent = IM_COL32(94, 196, 222, 255);  // the filtered force, sliders
 inline constexpr ImU32 good = IM_COL32(112, 201, 136, 255);
 inline constexpr ImU32 warning = IM_COL32(236, 184, 88, 255);
+inline constexpr ImU32 frozen_banner = IM_COL32(70, 24, 24, 245);
+inline constexpr ImU32 notice_banner = IM_COL32(58, 44, 20, 240);
 inline constexpr ImU32 bad = IM_COL32(238, 106, 98, 255);
 }  // namespace colours
 

@@ -64,10 +64,21 @@ void note(const Theme& theme, const std::string& text, ImU32 colour) {
   ImGui::PopFont();
 }
 
+namespace {
+std::map<std::string, Rect>& places() {
+  static std::map<std::string, Rect> all;
+  return all;
+}
+}  // namespace
+
+const std::map<std::string, Rect>& buttonPlaces() { return places(); }
+
 bool button(const char* label, float width, bool enabled, const char* reason) {
   ImGui::BeginDisabled(!enabled);
   const bool pressed = ImGui::Button(label, {width, 0});
   ImGui::EndDisabled();
+  const ImVec2 corner = ImGui::GetItemRectMin(), size = ImGui::GetItemRectSize();
+  places()[label] = {corner.x, corner.y, size.x, size.y};
   if (!enabled && reason != nullptr && ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled))
     ImGui::SetTooltip("%s", reason);
   return pressed;

@@ -2,6 +2,7 @@
 
 #include <imgui.h>
 
+#include <map>
 #include <string>
 
 #include "app/panels/layout.h"
@@ -28,6 +29,9 @@ void note(const Theme& theme, const std::string& text, ImU32 colour = colours::f
 
 /// A button that is greyed out with the reason as its hint where `enabled` is false.
 bool button(const char* label, float width, bool enabled = true, const char* reason = nullptr);
+
+/// Where the buttons stood when they were last drawn, px, by their labels: for who drives the window from outside.
+const std::map<std::string, Rect>& buttonPlaces();
 
 /// A line with a faint name on the left and a slider on the right, greyed out where
 /// there is a reason not to move it.

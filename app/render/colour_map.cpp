@@ -55,6 +55,8 @@ const char* quantityName(ColourMap map) {
       return "Von Mises stress";
     case ColourMap::J:
       return "Volume ratio J";
+    case ColourMap::Pressure:
+      return "Peak pressure";
   }
   return "";
 }
@@ -64,6 +66,7 @@ ColourUnit unitOf(ColourMap map, double largest) {
     case ColourMap::Displacement:
       return {"mm", 1e3};
     case ColourMap::VonMises:
+    case ColourMap::Pressure:
       return largest >= 2e3 ? ColourUnit{"kPa", 1e-3} : ColourUnit{"Pa", 1};
     case ColourMap::J:
     case ColourMap::Tissue:
@@ -77,5 +80,8 @@ Vec3f colourOf(ColourMap map, double t) {
   if (map == ColourMap::Tissue) return Vec3f::Constant(0.5F);
   return srgbFromLab(interpolate(map == ColourMap::J ? diverging_lab : sequential_lab, s));
 }
+
+Vec3f belowColour() { return {0.10F, 0.10F, 0.10F}; }
+Vec3f aboveColour() { return {0.90F, 0.10F, 0.10F}; }
 
 }  // namespace palpate::app

@@ -74,6 +74,7 @@ std::vector<float> skinValues(const Body& model, const Displacements& u, const s
                               const std::vector<Material>& materials) {
   switch (map) {
     case ColourMap::Tissue:
+    case ColourMap::Pressure:  // no field of the tissue's: the view brings it (View::skin_values)
       return std::vector<float>(x.size(), 0.0F);
     case ColourMap::Displacement: {
       std::vector<float> values(x.size());
@@ -89,7 +90,7 @@ std::vector<float> skinValues(const Body& model, const Displacements& u, const s
 }
 
 ColourScale automaticScale(const std::vector<float>& values, ColourMap map) {
-  constexpr double min_displacement = 1e-4, min_stress = 10, min_volume_change = 0.01;
+  constexpr double min_displacement = 1e-4, min_stress = 10, min_pressure = 1000, min_volume_change = 0.01;
   double largest = 0;
   for (const float value : values) largest = std::max(largest, std::abs(value - (map == ColourMap::J ? 1.0 : 0.0)));
   switch (map) {
@@ -99,6 +100,8 @@ ColourScale automaticScale(const std::vector<float>& values, ColourMap map) {
       return {map, 0, std::max(largest, min_displacement)};
     case ColourMap::VonMises:
       return {map, 0, std::max(largest, min_stress)};
+    case ColourMap::Pressure:
+      return {map, 0, std::max(largest, min_pressure)};
     case ColourMap::J: {
       const double change = std::max(largest, min_volume_change);
       return {map, 1 - change, 1 + change};

@@ -36,7 +36,7 @@ std::vector<float> skinValues(const Body& model, const Displacements& u, const s
                               const std::vector<Material>& materials = {});
 
 /// The range that shows these values well: from 0 to the largest, or for J evenly about 1;
-/// never narrower than what is worth showing (0.1 mm, 10 Pa, 0.01).
+/// never narrower than what is worth showing (0.1 mm, 10 Pa, 0.01; 1 kPa of peak pressure).
 ColourScale automaticScale(const std::vector<float>& values, ColourMap map);
 
 }  // namespace palpate::app

@@ -29,7 +29,8 @@ Picture readPng(const std::string& file) {
   image.format = PNG_FORMAT_RGB;
   Picture picture{static_cast<int>(image.width), static_cast<int>(image.height), {}};
   picture.rgb.resize(PNG_IMAGE_SIZE(image));
-  if (!png_image_finish_read(&image, nullptr, picture.rgb.data(), 0, nullptr)) throw refuse(image.message);
+  const png_color black{0, 0, 0};  // under what is transparent
+  if (!png_image_finish_read(&image, &black, picture.rgb.data(), 0, nullptr)) throw refuse(image.message);
   return picture;
 }
 

@@ -105,7 +105,7 @@ struct Renderer::Parts {
   MeshBuffers skin_buffers, tool_buffers;
   std::vector<std::unique_ptr<MeshBuffers>> further_buffers;  // of the tools beside the first
   ShaderProgram skin_program, tool_program, ground_program, backdrop_program;
-  GLint tool_place, tool_opacity, skin_opacity;
+  GLint tool_place, tool_opacity, skin_opacity, skin_below, skin_above;
   MeshBuffers ball_buffers;
   ShadowMap shadow_map;
   GroundShade ground_shade;
@@ -119,10 +119,13 @@ struct Renderer::Parts {
 
 namespace {
 
+Vec3f linearLight(const Vec3f& encoded) {
+  return encoded.unaryExpr([](float c) { return decodeSrgb(c); });
+}
+
 void fillColours(GLuint texture, ColourMap map) {
   std::vector<Vec3f> linear(colour_count);
-  for (int i = 0; i < colour_count; ++i)
-    linear[i] = colourOf(map, i / (colour_count - 1.0)).unaryExpr([](float c) { return decodeSrgb(c); });
+  for (int i = 0; i < colour_count; ++i) linear[i] = linearLight(colourOf(map, i / (colour_count - 1.0)));
   glBindTexture(GL_TEXTURE_2D, texture);
   glTexImage2D(GL_TEXTURE_2D, 0, GL_RGB16F, colour_count, 1, 0, GL_RGB, GL_FLOAT, linear.data());
   for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER})
@@ -156,6 +159,8 @@ Renderer::Parts::Parts(const Body& the_model, const std::string& shader_dir)
       tool_place(tool_program.uniform("world_from_local")),
       tool_opacity(tool_program.uniform("opacity")),
       skin_opacity(skin_program.uniform("opacity")),
+      skin_below(skin_program.uniform("below")),
+      skin_above(skin_program.uniform("above")),
       ball_buffers(ballMesh()),
       shadow_map(shader_dir),
       ground_shade(shader_dir),
@@ -266,6 +271,9 @@ void Renderer::Parts::drawPicture(const Snapshot& snapshot, const View& view) {
 void Renderer::Parts::drawSkin(float opacity) {
   skin_program.use();
   glUniform1f(skin_opacity, opacity);
+  const Vec3f under = linearLight(belowColour()), over = linearLight(aboveColour());
+  glUniform3fv(skin_below, 1, under.data());
+  glUniform3fv(skin_above, 1, over.data());
   if (opacity >= 1) return skin_buffers.draw();
   glEnable(GL_CULL_FACE);
   glEnable(GL_BLEND);

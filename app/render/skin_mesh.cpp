@@ -14,6 +14,10 @@ const float edge_cosine = std::cos(70.0F * EIGEN_PI / 180);
 // Pressure at which the contact tint is full, in shear moduli: a firm press of soft tissue.
 constexpr double full_contact_pressure = 1.0;
 
+// A value far outside the colours' range bounds how near to it the range begins between two vertices.
+constexpr float least_value = -1, most_value = 2;
+constexpr double outside_share = 1e-4;  // of the range: less is rounding
+
 Vec3f areaNormal(const std::vector<Vec3f>& x, const std::array<int, 3>& t) {
   return (x[t[1]] - x[t[0]]).cross(x[t[2]] - x[t[0]]);
 }
@@ -100,8 +104,11 @@ ColourScale SkinMesh::update(const Snapshot& snapshot, const View& view) {
   updateNormals();
   updateCavities();
   updateContact(snapshot);
+  const bool given = view.colour_map == ColourMap::Pressure && view.skin_values != nullptr &&
+                     view.skin_values->size() == positions_.size();
   const std::vector<float> values =
       view.node_values != nullptr ? skinAverages(model_, *view.node_values)
+      : given                     ? *view.skin_values
                                   : skinValues(model_, snapshot.u, positions_, view.colour_map, snapshot.materials);
   ColourScale scale = automaticScale(values, view.colour_map);
   if (!view.colour_auto && view.colour_map != ColourMap::Tissue && view.colour_max > view.colour_min) {
@@ -111,7 +118,10 @@ ColourScale SkinMesh::update(const Snapshot& snapshot, const View& view) {
   for (std::size_t s = 0; s < vertices_.size(); ++s) {
     const int v = skin_vertex_[s];
     vertices_[s].position = positions_[v];
-    vertices_[s].value = std::clamp(static_cast<float>((values[v] - scale.min) / (scale.max - scale.min)), 0.0F, 1.0F);
+    const double value = (values[v] - scale.min) / (scale.max - scale.min);
+    vertices_[s].value = std::clamp(static_cast<float>(value), least_value, most_value);
+    scale.below |= value < -outside_share;
+    scale.above |= value > 1 + outside_share;
     vertices_[s].contact = contact_[v];
     vertices_[s].cavity = cavity_[v];
   }

@@ -15,7 +15,7 @@ struct SkinVertex {
   Vec3f position;     // m, deformed
   Vec3f normal;       // unit, outward
   Vec3f reference;    // m, at rest: what patterns stick to
-  float value = 0;    // of the shown field, 0..1 within the colour scale
+  float value = 0;    // of the shown field, 0..1 within the colour scale, -1..2 at most
   float contact = 0;  // pressure of the tool over the tissue's shear modulus, 0..1
   float cavity = 0;   // mean curvature times the tool's radius; > 0 in hollows
   float fixed = 0;    // share of imposed nodes in the support, 0..1

@@ -33,6 +33,9 @@ struct View {
   const std::vector<float>* node_values =
       nullptr;  // (node_count) shown in place of the map's own field, in its colours
 
+  const std::vector<float>* skin_values =
+      nullptr;  // (skin vertex_count) Pa, what ColourMap::Pressure shows; another count, or null: nothing
+
   bool show_tool = true;
   bool show_nodes = false;
   bool show_points = false;      // integration points, thinned where there are many

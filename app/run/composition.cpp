@@ -39,6 +39,7 @@ PanelRequests drawComposition(OrganView& organ, Interface& ui, const Session& se
   if (drawn.ghost || drawn.section.on) drawn.balls = ballsInside(session.model(), snapshot.u);
   if (task != nullptr)
     for (const LumpMark& mark : task->marks()) drawn.balls.push_back({mark.place, mark_radius});
+  if (task != nullptr) drawn.skin_values = &task->pressureMap();
   drawn.pixel_ratio = size.pixel_ratio * ui.theme().scale;
   const ColourScale scale = organ.draw(snapshot, drawn, size.pixelWidth(), size.pixelHeight());
 
@@ -50,6 +51,11 @@ PanelRequests drawComposition(OrganView& organ, Interface& ui, const Session& se
   data.hand_on_skin = shown.hand_on_skin;
   data.scenes = shown.scenes;
   data.timeless = !shown.timing;
+  data.timeline = shown.timeline;
+  if (shown.timeline && shown.timeline->past) {  // all of that moment
+    data.force = {snapshot.force, 0, true};
+    data.notice.reset();
+  }
   const PanelRequests requests = drawPanels(ui.theme(), data, layout, panels, view);
   ui.end();
   return requests;

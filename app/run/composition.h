@@ -37,6 +37,7 @@ struct Shown {
   double hand_depth_m = 0;
   bool hand_on_skin = false;
   std::span<const std::string> scenes{};
+  std::optional<TimelineView> timeline{};
   bool timing = true;  // what the clock says of this machine
 };
 

@@ -9,8 +9,6 @@
 #include <stdexcept>
 #include <utility>
 
-#include "app/run/input.h"
-
 namespace palpate::app {
 
 namespace {
@@ -59,12 +57,13 @@ GlWindow::GlWindow(const Options& options, const std::string& title) {
   glfwSwapInterval(1);
   // Set before ImGui's own callback, which then calls this one first.
   glfwSetWindowUserPointer(handle_, this);
-  glfwSetKeyCallback(handle_, [](GLFWwindow* window, int code, int, int action, int) {
+  glfwSetKeyCallback(handle_, [](GLFWwindow* window, int code, int, int action, int modifiers) {
     auto& self = *static_cast<GlWindow*>(glfwGetWindowUserPointer(window));
     const std::optional<Key> key = keyFromGlfw(code);
     // Held, '.' goes on: a run in slow motion.
     const bool counts = action == GLFW_PRESS || (action == GLFW_REPEAT && key == Key::Period);
-    if (key && counts) self.pressed_ |= 1u << static_cast<unsigned>(*key);
+    if (key && counts) self.pressed_.add(*key, (modifiers & GLFW_MOD_CONTROL) != 0);
+    if (action == GLFW_PRESS) self.went_down_.push_back(code);
   });
   glfwSetDropCallback(handle_, [](GLFWwindow* window, int count, const char** paths) {
     auto& self = *static_cast<GlWindow*>(glfwGetWindowUserPointer(window));
@@ -76,7 +75,13 @@ GlWindow::~GlWindow() { glfwDestroyWindow(handle_); }
 
 void GlWindow::setTitle(const std::string& title) { glfwSetWindowTitle(handle_, title.c_str()); }
 
-std::uint32_t GlWindow::takePressed() { return std::exchange(pressed_, 0u); }
+KeyPresses GlWindow::takePressed() {
+  KeyPresses pressed = std::exchange(pressed_, {});
+  for (const int code : std::exchange(went_down_, {}))
+    if (glfwGetKey(handle_, code) == GLFW_RELEASE) pressed.addTap(code);
+  return pressed;
+}
+
 std::vector<std::string> GlWindow::takeDropped() { return std::exchange(dropped_, {}); }
 
 CanvasSize GlWindow::size() const {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "app/run/composition.h"
+#include "app/run/input.h"
 #include "app/run/options.h"
 
 struct GLFWwindow;
@@ -24,8 +25,8 @@ class GlWindow {
   GLFWwindow* handle() const { return handle_; }
   void setTitle(const std::string& title);
 
-  /// The keys that went down since the last call, a bit per Key.
-  std::uint32_t takePressed();
+  /// The keys that went down since the last call.
+  KeyPresses takePressed();
   /// The files that were dropped on it since the last call.
   std::vector<std::string> takeDropped();
 
@@ -46,7 +47,8 @@ class GlWindow {
 
  private:
   GLFWwindow* handle_ = nullptr;
-  std::uint32_t pressed_ = 0;
+  KeyPresses pressed_;
+  std::vector<int> went_down_;  // GLFW codes
   std::vector<std::string> dropped_;
   int place_[4] = {0, 0, 0, 0};  // x, y, width, height before full screen
 };

@@ -3,6 +3,7 @@
 #include <GLFW/glfw3.h>
 #include <imgui.h>
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <utility>
@@ -67,31 +68,33 @@ Actions Controls::read(const Input& input, bool something_open) {
   const bool pushes = input.shift || drag_ == Drag::Glide;
   if (!input.mouse_taken) (pushes ? actions.push_tool_notches : actions.zoom) = input.wheel;
 
+  actions.close = input.wasPressed(Key::Escape) && something_open;  // also out of a text field
   if (input.keys_taken) return actions;
-  actions.toggle_pause = input.wasPressed(Key::Space);
+  actions.toggle_pause = input.switches(Key::Space);
   actions.reset = input.wasPressed(Key::Backspace);
-  actions.undo = input.ctrl && input.wasPressed(Key::Z);
-  actions.single_step = input.wasPressed(Key::Period);
+  actions.undo = input.presses.countWithCtrl(Key::Z);
+  actions.single_step = input.presses.count(Key::Period);
   actions.frame_view = input.wasPressed(Key::F);
-  actions.toggle_panels = input.wasPressed(Key::H);
-  actions.toggle_help = input.wasPressed(Key::F1);
-  actions.close = input.wasPressed(Key::Escape) && something_open;
+  actions.toggle_panels = input.switches(Key::H);
+  actions.toggle_help = input.switches(Key::F1);
   actions.quit = input.wasPressed(Key::Escape) && !something_open;
-  actions.open_scene = input.ctrl && input.wasPressed(Key::O);
-  actions.save_forces = input.ctrl && input.wasPressed(Key::S);
+  actions.open_scene = input.presses.countWithCtrl(Key::O) > 0;
+  actions.save_forces = input.presses.countWithCtrl(Key::S) > 0;
   actions.save_picture = input.wasPressed(Key::F12);
-  actions.toggle_full_screen = input.wasPressed(Key::F11);
-  actions.toggle_demo = input.wasPressed(Key::F10);
-  actions.toggle_section = input.wasPressed(Key::X);
-  actions.toggle_ghost = input.wasPressed(Key::G);
+  actions.toggle_full_screen = input.switches(Key::F11);
+  actions.toggle_demo = input.switches(Key::F10);
+  actions.toggle_section = input.switches(Key::X);
+  actions.toggle_ghost = input.switches(Key::G);
   actions.mark = input.wasPressed(Key::M);
-  actions.toggle_nodes = input.wasPressed(Key::N);
-  actions.toggle_points = input.wasPressed(Key::P);
+  actions.toggle_nodes = input.switches(Key::N);
+  actions.toggle_timeline = input.switches(Key::T);
+  actions.toggle_points = input.switches(Key::P);
   for (int k = 0; k < 4; ++k)
     if (input.wasPressed(static_cast<Key>(static_cast<int>(Key::Digit1) + k))) actions.colour_map = k;
   actions.tool_keys = input.arrows;
   actions.turn_keys = input.tilt;
   if (!input.ctrl) actions.jaws_keys = input.jaws;
+  actions.tapped = input.tapped;
   return actions;
 }
 
@@ -106,14 +109,15 @@ std::optional<Key> keyFromGlfw(int code) {
        {GLFW_KEY_P, Key::P},           {GLFW_KEY_Z, Key::Z},
        {GLFW_KEY_O, Key::O},           {GLFW_KEY_S, Key::S},
        {GLFW_KEY_G, Key::G},           {GLFW_KEY_X, Key::X},
-       {GLFW_KEY_M, Key::M},           {GLFW_KEY_F10, Key::F10},
-       {GLFW_KEY_F11, Key::F11},       {GLFW_KEY_F12, Key::F12}}};
+       {GLFW_KEY_M, Key::M},           {GLFW_KEY_T, Key::T},
+       {GLFW_KEY_F10, Key::F10},       {GLFW_KEY_F11, Key::F11},
+       {GLFW_KEY_F12, Key::F12}}};
   for (const auto& [glfw_code, key] : keys)
     if (glfw_code == code) return key;
   return {};
 }
 
-Input inputFromImGui(std::uint32_t pressed) {
+Input inputFromImGui(const KeyPresses& presses) {
   const ImGuiIO& io = ImGui::GetIO();
   Input input;
   input.mouse = {io.MousePos.x, io.MousePos.y};
@@ -129,15 +133,21 @@ Input inputFromImGui(std::uint32_t pressed) {
   input.alt = io.KeyAlt;
   input.mouse_taken = io.WantCaptureMouse;
   input.keys_taken = io.WantTextInput;
-  input.pressed = pressed;
+  input.presses = presses;
 
-  const auto axis = [](int minus, int plus) {
-    return (ImGui::IsKeyDown(plus) ? 1.0 : 0.0) - (ImGui::IsKeyDown(minus) ? 1.0 : 0.0);
+  bool held = false;
+  const auto isAsked = [&](int code) {
+    const std::vector<int>& taps = presses.taps();
+    if (std::find(taps.begin(), taps.end(), code) != taps.end()) return true;
+    held |= ImGui::IsKeyDown(code);
+    return ImGui::IsKeyDown(code);
   };
+  const auto axis = [&](int minus, int plus) { return (isAsked(plus) ? 1.0 : 0.0) - (isAsked(minus) ? 1.0 : 0.0); };
   input.arrows = {axis(GLFW_KEY_LEFT, GLFW_KEY_RIGHT), axis(GLFW_KEY_DOWN, GLFW_KEY_UP),
                   axis(GLFW_KEY_PAGE_DOWN, GLFW_KEY_PAGE_UP)};
   input.tilt = {axis(GLFW_KEY_J, GLFW_KEY_L), axis(GLFW_KEY_K, GLFW_KEY_I)};
   input.jaws = axis(GLFW_KEY_C, GLFW_KEY_V);
+  input.tapped = !held;
   return input;
 }
 

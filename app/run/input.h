@@ -2,8 +2,10 @@
 
 #include <Eigen/Core>
 
+#include <array>
 #include <cstdint>
 #include <optional>
+#include <vector>
 
 namespace palpate::app {
 
@@ -28,10 +30,28 @@ enum class Key : std::uint8_t {
   G,
   X,
   M,
+  T,
   F10,
   F11,
   F12,
   Count
+};
+
+/// What went down on the keyboard since the last frame: counted as the events come, so that nothing is lost however
+/// slowly pictures follow each other.
+class KeyPresses {
+ public:
+  void add(Key key, bool with_ctrl) { ++(with_ctrl ? with_ctrl_ : plain_)[static_cast<std::size_t>(key)]; }
+  /// A key went down and is up again, by its GLFW code.
+  void addTap(int code) { taps_.push_back(code); }
+
+  int count(Key key) const { return plain_[static_cast<std::size_t>(key)] + with_ctrl_[static_cast<std::size_t>(key)]; }
+  int countWithCtrl(Key key) const { return with_ctrl_[static_cast<std::size_t>(key)]; }
+  const std::vector<int>& taps() const { return taps_; }
+
+ private:
+  std::array<int, static_cast<std::size_t>(Key::Count)> plain_{}, with_ctrl_{};
+  std::vector<int> taps_;
 };
 
 /// What mouse and keyboard did since the last frame.
@@ -45,13 +65,16 @@ struct Input {
   bool on_skin = false;             // the pointer is over the skin, and the probe glides there
   bool mouse_taken = false;         // the pointer is over a panel
   bool keys_taken = false;          // a panel is being typed into
-  std::uint32_t pressed = 0;        // bit per Key: went down since the last frame
+  KeyPresses presses;               // what went down since the last frame
   Eigen::Vector3d arrows{0, 0, 0};  // held keys, -1..1: Left/Right, Down/Up, PageDown/PageUp
   Eigen::Vector2d tilt{0, 0};       // held keys, -1..1: J/L, K/I
   double jaws = 0;                  // held keys, -1..1: C/V
+  bool tapped = false;              // all of these are up again by now
 
-  bool wasPressed(Key key) const { return (pressed >> static_cast<unsigned>(key) & 1u) != 0; }
-  void press(Key key) { pressed |= 1u << static_cast<unsigned>(key); }
+  bool wasPressed(Key key) const { return presses.count(key) > 0; }
+  /// What a key that switches something asks for: pressed twice it changes nothing.
+  bool switches(Key key) const { return presses.count(key) % 2 == 1; }
+  void press(Key key) { presses.add(key, ctrl); }
 };
 
 /// What a held mouse button is doing. It is settled when the button goes down and
@@ -60,12 +83,13 @@ enum class Drag : std::uint8_t { None, Panel, Orbit, Pan, Pull, MoveTool, PushTo
 
 /// What one frame's input asks for.
 struct Actions {
-  bool toggle_pause = false, reset = false, undo = false, single_step = false;
+  bool toggle_pause = false, reset = false;
+  int undo = 0, single_step = 0;  // so many
   bool frame_view = false, toggle_panels = false, toggle_help = false;
   bool close = false, quit = false;  // close: what is open
   bool open_scene = false, save_picture = false, save_forces = false;
   bool toggle_full_screen = false, toggle_demo = false, toggle_section = false, toggle_ghost = false, mark = false;
-  bool toggle_nodes = false, toggle_points = false;
+  bool toggle_nodes = false, toggle_points = false, toggle_timeline = false;
   int colour_map = -1;                     // 0..3, -1: no change
   Eigen::Vector2d orbit{0, 0}, pan{0, 0};  // px
   double zoom = 0;                         // notches
@@ -75,6 +99,7 @@ struct Actions {
   Eigen::Vector3d tool_keys{0, 0, 0};      // -1..1: right, away from the viewer, out of the tissue
   Eigen::Vector2d turn_keys{0, 0};         // -1..1: to the right, away from the viewer
   double jaws_keys = 0;                    // -1..1: close, open
+  bool tapped = false;                     // these keys were tapped, and are not held
   Eigen::Vector2d turn_tool{0, 0};         // px
   bool glide = false;                      // the pointer leads the probe over the skin
   bool pick_point = false;                 // show the support of the point under the pointer
@@ -96,9 +121,8 @@ class Controls {
 /// The meaning of a GLFW key code, if it has one here.
 std::optional<Key> keyFromGlfw(int code);
 
-/// The input that ImGui gathered for the present frame, with the keys that went down
-/// since the last one (a bit per Key): ImGui knows which keys are down, and so misses
-/// those that are up again before a slow frame ends.
-Input inputFromImGui(std::uint32_t pressed);
+/// The input that ImGui gathered for the present frame, with the keys that went down since the last one: ImGui knows
+/// which keys are down, and so misses those that are up again before a slow frame ends.
+Input inputFromImGui(const KeyPresses& presses);
 
 }  // namespace palpate::app

@@ -6,11 +6,14 @@
 #include <optional>
 #include <thread>
 
+#include "app/render/animation.h"
 #include "app/render/framebuffer.h"
 #include "app/render/offscreen_context.h"
 #include "app/run/composition.h"
 #include "app/run/run_checks.h"
 #include "app/run/saved_files.h"
+#include "app/trainer/feel_check.h"
+#include "app/trainer/score_page.h"
 #include "base/interrupt.h"
 #include "base/key.h"
 #include "base/number_text.h"
@@ -27,6 +30,7 @@ namespace {
 
 constexpr auto gather_every = std::chrono::milliseconds(2);  // far below what the loop's rings hold
 constexpr double plain_width = 1280, plain_height = 800;     // px for which the panels are laid out at scale 1
+constexpr double animation_end_seconds = 2.5;                // that the last picture stays
 constexpr int settling_frames = 3;                           // ImGui needs two to settle sizes, one to draw
 
 Picture drawPicture(OrganView& organ, Session& session, const Snapshot& snapshot) {
@@ -53,6 +57,13 @@ Picture drawPicture(OrganView& organ, Session& session, const Snapshot& snapshot
   return framebuffer.read();
 }
 
+Picture drawScorePage(OrganView& organ, Session& session) {
+  Interface ui(nullptr, 1);
+  ui.begin(session.options().width, session.options().height);  // the fonts are ready after a frame
+  ui.end();
+  return scorePage(ui.theme(), session.model(), organ, *session.task());
+}
+
 /// The references that the run is held to, read before it begins.
 struct References {
   std::optional<Picture> picture;
@@ -60,6 +71,7 @@ struct References {
 };
 
 References readReferences(const Options& options) {
+  if (!options.offscreen) return {};
   References references;
   if (!options.compare.empty()) references.picture = readPng(options.compare);
   if (!options.expect.empty()) references.baseline.emplace(options.expect);
@@ -127,6 +139,8 @@ void writeManifest(Session& session, Manifest manifest) {
 
 }  // namespace
 
+void checkReferences(const Options& options) { readReferences(options); }
+
 int runOffscreen(Session& session) {
   // First what may be missing, so that a long run is not for nothing.
   const References references = readReferences(session.options());
@@ -151,18 +165,31 @@ int runOffscreen(Session& session) {
     std::cout << "fields       " << results.fileNamed(stem + ".vtu") << '\n';
   };
   const bool one = options.snapshot_at.size() <= 1;
+  std::vector<Picture> animation;
   runAndTake(session, [&](double time, const Snapshot& snapshot) {
+    if (!options.animation.empty()) {
+      animation.push_back(drawPicture(organ, session, snapshot));
+      return;
+    }
     keep(one ? "snapshot" : format("snapshot_%gs", time), snapshot);
   });
   if (interrupted()) session.log().info("interrupted: keeping what was done so far");
   if (session.task() != nullptr && options.trainee) {
     writeWholeFile(results.fileNamed("score.json"), session.submitTask());
     const TaskScore::Sheet sheet = session.task()->sheet();
+    writePng(results.fileNamed("score.png"), drawScorePage(organ, session));
+    manifest.files.insert(manifest.files.end(), {"score.json", "score.png"});
     std::cout << format("score        %s: %d found, %d missed, %d false, %.1f mm off\n",
                         results.fileNamed("score.json").c_str(), sheet.hits, sheet.misses, sheet.false_alarms,
                         sheet.mean_error_mm);
   }
-  if (manifest.files.empty()) keep("snapshot", session.latest());  // with the lumps, once the answers are in
+  if (!options.animation.empty() && !interrupted()) {
+    if (session.task() != nullptr && !session.revealed()) session.submitTask();  // what was hidden is shown at last
+    animation.push_back(drawPicture(organ, session, session.latest()));
+    writeAnimation(options.animation, animation, 1 / animation_rate, animation_end_seconds);
+    std::cout << "animation    " << options.animation << '\n';
+  }
+  if (manifest.picture_times_s.empty()) keep("snapshot", session.latest());  // with the lumps, once the answers are in
 
   const std::string report = toJson(session.report());
   results.writeReport(report);
@@ -177,7 +204,7 @@ int runOffscreen(Session& session) {
 
 int checkLumps(const Options& options, const Scene& scene) {
   const Model model = loadModel(scene, {}, ModelCache(options.use_cache ? ModelCache::userFolder() : "", {}));
-  const double depth = 0.8 * scene.tool.radius;
+  const double depth = workingDepth(scene);
   const std::vector<Lump> lumps = lumpsOf(model);
   const std::vector<LumpFeel> feels = feelLumps(model, depth);
   bool felt = true;

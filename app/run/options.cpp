@@ -9,11 +9,13 @@
 #include "base/build_info.h"
 #include "base/input_error.h"
 #include "base/nearest_word.h"
+#include "base/number_text.h"
 
 namespace palpate::app {
 
 namespace {
 
+constexpr double most_animated_seconds = 60;
 constexpr int min_width = 320, min_height = 240;  // below that no panel is readable
 constexpr int max_side = 8192;                    // px; what every OpenGL 3.3 driver in use can draw into
 
@@ -74,7 +76,8 @@ void addPictureOptions(CLI::App& app, Options& o, Texts& texts) {
       ->type_name("AZ,EL[,M]");
   app.add_option("--view", texts.view, "Off-screen: look from front, back, left, right, top or bottom, e.g. --view top")
       ->type_name("NAME");
-  app.add_option("--field", texts.field, "Off-screen: colour by displacement, von_mises or J, e.g. --field von_mises")
+  app.add_option("--field", texts.field,
+                 "Off-screen: colour by displacement, von_mises, J or, in a task, pressure, e.g. --field von_mises")
       ->type_name("NAME");
   app.add_option("--range", texts.range, "The colours' range in m, Pa or 1, e.g. --field displacement --range 0:0.01")
       ->type_name("LOW:HIGH");
@@ -86,6 +89,10 @@ void addPictureOptions(CLI::App& app, Options& o, Texts& texts) {
                "Off-screen: the organ cut open through the probe, e.g. palpate liver --offscreen --cut");
   app.add_flag("--ghost", o.picture.ghost,
                "Off-screen: the skin is seen through, e.g. palpate liver --offscreen --ghost");
+  app.add_option("--animation", o.animation,
+                 "Off-screen: the run as an animated PNG, in the end with what was hidden, e.g. palpate lump_liver "
+                 "--offscreen --seconds 6 --ghost --animation found.png --size 640x400")
+      ->type_name("PNG");
   app.add_flag("--fields", o.dump_fields, "Off-screen: the deformed body beside each picture, as VTU, e.g. --fields");
   app.add_option(
          "--compare", o.compare,
@@ -137,6 +144,14 @@ std::string readPictureOptions(Options& o, const Texts& texts) {
   if (for_pictures && !o.offscreen)
     return "--no-panels, --timing, --camera, --view, --field, --show, --hide, --cut, --ghost, --fields, --expect and "
            "--strict are for off-screen runs; add --offscreen";
+  if (!o.animation.empty()) {
+    if (!o.offscreen || !o.seconds || !o.snapshot_at.empty())
+      return "--animation is for off-screen runs of a given length, without --snapshot-at; add --offscreen --seconds 6";
+    if (*o.seconds > most_animated_seconds)
+      return format("--animation shows at most %.0f s; give a smaller --seconds", most_animated_seconds);
+    const int pictures = std::max(2, static_cast<int>(*o.seconds * animation_rate));
+    for (int k = 1; k <= pictures; ++k) o.snapshot_at.push_back(k * *o.seconds / pictures);
+  }
   if (!o.compare.empty() && !o.offscreen && !o.scene.ends_with(".png"))
     return "--compare is for off-screen runs and pictures; add --offscreen";
   return {};

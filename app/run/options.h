@@ -23,6 +23,7 @@ struct Options {
   std::vector<double> snapshot_at;        // s, ascending; off-screen pictures; empty: the end of the run
   PictureChoice picture;                  // of these
   bool dump_fields = false;               // beside each picture, for ParaView
+  std::string animation;                  // file of the run as an animated PNG; empty: none
   std::string compare, expect;            // a reference picture, a baseline of the report; empty: none
   double tolerance = 0.5;                 // of compare: mean delta E
   bool trainee = false;                   // a trainee by rule looks for the lumps
@@ -38,6 +39,8 @@ struct Options {
   bool as_fast_as_possible = false;
   bool use_cache = false;  // keep the set-up for the next start
 };
+
+inline constexpr double animation_rate = 10;  // pictures a second
 
 /// The outcome of reading a command line: options to run with, or a text to print
 /// and an exit code (0: help or version was asked for; 2: the line can't be used).

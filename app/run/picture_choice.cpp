@@ -20,7 +20,8 @@ constexpr std::array named_views{NamedView{"front", -90, 0}, NamedView{"back", 9
 
 constexpr std::array named_fields{std::pair{"tissue", ColourMap::Tissue},
                                   std::pair{"displacement", ColourMap::Displacement},
-                                  std::pair{"von_mises", ColourMap::VonMises}, std::pair{"J", ColourMap::J}};
+                                  std::pair{"von_mises", ColourMap::VonMises}, std::pair{"J", ColourMap::J},
+                                  std::pair{"pressure", ColourMap::Pressure}};
 
 constexpr std::array named_overlays{std::pair{"nodes", &View::show_nodes},  std::pair{"points", &View::show_points},
                                     std::pair{"force", &View::show_forces}, std::pair{"contact", &View::show_contact},
@@ -86,7 +87,7 @@ std::string readPictureChoice(const std::string& camera, const std::string& view
         choice.field = map;
         known = true;
       }
-    if (!known) return "--field: '" + field + "' is not tissue, displacement, von_mises or J";
+    if (!known) return "--field: '" + field + "' is not tissue, displacement, von_mises, J or pressure";
   }
   if (!range.empty()) {
     const std::vector<double> values = numbersOf(splitAt(range, ':'));

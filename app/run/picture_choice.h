@@ -21,8 +21,8 @@ struct PictureChoice {
 
 /// The texts of the options, each empty where it was not given. Returns what is wrong; empty: nothing.
 ///   --camera AZIMUTH,ELEVATION[,DISTANCE] in degrees and m; --view front, back, left, right, top or bottom;
-///   --field tissue, displacement, von_mises or J; --range LOW:HIGH in m, Pa or 1; --show and --hide of
-///   nodes, points, force, contact, fixed, tool
+///   --field tissue, displacement, von_mises, J or pressure (peak, in a task); --range LOW:HIGH in m, Pa or 1;
+///   --show and --hide of nodes, points, force, contact, fixed, tool
 std::string readPictureChoice(const std::string& camera, const std::string& view, const std::string& field,
                               const std::string& range, PictureChoice& choice);
 

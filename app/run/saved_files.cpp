@@ -5,6 +5,7 @@
 #include "app/run/result_folder.h"
 #include "io/output_file.h"
 #include "io/vtu_file.h"
+#include "realtime/recording/recording_file.h"
 #include "simulation/solution_fields.h"
 
 namespace palpate::app {
@@ -41,9 +42,16 @@ std::string SavedFiles::presses(const PressCurves& presses) const {
   return path;
 }
 
-std::string SavedFiles::score(const std::string& json) const {
+std::string SavedFiles::score(const std::string& json, const Picture& page) const {
   std::string path = free("score", ".json");
   writeWholeFile(path, json);
+  writePng(std::filesystem::path(path).replace_extension(".png").string(), page);
+  return path;
+}
+
+std::string SavedFiles::recording(const Recording& recording) const {
+  std::string path = free("recording", ".rec");
+  writeRecording(recording, path);
   return path;
 }
 

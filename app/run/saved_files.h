@@ -7,6 +7,7 @@
 #include "app/panels/press_curves.h"
 #include "app/render/picture.h"
 #include "realtime/channels/snapshot.h"
+#include "realtime/recording/recording.h"
 #include "simulation/model.h"
 
 namespace palpate::app {
@@ -21,7 +22,9 @@ class SavedFiles {
   std::string picture(const Picture& picture) const;
   std::string forces(const std::deque<ForceSample>& samples) const;
   std::string presses(const PressCurves& presses) const;
-  std::string score(const std::string& json) const;
+  /// The sheet as JSON, and beside it, with the same name, as a page to print.
+  std::string score(const std::string& json, const Picture& page) const;
+  std::string recording(const Recording& recording) const;
   std::string state(const Model& model, const Snapshot& snapshot) const;
 
  private:

@@ -8,12 +8,14 @@
 #include <iostream>
 #include <stdexcept>
 
+#include "app/trainer/feel_check.h"
 #include "base/interrupt.h"
 #include "base/number_text.h"
 #include "io/find_asset.h"
 #include "io/indent_script.h"
 #include "io/load_model.h"
 #include "io/scene_file.h"
+#include "mechanics/materials/material_law.h"
 #include "simulation/model_hash.h"
 
 namespace palpate::app {
@@ -23,7 +25,10 @@ namespace {
 constexpr double history_seconds = 8;  // of the plots
 constexpr double default_offscreen_seconds = 4;
 constexpr std::size_t most_samples = 150000;  // kept to be saved: five minutes at 500 Hz
-constexpr double notice_seconds = 6;          // of the run, that a notice stays when its cause does not come again
+constexpr double most_times_stiffer = 4;      // than the scene, live
+constexpr double largest_poisson = 0.4995;
+constexpr std::size_t window_record_capacity = 1 << 14;  // half a minute, in which the window draws no picture
+constexpr double notice_seconds = 6;  // of the run, that a notice stays when its cause does not come again
 
 std::string fileName(const std::string& path) { return std::filesystem::path(path).filename().string(); }
 
@@ -110,7 +115,11 @@ bool isTask(const Scene& scene) {
   return scene.places.contains("lumps.count") || scene.places.contains("lump[0].radius");
 }
 
-void checkOptions(const Options& options) { namedScript(options.tool_script, readScene(options).tool.radius); }
+void checkOptions(const Options& options) {
+  const Scene scene = readScene(options);
+  namedScript(options.tool_script, scene.tool.radius);
+  recordingToReplay(options, scene);
+}
 
 Session::Session(const Options& options, const Scene& scene, Log& log, const LoadProgress& progress)
     : options_(options),
@@ -121,11 +130,15 @@ Session::Session(const Options& options, const Scene& scene, Log& log, const Loa
       results_(openResults(options)),
       model_(buildModelOf(scene_, options.use_cache, log, progress)),
       scene_materials_(model_.materials),
-      stiffness_(model_.materials.size(), 1.0),
-      sent_before_(stiffness_),
+      materials_(scene_materials_),
+      sent_before_(scene_materials_),
       friction_(scene_.friction),
       forces_(history_seconds) {
-  if (isTask(scene_)) task_.emplace(model_, lumpsOf(model_));
+  if (isTask(scene_)) {
+    if (progress) progress("feeling whether the lumps can be found", 1);
+    requireFelt(model_, options_.use_cache ? ModelCache::userFolder() : "");
+    task_.emplace(model_, lumpsOf(model_));
+  }
   SimulationLoopOptions loop_options;
   loop_options.as_fast_as_possible = options_.as_fast_as_possible;
   loop_options.start_paused = !options_.offscreen;  // the window resumes with its first picture
@@ -135,6 +148,9 @@ Session::Session(const Options& options, const Scene& scene, Log& log, const Loa
   if (!options_.record.empty()) {
     recording_ = Recording{scene_.name, modelHash(model_), scene_.rate_hz, 0, {}};
     loop_options.record = true;
+  } else if (!options_.offscreen && !options_.soak_minutes) {
+    loop_options.record = true;  // so that the run can be kept once it turns out to be worth it
+    loop_options.record_capacity = window_record_capacity;
   }
 
   physics_ = std::make_unique<TissuePhysics>(model_, scene_.threads);
@@ -165,7 +181,7 @@ void Session::chooseInput(SimulationLoopOptions& loop_options) {
     return;
   }
   if (options_.trainee) {
-    trainee_.emplace(model_, 0.8 * model_.scene.tool.radius, 1.1 * model_.scene.tool.radius);
+    trainee_.emplace(model_, workingDepth(model_.scene), 1.1 * model_.scene.tool.radius);
     loop_options.motion = &*trainee_;
     loop_options.track_ticks = loop_options.tick_limit = trainee_->ticks();
     track_driver_ = ToolDriver::Script;
@@ -220,15 +236,26 @@ void Session::gather() {
   LogEvent event;
   while (loop_->log().pop(event)) takeEvent(event);
   if (notice_ && !notice_->frozen && forces_.lastTime() > notice_->time_s + notice_seconds) notice_.reset();
+  changes_lost_ |= loop_->recorded().size() + 1 >= window_record_capacity;  // a full ring takes no more
   TimedRequest change;
   while (loop_->recorded().pop(change))
-    if (recording_) recording_->changes.push_back(change);
+    if (recording_)
+      recording_->changes.push_back(change);
+    else
+      changes_.add(change);
   if (soak_ && !ended_) soak_->update(*loop_, *results_);
 }
 
 void Session::takeEvent(const LogEvent& event) {
   using Kind = LogEvent::Kind;
-  const std::string text = logText(event);
+  std::string text = logText(event);
+  if (event.kind == Kind::MaterialSet || event.kind == Kind::MaterialRefused) {
+    const auto m = static_cast<std::size_t>(event.index);
+    const std::string number = "material " + std::to_string(event.index);
+    const std::size_t at = text.find(number);
+    if (at != std::string::npos && m < scene_.materials.size() && !scene_.materials[m].name.empty())
+      text.replace(at, number.size(), scene_.materials[m].name);
+  }
   if (std::optional<Notice> notice = noticeOf(event); notice && !options_.rough) notice_ = std::move(notice);
   if (event.isFreeze()) {
     frozen_reason_ = text;
@@ -250,7 +277,7 @@ void Session::takeEvent(const LogEvent& event) {
       break;
     case Kind::MaterialRefused: {
       const auto m = static_cast<std::size_t>(event.index);
-      stiffness_[m] = sent_before_[m];
+      materials_[m] = sent_before_[m];
       break;
     }
     case Kind::Undone:
@@ -261,7 +288,7 @@ void Session::takeEvent(const LogEvent& event) {
       forces_.clear();
       if (track_driver_ != ToolDriver::User) {  // the track starts over, with the scene's own values
         track_over_ = false;
-        if (track_driver_ == ToolDriver::Replay || options_.offscreen) stiffness_.assign(stiffness_.size(), 1.0);
+        if (track_driver_ == ToolDriver::Replay || options_.offscreen) materials_ = scene_materials_;
       }
       break;
     default:
@@ -299,6 +326,23 @@ void Session::finish() {
   if (summary.frozen && options_.offscreen && failure_.empty()) failure_ = "the run ended frozen: " + frozen_reason_;
 }
 
+Recording Session::recordingSoFar() {
+  const std::int64_t ticks = latest().status.ticks;
+  gather();  // at least all that came before that tick
+  Recording recording{scene_.name, modelHash(model_), scene_.rate_hz, ticks, {}};
+  if (changes_.overflowed())
+    throw std::runtime_error("the run is too long to be kept as a recording; start it with --record");
+  if (changes_lost_) throw std::runtime_error("changes of the run were lost; start it with --record");
+  if (ticks == 0) throw std::runtime_error("the run has not begun yet");
+  if (!recording_) {
+    recording.changes = changes_.before(ticks);
+    return recording;
+  }
+  for (const TimedRequest& change : recording_->changes)
+    if (change.tick < ticks) recording.changes.push_back(change);
+  return recording;
+}
+
 void Session::send(const Request& request) {
   if (loop_->commands().push(request) || request.kind == Request::Kind::MoveTool) return;
   log_.warning("the loop did not take a request: it has not run for a long time");
@@ -309,11 +353,12 @@ void Session::setFriction(double coefficient) {
   send(Request::setFriction(coefficient));
 }
 
-void Session::setStiffness(int material, double stiffness) {
-  const auto m = static_cast<std::size_t>(material);
-  sent_before_[m] = stiffness_[m];
-  stiffness_[m] = stiffness;
-  send(Request::setMaterial(material, stiffened(scene_materials_[m], stiffness)));
+void Session::setMaterial(int index, const Material& material) {
+  const auto m = static_cast<std::size_t>(index);
+  if (material == materials_[m]) return;
+  sent_before_[m] = materials_[m];
+  materials_[m] = material;
+  send(Request::setMaterial(index, material));
 }
 
 std::string Session::submitTask() {
@@ -325,8 +370,7 @@ std::string Session::submitTask() {
 
 void Session::loadedSettings() {
   setFriction(scene_.friction);
-  for (std::size_t m = 0; m < stiffness_.size(); ++m)
-    if (stiffness_[m] != 1.0) setStiffness(static_cast<int>(m), 1.0);
+  for (std::size_t m = 0; m < materials_.size(); ++m) setMaterial(static_cast<int>(m), scene_materials_[m]);
 }
 
 ToolDriver Session::driver() const { return track_over_ ? ToolDriver::User : track_driver_; }
@@ -367,14 +411,42 @@ ForceReading Session::shownForce(const Snapshot& snapshot) const {
   return ended_ || options_.offscreen ? ForceReading{snapshot.force, 0, true} : loop_->force();
 }
 
+/// How far the time step lets a material go is asked of the physics itself.
+MaterialView Session::materialView(std::size_t index) const {
+  const Material& loaded = scene_materials_[index];
+  MaterialView view;
+  view.name = scene_.materials[index].name;
+  view.material = materials_[index];
+  view.stiffness = view.material.shear_modulus / loaded.shear_modulus;
+  const auto most = [&](double low, double high, const auto& made) {  // the largest value that is taken, by bisection
+    const auto taken = [&](double value) { return physics_->excessOf(static_cast<int>(index), made(value)) <= 0; };
+    if (taken(high)) return high;
+    for (int k = 0; k < 24; ++k) (taken(0.5 * (low + high)) ? low : high) = 0.5 * (low + high);
+    return low;
+  };
+  view.most_stiffness = most(0, most_times_stiffer, [&](double s) { return stiffened(loaded, s); });
+  const auto& parameters = loaded.lawDescription().parameters;
+  const auto has = [&](std::string_view name) {
+    return std::any_of(parameters.begin(), parameters.end(), [&](const Parameter& p) { return name == p.name; });
+  };
+  view.elastic_constants = has("young") && has("poisson");
+  if (!view.elastic_constants) return view;
+  const auto with = [&](const char* name) {
+    return [&material = view.material, name](double value) { return Material(material).set(name, value); };
+  };
+  view.scene_young = loaded.get("young")[0];
+  view.most_young = most(0, most_times_stiffer * loaded.get("young")[0], with("young"));
+  view.most_poisson = most(0, largest_poisson, with("poisson"));
+  return view;
+}
+
 PanelData Session::panelData(const Snapshot& snapshot) const {
   PanelData data{.model = model_, .snapshot = snapshot, .forces = forces_, .log = log_.lines()};
   data.timing = timing(snapshot);
   data.force = shownForce(snapshot);
   // Mixtures of tissue are hundreds of materials; one of them alone is nothing to change.
-  const bool mixes = stiffness_.size() != scene_.materials.size();
-  for (std::size_t m = 0; m < stiffness_.size() && !mixes; ++m)
-    data.materials.push_back({stiffened(scene_materials_[m], stiffness_[m]), stiffness_[m]});
+  const bool mixes = materials_.size() != scene_.materials.size();
+  for (std::size_t m = 0; m < materials_.size() && !mixes; ++m) data.materials.push_back(materialView(m));
   data.friction = friction_;
   data.driver = driver();
   data.script = script_;

@@ -10,6 +10,7 @@
 #include "app/panels/force_history.h"
 #include "app/panels/log.h"
 #include "app/panels/panels.h"
+#include "app/run/kept_changes.h"
 #include "app/run/options.h"
 #include "app/run/result_folder.h"
 #include "app/run/script_motion.h"
@@ -65,8 +66,7 @@ class Session {
   /// Hands a request to the loop; says so in the log where the loop does not take it.
   void send(const Request& request);
   void setFriction(double coefficient);
-  /// @param stiffness  times the scene's
-  void setStiffness(int material, double stiffness);
+  void setMaterial(int index, const Material& material);
 
   /// Friction and materials as the scene has them.
   void loadedSettings();
@@ -86,6 +86,10 @@ class Session {
   const std::deque<ForceSample>& samples() const { return samples_; }
   const PressCurves& presses() const { return presses_; }
   void clearPresses() { presses_.clear(); }
+
+  /// The run from its start to the present tick, to be repeated bit for bit.
+  /// Throws std::runtime_error where changes were lost, or came to more than are kept.
+  Recording recordingSoFar();
 
   /// What the panels show besides the picture. Refers to this session and `snapshot`.
   PanelData panelData(const Snapshot& snapshot) const;
@@ -107,6 +111,7 @@ class Session {
   void followScript(const ToolScript& script, SimulationLoopOptions& loop_options);
   void takeEvent(const LogEvent& event);
   TimingView timing(const Snapshot& snapshot) const;
+  MaterialView materialView(std::size_t index) const;
   ForceReading shownForce(const Snapshot& snapshot) const;
 
   Options options_;
@@ -118,8 +123,8 @@ class Session {
   std::string failure_;
   Model model_;
   std::vector<Material> scene_materials_;
-  std::vector<double> stiffness_;    // (material_count) present, times the scene's
-  std::vector<double> sent_before_;  // (material_count) before the last request, should it be refused
+  std::vector<Material> materials_;    // (material_count) present
+  std::vector<Material> sent_before_;  // (material_count) before the last request, should it be refused
   double friction_ = 0;
   std::optional<Soak> soak_;
   std::optional<ScriptMotion> script_motion_;
@@ -129,6 +134,8 @@ class Session {
   std::unique_ptr<TissuePhysics> physics_;
   std::unique_ptr<SimulationLoop> loop_;
   std::optional<Recording> recording_;
+  KeptChanges changes_;        // in the window
+  bool changes_lost_ = false;  // likewise
   ForceHistory forces_;
   std::deque<ForceSample> samples_;
   PressCurves presses_;

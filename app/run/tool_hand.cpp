@@ -18,7 +18,8 @@ constexpr double travel_speed = 0.25;  // m/s, through the air
 constexpr double touch_speed = 0.06;   // m/s, down to the skin
 constexpr double turn_speed = 0.6;     // rad/s, of keys
 constexpr double turn_per_pixel = 0.006;
-constexpr double jump = 0.02;  // m: further on, the tool lifts off and comes down again
+constexpr double tap_seconds = 0.08;  // that a tapped key counts
+constexpr double jump = 0.02;         // m: further on, the tool lifts off and comes down again
 
 /// `v` without its part along the unit vector `axis`, of unit length; zero where nothing is left.
 Vec3 across(const Vec3& v, const Vec3& axis) {
@@ -42,7 +43,8 @@ Vec3 rotationVector(const Quat& q) {
 Vec3 limited(const Vec3& v, double most) { return v.norm() > most ? Vec3(v * (most / v.norm())) : v; }
 
 /// How long a request of this frame may last: until after the next, however late it comes; then the tool stands.
-double holdSeconds(double frame) { return std::clamp(1.5 * frame, 0.1, 1.0); }
+/// A key that is up again was held about as long as a tap takes, however slowly pictures follow each other.
+double holdSeconds(double frame, bool tapped) { return tapped ? tap_seconds : std::clamp(1.5 * frame, 0.1, 1.0); }
 
 }  // namespace
 
@@ -144,7 +146,7 @@ std::optional<Request> ToolHand::steer(const Actions& actions, const Camera& cam
   const Vec3 out = goal.position - centre_;
   if (out.norm() >= reach_ && velocity.dot(out) > 0) velocity -= velocity.dot(out) / out.squaredNorm() * out;
   const Vec3 turn = turn_speed * (actions.turn_keys.x() * camera.forward() - actions.turn_keys.y() * camera.right());
-  return Request::steer(velocity, turn, holdSeconds(seconds));
+  return Request::steer(velocity, turn, holdSeconds(seconds, actions.tapped));
 }
 
 /// Along the skin, at the depth that was reached; what the surface's bend and the tilt ask for is made good evenly.
@@ -164,11 +166,11 @@ Request ToolHand::glideKeys(const Actions& actions, const Camera& camera, double
   const Vec3 turn = turn_speed * (actions.turn_keys.x() * camera.forward() - actions.turn_keys.y() * camera.right());
   if (!turn.isZero(0)) {
     tilt_ = (goal.orientation * uprightOn(here.normal).conjugate()).normalized();
-    return Request::steer(velocity, turn, holdSeconds(seconds));
+    return Request::steer(velocity, turn, holdSeconds(seconds, actions.tapped));
   }
   const Quat wanted = tilt_ * uprightOn(here.normal);
   const Vec3 back = rotationVector(wanted * goal.orientation.conjugate()) / soon;
-  return Request::steer(velocity, limited(back, 2 * turn_speed), holdSeconds(seconds));
+  return Request::steer(velocity, limited(back, 2 * turn_speed), holdSeconds(seconds, actions.tapped));
 }
 
 void ToolHand::moveByMouse(const Actions& actions, const Camera& camera, int height, double seconds,

@@ -9,6 +9,7 @@
 #include "app/render/framebuffer.h"
 #include "app/render/pick.h"
 #include "app/run/saved_files.h"
+#include "app/trainer/score_page.h"
 
 namespace palpate::app {
 
@@ -32,6 +33,11 @@ Viewer::Viewer(Session& session, GlWindow& window, Interface& ui, PanelState& pa
   const CanvasSize size = window.size();
   view_.camera = startCamera(session.model().scene, layoutFor(size.width, size.height, ui_.theme().scale, true), size);
   hand_.setMode(panels.glide ? HandMode::Glide : HandMode::Free);
+}
+
+Camera Viewer::shownCamera() const {
+  const CanvasSize size = window_.size();
+  return centredIn(layout(size), view_.camera, size);
 }
 
 Layout Viewer::layout(const CanvasSize& size) const {
@@ -62,14 +68,20 @@ void Viewer::applyView(const Actions& actions, const CanvasSize& size) {
   if (actions.toggle_panels) panels_.panels_shown = !panels_.panels_shown;
   if (actions.toggle_help) panels_.help_shown = !panels_.help_shown;
   if (actions.close) {
-    if (panels_.help_shown)
+    if (!panels_.problem.empty())
+      panels_.problem.clear();
+    else if (panels_.help_shown)
       panels_.help_shown = false;
     else if (panels_.open_shown || panels_.quit_asked)
       panels_.open_shown = panels_.quit_asked = false;
     else
       panels_.demo = false, panels_.panels_shown = true;
   }
-  if (actions.open_scene) panels_.open_shown = true, panels_.open_script = false, panels_.path.clear();
+  if (actions.open_scene) panels_.open_shown = true, panels_.open_kind = OpenKind::Scene, panels_.path.clear();
+  if (actions.toggle_timeline) {
+    panels_.timeline_shown = !panels_.timeline_shown;
+    if (!panels_.timeline_shown) looked_at_.reset();
+  }
   if (actions.toggle_full_screen) window_.toggleFullScreen();
   if (actions.toggle_ghost) view_.ghost = !view_.ghost;
   if (actions.toggle_section) {
@@ -81,13 +93,13 @@ void Viewer::applyView(const Actions& actions, const CanvasSize& size) {
 
 void Viewer::applyRun(const Actions& actions, const Snapshot& snapshot) {
   using Kind = Request::Kind;
+  // What moves the run shows the present again.
+  if (actions.toggle_pause || actions.single_step > 0 || actions.reset || actions.undo > 0) looked_at_.reset();
   if (actions.toggle_pause) session_.send(Request::simple(snapshot.status.paused ? Kind::Resume : Kind::Pause));
-  if (actions.single_step) {
-    if (!snapshot.status.paused) session_.send(Request::simple(Kind::Pause));
-    session_.send(Request::simple(Kind::SingleStep));
-  }
+  if (actions.single_step > 0 && !snapshot.status.paused) session_.send(Request::simple(Kind::Pause));
+  for (int k = 0; k < actions.single_step; ++k) session_.send(Request::simple(Kind::SingleStep));
   if (actions.reset) reset();
-  if (actions.undo) session_.send(Request::simple(Kind::Undo));
+  for (int k = 0; k < actions.undo; ++k) session_.send(Request::simple(Kind::Undo));
 }
 
 void Viewer::applyTool(const Actions& actions, const Camera& camera, const Snapshot& snapshot, const Input& input,
@@ -136,9 +148,9 @@ void Viewer::applyPull(const Actions& actions, const Camera& camera, const Eigen
 void Viewer::applyRequests(const PanelRequests& requests, const Snapshot& snapshot, const CanvasSize& size) {
   Actions actions;
   actions.toggle_pause = requests.toggle_pause;
-  actions.single_step = requests.single_step;
+  actions.single_step = requests.single_step ? 1 : 0;
   actions.reset = requests.reset || requests.restart_script || requests.reset_all;
-  actions.undo = requests.undo;
+  actions.undo = requests.undo ? 1 : 0;
   applyRun(actions, snapshot);
   if (requests.reset_all) session_.loadedSettings();
   if (requests.undo_more)
@@ -153,7 +165,7 @@ void Viewer::applyRequests(const PanelRequests& requests, const Snapshot& snapsh
   if (requests.tool_to_start) send(hand_.toStart());
   if (requests.upright) send(hand_.upright());
   if (requests.friction) session_.setFriction(*requests.friction);
-  if (requests.material >= 0) session_.setStiffness(requests.material, requests.stiffness);
+  if (requests.material >= 0) session_.setMaterial(requests.material, requests.changed);
   if (requests.full_screen) window_.toggleFullScreen();
   if (requests.demo) {
     panels_.demo = !panels_.demo;
@@ -165,6 +177,14 @@ void Viewer::applyRequests(const PanelRequests& requests, const Snapshot& snapsh
     if (requests.unmark) task->unmark();
     if (requests.submit) submit();
   }
+  if (requests.look_at_s && !past_.empty()) {
+    if (!snapshot.status.paused) session_.send(Request::simple(Request::Kind::Pause));
+    looked_at_ = *requests.look_at_s;
+  }
+  if (requests.look_now) {
+    looked_at_.reset();
+    panels_.timeline_plays = false;
+  }
   applyFiles(requests);
 }
 
@@ -173,7 +193,9 @@ void Viewer::submit() {
   const std::string sheet = session_.submitTask();
   view_.ghost = true;
   try {
-    session_.log().info("score: " + SavedFiles(session_.options().scene).score(sheet));
+    session_.log().info("score: " +
+                        SavedFiles(session_.options().scene)
+                            .score(sheet, scorePage(ui_.theme(), session_.model(), organ_, *session_.task())));
   } catch (const std::exception& error) {
     session_.log().error(error.what());
   }
@@ -187,9 +209,12 @@ void Viewer::applyFiles(const PanelRequests& requests) {
     if (requests.save_picture) log.info("saved: " + files.picture(picture()));
     if (requests.save_forces) log.info("saved: " + files.forces(session_.samples()));
     if (requests.save_presses) log.info("saved: " + files.presses(session_.presses()));
+    if (requests.save_recording) log.info("saved: " + files.recording(session_.recordingSoFar()));
+    if (!requests.open_curve.empty()) panels_.reference = readReferenceCurve(requests.open_curve);
     if (requests.save_state) log.info("saved: " + files.state(session_.model(), session_.latest()));
   } catch (const std::exception& error) {
     session_.log().error(error.what());
+    panels_.problem = error.what();
   }
   if (requests.clear_presses) session_.clearPresses();
 }
@@ -200,9 +225,12 @@ ProgramRequests Viewer::frame(double seconds, const std::vector<std::string>& sc
   frame_seconds_ = frame_seconds_ == 0 ? seconds : frame_seconds_ + share * (seconds - frame_seconds_);
   session_.gather();
   const Snapshot& snapshot = session_.latest();
+  const KeyPresses presses = window_.takePressed();
+  ui_.hold(presses.taps());
   ui_.begin();
 
-  Input input = inputFromImGui(window_.takePressed());
+  Input input = inputFromImGui(presses);
+  input.keys_taken |= panels_.open_shown;  // also while its text field does not yet have the keyboard
   input.mouse *= size.pixel_ratio;
   input.mouse_delta *= size.pixel_ratio;
   const Camera before = centredIn(layout(size), view_.camera, size);
@@ -210,13 +238,17 @@ ProgramRequests Viewer::frame(double seconds, const std::vector<std::string>& sc
     input.on_skin = pickSkin(session_.model().skin.surface, organ_.skinPositions(),
                              before.rayThrough(input.mouse.x(), input.mouse.y(), size.pixelWidth(), size.pixelHeight()))
                         .has_value();
-  const bool something_open = panels_.help_shown || panels_.open_shown || panels_.quit_asked || panels_.demo;
+  const bool something_open =
+      panels_.help_shown || panels_.open_shown || panels_.quit_asked || panels_.demo || !panels_.problem.empty();
   const Actions actions = controls_.read(input, something_open);
   applyView(actions, size);
   applyRun(actions, snapshot);
   const Camera shown = centredIn(layout(size), view_.camera, size);
-  applyTool(actions, shown, snapshot, input, size, seconds);
-  applyPull(actions, shown, input.mouse, size);
+  past_.add(snapshot);
+  if (!looked_at_) {
+    applyTool(actions, shown, snapshot, input, size, seconds);
+    applyPull(actions, shown, input.mouse, size);
+  }
   if (actions.pick_point) {
     const Ray ray = shown.rayThrough(input.mouse.x(), input.mouse.y(), size.pixelWidth(), size.pixelHeight());
     view_.picked_point =
@@ -234,22 +266,29 @@ ProgramRequests Viewer::frame(double seconds, const std::vector<std::string>& sc
     more.pull_N = pullForce(
         session_.model(), view_.pulled_vertex,
         view_.pull_target - organ_.skinPositions()[static_cast<std::size_t>(view_.pulled_vertex)].cast<double>());
-  PanelRequests requests = drawComposition(organ_, ui_, session_, snapshot, view_, panels_, layout(size), size, more);
+  more.timeline = TimelineView{past_.begin_s(), snapshot.force.time_s, looked_at_.value_or(snapshot.force.time_s),
+                               looked_at_.has_value()};
+  const Snapshot& drawn = looked_at_ ? past_.at(*looked_at_) : snapshot;
+  PanelRequests requests = drawComposition(organ_, ui_, session_, drawn, view_, panels_, layout(size), size, more);
   requests.save_picture |= actions.save_picture;
   requests.save_forces |= actions.save_forces;
   requests.demo |= actions.toggle_demo;
   requests.mark |= actions.mark;
   applyRequests(requests, snapshot, size);
   ProgramRequests program;
-  const TaskScore* task = session_.task();
-  const bool unsaved = task != nullptr && !session_.revealed() && !task->marks().empty();
-  const bool quits = actions.quit || requests.quit;
-  if (quits && unsaved) panels_.quit_asked = true;
-  program.quit = (quits && !unsaved) || requests.quit_now;
+  program.quit = ((actions.quit || requests.quit) && !asksBeforeQuit()) || requests.quit_now;
   program.open_scene = requests.open_scene;
   program.open_script = requests.open_script;
+  program.open_recording = requests.open_recording;
   program.tool = requests.tool;
   return program;
+}
+
+bool Viewer::asksBeforeQuit() {
+  const TaskScore* task = session_.task();
+  const bool unsaved = task != nullptr && !session_.revealed() && !task->marks().empty();
+  panels_.quit_asked |= unsaved;
+  return unsaved;
 }
 
 Picture Viewer::picture() {

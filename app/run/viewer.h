@@ -6,6 +6,7 @@
 #include "app/run/composition.h"
 #include "app/run/gl_window.h"
 #include "app/run/input.h"
+#include "app/run/past_pictures.h"
 #include "app/run/tool_hand.h"
 
 namespace palpate::app {
@@ -13,8 +14,8 @@ namespace palpate::app {
 /// What a frame asks of the program beyond the session that it shows.
 struct ProgramRequests {
   bool quit = false;
-  std::string open_scene, open_script;  // empty: none
-  std::optional<ToolChoice> tool;       // the same scene with another probe
+  std::string open_scene, open_script, open_recording;  // empty: none
+  std::optional<ToolChoice> tool;                       // the same scene with another probe
 };
 
 /// One session in the window: what the user sees, holds and sets. Main thread.
@@ -25,8 +26,20 @@ class Viewer {
 
   /// One frame: input, requests to the loop, picture.
   ProgramRequests frame(double seconds, const std::vector<std::string>& scenes);
+  /// Whether quitting would lose something; then the user is asked.
+  bool asksBeforeQuit();
+
   /// The present picture, drawn once more.
   Picture picture();
+
+  /// What is set, held and seen: for who watches the window (FrameWatch).
+  const View& view() const { return view_; }
+  const PanelState& panels() const { return panels_; }
+  std::optional<double> lookedAt() const { return looked_at_; }
+  const ToolHand& hand() const { return hand_; }
+  Drag drag() const { return controls_.drag(); }
+  /// The camera as it is drawn, in the middle of what the panels leave free.
+  Camera shownCamera() const;
 
  private:
   Layout layout(const CanvasSize& size) const;
@@ -52,6 +65,8 @@ class Viewer {
   std::int64_t undo_count_ = 0;  // of the last snapshot
   double frame_seconds_ = 0;     // mean of the last ones
   Shown shown_;
+  PastPictures past_;
+  std::optional<double> looked_at_;  // s of the run, of the earlier picture that is shown
 };
 
 }  // namespace palpate::app

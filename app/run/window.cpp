@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <stdexcept>
 #include <thread>
+#include <utility>
 
 #include "app/panels/widgets.h"
 #include "app/run/frame_pace.h"
@@ -15,6 +16,7 @@
 #include "app/run/viewer.h"
 #include "base/input_error.h"
 #include "base/interrupt.h"
+#include "io/text_file.h"
 #include "realtime/loop/thread_setup.h"
 
 namespace palpate::app {
@@ -35,8 +37,9 @@ struct Next {
 /// The window with all that outlives a session.
 class Shell {
  public:
-  Shell(const Options& options, Log& log)
+  Shell(const Options& options, Log& log, const FrameWatch& watch)
       : log_(log),
+        watch_(watch),
         loader_(log),  // before this thread takes its low priority
         priority_(setUpViewerThread()),
         window_(options, "Palpate"),
@@ -48,16 +51,21 @@ class Shell {
 
   /// The session, or null where the user would not wait. Throws what its making throws.
   std::unique_ptr<Session> load(const Options& options, const Scene& scene);
-  Next show(Session& session);
-  /// Says what is wrong until the user chooses; true: back to the scene before.
-  bool askAfter(const std::string& problem);
-  RecentScenes& recent() { return recent_; }
+  std::unique_ptr<Viewer> viewerOf(Session& session);
+  /// @param resume  with its first picture the session runs
+  Next show(Session& session, Viewer& viewer, bool resume);
+  /// Ends the session and keeps its results.
+  void finish(Session& session, Viewer& viewer);
+  /// Says over the picture, and in the log, what can't be used.
+  void tell(const std::string& problem);
+  bool ends() const { return window_.closeAsked() || interrupted(); }
 
  private:
   bool beginPicture();
   void endPicture();
 
   Log& log_;
+  const FrameWatch& watch_;
   SessionLoader loader_;
   std::string priority_;
   GlWindow window_;
@@ -66,6 +74,31 @@ class Shell {
   RecentScenes recent_;
   std::string renderer_name_;
 };
+
+/// A scene or a tool script, told by what is in it, a recording, or a curve, which is shown at once. Returns what is
+/// wrong with anything else; empty: nothing.
+std::string takeDropped(const std::string& file, ProgramRequests& wish, PanelState& panels) {
+  constexpr std::size_t most_bytes = 1 << 20;
+  try {
+    const std::string ending = std::filesystem::path(file).extension().string();
+    if (ending == ".rec") {
+      wish.open_recording = file;
+      return {};
+    }
+    if (ending == ".csv") {
+      panels.reference = readReferenceCurve(file);
+      return {};
+    }
+    if (ending != ".toml")
+      throw InputError({file}, "nothing that can be opened here",
+                       "drop a scene or a tool script (.toml), a recording (.rec) or a force over depth (.csv)");
+    const std::string text = readWholeFile(file, {}, most_bytes);
+    (text.find("[organ]") != std::string::npos ? wish.open_scene : wish.open_script) = file;
+  } catch (const std::exception& error) {
+    return error.what();
+  }
+  return {};
+}
 
 bool Shell::beginPicture() {
   window_.waitFor(loading_turn);
@@ -94,6 +127,7 @@ void Shell::endPicture() {
 std::unique_ptr<Session> Shell::load(const Options& options, const Scene& scene) {
   window_.setTitle("Palpate - " + scene.name);
   loader_.begin(options, scene);
+  bool given_up = false;
   while (loader_.busy()) {
     if (!beginPicture()) continue;
     const Theme& theme = ui_.theme();
@@ -104,35 +138,21 @@ std::unique_ptr<Session> Shell::load(const Options& options, const Scene& scene)
     note(theme, "Getting the tissue ready: " + (progress.stage.empty() ? "reading" : progress.stage));
     ImGui::ProgressBar(static_cast<float>(progress.fraction), {-1, 0});
     note(theme, "The next start of this scene takes a moment: what is made now is kept.");
+    given_up |= button("Give up", 90 * theme.scale) || ends();
     endPicture();
-    if (window_.closeAsked() || interrupted()) loader_.cancel();
+    if (given_up) loader_.cancel();
   }
-  if (window_.closeAsked()) {
-    try {
-      loader_.take();
-    } catch (const std::exception&) {  // given up, or failed: nobody waits for it
-    }
-    return nullptr;
+  if (!given_up) return loader_.take();
+  try {
+    loader_.take();
+  } catch (const std::exception&) {  // given up, or failed: nobody waits for it
   }
-  return loader_.take();
+  return nullptr;
 }
 
-bool Shell::askAfter(const std::string& problem) {
-  for (;;) {
-    if (window_.closeAsked() || interrupted()) return false;
-    if (!beginPicture()) continue;
-    const Theme& theme = ui_.theme();
-    ImGui::PushFont(theme.title);
-    ImGui::TextUnformatted("This scene can't be used");
-    ImGui::PopFont();
-    note(theme, problem, colours::text);
-    ImGui::Spacing();
-    const bool back = button("Back to the scene before", 190 * theme.scale);
-    ImGui::SameLine();
-    const bool quit = button("Quit", 90 * theme.scale);
-    endPicture();
-    if (back || quit) return back;
-  }
+std::unique_ptr<Viewer> Shell::viewerOf(Session& session) {
+  recent_.add(session.options().scene);
+  return std::make_unique<Viewer>(session, window_, ui_, panels_);
 }
 
 /// What a frame asks for, as options of the next session; throws InputError where it can't be read.
@@ -147,16 +167,24 @@ Options nextOptions(const Options& now, const ProgramRequests& wish) {
     next.tool_choice.reset();
   }
   if (!wish.open_script.empty()) next.tool_script = wish.open_script;
+  if (!wish.open_recording.empty()) {
+    next.replay = wish.open_recording;
+    next.tool_script.clear();
+  }
   if (wish.tool) next.tool_choice = wish.tool;
   return next;
 }
 
-Next Shell::show(Session& session) {
-  Viewer viewer(session, window_, ui_, panels_);
+void Shell::tell(const std::string& problem) {
+  log_.error(problem);
+  panels_.problem = problem;
+}
+
+Next Shell::show(Session& session, Viewer& viewer, bool resume) {
+  window_.setTitle("Palpate - " + session.model().scene.name);
   FramePace pace(isSoftwareRenderer(renderer_name_.c_str()));
   const std::vector<std::string> scenes = scenesToOpen(recent_);
   Next next;
-  bool shown = false;
   auto last = SteadyClock::now();
   while (!session.finished() && !interrupted()) {
     if (!window_.visible() && !window_.closeAsked()) {
@@ -169,61 +197,72 @@ Next Shell::show(Session& session) {
     ProgramRequests wish = viewer.frame(std::chrono::duration<double>(now - last).count(), scenes);
     last = now;
     window_.show();
-    for (const std::string& dropped : window_.takeDropped())
-      (std::filesystem::path(dropped).extension() == ".toml" ? wish.open_scene : wish.open_script) = dropped;
-    if (wish.quit || window_.closeAsked()) break;
-    if (!wish.open_scene.empty() || !wish.open_script.empty() || wish.tool) {
+    if (watch_) watch_(session, viewer);
+    for (const std::string& file : window_.takeDropped())
+      if (const std::string problem = takeDropped(file, wish, panels_); !problem.empty()) tell(problem);
+    if (wish.quit) break;
+    if (window_.closeAsked()) {
+      if (!viewer.asksBeforeQuit()) break;
+      window_.forgetClose();
+    }
+    if (!wish.open_scene.empty() || !wish.open_script.empty() || !wish.open_recording.empty() || wish.tool) {
       try {  // what can be seen to be wrong leaves the present session as it is
         next.options = nextOptions(session.options(), wish);
         checkOptions(next.options);
         next.quit = false;
         break;
       } catch (const InputError& error) {
-        log_.error(error.what());
+        tell(error.what());
       }
     }
-    if (!shown) session.send(Request::simple(Request::Kind::Resume));
-    shown = true;
+    if (std::exchange(resume, false)) session.send(Request::simple(Request::Kind::Resume));
     const double turn = pace.turn(std::chrono::duration<double>(SteadyClock::now() - now).count(),
                                   session.latest().status.overrun_count);
     std::this_thread::sleep_until(
         now + std::chrono::duration_cast<SteadyClock::duration>(std::chrono::duration<double>(turn)));
   }
+  return next;
+}
+
+void Shell::finish(Session& session, Viewer& viewer) {
   session.finish();
   if (ResultFolder* results = session.results()) {
     results->writeReport(toJson(session.report()));
     results->writePicture(viewer.picture());
     log_.info("results: " + results->reportFile());
   }
-  return next;
 }
 
 }  // namespace
 
-std::string runWindow(const Options& first, const Scene& first_scene, Log& log) {
-  Shell shell(first, log);
-  Options options = first;
-  Scene scene = first_scene;
-  std::optional<Options> before;  // that could be used
+std::string runWindow(const Options& first, const Scene& first_scene, Log& log, const FrameWatch& watch) {
+  Shell shell(first, log, watch);
+  std::unique_ptr<Session> session = shell.load(first, first_scene);
+  if (!session) return {};
+  std::unique_ptr<Viewer> viewer = shell.viewerOf(*session);
+  bool resume = true;
   for (;;) {
-    std::unique_ptr<Session> session;
-    try {
-      session = shell.load(options, scene);
-    } catch (const InputError& error) {
-      if (!before) throw;
-      log.error(error.what());
-      if (!shell.askAfter(error.what())) return {};
-      options = *before;
-      scene = readScene(options);
-      continue;
+    const Next next = shell.show(*session, *viewer, resume);
+    if (next.quit) {
+      shell.finish(*session, *viewer);
+      return session->failure();
     }
-    if (!session) return {};
-    shell.recent().add(options.scene);
-    before = options;
-    const Next next = shell.show(*session);
-    if (next.quit) return session->failure();
-    options = next.options;
-    scene = readScene(options);
+    // The present session waits meanwhile, and goes on where the next one can't be made.
+    resume = !session->latest().status.paused;
+    session->send(Request::simple(Request::Kind::Pause));
+    std::unique_ptr<Session> made;
+    try {
+      made = shell.load(next.options, readScene(next.options));
+    } catch (const std::exception& error) {
+      shell.tell(error.what());
+    }
+    if (made || shell.ends()) shell.finish(*session, *viewer);
+    if (shell.ends()) return session->failure();
+    if (!made) continue;
+    resume = true;
+    viewer.reset();
+    session = std::move(made);
+    viewer = shell.viewerOf(*session);
   }
 }
 

@@ -59,6 +59,8 @@ void TaskScore::mark(const Vec3& place, int hardness, double time_s) {
   marks_.push_back({skin_.nearest(place).point, std::clamp(hardness, 1, 3), time_s});
 }
 
+bool TaskScore::wasPressedLightly(std::size_t lump) const { return deepest_[lump] < light_share * lumps_[lump].top; }
+
 TaskScore::Sheet TaskScore::sheet() const {
   Sheet sheet;
   std::vector<bool> found(lumps_.size(), false);
@@ -82,7 +84,7 @@ TaskScore::Sheet TaskScore::sheet() const {
   sheet.false_alarms = static_cast<int>(marks_.size()) - sheet.hits;
   sheet.mean_error_mm = sheet.hits > 0 ? 1e3 * errors / sheet.hits : 0;
   for (std::size_t k = 0; k < lumps_.size(); ++k)
-    if (!found[k] && deepest_[k] < light_share * lumps_[k].top) ++sheet.missed_too_light;
+    if (!found[k] && wasPressedLightly(k)) ++sheet.missed_too_light;
   sheet.seconds = seconds_;
   sheet.mean_force_N = touching_ > 0 ? force_sum_ / static_cast<double>(touching_) : 0;
   sheet.peak_force_N = peak_;

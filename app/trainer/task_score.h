@@ -50,6 +50,10 @@ class TaskScore {
 
   /// Peak pressure at the skin's vertices, Pa  (skin vertex_count)
   const std::vector<float>& pressureMap() const { return pressure_; }
+  /// Where the tip went while it touched, each 2 mm.
+  const std::vector<Vec3>& path() const { return path_; }
+  /// Whether nobody pressed deep enough over this lump to feel it.
+  bool wasPressedLightly(std::size_t lump) const;
 
  private:
   const Model& model_;

@@ -240,6 +240,7 @@ void readMaterial(const TomlTable& table, const std::filesystem::path& folder, c
                   MaterialSpec& material) {
   const bool first = before.empty();
   material.place = table.place();
+  table.readName("name", material.name);
   material.material = readLaw(table);
   if (table.has("mask") && !table.has("membership")) table.forbid({"mask"}, "without \"membership\"");
   if (table.has("membership")) {

@@ -114,6 +114,7 @@ constexpr KeySpec scene_keys[] = {
     {"discretization.refine", "blend", T::Number, "m", "0", atLeast(0), "",
      "Width over which the spacing grows back to the global one; 0: three times the difference of the two."},
 
+    {"material", "name", T::Text, "", "", {}, "", "Its name in the window, e.g. \"capsule\".", never},
     {"material", "region", T::Table, "", depends, {}, "",
      "Where this material is (a [region](#region)). The first material is everywhere and has none; each later "
      "one needs one and replaces what was there."},
@@ -261,8 +262,8 @@ constexpr KeySpec scene_keys[] = {
      "Young's modulus at small strain, above the tissue's; the law is the first material's."},
     {"lumps", "count", T::Integer, "", required, between(1, 20), "", "How many are placed below the skin."},
     {"lumps", "level", T::Integer, "", "1", {}, "1|2|3",
-     "How hard they are to find: 16 to 20 mm large, 3 to 5 mm deep and 40 to 50 kPa; 12 to 16 mm, 5 to 9 mm and 30 to "
-     "40 kPa; 8 to 12 mm, 9 to 15 mm and 20 to 30 kPa."},
+     "How hard they are to find: 16 to 20 mm large, 3 to 5 mm deep and 40 to 50 kPa; 12 to 16 mm, 3 to 4.5 mm and 40 "
+     "to 50 kPa; 10 to 12 mm, 2.5 to 3 mm and 45 to 50 kPa. A scene with a lump that the tool can't feel is refused."},
     {"lumps", "seed", T::Integer, "", "1", between(0, 4294967295.0), "", "Another seed, other places."},
 };
 // clang-format on

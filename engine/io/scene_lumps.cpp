@@ -20,10 +20,11 @@ constexpr double apart = 0.010;              // m, between two lumps: they are f
 constexpr double facing = 0.4;               // cosine between skin and tool, where the tool still gets to the skin
 constexpr int most_draws = 4000;
 
-// 16 to 20 mm and just below the skin; 12 to 16 mm; 8 to 12 mm and up to 15 mm deep.
+// 16 to 20 mm, 12 to 16 mm, 10 to 12 mm across. What is smaller, softer or deeper no fingertip of 5 mm tells from the
+// tissue beside it (palpate --check-lumps: less than 1.5 times as stiff).
 constexpr std::array<LumpLevel, 3> levels{{{0.008, 0.010, 0.003, 0.005, 40e3, 50e3},
-                                           {0.006, 0.008, 0.005, 0.009, 30e3, 40e3},
-                                           {0.004, 0.006, 0.009, 0.015, 20e3, 30e3}}};
+                                           {0.006, 0.008, 0.003, 0.0045, 40e3, 50e3},
+                                           {0.005, 0.006, 0.0025, 0.003, 45e3, 50e3}}};
 
 double youngOf(const Material& m) {
   return 9 * m.bulk_modulus * m.shear_modulus / (3 * m.bulk_modulus + m.shear_modulus);
@@ -94,6 +95,9 @@ void addLump(const Vec3& centre, double radius, double young, const SourceLocati
     throw InputError(place, "a lump of " + number(young) + " Pa in tissue of " + number(around) + " Pa",
                      "give it a larger \"young\" than the tissue's");
   MaterialSpec lump;
+  const auto lumps = std::count_if(scene.materials.begin(), scene.materials.end(),
+                                   [](const MaterialSpec& spec) { return spec.name.starts_with("lump "); });
+  lump.name = "lump " + std::to_string(lumps + 1);
   lump.material = stiffened(tissue, young / around);
   lump.everywhere = false;
   lump.region.kind = Region::Kind::Sphere;

@@ -48,6 +48,7 @@ struct PointLoad {
 
 /// A material and where it is.
 struct MaterialSpec {
+  std::string name;  // as shown; "" where the scene gives none
   Material material = Material::neoHookean(3000, 0.49, 1000);
   bool everywhere = true;  // otherwise only inside `region` (later entries win)
   Region region;

@@ -90,6 +90,7 @@ std::map<std::string, Change> changes() {
       {"material.model",
        {minimal_scene, "\"neo-hookean\"\nyoung = 3000\npoisson = 0.49",
         "\"ogden\"\nmu = [1000]\nalpha = [2]\nD1 = 1e-4"}},
+      {"material.name", added(minimal_scene, "[[material]]\n", "name = \"capsule\"")},
       {"material.membership", {mixed, "\"m.nii\"", "\"./m.nii\""}},
       {"material.mask", {mixed, "\"k.nii\"", "\"./k.nii\""}},
       {"region.shape", {rod, "\"cylinder\"\nradius = 0.01\nheight = 0.02", "\"half-space\""}},

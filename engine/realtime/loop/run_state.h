@@ -12,7 +12,7 @@ struct RunState {
   std::int64_t tick_limit = 0;  // the run ends after so many; 0: never by itself
   bool starts_paused = false;   // the first Resume begins the run, and is no event
   bool paused = false;
-  bool step_once = false;           // a single tick, then paused again
+  int single_steps = 0;             // ticks still to be made while paused
   bool frozen = false;              // the watchdog stopped the tissue
   bool stop = false;                // Quit was asked for
   Pose goal;                        // where the viewer's requests have led the hand

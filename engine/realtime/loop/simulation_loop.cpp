@@ -151,8 +151,8 @@ TickOutcome SimulationLoop::onTick(const LoopTime& time) {
     return TickOutcome::Stop;
   }
 
-  const bool moves = !run_.paused || run_.step_once;
-  run_.step_once = false;
+  const bool moves = !run_.paused || run_.single_steps > 0;
+  if (run_.single_steps > 0) --run_.single_steps;
   if (moves) {
     if (!advance()) return TickOutcome::Stop;
     reporter_.sendForce(time, run_);
@@ -281,9 +281,10 @@ void SimulationLoop::apply(const Request& request, bool from_track) {
     case Kind::Resume:
       if (run_.paused && !(run_.starts_paused && run_.tick == 0)) reporter_.logEvent(LogEvent::Kind::Resumed, run_);
       run_.paused = false;
+      run_.single_steps = 0;
       return;
     case Kind::SingleStep:
-      run_.step_once = run_.paused;
+      if (run_.paused) ++run_.single_steps;
       return;
     case Kind::Quit:
       run_.stop = true;

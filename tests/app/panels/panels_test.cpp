@@ -46,7 +46,7 @@ class Panels {
       ImGui::NewFrame();
       PanelData data{
           .model = model_, .snapshot = snapshot_, .forces = forces_, .log = log_, .timing = timing_, .force = force_};
-      data.materials.push_back({Material::neoHookean(3000, 0.49, 1000), 1.0});
+      data.materials.push_back({Material::neoHookean(3000, 0.49, 1000), 1.0, "capsule", 2, true, 3000, 6000, 0.495});
       data.notice = notice_;
       data.frozen_reason = "12 integration points are inverted";
       names = drawPanels(data, width, height);
@@ -203,6 +203,15 @@ TEST_CASE("In a small window nothing is wider than its column, and the force is 
     CHECK(column->Pos.y + 110 < static_cast<float>(height));  // heading and both numbers
     CHECK(windowNamed("##bar")->ContentSize.x <= windowNamed("##bar")->Size.x);
   }
+}
+
+TEST_CASE("Panels are drawn in windows of any size, with all that can be open", "[panels]") {
+  Panels panels;
+  panels.state_.open_shown = panels.state_.quit_asked = panels.state_.help_shown = true;
+  panels.state_.problem = "out/broken.toml:3:9: no such solid";
+  panels.notice_ = Notice{"The tissue gives no further.", "the tool yields", 1, false};
+  for (const auto& [width, height] : {std::pair{1, 1}, {20, 400}, {100, 100}, {1280, 60}, {3840, 2160}})
+    CHECK(panels.draw(width, height).find("##problem") != std::string::npos);
 }
 
 TEST_CASE("What the tissue can't take is said in a banner that offers a way back", "[panels]") {

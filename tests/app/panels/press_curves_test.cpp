@@ -44,6 +44,24 @@ TEST_CASE("Each press is a curve of its own with its peak; a brush is none", "[p
   CHECK(curves.all().empty());
 }
 
+TEST_CASE("What a press loses is the area between its way in and its way out", "[press_curves]") {
+  PressCurves elastic;
+  press(elastic, {5});
+  // 2 N per 10 mm to 5 mm: 1 N x 5 mm / 2.
+  CHECK(elastic.all()[0].loaded_mJ == Approx(2.5).epsilon(0.01));
+  CHECK(std::abs(elastic.all()[0].lost_mJ) < 0.01);
+  PressCurves lossy;
+  for (int k = 0; k <= 400; ++k) {  // in at 200 N/m, out at half of that
+    ForceSample sample;
+    sample.time_s = 0.002 * k;
+    sample.depth_m = 5e-3 * (k <= 200 ? k : 400 - k) / 200;
+    sample.force_raw.z() = (k <= 200 ? 200 : 100) * sample.depth_m;
+    lossy.add(sample);
+  }
+  CHECK(lossy.all()[0].loaded_mJ == Approx(2.5).epsilon(0.02));
+  CHECK(lossy.all()[0].lost_mJ == Approx(1.25).epsilon(0.02));
+}
+
 TEST_CASE("A session keeps its last presses only", "[press_curves]") {
   PressCurves curves;
   for (std::size_t k = 0; k < PressCurves::most_kept + 5; ++k) press(curves, {2});

@@ -72,4 +72,27 @@ TEST_CASE("The skin shows where it is held and pressed", "[skin]") {
   view.colour_min = 0;
   view.colour_max = 0.1;
   CHECK(skin.update(snapshot, view).max == 0.1);
+  CHECK_FALSE(skin.update(snapshot, view).above);
+  view.colour_min = 0.001;
+  view.colour_max = 0.002;
+  const ColourScale narrow = skin.update(snapshot, view);
+  CHECK(narrow.below);
+  CHECK(narrow.above);
+  int over = 0, under = 0;
+  for (const SkinVertex& v : skin.vertices()) {
+    over += v.value > 1 ? 1 : 0;
+    under += v.value < 0 ? 1 : 0;
+  }
+  CHECK(over > 0);
+  CHECK(under > 0);
+
+  std::vector<float> pressure(model.skin.surface.vertices.size(), 500.0F);
+  pressure[0] = 3000;
+  View peak;
+  peak.colour_map = ColourMap::Pressure;
+  CHECK(skin.update(snapshot, peak).max == 1000);  // nothing was given
+  peak.skin_values = &pressure;
+  CHECK(skin.update(snapshot, peak).max == 3000);
+  pressure.pop_back();
+  CHECK(skin.update(snapshot, peak).max == 1000);  // another body's
 }

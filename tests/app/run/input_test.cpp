@@ -144,6 +144,25 @@ TEST_CASE("Each key has its action; Escape closes the help before it quits", "[i
   CHECK(controls.read(undo, false).undo);
 }
 
+TEST_CASE("Presses between two pictures are counted: what switches twice stays, undo goes back so often", "[input]") {
+  Controls controls;
+  Input input;
+  input.press(Key::X);
+  input.press(Key::X);
+  input.press(Key::G);
+  input.press(Key::Period);
+  input.press(Key::Period);
+  input.ctrl = true;
+  input.press(Key::Z);
+  input.press(Key::Z);
+  input.ctrl = false;  // up again by now
+  const Actions actions = controls.read(input, false);
+  CHECK_FALSE(actions.toggle_section);
+  CHECK(actions.toggle_ghost);
+  CHECK(actions.single_step == 2);
+  CHECK(actions.undo == 2);
+}
+
 TEST_CASE(
     "On the skin a drag leads the probe, and its wheel presses; beside it and with the middle button it turns the view",
     "[input]") {

@@ -149,6 +149,9 @@ TEST_CASE("A line that can't be used is refused with exit code 2 and a message t
       {{"liver", "--offscreen", "--field", "J", "--range", "1:0"}, "--range"},
       {{"liver", "--offscreen", "--show", "bones"}, "bones"},
       {{"liver", "--compare", "a.png"}, "--compare"},
+      {{"liver", "--animation", "a.png"}, "--animation"},
+      {{"liver", "--offscreen", "--animation", "a.png"}, "--animation"},
+      {{"liver", "--offscreen", "--animation", "a.png", "--seconds", "100"}, "--animation"},
   };
   for (const Case& c : cases) {
     const ParsedOptions parsed = parse(c.words);

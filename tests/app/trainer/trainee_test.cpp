@@ -1,5 +1,7 @@
 #include "app/trainer/trainee.h"
 
+#include "app/trainer/feel_check.h"
+
 #include <catch2/catch.hpp>
 
 #include "io/load_model.h"
@@ -7,6 +9,7 @@
 #include "realtime/loop/simulation_loop.h"
 #include "realtime/recording/recording.h"
 #include "support/small_scene.h"
+#include "support/temp_folder.h"
 
 using namespace palpate;
 using namespace palpate::app;
@@ -96,6 +99,34 @@ TEST_CASE("A lump of the first level is felt as clearly stiffer; a small deep on
   addLump(Vec3(0.01, 0, 0.012), 0.004, 20e3, {}, scene);
   const std::vector<LumpFeel> deep = feelLumps(buildModel(scene, boxSurface(scene.size, 0.004)), depth);
   CHECK(deep[0].ratio() < least_feel);
+}
+
+TEST_CASE("A layout that can't be felt is refused with its lump, and what was felt is kept", "[trainer]") {
+  Scene scene = test::blockScene(0.012);
+  scene.tool.radius = 0.008;
+  addLump(Vec3(0.01, 0, 0.012), 0.004, 20e3, {"x.toml", 7}, scene);
+  const Model model = buildModel(scene, boxSurface(scene.size, 0.004));
+  const TempFolder folder;
+  const auto problem = [&] {
+    try {
+      requireFelt(model, folder.path("cache"));
+    } catch (const InputError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  const std::string first = problem();
+  CHECK(first.starts_with("x.toml:7: lump 1 (8 mm across, "));
+  CHECK(first.find("can't be felt") != std::string::npos);
+  CHECK(problem() == first);
+  // Only what was kept can say that it is felt now.
+  int files = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(folder.path("cache"))) {
+    std::ofstream(entry.path()) << "2.5\n";
+    ++files;
+  }
+  CHECK(files == 1);
+  CHECK(problem().empty());
 }
 
 TEST_CASE("A score counts each lump once, what is marked beside it, and force above the limit", "[trainer]") {

@@ -1,0 +1,55 @@
+// The last minute, to look back at.
+#include <imgui.h>
+
+#include <algorithm>
+
+#include "app/panels/panels.h"
+#include "app/panels/widgets.h"
+
+namespace palpate::app {
+
+void drawTimeline(const Theme& theme, const PanelData& data, const Rect& view, PanelState& state,
+                  PanelRequests& requests) {
+  const float s = theme.scale;
+  const TimelineView& time = *data.timeline;
+  const float width = std::min(view.width - 20 * s, 620 * s), height = 62 * s;
+  const float legend = data.colour_scale.map == ColourMap::Tissue ? 0 : 66 * s;  // which stands at the same place
+  ImGui::SetNextWindowPos({view.x + 0.5F * (view.width - width), view.bottom() - legend - 10 * s}, ImGuiCond_Always,
+                          {0, 1});
+  ImGui::SetNextWindowSize({width, height}, ImGuiCond_Always);
+  if (ImGui::Begin("##timeline", nullptr,
+                   ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings |
+                       ImGuiWindowFlags_NoFocusOnAppearing)) {
+    ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x);
+    auto back = static_cast<float>(time.shown_s - time.now_s);
+    const auto furthest = static_cast<float>(std::min(time.begin_s - time.now_s, -0.2));
+    if (ImGui::SliderFloat("##back", &back, furthest, 0, back < -0.05F ? "%.1f s" : "now",
+                           ImGuiSliderFlags_AlwaysClamp)) {
+      state.timeline_plays = false;
+      requests.look_at_s = time.now_s + static_cast<double>(back);
+    }
+    const float part = (ImGui::GetContentRegionAvail().x - 3 * ImGui::GetStyle().ItemSpacing.x) / 4;
+    if (button(state.timeline_plays ? "Stop" : "Play", part, time.past, "first look back with the bar above"))
+      state.timeline_plays = !state.timeline_plays;
+    ImGui::SameLine();
+    if (button("Now", part, time.past, "this is the present picture")) requests.look_now = true;
+    ImGui::SameLine();
+    if (button("Save run", part)) requests.save_recording = true;
+    if (ImGui::IsItemHovered()) ImGui::SetTooltip("the whole run as a recording, which can be replayed bit for bit");
+    ImGui::SameLine();
+    if (button("Hide (T)", part)) {
+      state.timeline_shown = false;
+      requests.look_now = true;
+    }
+    if (state.timeline_plays && time.past) {
+      const double next = time.shown_s + static_cast<double>(ImGui::GetIO().DeltaTime);
+      if (next < time.now_s)
+        requests.look_at_s = next;
+      else
+        requests.look_now = true;
+    }
+  }
+  ImGui::End();
+}
+
+}  // namespace palpate::app

@@ -1,0 +1,72 @@
+#include "app/trainer/feel_check.h"
+
+#include <filesystem>
+#include <fstream>
+#include <vector>
+
+#include "base/build_info.h"
+#include "base/input_error.h"
+#include "base/key.h"
+#include "base/number_text.h"
+#include "io/output_file.h"
+#include "simulation/model_hash.h"
+
+namespace palpate::app {
+
+namespace {
+
+constexpr double depth_per_radius = 0.8;
+
+/// The ratios that were kept for this model, or none.
+std::vector<double> keptRatios(const std::string& file, std::size_t count) {
+  std::ifstream lines(file);
+  std::vector<double> ratios;
+  for (double ratio = 0; lines >> ratio;) ratios.push_back(ratio);
+  if (ratios.size() != count) ratios.clear();
+  return ratios;
+}
+
+void keepRatios(const std::string& file, const std::vector<double>& ratios) {
+  std::string text;
+  for (const double ratio : ratios) text += shortest(ratio) + "\n";
+  try {
+    std::filesystem::create_directories(std::filesystem::path(file).parent_path());
+    writeWholeFile(file, text);
+  } catch (const std::exception&) {  // the next start takes a second more
+  }
+}
+
+SourceLocation placeOf(const Scene& scene, const Lump& lump) {
+  for (const MaterialSpec& spec : scene.materials)
+    if (!spec.everywhere && spec.region.point == lump.centre) return spec.place;
+  return scene.place;
+}
+
+}  // namespace
+
+double workingDepth(const Scene& scene) { return depth_per_radius * scene.tool.radius; }
+
+void requireFelt(const Model& model, const std::string& cache_folder) {
+  const std::vector<Lump> lumps = lumpsOf(model);
+  const std::string file = cache_folder.empty()
+                               ? std::string()
+                               : cache_folder + "/" + hex16(modelHash(model)) + hex16(fnv1a(buildInfo())) + ".felt";
+  std::vector<double> ratios = file.empty() ? std::vector<double>() : keptRatios(file, lumps.size());
+  if (ratios.empty() && !lumps.empty()) {
+    for (const LumpFeel& feel : feelLumps(model, workingDepth(model.scene))) ratios.push_back(feel.ratio());
+    if (!file.empty()) keepRatios(file, ratios);
+  }
+  for (std::size_t k = 0; k < ratios.size(); ++k) {
+    if (ratios[k] >= least_feel) continue;
+    const Lump& lump = lumps[k];
+    throw InputError(
+        placeOf(model.scene, lump),
+        format("lump %d (%.0f mm across, %.1f mm below the skin, %.1f times as stiff) can't be felt: pressed %.1f mm "
+               "deep the tissue is %.2f times as stiff above it as beside it, and %.1f is needed",
+               static_cast<int>(k) + 1, 2e3 * lump.radius, 1e3 * lump.top, lump.stiffness,
+               1e3 * workingDepth(model.scene), ratios[k], least_feel),
+        "make it larger, stiffer or less deep; of lumps at random try another seed or a lower level");
+  }
+}
+
+}  // namespace palpate::app

@@ -1,0 +1,293 @@
+// The real window on a screen of its own, under a hand that uses mouse and keyboard as a person does. It waits for what
+// each event brings about, picture by picture, and never for a time: pictures may come as seldom as they like.
+#include <imgui.h>
+
+#include <catch2/catch.hpp>
+#include <chrono>
+#include <cstdlib>
+#include <filesystem>
+#include <functional>
+#include <stdexcept>
+
+#include "app/panels/widgets.h"
+#include "app/run/gl_window.h"
+#include "app/run/session.h"
+#include "app/run/viewer.h"
+#include "app/run/window.h"
+#include "support/block_text.h"
+#include "support/temp_folder.h"
+#include "window/virtual_screen.h"
+
+using namespace palpate;
+using namespace palpate::app;
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A block with a lump, that a slow machine computes in time.
+const std::string task_text = test::block_text + R"([tool]
+shape = "sphere"
+radius = 0.008
+position = [0, 0, 0.045]
+[[lump]]
+centre = [0.0, 0, 0.018]
+radius = 0.009
+young = 30000
+[dynamics]
+rate = 100
+threads = 1
+)";
+
+/// What a person does, and what that brings about.
+struct Step {
+  std::string name;
+  std::function<void(Session&, Viewer&)> act;
+  std::function<bool(Session&, Viewer&)> until;
+};
+
+/// Does the steps one after the other, each once its picture has shown what the one before brings about.
+class Hand {
+ public:
+  explicit Hand(std::vector<Step> steps) : steps_(std::move(steps)) {}
+
+  void watch(Session& session, Viewer& viewer) {
+    if (next_ > 0 && !steps_[next_ - 1].until(session, viewer)) {
+      if (std::chrono::steady_clock::now() - begin_ > patience)
+        throw std::runtime_error("nothing came of: " + steps_[next_ - 1].name);
+      return;
+    }
+    if (next_ == steps_.size()) return;
+    begin_ = std::chrono::steady_clock::now();
+    steps_[next_++].act(session, viewer);
+  }
+  bool done() const { return next_ == steps_.size(); }
+
+  static constexpr std::chrono::minutes patience{3};  // with one step: what is broken must end
+
+ private:
+  std::vector<Step> steps_;
+  std::size_t next_ = 0;
+  std::chrono::steady_clock::time_point begin_;
+};
+
+/// In a folder of its own, as what is saved goes to out/.
+class OwnFolder {
+ public:
+  OwnFolder() : before_(fs::current_path()) {
+    fs::current_path(folder_.path(""));
+    setenv("XDG_CONFIG_HOME", folder_.path("config").c_str(), 1);  // for the list of scenes that were opened
+    setenv("PALPATE_CACHE_DIR", folder_.path("cache").c_str(), 1);
+  }
+  ~OwnFolder() { fs::current_path(before_); }
+  std::string write(const std::string& name, const std::string& text) const { return folder_.write(name, text); }
+
+ private:
+  TempFolder folder_;
+  fs::path before_;
+};
+
+constexpr int window_width = 1280, window_height = 800;  // with both columns
+
+Eigen::Vector2d pixelOf(const Viewer& viewer, const Vec3& world) {
+  return viewer.shownCamera().project(world, window_width, window_height).head<2>();
+}
+
+void drive(test::VirtualScreen&, const std::string& scene, std::vector<Step> steps) {
+  Options options;
+  options.scene = scene;
+  options.width = window_width;
+  options.height = window_height;
+  Log log;
+  Hand hand(std::move(steps));
+  const std::string failure = runWindow(options, readScene(options), log,
+                                        [&](Session& session, Viewer& viewer) { hand.watch(session, viewer); });
+  CHECK(failure.empty());
+  CHECK(hand.done());
+}
+
+/// The screen of all tests of this program; null where there is none.
+test::VirtualScreen* screen() {
+  static std::string why;
+  static const std::unique_ptr<test::VirtualScreen> one = test::VirtualScreen::open(1280, 800, why);
+  if (!one) WARN("skipped: " << why);
+  return one.get();
+}
+
+/// Clicks the middle of the button with this label.
+void clickButton(test::VirtualScreen& person, const std::string& label) {
+  const Rect place = buttonPlaces().at(label);
+  person.click(place.x + 0.5F * place.width, place.y + 0.5F * place.height);
+}
+
+}  // namespace
+
+TEST_CASE("A person presses, tilts, cuts open, saves, marks, undoes, submits and opens another scene", "[window]") {
+  test::VirtualScreen* const person = screen();
+  if (person == nullptr) return;
+  const OwnFolder folder;
+  const std::string scene = folder.write("task.toml", task_text);
+  folder.write("other.toml", test::touched_block_text + "[dynamics]\nrate = 100\nthreads = 1\n");
+  folder.write("broken.toml", "name = \"broken\"\n[organ]\nsolid = \"ball\"\n");
+  const Vec3 spot(0.012, 0.004, 0.03);  // on the upper face
+  double before = 0;
+  Quat turned = Quat::Identity();
+  const Session* first = nullptr;
+  std::int64_t ticks = 0;
+
+  const auto wait = [](Session&, Viewer&) {};
+  drive(*person, scene,
+        {{"the first picture", wait, [](Session& s, Viewer&) { return s.latest().status.ticks > 0; }},
+         {"button down on the skin",
+          [&](Session&, Viewer& v) {
+            const Eigen::Vector2d at = pixelOf(v, spot);
+            person->moveTo(at.x(), at.y());
+            person->button(1, true);
+          },
+          [](Session&, Viewer& v) { return v.drag() == Drag::Glide && v.hand().onSkin(); }},
+         {"button up", [&](Session&, Viewer&) { person->button(1, false); },
+          [&](Session& s, Viewer& v) {
+            return v.drag() == Drag::None && (s.latest().tool_pose.position - spot).norm() < 0.003;
+          }},
+         {"a tap of PageDown that is shorter than a picture",
+          [&](Session& s, Viewer&) {
+            before = s.latest().tool_pose.position.z();
+            person->tap("Next");
+          },
+          [&](Session& s, Viewer&) { return s.latest().tool_pose.position.z() < before - 8e-4; }},
+         {"another",
+          [&](Session& s, Viewer&) {
+            before = s.latest().tool_pose.position.z();
+            person->tap("Next");
+          },
+          [&](Session& s, Viewer&) {
+            return s.latest().tool_pose.position.z() < before - 8e-4 && s.latest().force.force_raw.norm() > 0.01;
+          }},
+         {"a tap of PageUp that is shorter than a picture",
+          [&](Session& s, Viewer&) {
+            before = s.latest().goal_pose.position.z();
+            person->tap("Prior");
+          },
+          [&](Session& s, Viewer&) { return s.latest().goal_pose.position.z() > before + 5e-4; }},
+         {"J held",
+          [&](Session& s, Viewer&) {
+            turned = s.latest().tool_pose.orientation;
+            person->key("j", true);
+          },
+          [&](Session& s, Viewer&) { return s.latest().tool_pose.orientation.angularDistance(turned) > 0.1; }},
+         {"J up", [&](Session&, Viewer&) { person->key("j", false); }, [](Session&, Viewer&) { return true; }},
+         {"a tap of X", [&](Session&, Viewer&) { person->tap("x"); },
+          [](Session&, Viewer& v) { return v.view().section.on; }},
+         {"three taps of X between two pictures",
+          [&](Session&, Viewer&) {
+            for (int k = 0; k < 3; ++k) person->tap("x");
+          },
+          [](Session&, Viewer& v) { return !v.view().section.on; }},
+         {"a tap of F12", [&](Session&, Viewer&) { person->tap("F12"); },
+          [](Session&, Viewer&) { return fs::exists("out/task/picture-1.png"); }},
+         {"Ctrl+S", [&](Session&, Viewer&) { person->tapWith("Control_L", "s"); },
+          [](Session&, Viewer&) { return fs::exists("out/task/force-1/force.csv"); }},
+         {"Ctrl+Z", [&](Session&, Viewer&) { person->tapWith("Control_L", "z"); },
+          [](Session& s, Viewer&) { return s.latest().status.undo_count == 1; }},
+         {"T, which looks back", [&](Session&, Viewer&) { person->tap("t"); },
+          [](Session&, Viewer& v) { return v.panels().timeline_shown; }},
+         {"a click into the past",
+          [&](Session&, Viewer&) {
+            const Rect play = buttonPlaces().at("Play");
+            person->click(play.x + 20, play.y - 0.7F * play.height);
+          },
+          [](Session& s, Viewer& v) { return v.lookedAt() && s.latest().status.paused; }},
+         {"Space, which goes on", [&](Session&, Viewer&) { person->tap("space"); },
+          [](Session& s, Viewer& v) { return !v.lookedAt() && !s.latest().status.paused; }},
+         {"a click on Save run", [&](Session&, Viewer&) { clickButton(*person, "Save run"); },
+          [](Session&, Viewer&) { return fs::exists("out/task/recording-1.rec"); }},
+         {"a tap of M", [&](Session&, Viewer&) { person->tap("m"); },
+          [](Session& s, Viewer&) { return s.task()->marks().size() == 1; }},
+         {"a click on Submit", [&](Session&, Viewer&) { clickButton(*person, "Submit"); },
+          [](Session& s, Viewer&) { return s.revealed() && fs::exists("out/task/score-1.json"); }},
+         {"Ctrl+O", [&](Session&, Viewer&) { person->tapWith("Control_L", "o"); },
+          [](Session&, Viewer& v) { return v.panels().open_shown && ImGui::GetIO().WantTextInput; }},
+         {"the name of a broken scene",
+          [&](Session& s, Viewer&) {
+            first = &s;
+            person->type("broken.toml");
+          },
+          [](Session&, Viewer& v) { return v.panels().path == "broken.toml"; }},
+         {"Return", [&](Session&, Viewer&) { person->tap("Return"); },
+          [](Session&, Viewer& v) { return !v.panels().problem.empty(); }},
+         {"Escape",
+          [&](Session& s, Viewer&) {
+            ticks = s.latest().status.ticks;
+            person->tap("Escape");
+          },
+          [&](Session& s, Viewer& v) {  // the old one is still there, and runs
+            return v.panels().problem.empty() && &s == first && s.latest().status.ticks > ticks;
+          }},
+         {"Ctrl+O again", [&](Session&, Viewer&) { person->tapWith("Control_L", "o"); },
+          [](Session&, Viewer& v) { return v.panels().open_shown && ImGui::GetIO().WantTextInput; }},
+         {"the name of another scene", [&](Session&, Viewer&) { person->type("other.toml"); },
+          [](Session&, Viewer& v) { return v.panels().path == "other.toml"; }},
+         {"Return again", [&](Session&, Viewer&) { person->tap("Return"); },
+          [](Session& s, Viewer&) { return s.task() == nullptr && s.latest().status.ticks > 0; }},
+         {"Escape, which quits", [&](Session&, Viewer&) { person->tap("Escape"); },
+          [](Session&, Viewer&) { return false; }}});
+}
+
+TEST_CASE("A rough person drags, turns the wheel, resizes to nothing and presses everything, and it goes on",
+          "[window]") {
+  test::VirtualScreen* const person = screen();
+  if (person == nullptr) return;
+  OwnFolder folder;
+  const std::string scene =
+      folder.write("block.toml", test::touched_block_text + "[dynamics]\nrate = 100\nthreads = 1\n");
+  std::int64_t ticks = 0;
+  const auto goesOn = [&](Session& s, Viewer&) { return s.latest().status.ticks > ticks && !s.latest().status.frozen; };
+  const auto seen = [&](Session& s) { ticks = s.latest().status.ticks; };
+  std::vector<Step> steps = {
+      {"the first picture", [](Session&, Viewer&) {}, [](Session& s, Viewer&) { return s.latest().status.ticks > 0; }}};
+  for (const auto& [w, h] : {std::pair{100u, 100u}, {1u, 1u}, {640u, 400u}, {1280u, 60u}, {1280u, 800u}})
+    steps.push_back({"size " + std::to_string(w) + "x" + std::to_string(h),
+                     [&, w = w, h = h](Session& s, Viewer&) {
+                       person->moveTo(0, 0);
+                       person->resize(w, h);
+                       seen(s);
+                     },
+                     goesOn});
+  for (int button = 1; button <= 3; ++button)
+    steps.push_back({"a wild drag with button " + std::to_string(button),
+                     [&, button](Session& s, Viewer&) {
+                       person->moveTo(300, 300);
+                       person->button(button, true);
+                       for (int k = 0; k < 20; ++k) person->moveTo((k * 397) % 1270, (k * 211) % 790);
+                       person->button(button, false);
+                       seen(s);
+                     },
+                     goesOn});
+  steps.push_back({"the wheel, a hundred notches each way",
+                   [&](Session& s, Viewer&) {
+                     for (int k = 0; k < 200; ++k) {
+                       person->button(k < 100 ? 4 : 5, true);
+                       person->button(k < 100 ? 4 : 5, false);
+                     }
+                     seen(s);
+                   },
+                   goesOn});
+  steps.push_back({"every letter and function key, with and without Ctrl",
+                   [&](Session& s, Viewer&) {
+                     for (char c = 'a'; c <= 'z'; ++c) {
+                       person->tap(std::string(1, c));
+                       person->tapWith("Control_L", std::string(1, c));
+                     }
+                     for (const char* key : {"F1", "F2", "F10", "F10", "F12", "1", "2", "3", "4", "Tab"})
+                       person->tap(key);
+                     seen(s);
+                   },
+                   [](Session&, Viewer& v) { return v.panels().open_shown || v.panels().help_shown; }});
+  for (int k = 0; k < 2; ++k)
+    steps.push_back(
+        {"Escape closes what is open", [&](Session& s, Viewer&) { seen(s), person->tap("Escape"); },
+         [k](Session&, Viewer& v) { return k == 0 || (!v.panels().open_shown && !v.panels().help_shown); }});
+  steps.push_back(
+      {"Escape quits", [&](Session&, Viewer&) { person->tap("Escape"); }, [](Session&, Viewer&) { return false; }});
+  drive(*person, scene, std::move(steps));
+}
