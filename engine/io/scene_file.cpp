@@ -334,6 +334,16 @@ void readTool(const TomlTable& top, Scene& scene) {
     throw InputError(table.place(fault->key), fault->problem, fault->advice);
 }
 
+void readDevice(const TomlTable& table, DeviceSettings& device) {
+  device = DeviceSettings::of(table.readChoice("class", 0));
+  table.read("stiffness", device.stiffness);
+  table.read("damping", device.damping);
+  table.read("max_force", device.max_force);
+  table.read("rise_time", device.rise_time);
+  table.read("scale", device.scale);
+  table.read("own_damping", device.own_damping);
+}
+
 /// What a cache goes by: every value that was accepted and that a preparation depends on, a line each.
 std::string setUpValues(const TomlFile& file, bool mass_scaling) {
   std::string lines;
@@ -417,6 +427,8 @@ Scene readScene(const std::string& path, std::span<const SceneChange> changes) {
   const TomlTable force = top.table("force", {"force"});
   force.read("cutoff", scene.filter_cutoff_hz);
   force.read("rate_limit", scene.force_rate_limit);
+
+  readDevice(top.table("device", {"device"}), scene.device);
 
   const TomlTable camera = top.table("camera", {"camera"});
   camera.read("target", scene.camera_target);
