@@ -117,6 +117,8 @@ CLI::App* addBench(CLI::App& app, BenchOptions& options) {
   command->footer(examplesOf(*command));
   command->add_flag("--features", options.features,
                     "Instead: what each feature that a scene may use costs, on and off");
+  command->add_flag("--device", options.device,
+                    "Instead: simulated haptic devices in simulated hands over liver, gel and a hard inclusion");
   command->add_flag("--quick", options.quick, "Bodies of 1,000 and 5,000 nodes only, under half a minute");
   command->add_option("--json", options.json, "Write the results to this file")->type_name("FILE");
   command->add_option("--plot", options.plot, "Draw the roofline of one core into this PNG")->type_name("FILE");

@@ -383,6 +383,16 @@ void readTools(const TomlTable& top, const std::filesystem::path& folder, Scene&
   scene.further_tools.assign(specs.begin() + 1, specs.end());
 }
 
+void readDevice(const TomlTable& table, DeviceSettings& device) {
+  device = DeviceSettings::of(table.readChoice("class", 0));
+  table.read("stiffness", device.stiffness);
+  table.read("damping", device.damping);
+  table.read("max_force", device.max_force);
+  table.read("rise_time", device.rise_time);
+  table.read("scale", device.scale);
+  table.read("own_damping", device.own_damping);
+}
+
 /// What a cache goes by: every value that was accepted and that a preparation depends on, a line each.
 std::string setUpValues(const TomlFile& file, bool mass_scaling) {
   std::string lines;
@@ -466,6 +476,8 @@ Scene readScene(const std::string& path, std::span<const SceneChange> changes) {
   const TomlTable force = top.table("force", {"force"});
   force.read("cutoff", scene.filter_cutoff_hz);
   force.read("rate_limit", scene.force_rate_limit);
+
+  readDevice(top.table("device", {"device"}), scene.device);
 
   const TomlTable camera = top.table("camera", {"camera"});
   camera.read("target", scene.camera_target);

@@ -33,6 +33,7 @@ constexpr KeySpec scene_keys[] = {
     {"", "solve", T::Table, "", "", {}, "", "How far and how finely `mtled solve` computes."},
     {"", "tool", T::Table, "", "", {}, "", "What touches it; `[[tool]]`: up to four."},
     {"", "force", T::Table, "", "", {}, "", "How the force is smoothed for display and devices."},
+    {"", "device", T::Table, "", "", {}, "", "How a haptic device is coupled to the tool."},
     {"", "camera", T::Table, "", "", {}, "", "The first view."},
     {"", "lump", T::Tables, "", "", {}, "", "Stiff balls to be found by touch."},
     {"", "lumps", T::Table, "", "", {}, "", "The same, at random places."},
@@ -248,6 +249,23 @@ constexpr KeySpec scene_keys[] = {
     {"force", "rate_limit", T::Number, "N/s", "200", above(0), "",
      "The filtered force changes no faster than this.", never},
 
+    {"device", "class", T::Text, "", "\"light\"", {}, "light|medium|strong",
+     "What the keys without a value are chosen for: devices of 3.3 N that hold 400 N/m, of 8 N and 3,000 N/m, of 12 N and "
+     "5,000 N/m.", never},
+    {"device", "stiffness", T::Number, "N/m", depends, between(10, 20000), "",
+     "Of the coupling, at most; by `class`. The hand feels it in series with the tissue. A device that answers late gets "
+     "what `own_damping` allows.", never},
+    {"device", "damping", T::Number, "N s/m", depends, between(0, 50), "", "Of the coupling; by `class`.", never},
+    {"device", "max_force", T::Number, "N", depends, aboveUpTo(0, 100), "",
+     "The longest force vector that the device is given; by `class`.", never},
+    {"device", "rise_time", T::Number, "s", "0.01", between(0.001, 1), "",
+     "The quickest time from no force to the largest.", never},
+    {"device", "scale", T::Number, "", "1", between(0.01, 100), "",
+     "Way of the tool over way of the device. Forces are not scaled, so that tissue feels `scale` times as stiff.", never},
+    {"device", "own_damping", T::Number, "N s/m", depends, between(0.05, 50), "",
+     "Of the device and the lightest hand that will hold it; by `class` 2, 2 and 3. It bounds the coupling's stiffness K "
+     "by K (T/2 + delay) <= own_damping (T: time from pose to pose).", never},
+
     {"camera", "target", T::Vector, "m", "[0.0, 0.0, 0.0]", {}, "", "The point in the middle of the view.", never},
     {"camera", "distance", T::Number, "m", "0.5", above(0), "", "From there to the eye.", never},
     {"camera", "azimuth", T::Number, "degrees", "-60", between(-360, 360), "",
@@ -345,6 +363,9 @@ constexpr Section sections[] = {
      "Without this table a ball of radius 10 mm starts at (0, 0, 0.1) m and points down. Up to four are written as "
      "`[[tool]]`, each with keys of its own; the first is the mouse's, and the one whose force is filtered."},
     {"force", "`[force]`", ""},
+    {"device", "`[device]`",
+     "For `palpate SCENE --device`: [the coupling](../../engine/realtime/device/README.md) between a device's handle and "
+     "the tool."},
     {"camera", "`[camera]`", ""},
     {"lump", "`[[lump]]`",
      "A stiffer ball of tissue with a finer spacing around it, as `[[material]]` and `[[discretization.refine]]` would "

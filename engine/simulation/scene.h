@@ -12,6 +12,7 @@
 #include "mechanics/gradient_precision.h"
 #include "mechanics/load_curve.h"
 #include "mechanics/materials/material.h"
+#include "simulation/device_settings.h"
 
 namespace palpate {
 
@@ -183,6 +184,8 @@ struct Scene {
   // force output
   double filter_cutoff_hz = 30;   // first-order low-pass
   double force_rate_limit = 200;  // N/s
+
+  DeviceSettings device;
 
   // picture
   Vec3 camera_target = Vec3::Zero();  // m

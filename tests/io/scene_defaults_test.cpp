@@ -39,6 +39,8 @@ std::string described(const Scene& s) {
   for (const double parameter : s.tool.parameter) add(parameter);
   vector(s.tool_position), vector(s.tool_direction);
   add(s.tool_max_speed, s.tool_max_force, s.friction, s.filter_cutoff_hz, s.force_rate_limit);
+  add(s.device.stiffness, s.device.damping, s.device.max_force, s.device.rise_time, s.device.scale);
+  add(s.device.own_damping);
   vector(s.camera_target);
   add(s.camera_distance, s.camera_azimuth_deg, s.camera_elevation_deg, s.camera_fov_deg);
   return text.str();
@@ -77,7 +79,7 @@ std::string sceneWith(const KeySpec& key, const std::string& given) {
     const std::string shape = group == "tool" ? "sphere" : group.substr(6, group.size() - 7);
     return minimal_scene + "[tool]\nshape = \"" + shape + "\"\nradius = 0.01\nposition = [0, 0, 0.1]\n" + line;
   }
-  if (group == "dynamics" || group == "solve" || group == "force" || group == "camera")
+  if (group == "dynamics" || group == "solve" || group == "force" || group == "device" || group == "camera")
     return minimal_scene + "[" + group + "]\n" + line;
   FAIL("sceneWith() has no place for the keys of " << group);
   return "";

@@ -26,6 +26,7 @@ SimulationLoop::SimulationLoop(const Model& model, Physics& physics, SpinTeam* t
       team_(team),
       as_fast_as_possible_(options.as_fast_as_possible),
       keeps_settings_(options.keeps_settings),
+      device_(options.device),
       pause_at_(options.pause_at),
       real_time_(!options.as_fast_as_possible),
       channels_(model, physics.state(), options.force_capacity, options.record ? options.record_capacity : 1),
@@ -167,6 +168,10 @@ void SimulationLoop::onLate(const LateTick& late, const LoopTime& time) { report
 bool SimulationLoop::advance() {
   while (const Request* due = track_.takeDue(run_.tick)) apply(*due, true);
   while (const Request* setting = track_.takeSetting(run_.tick, run_.frozen)) change(*setting);
+  if (device_ != nullptr && !run_.frozen && !track_.drives(run_.tick)) {
+    moveTool(Request::moveTool(device_->next(physics_.state(), reporter_.lastReport())), true);
+    run_.pose_sequence = device_->poseSequence();
+  }
   command_.tool_target =
       track_.next(run_.tick, command_.tool_target, physics_.state(), reporter_.lastReport(), run_.frozen);
   further_.next(run_.tick, command_);
@@ -387,6 +392,7 @@ void SimulationLoop::reset(Request::Kind kind, bool from_track) {
   run_.frozen = false;
   reporter_.reset();
   track_.reset();
+  if (device_ != nullptr) device_->restart();
   command_ = restCommand(model_);
   run_.hand = run_.goal = model_.tool_start;
   further_.restart(run_.tick);

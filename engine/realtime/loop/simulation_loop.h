@@ -35,6 +35,9 @@ struct SimulationLoopOptions {
   std::int64_t track_ticks = 0;  // how long it lasts; 0: to its last entry, or, of a motion, without end
   /// Moves the tool instead of a track, for track_ticks; must outlive the loop. Null: none.
   ToolMotion* motion = nullptr;
+  /// Moves the tool wherever no track does, beside which the viewer may change what it likes but the tool: a haptic
+  /// device's (realtime/device/coupled_tool.h). Must outlive the loop. Null: none.
+  ToolMotion* device = nullptr;
   bool keeps_settings = false;  // friction and materials stay as they were set when track or motion starts over
   std::size_t force_capacity = 1 << 16;   // samples kept until the viewer takes them
   std::size_t record_capacity = 1 << 16;  // changes kept until the viewer takes them
@@ -130,6 +133,7 @@ class SimulationLoop final : private LoopBody {
   SpinTeam* team_;
   const bool as_fast_as_possible_;
   const bool keeps_settings_;
+  ToolMotion* const device_;
   const std::vector<std::int64_t> pause_at_;
   std::size_t next_pause_ = 0;  // of pause_at_
   bool real_time_;

@@ -23,6 +23,9 @@ class ToolMotion {
   /// Friction or a material that is to change before the coming tick; called before next() until there is none more.
   virtual const Request* nextSetting() { return nullptr; }
 
+  /// Of the outside's pose that next() went by (HandPose::sequence); 0: there is none.
+  virtual std::uint64_t poseSequence() const { return 0; }
+
   /// The physics was reset: begin again.
   virtual void restart() = 0;
 };

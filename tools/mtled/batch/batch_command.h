@@ -14,7 +14,7 @@ struct BatchOptions {
   bool use_cache = false;          // keep set-ups for the next start
 };
 
-/// Runs many scenes, one thread each, and leaves a folder for each job (force.csv, field.vtu, result.json),
+/// Runs many scenes, one thread each, and leaves a folder for each job (force.csv, field, picture, result.json),
 /// results.jsonl in the order of the jobs, and batch.json with the throughput. What a folder has done already stays and
 /// is not run again; a job that fails is kept with its reason, and the others go on. SIGINT keeps what is done.
 /// @return 0 all done, 1 some failed or were not run

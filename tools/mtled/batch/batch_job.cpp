@@ -13,7 +13,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-const std::vector<std::string> members{"id", "scene", "set", "tool", "seconds", "field"};
+const std::vector<std::string> members{"id", "scene", "set", "tool", "seconds", "field", "picture"};
 constexpr std::size_t max_id = 100;
 
 /// A value as TOML writes it: for numbers, words and lists of them the same as JSON does.
@@ -58,8 +58,14 @@ BatchJob jobFrom(const Json& json, const SourceLocation& place) {
     job.seconds = seconds.get<double>();
   }
   if (json.contains("field")) {
-    if (!json["field"].is_boolean()) throw wrong("field", "true or false");
-    job.field = json["field"].get<bool>();
+    const Json& field = json["field"];
+    if (!field.is_boolean() && field != "vtu" && field != "npz")
+      throw InputError(place, "\"field\" is none of true, false, \"vtu\" and \"npz\"", "");
+    job.field = field.is_string() ? field.get<std::string>() : field.get<bool>() ? "vtu" : "";
+  }
+  if (json.contains("picture")) {
+    if (!json["picture"].is_boolean()) throw InputError(place, "\"picture\" is neither true nor false", "");
+    job.picture = json["picture"].get<bool>();
   }
   if (json.contains("set")) {
     if (!json["set"].is_object()) throw wrong("set", "object of keys and values");

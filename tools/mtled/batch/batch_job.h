@@ -12,7 +12,7 @@ namespace palpate::tools {
 /// A line of a job file: a scene with changes, a tool's way, and what is to be kept.
 ///
 ///   {"id": "soft", "scene": "liver", "set": {"material[0].young": 2000}, "tool": "drag_across", "seconds": 2,
-///    "field": true}
+///    "field": "npz", "picture": true}
 ///
 /// Only the scene is needed. Without a tool there is the indentation of an off-screen run, 4 s of it.
 struct BatchJob {
@@ -21,7 +21,8 @@ struct BatchJob {
   std::vector<SceneChange> changes;
   std::string tool;               // script: a file, or the name of one in assets/tools; "": none
   std::optional<double> seconds;  // of physics time; else the script's length
-  bool field = false;             // the last state for ParaView
+  std::string field;              // the last state: "vtu" for ParaView, "npz" for numpy; "": none
+  bool picture = false;           // of it
   std::string text;               // all of it, in one spelling: what results belong to
 
   /// Jobs that agree in it run on the same model.

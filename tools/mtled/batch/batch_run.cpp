@@ -4,14 +4,18 @@
 #include <cerrno>
 #include <cmath>
 #include <fstream>
+#include <memory>
+#include <mutex>
 #include <stdexcept>
 
 #include "base/interrupt.h"
 #include "io/find_asset.h"
 #include "io/indent_script.h"
 #include "io/load_model.h"
+#include "io/npz_file.h"
 #include "io/output_file.h"
 #include "io/vtu_file.h"
+#include "mtled/pictures/pictures.h"
 #include "realtime/loop/simulation_loop.h"
 #include "realtime/recording/force_csv.h"
 #include "simulation/trust.h"
@@ -26,7 +30,7 @@ std::int64_t ticksOf(const BatchJob& job, const ScriptTrajectory& way, double ra
   return std::max<std::int64_t>(1, std::llround(job.seconds.value_or(default_seconds) * rate_hz));
 }
 
-void writeField(const Model& model, const State& state, const std::string& path) {
+void writeField(const Model& model, const State& state, const std::string& folder, bool for_numpy) {
   std::vector<Vec3> u(state.u.size()), displacement(state.u.size(), Vec3::Zero());
   std::transform(state.u.begin(), state.u.end(), u.begin(), [](const Float4& v) { return toVec3(v); });
   const ShapeTable& shape = model.node_shape;
@@ -35,8 +39,25 @@ void writeField(const Model& model, const State& state, const std::string& path)
       const auto e = static_cast<std::size_t>(k);
       displacement[i] += shape.N[e] * u[static_cast<std::size_t>(shape.node[e])];
     }
+  if (for_numpy) {
+    const std::vector<NpzArray> arrays{npzVectors("X_m", model.X), npzVectors("displacement_m", displacement),
+                                       npzCells("cells", model.cells)};
+    return writeNpz(folder + "/field.npz", arrays);
+  }
   const std::vector<VtuField> fields{vtuVectors("displacement_m", displacement)};
-  writeVtu(path, model.X, model.cells, fields);
+  writeVtu(folder + "/field.vtu", model.X, model.cells, fields);
+}
+
+/// One after another: a picture's context belongs to one thread.
+void drawState(const Model& model, const State& state, const std::string& png) {
+  static std::mutex one;
+  const std::lock_guard lock(one);
+  const std::unique_ptr<Pictures> pictures = openPictures();
+  if (!pictures) throw std::runtime_error("picture.png " + withoutPictures());
+  BodyPicture picture;
+  picture.title = model.scene.name;
+  picture.tool = state.tool_pose;
+  pictures->write(png, picture, model, state.u, nullptr);
 }
 
 }  // namespace
@@ -100,7 +121,8 @@ BatchResult runBatchJob(const BatchJob& job, const Model& model, const std::stri
   rows.close();
   if (!rows) failWriting(folder + "/force.csv", errno);
   pending.takePlace();
-  if (job.field) writeField(model, physics.state(), folder + "/field.vtu");
+  if (!job.field.empty()) writeField(model, physics.state(), folder, job.field == "npz");
+  if (job.picture) drawState(model, physics.state(), folder + "/picture.png");
   return result;
 }
 

@@ -9,6 +9,7 @@
 #include "io/output_file.h"
 #include "mtled/bench/bench_features.h"
 #include "mtled/bench/bench_run.h"
+#include "mtled/bench/device_bench.h"
 #include "mtled/bench/instruction_counter.h"
 #include "mtled/bench/roofline.h"
 #include "mtled/pictures/pictures.h"
@@ -49,6 +50,11 @@ int benchFeatures(const BenchOptions& options) {
 int benchCommand(const BenchOptions& options) {
   if (!(options.seconds >= 0 && options.seconds <= 60))
     throw InputError({}, "--seconds must be between 0 and 60", "leave it out for the usual length");
+  if (options.device) {
+    if (options.features || !options.plot.empty() || options.seconds > 0)
+      throw InputError({}, "--device has neither features, a roofline nor times", "leave the other options out");
+    return deviceBench({options.quick, options.json, options.check});
+  }
   if (options.features) return benchFeatures(options);
   const double seconds = options.seconds > 0 ? options.seconds : options.quick ? 0.15 : 0.5;
 

@@ -1,0 +1,50 @@
+#pragma once
+
+#include "realtime/device/device_target.h"
+#include "realtime/loop/tool_motion.h"
+#include "simulation/model.h"
+
+namespace palpate {
+
+/// The tool that hangs on a device by the coupling's spring and damper, and is pushed back by the tissue. It has no
+/// mass: in each tick it goes where the forces on it balance,
+///
+///   Kc (x_dev - x) + Bc (v_dev - v) + F_tissue(x) = 0,
+///
+/// so that at rest the spring carries exactly what the tissue does. F_tissue is known for the tick before; how it changes
+/// with the tool's way is not. A step as if it didn't would overshoot where the tissue is the stiffer spring, so the way
+/// is damped by D, what the stiffest material of the body could answer a tick's way with:
+///
+///   x += (Kc (x_dev - x) + Bc v_dev + F_tissue) / (Kc + Bc / T + D)
+///   D  = rho c pi R^2 / T + 2 R E / (1 - nu^2)     a wave that leaves the contact, and a flat punch (Sneddon 1965)
+///
+/// with c the speed of pressure waves along the contact's normal, of shear waves across it, where there is friction. D
+/// dissipates, and vanishes within 20 ms in air, where the tool is where the device is.
+/// Loop thread only, but for targets(). Real-time: no allocation, no lock, no throw. A recording keeps the poses that
+/// this gives, so a replay needs no device. Test: realtime/device/coupled_tool_test.cpp
+class CoupledTool final : public ToolMotion {
+ public:
+  /// @param model  must outlive this
+  explicit CoupledTool(const Model& model);
+
+  /// (device's thread) back, publish
+  DeviceTargetSlot& targets() { return targets_; }
+
+  Pose next(const State& state, const StepReport& last) override;
+  std::uint64_t poseSequence() const override { return sequence_; }
+  void restart() override { hold_ = 0; }
+
+  /// N/m, D above along the normal and across it.
+  double normalHold() const { return normal_hold_; }
+  double tangentHold() const { return tangent_hold_; }
+
+ private:
+  DeviceTargetSlot targets_{DeviceTarget{}};
+  const double tick_s_;
+  double normal_hold_ = 0, tangent_hold_ = 0;  // N/m
+  double hold_ = 0;                            // share of them that is in force
+  Vec3 normal_ = Vec3::Zero();                 // of the last contact
+  std::uint64_t sequence_ = 0;
+};
+
+}  // namespace palpate
