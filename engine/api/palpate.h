@@ -228,8 +228,8 @@ PALPATE_API int32_t palpate_read_tool(const palpate_simulation* simulation, int3
  * @param vertex_count  as palpate_describe says */
 PALPATE_API int32_t palpate_skin_positions(palpate_simulation* simulation, float* positions, int32_t vertex_count);
 
-/* (viewer) The forces on the tissue in the newest tick, by skin vertex. They sum to minus the force on all tools; a vertex
- * may come more than once.
+/* (viewer) The forces on the tissue in the newest tick, by skin vertex. They sum to minus the force on all tools; a
+ * vertex may come more than once.
  * @param vertex  (capacity)
  * @param force   (capacity, 3) N
  * @param count   receives how many there are, also where capacity is less: then the first ones are written */
