@@ -33,6 +33,7 @@ void forEachPart(SomeState& s, Call call) {
   auto& f = c.samples;
   one(f.count), list(f.id), list(f.force), list(f.normal), list(f.side), list(f.point), list(f.area), list(f.lift);
   one(f.longest_edge), one(f.largest_stretch);
+  list(s.skull.force);
   list(s.relaxation.Z);
   list(s.local_mass.factor), one(s.local_mass.active), one(s.local_mass.momentum), one(s.local_mass.force);
   one(s.energy);

@@ -12,6 +12,7 @@
 #include "simulation/mixtures.h"
 #include "simulation/prepare.h"
 #include "simulation/scene_messages.h"
+#include "simulation/scene_skull.h"
 
 namespace palpate {
 namespace {
@@ -105,6 +106,7 @@ void addSkinAndTool(const Scene& scene, const SurfaceTree& tree, Model& model) {
   for (const auto& m : model.materials) softest = std::min(softest, m.shear_modulus);
   model.skin = buildSkinModel(model.skin.surface, model.skin_shape, scene.tool.radius, 3 * softest);
   model.skin.topology = makeSkinTopology(model.skin.surface);
+  model.skull = skullOf(scene, tree, model.skin, 3 * softest);
   model.tool_start = {scene.tool_position, Quat::FromTwoVectors(-Vec3::UnitZ(), scene.tool_direction)};
   model.first_contact_travel = firstContactTravel(model.skin.surface, scene.tool, model.tool_start);
   const Vec3 middle = model.tool_start.toWorld(Vec3(0, 0, scene.tool.radius));
@@ -178,6 +180,7 @@ State initialState(const Model& model) {
   state.du = state.u_low = state.u;
   state.tool_pose = model.tool_start;
   state.contact = makeContactState(model.skin, model.scene.tool);
+  state.skull = makeSkullState(model.skull);
   state.live = loadedParameters(model);
   state.local_mass.factor.assign(model.X.size(), 1.0F);
   state.relaxation = makeRelaxationHistory<float>(model.kernel.batch_material.size(), model.materials);

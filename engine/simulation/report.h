@@ -42,6 +42,8 @@ struct StepReport {
   Vec3 contact_normal = Vec3::Zero();  // unit, from the tissue towards the tool; 0: no contact; likewise
   int contact_count = 0;               // skin vertices that carry force
   double max_penetration = 0;          // m
+  Vec3 skull_force = Vec3::Zero();     // N, of the skull on the tissue
+  double skull_penetration = 0;        // m, of the skin into the skull
   // For simulation/trust.h.
   double strain_energy = 0;            // J
   double kinetic_energy = 0;           // J

@@ -5,6 +5,7 @@
 
 #include "base/types.h"
 #include "contact/contact_state.h"
+#include "contact/skull.h"
 #include "mechanics/relaxation.h"
 #include "simulation/energy_balance.h"
 #include "simulation/live_parameters.h"
@@ -38,6 +39,7 @@ struct State {
   AlignedVector<Float4> u_low;  // (node_count) what float32 lost of u (Kahan), m
   Pose tool_pose;
   ContactState contact;
+  SkullState skull;  // empty without a skull
   RelaxationHistory relaxation;  // of materials that relax; empty where none does
   LiveParameters live;
   LocalMass local_mass;

@@ -29,6 +29,10 @@ StepReport step(const Model& model, State& state, const Pose& tool_pose, const C
   outcome.tool_force = solveContact(model.skin, model.scene.tool, tool_pose, state.tool_pose, state.live.friction,
                                     integrator.alpha, masses.inverse, state.u.data(), state.du.data(), state.contact);
 
+  if (!model.skull.empty())
+    outcome.skull = solveSkull(model.skull, model.skin, integrator.alpha, masses.inverse, state.u.data(),
+                               state.du.data(), state.skull);
+
   // du = du~ + P (du_bar - Phi du~)                                       (eqs. 23-25)
   outcome.base_reaction =
       imposeBoundary(model.boundary, time, model.dt, masses.boundary_alpha, model.inverse_mass.data(), nullptr,

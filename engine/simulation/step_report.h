@@ -16,6 +16,7 @@ struct StepOutcome {
   Moved moved;                        // the step's own increments
   Vec3 tool_force = Vec3::Zero();     // N
   Vec3 base_reaction = Vec3::Zero();  // N
+  SkullContact skull;
 };
 
 /// The report of a step that has been done; keeps the state's account of energy.

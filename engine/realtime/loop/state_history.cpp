@@ -16,7 +16,7 @@ std::size_t bytesOf(const State& s) {
   const ContactState& c = s.contact;
   return sizeof(State) + 3 * s.u.size() * sizeof(Float4) + s.relaxation.Z.size() * sizeof(float) + bytesOf(c.vertex) +
          bytesOf(c.force) + bytesOf(c.normal) + bytesOf(c.candidate) + bytesOf(c.old_force) + bytesOf(c.old_normal) +
-         bytesOf(c.old_vertex) + bytesOf(c.row);
+         bytesOf(c.old_vertex) + bytesOf(c.row) + s.skull.force.size() * sizeof(Float4) + bytesOf(s.skull.row);
 }
 
 }  // namespace

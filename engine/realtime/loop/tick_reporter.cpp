@@ -51,6 +51,8 @@ Verdict TickReporter::judge(const StepReport& report, const RunState& run) {
   trend_.update(physics_.state().tool_pose, report_, model_.scene.rate_hz);
   summary_.peak_force = std::max(summary_.peak_force, report_.tool_force.norm());
   summary_.base_reaction = report_.base_reaction;
+  summary_.skull_force = report_.skull_force;
+  summary_.skull_penetration = std::max(summary_.skull_penetration, report_.skull_penetration);
   return verdict;
 }
 

@@ -74,6 +74,9 @@ RunReport makeRunReport(const Model& model, const RunSummary& summary, const Dea
   report.peak_force_N = summary.peak_force;
   report.peak_depth_m = summary.peak_depth;
   report.base_reaction_N = summary.base_reaction;
+  report.has_skull = !model.skull.empty();
+  report.skull_force_N = summary.skull_force;
+  report.skull_penetration_m = summary.skull_penetration;
   report.state_hash = summary.state_hash;
   report.flags = summary.flags;
   report.doubt = summary.doubt;
@@ -90,7 +93,7 @@ RunReport makeRunReport(const Model& model, const RunSummary& summary, const Dea
 
 std::string toJson(const RunReport& r) {
   const Vec3& base = r.base_reaction_N;
-  const Json json = {
+  Json json = {
       {"scene", r.scene},
       {"nodes", r.nodes},
       {"integration_points", r.integration_points},
@@ -133,6 +136,11 @@ std::string toJson(const RunReport& r) {
       {"setup_seconds", r.setup_seconds},
       {"build", r.build},
   };
+  if (r.has_skull) {
+    const Vec3& skull = r.skull_force_N;
+    json["skull_force_N"] = Json::array({skull.x(), skull.y(), skull.z()});
+    json["skull_penetration_m"] = r.skull_penetration_m;
+  }
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
