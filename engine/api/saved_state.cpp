@@ -37,6 +37,7 @@ void forEachPart(SomeState& s, Call call) {
   contact(s.contact);
   one(s.more.opening), list(s.more.posture);
   for (auto& further : s.more.contact) contact(further);
+  list(s.skull.force);
   list(s.relaxation.Z);
   list(s.local_mass.factor), one(s.local_mass.active), one(s.local_mass.momentum), one(s.local_mass.force);
   one(s.energy);

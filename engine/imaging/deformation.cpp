@@ -215,7 +215,39 @@ InverseDeformation::InverseDeformation(const SampledDeformation& forward) : forw
 }
 
 bool InverseDeformation::at(const Vec3& x, const Deformation& exact, Vec3& X, Mat3& gradient) const {
-  constexpr int farthest = farthest_seed, max_iterations = 30;
+  constexpr int max_iterations = 30;
+  return seedAt(x, X) && newton(x, exact, max_iterations, X, gradient) == Outcome::Inside;
+}
+
+bool InverseDeformation::atNear(const Vec3& x, Vec3& X, Mat3& gradient) const {
+  constexpr int max_iterations = 4;  // the next voxel's result is that near
+  const Vec3 start = X;
+  if (newton(x, forward_, max_iterations, X, gradient) == Outcome::Inside) return true;
+  X = start;
+  return at(x, X, gradient);
+}
+
+InverseDeformation::Outcome InverseDeformation::newton(const Vec3& x, const Deformation& exact, int max_iterations,
+                                                       Vec3& X, Mat3& gradient) const {
+  for (int k = 0; k < max_iterations; ++k) {
+    // A step from the nearest sample leads near the solution: what is so far outside of the body does not come back.
+    if (k > 0 && forward_.surfaceDistance(X) > forward_.step()) return Outcome::Outside;
+    Vec3 u;
+    if (!exact.at(X, u, gradient)) return Outcome::Lost;
+    const Vec3 residual = X + u - x;
+    if (residual.norm() < inverse_accuracy) return exact.surfaceDistance(X) <= 0 ? Outcome::Inside : Outcome::Outside;
+    Vec3 step = (Mat3::Identity() + gradient).inverse() * residual;
+    if (!step.allFinite()) return Outcome::Lost;
+    const double longest = 2 * forward_.step();  // far steps of a folding start lead anywhere
+    if (step.norm() > longest) step *= longest / step.norm();
+    X -= step;
+  }
+  return Outcome::Lost;
+}
+
+/// A sample whose place now is near x; false where there is none.
+bool InverseDeformation::seedAt(const Vec3& x, Vec3& X) const {
+  constexpr int farthest = farthest_seed;
   const ImageGrid& grid = forward_.grid();
   const Vec3 index = bins_.indexOf(x);
   int middle[3];
@@ -243,19 +275,7 @@ bool InverseDeformation::at(const Vec3& x, const Deformation& exact, Vec3& X, Ma
             X = start;
           }
         }
-  if (best == 1e300) return false;
-  for (int k = 0; k < max_iterations; ++k) {
-    Vec3 u;
-    if (!exact.at(X, u, gradient)) return false;
-    const Vec3 residual = X + u - x;
-    if (residual.norm() < inverse_accuracy) return exact.surfaceDistance(X) <= 0;
-    Vec3 step = (Mat3::Identity() + gradient).partialPivLu().solve(residual);
-    if (!step.allFinite()) return false;
-    const double longest = 2 * forward_.step();  // far steps of a folding start lead anywhere
-    if (step.norm() > longest) step *= longest / step.norm();
-    X -= step;
-  }
-  return false;
+  return best < 1e300;
 }
 
 }  // namespace palpate

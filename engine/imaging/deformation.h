@@ -85,8 +85,14 @@ class InverseDeformation {
   /// @return false where no point of the body is at x now
   bool at(const Vec3& x, const Deformation& exact, Vec3& X, Mat3& gradient) const;
   bool at(const Vec3& x, Vec3& X, Mat3& gradient) const { return at(x, forward_, X, gradient); }
+  /// The same for the sampled field, from a good guess X where there is one, such as what moves as the voxel before.
+  bool atNear(const Vec3& x, Vec3& X, Mat3& gradient) const;
 
  private:
+  enum class Outcome { Inside, Outside, Lost };
+  Outcome newton(const Vec3& x, const Deformation& exact, int max_iterations, Vec3& X, Mat3& gradient) const;
+  bool seedAt(const Vec3& x, Vec3& X) const;
+
   const SampledDeformation& forward_;
   ImageGrid bins_;                  // of the world as it is now
   std::vector<std::int32_t> seed_;  // (bin_count) sample that is now nearest to the bin's middle, or -1

@@ -53,7 +53,15 @@ BackwardField backwardField(const SampledDeformation& forward, const ImageGrid& 
     const Vec3 x = grid.worldOf(i, j, k);
     Vec3 X;
     Mat3 gradient;
-    if (inverse.at(x, X, gradient)) {
+    // The voxel before in its row says where to start.
+    bool found = false;
+    if (i > 0 && field.body.value[v - 1] != 0) {
+      X = x + field.to_rest.value[v - 1].cast<double>();
+      found = inverse.atNear(x, X, gradient);
+    } else {
+      found = inverse.at(x, X, gradient);
+    }
+    if (found) {
       field.to_rest.value[v] = (X - x).cast<float>();
       field.jacobian.value[v] = static_cast<float>((Mat3::Identity() + gradient).determinant());
       field.body.value[v] = 1;

@@ -59,12 +59,14 @@ void readMeasured(const TomlTable& table, const std::string& folder, BoundarySpe
   if (table.has("unit")) unit = units[table.readChoice("unit", 0)];
   if (table.has("frame")) frame = table.readChoice("frame", 0) == 0 ? Frame::Ras : Frame::Lps;
   const auto path = (std::filesystem::path(folder) / name).lexically_normal();
-  boundary.points = std::make_shared<PointLoad>(readPoints(path.string(), unit, frame, table.place("points")));
+  const auto load = std::make_shared<PointLoad>(readPoints(path.string(), unit, frame, table.place("points")));
+  load->sheet = table.readChoice("spread", 0) == 1;
+  boundary.points = load;
 }
 
 /// Where a region goes.
 void readWay(const TomlTable& table, BoundarySpec& boundary) {
-  table.forbid({"unit", "frame"}, "without \"points\"");
+  table.forbid({"unit", "frame", "spread"}, "without \"points\"");
   table.read("translation", boundary.translation);
   const bool rotates = table.has("axis_point") || table.has("axis") || table.has("angle");
   if (rotates) {

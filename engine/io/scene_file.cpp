@@ -17,6 +17,7 @@
 #include "io/scene_boundary.h"
 #include "io/scene_keys.h"
 #include "io/scene_lumps.h"
+#include "io/surface_file.h"
 #include "io/text_file.h"
 #include "io/toml_table.h"
 #include "mechanics/materials/material_law.h"
@@ -265,6 +266,22 @@ void readMaterial(const TomlTable& table, const std::filesystem::path& folder, c
   if (!first) material.region = readRegion(table.table("region", {"region"}));
 }
 
+void readSkull(const TomlTable& table, const std::filesystem::path& folder, SkullSpec& skull) {
+  skull.given = true;
+  skull.place = table.place();
+  table.require({"from"}, "a skull");
+  std::string from;
+  table.read("from", from);
+  table.read("clearance", skull.clearance);
+  for (const TomlTable& region : table.tables("open", {"region"})) skull.open.push_back(readRegion(region));
+  if (from == "organ") return table.forbid({"unit"}, "to the organ's own surface");
+  table.require({"unit"}, "a skull from a file");
+  constexpr double units[] = {0.001, 0.01, 1.0};  // in the order of the key's choices
+  const std::string file = existingFile(table, "from", folder / from, "surface file");
+  skull.surface = std::make_shared<const TriangleSurface>(
+      readClosedSurface(file, units[table.readChoice("unit", 2)], table.place("from")));
+}
+
 void readDynamics(const TomlTable& table, Scene& scene) {
   table.read("rate", scene.rate_hz);
   table.read("catch_up", scene.catch_up);
@@ -467,6 +484,7 @@ Scene readScene(const std::string& path, std::span<const SceneChange> changes) {
   for (const TomlTable& entry : top.tables("prescribed", {"prescribed", "boundary", "region"})) {
     scene.boundaries.push_back(readPrescribed(entry, folder.string(), scene.boundaries));
   }
+  if (top.has("skull")) readSkull(top.table("skull", {"skull"}), folder, scene.skull);
   readDynamics(top.table("dynamics", {"dynamics"}), scene);
   readSolve(top.table("solve", {"solve"}), folder, scene.solve);
   if (top.has("tool")) readTools(top, folder, scene);

@@ -29,6 +29,7 @@ constexpr KeySpec scene_keys[] = {
     {"", "material", T::Tables, "", required, {}, "", "What it is made of."},
     {"", "fixed", T::Tables, "", required, {}, "", "Where it is held."},
     {"", "prescribed", T::Tables, "", "", {}, "", "Where it is moved."},
+    {"", "skull", T::Table, "", "", {}, "", "What encloses it.", never},
     {"", "dynamics", T::Table, "", "", {}, "", "Loop rate, time step, damping."},
     {"", "solve", T::Table, "", "", {}, "", "How far and how finely `mtled solve` computes."},
     {"", "tool", T::Table, "", "", {}, "", "What touches it; `[[tool]]`: up to four."},
@@ -160,6 +161,9 @@ constexpr KeySpec scene_keys[] = {
     {"prescribed", "frame", T::Text, "", depends, {}, "ras|lps",
      "Of the points' coordinates: +x, +y, +z to the patient's right, front and top (as the organ's, where it comes from "
      "a scan), or left, back and top. Slicer's files say it.", never},
+    {"prescribed", "spread", T::Text, "", "\"points\"", {}, "points|sheet",
+     "What the skin between measured points does: it is free, or moves as a smooth sheet (a thin plate through the "
+     "points, which stay exact) out to half their distance beyond the outermost.", never},
     {"prescribed", "translation", T::Vector, "m", depends, {}, "",
      "Where the region's nodes go. This, a rotation or both; with both the nodes are rotated first."},
     {"prescribed", "axis_point", T::Vector, "m", depends, {}, "", "Rotation: a point of its axis."},
@@ -173,6 +177,15 @@ constexpr KeySpec scene_keys[] = {
     {"prescribed", "curve_table", T::Curve, "s", "", {}, "",
      "Instead of `curve`: rows of time and share of the whole motion, like `[[0.0, 0.0], [0.5, 1.0], [1.0, "
      "0.25]]`; straight in between, constant after the last. Times ascend from 0, the first share is 0."},
+
+    {"skull", "from", T::Text, "", required, {}, "",
+     "`\"organ\"`: the organ's own surface at rest; or the file of a closed surface that encloses it (.obj, .stl, .ply, "
+     ".off, .vtk), relative to the scene file.", never},
+    {"skull", "unit", T::Text, "", depends, {}, "mm|cm|m", "Unit of the file's coordinates.", never},
+    {"skull", "clearance", T::Number, "m", "0", between(0, 0.05), "",
+     "Between that surface and the shell outside it that the skin touches.", never},
+    {"skull", "open", T::Tables, "", "", {}, "",
+     "[Regions](#region) without shell: where a skull is opened, `open = [{ shape = \"sphere\", ... }]`.", never},
 
     {"dynamics", "rate", T::Number, "Hz", "500", between(100, 2000), "",
      "Rate of the real-time loop; one tick is 1/rate.", with_mass_scaling},
@@ -357,6 +370,9 @@ constexpr Section sections[] = {
      "The keys of `[[fixed]]`, and these: where the region's nodes go (a translation, a rotation or a rotation "
      "followed "
      "by a translation, of which only `components` are imposed), and how over time."},
+    {"skull", "`[skull]`",
+     "A rigid shell that the organ's skin slides along and can't pass, without friction; penetration stays below 0.1 mm. "
+     "Reports have its force on the tissue. Tools pass it. `mtled solve` takes it with `mode = \"transient\"` only."},
     {"dynamics", "`[dynamics]`", ""},
     {"solve", "`[solve]`", "For solutions without a window; the interactive program ignores it."},
     {"tool", "`[tool]`",

@@ -33,6 +33,7 @@ BatchBody::BatchBody(const Model& model, const std::vector<double>& mass, int th
       tool_(model.tool_start),
       previous_tool_(model.tool_start),
       contact_(makeContactState(model.skin, model.scene.tool)),
+      skull_(makeSkullState(model.skull)),
       u_float_(model.X.size()),
       du_float_(model.X.size()),
       du_before_(model.X.size()) {
@@ -62,6 +63,7 @@ PointHistory BatchBody::pointHistory() const {
 
 void BatchBody::restore(const AlignedVector<Double4>& displacement, const AlignedVector<Double4>& increment,
                         const AlignedVector<double>& history) {
+  skull_ = makeSkullState(model_.skull);
   u = displacement;
   du = increment;
   if (history.empty())
@@ -95,14 +97,21 @@ void BatchBody::contact(double alpha, Report& report) {
     u_float_[i] = toFloat(u[i]);
     du_float_[i] = du_before_[i] = toFloat(du[i]);
   }
+  if (has_tool_) toolContact(alpha, report);
+  if (!model_.skull.empty())
+    report.skull = solveSkull(model_.skull, model_.skin, alpha, inverse_mass_float_.data(), u_float_.data(),
+                              du_float_.data(), skull_);
+  for (std::size_t i = 0; i < u.size(); ++i)
+    store(du[i], load(du[i]) + __builtin_convertvector(load(du_float_[i]) - load(du_before_[i]), GroupOf<double>));
+}
+
+void BatchBody::toolContact(double alpha, Report& report) {
   const double margin = 2 * largestTravel(model_.scene.tool, previous_tool_, tool_);
   findContactCandidates(model_.skin, u_float_.data(), model_.scene.tool, tool_, margin, contact_);
   findFaceSamples(model_.skin, u_float_.data(), model_.scene.tool, tool_, margin, contact_);
   report.tool_force = solveContact(model_.skin, model_.scene.tool, tool_, previous_tool_, model_.scene.friction, alpha,
                                    inverse_mass_float_.data(), u_float_.data(), du_float_.data(), contact_);
   previous_tool_ = tool_;
-  for (std::size_t i = 0; i < u.size(); ++i)
-    store(du[i], load(du[i]) + __builtin_convertvector(load(du_float_[i]) - load(du_before_[i]), GroupOf<double>));
 }
 
 BatchBody::Report BatchBody::advance(double alpha, double beta, double time) {
@@ -115,7 +124,7 @@ BatchBody::Report BatchBody::advance(double alpha, double beta, double time) {
   for (std::size_t i = 0; i < u.size(); ++i) store(du[i], beta * load(du[i]) + (alpha * inverse_mass_[i]) * load(f[i]));
   for (std::size_t i = 0; i < model_.weight.size(); ++i)
     store(du[i], load(du[i]) + (alpha * inverse_mass_[i]) * load(model_.weight[i]));
-  if (has_tool_) contact(alpha, report);
+  if (has_tool_ || !model_.skull.empty()) contact(alpha, report);
   imposeBoundary(boundary_, time, 0.0, alpha, inverse_mass_.data(), u.data(), du.data(), boundary_scratch_, team_);
   double largest = 0;
   for (std::size_t i = 0; i < u.size(); ++i) {

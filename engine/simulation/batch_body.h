@@ -22,6 +22,7 @@ class BatchBody {
     double max_increment = 0;  // m
     bool finite = true;
     Vec3 tool_force = Vec3::Zero();  // N, on the tool
+    SkullContact skull;
   };
 
   /// One step of paper eqs. 12 and 21-25, the boundaries then being where they are at `time`:
@@ -65,6 +66,7 @@ class BatchBody {
   ForceReport forces(const AlignedVector<Double4>& at, AlignedVector<Double4>& force,
                      RelaxationHistoryOf<double>* history);
   void contact(double alpha, Report& report);
+  void toolContact(double alpha, Report& report);
 
   const Model& model_;
   SpinTeam team_;
@@ -81,6 +83,7 @@ class BatchBody {
   bool has_tool_ = false;  // a tool that was never moved is not there
   Pose tool_, previous_tool_;
   ContactState contact_;
+  SkullState skull_;
   AlignedVector<Float4> u_float_, du_float_, du_before_;
 };
 

@@ -17,6 +17,7 @@ struct Model : Body {
   AlignedVector<Double4> weight;      // (node_count) N; empty without scene.gravity
   KernelLayout kernel;                // what the hot kernel reads
   EssentialBoundary boundary;         // of `essential` and the masses
+  Skull skull;                        // empty where scene.skull is not given
   StiffnessMeans stiffness_means;     // how masses follow the stiffness of squeezed tissue
 
   double rest_energy = 0;     // J, strain energy below which is rounding

@@ -70,6 +70,8 @@ std::uint64_t modelHash(const Model& model) {
   add(key, model.boundary);
   if (!model.weight.empty()) key.add(model.weight);  // none: hashes are those of before
   key.add(model.skin.surface.vertices, model.skin.area, model.skin.node, model.skin.N, model.skin.bulk_stiffness);
+  if (const Skull& skull = model.skull; !skull.empty())  // none: hashes are those of before
+    key.add(skull.vertex, skull.area, skull.correction, skull.origin, skull.cell, skull.gap, skull.stiffness);
   add(key, model.scene.tool);
   key.add(model.tool_start.position, model.tool_start.orientation.coeffs(), model.scene.tool_max_speed);
   key.add(model.scene.friction, model.scene.damping, model.scene.rate_hz);
@@ -99,6 +101,7 @@ std::uint64_t stateHash(const Model& model, const State& state) {
   add(state.u_low.data(), state.u_low.size() * sizeof(Float4));
   add(state.relaxation.Z.data(), state.relaxation.Z.size() * sizeof(float));
   addContact(state.contact, add);
+  add(state.skull.force.data(), state.skull.force.size() * sizeof(Float4));
   add(state.tool_pose.position.data(), sizeof(double) * 3);
   add(state.tool_pose.orientation.coeffs().data(), sizeof(double) * 4);
   if (!model.tools.empty()) {

@@ -5,6 +5,7 @@
 
 #include "base/number_text.h"
 #include "simulation/scene_messages.h"
+#include "simulation/sheet.h"
 
 namespace palpate {
 namespace {
@@ -69,14 +70,23 @@ Scene withPointBoundaries(const Scene& scene, const SurfaceTree& organ,
     if (kept.size() < all.size() && warn)
       warn(spec.place.text() + ": of " + std::to_string(all.size()) + " points " + std::to_string(kept.size()) +
            " are left: those nearer to each other than half the spacing were joined");
-    for (std::size_t k = 0; k < kept.size(); ++k) {
+    const auto add = [&](const std::string& name, const Vec3& X, const Vec3& u) {
       BoundarySpec& point = result.boundaries.emplace_back(spec);
       point.points.reset();
-      point.name = spec.name + " " + std::to_string(k + 1);
+      point.name = name;
       point.region.kind = Region::Kind::Point;
-      point.region.point = kept[k].X;
-      point.translation = kept[k].u;
+      point.region.point = X;
+      point.translation = u;
+    };
+    MovedPoints measured;
+    for (std::size_t k = 0; k < kept.size(); ++k) {
+      add(spec.name + " " + std::to_string(k + 1), kept[k].X, kept[k].u);
+      measured.X.push_back(kept[k].X), measured.u.push_back(kept[k].u);
     }
+    if (!spec.points->sheet) continue;
+    const MovedPoints between = sheetBetween(measured, organ, scene.spacing);
+    for (std::size_t k = 0; k < between.X.size(); ++k)
+      add(spec.name + " sheet " + std::to_string(k + 1), between.X[k], between.u[k]);
   }
   return result;
 }

@@ -39,12 +39,14 @@ struct Region {
 };
 
 struct Membership;
+struct TriangleSurface;
 
 /// Measured points that go from one place to another, in the organ's coordinates.
 struct PointLoad {
   std::string file;
   std::vector<int> line;            // (point_count) of the file, or empty
   std::vector<Vec3> before, after;  // (point_count) m; `before` empty: not measured
+  bool sheet = false;               // the skin between them moves as a smooth sheet
 };
 
 /// A material and where it is.
@@ -82,6 +84,15 @@ struct QuadratureSpec {
   double accuracy = 0;         // tau of the adaptive quadrature; 0: not adaptive
   int division = 8;            // a cell that fails is divided into 2, 4 or 8
   int max_depth = 4;           // divisions of a cell after one another
+};
+
+/// A rigid shell around the organ that its skin can't pass, open in some regions.
+struct SkullSpec {
+  bool given = false;
+  std::shared_ptr<const TriangleSurface> surface;  // closed, m; null: the organ's own at rest
+  double clearance = 0;                            // m, from that surface outwards to the shell
+  std::vector<Region> open;
+  SourceLocation place;
 };
 
 /// What `mtled solve` does with the scene.
@@ -156,6 +167,7 @@ struct Scene {
 
   std::vector<MaterialSpec> materials;   // at least one, the first applies everywhere
   std::vector<BoundarySpec> boundaries;  // at least one fixed
+  SkullSpec skull;
 
   // dynamics
   double rate_hz = 500;         // 100 .. 2000; one tick is 1/rate

@@ -5,6 +5,7 @@
 
 #include "base/types.h"
 #include "contact/contact_state.h"
+#include "contact/skull.h"
 #include "contact/tool_set.h"
 #include "mechanics/relaxation.h"
 #include "simulation/energy_balance.h"
@@ -49,6 +50,7 @@ struct State {
   Pose tool_pose;               // of the first tool
   ContactState contact;
   MoreTools more;
+  SkullState skull;  // empty without a skull
   RelaxationHistory relaxation;  // of materials that relax; empty where none does
   LiveParameters live;
   LocalMass local_mass;

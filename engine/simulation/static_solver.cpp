@@ -119,6 +119,7 @@ StaticSolver::Outcome StaticSolver::relax(double time, const std::optional<Pose>
     equilibrium.worst_point = report.worst_point;
     equilibrium.inverted_points = report.inverted_points;
     equilibrium.tool_force = report.tool_force;
+    equilibrium.skull = report.skull;
     if (k % reference_interval == 1) {
       u_reference_ = body_.u;
       for (std::size_t i = 0; i < u_reference_.size(); ++i)

@@ -21,6 +21,7 @@ struct Equilibrium {
   int worst_point = -1;  // with min J
   int inverted_points = 0;
   Vec3 tool_force = Vec3::Zero();  // N, on the tool
+  SkullContact skull;
 };
 
 /// Follows the equilibria of a model under imposed motions and a tool by dynamic relaxation, with fictitious masses

@@ -36,6 +36,10 @@ StepReport step(const Model& model, State& state, const ToolPostures& tools, con
   pull(model, command, masses, state);
   outcome.tool_force = solveToolContacts(model, tools, integrator.alpha, masses.inverse, state, outcome.loads);
 
+  if (!model.skull.empty())
+    outcome.skull = solveSkull(model.skull, model.skin, integrator.alpha, masses.inverse, state.u.data(),
+                               state.du.data(), state.skull);
+
   // du = du~ + P (du_bar - Phi du~)                                       (eqs. 23-25)
   outcome.base_reaction =
       imposeBoundary(model.boundary, time, model.dt, masses.boundary_alpha, model.inverse_mass.data(), nullptr,

@@ -65,6 +65,8 @@ StepReport reportOf(const Model& model, const StepOutcome& outcome, State& state
   StepReport report;
   report.tool_force = outcome.tool_force;
   report.base_reaction = outcome.base_reaction;
+  report.skull_force = outcome.skull.force;
+  report.skull_penetration = outcome.skull.max_penetration;
 
   report.max_increment = std::sqrt(moved.distance2);
   report.worst_node = moved.not_finite < 0 ? moved.node : moved.not_finite;
@@ -105,6 +107,7 @@ StepReport worstOf(const StepReport& earlier, const StepReport& later) {
     both.min_J = earlier.min_J;
     both.worst_point = earlier.worst_point;
   }
+  both.skull_penetration = std::max(earlier.skull_penetration, later.skull_penetration);
   both.energy_error = std::max(earlier.energy_error, later.energy_error);
   both.step_share = std::max(earlier.step_share, later.step_share);
   both.added_mass = std::max(earlier.added_mass, later.added_mass);

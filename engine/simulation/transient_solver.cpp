@@ -37,6 +37,7 @@ std::optional<BatchBody::Report> TransientSolver::tick(const std::optional<Pose>
     total.max_increment = std::max(total.max_increment, report.max_increment);
     total.finite = total.finite && report.finite;
     total.tool_force = report.tool_force;
+    total.skull = report.skull;
   }
   return total;
 }

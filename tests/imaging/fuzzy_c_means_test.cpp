@@ -21,9 +21,9 @@ double meanError(const FuzzyClasses& found, const Phantom& phantom) {
 }  // namespace
 
 TEST_CASE("Memberships of a phantom brain are near its tissue", "[imaging][fuzzy]") {
-  // Voxels of 2 mm, where most sulci are partial volume. With 1.2 mm the errors are 0.023 with 3 % noise and 0.032 with
-  // 9 %: mtled verify brain_shift.
-  const double noise = 0.03, bound = 0.05;
+  // Voxels of 2 mm, where most sulci are partial volume: 0.037 is left without any noise, 0.042 with 3 % and 0.053 with
+  // 9 %. With 1.2 mm it is 0.019 and 0.027: mtled verify brain_shift.
+  const double noise = 0.03, bound = 0.045;
   PhantomOptions options;
   options.voxels = 96;
   options.noise = noise;

@@ -32,6 +32,9 @@ std::string described(const Scene& s) {
   for (const BoundarySpec& b : s.boundaries)
     add(b.component[0], b.component[1], b.component[2], b.surface_only, static_cast<int>(b.curve.kind));
   vector(s.gravity);
+  add(s.skull.clearance);
+  for (const BoundarySpec& b : s.boundaries)
+    if (b.points) add(b.points->sheet);
   add(s.rate_hz, s.catch_up, s.time_step, s.step_safety, s.mass_scaling, s.damping, s.threads);
   add(static_cast<int>(s.gradient_precision), static_cast<int>(s.solve.mode), s.solve.tolerance, s.solve.load_steps);
   add(s.solve.end_time, s.solve.frames);
@@ -67,6 +70,10 @@ std::string sceneWith(const KeySpec& key, const std::string& given) {
   if (group == "boundary") return after("[[fixed]]");
   if (group == "discretization.refine") {
     return minimal_scene + "[[discretization.refine]]\ncentre = [0, 0, 0]\nradius = 0.01\nspacing = 0.005\n" + line;
+  }
+  if (group == "skull") return minimal_scene + "[skull]\nfrom = \"organ\"\n" + line;
+  if (name == "spread") {
+    return minimal_scene + "[[prescribed]]\npoints = \"e.csv\"\nunit = \"mm\"\nframe = \"ras\"\nduration = 1\n" + line;
   }
   if (group == "prescribed") {
     return minimal_scene +
@@ -107,6 +114,7 @@ std::string otherValue(const KeySpec& key) {
 TEST_CASE("Each default of the reference is what a scene without the key has", "[io][scene]") {
   TempFolder folder;
   folder.write("a.obj", "v 0 0 0\n");
+  folder.write("e.csv", "x,y,z\n0,0,50\n");
   const auto read = [&](const std::string& text) { return described(readScene(folder.write("box.toml", text))); };
   int defaults = 0;
   for (const KeySpec& key : sceneKeys()) {

@@ -36,6 +36,10 @@ const std::string mixed =
     "[[material]]\nmodel = \"neo-hookean\"\nyoung = 100\npoisson = 0.49\nmembership = \"m.nii\"\nmask = \"k.nii\"\n";
 const std::string measured =
     minimal_scene + "[[prescribed]]\npoints = \"e.csv\"\nunit = \"mm\"\nframe = \"ras\"\nduration = 1\n";
+const std::string enclosed =
+    minimal_scene +
+    "[skull]\nfrom = \"organ\"\nopen = [{ shape = \"sphere\", centre = [0, 0, 0.05], radius = 0.02 }]\n";
+const std::string enclosed_by_file = minimal_scene + "[skull]\nfrom = \"t.obj\"\nunit = \"mm\"\n";
 const std::string cone =
     replaced(full_scene, "shape = \"cylinder\"\nradius = 0.005\nlength = 0.03\nedge_radius = 0.0005",
              "shape = \"cone\"\nradius = 0.005\nhalf_angle = 40\ntip_radius = 0.002");
@@ -108,6 +112,7 @@ std::map<std::string, Change> changes() {
       {"prescribed.points", {measured, "\"e.csv\"", "\"./e.csv\""}},
       {"prescribed.unit", {measured, "\"mm\"", "\"cm\""}},
       {"prescribed.frame", {measured, "\"ras\"", "\"lps\""}},
+      {"prescribed.spread", {measured, "frame = \"ras\"", "frame = \"ras\"\nspread = \"sheet\""}},
       {"prescribed.translation", {full_scene, "[0, 0, -0.002]", "[0, 0, -0.003]"}},
       {"prescribed.axis_point", {moved, "axis_point = [0, 0, 0]", "axis_point = [0, 0, 1]"}},
       {"prescribed.axis", {moved, "axis = [0, 0, 1]", "axis = [0, 1, 1]"}},
@@ -115,6 +120,9 @@ std::map<std::string, Change> changes() {
       {"prescribed.duration", {moved, "duration = 1", "duration = 2"}},
       {"prescribed.curve", {moved, "duration = 1", "duration = 1\ncurve = \"linear\""}},
       {"prescribed.curve_table", {moved, "duration = 1", "duration = 1\ncurve_table = [[0, 0], [1, 1]]"}},
+      {"skull.from", {enclosed_by_file, "\"t.obj\"", "\"./t.obj\""}},
+      {"skull.unit", {enclosed_by_file, "\"mm\"", "\"cm\""}},
+      {"skull.clearance", added(enclosed, "[skull]\n", "clearance = 0.001")},
       {"dynamics.rate", {full_scene, "rate = 1000", "rate = 500"}},
       {"dynamics.catch_up", added(full_scene, "[dynamics]\n", "catch_up = 0")},
       {"dynamics.time_step", {full_scene, "time_step = 0.0005", "time_step = 0.00025"}},
@@ -190,6 +198,7 @@ TEST_CASE("Changing a key of the reference changes the cache key where the set-u
   TempFolder folder;
   folder.write("a.obj", "v 0 0 0\n");
   folder.write("b.obj", "v 0 0 0\n");
+  folder.write("t.obj", "v 0 0 0\nv 9 0 0\nv 0 9 0\nv 0 0 9\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n");
   folder.write("p.csv", "X,Y,Z\n0,0,0\n");
   folder.write("e.csv", "x,y,z\n0,0,50\n");
   const Image image(ImageGrid({2, 2, 2}, Mat3::Identity(), Vec3::Zero()), 1.0F);

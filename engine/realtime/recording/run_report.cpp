@@ -76,6 +76,9 @@ RunReport makeRunReport(const Model& model, const RunSummary& summary, const Dea
     report.tools.push_back({summary.peak_tool_force[k], summary.peak_pinch[k], model.tools.tool[k].jaws});
   report.peak_depth_m = summary.peak_depth;
   report.base_reaction_N = summary.base_reaction;
+  report.has_skull = !model.skull.empty();
+  report.skull_force_N = summary.skull_force;
+  report.skull_penetration_m = summary.skull_penetration;
   report.state_hash = summary.state_hash;
   report.flags = summary.flags;
   report.doubt = summary.doubt;
@@ -139,6 +142,11 @@ std::string toJson(const RunReport& r) {
     Json entry = {{"peak_force_N", tool.peak_force_N}};
     if (tool.jaws) entry["peak_pinch_N"] = tool.peak_pinch_N;
     json["tools"].push_back(entry);
+  }
+  if (r.has_skull) {
+    const Vec3& skull = r.skull_force_N;
+    json["skull_force_N"] = Json::array({skull.x(), skull.y(), skull.z()});
+    json["skull_penetration_m"] = r.skull_penetration_m;
   }
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }

@@ -38,6 +38,9 @@ struct RunReport {
   std::vector<Tool> tools;  // where the scene has several or jaws; else empty, and report.json has no "tools"
   double peak_depth_m = 0;  // of the skin under the tip, from where it lay at rest
   Vec3 base_reaction_N = Vec3::Zero();
+  bool has_skull = false;
+  Vec3 skull_force_N = Vec3::Zero();
+  double skull_penetration_m = 0;
   std::uint64_t state_hash = 0;
   std::uint32_t flags = 0;    // StepFlag, all ticks
   Doubt doubt = Doubt::None;  // the gravest of all ticks

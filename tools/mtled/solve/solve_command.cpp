@@ -129,6 +129,9 @@ class Results {
       for (const char* part : {"_fx_N", "_fy_N", "_fz_N", "_mx_Nm", "_my_Nm", "_mz_Nm"})
         columns.push_back(b.name + part);
     for (const char* part : {"tool_fx_N", "tool_fy_N", "tool_fz_N"}) columns.emplace_back(part);
+    if (model.scene.skull.given)
+      for (const char* part : {"skull_fx_N", "skull_fy_N", "skull_fz_N", "skull_penetration_m"})
+        columns.emplace_back(part);
     if (model.scene.solve.mode == SolveSpec::Mode::Static)
       columns.emplace_back("error_m");  // a motion has no such estimate
     std::vector<std::vector<double>> kept;
@@ -172,11 +175,16 @@ class Results {
   /// One equilibrium or tick, with a frame when its time has come. @param position  for a resumed run
   /// @param error  m, of an equilibrium
   void add(std::int64_t position, double time, std::optional<double> error, int iterations, double min_J, int inverted,
-           const BatchBody& body, const Vec3& tool_force, double largest = 0) {
+           const BatchBody& body, const Vec3& tool_force, const SkullContact& skull, double largest = 0) {
     std::vector<double> row{time, static_cast<double>(iterations), min_J, static_cast<double>(inverted)};
     for (const auto& r : body.reactions())
       for (const Vec3& v : {r.force, r.moment}) row.insert(row.end(), v.data(), v.data() + 3);
     row.insert(row.end(), tool_force.data(), tool_force.data() + 3);
+    if (model_.scene.skull.given) {
+      row.insert(row.end(), skull.force.data(), skull.force.data() + 3);
+      row.push_back(skull.max_penetration);
+      last_skull_ = skull;
+    }
     if (error) row.push_back(*error);
     force_->add(row);
     ++checkpoint_.rows;
@@ -220,6 +228,10 @@ class Results {
                     {"reactions", reactions},
                     {"setup_seconds", model_.setup_seconds},
                     {"build", buildInfo()}});
+    if (last_skull_) {
+      const Vec3& f = last_skull_->force;
+      outcome["skull"] = {{"force_N", {f.x(), f.y(), f.z()}}, {"max_penetration_m", last_skull_->max_penetration}};
+    }
     if (!last_row_.empty()) {
       outcome["time_s"] = last_row_[0];
       outcome["min_J"] = last_row_[2];
@@ -277,6 +289,7 @@ class Results {
   std::unique_ptr<ResultCsv> force_;
   std::vector<double> last_row_;
   std::vector<Reaction> last_reactions_;
+  std::optional<SkullContact> last_skull_;  // of this run
   std::vector<PvdFrame> pvd_;
   Checkpoint checkpoint_;
   Clock::time_point saved_ = Clock::now();
@@ -321,7 +334,7 @@ int solveStatic(const Task& task, Results& results) {
     e = solver.advanceTo(time, task.tool(time), watch);
     iterations += e.iterations;
     if (!e.converged) break;
-    results.add(k, time, e.error, e.iterations, e.min_J, e.inverted_points, solver.body(), e.tool_force,
+    results.add(k, time, e.error, e.iterations, e.min_J, e.inverted_points, solver.body(), e.tool_force, e.skull,
                 solver.largestSoFar());
   }
   results.finish({{"mode", "static"},
@@ -362,7 +375,7 @@ int solveTransient(const Task& task, Results& results) {
     diverged = !report->finite || report->max_increment > task.model.max_increment;
     if (!diverged)
       results.add(solver.step(), solver.time(), {}, task.model.substeps_per_tick, report->min_J,
-                  report->inverted_points, solver.body(), report->tool_force);
+                  report->inverted_points, solver.body(), report->tool_force, report->skull);
     char detail[64];
     std::snprintf(detail, sizeof detail, "%.4g of %.4g s", solver.time(), task.end);
     progress.show(static_cast<double>(k) / static_cast<double>(ticks), detail);
@@ -391,6 +404,9 @@ int solveCommand(const SolveOptions& options) {
   if (const std::vector<ToolSpec> tools = toolsOf(scene); tools.size() > 1 || tools[0].jaws())
     throw InputError(tools.back().place, "mtled solve moves a single tool, and no jaws",
                      "leave the others and \"opening\" out, or run the scene with palpate --offscreen");
+  if (scene.skull.given && scene.solve.mode == SolveSpec::Mode::Static)  // its contact chatters in dynamic relaxation
+    throw InputError(scene.skull.place, "a static solution does not come to rest in a skull",
+                     "add [solve] mode = \"transient\", or leave the skull out");
   const std::optional<ToolScript> script = namedScript(options.tool_script, scene.tool.radius);
   const double end = endTime(scene, script);
   checkLength(scene, end);

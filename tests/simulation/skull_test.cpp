@@ -1,0 +1,109 @@
+#include <catch2/catch.hpp>
+
+#include "simulation/model_hash.h"
+#include "simulation/step.h"
+#include "simulation/workspace.h"
+#include "support/realtime_guard.h"
+#include "support/small_scene.h"
+#include "support/temp_folder.h"
+
+using namespace palpate;
+
+namespace {
+
+constexpr double ball_radius = 0.03, ball_clearance = 5e-4;
+
+/// A heavy ball in a skull half a millimetre around it; guided so that nothing but the skull bears its weight.
+Scene ballScene() {
+  Scene scene = test::blockScene(0.011);
+  scene.solid = Scene::Solid::Ellipsoid;
+  scene.semi_axes = Vec3::Constant(ball_radius);
+  scene.gravity = Vec3(0, 0, -9.81);
+  scene.damping = 60;
+  scene.tool_position = Vec3(0, 0, 0.06);
+  BoundarySpec& guide = scene.boundaries[0];
+  guide.region.kind = Region::Kind::Box;
+  guide.region.min = Vec3(-0.012, -0.012, -0.012);
+  guide.region.max = Vec3(0.012, 0.012, 0.012);
+  guide.component[2] = false;
+  scene.skull.given = true;
+  scene.skull.clearance = ball_clearance;
+  return scene;
+}
+
+Model ballModel(const Scene& scene = ballScene()) {
+  return buildModel(scene, ellipsoidSurface(scene.semi_axes, 0.004));
+}
+
+double ownWeight(const Model& model) {
+  double weight = 0;
+  for (const Double4& f : model.weight) weight -= f.z;
+  return weight;
+}
+
+/// m, how deep the skin is in the organ's own skull at most.
+template <class Positions>
+double deepest(const Model& model, const Positions& positionOf) {
+  const SurfaceTree shell(ellipsoidSurface(model.scene.semi_axes, 0.004));
+  double depth = -1;
+  for (int v = 0; v < model.skin.vertexCount(); ++v)
+    depth = std::max(depth, shell.signedDistance(positionOf(v)) - model.scene.skull.clearance);
+  return depth;
+}
+
+/// Steps until it rests, the tool far away.
+StepReport settled(const Model& model, State& state, int threads = 1, int ticks = 500) {
+  Workspace workspace(model, threads);
+  Command command;
+  command.tool_target = model.tool_start;
+  StepReport report;
+  for (int k = 0; k < ticks; ++k) report = tick(model, state, command, workspace);
+  return report;
+}
+
+}  // namespace
+
+TEST_CASE("A ball rests in its skull, which bears its weight, whatever the threads", "[simulation][skull]") {
+  const Model model = ballModel();
+  State state = initialState(model), other = initialState(model);
+  const StepReport report = settled(model, state);
+  CHECK(report.skull_force.z() == Approx(ownWeight(model)).epsilon(0.01));
+  CHECK(report.skull_penetration < 1e-4);
+  CHECK(report.flags == 0);
+  CHECK(deepest(model, [&](int v) { return skinPosition(model.skin, v, state.u.data()); }) < 1e-4);
+
+  State half = initialState(model);
+  settled(model, half, 1, 20);
+  settled(model, other, 2, 20);
+  CHECK(stateHash(model, half) == stateHash(model, other));
+  other.skull.force[0].x += 1e-6F;  // it is remembered
+  CHECK(stateHash(model, half) != stateHash(model, other));
+}
+
+TEST_CASE("Where the skull is open nothing holds the skin, and steps with it take no memory", "[simulation][skull]") {
+  Scene scene = ballScene();
+  Region below;
+  below.point = Vec3(0, 0, 0);  // a half-space: z <= 0
+  scene.skull.open.push_back(below);
+  const Model open = ballModel(scene), closed = ballModel();
+  CHECK(modelHash(open) != modelHash(closed));
+  State state = initialState(open);
+  CHECK(settled(open, state, 1, 60).skull_force.z() < 0.05 * ownWeight(open));
+  CHECK(deepest(open, [&](int v) { return skinPosition(open.skin, v, state.u.data()); }) > 2e-3);
+
+  State held = initialState(closed);
+  Workspace workspace(closed, 1);
+  Command command;
+  command.tool_target = closed.tool_start;
+  for (int k = 0; k < 40; ++k) tick(closed, held, command, workspace);
+  REQUIRE(held.skull.force.size() > 20);
+  if (test::guardAvailable()) test::startGuard();
+  for (int k = 0; k < 5; ++k) tick(closed, held, command, workspace);
+  CHECK((!test::guardAvailable() || test::stopGuard().total() == 0));
+}
+
+TEST_CASE("A skull of its own that the organ does not fit in is refused", "[simulation][skull]") {
+  Scene scene = ballScene();
+  scene.skull.surface = std::make_shared<TriangleSurface>(ellipsoidSurface(Vec3::Constant(ball_radius - 0.003), 0.004));
+  CHECK_THAT(refusal([&] { ballModel(scene); }), Catch::Matchers::Contains("through the skull"));
+}
