@@ -241,6 +241,12 @@ inline Simd<double> inverseCubeRoot(const Simd<double>& x) {
   return perLane(x, [](double a) { return 1 / std::cbrt(a); });
 }
 
+/// log2 m = 2 / ln 2 (t + t^3/3 + t^5/5 + ...) with t = (m - 1) / (m + 1), |t| < 0.172.
+inline Simd<float>::Vector log2Series(const Simd<float>::Vector& t) {
+  const Simd<float>::Vector t2 = t * t;
+  return t * (2.885390082F + t2 * (0.961796694F + t2 * (0.577078016F + t2 * (0.412198583F + t2 * 0.320598898F))));
+}
+
 /// Base-2 logarithm of x > 0 (normal numbers), error below 2e-7 absolute plus 1e-7 relative.
 inline Simd<float> log2(const Simd<float>& x) {
   using Lanes = Simd<float>;
@@ -248,34 +254,61 @@ inline Simd<float> log2(const Simd<float>& x) {
   // Exponent chosen so that the mantissa lies in [1/sqrt 2, sqrt 2).
   const Lanes::Integer exponent = (bits - 0x3f3504f3) >> 23;
   const auto m = __builtin_bit_cast(Lanes::Vector, bits - (exponent << 23));
-  const Lanes::Vector t = (m - 1.0F) / (m + 1.0F);
-  const Lanes::Vector t2 = t * t;
-  // log2 m = 2 / ln 2 * (t + t^3/3 + t^5/5 + ...), |t| < 0.172
-  const Lanes::Vector series =
-      t * (2.885390082F + t2 * (0.961796694F + t2 * (0.577078016F + t2 * (0.412198583F + t2 * 0.320598898F))));
-  return Lanes(__builtin_convertvector(exponent, Lanes::Vector) + series);
+  return Lanes(__builtin_convertvector(exponent, Lanes::Vector) + log2Series((m - 1.0F) / (m + 1.0F)));
+}
+
+/// log2(y) for a y > 0 that is 1 + x: of x, error below 4e-7 relative, where y is near 1 and has lost digits of it.
+inline Simd<float> log2OnePlus(const Simd<float>& x, const Simd<float>& y) {
+  using Lanes = Simd<float>;
+  const auto bits = __builtin_bit_cast(Lanes::Integer, y.v);
+  const Lanes::Integer exponent = (bits - 0x3f3504f3) >> 23;
+  const auto m = __builtin_bit_cast(Lanes::Vector, bits - (exponent << 23));
+  const Lanes::Vector above = exponent == 0 ? x.v : m - 1.0F;
+  return Lanes(__builtin_convertvector(exponent, Lanes::Vector) + log2Series(above / (above + 2.0F)));
 }
 
 inline Simd<double> log2(const Simd<double>& x) {
   return perLane(x, [](double a) { return std::log2(a); });
 }
+inline Simd<double> log2OnePlus(const Simd<double>& x, const Simd<double>& y) {
+  const auto near = perLane(x, [](double a) { return std::log1p(a) / 0.69314718055994531; });
+  return whereLess(x * x, Simd<double>(0.04), near, log2(y));
+}
+
+/// 2^x = (1 + part) 2^whole.
+struct PowerOfTwo {
+  Simd<float>::Vector part, factor;
+
+  explicit PowerOfTwo(const Simd<float>& x) {
+    using Lanes = Simd<float>;
+    using Vector = Lanes::Vector;
+    const Vector limited = x.v < -126.0F ? Vector{} - 126.0F : (x.v > 126.0F ? Vector{} + 126.0F : x.v);
+    // Rounds to the nearest integer: adding 1.5 * 2^23 pushes the fraction out of the mantissa.
+    const Vector shifted = limited + 12582912.0F;
+    const Lanes::Integer whole = __builtin_bit_cast(Lanes::Integer, shifted) - 0x4b400000;
+    const Vector f = (limited - (shifted - 12582912.0F)) * 0.69314718F;
+    part = f * (1.0F + f * (0.5F + f * (0.16666667F + f * (0.041666668F + f * (0.0083333338F + f * 0.0013888889F)))));
+    factor = __builtin_bit_cast(Vector, (whole + 127) << 23);
+  }
+};
 
 /// 2^x for |x| < 126, error below 2e-7 relative.
 inline Simd<float> exp2(const Simd<float>& x) {
-  using Lanes = Simd<float>;
-  using Vector = Lanes::Vector;
-  const Vector limited = x.v < -126.0F ? Vector{} - 126.0F : (x.v > 126.0F ? Vector{} + 126.0F : x.v);
-  // Rounds to the nearest integer: adding 1.5 * 2^23 pushes the fraction out of the mantissa.
-  const Vector shifted = limited + 12582912.0F;
-  const Lanes::Integer whole = __builtin_bit_cast(Lanes::Integer, shifted) - 0x4b400000;
-  const Vector f = (limited - (shifted - 12582912.0F)) * 0.69314718F;
-  const Vector p =
-      1.0F + f * (1.0F + f * (0.5F + f * (0.16666667F + f * (0.041666668F + f * (0.0083333338F + f * 0.0013888889F)))));
-  return Lanes(p * __builtin_bit_cast(Vector, (whole + 127) << 23));
+  const PowerOfTwo power(x);
+  return Simd<float>((1.0F + power.part) * power.factor);
+}
+
+/// 2^x - 1 for |x| < 126, error below 4e-7 relative where x is small.
+inline Simd<float> exp2MinusOne(const Simd<float>& x) {
+  const PowerOfTwo power(x);
+  return Simd<float>(power.part * power.factor + (power.factor - 1.0F));
 }
 
 inline Simd<double> exp2(const Simd<double>& x) {
   return perLane(x, [](double a) { return std::exp2(a); });
+}
+inline Simd<double> exp2MinusOne(const Simd<double>& x) {
+  return perLane(x, [](double a) { return std::expm1(a * 0.69314718055994531); });
 }
 
 }  // namespace PALPATE_KERNEL

@@ -150,7 +150,7 @@ struct CellPasses {
   /// Bounds a patch's pressure, and notes the cells around it if it is pressed.
   void bound(int a, std::size_t part) const {
     const Real limit = static_cast<Real>(pressure_limit) * patches.shear[a], p = patches.pressure[a];
-    if (!(limit > 0)) return;  // in no cell
+    if (!(limit > 0) || cells.kept[a]) return;  // in no cell, or not to be bounded
     Real least = 0;
     for (int e = patches.begin[a]; e < patches.begin[a + 1]; ++e)
       least = std::min(least, patches.dilatation[patches.point[e]]);
@@ -191,22 +191,32 @@ struct CellPasses {
   void press(int a, std::size_t part) const {
     if (!(s.weight[a] > 0) || !(cells.volume[a] > 0)) return;
     Real change = 0;
-    for (int e = cells.corner_begin[a]; e < cells.corner_begin[a + 1]; ++e)
-      change += s.volume_change[cells.corner[e] / 4];
+    for (int e = cells.corner_begin[a]; e < cells.corner_begin[a + 1]; ++e) {
+      const std::int32_t cell = cells.corner[e] / 4, vertex = cells.corner[e] % 4;
+      change += cells.share[cell / 4 * 16 + 4 * vertex + cell % 4] * s.volume_change[cell];
+    }
     const Real bulk = patches.bulk[a], limit = static_cast<Real>(pressure_limit) * patches.shear[a];
-    const Real p = bulk * (change / (4 * cells.volume[a]));
+    const Real p = bulk * (change / cells.volume[a]);
     s.pressure[a] = s.weight[a] * (p - bounded(p, limit));
     if (s.pressure[a] == 0) return;
     markCells(a, s.loaded);
     s.energy[part] += s.weight[a] * cells.volume[a] * (p * p / (2 * bulk) - boundedEnergy(p, limit, bulk));
   }
 
-  void pushCorners(int block) const {
+  void pushCorners(int block, std::size_t part) const {
     const std::int32_t* node = &cells.cell_node[static_cast<std::size_t>(block) * 16];
+    const Real* share = &cells.share[static_cast<std::size_t>(block) * 16];
     GroupOf<Real> p{};
     for (int t = 0; t < 4; ++t) {
-      const auto of = [&](int v) { return s.pressure[node[4 * v + t]]; };
-      p[t] = ((of(0) + of(1)) + (of(2) + of(3))) / 4;
+      const auto of = [&](int v) { return share[4 * v + t] * s.pressure[node[4 * v + t]]; };
+      p[t] = (of(0) + of(1)) + (of(2) + of(3));
+      const auto over_shear = [&](int v) {
+        const std::int32_t a = node[4 * v + t];
+        const Real part_of_cell = share[4 * v + t];
+        return part_of_cell > 0 ? part_of_cell * (patches.pressure[a] + s.pressure[a]) / patches.shear[a] : 0;
+      };
+      const Real mean = -((over_shear(0) + over_shear(1)) + (over_shear(2) + over_shear(3)));
+      if (mean > s.max_pressure[part]) s.max_pressure[part] = mean;  // not NaN: a node in no point's cell
     }
     CellBlock<Real>(cells, block, s.field.data()).forces(p, &s.corner_force[static_cast<std::size_t>(block) * 16]);
   }
@@ -220,10 +230,10 @@ struct CellPasses {
     for (int e = cells.row_begin[a]; e < cells.row_begin[a + 1]; ++e) mark(s.touched[cells.row_node[e]]);
   }
 
-  /// @return energy, J
-  double run(SpinTeam& team) const {
+  CellReport run(SpinTeam& team) const {
     std::fill(s.group_pressed.begin(), s.group_pressed.end(), std::uint8_t{0});
     std::fill(s.energy.begin(), s.energy.end(), 0.0);
+    std::fill(s.max_pressure.begin(), s.max_pressure.end(), 0.0);
     forNodes(team, s.groups, [this](int a, std::size_t part) { bound(a, part); });
     collect(s.looked.group, s.groups_of_cells);
     collect(s.looked.block, s.blocks);
@@ -232,9 +242,10 @@ struct CellPasses {
     forNodes(team, s.groups, [this](int a, std::size_t part) { press(a, part); });
     collect(s.loaded.group, s.groups_of_cells);
     collect(s.loaded.block, s.blocks);
-    forAll(team, s.blocks, [this](int block, std::size_t) { pushCorners(block); });
+    forAll(team, s.blocks, [this](int block, std::size_t part) { pushCorners(block, part); });
     forNodes(team, s.groups_of_cells, [this](int a, std::size_t) { sumCorners(a); });
-    return std::accumulate(s.energy.begin(), s.energy.end(), 0.0);
+    return {std::accumulate(s.energy.begin(), s.energy.end(), 0.0),
+            *std::max_element(s.max_pressure.begin(), s.max_pressure.end())};
   }
 };
 
@@ -256,14 +267,14 @@ void findPressed(const PatchStateOf<Real>& patches, int part, CellVolumeScratchO
 }
 
 template <class Real>
-double cellForces(const CellVolumeOf<Real>& cells, const PatchStateOf<Real>& patches, const Real4<Real>* u,
-                  CellVolumeScratchOf<Real>& scratch, SpinTeam& team) {
+CellReport cellForces(const CellVolumeOf<Real>& cells, const PatchStateOf<Real>& patches, const Real4<Real>* u,
+                      CellVolumeScratchOf<Real>& scratch, SpinTeam& team) {
   CellVolumeScratchOf<Real>& s = scratch;
   const CellPasses<Real> passes{cells, patches, u, s};
   if (s.pressed) passes.clear();
   collect(s.group_pressed, s.groups);
   s.pressed = !s.groups.empty();
-  return s.pressed ? passes.run(team) : 0;
+  return s.pressed ? passes.run(team) : CellReport{};
 }
 
 template <class Real>
@@ -283,10 +294,10 @@ void addCellForces(const CellVolumeOf<Real>& cells, const CellVolumeScratchOf<Re
 
 template void findPressed(const PatchStateOf<float>&, int, CellVolumeScratchOf<float>&);
 template void findPressed(const PatchStateOf<double>&, int, CellVolumeScratchOf<double>&);
-template double cellForces(const CellVolumeOf<float>&, const PatchStateOf<float>&, const Float4*,
-                           CellVolumeScratchOf<float>&, SpinTeam&);
-template double cellForces(const CellVolumeOf<double>&, const PatchStateOf<double>&, const Double4*,
-                           CellVolumeScratchOf<double>&, SpinTeam&);
+template CellReport cellForces(const CellVolumeOf<float>&, const PatchStateOf<float>&, const Float4*,
+                               CellVolumeScratchOf<float>&, SpinTeam&);
+template CellReport cellForces(const CellVolumeOf<double>&, const PatchStateOf<double>&, const Double4*,
+                               CellVolumeScratchOf<double>&, SpinTeam&);
 template void addCellForces(const CellVolumeOf<float>&, const CellVolumeScratchOf<float>&, int, int, Float4*);
 template void addCellForces(const CellVolumeOf<double>&, const CellVolumeScratchOf<double>&, int, int, Double4*);
 

@@ -22,6 +22,42 @@ std::vector<std::array<int, 4>> orderedCells(const CellVolumeSpec& spec) {
   return cells;
 }
 
+/// Nodes of bonded faces: all of a face's components are imposed. (Where plates without friction meet at a corner, one
+/// node's are.)
+std::vector<std::uint8_t> bondedNodes(const CellVolumeSpec& spec) {
+  std::vector<std::uint8_t> bonded(spec.X.size(), 0);
+  if (spec.imposed == nullptr) return bonded;
+  const auto held = [&](int node) { return (*spec.imposed)[node] == 7; };
+  for (const auto& cell : spec.cells)
+    if (std::count_if(cell.begin(), cell.end(), held) >= 3)
+      for (const int a : cell)
+        if (held(a)) bonded[a] = 1;
+  return bonded;
+}
+
+/// s_ta of a cell's vertices.
+std::array<double, 4> sharesOf(const std::array<int, 4>& cell, const std::vector<std::uint8_t>& bonded) {
+  const auto free = std::count_if(cell.begin(), cell.end(), [&](int a) { return bonded[a] == 0; });
+  std::array<double, 4> share;
+  for (int v = 0; v < 4; ++v) share[v] = free == 0 ? 0.25 : (bonded[cell[v]] ? 0 : 1 / static_cast<double>(free));
+  return share;
+}
+
+/// Whether a node lies between a held one, the nearest, and another in nearly the opposite direction, at most `reach`
+/// apart.
+bool isBetween(const Vec3& X, const std::vector<Vec3>& held, double reach) {
+  constexpr double opposite = -0.9;  // cosine of the angle
+  Vec3 nearest = Vec3::Constant(reach);
+  for (const Vec3& other : held)
+    if ((other - X).squaredNorm() < nearest.squaredNorm()) nearest = other - X;
+  const double first = nearest.norm(), rest = reach - first;
+  if (rest <= 0) return false;
+  return std::any_of(held.begin(), held.end(), [&](const Vec3& other) {
+    const Vec3 way = other - X;
+    return way.squaredNorm() < rest * rest && way.dot(nearest) < opposite * first * way.norm();
+  });
+}
+
 /// Lists of lists as one, after its borders.
 void flatten(const std::vector<std::vector<int>>& lists, std::vector<int>& begin, std::vector<std::int32_t>& all) {
   begin.assign(1, 0);
@@ -55,32 +91,63 @@ void addTables(const ShapeTable& shape, CellVolumeOf<Real>& result) {
 template <class Real>
 void addCells(const CellVolumeSpec& spec, CellVolumeOf<Real>& result) {
   const auto cells = orderedCells(spec);
+  const auto bonded = bondedNodes(spec);
   std::vector<double> volume(spec.X.size(), 0);
   std::vector<std::vector<int>> corners(spec.X.size());
   const std::size_t blocks = (cells.size() + 3) / 4;
   result.cell_node.assign(blocks * 16, cells.empty() ? 0 : cells.back()[0]);
+  result.share.assign(blocks * 16, Real(0));
   result.edge.assign(blocks * 36, Real(0));
-  for (std::size_t t = 0; t < cells.size(); ++t)
+  for (std::size_t t = 0; t < cells.size(); ++t) {
+    const auto share = sharesOf(cells[t], bonded);
     for (int v = 0; v < 4; ++v) {
       const int node = cells[t][v];
       result.cell_node[t / 4 * 16 + static_cast<std::size_t>(v) * 4 + t % 4] = node;
       for (int c = 0; v > 0 && c < 3; ++c)
         result.edge[t / 4 * 36 + static_cast<std::size_t>(3 * (v - 1) + c) * 4 + t % 4] =
             static_cast<Real>(spec.X[node][c] - spec.X[cells[t][0]][c]);
-      volume[node] += signedVolume(spec.X, cells[t]) / 4;
+      result.share[t / 4 * 16 + static_cast<std::size_t>(v) * 4 + t % 4] = static_cast<Real>(share[v]);
+      volume[node] += share[v] * signedVolume(spec.X, cells[t]);
       corners[node].push_back(static_cast<int>(4 * t) + v);
     }
+  }
   flatten(corners, result.corner_begin, result.corner);
   result.volume.assign(volume.begin(), volume.end());
 }
 
 }  // namespace
 
+std::vector<std::uint8_t> nodesBetweenBonds(const CellVolumeSpec& spec) {
+  std::vector<std::uint8_t> between(spec.X.size(), 0);
+  std::vector<Vec3> held;
+  std::vector<double> edges(spec.X.size(), 0), count(spec.X.size(), 0);
+  const auto bonded = bondedNodes(spec);
+  const auto isHeld = [&](int node) { return bonded[node] != 0; };
+  for (int a = 0; a < static_cast<int>(spec.X.size()); ++a)
+    if (isHeld(a)) held.push_back(spec.X[a]);
+  for (const auto& cell : spec.cells)
+    for (const int a : cell)
+      for (const int b : cell)
+        if (a != b) {
+          edges[a] += (spec.X[a] - spec.X[b]).norm();
+          ++count[a];
+        }
+  for (int a = 0; a < static_cast<int>(spec.X.size()); ++a)
+    if (!isHeld(a) && count[a] > 0) between[a] = isBetween(spec.X[a], held, bonded_cells * edges[a] / count[a]);
+  std::vector<std::uint8_t> all = between;
+  for (const auto& cell : spec.cells)
+    if (std::any_of(cell.begin(), cell.end(), [&](int a) { return between[a] != 0; }))
+      for (const int a : cell)
+        if (isHeld(a)) all[a] = 1;
+  return all;
+}
+
 template <class Real>
 CellVolumeOf<Real> makeCellVolume(const CellVolumeSpec& spec) {
   CellVolumeOf<Real> result;
   addTables(spec.node_shape, result);
   addCells(spec, result);
+  result.kept = nodesBetweenBonds(spec);
   result.patch_volume.assign(spec.patches.volume.begin(), spec.patches.volume.end());
   return result;
 }
@@ -92,6 +159,7 @@ CellVolumeScratchOf<Real> makeCellVolumeScratch(const CellVolumeOf<Real>& cells,
   const auto nodes = static_cast<std::size_t>(cells.nodeCount()), blocks = static_cast<std::size_t>(cells.blockCount());
   const std::size_t groups = (nodes + scratch.group_size - 1) / scratch.group_size;
   scratch.energy.resize(static_cast<std::size_t>(part_count));
+  scratch.max_pressure.resize(static_cast<std::size_t>(part_count));
   scratch.groups.reserve(groups);
   scratch.groups_of_cells.reserve(groups);
   scratch.blocks.reserve(blocks);
@@ -136,25 +204,34 @@ CellVolumeReference referenceCellVolume(const CellVolumeSpec& spec, const std::v
     for (int e = spec.node_shape.begin[a]; e < spec.node_shape.begin[a + 1]; ++e)
       x[a] += spec.node_shape.N[e] * u[spec.node_shape.node[e]];
   std::vector<double> change(nodes, 0), cell_volume(nodes, 0), weight(nodes, 0);
-  for (const auto& cell : cells)
-    for (const int a : cell) {
-      cell_volume[a] += signedVolume(spec.X, cell) / 4;
-      change[a] += (signedVolume(x, cell) - signedVolume(spec.X, cell)) / 4;
+  const auto kept = nodesBetweenBonds(spec), bonded = bondedNodes(spec);
+  for (const auto& cell : cells) {
+    const auto share = sharesOf(cell, bonded);
+    for (int v = 0; v < 4; ++v) {
+      cell_volume[cell[v]] += share[v] * signedVolume(spec.X, cell);
+      change[cell[v]] += share[v] * (signedVolume(x, cell) - signedVolume(spec.X, cell));
     }
+  }
   for (std::size_t q = 0; q < J_minus_1.size(); ++q)
     for (const int a : spec.patches.node[q])
       weight[a] = std::max(weight[a], pressedShare(K[a] * J_minus_1[q], pressure_limit * shear[a]));
   for (std::size_t a = 0; a < nodes; ++a) {
     if (K[a] == 0) continue;
-    const double limit = pressure_limit * shear[a], p = K[a] * change[a] / cell_volume[a];
+    if (kept[a]) {
+      result.patch_pressure[a] = K[a] * theta[a];
+      result.energy += spec.patches.volume[a] * K[a] * theta[a] * theta[a] / 2;
+      continue;
+    }
+    const double limit = pressure_limit * shear[a], p = cell_volume[a] > 0 ? K[a] * change[a] / cell_volume[a] : 0;
     result.patch_pressure[a] = bounded(K[a] * theta[a], limit);
     result.cell_pressure[a] = weight[a] * (p - bounded(p, limit));
     result.energy += spec.patches.volume[a] * boundedEnergy(K[a] * theta[a], limit, K[a]) +
                      cell_volume[a] * weight[a] * (p * p / (2 * K[a]) - boundedEnergy(p, limit, K[a]));
   }
   for (const auto& cell : cells) {
+    const auto share = sharesOf(cell, bonded);
     double p = 0;
-    for (const int a : cell) p += result.cell_pressure[a] / 4;
+    for (int v = 0; v < 4; ++v) p += share[v] * result.cell_pressure[cell[v]];
     const auto edge = [&](int v) { return Vec3(x[cell[v]] - x[cell[0]]); };
     for (int v = 1; v < 4; ++v) {
       const Vec3 gradient = edge(v % 3 + 1).cross(edge((v + 1) % 3 + 1)) / 6;

@@ -78,7 +78,11 @@ ForceReport internalForces(const KernelLayoutOf<Real>& layout, const KernelMater
       passes.sumPatches(k, border(part), border(part + 1));
       if (with_cells) findPressed(patches, part, scratch.cell_volume);
     });
-    if (with_cells) total.strain_energy = cellForces(layout.cell_volume, patches, u, scratch.cell_volume, team);
+    if (with_cells) {
+      const CellReport cells = cellForces(layout.cell_volume, patches, u, scratch.cell_volume, team);
+      total.strain_energy = cells.energy;
+      total.max_cell_pressure = cells.max_pressure;
+    }
   }
   shareOut(team, k.chunk_count, [&](int chunk) { passes.forces(k, chunk, u); });
 
@@ -89,6 +93,7 @@ ForceReport internalForces(const KernelLayoutOf<Real>& layout, const KernelMater
     total.relaxed_energy += r.relaxed_energy;
     total.relaxation_power += r.relaxation_power;
     total.max_cof2 = std::max<double>(total.max_cof2, r.max_cof2);
+    total.max_patch_pressure = std::max<double>(total.max_patch_pressure, r.max_pressure);
     if (r.min_J < total.min_J) {
       total.min_J = static_cast<float>(r.min_J);
       total.worst_point = layout.point[r.worst_point];

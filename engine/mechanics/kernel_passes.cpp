@@ -173,6 +173,7 @@ struct Kernel {
     LeastOf<Real> min_J[part_count<Real>];
     Simd<Real> energy = Real(0), volume_change = Real(0), max_cof2 = Real(3);
     Simd<Real> relaxed_energy = Real(0), relaxation_power = Real(0);
+    Simd<Real> max_pressure = Real(0);  // over the shear modulus
   };
 
   /// Takes from the law's stress what has relaxed. Inline, so that what has nothing to relax stays in registers.
@@ -196,6 +197,7 @@ struct Kernel {
                      Sums& sums) const {
     using Lanes = Simd<Real>;
     const MaterialLanes lanes(material);
+    const Lanes by_shear = static_cast<Real>(-1 / (material.shear_modulus * material.longTermShare()));
     const bool patches = !bare && k.patch_begin;
     RelaxationStep relaxation;
     if constexpr (!bare) relaxation = relaxationStep(material, k.relaxation_step, k.relaxation_terms);
@@ -211,6 +213,7 @@ struct Kernel {
             H[c] = Lanes::load(&k.displacement_gradient[static_cast<std::ptrdiff_t>(batch) * 144 + 16 * c + first]);
           const Lanes pressure = patchPressure(first_point);
           state = lanes.firstPiola(H, P, &pressure);
+          sums.max_pressure = max(sums.max_pressure, pressure * by_shear);
         } else {
           H = loadTensors(tensors, part);
           applyScale(first_point, H);
@@ -260,7 +263,7 @@ struct Kernel {
       batch = end;
     }
     auto& report = k.report[chunk];
-    report = {1, -1, 0, 0, 0, 3, 0, 0};
+    report = {1, -1, 0, 0, 0, 3, 0, 0, 0};
     for (const auto& least : sums.min_J) least.find(report.min_J, report.worst_point, report.inverted);
     for (int i = 0; i < Simd<Real>::width; ++i) {
       report.energy += sums.energy.v[i];
@@ -268,6 +271,7 @@ struct Kernel {
       report.relaxed_energy += sums.relaxed_energy.v[i];
       report.relaxation_power += sums.relaxation_power.v[i];
       report.max_cof2 = sums.max_cof2.v[i] > report.max_cof2 ? sums.max_cof2.v[i] : report.max_cof2;
+      report.max_pressure = sums.max_pressure.v[i] > report.max_pressure ? sums.max_pressure.v[i] : report.max_pressure;
     }
   }
 };

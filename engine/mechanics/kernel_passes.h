@@ -48,6 +48,7 @@ struct KernelView {
     Real energy;          // J
     Real volume_change;   // m^3
     Real max_cof2;        // largest |cof F|^2 of a point
+    Real max_pressure;    // largest of a point's patches over its material's shear modulus; 0 without patches
     Real relaxed_energy;  // J and W, of ForceReport
     Real relaxation_power;
   };

@@ -34,11 +34,13 @@ struct SymmetricEigenLanes {
     }
   }
 
-  /// Starts from C = F^T F. Four sweeps leave off-diagonals below float rounding, six below double.
-  explicit SymmetricEigenLanes(const SimdTensors& F) {
+  /// Starts from C - I = H + H^T + H^T H of a displacement gradient H, whose eigenvalues are known to a share of
+  /// themselves, where those of C would be to a share of 1. Four sweeps leave off-diagonals below float rounding, six
+  /// below double.
+  explicit SymmetricEigenLanes(const SimdTensors& H) {
     for (int i = 0; i < 3; ++i)
       for (int j = 0; j < 3; ++j) {
-        a[i][j] = F[i] * F[j] + F[3 + i] * F[3 + j] + F[6 + i] * F[6 + j];
+        a[i][j] = (H[3 * i + j] + H[3 * j + i]) + (H[i] * H[j] + H[3 + i] * H[3 + j] + H[6 + i] * H[6 + j]);
         v[i][j] = i == j ? 1.0F : 0.0F;
       }
     constexpr int sweeps = sizeof(Real) == 4 ? 4 : 6;

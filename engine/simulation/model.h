@@ -26,7 +26,7 @@ struct Model : Body {
 
   /// What takes over from the patches under pressure, where the scene asks for it.
   bool hasCellVolume() const { return scene.cell_volume && !patches.empty(); }
-  CellVolumeSpec cellVolume() const { return {X, cells, node_shape, patches}; }
+  CellVolumeSpec cellVolume() const { return {X, cells, node_shape, patches, &imposed}; }
 };
 
 }  // namespace palpate

@@ -47,11 +47,13 @@ struct StepReport {
   Vec3 skull_force = Vec3::Zero();     // N, of the skull on the tissue
   double skull_penetration = 0;        // m, of the skin into the skull
   // For simulation/trust.h.
-  double strain_energy = 0;            // J
-  double kinetic_energy = 0;           // J
-  double energy_error = 0;             // of EnergyBalance
-  double volume_change = 0;            // relative, of all integration points
-  double pressure_over_shear = 0;      // mean pressure over the shear modulus of the material that feels it most
+  double strain_energy = 0;   // J
+  double kinetic_energy = 0;  // J
+  double energy_error = 0;    // of EnergyBalance
+  double volume_change = 0;   // relative, of all integration points
+  // Largest local pressures over shear moduli: where points hold the volume (without node patches: the body's mean),
+  // and where cells do.
+  double pressure_over_shear = 0, cell_pressure_over_shear = 0;
   bool nearly_incompressible = false;  // Poisson's ratio of all materials in force is at least 0.45
   double step_share = 0;               // dt over the stable step, as the tissue is now, with the mass that was added
   double added_mass = 0;               // by followStiffness, as a share of the body's own

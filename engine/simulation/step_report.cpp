@@ -85,7 +85,9 @@ StepReport reportOf(const Model& model, const StepOutcome& outcome, State& state
                                             model.dt, model.rest_energy);
   state.energy.work -= 0.5 * moved.work;
   report.volume_change = forces.volume_change / model.cell_volume;
-  report.pressure_over_shear = -report.volume_change * bulkOverShear(state.live);
+  report.pressure_over_shear =
+      model.patches.empty() ? -report.volume_change * bulkOverShear(state.live) : forces.max_patch_pressure;
+  report.cell_pressure_over_shear = forces.max_cell_pressure;
   report.nearly_incompressible = nearlyIncompressible(state.live);
   report.step_share = outcome.masses.step_share;
   report.added_mass = outcome.masses.added;
@@ -109,6 +111,8 @@ StepReport worstOf(const StepReport& earlier, const StepReport& later) {
   }
   both.skull_penetration = std::max(earlier.skull_penetration, later.skull_penetration);
   both.energy_error = std::max(earlier.energy_error, later.energy_error);
+  both.pressure_over_shear = std::max(earlier.pressure_over_shear, later.pressure_over_shear);
+  both.cell_pressure_over_shear = std::max(earlier.cell_pressure_over_shear, later.cell_pressure_over_shear);
   both.step_share = std::max(earlier.step_share, later.step_share);
   both.added_mass = std::max(earlier.added_mass, later.added_mass);
   both.added_inertia = std::max(earlier.added_inertia, later.added_inertia);

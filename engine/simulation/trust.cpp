@@ -14,11 +14,11 @@ Doubt doubtOf(const Model& model, const StepReport& report) {
   if (report.min_J < TrustLimits::min_J) return Doubt::Squeezed;
   if ((report.flags & kContactOverflow) || report.max_penetration > TrustLimits::penetration * model.scene.tool.radius)
     return Doubt::Contact;
-  const double max_pressure = model.scene.cell_volume                      ? TrustLimits::pressure_with_cells
-                              : model.scene.quadrature.cells_per_point > 1 ? TrustLimits::pressure_of_pairs
-                                                                           : TrustLimits::pressure;
+  const double max_pressure =
+      model.scene.quadrature.cells_per_point > 1 ? TrustLimits::pressure_of_pairs : TrustLimits::pressure;
   if (report.nearly_incompressible &&
-      (std::abs(report.volume_change) > TrustLimits::volume_change || report.pressure_over_shear > max_pressure))
+      (std::abs(report.volume_change) > TrustLimits::volume_change || report.pressure_over_shear > max_pressure ||
+       report.cell_pressure_over_shear > TrustLimits::pressure_with_cells))
     return Doubt::Volume;
   return Doubt::None;
 }

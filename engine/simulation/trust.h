@@ -11,21 +11,21 @@ struct TrustLimits {
   // wrong (confined blocks of nu 0.45 are exact at 20 %), but it is the only warning before a free block of nu 0.49
   // collapses: the warning comes at 62 % compression, the collapse at 68 %.
   static constexpr double volume_change = 0.02;
-  // Mean pressure over the shear modulus, also for Poisson's ratios of 0.45 or more. The nodes' volumes are only as
-  // exact as the quadrature, so under pressure some patterns of displacement release energy, and only shear stiffness
-  // resists them. Measured on confined blocks (nu 0.48 .. 0.4999, spacings 4.2 .. 7.5 mm, seven seeds, 1 and 4 points a
-  // cell, held for 1 .. 6 s): within 1e-5 of the closed form up to 4.25; at 4.5 the first blocks fail, with an error of
-  // 6 %.
+  // Largest local pressure over the shear modulus where points hold the volume, also for Poisson's ratios of 0.45 or
+  // more. The nodes' volumes are only as exact as the quadrature, so under pressure some patterns of displacement
+  // release energy, and only shear stiffness resists them. Measured on confined blocks (nu 0.48 .. 0.4999, spacings 4.2
+  // .. 7.5 mm, seven seeds, 1 and 4 points a cell, held for 1 .. 6 s), where it is the same everywhere: within 1e-5 of
+  // the closed form up to 4.25; at 4.5 the first blocks fail, with an error of 6 %.
   static constexpr double pressure = 4.2;
   // The same where cells share points (cell_pairs.h). Measured with 1.32 and 2 cells per point, four to nine seeds:
   // exact up to 2.5; the first blocks fail at 2.75.
   static constexpr double pressure_of_pairs = 2.4;
-  // With scene.cell_volume: how far it was measured. Confined blocks of nu 0.499, three seeds, 1 and 2 cells per point,
-  // are within 1e-5 of the closed form at 5 .. 40.
+  // Where cells hold it (scene.cell_volume): how far it was measured. Confined blocks of nu 0.499, three seeds, 1 and 2
+  // cells per point, are within 1e-5 of the closed form at 5 .. 40.
   static constexpr double pressure_with_cells = 40;
-  static constexpr double penetration = 0.1;   // of the tool's radius
-  static constexpr double min_J = 0.3;         // below which a pointwise energy of K/2 (J - 1)^2 softens
-  static constexpr double step_share = 1.0;    // of the stable step
+  static constexpr double penetration = 0.1;  // of the tool's radius
+  static constexpr double min_J = 0.3;        // below which a pointwise energy of K/2 (J - 1)^2 softens
+  static constexpr double step_share = 1.0;   // of the stable step
   // Force that accelerates the mass added to squeezed tissue, as a share of the tool's. Measured on the liver pressed
   // to 40 mm: at 0.05, 0.2, 0.5 m/s shares of 0.010, 0.054, 0.23, and forces off by 0.9, 11, 35 %.
   static constexpr double added_inertia = 0.025;

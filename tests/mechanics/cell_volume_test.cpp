@@ -16,6 +16,7 @@ namespace {
 struct PressedBody : TestBody {
   ShapeTable node_shape;
   NodePatches node_patches;
+  std::vector<std::uint8_t> imposed;
 
   explicit PressedBody(int nodes_per_edge, const Material& material = Material::neoHookean(3000, 0.49, 1000),
                        bool two_materials = false)
@@ -28,8 +29,14 @@ struct PressedBody : TestBody {
     node_shape = shapeFunctions(X, X, radius, Neighbours(X, radius), {2, 0.1}, failed);
     REQUIRE(failed.empty());
     node_patches = patches();
+    imposed.assign(X.size(), 0);
   }
-  CellVolumeSpec spec() const { return {X, cells, node_shape, node_patches}; }
+  CellVolumeSpec spec() const { return {X, cells, node_shape, node_patches, &imposed}; }
+  /// Its nodes at this x are held.
+  void hold(double x) {
+    for (std::size_t a = 0; a < X.size(); ++a)
+      if (std::abs(X[a].x() - x) < 1e-9) imposed[a] = 7;
+  }
 
   std::vector<Vec3> fieldPositions(const std::vector<Vec3>& u) const {
     std::vector<Vec3> x = X;
@@ -171,7 +178,8 @@ TEST_CASE("Inner displacements change the volume of the points to second order, 
 
 TEST_CASE("Forces of patches and cells are minus the derivative of their energy", "[cell_volume]") {
   for (const bool two_materials : {false, true}) {
-    const PressedBody body(4, Material::neoHookean(3000, 0.49, 1000), two_materials);
+    PressedBody body(4, Material::neoHookean(3000, 0.49, 1000), two_materials);
+    if (two_materials) body.hold(0.1);
     const auto shear = patchShear(body.node_patches, body.point_material, body.materials);
     int checked = 0;
     for (const double most : {0.3, 0.4, 0.5, 0.6, 0.7}) {
@@ -205,7 +213,8 @@ TEST_CASE("Forces of patches and cells are minus the derivative of their energy"
 TEST_CASE("The fast passes equal the plain formulas, the same bits for any number of threads",
           "[cell_volume][determinism]") {
   for (const bool two_materials : {false, true}) {
-    const PressedBody body(6, Material::neoHookean(3000, 0.49, 1000), two_materials);
+    PressedBody body(6, Material::neoHookean(3000, 0.49, 1000), two_materials);
+    if (two_materials) body.hold(0.1);
     const Mat3 turn = Eigen::AngleAxisd(M_PI / 2, Vec3(0, 0.6, 0.8)).toRotationMatrix();
     auto turned = body.pressedAtOneEnd(0.5);
     for (std::size_t i = 0; i < turned.size(); ++i) turned[i] = turn * (body.X[i] + turned[i]) - body.X[i];
@@ -244,6 +253,35 @@ TEST_CASE("A uniform dilatation beyond the limit costs what it would cost withou
   for (const double stretch : {0.95, 1.05}) {
     const auto u = body.displacement(stretch * Mat3::Identity());
     const double theta = std::pow(stretch, 3) - 1, K = body.materials[0].bulk_modulus;
-    CHECK(evaluate<double>(body, u).report.strain_energy == Approx(0.5 * K * theta * theta * 1e-3).epsilon(1e-9));
+    const ForceReport report = evaluate<double>(body, u).report;
+    CHECK(report.strain_energy == Approx(0.5 * K * theta * theta * 1e-3).epsilon(1e-9));
+    if (stretch > 1) {
+      CHECK(report.max_cell_pressure == 0);
+      continue;
+    }
+    const double pressure = -K * theta / body.materials[0].shear_modulus;
+    CHECK(report.max_cell_pressure == Approx(pressure).epsilon(1e-9));
+    CHECK(report.max_patch_pressure == Approx(pressure_limit).epsilon(1e-9));
+    CHECK(evaluate<double>(body, u, false).report.max_patch_pressure == Approx(pressure).epsilon(1e-9));
   }
+}
+
+TEST_CASE("Between bonded faces that are near, patches keep their pressure; one bonded face changes nothing",
+          "[cell_volume]") {
+  PressedBody body(5);
+  const auto u = body.displacement(0.9 * Mat3::Identity());
+  const auto count = [&] {
+    const auto kept = nodesBetweenBonds(body.spec());
+    return std::count(kept.begin(), kept.end(), 1);
+  };
+  CHECK(count() == 0);
+  body.hold(0);
+  CHECK(count() == 0);
+  body.hold(0.1);
+  CHECK(count() == body.nodeCount());
+  CHECK(evaluate<float>(body, u).f == evaluate<float>(body, u, false).f);
+  PressedBody high(14);  // some ten edges
+  high.hold(0);
+  high.hold(0.1);
+  for (const auto k : nodesBetweenBonds(high.spec())) CHECK(k == 0);
 }

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "contact/tools/tool_list.h"
+#include "mechanics/bounded_pressure.h"
 #include "mechanics/internal_forces.h"
 #include "simulation/follow_stiffness.h"
 #include "simulation/step.h"
@@ -111,6 +112,47 @@ TEST_CASE("The strain energy is that of the double reference, and the work done 
   }
 }
 
+TEST_CASE("The pressure that is doubted is the one under the tool, of which the body's mean says nothing", "[trust]") {
+  for (const bool cells : {false, true}) {
+    Scene scene = blockScene();
+    scene.rate_hz = 1000;  // one step a tick
+    scene.cell_volume = cells;
+    const Model model = blockModel(scene);
+    Workspace workspace(model, 2);
+    State state = initialState(model);
+    StepReport report;
+    std::vector<Vec3> u;  // that the last step began with
+    for (int k = 1; k <= 300; ++k) {
+      Command command;
+      command.tool_target = toolAt(model, model.first_contact_travel + 0.012 * k / 300);
+      u.clear();
+      for (const auto& a : state.u) u.push_back(toVec3(a));
+      report = tick(model, state, command, workspace);
+    }
+    REQUIRE(model.substeps_per_tick == 1);
+    const Material& m = model.materials[0];
+    std::vector<double> change;
+    for (int q = 0; q < model.pointCount(); ++q)
+      change.push_back(deformationGradient(model.point_shape, q, u).determinant() - 1);
+    double largest = 0;
+    for (const double p : patchPressure(model.patches, model.point_volume, change)) largest = std::max(largest, -p);
+    largest /= m.shear_modulus;
+    INFO("patches " << largest << ", reported " << report.pressure_over_shear << ", " << report.cell_pressure_over_shear
+                    << ", body's mean " << -report.volume_change * m.bulk_modulus / m.shear_modulus);
+    CHECK(largest > 1);
+    CHECK(largest > 5 * -report.volume_change * m.bulk_modulus / m.shear_modulus);
+    if (cells) {
+      CHECK(report.pressure_over_shear < 1.01 * pressure_limit);  // what is beyond is the cells'
+      CHECK(report.cell_pressure_over_shear > 1);
+      CHECK(doubtOf(model, report) == Doubt::None);
+    } else {
+      CHECK(report.pressure_over_shear == Approx(largest).epsilon(1e-3));
+      CHECK(report.cell_pressure_over_shear == 0);
+      CHECK((doubtOf(model, report) == Doubt::Volume) == (largest > TrustLimits::pressure));
+    }
+  }
+}
+
 TEST_CASE("A step too long for the tissue at rest gives it the mass that it needs", "[trust][whole]") {
   Model model = blockModel();
   for (const double share : {1.03, 1.3}) {
@@ -169,18 +211,20 @@ TEST_CASE("Each doubt has its words, and the gravest is told", "[trust]") {
   report.nearly_incompressible = false;
   CHECK(doubtOf(model, report) == Doubt::None);
   report.nearly_incompressible = true;
-  // Pressures of a share of the limit and beyond it, at nu 0.4999.
-  const Material stiff = Material::neoHookean(3000, 0.4999, 1000);
-  const double each = stiff.shear_modulus / stiff.bulk_modulus;
-  for (const bool cells : {true, false}) {
-    model.scene.cell_volume = cells;
-    const double limit = cells ? TrustLimits::pressure_with_cells : TrustLimits::pressure;
-    report.pressure_over_shear = 0.95 * limit;
-    report.volume_change = -report.pressure_over_shear * each;
-    CHECK(doubtOf(model, report) == Doubt::None);
-    report.pressure_over_shear = 1.05 * limit;
-    report.volume_change = -report.pressure_over_shear * each;
+  report.volume_change = 0;
+  for (const double share : {0.95, 1.05}) {
+    const Doubt expected = share < 1 ? Doubt::None : Doubt::Volume;
+    model.scene.quadrature.cells_per_point = 1;
+    report.cell_pressure_over_shear = 0;
+    report.pressure_over_shear = share * TrustLimits::pressure;
+    CHECK(doubtOf(model, report) == expected);
+    model.scene.quadrature.cells_per_point = 2;
     CHECK(doubtOf(model, report) == Doubt::Volume);
+    report.pressure_over_shear = share * TrustLimits::pressure_of_pairs;
+    CHECK(doubtOf(model, report) == expected);
+    report.pressure_over_shear = 0;
+    report.cell_pressure_over_shear = share * TrustLimits::pressure_with_cells;
+    CHECK(doubtOf(model, report) == expected);
   }
   report.max_penetration = 0.002;
   CHECK(doubtOf(model, report) == Doubt::Contact);

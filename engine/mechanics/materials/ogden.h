@@ -88,46 +88,52 @@ struct Ogden {
       }
     }
 
+    /// The shape-changing stress as a whole, P = F sum_i t_i / l_i^2 n_i (x) n_i + pressure cof F with
+    ///
+    ///   t_i = sum_k 2 mu_k / a_k (q_i - (q_1 + q_2 + q_3) / 3),  q_i = (J^(-1/3) l_i)^a_k - 1
+    ///
+    /// from the eigenvalues l_i^2 - 1 of C - I: near rest its rounding is a share of the strain. As the difference of
+    /// two stresses of about mu, it would be a share of mu, and keep tissue at rest from coming to rest.
+    /// Below the least J, Jc, with x = J / Jc - 1, J^(-a/3) = Jc^(-a/3) (1 - a x / 3), as IsochoricFactor has it; there
+    /// the two are added up.
     /// @param patch_pressure  replaces K (J - 1) where the scene averages volume over node patches; or null
     PointStateOf<Real> firstPiola(const SimdTensors& H, SimdTensors& P, const Numbers* patch_pressure = nullptr) const {
       SimdTensors F, cof;
       PointStateOf<Real> state;
       const Numbers J = state.J = volumeRatioAndCofactor<Real>(H, F, cof, state.J_minus_1);
-      const SymmetricEigenLanes<Real> eigen(F);
-      const Numbers Jc = max(J, Numbers(static_cast<Real>(Material::min_isochoric_J)));
-      const Numbers log_J = log2(Jc);
-      Numbers squared[3], log_squared[3], s[3];
+      const SymmetricEigenLanes<Real> eigen(H);
+      constexpr Real least = static_cast<Real>(Material::min_isochoric_J);
+      const Numbers Jc = max(J, Numbers(least)), x = (J - Jc) / Jc;
+      const Numbers log_J = log2OnePlus(max(state.J_minus_1, Numbers(least - 1)), Jc) * Real(2.0 / 3);
+      Numbers Fn[3][3], squared[3], log_squared[3], t[3];
       for (int i = 0; i < 3; ++i) {
-        squared[i] = max(eigen.a[i][i], Numbers(Real(1e-12)));
-        log_squared[i] = log2(squared[i]);
-        s[i] = 0.0F;
+        for (int r = 0; r < 3; ++r)
+          Fn[i][r] = F[3 * r] * eigen.v[0][i] + F[3 * r + 1] * eigen.v[1][i] + F[3 * r + 2] * eigen.v[2][i];
+        squared[i] =
+            max(Fn[i][0] * Fn[i][0] + Fn[i][1] * Fn[i][1] + Fn[i][2] * Fn[i][2], Numbers(static_cast<Real>(1e-12)));
+        log_squared[i] = log2OnePlus(eigen.a[i][i], squared[i]) - log_J;  // of J^(-2/3) l_i^2
+        t[i] = 0.0F;
       }
       Numbers pressure = patch_pressure ? *patch_pressure : state.J_minus_1 * K;
       state.energy = Real(0.5) * pressure * state.J_minus_1;
       barrier.addTo(pressure, state.energy, J);
       for (int k = 0; k < terms; ++k) {
-        const Real al = alpha[k];
-        Numbers g = exp2(log_J * (-al / 3));
-        const Numbers slope = g * (-al / 3) / Jc;
-        g += slope * (J - Jc);
-        Numbers sum = 0.0F;
-        for (int i = 0; i < 3; ++i) {
-          const Numbers power = exp2(log_squared[i] * (Real(0.5) * al));
-          s[i] += g * power * (2 * mu[k] / al) / squared[i];
-          sum += power;
-        }
-        const Real factor = 2 * mu[k] / (al * al);
-        pressure += slope * sum * factor;
-        state.energy += factor * (g * sum - Real(3));
+        const Real al = alpha[k], shear = 2 * mu[k] / al;
+        const Numbers slope = x * (-al / 3);
+        Numbers q[3];
+        for (int i = 0; i < 3; ++i) q[i] = exp2MinusOne(log_squared[i] * (Real(0.5) * al));
+        const Numbers sum = q[0] + q[1] + q[2], mean = sum * static_cast<Real>(1.0 / 3);
+        const Numbers none = Real(0), factor = (slope + Real(1)) * shear;
+        const Numbers taken = whereLess(x, none, Numbers(Real(-1)), mean);
+        for (int i = 0; i < 3; ++i) t[i] += (q[i] - taken) * factor;
+        pressure -= whereLess(x, none, (mean + Real(1)) * shear / Jc, none);
+        state.energy += (sum + slope * sum + slope * Real(3)) * (shear / al);
       }
-      // S = sum s_i n_i (x) n_i,  P = F S + pressure cof F
       for (int i = 0; i < 3; ++i) {
-        Numbers Fn[3];
-        for (int r = 0; r < 3; ++r)
-          Fn[r] = (F[3 * r] * eigen.v[0][i] + F[3 * r + 1] * eigen.v[1][i] + F[3 * r + 2] * eigen.v[2][i]) * s[i];
+        const Numbers s = t[i] / squared[i];
         for (int r = 0; r < 3; ++r)
           for (int c = 0; c < 3; ++c) {
-            const Numbers term = Fn[r] * eigen.v[c][i];
+            const Numbers term = Fn[i][r] * s * eigen.v[c][i];
             P[3 * r + c] = i == 0 ? term : P[3 * r + c] + term;
           }
       }
