@@ -77,7 +77,7 @@ TEST_CASE("Two fingers that squeeze a block feel equal and opposite forces", "[t
   CHECK(alone.tool_force.x() == Approx(right.x()).epsilon(0.05));
 }
 
-TEST_CASE("Jaws that lift a strip carry its weight and do not lose it", "[tools]") {
+TEST_CASE("Jaws that lift a strip carry its weight and do not lose it", "[tools][whole]") {
   const Model model = stripModel();
   REQUIRE(model.tools.bodyCount() == 3);
   State state = initialState(model);
