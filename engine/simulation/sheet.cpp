@@ -102,7 +102,7 @@ class ThinPlate {
       t[k] = r2 > 0 ? 0.5 * r2 * std::log(r2) : 0;
     }
     t[n] = 1;
-    t.tail(3) = (X - middle_).transpose() / scale_;
+    for (int a = 0; a < 3; ++a) t[n + 1 + a] = (X[a] - middle_[a]) / scale_;
     return t;
   }
 
