@@ -26,7 +26,7 @@ void askForRealTime() {
 
 void DeviceLink::exchange(std::int64_t now, const ForceSample& tool) {
   const bool news = backend_.read(now, pose_);
-  wrench_ = coupling_.update(now, news ? &pose_ : nullptr, tool);
+  wrench_ = coupling_.update(now, news ? &pose_ : nullptr, tool, tool_.putBacks());
   backend_.write(now, wrench_);
   tool_.targets().back() = coupling_.target();
   tool_.targets().publish();

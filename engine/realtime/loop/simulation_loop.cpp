@@ -213,6 +213,7 @@ void SimulationLoop::goBackTo(const State& past) {
   physics_.restore(past);
   history_.wentBackTo(past.tick);
   proxy_.beGentle();
+  if (device_ != nullptr) device_->restart();
 }
 
 void SimulationLoop::takeRequests() {
