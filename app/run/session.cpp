@@ -213,6 +213,7 @@ void Session::chooseInput(SimulationLoopOptions& loop_options) {
 void Session::start() {
   if (results_) results_->begin();
   loop_->start();
+  if (device_) device_->start();
 }
 
 void Session::gather() {

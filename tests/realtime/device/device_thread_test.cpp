@@ -46,6 +46,7 @@ TEST_CASE("Device and loop run beside each other, and the last force is none", "
   Handle handle;
   DeviceThread device(std::make_unique<FakeDevice>(handle), tool, model, loop);
   loop.start();
+  device.start();
   // No deadline: a slow machine takes as long as it takes.
   while (loop.force().sample.pose_sequence == 0 || device.exchanges() < 20)
     std::this_thread::sleep_for(std::chrono::milliseconds(1));

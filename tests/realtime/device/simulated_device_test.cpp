@@ -9,7 +9,7 @@ using namespace palpate;
 
 namespace {
 
-constexpr std::int64_t ms = 1'000'000;
+constexpr std::int64_t millisecond = 1'000'000;
 constexpr HandModel no_hand{1, 0, 0, 0, 0};
 
 /// A device without losses that nobody holds.
@@ -26,9 +26,9 @@ std::vector<DevicePose> run(SimulatedDevice& device, int calls, const Vec3& forc
   wrench.force = force;
   for (int k = 0; k < calls; ++k) {
     DevicePose pose;
-    if (device.read(k * ms, pose)) poses.push_back(pose);
+    if (device.read(k * millisecond, pose)) poses.push_back(pose);
     ++wrench.sequence;
-    device.write(k * ms, wrench);
+    device.write(k * millisecond, wrench);
   }
   return poses;
 }
