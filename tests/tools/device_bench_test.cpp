@@ -38,7 +38,7 @@ TEST_CASE("A row names the bounds that it misses", "[device]") {
   CHECK_THAT(out.str(), Contains("gel") && Contains("light") && Contains("limit cycle, static force, silence"));
 }
 
-TEST_CASE("A light hand on a hard inclusion feels it without a buzz, and a silent device lets go", "[device]") {
+TEST_CASE("A light hand on a hard inclusion feels it without a buzz, and a silent device lets go", "[device][whole]") {
   Model model = deviceBody("inclusion");
   DeviceTrial trial;
   trial.delay_s = 0.005;
@@ -49,10 +49,18 @@ TEST_CASE("A light hand on a hard inclusion feels it without a buzz, and a silen
   CHECK(result.silence_ms > 0);
   CHECK(result.felt_stiffness >
         0.5 * result.tissue_stiffness / (1 + result.tissue_stiffness / result.coupling_stiffness));
+}
 
+TEST_CASE("A trial with a device depends on nothing but its settings", "[device]") {
+  const Model model = deviceBody("gel");
+  DeviceTrial trial;
+  trial.firm = true;
+  trial.delay_s = 0.002;
   trial.seconds = 0.8;
   const DeviceResult once = runDeviceTrial(model, trial), again = runDeviceTrial(model, trial);
   CHECK(once.peak_force > 0);
   CHECK(once.peak_force == again.peak_force);
   CHECK(once.lowest_energy_J == again.lowest_energy_J);
+  ++trial.seed;
+  CHECK(runDeviceTrial(model, trial).peak_force != once.peak_force);
 }
