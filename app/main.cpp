@@ -1,6 +1,12 @@
 // palpate SCENE: press a probe into soft tissue, in a window or off-screen.
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
 #include <exception>
+#include <filesystem>
 #include <iostream>
+#include <string>
 
 #include "app/panels/log.h"
 #include "app/run/gl_window.h"
@@ -16,6 +22,17 @@
 namespace {
 
 constexpr int failed = 1, unusable_input = 2;
+
+/// `palpate batch ...` is a command of mtled, which lies beside this program or, where it was built, in tools/.
+/// Returns only where there is none.
+int runBatch(char** argv) {
+  std::error_code ignored;
+  const std::filesystem::path folder = std::filesystem::read_symlink("/proc/self/exe", ignored).parent_path();
+  for (const char* place : {"mtled", "tools/mtled"}) execv((folder / place).c_str(), argv);
+  std::cerr << "palpate: can't run " << (folder / "mtled").string() << " for \"batch\": " << std::strerror(errno)
+            << "; build it: tools/build release mtled" << std::endl;
+  return failed;
+}
 
 int run(const palpate::app::Options& options) {
   using namespace palpate;
@@ -46,6 +63,7 @@ int run(const palpate::app::Options& options) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  if (argc > 1 && std::strcmp(argv[1], "batch") == 0) return runBatch(argv);
   const palpate::app::ParsedOptions parsed = palpate::app::parseOptions(argc, argv);
   palpate::catchInterrupts();
   try {

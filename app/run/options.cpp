@@ -10,6 +10,7 @@
 #include "base/input_error.h"
 #include "base/nearest_word.h"
 #include "base/number_text.h"
+#include "realtime/device/open_device.h"
 
 namespace palpate::app {
 
@@ -25,6 +26,7 @@ const char* const examples = R"(Examples:
   palpate layer_sphere --tool indent_hold_retract --out /tmp/layer         a scripted tool
   palpate --soak 60 liver --offscreen            an hour of presses; tells of memory, drift, deadlines in out/liver-soak
   palpate liver --record session.rec             keep what the tool did ...
+  palpate layer_sphere --device udp:7711         a haptic device holds the probe (engine/realtime/device/README.md)
   palpate liver --replay session.rec --offscreen --as-fast-as-possible   ... and repeat it bit for bit
 
 Keys in the window: F1 shows them. Exit codes: 0 done, 1 failed while running, 2 bad option or scene,
@@ -186,6 +188,10 @@ void addOptions(CLI::App& app, Options& o, std::string& size, bool& no_cache, Te
       ->type_name("FILE");
   app.add_option("--replay", o.replay, "Repeat a recording; gives the same state_hash, e.g. --replay session.rec")
       ->type_name("FILE");
+  app.add_option("--device", o.device,
+                 "Let a haptic device hold the probe: udp[:PORT] (a bridge program), simulated, or ws://localhost:PORT "
+                 "(a vendor's service), e.g. --device udp:7711")
+      ->type_name("DEVICE");
   app.add_option("--out", o.out,
                  "Folder for picture, force curve and report (off-screen: out/<scene>), e.g. --out /tmp/run")
       ->type_name("DIR");
@@ -210,6 +216,20 @@ void addOptions(CLI::App& app, Options& o, std::string& size, bool& no_cache, Te
   app.add_flag("--as-fast-as-possible,--fast", o.as_fast_as_possible,
                "Do not wait for the clock, e.g. palpate liver --replay session.rec --offscreen --as-fast-as-possible");
   app.add_flag("--no-cache", no_cache, "Make the set-up anew and do not keep it, e.g. palpate liver --no-cache");
+}
+
+/// What is wrong with --device; empty: nothing.
+std::string deviceProblem(const Options& o) {
+  if (o.device.empty()) return "";
+  try {
+    checkDevice(o.device);
+  } catch (const InputError& error) {
+    return std::string("--device: ") + error.what();
+  }
+  if (!o.tool_script.empty() || !o.replay.empty() || o.soak_minutes || o.trainee)
+    return "--device holds the probe; leave out --tool, --replay, --soak and --trainee";
+  if (o.as_fast_as_possible) return "--device needs the clock; leave out --as-fast-as-possible";
+  return "";
 }
 
 }  // namespace
@@ -254,6 +274,7 @@ ParsedOptions parseOptions(int argc, const char* const* argv) {
   if (!o.replay.empty() && o.replay == o.record)
     return refusal("--record would overwrite the recording that --replay reads; name another file");
   if (const std::string problem = readPictureOptions(o, texts); !problem.empty()) return refusal(problem);
+  if (const std::string problem = deviceProblem(o); !problem.empty()) return refusal(problem);
   for (int k = 0; k < argc; ++k) o.command += (k > 0 ? " " : "") + std::string(argv[k]);
   return {o, "", 0};
 }

@@ -34,6 +34,7 @@ struct Options {
   std::string tool_script;                // as typed: a file, or the name of a script in assets/tools; empty: none
   std::string record;                     // empty: none
   std::string replay;                     // empty: none
+  std::string device;                     // haptic device that holds the tool (openDevice); empty: none
   std::string out;                 // empty: out/<scene> off-screen, out/<scene>-soak in a soak, nothing in the window
   int width = 1280, height = 800;  // px
   bool as_fast_as_possible = false;

@@ -16,6 +16,7 @@
 #include "io/load_model.h"
 #include "io/scene_file.h"
 #include "mechanics/materials/material_law.h"
+#include "realtime/device/open_device.h"
 #include "simulation/model_hash.h"
 
 namespace palpate::app {
@@ -154,7 +155,15 @@ Session::Session(const Options& options, const Scene& scene, Log& log, const Loa
   }
 
   physics_ = std::make_unique<TissuePhysics>(model_, scene_.threads);
+  if (!options_.device.empty()) {
+    coupled_tool_ = std::make_unique<CoupledTool>(model_);
+    loop_options.device = coupled_tool_.get();
+  }
   loop_ = std::make_unique<SimulationLoop>(model_, *physics_, &physics_->team(), std::move(loop_options));
+  if (coupled_tool_) {
+    device_ = std::make_unique<DeviceThread>(openDevice(options_.device, model_), *coupled_tool_, model_, *loop_);
+    log_.info("device: " + device_->name());
+  }
 }
 
 Session::~Session() = default;
@@ -200,6 +209,8 @@ void Session::chooseInput(SimulationLoopOptions& loop_options) {
     followScript(*tool_script_, loop_options);
     track_seconds = static_cast<double>(loop_options.track_ticks) / rate;
     script_ = tool_script_->name.empty() ? fileName(options_.tool_script) : tool_script_->name;
+  } else if (!options_.device.empty()) {
+    track_seconds = options_.seconds.value_or(default_offscreen_seconds);
   } else if (options_.offscreen) {
     track_seconds = options_.seconds.value_or(default_offscreen_seconds);
     const ToolScript script = indentScript(model_);
@@ -218,6 +229,7 @@ void Session::chooseInput(SimulationLoopOptions& loop_options) {
 void Session::start() {
   if (results_) results_->begin(model_.tools);
   loop_->start();
+  if (device_) device_->start();
 }
 
 void Session::gather() {
@@ -299,6 +311,7 @@ void Session::takeEvent(const LogEvent& event) {
 void Session::finish() {
   if (ended_) return;
   ended_ = true;
+  if (device_) finishDevice();
   loop_->quit();
   loop_->join();
   gather();
@@ -341,6 +354,20 @@ Recording Session::recordingSoFar() {
   for (const TimedRequest& change : recording_->changes)
     if (change.tick < ticks) recording.changes.push_back(change);
   return recording;
+}
+
+/// The handle gets its last force, zero; the log what the device did.
+void Session::finishDevice() {
+  device_->stop();
+  const DeviceReport report = device_->report();
+  log_.info(
+      format("device: %lld poses, peak force %.2f N, %.0f N/m, %.1f ms there and back, lowest observed energy "
+             "%.2f mJ, %.2f mJ damped",
+             asLongLong(report.poses), report.peak_force, report.stiffness, 1e3 * report.delay_s,
+             1e3 * report.lowest_energy_J, 1e3 * report.damped_J));
+  if (report.silences > 0 || report.fades > 0 || device_->refusedCount() > 0)
+    log_.warning(format("device: silent %lld times, force faded %lld times, %lld messages refused",
+                        asLongLong(report.silences), asLongLong(report.fades), asLongLong(device_->refusedCount())));
 }
 
 void Session::send(const Request& request) {

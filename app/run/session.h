@@ -18,6 +18,7 @@
 #include "app/trainer/task_score.h"
 #include "app/trainer/trainee.h"
 #include "io/tool_script.h"
+#include "realtime/device/device_thread.h"
 #include "realtime/loop/simulation_loop.h"
 #include "realtime/recording/recording_file.h"
 #include "realtime/recording/run_report.h"
@@ -110,6 +111,7 @@ class Session {
   void chooseInput(SimulationLoopOptions& loop_options);
   void followScript(const ToolScript& script, SimulationLoopOptions& loop_options);
   void takeEvent(const LogEvent& event);
+  void finishDevice();
   TimingView timing(const Snapshot& snapshot) const;
   MaterialView materialView(std::size_t index) const;
   ForceReading shownForce(const Snapshot& snapshot) const;
@@ -132,7 +134,9 @@ class Session {
   std::optional<TaskScore> task_;
   bool revealed_ = false;
   std::unique_ptr<TissuePhysics> physics_;
+  std::unique_ptr<CoupledTool> coupled_tool_;  // a haptic device's end in the loop, and its thread
   std::unique_ptr<SimulationLoop> loop_;
+  std::unique_ptr<DeviceThread> device_;
   std::optional<Recording> recording_;
   KeptChanges changes_;        // in the window
   bool changes_lost_ = false;  // likewise

@@ -37,10 +37,11 @@ struct BatchFolder : TempFolder {
     const auto job = [&](const std::string& id, const std::string& rest) {
       return R"({"id": ")" + id + R"(", "scene": ")" + scene + R"(", "tool": ")" + tool + "\"" + rest + "}\n";
     };
-    jobs = write("jobs.jsonl", job("plain", "") + job("soft", R"(, "set": {"material[0].young": 1500})") + "\n" +
-                                   job("long", R"(, "seconds": 0.15, "field": true)") +
-                                   job("bad", R"(, "set": {"material[0].poisson": 7})") +
-                                   job("damped", R"(, "set": {"dynamics.damping": 60, "tool.friction": 0.3})"));
+    jobs =
+        write("jobs.jsonl", job("plain", "") + job("soft", R"(, "field": "npz", "set": {"material[0].young": 1500})") +
+                                "\n" + job("long", R"(, "seconds": 0.15, "field": "vtu")") +
+                                job("bad", R"(, "set": {"material[0].poisson": 7})") +
+                                job("damped", R"(, "set": {"dynamics.damping": 60, "tool.friction": 0.3})"));
   }
 
   int runBatch(const std::string& out, int workers, const std::string& shard = "",
@@ -74,6 +75,8 @@ TEST_CASE("A batch gives the same bits with any number of workers, keeps failure
   }
   CHECK(folder.read("one/long/field.vtu") == folder.read("three/long/field.vtu"));
   CHECK_FALSE(std::filesystem::exists(folder.path("one/plain/field.vtu")));
+  CHECK(folder.read("one/soft/field.npz").starts_with("PK"));
+  CHECK(folder.read("one/soft/field.npz") == folder.read("three/soft/field.npz"));
 
   std::vector<BatchResult> result;
   std::istringstream lines(results);
@@ -134,6 +137,8 @@ TEST_CASE("A line that is no job is refused with its place", "[batch]") {
   CHECK_THAT(refused("{}"), Contains("without a scene"));
   CHECK_THAT(refused(R"({"scene": "liver", "secnods": 1})"), Contains("\"secnods\"") && Contains("seconds"));
   CHECK_THAT(refused(R"({"scene": "liver", "seconds": -1})"), Contains("\"seconds\" is no number above 0"));
+  CHECK_THAT(refused(R"({"scene": "liver", "field": "pdf"})"), Contains("\"vtu\" and \"npz\""));
+  CHECK_THAT(refused(R"({"scene": "liver", "picture": 1})"), Contains("\"picture\" is neither"));
   CHECK_THAT(refused(R"({"scene": "liver", "id": "../x"})"), Contains("\"../x\" can't be the name of a folder"));
   CHECK_THAT(refused(R"({"scene": "liver", "id": "job-1"})"), Contains("there is a job \"job-1\" before"));
   CHECK_THAT(refused(R"({"scene": "liver", "set": {"tool.radius": null}})"), Contains("\"tool.radius\" no value"));

@@ -30,7 +30,7 @@ typedef struct {
 static double z = 0, v = 0, pushed = 0; /* the handle, m, m/s, N */
 
 static void readHandle(pose_packet* pose) { /* <- the SDK's position, turn and velocity */
-  const double mass = 0.1, down = 0.012, spring = 60, damping = 4, dt = 1e-3;
+  const double mass = 0.1, down = pose->felt ? 0.012 : 0, spring = 60, damping = 4, dt = 1e-3;
   v += dt / mass * (spring * (-down - z) - damping * v + pushed);
   z += dt * v;
   pose->position[2] = (float)z;

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <atomic>
+
 #include "realtime/device/device_target.h"
 #include "realtime/loop/tool_motion.h"
 #include "simulation/model.h"
@@ -32,7 +34,13 @@ class CoupledTool final : public ToolMotion {
 
   Pose next(const State& state, const StepReport& last) override;
   std::uint64_t poseSequence() const override { return sequence_; }
-  void restart() override { hold_ = 0; }
+  /// The tissue was put back: a reset, an undo, a solution that was lost.
+  void restart() override {
+    hold_ = 0;
+    put_backs_.fetch_add(1, std::memory_order_relaxed);
+  }
+  /// (any thread) How often.
+  std::uint32_t putBacks() const { return put_backs_.load(std::memory_order_relaxed); }
 
   /// N/m, D above along the normal and across it.
   double normalHold() const { return normal_hold_; }
@@ -45,6 +53,7 @@ class CoupledTool final : public ToolMotion {
   double hold_ = 0;                            // share of them that is in force
   Vec3 normal_ = Vec3::Zero();                 // of the last contact
   std::uint64_t sequence_ = 0;
+  std::atomic<std::uint32_t> put_backs_{0};
 };
 
 }  // namespace palpate

@@ -68,20 +68,22 @@ void DeviceCoupling::watchDelay(std::int64_t now, std::uint32_t felt) {
 }
 
 /// @return false where the tool can't be gone by: late, frozen, or put elsewhere since the last call
-bool DeviceCoupling::followTool(std::int64_t now, const ForceSample& tool) {
+bool DeviceCoupling::followTool(std::int64_t now, const ForceSample& tool, std::uint32_t put_backs) {
   if (tool.tick <= 0) return false;
   const bool known = tool_tick_ > 0;
   const std::int64_t ticks = tool.tick - tool_tick_;
   const Vec3 way = tool.tool_pose.position - tool_.position;
-  const bool put_back = known && (tool.loss_count != losses_ || ticks < 0 ||
+  const bool put_back = known && (tool.loss_count != losses_ || put_backs != put_backs_ || ticks < 0 ||
                                   way.norm() > jump_ * std::max<double>(1, static_cast<double>(ticks)));
   if (known && ticks > 0 && !put_back)
     tool_velocity_ = way * rate_hz_ / static_cast<double>(ticks);
   else if (!known || put_back)
     tool_velocity_.setZero();
+  if (ticks != 0) tool_ns_ = now;
   tool_ = tool.tool_pose;
   tool_tick_ = tool.tick;
   losses_ = tool.loss_count;
+  put_backs_ = put_backs;
   touching_ = tool.contact_count > 0 || !tool.force_raw.isZero(0);
   return !put_back && readForce(tool, now, rate_hz_).fresh && !tool.frozen;
 }
@@ -113,8 +115,11 @@ Vec3 DeviceCoupling::coupling(std::int64_t now, double step) {
   target_.stiffness = stiffness_ / settings_.scale;
   target_.damping = settings_.damping / settings_.scale;
   target_.sequence = handle_.sequence;
-  return contact_ * (target_.stiffness * (tool_.position - target_.pose.position) +
-                     target_.damping * (tool_velocity_ - target_.velocity));
+  // Between two ticks the tool goes on as it went, or each of them would be a step in the force.
+  const double since = std::clamp(seconds(now - tool_ns_), 0.0, 1 / rate_hz_);
+  const Vec3 tool = tool_.position + since * tool_velocity_;
+  return contact_ *
+         (target_.stiffness * (tool - target_.pose.position) + target_.damping * (tool_velocity_ - target_.velocity));
 }
 
 /// No longer than the device may push, and no quicker than it may rise.
@@ -139,12 +144,13 @@ Vec3 DeviceCoupling::passive(const Vec3& force, double step) {
   return force - alpha * velocity_;
 }
 
-DeviceWrench DeviceCoupling::update(std::int64_t now, const DevicePose* pose, const ForceSample& tool) {
+DeviceWrench DeviceCoupling::update(std::int64_t now, const DevicePose* pose, const ForceSample& tool,
+                                    std::uint32_t put_backs) {
   const double step = now_ == 0 ? 0 : std::clamp(seconds(now - now_), 0.0, kLongestCall);
   now_ = now;
   if (pose != nullptr) take(now, *pose);
   const bool alive = report_.poses > 0 && seconds(now - pose_ns_) <= silent_seconds;
-  const bool usable = followTool(now, tool);
+  const bool usable = followTool(now, tool, put_backs);
 
   if (phase_ == Phase::Off && alive && usable) engage(now);
   if (phase_ == Phase::Engaged && !(alive && usable)) {

@@ -51,7 +51,8 @@ class DeviceCoupling {
   /// @param now   ns
   /// @param pose  what the device has sent since the last call; null: nothing
   /// @param tool  the loop's newest tick; ForceSample::wall_ns by the same clock
-  DeviceWrench update(std::int64_t now, const DevicePose* pose, const ForceSample& tool);
+  /// @param put_backs  how often the tissue was put back so far
+  DeviceWrench update(std::int64_t now, const DevicePose* pose, const ForceSample& tool, std::uint32_t put_backs = 0);
 
   /// Where the tool is pulled, after update().
   const DeviceTarget& target() const { return target_; }
@@ -61,7 +62,7 @@ class DeviceCoupling {
   enum class Phase { Off, Engaged, Fading };
   void take(std::int64_t now, const DevicePose& pose);
   void watchDelay(std::int64_t now, std::uint32_t felt);
-  bool followTool(std::int64_t now, const ForceSample& tool);
+  bool followTool(std::int64_t now, const ForceSample& tool, std::uint32_t put_backs);
   void engage(std::int64_t now);
   Vec3 coupling(std::int64_t now, double seconds);
   Vec3 limited(const Vec3& wanted, double seconds) const;
@@ -84,6 +85,8 @@ class DeviceCoupling {
   double delay_s_ = 0;
   double stiffness_;  // N/m, in force, on the handle
   std::int64_t tool_tick_ = -1, losses_ = 0;
+  std::int64_t tool_ns_ = 0;  // when its tick came
+  std::uint32_t put_backs_ = 0;
   Pose tool_;                          // world
   Vec3 tool_velocity_ = Vec3::Zero();  // m/s, world
   bool touching_ = false;

@@ -26,7 +26,7 @@ void askForRealTime() {
 
 void DeviceLink::exchange(std::int64_t now, const ForceSample& tool) {
   const bool news = backend_.read(now, pose_);
-  wrench_ = coupling_.update(now, news ? &pose_ : nullptr, tool);
+  wrench_ = coupling_.update(now, news ? &pose_ : nullptr, tool, tool_.putBacks());
   backend_.write(now, wrench_);
   tool_.targets().back() = coupling_.target();
   tool_.targets().publish();
@@ -37,8 +37,7 @@ DeviceThread::DeviceThread(std::unique_ptr<DeviceBackend> backend, CoupledTool& 
     : backend_(std::move(backend)),
       link_(*backend_, tool, model),
       loop_(loop),
-      period_ns_(std::llround(1e9 / std::max(1000.0, model.scene.rate_hz))),
-      thread_([this] { run(); }) {}
+      period_ns_(std::llround(1e9 / std::max(1000.0, model.scene.rate_hz))) {}
 
 void DeviceThread::stop() {
   quit_.store(true, std::memory_order_relaxed);

@@ -41,12 +41,17 @@ class DeviceLink {
 /// The thread asks for SCHED_FIFO as the loop does, and goes on without.
 class DeviceThread {
  public:
-  /// All but the backend must outlive this. Starts at once.
+  /// All but the backend must outlive this.
   DeviceThread(std::unique_ptr<DeviceBackend> backend, CoupledTool& tool, const Model& model,
                const SimulationLoop& loop);
   ~DeviceThread() { stop(); }
   DeviceThread(const DeviceThread&) = delete;
   DeviceThread& operator=(const DeviceThread&) = delete;
+
+  /// With the loop: where the handle is then is the tool's start.
+  void start() {
+    thread_ = std::thread([this] { run(); });
+  }
 
   /// Sends a last force of zero and joins.
   void stop();

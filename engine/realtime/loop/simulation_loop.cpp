@@ -243,6 +243,7 @@ void SimulationLoop::goBackTo(const State& past) {
 void SimulationLoop::beGentle() {
   proxy_.beGentle();
   for (ToolProxy& proxy : further_proxies_) proxy.beGentle();
+  if (device_ != nullptr) device_->restart();
 }
 
 void SimulationLoop::takeRequests() {
