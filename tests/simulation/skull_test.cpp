@@ -14,7 +14,7 @@ namespace {
 constexpr double ball_radius = 0.03, ball_clearance = 5e-4;
 
 /// A heavy ball in a skull half a millimetre around it; guided so that nothing but the skull bears its weight.
-Scene ballScene() {
+Scene heavyBallScene() {
   Scene scene = test::blockScene(0.011);
   scene.solid = Scene::Solid::Ellipsoid;
   scene.semi_axes = Vec3::Constant(ball_radius);
@@ -31,7 +31,7 @@ Scene ballScene() {
   return scene;
 }
 
-Model ballModel(const Scene& scene = ballScene()) {
+Model heavyBallModel(const Scene& scene = heavyBallScene()) {
   return buildModel(scene, ellipsoidSurface(scene.semi_axes, 0.004));
 }
 
@@ -64,7 +64,7 @@ StepReport settled(const Model& model, State& state, int threads = 1, int ticks 
 }  // namespace
 
 TEST_CASE("A ball rests in its skull, which bears its weight, whatever the threads", "[simulation][skull]") {
-  const Model model = ballModel();
+  const Model model = heavyBallModel();
   State state = initialState(model), other = initialState(model);
   const StepReport report = settled(model, state);
   CHECK(report.skull_force.z() == Approx(ownWeight(model)).epsilon(0.01));
@@ -81,11 +81,11 @@ TEST_CASE("A ball rests in its skull, which bears its weight, whatever the threa
 }
 
 TEST_CASE("Where the skull is open nothing holds the skin, and steps with it take no memory", "[simulation][skull]") {
-  Scene scene = ballScene();
+  Scene scene = heavyBallScene();
   Region below;
   below.point = Vec3(0, 0, 0);  // a half-space: z <= 0
   scene.skull.open.push_back(below);
-  const Model open = ballModel(scene), closed = ballModel();
+  const Model open = heavyBallModel(scene), closed = heavyBallModel();
   CHECK(modelHash(open) != modelHash(closed));
   State state = initialState(open);
   CHECK(settled(open, state, 1, 60).skull_force.z() < 0.05 * ownWeight(open));
@@ -103,7 +103,7 @@ TEST_CASE("Where the skull is open nothing holds the skin, and steps with it tak
 }
 
 TEST_CASE("A skull of its own that the organ does not fit in is refused", "[simulation][skull]") {
-  Scene scene = ballScene();
+  Scene scene = heavyBallScene();
   scene.skull.surface = std::make_shared<TriangleSurface>(ellipsoidSurface(Vec3::Constant(ball_radius - 0.003), 0.004));
-  CHECK_THAT(refusal([&] { ballModel(scene); }), Catch::Matchers::Contains("through the skull"));
+  CHECK_THAT(refusal([&] { heavyBallModel(scene); }), Catch::Matchers::Contains("through the skull"));
 }
