@@ -4,38 +4,24 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
-#include <map>
 #include <span>
 #include <string_view>
 #include <utility>
 
 #include "base/number_text.h"
 #include "base/printable_text.h"
-#include "contact/tool_set.h"
-#include "imaging/membership.h"
-#include "io/image_file.h"
 #include "io/scene_boundary.h"
 #include "io/scene_keys.h"
 #include "io/scene_lumps.h"
+#include "io/scene_materials.h"
+#include "io/scene_tools.h"
 #include "io/surface_file.h"
 #include "io/text_file.h"
 #include "io/toml_table.h"
-#include "mechanics/materials/material_law.h"
 
 namespace palpate {
 
 namespace {
-
-/// @param path  the scene's folder joined with what the key says, which replaces it where it is absolute
-std::string existingFile(const TomlTable& table, const std::string& key, const std::filesystem::path& path,
-                         const std::string& what) {
-  const std::filesystem::path file = path.lexically_normal();
-  if (std::error_code error; !std::filesystem::is_regular_file(file, error)) {
-    throw InputError(table.place(key), "there is no " + what + " " + file.string(),
-                     "the path starts from the scene file's folder");
-  }
-  return file.string();
-}
 
 void readOrgan(const TomlTable& organ, const std::filesystem::path& folder, Scene& scene) {
   organ.read("colour", scene.tissue_colour);
@@ -127,145 +113,6 @@ void readDiscretization(const TomlTable& table, Scene& scene) {
   }
 }
 
-/// "an Ogden material"
-std::string withArticle(const MaterialLaw& law) {
-  const bool vowel = std::string_view("AEIOUaeiou").find(*law.title) != std::string_view::npos;
-  return std::string(vowel ? "an " : "a ") + law.title + " material";
-}
-
-/// A law's lists have one entry for each term, and the kernel room for some.
-void checkTermCounts(const TomlTable& table, const std::map<std::string, std::vector<double>>& lists,
-                     std::span<const Parameter> parameters) {
-  std::string found;
-  const Parameter* first = nullptr;
-  bool wrong = false;
-  for (const Parameter& p : parameters) {
-    if (p.type != Parameter::Type::Numbers) continue;
-    if (first == nullptr) first = &p;
-    const std::size_t terms = lists.at(p.name).size();
-    wrong |= terms < 1 || terms > std::size_t{Material::max_terms} || terms != lists.at(first->name).size();
-    if (&p != first) found += " and ";
-    found += inQuotes(p.name);
-    found += &p == first ? " has " : " ";
-    found += std::to_string(terms);
-    if (&p == first) found += " terms";
-  }
-  if (!wrong) return;
-  const std::string limit = std::to_string(Material::max_terms);
-  throw InputError(table.place(first->name), found,
-                   std::string(lists.size() > 1 ? "give both the same number of terms, 1 to " : "give 1 to ") + limit);
-}
-
-/// Prony terms, where there are any.
-void readRelaxation(const TomlTable& table, Material& material) {
-  const char* key = relaxationParameter().name;
-  if (!table.has(key)) return;
-  std::vector<double> pairs;
-  table.readPairs(key, pairs);
-  const std::size_t terms = pairs.size() / 2;
-  if (terms < 1 || terms > std::size_t{Material::max_relaxation_terms})
-    throw InputError(table.place(key), inQuotes(key) + " has " + std::to_string(terms) + " terms",
-                     "give 1 to " + std::to_string(Material::max_relaxation_terms) +
-                         " pairs [g, tau], or leave it out: the tissue is elastic then");
-  material.set(key, pairs);
-  if (const auto problem = relaxationProblem(material))
-    throw InputError(table.place(key), problem->problem, problem->advice);
-}
-
-/// The law that the table chooses, with its parameters and those of all laws.
-Material readLaw(const TomlTable& table) {
-  const auto laws = materialLaws();
-  const MaterialLaw& law = laws[static_cast<std::size_t>(table.readChoice("model", 0))];
-  const std::string one = withArticle(law);
-  for (const Parameter& p : law.parameters)
-    if (p.isRequired()) table.require({p.name}, one);
-  for (const MaterialLaw& other : laws)
-    for (const Parameter& p : other.parameters) {
-      const bool own = std::any_of(law.parameters.begin(), law.parameters.end(),
-                                   [&](const Parameter& mine) { return std::string_view(mine.name) == p.name; });
-      if (!own) table.forbid({p.name}, "to " + one);
-    }
-  Material material = Material::of(law.name);
-  std::map<std::string, std::vector<double>> lists;
-  const auto readNumber = [&](const Parameter& p) {
-    double value = 0;
-    table.read(p.name, value);
-    if (table.has(p.name)) material.set(p.name, value);
-  };
-  for (const Parameter& p : law.parameters) {
-    if (p.type == Parameter::Type::Numbers)
-      table.read(p.name, lists[p.name]);
-    else
-      readNumber(p);
-  }
-  for (const auto& [parameter, member] : commonMaterialParameters()) readNumber(parameter);
-  checkTermCounts(table, lists, law.parameters);
-  for (const auto& [name, values] : lists) material.set(name, values);
-  readRelaxation(table, material);
-  if (const auto problem = law.check(material))
-    throw InputError(table.place(problem->parameter), problem->problem, problem->advice);
-  return material;
-}
-
-/// What the law of tissue that mixes must be.
-void checkMixes(const MaterialSpec& spec) {
-  if (spec.material.law != Material::of("neo-hookean").law || spec.material.relaxation_count > 0)
-    throw InputError(spec.place, "only neo-Hookean tissue without relaxation mixes by a membership",
-                     "use model = \"neo-hookean\" for it and for the first material");
-}
-
-/// Membership and mask of a material, on the same voxels.
-std::shared_ptr<const Membership> readMembership(const TomlTable& table, const std::filesystem::path& folder,
-                                                 const std::vector<MaterialSpec>& before) {
-  const auto file = [&](const char* key) {
-    std::string name;
-    table.read(key, name);
-    return existingFile(table, key, folder / name, "image");
-  };
-  checkMixes(before.front());
-  for (const MaterialSpec& other : before)
-    if (other.membership)
-      throw InputError(table.place("membership"), "a second material with a membership", "one of a scene may have it");
-  auto membership = std::make_shared<Membership>();
-  membership->share = readImage(file("membership"), {}, table.place("membership"));
-  if (!table.has("mask")) return membership;
-  membership->mask = maskOf(readImage(file("mask"), {}, table.place("mask")));
-  if (!sameGrid(membership->mask->grid, membership->share.grid))
-    throw InputError(table.place("mask"), "the mask's voxels are not those of the membership",
-                     "resample it to the membership's");
-  return membership;
-}
-
-/// @param before  the materials that the scene has so far
-void readMaterial(const TomlTable& table, const std::filesystem::path& folder, const std::vector<MaterialSpec>& before,
-                  MaterialSpec& material) {
-  const bool first = before.empty();
-  material.place = table.place();
-  table.readName("name", material.name);
-  material.material = readLaw(table);
-  if (table.has("mask") && !table.has("membership")) table.forbid({"mask"}, "without \"membership\"");
-  if (table.has("membership")) {
-    table.forbid({"region"}, "beside \"membership\"");
-    if (first)
-      throw InputError(table.place("membership"), "the first material has a membership",
-                       "the first is what remains; give the membership to a later one");
-    checkMixes(material);
-    material.membership = readMembership(table, folder, before);
-    material.everywhere = false;
-    return;
-  }
-  if (first && table.has("region")) {
-    throw InputError(table.place("region"), "the first material has a region",
-                     "the first applies everywhere; give regions to later ones");
-  }
-  if (!first && !table.has("region")) {
-    throw InputError(table.place(), "this material has no region and would replace all before it",
-                     "add region = { shape = ..., ... }");
-  }
-  material.everywhere = first;
-  if (!first) material.region = readRegion(table.table("region", {"region"}));
-}
-
 void readSkull(const TomlTable& table, const std::filesystem::path& folder, SkullSpec& skull) {
   skull.given = true;
   skull.place = table.place();
@@ -322,92 +169,6 @@ void readSolve(const TomlTable& table, const std::filesystem::path& folder, Solv
     table.read("probes", file);
     solve.probes_file = existingFile(table, "probes", folder / file, "probes file");
   }
-}
-
-/// The groups of keys that tools may have.
-std::vector<std::string> toolGroups() {
-  std::vector<std::string> groups{"tool"};
-  for (const ToolType* type : toolTypes()) groups.push_back(toolKeyGroup(*type));
-  return groups;
-}
-
-/// The script that a tool follows; "": a hand leads it.
-std::string readInput(const TomlTable& table, const std::filesystem::path& folder) {
-  const std::string script = "script:";
-  std::string input = "hand";
-  table.read("input", input);
-  if (input == "hand") return "";
-  if (!input.starts_with(script))
-    throw InputError(table.place("input"), inQuotes(input) + " is no input",
-                     "give \"hand\", or \"script:FILE\" with a tool script");
-  return existingFile(table, "input", folder / input.substr(script.size()), "tool script");
-}
-
-/// @param any  in which the keys of all tools may stand
-ToolSpec readTool(const TomlTable& any, const std::filesystem::path& folder) {
-  ToolSpec spec;
-  spec.place = any.place();
-  ToolShape& tool = spec.shape;
-  tool.kind = static_cast<ToolKind>(any.readChoice("shape", 0));
-  const ToolType& type = toolType(tool.kind);
-  for (const ToolType* other : toolTypes()) {
-    for (const Parameter& foreign : other->parameters) {
-      const bool known = std::any_of(type.parameters.begin(), type.parameters.end(),
-                                     [&](const Parameter& own) { return std::string_view(own.name) == foreign.name; });
-      if (!known) any.forbid({foreign.name}, std::string("to a ") + type.title);
-    }
-  }
-
-  const TomlTable table = any.within({"tool", toolKeyGroup(type)});
-  table.read("radius", tool.radius);
-  table.read("length", tool.length);
-  tool = ToolShape::of(tool.kind, tool.radius, tool.length);
-  for (std::size_t k = 0; k < type.parameters.size(); ++k) table.read(type.parameters[k].name, tool.parameter[k]);
-  table.read("position", spec.position);
-  table.readDirection("direction", spec.direction);
-  table.read("max_speed", spec.max_speed);
-  table.read("max_force", spec.max_force);
-  table.read("friction", spec.friction);
-  table.read("opening", spec.opening);
-  spec.script = readInput(table, folder);
-  if (const std::optional<ToolFault> fault = type.fault(tool))
-    throw InputError(table.place(fault->key), fault->problem, fault->advice);
-  return spec;
-}
-
-/// [tool], or up to max_tools of [[tool]].
-void readTools(const TomlTable& top, const std::filesystem::path& folder, Scene& scene) {
-  std::vector<ToolSpec> specs;
-  if (top.isList("tool")) {
-    for (const TomlTable& entry : top.tables("tool", toolGroups())) {
-      if (specs.size() == std::size_t{max_tools})
-        throw InputError(entry.place(), "more than " + std::to_string(max_tools) + " tools", "leave the others out");
-      specs.push_back(readTool(entry, folder));
-    }
-  } else {
-    specs.push_back(readTool(top.table("tool", toolGroups()), folder));
-  }
-  if (specs.empty()) return;
-  const ToolSpec& first = specs[0];
-  scene.tool = first.shape;
-  scene.tool_position = first.position;
-  scene.tool_direction = first.direction;
-  scene.tool_max_speed = first.max_speed;
-  scene.tool_max_force = first.max_force;
-  scene.friction = first.friction;
-  scene.tool_opening = first.opening;
-  scene.tool_script = first.script;
-  scene.further_tools.assign(specs.begin() + 1, specs.end());
-}
-
-void readDevice(const TomlTable& table, DeviceSettings& device) {
-  device = DeviceSettings::of(table.readChoice("class", 0));
-  table.read("stiffness", device.stiffness);
-  table.read("damping", device.damping);
-  table.read("max_force", device.max_force);
-  table.read("rise_time", device.rise_time);
-  table.read("scale", device.scale);
-  table.read("own_damping", device.own_damping);
 }
 
 /// What a cache goes by: every value that was accepted and that a preparation depends on, a line each.
