@@ -187,5 +187,5 @@ TEST_CASE("A tool script is a file, or the name of one in assets/tools", "[optio
   CHECK(findToolScript(findToolScript("drag_across")) == findToolScript("drag_across"));
   CHECK_THAT(refusal([] { findToolScript("drag_acros.toml"); }),
              Contains("no tool script \"drag_acros.toml\"; did you mean drag_across? ") &&
-                 Contains("one of drag_across, ") && Contains("indent_hold_retract"));
+                 Contains("one of drag_across") && Contains("indent_hold_retract"));
 }
