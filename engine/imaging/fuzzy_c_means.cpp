@@ -304,7 +304,7 @@ FuzzyClasses fuzzyCMeans(const Image& noisy, const Mask& mask, const FuzzyOption
   if (inside == 0) throw InputError({}, "the mask is empty", "is it the mask of this scan?");
   const double noise = noiseOf(noisy, mask);
   // What is alike is told better by what the first pass leaves; averaging that again would wash thin sulci out.
-  const Image scan = denoised(noisy, denoised(noisy, noisy, mask, 2 * noise), mask, noise);
+  const Image once = denoised(noisy, noisy, mask, 2 * noise), scan = denoised(noisy, once, mask, noise);
   Chosen chosen = chosenOf(scan, mask, inside);
   if (const auto [low, high] = std::minmax_element(chosen.value.begin(), chosen.value.end()); !(*low < *high))
     throw InputError({}, "all intensities in the mask are equal", "is it the mask of this scan?");
@@ -313,9 +313,11 @@ FuzzyClasses fuzzyCMeans(const Image& noisy, const Mask& mask, const FuzzyOption
   Bias bias{Polynomial(std::clamp(options.bias_degree, 0, Polynomial::max_degree), chosen.low, chosen.high), {}};
   bias.coefficient = Eigen::VectorXd::Zero(bias.polynomial.size());
   if (options.bias_degree > 0) {
-    const double least = floorOf(chosen.value);
+    // The bias is smooth: here averaging twice only takes noise away.
+    const std::vector<double> smoothest = chosenOf(denoised(once, once, mask, 2 * noise), mask, inside).value;
+    const double least = floorOf(smoothest);
     std::vector<double> x;
-    for (const double value : chosen.value) x.push_back(std::log(std::max(value, least)));
+    for (const double value : smoothest) x.push_back(std::log(std::max(value, least)));
     std::vector<double> centre = centresOf(x, options.classes, options.max_iterations);
     result.iterations = fitBias(x, chosen.index, options.max_iterations, progress, centre, bias);
   }
