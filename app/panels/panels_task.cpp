@@ -36,7 +36,7 @@ void drawTaskCard(const Theme& theme, const PanelData& data, PanelState& state, 
     const TaskScore::Sheet sheet = task.sheet();
     drawSheet(sheet);
     if (sheet.missed_too_light > 0)
-      note(theme, "Deep lumps were missed where you pressed too lightly to reach them.", colours::warning);
+      note(theme, "Lumps were missed where you pressed too lightly to reach them, or not at all.", colours::warning);
     ImGui::Spacing();
     return;
   }

@@ -134,7 +134,9 @@ void writeLumps(Page& page, const TaskScore& score, const TaskScore::Sheet& shee
   page.rule(y - 12);
   for (std::size_t k = 0; k < score.lumps().size() && k < most_lumps; ++k) {
     const Lump& lump = score.lumps()[k];
-    std::string outcome = score.wasPressedLightly(k) ? "missed, pressed too lightly to reach it" : "missed";
+    std::string outcome = !score.wasPressed(k)         ? "missed, not pressed there"
+                          : score.wasPressedLightly(k) ? "missed, pressed too lightly to reach it"
+                                                       : "missed";
     bool found = false;
     for (std::size_t m = 0; m < score.marks().size(); ++m) {
       if (sheet.lump_of_mark[m] != static_cast<int>(k)) continue;

@@ -52,6 +52,8 @@ class TaskScore {
   const std::vector<float>& pressureMap() const { return pressure_; }
   /// Where the tip went while it touched, each 2 mm.
   const std::vector<Vec3>& path() const { return path_; }
+  /// Whether the probe pressed over this lump at all.
+  bool wasPressed(std::size_t lump) const { return deepest_[lump] > 0; }
   /// Whether nobody pressed deep enough over this lump to feel it.
   bool wasPressedLightly(std::size_t lump) const;
 
