@@ -56,7 +56,7 @@ TEST_CASE("A cone's numbers fit each other, or a fault says which don't", "[tool
   CHECK(std::abs(toolDistance(tool, {0, 0, 0.05}).distance) < 1e-15);  // some surface all the same, as long as asked
 }
 
-TEST_CASE("A cone on a Winkler foundation", "[contact][cone]") {
+TEST_CASE("A cone on a Winkler foundation", "[contact][cone][whole]") {
   // F = kappa * (volume below the surface): the cap of the tip up to where the side begins, then a frustum. The
   // discrete bed gives way a node's width h beyond the contact's radius a: an error of order (h / a)^2.
   ToolShape tool = ToolShape::of(ToolKind::Cone, 0.02);

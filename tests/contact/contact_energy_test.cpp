@@ -92,7 +92,7 @@ TEST_CASE("Friction: drags with mu N, sticks below, and does not creep", "[conta
   }
 }
 
-TEST_CASE("Contact creates no energy", "[contact]") {
+TEST_CASE("Contact creates no energy", "[contact][whole]") {
   for (ToolKind kind : kKinds) {
     for (double stiffer : {0.1, 1.0, 100.0}) {
       for (double friction : {0.0, 0.5}) {

@@ -213,7 +213,7 @@ TEST_CASE("Where a tool only just touches, zero is an equilibrium", "[static_sol
   REQUIRE(touch > model.first_contact_travel);
   REQUIRE(touch < model.first_contact_travel + 1e-3);
   double largest = 0;
-  for (const double deeper : {-1e-6, 0.0, 1e-16, 1e-15, 1e-14, 1e-13, 1e-12, 1e-11, 1e-9})
+  for (const double deeper : {-1e-6, 0.0, 1e-15, 1e-13, 1e-12, 1e-9})
     for (const double tolerance : {1e-3, 1e-6}) {
       StaticSolver solver(model, 1, tolerance);
       const Equilibrium e = solver.advanceTo(1, toolAt(model, touch + deeper));

@@ -150,7 +150,7 @@ TEST_CASE("The plain Eigen kernel equals the reference on any number of threads"
   CHECK_THROWS_AS(PlainKernel(order, body.shape, body.volume, ogden), std::invalid_argument);
 }
 
-TEST_CASE("Calls are timed in turns, the first of each turn not counted", "[bench_command]") {
+TEST_CASE("Calls are timed in turns, the first of each turn not counted", "[bench_command][timed]") {
   SpinTeam team(1);
   int first = 0, second = 0;
   std::vector<TimedCall> calls(2);
@@ -168,7 +168,7 @@ TEST_CASE("Calls are timed in turns, the first of each turn not counted", "[benc
   CHECK(std::isnan(TimedCall().median()));
 }
 
-TEST_CASE("Ceilings are of this world: positive, and not those of loops that were optimised away", "[bench_command]") {
+TEST_CASE("Ceilings are of this world: positive, and not those of loops that were optimised away", "[bench_command][timed]") {
   Machine machine = thisMachine();
   CHECK(machine.cores >= 1);
   machine.l2_bytes = 256 << 10;  // any sizes will do here
@@ -205,7 +205,7 @@ TEST_CASE("Thread counts are powers of two and all cores", "[bench_command]") {
   CHECK(benchThreadCounts(6) == std::vector<int>{1, 2, 4, 6});
 }
 
-TEST_CASE("A body's kernels agree with the reference and have times and ceilings", "[bench_command]") {
+TEST_CASE("A body's kernels agree with the reference and have times and ceilings", "[bench_command][timed]") {
   const BenchBodyResult body = benchBody({"tiny", 0.025, 1.9}, {ceilingsOf(1), ceilingsOf(2)}, 0.001, true);
   CHECK(body.nodes > 50);
   CHECK(body.points > body.nodes);

@@ -36,7 +36,7 @@ std::string import(const std::string& file, const std::string& out, const std::s
 
 }  // namespace
 
-TEST_CASE("A damaged surface is imported as a scene that opens, with a report", "[import]") {
+TEST_CASE("A damaged surface is imported as a scene that opens, with a report", "[import][whole]") {
   const TempFolder folder;
   TriangleSurface surface = boxSurface({8, 6, 5}, 1.5);
   surface.triangles.erase(surface.triangles.begin() + 3);

@@ -33,7 +33,7 @@ TEST_CASE("An unknown verification case is refused with the names of all", "[ver
   for (const auto& c : verificationCases()) CHECK_THAT(message, Contains(c.name));
 }
 
-TEST_CASE("verify approximation holds, and writes its results and its page", "[verify_command]") {
+TEST_CASE("verify approximation holds, and writes its results and its page", "[verify_command][whole]") {
   const TempFolder folder;
   VerifyOptions options;
   options.cases = {"approximation"};

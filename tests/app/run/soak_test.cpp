@@ -34,7 +34,7 @@ TEST_CASE("A soak presses where its tool meets the organ's top, and no deeper th
   CHECK_THROWS_AS(soakPlaces(test::blockModel(scene), 20, 5), InputError);
 }
 
-TEST_CASE("A soak runs to its end, leaves its report and fails just where a promise is broken", "[soak]") {
+TEST_CASE("A soak runs to its end, leaves its report and fails just where a promise is broken", "[soak][whole]") {
   const TempFolder folder;
   const std::string file = folder.path("block.toml"), out = folder.path("out");
   std::ofstream(file)

@@ -101,7 +101,7 @@ TEST_CASE("Supports too small to judge by are told, and grow until they can", "[
   CHECK(rounds > 0);
 }
 
-TEST_CASE("The error of eq. 30 over the cells falls with the accuracy asked for", "[quadrature][mmls]") {
+TEST_CASE("The error of eq. 30 over the cells falls with the accuracy asked for", "[quadrature][mmls][whole]") {
   const Cube cube(0.03);
   const Neighbours neighbours(cube.cloud.X, cube.radius);
   const GradientEnergy energy(cube.cloud.X, cube.radius, neighbours, {2, 0.1});

@@ -31,7 +31,7 @@ bool hasNodeAt(const NodeCloud& cloud, const Vec3& x) {
 
 }  // namespace
 
-TEST_CASE("Clouds keep their spacing, in number and in distance", "[cloud]") {
+TEST_CASE("Clouds keep their spacing, in number and in distance", "[cloud][whole]") {
   for (const bodies::Body& c : bodies::variedBodies()) {
     DYNAMIC_SECTION(c.name) {
       const SurfaceTree tree(c.surface);

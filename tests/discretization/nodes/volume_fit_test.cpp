@@ -29,7 +29,7 @@ Fitted fit(const SurfaceTree& tree, double h) {
 
 }  // namespace
 
-TEST_CASE("Fitted cells hold the body's volume, by small moves of surface nodes", "[volume]") {
+TEST_CASE("Fitted cells hold the body's volume, by small moves of surface nodes", "[volume][whole]") {
   for (const bodies::Body& c : bodies::variedBodies()) {
     DYNAMIC_SECTION(c.name) {
       const SurfaceTree tree(c.surface);

@@ -36,7 +36,7 @@ class FakeDevice final : public DeviceBackend {
 
 }  // namespace
 
-TEST_CASE("Device and loop run beside each other, and the last force is none", "[device]") {
+TEST_CASE("Device and loop run beside each other, and the last force is none", "[device][timed]") {
   const Model model = test::smallModel(500);
   test::FakePhysics physics(model);
   CoupledTool tool(model);

@@ -119,7 +119,7 @@ TEST_CASE("Packets that can't be poses are refused", "[device]") {
   CHECK_FALSE(read.has_velocity);
 }
 
-TEST_CASE("Over UDP the newest pose wins, and its sender gets the force", "[device]") {
+TEST_CASE("Over UDP the newest pose wins, and its sender gets the force", "[device][timed]") {
   UdpDevice device(0);
   REQUIRE(device.port() > 0);
   DevicePose pose;
@@ -156,7 +156,7 @@ TEST_CASE("Over UDP the newest pose wins, and its sender gets the force", "[devi
   CHECK(pose.sequence == 1);
 }
 
-TEST_CASE("The example of a bridge sends poses, and tells which force its motors have", "[device]") {
+TEST_CASE("The example of a bridge sends poses, and tells which force its motors have", "[device][timed]") {
   UdpDevice device(0);
   const std::string port = std::to_string(device.port());
   const char* const arguments[] = {PALPATE_UDP_EXAMPLE, port.c_str(), "60000", nullptr};

@@ -158,7 +158,7 @@ TEST_CASE("A stalled renderer that holds snapshots makes the loop miss no deadli
   CHECK(loop.statistics().overrun_count < 100);
 }
 
-TEST_CASE("Under a viewer on another thread, every snapshot is one tick", "[simulation_loop]") {
+TEST_CASE("Under a viewer on another thread, every snapshot is one tick", "[simulation_loop][timed]") {
   const Model model = smallModel(2000);
   FakePhysics physics(model);
   // A tick that marks all of its state with its own number.
@@ -196,7 +196,7 @@ TEST_CASE("Under a viewer on another thread, every snapshot is one tick", "[simu
 }
 
 TEST_CASE("In real time, on its own thread with a team, all periods are ticks or counted as missed",
-          "[simulation_loop]") {
+          "[simulation_loop][timed]") {
   const Model model = smallModel(1000);
   FakePhysics physics(model);
   SpinTeam team(2);

@@ -139,7 +139,7 @@ bool waitFor(const Condition& condition, double seconds) {
 
 }  // namespace
 
-TEST_CASE("A force that nobody renews, or that took long, is never handed out as fresh", "[starvation]") {
+TEST_CASE("A force that nobody renews, or that took long, is never handed out as fresh", "[starvation][timed]") {
   const Model model = smallModel(500);
   FakePhysics physics(model);
   SimulationLoop loop(model, physics, nullptr, {});
@@ -172,7 +172,7 @@ TEST_CASE("A force that nobody renews, or that took long, is never handed out as
   CHECK(reader.fresh > 0);
 }
 
-TEST_CASE("Starved of its cores the loop slows down in whole ticks, says so, and recovers", "[starvation]") {
+TEST_CASE("Starved of its cores the loop slows down in whole ticks, says so, and recovers", "[starvation][timed]") {
   const Model model = smallModel(500);
   FakePhysics physics(model);
   TickBegins begins;
@@ -239,7 +239,7 @@ TEST_CASE("Starved of its cores the loop slows down in whole ticks, says so, and
   CHECK(late <= overruns());
 }
 
-TEST_CASE("Stopped for 200 ms the loop skips what it missed, and hands out nothing stale", "[starvation]") {
+TEST_CASE("Stopped for 200 ms the loop skips what it missed, and hands out nothing stale", "[starvation][timed]") {
   if (!test::guardAvailable()) return;  // sanitizers don't like threads after a fork
   int ready[2];
   REQUIRE(pipe(ready) == 0);
@@ -301,7 +301,7 @@ TEST_CASE("Stopped for 200 ms the loop skips what it missed, and hands out nothi
   CHECK(WEXITSTATUS(status) == 17);
 }
 
-TEST_CASE("Between ticks the physics threads sleep", "[starvation]") {
+TEST_CASE("Between ticks the physics threads sleep", "[starvation][timed]") {
   const Model model = smallModel(200);
   FakePhysics physics(model);
   SpinTeam team(3);

@@ -44,7 +44,7 @@ TEST_CASE("Denormals are flushed on each thread of the team", "[thread_setup]") 
   CHECK_FALSE(flushes());
 }
 
-TEST_CASE("Each thing asked of the system is done, or there is a reason", "[thread_setup]") {
+TEST_CASE("Each thing asked of the system is done, or there is a reason", "[thread_setup][timed]") {
   onOtherThread([] {
     SpinTeam team(2);
     const RtSetup setup = setUpLoopThread(&team, true);
