@@ -160,7 +160,7 @@ void FigureSheet::takePlaces() {
 }
 
 /// Writes into the first choice that is inside the frame and meets neither another label nor data.
-bool FigureSheet::place(std::vector<Box> choices, ImU32 colour, const std::string& text) {
+bool FigureSheet::place(const std::vector<Box>& choices, ImU32 colour, const std::string& text) {
   for (const Box& box : choices) {
     const bool free = frame_.holds(box) &&
                       std::none_of(labels_.begin(), labels_.end(), [&](const Label& l) { return l.box.meets(box); }) &&

@@ -48,7 +48,7 @@ class FigureSheet {
   void takePlaces();
   void placePointLabels();
   void placeMarkLabels();
-  bool place(std::vector<Box> choices, ImU32 colour, const std::string& text);
+  bool place(const std::vector<Box>& choices, ImU32 colour, const std::string& text);
   bool findLegendPlace();
   double covered(const Box& box) const;
 

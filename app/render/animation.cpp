@@ -88,7 +88,8 @@ class Nearest {
   explicit Nearest(const std::vector<Colour>& palette) : palette_(palette), index_(32 * 32 * 32, -1) {}
 
   std::uint8_t of(const Colour& colour) {
-    int& index = index_[static_cast<std::size_t>((colour[0] >> 3) * 1024 + (colour[1] >> 3) * 32 + (colour[2] >> 3))];
+    int& index =
+        index_[std::size_t{colour[0]} / 8 * 1024 + std::size_t{colour[1]} / 8 * 32 + std::size_t{colour[2]} / 8];
     if (index < 0) {
       int least = 1 << 30;
       for (std::size_t k = 0; k < palette_.size(); ++k) {

@@ -120,7 +120,8 @@ void Overlays::addSupport(const Snapshot& snapshot, int point) {
 }
 
 void Overlays::addPull(const View& view, const std::vector<Vec3f>& positions, int framebuffer_height) {
-  const Vec3f from = positions[view.pulled_vertex], to = view.pull_target.cast<float>();
+  const Vec3f& from = positions[view.pulled_vertex];
+  const Vec3f to = view.pull_target.cast<float>();
   const double pixel = view.camera.pixelSize(view.pull_target, framebuffer_height) * view.pixel_ratio;
   arrows_.push_back({from, to - from, static_cast<float>(1.6 * std::abs(pixel)), pull_colour});
   dots_.push_back({from, pull_colour, 9});

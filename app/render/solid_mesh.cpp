@@ -62,7 +62,7 @@ void addTurned(SolidMesh& mesh, const std::vector<ProfilePoint>& profile, Finish
   const auto base = static_cast<std::uint32_t>(mesh.vertices.size());
   const auto rings = static_cast<std::uint32_t>(profile.size());
   for (std::uint32_t i = 0; i < rings; ++i) {
-    const ProfilePoint before = profile[i > 0 ? i - 1 : i], after = profile[std::min(i + 1, rings - 1)];
+    const ProfilePoint &before = profile[i > 0 ? i - 1 : i], &after = profile[std::min(i + 1, rings - 1)];
     const ProfilePoint along = (after - before).normalized();
     for (int s = 0; s <= turn_segments; ++s) {
       const float angle = 2 * pi * static_cast<float>(s) / turn_segments;

@@ -79,6 +79,7 @@ std::vector<LumpFeel> feelLumps(const Model& model, double depth) {
   const SkinSurface skin(model.skin.surface);
   Workspace workspace(model, std::max(1, model.scene.threads));
   std::vector<LumpFeel> feels;
+  feels.reserve(lumps.size());
   for (const Lump& lump : lumps)
     feels.push_back({pressSlope(model, lump.foot, depth, workspace),
                      pressSlope(model, besideOf(lump, lumps, skin), depth, workspace)});

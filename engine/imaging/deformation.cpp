@@ -111,9 +111,9 @@ void SampledDeformation::extend(std::vector<Eigen::Matrix3f>& gradient) {
                 Eigen::Matrix3f slope = Eigen::Matrix3f::Zero();
                 float count = 0;
                 for (int n = 0; n < 27; ++n) {
-                  const Vec3f way(static_cast<float>(n % 3 - 1), static_cast<float>(n / 3 % 3 - 1),
-                                  static_cast<float>(n / 9 - 1));
-                  const std::size_t other = grid.at(i + n % 3 - 1, j + n / 3 % 3 - 1, k + n / 9 - 1);
+                  const int right = n % 3 - 1, ahead = n / 3 % 3 - 1, up = n / 9 - 1;
+                  const Vec3f way = Eigen::Vector3i(right, ahead, up).cast<float>();
+                  const std::size_t other = grid.at(i + right, j + ahead, k + up);
                   if (!before[other]) continue;
                   u += u_[other] - static_cast<float>(step_) * (gradient[other] * way);
                   slope += gradient[other];

@@ -69,6 +69,7 @@ Fill fillOf(const TriangleSurface& surface, const std::vector<int>& rim) {
   Fill fill;
   fill.edges = static_cast<int>(rim.size());
   std::vector<Vec3> corners;
+  corners.reserve(rim.size());
   for (const int v : rim) corners.push_back(surface.vertices[v]);
   const auto triangles = fill.edges <= most_for_smallest_fill ? smallestFill(corners) : polygonTriangles(corners);
   for (const auto& [a, b, c] : triangles) {

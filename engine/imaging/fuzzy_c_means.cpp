@@ -241,7 +241,7 @@ Image denoised(const Image& scan, const Image& guide, const Mask& mask, double a
   const Vec3 h = scan.grid.spacing();
   double nearness[27];
   for (int n = 0; n < 27; ++n) {
-    const Vec3 d = Vec3(n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1).cwiseProduct(h) / h.minCoeff();
+    const Vec3 d = Eigen::Vector3i(n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1).cast<double>().cwiseProduct(h) / h.minCoeff();
     nearness[n] = std::exp(-d.squaredNorm() / 2);
   }
   forMask(mask, [&](std::size_t v, const Vec3& index) {
@@ -317,6 +317,7 @@ FuzzyClasses fuzzyCMeans(const Image& noisy, const Mask& mask, const FuzzyOption
     const std::vector<double> smoothest = chosenOf(denoised(once, once, mask, 2 * noise), mask, inside).value;
     const double least = floorOf(smoothest);
     std::vector<double> x;
+    x.reserve(smoothest.size());
     for (const double value : smoothest) x.push_back(std::log(std::max(value, least)));
     std::vector<double> centre = centresOf(x, options.classes, options.max_iterations);
     result.iterations = fitBias(x, chosen.index, options.max_iterations, progress, centre, bias);

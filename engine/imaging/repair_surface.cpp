@@ -287,7 +287,7 @@ class Repair {
     }
     step("removing spikes", 0.9);
     const SampledField open = opened(made, field.cell, 0.5 * std::min(thinnest, most_opening * field.cell));
-    const TriangleSurface without = open.value.empty() ? TriangleSurface() : isosurface(open);
+    TriangleSurface without = open.value.empty() ? TriangleSurface() : isosurface(open);
     if (without.triangles.empty()) return made;
     report_.opened = thinnest;
     if (auto even = evenTriangles(without, open)) return std::move(*even);

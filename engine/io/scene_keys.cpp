@@ -100,7 +100,9 @@ constexpr KeySpec scene_keys[] = {
     {"discretization", "cell_volume", T::Boolean, "", "false", {}, "",
      "Where the tissue is under more than 1.5 shear moduli of pressure, hold its volume by that of the background "
      "cells: confined tissue is then exact to 40 shear moduli, where it else gives way from 4.5 (from 2.75 with "
-     "`cells_per_point` 2). Between bonded faces less than 8 edges of cells apart the tissue stays as without it. "
+     "`cells_per_point` 2). Between bonded faces less than 8 edges of cells apart the tissue stays as without it. For "
+     "organs that are pressed: a bonded body gets up to 4 % too stiff, and one of Poisson's ratio 0.499 that is twisted "
+     "between bonded ends finds no equilibrium with it. "
      "Costs up to a seventh more time a step, where something is pressed. Needs `node_patch_volume`.",
      never},
     {"discretization", "boundary_method", T::Text, "", "\"sebciem\"", {}, "sebciem|ebciem",

@@ -183,7 +183,7 @@ bool TomlTable::isList(const std::string& key) const {
   return node != nullptr && node->is_array();
 }
 
-std::vector<TomlTable> TomlTable::tables(const std::string& key, std::vector<std::string> groups) const {
+std::vector<TomlTable> TomlTable::tables(const std::string& key, const std::vector<std::string>& groups) const {
   std::vector<TomlTable> result;
   const toml::node* node = find(key);
   if (node == nullptr) return result;

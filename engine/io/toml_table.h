@@ -88,7 +88,7 @@ class TomlTable {
   TomlTable within(std::vector<std::string> groups) const { return {*file_, *table_, path_, std::move(groups)}; }
 
   /// A list of tables ([[key]]).
-  std::vector<TomlTable> tables(const std::string& key, std::vector<std::string> groups) const;
+  std::vector<TomlTable> tables(const std::string& key, const std::vector<std::string>& groups) const;
 
   /// Throws if a key is missing: "`because` needs it".
   void require(std::initializer_list<const char*> keys, const std::string& because) const;

@@ -135,6 +135,7 @@ std::vector<double> pressures(const ShapeTable& shape, const std::vector<double>
                               const std::vector<int>& point_material, const std::vector<Material>& materials,
                               const std::vector<Vec3>& u, const NodePatches& patches) {
   std::vector<double> p;
+  p.reserve(volume.size());
   for (int q = 0; q < shape.rowCount(); ++q) p.push_back(deformationGradient(shape, q, u).determinant() - 1);
   if (!patches.empty()) return patchPressure(patches, volume, p);
   for (int q = 0; q < shape.rowCount(); ++q) p[q] *= materials[point_material[q]].bulk_modulus;

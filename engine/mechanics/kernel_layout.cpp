@@ -235,6 +235,7 @@ const KernelPasses<Real>& passesOf(InstructionSet set) {
 }  // namespace
 
 template <class Real>
+// NOLINTNEXTLINE(performance-unnecessary-value-param): moved from
 KernelMaterialsOf<Real> makeKernelMaterials(const KernelLayoutOf<Real>& layout, std::vector<Material> materials) {
   KernelMaterialsOf<Real> result;
   result.materials = std::move(materials);

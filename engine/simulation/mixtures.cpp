@@ -61,6 +61,7 @@ std::vector<int> mixtureBases(const Scene& scene) {
   const int other = mixedMaterial(scene);
   if (other == 0) return {};
   std::vector<int> base;
+  base.reserve(scene.materials.size() + mixture_steps);
   for (int m = 0; m < static_cast<int>(scene.materials.size()); ++m) base.push_back(m == other ? 0 : m);
   base.resize(base.size() + mixture_steps - 1, 0);
   return base;

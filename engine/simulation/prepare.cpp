@@ -43,6 +43,7 @@ void addMasses(const Scene& scene, const std::vector<Vec3>& X, const BackgroundC
                Preparation& p) {
   const std::vector<Material> materials = materialsOf(scene);
   std::vector<double> cell_density;
+  cell_density.reserve(cell_material.size());
   for (const int m : cell_material) cell_density.push_back(materials[m].density);
   p.mass = lumpedMass(X, cells.cells, cells.volume, cell_density);
   NodePatches patches;
@@ -65,6 +66,7 @@ void addMasses(const Scene& scene, const std::vector<Vec3>& X, const BackgroundC
 
 }  // namespace
 
+// NOLINTNEXTLINE(performance-unnecessary-value-param): its parts are moved from
 Preparation prepare(const Scene& scene, const SurfaceTree& tree, Discretization discretization,
                     const Progress& progress) {
   // Shares of the time with 33,000 nodes and 190,000 points on two cores.

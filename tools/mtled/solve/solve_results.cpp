@@ -1,0 +1,208 @@
+#include "mtled/solve/solve_results.h"
+
+#include <cstdio>
+#include <filesystem>
+#include <iostream>
+#include <nlohmann/json.hpp>
+
+#include "approximation/shape_functions.h"
+#include "base/build_info.h"
+#include "discretization/surface/surface_tree.h"
+#include "io/csv_table.h"
+#include "io/output_file.h"
+#include "simulation/solution_fields.h"
+
+namespace palpate::tools {
+namespace {
+
+constexpr std::size_t first_reaction = 4;  // its column
+
+std::string frameName(std::size_t k) {
+  char name[32];
+  std::snprintf(name, sizeof name, "solution_%04d.vtu", static_cast<int>(k));
+  return name;
+}
+
+nlohmann::json listed(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
+
+}  // namespace
+
+SolveResults::SolveResults(const Model& model, const std::string& folder, double end, std::uint64_t identity,
+                           bool resume)
+    : model_(model), folder_(folder), end_(end) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error) throw std::runtime_error(folder + ": " + error.message());
+  readProbePoints();
+  const std::vector<std::string> names = columns();
+  std::vector<std::vector<double>> kept;
+  if (resume) {
+    kept = takeUp(identity, names);
+  } else {
+    checkpoint_.model_hash = identity;
+    checkpoint_.u.resize(model.X.size());
+    checkpoint_.du.resize(model.X.size());
+  }
+  force_ = std::make_unique<ResultCsv>(forceFile(), names);
+  for (const auto& row : kept) force_->add(row);
+  // Nothing can be refused any more: what an earlier run left gives way.
+  if (!resume) std::filesystem::remove(checkpointFile(), error);
+  force_->takePlace();
+  for (std::size_t k = 0; k < checkpoint_.frame_time.size(); ++k)
+    pvd_.push_back({checkpoint_.frame_time[k], frameName(k)});
+}
+
+void SolveResults::readProbePoints() {
+  const Scene& scene = model_.scene;
+  if (scene.solve.probes_file.empty()) return;
+  const auto place = scene.places.find("solve.probes");
+  probes_ = readProbes(scene.solve.probes_file, place == scene.places.end() ? SourceLocation{} : place->second);
+  const Neighbours neighbours(model_.X, model_.support_radius);
+  std::vector<InadmissibleSupport> failed;
+  probe_shape_ = shapeFunctions(probes_.X, model_.X, model_.support_radius, neighbours,
+                                {scene.basis_degree, scene.mmls_weight}, failed);
+  const SurfaceTree organ(organSurface(scene));
+  // The organ's faces are flat where a probe may lie on the round that they stand for.
+  const double tolerance = 0.05 * scene.spacing;
+  for (std::size_t k = 0; k < probes_.X.size(); ++k)
+    if (organ.signedDistance(probes_.X[k]) > tolerance)
+      throw InputError({scene.solve.probes_file, probes_.table.line[k]}, "this point lies outside the body",
+                       "move it inside, or leave it out");
+  if (!failed.empty())
+    throw InputError({scene.solve.probes_file, probes_.table.line[failed.front().row]},
+                     "the nodes near this point can't carry an approximation", "move it inwards, or leave it out");
+}
+
+std::vector<std::string> SolveResults::columns() const {
+  std::vector<std::string> columns{"time_s", "iterations", "min_J", "inverted_points"};
+  for (const auto& b : model_.scene.boundaries)
+    for (const char* part : {"_fx_N", "_fy_N", "_fz_N", "_mx_Nm", "_my_Nm", "_mz_Nm"}) columns.push_back(b.name + part);
+  for (const char* part : {"tool_fx_N", "tool_fy_N", "tool_fz_N"}) columns.emplace_back(part);
+  if (model_.scene.skull.given)
+    for (const char* part : {"skull_fx_N", "skull_fy_N", "skull_fz_N", "skull_penetration_m"})
+      columns.emplace_back(part);
+  if (model_.scene.solve.mode == SolveSpec::Mode::Static) columns.emplace_back("error_m");  // a motion has no estimate
+  return columns;
+}
+
+/// The folder's checkpoint and its rows of force.csv.
+std::vector<std::vector<double>> SolveResults::takeUp(std::uint64_t identity, const std::vector<std::string>& columns) {
+  checkpoint_ = readCheckpoint(checkpointFile(), identity, model_.X.size());
+  const CsvTable earlier = readCsvTable(forceFile());
+  if (earlier.name != columns || static_cast<std::int64_t>(earlier.rowCount()) < checkpoint_.rows)
+    throw InputError({forceFile()}, "this file does not belong to the checkpoint", "start without --resume");
+  std::vector<std::vector<double>> kept;
+  for (std::int64_t r = 0; r < checkpoint_.rows; ++r) {
+    kept.emplace_back();
+    for (const auto& column : earlier.column) kept.back().push_back(column[static_cast<std::size_t>(r)]);
+  }
+  if (kept.empty()) return kept;
+  last_row_ = kept.back();
+  const double* at = last_row_.data() + first_reaction;
+  for (std::size_t b = 0; b < model_.scene.boundaries.size(); ++b, at += 6)
+    last_reactions_.push_back({Vec3(at[0], at[1], at[2]), Vec3(at[3], at[4], at[5])});
+  return kept;
+}
+
+void SolveResults::checkHistory(const AlignedVector<double>& solver) const {
+  if (checkpoint_.history.size() != solver.size())
+    throw InputError({checkpointFile()}, "the checkpoint is damaged", "start without --resume");
+}
+
+void SolveResults::add(const SolvedRow& solved, const BatchBody& body) {
+  std::vector<double> row{solved.time, static_cast<double>(solved.iterations), solved.min_J,
+                          static_cast<double>(solved.inverted_points)};
+  const auto append = [&](const Vec3& v) { row.insert(row.end(), v.data(), v.data() + 3); };
+  for (const auto& r : body.reactions()) {
+    append(r.force);
+    append(r.moment);
+  }
+  append(solved.tool_force);
+  if (model_.scene.skull.given) {
+    append(solved.skull.force);
+    row.push_back(solved.skull.max_penetration);
+    last_skull_ = solved.skull;
+  }
+  if (solved.error) row.push_back(*solved.error);
+  force_->add(row);
+  ++checkpoint_.rows;
+  checkpoint_.position = solved.position;
+  checkpoint_.largest = solved.largest;
+  checkpoint_.u = body.u;
+  checkpoint_.du = body.du;
+  checkpoint_.history = body.history();
+  last_reactions_ = body.reactions();
+  last_row_ = std::move(row);
+  const double next = static_cast<double>(checkpoint_.frame_time.size() + 1) / model_.scene.solve.frames;
+  if (solved.time >= end_ * next * (1 - 1e-9)) addFrame(solved.time, body);
+  if (Clock::now() - saved_ > std::chrono::seconds(10)) save();
+}
+
+void SolveResults::writeProbes() const {
+  if (probes_.X.empty()) return;
+  ResultCsv csv(folder_ + "/probes.csv", {"X", "Y", "Z", "ux", "uy", "uz"});
+  const auto u = fieldAt(probe_shape_, checkpoint_.u);
+  for (std::size_t k = 0; k < u.size(); ++k)
+    csv.add(std::vector<double>{probes_.X[k].x(), probes_.X[k].y(), probes_.X[k].z(), u[k].x(), u[k].y(), u[k].z()});
+  csv.finish();
+}
+
+void SolveResults::finish(nlohmann::json outcome) {
+  force_->finish();
+  save();
+  writeProbes();
+  nlohmann::json reactions;
+  for (std::size_t b = 0; b < last_reactions_.size(); ++b)
+    reactions[model_.scene.boundaries[b].name] = {{"force_N", listed(last_reactions_[b].force)},
+                                                  {"moment_Nm", listed(last_reactions_[b].moment)}};
+  outcome.update({{"scene", model_.scene.name},
+                  {"nodes", model_.nodeCount()},
+                  {"integration_points", model_.pointCount()},
+                  {"mean_support", model_.point_shape.meanSupport()},
+                  {"rows", checkpoint_.rows},
+                  {"frames", checkpoint_.frame_time.size()},
+                  {"reactions", reactions},
+                  {"setup_seconds", model_.setup_seconds},
+                  {"build", buildInfo()}});
+  if (last_skull_)
+    outcome["skull"] = {{"force_N", listed(last_skull_->force)}, {"max_penetration_m", last_skull_->max_penetration}};
+  if (!last_row_.empty()) {
+    outcome["time_s"] = last_row_[0];
+    outcome["min_J"] = last_row_[2];
+    outcome["inverted_points"] = static_cast<int>(last_row_[3]);
+  }
+  writeWholeFile(folder_ + "/report.json",
+                 outcome.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
+}
+
+void SolveResults::print() const {
+  std::cout << "force curve  " << forceFile() << "\nParaView     " << folder_ << "/solution.pvd\nreport       "
+            << folder_ << "/report.json\n";
+  if (!probes_.X.empty()) std::cout << "probes       " << folder_ << "/probes.csv\n";
+  std::cout.flush();
+}
+
+void SolveResults::addFrame(double time, const BatchBody& body) {
+  std::vector<Vec3> u;
+  u.reserve(body.u.size());
+  for (const auto& a : body.u) u.push_back(toVec3(a));
+  const SolutionFields fields = solutionFields(model_, u, body.pointHistory());
+  std::vector<Vec3> reaction(model_.X.size(), Vec3::Zero());
+  body.addNodeReactions(reaction);
+  const std::vector<VtuField> at_nodes{vtuVectors("displacement_m", fields.displacement),
+                                       vtuVectors("reaction_N", reaction)};
+  const std::vector<VtuField> in_cells{
+      {"J", fields.J}, {"von_Mises_Pa", fields.von_mises}, {"pressure_Pa", fields.pressure}};
+  const std::string name = frameName(checkpoint_.frame_time.size());
+  writeVtu(folder_ + "/" + name, model_.X, model_.cells, at_nodes, in_cells);
+  pvd_.push_back({time, name});
+  writePvd(folder_ + "/solution.pvd", pvd_);
+  checkpoint_.frame_time.push_back(time);
+}
+
+void SolveResults::save() {
+  writeCheckpoint(checkpointFile(), checkpoint_);
+  saved_ = Clock::now();
+}
+
+}  // namespace palpate::tools

@@ -1,0 +1,85 @@
+#pragma once
+
+#include <chrono>
+#include <memory>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "contact/skull.h"
+#include "io/probes_file.h"
+#include "io/result_csv.h"
+#include "io/vtu_file.h"
+#include "mtled/run/checkpoint.h"
+#include "simulation/batch_body.h"
+#include "simulation/model.h"
+
+namespace palpate::tools {
+
+/// What a solution has come to: an equilibrium or a tick.
+struct SolvedRow {
+  std::int64_t position = 0;    // where a resumed run goes on
+  double time = 0;              // s
+  std::optional<double> error;  // m, estimated, of an equilibrium
+  int iterations = 0;
+  double min_J = 1;
+  int inverted_points = 0;
+  Vec3 tool_force = Vec3::Zero();  // N
+  SkullContact skull;
+  double largest = 0;  // m, the largest displacement so far; 0: not needed
+};
+
+/// Everything that a solution leaves in its folder: force.csv, probes.csv, solution.pvd with its VTU files,
+/// checkpoint.bin and report.json.
+class SolveResults {
+ public:
+  /// Begins them, or takes them up where the folder's checkpoint ends. Nothing of an earlier run is lost before
+  /// all is accepted.
+  /// @param end       s, the solution's last time
+  /// @param identity  hash of model and load: what a checkpoint must have been made with
+  /// Throws InputError for unusable probes or a checkpoint of something else, std::runtime_error where a file can't be
+  /// written.
+  SolveResults(const Model& model, const std::string& folder, double end, std::uint64_t identity, bool resume);
+
+  const Checkpoint& checkpoint() const { return checkpoint_; }
+  /// Throws InputError where the checkpoint remembers other than a solver does.
+  void checkHistory(const AlignedVector<double>& solver) const;
+  double error() const { return last_row_.empty() ? 0 : last_row_.back(); }  // m, of the last equilibrium
+
+  /// A row of force.csv, with a frame when its time has come and a checkpoint every ten seconds.
+  void add(const SolvedRow& solved, const BatchBody& body);
+
+  /// Probes, checkpoint and report of the last row. @param outcome  more members of the report
+  void finish(nlohmann::json outcome);
+
+  /// Says on standard output where they are.
+  void print() const;
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  std::string forceFile() const { return folder_ + "/force.csv"; }
+  std::string checkpointFile() const { return folder_ + "/checkpoint.bin"; }
+  void readProbePoints();
+  std::vector<std::string> columns() const;
+  std::vector<std::vector<double>> takeUp(std::uint64_t identity, const std::vector<std::string>& columns);
+  void addFrame(double time, const BatchBody& body);
+  void writeProbes() const;
+  void save();
+
+  const Model& model_;
+  std::string folder_;
+  double end_;
+  Probes probes_;
+  ShapeTable probe_shape_;
+  std::unique_ptr<ResultCsv> force_;
+  std::vector<double> last_row_;
+  std::vector<Reaction> last_reactions_;
+  std::optional<SkullContact> last_skull_;  // of this run
+  std::vector<PvdFrame> pvd_;
+  Checkpoint checkpoint_;
+  Clock::time_point saved_ = Clock::now();
+};
+
+}  // namespace palpate::tools
