@@ -37,12 +37,13 @@ constexpr std::array tool_help{
     HelpLine{"PageDown, PageUp", "press in, draw back"},
     HelpLine{"I J K L, Alt + drag", "tilt the probe"},
     HelpLine{"Ctrl + left drag", "pull the tissue under the pointer"},
+    HelpLine{"C, V; M", "close, open the jaws; mark a lump"},
 };
 constexpr std::array run_help{
     HelpLine{"Space, .", "pause and run, one tick"},
     HelpLine{"Backspace", "reset"},
-    HelpLine{"Ctrl + Z", "half a second back, again and again"},
-    HelpLine{"Ctrl + O", "open a scene"},
+    HelpLine{"Ctrl + Z, T", "half a second back; look back a minute"},
+    HelpLine{"Ctrl + O, Ctrl + S", "open a scene, save the forces"},
     HelpLine{"F1", "this help"},
     HelpLine{"Esc", "close what is open; quit"},
 };

@@ -8,6 +8,7 @@
 
 #include "app/render/framebuffer.h"
 #include "app/render/pick.h"
+#include "app/run/pull_force.h"
 #include "app/run/saved_files.h"
 #include "app/trainer/score_page.h"
 
