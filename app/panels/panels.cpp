@@ -62,7 +62,7 @@ PanelRequests drawPanels(const Theme& theme, const PanelData& data, const Layout
   if (state.timeline_shown && data.timeline) drawTimeline(theme, data, layout.view, state, requests);
   drawPullForce(theme, data);
   if (data.notice || data.snapshot.status.frozen) drawNotice(theme, data, layout.view, requests);
-  if (state.help_shown) drawHelp(theme, state, layout.view);
+  if (state.help_shown) drawHelp(theme, state);
   if (state.open_shown) drawOpenDialog(theme, data, state, requests);
   if (!state.problem.empty()) drawProblem(theme, state);
   if (state.quit_asked) drawQuitDialog(theme, state, requests);

@@ -164,6 +164,6 @@ void drawFileMenu(const Theme&, PanelState&, PanelRequests&);
 void drawOpenDialog(const Theme&, const PanelData&, PanelState&, PanelRequests&);
 void drawQuitDialog(const Theme&, PanelState&, PanelRequests&);
 void drawProblem(const Theme&, PanelState&);
-void drawHelp(const Theme&, PanelState&, const Rect& view);
+void drawHelp(const Theme&, PanelState&);
 
 }  // namespace palpate::app

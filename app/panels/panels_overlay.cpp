@@ -113,10 +113,10 @@ void drawLegend(const Theme& theme, const ColourScale& scale, const Rect& view) 
   ImGui::PopFont();
 }
 
-void drawHelp(const Theme& theme, PanelState& state, const Rect& view) {
+void drawHelp(const Theme& theme, PanelState& state) {
   const float s = theme.scale;
   const ImVec2 display = ImGui::GetIO().DisplaySize;
-  ImGui::SetNextWindowPos({view.x + 0.5F * view.width, view.y + 0.5F * view.height}, ImGuiCond_Always, {0.5F, 0.5F});
+  ImGui::SetNextWindowPos({0.5F * display.x, 0.5F * display.y}, ImGuiCond_Always, {0.5F, 0.5F});
   ImGui::SetNextWindowSizeConstraints({0, 0}, {display.x - 20 * s, display.y - 20 * s});
   ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {22 * s, 16 * s});
   ImGui::SetNextWindowFocus();
