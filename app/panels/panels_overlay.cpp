@@ -120,6 +120,7 @@ void drawHelp(const Theme& theme, PanelState& state) {
   ImGui::SetNextWindowSizeConstraints({0, 0}, {display.x - 20 * s, display.y - 20 * s});
   ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {22 * s, 16 * s});
   ImGui::SetNextWindowFocus();
+  ImGui::SetNextWindowBgAlpha(1);
   if (ImGui::Begin("##help", nullptr,
                    ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove |
                        ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoSavedSettings)) {
