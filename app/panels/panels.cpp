@@ -27,8 +27,10 @@ PanelRequests drawPanels(const Theme& theme, const PanelData& data, const Layout
                          View& view) {
   PanelRequests requests;
   ImGui::PushFont(theme.body);
-  const auto tissueCards = [&] {
+  const auto taskCard = [&] {
     if (data.task != nullptr) drawTaskCard(theme, data, state, view, requests);
+  };
+  const auto tissueCards = [&] {
     drawToolCard(theme, data, state, requests);
     drawViewCard(theme, data, view, requests);
     drawMaterialCard(theme, data, requests);
@@ -37,11 +39,15 @@ PanelRequests drawPanels(const Theme& theme, const PanelData& data, const Layout
   if (layout.panels) {
     drawBar(theme, data, layout.bar, state, requests);
     if (layout.left.width > 0) {
-      if (beginPane("##left", layout.left)) tissueCards();
+      if (beginPane("##left", layout.left)) {
+        taskCard();
+        tissueCards();
+      }
       ImGui::End();
     }
     if (layout.right.width > 0) {
       if (beginPane("##right", layout.right)) {
+        if (layout.left.width <= 0) taskCard();  // its buttons are always at hand, and short enough to leave the force
         drawForceCard(theme, data, layout.right.height, state, requests);
         if (layout.left.width <= 0) tissueCards();  // one column for all, to be scrolled
         if (!data.timeless) drawTimingCard(theme, data, layout.left.width > 0);
@@ -56,7 +62,7 @@ PanelRequests drawPanels(const Theme& theme, const PanelData& data, const Layout
   if (state.timeline_shown && data.timeline) drawTimeline(theme, data, layout.view, state, requests);
   drawPullForce(theme, data);
   if (data.notice || data.snapshot.status.frozen) drawNotice(theme, data, layout.view, requests);
-  if (state.help_shown) drawHelp(theme, state, layout.view);
+  if (state.help_shown) drawHelp(theme, state);
   if (state.open_shown) drawOpenDialog(theme, data, state, requests);
   if (!state.problem.empty()) drawProblem(theme, state);
   if (state.quit_asked) drawQuitDialog(theme, state, requests);

@@ -51,6 +51,7 @@ struct MaterialView {
   double most_stiffness = 1;       // likewise
   bool elastic_constants = false;  // it has Young's modulus and Poisson's ratio, which these bound, each by itself
   double scene_young = 0, most_young = 0, most_poisson = 0;  // Pa, 1
+  int mixtures = 0;  // > 0: an image mixes it into so many materials, which stay as they are while it runs
 };
 
 /// The last minute, to look back at.
@@ -163,6 +164,6 @@ void drawFileMenu(const Theme&, PanelState&, PanelRequests&);
 void drawOpenDialog(const Theme&, const PanelData&, PanelState&, PanelRequests&);
 void drawQuitDialog(const Theme&, PanelState&, PanelRequests&);
 void drawProblem(const Theme&, PanelState&);
-void drawHelp(const Theme&, PanelState&, const Rect& view);
+void drawHelp(const Theme&, PanelState&);
 
 }  // namespace palpate::app

@@ -118,6 +118,15 @@ bool drawMaterialSliders(const Theme& theme, const PanelData& data, const Materi
   return softer || squeezed;
 }
 
+/// Hundreds of mixtures can't be set one by one: how far their step would let them go, and where they are set.
+void drawMixedBound(const Theme& theme, const PanelData& data) {
+  const double ratio = data.model.dt > 0 ? data.model.dt_critical / data.model.dt : 1;
+  row("Bound by the step", format("%.1f times as stiff", ratio * ratio), colours::text,
+      "a wave's speed grows with the root of the stiffness, and the step must not outlast it");
+  note(theme,
+       format("An image mixes these into %d materials: set them in the scene file.", data.materials.front().mixtures));
+}
+
 }  // namespace
 
 void drawMaterialCard(const Theme& theme, const PanelData& data, PanelRequests& requests) {
@@ -127,6 +136,7 @@ void drawMaterialCard(const Theme& theme, const PanelData& data, PanelRequests& 
     if (data.task != nullptr && !data.revealed && k > 0) break;  // lumps are not told of
     if (k > 0) ImGui::Separator();
     drawMaterial(theme, view);
+    if (view.mixtures > 0) continue;
     ImGui::PushID(static_cast<int>(k));
     Material changed = view.material;
     if (drawMaterialSliders(theme, data, view, changed)) {
@@ -135,6 +145,7 @@ void drawMaterialCard(const Theme& theme, const PanelData& data, PanelRequests& 
     }
     ImGui::PopID();
   }
+  if (!data.materials.empty() && data.materials.front().mixtures > 0) drawMixedBound(theme, data);
   if (button("Reset all", ImGui::GetContentRegionAvail().x)) requests.reset_all = true;
   if (ImGui::IsItemHovered())
     ImGui::SetTooltip("the tissue at rest, with the scene's own friction and stiffness; Reset keeps what was set here");

@@ -32,6 +32,8 @@ void beginDialog(const Theme& theme, const char* name, const char* title) {
   ImGui::SetNextWindowSizeConstraints({std::min(420 * s, screen.x - 20 * s), 0},
                                       {screen.x - 20 * s, screen.y - 20 * s});
   ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {18 * s, 14 * s});
+  ImGui::SetNextWindowBgAlpha(1);
+  ImGui::SetNextWindowFocus();  // above what was folded out since
   ImGui::Begin(name, nullptr, dialog_flags);
   ImGui::PushFont(theme.title);
   ImGui::TextUnformatted(title);

@@ -37,12 +37,13 @@ constexpr std::array tool_help{
     HelpLine{"PageDown, PageUp", "press in, draw back"},
     HelpLine{"I J K L, Alt + drag", "tilt the probe"},
     HelpLine{"Ctrl + left drag", "pull the tissue under the pointer"},
+    HelpLine{"C, V; M", "close, open the jaws; mark a lump"},
 };
 constexpr std::array run_help{
     HelpLine{"Space, .", "pause and run, one tick"},
     HelpLine{"Backspace", "reset"},
-    HelpLine{"Ctrl + Z", "half a second back, again and again"},
-    HelpLine{"Ctrl + O", "open a scene"},
+    HelpLine{"Ctrl + Z, T", "half a second back; look back a minute"},
+    HelpLine{"Ctrl + O, Ctrl + S", "open a scene, save the forces"},
     HelpLine{"F1", "this help"},
     HelpLine{"Esc", "close what is open; quit"},
 };
@@ -112,13 +113,14 @@ void drawLegend(const Theme& theme, const ColourScale& scale, const Rect& view) 
   ImGui::PopFont();
 }
 
-void drawHelp(const Theme& theme, PanelState& state, const Rect& view) {
+void drawHelp(const Theme& theme, PanelState& state) {
   const float s = theme.scale;
   const ImVec2 display = ImGui::GetIO().DisplaySize;
-  ImGui::SetNextWindowPos({view.x + 0.5F * view.width, view.y + 0.5F * view.height}, ImGuiCond_Always, {0.5F, 0.5F});
+  ImGui::SetNextWindowPos({0.5F * display.x, 0.5F * display.y}, ImGuiCond_Always, {0.5F, 0.5F});
   ImGui::SetNextWindowSizeConstraints({0, 0}, {display.x - 20 * s, display.y - 20 * s});
   ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {22 * s, 16 * s});
   ImGui::SetNextWindowFocus();
+  ImGui::SetNextWindowBgAlpha(1);
   if (ImGui::Begin("##help", nullptr,
                    ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove |
                        ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoSavedSettings)) {

@@ -1,5 +1,7 @@
 #include "app/panels/widgets.h"
 
+#include <imgui_internal.h>
+
 namespace palpate::app {
 
 std::string fitted(const std::string& text, float width) {
@@ -114,6 +116,12 @@ void badge(const Theme& theme, const char* text, ImU32 colour) {
   draw->AddText({at.x + pad, at.y + 3 * theme.scale}, colour, text);
   ImGui::Dummy({size.x + 2 * pad, height});
   ImGui::PopFont();
+}
+
+bool menuOpen() { return ImGui::IsPopupOpen("", ImGuiPopupFlags_AnyPopup); }
+
+void closeMenus() {
+  if (menuOpen()) ImGui::ClosePopupToLevel(0, true);
 }
 
 }  // namespace palpate::app

@@ -30,6 +30,10 @@ void note(const Theme& theme, const std::string& text, ImU32 colour = colours::f
 /// A button that is greyed out with the reason as its hint where `enabled` is false.
 bool button(const char* label, float width, bool enabled = true, const char* reason = nullptr);
 
+/// Whether a menu or a list of choices is folded out; and folds all of them in.
+bool menuOpen();
+void closeMenus();
+
 /// Where the buttons stood when they were last drawn, px, by their labels: for who drives the window from outside.
 const std::map<std::string, Rect>& buttonPlaces();
 

@@ -202,8 +202,11 @@ int runOffscreen(Session& session) {
   return exitCodeOf(session, references, last, report);
 }
 
-int checkLumps(const Options& options, const Scene& scene) {
-  const Model model = loadModel(scene, {}, ModelCache(options.use_cache ? ModelCache::userFolder() : "", {}));
+int checkLumps(const Options& options, Scene scene) {
+  Log log;
+  const Model model = scene.places.contains("lumps.count") && !scene.places.contains("lumps.layout")
+                          ? modelOf(options, scene, log)
+                          : loadModel(scene, {}, ModelCache(options.use_cache ? ModelCache::userFolder() : "", {}));
   const double depth = workingDepth(scene);
   const std::vector<Lump> lumps = lumpsOf(model);
   const std::vector<LumpFeel> feels = feelLumps(model, depth);

@@ -14,7 +14,7 @@ void checkReferences(const Options& options);
 int runOffscreen(Session& session);
 
 /// `palpate SCENE --check-lumps`: whether each lump is felt at the working depth, 0.8 tool radii. Returns the exit code.
-int checkLumps(const Options& options, const Scene& scene);
+int checkLumps(const Options& options, Scene scene);
 
 /// `palpate NEW.png --compare REFERENCE.png`: compares two pictures. Returns the exit code.
 int comparePictures(const Options& options);

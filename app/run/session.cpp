@@ -9,6 +9,7 @@
 #include <stdexcept>
 
 #include "app/trainer/feel_check.h"
+#include "app/trainer/felt_layout.h"
 #include "base/interrupt.h"
 #include "base/number_text.h"
 #include "io/find_asset.h"
@@ -95,8 +96,10 @@ static void overrideTool(Scene& scene, const ToolChoice& choice) {
     throw InputError(scene.place, fault->problem, fault->advice);
 }
 
-Scene readScene(const Options& options) {
-  Scene scene = palpate::readScene(findScene(options.scene));
+Scene readScene(const Options& options, std::optional<int> layout) {
+  std::vector<SceneChange> changes;
+  if (layout) changes.push_back({"lumps.layout", std::to_string(*layout)});
+  Scene scene = palpate::readScene(findScene(options.scene), changes);
   if (options.rate_hz) overrideRate(scene, *options.rate_hz);
   if (options.threads) scene.threads = *options.threads;
   if (options.tool_choice) overrideTool(scene, *options.tool_choice);
@@ -105,6 +108,21 @@ Scene readScene(const Options& options) {
 
 bool isTask(const Scene& scene) {
   return scene.places.contains("lumps.count") || scene.places.contains("lump[0].radius");
+}
+
+Model modelOf(const Options& options, Scene& scene, Log& log, const LoadProgress& progress) {
+  const auto build = [&](const Scene& as_read) { return buildModelOf(as_read, options.use_cache, log, progress); };
+  if (!isTask(scene)) return build(scene);
+  TaskMaking making;
+  making.build = [&](const Scene& as_read) {
+    Model model = build(as_read);
+    if (progress) progress("feeling whether the lumps can be found", 1);
+    return model;
+  };
+  making.read = [&](int layout) { return readScene(options, layout); };
+  making.say = [&](const std::string& line) { log.info(line); };
+  if (options.use_cache) making.cache_folder = ModelCache::userFolder();
+  return makeTask(scene, making);
 }
 
 void checkOptions(const Options& options) {
@@ -120,17 +138,13 @@ Session::Session(const Options& options, const Scene& scene, Log& log, const Loa
       tool_script_(namedScript(options.tool_script, scene.tool.radius)),
       replay_(recordingToReplay(options, scene)),
       results_(openResults(options)),
-      model_(buildModelOf(scene_, options.use_cache, log, progress)),
+      model_(modelOf(options, scene_, log, progress)),
       scene_materials_(model_.materials),
       materials_(scene_materials_),
       sent_before_(scene_materials_),
       friction_(scene_.friction),
       forces_(history_seconds) {
-  if (isTask(scene_)) {
-    if (progress) progress("feeling whether the lumps can be found", 1);
-    requireFelt(model_, options_.use_cache ? ModelCache::userFolder() : "");
-    task_.emplace(model_, lumpsOf(model_));
-  }
+  if (isTask(scene_)) task_.emplace(model_, lumpsOf(model_));
   SimulationLoopOptions loop_options;
   loop_options.as_fast_as_possible = options_.as_fast_as_possible;
   loop_options.start_paused = !options_.offscreen;  // the window resumes with its first picture
@@ -299,68 +313,6 @@ void Session::takeEvent(const LogEvent& event) {
   }
 }
 
-void Session::finish() {
-  if (ended_) return;
-  ended_ = true;
-  if (device_) finishDevice();
-  loop_->quit();
-  loop_->join();
-  gather();
-  const RunSummary& summary = loop_->summary();
-  if (summary.lost_force_samples > 0)
-    log_.warning(format("%lld force samples were lost: the main thread was kept from running",
-                        static_cast<long long>(summary.lost_force_samples)));
-  if (results_) results_->finishForces();
-  if (soak_) {
-    const std::string broken = soak_->finish(*loop_, *results_, interrupted());
-    if (!broken.empty()) failure_ = "the soak failed: " + broken;
-  }
-  if (recording_) {
-    recording_->ticks = summary.ticks;
-    try {
-      if (summary.lost_records > 0)
-        throw std::runtime_error(options_.record + " was not written: " + std::to_string(summary.lost_records) +
-                                 " changes were lost, the run can't be repeated from it");
-      writeRecording(*recording_, options_.record);
-      log_.info("recording: " + options_.record);
-    } catch (const std::exception& error) {
-      failure_ = error.what();
-    }
-  }
-  if (summary.frozen && options_.offscreen && failure_.empty()) failure_ = "the run ended frozen: " + frozen_reason_;
-}
-
-Recording Session::recordingSoFar() {
-  const std::int64_t ticks = latest().status.ticks;
-  gather();  // at least all that came before that tick
-  Recording recording{scene_.name, modelHash(model_), scene_.rate_hz, ticks, {}};
-  if (changes_.overflowed())
-    throw std::runtime_error("the run is too long to be kept as a recording; start it with --record");
-  if (changes_lost_) throw std::runtime_error("changes of the run were lost; start it with --record");
-  if (ticks == 0) throw std::runtime_error("the run has not begun yet");
-  if (!recording_) {
-    recording.changes = changes_.before(ticks);
-    return recording;
-  }
-  for (const TimedRequest& change : recording_->changes)
-    if (change.tick < ticks) recording.changes.push_back(change);
-  return recording;
-}
-
-/// The handle gets its last force, zero; the log what the device did.
-void Session::finishDevice() {
-  device_->stop();
-  const DeviceReport report = device_->report();
-  log_.info(
-      format("device: %lld poses, peak force %.2f N, %.0f N/m, %.1f ms there and back, lowest observed energy "
-             "%.2f mJ, %.2f mJ damped",
-             asLongLong(report.poses), report.peak_force, report.stiffness, 1e3 * report.delay_s,
-             1e3 * report.lowest_energy_J, 1e3 * report.damped_J));
-  if (report.silences > 0 || report.fades > 0 || device_->refusedCount() > 0)
-    log_.warning(format("device: silent %lld times, force faded %lld times, %lld messages refused",
-                        asLongLong(report.silences), asLongLong(report.fades), asLongLong(device_->refusedCount())));
-}
-
 void Session::send(const Request& request) {
   if (loop_->commands().push(request) || request.kind == Request::Kind::MoveTool) return;
   log_.warning("the loop did not take a request: it has not run for a long time");
@@ -392,39 +344,5 @@ void Session::loadedSettings() {
 }
 
 ToolDriver Session::driver() const { return track_over_ ? ToolDriver::User : track_driver_; }
-
-RunReport Session::report() {
-  return makeRunReport(model_, loop_->summary(), loop_->statistics(), physics_->team().size(),
-                       volumeChange(model_, latest().u.data()));
-}
-
-double pullForce(const Model& model, int vertex, const Vec3& gap) {
-  const auto v = static_cast<std::size_t>(vertex);
-  double mobility = 0;  // N^T M^-1 N
-  for (int e = model.skin.begin[v]; e < model.skin.begin[v + 1]; ++e) {
-    const auto k = static_cast<std::size_t>(e);
-    const double N = static_cast<double>(model.skin.N[k]);
-    mobility += N * N / model.mass[static_cast<std::size_t>(model.skin.node[k])];
-  }
-  constexpr double share_per_step = 0.02;
-  const double c = model.scene.damping, h = model.dt, alpha = 2 * h * h / (2 + c * h);
-  return share_per_step * std::min(gap.norm(), 2 * model.scene.tool.radius) / (mobility * alpha);
-}
-
-double volumeChange(const Model& model, const Float4* u) {
-  const ShapeTable& shape = model.point_shape;
-  double volume = 0, change = 0;
-  for (int q = 0; q < model.pointCount(); ++q) {
-    Mat3 F = Mat3::Identity();
-    for (int k = shape.begin[static_cast<std::size_t>(q)]; k < shape.begin[static_cast<std::size_t>(q) + 1]; ++k) {
-      const auto e = static_cast<std::size_t>(k);
-      F += toVec3(u[shape.node[e]]) * shape.gradN[e].transpose();
-    }
-    const double V = model.point_volume[static_cast<std::size_t>(q)];
-    volume += V;
-    change += V * (F.determinant() - 1);
-  }
-  return volume > 0 ? change / volume : 0;
-}
 
 }  // namespace palpate::app

@@ -26,17 +26,22 @@
 
 namespace palpate::app {
 
+/// How far the making of a model is, 0 .. 1; may throw to end it.
+using LoadProgress = std::function<void(const std::string& stage, double fraction)>;
+
 /// The scene that the options name, with what they say instead. Throws InputError.
-Scene readScene(const Options& options);
+/// @param layout  of the lumps at random, in place of the scene's
+Scene readScene(const Options& options, std::optional<int> layout = {});
+
+/// The scene's model, ready to run; a task's lumps can be felt in it (makeTask). Throws InputError.
+/// @param scene  receives the layout of its lumps
+Model modelOf(const Options& options, Scene& scene, Log& log, const LoadProgress& progress = {});
 
 /// Whether the scene hides lumps that are to be found.
 bool isTask(const Scene& scene);
 
 /// Reads scene and tool script, and throws InputError where they can't be used: before a running session is given up.
 void checkOptions(const Options& options);
-
-/// How far the making of a model is, 0 .. 1; may throw to end it.
-using LoadProgress = std::function<void(const std::string& stage, double fraction)>;
 
 /// A run as window and off-screen program share it: scene, model and loop, and all that
 /// the loop tells while it runs (forces, messages, changes to record).
@@ -150,9 +155,6 @@ class Session {
   std::string frozen_reason_;
   bool ended_ = false;
 };
-
-/// Force of the spring that pulls a skin vertex by `gap`, m, in N (node_passes.h).
-double pullForce(const Model& model, int vertex, const Vec3& gap);
 
 /// Relative change of the organ's volume: sum_q V_q (J_q - 1) / sum_q V_q, with J_q = det F_q
 /// and F_q = I + sum_i u_i (x) gradN_i(X_q) (X of paper eqs. 9, 31).

@@ -18,6 +18,14 @@ SetupLine setupLine(const char* name, const std::string& outcome) {
   return {name, outcome, false};
 }
 
+MaterialView mixedView(const MaterialSpec& spec, std::size_t mixtures) {
+  MaterialView view;
+  view.name = spec.name;
+  view.material = spec.material;
+  view.mixtures = static_cast<int>(mixtures);
+  return view;
+}
+
 }  // namespace
 
 TimingView Session::timing(const Snapshot& snapshot) const {
@@ -91,7 +99,8 @@ PanelData Session::panelData(const Snapshot& snapshot) const {
   data.force = shownForce(snapshot);
   // Mixtures of tissue are hundreds of materials; one of them alone is nothing to change.
   const bool mixes = materials_.size() != scene_.materials.size();
-  for (std::size_t m = 0; m < materials_.size() && !mixes; ++m) data.materials.push_back(materialView(m));
+  for (std::size_t m = 0; m < scene_.materials.size(); ++m)
+    data.materials.push_back(mixes ? mixedView(scene_.materials[m], materials_.size()) : materialView(m));
   data.friction = friction_;
   data.driver = driver();
   data.script = script_;

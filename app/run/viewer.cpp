@@ -6,8 +6,10 @@
 #include <optional>
 #include <utility>
 
+#include "app/panels/widgets.h"
 #include "app/render/framebuffer.h"
 #include "app/render/pick.h"
+#include "app/run/pull_force.h"
 #include "app/run/saved_files.h"
 #include "app/trainer/score_page.h"
 
@@ -68,7 +70,9 @@ void Viewer::applyView(const Actions& actions, const CanvasSize& size) {
   if (actions.toggle_panels) panels_.panels_shown = !panels_.panels_shown;
   if (actions.toggle_help) panels_.help_shown = !panels_.help_shown;
   if (actions.close) {
-    if (!panels_.problem.empty())
+    if (menuOpen())
+      closeMenus();
+    else if (!panels_.problem.empty())
       panels_.problem.clear();
     else if (panels_.help_shown)
       panels_.help_shown = false;
@@ -238,8 +242,8 @@ ProgramRequests Viewer::frame(double seconds, const std::vector<std::string>& sc
     input.on_skin = pickSkin(session_.model().skin.surface, organ_.skinPositions(),
                              before.rayThrough(input.mouse.x(), input.mouse.y(), size.pixelWidth(), size.pixelHeight()))
                         .has_value();
-  const bool something_open =
-      panels_.help_shown || panels_.open_shown || panels_.quit_asked || panels_.demo || !panels_.problem.empty();
+  const bool something_open = menuOpen() || panels_.help_shown || panels_.open_shown || panels_.quit_asked ||
+                              panels_.demo || !panels_.problem.empty();
   const Actions actions = controls_.read(input, something_open);
   applyView(actions, size);
   applyRun(actions, snapshot);

@@ -46,7 +46,7 @@ SourceLocation placeOf(const Scene& scene, const Lump& lump) {
 
 double workingDepth(const Scene& scene) { return depth_per_radius * scene.tool.radius; }
 
-void requireFelt(const Model& model, const std::string& cache_folder) {
+std::optional<Unfelt> unfeltLump(const Model& model, const std::string& cache_folder) {
   const std::vector<Lump> lumps = lumpsOf(model);
   const std::string file = cache_folder.empty()
                                ? std::string()
@@ -59,14 +59,20 @@ void requireFelt(const Model& model, const std::string& cache_folder) {
   for (std::size_t k = 0; k < ratios.size(); ++k) {
     if (ratios[k] >= least_feel) continue;
     const Lump& lump = lumps[k];
-    throw InputError(
+    return Unfelt{
         placeOf(model.scene, lump),
         format("lump %d (%.0f mm across, %.1f mm below the skin, %.1f times as stiff) can't be felt: pressed %.1f mm "
                "deep the tissue is %.2f times as stiff above it as beside it, and %.1f is needed",
                static_cast<int>(k) + 1, 2e3 * lump.radius, 1e3 * lump.top, lump.stiffness,
-               1e3 * workingDepth(model.scene), ratios[k], least_feel),
-        "make it larger, stiffer or less deep; of lumps at random try another seed or a lower level");
+               1e3 * workingDepth(model.scene), ratios[k], least_feel)};
   }
+  return {};
+}
+
+void requireFelt(const Model& model, const std::string& cache_folder) {
+  if (const std::optional<Unfelt> unfelt = unfeltLump(model, cache_folder))
+    throw InputError(unfelt->place, unfelt->problem,
+                     "make it larger, stiffer or less deep; of lumps at random try another seed or a lower level");
 }
 
 }  // namespace palpate::app

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "app/trainer/lumps.h"
@@ -9,9 +10,18 @@ namespace palpate::app {
 /// How deep a trainee is expected to press with this tool, m: before the sides of a ball lie on the skin.
 double workingDepth(const Scene& scene);
 
-/// Throws InputError at the lump that can't be felt at the working depth (LumpFeel), with what to change. Each lump is
-/// pressed and the tissue beside it (about a second); what came of it is kept in `cache_folder` for the next start.
+/// A lump that can't be felt: where the scene says it, and by how much it misses.
+struct Unfelt {
+  SourceLocation place;
+  std::string problem;
+};
+
+/// The first lump that can't be felt at the working depth (LumpFeel), if any. Each lump is pressed and the tissue
+/// beside it (about a second); what came of it is kept in `cache_folder` for the next start.
 /// @param cache_folder  "": nothing is kept
+std::optional<Unfelt> unfeltLump(const Model& model, const std::string& cache_folder);
+
+/// Throws InputError at that lump, with what to change.
 void requireFelt(const Model& model, const std::string& cache_folder);
 
 }  // namespace palpate::app

@@ -134,7 +134,7 @@ typedef struct palpate_tool_state {
 
 /* ---- Library ---- */
 
-/* "0.1.0". */
+/* "0.2.0". */
 PALPATE_API const char* palpate_version(void);
 
 /* One line for reports: version, compiler, instruction set. */

@@ -298,6 +298,9 @@ constexpr KeySpec scene_keys[] = {
      "How hard they are to find: 16 to 20 mm large, 3 to 5 mm deep and 40 to 50 kPa; 12 to 16 mm, 3 to 4.5 mm and 40 "
      "to 50 kPa; 10 to 12 mm, 2.5 to 3 mm and 45 to 50 kPa. A scene with a lump that the tool can't feel is refused."},
     {"lumps", "seed", T::Integer, "", "1", between(0, 4294967295.0), "", "Another seed, other places."},
+    {"lumps", "layout", T::Integer, "", depends, between(1, 1000), "",
+     "Which of the seed's layouts, one after the other. Where it is not given `palpate` takes the first of twelve in "
+     "which all lumps can be felt, and says which; other programs take the first."},
 };
 // clang-format on
 

@@ -39,6 +39,7 @@ struct Wish {
   int count = 0;
   int level = 1;
   unsigned seed = 1;
+  int layout = 1;
 };
 
 bool held(const Scene& scene, const Vec3& x, double margin, const SurfaceTree& tree) {
@@ -47,17 +48,17 @@ bool held(const Scene& scene, const Vec3& x, double margin, const SurfaceTree& t
   return false;
 }
 
-void placeAtRandom(const Wish& wish, const SourceLocation& place, Scene& scene) {
-  const SurfaceTree tree(organSurface(scene));
+struct PlacedLump {
+  Vec3 centre;
+  double radius, young;
+};
+
+/// The next layout of a stream of random numbers: as many lumps as fit below the skin and apart, at most `count`.
+std::vector<PlacedLump> drawLayout(const LumpLevel& level, int count, const Scene& scene, const SurfaceTree& tree,
+                                   std::mt19937& random) {
   const TriangleSurface& skin = tree.surface();
-  const LumpLevel& level = lumpLevel(wish.level);
-  std::mt19937 random(wish.seed);
-  struct Placed {
-    Vec3 centre;
-    double radius;
-  };
-  std::vector<Placed> placed;
-  for (int tries = 0; static_cast<int>(placed.size()) < wish.count && tries < most_draws; ++tries) {
+  std::vector<PlacedLump> placed;
+  for (int tries = 0; static_cast<int>(placed.size()) < count && tries < most_draws; ++tries) {
     const auto t = std::min(skin.triangles.size() - 1,
                             static_cast<std::size_t>(draw(random) * static_cast<double>(skin.triangles.size())));
     const double radius = drawBetween(level.least_radius, level.most_radius, random);
@@ -70,18 +71,27 @@ void placeAtRandom(const Wish& wish, const SourceLocation& place, Scene& scene) 
     const Vec3 centre = foot - (top + radius) * normal;
     if (tree.signedDistance(centre) > -0.9 * (top + radius)) continue;  // nearer to the skin elsewhere
     if (held(scene, centre, 1.5 * radius, tree) || held(scene, foot, 1.5 * radius, tree)) continue;
-    const bool free = std::all_of(placed.begin(), placed.end(), [&](const Placed& other) {
+    const bool free = std::all_of(placed.begin(), placed.end(), [&](const PlacedLump& other) {
       return (other.centre - centre).norm() > other.radius + radius + apart;
     });
-    if (!free) continue;
-    placed.push_back({centre, radius});
-    addLump(centre, radius, young, place, scene);
+    if (free) placed.push_back({centre, radius, young});
   }
-  if (static_cast<int>(placed.size()) < wish.count)
-    throw InputError(place,
-                     "only " + std::to_string(placed.size()) + " of " + std::to_string(wish.count) +
-                         " lumps fit below the skin that the tool gets to",
-                     "ask for fewer, or for another seed or level");
+  return placed;
+}
+
+void placeAtRandom(const Wish& wish, const SourceLocation& place, Scene& scene) {
+  const SurfaceTree tree(organSurface(scene));
+  std::mt19937 random(wish.seed);
+  std::vector<PlacedLump> placed;
+  for (int layout = 0; layout < wish.layout; ++layout) {
+    placed = drawLayout(lumpLevel(wish.level), wish.count, scene, tree, random);
+    if (static_cast<int>(placed.size()) < wish.count)
+      throw InputError(place,
+                       "only " + std::to_string(placed.size()) + " of " + std::to_string(wish.count) +
+                           " lumps fit below the skin that the tool gets to",
+                       "ask for fewer, or for another seed or level");
+  }
+  for (const PlacedLump& lump : placed) addLump(lump.centre, lump.radius, lump.young, place, scene);
 }
 
 }  // namespace
@@ -128,6 +138,7 @@ void readLumps(const TomlTable& top, Scene& scene) {
   table.read("count", wish.count);
   table.read("level", wish.level);
   table.read("seed", wish.seed);
+  table.read("layout", wish.layout);
   placeAtRandom(wish, table.place(), scene);
 }
 

@@ -2,6 +2,7 @@
 #include <array>
 #include <catch2/catch.hpp>
 #include <cstddef>
+#include <string>
 #include <type_traits>
 
 #include "api/palpate.h"
@@ -17,6 +18,10 @@ struct Field {
   Field { #type "." #member, offsetof(type, member), expected }
 
 }  // namespace
+
+TEST_CASE("The version is that of this layout and of consumer/exports.txt", "[abi]") {
+  CHECK(std::string(palpate_version()) == "0.2.0");
+}
 
 TEST_CASE("The structs of palpate.h have the layout that callers were compiled with", "[abi]") {
   CHECK(sizeof(palpate_error) == 1024);

@@ -45,6 +45,11 @@ TEST_CASE("Lumps at random lie below the skin within their level, apart, and the
     }
     const Scene again = readScene(folder.write("b.toml", text));
     CHECK(again.materials[2].region.point == s.materials[2].region.point);
+    const Scene first = readScene(folder.write("c.toml", text + "layout = 1\n"));
+    CHECK(first.materials[2].region.point == s.materials[2].region.point);
+    const Scene next = readScene(folder.write("d.toml", text + "layout = 2\n"));
+    CHECK(next.materials.size() == 4);
+    CHECK(next.materials[1].region.point != s.materials[1].region.point);
   }
 }
 

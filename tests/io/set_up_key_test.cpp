@@ -160,6 +160,7 @@ std::map<std::string, Change> changes() {
       {"lumps.count", {lumped, "count = 2", "count = 1"}},
       {"lumps.level", {lumped, "level = 1", "level = 2"}},
       {"lumps.seed", {lumped, "seed = 3", "seed = 4"}},
+      {"lumps.layout", {lumped, "seed = 3", "seed = 3\nlayout = 2"}},
       {"device.class", {full_scene, "[camera]", "[device]\nclass = \"strong\"\n[camera]"}},
       {"device.stiffness", {full_scene, "[camera]", "[device]\nstiffness = 300\n[camera]"}},
       {"device.damping", {full_scene, "[camera]", "[device]\ndamping = 0.3\n[camera]"}},

@@ -171,6 +171,8 @@ def version():
 
 
 def _call(name, *arguments, error=None):
+    if arguments and arguments[0] is None:
+        raise Error(BAD_ARGUMENT, "the simulation is closed")
     if error is not None:
         arguments += (C.byref(error),)
     code = getattr(library(), "palpate_" + name)(*arguments)
@@ -304,9 +306,11 @@ class Simulation:
 
     def contacts(self):
         """Skin vertices (n) and the forces on the tissue there, N (n, 3)."""
-        vertex, force = np.empty(8192, dtype=np.int32), np.empty((8192, 3), dtype=np.float32)
-        count = C.c_int32()
-        _call("contacts", self._handle, vertex.ctypes.data, force.ctypes.data, len(vertex), C.byref(count))
+        capacity, count = 0, C.c_int32(4096)
+        while count.value > capacity:  # once more where there were too many
+            capacity = count.value
+            vertex, force = np.empty(capacity, dtype=np.int32), np.empty((capacity, 3), dtype=np.float32)
+            _call("contacts", self._handle, vertex.ctypes.data, force.ctypes.data, capacity, C.byref(count))
         return vertex[:count.value].copy(), force[:count.value].copy()
 
     def set_friction(self, coefficient):
@@ -332,6 +336,7 @@ class Simulation:
 
     def restore(self, data):
         """Goes on bit for bit from where save() was called."""
+        data = bytes(data)
         _call("restore", self._handle, data, len(data), error=_Error())
 
     def hash(self):

@@ -114,7 +114,7 @@ TEST_CASE("Hidden panels leave nothing but what must be said", "[panels]") {
 TEST_CASE("The help lies inside the window and above all else", "[panels]") {
   Panels panels;
   panels.state_.help_shown = true;
-  for (const auto& [width, height] : {std::pair{1280, 800}, {1024, 640}}) {
+  for (const auto& [width, height] : {std::pair{1280, 800}, {1024, 640}, {640, 400}}) {
     panels.draw(width, height);
     const ImGuiWindow* help = windowNamed("##help");
     REQUIRE(help != nullptr);

@@ -1,6 +1,7 @@
 #include "app/trainer/trainee.h"
 
 #include "app/trainer/feel_check.h"
+#include "app/trainer/felt_layout.h"
 
 #include <catch2/catch.hpp>
 
@@ -127,6 +128,40 @@ TEST_CASE("A layout that can't be felt is refused with its lump, and what was fe
   }
   CHECK(files == 1);
   CHECK(problem().empty());
+}
+
+TEST_CASE("Of lumps at random the first layout in which all can be felt is taken, of a dozen", "[trainer]") {
+  Scene scene = test::blockScene(0.012);
+  scene.tool.radius = 0.008;
+  scene.places["lumps.count"] = scene.place = {"x.toml", 7};
+  Scene hidden = scene;
+  addLump(Vec3(0.01, 0, 0.012), 0.004, 20e3, {"x.toml", 7}, hidden);
+  const Model unfelt = buildModel(hidden, boxSurface(scene.size, 0.004)), felt = blockWithLump();
+  const TempFolder folder;
+  std::vector<int> asked;
+  std::string said;
+  int first_felt = 3;
+  TaskMaking making;
+  making.read = [&](int layout) {
+    asked.push_back(layout);
+    return scene;
+  };
+  making.build = [&](const Scene&) { return asked.empty() || asked.back() < first_felt ? unfelt : felt; };
+  making.say = [&](const std::string& line) { said += line + "\n"; };
+  making.cache_folder = folder.path("cache");
+  CHECK(lumpsOf(makeTask(scene, making)).at(0).radius == 0.009);
+  CHECK(asked == std::vector<int>{2, 3});
+  CHECK(said.find("taking layout 3") != std::string::npos);
+
+  first_felt = 100;
+  asked.clear();
+  CHECK_THROWS_WITH(makeTask(scene, making), Catch::StartsWith("x.toml:7: none of the first 12 layouts"));
+  CHECK(asked.size() == most_layouts - 1);
+
+  scene.places["lumps.layout"] = {"x.toml", 8};  // named: that one, or none
+  asked.clear();
+  CHECK_THROWS_WITH(makeTask(scene, making), Catch::Contains("lump 1") && Catch::Contains("can't be felt"));
+  CHECK(asked.empty());
 }
 
 TEST_CASE("A score counts each lump once, what is marked beside it, and force above the limit", "[trainer]") {

@@ -1,0 +1,94 @@
+// How a run ends, and what is kept of it.
+#include <stdexcept>
+
+#include "app/run/session.h"
+#include "base/interrupt.h"
+#include "base/number_text.h"
+#include "simulation/model_hash.h"
+
+namespace palpate::app {
+
+void Session::finish() {
+  if (ended_) return;
+  ended_ = true;
+  if (device_) finishDevice();
+  loop_->quit();
+  loop_->join();
+  gather();
+  const RunSummary& summary = loop_->summary();
+  if (summary.lost_force_samples > 0)
+    log_.warning(format("%lld force samples were lost: the main thread was kept from running",
+                        static_cast<long long>(summary.lost_force_samples)));
+  if (results_) results_->finishForces();
+  if (soak_) {
+    const std::string broken = soak_->finish(*loop_, *results_, interrupted());
+    if (!broken.empty()) failure_ = "the soak failed: " + broken;
+  }
+  if (recording_) {
+    recording_->ticks = summary.ticks;
+    try {
+      if (summary.lost_records > 0)
+        throw std::runtime_error(options_.record + " was not written: " + std::to_string(summary.lost_records) +
+                                 " changes were lost, the run can't be repeated from it");
+      writeRecording(*recording_, options_.record);
+      log_.info("recording: " + options_.record);
+    } catch (const std::exception& error) {
+      failure_ = error.what();
+    }
+  }
+  if (summary.frozen && options_.offscreen && failure_.empty()) failure_ = "the run ended frozen: " + frozen_reason_;
+}
+
+Recording Session::recordingSoFar() {
+  const std::int64_t ticks = latest().status.ticks;
+  gather();  // at least all that came before that tick
+  Recording recording{scene_.name, modelHash(model_), scene_.rate_hz, ticks, {}};
+  if (changes_.overflowed())
+    throw std::runtime_error("the run is too long to be kept as a recording; start it with --record");
+  if (changes_lost_) throw std::runtime_error("changes of the run were lost; start it with --record");
+  if (ticks == 0) throw std::runtime_error("the run has not begun yet");
+  if (!recording_) {
+    recording.changes = changes_.before(ticks);
+    return recording;
+  }
+  for (const TimedRequest& change : recording_->changes)
+    if (change.tick < ticks) recording.changes.push_back(change);
+  return recording;
+}
+
+/// The handle gets its last force, zero; the log what the device did.
+void Session::finishDevice() {
+  device_->stop();
+  const DeviceReport report = device_->report();
+  log_.info(
+      format("device: %lld poses, peak force %.2f N, %.0f N/m, %.1f ms there and back, lowest observed energy "
+             "%.2f mJ, %.2f mJ damped",
+             asLongLong(report.poses), report.peak_force, report.stiffness, 1e3 * report.delay_s,
+             1e3 * report.lowest_energy_J, 1e3 * report.damped_J));
+  if (report.silences > 0 || report.fades > 0 || device_->refusedCount() > 0)
+    log_.warning(format("device: silent %lld times, force faded %lld times, %lld messages refused",
+                        asLongLong(report.silences), asLongLong(report.fades), asLongLong(device_->refusedCount())));
+}
+
+RunReport Session::report() {
+  return makeRunReport(model_, loop_->summary(), loop_->statistics(), physics_->team().size(),
+                       volumeChange(model_, latest().u.data()));
+}
+
+double volumeChange(const Model& model, const Float4* u) {
+  const ShapeTable& shape = model.point_shape;
+  double volume = 0, change = 0;
+  for (int q = 0; q < model.pointCount(); ++q) {
+    Mat3 F = Mat3::Identity();
+    for (int k = shape.begin[static_cast<std::size_t>(q)]; k < shape.begin[static_cast<std::size_t>(q) + 1]; ++k) {
+      const auto e = static_cast<std::size_t>(k);
+      F += toVec3(u[shape.node[e]]) * shape.gradN[e].transpose();
+    }
+    const double V = model.point_volume[static_cast<std::size_t>(q)];
+    volume += V;
+    change += V * (F.determinant() - 1);
+  }
+  return volume > 0 ? change / volume : 0;
+}
+
+}  // namespace palpate::app
