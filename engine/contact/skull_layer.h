@@ -4,9 +4,9 @@
 
 namespace palpate {
 
-/// The skull as a static solution meets it: elastic forces, which dynamic relaxation settles. Each point of the skin has
-/// a plane, the shell's tangent where the point last was when follow() was called, and in front of it a spring with a
-/// preload p,
+/// The skull as a static solution meets it: elastic forces, which dynamic relaxation settles. Each point of the skin
+/// has a plane, the shell's tangent where the point last was when follow() was called, and in front of it a spring with
+/// a preload p,
 ///   f = max(0, p - K gap) n,   gap = n . (x - x_plane)
 /// update() takes the force as the new preload (augmented Lagrangian: Alart and Curnier 1991), which takes the
 /// penetration away without a stiff spring. K is a share of the tissue's own stiffness there. The planes turn steadily

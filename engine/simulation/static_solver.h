@@ -30,8 +30,8 @@ struct Equilibrium {
 ///
 /// The stable step is taken from the largest eigenvalue of the tangent at each equilibrium, so that it follows
 /// the stiffening under compression. An iteration that blows up all the same is taken back and repeated with half
-/// the step and twice as gentle a load. In a skull (SkullLayer) the body comes to rest several times in a load step, the
-/// layer being brought up to date in between, until nothing is more than skull_accuracy from contact.
+/// the step and twice as gentle a load. In a skull (SkullLayer) the body comes to rest several times in a load step,
+/// the layer being brought up to date in between, until nothing is more than skull_accuracy from contact.
 class StaticSolver {
  public:
   /// @param tolerance  of the displacement, as a share of the largest that there was so far; what double's rounding
