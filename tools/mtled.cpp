@@ -245,6 +245,8 @@ void addScanOptions(CLI::App& command, ImportScanOptions& options) {
   command
       .add_option("--frame", options.frame, "Of the electrodes' CSV: ras (right, front, top) or lps (left, back, top)")
       ->check(CLI::IsMember({"ras", "lps"}));
+  command.add_flag("--skull", options.skull,
+                   "It slides in a rigid skull that lies half a millimetre around it, open over the electrodes");
   command.add_option("--spacing", options.spacing_mm, "Between nodes, mm (for --nodes)")
       ->type_name("MM")
       ->check(CLI::Range(0.1, 1000.0));

@@ -16,8 +16,15 @@ constexpr double samples_beyond = 3, continued_beyond = 4;
 /// How far from a bin a start is looked for: tissue stretched to thrice its length leaves such gaps.
 constexpr int farthest_seed = 3;
 
-/// Where an inverse is good enough, m: a thousandth of what is promised.
-constexpr double inverse_accuracy = 1e-9;
+/// Distance from the surface, in samples, from which on it need not be exact: cells that the surface cuts are nearer.
+constexpr double exact_distance = 5;
+
+/// Newton's method ends with a step from a residual below this, m. That step leaves |d^2u/dX^2| r^2: of a field that
+/// changes by its own slope of 1 within 2 mm less than 1e-8 m, a hundredth of what is promised.
+constexpr double last_step = 3e-6;
+
+/// Iterations after which Newton's method from a sample nearby gives up.
+constexpr int patient = 30;
 
 }  // namespace
 
@@ -67,30 +74,41 @@ SampledDeformation::SampledDeformation(const Deformation& whole, double step) : 
   for (int a = 0; a < 3; ++a)
     size[static_cast<std::size_t>(a)] = 2 + static_cast<int>(std::ceil(box.sizes()[a] / step));
   distance_ = Image(ImageGrid(size, Mat3::Identity() * step, box.min()));
-  u_.assign(distance_.value.size(), Vec3f::Zero());
+  u_.assign(distance_.value.size(), Float4{});
   known_.assign(distance_.value.size(), 0);
   std::vector<Eigen::Matrix3f> gradients(distance_.value.size(), Eigen::Matrix3f::Zero());
   parallelFor(
       size[1] * size[2],
       [&](int first, int last) {
-        for (int row = first; row < last; ++row)
-          for (int i = 0; i < size[0]; ++i) {
-            const int j = row % size[1], k = row / size[1];
-            const std::size_t v = distance_.grid.at(i, j, k);
-            const Vec3 X = distance_.grid.worldOf(i, j, k);
-            const double distance = whole.surfaceDistance(X);
-            distance_.value[v] = static_cast<float>(distance);
-            if (distance > samples_beyond * step) continue;
-            Vec3 u;
-            Mat3 gradient;
-            if (!whole.at(X, u, gradient)) continue;
-            u_[v] = u.cast<float>();
-            gradients[v] = gradient.cast<float>();
-            known_[v] = 1;
-          }
+        for (int row = first; row < last; ++row) sampleRow(row % size[1], row / size[1], gradients);
       },
       1);
   extend(gradients);
+  findWholeCells();
+}
+
+void SampledDeformation::sampleRow(int j, int k, std::vector<Eigen::Matrix3f>& gradient) {
+  int far = 0;  // samples from here that are known to be far from the surface
+  double distance = 0;
+  for (int i = 0; i < distance_.grid.size[0]; ++i) {
+    const std::size_t v = distance_.grid.at(i, j, k);
+    const Vec3 X = distance_.grid.worldOf(i, j, k);
+    if (far > 0) {  // a step away the surface is nearer by no more than the step
+      --far;
+      distance -= std::copysign(step_, distance);
+    } else {
+      distance = whole_.surfaceDistance(X);
+      far = std::max(0, static_cast<int>(std::abs(distance) / step_ - exact_distance));
+    }
+    distance_.value[v] = static_cast<float>(distance);
+    if (distance > samples_beyond * step_) continue;
+    Vec3 u;
+    Mat3 slope;
+    if (!whole_.at(X, u, slope)) continue;
+    u_[v] = toFloat4(u);
+    gradient[v] = slope.cast<float>();
+    known_[v] = 1;
+  }
 }
 
 /// Continues the samples by what those beside them say, a layer at a time.
@@ -115,18 +133,31 @@ void SampledDeformation::extend(std::vector<Eigen::Matrix3f>& gradient) {
                   const Vec3f way = Eigen::Vector3i(right, ahead, up).cast<float>();
                   const std::size_t other = grid.at(i + right, j + ahead, k + up);
                   if (!before[other]) continue;
-                  u += u_[other] - static_cast<float>(step_) * (gradient[other] * way);
+                  u += toVec3(u_[other]).cast<float>() - static_cast<float>(step_) * (gradient[other] * way);
                   slope += gradient[other];
                   ++count;
                 }
                 if (count == 0) continue;
-                u_[v] = u / count;
+                u_[v] = toFloat4((u / count).cast<double>());
                 gradient[v] = slope / count;
                 known_[v] = 1;
               }
         },
         1);
   }
+}
+
+/// Along one axis after the other: whether four in a row are known, then four such rows, then four such planes.
+void SampledDeformation::findWholeCells() {
+  const ImageGrid& grid = distance_.grid;
+  surrounded_ = known_;
+  const auto row = static_cast<std::size_t>(grid.size[0]), plane = row * static_cast<std::size_t>(grid.size[1]);
+  for (const std::size_t stride : {std::size_t{1}, row, plane})
+    for (std::size_t v = 0; v < surrounded_.size(); ++v) {
+      const std::size_t last = v + 3 * stride;  // what wraps into the next row begins no cell that is asked for
+      surrounded_[v] = last < surrounded_.size() && surrounded_[v] && surrounded_[v + stride] &&
+                       surrounded_[v + 2 * stride] && surrounded_[last];
+    }
 }
 
 double SampledDeformation::surfaceDistance(const Vec3& X) const {
@@ -140,7 +171,7 @@ bool SampledDeformation::at(const Vec3& X, Vec3& u, Mat3& gradient) const {
   const ImageGrid& grid = distance_.grid;
   const Vec3 index = grid.indexOf(X);
   int low[3];
-  double weight[3][4], slope[3][4];
+  float weight[3][4], slope[3][4];
   for (int a = 0; a < 3; ++a) {
     const double floor = std::floor(index[a]), t = index[a] - floor, t2 = t * t, t3 = t2 * t;
     if (!(floor >= 1 && floor < grid.size[static_cast<std::size_t>(a)] - 2)) return whole_.at(X, u, gradient);
@@ -148,26 +179,39 @@ bool SampledDeformation::at(const Vec3& X, Vec3& u, Mat3& gradient) const {
     const double w[4] = {-0.5 * t + t2 - 0.5 * t3, 1 - 2.5 * t2 + 1.5 * t3, 0.5 * t + 2 * t2 - 1.5 * t3,
                          -0.5 * t2 + 0.5 * t3};
     const double d[4] = {-0.5 + 2 * t - 1.5 * t2, -5 * t + 4.5 * t2, 0.5 + 4 * t - 4.5 * t2, -t + 1.5 * t2};
-    std::copy(w, w + 4, weight[a]);
-    for (int s = 0; s < 4; ++s) slope[a][s] = d[s] / step_;
+    for (int s = 0; s < 4; ++s) {
+      weight[a][s] = static_cast<float>(w[s]);
+      slope[a][s] = static_cast<float>(d[s] / step_);
+    }
   }
-  u.setZero();
-  gradient.setZero();
-  for (int s = 0; s < 4; ++s)
-    for (int r = 0; r < 4; ++r) {
-      const std::size_t row = grid.at(low[0], low[1] + r, low[2] + s);
-      Vec3 value = Vec3::Zero(), along = Vec3::Zero();
+  const std::size_t first = grid.at(low[0], low[1], low[2]);
+  if (!surrounded_[first]) return whole_.at(X, u, gradient);
+  const auto row = static_cast<std::size_t>(grid.size[0]), plane = row * static_cast<std::size_t>(grid.size[1]);
+  Group sum{}, along_x{}, along_y{}, along_z{};
+  for (std::size_t s = 0; s < 4; ++s) {
+    Group value{}, x_slope{}, y_slope{};
+    for (std::size_t r = 0; r < 4; ++r) {
+      const Float4* sample = &u_[first + s * plane + r * row];
+      Group here{}, along{};
       for (std::size_t q = 0; q < 4; ++q) {
-        if (!known_[row + q]) return whole_.at(X, u, gradient);
-        const Vec3 sampled = u_[row + q].cast<double>();
-        value += weight[0][q] * sampled;
+        const Group sampled = load(sample[q]);
+        here += weight[0][q] * sampled;
         along += slope[0][q] * sampled;
       }
-      u += weight[1][r] * weight[2][s] * value;
-      gradient.col(0) += weight[1][r] * weight[2][s] * along;
-      gradient.col(1) += slope[1][r] * weight[2][s] * value;
-      gradient.col(2) += weight[1][r] * slope[2][s] * value;
+      value += weight[1][r] * here;
+      x_slope += weight[1][r] * along;
+      y_slope += slope[1][r] * here;
     }
+    sum += weight[2][s] * value;
+    along_x += weight[2][s] * x_slope;
+    along_y += weight[2][s] * y_slope;
+    along_z += slope[2][s] * value;
+  }
+  for (int c = 0; c < 3; ++c) {
+    u[c] = static_cast<double>(sum[c]);
+    gradient.row(c) << static_cast<double>(along_x[c]), static_cast<double>(along_y[c]),
+        static_cast<double>(along_z[c]);
+  }
   return true;
 }
 
@@ -175,13 +219,9 @@ InverseDeformation::InverseDeformation(const SampledDeformation& forward) : forw
   const ImageGrid& grid = forward.grid();
   Box3 box;
   const auto each = [&](auto visit) {
-    for (int k = 0; k < grid.size[2]; ++k)
-      for (int j = 0; j < grid.size[1]; ++j)
-        for (int i = 0; i < grid.size[0]; ++i) {
-          const std::size_t v = grid.at(i, j, k);
-          if (forward.isKnown(v) && static_cast<double>(forward.sampleDistance(v)) <= forward.step())
-            visit(v, Vec3(grid.worldOf(i, j, k) + forward.sample(v).cast<double>()));
-        }
+    for (std::size_t v = 0; v < grid.voxelCount(); ++v)
+      if (forward.isKnown(v) && static_cast<double>(forward.sampleDistance(v)) <= forward.step())
+        visit(v, placeOf(static_cast<std::int32_t>(v)) + forward.sample(v));
   };
   each([&](std::size_t, const Vec3& x) { box.extend(x); });
   if (box.isEmpty()) box.extend(Vec3(Vec3::Zero()));
@@ -189,8 +229,8 @@ InverseDeformation::InverseDeformation(const SampledDeformation& forward) : forw
   std::array<int, 3> size{};
   for (int a = 0; a < 3; ++a) size[static_cast<std::size_t>(a)] = 2 + static_cast<int>(box.sizes()[a] / step);
   bins_ = ImageGrid(size, Mat3::Identity() * step, box.min());
-  seed_.assign(bins_.voxelCount(), -1);
-  std::vector<float> nearest(seed_.size(), 1e30F);
+  std::vector<std::int32_t> own(bins_.voxelCount(), -1);
+  std::vector<float> nearest(own.size(), 1e30F);
   each([&](std::size_t v, const Vec3& x) {
     const Vec3 index = bins_.indexOf(x);
     const int i = static_cast<int>(std::lround(index[0])), j = static_cast<int>(std::lround(index[1])),
@@ -199,83 +239,99 @@ InverseDeformation::InverseDeformation(const SampledDeformation& forward) : forw
     const auto distance = static_cast<float>((index - Vec3(i, j, k)).squaredNorm());
     if (distance >= nearest[bin]) return;
     nearest[bin] = distance;
-    seed_[bin] = static_cast<std::int32_t>(v);
+    own[bin] = static_cast<std::int32_t>(v);
   });
-  near_.assign(seed_.size(), 0);
-  constexpr int r = farthest_seed;
-  for (int k = 0; k < size[2]; ++k)
-    for (int j = 0; j < size[1]; ++j)
-      for (int i = 0; i < size[0]; ++i) {
-        if (seed_[bins_.at(i, j, k)] < 0) continue;
-        const int from = std::max(0, i - r), to = std::min(size[0] - 1, i + r);
-        for (int c = std::max(0, k - r); c <= std::min(size[2] - 1, k + r); ++c)
-          for (int b = std::max(0, j - r); b <= std::min(size[1] - 1, j + r); ++b)
-            std::fill_n(&near_[bins_.at(from, b, c)], to - from + 1, char{1});
-      }
+  fillSeeds(own);
 }
 
-bool InverseDeformation::at(const Vec3& x, const Deformation& exact, Vec3& X, Mat3& gradient) const {
-  constexpr int max_iterations = 30;
-  return seedAt(x, X) && newton(x, exact, max_iterations, X, gradient) == Outcome::Inside;
+Vec3 InverseDeformation::placeOf(std::int32_t sample) const {
+  const ImageGrid& grid = forward_.grid();
+  const int row = grid.size[0], plane = row * grid.size[1];
+  return grid.worldOf(sample % row, sample % plane / row, sample / plane);
 }
 
-bool InverseDeformation::atNear(const Vec3& x, Vec3& X, Mat3& gradient) const {
-  constexpr int max_iterations = 4;  // the next voxel's result is that near
-  const Vec3 start = X;
-  if (newton(x, forward_, max_iterations, X, gradient) == Outcome::Inside) return true;
-  X = start;
-  return at(x, X, gradient);
+/// For each bin the sample whose place now is nearest to its middle, of its own and those of the bins around.
+/// @param own  (bin_count) the nearest of those in the bin itself, or -1
+void InverseDeformation::fillSeeds(const std::vector<std::int32_t>& own) {
+  seed_.assign(own.size(), -1);
+  const auto& size = bins_.size;
+  const auto nearestWithin = [&](int i, int j, int k, int reach) {
+    const Vec3 middle = bins_.worldOf(i, j, k);
+    double least = 1e300;
+    std::int32_t best = -1;
+    for (int c = std::max(0, k - reach); c <= std::min(size[2] - 1, k + reach); ++c)
+      for (int b = std::max(0, j - reach); b <= std::min(size[1] - 1, j + reach); ++b)
+        for (int a = std::max(0, i - reach); a <= std::min(size[0] - 1, i + reach); ++a) {
+          const std::int32_t v = own[bins_.at(a, b, c)];
+          if (v < 0) continue;
+          const double distance = (placeOf(v) + forward_.sample(static_cast<std::size_t>(v)) - middle).squaredNorm();
+          if (distance >= least) continue;
+          least = distance;
+          best = v;
+        }
+    return best;
+  };
+  parallelFor(
+      size[2],
+      [&](int first, int last) {
+        for (int k = first; k < last; ++k)
+          for (int j = 0; j < size[1]; ++j)
+            for (int i = 0; i < size[0]; ++i) {
+              std::int32_t& seed = seed_[bins_.at(i, j, k)];
+              seed = own[bins_.at(i, j, k)];
+              for (int reach = 1; reach <= farthest_seed && seed < 0; ++reach) seed = nearestWithin(i, j, k, reach);
+            }
+      },
+      1);
+}
+
+bool InverseDeformation::at(const Vec3& x, Origin& origin) const {
+  return startAt(x, origin.X) && newton(x, forward_, patient, origin) == Outcome::Inside;
+}
+
+bool InverseDeformation::atNear(const Vec3& x, Origin& origin) const {
+  constexpr int hurried = 4;  // the next voxel's result is that near
+  return newton(x, forward_, hurried, origin) == Outcome::Inside || at(x, origin);
+}
+
+bool InverseDeformation::at(const Vec3& x, const Deformation& exact, Origin& origin) const {
+  if (!startAt(x, origin.X)) return false;
+  Origin sampled = origin;
+  if (newton(x, forward_, patient, sampled) != Outcome::Lost) origin = sampled;
+  return newton(x, exact, patient, origin) == Outcome::Inside;
 }
 
 InverseDeformation::Outcome InverseDeformation::newton(const Vec3& x, const Deformation& exact, int max_iterations,
-                                                       Vec3& X, Mat3& gradient) const {
+                                                       Origin& origin) const {
+  Vec3& X = origin.X;
   for (int k = 0; k < max_iterations; ++k) {
     // A step from the nearest sample leads near the solution: what is so far outside of the body does not come back.
     if (k > 0 && forward_.surfaceDistance(X) > forward_.step()) return Outcome::Outside;
     Vec3 u;
-    if (!exact.at(X, u, gradient)) return Outcome::Lost;
+    if (!exact.at(X, u, origin.gradient)) return Outcome::Lost;
     const Vec3 residual = X + u - x;
-    if (residual.norm() < inverse_accuracy) return exact.surfaceDistance(X) <= 0 ? Outcome::Inside : Outcome::Outside;
-    Vec3 step = (Mat3::Identity() + gradient).inverse() * residual;
+    Vec3 step = (Mat3::Identity() + origin.gradient).inverse() * residual;
     if (!step.allFinite()) return Outcome::Lost;
     const double longest = 2 * forward_.step();  // far steps of a folding start lead anywhere
     if (step.norm() > longest) step *= longest / step.norm();
     X -= step;
+    if (residual.norm() < last_step) return exact.surfaceDistance(X) <= 0 ? Outcome::Inside : Outcome::Outside;
   }
   return Outcome::Lost;
 }
 
 /// A sample whose place now is near x; false where there is none.
-bool InverseDeformation::seedAt(const Vec3& x, Vec3& X) const {
-  constexpr int farthest = farthest_seed;
-  const ImageGrid& grid = forward_.grid();
+bool InverseDeformation::startAt(const Vec3& x, Vec3& X) const {
   const Vec3 index = bins_.indexOf(x);
-  int middle[3];
+  int bin[3];
   for (int a = 0; a < 3; ++a) {
-    if (!(index[a] > -farthest && index[a] < bins_.size[static_cast<std::size_t>(a)] + farthest)) return false;
-    middle[a] = std::clamp(static_cast<int>(std::lround(index[a])), 0, bins_.size[static_cast<std::size_t>(a)] - 1);
+    const int size = bins_.size[static_cast<std::size_t>(a)];
+    if (!(index[a] > -farthest_seed && index[a] < size + farthest_seed)) return false;
+    bin[a] = std::clamp(static_cast<int>(std::lround(index[a])), 0, size - 1);
   }
-  if (!near_[bins_.at(middle[0], middle[1], middle[2])]) return false;
-  const auto placeOf = [&](std::size_t v) {
-    const auto row = static_cast<std::size_t>(grid.size[0]), plane = row * static_cast<std::size_t>(grid.size[1]);
-    return grid.worldOf(static_cast<int>(v % row), static_cast<int>(v % plane / row), static_cast<int>(v / plane));
-  };
-  double best = 1e300;
-  for (int reach = 1; reach <= farthest && best == 1e300; ++reach)
-    for (int k = std::max(0, middle[2] - reach); k <= std::min(bins_.size[2] - 1, middle[2] + reach); ++k)
-      for (int j = std::max(0, middle[1] - reach); j <= std::min(bins_.size[1] - 1, middle[1] + reach); ++j)
-        for (int i = std::max(0, middle[0] - reach); i <= std::min(bins_.size[0] - 1, middle[0] + reach); ++i) {
-          const std::int32_t v = seed_[bins_.at(i, j, k)];
-          if (v < 0) continue;
-          const Vec3 start = placeOf(static_cast<std::size_t>(v));
-          const double distance =
-              (start + forward_.sample(static_cast<std::size_t>(v)).cast<double>() - x).squaredNorm();
-          if (distance < best) {
-            best = distance;
-            X = start;
-          }
-        }
-  return best < 1e300;
+  const std::int32_t seed = seed_[bins_.at(bin[0], bin[1], bin[2])];
+  if (seed >= 0) X = placeOf(seed);
+  return seed >= 0;
 }
 
 }  // namespace palpate

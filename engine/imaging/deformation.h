@@ -5,6 +5,7 @@
 
 #include "approximation/mmls.h"
 #include "approximation/neighbours.h"
+#include "base/float4.h"
 #include "discretization/surface/surface_tree.h"
 #include "imaging/image.h"
 
@@ -53,25 +54,34 @@ class SampledDeformation : public Deformation {
   SampledDeformation(const Deformation& whole, double step);
 
   bool at(const Vec3& X, Vec3& u, Mat3& gradient) const override;
-  /// Linear between samples.
+  /// Linear between samples; far from the surface of the right sign, and no more than it is.
   double surfaceDistance(const Vec3& X) const override;
   Box3 box() const override { return whole_.box(); }
 
   const ImageGrid& grid() const { return distance_.grid; }
   /// u at a sample. @pre isKnown
-  const Vec3f& sample(std::size_t v) const { return u_[v]; }
+  Vec3 sample(std::size_t v) const { return toVec3(u_[v]); }
   bool isKnown(std::size_t v) const { return known_[v] != 0; }
   float sampleDistance(std::size_t v) const { return distance_.value[v]; }
   double step() const { return step_; }
 
  private:
+  void sampleRow(int j, int k, std::vector<Eigen::Matrix3f>& gradient);
   void extend(std::vector<Eigen::Matrix3f>& gradient);
+  void findWholeCells();
 
   const Deformation& whole_;
   double step_;
-  Image distance_;           // m
-  std::vector<Vec3f> u_;     // (voxel_count)
-  std::vector<char> known_;  // (voxel_count)
+  Image distance_;                // m
+  AlignedVector<Float4> u_;       // (voxel_count)
+  std::vector<char> known_;       // (voxel_count)
+  std::vector<char> surrounded_;  // (voxel_count) whether the 64 samples around the cell that begins here are known
+};
+
+/// Where something came from.
+struct Origin {
+  Vec3 X = Vec3::Zero();         // m, at rest
+  Mat3 gradient = Mat3::Zero();  // du/dX there
 };
 
 /// Finds where in the body at rest the point now at x came from. Newton's method on X + u(X) = x, from the sample whose
@@ -80,23 +90,24 @@ class InverseDeformation {
  public:
   explicit InverseDeformation(const SampledDeformation& forward);
 
-  /// @param exact  the field to solve with: the sampled one, or the one that it was sampled from
-  /// @param gradient  du/dX there
   /// @return false where no point of the body is at x now
-  bool at(const Vec3& x, const Deformation& exact, Vec3& X, Mat3& gradient) const;
-  bool at(const Vec3& x, Vec3& X, Mat3& gradient) const { return at(x, forward_, X, gradient); }
-  /// The same for the sampled field, from a good guess X where there is one, such as what moves as the voxel before.
-  bool atNear(const Vec3& x, Vec3& X, Mat3& gradient) const;
+  bool at(const Vec3& x, Origin& origin) const;
+  /// The same from a good guess in origin.X where there is one, such as what moves as the voxel before: mostly one
+  /// evaluation of the field, whose gradient is that a few um beside X at most.
+  bool atNear(const Vec3& x, Origin& origin) const;
+  /// The same by another field, of which the sampled one is an image, to 1e-9 m.
+  bool at(const Vec3& x, const Deformation& exact, Origin& origin) const;
 
  private:
   enum class Outcome { Inside, Outside, Lost };
-  Outcome newton(const Vec3& x, const Deformation& exact, int max_iterations, Vec3& X, Mat3& gradient) const;
-  bool seedAt(const Vec3& x, Vec3& X) const;
+  Outcome newton(const Vec3& x, const Deformation& exact, int max_iterations, Origin& origin) const;
+  void fillSeeds(const std::vector<std::int32_t>& own);
+  bool startAt(const Vec3& x, Vec3& X) const;
+  Vec3 placeOf(std::int32_t sample) const;
 
   const SampledDeformation& forward_;
   ImageGrid bins_;                  // of the world as it is now
-  std::vector<std::int32_t> seed_;  // (bin_count) sample that is now nearest to the bin's middle, or -1
-  std::vector<char> near_;          // (bin_count) whether a seed is near enough to start from
+  std::vector<std::int32_t> seed_;  // (bin_count) sample to start from, or -1
 };
 
 }  // namespace palpate

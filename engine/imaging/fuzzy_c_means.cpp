@@ -232,35 +232,66 @@ double noiseOf(const Image& scan, const Mask& mask) {
 }
 
 /// Each voxel as the mean of those around it in the mask that are like it in `guide` (Tomasi and Manduchi 1998; with
-/// another image as guide Petschnigg et al. 2004): noise goes, borders stay.
-/// @param alike  difference of the guide's values that still counts for exp(-1/2)
-Image denoised(const Image& scan, const Image& guide, const Mask& mask, double alike) {
-  Image result = scan;
-  if (!(alike > 0)) return result;
-  const double likeness = -1 / (2 * alike * alike);
-  const Vec3 h = scan.grid.spacing();
-  double nearness[27];
-  for (int n = 0; n < 27; ++n) {
-    const Vec3 d = Eigen::Vector3i(n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1).cast<double>().cwiseProduct(h) / h.minCoeff();
-    nearness[n] = std::exp(-d.squaredNorm() / 2);
-  }
-  forMask(mask, [&](std::size_t v, const Vec3& index) {
-    const int i = static_cast<int>(index[0]), j = static_cast<int>(index[1]), k = static_cast<int>(index[2]);
-    double sum = 0, total = 0;
+/// another image as guide Petschnigg et al. 2004): noise goes, borders stay. It must outlive its arguments' use.
+class Denoiser {
+ public:
+  /// @param alike  difference of the guide's values that still counts for exp(-1/2); 0: nothing is alike
+  Denoiser(const Image& scan, const Image& guide, const Mask& mask, double alike)
+      : scan_(scan), guide_(guide), mask_(mask) {
+    if (!(alike > 0)) return;
+    const Vec3 h = scan.grid.spacing();
     for (int n = 0; n < 27; ++n) {
-      const int x = i + n % 3 - 1, y = j + n / 3 % 3 - 1, z = k + n / 9 - 1;
-      if (x < 0 || y < 0 || z < 0 || x >= mask.grid.size[0] || y >= mask.grid.size[1] || z >= mask.grid.size[2])
-        continue;
-      const std::size_t other = mask.grid.at(x, y, z);
-      if (!mask.value[other]) continue;
-      const double d = guide.value[other] - guide.value[v], weight = nearness[n] * std::exp(likeness * d * d);
-      sum += weight * scan.value[other];
-      total += weight;
+      const Vec3 d = Eigen::Vector3i(n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1).cast<double>().cwiseProduct(h) / h.minCoeff();
+      nearness_[n] = static_cast<float>(std::exp(-d.squaredNorm() / 2));
     }
-    result.value[v] = static_cast<float>(sum / total);
-  });
-  return result;
-}
+    per_entry_ = static_cast<float>(entries_per_deviation / alike);
+    // Linear between entries 1/64 of a deviation apart the exponential is exact to 3e-5.
+    for (int e = 0; e <= last_entry; ++e) {
+      const double d = static_cast<double>(e) / entries_per_deviation;
+      likeness_.push_back(static_cast<float>(std::exp(-d * d / 2)));
+    }
+  }
+
+  float at(int i, int j, int k) const {
+    const ImageGrid& grid = mask_.grid;
+    const std::size_t v = grid.at(i, j, k);
+    if (likeness_.empty()) return scan_.value[v];
+    float sum = 0, total = 0;
+    for (int z = std::max(k - 1, 0); z <= std::min(k + 1, grid.size[2] - 1); ++z)
+      for (int y = std::max(j - 1, 0); y <= std::min(j + 1, grid.size[1] - 1); ++y)
+        for (int x = std::max(i - 1, 0); x <= std::min(i + 1, grid.size[0] - 1); ++x) {
+          const std::size_t other = grid.at(x, y, z);
+          if (!mask_.value[other]) continue;
+          const float weight = nearness_[x - i + 1 + 3 * (y - j + 1) + 9 * (z - k + 1)] *
+                               likenessOf(std::abs(guide_.value[other] - guide_.value[v]));
+          sum += weight * (scan_.value[other] - scan_.value[v]);
+          total += weight;
+        }
+    return scan_.value[v] + sum / total;
+  }
+
+  Image whole() const {
+    Image result = scan_;
+    forMask(mask_, [&](std::size_t v, const Vec3& index) {
+      result.value[v] = at(static_cast<int>(index[0]), static_cast<int>(index[1]), static_cast<int>(index[2]));
+    });
+    return result;
+  }
+
+ private:
+  static constexpr int entries_per_deviation = 64, last_entry = 8 * entries_per_deviation;  // exp(-32) is nothing
+
+  float likenessOf(float difference) const {
+    const float at = std::min(difference * per_entry_, static_cast<float>(last_entry - 1));
+    const auto entry = static_cast<std::size_t>(at);
+    return likeness_[entry] + (at - static_cast<float>(entry)) * (likeness_[entry + 1] - likeness_[entry]);
+  }
+
+  const Image &scan_, &guide_;
+  const Mask& mask_;
+  float nearness_[27] = {}, per_entry_ = 0;
+  std::vector<float> likeness_;
+};
 
 /// The intensity below which logarithms would only show noise: a twentieth of the median.
 double floorOf(std::vector<double> values) {
@@ -304,7 +335,7 @@ FuzzyClasses fuzzyCMeans(const Image& noisy, const Mask& mask, const FuzzyOption
   if (inside == 0) throw InputError({}, "the mask is empty", "is it the mask of this scan?");
   const double noise = noiseOf(noisy, mask);
   // What is alike is told better by what the first pass leaves; averaging that again would wash thin sulci out.
-  const Image once = denoised(noisy, noisy, mask, 2 * noise), scan = denoised(noisy, once, mask, noise);
+  const Image once = Denoiser(noisy, noisy, mask, 2 * noise).whole(), scan = Denoiser(noisy, once, mask, noise).whole();
   Chosen chosen = chosenOf(scan, mask, inside);
   if (const auto [low, high] = std::minmax_element(chosen.value.begin(), chosen.value.end()); !(*low < *high))
     throw InputError({}, "all intensities in the mask are equal", "is it the mask of this scan?");
@@ -314,7 +345,11 @@ FuzzyClasses fuzzyCMeans(const Image& noisy, const Mask& mask, const FuzzyOption
   bias.coefficient = Eigen::VectorXd::Zero(bias.polynomial.size());
   if (options.bias_degree > 0) {
     // The bias is smooth: here averaging twice only takes noise away.
-    const std::vector<double> smoothest = chosenOf(denoised(once, once, mask, 2 * noise), mask, inside).value;
+    const Denoiser twice(once, once, mask, 2 * noise);
+    std::vector<double> smoothest;
+    for (const Vec3& index : chosen.index)
+      smoothest.push_back(static_cast<double>(
+          twice.at(static_cast<int>(index[0]), static_cast<int>(index[1]), static_cast<int>(index[2]))));
     const double least = floorOf(smoothest);
     std::vector<double> x;
     x.reserve(smoothest.size());

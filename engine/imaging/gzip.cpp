@@ -14,47 +14,73 @@ namespace palpate {
 namespace {
 
 constexpr int gzip_window = 15 + 16;          // zlib's largest window, with a gzip header
-constexpr std::size_t piece_bytes = 4 << 20;  // smaller ones compress less, larger ones leave cores idle
+constexpr std::size_t piece_bytes = 1 << 20;  // smaller ones compress less, larger ones leave cores idle
 constexpr std::size_t max_ratio = 1032;       // of deflate: a block of 258 equal bytes in two bits (zlib's manual)
 
-std::string compressedPiece(std::string_view bytes) {
-  z_stream stream{};
-  // The fastest level: numbers of scans and fields compress little further, and take thrice as long.
-  if (deflateInit2(&stream, 1, Z_DEFLATED, gzip_window, 8, Z_DEFAULT_STRATEGY) != Z_OK)
-    throw std::runtime_error("there is no memory to compress with");
-  std::string out(deflateBound(&stream, static_cast<uLong>(bytes.size())), '\0');
-  stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data()));
-  stream.avail_in = static_cast<uInt>(bytes.size());
-  stream.next_out = reinterpret_cast<Bytef*>(out.data());
-  stream.avail_out = static_cast<uInt>(out.size());
-  const int code = deflate(&stream, Z_FINISH);
-  out.resize(stream.total_out);
-  deflateEnd(&stream);
-  if (code != Z_STREAM_END) throw std::runtime_error("compression failed");
-  return out;
-}
+/// Compresses one piece after the other.
+class Deflate {
+ public:
+  Deflate() {
+    // Only runs of equal bytes are looked for: where scans and fields have no runs they have no repeats either, and
+    // looking for these took twice as long.
+    if (deflateInit2(&stream_, 1, Z_DEFLATED, gzip_window, 9, Z_RLE) != Z_OK)
+      throw std::runtime_error("there is no memory to compress with");
+    out_.resize(deflateBound(&stream_, piece_bytes));
+  }
+  ~Deflate() { deflateEnd(&stream_); }
+  Deflate(const Deflate&) = delete;
+  Deflate& operator=(const Deflate&) = delete;
+
+  /// @param bytes  no more than a piece
+  std::string operator()(std::string_view bytes) {
+    deflateReset(&stream_);
+    stream_.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data()));
+    stream_.avail_in = static_cast<uInt>(bytes.size());
+    stream_.next_out = reinterpret_cast<Bytef*>(out_.data());
+    stream_.avail_out = static_cast<uInt>(out_.size());
+    if (deflate(&stream_, Z_FINISH) != Z_STREAM_END) throw std::runtime_error("compression failed");
+    return out_.substr(0, stream_.total_out);
+  }
+
+ private:
+  z_stream stream_{};
+  std::string out_;
+};
 
 }  // namespace
 
 bool isGzip(std::string_view bytes) { return bytes.size() >= 2 && bytes[0] == '\x1f' && bytes[1] == '\x8b'; }
 
-std::string gzipped(std::string_view bytes) {
-  const auto pieces = static_cast<int>(std::max<std::size_t>(1, (bytes.size() + piece_bytes - 1) / piece_bytes));
+std::string gzipped(std::size_t size, const std::function<void(std::size_t begin, std::size_t count, char* to)>& fill) {
+  const auto pieces = static_cast<int>(std::max<std::size_t>(1, (size + piece_bytes - 1) / piece_bytes));
   std::vector<std::string> piece(static_cast<std::size_t>(pieces));
   parallelFor(
       pieces,
       [&](int first, int last) {
-        for (int p = first; p < last; ++p)
-          piece[static_cast<std::size_t>(p)] =
-              compressedPiece(bytes.substr(static_cast<std::size_t>(p) * piece_bytes, piece_bytes));
+        Deflate deflate;
+        std::string bytes;
+        for (auto p = static_cast<std::size_t>(first); p < static_cast<std::size_t>(last); ++p) {
+          bytes.resize(std::min(piece_bytes, size - p * piece_bytes));
+          fill(p * piece_bytes, bytes.size(), bytes.data());
+          piece[p] = deflate(bytes);
+        }
       },
       1);
+  std::size_t total = 0;
+  for (const std::string& p : piece) total += p.size();
   std::string all;
-  std::size_t size = 0;
-  for (const std::string& p : piece) size += p.size();
-  all.reserve(size);
-  for (const std::string& p : piece) all += p;
+  all.reserve(total);
+  for (std::string& p : piece) {
+    all += p;
+    p = std::string();
+  }
   return all;
+}
+
+std::string gzipped(std::string_view bytes) {
+  return gzipped(bytes.size(), [&](std::size_t begin, std::size_t count, char* to) {
+    if (count != 0) std::memcpy(to, bytes.data() + begin, count);
+  });
 }
 
 struct ByteReader::Inflate {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -9,9 +10,13 @@ namespace palpate {
 
 bool isGzip(std::string_view bytes);
 
-/// Bytes as a gzip file: pieces of 4 MB compressed on all cores, one member each, which every reader of gzip takes for
+/// Bytes as a gzip file: pieces of 1 MB compressed on all cores, one member each, which every reader of gzip takes for
 /// one file (RFC 1952, 2.2). The same bytes on any number of cores.
 std::string gzipped(std::string_view bytes);
+
+/// The same of bytes that are made as they are needed.
+/// @param fill  writes `count` bytes, from byte `begin` on, to `to`; begin is a multiple of a MB; on any thread
+std::string gzipped(std::size_t size, const std::function<void(std::size_t begin, std::size_t count, char* to)>& fill);
 
 /// Reads what stands in a gzip file or, where it is none, the bytes themselves, piece by piece.
 class ByteReader {

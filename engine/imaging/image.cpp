@@ -48,33 +48,39 @@ float linearValue(const Image& image, const Vec3& index) {
 }
 
 float cubicValue(const Image& image, const Vec3& index) {
-  int at[3][4];
+  std::size_t at[3][4];
   double weight[3][4];
+  const std::size_t stride[3] = {
+      1, static_cast<std::size_t>(image.grid.size[0]),
+      static_cast<std::size_t>(image.grid.size[0]) * static_cast<std::size_t>(image.grid.size[1])};
   for (int a = 0; a < 3; ++a) {
     const Cell c = cellAt(index[a], image.grid.size[a]);
     const double t = c.t, t2 = t * t, t3 = t2 * t;
     const double w[4] = {-0.5 * t + t2 - 0.5 * t3, 1 - 2.5 * t2 + 1.5 * t3, 0.5 * t + 2 * t2 - 1.5 * t3,
                          -0.5 * t2 + 0.5 * t3};
     for (int s = 0; s < 4; ++s) {
-      at[a][s] = std::clamp(c.low + s - 1, 0, image.grid.size[a] - 1);
+      at[a][s] = stride[a] * static_cast<std::size_t>(std::clamp(c.low + s - 1, 0, image.grid.size[a] - 1));
       weight[a][s] = w[s];
     }
   }
-  double sum = 0, least = image(at[0][1], at[1][1], at[2][1]), largest = least;
+  const float* value = image.value.data();
+  const auto row = [&](int r, int s) {
+    const float* first = value + at[1][r] + at[2][s];
+    return Eigen::Vector4d(static_cast<double>(first[at[0][0]]), static_cast<double>(first[at[0][1]]),
+                           static_cast<double>(first[at[0][2]]), static_cast<double>(first[at[0][3]]));
+  };
+  Eigen::Vector4d sum = Eigen::Vector4d::Zero(), least = row(1, 1), largest = least;
   for (int s = 0; s < 4; ++s)
     for (int r = 0; r < 4; ++r) {
-      double row = 0;
-      for (int q = 0; q < 4; ++q) {
-        const double value = image(at[0][q], at[1][r], at[2][s]);
-        row += weight[0][q] * value;
-        if ((q == 1 || q == 2) && (r == 1 || r == 2) && (s == 1 || s == 2)) {
-          least = std::min(least, value);
-          largest = std::max(largest, value);
-        }
+      const Eigen::Vector4d here = row(r, s);
+      sum += weight[1][r] * weight[2][s] * here;
+      if ((r == 1 || r == 2) && (s == 1 || s == 2)) {
+        least = least.cwiseMin(here);
+        largest = largest.cwiseMax(here);
       }
-      sum += weight[1][r] * weight[2][s] * row;
     }
-  return static_cast<float>(std::clamp(sum, least, largest));
+  const double mixed = weight[0][0] * sum[0] + weight[0][1] * sum[1] + weight[0][2] * sum[2] + weight[0][3] * sum[3];
+  return static_cast<float>(std::clamp(mixed, std::min(least[1], least[2]), std::max(largest[1], largest[2])));
 }
 
 Mask maskOf(const Image& image, const std::vector<int>& labels) {

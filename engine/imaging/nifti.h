@@ -32,7 +32,8 @@ enum class NiftiType { UInt8, Int16, Float32 };
 
 /// The bytes of a NIfTI-1 file (NIfTI-2 where a side is longer than 32767 voxels), in mm, sform and, where the axes are
 /// at right angles, qform.
-std::string niftiFrom(const Image& image, NiftiType type, bool compressed);
+/// @param slope  of whole numbers: values are rounded to multiples of it
+std::string niftiFrom(const Image& image, NiftiType type, bool compressed, double slope = 1);
 
 /// A displacement field as ITK has it: five dimensions, intent 1007 (vector), components along L, P, S, mm, float32.
 /// @param field  m, in RAS as everything here

@@ -21,6 +21,7 @@ void put(std::string& bytes, std::size_t at, T value) {
 struct Contents {
   int datatype, bitpix, components;
   int intent = 0;
+  double slope = 1;
 };
 
 /// The qform's quaternion and qfac; false where the axes are not at right angles.
@@ -72,7 +73,7 @@ std::string headerOf(const ImageGrid& grid, const Contents& contents) {
     put(b, 70, static_cast<std::int16_t>(contents.datatype));
     put(b, 72, static_cast<std::int16_t>(contents.bitpix));
     put(b, 108, static_cast<float>(b.size()));
-    put(b, 112, 1.0F);
+    put(b, 112, static_cast<float>(contents.slope));
     b[123] = unit_mm;
     put(b, 252, static_cast<std::int16_t>(has_qform ? scanner_code : 0));
     put(b, 254, std::int16_t{scanner_code});
@@ -87,7 +88,7 @@ std::string headerOf(const ImageGrid& grid, const Contents& contents) {
   put(b, 14, static_cast<std::int16_t>(contents.bitpix));
   for (std::size_t d = 0; d < 8; ++d) put(b, 16 + 8 * d, dim[d]);
   put(b, 168, static_cast<std::int64_t>(b.size()));
-  put(b, 176, 1.0);
+  put(b, 176, contents.slope);
   put(b, 344, std::int32_t{has_qform ? scanner_code : 0});
   put(b, 348, std::int32_t{scanner_code});
   putPlace<double>(b, grid, 104, 352, 400);
@@ -96,50 +97,61 @@ std::string headerOf(const ImageGrid& grid, const Contents& contents) {
   return b;
 }
 
-/// Appends a number for each voxel, on all cores.
+/// The header and behind it a number for each voxel, or for each of several components, made on all cores.
+/// @param valueAt  the number n, as T
 template <class T, class ValueAt>
-void appendValues(std::string& bytes, std::size_t count, ValueAt valueAt) {
-  const std::size_t begin = bytes.size();
-  bytes.resize(begin + count * sizeof(T));
-  constexpr std::size_t piece = 1 << 16;
+std::string fileOf(const std::string& header, std::size_t count, bool compressed, ValueAt valueAt) {
+  const auto fill = [&](std::size_t begin, std::size_t bytes, char* to) {
+    for (std::size_t at = 0; at < bytes; at += sizeof(T)) {
+      const T value = valueAt((begin + at) / sizeof(T));
+      std::memcpy(to + at, &value, sizeof value);
+    }
+  };
+  if (compressed) return gzipped(header) + gzipped(count * sizeof(T), fill);
+  std::string bytes = header;
+  bytes.resize(header.size() + count * sizeof(T));
+  constexpr std::size_t piece = std::size_t{1} << 18;
   parallelFor(
       static_cast<int>((count + piece - 1) / piece),
       [&](int first, int last) {
-        const std::size_t end = std::min(count, static_cast<std::size_t>(last) * piece);
-        for (std::size_t v = static_cast<std::size_t>(first) * piece; v < end; ++v)
-          put(bytes, begin + v * sizeof(T), static_cast<T>(valueAt(v)));
+        const std::size_t begin = static_cast<std::size_t>(first) * piece,
+                          end = std::min(count, static_cast<std::size_t>(last) * piece);
+        if (begin < end)
+          fill(begin * sizeof(T), (end - begin) * sizeof(T), bytes.data() + header.size() + begin * sizeof(T));
       },
       1);
+  return bytes;
 }
 
 template <class T>
-void appendWhole(std::string& bytes, const Image& image) {
-  appendValues<T>(bytes, image.value.size(), [&](std::size_t v) {
-    return std::clamp(std::nearbyint(image.value[v]), static_cast<float>(std::numeric_limits<T>::min()),
-                      static_cast<float>(std::numeric_limits<T>::max()));
+std::string wholeNumbers(const std::string& header, const Image& image, double slope, bool compressed) {
+  const auto per_slope = static_cast<float>(1 / slope);
+  return fileOf<T>(header, image.value.size(), compressed, [&](std::size_t v) {
+    return static_cast<T>(std::clamp(std::nearbyint(per_slope * image.value[v]),
+                                     static_cast<float>(std::numeric_limits<T>::min()),
+                                     static_cast<float>(std::numeric_limits<T>::max())));
   });
 }
 
 }  // namespace
 
-std::string niftiFrom(const Image& image, NiftiType type, bool compressed) {
-  constexpr Contents contents[] = {{2, 8, 1}, {4, 16, 1}, {16, 32, 1}};
-  std::string bytes = headerOf(image.grid, contents[static_cast<int>(type)]);
-  if (type == NiftiType::UInt8)
-    appendWhole<std::uint8_t>(bytes, image);
-  else if (type == NiftiType::Int16)
-    appendWhole<std::int16_t>(bytes, image);
-  else
-    appendValues<float>(bytes, image.value.size(), [&](std::size_t v) { return image.value[v]; });
-  return compressed ? gzipped(bytes) : bytes;
+std::string niftiFrom(const Image& image, NiftiType type, bool compressed, double slope) {
+  constexpr Contents of_type[] = {{2, 8, 1}, {4, 16, 1}, {16, 32, 1}};
+  Contents contents = of_type[static_cast<int>(type)];
+  if (type != NiftiType::Float32) contents.slope = slope;
+  const std::string header = headerOf(image.grid, contents);
+  if (type == NiftiType::UInt8) return wholeNumbers<std::uint8_t>(header, image, slope, compressed);
+  if (type == NiftiType::Int16) return wholeNumbers<std::int16_t>(header, image, slope, compressed);
+  return fileOf<float>(header, image.value.size(), compressed, [&](std::size_t v) { return image.value[v]; });
 }
 
 std::string niftiFrom(const VectorImage& field, bool compressed) {
-  std::string bytes = headerOf(field.grid, {16, 32, 3, vector_intent});
   const float to_lps[3] = {-1e3F, -1e3F, 1e3F};  // of RAS in m, mm
-  for (int c = 0; c < 3; ++c)
-    appendValues<float>(bytes, field.value.size(), [&](std::size_t v) { return to_lps[c] * field.value[v][c]; });
-  return compressed ? gzipped(bytes) : bytes;
+  const std::size_t count = field.value.size();
+  return fileOf<float>(headerOf(field.grid, {16, 32, 3, vector_intent}), 3 * count, compressed, [&](std::size_t n) {
+    const std::size_t c = n < count ? 0 : n < 2 * count ? 1 : 2;  // divisions cost more than all else here
+    return to_lps[c] * field.value[n - c * count][static_cast<Eigen::Index>(c)];
+  });
 }
 
 }  // namespace palpate

@@ -14,9 +14,10 @@ struct BackwardField {
   Mask vacated;         // 1 where the body was and is no more
 };
 
+/// @param inverse   of `forward`
 /// @param progress  told the share that is done; may throw
 /// Test: imaging/warp_test.cpp
-BackwardField backwardField(const SampledDeformation& forward, const ImageGrid& grid,
+BackwardField backwardField(const SampledDeformation& forward, const InverseDeformation& inverse, const ImageGrid& grid,
                             const std::function<void(double)>& progress = {});
 
 /// u at the voxels of a grid of the body at rest, m; zero outside the body.

@@ -18,8 +18,8 @@ Image readImage(const std::string& path, const NiftiOptions& options, const Sour
   return imageFromNifti(readWholeFile(path, asked_from, max_image_bytes), path, options);
 }
 
-void writeImage(const std::string& path, const Image& image, NiftiType type) {
-  writeWholeFile(path, niftiFrom(image, type, isCompressed(path)));
+void writeImage(const std::string& path, const Image& image, NiftiType type, double slope) {
+  writeWholeFile(path, niftiFrom(image, type, isCompressed(path), slope));
 }
 
 void writeImage(const std::string& path, const Mask& mask) {

@@ -13,7 +13,7 @@ Image readImage(const std::string& path, const NiftiOptions& options = {}, const
 
 /// Writes a NIfTI file, compressed where its name ends in .gz; whole or not at all.
 /// Throws std::runtime_error that names the file and the reason.
-void writeImage(const std::string& path, const Image& image, NiftiType type = NiftiType::Float32);
+void writeImage(const std::string& path, const Image& image, NiftiType type = NiftiType::Float32, double slope = 1);
 void writeImage(const std::string& path, const Mask& mask);
 void writeImage(const std::string& path, const VectorImage& field);
 

@@ -55,8 +55,6 @@ void leaveOutUnreadable(SurfaceFile& file) {
   file.unreadable_faces += static_cast<int>(triangles.size() - kept);
   triangles.resize(kept);
   if (!file.source.triangle_line.empty()) file.source.triangle_line.resize(kept);
-  if (triangles.empty())
-    throw InputError({file.source.file, 0, 0}, "no face of this file can be read", "export the surface again");
   dropUnusedVertices(file.surface, file.source);
 }
 
@@ -104,7 +102,13 @@ SurfaceFile surfaceFrom(const std::string& bytes, const std::string& path, doubl
                      "simplify the surface: ten thousand faces show an organ well");
   }
   for (Vec3& x : result.surface.vertices) x *= scale;
-  if (reading == SurfaceReading::Tolerant) leaveOutUnreadable(result);
+  if (reading == SurfaceReading::Tolerant) {
+    leaveOutUnreadable(result);
+    if (result.surface.triangles.empty()) {
+      format->parse(bytes, path, SurfaceReading::Strict);  // says what is wrong first, and where
+      throw InputError({path, 0, 0}, "no face of this file can be read", "export the surface again");
+    }
+  }
   checkVertices(result, path);
   weldVertices(result.surface, result.source);
   return result;

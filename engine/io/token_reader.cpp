@@ -65,7 +65,9 @@ double parseNumber(std::string_view word, const SourceLocation& place, const std
     throw InputError(place, inQuotes(word) + " is beyond what a number can hold", "check the file's units");
   }
   if (error != std::errc{} || end != digits.data() + digits.size()) {
-    throw InputError(place, inQuotes(word) + " is not a number", "write " + what + " like 0.125 or 1.25e-1");
+    const bool comma = word.find(',') != std::string_view::npos;
+    throw InputError(place, inQuotes(word) + " is not a number",
+                     "write " + what + " like 0.125 or 1.25e-1" + (comma ? ", with a point and not a comma" : ""));
   }
   if (!std::isfinite(value)) {
     throw InputError(place, what + " is " + inQuotes(word) + ", not finite", "repair or export the file again");

@@ -81,6 +81,7 @@ ForceReport BatchBody::forces(const AlignedVector<Double4>& at, AlignedVector<Do
   const ForceReport report =
       internalForces(kernel_, materials_, at.data(), kernel_scratch_, team_, history, history_step_);
   sumForces(kernel_, kernel_scratch_, 0, model_.nodeCount(), force.data());
+  if (layer_) layer_->addForces(at, force);
   return report;
 }
 
@@ -98,7 +99,7 @@ void BatchBody::contact(double alpha, Report& report) {
     du_float_[i] = du_before_[i] = toFloat(du[i]);
   }
   if (has_tool_) toolContact(alpha, report);
-  if (!model_.skull.empty())
+  if (!model_.skull.empty() && !layer_)
     report.skull = solveSkull(model_.skull, model_.skin, alpha, inverse_mass_float_.data(), u_float_.data(),
                               du_float_.data(), skull_);
   for (std::size_t i = 0; i < u.size(); ++i)
@@ -124,7 +125,8 @@ BatchBody::Report BatchBody::advance(double alpha, double beta, double time) {
   for (std::size_t i = 0; i < u.size(); ++i) store(du[i], beta * load(du[i]) + (alpha * inverse_mass_[i]) * load(f[i]));
   for (std::size_t i = 0; i < model_.weight.size(); ++i)
     store(du[i], load(du[i]) + (alpha * inverse_mass_[i]) * load(model_.weight[i]));
-  if (has_tool_ || !model_.skull.empty()) contact(alpha, report);
+  if (layer_) report.skull = layer_->contact();
+  if (has_tool_ || (!model_.skull.empty() && !layer_)) contact(alpha, report);
   imposeBoundary(boundary_, time, 0.0, alpha, inverse_mass_.data(), u.data(), du.data(), boundary_scratch_, team_);
   double largest = 0;
   for (std::size_t i = 0; i < u.size(); ++i) {

@@ -2,6 +2,7 @@
 
 #include "base/spin_team.h"
 #include "contact/contact.h"
+#include "contact/skull_layer.h"
 #include "mechanics/internal_forces.h"
 #include "simulation/model.h"
 
@@ -38,6 +39,9 @@ class BatchBody {
   }
   const Pose& toolPose() const { return tool_; }
 
+  /// The skull's forces are this layer's from now on, and part of forces(): for static solutions.
+  void meetSkullBy(SkullLayer& layer) { layer_ = layer.empty() ? nullptr : &layer; }
+
   /// Materials that relax keep the history of steps of h s from now on. Without, they are in equilibrium.
   void keepHistory(double h);
   const AlignedVector<double>& history() const { return history_.Z; }
@@ -47,7 +51,8 @@ class BatchBody {
   void restore(const AlignedVector<Double4>& displacement, const AlignedVector<Double4>& increment,
                const AlignedVector<double>& history = {});
 
-  /// Internal forces at a displacement, N; `force` and the report's J. Of materials that relax, after a long time.
+  /// Internal forces at a displacement and those of a skull's layer, N; `force` and the report's J. Of materials that
+  /// relax, after a long time.
   ForceReport forces(const AlignedVector<Double4>& at, AlignedVector<Double4>& force);
 
   const Model& model() const { return model_; }
@@ -84,6 +89,7 @@ class BatchBody {
   Pose tool_, previous_tool_;
   ContactState contact_;
   SkullState skull_;
+  SkullLayer* layer_ = nullptr;  // in place of skull_
   AlignedVector<Float4> u_float_, du_float_, du_before_;
 };
 

@@ -35,11 +35,13 @@ StaticSolver::StaticSolver(const Model& model, int threads, double tolerance)
       tolerance_(tolerance),
       mass_(
           gershgorinRows(model.point_shape, model.point_volume, model.point_material, model.materials, model.X.size())),
+      skull_(model.skull, model.skin, mass_),
       body_(model, mass_, threads),
       relaxation_(1.0),
       size_(diagonal(model.X)),
       probe_u_(model.X.size()),
       probe_f_(model.X.size()) {
+  body_.meetSkullBy(skull_);
   updateStep();
 }
 
@@ -47,9 +49,15 @@ void StaticSolver::resume(double time, const AlignedVector<Double4>& u, const st
                           double largest) {
   largest_so_far_ = largest;
   time_ = time;
-  body_.restore(u, AlignedVector<Double4>(u.size()));
-  if (tool) body_.placeTool(*tool);
+  restore(u, tool);
   updateStep();
+}
+
+/// At rest at a displacement. @param tool  its pose, if there is one
+void StaticSolver::restore(const AlignedVector<Double4>& u, const std::optional<Pose>& tool) {
+  body_.restore(u, AlignedVector<Double4>(u.size()));
+  skull_.restart(u);
+  if (tool) body_.placeTool(*tool);
 }
 
 /// h = 2 / omega_max of the tangent at the present state, by differences of forces in double.
@@ -78,7 +86,7 @@ void StaticSolver::updateStep() {
     }
   };
   const auto largest = largestEigenvalue(static_cast<Eigen::Index>(3 * mass_.size()), apply, iterations, accuracy);
-  relaxation_.setStep(caution_ * step_safety * 2 / std::sqrt(largest.value + largest.residual));
+  relaxation_.setStep(caution_ * step_safety * 2 / std::sqrt(largest.value + largest.residual + skull_.highest()));
 }
 
 void StaticSolver::observeFrequency() {
@@ -98,6 +106,7 @@ StaticSolver::Outcome StaticSolver::relax(double time, const std::optional<Pose>
   constexpr int calm_needed = 20;  // iterations below the tolerance in a row
   constexpr int reference_interval = 200;
   constexpr int watch_interval = 25;
+  constexpr int skull_interval = 10;  // of its planes
   const double from = time_;
   const Pose tool_from = body_.toolPose();
   int calm = 0;
@@ -112,6 +121,7 @@ StaticSolver::Outcome StaticSolver::relax(double time, const std::optional<Pose>
       }
       body_.moveTool(pose);
     }
+    if (k % skull_interval == 0) skull_.follow(body_.u);
     const auto report = body_.advance(relaxation_.alpha(), relaxation_.beta(), from + share * (time - from));
     ++equilibrium.iterations;
     if (!report.finite || report.max_increment > 0.1 * size_) return Outcome::BlownUp;
@@ -139,7 +149,10 @@ StaticSolver::Outcome StaticSolver::relax(double time, const std::optional<Pose>
       const bool at_rest = equilibrium.error <= std::max(tolerance_ * largest_so_far_, rounding_error * size_) ||
                            report.max_increment <= coordinate_rounding * size_;
       calm = at_rest ? calm + 1 : 0;
-      if (calm >= calm_needed) return Outcome::Converged;
+      if (calm >= calm_needed) {
+        if (skull_.empty() || skull_.update(body_.u) <= skull_accuracy) return Outcome::Converged;
+        calm = 0;
+      }
     }
     if (watch && k % watch_interval == 0 && !watch(equilibrium.iterations)) return Outcome::Interrupted;
   }
@@ -159,9 +172,8 @@ Equilibrium StaticSolver::advanceTo(double time, const std::optional<Pose>& tool
     const Outcome outcome = relax(time, tool, ramp, watch, equilibrium);
     if (outcome == Outcome::Interrupted) {  // back to where it was at rest
       equilibrium.interrupted = true;
-      body_.restore(u_before, AlignedVector<Double4>(u_before.size()));
+      restore(u_before, tool ? std::optional(tool_before) : std::nullopt);
       largest_so_far_ = largest_before;
-      if (tool) body_.placeTool(tool_before);
       return equilibrium;
     }
     if (outcome != Outcome::BlownUp) {
@@ -170,9 +182,8 @@ Equilibrium StaticSolver::advanceTo(double time, const std::optional<Pose>& tool
       updateStep();
       return equilibrium;
     }
-    body_.restore(u_before, AlignedVector<Double4>(u_before.size()));
+    restore(u_before, tool ? std::optional(tool_before) : std::nullopt);
     largest_so_far_ = largest_before;
-    if (tool) body_.placeTool(tool_before);
     caution_ *= 0.5;
     updateStep();
   }

@@ -30,7 +30,8 @@ struct Equilibrium {
 ///
 /// The stable step is taken from the largest eigenvalue of the tangent at each equilibrium, so that it follows
 /// the stiffening under compression. An iteration that blows up all the same is taken back and repeated with half
-/// the step and twice as gentle a load.
+/// the step and twice as gentle a load. In a skull (SkullLayer) the body comes to rest several times in a load step,
+/// the layer being brought up to date in between, until nothing is more than skull_accuracy from contact.
 class StaticSolver {
  public:
   /// @param tolerance  of the displacement, as a share of the largest that there was so far; what double's rounding
@@ -51,17 +52,20 @@ class StaticSolver {
   double largestSoFar() const { return largest_so_far_; }
   double convergenceRate() const { return relaxation_.convergenceRate(); }
 
-  static constexpr int max_iterations = 20000;  // of one load step
+  static constexpr int max_iterations = 20000;    // of one load step
+  static constexpr double skull_accuracy = 1e-5;  // m, a tenth of what is promised
 
  private:
   enum class Outcome { Converged, Exhausted, Interrupted, BlownUp };
   Outcome relax(double time, const std::optional<Pose>& tool, int ramp, const Watch& watch, Equilibrium& equilibrium);
+  void restore(const AlignedVector<Double4>& u, const std::optional<Pose>& tool);
   void updateStep();
   void observeFrequency();
 
   const Model& model_;
   double tolerance_;
   std::vector<double> mass_;  // fictitious, kg
+  SkullLayer skull_;
   BatchBody body_;
   DynamicRelaxation relaxation_;
   double time_ = 0;

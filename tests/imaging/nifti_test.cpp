@@ -1,4 +1,5 @@
 #include <catch2/catch.hpp>
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
@@ -67,6 +68,21 @@ TEST_CASE("An image that is written reads back where it was, compressed or not",
         CHECK(again.grid.size == image.grid.size);
         CHECK(cornerDistance(again.grid, image.grid) < 1e-8);  // float32 in mm: 6e-8 of 50 mm
       }
+}
+
+TEST_CASE("Shares are written as whole steps, 0 and 1 exactly, in pieces of a megabyte", "[imaging][nifti]") {
+  Image image(ImageGrid({300, 300, 7}, Mat3::Identity() * 1e-3, Vec3::Zero()));
+  for (std::size_t v = 0; v < image.value.size(); ++v) image.value[v] = static_cast<float>(v % 1001) / 1000.0F;
+  constexpr double step = 1.0 / 16384;
+  for (const bool compressed : {false, true}) {
+    const Image again = read(niftiFrom(image, NiftiType::Int16, compressed, step));
+    float worst = 0;
+    for (std::size_t v = 0; v < image.value.size(); ++v)
+      worst = std::max(worst, std::abs(again.value[v] - image.value[v]));
+    CHECK(worst <= 0.51F * static_cast<float>(step));
+    CHECK(again.value[0] == 0);
+    CHECK(again.value[1000] == 1);
+  }
 }
 
 TEST_CASE("A side longer than 16 bits count is written as NIfTI-2", "[imaging][nifti]") {

@@ -60,7 +60,7 @@ TEST_CASE("An affine field and a dent are inverted on an oblique grid", "[imagin
   const DentField dent;
   for (const Deformation* whole : {static_cast<const Deformation*>(&affine), static_cast<const Deformation*>(&dent)}) {
     const SampledDeformation sampled(*whole, 2.5e-3);
-    const BackwardField field = backwardField(sampled, obliqueGrid());
+    const BackwardField field = backwardField(sampled, InverseDeformation(sampled), obliqueGrid());
     REQUIRE(countOf(field.body) > 10000);
     const WarpCheck check = checkField(field, *whole, InverseDeformation(sampled), 2000);
     CHECK(check.count > 1950);
@@ -91,7 +91,7 @@ TEST_CASE("A warped image is what was there, and vacated space is empty", "[imag
   for (int k = 0; k < grid.size[2]; ++k)
     for (int j = 0; j < grid.size[1]; ++j)
       for (int i = 0; i < grid.size[0]; ++i) image(i, j, k) = imageAt(grid.worldOf(i, j, k));
-  const BackwardField field = backwardField(sampled, grid);
+  const BackwardField field = backwardField(sampled, InverseDeformation(sampled), grid);
   const Image result = warped(image, field, Between::Cubic, -1);
   const Mask valid = validOf(grid, field);
   double worst = 0;
@@ -120,7 +120,8 @@ TEST_CASE("A warped image is what was there, and vacated space is empty", "[imag
 
 TEST_CASE("The jacobian of an affine field is its determinant", "[imaging][warp]") {
   const AffineField affine;
-  const BackwardField field = backwardField(SampledDeformation(affine, 4e-3), obliqueGrid());
+  const SampledDeformation sampled(affine, 4e-3);
+  const BackwardField field = backwardField(sampled, InverseDeformation(sampled), obliqueGrid());
   Vec3 u;
   Mat3 gradient;
   affine.at(Vec3::Zero(), u, gradient);

@@ -178,8 +178,7 @@ TEST_CASE("PLY, OFF and VTK are read, text or binary, to the same tetrahedron", 
     const std::string cut = bytes.substr(0, bytes.size() - (name == "binary.vtk" || name == "new.vtk" ? 40 : 30));
     CHECK_THROWS_AS(surfaceFrom(cut, name), InputError);
   }
-  CHECK(surfaceFrom(off.substr(0, off.size() - 5), "a.off", 1, SurfaceReading::Tolerant).surface.triangles.size() ==
-        3);
+  CHECK(surfaceFrom(off.substr(0, off.size() - 5), "a.off", 1, SurfaceReading::Tolerant).surface.triangles.size() == 3);
   CHECK(surfaceFrom(text_ply + "", "a.ply").source.triangle_line[1] == 17);
 }
 
@@ -204,6 +203,10 @@ TEST_CASE("A tolerant reader takes what can be read, and counts the rest", "[io]
   const std::string binary = binaryStl(boxSurface({1, 1, 1}, 1));
   const SurfaceFile cut = surfaceFrom(binary.substr(0, binary.size() - 70), "a.stl", 1, SurfaceReading::Tolerant);
   CHECK(cut.unreadable_faces == 2);
+  // Where nothing can be read it says what is wrong first.
+  const std::string commas = "v 0,5 0 0\nv 1 0,5 0\nv 0 0 0,5\nf 1 2 3\n";
+  CHECK_THAT(refusal([&] { surfaceFrom(commas, "cube.obj", 1, SurfaceReading::Tolerant); }),
+             Contains("cube.obj:1:3") && Contains("a point and not a comma"));
 }
 
 TEST_CASE("Bad OBJ files are refused at their place, with advice", "[io][surface][refusal]") {

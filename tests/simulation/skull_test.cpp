@@ -1,7 +1,9 @@
 #include <catch2/catch.hpp>
 
 #include "simulation/model_hash.h"
+#include "simulation/static_solver.h"
 #include "simulation/step.h"
+#include "simulation/transient_solver.h"
 #include "simulation/workspace.h"
 #include "support/realtime_guard.h"
 #include "support/small_scene.h"
@@ -78,6 +80,28 @@ TEST_CASE("A ball rests in its skull, which bears its weight, whatever the threa
   CHECK(stateHash(model, half) == stateHash(model, other));
   other.skull.force[0].x += 1e-6F;  // it is remembered
   CHECK(stateHash(model, half) != stateHash(model, other));
+}
+
+TEST_CASE("A static solution in a skull rests, and a transient one comes to the same", "[simulation][skull][static]") {
+  const Model model = heavyBallModel();
+  StaticSolver solver(model, 1, 1e-2);
+  const Equilibrium rest = solver.advanceTo(1);
+  REQUIRE(rest.converged);
+  TransientSolver motion(model, 1);
+  BatchBody::Report report;
+  for (int k = 0; k < 130; ++k) report = motion.tick();
+  CHECK(rest.skull.force.z() == Approx(ownWeight(model)).epsilon(5e-3));
+  CHECK(report.skull.force.z() == Approx(ownWeight(model)).epsilon(0.02));
+  CHECK(report.skull.max_penetration < 1e-4);
+  double sag[2] = {0, 0};
+  for (int which = 0; which < 2; ++which) {
+    const AlignedVector<Double4>& u = which == 0 ? solver.body().u : motion.body().u;
+    AlignedVector<Float4> rounded;
+    for (const Double4& a : u) rounded.push_back(toFloat4(toVec3(a)));
+    CHECK(deepest(model, [&](int v) { return skinPosition(model.skin, v, rounded.data()); }) < 1e-4);
+    for (std::size_t i = 0; i < u.size(); ++i) sag[which] -= model.mass[i] * u[i].z;
+  }
+  CHECK(sag[0] == Approx(sag[1]).epsilon(0.02));  // 1.2 mm on average
 }
 
 TEST_CASE("Where the skull is open nothing holds the skin, and steps with it take no memory", "[simulation][skull]") {

@@ -7,6 +7,8 @@
 #include <numeric>
 #include <utility>
 
+#include "base/parallel_for.h"
+
 namespace palpate {
 
 namespace {
@@ -66,43 +68,73 @@ Box3 SurfaceTree::faceBox(int t) const {
   return box;
 }
 
+/// Large parts on cores of their own, whose nodes are put together afterwards: the same tree on any number of cores.
 int SurfaceTree::build(int begin, int end, std::vector<Vec3>& centroids) {
-  const int index = static_cast<int>(nodes_.size());
-  nodes_.emplace_back();
-  Node node;
-  Box3 centroid_box;
-  double area = 0;
-  for (int i = begin; i < end; ++i) {
-    const int t = order_[i];
-    node.box.extend(faceBox(t));
-    centroid_box.extend(centroids[t]);
-    const Vec3 vector = areaVector(surface_, t);
-    node.area_vector += vector;
-    node.centre += vector.norm() * centroids[t];
-    area += vector.norm();
-  }
-  node.centre = area > 0 ? Vec3(node.centre / area) : node.box.center();
-  for (int i = begin; i < end; ++i) {
-    for (int v : surface_.triangles[order_[i]]) {
-      node.radius = std::max(node.radius, (surface_.vertices[v] - node.centre).norm());
+  constexpr int worth_a_core = 100'000;  // faces
+  // Of the faces order_[first .. last); where they are many, they are parted in the middle.
+  const auto nodeOf = [&](int first, int last) {
+    Node node;
+    Box3 centroid_box;
+    double area = 0;
+    for (int i = first; i < last; ++i) {
+      const int t = order_[i];
+      node.box.extend(faceBox(t));
+      centroid_box.extend(centroids[t]);
+      const Vec3 vector = areaVector(surface_, t);
+      node.area_vector += vector;
+      node.centre += vector.norm() * centroids[t];
+      area += vector.norm();
     }
-  }
-  if (end - begin <= leaf_size) {
-    node.first = begin;
-    node.count = end - begin;
-  } else {
+    node.centre = area > 0 ? Vec3(node.centre / area) : node.box.center();
+    for (int i = first; i < last; ++i)
+      for (int v : surface_.triangles[order_[i]])
+        node.radius = std::max(node.radius, (surface_.vertices[v] - node.centre).norm());
+    if (last - first <= leaf_size) {
+      node.first = first;
+      node.count = last - first;
+      return node;
+    }
     int axis = 0;
     centroid_box.sizes().maxCoeff(&axis);
-    const int middle = begin + (end - begin) / 2;
-    std::nth_element(order_.begin() + begin, order_.begin() + middle, order_.begin() + end, [&](int s, int t) {
-      // Ties by index: the tree is the same on every run.
-      return std::pair(centroids[s][axis], s) < std::pair(centroids[t][axis], t);
-    });
-    build(begin, middle, centroids);
-    node.first = build(middle, end, centroids);
-  }
-  nodes_[index] = node;
-  return index;
+    std::nth_element(order_.begin() + first, order_.begin() + first + (last - first) / 2, order_.begin() + last,
+                     [&](int s, int t) {
+                       // Ties by index: the tree is the same on every run.
+                       return std::pair(centroids[s][axis], s) < std::pair(centroids[t][axis], t);
+                     });
+    return node;
+  };
+  const auto add = [&](const auto& self, int first, int last, std::vector<Node>& nodes) -> int {
+    const auto index = nodes.size();
+    nodes.emplace_back();
+    Node node = nodeOf(first, last);
+    if (node.count == 0) {
+      const int middle = first + (last - first) / 2;
+      if (last - first > worth_a_core) {
+        std::vector<Node> half[2];
+        parallelFor(
+            2,
+            [&](int from, int to) {
+              for (int h = from; h < to; ++h) self(self, h == 0 ? first : middle, h == 0 ? middle : last, half[h]);
+            },
+            1);
+        for (int h = 0; h < 2; ++h) {
+          const int offset = static_cast<int>(nodes.size());
+          if (h == 1) node.first = offset;
+          for (Node& n : half[h]) {
+            if (n.count == 0) n.first += offset;
+            nodes.push_back(n);
+          }
+          half[h] = {};
+        }
+      } else {
+        self(self, first, middle, nodes);
+        node.first = self(self, middle, last, nodes);
+      }
+    }
+    nodes[index] = node;
+    return static_cast<int>(index);
+  };
+  return add(add, begin, end, nodes_);
 }
 
 double SurfaceTree::windingNumber(const Vec3& x) const {

@@ -91,6 +91,19 @@ TEST_CASE("The tree's closest point and signed distance agree with brute force",
   CHECK(inside_count > 50);
 }
 
+TEST_CASE("A tree so large that its halves are built on different cores is whole", "[surface][tree]") {
+  const TriangleSurface sphere = ellipsoidSurface({1, 1, 1}, 0.015);
+  REQUIRE(sphere.triangles.size() > 100'000);
+  const SurfaceTree tree(sphere);
+  for (int k = 0; k < 200; ++k) {
+    const Vec3 direction = Vec3(std::sin(2.1 * k), std::sin(3.7 * k + 1), std::sin(5.3 * k + 2)).normalized();
+    const double radius = 0.5 + 0.005 * k;
+    REQUIRE(tree.closest(radius * direction).distance == Approx(std::abs(radius - 1)).margin(1e-4));
+    REQUIRE(tree.windingNumber(radius * direction) == Approx(radius < 1 ? 1 : 0).margin(0.05));
+    REQUIRE(tree.firstHit(Vec3::Zero(), direction)->distance == Approx(1).margin(1e-4));
+  }
+}
+
 TEST_CASE("Inside is right in line with edges and vertices, and close to the skin", "[surface][tree]") {
   const TriangleSurface box = boxSurface({1, 1, 1}, 0.25);
   const SurfaceTree tree(box);

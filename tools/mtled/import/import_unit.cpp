@@ -15,6 +15,7 @@ struct Unit {
 constexpr Unit units[] = {{"mm", 0.001}, {"cm", 0.01}, {"m", 1.0}};
 
 constexpr double shortest_organ = 0.005, longest_organ = 0.6;  // m
+constexpr double shortest_body = 0.001, longest_body = 5;      // m, even where --unit says so
 
 std::string lengthText(double metres) {
   if (metres < 0.0995) return format("%.3g mm", 1e3 * metres);
@@ -25,10 +26,14 @@ std::string lengthText(double metres) {
 
 SurfaceUnit surfaceUnit(const std::string& file, const std::string& asked, double length) {
   std::vector<SurfaceUnit> likely;
-  std::string lengths;
+  std::string lengths, absurd;
   for (const Unit& unit : units) {
     const std::string text = lengthText(length * unit.length);
-    if (asked == unit.name) return {unit.name, unit.length, "as --unit says; it is " + text + " long then"};
+    if (asked == unit.name) {
+      if (length * unit.length >= shortest_body && length * unit.length <= longest_body)
+        return {unit.name, unit.length, "as --unit says; it is " + text + " long then"};
+      absurd = text;
+    }
     lengths += (lengths.empty() ? "" : ", ") + text + " with --unit " + unit.name;
     if (length * unit.length >= shortest_organ && length * unit.length <= longest_organ)
       likely.push_back({unit.name, unit.length,
@@ -36,6 +41,8 @@ SurfaceUnit surfaceUnit(const std::string& file, const std::string& asked, doubl
                             " long then, and no size for an organ in any other unit; --unit sets "
                             "another"});
   }
+  if (!absurd.empty())
+    throw InputError({file}, "in " + asked + " this would be " + absurd + " long", "it would be " + lengths);
   if (!asked.empty()) throw InputError({}, inQuotes(asked) + " is not a unit", "give --unit mm, cm or m");
   // A file of centimetres is rare: one of that size may as well have no unit at all.
   if (likely.size() == 1 && likely.front().name != "cm") return likely.front();

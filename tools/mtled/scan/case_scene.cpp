@@ -44,6 +44,13 @@ std::string sceneText(const CaseScene& scene, const TriangleSurface& surface) {
     s << "[[prescribed]]        # where the electrodes are\nname = \"electrode\"\npoints = " << quoted(scene.electrodes)
       << "\n"
       << scene.electrode_keys << "duration = 1.0\n\n";
+  if (scene.in_skull) {
+    s << "[skull]               # the brain slides in it\nfrom = \"organ\"\nclearance = 0.0005\n";
+    if (!scene.opened.isEmpty())
+      s << "open = [{ shape = \"sphere\", centre = " << vectorText(scene.opened.center())
+        << ", radius = " << format("%.4g", 0.5 * scene.opened.diagonal().norm() + 2 * scene.spacing) << " }]\n";
+    s << "\n";
+  }
   s << "[solve]\nload_steps = 5\ntolerance = 1e-3\nframes = 5\n\n"
     << "[tool]\nshape = \"sphere\"\nradius = " << format("%.4g", radius)
     << "\nposition = " << vectorText(Vec3(box.center().x(), box.center().y(), box.max().z() + 2 * radius))

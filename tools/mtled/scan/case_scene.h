@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "discretization/surface/triangle_surface.h"
+#include "discretization/surface/surface_geometry.h"
 
 namespace palpate::tools {
 
@@ -13,13 +13,15 @@ struct CaseScene {
   bool has_fluid = false;      // csf.nii.gz and mask.nii.gz are there
   std::string electrodes;      // file in the case's folder; "" for none
   std::string electrode_keys;  // lines with unit and frame
+  bool in_skull = false;       // slides in a rigid shell around the brain as it lies
+  Box3 opened;                 // m, of the skull: the ball around it; empty: it is closed
 };
 
 /// m between nodes, so that a volume (m^3) has about so many.
 double spacingFor(double volume, int nodes);
 
 /// The text of scene.toml: surface.obj, brain and fluid as the paper has them (E 3000 and 100 Pa, Poisson's ratio
-/// 0.49), held at the lowest twentieth, moved by the electrodes, a ball above it.
+/// 0.49), held at the lowest twentieth, in a skull where there is one, moved by the electrodes, a ball above it.
 std::string sceneText(const CaseScene& scene, const TriangleSurface& surface);
 
 }  // namespace palpate::tools

@@ -117,7 +117,9 @@ void classify(Import& import) {
   if (o.classes == 0) return;
   if (o.fluid != "dark" && o.fluid != "bright" && o.fluid != "none")
     throw InputError({}, "--fluid " + inQuotes(o.fluid), "give dark (T1), bright (T2) or none");
-  import.tissue = fuzzyCMeans(import.scan, import.mask, {.classes = o.classes},
+  FuzzyOptions fuzzy;
+  fuzzy.classes = o.classes;
+  import.tissue = fuzzyCMeans(import.scan, import.mask, fuzzy,
                               [&](double share) { import.show(0.1 + 0.2 * share, "tissue classes");
 });
 import.fluid = o.fluid == "none" ? -1 : o.fluid == "dark" ? 0 : o.classes - 1;
@@ -125,7 +127,8 @@ nlohmann::json classes = nlohmann::json::array();
 for (int c = 0; c < o.classes; ++c) {
   const std::string name = c == import.fluid ? "csf.nii.gz" : "tissue_" + std::to_string(c + 1) + ".nii.gz";
   import.show(0.3 + 0.1 * c / o.classes, "writing memberships");
-  writeImage(import.file(name), import.tissue->membership[static_cast<std::size_t>(c)]);
+  constexpr double share_step = 1.0 / 16384;  // 0 and 1 are exact; half the bytes of real numbers
+  writeImage(import.file(name), import.tissue->membership[static_cast<std::size_t>(c)], NiftiType::Int16, share_step);
   classes.push_back({{"file", name}, {"centre", import.tissue->centre[static_cast<std::size_t>(c)]}});
 }
 import.report["classes"] = classes;
@@ -160,6 +163,7 @@ void writeScene(Import& import) {
   scene.name = fs::path(o.scan).filename().string();
   scene.spacing = import.spacing;
   scene.has_fluid = import.fluid >= 0;
+  scene.in_skull = o.skull;
   if (!o.electrodes.empty()) {
     const bool slicer = o.electrodes.ends_with(".fcsv") || o.electrodes.ends_with(".json");
     const auto frame = o.frame.empty()    ? std::optional<Frame>()
@@ -175,6 +179,7 @@ void writeScene(Import& import) {
     if (!slicer) scene.electrode_keys = "unit = \"" + o.unit + "\"\nframe = \"" + o.frame + "\"\n";
     writeWholeFile(import.file(scene.electrodes), readWholeFile(o.electrodes));
     import.report["electrodes"] = points.after.size();
+    for (const Vec3& x : points.before.empty() ? points.after : points.before) scene.opened.extend(x);
   }
   writeWholeFile(import.file("scene.toml"), sceneText(scene, import.surface.surface));
 }

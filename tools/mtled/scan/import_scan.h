@@ -15,6 +15,7 @@ struct ImportScanOptions {
   std::string fluid = "dark";      // "dark", "bright" or "none": the class that is fluid (dark on T1, bright on T2)
   std::string electrodes;          // CSV, .fcsv or .mrk.json; "" for none
   std::string unit = "mm", frame;  // of the electrodes' CSV; frame "ras" or "lps"
+  bool skull = false;              // it slides in a rigid shell around it, open over the electrodes
   double spacing_mm = 0;           // between nodes; 0: for `nodes`
   int nodes = 3000;                // wanted, where no spacing is given
   double smoothing_mm = 0;         // of the mask's border; 0: 0.35 of the spacing

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 #include <filesystem>
+#include <future>
 #include <iostream>
 #include <nlohmann/json.hpp>
 
@@ -11,6 +12,7 @@
 #include "base/input_error.h"
 #include "base/interrupt.h"
 #include "base/number_text.h"
+#include "base/parallel_for.h"
 #include "imaging/warp.h"
 #include "io/image_file.h"
 #include "io/load_model.h"
@@ -54,11 +56,20 @@ std::unique_ptr<MmlsDeformation> deformationOf(const std::string& folder, double
 /// |after - before|, to look at.
 Image differenceOf(const Image& before, const Image& after) {
   Image difference(after.grid);
-  for (int k = 0; k < after.grid.size[2]; ++k)
-    for (int j = 0; j < after.grid.size[1]; ++j)
-      for (int i = 0; i < after.grid.size[0]; ++i)
-        difference(i, j, k) =
-            std::abs(after(i, j, k) - linearValue(before, before.grid.indexOf(after.grid.worldOf(i, j, k))));
+  const bool same = sameGrid(before.grid, after.grid);
+  parallelFor(
+      after.grid.size[2],
+      [&](int first, int last) {
+        for (int k = first; k < last; ++k)
+          for (int j = 0; j < after.grid.size[1]; ++j)
+            for (int i = 0; i < after.grid.size[0]; ++i) {
+              const std::size_t v = after.grid.at(i, j, k);
+              const float was =
+                  same ? before.value[v] : linearValue(before, before.grid.indexOf(after.grid.worldOf(i, j, k)));
+              difference.value[v] = std::abs(after.value[v] - was);
+            }
+      },
+      1);
   return difference;
 }
 
@@ -98,21 +109,24 @@ int warpCommand(const WarpOptions& options) {
   try {
     ProgressLine progress("warp");
     progress.show(0, "reading");
-    Image image;
-    if (!options.image.empty()) image = readImage(options.image, reading);
-    const ImageGrid grid = options.like.empty() ? image.grid : readImage(options.like, reading).grid;
-    if (options.image.empty()) image.grid = grid;
+    // Expanding an image is work for one core, and so is much of opening the scene.
+    auto reader = std::async(std::launch::async,
+                             [&] { return options.image.empty() ? Image() : readImage(options.image, reading); });
     double spacing = 0;
     int nodes = 0;
     const auto whole = deformationOf(options.folder, spacing, nodes);
+    Image image = reader.get();
+    const ImageGrid grid = options.like.empty() ? image.grid : readImage(options.like, reading).grid;
+    if (options.image.empty()) image.grid = grid;
     const auto loaded = std::chrono::steady_clock::now();
     partOf(progress, 0.1, 0, "sampling the field")(0);
     const SampledDeformation sampled(*whole, spacing / samples_per_spacing);
     const auto sampled_at = std::chrono::steady_clock::now();
-    const BackwardField field = backwardField(sampled, grid, partOf(progress, 0.3, 0.3, "inverting it"));
+    const InverseDeformation inverse(sampled);
+    const BackwardField field = backwardField(sampled, inverse, grid, partOf(progress, 0.3, 0.3, "inverting it"));
     const auto inverted = std::chrono::steady_clock::now();
     partOf(progress, 0.6, 0, "checking it")(0);
-    const WarpCheck check = checkField(field, *whole, InverseDeformation(sampled), checked_voxels);
+    const WarpCheck check = checkField(field, *whole, inverse, checked_voxels);
     const auto checked = std::chrono::steady_clock::now();
     partOf(progress, 0.65, 0, "writing")(0);
     writeImage(file("field.nii.gz"), field.to_rest);

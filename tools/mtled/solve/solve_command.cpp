@@ -205,9 +205,6 @@ int solveCommand(const SolveOptions& options) {
   if (const std::vector<ToolSpec> tools = toolsOf(scene); tools.size() > 1 || tools[0].jaws())
     throw InputError(tools.back().place, "mtled solve moves a single tool, and no jaws",
                      "leave the others and \"opening\" out, or run the scene with palpate --offscreen");
-  if (scene.skull.given && scene.solve.mode == SolveSpec::Mode::Static)  // its contact chatters in dynamic relaxation
-    throw InputError(scene.skull.place, "a static solution does not come to rest in a skull",
-                     "add [solve] mode = \"transient\", or leave the skull out");
   const std::optional<ToolScript> script = namedScript(options.tool_script, scene.tool.radius);
   const double end = endTime(scene, script);
   checkLength(scene, end);

@@ -174,8 +174,9 @@ void judgeWarp(const CaseContext& context, const Phantom& phantom, const StaticS
   const MmlsDeformation whole(model.X, model.support_radius, s.uAsVectors(),
                               {model.scene.basis_degree, model.scene.mmls_weight}, organSurface(model.scene));
   const SampledDeformation sampled(whole, model.scene.spacing / 3);
-  const BackwardField field = backwardField(sampled, phantom.scan.grid);
-  const WarpCheck check = checkField(field, whole, InverseDeformation(sampled), context.quick ? 2000 : 10000);
+  const InverseDeformation inverse(sampled);
+  const BackwardField field = backwardField(sampled, inverse, phantom.scan.grid);
+  const WarpCheck check = checkField(field, whole, inverse, context.quick ? 2000 : 10000);
   result.bounds.push_back({"Sampled inverse beside Newton's method on the whole field, mean", check.mean, 0.02e-3, true,
                            "m", std::to_string(check.count) + " voxels by lot"});
   result.bounds.push_back({"The same, largest", check.max, 0.1e-3, true, "m", ""});
