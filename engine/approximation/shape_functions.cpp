@@ -8,7 +8,8 @@ namespace palpate {
 
 ShapeTable shapeFunctions(const std::vector<Vec3>& points, const std::vector<Vec3>& X,
                           const std::vector<double>& radius, const Neighbours& neighbours, const MmlsOptions& options,
-                          std::vector<InadmissibleSupport>& failed, const AdmissibilityLimits& limits) {
+                          std::vector<InadmissibleSupport>& failed, const AdmissibilityLimits& limits,
+                          const SupportGroups& groups) {
   const int rows = static_cast<int>(points.size());
   struct Row {
     std::vector<int> node;
@@ -24,6 +25,7 @@ ShapeTable shapeFunctions(const std::vector<Vec3>& points, const std::vector<Vec
     std::vector<double> support_radius;
     for (int r = begin; r < end; ++r) {
       neighbours.find(points[r], row[r].node);
+      if (!groups.row.empty()) std::erase_if(row[r].node, [&](int j) { return (groups.node[j] & groups.row[r]) == 0; });
       support_X.clear();
       support_radius.clear();
       for (int j : row[r].node) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "approximation/mmls.h"
@@ -27,12 +28,20 @@ struct AdmissibilityLimits {
   }
 };
 
+/// Which nodes may carry which points: those that have a bit in common with the point. Empty: all.
+struct SupportGroups {
+  std::vector<std::uint64_t> node;  // (node_count)
+  std::vector<std::uint64_t> row;   // (row_count)
+};
+
 /// Evaluates MMLS shape functions and gradients at many points, on all cores.
 /// @param points   m (row_count)
 /// @param failed   receives the inadmissible rows in ascending order; their entries are left empty
+/// @param groups   supports that are to end somewhere
 ShapeTable shapeFunctions(const std::vector<Vec3>& points, const std::vector<Vec3>& X,
                           const std::vector<double>& radius, const Neighbours& neighbours, const MmlsOptions& options,
-                          std::vector<InadmissibleSupport>& failed, const AdmissibilityLimits& limits = {});
+                          std::vector<InadmissibleSupport>& failed, const AdmissibilityLimits& limits = {},
+                          const SupportGroups& groups = {});
 
 /// Multiplies by 1.15 the radii of the eight nodes nearest to each failed point: sparse supports
 /// grow until they are admissible. Returns the nodes that changed.

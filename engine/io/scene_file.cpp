@@ -98,6 +98,11 @@ void readDiscretization(const TomlTable& table, Scene& scene) {
   if (scene.cell_volume && !scene.node_patch_volume)
     throw InputError(table.place("cell_volume"), "cell_volume takes over from node patches, and there are none",
                      "set node_patch_volume = true, or leave cell_volume out");
+  table.read("sharp_interfaces", scene.sharp_interfaces);
+  if (scene.sharp_interfaces && !scene.consistent_gradients)
+    throw InputError(table.place("sharp_interfaces"),
+                     "without consistent gradients the sides of a border do not balance",
+                     "set consistent_gradients = true, or leave sharp_interfaces out");
   if (table.readChoice("boundary_method", 0) == 1) scene.boundary_method = Scene::BoundaryMethod::Ebciem;
   for (const TomlTable& entry : table.tables("refine", {"discretization.refine"})) {
     RefineSpec& refine = scene.refine.emplace_back();

@@ -105,6 +105,11 @@ constexpr KeySpec scene_keys[] = {
      "between bonded ends finds no equilibrium with it. "
      "Costs up to a seventh more time a step, where something is pressed. Needs `node_patch_volume`.",
      never},
+    {"discretization", "sharp_interfaces", T::Boolean, "", "false", {}, "",
+     "Supports end at the borders between materials, on which nodes are put: strains may then jump there, as they do "
+     "where stiff tissue meets soft. Two layers of 3000 and 300 Pa, eight spacings high, sheared by 30 %: force within "
+     "0.4 % of the closed form instead of 2 % too stiff. Costs set-up time only. Needs `consistent_gradients`, and a "
+     "spacing of at most half of each material's thickness."},
     {"discretization", "boundary_method", T::Text, "", "\"sebciem\"", {}, "sebciem|ebciem",
      "How the forces act that impose displacements: lumped at the nodes (paper eqs. 18-20), or distributed "
      "over the boundary's faces (paper eqs. 14-17), which is more accurate with a `support_factor` above 2. "

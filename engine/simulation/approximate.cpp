@@ -1,6 +1,7 @@
 #include "simulation/approximate.h"
 
 #include <algorithm>
+#include <tuple>
 
 #include "approximation/shape_functions.h"
 #include "discretization/cells/adaptive_quadrature.h"
@@ -52,18 +53,23 @@ IntegrationPoints choosePoints(const Scene& scene, const std::vector<Vec3>& X, c
 
 Approximation approximate(const Scene& scene, const std::vector<Vec3>& X, std::vector<double> radius,
                           const std::vector<Vec3>& point_X, const std::vector<Vec3>& skin_X,
-                          const std::vector<Vec3>& facet_X, const std::vector<Vec3>& boundary_X) {
+                          const std::vector<Vec3>& facet_X, const std::vector<Vec3>& boundary_X,
+                          const ApproximationGroups& groups) {
   const MmlsOptions options{scene.basis_degree, scene.mmls_weight};
   Approximation a;
   for (int attempt = 0;; ++attempt) {
     const Neighbours neighbours(X, radius);
-    const std::pair<const std::vector<Vec3>*, ShapeTable*> parts[] = {
-        {&point_X, &a.points}, {&skin_X, &a.skin}, {&X, &a.nodes}, {&facet_X, &a.facets}, {&boundary_X, &a.boundary}};
+    const std::tuple<const std::vector<Vec3>*, const std::vector<std::uint64_t>*, ShapeTable*> parts[] = {
+        {&point_X, &groups.points, &a.points},
+        {&skin_X, &groups.skin, &a.skin},
+        {&X, &groups.nodes, &a.nodes},
+        {&facet_X, &groups.facets, &a.facets},
+        {&boundary_X, &groups.boundary, &a.boundary}};
     bool admissible = true;
     std::vector<double> enlarged = radius;
-    for (const auto& [at, table] : parts) {
+    for (const auto& [at, rows, table] : parts) {
       std::vector<InadmissibleSupport> failed;
-      *table = shapeFunctions(*at, X, radius, neighbours, options, failed);
+      *table = shapeFunctions(*at, X, radius, neighbours, options, failed, {}, {groups.of_nodes, *rows});
       if (failed.empty()) continue;
       admissible = false;
       if (attempt == max_enlargements)

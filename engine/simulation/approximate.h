@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "approximation/shape_table.h"
@@ -22,8 +23,15 @@ struct Approximation {
   ShapeTable points, skin, nodes, facets, boundary;
 };
 
+/// Where supports end at borders between materials: of which materials (bits) nodes and evaluation points are.
+struct ApproximationGroups {
+  std::vector<std::uint64_t> of_nodes, points, skin, nodes, facets, boundary;
+};
+
+/// @param groups  empty: supports reach over all borders
 Approximation approximate(const Scene& scene, const std::vector<Vec3>& X, std::vector<double> radius,
                           const std::vector<Vec3>& point_X, const std::vector<Vec3>& skin_X,
-                          const std::vector<Vec3>& facet_X, const std::vector<Vec3>& boundary_X);
+                          const std::vector<Vec3>& facet_X, const std::vector<Vec3>& boundary_X,
+                          const ApproximationGroups& groups = {});
 
 }  // namespace palpate

@@ -7,6 +7,7 @@
 #include "discretization/nodes/node_order.h"
 #include "discretization/nodes/volume_fit.h"
 #include "discretization/surface/surface_geometry.h"
+#include "simulation/interface_nodes.h"
 #include "simulation/scene_messages.h"
 
 namespace palpate {
@@ -76,6 +77,7 @@ Discretization discretize(const Scene& scene, const SurfaceTree& organ, const st
   checkCounts(scene, signedVolume(organ.surface()), surfaceArea(organ.surface()));
   Discretization d;
   d.cloud = makeNodeCloud(organ, spacingField(scene), scene.seed, rimsOf(scene, organ));
+  if (hasSharpInterfaces(scene)) putOnInterfaces(scene, organ, spacingField(scene), d.cloud);
   progress(0.7);
   d.cells = makeBackgroundCells(d.cloud, organ);
   progress(0.95);

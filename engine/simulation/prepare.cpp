@@ -12,7 +12,9 @@
 #include "simulation/choose_time_step.h"
 #include "simulation/imposed_nodes.h"
 #include "simulation/mixtures.h"
+#include "simulation/scene_messages.h"
 #include "simulation/scene_regions.h"
+#include "simulation/sharp_interfaces.h"
 
 namespace palpate {
 namespace {
@@ -26,15 +28,55 @@ std::vector<int> materialsAt(const Scene& scene, const std::vector<Vec3>& X, con
   return material;
 }
 
+/// Not 0 at nodes where lumped tractions act. Tractions that are integrated over facets can answer any stress; lumped
+/// ones only a sum over the nodes.
+std::vector<std::uint8_t> lumpedNodes(const Scene& scene, const EssentialNodes& essential, std::size_t node_count) {
+  if (scene.boundary_method == Scene::BoundaryMethod::Ebciem) return std::vector<std::uint8_t>(node_count, 0);
+  return imposedComponents(essential.nodes, node_count);
+}
+
 /// Samples of the organ's border at which gradients are made consistent.
 BoundaryPoints consistencyPoints(const Scene& scene, const NodeCloud& cloud,
                                  const std::vector<std::array<int, 3>>& outer, const EssentialNodes& essential) {
   if (!scene.consistent_gradients) return {};
-  // Tractions that are integrated over facets can answer any stress; lumped ones only a sum over the nodes.
-  const bool integrated = scene.boundary_method == Scene::BoundaryMethod::Ebciem;
-  const std::vector<std::uint8_t> lumped =
-      integrated ? std::vector<std::uint8_t>(cloud.X.size(), 0) : imposedComponents(essential.nodes, cloud.X.size());
-  return boundaryPoints(cloud.X, outer, lumped);
+  return boundaryPoints(cloud.X, outer, lumpedNodes(scene, essential, cloud.X.size()));
+}
+
+/// What can't be done with supports that end at borders.
+void refuseUnsharp(const Scene& scene) {
+  const SourceLocation place = placeOf(scene, "discretization.sharp_interfaces");
+  if (scene.materials.size() > max_interface_materials)
+    throw InputError(place, "borders are sharp between " + number(max_interface_materials) + " materials at most",
+                     "leave sharp_interfaces out");
+  for (const BoundarySpec& b : scene.boundaries)
+    if (b.region.kind == Region::Kind::Point)
+      throw InputError(place, "measured points lie between nodes, with supports that reach over borders",
+                       "leave sharp_interfaces out");
+}
+
+/// Supports and gradients where they end at borders between materials.
+struct SharpParts {
+  SharpInterfaces interfaces;
+  ApproximationGroups groups;
+};
+
+SharpParts sharpParts(const Scene& scene, const SurfaceTree& tree, const std::vector<Vec3>& X,
+                      const BackgroundCells& cells, const std::vector<int>& cell_material,
+                      const IntegrationPoints& points, const std::vector<Vec3>& skin_X,
+                      const std::vector<Vec3>& facet_X, const EssentialNodes& essential) {
+  refuseUnsharp(scene);
+  SharpParts sharp;
+  sharp.interfaces = sharpInterfaces(X, cells.cells, cell_material, materialsAt(scene, X, tree), points.cell,
+                                     lumpedNodes(scene, essential, X.size()));
+  ApproximationGroups& groups = sharp.groups;
+  groups.of_nodes = sharp.interfaces.node;
+  groups.points = bitsOf(sharp.interfaces.point_material);
+  groups.skin = bitsOf(materialsAt(scene, skin_X, tree));
+  groups.nodes = firstBits(groups.of_nodes);
+  groups.facets = bitsOf(materialsAt(scene, facet_X, tree));
+  for (const SharpInterfaces::Side& side : sharp.interfaces.sides)
+    groups.boundary.resize(static_cast<std::size_t>(side.end), MaterialBits{1} << side.material);
+  return sharp;
 }
 
 /// Masses and the stable step, with the mass added that spares steps of a tick.
@@ -89,17 +131,28 @@ Preparation prepare(const Scene& scene, const SurfaceTree& tree, Discretization 
   const auto outer = boundaryFacets(cells.cells);
   std::vector<Vec3> facet_X;
   if (scene.boundary_method == Scene::BoundaryMethod::Ebciem) facet_X = essentialFacets(cloud, outer, p.essential);
-  const BoundaryPoints boundary = consistencyPoints(scene, cloud, outer, p.essential);
-  report("shape functions", 0.44);
-  auto shape = approximate(scene, cloud.X, std::move(radius), points.X, p.skin.surface.vertices, facet_X, boundary.X);
-  if (scene.consistent_gradients) {
+  constexpr double gradient_tolerance = 1e-6;  // leaves 1e-7 of the displacement
+  Approximation shape;
+  if (hasSharpInterfaces(scene)) {
+    const auto [interfaces, groups] =
+        sharpParts(scene, tree, cloud.X, cells, cell_material, points, p.skin.surface.vertices, facet_X, p.essential);
+    report("shape functions", 0.44);
+    shape = approximate(scene, cloud.X, std::move(radius), points.X, p.skin.surface.vertices, facet_X,
+                        interfaces.boundary.X, groups);
     report("consistent gradients", 0.58);
-    // 1e-6 leaves 1e-7 of the displacement.
-    correctGradients(shape.points, points.X, points.volume, cloud.X, boundary, shape.boundary, 1e-6);
+    correctGradients(interfaces, shape.points, points.X, points.volume, cloud.X, shape.boundary, gradient_tolerance);
+    p.point_material = interfaces.point_material;
+  } else {
+    const BoundaryPoints boundary = consistencyPoints(scene, cloud, outer, p.essential);
+    report("shape functions", 0.44);
+    shape = approximate(scene, cloud.X, std::move(radius), points.X, p.skin.surface.vertices, facet_X, boundary.X);
+    report("consistent gradients", 0.58);
+    if (scene.consistent_gradients)
+      correctGradients(shape.points, points.X, points.volume, cloud.X, boundary, shape.boundary, gradient_tolerance);
+    p.point_material = materialsAt(scene, points.X, tree);
   }
 
   report("mass and stable step", 0.81);
-  p.point_material = materialsAt(scene, points.X, tree);
   for (std::size_t q = 0; q < points.other_cell.size(); ++q)  // between two cells of one material may lie another
     p.point_material[q] = cell_material[points.cell[q]];
   if (mixedMaterial(scene) != 0) {

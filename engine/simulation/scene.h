@@ -161,6 +161,7 @@ struct Scene {
   bool consistent_gradients = true;  // correct the gradients to the divergence theorem (consistent_gradients.h)
   bool node_patch_volume = true;     // average the volume over node patches, against locking (node_patch.h)
   bool cell_volume = false;          // hold the volume of pressed tissue by the cells' (cell_volume.h)
+  bool sharp_interfaces = false;     // supports end at borders between materials (sharp_interfaces.h)
   enum class BoundaryMethod { Sebciem, Ebciem };
   BoundaryMethod boundary_method = BoundaryMethod::Sebciem;  // paper eqs. 18-20 or 14-17
   std::vector<RefineSpec> refine;

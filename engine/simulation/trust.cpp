@@ -17,8 +17,8 @@ Doubt doubtOf(const Model& model, const StepReport& report) {
   const double max_pressure =
       model.scene.quadrature.cells_per_point > 1 ? TrustLimits::pressure_of_pairs : TrustLimits::pressure;
   if (report.nearly_incompressible &&
-      (std::abs(report.volume_change) > TrustLimits::volume_change || report.pressure_over_shear > max_pressure ||
-       report.cell_pressure_over_shear > TrustLimits::pressure_with_cells))
+      (report.min_J < TrustLimits::crumpled_J || std::abs(report.volume_change) > TrustLimits::volume_change ||
+       report.pressure_over_shear > max_pressure || report.cell_pressure_over_shear > TrustLimits::pressure_with_cells))
     return Doubt::Volume;
   return Doubt::None;
 }

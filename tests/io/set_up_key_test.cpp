@@ -86,6 +86,7 @@ std::map<std::string, Change> changes() {
       {"discretization.consistent_gradients", added(minimal_scene, grid, "consistent_gradients = false")},
       {"discretization.node_patch_volume", added(minimal_scene, grid, "node_patch_volume = false")},
       {"discretization.cell_volume", added(minimal_scene, grid, "cell_volume = true")},
+      {"discretization.sharp_interfaces", added(minimal_scene, grid, "sharp_interfaces = true")},
       {"discretization.boundary_method", added(minimal_scene, grid, "boundary_method = \"ebciem\"")},
       {"discretization.refine.centre", {full_scene, "centre = [0, 0, 0.017]", "centre = [0, 0, 0.016]"}},
       {"discretization.refine.radius", {full_scene, "radius = 0.003", "radius = 0.004"}},

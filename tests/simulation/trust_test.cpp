@@ -204,6 +204,11 @@ TEST_CASE("Each doubt has its words, and the gravest is told", "[trust]") {
   model.scene.tool.radius = 0.01;
   StepReport report;
   report.nearly_incompressible = true;
+  report.min_J = 0.4F;
+  CHECK(doubtOf(model, report) == Doubt::Volume);
+  report.nearly_incompressible = false;
+  CHECK(doubtOf(model, report) == Doubt::None);
+  report.nearly_incompressible = true;
   report.min_J = 1;
   CHECK(doubtOf(model, report) == Doubt::None);
   report.volume_change = 0.03;

@@ -7,7 +7,8 @@ struct Map {
   std::vector<AtlasAxis> axes;
   std::vector<AtlasCell> cells;
   Map() {
-    for (const auto add : {addSolidCells, addToolCells, addCloudCells, addNumericCells}) add(axes, cells);
+    for (const auto add : {addSolidCells, addToolCells, addSceneCells, addCloudCells, addNumericCells})
+      add(axes, cells);
   }
 };
 

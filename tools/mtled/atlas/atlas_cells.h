@@ -35,5 +35,6 @@ void addSolidCells(std::vector<AtlasAxis>& axes, std::vector<AtlasCell>& cells);
 void addToolCells(std::vector<AtlasAxis>& axes, std::vector<AtlasCell>& cells);     // speed, teleport, bottom
 void addCloudCells(std::vector<AtlasAxis>& axes, std::vector<AtlasCell>& cells);    // nodes that lie badly
 void addNumericCells(std::vector<AtlasAxis>& axes, std::vector<AtlasCell>& cells);  // time step, float32, modes
+void addSceneCells(std::vector<AtlasAxis>& axes, std::vector<AtlasCell>& cells);    // hands on the scenes of assets
 
 }  // namespace palpate::tools

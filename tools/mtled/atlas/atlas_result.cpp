@@ -67,6 +67,7 @@ std::string howMuch(const AtlasMeasure& m) {
     add(m.compared + " " + formattedSigned(100 * m.deviation, "%"));
     if (isWrong(m)) text += " (bound " + formattedPercent(m.bound) + (m.doubted_then ? ")" : ", not doubted then)");
   }
+  if (m.restored > 0) add("put back " + std::to_string(m.restored) + (m.restored == 1 ? " time" : " times"));
   if (!(m.growth <= atlas_growth_bound)) add("energy grew by " + formattedPercent(m.growth));
   return text;
 }
@@ -96,16 +97,17 @@ void printAtlas(std::ostream& out, const Atlas& atlas) {
 std::string csvOf(const Atlas& atlas) {
   std::ostringstream out;
   out.precision(9);
-  out << "axis,cell,value,outcome,nodes,points,steps,doubt,doubt_at_s,doubted_for_s,loss,lost_at_s,energy_error,step_"
+  out << "axis,cell,value,outcome,nodes,points,steps,doubt,doubt_at_s,doubted_for_s,loss,lost_at_s,restored,energy_"
+         "error,step_"
          "share,min_J,energy_growth,compared,"
          "deviation,bound,doubted_then,wall_s,how_much\n";
   for (const auto& r : atlas.rows) {
     const AtlasMeasure& m = r.measure;
     out << inQuotes(r.axis) << ',' << inQuotes(r.name) << ',' << inQuotes(r.value) << ',' << outcomeName(outcomeOf(m))
         << ',' << m.nodes << ',' << m.points << ',' << m.steps << ',' << m.doubt << ',' << m.doubt_at << ','
-        << m.doubted_for << ',' << inQuotes(m.loss) << ',' << m.lost_at << ',' << m.energy_error << ',' << m.step_share
-        << ',' << m.min_J << ',' << m.growth << ',' << inQuotes(m.compared) << ',' << m.deviation << ',' << m.bound
-        << ',' << m.doubted_then << ',' << r.seconds << ',' << inQuotes(howMuch(m)) << '\n';
+        << m.doubted_for << ',' << inQuotes(m.loss) << ',' << m.lost_at << ',' << m.restored << ',' << m.energy_error
+        << ',' << m.step_share << ',' << m.min_J << ',' << m.growth << ',' << inQuotes(m.compared) << ',' << m.deviation
+        << ',' << m.bound << ',' << m.doubted_then << ',' << r.seconds << ',' << inQuotes(howMuch(m)) << '\n';
   }
   return out.str();
 }
@@ -127,6 +129,7 @@ std::string jsonOf(const Atlas& atlas) {
                     {"doubted_for_s", m.doubted_for},
                     {"loss", m.loss},
                     {"lost_at_s", toJson(m.lost_at)},
+                    {"restored", m.restored},
                     {"energy_error", toJson(m.energy_error)},
                     {"step_share", toJson(m.step_share)},
                     {"min_J", toJson(m.min_J)},
@@ -162,6 +165,7 @@ Atlas atlasFromJson(const std::string& text) {
       m.doubted_for = j.at("doubted_for_s");
       m.loss = j.at("loss");
       m.lost_at = toDouble(j.at("lost_at_s"));
+      m.restored = j.at("restored");
       m.energy_error = toDouble(j.at("energy_error"));
       m.step_share = toDouble(j.at("step_share"));
       m.min_J = toDouble(j.at("min_J"));

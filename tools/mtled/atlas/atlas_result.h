@@ -17,6 +17,7 @@ struct AtlasMeasure {
   double doubted_for = 0;   // s, in all
   double lost_at = NAN;     // blown up, not finite or frozen by the watchdog; NaN: not
   std::string loss;         // which
+  int restored = 0;         // times that it was lost and went back to an earlier state
   double energy_error = 0;  // largest of StepReport's
   double step_share = 0;    // likewise
   double min_J = 1;

@@ -2,8 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "base/interrupt.h"
+#include "realtime/loop/state_history.h"
+#include "realtime/loop/tool_proxy.h"
 #include "realtime/loop/watchdog.h"
 #include "simulation/build_model.h"
 #include "simulation/step.h"
@@ -58,6 +61,24 @@ const char* lossName(const LogEvent& event) {
   }
 }
 
+/// A hand's tool and the tissue's earlier states, as the loop has them.
+struct Hand {
+  ToolProxy proxy;
+  StateHistory history;
+  Hand(const Model& model, const State& start) : proxy(model), history(start, model.scene.rate_hz) {}
+
+  /// The tissue was lost: back to an earlier state, at rest.
+  void goBack(State& state, int recent_losses) {
+    const LiveParameters live = state.live;
+    state = history.good(recent_losses);
+    state.live = live;
+    std::fill(state.du.begin(), state.du.end(), Float4{});
+    state.energy.fresh = true;
+    history.wentBackTo(state.tick);
+    proxy.beGentle();
+  }
+};
+
 /// Ticks between two looks at the signals.
 constexpr int look_every = 64;
 
@@ -79,6 +100,10 @@ AtlasRun drive(const Model& model, const AtlasDrive& drive) {
   LogRing log(64);
   State state = initialState(model);
   if (drive.disturb) drive.disturb(state);
+  std::optional<Hand> hand;
+  if (drive.yields) hand.emplace(model, state);
+  if (drive.yields && drive.put_back) hand->proxy.beGentle();
+  StepReport last;
   Mean reaction;
   double still_energy = 0, largest_energy = 0;
   for (int k = 0; k < schedule.ticks; ++k) {
@@ -87,7 +112,8 @@ AtlasRun drive(const Model& model, const AtlasDrive& drive) {
     Command command;
     command.tool_target = model.tool_start;
     if (drive.command) command = drive.command(time);
-    const StepReport report = tick(model, state, command, workspace);
+    if (hand) command.tool_target = hand->proxy.follow(command.tool_target, state, last);
+    const StepReport report = last = tick(model, state, command, workspace);
     m.energy_error = std::max(m.energy_error, report.energy_error);
     m.step_share = std::max(m.step_share, report.step_share);
     m.min_J = std::min(m.min_J, static_cast<double>(report.min_J));
@@ -97,14 +123,21 @@ AtlasRun drive(const Model& model, const AtlasDrive& drive) {
       m.doubt = doubtName(doubt);
     }
     if (doubt != Doubt::None) m.doubted_for += tick_s;
-    const bool lost = watchdog.judge(report, k + 1, log) != Verdict::Good;
+    const Verdict verdict = watchdog.judge(report, k + 1, log);
     LogEvent event;
     while (log.pop(event))
       if (event.isFreeze() || event.isRestore()) m.loss = lossName(event);
-    if (lost) {
+    if (verdict == Verdict::Freeze || (verdict == Verdict::Restore && !hand)) {
       m.lost_at = time;
       break;
     }
+    if (verdict == Verdict::Restore) {
+      hand->goBack(state, watchdog.recentLosses());
+      last = {};
+      ++m.restored;
+      continue;
+    }
+    if (hand) hand->history.keep(state, doubt);
     const double energy = report.strain_energy + report.kinetic_energy;
     if (k == schedule.still) still_energy = largest_energy = energy;
     if (k > schedule.still) largest_energy = std::max(largest_energy, energy);
@@ -119,6 +152,7 @@ AtlasRun drive(const Model& model, const AtlasDrive& drive) {
   m.steps = static_cast<double>(state.step);
   m.growth = (largest_energy - still_energy) / std::max(still_energy, model.rest_energy);
   run.reaction = run.lost() ? unknown(model) : reaction.value();
+  run.tool = state.tool_pose;
   for (const auto& a : state.u) run.u.push_back(toVec3(a));
   return run;
 }

@@ -22,7 +22,11 @@ struct AtlasDrive {
   double seconds = 1;
   double still_from = 0.7;  // nothing moves any more: from here on the energy may not grow, and the end is measured
   std::function<Command(double time)> command;  // at the end of a tick; null: the tool stays where it starts
-  std::function<void(State&)> disturb;          // of the state at rest, before the first tick; null: nothing
+  /// As the loop does it: the tool follows the command's pose as far as the tissue lets it, and where the tissue is
+  /// lost it goes back to an earlier state.
+  bool yields = false;
+  bool put_back = false;                // the tissue was just reset, and the hand may still stand deep
+  std::function<void(State&)> disturb;  // of the state at rest, before the first tick; null: nothing
 };
 
 /// What the last fifth of the still phase showed, beside AtlasMeasure.
@@ -31,6 +35,7 @@ struct AtlasRun {
   Vec3 tool_force = Vec3::Zero();        // N, mean
   Vec3 early_tool_force = Vec3::Zero();  // N, mean over the still phase's second tenth
   std::vector<Reaction> reaction;        // (boundary_count) mean
+  Pose tool;                             // at the end
   std::vector<Vec3> u;                   // (node_count) m, displacement parameters at the end
   bool lost() const { return !std::isnan(measure.lost_at); }
 };

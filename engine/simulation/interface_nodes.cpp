@@ -1,0 +1,182 @@
+#include "simulation/interface_nodes.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "discretization/nodes/node_scatter.h"
+#include "discretization/surface/feature_edges.h"
+#include "discretization/surface/surface_geometry.h"
+#include "simulation/scene_regions.h"
+
+namespace palpate {
+namespace {
+
+constexpr double reach = 0.45;       // spacings: nodes of a border come from this far
+constexpr double on_edge_of = 1e-3;  // spacings: nodes that were put on a sharp edge are nearer to it
+constexpr int bisections = 40;       // of a way across a border
+constexpr double past = 1 + 1e-6;    // of the way to a border, so that rounding does not leave a node before it
+
+/// How a node may move: along `axes`, of which there are `free`.
+struct Freedom {
+  int free = 3;
+  Mat3 axes = Mat3::Identity();
+};
+
+/// Moves nodes of one cloud.
+class Mover {
+ public:
+  Mover(const Scene& scene, const SurfaceTree& organ) : scene_(scene), organ_(organ) {
+    edges_ = findFeatureEdges(organ.surface());
+  }
+
+  /// Where the node gets to a border within `range`; itself where it doesn't.
+  Vec3 onBorder(const Vec3& X, bool on_surface, double h) const {
+    const Freedom freedom = on_surface ? ofSurface(X, h) : Freedom{};
+    if (freedom.free == 0) return X;
+    const int own = materialAt(scene_, X, organ_);
+    // Distances to the border along many directions; of a plane border they give its normal.
+    Mat3 A = Mat3::Zero();
+    Vec3 b = Vec3::Zero(), best = Vec3::Zero();
+    double nearest = 2 * h;
+    for (int code = 0; code < 27; ++code) {
+      const Vec3 sign(code % 3 - 1, code / 3 % 3 - 1, code / 9 - 1);
+      if ((sign.tail(3 - freedom.free).array() != 0).any() || sign.isZero(0)) continue;
+      const Vec3 d = (freedom.axes * sign).normalized();
+      const double t = wayAcross(X, d, own, 1.5 * reach * h);
+      if (t < 0) continue;
+      A += t * t * d * d.transpose();
+      b += t * d;
+      if (t < nearest) nearest = t, best = d;
+    }
+    if (nearest > 1.5 * reach * h) return X;
+    const double size = A.trace();
+    const Vec3 normal = (A + 1e-9 * size * Mat3::Identity()).inverse() * b;
+    if (normal.norm() > 0) {
+      const double t = wayAcross(X, normal.normalized(), own, 1.5 * reach * h);
+      if (t >= 0 && t < nearest) nearest = t, best = normal.normalized();
+    }
+    if (nearest > reach * h) return X;
+    const Vec3 moved = X + nearest * past * best;
+    if (on_surface) return back(moved, freedom);
+    return organ_.signedDistance(moved) <= -closest_approach * h ? moved : X;
+  }
+
+ private:
+  /// m along d to another material, or -1: none within `range`.
+  double wayAcross(const Vec3& X, const Vec3& d, int own, double range) const {
+    constexpr int looks = 3;
+    for (int k = 1; k <= looks; ++k) {
+      double low = range * (k - 1) / looks, high = range * k / looks;
+      if (materialAt(scene_, X + high * d, organ_) == own) continue;
+      for (int n = 0; n < bisections; ++n) {
+        const double middle = (low + high) / 2;
+        (materialAt(scene_, X + middle * d, organ_) == own ? low : high) = middle;
+      }
+      return high;
+    }
+    return -1;
+  }
+
+  Freedom ofSurface(const Vec3& X, double h) const {
+    for (const Vec3& corner : edges_.corners)
+      if ((corner - X).norm() < on_edge_of * h) return {0, Mat3::Identity()};
+    Freedom freedom;
+    Vec3 along;
+    if (nearestOfEdges(X, on_edge_of * h, &along)) {
+      freedom.free = 1;
+      freedom.axes.col(0) = along;
+      return freedom;
+    }
+    const auto& face = organ_.surface().triangles[static_cast<std::size_t>(organ_.closest(X).triangle)];
+    const auto& V = organ_.surface().vertices;
+    const Vec3 normal = (V[face[1]] - V[face[0]]).cross(V[face[2]] - V[face[0]]).normalized();
+    freedom.free = 2;
+    freedom.axes.col(0) = normal.unitOrthogonal();
+    freedom.axes.col(1) = normal.cross(freedom.axes.col(0));
+    return freedom;
+  }
+
+  /// The point of the sharp edges nearest to X, if one is within `range`; and the edge's direction there.
+  std::optional<Vec3> nearestOfEdges(const Vec3& X, double range, Vec3* along = nullptr) const {
+    std::optional<Vec3> found;
+    for (const auto& chain : edges_.chains)
+      for (std::size_t k = 0; k + 1 < chain.points.size(); ++k) {
+        const Vec3 edge = chain.points[k + 1] - chain.points[k];
+        const double t = std::clamp((X - chain.points[k]).dot(edge) / edge.squaredNorm(), 0.0, 1.0);
+        const Vec3 p = chain.points[k] + t * edge;
+        if ((p - X).norm() > range) continue;
+        range = (p - X).norm();
+        found = p;
+        if (along != nullptr) *along = edge.normalized();
+      }
+    return found;
+  }
+
+  /// Back onto the edge or the surface.
+  Vec3 back(const Vec3& X, const Freedom& freedom) const {
+    if (freedom.free == 1) return nearestOfEdges(X, std::numeric_limits<double>::infinity()).value_or(X);
+    return organ_.closest(X).point;
+  }
+
+  const Scene& scene_;
+  const SurfaceTree& organ_;
+  FeatureEdges edges_;
+};
+
+}  // namespace
+
+bool hasSharpInterfaces(const Scene& scene) { return scene.sharp_interfaces && scene.materials.size() > 1; }
+
+int putOnInterfaces(const Scene& scene, const SurfaceTree& organ, const SpacingField& spacing, NodeCloud& cloud) {
+  if (scene.materials.size() < 2) return 0;
+  const Mover mover(scene, organ);
+  struct Move {
+    double way;  // spacings
+    std::size_t node;
+    Vec3 to;
+  };
+  std::vector<Move> moves;
+  SiteGrid grid(boundingBox(organ.surface()), std::sqrt(spacing.smallest() * spacing.largest()));
+  std::vector<Vec3> now = cloud.X;
+  for (std::size_t i = 0; i < now.size(); ++i) {
+    const double h = spacing.at(now[i]);
+    grid.add({now[i], Vec3::Zero(), h});
+    const Vec3 to = mover.onBorder(now[i], cloud.on_surface[i] != 0, h);
+    if (const double way = (to - now[i]).norm(); way > 0) moves.push_back({way / h, i, to});
+  }
+  // Edges before faces before the inside, as the cloud has them, and the nearest first.
+  std::stable_sort(moves.begin(), moves.end(), [&](const Move& a, const Move& b) {
+    const int before = cloud.on_surface[a.node] - cloud.on_surface[b.node];
+    return before != 0 ? before > 0 : a.way < b.way;
+  });
+  int moved = 0;
+  for (const Move& move : moves) {
+    const double h = spacing.at(move.to);
+    bool free = true;
+    // No node goes further than `reach`: who is near now was near before.
+    grid.forEachWithin(move.to, (closest_approach + reach) * h, [&](int j, const Site&) {
+      free = static_cast<std::size_t>(j) == move.node || (now[j] - move.to).norm() >= closest_approach * h;
+      return free;
+    });
+    if (!free) continue;
+    now[move.node] = move.to;
+    ++moved;
+  }
+  cloud.X = std::move(now);
+  return moved;
+}
+
+std::vector<MaterialBits> materialsOfNodes(const std::vector<std::array<int, 4>>& cells,
+                                           const std::vector<int>& cell_material,
+                                           const std::vector<int>& node_material) {
+  std::vector<MaterialBits> bits(node_material.size(), 0);
+  for (std::size_t c = 0; c < cells.size(); ++c)
+    for (const int i : cells[c]) bits[i] |= MaterialBits{1} << cell_material[c];
+  for (std::size_t i = 0; i < bits.size(); ++i)
+    if (bits[i] == 0) bits[i] = MaterialBits{1} << node_material[i];
+  return bits;
+}
+
+}  // namespace palpate

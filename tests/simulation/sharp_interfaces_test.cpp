@@ -1,0 +1,139 @@
+#include "simulation/sharp_interfaces.h"
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "io/load_model.h"
+#include "simulation/static_solver.h"
+
+using namespace palpate;
+
+namespace {
+
+constexpr double stack_height = 0.04, soft = 300, stiff = 3000, nu = 0.45, shear = 0.3;  // m, Pa
+
+/// The shear stress of the two layers, Pa, which is the same in both, and how far a plane at z goes, m: of neo-Hookean
+/// tissue in simple shear the stress is the shear modulus times the shear.
+double shearStress() { return shear * 2 / (2 * (1 + nu) * (1 / soft + 1 / stiff)); }
+double slide(double z) {
+  const double low = std::min(z, stack_height / 2);
+  return shearStress() * 2 * (1 + nu) * (low / soft + (z - low) / stiff);
+}
+
+/// A soft layer under a stiff one between two plates, the upper of which slides by 30 % of the height.
+Scene layers(double spacings, bool sharp) {
+  Scene scene;
+  scene.solid = Scene::Solid::Box;
+  scene.size = Vec3(stack_height, 0.6 * stack_height, stack_height);
+  scene.spacing = stack_height / spacings;
+  scene.sharp_interfaces = sharp;
+  scene.materials.resize(2);
+  for (MaterialSpec& m : scene.materials) m.material.set("poisson", nu);
+  scene.materials[0].material.set("young", stiff);
+  scene.materials[1].material.set("young", soft);
+  scene.materials[1].everywhere = false;
+  scene.materials[1].region.point = Vec3(0, 0, stack_height / 2);
+  scene.tool_position = Vec3(0, 0, 1);
+  const auto plane = [&](const Vec3& point, int normal) {
+    BoundarySpec& b = scene.boundaries.emplace_back();
+    b.region.kind = Region::Kind::NearPlane;
+    b.region.point = point;
+    b.region.normal = Vec3::Unit(normal);
+    b.region.distance = 1e-9;
+    for (int c = 0; c < 3; ++c) b.component[c] = normal == 2 || c == normal;
+  };
+  plane(Vec3::Zero(), 2);
+  plane(Vec3(0, 0, stack_height), 2);
+  for (const double side : {-0.5, 0.5}) plane(side * scene.size.cwiseProduct(Vec3::UnitY()), 1);
+  scene.boundaries[1].translation = Vec3(shear * stack_height, 0, 0);
+  return scene;
+}
+
+/// With each node of the faces to which the shear is normal where the closed form has it: the exact solution is then
+/// the closed form's everywhere.
+Model shearedLayers(double spacings, bool sharp) {
+  Scene scene = layers(spacings, sharp);
+  scene.boundaries[1].duration = 1;
+  scene.boundaries[1].curve.kind = LoadCurve::Kind::Linear;
+  const Model model = loadModel(scene);
+  for (const Vec3& X : model.X) {
+    if (std::abs(std::abs(X.x()) - scene.size.x() / 2) > 1e-9 || X.z() < 1e-9 || X.z() > stack_height - 1e-9) continue;
+    BoundarySpec& b = scene.boundaries.emplace_back(scene.boundaries[1]);
+    b.region.kind = Region::Kind::Sphere;
+    b.region.point = X;
+    b.region.radius = 1e-8;
+    b.component[1] = false;
+    b.translation = Vec3(slide(X.z()), 0, 0);
+  }
+  return loadModel(scene);
+}
+
+double shearForceError(const Model& model) {
+  StaticSolver solver(model, 1, 1e-4);
+  REQUIRE(solver.advanceTo(1).converged);
+  const double area = model.scene.size.x() * model.scene.size.y();
+  return solver.body().reactions()[1].force.x() / (area * shearStress()) - 1;
+}
+
+}  // namespace
+
+TEST_CASE("Two layers sheared by 30 % meet the closed form where supports end at their border",
+          "[sharp_interfaces][whole]") {
+  const double smeared = shearForceError(shearedLayers(8, false)), sharp = shearForceError(shearedLayers(8, true));
+  INFO("smeared " << smeared << ", sharp " << sharp);
+  CHECK(smeared > 0.01);
+  CHECK(std::abs(sharp) < 0.006);
+}
+
+TEST_CASE("Nodes are put on borders, and no support reaches over one", "[sharp_interfaces]") {
+  const Model smeared = loadModel(layers(5, false)), sharp = loadModel(layers(5, true));
+  const auto onBorder = [](const Model& model) {
+    return std::count_if(model.X.begin(), model.X.end(),
+                         [](const Vec3& X) { return std::abs(X.z() - stack_height / 2) < 1e-6; });
+  };
+  CHECK(sharp.nodeCount() == smeared.nodeCount());
+  CHECK(onBorder(sharp) > 10);
+  CHECK(onBorder(sharp) > 2 * onBorder(smeared));
+  double closest = 1;
+  for (int i = 0; i < sharp.nodeCount(); ++i)
+    for (int j = 0; j < i; ++j) closest = std::min(closest, (sharp.X[i] - sharp.X[j]).norm());
+  CHECK(closest > 0.49 * sharp.scene.spacing);
+
+  // Of which materials the nodes' cells are; a point has only nodes of its own in its support.
+  std::vector<MaterialBits> materials(sharp.X.size(), 0);
+  for (int q = 0; q < sharp.pointCount(); ++q)
+    for (const int i : sharp.cells[sharp.point_cell[q]]) materials[i] |= MaterialBits{1} << sharp.point_material[q];
+  for (int q = 0; q < sharp.pointCount(); ++q)
+    for (int e = sharp.point_shape.begin[q]; e < sharp.point_shape.begin[q + 1]; ++e)
+      REQUIRE((materials[sharp.point_shape.node[e]] >> sharp.point_material[q] & 1) == 1);
+}
+
+TEST_CASE("The sides of a sharp border balance under one traction, whatever else their stresses are",
+          "[sharp_interfaces]") {
+  // sum_q V_q gradN_i over the points of both sides vanishes at inner nodes; over those of one side at its own ones.
+  const Model model = loadModel(layers(8, true));
+  std::vector<std::array<Vec3, 2>> sum(model.X.size(), {Vec3::Zero(), Vec3::Zero()});
+  for (int q = 0; q < model.pointCount(); ++q)
+    for (int e = model.point_shape.begin[q]; e < model.point_shape.begin[q + 1]; ++e)
+      sum[model.point_shape.node[e]][model.point_material[q]] += model.point_volume[q] * model.point_shape.gradN[e];
+  const double h = model.scene.spacing;
+  int inner = 0;
+  for (int i = 0; i < model.nodeCount(); ++i) {
+    const Vec3 depth = (model.scene.size / 2 - (model.X[i] - Vec3(0, 0, stack_height / 2)).cwiseAbs()) / (2 * h);
+    if (depth.minCoeff() < 1) continue;  // N of the outer faces reaches here
+    ++inner;
+    CHECK((sum[i][0] + sum[i][1]).norm() < 1e-4 * h * h);
+  }
+  CHECK(inner > 0);
+}
+
+TEST_CASE("One material has no border: sharp interfaces change nothing", "[sharp_interfaces]") {
+  Scene scene = layers(4, true);
+  scene.materials.resize(1);
+  const Model sharp = loadModel(scene);
+  scene.sharp_interfaces = false;
+  const Model plain = loadModel(scene);
+  CHECK(sharp.point_shape.N == plain.point_shape.N);
+  CHECK(sharp.mass == plain.mass);
+}
