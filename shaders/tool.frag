@@ -25,7 +25,8 @@ float groove(float z) {
 float strips(vec3 d) {
   vec2 flat_d = normalize(d.xy + vec2(1e-5)), side = normalize(key.xy);
   float along = dot(flat_d, side), across = dot(flat_d, vec2(-side.y, side.x));
-  float bright = smoothstep(0.15, 1.0, along) + 0.5 * smoothstep(0.45, 1.0, -across) + 0.2 * smoothstep(0.3, 1.0, across);
+  float bright =
+      smoothstep(0.15, 1.0, along) + 0.5 * smoothstep(0.45, 1.0, -across) + 0.2 * smoothstep(0.3, 1.0, across);
   return bright * smoothstep(1.0, 0.3, abs(d.z));
 }
 

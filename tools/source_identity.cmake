@@ -1,4 +1,4 @@
-# cmake -DFOLDER=engine -DOUT=source_identity.h -P source_identity.cmake: a header with one hash of all sources in a folder.
+# cmake -DFOLDER=engine -DOUT=source_identity.h -P source_identity.cmake: a header with one hash of a folder's sources.
 file(GLOB_RECURSE sources ${FOLDER}/*.h ${FOLDER}/*.cpp)
 list(SORT sources)
 set(all "")

@@ -13,7 +13,8 @@ void checkReferences(const Options& options);
 /// Throws InputError for a reference that can't be used, before the run.
 int runOffscreen(Session& session);
 
-/// `palpate SCENE --check-lumps`: whether each lump is felt at the working depth, 0.8 tool radii. Returns the exit code.
+/// `palpate SCENE --check-lumps`: whether each lump is felt at the working depth, 0.8 tool radii. Returns the exit
+/// code.
 int checkLumps(const Options& options, Scene scene);
 
 /// `palpate NEW.png --compare REFERENCE.png`: compares two pictures. Returns the exit code.

@@ -27,9 +27,9 @@ class Baseline {
   std::string file_, text_;
 };
 
-/// Whether `picture` looks like `reference`: the mean colour difference (CIELAB) at most `tolerance`, and no spot stands
-/// out. Empty: it does; else the sentence that says how they differ. Where they do and `image` is not empty, a picture
-/// of the differences is written there.
+/// Whether `picture` looks like `reference`: the mean colour difference (CIELAB) at most `tolerance`, and no spot
+/// stands out. Empty: it does; else the sentence that says how they differ. Where they do and `image` is not empty, a
+/// picture of the differences is written there.
 std::string pictureDifference(const Picture& reference, const Picture& picture, double tolerance,
                               const std::string& image);
 

@@ -8,8 +8,8 @@
 #include "contact/first_contact_travel.h"  // firstContactTravel, at load
 #include "contact/contact_state.h"         // makeContactState, at load
 #include "contact/broad_phase.h"           // findContactCandidates, once per tick
-#include "contact/samples/face_samples.h"          // findFaceSamples, once per tick after it
+#include "contact/samples/face_samples.h"  // findFaceSamples, once per tick after it
 #include "contact/contact_solver.h"        // solveContact, once per step
 #include "contact/true_depth.h"            // how deep the skin is pressed, once per tick
-#include "contact/skull.h"                 // a rigid shell around the organ: buildSkull at load, solveSkull once per step
+#include "contact/skull.h"                 // a rigid shell around the organ: buildSkull, solveSkull once per step
 // clang-format on

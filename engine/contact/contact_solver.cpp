@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "contact/samples/face_samples.h"
+#include "contact/skin_forces.h"
 #include "contact/tool_set.h"
 #include "contact/tool_side.h"
 
@@ -30,24 +31,6 @@ constexpr double kPressureCapDepth = 0.2;
 
 Vector4f lanes(const Vec3& a) {
   return {static_cast<float>(a.x()), static_cast<float>(a.y()), static_cast<float>(a.z()), 0.0F};
-}
-
-/// du_i += alpha / m_i N_i(X_v) f
-void applyForce(const SkinModel& skin, int v, const Vector4f& f, float alpha, const float* inverse_mass, Float4* du) {
-  const Group scaled = alpha * loadGroup(f.data());
-  for (int e = skin.begin[v]; e < skin.begin[v + 1]; ++e) {
-    Float4& increment = du[skin.node[e]];
-    store(increment, load(increment) + (skin.N[e] * inverse_mass[skin.node[e]]) * scaled);
-  }
-}
-
-/// The vertex's response to a force on itself, per alpha: sum_i N_i^2 / m_i.
-float compliance(const SkinModel& skin, int v, const float* inverse_mass) {
-  float sum = 0.0F;
-  for (int e = skin.begin[v]; e < skin.begin[v + 1]; ++e) {
-    sum += skin.N[e] * skin.N[e] * inverse_mass[skin.node[e]];
-  }
-  return sum;
 }
 
 /// Bound on a sample's: its corners move each other no more than themselves. Too large a response makes the sweeps
@@ -78,8 +61,9 @@ void applyForce(const SkinModel& skin, const ContactRow& row, const Vector4f& f,
 /// Squared length of a remembered side (a unit vector otherwise) from which on it says that the tool came from inside.
 constexpr float kPassing = 2.0F;
 
-/// Whether a tool that comes to the skin at vertex v would push it along `way`, outwards: it comes from inside then, and
-/// passes, or it would carry the skin off. Cosine beyond which that is so: a tool in a dent touches its walls sideways.
+/// Whether a tool that comes to the skin at vertex v would push it along `way`, outwards: it comes from inside then,
+/// and passes, or it would carry the skin off. Cosine beyond which that is so: a tool in a dent touches its walls
+/// sideways.
 bool comesFromInside(const SkinModel& skin, int v, const Vec3& way, const Float4* u) {
   constexpr double kOutwards = 0.5;
   if (skin.topology.face_begin.empty()) return false;

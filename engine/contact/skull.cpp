@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "contact/skin_forces.h"
+
 namespace palpate {
 namespace {
 
@@ -16,20 +18,6 @@ constexpr double near_gap = 1e-5;
 
 /// m a step, by which a point that is outside comes back at most.
 constexpr double fastest_return = 2e-5;
-
-void pushVertex(const SkinModel& skin, int v, const Vector4f& f, float alpha, const float* inverse_mass, Float4* du) {
-  const Group scaled = alpha * loadGroup(f.data());
-  for (int e = skin.begin[v]; e < skin.begin[v + 1]; ++e) {
-    Float4& increment = du[skin.node[e]];
-    store(increment, load(increment) + (skin.N[e] * inverse_mass[skin.node[e]]) * scaled);
-  }
-}
-
-float mobilityOf(const SkinModel& skin, int v, const float* inverse_mass) {
-  float sum = 0;
-  for (int e = skin.begin[v]; e < skin.begin[v + 1]; ++e) sum += skin.N[e] * skin.N[e] * inverse_mass[skin.node[e]];
-  return sum;
-}
 
 Vector4f lanesOf(const Float4& a) { return {a.x, a.y, a.z, 0}; }
 
@@ -50,7 +38,7 @@ int findRows(const Skull& skull, const SkinModel& skin, float alpha, const float
              Float4* du, SkullState& state) {
   for (int p = 0; p < skull.pointCount(); ++p)
     if (const Vector4f f = lanesOf(state.force[p]); !f.isZero(0))
-      pushVertex(skin, skull.vertex[p], f, alpha, inverse_mass, du);
+      applyForce(skin, skull.vertex[p], f, alpha, inverse_mass, du);
   int count = 0;
   for (int p = 0; p < skull.pointCount(); ++p) {
     const int v = skull.vertex[p];
@@ -69,7 +57,7 @@ int findRows(const Skull& skull, const SkinModel& skin, float alpha, const float
     gap += skull.correction[p];
     before += skull.correction[p];
     if (!(gap < near_gap)) {  // nor where it is not a number
-      if (!old.isZero(0)) pushVertex(skin, v, -old, alpha, inverse_mass, du);
+      if (!old.isZero(0)) applyForce(skin, v, -old, alpha, inverse_mass, du);
       state.force[p] = {};
       continue;
     }
@@ -80,10 +68,10 @@ int findRows(const Skull& skull, const SkinModel& skin, float alpha, const float
     row.gap = static_cast<float>(gap);
     row.highest = before < 0 ? static_cast<float>(before + fastest_return) : Skull::away;
     row.stiffness = static_cast<float>(skull.stiffness) * skull.area[p];
-    row.mobility = alpha * mobilityOf(skin, v, inverse_mass);
+    row.mobility = alpha * compliance(skin, v, inverse_mass);
     row.force = std::max(0.0F, row.normal.dot(old));
     const Vector4f turned = row.force * row.normal - old;
-    if (!turned.isZero(0)) pushVertex(skin, v, turned, alpha, inverse_mass, du);
+    if (!turned.isZero(0)) applyForce(skin, v, turned, alpha, inverse_mass, du);
   }
   return count;
 }
@@ -145,7 +133,7 @@ SkullContact solveSkull(const Skull& skull, const SkinModel& skin, double alpha,
       size += row.force * row.force;
       if (change == 0) continue;
       changed += change * change;
-      pushVertex(skin, v, change * row.normal, alpha_f, inverse_mass, du);
+      applyForce(skin, v, change * row.normal, alpha_f, inverse_mass, du);
     }
     settled = changed <= settled_change * settled_change * size;
   }

@@ -68,8 +68,8 @@ struct SkullContact {
   int count = 0;               // points that carry force
 };
 
-/// Keeps the predicted displacement inside the skull: frictionless unilateral contact, solved as solveContact solves the
-/// tool's (contact_solver.h), with forces f_v >= 0 along the shell's inward normal n_v:
+/// Keeps the predicted displacement inside the skull: frictionless unilateral contact, solved as solveContact solves
+/// the tool's (contact_solver.h), with forces f_v >= 0 along the shell's inward normal n_v:
 ///   du_i += alpha / m_i sum_v N_i(X_v) f_v n_v,   f_v = K max(d_v, 0),   K = stiffness a_v
 /// d is the penetration at the end of the step. A point that is deeper outside than the layer comes back by no more
 /// than 0.02 mm a step, so that it is not shot in; one that is 3 mm outside is left alone: it went out by an opening.

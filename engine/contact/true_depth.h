@@ -8,8 +8,8 @@ namespace palpate {
 
 /// How deep the tool has pressed the skin: for any shape and pose of the tool, and wherever on the body it is.
 ///
-///   touching:  d = max_s s . n - mean_v X_v . n     s on the tool, n = mean unit normal of the contact, into the tissue
-///   in air:    d = -min_v distance(tool, X_v)       the gap to the skin at rest
+///   touching:  d = max_s s . n - mean_v X_v . n     s on the tool, n = mean unit normal of the contact, into the
+///   tissue in air:    d = -min_v distance(tool, X_v)       the gap to the skin at rest
 ///
 /// The mean over v is weighted by force and takes the touched vertices whose normal is within 11 degrees of n: those
 /// under the tip, or under the whole face of a flat tool. d is how far the tool's foremost point stands beyond where

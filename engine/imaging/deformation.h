@@ -46,8 +46,8 @@ class MmlsDeformation : public Deformation {
 };
 
 /// Another deformation sampled on a regular grid, and cubic between (Catmull-Rom, third order): a hundredth of the
-/// cost. Samples outside the body to which the other does not reach are continued linearly from those beside them. Where
-/// one of the 64 samples around is still missing, it asks the other.
+/// cost. Samples outside the body to which the other does not reach are continued linearly from those beside them.
+/// Where one of the 64 samples around is still missing, it asks the other.
 class SampledDeformation : public Deformation {
  public:
   /// @param step  m, of the samples; a third of the nodes' spacing leaves errors below 0.01 mm of a smooth shift

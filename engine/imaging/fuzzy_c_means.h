@@ -31,8 +31,8 @@ struct FuzzyClasses {
 /// x_k - sum_i u_ik^2 v_i / w_k, in turn with u and v, on at most 60,000 voxels of the mask, evenly chosen. Memberships
 /// are then those of the intensities themselves, less the bias: noise is as large for dark tissue as for bright, which
 /// their logarithms are not. Before all that each voxel is averaged with those around it in the mask that are like it
-/// (Tomasi and Manduchi 1998, by as much as the scan is noisy; what is alike is judged on a first such mean, Petschnigg et
-/// al. 2004): noise puts many voxels between two centres, where memberships are least sure.
+/// (Tomasi and Manduchi 1998, by as much as the scan is noisy; what is alike is judged on a first such mean, Petschnigg
+/// et al. 2004): noise puts many voxels between two centres, where memberships are least sure.
 /// Starts from quantiles of a histogram: no random numbers, equal output for equal input.
 ///
 /// @param progress  told the share that is done; may throw

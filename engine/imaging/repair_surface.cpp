@@ -133,8 +133,8 @@ class Repair {
                      "or give the sheet a thickness (\"solidify\"), in a mesh editor");
   }
 
-  /// What is wrong with the surface, or that parts of it touch face on face: nothing is wrong with each, but they are one
-  /// body. Empty: neither.
+  /// What is wrong with the surface, or that parts of it touch face on face: nothing is wrong with each, but they are
+  /// one body. Empty: neither.
   std::string faultOrContact() const {
     const std::string fault = faultOf(surface_);
     if (!fault.empty() || connectedParts(surface_, faceEdges(surface_)).count == 1) return fault;

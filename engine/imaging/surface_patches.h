@@ -20,8 +20,8 @@ struct Patch {
   int front = 0, back = 0, rays = 0;  // rays that escaped, of so many on each side
 };
 
-/// Makes the faces of each patch turn alike, as most of them do, and lists the patches. Neighbours that agree are joined
-/// first: where a tangle contradicts itself, the file's own sense counts.
+/// Makes the faces of each patch turn alike, as most of them do, and lists the patches. Neighbours that agree are
+/// joined first: where a tangle contradicts itself, the file's own sense counts.
 /// @param face_turned  (triangle_count) gets 1 where a face was turned
 std::vector<Patch> alikePatches(TriangleSurface& surface, std::vector<char>& face_turned);
 

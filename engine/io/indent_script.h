@@ -10,8 +10,8 @@
 
 namespace palpate {
 
-/// What the tool does off-screen when no script is given: as the scene's own script for it says, or from its start along
-/// its axis to the skin, smoothly on into the tissue, and there it stays.
+/// What the tool does off-screen when no script is given: as the scene's own script for it says, or from its start
+/// along its axis to the skin, smoothly on into the tissue, and there it stays.
 /// The depth is 1.2 radii of the tool, but at most a quarter of the organ's length along
 /// the axis, so that each scene shows a plain indentation that it survives.
 ToolScript indentScript(const Model& model);

@@ -19,8 +19,8 @@ namespace palpate {
 /// "fixed[1]" (lists count from 0). Boundaries are in the file's order, all fixed ones first.
 Scene readScene(const std::string& path);
 
-/// A key that gets another value than the file's: "dynamics.damping", "material[0].young" (lists count from 0; the entry
-/// must be there).
+/// A key that gets another value than the file's: "dynamics.damping", "material[0].young" (lists count from 0; the
+/// entry must be there).
 struct SceneChange {
   std::string key;
   std::string value;  // as TOML writes it: `0.01`, `"int16"`, `[0, 0, 1]`

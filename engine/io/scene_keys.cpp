@@ -101,8 +101,8 @@ constexpr KeySpec scene_keys[] = {
      "Where the tissue is under more than 1.5 shear moduli of pressure, hold its volume by that of the background "
      "cells: confined tissue is then exact to 40 shear moduli, where it else gives way from 4.5 (from 2.75 with "
      "`cells_per_point` 2). Between bonded faces less than 8 edges of cells apart the tissue stays as without it. For "
-     "organs that are pressed: a bonded body gets up to 4 % too stiff, and one of Poisson's ratio 0.499 that is twisted "
-     "between bonded ends finds no equilibrium with it. "
+     "organs that are pressed: a bonded body gets up to 4 % too stiff, and one of Poisson's ratio 0.499 that is "
+     "twisted between bonded ends finds no equilibrium with it. "
      "Costs up to a seventh more time a step, where something is pressed. Needs `node_patch_volume`.",
      never},
     {"discretization", "sharp_interfaces", T::Boolean, "", "false", {}, "",
@@ -134,7 +134,8 @@ constexpr KeySpec scene_keys[] = {
      "point are mixed linearly by the mean over its cell. World coordinates of the image in mm are the organ's in m "
      "times 1000. Both materials are neo-Hookean; one material of a scene may have it.", never},
     {"material", "mask", T::Text, "", "", {}, "",
-     "With `membership`: NIfTI file on the same voxels; those where it is not above 0.5 are left out of the mean.", never},
+     "With `membership`: NIfTI file on the same voxels; those where it is not above 0.5 are left out of the mean.",
+     never},
 
     {"region", "shape", T::Text, "", required, {}, "half-space|box|sphere|near-plane|cylinder|shell", "Its shape."},
     {"region", "point", T::Vector, "m", depends, {}, "",
@@ -160,14 +161,15 @@ constexpr KeySpec scene_keys[] = {
 
     {"prescribed", "points", T::Text, "", "", {}, "",
      "In place of a region and a motion: measured points that go where they were measured, each imposed exactly at its "
-     "place on the surface. A CSV file, relative to the scene file, with the columns x, y, z and, where it was measured, "
-     "x0, y0, z0: where each is, and was before (else the nearest point of the surface); or a file of 3D Slicer (.fcsv, "
-     ".mrk.json). Points nearer to each other than half the spacing are joined; more than 40 mm from the surface are "
-     "refused.", never},
-    {"prescribed", "unit", T::Text, "", depends, {}, "mm|cm|m", "Of the points' coordinates. Slicer's files say it.", never},
+     "place on the surface. A CSV file, relative to the scene file, with the columns x, y, z and, where it was "
+     "measured, x0, y0, z0: where each is, and was before (else the nearest point of the surface); or a file of 3D "
+     "Slicer (.fcsv, .mrk.json). Points nearer to each other than half the spacing are joined; more than 40 mm from "
+     "the surface are refused.", never},
+    {"prescribed", "unit", T::Text, "", depends, {}, "mm|cm|m", "Of the points' coordinates. Slicer's files say it.",
+     never},
     {"prescribed", "frame", T::Text, "", depends, {}, "ras|lps",
-     "Of the points' coordinates: +x, +y, +z to the patient's right, front and top (as the organ's, where it comes from "
-     "a scan), or left, back and top. Slicer's files say it.", never},
+     "Of the points' coordinates: +x, +y, +z to the patient's right, front and top (as the organ's, where it comes "
+     "from a scan), or left, back and top. Slicer's files say it.", never},
     {"prescribed", "spread", T::Text, "", "\"points\"", {}, "points|sheet",
      "What the skin between measured points does: it is free, or moves as a smooth sheet (a thin plate through the "
      "points, which stay exact) out to half their distance beyond the outermost.", never},
@@ -186,8 +188,8 @@ constexpr KeySpec scene_keys[] = {
      "0.25]]`; straight in between, constant after the last. Times ascend from 0, the first share is 0."},
 
     {"skull", "from", T::Text, "", required, {}, "",
-     "`\"organ\"`: the organ's own surface at rest; or the file of a closed surface that encloses it (.obj, .stl, .ply, "
-     ".off, .vtk), relative to the scene file.", never},
+     "`\"organ\"`: the organ's own surface at rest; or the file of a closed surface that encloses it (.obj, .stl, "
+     ".ply, .off, .vtk), relative to the scene file.", never},
     {"skull", "unit", T::Text, "", depends, {}, "mm|cm|m", "Unit of the file's coordinates.", never},
     {"skull", "clearance", T::Number, "m", "0", between(0, 0.05), "",
      "Between that surface and the shell outside it that the skin touches.", never},
@@ -215,7 +217,8 @@ constexpr KeySpec scene_keys[] = {
     {"dynamics", "damping", T::Number, "1/s", "20", atLeast(0), "",
      "Mass-proportional damping c in M u'' + c M u' + f(u) = 0.", never},
     {"dynamics", "gravity", T::Vector, "m/s^2", "[0.0, 0.0, 0.0]", {}, "",
-     "Acceleration that pulls at the tissue: [0.0, 0.0, -9.81] with z up. The shape at rest is that without it.", never},
+     "Acceleration that pulls at the tissue: [0.0, 0.0, -9.81] with z up. The shape at rest is that without it.",
+     never},
     {"dynamics", "threads", T::Integer, "", "1", between(1, 64), "",
      "Threads that compute the physics; the result does not depend on it.", never},
     {"dynamics", "gradient_precision", T::Text, "", "\"float32\"", {}, "float32|int16",
@@ -251,8 +254,8 @@ constexpr KeySpec scene_keys[] = {
      "A faster command is followed at this speed.", with_mass_scaling},
     {"tool", "max_force", T::Number, "N", "0", atLeast(0), "",
      "What the hand that holds the tool would push at most. From half of it on the tool yields: it stays behind the "
-     "mouse, device or script, and reports say by how much; a blow above it pushes the tool back. 0: forty shear moduli "
-     "of the stiffest material on the tool's cross-section.", never},
+     "mouse, device or script, and reports say by how much; a blow above it pushes the tool back. 0: forty shear "
+     "moduli of the stiffest material on the tool's cross-section.", never},
     {"tool", "friction", T::Number, "", "0", between(0, 2), "",
      "Coulomb coefficient between tool and tissue; 0: frictionless.", never},
     {"tool", "opening", T::Number, "m", depends, between(0, 1), "",
@@ -260,9 +263,9 @@ constexpr KeySpec scene_keys[] = {
      "between their tips, and they close along the tool's x axis (the world's, where it points down). Without "
      "`friction` they hold nothing. Absent: no jaws.", never},
     {"tool", "input", T::Text, "", "", {}, "",
-     "What moves it. `\"hand\"`, or absent: mouse, device or program; where there is none it stands still, but the first "
-     "tool is pressed in by off-screen runs. `\"script:FILE\"`: a [tool script](../tools/README.md), relative to the "
-     "scene file, until a hand takes the tool over; the first tool follows it in off-screen runs.", never},
+     "What moves it. `\"hand\"`, or absent: mouse, device or program; where there is none it stands still, but the "
+     "first tool is pressed in by off-screen runs. `\"script:FILE\"`: a [tool script](../tools/README.md), relative to "
+     "the scene file, until a hand takes the tool over; the first tool follows it in off-screen runs.", never},
 
     {"force", "cutoff", T::Number, "Hz", "30", aboveUpTo(0, 1000), "",
      "Corner frequency of the first-order low-pass of the filtered force.", never},
@@ -270,21 +273,22 @@ constexpr KeySpec scene_keys[] = {
      "The filtered force changes no faster than this.", never},
 
     {"device", "class", T::Text, "", "\"light\"", {}, "light|medium|strong",
-     "What the keys without a value are chosen for: devices of 3.3 N that hold 400 N/m, of 8 N and 3,000 N/m, of 12 N and "
-     "5,000 N/m.", never},
+     "What the keys without a value are chosen for: devices of 3.3 N that hold 400 N/m, of 8 N and 3,000 N/m, of 12 N "
+     "and 5,000 N/m.", never},
     {"device", "stiffness", T::Number, "N/m", depends, between(10, 20000), "",
-     "Of the coupling, at most; by `class`. The hand feels it in series with the tissue. A device that answers late gets "
-     "what `own_damping` allows.", never},
+     "Of the coupling, at most; by `class`. The hand feels it in series with the tissue. A device that answers late "
+     "gets what `own_damping` allows.", never},
     {"device", "damping", T::Number, "N s/m", depends, between(0, 50), "", "Of the coupling; by `class`.", never},
     {"device", "max_force", T::Number, "N", depends, aboveUpTo(0, 100), "",
      "The longest force vector that the device is given; by `class`.", never},
     {"device", "rise_time", T::Number, "s", "0.01", between(0.001, 1), "",
      "The quickest time from no force to the largest.", never},
     {"device", "scale", T::Number, "", "1", between(0.01, 100), "",
-     "Way of the tool over way of the device. Forces are not scaled, so that tissue feels `scale` times as stiff.", never},
+     "Way of the tool over way of the device. Forces are not scaled, so that tissue feels `scale` times as stiff.",
+     never},
     {"device", "own_damping", T::Number, "N s/m", depends, between(0.05, 50), "",
-     "Of the device and the lightest hand that will hold it; by `class` 2, 2 and 3. It bounds the coupling's stiffness K "
-     "by K (T/2 + delay) <= own_damping (T: time from pose to pose).", never},
+     "Of the device and the lightest hand that will hold it; by `class` 2, 2 and 3. It bounds the coupling's stiffness "
+     "K by K (T/2 + delay) <= own_damping (T: time from pose to pose).", never},
 
     {"camera", "target", T::Vector, "m", "[0.0, 0.0, 0.0]", {}, "", "The point in the middle of the view.", never},
     {"camera", "distance", T::Number, "m", "0.5", above(0), "", "From there to the eye.", never},

@@ -6,9 +6,9 @@ namespace palpate {
 
 // A pressure that is bounded on the side of compression, and its energy: cell_volume.h.
 
-/// p1 over shear modulus. The patches alone give way from 4.5 on, and where cells share points (cell_pairs.h) from 2.75.
-/// At 2.5 confined pairs are at their limit, and free blocks leave the closed form earlier; at 1 more nodes are looked at
-/// for the same forces.
+/// p1 over shear modulus. The patches alone give way from 4.5 on, and where cells share points (cell_pairs.h) from
+/// 2.75. At 2.5 confined pairs are at their limit, and free blocks leave the closed form earlier; at 1 more nodes are
+/// looked at for the same forces.
 inline constexpr double pressure_limit = 1.5;
 
 /// Share of its limit from which on a node's pressure counts.

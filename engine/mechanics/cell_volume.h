@@ -39,8 +39,8 @@ namespace palpate {
 /// Which nodes are looked at follows from the points alone: w_a rises from 0 to 1 as the largest K_a (1 - J_q) / p1 of
 /// the points in the patch rises from pressed_from to 1. Where no point gets there, nothing is computed. (A patch's own
 /// theta, the points' mean, is no guide: under a tool, theta' is beyond the limit at nodes whose theta is nearly 0.)
-/// Forces are continuous; they are the energy's derivative where w_a is 0 or 1, or theta'_a is below p1. Elsewhere, at a
-/// node whose cells are beyond the limit while no point around is, the change of w_a is left out.
+/// Forces are continuous; they are the energy's derivative where w_a is 0 or 1, or theta'_a is below p1. Elsewhere, at
+/// a node whose cells are beyond the limit while no point around is, the change of w_a is left out.
 template <class Real>
 struct CellVolumeOf {
   // N_j(X_a) by rows a and by columns j.

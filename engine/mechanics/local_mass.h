@@ -15,10 +15,10 @@ namespace palpate {
 /// Squeezed tissue is stiffer: waves across a squeeze see the modulus c(F) of squeezedModulus(), six times that at rest
 /// where a free block has 0.4 of its height. The block Gershgorin row of node i (critical_time_step.h) then is
 ///   row_i(u) = sum_q V_q c_q |b_iq| sum_j |b_jq| = row_i r_i,   r_i a mean of c_q / c_q(rest) with weights of sum 1.
-/// With masses m_i f_i, f_i >= r_i (share / limit)^2, the bound of the deformed body is no higher than (limit / share)^2
-/// times that of the body at rest: dt is at most `limit` of the stable step where it was `share` of it at rest. The mean
-/// is taken in two stages, so that it costs little: of the points around a node (by volume), then over nodes (by their
-/// part in the row).
+/// With masses m_i f_i, f_i >= r_i (share / limit)^2, the bound of the deformed body is no higher than (limit /
+/// share)^2 times that of the body at rest: dt is at most `limit` of the stable step where it was `share` of it at
+/// rest. The mean is taken in two stages, so that it costs little: of the points around a node (by volume), then over
+/// nodes (by their part in the row).
 ///
 /// Test: mechanics/local_mass_test.cpp (against the largest eigenvalue of the tangent in squeezed bodies).
 struct StiffnessMeans {

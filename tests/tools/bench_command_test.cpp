@@ -168,7 +168,8 @@ TEST_CASE("Calls are timed in turns, the first of each turn not counted", "[benc
   CHECK(std::isnan(TimedCall().median()));
 }
 
-TEST_CASE("Ceilings are of this world: positive, and not those of loops that were optimised away", "[bench_command][timed]") {
+TEST_CASE("Ceilings are of this world: positive, and not those of loops that were optimised away",
+          "[bench_command][timed]") {
   Machine machine = thisMachine();
   CHECK(machine.cores >= 1);
   machine.l2_bytes = 256 << 10;  // any sizes will do here

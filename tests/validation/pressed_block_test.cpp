@@ -135,8 +135,8 @@ TEST_CASE("A free block meets the closed form up to 45 % compression", "[validat
 
 TEST_CASE("A thin layer between bonded faces is as stiff as fine clouds say, also where cells hold the volume",
           "[validation][cell_volume]") {
-  // A layer of 25 x 25 x 10 mm, nu 0.49, pressed by 20 %. Reference: the same with 7 spacings across its height, without
-  // the cells' volume, 0.921 N; with it, and all nodes' pressure bounded, four spacings answer with 1.08 N.
+  // A layer of 25 x 25 x 10 mm, nu 0.49, pressed by 20 %. Reference: the same with 7 spacings across its height,
+  // without the cells' volume, 0.921 N; with it, and all nodes' pressure bounded, four spacings answer with 1.08 N.
   constexpr double height = 0.01, reference = 0.921;  // m, N
   Scene scene = blockScene(0.49, 0, false, 1);
   scene.size = Vec3(2.5 * height, 2.5 * height, height);

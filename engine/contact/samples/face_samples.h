@@ -14,9 +14,9 @@ constexpr float kFullStretch = 2.25F;
 /// and lists them in contact.samples by ascending id, keeping the forces of those that stay. Once per tick, after it.
 ///
 /// Contact is felt at the skin's vertices. Where the skin is stretched they spread, until a tool fits between them. So
-/// an edge that is stretched by s gets a sample in its middle, those halves that are still stretched by s / 2 get one in
-/// theirs, and so on for three levels, up to s = 8 (12 between samples that are kStretchLimit apart); and faces in their
-/// inside, where halved edges meet. A sample follows its corners linearly: it feels the skin that is drawn.
+/// an edge that is stretched by s gets a sample in its middle, those halves that are still stretched by s / 2 get one
+/// in theirs, and so on for three levels, up to s = 8 (12 between samples that are kStretchLimit apart); and faces in
+/// their inside, where halved edges meet. A sample follows its corners linearly: it feels the skin that is drawn.
 ///
 /// Nothing jumps as a sample comes in. Between kStretchLimit and kFullStretch its weight w goes from 0 to 1: the layer
 /// there is w times as stiff, and the tool is as far from it as from its corners on average, less w times the rest.

@@ -13,9 +13,9 @@ namespace palpate {
 ///
 ///   Kc (x_dev - x) + Bc (v_dev - v) + F_tissue(x) = 0,
 ///
-/// so that at rest the spring carries exactly what the tissue does. F_tissue is known for the tick before; how it changes
-/// with the tool's way is not. A step as if it didn't would overshoot where the tissue is the stiffer spring, so the way
-/// is damped by D, what the stiffest material of the body could answer a tick's way with:
+/// so that at rest the spring carries exactly what the tissue does. F_tissue is known for the tick before; how it
+/// changes with the tool's way is not. A step as if it didn't would overshoot where the tissue is the stiffer spring,
+/// so the way is damped by D, what the stiffest material of the body could answer a tick's way with:
 ///
 ///   x += (Kc (x_dev - x) + Bc v_dev + F_tissue) / (Kc + Bc / T + D)
 ///   D  = rho c pi R^2 / T + 2 R E / (1 - nu^2)     a wave that leaves the contact, and a flat punch (Sneddon 1965)

@@ -31,7 +31,8 @@ struct DeviceReport {
 ///   Kc (T/2 + delay) <= own_damping       or the delay would make more energy than device and hand can take
 ///
 /// Passivity observer and controller (Hannaford and Ryu 2002): E += F . dx, what the hand puts in; where E < 0, damping
-/// alpha = -E / (v^2 T) is added, as far as a discrete damper is stable itself. In air what was dissipated is forgotten.
+/// alpha = -E / (v^2 T) is added, as far as a discrete damper is stable itself. In air what was dissipated is
+/// forgotten.
 ///
 /// Dead man: no pose for 10 ms, and the force goes to zero within 40 ms; likewise where the tissue was put back, is
 /// frozen or late. Then the coupling starts from rest: the device pulls from where the tool is, and that difference

@@ -11,8 +11,8 @@ namespace palpate {
 /// enough can push a coarse cloud into such an equilibrium, a crumpled edge or a part turned inside out, from which it
 /// does not come back by itself; the model knows no contact of the skin with itself, which would hold it back.
 ///
-/// Bodies whose boundaries are moved are loaded always, and never folded by this. Where the stress relaxes, tissue comes
-/// back slowly, and where it has weight, it is strained by that, so there only what is crushed counts.
+/// Bodies whose boundaries are moved are loaded always, and never folded by this. Where the stress relaxes, tissue
+/// comes back slowly, and where it has weight, it is strained by that, so there only what is crushed counts.
 /// Loop thread only. Real-time: no allocation, no lock, no throw. Test: realtime/loop/fold_watch_test.cpp
 class FoldWatch {
  public:

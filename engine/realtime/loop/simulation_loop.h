@@ -89,7 +89,8 @@ class SimulationLoop final : private LoopBody {
   void quit() { channels_.quit.store(true, std::memory_order_relaxed); }
   bool finished() const { return channels_.finished.load(std::memory_order_acquire); }
 
-  /// (one thread) The latest pose wins. The tool goes there at once, as fast as the scene lets it, while no track drives.
+  /// (one thread) The latest pose wins. The tool goes there at once, as fast as the scene lets it, while no track
+  /// drives.
   HandSlot& hand() { return channels_.hand; }
   /// (a thread for each tool) The same for tools beside the first, and for how far jaws should be open.
   ToolHands& toolHands() { return channels_.tool_hands; }

@@ -8,7 +8,8 @@
 namespace palpate {
 
 /// Where a viewer wants the tool, tick by tick: it asks a few times a second, unevenly, and each tick goes an even
-/// share of the way. Two kinds of wishes add up: ways to poses, each in a time, and a steady motion while keys are held.
+/// share of the way. Two kinds of wishes add up: ways to poses, each in a time, and a steady motion while keys are
+/// held.
 ///
 ///   way:     x += (target - x) / ticks left, likewise the turn
 ///   steady:  x += v / rate, R <- exp(w / rate) R, until it is asked anew or its time is over

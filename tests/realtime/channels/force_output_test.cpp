@@ -40,9 +40,9 @@ ForceSample marked(std::int64_t tick) {
 
 bool isMarked(const ForceSample& s) {
   const ForceSample whole = marked(s.tick);
-  return s.wall_ns == whole.wall_ns && s.time_s == whole.time_s && s.depth_m == whole.depth_m && s.advance_m == whole.advance_m &&
-         s.force_raw == whole.force_raw && s.force_filtered == whole.force_filtered && s.doubt == whole.doubt &&
-         s.tool_pose.position == whole.tool_pose.position &&
+  return s.wall_ns == whole.wall_ns && s.time_s == whole.time_s && s.depth_m == whole.depth_m &&
+         s.advance_m == whole.advance_m && s.force_raw == whole.force_raw && s.force_filtered == whole.force_filtered &&
+         s.doubt == whole.doubt && s.tool_pose.position == whole.tool_pose.position &&
          s.tool_pose.orientation.coeffs() == whole.tool_pose.orientation.coeffs() && s.torque == whole.torque &&
          s.contact_normal == whole.contact_normal && s.stiffness == whole.stiffness && s.work_J == whole.work_J &&
          s.pose_sequence == whole.pose_sequence && s.loss_count == whole.loss_count &&

@@ -37,8 +37,8 @@ struct DeviceResult {
   bool frozen = false;
 };
 
-/// Runs device, coupling and loop in lockstep, in simulated time: the loop's ticks take 0.8 of their period, the device's
-/// thread looks every millisecond. No clock is read; the same trial gives the same bits.
+/// Runs device, coupling and loop in lockstep, in simulated time: the loop's ticks take 0.8 of their period, the
+/// device's thread looks every millisecond. No clock is read; the same trial gives the same bits.
 DeviceResult runDeviceTrial(const Model& model, const DeviceTrial& trial);
 
 /// The largest line above `from_hz` of a force's spectrum, its component along its mean, with a Hann window: amplitude,

@@ -16,8 +16,8 @@ struct ForceCurve {
 };
 
 /// Reads a measured curve: a CSV file with the columns depth_m and force_N, or a run's force.csv (advance_m, else
-/// depth_m, and force_raw_N_x, _y, _z). Rows up to the deepest, without those before touch; of rows at the same depth the mean.
-/// Throws InputError where less than five are left.
+/// depth_m, and force_raw_N_x, _y, _z). Rows up to the deepest, without those before touch; of rows at the same depth
+/// the mean. Throws InputError where less than five are left.
 ForceCurve readForceCurve(const std::string& path);
 
 /// The model's: its tool pressed along its axis to `deepest` m at an even speed, in `seconds` of physics time, which

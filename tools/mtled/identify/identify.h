@@ -25,9 +25,9 @@ struct Identified {
 };
 
 /// Least squares by Levenberg and Marquardt (Marquardt, SIAM J. Appl. Math. 11, 431 (1963)) over unbounded coordinates:
-/// the logarithm where a range has one end near, the logit where it has two. Derivatives are differences. The intervals come
-/// from (J^T J)^-1 and the residuals, in those coordinates, with Student's t; they allow for noise that grows with the
-/// force and for residuals that follow their neighbours, and hold what they say where the residuals are noise.
+/// the logarithm where a range has one end near, the logit where it has two. Derivatives are differences. The intervals
+/// come from (J^T J)^-1 and the residuals, in those coordinates, with Student's t; they allow for noise that grows with
+/// the force and for residuals that follow their neighbours, and hold what they say where the residuals are noise.
 /// @param residuals  r(values), always as many; may throw std::runtime_error for values that can't be
 Identified identify(const std::vector<SoughtParameter>& sought,
                     const std::function<std::vector<double>(const std::vector<double>&)>& residuals);
