@@ -13,6 +13,7 @@ constexpr double rise_begin = 0.6;     // of the depth
 constexpr double held_margin = 0.015;  // m, from what is held
 constexpr double facing = 0.45;        // cosine between skin and tool, where it presses
 constexpr double around_steps = 4.5;   // of the places that a place is compared with
+constexpr double alone_steps = 3;      // within which only the stiffest is marked
 
 double smooth(double s) {
   s = std::clamp(s, 0.0, 1.0);
@@ -107,7 +108,7 @@ std::vector<Vec3> Trainee::marks(double ratio) const {
     for (std::size_t b = 0; b < places_.size(); ++b) {
       const double distance = (places_[a].point - places_[b].point).norm();
       if (distance < around_steps * step_) around.push_back(slopes_[b]);
-      if (b != a && distance < 2 * step_ && slopes_[b] > slopes_[a]) highest = false;
+      if (b != a && distance < alone_steps * step_ && slopes_[b] > slopes_[a]) highest = false;
     }
     std::nth_element(around.begin(), around.begin() + static_cast<std::ptrdiff_t>(around.size() / 2), around.end());
     if (highest && slopes_[a] > ratio * around[around.size() / 2]) marked.push_back(places_[a].point);

@@ -86,7 +86,7 @@ TEST_CASE("The unit of a surface is guessed only where its size leaves no doubt"
   CHECK_THAT(refusal([] { surfaceUnit("a.stl", "", 25); }), Contains("25 mm with --unit mm, 25 cm with --unit cm"));
   // Even where it is said: such a scene would open, and stand still.
   CHECK_THAT(refusal([] { surfaceUnit("a.stl", "mm", 0.06); }),
-             Contains("0.06 mm long") && Contains("6 cm with --unit m"));
+             Contains("0.06 mm long") && Contains("60 mm with --unit m"));
   CHECK_THAT(refusal([] { surfaceUnit("a.stl", "m", 60); }), Contains("60 m long"));
 }
 

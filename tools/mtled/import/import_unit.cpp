@@ -33,6 +33,7 @@ SurfaceUnit surfaceUnit(const std::string& file, const std::string& asked, doubl
       if (length * unit.length >= shortest_body && length * unit.length <= longest_body)
         return {unit.name, unit.length, "as --unit says; it is " + text + " long then"};
       absurd = text;
+      continue;
     }
     lengths += (lengths.empty() ? "" : ", ") + text + " with --unit " + unit.name;
     if (length * unit.length >= shortest_organ && length * unit.length <= longest_organ)
