@@ -8,6 +8,7 @@ namespace palpate::app {
 namespace {
 
 constexpr double kRoughAway = 1.0;                               // m/s, lifting off
+constexpr double kRoughDraw = 0.1;                               // m/s, while a fold hangs on the tool
 constexpr double kRoughPressSlow = 0.05, kRoughPressFast = 0.3;  // m/s
 constexpr double kRoughDragSlow = 0.05, kRoughDragFast = 0.5;    // m/s
 constexpr double kRoughShortHold = 0.05, kRoughLongHold = 0.4;   // s
@@ -29,6 +30,7 @@ RoughMotion::RoughMotion(const Body& model, unsigned seed)
     high_ = high_.cwiseMax(start_.toLocal(X));
   }
   lift_ = high_.z() + 0.5 * model.scene.tool.radius;
+  highest_ = lift_ + (high_ - low_).norm();
   planRound();
 }
 
@@ -94,9 +96,17 @@ const Request* RoughMotion::nextSetting() {
   return &settings_[setting_++];
 }
 
+/// A tool that came up beneath a fold carries it; a hand would draw it out.
+bool RoughMotion::stillLifts(const StepReport& last) {
+  if (last.contact_count == 0 || hand_.z() >= highest_) return false;
+  hand_.z() += kRoughDraw * tick_seconds_;
+  rest_.begin();
+  return true;
+}
+
 void RoughMotion::watch(const State& state, const StepReport& last) {
   addTick(cycle_, last);
-  if (leg_ < leg_count_ || !rest_.update(last)) return;
+  if (leg_ < leg_count_ || stillLifts(last) || !rest_.update(last)) return;
   cycle_.rest_speed = rest_.speed();
   cycle_.rested = rest_.rested();
   cycle_.rest_s = rest_.seconds();

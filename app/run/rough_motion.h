@@ -13,8 +13,8 @@ namespace palpate::app {
 
 /// A rough hand, from one seed: it pokes at 0.5 m/s to the bottom, presses and holds, drags through the organ, jumps
 /// anywhere at once, while friction (0 to 1) and the stiffness of the materials (all or half of the scene's) change.
-/// After each round of some such acts it lifts off and waits until the tissue is at rest: a cycle.
-/// What it does does not depend on the tissue but for these waits.
+/// After each round of some such acts it lifts off, higher where a fold hangs on the tool, and waits until the tissue is
+/// at rest: a cycle. What it does does not depend on the tissue but for the height and the wait.
 class RoughMotion final : public SoakHand {
  public:
   static constexpr double poke_speed = 0.5;  // m/s
@@ -40,6 +40,7 @@ class RoughMotion final : public SoakHand {
   void planSettings();
   void add(const Vec3& goal, double speed, double hold) { legs_[leg_count_++] = {goal, speed, hold}; }
   void advance();  // the hand along its present leg
+  bool stillLifts(const StepReport& last);
   void watch(const State& state, const StepReport& last);
   double uniform(double low, double high);
   Vec3 place(double low_share, double high_share);
@@ -50,8 +51,9 @@ class RoughMotion final : public SoakHand {
   const double tick_seconds_;
   const std::vector<Material> materials_;  // the scene's
   const unsigned seed_;
-  Vec3 low_, high_;  // m, the skin's box in the frame of the tool's start
-  double lift_ = 0;  // m, height there at which the tool is above all of the skin
+  Vec3 low_, high_;     // m, the skin's box in the frame of the tool's start
+  double lift_ = 0;     // m, height there at which the tool is above all of the skin
+  double highest_ = 0;  // m, to which it goes where the skin hangs on it
   RestWatch rest_;
 
   SpscRing<SoakCycle> cycles_{1024};

@@ -19,7 +19,8 @@ struct LogEvent {
     RestoredNotFinite,  // the same, after which the tissue went back to an earlier state
     RestoredBlowUp,
     RestoredInverted,
-    RestoredFolded,   // value: J of the worst point
+    RestoredFolded,  // value: J of the worst point
+    RestoredCaught,
     InvertedPoints,   // warning: point, position; value: how many
     ContactOverflow,  // warning
     DeepContact,      // warning: value: penetration, m
@@ -46,7 +47,7 @@ struct LogEvent {
   Overload overload;
 
   bool isFreeze() const { return kind <= Kind::FrozenInverted; }
-  bool isRestore() const { return kind > Kind::FrozenInverted && kind <= Kind::RestoredFolded; }
+  bool isRestore() const { return kind > Kind::FrozenInverted && kind <= Kind::RestoredCaught; }
   bool isWarning() const {
     return (kind > Kind::FrozenInverted && kind <= Kind::Overloaded) || kind == Kind::ToolYields;
   }

@@ -26,6 +26,7 @@ struct RunMemory {
   std::array<ToolProxy::Memory, max_tools> proxies;  // of the tools beside the first
   ToolReadings readings;
   FoldWatch::Memory folds;
+  std::int64_t snag_ticks = 0;  // of SnagWatch
   StepReport report;
   ForceSample force;
   ForceFilter filter{0, 0, 1};

@@ -32,6 +32,7 @@ SimulationLoop::SimulationLoop(const Model& model, Physics& physics, SpinTeam* t
       further_(model),
       history_(physics.state(), model.scene.rate_hz),
       folds_(model),
+      snags_(model),
       settings_(model, physics),
       recorder_(channels_.recorded, options.record, model.tool_start),
       reporter_(model, physics, team, channels_) {
@@ -103,6 +104,7 @@ RunMemory SimulationLoop::memory() const {
   memory.further = further_.memory();
   for (std::size_t k = 0; k < further_proxies_.size(); ++k) memory.proxies[k] = further_proxies_[k].memory();
   memory.folds = folds_.memory();
+  memory.snag_ticks = snags_.memory();
   reporter_.tell(memory);
   return memory;
 }
@@ -125,6 +127,7 @@ void SimulationLoop::recall(const RunMemory& memory) {
   further_.recall(memory.further);
   for (std::size_t k = 0; k < further_proxies_.size(); ++k) further_proxies_[k].recall(memory.proxies[k]);
   folds_.recall(memory.folds);
+  snags_.recall(memory.snag_ticks);
   history_.startAt(physics_.state());
   settings_.recall();
   reporter_.recall(memory);
@@ -208,12 +211,14 @@ bool SimulationLoop::step() {
   if (report.cut_short) return false;
   switch (reporter_.judge(report, run_)) {
     case Verdict::Good:
-      if (folds_.update(report, command.pull_vertex >= 0)) {
+      if (const bool folded = folds_.update(report, command.pull_vertex >= 0);
+          folded || snags_.update(physics_.state(), report)) {
         physics_.reset();  // not to where a recalled run began: that may have been folded
         history_.clear();
         beGentle();
         reporter_.restored();
-        reporter_.logEvent(LogEvent::Kind::RestoredFolded, run_, report.worst_point, report.min_J);
+        reporter_.logEvent(folded ? LogEvent::Kind::RestoredFolded : LogEvent::Kind::RestoredCaught, run_,
+                           report.worst_point, report.min_J);
         break;
       }
       history_.keep(physics_.state(), reporter_.lastDoubt());

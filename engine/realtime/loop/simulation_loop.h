@@ -13,6 +13,7 @@
 #include "realtime/loop/run_memory.h"
 #include "realtime/loop/run_state.h"
 #include "realtime/loop/run_summary.h"
+#include "realtime/loop/snag_watch.h"
 #include "realtime/loop/state_history.h"
 #include "realtime/loop/tick_reporter.h"
 #include "realtime/loop/tool_proxy.h"
@@ -150,6 +151,7 @@ class SimulationLoop final : private LoopBody {
   std::vector<ToolProxy> further_proxies_;  // of the tools beside the first
   StateHistory history_;
   FoldWatch folds_;
+  SnagWatch snags_;
   LiveSettings settings_;
   InputRecorder recorder_;
   TickReporter reporter_;

@@ -1,0 +1,34 @@
+#include "realtime/loop/snag_watch.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "contact/tools/tool_list.h"
+
+namespace palpate {
+
+SnagWatch::SnagWatch(const Model& model)
+    : off_(!model.tools.empty()), needed_(std::llround(seconds * model.scene.rate_hz)) {
+  for (const BoundarySpec& boundary : model.scene.boundaries) off_ = off_ || boundary.duration > 0;
+  low_ = high_ = model.tool_start.position;  // where it begins it is never far outside
+  for (const Vec3& X : model.skin.surface.vertices) {
+    low_ = low_.cwiseMin(X);
+    high_ = high_.cwiseMax(X);
+  }
+  const ToolShape& tool = model.scene.tool;  // whose side may touch while its tip is beyond the body
+  const double size = 2 * tool.radius + (tool.kind == ToolKind::Sphere ? 0 : tool.length);
+  const Vec3 margin = Vec3::Constant(far_outside * (high_ - low_).norm() + size);
+  low_ -= margin;
+  high_ += margin;
+}
+
+bool SnagWatch::update(const State& state, const StepReport& report) {
+  const Vec3& tip = state.tool_pose.position;
+  const bool inside = (tip.array() >= low_.array()).all() && (tip.array() <= high_.array()).all();
+  ticks_ = off_ || inside || report.contact_count == 0 ? 0 : ticks_ + 1;
+  if (ticks_ < needed_) return false;
+  ticks_ = 0;
+  return true;
+}
+
+}  // namespace palpate

@@ -1,0 +1,79 @@
+#include "realtime/loop/snag_watch.h"
+
+#include <catch2/catch.hpp>
+
+#include "contact/tools/tool_list.h"
+#include "realtime/fakes.h"
+#include "realtime/loop/simulation_loop.h"
+
+using namespace palpate;
+
+namespace {
+
+/// 100 x 60 x 40 mm in the corners of its skin.
+Model boxed() {
+  Model model = test::smallModel(500);
+  model.skin.surface.vertices = {Vec3(0, 0, 0), Vec3(0.1, 0.06, 0.04)};
+  model.scene.tool = ToolShape::of(ToolKind::Sphere, 0.005);
+  model.tool_start.position = Vec3(0.05, 0.03, 0.042);
+  return model;
+}
+
+StepReport touching() {
+  StepReport report;
+  report.contact_count = 3;
+  return report;
+}
+
+/// The ticks after which `watch` finds a tool at `tip` caught; -1: not within 2000.
+int ticksUntilFound(SnagWatch& watch, const Model& model, const Vec3& tip, const StepReport& report) {
+  State state = test::FakePhysics(model).state();
+  state.tool_pose.position = tip;
+  for (int t = 1; t <= 2000; ++t)
+    if (watch.update(state, report)) return t;
+  return -1;
+}
+
+}  // namespace
+
+TEST_CASE("A tool that touches far outside of the body is caught", "[snag_watch]") {
+  Model model = boxed();
+  SnagWatch watch(model);
+  const double far = SnagWatch::far_outside * Vec3(0.1, 0.06, 0.042).norm() + 0.01;
+  const Vec3 above(0.05, 0.03, 0.042 + far + 1e-6), beside(0.1 + far + 1e-6, 0.03, 0.02), near(0.05, 0.03, 0.04 + far);
+  CHECK(ticksUntilFound(watch, model, above, touching()) == 250);
+  CHECK(ticksUntilFound(watch, model, above, touching()) == 250);  // and anew
+  CHECK(ticksUntilFound(watch, model, beside, touching()) == 250);
+  CHECK(ticksUntilFound(watch, model, near, touching()) == -1);
+  CHECK(ticksUntilFound(watch, model, above, StepReport()) == -1);  // it touches nothing
+  model.scene.tool = ToolShape::of(ToolKind::FlatCylinder, 0.005, 0.05);
+  SnagWatch longer(model);  // its side may touch the body
+  CHECK(ticksUntilFound(longer, model, above, touching()) == -1);
+  model.scene.boundaries.emplace_back();
+  model.scene.boundaries.back().duration = 1;
+  SnagWatch moved(model);  // a body that is moved may be anywhere
+  CHECK(ticksUntilFound(moved, model, Vec3(1, 1, 1), touching()) == -1);
+}
+
+TEST_CASE("Tissue that a tool has carried off is put back to rest, counted and told of", "[snag_watch]") {
+  const Model model = boxed();
+  test::FakePhysics physics(model);
+  physics.on_tick = [](State& state, StepReport& report) {
+    if (state.tick < 100 || state.tick > 500) return;
+    report.contact_count = 3;
+    state.tool_pose.position = Vec3(0.05, 0.03, 1);
+    state.u[0].x = 0.05F;
+  };
+  SimulationLoopOptions options;
+  options.tick_limit = 360;
+  SimulationLoop loop(model, physics, nullptr, options);
+  test::FakeClock clock;
+  loop.run(clock);
+  CHECK(loop.summary().restored_count == 1);
+  CHECK_FALSE(loop.summary().frozen);
+  int told = 0;
+  LogEvent event;
+  while (loop.log().pop(event)) told += event.kind == LogEvent::Kind::RestoredCaught && event.isRestore();
+  CHECK(told == 1);
+  CHECK(physics.state().u[0].x != 0.05F);
+}
