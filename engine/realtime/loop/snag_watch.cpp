@@ -25,7 +25,10 @@ SnagWatch::SnagWatch(const Model& model)
 bool SnagWatch::update(const State& state, const StepReport& report) {
   const Vec3& tip = state.tool_pose.position;
   const bool inside = (tip.array() >= low_.array()).all() && (tip.array() <= high_.array()).all();
-  ticks_ = off_ || inside || report.contact_count == 0 ? 0 : ticks_ + 1;
+  if (off_ || inside)
+    ticks_ = 0;
+  else if (report.contact_count > 0)  // a fold that swings touches now and then
+    ++ticks_;
   if (ticks_ < needed_) return false;
   ticks_ = 0;
   return true;

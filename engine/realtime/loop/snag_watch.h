@@ -23,7 +23,7 @@ class SnagWatch {
   /// A tick has ended well. @return whether the tool is caught; then the watch begins anew
   bool update(const State& state, const StepReport& report);
 
-  /// Ticks in a row in which the tool was far outside and touched: what its coming verdicts depend on.
+  /// Ticks in which the tool was touched since it is far outside: what its coming verdicts depend on.
   std::int64_t memory() const { return ticks_; }
   void recall(std::int64_t ticks) { ticks_ = ticks; }
 

@@ -46,6 +46,11 @@ TEST_CASE("A tool that touches far outside of the body is caught", "[snag_watch]
   CHECK(ticksUntilFound(watch, model, beside, touching()) == 250);
   CHECK(ticksUntilFound(watch, model, near, touching()) == -1);
   CHECK(ticksUntilFound(watch, model, above, StepReport()) == -1);  // it touches nothing
+  State state = test::FakePhysics(model).state();
+  state.tool_pose.position = above;
+  int found = 0;
+  for (int t = 1; t <= 750; ++t) found += watch.update(state, t % 3 == 0 ? touching() : StepReport());
+  CHECK(found == 1);  // a fold that swings touches now and then
   model.scene.tool = ToolShape::of(ToolKind::FlatCylinder, 0.005, 0.05);
   SnagWatch longer(model);  // its side may touch the body
   CHECK(ticksUntilFound(longer, model, above, touching()) == -1);
