@@ -212,7 +212,7 @@ bool SimulationLoop::step() {
   switch (reporter_.judge(report, run_)) {
     case Verdict::Good:
       if (const bool folded = folds_.update(report, command.pull_vertex >= 0);
-          folded || snags_.update(physics_.state(), report)) {
+          folded || snags_.update(physics_.state(), run_.hand.position, report)) {
         physics_.reset();  // not to where a recalled run began: that may have been folded
         history_.clear();
         beGentle();

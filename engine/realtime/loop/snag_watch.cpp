@@ -16,16 +16,16 @@ SnagWatch::SnagWatch(const Model& model)
     high_ = high_.cwiseMax(X);
   }
   const ToolShape& tool = model.scene.tool;  // whose side may touch while its tip is beyond the body
-  const double size = 2 * tool.radius + (tool.kind == ToolKind::Sphere ? 0 : tool.length);
-  const Vec3 margin = Vec3::Constant(far_outside * (high_ - low_).norm() + size);
-  low_ -= margin;
-  high_ += margin;
+  near_ = 2 * tool.radius + (tool.kind == ToolKind::Sphere ? 0 : tool.length);
+  far_ = near_ + far_outside * (high_ - low_).norm();
 }
 
-bool SnagWatch::update(const State& state, const StepReport& report) {
-  const Vec3& tip = state.tool_pose.position;
-  const bool inside = (tip.array() >= low_.array()).all() && (tip.array() <= high_.array()).all();
-  if (off_ || inside)
+bool SnagWatch::isBeyond(const Vec3& tip, double distance) const {
+  return ((tip - high_).array() > distance).any() || ((low_ - tip).array() > distance).any();
+}
+
+bool SnagWatch::update(const State& state, const Vec3& hand, const StepReport& report) {
+  if (off_ || !isBeyond(state.tool_pose.position, near_) || !isBeyond(hand, far_))
     ticks_ = 0;
   else if (report.contact_count > 0)  // a fold that swings touches now and then
     ++ticks_;

@@ -7,7 +7,8 @@
 
 namespace palpate {
 
-/// Finds a tool that has carried tissue off: far outside the body's shape at rest it is still touched. A hand rough
+/// Finds a tool that has carried tissue off: with the hand far outside the body's shape at rest, and itself outside, it
+/// is still touched (it may stay behind a hand that draws harder than the tissue bears). A hand rough
 /// enough can push a fold over the tool that holds it like a glove, however far it is drawn out; skin knows no contact
 /// with itself, which would have kept the fold open.
 ///
@@ -20,16 +21,20 @@ class SnagWatch {
 
   explicit SnagWatch(const Model& model);
 
-  /// A tick has ended well. @return whether the tool is caught; then the watch begins anew
-  bool update(const State& state, const StepReport& report);
+  /// A tick has ended well. @param hand  m, where the tool's tip would be without tissue
+  /// @return whether the tool is caught; then the watch begins anew
+  bool update(const State& state, const Vec3& hand, const StepReport& report);
 
-  /// Ticks in which the tool was touched since it is far outside: what its coming verdicts depend on.
+  /// Ticks in which the tool was touched since the hand is far outside: what its coming verdicts depend on.
   std::int64_t memory() const { return ticks_; }
   void recall(std::int64_t ticks) { ticks_ = ticks; }
 
  private:
+  bool isBeyond(const Vec3& tip, double distance) const;
+
   bool off_ = false;           // carrying is what this scene is for
-  Vec3 low_, high_;            // m, the box and far_outside around it
+  Vec3 low_, high_;            // m, the skin's box at rest
+  double near_, far_;          // m, from it: no part of the tool is in it; the hand has left
   const std::int64_t needed_;  // ticks
   std::int64_t ticks_ = 0;
 };

@@ -26,11 +26,11 @@ StepReport touching() {
 }
 
 /// The ticks after which `watch` finds a tool at `tip` caught; -1: not within 2000.
-int ticksUntilFound(SnagWatch& watch, const Model& model, const Vec3& tip, const StepReport& report) {
+int ticksUntilFound(SnagWatch& watch, const Model& model, const Vec3& tip, const Vec3& hand, const StepReport& report) {
   State state = test::FakePhysics(model).state();
   state.tool_pose.position = tip;
   for (int t = 1; t <= 2000; ++t)
-    if (watch.update(state, report)) return t;
+    if (watch.update(state, hand, report)) return t;
   return -1;
 }
 
@@ -41,23 +41,26 @@ TEST_CASE("A tool that touches far outside of the body is caught", "[snag_watch]
   SnagWatch watch(model);
   const double far = SnagWatch::far_outside * Vec3(0.1, 0.06, 0.042).norm() + 0.01;
   const Vec3 above(0.05, 0.03, 0.042 + far + 1e-6), beside(0.1 + far + 1e-6, 0.03, 0.02), near(0.05, 0.03, 0.04 + far);
-  CHECK(ticksUntilFound(watch, model, above, touching()) == 250);
-  CHECK(ticksUntilFound(watch, model, above, touching()) == 250);  // and anew
-  CHECK(ticksUntilFound(watch, model, beside, touching()) == 250);
-  CHECK(ticksUntilFound(watch, model, near, touching()) == -1);
-  CHECK(ticksUntilFound(watch, model, above, StepReport()) == -1);  // it touches nothing
+  CHECK(ticksUntilFound(watch, model, above, above, touching()) == 250);
+  CHECK(ticksUntilFound(watch, model, above, above, touching()) == 250);  // and anew
+  CHECK(ticksUntilFound(watch, model, beside, beside, touching()) == 250);
+  CHECK(ticksUntilFound(watch, model, near, near, touching()) == -1);
+  CHECK(ticksUntilFound(watch, model, above, above, StepReport()) == -1);  // it touches nothing
+  // A hand that draws harder than the tissue bears; one that presses deep, below the body.
+  CHECK(ticksUntilFound(watch, model, Vec3(0.05, 0.03, 0.06), above, touching()) == 250);
+  CHECK(ticksUntilFound(watch, model, Vec3(0.05, 0.03, 0.002), Vec3(0.05, 0.03, -1), touching()) == -1);
   State state = test::FakePhysics(model).state();
   state.tool_pose.position = above;
   int found = 0;
-  for (int t = 1; t <= 750; ++t) found += watch.update(state, t % 3 == 0 ? touching() : StepReport());
+  for (int t = 1; t <= 750; ++t) found += watch.update(state, above, t % 3 == 0 ? touching() : StepReport());
   CHECK(found == 1);  // a fold that swings touches now and then
   model.scene.tool = ToolShape::of(ToolKind::FlatCylinder, 0.005, 0.05);
   SnagWatch longer(model);  // its side may touch the body
-  CHECK(ticksUntilFound(longer, model, above, touching()) == -1);
+  CHECK(ticksUntilFound(longer, model, above, above, touching()) == -1);
   model.scene.boundaries.emplace_back();
   model.scene.boundaries.back().duration = 1;
   SnagWatch moved(model);  // a body that is moved may be anywhere
-  CHECK(ticksUntilFound(moved, model, Vec3(1, 1, 1), touching()) == -1);
+  CHECK(ticksUntilFound(moved, model, Vec3(1, 1, 1), Vec3(1, 1, 1), touching()) == -1);
 }
 
 TEST_CASE("Tissue that a tool has carried off is put back to rest, counted and told of", "[snag_watch]") {
@@ -72,6 +75,9 @@ TEST_CASE("Tissue that a tool has carried off is put back to rest, counted and t
   SimulationLoopOptions options;
   options.tick_limit = 360;
   SimulationLoop loop(model, physics, nullptr, options);
+  Pose out;
+  out.position = Vec3(0.05, 0.03, 1);
+  loop.commands().push(Request::moveTool(out));
   test::FakeClock clock;
   loop.run(clock);
   CHECK(loop.summary().restored_count == 1);
