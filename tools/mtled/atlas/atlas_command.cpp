@@ -95,6 +95,7 @@ bool runCells(const std::vector<AtlasCell>& cells, const Atlas& before,
         }
         done[k] = std::move(row);
         std::vector<AtlasRow> rows;
+        rows.reserve(done.size());
         for (const auto& [place, one] : done) rows.push_back(one);
         keep(std::move(rows));
       } catch (...) {

@@ -211,7 +211,7 @@ void printFitted(const Fitted& f) {
   std::printf(
       "  f.headroom()               %.0f %% of a tick at p99.9 (%.0f of %.0f us), %lld of %lld periods missed\n",
       100 * f.headroom(), f.held.step_us.p999, 1e6 / f.order.scene.rate_hz, static_cast<long long>(f.held.overruns),
-      static_cast<long long>(f.held.ticks + f.held.overruns));
+      static_cast<long long>(f.held.ticks) + f.held.overruns);
   if (!f.chosen.scene.refine.empty())
     std::printf(
         "  nodes                  %.3g mm apart within %.3g mm of where the tool works, %.3g mm elsewhere (--uniform: "

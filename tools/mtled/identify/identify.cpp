@@ -122,7 +122,7 @@ Identified identify(const std::vector<SoughtParameter>& sought,
   result.converged = result.converged || (J.transpose() * r).norm() < 1e-3 * J.norm() * r.norm();
 
   const Eigen::JacobiSVD<MatrixXd> svd(J, Eigen::ComputeThinV);
-  const VectorXd s = svd.singularValues();
+  const VectorXd& s = svd.singularValues();
   const VectorXd inverse = s.array().max(1e-12 * s[0]).inverse().square();
   const VectorXd half = student95(static_cast<double>(r.size() - count)) *
                         standardErrors(J, r, svd.matrixV() * inverse.asDiagonal() * svd.matrixV().transpose());

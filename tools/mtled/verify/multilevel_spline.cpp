@@ -18,7 +18,8 @@ void MultilevelSpline::Level::around(const Vec3& X, Each each) const {
     weight[a][2] = (-3 * t * t * t + 3 * t * t + 3 * t + 1) / 6;
     weight[a][3] = t * t * t / 6;
   }
-  const auto row = static_cast<std::size_t>(cells[0] + 3), plane = row * static_cast<std::size_t>(cells[1] + 3);
+  const std::size_t row = static_cast<std::size_t>(cells[0]) + 3,
+                    plane = row * (static_cast<std::size_t>(cells[1]) + 3);
   for (std::size_t k = 0; k < 4; ++k)
     for (std::size_t j = 0; j < 4; ++j)
       for (std::size_t i = 0; i < 4; ++i)
