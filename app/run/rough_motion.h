@@ -13,8 +13,8 @@ namespace palpate::app {
 
 /// A rough hand, from one seed: it pokes at 0.5 m/s to the bottom, presses and holds, drags through the organ, jumps
 /// anywhere at once, while friction (0 to 1) and the stiffness of the materials (all or half of the scene's) change.
-/// After each round of some such acts it lifts off, higher where a fold hangs on the tool, and waits until the tissue is
-/// at rest: a cycle. What it does does not depend on the tissue but for the height and the wait.
+/// After each round of some such acts it lifts off, higher where a fold hangs on the tool, and waits until the tissue
+/// is at rest: a cycle. What it does does not depend on the tissue but for the height and the wait.
 class RoughMotion final : public SoakHand {
  public:
   static constexpr double poke_speed = 0.5;  // m/s

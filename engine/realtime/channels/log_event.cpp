@@ -46,9 +46,7 @@ std::string sentence(const LogEvent& e) {
           "it is put back to rest",
           100 * e.value);
     case LogEvent::Kind::RestoredCaught:
-      return "restored: the tool was drawn far out of the body and still carried a fold of it; the tissue is put back "
-             "to "
-             "rest";
+      return "restored: a tool drawn far out of the body carried a fold of it; the tissue is put back to rest";
     case LogEvent::Kind::InvertedPoints:
       return format(
           "%.0f integration points are inverted, the worst, %d, at (%.4f, %.4f, %.4f) m; "
