@@ -33,7 +33,7 @@ double growth(const TestBody& body, double dt, int steps) {
 
 }  // namespace
 
-TEST_CASE("The critical step is where central differences turn unstable", "[critical_time_step]") {
+TEST_CASE("The critical step is where central differences turn unstable", "[critical_time_step][whole]") {
   for (const double nu : {0.3, 0.49}) {
     const TestBody body(4, 0.1, 4, 1.8, 0.1, 0.2, Material::neoHookean(3000, nu, 1000));
     const auto limit = criticalTimeStep(body.shape, body.volume, body.point_material, body.materials, body.mass);

@@ -212,7 +212,7 @@ TEST_CASE("A cylindrical region ends at nodes on its rim", "[build_model]") {
   CHECK(on_rim >= 8);  // a circumference of 126 mm at a spacing of 12 mm
 }
 
-TEST_CASE("Adaptive quadrature adds points where it is asked to, and keeps the volume", "[build_model]") {
+TEST_CASE("Adaptive quadrature adds points where it is asked to, and keeps the volume", "[build_model][whole]") {
   Scene scene = blockScene();
   const Model plain = blockModel(scene);
   CHECK(plain.pointCount() == static_cast<int>(plain.cells.size()));

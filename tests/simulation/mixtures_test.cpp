@@ -92,7 +92,7 @@ std::vector<double> radialReference(const Material& first, const Material& secon
 }  // namespace
 
 TEST_CASE("A ball whose modulus varies with an image is compressed as its radial equation says",
-          "[simulation][mixtures]") {
+          "[simulation][mixtures][whole]") {
   // Pointwise, and with the volume averaged over patches of unlike tissue, which is coarser: 1 % at half the spacing.
   for (const auto& [patches, bound] : {std::pair{false, 0.01}, {true, 0.04}}) {
     Scene scene = ballScene(0.011, 2000);

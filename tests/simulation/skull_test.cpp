@@ -82,7 +82,8 @@ TEST_CASE("A ball rests in its skull, which bears its weight, whatever the threa
   CHECK(stateHash(model, half) != stateHash(model, other));
 }
 
-TEST_CASE("A static solution in a skull rests, and a transient one comes to the same", "[simulation][skull][static]") {
+TEST_CASE("A static solution in a skull rests, and a transient one comes to the same",
+          "[simulation][skull][static][whole]") {
   const Model model = heavyBallModel();
   StaticSolver solver(model, 1, 1e-2);
   const Equilibrium rest = solver.advanceTo(1);

@@ -200,7 +200,7 @@ TEST_CASE("A tool pressed statically has the real-time loop's force at rest", "[
   CHECK((solver.body().reactions()[0].force - e.tool_force).norm() < 0.01 * e.tool_force.norm());
 }
 
-TEST_CASE("Where a tool only just touches, zero is an equilibrium", "[static_solver][contact]") {
+TEST_CASE("Where a tool only just touches, zero is an equilibrium", "[static_solver][contact][whole]") {
   const Model model = blockModel();
   // The travel at which the sphere meets its first skin vertex, |v - c| = R.
   const double R = model.scene.tool.radius;

@@ -122,7 +122,7 @@ TEST_CASE("The bare loop refuses what it does not know", "[bench_features]") {
   CHECK_THROWS_AS(BareLoop(model, workspace, start, BareLoop::Contact::None), std::invalid_argument);
 }
 
-TEST_CASE("Every pair is timed, and its ratio is that of its times", "[bench_features][timed]") {
+TEST_CASE("Every pair is timed, and its ratio is that of its times", "[bench_features][timed][whole]") {
   FeatureBench bench = tinyBench();
   auto& pairs = bench.pairs();
   timePairs(pairs, 0.01, [](double) {});

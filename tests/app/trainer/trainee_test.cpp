@@ -130,7 +130,7 @@ TEST_CASE("A layout that can't be felt is refused with its lump, and what was fe
   CHECK(problem().empty());
 }
 
-TEST_CASE("Of lumps at random the first layout in which all can be felt is taken, of a dozen", "[trainer]") {
+TEST_CASE("Of lumps at random the first layout in which all can be felt is taken, of a dozen", "[trainer][whole]") {
   Scene scene = test::blockScene(0.012);
   scene.tool.radius = 0.008;
   scene.places["lumps.count"] = scene.place = {"x.toml", 7};

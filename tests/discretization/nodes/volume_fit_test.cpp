@@ -45,7 +45,7 @@ TEST_CASE("Fitted cells hold the body's volume, by small moves of surface nodes"
   }
 }
 
-TEST_CASE("The loss on a sphere is 0.4 (h/r)^2 and the fit's remainder far below", "[volume]") {
+TEST_CASE("The loss on a sphere is 0.4 (h/r)^2 and the fit's remainder far below", "[volume][whole]") {
   // Chords of equilateral facets of edge h: mean gap h^2 / (8 r), times area over volume 3 / r.
   const double r = 0.05;
   const SurfaceTree tree(ellipsoidSurface({r, r, r}, 0.002));
