@@ -32,7 +32,7 @@ constexpr Section sections[] = {
     {"skull", "`[skull]`",
      "A rigid shell that the organ's skin slides along and can't pass, without friction; penetration stays below 0.1 "
      "mm. "
-     "Reports have its force on the tissue. Tools pass it. `mtled solve` takes it with `mode = \"transient\"` only."},
+     "Reports have its force on the tissue. Tools pass it. `mtled solve` takes it, too."},
     {"dynamics", "`[dynamics]`", ""},
     {"solve", "`[solve]`", "For solutions without a window; the interactive program ignores it."},
     {"tool", "`[tool]`",
