@@ -254,7 +254,7 @@ constexpr KeySpec scene_keys[] = {
      "A faster command is followed at this speed.", with_mass_scaling},
     {"tool", "max_force", T::Number, "N", "0", atLeast(0), "",
      "What the hand that holds the tool would push at most. From half of it on the tool yields: it stays behind the "
-     "mouse, device or script, and reports say by how much; a blow above it pushes the tool back. 0: forty shear "
+     "mouse, device or script, and reports say by how much; a blow moves it back before it has more. 0: forty shear "
      "moduli of the stiffest material on the tool's cross-section.", never},
     {"tool", "friction", T::Number, "", "0", between(0, 2), "",
      "Coulomb coefficient between tool and tissue; 0: frictionless.", never},

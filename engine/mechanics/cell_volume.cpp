@@ -125,6 +125,7 @@ struct CellPasses {
   template <class Each>
   void forAll(SpinTeam& team, const std::vector<int>& list, Each each) const {
     const std::size_t parts = s.energy.size(), count = list.size();
+    if (count == 0) return;  // nothing to wait for
     shareOut(team, static_cast<int>(parts), [&](int part) {
       const auto p = static_cast<std::size_t>(part);
       for (std::size_t k = count * p / parts; k < count * (p + 1) / parts; ++k) each(list[k], p);
@@ -237,6 +238,8 @@ struct CellPasses {
     forNodes(team, s.groups, [this](int a, std::size_t part) { bound(a, part); });
     collect(s.looked.group, s.groups_of_cells);
     collect(s.looked.block, s.blocks);
+    s.pressed = !s.blocks.empty();
+    if (!s.pressed) return {};  // some point is near its limit, but no patch: all flags are 0 still
     forNodes(team, s.groups_of_cells, [this](int a, std::size_t) { displace(a); });
     forAll(team, s.blocks, [this](int block, std::size_t) { changeVolume(block); });
     forNodes(team, s.groups, [this](int a, std::size_t part) { press(a, part); });

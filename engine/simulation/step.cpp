@@ -7,6 +7,7 @@
 #include "simulation/tool_bodies.h"
 #include "simulation/tool_contact.h"
 #include "simulation/workspace.h"
+#include "simulation/yielding_contacts.h"
 
 namespace palpate {
 
@@ -16,7 +17,7 @@ StepReport step(const Model& model, State& state, const Pose& tool_pose, const C
   return step(model, state, tools, command, workspace);
 }
 
-StepReport step(const Model& model, State& state, const ToolPostures& tools, const Command& command,
+StepReport step(const Model& model, State& state, const ToolPostures& wanted, const Command& command,
                 Workspace& workspace) {
   const Integrator integrator(model.dt, model.scene.damping);
   const double time = static_cast<double>(state.step + 1) * model.dt;
@@ -32,9 +33,10 @@ StepReport step(const Model& model, State& state, const ToolPostures& tools, con
   // du~ = beta du + alpha M^-1 f                                          (eq. 22)
   outcome.work_before = predict(model, integrator, masses, state, workspace);
 
-  // What the user and the tools add to du~
+  // What the user and the tools add to du~; a tool gives way to more than its max_force
   pull(model, command, masses, state);
-  outcome.tool_force = solveToolContacts(model, tools, integrator.alpha, masses.inverse, state, outcome.loads);
+  ToolPostures tools = wanted;
+  outcome.tool_force = solveYieldingContacts(model, integrator.alpha, masses.inverse, tools, state, outcome.loads);
 
   if (!model.skull.empty())
     outcome.skull = solveSkull(model.skull, model.skin, integrator.alpha, masses.inverse, state.u.data(),
@@ -75,12 +77,16 @@ StepReport tick(const Model& model, State& state, const Command& command, Worksp
   });
   for (int b = 0; b < bodies; ++b) forBody(b, findFaceSamples);
   StepReport total;
+  StayedBehind behind;
   for (int k = 1; k <= model.substeps_per_tick; ++k) {
     if (command.stop != nullptr && command.stop->load(std::memory_order_relaxed)) {
       total.cut_short = true;
       return total;
     }
-    total = worstOf(total, step(model, state, ways.at(k, model.substeps_per_tick), command, workspace));
+    ToolPostures wanted = ways.at(k, model.substeps_per_tick);
+    behind.shift(wanted);
+    total = worstOf(total, step(model, state, wanted, command, workspace));
+    behind.add(model, wanted, state);
   }
   ++state.tick;
   const ToolContact contact = toolContact(model, state);

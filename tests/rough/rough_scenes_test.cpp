@@ -47,6 +47,7 @@ void roughHand(const std::string& name, unsigned seed, bool rests = true) {
   CHECK((summary.flags & kNotFinite) == 0);
   CHECK_FALSE(summary.frozen);
   CHECK(summary.peak_force > 0);
+  CHECK(summary.peak_force <= 1.05 * model.max_tool_force);
 }
 
 }  // namespace

@@ -119,16 +119,25 @@ TEST_CASE("So it does in the loop, in float32", "[validation][cell_volume]") {
   }
 }
 
-TEST_CASE("A free block meets the closed form up to 45 % compression", "[validation][cell_volume]") {
+TEST_CASE("A free block meets the closed form up to 48 % compression", "[validation][cell_volume]") {
   // A surface creases where the ratio of its stretches is 2.4, at 44 % (Hong, Zhao, Suo 2009): beyond that there is no
-  // uniform solution to be close to for long.
-  for (const double nu : {0.45, 0.49}) {
-    const Model model = loadModel(blockScene(nu, 0.45, false, 1));
+  // uniform solution to be close to for long. Volumes of points then swing about their patches' means, at nu 0.45 so far
+  // (0.4 to 1.6) that the block gives way at 47 or 48 %. A barrier that begins just below the volume that it has (0.94)
+  // holds them: at 50 % the force is 0.7 to 1 % too low with three clouds, and 45 to 63 % without it.
+  struct Case {
+    double nu, compression, barrier_strength, barrier_J0;
+  };
+  for (const Case& c : {Case{0.45, 0.45, 0, 0.5}, Case{0.45, 0.48, 5, 0.935}, Case{0.49, 0.48, 0, 0.5}}) {
+    INFO("nu " << c.nu << ", " << c.compression << ", barrier " << c.barrier_strength);
+    Scene scene = blockScene(c.nu, c.compression, false, 1);
+    scene.materials[0].material.set("barrier_strength", c.barrier_strength);
+    scene.materials[0].material.set("barrier_J0", c.barrier_J0);
+    const Model model = loadModel(scene);
     StaticSolver solver(model, 1, 1e-5);
-    for (const double share : {0.5, 1.0}) {
+    for (const double share : {0.75, 1.0}) {
       REQUIRE(solver.advanceTo(share).converged);
       const double force = solver.body().reactions()[1].force.z();
-      CHECK(force == Approx(closedForm(nu, 0.45 * share, false)).epsilon(1e-2));
+      CHECK(force == Approx(closedForm(c.nu, c.compression * share, false)).epsilon(1e-2));
     }
   }
 }

@@ -24,7 +24,8 @@ struct YieldLimits {
 ///   advance = g^2 (hand - tool), along the tool's axis and across it, each as far as it goes against the tissue's push
 ///   g = min over the limits of clamp((limit - value) / (limit - begin), 0, 1)
 ///
-/// A force above Model::max_tool_force, which only a blow can bring about, pushes the tool back, as it would a hand:
+/// Within a step no force passes Model::max_tool_force (simulation/yielding_contacts.h). What still does, where even
+/// the tool's greatest speed is too slow to give way, pushes the tool back:
 ///
 ///   retreat = min(force / max_tool_force - 1, 1) tool_max_speed, along the push
 ///

@@ -5,6 +5,8 @@
 #include <optional>
 
 #include "base/interrupt.h"
+#include "realtime/loop/fold_watch.h"
+#include "realtime/loop/snag_watch.h"
 #include "realtime/loop/state_history.h"
 #include "realtime/loop/tool_proxy.h"
 #include "realtime/loop/watchdog.h"
@@ -61,11 +63,28 @@ const char* lossName(const LogEvent& event) {
   }
 }
 
-/// A hand's tool and the tissue's earlier states, as the loop has them.
+/// A hand's tool, the tissue's earlier states, and who looks for tissue that has folded or is carried off, as the loop
+/// has them.
 struct Hand {
   ToolProxy proxy;
   StateHistory history;
-  Hand(const Model& model, const State& start) : proxy(model), history(start, model.scene.rate_hz) {}
+  FoldWatch folds;
+  SnagWatch snags;
+  const State start;
+  Hand(const Model& model, const State& at_rest)
+      : proxy(model), history(at_rest, model.scene.rate_hz), folds(model), snags(model), start(at_rest) {}
+
+  /// A tick has ended well. @return whether the tissue had to be put back at rest
+  bool putsBack(State& state, const Vec3& hand, const StepReport& report) {
+    const bool folded = folds.update(report, false), caught = !folded && snags.update(state, hand, report);
+    if (!folded && !caught) return false;
+    const LiveParameters live = state.live;
+    state = start;
+    state.live = live;
+    history.clear();
+    proxy.beGentle();
+    return true;
+  }
 
   /// The tissue was lost: back to an earlier state, at rest.
   void goBack(State& state, int recent_losses) {
@@ -112,6 +131,7 @@ AtlasRun drive(const Model& model, const AtlasDrive& drive) {
     Command command;
     command.tool_target = model.tool_start;
     if (drive.command) command = drive.command(time);
+    const Vec3 wanted = command.tool_target.position;
     if (hand) command.tool_target = hand->proxy.follow(command.tool_target, state, last);
     const StepReport report = last = tick(model, state, command, workspace);
     m.energy_error = std::max(m.energy_error, report.energy_error);
@@ -137,7 +157,10 @@ AtlasRun drive(const Model& model, const AtlasDrive& drive) {
       ++m.restored;
       continue;
     }
-    if (hand) hand->history.keep(state, doubt);
+    if (hand && hand->putsBack(state, wanted, report))
+      ++m.restored;
+    else if (hand)
+      hand->history.keep(state, doubt);
     const double energy = report.strain_energy + report.kinetic_energy;
     if (k == schedule.still) still_energy = largest_energy = energy;
     if (k > schedule.still) largest_energy = std::max(largest_energy, energy);

@@ -22,8 +22,8 @@ struct AtlasDrive {
   double seconds = 1;
   double still_from = 0.7;  // nothing moves any more: from here on the energy may not grow, and the end is measured
   std::function<Command(double time)> command;  // at the end of a tick; null: the tool stays where it starts
-  /// As the loop does it: the tool follows the command's pose as far as the tissue lets it, and where the tissue is
-  /// lost it goes back to an earlier state.
+  /// As the loop does it: the tool follows the command's pose as far as the tissue lets it, where the tissue is lost it
+  /// goes back to an earlier state, and where it has folded or hangs on the tool it is put back at rest.
   bool yields = false;
   bool put_back = false;                // the tissue was just reset, and the hand may still stand deep
   std::function<void(State&)> disturb;  // of the state at rest, before the first tick; null: nothing

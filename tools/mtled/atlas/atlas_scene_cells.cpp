@@ -9,6 +9,7 @@
 #include "io/scene_file.h"
 #include "mtled/atlas/atlas_cells.h"
 #include "mtled/atlas/atlas_run.h"
+#include "realtime/loop/fold_watch.h"
 #include "realtime/loop/tool_proxy.h"
 #include "simulation/static_solver.h"
 
@@ -157,8 +158,8 @@ AtlasMeasure randomHand(const CoarseScene& scene, unsigned seed) {
   double speed = 0, held_until = 0;
   AtlasDrive rough;
   rough.yields = true;
-  rough.still_from = rough_for + 1;
-  rough.seconds = rough_for + 2;
+  rough.still_from = rough_for + 1 + FoldWatch::seconds;
+  rough.seconds = rough.still_from + 1;
   rough.command = [&](double time) {
     if (time > rough_for) {
       goal = Vec3(hand.x(), hand.y(), high.z() + model.scene.tool.radius);

@@ -1,0 +1,183 @@
+#include "simulation/yielding_contacts.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "contact/skin_forces.h"
+#include "simulation/tool_bodies.h"
+#include "simulation/tool_contact.h"
+
+namespace palpate {
+namespace {
+
+constexpr int max_tries = 8;        // contacts solved in one step
+constexpr double low_enough = 1.0;  // of the limit
+constexpr double high_enough = 0.85;
+constexpr double aim = 0.93;
+
+/// What gives way: a tool as a whole, or the opening of jaws.
+struct Yielding {
+  bool active = false;
+  Vec3 out = Vec3::Zero();      // unit; as a whole: the way that it goes
+  double t = 0;                 // m, how far
+  double stands = 0;            // m, where it stays as it was
+  double most = 0;              // m
+  double below = 0, above = 0;  // m, its force is known to be above the limit up to here, within it from here on
+  double f_below = 0;           // of the limit, there
+  double f_above = 0;
+  bool bracketed = false;
+
+  /// The force at t is `f` of the limit. @return whether that will do
+  bool learn(double f) {
+    if (f > low_enough) {
+      below = t;
+      if (bracketed && f_below > 0) f_above = aim - 0.5 * (aim - f_above);  // Illinois: the old end counts half
+      f_below = f;
+      return t >= most;
+    }
+    above = t;
+    f_above = f;
+    bracketed = true;
+    return f >= high_enough || t <= 0;
+  }
+
+  /// Where to look next. The last look is for where it is within the limit.
+  void next(bool last) {
+    if (!bracketed) {
+      t = t < stands ? stands : most;
+      return;
+    }
+    const double share = (f_below - aim) / std::max(f_below - f_above, 1e-9);
+    t = last ? above : below + std::clamp(share, 0.1, 0.9) * (above - below);
+  }
+};
+
+/// Contact's memory of the step before, kept where only the search for candidates at a tick's begin has its scratch.
+void keep(ContactState& c) {
+  std::copy_n(c.force.begin(), c.count, c.old_force.begin());
+  std::copy_n(c.normal.begin(), c.count, c.old_normal.begin());
+  std::copy_n(c.side.begin(), c.count, c.old_side.begin());
+  FaceSamples& s = c.samples;
+  std::copy_n(s.force.begin(), s.count, s.old_force.begin());
+  std::copy_n(s.normal.begin(), s.count, s.old_normal.begin());
+  std::copy_n(s.side.begin(), s.count, s.old_side.begin());
+}
+
+/// Takes back what contact has done to the increments and to itself.
+void undo(const Model& model, double alpha, const float* inverse_mass, State& state, ContactState& c) {
+  forEachContactForce(c, [&](int vertex, const Float4& f) {
+    applyForce(model.skin, vertex, Eigen::Vector4f(-f.x, -f.y, -f.z, 0), static_cast<float>(alpha), inverse_mass,
+               state.du.data());
+  });
+  std::copy_n(c.old_force.begin(), c.count, c.force.begin());
+  std::copy_n(c.old_normal.begin(), c.count, c.normal.begin());
+  std::copy_n(c.old_side.begin(), c.count, c.side.begin());
+  FaceSamples& s = c.samples;
+  std::copy_n(s.old_force.begin(), s.count, s.force.begin());
+  std::copy_n(s.old_normal.begin(), s.count, s.normal.begin());
+  std::copy_n(s.old_side.begin(), s.count, s.side.begin());
+}
+
+struct Limit {
+  double force, speed;  // N, m/s; force 0: none
+};
+
+Limit limitOf(const Model& model, int tool) {
+  if (model.tools.empty()) return {model.max_tool_force, model.scene.tool_max_speed};
+  const ToolSetUp& set_up = model.tools.tool[static_cast<std::size_t>(tool)];
+  return {set_up.max_force, set_up.max_speed};
+}
+
+/// The search for one step: each tool as a whole, then each opening.
+struct Search {
+  const Model& model;
+  const State& state;
+  const ToolPostures wanted;
+  std::array<Yielding, 2 * max_tools> yielding;
+
+  static Vec3 forceOn(const Model& model, int tool, const Vec3& first, const ToolLoads& loads) {
+    return model.tools.empty() ? first : loads[static_cast<std::size_t>(tool)].force;
+  }
+
+  /// Looks at what the tools bear now. @return whether that will do
+  bool look(const Vec3& first, const ToolLoads& loads) {
+    bool good = true;
+    for (int k = 0; k < model.tools.toolCount(); ++k) {
+      const Limit limit = limitOf(model, k);
+      if (!(limit.force > 0)) continue;
+      const Vec3 force = forceOn(model, k, first, loads);
+      const double most_way = limit.speed * model.dt;
+      const auto tool = static_cast<std::size_t>(k);
+      const ToolPosture from = postureOf(state, k);
+      Yielding& whole = yielding[tool];
+      if (!whole.active && force.norm() > limit.force) {
+        whole.active = true;
+        whole.out = force.normalized();
+        whole.stands = std::max(0.0, -(wanted[tool].pose.position - from.pose.position).dot(whole.out));
+        whole.most = whole.stands + most_way;
+      }
+      Yielding& jaws = yielding[max_tools + tool];
+      const double pinch = loads[tool].pinch;
+      if (!jaws.active && pinch > limit.force) {
+        jaws.active = true;
+        jaws.stands = std::max(0.0, from.opening - wanted[tool].opening);
+        jaws.most = jaws.stands + most_way;
+      }
+      if (whole.active) good = whole.learn(force.norm() / limit.force) && good;
+      if (jaws.active) good = jaws.learn(pinch / limit.force) && good;
+    }
+    return good;
+  }
+
+  ToolPostures next(bool last) {
+    ToolPostures tools = wanted;
+    for (std::size_t k = 0; k < max_tools; ++k) {
+      if (Yielding& whole = yielding[k]; whole.active) {
+        whole.next(last);
+        tools[k].pose.position += whole.t * whole.out;
+      }
+      if (Yielding& jaws = yielding[max_tools + k]; jaws.active) {
+        jaws.next(last);
+        tools[k].opening += jaws.t;
+      }
+    }
+    return tools;
+  }
+};
+
+}  // namespace
+
+Vec3 solveYieldingContacts(const Model& model, double alpha, const float* inverse_mass, ToolPostures& tools,
+                           State& state, ToolLoads& loads) {
+  const int bodies = model.tools.bodyCount();
+  for (int b = 0; b < bodies; ++b) keep(contactOf(state, b));
+  Vec3 force = solveToolContacts(model, tools, alpha, inverse_mass, state, loads);
+  Search search{model, state, tools, {}};
+  for (int tries = 1; !search.look(force, loads) && tries < max_tries; ++tries) {
+    for (int b = 0; b < bodies; ++b) undo(model, alpha, inverse_mass, state, contactOf(state, b));
+    loads = {};
+    tools = search.next(tries + 1 == max_tries);
+    force = solveToolContacts(model, tools, alpha, inverse_mass, state, loads);
+  }
+  return force;
+}
+
+void StayedBehind::shift(ToolPostures& tools) const {
+  if (!any_) return;
+  for (std::size_t k = 0; k < max_tools; ++k) {
+    tools[k].pose.position += way_[k];
+    tools[k].opening += opening_[k];
+  }
+}
+
+void StayedBehind::add(const Model& model, const ToolPostures& wanted, const State& state) {
+  for (int k = 0; k < model.tools.toolCount(); ++k) {
+    const auto tool = static_cast<std::size_t>(k);
+    const ToolPosture is = postureOf(state, k);
+    way_[tool] += is.pose.position - wanted[tool].pose.position;
+    if (!model.tools.empty()) opening_[tool] += is.opening - wanted[tool].opening;
+    any_ = any_ || !way_[tool].isZero(0) || opening_[tool] != 0;
+  }
+}
+
+}  // namespace palpate
