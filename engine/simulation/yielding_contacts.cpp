@@ -10,7 +10,8 @@
 namespace palpate {
 namespace {
 
-constexpr int max_tries = 8;        // contacts solved in one step
+constexpr int max_tries = 8;        // contacts solved in one step,
+constexpr int max_lost_tries = 14;  // and where a tool looks for another way
 constexpr double low_enough = 1.0;  // of the limit
 constexpr double high_enough = 0.85;
 constexpr double aim = 0.93;
@@ -49,6 +50,38 @@ struct Yielding {
     }
     const double share = (f_below - aim) / std::max(f_below - f_above, 1e-9);
     t = last ? above : below + std::clamp(share, 0.1, 0.9) * (above - below);
+  }
+};
+
+/// Where a tool as a whole goes that is beyond its limit all along the way out, between walls: by the force that it
+/// feels there, over the stiffness that the last two places show, to the place with the least force.
+struct Walk {
+  bool on = false;
+  Vec3 at = Vec3::Zero(), before = Vec3::Zero();  // m, from where the tool should be
+  Vec3 force = Vec3::Zero(), force_before = Vec3::Zero();
+  Vec3 best = Vec3::Zero();
+  double least = 0;  // N
+
+  /// @return whether that will do
+  bool learn(const Vec3& felt, double limit) {
+    force_before = force;
+    force = felt;
+    if (const double size = felt.norm(); size < least || least == 0) {
+      least = size;
+      best = at;
+    }
+    return felt.norm() <= low_enough * limit;
+  }
+
+  /// @param from  m, where the tool comes from, likewise
+  void next(bool last, double limit, const Vec3& from, double longest) {
+    const Vec3 way = at - before, change = force - force_before;
+    const double shown = -way.dot(change) / std::max(way.squaredNorm(), 1e-18), size = force.norm();
+    const double stiffness = shown > 0 ? shown : size / longest;
+    before = at;
+    const Vec3 there = at + (1 - aim * limit / size) / stiffness * force - from;
+    at = there.norm() > longest ? Vec3(from + longest / there.norm() * there) : Vec3(from + there);
+    if (last || !at.allFinite()) at = best;
   }
 };
 
@@ -94,6 +127,7 @@ struct Search {
   const State& state;
   const ToolPostures wanted;
   std::array<Yielding, 2 * max_tools> yielding;
+  std::array<Walk, max_tools> walks;
 
   static Vec3 forceOn(const Model& model, int tool, const Vec3& first, const ToolLoads& loads) {
     return model.tools.empty() ? first : loads[static_cast<std::size_t>(tool)].force;
@@ -123,16 +157,37 @@ struct Search {
         jaws.stands = std::max(0.0, from.opening - wanted[tool].opening);
         jaws.most = jaws.stands + most_way;
       }
-      if (whole.active) good = whole.learn(force.norm() / limit.force) && good;
+      if (whole.active) good = learn(tool, force, limit.force) && good;
       if (jaws.active) good = jaws.learn(pinch / limit.force) && good;
     }
     return good;
   }
 
+  bool learn(std::size_t tool, const Vec3& force, double limit) {
+    Yielding& whole = yielding[tool];
+    Walk& walk = walks[tool];
+    if (walk.on) return walk.learn(force, limit);
+    walk.before = walk.at;
+    walk.at = whole.t * whole.out;
+    const bool enough = walk.learn(force, limit);
+    if (!whole.learn(force.norm() / limit)) return false;
+    walk.on = !enough;
+    return enough;
+  }
+
+  bool isLost() const {
+    return std::any_of(walks.begin(), walks.end(), [](const Walk& walk) { return walk.on; });
+  }
+
   ToolPostures next(bool last) {
     ToolPostures tools = wanted;
     for (std::size_t k = 0; k < max_tools; ++k) {
-      if (Yielding& whole = yielding[k]; whole.active) {
+      if (Walk& walk = walks[k]; walk.on) {
+        const Limit limit = limitOf(model, static_cast<int>(k));
+        const Vec3 from = postureOf(state, static_cast<int>(k)).pose.position - wanted[k].pose.position;
+        walk.next(last, limit.force, from, limit.speed * model.dt);
+        tools[k].pose.position += walk.at;
+      } else if (Yielding& whole = yielding[k]; whole.active) {
         whole.next(last);
         tools[k].pose.position += whole.t * whole.out;
       }
@@ -152,11 +207,13 @@ Vec3 solveYieldingContacts(const Model& model, double alpha, const float* invers
   const int bodies = model.tools.bodyCount();
   for (int b = 0; b < bodies; ++b) keep(contactOf(state, b));
   Vec3 force = solveToolContacts(model, tools, alpha, inverse_mass, state, loads);
-  Search search{model, state, tools, {}};
-  for (int tries = 1; !search.look(force, loads) && tries < max_tries; ++tries) {
+  Search search{model, state, tools, {}, {}};
+  for (int tries = 1; !search.look(force, loads); ++tries) {
+    const int most = search.isLost() ? max_lost_tries : max_tries;
+    if (tries >= most) break;
     for (int b = 0; b < bodies; ++b) undo(model, alpha, inverse_mass, state, contactOf(state, b));
     loads = {};
-    tools = search.next(tries + 1 == max_tries);
+    tools = search.next(tries + 1 == most);
     force = solveToolContacts(model, tools, alpha, inverse_mass, state, loads);
   }
   return force;

@@ -11,8 +11,9 @@ namespace palpate {
 ///   x_tool = wanted + t out,   out = F / |F| of the tool at `wanted`,   |F(t)| = max_force,   t >= 0
 ///
 /// Jaws open likewise until the pinch is within the limit. t is searched within the step, by contacts solved anew with
-/// the tool elsewhere (six or seven times where it is needed), to 0.85 .. 1 of the limit. At most the tool goes back as
-/// fast as it may go at all. Below the limit all is as without it, bit for bit.
+/// the tool elsewhere (eight times at most), to 0.85 .. 1 of the limit. A tool that is shut in, with walls on its way
+/// out, too, goes by the force it feels at each place to the one with the least (six times more). It moves as fast as it
+/// may go at all at most: a crushed cell may thrust faster. Below the limit all is as without it, bit for bit.
 ///
 /// @param tools  where they should be at the step's end; receives where they are
 /// @return the force on the first tool, N
