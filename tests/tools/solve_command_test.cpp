@@ -127,7 +127,7 @@ TEST_CASE("probes.csv holds the displacement field of the solver", "[solve_comma
   CHECK(table["uz"][1] == Approx(-0.003).epsilon(0.01));
 }
 
-TEST_CASE("A scene with several tools is solved, each along its own script", "[solve_command]") {
+TEST_CASE("A scene with several tools is solved, each along its own script", "[solve_command][whole]") {
   const std::string two_tools = test::block_text + R"([[tool]]
 shape = "sphere"
 radius = 0.01
