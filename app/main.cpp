@@ -21,7 +21,7 @@
 
 namespace {
 
-constexpr int failed = 1, unusable_input = 2;
+constexpr int failed = 1, unusable_input = 2, interrupted_run = 130;
 
 /// `palpate batch ...` is a command of mtled, which lies beside this program or, where it was built, in tools/.
 /// Returns only where there is none.
@@ -79,6 +79,6 @@ int main(int argc, char** argv) {
     return unusable_input;
   } catch (const std::exception& error) {
     std::cerr << "palpate: " << palpate::printable(error.what(), palpate::LineEnds::Keep) << std::endl;
-    return failed;
+    return palpate::interrupted() ? interrupted_run : failed;
   }
 }

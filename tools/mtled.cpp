@@ -88,7 +88,7 @@ CLI::App* addSolve(CLI::App& app, SolveOptions& options) {
   command->add_option("--out", options.out, "Folder for the results (out/<scene>)")->type_name("DIR");
   command
       ->add_option("--tool", options.tool_script,
-                   "Move the tool as a script says: a file, or the name of one in assets/tools")
+                   "Move the first tool as a script says: a file, or the name of one in assets/tools (the scene's own)")
       ->type_name("SCRIPT");
   command->add_option("--threads", options.threads, "Threads (one per core)")->type_name("N")->check(CLI::Range(1, 64));
   command->add_flag("--resume", options.resume, "Go on from the folder's checkpoint.bin");

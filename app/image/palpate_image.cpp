@@ -72,7 +72,7 @@ extern "C" {
 
 int32_t palpate_scene_camera(const palpate_simulation* simulation, palpate_camera* camera) {
   if (simulation == nullptr) return PALPATE_BAD_ARGUMENT;
-  const app::Camera c = app::Camera::fromScene(simulation->model->scene);
+  const app::Camera c = app::Camera::of(*simulation->model);
   palpate_camera out{};
   put(c.target, out.target);
   out.distance = c.distance;
@@ -88,8 +88,7 @@ int32_t palpate_image(palpate_simulation* simulation, const palpate_camera* came
     return say(error, PALPATE_BAD_ARGUMENT, "simulation or rgba is NULL, or the size is not in 1 .. 8192");
   return guarded(error, [&] {
     checkTwin(*simulation);
-    const app::Camera wanted =
-        camera != nullptr ? cameraFrom(given(camera)) : app::Camera::fromScene(simulation->model->scene);
+    const app::Camera wanted = camera != nullptr ? cameraFrom(given(camera)) : app::Camera::of(*simulation->model);
     if (!painter || painter->model() != simulation->model.get()) {
       painter.reset();  // before another context is made
       painter = std::make_unique<Painter>(simulation->model);

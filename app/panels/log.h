@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -8,7 +9,7 @@ namespace palpate::app {
 enum class LogLevel { Info, Warning, Error };
 
 struct LogLine {
-  double wall_s = 0;  // since the program started
+  std::optional<double> run_s;  // of the run; without: the program's own, before or beside it
   LogLevel level = LogLevel::Info;
   std::string text;
 };
@@ -19,6 +20,8 @@ class Log {
   /// Keeps the line and prints it: warnings and errors to stderr, the rest to stdout.
   /// A line equal to the one before is counted instead of repeated.
   void add(LogLevel level, const std::string& text);
+  /// The same for what happened in the run at a time, s. @param printed  for the terminal, where it says more
+  void add(LogLevel level, double run_s, const std::string& text, const std::string& printed);
   void info(const std::string& text) { add(LogLevel::Info, text); }
   void warning(const std::string& text) { add(LogLevel::Warning, text); }
   void error(const std::string& text) { add(LogLevel::Error, text); }
@@ -26,6 +29,8 @@ class Log {
   const std::vector<LogLine>& lines() const { return lines_; }
 
  private:
+  void keep(LogLine line, const std::string& printed);
+
   std::vector<LogLine> lines_;
   std::string last_text_;
   int repeats_ = 0;

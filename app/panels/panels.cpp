@@ -61,7 +61,9 @@ PanelRequests drawPanels(const Theme& theme, const PanelData& data, const Layout
   drawLegend(theme, data.colour_scale, layout.view);
   if (state.timeline_shown && data.timeline) drawTimeline(theme, data, layout.view, state, requests);
   drawPullForce(theme, data);
-  if (data.notice || data.snapshot.status.frozen) drawNotice(theme, data, layout.view, requests);
+  // Its buttons are for somebody who looks on; a picture of the organ alone has none.
+  const bool organ_alone = data.timeless && !state.panels_shown;
+  if ((data.notice || data.snapshot.status.frozen) && !organ_alone) drawNotice(theme, data, layout.view, requests);
   if (state.help_shown) drawHelp(theme, state);
   if (state.open_shown) drawOpenDialog(theme, data, state, requests);
   if (!state.problem.empty()) drawProblem(theme, state);
@@ -145,7 +147,7 @@ void drawLog(const Theme& theme, const PanelData& data, const Rect& place) {
                                                              : colours::text;
       ImGui::PushStyleColor(ImGuiCol_Text, colours::faint);
       const float left = ImGui::GetCursorPosX();
-      const std::string time = format("%.2f s", line.wall_s);
+      const std::string time = line.run_s ? format("%.2f s", *line.run_s) : std::string();
       ImGui::SetCursorPosX(left + 52 * theme.scale - ImGui::CalcTextSize(time.c_str()).x);
       ImGui::TextUnformatted(time.c_str());
       ImGui::PopStyleColor();

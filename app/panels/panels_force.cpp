@@ -207,12 +207,16 @@ void drawTimingCard(const Theme& theme, const PanelData& data, bool open) {
   ImGui::PopFont();
 
   row("p50 / 99 / 99.9 / max",
-      format("%.0f / %.0f / %.0f / %.0f us", timing.step_p50, timing.step_p99, timing.step_p999, timing.step_max),
+      timing.step_max < 9999.5
+          ? format("%.0f / %.0f / %.0f / %.0f us", timing.step_p50, timing.step_p99, timing.step_p999, timing.step_max)
+          : format("%.1f / %.1f / %.1f / %.1f ms", 1e-3 * timing.step_p50, 1e-3 * timing.step_p99,
+                   1e-3 * timing.step_p999, 1e-3 * timing.step_max),
       timing.step_max < budget ? colours::text : colours::warning,
       format("of the %.0f us that a tick has", budget).c_str());
   row("Cost of 1 ms of physics",
-      format("%.0f us, x%.2f possible", timing.step_p50 * timing.rate_hz * 1e-3,
-             budget / std::max(timing.step_p50, 1e-3)),
+      timing.step_p50 > 0
+          ? format("%.0f us, x%.2f possible", timing.step_p50 * timing.rate_hz * 1e-3, budget / timing.step_p50)
+          : "not known yet",
       colours::text,
       "what mtled frontier compares settings by: the median tick's, and the real-time factor that it could reach");
   row("Wake-up late, p99 / max", format("%.0f / %.0f us", timing.late_p99, timing.late_max));

@@ -9,7 +9,7 @@ namespace palpate::app {
 namespace {
 
 void drawSheet(const TaskScore::Sheet& sheet) {
-  row("Found", std::to_string(sheet.hits), colours::good);
+  row("Found", std::to_string(sheet.hits), sheet.hits > 0 ? colours::good : colours::text);
   row("Missed", std::to_string(sheet.misses), sheet.misses > 0 ? colours::warning : colours::text);
   row("False alarms", std::to_string(sheet.false_alarms), sheet.false_alarms > 0 ? colours::warning : colours::text);
   if (sheet.hits > 0) row("Off by", format("%.1f mm", sheet.mean_error_mm));

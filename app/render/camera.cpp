@@ -18,15 +18,23 @@ constexpr double max_elevation_deg = 89;  // at the pole, "up" would lose its me
 constexpr double zoom_per_step = 0.9;
 constexpr double min_distance = 1e-4, max_distance = 1e3;  // m, so that wheel spinning stays finite
 constexpr double frame_margin = 1.08;
+constexpr double room_for_tool = 1.3;  // around the organ in the first view
 
 /// World size at distance 1 of half the picture's height.
 double halfHeight(const Camera& camera) { return std::tan(0.5 * camera.fov_deg * degree); }
 
 }  // namespace
 
-Camera Camera::fromScene(const Scene& scene) {
-  return {scene.camera_target, scene.camera_distance, scene.camera_azimuth_deg, scene.camera_elevation_deg,
-          scene.camera_fov_deg};
+Camera Camera::of(const Model& model) {
+  const Scene& scene = model.scene;
+  Camera camera{scene.camera_target, scene.camera_distance, scene.camera_azimuth_deg, scene.camera_elevation_deg,
+                scene.camera_fov_deg};
+  const bool placed = scene.places.contains("camera.target") || scene.places.contains("camera.distance");
+  if (placed || scene.place.file.empty()) return camera;
+  Eigen::AlignedBox3d box;
+  for (const Vec3& X : model.skin.surface.vertices) box.extend(X);
+  if (!box.isEmpty()) camera.frame(box.center(), room_for_tool * 0.5 * box.diagonal().norm(), 1, 1);
+  return camera;
 }
 
 Vec3 Camera::forward() const {

@@ -3,7 +3,7 @@
 #include <Eigen/Core>
 
 #include "base/types.h"
-#include "simulation/scene.h"
+#include "simulation/model.h"
 
 namespace palpate::app {
 
@@ -22,7 +22,8 @@ struct Camera {
   double elevation_deg = 25;   // of the eye above the horizon
   double fov_deg = 35;         // vertical
 
-  static Camera fromScene(const Scene& scene);
+  /// The scene's; where its file says neither where it looks nor from how far, it sees the whole organ.
+  static Camera of(const Model& model);
 
   Vec3 forward() const;  // unit, from the eye to the target
   Vec3 right() const;    // unit, to the right of the picture

@@ -6,8 +6,8 @@ namespace {
 constexpr double mark_radius = 0.003;  // m, of the ball that shows a mark
 }
 
-Camera startCamera(const Scene& scene, const Layout& layout, const CanvasSize& size) {
-  Camera camera = Camera::fromScene(scene);
+Camera startCamera(const Model& model, const Layout& layout, const CanvasSize& size) {
+  Camera camera = Camera::of(model);
   camera.distance *= static_cast<double>(size.height) / static_cast<double>(layout.view.height);
   return camera;
 }

@@ -21,7 +21,7 @@ struct CanvasSize {
 };
 
 /// The camera that the scene asks for, further away by as much as the panels take of the height.
-Camera startCamera(const Scene& scene, const Layout& layout, const CanvasSize& size);
+Camera startCamera(const Model& model, const Layout& layout, const CanvasSize& size);
 
 /// `camera`, moved aside so that its target stands in the middle of the part of the
 /// picture that the panels leave free.

@@ -42,7 +42,7 @@ Picture drawPicture(OrganView& organ, Session& session, const Snapshot& snapshot
   panels.panels_shown = options.picture.panels;
   const Layout layout = layoutFor(size.width, size.height, ui.theme().scale, panels.panels_shown);
   View view;
-  view.camera = startCamera(session.model().scene, layout, size);
+  view.camera = startCamera(session.model(), layout, size);
   applyChoice(options.picture, view);
   if (options.picture.cut)
     cutThroughTool(view.section, snapshot.tool_pose, view.camera, organ.centre(), organ.radius());

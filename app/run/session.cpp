@@ -103,6 +103,9 @@ Scene readScene(const Options& options, std::optional<int> layout) {
   if (options.rate_hz) overrideRate(scene, *options.rate_hz);
   if (options.threads) scene.threads = *options.threads;
   if (options.tool_choice) overrideTool(scene, *options.tool_choice);
+  if ((options.trainee || options.check_lumps) && !isTask(scene))
+    throw InputError(scene.place, "there are no lumps to be found in this scene",
+                     "add [[lump]] or [lumps], or take lump_liver");
   return scene;
 }
 
@@ -263,27 +266,32 @@ void Session::gather() {
   if (soak_ && !ended_) soak_->update(*loop_, *results_);
 }
 
+/// A material has its scene's name for it, not its number.
+std::string Session::withMaterialName(std::string text, const LogEvent& event) const {
+  if (event.kind != LogEvent::Kind::MaterialSet && event.kind != LogEvent::Kind::MaterialRefused) return text;
+  const auto m = static_cast<std::size_t>(event.index);
+  const std::string number = "material " + std::to_string(event.index);
+  const std::size_t at = text.find(number);
+  if (at != std::string::npos && m < scene_.materials.size() && !scene_.materials[m].name.empty())
+    text.replace(at, number.size(), scene_.materials[m].name);
+  return text;
+}
+
 void Session::takeEvent(const LogEvent& event) {
   using Kind = LogEvent::Kind;
-  std::string text = logText(event);
-  if (event.kind == Kind::MaterialSet || event.kind == Kind::MaterialRefused) {
-    const auto m = static_cast<std::size_t>(event.index);
-    const std::string number = "material " + std::to_string(event.index);
-    const std::size_t at = text.find(number);
-    if (at != std::string::npos && m < scene_.materials.size() && !scene_.materials[m].name.empty())
-      text.replace(at, number.size(), scene_.materials[m].name);
-  }
+  const std::string text = withMaterialName(logText(event), event);
+  const std::string shown = withMaterialName(briefText(event), event);
   if (std::optional<Notice> notice = noticeOf(event); notice && !options_.rough) notice_ = std::move(notice);
   if (event.isFreeze()) {
     frozen_reason_ = text;
     if (soak_) loop_->quit();  // broken for good
-    log_.error(text);
+    log_.add(LogLevel::Error, event.time_s, shown, text);
   } else if (options_.rough && !event.isRestore()) {
     // Each second of a rough hand has its warnings and settings: the report has their sums.
   } else if (event.isWarning() || event.kind == Kind::MaterialRefused) {
-    log_.warning(text);
+    log_.add(LogLevel::Warning, event.time_s, shown, text);
   } else {
-    log_.info(text);
+    log_.add(LogLevel::Info, event.time_s, shown, text);
   }
   switch (event.kind) {
     case Kind::TrackEnded:

@@ -116,6 +116,7 @@ class Session {
   void chooseInput(SimulationLoopOptions& loop_options);
   void followScript(const ToolScript& script, SimulationLoopOptions& loop_options);
   void takeEvent(const LogEvent& event);
+  std::string withMaterialName(std::string text, const LogEvent& event) const;
   void finishDevice();
   TimingView timing(const Snapshot& snapshot) const;
   MaterialView materialView(std::size_t index) const;

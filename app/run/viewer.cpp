@@ -33,7 +33,7 @@ std::optional<Vec3> touchedAtRest(const TriangleSurface& rest, const std::vector
 Viewer::Viewer(Session& session, GlWindow& window, Interface& ui, PanelState& panels)
     : session_(session), window_(window), organ_(session.model()), ui_(ui), hand_(session.model()), panels_(panels) {
   const CanvasSize size = window.size();
-  view_.camera = startCamera(session.model().scene, layoutFor(size.width, size.height, ui_.theme().scale, true), size);
+  view_.camera = startCamera(session.model(), layoutFor(size.width, size.height, ui_.theme().scale, true), size);
   hand_.setMode(panels.glide ? HandMode::Glide : HandMode::Free);
 }
 

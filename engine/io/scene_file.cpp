@@ -224,9 +224,25 @@ void overrideRate(Scene& scene, double rate_hz) {
   if (scene.mass_scaling > 0) scene.set_up_values += "instead: dynamics.rate = " + shortest(rate_hz) + "\n";
 }
 
+namespace {
+
+/// What is often opened in place of a scene: what one would be made of.
+void refuseOther(const std::string& path) {
+  std::string type = std::filesystem::path(path).extension().string();
+  for (char& c : type) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  const bool surface = !type.empty() && (surfaceFormats() + ",").find(type + ",") != std::string::npos;
+  const bool scan = type == ".nii" || type == ".gz";
+  if (surface || scan)
+    throw InputError({path}, std::string("this is a ") + (surface ? "surface" : "scan") + ", no scene",
+                     "make one of it: mtled import " + path + (surface ? " --unit mm" : " --mask MASK"));
+}
+
+}  // namespace
+
 Scene readScene(const std::string& path) { return readScene(path, {}); }
 
 Scene readScene(const std::string& path, std::span<const SceneChange> changes) {
+  refuseOther(path);
   toml::table document = parseToml(readWholeFile(path, {}, max_toml_bytes), path);
   for (const SceneChange& change : changes) apply(change, path, document);
   TomlFile file{path, sceneKeys(), {}};

@@ -290,8 +290,12 @@ constexpr KeySpec scene_keys[] = {
      "Of the device and the lightest hand that will hold it; by `class` 2, 2 and 3. It bounds the coupling's stiffness "
      "K by K (T/2 + delay) <= own_damping (T: time from pose to pose).", never},
 
-    {"camera", "target", T::Vector, "m", "[0.0, 0.0, 0.0]", {}, "", "The point in the middle of the view.", never},
-    {"camera", "distance", T::Number, "m", "0.5", above(0), "", "From there to the eye.", never},
+    {"camera", "target", T::Vector, "m", depends, {}, "",
+     "The point in the middle of the view: [0.0, 0.0, 0.0] where only `distance` is given. With neither the first view "
+     "shows the whole organ.",
+     never},
+    {"camera", "distance", T::Number, "m", depends, above(0), "",
+     "From there to the eye: 0.5 where only `target` is given.", never},
     {"camera", "azimuth", T::Number, "degrees", "-60", between(-360, 360), "",
      "Direction of the eye around +z, from +x.", never},
     {"camera", "elevation", T::Number, "degrees", "25", between(-90, 90), "",

@@ -30,9 +30,7 @@ BatchBody::BatchBody(const Model& model, const std::vector<double>& mass, int th
       kernel_scratch_(makeKernelScratch(kernel_)),
       boundary_(makeEssentialBoundary<double>(model.essential, mass)),
       boundary_scratch_(makeBoundaryScratch(boundary_)),
-      tool_(model.tool_start),
-      previous_tool_(model.tool_start),
-      contact_(makeContactState(model.skin, model.scene.tool)),
+      tools_(model),
       skull_(makeSkullState(model.skull)),
       u_float_(model.X.size()),
       du_float_(model.X.size()),
@@ -85,11 +83,6 @@ ForceReport BatchBody::forces(const AlignedVector<Double4>& at, AlignedVector<Do
   return report;
 }
 
-void BatchBody::moveTool(const Pose& pose) {
-  has_tool_ = true;
-  tool_ = pose;
-}
-
 void BatchBody::contact(double alpha, Report& report) {
   const auto toFloat = [](const Double4& a) {
     return Float4{static_cast<float>(a.x), static_cast<float>(a.y), static_cast<float>(a.z), 0};
@@ -98,21 +91,13 @@ void BatchBody::contact(double alpha, Report& report) {
     u_float_[i] = toFloat(u[i]);
     du_float_[i] = du_before_[i] = toFloat(du[i]);
   }
-  if (has_tool_) toolContact(alpha, report);
+  tools_.solve(alpha, inverse_mass_float_.data(), u_float_.data(), du_float_.data(), report.loads);
+  report.tool_force = report.loads[0].force;
   if (!model_.skull.empty() && !layer_)
     report.skull = solveSkull(model_.skull, model_.skin, alpha, inverse_mass_float_.data(), u_float_.data(),
                               du_float_.data(), skull_);
   for (std::size_t i = 0; i < u.size(); ++i)
     store(du[i], load(du[i]) + __builtin_convertvector(load(du_float_[i]) - load(du_before_[i]), GroupOf<double>));
-}
-
-void BatchBody::toolContact(double alpha, Report& report) {
-  const double margin = 2 * largestTravel(model_.scene.tool, previous_tool_, tool_);
-  findContactCandidates(model_.skin, u_float_.data(), model_.scene.tool, tool_, margin, contact_);
-  findFaceSamples(model_.skin, u_float_.data(), model_.scene.tool, tool_, margin, contact_);
-  report.tool_force = solveContact(model_.skin, model_.scene.tool, tool_, previous_tool_, model_.scene.friction, alpha,
-                                   inverse_mass_float_.data(), u_float_.data(), du_float_.data(), contact_);
-  previous_tool_ = tool_;
 }
 
 BatchBody::Report BatchBody::advance(double alpha, double beta, double time) {
@@ -126,7 +111,7 @@ BatchBody::Report BatchBody::advance(double alpha, double beta, double time) {
   for (std::size_t i = 0; i < model_.weight.size(); ++i)
     store(du[i], load(du[i]) + (alpha * inverse_mass_[i]) * load(model_.weight[i]));
   if (layer_) report.skull = layer_->contact();
-  if (has_tool_ || (!model_.skull.empty() && !layer_)) contact(alpha, report);
+  if (tools_.present() || (!model_.skull.empty() && !layer_)) contact(alpha, report);
   imposeBoundary(boundary_, time, 0.0, alpha, inverse_mass_.data(), u.data(), du.data(), boundary_scratch_, team_);
   double largest = 0;
   for (std::size_t i = 0; i < u.size(); ++i) {

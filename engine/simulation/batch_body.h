@@ -4,6 +4,7 @@
 #include "contact/contact.h"
 #include "contact/skull_layer.h"
 #include "mechanics/internal_forces.h"
+#include "simulation/batch_tools.h"
 #include "simulation/model.h"
 
 namespace palpate {
@@ -22,7 +23,8 @@ class BatchBody {
     int inverted_points = 0;
     double max_increment = 0;  // m
     bool finite = true;
-    Vec3 tool_force = Vec3::Zero();  // N, on the tool
+    Vec3 tool_force = Vec3::Zero();  // N, on the first tool
+    ToolLoads loads;                 // of all tools, without torques
     SkullContact skull;
   };
 
@@ -30,14 +32,12 @@ class BatchBody {
   ///   f = -F_int(u);  du = beta du + alpha M^-1 f;  contact;  du += P (u_bar - Phi (u + du));  u += du
   Report advance(double alpha, double beta, double time);
 
-  /// The tool's pose from the next step on; it goes there from where it was in that one step.
-  void moveTool(const Pose& pose);
-  /// The tool stands there already: no way leads to it.
-  void placeTool(const Pose& pose) {
-    moveTool(pose);
-    previous_tool_ = pose;
-  }
-  const Pose& toolPose() const { return tool_; }
+  /// Where the tools are from the next step on; they go there from where they were in that one step.
+  void moveTools(const ToolsAt& tools) { tools_.move(tools); }
+  /// The tools stand there already: no way leads to it.
+  void placeTools(const ToolsAt& tools) { tools_.place(tools); }
+  /// Tools that were never moved are not there, but have a place: their start.
+  const ToolsAt& tools() const { return tools_.at(); }
 
   /// The skull's forces are this layer's from now on, and part of forces(): for static solutions.
   void meetSkullBy(SkullLayer& layer) { layer_ = layer.empty() ? nullptr : &layer; }
@@ -71,7 +71,6 @@ class BatchBody {
   ForceReport forces(const AlignedVector<Double4>& at, AlignedVector<Double4>& force,
                      RelaxationHistoryOf<double>* history);
   void contact(double alpha, Report& report);
-  void toolContact(double alpha, Report& report);
 
   const Model& model_;
   SpinTeam team_;
@@ -84,10 +83,8 @@ class BatchBody {
   BoundaryScratchOf<double> boundary_scratch_;
   AlignedVector<double> inverse_mass_;
   AlignedVector<float> inverse_mass_float_;
-  double alpha_ = 1;       // of the last step, s^2
-  bool has_tool_ = false;  // a tool that was never moved is not there
-  Pose tool_, previous_tool_;
-  ContactState contact_;
+  double alpha_ = 1;  // of the last step, s^2
+  BatchTools tools_;
   SkullState skull_;
   SkullLayer* layer_ = nullptr;  // in place of skull_
   AlignedVector<Float4> u_float_, du_float_, du_before_;

@@ -45,19 +45,18 @@ StaticSolver::StaticSolver(const Model& model, int threads, double tolerance)
   updateStep();
 }
 
-void StaticSolver::resume(double time, const AlignedVector<Double4>& u, const std::optional<Pose>& tool,
-                          double largest) {
+void StaticSolver::resume(double time, const AlignedVector<Double4>& u, const ToolsAt& tools, double largest) {
   largest_so_far_ = largest;
   time_ = time;
-  restore(u, tool);
+  restore(u, tools);
   updateStep();
 }
 
-/// At rest at a displacement. @param tool  its pose, if there is one
-void StaticSolver::restore(const AlignedVector<Double4>& u, const std::optional<Pose>& tool) {
+/// At rest at a displacement. @param tools  where they are, if there are any
+void StaticSolver::restore(const AlignedVector<Double4>& u, const ToolsAt& tools) {
   body_.restore(u, AlignedVector<Double4>(u.size()));
   skull_.restart(u);
-  if (tool) body_.placeTool(*tool);
+  if (tools) body_.placeTools(tools);
 }
 
 /// h = 2 / omega_max of the tangent at the present state, by differences of forces in double.
@@ -101,26 +100,19 @@ void StaticSolver::observeFrequency() {
   relaxation_.observe(work, inertia);
 }
 
-StaticSolver::Outcome StaticSolver::relax(double time, const std::optional<Pose>& tool, int ramp, const Watch& watch,
+StaticSolver::Outcome StaticSolver::relax(double time, const ToolsAt& tools, int ramp, const Watch& watch,
                                           Equilibrium& equilibrium) {
   constexpr int calm_needed = 20;  // iterations below the tolerance in a row
   constexpr int reference_interval = 200;
   constexpr int watch_interval = 25;
   constexpr int skull_interval = 10;  // of its planes
   const double from = time_;
-  const Pose tool_from = body_.toolPose();
+  const ToolsAt tools_from = body_.tools();
   int calm = 0;
   for (int k = 1; k <= max_iterations; ++k) {
     const double s = std::min(1.0, static_cast<double>(k) / ramp);
     const double share = s * s * s * (10 + s * (-15 + 6 * s));
-    if (tool) {
-      Pose pose = *tool;
-      if (s < 1) {
-        pose.position = tool_from.position + share * (tool->position - tool_from.position);
-        pose.orientation = tool_from.orientation.slerp(share, tool->orientation).normalized();
-      }
-      body_.moveTool(pose);
-    }
+    if (tools) body_.moveTools(s < 1 ? between(tools_from, tools, share) : tools);
     if (k % skull_interval == 0) skull_.follow(body_.u);
     const auto report = body_.advance(relaxation_.alpha(), relaxation_.beta(), from + share * (time - from));
     ++equilibrium.iterations;
@@ -129,6 +121,7 @@ StaticSolver::Outcome StaticSolver::relax(double time, const std::optional<Pose>
     equilibrium.worst_point = report.worst_point;
     equilibrium.inverted_points = report.inverted_points;
     equilibrium.tool_force = report.tool_force;
+    equilibrium.loads = report.loads;
     equilibrium.skull = report.skull;
     if (k % reference_interval == 1) {
       u_reference_ = body_.u;
@@ -159,20 +152,21 @@ StaticSolver::Outcome StaticSolver::relax(double time, const std::optional<Pose>
   return Outcome::Exhausted;
 }
 
-Equilibrium StaticSolver::advanceTo(double time, const std::optional<Pose>& tool, const Watch& watch) {
+Equilibrium StaticSolver::advanceTo(double time, const ToolsAt& tools, const Watch& watch) {
   constexpr int attempts = 6;
   Equilibrium equilibrium;
   equilibrium.time = time;
   const AlignedVector<Double4> u_before = body_.u;
-  const Pose tool_before = body_.toolPose();
+  ToolsAt tools_before = body_.tools();
+  tools_before.count = tools.count;
   const double largest_before = largest_so_far_;
   for (int attempt = 0; attempt < attempts; ++attempt) {
     // The load comes on within a few times what it takes the slowest mode to follow.
     const int ramp = std::clamp(static_cast<int>(2 / (1 - relaxation_.convergenceRate())), 50, 2000) << attempt;
-    const Outcome outcome = relax(time, tool, ramp, watch, equilibrium);
+    const Outcome outcome = relax(time, tools, ramp, watch, equilibrium);
     if (outcome == Outcome::Interrupted) {  // back to where it was at rest
       equilibrium.interrupted = true;
-      restore(u_before, tool ? std::optional(tool_before) : std::nullopt);
+      restore(u_before, tools_before);
       largest_so_far_ = largest_before;
       return equilibrium;
     }
@@ -182,7 +176,7 @@ Equilibrium StaticSolver::advanceTo(double time, const std::optional<Pose>& tool
       updateStep();
       return equilibrium;
     }
-    restore(u_before, tool ? std::optional(tool_before) : std::nullopt);
+    restore(u_before, tools_before);
     largest_so_far_ = largest_before;
     caution_ *= 0.5;
     updateStep();

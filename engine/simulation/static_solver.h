@@ -1,7 +1,6 @@
 #pragma once
 
 #include <functional>
-#include <optional>
 
 #include "mechanics/dynamic_relaxation.h"
 #include "simulation/batch_body.h"
@@ -20,7 +19,8 @@ struct Equilibrium {
   double min_J = 1;
   int worst_point = -1;  // with min J
   int inverted_points = 0;
-  Vec3 tool_force = Vec3::Zero();  // N, on the tool
+  Vec3 tool_force = Vec3::Zero();  // N, on the first tool
+  ToolLoads loads;                 // of all tools, without torques
   SkullContact skull;
 };
 
@@ -42,13 +42,13 @@ class StaticSolver {
   using Watch = std::function<bool(int iterations)>;
 
   /// Moves the load from where it is to `time`, then relaxes.
-  /// @param tool  pose at `time`; without, the tool is not there
-  Equilibrium advanceTo(double time, const std::optional<Pose>& tool = {}, const Watch& watch = {});
+  /// @param tools  where they are at `time`; without, there are none
+  Equilibrium advanceTo(double time, const ToolsAt& tools = {}, const Watch& watch = {});
 
   const BatchBody& body() const { return body_; }
   double time() const { return time_; }
   /// Goes on from a state that was saved. @param largest  m, largestSoFar() then
-  void resume(double time, const AlignedVector<Double4>& u, const std::optional<Pose>& tool, double largest = 0);
+  void resume(double time, const AlignedVector<Double4>& u, const ToolsAt& tools, double largest = 0);
   double largestSoFar() const { return largest_so_far_; }
   double convergenceRate() const { return relaxation_.convergenceRate(); }
 
@@ -57,8 +57,8 @@ class StaticSolver {
 
  private:
   enum class Outcome { Converged, Exhausted, Interrupted, BlownUp };
-  Outcome relax(double time, const std::optional<Pose>& tool, int ramp, const Watch& watch, Equilibrium& equilibrium);
-  void restore(const AlignedVector<Double4>& u, const std::optional<Pose>& tool);
+  Outcome relax(double time, const ToolsAt& tools, int ramp, const Watch& watch, Equilibrium& equilibrium);
+  void restore(const AlignedVector<Double4>& u, const ToolsAt& tools);
   void updateStep();
   void observeFrequency();
 

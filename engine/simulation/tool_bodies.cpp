@@ -152,6 +152,13 @@ ToolPostures ToolWays::at(int k, int n) const {
 
 double ToolWays::reach(int body) const { return topSpeed(model_, toolBody(model_, body).tool) / model_.scene.rate_hz; }
 
+void addToLoad(const ToolBody& body, const TouchingTool& felt, ToolLoads& loads) {
+  ToolLoad& load = loads[static_cast<std::size_t>(body.tool)];
+  load.force += felt.force;
+  load.contact_count += felt.contact->contact_count;
+  if (body.side != 0) load.pinch += 0.5 * body.side * felt.force.dot(felt.pose.orientation * Vec3::UnitX());
+}
+
 Vec3 solveToolContacts(const Model& model, const ToolPostures& tools, double alpha, const float* inverse_mass,
                        State& state, ToolLoads& loads) {
   const ToolSet& set = model.tools;
@@ -171,14 +178,7 @@ Vec3 solveToolContacts(const Model& model, const ToolPostures& tools, double alp
                    Vec3::Zero()};
   }
   solveContacts(model.skin, {touching.data(), set.body.size()}, alpha, inverse_mass, state.u.data(), state.du.data());
-  for (std::size_t b = 0; b < set.body.size(); ++b) {
-    const ToolBody& body = set.body[b];
-    ToolLoad& load = loads[static_cast<std::size_t>(body.tool)];
-    load.force += touching[b].force;
-    load.contact_count += touching[b].contact->contact_count;
-    if (body.side != 0)
-      load.pinch += 0.5 * body.side * touching[b].force.dot(touching[b].pose.orientation * Vec3::UnitX());
-  }
+  for (std::size_t b = 0; b < set.body.size(); ++b) addToLoad(set.body[b], touching[b], loads);
   return loads[0].force;
 }
 

@@ -56,6 +56,9 @@ class ToolWays {
   std::array<double, max_tools> share_{};  // of the way that they get
 };
 
+/// Adds what a body felt in solveContacts to its tool's.
+void addToLoad(const ToolBody& body, const TouchingTool& felt, ToolLoads& loads);
+
 /// solveContact or solveContacts for all bodies, which go from where the state has them to `tools`.
 /// @param loads  receives force, pinch and contact count of each tool where there are several or jaws
 /// @return the force on the first tool, N

@@ -4,10 +4,11 @@
 
 namespace palpate {
 
-std::optional<BatchBody::Report> TransientSolver::tick(const std::optional<Pose>& tool, const Watch& watch) {
+std::optional<BatchBody::Report> TransientSolver::tick(const ToolsAt& tools, const Watch& watch) {
   const double h = model_.dt, c = model_.scene.damping;
   const double alpha = 2 * h * h / (2 + c * h), beta = (2 - c * h) / (2 + c * h);
-  const Pose from = body_.toolPose();
+  ToolsAt from = body_.tools();
+  from.count = tools.count;
   if (watch) {
     u_before_ = body_.u;
     du_before_ = body_.du;
@@ -17,16 +18,10 @@ std::optional<BatchBody::Report> TransientSolver::tick(const std::optional<Pose>
   BatchBody::Report total;
   for (int k = 1; k <= model_.substeps_per_tick; ++k) {
     if (watch && !watch()) {
-      resume(step_before, u_before_, du_before_, tool ? std::optional(from) : std::nullopt, history_before_);
+      resume(step_before, u_before_, du_before_, from, history_before_);
       return {};
     }
-    if (tool) {
-      const double s = static_cast<double>(k) / model_.substeps_per_tick;
-      Pose pose;
-      pose.position = from.position + s * (tool->position - from.position);
-      pose.orientation = from.orientation.slerp(s, tool->orientation).normalized();
-      body_.moveTool(pose);
-    }
+    if (tools) body_.moveTools(between(from, tools, static_cast<double>(k) / model_.substeps_per_tick));
     ++step_;
     const auto report = body_.advance(alpha, beta, time());
     if (report.min_J < total.min_J) {
@@ -37,16 +32,17 @@ std::optional<BatchBody::Report> TransientSolver::tick(const std::optional<Pose>
     total.max_increment = std::max(total.max_increment, report.max_increment);
     total.finite = total.finite && report.finite;
     total.tool_force = report.tool_force;
+    total.loads = report.loads;
     total.skull = report.skull;
   }
   return total;
 }
 
 void TransientSolver::resume(std::int64_t step, const AlignedVector<Double4>& u, const AlignedVector<Double4>& du,
-                             const std::optional<Pose>& tool, const AlignedVector<double>& history) {
+                             const ToolsAt& tools, const AlignedVector<double>& history) {
   step_ = step;
   body_.restore(u, du, history);
-  if (tool) body_.placeTool(*tool);
+  if (tools) body_.placeTools(tools);
 }
 
 }  // namespace palpate

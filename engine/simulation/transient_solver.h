@@ -19,15 +19,15 @@ class TransientSolver {
 
   /// One tick (model.substeps_per_tick steps of model.dt); the worst that its steps saw, and the last one's force.
   /// Nothing where it was interrupted: time and motion are then those at the end of the tick before.
-  /// @param tool  pose at the tick's end; without, the tool is not there
-  std::optional<BatchBody::Report> tick(const std::optional<Pose>& tool, const Watch& watch);
-  BatchBody::Report tick(const std::optional<Pose>& tool = {}) { return *tick(tool, Watch{}); }
+  /// @param tools  where they are at the tick's end; without, there are none
+  std::optional<BatchBody::Report> tick(const ToolsAt& tools, const Watch& watch);
+  BatchBody::Report tick(const ToolsAt& tools = {}) { return *tick(tools, Watch{}); }
 
   const BatchBody& body() const { return body_; }
   double time() const { return static_cast<double>(step_) * model_.dt; }
   /// Goes on from a state that was saved. @param history  body().history() then
   void resume(std::int64_t step, const AlignedVector<Double4>& u, const AlignedVector<Double4>& du,
-              const std::optional<Pose>& tool, const AlignedVector<double>& history = {});
+              const ToolsAt& tools, const AlignedVector<double>& history = {});
   std::int64_t step() const { return step_; }
 
  private:

@@ -163,3 +163,10 @@ TEST_CASE("Cut or damaged scenes are read or refused, never worse", "[io][scene]
   CHECK(refused > total / 2);
   CHECK(refused < total);
 }
+
+TEST_CASE("A surface or a scan in place of a scene is told what makes one of it", "[io][scene][refusal]") {
+  const TempFolder folder;
+  for (const char* name : {"organ.STL", "organ.obj", "head.nii.gz"})
+    CHECK_THAT(refusal([&] { readScene(folder.write(name, "v 0 0 0")); }),
+               Contains("no scene") && Contains("mtled import") && Contains(name));
+}

@@ -9,41 +9,12 @@
 #include "simulation/model_hash.h"
 #include "simulation/step.h"
 #include "simulation/workspace.h"
-#include "support/small_scene.h"
+#include "support/squeezed_scene.h"
 #include "support/strip_scene.h"
 #include "support/temp_folder.h"
 
 using namespace palpate;
 using namespace palpate::test;
-
-namespace {
-
-/// A block that may slide along x, and a fingertip on each side of it.
-Scene squeezedScene() {
-  Scene scene = blockScene(0.0075);
-  scene.size = Vec3(0.03, 0.03, 0.03);
-  scene.boundaries[0].component[0] = false;
-  scene.tool.radius = 0.007;
-  scene.tool_position = Vec3(0.018, 0, 0.017);
-  scene.tool_direction = -Vec3::UnitX();
-  scene.friction = 0.3;
-  ToolSpec other;
-  other.shape = scene.tool;
-  other.position = Vec3(-0.018, 0, 0.017);
-  other.direction = Vec3::UnitX();
-  other.friction = 0.3;
-  scene.further_tools.push_back(other);
-  return scene;
-}
-
-Command fingersAt(const Model& model, double depth) {
-  Command command = restCommand(model);
-  command.tool_target.position.x() -= 0.003 + depth;
-  command.tools[1].pose.position.x() += 0.003 + depth;
-  return command;
-}
-
-}  // namespace
 
 TEST_CASE("Two fingers that squeeze a block feel equal and opposite forces", "[tools]") {
   const Model model = blockModel(squeezedScene());

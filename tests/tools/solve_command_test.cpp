@@ -127,6 +127,51 @@ TEST_CASE("probes.csv holds the displacement field of the solver", "[solve_comma
   CHECK(table["uz"][1] == Approx(-0.003).epsilon(0.01));
 }
 
+TEST_CASE("A scene with several tools is solved, each along its own script", "[solve_command][whole]") {
+  const std::string two_tools = test::block_text + R"([[tool]]
+shape = "sphere"
+radius = 0.01
+position = [0, 0, 0.035]
+input = "script:press.toml"
+[[tool]]
+shape = "capsule"
+radius = 0.004
+length = 0.02
+position = [0.02, 0, 0.045]
+input = "script:nip.toml"
+[solve]
+load_steps = 2
+)";
+  const std::string nip = "[[keyframe]]\ntime = 0.5\nadvance = 0\n[[keyframe]]\ntime = 2\nadvance = 0.001\n";
+  const Folder folder(two_tools);
+  folder.write("press.toml", "[[keyframe]]\ntime = 1\nadvance = 0.002\n");
+  folder.write("nip.toml", nip);
+  REQUIRE(solve(folder.scene, folder.out()) == 0);
+  const CsvTable force = readCsvTable(folder.out("force.csv"));
+  REQUIRE(force.rowCount() == 2);
+  CHECK(force["time_s"][1] == 2.0);  // where the longest script ends
+  CHECK(force["tool_fz_N"][1] > 0);
+  CHECK(force["tool2_fz_N"][0] < force["tool2_fz_N"][1]);
+  CHECK(force["base_fz_N"][1] == Approx(force["tool_fz_N"][1] + force["tool2_fz_N"][1]).epsilon(0.02));
+  const auto report = reportIn(folder);
+  REQUIRE(report["tools"].size() == 2);
+  CHECK(report["tools"][1]["force_N"][2].get<double>() == Approx(force["tool2_fz_N"][1]).epsilon(1e-12));
+  REQUIRE(solve(folder.scene, folder.out(), true) == 0);  // nothing left to do
+  folder.write("nip.toml", replaced(nip, "advance = 0.001", "advance = 0.002"));
+  CHECK_THAT(refusal([&] { solve(folder.scene, folder.out(), true); }), Contains("another scene"));
+
+  // Jaws need a way along which they take hold.
+  const std::string jaws = replaced(two_tools, "length = 0.02\n", "length = 0.02\nopening = 0.01\n");
+  folder.write("block.toml", jaws);
+  CHECK_THAT(refusal([&] { solve(folder.scene, folder.out()); }), Contains("jaws") && Contains("transient"));
+  folder.write("block.toml", replaced(jaws, "load_steps = 2", "mode = \"transient\"\nend_time = 0.02"));
+  REQUIRE(solve(folder.scene, folder.out()) == 0);
+  const CsvTable motion = readCsvTable(folder.out("force.csv"));
+  CHECK(motion.rowCount() == 10);
+  CHECK(motion.find("tool2_pinch_N") >= 0);
+  CHECK(motion.find("tool_pinch_N") < 0);
+}
+
 TEST_CASE("A transient solution has a row a tick", "[solve_command]") {
   std::string text = replaced(block_scene, "[solve]\ntolerance = 1e-5\nload_steps = 4\n",
                               "[dynamics]\nrate = 500\n[solve]\nmode = \"transient\"\n");

@@ -6,6 +6,11 @@
 namespace palpate {
 namespace {
 
+/// "3 integration points are", "1 integration point is".
+std::string pointsAre(double count, const char* one = "is", const char* more = "are") {
+  return format("%.0f integration point%s %s", count, count == 1 ? "" : "s", count == 1 ? one : more);
+}
+
 std::string sentence(const LogEvent& e) {
   const Vec3& p = e.position;
   switch (e.kind) {
@@ -21,9 +26,9 @@ std::string sentence(const LogEvent& e) {
           e.index, p.x(), p.y(), p.z(), 1e3 * e.value);
     case LogEvent::Kind::FrozenInverted:
       return format(
-          "frozen: %.0f integration points are inverted, the worst, %d, at (%.4f, %.4f, %.4f) m; "
+          "frozen: %s inverted, the worst, %d, at (%.4f, %.4f, %.4f) m; "
           "reset to go on, press less hard or refine there",
-          e.value, e.index, p.x(), p.y(), p.z());
+          pointsAre(e.value).c_str(), e.index, p.x(), p.y(), p.z());
     case LogEvent::Kind::RestoredNotFinite:
       return format(
           "restored: the displacement of node %d at (%.4f, %.4f, %.4f) m was not a number; the tissue is back where "
@@ -36,9 +41,9 @@ std::string sentence(const LogEvent& e) {
           e.index, p.x(), p.y(), p.z(), 1e3 * e.value);
     case LogEvent::Kind::RestoredInverted:
       return format(
-          "restored: %.0f integration points were inverted, the worst, %d, at (%.4f, %.4f, %.4f) m; the tissue is back "
+          "restored: %s inverted, the worst, %d, at (%.4f, %.4f, %.4f) m; the tissue is back "
           "where it was shortly before, at rest",
-          e.value, e.index, p.x(), p.y(), p.z());
+          pointsAre(e.value, "was", "were").c_str(), e.index, p.x(), p.y(), p.z());
     case LogEvent::Kind::RestoredFolded:
       return format(
           "restored: nothing touches the tissue, and yet it stood still folded, a point of it at %.0f %% of its "
@@ -49,9 +54,9 @@ std::string sentence(const LogEvent& e) {
       return "restored: a tool drawn far out of the body carried a fold of it; the tissue is put back to rest";
     case LogEvent::Kind::InvertedPoints:
       return format(
-          "%.0f integration points are inverted, the worst, %d, at (%.4f, %.4f, %.4f) m; "
+          "%s inverted, the worst, %d, at (%.4f, %.4f, %.4f) m; "
           "results there are not to be trusted",
-          e.value, e.index, p.x(), p.y(), p.z());
+          pointsAre(e.value).c_str(), e.index, p.x(), p.y(), p.z());
     case LogEvent::Kind::ContactOverflow:
       return "more skin is near the tool than the contact list can hold: part of the contact is ignored; use a smaller "
              "tool";
@@ -86,12 +91,28 @@ std::string sentence(const LogEvent& e) {
           "set it in the scene and load again",
           e.index, e.value);
     case LogEvent::Kind::TrackEnded:
-      return "the script or replay has ended";
+      return "the tool has gone all of its way";
   }
   return "unknown event";
 }
 
 }  // namespace
+
+std::string briefText(const LogEvent& event) {
+  const Overload& o = event.overload;
+  const std::string late = format("%lld late tick%s in %.1f s", static_cast<long long>(o.late_ticks),
+                                  o.late_ticks == 1 ? "" : "s", o.seconds);
+  switch (event.kind) {
+    case LogEvent::Kind::TickLate:
+      return "the computer is late: see Timing";
+    case LogEvent::Kind::Overloaded:
+      return "the computer is too slow: " + late;
+    case LogEvent::Kind::OverloadEnded:
+      return "on time again after " + late;
+    default:
+      return sentence(event);
+  }
+}
 
 std::string logText(const LogEvent& event) { return format("%.3f s: ", event.time_s) + sentence(event); }
 

@@ -59,4 +59,7 @@ using LogRing = SpscRing<LogEvent>;
 /// reset to go on, press less hard or refine there". Allocates: not for the loop thread.
 std::string logText(const LogEvent& event);
 
+/// The same without the time, and of an overload only what a user needs: how long the computer was late.
+std::string briefText(const LogEvent& event);
+
 }  // namespace palpate

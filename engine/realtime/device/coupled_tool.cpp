@@ -8,8 +8,22 @@ namespace palpate {
 namespace {
 
 constexpr double kReleaseSeconds = 0.02;  // in air, until the tool is free of the tissue's damping
+constexpr double kRattleSeconds = 1;      // until what a rattle has shown is forgotten
+constexpr double kRattleWay = 1e-7;       // m in a tick; less is rounding
+constexpr double kMostHolds = 4;          // times what a rattle may show the tissue to be stiffer than expected
+constexpr int kRattles = 2;               // reversals in a row that are one
 
 }  // namespace
+
+double RattleWatch::see(const Vec3& way, const Vec3& force, double most, double tick_s) {
+  stiffness_ *= 1 - tick_s / kRattleSeconds;
+  const double length = way.norm();
+  if (length < kRattleWay) return stiffness_;
+  reversals_ = way.dot(last_way_) < 0 ? reversals_ + 1 : 0;
+  last_way_ = way;
+  if (reversals_ >= kRattles) stiffness_ = std::min(most, std::max(stiffness_, -force.dot(way) / (length * length)));
+  return stiffness_;
+}
 
 CoupledTool::CoupledTool(const Model& model) : tick_s_(1 / model.scene.rate_hz) {
   const double R = model.scene.tool.radius, area = std::numbers::pi * R * R;
@@ -30,15 +44,27 @@ Pose CoupledTool::next(const State& state, const StepReport& last) {
   hold_ = touches ? 1 : std::max(0.0, hold_ - tick_s_ / kReleaseSeconds);
   if (touches) normal_ = last.contact_normal.isZero(0) ? last.tool_force.normalized() : last.contact_normal;
   Pose pose = target.pose;
-  if (hold_ <= 0) return pose;
-
   const Vec3& x = state.tool_pose.position;
+  if (hold_ <= 0) {
+    along_watch_.forget();
+    across_watch_.forget();
+    last_x_ = x;
+    last_force_ = last.tool_force;
+    return pose;
+  }
+  const Vec3 way = x - last_x_, change = last.tool_force - last_force_;
+  const Vec3 way_along = way.dot(normal_) * normal_;
+  const double most = kMostHolds * normal_hold_;
+  const double rattle_along = along_watch_.see(way_along, change, most, tick_s_);
+  const double rattle_across = across_watch_.see(way - way_along, change, most, tick_s_);
+  last_x_ = x;
+  last_force_ = last.tool_force;
   const Vec3 push = target.stiffness * (target.pose.position - x) + target.damping * target.velocity + last.tool_force;
   const double spring = target.stiffness + target.damping / tick_s_;
   const double along = push.dot(normal_);
   const double sticks = state.live.friction > 0 ? hold_ : 0;
-  pose.position = x + (along / (spring + hold_ * normal_hold_)) * normal_ +
-                  (push - along * normal_) / (spring + sticks * tangent_hold_);
+  pose.position = x + (along / (spring + hold_ * std::max(normal_hold_, rattle_along))) * normal_ +
+                  (push - along * normal_) / (spring + sticks * tangent_hold_ + hold_ * rattle_across);
   return pose;
 }
 

@@ -8,6 +8,22 @@
 
 namespace palpate {
 
+/// How stiffly the tissue answers from tick to tick along one direction, seen where a tool goes to and fro.
+class RattleWatch {
+ public:
+  /// @param way    m, that the tool went in a tick
+  /// @param force  N, by how much the tissue's force on it changed
+  /// @param most   N/m, no more is believed
+  /// @return N/m; 0: it goes one way
+  double see(const Vec3& way, const Vec3& force, double most, double tick_s);
+  void forget() { *this = RattleWatch(); }
+
+ private:
+  Vec3 last_way_ = Vec3::Zero();
+  int reversals_ = 0;     // in a row
+  double stiffness_ = 0;  // N/m
+};
+
 /// The tool that hangs on a device by the coupling's spring and damper, and is pushed back by the tissue. It has no
 /// mass: in each tick it goes where the forces on it balance,
 ///
@@ -20,8 +36,11 @@ namespace palpate {
 ///   x += (Kc (x_dev - x) + Bc v_dev + F_tissue) / (Kc + Bc / T + D)
 ///   D  = rho c pi R^2 / T + 2 R E / (1 - nu^2)     a wave that leaves the contact, and a flat punch (Sneddon 1965)
 ///
-/// with c the speed of pressure waves along the contact's normal, of shear waves across it, where there is friction. D
-/// dissipates, and vanishes within 20 ms in air, where the tool is where the device is.
+/// with c the speed of pressure waves along the contact's normal, of shear waves across it, where there is friction. A
+/// ball that is deep in the tissue has it at its sides, too, and between coarse nodes more of it moves with the tool than
+/// D knows of: the tool would go to and fro from tick to tick. What that shows the tissue to answer with is taken for D
+/// then, and forgotten within seconds (RattleWatch). D dissipates, and vanishes within 20 ms in air, where the tool is
+/// where the device is.
 /// Loop thread only, but for targets(). Real-time: no allocation, no lock, no throw. A recording keeps the poses that
 /// this gives, so a replay needs no device. Test: realtime/device/coupled_tool_test.cpp
 class CoupledTool final : public ToolMotion {
@@ -52,6 +71,8 @@ class CoupledTool final : public ToolMotion {
   double normal_hold_ = 0, tangent_hold_ = 0;  // N/m
   double hold_ = 0;                            // share of them that is in force
   Vec3 normal_ = Vec3::Zero();                 // of the last contact
+  Vec3 last_x_ = Vec3::Zero(), last_force_ = Vec3::Zero();
+  RattleWatch along_watch_, across_watch_;
   std::uint64_t sequence_ = 0;
   std::atomic<std::uint32_t> put_backs_{0};
 };

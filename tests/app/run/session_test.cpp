@@ -8,6 +8,7 @@
 
 #include "io/indent_script.h"
 #include "support/block_text.h"
+#include "support/captured_output.h"
 #include "support/temp_folder.h"
 #include "support/text.h"
 
@@ -221,4 +222,31 @@ TEST_CASE("A scripted run is repeated by its recording, bit for bit", "[session]
   const Recording recording = readRecording(options.replay);
   CHECK(recording.ticks == 75 + 10);  // 0.15 s, and the last corner's rounding
   CHECK(recording.changes.size() > 50);
+}
+
+TEST_CASE("Without lumps there is nothing for a trainee to find", "[session]") {
+  const TempFolder folder;
+  Options options;
+  options.scene = folder.write("block.toml", test::block_text);
+  CHECK(app::readScene(options).spacing == 0.012);
+  for (bool Options::*wish : {&Options::trainee, &Options::check_lumps}) {
+    Options wishful = options;
+    wishful.*wish = true;
+    CHECK_THAT(refusal([&] { app::readScene(wishful); }), Catch::Contains("block.toml") && Catch::Contains("no lumps"));
+  }
+}
+
+TEST_CASE("What happened in the run has the run's time in the log, all else none", "[session]") {
+  const CapturedOutput printed;
+  Log log;
+  log.info("made");
+  log.info("made");
+  log.add(LogLevel::Info, 1.5, "late", "1.500 s: late, and why");
+  log.info("made");
+  REQUIRE(log.lines().size() == 3);
+  CHECK(log.lines()[0].text == "made (2 times)");
+  CHECK_FALSE(log.lines()[0].run_s);
+  CHECK(log.lines()[1].run_s == 1.5);
+  CHECK(log.lines()[1].text == "late");
+  CHECK(log.lines()[2].text == "made");
 }

@@ -2,9 +2,13 @@
 
 #include <algorithm>
 #include <catch2/catch.hpp>
+#include <cmath>
 
 #include "realtime/loop_run.h"
 #include "realtime/recording/recording.h"
+#include "simulation/step.h"
+#include "simulation/workspace.h"
+#include "support/small_scene.h"
 
 using namespace palpate;
 using namespace palpate::test;
@@ -44,6 +48,48 @@ TEST_CASE("The tool rests where the coupling's spring carries what the tissue do
     CHECK(state.tool_pose.position.z() == Approx(expected).epsilon(1e-9));
     CHECK(state.tool_pose.position.x() == Approx(0.003));  // without friction nothing holds it along the skin
   }
+}
+
+TEST_CASE("A tool in coarse tissue does not go to and fro from tick to tick", "[device]") {
+  const Model model = blockModel();  // without friction
+  REQUIRE(model.scene.friction == 0);
+  CoupledTool tool(model);
+  State state = initialState(model);
+  Workspace workspace(model, 1);
+  StepReport last;
+  Command command;
+  constexpr double stiffness = 80;  // N/m: what a slow line to a light device leaves
+  constexpr int press = 200, hold = 150, watched = 40;
+  const double depth = model.first_contact_travel + 0.6 * model.scene.tool.radius;
+  Vec3 hand;
+  double largest = 0;  // m in a tick
+  for (int k = 1; k <= press + hold; ++k) {
+    hand = toolAt(model, depth * std::min(1.0, static_cast<double>(k) / press), 2e-4).position;
+    pull(tool, hand, stiffness);
+    command.tool_target = tool.next(state, last);
+    if (k > press + hold - watched)
+      largest = std::max(largest, (command.tool_target.position - state.tool_pose.position).norm());
+    last = tick(model, state, command, workspace);
+  }
+  CHECK(largest < 1e-5);             // it was 2.5e-4, and the force came and went with it
+  CHECK(last.tool_force.z() > 0.1);  // N
+  CHECK(stiffness * (state.tool_pose.position - hand).norm() == Approx(last.tool_force.norm()).epsilon(0.02));
+}
+
+TEST_CASE("What a rattle shows is believed up to a bound, and forgotten", "[device]") {
+  RattleWatch watch;
+  const Vec3 way(0, 0, 1e-4), answer(0, 0, -0.3);  // m, N: 3000 N/m
+  constexpr double tick_s = 0.002;
+  for (int k = 0; k < 5; ++k) CHECK(watch.see(way, answer, 1e4, tick_s) == 0);  // it goes one way
+  double seen = 0;
+  for (int k = 0; k < 4; ++k)
+    seen = watch.see(k % 2 == 0 ? Vec3(-way) : way, k % 2 == 0 ? Vec3(-answer) : answer, 1e4, tick_s);
+  CHECK(seen == Approx(3000));
+  CHECK(watch.see(-way, -answer, 2000, tick_s) == Approx(2000));
+  for (int k = 0; k < 2500; ++k) seen = watch.see(Vec3::Zero(), Vec3::Zero(), 1e4, tick_s);
+  CHECK(seen < 0.01 * 3000);
+  watch.forget();
+  CHECK(watch.see(way, answer, 1e4, tick_s) == 0);
 }
 
 TEST_CASE("In air the tool is where the device is; without a device it stays", "[device]") {

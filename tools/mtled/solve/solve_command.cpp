@@ -8,18 +8,17 @@
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <optional>
 #include <thread>
 
 #include "base/interrupt.h"
 #include "base/key.h"
 #include "io/find_asset.h"
-#include "io/indent_script.h"
 #include "io/load_model.h"
 #include "io/scene_file.h"
 #include "mtled/run/checkpoint.h"
 #include "mtled/run/progress.h"
 #include "mtled/solve/solve_results.h"
+#include "mtled/solve/solve_tools.h"
 #include "simulation/model_hash.h"
 #include "simulation/scene_messages.h"
 #include "simulation/static_solver.h"
@@ -31,16 +30,17 @@ namespace {
 using Seconds = std::chrono::duration<double>;
 
 /// Time after which nothing moves any more, s.
-double endTime(const Scene& scene, const std::optional<ToolScript>& script) {
+double endTime(const Scene& scene, const SolveTools& tools) {
   if (scene.solve.end_time > 0) return scene.solve.end_time;
-  double end = script ? script->duration() : 0;
+  double end = tools.duration();
   for (const auto& b : scene.boundaries)
     end = std::max({end, b.duration, b.curve.time.empty() ? 0 : b.curve.time.back()});
   if (end <= 0 && !scene.gravity.isZero(0)) return 1;  // the weight is there from the start
   if (end <= 0)
-    throw InputError(scene.solve.place.file.empty() ? scene.place : scene.solve.place,
-                     "nothing moves in this scene, so there is no time to solve to",
-                     "add a [[prescribed]] motion or --tool SCRIPT, or set end_time in [solve]");
+    throw InputError(
+        scene.solve.place.file.empty() ? scene.place : scene.solve.place,
+        "nothing moves in this scene, so there is no time to solve to",
+        "add a [[prescribed]] motion, --tool SCRIPT or a tool's input = \"script:FILE\", or set end_time in [solve]");
   return end;
 }
 
@@ -74,30 +74,39 @@ void checkLength(const Scene& scene, double end) {
                    advice + (scene.solve.end_time > 0 ? "lower end_time" : "set end_time in [solve]"));
 }
 
+/// What jaws hold they hold by friction, and that depends on how they came there: in a static solution there is no way
+/// but the relaxation's, in which they slip.
+void checkTools(const Scene& scene) {
+  if (scene.solve.mode == SolveSpec::Mode::Transient) return;
+  for (const ToolSpec& tool : toolsOf(scene))
+    if (tool.jaws())
+      throw InputError(tool.place, "a static solution has no way along which jaws could take hold",
+                       "set mode = \"transient\" in [solve], or leave \"opening\" out");
+}
+
+bool hasFriction(const Scene& scene) {
+  const std::vector<ToolSpec> tools = toolsOf(scene);
+  return std::any_of(tools.begin(), tools.end(), [](const ToolSpec& tool) { return tool.friction > 0; });
+}
+
 /// Of all that decides a solution: what a checkpoint must agree in.
-std::uint64_t identityOf(const Model& model, const std::optional<ToolScript>& script, double end) {
+std::uint64_t identityOf(const Model& model, const SolveTools& tools, double end) {
   ByteKey key;
   key.add(modelHash(model), model.scene.solve.mode);
   // What a load step is; more of the same may follow.
   if (model.scene.solve.mode == SolveSpec::Mode::Static) key.add(end / model.scene.solve.load_steps);
-  if (script) {
-    key.add(script->from_touch, script->smooth);
-    for (const auto& k : script->keyframes) key.add(k.time, k.advance, k.slide);
-  }
+  tools.addTo(key);
   return key.hash();
 }
 
 struct Task {
   const Model& model;
-  const std::optional<ToolScript>& script;
+  const SolveTools& tools;
   double end;
   int threads;
   bool resume;
 
-  std::optional<Pose> tool(double time) const {
-    if (!script) return {};
-    return poseAt(*script, model.tool_start, model.first_contact_travel, time);
-  }
+  ToolsAt toolsAt(double time) const { return tools.at(model, time); }
 };
 
 int solveStatic(const Task& task, SolveResults& results) {
@@ -107,7 +116,7 @@ int solveStatic(const Task& task, SolveResults& results) {
   if (task.resume)
     solver.resume(task.end * static_cast<double>(results.checkpoint().position) / spec.load_steps,
                   results.checkpoint().u,
-                  task.tool(task.end * static_cast<double>(results.checkpoint().position) / spec.load_steps),
+                  task.toolsAt(task.end * static_cast<double>(results.checkpoint().position) / spec.load_steps),
                   results.checkpoint().largest);
   ProgressLine progress("solve");
   int iterations = 0;
@@ -123,12 +132,11 @@ int solveStatic(const Task& task, SolveResults& results) {
       return !interrupted();
     };
     const double time = task.end * k / spec.load_steps;
-    e = solver.advanceTo(time, task.tool(time), watch);
+    e = solver.advanceTo(time, task.toolsAt(time), watch);
     iterations += e.iterations;
     if (!e.converged) break;
-    results.add(
-        {k, time, e.error, e.iterations, e.min_J, e.inverted_points, e.tool_force, e.skull, solver.largestSoFar()},
-        solver.body());
+    results.add({k, time, e.error, e.iterations, e.min_J, e.inverted_points, e.loads, e.skull, solver.largestSoFar()},
+                solver.body());
   }
   results.finish({{"mode", "static"},
                   {"converged", e.converged},
@@ -143,7 +151,11 @@ int solveStatic(const Task& task, SolveResults& results) {
               << "a coarser spacing or less motion may help\n";
   } else if (!e.converged && !e.interrupted) {
     std::cerr << "mtled: no equilibrium within the tolerance at " << e.time << " s after "
-              << StaticSolver::max_iterations << " iterations; the results end before it\n";
+              << StaticSolver::max_iterations << " iterations; the results end before it"
+              << (task.toolsAt(e.time) && hasFriction(task.model.scene)
+                      ? "; a point may stick and slip by turns: another number of load_steps in [solve], or less "
+                        "friction, may help\n"
+                      : "\n");
   }
   if (e.interrupted) std::cerr << "mtled: interrupted; --resume goes on from the last load step\n";
   return e.converged && !e.diverged && !e.interrupted ? 0 : 1;
@@ -155,14 +167,14 @@ int solveTransient(const Task& task, SolveResults& results) {
   if (task.resume) results.checkHistory(solver.body().history());
   if (task.resume)
     solver.resume(results.checkpoint().position, results.checkpoint().u, results.checkpoint().du,
-                  task.tool(static_cast<double>(results.checkpoint().position) * task.model.dt),
+                  task.toolsAt(static_cast<double>(results.checkpoint().position) * task.model.dt),
                   results.checkpoint().history);
   ProgressLine progress("solve");
   const double tick = 1 / task.model.scene.rate_hz;
   const auto ticks = static_cast<std::int64_t>(ticksTo(task.end, task.model.scene));
   bool stopped = false, diverged = false;
   for (std::int64_t k = solver.step() / task.model.substeps_per_tick + 1; k <= ticks && !stopped && !diverged; ++k) {
-    const auto report = solver.tick(task.tool(static_cast<double>(k) * tick), [] { return !interrupted(); });
+    const auto report = solver.tick(task.toolsAt(static_cast<double>(k) * tick), [] { return !interrupted(); });
     stopped = !report;
     if (stopped) break;
     diverged = !report->finite || report->max_increment > task.model.max_increment;
@@ -173,7 +185,7 @@ int solveTransient(const Task& task, SolveResults& results) {
                    task.model.substeps_per_tick,
                    report->min_J,
                    report->inverted_points,
-                   report->tool_force,
+                   report->loads,
                    report->skull,
                    0},
                   solver.body());
@@ -202,11 +214,9 @@ int solveTransient(const Task& task, SolveResults& results) {
 int solveCommand(const SolveOptions& options) {
   const std::string file = sceneFileOf(options.scene);
   const Scene scene = readScene(file);
-  if (const std::vector<ToolSpec> tools = toolsOf(scene); tools.size() > 1 || tools[0].jaws())
-    throw InputError(tools.back().place, "mtled solve moves a single tool, and no jaws",
-                     "leave the others and \"opening\" out, or run the scene with palpate --offscreen");
-  const std::optional<ToolScript> script = namedScript(options.tool_script, scene.tool.radius);
-  const double end = endTime(scene, script);
+  checkTools(scene);
+  const SolveTools moved(scene, options.tool_script);
+  const double end = endTime(scene, moved);
   checkLength(scene, end);
   std::unique_ptr<Model> model;
   {
@@ -220,10 +230,10 @@ int solveCommand(const SolveOptions& options) {
   }
   const int cores = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
   SolveResults results(*model, options.out.empty() ? usualFolder(options, file) : options.out, end,
-                       identityOf(*model, script, end), options.resume);
+                       identityOf(*model, moved, end), options.resume);
   std::cout << scene.name << ": " << model->nodeCount() << " nodes, " << model->pointCount()
             << " integration points, set up in " << model->setup_seconds << " s" << std::endl;
-  const Task task{*model, script, end, options.threads > 0 ? options.threads : cores, options.resume};
+  const Task task{*model, moved, end, options.threads > 0 ? options.threads : cores, options.resume};
   const int code =
       scene.solve.mode == SolveSpec::Mode::Static ? solveStatic(task, results) : solveTransient(task, results);
   results.print();
@@ -232,7 +242,8 @@ int solveCommand(const SolveOptions& options) {
 
 AlignedVector<Double4> solutionOf(const Model& model, const std::string& folder) {
   const std::string file = (std::filesystem::path(folder) / "checkpoint.bin").string();
-  const std::uint64_t identity = identityOf(model, {}, endTime(model.scene, {}));
+  const SolveTools tools(model.scene, "");
+  const std::uint64_t identity = identityOf(model, tools, endTime(model.scene, tools));
   const Checkpoint checkpoint = readCheckpoint(file, identity, model.X.size());
   if (model.scene.solve.mode == SolveSpec::Mode::Static && checkpoint.position < model.scene.solve.load_steps)
     warn(file + ": the solution ends before the last load step");

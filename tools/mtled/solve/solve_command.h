@@ -13,7 +13,7 @@ namespace palpate::tools {
 struct SolveOptions {
   std::string scene;        // file, the name of one in assets/scenes, or a case's folder (mtled import)
   std::string out;          // folder; "": out/<scene's name>, or `solution` in the case's
-  std::string tool_script;  // "": no tool
+  std::string tool_script;  // of the first tool; "": the scene's own
   int threads = 0;          // 0: one per core
   bool resume = false;      // go on from the folder's checkpoint
   bool use_cache = false;   // keep the set-up for the next start

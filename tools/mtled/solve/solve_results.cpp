@@ -10,6 +10,7 @@
 #include "discretization/surface/surface_tree.h"
 #include "io/csv_table.h"
 #include "io/output_file.h"
+#include "mtled/solve/solve_tools.h"
 #include "simulation/solution_fields.h"
 
 namespace palpate::tools {
@@ -24,6 +25,10 @@ std::string frameName(std::size_t k) {
 }
 
 nlohmann::json listed(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
+
+bool isJaws(const Model& model, int tool) {
+  return !model.tools.empty() && model.tools.tool[static_cast<std::size_t>(tool)].jaws;
+}
 
 }  // namespace
 
@@ -77,7 +82,10 @@ std::vector<std::string> SolveResults::columns() const {
   std::vector<std::string> columns{"time_s", "iterations", "min_J", "inverted_points"};
   for (const auto& b : model_.scene.boundaries)
     for (const char* part : {"_fx_N", "_fy_N", "_fz_N", "_mx_Nm", "_my_Nm", "_mz_Nm"}) columns.push_back(b.name + part);
-  for (const char* part : {"tool_fx_N", "tool_fy_N", "tool_fz_N"}) columns.emplace_back(part);
+  for (int t = 0; t < model_.tools.toolCount(); ++t) {
+    for (const char* part : {"_fx_N", "_fy_N", "_fz_N"}) columns.push_back(toolColumn(t) + part);
+    if (isJaws(model_, t)) columns.push_back(toolColumn(t) + "_pinch_N");
+  }
   if (model_.scene.skull.given)
     for (const char* part : {"skull_fx_N", "skull_fy_N", "skull_fz_N", "skull_penetration_m"})
       columns.emplace_back(part);
@@ -117,7 +125,12 @@ void SolveResults::add(const SolvedRow& solved, const BatchBody& body) {
     append(r.force);
     append(r.moment);
   }
-  append(solved.tool_force);
+  for (int t = 0; t < model_.tools.toolCount(); ++t) {
+    const ToolLoad& load = solved.loads[static_cast<std::size_t>(t)];
+    append(load.force);
+    if (isJaws(model_, t)) row.push_back(load.pinch);
+  }
+  last_loads_ = solved.loads;
   if (model_.scene.skull.given) {
     append(solved.skull.force);
     row.push_back(solved.skull.max_penetration);
@@ -147,6 +160,18 @@ void SolveResults::writeProbes() const {
   csv.finish();
 }
 
+/// What holds each of several tools, or jaws.
+nlohmann::json SolveResults::tools() const {
+  nlohmann::json all = nlohmann::json::array();
+  for (int t = 0; t < model_.tools.toolCount(); ++t) {
+    const ToolLoad& load = (*last_loads_)[static_cast<std::size_t>(t)];
+    nlohmann::json entry{{"force_N", listed(load.force)}, {"contact_points", load.contact_count}};
+    if (isJaws(model_, t)) entry["pinch_N"] = load.pinch;
+    all.push_back(std::move(entry));
+  }
+  return all;
+}
+
 void SolveResults::finish(nlohmann::json outcome) {
   force_->finish();
   save();
@@ -166,6 +191,7 @@ void SolveResults::finish(nlohmann::json outcome) {
                   {"build", buildInfo()}});
   if (last_skull_)
     outcome["skull"] = {{"force_N", listed(last_skull_->force)}, {"max_penetration_m", last_skull_->max_penetration}};
+  if (!model_.tools.empty() && last_loads_) outcome["tools"] = tools();
   if (!last_row_.empty()) {
     outcome["time_s"] = last_row_[0];
     outcome["min_J"] = last_row_[2];

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "contact/skull.h"
+#include "contact/tool_set.h"
 #include "io/probes_file.h"
 #include "io/result_csv.h"
 #include "io/vtu_file.h"
@@ -25,7 +26,7 @@ struct SolvedRow {
   int iterations = 0;
   double min_J = 1;
   int inverted_points = 0;
-  Vec3 tool_force = Vec3::Zero();  // N
+  ToolLoads loads;  // of the tools, without torques
   SkullContact skull;
   double largest = 0;  // m, the largest displacement so far; 0: not needed
 };
@@ -65,6 +66,7 @@ class SolveResults {
   std::vector<std::string> columns() const;
   std::vector<std::vector<double>> takeUp(std::uint64_t identity, const std::vector<std::string>& columns);
   void addFrame(double time, const BatchBody& body);
+  nlohmann::json tools() const;
   void writeProbes() const;
   void save();
 
@@ -77,6 +79,7 @@ class SolveResults {
   std::vector<double> last_row_;
   std::vector<Reaction> last_reactions_;
   std::optional<SkullContact> last_skull_;  // of this run
+  std::optional<ToolLoads> last_loads_;     // likewise
   std::vector<PvdFrame> pvd_;
   Checkpoint checkpoint_;
   Clock::time_point saved_ = Clock::now();

@@ -1,0 +1,76 @@
+#include "simulation/batch_tools.h"
+
+#include <array>
+
+#include "contact/contact.h"
+#include "simulation/tool_bodies.h"
+
+namespace palpate {
+
+ToolsAt between(const ToolsAt& from, const ToolsAt& to, double share) {
+  ToolsAt at = to;
+  for (int t = 0; t < to.count; ++t) {
+    const auto k = static_cast<std::size_t>(t);
+    const ToolPosture &a = from.posture[k], &b = to.posture[k];
+    at.posture[k].pose.position = a.pose.position + share * (b.pose.position - a.pose.position);
+    at.posture[k].pose.orientation = a.pose.orientation.slerp(share, b.pose.orientation).normalized();
+    at.posture[k].opening = a.opening + share * (b.opening - a.opening);
+  }
+  return at;
+}
+
+BatchTools::BatchTools(const Model& model) : model_(model) {
+  for (int t = 0; t < model.tools.toolCount(); ++t) before_.posture[static_cast<std::size_t>(t)] = startOf(model, t);
+  before_.count = model.tools.toolCount();
+  now_.posture = before_.posture;
+  for (int b = 0; b < model.tools.bodyCount(); ++b)
+    contact_.push_back(makeContactState(model.skin, toolBody(model, b).shape));
+}
+
+void BatchTools::solve(double alpha, const float* inverse_mass, const Float4* u, Float4* du, ToolLoads& loads) {
+  if (!present()) return;
+  for (int b = 0; b < bodyCount(); ++b) {
+    const ToolBody body = toolBody(model_, b);
+    const auto t = static_cast<std::size_t>(body.tool);
+    const Pose pose = bodyPose(body, now_.posture[t]);
+    const double margin = 2 * largestTravel(body.shape, bodyPose(body, before_.posture[t]), pose);
+    ContactState& contact = contact_[static_cast<std::size_t>(b)];
+    findContactCandidates(model_.skin, u, body.shape, pose, margin, contact);
+    findFaceSamples(model_.skin, u, body.shape, pose, margin, contact);
+  }
+  if (model_.tools.empty()) {
+    loads[0].force = solveContact(model_.skin, model_.scene.tool, now_.posture[0].pose, before_.posture[0].pose,
+                                  model_.scene.friction, alpha, inverse_mass, u, du, contact_[0]);
+    loads[0].contact_count = contact_[0].contact_count;
+  } else {
+    solveAll(alpha, inverse_mass, u, du, loads);
+  }
+  before_ = now_;
+}
+
+/// Those of the tools that are there, which come first.
+int BatchTools::bodyCount() const {
+  int count = 0;
+  while (count < model_.tools.bodyCount() && toolBody(model_, count).tool < now_.count) ++count;
+  return count;
+}
+
+void BatchTools::solveAll(double alpha, const float* inverse_mass, const Float4* u, Float4* du, ToolLoads& loads) {
+  std::array<TouchingTool, max_tool_bodies> touching;
+  const ToolSet& set = model_.tools;
+  const auto count = static_cast<std::size_t>(bodyCount());
+  for (std::size_t b = 0; b < count; ++b) {
+    const ToolBody& body = set.body[b];
+    const auto t = static_cast<std::size_t>(body.tool);
+    touching[b] = {&body.shape,
+                   bodyPose(body, now_.posture[t]),
+                   bodyPose(body, before_.posture[t]),
+                   set.tool[t].friction,
+                   &contact_[b],
+                   Vec3::Zero()};
+  }
+  solveContacts(model_.skin, {touching.data(), count}, alpha, inverse_mass, u, du);
+  for (std::size_t b = 0; b < count; ++b) addToLoad(set.body[b], touching[b], loads);
+}
+
+}  // namespace palpate
