@@ -126,7 +126,7 @@ TEST_CASE("Where samples are too far apart, the field itself is asked", "[imagin
         away = std::max(away, (forward.value[v].cast<double>() - u).norm());
       }
   CHECK(by_samples > 0.02e-3);  // or this test would say nothing
-  CHECK(back < 0.015e-3);  // at single voxels; the samples alone leave thrice that
+  CHECK(back < 0.015e-3);       // at single voxels
   CHECK(away < 0.01e-3);
   CHECK(rough > 50);
   CHECK(rough < 20000);  // of the ball's 96,000 voxels
