@@ -247,6 +247,17 @@ void addScanOptions(CLI::App& command, ImportScanOptions& options) {
       ->check(CLI::IsMember({"ras", "lps"}));
   command.add_flag("--skull", options.skull,
                    "It slides in a rigid skull that lies half a millimetre around it, open over the electrodes");
+  command
+      .add_option(
+          "--open", options.opened,
+          "Where the skull is open, too: a ball by its middle and radius in mm, in --frame (or ras); repeatable")
+      ->allow_extra_args(false)
+      ->type_name("X,Y,Z,R");
+  command
+      .add_option("--fix", options.fix,
+                  "Where the organ is held, such as the brain stem's end: a ball likewise (its lowest twentieth)")
+      ->allow_extra_args(false)
+      ->type_name("X,Y,Z,R");
   command.add_option("--spacing", options.spacing_mm, "Between nodes, mm (for --nodes)")
       ->type_name("MM")
       ->check(CLI::Range(0.1, 1000.0));

@@ -18,8 +18,15 @@ class Deformation {
 
   /// u (m) and du/dX at a point of the body at rest, or a little outside. False where there is none.
   virtual bool at(const Vec3& X, Vec3& u, Mat3& gradient) const = 0;
+  /// u (m) alone, which may cost less.
+  virtual bool value(const Vec3& X, Vec3& u) const {
+    Mat3 gradient;
+    return at(X, u, gradient);
+  }
   /// Distance of a point from the body's surface at rest, m; negative inside.
   virtual double surfaceDistance(const Vec3& X) const = 0;
+  /// The same, quicker, by what is known: `other` is that of a point `apart` (m) away.
+  virtual double surfaceDistance(const Vec3& X, double /*other*/, double /*apart*/) const { return surfaceDistance(X); }
   /// The body at rest, m.
   virtual Box3 box() const = 0;
 };
@@ -34,7 +41,9 @@ class MmlsDeformation : public Deformation {
                   TriangleSurface surface);
 
   bool at(const Vec3& X, Vec3& u, Mat3& gradient) const override;
+  bool value(const Vec3& X, Vec3& u) const override;
   double surfaceDistance(const Vec3& X) const override { return surface_.signedDistance(X); }
+  double surfaceDistance(const Vec3& X, double other, double apart) const override;
   Box3 box() const override { return boundingBox(surface_.surface()); }
 
  private:
@@ -47,13 +56,20 @@ class MmlsDeformation : public Deformation {
 
 /// Another deformation sampled on a regular grid, and cubic between (Catmull-Rom, third order): a hundredth of the
 /// cost. Samples outside the body to which the other does not reach are continued linearly from those beside them.
-/// Where one of the 64 samples around is still missing, it asks the other.
+/// Where one of the 64 samples around is still missing, it asks the other. Where the field changes too quickly between
+/// samples, near points that were moved and at the border, `value` asks the other, too.
 class SampledDeformation : public Deformation {
  public:
   /// @param step  m, of the samples; a third of the nodes' spacing leaves errors below 0.01 mm of a smooth shift
   SampledDeformation(const Deformation& whole, double step);
 
+  /// What is between the samples, which may be off by 0.1 mm where the field is rough.
   bool at(const Vec3& X, Vec3& u, Mat3& gradient) const override;
+  /// Within 0.01 mm of the other's.
+  bool value(const Vec3& X, Vec3& u) const override;
+  /// Whether the other is asked for the value here.
+  bool isRough(const Vec3& X) const;
+  using Deformation::surfaceDistance;
   /// Linear between samples; far from the surface of the right sign, and no more than it is.
   double surfaceDistance(const Vec3& X) const override;
   Box3 box() const override { return whole_.box(); }
@@ -66,16 +82,24 @@ class SampledDeformation : public Deformation {
   double step() const { return step_; }
 
  private:
-  void sampleRow(int j, int k, std::vector<Eigen::Matrix3f>& gradient);
-  void extend(std::vector<Eigen::Matrix3f>& gradient);
+  /// What is known of the 64 samples around the cell that begins at a sample's right, front and upper neighbour.
+  enum class Around : char { Missing, Smooth, Rough };
+  struct Slopes;
+  struct Weights;
+
+  void sampleRow(int j, int k, Slopes& slopes);
+  void extend(Slopes& slopes);
   void findWholeCells();
+  void findRoughCells();
+  double thirdDifference(std::size_t v) const;
+  bool cellAt(const Vec3& X, std::size_t& first, Vec3& t) const;
 
   const Deformation& whole_;
   double step_;
-  Image distance_;                // m
-  AlignedVector<Float4> u_;       // (voxel_count)
-  std::vector<char> known_;       // (voxel_count)
-  std::vector<char> surrounded_;  // (voxel_count) whether the 64 samples around the cell that begins here are known
+  Image distance_;              // m
+  AlignedVector<Float4> u_;     // (voxel_count)
+  std::vector<char> known_;     // (voxel_count)
+  std::vector<Around> around_;  // (voxel_count)
 };
 
 /// Where something came from.
@@ -85,7 +109,8 @@ struct Origin {
 };
 
 /// Finds where in the body at rest the point now at x came from. Newton's method on X + u(X) = x, from the sample whose
-/// place now is nearest. Any number of threads may ask.
+/// place now is nearest; where the field is rough (SampledDeformation::isRough) it ends with values of the whole field
+/// and slopes of the sampled one. Any number of threads may ask.
 class InverseDeformation {
  public:
   explicit InverseDeformation(const SampledDeformation& forward);
@@ -101,6 +126,7 @@ class InverseDeformation {
  private:
   enum class Outcome { Inside, Outside, Lost };
   Outcome newton(const Vec3& x, const Deformation& exact, int max_iterations, Origin& origin) const;
+  bool polish(const Vec3& x, Origin& origin) const;
   void fillSeeds(const std::vector<std::int32_t>& own);
   bool startAt(const Vec3& x, Vec3& X) const;
   Vec3 placeOf(std::int32_t sample) const;

@@ -1,5 +1,6 @@
 #include "imaging/gzip.h"
 
+#include <libdeflate.h>
 #include <zlib.h>
 
 #include <algorithm>
@@ -20,30 +21,27 @@ constexpr std::size_t max_ratio = 1032;       // of deflate: a block of 258 equa
 /// Compresses one piece after the other.
 class Deflate {
  public:
-  Deflate() {
-    // Only runs of equal bytes are looked for: where scans and fields have no runs they have no repeats either, and
-    // looking for these took twice as long.
-    if (deflateInit2(&stream_, 1, Z_DEFLATED, gzip_window, 9, Z_RLE) != Z_OK)
-      throw std::runtime_error("there is no memory to compress with");
-    out_.resize(deflateBound(&stream_, piece_bytes));
+  Deflate() : compressor_(libdeflate_alloc_compressor(level)) {
+    if (!compressor_) throw std::runtime_error("there is no memory to compress with");
+    out_.resize(libdeflate_gzip_compress_bound(compressor_.get(), piece_bytes));
   }
-  ~Deflate() { deflateEnd(&stream_); }
-  Deflate(const Deflate&) = delete;
-  Deflate& operator=(const Deflate&) = delete;
 
   /// @param bytes  no more than a piece
   std::string operator()(std::string_view bytes) {
-    deflateReset(&stream_);
-    stream_.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data()));
-    stream_.avail_in = static_cast<uInt>(bytes.size());
-    stream_.next_out = reinterpret_cast<Bytef*>(out_.data());
-    stream_.avail_out = static_cast<uInt>(out_.size());
-    if (deflate(&stream_, Z_FINISH) != Z_STREAM_END) throw std::runtime_error("compression failed");
-    return out_.substr(0, stream_.total_out);
+    const std::size_t size =
+        libdeflate_gzip_compress(compressor_.get(), bytes.data(), bytes.size(), out_.data(), out_.size());
+    if (size == 0) throw std::runtime_error("compression failed");
+    return out_.substr(0, size);
   }
 
  private:
-  z_stream stream_{};
+  // The quickest: higher ones take a quarter longer, and scans and fields hardly become smaller. zlib's quickest way
+  // takes twice as long, and makes fields a third larger.
+  static constexpr int level = 1;
+  struct Free {
+    void operator()(libdeflate_compressor* compressor) const { libdeflate_free_compressor(compressor); }
+  };
+  std::unique_ptr<libdeflate_compressor, Free> compressor_;
   std::string out_;
 };
 

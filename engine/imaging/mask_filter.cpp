@@ -1,41 +1,79 @@
 #include "imaging/mask_filter.h"
 
 #include <algorithm>
+#include <cstdint>
 #include <limits>
+#include <utility>
+#include <vector>
 
 #include "base/parallel_for.h"
 
 namespace palpate {
 namespace {
 
-/// Gives all voxels of equal value that are joined across faces the same number, from `first` on; voxels where
-/// number != 0 are passed over. Returns the counts of voxels, part by part.
+/// Voxels of equal value beside each other in a row.
+struct Run {
+  int begin, end;      // i
+  std::int32_t first;  // the run, this or an earlier one, that it is known to be joined with
+};
+
+/// The first of the runs that are joined with this one.
+std::int32_t firstOf(std::vector<Run>& run, std::int32_t r) {
+  const auto at = [&](std::int32_t n) -> Run& { return run[static_cast<std::size_t>(n)]; };
+  while (at(r).first != r) r = at(r).first = at(at(r).first).first;
+  return r;
+}
+
+/// Joins the runs of two rows that touch. @param a, b  the first run of each row, and the one behind its last
+void joinRows(std::vector<Run>& run, std::pair<std::int32_t, std::int32_t> a, std::pair<std::int32_t, std::int32_t> b) {
+  while (a.first < a.second && b.first < b.second) {
+    const Run &p = run[static_cast<std::size_t>(a.first)], &q = run[static_cast<std::size_t>(b.first)];
+    const bool p_ends_first = p.end < q.end;
+    if (p.begin < q.end && q.begin < p.end) {
+      const std::int32_t u = firstOf(run, a.first), v = firstOf(run, b.first);
+      run[static_cast<std::size_t>(std::max(u, v))].first = std::min(u, v);
+    }
+    ++(p_ends_first ? a.first : b.first);
+  }
+}
+
+/// Numbers all voxels of a value, those joined across faces alike, from 1 on in the order of their first voxels; the
+/// others get 0. Returns the counts of voxels, part by part.
 std::vector<std::size_t> numberParts(const Mask& mask, std::uint8_t of, std::vector<std::int32_t>& number) {
   const auto [nx, ny, nz] = mask.grid.size;
-  std::vector<std::size_t> counts, stack;
-  for (std::size_t start = 0; start < mask.value.size(); ++start) {
-    if (mask.value[start] != of || number[start] != 0) continue;
-    counts.push_back(0);
-    const auto name = static_cast<std::int32_t>(counts.size());
-    number[start] = name;
-    stack.push_back(start);
-    while (!stack.empty()) {
-      const std::size_t v = stack.back();
-      stack.pop_back();
-      ++counts.back();
-      const auto row = static_cast<std::size_t>(nx), plane = row * static_cast<std::size_t>(ny);
-      const auto i = static_cast<int>(v % row), j = static_cast<int>(v / row % static_cast<std::size_t>(ny)),
-                 k = static_cast<int>(v / plane);
-      const auto visit = [&](bool exists, std::size_t neighbour) {
-        if (!exists || mask.value[neighbour] != of || number[neighbour] != 0) return;
-        number[neighbour] = name;
-        stack.push_back(neighbour);
-      };
-      visit(i > 0, v - 1), visit(i + 1 < nx, v + 1);
-      visit(j > 0, v - row), visit(j + 1 < ny, v + row);
-      visit(k > 0, v - plane), visit(k + 1 < nz, v + plane);
+  std::vector<Run> run;
+  std::vector<std::int32_t> row_begin{0};  // the first run of each row; (ny * nz + 1)
+  for (int row = 0; row < ny * nz; ++row) {
+    const std::uint8_t* value = mask.value.data() + static_cast<std::size_t>(row) * static_cast<std::size_t>(nx);
+    for (int i = 0; i < nx; ++i) {
+      if (value[i] != of) continue;
+      const int begin = i;
+      while (i < nx && value[i] == of) ++i;
+      run.push_back({begin, i, static_cast<std::int32_t>(run.size())});
     }
+    row_begin.push_back(static_cast<std::int32_t>(run.size()));
+    const auto runsOf = [&](int r) {
+      return std::pair(row_begin[static_cast<std::size_t>(r)], row_begin[static_cast<std::size_t>(r) + 1]);
+    };
+    if (row % ny > 0) joinRows(run, runsOf(row - 1), runsOf(row));
+    if (row >= ny) joinRows(run, runsOf(row - ny), runsOf(row));
   }
+  std::vector<std::size_t> counts;
+  std::vector<std::int32_t> name(run.size());
+  for (std::size_t r = 0; r < run.size(); ++r) {
+    const auto first = static_cast<std::size_t>(firstOf(run, static_cast<std::int32_t>(r)));
+    if (first == r) {
+      counts.push_back(0);
+      name[r] = static_cast<std::int32_t>(counts.size());
+    }
+    name[r] = name[first];
+    counts[static_cast<std::size_t>(name[r]) - 1] += static_cast<std::size_t>(run[r].end - run[r].begin);
+  }
+  number.assign(mask.value.size(), 0);
+  for (std::size_t row = 0; row + 1 < row_begin.size(); ++row)
+    for (auto r = static_cast<std::size_t>(row_begin[row]); r < static_cast<std::size_t>(row_begin[row + 1]); ++r)
+      std::fill_n(number.begin() + static_cast<std::ptrdiff_t>(row) * nx + run[r].begin, run[r].end - run[r].begin,
+                  name[r]);
   return counts;
 }
 
@@ -113,7 +151,7 @@ Image squaredDistance(const Mask& mask, std::uint8_t of) {
 Mask keepLargestPart(const Mask& mask, MaskParts& parts) {
   parts = {};
   Mask kept(mask.grid);
-  std::vector<std::int32_t> number(mask.value.size(), 0);
+  std::vector<std::int32_t> number;
   const auto counts = numberParts(mask, 1, number);
   parts.part_count = static_cast<int>(counts.size());
   if (counts.empty()) return kept;
@@ -123,7 +161,6 @@ Mask keepLargestPart(const Mask& mask, MaskParts& parts) {
     parts.dropped_voxels += mask.value[v] && number[v] != largest;
   }
   // Of what is outside, only parts that reach the image's edge are.
-  std::fill(number.begin(), number.end(), 0);
   const auto outside_counts = numberParts(kept, 0, number);
   std::vector<char> open(outside_counts.size() + 1, 0);
   const auto& size = mask.grid.size;

@@ -118,8 +118,7 @@ VectorImage forwardField(const SampledDeformation& forward, const ImageGrid& gri
     for (int i = 0; i < grid.size[0]; ++i) {
       const Vec3 X = grid.worldOf(i, j, k);
       Vec3 u;
-      Mat3 gradient;
-      if (inside(X) && forward.at(X, u, gradient)) field.value[grid.at(i, j, k)] = u.cast<float>();
+      if (inside(X) && forward.value(X, u)) field.value[grid.at(i, j, k)] = u.cast<float>();
     }
   });
   return field;

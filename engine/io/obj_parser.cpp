@@ -4,6 +4,7 @@
 #include <array>
 #include <charconv>
 #include <limits>
+#include <optional>
 #include <string_view>
 #include <system_error>
 #include <vector>
@@ -127,15 +128,18 @@ class ObjReader {
 SurfaceFile parseObj(const std::string& text, const std::string& file, SurfaceReading reading) {
   SurfaceFile result;
   ObjReader reader(text, file, result);
+  std::optional<InputError> first;  // of the lines that can't be read
   do {
     try {
       reader.read();
-    } catch (const InputError&) {
+    } catch (const InputError& error) {
+      if (!first) first = error;
       constexpr int max_unreadable = 10'000;  // beyond, it is no OBJ file
       if (reading == SurfaceReading::Strict || ++result.unreadable_faces > max_unreadable) throw;
     }
   } while (reader.nextLine());
   if (reading == SurfaceReading::Strict) reader.checkHighest();
+  if (result.surface.triangles.empty() && first) throw *first;
   if (result.surface.triangles.empty())
     throw InputError({file, 0, 0}, "no faces in this file", "an OBJ surface has \"f\" lines");
   reader.finish();

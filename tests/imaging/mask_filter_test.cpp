@@ -21,6 +21,22 @@ TEST_CASE("The largest part stays, and its holes are filled", "[imaging][mask]")
   CHECK(countOf(keepLargestPart(Mask(mask.grid), parts)) == 0);
 }
 
+TEST_CASE("Parts that meet late, or only across an edge, are told apart", "[imaging][mask]") {
+  // A comb whose teeth meet in the last row, and beside it voxels that touch it across edges only.
+  Mask mask(ImageGrid({9, 5, 3}, Mat3::Identity() * 1e-3, Vec3::Zero()));
+  for (int j = 0; j < 4; ++j)
+    for (int i = 0; i < 7; i += 2) mask(i, j, 1) = 1;
+  for (int i = 0; i < 7; ++i) mask(i, 4, 1) = 1;
+  mask(7, 4, 2) = 1;  // beside the row's end, across an edge
+  mask(1, 0, 2) = 1;  // above a gap between teeth
+  MaskParts parts;
+  const Mask kept = keepLargestPart(mask, parts);
+  CHECK(parts.part_count == 3);
+  CHECK(parts.dropped_voxels == 2);
+  CHECK(parts.filled_voxels == 0);
+  CHECK(countOf(kept) == 4 * 4 + 7);
+}
+
 TEST_CASE("Distances to a mask's border are those by hand, on unequal edges", "[imaging][mask]") {
   Mask mask(ImageGrid({9, 7, 5}, Vec3(1e-3, 2e-3, 3e-3).asDiagonal(), Vec3::Zero()));
   mask(4, 3, 2) = 1;

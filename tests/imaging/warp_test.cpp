@@ -83,6 +83,55 @@ TEST_CASE("An affine field and a dent are inverted on an oblique grid", "[imagin
   }
 }
 
+namespace {
+
+/// A narrow bump of 3 mm, which samples 2.5 mm apart miss by up to 0.1 mm.
+class BumpField : public FormulaDeformation {
+ public:
+  bool at(const Vec3& X, Vec3& u, Mat3& gradient) const override {
+    constexpr double height = 3e-3, width = 4.5e-3;
+    const Vec3 d = X - (centre() + Vec3(0, 0, 0.8 * radius));
+    u = Vec3(0, 0, -height * std::exp(-d.squaredNorm() / (2 * width * width)));
+    gradient = u * (-d / (width * width)).transpose();
+    return true;
+  }
+};
+
+}  // namespace
+
+TEST_CASE("Where samples are too far apart, the field itself is asked", "[imaging][warp]") {
+  const BumpField bump;
+  const SampledDeformation sampled(bump, 2.5e-3);
+  const BackwardField field = backwardField(sampled, InverseDeformation(sampled), obliqueGrid());
+  const VectorImage forward = forwardField(sampled, obliqueGrid());
+  double by_samples = 0, back = 0, away = 0;
+  int rough = 0;
+  for (int k = 0; k < 36; ++k)
+    for (int j = 0; j < 96; ++j)
+      for (int i = 0; i < 96; ++i) {
+        const std::size_t v = obliqueGrid().at(i, j, k);
+        const Vec3 x = obliqueGrid().worldOf(i, j, k);
+        Vec3 u, other;
+        Mat3 gradient;
+        if (field.body.value[v]) {
+          const Vec3 X = x + field.to_rest.value[v].cast<double>();
+          bump.at(X, u, gradient);
+          back = std::max(back, (X + u - x).norm());
+        }
+        if (bump.surfaceDistance(x) > -0.2e-3) continue;  // there the samples may say outside
+        rough += sampled.isRough(x);
+        bump.at(x, u, gradient);
+        REQUIRE(sampled.at(x, other, gradient));
+        by_samples = std::max(by_samples, (other - u).norm());
+        away = std::max(away, (forward.value[v].cast<double>() - u).norm());
+      }
+  CHECK(by_samples > 0.02e-3);  // or this test would say nothing
+  CHECK(back < 0.015e-3);       // at single voxels
+  CHECK(away < 0.01e-3);
+  CHECK(rough > 50);
+  CHECK(rough < 20000);  // of the ball's 96,000 voxels
+}
+
 TEST_CASE("A warped image is what was there, and vacated space is empty", "[imaging][warp]") {
   const DentField dent;
   const SampledDeformation sampled(dent, 2.5e-3);

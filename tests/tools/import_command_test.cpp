@@ -87,6 +87,7 @@ TEST_CASE("The unit of a surface is guessed only where its size leaves no doubt"
   // Even where it is said: such a scene would open, and stand still.
   CHECK_THAT(refusal([] { surfaceUnit("a.stl", "mm", 0.06); }),
              Contains("0.06 mm long") && Contains("60 mm with --unit m"));
+  CHECK_THAT(refusal([] { surfaceUnit("a.stl", "mm", 1e-40); }), Contains("damaged") && !Contains("--unit"));
   CHECK_THAT(refusal([] { surfaceUnit("a.stl", "m", 60); }), Contains("60 m long"));
 }
 

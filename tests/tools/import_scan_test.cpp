@@ -116,6 +116,58 @@ TEST_CASE("Scans that can't be imported are refused with what is missing", "[imp
              }),
              Contains("--frame"));
   CHECK_THAT(refused([](auto& o) { o.scan = o.electrodes; }), Contains("NIfTI"));
+  CHECK_THAT(refused([](auto& o) { o.opened = {"0,0,80,20"}; }), Contains("--skull"));
+  CHECK_THAT(refused([](auto& o) { o.fix = {"1,2,3"}; }), Contains("X,Y,Z,R"));
+  CHECK_THAT(refused([](auto& o) { o.fix = {"1,2,3,0"}; }), Contains("X,Y,Z,R"));
+  CHECK_THAT(refused([](auto& o) { o.fix = {"1,2,3,4,5"}; }), Contains("X,Y,Z,R"));
+  CHECK_FALSE(std::filesystem::exists(folder.path("case")));
+  // Found late, when files were written: they go, too.
+  CHECK_THAT(refused([](auto& o) {
+               o.classes = 0;
+               o.fix = {"0,0,-500,20"};
+             }),
+             Contains("mm from the middle of this ball"));
+  CHECK_THAT(refused([](auto& o) {
+               o.classes = 0;
+               o.fix = {"0,0,0,500"};
+             }),
+             Contains("smaller radius"));
+  // A sheet of a single layer of voxels, and crumbs.
+  Mask thin = maskOf(readImage(good.mask), {});
+  for (int k = 0; k < thin.grid.size[2]; ++k)
+    for (int j = 0; j < thin.grid.size[1]; ++j)
+      for (int i = 0; i < thin.grid.size[0]; ++i) thin(i, j, k) &= k == thin.grid.size[2] / 2;
+  writeImage(folder.path("thin.nii.gz"), thin);
+  Mask crumbs(thin.grid);
+  crumbs(9, 9, 9) = crumbs(12, 9, 9) = 1;
+  writeImage(folder.path("crumbs.nii.gz"), crumbs);
+  CHECK_THAT(refused([&](auto& o) { o.mask = folder.path("thin.nii.gz"); }),
+             Contains("thin.nii.gz: ") && Contains("so thin"));
+  CHECK_THAT(refused([&](auto& o) { o.mask = folder.path("crumbs.nii.gz"); }),
+             Contains("crumbs.nii.gz: ") && Contains("only 1 voxels"));
+  CHECK_FALSE(std::filesystem::exists(folder.path("case")));
+  // A case beside its own mask would replace that.
+  CHECK_THAT(refused([&](auto& o) { o.out = folder.path("phantom"); }), Contains("another --out"));
+  CHECK(std::filesystem::exists(good.mask));
+}
+
+TEST_CASE("Import opens a skull and holds the organ where it is told to", "[import_scan]") {
+  TempFolder folder;
+  ::setenv("PALPATE_CACHE_DIR", folder.path("cache").c_str(), 1);
+  CapturedOutput output;
+  ImportScanOptions import = smallPhantom(folder);
+  import.electrodes = "";
+  import.frame = "lps";
+  import.classes = 0;
+  import.skull = true;
+  import.opened = {"0,0,80,40"};
+  import.fix = {"-20,10,-60,40", "20,10,-60,40"};
+  REQUIRE(importScan(import) == 0);
+  const Scene scene = readScene(folder.path("case/scene.toml"));
+  REQUIRE(scene.boundaries.size() == 2);
+  CHECK((scene.boundaries[0].region.point - Vec3(0.02, -0.01, -0.06)).norm() < 1e-9);  // in RAS
+  CHECK(readWholeFile(folder.path("case/scene.toml")).find("open = [{ shape = \"sphere\"") != std::string::npos);
+  ::unsetenv("PALPATE_CACHE_DIR");
 }
 
 TEST_CASE("A surface around a mask has its volume, whatever the voxels' axes", "[import_scan]") {

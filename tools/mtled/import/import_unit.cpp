@@ -14,8 +14,9 @@ struct Unit {
 };
 constexpr Unit units[] = {{"mm", 0.001}, {"cm", 0.01}, {"m", 1.0}};
 
-constexpr double shortest_organ = 0.005, longest_organ = 0.6;  // m
-constexpr double shortest_body = 0.001, longest_body = 5;      // m, even where --unit says so
+constexpr double shortest_organ = 0.005, longest_organ = 0.6;    // m
+constexpr double shortest_body = 0.001, longest_body = 5;        // m, even where --unit says so
+constexpr double shortest_number = 1e-9, longest_number = 1e12;  // beyond, no unit helps
 
 std::string lengthText(double metres) {
   if (metres < 0.0995) return format("%.3g mm", 1e3 * metres);
@@ -42,6 +43,9 @@ SurfaceUnit surfaceUnit(const std::string& file, const std::string& asked, doubl
                             " long then, and no size for an organ in any other unit; --unit sets "
                             "another"});
   }
+  if (!(length > shortest_number && length < longest_number))
+    throw InputError({file}, format("%.3g long, which is no organ in mm, cm or m", length),
+                     "the file is damaged, or no surface of an organ: export it again");
   if (!absurd.empty())
     throw InputError({file}, "in " + asked + " this would be " + absurd + " long", "it would be " + lengths);
   if (!asked.empty()) throw InputError({}, inQuotes(asked) + " is not a unit", "give --unit mm, cm or m");

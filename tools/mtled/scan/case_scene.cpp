@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <sstream>
+#include <vector>
 
 #include "base/number_text.h"
 #include "discretization/surface/surface_geometry.h"
@@ -17,6 +18,34 @@ std::string quoted(const std::string& text) {
   return s + "\"";
 }
 
+/// A region of a scene.
+std::string ballText(const Vec3& centre, double radius) {
+  return "shape = \"sphere\", centre = " + vectorText(centre) + ", radius = " + format("%.4g", radius);
+}
+
+std::string fixedText(const CaseScene& scene, const Box3& box) {
+  std::ostringstream s;
+  for (std::size_t n = 0; n < scene.fixed.size(); ++n)
+    s << "[[fixed]]             # " << scene.fixed[n].text << "\nname = \"held_" << n + 1
+      << "\"\nshape = \"sphere\"\ncentre = " << vectorText(scene.fixed[n].centre)
+      << "\nradius = " << format("%.4g", scene.fixed[n].radius) << "\n\n";
+  if (scene.fixed.empty())
+    s << "[[fixed]]             # guessed: the lowest twentieth\nname = \"base\"\nshape = \"half-space\"\npoint = "
+      << vectorText(Vec3(box.center().x(), box.center().y(), box.min().z() + 0.05 * box.sizes().z()))
+      << "\nnormal = [0, 0, 1]\n\n";
+  return s.str();
+}
+
+std::string skullText(const CaseScene& scene) {
+  std::vector<std::string> open;
+  if (!scene.opened.isEmpty())
+    open.push_back(ballText(scene.opened.center(), 0.5 * scene.opened.diagonal().norm() + 2 * scene.spacing));
+  for (const NamedBall& ball : scene.openings) open.push_back(ballText(ball.centre, ball.radius));
+  std::string s = "[skull]               # the brain slides in it\nfrom = \"organ\"\nclearance = 0.0005\n";
+  for (std::size_t n = 0; n < open.size(); ++n) s += (n == 0 ? "open = [{ " : ",\n        { ") + open[n] + " }";
+  return s + (open.empty() ? "\n" : "]\n\n");
+}
+
 }  // namespace
 
 double spacingFor(double volume, int nodes) {
@@ -25,7 +54,7 @@ double spacingFor(double volume, int nodes) {
 
 std::string sceneText(const CaseScene& scene, const TriangleSurface& surface) {
   const Box3 box = boundingBox(surface);
-  const double low = box.min().z() + 0.05 * box.sizes().z(), size = box.sizes().maxCoeff();
+  const double size = box.sizes().maxCoeff();
   const double radius = std::max(0.04 * size, 1e-3);
   std::ostringstream s;
   s << "# Written by mtled import. Coordinates are the scan's, in m: +x to the patient's right, +y to the front, +z "
@@ -38,19 +67,12 @@ std::string sceneText(const CaseScene& scene, const TriangleSurface& surface) {
     s << "[[material]]          # as much fluid as the image says\nmodel = \"neo-hookean\"\nyoung = 100\npoisson = "
          "0.49\n"
       << "density = 1007\nmembership = \"csf.nii.gz\"\nmask = \"mask.nii.gz\"\n\n";
-  s << "[[fixed]]             # guessed: the lowest twentieth\nname = \"base\"\nshape = \"half-space\"\npoint = "
-    << vectorText(Vec3(box.center().x(), box.center().y(), low)) << "\nnormal = [0, 0, 1]\n\n";
+  s << fixedText(scene, box);
   if (!scene.electrodes.empty())
     s << "[[prescribed]]        # where the electrodes are\nname = \"electrode\"\npoints = " << quoted(scene.electrodes)
       << "\n"
       << scene.electrode_keys << "duration = 1.0\n\n";
-  if (scene.in_skull) {
-    s << "[skull]               # the brain slides in it\nfrom = \"organ\"\nclearance = 0.0005\n";
-    if (!scene.opened.isEmpty())
-      s << "open = [{ shape = \"sphere\", centre = " << vectorText(scene.opened.center())
-        << ", radius = " << format("%.4g", 0.5 * scene.opened.diagonal().norm() + 2 * scene.spacing) << " }]\n";
-    s << "\n";
-  }
+  if (scene.in_skull) s << skullText(scene);
   s << "[solve]\nload_steps = 5\ntolerance = 1e-3\nframes = 5\n\n"
     << "[tool]\nshape = \"sphere\"\nradius = " << format("%.4g", radius)
     << "\nposition = " << vectorText(Vec3(box.center().x(), box.center().y(), box.max().z() + 2 * radius))

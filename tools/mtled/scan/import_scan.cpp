@@ -4,6 +4,8 @@
 #include <chrono>
 #include <cmath>
 #include <filesystem>
+#include <functional>
+#include <future>
 #include <iostream>
 #include <nlohmann/json.hpp>
 
@@ -45,6 +47,9 @@ struct Import {
   int fluid = -1;  // class
   double spacing = 0;
   MaskSurface surface{};
+  CaseScene scene{};
+  bool begun = false, is_new = false;  // whether there may be files, and whether the folder was made
+  std::vector<std::string> fresh{};    // names of files that were not there before
   std::chrono::steady_clock::time_point start = std::chrono::steady_clock::now();
 
   void show(double share, const std::string& what) {
@@ -59,22 +64,61 @@ struct Import {
     return {options.assume_ras, [this](const std::string& text) { note(text); }};
   }
   std::string file(const std::string& name) const { return (folder / name).string(); }
+  /// Makes the folder. Throws InputError where an input is in it under a name that is going to be written.
+  void begin();
+  /// Takes away the files that were not there before.
+  void undo() const;
 };
 
-/// The voxels that are the organ, on the scan's grid.
-Mask readMask(Import& import) {
-  const ImportScanOptions& o = import.options;
+/// All that an import may write.
+std::vector<std::string> namesOf(const ImportScanOptions& options) {
+  std::vector<std::string> names{"mask.nii.gz",         "csf.nii.gz", "surface.obj",    "scene.toml",
+                                 "preview.png",         "organ.png",  "electrodes.csv", "electrodes.fcsv",
+                                 "electrodes.mrk.json", "report.json"};
+  for (int c = 1; c <= options.classes; ++c) names.push_back("tissue_" + std::to_string(c) + ".nii.gz");
+  return names;
+}
+
+void Import::begin() {
+  std::error_code error;
+  for (const std::string& name : namesOf(options)) {
+    if (!fs::exists(folder / name, error)) {
+      fresh.push_back(name);
+      continue;
+    }
+    for (const std::string& input : {options.scan, options.mask, options.labels})
+      if (!input.empty() && fs::equivalent(folder / name, input, error))
+        throw InputError({input}, "this file would be written over by the case's own", "choose another --out");
+  }
+  is_new = !fs::exists(folder, error);
+  fs::create_directories(folder, error);
+  if (error) throw std::runtime_error(folder.string() + ": " + error.message());
+  begun = true;
+}
+
+void Import::undo() const {
+  if (!begun) return;
+  std::error_code ignored;
+  for (const std::string& name : fresh) fs::remove(folder / name, ignored);
+  if (is_new) fs::remove(folder, ignored);  // where it is empty
+}
+
+/// The file that says which voxels are the organ.
+const std::string& maskFile(const ImportScanOptions& o) {
   if (o.mask.empty() == o.labels.empty())
     throw InputError({}, o.mask.empty() ? "neither --mask nor --labels" : "both --mask and --labels",
                      "give the organ's voxels as --mask M.nii.gz, or as --labels L.nii.gz --label 2,3 (skull stripping "
                      "is done by other programs)");
   if (!o.labels.empty() && o.label.empty())
     throw InputError({}, "--labels without --label", "say which labels are the organ, such as --label 2,3,41,42");
-  const std::string& file = o.mask.empty() ? o.labels : o.mask;
-  const Image image = readImage(file, import.reading());
-  const Mask found = maskOf(image, o.label);
+  return o.mask.empty() ? o.labels : o.mask;
+}
+
+/// A mask on the scan's grid.
+Mask onScan(Import& import, const Mask& found) {
   if (sameGrid(found.grid, import.scan.grid)) return found;
-  import.note(file + ": its voxels are not those of the scan; each voxel of the scan takes the nearest one's");
+  import.note(maskFile(import.options) +
+              ": its voxels are not those of the scan; each voxel of the scan takes the nearest one's");
   Mask mask(import.scan.grid);
   for (int k = 0; k < mask.grid.size[2]; ++k)
     for (int j = 0; j < mask.grid.size[1]; ++j)
@@ -91,14 +135,37 @@ Mask readMask(Import& import) {
   return mask;
 }
 
+/// Refuses what is no organ by its size, of which the scan's unit may be the cause.
+void checkSize(const Import& import) {
+  constexpr double shortest = 1e-3, longest = 3;  // m
+  constexpr std::size_t fewest = 64;              // voxels
+  const double length = boxOf(import.mask, 0).sizes().maxCoeff() + import.mask.grid.spacing().maxCoeff();
+  if (length < shortest || length > longest)
+    throw InputError(
+        {import.options.scan},
+        "the organ would be " + format("%.3g", length / mm) + " mm long, by the voxels' size in the header",
+        "is its unit (xyzt_units: m, mm or um) right?");
+  if (const std::size_t count = countOf(import.mask); count < fewest)
+    throw InputError({maskFile(import.options)}, "the organ has only " + std::to_string(count) + " voxels in one piece",
+                     "give a finer mask; is it the right one?");
+}
+
 void readImages(Import& import) {
   import.show(0, "reading");
+  // Expanding an image is work for one core.
+  std::vector<std::string> of_mask;  // warnings
+  auto reader = std::async(std::launch::async, [&, file = maskFile(import.options)] {
+    return maskOf(
+        readImage(file, {import.options.assume_ras, [&](const std::string& text) { of_mask.push_back(text); }}),
+        import.options.label);
+  });
   import.scan = readImage(import.options.scan, import.reading());
+  const Mask found = reader.get();
+  for (const std::string& text : of_mask) import.note(text);
+  const Mask given = onScan(import, found);
   MaskParts parts;
-  const Mask given = readMask(import);
   if (countOf(given) == 0)
-    throw InputError({import.options.mask.empty() ? import.options.labels : import.options.mask},
-                     "no voxel is in the organ",
+    throw InputError({maskFile(import.options)}, "no voxel is in the organ",
                      import.options.label.empty() ? "is it a mask of 0 and 1?" : "are the labels right?");
   import.mask = keepLargestPart(given, parts);
   const double voxel_ml = 1e6 * given.grid.voxelVolume();
@@ -108,6 +175,7 @@ void readImages(Import& import) {
   if (parts.filled_voxels > 0)
     import.note(
         format("holes of %.3g ml inside the mask are filled", static_cast<double>(parts.filled_voxels) * voxel_ml));
+  checkSize(import);
   import.report["mask_voxels"] = countOf(import.mask);
 }
 
@@ -115,25 +183,30 @@ void classify(Import& import) {
   const ImportScanOptions& o = import.options;
   writeImage(import.file("mask.nii.gz"), import.mask);
   if (o.classes == 0) return;
-  if (o.fluid != "dark" && o.fluid != "bright" && o.fluid != "none")
-    throw InputError({}, "--fluid " + inQuotes(o.fluid), "give dark (T1), bright (T2) or none");
   FuzzyOptions fuzzy;
   fuzzy.classes = o.classes;
-  import.tissue = fuzzyCMeans(import.scan, import.mask, fuzzy,
-                              [&](double share) { import.show(0.1 + 0.2 * share, "tissue classes");
-});
-import.fluid = o.fluid == "none" ? -1 : o.fluid == "dark" ? 0 : o.classes - 1;
-nlohmann::json classes = nlohmann::json::array();
-for (int c = 0; c < o.classes; ++c) {
-  const std::string name = c == import.fluid ? "csf.nii.gz" : "tissue_" + std::to_string(c + 1) + ".nii.gz";
-  import.show(0.3 + 0.1 * c / o.classes, "writing memberships");
-  constexpr double share_step = 1.0 / 16384;  // 0 and 1 are exact; half the bytes of real numbers
-  writeImage(import.file(name), import.tissue->membership[static_cast<std::size_t>(c)], NiftiType::Int16, share_step);
-  classes.push_back({{"file", name}, {"centre", import.tissue->centre[static_cast<std::size_t>(c)]}});
+  const auto show = [&](double share) { import.show(0.1 + 0.3 * share, "tissue classes and surface"); };
+  try {
+    import.tissue = fuzzyCMeans(import.scan, import.mask, fuzzy, show);
+  } catch (const InputError& error) {
+    throw InputError({o.scan}, error.what(), "");
+  }
+  import.fluid = o.fluid == "none" ? -1 : o.fluid == "dark" ? 0 : o.classes - 1;
+  nlohmann::json classes = nlohmann::json::array();
+  for (int c = 0; c < o.classes; ++c) {
+    const std::string name = c == import.fluid ? "csf.nii.gz" : "tissue_" + std::to_string(c + 1) + ".nii.gz";
+    import.show(0.4 + 0.1 * c / o.classes, "writing memberships");
+    constexpr double share_step = 1.0 / 16384;  // 0 and 1 are exact; half the bytes of real numbers
+    writeImage(import.file(name), import.tissue->membership[static_cast<std::size_t>(c)], NiftiType::Int16, share_step);
+    nlohmann::json of_class;
+    of_class["file"] = name;
+    of_class["centre"] = import.tissue->centre[static_cast<std::size_t>(c)];
+    classes.push_back(of_class);
+  }
+  import.report["classes"] = classes;
 }
-import.report["classes"] = classes;
-}  // namespace
 
+/// Makes import.spacing and import.surface; touches nothing else of it, so that another thread may do the rest.
 void makeSurface(Import& import) {
   const ImportScanOptions& o = import.options;
   const double volume = static_cast<double>(countOf(import.mask)) * import.mask.grid.voxelVolume();
@@ -141,99 +214,140 @@ void makeSurface(Import& import) {
   const double smoothing = o.smoothing_mm > 0
                                ? o.smoothing_mm * mm
                                : std::max(0.35 * import.spacing, 0.7 * std::cbrt(import.mask.grid.voxelVolume()));
-  import.show(0.4, "surface");
-  import.surface = surfaceOf(import.mask, 0.6 * import.spacing, smoothing);
+  try {
+    import.surface = surfaceOf(import.mask, 0.6 * import.spacing, smoothing);
+  } catch (const InputError& error) {
+    throw InputError({maskFile(o)}, error.what(), "");
+  }
   writeObj(import.surface.surface, import.file("surface.obj"));
-  const MaskSurface& s = import.surface;
-  import.report["surface"] = {{"vertices", s.surface.vertices.size()},
-                              {"triangles", s.surface.triangles.size()},
-                              {"volume_ml", 1e6 * s.volume},
-                              {"mask_volume_ml", 1e6 * s.mask_volume},
-                              {"volume_error", s.volume / s.mask_volume - 1},
-                              {"smoothing_mm", s.smoothing / mm},
-                              {"level_mm", s.level / mm},
-                              { "distance_to_mask_95_mm",
-                                s.distance_95 / mm }};
 }
 
-/// Writes the scene, with the electrodes where there are some.
-void writeScene(Import& import) {
+nlohmann::json reportOf(const MaskSurface& s) {
+  nlohmann::json report;
+  report["vertices"] = s.surface.vertices.size();
+  report["triangles"] = s.surface.triangles.size();
+  report["volume_ml"] = 1e6 * s.volume;
+  report["mask_volume_ml"] = 1e6 * s.mask_volume;
+  report["volume_error"] = s.volume / s.mask_volume - 1;
+  report["smoothing_mm"] = s.smoothing / mm;
+  report["level_mm"] = s.level / mm;
+  report["distance_to_mask_95_mm"] = s.distance_95 / mm;
+  return report;
+}
+
+/// Reads what the command says of the scene, which is quick, before all that takes long.
+void readRequests(Import& import) {
   const ImportScanOptions& o = import.options;
-  CaseScene scene;
+  CaseScene& scene = import.scene;
+  if (o.fluid != "dark" && o.fluid != "bright" && o.fluid != "none")
+    throw InputError({}, "--fluid " + inQuotes(o.fluid), "give dark (T1), bright (T2) or none");
+  if (!o.opened.empty() && !o.skull)
+    throw InputError({}, "--open without --skull: there is nothing to open", "give --skull, too, or leave --open out");
   scene.name = fs::path(o.scan).filename().string();
+  scene.in_skull = o.skull;
+  scene.openings = ballsOf("--open", o.opened, o.frame == "lps");
+  scene.fixed = ballsOf("--fix", o.fix, o.frame == "lps");
+  if (o.skull && o.opened.empty() && o.electrodes.empty())
+    import.note("the skull is closed, so that no tool reaches the brain; --open X,Y,Z,R opens it");
+  if (o.electrodes.empty()) return;
+  const bool slicer = o.electrodes.ends_with(".fcsv") || o.electrodes.ends_with(".json");
+  const auto frame = o.frame.empty()    ? std::optional<Frame>()
+                     : o.frame == "ras" ? std::optional(Frame::Ras)
+                                        : std::optional(Frame::Lps);
+  const double unit = o.unit == "m" ? 1 : o.unit == "cm" ? 0.01 : 0.001;
+  if (!slicer && !frame)
+    throw InputError({o.electrodes}, "the frame of these points is not known",
+                     "give --frame ras (+x to the patient's right, +y to the front) or --frame lps (left, back)");
+  const PointLoad points = readPoints(o.electrodes, slicer ? std::optional<double>() : unit, frame);
+  scene.electrodes = "electrodes" + fs::path(o.electrodes).extension().string();
+  if (o.electrodes.ends_with(".mrk.json")) scene.electrodes = "electrodes.mrk.json";
+  if (!slicer) scene.electrode_keys = "unit = \"" + o.unit + "\"\nframe = \"" + o.frame + "\"\n";
+  import.report["electrodes"] = points.after.size();
+  for (const Vec3& x : points.before.empty() ? points.after : points.before) scene.opened.extend(x);
+}
+
+void writeScene(Import& import) {
+  CaseScene& scene = import.scene;
   scene.spacing = import.spacing;
   scene.has_fluid = import.fluid >= 0;
-  scene.in_skull = o.skull;
-  if (!o.electrodes.empty()) {
-    const bool slicer = o.electrodes.ends_with(".fcsv") || o.electrodes.ends_with(".json");
-    const auto frame = o.frame.empty()    ? std::optional<Frame>()
-                       : o.frame == "ras" ? std::optional(Frame::Ras)
-                                          : std::optional(Frame::Lps);
-    const double unit = o.unit == "m" ? 1 : o.unit == "cm" ? 0.01 : 0.001;
-    if (!slicer && !frame)
-      throw InputError({o.electrodes}, "the frame of these points is not known",
-                       "give --frame ras (+x to the patient's right, +y to the front) or --frame lps (left, back)");
-    const PointLoad points = readPoints(o.electrodes, slicer ? std::optional<double>() : unit, frame);
-    scene.electrodes = "electrodes" + fs::path(o.electrodes).extension().string();
-    if (o.electrodes.ends_with(".mrk.json")) scene.electrodes = "electrodes.mrk.json";
-    if (!slicer) scene.electrode_keys = "unit = \"" + o.unit + "\"\nframe = \"" + o.frame + "\"\n";
-    writeWholeFile(import.file(scene.electrodes), readWholeFile(o.electrodes));
-    import.report["electrodes"] = points.after.size();
-    for (const Vec3& x : points.before.empty() ? points.after : points.before) scene.opened.extend(x);
-  }
+  checkBalls(scene.openings, import.surface.surface);
+  checkBalls(scene.fixed, import.surface.surface);
+  if (!scene.electrodes.empty())
+    writeWholeFile(import.file(scene.electrodes), readWholeFile(import.options.electrodes));
   writeWholeFile(import.file("scene.toml"), sceneText(scene, import.surface.surface));
 }
 
-/// Opens the scene as every program does, which shows that it opens, and keeps its set-up for them.
-void openAndDraw(Import& import) {
-  const Model model = loadModel(
-      readScene(import.file("scene.toml")),
-      [&](const std::string& what, double share) { import.show(0.6 + 0.3 * share, what); },
-      ModelCache(ModelCache::userFolder(), warn), [&](const std::string& text) { import.note(text); });
-  import.report["nodes"] = model.nodeCount();
-  import.report["integration_points"] = model.pointCount();
-  import.show(0.92, "pictures");
+/// What is drawn: slices of the scan while the model is made, then the organ.
+void draw(const Import& import, std::future<const Model*> ready) {
+  const std::unique_ptr<Pictures> pictures = openPictures();
+  if (!pictures) return;
   const auto [low, high] = windowOf(import.scan, import.mask);
   const Box3 box = boxOf(import.mask, 0.012);
   SliceColumn tissue{&import.scan, nullptr, nullptr};
   if (import.fluid >= 0) tissue.tint = &import.tissue->membership[static_cast<std::size_t>(import.fluid)];
-  const std::unique_ptr<Pictures> pictures = openPictures();
-  if (!pictures) return;
   pictures->write(import.file("preview.png"),
                   drawSlices({{&import.scan, &import.mask, nullptr}, tissue}, box, box.center(), low, high));
+  const Model& model = *ready.get();
   BodyPicture organ;
   organ.title = model.scene.name;
   organ.colour = ColourMap::Tissue;
   pictures->write(import.file("organ.png"), organ, model, AlignedVector<Float4>(model.X.size()), nullptr);
 }
 
-}  // namespace palpate::tools
+/// Opens the scene as every program does, which shows that it opens, and keeps its set-up for them.
+void openAndDraw(Import& import) {
+  std::optional<Model> model;
+  std::future<void> drawn;
+  std::promise<const Model*> ready;  // goes first where the scene does not open, which ends the drawing
+  drawn = std::async(std::launch::async, draw, std::cref(import), ready.get_future());
+  model = loadModel(
+      readScene(import.file("scene.toml")),
+      [&](const std::string& what, double share) { import.show(0.6 + 0.3 * share, what); },
+      ModelCache(ModelCache::userFolder(), warn), [&](const std::string& text) { import.note(text); });
+  import.report["nodes"] = model->nodeCount();
+  import.report["integration_points"] = model->pointCount();
+  import.show(0.92, "pictures");
+  ready.set_value(&*model);
+  drawn.get();
+}
+
+}  // namespace
 
 int importScan(const ImportScanOptions& options) {
   std::string name = fs::path(options.scan).filename().string();
   for (const char* ending : {".gz", ".nii"})
     if (name.ends_with(ending)) name.resize(name.size() - std::string(ending).size());
   Import import{options, options.out.empty() ? fs::path("out") / name : fs::path(options.out)};
-  std::error_code error;
-  fs::create_directories(import.folder, error);
-  if (error) throw std::runtime_error(import.folder.string() + ": " + error.message());
   try {
+    readRequests(import);
     readImages(import);
+    import.begin();
+    // Neither needs the other, and each leaves cores idle at times.
+    auto surface = std::async(std::launch::async, makeSurface, std::ref(import));
     classify(import);
-    makeSurface(import);
+    import.show(0.5, "surface");
+    surface.get();
+    import.report["surface"] = reportOf(import.surface);
     writeScene(import);
     if (options.open) openAndDraw(import);
   } catch (const Interrupted&) {
     std::cerr << "mtled: interrupted; what was done is in " << import.folder.string() << "\n";
     return 1;
+  } catch (const InputError& error) {
+    import.undo();
+    // The case's copy of the electrodes is gone.
+    std::string text = error.what();
+    if (const std::string copy = import.file(import.scene.electrodes);
+        !import.scene.electrodes.empty() && text.starts_with(copy))
+      text.replace(0, copy.size(), options.electrodes);
+    throw InputError({}, text, "");
   }
   const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - import.start;
-  import.report.update({{"scan", options.scan},
-                        {"spacing_mm", import.spacing / mm},
-                        {"warnings", import.warnings},
-                        {"seconds", seconds.count()},
-                        { "build",
-                          buildInfo() }});
+  import.report["scan"] = options.scan;
+  import.report["spacing_mm"] = import.spacing / mm;
+  import.report["warnings"] = import.warnings;
+  import.report["seconds"] = seconds.count();
+  import.report["build"] = buildInfo();
   writeWholeFile(import.file("report.json"),
                  import.report.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
   if (!options.open) return 0;

@@ -16,9 +16,12 @@ struct ImportScanOptions {
   std::string electrodes;          // CSV, .fcsv or .mrk.json; "" for none
   std::string unit = "mm", frame;  // of the electrodes' CSV; frame "ras" or "lps"
   bool skull = false;              // it slides in a rigid shell around it, open over the electrodes
-  double spacing_mm = 0;           // between nodes; 0: for `nodes`
-  int nodes = 3000;                // wanted, where no spacing is given
-  double smoothing_mm = 0;         // of the mask's border; 0: 0.35 of the spacing
+  std::vector<std::string>
+      opened;                    // "X,Y,Z,R", mm in `frame` (RAS where that is ""): balls where the skull is open, too
+  std::vector<std::string> fix;  // likewise: where the organ is held; none: at its lowest twentieth
+  double spacing_mm = 0;         // between nodes; 0: for `nodes`
+  int nodes = 3000;              // wanted, where no spacing is given
+  double smoothing_mm = 0;       // of the mask's border; 0: 0.35 of the spacing
   bool assume_ras = false;
   std::string out;   // folder; "": out/<scan's name>
   bool open = true;  // open the scene, which draws the pictures and keeps the set-up; and say what was done
@@ -28,7 +31,8 @@ struct ImportScanOptions {
 /// ...), mask.nii.gz, a copy of the electrodes, preview.png, organ.png and report.json. `palpate CASE/scene.toml`
 /// touches it, `mtled solve CASE` computes the shift, `mtled warp CASE --image I.nii.gz` warps an image by that.
 /// @return 0, or 1 where it was interrupted: what there is stays
-/// Throws InputError for unusable input, std::runtime_error where a file can't be written.
+/// Throws InputError for unusable input, of which no file is left behind, std::runtime_error where a file can't be
+/// written.
 int importScan(const ImportScanOptions& options);
 
 /// Whether mtled import takes the file for a scan: .nii or .nii.gz.

@@ -31,7 +31,11 @@ TriangleSurface surfaceAt(const Image& distance, double level, double edge, cons
   };
   const SampledField sampled = sampleField(field, box.min(), box.max(), 0.8 * edge);
   if (reachesBox(sampled)) throw InputError({}, "the organ reaches the border of its box", "enlarge the mask's image");
-  return remesh(largestPart(isosurface(sampled)), field, edge);
+  const TriangleSurface rough = isosurface(sampled);
+  if (rough.triangles.empty())
+    throw InputError({}, "the organ is so thin that no surface is left around it when it is smoothed",
+                     "give a finer mask, or smaller --smoothing and --spacing");
+  return remesh(largestPart(rough), field, edge);
 }
 
 /// The surface with the mask's volume, found by moving the level as far as the volume lacks over the area.

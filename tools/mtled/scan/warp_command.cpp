@@ -13,6 +13,7 @@
 #include "base/interrupt.h"
 #include "base/number_text.h"
 #include "base/parallel_for.h"
+#include "imaging/nifti.h"
 #include "imaging/warp.h"
 #include "io/image_file.h"
 #include "io/load_model.h"
@@ -51,6 +52,29 @@ std::unique_ptr<MmlsDeformation> deformationOf(const std::string& folder, double
   nodes = model.nodeCount();
   return std::make_unique<MmlsDeformation>(model.X, model.support_radius, std::move(u),
                                            MmlsOptions{scene.basis_degree, scene.mmls_weight}, organSurface(scene));
+}
+
+/// Writes files, each while the next one's bytes are made.
+class Writer {
+ public:
+  void write(const std::string& path, std::string bytes) {
+    finish();
+    last_ = std::async(std::launch::async, [path, kept = std::move(bytes)] { writeWholeFile(path, kept); });
+  }
+  void finish() {
+    if (last_.valid()) last_.get();
+  }
+
+ private:
+  std::future<void> last_;
+};
+
+/// A mask as an image of 0 and 1.
+Image imageOf(const Mask& mask) {
+  Image image;
+  image.grid = mask.grid;
+  image.value.assign(mask.value.begin(), mask.value.end());
+  return image;
 }
 
 /// |after - before|, to look at.
@@ -129,18 +153,28 @@ int warpCommand(const WarpOptions& options) {
     const WarpCheck check = checkField(field, *whole, inverse, checked_voxels);
     const auto checked = std::chrono::steady_clock::now();
     partOf(progress, 0.65, 0, "writing")(0);
-    writeImage(file("field.nii.gz"), field.to_rest);
-    writeImage(file("jacobian.nii.gz"), field.jacobian);
-    writeImage(file("forward.nii.gz"), forwardField(sampled, image.grid));
-    writeImage(file("valid.nii.gz"), validOf(image.grid, field));
+    Image result;
+    std::future<void> drawn;
+    if (!options.image.empty()) {
+      result = warped(image, field, options.labels ? Between::Nearest : Between::Cubic, options.fill);
+      if (!options.labels)
+        drawn = std::async(std::launch::async, [&] { drawShift(file("shift.png"), image, result, field); });
+    }
+    Writer writer;
+    writer.write(file("field.nii.gz"), niftiFrom(field.to_rest, true));
+    partOf(progress, 0.75, 0, "writing")(0);
+    writer.write(file("forward.nii.gz"), niftiFrom(forwardField(sampled, image.grid), true));
+    partOf(progress, 0.85, 0, "writing")(0);
+    writer.write(file("jacobian.nii.gz"), niftiFrom(field.jacobian, NiftiType::Float32, true));
+    writer.write(file("valid.nii.gz"), niftiFrom(imageOf(validOf(image.grid, field)), NiftiType::UInt8, true));
     if (!options.image.empty()) {
       partOf(progress, 0.9, 0, "the image")(0);
-      const Image result = warped(image, field, options.labels ? Between::Nearest : Between::Cubic, options.fill);
       const bool small = options.labels && std::all_of(result.value.begin(), result.value.end(),
                                                        [](float a) { return std::abs(a) <= 32767; });
-      writeImage(file("warped.nii.gz"), result, small ? NiftiType::Int16 : NiftiType::Float32);
-      if (!options.labels) drawShift(file("shift.png"), image, result, field);
+      writer.write(file("warped.nii.gz"), niftiFrom(result, small ? NiftiType::Int16 : NiftiType::Float32, true));
     }
+    writer.finish();
+    if (drawn.valid()) drawn.get();
     const auto end = std::chrono::steady_clock::now();
     double largest = 0;
     for (const Vec3f& d : field.to_rest.value) largest = std::max(largest, static_cast<double>(d.norm()));
