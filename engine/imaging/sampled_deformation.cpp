@@ -159,7 +159,8 @@ double SampledDeformation::thirdDifference(std::size_t v) const {
 /// Compares samples and field at five places of each cell in the body where third differences are large.
 void SampledDeformation::findRoughCells() {
   const ImageGrid& grid = distance_.grid;
-  // Along an axis, third differences do most harm at 0.21 and 0.79, with opposite signs: in one of the four they add up.
+  // Along an axis, third differences do most harm at 0.21 and 0.79, with opposite signs: in one of the four they add
+  // up.
   constexpr double near = 0.21, far = 0.79;
   const Vec3 places[5] = {{near, near, near}, {far, near, near}, {near, far, near}, {near, near, far}, {0.5, 0.5, 0.5}};
   const auto isOff = [&](const Vec3& X) {

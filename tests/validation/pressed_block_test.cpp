@@ -121,9 +121,9 @@ TEST_CASE("So it does in the loop, in float32", "[validation][cell_volume]") {
 
 TEST_CASE("A free block meets the closed form up to 48 % compression", "[validation][cell_volume]") {
   // A surface creases where the ratio of its stretches is 2.4, at 44 % (Hong, Zhao, Suo 2009): beyond that there is no
-  // uniform solution to be close to for long. Volumes of points then swing about their patches' means, at nu 0.45 so far
-  // (0.4 to 1.6) that the block gives way at 47 or 48 %. A barrier that begins just below the volume that it has (0.94)
-  // holds them: at 50 % the force is 0.7 to 1 % too low with three clouds, and 45 to 63 % without it.
+  // uniform solution to be close to for long. Volumes of points then swing about their patches' means, at nu 0.45 so
+  // far (0.4 to 1.6) that the block gives way at 47 or 48 %. A barrier that begins just below the volume that it has
+  // (0.94) holds them: at 50 % the force is 0.7 to 1 % too low with three clouds, and 45 to 63 % without it.
   struct Case {
     double nu, compression, barrier_strength, barrier_J0;
   };

@@ -37,10 +37,10 @@ class RattleWatch {
 ///   D  = rho c pi R^2 / T + 2 R E / (1 - nu^2)     a wave that leaves the contact, and a flat punch (Sneddon 1965)
 ///
 /// with c the speed of pressure waves along the contact's normal, of shear waves across it, where there is friction. A
-/// ball that is deep in the tissue has it at its sides, too, and between coarse nodes more of it moves with the tool than
-/// D knows of: the tool would go to and fro from tick to tick. What that shows the tissue to answer with is taken for D
-/// then, and forgotten within seconds (RattleWatch). D dissipates, and vanishes within 20 ms in air, where the tool is
-/// where the device is.
+/// ball that is deep in the tissue has it at its sides, too, and between coarse nodes more of it moves with the tool
+/// than D knows of: the tool would go to and fro from tick to tick. What that shows the tissue to answer with is taken
+/// for D then, and forgotten within seconds (RattleWatch). D dissipates, and vanishes within 20 ms in air, where the
+/// tool is where the device is.
 /// Loop thread only, but for targets(). Real-time: no allocation, no lock, no throw. A recording keeps the poses that
 /// this gives, so a replay needs no device. Test: realtime/device/coupled_tool_test.cpp
 class CoupledTool final : public ToolMotion {
