@@ -19,6 +19,7 @@ using app::writeText;
 // px
 constexpr float margin = 48, cell_height = 70, gap = 6, padding = 12, row_height = cell_height + gap;
 constexpr float heading_height = 176;  // title, what is in it, legend
+constexpr float row_width = 4000;      // an axis with more squares goes on in the next row
 
 struct Look {
   const char* letter;
@@ -133,13 +134,17 @@ ImVec2 drawMap(ImDrawList& draw, const Theme& theme, const Atlas& atlas, const s
     writeText(draw, theme.body, {margin + labels, y + cell_height / 2}, {1, 0.5F}, paper::ink, line.axis->title);
     float x = left;
     for (const AtlasRow* row : line.rows) {
+      if (x > left && x + cell_width > row_width) {
+        x = left;
+        y += row_height;
+      }
       const Look look = lookOf(row->measure);
       drawSquare(draw, theme, {x, y}, cell_width, cell_height, look);
       writeText(draw, theme.body, {x + padding, y + 6}, {0, 0}, look.ink, row->value);
       writeText(draw, theme.small, {x + padding, y + cell_height - 8}, {0, 1}, look.ink, shortly(row->measure));
+      right = std::max(right, x + cell_width);
       x += cell_width + gap;
     }
-    right = std::max(right, x - gap);
     y += row_height;
   }
   return {right + margin, y - gap + margin};
