@@ -135,6 +135,23 @@ TEST_CASE("A cell that is silently wrong fails the atlas; one that is refused do
   CHECK_THAT(said, Contains("SILENT") && Contains("1 silently wrong"));
 }
 
+TEST_CASE("However many cells an axis has, its map is no wider than can be drawn", "[atlas]") {
+  if (!withoutPictures().empty()) return;
+  const TempFolder folder;
+  AtlasOptions options;
+  options.out = folder.path("out");
+  std::vector<AtlasCell> cells;
+  for (int k = 0; k < 100; ++k)
+    cells.push_back({"a", "a_scene_with_a_long_name_" + std::to_string(k), When::Always, [] { return ran(); }});
+  CHECK(atlas(options, cells) == 0);
+  const std::string png = readAll(folder.path("out/atlas.png"));
+  const auto size = [&](std::size_t at) {  // a PNG's header has them in two bytes of four
+    return 256 * static_cast<unsigned char>(png[at + 2]) + static_cast<unsigned char>(png[at + 3]);
+  };
+  CHECK(size(16) < 4200);
+  CHECK(size(20) > 700);  // several rows of 76 each
+}
+
 TEST_CASE("A resumed atlas runs only what is missing, and only of the same program", "[atlas]") {
   const TempFolder folder;
   AtlasOptions options;
