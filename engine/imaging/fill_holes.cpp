@@ -65,13 +65,14 @@ struct Fill {
   int edges = 0;
 };
 
-Fill fillOf(const TriangleSurface& surface, const std::vector<int>& rim) {
+Fill fillOf(const TriangleSurface& surface, const std::vector<int>& rim, CutBudget& budget) {
   Fill fill;
   fill.edges = static_cast<int>(rim.size());
   std::vector<Vec3> corners;
   corners.reserve(rim.size());
   for (const int v : rim) corners.push_back(surface.vertices[v]);
-  const auto triangles = fill.edges <= most_for_smallest_fill ? smallestFill(corners) : polygonTriangles(corners);
+  const auto triangles =
+      fill.edges <= most_for_smallest_fill ? smallestFill(corners) : polygonTriangles(corners, budget);
   for (const auto& [a, b, c] : triangles) {
     fill.faces.push_back({rim[a], rim[b], rim[c]});
     fill.area += 0.5 * (corners[b] - corners[a]).cross(corners[c] - corners[a]).norm();
@@ -84,9 +85,10 @@ Fill fillOf(const TriangleSurface& surface, const std::vector<int>& rim) {
 int fillHoles(TriangleSurface& surface, SurfaceSource& source, RepairReport& report) {
   const int given = static_cast<int>(surface.triangles.size());
   std::vector<Fill> fills;
+  CutBudget budget;
   for (const std::vector<int>& rim : rimsOf(surface, report.crowded_edges)) {
     SetupWatch::check();
-    if (rim.size() >= 3) fills.push_back(fillOf(surface, rim));
+    if (rim.size() >= 3) fills.push_back(fillOf(surface, rim, budget));
   }
   std::stable_sort(fills.begin(), fills.end(), [](const Fill& a, const Fill& b) { return a.area < b.area; });
   double all = surfaceArea(surface), filled = 0;

@@ -18,6 +18,7 @@ void PolygonFaces::add(std::span<const int> corners, int line) {
 void PolygonFaces::finish() {
   const auto& vertices = file_.surface.vertices;
   std::vector<Vec3> x;
+  CutBudget budget;
   for (const Polygon& polygon : polygons_) {
     const bool all_there = std::all_of(polygon.corners.begin(), polygon.corners.end(), [&](int v) {
       return v >= 0 && v < static_cast<int>(vertices.size()) && vertices[v].allFinite();
@@ -34,7 +35,7 @@ void PolygonFaces::finish() {
     if (convex) continue;
     ++file_.concave_polygons;
     int t = polygon.first_triangle;
-    for (const auto& [a, b, c] : polygonTriangles(x))
+    for (const auto& [a, b, c] : polygonTriangles(x, budget))
       file_.surface.triangles[t++] = {polygon.corners[a], polygon.corners[b], polygon.corners[c]};
   }
 }

@@ -35,7 +35,8 @@ std::vector<Vec2> flattened(std::span<const Vec3> corners) {
 /// A ring of corners of which ears are cut off.
 class Ears {
  public:
-  explicit Ears(std::vector<Vec2> x) : x_(std::move(x)), next_(x_.size()), before_(x_.size()) {
+  Ears(std::vector<Vec2> x, CutBudget& budget)
+      : x_(std::move(x)), next_(x_.size()), before_(x_.size()), budget_(budget) {
     const int n = static_cast<int>(x_.size());
     for (int i = 0; i < n; ++i) {
       next_[i] = (i + 1) % n;
@@ -48,7 +49,7 @@ class Ears {
     int left = static_cast<int>(x_.size()), at = 0, passed = 0;
     while (left > 3) {
       // A corner on a straight line is cut only where nothing else is left.
-      const bool anything = passed > 2 * left;
+      const bool anything = passed > 2 * left || budget_.visits <= 0;
       if (anything || isEar(at, passed > left)) {
         triangles.push_back({before_[at], at, next_[at]});
         next_[before_[at]] = next_[at];
@@ -65,11 +66,12 @@ class Ears {
   }
 
  private:
-  bool isEar(int i, bool flat_too) const {
+  bool isEar(int i, bool flat_too) {
     const Vec2 &a = x_[before_[i]], &b = x_[i], &c = x_[next_[i]];
     const double area = turn(a, b, c);
     if (!(area > 0) && !(flat_too && area == 0)) return false;
     for (int k = next_[next_[i]]; k != before_[i]; k = next_[k]) {
+      --budget_.visits;
       const Vec2& p = x_[k];
       if (p == a || p == b || p == c) continue;
       if (turn(a, b, p) >= 0 && turn(b, c, p) >= 0 && turn(c, a, p) >= 0) return false;
@@ -79,14 +81,15 @@ class Ears {
 
   std::vector<Vec2> x_;
   std::vector<int> next_, before_;
+  CutBudget& budget_;
 };
 
 }  // namespace
 
-std::vector<std::array<int, 3>> polygonTriangles(std::span<const Vec3> corners) {
+std::vector<std::array<int, 3>> polygonTriangles(std::span<const Vec3> corners, CutBudget& budget) {
   const int n = static_cast<int>(corners.size());
   if (n < 3) return {};
-  if (n <= max_cut_corners && n > 3) return Ears(flattened(corners)).cut();
+  if (n > 3 && budget.visits > 0) return Ears(flattened(corners), budget).cut();
   std::vector<std::array<int, 3>> fan;
   for (int i = 1; i + 1 < n; ++i) fan.push_back({0, i, i + 1});
   return fan;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -8,13 +9,17 @@
 
 namespace palpate {
 
+/// How many corners may still be looked at while polygons are cut: a corner costs a few nanoseconds.
+struct CutBudget {
+  std::int64_t visits = 400'000'000;
+};
+
 /// Cuts a polygon, concave or not and nearly flat, into corner_count - 2 triangles of its corners (indices into
 /// `corners`) that turn as it does: ears are cut off it as seen along its normal. Where it crosses itself, so that it
 /// has no ear left, the rest becomes a fan. Corners on one line make triangles without area.
-/// Costs up to ~ corner_count^2; beyond `max_cut_corners` corners all becomes a fan.
-std::vector<std::array<int, 3>> polygonTriangles(std::span<const Vec3> corners);
-
-inline constexpr int max_cut_corners = 5000;
+/// Costs ~ corner_count^2, of a polygon that crosses itself up to corner_count^3.
+/// @param budget  one for all polygons of a file: is it used up, the rest becomes fans
+std::vector<std::array<int, 3>> polygonTriangles(std::span<const Vec3> corners, CutBudget& budget);
 
 /// Fills a closed curve in space, e.g. the rim of a hole, with the triangles of its corners whose summed area is least
 /// (Barequet and Sharir 1995), which turn as the curve does; triangles without area only where there is no other way.
