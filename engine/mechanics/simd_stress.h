@@ -55,7 +55,7 @@ template <class Real>
 struct PointStateOf {
   Simd<Real> J, J_minus_1;
   Simd<Real> energy;  // J/m^3; p (J - 1) / 2 for the volume, which over all points is also the node patches' energy
-  Simd<Real> cof2;    // |cof F|^2, 3 at rest: how much stiffer the volume has become
+  Simd<Real> cof2;    // |cof F|^2, 3 at rest: how much stiffer the volume has become; more where the law stiffens, too
 };
 
 template <class Real>
@@ -68,9 +68,11 @@ Simd<Real> squaredNorm(const SimdTensor<Real>& t) {
 /// The barrier of Material::barrierPressure; nothing where the material has none.
 template <class Real>
 struct BarrierLanes {
-  Real strength, J0;
+  Real strength, share, J0;
   explicit BarrierLanes(const Material& m)
-      : strength(static_cast<Real>(m.bulk_modulus * m.barrier_strength)), J0(static_cast<Real>(m.barrier_J0)) {}
+      : strength(static_cast<Real>(m.bulk_modulus * m.barrier_strength)),
+        share(static_cast<Real>(m.barrier_strength)),
+        J0(static_cast<Real>(m.barrier_J0)) {}
 
   void addTo(Simd<Real>& pressure, Simd<Real>& energy, const Simd<Real>& J) const {
     if (strength == 0) return;
@@ -78,6 +80,13 @@ struct BarrierLanes {
     const Simd<Real> logarithm = log2(Jc / J0) * static_cast<Real>(0.6931471805599453);
     pressure += whereLess(J, Simd<Real>(J0), strength * (logarithm + d / Jc), none);
     energy += whereLess(J, Simd<Real>(J0), strength * (J * logarithm - Jc + J0 + d * d / (Jc * Real(2))), none);
+  }
+
+  /// |cof F|^2 with which K |cof F|^2 has the barrier's part of the volume's stiffness, too.
+  void stiffen(Simd<Real>& cof2, const Simd<Real>& J) const {
+    if (strength == 0) return;
+    const Simd<Real> none = Real(0), Jc = max(J, Simd<Real>(static_cast<Real>(Material::min_isochoric_J)));
+    cof2 += whereLess(J, Simd<Real>(J0), cof2 * share / Jc, none);
   }
 };
 

@@ -9,8 +9,13 @@
 namespace palpate {
 namespace {
 
-/// How far the tool may go in a step for the contact to follow without tunnelling (contact/contact_solver.h), m.
-double reachOf(const Scene& scene) { return std::min(1e-3, smallestToolRadius(scene) / 2); }
+/// How far the tool may go in a step for the contact to follow without tunnelling (contact/contact_solver.h), and
+/// without pushing the tissue over a good part of the half spacing that counts as lost, m.
+double reachOf(const Scene& scene) {
+  double spacing = scene.spacing;
+  for (const RefineSpec& refine : scene.refine) spacing = std::min(spacing, refine.spacing);
+  return std::min({1e-3, smallestToolRadius(scene) / 2, spacing / 4});
+}
 
 /// Steps of a tick, a whole number, for the tool's reach and a body with this critical step.
 double stepsPerTick(const Scene& scene, double dt_critical) {
@@ -70,7 +75,7 @@ void checkStepsAsked(const Scene& scene) {
   if (steps > max_steps_per_tick)
     refuseSteps(placeOf(scene, scene.places.contains("tool.max_speed") ? "tool.max_speed" : "tool.radius"), steps,
                 "the contact follows the tool no further than " + number(reach) + " m in a step",
-                "lower tool.max_speed to " + number(reach / shortest) + " m/s, or raise tool.radius");
+                "lower tool.max_speed to " + number(reach / shortest) + " m/s, or raise tool.radius and the spacing");
 }
 
 void chooseTimeStep(const Scene& scene, const CriticalTimeStep& limit, const std::vector<Vec3>& X, Model& model) {

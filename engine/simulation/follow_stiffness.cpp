@@ -12,7 +12,7 @@ namespace {
 constexpr int parts = 8;                // fixed, so that no result depends on the threads
 constexpr float kept_per_step = 0.98F;  // of a factor, where less is needed
 /// Beyond this the tissue is lost, and stability no matter: it keeps what is not a number out of the masses.
-constexpr float max_factor = 1e4F;
+constexpr float max_factor = 1e7F;
 
 /// Calls each(part, begin, end) for parts of `count` numbers.
 template <class Each>
@@ -82,6 +82,21 @@ float computeNeeds(const Model& model, const LiveParameters& live, Workspace& wo
   return *std::max_element(bounded, bounded + parts);
 }
 
+/// Whether dt could be too long: a point would need mass that had both the largest |cof F|^2 and the least J of all.
+/// Where the bulk modulus is not far above mu, it is J^(-2/3) that stiffens a crumpled point.
+bool mayNeedMass(const Model& model, const LiveParameters& live, const ForceReport& forces) {
+  const double rest = model.dt / model.dt_critical / followed_step_share;
+  float cof2[16], J[16], modulus[16];
+  std::fill_n(cof2, 16, static_cast<float>(std::max(forces.max_cof2, 3.0)));
+  std::fill_n(J, 16, std::min(forces.min_J, 1.0F));
+  for (std::size_t m = 0; m < model.materials.size(); ++m) {
+    const auto& now = live.kernel.materials[m];
+    squeezedModulus(cof2, J, static_cast<float>(now.bulk_modulus), static_cast<float>(now.shear_modulus), modulus);
+    if (rest * rest * modulus[0] > model.materials[m].waveModulus()) return true;
+  }
+  return false;
+}
+
 }  // namespace
 
 StepMasses followStiffness(const Model& model, const Integrator& integrator, const ForceReport& forces, State& state,
@@ -89,7 +104,8 @@ StepMasses followStiffness(const Model& model, const Integrator& integrator, con
   StepMasses masses{model.inverse_mass.data(), nullptr, nullptr, integrator.alpha, 0, 0};
   masses.step_share = stepShare(model, state.live, forces.max_cof2);
   LocalMass& local = state.local_mass;
-  if (!(masses.step_share > followed_step_share) && !local.active) return masses;
+  if (!(masses.step_share > followed_step_share) && !local.active && !mayNeedMass(model, state.live, forces))
+    return masses;
 
   const StiffnessMeans& means = model.stiffness_means;
   LocalMassScratch& scratch = workspace.local_mass;

@@ -86,6 +86,7 @@ StepReport tick(const Model& model, State& state, const Command& command, Worksp
     ToolPostures wanted = ways.at(k, model.substeps_per_tick);
     behind.shift(wanted);
     total = worstOf(total, step(model, state, wanted, command, workspace));
+    if (total.flags & (kNotFinite | kBlowUp)) break;  // it is lost: more steps would bring numbers that are none
     behind.add(model, wanted, state);
   }
   ++state.tick;

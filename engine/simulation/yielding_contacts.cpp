@@ -121,6 +121,9 @@ Limit limitOf(const Model& model, int tool) {
   return {set_up.max_force, set_up.max_speed};
 }
 
+/// How far a tool goes back in a step at most: faster than it may follow a hand, for a cell that was crushed thrusts.
+double longestWay(const Model& model, const Limit& limit) { return 4 * limit.speed * model.dt; }
+
 /// The search for one step: each tool as a whole, then each opening.
 struct Search {
   const Model& model;
@@ -140,7 +143,7 @@ struct Search {
       const Limit limit = limitOf(model, k);
       if (!(limit.force > 0)) continue;
       const Vec3 force = forceOn(model, k, first, loads);
-      const double most_way = limit.speed * model.dt;
+      const double most_way = longestWay(model, limit);
       const auto tool = static_cast<std::size_t>(k);
       const ToolPosture from = postureOf(state, k);
       Yielding& whole = yielding[tool];
@@ -185,7 +188,7 @@ struct Search {
       if (Walk& walk = walks[k]; walk.on) {
         const Limit limit = limitOf(model, static_cast<int>(k));
         const Vec3 from = postureOf(state, static_cast<int>(k)).pose.position - wanted[k].pose.position;
-        walk.next(last, limit.force, from, limit.speed * model.dt);
+        walk.next(last, limit.force, from, longestWay(model, limit));
         tools[k].pose.position += walk.at;
       } else if (Yielding& whole = yielding[k]; whole.active) {
         whole.next(last);

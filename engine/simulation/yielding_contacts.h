@@ -12,8 +12,8 @@ namespace palpate {
 ///
 /// Jaws open likewise until the pinch is within the limit. t is searched within the step, by contacts solved anew with
 /// the tool elsewhere (eight times at most), to 0.85 .. 1 of the limit. A tool that is shut in, with walls on its way
-/// out, too, goes by the force it feels at each place to the one with the least (six times more). At most it moves as
-/// fast as it may go at all: a crushed cell may thrust faster. Below the limit all is as without it, bit for bit.
+/// out, too, goes by the force it feels at each place to the one with the least (six times more). It goes back
+/// four times as fast as it may follow a hand at most. Below the limit all is as without it, bit for bit.
 ///
 /// @param tools  where they should be at the step's end; receives where they are
 /// @return the force on the first tool, N

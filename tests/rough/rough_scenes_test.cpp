@@ -47,9 +47,9 @@ void roughHand(const std::string& name, unsigned seed, bool rests = true) {
   CHECK((summary.flags & kNotFinite) == 0);
   CHECK_FALSE(summary.frozen);
   CHECK(summary.peak_force > 0);
-  int above = 0;  // ticks; a crushed cell may thrust faster than the tool may go back
+  int above = 0;  // ticks
   for (ForceSample force; loop.forces().pop(force);) above += force.force_raw.norm() > 1.25 * model.max_tool_force;
-  CHECK(above <= 10);
+  CHECK(above == 0);
 }
 
 }  // namespace
@@ -59,6 +59,10 @@ TEST_CASE("No rough hand breaks the liver at 1 kHz", "[rough]") { roughHand("liv
 TEST_CASE("No rough hand breaks the kidney", "[rough]") { roughHand("kidney", 13); }
 TEST_CASE("No rough hand breaks the layer", "[rough]") { roughHand("layer_sphere", 14); }
 // Ogden's principal stretches have more rounding, which keeps the gel moving for longer than this.
-// With this seed the tool is shut in by folds for a while, and has to look for a way to less force.
-TEST_CASE("No rough hand breaks the gel cylinder", "[rough]") { roughHand("gel_cylinder", 3, false); }
+// With seed 3 the tool is shut in by folds for a while, and has to look for a way to less force; with 6 a crushed cell
+// thrusts at it.
+TEST_CASE("No rough hand breaks the gel cylinder", "[rough]") {
+  const unsigned seed = GENERATE(3U, 6U);
+  roughHand("gel_cylinder", seed, false);
+}
 TEST_CASE("No rough hand breaks the half-ellipsoid of brain", "[rough]") { roughHand("brain_half_ellipsoid", 16); }

@@ -56,6 +56,10 @@ TEST_CASE("More steps to a tick than an int can count, or anybody means, are ref
   fast.tool_max_speed = 10;
   CHECK_THAT(refusal([&] { checkStepsAsked(fast); }),
              Contains("block.toml:32:3") && Contains("4e+05 steps") && Contains("lower tool.max_speed to 0.25 m/s"));
+  fast.tool.radius = 0.01;
+  fast.spacing = 2e-7;  // a quarter of it is as far
+  CHECK_THAT(refusal([&] { checkStepsAsked(fast); }),
+             Contains("4e+05 steps") && Contains("or raise tool.radius and the spacing"));
 
   // What is asked for by the scene alone is refused before anything is made of it.
   Scene early = placedScene();

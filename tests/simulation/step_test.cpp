@@ -198,6 +198,25 @@ TEST_CASE("No pose of the tool makes a number that is not finite", "[step][conta
   }
 }
 
+TEST_CASE("A tick ends with the step in which the tissue is lost", "[step]") {
+  Model model = blockModel();
+  model.dt /= 10;
+  model.substeps_per_tick *= 10;
+  model.max_increment = 1e-6;  // m: what moves counts as lost
+  Workspace workspace(model, 1);
+  State state = initialState(model);
+  Command command;
+  command.tool_target = toolAt(model, 0.005);
+  StepReport report;
+  std::int64_t before = 0;
+  for (int k = 0; k < 1000 && (report.flags & kBlowUp) == 0; ++k) {
+    before = state.step;
+    report = tick(model, state, command, workspace);
+  }
+  REQUIRE((report.flags & kBlowUp) != 0);
+  CHECK(state.step - before < model.substeps_per_tick);
+}
+
 TEST_CASE("What the imposed nodes have crept away is taken back", "[step]") {
   const Model model = blockModel();
   Workspace workspace(model, 1);

@@ -8,15 +8,22 @@
 namespace palpate {
 inline namespace PALPATE_KERNEL {
 
-/// g(J) = J^e and its derivative; below min_isochoric_J the tangent there, so that energy and
-/// stress stay finite and consistent for inverted F.
+/// g(J) = J^e and its derivative. Below Jc = min_isochoric_J the tangent there, so that energy and stress stay finite
+/// and consistent for inverted F; for e > 0, whose tangent would go below zero, and with it the energy of a crushed
+/// point without bound, Jc^e / (1 - e (J / Jc - 1)), which has the same slope at Jc.
 struct IsochoricFactor {
   double value, slope;
   IsochoricFactor(double J, double e) {
     const double Jc = J < Material::min_isochoric_J ? Material::min_isochoric_J : J;
     value = std::pow(Jc, e);
     slope = e * value / Jc;
-    value += slope * (J - Jc);
+    if (e < 0) {
+      value += slope * (J - Jc);
+    } else {
+      const double f = 1 / (1 - e * (J / Jc - 1));
+      value *= f;
+      slope *= f * f;
+    }
   }
 };
 

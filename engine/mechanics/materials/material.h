@@ -62,7 +62,7 @@ struct Material {
   double energy(const Mat3& F) const;
 
   /// First Piola-Kirchhoff stress dW/dF, Pa. Finite also for inverted F (det F <= 0),
-  /// where the isochoric factor follows its tangent at J = min_isochoric_J.
+  /// where the isochoric factor goes on with its slope at J = min_isochoric_J.
   Mat3 firstPiola(const Mat3& F) const;
 
   /// The same with the volumetric pressure K (J - 1) replaced by `pressure`, Pa (node_patch.h). The barrier's
@@ -80,7 +80,7 @@ struct Material {
 
   bool operator==(const Material&) const = default;
 
-  /// Below this J the isochoric factor J^(-a/3) continues along its tangent, so that an inverted point gets a
+  /// Below this J the isochoric factor J^(-a/3) continues with its slope (IsochoricFactor), so that an inverted point gets a
   /// finite force that pushes it back. A state that gets here is flagged, not trusted.
   static constexpr double min_isochoric_J = 0.02;
 };

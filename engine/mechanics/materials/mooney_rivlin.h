@@ -69,6 +69,7 @@ struct MooneyRivlin {
       Numbers p = patch_pressure ? *patch_pressure : state.J_minus_1 * K;
       state.energy = c10 * (g1 * I1 - Real(3)) + c01 * (g2 * I2 - Real(3)) + Real(0.5) * (p * state.J_minus_1);
       barrier.addTo(p, state.energy, J);
+      barrier.stiffen(state.cof2, J);
       const Numbers of_FC = g2 * (Real(2) * c01), of_F = g1 * (Real(2) * c10) + of_FC * I1;
       const Numbers of_cof = slope1 * I1 * c10 + slope2 * I2 * c01 + p;
       for (int c = 0; c < 3; ++c) {

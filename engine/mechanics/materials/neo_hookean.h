@@ -61,6 +61,7 @@ struct NeoHookean {
       const Numbers b = slope * I1 * (Real(0.5) * mu) + p;
       for (int k = 0; k < 9; ++k) P[k] = a * F[k] + b * cof[k];
       state.cof2 = squaredNorm(cof);
+      barrier.stiffen(state.cof2, J);
       return state;
     }
   };
