@@ -66,7 +66,8 @@ class Viewer {
   double frame_seconds_ = 0;     // mean of the last ones
   Shown shown_;
   PastPictures past_;
-  std::optional<double> looked_at_;  // s of the run, of the earlier picture that is shown
+  std::optional<double> looked_at_;          // s of the run, of the earlier picture that is shown
+  std::optional<ForceHistory> past_forces_;  // up to then
 };
 
 }  // namespace palpate::app

@@ -46,7 +46,9 @@ class Shell {
         ui_(window_.handle(), window_.interfaceScale()),
         recent_(RecentScenes::userFile()),
         renderer_name_(reinterpret_cast<const char*>(glGetString(GL_RENDERER))) {
-    log_.info("OpenGL: " + renderer_name_ + ", drawing at low priority: " + priority_);
+    const std::string done = "done: ";
+    log_.info("OpenGL: " + renderer_name_ +
+              (priority_.starts_with(done) ? ", drawn at low priority" : ", not drawn at low priority: " + priority_));
   }
 
   /// The session, or null where the user would not wait. Throws what its making throws.
