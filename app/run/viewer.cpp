@@ -284,7 +284,8 @@ ProgramRequests Viewer::frame(double seconds, const std::vector<std::string>& sc
   requests.mark |= actions.mark;
   applyRequests(requests, snapshot, size);
   ProgramRequests program;
-  program.quit = ((actions.quit || requests.quit) && !asksBeforeQuit()) || requests.quit_now;
+  program.quit = (actions.quit || requests.quit) && !asksBeforeQuit();
+  program.agreed = requests.quit_now;
   program.open_scene = requests.search_again ? session_.options().scene : requests.open_scene;
   program.open_script = requests.open_script;
   program.open_recording = requests.open_recording;
@@ -297,6 +298,20 @@ bool Viewer::asksBeforeQuit() {
   const bool unsaved = task != nullptr && !session_.revealed() && !task->marks().empty();
   panels_.quit_asked |= unsaved;
   return unsaved;
+}
+
+ProgramRequests Viewer::withConsent(const ProgramRequests& wish) {
+  if (!panels_.quit_asked) asked_.reset();  // the user stays
+  if (wish.agreed) {
+    panels_.quit_asked = false;
+    if (asked_) return *std::exchange(asked_, {});
+    ProgramRequests quit;
+    quit.quit = true;
+    return quit;
+  }
+  if (!wish.leaves() || !asksBeforeQuit()) return wish;
+  asked_ = wish;
+  return {};
 }
 
 Picture Viewer::picture() {

@@ -202,12 +202,13 @@ Next Shell::show(Session& session, Viewer& viewer, bool resume) {
     if (watch_) watch_(session, viewer);
     for (const std::string& file : window_.takeDropped())
       if (const std::string problem = takeDropped(file, wish, panels_); !problem.empty()) tell(problem);
+    wish = viewer.withConsent(wish);
     if (wish.quit) break;
     if (window_.closeAsked()) {
       if (!viewer.asksBeforeQuit()) break;
       window_.forgetClose();
     }
-    if (!wish.open_scene.empty() || !wish.open_script.empty() || !wish.open_recording.empty() || wish.tool) {
+    if (wish.leaves()) {
       try {  // what can be seen to be wrong leaves the present session as it is
         next.options = nextOptions(session.options(), wish);
         checkOptions(next.options);

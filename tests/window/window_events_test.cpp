@@ -203,6 +203,14 @@ TEST_CASE("A person presses, tilts, cuts open, saves, marks, undoes, submits and
           [](Session&, Viewer&) { return fs::exists("out/task/recording-1.rec"); }},
          {"a tap of M", [&](Session&, Viewer&) { person->tap("m"); },
           [](Session& s, Viewer&) { return s.task()->marks().size() == 1; }},
+         {"Ctrl+O with a mark", [&](Session&, Viewer&) { person->tapWith("Control_L", "o"); },
+          [](Session&, Viewer& v) { return v.panels().open_shown && ImGui::GetIO().WantTextInput; }},
+         {"a scene's name and Return", [&](Session&, Viewer&) { person->type("other.toml"), person->tap("Return"); },
+          [pictures = 0](Session&, Viewer& v) mutable {  // its place settles
+            return v.panels().quit_asked && ++pictures > 3;
+          }},
+         {"a click on Stay", [&](Session&, Viewer&) { clickButton(*person, "Stay"); },
+          [](Session& s, Viewer& v) { return !v.panels().quit_asked && s.task()->marks().size() == 1; }},
          {"a click on Submit", [&](Session&, Viewer&) { clickButton(*person, "Submit"); },
           [](Session& s, Viewer&) { return s.revealed() && fs::exists("out/task/score-1.json"); }},
          {"the score", wait, [](Session&, Viewer&) { return buttonPlaces().count("Search again") > 0; }},
