@@ -1,5 +1,8 @@
 #include "app/image/palpate_image.h"
 
+#include <unistd.h>
+
+#include <atomic>
 #include <memory>
 #include <optional>
 
@@ -45,6 +48,16 @@ class Painter {
 };
 
 thread_local std::unique_ptr<Painter> painter;
+std::atomic<int> drawing_process{0};  // that drew first
+
+/// OpenGL does not survive a fork: its threads and its line to the driver are the parent's.
+void checkProcess() {
+  int first = 0;
+  if (!drawing_process.compare_exchange_strong(first, getpid()) && first != getpid())
+    throw Refusal(PALPATE_REFUSED,
+                  "this process was forked off one that has drawn already: draw in a process that was "
+                  "started anew (Python: multiprocessing's \"spawn\"), or fork before the first picture");
+}
 
 /// The handle is another library's: its struct is known only where both have the same sources.
 void checkTwin(const palpate_simulation& simulation) {
@@ -88,6 +101,7 @@ int32_t palpate_image(palpate_simulation* simulation, const palpate_camera* came
     return say(error, PALPATE_BAD_ARGUMENT, "simulation or rgba is NULL, or the size is not in 1 .. 8192");
   return guarded(error, [&] {
     checkTwin(*simulation);
+    checkProcess();
     const app::Camera wanted = camera != nullptr ? cameraFrom(given(camera)) : app::Camera::of(*simulation->model);
     if (!painter || painter->model() != simulation->model.get()) {
       painter.reset();  // before another context is made

@@ -25,7 +25,7 @@ PALPATE_API int32_t palpate_scene_camera(const palpate_simulation *simulation, p
 
 /* (viewer) Draws the newest tick. The first call of a thread, and one after a call for another model, takes longer: it
  * makes an OpenGL context and the buffers, which the thread keeps. No context may be current on the calling thread
- * but that one.
+ * but that one. PALPATE_REFUSED in a process that was forked off after a first picture.
  * @param camera  NULL: the scene's
  * @param rgba    (height, width, 4) 8-bit sRGB, upper row first, alpha 255 */
 PALPATE_API int32_t palpate_image(palpate_simulation *simulation, const palpate_camera *camera, uint8_t *rgba,

@@ -11,7 +11,7 @@ constexpr float min_right_width = 260;  // narrower than this its numbers are cu
 constexpr float min_view_width = 320, min_view_height = 200;
 }  // namespace
 
-Layout layoutFor(int width, int height, float scale, bool panels_shown) {
+Layout layoutFor(int width, int height, float scale, bool panels_shown, float overlays) {
   Layout layout;
   const float w = static_cast<float>(std::max(1, width)), h = static_cast<float>(std::max(1, height));
   const float m = margin * scale;
@@ -33,7 +33,7 @@ Layout layoutFor(int width, int height, float scale, bool panels_shown) {
     view_left = layout.left.right();
   }
   float view_bottom = h;
-  if (h - top >= (log_height + margin + min_view_height) * scale) {
+  if (h - top >= (log_height + margin + min_view_height + overlays) * scale) {
     layout.log = {view_left + m, h - m - log_height * scale, view_right - view_left - 2 * m, log_height * scale};
     view_bottom = layout.log.y;
   }

@@ -24,6 +24,10 @@ struct Layout {
 /// @param scale  content scale of the screen: 1 plain, 2 high-DPI
 /// In a window too narrow for two columns the left one's panels stand in the right one, below its own; that is scrolled
 /// and becomes narrower, down to 590 px of width; below, it is left out.
-Layout layoutFor(int width, int height, float scale, bool panels_shown);
+/// @param overlays  px at scale 1 that legend and timeline take at the foot of the view; where that leaves too little
+/// of it, the log goes
+Layout layoutFor(int width, int height, float scale, bool panels_shown, float overlays = 0);
+
+inline constexpr float legend_room = 68, timeline_room = 72;  // px at scale 1, with the gap below
 
 }  // namespace palpate::app

@@ -3,6 +3,8 @@
 #include <imgui.h>
 
 #include <algorithm>
+#include <string>
+#include <vector>
 
 #include "app/panels/widgets.h"
 
@@ -15,7 +17,8 @@ struct RunState {
   ImU32 colour;
 };
 
-RunState runState(const LoopStatus& status) {
+RunState runState(const LoopStatus& status, bool past) {
+  if (past) return {"THE PAST", colours::warning};
   if (status.frozen) return {"FROZEN", colours::bad};
   if (status.paused) return {"PAUSED", colours::warning};
   return {"RUNNING", colours::good};
@@ -58,8 +61,10 @@ PanelRequests drawPanels(const Theme& theme, const PanelData& data, const Layout
   } else if (state.demo) {
     drawDemoForce(theme, data);
   }
-  drawLegend(theme, data.colour_scale, layout.view);
-  if (state.timeline_shown && data.timeline) drawTimeline(theme, data, layout.view, state, requests);
+  const bool demo = !layout.panels && state.demo;
+  const Rect free = demo ? besideDemoForce(layout.view, demoForcePlace(theme, data), theme.scale) : layout.view;
+  drawLegend(theme, data.colour_scale, free);
+  if (state.timeline_shown && data.timeline) drawTimeline(theme, data, free, state, requests);
   drawPullForce(theme, data);
   // Its buttons are for somebody who looks on; a picture of the organ alone has none.
   const bool organ_alone = data.timeless && !state.panels_shown;
@@ -81,7 +86,9 @@ void drawBar(const Theme& theme, const PanelData& data, const Rect& place, Panel
     const auto at = [&](float x, float y) { ImGui::SetCursorPos({x, y}); };
 
     // In a narrow window the buttons stay, and what can be seen elsewhere goes.
-    const bool roomy = place.width >= 900 * s, narrow = place.width < 700 * s;
+    const bool wide = place.width >= 1300 * s, roomy = place.width >= 900 * s, narrow = place.width < 700 * s;
+    const bool past = data.timeline && data.timeline->past;  // the run waits meanwhile
+    const bool waits = status.paused || past;
     at(14 * s, text_y - s);
     ImGui::PushFont(theme.title);
     ImGui::TextUnformatted("Palpate");
@@ -89,25 +96,25 @@ void drawBar(const Theme& theme, const PanelData& data, const Rect& place, Panel
     if (roomy) {
       ImGui::SameLine(0, 12 * s);
       ImGui::SetCursorPosY(text_y);
-      ImGui::TextDisabled("%s", fitted(data.model.scene.name, 110 * s).c_str());
+      ImGui::TextDisabled("%s", fitted(data.model.scene.name, (wide ? 250 : 110) * s).c_str());
     }
     if (!narrow) {
       ImGui::SameLine(0, 16 * s);
       ImGui::SetCursorPosY(0.5F * (place.height - theme.small->FontSize - 6 * s));
-      const RunState run = data.timeless ? RunState{"SNAPSHOT", colours::accent} : runState(status);
+      const RunState run = data.timeless ? RunState{"SNAPSHOT", colours::accent} : runState(status, past);
       badge(theme, run.text, run.colour);
     }
 
-    float x = (roomy ? 300 : narrow ? 84 : 190) * s;
+    float x = (wide ? 440 : roomy ? 300 : narrow ? 84 : 190) * s;
     const float width = (narrow ? 60 : 66) * s, next = width + (narrow ? 3 : 6) * s;
     at(x, button_y);
     if (button("File", width)) ImGui::OpenPopup("##file");
+    ImGui::SetNextWindowPos({ImGui::GetItemRectMin().x, ImGui::GetItemRectMax().y + 4 * s}, ImGuiCond_Appearing);
     drawFileMenu(theme, state, requests);
     at(x += next, button_y);
-    if (button(status.paused ? "Run" : "Pause", width, !status.frozen, "frozen: reset first"))
-      requests.toggle_pause = true;
+    if (button(waits ? "Run" : "Pause", width, !status.frozen, "frozen: reset first")) requests.toggle_pause = true;
     at(x += next, button_y);
-    if (button("Step", width, status.paused && !status.frozen, "pause first, then single ticks can be made"))
+    if (button("Step", width, waits && !status.frozen, "pause first, then single ticks can be made"))
       requests.single_step = true;
     at(x += next, button_y);
     if (button("Reset", width)) requests.reset = true;
@@ -120,17 +127,16 @@ void drawBar(const Theme& theme, const PanelData& data, const Rect& place, Panel
     x += width + 16 * s;
 
     // Figures stand at the right end, so that the buttons never move.
-    std::string figures = format("t %.2f s", data.snapshot.time_s);
-    if (!data.timeless) figures += format("   real time x%.3f", status.recent_realtime_factor);
-    if (data.frames_per_second > 0) figures += format("   %.0f fps", data.frames_per_second);
+    std::vector<std::string> figures{"", format("t %.2f s", data.snapshot.time_s)};  // each with one more
+    if (!data.timeless) figures.push_back(figures.back() + format("   real time x%.3f", status.recent_realtime_factor));
+    if (data.frames_per_second > 0) figures.push_back(figures.back() + format("   %.0f fps", data.frames_per_second));
     const float help_width = 64 * s;
     const float right = place.width - help_width - 10 * s;
-    const float room = right - x - 8 * s;
-    figures = room > 50 * s ? fitted(figures, room) : std::string();
-    at(right - 12 * s - ImGui::CalcTextSize(figures.c_str()).x, text_y);
-    const bool slow = !status.paused && !data.timeless && status.recent_realtime_factor < 0.99;
+    const std::string& shown = lastThatFits(figures, right - 12 * s - x);
+    at(right - 12 * s - ImGui::CalcTextSize(shown.c_str()).x, text_y);
+    const bool slow = !waits && !data.timeless && status.recent_realtime_factor < 0.99;
     ImGui::PushStyleColor(ImGuiCol_Text, slow ? colours::warning : colours::text);
-    ImGui::TextUnformatted(figures.c_str());
+    ImGui::TextUnformatted(shown.c_str());
     ImGui::PopStyleColor();
     at(right, button_y);
     if (button("F1 help", help_width)) state.help_shown = !state.help_shown;

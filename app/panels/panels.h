@@ -76,19 +76,20 @@ struct PanelData {
   std::string input_note{};    // why material and friction can't be changed now; empty: they can
   ColourScale colour_scale{};  // of the picture behind the panels
   ToolDriver driver = ToolDriver::User;
-  std::string script{};                    // name of the script or recording; empty: none at hand
-  std::string frozen_reason{};             // what the watchdog saw, and where; used while frozen
-  double frames_per_second = 0;            // 0: not shown
-  std::optional<Notice> notice{};          // what has to be said
-  const PressCurves* presses = nullptr;    // of the session; null: none are kept
-  const TaskScore* task = nullptr;         // the search for lumps; null: there is none
-  bool revealed = false;                   // it is over
-  bool timeless = false;                   // nothing that the clock says of this machine
-  double pull_N = -1;                      // of the spring under the pointer; < 0: nothing is pulled
-  double hand_depth_m = 0;                 // that the gliding hand presses
-  bool hand_on_skin = false;               // it glides
-  std::optional<TimelineView> timeline{};  // null: nothing is kept
-  std::span<const std::string> scenes{};   // to open: the program's own, then those of late
+  std::string script{};                       // name of the script or recording; empty: none at hand
+  std::string frozen_reason{};                // what the watchdog saw, and where; used while frozen
+  double frames_per_second = 0;               // 0: not shown
+  std::optional<Notice> notice{};             // what has to be said
+  const PressCurves* presses = nullptr;       // of the session; null: none are kept
+  const TaskScore* task = nullptr;            // the search for lumps; null: there is none
+  bool revealed = false;                      // it is over
+  bool timeless = false;                      // nothing that the clock says of this machine
+  double pull_N = -1;                         // of the spring under the pointer; < 0: nothing is pulled
+  double hand_depth_m = 0;                    // that the gliding hand presses
+  bool hand_on_skin = false;                  // it glides
+  std::optional<TimelineView> timeline{};     // null: nothing is kept
+  const ForceHistory* past_forces = nullptr;  // of the earlier moment that is looked at; null: of the present
+  std::span<const std::string> scenes{};      // to open: the program's own, then those of late
 };
 
 /// What the user sets in the panels and keeps from frame to frame.
@@ -122,6 +123,7 @@ struct PanelRequests {
   bool full_screen = false, demo = false, quit = false, quit_now = false;
   bool section_through_tool = false, section_faces = false;
   bool mark = false, unmark = false, submit = false;
+  bool search_again = false;       // the same task from its beginning
   bool upright = false;            // the probe stands on the skin again
   std::optional<bool> glide;       // the hand's mode
   std::optional<ToolChoice> tool;  // another probe
@@ -160,6 +162,10 @@ void drawNotice(const Theme&, const PanelData&, const Rect& view, PanelRequests&
 void drawTimeline(const Theme&, const PanelData&, const Rect& view, PanelState&, PanelRequests&);
 void drawPullForce(const Theme&, const PanelData&);
 void drawDemoForce(const Theme&, const PanelData&);
+/// Where that stands: in the lower right corner.
+Rect demoForcePlace(const Theme&, const PanelData&);
+/// What it leaves of the view for what lies at its foot: the part beside it or, in a narrow window, above it.
+Rect besideDemoForce(const Rect& view, const Rect& force, float scale);
 void drawFileMenu(const Theme&, PanelState&, PanelRequests&);
 void drawOpenDialog(const Theme&, const PanelData&, PanelState&, PanelRequests&);
 void drawQuitDialog(const Theme&, PanelState&, PanelRequests&);

@@ -66,9 +66,14 @@ std::vector<std::reference_wrapper<const Press>> lastOf(const std::deque<Press>&
   return {all.end() - static_cast<std::ptrdiff_t>(std::min(count, all.size())), all.end()};
 }
 
+const ForceHistory& shownForces(const PanelData& data) {
+  return data.past_forces != nullptr ? *data.past_forces : data.forces;
+}
+
 /// Force over depth: the present course, the presses before it, and what they are held against.
 void drawDepthPlot(const PanelData& data, float height, const PanelState& state) {
-  const auto raw = data.forces.rawOverDepth(), filtered = data.forces.filteredOverDepth();
+  const ForceHistory& forces = shownForces(data);
+  const auto raw = forces.rawOverDepth(), filtered = forces.filteredOverDepth();
   PlotAxes axes = axesOver(raw, filtered);
   axes.x_label = "mm";
   axes.y_label = "N over depth";
@@ -170,7 +175,8 @@ void drawForceCard(const Theme& theme, const PanelData& data, float height, Pane
   const float plot_height = std::clamp(0.138F * height, 92 * theme.scale, 220 * theme.scale);
   ImGui::PushFont(theme.small);
   {
-    const auto raw = data.forces.rawOverTime(), filtered = data.forces.filteredOverTime();
+    const ForceHistory& forces = shownForces(data);
+    const auto raw = forces.rawOverTime(), filtered = forces.filteredOverTime();
     PlotAxes axes = axesOver(raw, filtered);
     axes.x_label = "s";
     axes.y_label = "N over time";

@@ -124,10 +124,10 @@ void drawProblem(const Theme& theme, PanelState& state) {
 
 void drawQuitDialog(const Theme& theme, PanelState& state, PanelRequests& requests) {
   const float s = theme.scale;
-  beginDialog(theme, "##quit", "Quit without saving?");
+  beginDialog(theme, "##quit", "Leave without submitting?");
   ImGui::TextUnformatted("A task is under way; its answers would be lost.");
   ImGui::Spacing();
-  if (button("Quit", 90 * s)) requests.quit_now = true;
+  if (button("Leave", 90 * s)) requests.quit_now = true;
   ImGui::SameLine();
   if (button("Stay", 90 * s)) state.quit_asked = false;
   endDialog();

@@ -59,23 +59,50 @@ void drawPullForce(const Theme& theme, const PanelData& data) {
   ImGui::PopFont();
 }
 
+namespace {
+float demoSize(const Theme& theme) {
+  return std::min(3.2F * theme.big->FontSize, 0.13F * ImGui::GetIO().DisplaySize.x);
+}
+std::string demoNumber(const PanelData& data) { return format("%.2f N", data.force.sample.force_filtered.norm()); }
+std::string demoDepth(const PanelData& data) {
+  const double depth = data.force.sample.depth_m;
+  return depth > 0 ? format("%.1f mm deep", 1e3 * depth) : std::string("in air");
+}
+}  // namespace
+
+Rect demoForcePlace(const Theme& theme, const PanelData& data) {
+  const float s = theme.scale, size = demoSize(theme);
+  const ImVec2 screen = ImGui::GetIO().DisplaySize;
+  const float number = theme.big->CalcTextSizeA(size, FLT_MAX, 0, demoNumber(data).c_str()).x;
+  const float depth = theme.big->CalcTextSizeA(theme.big->FontSize, FLT_MAX, 0, demoDepth(data).c_str()).x;
+  const float width = std::max(number, depth) + 36 * s, height = size + 58 * s;
+  return {screen.x - width - 12 * s, screen.y - height - 12 * s, width, height};
+}
+
+Rect besideDemoForce(const Rect& view, const Rect& force, float scale) {
+  constexpr float least_width = 300;  // px at scale 1, of the timeline's buttons
+  Rect rest = view;
+  if (force.x - view.x >= least_width * scale)
+    rest.width = force.x - view.x;
+  else
+    rest.height = std::max(1.0F, force.y - view.y);
+  return rest;
+}
+
 /// The force so large that it is read from the back of a room.
 void drawDemoForce(const Theme& theme, const PanelData& data) {
-  const float s = theme.scale, size = 3.2F * theme.big->FontSize;
-  const ImVec2 screen = ImGui::GetIO().DisplaySize;
+  const float s = theme.scale, size = demoSize(theme);
   const ForceSample& force = data.force.sample;
-  const std::string number = format("%.2f N", force.force_filtered.norm());
-  const std::string depth = force.depth_m > 0 ? format("%.1f mm deep", 1e3 * force.depth_m) : std::string("in air");
-  const ImVec2 extent = theme.big->CalcTextSizeA(size, FLT_MAX, 0, number.c_str());
-  const ImVec2 at{screen.x - extent.x - 30 * s, screen.y - extent.y - 62 * s};
+  const std::string number = demoNumber(data);
+  const Rect place = demoForcePlace(theme, data);
+  const ImVec2 at{place.x + 18 * s, place.y + 8 * s};
   ImDrawList* draw = ImGui::GetBackgroundDrawList();
-  draw->AddRectFilled({at.x - 18 * s, at.y - 8 * s}, {screen.x - 12 * s, screen.y - 12 * s}, IM_COL32(22, 26, 32, 190),
-                      12 * s);
+  draw->AddRectFilled({place.x, place.y}, {place.right(), place.bottom()}, IM_COL32(22, 26, 32, 190), 12 * s);
   const ImU32 colour = !data.force.fresh            ? colours::stale
                        : force.doubt != Doubt::None ? colours::warning
                                                     : colours::accent;
   draw->AddText(theme.big, size, at, colour, number.c_str());
-  draw->AddText(theme.big, theme.big->FontSize, {at.x, at.y + extent.y}, colours::text, depth.c_str());
+  draw->AddText(theme.big, theme.big->FontSize, {at.x, at.y + size}, colours::text, demoDepth(data).c_str());
 }
 
 }  // namespace palpate::app

@@ -25,7 +25,7 @@ constexpr std::array view_help{
     HelpLine{"Right drag", "move the view"},
     HelpLine{"Wheel, F", "nearer, further; the whole organ"},
     HelpLine{"X, G", "cut the organ open, see through its skin"},
-    HelpLine{"1 2 3 4, N, P", "tissue, displacement, stress, J; nodes, points"},
+    HelpLine{"1 2 3 4, N, P", "tissue, displacement, stress, volume; nodes, points"},
     HelpLine{"H, F10, F11", "hide the panels, demo, full screen"},
     HelpLine{"F12", "save the picture"},
 };

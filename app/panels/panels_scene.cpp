@@ -107,13 +107,14 @@ void drawViewCard(const Theme& theme, const PanelData& data, View& view, PanelRe
   ImGui::Checkbox("Fixed skin", &view.show_fixed);
   ImGui::SameLine(left + half);
   ImGui::Checkbox("Tool", &view.show_tool);
-  ImGui::Checkbox("Nodes", &view.show_nodes);
-  ImGui::SameLine(left + half);
-  ImGui::Checkbox("Points", &view.show_points);
-  if (data.task != nullptr && !data.revealed)
-    note(theme, "Cutting it open and seeing through wait until the answers are in.");
-  else
+  if (data.task != nullptr && !data.revealed) {
+    note(theme, "What shows the inside (cut, seeing through, stress, nodes) waits until the answers are in.");
+  } else {
+    ImGui::Checkbox("Nodes", &view.show_nodes);
+    ImGui::SameLine(left + half);
+    ImGui::Checkbox("Points", &view.show_points);
     drawInside(view, requests);
+  }
   ImGui::Spacing();
 }
 

@@ -37,6 +37,7 @@ void drawTaskCard(const Theme& theme, const PanelData& data, PanelState& state, 
     drawSheet(sheet);
     if (sheet.missed_too_light > 0)
       note(theme, "Lumps were missed where you pressed too lightly to reach them, or not at all.", colours::warning);
+    if (button("Search again", ImGui::GetContentRegionAvail().x)) requests.search_again = true;
     ImGui::Spacing();
     return;
   }

@@ -17,6 +17,12 @@ std::string fitted(const std::string& text, float width) {
   return cut + dots;
 }
 
+const std::string& lastThatFits(const std::vector<std::string>& texts, float width) {
+  for (std::size_t k = texts.size(); k-- > 1;)
+    if (ImGui::CalcTextSize(texts[k].c_str()).x <= width) return texts[k];
+  return texts.front();
+}
+
 bool beginPane(const char* id, const Rect& place, ImGuiWindowFlags more) {
   ImGui::SetNextWindowPos({place.x, place.y}, ImGuiCond_Always);
   ImGui::SetNextWindowSize({place.width, place.height}, ImGuiCond_Always);

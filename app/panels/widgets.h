@@ -4,12 +4,16 @@
 
 #include <map>
 #include <string>
+#include <vector>
 
 #include "app/panels/layout.h"
 #include "app/panels/theme.h"
 #include "base/number_text.h"
 
 namespace palpate::app {
+
+/// The last of these that is no wider than `width`, px, or the first: a number is left out rather than cut.
+const std::string& lastThatFits(const std::vector<std::string>& texts, float width);
 
 /// `text` shortened with an ellipsis so that it is at most `width` px wide in the present font.
 std::string fitted(const std::string& text, float width);

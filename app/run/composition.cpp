@@ -36,6 +36,12 @@ PanelRequests drawComposition(OrganView& organ, Interface& ui, const Session& se
   const TaskScore* task = session.task();
   const bool hidden = task != nullptr && !session.revealed();
   if (hidden) drawn.ghost = drawn.section.on = false;
+  if (hidden && !session.options().offscreen) {  // all that tells what lies inside
+    drawn.show_nodes = drawn.show_points = false;
+    drawn.picked_point = -1;
+    if (drawn.colour_map == ColourMap::VonMises || drawn.colour_map == ColourMap::J)
+      drawn.colour_map = ColourMap::Tissue;
+  }
   if (drawn.ghost || drawn.section.on) drawn.balls = ballsInside(session.model(), snapshot.u);
   if (task != nullptr)
     for (const LumpMark& mark : task->marks()) drawn.balls.push_back({mark.place, mark_radius});
@@ -55,6 +61,7 @@ PanelRequests drawComposition(OrganView& organ, Interface& ui, const Session& se
   if (shown.timeline && shown.timeline->past) {  // all of that moment
     data.force = {snapshot.force, 0, true};
     data.notice.reset();
+    data.past_forces = shown.past_forces;
   }
   const PanelRequests requests = drawPanels(ui.theme(), data, layout, panels, view);
   ui.end();

@@ -38,7 +38,8 @@ struct Shown {
   bool hand_on_skin = false;
   std::span<const std::string> scenes{};
   std::optional<TimelineView> timeline{};
-  bool timing = true;  // what the clock says of this machine
+  const ForceHistory* past_forces = nullptr;  // of the earlier moment that is looked at
+  bool timing = true;                         // what the clock says of this machine
 };
 
 /// Draws organ and panels into the framebuffer that is bound, between ui.begin() and

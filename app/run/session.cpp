@@ -19,6 +19,7 @@
 #include "mechanics/materials/material_law.h"
 #include "realtime/device/open_device.h"
 #include "simulation/model_hash.h"
+#include "simulation/tick_cost.h"
 
 namespace palpate::app {
 
@@ -53,7 +54,8 @@ std::optional<Recording> recordingToReplay(const Options& options, const Scene& 
   return recording;
 }
 
-Model buildModelOf(const Scene& scene, bool use_cache, Log& log, const LoadProgress& progress) {
+/// @param timed  the run will keep to the clock
+Model buildModelOf(const Scene& scene, bool use_cache, bool timed, Log& log, const LoadProgress& progress) {
   const bool watched = isatty(STDERR_FILENO) != 0;
   const auto warn = [&](const std::string& line) {
     if (watched) std::cerr << "\r\033[K";  // over the progress
@@ -79,6 +81,7 @@ Model buildModelOf(const Scene& scene, bool use_cache, Log& log, const LoadProgr
   if (model.added_mass > 0)
     log.info(format("mass scaling added %.3g %% to the mass: the same forces at rest, slower motion",
                     100 * model.added_mass));
+  if (const std::string late = rateWarning(model); timed && !late.empty()) log.warning(late);
   return model;
 }
 
@@ -114,13 +117,15 @@ bool isTask(const Scene& scene) {
 }
 
 Model modelOf(const Options& options, Scene& scene, Log& log, const LoadProgress& progress) {
-  const auto build = [&](const Scene& as_read) { return buildModelOf(as_read, options.use_cache, log, progress); };
+  const bool timed = !options.as_fast_as_possible && !options.check_lumps;
+  const auto build = [&](const Scene& as_read) {
+    return buildModelOf(as_read, options.use_cache, timed, log, progress);
+  };
   if (!isTask(scene)) return build(scene);
   TaskMaking making;
-  making.build = [&](const Scene& as_read) {
-    Model model = build(as_read);
-    if (progress) progress("feeling whether the lumps can be found", 1);
-    return model;
+  making.build = build;
+  making.progress = [&](double fraction) {
+    if (progress) progress("feeling whether the lumps can be found", fraction);
   };
   making.read = [&](int layout) { return readScene(options, layout); };
   making.say = [&](const std::string& line) { log.info(line); };

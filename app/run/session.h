@@ -90,6 +90,8 @@ class Session {
 
   /// The last minutes' forces (not in a soak), and the presses of the session.
   const std::deque<ForceSample>& samples() const { return samples_; }
+  /// What the plots show of an earlier moment, as far as it is kept.
+  ForceHistory forcesUntil(double time_s) const;
   const PressCurves& presses() const { return presses_; }
   void clearPresses() { presses_.clear(); }
 

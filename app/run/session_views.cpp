@@ -28,6 +28,14 @@ MaterialView mixedView(const MaterialSpec& spec, std::size_t mixtures) {
 
 }  // namespace
 
+ForceHistory Session::forcesUntil(double time_s) const {
+  ForceHistory history(forces_.seconds());
+  const auto first = std::lower_bound(samples_.begin(), samples_.end(), time_s - forces_.seconds(),
+                                      [](const ForceSample& sample, double t) { return sample.time_s < t; });
+  for (auto sample = first; sample != samples_.end() && sample->time_s <= time_s; ++sample) history.add(*sample);
+  return history;
+}
+
 TimingView Session::timing(const Snapshot& snapshot) const {
   constexpr int bar_count = 80;
   const DeadlineStatistics& statistics = loop_->statistics();

@@ -43,7 +43,9 @@ Camera Viewer::shownCamera() const {
 }
 
 Layout Viewer::layout(const CanvasSize& size) const {
-  return layoutFor(size.width, size.height, ui_.theme().scale, panels_.panels_shown);
+  const float overlays =
+      (view_.colour_map != ColourMap::Tissue ? legend_room : 0) + (panels_.timeline_shown ? timeline_room : 0);
+  return layoutFor(size.width, size.height, ui_.theme().scale, panels_.panels_shown, overlays);
 }
 
 void Viewer::send(const std::vector<Request>& requests) {
@@ -272,6 +274,8 @@ ProgramRequests Viewer::frame(double seconds, const std::vector<std::string>& sc
         view_.pull_target - organ_.skinPositions()[static_cast<std::size_t>(view_.pulled_vertex)].cast<double>());
   more.timeline = TimelineView{past_.begin_s(), snapshot.force.time_s, looked_at_.value_or(snapshot.force.time_s),
                                looked_at_.has_value()};
+  if (looked_at_) past_forces_ = session_.forcesUntil(*looked_at_);
+  more.past_forces = looked_at_ ? &*past_forces_ : nullptr;
   const Snapshot& drawn = looked_at_ ? past_.at(*looked_at_) : snapshot;
   PanelRequests requests = drawComposition(organ_, ui_, session_, drawn, view_, panels_, layout(size), size, more);
   requests.save_picture |= actions.save_picture;
@@ -280,8 +284,9 @@ ProgramRequests Viewer::frame(double seconds, const std::vector<std::string>& sc
   requests.mark |= actions.mark;
   applyRequests(requests, snapshot, size);
   ProgramRequests program;
-  program.quit = ((actions.quit || requests.quit) && !asksBeforeQuit()) || requests.quit_now;
-  program.open_scene = requests.open_scene;
+  program.quit = (actions.quit || requests.quit) && !asksBeforeQuit();
+  program.agreed = requests.quit_now;
+  program.open_scene = requests.search_again ? session_.options().scene : requests.open_scene;
   program.open_script = requests.open_script;
   program.open_recording = requests.open_recording;
   program.tool = requests.tool;
@@ -293,6 +298,20 @@ bool Viewer::asksBeforeQuit() {
   const bool unsaved = task != nullptr && !session_.revealed() && !task->marks().empty();
   panels_.quit_asked |= unsaved;
   return unsaved;
+}
+
+ProgramRequests Viewer::withConsent(const ProgramRequests& wish) {
+  if (!panels_.quit_asked) asked_.reset();  // the user stays
+  if (wish.agreed) {
+    panels_.quit_asked = false;
+    if (asked_) return *std::exchange(asked_, {});
+    ProgramRequests quit;
+    quit.quit = true;
+    return quit;
+  }
+  if (!wish.leaves() || !asksBeforeQuit()) return wish;
+  asked_ = wish;
+  return {};
 }
 
 Picture Viewer::picture() {

@@ -16,6 +16,9 @@ struct ProgramRequests {
   bool quit = false;
   std::string open_scene, open_script, open_recording;  // empty: none
   std::optional<ToolChoice> tool;                       // the same scene with another probe
+  bool agreed = false;                                  // what would be lost may be lost
+
+  bool leaves() const { return !open_scene.empty() || !open_script.empty() || !open_recording.empty() || tool; }
 };
 
 /// One session in the window: what the user sees, holds and sets. Main thread.
@@ -28,6 +31,8 @@ class Viewer {
   ProgramRequests frame(double seconds, const std::vector<std::string>& scenes);
   /// Whether quitting would lose something; then the user is asked.
   bool asksBeforeQuit();
+  /// The wish, or none until the user has agreed to lose what leaving this session would lose.
+  ProgramRequests withConsent(const ProgramRequests& wish);
 
   /// The present picture, drawn once more.
   Picture picture();
@@ -66,7 +71,9 @@ class Viewer {
   double frame_seconds_ = 0;     // mean of the last ones
   Shown shown_;
   PastPictures past_;
-  std::optional<double> looked_at_;  // s of the run, of the earlier picture that is shown
+  std::optional<ProgramRequests> asked_;     // that waits for consent
+  std::optional<double> looked_at_;          // s of the run, of the earlier picture that is shown
+  std::optional<ForceHistory> past_forces_;  // up to then
 };
 
 }  // namespace palpate::app

@@ -46,7 +46,9 @@ class Shell {
         ui_(window_.handle(), window_.interfaceScale()),
         recent_(RecentScenes::userFile()),
         renderer_name_(reinterpret_cast<const char*>(glGetString(GL_RENDERER))) {
-    log_.info("OpenGL: " + renderer_name_ + ", drawing at low priority: " + priority_);
+    const std::string done = "done: ";
+    log_.info("OpenGL: " + renderer_name_ +
+              (priority_.starts_with(done) ? ", drawn at low priority" : ", not drawn at low priority: " + priority_));
   }
 
   /// The session, or null where the user would not wait. Throws what its making throws.
@@ -200,12 +202,13 @@ Next Shell::show(Session& session, Viewer& viewer, bool resume) {
     if (watch_) watch_(session, viewer);
     for (const std::string& file : window_.takeDropped())
       if (const std::string problem = takeDropped(file, wish, panels_); !problem.empty()) tell(problem);
+    wish = viewer.withConsent(wish);
     if (wish.quit) break;
     if (window_.closeAsked()) {
       if (!viewer.asksBeforeQuit()) break;
       window_.forgetClose();
     }
-    if (!wish.open_scene.empty() || !wish.open_script.empty() || !wish.open_recording.empty() || wish.tool) {
+    if (wish.leaves()) {
       try {  // what can be seen to be wrong leaves the present session as it is
         next.options = nextOptions(session.options(), wish);
         checkOptions(next.options);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 
@@ -19,9 +20,11 @@ struct Unfelt {
 /// The first lump that can't be felt at the working depth (LumpFeel), if any. Each lump is pressed and the tissue
 /// beside it (about a second); what came of it is kept in `cache_folder` for the next start.
 /// @param cache_folder  "": nothing is kept
-std::optional<Unfelt> unfeltLump(const Model& model, const std::string& cache_folder);
+/// @param progress  as feelLumps
+std::optional<Unfelt> unfeltLump(const Model& model, const std::string& cache_folder,
+                                 const std::function<void(double)>& progress = {});
 
 /// Throws InputError at that lump, with what to change.
-void requireFelt(const Model& model, const std::string& cache_folder);
+void requireFelt(const Model& model, const std::string& cache_folder, const std::function<void(double)>& progress = {});
 
 }  // namespace palpate::app

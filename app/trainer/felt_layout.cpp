@@ -10,12 +10,12 @@ namespace palpate::app {
 Model makeTask(Scene& scene, const TaskMaking& making) {
   if (!scene.places.contains("lumps.count") || scene.places.contains("lumps.layout")) {
     Model model = making.build(scene);
-    requireFelt(model, making.cache_folder);
+    requireFelt(model, making.cache_folder, making.progress);
     return model;
   }
   for (int layout = 1;; ++layout) {
     Model model = making.build(scene);
-    const std::optional<Unfelt> unfelt = unfeltLump(model, making.cache_folder);
+    const std::optional<Unfelt> unfelt = unfeltLump(model, making.cache_folder, making.progress);
     if (!unfelt) return model;
     if (layout == most_layouts)
       throw InputError(

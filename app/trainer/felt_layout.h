@@ -14,6 +14,7 @@ struct TaskMaking {
   std::function<Scene(int layout)> read;  // the scene, with the lumps of its seed in another layout (lumps.layout)
   std::function<void(const std::string&)> say{};  // gets what was decided
   std::string cache_folder{};                     // as requireFelt
+  std::function<void(double)> progress{};         // of feeling the lumps, 0 .. 1; may throw to end it
 };
 
 /// Layouts of a seed that are tried: of the assets' levels three in four can be felt, so a millionth of seeds has none.

@@ -74,15 +74,21 @@ std::vector<Lump> lumpsOf(const Body& model) {
   return lumps;
 }
 
-std::vector<LumpFeel> feelLumps(const Model& model, double depth) {
+std::vector<LumpFeel> feelLumps(const Model& model, double depth, const std::function<void(double)>& progress) {
   const std::vector<Lump> lumps = lumpsOf(model);
   const SkinSurface skin(model.skin.surface);
   Workspace workspace(model, std::max(1, model.scene.threads));
   std::vector<LumpFeel> feels;
   feels.reserve(lumps.size());
-  for (const Lump& lump : lumps)
-    feels.push_back({pressSlope(model, lump.foot, depth, workspace),
-                     pressSlope(model, besideOf(lump, lumps, skin), depth, workspace)});
+  const auto slopeAt = [&](const SkinSurface::Place& place, double presses) {
+    if (progress) progress(presses / static_cast<double>(2 * lumps.size()));
+    return pressSlope(model, place, depth, workspace);
+  };
+  for (const Lump& lump : lumps) {
+    const auto done = static_cast<double>(2 * feels.size());
+    const double above = slopeAt(lump.foot, done);
+    feels.push_back({above, slopeAt(besideOf(lump, lumps, skin), done + 1)});
+  }
   return feels;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include "app/run/skin_surface.h"
@@ -29,6 +30,7 @@ inline constexpr double least_feel = 1.5;  // ratio from which a trained finger 
 /// Presses the scene's tool in above each lump and beside it, on states of its own; some tenths of a second each.
 /// Beside means the same skin 2.5 to 4 lump radii away, as far from all lumps as can be.
 /// @param depth  m, the working depth
-std::vector<LumpFeel> feelLumps(const Model& model, double depth);
+/// @param progress  called before each press with the share that is done; may throw to end it
+std::vector<LumpFeel> feelLumps(const Model& model, double depth, const std::function<void(double)>& progress = {});
 
 }  // namespace palpate::app

@@ -64,13 +64,15 @@ std::int32_t guarded(palpate_error* error, Action action) noexcept {
 template <class T>
 T given(const T* in) {
   T value{};
-  if (in != nullptr && !isSize(in->size)) throw Refusal(PALPATE_BAD_ARGUMENT, "options.size is not sizeof its struct");
+  if (in != nullptr && !isSize(in->size)) throw Refusal(PALPATE_BAD_ARGUMENT, "a struct whose size is not sizeof it");
   if (in != nullptr) std::memcpy(&value, in, std::min<std::size_t>(in->size, sizeof(T)));
   return value;
 }
 
 inline bool isPose(const double* p) {
   if (p == nullptr || !std::all_of(p, p + 7, [](double v) { return std::isfinite(v); })) return false;
+  constexpr double farthest = 1e6;  // m: beyond, steps towards it are lost to rounding
+  if (!std::all_of(p, p + 3, [](double x) { return std::abs(x) <= farthest; })) return false;
   const double size = p[3] * p[3] + p[4] * p[4] + p[5] * p[5] + p[6] * p[6];
   return size > 0.25 && size < 4;
 }

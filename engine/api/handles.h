@@ -27,4 +27,5 @@ struct palpate_simulation {
   std::vector<palpate::Material> materials;  // as last asked for
   std::uint64_t step_sequence = 0;           // of the last pose given to palpate_step
   std::atomic<bool> running{false};
+  int process = 0;  // that made it: one that was forked off has a copy without physics threads
 };

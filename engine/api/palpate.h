@@ -4,8 +4,9 @@
  *   simulation   one body's state, advanced by palpate_step on your thread or, between palpate_start and
  *                palpate_stop, at the scene's rate on a thread of its own
  *
- * Lengths are m, forces N, times s, angles rad. A pose is 7 doubles: x, y, z of the tool's tip, then the quaternion
- * x, y, z, w that turns the tool's frame into the world's. The tool's own axis is +z, from the tip into the handle.
+ * Lengths are m, forces N, times s, angles rad. A pose is 7 doubles: x, y, z of the tool's tip (within 1e6), then the
+ * quaternion x, y, z, w that turns the tool's frame into the world's. The tool's own axis is +z, from the tip into the
+ * handle.
  *
  * Structs begin with their size: set it to sizeof before a call. A library that knows more fields than you fills those
  * that you know; one that knows fewer leaves yours at 0.
@@ -19,6 +20,10 @@
  *   (viewer)   likewise
  *   (any)      any number of threads at any time
  * palpate_destroy must be the last.
+ *
+ * Processes: after a fork the child may use the parent's models and make simulations of its own. Its copies of the
+ * parent's simulations have no threads: those that did not run can be stepped, but palpate_start is PALPATE_REFUSED
+ * where the scene asks for several.
  */
 #ifndef PALPATE_H
 #define PALPATE_H
@@ -236,7 +241,7 @@ PALPATE_API int32_t palpate_skin_positions(palpate_simulation* simulation, float
 PALPATE_API int32_t palpate_contacts(palpate_simulation* simulation, int32_t* vertex, float* force, int32_t capacity,
                                      int32_t* count);
 
-/* (control) Coulomb coefficient between tool and tissue, from the next tick on. */
+/* (control) Coulomb coefficient between tool and tissue, 0 to 2, from the next tick on. */
 PALPATE_API int32_t palpate_set_friction(palpate_simulation* simulation, double coefficient);
 
 /* (control) Parameters of a material, from the next tick on; those not named stay. PALPATE_REFUSED where it is stiffer

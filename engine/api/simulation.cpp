@@ -1,3 +1,5 @@
+#include <unistd.h>
+
 #include <span>
 
 #include "api/border.h"
@@ -28,6 +30,7 @@ palpate_simulation::palpate_simulation(std::shared_ptr<const Model> shared, int 
       loop(*model, physics, &physics.team(), loopOptions()),
       start(loop.memory()),
       materials(model->materials) {
+  process = getpid();
   const FlushedDenormals here;  // setUpLoopThread leaves them flushed
   setUpLoopThread(&physics.team(), false);
 }
@@ -109,6 +112,7 @@ int32_t palpate_start(palpate_simulation* simulation, uint32_t flags) {
   if (simulation == nullptr || (flags & ~static_cast<std::uint32_t>(PALPATE_ORDINARY_THREAD)) != 0)
     return PALPATE_BAD_ARGUMENT;
   if (simulation->running) return PALPATE_BUSY;
+  if (simulation->process != getpid() && simulation->physics.team().size() > 1) return PALPATE_REFUSED;
   return guarded(nullptr, [&] {
     simulation->loop.setRealTime((flags & PALPATE_ORDINARY_THREAD) == 0);
     simulation->loop.start();
@@ -162,7 +166,8 @@ int32_t palpate_read(const palpate_simulation* simulation, palpate_state* state)
 }
 
 int32_t palpate_set_friction(palpate_simulation* simulation, double coefficient) {
-  if (simulation == nullptr || !std::isfinite(coefficient) || coefficient < 0) return PALPATE_BAD_ARGUMENT;
+  constexpr double largest = 2;  // as of scenes
+  if (simulation == nullptr || !(coefficient >= 0 && coefficient <= largest)) return PALPATE_BAD_ARGUMENT;
   return guarded(nullptr, [&] { return send(*simulation, Request::setFriction(coefficient)); });
 }
 

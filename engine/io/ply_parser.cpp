@@ -73,6 +73,9 @@ class PlyReader {
     if (!ascii_ && format != "binary_little_endian" && format != "binary_big_endian")
       refuse(inQuotes(format) + " is not a PLY format", "it is ascii, binary_little_endian or binary_big_endian");
     big_endian_ = format == "binary_big_endian";
+    for (const PlyElement& element : elements_)  // left out in silence they would be a hole, or all of the organ
+      if (element.name == "tristrips" && element.count > 0)
+        throw InputError(element.place, "triangle strips are not read", "export plain faces: element face");
   }
 
   void readElements() {

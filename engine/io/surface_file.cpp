@@ -58,12 +58,18 @@ void leaveOutUnreadable(SurfaceFile& file) {
   dropUnusedVertices(file.surface, file.source);
 }
 
+/// Refuses the first vertex that is too far away, at its line.
 void checkVertices(const SurfaceFile& file, const std::string& path) {
   for (std::size_t i = 0; i < file.surface.vertices.size(); ++i) {
     if (isNear(file.surface.vertices[i])) continue;
     const auto& line = file.source.vertex_line;
+    int axis = 0;
+    const Vec3& x = file.surface.vertices[i];
+    for (int c = 0; c < 3; ++c)
+      if (!(std::abs(x[c]) <= max_coordinate)) axis = c;
     throw InputError({path, i < line.size() ? line[i] : 0, 0},
-                     "vertex " + std::to_string(i + 1) + " is more than a billion metres away",
+                     "vertex " + std::to_string(i + 1) + " has " + std::string(1, "xyz"[axis]) + " = " +
+                         format("%.3g", x[axis]) + " m, more than a billion metres away",
                      "check it, and the surface's unit or scale");
   }
 }
@@ -87,16 +93,16 @@ SurfaceFile readSurface(const std::string& path, double scale, const SourceLocat
 SurfaceFile surfaceFrom(const std::string& bytes, const std::string& path, double scale, SurfaceReading reading) {
   std::string ending = std::filesystem::path(path).extension().string();
   for (char& c : ending) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  const auto format =
+  const auto parser =
       std::find_if(std::begin(formats), std::end(formats), [&](const Format& f) { return ending == f.ending; });
-  if (format == std::end(formats)) {
+  if (parser == std::end(formats)) {
     throw InputError({path, 0, 0}, "\"" + ending + "\" is not a surface format that can be read",
                      "use one of " + surfaceFormats());
   }
   if (bytes.find_first_not_of(" \t\r\n") == std::string::npos) {
     throw InputError({path, 0, 0}, "the file is empty", "export the organ as OBJ or STL");
   }
-  SurfaceFile result = format->parse(bytes, path, reading);
+  SurfaceFile result = parser->parse(bytes, path, reading);
   if (result.surface.triangles.size() > max_faces) {
     throw InputError({path, 0, 0}, std::to_string(result.surface.triangles.size()) + " faces",
                      "simplify the surface: ten thousand faces show an organ well");
@@ -105,7 +111,9 @@ SurfaceFile surfaceFrom(const std::string& bytes, const std::string& path, doubl
   if (reading == SurfaceReading::Tolerant) {
     leaveOutUnreadable(result);
     if (result.surface.triangles.empty()) {
-      format->parse(bytes, path, SurfaceReading::Strict);  // says what is wrong first, and where
+      SurfaceFile again = parser->parse(bytes, path, SurfaceReading::Strict);  // says what is wrong first, and where
+      for (Vec3& x : again.surface.vertices) x *= scale;
+      checkVertices(again, path);
       throw InputError({path, 0, 0}, "no face of this file can be read", "export the surface again");
     }
   }

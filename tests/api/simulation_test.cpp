@@ -1,3 +1,6 @@
+#include <sys/wait.h>
+#include <unistd.h>
+
 #include <Eigen/Geometry>
 #include <atomic>
 #include <catch2/catch.hpp>
@@ -276,6 +279,42 @@ TEST_CASE("What can't be used is told with its place, and leaves the caller's pr
   refused("yuong", 5000, PALPATE_BAD_ARGUMENT, "young, poisson");
   CHECK(palpate_set_material(simulation.get(), 1, nullptr, 0, &error) == PALPATE_BAD_ARGUMENT);
   CHECK(hashOf(simulation) == rest);
+}
+
+TEST_CASE("What can't be meant is refused, not done in part", "[api]") {
+  const ModelHandle model = loadBlock();
+  const SimulationHandle simulation = create(model);
+  auto pose = poseAtDepth(describe(model), 0);
+  pose[0] = 1e300;  // it would go nowhere
+  CHECK(palpate_step(simulation.get(), 1, pose.data(), nullptr) == PALPATE_BAD_ARGUMENT);
+  pose[0] = -1e5;
+  CHECK(palpate_step(simulation.get(), 1, pose.data(), nullptr) == PALPATE_OK);
+  CHECK(palpate_set_friction(simulation.get(), 1e300) == PALPATE_BAD_ARGUMENT);
+  CHECK(palpate_set_friction(simulation.get(), 2) == PALPATE_OK);
+}
+
+TEST_CASE("A process that was forked off steps its copies and makes its own, but starts no threads that it has not",
+          "[api]") {
+#ifdef __SANITIZE_THREAD__
+  return;  // it allows no threads after a fork
+#endif
+  const ModelHandle model = loadBlock(touched_block_text + "[dynamics]\nthreads = 2\n");
+  const SimulationHandle simulation = create(model);
+  REQUIRE(palpate_step(simulation.get(), 3, nullptr, nullptr) == PALPATE_OK);
+  const pid_t child = fork();
+  if (child == 0) {
+    alarm(60);  // a thread that waits for one that is not there
+    const bool refused = palpate_start(simulation.get(), PALPATE_ORDINARY_THREAD) == PALPATE_REFUSED;
+    const bool steps = palpate_step(simulation.get(), 3, nullptr, nullptr) == PALPATE_OK;
+    palpate_simulation* own = nullptr;
+    const bool makes = palpate_create(model.get(), &own, nullptr) == PALPATE_OK &&
+                       palpate_start(own, PALPATE_ORDINARY_THREAD) == PALPATE_OK && palpate_stop(own) == PALPATE_OK;
+    palpate_destroy(own);
+    _exit(refused && steps && makes ? 0 : 1);
+  }
+  int status = -1;
+  REQUIRE(waitpid(child, &status, 0) == child);
+  CHECK(status == 0);
 }
 
 TEST_CASE("A caller with an older, shorter struct gets what it knows and nothing behind it", "[api]") {

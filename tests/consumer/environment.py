@@ -16,6 +16,22 @@ model = palpate.Model(scene)
 environment = palpate.Environment(model, ticks=5, seconds=0.2, scatter=0.002)
 
 
+def refused(kind, call, text):
+    try:
+        call()
+    except kind as error:
+        assert text in str(error), error
+    else:
+        sys.exit(f"not refused: {text}")
+
+
+refused(palpate.Error, lambda: environment.step(model.tool_start), "reset() the environment")
+refused(TypeError, lambda: palpate.Simulation(scene), "made of a Model")
+refused(ValueError, lambda: palpate.Model("block\0.toml"), "zero byte")
+refused(TypeError, lambda: environment.simulation.step(ticks=1.5), "float")
+refused(palpate.Error, lambda: environment.simulation.step(ticks=-1), "step: ")
+
+
 def episode(seed):
     first, info = environment.reset(seed=seed)
     assert info["state"].force.tolist() == [0, 0, 0]

@@ -182,6 +182,17 @@ TEST_CASE("PLY, OFF and VTK are read, text or binary, to the same tetrahedron", 
   CHECK(surfaceFrom(text_ply + "", "a.ply").source.triangle_line[1] == 17);
 }
 
+TEST_CASE("What a reader would leave out of the shape in silence is refused", "[io][surface][refusal]") {
+  const std::string strips =
+      replaced(text_ply, "end_header", "element tristrips 1\nproperty list int int vertex_indices\nend_header");
+  for (const SurfaceReading reading : {SurfaceReading::Strict, SurfaceReading::Tolerant})
+    CHECK_THAT(refusal([&] { surfaceFrom(strips + "4 0 1 2 3\n", "strips.ply", 1, reading); }),
+               Contains("strips.ply:") && Contains("triangle strips") && Contains("export plain faces"));
+  // All of it beyond any place: the first coordinate is named, whoever reads.
+  CHECK_THAT(refusal([&] { surfaceFrom(cube_obj, "cube.obj", 1e12, SurfaceReading::Tolerant); }),
+             Contains("cube.obj:") && Contains(" = 1e+12 m, more than a billion metres away"));
+}
+
 TEST_CASE("Counts that a file is too short for are refused before memory is taken", "[io][surface][refusal]") {
   const auto message = [](const std::string& bytes, const std::string& name) {
     return refusal([&] { surfaceFrom(bytes, name); });
@@ -218,6 +229,7 @@ TEST_CASE("Bad OBJ files are refused at their place, with advice", "[io][surface
       {"v 1 1 1\n", "v 1 1 nan\n", "cube.obj:10:7", "not finite", "export the file again"},
       {"v 1 1 1\n", "v 1 1 inf\n", "cube.obj:10:7", "not finite", "export the file again"},
       {"v 1 1 1\n", "v 1 1e999 1\n", "cube.obj:10:5", "beyond what a number can hold", "units"},
+      {"v 1 1 1\n", "v 1 -1e12 1\n", "cube.obj:10", "vertex 7 has y = -1e+12 m", "scale"},
       {"v 1 1 1\n", "v 1 1\n", "cube.obj:10", "coordinate 3 of this vertex is missing", "cut short"},
       {"v 1 1 1\n", "v 1 one 1\n", "cube.obj:10:5", "\"one\" is not a number", "like 0.125"},
       {"v 1 1 1\n", "v 1 1,5 1\n", "cube.obj:10:5", "\"1,5\" is not a number", "like 0.125"},
@@ -302,9 +314,10 @@ TEST_CASE("Missing, empty and foreign files are refused", "[io][surface][refusal
              Contains("use one of .obj, .stl, .ply, .off, .vtk"));
   const std::string far = "v 0 0 0\nv 1 0 0\nv 0 -2e9 0\nf 1 2 3\n";
   CHECK_THAT(refusal([&] { readSurface(folder.write("a.obj", far)); }),
-             Contains("a.obj:3: vertex 3 is more than a billion metres away") && Contains("unit"));
+             Contains("a.obj:3: vertex 3 has y = -2e+09 m, more than a billion metres away") && Contains("unit"));
   CHECK_NOTHROW(readSurface(folder.write("a.obj", far), 0.1));
-  CHECK_THAT(refusal([&] { readSurface(folder.write("a.obj", far), 1e308); }), Contains("a.obj:2: vertex 2 is more"));
+  CHECK_THAT(refusal([&] { readSurface(folder.write("a.obj", far), 1e308); }),
+             Contains("a.obj:2: vertex 2 has x = 1e+308 m"));
   CHECK_THAT(refusal([&] { readSurface(folder.write("a.obj", cube_obj), -1); }), Contains("scale must be positive"));
   const std::string l_shape = "v 0 0 0\nv 2 0 0\nv 2 1 0\nv 1 1 0\nv 1 2 0\nv 0 2 0\nf 3 4 5 6 1 2\n";
   const SurfaceFile l = readSurface(folder.write("l.obj", l_shape));

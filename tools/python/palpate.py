@@ -14,6 +14,7 @@ quaternion x, y, z, w. What may be called by which thread, and what each number 
 """
 import ctypes as C
 import glob
+import operator
 import os
 
 import numpy as np
@@ -178,7 +179,15 @@ def _call(name, *arguments, error=None):
     code = getattr(library(), "palpate_" + name)(*arguments)
     if code != OK:
         text = error.text.decode(errors="replace") if error is not None else ""
-        raise Error(code, text or library().palpate_result_text(code).decode())
+        raise Error(code, text or name + ": " + library().palpate_result_text(code).decode())
+
+
+def _path(value):
+    """A file's name as the library takes it."""
+    name = os.fsencode(value)
+    if b"\0" in name:
+        raise ValueError("a file's name with a zero byte")
+    return name
 
 
 def _pose(value):
@@ -199,8 +208,8 @@ class Model:
 
     def __init__(self, scene, threads=0, rate_hz=0, cache=None):
         self._handle = C.c_void_p()
-        options = _Options(threads=threads, rate_hz=rate_hz, cache_folder=os.fsencode(cache) if cache else None)
-        _call("load", os.fsencode(scene), C.byref(options), C.byref(self._handle), error=_Error())
+        options = _Options(threads=threads, rate_hz=rate_hz, cache_folder=_path(cache) if cache else None)
+        _call("load", _path(scene), C.byref(options), C.byref(self._handle), error=_Error())
         info = _Info()
         _call("describe", self._handle, C.byref(info))
         self.node_count, self.point_count = info.node_count, info.point_count
@@ -226,7 +235,7 @@ class Model:
 
     def script(self, name=None):
         """Poses (ticks, 7) of a tool script, by file or name; None: the indentation of an off-screen run."""
-        count, text = C.c_int64(), os.fsencode(name or "")
+        count, text = C.c_int64(), _path(name or "")
         _call("script", self._handle, text, None, 0, C.byref(count), error=_Error())
         poses = np.empty((count.value, 7))
         _call("script", self._handle, text, poses.ctypes.data, len(poses), C.byref(count), error=_Error())
@@ -244,6 +253,8 @@ class Simulation:
     """A body and its tool. One thread calls at a time, but read() is for any; see palpate.h."""
 
     def __init__(self, model):
+        if not isinstance(model, Model):
+            raise TypeError(f"a simulation is made of a Model, not of {type(model).__name__}")
         self.model = model
         self._handle = C.c_void_p()
         _call("create", model._handle, C.byref(self._handle), error=_Error())
@@ -264,12 +275,18 @@ class Simulation:
     def step(self, pose=None, ticks=1):
         """Ticks on this thread, the tool at `pose` (7), or where it was. Returns the last one's State."""
         raw = _State()
-        _call("step", self._handle, ticks, _pose(pose), C.byref(raw))
+        _call("step", self._handle, operator.index(ticks), _pose(pose), C.byref(raw))
         return State(raw)
 
     def start(self, real_time=True):
         """Goes on by itself at the model's rate. real_time: ask the system for real-time scheduling."""
-        _call("start", self._handle, 0 if real_time else 1)
+        try:
+            _call("start", self._handle, 0 if real_time else 1)
+        except Error as error:
+            if error.code != REFUSED:
+                raise
+            raise Error(REFUSED, "a forked process has none of this simulation's threads; make a Simulation in it") \
+                from None
 
     def stop(self):
         _call("stop", self._handle)
@@ -365,6 +382,7 @@ class Environment:
         self.simulation = Simulation(self.model)
         self.ticks, self.seconds, self.scatter = ticks, seconds, scatter
         self.random = np.random.default_rng()
+        self.start = None
 
     def reward(self, state):
         return 0.0
@@ -384,6 +402,8 @@ class Environment:
         return self.observe(state), {"state": state}
 
     def step(self, action):
+        if self.start is None:
+            raise Error(REFUSED, "reset() the environment before its first step")
         action = np.asarray(action, dtype=np.float64)
         pose = np.concatenate([action, self.start[3:]]) if action.shape == (3,) else action
         state = self.simulation.step(pose, self.ticks)
@@ -411,6 +431,8 @@ def image(simulation, width=640, height=480):
             raise Error(FAILED, f"no pictures: {reason}; build Palpate with PALPATE_APP=ON") from None
         _image.palpate_image.argtypes = [C.c_void_p, C.c_void_p, C.c_void_p, C.c_int32, C.c_int32, C.POINTER(_Error)]
         _image.palpate_image.restype = C.c_int32
+    if simulation._handle is None:
+        raise Error(BAD_ARGUMENT, "the simulation is closed")
     rgba, error = np.empty((height, width, 4), dtype=np.uint8), _Error()
     code = _image.palpate_image(simulation._handle, None, rgba.ctypes.data, width, height, C.byref(error))
     if code != OK:

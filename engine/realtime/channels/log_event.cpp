@@ -98,6 +98,19 @@ std::string sentence(const LogEvent& e) {
 
 }  // namespace
 
+/// What the hand can do; what the scene's author can is in the log.
+static const char* adviceToHand(Doubt doubt) {
+  switch (doubt) {
+    case Doubt::Step:
+      return "press slower";
+    case Doubt::Energy:
+    case Doubt::Lost:
+      return "reset";
+    default:
+      return "press less";
+  }
+}
+
 std::string briefText(const LogEvent& event) {
   const Overload& o = event.overload;
   const std::string late = format("%lld late tick%s in %.1f s", static_cast<long long>(o.late_ticks),
@@ -109,6 +122,10 @@ std::string briefText(const LogEvent& event) {
       return "the computer is too slow: " + late;
     case LogEvent::Kind::OverloadEnded:
       return "on time again after " + late;
+    case LogEvent::Kind::Doubted: {
+      const std::string cause = sentence(event);
+      return cause.substr(0, cause.rfind(": ") + 2) + adviceToHand(static_cast<Doubt>(event.index));
+    }
     default:
       return sentence(event);
   }

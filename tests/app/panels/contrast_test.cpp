@@ -76,7 +76,8 @@ TEST_CASE("All that is written in the panels can be read", "[panels][contrast]")
     }
     for (const ImGuiCol what :
          {ImGuiCol_FrameBg, ImGuiCol_FrameBgHovered, ImGuiCol_FrameBgActive, ImGuiCol_Button, ImGuiCol_ButtonHovered,
-          ImGuiCol_ButtonActive, ImGuiCol_Header, ImGuiCol_HeaderHovered, ImGuiCol_HeaderActive}) {
+          ImGuiCol_ButtonActive, ImGuiCol_Header, ImGuiCol_HeaderHovered, ImGuiCol_HeaderActive, ImGuiCol_SliderGrab,
+          ImGuiCol_SliderGrabActive, ImGuiCol_PlotHistogram}) {
       INFO(ImGui::GetStyleColorName(what));
       const Vec3f ground = style.ground(what, pane);
       CHECK(contrast(over(colours::text, ground), ground) >= readable);

@@ -45,6 +45,15 @@ TEST_CASE("The default window has all panels; hidden panels leave all to the vie
   CHECK(hidden.view.height == 800);
 }
 
+TEST_CASE("Where legend and timeline leave the organ too little, the log goes", "[layout]") {
+  const float both = legend_room + timeline_room;
+  CHECK(layoutFor(640, 400, 1, true).log.width > 0);
+  const Layout small = layoutFor(640, 400, 1, true, both);
+  CHECK(small.log.width == 0);
+  CHECK(small.view.height - both > 180);
+  CHECK(layoutFor(900, 600, 1, true, both).log.width > 0);
+}
+
 TEST_CASE("The force stays in sight down to 640x400, and all panels can be reached at 900x600", "[layout]") {
   for (const auto& [width, height] : {std::pair{900, 600}, {640, 400}}) {
     const Layout layout = layoutFor(width, height, 1, true);

@@ -1,4 +1,5 @@
 #include "app/panels/panels.h"
+#include "app/panels/widgets.h"
 
 #include <imgui.h>
 #include <imgui_internal.h>
@@ -48,6 +49,8 @@ class Panels {
           .model = model_, .snapshot = snapshot_, .forces = forces_, .log = log_, .timing = timing_, .force = force_};
       data.materials.push_back({Material::neoHookean(3000, 0.49, 1000), 1.0, "capsule", 2, true, 3000, 6000, 0.495});
       data.notice = notice_;
+      data.timeline = timeline_;
+      if (state_.demo) demo_place_ = demoForcePlace(theme_, data);
       data.frozen_reason = "12 integration points are inverted";
       names = drawPanels(data, width, height);
       ImGui::Render();
@@ -65,6 +68,8 @@ class Panels {
   std::optional<Notice> notice_;
   View view_;
   PanelRequests requests_;
+  std::optional<TimelineView> timeline_;
+  Rect demo_place_;
 
  private:
   std::string drawPanels(const PanelData& data, int width, int height) {
@@ -203,6 +208,36 @@ TEST_CASE("In a small window nothing is wider than its column, and the force is 
     CHECK(column->Pos.y + 110 < static_cast<float>(height));  // heading and both numbers
     CHECK(windowNamed("##bar")->ContentSize.x <= windowNamed("##bar")->Size.x);
   }
+}
+
+TEST_CASE("The demo's force, the timeline and the legend lie beside or above each other", "[panels]") {
+  Panels panels;
+  panels.state_.panels_shown = false;
+  panels.state_.demo = panels.state_.timeline_shown = true;
+  panels.timeline_ = TimelineView{0, 10, 10, false};
+  for (const auto& [width, height] : {std::pair{1600, 1000}, {900, 600}, {640, 400}, {480, 400}}) {
+    panels.draw(width, height);
+    const ImGuiWindow* timeline = windowNamed("##timeline");
+    REQUIRE(timeline != nullptr);
+    INFO(width << "x" << height);
+    const Rect& force = panels.demo_place_;
+    CHECK((timeline->Pos.x + timeline->Size.x <= force.x || timeline->Pos.y + timeline->Size.y <= force.y));
+    CHECK(timeline->Pos.x >= 0);
+    CHECK(force.x >= 0);
+    CHECK(force.bottom() <= static_cast<float>(height));
+  }
+}
+
+TEST_CASE("A figure that has no room is left out, not cut", "[panels]") {
+  Panels panels;
+  ImGui::GetIO().DisplaySize = {640, 400};
+  ImGui::NewFrame();
+  const std::vector<std::string> figures{"", "t 1.00 s", "t 1.00 s   real time x1.000"};
+  const float first = ImGui::CalcTextSize(figures[1].c_str()).x, both = ImGui::CalcTextSize(figures[2].c_str()).x;
+  CHECK(lastThatFits(figures, both) == figures[2]);
+  CHECK(lastThatFits(figures, both - 1) == figures[1]);
+  CHECK(lastThatFits(figures, first - 1).empty());
+  ImGui::Render();
 }
 
 TEST_CASE("Panels are drawn in windows of any size, with all that can be open", "[panels]") {
