@@ -11,7 +11,7 @@ namespace palpate {
 
 /// How many corners may still be looked at while polygons are cut: a corner costs a few nanoseconds.
 struct CutBudget {
-  std::int64_t visits = 400'000'000;
+  std::int64_t visits = 200'000'000;
 };
 
 /// Cuts a polygon, concave or not and nearly flat, into corner_count - 2 triangles of its corners (indices into
