@@ -7,14 +7,15 @@
 
 namespace palpate {
 
-/// The value of a field by modified moving least squares (Mmls) where its gradient is not asked for, at less than half
+/// The value of a field by modified moving least squares (Mmls) where its gradient is not asked for, at a quarter of
 /// the cost: u(x) = sum_j N_j(x) u_j.
 ///
 /// Reusable scratch: one object per thread; no allocation once the largest support was seen.
 /// Test: approximation/mmls_value_test.cpp (equal to Mmls to rounding).
 class MmlsValue {
  public:
-  explicit MmlsValue(const MmlsOptions& options) : options_(options) {}
+  explicit MmlsValue(const MmlsOptions& options);
+  ~MmlsValue();
   void use(const MmlsOptions& options) { options_ = options; }
 
   /// A node of the support of x.
@@ -34,7 +35,8 @@ class MmlsValue {
   bool solve(const Vec3& x, const std::vector<Node>& support, Vec3& u);
 
   MmlsOptions options_;
-  std::vector<double> w_, p_;  // (node_count), (node_count * padded size of the basis)
+  struct Packed;
+  std::vector<Packed> pack_;  // of the support
 };
 
 }  // namespace palpate

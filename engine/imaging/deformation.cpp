@@ -1,6 +1,8 @@
 #include "imaging/deformation.h"
 
 #include <algorithm>
+#include <array>
+#include <atomic>
 #include <cmath>
 
 #include "approximation/mmls_value.h"
@@ -22,6 +24,21 @@ constexpr double last_step = 3e-6;
 constexpr double polished = 1e-5;
 constexpr int max_polishings = 3;
 
+/// Side of the cubes whose points share a list of nodes that may reach them, in least radii: smaller cubes are filled
+/// more often, larger ones' lists have more nodes that are too far. A cube has some ten samples, hundreds of voxels.
+constexpr double cube_side = 0.35;
+
+/// Cubes that a thread keeps: a slab of them through a brain.
+constexpr std::size_t kept_cubes = 2048;
+
+std::atomic<std::uint64_t> deformation_count{0};
+
+/// Radii of nodes by which they reach the middles of all cubes whose points they reach.
+std::vector<double> reachOf(std::vector<double> radius, double side) {
+  for (double& r : radius) r += std::sqrt(0.75) * side * (1 + 1e-9);
+  return radius;
+}
+
 /// Iterations after which Newton's method from a sample nearby gives up.
 constexpr int patient = 30;
 
@@ -34,6 +51,10 @@ MmlsDeformation::MmlsDeformation(std::vector<Vec3> X, std::vector<double> radius
       radius_(std::move(radius)),
       options_(options),
       neighbours_(X_, radius_),
+      side_(radius_.empty() ? 1 : cube_side * *std::min_element(radius_.begin(), radius_.end())),
+      reach_(reachOf(radius_, side_)),
+      in_reach_(X_, reach_),
+      number_(++deformation_count),
       surface_(std::move(surface)) {}
 
 bool MmlsDeformation::at(const Vec3& X, Vec3& u, Mat3& gradient) const {
@@ -64,21 +85,48 @@ bool MmlsDeformation::at(const Vec3& X, Vec3& u, Mat3& gradient) const {
   return true;
 }
 
+struct MmlsDeformation::Cube {
+  std::uint64_t owner = 0;  // its number
+  std::array<std::int64_t, 3> place{};
+  std::vector<int> node;
+};
+
+const MmlsDeformation::Cube& MmlsDeformation::cubeAround(const Vec3& X) const {
+  static thread_local std::vector<Cube> kept(kept_cubes);
+  std::array<std::int64_t, 3> place;
+  Vec3 middle;
+  for (std::size_t a = 0; a < 3; ++a) {
+    const auto c = static_cast<Eigen::Index>(a);
+    place[a] = static_cast<std::int64_t>(std::floor(X[c] / side_));
+    middle[c] = (static_cast<double>(place[a]) + 0.5) * side_;
+  }
+  // Those of a slab 64 wide and 32 long fall in places of their own.
+  Cube& cube = kept[static_cast<std::uint64_t>(place[0] + 64 * place[1] + 1009 * place[2]) % kept_cubes];
+  if (cube.owner != number_ || cube.place != place) {
+    in_reach_.find(middle, cube.node);
+    const auto isBeyond = [&](int j) {  // of the whole cube
+      const auto n = static_cast<std::size_t>(j);
+      const Vec3 gap = ((X_[n] - middle).cwiseAbs().array() - 0.5 * side_).max(0.0);
+      return gap.squaredNorm() > radius_[n] * radius_[n] * (1 + 1e-9);
+    };
+    cube.node.erase(std::remove_if(cube.node.begin(), cube.node.end(), isBeyond), cube.node.end());
+    cube.owner = number_;
+    cube.place = place;
+  }
+  return cube;
+}
+
 bool MmlsDeformation::value(const Vec3& X, Vec3& u) const {
-  struct Scratch {
-    std::vector<int> support;
-    std::vector<MmlsValue::Node> node;
-  };
-  static thread_local Scratch s;
+  static thread_local std::vector<MmlsValue::Node> support;
   static thread_local MmlsValue mmls{MmlsOptions{}};
   mmls.use(options_);
-  neighbours_.find(X, s.support);
-  s.node.clear();
-  for (const int j : s.support) {
+  if (!X.allFinite()) return false;
+  support.clear();
+  for (const int j : cubeAround(X).node) {
     const auto n = static_cast<std::size_t>(j);
-    s.node.push_back({X_[n], radius_[n], u_[n]});
+    if ((X_[n] - X).squaredNorm() < radius_[n] * radius_[n]) support.push_back({X_[n], radius_[n], u_[n]});
   }
-  return mmls.at(X, s.node, u);
+  return mmls.at(X, support, u);
 }
 
 double MmlsDeformation::surfaceDistance(const Vec3& X, double other, double apart) const {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <vector>
 
@@ -50,7 +51,15 @@ class MmlsDeformation : public Deformation {
   std::vector<Vec3> X_, u_;
   std::vector<double> radius_;
   MmlsOptions options_;
+  /// Nodes that may reach points of a cube, of which a thread keeps those it was in.
+  struct Cube;
+  const Cube& cubeAround(const Vec3& X) const;
+
   Neighbours neighbours_;
+  double side_;                // m, of the cubes
+  std::vector<double> reach_;  // (node_count) m, from a cube's middle
+  Neighbours in_reach_;
+  std::uint64_t number_;  // no two have the same
   SurfaceTree surface_;
 };
 

@@ -115,6 +115,14 @@ void addCells(const CellVolumeSpec& spec, CellVolumeOf<Real>& result) {
   result.volume.assign(volume.begin(), volume.end());
 }
 
+/// Where patches average a share of the volume only, they and so the cells stand for that share of their energy.
+template <class Real>
+void averageLess(const std::vector<double>& averaged, CellVolumeOf<Real>& cells) {
+  for (std::size_t a = 0; a < averaged.size(); ++a) cells.volume[a] *= static_cast<Real>(averaged[a]);
+  for (std::size_t corner = 0; corner < cells.share.size(); ++corner)
+    cells.share[corner] *= static_cast<Real>(averaged[static_cast<std::size_t>(cells.cell_node[corner])]);
+}
+
 }  // namespace
 
 std::vector<std::uint8_t> nodesBetweenBonds(const CellVolumeSpec& spec) {
@@ -149,6 +157,7 @@ CellVolumeOf<Real> makeCellVolume(const CellVolumeSpec& spec) {
   addCells(spec, result);
   result.kept = nodesBetweenBonds(spec);
   result.patch_volume.assign(spec.patches.volume.begin(), spec.patches.volume.end());
+  if (!spec.patches.own.empty()) averageLess(averagedShares(spec.patches), result);
   return result;
 }
 
@@ -205,8 +214,14 @@ CellVolumeReference referenceCellVolume(const CellVolumeSpec& spec, const std::v
       x[a] += spec.node_shape.N[e] * u[spec.node_shape.node[e]];
   std::vector<double> change(nodes, 0), cell_volume(nodes, 0), weight(nodes, 0);
   const auto kept = nodesBetweenBonds(spec), bonded = bondedNodes(spec);
+  const auto averaged = averagedShares(spec.patches);
+  const auto shares = [&](const std::array<int, 4>& cell) {
+    auto share = sharesOf(cell, bonded);
+    for (std::size_t v = 0; v < 4; ++v) share[v] *= averaged[static_cast<std::size_t>(cell[v])];
+    return share;
+  };
   for (const auto& cell : cells) {
-    const auto share = sharesOf(cell, bonded);
+    const auto share = shares(cell);
     for (int v = 0; v < 4; ++v) {
       cell_volume[cell[v]] += share[v] * signedVolume(spec.X, cell);
       change[cell[v]] += share[v] * (signedVolume(x, cell) - signedVolume(spec.X, cell));
@@ -229,7 +244,7 @@ CellVolumeReference referenceCellVolume(const CellVolumeSpec& spec, const std::v
                      cell_volume[a] * weight[a] * (p * p / (2 * K[a]) - boundedEnergy(p, limit, K[a]));
   }
   for (const auto& cell : cells) {
-    const auto share = sharesOf(cell, bonded);
+    const auto share = shares(cell);
     double p = 0;
     for (int v = 0; v < 4; ++v) p += share[v] * result.cell_pressure[cell[v]];
     const auto edge = [&](int v) { return Vec3(x[cell[v]] - x[cell[0]]); };

@@ -45,8 +45,11 @@ class StiffnessAtRest {
         stress_[q] = mu * (H + H.transpose()) - 2.0 / 3 * mu * H.trace() * Mat3::Identity();
       }
     });
-    const std::vector<double> averaged =
-        patches_.empty() ? std::vector<double>() : patchPressure(patches_, volume_, dilatation_);
+    std::vector<double> averaged;
+    if (!patches_.empty()) {
+      averaged = patchPressure(patches_, volume_, dilatation_);
+      addOwnPressure(patches_, point_material_, materials_, dilatation_, averaged);
+    }
     const std::vector<double>& pressure = patches_.empty() ? dilatation_ : averaged;
     parallelFor(
         part_count,

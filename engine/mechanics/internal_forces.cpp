@@ -29,6 +29,7 @@ KernelView<Real> viewOf(const KernelLayoutOf<Real>& layout, const KernelMaterial
   k.patch_bulk = materials.patch_bulk.data();
   k.patch_node = layout.patch_node.data();
   k.patch_weight = layout.patch_weight.data();
+  k.own_bulk = layout.own_bulk.empty() ? nullptr : layout.own_bulk.data();
   k.chunk_begin = layout.chunk_begin.data();
   k.chunk_node_begin = layout.chunk_node_begin.data();
   k.chunk_node_end = layout.chunk_node_end.data();
@@ -137,7 +138,11 @@ std::vector<double> pressures(const ShapeTable& shape, const std::vector<double>
   std::vector<double> p;
   p.reserve(volume.size());
   for (int q = 0; q < shape.rowCount(); ++q) p.push_back(deformationGradient(shape, q, u).determinant() - 1);
-  if (!patches.empty()) return patchPressure(patches, volume, p);
+  if (!patches.empty()) {
+    std::vector<double> pressure = patchPressure(patches, volume, p);
+    addOwnPressure(patches, point_material, materials, p, pressure);
+    return pressure;
+  }
   for (int q = 0; q < shape.rowCount(); ++q) p[q] *= materials[point_material[q]].bulk_modulus;
   return p;
 }
@@ -165,7 +170,8 @@ double strainEnergy(const ShapeTable& shape, const std::vector<double>& volume, 
     const double change = F.determinant() - 1;
     energy += volume[q] * material.energy(F);
     if (patches.empty()) continue;
-    energy -= volume[q] * 0.5 * material.bulk_modulus * change * change;  // the patches' instead
+    const double averaged = patches.own.empty() ? 1 : 1 - patches.own[q];
+    energy -= averaged * volume[q] * 0.5 * material.bulk_modulus * change * change;  // the patches' instead
     for (int a = 0; a < 4; ++a)
       theta[patches.node[q][a]] += volume[q] * patches.weight[q][a] / patches.volume[patches.node[q][a]] * change;
   }

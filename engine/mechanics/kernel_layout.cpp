@@ -84,6 +84,14 @@ void addPatches(KernelLayoutOf<Real>& layout, const std::vector<double>& volume,
       if (!layout.shear_share.empty()) layout.patch_weight[at] /= layout.shear_share[slot];
     }
   }
+  if (!patches.own.empty()) {
+    layout.own_bulk.assign(layout.point.size(), Real(0));
+    for (std::size_t slot = 0; slot < layout.point.size(); ++slot) {
+      if (layout.point[slot] < 0) continue;
+      layout.own_bulk[slot] = static_cast<Real>(patches.own[layout.point[slot]]);
+      if (!layout.shear_share.empty()) layout.own_bulk[slot] *= layout.bulk_share[slot] / layout.shear_share[slot];
+    }
+  }
 
   layout.patch_begin.assign(patches.volume.size() + 1, 0);
   for (const auto& nodes : patches.node)

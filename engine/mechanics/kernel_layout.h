@@ -46,8 +46,10 @@ struct KernelLayoutOf {
   std::vector<std::int32_t> patch_point;  // its points' places in `point`, ascending, and
   AlignedVector<Real> patch_share;        // s_aq
   std::vector<std::int32_t> patch_node;   // (64 * batch_count) [vertex 4][point 16] per batch
-  AlignedVector<Real> patch_weight;       // (64 * batch_count) l_a(x_q)
-  CellVolumeOf<Real> cell_volume;         // takes over under pressure; empty: nothing does
+  AlignedVector<Real> patch_weight;       // (64 * batch_count) (1 - o_q) l_a(x_q)
+  AlignedVector<Real> own_bulk;    // (16 * batch_count) o_q, over the batch's material's bulk modulus and divided
+                                   // by shear_share; empty: patches average all
+  CellVolumeOf<Real> cell_volume;  // takes over under pressure; empty: nothing does
   // Chunks: fixed work packages, so that the sum over them does not depend on the thread count.
   std::vector<int> chunk_begin;                       // (chunk_count + 1) batches
   std::vector<int> chunk_node_begin, chunk_node_end;  // (chunk_count) range of nodes that a chunk touches

@@ -158,13 +158,16 @@ struct Kernel {
     }
   }
 
-  /// Pressure of points from their nodes' patches: sum_a l_a K_a theta_a.
-  Simd<Real> patchPressure(int first_point) const {
+  /// Pressure of points from their nodes' patches, sum_a l_a K_a theta_a, and what they keep for themselves.
+  Simd<Real> patchPressure(int first_point, double bulk_modulus) const {
     using Lanes = Simd<Real>;
     const std::ptrdiff_t first = static_cast<std::ptrdiff_t>(first_point / 16) * 64 + first_point % 16;
     Lanes p = Real(0);
     for (int a = 0; a < 4; ++a)
       p += Lanes::load(&k.patch_weight[first + 16 * a]) * Lanes::at(k.patch_pressure, &k.patch_node[first + 16 * a]);
+    if (k.own_bulk != nullptr)
+      p += static_cast<Real>(bulk_modulus) * Lanes::load(&k.own_bulk[first_point]) *
+           Lanes::load(&k.dilatation[first_point]);
     return p;
   }
 
@@ -211,7 +214,7 @@ struct Kernel {
         if (patches) {
           for (int c = 0; c < 9; ++c)
             H[c] = Lanes::load(&k.displacement_gradient[static_cast<std::ptrdiff_t>(batch) * 144 + 16 * c + first]);
-          const Lanes pressure = patchPressure(first_point);
+          const Lanes pressure = patchPressure(first_point, material.bulk_modulus);
           state = lanes.firstPiola(H, P, &pressure);
           sums.max_pressure = max(sums.max_pressure, pressure * by_shear);
         } else {

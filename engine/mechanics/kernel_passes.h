@@ -36,6 +36,7 @@ struct KernelView {
   const Real* patch_bulk;
   const std::int32_t* patch_node;
   const Real* patch_weight;
+  const Real* own_bulk;  // null: patches average all
   const int* chunk_begin;
   const int* chunk_node_begin;
   const int* chunk_node_end;

@@ -7,13 +7,14 @@ namespace palpate {
 namespace {
 
 constexpr double min_weight = 1e-6;  // of a point for a node of its cell: no patch has points but no volume
+constexpr double max_own = 0.999;    // of a point's volume: the same
 
 }  // namespace
 
 NodePatches makeNodePatches(const std::vector<Vec3>& X, const std::vector<std::array<int, 4>>& cells,
                             const std::vector<Vec3>& point_X, const std::vector<double>& volume,
                             const std::vector<int>& point_cell, const std::vector<int>& point_material,
-                            const std::vector<Material>& materials) {
+                            const std::vector<Material>& materials, double own_bulk) {
   NodePatches patches;
   patches.volume.assign(X.size(), 0);
   patches.bulk_modulus.assign(X.size(), 0);
@@ -27,6 +28,11 @@ NodePatches makeNodePatches(const std::vector<Vec3>& X, const std::vector<std::a
       double sum = 0;
       for (double& w : weight) sum += w = std::max(w, min_weight);
       for (double& w : weight) w /= sum;
+    }
+    if (own_bulk > 0) {
+      const Material& material = materials[point_material[q]];
+      patches.own.push_back(std::min(max_own, own_bulk * material.shear_modulus / material.bulk_modulus));
+      for (double& w : weight) w *= 1 - patches.own.back();
     }
     for (int a = 0; a < 4; ++a) {
       patches.volume[cell[a]] += volume[q] * weight[a];
@@ -63,6 +69,28 @@ std::vector<double> patchPressure(const NodePatches& patches, const std::vector<
   std::vector<double> pressure = patchDilatation(patches, volume, J_minus_1);
   for (std::size_t a = 0; a < pressure.size(); ++a) pressure[a] *= patches.bulk_modulus[a];
   return pointPressure(patches, pressure);
+}
+
+void addOwnPressure(const NodePatches& patches, const std::vector<int>& point_material,
+                    const std::vector<Material>& materials, const std::vector<double>& J_minus_1,
+                    std::vector<double>& pressure) {
+  for (std::size_t q = 0; q < patches.own.size(); ++q)
+    pressure[q] += patches.own[q] * materials[point_material[q]].bulk_modulus * J_minus_1[q];
+}
+
+std::vector<double> averagedShares(const NodePatches& patches) {
+  std::vector<double> share(patches.volume.size(), 1);
+  if (patches.own.empty()) return share;
+  std::vector<double> whole(share.size(), 0), averaged(share.size(), 0);
+  for (std::size_t q = 0; q < patches.own.size(); ++q)
+    for (std::size_t a = 0; a < 4; ++a) {
+      const auto node = static_cast<std::size_t>(patches.node[q][a]);
+      averaged[node] += patches.weight[q][a];
+      whole[node] += patches.weight[q][a] / (1 - patches.own[q]);
+    }
+  for (std::size_t a = 0; a < share.size(); ++a)
+    if (whole[a] > 0) share[a] = averaged[a] / whole[a];
+  return share;
 }
 
 }  // namespace palpate

@@ -19,11 +19,20 @@ namespace palpate {
 /// the pointwise one: a step that is stable without patches is stable with them. This needs l_a > 0. A point that
 /// samples two cells and lies outside its own (cell_pairs.h) has some l_a <= 0: these are set to a tiny positive value,
 /// and all are scaled to a sum of 1.
+///
+/// Averaging smooths the pressure over about an edge, which costs accuracy where tissue changes over a few edges, and
+/// is needed only as far as K is large beside the shear modulus. So points may keep a share o_q of their volumetric
+/// energy for themselves; the patches get the rest (w_q (1 - o_q) in place of w_q), and
+///
+///   p_q = o_q K_q (J_q - 1) + (1 - o_q) sum_a l_a(x_q) K_a theta_a
+///
+/// Each part is never above its share of the pointwise energy, so what is said of the step holds.
 struct NodePatches {
   std::vector<std::array<int, 4>> node;       // (point_count) vertices of the point's cell
-  std::vector<std::array<double, 4>> weight;  // (point_count) l_a(x_q), summing to 1
-  std::vector<double> volume;                 // (node_count) V_a, m^3; 0 for a node in no point's cell
-  std::vector<double> bulk_modulus;           // (node_count) K_a, Pa: harmonic mean of the patch
+  std::vector<std::array<double, 4>> weight;  // (point_count) (1 - o_q) l_a(x_q), summing to 1 - o_q
+  std::vector<double> own;                    // (point_count) o_q; empty: all are 0
+  std::vector<double> volume;        // (node_count) V_a of the averaged shares, m^3; 0 for a node in no point's cell
+  std::vector<double> bulk_modulus;  // (node_count) K_a, Pa: harmonic mean of the patch
 
   bool empty() const { return node.empty(); }
 };
@@ -31,20 +40,30 @@ struct NodePatches {
 /// @param X, cells        nodes (m) and their tetrahedra
 /// Test: mechanics/node_patch_test.cpp
 /// @param point_X, volume integration points, m and m^3; point_cell: the cell of each
+/// @param own_bulk        of each point's bulk modulus what is not averaged, in shear moduli; 0: all is
 NodePatches makeNodePatches(const std::vector<Vec3>& X, const std::vector<std::array<int, 4>>& cells,
                             const std::vector<Vec3>& point_X, const std::vector<double>& volume,
                             const std::vector<int>& point_cell, const std::vector<int>& point_material,
-                            const std::vector<Material>& materials);
+                            const std::vector<Material>& materials, double own_bulk = 0);
 
 /// theta_a of the nodes from the points' J - 1, in double.
 std::vector<double> patchDilatation(const NodePatches& patches, const std::vector<double>& volume,
                                     const std::vector<double>& J_minus_1);
 
-/// p_q of the points from a pressure of each node, sum_a l_a(x_q) p_a.
+/// The patches' part of p_q of the points from a pressure of each node.
 std::vector<double> pointPressure(const NodePatches& patches, const std::vector<double>& node_pressure);
 
-/// p_q of the points from their J - 1, in double: what the fast kernel is held to.
+/// The same from their J - 1, in double: what the fast kernel is held to.
 std::vector<double> patchPressure(const NodePatches& patches, const std::vector<double>& volume,
                                   const std::vector<double>& J_minus_1);
+
+/// Adds the points' own part, o_q K_q (J_q - 1).
+void addOwnPressure(const NodePatches& patches, const std::vector<int>& point_material,
+                    const std::vector<Material>& materials, const std::vector<double>& J_minus_1,
+                    std::vector<double>& pressure);
+
+/// Which share of a node's patch is averaged, the mean over its points by l_a: exactly 1 where no point has an own one
+/// (node_count).
+std::vector<double> averagedShares(const NodePatches& patches);
 
 }  // namespace palpate

@@ -136,7 +136,7 @@ Model finish(const Scene& scene, const SurfaceTree& tree, Preparation preparatio
   completeEssential(scene, model);
   if (scene.node_patch_volume)
     model.patches = makeNodePatches(model.X, model.cells, model.point_X, model.point_volume, model.point_cell,
-                                    model.point_material, model.materials);
+                                    model.point_material, model.materials, ownBulk(scene));
   chooseTimeStep(scene, model.limit, model.X, model);
   addWeight(model);
   setBounds(model);

@@ -90,7 +90,8 @@ void addMasses(const Scene& scene, const std::vector<Vec3>& X, const BackgroundC
   p.mass = lumpedMass(X, cells.cells, cells.volume, cell_density);
   NodePatches patches;
   if (scene.node_patch_volume)
-    patches = makeNodePatches(X, cells.cells, points.X, points.volume, points.cell, p.point_material, materials);
+    patches = makeNodePatches(X, cells.cells, points.X, points.volume, points.cell, p.point_material, materials,
+                              ownBulk(scene));
   p.limit = criticalTimeStep(shape, points.volume, p.point_material, materials, p.mass, patches);
   const std::vector<double> own_mass = p.mass;
   const CriticalTimeStep own_limit = p.limit;

@@ -30,6 +30,7 @@ std::vector<Mat3> pointStresses(const Model& model, const std::vector<Vec3>& u, 
     F[q] = deformationGradient(model.point_shape, q, u);
     pressure[q] = F[q].determinant() - 1;
   }
+  const std::vector<double> J_minus_1 = pressure;
   if (model.hasCellVolume()) {
     const auto shear = patchShear(model.patches, model.point_material, model.materials);
     auto of_node = referenceCellVolume(model.cellVolume(), model.point_volume, pressure, shear, u);
@@ -40,6 +41,7 @@ std::vector<Mat3> pointStresses(const Model& model, const std::vector<Vec3>& u, 
   } else {
     for (int q = 0; q < points; ++q) pressure[q] *= model.materials[model.point_material[q]].bulk_modulus;
   }
+  addOwnPressure(model.patches, model.point_material, model.materials, J_minus_1, pressure);
   std::vector<Mat3> P(points);
   for (int q = 0; q < points; ++q) {
     const Material& material = model.materials[model.point_material[q]];
