@@ -9,6 +9,7 @@ namespace {
 
 constexpr double kRoughAway = 1.0;                               // m/s, lifting off
 constexpr double kRoughDraw = 0.1;                               // m/s, while a fold hangs on the tool
+constexpr double kRoughPatience = 2;                             // s, until it tries the other way
 constexpr double kRoughPressSlow = 0.05, kRoughPressFast = 0.3;  // m/s
 constexpr double kRoughDragSlow = 0.05, kRoughDragFast = 0.5;    // m/s
 constexpr double kRoughShortHold = 0.05, kRoughLongHold = 0.4;   // s
@@ -31,6 +32,7 @@ RoughMotion::RoughMotion(const Body& model, unsigned seed)
   }
   lift_ = high_.z() + 0.5 * model.scene.tool.radius;
   highest_ = lift_ + (high_ - low_).norm();
+  lowest_ = low_.z() - (high_ - low_).norm();
   planRound();
 }
 
@@ -77,7 +79,7 @@ void RoughMotion::planRound() {
   Vec3 away = legs_[leg_count_ - 1].goal;
   away.z() = lift_;
   add(away, kRoughAway, 0);
-  held_ = 0;
+  held_ = touched_ = 0;
   rest_.begin();
   planSettings();
   cycle_ = {.number = cycle_.number + 1};
@@ -96,10 +98,15 @@ const Request* RoughMotion::nextSetting() {
   return &settings_[setting_++];
 }
 
-/// A tool that came up beneath a fold carries it; a hand would draw it out.
+/// A tool that came up beneath a fold carries it; a hand would draw it out. One that came up beneath the organ lifts it
+/// until it can push no harder, and has to go back.
 bool RoughMotion::stillLifts(const StepReport& last) {
-  if (last.contact_count == 0 || hand_.z() >= highest_) return false;
-  hand_.z() += kRoughDraw * tick_seconds_;
+  const bool leaves_down = touched_ >= kRoughPatience;
+  if (last.contact_count == 0 || (leaves_down && hand_.z() <= lowest_)) return false;
+  if (hand_.z() >= highest_ && !leaves_down)
+    touched_ += tick_seconds_;
+  else
+    hand_.z() += (leaves_down ? -kRoughAway : kRoughDraw) * tick_seconds_;
   rest_.begin();
   return true;
 }

@@ -14,7 +14,8 @@ namespace palpate::app {
 /// A rough hand, from one seed: it pokes at 0.5 m/s to the bottom, presses and holds, drags through the organ, jumps
 /// anywhere at once, while friction (0 to 1) and the stiffness of the materials (all or half of the scene's) change.
 /// After each round of some such acts it lifts off, higher where a fold hangs on the tool, and waits until the tissue
-/// is at rest: a cycle. What it does does not depend on the tissue but for the height and the wait.
+/// is at rest: a cycle. Where the tool can't follow upwards, since the organ lies on it, the hand leaves downwards.
+/// What it does does not depend on the tissue but for this, the height and the wait.
 class RoughMotion final : public SoakHand {
  public:
   static constexpr double poke_speed = 0.5;  // m/s
@@ -53,7 +54,8 @@ class RoughMotion final : public SoakHand {
   const unsigned seed_;
   Vec3 low_, high_;     // m, the skin's box in the frame of the tool's start
   double lift_ = 0;     // m, height there at which the tool is above all of the skin
-  double highest_ = 0;  // m, to which it goes where the skin hangs on it
+  double highest_ = 0;  // m, to which it goes where the skin hangs on it,
+  double lowest_ = 0;   // and where that does not free it
   RestWatch rest_;
 
   SpscRing<SoakCycle> cycles_{1024};
@@ -62,6 +64,7 @@ class RoughMotion final : public SoakHand {
   std::size_t leg_count_ = 0, leg_ = 0;  // leg_ == leg_count_: resting
   Vec3 hand_ = Vec3::Zero();             // m, in the frame of the tool's start
   double held_ = 0;                      // s
+  double touched_ = 0;                   // s, up there
   std::array<Request, 2> settings_;
   std::size_t setting_count_ = 0, setting_ = 0;
   SoakCycle cycle_;

@@ -68,6 +68,31 @@ TEST_CASE("Under a rough hand the tissue is always there, always finite, and com
   CHECK(hashes[1] == hashes[2]);
 }
 
+TEST_CASE("A rough hand whose tool the organ lies on leaves downwards", "[rough_motion]") {
+  const Model model = test::smallModel();
+  RoughMotion motion(model, 1);
+  const State state = initialState(model);
+  StepReport touched;
+  touched.contact_count = 3;
+  Vec3 low = Vec3::Zero(), high = Vec3::Zero();
+  for (const Vec3& X : model.skin.surface.vertices) {
+    low = low.cwiseMin(X);
+    high = high.cwiseMax(X);
+  }
+  const double far = 0.9 * (high - low).norm();
+  double highest = 0;
+  SoakCycle cycle;
+  int ticks = 0;
+  for (const int most = static_cast<int>(30 * model.scene.rate_hz); !motion.cycles().pop(cycle); ++ticks) {
+    REQUIRE(ticks < most);
+    const double z = motion.next(state, touched).position.z();
+    highest = std::max(highest, z);
+    if (highest > high.z() + far && z < low.z() - far) touched.contact_count = 0;  // freed
+  }
+  CHECK(touched.contact_count == 0);
+  CHECK(cycle.rested);
+}
+
 TEST_CASE("The rough hand neither allocates nor locks", "[rough_motion]") {
   if (!test::guardAvailable()) return;
   const Model model = test::smallModel();
