@@ -86,13 +86,15 @@ float computeNeeds(const Model& model, const LiveParameters& live, Workspace& wo
 /// Where the bulk modulus is not far above mu, it is J^(-2/3) that stiffens a crumpled point.
 bool mayNeedMass(const Model& model, const LiveParameters& live, const ForceReport& forces) {
   const double rest = model.dt / model.dt_critical / followed_step_share;
-  float cof2[16], J[16], modulus[16];
+  float cof2[16], J[16], of_bulk[16], of_shear[16];
   std::fill_n(cof2, 16, static_cast<float>(std::max(forces.max_cof2, 3.0)));
   std::fill_n(J, 16, std::min(forces.min_J, 1.0F));
-  for (std::size_t m = 0; m < model.materials.size(); ++m) {
-    const auto& now = live.kernel.materials[m];
-    squeezedModulus(cof2, J, static_cast<float>(now.bulk_modulus), static_cast<float>(now.shear_modulus), modulus);
-    if (rest * rest * modulus[0] > model.materials[m].waveModulus()) return true;
+  squeezedModulus(cof2, J, 1, 0, of_bulk);
+  squeezedModulus(cof2, J, 0, 1, of_shear);
+  for (std::size_t m = 0; m < model.materials.size(); ++m) {  // hundreds where tissue mixes
+    const Material& now = live.kernel.materials[m];
+    const double modulus = now.bulk_modulus * of_bulk[0] + now.shear_modulus * of_shear[0];
+    if (rest * rest * modulus > model.materials[m].waveModulus()) return true;
   }
   return false;
 }

@@ -101,9 +101,9 @@ TEST_CASE("Squeezed tissue stays below its stable step, and near the solution of
     fine.dt /= 8;
     fine.substeps_per_tick = 8;
     const Pressed p = press(model, 0.012, 0.05, 0.3, 40), reference = press(fine, 0.012, 0.05, 0.3, 0);
-    INFO(material.lawDescription().name << ": share " << p.worst_share << ", reported " << p.worst_reported << ", mass " << p.added
-               << ", peak " << p.peak << " / " << reference.peak << " N, held " << p.held << " / " << reference.held
-               << " N");
+    INFO(material.lawDescription().name << ": share " << p.worst_share << ", reported " << p.worst_reported << ", mass "
+                                        << p.added << ", peak " << p.peak << " / " << reference.peak << " N, held "
+                                        << p.held << " / " << reference.held << " N");
     REQUIRE_FALSE(p.lost);
     CHECK(p.added > 0);
     CHECK(reference.added == 0);

@@ -89,6 +89,7 @@ TEST_CASE("A batch gives the same bits with any number of workers, keeps failure
   CHECK_FALSE(result[3].done);
   CHECK_THAT(result[3].reason, Contains("block.toml") && Contains("poisson"));
   CHECK(result[4].state_hash != result[0].state_hash);
+  CHECK(result[0].state_hash.size() == 16);
   const nlohmann::json report = nlohmann::json::parse(folder.read("three/batch.json"));
   CHECK(report["done"] == 4);
   CHECK(report["failed"] == 1);

@@ -80,8 +80,8 @@ struct Material {
 
   bool operator==(const Material&) const = default;
 
-  /// Below this J the isochoric factor J^(-a/3) continues with its slope (IsochoricFactor), so that an inverted point gets a
-  /// finite force that pushes it back. A state that gets here is flagged, not trusted.
+  /// Below this J the isochoric factor J^(-a/3) continues with its slope (IsochoricFactor), so that an inverted point
+  /// gets a finite force that pushes it back. A state that gets here is flagged, not trusted.
   static constexpr double min_isochoric_J = 0.02;
 };
 static_assert(std::is_trivially_copyable_v<Material>);  // it goes through lock-free queues

@@ -150,8 +150,8 @@ struct Ogden {
     }
 
    private:
-    /// What a term adds to the tangent modulus, Pa, where it stiffens as 4/3 mu (1 + 1/|a|) (J^(-1/3) l)^a / l^2 along a
-    /// principal stretch l: a = -4.7 is 3,000 times as stiff at l = 0.3.
+    /// What a term adds to the tangent modulus, Pa, where it stiffens as 4/3 mu (1 + 1/|a|) (J^(-1/3) l)^a / l^2 along
+    /// a principal stretch l: a = -4.7 is 3,000 times as stiff at l = 0.3.
     static Numbers stiffening(const Numbers (&q)[3], const Numbers (&squared)[3], Real mu, Real al) {
       Numbers most = Real(1);
       for (int i = 0; i < 3; ++i) most = max(most, (q[i] + Real(1)) / squared[i]);

@@ -132,7 +132,7 @@ BatchResult resultFromLine(const std::string& line, const SourceLocation& place)
   r.reason = json.value("reason", "");
   r.ticks = json.at("ticks").get<std::int64_t>();
   r.seconds = json.at("seconds").get<double>();
-  r.state_hash = json.at("state_hash").get<std::uint64_t>();
+  r.state_hash = json.at("state_hash").get<std::string>();
   r.peak_force = json.at("peak_force_N").get<double>();
   r.last_force = json.at("last_force_N").get<double>();
   r.last_depth = json.at("last_depth_m").get<double>();

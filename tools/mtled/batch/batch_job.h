@@ -39,7 +39,7 @@ struct BatchResult {
   bool done = false;
   std::string reason;  // why not
   std::int64_t ticks = 0;
-  std::uint64_t state_hash = 0;
+  std::string state_hash;                                 // 16 hex digits, as in report.json
   double seconds = 0;                                     // physics time
   double peak_force = 0, last_force = 0, last_depth = 0;  // N, N, m
   std::string doubt;                                      // the gravest, doubtName

@@ -9,6 +9,7 @@
 #include <stdexcept>
 
 #include "base/interrupt.h"
+#include "base/number_text.h"
 #include "io/find_asset.h"
 #include "io/indent_script.h"
 #include "io/load_model.h"
@@ -116,7 +117,7 @@ BatchResult runBatchJob(const BatchJob& job, const Model& model, const std::stri
   result.done = result.reason.empty();
   result.ticks = ticks;
   result.seconds = static_cast<double>(ticks) / model.scene.rate_hz;
-  result.state_hash = physics.stateHash();
+  result.state_hash = hex16(physics.stateHash());
   result.doubt = doubtName(doubt);
   rows.close();
   if (!rows) failWriting(folder + "/force.csv", errno);
