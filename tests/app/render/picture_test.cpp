@@ -28,7 +28,9 @@ Picture disc(double centre_x, int brighter = 0, int noise = 0) {
   return p;
 }
 
-std::string scratch(const char* name) { return std::filesystem::temp_directory_path() / name; }
+std::string scratch(const char* name) {
+  return std::filesystem::temp_directory_path() / (std::to_string(::getpid()) + name);
+}
 
 }  // namespace
 

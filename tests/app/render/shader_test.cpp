@@ -1,3 +1,5 @@
+#include <unistd.h>
+
 #include <catch2/catch.hpp>
 #include <cstdlib>
 #include <filesystem>
@@ -14,9 +16,9 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// A folder of shader files for one test.
+/// A folder of shader files for one test; others run at the same time.
 struct Folder {
-  fs::path path = fs::temp_directory_path() / "palpate_shader_test";
+  fs::path path = fs::temp_directory_path() / ("palpate_shader_test_" + std::to_string(::getpid()));
   Folder() {
     fs::remove_all(path);
     fs::create_directories(path);
