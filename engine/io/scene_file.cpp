@@ -94,6 +94,7 @@ void readDiscretization(const TomlTable& table, Scene& scene) {
   table.read("mu", scene.mmls_weight);
   table.read("consistent_gradients", scene.consistent_gradients);
   table.read("node_patch_volume", scene.node_patch_volume);
+  table.read("patch_stabilization", scene.patch_stabilization);
   table.read("cell_volume", scene.cell_volume);
   if (scene.cell_volume && !scene.node_patch_volume)
     throw InputError(table.place("cell_volume"), "cell_volume takes over from node patches, and there are none",

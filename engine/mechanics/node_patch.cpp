@@ -31,7 +31,8 @@ NodePatches makeNodePatches(const std::vector<Vec3>& X, const std::vector<std::a
     }
     if (own_bulk > 0) {
       const Material& material = materials[point_material[q]];
-      patches.own.push_back(std::min(max_own, own_bulk * material.shear_modulus / material.bulk_modulus));
+      const double shear = material.shear_modulus * material.longTermShare();
+      patches.own.push_back(std::min(max_own, own_bulk * shear / material.bulk_modulus));
       for (double& w : weight) w *= 1 - patches.own.back();
     }
     for (int a = 0; a < 4; ++a) {

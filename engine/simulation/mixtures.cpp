@@ -1,5 +1,6 @@
 #include "simulation/mixtures.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "base/parallel_for.h"
@@ -48,7 +49,9 @@ int mixedMaterial(const Scene& scene) {
   return 0;
 }
 
-double ownBulk(const Scene& scene) { return mixedMaterial(scene) == 0 ? 0 : mixed_own_bulk; }
+double ownBulk(const Scene& scene) {
+  return mixedMaterial(scene) == 0 ? scene.patch_stabilization : std::max(scene.patch_stabilization, mixed_own_bulk);
+}
 
 std::vector<Material> materialsOf(const Scene& scene) {
   std::vector<Material> materials;

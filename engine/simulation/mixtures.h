@@ -23,8 +23,8 @@ constexpr int mixture_steps = 255;
 /// Place of the material with a membership, or 0 where none has one.
 int mixedMaterial(const Scene& scene);
 
-/// Of a point's bulk modulus what node patches leave to the point itself, in shear moduli (makeNodePatches): 0 where
-/// nothing mixes, so that nothing else changes. Tissue that mixes changes over a few edges, and its pressure with it.
+/// Of a point's bulk modulus what node patches leave to the point itself, in shear moduli (makeNodePatches): the
+/// scene's, and more where tissue mixes: it changes over a few edges, and its pressure with it.
 double ownBulk(const Scene& scene);
 
 /// The scene's materials and then, where it mixes, those between: what point_material counts.

@@ -160,6 +160,7 @@ struct Scene {
   double mmls_weight = 0.2;          // dimensionless weight of the MMLS constraints
   bool consistent_gradients = true;  // correct the gradients to the divergence theorem (consistent_gradients.h)
   bool node_patch_volume = true;     // average the volume over node patches, against locking (node_patch.h)
+  double patch_stabilization = 2.25;  // of a point's bulk modulus what patches leave to it, in shear moduli
   bool cell_volume = false;          // hold the volume of pressed tissue by the cells' (cell_volume.h)
   bool sharp_interfaces = false;     // supports end at borders between materials (sharp_interfaces.h)
   enum class BoundaryMethod { Sebciem, Ebciem };

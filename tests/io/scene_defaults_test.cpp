@@ -22,7 +22,7 @@ std::string described(const Scene& s) {
   const auto vector = [&](const Vec3& v) { add(v.x() + 0.0, v.y() + 0.0, v.z() + 0.0); };  // no -0
   add(s.upper_half, s.repair_surface), vector(s.tissue_colour);
   add(s.spacing, s.seed, s.basis_degree, s.support_factor, s.mmls_weight, s.consistent_gradients, s.node_patch_volume);
-  add(s.cell_volume, s.sharp_interfaces);
+  add(s.patch_stabilization, s.cell_volume, s.sharp_interfaces);
   add(static_cast<int>(s.boundary_method), s.quadrature.points_per_cell, s.quadrature.cells_per_point);
   add(s.quadrature.accuracy, s.quadrature.division, s.quadrature.max_depth);
   for (const RefineSpec& r : s.refine) add(r.spacing, r.blend);

@@ -85,6 +85,7 @@ std::map<std::string, Change> changes() {
       {"discretization.mu", {full_scene, "mu = 0.05", "mu = 0.06"}},
       {"discretization.consistent_gradients", added(minimal_scene, grid, "consistent_gradients = false")},
       {"discretization.node_patch_volume", added(minimal_scene, grid, "node_patch_volume = false")},
+      {"discretization.patch_stabilization", added(minimal_scene, grid, "patch_stabilization = 3")},
       {"discretization.cell_volume", added(minimal_scene, grid, "cell_volume = true")},
       {"discretization.sharp_interfaces", added(minimal_scene, grid, "sharp_interfaces = true")},
       {"discretization.boundary_method", added(minimal_scene, grid, "boundary_method = \"ebciem\"")},

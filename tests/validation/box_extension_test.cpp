@@ -81,10 +81,13 @@ Outcome extend(bool consistent, bool patches, double spacing = 1.43e-3) {
   std::vector<double> pressure;
   for (int q = 0; q < model.pointCount(); ++q)
     pressure.push_back(deformationGradient(model.point_shape, q, u).determinant() - 1);
-  if (patches)
-    pressure = patchPressure(model.patches, model.point_volume, pressure);
-  else
+  if (patches) {
+    const std::vector<double> J_minus_1 = pressure;
+    pressure = patchPressure(model.patches, model.point_volume, J_minus_1);
+    addOwnPressure(model.patches, model.point_material, model.materials, J_minus_1, pressure);
+  } else {
     for (double& p : pressure) p *= model.materials[0].bulk_modulus;
+  }
   Outcome out;
   out.nodes = model.nodeCount();
   out.points = model.pointCount();

@@ -90,6 +90,8 @@ std::vector<FrontierSetting> frontierSettings(const Scene& scene, const ContactR
   };
   flip("consistent gradients", &Scene::consistent_gradients);
   flip("node patches", &Scene::node_patch_volume);
+  if (scene.node_patch_volume && scene.patch_stabilization > 0)
+    add("features", "patch stabilization off", [](Scene& s) { s.patch_stabilization = 0; });
   if (!quick)
     add("features", "both steps turned", [](Scene& s) {
       s.consistent_gradients = !s.consistent_gradients;
