@@ -94,6 +94,7 @@ void readDiscretization(const TomlTable& table, Scene& scene) {
   table.read("mu", scene.mmls_weight);
   table.read("consistent_gradients", scene.consistent_gradients);
   table.read("node_patch_volume", scene.node_patch_volume);
+  if (!scene.node_patch_volume) table.forbid({"patch_stabilization"}, "without node_patch_volume");
   table.read("patch_stabilization", scene.patch_stabilization);
   table.read("cell_volume", scene.cell_volume);
   if (scene.cell_volume && !scene.node_patch_volume)
