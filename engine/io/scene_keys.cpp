@@ -99,8 +99,8 @@ constexpr KeySpec scene_keys[] = {
      "more time a step and allows a longer step."},
     {"discretization", "patch_stabilization", T::Number, "", "2.25", between(0, 100), "",
      "Of a point's bulk modulus what `node_patch_volume` leaves to the point itself, in shear moduli (as Puso and "
-     "Solberg 2006 do for tetrahedra). 0 lets points' volumes swing about their patches' means, which makes fine clouds "
-     "up to 1 % too soft; many bring locking back. Where tissue mixes by a `membership`, at least 4."},
+     "Solberg 2006 do for tetrahedra). 0 lets points' volumes swing about their patches' means, which makes fine "
+     "clouds up to 1 % too soft; many bring locking back. Where tissue mixes by a `membership`, at least 4."},
     {"discretization", "cell_volume", T::Boolean, "", "false", {}, "",
      "Where the tissue is under more than 1.5 shear moduli of pressure, hold its volume by that of the background "
      "cells: confined tissue is then exact to 40 shear moduli, where it else gives way from 4.5 (from 2.75 with "

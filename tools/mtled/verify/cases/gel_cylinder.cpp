@@ -186,10 +186,7 @@ CaseResult gelCylinderCase(const CaseContext& context) {
     const bool deep = row.deep();
     const CaseContext within = partOf(context, static_cast<double>(n), static_cast<double>(rows.size()));
     const StaticSolution s = solveCase(gelScene(row), evenTimes(row.load_steps), within, deep ? 1e-3 : 3e-4);
-    Series curve{std::string("mtled, ") + row.label + ", " + variantOf(row),
-                 {},
-                 {},
-                 SeriesStyle::LineAndPoints};
+    Series curve{std::string("mtled, ") + row.label + ", " + variantOf(row), {}, {}, SeriesStyle::LineAndPoints};
     const GelCurve g = curveOf(s, row, bracket);
     for (std::size_t k = 1; k < g.force.size(); ++k) {
       curve.x.push_back(g.depth[k] * 1e3);
