@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "simulation/tool_bodies.h"
+#include "simulation/tool_contact.h"
 #include "simulation/trust.h"
 
 namespace palpate {
@@ -29,14 +30,34 @@ Vec3 held(const Vec3& move, const Vec3& out, double share) {
   return move + (1 - share) * std::min(1.0, size / small) * against / size * out;
 }
 
-/// g of tool_proxy.h for a tool with this force on it.
-double freedomUnder(const Model& model, const StepReport& last, double force, double most) {
-  const double radius = model.scene.tool.radius;
+/// g of tool_proxy.h for a tool with this force on it, but for its penetration.
+double freedomOfTissue(const StepReport& last, double force, double most) {
   double g = fade(last.step_share, YieldLimits::free_step_share, YieldLimits::step_share);
   g = std::min(g, fade(-static_cast<double>(last.min_J), -TrustLimits::min_J, -YieldLimits::min_J));
-  g = std::min(g, fade(last.max_penetration, TrustLimits::penetration * radius, YieldLimits::penetration * radius));
   if (most > 0) g = std::min(g, fade(force, YieldLimits::free_force * most, most));
   return g;
+}
+
+/// The same with it.
+double freedomUnder(const Model& model, const StepReport& last, double force, double most) {
+  const double radius = model.scene.tool.radius;
+  return std::min(freedomOfTissue(last, force, most), fade(last.max_penetration, TrustLimits::penetration * radius,
+                                                           YieldLimits::penetration * radius));
+}
+
+/// Whether the tissue that holds a tool against going along `way` holds it as much the other way: 0 it pushes it back ..
+/// 1 the tool is wedged.
+double wedged(const Model& model, const State& state, int tool, const Vec3& way) {
+  double against = 0, along = 0;
+  for (int b = 0; b < model.tools.bodyCount(); ++b) {
+    if (toolBody(model, b).tool != tool) continue;
+    forEachContactForce(contactOf(state, b), [&](int, const Float4& on_tissue) {
+      const double f = way.dot(toVec3(on_tissue));
+      (f > 0 ? against : along) += std::abs(f);
+    });
+  }
+  const double sum = against + along;
+  return sum > 0 ? fade(std::abs(against - along) / sum, YieldLimits::wedged, YieldLimits::pushed) : 0;
 }
 
 double pushUnder(double force, double most) { return most > 0 && force > most ? std::min(1.0, force / most - 1) : 0; }
@@ -65,13 +86,13 @@ double ToolProxy::pushedBack(const Model& model, const StepReport& last) {
 }
 
 Pose ToolProxy::follow(const Pose& hand, const State& state, const StepReport& last) {
-  return followFrom(state.tool_pose, hand, last.tool_force, last);
+  return followFrom(state.tool_pose, hand, last.tool_force, state, last);
 }
 
 ToolPosture ToolProxy::follow(const ToolPosture& hand, const State& state, const StepReport& last) {
   const ToolPosture from = postureOf(state, tool_);
   const ToolLoad& load = last.loads[static_cast<std::size_t>(tool_)];
-  return {followFrom(from.pose, hand.pose, load.force, last), followOpening(hand.opening, state, last)};
+  return {followFrom(from.pose, hand.pose, load.force, state, last), followOpening(hand.opening, state, last)};
 }
 
 double ToolProxy::followOpening(double wanted, const State& state, const StepReport& last) const {
@@ -87,7 +108,8 @@ double ToolProxy::followOpening(double wanted, const State& state, const StepRep
   return opening + change;
 }
 
-Pose ToolProxy::followFrom(const Pose& from, const Pose& hand, const Vec3& force, const StepReport& last) {
+Pose ToolProxy::followFrom(const Pose& from, const Pose& hand, const Vec3& force, const State& state,
+                           const StepReport& last) {
   const bool touches = !force.isZero(0);
   const double g = touches ? freedomUnder(model_, last, force.norm(), max_force_) : 1, share = g * g;
   yield_ = 0;
@@ -102,8 +124,14 @@ Pose ToolProxy::followFrom(const Pose& from, const Pose& hand, const Vec3& force
   const double reach = tick_s * (gentle_ && !touches ? approach_speed : max_speed_);
   if (move.norm() > reach) move *= reach / move.norm();
   const bool deeper = move.dot(out) < 0;
-  move = held(held(move, out.dot(axis) * axis, share), out - out.dot(axis) * axis, share);
   const double gently = tick_s * gentle_speed;
+  const Vec3 wish = move;
+  move = held(held(move, out.dot(axis) * axis, share), out - out.dot(axis) * axis, share);
+  if (const Vec3 rest = wish - move; share < 1 && !rest.isZero(0)) {
+    const double free = freedomOfTissue(last, force.norm(), max_force_);
+    const double most = free * free * wedged(model_, state, tool_, rest) * gently;
+    move += std::min(1.0, most / rest.norm()) * rest;
+  }
   if (gentle_ && touches && deeper && move.norm() > gently) move *= gently / move.norm();
   if (too_fast) move += std::max(0.0, -move.dot(out) - max_advance_) * out;
   const double push = pushUnder(force.norm(), max_force_);

@@ -13,6 +13,9 @@ struct YieldLimits {
   static constexpr double min_J = 0.1;            // from TrustLimits::min_J on
   static constexpr double penetration = 0.3;      // of the tool's radius, from TrustLimits::penetration on
   static constexpr double free_force = 0.5;       // of Model::max_tool_force: up to here the force does not count
+  // Of the contact's forces along the tool's way, those to both sides: with a net push below this the tool is wedged,
+  static constexpr double wedged = 0.25;
+  static constexpr double pushed = 0.5;  // and from here on it is pushed.
   // Of sound in the softest tissue: a tool as fast as sound would crush what is before it, as the tissue behind knows
   // nothing of it yet (J = 1 - speed / sound, in one dimension).
   static constexpr double sound_share = 0.5;
@@ -28,6 +31,9 @@ struct YieldLimits {
 /// the tool's greatest speed is too slow to give way, pushes the tool back:
 ///
 ///   retreat = min(force / max_tool_force - 1, 1) tool_max_speed, along the push
+///
+/// Skin that lies deep in the tool on both sides of its way, as where a fold has closed over it, wedges it: no way is
+/// away from that. There penetration alone doesn't hold it, it goes at gentle_speed.
 ///
 /// In tissue it advances at half the speed of sound at most: for very soft tissue and a very quick hand.
 /// Across the push and backwards the tool is free; it doesn't slide off a slope, as it would along the skin. Where no
@@ -85,7 +91,7 @@ class ToolProxy {
   static double pushedBack(const Model& model, const StepReport& last);
 
  private:
-  Pose followFrom(const Pose& from, const Pose& hand, const Vec3& force, const StepReport& last);
+  Pose followFrom(const Pose& from, const Pose& hand, const Vec3& force, const State& state, const StepReport& last);
 
   const Model& model_;
   int tool_;

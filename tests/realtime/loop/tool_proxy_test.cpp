@@ -104,6 +104,40 @@ TEST_CASE("A tool that yields is slowed where it goes deeper, and free sideways 
   CHECK(proxy.follow(handAt(0, 0, -0.05), touch.state, touch.report).position == Vec3(0, 0, -0.05));
 }
 
+TEST_CASE("A tool that a fold has closed over is wedged, and gets out at any rate", "[tool_proxy]") {
+  const Model model = toolModel();
+  ToolProxy proxy(model);
+  Touch touch;
+  const auto pressed = [&](double below, double above, double aside) {  // N, by skin on these sides of it
+    touch.state.contact.vertex = {0, 1, 2, 3};
+    touch.state.contact.force = {Float4{0, 0, static_cast<float>(-below), 0}, Float4{0, 0, static_cast<float>(above), 0},
+                                 Float4{static_cast<float>(aside), 0, 0, 0}, Float4{static_cast<float>(-aside), 0, 0, 0}};
+    touch.state.contact.count = 4;
+    touch.report.tool_force = Vec3(0, 0, below - above);
+  };
+  const double gently = ToolProxy::gentle_speed / model.scene.rate_hz;
+  const auto goesDown = [&] { return -proxy.follow(handAt(0, 0, -0.2), touch.state, touch.report).position.z(); };
+  touch.report.max_penetration = 0.8 * model.scene.tool.radius;
+  pressed(0.9, 0.8, 0);
+  CHECK(goesDown() == Approx(gently).epsilon(1e-9));
+  pressed(0.9, 0.4, 0);  // 5 : 13, half way between wedged and pushed
+  CHECK(goesDown() == Approx((0.5 - 5. / 13) / 0.25 * gently).epsilon(1e-6));
+  pressed(0.9, 0.2, 0);
+  CHECK(goesDown() < 1e-15);
+  pressed(0.9, 0, 5);  // a needle: what squeezes its sides does not wedge it
+  CHECK(goesDown() < 1e-15);
+  // All other limits hold a wedged tool, too.
+  pressed(0.9, 0.8, 0);
+  touch.report.min_J = YieldLimits::min_J;
+  CHECK(goesDown() < 1e-15);
+  touch.report.min_J = 1;
+  touch.report.step_share = YieldLimits::step_share;
+  CHECK(goesDown() < 1e-15);
+  touch.report.step_share = 0;
+  pressed(10 * model.max_tool_force, 9 * model.max_tool_force, 0);
+  CHECK(goesDown() < 1e-15);
+}
+
 TEST_CASE("A force above what the tool may have pushes it back", "[tool_proxy]") {
   const Model model = toolModel();
   ToolProxy proxy(model);
