@@ -8,10 +8,21 @@ namespace {
 // A node that far from rest, relative to the organ's size, would be a tenth of the promised drift.
 constexpr double kRestShare = 0.1 * RestWatch::drift_limit;
 
+/// Largest |a - b| of a node, m.
+double farthest(const AlignedVector<Float4>& a, const AlignedVector<Float4>& b) {
+  double largest = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) largest = std::max(largest, (toVec3(a[i]) - toVec3(b[i])).norm());
+  return largest;
+}
+
 }  // namespace
 
-RestWatch::RestWatch(const Body& model)
-    : tick_seconds_(1 / model.scene.rate_hz), dt_(model.dt), first_(model.X.size()) {
+RestWatch::RestWatch(const Body& model, double hold_s)
+    : hold_s_(hold_s),
+      tick_seconds_(1 / model.scene.rate_hz),
+      dt_(model.dt),
+      first_(model.X.size()),
+      anchor_(model.X.size()) {
   Vec3 low = model.X.empty() ? Vec3(Vec3::Zero()) : model.X[0], high = low;
   for (const Vec3& X : model.X) {
     low = low.cwiseMin(X);
@@ -21,20 +32,24 @@ RestWatch::RestWatch(const Body& model)
   rest_speed_ = kRestShare * organ_size_ * 0.5 * std::max(model.scene.damping, 1.0);
 }
 
-bool RestWatch::update(const StepReport& last) {
+double RestWatch::restRadius() const { return std::min(rest_speed_ * rest_hold_s, kRestShare * organ_size_); }
+
+bool RestWatch::update(const State& state, const StepReport& last) {
   speed_ = static_cast<double>(last.max_increment) / dt_;
   rest_time_ += tick_seconds_;
   still_time_ = speed_ <= rest_speed_ ? still_time_ + tick_seconds_ : 0;
+  if (near_time_ == 0 || !(farthest(state.u, anchor_) <= restRadius())) {
+    std::copy(state.u.begin(), state.u.end(), anchor_.begin());
+    near_time_ = 0;
+  }
+  near_time_ += tick_seconds_;
   return rested() || rest_time_ >= longest_rest_s;
 }
 
 double RestWatch::driftOf(const State& state) {
   if (!has_first_) std::copy(state.u.begin(), state.u.end(), first_.begin());
   has_first_ = true;
-  double largest = 0;
-  for (std::size_t i = 0; i < first_.size(); ++i)
-    largest = std::max(largest, (toVec3(state.u[i]) - toVec3(first_[i])).norm());
-  return largest;
+  return farthest(state.u, first_);
 }
 
 }  // namespace palpate::app

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+
 #include "base/types.h"
 #include "simulation/body.h"
 #include "simulation/state.h"
@@ -8,11 +10,13 @@ namespace palpate::app {
 
 /// Tells when the tissue has come to rest after a tool has lifted off, and how far from the first rest that is.
 ///
-/// At rest: for rest_hold_s no node went faster than restSpeed(). Mass-proportional damping c lets an
+/// At rest: for rest_hold_s (or longer, if asked) no node went faster than restSpeed(). Mass-proportional damping c lets an
 /// oscillating mode decay with exp(-c t / 2) (paper eq. 8), so from speed v it still goes about 2 v / c;
 /// the bound is chosen so that this is a tenth of the drift that is promised. (A hundredth would be below
 /// what float rounding keeps moving: some 3e-8 m/s in the liver.) Slow overdamped modes of very soft or
-/// strongly damped scenes go further, which would show as drift. Scenes that do not come to rest in
+/// strongly damped scenes go further, which would show as drift. Tissue under stress trembles faster than that with
+/// its coordinates' rounding and goes nowhere: it is at rest, too, where as long no node left a ball of radius
+/// restRadius(), which is what the bound on the speed allows it. Scenes that do not come to rest in
 /// longest_rest_s (damping 0) are told apart by rested().
 /// No allocation but in the constructor, no lock, no throw.
 class RestWatch {
@@ -23,29 +27,32 @@ class RestWatch {
   // The same under a rough hand, m: a hundredth of a hair. What was pressed flat leaves more rounding behind.
   static constexpr double rough_drift_limit_m = 1e-6;
 
-  explicit RestWatch(const Body& model);
+  /// @param hold_s  s, how long it has to be still
+  explicit RestWatch(const Body& model, double hold_s = rest_hold_s);
 
   /// The tool has lifted off: the wait begins.
-  void begin() { rest_time_ = still_time_ = 0; }
+  void begin() { rest_time_ = still_time_ = near_time_ = 0; }
   /// Another tick. @return true where the wait is over: at rest, or after longest_rest_s
-  bool update(const StepReport& last);
+  bool update(const State& state, const StepReport& last);
   /// m, largest |u - u at the first rest| of a node; the first call is that rest.
   double driftOf(const State& state);
   void forgetFirst() { has_first_ = false; }
 
-  bool rested() const { return still_time_ >= rest_hold_s; }
+  bool rested() const { return std::max(still_time_, near_time_) >= hold_s_; }
   double seconds() const { return rest_time_; }     // s since begin()
   double speed() const { return speed_; }           // m/s, of the fastest node in the last tick
   double restSpeed() const { return rest_speed_; }  // m/s
+  double restRadius() const;                        // m
   double organSize() const { return organ_size_; }  // m, diagonal of the nodes' bounding box
 
  private:
-  const double tick_seconds_, dt_;
+  const double hold_s_, tick_seconds_, dt_;
   double organ_size_ = 0, rest_speed_ = 0;
-  double rest_time_ = 0, still_time_ = 0;  // s
+  double rest_time_ = 0, still_time_ = 0, near_time_ = 0;  // s
   double speed_ = 0;
   bool has_first_ = false;
-  AlignedVector<Float4> first_;  // (node_count) m
+  AlignedVector<Float4> first_;   // (node_count) m
+  AlignedVector<Float4> anchor_;  // (node_count) m, at the beginning of near_time_
 };
 
 }  // namespace palpate::app

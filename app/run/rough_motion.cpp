@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "mechanics/materials/material.h"
+#include "realtime/loop/fold_watch.h"
 
 namespace palpate::app {
 namespace {
@@ -23,7 +24,7 @@ RoughMotion::RoughMotion(const Body& model, unsigned seed)
       tick_seconds_(1 / model.scene.rate_hz),
       materials_(model.materials),
       seed_(seed),
-      rest_(model),
+      rest_(model, RestWatch::rest_hold_s + FoldWatch::seconds),  // what has folded is put back before
       random_(seed) {
   low_ = high_ = start_.toLocal(model.skin.surface.vertices.front());
   for (const Vec3& X : model.skin.surface.vertices) {
@@ -113,7 +114,7 @@ bool RoughMotion::stillLifts(const StepReport& last) {
 
 void RoughMotion::watch(const State& state, const StepReport& last) {
   addTick(cycle_, last);
-  if (leg_ < leg_count_ || stillLifts(last) || !rest_.update(last)) return;
+  if (leg_ < leg_count_ || stillLifts(last) || !rest_.update(state, last)) return;
   cycle_.rest_speed = rest_.speed();
   cycle_.rested = rest_.rested();
   cycle_.rest_s = rest_.seconds();

@@ -81,7 +81,7 @@ Pose SoakMotion::poseAt(const Leg& from, const Leg& to, double share) const {
 
 void SoakMotion::watch(const State& state, const StepReport& last) {
   addTick(cycle_, last);
-  if (leg_ < legs_.size() || !rest_.update(last)) return;
+  if (leg_ < legs_.size() || !rest_.update(state, last)) return;
   cycle_.rest_speed = rest_.speed();
   cycle_.rested = rest_.rested();
   cycle_.rest_s = rest_.seconds();

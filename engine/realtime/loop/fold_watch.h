@@ -11,15 +11,17 @@ namespace palpate {
 /// enough can push a coarse cloud into such an equilibrium, a crumpled edge or a part turned inside out, from which it
 /// does not come back by itself; the model knows no contact of the skin with itself, which would hold it back.
 ///
-/// Bodies whose boundaries are moved are loaded always, and never folded by this. Where the stress relaxes, tissue
-/// comes back slowly, and where it has weight, it is strained by that, so there only what is crushed counts.
+/// Where the stress relaxes, tissue comes back slowly, and where it has weight, it is strained by that, so there only
+/// what is crushed counts. Bodies whose boundaries are moved are loaded always: there what counts is a point far smaller
+/// than the smallest at a rest before, once the boundaries stand still.
 /// Loop thread only. Real-time: no allocation, no lock, no throw. Test: realtime/loop/fold_watch_test.cpp
 class FoldWatch {
  public:
-  static constexpr double seconds = 2;          // so long
+  static constexpr double seconds = 0.5;        // so long
   static constexpr double strained = 10;        // Model::rest_energy: a strain of 1 % everywhere, or one crushed cell
   static constexpr double calm = 1e-3;          // kinetic energy as a share of the strain energy
   static constexpr double steady_share = 0.99;  // what the strain energy must not fall below meanwhile
+  static constexpr double smaller = 0.55;       // of the smallest J at a rest before, where boundaries were moved
 
   explicit FoldWatch(const Model& model);
 
@@ -27,21 +29,25 @@ class FoldWatch {
   struct Memory {
     std::int64_t ticks = 0;
     double energy = 0;  // J, strain energy in the first of them
+    double rest_J = 0;  // where boundaries were moved: smallest J at rest; 0: not known
   };
   Memory memory() const { return memory_; }
   void recall(const Memory& memory) { memory_ = memory; }
 
   /// A tick has ended well.
-  /// @param pulled  a spring pulls the skin
+  /// @param pulled   a spring pulls the skin
+  /// @param seconds  of physics since the tissue was put to rest
   /// @return whether the tissue has folded; then the watch begins anew
-  bool update(const StepReport& report, bool pulled);
+  bool update(const StepReport& report, bool pulled, double seconds);
 
  private:
-  bool looksFolded(const StepReport& report) const;
+  bool standsAlone(const StepReport& report) const;
+  bool looksFolded(const StepReport& report, double seconds);
 
   const std::int64_t needed_;  // ticks
   const double strained_;      // J
-  bool moved_ = false, strained_anyway_ = false;
+  bool strained_anyway_ = false;
+  double moved_until_ = 0;  // s; 0: no boundary is moved
   Memory memory_;
 };
 

@@ -210,8 +210,9 @@ bool SimulationLoop::step() {
   if (team_ != nullptr && !as_fast_as_possible_) team_->park();
   if (report.cut_short) return false;
   switch (reporter_.judge(report, run_)) {
-    case Verdict::Good:
-      if (const bool folded = folds_.update(report, command.pull_vertex >= 0);
+    case Verdict::Good: {
+      const double seconds = static_cast<double>(physics_.state().step) * model_.dt;
+      if (const bool folded = folds_.update(report, command.pull_vertex >= 0, seconds);
           folded || snags_.update(physics_.state(), run_.hand.position, report)) {
         physics_.reset();  // not to where a recalled run began: that may have been folded
         history_.clear();
@@ -223,6 +224,7 @@ bool SimulationLoop::step() {
       }
       history_.keep(physics_.state(), reporter_.lastDoubt());
       break;
+    }
     case Verdict::Restore:
       goBackTo(history_.good(reporter_.recentLosses()));
       reporter_.restored();

@@ -41,8 +41,8 @@ double freedomOfTissue(const StepReport& last, double force, double most) {
 /// The same with it.
 double freedomUnder(const Model& model, const StepReport& last, double force, double most) {
   const double radius = model.scene.tool.radius;
-  return std::min(freedomOfTissue(last, force, most), fade(last.max_penetration, TrustLimits::penetration * radius,
-                                                           YieldLimits::penetration * radius));
+  return std::min(freedomOfTissue(last, force, most),
+                  fade(last.max_penetration, TrustLimits::penetration * radius, YieldLimits::penetration * radius));
 }
 
 /// Whether the tissue that holds a tool against going along `way` holds it as much the other way: 0 it pushes it back ..

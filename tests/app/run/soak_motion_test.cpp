@@ -103,6 +103,28 @@ TEST_CASE("A rest that is not the first one's is told as drift, tissue that neve
   }
 }
 
+TEST_CASE("Tissue that trembles with its coordinates' rounding and goes nowhere is at rest", "[soak_motion]") {
+  const Model model = test::smallModel();
+  const RestWatch rest(model);
+  for (const bool within : {true, false}) {
+    test::FakePhysics physics(model);
+    physics.on_tick = [&](State& state, StepReport& report) {
+      for (Float4& u : state.u) u = {};
+      // To and fro, over somewhat less or more than the radius.
+      state.u[1].x = static_cast<float>((within ? 0.9 : 1.1) * rest.restRadius() * static_cast<double>(state.tick % 2));
+      report.max_increment = state.u[1].x;
+    };
+    SoakMotion motion(model, kPlaces, 1);
+    SimulationLoop loop(model, physics, nullptr, driven(motion, 20'000));
+    test::FakeClock clock;
+    loop.run(clock);
+    const std::vector<SoakCycle> cycles = drain(motion.cycles());
+    REQUIRE_FALSE(cycles.empty());
+    CHECK(cycles[0].rested == within);
+    CHECK(cycles[0].rest_s == Approx(within ? RestWatch::rest_hold_s : RestWatch::longest_rest_s).margin(0.003));
+  }
+}
+
 TEST_CASE("After a reset the cycles begin again", "[soak_motion]") {
   const Model model = test::smallModel();
   test::FakePhysics physics(model);

@@ -110,8 +110,9 @@ TEST_CASE("A tool that a fold has closed over is wedged, and gets out at any rat
   Touch touch;
   const auto pressed = [&](double below, double above, double aside) {  // N, by skin on these sides of it
     touch.state.contact.vertex = {0, 1, 2, 3};
-    touch.state.contact.force = {Float4{0, 0, static_cast<float>(-below), 0}, Float4{0, 0, static_cast<float>(above), 0},
-                                 Float4{static_cast<float>(aside), 0, 0, 0}, Float4{static_cast<float>(-aside), 0, 0, 0}};
+    touch.state.contact.force = {Float4{0, 0, static_cast<float>(-below), 0},
+                                 Float4{0, 0, static_cast<float>(above), 0}, Float4{static_cast<float>(aside), 0, 0, 0},
+                                 Float4{static_cast<float>(-aside), 0, 0, 0}};
     touch.state.contact.count = 4;
     touch.report.tool_force = Vec3(0, 0, below - above);
   };
