@@ -80,12 +80,12 @@ void setBounds(Model& model) {
   for (const auto& m : model.materials) wave_speed = std::max(wave_speed, std::sqrt(m.waveModulus() / m.density));
   for (std::size_t q = 0; q < model.point_volume.size(); ++q)
     shear += model.point_volume[q] * model.materials[model.point_material[q]].shear_modulus;
-  double spacing = model.scene.spacing;  // m, the smallest
-  for (const RefineSpec& refine : model.scene.refine) spacing = std::min(spacing, refine.spacing);
   // Tissue does not move faster than sound in it, or than a tool that is faster; four times and twice that leave room
   // for whipping edges. A node that goes half way to the next in one step is lost in any case: at 1 m/s a tool moves
-  // those before it by a fifth of that.
-  model.max_increment = std::min(std::max(4 * wave_speed, 2 * largestToolSpeed(model.scene)) * model.dt, 0.5 * spacing);
+  // those before it by a fifth of that. Not of the finest spacing: skin that slips off a tool whips back at half the
+  // speed of sound, whatever the cloud.
+  model.max_increment =
+      std::min(std::max(4 * wave_speed, 2 * largestToolSpeed(model.scene)) * model.dt, 0.5 * model.scene.spacing);
   // Of strains of about 0.3 %, far above float's rounding (of the stiffest part, too).
   model.rest_energy = 1e-5 * shear;
 }
