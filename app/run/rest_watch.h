@@ -10,14 +10,13 @@ namespace palpate::app {
 
 /// Tells when the tissue has come to rest after a tool has lifted off, and how far from the first rest that is.
 ///
-/// At rest: for rest_hold_s (or longer, if asked) no node went faster than restSpeed(). Mass-proportional damping c lets an
-/// oscillating mode decay with exp(-c t / 2) (paper eq. 8), so from speed v it still goes about 2 v / c;
-/// the bound is chosen so that this is a tenth of the drift that is promised. (A hundredth would be below
-/// what float rounding keeps moving: some 3e-8 m/s in the liver.) Slow overdamped modes of very soft or
-/// strongly damped scenes go further, which would show as drift. Tissue under stress trembles faster than that with
-/// its coordinates' rounding and goes nowhere: it is at rest, too, where as long no node left a ball of radius
-/// restRadius(), which is what the bound on the speed allows it. Scenes that do not come to rest in
-/// longest_rest_s (damping 0) are told apart by rested().
+/// At rest: for rest_hold_s (or longer, if asked) no node went faster than restSpeed(). Mass-proportional damping c
+/// lets an oscillating mode decay with exp(-c t / 2) (paper eq. 8), so from speed v it still goes about 2 v / c; the
+/// bound is chosen so that this is a tenth of the drift that is promised. (A hundredth would be below what float
+/// rounding keeps moving: some 3e-8 m/s in the liver.) Slow overdamped modes of very soft or strongly damped scenes go
+/// further, which would show as drift. Tissue under stress trembles faster than that with its coordinates' rounding and
+/// goes nowhere: it is at rest, too, where as long no node left a ball of radius restRadius(), which is what the bound
+/// on the speed allows it. Scenes that do not come to rest in longest_rest_s (damping 0) are told apart by rested().
 /// No allocation but in the constructor, no lock, no throw.
 class RestWatch {
  public:

@@ -12,8 +12,8 @@ namespace palpate {
 /// does not come back by itself; the model knows no contact of the skin with itself, which would hold it back.
 ///
 /// Where the stress relaxes, tissue comes back slowly, and where it has weight, it is strained by that, so there only
-/// what is crushed counts. Bodies whose boundaries are moved are loaded always: there what counts is a point far smaller
-/// than the smallest at a rest before, once the boundaries stand still.
+/// what is crushed counts. Bodies whose boundaries are moved are loaded always: there what counts is a point far
+/// smaller than the smallest at a rest before, once the boundaries stand still.
 /// Loop thread only. Real-time: no allocation, no lock, no throw. Test: realtime/loop/fold_watch_test.cpp
 class FoldWatch {
  public:
