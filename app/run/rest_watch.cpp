@@ -36,6 +36,8 @@ double RestWatch::restRadius() const { return std::min(rest_speed_ * rest_hold_s
 
 bool RestWatch::update(const State& state, const StepReport& last) {
   speed_ = static_cast<double>(last.max_increment) / dt_;
+  held_ =
+      std::any_of(last.loads.begin(), last.loads.end(), [](const ToolLoad& load) { return load.contact_count > 0; });
   rest_time_ += tick_seconds_;
   still_time_ = speed_ <= rest_speed_ ? still_time_ + tick_seconds_ : 0;
   if (near_time_ == 0 || !(farthest(state.u, anchor_) <= restRadius())) {
@@ -47,6 +49,7 @@ bool RestWatch::update(const State& state, const StepReport& last) {
 }
 
 double RestWatch::driftOf(const State& state) {
+  if (held_) return 0;
   if (!has_first_) std::copy(state.u.begin(), state.u.end(), first_.begin());
   has_first_ = true;
   return farthest(state.u, first_);

@@ -33,7 +33,8 @@ class RestWatch {
   void begin() { rest_time_ = still_time_ = near_time_ = 0; }
   /// Another tick. @return true where the wait is over: at rest, or after longest_rest_s
   bool update(const State& state, const StepReport& last);
-  /// m, largest |u - u at the first rest| of a node; the first call is that rest.
+  /// m, largest |u - u at the first rest| of a node; the first call is that rest. 0 while a further tool of the scene
+  /// touches the tissue: where that rests depends on its friction's past.
   double driftOf(const State& state);
   void forgetFirst() { has_first_ = false; }
 
@@ -49,9 +50,9 @@ class RestWatch {
   double organ_size_ = 0, rest_speed_ = 0;
   double rest_time_ = 0, still_time_ = 0, near_time_ = 0;  // s
   double speed_ = 0;
-  bool has_first_ = false;
-  AlignedVector<Float4> first_;   // (node_count) m
-  AlignedVector<Float4> anchor_;  // (node_count) m, at the beginning of near_time_
+  bool has_first_ = false, held_ = false;  // held_: a tool touches
+  AlignedVector<Float4> first_;            // (node_count) m
+  AlignedVector<Float4> anchor_;           // (node_count) m, at the beginning of near_time_
 };
 
 }  // namespace palpate::app

@@ -125,6 +125,26 @@ TEST_CASE("Tissue that trembles with its coordinates' rounding and goes nowhere 
   }
 }
 
+TEST_CASE("Where a further tool holds the tissue, no drift is told", "[soak_motion]") {
+  const Model model = test::smallModel();
+  RestWatch rest(model);
+  State state;
+  state.u.resize(model.X.size());
+  StepReport report;
+  report.loads[1].contact_count = 3;
+  rest.update(state, report);
+  CHECK(rest.driftOf(state) == 0);
+  state.u[0].x = 1e-3F;
+  rest.update(state, report);
+  CHECK(rest.driftOf(state) == 0);
+  report.loads[1].contact_count = 0;
+  rest.update(state, report);
+  CHECK(rest.driftOf(state) == 0);  // the first rest
+  state.u[0].x = 3e-3F;
+  rest.update(state, report);
+  CHECK(rest.driftOf(state) == Approx(2e-3));
+}
+
 TEST_CASE("After a reset the cycles begin again", "[soak_motion]") {
   const Model model = test::smallModel();
   test::FakePhysics physics(model);
