@@ -27,19 +27,19 @@ bool FoldWatch::standsAlone(const StepReport& report) const {
   return report.kinetic_energy <= calm * report.strain_energy;
 }
 
-bool FoldWatch::looksFolded(const StepReport& report, double seconds) {
+bool FoldWatch::looksFolded(const StepReport& report, double age) {
   if (!standsAlone(report)) return false;
   const double min_J = report.min_J;
   if (moved_until_ > 0) {
-    if (seconds <= moved_until_) return false;
+    if (age <= moved_until_) return false;
     memory_.rest_J = std::max(memory_.rest_J, min_J);
     return min_J < smaller * memory_.rest_J;
   }
   return min_J < TrustLimits::min_J || (!strained_anyway_ && report.strain_energy > strained_);
 }
 
-bool FoldWatch::update(const StepReport& report, bool pulled, double seconds) {
-  if (pulled || !looksFolded(report, seconds)) {
+bool FoldWatch::update(const StepReport& report, bool pulled, double age) {
+  if (pulled || !looksFolded(report, age)) {
     memory_.ticks = 0;
     return false;
   }

@@ -35,14 +35,14 @@ class FoldWatch {
   void recall(const Memory& memory) { memory_ = memory; }
 
   /// A tick has ended well.
-  /// @param pulled   a spring pulls the skin
-  /// @param seconds  of physics since the tissue was put to rest
+  /// @param pulled  a spring pulls the skin
+  /// @param age     s of physics since the tissue was put to rest
   /// @return whether the tissue has folded; then the watch begins anew
-  bool update(const StepReport& report, bool pulled, double seconds);
+  bool update(const StepReport& report, bool pulled, double age);
 
  private:
   bool standsAlone(const StepReport& report) const;
-  bool looksFolded(const StepReport& report, double seconds);
+  bool looksFolded(const StepReport& report, double age);
 
   const std::int64_t needed_;  // ticks
   const double strained_;      // J

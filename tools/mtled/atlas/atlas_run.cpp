@@ -71,12 +71,14 @@ struct Hand {
   FoldWatch folds;
   SnagWatch snags;
   const State start;
+  const double dt;  // s
   Hand(const Model& model, const State& at_rest)
-      : proxy(model), history(at_rest, model.scene.rate_hz), folds(model), snags(model), start(at_rest) {}
+      : proxy(model), history(at_rest, model.scene.rate_hz), folds(model), snags(model), start(at_rest), dt(model.dt) {}
 
   /// A tick has ended well. @return whether the tissue had to be put back at rest
   bool putsBack(State& state, const Vec3& hand, const StepReport& report) {
-    const bool folded = folds.update(report, false), caught = !folded && snags.update(state, hand, report);
+    const bool folded = folds.update(report, false, static_cast<double>(state.step) * dt);
+    const bool caught = !folded && snags.update(state, hand, report);
     if (!folded && !caught) return false;
     const LiveParameters live = state.live;
     state = start;
