@@ -9,7 +9,6 @@
 #include "io/scene_file.h"
 #include "mtled/atlas/atlas_cells.h"
 #include "mtled/atlas/atlas_run.h"
-#include "realtime/loop/fold_watch.h"
 #include "realtime/loop/tool_proxy.h"
 #include "simulation/static_solver.h"
 
@@ -175,7 +174,7 @@ AtlasMeasure randomHand(const CoarseScene& scene, unsigned seed) {
   double speed = 0, held_until = 0;
   AtlasDrive rough;
   rough.yields = true;
-  rough.still_from = rough_for + 1 + FoldWatch::seconds;
+  rough.still_from = rough_for + 3;  // folds are found long before, and what hangs on the tool has come to rest
   rough.seconds = rough.still_from + 1;
   rough.command = [&](double time) {
     if (time > rough_for) {
