@@ -10,12 +10,14 @@ namespace {
 
 constexpr double kRoughAway = 1.0;                               // m/s, lifting off
 constexpr double kRoughDraw = 0.1;                               // m/s, while a fold hangs on the tool
-constexpr double kRoughPatience = 2;                             // s, until it tries the other way
+constexpr double kRoughPatience = 2;                             // s, until it tries the other way,
+constexpr double kRoughLongPatience = 10;                        // s, and then each time: a tool may be slow
+constexpr int kRoughTries = 5;                                   // upwards, downwards, ..., upwards; then it waits
 constexpr double kRoughPressSlow = 0.05, kRoughPressFast = 0.3;  // m/s
 constexpr double kRoughDragSlow = 0.05, kRoughDragFast = 0.5;    // m/s
 constexpr double kRoughShortHold = 0.05, kRoughLongHold = 0.4;   // s
 constexpr double kRoughSoft = 0.5;                               // of the scene's stiffness
-constexpr double kRoughBeyond = 0.1;                             // of the organ's size: jumps end in the air, too
+constexpr double kRoughBeyond = 0.1;                             // of the organ's size: so far out pokes and jumps end
 
 }  // namespace
 
@@ -51,9 +53,10 @@ void RoughMotion::planAct() {
   Vec3 inside = place(0, 0.9);
   const double hold = uniform(kRoughShortHold, kRoughLongHold);
   switch (random_() % 4) {
-    case 0:  // a poke to the bottom, and out at once
+    case 0:  // a poke through the bottom, and out at once
       add(top, 0, 0);
-      add({top.x(), top.y(), low_.z()}, poke_speed, uniform(0, kRoughShortHold));
+      add({top.x(), top.y(), low_.z() - kRoughBeyond * (high_.z() - low_.z())}, poke_speed,
+          uniform(0, kRoughShortHold));
       return add(top, poke_speed, 0);
     case 1:  // a press that is held
       add(top, kRoughAway, 0);
@@ -81,6 +84,7 @@ void RoughMotion::planRound() {
   away.z() = lift_;
   add(away, kRoughAway, 0);
   held_ = touched_ = 0;
+  tries_ = 0;
   rest_.begin();
   planSettings();
   cycle_ = {.number = cycle_.number + 1};
@@ -100,14 +104,18 @@ const Request* RoughMotion::nextSetting() {
 }
 
 /// A tool that came up beneath a fold carries it; a hand would draw it out. One that came up beneath the organ lifts it
-/// until it can push no harder, and has to go back.
+/// until it can push no harder, and has to go back. If it was freed meanwhile by putting the tissue back to rest, it is
+/// above the organ again, and would press on it for ever.
 bool RoughMotion::stillLifts(const StepReport& last) {
-  const bool leaves_down = touched_ >= kRoughPatience;
-  if (last.contact_count == 0 || (leaves_down && hand_.z() <= lowest_)) return false;
-  if (hand_.z() >= highest_ && !leaves_down)
-    touched_ += tick_seconds_;
-  else
+  if (last.contact_count == 0 || tries_ == kRoughTries) return false;
+  const bool leaves_down = tries_ % 2 == 1;
+  const bool is_there = leaves_down ? hand_.z() <= lowest_ : hand_.z() >= highest_;
+  if (!is_there) {
     hand_.z() += (leaves_down ? -kRoughAway : kRoughDraw) * tick_seconds_;
+  } else if ((touched_ += tick_seconds_) >= (tries_ == 0 ? kRoughPatience : kRoughLongPatience)) {
+    touched_ = 0;
+    ++tries_;
+  }
   rest_.begin();
   return true;
 }

@@ -11,7 +11,7 @@
 
 namespace palpate::app {
 
-/// A rough hand, from one seed: it pokes at 0.5 m/s to the bottom, presses and holds, drags through the organ, jumps
+/// A rough hand, from one seed: it pokes at 0.5 m/s through the bottom, presses and holds, drags through the organ, jumps
 /// anywhere at once, while friction (0 to 1) and the stiffness of the materials (all or half of the scene's) change.
 /// After each round of some such acts it lifts off, higher where a fold hangs on the tool, and waits until the tissue
 /// is at rest: a cycle. Where the tool can't follow upwards, since the organ lies on it, the hand leaves downwards.
@@ -64,7 +64,8 @@ class RoughMotion final : public SoakHand {
   std::size_t leg_count_ = 0, leg_ = 0;  // leg_ == leg_count_: resting
   Vec3 hand_ = Vec3::Zero();             // m, in the frame of the tool's start
   double held_ = 0;                      // s
-  double touched_ = 0;                   // s, up there
+  double touched_ = 0;                   // s, up or down there
+  int tries_ = 0;                        // to leave upwards and downwards, that have not freed it
   std::array<Request, 2> settings_;
   std::size_t setting_count_ = 0, setting_ = 0;
   SoakCycle cycle_;

@@ -2,6 +2,7 @@
 // code in short (tests/app/run/rough_motion_test.cpp).
 #include <algorithm>
 #include <catch2/catch.hpp>
+#include <cmath>
 #include <string>
 
 #include "app/run/rough_motion.h"
@@ -52,7 +53,55 @@ void roughHand(const std::string& name, unsigned seed, bool rests = true) {
   CHECK(above == 0);
 }
 
+/// A hand that is at once far beneath the organ, stays there for some seconds and goes back.
+class PressBeneath final : public ToolMotion {
+ public:
+  static constexpr double seconds = 3;
+
+  explicit PressBeneath(const Model& model)
+      : start_(model.tool_start), ticks_(std::lround(seconds * model.scene.rate_hz)) {
+    beneath_ = start_;
+    beneath_.position.z() = -10 * model.scene.tool.radius;
+  }
+  Pose next(const State& state, const StepReport&) override {
+    lowest_ = std::min(lowest_, state.tool_pose.position.z());
+    return state.tick < ticks_ ? beneath_ : start_;
+  }
+  void restart() override {}
+  double lowest() const { return lowest_; }  // m, that the tip has been
+
+ private:
+  Pose start_, beneath_;
+  std::int64_t ticks_;
+  double lowest_ = 1;
+};
+
 }  // namespace
+
+// Before the tool stood before what holds the organ, it went through it, dragged the tissue along and was caught.
+TEST_CASE("A hand far beneath the organ does not draw the tool through what holds it", "[rough]") {
+  const std::string name = GENERATE("liver", "kidney", "layer_sphere", "brain_half_ellipsoid", "lump_breast");
+  const Model model = coarse(name);
+  TissuePhysics physics(model, 1);
+  PressBeneath press(model);
+  SimulationLoopOptions options;
+  options.motion = &press;
+  options.tick_limit = std::lround((PressBeneath::seconds + 3) * model.scene.rate_hz);
+  SimulationLoop loop(model, physics, nullptr, options);
+  test::FakeClock clock;
+  loop.run(clock);
+  const RunSummary& summary = loop.summary();
+  INFO(name << ": lowest " << press.lowest() << " m, peak " << summary.peak_force << " N, min J " << summary.min_J);
+  CHECK(summary.restored_count == 0);
+  CHECK_FALSE(summary.frozen);
+  CHECK(press.lowest() > 0);  // the base of each
+  CHECK(press.lowest() < model.scene.spacing);
+  CHECK(physics.state().tool_pose.position.isApprox(model.tool_start.position, 1e-12));
+  if (name == "liver") return;  // a fold of it hangs on the ball, and would have to be drawn off
+  float largest = 0;
+  for (const Float4& u : physics.state().u) largest = std::max({largest, std::abs(u.x), std::abs(u.y), std::abs(u.z)});
+  CHECK(largest < 1e-6F);
+}
 
 TEST_CASE("No rough hand breaks the liver", "[rough]") { roughHand("liver", 11); }
 TEST_CASE("No rough hand breaks the liver at 1 kHz", "[rough]") { roughHand("liver_1khz", 12); }

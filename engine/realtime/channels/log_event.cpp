@@ -51,7 +51,7 @@ std::string sentence(const LogEvent& e) {
           "it is put back to rest",
           100 * e.value);
     case LogEvent::Kind::RestoredCaught:
-      return "restored: a tool drawn far out of the body carried a fold of it; the tissue is put back to rest";
+      return "restored: the tissue had closed over the tool and held it, far from the hand; it is put back to rest";
     case LogEvent::Kind::InvertedPoints:
       return format(
           "%s inverted, the worst, %d, at (%.4f, %.4f, %.4f) m; "

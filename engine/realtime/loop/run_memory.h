@@ -9,6 +9,7 @@
 #include "realtime/loop/fold_watch.h"
 #include "realtime/loop/force_filter.h"
 #include "realtime/loop/further_hands.h"
+#include "realtime/loop/snag_watch.h"
 #include "realtime/loop/tool_proxy.h"
 #include "simulation/report.h"
 
@@ -26,7 +27,7 @@ struct RunMemory {
   std::array<ToolProxy::Memory, max_tools> proxies;  // of the tools beside the first
   ToolReadings readings;
   FoldWatch::Memory folds;
-  std::int64_t snag_ticks = 0;  // of SnagWatch
+  SnagWatch::Memory snags;
   StepReport report;
   ForceSample force;
   ForceFilter filter{0, 0, 1};

@@ -104,7 +104,7 @@ RunMemory SimulationLoop::memory() const {
   memory.further = further_.memory();
   for (std::size_t k = 0; k < further_proxies_.size(); ++k) memory.proxies[k] = further_proxies_[k].memory();
   memory.folds = folds_.memory();
-  memory.snag_ticks = snags_.memory();
+  memory.snags = snags_.memory();
   reporter_.tell(memory);
   return memory;
 }
@@ -127,7 +127,7 @@ void SimulationLoop::recall(const RunMemory& memory) {
   further_.recall(memory.further);
   for (std::size_t k = 0; k < further_proxies_.size(); ++k) further_proxies_[k].recall(memory.proxies[k]);
   folds_.recall(memory.folds);
-  snags_.recall(memory.snag_ticks);
+  snags_.recall(memory.snags);
   history_.startAt(physics_.state());
   settings_.recall();
   reporter_.recall(memory);

@@ -4,11 +4,28 @@
 #include <cmath>
 
 #include "contact/tools/tool_list.h"
+#include "simulation/tool_contact.h"
 
 namespace palpate {
+namespace {
+
+/// Whether the contact pushes the tool against going along `way` hardly more than along it.
+bool isBetween(const State& state, const Vec3& way) {
+  double against = 0, along = 0;
+  forEachContactForce(state.contact, [&](int, const Float4& on_tissue) {
+    const double f = way.dot(toVec3(on_tissue));
+    (f > 0 ? against : along) += std::abs(f);
+  });
+  return against - along < SnagWatch::between * (against + along);
+}
+
+}  // namespace
 
 SnagWatch::SnagWatch(const Model& model)
-    : off_(!model.tools.empty()), needed_(std::llround(seconds * model.scene.rate_hz)) {
+    : off_(!model.tools.empty()),
+      still_(stands * model.scene.tool.radius),
+      carried_needed_(std::llround(seconds * model.scene.rate_hz)),
+      stuck_needed_(std::llround(stuck_seconds * model.scene.rate_hz)) {
   for (const BoundarySpec& boundary : model.scene.boundaries) off_ = off_ || boundary.duration > 0;
   low_ = high_ = model.tool_start.position;  // where it begins it is never far outside
   for (const Vec3& X : model.skin.surface.vertices) {
@@ -24,13 +41,31 @@ bool SnagWatch::isBeyond(const Vec3& tip, double distance) const {
   return ((tip - high_).array() > distance).any() || ((low_ - tip).array() > distance).any();
 }
 
-bool SnagWatch::update(const State& state, const Vec3& hand, const StepReport& report) {
-  if (off_ || !isBeyond(state.tool_pose.position, near_) || !isBeyond(hand, far_))
-    ticks_ = 0;
+bool SnagWatch::isCarrying(const State& state, const Vec3& hand, const StepReport& report) {
+  if (!isBeyond(state.tool_pose.position, near_) || !isBeyond(hand, far_))
+    memory_.carried_ticks = 0;
   else if (report.contact_count > 0)  // a fold that swings touches now and then
-    ++ticks_;
-  if (ticks_ < needed_) return false;
-  ticks_ = 0;
+    ++memory_.carried_ticks;
+  return memory_.carried_ticks >= carried_needed_;
+}
+
+bool SnagWatch::isStuck(const State& state, const Vec3& hand, const StepReport& report) {
+  const Vec3& tip = state.tool_pose.position;
+  const bool stays = memory_.stuck_ticks > 0 && (tip - memory_.stood_at).norm() <= still_;
+  if (!isBeyond(hand, far_) || report.contact_count == 0 || !isBetween(state, hand - tip)) {
+    memory_.stuck_ticks = 0;
+    return false;
+  }
+  if (!stays) memory_.stood_at = tip;
+  memory_.stuck_ticks = stays ? memory_.stuck_ticks + 1 : 1;
+  return memory_.stuck_ticks >= stuck_needed_;
+}
+
+bool SnagWatch::update(const State& state, const Vec3& hand, const StepReport& report) {
+  if (off_) return false;
+  const bool carries = isCarrying(state, hand, report);
+  if (!isStuck(state, hand, report) && !carries) return false;
+  memory_ = {};
   return true;
 }
 

@@ -70,7 +70,8 @@ ToolProxy::ToolProxy(const Model& model, int tool)
       max_speed_(tool == 0 ? model.scene.tool_max_speed : model.tools.tool[static_cast<std::size_t>(tool)].max_speed),
       max_force_(tool == 0 ? model.max_tool_force : model.tools.tool[static_cast<std::size_t>(tool)].max_force),
       arrival_ticks_(static_cast<int>(std::lround(arrival_seconds * model.scene.rate_hz))),
-      max_advance_(YieldLimits::sound_share * slowestSound(model) / model.scene.rate_hz) {}
+      max_advance_(YieldLimits::sound_share * slowestSound(model) / model.scene.rate_hz),
+      support_(model, tool) {}
 
 void ToolProxy::beGentle() {
   gentle_ = true;
@@ -86,13 +87,13 @@ double ToolProxy::pushedBack(const Model& model, const StepReport& last) {
 }
 
 Pose ToolProxy::follow(const Pose& hand, const State& state, const StepReport& last) {
-  return followFrom(state.tool_pose, hand, last.tool_force, state, last);
+  return followFrom(postureOf(state, 0), hand, last.tool_force, state, last);
 }
 
 ToolPosture ToolProxy::follow(const ToolPosture& hand, const State& state, const StepReport& last) {
   const ToolPosture from = postureOf(state, tool_);
   const ToolLoad& load = last.loads[static_cast<std::size_t>(tool_)];
-  return {followFrom(from.pose, hand.pose, load.force, state, last), followOpening(hand.opening, state, last)};
+  return {followFrom(from, hand.pose, load.force, state, last), followOpening(hand.opening, state, last)};
 }
 
 double ToolProxy::followOpening(double wanted, const State& state, const StepReport& last) const {
@@ -108,8 +109,23 @@ double ToolProxy::followOpening(double wanted, const State& state, const StepRep
   return opening + change;
 }
 
-Pose ToolProxy::followFrom(const Pose& from, const Pose& hand, const Vec3& force, const State& state,
+Pose ToolProxy::followFrom(const ToolPosture& from, const Pose& hand, const Vec3& force, const State& state,
                            const StepReport& last) {
+  Pose pose = yieldFrom(from.pose, hand, force, state, last);
+  if (support_.empty()) return pose;
+  Vec3 move = pose.position - from.pose.position;
+  const double reach = max_speed_ / model_.scene.rate_hz;
+  if (move.norm() > reach) move *= reach / move.norm();
+  const Vec3 free = support_.stop(from, move);
+  if (free == move) return pose;
+  pose.position = from.pose.position + free;
+  arrived_ticks_ = 0;
+  yield_ = (hand.position - pose.position).norm();
+  return pose;
+}
+
+Pose ToolProxy::yieldFrom(const Pose& from, const Pose& hand, const Vec3& force, const State& state,
+                          const StepReport& last) {
   const bool touches = !force.isZero(0);
   const double g = touches ? freedomUnder(model_, last, force.norm(), max_force_) : 1, share = g * g;
   yield_ = 0;

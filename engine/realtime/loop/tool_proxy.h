@@ -1,5 +1,6 @@
 #pragma once
 
+#include "realtime/loop/rigid_support.h"
 #include "simulation/model.h"
 #include "simulation/state.h"
 
@@ -34,6 +35,8 @@ struct YieldLimits {
 ///
 /// Skin that lies deep in the tool on both sides of its way, as where a fold has closed over it, wedges it: no way is
 /// away from that. There penetration alone doesn't hold it, it goes at gentle_speed.
+///
+/// It stands before what holds the organ (RigidSupport), whatever the tissue between takes.
 ///
 /// In tissue it advances at half the speed of sound at most: for very soft tissue and a very quick hand.
 /// Across the push and backwards the tool is free; it doesn't slide off a slope, as it would along the skin. Where no
@@ -91,13 +94,16 @@ class ToolProxy {
   static double pushedBack(const Model& model, const StepReport& last);
 
  private:
-  Pose followFrom(const Pose& from, const Pose& hand, const Vec3& force, const State& state, const StepReport& last);
+  Pose followFrom(const ToolPosture& from, const Pose& hand, const Vec3& force, const State& state,
+                  const StepReport& last);
+  Pose yieldFrom(const Pose& from, const Pose& hand, const Vec3& force, const State& state, const StepReport& last);
 
   const Model& model_;
   int tool_;
   double max_speed_, max_force_;  // m/s, N
   const int arrival_ticks_;
   const double max_advance_;  // m a tick in tissue
+  RigidSupport support_;
   bool gentle_ = false;
   int arrived_ticks_ = 0;  // in a row, while gentle
   double yield_ = 0;

@@ -63,6 +63,33 @@ TEST_CASE("A tool that touches far outside of the body is caught", "[snag_watch]
   CHECK(ticksUntilFound(moved, model, Vec3(1, 1, 1), Vec3(1, 1, 1), touching()) == -1);
 }
 
+TEST_CASE("A tool that stands between skin before it and behind, far from its hand, is stuck", "[snag_watch]") {
+  const Model model = boxed();
+  SnagWatch watch(model);
+  State state = test::FakePhysics(model).state();
+  Vec3 hand(0.05, 0.03, -1);
+  const auto ticksUntil = [&](double below, double above, double speed) {  // N from either side; m/s
+    state.contact.vertex = {0, 1};
+    state.contact.force = {Float4{0, 0, static_cast<float>(-below), 0}, Float4{0, 0, static_cast<float>(above), 0}};
+    state.contact.count = 2;
+    state.tool_pose.position = Vec3(0.05, 0.03, 0.02);
+    for (int t = 1; t <= 5000; ++t) {
+      state.tool_pose.position.z() -= speed / model.scene.rate_hz;
+      if (watch.update(state, hand, touching())) return t;
+    }
+    watch.recall({});
+    return -1;
+  };
+  const int stuck = static_cast<int>(SnagWatch::stuck_seconds * model.scene.rate_hz);
+  CHECK(ticksUntil(5, 2, 0) == stuck);
+  CHECK(ticksUntil(5, 2, 0) == stuck);  // and anew
+  CHECK(ticksUntil(5, 8, 0) == stuck);  // held by what is behind it
+  CHECK(ticksUntil(5, 1, 0) == -1);     // it presses
+  CHECK(ticksUntil(5, 2, 2e-3) == -1);  // it gets on, if slowly
+  hand.z() = -0.01;
+  CHECK(ticksUntil(5, 2, 0) == -1);  // the hand is near
+}
+
 TEST_CASE("Tissue that a tool has carried off is put back to rest, counted and told of", "[snag_watch]") {
   const Model model = boxed();
   test::FakePhysics physics(model);
