@@ -11,11 +11,11 @@
 
 namespace palpate::app {
 
-/// A rough hand, from one seed: it pokes at 0.5 m/s through the bottom, presses and holds, drags through the organ, jumps
-/// anywhere at once, while friction (0 to 1) and the stiffness of the materials (all or half of the scene's) change.
-/// After each round of some such acts it lifts off, higher where a fold hangs on the tool, and waits until the tissue
-/// is at rest: a cycle. Where the tool can't follow upwards, since the organ lies on it, the hand leaves downwards.
-/// What it does does not depend on the tissue but for this, the height and the wait.
+/// A rough hand, from one seed: it pokes at 0.5 m/s through the bottom, presses and holds, drags through the organ,
+/// jumps anywhere at once, while friction (0 to 1) and the stiffness of the materials (all or half of the scene's)
+/// change. After each round of some such acts it lifts off, higher where a fold hangs on the tool, and waits until the
+/// tissue is at rest: a cycle. Where the tool can't follow upwards, since the organ lies on it, the hand tries to leave
+/// downwards, and so on in turn. What it does does not depend on the tissue but for this, the height and the wait.
 class RoughMotion final : public SoakHand {
  public:
   static constexpr double poke_speed = 0.5;  // m/s

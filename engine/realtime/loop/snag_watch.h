@@ -14,8 +14,8 @@ namespace palpate {
 /// It has carried tissue off: with the hand far outside the body's shape at rest, and itself outside, it is still
 /// touched (it may stay behind a hand that draws harder than the tissue bears).
 ///
-/// It is stuck: with the hand far outside the tool stands still for long, held by skin before it and behind. A tool that
-/// presses, however long and however far beneath the body its hand is, is pushed back by what is before it.
+/// It is stuck: with the hand far outside the tool stands still for long, held by skin before it and behind. A tool
+/// that presses, however long and however far beneath the body its hand is, is pushed back by what is before it.
 ///
 /// Jaws and further tools may hold tissue, and boundaries that move may carry it: there nothing is found.
 /// Loop thread only. Real-time: no allocation, no lock, no throw. Test: realtime/loop/snag_watch_test.cpp
