@@ -215,7 +215,7 @@ ShapeTable shapeAt(const Body& model, const Clipped& clipped) {
 
 }  // namespace
 
-Body cutBody(const Body& model, const CutPlane& plane) {
+CutBody cutBody(const Body& model, const CutPlane& plane) {
   const PlaneFrame frame(plane);
   double length = 0;
   for (const auto& t : model.skin.surface.triangles)
@@ -225,7 +225,7 @@ Body cutBody(const Body& model, const CutPlane& plane) {
   if (clipped.surface.triangles.empty()) throw std::invalid_argument("the cut plane leaves nothing of the body");
   addSection(clipped, frame, edge);
 
-  Body cut;
+  CutBody cut;
   cut.scene = model.scene;
   cut.X = model.X;
   cut.support_radius = model.support_radius;
@@ -245,6 +245,7 @@ Body cutBody(const Body& model, const CutPlane& plane) {
     for (const int v : t) cut.skin.area[v] += third;
   }
   cut.skin.surface = std::move(clipped.surface);
+  cut.whole_vertex = std::move(clipped.old_vertex);
   return cut;
 }
 

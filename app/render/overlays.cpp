@@ -62,8 +62,8 @@ Overlays::Overlays(const Body& model, const std::string& shader_dir)
   glBindBuffer(GL_ARRAY_BUFFER, 0);
 }
 
-void Overlays::draw(const Snapshot& snapshot, const View& view, const std::vector<Vec3f>& positions,
-                    double organ_radius, int framebuffer_height) {
+void Overlays::draw(const Snapshot& snapshot, const View& view, const SkinMesh& skin, double organ_radius,
+                    int framebuffer_height) {
   dots_.clear();
   arrows_.clear();
   contact_arrows_.clear();
@@ -71,9 +71,8 @@ void Overlays::draw(const Snapshot& snapshot, const View& view, const std::vecto
   if (view.show_points) addPoints(snapshot);
   if (view.show_nodes) addNodes(snapshot);
   if (view.picked_point >= 0 && view.picked_point < model_.pointCount()) addSupport(snapshot, view.picked_point);
-  if (view.pulled_vertex >= 0 && view.pulled_vertex < static_cast<int>(positions.size()))
-    addPull(view, positions, framebuffer_height);
-  if (view.show_contact) addContactForces(snapshot, view, positions, framebuffer_height);
+  if (skin.leftOf(view.pulled_vertex) >= 0) addPull(view, skin, framebuffer_height);
+  if (view.show_contact) addContactForces(snapshot, view, skin, framebuffer_height);
   if (view.show_forces) addToolForce(snapshot, view, organ_radius, framebuffer_height);
   drawArrows(contact_arrows_, GL_ALWAYS);
   drawArrows(arrows_, GL_LESS);
@@ -119,8 +118,8 @@ void Overlays::addSupport(const Snapshot& snapshot, int point) {
   dots_.push_back({bubble_centre_, Vec3f::Ones(), 9});
 }
 
-void Overlays::addPull(const View& view, const std::vector<Vec3f>& positions, int framebuffer_height) {
-  const Vec3f& from = positions[view.pulled_vertex];
+void Overlays::addPull(const View& view, const SkinMesh& skin, int framebuffer_height) {
+  const Vec3f& from = skin.positions()[skin.leftOf(view.pulled_vertex)];
   const Vec3f to = view.pull_target.cast<float>();
   const double pixel = view.camera.pixelSize(view.pull_target, framebuffer_height) * view.pixel_ratio;
   arrows_.push_back({from, to - from, static_cast<float>(1.6 * std::abs(pixel)), pull_colour});
@@ -143,7 +142,7 @@ void Overlays::addToolForce(const Snapshot& snapshot, const View& view, double o
 }
 
 /// The forces on the tissue, from the skin inwards; tool and tissue hide them, so they show through.
-void Overlays::addContactForces(const Snapshot& snapshot, const View& view, const std::vector<Vec3f>& positions,
+void Overlays::addContactForces(const Snapshot& snapshot, const View& view, const SkinMesh& skin,
                                 int framebuffer_height) {
   double largest = 0;
   for (int k = 0; k < snapshot.contact_count; ++k)
@@ -153,10 +152,11 @@ void Overlays::addContactForces(const Snapshot& snapshot, const View& view, cons
   for (int k = 0; k < snapshot.contact_count; ++k) {
     const Vec3 force = toVec3(snapshot.contact_force[k]);
     const double share = force.norm() / largest;
-    if (share < min_contact_share) continue;
+    const int v = skin.leftOf(snapshot.contact_vertex[k]);
+    if (share < min_contact_share || v < 0) continue;
     const Vec3 along = force.normalized() * longest_contact_in_tool_radii * model_.scene.tool.radius * std::sqrt(share);
-    contact_arrows_.push_back({positions[snapshot.contact_vertex[k]], along.cast<float>(),
-                               static_cast<float>(1.1 * std::abs(pixel)), contact_colour});
+    contact_arrows_.push_back(
+        {skin.positions()[v], along.cast<float>(), static_cast<float>(1.1 * std::abs(pixel)), contact_colour});
   }
 }
 

@@ -5,6 +5,7 @@
 #include "app/render/gl_object.h"
 #include "app/render/mesh_buffers.h"
 #include "app/render/shader_program.h"
+#include "app/render/skin_mesh.h"
 #include "app/render/view.h"
 #include "realtime/channels/snapshot.h"
 #include "simulation/body.h"
@@ -17,9 +18,9 @@ class Overlays {
   Overlays(const Body& model, const std::string& shader_dir);
 
   /// Draws over the tissue; what it hides of points shows faintly through.
-  /// @param positions  the skin's vertices as drawn, m
+  /// @param skin  as drawn
   /// @param organ_radius  m; the longest arrow is a share of it
-  void draw(const Snapshot& snapshot, const View& view, const std::vector<Vec3f>& positions, double organ_radius,
+  void draw(const Snapshot& snapshot, const View& view, const SkinMesh& skin, double organ_radius,
             int framebuffer_height);
 
  private:
@@ -37,10 +38,9 @@ class Overlays {
   void addNodes(const Snapshot& snapshot);
   void addPoints(const Snapshot& snapshot);
   void addSupport(const Snapshot& snapshot, int point);
-  void addPull(const View& view, const std::vector<Vec3f>& positions, int framebuffer_height);
+  void addPull(const View& view, const SkinMesh& skin, int framebuffer_height);
   void addToolForce(const Snapshot& snapshot, const View& view, double organ_radius, int framebuffer_height);
-  void addContactForces(const Snapshot& snapshot, const View& view, const std::vector<Vec3f>& positions,
-                        int framebuffer_height);
+  void addContactForces(const Snapshot& snapshot, const View& view, const SkinMesh& skin, int framebuffer_height);
   void drawDots() const;
   void drawArrows(const std::vector<Arrow>& arrows, GLenum depth_test) const;
   void drawBubble() const;

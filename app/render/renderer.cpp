@@ -83,7 +83,7 @@ Eigen::Vector4f with(const Vec3& v, double w) {
 }  // namespace
 
 struct Renderer::Parts {
-  Parts(const Body& the_model, const std::string& shader_dir);
+  Parts(const Body& the_model, const std::string& shader_dir, std::span<const int> whole_vertex);
 
   void fillFrame(const Snapshot& snapshot, const View& view, int width, int height);
   void drawShadows(const Snapshot& snapshot, const View& view);
@@ -144,12 +144,12 @@ SolidMesh ballMesh() {
 
 }  // namespace
 
-Renderer::Parts::Parts(const Body& the_model, const std::string& shader_dir)
+Renderer::Parts::Parts(const Body& the_model, const std::string& shader_dir, std::span<const int> whole_vertex)
     : model(the_model),
       rest(model.skin.surface.vertices),
       extent(rest),
       key(keyDirection(model.scene.camera_azimuth_deg)),
-      skin(model),
+      skin(model, whole_vertex),
       skin_buffers(skin),
       tool_buffers(toolMesh(model.scene.tool)),
       skin_program(shader_dir, "skin.vert", "skin.frag"),
@@ -336,9 +336,9 @@ void Renderer::Parts::releaseState() const {
   glPolygonOffset(0, 0);
 }
 
-Renderer::Renderer(const Body& model, const std::string& shader_dir) {
+Renderer::Renderer(const Body& model, const std::string& shader_dir, std::span<const int> whole_vertex) {
   requireOpenGl33();
-  parts_ = std::make_unique<Parts>(model, shader_dir);
+  parts_ = std::make_unique<Parts>(model, shader_dir, whole_vertex);
 }
 
 Renderer::~Renderer() = default;
@@ -363,7 +363,7 @@ ColourScale Renderer::draw(const Snapshot& snapshot, const View& view, int frame
   parts.bindTextures(view);
   parts.drawPicture(snapshot, view);
   if (view.show_tool && snapshot.yield_m > ghost_distance) parts.drawGhost(snapshot);
-  parts.overlays.draw(snapshot, view, parts.skin.positions(), parts.extent.radius, framebuffer_height);
+  parts.overlays.draw(snapshot, view, parts.skin, parts.extent.radius, framebuffer_height);
   parts.target.resolveInto(static_cast<GLuint>(shown));
   parts.releaseState();
   return scale;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -17,9 +18,10 @@ class Renderer {
  public:
   /// Compiles the shaders and fills the constant buffers. `model` must outlive the renderer.
   /// @param shader_dir  folder of the GLSL files, e.g. findShaderDir()
+  /// @param whole_vertex  of a cut body (CutBody), whose snapshots tell of the whole one's skin; else empty
   /// Throws std::runtime_error that names file and line where a shader can't be used,
   /// or says what the context lacks.
-  Renderer(const Body& model, const std::string& shader_dir);
+  Renderer(const Body& model, const std::string& shader_dir, std::span<const int> whole_vertex = {});
   ~Renderer();
   Renderer(const Renderer&) = delete;
   Renderer& operator=(const Renderer&) = delete;

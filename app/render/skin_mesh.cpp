@@ -33,10 +33,29 @@ bool shareEdge(const std::array<int, 3>& a, const std::array<int, 3>& b) {
   return common >= 2;
 }
 
+/// Which vertex each of the whole body's became: the first, where the section repeats it.
+std::vector<int> verticesLeft(std::span<const int> whole_vertex, std::size_t vertex_count) {
+  std::vector<int> left;
+  if (whole_vertex.empty()) {
+    left.resize(vertex_count);
+    std::iota(left.begin(), left.end(), 0);
+    return left;
+  }
+  for (std::size_t v = 0; v < whole_vertex.size(); ++v) {
+    if (whole_vertex[v] < 0) continue;
+    const auto whole = static_cast<std::size_t>(whole_vertex[v]);
+    if (whole >= left.size()) left.resize(whole + 1, -1);
+    if (left[whole] < 0) left[whole] = static_cast<int>(v);
+  }
+  return left;
+}
+
 }  // namespace
 
-SkinMesh::SkinMesh(const Body& model) : model_(model), triangles_(model.skin.surface.triangles) {
+SkinMesh::SkinMesh(const Body& model, std::span<const int> whole_vertex)
+    : model_(model), triangles_(model.skin.surface.triangles) {
   for (const Vec3& X : model.skin.surface.vertices) positions_.push_back(X.cast<float>());
+  left_ = verticesLeft(whole_vertex, positions_.size());
   splitEdges();
   findNeighbours();
   const ShapeTable& shape = model.skin_shape;
@@ -158,12 +177,17 @@ void SkinMesh::updateCavities() {
   spread(cavity_);
 }
 
+int SkinMesh::leftOf(int whole_vertex) const {
+  return whole_vertex >= 0 && whole_vertex < static_cast<int>(left_.size()) ? left_[whole_vertex] : -1;
+}
+
 void SkinMesh::updateContact(const Snapshot& snapshot) {
   std::fill(contact_.begin(), contact_.end(), 0.0F);
   if (snapshot.contact_count == 0) return;
   const double full = full_contact_pressure * model_.materials.front().shear_modulus;
   for (int k = 0; k < snapshot.contact_count; ++k) {
-    const int v = snapshot.contact_vertex[k];
+    const int v = leftOf(snapshot.contact_vertex[k]);
+    if (v < 0) continue;
     const double pressure = toVec3(snapshot.contact_force[k]).norm() / model_.skin.area[v];
     contact_[v] = static_cast<float>(std::min(1.0, pressure / full));
   }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <span>
 #include <vector>
 
 #include "app/render/field.h"
@@ -26,7 +27,8 @@ struct SkinVertex {
 /// that the edge stays sharp.
 class SkinMesh {
  public:
-  explicit SkinMesh(const Body& model);
+  /// @param whole_vertex  of a cut body (CutBody), whose snapshots tell of the whole one's skin; else empty
+  explicit SkinMesh(const Body& model, std::span<const int> whole_vertex = {});
 
   /// Follows a snapshot. @return the scale of the vertices' values
   ColourScale update(const Snapshot& snapshot, const View& view);
@@ -34,6 +36,8 @@ class SkinMesh {
   const std::vector<SkinVertex>& vertices() const { return vertices_; }
   const std::vector<std::array<int, 3>>& triangles() const { return triangles_; }  // of vertices()
   const std::vector<Vec3f>& positions() const { return positions_; }               // of the model's skin
+  /// The model's skin vertex that this one of the whole body became, -1 where it was cut away.
+  int leftOf(int whole_vertex) const;
 
  private:
   void splitEdges();
@@ -47,6 +51,7 @@ class SkinMesh {
   std::vector<SkinVertex> vertices_;
   std::vector<int> skin_vertex_;  // (vertices) the model's skin vertex behind each
   std::vector<std::array<int, 3>> triangles_;
+  std::vector<int> left_;  // (whole skin vertex_count) the model's skin vertex of each, -1: cut away
   std::vector<int> neighbour_begin_, neighbour_;  // around each skin vertex, compressed rows
   std::vector<Vec3f> positions_;                  // (skin vertex_count) m
   std::vector<Vec3f> normals_;                    // (skin vertex_count) unit

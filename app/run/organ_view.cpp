@@ -17,10 +17,10 @@ ColourScale OrganView::draw(const Snapshot& snapshot, const View& view, int fram
   if (!cut_renderer_ || moved) {
     shown_ = view.section;
     try {
-      auto body = std::make_unique<const Body>(cutBody(model_, planeOf(shown_, centre(), radius())));
+      auto body = std::make_unique<const CutBody>(cutBody(model_, planeOf(shown_, centre(), radius())));
       cut_renderer_.reset();  // before the body that it draws
       cut_ = std::move(body);
-      cut_renderer_ = std::make_unique<Renderer>(*cut_, findShaderDir());
+      cut_renderer_ = std::make_unique<Renderer>(*cut_, findShaderDir(), cut_->whole_vertex);
     } catch (const std::invalid_argument&) {  // the plane leaves nothing: the last cut stays
     }
   }

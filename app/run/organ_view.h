@@ -26,7 +26,7 @@ class OrganView {
   std::vector<Vec3f> positions_;
   bool cut_shown_ = false;
   Section shown_;
-  std::unique_ptr<const Body> cut_;
+  std::unique_ptr<const CutBody> cut_;
   std::unique_ptr<Renderer> cut_renderer_;
 };
 

@@ -9,7 +9,6 @@ namespace palpate::app {
 
 namespace {
 
-constexpr double path_step = 0.002;     // m, between two points of the path
 constexpr double reached_cosine = 0.3;  // of the skin to the tool's way, where the tool gets to
 constexpr double light_share = 0.5;     // of a lump's depth that must be pressed to feel it
 
@@ -24,7 +23,9 @@ TaskScore::TaskScore(const Model& model, std::vector<Lump> lumps)
       lumps_(std::move(lumps)),
       skin_(model.skin.surface),
       pressure_(model.skin.surface.vertices.size(), 0.0F),
-      deepest_(lumps_.size(), 0.0) {}
+      deepest_(lumps_.size(), 0.0) {
+  path_.reserve(most_path_points);
+}
 
 void TaskScore::add(const ForceSample& sample) {
   if (begin_s_ < 0) begin_s_ = sample.time_s;
@@ -49,10 +50,27 @@ void TaskScore::add(const ForceSample& sample) {
   for (std::size_t v = 0; v < pressure_.size(); ++v)
     if ((model_.skin.surface.vertices[v] - foot).squaredNorm() < patch * patch)
       pressure_[v] = std::max(pressure_[v], pressure);
-  if (path_.empty() || (tip - path_.back()).norm() > path_step) {
-    if (!path_.empty()) length_ += (tip - path_.back()).norm();
+  followPath(tip);
+}
+
+void TaskScore::followPath(const Vec3& tip) {
+  if (path_.empty()) {
     path_.push_back(tip);
+    walked_to_ = tip;
+    return;
   }
+  const double way = (tip - walked_to_).norm();
+  if (way > path_step) {
+    length_ += way;
+    walked_to_ = tip;
+  }
+  if ((tip - path_.back()).norm() <= kept_step_) return;
+  if (path_.size() == most_path_points) {  // every second one goes
+    for (std::size_t k = 0; 2 * k < path_.size(); ++k) path_[k] = path_[2 * k];
+    path_.resize(most_path_points / 2);
+    kept_step_ *= 2;
+  }
+  path_.push_back(tip);
 }
 
 void TaskScore::mark(const Vec3& place, int hardness, double time_s) {

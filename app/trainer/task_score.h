@@ -19,9 +19,11 @@ struct LumpMark {
 /// alone, so a replay scores the same, bit for bit. Belongs to the main thread.
 class TaskScore {
  public:
-  static constexpr double force_limit = 4;            // N: more hurts
-  static constexpr double threshold_pressure = 1000;  // Pa: less feels nothing
-  static constexpr double mark_tolerance = 0.008;     // m beyond the lump's radius that a mark still counts
+  static constexpr double force_limit = 4;               // N: more hurts
+  static constexpr double threshold_pressure = 1000;     // Pa: less feels nothing
+  static constexpr double path_step = 0.002;             // m, between two points of the path
+  static constexpr std::size_t most_path_points = 8192;  // the path of a longer way is coarser
+  static constexpr double mark_tolerance = 0.008;        // m beyond the lump's radius that a mark still counts
 
   TaskScore(const Model& model, std::vector<Lump> lumps);
 
@@ -50,7 +52,7 @@ class TaskScore {
 
   /// Peak pressure at the skin's vertices, Pa  (skin vertex_count)
   const std::vector<float>& pressureMap() const { return pressure_; }
-  /// Where the tip went while it touched, each 2 mm.
+  /// Where the tip went while it touched: each 2 mm, or where that makes too many points, 4, 8, ...
   const std::vector<Vec3>& path() const { return path_; }
   /// Whether the probe pressed over this lump at all.
   bool wasPressed(std::size_t lump) const { return deepest_[lump] > 0; }
@@ -58,13 +60,17 @@ class TaskScore {
   bool wasPressedLightly(std::size_t lump) const;
 
  private:
+  void followPath(const Vec3& tip);
+
   const Model& model_;
   std::vector<Lump> lumps_;
   SkinSurface skin_;
   std::vector<LumpMark> marks_;
   std::vector<float> pressure_;
-  std::vector<double> deepest_;  // (lump_count) m pressed above it
-  std::vector<Vec3> path_;       // each 2 mm
+  std::vector<double> deepest_;    // (lump_count) m pressed above it
+  std::vector<Vec3> path_;         // m
+  double kept_step_ = path_step;   // m, between its points
+  Vec3 walked_to_ = Vec3::Zero();  // m, where length_ ends
   std::int64_t samples_ = 0, touching_ = 0, above_limit_ = 0;
   double force_sum_ = 0, peak_ = 0, seconds_ = 0, length_ = 0, begin_s_ = -1;
 };

@@ -4,6 +4,7 @@
 #include <map>
 
 #include "app/render/field.h"
+#include "app/render/skin_mesh.h"
 #include "discretization/surface/solids.h"
 #include "support/small_scene.h"
 
@@ -92,4 +93,38 @@ TEST_CASE("A round body's cut is closed too", "[cut]") {
     CHECK(volumeOf(cut.skin.surface) ==
           Approx(0.5 * volumeOf(cylinder.skin.surface)).epsilon(0.05));  // 1 mm beside the axis
   }
+}
+
+// A snapshot's contacts are vertices of the whole skin: where a cut's skin has fewer, they were written beside it.
+TEST_CASE("A cut body shows the contact where the whole one has it, and none that was cut away", "[cut]") {
+  Scene scene = test::blockScene(0.01);
+  const Model block = buildModel(scene, boxSurface(Vec3(0.03, 0.03, 0.03), 0.004));
+  const CutBody cut = cutBody(block, {Vec3(0.001, 0, 0), Vec3(1, 0, 0)});
+  const std::size_t whole_count = block.skin.surface.vertices.size();
+  REQUIRE(cut.whole_vertex.size() == cut.skin.surface.vertices.size());
+  Snapshot snapshot;
+  snapshot.u.assign(block.X.size(), Float4{});
+  snapshot.materials = block.materials;
+  snapshot.contact_vertex.assign(1, 0);
+  snapshot.contact_force.assign(1, toFloat4(Vec3(0, 0, -1)));
+  snapshot.contact_count = 1;
+  SkinMesh mesh(cut, cut.whole_vertex);
+  int left = 0;
+  for (std::size_t v = 0; v < whole_count; ++v) {
+    const Vec3 X = block.skin.surface.vertices[v];
+    const int at = mesh.leftOf(static_cast<int>(v));
+    if (X.x() > 0.0011) CHECK(at < 0);
+    if (X.x() < 0.0009) REQUIRE(at >= 0);
+    if (at >= 0) CHECK(cut.skin.surface.vertices[at] == X);
+    left += at >= 0;
+    snapshot.contact_vertex[0] = static_cast<int>(v);
+    mesh.update(snapshot, View{});
+    float strongest = 0;
+    for (const SkinVertex& s : mesh.vertices()) strongest = std::max(strongest, s.contact);
+    CHECK((strongest > 0) == (at >= 0));
+  }
+  CHECK(left > 0);
+  CHECK(left < static_cast<int>(whole_count));
+  CHECK(mesh.leftOf(-1) < 0);
+  CHECK(mesh.leftOf(static_cast<int>(whole_count) + 7) < 0);
 }

@@ -189,3 +189,21 @@ TEST_CASE("A score counts each lump once, what is marked beside it, and force ab
   score.unmark();
   CHECK(score.sheet().false_alarms == 1);
 }
+
+TEST_CASE("A probe's path stays bounded over hours, from its beginning to its end, and its length exact", "[trainer]") {
+  const Model model = blockWithLump();
+  TaskScore score(model, lumpsOf(model));
+  ForceSample sample;
+  sample.force_raw = Vec3(0, 0, 1);
+  constexpr int steps = 100000;
+  for (int k = 0; k <= steps; ++k) {
+    sample.time_s = 0.01 * k;
+    sample.tool_pose.position = Vec3(0.0025 * k, 0, 0);
+    score.add(sample);
+  }
+  CHECK(score.path().size() <= TaskScore::most_path_points);
+  CHECK(score.path().size() > TaskScore::most_path_points / 4);
+  CHECK(score.path().front() == Vec3(0, 0, 0));
+  CHECK(score.path().back().x() == Approx(0.0025 * steps).epsilon(1e-3));
+  CHECK(score.sheet().path_m == Approx(0.0025 * steps));
+}
