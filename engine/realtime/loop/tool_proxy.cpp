@@ -45,8 +45,8 @@ double freedomUnder(const Model& model, const StepReport& last, double force, do
                   fade(last.max_penetration, TrustLimits::penetration * radius, YieldLimits::penetration * radius));
 }
 
-/// Whether the tissue that holds a tool against going along `way` holds it as much the other way: 0 it pushes it back ..
-/// 1 the tool is wedged.
+/// Whether the tissue that holds a tool against going along `way` holds it as much the other way: 0 it pushes it
+/// back .. 1 the tool is wedged.
 double wedged(const Model& model, const State& state, int tool, const Vec3& way) {
   double against = 0, along = 0;
   for (int b = 0; b < model.tools.bodyCount(); ++b) {
