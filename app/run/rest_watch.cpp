@@ -1,6 +1,9 @@
 #include "app/run/rest_watch.h"
 
 #include <algorithm>
+#include <limits>
+
+#include "simulation/free_axes.h"
 
 namespace palpate::app {
 namespace {
@@ -8,11 +11,19 @@ namespace {
 // A node that far from rest, relative to the organ's size, would be a tenth of the promised drift.
 constexpr double kRestShare = 0.1 * RestWatch::drift_limit;
 
-/// Largest |a - b| of a node, m.
-double farthest(const AlignedVector<Float4>& a, const AlignedVector<Float4>& b) {
+using Displacements = AlignedVector<Float4>;
+
+/// Largest |a - b - shift| of a node, m.
+double farthest(const Displacements& a, const Displacements& b, const Vec3& shift = Vec3::Zero()) {
   double largest = 0;
-  for (std::size_t i = 0; i < a.size(); ++i) largest = std::max(largest, (toVec3(a[i]) - toVec3(b[i])).norm());
+  for (std::size_t i = 0; i < a.size(); ++i) largest = std::max(largest, (toVec3(a[i]) - toVec3(b[i]) - shift).norm());
   return largest;
+}
+
+Vec3 meanOf(const Displacements& u) {
+  Vec3 sum = Vec3::Zero();
+  for (const Float4& of_node : u) sum += toVec3(of_node);
+  return sum / static_cast<double>(std::max<std::size_t>(u.size(), 1));
 }
 
 }  // namespace
@@ -21,6 +32,7 @@ RestWatch::RestWatch(const Body& model, double hold_s)
     : hold_s_(hold_s),
       tick_seconds_(1 / model.scene.rate_hz),
       dt_(model.dt),
+      free_(freeAxes(model)),
       first_(model.X.size()),
       anchor_(model.X.size()) {
   Vec3 low = model.X.empty() ? Vec3(Vec3::Zero()) : model.X[0], high = low;
@@ -40,8 +52,9 @@ bool RestWatch::update(const State& state, const StepReport& last) {
       std::any_of(last.loads.begin(), last.loads.end(), [](const ToolLoad& load) { return load.contact_count > 0; });
   rest_time_ += tick_seconds_;
   still_time_ = speed_ <= rest_speed_ ? still_time_ + tick_seconds_ : 0;
-  if (near_time_ == 0 || !(farthest(state.u, anchor_) <= restRadius())) {
+  if (near_time_ == 0 || !(farthest(state.u, anchor_) <= restRadius() + rounding_)) {
     std::copy(state.u.begin(), state.u.end(), anchor_.begin());
+    rounding_ = 2 * std::numeric_limits<float>::epsilon() * free_.cwiseProduct(meanOf(state.u)).norm();
     near_time_ = 0;
   }
   near_time_ += tick_seconds_;
@@ -52,7 +65,7 @@ double RestWatch::driftOf(const State& state) {
   if (held_) return 0;
   if (!has_first_) std::copy(state.u.begin(), state.u.end(), first_.begin());
   has_first_ = true;
-  return farthest(state.u, first_);
+  return farthest(state.u, first_, free_.cwiseProduct(meanOf(state.u) - meanOf(first_)));
 }
 
 }  // namespace palpate::app

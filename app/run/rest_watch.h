@@ -16,7 +16,7 @@ namespace palpate::app {
 /// rounding keeps moving: some 3e-8 m/s in the liver.) Slow overdamped modes of very soft or strongly damped scenes go
 /// further, which would show as drift. Tissue under stress trembles faster than that with its coordinates' rounding and
 /// goes nowhere: it is at rest, too, where as long no node left a ball of radius restRadius(), which is what the bound
-/// on the speed allows it. Scenes that do not come to rest in longest_rest_s (damping 0) are told apart by rested().
+/// on the speed allows it, and somewhat more for a body that has slid far, whose coordinates are coarser. Scenes that do not come to rest in longest_rest_s (damping 0) are told apart by rested().
 /// No allocation but in the constructor, no lock, no throw.
 class RestWatch {
  public:
@@ -33,8 +33,9 @@ class RestWatch {
   void begin() { rest_time_ = still_time_ = near_time_ = 0; }
   /// Another tick. @return true where the wait is over: at rest, or after longest_rest_s
   bool update(const State& state, const StepReport& last);
-  /// m, largest |u - u at the first rest| of a node; the first call is that rest. 0 while a further tool of the scene
-  /// touches the tissue: where that rests depends on its friction's past.
+  /// m, largest |u - u at the first rest| of a node; the first call is that rest. Along axes along which nothing holds
+  /// the body it may rest anywhere: there without its mean. 0 while a further tool of the scene touches the tissue:
+  /// where that rests depends on its friction's past.
   double driftOf(const State& state);
   void forgetFirst() { has_first_ = false; }
 
@@ -47,12 +48,13 @@ class RestWatch {
 
  private:
   const double hold_s_, tick_seconds_, dt_;
+  const Vec3 free_;  // 1 along axes along which nothing holds the body
   double organ_size_ = 0, rest_speed_ = 0;
   double rest_time_ = 0, still_time_ = 0, near_time_ = 0;  // s
-  double speed_ = 0;
-  bool has_first_ = false, held_ = false;  // held_: a tool touches
-  AlignedVector<Float4> first_;            // (node_count) m
-  AlignedVector<Float4> anchor_;           // (node_count) m, at the beginning of near_time_
+  double speed_ = 0, rounding_ = 0;                        // m/s; m, by how far it has slid
+  bool has_first_ = false, held_ = false;                  // held_: a tool touches
+  AlignedVector<Float4> first_;                            // (node_count) m
+  AlignedVector<Float4> anchor_;                           // (node_count) m, at the beginning of near_time_
 };
 
 }  // namespace palpate::app

@@ -43,7 +43,10 @@ Soak::Soak(const Model& model, double minutes, bool rough, unsigned seed)
 }
 
 void Soak::takeCycles() {
-  for (SoakCycle cycle; hand_->cycles().pop(cycle);) addCycle(report_, cycle);
+  for (SoakCycle cycle; hand_->cycles().pop(cycle);) {
+    addCycle(report_, cycle);
+    if (!cycle.rested) std::cout << unrestedLine(cycle) << std::endl;
+  }
 }
 
 void Soak::update(SimulationLoop& loop, const ResultFolder& results) {

@@ -88,6 +88,12 @@ std::vector<std::string> brokenPromises(const SoakReport& r) {
   return broken;
 }
 
+std::string unrestedLine(const SoakCycle& c) {
+  return format("cycle %lld, tick %lld: not at rest after %.0f s, fastest node %.1e m/s, %.1e m off, min J %.3f",
+                asLongLong(c.number), asLongLong(c.end_tick), c.rest_s, c.rest_speed, c.drift_m,
+                static_cast<double>(c.min_J));
+}
+
 std::string soakLine(const SoakReport& r) {
   return format(
              "%.1f min: %lld cycles, real time x%.4f, step p99.9 %.0f us, %lld overruns, drift %.1e, min J %.3f, %lld "

@@ -74,6 +74,9 @@ void addCycle(SoakReport& report, const SoakCycle& cycle);
 /// earlier state and never freezes.
 std::vector<std::string> brokenPromises(const SoakReport& report);
 
+/// Of a cycle after which the tissue did not come to rest.
+std::string unrestedLine(const SoakCycle& cycle);
+
 /// "12.0 min: 240 cycles, real time x1.0000, step p99.9 812 us, 3 overruns, drift 2.1e-09, memory +0 kB"
 std::string soakLine(const SoakReport& report);
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 
 #include "base/types.h"
@@ -58,6 +59,12 @@ struct StepReport {
   double step_share = 0;               // dt over the stable step, as the tissue is now, with the mass that was added
   double added_mass = 0;               // by followStiffness, as a share of the body's own
   double added_inertia = 0;            // force that accelerates that mass, as a share of the recent forces
+
+  /// A tool touches the tissue.
+  bool isTouched() const {
+    if (contact_count > 0 || !tool_force.isZero(0)) return true;
+    return std::any_of(loads.begin(), loads.end(), [](const ToolLoad& load) { return load.contact_count > 0; });
+  }
 };
 
 }  // namespace palpate

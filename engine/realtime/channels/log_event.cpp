@@ -46,12 +46,15 @@ std::string sentence(const LogEvent& e) {
           pointsAre(e.value, "was", "were").c_str(), e.index, p.x(), p.y(), p.z());
     case LogEvent::Kind::RestoredFolded:
       return format(
-          "restored: nothing touches the tissue, and yet it stood still folded, a point of it at %.0f %% of its "
-          "volume; "
-          "it is put back to rest",
+          "restored: nothing touches the tissue, and yet it stayed folded, a point of it at %.0f %% of its volume; it "
+          "is "
+          "put back to rest",
           100 * e.value);
     case LogEvent::Kind::RestoredCaught:
       return "restored: the tissue had closed over the tool and held it, far from the hand; it is put back to rest";
+    case LogEvent::Kind::RestoredSlid:
+      return "restored: nothing holds the body along one of its axes, and it had slid away; it is put back to its "
+             "place";
     case LogEvent::Kind::InvertedPoints:
       return format(
           "%s inverted, the worst, %d, at (%.4f, %.4f, %.4f) m; "

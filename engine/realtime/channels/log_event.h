@@ -21,6 +21,7 @@ struct LogEvent {
     RestoredInverted,
     RestoredFolded,  // value: J of the worst point
     RestoredCaught,
+    RestoredSlid,
     InvertedPoints,   // warning: point, position; value: how many
     ContactOverflow,  // warning
     DeepContact,      // warning: value: penetration, m
@@ -47,7 +48,7 @@ struct LogEvent {
   Overload overload;
 
   bool isFreeze() const { return kind <= Kind::FrozenInverted; }
-  bool isRestore() const { return kind > Kind::FrozenInverted && kind <= Kind::RestoredCaught; }
+  bool isRestore() const { return kind > Kind::FrozenInverted && kind <= Kind::RestoredSlid; }
   bool isWarning() const {
     return (kind > Kind::FrozenInverted && kind <= Kind::Overloaded) || kind == Kind::ToolYields;
   }

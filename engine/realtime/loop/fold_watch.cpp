@@ -9,7 +9,9 @@
 namespace palpate {
 
 FoldWatch::FoldWatch(const Model& model)
-    : needed_(std::llround(seconds * model.scene.rate_hz)), strained_(strained * model.rest_energy) {
+    : needed_(std::llround(seconds * model.scene.rate_hz)),
+      crushed_needed_(std::llround(crushed_seconds * model.scene.rate_hz)),
+      strained_(strained * model.rest_energy) {
   for (const BoundarySpec& boundary : model.scene.boundaries) {
     if (!(boundary.duration > 0)) continue;
     const std::vector<double>& times = boundary.curve.time;
@@ -19,37 +21,39 @@ FoldWatch::FoldWatch(const Model& model)
   for (const Material& material : model.materials) strained_anyway_ = strained_anyway_ || material.relaxation_count > 0;
 }
 
-/// Nothing touches it, and it does not swing.
-bool FoldWatch::standsAlone(const StepReport& report) const {
-  if (report.contact_count > 0 || !report.tool_force.isZero(0)) return false;
-  for (const ToolLoad& load : report.loads)
-    if (load.contact_count > 0) return false;
-  return report.kinetic_energy <= calm * report.strain_energy;
+/// Of tissue that nothing touches. @param stands  it does not swing
+bool FoldWatch::isCrushed(const StepReport& report, bool stands, double age) {
+  const double min_J = report.min_J;
+  if (moved_until_ == 0) return min_J < TrustLimits::min_J;
+  if (age <= moved_until_) return false;
+  if (stands) memory_.rest_J = std::max(memory_.rest_J, min_J);
+  return min_J < smaller * memory_.rest_J;
 }
 
-bool FoldWatch::looksFolded(const StepReport& report, double age) {
-  if (!standsAlone(report)) return false;
-  const double min_J = report.min_J;
-  if (moved_until_ > 0) {
-    if (age <= moved_until_) return false;
-    memory_.rest_J = std::max(memory_.rest_J, min_J);
-    return min_J < smaller * memory_.rest_J;
+/// Another tick in which the strain energy should stay what it is. @return whether it has for `needed` ticks
+bool FoldWatch::Stay::update(double strain_energy, double share, std::int64_t needed) {
+  if (ticks == 0 || strain_energy < share * energy) {
+    energy = strain_energy;
+    ticks = 0;
   }
-  return min_J < TrustLimits::min_J || (!strained_anyway_ && report.strain_energy > strained_);
+  return ++ticks >= needed;
 }
 
 bool FoldWatch::update(const StepReport& report, bool pulled, double age) {
-  if (pulled || !looksFolded(report, age)) {
-    memory_.ticks = 0;
+  if (pulled || report.isTouched()) {
+    memory_.still = memory_.crushed = {};
     return false;
   }
-  if (memory_.ticks == 0 || report.strain_energy < steady_share * memory_.energy) {
-    memory_.energy = report.strain_energy;
-    memory_.ticks = 0;
-  }
-  if (++memory_.ticks < needed_) return false;
-  memory_ = {};
-  return true;
+  const double energy = report.strain_energy;
+  const bool stands = report.kinetic_energy <= calm * energy;
+  const bool crushed = isCrushed(report, stands, age);
+  const bool loaded = moved_until_ == 0 && !strained_anyway_ && energy > strained_;
+  if (!stands || !(crushed || loaded)) memory_.still = {};
+  if (!crushed) memory_.crushed = {};
+  const bool folded = (stands && (crushed || loaded) && memory_.still.update(energy, steady_share, needed_)) ||
+                      (crushed && memory_.crushed.update(energy, crushed_share, crushed_needed_));
+  if (folded) memory_ = {};
+  return folded;
 }
 
 }  // namespace palpate

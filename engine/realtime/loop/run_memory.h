@@ -9,6 +9,7 @@
 #include "realtime/loop/fold_watch.h"
 #include "realtime/loop/force_filter.h"
 #include "realtime/loop/further_hands.h"
+#include "realtime/loop/slide_watch.h"
 #include "realtime/loop/snag_watch.h"
 #include "realtime/loop/tool_proxy.h"
 #include "simulation/report.h"
@@ -28,6 +29,7 @@ struct RunMemory {
   ToolReadings readings;
   FoldWatch::Memory folds;
   SnagWatch::Memory snags;
+  SlideWatch::Memory slides;
   StepReport report;
   ForceSample force;
   ForceFilter filter{0, 0, 1};

@@ -33,6 +33,7 @@ SimulationLoop::SimulationLoop(const Model& model, Physics& physics, SpinTeam* t
       history_(physics.state(), model.scene.rate_hz),
       folds_(model),
       snags_(model),
+      slides_(model),
       settings_(model, physics),
       recorder_(channels_.recorded, options.record, model.tool_start),
       reporter_(model, physics, team, channels_) {
@@ -105,6 +106,7 @@ RunMemory SimulationLoop::memory() const {
   for (std::size_t k = 0; k < further_proxies_.size(); ++k) memory.proxies[k] = further_proxies_[k].memory();
   memory.folds = folds_.memory();
   memory.snags = snags_.memory();
+  memory.slides = slides_.memory();
   reporter_.tell(memory);
   return memory;
 }
@@ -128,6 +130,7 @@ void SimulationLoop::recall(const RunMemory& memory) {
   for (std::size_t k = 0; k < further_proxies_.size(); ++k) further_proxies_[k].recall(memory.proxies[k]);
   folds_.recall(memory.folds);
   snags_.recall(memory.snags);
+  slides_.recall(memory.slides);
   history_.startAt(physics_.state());
   settings_.recall();
   reporter_.recall(memory);
@@ -199,6 +202,16 @@ void SimulationLoop::yieldFurther(Command& command) {
     command.tools[k + 1] = further_proxies_[k].follow(command_.tools[k + 1], state, reporter_.lastReport());
 }
 
+/// Why the tissue can't come back to rest by itself, if so.
+std::optional<LogEvent::Kind> SimulationLoop::findLost(const StepReport& report) {
+  const State& state = physics_.state();
+  const bool pulled = command_.pull_vertex >= 0;
+  if (folds_.update(report, pulled, static_cast<double>(state.step) * model_.dt)) return LogEvent::Kind::RestoredFolded;
+  if (snags_.update(state, run_.hand.position, report)) return LogEvent::Kind::RestoredCaught;
+  if (slides_.update(state, report, pulled)) return LogEvent::Kind::RestoredSlid;
+  return std::nullopt;
+}
+
 bool SimulationLoop::step() {
   Command command = command_;
   command.tool_target = proxy_.follow(run_.hand, physics_.state(), reporter_.lastReport());
@@ -211,15 +224,12 @@ bool SimulationLoop::step() {
   if (report.cut_short) return false;
   switch (reporter_.judge(report, run_)) {
     case Verdict::Good: {
-      const double seconds = static_cast<double>(physics_.state().step) * model_.dt;
-      if (const bool folded = folds_.update(report, command.pull_vertex >= 0, seconds);
-          folded || snags_.update(physics_.state(), run_.hand.position, report)) {
+      if (const auto lost = findLost(report)) {
         physics_.reset();  // not to where a recalled run began: that may have been folded
         history_.clear();
         beGentle();
         reporter_.restored();
-        reporter_.logEvent(folded ? LogEvent::Kind::RestoredFolded : LogEvent::Kind::RestoredCaught, run_,
-                           report.worst_point, report.min_J);
+        reporter_.logEvent(*lost, run_, report.worst_point, report.min_J);
         break;
       }
       history_.keep(physics_.state(), reporter_.lastDoubt());

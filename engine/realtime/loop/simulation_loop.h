@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <thread>
 #include <vector>
 
@@ -13,6 +14,7 @@
 #include "realtime/loop/run_memory.h"
 #include "realtime/loop/run_state.h"
 #include "realtime/loop/run_summary.h"
+#include "realtime/loop/slide_watch.h"
 #include "realtime/loop/snag_watch.h"
 #include "realtime/loop/state_history.h"
 #include "realtime/loop/tick_reporter.h"
@@ -129,6 +131,7 @@ class SimulationLoop final : private LoopBody {
   void goBackTo(const State& past);
   bool advance();  // false: quit() broke the tick off, which then never was
   bool step();     // likewise
+  std::optional<LogEvent::Kind> findLost(const StepReport& report);
 
   const Model& model_;
   Physics& physics_;
@@ -152,6 +155,7 @@ class SimulationLoop final : private LoopBody {
   StateHistory history_;
   FoldWatch folds_;
   SnagWatch snags_;
+  SlideWatch slides_;
   LiveSettings settings_;
   InputRecorder recorder_;
   TickReporter reporter_;

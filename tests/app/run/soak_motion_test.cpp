@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <catch2/catch.hpp>
+#include <cmath>
 #include <vector>
 
 #include "realtime/fakes.h"
@@ -143,6 +144,39 @@ TEST_CASE("Where a further tool holds the tissue, no drift is told", "[soak_moti
   state.u[0].x = 3e-3F;
   rest.update(state, report);
   CHECK(rest.driftOf(state) == Approx(2e-3));
+}
+
+TEST_CASE("Where a body may slide, its drift is told without the slide", "[soak_motion]") {
+  Model model = test::smallModel();
+  model.imposed = {4, 4, 4, 4};  // on ice
+  RestWatch rest(model);
+  State state;
+  state.u.resize(model.X.size());
+  rest.update(state, {});
+  REQUIRE(rest.driftOf(state) == 0);
+  for (Float4& u : state.u) u = {0.01F, -0.02F, 0, 0};
+  CHECK(rest.driftOf(state) < 1e-15);
+  for (Float4& u : state.u) u.z = 1e-3F;  // not a slide
+  CHECK(rest.driftOf(state) == Approx(1e-3));
+  for (Float4& u : state.u) u.z = 0;
+  state.u[0].x += 1e-3F;
+  CHECK(rest.driftOf(state) == Approx(0.75e-3).epsilon(1e-4));  // of four nodes
+  // Far off, the coordinates' last bit is larger than what the bound on the speed allows; here too it is at rest.
+  const float far = 0.2F;
+  for (const bool on_ice : {true, false}) {
+    if (!on_ice) model.imposed[0] = 7;
+    RestWatch watch(model);
+    watch.begin();
+    StepReport trembles;
+    trembles.max_increment = 1;
+    bool over = false;
+    for (int t = 0; t < 100 && !over; ++t) {
+      for (Float4& u : state.u) u = {t % 2 == 0 ? far : std::nextafter(far, 1.0F), 0, 0, 0};
+      over = watch.update(state, trembles);
+    }
+    CHECK(std::nextafter(far, 1.0F) - far > watch.restRadius());
+    CHECK(watch.rested() == on_ice);
+  }
 }
 
 TEST_CASE("After a reset the cycles begin again", "[soak_motion]") {

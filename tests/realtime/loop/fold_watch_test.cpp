@@ -57,6 +57,7 @@ TEST_CASE("Tissue that is touched, pulled, moved or on its way has not folded", 
   touched.contact_count = 1;
   CHECK(ticksUntilFound(watch, touched) == -1);
   StepReport swinging = folded();
+  swinging.min_J = 0.9F;
   swinging.kinetic_energy = 0.01 * swinging.strain_energy;
   CHECK(ticksUntilFound(watch, swinging) == -1);
   // Creeping back: half of the energy in each ten seconds.
@@ -78,6 +79,29 @@ TEST_CASE("Tissue that is touched, pulled, moved or on its way has not folded", 
   strained.min_J = 0.9F;
   CHECK(ticksUntilFound(relaxing, strained) == -1);
   CHECK(ticksUntilFound(relaxing, folded()) == 250);
+}
+
+TEST_CASE("Tissue that stays crushed has folded, even where it swings", "[fold_watch]") {
+  const Model model = watched();
+  FoldWatch watch(model);
+  StepReport swinging = folded();
+  swinging.kinetic_energy = 0.5 * swinging.strain_energy;
+  CHECK(ticksUntilFound(watch, swinging) == 1500);
+  CHECK(ticksUntilFound(watch, swinging) == 1500);  // and anew
+  CHECK(ticksUntilFound(watch, swinging, true) == -1);
+  // It loses much of its energy for two seconds, and then no more.
+  int ticks = 0;
+  for (bool found = false; !found; ++ticks) {
+    if (ticks < 1000) swinging.strain_energy *= 0.9995;
+    REQUIRE(ticks < 5000);
+    found = watch.update(swinging, false, 10);
+  }
+  CHECK(ticks > 1500);
+  CHECK(ticks < 2500);
+  // Not crushed for a tick: it begins anew.
+  StepReport open = swinging;
+  open.min_J = 0.9F;
+  for (int t = 0; t < 5000; ++t) REQUIRE_FALSE(watch.update(t % 1400 == 0 ? open : swinging, false, 10));
 }
 
 TEST_CASE("A body whose boundaries were moved has folded where a point is far smaller than at a rest before",
