@@ -12,7 +12,7 @@ std::optional<Notice> noticeOf(const LogEvent& event) {
   else if (event.kind == Kind::RestoredCaught)
     notice.sentence = "The tissue had closed over the probe and held it: it was put back to rest.";
   else if (event.kind == Kind::RestoredSlid)
-    notice.sentence = "The body had slid away: it was put back to its place.";
+    notice.sentence = "The body had slid away or turned over: it was put back to its place.";
   else if (event.isRestore())
     notice.sentence = "That was more than this tissue can take: it was set back to just before. Press more gently.";
   else if (event.kind == Kind::ToolYields)

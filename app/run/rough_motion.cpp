@@ -8,11 +8,13 @@
 namespace palpate::app {
 namespace {
 
-constexpr double kRoughAway = 1.0;                               // m/s, lifting off
-constexpr double kRoughDraw = 0.1;                               // m/s, while a fold hangs on the tool
-constexpr double kRoughPatience = 2;                             // s, until it tries the other way,
-constexpr double kRoughLongPatience = 10;                        // s, and then each time: a tool may be slow
-constexpr int kRoughTries = 5;                                   // upwards, downwards, ..., upwards; then it waits
+constexpr double kRoughAway = 1.0;         // m/s, lifting off
+constexpr double kRoughDraw = 0.1;         // m/s, while a fold hangs on the tool
+constexpr double kRoughPatience = 2;       // s, until it tries the other way,
+constexpr double kRoughLongPatience = 10;  // s, and then each time: a tool may be slow
+// In the frame of the tool's start: upwards, downwards, aside, and upwards again; then it waits.
+const std::array<Vec3, 7> kRoughWaysOut = {Vec3(0, 0, 1), Vec3(0, 0, -1), Vec3(1, 0, 0), Vec3(-1, 0, 0),
+                                           Vec3(0, 1, 0), Vec3(0, -1, 0), Vec3(0, 0, 1)};
 constexpr double kRoughPressSlow = 0.05, kRoughPressFast = 0.3;  // m/s
 constexpr double kRoughDragSlow = 0.05, kRoughDragFast = 0.5;    // m/s
 constexpr double kRoughShortHold = 0.05, kRoughLongHold = 0.4;   // s
@@ -34,8 +36,6 @@ RoughMotion::RoughMotion(const Body& model, unsigned seed)
     high_ = high_.cwiseMax(start_.toLocal(X));
   }
   lift_ = high_.z() + 0.5 * model.scene.tool.radius;
-  highest_ = lift_ + (high_ - low_).norm();
-  lowest_ = low_.z() - (high_ - low_).norm();
   planRound();
 }
 
@@ -103,15 +103,21 @@ const Request* RoughMotion::nextSetting() {
   return &settings_[setting_++];
 }
 
+/// m along `way`, to where it goes if the skin hangs on the tool: the organ's size beyond it.
+double RoughMotion::endOf(const Vec3& way) const {
+  const Vec3 corner = (way.array() > 0).select(Vec3(high_.x(), high_.y(), lift_), low_);
+  return way.dot(corner) + (high_ - low_).norm();
+}
+
 /// A tool that came up beneath a fold carries it; a hand would draw it out. One that came up beneath the organ lifts it
-/// until it can push no harder, and has to go back. If it was freed meanwhile by putting the tissue back to rest, it is
-/// above the organ again, and would press on it for ever.
+/// until it can push no harder, and has to go back; one in an organ that slides takes it along, and has to go where it
+/// can't follow. If it was freed meanwhile by putting the tissue back to rest, it is above the organ again, and would
+/// press on it for ever.
 bool RoughMotion::stillLifts(const StepReport& last) {
-  if (last.contact_count == 0 || tries_ == kRoughTries) return false;
-  const bool leaves_down = tries_ % 2 == 1;
-  const bool is_there = leaves_down ? hand_.z() <= lowest_ : hand_.z() >= highest_;
-  if (!is_there) {
-    hand_.z() += (leaves_down ? -kRoughAway : kRoughDraw) * tick_seconds_;
+  if (last.contact_count == 0 || tries_ == kRoughWaysOut.size()) return false;
+  const Vec3& way = kRoughWaysOut[tries_];
+  if (way.dot(hand_) < endOf(way)) {
+    hand_ += (way.z() < 0 ? kRoughAway : kRoughDraw) * tick_seconds_ * way;
   } else if ((touched_ += tick_seconds_) >= (tries_ == 0 ? kRoughPatience : kRoughLongPatience)) {
     touched_ = 0;
     ++tries_;

@@ -15,7 +15,7 @@ namespace palpate::app {
 /// jumps anywhere at once, while friction (0 to 1) and the stiffness of the materials (all or half of the scene's)
 /// change. After each round of some such acts it lifts off, higher where a fold hangs on the tool, and waits until the
 /// tissue is at rest: a cycle. Where the tool can't follow upwards, since the organ lies on it, the hand tries to leave
-/// downwards, and so on in turn. What it does does not depend on the tissue but for this, the height and the wait.
+/// downwards, and then aside. What it does does not depend on the tissue but for this, the height and the wait.
 class RoughMotion final : public SoakHand {
  public:
   static constexpr double poke_speed = 0.5;  // m/s
@@ -41,6 +41,7 @@ class RoughMotion final : public SoakHand {
   void planSettings();
   void add(const Vec3& goal, double speed, double hold) { legs_[leg_count_++] = {goal, speed, hold}; }
   void advance();  // the hand along its present leg
+  double endOf(const Vec3& way) const;
   bool stillLifts(const StepReport& last);
   void watch(const State& state, const StepReport& last);
   double uniform(double low, double high);
@@ -52,10 +53,8 @@ class RoughMotion final : public SoakHand {
   const double tick_seconds_;
   const std::vector<Material> materials_;  // the scene's
   const unsigned seed_;
-  Vec3 low_, high_;     // m, the skin's box in the frame of the tool's start
-  double lift_ = 0;     // m, height there at which the tool is above all of the skin
-  double highest_ = 0;  // m, to which it goes where the skin hangs on it,
-  double lowest_ = 0;   // and where that does not free it
+  Vec3 low_, high_;  // m, the skin's box in the frame of the tool's start
+  double lift_ = 0;  // m, height there at which the tool is above all of the skin
   RestWatch rest_;
 
   SpscRing<SoakCycle> cycles_{1024};
@@ -64,8 +63,8 @@ class RoughMotion final : public SoakHand {
   std::size_t leg_count_ = 0, leg_ = 0;  // leg_ == leg_count_: resting
   Vec3 hand_ = Vec3::Zero();             // m, in the frame of the tool's start
   double held_ = 0;                      // s
-  double touched_ = 0;                   // s, up or down there
-  int tries_ = 0;                        // to leave upwards and downwards, that have not freed it
+  double touched_ = 0;                   // s, at the end of a way out
+  std::size_t tries_ = 0;                // of the ways out, that have not freed it
   std::array<Request, 2> settings_;
   std::size_t setting_count_ = 0, setting_ = 0;
   SoakCycle cycle_;

@@ -53,8 +53,8 @@ std::string sentence(const LogEvent& e) {
     case LogEvent::Kind::RestoredCaught:
       return "restored: the tissue had closed over the tool and held it, far from the hand; it is put back to rest";
     case LogEvent::Kind::RestoredSlid:
-      return "restored: nothing holds the body along one of its axes, and it had slid away; it is put back to its "
-             "place";
+      return "restored: nothing holds the body along one of its axes, and it had slid away or turned over; it is put "
+             "back to its place";
     case LogEvent::Kind::InvertedPoints:
       return format(
           "%s inverted, the worst, %d, at (%.4f, %.4f, %.4f) m; "

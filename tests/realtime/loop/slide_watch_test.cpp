@@ -60,6 +60,30 @@ TEST_CASE("A body that is further from its place than it is large has slid away"
   CHECK(ticksUntilFound(held, model, {2 * size, 0, 0, 0}) == -1);
 }
 
+TEST_CASE("A body that lies turned over beneath what it stood on has left its place", "[slide_watch]") {
+  const Model model = onIce();
+  const auto found = [&model](const Mat3& F) {
+    State state = test::FakePhysics(model).state();
+    for (std::size_t i = 0; i < model.X.size(); ++i) {
+      const Vec3 u = F * model.X[i] - model.X[i];
+      state.u[i] = {static_cast<float>(u.x()), static_cast<float>(u.y()), static_cast<float>(u.z()), 0};
+    }
+    SlideWatch watch(model);
+    for (int t = 1; t <= 600; ++t)
+      if (watch.update(state, {}, false)) return true;
+    return false;
+  };
+  const auto turned = [](double degrees) {
+    return Eigen::AngleAxisd(degrees * EIGEN_PI / 180, Vec3::UnitY()).toRotationMatrix();
+  };
+  CHECK(found(turned(180)));
+  CHECK(found(turned(100)));
+  CHECK_FALSE(found(turned(80)));
+  CHECK_FALSE(found(turned(0)));
+  CHECK_FALSE(found(Vec3(1.6, 0.7, 0.3).asDiagonal()));  // pressed flat: that is no turn
+  CHECK(found(turned(180) * Vec3(1.6, 0.7, 0.3).asDiagonal()));
+}
+
 TEST_CASE("A body that has slid away is put back to its place, counted and told of", "[slide_watch]") {
   const Model model = onIce();
   test::FakePhysics physics(model);
@@ -67,7 +91,7 @@ TEST_CASE("A body that has slid away is put back to its place, counted and told 
     for (Float4& u : state.u) u = {state.tick < 100 ? 0 : 0.05F, 0, 0, 0};
   };
   SimulationLoopOptions options;
-  options.tick_limit = 360;
+  options.tick_limit = 300;
   SimulationLoop loop(model, physics, nullptr, options);
   test::FakeClock clock;
   loop.run(clock);
