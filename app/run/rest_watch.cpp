@@ -48,8 +48,10 @@ double RestWatch::restRadius() const { return std::min(rest_speed_ * rest_hold_s
 
 bool RestWatch::update(const State& state, const StepReport& last) {
   speed_ = static_cast<double>(last.max_increment) / dt_;
+  const bool was_held = held_;
   held_ =
       std::any_of(last.loads.begin(), last.loads.end(), [](const ToolLoad& load) { return load.contact_count > 0; });
+  if (was_held && !held_) still_time_ = near_time_ = 0;
   rest_time_ += tick_seconds_;
   still_time_ = speed_ <= rest_speed_ ? still_time_ + tick_seconds_ : 0;
   if (near_time_ == 0 || !(farthest(state.u, anchor_) <= restRadius() + rounding_)) {

@@ -16,7 +16,9 @@ namespace palpate::app {
 /// rounding keeps moving: some 3e-8 m/s in the liver.) Slow overdamped modes of very soft or strongly damped scenes go
 /// further, which would show as drift. Tissue under stress trembles faster than that with its coordinates' rounding and
 /// goes nowhere: it is at rest, too, where as long no node left a ball of radius restRadius(), which is what the bound
-/// on the speed allows it, and somewhat more for a body that has slid far, whose coordinates are coarser. Scenes that do not come to rest in longest_rest_s (damping 0) are told apart by rested().
+/// on the speed allows it, and somewhat more for a body that has slid far, whose coordinates are coarser. What a
+/// further tool of the scene held still comes to rest anew when that lets go. Scenes that do not come to rest in
+/// longest_rest_s (damping 0) are told apart by rested().
 /// No allocation but in the constructor, no lock, no throw.
 class RestWatch {
  public:

@@ -146,6 +146,25 @@ TEST_CASE("Where a further tool holds the tissue, no drift is told", "[soak_moti
   CHECK(rest.driftOf(state) == Approx(2e-3));
 }
 
+TEST_CASE("What a further tool held still comes to rest anew when that lets go", "[soak_motion]") {
+  const Model model = test::smallModel();
+  RestWatch rest(model);
+  State state;
+  state.u.resize(model.X.size());
+  const auto ticksToRest = [&](int contacts) {
+    StepReport report;
+    report.loads[1].contact_count = contacts;
+    int ticks = 1;
+    while (!rest.update(state, report)) ++ticks;
+    return ticks;
+  };
+  const int hold = ticksToRest(3);
+  CHECK(hold == Approx(RestWatch::rest_hold_s * model.scene.rate_hz).margin(1));
+  CHECK(ticksToRest(3) == 1);
+  CHECK(ticksToRest(0) == hold);
+  CHECK(ticksToRest(0) == 1);
+}
+
 TEST_CASE("Where a body may slide, its drift is told without the slide", "[soak_motion]") {
   Model model = test::smallModel();
   model.imposed = {4, 4, 4, 4};  // on ice
