@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "contact/tools/tool_list.h"
+#include "simulation/free_axes.h"
 #include "simulation/tool_contact.h"
 
 namespace palpate {
@@ -19,13 +20,19 @@ bool isBetween(const State& state, const Vec3& way) {
   return against - along < SnagWatch::between * (against + along);
 }
 
+bool isHeldByFurther(const StepReport& report) {
+  return std::any_of(report.loads.begin() + 1, report.loads.end(),
+                     [](const ToolLoad& load) { return load.contact_count > 0; });
+}
+
 }  // namespace
 
 SnagWatch::SnagWatch(const Model& model)
-    : off_(!model.tools.empty()),
+    : free_(freeAxes(model)),
       still_(stands * model.scene.tool.radius),
       carried_needed_(std::llround(seconds * model.scene.rate_hz)),
       stuck_needed_(std::llround(stuck_seconds * model.scene.rate_hz)) {
+  for (const ToolSetUp& tool : model.tools.tool) off_ = off_ || tool.jaws;
   for (const BoundarySpec& boundary : model.scene.boundaries) off_ = off_ || boundary.duration > 0;
   low_ = high_ = model.tool_start.position;  // where it begins it is never far outside
   for (const Vec3& X : model.skin.surface.vertices) {
@@ -37,12 +44,13 @@ SnagWatch::SnagWatch(const Model& model)
   far_ = near_ + far_outside * (high_ - low_).norm();
 }
 
-bool SnagWatch::isBeyond(const Vec3& tip, double distance) const {
-  return ((tip - high_).array() > distance).any() || ((low_ - tip).array() > distance).any();
+bool SnagWatch::isBeyond(const State& state, const Vec3& tip, double distance) const {
+  const Vec3 at = tip - free_.cwiseProduct(toVec3(state.u.front()));  // what slides, slides as a whole
+  return ((at - high_).array() > distance).any() || ((low_ - at).array() > distance).any();
 }
 
 bool SnagWatch::isCarrying(const State& state, const Vec3& hand, const StepReport& report) {
-  if (!isBeyond(state.tool_pose.position, near_) || !isBeyond(hand, far_))
+  if (!isBeyond(state, state.tool_pose.position, near_) || !isBeyond(state, hand, far_))
     memory_.carried_ticks = 0;
   else if (report.contact_count > 0)  // a fold that swings touches now and then
     ++memory_.carried_ticks;
@@ -52,7 +60,7 @@ bool SnagWatch::isCarrying(const State& state, const Vec3& hand, const StepRepor
 bool SnagWatch::isStuck(const State& state, const Vec3& hand, const StepReport& report) {
   const Vec3& tip = state.tool_pose.position;
   const bool stays = memory_.stuck_ticks > 0 && (tip - memory_.stood_at).norm() <= still_;
-  if (!isBeyond(hand, far_) || report.contact_count == 0 || !isBetween(state, hand - tip)) {
+  if (!isBeyond(state, hand, far_) || report.contact_count == 0 || !isBetween(state, hand - tip)) {
     memory_.stuck_ticks = 0;
     return false;
   }
@@ -63,6 +71,10 @@ bool SnagWatch::isStuck(const State& state, const Vec3& hand, const StepReport& 
 
 bool SnagWatch::update(const State& state, const Vec3& hand, const StepReport& report) {
   if (off_) return false;
+  if (isHeldByFurther(report)) {
+    memory_ = {};
+    return false;
+  }
   const bool carries = isCarrying(state, hand, report);
   if (!isStuck(state, hand, report) && !carries) return false;
   memory_ = {};

@@ -17,7 +17,9 @@ namespace palpate {
 /// It is stuck: with the hand far outside the tool stands still for long, held by skin before it and behind. A tool
 /// that presses, however long and however far beneath the body its hand is, is pushed back by what is before it.
 ///
-/// Jaws and further tools may hold tissue, and boundaries that move may carry it: there nothing is found.
+/// A body that nothing holds along some axis may be pushed anywhere there: its shape at rest goes along. Jaws and
+/// further tools may hold tissue, and boundaries that move may carry it: nothing is found where there are jaws, while a
+/// further tool touches, or where a boundary is moved.
 /// Loop thread only. Real-time: no allocation, no lock, no throw. Test: realtime/loop/snag_watch_test.cpp
 class SnagWatch {
  public:
@@ -44,11 +46,12 @@ class SnagWatch {
   void recall(const Memory& memory) { memory_ = memory; }
 
  private:
-  bool isBeyond(const Vec3& tip, double distance) const;
+  bool isBeyond(const State& state, const Vec3& tip, double distance) const;
   bool isCarrying(const State& state, const Vec3& hand, const StepReport& report);
   bool isStuck(const State& state, const Vec3& hand, const StepReport& report);
 
   bool off_ = false;                                  // carrying is what this scene is for
+  Vec3 free_;                                         // 1 along the axes along which the body can slide
   Vec3 low_, high_;                                   // m, the skin's box at rest
   double near_, far_;                                 // m, from it: no part of the tool is in it; the hand has left
   double still_;                                      // m

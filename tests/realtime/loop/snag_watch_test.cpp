@@ -63,6 +63,34 @@ TEST_CASE("A tool that touches far outside of the body is caught", "[snag_watch]
   CHECK(ticksUntilFound(moved, model, Vec3(1, 1, 1), Vec3(1, 1, 1), touching()) == -1);
 }
 
+TEST_CASE("What a tool carries off is told from a body that it pushes along, and from what further tools hold",
+          "[snag_watch]") {
+  Model model = boxed();
+  model.imposed = {4, 4, 4, 4};  // on ice
+  SnagWatch on_ice(model);
+  State state = test::FakePhysics(model).state();
+  const Vec3 away(0.3, 0.03, 0.02);
+  const auto found = [&](SnagWatch& watch, float slid, const StepReport& report) {
+    for (Float4& u : state.u) u = {slid, 0, 0, 0};
+    state.tool_pose.position = away;
+    int count = 0;
+    for (int t = 1; t <= 250; ++t) count += watch.update(state, away, report);
+    return count == 1;
+  };
+  CHECK(found(on_ice, 0, touching()));
+  CHECK_FALSE(found(on_ice, 0.25F, touching()));  // the body is there, too
+  StepReport gripped = touching();
+  gripped.loads[1].contact_count = 1;
+  CHECK_FALSE(found(on_ice, 0, gripped));
+  CHECK(found(on_ice, 0, touching()));
+  model.tools.tool = {ToolSetUp{}, ToolSetUp{}};
+  SnagWatch several(model);
+  CHECK(found(several, 0, touching()));
+  model.tools.tool[1].jaws = true;
+  SnagWatch jaws(model);
+  CHECK_FALSE(found(jaws, 0, touching()));
+}
+
 TEST_CASE("A tool that stands between skin before it and behind, far from its hand, is stuck", "[snag_watch]") {
   const Model model = boxed();
   SnagWatch watch(model);
