@@ -35,13 +35,6 @@ double draw(std::mt19937& random) { return static_cast<double>(random()) / 42949
 
 double drawBetween(double low, double high, std::mt19937& random) { return low + (high - low) * draw(random); }
 
-struct Wish {
-  int count = 0;
-  int level = 1;
-  unsigned seed = 1;
-  int layout = 1;
-};
-
 bool held(const Scene& scene, const Vec3& x, double margin, const SurfaceTree& tree) {
   for (const BoundarySpec& boundary : scene.boundaries)
     if (boundary.region.contains(x, margin, -tree.signedDistance(x))) return true;
@@ -79,15 +72,15 @@ std::vector<PlacedLump> drawLayout(const LumpLevel& level, int count, const Scen
   return placed;
 }
 
-void placeAtRandom(const Wish& wish, const SourceLocation& place, Scene& scene) {
+void placeAtRandom(int count, const LumpDraw& wish, const SourceLocation& place, Scene& scene) {
   const SurfaceTree tree(organSurface(scene));
   std::mt19937 random(wish.seed);
   std::vector<PlacedLump> placed;
   for (int layout = 0; layout < wish.layout; ++layout) {
-    placed = drawLayout(lumpLevel(wish.level), wish.count, scene, tree, random);
-    if (static_cast<int>(placed.size()) < wish.count)
+    placed = drawLayout(lumpLevel(wish.level), count, scene, tree, random);
+    if (static_cast<int>(placed.size()) < count)
       throw InputError(place,
-                       "only " + std::to_string(placed.size()) + " of " + std::to_string(wish.count) +
+                       "only " + std::to_string(placed.size()) + " of " + std::to_string(count) +
                            " lumps fit below the skin that the tool gets to",
                        "ask for fewer, or for another seed or level");
   }
@@ -134,12 +127,14 @@ void readLumps(const TomlTable& top, Scene& scene) {
   }
   if (!top.has("lumps")) return;
   const TomlTable table = top.table("lumps", {"lumps"});
-  Wish wish;
-  table.read("count", wish.count);
+  int count = 0;
+  LumpDraw wish;
+  table.read("count", count);
   table.read("level", wish.level);
   table.read("seed", wish.seed);
   table.read("layout", wish.layout);
-  placeAtRandom(wish, table.place(), scene);
+  placeAtRandom(count, wish, table.place(), scene);
+  scene.lump_draw = wish;
 }
 
 }  // namespace palpate

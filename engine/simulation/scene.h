@@ -3,6 +3,7 @@
 #include <limits>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -130,6 +131,13 @@ struct ToolSpec {
   bool jaws() const { return opening >= 0; }
 };
 
+/// What lumps at random were drawn from ([lumps]): whoever knows it knows where they lie.
+struct LumpDraw {
+  int level = 1;
+  unsigned seed = 1;
+  int layout = 1;  // the first, second ... of the seed
+};
+
 /// Everything a scene file says, validated as far as that needs no geometry.
 /// Plain data; `io/scene_file.h` reads it, `simulation/build_model.h` turns it into a Model.
 struct Scene {
@@ -168,6 +176,7 @@ struct Scene {
   std::vector<RefineSpec> refine;
 
   std::vector<MaterialSpec> materials;   // at least one, the first applies everywhere
+  std::optional<LumpDraw> lump_draw;     // of the later ones that are lumps at random
   std::vector<BoundarySpec> boundaries;  // at least one fixed
   SkullSpec skull;
 

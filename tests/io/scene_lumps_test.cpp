@@ -48,6 +48,10 @@ TEST_CASE("Lumps at random lie below the skin within their level, apart, and the
     const Scene first = readScene(folder.write("c.toml", text + "layout = 1\n"));
     CHECK(first.materials[2].region.point == s.materials[2].region.point);
     const Scene next = readScene(folder.write("d.toml", text + "layout = 2\n"));
+    REQUIRE(next.lump_draw);
+    CHECK(next.lump_draw->level == level);
+    CHECK(next.lump_draw->seed == 5);
+    CHECK(next.lump_draw->layout == 2);
     CHECK(next.materials.size() == 4);
     CHECK(next.materials[1].region.point != s.materials[1].region.point);
   }

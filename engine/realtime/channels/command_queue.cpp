@@ -56,6 +56,13 @@ Request Request::moveHand(int tool, const Pose& pose) {
   return request;
 }
 
+Request Request::mark(const Vec3& place, int hardness) {
+  Request request = simple(Kind::Mark);
+  request.point = place;
+  request.index = hardness;
+  return request;
+}
+
 Request Request::setOpening(int tool, double opening) {
   Request request = simple(Kind::SetOpening);
   request.index = tool;

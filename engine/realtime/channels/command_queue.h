@@ -28,13 +28,19 @@ struct Request {
     Quit,
     MoveHand,    // index: tool, from 1; pose: where it should go, at once
     SetOpening,  // index: tool, from 0; value: m, the gap between the fingers of its jaws
+    Mark,        // a place that is said to be hard: point: m; index: how hard, 1 .. 3
+    Unmark,      // the last of these is taken back
+    Submit,      // they are all
   };
   Kind kind = Kind::Pause;
-  int index = -1;             // Pull: skin vertex; SetMaterial: material; MoveHand, SetOpening: tool
+  int index = -1;             // Pull: skin vertex; SetMaterial: material; MoveHand, SetOpening: tool; Mark
   double value = 0;           // SetFriction; seconds of the tool's motions; SetOpening, m
-  Vec3 point = Vec3::Zero();  // Pull, m
+  Vec3 point = Vec3::Zero();  // Pull, Mark, m
   Pose pose;                  // MoveTool
   Material material;          // SetMaterial
+
+  /// What is said while the tool moves: recorded at its tick, and nothing that the tissue feels.
+  bool isSaid() const { return kind >= Kind::Mark; }
 
   /// @param seconds  for the way, which is gone evenly; 0: as fast as the hand is followed (ToolTrack)
   static Request moveTool(const Pose& pose, double seconds = 0);
@@ -49,6 +55,7 @@ struct Request {
   static Request setMaterial(int index, const Material& material);
   static Request moveHand(int tool, const Pose& pose);
   static Request setOpening(int tool, double opening);
+  static Request mark(const Vec3& place, int hardness);
   static Request simple(Kind kind);  // those without parameters
 };
 

@@ -95,6 +95,12 @@ std::string sentence(const LogEvent& e) {
           e.index, e.value);
     case LogEvent::Kind::TrackEnded:
       return "the tool has gone all of its way";
+    case LogEvent::Kind::Marked:
+      return "marked";
+    case LogEvent::Kind::Unmarked:
+      return "the last mark is taken back";
+    case LogEvent::Kind::Submitted:
+      return "the answers are in";
   }
   return "unknown event";
 }

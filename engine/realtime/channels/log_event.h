@@ -30,14 +30,17 @@ struct LogEvent {
     Overloaded,       // warning: overload, which goes on
     OverloadEnded,    // overload
     ToolYields,       // warning: value: m, how far the tool stays behind the hand
-    Reset,
-    Undone,  // value: s of physics time that the tissue went back; 0: nothing was kept to go back to
+    Reset,            // index: 1 where a script or replay begins again with it
+    Undone,           // value: s of physics time that the tissue went back; 0: nothing was kept to go back to
     Paused,
     Resumed,
     FrictionSet,      // value
     MaterialSet,      // index: material
     MaterialRefused,  // index: material; value: factor by which it is too stiff
     TrackEnded,       // script or replay is over
+    Marked,           // position; index: how hard
+    Unmarked,
+    Submitted,  // index: 1 where a recording said so
   };
   Kind kind = Kind::Reset;
   std::int64_t tick = 0;         // of the run

@@ -124,6 +124,7 @@ class SimulationLoop final : private LoopBody {
   void steer(const Request& request);
   void pull(int skin_vertex, const Vec3& target);
   void change(const Request& setting);
+  void say(const Request& said, bool from_track);
   void reset(Request::Kind kind, bool from_track);
   void undo();
   void beGentle();

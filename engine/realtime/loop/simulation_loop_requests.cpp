@@ -63,6 +63,10 @@ void SimulationLoop::apply(const Request& request, bool from_track) {
     case Kind::Reset:
     case Kind::Restart:
       return reset(request.kind, from_track);
+    case Kind::Mark:
+    case Kind::Unmark:
+    case Kind::Submit:
+      return say(request, from_track);
     default:
       break;
   }
@@ -132,6 +136,14 @@ void SimulationLoop::change(const Request& setting) {
                      setting.value);
 }
 
+void SimulationLoop::say(const Request& said, bool from_track) {
+  using Kind = LogEvent::Kind;
+  recorder_.add(run_.tick, said);
+  if (said.kind == Request::Kind::Mark) return reporter_.logEvent(Kind::Marked, run_, said.index, 0, said.point);
+  if (said.kind == Request::Kind::Unmark) return reporter_.logEvent(Kind::Unmarked, run_);
+  reporter_.logEvent(Kind::Submitted, run_, from_track ? 1 : -1);
+}
+
 void SimulationLoop::undo() {
   const std::int64_t tick = physics_.state().tick;
   const State* past = history_.before(tick);
@@ -163,7 +175,7 @@ void SimulationLoop::reset(Request::Kind kind, bool from_track) {
   run_.hand = run_.goal = model_.tool_start;
   further_.restart(run_.tick);
   recorder_.addJump(run_.tick, kind, command_);
-  reporter_.logEvent(LogEvent::Kind::Reset, run_);
+  reporter_.logEvent(LogEvent::Kind::Reset, run_, over ? 1 : -1);
   if (!over || keeps_settings_) return;
   for (const Request& setting : settings_.loaded()) change(setting);
 }

@@ -211,13 +211,14 @@ void TickReporter::recall(const RunMemory& memory) {
   showState();
 }
 
-void TickReporter::logEvent(LogEvent::Kind kind, const RunState& run, int index, double value) {
+void TickReporter::logEvent(LogEvent::Kind kind, const RunState& run, int index, double value, const Vec3& position) {
   LogEvent event;
   event.kind = kind;
   event.tick = run.tick;
   event.time_s = secondsAt(run.tick);
   event.index = index;
   event.value = value;
+  event.position = position;
   channels_.log.push(event);
 }
 

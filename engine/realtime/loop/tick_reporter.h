@@ -52,7 +52,8 @@ class TickReporter {
   void tell(RunMemory& memory) const;
   void recall(const RunMemory& memory);
 
-  void logEvent(LogEvent::Kind kind, const RunState& run, int index = -1, double value = 0);
+  void logEvent(LogEvent::Kind kind, const RunState& run, int index = -1, double value = 0,
+                const Vec3& position = Vec3::Zero());
 
   /// The run has ended.
   void finish(const LoopTotals& totals, const RunState& run, std::int64_t lost_records);

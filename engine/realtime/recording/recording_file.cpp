@@ -82,8 +82,18 @@ std::string lineOf(const TimedRequest& change) {
     case Request::Kind::Undo:
       line += " undo";
       break;
+    case Request::Kind::Mark:
+      line += " mark " + std::to_string(r.index);
+      append(line, {r.point.x(), r.point.y(), r.point.z()});
+      break;
+    case Request::Kind::Unmark:
+      line += " unmark";
+      break;
+    case Request::Kind::Submit:
+      line += " submit";
+      break;
     default:
-      throw std::invalid_argument("a recording holds only what moves the physics");
+      throw std::invalid_argument("a recording holds what moves the physics and what is said, nothing else");
   }
   return line;
 }
@@ -160,6 +170,13 @@ Request readChange(LineReader& line) {
     const int index = line.integer<int>("a material's index");
     return Request::setMaterial(index, readMaterial(line));
   }
+  if (what == "mark") {
+    const int hardness = line.integer<int>("how hard, 1 .. 3");
+    if (hardness < 1 || hardness > 3) line.fail("a mark is 1, 2 or 3 hard");
+    return Request::mark(line.vector("a coordinate, m"), hardness);
+  }
+  if (what == "unmark") return Request::simple(Request::Kind::Unmark);
+  if (what == "submit") return Request::simple(Request::Kind::Submit);
   line.fail(inQuotes(what) + " is not a change that a recording can hold");
 }
 

@@ -21,6 +21,9 @@ namespace palpate {
 ///   21 material 0 ogden mu 2 1000 500 alpha 2 2 -2 D1 4e-5 barrier_strength 0 ...    lists after their length
 ///      ... density 1060 relaxation 4 0.3 0.1 0.2 2    at the end, of one that relaxes
 ///   30 reset
+///   40 mark 2 0.01 0.02 0.08             how hard, 1 .. 3, and where a trainee says that a lump is, m
+///   41 unmark
+///   44 submit                            from here on a replay shows the lumps
 ///   end 500                              ticks of the run; missing: cut off
 /// The scene's name is written without line ends and other control characters, which would end its line.
 /// Throws std::runtime_error when the file can't be written.

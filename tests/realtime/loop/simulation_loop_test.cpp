@@ -210,6 +210,61 @@ TEST_CASE("Reset gives the freshly loaded state, bit for bit", "[simulation_loop
   CHECK(has(drain(loop.log()), LogEvent::Kind::Reset));
 }
 
+TEST_CASE("What is said is told and recorded at its tick, in a pause, too, moves nothing, and a replay says it again",
+          "[simulation_loop]") {
+  const Model model = smallModel();
+  FakePhysics physics(model);
+  const Vec3 place(0.01, -0.02, 1.0 / 3);
+  SimulationLoopOptions options = limited(60);
+  options.record = true;
+  SimulationLoop loop(model, physics, nullptr, options);
+  FakeClock clock;
+  clock.before_sleep = [&](int sleep) {
+    if (sleep == 10) loop.commands().push(Request::mark(place, 3));
+    if (sleep == 20) loop.commands().push(Request::simple(Request::Kind::Pause));
+    if (sleep == 25) loop.commands().push(Request::simple(Request::Kind::Unmark));
+    if (sleep == 30) loop.commands().push(Request::simple(Request::Kind::Resume));
+    if (sleep == 40) loop.commands().push(Request::simple(Request::Kind::Submit));
+  };
+  loop.run(clock);
+  using Kind = LogEvent::Kind;
+  const auto said = [](std::vector<LogEvent> events) {
+    std::erase_if(events, [](const LogEvent& event) { return event.kind < Kind::Marked; });
+    return events;
+  };
+  const std::vector<LogEvent> events = said(drain(loop.log()));
+  REQUIRE(events.size() == 3);
+  CHECK(events[0].kind == Kind::Marked);
+  CHECK(events[0].position == place);
+  CHECK(events[0].index == 3);
+  CHECK(events[1].kind == Kind::Unmarked);
+  CHECK(events[1].tick > events[0].tick);
+  CHECK(events[2].kind == Kind::Submitted);
+  CHECK(events[2].index == -1);
+  const std::vector<TimedRequest> recorded = drain(loop.recorded());
+  REQUIRE(recorded.size() == 3);
+  for (std::size_t k = 0; k < 3; ++k) CHECK(recorded[k].tick == events[k].tick);
+
+  FakePhysics untold(model), again(model);
+  SimulationLoop silent(model, untold, nullptr, limited(60));
+  FakeClock other;
+  silent.run(other);
+  CHECK(untold.stateHash() == physics.stateHash());
+  options.track = recorded;
+  options.track_ticks = 60;
+  SimulationLoop replay(model, again, nullptr, options);
+  FakeClock third;
+  replay.run(third);
+  const std::vector<LogEvent> repeated = said(drain(replay.log()));
+  REQUIRE(repeated.size() == 3);
+  for (std::size_t k = 0; k < 3; ++k) {
+    CHECK(repeated[k].kind == events[k].kind);
+    CHECK(repeated[k].tick == events[k].tick);
+    CHECK(repeated[k].position == events[k].position);
+  }
+  CHECK(repeated[2].index == 1);
+}
+
 TEST_CASE("A solution that is lost again and again freezes: the last good shape, a fading force, reset is offered",
           "[simulation_loop]") {
   const Model model = smallModel();

@@ -46,9 +46,12 @@ Recording everyKind() {
                        {8, Request::setMaterial(1, ogden)},
                        {999, Request::simple(Request::Kind::Reset)},
                        {999, Request::simple(Request::Kind::Restart)},
-                       {999, Request::simple(Request::Kind::Undo)}};
+                       {999, Request::simple(Request::Kind::Undo)},
+                       {999, Request::mark(Vec3(0.1, 1.0 / 3, -2e-3), 3)},
+                       {999, Request::simple(Request::Kind::Unmark)},
+                       {1000, Request::simple(Request::Kind::Submit)}};
   for (const MaterialLaw& law : materialLaws())
-    recording.changes.push_back({999, Request::setMaterial(0, test::sampleMaterial(law))});
+    recording.changes.insert(recording.changes.begin() + 5, {8, Request::setMaterial(0, test::sampleMaterial(law))});
   return recording;
 }
 
@@ -129,6 +132,7 @@ TEST_CASE("Damaged recordings are refused with file and line", "[recording]") {
       {with("pull 411", "push 411"), 6, "\"push\" is not a change"},
       {with("12 pull", "twelve pull"), 6, "\"twelve\" is not a tick"},
       {with("15 release", "11 release"), 7, "ticks must not go back"},
+      {with("15 release", "15 mark 4 0 0 0"), 7, "a mark is 1, 2 or 3 hard"},
       {with("15 release", "15 material 0 jelly"), 7, "\"jelly\" is not a material law"},
       {with("15 release", "15 material 0 ogden mu 7"), 7, "so many terms"},
       {with("15 release", "15 material 0 ogden mu 2 1 1 alpha 1"), 7, "so many terms"},
