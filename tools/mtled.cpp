@@ -92,6 +92,7 @@ CLI::App* addSolve(CLI::App& app, SolveOptions& options) {
       ->type_name("SCRIPT");
   command->add_option("--threads", options.threads, "Threads (one per core)")->type_name("N")->check(CLI::Range(1, 64));
   command->add_flag("--resume", options.resume, "Go on from the folder's checkpoint.bin");
+  command->add_flag("--strict", options.strict, "Exit code 3 where the result is doubted (column trust of force.csv)");
   options.use_cache = true;
   command->add_flag_callback(
       "--no-cache", [&options] { options.use_cache = false; }, "Make the set-up anew and do not keep it");

@@ -63,6 +63,11 @@ void readRow(const std::vector<Field>& fields, CsvTable& table) {
   }
   for (std::size_t k = 0; k < fields.size(); ++k) {
     const auto& [text, where] = fields[k];
+    if (table.name[k] == "trust") {
+      table.trust.emplace_back(text);
+      table.column[k].push_back(std::numeric_limits<double>::quiet_NaN());
+      continue;
+    }
     const bool none = text.empty() || lowerCase(std::string(text)) == "nan";
     table.column[k].push_back(none ? std::numeric_limits<double>::quiet_NaN()
                                    : parseNumber(text, where, "column " + inQuotes(table.name[k])));

@@ -60,6 +60,9 @@ void forEachArray(P& p, Visit&& visit) {
   visit(p.point_material);
   visit(p.point_cell);
   visit(p.point_other_cell);
+  visit(p.side_node);
+  visit(p.vertex_group);
+  visit(p.volume_cells);
   forEachTable(p.point_shape, visit);
   forEachTable(p.node_shape, visit);
   forEachTable(p.skin_shape, visit);
@@ -70,7 +73,7 @@ void forEachArray(P& p, Visit&& visit) {
   visit(p.essential.facet_weight);
   forEachTable(p.essential.facet_phi, visit);
 }
-constexpr std::size_t array_count = 30;
+constexpr std::size_t array_count = 33;
 
 struct Header {
   std::uint64_t magic_word = magic, layout = version;

@@ -22,13 +22,15 @@ ResultCsv::ResultCsv(const std::string& path, const std::vector<std::string>& co
   write(header + "\n");
 }
 
-void ResultCsv::add(std::span<const double> values) {
-  if (values.size() != column_count_) throw std::invalid_argument("a row of another length than the header: " + path_);
+void ResultCsv::add(std::span<const double> values, std::string_view trust) {
+  if (values.size() + (trust.empty() ? 0 : 1) != column_count_)
+    throw std::invalid_argument("a row of another length than the header: " + path_);
   std::string line;
   for (double value : values) {
     if (!line.empty()) line += ',';
     line += shortest(value);
   }
+  if (!trust.empty()) line.append(",").append(trust);
   write(line + "\n");
 }
 

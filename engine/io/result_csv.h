@@ -4,6 +4,7 @@
 #include <fstream>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "io/output_file.h"
@@ -20,8 +21,9 @@ class ResultCsv {
   ResultCsv(const std::string& path, const std::vector<std::string>& columns);
 
   /// Adds a row and hands it to the system.
+  /// @param trust  of the last column, where it is one of words: then one value less
   /// @pre  one value per column
-  void add(std::span<const double> values);
+  void add(std::span<const double> values, std::string_view trust = {});
 
   /// Replaces the file with the rows that there are; more may follow.
   void takePlace() { file_.takePlace(); }

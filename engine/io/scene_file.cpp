@@ -92,19 +92,7 @@ void readDiscretization(const TomlTable& table, Scene& scene) {
   scene.basis_degree = 1 + table.readChoice("basis", scene.basis_degree - 1);
   table.read("support_factor", scene.support_factor);
   table.read("mu", scene.mmls_weight);
-  table.read("consistent_gradients", scene.consistent_gradients);
-  table.read("node_patch_volume", scene.node_patch_volume);
-  if (!scene.node_patch_volume) table.forbid({"patch_stabilization"}, "without node_patch_volume");
-  table.read("patch_stabilization", scene.patch_stabilization);
-  table.read("cell_volume", scene.cell_volume);
-  if (scene.cell_volume && !scene.node_patch_volume)
-    throw InputError(table.place("cell_volume"), "cell_volume takes over from node patches, and there are none",
-                     "set node_patch_volume = true, or leave cell_volume out");
-  table.read("sharp_interfaces", scene.sharp_interfaces);
-  if (scene.sharp_interfaces && !scene.consistent_gradients)
-    throw InputError(table.place("sharp_interfaces"),
-                     "without consistent gradients the sides of a border do not balance",
-                     "set consistent_gradients = true, or leave sharp_interfaces out");
+  if (table.readChoice("scheme", 0) == 1) scene.formulation = Formulation::paper();
   if (table.readChoice("boundary_method", 0) == 1) scene.boundary_method = Scene::BoundaryMethod::Ebciem;
   for (const TomlTable& entry : table.tables("refine", {"discretization.refine"})) {
     RefineSpec& refine = scene.refine.emplace_back();
@@ -247,7 +235,7 @@ Scene readScene(const std::string& path, std::span<const SceneChange> changes) {
   refuseOther(path);
   toml::table document = parseToml(readWholeFile(path, {}, max_toml_bytes), path);
   for (const SceneChange& change : changes) apply(change, path, document);
-  TomlFile file{path, sceneKeys(), {}};
+  TomlFile file{path, sceneKeys(), retiredSceneKeys(), {}};
   Scene scene;
   scene.place = {path, 0, 0};
   const std::filesystem::path folder = std::filesystem::path(path).parent_path();

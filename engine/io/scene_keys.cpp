@@ -91,29 +91,11 @@ constexpr KeySpec scene_keys[] = {
     {"discretization", "mu", T::Number, "", "0.2", above(0), "",
      "Weight of the constraints on second-degree coefficients (paper eq. 4), dimensionless: the basis is "
      "scaled by the support radius."},
-    {"discretization", "consistent_gradients", T::Boolean, "", "true", {}, "",
-     "Correct the gradients so that they satisfy the divergence theorem: a uniform strain is then exact. "
-     "Costs set-up time only. Best with node_patch_volume and one point per cell."},
-    {"discretization", "node_patch_volume", T::Boolean, "", "true", {}, "",
-     "Average the volume over the cells around each node, against volumetric locking. Costs about a third "
-     "more time a step and allows a longer step."},
-    {"discretization", "patch_stabilization", T::Number, "", "2.25", between(0, 100), "",
-     "Of a point's bulk modulus what `node_patch_volume` leaves to the point itself, in shear moduli (as Puso and "
-     "Solberg 2006 do for tetrahedra). 0 lets points' volumes swing about their patches' means, which makes fine "
-     "clouds up to 1 % too soft; many bring locking back. Where tissue mixes by a `membership`, at least 4."},
-    {"discretization", "cell_volume", T::Boolean, "", "false", {}, "",
-     "Where the tissue is under more than 1.5 shear moduli of pressure, hold its volume by that of the background "
-     "cells: confined tissue is then exact to 40 shear moduli, where it else gives way from 4.5 (from 2.75 with "
-     "`cells_per_point` 2). Between bonded faces less than 8 edges of cells apart the tissue stays as without it. For "
-     "organs that are pressed: a bonded body gets up to 4 % too stiff, and one of Poisson's ratio 0.499 that is "
-     "twisted between bonded ends finds no equilibrium with it. "
-     "Costs up to a seventh more time a step, where something is pressed. Needs `node_patch_volume`.",
-     never},
-    {"discretization", "sharp_interfaces", T::Boolean, "", "false", {}, "",
-     "Supports end at the borders between materials, on which nodes are put: strains may then jump there, as they do "
-     "where stiff tissue meets soft. Two layers of 3000 and 300 Pa, eight spacings high, sheared by 30 %: force within "
-     "0.4 % of the closed form instead of 2 % too stiff. Costs set-up time only. Needs `consistent_gradients`, and a "
-     "spacing of at most half of each material's thickness."},
+    {"discretization", "scheme", T::Text, "", "\"standard\"", {}, "standard|paper",
+     "How forces follow from displacements. `standard`: what is known to be right, for every scene; what a scene does not "
+     "need costs it nothing. Gradients satisfy the divergence theorem; volume is averaged over node patches, against "
+     "locking; under pressure the background cells hold it; supports end at the borders between materials; a floor "
+     "keeps points from collapsing. `paper`: the paper's own equations alone, to be compared with."},
     {"discretization", "boundary_method", T::Text, "", "\"sebciem\"", {}, "sebciem|ebciem",
      "How the forces act that impose displacements: lumped at the nodes (paper eqs. 18-20), or distributed "
      "over the boundary's faces (paper eqs. 14-17), which is more accurate with a `support_factor` above 2. "
@@ -363,8 +345,8 @@ std::vector<KeySpec> materialKeys() {
              {},
              kept(names),
              kept(std::string("Strain energy: ").append(titles).append(", each with bulk energy K/2 (J - 1)^2."))};
-  for (const auto& [parameter, member] : commonMaterialParameters())
-    keys.push_back(materialKey(parameter, parameter.fallback, parameter.text));
+  for (const CommonMaterialParameter& common : commonMaterialParameters())
+    if (common.is_key) keys.push_back(materialKey(common.parameter, common.parameter.fallback, common.parameter.text));
   keys.push_back(materialKey(relaxationParameter(), "", relaxationParameter().text));
   keys.back().set_up = never;
   return keys;
@@ -393,7 +375,22 @@ std::vector<KeySpec> allKeys() {
   return all;
 }
 
+// Keys of former versions.
+constexpr RetiredKey retired_keys[] = {
+    {"discretization", "consistent_gradients",
+     "gradients always satisfy the divergence theorem (scheme = \"paper\" takes them as the paper does)"},
+    {"discretization", "node_patch_volume",
+     "volume is averaged over node patches wherever that is needed (scheme = \"paper\" never does)"},
+    {"discretization", "patch_stabilization", "what points keep of their volume is the program's choice"},
+    {"discretization", "cell_volume", "tissue under pressure always keeps the volume of its cells"},
+    {"discretization", "sharp_interfaces", "supports always end at the borders between materials"},
+    {"material", "barrier_strength", "every material has a floor against collapse, far below the volumes it is made for"},
+    {"material", "barrier_J0", "every material has a floor against collapse, far below the volumes it is made for"},
+};
+
 }  // namespace
+
+std::span<const RetiredKey> retiredSceneKeys() { return retired_keys; }
 
 std::string toolKeyGroup(const ToolType& tool) { return std::string("tool (") + tool.name + ")"; }
 

@@ -98,7 +98,8 @@ Material readLaw(const TomlTable& table) {
     else
       readNumber(p);
   }
-  for (const auto& [parameter, member] : commonMaterialParameters()) readNumber(parameter);
+  for (const CommonMaterialParameter& common : commonMaterialParameters())
+    if (common.is_key) readNumber(common.parameter);
   checkTermCounts(table, lists, law.parameters);
   for (const auto& [name, values] : lists) material.set(name, values);
   readRelaxation(table, material);

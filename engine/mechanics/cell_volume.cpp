@@ -135,13 +135,13 @@ struct CellPasses {
   void forNodes(SpinTeam& team, const std::vector<int>& groups, Each each) const {
     forAll(team, groups, [&](int group, std::size_t part) {
       const int begin = group * s.group_size;
-      for (int a = begin; a < std::min(begin + s.group_size, cells.nodeCount()); ++a) each(a, part);
+      for (int a = begin; a < std::min(begin + s.group_size, cells.vertexCount()); ++a) each(a, part);
     });
   }
 
   void clear() const {
     for (auto* selection : {&s.looked, &s.loaded})
-      for (auto* flags : {&selection->group, &selection->block, &selection->node})
+      for (auto* flags : {&selection->group, &selection->block, &selection->vertex})
         std::fill(flags->begin(), flags->end(), std::uint8_t{0});
     std::fill(s.touched.begin(), s.touched.end(), std::uint8_t{0});
     std::fill(s.weight.begin(), s.weight.end(), Real(0));
@@ -150,8 +150,8 @@ struct CellPasses {
 
   /// Bounds a patch's pressure, and notes the cells around it if it is pressed.
   void bound(int a, std::size_t part) const {
-    const Real limit = static_cast<Real>(pressure_limit) * patches.shear[a], p = patches.pressure[a];
-    if (!(limit > 0) || cells.kept[a]) return;  // in no cell, or not to be bounded
+    const Real limit = cells.limit[a] * patches.shear[a], p = patches.pressure[a];
+    if (!(limit > 0)) return;  // in no cell
     Real least = 0;
     for (int e = patches.begin[a]; e < patches.begin[a + 1]; ++e)
       least = std::min(least, patches.dilatation[patches.point[e]]);
@@ -170,14 +170,14 @@ struct CellPasses {
       mark(selection.block[cell / 4]);
       for (int v = 0; v < 4; ++v) {
         const std::int32_t node = cells.cell_node[cell / 4 * 16 + 4 * v + cell % 4];
-        mark(selection.node[node]);
+        mark(selection.vertex[node]);
         mark(selection.group[groupOf<Real>(node)]);
       }
     }
   }
 
   void displace(int a) const {
-    if (!s.looked.node[a]) return;
+    if (!s.looked.vertex[a]) return;
     GroupOf<Real> sum{};
     for (int e = cells.row_begin[a]; e < cells.row_begin[a + 1]; ++e)
       sum += cells.row_N[e] * load(u[cells.row_node[e]]);
@@ -196,7 +196,7 @@ struct CellPasses {
       const std::int32_t cell = cells.corner[e] / 4, vertex = cells.corner[e] % 4;
       change += cells.share[cell / 4 * 16 + 4 * vertex + cell % 4] * s.volume_change[cell];
     }
-    const Real bulk = patches.bulk[a], limit = static_cast<Real>(pressure_limit) * patches.shear[a];
+    const Real bulk = patches.bulk[a], limit = cells.limit[a] * patches.shear[a];
     const Real p = bulk * (change / cells.volume[a]);
     s.pressure[a] = s.weight[a] * (p - bounded(p, limit));
     if (s.pressure[a] == 0) return;
@@ -223,7 +223,7 @@ struct CellPasses {
   }
 
   void sumCorners(int a) const {
-    if (!s.loaded.node[a]) return;
+    if (!s.loaded.vertex[a]) return;
     GroupOf<Real> sum{};
     for (int e = cells.corner_begin[a]; e < cells.corner_begin[a + 1]; ++e)
       if (s.loaded.block[cells.corner[e] / 16]) sum += load(s.corner_force[cells.corner[e]]);
@@ -289,7 +289,7 @@ void addCellForces(const CellVolumeOf<Real>& cells, const CellVolumeScratchOf<Re
     GroupOf<Real> sum{};
     for (int e = cells.column_begin[j]; e < cells.column_begin[j + 1]; ++e) {
       const std::int32_t a = cells.column_node[e];
-      if (scratch.loaded.node[a]) sum += cells.column_N[e] * load(scratch.vertex_force[a]);
+      if (scratch.loaded.vertex[a]) sum += cells.column_N[e] * load(scratch.vertex_force[a]);
     }
     store(f[j], load(f[j]) + sum);
   }

@@ -22,7 +22,7 @@ namespace palpate {
 ///   energy  sum_a V_a h(K_a theta_a) + V'_a w_a (K_a theta'_a^2 / 2 - h(K_a theta'_a))
 ///
 /// over nodes a and their cells t; theta_a and V_a are the patches' (node_patch.h). h is the energy of a pressure
-/// p = K theta that is bounded by p1 = pressure_limit times the least shear modulus in the patch: p^2 / 2K for p > -p1,
+/// p = K theta that is bounded by p1, some times the least shear modulus in the patch (pressureLimits): p^2 / 2K for p > -p1,
 /// p1 (-p - p1/2) / K beyond. So a patch's pressure is max(K theta, -p1), and what is beyond comes from the cells:
 /// their pressure is the sum of s_ta w_a min(K theta'_a + p1, 0) of their four nodes, and -p_t dV_t/dx_a goes to the
 /// nodes j by N_j(X_a). Under tension nothing changes.
@@ -34,7 +34,7 @@ namespace palpate {
 /// Exact where the pressure is even. Between bonded faces that are few cells apart the chords take from the flow across
 /// them, and the body becomes too stiff: layers pressed by 20 % and four times as wide as high answer with 11, 9.5 %
 /// more force at a height of 3, 4 spacings (22, 17 % with equal parts for all), the patches alone with 0.6 and -0.1 %.
-/// So nodes between bonded faces less than bonded_cells edges apart keep their patch's pressure, whatever it is.
+/// So nodes between bonded faces less than bonded_cells edges apart keep their patch's pressure as far as patches hold.
 ///
 /// Which nodes are looked at follows from the points alone: w_a rises from 0 to 1 as the largest K_a (1 - J_q) / p1 of
 /// the points in the patch rises from pressed_from to 1. Where no point gets there, nothing is computed. (A patch's own
@@ -43,23 +43,25 @@ namespace palpate {
 /// a node whose cells are beyond the limit while no point around is, the change of w_a is left out.
 template <class Real>
 struct CellVolumeOf {
-  // N_j(X_a) by rows a and by columns j.
-  std::vector<int> row_begin, column_begin;         // (node_count + 1)
+  // N_j(X_a) by rows, vertices a, and by columns, nodes j. At a border between materials a node is a vertex of its own
+  // for each side.
+  std::vector<int> row_begin, column_begin;         // (vertex_count + 1), (node_count + 1)
   std::vector<std::int32_t> row_node, column_node;  // j of a row, a of a column
   AlignedVector<Real> row_N, column_N;
   // Cells in blocks of four, ordered by their lowest node, which is vertex 0.
   std::vector<std::int32_t> cell_node;  // (16 * block_count) [vertex 4][cell 4]; the last block repeats a node
   AlignedVector<Real> share;            // (16 * block_count) likewise, s_ta
   AlignedVector<Real> edge;             // (36 * block_count) [edge 3][component 3][cell 4], from vertex 0, m
-  // Of each node.
-  std::vector<int> corner_begin;     // (node_count + 1) entries in
+  // Of each vertex.
+  std::vector<int> corner_begin;     // (vertex_count + 1) entries in
   std::vector<std::int32_t> corner;  // (4 * cell_count) 4 * cell + vertex
-  AlignedVector<Real> patch_volume;  // (node_count) V_a, m^3
-  AlignedVector<Real> volume;        // (node_count) V'_a, m^3
-  std::vector<std::uint8_t> kept;    // (node_count) 1: between near bonded faces, the patch's pressure has no bound
+  AlignedVector<Real> patch_volume;  // (vertex_count) V_a, m^3
+  AlignedVector<Real> volume;        // (vertex_count) V'_a, m^3
+  AlignedVector<Real> limit;         // (vertex_count) p1 over the patch's least shear modulus
 
   bool empty() const { return row_begin.empty(); }
-  int nodeCount() const { return static_cast<int>(volume.size()); }
+  int vertexCount() const { return static_cast<int>(volume.size()); }
+  int nodeCount() const { return static_cast<int>(column_begin.size()) - 1; }
   int blockCount() const { return static_cast<int>(cell_node.size() / 16); }
 };
 
@@ -68,54 +70,56 @@ template <class Real>
 struct PatchStateOf {
   int batch_count;
   const std::int32_t* node;  // (64 * batch_count) patches of the points, [vertex 4][point 16] per batch
-  const int* begin;          // (node_count + 1) entries of each patch in
+  const int* begin;          // (vertex_count + 1) entries of each patch in
   const std::int32_t* point;
-  const Real* bulk;         // (node_count) K_a, Pa
-  const Real* shear;        // (node_count) least shear modulus, Pa
+  const Real* bulk;         // (vertex_count) K_a, Pa
+  const Real* shear;        // (vertex_count) least shear modulus, Pa
   const Real* dilatation;   // (16 * batch_count) J - 1 of the points
-  Real* pressure;           // (node_count) K_a theta_a, Pa; is bounded
+  Real* pressure;           // (vertex_count) K_a theta_a, Pa; is bounded
   Real pressed_dilatation;  // -pressed_from times the least p1 / K_a of all patches
 };
 
-/// Which nodes and cells are looked at, and what is known of them. Nodes are listed by groups of 16.
+/// Which vertices and cells are looked at, and what is known of them. Vertices are listed by groups of 16.
 template <class Real>
 struct CellVolumeScratchOf {
   static constexpr int group_size = 16;
-  /// Flags of cells around some nodes, and of these cells' vertices.
+  /// Flags of cells around some vertices, and of all these cells' vertices.
   struct Selection {
-    std::vector<std::uint8_t> block, node, group;  // (block_count), (node_count), (group_count)
+    std::vector<std::uint8_t> block, vertex, group;  // (block_count), (vertex_count), (group_count)
   };
   bool pressed = false;                     // some patch may be; else all flags are 0
   std::vector<double> energy;               // (part_count) J
   std::vector<double> max_pressure;         // (part_count) of CellReport
-  std::vector<std::uint8_t> group_pressed;  // (group_count) some point of a node's patch is pressed
-  Selection looked, loaded;                 // around nodes with w_a > 0; around those with a pressure
+  std::vector<std::uint8_t> group_pressed;  // (group_count) some point of a vertex's patch is pressed
+  Selection looked, loaded;                 // around vertices with w_a > 0; around those with a pressure
   std::vector<std::uint8_t> touched;        // (node_count) moves the field at a vertex of loaded cells
   // Lists of what is flagged: pressed groups; groups and blocks of a selection.
   std::vector<int> groups, groups_of_cells, blocks;
-  AlignedVector<Real> weight;               // (node_count) w_a
-  AlignedVector<Real4<Real>> field;         // (node_count) displacement at X_a, m
+  AlignedVector<Real> weight;               // (vertex_count) w_a
+  AlignedVector<Real4<Real>> field;         // (vertex_count) displacement at X_a, m
   AlignedVector<Real> volume_change;        // (4 * block_count) V_t(x) - V_t, m^3
-  AlignedVector<Real> pressure;             // (node_count) w_a (K theta' - clamp), Pa
+  AlignedVector<Real> pressure;             // (vertex_count) w_a (K theta' - clamp), Pa
   AlignedVector<Real4<Real>> corner_force;  // (16 * block_count) N
-  AlignedVector<Real4<Real>> vertex_force;  // (node_count) N, at X_a
+  AlignedVector<Real4<Real>> vertex_force;  // (vertex_count) N, at X_a
 };
 
-/// Edges of cells between bonded faces, below which the patches keep their pressure.
+/// Edges of cells between bonded faces, below which the patches keep more of their pressure.
 inline constexpr double bonded_cells = 8;
 
 /// What the cells' volume is computed from, in double.
 struct CellVolumeSpec {
-  const std::vector<Vec3>& X;                    // (node_count) m
-  const std::vector<std::array<int, 4>>& cells;  // (cell_count) of either orientation
-  const ShapeTable& node_shape;                  // N at X; no gradients
-  const NodePatches& patches;
-  const std::vector<std::uint8_t>* imposed = nullptr;  // (node_count) 7: all components are imposed; null: none is
+  std::vector<Vec3> X;                    // (vertex_count) m: nodes, and after them a border's further sides
+  std::vector<std::array<int, 4>> cells;  // (cell_count) of either orientation
+  int node_count;
+  ShapeTable vertex_shape;         // of nodes, where vertices go with them; no gradients
+  const NodePatches& patches;      // a patch of each vertex
+  std::vector<std::uint8_t> imposed = {};  // (vertex_count) 7: all components are imposed; empty: none is
 };
 
-/// CellVolumeOf::kept. A node is between bonded faces where held nodes lie to either side of it, the nearest and one in
-/// nearly the opposite direction; a held node, where one of its cells has such a vertex.
-std::vector<std::uint8_t> nodesBetweenBonds(const CellVolumeSpec& spec);
+/// p1 over the shear modulus, of the vertices: pressure_limit, and more between bonded faces. A vertex is between them
+/// where held nodes lie to either side of it, the nearest and one in nearly the opposite direction; a held node, where
+/// one of its cells has such a vertex.
+std::vector<double> pressureLimits(const CellVolumeSpec& spec);
 
 template <class Real>
 CellVolumeOf<Real> makeCellVolume(const CellVolumeSpec& spec);
@@ -150,14 +154,14 @@ void addCellForces(const CellVolumeOf<Real>& cells, const CellVolumeScratchOf<Re
 /// The same plainly, in double: what the fast passes are held to.
 struct CellVolumeReference {
   double energy = 0;                   // J, of patches and cells
-  std::vector<double> patch_pressure;  // (node_count) Pa, bounded
-  std::vector<double> cell_pressure;   // (node_count) Pa, what is beyond
+  std::vector<double> patch_pressure;  // (vertex_count) Pa, bounded
+  std::vector<double> cell_pressure;   // (vertex_count) Pa, what is beyond
   std::vector<Vec3> force;             // (node_count) N, of the cells
 };
 
 /// @param volume     of the points, m^3                       (point_count)
 /// @param J_minus_1  of the points                            (point_count)
-/// @param shear      least shear modulus of the patches, Pa   (node_count)
+/// @param shear      least shear modulus of the patches, Pa   (vertex_count)
 CellVolumeReference referenceCellVolume(const CellVolumeSpec& spec, const std::vector<double>& volume,
                                         const std::vector<double>& J_minus_1, const std::vector<double>& shear,
                                         const std::vector<Vec3>& u);

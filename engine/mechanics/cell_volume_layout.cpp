@@ -26,8 +26,8 @@ std::vector<std::array<int, 4>> orderedCells(const CellVolumeSpec& spec) {
 /// node's are.)
 std::vector<std::uint8_t> bondedNodes(const CellVolumeSpec& spec) {
   std::vector<std::uint8_t> bonded(spec.X.size(), 0);
-  if (spec.imposed == nullptr) return bonded;
-  const auto held = [&](int node) { return (*spec.imposed)[node] == 7; };
+  if (spec.imposed.empty()) return bonded;
+  const auto held = [&](int node) { return spec.imposed[node] == 7; };
   for (const auto& cell : spec.cells)
     if (std::count_if(cell.begin(), cell.end(), held) >= 3)
       for (const int a : cell)
@@ -68,19 +68,19 @@ void flatten(const std::vector<std::vector<int>>& lists, std::vector<int>& begin
 }
 
 template <class Real>
-void addTables(const ShapeTable& shape, CellVolumeOf<Real>& result) {
+void addTables(const CellVolumeSpec& spec, CellVolumeOf<Real>& result) {
+  const ShapeTable& shape = spec.vertex_shape;
   const auto real = [](double a) { return static_cast<Real>(a); };
-  const int nodes = shape.rowCount();
   result.row_begin = shape.begin;
   result.row_node.assign(shape.node.begin(), shape.node.end());
   std::transform(shape.N.begin(), shape.N.end(), std::back_inserter(result.row_N), real);
-  result.column_begin.assign(static_cast<std::size_t>(nodes) + 1, 0);
+  result.column_begin.assign(static_cast<std::size_t>(spec.node_count) + 1, 0);
   for (const int j : shape.node) ++result.column_begin[j + 1];
   std::partial_sum(result.column_begin.begin(), result.column_begin.end(), result.column_begin.begin());
   result.column_node.resize(shape.node.size());
   result.column_N.resize(shape.node.size());
   std::vector<int> next(result.column_begin.begin(), result.column_begin.end() - 1);
-  for (int a = 0; a < nodes; ++a)
+  for (int a = 0; a < shape.rowCount(); ++a)
     for (int e = shape.begin[a]; e < shape.begin[a + 1]; ++e) {
       const int at = next[shape.node[e]]++;
       result.column_node[at] = a;
@@ -125,7 +125,7 @@ void averageLess(const std::vector<double>& averaged, CellVolumeOf<Real>& cells)
 
 }  // namespace
 
-std::vector<std::uint8_t> nodesBetweenBonds(const CellVolumeSpec& spec) {
+std::vector<double> pressureLimits(const CellVolumeSpec& spec) {
   std::vector<std::uint8_t> between(spec.X.size(), 0);
   std::vector<Vec3> held;
   std::vector<double> edges(spec.X.size(), 0), count(spec.X.size(), 0);
@@ -147,15 +147,19 @@ std::vector<std::uint8_t> nodesBetweenBonds(const CellVolumeSpec& spec) {
     if (std::any_of(cell.begin(), cell.end(), [&](int a) { return between[a] != 0; }))
       for (const int a : cell)
         if (isHeld(a)) all[a] = 1;
-  return all;
+  std::vector<double> limit;
+  for (const std::uint8_t bonded_twice : all)
+    limit.push_back(bonded_twice != 0 ? bonded_pressure_limit : pressure_limit);
+  return limit;
 }
 
 template <class Real>
 CellVolumeOf<Real> makeCellVolume(const CellVolumeSpec& spec) {
   CellVolumeOf<Real> result;
-  addTables(spec.node_shape, result);
+  addTables(spec, result);
   addCells(spec, result);
-  result.kept = nodesBetweenBonds(spec);
+  const auto limit = pressureLimits(spec);
+  result.limit.assign(limit.begin(), limit.end());
   result.patch_volume.assign(spec.patches.volume.begin(), spec.patches.volume.end());
   if (!spec.patches.own.empty()) averageLess(averagedShares(spec.patches), result);
   return result;
@@ -165,8 +169,9 @@ template <class Real>
 CellVolumeScratchOf<Real> makeCellVolumeScratch(const CellVolumeOf<Real>& cells, int part_count) {
   CellVolumeScratchOf<Real> scratch;
   if (cells.empty()) return scratch;
-  const auto nodes = static_cast<std::size_t>(cells.nodeCount()), blocks = static_cast<std::size_t>(cells.blockCount());
-  const std::size_t groups = (nodes + scratch.group_size - 1) / scratch.group_size;
+  const auto vertices = static_cast<std::size_t>(cells.vertexCount()),
+             blocks = static_cast<std::size_t>(cells.blockCount());
+  const std::size_t groups = (vertices + scratch.group_size - 1) / scratch.group_size;
   scratch.energy.resize(static_cast<std::size_t>(part_count));
   scratch.max_pressure.resize(static_cast<std::size_t>(part_count));
   scratch.groups.reserve(groups);
@@ -175,16 +180,16 @@ CellVolumeScratchOf<Real> makeCellVolumeScratch(const CellVolumeOf<Real>& cells,
   scratch.group_pressed.resize(groups);
   for (auto* selection : {&scratch.looked, &scratch.loaded}) {
     selection->block.resize(blocks);
-    selection->node.resize(nodes);
+    selection->vertex.resize(vertices);
     selection->group.resize(groups);
   }
-  scratch.touched.resize(nodes);
-  scratch.weight.resize(nodes);
-  scratch.field.resize(nodes);
+  scratch.touched.resize(static_cast<std::size_t>(cells.nodeCount()));
+  scratch.weight.resize(vertices);
+  scratch.field.resize(vertices);
   scratch.volume_change.resize(4 * blocks);
-  scratch.pressure.resize(nodes);
+  scratch.pressure.resize(vertices);
   scratch.corner_force.resize(16 * blocks);
-  scratch.vertex_force.resize(nodes);
+  scratch.vertex_force.resize(vertices);
   return scratch;
 }
 
@@ -204,16 +209,18 @@ CellVolumeReference referenceCellVolume(const CellVolumeSpec& spec, const std::v
                                         const std::vector<double>& J_minus_1, const std::vector<double>& shear,
                                         const std::vector<Vec3>& u) {
   const auto cells = orderedCells(spec);
-  const std::size_t nodes = spec.X.size();
+  const std::size_t vertices = spec.X.size();
   const auto& K = spec.patches.bulk_modulus;
   const auto theta = patchDilatation(spec.patches, volume, J_minus_1);
-  CellVolumeReference result{0, std::vector<double>(nodes), std::vector<double>(nodes), {nodes, Vec3::Zero()}};
-  std::vector<Vec3> x = spec.X, force(nodes, Vec3::Zero());
-  for (std::size_t a = 0; a < nodes; ++a)
-    for (int e = spec.node_shape.begin[a]; e < spec.node_shape.begin[a + 1]; ++e)
-      x[a] += spec.node_shape.N[e] * u[spec.node_shape.node[e]];
-  std::vector<double> change(nodes, 0), cell_volume(nodes, 0), weight(nodes, 0);
-  const auto kept = nodesBetweenBonds(spec), bonded = bondedNodes(spec);
+  CellVolumeReference result{0, std::vector<double>(vertices), std::vector<double>(vertices), {}};
+  result.force.assign(static_cast<std::size_t>(spec.node_count), Vec3::Zero());
+  std::vector<Vec3> x = spec.X, force(vertices, Vec3::Zero());
+  for (std::size_t a = 0; a < vertices; ++a)
+    for (int e = spec.vertex_shape.begin[a]; e < spec.vertex_shape.begin[a + 1]; ++e)
+      x[a] += spec.vertex_shape.N[e] * u[spec.vertex_shape.node[e]];
+  std::vector<double> change(vertices, 0), cell_volume(vertices, 0), weight(vertices, 0);
+  const auto over_shear = pressureLimits(spec);
+  const auto bonded = bondedNodes(spec);
   const auto averaged = averagedShares(spec.patches);
   const auto shares = [&](const std::array<int, 4>& cell) {
     auto share = sharesOf(cell, bonded);
@@ -229,15 +236,10 @@ CellVolumeReference referenceCellVolume(const CellVolumeSpec& spec, const std::v
   }
   for (std::size_t q = 0; q < J_minus_1.size(); ++q)
     for (const int a : spec.patches.node[q])
-      weight[a] = std::max(weight[a], pressedShare(K[a] * J_minus_1[q], pressure_limit * shear[a]));
-  for (std::size_t a = 0; a < nodes; ++a) {
+      weight[a] = std::max(weight[a], pressedShare(K[a] * J_minus_1[q], over_shear[a] * shear[a]));
+  for (std::size_t a = 0; a < vertices; ++a) {
     if (K[a] == 0) continue;
-    if (kept[a]) {
-      result.patch_pressure[a] = K[a] * theta[a];
-      result.energy += spec.patches.volume[a] * K[a] * theta[a] * theta[a] / 2;
-      continue;
-    }
-    const double limit = pressure_limit * shear[a], p = cell_volume[a] > 0 ? K[a] * change[a] / cell_volume[a] : 0;
+    const double limit = over_shear[a] * shear[a], p = cell_volume[a] > 0 ? K[a] * change[a] / cell_volume[a] : 0;
     result.patch_pressure[a] = bounded(K[a] * theta[a], limit);
     result.cell_pressure[a] = weight[a] * (p - bounded(p, limit));
     result.energy += spec.patches.volume[a] * boundedEnergy(K[a] * theta[a], limit, K[a]) +
@@ -254,9 +256,9 @@ CellVolumeReference referenceCellVolume(const CellVolumeSpec& spec, const std::v
       force[cell[0]] += p * gradient;
     }
   }
-  for (std::size_t a = 0; a < nodes; ++a)
-    for (int e = spec.node_shape.begin[a]; e < spec.node_shape.begin[a + 1]; ++e)
-      result.force[spec.node_shape.node[e]] += spec.node_shape.N[e] * force[a];
+  for (std::size_t a = 0; a < vertices; ++a)
+    for (int e = spec.vertex_shape.begin[a]; e < spec.vertex_shape.begin[a + 1]; ++e)
+      result.force[spec.vertex_shape.node[e]] += spec.vertex_shape.N[e] * force[a];
   return result;
 }
 

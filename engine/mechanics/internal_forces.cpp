@@ -71,7 +71,8 @@ ForceReport internalForces(const KernelLayoutOf<Real>& layout, const KernelMater
   const KernelPasses<Real>& passes = *scratch.passes;
   ForceReport total;
   if (k.patch_begin) {
-    const auto border = [&](int part) { return static_cast<int>(std::int64_t{k.node_count} * part / k.chunk_count); };
+    const auto patch_count = static_cast<std::int64_t>(layout.patch_begin.size()) - 1;
+    const auto border = [&](int part) { return static_cast<int>(patch_count * part / k.chunk_count); };
     shareOut(team, k.chunk_count, [&](int chunk) { passes.dilatation(k, chunk, u); });
     const PatchStateOf<Real> patches = patchState(layout, materials, k);
     const bool with_cells = !layout.cell_volume.empty();

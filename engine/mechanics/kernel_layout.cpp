@@ -360,7 +360,7 @@ KernelScratchOf<Real> makeKernelScratch(const KernelLayoutOf<Real>& layout, Inst
   if (!layout.patch_node.empty()) {
     scratch.displacement_gradient.resize(layout.batch_material.size() * 144);
     scratch.dilatation.resize(layout.point.size());
-    scratch.patch_pressure.resize(nodes);
+    scratch.patch_pressure.resize(layout.patch_begin.size() - 1);
     scratch.cell_volume = makeCellVolumeScratch(layout.cell_volume, static_cast<int>(chunks));
   }
   return scratch;

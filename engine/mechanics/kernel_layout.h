@@ -42,10 +42,11 @@ struct KernelLayoutOf {
   AlignedVector<Real> stress_volume;            // (16 * batch_count) m^3, volume times shear_share
   AlignedVector<Real> shear_share, bulk_share;  // (16 * batch_count)
   // Node-patch volume (node_patch.h); empty where the scene does without.
-  std::vector<int> patch_begin;           // (node_count + 1) entries of each node's patch in
+  std::vector<int> patch_begin;           // (patch_count + 1) entries of each patch in; patches of nodes, and after
+                                          // them of a border's further sides
   std::vector<std::int32_t> patch_point;  // its points' places in `point`, ascending, and
   AlignedVector<Real> patch_share;        // s_aq
-  std::vector<std::int32_t> patch_node;   // (64 * batch_count) [vertex 4][point 16] per batch
+  std::vector<std::int32_t> patch_node;   // patches of the points (64 * batch_count) [vertex 4][point 16] per batch
   AlignedVector<Real> patch_weight;       // (64 * batch_count) (1 - o_q) l_a(x_q)
   AlignedVector<Real> own_bulk;    // (16 * batch_count) o_q, over the batch's material's bulk modulus and divided
                                    // by shear_share; empty: patches average all
@@ -61,8 +62,8 @@ using KernelLayout = KernelLayoutOf<float>;
 template <class Real>
 struct KernelMaterialsOf {
   std::vector<Material> materials;  // (material_count) that batch_material counts
-  AlignedVector<Real> patch_bulk;   // (node_count) K_a, Pa, by updatePatchBulk; empty without node patches
-  AlignedVector<Real> patch_shear;  // (node_count) least shear modulus of the patch, Pa, by the same
+  AlignedVector<Real> patch_bulk;   // (patch_count) K_a, Pa, by updatePatchBulk; empty without node patches
+  AlignedVector<Real> patch_shear;  // (patch_count) least shear modulus of the patch, Pa, by the same
   Real pressed_dilatation = 0;      // from which on cell_volume.h looks at a point, by the same
 };
 
@@ -77,7 +78,7 @@ struct KernelScratchOf {
   // Between the two passes of the node-patch volume.
   AlignedVector<Real> displacement_gradient;  // (9 * 16 * batch_count)
   AlignedVector<Real> dilatation;             // (16 * batch_count) J - 1
-  AlignedVector<Real> patch_pressure;         // (node_count) K_a theta_a, Pa; bounded where there is cell_volume
+  AlignedVector<Real> patch_pressure;         // (patch_count) K_a theta_a, Pa; bounded where there is cell_volume
   CellVolumeScratchOf<Real> cell_volume;
 };
 

@@ -35,16 +35,17 @@ namespace palpate {
 /// 0.49 keep to the closed form to 50 %. It is the most that makes no pressure in `mtled verify locking` rougher by a
 /// tenth; with all of K the box is 4 % too stiff.
 struct NodePatches {
-  std::vector<std::array<int, 4>> node;       // (point_count) vertices of the point's cell
+  std::vector<std::array<int, 4>> node;       // (point_count) patches of the point: vertices of its cell
   std::vector<std::array<double, 4>> weight;  // (point_count) (1 - o_q) l_a(x_q), summing to 1 - o_q
   std::vector<double> own;                    // (point_count) o_q; empty: all are 0
-  std::vector<double> volume;        // (node_count) V_a of the averaged shares, m^3; 0 for a node in no point's cell
-  std::vector<double> bulk_modulus;  // (node_count) K_a, Pa: harmonic mean of the patch
+  std::vector<double> volume;        // (vertex_count) V_a of the averaged shares, m^3; 0 for a node in no point's cell
+  std::vector<double> bulk_modulus;  // (vertex_count) K_a, Pa: harmonic mean of the patch
 
   bool empty() const { return node.empty(); }
 };
 
-/// @param X, cells        nodes (m) and their tetrahedra
+/// @param X, cells        vertices (m) and their tetrahedra: nodes, and where materials meet one more for each further
+///                        side (sharp_interfaces.h)
 /// Test: mechanics/node_patch_test.cpp
 /// @param point_X, volume integration points, m and m^3; point_cell: the cell of each
 /// @param own_bulk        of each point's bulk modulus what is not averaged, in shear moduli (what relaxes left out);

@@ -54,7 +54,7 @@ IntegrationPoints choosePoints(const Scene& scene, const std::vector<Vec3>& X, c
 Approximation approximate(const Scene& scene, const std::vector<Vec3>& X, std::vector<double> radius,
                           const std::vector<Vec3>& point_X, const std::vector<Vec3>& skin_X,
                           const std::vector<Vec3>& facet_X, const std::vector<Vec3>& boundary_X,
-                          const ApproximationGroups& groups) {
+                          const ApproximationGroups& groups, std::vector<Unsupported>* unsupported) {
   const MmlsOptions options{scene.basis_degree, scene.mmls_weight};
   Approximation a;
   for (int attempt = 0;; ++attempt) {
@@ -72,6 +72,10 @@ Approximation approximate(const Scene& scene, const std::vector<Vec3>& X, std::v
       *table = shapeFunctions(*at, X, radius, neighbours, options, failed, {}, {groups.of_nodes, *rows});
       if (failed.empty()) continue;
       admissible = false;
+      if (attempt == max_enlargements && unsupported != nullptr) {
+        for (const auto& f : failed) unsupported->push_back({(*at)[f.row], (*rows)[f.row]});
+        continue;
+      }
       if (attempt == max_enlargements)
         throw InputError(placeOf(scene, "discretization.support_factor"),
                          "the support of the point at " + coordinates((*at)[failed.front().row]) +
@@ -81,7 +85,7 @@ Approximation approximate(const Scene& scene, const std::vector<Vec3>& X, std::v
       enlargeSupports(*at, failed, neighbours, mine);
       for (std::size_t i = 0; i < mine.size(); ++i) enlarged[i] = std::max(enlarged[i], mine[i]);
     }
-    if (admissible) break;
+    if (admissible || attempt == max_enlargements) break;
     radius = enlarged;
   }
   a.radius = radius;

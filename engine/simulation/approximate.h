@@ -23,15 +23,22 @@ struct Approximation {
   ShapeTable points, skin, nodes, facets, boundary;
 };
 
-/// Where supports end at borders between materials: of which materials (bits) nodes and evaluation points are.
+/// Where supports end at borders between materials: to which groups of cells (bits) nodes and evaluation points belong.
 struct ApproximationGroups {
   std::vector<std::uint64_t> of_nodes, points, skin, nodes, facets, boundary;
 };
 
-/// @param groups  empty: supports reach over all borders
+/// A place that no support carries, however large.
+struct Unsupported {
+  Vec3 at;
+  std::uint64_t group;
+};
+
+/// @param groups       empty: supports reach over all borders
+/// @param unsupported  receives such places; null: they are an InputError
 Approximation approximate(const Scene& scene, const std::vector<Vec3>& X, std::vector<double> radius,
                           const std::vector<Vec3>& point_X, const std::vector<Vec3>& skin_X,
                           const std::vector<Vec3>& facet_X, const std::vector<Vec3>& boundary_X,
-                          const ApproximationGroups& groups = {});
+                          const ApproximationGroups& groups = {}, std::vector<Unsupported>* unsupported = nullptr);
 
 }  // namespace palpate

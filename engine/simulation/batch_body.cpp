@@ -4,7 +4,9 @@
 #include <cmath>
 
 #include "base/float4.h"
+#include "simulation/live_parameters.h"
 #include "simulation/mixtures.h"
+#include "simulation/trust.h"
 
 namespace palpate {
 namespace {
@@ -100,6 +102,22 @@ void BatchBody::contact(double alpha, Report& report) {
     store(du[i], load(du[i]) + __builtin_convertvector(load(du_float_[i]) - load(du_before_[i]), GroupOf<double>));
 }
 
+/// As of a step of the loop that saw the same.
+Doubt BatchBody::doubt(const ForceReport& forces, const Report& report) const {
+  StepReport step;
+  if (!report.finite) step.flags |= kNotFinite;
+  if (tools_.overflow()) step.flags |= kContactOverflow;
+  step.min_J = forces.min_J;
+  step.inverted_points = forces.inverted_points;
+  step.max_penetration = tools_.maxPenetration();
+  step.volume_change = forces.volume_change / model_.cell_volume;
+  step.pressure_over_shear =
+      model_.patches.empty() ? -step.volume_change * bulkOverShear(model_.materials) : forces.max_patch_pressure;
+  step.cell_pressure_over_shear = forces.max_cell_pressure;
+  step.nearly_incompressible = nearlyIncompressible(model_.materials);
+  return doubtOf(model_, step);
+}
+
 BatchBody::Report BatchBody::advance(double alpha, double beta, double time) {
   Report report;
   alpha_ = alpha;
@@ -107,6 +125,7 @@ BatchBody::Report BatchBody::advance(double alpha, double beta, double time) {
   report.min_J = forces_report.min_J;
   report.worst_point = forces_report.worst_point;
   report.inverted_points = forces_report.inverted_points;
+  report.max_cof2 = forces_report.max_cof2;
   for (std::size_t i = 0; i < u.size(); ++i) store(du[i], beta * load(du[i]) + (alpha * inverse_mass_[i]) * load(f[i]));
   for (std::size_t i = 0; i < model_.weight.size(); ++i)
     store(du[i], load(du[i]) + (alpha * inverse_mass_[i]) * load(model_.weight[i]));
@@ -122,6 +141,7 @@ BatchBody::Report BatchBody::advance(double alpha, double beta, double time) {
     largest = std::max(largest, d2);
   }
   report.max_increment = std::sqrt(largest);
+  report.doubt = doubt(forces_report, report);
   return report;
 }
 

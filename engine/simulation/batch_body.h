@@ -6,6 +6,7 @@
 #include "mechanics/internal_forces.h"
 #include "simulation/batch_tools.h"
 #include "simulation/model.h"
+#include "simulation/report.h"
 
 namespace palpate {
 
@@ -23,6 +24,8 @@ class BatchBody {
     int inverted_points = 0;
     double max_increment = 0;  // m
     bool finite = true;
+    double max_cof2 = 3;  // of ForceReport
+    Doubt doubt = Doubt::None;  // of what step time and energy don't tell
     Vec3 tool_force = Vec3::Zero();  // N, on the first tool
     ToolLoads loads;                 // of all tools, without torques
     SkullContact skull;
@@ -71,6 +74,7 @@ class BatchBody {
   ForceReport forces(const AlignedVector<Double4>& at, AlignedVector<Double4>& force,
                      RelaxationHistoryOf<double>* history);
   void contact(double alpha, Report& report);
+  Doubt doubt(const ForceReport& forces, const Report& report) const;
 
   const Model& model_;
   SpinTeam team_;

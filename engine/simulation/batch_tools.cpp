@@ -1,5 +1,6 @@
 #include "simulation/batch_tools.h"
 
+#include <algorithm>
 #include <array>
 
 #include "contact/contact.h"
@@ -53,6 +54,18 @@ int BatchTools::bodyCount() const {
   int count = 0;
   while (count < model_.tools.bodyCount() && toolBody(model_, count).tool < now_.count) ++count;
   return count;
+}
+
+double BatchTools::maxPenetration() const {
+  double deepest = 0;
+  for (int b = 0; b < bodyCount(); ++b)
+    deepest = std::max(deepest, contact_[static_cast<std::size_t>(b)].max_penetration *
+                                    model_.scene.tool.radius / toolBody(model_, b).shape.radius);
+  return deepest;
+}
+
+bool BatchTools::overflow() const {
+  return std::any_of(contact_.begin(), contact_.end(), [](const ContactState& contact) { return contact.overflow; });
 }
 
 void BatchTools::solveAll(double alpha, const float* inverse_mass, const Float4* u, Float4* du, ToolLoads& loads) {

@@ -25,6 +25,10 @@ class BatchTools {
   /// @param u, du  m (node_count)
   void solve(double alpha, const float* inverse_mass, const Float4* u, Float4* du, ToolLoads& loads);
 
+  /// After solve(), as StepReport has them: how deep the skin is in the tools, m, and whether a list overflowed.
+  double maxPenetration() const;
+  bool overflow() const;
+
  private:
   int bodyCount() const;
   void solveAll(double alpha, const float* inverse_mass, const Float4* u, Float4* du, ToolLoads& loads);

@@ -25,12 +25,29 @@ const Vec3& imposedPoint(const Scene& scene, const ImposedNode& point) {
   return scene.boundaries[*std::max_element(point.boundary.begin(), point.boundary.end())].region.point;
 }
 
+/// Where supports end at borders between materials: those of points of the body as those of the nearest integration
+/// point.
+SupportGroups groupsAt(const Model& model, const std::vector<Vec3>& points) {
+  SupportGroups groups;
+  if (model.side_node.empty()) return groups;
+  groups.node.assign(model.vertex_group.begin(), model.vertex_group.begin() + model.nodeCount());
+  for (std::size_t k = 0; k < model.side_node.size(); ++k)
+    groups.node[model.side_node[k]] |= model.vertex_group[model.X.size() + k];
+  const Neighbours nearest(model.point_X, std::vector<double>(model.point_X.size(), model.scene.spacing));
+  for (const Vec3& X : points) {
+    const int cell = model.point_cell[nearest.nearest(X, 1).front()];
+    groups.row.push_back(model.vertex_group[model.volume_cells[cell].front()]);
+  }
+  return groups;
+}
+
 /// Shape functions at points of the body.
 ShapeTable shapeAt(const Model& model, const std::vector<Vec3>& points) {
   const Neighbours neighbours(model.X, model.support_radius);
   std::vector<InadmissibleSupport> failed;
   ShapeTable shape = shapeFunctions(points, model.X, model.support_radius, neighbours,
-                                    {model.scene.basis_degree, model.scene.mmls_weight}, failed);
+                                    {model.scene.basis_degree, model.scene.mmls_weight}, failed, {},
+                                     groupsAt(model, points));
   if (failed.empty()) return shape;
   throw InputError(
       model.scene.boundaries.front().place,
@@ -134,8 +151,9 @@ Model finish(const Scene& scene, const SurfaceTree& tree, Preparation preparatio
   model.materials = materialsOf(scene);
   for (const double m : model.mass) model.inverse_mass.push_back(static_cast<float>(1 / m));
   completeEssential(scene, model);
-  if (scene.node_patch_volume)
-    model.patches = makeNodePatches(model.X, model.cells, model.point_X, model.point_volume, model.point_cell,
+  if (needsPatches(scene))
+    model.patches = makeNodePatches(verticesOf(model.X, model.side_node),
+                                    model.volume_cells.empty() ? model.cells : model.volume_cells, model.point_X, model.point_volume, model.point_cell,
                                     model.point_material, model.materials, ownBulk(scene));
   chooseTimeStep(scene, model.limit, model.X, model);
   addWeight(model);

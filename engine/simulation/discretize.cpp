@@ -80,6 +80,11 @@ Discretization discretize(const Scene& scene, const SurfaceTree& organ, const st
   if (hasSharpInterfaces(scene)) putOnInterfaces(scene, organ, spacingField(scene), d.cloud);
   progress(0.7);
   d.cells = makeBackgroundCells(d.cloud, organ);
+  constexpr int rounds = 4;  // most holes are closed by the first
+  for (int k = 0; k < rounds && hasSharpInterfaces(scene); ++k) {
+    if (closeInterfaces(scene, organ, spacingField(scene), d.cells.cells, d.cloud) == 0) break;
+    d.cells = makeBackgroundCells(d.cloud, organ);
+  }
   progress(0.95);
   fitToVolume(d.cloud, d.cells, organ);
 

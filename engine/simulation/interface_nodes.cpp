@@ -4,10 +4,12 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <set>
 
 #include "discretization/nodes/node_scatter.h"
 #include "discretization/surface/feature_edges.h"
 #include "discretization/surface/surface_geometry.h"
+#include "simulation/mixtures.h"
 #include "simulation/scene_regions.h"
 
 namespace palpate {
@@ -29,6 +31,27 @@ class Mover {
  public:
   Mover(const Scene& scene, const SurfaceTree& organ) : scene_(scene), organ_(organ) {
     edges_ = findFeatureEdges(organ.surface());
+  }
+
+  /// Whether another material is next to X.
+  bool isOnBorder(const Vec3& X, double h) const {
+    const int own = materialAt(scene_, X, organ_);
+    for (int code = 0; code < 27; ++code) {
+      const Vec3 sign(code % 3 - 1, code / 3 % 3 - 1, code / 9 - 1);
+      if (!sign.isZero(0) && materialAt(scene_, X + on_edge_of * h * sign, organ_) != own) return true;
+    }
+    return false;
+  }
+
+  /// Where the way from a to b gets to another material. @pre  the ends are of two
+  Vec3 crossing(const Vec3& a, const Vec3& b) const {
+    const int own = materialAt(scene_, a, organ_);
+    double low = 0, high = 1;
+    for (int n = 0; n < bisections; ++n) {
+      const double middle = (low + high) / 2;
+      (materialAt(scene_, a + middle * (b - a), organ_) == own ? low : high) = middle;
+    }
+    return a + high * (b - a);
   }
 
   /// Where the node gets to a border within `range`; itself where it doesn't.
@@ -127,7 +150,9 @@ class Mover {
 
 }  // namespace
 
-bool hasSharpInterfaces(const Scene& scene) { return scene.sharp_interfaces && scene.materials.size() > 1; }
+bool hasSharpInterfaces(const Scene& scene) {
+  return scene.formulation.sharp_interfaces && scene.materials.size() > 1 && mixedMaterial(scene) == 0 && scene.formulation.consistent_gradients;
+}
 
 int putOnInterfaces(const Scene& scene, const SurfaceTree& organ, const SpacingField& spacing, NodeCloud& cloud) {
   if (scene.materials.size() < 2) return 0;
@@ -168,15 +193,52 @@ int putOnInterfaces(const Scene& scene, const SurfaceTree& organ, const SpacingF
   return moved;
 }
 
-std::vector<MaterialBits> materialsOfNodes(const std::vector<std::array<int, 4>>& cells,
-                                           const std::vector<int>& cell_material,
-                                           const std::vector<int>& node_material) {
-  std::vector<MaterialBits> bits(node_material.size(), 0);
-  for (std::size_t c = 0; c < cells.size(); ++c)
-    for (const int i : cells[c]) bits[i] |= MaterialBits{1} << cell_material[c];
-  for (std::size_t i = 0; i < bits.size(); ++i)
-    if (bits[i] == 0) bits[i] = MaterialBits{1} << node_material[i];
-  return bits;
+int closeInterfaces(const Scene& scene, const SurfaceTree& organ, const SpacingField& spacing,
+                    const std::vector<std::array<int, 4>>& cells, NodeCloud& cloud) {
+  constexpr double free = 0.45;  // spacings: nearer nodes move instead of a new one
+  const Mover mover(scene, organ);
+  std::vector<int> material(cloud.X.size());
+  std::vector<std::uint8_t> on_border(cloud.X.size());
+  SiteGrid grid(boundingBox(organ.surface()), std::sqrt(spacing.smallest() * spacing.largest()));
+  for (std::size_t i = 0; i < cloud.X.size(); ++i) {
+    const double h = spacing.at(cloud.X[i]);
+    material[i] = materialAt(scene, cloud.X[i], organ);
+    on_border[i] = mover.isOnBorder(cloud.X[i], h);
+    grid.add({cloud.X[i], Vec3::Zero(), h});
+  }
+  std::set<std::pair<int, int>> edges;
+  for (const auto& cell : cells)
+    for (const int i : cell)
+      for (const int j : cell)
+        if (i < j && material[i] != material[j] && !on_border[i] && !on_border[j]) edges.insert({i, j});
+  int mended = 0;
+  for (const auto& [i, j] : edges) {
+    if (on_border[i] || on_border[j]) continue;  // by now
+    const bool on_surface = cloud.on_surface[i] != 0 && cloud.on_surface[j] != 0;
+    Vec3 at = mover.crossing(cloud.X[i], cloud.X[j]);
+    if (on_surface) at = organ.closest(at).point;
+    const double h = spacing.at(at);
+    int nearest = -1;
+    double distance = free * h;
+    grid.forEachWithin(at, (free + reach) * h, [&](int k, const Site&) {
+      if (const double d = (cloud.X[k] - at).norm(); d < distance) distance = d, nearest = k;
+      return true;
+    });
+    if (!on_surface && organ.signedDistance(at) > -free * h) continue;
+    if (nearest < 0) {
+      grid.add({at, Vec3::Zero(), h});
+      cloud.X.push_back(at);
+      cloud.on_surface.push_back(on_surface ? 1 : 0);
+      on_border.push_back(1);
+    } else if (!on_border[nearest] && (cloud.on_surface[nearest] != 0) == on_surface) {
+      cloud.X[nearest] = at;
+      on_border[nearest] = 1;
+    } else {
+      continue;
+    }
+    ++mended;
+  }
+  return mended;
 }
 
 }  // namespace palpate

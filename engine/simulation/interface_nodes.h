@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -10,7 +11,8 @@
 
 namespace palpate {
 
-/// Scene::sharp_interfaces, where there is a border between materials.
+/// Formulation::sharp_interfaces, where there is a border between materials: where tissue mixes by a membership there is
+/// none.
 bool hasSharpInterfaces(const Scene& scene);
 
 /// Moves nodes that are near a border between materials (materialAt) onto it, along the shortest way that keeps corners
@@ -21,15 +23,11 @@ bool hasSharpInterfaces(const Scene& scene);
 /// Test: simulation/sharp_interfaces_test.cpp
 int putOnInterfaces(const Scene& scene, const SurfaceTree& organ, const SpacingField& spacing, NodeCloud& cloud);
 
-/// Materials as bits of a number; there is one for each material of the scene.
-using MaterialBits = std::uint64_t;
-constexpr int max_interface_materials = 64;
-
-/// Of which materials a node has cells: several bits are set at nodes of a border (node_count).
-/// @param cell_material  (cell_count)
-/// @param node_material  (node_count) of nodes that have no cell
-std::vector<MaterialBits> materialsOfNodes(const std::vector<std::array<int, 4>>& cells,
-                                           const std::vector<int>& cell_material,
-                                           const std::vector<int>& node_material);
+/// Closes holes in a border's nodes: where an edge of the cells goes from one material to another and neither end is on
+/// the border, a node is added where it crosses, or the node nearest to there moves on to it. A border that cells
+/// pierce is a jagged one, at which uniform stresses do not balance.
+/// @return how many edges were mended; the cells are to be made anew then
+int closeInterfaces(const Scene& scene, const SurfaceTree& organ, const SpacingField& spacing,
+                    const std::vector<std::array<int, 4>>& cells, NodeCloud& cloud);
 
 }  // namespace palpate

@@ -26,17 +26,21 @@ double stiffening(const Model& model, const LiveParameters& live) {
   return largest;
 }
 
-double bulkOverShear(const LiveParameters& live) {
-  double largest = 0;
-  for (const Material& m : live.kernel.materials)
-    largest = std::max(largest, m.bulk_modulus / (m.shear_modulus * m.longTermShare()));
-  return largest;
-}
+double bulkOverShear(const LiveParameters& live) { return bulkOverShear(live.kernel.materials); }
 
-bool nearlyIncompressible(const LiveParameters& live) {
-  return std::all_of(live.kernel.materials.begin(), live.kernel.materials.end(), [](const Material& m) {
+bool nearlyIncompressible(const LiveParameters& live) { return nearlyIncompressible(live.kernel.materials); }
+
+bool nearlyIncompressible(const std::vector<Material>& materials) {
+  return std::all_of(materials.begin(), materials.end(), [](const Material& m) {
     return m.bulk_modulus > 2 * 1.45 / (3 * 0.1) * m.shear_modulus;  // Poisson's ratio 0.45
   });
+}
+
+double bulkOverShear(const std::vector<Material>& materials) {
+  double largest = 0;
+  for (const Material& m : materials)
+    largest = std::max(largest, m.bulk_modulus / (m.shear_modulus * m.longTermShare()));
+  return largest;
 }
 
 }  // namespace palpate

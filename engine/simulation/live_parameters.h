@@ -32,8 +32,10 @@ double stiffening(const Model& model, const LiveParameters& live);
 
 /// The largest bulk modulus over shear modulus, after a long time, of the materials in force.
 double bulkOverShear(const LiveParameters& live);
+double bulkOverShear(const std::vector<Material>& materials);
 
 /// Whether Poisson's ratio of all materials in force is at least 0.45.
 bool nearlyIncompressible(const LiveParameters& live);
+bool nearlyIncompressible(const std::vector<Material>& materials);
 
 }  // namespace palpate

@@ -34,11 +34,11 @@ Material mixed(const Material& first, const Material& second, double share) {
 void checkPoisson(const Scene& scene, const MaterialSpec& other) {
   const Material& first = scene.materials[0].material;
   const double ratio = first.bulk_modulus / first.shear_modulus;
-  if (scene.node_patch_volume ||
+  if (scene.formulation.node_patches ||
       std::abs(other.material.bulk_modulus / other.material.shear_modulus - ratio) < 1e-9 * ratio)
     return;
-  throw InputError(other.place, "tissue of unlike Poisson's ratios mixes only with node_patch_volume",
-                   "set node_patch_volume = true, or give both the same");
+  throw InputError(other.place, "tissue of unlike Poisson's ratios does not mix in the paper's scheme",
+                   "leave scheme = \"paper\" out, or give both the same");
 }
 
 }  // namespace
@@ -50,12 +50,27 @@ int mixedMaterial(const Scene& scene) {
 }
 
 double ownBulk(const Scene& scene) {
-  return mixedMaterial(scene) == 0 ? scene.patch_stabilization : std::max(scene.patch_stabilization, mixed_own_bulk);
+  const double own = scene.formulation.own_bulk;
+  return mixedMaterial(scene) == 0 ? own : std::max(own, mixed_own_bulk);
+}
+
+bool needsPatches(const Scene& scene) {
+  return scene.formulation.node_patches &&
+         (mixedMaterial(scene) != 0 ||
+          std::any_of(scene.materials.begin(), scene.materials.end(), [&](const MaterialSpec& spec) {
+            const Material& m = spec.material;
+            return m.bulk_modulus > ownBulk(scene) * m.shear_modulus * m.longTermShare();
+          }));
 }
 
 std::vector<Material> materialsOf(const Scene& scene) {
   std::vector<Material> materials;
-  for (const auto& spec : scene.materials) materials.push_back(spec.material);
+  for (const auto& spec : scene.materials) {
+    materials.push_back(spec.material);
+    if (!scene.formulation.floor || spec.material.barrier_strength > 0) continue;
+    materials.back().barrier_strength = floor_strength;
+    materials.back().barrier_J0 = floor_J0;
+  }
   const int other = mixedMaterial(scene);
   if (other != 0) checkPoisson(scene, scene.materials[static_cast<std::size_t>(other)]);
   if (other != 0)

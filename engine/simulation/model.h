@@ -6,6 +6,7 @@
 #include "mechanics/kernel_layout.h"
 #include "mechanics/local_mass.h"
 #include "simulation/body.h"
+#include "simulation/sharp_interfaces.h"
 
 namespace palpate {
 
@@ -13,7 +14,7 @@ namespace palpate {
 struct Model : Body {
   // Computed from the materials and the cells.
   AlignedVector<float> inverse_mass;  // (node_count) 1/kg
-  NodePatches patches;                // empty without scene.node_patch_volume
+  NodePatches patches;                // empty where nothing is to be averaged (needsPatches)
   AlignedVector<Double4> weight;      // (node_count) N; empty without scene.gravity
   KernelLayout kernel;                // what the hot kernel reads
   EssentialBoundary boundary;         // of `essential` and the masses
@@ -24,9 +25,12 @@ struct Model : Body {
   double max_increment = 0;   // m a node may move in one step; more is a blow-up
   double max_tool_force = 0;  // N, at which the tool advances no further (realtime/loop/tool_proxy.h); 0: none
 
-  /// What takes over from the patches under pressure, where the scene asks for it.
-  bool hasCellVolume() const { return scene.cell_volume && !patches.empty(); }
-  CellVolumeSpec cellVolume() const { return {X, cells, node_shape, patches, &imposed}; }
+  /// What takes over from the patches under pressure.
+  bool hasCellVolume() const { return scene.formulation.cell_volume && !patches.empty(); }
+  CellVolumeSpec cellVolume() const {
+    return {verticesOf(X, side_node), volume_cells.empty() ? cells : volume_cells, nodeCount(),
+            vertexShape(node_shape, side_node), patches, verticesOf(imposed, side_node)};
+  }
 };
 
 }  // namespace palpate

@@ -17,7 +17,7 @@ void add(ByteKey& key, const KernelLayout& kernel) {
   if (!kernel.shear_share.empty()) key.add(kernel.shear_share, kernel.bulk_share);  // none: hashes are those of before
   const CellVolumeOf<float>& cells = kernel.cell_volume;
   key.add(cells.row_node, cells.row_N, cells.cell_node, cells.edge);
-  if (!cells.empty()) key.add(cells.share, cells.kept);
+  if (!cells.empty()) key.add(cells.share, cells.limit);
 }
 
 void add(ByteKey& key, const EssentialBoundary& boundary) {

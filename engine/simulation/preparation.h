@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -28,6 +29,11 @@ struct Preparation {
   std::vector<int> point_material;        // (point_count) index into the scene's materials
   std::vector<int> point_cell;            // (point_count) the cell that the point stands for
   std::vector<int> point_other_cell;      // (point_count) a second one that it stands for, or -1; empty: each has one
+  // Vertices at which the volume is held: the nodes, and at borders between materials one more of a node for each
+  // further side (sharp_interfaces.h). Empty where there is no border.
+  std::vector<int> side_node;                    // (side_count) node of vertex node_count + k
+  std::vector<std::uint64_t> vertex_group;       // (node_count + side_count) a bit for each group of cells (GroupBits)
+  std::vector<std::array<int, 4>> volume_cells;  // (cell_count) as `cells`, by vertices
   double surface_volume = 0;              // m^3, of the organ's own surface
   double cell_volume = 0;                 // m^3, of the background cells
 
@@ -46,6 +52,14 @@ struct Preparation {
   int nodeCount() const { return static_cast<int>(X.size()); }
   int pointCount() const { return static_cast<int>(point_X.size()); }
 };
+
+/// What the nodes have, and after it what those of side_node have.
+template <class T>
+std::vector<T> verticesOf(std::vector<T> of_nodes, const std::vector<int>& side_node) {
+  of_nodes.reserve(of_nodes.size() + side_node.size());
+  for (const int i : side_node) of_nodes.push_back(of_nodes[static_cast<std::size_t>(i)]);
+  return of_nodes;
+}
 
 /// Whether all sizes agree, all indices are in range, and all numbers are finite (masses, radii and the step
 /// positive): what the

@@ -8,11 +8,12 @@
 #include "mechanics/lumped_mass.h"
 #include "mechanics/mass_scaling.h"
 #include "mechanics/node_patch.h"
+#include "approximation/neighbours.h"
 #include "simulation/approximate.h"
 #include "simulation/choose_time_step.h"
 #include "simulation/imposed_nodes.h"
 #include "simulation/mixtures.h"
-#include "simulation/scene_messages.h"
+#include "simulation/interface_nodes.h"
 #include "simulation/scene_regions.h"
 #include "simulation/sharp_interfaces.h"
 
@@ -38,45 +39,71 @@ std::vector<std::uint8_t> lumpedNodes(const Scene& scene, const EssentialNodes& 
 /// Samples of the organ's border at which gradients are made consistent.
 BoundaryPoints consistencyPoints(const Scene& scene, const NodeCloud& cloud,
                                  const std::vector<std::array<int, 3>>& outer, const EssentialNodes& essential) {
-  if (!scene.consistent_gradients) return {};
+  if (!scene.formulation.consistent_gradients) return {};
   return boundaryPoints(cloud.X, outer, lumpedNodes(scene, essential, cloud.X.size()));
 }
 
-/// What can't be done with supports that end at borders.
-void refuseUnsharp(const Scene& scene) {
-  const SourceLocation place = placeOf(scene, "discretization.sharp_interfaces");
-  if (scene.materials.size() > max_interface_materials)
-    throw InputError(place, "borders are sharp between " + number(max_interface_materials) + " materials at most",
-                     "leave sharp_interfaces out");
-  for (const BoundarySpec& b : scene.boundaries)
-    if (b.region.kind == Region::Kind::Point)
-      throw InputError(place, "measured points lie between nodes, with supports that reach over borders",
-                       "leave sharp_interfaces out");
+/// The group of the cell that each place is in, as near as its middle tells: of the cells around the nearest of the
+/// place's own material, where there is one.
+std::vector<int> groupsAt(const Scene& scene, const SurfaceTree& tree, const std::vector<Vec3>& X,
+                          const Neighbours& middles, const std::vector<int>& cell_material,
+                          const std::vector<int>& cell_group) {
+  constexpr int around = 8;
+  const std::vector<int> material = materialsAt(scene, X, tree);
+  std::vector<int> group(X.size());
+  parallelFor(static_cast<int>(X.size()), [&](int first, int last) {
+    for (int k = first; k < last; ++k) {
+      const std::vector<int> cells = middles.nearest(X[k], std::min(around, static_cast<int>(cell_group.size())));
+      const auto own = std::find_if(cells.begin(), cells.end(), [&](int c) { return cell_material[c] == material[k]; });
+      group[k] = cell_group[own != cells.end() ? *own : cells.front()];
+    }
+  });
+  return group;
 }
 
-/// Supports and gradients where they end at borders between materials.
-struct SharpParts {
-  SharpInterfaces interfaces;
-  ApproximationGroups groups;
-};
-
-SharpParts sharpParts(const Scene& scene, const SurfaceTree& tree, const std::vector<Vec3>& X,
-                      const BackgroundCells& cells, const std::vector<int>& cell_material,
-                      const IntegrationPoints& points, const std::vector<Vec3>& skin_X,
-                      const std::vector<Vec3>& facet_X, const EssentialNodes& essential) {
-  refuseUnsharp(scene);
-  SharpParts sharp;
-  sharp.interfaces = sharpInterfaces(X, cells.cells, cell_material, materialsAt(scene, X, tree), points.cell,
-                                     lumpedNodes(scene, essential, X.size()));
-  ApproximationGroups& groups = sharp.groups;
-  groups.of_nodes = sharp.interfaces.node;
-  groups.points = bitsOf(sharp.interfaces.point_material);
-  groups.skin = bitsOf(materialsAt(scene, skin_X, tree));
-  groups.nodes = firstBits(groups.of_nodes);
-  groups.facets = bitsOf(materialsAt(scene, facet_X, tree));
-  for (const SharpInterfaces::Side& side : sharp.interfaces.sides)
-    groups.boundary.resize(static_cast<std::size_t>(side.end), MaterialBits{1} << side.material);
-  return sharp;
+/// Shape functions whose supports end at borders between materials, with the gradients of each side.
+Approximation approximateSharply(const Scene& scene, const SurfaceTree& tree, const std::vector<Vec3>& X,
+                                 const BackgroundCells& cells, const std::vector<int>& cell_material,
+                                 const IntegrationPoints& points, const std::vector<Vec3>& skin_X,
+                                 const std::vector<Vec3>& facet_X, const std::vector<double>& radius,
+                                 double gradient_tolerance, Preparation& p) {
+  const std::vector<Vec3> middle = centroids(X, cells.cells);
+  const Neighbours middles(middle, std::vector<double>(middle.size(), scene.spacing));
+  const auto lumped = lumpedNodes(scene, p.essential, X.size());
+  std::vector<int> group = cellGroups(cells.cells, middle, cell_material);
+  for (int attempt = 0;; ++attempt) {
+    const auto at = [&](const std::vector<Vec3>& places) {
+      return groupsAt(scene, tree, places, middles, cell_material, group);
+    };
+    const SharpInterfaces sharp = sharpInterfaces(X, cells.cells, group, at(X), points.cell, lumped);
+    VolumeVertices vertices = volumeVertices(sharp.node, cells.cells, group);
+    ApproximationGroups groups;
+    groups.of_nodes = sharp.node;
+    groups.points = bitsOf(sharp.point_group);
+    groups.skin = bitsOf(at(skin_X));
+    groups.nodes.assign(vertices.group.begin(), vertices.group.begin() + static_cast<std::ptrdiff_t>(X.size()));
+    groups.facets = bitsOf(at(facet_X));
+    for (const SharpInterfaces::Side& side : sharp.sides)
+      groups.boundary.resize(static_cast<std::size_t>(side.end), GroupBits{1} << side.group);
+    constexpr int patience = 8;  // rounds in which cells may join their neighbours
+    std::vector<Unsupported> unsupported;
+    Approximation shape = approximate(scene, X, radius, points.X, skin_X, facet_X, sharp.boundary.X, groups,
+                                      attempt < patience ? &unsupported : nullptr);
+    if (!unsupported.empty()) {
+      joinGroups(unsupported, cells.cells, middle, group);
+      continue;
+    }
+    shape.nodes = withOwnRows(shape.nodes, sharp.borderNodes());
+    shape.boundary = withOwnRows(shape.boundary, sharp.sample_node);
+    correctGradients(sharp, shape.points, points.X, points.volume, X, shape.boundary, gradient_tolerance);
+    if (!vertices.side_node.empty()) {
+      p.side_node = std::move(vertices.side_node);
+      p.vertex_group = std::move(vertices.group);
+      p.volume_cells = std::move(vertices.cells);
+    }
+    for (const int c : points.cell) p.point_material.push_back(cell_material[c]);
+    return shape;
+  }
 }
 
 /// Masses and the stable step, with the mass added that spares steps of a tick.
@@ -89,9 +116,9 @@ void addMasses(const Scene& scene, const std::vector<Vec3>& X, const BackgroundC
   for (const int m : cell_material) cell_density.push_back(materials[m].density);
   p.mass = lumpedMass(X, cells.cells, cells.volume, cell_density);
   NodePatches patches;
-  if (scene.node_patch_volume)
-    patches = makeNodePatches(X, cells.cells, points.X, points.volume, points.cell, p.point_material, materials,
-                              ownBulk(scene));
+  if (needsPatches(scene))
+    patches = makeNodePatches(verticesOf(X, p.side_node), p.volume_cells.empty() ? cells.cells : p.volume_cells,
+                              points.X, points.volume, points.cell, p.point_material, materials, ownBulk(scene));
   p.limit = criticalTimeStep(shape, points.volume, p.point_material, materials, p.mass, patches);
   const std::vector<double> own_mass = p.mass;
   const CriticalTimeStep own_limit = p.limit;
@@ -135,20 +162,15 @@ Preparation prepare(const Scene& scene, const SurfaceTree& tree, Discretization 
   constexpr double gradient_tolerance = 1e-6;  // leaves 1e-7 of the displacement
   Approximation shape;
   if (hasSharpInterfaces(scene)) {
-    const auto [interfaces, groups] =
-        sharpParts(scene, tree, cloud.X, cells, cell_material, points, p.skin.surface.vertices, facet_X, p.essential);
     report("shape functions", 0.44);
-    shape = approximate(scene, cloud.X, std::move(radius), points.X, p.skin.surface.vertices, facet_X,
-                        interfaces.boundary.X, groups);
-    report("consistent gradients", 0.58);
-    correctGradients(interfaces, shape.points, points.X, points.volume, cloud.X, shape.boundary, gradient_tolerance);
-    p.point_material = interfaces.point_material;
+    shape = approximateSharply(scene, tree, cloud.X, cells, cell_material, points, p.skin.surface.vertices, facet_X,
+                               radius, gradient_tolerance, p);
   } else {
     const BoundaryPoints boundary = consistencyPoints(scene, cloud, outer, p.essential);
     report("shape functions", 0.44);
     shape = approximate(scene, cloud.X, std::move(radius), points.X, p.skin.surface.vertices, facet_X, boundary.X);
     report("consistent gradients", 0.58);
-    if (scene.consistent_gradients)
+    if (scene.formulation.consistent_gradients)
       correctGradients(shape.points, points.X, points.volume, cloud.X, boundary, shape.boundary, gradient_tolerance);
     p.point_material = materialsAt(scene, points.X, tree);
   }

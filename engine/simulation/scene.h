@@ -14,6 +14,7 @@
 #include "mechanics/load_curve.h"
 #include "mechanics/materials/material.h"
 #include "simulation/device_settings.h"
+#include "simulation/formulation.h"
 
 namespace palpate {
 
@@ -166,11 +167,7 @@ struct Scene {
   int basis_degree = 2;               // 1 or 2
   double support_factor = 1.8;        // R / h, h the local mean edge length
   double mmls_weight = 0.2;           // dimensionless weight of the MMLS constraints
-  bool consistent_gradients = true;   // correct the gradients to the divergence theorem (consistent_gradients.h)
-  bool node_patch_volume = true;      // average the volume over node patches, against locking (node_patch.h)
-  double patch_stabilization = 2.25;  // of a point's bulk modulus what patches leave to it, in shear moduli
-  bool cell_volume = false;           // hold the volume of pressed tissue by the cells' (cell_volume.h)
-  bool sharp_interfaces = false;      // supports end at borders between materials (sharp_interfaces.h)
+  Formulation formulation;
   enum class BoundaryMethod { Sebciem, Ebciem };
   BoundaryMethod boundary_method = BoundaryMethod::Sebciem;  // paper eqs. 18-20 or 14-17
   std::vector<RefineSpec> refine;

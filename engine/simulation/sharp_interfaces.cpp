@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <bit>
+#include <map>
 #include <set>
 
+#include "discretization/cells/background_cells.h"
 #include "discretization/gradients/consistent_gradients.h"
 
 namespace palpate {
@@ -33,24 +35,108 @@ ShapeTable part(const ShapeTable& table, const std::vector<int>& rows, const std
   return some;
 }
 
+/// Cells of one group that hang together by faces. Fewer nodes than `few` carry no approximation of their own: a linear
+/// one has four coefficients, and twice as many nodes leave none of them to a sliver.
+constexpr std::size_t few = 8;
+constexpr std::size_t small_lump = 64;  // cells, which are given away together
+
+struct Lumps {
+  std::vector<int> lump;                // (cell_count)
+  std::vector<std::vector<int>> cells;  // (lump_count)
+
+  Lumps(const std::vector<std::array<int, 4>>& all, const std::vector<int>& group) : lump(all.size(), -1) {
+    std::vector<std::vector<int>> next(all.size());
+    for (const auto& [a, b] : neighbouringCells(all))
+      if (group[a] == group[b]) next[a].push_back(b), next[b].push_back(a);
+    for (int first = 0; first < static_cast<int>(all.size()); ++first) {
+      if (lump[first] >= 0) continue;
+      const int number = static_cast<int>(cells.size());
+      std::vector<int> mine{first};
+      lump[first] = number;
+      for (std::size_t k = 0; k < mine.size(); ++k)
+        for (const int c : next[mine[k]])
+          if (lump[c] < 0) lump[c] = number, mine.push_back(c);
+      cells.push_back(std::move(mine));
+    }
+  }
+
+  std::size_t nodeCount(int number, const std::vector<std::array<int, 4>>& all) const {
+    std::set<int> nodes;
+    for (const int c : cells[number]) nodes.insert(all[c].begin(), all[c].end());
+    return nodes.size();
+  }
+};
+
+/// Gives some cells of a group to the one nearest to them.
+void giveAway(const std::vector<int>& mine, const std::vector<Vec3>& centroid, std::vector<int>& group) {
+  const int own = group[mine.front()];
+  const Vec3 at = centroid[mine.front()];
+  int nearest = -1;
+  for (int c = 0; c < static_cast<int>(group.size()); ++c)
+    if (group[c] != own &&
+        (nearest < 0 || (centroid[c] - at).squaredNorm() < (centroid[nearest] - at).squaredNorm()))
+      nearest = c;
+  if (nearest >= 0)
+    for (const int c : mine) group[c] = group[nearest];
+}
+
+/// Of which groups a node has cells.
+std::vector<GroupBits> groupsOfNodes(const std::vector<std::array<int, 4>>& cells, const std::vector<int>& cell_group,
+                                     const std::vector<int>& node_group) {
+  std::vector<GroupBits> bits(node_group.size(), 0);
+  for (std::size_t c = 0; c < cells.size(); ++c)
+    for (const int i : cells[c]) bits[i] |= GroupBits{1} << cell_group[c];
+  for (std::size_t i = 0; i < bits.size(); ++i)
+    if (bits[i] == 0) bits[i] = GroupBits{1} << node_group[i];
+  return bits;
+}
+
 }  // namespace
 
+std::vector<int> cellGroups(const std::vector<std::array<int, 4>>& cells, const std::vector<Vec3>& centroid,
+                            const std::vector<int>& cell_material) {
+  std::vector<int> group = cell_material;
+  for (int& g : group)
+    if (g >= max_groups) g = 0;
+  const Lumps lumps(cells, group);
+  for (int k = 0; k < static_cast<int>(lumps.cells.size()); ++k)
+    if (lumps.cells[k].size() < small_lump && lumps.nodeCount(k, cells) < few)
+      giveAway(lumps.cells[k], centroid, group);
+  return group;
+}
+
+void joinGroups(const std::vector<Unsupported>& places, const std::vector<std::array<int, 4>>& cells,
+                const std::vector<Vec3>& centroid, std::vector<int>& group) {
+  const Lumps lumps(cells, group);
+  const std::vector<int> before = group;
+  for (const Unsupported& place : places) {
+    int nearest = -1;
+    for (int c = 0; c < static_cast<int>(cells.size()); ++c)
+      if ((place.group >> before[c] & 1) != 0 && (nearest < 0 || (centroid[c] - place.at).squaredNorm() <
+                                                                     (centroid[nearest] - place.at).squaredNorm()))
+        nearest = c;
+    if (nearest < 0 || group[nearest] != before[nearest]) continue;
+    const std::vector<int>& lump = lumps.cells[lumps.lump[nearest]];
+    giveAway(lump.size() <= small_lump ? lump : std::vector<int>{nearest}, centroid, group);
+  }
+}
+
 SharpInterfaces sharpInterfaces(const std::vector<Vec3>& X, const std::vector<std::array<int, 4>>& cells,
-                                const std::vector<int>& cell_material, const std::vector<int>& node_material,
+                                const std::vector<int>& cell_group, const std::vector<int>& node_group,
                                 const std::vector<int>& point_cell, const std::vector<std::uint8_t>& lumped) {
   SharpInterfaces sharp;
-  sharp.node = materialsOfNodes(cells, cell_material, node_material);
-  for (const int c : point_cell) sharp.point_material.push_back(cell_material[c]);
+  sharp.node = groupsOfNodes(cells, cell_group, node_group);
+  for (const int c : point_cell) sharp.point_group.push_back(cell_group[c]);
   std::set<std::array<int, 3>> outer;
   for (const auto& face : boundaryFacets(cells)) outer.insert(sorted(face));
-  const int materials = 1 + *std::max_element(cell_material.begin(), cell_material.end());
-  for (int m = 0; m < materials; ++m) {
+  const int groups = 1 + *std::max_element(cell_group.begin(), cell_group.end());
+  for (int m = 0; m < groups; ++m) {
     std::vector<std::array<int, 4>> own;
     for (std::size_t c = 0; c < cells.size(); ++c)
-      if (cell_material[c] == m) own.push_back(cells[c]);
+      if (cell_group[c] == m) own.push_back(cells[c]);
     if (own.empty()) continue;
     SharpInterfaces::Side side;
-    side.material = m;
+    side.group = m;
     std::vector<std::array<int, 3>> free;
     std::vector<Vec3> area(X.size(), Vec3::Zero());
     std::vector<std::uint8_t> at_border(X.size(), 0);
@@ -75,6 +161,16 @@ SharpInterfaces sharpInterfaces(const std::vector<Vec3>& X, const std::vector<st
     sharp.boundary.X.insert(sharp.boundary.X.end(), samples.X.begin(), samples.X.end());
     sharp.boundary.area.insert(sharp.boundary.area.end(), samples.area.begin(), samples.area.end());
     side.end = static_cast<int>(sharp.boundary.X.size());
+    // The samples that are nodes come last, in the nodes' order.
+    sharp.sample_node.resize(sharp.boundary.X.size(), -1);
+    std::size_t i = 0;
+    for (int k = side.begin; k < side.end; ++k) {
+      std::size_t j = i;
+      while (j < X.size() && X[j] != sharp.boundary.X[static_cast<std::size_t>(k)]) ++j;
+      if (j == X.size()) continue;
+      i = j + 1;
+      if ((sharp.node[j] & (sharp.node[j] - 1)) != 0) sharp.sample_node[static_cast<std::size_t>(k)] = static_cast<int>(j);
+    }
     sharp.sides.push_back(std::move(side));
   }
   return sharp;
@@ -87,14 +183,14 @@ void correctGradients(const SharpInterfaces& sharp, ShapeTable& shape, const std
   for (const SharpInterfaces::Side& side : sharp.sides) {
     std::vector<Vec3> side_X, side_point_X;
     for (std::size_t i = 0; i < X.size(); ++i) {
-      if ((sharp.node[i] >> side.material & 1) == 0) continue;
+      if ((sharp.node[i] >> side.group & 1) == 0) continue;
       number[i] = static_cast<int>(side_X.size());
       side_X.push_back(X[i]);
     }
     std::vector<int> rows, samples;
     std::vector<double> side_volume;
     for (std::size_t q = 0; q < point_X.size(); ++q) {
-      if (sharp.point_material[q] != side.material) continue;
+      if (sharp.point_group[q] != side.group) continue;
       rows.push_back(static_cast<int>(q));
       side_point_X.push_back(point_X[q]);
       side_volume.push_back(volume[q]);
@@ -116,16 +212,66 @@ void correctGradients(const SharpInterfaces& sharp, ShapeTable& shape, const std
   }
 }
 
-std::vector<MaterialBits> bitsOf(const std::vector<int>& material) {
-  std::vector<MaterialBits> bits;
-  for (const int m : material) bits.push_back(MaterialBits{1} << m);
+std::vector<GroupBits> bitsOf(const std::vector<int>& group) {
+  std::vector<GroupBits> bits;
+  for (const int g : group) bits.push_back(GroupBits{1} << g);
   return bits;
 }
 
-std::vector<MaterialBits> firstBits(const std::vector<MaterialBits>& bits) {
-  std::vector<MaterialBits> first;
-  for (const MaterialBits b : bits) first.push_back(MaterialBits{1} << std::countr_zero(b));
-  return first;
+VolumeVertices volumeVertices(const std::vector<GroupBits>& node, const std::vector<std::array<int, 4>>& cells,
+                              const std::vector<int>& cell_group) {
+  VolumeVertices vertices;
+  std::map<std::pair<int, int>, int> side;  // of a node and a group that is not its first
+  vertices.group.resize(node.size());
+  for (int i = 0; i < static_cast<int>(node.size()); ++i) {
+    vertices.group[i] = node[i] & (~node[i] + 1);
+    for (GroupBits rest = node[i] ^ vertices.group[i]; rest != 0; rest &= rest - 1) {
+      side[{i, std::countr_zero(rest)}] = static_cast<int>(node.size() + vertices.side_node.size());
+      vertices.side_node.push_back(i);
+      vertices.group.push_back(rest & (~rest + 1));
+    }
+  }
+  vertices.cells = cells;
+  for (std::size_t c = 0; c < cells.size(); ++c)
+    for (int& i : vertices.cells[c])
+      if ((vertices.group[i] >> cell_group[c] & 1) == 0) i = side.at({i, cell_group[c]});
+  return vertices;
+}
+
+std::vector<int> SharpInterfaces::borderNodes() const {
+  std::vector<int> border(node.size(), -1);
+  for (std::size_t i = 0; i < node.size(); ++i)
+    if ((node[i] & (node[i] - 1)) != 0) border[i] = static_cast<int>(i);
+  return border;
+}
+
+ShapeTable withOwnRows(const ShapeTable& table, const std::vector<int>& node) {
+  ShapeTable result;
+  result.begin.push_back(0);
+  for (int r = 0; r < table.rowCount(); ++r) {
+    if (node[r] >= 0) {
+      result.node.push_back(node[r]);
+      result.N.push_back(1);
+      if (!table.gradN.empty()) result.gradN.push_back(Vec3::Zero());
+    }
+    for (int e = table.begin[r]; node[r] < 0 && e < table.begin[r + 1]; ++e) {
+      result.node.push_back(table.node[e]);
+      result.N.push_back(table.N[e]);
+      if (!table.gradN.empty()) result.gradN.push_back(table.gradN[e]);
+    }
+    result.begin.push_back(static_cast<int>(result.node.size()));
+  }
+  return result;
+}
+
+ShapeTable vertexShape(const ShapeTable& node_shape, const std::vector<int>& side_node) {
+  ShapeTable shape = node_shape;
+  for (const int i : side_node) {
+    shape.node.push_back(i);
+    shape.N.push_back(1);
+    shape.begin.push_back(static_cast<int>(shape.node.size()));
+  }
+  return shape;
 }
 
 }  // namespace palpate

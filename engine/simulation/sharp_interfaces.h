@@ -1,18 +1,35 @@
 #pragma once
 
+#include <cstdint>
+
 #include "discretization/gradients/boundary_points.h"
 #include "simulation/approximate.h"
-#include "simulation/interface_nodes.h"
 
 namespace palpate {
 
-/// Supports that end at borders between materials (Scene::sharp_interfaces). A point of one material has the nodes of
-/// that material's cells in its support, those of the border among them, and no others. So each side reproduces a
+/// Groups of cells as bits of a number.
+using GroupBits = std::uint64_t;
+constexpr int max_groups = 64;
+
+/// Which cells share their supports. At first the cells of a material are a group; those of materials beyond the 64th
+/// are of the first group, and a lump of cells with less than a handful of nodes is of the group around it: so few
+/// carry no approximation of their own.
+std::vector<int> cellGroups(const std::vector<std::array<int, 4>>& cells, const std::vector<Vec3>& centroid,
+                            const std::vector<int>& cell_material);
+
+/// Gives cells whose nodes do not carry an approximation to the groups around them: at each place the nearest cell of
+/// the group, or the lump of cells that it belongs to where that is small.
+void joinGroups(const std::vector<Unsupported>& places, const std::vector<std::array<int, 4>>& cells,
+                const std::vector<Vec3>& centroid, std::vector<int>& group);
+
+/// Supports that end at borders between materials (Formulation::sharp_interfaces). A point of one material has the nodes of
+/// that material's cells in its support, those of the border among them, and no others (groups: cellGroups). So each side reproduces a
 /// linear field of its own, and a field that is linear on both sides with a kink at the border is exact; with supports
 /// across the border the kink is smeared over their width, which stiffens.
 ///
-/// The two sides' fields agree at the border as far as its nodes carry them. The gradients see to it that uniform
-/// stresses on both sides with one traction across the border are in equilibrium: for each material m and node i
+/// A border goes where its nodes' own parameters go, for both sides: the sides' fields agree there for linear
+/// displacements only, and a gap or an overlap between them would change the volume of the whole. The gradients see to it that uniform
+/// stresses on both sides with one traction across the border are in equilibrium: for each group m and node i
 ///
 ///   sum_{q in m} V_q gradN_i(X_q) = int_{outer faces of m} N_i n dS + int_{border of m} L_i n dS
 ///
@@ -21,36 +38,56 @@ namespace palpate {
 ///
 /// Test: simulation/sharp_interfaces_test.cpp
 struct SharpInterfaces {
-  std::vector<MaterialBits> node;   // (node_count)
-  std::vector<int> point_material;  // (point_count) of the points' cells
+  std::vector<GroupBits> node;   // (node_count) of which groups a node has cells: several at nodes of a border
+  std::vector<int> point_group;  // (point_count) of the points' cells
 
-  /// Material by material: samples of its outer faces, and the area vectors of its border at the nodes, m^2.
+  /// Group by group: samples of its outer faces, and the area vectors of its border at the nodes, m^2.
   struct Side {
-    int material = 0;
+    int group = 0;
     int begin = 0, end = 0;  // of the samples
     std::vector<int> border_node;
     std::vector<Vec3> border_area;
   };
   std::vector<Side> sides;
-  BoundaryPoints boundary;  // all sides' samples
+  BoundaryPoints boundary;       // all sides' samples
+  std::vector<int> sample_node;  // (sample_count) the border's node that it is at, or -1
+
+  /// Nodes at borders: themselves; others: -1 (node_count).
+  std::vector<int> borderNodes() const;
 };
 
+/// A table with rows that are a node's parameter alone. @param node  of each row, or -1: it stays (row_count)
+ShapeTable withOwnRows(const ShapeTable& table, const std::vector<int>& node);
+
+/// @param node_group  (node_count) of nodes that have no cell
 /// @param lumped  not 0 at imposed nodes whose tractions are lumped there (boundaryPoints); (node_count)
 SharpInterfaces sharpInterfaces(const std::vector<Vec3>& X, const std::vector<std::array<int, 4>>& cells,
-                                const std::vector<int>& cell_material, const std::vector<int>& node_material,
+                                const std::vector<int>& cell_group, const std::vector<int>& node_group,
                                 const std::vector<int>& point_cell, const std::vector<std::uint8_t>& lumped);
 
-/// Corrects the gradients of each material's points on its own.
+/// Corrects the gradients of each group's points on its own.
 /// @param shape        of all points; gradN is changed
 /// @param at_boundary  N at sharp.boundary
 void correctGradients(const SharpInterfaces& sharp, ShapeTable& shape, const std::vector<Vec3>& point_X,
                       const std::vector<double>& volume, const std::vector<Vec3>& X, const ShapeTable& at_boundary,
                       double tolerance);
 
-/// A bit for each place's material.
-std::vector<MaterialBits> bitsOf(const std::vector<int>& material);
+/// A bit for each place's group.
+std::vector<GroupBits> bitsOf(const std::vector<int>& group);
 
-/// One bit of each node's: the approximation at nodes of a border is that of one side.
-std::vector<MaterialBits> firstBits(const std::vector<MaterialBits>& bits);
+/// The vertices of cells whose volume is held (node_patch.h, cell_volume.h). A node of a border is a vertex of its own
+/// for each group that it has cells of: the pressures of two sides are unlike as soon as their bulk moduli are, and a
+/// mean over both would be neither's.
+struct VolumeVertices {
+  std::vector<int> side_node;             // (side_count) nodes of vertices node_count + k
+  std::vector<GroupBits> group;           // (node_count + side_count) one bit of each
+  std::vector<std::array<int, 4>> cells;  // (cell_count) by vertices
+};
+
+/// N at the vertices: with the nodes' rows those of a border's further sides, which go with their node.
+ShapeTable vertexShape(const ShapeTable& node_shape, const std::vector<int>& side_node);
+
+VolumeVertices volumeVertices(const std::vector<GroupBits>& node, const std::vector<std::array<int, 4>>& cells,
+                              const std::vector<int>& cell_group);
 
 }  // namespace palpate

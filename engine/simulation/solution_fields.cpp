@@ -34,7 +34,8 @@ std::vector<Mat3> pointStresses(const Model& model, const std::vector<Vec3>& u, 
   if (model.hasCellVolume()) {
     const auto shear = patchShear(model.patches, model.point_material, model.materials);
     auto of_node = referenceCellVolume(model.cellVolume(), model.point_volume, pressure, shear, u);
-    for (int a = 0; a < model.nodeCount(); ++a) of_node.patch_pressure[a] += of_node.cell_pressure[a];
+    for (std::size_t a = 0; a < of_node.patch_pressure.size(); ++a)
+      of_node.patch_pressure[a] += of_node.cell_pressure[a];
     pressure = pointPressure(model.patches, of_node.patch_pressure);
   } else if (!model.patches.empty()) {
     pressure = patchPressure(model.patches, model.point_volume, pressure);

@@ -120,6 +120,7 @@ StaticSolver::Outcome StaticSolver::relax(double time, const ToolsAt& tools, int
     equilibrium.min_J = report.min_J;
     equilibrium.worst_point = report.worst_point;
     equilibrium.inverted_points = report.inverted_points;
+    equilibrium.doubt = report.doubt;
     equilibrium.tool_force = report.tool_force;
     equilibrium.loads = report.loads;
     equilibrium.skull = report.skull;

@@ -19,6 +19,7 @@ struct Equilibrium {
   double min_J = 1;
   int worst_point = -1;  // with min J
   int inverted_points = 0;
+  Doubt doubt = Doubt::None;
   Vec3 tool_force = Vec3::Zero();  // N, on the first tool
   ToolLoads loads;                 // of all tools, without torques
   SkullContact skull;

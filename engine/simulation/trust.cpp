@@ -28,12 +28,11 @@ const char* doubtText(Doubt doubt) {
     case Doubt::None:
       return "";
     case Doubt::Volume:
-      return "the tissue's volume has changed too much, or is under too high a pressure: press less, finer spacing, or "
-             "node_patch_volume";
+      return "the tissue's volume has changed too much, or is under too high a pressure: press less, or finer spacing";
     case Doubt::Contact:
       return "the tool is deep in the skin: finer spacing, or a blunter tool";
     case Doubt::Squeezed:
-      return "a point is squeezed to less than 0.3 of its volume: press less, or give the material a barrier";
+      return "a point is squeezed to less than 0.3 of its volume: press less, or finer spacing";
     case Doubt::Step:
       return "the tissue is too stiff for the time step and is slowed to stay stable: press slower, or lower "
              "dynamics.step_safety";
@@ -69,11 +68,21 @@ const char* doubtName(Doubt doubt) {
   return "";
 }
 
+Doubt doubtNamed(std::string_view name) {
+  for (int d = 0; d <= static_cast<int>(Doubt::Lost); ++d)
+    if (name == doubtName(static_cast<Doubt>(d))) return static_cast<Doubt>(d);
+  return Doubt::None;
+}
+
 double stepShare(const Model& model, const LiveParameters& live, double max_cof2) {
+  return std::sqrt(stiffening(model, live)) * stepShare(model, max_cof2);
+}
+
+double stepShare(const Model& model, double max_cof2) {
   // The largest root of s^2 + 2 / s = |cof F|^2, the other two singular values being taken as equal.
   const double a = std::max(max_cof2, 3.0), r = std::sqrt(3 / a);
   const double s = 2 / r * std::cos(std::acos(-r * r * r) / 3);
-  return model.dt / model.dt_critical * std::sqrt(stiffening(model, live)) * s;
+  return model.dt / model.dt_critical * s;
 }
 
 }  // namespace palpate

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <string_view>
+
 #include "simulation/model.h"
 #include "simulation/state.h"
 
@@ -43,6 +45,8 @@ Doubt doubtOf(const Model& model, const StepReport& report);
 const char* doubtText(Doubt doubt);
 /// One word: "good", "volume", "contact", ...
 const char* doubtName(Doubt doubt);
+/// The doubt with that name; None where there is none.
+Doubt doubtNamed(std::string_view name);
 
 /// The time step dt divided by the stable step of the deformed body: above 1 the step is too long.
 ///
@@ -52,5 +56,7 @@ const char* doubtName(Doubt doubt);
 /// shorten the stable step, too (live_parameters.h).
 /// @param max_cof2  largest |cof F|^2 of the points
 double stepShare(const Model& model, const LiveParameters& live, double max_cof2);
+/// With the materials as they were loaded.
+double stepShare(const Model& model, double max_cof2);
 
 }  // namespace palpate

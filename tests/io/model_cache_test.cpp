@@ -82,7 +82,7 @@ TEST_CASE("A model from the cache has the bits of one that was built", "[model_c
     scene.materials[1].everywhere = false;
     scene.materials[1].region.normal = -Vec3::UnitX();
   }
-  SECTION("plain") { scene.consistent_gradients = scene.node_patch_volume = false; }
+  SECTION("plain") { scene.formulation = Formulation::paper(); }
   const Model built = buildModel(scene, organSurface(scene));
   OwnCache own;
   REQUIRE(own.made(scene));

@@ -21,14 +21,13 @@ std::string described(const Scene& s) {
   const auto add = [&](const auto&... values) { ((text << values << ' '), ...); };
   const auto vector = [&](const Vec3& v) { add(v.x() + 0.0, v.y() + 0.0, v.z() + 0.0); };  // no -0
   add(s.upper_half, s.repair_surface), vector(s.tissue_colour);
-  add(s.spacing, s.seed, s.basis_degree, s.support_factor, s.mmls_weight, s.consistent_gradients, s.node_patch_volume);
-  add(s.patch_stabilization, s.cell_volume, s.sharp_interfaces);
+  add(s.spacing, s.seed, s.basis_degree, s.support_factor, s.mmls_weight, s.formulation == Formulation{});
   add(static_cast<int>(s.boundary_method), s.quadrature.points_per_cell, s.quadrature.cells_per_point);
   add(s.quadrature.accuracy, s.quadrature.division, s.quadrature.max_depth);
   for (const RefineSpec& r : s.refine) add(r.spacing, r.blend);
   for (const MaterialSpec& m : s.materials) vector(m.region.point), add(m.region.radius);
   for (const MaterialSpec& m : s.materials)
-    for (const auto& [parameter, member] : commonMaterialParameters()) add(m.material.*member);
+    for (const auto& common : commonMaterialParameters()) add(m.material.*common.member);
   for (const BoundarySpec& b : s.boundaries)
     add(b.component[0], b.component[1], b.component[2], b.surface_only, static_cast<int>(b.curve.kind));
   vector(s.gravity);

@@ -100,7 +100,7 @@ TEST_CASE("A ball whose modulus varies with an image is compressed as its radial
   // Without locking, 1 %. With patches at 0.49, less than the 3 % that it is off without.
   for (const auto& [patches, poisson, bound] : {Case{false, 0.3, 0.01}, {true, 0.3, 0.01}, {true, 0.49, 0.028}}) {
     Scene scene = ballScene(0.011, 2000, poisson);
-    scene.node_patch_volume = patches;
+    scene.formulation.node_patches = patches;
     const TriangleSurface surface = organSurface(scene);
     const Model skin = buildModel(scene, surface);  // says where the nodes on the surface are
     const double travel = 1e-3;                     // of the radius: linear to a thousandth
@@ -180,7 +180,7 @@ TEST_CASE("The mass of mixed tissue is that of its shares, with paired cells too
 TEST_CASE("The kernel computes mixtures in common as the reference does one by one", "[simulation][mixtures]") {
   for (const bool patches : {true, false}) {
     Scene scene = ballScene(0.016);
-    scene.node_patch_volume = patches;
+    scene.formulation.node_patches = patches;
     if (patches) scene.materials[1].material.set("poisson", 0.49);  // the moduli's shares differ
     const Model model = buildModel(scene, organSurface(scene));
     BatchBody body(model, model.mass, 1);
@@ -209,14 +209,14 @@ TEST_CASE("The kernel computes mixtures in common as the reference does one by o
 
 TEST_CASE("Unlike Poisson's ratios without node patches are refused", "[simulation][mixtures]") {
   Scene scene = ballScene(0.016);
-  scene.node_patch_volume = false;
+  scene.formulation.node_patches = false;
   scene.materials[1].material.set("poisson", 0.49);
-  CHECK_THROWS_WITH(buildModel(scene, organSurface(scene)), Catch::Contains("node_patch_volume"));
+  CHECK_THROWS_WITH(buildModel(scene, organSurface(scene)), Catch::Contains("paper"));
 }
 
 TEST_CASE("Forces of mixtures are their energy's slope, where cells hold the volume too", "[simulation][mixtures]") {
   Scene scene = ballScene(0.016, 600, 0.49);
-  scene.cell_volume = true;
+  scene.formulation.cell_volume = true;
   Region& held = scene.boundaries[0].region;  // not all around: between held faces the patches keep all pressure
   held.kind = Region::Kind::HalfSpace;
   held.point = Vec3(0, 0, -0.9 * ball);

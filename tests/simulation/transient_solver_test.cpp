@@ -156,7 +156,7 @@ TEST_CASE("A uniform strain has uniform fields: displacement, J, pressure, von M
   for (const bool patches : {false, true})
     for (const int points : {1, 4}) {
       Scene scene = blockScene();
-      scene.node_patch_volume = patches;
+      scene.formulation.node_patches = patches;
       scene.quadrature.points_per_cell = points;
       const Model model = blockModel(scene);
       std::vector<Vec3> u;

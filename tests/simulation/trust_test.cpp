@@ -89,7 +89,7 @@ TEST_CASE("A first touch is no energy of nothing, however fast", "[trust]") {
 TEST_CASE("The strain energy is that of the double reference, and the work done on the tissue", "[trust]") {
   for (const bool patches : {false, true}) {
     Scene scene = blockScene();
-    scene.node_patch_volume = patches;
+    scene.formulation.node_patches = patches;
     const Model model = blockModel(scene);
     Workspace workspace(model, 2);
     State state = initialState(model);
@@ -117,7 +117,7 @@ TEST_CASE("The pressure that is doubted is the one under the tool, of which the 
   for (const bool cells : {false, true}) {
     Scene scene = blockScene();
     scene.rate_hz = 1000;  // one step a tick
-    scene.cell_volume = cells;
+    scene.formulation.cell_volume = cells;
     const Model model = blockModel(scene);
     Workspace workspace(model, 2);
     State state = initialState(model);
@@ -139,7 +139,7 @@ TEST_CASE("The pressure that is doubted is the one under the tool, of which the 
     addOwnPressure(model.patches, model.point_material, model.materials, change, pressure);
     const double largest = -*std::min_element(pressure.begin(), pressure.end()) / m.shear_modulus;
     // Of that what points keep for themselves, which the cells do not take over.
-    const double own = -scene.patch_stabilization * *std::min_element(change.begin(), change.end());
+    const double own = -scene.formulation.own_bulk * *std::min_element(change.begin(), change.end());
     INFO("patches " << largest << ", reported " << report.pressure_over_shear << ", " << report.cell_pressure_over_shear
                     << ", body's mean " << -report.volume_change * m.bulk_modulus / m.shear_modulus);
     CHECK(largest > 1);

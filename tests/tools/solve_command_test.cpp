@@ -48,7 +48,8 @@ probes = "probes.csv"
 const std::string probes = "name,X,Y,Z\n1,0,0,0.015\n2,0.01,-0.02,0.03\n3,0.0299,0.01,0.007\n";
 
 /// Runs the command quietly.
-int solve(const std::string& scene, const std::string& out, bool resume = false, const std::string& script = "") {
+int solve(const std::string& scene, const std::string& out, bool resume = false, const std::string& script = "",
+          bool strict = false) {
   const CapturedOutput quiet;
   SolveOptions options;
   options.scene = scene;
@@ -56,6 +57,7 @@ int solve(const std::string& scene, const std::string& out, bool resume = false,
   options.tool_script = script;
   options.threads = 1;
   options.resume = resume;
+  options.strict = strict;
   return solveCommand(options);
 }
 
@@ -104,6 +106,40 @@ TEST_CASE("A solution leaves its force curve, pictures, probes and report", "[so
   CHECK(report["frames"] == 2);
   CHECK(report["time_s"] == 1.0);
   CHECK(report["reactions"]["plate"]["force_N"][2].get<double>() == Approx(force["plate_fz_N"][3]).epsilon(1e-12));
+}
+
+TEST_CASE("Each row says whether it can be trusted, and a strict solution fails where one can't", "[solve_command]") {
+  // Confined tissue of nu 0.499 to ten shear moduli of pressure: the paper's scheme gives way, the standard one is exact.
+  std::string confined = replaced(block_scene, "poisson = 0.45", "poisson = 0.499");
+  confined = replaced(confined, "translation = [0.001, 0, -0.003]", "translation = [0, 0, -0.0006]");
+  for (const char* wall : {"[0.03, 0, 0]", "[-0.03, 0, 0]", "[0, 0.03, 0]", "[0, -0.03, 0]"}) {
+    const std::string at(wall);
+    const bool x = at.find("[0,") != 0;
+    confined += "[[fixed]]\nshape = \"near-plane\"\npoint = " + at + "\nnormal = " +
+                (x ? "[1, 0, 0]" : "[0, 1, 0]") + "\ndistance = 1e-6\ncomponents = [\"" + (x ? "x" : "y") + "\"]\n";
+  }
+  const Folder standard(confined), paper(replaced(confined, "spacing = 0.012", "spacing = 0.012\nscheme = \"paper\""));
+  REQUIRE(solve(standard.scene, standard.out(), false, "", true) == 0);
+  const CsvTable good = readCsvTable(standard.out("force.csv"));
+  CHECK(good.trust == std::vector<std::string>(4, "good"));
+  CHECK(reportIn(standard)["trust"] == "good");
+  CHECK_FALSE(reportIn(standard).contains("doubt"));
+  const double mu = 3000 / (2 * 1.499), K = 3000 / (3 * 0.002), l = 0.98;
+  const double exact = 0.0036 * (mu * std::pow(l, -2.0 / 3) * (l - (2 + l * l) / (3 * l)) + K * (l - 1));
+  CHECK(good["plate_fz_N"][3] == Approx(exact).epsilon(1e-3));
+
+  const int code = solve(paper.scene, paper.out(), false, "", true);
+  CHECK(code == 3);
+  const CsvTable bad = readCsvTable(paper.out("force.csv"));
+  REQUIRE(bad.trust.size() == 4);
+  CHECK(bad.trust.front() == "good");
+  CHECK(bad.trust.back() == "volume");
+  const auto report = reportIn(paper);
+  CHECK(report["trust"] == "volume");
+  CHECK(report["doubt"]["first_time_s"].get<double>() > 0.25);
+  CHECK_THAT(report["doubt"]["text"].get<std::string>(), Contains("pressure"));
+  REQUIRE(solve(paper.scene, paper.out(), true) == 0);  // nothing left to do, and what was doubted still is
+  CHECK(reportIn(paper)["trust"] == "volume");
 }
 
 TEST_CASE("probes.csv holds the displacement field of the solver", "[solve_command]") {

@@ -52,8 +52,8 @@ Outcome extend(bool consistent, bool patches, double spacing = 1.43e-3) {
   scene.quadrature.points_per_cell = 1;
   scene.support_factor = 1.8;
   scene.mmls_weight = 0.3;
-  scene.consistent_gradients = consistent;
-  scene.node_patch_volume = patches;
+  scene.formulation.consistent_gradients = consistent;
+  scene.formulation.node_patches = patches;
   scene.materials.emplace_back();
   scene.damping = 120;
   scene.tool.radius = 0.01;

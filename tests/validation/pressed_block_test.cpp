@@ -25,7 +25,7 @@ Scene blockScene(double poisson, double compression, bool confined, double secon
   scene.materials[0].material.set("poisson", poisson);
   scene.tool_position = Vec3(0, 0, 1);
   scene.damping = 60;
-  scene.cell_volume = true;
+  scene.formulation.cell_volume = true;
   const auto plane = [&](const Vec3& point, int component) {
     BoundarySpec b;
     b.region.kind = Region::Kind::NearPlane;

@@ -33,9 +33,12 @@ using T = Parameter::Type;
 constexpr CommonMaterialParameter common_parameters[] = {
     {{"barrier_strength", "", T::Number, "", "0", between(0, 10),
       "Barrier b against collapse: adds K b ln(J / J0) to the pressure where J < J0, which the paper's energy "
-      "lacks. 0: none. 1 .. 3 where indentation goes beyond half the height."},
-     &Material::barrier_strength},
-    {{"barrier_J0", "", T::Number, "", "0.5", between(0.05, 0.95), "Where the barrier begins."}, &Material::barrier_J0},
+      "lacks. 0: none."},
+     &Material::barrier_strength,
+     false},
+    {{"barrier_J0", "", T::Number, "", "0.5", between(0.05, 0.95), "Where the barrier begins."},
+     &Material::barrier_J0,
+     false},
     {{"density", "Density", T::Number, "kg/m^3", "1000", between(1, 30000), "Mass density."}, &Material::density},
 };
 

@@ -41,6 +41,7 @@ std::span<const MaterialLaw> materialLaws();
 struct CommonMaterialParameter {
   Parameter parameter;
   double Material::*member;
+  bool is_key = true;  // of scenes; else it follows from their scheme
 };
 
 /// In the order of the scene reference.

@@ -60,7 +60,7 @@ AtlasMeasure pressure(double over_shear_modulus, double cells_per_point = 1, boo
   Scene scene = blockScene(BlockFaces::Confined, young, nu, stretch);
   scene.step_safety = 0.6;
   scene.quadrature.cells_per_point = cells_per_point;
-  scene.cell_volume = held;
+  scene.formulation.cell_volume = held;
   return againstClosedForm(scene, BlockFaces::Confined, nu, stretch, 0.02);
 }
 

@@ -23,7 +23,7 @@ Scene benchScene(const BenchSize& size) {
   scene.size = box_size;
   scene.spacing = size.spacing;
   scene.support_factor = size.support_factor;
-  scene.consistent_gradients = false;
+  scene.formulation.consistent_gradients = false;
   scene.materials.emplace_back();
   scene.materials[0].material.set("poisson", 0.49);
   BoundarySpec base;

@@ -189,7 +189,7 @@ FeatureBench::FeatureBench(const BenchSize& size, const std::function<void(const
   const auto load = [&](const char* what, double share, const std::function<void(Scene&)>& turn) {
     watch(what, share);
     Scene scene = benchScene(size);
-    scene.node_patch_volume = false;
+    scene.formulation.node_patches = false;
     turn(scene);
     models_.push_back(std::make_unique<Model>(loadModel(scene)));
     // Equal steps: a feature that allows longer ones is not cheaper for that.
@@ -197,7 +197,7 @@ FeatureBench::FeatureBench(const BenchSize& size, const std::function<void(const
     models_.back()->substeps_per_tick = models_.front()->substeps_per_tick;
   };
   load("a box", 0, [](Scene&) {});
-  load("with node patches", 0.3, [](Scene& s) { s.node_patch_volume = true; });
+  load("with node patches", 0.3, [](Scene& s) { s.formulation.node_patches = true; });
   load("with adaptive points", 0.6, [](Scene& s) { s.quadrature.accuracy = 0.1, s.quadrature.max_depth = 1; });
   for (const auto& model : models_) workspaces_.push_back(std::make_unique<Workspace>(*model, 1));
   const Model& model = *models_[0];

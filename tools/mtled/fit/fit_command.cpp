@@ -51,8 +51,7 @@ std::string fittedText(const std::string& scene_file, const Scene& given, const 
   text = withSceneKey(text, "discretization", "support_factor", format("%.6g", fitted.support_factor));
   text = withSceneKey(text, "discretization", "points_per_cell", std::to_string(fitted.quadrature.points_per_cell));
   text = withSceneKey(text, "discretization", "cells_per_point", format("%.6g", fitted.quadrature.cells_per_point));
-  text = withSceneKey(text, "discretization", "consistent_gradients", "true");
-  text = withSceneKey(text, "discretization", "node_patch_volume", "true");
+  if (given.formulation != fitted.formulation) text = withSceneKey(text, "discretization", "scheme", "\"standard\"");
   if (!fitted.refine.empty()) {
     std::string refine;
     for (const auto& r : fitted.refine)

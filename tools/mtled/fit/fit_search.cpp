@@ -32,7 +32,7 @@ std::vector<FitFamily> fitFamilies(const Scene& scene, const ContactRegion& plac
                         [=](Scene& s) {
                           s.support_factor = support;
                           s.quadrature = {1, cells_per_point, 0, 8, 4};
-                          s.consistent_gradients = s.node_patch_volume = true;
+                          s.formulation = Formulation{};
                           s.time_step = 0;
                           s.mass_scaling = mass;
                           if (inside < 1) refineWhere(s, place, 1, inside);

@@ -6,6 +6,7 @@
 
 #include "base/number_text.h"
 #include "discretization/surface/surface_tree.h"
+#include "simulation/interface_nodes.h"
 
 namespace palpate::tools {
 namespace {
@@ -84,19 +85,17 @@ std::vector<FrontierSetting> frontierSettings(const Scene& scene, const ContactR
     if (factor != scene.support_factor)
       add("quadrature, basis, support", value("support", factor), [factor](Scene& s) { s.support_factor = factor; });
 
-  const auto flip = [&](const char* name, bool Scene::*feature) {
-    add("features", std::string(name) + (scene.*feature ? " off" : " on"),
-        [feature](Scene& s) { s.*feature = !(s.*feature); });
+  const auto flip = [&](const char* name, bool Formulation::*feature) {
+    add("features", std::string(name) + (scene.formulation.*feature ? " off" : " on"),
+        [feature](Scene& s) { s.formulation.*feature = !(s.formulation.*feature); });
   };
-  flip("consistent gradients", &Scene::consistent_gradients);
-  flip("node patches", &Scene::node_patch_volume);
-  if (scene.node_patch_volume && scene.patch_stabilization > 0)
-    add("features", "patch stabilization off", [](Scene& s) { s.patch_stabilization = 0; });
-  if (!quick)
-    add("features", "both steps turned", [](Scene& s) {
-      s.consistent_gradients = !s.consistent_gradients;
-      s.node_patch_volume = !s.node_patch_volume;
-    });
+  flip("consistent gradients", &Formulation::consistent_gradients);
+  flip("node patches", &Formulation::node_patches);
+  flip("cells' volume", &Formulation::cell_volume);
+  if (hasSharpInterfaces(scene)) flip("sharp interfaces", &Formulation::sharp_interfaces);
+  if (scene.formulation.node_patches && scene.formulation.own_bulk > 0)
+    add("features", "patch stabilization off", [](Scene& s) { s.formulation.own_bulk = 0; });
+  if (!quick) add("features", "the paper's scheme", [](Scene& s) { s.formulation = Formulation::paper(); });
 
   const bool rounded = scene.gradient_precision == GradientPrecision::Int16;
   add("precision", rounded ? "float32 gradients" : "int16 gradients",

@@ -140,7 +140,7 @@ std::string sceneText(const ImportedScene& s) {
          "[discretization]\nspacing = " +
          text(s.spacing) +
          "  # m; `mtled fit` finds the finest that holds the rate on your machine\n"
-         "cells_per_point = 1.32\ncell_volume = true\n\n"
+         "cells_per_point = 1.32\n\n"
          "[[material]]  # about a liver's\nmodel = \"neo-hookean\"\nyoung = 3000  # Pa\npoisson = 0.45\n"
          "density = 1060  # kg/m^3\n\n"
          "# It rests on its underside (z points up).\n" +

@@ -135,7 +135,8 @@ int solveStatic(const Task& task, SolveResults& results) {
     e = solver.advanceTo(time, task.toolsAt(time), watch);
     iterations += e.iterations;
     if (!e.converged) break;
-    results.add({k, time, e.error, e.iterations, e.min_J, e.inverted_points, e.loads, e.skull, solver.largestSoFar()},
+    results.add({k, time, e.error, e.iterations, e.min_J, e.inverted_points, e.loads, e.skull, solver.largestSoFar(), e.doubt,
+                 e.worst_point},
                 solver.body());
   }
   results.finish({{"mode", "static"},
@@ -187,7 +188,9 @@ int solveTransient(const Task& task, SolveResults& results) {
                    report->inverted_points,
                    report->loads,
                    report->skull,
-                   0},
+                   0,
+                   report->doubt,
+                   report->worst_point},
                   solver.body());
     char detail[64];
     std::snprintf(detail, sizeof detail, "%.4g of %.4g s", solver.time(), task.end);
@@ -237,7 +240,7 @@ int solveCommand(const SolveOptions& options) {
   const int code =
       scene.solve.mode == SolveSpec::Mode::Static ? solveStatic(task, results) : solveTransient(task, results);
   results.print();
-  return code;
+  return code == 0 && options.strict && results.doubt() != Doubt::None ? 3 : code;
 }
 
 AlignedVector<Double4> solutionOf(const Model& model, const std::string& folder) {

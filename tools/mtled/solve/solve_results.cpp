@@ -11,7 +11,9 @@
 #include "io/csv_table.h"
 #include "io/output_file.h"
 #include "mtled/solve/solve_tools.h"
+#include "simulation/scene_messages.h"
 #include "simulation/solution_fields.h"
+#include "simulation/trust.h"
 
 namespace palpate::tools {
 namespace {
@@ -40,7 +42,7 @@ SolveResults::SolveResults(const Model& model, const std::string& folder, double
   if (error) throw std::runtime_error(folder + ": " + error.message());
   readProbePoints();
   const std::vector<std::string> names = columns();
-  std::vector<std::vector<double>> kept;
+  CsvTable kept;
   if (resume) {
     kept = takeUp(identity, names);
   } else {
@@ -49,7 +51,17 @@ SolveResults::SolveResults(const Model& model, const std::string& folder, double
     checkpoint_.du.resize(model.X.size());
   }
   force_ = std::make_unique<ResultCsv>(forceFile(), names);
-  for (const auto& row : kept) force_->add(row);
+  for (std::int64_t r = 0; r < checkpoint_.rows; ++r) {
+    std::vector<double> row;
+    for (std::size_t c = 0; c + 1 < kept.column.size(); ++c) row.push_back(kept.column[c][static_cast<std::size_t>(r)]);
+    const std::string& trust = kept.trust[static_cast<std::size_t>(r)];
+    force_->add(row, trust);
+    remember(doubtNamed(trust), row.front(), {});
+    last_row_ = std::move(row);
+  }
+  const double* at = last_row_.empty() ? nullptr : last_row_.data() + first_reaction;
+  for (std::size_t b = 0; at != nullptr && b < model.scene.boundaries.size(); ++b, at += 6)
+    last_reactions_.push_back({Vec3(at[0], at[1], at[2]), Vec3(at[3], at[4], at[5])});
   // Nothing can be refused any more: what an earlier run left gives way.
   if (!resume) std::filesystem::remove(checkpointFile(), error);
   force_->takePlace();
@@ -90,26 +102,24 @@ std::vector<std::string> SolveResults::columns() const {
     for (const char* part : {"skull_fx_N", "skull_fy_N", "skull_fz_N", "skull_penetration_m"})
       columns.emplace_back(part);
   if (model_.scene.solve.mode == SolveSpec::Mode::Static) columns.emplace_back("error_m");  // a motion has no estimate
+  columns.emplace_back("trust");
   return columns;
 }
 
-/// The folder's checkpoint and its rows of force.csv.
-std::vector<std::vector<double>> SolveResults::takeUp(std::uint64_t identity, const std::vector<std::string>& columns) {
+/// The folder's checkpoint, and the rows of force.csv of which it knows the first ones.
+CsvTable SolveResults::takeUp(std::uint64_t identity, const std::vector<std::string>& columns) {
   checkpoint_ = readCheckpoint(checkpointFile(), identity, model_.X.size());
-  const CsvTable earlier = readCsvTable(forceFile());
+  CsvTable earlier = readCsvTable(forceFile());
   if (earlier.name != columns || static_cast<std::int64_t>(earlier.rowCount()) < checkpoint_.rows)
     throw InputError({forceFile()}, "this file does not belong to the checkpoint", "start without --resume");
-  std::vector<std::vector<double>> kept;
-  for (std::int64_t r = 0; r < checkpoint_.rows; ++r) {
-    kept.emplace_back();
-    for (const auto& column : earlier.column) kept.back().push_back(column[static_cast<std::size_t>(r)]);
-  }
-  if (kept.empty()) return kept;
-  last_row_ = kept.back();
-  const double* at = last_row_.data() + first_reaction;
-  for (std::size_t b = 0; b < model_.scene.boundaries.size(); ++b, at += 6)
-    last_reactions_.push_back({Vec3(at[0], at[1], at[2]), Vec3(at[3], at[4], at[5])});
-  return kept;
+  return earlier;
+}
+
+void SolveResults::remember(Doubt doubt, double time, const std::optional<Vec3>& place) {
+  if (doubt <= doubt_) return;
+  doubt_ = doubt;
+  doubt_time_ = time;
+  doubt_place_ = place;
 }
 
 void SolveResults::checkHistory(const AlignedVector<double>& solver) const {
@@ -137,7 +147,10 @@ void SolveResults::add(const SolvedRow& solved, const BatchBody& body) {
     last_skull_ = solved.skull;
   }
   if (solved.error) row.push_back(*solved.error);
-  force_->add(row);
+  force_->add(row, doubtName(solved.doubt));
+  remember(solved.doubt, solved.time,
+           solved.worst_point < 0 ? std::nullopt
+                                  : std::optional(model_.point_X[static_cast<std::size_t>(solved.worst_point)]));
   ++checkpoint_.rows;
   checkpoint_.position = solved.position;
   checkpoint_.largest = solved.largest;
@@ -187,8 +200,13 @@ void SolveResults::finish(nlohmann::json outcome) {
                   {"rows", checkpoint_.rows},
                   {"frames", checkpoint_.frame_time.size()},
                   {"reactions", reactions},
+                  {"trust", doubtName(doubt_)},
                   {"setup_seconds", model_.setup_seconds},
                   {"build", buildInfo()}});
+  if (doubt_ != Doubt::None) {
+    outcome["doubt"] = {{"text", doubtText(doubt_)}, {"first_time_s", doubt_time_}};
+    if (doubt_place_) outcome["doubt"]["worst_point_m"] = listed(*doubt_place_);
+  }
   if (last_skull_)
     outcome["skull"] = {{"force_N", listed(last_skull_->force)}, {"max_penetration_m", last_skull_->max_penetration}};
   if (!model_.tools.empty() && last_loads_) outcome["tools"] = tools();
@@ -206,6 +224,10 @@ void SolveResults::print() const {
             << folder_ << "/report.json\n";
   if (!probes_.X.empty()) std::cout << "probes       " << folder_ << "/probes.csv\n";
   std::cout.flush();
+  if (doubt_ == Doubt::None) return;
+  std::cerr << "mtled: the result is not to be trusted from " << number(doubt_time_) << " s on";
+  if (doubt_place_) std::cerr << ", at " << coordinates(*doubt_place_);
+  std::cerr << ": " << doubtText(doubt_) << "\n";
 }
 
 void SolveResults::addFrame(double time, const BatchBody& body) {

@@ -9,6 +9,7 @@
 
 #include "contact/skull.h"
 #include "contact/tool_set.h"
+#include "io/csv_table.h"
 #include "io/probes_file.h"
 #include "io/result_csv.h"
 #include "io/vtu_file.h"
@@ -29,6 +30,8 @@ struct SolvedRow {
   ToolLoads loads;  // of the tools, without torques
   SkullContact skull;
   double largest = 0;  // m, the largest displacement so far; 0: not needed
+  Doubt doubt = Doubt::None;
+  int worst_point = -1;  // where the doubt is, as far as it is at a point of the tissue
 };
 
 /// Everything that a solution leaves in its folder: force.csv, probes.csv, solution.pvd with its VTU files,
@@ -47,6 +50,8 @@ class SolveResults {
   /// Throws InputError where the checkpoint remembers other than a solver does.
   void checkHistory(const AlignedVector<double>& solver) const;
   double error() const { return last_row_.empty() ? 0 : last_row_.back(); }  // m, of the last equilibrium
+  /// The gravest doubt of all rows; None: all can be trusted.
+  Doubt doubt() const { return doubt_; }
 
   /// A row of force.csv, with a frame when its time has come and a checkpoint every ten seconds.
   void add(const SolvedRow& solved, const BatchBody& body);
@@ -64,7 +69,8 @@ class SolveResults {
   std::string checkpointFile() const { return folder_ + "/checkpoint.bin"; }
   void readProbePoints();
   std::vector<std::string> columns() const;
-  std::vector<std::vector<double>> takeUp(std::uint64_t identity, const std::vector<std::string>& columns);
+  CsvTable takeUp(std::uint64_t identity, const std::vector<std::string>& columns);
+  void remember(Doubt doubt, double time, const std::optional<Vec3>& place);
   void addFrame(double time, const BatchBody& body);
   nlohmann::json tools() const;
   void writeProbes() const;
@@ -77,6 +83,9 @@ class SolveResults {
   ShapeTable probe_shape_;
   std::unique_ptr<ResultCsv> force_;
   std::vector<double> last_row_;
+  Doubt doubt_ = Doubt::None;  // the gravest, and where and when it first was
+  double doubt_time_ = 0;      // s
+  std::optional<Vec3> doubt_place_;
   std::vector<Reaction> last_reactions_;
   std::optional<SkullContact> last_skull_;  // of this run
   std::optional<ToolLoads> last_loads_;     // likewise

@@ -31,8 +31,12 @@ const std::vector<VerificationCase>& verificationCases() {
 }
 
 void apply(const Variant& variant, Scene& scene) {
-  scene.consistent_gradients = variant.consistent_gradients;
-  scene.node_patch_volume = variant.node_patch_volume;
+  scene.formulation = Formulation{};
+  if (variant.consistent_gradients && variant.node_patch_volume) return;
+  scene.formulation = Formulation::paper();
+  scene.formulation.consistent_gradients = variant.consistent_gradients;
+  scene.formulation.node_patches = variant.node_patch_volume;
+  if (variant.node_patch_volume) scene.formulation.own_bulk = Formulation{}.own_bulk;
 }
 
 CaseContext partOf(const CaseContext& context, double begin, double all, double width) {

@@ -49,7 +49,7 @@ Scene gelScene(const GelRow& row) {
         {Vec3(punch_radius * std::cos(angle), punch_radius * std::sin(angle), height), 1e-3, row.at_rim, 0.002, {}});
   }
   apply(row.variant, scene);
-  scene.cell_volume = row.cell_volume;
+  scene.formulation.cell_volume = row.cell_volume;
   if (row.near_punch > 0) scene.boundary_method = Scene::BoundaryMethod::Ebciem;
   scene.tissue_colour = Vec3(0.45, 0.6, 0.72);
   BoundarySpec punch = planeBoundary("punch", Vec3(0, 0, height), Vec3::UnitZ());
