@@ -56,7 +56,8 @@ const char* const examples = R"(Examples:
   mtled atlas --quick                        where the numbers are true, doubted or refused
   mtled import liver.stl --unit mm --out my/liver   a scene of any surface, repaired where it must be
 
-Exit codes: 0 done, 1 failed, not converged or interrupted (what there is is kept), 2 bad option or scene.)";
+Exit codes: 0 done, 1 failed, not converged or interrupted (what there is is kept), 2 bad option, file or scene,
+3 found but doubted (identify).)";
 
 /// The lines of the examples that show one command.
 std::string examplesOf(const CLI::App& command) {
@@ -193,19 +194,29 @@ CLI::App* addBatch(CLI::App& app, BatchOptions& options) {
 
 CLI::App* addIdentify(CLI::App& app, IdentifyOptions& options) {
   CLI::App* command = app.add_subcommand("identify", "Find a material's parameters from a measured force curve");
-  command->footer(examplesOf(*command));
+  command->footer(examplesOf(*command) +
+                  "\n\nExit codes: 0 found, 1 not found or not told apart, 2 bad option, file or scene,\n3 found but "
+                  "doubted: the scene can't follow the curve, or the curve had not settled.");
   command->add_option("SCENE", options.scene, "Scene file (.toml), or the name of one in assets/scenes")->required();
-  command->add_option("--measured", options.measured, "CSV with columns depth_m and force_N, or a run's force.csv")
+  command
+      ->add_option("--measured", options.measured,
+                   "CSV with columns depth_m (or depth_mm) and force_N (or force_mN), or a run's force.csv")
       ->type_name("FILE")
       ->required();
-  command->add_option("--parameter", options.parameters, "One or two of the material's law (its first)")
+  command
+      ->add_option("--parameter", options.parameters,
+                   "One or two of the material's law by their scene keys, such as mu or mu[0] of a list (its first)")
       ->type_name("NAME");
   command->add_option("--material", options.material, "Which material, from 0")
       ->type_name("N")
       ->check(CLI::Range(0, 99));
-  command->add_option("--seconds", options.seconds, "Physics time in which the simulated tool is pressed in (2)")
+  command
+      ->add_option("--seconds", options.seconds,
+                   "Physics time in which the simulated tool is pressed in (the measured time, 2 at most where nothing "
+                   "relaxes)")
       ->type_name("S")
       ->check(CLI::Range(0.1, 100.0));
+  command->add_option("--threads", options.threads, "Threads (one per core)")->type_name("N")->check(CLI::Range(1, 64));
   command->add_option("--out", options.out, "Folder for the results (out/<scene>_identify)")->type_name("DIR");
   return command;
 }

@@ -3,13 +3,17 @@
 #include <Eigen/Dense>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <random>
 
 #include "io/load_model.h"
 #include "io/scene_file.h"
+#include "mtled/identify/coarse_to_fine.h"
 #include "mtled/identify/force_curve.h"
 #include "mtled/identify/identify.h"
+#include "simulation/step.h"
+#include "simulation/workspace.h"
 #include "support/block_text.h"
 #include "support/captured_output.h"
 #include "support/temp_folder.h"
@@ -23,28 +27,60 @@ namespace {
 
 constexpr double press_seconds = 0.3;
 
-/// Forces of the block with other parameters, 4 mm deep, with 1 % noise.
-std::string measured(const TempFolder& folder, const std::string& scene, const std::vector<SceneChange>& truth) {
-  const ForceCurve curve = simulateForceCurve(loadModel(readScene(scene, truth)), 0.004, press_seconds);
+/// Forces of the block with other parameters, with 1 % noise. @param deepest  m
+std::string measured(const TempFolder& folder, const std::string& scene, const std::vector<SceneChange>& truth,
+                     double deepest = 0.004) {
+  const ForceCurve curve = simulateForceCurve(loadModel(readScene(scene, truth)), deepest, press_seconds);
   std::mt19937 random(3);
   std::normal_distribution<double> noise(0, 0.01);
   std::string text = "depth_m,force_N,trust\n-0.001,0,good\n";
   for (std::size_t k = 9; k < curve.depth.size(); k += 10)
     text += std::to_string(curve.depth[k]) + "," + std::to_string(curve.force[k] * (1 + noise(random))) + ",good\n";
-  return folder.write("force.csv", text + "0.001,5,good\n");  // and on the way out
+  return folder.write("force.csv", text);
 }
 
-nlohmann::json found(const TempFolder& folder, const std::string& scene, const std::string& curve,
-                     const std::vector<std::string>& parameters) {
-  const CapturedOutput quiet;
+/// What the command does with a scene and a curve.
+struct Outcome {
+  int code = 0;
+  std::string said;
+  nlohmann::json report;
+};
+Outcome outcome(const TempFolder& folder, const std::string& scene, const std::string& curve,
+                const std::vector<std::string>& parameters = {}, double seconds = press_seconds) {
+  const CapturedOutput captured;
   IdentifyOptions options;
   options.scene = scene;
   options.measured = curve;
   options.parameters = parameters;
-  options.seconds = press_seconds;
+  options.seconds = seconds;
   options.out = folder.path("out");
-  CHECK(identifyCommand(options) == 0);
-  return nlohmann::json::parse(readAll(folder.path("out/identify.json")));
+  Outcome outcome;
+  outcome.code = identifyCommand(options);
+  outcome.said = captured.said();
+  outcome.report = nlohmann::json::parse(readAll(folder.path("out/identify.json")));
+  return outcome;
+}
+
+nlohmann::json found(const TempFolder& folder, const std::string& scene, const std::string& curve,
+                     const std::vector<std::string>& parameters) {
+  const Outcome result = outcome(folder, scene, curve, parameters);
+  INFO(result.said);
+  CHECK(result.code == 0);
+  return result.report;
+}
+
+/// A curve with as many rows as depths, in a file.
+std::string written(const TempFolder& folder, const std::string& header, const std::function<double(double)>& force) {
+  std::string text = header + "\n";
+  for (int k = 1; k <= 20; ++k) text += std::to_string(0.0002 * k) + "," + std::to_string(force(0.0002 * k)) + "\n";
+  return folder.write("curve.csv", text);
+}
+
+/// Names, units and places of an Ogden material of one term in the block.
+std::string ogdenBlock() {
+  return replaced(replaced(test::touched_block_text, "0.012", "0.02"),
+                  "model = \"neo-hookean\"\nyoung = 3000\npoisson = 0.45",
+                  "model = \"ogden\"\nmu = [1000]\nalpha = [-4]\nD1 = 2e-4");
 }
 
 }  // namespace
@@ -59,7 +95,7 @@ TEST_CASE("On a linear problem the identification is the normal equations' solut
     A.row(k) << k / 10.0, 1;
     y[k] = 3 * k / 10.0 - 2 + noise(random);
   }
-  const Identified result = identify({{"slope", {}, 1}, {"offset", {}, 0}}, [&](const std::vector<double>& p) {
+  const Identified result = identify({{"slope", {}, 0}, {"offset", {}, 0}}, [&](const std::vector<double>& p) {
     const Eigen::VectorXd r = A * Eigen::Vector2d(p[0], p[1]) - y;
     return std::vector<double>(r.begin(), r.end());
   });
@@ -128,6 +164,141 @@ TEST_CASE("Held-out parameters come back from a noisy force curve", "[identify]"
   CHECK(young["high_95"] > young["value"]);
   CHECK(young["high_95"].get<double>() - young["low_95"].get<double>() < 0.04 * 4321);
   CHECK(one["misfit_of_largest_force"] < 0.02);
+  CHECK(one["doubts"].empty());
+}
+
+TEST_CASE("The shear modulus of an Ogden term is identified by its scene key", "[identify]") {
+  const TempFolder folder;
+  const std::string scene = folder.write("block.toml", ogdenBlock());
+  const std::string curve = measured(folder, scene, {{"material[0].mu", "[1500]"}}, 0.006);
+  const auto mu = found(folder, scene, curve, {"mu"})["parameters"]["mu"];
+  CHECK(mu["low_95"] < 1500);
+  CHECK(mu["high_95"] > 1500);
+  CHECK(mu["value"].get<double>() == Approx(1500).epsilon(0.01));
+  const auto alpha = outcome(folder, scene, curve, {"alpha"}).report["parameters"]["alpha"];
+  CHECK(alpha["value"].get<double>() < 0);  // keeps the scene's sign
+  CHECK_THAT(refusal([&] { outcome(folder, scene, curve, {"young"}); }),
+             Contains("Ogden has no parameter \"young\"; there is mu, alpha and D1"));
+}
+
+TEST_CASE("A curve that the scene can't follow is doubted, with another exit code", "[identify]") {
+  const TempFolder folder;
+  const std::string scene = folder.write("block.toml", replaced(test::touched_block_text, "0.012", "0.02"));
+  const Outcome result =
+      outcome(folder, scene, written(folder, "depth_m,force_N", [](double d) { return 3e6 * d * d * d + 0.1; }));
+  CHECK(result.code == 3);
+  CHECK(result.report["misfit_of_largest_force"] > 0.1);
+  CHECK_THAT(result.said, Contains("DOUBTED") && Contains("the scene can't follow this curve"));
+}
+
+TEST_CASE("Depths or forces in another unit than their header's are refused, and read under their own", "[identify]") {
+  const TempFolder folder;
+  const std::string scene = folder.write("block.toml", replaced(test::touched_block_text, "0.012", "0.02"));
+  const auto file = [&](const std::string& header, double depth_unit, double force_unit) {
+    std::string text = header + "\n";
+    for (int k = 1; k <= 8; ++k)
+      text += std::to_string(0.0005 * k / depth_unit) + "," + std::to_string(0.02 * k / force_unit) + "\n";
+    return folder.write("units.csv", text);
+  };
+  CHECK_THAT(refusal([&] { outcome(folder, scene, file("depth_m,force_N", 1e-3, 1)); }),
+             Contains("units.csv: the deepest row is 4000 mm in, and the organ 30 mm thick") && Contains("depth_mm"));
+  CHECK_THAT(refusal([&] { outcome(folder, scene, file("depth_m,force_N", 1, 1e-3)); }),
+             Contains("the force at the deepest row is 160 N") && Contains("force_mN"));
+  const MeasuredCurve curve = readForceCurve(file("depth_mm,force_mN", 1e-3, 1e-3));
+  CHECK(curve.deepest() == Approx(0.004));
+  CHECK(curve.force.back() == Approx(0.16));
+  CHECK(curve.change.empty());
+}
+
+TEST_CASE("A curve that had not settled is doubted, and its interval reaches to what fits it then", "[identify]") {
+  const TempFolder folder;
+  const std::string elastic = replaced(test::touched_block_text, "0.012", "0.02");
+  const std::string scene = folder.write("block.toml", elastic);
+  // A third relaxes in half the time of the press, which is then held for as long, or drawn out again.
+  const Model model = loadModel(readScene(folder.write(
+      "relaxing.toml", replaced(elastic, "poisson = 0.45", "poisson = 0.45\nrelaxation = [[0.33, 0.15]]"))));
+  const bool held = GENERATE(true, false);
+  State state = initialState(model);
+  Workspace workspace(model, 1);
+  Command command;
+  std::string text = "time_s,depth_m,force_N\n";
+  const double ticks = press_seconds * model.scene.rate_hz, touch = model.first_contact_travel;
+  for (int k = 1; k <= 2 * ticks; ++k) {
+    const double way = k / ticks, depth = 0.004 * (way < 1 ? way : held ? 1 : 2 - way);
+    command.tool_target = model.tool_start;
+    command.tool_target.position.z() -= touch + depth;
+    const StepReport report = tick(model, state, command, workspace);
+    if (k % 5 == 0)
+      text += std::to_string(k / model.scene.rate_hz) + "," + std::to_string(depth) + "," +
+              std::to_string(report.tool_force.norm()) + "\n";
+  }
+  const std::string curve = folder.write("force.csv", text);
+  CHECK(readForceCurve(curve).seconds == Approx(press_seconds).margin(0.02));
+  const Outcome result = outcome(folder, scene, curve, {}, 0);
+  INFO(result.said);
+  const auto& young = result.report["parameters"]["young"];
+  CHECK(result.report["pressed_in_s"] == Approx(press_seconds).margin(0.02));
+  CHECK(result.code == 3);
+  CHECK_THAT(result.said, Contains("the curve had not settled"));
+  CHECK(young["value"].get<double>() > 1.1 * 0.67 * 3000);  // of the tissue at rest
+  CHECK(young["low_95"] < 1.08 * 0.67 * 3000);              // the hold leaves an eighth of what relaxes
+}
+
+TEST_CASE("A search on a coarse model asks the fine one two to four times", "[identify]") {
+  // The coarse one is a third too stiff, more so the deeper, and feels the second parameter less.
+  const auto curve = [](double stiffer, double softer, const std::vector<double>& p) {
+    std::vector<double> force;
+    for (int k = 1; k <= 40; ++k) {
+      const double d = k / 40.0;
+      force.push_back(stiffer * p[0] * std::pow(d, 1.5) * (1 + 0.2 * (stiffer - 1) * d) *
+                      (1 + (p.size() > 1 ? softer * p[1] * d : 0)));
+    }
+    return force;
+  };
+  const Answer coarse = [&](const std::vector<double>& p) { return curve(1.33, 0.7, p); };
+  const Answer fine = [&](const std::vector<double>& p) { return curve(1, 1, p); };
+  const bool two = GENERATE(false, true);
+  std::vector<SoughtParameter> sought{{"E", above(0), 1}};
+  std::vector<double> truth{4.2};
+  if (two) {
+    sought.push_back({"b", above(0), 1});
+    truth.push_back(0.4);
+  }
+  std::vector<double> measured = fine(truth);
+  std::mt19937 random(1);
+  std::normal_distribution<double> noise(0, 0.01);
+  for (double& force : measured) force *= 1 + noise(random);
+  const CoarseToFine search = identifyCoarseToFine(sought, measured, coarse, fine);
+  const CoarseToFine direct = identifyFine(sought, measured, fine);
+  CHECK(search.fine_solves <= (two ? 4 : 3));
+  CHECK(search.fine_solves < direct.fine_solves / 2);
+  CHECK(search.found.converged);
+  for (std::size_t k = 0; k < sought.size(); ++k) {
+    const double half = 0.5 * (direct.found.high[k] - direct.found.low[k]);
+    CHECK(search.found.value[k] == Approx(direct.found.value[k]).margin(0.15 * half));
+    CHECK(search.found.high[k] - search.found.low[k] ==
+          Approx(2 * half).epsilon(0.3));  // derivatives are the coarse one's
+  }
+  CHECK_THROWS_AS(
+      identifyCoarseToFine(
+          sought, measured,
+          [](const std::vector<double>&) -> std::vector<double> { throw std::runtime_error("no answer"); }, fine),
+      CoarseFailed);
+}
+
+TEST_CASE("A fine scene is pressed two to four times, its search being on a coarser cloud", "[identify]") {
+  const TempFolder folder;
+  const std::string scene = folder.write("block.toml", replaced(test::touched_block_text, "0.012", "0.0042"));
+  const std::string curve = measured(folder, scene, {{"material[0].young", "4321"}});
+  const nlohmann::json one = found(folder, scene, curve, {});
+  CHECK(one["coarser_by"] > 1.2);
+  CHECK(one["curves_simulated"] >= 2);
+  CHECK(one["curves_simulated"] <= 4);
+  CHECK(one["curves_on_a_coarser_cloud"] > one["curves_simulated"]);
+  const auto& young = one["parameters"]["young"];
+  CHECK(young["value"].get<double>() == Approx(4321).epsilon(0.01));
+  CHECK(young["low_95"] < 4321);
+  CHECK(young["high_95"] > 4321);
 }
 
 TEST_CASE("A file that is no force curve is refused with its place", "[identify]") {
@@ -137,13 +308,15 @@ TEST_CASE("A file that is no force curve is refused with its place", "[identify]
   };
   CHECK_THAT(refused("time,force\n1,2\n"), Contains("f.csv:1: there is no column depth_m"));
   CHECK_THAT(refused("depth_m,force_N\n0.001,x\n"), Contains("f.csv:2: \"x\" in force_N"));
-  CHECK_THAT(refused("depth_m,force_N\n0.001,1\n-1,2\n"), Contains("only 1 rows"));
-  const ForceCurve curve = readForceCurve(folder.write("f.csv",
-                                                       "depth_m,force_raw_N_x,force_raw_N_y,force_raw_N_z,trust\n1,0,0,"
-                                                       "1,good\n2,0,3,4,good\n2,0,0,7,good\n3,0,0,7,good\n"
-                                                       "4,0,0,8,good\n5,0,0,9,good\n4,0,0,90,good\n"));
+  CHECK_THAT(refused("depth_m,force_N\n0.001,1\n-1,2\n"), Contains("only 1 rows on the way in"));
+  const MeasuredCurve curve =
+      readForceCurve(folder.write("f.csv",
+                                  "depth_m,force_raw_N_x,force_raw_N_y,force_raw_N_z,trust\n1,0,0,"
+                                  "1,good\n2,0,3,4,good\n2,0,0,7,good\n3,0,0,7,good\n"
+                                  "4,0,0,8,good\n5,0,0,9,good\n4,0,0,90,good\n"));
   CHECK(curve.depth == std::vector<double>{1, 2, 3, 4, 5});
   CHECK(curve.force == std::vector<double>{1, 6, 7, 8, 9});
   CHECK(forceAt(curve, 0.5) == 0.5);
   CHECK(forceAt(curve, 2.5) == 6.5);
+  CHECK(curve.change.empty());  // one row on the way out tells nothing
 }

@@ -3,12 +3,15 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <initializer_list>
+#include <limits>
 #include <map>
 #include <sstream>
 #include <stdexcept>
 
 #include "base/input_error.h"
 #include "base/interrupt.h"
+#include "base/number_text.h"
 #include "io/text_file.h"
 #include "simulation/build_model.h"
 #include "simulation/step.h"
@@ -56,37 +59,65 @@ std::vector<std::vector<double>> columnsOf(const std::string& path, const std::v
   return rows;
 }
 
-}  // namespace
+/// A column under one of its names, with what makes SI units of it.
+struct Column {
+  std::string name;
+  double scale = 1;
+};
 
-ForceCurve readForceCurve(const std::string& path) {
+/// The first of the columns that a header has; none: an empty name.
+Column columnOf(const std::vector<std::string>& header, std::initializer_list<Column> columns) {
+  for (const Column& column : columns)
+    if (std::find(header.begin(), header.end(), column.name) != header.end()) return column;
+  return {};
+}
+
+/// A row of the file: where the tool was, and its force.
+struct Row {
+  double depth, force, time;
+};
+
+std::vector<Row> rowsOf(const std::string& path) {
   std::istringstream lines(readWholeFile(path));
   std::string first;
   std::getline(lines, first);
   const std::vector<std::string> header = cellsOf(first);
-  const auto has = [&](const char* name) { return std::find(header.begin(), header.end(), name) != header.end(); };
-  std::vector<std::string> wanted{has("advance_m") ? "advance_m" : "depth_m"};
-  if (has("force_N"))
-    wanted.emplace_back("force_N");
-  else
-    for (const char* component : {"force_raw_N_x", "force_raw_N_y", "force_raw_N_z"}) wanted.emplace_back(component);
-  for (const std::string& name : wanted)
-    if (!has(name.c_str()))
-      throw InputError({path, 1, 0}, "there is no column " + name,
-                       "a force curve has the columns depth_m and force_N, or is a run's force.csv");
-  const std::vector<std::vector<double>> table = columnsOf(path, header, lines, wanted);
-  const auto deepest =
-      std::max_element(table.begin(), table.end(), [](const auto& a, const auto& b) { return a[0] < b[0]; });
-  std::map<double, std::pair<double, int>> rows;  // depth -> sum of forces, how many
-  for (auto row = table.begin(); row != table.end(); ++row) {
-    const double force = row->size() == 2 ? std::abs((*row)[1]) : Vec3((*row)[1], (*row)[2], (*row)[3]).norm();
-    if (!((*row)[0] > 0) || !std::isfinite((*row)[0]) || !std::isfinite(force)) continue;
-    auto& [sum, count] = rows[(*row)[0]];
-    sum += force;
-    ++count;
-    if (row == deepest) break;  // what follows is on the way out
+  const Column depth = columnOf(header, {{"advance_m"}, {"depth_m"}, {"depth_mm", 1e-3}}),
+               force = columnOf(header, {{"force_N"}, {"force_mN", 1e-3}, {"force_raw_N_x"}}),
+               time = columnOf(header, {{"time_s"}});
+  const auto missing = [&](const std::string& name) {
+    throw InputError({path, 1, 0}, "there is no column " + name,
+                     "a force curve has the columns depth_m (or depth_mm) and force_N (or force_mN), or is a run's "
+                     "force.csv");
+  };
+  if (depth.name.empty()) missing("depth_m");
+  if (force.name.empty()) missing("force_N");
+  std::vector<std::string> wanted{depth.name, force.name};
+  if (force.name == "force_raw_N_x")
+    for (const char* component : {"force_raw_N_y", "force_raw_N_z"}) {
+      if (columnOf(header, {{component}}).name.empty()) missing(component);
+      wanted.emplace_back(component);
+    }
+  if (!time.name.empty()) wanted.push_back(time.name);
+  std::vector<Row> rows;
+  for (const std::vector<double>& row : columnsOf(path, header, lines, wanted)) {
+    const bool vector = force.name == "force_raw_N_x";
+    const double size = vector ? Vec3(row[1], row[2], row[3]).norm() : std::abs(row[1]);
+    const Row read{depth.scale * row[0], force.scale * size, time.name.empty() ? 0 : row.back()};
+    if (std::isfinite(read.depth) && std::isfinite(read.force)) rows.push_back(read);
   }
-  if (rows.size() < least_rows)
-    throw InputError({path}, "only " + std::to_string(rows.size()) + " rows have a depth above 0", "give at least 5");
+  return rows;
+}
+
+/// Rows of depths above 0 from `first` on, with the mean of those that are as deep.
+ForceCurve meanOf(std::vector<Row>::const_iterator first, std::vector<Row>::const_iterator last) {
+  std::map<double, std::pair<double, int>> rows;  // depth -> sum of forces, how many
+  for (auto row = first; row != last; ++row) {
+    if (!(row->depth > 0)) continue;
+    auto& [sum, count] = rows[row->depth];
+    sum += row->force;
+    ++count;
+  }
   ForceCurve curve;
   for (const auto& [at, forces] : rows) {
     curve.depth.push_back(at);
@@ -95,14 +126,88 @@ ForceCurve readForceCurve(const std::string& path) {
   return curve;
 }
 
-ForceCurve simulateForceCurve(const Model& model, double deepest, double seconds) {
+/// How far the force came to lie from that on the way in (MeasuredCurve::change).
+/// @param arrived  the row that ends the way in
+std::vector<double> changeOf(const ForceCurve& in, std::vector<Row>::const_iterator arrived,
+                             std::vector<Row>::const_iterator end) {
+  constexpr double held_share = 0.99;  // of the deepest: the tool is held
+  constexpr double backlash = 0.02;    // of the deepest: less than that is no way back in
+  const auto left = std::find_if(arrived, end, [&](const Row& row) { return row.depth < held_share * arrived->depth; });
+  double fall = 0;  // of the force, while the tool is held
+  if (left - arrived > 2 && arrived->force > 0) fall = 1 - (left - 1)->force / arrived->force;
+  auto turned = left;
+  for (double highest = in.deepest(); turned != end && turned->depth < highest + backlash * in.deepest(); ++turned)
+    highest = std::min(highest, turned->depth);
+  const ForceCurve out = meanOf(left, turned);
+  if (fall == 0 && out.depth.size() < 2) return {};
+  std::vector<double> change;
+  for (std::size_t k = 0; k < in.depth.size(); ++k) {
+    double value = -fall * in.force[k];
+    if (out.depth.size() > 1 && in.depth[k] >= out.depth.front() && in.depth[k] <= out.depth.back()) {
+      const double back = forceAt(out, in.depth[k]) - in.force[k];
+      if (std::abs(back) > std::abs(value)) value = back;
+    }
+    change.push_back(value);
+  }
+  return change;
+}
+
+}  // namespace
+
+MeasuredCurve readForceCurve(const std::string& path) {
+  const std::vector<Row> rows = rowsOf(path);
+  const auto deepest =
+      std::max_element(rows.begin(), rows.end(), [](const Row& a, const Row& b) { return a.depth < b.depth; });
+  // A tool that is held moves by the noise of what measures it: the first row as deep as the deepest ends the way in.
+  constexpr double as_deep = 0.995;
+  auto arrived = rows.begin();
+  while (arrived != rows.end() && arrived->depth < as_deep * deepest->depth) ++arrived;
+  MeasuredCurve curve;
+  if (arrived != rows.end()) static_cast<ForceCurve&>(curve) = meanOf(rows.begin(), arrived + 1);
+  if (curve.depth.size() < least_rows)
+    throw InputError({path}, "only " + std::to_string(curve.depth.size()) + " rows on the way in have a depth above 0",
+                     "give at least 5, in the order of time");
+  const auto touched = std::find_if(rows.begin(), arrived, [](const Row& row) { return row.depth > 0; });
+  curve.seconds = std::max(0.0, arrived->time - touched->time);
+  curve.change = changeOf(curve, arrived, rows.end());
+  return curve;
+}
+
+void checkUnits(const MeasuredCurve& measured, const std::string& path, const Model& model) {
+  const Vec3 axis = model.tool_start.orientation * Vec3::UnitZ();
+  double low = std::numeric_limits<double>::infinity(), high = -low;
+  for (const Vec3& X : model.X) {
+    low = std::min(low, axis.dot(X));
+    high = std::max(high, axis.dot(X));
+  }
+  const double deepest = measured.deepest(), thick = high - low;
+  constexpr double least_share = 1e-5;  // of the thickness: no tool is placed as finely
+  if (deepest < thick && deepest > least_share * thick) return;
+  throw InputError({path},
+                   format("the deepest row is %.4g mm in, and the organ %.4g mm thick along the tool's axis",
+                          1e3 * deepest, 1e3 * thick),
+                   "name the column after its unit: depth_mm for millimetres, depth_m for metres");
+}
+
+void checkUnits(const MeasuredCurve& measured, const std::string& path, double simulated) {
+  constexpr double widest = 200;  // fat to cartilage; newtons for millinewtons are further off
+  const double force = measured.force.back(), ratio = force / simulated;
+  if (ratio > 1 / widest && ratio < widest) return;
+  throw InputError(
+      {path},
+      format("the force at the deepest row is %.4g N, and that of the scene as it stands %.4g N", force, simulated),
+      "name the column after its unit: force_mN for millinewtons, force_N for newtons; where it is "
+      "right, give the scene a material nearer to it to begin from");
+}
+
+ForceCurve simulateForceCurve(const Model& model, double deepest, double seconds, int threads) {
   const double rate = model.scene.rate_hz;
   const Vec3 axis = model.tool_start.orientation * -Vec3::UnitZ();
   const double approach = std::max(model.first_contact_travel, 0.0);
   const auto approach_ticks = static_cast<int>(std::ceil(approach / approach_speed * rate));
   const auto press_ticks = std::max(20, static_cast<int>(std::ceil(seconds * rate)));
   State state = initialState(model);
-  Workspace workspace(model, 1);
+  Workspace workspace(model, threads);
   Command command;
   ForceCurve curve;
   for (int k = 1; k <= approach_ticks + press_ticks; ++k) {

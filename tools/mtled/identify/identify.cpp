@@ -14,36 +14,11 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr int max_iterations = 20;
-constexpr double difference = 0.02;  // of a coordinate: far above float32's noise in the forces
-constexpr double arrived = 2e-4;     // change of the coordinates: a fiftieth of a percent
-constexpr double largest_step = 1;   // a factor of 2.7 at once
-constexpr double widest_told = 1;    // half a confidence interval, in coordinates: a factor of 2.7 either way
-
-/// A parameter as an unbounded coordinate.
-struct Coordinate {
-  double low, high;
-
-  /// A far end (the largest modulus that is accepted) is none.
-  Coordinate(const ValueRange& range, double start) : low(range.low), high(range.high) {
-    constexpr double near = 0.01;  // of the range
-    if (std::isfinite(low) && start - low < near * (high - low)) high = std::numeric_limits<double>::infinity();
-  }
-  /// A step of one in it is the same share of the value everywhere.
-  bool isRelative() const { return std::isfinite(low) || std::isfinite(high); }
-  double from(double value) const {
-    if (std::isfinite(low) && std::isfinite(high)) {
-      const double share = std::clamp((value - low) / (high - low), 1e-3, 1 - 1e-3);
-      return std::log(share / (1 - share));
-    }
-    if (std::isfinite(low)) return std::log(std::max(value - low, 1e-12));
-    return std::isfinite(high) ? -std::log(std::max(high - value, 1e-12)) : value;
-  }
-  double to(double q) const {
-    if (std::isfinite(low) && std::isfinite(high)) return low + (high - low) / (1 + std::exp(-q));
-    if (std::isfinite(low)) return low + std::exp(q);
-    return std::isfinite(high) ? high - std::exp(-q) : q;
-  }
-};
+constexpr double difference = 0.02;       // of a coordinate: far above float32's noise in the forces
+constexpr double arrived = 2e-4;          // change of the coordinates: a fiftieth of a percent
+constexpr double largest_step = 1;        // a factor of 2.7 at once
+constexpr double told_apart_from = 1e-3;  // singular values of the derivatives, as shares of the largest
+constexpr double widest_told = 1;         // half a confidence interval, in coordinates: a factor of 2.7 either way
 
 /// Student's t, two-sided 95 %, by the first terms of its series in 1 / nu: within 0.5 % from nu = 5 on.
 double student95(double nu) { return 1.95996 + 2.3723 / nu + 2.8225 / (nu * nu); }
@@ -64,7 +39,63 @@ VectorXd standardErrors(const MatrixXd& J, const VectorXd& r, const MatrixXd& in
   return ((1 + rho) / (1 - rho) * plain.cwiseMax(uneven)).cwiseSqrt();
 }
 
+/// Root mean square of what each residual has in common with the next; 0 where that may be chance.
+double structureOf(const VectorXd& r) {
+  constexpr double chance = 3;  // standard deviations of an autocorrelation of noise, 1 / sqrt(n)
+  const auto rows = static_cast<double>(r.size());
+  const double common = r.head(r.size() - 1).dot(r.tail(r.size() - 1));
+  return common > chance / std::sqrt(rows) * r.squaredNorm() ? std::sqrt(common / rows) : 0;
+}
+
+/// The step of the coordinates that takes residuals of `r` away, of some rows. @param J  of those rows
+VectorXd stepFor(const MatrixXd& J, const VectorXd& r) {
+  Eigen::JacobiSVD<MatrixXd> svd(J, Eigen::ComputeThinU | Eigen::ComputeThinV);
+  svd.setThreshold(told_apart_from);
+  VectorXd step = -svd.solve(r);
+  const double size = step.norm();
+  if (size > largest_step) step *= largest_step / size;
+  return step;
+}
+
+/// Widens the intervals to the values a step away.
+void widenTo(const VectorXd& step, const std::vector<SoughtParameter>& sought, Identified& found) {
+  for (std::size_t k = 0; k < sought.size(); ++k) {
+    const Coordinate coordinate(sought[k]);
+    const double move = step[static_cast<Eigen::Index>(k)];
+    double& end = move < 0 ? found.low[k] : found.high[k];
+    // What noise makes uncertain is so around the values there, too.
+    end = coordinate.to(coordinate.from(end) + move);
+  }
+}
+
 }  // namespace
+
+Coordinate::Coordinate(const SoughtParameter& parameter) : low_(parameter.range.low), high_(parameter.range.high) {
+  constexpr double near = 0.01;  // of the range: a far end (the largest modulus that is accepted) is none
+  const double start = parameter.start;
+  if (std::isfinite(low_) && start - low_ < near * (high_ - low_)) high_ = std::numeric_limits<double>::infinity();
+  if (std::isfinite(low_) || std::isfinite(high_)) return;
+  if (start > 0) low_ = 0;
+  if (start < 0) high_ = 0;
+}
+
+bool Coordinate::isRelative() const { return std::isfinite(low_) || std::isfinite(high_); }
+
+double Coordinate::from(double value) const {
+  constexpr double least = 1e-12;
+  if (std::isfinite(low_) && std::isfinite(high_)) {
+    const double share = std::clamp((value - low_) / (high_ - low_), 1e-3, 1 - 1e-3);
+    return std::log(share / (1 - share));
+  }
+  if (std::isfinite(low_)) return std::log(std::max(value - low_, least));
+  return std::isfinite(high_) ? -std::log(std::max(high_ - value, least)) : value;
+}
+
+double Coordinate::to(double q) const {
+  if (std::isfinite(low_) && std::isfinite(high_)) return low_ + (high_ - low_) / (1 + std::exp(-q));
+  if (std::isfinite(low_)) return low_ + std::exp(q);
+  return std::isfinite(high_) ? high_ - std::exp(-q) : q;
+}
 
 Identified identify(const std::vector<SoughtParameter>& sought,
                     const std::function<std::vector<double>(const std::vector<double>&)>& residuals) {
@@ -73,7 +104,7 @@ Identified identify(const std::vector<SoughtParameter>& sought,
   VectorXd q(count);
   for (Eigen::Index k = 0; k < count; ++k) {
     const SoughtParameter& parameter = sought[static_cast<std::size_t>(k)];
-    coordinate.emplace_back(parameter.range, parameter.start);
+    coordinate.emplace_back(parameter);
     q[k] = coordinate.back().from(parameter.start);
   }
   Identified result;
@@ -126,14 +157,28 @@ Identified identify(const std::vector<SoughtParameter>& sought,
   const VectorXd inverse = s.array().max(1e-12 * s[0]).inverse().square();
   const VectorXd half = student95(static_cast<double>(r.size() - count)) *
                         standardErrors(J, r, svd.matrixV() * inverse.asDiagonal() * svd.matrixV().transpose());
-  result.told_apart = s[count - 1] > 1e-3 * s[0];
+  result.told_apart = s[count - 1] > told_apart_from * s[0];
   for (Eigen::Index k = 0; k < count; ++k)
     if (coordinate[static_cast<std::size_t>(k)].isRelative() && !(half[k] < widest_told)) result.told_apart = false;
   result.value = valuesAt(q);
   result.low = valuesAt(q - half);
   result.high = valuesAt(q + half);
   result.misfit = std::sqrt(r.squaredNorm() / static_cast<double>(r.size()));
+  result.structure = structureOf(r);
+  result.J = std::move(J);
+  result.r = std::move(r);
   return result;
+}
+
+void widenFor(const std::vector<double>& change, const std::vector<SoughtParameter>& sought, Identified& found) {
+  const Eigen::Map<const VectorXd> measured(change.data(), static_cast<Eigen::Index>(change.size()));
+  widenTo(stepFor(found.J, -measured), sought, found);
+}
+
+void widenToHalves(const std::vector<SoughtParameter>& sought, Identified& found) {
+  const Eigen::Index half = found.r.size() / 2;
+  widenTo(stepFor(found.J.topRows(half), found.r.head(half)), sought, found);
+  widenTo(stepFor(found.J.bottomRows(half), found.r.tail(half)), sought, found);
 }
 
 }  // namespace palpate::tools

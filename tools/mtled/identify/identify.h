@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <functional>
 #include <string>
 #include <vector>
@@ -15,21 +16,49 @@ struct SoughtParameter {
   double start = 0;
 };
 
+/// A parameter as an unbounded coordinate: its logarithm where its range has one end near, the logit where it has two.
+/// One that may be anything keeps the sign that it begins with, and has the logarithm of its size; at 0, itself.
+class Coordinate {
+ public:
+  explicit Coordinate(const SoughtParameter& parameter);
+
+  /// A step of one in it is the same share of the value everywhere.
+  bool isRelative() const;
+  double from(double value) const;
+  double to(double q) const;
+
+ private:
+  double low_, high_;
+};
+
 /// What fits best.
 struct Identified {
   std::vector<double> value, low, high;  // (parameter_count) with the ends of the 95 % confidence interval
   double misfit = 0;                     // root mean square of the residuals, in their unit
+  double structure = 0;                  // of it, what follows from row to row and so is no noise; 0: none is told
   int evaluations = 0;
   bool converged = false;
   bool told_apart = true;  // false: other values together fit as well, and the intervals say little
+
+  // At these values.
+  Eigen::MatrixXd J;  // (row_count, parameter_count) change of the residuals with the coordinates
+  Eigen::VectorXd r;  // (row_count) residuals
 };
 
-/// Least squares by Levenberg and Marquardt (Marquardt, SIAM J. Appl. Math. 11, 431 (1963)) over unbounded coordinates:
-/// the logarithm where a range has one end near, the logit where it has two. Derivatives are differences. The intervals
-/// come from (J^T J)^-1 and the residuals, in those coordinates, with Student's t; they allow for noise that grows with
-/// the force and for residuals that follow their neighbours, and hold what they say where the residuals are noise.
+/// Least squares by Levenberg and Marquardt (Marquardt, SIAM J. Appl. Math. 11, 431 (1963)) over unbounded coordinates.
+/// Derivatives are differences. The intervals come from (J^T J)^-1 and the residuals, in those coordinates, with
+/// Student's t; they allow for noise that grows with the force and for residuals that follow their neighbours, and hold
+/// what they say where the residuals are noise.
 /// @param residuals  r(values), always as many; may throw std::runtime_error for values that can't be
 Identified identify(const std::vector<SoughtParameter>& sought,
                     const std::function<std::vector<double>(const std::vector<double>&)>& residuals);
+
+/// Widens the intervals to the values that would fit if what was measured were another by `change` (row_count), to first
+/// order.
+void widenFor(const std::vector<double>& change, const std::vector<SoughtParameter>& sought, Identified& found);
+
+/// Widens the intervals to the values that each half of the rows would give alone, to first order: where the residuals
+/// are no noise, the parameters are none, either.
+void widenToHalves(const std::vector<SoughtParameter>& sought, Identified& found);
 
 }  // namespace palpate::tools

@@ -5,18 +5,19 @@
 #include <filesystem>
 #include <iostream>
 #include <nlohmann/json.hpp>
-#include <optional>
+#include <thread>
 
 #include "base/build_info.h"
 #include "base/nearest_word.h"
 #include "base/number_text.h"
+#include "discretization/surface/surface_geometry.h"
 #include "io/find_asset.h"
 #include "io/load_model.h"
 #include "io/output_file.h"
 #include "io/scene_file.h"
 #include "mechanics/materials/material_law.h"
-#include "mtled/identify/force_curve.h"
-#include "mtled/identify/identify.h"
+#include "mtled/identify/coarse_to_fine.h"
+#include "mtled/identify/identify_remarks.h"
 #include "mtled/pictures/pictures.h"
 #include "mtled/run/progress.h"
 
@@ -24,48 +25,184 @@ namespace palpate::tools {
 namespace {
 
 constexpr std::size_t most_parameters = 2;
+constexpr int found_it = 0, not_found = 1, doubted = 3;
+
+/// A number of a material that is sought: a parameter, or an entry of one that is a list.
+struct SoughtNumber {
+  std::string parameter;
+  std::size_t entry = 0;
+};
 
 /// What is sought, with the scene's values to begin from.
-std::vector<SoughtParameter> soughtOf(const IdentifyOptions& options, const Scene& scene) {
+struct Sought {
+  std::vector<SoughtNumber> number;         // (parameter_count)
+  std::vector<SoughtParameter> parameters;  // likewise
+  Material start;
+};
+
+/// The numbers of a material's law by their scene keys: "young"; "mu" of a list of one, "mu[0]" of a longer one.
+Sought numbersOf(const Material& material) {
+  Sought all;
+  for (const Parameter& p : material.lawDescription().parameters) {
+    const auto values = material.get(p.name);
+    for (std::size_t k = 0; k < values.size(); ++k) {
+      const std::string name = values.size() > 1 ? std::string(p.name) + "[" + std::to_string(k) + "]" : p.name;
+      all.number.push_back({p.name, k});
+      all.parameters.push_back({name, p.range, values[k]});
+    }
+  }
+  return all;
+}
+
+Sought soughtOf(const IdentifyOptions& options, const Scene& scene) {
   if (options.material < 0 || options.material >= static_cast<int>(scene.materials.size()))
     throw InputError(scene.place, "there is no material " + std::to_string(options.material),
                      "the first has the number 0");
   const Material& material = scene.materials[static_cast<std::size_t>(options.material)].material;
-  const MaterialLaw& law = material.lawDescription();
+  const Sought all = numbersOf(material);
   std::vector<std::string> wanted = options.parameters, names;
-  if (wanted.empty()) wanted.emplace_back(law.parameters.front().name);
+  for (const SoughtParameter& p : all.parameters) names.push_back(p.name);
+  if (wanted.empty()) wanted.push_back(names.front());
   if (wanted.size() > most_parameters)
     throw InputError({}, "a force curve does not tell more than two parameters", "name one or two with --parameter");
-  std::vector<SoughtParameter> sought;
+  Sought sought;
+  sought.start = material;
   for (const std::string& name : wanted) {
-    names.clear();
-    const std::size_t before = sought.size();
-    for (const Parameter& p : law.parameters) {
-      if (p.type != Parameter::Type::Number) continue;
-      names.emplace_back(p.name);
-      if (name == p.name) sought.push_back({name, p.range, material.get(name).front()});
-    }
-    if (sought.size() == before)
-      throw InputError(scene.place, std::string(law.title) + " has no " + inQuotes(name) + " that is one number",
-                       names.empty() ? "" : "there is " + listed(names, "and"));
+    const auto found = std::find(names.begin(), names.end(), name);
+    const auto k = static_cast<std::size_t>(found - names.begin());
+    if (found == names.end())
+      throw InputError(scene.place,
+                       std::string(material.lawDescription().title) + " has no parameter " + inQuotes(name),
+                       "there is " + listed(names, "and"));
+    if (std::count(wanted.begin(), wanted.end(), name) > 1)
+      throw InputError({}, inQuotes(name) + " is named twice", "name each once");
+    sought.number.push_back(all.number[k]);
+    sought.parameters.push_back(all.parameters[k]);
   }
   return sought;
 }
 
-/// The curve of the scene with these values.
-ForceCurve curveOf(const IdentifyOptions& options, const std::string& file, const std::vector<SoughtParameter>& sought,
-                   const std::vector<double>& values, double deepest) {
-  std::vector<SceneChange> changes;
-  for (std::size_t k = 0; k < sought.size(); ++k)
-    changes.push_back(
-        {"material[" + std::to_string(options.material) + "]." + sought[k].name, format("%.17g", values[k])});
-  std::optional<Model> model;
-  try {
-    model = loadModel(readScene(file, changes));
-  } catch (const InputError& error) {  // of the values that were tried, not of the user
-    throw std::runtime_error(error.what());
+/// A scene, and how its tool is pressed in.
+struct Press {
+  std::string file;
+  std::string material;  // "material[0]"
+  double deepest = 0, seconds = 0;
+  int threads = 1;
+};
+
+/// The scene with these values, on a cloud that is coarser by a factor.
+Model modelOf(const Press& press, const Sought& sought, const std::vector<double>& values, double coarser) {
+  Material material = sought.start;
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    const auto present = material.get(sought.number[k].parameter);
+    std::vector<double> changed(present.begin(), present.end());
+    changed[sought.number[k].entry] = values[k];
+    material.set(sought.number[k].parameter, changed);
   }
-  return simulateForceCurve(*model, deepest, options.seconds);
+  std::vector<SceneChange> changes;
+  for (const Parameter& p : material.lawDescription().parameters) {
+    const bool is_list = p.type == Parameter::Type::Numbers;
+    std::string text;
+    for (const double value : material.get(p.name)) text += (text.empty() ? "" : ", ") + format("%.17g", value);
+    const bool is_sought = std::any_of(sought.number.begin(), sought.number.end(),
+                                       [&](const SoughtNumber& number) { return number.parameter == p.name; });
+    if (is_sought) changes.push_back({press.material + "." + p.name, is_list ? "[" + text + "]" : text});
+  }
+  Scene scene = readScene(press.file, changes);
+  if (coarser > 1) {
+    scene.spacing *= coarser;
+    for (RefineSpec& refine : scene.refine) refine.spacing *= coarser;
+    scene.time_step = 0;
+    scene.set_up_values.clear();  // which are another scene's now
+  }
+  return loadModel(scene);
+}
+
+/// How much coarser a cloud of the scene may be for a search that the real one ends; 1: it is coarse enough itself.
+double coarserBy(const Scene& scene) {
+  constexpr double search_nodes = 1000, worth_it = 2;  // of the search's cloud; times as many that the scene has
+  const double volume = signedVolume(organSurface(scene));
+  double nodes = volume / (0.7 * std::pow(scene.spacing, 3));  // as checkCounts
+  for (const RefineSpec& refine : scene.refine)
+    nodes += 4.0 / 3 * M_PI * std::pow(refine.radius, 3) / (0.7 * std::pow(refine.spacing, 3));
+  return nodes < worth_it * search_nodes ? 1 : std::cbrt(nodes / search_nodes);
+}
+
+/// Physics time in which the tool is pressed in, s. Tissue that relaxes is pressed in as fast as the measured was; other
+/// tissue no slower than its own swinging asks for.
+double pressSeconds(const MeasuredCurve& measured, bool relaxing) {
+  constexpr double slow = 2, fastest = 0.1, slowest = 100;
+  if (measured.seconds <= 0) return slow;
+  return std::clamp(measured.seconds, fastest, relaxing ? slowest : slow);
+}
+
+/// The scene's answers to values, at the measured depths.
+class PressedScene {
+ public:
+  PressedScene(const Press& press, const Sought& sought, const MeasuredCurve& measured, const std::string& path)
+      : press_(press), sought_(sought), measured_(measured), path_(path) {}
+
+  /// @param coarser  than the scene's, the cloud's spacing
+  std::vector<double> forces(const std::vector<double>& values, double coarser) {
+    std::string detail;
+    for (std::size_t k = 0; k < values.size(); ++k)
+      detail += format(" %s %.5g", sought_.parameters[k].name.c_str(), values[k]);
+    ++curves_;
+    progress_.show(curves_ / (curves_ + 5.0),
+                   "curve " + std::to_string(curves_) + (coarser > 1 ? " on a coarser cloud" : "") + ":" + detail);
+    const ForceCurve curve = curveOf(values, coarser);
+    if (coarser == 1) last_curve_ = curve;
+    std::vector<double> forces;
+    for (const double depth : measured_.depth) forces.push_back(forceAt(curve, depth));
+    return forces;
+  }
+
+  const ForceCurve& lastCurve() const { return last_curve_; }  // of the scene's own cloud
+
+ private:
+  ForceCurve curveOf(const std::vector<double>& values, double coarser) {
+    const bool first = !units_checked_;
+    const Model model = modelAt(values, coarser, first && coarser == 1);
+    if (first) checkUnits(measured_, path_, model);
+    const ForceCurve curve = simulateForceCurve(model, press_.deepest, press_.seconds, press_.threads);
+    if (first) checkUnits(measured_, path_, forceAt(curve, press_.deepest));
+    units_checked_ = true;
+    return curve;
+  }
+
+  Model modelAt(const std::vector<double>& values, double coarser, bool as_given) {
+    try {
+      return modelOf(press_, sought_, values, coarser);
+    } catch (const InputError& error) {  // of what was tried, not of the user
+      if (as_given) throw;
+      throw std::runtime_error(error.what());
+    }
+  }
+
+  const Press& press_;
+  const Sought& sought_;
+  const MeasuredCurve& measured_;
+  const std::string& path_;
+  ProgressLine progress_{"identify"};
+  ForceCurve last_curve_;
+  int curves_ = 0;
+  bool units_checked_ = false;
+};
+
+/// The search, on a coarser cloud where one is worth it and feels what is sought.
+CoarseToFine searched(PressedScene& scene, const Sought& sought, const MeasuredCurve& measured, double coarser) {
+  const Answer fine = [&](const std::vector<double>& values) { return scene.forces(values, 1); };
+  if (coarser > 1) {
+    try {
+      return identifyCoarseToFine(
+          sought.parameters, measured.force,
+          [&](const std::vector<double>& values) { return scene.forces(values, coarser); }, fine);
+    } catch (const CoarseFailed&) {
+    }
+  }
+  CoarseToFine result = identifyFine(sought.parameters, measured.force, fine);
+  fine(result.found.value);
+  return result;
 }
 
 Figure figureOf(const std::string& scene, const ForceCurve& measured, const ForceCurve& fitted) {
@@ -85,50 +222,55 @@ Figure figureOf(const std::string& scene, const ForceCurve& measured, const Forc
 int identifyCommand(const IdentifyOptions& options) {
   const std::string file = findScene(options.scene);
   const Scene scene = readScene(file);
-  const std::vector<SoughtParameter> sought = soughtOf(options, scene);
-  const ForceCurve measured = readForceCurve(options.measured);
+  const Sought sought = soughtOf(options, scene);
+  const MeasuredCurve measured = readForceCurve(options.measured);
+  const bool relaxing = std::any_of(scene.materials.begin(), scene.materials.end(),
+                                    [](const MaterialSpec& m) { return m.material.relaxation_count > 0; });
+  const Press press{
+      file, "material[" + std::to_string(options.material) + "]", measured.deepest(),
+      options.seconds > 0 ? options.seconds : pressSeconds(measured, relaxing),
+      options.threads > 0 ? options.threads : std::max(1, static_cast<int>(std::thread::hardware_concurrency()))};
   const std::string folder =
       options.out.empty() ? "out/" + std::filesystem::path(file).stem().string() + "_identify" : options.out;
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   if (error) failWriting(folder, error.value(), "choose another place with --out");
 
-  Identified found;
-  {
-    ProgressLine progress("identify");
-    int evaluation = 0;
-    found = identify(sought, [&](const std::vector<double>& values) {
-      std::string detail;
-      for (std::size_t k = 0; k < sought.size(); ++k) detail += format(" %s %.5g", sought[k].name.c_str(), values[k]);
-      ++evaluation;
-      progress.show(evaluation / (evaluation + 5.0), "curve " + std::to_string(evaluation) + ":" + detail);
-      const ForceCurve curve = curveOf(options, file, sought, values, measured.deepest());
-      std::vector<double> residuals;
-      for (std::size_t r = 0; r < measured.depth.size(); ++r)
-        residuals.push_back(forceAt(curve, measured.depth[r]) - measured.force[r]);
-      return residuals;
-    });
-  }
-  const ForceCurve fitted = curveOf(options, file, sought, found.value, measured.deepest());
+  const double coarser = coarserBy(scene);
+  PressedScene pressed(press, sought, measured, options.measured);
+  const CoarseToFine search = searched(pressed, sought, measured, coarser);
+  Identified found = search.found;
+  const Remarks remarks = judge(measured, relaxing && measured.seconds > 0, sought.parameters, found);
   const double largest = *std::max_element(measured.force.begin(), measured.force.end());
-  nlohmann::ordered_json report{{"program", buildInfo()},        {"scene", scene.name},
-                                {"converged", found.converged},  {"told_apart", found.told_apart},
-                                {"misfit_N", found.misfit},      {"misfit_of_largest_force", found.misfit / largest},
-                                {"rows", measured.depth.size()}, {"curves_simulated", found.evaluations}};
-  for (std::size_t k = 0; k < sought.size(); ++k) {
-    report["parameters"][sought[k].name] = {
-        {"value", found.value[k]}, {"low_95", found.low[k]}, {"high_95", found.high[k]}};
-    std::cout << format("%-12s %.6g   (95 %%: %.6g .. %.6g)\n", sought[k].name.c_str(), found.value[k], found.low[k],
+  nlohmann::ordered_json report{{"program", buildInfo()},
+                                {"scene", scene.name},
+                                {"converged", found.converged},
+                                {"told_apart", found.told_apart},
+                                {"misfit_N", found.misfit},
+                                {"misfit_of_largest_force", found.misfit / largest},
+                                {"structured_misfit_N", found.structure},
+                                {"doubts", remarks.doubts},
+                                {"notes", remarks.notes},
+                                {"rows", measured.depth.size()},
+                                {"pressed_in_s", press.seconds},
+                                {"curves_simulated", search.fine_solves},
+                                {"curves_on_a_coarser_cloud", search.coarse_solves},
+                                {"coarser_by", coarser}};
+  for (std::size_t k = 0; k < sought.parameters.size(); ++k) {
+    const std::string& name = sought.parameters[k].name;
+    report["parameters"][name] = {{"value", found.value[k]}, {"low_95", found.low[k]}, {"high_95", found.high[k]}};
+    std::cout << format("%-12s %.6g   (95 %%: %.6g .. %.6g)\n", name.c_str(), found.value[k], found.low[k],
                         found.high[k]);
   }
   std::cout << format("misfit       %.3g %% of the largest force, %.4g N\n", 100 * found.misfit / largest, largest);
   if (!found.converged) std::cout << "no convergence: begin from nearer values, or seek one parameter\n";
-  if (!found.told_apart)
-    std::cout << "the curve does not tell the parameters apart: give one, or measure deeper or with another tool\n";
+  for (const std::string& doubt : remarks.doubts) std::cout << "DOUBTED      " << doubt << "\n";
+  for (const std::string& note : remarks.notes) std::cout << "note         " << note << "\n";
   writeWholeFile(folder + "/identify.json", report.dump(2) + "\n");
-  std::cout << "picture      " << writePicture(folder + "/identify.png", figureOf(scene.name, measured, fitted))
-            << std::endl;
-  return found.converged && found.told_apart ? 0 : 1;
+  std::cout << "picture      "
+            << writePicture(folder + "/identify.png", figureOf(scene.name, measured, pressed.lastCurve())) << std::endl;
+  if (!found.converged || !found.told_apart) return not_found;
+  return remarks.doubts.empty() ? found_it : doubted;
 }
 
 }  // namespace palpate::tools

@@ -1,0 +1,58 @@
+#include "mtled/identify/identify_remarks.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/number_text.h"
+
+namespace palpate::tools {
+namespace {
+
+// Shares of the largest force.
+constexpr double most_noise = 0.1;        // no scale for forces is as bad
+constexpr double most_structure = 0.03;   // of a scene that follows a curve: that of a cloud coarser by half is 0.01
+constexpr double told_structure = 0.005;  // less is told apart from noise, and of no weight
+constexpr double most_change = 0.03;      // of a force that had settled
+
+}  // namespace
+
+Remarks judge(const MeasuredCurve& measured, bool relaxes, const std::vector<SoughtParameter>& sought,
+              Identified& found) {
+  Remarks remarks;
+  const double largest = *std::max_element(measured.force.begin(), measured.force.end());
+  if (!found.told_apart)
+    remarks.notes.emplace_back(
+        "the curve does not tell the parameters apart: give one, or measure deeper or with another tool");
+  if (found.structure > told_structure * largest) widenToHalves(sought, found);
+  if (found.misfit > most_noise * largest || found.structure > most_structure * largest)
+    remarks.doubts.push_back(
+        format("the scene can't follow this curve: %.3g %% of the largest force are left over, "
+               "which is no noise. Try another law or more of its parameters; are tool, support "
+               "and size those of the experiment?",
+               100 * found.misfit / largest));
+  else if (found.structure > told_structure * largest)
+    remarks.notes.push_back(
+        format("the residuals follow from row to row, by %.2g %% of the largest force, which is no "
+               "noise: a curve that had not settled does so, or another law. The interval reaches to what each half of "
+               "the curve says",
+               100 * found.structure / largest));
+  if (relaxes) return remarks;  // change in time is the scene's own
+  if (measured.change.empty()) {
+    remarks.notes.emplace_back(
+        "a curve that only goes in does not show whether it had settled: where the tissue may "
+        "relax, hold the tool at its deepest, or measure its way out, too");
+    return remarks;
+  }
+  widenFor(measured.change, sought, found);
+  double most = 0;
+  for (const double change : measured.change) most = std::max(most, std::abs(change));
+  if (most > most_change * largest)
+    remarks.doubts.push_back(
+        format("the curve had not settled: while the tool was held or on its way out, the force "
+               "came to lie %.2g %% of the largest from that on the way in. The interval reaches "
+               "to what fits it then; press more slowly, or give the material its \"relaxation\"",
+               100 * most / largest));
+  return remarks;
+}
+
+}  // namespace palpate::tools
