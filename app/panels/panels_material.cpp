@@ -38,8 +38,15 @@ std::string valueText(const Parameter& parameter, double value) {
   return unit.empty() ? format("%.4g", value) : format("%.4g %s", value, replacedAll(unit, "^3", "\xC2\xB3").c_str());
 }
 
+/// Whether the two sliders of elastic constants show it.
+bool onSlider(const Parameter& parameter) {
+  const std::string_view name = parameter.name;
+  return name == "young" || name == "poisson";
+}
+
 /// A row for each parameter that has a label: the law's own, or those that all laws have.
-void drawParameters(const Theme& theme, const Material& material, bool common) {
+/// @param sliders  whether sliders show the elastic constants
+void drawParameters(const Theme& theme, const Material& material, bool common, bool sliders) {
   const std::size_t own_count = material.lawDescription().parameters.size();
   std::size_t number = 0;
   struct Row {
@@ -47,10 +54,12 @@ void drawParameters(const Theme& theme, const Material& material, bool common) {
   };
   std::vector<Row> terms;  // of the lists: one row holds an entry of each
   forEachParameter(material, [&](const Parameter& parameter, std::span<const double> values) {
-    if ((number++ >= own_count) != common || *parameter.label == '\0') return;
+    if ((number++ >= own_count) != common || *parameter.label == '\0' || (sliders && onSlider(parameter))) return;
     std::string label = parameter.label;
     if (!theme.has_greek) label = replacedAll(replacedAll(label, "\xCE\xBD", "nu"), "\xCE\xBC", "mu");
     if (parameter.type == Parameter::Type::Number) return row(label.c_str(), valueText(parameter, values[0]));
+    if (parameter.type == Parameter::Type::Vector)
+      return row(label.c_str(), format("%.3g, %.3g, %.3g", values[0], values[1], values[2]));
     if (parameter.type == Parameter::Type::Pairs) {
       std::string pairs;
       for (std::size_t k = 0; k < values.size(); k += 2)
@@ -74,10 +83,10 @@ void drawMaterial(const Theme& theme, const MaterialView& view) {
   const int terms = material.term_count;
   row(view.name.empty() ? "Model" : view.name.c_str(),
       terms == 0 ? law : format("%s, %d term%s", law, terms, terms == 1 ? "" : "s"));
-  if (!view.elastic_constants) drawParameters(theme, material, false);  // else the sliders show them
+  drawParameters(theme, material, false, view.elastic_constants);
   row("Shear modulus", pressure(material.shear_modulus));
   row("Bulk modulus", pressure(material.bulk_modulus));
-  drawParameters(theme, material, true);
+  drawParameters(theme, material, true, view.elastic_constants);
 }
 
 }  // namespace

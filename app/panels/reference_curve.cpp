@@ -108,7 +108,8 @@ ReferenceCurve readReferenceCurve(const std::string& file) {
 }
 
 std::optional<ReferenceCurve> hertzCurve(const Body& model, const Material& material, double depth_mm) {
-  if (model.scene.materials.size() != 1 || std::string_view(toolType(model.scene.tool.kind).name) != "sphere")
+  if (model.scene.materials.size() != 1 || material.fibre_modulus > 0 ||
+      std::string_view(toolType(model.scene.tool.kind).name) != "sphere")
     return {};
   constexpr int points = 60;
   const double K = material.bulk_modulus, mu = material.shear_modulus, R = model.scene.tool.radius;

@@ -24,10 +24,10 @@ constexpr ValueRange atLeast(double low) { return {low, std::numeric_limits<doub
 constexpr ValueRange between(double low, double high) { return {low, high, false, false}; }
 constexpr ValueRange aboveUpTo(double low, double high) { return {low, high, true, false}; }
 
-/// A number, or a list of numbers or pairs of them, that describes a thing such as a material law or a tool: stated
+/// A number, a vector, or a list of numbers or pairs of them, that describes a thing such as a material law or a tool: stated
 /// once, beside the formulas that use it. Scene keys, their reference, hashes, recordings and panels follow from it.
 struct Parameter {
-  enum class Type { Number, Numbers, Pairs };  // pairs one after another, or none
+  enum class Type { Number, Numbers, Pairs, Vector };  // pairs one after another, or none; a vector has three numbers
 
   const char* name;   // the scene's key: "young"
   const char* label;  // in a panel: "Young's modulus E"; of a list a symbol that gets the entry's number
@@ -37,7 +37,7 @@ struct Parameter {
   ValueRange range;      // of each number
   const char* text;      // what it means: a sentence or two, Markdown
 
-  bool isRequired() const { return *fallback == '\0'; }
+  constexpr bool isRequired() const { return *fallback == '\0'; }
   double fallbackValue() const;  // of a number with a default
 };
 

@@ -40,7 +40,8 @@ std::string typeText(KeySpec::Type type) {
 }
 
 KeySpec keySpec(const char* table, const Parameter& parameter) {
-  constexpr KeySpec::Type types[] = {KeySpec::Type::Number, KeySpec::Type::Numbers, KeySpec::Type::Curve};
+  constexpr KeySpec::Type types[] = {KeySpec::Type::Number, KeySpec::Type::Numbers, KeySpec::Type::Curve,
+                                     KeySpec::Type::Vector};
   return {table,
           parameter.name,
           types[static_cast<int>(parameter.type)],

@@ -328,7 +328,8 @@ std::vector<KeySpec> materialKeys() {
     std::string title = law.title;
     title[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(title[0])));
     for (const Parameter& parameter : law.parameters) {
-      const std::string meaning = std::string(title).append(": ").append(parameter.text);
+      std::string meaning = std::string(title).append(": ").append(parameter.text);
+      if (!parameter.isRequired()) meaning.append(" `").append(parameter.fallback).append("` where it is not given.");
       const auto same = std::find_if(keys.begin() + 1, keys.end(),
                                      [&](const KeySpec& key) { return std::string_view(key.name) == parameter.name; });
       if (same != keys.end())

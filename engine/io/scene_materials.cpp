@@ -93,10 +93,15 @@ Material readLaw(const TomlTable& table) {
     if (table.has(p.name)) material.set(p.name, value);
   };
   for (const Parameter& p : law.parameters) {
-    if (p.type == Parameter::Type::Numbers)
+    if (p.type == Parameter::Type::Numbers) {
       table.read(p.name, lists[p.name]);
-    else
+    } else if (p.type == Parameter::Type::Vector) {
+      Vec3 vector;
+      table.read(p.name, vector);
+      material.set(p.name, {vector.data(), 3});
+    } else {
       readNumber(p);
+    }
   }
   for (const CommonMaterialParameter& common : commonMaterialParameters())
     if (common.is_key) readNumber(common.parameter);

@@ -43,6 +43,10 @@ class StiffnessAtRest {
         dilatation_[q] = H.trace() * (patches_.empty() ? material.bulk_modulus : 1);
         const double mu = material.shear_modulus;
         stress_[q] = mu * (H + H.transpose()) - 2.0 / 3 * mu * H.trace() * Mat3::Identity();
+        if (material.fibre_modulus > 0) {
+          const Vec3 n(material.fibre[0], material.fibre[1], material.fibre[2]);
+          stress_[q] += material.fibre_modulus * n.dot(H * n) * n * n.transpose();
+        }
       }
     });
     std::vector<double> averaged;

@@ -18,13 +18,14 @@ struct CriticalTimeStep {
 };
 
 /// Row sums of a bound on the stiffness at rest, kg/s^2 (node_count):
-///   sum_q |V_q| (lambda + 2 mu) |b_iq| sum_j |b_jq|,   omega^2 <= max_i row_i / m_i        (block Gershgorin)
+///   sum_q |V_q| M |b_iq| sum_j |b_jq|,   omega^2 <= max_i row_i / m_i        (block Gershgorin)
+/// with M of Material::waveModulus().
 /// Used as fictitious masses in dynamic relaxation, the row sums give all nodes the same stable step.
 std::vector<double> gershgorinRows(const ShapeTable& shape, const std::vector<double>& volume,
                                    const std::vector<int>& point_material, const std::vector<Material>& materials,
                                    std::size_t node_count);
 
-/// K is the stiffness linearised at rest: sum_q V_q B^T C B with the isotropic C of each material.
+/// K is the stiffness linearised at rest: sum_q V_q B^T C B with the C of each material, fibres under tension.
 /// @param shape   gradients at the integration points, 1/m
 /// @param volume  m^3 (point_count)
 /// @param mass    kg (node_count)

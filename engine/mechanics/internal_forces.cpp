@@ -41,6 +41,8 @@ KernelView<Real> viewOf(const KernelLayoutOf<Real>& layout, const KernelMaterial
   k.patch_pressure = scratch.patch_pressure.data();
   k.cof2 = scratch.cof2.data();
   k.J = scratch.J.data();
+  k.squeeze = scratch.squeeze.data();
+  k.other = scratch.other.data();
   return k;
 }
 
@@ -95,6 +97,8 @@ ForceReport internalForces(const KernelLayoutOf<Real>& layout, const KernelMater
     total.relaxed_energy += r.relaxed_energy;
     total.relaxation_power += r.relaxation_power;
     total.max_cof2 = std::max<double>(total.max_cof2, r.max_cof2);
+    total.max_squeeze = std::max<double>(total.max_squeeze, r.max_squeeze);
+    total.max_modulus = std::max<double>(total.max_modulus, r.max_modulus);
     total.max_patch_pressure = std::max<double>(total.max_patch_pressure, r.max_pressure);
     if (r.min_J < total.min_J) {
       total.min_J = static_cast<float>(r.min_J);

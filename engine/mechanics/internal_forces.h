@@ -16,6 +16,8 @@ struct ForceReport {
   double strain_energy = 0;  // J, of the laws
   double volume_change = 0;  // m^3, of all points
   double max_cof2 = 3;       // largest |cof F|^2 of a point; 3 at rest
+  // Largest PointStateOf::squeeze, and squeeze + other, of a point over the modulus at rest of its material in force.
+  double max_squeeze = 0, max_modulus = 0;
   // Largest local pressure over the shear modulus there, 0 without node patches: of a point's patches (a mean over some
   // sixty points), and of a cell's nodes where the cells hold the volume.
   double max_patch_pressure = 0, max_cell_pressure = 0;

@@ -357,6 +357,8 @@ KernelScratchOf<Real> makeKernelScratch(const KernelLayoutOf<Real>& layout, Inst
   scratch.report.resize(chunks);
   scratch.cof2.assign(layout.point.size(), Real(3));
   scratch.J.assign(layout.point.size(), Real(1));
+  scratch.squeeze.resize(layout.point.size());
+  scratch.other.resize(layout.point.size());
   if (!layout.patch_node.empty()) {
     scratch.displacement_gradient.resize(layout.batch_material.size() * 144);
     scratch.dilatation.resize(layout.point.size());

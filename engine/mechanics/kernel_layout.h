@@ -74,7 +74,8 @@ struct KernelScratchOf {
   const KernelPasses<Real>* passes = nullptr;  // of the instruction set that the scratch was made for
   AlignedVector<Real4<Real>> force;            // (chunk_count)(node_count) N; a chunk uses its range only
   std::vector<typename KernelView<Real>::ChunkReport> report;  // (chunk_count)
-  AlignedVector<Real> cof2, J;                                 // (16 * batch_count) |cof F|^2 and det F of each point
+  // (16 * batch_count) |cof F|^2 and det F of each point, and the bound of its tangent (PointStateOf), Pa.
+  AlignedVector<Real> cof2, J, squeeze, other;
   // Between the two passes of the node-patch volume.
   AlignedVector<Real> displacement_gradient;  // (9 * 16 * batch_count)
   AlignedVector<Real> dilatation;             // (16 * batch_count) J - 1

@@ -175,6 +175,7 @@ struct Kernel {
   struct Sums {
     LeastOf<Real> min_J[part_count<Real>];
     Simd<Real> energy = Real(0), volume_change = Real(0), max_cof2 = Real(3);
+    Simd<Real> max_squeeze = Real(0), max_modulus = Real(0);
     Simd<Real> relaxed_energy = Real(0), relaxation_power = Real(0);
     Simd<Real> max_pressure = Real(0);  // over the shear modulus
   };
@@ -201,6 +202,8 @@ struct Kernel {
     using Lanes = Simd<Real>;
     const MaterialLanes lanes(material);
     const Lanes by_shear = static_cast<Real>(-1 / (material.shear_modulus * material.longTermShare()));
+    const Lanes by_wave =
+        static_cast<Real>(1 / (material.bulk_modulus + 4.0 / 3 * material.shear_modulus + material.fibre_modulus));
     const bool patches = !bare && k.patch_begin;
     RelaxationStep relaxation;
     if constexpr (!bare) relaxation = relaxationStep(material, k.relaxation_step, k.relaxation_terms);
@@ -228,8 +231,12 @@ struct Kernel {
         sums.energy += stress_volume * state.energy;
         sums.volume_change += volume * state.J_minus_1;
         sums.max_cof2 = max(sums.max_cof2, state.cof2);
+        sums.max_squeeze = max(sums.max_squeeze, state.squeeze * by_wave);
+        sums.max_modulus = max(sums.max_modulus, (state.squeeze + state.other) * by_wave);
         state.cof2.store(&k.cof2[first_point]);
         state.J.store(&k.J[first_point]);
+        state.squeeze.store(&k.squeeze[first_point]);
+        state.other.store(&k.other[first_point]);
         if (relaxation.term_count > 0) relaxStress(relaxation, first_point, H, volume, P, sums);
         for (int c = 0; c < 9; ++c) P[c] *= stress_volume;
         applyScale(first_point, P);
@@ -266,15 +273,20 @@ struct Kernel {
       batch = end;
     }
     auto& report = k.report[chunk];
-    report = {1, -1, 0, 0, 0, 3, 0, 0, 0};
+    report = {1, -1, 0, 0, 0, 3, 0, 0, 0, 0, 0};
     for (const auto& least : sums.min_J) least.find(report.min_J, report.worst_point, report.inverted);
     for (int i = 0; i < Simd<Real>::width; ++i) {
       report.energy += sums.energy.v[i];
       report.volume_change += sums.volume_change.v[i];
       report.relaxed_energy += sums.relaxed_energy.v[i];
       report.relaxation_power += sums.relaxation_power.v[i];
-      report.max_cof2 = sums.max_cof2.v[i] > report.max_cof2 ? sums.max_cof2.v[i] : report.max_cof2;
-      report.max_pressure = sums.max_pressure.v[i] > report.max_pressure ? sums.max_pressure.v[i] : report.max_pressure;
+      const auto raise = [i](Real& largest, const Simd<Real>& lanes) {
+        largest = lanes.v[i] > largest ? lanes.v[i] : largest;
+      };
+      raise(report.max_cof2, sums.max_cof2);
+      raise(report.max_squeeze, sums.max_squeeze);
+      raise(report.max_modulus, sums.max_modulus);
+      raise(report.max_pressure, sums.max_pressure);
     }
   }
 };

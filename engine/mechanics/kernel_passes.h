@@ -49,6 +49,8 @@ struct KernelView {
     Real energy;          // J
     Real volume_change;   // m^3
     Real max_cof2;        // largest |cof F|^2 of a point
+    Real max_squeeze;     // largest PointStateOf::squeeze, and squeeze + other, of a point over its material's modulus
+    Real max_modulus;     // at rest
     Real max_pressure;    // largest of a point's patches over its material's shear modulus; 0 without patches
     Real relaxed_energy;  // J and W, of ForceReport
     Real relaxation_power;
@@ -60,6 +62,8 @@ struct KernelView {
   Real* patch_pressure;
   Real* cof2;
   Real* J;
+  Real* squeeze;
+  Real* other;
   // Relaxation (relaxation.h).
   int relaxation_terms;    // that count
   double relaxation_step;  // s; infinity with no history

@@ -115,7 +115,7 @@ StiffnessMeans makeStiffnessMeans(const KernelLayout& layout, const ShapeTable& 
 }
 
 bool hardlySqueezed(const float* cofactor_norm2, const float* J) {
-  // |cof F|^2 / J^(4/3) - 3 <= 0.01, J within 3 %: s^2 <= 1.17, s^3 / J^2 <= 1.2
+  // |cof F|^2 / J^(4/3) - 3 <= 0.01, J within 3 %: s^2 <= 1.17
   int above = 0;
   for (int k = 0; k < 16; ++k) {
     const float change = J[k] - 1.0F;
@@ -125,7 +125,8 @@ bool hardlySqueezed(const float* cofactor_norm2, const float* J) {
   return above == 0;
 }
 
-void squeezedModulus(const float* cofactor_norm2, const float* J, float bulk, float shear, float* modulus) {
+void squeezedModulus(const float* cofactor_norm2, const float* J, const float* squeeze, const float* other,
+                     float* modulus) {
   constexpr int n = 16;
   constexpr float min_J = Material::min_isochoric_J, max_J = 8;
   float j[n], root[n], e[n], d[n];  // one short loop for each line: they become vectors
@@ -144,8 +145,8 @@ void squeezedModulus(const float* cofactor_norm2, const float* J, float bulk, fl
   for (int round = 0; round < 2; ++round)
     for (int k = 0; k < n; ++k) d[k] = std::sqrt(e[k] * (1.0F + d[k]) / (3.0F + d[k]));
   for (int k = 0; k < n; ++k) {
-    const float t = 1.0F + d[k], s = root[k] * t;  // t^3 = s^3 / J^2
-    modulus[k] = bulk * s * s + shear / root[k] * (5.0F / 9.0F * (1.0F + 2.0F * t * t * t) - 1.0F / 3.0F);
+    const float s = root[k] * (1.0F + d[k]);
+    modulus[k] = squeeze[k] * s * s + other[k];
   }
 }
 

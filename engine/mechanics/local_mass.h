@@ -13,7 +13,7 @@ namespace palpate {
 /// Mass that follows the stiffness of squeezed tissue, so that a time step chosen at rest stays stable.
 ///
 /// Squeezed tissue is stiffer: waves across a squeeze see the modulus c(F) of squeezedModulus(), six times that at rest
-/// where a free block has 0.4 of its height. The block Gershgorin row of node i (critical_time_step.h) then is
+/// where a free neo-Hookean block has 0.4 of its height; stretched fibres may be stiffer by far. The block Gershgorin row of node i (critical_time_step.h) then is
 ///   row_i(u) = sum_q V_q c_q |b_iq| sum_j |b_jq| = row_i r_i,   r_i a mean of c_q / c_q(rest) with weights of sum 1.
 /// With masses m_i f_i, f_i >= r_i (share / limit)^2, the bound of the deformed body is no higher than (limit /
 /// share)^2 times that of the body at rest: dt is at most `limit` of the stable step where it was `share` of it at
@@ -54,18 +54,18 @@ StiffnessMeans makeStiffnessMeans(const KernelLayout& layout, const ShapeTable& 
                                   const std::vector<double>& volume, const std::vector<int>& point_material,
                                   const std::vector<Material>& materials, const EssentialBoundary& boundary);
 
-/// Moduli of a batch of 16 points for waves in the direction in which they are squeezed most:
-///   c = K s^2 + mu J^(-2/3) (5/9 (1 + 2 s^3 / J^2) - 1/3),   K + 4/3 mu at rest
-/// the largest eigenvalue of the acoustic tensor of a neo-Hookean solid, s being the largest singular value of cof F
-/// and the two others equal. s comes from |cof F|^2 = s^2 + 2 J^2 / s, up to 1 % too large.
+/// Bounds of the tangent moduli of a batch of 16 points, c = squeeze s^2 + other of PointStateOf. s comes from |cof F|^2
+/// = s^2 + 2 J^2 / s, as if the two other singular values of cof F were equal: up to 1 % too large where they are, more
+/// where they differ, never too small.
 /// @param cofactor_norm2, J  |cof F|^2 and det F (16)
-/// @param bulk, shear        K and mu, Pa, or shares of a modulus
-/// @param modulus            as `bulk` (16)
+/// @param squeeze, other     of the law, Pa (16)
+/// @param modulus            Pa (16)
 /// Real-time.
-void squeezedModulus(const float* cofactor_norm2, const float* J, float bulk, float shear, float* modulus);
+void squeezedModulus(const float* cofactor_norm2, const float* J, const float* squeeze, const float* other,
+                     float* modulus);
 
-/// Whether no point of a batch is squeezed by more than about 4 %: then no modulus is above hardlySqueezedModulus().
+/// Whether no point of a batch is squeezed by more than about 4 %: then s^2 is at most hardly_squeezed_s2.
 bool hardlySqueezed(const float* cofactor_norm2, const float* J);
-inline float hardlySqueezedModulus(float bulk, float shear) { return 1.2F * bulk + 1.6F * shear; }
+constexpr float hardly_squeezed_s2 = 1.17F;
 
 }  // namespace palpate

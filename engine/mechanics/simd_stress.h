@@ -51,11 +51,19 @@ template <class Real>
 // multiplies its error.
 
 /// What a stress evaluation knows of its points besides the stress.
+///
+/// The law bounds its own tangent. No small wave sees a modulus above
+///   c = squeeze s^2 + other,   s the largest singular value of cof F, that is J over the least principal stretch
+/// the largest eigenvalue of the acoustic tensor a . (d^2 W / dF dF : a (x) n) . n over all unit n, a; at rest it is
+/// Material::waveModulus(). For isotropic laws it is that of a = n along the least stretch l, d^2 W / dl^2 (all of the
+/// register have their largest there: mechanics/materials/tangent_bound_test.cpp), and a pressure, which is linear in
+/// cof F, has no part in it. s is found later from cof2 and J, and only where tissue is squeezed (local_mass.h).
 template <class Real>
 struct PointStateOf {
   Simd<Real> J, J_minus_1;
-  Simd<Real> energy;  // J/m^3; p (J - 1) / 2 for the volume, which over all points is also the node patches' energy
-  Simd<Real> cof2;    // |cof F|^2, 3 at rest: how much stiffer the volume has become; more where the law stiffens, too
+  Simd<Real> energy;          // J/m^3; p (J - 1) / 2 for the volume, which over all points is also the patches' energy
+  Simd<Real> cof2;            // |cof F|^2, 3 at rest
+  Simd<Real> squeeze, other;  // Pa
 };
 
 template <class Real>
@@ -68,11 +76,9 @@ Simd<Real> squaredNorm(const SimdTensor<Real>& t) {
 /// The barrier of Material::barrierPressure; nothing where the material has none.
 template <class Real>
 struct BarrierLanes {
-  Real strength, share, J0;
+  Real strength, J0;
   explicit BarrierLanes(const Material& m)
-      : strength(static_cast<Real>(m.bulk_modulus * m.barrier_strength)),
-        share(static_cast<Real>(m.barrier_strength)),
-        J0(static_cast<Real>(m.barrier_J0)) {}
+      : strength(static_cast<Real>(m.bulk_modulus * m.barrier_strength)), J0(static_cast<Real>(m.barrier_J0)) {}
 
   void addTo(Simd<Real>& pressure, Simd<Real>& energy, const Simd<Real>& J) const {
     if (strength == 0) return;
@@ -82,11 +88,11 @@ struct BarrierLanes {
     energy += whereLess(J, Simd<Real>(J0), strength * (J * logarithm - Jc + J0 + d * d / (Jc * Real(2))), none);
   }
 
-  /// |cof F|^2 with which K |cof F|^2 has the barrier's part of the volume's stiffness, too.
-  void stiffen(Simd<Real>& cof2, const Simd<Real>& J) const {
+  /// Adds the barrier's part of the volume's stiffness, K b / J, to PointStateOf::squeeze.
+  void stiffen(Simd<Real>& squeeze, const Simd<Real>& J) const {
     if (strength == 0) return;
     const Simd<Real> none = Real(0), Jc = max(J, Simd<Real>(static_cast<Real>(Material::min_isochoric_J)));
-    cof2 += whereLess(J, Simd<Real>(J0), cof2 * share / Jc, none);
+    squeeze += whereLess(J, Simd<Real>(J0), strength / Jc, none);
   }
 };
 

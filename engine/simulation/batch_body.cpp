@@ -125,7 +125,7 @@ BatchBody::Report BatchBody::advance(double alpha, double beta, double time) {
   report.min_J = forces_report.min_J;
   report.worst_point = forces_report.worst_point;
   report.inverted_points = forces_report.inverted_points;
-  report.max_cof2 = forces_report.max_cof2;
+  report.step_share = stepShare(model_, forces_report);
   for (std::size_t i = 0; i < u.size(); ++i) store(du[i], beta * load(du[i]) + (alpha * inverse_mass_[i]) * load(f[i]));
   for (std::size_t i = 0; i < model_.weight.size(); ++i)
     store(du[i], load(du[i]) + (alpha * inverse_mass_[i]) * load(model_.weight[i]));

@@ -24,7 +24,7 @@ class BatchBody {
     int inverted_points = 0;
     double max_increment = 0;  // m
     bool finite = true;
-    double max_cof2 = 3;  // of ForceReport
+    double step_share = 0;      // of the step that the model was made for
     Doubt doubt = Doubt::None;  // of what step time and energy don't tell
     Vec3 tool_force = Vec3::Zero();  // N, on the first tool
     ToolLoads loads;                 // of all tools, without torques

@@ -30,7 +30,7 @@ float largestOf(const StiffnessMeans::Lists& lists, int list, const float* value
 
 /// The factor of each node's mass that makes dt the followed share of the stable step, into `need`; a bound of at most
 /// 1 where the node has mass enough. Returns the largest of the nodes that share a factor.
-float computeNeeds(const Model& model, const LiveParameters& live, Workspace& workspace) {
+float computeNeeds(const Model& model, Workspace& workspace) {
   constexpr int group_size = StiffnessMeans::group_size;
   const StiffnessMeans& means = model.stiffness_means;
   LocalMassScratch& scratch = workspace.local_mass;
@@ -39,16 +39,19 @@ float computeNeeds(const Model& model, const LiveParameters& live, Workspace& wo
   forParts(workspace.team, scratch.squeezed.size(), [&](int, int begin, int end) {
     for (int b = begin; b < end; ++b) {
       const auto m = static_cast<std::size_t>(model.kernel.batch_material[b]), at = static_cast<std::size_t>(b) * 16;
-      const double scale = rest * rest / model.materials[m].waveModulus();
-      const auto bulk = static_cast<float>(scale * live.kernel.materials[m].bulk_modulus),
-                 shear = static_cast<float>(scale * live.kernel.materials[m].shear_modulus);
-      const float *const cof2 = &workspace.kernel.cof2[at], *const J = &workspace.kernel.J[at];
-      const float enough = hardlySqueezedModulus(bulk, shear);
-      scratch.squeezed[b] = enough > 1 || !hardlySqueezed(cof2, J);
-      if (scratch.squeezed[b])
-        squeezedModulus(cof2, J, bulk, shear, &scratch.point[at]);
-      else
-        std::fill_n(&scratch.point[at], 16, enough);
+      const auto scale = static_cast<float>(rest * rest / model.materials[m].waveModulus());
+      const KernelScratch& k = workspace.kernel;
+      float* const need = &scratch.point[at];
+      const float largest_squeeze = *std::max_element(&k.squeeze[at], &k.squeeze[at] + 16),
+                  largest_other = *std::max_element(&k.other[at], &k.other[at] + 16);
+      const float enough = scale * (hardly_squeezed_s2 * largest_squeeze + largest_other);
+      scratch.squeezed[b] = !(enough <= 1) || !hardlySqueezed(&k.cof2[at], &k.J[at]);
+      if (scratch.squeezed[b]) {
+        squeezedModulus(&k.cof2[at], &k.J[at], &k.squeeze[at], &k.other[at], need);
+        std::for_each_n(need, 16, [scale](float& c) { c *= scale; });
+      } else {
+        std::fill_n(need, 16, enough);
+      }
     }
   });
   forParts(workspace.team, scratch.group.size(), [&](int, int begin, int end) {
@@ -82,21 +85,20 @@ float computeNeeds(const Model& model, const LiveParameters& live, Workspace& wo
   return *std::max_element(bounded, bounded + parts);
 }
 
-/// Whether dt could be too long: a point would need mass that had both the largest |cof F|^2 and the least J of all.
-/// Where the bulk modulus is not far above mu, it is J^(-2/3) that stiffens a crumpled point.
+/// Whether dt could be too long: a point would need mass that had both the largest |cof F|^2 and the least J of all,
+/// and the largest moduli.
 bool mayNeedMass(const Model& model, const LiveParameters& live, const ForceReport& forces) {
   const double rest = model.dt / model.dt_critical / followed_step_share;
-  float cof2[16], J[16], of_bulk[16], of_shear[16];
+  float cof2[16], J[16], squeeze[16], other[16], modulus[16];
   std::fill_n(cof2, 16, static_cast<float>(std::max(forces.max_cof2, 3.0)));
   std::fill_n(J, 16, std::min(forces.min_J, 1.0F));
-  squeezedModulus(cof2, J, 1, 0, of_bulk);
-  squeezedModulus(cof2, J, 0, 1, of_shear);
-  for (std::size_t m = 0; m < model.materials.size(); ++m) {  // hundreds where tissue mixes
-    const Material& now = live.kernel.materials[m];
-    const double modulus = now.bulk_modulus * of_bulk[0] + now.shear_modulus * of_shear[0];
-    if (rest * rest * modulus > model.materials[m].waveModulus()) return true;
-  }
-  return false;
+  std::fill_n(squeeze, 16, static_cast<float>(forces.max_squeeze));
+  std::fill_n(other, 16, static_cast<float>(forces.max_modulus - forces.max_squeeze));
+  squeezedModulus(cof2, J, squeeze, other, modulus);
+  double stiffer = 0;
+  for (std::size_t m = 0; m < model.materials.size(); ++m)  // hundreds where tissue mixes
+    stiffer = std::max(stiffer, live.kernel.materials[m].waveModulus() / model.materials[m].waveModulus());
+  return !(rest * rest * stiffer * modulus[0] <= 1);
 }
 
 }  // namespace
@@ -104,14 +106,14 @@ bool mayNeedMass(const Model& model, const LiveParameters& live, const ForceRepo
 StepMasses followStiffness(const Model& model, const Integrator& integrator, const ForceReport& forces, State& state,
                            Workspace& workspace) {
   StepMasses masses{model.inverse_mass.data(), nullptr, nullptr, integrator.alpha, 0, 0};
-  masses.step_share = stepShare(model, state.live, forces.max_cof2);
+  masses.step_share = stepShare(model, state.live, forces);
   LocalMass& local = state.local_mass;
   if (!(masses.step_share > followed_step_share) && !local.active && !mayNeedMass(model, state.live, forces))
     return masses;
 
   const StiffnessMeans& means = model.stiffness_means;
   LocalMassScratch& scratch = workspace.local_mass;
-  const float bounded_need = computeNeeds(model, state.live, workspace);
+  const float bounded_need = computeNeeds(model, workspace);
   const double ch = integrator.ch;
   double added_of[parts], mass_of[parts];
   float needed_of[parts];

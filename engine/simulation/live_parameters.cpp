@@ -16,7 +16,13 @@ void setMaterial(const Model& model, int index, const Material& material, LivePa
 }
 
 double stiffening(const Material& loaded, const Material& present) {
-  return std::max(present.bulk_modulus / loaded.bulk_modulus, present.shear_modulus / loaded.shear_modulus);
+  const double matrix =
+      std::max(present.bulk_modulus / loaded.bulk_modulus, present.shear_modulus / loaded.shear_modulus);
+  if (present.fibre_modulus == 0) return matrix;
+  // s with s (E + f) >= matrix E + f': stretched along the fibres, a free body is held by its Young's modulus E, too.
+  const double K = loaded.bulk_modulus, mu = loaded.shear_modulus, young = 9 * K * mu / (3 * K + mu);
+  const double before = std::equal(loaded.fibre, loaded.fibre + 3, present.fibre) ? loaded.fibre_modulus : 0;
+  return std::max(matrix, (matrix * young + present.fibre_modulus) / (young + before));
 }
 
 double stiffening(const Model& model, const LiveParameters& live) {

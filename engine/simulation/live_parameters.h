@@ -22,7 +22,8 @@ LiveParameters loadedParameters(const Model& model);
 void setMaterial(const Model& model, int index, const Material& material, LiveParameters& live);
 
 /// How much stiffer a material is at rest than another: the larger ratio of bulk and of shear moduli. Each counts for
-/// itself: at one wave modulus one can be traded for the other, but node patches relax only the bulk.
+/// itself: at one wave modulus one can be traded for the other, but node patches relax only the bulk. Fibres count by
+/// what they add to Young's modulus.
 double stiffening(const Material& loaded, const Material& present);
 
 /// The largest stiffening of the materials in force, s: the body's stiffness at rest is at most s times the loaded one,

@@ -31,7 +31,7 @@ std::optional<BatchBody::Report> TransientSolver::tick(const ToolsAt& tools, con
       total.worst_point = report.worst_point;
     }
     total.doubt = std::max(total.doubt, report.doubt);
-    if (stepShare(model_, report.max_cof2) > TrustLimits::step_share) total.doubt = std::max(total.doubt, Doubt::Step);
+    if (report.step_share > TrustLimits::step_share) total.doubt = std::max(total.doubt, Doubt::Step);
     total.inverted_points = std::max(total.inverted_points, report.inverted_points);
     total.max_increment = std::max(total.max_increment, report.max_increment);
     total.finite = total.finite && report.finite;

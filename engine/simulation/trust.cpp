@@ -74,15 +74,16 @@ Doubt doubtNamed(std::string_view name) {
   return Doubt::None;
 }
 
-double stepShare(const Model& model, const LiveParameters& live, double max_cof2) {
-  return std::sqrt(stiffening(model, live)) * stepShare(model, max_cof2);
+double stepShare(const Model& model, const LiveParameters& live, const ForceReport& forces) {
+  return std::sqrt(stiffening(model, live)) * stepShare(model, forces);
 }
 
-double stepShare(const Model& model, double max_cof2) {
+double stepShare(const Model& model, const ForceReport& forces) {
   // The largest root of s^2 + 2 / s = |cof F|^2, the other two singular values being taken as equal.
-  const double a = std::max(max_cof2, 3.0), r = std::sqrt(3 / a);
+  const double a = std::max(forces.max_cof2, 3.0), r = std::sqrt(3 / a);
   const double s = 2 / r * std::cos(std::acos(-r * r * r) / 3);
-  return model.dt / model.dt_critical * s;
+  const double modulus = forces.max_modulus + forces.max_squeeze * (s * s - 1);  // of that at rest
+  return model.dt / model.dt_critical * std::sqrt(std::max(modulus, 1.0));
 }
 
 }  // namespace palpate

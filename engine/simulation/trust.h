@@ -2,6 +2,7 @@
 
 #include <string_view>
 
+#include "mechanics/internal_forces.h"
 #include "simulation/model.h"
 #include "simulation/state.h"
 
@@ -50,13 +51,13 @@ Doubt doubtNamed(std::string_view name);
 
 /// The time step dt divided by the stable step of the deformed body: above 1 the step is too long.
 ///
-/// Compression stiffens the tissue and shortens its stable step: the volumetric stiffness of a point grows with the
-/// square of the largest singular value of cof F. That value is estimated from |cof F|^2, where the product of the
-/// three singular values is J^2 ~ 1; the estimate is never too small. Materials that were made stiffer during the run
-/// shorten the stable step, too (live_parameters.h).
-/// @param max_cof2  largest |cof F|^2 of the points
-double stepShare(const Model& model, const LiveParameters& live, double max_cof2);
+/// Tissue that is squeezed, and fibres that are stretched, are stiffer and shorten the stable step: their laws bound
+/// their tangent by squeeze s^2 + other (PointStateOf). s is estimated from the largest |cof F|^2, where the product of
+/// the three singular values is J^2 ~ 1; the estimate is never too small. Materials that were made stiffer during the
+/// run shorten the stable step, too (live_parameters.h).
+/// @param forces  of the step
+double stepShare(const Model& model, const LiveParameters& live, const ForceReport& forces);
 /// With the materials as they were loaded.
-double stepShare(const Model& model, double max_cof2);
+double stepShare(const Model& model, const ForceReport& forces);
 
 }  // namespace palpate

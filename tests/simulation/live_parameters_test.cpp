@@ -110,6 +110,16 @@ TEST_CASE("The stiffening is the larger of bulk and shear, over all materials", 
   CHECK(stiffening(model, live) == 4);
 }
 
+TEST_CASE("Fibres stiffen a material by what they add to Young's modulus", "[live_parameters]") {
+  const double along[] = {0, 0, 1}, across[] = {1, 0, 0};
+  const Material loaded =
+      Material::of("fibre-reinforced").set("young", 3000).set("poisson", 0.45).set("k1", 1000).set("fibre", along);
+  CHECK(stiffening(loaded, stiffened(loaded, 2)) == Approx(2));
+  CHECK(stiffening(loaded, Material(loaded).set("k1", 0)) == Approx(1));
+  CHECK(stiffening(loaded, Material(loaded).set("k1", 2750)) == Approx(2));             // 3000 + 4 k1
+  CHECK(stiffening(loaded, Material(loaded).set("fibre", across)) == Approx(7.0 / 3));  // none were there before
+}
+
 TEST_CASE("A slab stiffened live gets mass where one that was loaded as stiff does", "[live_parameters][whole]") {
   constexpr double factor = 2.5;
   Scene scene = test::blockScene();

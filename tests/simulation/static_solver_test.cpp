@@ -108,6 +108,53 @@ TEST_CASE("A block on rollers meets the closed form of uniaxial stress", "[stati
     }
 }
 
+TEST_CASE("A block with fibres on rollers meets its closed form, stretched along them and pressed across them",
+          "[static_solver][whole]") {
+  constexpr double young = 3000, poisson = 0.45, k1 = 2000, k2 = 1.5;
+  constexpr double mu = young / (2 * (1 + poisson)), K = young / (3 * (1 - 2 * poisson));
+  for (const int along : {2, 0}) {
+    const double stretch = along == 2 ? 1.3 : 0.7;
+    const Vec3 fibre = Vec3::Unit(along);
+    Scene scene = rollers((stretch - 1) * height);
+    scene.boundary_method = Scene::BoundaryMethod::Ebciem;
+    scene.materials[0].material = Material::of("fibre-reinforced")
+                                      .set("young", young)
+                                      .set("poisson", poisson)
+                                      .set("k1", k1)
+                                      .set("k2", k2)
+                                      .set("fibre", {fibre.data(), 3});
+    const Model model = blockModel(scene);
+    StaticSolver solver(model, 1, 1e-6);
+    for (const double time : {0.5, 1.0}) REQUIRE(solver.advanceTo(time).converged);
+    // Nominal principal stresses of the stretches; the two sideways ones where theirs vanish, by Newton's iteration.
+    const auto stress = [&](const Vec3& l) {
+      const double J = l.prod(), e = std::max(l[along] * l[along] - 1, 0.0);
+      Vec3 P = mu * std::pow(J, -2.0 / 3) * (l - l.squaredNorm() / 3 * l.cwiseInverse()) +
+               K * (J - 1) * J * l.cwiseInverse();
+      P[along] += 2 * k1 * e * std::exp(k2 * e * e) * l[along];
+      return P;
+    };
+    Vec3 l(1 / std::sqrt(stretch), 1 / std::sqrt(stretch), stretch);
+    for (int k = 0; k < 50; ++k) {
+      const Vec3 P = stress(l), dx = (stress(l + 1e-7 * Vec3::UnitX()) - P) / 1e-7,
+                 dy = (stress(l + 1e-7 * Vec3::UnitY()) - P) / 1e-7;
+      const double det = dx[0] * dy[1] - dx[1] * dy[0];
+      l -= Vec3(dy[1] * P[0] - dy[0] * P[1], dx[0] * P[1] - dx[1] * P[0], 0) / det;
+    }
+    REQUIRE(stress(l).head<2>().norm() < 1e-6 * mu);
+    double worst = 0;
+    const auto field = fieldAt(model.node_shape, solver.body().u);
+    for (int i = 0; i < model.nodeCount(); ++i)
+      worst =
+          std::max(worst, (field[i] - (l - Vec3::Ones()).cwiseProduct(Vec3(model.X[i] + Vec3(0.03, 0.03, 0)))).norm());
+    const double force = solver.body().reactions()[3].force.z(), exact = stress(l)[2] * area;
+    INFO("fibres along " << along << ": stretches " << l.transpose() << ", displacement off by "
+                         << worst / (std::abs(stretch - 1) * height) << ", force by " << force / exact - 1);
+    CHECK(worst < 1e-5 * std::abs(stretch - 1) * height);
+    CHECK(force == Approx(exact).epsilon(1e-4));
+  }
+}
+
 TEST_CASE("A static solution is the same to the bit for any number of threads", "[static_solver][determinism]") {
   const Model model = blockModel(plates(Vec3(0.003, 0, -0.003)));
   const auto solve = [&](int threads) {

@@ -193,13 +193,19 @@ TEST_CASE("The share of the stable step follows the squeeze of the volume", "[tr
   Model model;
   model.dt = 0.5;
   model.dt_critical = 1;
-  CHECK(stepShare(model, {}, 3) == Approx(0.5));
+  ForceReport forces;
+  forces.max_modulus = forces.max_squeeze = 1;  // K s^2 alone
+  CHECK(stepShare(model, {}, forces) == Approx(0.5));
   // Squeezed to 1 / s^2 in one direction at constant volume, F = diag(s, s, 1 / s^2): singular values of cof F 1 /
   // s, 1 / s, s^2.
   for (const double s : {1.1, 1.5, 2.0}) {
     const double largest = s * s, cof2 = largest * largest + 2 / (s * s);
-    CHECK(stepShare(model, {}, cof2) == Approx(0.5 * largest).epsilon(1e-3));
+    forces.max_cof2 = cof2;
+    CHECK(stepShare(model, {}, forces) == Approx(0.5 * largest).epsilon(1e-3));
   }
+  forces.max_cof2 = 3;
+  forces.max_modulus = 4;  // fibres, stretched and nowhere squeezed
+  CHECK(stepShare(model, {}, forces) == Approx(1.0));
 }
 
 TEST_CASE("Each doubt has its words, and the gravest is told", "[trust]") {

@@ -1,8 +1,13 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
+#include <random>
+#include <string_view>
 #include <utility>
 #include <vector>
+
+#include <Eigen/LU>
 
 #include "mechanics/materials/material_law.h"
 
@@ -15,7 +20,7 @@ inline Material sampleMaterial(const MaterialLaw& law) {
   double number = 1;
   forEachParameter(std::as_const(m), [&](const Parameter& p, auto) {
     const bool below = std::isfinite(p.range.low), above = std::isfinite(p.range.high);
-    std::vector<double> values(p.type == Parameter::Type::Numbers ? 2 : 1);
+    std::vector<double> values(p.type == Parameter::Type::Numbers ? 2 : p.type == Parameter::Type::Vector ? 3 : 1);
     for (double& value : values) {
       number += 1;
       value = below && above ? p.range.low + (p.range.high - p.range.low) * number / 32
@@ -26,6 +31,52 @@ inline Material sampleMaterial(const MaterialLaw& law) {
     m.set(p.name, values);
   });
   return m;
+}
+
+/// Materials of the law as soft tissue might have them, 2 kPa to 2 MPa of bulk modulus and exponents up to 6, drawn from
+/// a fixed seed; some have a barrier.
+inline std::vector<Material> plausibleMaterials(const MaterialLaw& law, int count = 6) {
+  std::mt19937 random(17);
+  std::uniform_real_distribution<double> unit(0, 1);
+  std::vector<Material> all;
+  while (static_cast<int>(all.size()) < count) {
+    Material m = Material::of(law.name);
+    for (const Parameter& p : law.parameters) {
+      std::vector<double> values(p.type == Parameter::Type::Numbers ? 2 : p.type == Parameter::Type::Vector ? 3 : 1);
+      for (double& value : values) {
+        const double x = unit(random);
+        if (std::string_view(p.unit) == "Pa")
+          value = 2000 * x;
+        else if (std::string_view(p.unit) == "1/Pa")
+          value = std::pow(10, -6 + 3 * x);
+        else
+          value = std::max(p.range.low, -6.0) + x * (std::min(p.range.high, 6.0) - std::max(p.range.low, -6.0));
+      }
+      m.set(p.name, values);
+    }
+    if (all.size() % 3 == 2) m.set("barrier_strength", 1.5);
+    if (!law.check(m)) all.push_back(m);
+  }
+  return all;
+}
+
+/// Irregular deformation gradients, some of them nearly collapsed and inverted.
+inline std::vector<Mat3> irregularStates() {
+  std::mt19937 random(11);
+  std::uniform_real_distribution<double> unit(-0.35, 0.35);
+  std::vector<Mat3> all{Mat3::Identity(), Vec3(2, 2, 0.25).asDiagonal(), Vec3(0.9, 1.0, -0.2).asDiagonal()};
+  for (int k = 0; k < 40; ++k) {
+    Mat3 F = Mat3::Identity();
+    for (int c = 0; c < 9; ++c) F(c / 3, c % 3) += unit(random);
+    all.push_back(F);
+  }
+  for (const double J : {0.6, 0.3, 0.1, 0.01, -0.1, -0.5}) {
+    Mat3 F;
+    F << 1.1, 0.2, -0.1, 0.05, 0.9, 0.3, -0.2, 0.1, 1.0;
+    F.col(2) *= J / F.determinant();
+    all.push_back(F);
+  }
+  return all;
 }
 
 }  // namespace palpate::test

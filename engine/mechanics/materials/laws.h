@@ -1,7 +1,9 @@
 #pragma once
 
-// The register of material laws. A law is one file here, with its parameters, energy and stress; in the register it is
+// The register of material laws. A law is one file here, with its parameters, energy, stress and a bound of
+// its tangent; in the register it is
 // its file and its name.
+#include "mechanics/materials/fibre_reinforced.h"
 #include "mechanics/materials/mooney_rivlin.h"
 #include "mechanics/materials/neo_hookean.h"
 #include "mechanics/materials/ogden.h"
@@ -13,7 +15,7 @@ template <class... Laws>
 struct LawList {};
 
 /// In the order of the scene reference.
-using RegisteredLaws = LawList<NeoHookean, MooneyRivlin, Ogden>;
+using RegisteredLaws = LawList<NeoHookean, MooneyRivlin, Ogden, FibreReinforced>;
 
 template <class Law, class... Laws>
 consteval int placeOf(LawList<Laws...>) {

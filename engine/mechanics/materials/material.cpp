@@ -47,10 +47,16 @@ Material& Material::set(std::string_view parameter, std::span<const double> valu
   forEachParameter(*this, [&](const Parameter& p, std::span<double> present) {
     if (parameter != p.name) return;
     known = true;
-    const bool is_list = p.type == Parameter::Type::Numbers, is_pairs = p.type == Parameter::Type::Pairs;
-    const int room = is_list ? max_terms : is_pairs ? 2 * max_relaxation_terms : 1;
-    if (values.empty() || values.size() > static_cast<std::size_t>(room) || (is_pairs && values.size() % 2 == 1))
-      refuse(lawDescription(), parameter, is_list ? "1 to 6 numbers" : is_pairs ? "1 to 3 pairs" : "one number");
+    const bool is_list = p.type == Parameter::Type::Numbers, is_pairs = p.type == Parameter::Type::Pairs,
+               is_vector = p.type == Parameter::Type::Vector;
+    const auto room = static_cast<std::size_t>(is_pairs ? 2 * max_relaxation_terms : roomOf(p));
+    if (values.empty() || values.size() > room || (is_pairs && values.size() % 2 == 1) ||
+        (is_vector && values.size() < room))
+      refuse(lawDescription(), parameter,
+             is_list     ? "1 to 6 numbers"
+             : is_pairs  ? "1 to 3 pairs"
+             : is_vector ? "three numbers"
+                         : "one number");
     if (is_list) term_count = static_cast<int>(values.size());
     if (is_pairs) relaxation_count = static_cast<int>(values.size()) / 2;
     std::copy(values.begin(), values.end(), present.data());  // a list has room for them
@@ -73,6 +79,8 @@ void Material::updateModuli() {
   const RestModuli moduli = lawDescription().restModuli(*this);
   shear_modulus = moduli.shear;
   bulk_modulus = moduli.bulk;
+  fibre_modulus = moduli.fibre;
+  std::copy_n(moduli.direction.data(), 3, fibre);
 }
 
 double Material::longTermShare() const {
@@ -95,7 +103,7 @@ double Material::energy(const Mat3& F) const {
     W += bulk_modulus * barrier_strength *
          (Jc * std::log(Jc / barrier_J0) - Jc + barrier_J0 + d * std::log(Jc / barrier_J0) + d * d / (2 * Jc));
   }
-  return W + lawDescription().isochoricEnergy(*this, F);
+  return W + lawDescription().shapeEnergy(*this, F);
 }
 
 Mat3 Material::firstPiola(const Mat3& F) const { return firstPiola(F, bulk_modulus * (F.determinant() - 1)); }

@@ -10,10 +10,10 @@ namespace palpate {
 
 struct MaterialLaw;
 
-/// Isotropic hyperelastic material with density: a law (laws.h) and the values of its parameters. A small value type,
-/// which threads pass to each other.
+/// Hyperelastic material with density: a law (laws.h) and the values of its parameters. A small value type, which
+/// threads pass to each other.
 ///
-///   W = W_law(J^(-2/3) C) + K/2 (J - 1)^2          an isochoric part of the law's, and the volume
+///   W = W_law(F) + K/2 (J - 1)^2          the law's part, of J^(-2/3) C and stretches of fibres, and the volume
 struct Material {
   static constexpr int max_terms = 6;  // entries of a parameter that is a list
   static constexpr int max_values = 2 * max_terms + 1;
@@ -26,6 +26,8 @@ struct Material {
   // Follow from the parameters (set).
   double shear_modulus = 0;  // Pa, at rest
   double bulk_modulus = 0;   // Pa, K
+  double fibre_modulus = 0;  // Pa, at rest under tension: what fibres add along `fibre`; 0 where the law is isotropic
+  double fibre[3]{};         // their unit direction at rest
 
   // Parameters of every law.
   double density = 1000;  // kg/m^3
@@ -72,8 +74,8 @@ struct Material {
   /// K b ln(J / J0) below J0, with its tangent below min_isochoric_J; Pa.
   double barrierPressure(double J) const;
 
-  /// P-wave modulus at rest, K + 4/3 mu, Pa.
-  double waveModulus() const { return bulk_modulus + 4.0 / 3.0 * shear_modulus; }
+  /// P-wave modulus at rest, K + 4/3 mu, Pa; along the fibres where there are some.
+  double waveModulus() const { return bulk_modulus + 4.0 / 3.0 * shear_modulus + fibre_modulus; }
 
   /// Of the isochoric stress, what is left after a long time: 1 - sum g.
   double longTermShare() const;

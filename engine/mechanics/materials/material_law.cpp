@@ -11,15 +11,23 @@ namespace {
 template <class Law>
 constexpr int valueCount() {
   int count = 0;
-  for (const Parameter& p : Law::parameters) count += p.type == Parameter::Type::Numbers ? Material::max_terms : 1;
+  for (const Parameter& p : Law::parameters) count += roomOf(p);
   return count;
+}
+
+template <class Law>
+constexpr bool onlyNumbersHaveDefaults() {
+  for (const Parameter& p : Law::parameters)
+    if (p.type != Parameter::Type::Number && !p.isRequired()) return false;
+  return true;
 }
 
 template <class Law>
 constexpr MaterialLaw describe() {
   static_assert(valueCount<Law>() <= Material::max_values, "raise Material::max_values");
-  return {Law::name,       Law::title, Law::reference,       Law::parameters,
-          Law::restModuli, Law::check, Law::isochoricEnergy, Law::firstPiola};
+  static_assert(onlyNumbersHaveDefaults<Law>(), "a list or vector of a law has no default");
+  return {Law::name,       Law::title, Law::reference,   Law::parameters,
+          Law::restModuli, Law::check, Law::shapeEnergy, Law::firstPiola};
 }
 
 template <class... Laws>

@@ -13,6 +13,8 @@ class ByteKey;
 /// Moduli at rest, Pa.
 struct RestModuli {
   double shear, bulk;
+  double fibre = 0;  // added along `direction`, under tension
+  Vec3 direction = Vec3::Zero();
 };
 
 /// What is wrong with the values of a law's parameters together.
@@ -30,7 +32,7 @@ struct MaterialLaw {
   std::span<const Parameter> parameters;
   RestModuli (*restModuli)(const Material&);
   std::optional<ParameterProblem> (*check)(const Material&);
-  double (*isochoricEnergy)(const Material&, const Mat3& F);            // J/m^3
+  double (*shapeEnergy)(const Material&, const Mat3& F);                // J/m^3, all but the volume's
   Mat3 (*firstPiola)(const Material&, const Mat3& F, double pressure);  // Pa
 };
 
@@ -47,6 +49,11 @@ struct CommonMaterialParameter {
 /// In the order of the scene reference.
 std::span<const CommonMaterialParameter> commonMaterialParameters();
 
+/// Numbers that a law's parameter takes in Material::value.
+constexpr int roomOf(const Parameter& p) {
+  return p.type == Parameter::Type::Numbers ? Material::max_terms : p.type == Parameter::Type::Vector ? 3 : 1;
+}
+
 /// "relaxation", which every law has: 1 to 3 pairs [g, tau], or none.
 const Parameter& relaxationParameter();
 
@@ -54,14 +61,14 @@ const Parameter& relaxationParameter();
 std::optional<ParameterProblem> relaxationProblem(const Material& material);
 
 /// Calls `call(parameter, values)` for each parameter of the material's law and then for those that all laws have;
-/// `values` is a span of one number, or of term_count for a list; at last for the relaxation, with pairs or nothing.
+/// `values` is a span of one number, of three for a vector, or of term_count for a list; at last for the relaxation, with pairs or nothing.
 template <class SomeMaterial, class Call>
 void forEachParameter(SomeMaterial&& material, Call call) {
   auto* value = material.value;
   for (const Parameter& p : materialLaws()[static_cast<std::size_t>(material.law)].parameters) {
     const bool is_list = p.type == Parameter::Type::Numbers;
-    call(p, std::span(value, is_list ? static_cast<std::size_t>(material.term_count) : 1));
-    value += is_list ? Material::max_terms : 1;
+    call(p, std::span(value, static_cast<std::size_t>(is_list ? material.term_count : roomOf(p))));
+    value += roomOf(p);
   }
   for (const CommonMaterialParameter& c : commonMaterialParameters())
     call(c.parameter, std::span(&(material.*c.member), 1));

@@ -10,6 +10,8 @@ inline namespace PALPATE_KERNEL {
 ///   W = c10 (J^(-2/3) I1 - 3) + c01 (J^(-4/3) I2 - 3) + K/2 (J - 1)^2,  K = 2/D1
 /// with the invariants I1 = tr C and I2 = (I1^2 - tr C^2) / 2 = |cof F|^2 of C = F^T F. At rest mu = 2 (c10 + c01).
 ///   dI1/dF = 2 F,  dI2/dF = 2 (I1 F - F C)
+/// Tangent along the least stretch l = J / s, whose square is at most J^(2/3):
+///   (K + (10 c10 J^(-2/3) I1 + 28 c01 J^(-4/3) I2) / (9 J^2)) s^2 - 2/3 c10 J^(-2/3) - 10/3 c01 J^(-4/3) (I1 - l^2)
 /// (Mooney, J. Appl. Phys. 11, 582 (1940); Rivlin, Phil. Trans. A 241, 379 (1948).)
 struct MooneyRivlin {
   static constexpr const char *name = "mooney-rivlin", *title = "Mooney-Rivlin", *reference = "";
@@ -27,7 +29,7 @@ struct MooneyRivlin {
     return {{"c10", "\"c10\" and \"c01\" are both 0", "give a shear modulus at rest: 2 (c10 + c01)"}};
   }
 
-  static double isochoricEnergy(const Material& m, const Mat3& F) {
+  static double shapeEnergy(const Material& m, const Mat3& F) {
     const double J = F.determinant(), I1 = F.squaredNorm(), I2 = cofactor(F).squaredNorm();
     return m.value[0] * (IsochoricFactor(J, -2.0 / 3).value * I1 - 3) +
            m.value[1] * (IsochoricFactor(J, -4.0 / 3).value * I2 - 3);
@@ -69,7 +71,10 @@ struct MooneyRivlin {
       Numbers p = patch_pressure ? *patch_pressure : state.J_minus_1 * K;
       state.energy = c10 * (g1 * I1 - Real(3)) + c01 * (g2 * I2 - Real(3)) + Real(0.5) * (p * state.J_minus_1);
       barrier.addTo(p, state.energy, J);
-      barrier.stiffen(state.cof2, J);
+      const Numbers first = g1 * c10, second = g2 * c01;
+      state.squeeze = (first * I1 * (Real(10) / 9) + second * I2 * (Real(28) / 9)) / (Jc * Jc) + K;
+      state.other = first * (Real(-2) / 3) + second * (I1 - Jc * y) * (Real(-10) / 3);
+      barrier.stiffen(state.squeeze, J);
       const Numbers of_FC = g2 * (Real(2) * c01), of_F = g1 * (Real(2) * c10) + of_FC * I1;
       const Numbers of_cof = slope1 * I1 * c10 + slope2 * I2 * c01 + p;
       for (int c = 0; c < 3; ++c) {

@@ -8,6 +8,7 @@ namespace palpate {
 inline namespace PALPATE_KERNEL {
 
 ///   W = mu/2 (J^(-2/3) I1 - 3) + K/2 (J - 1)^2,  I1 = tr F^T F,  mu = E / (2 (1 + nu)),  K = E / (3 (1 - 2 nu))
+/// Tangent along the least stretch l = J / s:  (K + 5/9 mu J^(-2/3) I1 / J^2) s^2 - 1/3 mu J^(-2/3).
 struct NeoHookean {
   static constexpr const char *name = "neo-hookean", *title = "neo-Hookean", *reference = "";
   static constexpr Parameter parameters[] = {
@@ -24,7 +25,7 @@ struct NeoHookean {
 
   static std::optional<ParameterProblem> check(const Material&) { return {}; }
 
-  static double isochoricEnergy(const Material& m, const Mat3& F) {
+  static double shapeEnergy(const Material& m, const Mat3& F) {
     return 0.5 * m.shear_modulus * (IsochoricFactor(F.determinant(), -2.0 / 3).value * F.squaredNorm() - 3);
   }
 
@@ -61,7 +62,9 @@ struct NeoHookean {
       const Numbers b = slope * I1 * (Real(0.5) * mu) + p;
       for (int k = 0; k < 9; ++k) P[k] = a * F[k] + b * cof[k];
       state.cof2 = squaredNorm(cof);
-      barrier.stiffen(state.cof2, J);
+      state.squeeze = a * I1 / (Jc * Jc) * (Real(5) / 9) + K;
+      state.other = a * (Real(-1) / 3);
+      barrier.stiffen(state.squeeze, J);
       return state;
     }
   };

@@ -12,6 +12,8 @@ inline namespace PALPATE_KERNEL {
 
 ///   W = sum_k 2 mu_k / a_k^2 (J^(-a_k/3) (l1^a_k + l2^a_k + l3^a_k) - 3) + K/2 (J - 1)^2,  K = 2/D1
 /// with the principal stretches l1, l2, l3: paper eq. 32.
+/// Tangent along the stretch l_i, with S = sum_j l_j^a_k:
+///   K (J / l_i)^2 + sum_k 2 mu_k / a_k^2 J^(-a_k/3) ((a_k^2/9 + a_k/3) S + (a_k^2/3 - a_k) l_i^a_k) / l_i^2
 struct Ogden {
   static constexpr const char *name = "ogden", *title = "Ogden", *reference = "paper eq. 32";
   static constexpr Parameter parameters[] = {
@@ -47,7 +49,7 @@ struct Ogden {
     }
   };
 
-  static double isochoricEnergy(const Material& m, const Mat3& F) {
+  static double shapeEnergy(const Material& m, const Mat3& F) {
     const double J = F.determinant();
     const PrincipalStretches stretch(F);
     double W = 0;
@@ -118,7 +120,10 @@ struct Ogden {
       state.energy = Real(0.5) * pressure * state.J_minus_1;
       barrier.addTo(pressure, state.energy, J);
       state.cof2 = squaredNorm(cof);
-      barrier.stiffen(state.cof2, J);
+      state.squeeze = K;
+      barrier.stiffen(state.squeeze, J);
+      Numbers tangent[3];  // times l_i^2
+      for (auto& c : tangent) c = Real(0);
       for (int k = 0; k < terms; ++k) {
         const Real al = alpha[k], shear = 2 * mu[k] / al;
         Numbers slope = x * (-al / 3), steepness = Real(1);
@@ -135,8 +140,11 @@ struct Ogden {
         for (int i = 0; i < 3; ++i) t[i] += (q[i] - taken) * factor;
         pressure -= whereLess(x, none, (mean + Real(1)) * steepness * shear / Jc, none);
         state.energy += (sum + slope * sum + slope * Real(3)) * (shear / al);
-        state.cof2 += stiffening(q, squared, mu[k], al) / K;
+        const Real of_all = shear * (al / 9 + Real(1) / 3), of_own = shear * (al / 3 - 1);
+        for (int i = 0; i < 3; ++i) tangent[i] += (sum + Real(3)) * of_all + (q[i] + Real(1)) * of_own;
       }
+      state.other = tangent[0] / squared[0];
+      for (int i = 1; i < 3; ++i) state.other = max(state.other, tangent[i] / squared[i]);
       for (int i = 0; i < 3; ++i) {
         const Numbers s = t[i] / squared[i];
         for (int r = 0; r < 3; ++r)
@@ -147,15 +155,6 @@ struct Ogden {
       }
       for (int k = 0; k < 9; ++k) P[k] += pressure * cof[k];
       return state;
-    }
-
-   private:
-    /// What a term adds to the tangent modulus, Pa, where it stiffens as 4/3 mu (1 + 1/|a|) (J^(-1/3) l)^a / l^2 along
-    /// a principal stretch l: a = -4.7 is 3,000 times as stiff at l = 0.3.
-    static Numbers stiffening(const Numbers (&q)[3], const Numbers (&squared)[3], Real mu, Real al) {
-      Numbers most = Real(1);
-      for (int i = 0; i < 3; ++i) most = max(most, (q[i] + Real(1)) / squared[i]);
-      return (most - Real(1)) * (Real(4.0 / 3) * std::abs(mu) * (1 + 1 / std::abs(al)));
     }
   };
 };

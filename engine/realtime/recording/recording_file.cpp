@@ -68,7 +68,8 @@ std::string lineOf(const TimedRequest& change) {
       forEachParameter(r.material, [&line](const Parameter& parameter, std::span<const double> values) {
         if (parameter.type == Parameter::Type::Pairs && values.empty()) return;
         line.append(" ").append(parameter.name);
-        if (parameter.type != Parameter::Type::Number) line.append(" ").append(std::to_string(values.size()));
+        if (parameter.type == Parameter::Type::Numbers || parameter.type == Parameter::Type::Pairs)
+          line.append(" ").append(std::to_string(values.size()));
         for (const double value : values) append(line, {value});
       });
       break;
@@ -109,7 +110,7 @@ Material readMaterial(LineReader& line) {
     const bool pairs = parameter.type == Parameter::Type::Pairs;
     if (pairs && line.atEnd()) return;
     line.expect(parameter.name);
-    std::vector<double> values(1);
+    std::vector<double> values(parameter.type == Parameter::Type::Vector ? 3 : 1);
     if (pairs) {
       const int count = line.integer<int>("a number of numbers");
       if (count < 2 || count > 2 * Material::max_relaxation_terms || count % 2 == 1) line.fail("so many can't be");

@@ -113,7 +113,7 @@ StepReport BareLoop::step() {
                                              model_.rest_energy);
   state_.energy.work -= 0.5 * after;
   report.volume_change = forces.volume_change / model_.cell_volume;
-  report.step_share = stepShare(model_, state_.live, forces.max_cof2);
+  report.step_share = stepShare(model_, state_.live, forces);
   report.min_J = forces.min_J;
   if (!finite) report.flags |= kNotFinite;
   if (report.max_increment > model_.max_increment) report.flags |= kBlowUp;

@@ -1,0 +1,21 @@
+# Writes a header with all that the SOURCES include, so that they can be included inside a namespace.
+#   cmake "-DSOURCES=a.cpp;b.cpp" -DOUT=<file> -P unity_headers.cmake
+cmake_minimum_required(VERSION 3.21)
+set(lines "")
+foreach(source ${SOURCES})
+  cmake_path(GET source PARENT_PATH folder)
+  file(STRINGS ${source} includes REGEX "^#include ")
+  foreach(line ${includes})
+    if(line MATCHES "\"(.*)\"")
+      if(EXISTS ${folder}/${CMAKE_MATCH_1})  # beside its file: it would not be found from here
+        set(line "#include \"${folder}/${CMAKE_MATCH_1}\"")
+      endif()
+    endif()
+    list(APPEND lines "${line}")
+  endforeach()
+endforeach()
+list(REMOVE_DUPLICATES lines)
+list(SORT lines)
+list(JOIN lines "\n" text)
+file(WRITE ${OUT}.new "#pragma once\n${text}\n")
+file(COPY_FILE ${OUT}.new ${OUT} ONLY_IF_DIFFERENT)
