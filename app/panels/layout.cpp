@@ -9,6 +9,7 @@ namespace {
 constexpr float margin = 10, bar_height = 38, left_width = 264, right_width = 344, log_height = 104;
 constexpr float min_right_width = 260;  // narrower than this its numbers are cut
 constexpr float min_view_width = 320, min_view_height = 200;
+constexpr float view_share = 0.5F;  // of the window's width, the organ's own: a column that would take more goes
 }  // namespace
 
 Layout layoutFor(int width, int height, float scale, bool panels_shown, float overlays) {
@@ -23,12 +24,13 @@ Layout layoutFor(int width, int height, float scale, bool panels_shown, float ov
   const float top = layout.bar.bottom() + m;
   const float column_height = std::max(0.0F, h - top - m);
   float view_left = 0, view_right = w;
-  const float right = std::min(right_width * scale, w - (min_view_width + margin) * scale);
+  const float view_width = std::max(min_view_width * scale, view_share * w);
+  const float right = std::min(right_width * scale, w - view_width - m);
   if (right >= min_right_width * scale) {
     layout.right = {w - m - right, top, right, column_height};
     view_right = layout.right.x;
   }
-  if (w >= (left_width + right_width + min_view_width + 2 * margin) * scale) {
+  if (w >= (left_width + right_width) * scale + view_width + 2 * m) {
     layout.left = {m, top, left_width * scale, column_height};
     view_left = layout.left.right();
   }

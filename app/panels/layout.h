@@ -22,8 +22,8 @@ struct Layout {
 };
 
 /// @param scale  content scale of the screen: 1 plain, 2 high-DPI
-/// In a window too narrow for two columns the left one's panels stand in the right one, below its own; that is scrolled
-/// and becomes narrower, down to 590 px of width; below, it is left out.
+/// The organ keeps half of the width. In a window too narrow for two columns beside that the left one's panels stand in
+/// the right one, below its own; that is scrolled and becomes narrower, down to 590 px of width; below, it is left out.
 /// @param overlays  px at scale 1 that legend and timeline take at the foot of the view; where that leaves too little
 /// of it, the log goes
 Layout layoutFor(int width, int height, float scale, bool panels_shown, float overlays = 0);

@@ -31,7 +31,7 @@ void Log::keep(LogLine line, const std::string& printed) {
   const LogLevel level = line.level;
   if (lines_.size() >= max_lines) lines_.erase(lines_.begin(), lines_.begin() + max_lines / 2);
   lines_.push_back(std::move(line));
-  std::ostream& out = level == LogLevel::Info ? std::cout : std::cerr;
+  std::ostream& out = level <= LogLevel::Info ? std::cout : std::cerr;
   out << (level == LogLevel::Error     ? "error: "
           : level == LogLevel::Warning ? "warning: "
                                        : "")

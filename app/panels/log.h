@@ -6,7 +6,7 @@
 
 namespace palpate::app {
 
-enum class LogLevel { Info, Warning, Error };
+enum class LogLevel { Detail, Info, Warning, Error };  // Detail: for engineers
 
 struct LogLine {
   std::optional<double> run_s;  // of the run; without: the program's own, before or beside it
@@ -22,6 +22,7 @@ class Log {
   void add(LogLevel level, const std::string& text);
   /// The same for what happened in the run at a time, s. @param printed  for the terminal, where it says more
   void add(LogLevel level, double run_s, const std::string& text, const std::string& printed);
+  void detail(const std::string& text) { add(LogLevel::Detail, text); }
   void info(const std::string& text) { add(LogLevel::Info, text); }
   void warning(const std::string& text) { add(LogLevel::Warning, text); }
   void error(const std::string& text) { add(LogLevel::Error, text); }

@@ -24,6 +24,13 @@ RunState runState(const LoopStatus& status, bool past) {
   return {"RUNNING", colours::good};
 }
 
+/// Of the view, what legend and timeline leave.
+Rect aboveFoot(const Theme& theme, const PanelData& data, const PanelState& state, Rect view) {
+  if (data.colour_scale.map != ColourMap::Tissue) view.height -= legend_room * theme.scale;
+  if (state.timeline_shown && data.timeline) view.height -= timeline_room * theme.scale;
+  return view;
+}
+
 }  // namespace
 
 PanelRequests drawPanels(const Theme& theme, const PanelData& data, const Layout& layout, PanelState& state,
@@ -35,9 +42,9 @@ PanelRequests drawPanels(const Theme& theme, const PanelData& data, const Layout
   };
   const auto tissueCards = [&] {
     drawToolCard(theme, data, state, requests);
-    drawViewCard(theme, data, view, requests);
-    drawMaterialCard(theme, data, requests);
-    drawNumbersCard(theme, data);
+    drawViewCard(theme, data, state, view, requests);
+    drawMaterialCard(theme, data, state, requests);
+    if (state.engineer) drawNumbersCard(theme, data);
   };
   if (layout.panels) {
     drawBar(theme, data, layout.bar, state, requests);
@@ -53,11 +60,11 @@ PanelRequests drawPanels(const Theme& theme, const PanelData& data, const Layout
         if (layout.left.width <= 0) taskCard();  // its buttons are always at hand, and short enough to leave the force
         drawForceCard(theme, data, layout.right.height, state, requests);
         if (layout.left.width <= 0) tissueCards();  // one column for all, to be scrolled
-        if (!data.timeless) drawTimingCard(theme, data, layout.left.width > 0);
+        if (!data.timeless && state.engineer) drawTimingCard(theme, data, layout.left.width > 0);
       }
       ImGui::End();
     }
-    if (layout.log.width > 0 && !data.timeless) drawLog(theme, data, layout.log);
+    if (layout.log.width > 0 && !data.timeless) drawLog(theme, data, state.engineer, layout.log);
   } else if (state.demo) {
     drawDemoForce(theme, data);
   }
@@ -68,7 +75,11 @@ PanelRequests drawPanels(const Theme& theme, const PanelData& data, const Layout
   drawPullForce(theme, data);
   // Its buttons are for somebody who looks on; a picture of the organ alone has none.
   const bool organ_alone = data.timeless && !state.panels_shown;
-  if ((data.notice || data.snapshot.status.frozen) && !organ_alone) drawNotice(theme, data, layout.view, requests);
+  const bool told = data.notice && !data.attracts;  // which nobody's hand has caused
+  if ((told || data.snapshot.status.frozen) && !organ_alone)
+    drawNotice(theme, data, demo ? aboveFoot(theme, data, state, free) : layout.view, demo, requests);
+  if (demo && data.attracts) drawInvitation(theme, aboveFoot(theme, data, state, free));
+  if (data.out_of_view) requests.frame_view |= drawCall(theme, "The organ is out of view: F", layout.view);
   if (state.help_shown) drawHelp(theme, state);
   if (state.open_shown) drawOpenDialog(theme, data, state, requests);
   if (!state.problem.empty()) drawProblem(theme, state);
@@ -89,23 +100,24 @@ void drawBar(const Theme& theme, const PanelData& data, const Rect& place, Panel
     const bool wide = place.width >= 1300 * s, roomy = place.width >= 900 * s, narrow = place.width < 700 * s;
     const bool past = data.timeline && data.timeline->past;  // the run waits meanwhile
     const bool waits = status.paused || past;
-    at(14 * s, text_y - s);
-    ImGui::PushFont(theme.title);
-    ImGui::TextUnformatted("Palpate");
-    ImGui::PopFont();
+    if (!narrow) {
+      at(14 * s, text_y - s);
+      ImGui::PushFont(theme.title);
+      ImGui::TextUnformatted("Palpate");
+      ImGui::PopFont();
+    }
     if (roomy) {
       ImGui::SameLine(0, 12 * s);
       ImGui::SetCursorPosY(text_y);
       ImGui::TextDisabled("%s", fitted(data.model.scene.name, (wide ? 250 : 110) * s).c_str());
     }
-    if (!narrow) {
-      ImGui::SameLine(0, 16 * s);
-      ImGui::SetCursorPosY(0.5F * (place.height - theme.small->FontSize - 6 * s));
-      const RunState run = data.timeless ? RunState{"SNAPSHOT", colours::accent} : runState(status, past);
-      badge(theme, run.text, run.colour);
-    }
+    if (!narrow) ImGui::SameLine(0, 16 * s);
+    if (narrow) ImGui::SetCursorPosX(5 * s);
+    ImGui::SetCursorPosY(0.5F * (place.height - theme.small->FontSize - 6 * s));
+    const RunState run = data.timeless ? RunState{"SNAPSHOT", colours::accent} : runState(status, past);
+    badge(theme, run.text, run.colour);
 
-    float x = (wide ? 440 : roomy ? 300 : narrow ? 84 : 190) * s;
+    float x = (wide ? 440 : roomy ? 300 : narrow ? 88 : 190) * s;
     const float width = (narrow ? 60 : 66) * s, next = width + (narrow ? 3 : 6) * s;
     at(x, button_y);
     if (button("File", width)) ImGui::OpenPopup("##file");
@@ -120,34 +132,55 @@ void drawBar(const Theme& theme, const PanelData& data, const Rect& place, Panel
     if (button("Reset", width)) requests.reset = true;
     at(x += next, button_y);
     const bool by_hand = data.driver == ToolDriver::User;
-    if (button("Undo", width, by_hand, "a script or recording moves the tool: reset begins it again"))
-      requests.undo = true;
+    if (undoButton(width, by_hand)) requests.undo = true;
     at(x += next, button_y);
     if (button("Frame", width)) requests.frame_view = true;
     x += width + 16 * s;
 
     // Figures stand at the right end, so that the buttons never move.
-    std::vector<std::string> figures{"", format("t %.2f s", data.snapshot.time_s)};  // each with one more
-    if (!data.timeless) figures.push_back(figures.back() + format("   real time x%.3f", status.recent_realtime_factor));
-    if (data.frames_per_second > 0) figures.push_back(figures.back() + format("   %.0f fps", data.frames_per_second));
-    const float help_width = 64 * s;
-    const float right = place.width - help_width - 10 * s;
+    std::vector<std::string> figures{"", format("t %.2f s", data.snapshot.force.time_s)};  // each with one more
+    const bool slow = !waits && !data.timeless && status.recent_realtime_factor < 0.99;
+    if (!data.timeless && (state.engineer || slow))
+      figures.push_back(figures.back() + format("   real time x%.3f", status.recent_realtime_factor));
+    if (data.frames_per_second > 0 && state.engineer)
+      figures.push_back(figures.back() + format("   %.0f fps", data.frames_per_second));
+    const float help_width = 64 * s, engineer_width = narrow ? 0 : 92 * s;
+    const float right = place.width - help_width - engineer_width - 10 * s;
     const std::string& shown = lastThatFits(figures, right - 12 * s - x);
     at(right - 12 * s - ImGui::CalcTextSize(shown.c_str()).x, text_y);
-    const bool slow = !waits && !data.timeless && status.recent_realtime_factor < 0.99;
     ImGui::PushStyleColor(ImGuiCol_Text, slow ? colours::warning : colours::text);
     ImGui::TextUnformatted(shown.c_str());
     ImGui::PopStyleColor();
-    at(right, button_y);
+    if (!narrow) {  // else in the File menu
+      at(right, button_y);
+      ImGui::Checkbox("Engineer", &state.engineer);
+      if (ImGui::IsItemHovered())
+        ImGui::SetTooltip("E: also the numbers that only those who build scenes and programs need");
+    }
+    at(right + engineer_width, button_y);
     if (button("F1 help", help_width)) state.help_shown = !state.help_shown;
   }
   ImGui::End();
 }
 
-void drawLog(const Theme& theme, const PanelData& data, const Rect& place) {
+void drawLog(const Theme& theme, const PanelData& data, bool engineer, const Rect& place) {
+  // As high as its lines are in today's width, before they are drawn: else the first picture of another size would show
+  // where they ended in the last one.
+  const float text_left = 62 * theme.scale;
+  ImGui::PushFont(theme.small);
+  const ImGuiStyle& style = ImGui::GetStyle();
+  const float width = place.width - 2 * style.WindowPadding.x - style.ScrollbarSize - text_left;
+  float height = 0;
+  for (const LogLine& line : data.log)
+    if (line.level != LogLevel::Detail || engineer)
+      height += ImGui::CalcTextSize(line.text.c_str(), nullptr, false, std::max(1.0F, width)).y + style.ItemSpacing.y;
+  ImGui::PopFont();
+  ImGui::SetNextWindowContentSize({0, height});
+  keepAtEnd("##log");  // the newest line, unless the user scrolled up to read
   if (beginPane("##log", place)) {
     ImGui::PushFont(theme.small);
     for (const LogLine& line : data.log) {
+      if (line.level == LogLevel::Detail && !engineer) continue;
       const ImU32 colour = line.level == LogLevel::Error     ? colours::bad
                            : line.level == LogLevel::Warning ? colours::warning
                                                              : colours::text;
@@ -158,15 +191,13 @@ void drawLog(const Theme& theme, const PanelData& data, const Rect& place) {
       ImGui::TextUnformatted(time.c_str());
       ImGui::PopStyleColor();
       ImGui::SameLine();
-      ImGui::SetCursorPosX(left + 62 * theme.scale);
+      ImGui::SetCursorPosX(left + text_left);
       ImGui::PushStyleColor(ImGuiCol_Text, colour);
       ImGui::PushTextWrapPos(0);
       ImGui::TextUnformatted(line.text.c_str());
       ImGui::PopTextWrapPos();
       ImGui::PopStyleColor();
     }
-    // Follow the newest line unless the user scrolled up to read.
-    if (ImGui::GetScrollY() >= ImGui::GetScrollMaxY() - ImGui::GetFontSize()) ImGui::SetScrollHereY(1);
     ImGui::PopFont();
   }
   ImGui::End();

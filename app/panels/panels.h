@@ -70,7 +70,7 @@ struct PanelData {
   const ForceHistory& forces;
   std::span<const LogLine> log;
   TimingView timing{};
-  ForceReading force{};  // at the time of drawing, newer than the snapshot's
+  ForceReading force{};  // the snapshot's, and how old it is
   std::vector<MaterialView> materials{};
   double friction = 0;         // Coulomb coefficient at present
   std::string input_note{};    // why material and friction can't be changed now; empty: they can
@@ -84,9 +84,12 @@ struct PanelData {
   const TaskScore* task = nullptr;            // the search for lumps; null: there is none
   bool revealed = false;                      // it is over
   bool timeless = false;                      // nothing that the clock says of this machine
+  bool out_of_view = false;                   // nothing of the organ is seen
+  bool attracts = false;                      // the demo plays by itself
   double pull_N = -1;                         // of the spring under the pointer; < 0: nothing is pulled
-  double hand_depth_m = 0;                    // that the gliding hand presses
   bool hand_on_skin = false;                  // it glides
+  bool hand_presses = false;                  // at a depth of its own
+  double widest_jaws_m = 0;                   // that it can open; 0: it holds none
   std::optional<TimelineView> timeline{};     // null: nothing is kept
   const ForceHistory* past_forces = nullptr;  // of the earlier moment that is looked at; null: of the present
   std::span<const std::string> scenes{};      // to open: the program's own, then those of late
@@ -95,8 +98,10 @@ struct PanelData {
 /// What the user sets in the panels and keeps from frame to frame.
 struct PanelState {
   bool panels_shown = true;
+  bool engineer = false;  // also what only those who build scenes and programs need
   bool help_shown = false;
-  double tool_speed_mm_s = 20;  // of the tool when moved by keys
+  double tool_speed_mm_s = 20;  // of the tool when moved by keys or buttons
+  double press_mm = 0;          // that "Press" presses; 0: not set yet
   bool glide = true;            // the probe glides over the skin; else it is moved freely
   bool demo = false;            // full picture, large force, no panels
   bool open_shown = false;      // the dialog that opens a file
@@ -116,7 +121,6 @@ struct PanelState {
 /// What was clicked in this frame.
 struct PanelRequests {
   bool toggle_pause = false, single_step = false, reset = false, undo = false;
-  bool undo_more = false;  // two seconds
   bool reset_all = false;  // friction and materials, too
   bool dismiss_notice = false;
   bool save_picture = false, save_forces = false, save_state = false, save_presses = false, clear_presses = false;
@@ -125,6 +129,10 @@ struct PanelRequests {
   bool mark = false, unmark = false, submit = false;
   bool search_again = false;       // the same task from its beginning
   bool upright = false;            // the probe stands on the skin again
+  std::optional<double> press;     // m, into the skin below the probe
+  bool lift = false;               // off it
+  bool grasp = false;              // and lift
+  std::optional<double> opening;   // m, of jaws
   std::optional<bool> glide;       // the hand's mode
   std::optional<ToolChoice> tool;  // another probe
   std::string open_scene, open_script, open_recording, open_curve;
@@ -149,23 +157,27 @@ std::string staleMark(const ForceReading& force, const LoopStatus& status);
 
 // The parts, each in a file of its own.
 void drawBar(const Theme&, const PanelData&, const Rect&, PanelState&, PanelRequests&);
-void drawViewCard(const Theme&, const PanelData&, View&, PanelRequests&);
+void drawViewCard(const Theme&, const PanelData&, const PanelState&, View&, PanelRequests&);
 void drawTaskCard(const Theme&, const PanelData&, PanelState&, View&, PanelRequests&);
 void drawNumbersCard(const Theme&, const PanelData&);
 void drawToolCard(const Theme&, const PanelData&, PanelState&, PanelRequests&);
-void drawMaterialCard(const Theme&, const PanelData&, PanelRequests&);
+void drawMaterialCard(const Theme&, const PanelData&, const PanelState&, PanelRequests&);
 void drawForceCard(const Theme&, const PanelData&, float height, PanelState&, PanelRequests&);
 void drawTimingCard(const Theme&, const PanelData&, bool open);
-void drawLog(const Theme&, const PanelData&, const Rect&);
+void drawLog(const Theme&, const PanelData&, bool engineer, const Rect&);
 void drawLegend(const Theme&, const ColourScale&, const Rect& view);
-void drawNotice(const Theme&, const PanelData&, const Rect& view, PanelRequests&);
+void drawNotice(const Theme&, const PanelData&, const Rect& view, bool large, PanelRequests&);
 void drawTimeline(const Theme&, const PanelData&, const Rect& view, PanelState&, PanelRequests&);
 void drawPullForce(const Theme&, const PanelData&);
 void drawDemoForce(const Theme&, const PanelData&);
+/// In the middle of the view: a sentence that can be clicked.
+bool drawCall(const Theme&, const char* sentence, const Rect& view);
 /// Where that stands: in the lower right corner.
 Rect demoForcePlace(const Theme&, const PanelData&);
 /// What it leaves of the view for what lies at its foot: the part beside it or, in a narrow window, above it.
 Rect besideDemoForce(const Rect& view, const Rect& force, float scale);
+/// What the demo that plays by itself asks of who comes near.
+void drawInvitation(const Theme&, const Rect& view);
 void drawFileMenu(const Theme&, PanelState&, PanelRequests&);
 void drawOpenDialog(const Theme&, const PanelData&, PanelState&, PanelRequests&);
 void drawQuitDialog(const Theme&, PanelState&, PanelRequests&);

@@ -36,19 +36,19 @@ PlotAxes axesOver(std::span<const PlotPoint> a, std::span<const PlotPoint> b) {
   return axes;
 }
 
-void bigNumber(const Theme& theme, const char* name, double newton, ImU32 colour, float width) {
+void bigNumber(const Theme& theme, const char* name, const char* unit, double value, ImU32 colour, float width) {
   const float left = ImGui::GetCursorPosX();
   ImGui::BeginGroup();
   ImGui::PushStyleColor(ImGuiCol_Text, colour);
   ImGui::PushFont(theme.big);
-  const std::string number = format("%.*f", std::abs(newton) < 100 ? 3 : 1, newton);
+  const std::string number = format("%.*f", std::abs(value) < 100 && *unit == 'N' ? 3 : 1, value);
   ImGui::TextUnformatted(number.c_str());
   const float baseline = ImGui::GetItemRectMax().y;
   ImGui::PopFont();
   ImGui::PopStyleColor();
   ImGui::SameLine(0, 4 * theme.scale);
   ImGui::SetCursorScreenPos({ImGui::GetCursorScreenPos().x, baseline - 1.45F * ImGui::GetFontSize()});
-  ImGui::TextDisabled("N");
+  ImGui::TextDisabled("%s", unit);
   ImGui::SetCursorScreenPos({ImGui::GetWindowPos().x + left, baseline - 2 * theme.scale});
   note(theme, name);
   ImGui::EndGroup();
@@ -98,8 +98,8 @@ void drawDepthPlot(const PanelData& data, float height, const PanelState& state)
   std::optional<ReferenceCurve> hertz;
   if (state.hertz && data.materials.size() == 1) hertz = hertzCurve(data.model, data.materials[0].material, axes.x_max);
   if (hertz) series.push_back({"Hertz", hertz->curve, colours::good, 1.6F});
-  series.push_back({"raw", raw, colours::raw, 1.2F});
-  series.push_back({"filtered", filtered, colours::accent, 1.8F});
+  if (state.engineer) series.push_back({"raw", raw, colours::raw, 1.2F});
+  series.push_back({state.engineer ? "filtered" : "", filtered, colours::accent, 1.8F});
   drawPlot("##depth", height, axes, series);
 }
 
@@ -155,13 +155,27 @@ void drawForceCard(const Theme& theme, const PanelData& data, float height, Pane
   const ImU32 filtered_colour = !fresh ? colours::stale : doubted ? colours::warning : colours::accent;
   const ImU32 raw_colour = !fresh ? colours::stale : doubted ? colours::warning : colours::raw;
   const float half = 0.5F * ImGui::GetContentRegionAvail().x;
-  bigNumber(theme, fresh ? "filtered" : mark.c_str(), force.force_filtered.norm(), filtered_colour, half);
-  bigNumber(theme, fresh ? "raw" : mark.c_str(), force.force_raw.norm(), raw_colour, half);
+  const bool engineer = state.engineer;
+  const char* const name = engineer ? "filtered" : "force";
+  if (data.pull_N >= 0)  // the force of the hand, which then holds no probe
+    bigNumber(theme, "pull on the tissue", "N", data.pull_N, colours::good, half);
+  else
+    bigNumber(theme, fresh ? name : mark.c_str(), "N", force.force_filtered.norm(), filtered_colour, half);
+  if (engineer)
+    bigNumber(theme, fresh ? "raw" : mark.c_str(), "N", force.force_raw.norm(), raw_colour, half);
+  else
+    bigNumber(theme, force.depth_m < 0 ? "from the skin" : "deep", "mm", 1e3 * std::abs(force.depth_m), colours::text,
+              half);
   ImGui::NewLine();
   const Vec3& f = force.force_filtered;
-  row("Components", format("%+.3f  %+.3f  %+.3f N", f.x(), f.y(), f.z()), fresh ? colours::text : colours::stale,
-      "x, y, z of the filtered force");
-  row("Peak", format("%.3f N filtered, %.3f N raw", data.forces.peakFiltered(), data.forces.peakRaw()));
+  const ForceHistory& forces = shownForces(data);
+  if (engineer) {
+    row("Components", format("%+.3f  %+.3f  %+.3f N", f.x(), f.y(), f.z()), fresh ? colours::text : colours::stale,
+        "x, y, z of the filtered force");
+    row("Peak", format("%.3f N filtered, %.3f N raw", forces.peakFiltered(), forces.peakRaw()));
+  } else {
+    row("Peak", format("%.3f N", forces.peakFiltered()), colours::text, "since the last reset");
+  }
   if (const ToolReading& jaws = data.snapshot.tools.tool[0]; jaws.opening > 0 || jaws.pinch > 0)
     row("Pinch", format("%.3f N, %.1f mm open", jaws.pinch, 1e3 * jaws.opening));
 
@@ -169,13 +183,13 @@ void drawForceCard(const Theme& theme, const PanelData& data, float height, Pane
   row("Trust", doubted ? std::string("doubt: ") + doubtName(force.doubt) : "good",
       doubted ? colours::warning : colours::good,
       doubted ? doubtText(force.doubt) : "volume, smallest J, energy balance and time step are within their limits");
-  note(theme, format("volume %+.2f %%   J %.2f   energy %.1f %%   dt/limit %.2f", 100 * report.volume_change,
-                     report.min_J, 100 * report.energy_error, report.step_share));
+  if (engineer)
+    note(theme, format("volume %+.2f %%   J %.2f   energy %.1f %%   dt/limit %.2f", 100 * report.volume_change,
+                       report.min_J, 100 * report.energy_error, report.step_share));
 
-  const float plot_height = std::clamp(0.138F * height, 92 * theme.scale, 220 * theme.scale);
+  const float plot_height = std::clamp((engineer ? 0.138F : 0.2F) * height, 92 * theme.scale, 320 * theme.scale);
   ImGui::PushFont(theme.small);
   {
-    const ForceHistory& forces = shownForces(data);
     const auto raw = forces.rawOverTime(), filtered = forces.filteredOverTime();
     PlotAxes axes = axesOver(raw, filtered);
     axes.x_label = "s";
@@ -183,8 +197,8 @@ void drawForceCard(const Theme& theme, const PanelData& data, float height, Pane
     axes.x_max = std::max(data.snapshot.force.time_s, data.forces.seconds());  // the run's time: a reset keeps it
     axes.x_min = axes.x_max - data.forces.seconds();
     const std::array series{PlotSeries{"raw", raw, colours::raw, 1.2F},
-                            PlotSeries{"filtered", filtered, colours::accent, 1.8F}};
-    drawPlot("##time", plot_height, axes, series);
+                            PlotSeries{engineer ? "filtered" : "", filtered, colours::accent, 1.8F}};
+    drawPlot("##time", plot_height, axes, std::span(series).subspan(engineer ? 0 : 1));
   }
   drawDepthPlot(data, plot_height, state);
   ImGui::PopFont();

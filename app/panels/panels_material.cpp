@@ -138,13 +138,16 @@ void drawMixedBound(const Theme& theme, const PanelData& data) {
 
 }  // namespace
 
-void drawMaterialCard(const Theme& theme, const PanelData& data, PanelRequests& requests) {
+void drawMaterialCard(const Theme& theme, const PanelData& data, const PanelState& state, PanelRequests& requests) {
   if (!beginCard(theme, "Material")) return;
   for (std::size_t k = 0; k < data.materials.size(); ++k) {
     const MaterialView& view = data.materials[k];
     if (data.task != nullptr && !data.revealed && k > 0) break;  // lumps are not told of
     if (k > 0) ImGui::Separator();
-    drawMaterial(theme, view);
+    if (state.engineer)
+      drawMaterial(theme, view);
+    else if (!view.name.empty())
+      note(theme, view.name, colours::text);
     if (view.mixtures > 0) continue;
     ImGui::PushID(static_cast<int>(k));
     Material changed = view.material;

@@ -69,6 +69,7 @@ void drawFileMenu(const Theme& theme, PanelState& state, PanelRequests& requests
     if (ImGui::MenuItem("Save force-depth curves")) requests.save_presses = true;
     if (ImGui::MenuItem("Save the tissue's state (VTU)")) requests.save_state = true;
     ImGui::Separator();
+    if (ImGui::MenuItem("Engineer's numbers", "E", state.engineer)) state.engineer = !state.engineer;
     if (ImGui::MenuItem("Full screen", "F11")) requests.full_screen = true;
     if (ImGui::MenuItem("Demo: large force, no panels", "F10")) requests.demo = true;
     ImGui::Separator();

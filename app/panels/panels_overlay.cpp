@@ -26,18 +26,20 @@ constexpr std::array view_help{
     HelpLine{"Wheel, F", "nearer, further; the whole organ"},
     HelpLine{"X, G", "cut the organ open, see through its skin"},
     HelpLine{"1 2 3 4, N, P", "tissue, displacement, stress, volume; nodes, points"},
-    HelpLine{"H, F10, F11", "hide the panels, demo, full screen"},
+    HelpLine{"H, E, F10, F11", "hide panels, engineer, demo, full screen"},
     HelpLine{"F12", "save the picture"},
 };
 constexpr std::array tool_help{
     HelpLine{"Click the skin", "bring the probe there; drag to glide"},
     HelpLine{"Shift + left drag", "move the probe in the view's plane"},
-    HelpLine{"Shift + wheel", "press in; while gliding the wheel alone"},
+    HelpLine{"Shift + wheel", "press in; while dragging the wheel alone"},
+    HelpLine{"End, Home", "press as deep as is set, lift off"},
+    HelpLine{"PageDown, PageUp", "press in, draw back while held"},
     HelpLine{"Arrow keys", "move the probe sideways"},
-    HelpLine{"PageDown, PageUp", "press in, draw back"},
-    HelpLine{"I J K L, Alt + drag", "tilt the probe"},
+    HelpLine{"I J K L, right drag on it", "tilt the probe"},
+    HelpLine{"B, - +, Enter", "another probe, smaller, larger; use it"},
+    HelpLine{"C, V; M, U", "close, open jaws; mark a lump, how hard"},
     HelpLine{"Ctrl + left drag", "pull the tissue under the pointer"},
-    HelpLine{"C, V; M", "close, open the jaws; mark a lump"},
 };
 constexpr std::array run_help{
     HelpLine{"Space, .", "pause and run, one tick"},

@@ -16,6 +16,8 @@ namespace {
 
 constexpr double mm = 1e3, us = 1e6;  // per m, per s
 constexpr double least_yield = 1e-4;  // m, worth showing
+constexpr double usual_press = 0.3;   // of the deepest that can be chosen
+constexpr const char* not_by_hand = "the probe is not moved by hand now";
 
 /// "length 60 mm, rim 3 mm": what the tool's file lists, as the scene says it.
 std::string toolParameters(const ToolShape& tool) {
@@ -77,7 +79,8 @@ void drawRange(const ColourScale& scale, View& view) {
 
 }  // namespace
 
-void drawViewCard(const Theme& theme, const PanelData& data, View& view, PanelRequests& requests) {
+void drawViewCard(const Theme& theme, const PanelData& data, const PanelState& state, View& view,
+                  PanelRequests& requests) {
   if (!beginCard(theme, "View")) return;
   ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x);
   if (ImGui::BeginCombo("##colour", quantityName(view.colour_map))) {
@@ -110,9 +113,11 @@ void drawViewCard(const Theme& theme, const PanelData& data, View& view, PanelRe
   if (data.task != nullptr && !data.revealed) {
     note(theme, "What shows the inside (cut, seeing through, stress, nodes) waits until the answers are in.");
   } else {
-    ImGui::Checkbox("Nodes", &view.show_nodes);
-    ImGui::SameLine(left + half);
-    ImGui::Checkbox("Points", &view.show_points);
+    if (state.engineer) {
+      ImGui::Checkbox("Nodes", &view.show_nodes);
+      ImGui::SameLine(left + half);
+      ImGui::Checkbox("Points", &view.show_points);
+    }
     drawInside(view, requests);
   }
   ImGui::Spacing();
@@ -171,6 +176,32 @@ void drawProbeChoice(const PanelData& data, PanelState& state, PanelRequests& re
   if (button("Keep the old", half)) state.tool_edited = false;
 }
 
+/// What the wheel and keys do, by clicks.
+void drawPressing(const PanelData& data, PanelState& state, bool by_hand, PanelRequests& requests) {
+  const double most = 2 * mm * data.model.scene.tool.radius;
+  if (!(state.press_mm > 0)) state.press_mm = usual_press * most;
+  state.press_mm = std::min(state.press_mm, most);
+  const float half = 0.5F * (ImGui::GetContentRegionAvail().x - ImGui::GetStyle().ItemSpacing.x);
+  if (button("Press", half, by_hand, not_by_hand)) requests.press = state.press_mm / mm;
+  if (by_hand && ImGui::IsItemHovered()) ImGui::SetTooltip("End: so deep into the skin below the probe");
+  ImGui::SameLine();
+  if (button("Lift", half, by_hand, not_by_hand)) requests.lift = true;
+  if (by_hand && ImGui::IsItemHovered()) ImGui::SetTooltip("Home: off the skin");
+  auto depth = static_cast<float>(state.press_mm);
+  if (slider("Press by", depth, 0.5F, static_cast<float>(most), "%.1f mm", by_hand ? "" : not_by_hand)) {
+    state.press_mm = static_cast<double>(depth);
+    if (data.hand_presses) requests.press = state.press_mm / mm;
+  }
+  if (!(data.widest_jaws_m > 0)) return;
+  auto opening = static_cast<float>(mm * data.snapshot.tools.tool[0].opening);
+  if (slider("Jaws open", opening, 0, static_cast<float>(mm * data.widest_jaws_m), "%.1f mm",
+             by_hand ? "" : not_by_hand))
+    requests.opening = static_cast<double>(opening) / mm;
+  if (button("Grasp and lift", ImGui::GetContentRegionAvail().x, by_hand, not_by_hand)) requests.grasp = true;
+  if (by_hand && ImGui::IsItemHovered())
+    ImGui::SetTooltip("closes the jaws until they hold, then lifts what they hold");
+}
+
 }  // namespace
 
 void drawToolCard(const Theme& theme, const PanelData& data, PanelState& state, PanelRequests& requests) {
@@ -183,6 +214,7 @@ void drawToolCard(const Theme& theme, const PanelData& data, PanelState& state, 
   ImGui::SameLine(left + half);
   if (ImGui::RadioButton("Free", !state.glide)) requests.glide = state.glide = false;
   if (ImGui::IsItemHovered()) ImGui::SetTooltip("Shift+drag moves the probe in the view's plane");
+  drawPressing(data, state, by_hand, requests);
   drawProbeChoice(data, state, requests);
   const ForceSample& force = data.snapshot.force;
   row(force.depth_m < 0 ? "Gap to the skin" : "Depth", format("%.2f mm", std::abs(force.depth_m) * mm), colours::text,
@@ -197,14 +229,14 @@ void drawToolCard(const Theme& theme, const PanelData& data, PanelState& state, 
     row("Set back", format("%lld times", static_cast<long long>(data.snapshot.status.restored_count)), colours::warning,
         "the tissue could take no more, and went back to where it was shortly before");
   const Vec3 tip = data.snapshot.tool_pose.position * mm;
-  row("Tip", format("%.1f  %.1f  %.1f mm", tip.x(), tip.y(), tip.z()), colours::text,
-      format("%d skin vertices touched", data.snapshot.report.contact_count).c_str());
+  if (state.engineer)
+    row("Tip", format("%.1f  %.1f  %.1f mm", tip.x(), tip.y(), tip.z()), colours::text,
+        format("%d skin vertices touched", data.snapshot.report.contact_count).c_str());
   auto friction = static_cast<float>(data.friction);
   if (slider("Friction", friction, 0, 1, "%.2f", data.input_note)) requests.friction = friction;
   auto speed = static_cast<float>(state.tool_speed_mm_s);
   if (slider("Key speed", speed, 1, 100, "%.0f mm/s", "")) state.tool_speed_mm_s = speed;
 
-  const char* const not_by_hand = "the probe is not moved by hand now";
   if (button("Upright", half, by_hand, not_by_hand)) requests.upright = true;
   ImGui::SameLine();
   if (button("To start pose", half, by_hand, not_by_hand)) requests.tool_to_start = true;
@@ -212,9 +244,10 @@ void drawToolCard(const Theme& theme, const PanelData& data, PanelState& state, 
     requests.restart_script = true;
   switch (data.driver) {
     case ToolDriver::User:
-      note(theme, data.hand_on_skin ? "Drag it over the skin; Shift+wheel or PageDown press in; I J K L tilt it"
-                  : state.glide     ? "Click the skin to bring the probe there; PageDown presses in"
-                                    : "Shift+drag moves it, Shift+wheel pushes it; arrows, PageUp/PageDown");
+      if (!state.engineer)
+        note(theme, data.hand_on_skin ? "Drag it over the skin; a right drag on the probe tilts it"
+                    : state.glide     ? "Click the skin to bring the probe there, then Press"
+                                      : "Drag the probe; the wheel meanwhile pushes it, a right drag tilts it");
       break;
     case ToolDriver::Script:
       note(theme, "Moved by the script " + data.script);

@@ -7,8 +7,8 @@ namespace palpate::app {
 
 namespace {
 
-constexpr const char* font_file = "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf";  // Debian fonts-dejavu-core
-constexpr float body_px = 14, small_px = 11.5F, title_px = 15, big_px = 34;           // at scale 1
+constexpr const char* font_file = "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf";        // Debian fonts-dejavu-core
+constexpr float body_px = 14, small_px = 11.5F, title_px = 15, large_px = 25, big_px = 34;  // scale 1
 
 /// Latin, Greek, punctuation, arrows and mathematical signs.
 constexpr ImWchar letters[] = {0x0020, 0x00FF, 0x0370, 0x03FF, 0x2010, 0x2027, 0x2070, 0x209F,
@@ -40,6 +40,7 @@ Theme makeTheme(float scale) {
   theme.body = addFont(file, body_px * scale);
   theme.small = addFont(file, small_px * scale);
   theme.title = addFont(file, title_px * scale);
+  theme.large = addFont(file, large_px * scale);
   theme.big = addFont(file, big_px * scale);
 
   ImGui::GetIO().IniFilename = nullptr;  // no file left in the user's folder

@@ -4,7 +4,7 @@
 
 namespace palpate::app {
 
-/// The look of the panels: colours that carry meaning, three sizes of one font, and
+/// The look of the panels: colours that carry meaning, five sizes of one font, and
 /// ImGui's style set to match. One instance per ImGui context; lengths in panels are
 /// multiples of `scale`.
 struct Theme {
@@ -12,8 +12,9 @@ struct Theme {
   ImFont* body = nullptr;
   ImFont* small = nullptr;
   ImFont* title = nullptr;
-  ImFont* big = nullptr;   // the force in newtons
-  bool has_greek = false;  // the font has the letters of the field (nu, mu, ...)
+  ImFont* large = nullptr;  // to be read from some steps away
+  ImFont* big = nullptr;    // the force in newtons
+  bool has_greek = false;   // the font has the letters of the field (nu, mu, ...)
 };
 
 namespace colours {

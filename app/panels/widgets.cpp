@@ -32,6 +32,15 @@ bool beginPane(const char* id, const Rect& place, ImGuiWindowFlags more) {
                           ImGuiWindowFlags_NoBringToFrontOnFocus | ImGuiWindowFlags_NoNav | more);
 }
 
+void keepAtEnd(const char* id) {
+  ImGuiWindow* const pane = ImGui::FindWindowByName(id);
+  constexpr float far_down = 1e9F;  // px
+  if (pane == nullptr)
+    ImGui::SetNextWindowScroll({-1, far_down});  // its first picture
+  else if (pane->Scroll.y >= pane->ScrollMax.y - ImGui::GetFontSize())
+    ImGui::SetScrollY(pane, far_down);
+}
+
 bool beginCard(const Theme& theme, const char* title, bool open) {
   ImGui::PushFont(theme.title);
   const bool shown = ImGui::CollapsingHeader(title, open ? ImGuiTreeNodeFlags_DefaultOpen : 0);
@@ -89,6 +98,12 @@ bool button(const char* label, float width, bool enabled, const char* reason) {
   places()[label] = {corner.x, corner.y, size.x, size.y};
   if (!enabled && reason != nullptr && ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled))
     ImGui::SetTooltip("%s", reason);
+  return pressed;
+}
+
+bool undoButton(float width, bool by_hand) {
+  const bool pressed = button("Undo", width, by_hand, "a script or recording moves the probe: reset begins it again");
+  if (by_hand && ImGui::IsItemHovered()) ImGui::SetTooltip("half a second back; again: further");
   return pressed;
 }
 

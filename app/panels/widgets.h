@@ -22,6 +22,9 @@ std::string fitted(const std::string& text, float width);
 /// As ImGui::Begin: call ImGui::End whatever it returns.
 bool beginPane(const char* id, const Rect& place, ImGuiWindowFlags more = 0);
 
+/// A pane that showed its end shows it again, whatever its size has become. Before its begin.
+void keepAtEnd(const char* id);
+
 /// A section of a column with a heading that folds it. False where it is folded.
 bool beginCard(const Theme& theme, const char* title, bool open = true);
 
@@ -33,6 +36,9 @@ void note(const Theme& theme, const std::string& text, ImU32 colour = colours::f
 
 /// A button that is greyed out with the reason as its hint where `enabled` is false.
 bool button(const char* label, float width, bool enabled = true, const char* reason = nullptr);
+
+/// Goes back by half a second; not while a script or recording moves the probe.
+bool undoButton(float width, bool by_hand);
 
 /// Whether a menu or a list of choices is folded out; and folds all of them in.
 bool menuOpen();

@@ -66,7 +66,7 @@ void Overlays::draw(const Snapshot& snapshot, const View& view, const SkinMesh& 
                     int framebuffer_height) {
   dots_.clear();
   arrows_.clear();
-  contact_arrows_.clear();
+  clear_arrows_.clear();
   bubble_radius_ = 0;
   if (view.show_points) addPoints(snapshot);
   if (view.show_nodes) addNodes(snapshot);
@@ -74,7 +74,7 @@ void Overlays::draw(const Snapshot& snapshot, const View& view, const SkinMesh& 
   if (skin.leftOf(view.pulled_vertex) >= 0) addPull(view, skin, framebuffer_height);
   if (view.show_contact) addContactForces(snapshot, view, skin, framebuffer_height);
   if (view.show_forces) addToolForce(snapshot, view, organ_radius, framebuffer_height);
-  drawArrows(contact_arrows_, GL_ALWAYS);
+  drawArrows(clear_arrows_, GL_ALWAYS);
   drawArrows(arrows_, GL_LESS);
   if (!dots_.empty()) drawDots();
   if (bubble_radius_ > 0) drawBubble();
@@ -126,19 +126,15 @@ void Overlays::addPull(const View& view, const SkinMesh& skin, int framebuffer_h
   dots_.push_back({from, pull_colour, 9});
 }
 
-/// The force on the tool, standing at its tip's side and pointing the way it pushes.
+/// The force on the tool, from its tip the way that it pushes; shows through the tool's body.
 void Overlays::addToolForce(const Snapshot& snapshot, const View& view, double organ_radius, int framebuffer_height) {
   const Vec3 force = snapshot.force.force_filtered;
   const double size = force.norm();
   if (!(size > min_force) || !force.allFinite()) return;
   const Vec3 tip = snapshot.tool_pose.position;
   const double pixel = view.camera.pixelSize(tip, framebuffer_height) * view.pixel_ratio;
-  // Beside the tool, on the side from which it leans away, so that its body does not hide the arrow.
-  const Vec3 axis = snapshot.tool_pose.orientation * Vec3::UnitZ(), right = view.camera.right();
-  const double side = axis.dot(right) > 0 ? -1.45 : 1.45;
-  const Vec3 origin = tip + side * model_.scene.tool.radius * right;
-  arrows_.push_back({origin.cast<float>(), (force / size * arrowLength(size, organ_radius)).cast<float>(),
-                     static_cast<float>(3.6 * std::abs(pixel)), force_colour});
+  clear_arrows_.push_back({tip.cast<float>(), (force / size * arrowLength(size, organ_radius)).cast<float>(),
+                           static_cast<float>(3.6 * std::abs(pixel)), force_colour});
 }
 
 /// The forces on the tissue, from the skin inwards; tool and tissue hide them, so they show through.
@@ -155,7 +151,7 @@ void Overlays::addContactForces(const Snapshot& snapshot, const View& view, cons
     const int v = skin.leftOf(snapshot.contact_vertex[k]);
     if (share < min_contact_share || v < 0) continue;
     const Vec3 along = force.normalized() * longest_contact_in_tool_radii * model_.scene.tool.radius * std::sqrt(share);
-    contact_arrows_.push_back(
+    clear_arrows_.push_back(
         {skin.positions()[v], along.cast<float>(), static_cast<float>(1.1 * std::abs(pixel)), contact_colour});
   }
 }

@@ -54,7 +54,7 @@ class Overlays {
 
   // Of the present picture.
   std::vector<Dot> dots_;
-  std::vector<Arrow> arrows_, contact_arrows_;
+  std::vector<Arrow> arrows_, clear_arrows_;  // the latter show through what hides them
   Vec3f bubble_centre_ = Vec3f::Zero();
   float bubble_radius_ = 0;  // m; 0: none
 };

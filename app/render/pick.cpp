@@ -65,4 +65,25 @@ int pickPoint(const Body& model, const Snapshot& snapshot, const Ray& ray, doubl
   return picked;
 }
 
+bool isSeen(const TriangleSurface& surface, const std::vector<Vec3f>& positions, const Camera& camera,
+            const Eigen::AlignedBox2d& part, int width, int height) {
+  constexpr std::size_t enough = 4000;  // triangles of a finer skin: every n-th
+  constexpr double least_pixels = 30;   // across; less is a speck
+  if (surface.triangles.empty()) return true;
+  const Vec3 eye = camera.eye();
+  const std::size_t every = 1 + surface.triangles.size() / enough;
+  Eigen::AlignedBox2d seen;
+  for (std::size_t k = 0; k < surface.triangles.size(); k += every) {
+    const auto& [i, j, l] = surface.triangles[k];
+    const Vec3 a = positions[i].cast<double>(), b = positions[j].cast<double>(), c = positions[l].cast<double>();
+    if ((b - a).cross(c - a).dot(eye - a) <= 0) continue;
+    const Vec3 at = camera.project((a + b + c) / 3, width, height);
+    if (at.z() > 0 && part.contains(Eigen::Vector2d(at.head<2>()))) seen.extend(Eigen::Vector2d(at.head<2>()));
+  }
+  if (!seen.isEmpty()) return seen.diagonal().maxCoeff() >= least_pixels;
+  // So near that no triangle's middle lies in it?
+  const Eigen::Vector2d middle = part.center();
+  return pickSkin(surface, positions, camera.rayThrough(middle.x(), middle.y(), width, height)).has_value();
+}
+
 }  // namespace palpate::app

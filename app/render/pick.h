@@ -19,6 +19,10 @@ struct SkinHit {
 /// @param positions  skin's vertices, m, e.g. Renderer::skinPositions()
 std::optional<SkinHit> pickSkin(const TriangleSurface& surface, const std::vector<Vec3f>& positions, const Ray& ray);
 
+/// Whether any of the skin faces the eye within this part of the picture, px, and is large enough there to be seen.
+bool isSeen(const TriangleSurface& surface, const std::vector<Vec3f>& positions, const Camera& camera,
+            const Eigen::AlignedBox2d& part, int width, int height);
+
 /// The integration point that stands nearest to the ray in the present state, or -1 when
 /// none is within `tolerance`, m.
 int pickPoint(const Body& model, const Snapshot& snapshot, const Ray& ray, double tolerance);

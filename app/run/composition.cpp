@@ -1,5 +1,8 @@
 #include "app/run/composition.h"
 
+#include "app/render/pick.h"
+#include "app/run/pull_force.h"
+
 namespace palpate::app {
 
 namespace {
@@ -33,6 +36,8 @@ PanelRequests drawComposition(OrganView& organ, Interface& ui, const Session& se
                               const Shown& shown) {
   View drawn = view;
   drawn.camera = centredIn(layout, view.camera, size);
+  const bool past = shown.timeline && shown.timeline->past;
+  if (past) drawn.pulled_vertex = -1;
   const TaskScore* task = session.task();
   const bool hidden = task != nullptr && !session.revealed();
   if (hidden) drawn.ghost = drawn.section.on = false;
@@ -52,16 +57,28 @@ PanelRequests drawComposition(OrganView& organ, Interface& ui, const Session& se
   PanelData data = session.panelData(snapshot);
   data.colour_scale = scale;
   data.frames_per_second = shown.frames_per_second;
-  data.pull_N = shown.pull_N;
-  data.hand_depth_m = shown.hand_depth_m;
+  if (drawn.pulled_vertex >= 0)  // by the skin as it was just drawn
+    data.pull_N = pullForce(
+        session.model(), drawn.pulled_vertex,
+        drawn.pull_target - organ.skinPositions()[static_cast<std::size_t>(drawn.pulled_vertex)].cast<double>());
+  if (!session.options().offscreen) {
+    const Eigen::Vector2d corner(layout.view.x, layout.view.y), room(layout.view.width, layout.view.height);
+    const double ratio = size.pixel_ratio;
+    data.out_of_view =
+        !isSeen(session.model().skin.surface, organ.skinPositions(), drawn.camera,
+                Eigen::AlignedBox2d(ratio * corner, ratio * (corner + room)), size.pixelWidth(), size.pixelHeight());
+  }
+  data.attracts = shown.attracts;
   data.hand_on_skin = shown.hand_on_skin;
+  data.hand_presses = shown.hand_presses;
+  data.widest_jaws_m = shown.widest_jaws_m;
   data.scenes = shown.scenes;
   data.timeless = !shown.timing;
   data.timeline = shown.timeline;
-  if (shown.timeline && shown.timeline->past) {  // all of that moment
-    data.force = {snapshot.force, 0, true};
+  if (past) {  // all of that moment
     data.notice.reset();
     data.past_forces = shown.past_forces;
+    data.presses = nullptr;
   }
   const PanelRequests requests = drawPanels(ui.theme(), data, layout, panels, view);
   ui.end();

@@ -33,12 +33,12 @@ void frameOrgan(Camera& camera, const OrganView& organ, const Layout& layout, co
 /// What the panels show of the window beside the session.
 struct Shown {
   double frames_per_second = 0;
-  double pull_N = -1;
-  double hand_depth_m = 0;
-  bool hand_on_skin = false;
+  bool hand_on_skin = false, hand_presses = false;
+  double widest_jaws_m = 0;
   std::span<const std::string> scenes{};
   std::optional<TimelineView> timeline{};
-  const ForceHistory* past_forces = nullptr;  // of the earlier moment that is looked at
+  const ForceHistory* past_forces = nullptr;  // up to the earlier moment that is looked at; null: to the present
+  bool attracts = false;                      // the demo plays by itself
   bool timing = true;                         // what the clock says of this machine
 };
 

@@ -17,6 +17,10 @@ Drag beginningDrag(const Input& input) {
   if (input.mouse_taken) return Drag::Panel;
   if (input.middle) return Drag::Orbit;
   if (input.left && input.ctrl) return Drag::Pull;
+  if (input.on_probe && !input.shift && !input.alt) {  // taken hold of: all of it by the mouse alone
+    if (input.right) return Drag::TurnTool;
+    if (input.free_probe) return Drag::MoveTool;
+  }
   if (input.shift) return input.left ? Drag::MoveTool : Drag::PushTool;
   if (input.left && input.alt) return Drag::TurnTool;
   if (input.left && input.on_skin) return Drag::Glide;
@@ -65,7 +69,7 @@ Actions Controls::read(const Input& input, bool something_open) {
       break;
   }
   actions.pick_point = input.double_click && drag_ == Drag::Orbit;
-  const bool pushes = input.shift || drag_ == Drag::Glide;
+  const bool pushes = input.shift || drag_ == Drag::Glide || drag_ == Drag::MoveTool;
   if (!input.mouse_taken) (pushes ? actions.push_tool_notches : actions.zoom) = input.wheel;
 
   actions.close = input.wasPressed(Key::Escape) && something_open;  // also out of a text field
@@ -89,6 +93,13 @@ Actions Controls::read(const Input& input, bool something_open) {
   actions.toggle_nodes = input.switches(Key::N);
   actions.toggle_timeline = input.switches(Key::T);
   actions.toggle_points = input.switches(Key::P);
+  actions.toggle_engineer = input.switches(Key::E);
+  actions.press = input.wasPressed(Key::End);
+  actions.lift = input.wasPressed(Key::Home);
+  actions.use_probe = input.wasPressed(Key::Enter);
+  actions.next_shape = input.presses.count(Key::B);
+  actions.next_hardness = input.presses.count(Key::U);
+  actions.radius_steps = input.presses.count(Key::Plus) - input.presses.count(Key::Minus);
   for (int k = 0; k < 4; ++k)
     if (input.wasPressed(static_cast<Key>(static_cast<int>(Key::Digit1) + k))) actions.colour_map = k;
   actions.tool_keys = input.arrows;
@@ -98,19 +109,51 @@ Actions Controls::read(const Input& input, bool something_open) {
   return actions;
 }
 
+Actions lockedForDemo(Actions actions) {
+  actions.toggle_nodes = actions.toggle_points = actions.toggle_timeline = actions.toggle_panels = false;
+  actions.toggle_engineer = actions.open_scene = actions.save_picture = actions.save_forces = false;
+  actions.next_shape = actions.radius_steps = 0;
+  actions.use_probe = actions.pick_point = actions.quit = false;
+  actions.single_step = 0;
+  return actions;
+}
+
 std::optional<Key> keyFromGlfw(int code) {
-  static constexpr std::array<std::pair<int, Key>, static_cast<std::size_t>(Key::Count)> keys{
-      {{GLFW_KEY_SPACE, Key::Space},   {GLFW_KEY_BACKSPACE, Key::Backspace},
-       {GLFW_KEY_PERIOD, Key::Period}, {GLFW_KEY_F, Key::F},
-       {GLFW_KEY_H, Key::H},           {GLFW_KEY_F1, Key::F1},
-       {GLFW_KEY_ESCAPE, Key::Escape}, {GLFW_KEY_1, Key::Digit1},
-       {GLFW_KEY_2, Key::Digit2},      {GLFW_KEY_3, Key::Digit3},
-       {GLFW_KEY_4, Key::Digit4},      {GLFW_KEY_N, Key::N},
-       {GLFW_KEY_P, Key::P},           {GLFW_KEY_Z, Key::Z},
-       {GLFW_KEY_O, Key::O},           {GLFW_KEY_S, Key::S},
-       {GLFW_KEY_G, Key::G},           {GLFW_KEY_X, Key::X},
-       {GLFW_KEY_M, Key::M},           {GLFW_KEY_T, Key::T},
-       {GLFW_KEY_F10, Key::F10},       {GLFW_KEY_F11, Key::F11},
+  // Three of them have two codes.
+  static constexpr std::array<std::pair<int, Key>, static_cast<std::size_t>(Key::Count) + 3> keys{
+      {{GLFW_KEY_SPACE, Key::Space},
+       {GLFW_KEY_BACKSPACE, Key::Backspace},
+       {GLFW_KEY_PERIOD, Key::Period},
+       {GLFW_KEY_F, Key::F},
+       {GLFW_KEY_H, Key::H},
+       {GLFW_KEY_F1, Key::F1},
+       {GLFW_KEY_ESCAPE, Key::Escape},
+       {GLFW_KEY_1, Key::Digit1},
+       {GLFW_KEY_2, Key::Digit2},
+       {GLFW_KEY_3, Key::Digit3},
+       {GLFW_KEY_4, Key::Digit4},
+       {GLFW_KEY_N, Key::N},
+       {GLFW_KEY_P, Key::P},
+       {GLFW_KEY_Z, Key::Z},
+       {GLFW_KEY_O, Key::O},
+       {GLFW_KEY_S, Key::S},
+       {GLFW_KEY_G, Key::G},
+       {GLFW_KEY_X, Key::X},
+       {GLFW_KEY_M, Key::M},
+       {GLFW_KEY_T, Key::T},
+       {GLFW_KEY_B, Key::B},
+       {GLFW_KEY_E, Key::E},
+       {GLFW_KEY_U, Key::U},
+       {GLFW_KEY_MINUS, Key::Minus},
+       {GLFW_KEY_EQUAL, Key::Plus},
+       {GLFW_KEY_KP_SUBTRACT, Key::Minus},
+       {GLFW_KEY_KP_ADD, Key::Plus},
+       {GLFW_KEY_ENTER, Key::Enter},
+       {GLFW_KEY_KP_ENTER, Key::Enter},
+       {GLFW_KEY_HOME, Key::Home},
+       {GLFW_KEY_END, Key::End},
+       {GLFW_KEY_F10, Key::F10},
+       {GLFW_KEY_F11, Key::F11},
        {GLFW_KEY_F12, Key::F12}}};
   for (const auto& [glfw_code, key] : keys)
     if (glfw_code == code) return key;
@@ -148,6 +191,9 @@ Input inputFromImGui(const KeyPresses& presses) {
   input.tilt = {axis(GLFW_KEY_J, GLFW_KEY_L), axis(GLFW_KEY_K, GLFW_KEY_I)};
   input.jaws = axis(GLFW_KEY_C, GLFW_KEY_V);
   input.tapped = !held;
+  input.anything = input.left || input.right || input.middle || input.wheel != 0 || !input.mouse_delta.isZero(0) ||
+                   !presses.taps().empty() ||
+                   std::any_of(std::begin(io.KeysDown), std::end(io.KeysDown), [](bool down) { return down; });
   return input;
 }
 

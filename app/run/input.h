@@ -31,6 +31,14 @@ enum class Key : std::uint8_t {
   X,
   M,
   T,
+  B,
+  E,
+  U,
+  Minus,
+  Plus,
+  Enter,
+  Home,
+  End,
   F10,
   F11,
   F12,
@@ -63,6 +71,8 @@ struct Input {
   bool double_click = false;                         // left button
   bool shift = false, ctrl = false, alt = false;
   bool on_skin = false;             // the pointer is over the skin, and the probe glides there
+  bool on_probe = false;            // it is over the probe
+  bool free_probe = false;          // which is moved freely
   bool mouse_taken = false;         // the pointer is over a panel
   bool keys_taken = false;          // a panel is being typed into
   KeyPresses presses;               // what went down since the last frame
@@ -70,6 +80,7 @@ struct Input {
   Eigen::Vector2d tilt{0, 0};       // held keys, -1..1: J/L, K/I
   double jaws = 0;                  // held keys, -1..1: C/V
   bool tapped = false;              // all of these are up again by now
+  bool anything = false;            // somebody is there
 
   bool wasPressed(Key key) const { return presses.count(key) > 0; }
   /// What a key that switches something asks for: pressed twice it changes nothing.
@@ -89,23 +100,29 @@ struct Actions {
   bool close = false, quit = false;  // close: what is open
   bool open_scene = false, save_picture = false, save_forces = false;
   bool toggle_full_screen = false, toggle_demo = false, toggle_section = false, toggle_ghost = false, mark = false;
-  bool toggle_nodes = false, toggle_points = false, toggle_timeline = false;
-  int colour_map = -1;                     // 0..3, -1: no change
-  Eigen::Vector2d orbit{0, 0}, pan{0, 0};  // px
-  double zoom = 0;                         // notches
-  Eigen::Vector2d move_tool{0, 0};         // px in the view plane
-  double push_tool_px = 0;                 // px along the tool's axis, into the tissue positive
-  double push_tool_notches = 0;            // the same by wheel
-  Eigen::Vector3d tool_keys{0, 0, 0};      // -1..1: right, away from the viewer, out of the tissue
-  Eigen::Vector2d turn_keys{0, 0};         // -1..1: to the right, away from the viewer
-  double jaws_keys = 0;                    // -1..1: close, open
-  bool tapped = false;                     // these keys were tapped, and are not held
-  Eigen::Vector2d turn_tool{0, 0};         // px
-  bool glide = false;                      // the pointer leads the probe over the skin
-  bool pick_point = false;                 // show the support of the point under the pointer
-  bool pull_begin = false;                 // take hold of the skin under the pointer
-  bool pulling = false;                    // the pointer drags what was taken hold of
+  bool toggle_nodes = false, toggle_points = false, toggle_timeline = false, toggle_engineer = false;
+  bool press = false, lift = false, use_probe = false;
+  int next_shape = 0, next_hardness = 0, radius_steps = 0;  // so many
+  int colour_map = -1;                                      // 0..3, -1: no change
+  Eigen::Vector2d orbit{0, 0}, pan{0, 0};                   // px
+  double zoom = 0;                                          // notches
+  Eigen::Vector2d move_tool{0, 0};                          // px in the view plane
+  double push_tool_px = 0;                                  // px along the tool's axis, into the tissue positive
+  double push_tool_notches = 0;                             // the same by wheel
+  Eigen::Vector3d tool_keys{0, 0, 0};                       // -1..1: right, away from the viewer, out of the tissue
+  Eigen::Vector2d turn_keys{0, 0};                          // -1..1: to the right, away from the viewer
+  double jaws_keys = 0;                                     // -1..1: close, open
+  bool tapped = false;                                      // these keys were tapped, and are not held
+  Eigen::Vector2d turn_tool{0, 0};                          // px
+  bool glide = false;                                       // the pointer leads the probe over the skin
+  bool pick_point = false;                                  // show the support of the point under the pointer
+  bool pull_begin = false;                                  // take hold of the skin under the pointer
+  bool pulling = false;                                     // the pointer drags what was taken hold of
 };
+
+/// What the demo lets through: nothing that leaves something open, shown or paused behind for those who come next, or
+/// writes a file.
+Actions lockedForDemo(Actions actions);
 
 /// Turns input into actions; keeps nothing but the present drag.
 class Controls {

@@ -31,6 +31,7 @@ namespace {
 constexpr auto gather_every = std::chrono::milliseconds(2);  // far below what the loop's rings hold
 constexpr double plain_width = 1280, plain_height = 800;     // px for which the panels are laid out at scale 1
 constexpr double animation_end_seconds = 2.5;                // that the last picture stays
+constexpr double close_radii = 14;                           // of the tool, that --close looks from
 constexpr int settling_frames = 3;                           // ImGui needs two to settle sizes, one to draw
 
 Picture drawPicture(OrganView& organ, Session& session, const Snapshot& snapshot) {
@@ -40,10 +41,15 @@ Picture drawPicture(OrganView& organ, Session& session, const Snapshot& snapshot
   Interface ui(nullptr, static_cast<float>(scale));
   PanelState panels;
   panels.panels_shown = options.picture.panels;
+  panels.engineer = options.picture.timing;
   const Layout layout = layoutFor(size.width, size.height, ui.theme().scale, panels.panels_shown);
   View view;
   view.camera = startCamera(session.model(), layout, size);
   applyChoice(options.picture, view);
+  if (options.picture.close) {
+    view.camera.target = snapshot.tool_pose.position;
+    view.camera.distance = options.picture.distance_m.value_or(close_radii * session.model().scene.tool.radius);
+  }
   if (options.picture.cut)
     cutThroughTool(view.section, snapshot.tool_pose, view.camera, organ.centre(), organ.radius());
   Shown shown;
@@ -87,12 +93,13 @@ void runAndTake(Session& session, const Take& take) {
   while (!session.finished() && !interrupted()) {
     session.gather();
     if (taken < times.size() && session.latest().status.paused) {
-      session.gather();  // what that tick told after the last look
       const std::int64_t tick = session.latest().status.ticks;
       take(times[taken++], session.latest());
       session.send(Request::simple(Request::Kind::Resume));
-      while (session.latest().status.ticks == tick && !session.finished() && !interrupted())
+      while (session.latest().status.ticks == tick && !session.finished() && !interrupted()) {
         std::this_thread::sleep_for(gather_every);
+        session.gather();
+      }
       continue;
     }
     std::this_thread::sleep_for(gather_every);

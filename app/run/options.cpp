@@ -73,6 +73,8 @@ void addPictureOptions(CLI::App& app, Options& o, Texts& texts) {
   app.add_flag(
       "--timing", o.picture.timing,
       "Off-screen: with the log, and how fast this machine was, in the picture; without, it is the same again");
+  app.add_flag("--close", o.picture.close,
+               "Off-screen: look at the probe's tip from nearby, e.g. --close --cut --camera=-60,15,0.1");
   app.add_option("--camera", texts.camera,
                  "Off-screen: look from AZIMUTH,ELEVATION[,DISTANCE], e.g. --camera -60,25,0.4")
       ->type_name("AZ,EL[,M]");
@@ -141,11 +143,11 @@ std::string readPictureOptions(Options& o, const Texts& texts) {
   if (!problem.empty()) return problem;
   const bool for_pictures = !texts.camera.empty() || !texts.view.empty() || !texts.field.empty() ||
                             !o.picture.show.empty() || !o.picture.hide.empty() || !o.picture.panels ||
-                            o.picture.timing || o.picture.cut || o.picture.ghost || o.dump_fields ||
+                            o.picture.timing || o.picture.close || o.picture.cut || o.picture.ghost || o.dump_fields ||
                             !o.expect.empty() || o.strict;
   if (for_pictures && !o.offscreen)
-    return "--no-panels, --timing, --camera, --view, --field, --show, --hide, --cut, --ghost, --fields, --expect and "
-           "--strict are for off-screen runs; add --offscreen";
+    return "--no-panels, --timing, --close, --camera, --view, --field, --show, --hide, --cut, --ghost, --fields, "
+           "--expect and --strict are for off-screen runs; add --offscreen";
   if (!o.animation.empty()) {
     if (!o.offscreen || !o.seconds || !o.snapshot_at.empty())
       return "--animation is for off-screen runs of a given length, without --snapshot-at; add --offscreen --seconds 6";
@@ -198,6 +200,14 @@ void addOptions(CLI::App& app, Options& o, std::string& size, bool& no_cache, Te
   app.add_option("--size", size, "Size of the window or picture in pixels, e.g. --size 1600x1000")
       ->type_name("WxH")
       ->default_str("1280x800");
+  app.add_flag("--demo", o.demo,
+               "Begin as the demo: full screen, a large force; plays by itself while nobody is there, e.g. palpate "
+               "liver --demo");
+  app.add_option("--idle", o.idle_seconds,
+                 "Seconds without a hand at mouse or keys after which the window rests, e.g. --demo --idle 60")
+      ->type_name("S")
+      ->default_str("30")
+      ->check(numberWithin(0.1, 1e6, "s"));
   app.add_option("--snapshot-at", texts.times,
                  "Off-screen: take the picture at S seconds instead of at the end, or several, e.g. --snapshot-at "
                  "0.5,1.5; picture, plots and fields are of that very tick")
@@ -269,6 +279,7 @@ ParsedOptions parseOptions(int argc, const char* const* argv) {
     return refusal("--size: '" + size + "' is not a size such as 1280x800 (" + std::to_string(min_width) + "x" +
                    std::to_string(min_height) + " to " + std::to_string(max_side) + "x" + std::to_string(max_side) +
                    ")");
+  if (o.demo && o.offscreen) return refusal("--demo is for the window; leave out --offscreen");
   if (!o.replay.empty() && !o.tool_script.empty())
     return refusal("--replay and --tool both say where the tool goes; give one of them");
   if (!o.replay.empty() && o.replay == o.record)

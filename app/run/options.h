@@ -38,7 +38,9 @@ struct Options {
   std::string out;                 // empty: out/<scene> off-screen, out/<scene>-soak in a soak, nothing in the window
   int width = 1280, height = 800;  // px
   bool as_fast_as_possible = false;
-  bool use_cache = false;  // keep the set-up for the next start
+  bool use_cache = false;    // keep the set-up for the next start
+  bool demo = false;         // the window begins as the demo
+  double idle_seconds = 30;  // without a hand at mouse or keys: then the window rests, and the demo plays by itself
 };
 
 inline constexpr double animation_rate = 10;  // pictures a second

@@ -7,11 +7,12 @@
 
 namespace palpate::app {
 
-/// What the command line says about an off-screen picture: --no-panels, --camera, --view, --field, --range, --show,
+/// What the command line says about an off-screen picture: --no-panels, --close, --camera, --view, --field, --range, --show,
 /// --hide, --timing.
 struct PictureChoice {
   bool panels = true;
   bool cut = false, ghost = false;  // open through the probe; seen through
+  bool close = false;               // looks at the probe's tip
   bool timing = false;              // what the clock says of this machine: never the same twice
   std::optional<double> azimuth_deg, elevation_deg, distance_m;
   ColourMap field = ColourMap::Tissue;

@@ -76,13 +76,21 @@ Model buildModelOf(const Scene& scene, bool use_cache, bool timed, Log& log, con
       },
       cache, warn);
   if (watched) std::cerr << "\r\033[K" << std::flush;
-  log.info(format("%s: %d nodes, %d integration points, %d x %.0f us per tick, ready in %.2f s", scene.name.c_str(),
-                  model.nodeCount(), model.pointCount(), model.substeps_per_tick, model.dt * 1e6, model.setup_seconds));
+  log.detail(format("%s: %d nodes, %d integration points, %d x %.0f us per tick, ready in %.2f s", scene.name.c_str(),
+                    model.nodeCount(), model.pointCount(), model.substeps_per_tick, model.dt * 1e6,
+                    model.setup_seconds));
   if (model.added_mass > 0)
-    log.info(format("mass scaling added %.3g %% to the mass: the same forces at rest, slower motion",
-                    100 * model.added_mass));
+    log.detail(format("mass scaling added %.3g %% to the mass: the same forces at rest, slower motion",
+                      100 * model.added_mass));
   if (const std::string late = rateWarning(model); timed && !late.empty()) log.warning(late);
   return model;
+}
+
+/// The ring's next entry if it is of a tick up to this one, else null; it waits in `next` until that is emptied.
+template <class T>
+const T* nextUpTo(SpscRing<T>& ring, std::optional<T>& next, std::int64_t tick) {
+  if (T entry; !next && ring.pop(entry)) next = entry;
+  return next && next->tick <= tick ? &*next : nullptr;
 }
 
 std::int64_t ticksIn(double seconds, double rate_hz) {
@@ -173,6 +181,7 @@ Session::Session(const Options& options, const Scene& scene, Log& log, const Loa
     loop_options.device = coupled_tool_.get();
   }
   loop_ = std::make_unique<SimulationLoop>(model_, *physics_, &physics_->team(), std::move(loop_options));
+  latest_ = &loop_->snapshots().latest();
   if (coupled_tool_) {
     device_ = std::make_unique<DeviceThread>(openDevice(options_.device, model_), *coupled_tool_, model_, *loop_);
     log_.info("device: " + device_->name());
@@ -246,20 +255,16 @@ void Session::start() {
 }
 
 void Session::gather() {
-  ForceSample sample;
-  while (loop_->forces().pop(sample)) {
-    ToolReadings readings;
-    if (!model_.tools.empty()) loop_->tools().pop(readings);
-    forces_.add(sample);
-    if (task_ && !revealed_) task_->add(sample);
-    if (results_) results_->addForce(sample, readings);
-    if (options_.soak_minutes || options_.offscreen) continue;  // nobody is there to look at them
-    presses_.add(sample);
-    samples_.push_back(sample);
-    if (samples_.size() > most_samples) samples_.pop_front();
+  if (soak_ && !ended_) soak_->update(*loop_, *results_);  // which looks at snapshots, too
+  const std::int64_t reset_tick = latest_->status.reset_tick;
+  latest_ = &loop_->snapshots().latest();
+  latest_ns_ = MonotonicClock().now();
+  if (latest_->status.reset_tick != reset_tick) forces_.clear();
+  takeForces(latest_->force.tick);
+  while (const LogEvent* event = nextUpTo(loop_->log(), next_event_, latest_->status.ticks)) {
+    takeEvent(*event);
+    next_event_.reset();
   }
-  LogEvent event;
-  while (loop_->log().pop(event)) takeEvent(event);
   if (notice_ && !notice_->frozen && forces_.lastTime() > notice_->time_s + notice_seconds) notice_.reset();
   changes_lost_ |= loop_->recorded().size() + 1 >= window_record_capacity;  // a full ring takes no more
   TimedRequest change;
@@ -268,7 +273,24 @@ void Session::gather() {
       recording_->changes.push_back(change);
     else
       changes_.add(change);
-  if (soak_ && !ended_) soak_->update(*loop_, *results_);
+}
+
+/// The forces of the ticks up to this one.
+void Session::takeForces(std::int64_t until_tick) {
+  while (const ForceSample* next = nextUpTo(loop_->forces(), next_force_, until_tick)) {
+    const ForceSample& sample = *next;
+    ToolReadings readings;
+    if (!model_.tools.empty()) loop_->tools().pop(readings);
+    if (sample.tick > latest_->status.reset_tick) forces_.add(sample);
+    if (task_ && !revealed_) task_->add(sample);
+    if (results_) results_->addForce(sample, readings);
+    if (!options_.soak_minutes && !options_.offscreen) {  // else nobody is there to look at them
+      presses_.add(sample);
+      samples_.push_back(sample);
+      if (samples_.size() > most_samples) samples_.pop_front();
+    }
+    next_force_.reset();
+  }
 }
 
 /// A material has its scene's name for it, not its number.
@@ -315,7 +337,6 @@ void Session::takeEvent(const LogEvent& event) {
       break;
     case Kind::Reset:
       notice_.reset();
-      forces_.clear();
       if (track_driver_ != ToolDriver::User) {  // the track starts over, with the scene's own values
         track_over_ = false;
         if (track_driver_ == ToolDriver::Replay || options_.offscreen) materials_ = scene_materials_;
@@ -342,6 +363,12 @@ void Session::setMaterial(int index, const Material& material) {
   sent_before_[m] = materials_[m];
   materials_[m] = material;
   send(Request::setMaterial(index, material));
+}
+
+void Session::giveWay(bool yes) {
+  if (yes == gives_way_ || latest_->status.ticks == 0) return;  // before its first tick it has not been set up
+  gives_way_ = yes;
+  palpate::giveWay(loop_->summary().rt_setup, yes);
 }
 
 std::string Session::submitTask() {

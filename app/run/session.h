@@ -60,14 +60,15 @@ class Session {
   void start();
   bool finished() const { return loop_->finished(); }
 
-  /// Takes what the loop has to tell since the last call. At least once a second.
+  /// Takes the newest tick and what the loop has told up to it, so that all that is shown is of one moment; what is
+  /// newer waits for the next call. At least once a second.
   void gather();
 
   /// Ends the loop, takes the rest, and writes recording and forces. Once.
   void finish();
 
-  /// The newest tick; valid until the next call.
-  const Snapshot& latest() { return loop_->snapshots().latest(); }
+  /// The tick that was taken last; valid until the next one is.
+  const Snapshot& latest() const { return *latest_; }
 
   /// Hands a request to the loop; says so in the log where the loop does not take it.
   void send(const Request& request);
@@ -76,6 +77,9 @@ class Session {
 
   /// Friction and materials as the scene has them.
   void loadedSettings();
+
+  /// While nobody needs it, the loop's threads have no real-time priority.
+  void giveWay(bool yes);
 
   /// What the run has to say to who holds the probe; empty: nothing.
   const std::optional<Notice>& notice() const { return notice_; }
@@ -90,8 +94,8 @@ class Session {
 
   /// The last minutes' forces (not in a soak), and the presses of the session.
   const std::deque<ForceSample>& samples() const { return samples_; }
-  /// What the plots show of an earlier moment, as far as it is kept.
-  ForceHistory forcesUntil(double time_s) const;
+  /// What the plots showed at an earlier tick, as far as it is kept.
+  ForceHistory forcesUntil(const Snapshot& past) const;
   const PressCurves& presses() const { return presses_; }
   void clearPresses() { presses_.clear(); }
 
@@ -117,12 +121,12 @@ class Session {
  private:
   void chooseInput(SimulationLoopOptions& loop_options);
   void followScript(const ToolScript& script, SimulationLoopOptions& loop_options);
+  void takeForces(std::int64_t until_tick);
   void takeEvent(const LogEvent& event);
   std::string withMaterialName(std::string text, const LogEvent& event) const;
   void finishDevice();
   TimingView timing(const Snapshot& snapshot) const;
   MaterialView materialView(std::size_t index) const;
-  ForceReading shownForce(const Snapshot& snapshot) const;
 
   Options options_;
   Log& log_;
@@ -145,6 +149,10 @@ class Session {
   std::unique_ptr<CoupledTool> coupled_tool_;  // a haptic device's end in the loop, and its thread
   std::unique_ptr<SimulationLoop> loop_;
   std::unique_ptr<DeviceThread> device_;
+  const Snapshot* latest_ = nullptr;
+  std::int64_t latest_ns_ = 0;             // CLOCK_MONOTONIC, when it was taken
+  std::optional<ForceSample> next_force_;  // of a tick after it
+  std::optional<LogEvent> next_event_;     // likewise
   std::optional<Recording> recording_;
   KeptChanges changes_;        // in the window
   bool changes_lost_ = false;  // likewise
@@ -157,6 +165,7 @@ class Session {
   bool track_over_ = true;
   std::string frozen_reason_;
   bool ended_ = false;
+  bool gives_way_ = false;
 };
 
 /// Relative change of the organ's volume: sum_q V_q (J_q - 1) / sum_q V_q, with J_q = det F_q

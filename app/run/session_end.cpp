@@ -40,8 +40,7 @@ void Session::finish() {
 }
 
 Recording Session::recordingSoFar() {
-  const std::int64_t ticks = latest().status.ticks;
-  gather();  // at least all that came before that tick
+  const std::int64_t ticks = latest().status.ticks;  // all that came before it was taken with it
   Recording recording{scene_.name, modelHash(model_), scene_.rate_hz, ticks, {}};
   if (changes_.overflowed())
     throw std::runtime_error("the run is too long to be kept as a recording; start it with --record");

@@ -28,11 +28,11 @@ MaterialView mixedView(const MaterialSpec& spec, std::size_t mixtures) {
 
 }  // namespace
 
-ForceHistory Session::forcesUntil(double time_s) const {
+ForceHistory Session::forcesUntil(const Snapshot& past) const {
   ForceHistory history(forces_.seconds());
-  const auto first = std::lower_bound(samples_.begin(), samples_.end(), time_s - forces_.seconds(),
-                                      [](const ForceSample& sample, double t) { return sample.time_s < t; });
-  for (auto sample = first; sample != samples_.end() && sample->time_s <= time_s; ++sample) history.add(*sample);
+  const auto first = std::upper_bound(samples_.begin(), samples_.end(), past.status.reset_tick,
+                                      [](std::int64_t tick, const ForceSample& sample) { return tick < sample.tick; });
+  for (auto sample = first; sample != samples_.end() && sample->tick <= past.force.tick; ++sample) history.add(*sample);
   return history;
 }
 
@@ -67,11 +67,6 @@ TimingView Session::timing(const Snapshot& snapshot) const {
   return view;
 }
 
-/// Pictures of a moment, off-screen or after the end, show its force as it was then.
-ForceReading Session::shownForce(const Snapshot& snapshot) const {
-  return ended_ || options_.offscreen ? ForceReading{snapshot.force, 0, true} : loop_->force();
-}
-
 /// How far the time step lets a material go is asked of the physics itself.
 MaterialView Session::materialView(std::size_t index) const {
   const Material& loaded = scene_materials_[index];
@@ -104,7 +99,10 @@ MaterialView Session::materialView(std::size_t index) const {
 PanelData Session::panelData(const Snapshot& snapshot) const {
   PanelData data{.model = model_, .snapshot = snapshot, .forces = forces_, .log = log_.lines()};
   data.timing = timing(snapshot);
-  data.force = shownForce(snapshot);
+  // Old is what was old when it was taken, and not what took long to draw. Pictures of a moment, off-screen, after the
+  // end or of the past, show its force as it was then.
+  const bool present = &snapshot == latest_ && !ended_ && !options_.offscreen;
+  data.force = present ? readForce(snapshot.force, latest_ns_, scene_.rate_hz) : ForceReading{snapshot.force, 0, true};
   // Mixtures of tissue are hundreds of materials; one of them alone is nothing to change.
   const bool mixes = materials_.size() != scene_.materials.size();
   for (std::size_t m = 0; m < scene_.materials.size(); ++m)

@@ -19,6 +19,7 @@ constexpr double touch_speed = 0.06;   // m/s, down to the skin
 constexpr double turn_speed = 0.6;     // rad/s, of keys
 constexpr double turn_per_pixel = 0.006;
 constexpr double tap_seconds = 0.08;  // that a tapped key counts
+constexpr double arrived = 5e-4;      // m: nearer, and a way is over
 constexpr double jump = 0.02;         // m: further on, the tool lifts off and comes down again
 
 /// `v` without its part along the unit vector `axis`, of unit length; zero where nothing is left.
@@ -93,6 +94,49 @@ std::vector<Request> ToolHand::toStart() {
   return requests;
 }
 
+std::vector<Request> ToolHand::bring(const Vec3& touched) {
+  std::vector<Request> requests;
+  place_.reset();
+  glideTo(touched, 0, requests);
+  return requests;
+}
+
+std::vector<Request> ToolHand::press(double depth, double speed, const Pose& goal) {
+  std::vector<Request> requests;
+  const auto go = [&](const Pose& to, double its_speed) {
+    const double seconds = std::max(least_way_seconds, (to.position - target_.position).norm() / its_speed);
+    const bool under_way = !requests.empty() || (goal.position - target_.position).norm() > arrived;
+    requests.push_back(under_way ? Request::thenMoveTool(to, seconds) : Request::moveTool(to, seconds));
+    target_ = to;
+  };
+  depth = std::min(depth, reach_);
+  if (!place_ && mode_ == HandMode::Free) {
+    const SkinSurface::Place below = skin_.nearest(target_.position);
+    go({below.point - depth * below.normal, target_.orientation}, speed);
+    return requests;
+  }
+  if (!place_) {
+    place_ = skin_.nearest(target_.position);
+    tilt_ = Quat::Identity();
+    depth_ = 0;
+    go(poseOn(*place_), touch_speed);
+  }
+  depth_ = depth;
+  go(poseOn(*place_), speed);
+  return requests;
+}
+
+std::vector<Request> ToolHand::raise(double way, double speed) {
+  place_.reset();
+  target_.position = withinReach(target_.position + way * (target_.orientation * Vec3::UnitZ()));
+  return {Request::moveTool(target_, way / speed)};
+}
+
+Request ToolHand::open(double opening) {
+  opening_ = std::clamp(opening, 0.0, widest());
+  return Request::setOpening(0, opening_);
+}
+
 std::vector<Request> ToolHand::upright() {
   tilt_ = Quat::Identity();
   if (place_)
@@ -120,11 +164,7 @@ std::vector<Request> ToolHand::apply(const Actions& actions, const std::optional
   if (const std::optional<Request> keys = steer(actions, camera, speed, seconds, goal)) requests.push_back(*keys);
   if (touched && mode_ == HandMode::Glide) glideTo(*touched, seconds, requests);
   moveByMouse(actions, camera, height, seconds, requests);
-  if (actions.jaws_keys != 0 && opening_ >= 0) {
-    const double widest = 2 * std::max(start_opening_, tool_radius_);
-    opening_ = std::clamp(opening_ + actions.jaws_keys * speed * seconds, 0.0, widest);
-    requests.push_back(Request::setOpening(0, opening_));
-  }
+  if (actions.jaws_keys != 0 && hasJaws()) requests.push_back(open(opening_ + actions.jaws_keys * speed * seconds));
   return requests;
 }
 

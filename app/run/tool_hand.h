@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <optional>
 #include <vector>
 
@@ -41,6 +42,21 @@ class ToolHand {
   std::vector<Request> toStart();
   /// As toStart, without the way: after a reset.
   void reset();
+  /// To the place of the skin at rest that is nearest to `touched`, m, as a click there.
+  std::vector<Request> bring(const Vec3& touched);
+  /// So deep into the skin at its place, m; negative: off it. Without a place: into the skin that is nearest to the tip,
+  /// on which it then stands (Glide), or as it is turned now (Free).
+  /// @param speed  m/s
+  /// @param goal   where the loop's own goal stands (Snapshot::goal_pose)
+  std::vector<Request> press(double depth, double speed, const Pose& goal);
+  std::vector<Request> lift(double speed, const Pose& goal) { return press(-lift_height, speed, goal); }
+  /// Back along its own axis, m, off any place; at `speed`, m/s.
+  std::vector<Request> raise(double way, double speed);
+  /// Jaws, m.
+  Request open(double opening);
+  bool hasJaws() const { return start_opening_ >= 0; }
+  /// How far jaws can be opened, m.
+  double widest() const { return 2 * std::max(start_opening_, tool_radius_); }
   /// Upright on the skin (Glide), or as at first (Free).
   std::vector<Request> upright();
 
@@ -54,6 +70,8 @@ class ToolHand {
                              int height, double speed, double seconds, const Pose& goal);
 
  private:
+  static constexpr double lift_height = 0.005;  // m, off the skin
+
   Pose poseOn(const SkinSurface::Place& place) const;
   Vec3 withinReach(const Vec3& position) const;
   std::optional<Request> steer(const Actions& actions, const Camera& camera, double speed, double seconds,

@@ -9,7 +9,7 @@
 #include "app/panels/widgets.h"
 #include "app/render/framebuffer.h"
 #include "app/render/pick.h"
-#include "app/run/pull_force.h"
+#include "app/render/solid_mesh.h"
 #include "app/run/saved_files.h"
 #include "app/trainer/score_page.h"
 
@@ -17,8 +17,8 @@ namespace palpate::app {
 
 namespace {
 
-constexpr double pick_pixels = 12;  // how near to the pointer an integration point must be
-constexpr int undo_more_count = 3;  // undos of half a second to a second each: two seconds
+constexpr double min_radius = 0.003, max_radius = 0.03;  // m, of a probe that is chosen
+constexpr double pick_pixels = 12;                       // how near to the pointer an integration point must be
 
 /// Where on the skin at rest the point is that is now under the ray.
 std::optional<Vec3> touchedAtRest(const TriangleSurface& rest, const std::vector<Vec3f>& positions, const Ray& ray) {
@@ -26,6 +26,20 @@ std::optional<Vec3> touchedAtRest(const TriangleSurface& rest, const std::vector
   if (!hit) return {};
   const auto v = static_cast<std::size_t>(hit->vertex);
   return rest.vertices[v] + (hit->position - positions[v].cast<double>());
+}
+
+/// Whether the pointer, px, is on the probe as it is drawn, or nearly.
+bool isOnProbe(const ToolShape& tool, const Pose& pose, const Camera& camera, const Eigen::Vector2d& pointer,
+               const CanvasSize& size) {
+  const auto at = [&](double z) {
+    return camera.project(pose.toWorld({0, 0, z}), size.pixelWidth(), size.pixelHeight());
+  };
+  const Vec3 tip = at(0), end = at(static_cast<double>(toolHandleEnd(tool)));
+  if (tip.z() <= 0 || end.z() <= 0) return false;
+  const Eigen::Vector2d along = (end - tip).head<2>(), to = pointer - tip.head<2>();
+  const double share = std::clamp(to.dot(along) / std::max(1e-9, along.squaredNorm()), 0.0, 1.0);
+  const double radius = tool.radius / camera.pixelSize(pose.position, size.pixelHeight());
+  return (to - share * along).norm() < std::max(pick_pixels * size.pixel_ratio, radius);
 }
 
 }  // namespace
@@ -42,6 +56,8 @@ Camera Viewer::shownCamera() const {
   return centredIn(layout(size), view_.camera, size);
 }
 
+const Snapshot& Viewer::shownSnapshot() const { return looked_at_ ? past_.at(*looked_at_) : session_.latest(); }
+
 Layout Viewer::layout(const CanvasSize& size) const {
   const float overlays =
       (view_.colour_map != ColourMap::Tissue ? legend_room : 0) + (panels_.timeline_shown ? timeline_room : 0);
@@ -52,9 +68,55 @@ void Viewer::send(const std::vector<Request>& requests) {
   for (const Request& request : requests) session_.send(request);
 }
 
+bool Viewer::byHand() const { return session_.driver() == ToolDriver::User && session_.options().device.empty(); }
+
+bool Viewer::rests() const { return byHand() && nobody_s_ >= session_.options().idle_seconds; }
+
+/// Back to the present, which goes on if it was the look back that held it.
+void Viewer::leavePast() {
+  looked_at_.reset();
+  panels_.timeline_plays = false;
+  if (std::exchange(paused_for_past_, false)) session_.send(Request::simple(Request::Kind::Resume));
+}
+
+/// What is left behind must not stay for those who come next.
+void Viewer::passTime(bool somebody, double seconds) {
+  nobody_s_ = somebody ? 0 : nobody_s_ + seconds;
+  if (looked_at_ && rests() && !panels_.timeline_plays) leavePast();
+  session_.giveWay(panels_.demo && rests());
+  if (attract_ && (somebody || !panels_.demo || !byHand())) {
+    attract_.reset();
+    if (session_.latest().status.paused) session_.send(Request::simple(Request::Kind::Resume));
+  }
+  if (!panels_.demo || !rests()) return;
+  if (!attract_) startAttracting();
+  if (session_.task() != nullptr && !session_.revealed()) return;  // it would count as the trainee's
+  const Snapshot& now = session_.latest();
+  if (now.status.frozen) reset();
+  send(attract_->next(nobody_s_ - session_.options().idle_seconds, hand_, now.goal_pose));
+  if (attract_->rests() != now.status.paused)
+    session_.send(Request::simple(attract_->rests() ? Request::Kind::Pause : Request::Kind::Resume));
+}
+
+/// As the scene begins: tissue at rest, its own materials, the first view.
+void Viewer::startAttracting() {
+  attract_.emplace(session_.model());
+  panels_.help_shown = panels_.open_shown = panels_.quit_asked = false;
+  panels_.problem.clear();
+  session_.dismissNotice();
+  session_.loadedSettings();
+  reset();
+  panels_.glide = true;
+  hand_.setMode(HandMode::Glide);
+  view_ = View{};
+  const CanvasSize size = window_.size();
+  view_.camera = startCamera(session_.model(), layout(size), size);
+}
+
 void Viewer::reset() {
   session_.send(Request::simple(Request::Kind::Reset));
   hand_.reset();
+  grasp_.reset();
   view_.pulled_vertex = -1;
 }
 
@@ -80,13 +142,11 @@ void Viewer::applyView(const Actions& actions, const CanvasSize& size) {
       panels_.help_shown = false;
     else if (panels_.open_shown || panels_.quit_asked)
       panels_.open_shown = panels_.quit_asked = false;
-    else
-      panels_.demo = false, panels_.panels_shown = true;
   }
   if (actions.open_scene) panels_.open_shown = true, panels_.open_kind = OpenKind::Scene, panels_.path.clear();
   if (actions.toggle_timeline) {
     panels_.timeline_shown = !panels_.timeline_shown;
-    if (!panels_.timeline_shown) looked_at_.reset();
+    if (!panels_.timeline_shown) leavePast();
   }
   if (actions.toggle_full_screen) window_.toggleFullScreen();
   if (actions.toggle_ghost) view_.ghost = !view_.ghost;
@@ -100,7 +160,8 @@ void Viewer::applyView(const Actions& actions, const CanvasSize& size) {
 void Viewer::applyRun(const Actions& actions, const Snapshot& snapshot) {
   using Kind = Request::Kind;
   // What moves the run shows the present again.
-  if (actions.toggle_pause || actions.single_step > 0 || actions.reset || actions.undo > 0) looked_at_.reset();
+  if (actions.single_step > 0) paused_for_past_ = false;
+  if (actions.toggle_pause || actions.single_step > 0 || actions.reset || actions.undo > 0) leavePast();
   if (actions.toggle_pause) session_.send(Request::simple(snapshot.status.paused ? Kind::Resume : Kind::Pause));
   if (actions.single_step > 0 && !snapshot.status.paused) session_.send(Request::simple(Kind::Pause));
   for (int k = 0; k < actions.single_step; ++k) session_.send(Request::simple(Kind::SingleStep));
@@ -117,8 +178,14 @@ void Viewer::applyTool(const Actions& actions, const Camera& camera, const Snaps
   }
   if (std::exchange(undo_count_, snapshot.status.undo_count) != snapshot.status.undo_count) {
     hand_.moveTo(snapshot.hand_pose);  // where the tool was then
+    grasp_.reset();
     view_.pulled_vertex = -1;
   }
+  const bool by_itself = !actions.glide && actions.tool_keys.isZero(0) && actions.turn_keys.isZero(0) &&
+                         actions.jaws_keys == 0 && actions.push_tool_notches == 0 && drag() != Drag::MoveTool;
+  if (!by_itself) grasp_.reset();
+  if (grasp_) send(grasp_->next(snapshot, hand_));
+  if (grasp_ && grasp_->done()) grasp_.reset();
   std::optional<Vec3> touched;
   if (actions.glide)
     touched = touchedAtRest(session_.model().skin.surface, organ_.skinPositions(),
@@ -159,9 +226,7 @@ void Viewer::applyRequests(const PanelRequests& requests, const Snapshot& snapsh
   actions.undo = requests.undo ? 1 : 0;
   applyRun(actions, snapshot);
   if (requests.reset_all) session_.loadedSettings();
-  if (requests.undo_more)
-    for (int k = 0; k < undo_more_count; ++k) session_.send(Request::simple(Request::Kind::Undo));
-  if (requests.dismiss_notice || requests.undo_more || actions.reset) session_.dismissNotice();
+  if (requests.dismiss_notice || actions.undo > 0 || actions.reset) session_.dismissNotice();
   if (requests.restart_script && snapshot.status.paused) session_.send(Request::simple(Request::Kind::Resume));
   if (requests.frame_view) frameOrgan(view_.camera, organ_, layout(size), size);
   if (requests.glide) hand_.setMode(*requests.glide ? HandMode::Glide : HandMode::Free);
@@ -170,12 +235,22 @@ void Viewer::applyRequests(const PanelRequests& requests, const Snapshot& snapsh
   if (requests.section_faces) faceCut(view_.section, view_.camera);
   if (requests.tool_to_start) send(hand_.toStart());
   if (requests.upright) send(hand_.upright());
+  const double speed = 1e-3 * panels_.tool_speed_mm_s;
+  if (session_.driver() == ToolDriver::User && !looked_at_) {
+    if (requests.press) send(hand_.press(*requests.press, speed, snapshot.goal_pose));
+    if (requests.press || requests.lift || requests.opening || requests.tool_to_start) grasp_.reset();
+    if (requests.grasp && hand_.hasJaws()) grasp_.emplace();
+    if (requests.opening && hand_.hasJaws()) send({hand_.open(*requests.opening)});
+    if (requests.lift) send(hand_.lift(speed, snapshot.goal_pose));
+  }
   if (requests.friction) session_.setFriction(*requests.friction);
   if (requests.material >= 0) session_.setMaterial(requests.material, requests.changed);
   if (requests.full_screen) window_.toggleFullScreen();
   if (requests.demo) {
     panels_.demo = !panels_.demo;
     panels_.panels_shown = !panels_.demo;
+    panels_.timeline_shown = false;
+    leavePast();
     if (panels_.demo != window_.fullScreen()) window_.toggleFullScreen();
   }
   if (TaskScore* task = session_.task(); task != nullptr && !session_.revealed()) {
@@ -184,13 +259,13 @@ void Viewer::applyRequests(const PanelRequests& requests, const Snapshot& snapsh
     if (requests.submit) submit();
   }
   if (requests.look_at_s && !past_.empty()) {
-    if (!snapshot.status.paused) session_.send(Request::simple(Request::Kind::Pause));
+    if (!snapshot.status.paused && !looked_at_) {
+      session_.send(Request::simple(Request::Kind::Pause));
+      paused_for_past_ = true;
+    }
     looked_at_ = *requests.look_at_s;
   }
-  if (requests.look_now) {
-    looked_at_.reset();
-    panels_.timeline_plays = false;
-  }
+  if (requests.look_now) leavePast();
   applyFiles(requests);
 }
 
@@ -225,6 +300,21 @@ void Viewer::applyFiles(const PanelRequests& requests) {
   if (requests.clear_presses) session_.clearPresses();
 }
 
+/// What is chosen in the panels, chosen by keys.
+void Viewer::applyChoices(const Actions& actions, PanelRequests& requests) {
+  if (actions.toggle_engineer) panels_.engineer = !panels_.engineer;
+  if (actions.next_hardness > 0) panels_.hardness = 1 + (panels_.hardness - 1 + actions.next_hardness) % 3;
+  if (actions.next_shape > 0 || actions.radius_steps != 0) {
+    const ToolShape& tool = session_.model().scene.tool;
+    if (!panels_.tool_edited) panels_.tool = {tool.kind, tool.radius};
+    const auto kinds = static_cast<int>(std::size(toolTypes()));
+    panels_.tool.kind = static_cast<ToolKind>((static_cast<int>(panels_.tool.kind) + actions.next_shape) % kinds);
+    panels_.tool.radius = std::clamp(panels_.tool.radius + 1e-3 * actions.radius_steps, min_radius, max_radius);
+    panels_.tool_edited = panels_.panels_shown = true;
+  }
+  if (actions.use_probe && std::exchange(panels_.tool_edited, false)) requests.tool = panels_.tool;
+}
+
 ProgramRequests Viewer::frame(double seconds, const std::vector<std::string>& scenes) {
   const CanvasSize size = window_.size();
   constexpr double share = 0.05;  // of the newest frame in the mean that is shown
@@ -236,17 +326,22 @@ ProgramRequests Viewer::frame(double seconds, const std::vector<std::string>& sc
   ui_.begin();
 
   Input input = inputFromImGui(presses);
+  passTime(input.anything, seconds);
   input.keys_taken |= panels_.open_shown;  // also while its text field does not yet have the keyboard
   input.mouse *= size.pixel_ratio;
   input.mouse_delta *= size.pixel_ratio;
   const Camera before = centredIn(layout(size), view_.camera, size);
+  input.free_probe = !panels_.glide;
+  if (controls_.drag() == Drag::None && (input.left || input.right) && byHand())
+    input.on_probe = isOnProbe(session_.model().scene.tool, snapshot.tool_pose, before, input.mouse, size);
   if (panels_.glide && controls_.drag() == Drag::None && (input.left || input.right))
     input.on_skin = pickSkin(session_.model().skin.surface, organ_.skinPositions(),
                              before.rayThrough(input.mouse.x(), input.mouse.y(), size.pixelWidth(), size.pixelHeight()))
                         .has_value();
   const bool something_open = menuOpen() || panels_.help_shown || panels_.open_shown || panels_.quit_asked ||
                               panels_.demo || !panels_.problem.empty();
-  const Actions actions = controls_.read(input, something_open);
+  Actions actions = controls_.read(input, something_open);
+  if (panels_.demo) actions = lockedForDemo(actions);
   applyView(actions, size);
   applyRun(actions, snapshot);
   const Camera shown = centredIn(layout(size), view_.camera, size);
@@ -265,23 +360,24 @@ ProgramRequests Viewer::frame(double seconds, const std::vector<std::string>& sc
   Shown& more = shown_;
   more.frames_per_second = frame_seconds_ > 0 ? 1 / frame_seconds_ : 0;
   more.scenes = scenes;
+  more.attracts = attracts();
   more.hand_on_skin = hand_.onSkin();
-  more.hand_depth_m = hand_.depth();
-  more.pull_N = -1;
-  if (view_.pulled_vertex >= 0)
-    more.pull_N = pullForce(
-        session_.model(), view_.pulled_vertex,
-        view_.pull_target - organ_.skinPositions()[static_cast<std::size_t>(view_.pulled_vertex)].cast<double>());
+  more.widest_jaws_m = hand_.hasJaws() ? hand_.widest() : 0;
+  more.hand_presses = hand_.onSkin() && hand_.depth() > 0;
   more.timeline = TimelineView{past_.begin_s(), snapshot.force.time_s, looked_at_.value_or(snapshot.force.time_s),
                                looked_at_.has_value()};
-  if (looked_at_) past_forces_ = session_.forcesUntil(*looked_at_);
+  const Snapshot& drawn = shownSnapshot();
+  if (looked_at_ && (!past_forces_ || past_forces_->lastTime() != drawn.force.time_s))
+    past_forces_ = session_.forcesUntil(drawn);
   more.past_forces = looked_at_ ? &*past_forces_ : nullptr;
-  const Snapshot& drawn = looked_at_ ? past_.at(*looked_at_) : snapshot;
   PanelRequests requests = drawComposition(organ_, ui_, session_, drawn, view_, panels_, layout(size), size, more);
   requests.save_picture |= actions.save_picture;
   requests.save_forces |= actions.save_forces;
   requests.demo |= actions.toggle_demo;
   requests.mark |= actions.mark;
+  requests.lift |= actions.lift;
+  if (actions.press) requests.press = 1e-3 * panels_.press_mm;
+  applyChoices(actions, requests);
   applyRequests(requests, snapshot, size);
   ProgramRequests program;
   program.quit = (actions.quit || requests.quit) && !asksBeforeQuit();
@@ -319,7 +415,7 @@ Picture Viewer::picture() {
   const Framebuffer framebuffer(size.pixelWidth(), size.pixelHeight());
   framebuffer.bind();
   ui_.begin();
-  drawComposition(organ_, ui_, session_, session_.latest(), view_, panels_, layout(size), size, shown_);
+  drawComposition(organ_, ui_, session_, shownSnapshot(), view_, panels_, layout(size), size, shown_);
   return framebuffer.read();
 }
 

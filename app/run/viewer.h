@@ -3,8 +3,10 @@
 #include <memory>
 #include <string>
 
+#include "app/run/attract_loop.h"
 #include "app/run/composition.h"
 #include "app/run/gl_window.h"
+#include "app/run/grasp.h"
 #include "app/run/input.h"
 #include "app/run/past_pictures.h"
 #include "app/run/tool_hand.h"
@@ -34,7 +36,7 @@ class Viewer {
   /// The wish, or none until the user has agreed to lose what leaving this session would lose.
   ProgramRequests withConsent(const ProgramRequests& wish);
 
-  /// The present picture, drawn once more.
+  /// The picture that is seen, drawn once more.
   Picture picture();
 
   /// What is set, held and seen: for who watches the window (FrameWatch).
@@ -43,10 +45,14 @@ class Viewer {
   std::optional<double> lookedAt() const { return looked_at_; }
   const ToolHand& hand() const { return hand_; }
   Drag drag() const { return controls_.drag(); }
+  /// Nobody has been there for a while, and no script or device moves the probe: the picture need not come often.
+  bool rests() const;
+  bool attracts() const { return attract_.has_value(); }
   /// The camera as it is drawn, in the middle of what the panels leave free.
   Camera shownCamera() const;
 
  private:
+  const Snapshot& shownSnapshot() const;
   Layout layout(const CanvasSize& size) const;
   void applyView(const Actions& actions, const CanvasSize& size);
   void applyRun(const Actions& actions, const Snapshot& snapshot);
@@ -54,7 +60,12 @@ class Viewer {
                  const CanvasSize& size, double seconds);
   void applyPull(const Actions& actions, const Camera& camera, const Eigen::Vector2d& mouse, const CanvasSize& size);
   void applyRequests(const PanelRequests& requests, const Snapshot& snapshot, const CanvasSize& size);
+  void applyChoices(const Actions& actions, PanelRequests& requests);
   void applyFiles(const PanelRequests& requests);
+  void passTime(bool somebody, double seconds);
+  void leavePast();
+  void startAttracting();
+  bool byHand() const;
   void send(const std::vector<Request>& requests);
   void reset();
   void submit();
@@ -74,6 +85,10 @@ class Viewer {
   std::optional<ProgramRequests> asked_;     // that waits for consent
   std::optional<double> looked_at_;          // s of the run, of the earlier picture that is shown
   std::optional<ForceHistory> past_forces_;  // up to then
+  bool paused_for_past_ = false;             // the run goes on when it is left
+  double nobody_s_ = 0;                      // since a hand was last at mouse or keys
+  std::optional<Grasp> grasp_;               // under way
+  std::optional<AttractLoop> attract_;       // while the demo plays by itself
 };
 
 }  // namespace palpate::app

@@ -25,8 +25,9 @@ namespace {
 
 using SteadyClock = std::chrono::steady_clock;
 
-constexpr double hidden_wait = 0.1;   // s, between looks at the loop while the window is minimised
-constexpr double loading_turn = 0.1;  // s, between pictures of the progress: the set-up needs the cores
+constexpr double hidden_wait = 0.1;    // s, between looks at the loop while the window is minimised
+constexpr double resting_turn = 0.15;  // s, between pictures while nobody is there
+constexpr double loading_turn = 0.1;   // s, between pictures of the progress: the set-up needs the cores
 
 /// What comes after a session.
 struct Next {
@@ -46,9 +47,15 @@ class Shell {
         ui_(window_.handle(), window_.interfaceScale()),
         recent_(RecentScenes::userFile()),
         renderer_name_(reinterpret_cast<const char*>(glGetString(GL_RENDERER))) {
+    if (options.demo) {
+      panels_.demo = true;
+      panels_.panels_shown = false;
+      window_.toggleFullScreen();
+    }
     const std::string done = "done: ";
-    log_.info("OpenGL: " + renderer_name_ +
-              (priority_.starts_with(done) ? ", drawn at low priority" : ", not drawn at low priority: " + priority_));
+    log_.detail(
+        "OpenGL: " + renderer_name_ +
+        (priority_.starts_with(done) ? ", drawn at low priority" : ", not drawn at low priority: " + priority_));
   }
 
   /// The session, or null where the user would not wait. Throws what its making throws.
@@ -219,6 +226,10 @@ Next Shell::show(Session& session, Viewer& viewer, bool resume) {
       }
     }
     if (std::exchange(resume, false)) session.send(Request::simple(Request::Kind::Resume));
+    if (viewer.rests()) {  // until somebody comes
+      window_.waitFor(std::max(0.0, resting_turn - std::chrono::duration<double>(SteadyClock::now() - now).count()));
+      continue;
+    }
     const double turn = pace.turn(std::chrono::duration<double>(SteadyClock::now() - now).count(),
                                   session.latest().status.overrun_count);
     std::this_thread::sleep_until(

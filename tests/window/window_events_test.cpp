@@ -14,6 +14,7 @@
 #include "app/run/session.h"
 #include "app/run/viewer.h"
 #include "app/run/window.h"
+#include "contact/tools/tool_list.h"
 #include "support/block_text.h"
 #include "support/temp_folder.h"
 #include "window/virtual_screen.h"
@@ -93,9 +94,10 @@ Eigen::Vector2d pixelOf(const Viewer& viewer, const Vec3& world) {
   return viewer.shownCamera().project(world, window_width, window_height).head<2>();
 }
 
-void drive(test::VirtualScreen&, const std::string& scene, std::vector<Step> steps) {
+void drive(test::VirtualScreen&, const std::string& scene, std::vector<Step> steps, double idle_seconds = 1000) {
   Options options;
   options.scene = scene;
+  options.idle_seconds = idle_seconds;
   options.width = window_width;
   options.height = window_height;
   Log log;
@@ -138,6 +140,21 @@ TEST_CASE("A person presses, tilts, cuts open, saves, marks, undoes, submits and
   const auto wait = [](Session&, Viewer&) {};
   drive(*person, scene,
         {{"the first picture", wait, [](Session& s, Viewer&) { return s.latest().status.ticks > 0; }},
+         {"End, which presses", [&](Session&, Viewer&) { person->tap("End"); },
+          [](Session& s, Viewer& v) { return v.hand().depth() > 0.002 && s.latest().force.force_raw.norm() > 0.01; }},
+         {"Home, which lifts", [&](Session&, Viewer&) { person->tap("Home"); },
+          [](Session& s, Viewer&) { return s.latest().tool_pose.position.z() > 0.034; }},
+         {"a click on Press", [&](Session&, Viewer&) { clickButton(*person, "Press"); },
+          [](Session& s, Viewer& v) { return v.hand().depth() > 0.002 && s.latest().force.force_raw.norm() > 0.01; }},
+         {"a click on Lift", [&](Session&, Viewer&) { clickButton(*person, "Lift"); },
+          [](Session& s, Viewer&) { return s.latest().tool_pose.position.z() > 0.034; }},
+         {"E and U", [&](Session&, Viewer&) { person->tap("e"), person->tap("u"); },
+          [](Session&, Viewer& v) { return v.panels().engineer && v.panels().hardness == 3; }},
+         {"B", [&](Session&, Viewer&) { person->tap("b"); },
+          [](Session&, Viewer& v) { return v.panels().tool_edited && v.panels().tool.kind == ToolKind::FlatCylinder; }},
+         {"its place", wait, [](Session&, Viewer&) { return buttonPlaces().count("Keep the old") > 0; }},
+         {"a click on Keep the old", [&](Session&, Viewer&) { clickButton(*person, "Keep the old"); },
+          [](Session&, Viewer& v) { return !v.panels().tool_edited; }},
          {"button down on the skin",
           [&](Session&, Viewer& v) {
             const Eigen::Vector2d at = pixelOf(v, spot);
@@ -244,6 +261,14 @@ TEST_CASE("A person presses, tilts, cuts open, saves, marks, undoes, submits and
           [](Session&, Viewer& v) { return v.panels().path == "other.toml"; }},
          {"Return again", [&](Session&, Viewer&) { person->tap("Return"); },
           [](Session& s, Viewer&) { return s.task() == nullptr && s.latest().status.ticks > 0; }},
+         {"B, + and Enter",
+          [&](Session&, Viewer&) {
+            for (const char* key : {"b", "equal", "Return"}) person->tap(key);
+          },
+          [](Session& s, Viewer&) {
+            const ToolShape& tool = s.model().scene.tool;
+            return tool.kind == ToolKind::FlatCylinder && tool.radius > 0.0105 && s.latest().status.ticks > 0;
+          }},
          {"Escape, which quits", [&](Session&, Viewer&) { person->tap("Escape"); },
           [](Session&, Viewer&) { return false; }}});
 }
@@ -305,4 +330,59 @@ TEST_CASE("A rough person drags, turns the wheel, resizes to nothing and presses
   steps.push_back(
       {"Escape quits", [&](Session&, Viewer&) { person->tap("Escape"); }, [](Session&, Viewer&) { return false; }});
   drive(*person, scene, std::move(steps));
+}
+
+TEST_CASE("Left alone the window comes back from the past, and the demo plays by itself until somebody comes",
+          "[window]") {
+  test::VirtualScreen* const person = screen();
+  if (person == nullptr) return;
+  const OwnFolder folder;
+  const std::string scene =
+      folder.write("block.toml", test::touched_block_text + "[dynamics]\nrate = 100\nthreads = 1\n");
+  const auto nobody = [](Session&, Viewer&) {};
+  const char* const away = "The organ is out of view: F";
+  int pictures = 0;
+  drive(*person, scene,
+        {{"the first picture", nobody, [](Session& s, Viewer&) { return s.latest().status.ticks > 0; }},
+         {"T, which looks back", [&](Session&, Viewer&) { person->tap("t"); },
+          [](Session& s, Viewer& v) { return v.panels().timeline_shown && s.latest().force.time_s > 1; }},
+         {"a click into the past",
+          [&](Session&, Viewer&) {
+            const Rect play = buttonPlaces().at("Play");
+            person->click(play.x + 20, play.y - 0.7F * play.height);
+          },
+          [](Session& s, Viewer& v) { return v.lookedAt() && s.latest().status.paused; }},
+         {"nobody", nobody, [](Session& s, Viewer& v) { return !v.lookedAt() && !s.latest().status.paused; }},
+         {"the right button", [&](Session&, Viewer&) { person->moveTo(320, 200), person->button(3, true); },
+          [](Session&, Viewer& v) { return v.drag() == Drag::Pan; }},
+         {"a drag of the organ under the panels",
+          [&](Session&, Viewer&) { person->moveTo(1150, 200), person->button(3, false); },
+          [&](Session&, Viewer&) { return buttonPlaces().count(away) > 0; }},
+         {"its place", [&](Session&, Viewer&) { pictures = 0; }, [&](Session&, Viewer&) { return ++pictures > 2; }},
+         {"a click on what says so", [&](Session&, Viewer&) { clickButton(*person, away); },
+          [](Session&, Viewer& v) {
+            const double x = pixelOf(v, Vec3(0, 0, 0.015)).x();
+            return x > 400 && x < 850;
+          }},
+         {"F10", [&](Session&, Viewer&) { person->tap("F10"); }, [](Session&, Viewer& v) { return v.panels().demo; }},
+         {"what the demo locks",
+          [&](Session&, Viewer&) {
+            for (const char* key : {"t", "n", "p", "h", "e", "b", "Escape"}) person->tap(key);
+            pictures = 0;
+          },
+          [&](Session&, Viewer& v) {
+            const PanelState& p = v.panels();
+            CHECK_FALSE((p.timeline_shown || v.view().show_nodes || v.view().show_points || p.panels_shown));
+            CHECK_FALSE((p.engineer || p.tool_edited || !p.demo));
+            return ++pictures > 3;
+          }},
+         {"nobody", nobody,
+          [](Session& s, Viewer& v) { return v.attracts() && s.latest().force.force_raw.norm() > 0.01; }},
+         {"somebody", [&](Session&, Viewer&) { person->moveTo(500, 300); },
+          [](Session& s, Viewer& v) { return !v.attracts() && !s.latest().status.paused; }},
+         {"F10 again", [&](Session&, Viewer&) { person->tap("F10"); },
+          [](Session&, Viewer& v) { return !v.panels().demo; }},
+         {"Escape, which quits", [&](Session&, Viewer&) { person->tap("Escape"); },
+          [](Session&, Viewer&) { return false; }}},
+        1);
 }

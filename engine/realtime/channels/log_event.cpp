@@ -1,5 +1,7 @@
 #include "realtime/channels/log_event.h"
 
+#include <cmath>
+
 #include "base/number_text.h"
 #include "simulation/trust.h"
 
@@ -79,7 +81,9 @@ std::string sentence(const LogEvent& e) {
     case LogEvent::Kind::Reset:
       return "reset";
     case LogEvent::Kind::Undone:
-      return e.value > 0 ? format("undone: %.2f s back", e.value) : std::string("nothing to undo: no state is kept");
+      // What is kept lies half a second apart, and so is what a user is told.
+      return e.value > 0 ? format("undone: %.1f s back", 0.5 * std::round(2 * e.value))
+                         : std::string("nothing to undo: no state is kept");
     case LogEvent::Kind::Paused:
       return "paused";
     case LogEvent::Kind::Resumed:

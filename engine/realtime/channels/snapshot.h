@@ -44,6 +44,7 @@ struct LoopStatus {
   bool frozen = false;              // the watchdog stopped the tissue; reset is offered
   std::int64_t restored_count = 0;  // times that the tissue was lost and went back to an earlier state
   std::int64_t undo_count = 0;
+  std::int64_t reset_tick = 0;  // of the run, when it was last reset: forces of ticks up to it are of an earlier life
 };
 
 /// What the loop hands to whoever draws: a whole, consistent tick.

@@ -20,6 +20,7 @@ struct RunState {
   double yield = 0;                 // m, how far the tool stays behind it
   std::uint64_t pose_sequence = 0;  // of the newest pose from HandSlot
   std::int64_t undo_count = 0;
+  std::int64_t reset_tick = 0;  // when it was last reset
 
   bool isOver() const { return stop || (tick_limit > 0 && tick >= tick_limit); }
 };

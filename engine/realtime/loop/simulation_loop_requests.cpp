@@ -165,6 +165,7 @@ void SimulationLoop::reset(Request::Kind kind, bool from_track) {
   const bool over = !from_track && track_.startOver(run_.tick);
   if (over || (!from_track && track_.drives(run_.tick))) kind = Request::Kind::Restart;  // an endless motion, too
   physics_.reset();
+  run_.reset_tick = run_.tick;
   history_.clear();
   if (kind == Request::Kind::Reset) beGentle();
   run_.frozen = false;

@@ -65,7 +65,7 @@ std::string lockMemory() {
   return refused(errno, "allow locked memory (ulimit -l unlimited, or CAP_IPC_LOCK)");
 }
 
-std::string setAffinity(const std::vector<pthread_t>& threads, bool fifo) {
+std::string setAffinity(const std::vector<pthread_t>& threads, bool fifo, std::vector<int>& pinned) {
   if (!fifo) return "not done: without SCHED_FIFO a pinned thread can't leave a busy core";
   cpu_set_t allowed;
   CPU_ZERO(&allowed);
@@ -87,6 +87,7 @@ std::string setAffinity(const std::vector<pthread_t>& threads, bool fifo) {
     if (error != 0) return refused(error, "the loop runs on any core");
     names += (t > 0 ? ", " : "") + std::to_string(cores[t]);
   }
+  pinned = cores;
   return (threads.size() == 1 ? "done: core " : "done: cores ") + names;
 }
 
@@ -154,7 +155,7 @@ RtSetup setUpLoopThread(SpinTeam* team, bool real_time) {
   bool fifo = false;
   setup.scheduling = setScheduling(threads, fifo);
   setup.memory_lock = lockMemory();
-  setup.affinity = setAffinity(threads, fifo);
+  setup.affinity = setAffinity(threads, fifo, setup.cores);
   return setup;
 }
 
@@ -166,6 +167,21 @@ void endRealTime(SpinTeam& team) {
   for (std::thread& worker : team.workers()) {
     pthread_setschedparam(worker.native_handle(), SCHED_OTHER, &ordinary);
     if (known) pthread_setaffinity_np(worker.native_handle(), sizeof allowed, &allowed);
+  }
+}
+
+void giveWay(const RtSetup& setup, bool yes) {
+  if (!setup.scheduling.starts_with("done: ")) return;
+  sched_param priority{};
+  priority.sched_priority = yes ? 0 : kPriority;
+  for (std::size_t t = 0; t < setup.thread_ids.size(); ++t) {
+    sched_setscheduler(setup.thread_ids[t], yes ? SCHED_OTHER : SCHED_FIFO, &priority);
+    if (setup.cores.empty()) continue;
+    cpu_set_t cores;
+    CPU_ZERO(&cores);
+    for (std::size_t c = 0; c < setup.cores.size(); ++c)
+      if (yes || c == t) CPU_SET(setup.cores[c], &cores);
+    sched_setaffinity(setup.thread_ids[t], sizeof cores, &cores);
   }
 }
 

@@ -15,6 +15,7 @@ struct RtSetup {
   std::string affinity;         // a core of its own for each physics thread
   std::string denormals;        // flush-to-zero, denormals-are-zero
   std::vector<int> thread_ids;  // the kernel's, member 0 (the loop's thread) first
+  std::vector<int> cores;       // where each is pinned, and the others that were allowed; empty: none is pinned
 };
 
 /// Prepares the calling thread and the team's workers for fixed-rate work: SCHED_FIFO,
@@ -28,6 +29,10 @@ RtSetup setUpLoopThread(SpinTeam* team, bool real_time);
 /// The team's workers become ordinary threads again, on the cores that the calling thread may use: for who goes on with
 /// the team after its loop has ended.
 void endRealTime(SpinTeam& team);
+
+/// While nobody needs the rate: the threads that were set up for it become ordinary ones, on all cores; or have again
+/// what they had. From any thread of the process. Does nothing where real-time priority was not granted.
+void giveWay(const RtSetup& setup, bool yes);
 
 /// Makes the calling (drawing) thread give way to the loop: nice level 10. Threads that
 /// it starts later inherit that. Returns "done: ..." or "not done: <reason>".

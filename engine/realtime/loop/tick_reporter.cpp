@@ -154,6 +154,7 @@ void TickReporter::publish(const LoopTime& time, const RunState& run) {
   snapshot.status.frozen = run.frozen;
   snapshot.status.restored_count = summary_.restored_count;
   snapshot.status.undo_count = run.undo_count;
+  snapshot.status.reset_tick = run.reset_tick;
 
   std::size_t used = 0;
   const auto take = [&](int vertex, const Float4& force) {
@@ -181,10 +182,18 @@ void TickReporter::addLate(const LateTick& measured, const LoopTime& time, const
   overload_.add(late, time.begin_ns + late.step_ns, channels_.log);
 }
 
+/// The state is another one, and no tick has computed its force yet: until one does, what its contacts hold is shown.
 void TickReporter::reset() {
+  const State& state = physics_.state();
   watchdog_.reset();
   report_ = {};
   force_.force_raw.setZero();
+  for (int b = 0; b < model_.tools.bodyCount(); ++b)
+    if (toolBody(model_, b).tool == 0)
+      forEachContactForce(contactOf(state, b), [&](int, const Float4& force) { force_.force_raw -= toVec3(force); });
+  force_.force_filtered = force_.force_raw;
+  force_.depth_m = depth_.of(firstBody(), state.contact);
+  force_.tool_pose = state.tool_pose;
   trend_.restart(true);
   showState();
 }

@@ -19,7 +19,7 @@ namespace palpate {
 /// Loop thread only. Real-time: no allocation, no lock, no throw. Test: realtime/loop/tool_goal_test.cpp
 class ToolGoal {
  public:
-  static constexpr std::size_t max_ways = 4;
+  static constexpr std::size_t max_ways = 6;
   static constexpr double longest_seconds = 10;  // of a way or a steady motion
 
   ToolGoal(const Pose& start, double rate_hz) : rate_hz_(rate_hz), pose_(start) {}

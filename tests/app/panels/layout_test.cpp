@@ -45,6 +45,11 @@ TEST_CASE("The default window has all panels; hidden panels leave all to the vie
   CHECK(hidden.view.height == 800);
 }
 
+TEST_CASE("The organ keeps half of the window's width", "[layout]") {
+  for (int width = 660; width <= 1920; width += 10)
+    CHECK(layoutFor(width, 700, 1, true).view.width >= 0.5F * static_cast<float>(width) - 0.01F);
+}
+
 TEST_CASE("Where legend and timeline leave the organ too little, the log goes", "[layout]") {
   const float both = legend_room + timeline_room;
   CHECK(layoutFor(640, 400, 1, true).log.width > 0);

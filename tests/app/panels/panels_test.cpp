@@ -7,6 +7,7 @@
 
 #include <limits>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -38,24 +39,36 @@ class Panels {
   ~Panels() { ImGui::DestroyContext(context_); }
 
   /// Draws until the layout has settled; returns the names of the windows that are shown.
-  std::string draw(int width, int height) {
+  std::string draw(int width, int height, int pictures = 3) {
     ImGuiIO& io = ImGui::GetIO();
     io.DisplaySize = {static_cast<float>(width), static_cast<float>(height)};
     io.MousePos = {-1e6F, -1e6F};
     std::string names;
-    for (int k = 0; k < 3; ++k) {
+    for (int k = 0; k < pictures; ++k) {
       ImGui::NewFrame();
-      PanelData data{
-          .model = model_, .snapshot = snapshot_, .forces = forces_, .log = log_, .timing = timing_, .force = force_};
-      data.materials.push_back({Material::neoHookean(3000, 0.49, 1000), 1.0, "capsule", 2, true, 3000, 6000, 0.495});
-      data.notice = notice_;
-      data.timeline = timeline_;
+      const PanelData data = this->data();
       if (state_.demo) demo_place_ = demoForcePlace(theme_, data);
-      data.frozen_reason = "12 integration points are inverted";
       names = drawPanels(data, width, height);
       ImGui::Render();
     }
     return names;
+  }
+
+  /// What stands in the cards.
+  std::string cards() {
+    ImGui::NewFrame();
+    ImGui::Begin("cards");
+    ImGui::LogToBuffer();
+    const PanelData data = this->data();
+    PanelRequests requests;
+    drawToolCard(theme_, data, state_, requests);
+    drawViewCard(theme_, data, state_, view_, requests);
+    drawMaterialCard(theme_, data, state_, requests);
+    drawForceCard(theme_, data, 700, state_, requests);
+    const std::string written = context_->LogBuffer.c_str();
+    ImGui::End();
+    ImGui::Render();
+    return written;
   }
 
   Body model_;
@@ -66,12 +79,26 @@ class Panels {
   ForceReading force_{{}, 0, true};
   PanelState state_;
   std::optional<Notice> notice_;
+  double pull_N_ = -1;
+  bool out_of_view_ = false;
   View view_;
   PanelRequests requests_;
   std::optional<TimelineView> timeline_;
   Rect demo_place_;
 
  private:
+  PanelData data() const {
+    PanelData data{
+        .model = model_, .snapshot = snapshot_, .forces = forces_, .log = log_, .timing = timing_, .force = force_};
+    data.materials.push_back({Material::neoHookean(3000, 0.49, 1000), 1.0, "capsule", 2, true, 3000, 6000, 0.495});
+    data.notice = notice_;
+    data.pull_N = pull_N_;
+    data.out_of_view = out_of_view_;
+    data.timeline = timeline_;
+    data.frozen_reason = "12 integration points are inverted";
+    return data;
+  }
+
   std::string drawPanels(const PanelData& data, int width, int height) {
     requests_ = palpate::app::drawPanels(theme_, data, layoutFor(width, height, 1, state_.panels_shown), state_, view_);
     std::string names;
@@ -86,12 +113,20 @@ class Panels {
 
 const ImGuiWindow* windowNamed(const char* name) { return ImGui::FindWindowByName(name); }
 
+/// Corners of what is drawn in this colour in a window; a letter has four.
+int countOf(ImU32 colour, const char* window) {
+  int count = 0;
+  for (const ImDrawVert& v : windowNamed(window)->DrawList->VtxBuffer) count += v.col == colour ? 1 : 0;
+  return count;
+}
+
 }  // namespace
 
 TEST_CASE("At 1280x800 and larger the columns show all of their content without scrolling", "[panels]") {
   Panels panels;
   for (int k = 0; k < 4; ++k) panels.timing_.setup.push_back({"Scheduling", "SCHED_FIFO 40", true});
-  for (const auto& [width, height] : {std::pair{1280, 800}, {1600, 1000}, {1920, 1080}}) {
+  for (const auto& [width, height, engineer] : {std::tuple{1280, 800, true}, {1600, 1000, true}, {1280, 800, false}}) {
+    panels.state_.engineer = engineer;
     panels.draw(width, height);
     for (const char* name : {"##left", "##right", "##bar"}) {
       const ImGuiWindow* window = windowNamed(name);
@@ -162,9 +197,7 @@ TEST_CASE("A force that is not the present one is marked and greyed", "[panels]"
   Panels panels;
   const auto has = [&panels](ImU32 colour) {  // anything drawn in that colour in the right column
     panels.draw(1280, 800);
-    for (const ImDrawVert& v : windowNamed("##right")->DrawList->VtxBuffer)
-      if (v.col == colour) return true;
-    return false;
+    return countOf(colour, "##right") > 0;
   };
   CHECK_FALSE(has(colours::stale));
   panels.force_ = {panels.force_.sample, 0.5, false};
@@ -183,13 +216,12 @@ TEST_CASE("Nothing is requested unless something is clicked", "[panels]") {
 
 TEST_CASE("A force that is not to be trusted is amber, and nothing is while it is", "[panels]") {
   Panels panels;
+  panels.state_.engineer = true;
   panels.force_.sample.force_filtered = Vec3(0, 0, 1.234);
   // The lines of the plots have colours of their own; letters are quads of one colour.
   const auto amber = [&panels] {
     panels.draw(1280, 800);
-    int count = 0;
-    for (const ImDrawVert& v : windowNamed("##right")->DrawList->VtxBuffer) count += v.col == colours::warning ? 1 : 0;
-    return count;
+    return countOf(colours::warning, "##right");
   };
   const int without = amber();
   panels.force_.sample.doubt = Doubt::Energy;
@@ -255,4 +287,98 @@ TEST_CASE("What the tissue can't take is said in a banner that offers a way back
   CHECK(panels.draw(1280, 800).find("##notice") != std::string::npos);
   panels.notice_.reset();
   CHECK(panels.draw(1280, 800).find("##notice") == std::string::npos);
+}
+
+TEST_CASE("Whether it runs stands in the bar of the smallest window, too", "[panels]") {
+  Panels panels;
+  for (const auto& [width, height] : {std::pair{1280, 800}, {950, 700}, {640, 400}}) {
+    panels.draw(width, height);
+    INFO(width << "x" << height);
+    CHECK(countOf(colours::good, "##bar") >= 4 * 7);  // "RUNNING"
+  }
+}
+
+TEST_CASE("While the hand pulls, the large number is the pull's", "[panels]") {
+  Panels panels;
+  panels.draw(1280, 800);
+  const int without = countOf(colours::good, "##right"), blue = countOf(colours::accent, "##right");
+  panels.pull_N_ = 0.42;
+  panels.draw(1280, 800);
+  CHECK(countOf(colours::good, "##right") >= without + 4 * 5);
+  CHECK(countOf(colours::accent, "##right") <= blue - 4 * 5);
+}
+
+TEST_CASE("The log shows its newest line in the first picture after the window's size has changed", "[panels]") {
+  Panels panels;
+  panels.log_.resize(60);
+  for (LogLine& line : panels.log_) line.text = "a line that is long enough to be wrapped where the log is narrow";
+  panels.log_.back().text = "the newest";
+  panels.log_.back().level = LogLevel::Error;
+  for (const auto& [width, height] :
+       {std::pair{1280, 800}, {640, 400}, {1280, 60}, {1920, 1080}, {650, 420}, {100, 100}, {1280, 800}}) {
+    const bool shown = panels.draw(width, height, 1).find("##log") != std::string::npos;
+    INFO(width << "x" << height);
+    if (shown) CHECK(countOf(colours::bad, "##log") >= 4 * 9);
+  }
+}
+
+TEST_CASE("In the demo a notice is large and stands at the foot, beside the force", "[panels]") {
+  Panels panels;
+  panels.notice_ = Notice{"The tissue gives no further: the probe waits behind your hand.", "it yields", 1, false};
+  panels.draw(1280, 800);
+  const float plain = windowNamed("##notice")->Size.y;
+  panels.state_.panels_shown = false;
+  panels.state_.demo = true;
+  for (const auto& [width, height] : {std::pair{1920, 1080}, {1280, 800}, {900, 600}}) {
+    panels.draw(width, height);
+    const ImGuiWindow* notice = windowNamed("##notice");
+    INFO(width << "x" << height);
+    CHECK(notice->Size.y > 1.3F * plain);
+    CHECK(notice->Pos.y > 0.5F * static_cast<float>(height));
+    CHECK(notice->Pos.y + notice->Size.y <= static_cast<float>(height));
+    CHECK((notice->Pos.x + notice->Size.x <= panels.demo_place_.x ||
+           notice->Pos.y + notice->Size.y <= panels.demo_place_.y));
+  }
+}
+
+TEST_CASE("Engineers' numbers are shown to those who ask for them, and what anybody needs to all", "[panels]") {
+  Panels panels;
+  panels.log_.resize(2);
+  panels.log_[0].level = LogLevel::Detail;
+  panels.log_[0].text = "5011 nodes";
+  panels.log_[1].text = "saved: picture-1.png";
+  float column[2] = {};
+  int log[2] = {};
+  for (const bool engineer : {false, true}) {
+    panels.state_.engineer = engineer;
+    const std::string written = panels.cards();
+    INFO(written);
+    for (const char* word : {"   J ", "dt/limit", "raw", "Components", "Shear modulus", "Points", "Tip"}) {
+      INFO(word);
+      CHECK((written.find(word) != std::string::npos) == engineer);
+    }
+    for (const char* word : {"Press", "Lift", "Trust", "Peak", "Young's modulus", "Cut open"}) {
+      INFO(word);
+      CHECK(written.find(word) != std::string::npos);
+    }
+    panels.draw(1280, 800);
+    column[engineer ? 1 : 0] = windowNamed("##right")->ContentSize.y;
+    log[engineer ? 1 : 0] = windowNamed("##log")->DrawList->VtxBuffer.Size;
+  }
+  CHECK(column[0] < 0.75F * column[1]);  // how long ticks took, what the system granted
+  CHECK(log[1] - log[0] >= 4 * static_cast<int>(sizeof("5011nodes") - 1));  // how the scene was made ready
+}
+
+TEST_CASE("What is out of view is said, and a click brings it back", "[panels]") {
+  Panels panels;
+  CHECK(panels.draw(1280, 800).find("##call") == std::string::npos);
+  panels.out_of_view_ = true;
+  for (const auto& [width, height] : {std::pair{1280, 800}, {640, 400}}) {
+    panels.draw(width, height);
+    const ImGuiWindow* call = windowNamed("##call");
+    CHECK(call->Active);
+    CHECK(call->Pos.x > 0);
+    CHECK(call->Pos.x + call->Size.x < static_cast<float>(width));
+    CHECK(buttonPlaces().count("The organ is out of view: F") == 1);
+  }
 }

@@ -42,3 +42,23 @@ TEST_CASE("Picking finds the integration point nearest to the ray where it has m
   CHECK((model.point_X[picked] - model.point_X[3]).head<2>().norm() < 1e-12);  // it or one straight below
   CHECK(pickPoint(model, snapshot, Ray{ray.origin - Vec3(0.5, 0, 0), ray.direction}, 0.005) == -1);
 }
+
+TEST_CASE("The organ is out of view behind the eye, beside the part, too far away, and from inside itself", "[pick]") {
+  const TriangleSurface ball = ellipsoidSurface(Vec3::Constant(0.05), 3);
+  std::vector<Vec3f> x;
+  for (const Vec3& X : ball.vertices) x.push_back(X.cast<float>());
+  const Eigen::AlignedBox2d part(Eigen::Vector2d(200, 50), Eigen::Vector2d(600, 550));
+  const auto seen = [&](const Camera& camera) { return isSeen(ball, x, camera, part, 800, 600); };
+  Camera camera{Vec3::Zero(), 0.3, 20, 30, 35};
+  CHECK(seen(camera));
+  camera.distance = 0.06;  // so near that it fills the picture
+  CHECK(seen(camera));
+  camera.distance = 0.02;
+  CHECK_FALSE(seen(camera));
+  camera.distance = 20;
+  CHECK_FALSE(seen(camera));
+  camera.distance = 0.3;
+  camera.target = 0.14 * camera.right();  // under the left column
+  CHECK_FALSE(seen(camera));
+  CHECK_FALSE(seen(Camera{Vec3(1, 0, 0), 0.1, 180, 0, 35}));  // the other way
+}

@@ -190,3 +190,52 @@ TEST_CASE(
   turning.read(alt, false);
   CHECK(turning.read(alt, false).turn_tool == Eigen::Vector2d(3, 5));
 }
+
+TEST_CASE("What presses, chooses and marks has a key of its own", "[input]") {
+  Controls controls;
+  Input input;
+  for (const Key key :
+       {Key::End, Key::Home, Key::E, Key::B, Key::B, Key::Plus, Key::Plus, Key::Minus, Key::Enter, Key::U})
+    input.press(key);
+  const Actions actions = controls.read(input, false);
+  CHECK((actions.press && actions.lift && actions.toggle_engineer && actions.use_probe));
+  CHECK(actions.next_shape == 2);
+  CHECK(actions.radius_steps == 1);
+  CHECK(actions.next_hardness == 1);
+  CHECK(keyFromGlfw(GLFW_KEY_KP_ADD) == Key::Plus);
+}
+
+TEST_CASE("Taken hold of, a free probe is moved, pushed and tilted by the mouse alone", "[input]") {
+  Input input = moved(3, 5);
+  input.left = input.on_probe = input.free_probe = input.on_skin = true;
+  input.wheel = 1;
+  Controls left;
+  left.read(input, false);
+  CHECK(left.drag() == Drag::MoveTool);
+  const Actions actions = left.read(input, false);
+  CHECK(actions.move_tool == Eigen::Vector2d(3, 5));
+  CHECK(actions.push_tool_notches == 1);
+  input.free_probe = false;  // else it glides
+  Controls gliding;
+  gliding.read(input, false);
+  CHECK(gliding.drag() == Drag::Glide);
+  input.left = false;
+  input.right = true;
+  Controls right;
+  right.read(input, false);
+  CHECK(right.drag() == Drag::TurnTool);
+}
+
+TEST_CASE("The demo lets through what moves the probe and the view, and nothing that stays", "[input]") {
+  Controls controls;
+  Input input;
+  for (int key = 0; key < static_cast<int>(Key::Count); ++key) input.press(static_cast<Key>(key));
+  input.ctrl = true;
+  input.press(Key::O);
+  input.press(Key::S);
+  const Actions actions = lockedForDemo(controls.read(input, true));
+  CHECK_FALSE((actions.toggle_timeline || actions.toggle_nodes || actions.toggle_points || actions.toggle_panels));
+  CHECK_FALSE((actions.toggle_engineer || actions.open_scene || actions.save_forces || actions.save_picture));
+  CHECK_FALSE((actions.quit || actions.use_probe || actions.next_shape > 0 || actions.single_step > 0));
+  CHECK((actions.press && actions.lift && actions.reset && actions.frame_view && actions.toggle_demo));
+}

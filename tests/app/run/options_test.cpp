@@ -189,3 +189,13 @@ TEST_CASE("A tool script is a file, or the name of one in assets/tools", "[optio
              Contains("no tool script \"drag_acros.toml\"; did you mean drag_across? ") &&
                  Contains("one of drag_across") && Contains("indent_hold_retract"));
 }
+
+TEST_CASE("The demo is the window's, and rests after as long as is asked", "[options]") {
+  CHECK(parse({"liver"}).options->idle_seconds == 30);
+  const ParsedOptions parsed = parse({"liver", "--demo", "--idle", "60"});
+  REQUIRE(parsed.options);
+  CHECK(parsed.options->demo);
+  CHECK(parsed.options->idle_seconds == 60);
+  CHECK(parse({"liver", "--demo", "--offscreen"}).exit_code == 2);
+  CHECK(parse({"liver", "--idle", "0"}).exit_code == 2);
+}

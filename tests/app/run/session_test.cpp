@@ -3,7 +3,9 @@
 #include <catch2/catch.hpp>
 
 #include <algorithm>
+#include <chrono>
 #include <filesystem>
+#include <thread>
 #include <utility>
 
 #include "io/indent_script.h"
@@ -249,4 +251,50 @@ TEST_CASE("What happened in the run has the run's time in the log, all else none
   CHECK(log.lines()[1].run_s == 1.5);
   CHECK(log.lines()[1].text == "late");
   CHECK(log.lines()[2].text == "made");
+}
+
+TEST_CASE("All that a picture shows is of one tick, however seldom and slowly pictures are drawn", "[session]") {
+  const TempFolder folder;
+  Options options;
+  options.as_fast_as_possible = true;  // a picture then lasts hundreds of ticks
+  options.scene = folder.write("block.toml", test::touched_block_text);
+  options.tool_script = folder.write("press.toml",
+                                     "[[keyframe]]\ntime = 0.05\nadvance = 0\n"
+                                     "[[keyframe]]\ntime = 40\nadvance = 0.006\n");
+  const CapturedOutput printed;
+  Log log;
+  Session session(options, app::readScene(options), log);
+  session.start();
+  session.send(Request::simple(Request::Kind::Resume));
+  constexpr auto drawing = std::chrono::milliseconds(15);
+  Snapshot early;
+  int pressed = 0;
+  for (int picture = 0; picture < 40; ++picture) {
+    if (picture == 20) session.send(Request::simple(Request::Kind::Reset));
+    std::this_thread::sleep_for(drawing);
+    session.gather();
+    const Snapshot& shown = session.latest();
+    std::this_thread::sleep_for(drawing);
+    const PanelData data = session.panelData(shown);
+    REQUIRE(data.force.sample.tick == shown.force.tick);
+    CHECK(data.force.sample.force_filtered == shown.force.force_filtered);
+    CHECK(data.force.sample.depth_m == shown.force.depth_m);
+    if (shown.force.tick <= shown.status.reset_tick) continue;
+    pressed += shown.force.force_raw.isZero(0) ? 0 : 1;
+    CHECK(session.samples().back().tick == shown.force.tick);
+    REQUIRE_FALSE(data.forces.filteredOverTime().empty());
+    CHECK(data.forces.lastTime() == shown.force.time_s);
+    CHECK(data.forces.filteredOverTime().back().y == Approx(shown.force.force_filtered.norm()).epsilon(1e-6));
+    CHECK(data.forces.rawOverDepth().back().x == Approx(1e3 * shown.force.depth_m).epsilon(1e-6));
+    CHECK(data.forces.peakRaw() >= shown.force.force_raw.norm());
+    if (picture == 10) early = shown;
+  }
+  CHECK(pressed > 10);
+  CHECK(session.latest().status.reset_tick > early.force.tick);
+  // The past shows its own curves, of before the reset.
+  const ForceHistory past = session.forcesUntil(early);
+  CHECK(past.lastTime() == early.force.time_s);
+  CHECK(past.filteredOverTime().back().y == Approx(early.force.force_filtered.norm()).epsilon(1e-6));
+  session.finish();
+  CHECK(session.samples().back().tick == session.latest().status.ticks);
 }

@@ -1,5 +1,8 @@
 #include "app/run/tool_hand.h"
 
+#include "app/run/attract_loop.h"
+#include "app/run/grasp.h"
+
 #include <catch2/catch.hpp>
 
 #include <numbers>
@@ -172,4 +175,90 @@ TEST_CASE("The probe can be tilted, and stands upright again when asked", "[tool
   CHECK(hand.target().orientation.angularDistance(before) == Approx(0.3).epsilon(0.01));
   hand.upright();
   CHECK(hand.target().orientation.angularDistance(before) < 1e-9);
+}
+
+TEST_CASE("Press goes into the skin below the probe and Lift off it, from where it began and from a place",
+          "[tool_hand]") {
+  const Model model = organ();
+  ToolHand hand(model);
+  std::vector<Request> requests = hand.press(0.004, speed, hand.target());
+  REQUIRE(requests.size() == 2);  // down to the skin, then in
+  CHECK(hand.onSkin());
+  CHECK((requests[0].pose.position - Vec3(0, 0, 0.1)).norm() < 1e-3);
+  CHECK((requests[1].pose.position - Vec3(0, 0, 0.096)).norm() < 1e-3);
+  CHECK(requests[1].kind == Request::Kind::ThenMoveTool);
+  CHECK(requests[1].value == Approx(0.004 / speed).epsilon(0.01));
+  requests = hand.lift(speed, hand.target());
+  REQUIRE(requests.size() == 1);
+  CHECK(requests[0].kind == Request::Kind::MoveTool);
+  CHECK((hand.target().position - Vec3(0, 0, 0.105)).norm() < 1e-3);
+  // What is under way is not cut short: the way to a place goes around the organ.
+  ask(hand, {}, 0.016, on_the_side);
+  requests = hand.press(0.004, speed, model.tool_start);
+  REQUIRE(requests.size() == 1);
+  CHECK(requests[0].kind == Request::Kind::ThenMoveTool);
+  CHECK((hand.target().position - Vec3(0.046, 0, 0.05)).norm() < 1e-3);
+}
+
+TEST_CASE("A free probe presses as it is turned", "[tool_hand]") {
+  const Model model = organ();
+  ToolHand hand(model);
+  hand.setMode(HandMode::Free);
+  const Quat before = hand.target().orientation;
+  hand.press(0.003, speed, hand.target());
+  CHECK_FALSE(hand.onSkin());
+  CHECK((hand.target().position - Vec3(0, 0, 0.097)).norm() < 1e-3);
+  CHECK(hand.target().orientation.angularDistance(before) == 0);
+}
+
+TEST_CASE("The demo that plays by itself presses at several places, goes home and rests", "[tool_hand]") {
+  const Model model = organ();
+  const std::vector<Vec3> places = facingPlaces(model, 4);
+  REQUIRE(places.size() == 4);
+  CHECK((places[0] - Vec3(0, 0, 0.1)).norm() < 0.01);
+  for (std::size_t k = 1; k < places.size(); ++k) CHECK((places[k] - places[0]).norm() > 0.01);
+  AttractLoop loop(model);
+  ToolHand hand(model);
+  std::vector<Vec3> pressed;
+  double moved = 0, rested = 0;
+  constexpr double period = AttractLoop::show_seconds + AttractLoop::rest_seconds;
+  for (double t = 0; t < 2 * period; t += 0.2) {
+    const bool was_pressing = hand.onSkin() && hand.depth() > 0;
+    if (!loop.next(t, hand, hand.target()).empty()) moved = t;
+    if (!was_pressing && hand.onSkin() && hand.depth() > 0) pressed.push_back(hand.target().position);
+    rested += loop.rests() ? 0.2 : 0;
+    if (loop.rests()) CHECK(hand.target().position == model.tool_start.position);
+  }
+  CHECK(pressed.size() == 8);
+  CHECK(moved < 2 * period - 20);
+  CHECK(rested > 0.4 * 2 * period);
+}
+
+TEST_CASE("Grasp and lift closes the jaws until they hold, and then goes up", "[tool_hand]") {
+  Model model = organ();
+  model.scene.tool_opening = 0.012;
+  ToolHand hand(model);
+  Grasp grasp;
+  Snapshot now;
+  double& opening = now.tools.tool[0].opening;
+  opening = 0.012;
+  constexpr double held = 0.007;  // m, where what is between them lets them close no further
+  const Vec3 before = hand.target().position;
+  double asked = 0.012;
+  int pictures = 0;
+  for (; !grasp.done() && pictures < 100; ++pictures) {
+    now.force.time_s = 0.1 * pictures;  // ten pictures a second
+    for (const Request& request : grasp.next(now, hand)) {
+      if (request.kind != Request::Kind::SetOpening) continue;
+      CHECK(request.value >= asked - 0.1 * Grasp::closing_speed - 1e-12);  // no faster than that
+      asked = request.value;
+      opening = std::max(held, request.value);
+    }
+  }
+  CHECK(grasp.done());
+  CHECK(asked < held);  // it squeezes on
+  CHECK(now.force.time_s > (0.012 - held) / Grasp::closing_speed);
+  CHECK(now.force.time_s < (0.012 - held) / Grasp::closing_speed + 2 * Grasp::still_seconds);
+  CHECK((hand.target().position - before - Vec3(0, 0, Grasp::lift)).norm() < 1e-12);
+  CHECK(grasp.next(now, hand).empty());
 }

@@ -110,6 +110,44 @@ TEST_CASE("Undo goes back half a second or more, again and again; a recording re
   CHECK(replayOf(live, model).state_hash == live.summary.state_hash);
 }
 
+TEST_CASE("In a pause, the picture after an undo or a reset has the force of its own state", "[restore]") {
+  const Model& model = restoredBlock();
+  TissuePhysics physics(model, 1);
+  std::vector<Vec3> raw(1, Vec3::Zero());  // N, by physics tick
+  liveRun(model, physics, 700, [&](int sleep, SimulationLoop& loop) {
+    const Snapshot& shown = loop.snapshots().latest();
+    if (sleep == 3) loop.commands().push(Request::moveTool(toolAt(model, model.first_contact_travel + 0.004), 0.3));
+    if (sleep == 600) loop.commands().push(Request::simple(Request::Kind::Pause));
+    if (sleep < 600) {
+      raw.resize(static_cast<std::size_t>(shown.tick) + 1);
+      raw.back() = shown.force.force_raw;
+    }
+    if (sleep == 605) {
+      CHECK(shown.status.paused);
+      CHECK(shown.force.force_raw.norm() > 0.01);
+      loop.commands().push(Request::simple(Request::Kind::Undo));
+    }
+    if (sleep == 610) {
+      REQUIRE(shown.tick < 500);
+      const Vec3 then = raw[static_cast<std::size_t>(shown.tick)];
+      CHECK(then.norm() > 0.01);
+      CHECK((shown.force.force_raw - then).norm() < 1e-4 * then.norm());  // float contact forces, summed anew
+      CHECK(shown.force.force_filtered == shown.force.force_raw);
+      CHECK(shown.force.depth_m > 0);
+      CHECK(shown.status.reset_tick == 0);
+      loop.commands().push(Request::simple(Request::Kind::Reset));
+    }
+    if (sleep == 615) {
+      CHECK(shown.tick == 0);
+      CHECK(shown.force.force_raw.isZero(0));
+      CHECK(shown.force.force_filtered.isZero(0));
+      CHECK(shown.force.depth_m < 0);
+      CHECK(shown.status.reset_tick == shown.status.ticks);
+      loop.commands().push(Request::simple(Request::Kind::Resume));
+    }
+  });
+}
+
 TEST_CASE("Undo with nothing kept changes nothing and says so; while a track lasts it is not the viewer's",
           "[restore]") {
   const Model model = smallModel();

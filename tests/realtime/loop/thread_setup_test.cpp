@@ -56,6 +56,14 @@ TEST_CASE("Each thing asked of the system is done, or there is a reason", "[thre
     cpu_set_t cores;
     REQUIRE(sched_getaffinity(0, sizeof cores, &cores) == 0);
     if (done(setup.affinity)) CHECK(CPU_COUNT(&cores) == 1);
+    // While nobody is there they are ordinary threads, and have again what they had when somebody comes.
+    for (const bool yes : {true, false}) {
+      onOtherThread([&] { giveWay(setup, yes); });
+      for (const int id : setup.thread_ids)
+        CHECK((sched_getscheduler(id) == SCHED_FIFO) == (done(setup.scheduling) && !yes));
+      REQUIRE(sched_getaffinity(0, sizeof cores, &cores) == 0);
+      if (done(setup.affinity)) CHECK((CPU_COUNT(&cores) == 1) == !yes);
+    }
     munlockall();
   });
   CHECK(sched_getscheduler(0) == SCHED_OTHER);
