@@ -14,6 +14,7 @@
 #include "app/run/options.h"
 #include "app/run/session.h"
 #include "app/run/window.h"
+#include "app/trainer/class_scores.h"
 #include "base/input_error.h"
 #include "base/interrupt.h"
 #include "base/printable_text.h"
@@ -37,6 +38,7 @@ int runBatch(char** argv) {
 int run(const palpate::app::Options& options) {
   using namespace palpate;
   using namespace palpate::app;
+  if (!options.scores.empty()) return writeClassScores(options.scores, options.out);
   if (options.scene.ends_with(".png")) return comparePictures(options);
   const Scene scene = app::readScene(options);
   if (options.check_lumps) return checkLumps(options, scene);

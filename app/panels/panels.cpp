@@ -83,7 +83,7 @@ PanelRequests drawPanels(const Theme& theme, const PanelData& data, const Layout
   if (state.help_shown) drawHelp(theme, state);
   if (state.open_shown) drawOpenDialog(theme, data, state, requests);
   if (!state.problem.empty()) drawProblem(theme, state);
-  if (state.quit_asked) drawQuitDialog(theme, state, requests);
+  if (!state.at_stake.empty()) drawQuitDialog(theme, state, requests);
   ImGui::PopFont();
   return requests;
 }
@@ -122,7 +122,7 @@ void drawBar(const Theme& theme, const PanelData& data, const Rect& place, Panel
     at(x, button_y);
     if (button("File", width)) ImGui::OpenPopup("##file");
     ImGui::SetNextWindowPos({ImGui::GetItemRectMin().x, ImGui::GetItemRectMax().y + 4 * s}, ImGuiCond_Appearing);
-    drawFileMenu(theme, state, requests);
+    drawFileMenu(theme, data, state, requests);
     at(x += next, button_y);
     if (button(waits ? "Run" : "Pause", width, !status.frozen, "frozen: reset first")) requests.toggle_pause = true;
     at(x += next, button_y);

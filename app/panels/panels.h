@@ -92,7 +92,11 @@ struct PanelData {
   double widest_jaws_m = 0;                   // that it can open; 0: it holds none
   std::optional<TimelineView> timeline{};     // null: nothing is kept
   const ForceHistory* past_forces = nullptr;  // of the earlier moment that is looked at; null: of the present
+  std::string conditions{};                   // of the search
   std::span<const std::string> scenes{};      // to open: the program's own, then those of late
+
+  /// Nothing may show the inside, or change what is felt.
+  bool searching() const { return task != nullptr && !revealed; }
 };
 
 /// What the user sets in the panels and keeps from frame to frame.
@@ -108,12 +112,13 @@ struct PanelState {
   OpenKind open_kind = OpenKind::Scene;
   bool timeline_shown = false;  // the last minute can be looked at
   bool timeline_plays = false;  // it goes by
-  bool quit_asked = false;      // something unsaved would be lost
+  std::string at_stake;         // what leaving would lose, while that is asked; else empty
   std::string problem;          // why something could not be opened, until it is closed
   std::string path;             // typed there
   ToolChoice tool;              // as set in the panel, until it is applied
   bool tool_edited = false;
   int hardness = 2;                         // of the next mark
+  std::string trainee;                      // who searches; may be empty
   bool hertz = false;                       // the closed form lies over the presses
   std::optional<ReferenceCurve> reference;  // of a file, likewise
 };
@@ -178,7 +183,7 @@ Rect demoForcePlace(const Theme&, const PanelData&);
 Rect besideDemoForce(const Rect& view, const Rect& force, float scale);
 /// What the demo that plays by itself asks of who comes near.
 void drawInvitation(const Theme&, const Rect& view);
-void drawFileMenu(const Theme&, PanelState&, PanelRequests&);
+void drawFileMenu(const Theme&, const PanelData&, PanelState&, PanelRequests&);
 void drawOpenDialog(const Theme&, const PanelData&, PanelState&, PanelRequests&);
 void drawQuitDialog(const Theme&, PanelState&, PanelRequests&);
 void drawProblem(const Theme&, PanelState&);

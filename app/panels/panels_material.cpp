@@ -142,7 +142,7 @@ void drawMaterialCard(const Theme& theme, const PanelData& data, const PanelStat
   if (!beginCard(theme, "Material")) return;
   for (std::size_t k = 0; k < data.materials.size(); ++k) {
     const MaterialView& view = data.materials[k];
-    if (data.task != nullptr && !data.revealed && k > 0) break;  // lumps are not told of
+    if (data.searching() && k > 0) break;  // lumps are not told of
     if (k > 0) ImGui::Separator();
     if (state.engineer)
       drawMaterial(theme, view);

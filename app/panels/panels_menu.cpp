@@ -48,7 +48,7 @@ void endDialog() {
 
 }  // namespace
 
-void drawFileMenu(const Theme& theme, PanelState& state, PanelRequests& requests) {
+void drawFileMenu(const Theme& theme, const PanelData& data, PanelState& state, PanelRequests& requests) {
   ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {10 * theme.scale, 8 * theme.scale});
   if (ImGui::BeginPopup("##file")) {
     const auto open = [&](OpenKind kind) {
@@ -67,7 +67,9 @@ void drawFileMenu(const Theme& theme, PanelState& state, PanelRequests& requests
     if (ImGui::MenuItem("Save picture", "F12")) requests.save_picture = true;
     if (ImGui::MenuItem("Save force as CSV", "Ctrl+S")) requests.save_forces = true;
     if (ImGui::MenuItem("Save force-depth curves")) requests.save_presses = true;
-    if (ImGui::MenuItem("Save the tissue's state (VTU)")) requests.save_state = true;
+    if (ImGui::MenuItem("Save the tissue's state (VTU)", nullptr, false, !data.searching())) requests.save_state = true;
+    if (data.searching() && ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled))
+      ImGui::SetTooltip("it shows where the lumps are: once the answers are in");
     ImGui::Separator();
     if (ImGui::MenuItem("Engineer's numbers", "E", state.engineer)) state.engineer = !state.engineer;
     if (ImGui::MenuItem("Full screen", "F11")) requests.full_screen = true;
@@ -125,12 +127,12 @@ void drawProblem(const Theme& theme, PanelState& state) {
 
 void drawQuitDialog(const Theme& theme, PanelState& state, PanelRequests& requests) {
   const float s = theme.scale;
-  beginDialog(theme, "##quit", "Leave without submitting?");
-  ImGui::TextUnformatted("A task is under way; its answers would be lost.");
+  beginDialog(theme, "##quit", "Leave now?");
+  ImGui::TextUnformatted(state.at_stake.c_str());
   ImGui::Spacing();
   if (button("Leave", 90 * s)) requests.quit_now = true;
   ImGui::SameLine();
-  if (button("Stay", 90 * s)) state.quit_asked = false;
+  if (button("Stay", 90 * s)) state.at_stake.clear();
   endDialog();
 }
 

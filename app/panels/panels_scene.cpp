@@ -86,6 +86,7 @@ void drawViewCard(const Theme& theme, const PanelData& data, const PanelState& s
   if (ImGui::BeginCombo("##colour", quantityName(view.colour_map))) {
     for (int k = 0; k < (data.task != nullptr ? 5 : 4); ++k) {
       const auto map = static_cast<ColourMap>(k);
+      if (data.searching() && (map == ColourMap::VonMises || map == ColourMap::J)) continue;
       if (ImGui::Selectable(format("%d  %s", k + 1, quantityName(map)).c_str(), map == view.colour_map)) {
         view.colour_map = map;
         view.colour_auto = true;
@@ -110,7 +111,7 @@ void drawViewCard(const Theme& theme, const PanelData& data, const PanelState& s
   ImGui::Checkbox("Fixed skin", &view.show_fixed);
   ImGui::SameLine(left + half);
   ImGui::Checkbox("Tool", &view.show_tool);
-  if (data.task != nullptr && !data.revealed) {
+  if (data.searching()) {
     note(theme, "What shows the inside (cut, seeing through, stress, nodes) waits until the answers are in.");
   } else {
     if (state.engineer) {
@@ -148,7 +149,8 @@ namespace {
 /// Shape and radius, and a button that loads the scene anew with them.
 void drawProbeChoice(const PanelData& data, PanelState& state, PanelRequests& requests) {
   const ToolShape& tool = data.model.scene.tool;
-  if (!state.tool_edited) state.tool = {tool.kind, tool.radius};
+  if (!state.tool_edited || data.searching()) state.tool = {tool.kind, tool.radius}, state.tool_edited = false;
+  ImGui::BeginDisabled(data.searching());
   ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x);
   if (ImGui::BeginCombo("##shape", toolType(state.tool.kind).title)) {
     int k = 0;
@@ -161,8 +163,10 @@ void drawProbeChoice(const PanelData& data, PanelState& state, PanelRequests& re
     }
     ImGui::EndCombo();
   }
+  ImGui::EndDisabled();
   auto radius = static_cast<float>(state.tool.radius * mm);
-  if (slider("Radius", radius, 3, 30, "%.1f mm", "")) {
+  const char* const closed = data.searching() ? "a search is made with the scene's probe" : "";
+  if (slider("Radius", radius, 3, 30, "%.1f mm", closed)) {
     state.tool.radius = static_cast<double>(radius) / mm;
     state.tool_edited = true;
   }

@@ -53,6 +53,17 @@ struct View {
   bool show_room = true;                         // backdrop and ground; else the body on white paper
   std::optional<double> light_azimuth_deg = {};  // of the key light; else beside the scene's first camera
 
+  /// Whether it tells what lies below the skin, and shutInside: nothing does any more.
+  bool showsInside() const {
+    return ghost || section.on || show_nodes || show_points || picked_point >= 0 || colour_map == ColourMap::VonMises ||
+           colour_map == ColourMap::J;
+  }
+  void shutInside() {
+    ghost = section.on = show_nodes = show_points = false;
+    picked_point = -1;
+    if (colour_map == ColourMap::VonMises || colour_map == ColourMap::J) colour_map = ColourMap::Tissue;
+  }
+
   float pixel_ratio = 1;  // framebuffer pixels per screen unit: sizes of points and lines
 };
 

@@ -39,14 +39,7 @@ PanelRequests drawComposition(OrganView& organ, Interface& ui, const Session& se
   const bool past = shown.timeline && shown.timeline->past;
   if (past) drawn.pulled_vertex = -1;
   const TaskScore* task = session.task();
-  const bool hidden = task != nullptr && !session.revealed();
-  if (hidden) drawn.ghost = drawn.section.on = false;
-  if (hidden && !session.options().offscreen) {  // all that tells what lies inside
-    drawn.show_nodes = drawn.show_points = false;
-    drawn.picked_point = -1;
-    if (drawn.colour_map == ColourMap::VonMises || drawn.colour_map == ColourMap::J)
-      drawn.colour_map = ColourMap::Tissue;
-  }
+  if (session.searching()) drawn.shutInside();
   if (drawn.ghost || drawn.section.on) drawn.balls = ballsInside(session.model(), snapshot.u);
   if (task != nullptr)
     for (const LumpMark& mark : task->marks()) drawn.balls.push_back({mark.place, mark_radius});

@@ -16,8 +16,10 @@ std::vector<TimedRequest> KeptChanges::before(std::int64_t end) const {
   std::vector<TimedRequest> all;
   std::size_t next = 0;
   const auto addOthers = [&](std::size_t poses) {
-    for (; next < others_.size() && others_[next].after <= poses; ++next)
-      if (others_[next].change.tick < end) all.push_back(others_[next].change);
+    for (; next < others_.size() && others_[next].after <= poses; ++next) {
+      const TimedRequest& change = others_[next].change;
+      if (change.tick < end || (change.tick == end && change.request.isSaid())) all.push_back(change);
+    }
   };
   for (std::size_t k = 0; k < poses_.size(); ++k) {
     addOthers(k);

@@ -17,7 +17,7 @@ class KeptChanges {
   /// More came than are kept: the run can't be repeated any more.
   bool overflowed() const { return overflowed_; }
 
-  /// Those that take effect before tick `end`, in their order.
+  /// Those that take effect before tick `end`, and what was said until then, in their order.
   std::vector<TimedRequest> before(std::int64_t end) const;
 
  private:

@@ -63,11 +63,11 @@ Picture drawPicture(OrganView& organ, Session& session, const Snapshot& snapshot
   return framebuffer.read();
 }
 
-Picture drawScorePage(OrganView& organ, Session& session) {
+Picture drawScorePage(OrganView& organ, Session& session, const SheetHead& head) {
   Interface ui(nullptr, 1);
   ui.begin(session.options().width, session.options().height);  // the fonts are ready after a frame
   ui.end();
-  return scorePage(ui.theme(), session.model(), organ, *session.task());
+  return scorePage(ui.theme(), session.model(), organ, *session.task(), head);
 }
 
 /// The references that the run is held to, read before it begins.
@@ -135,7 +135,7 @@ int exitCodeOf(Session& session, const References& references, const Picture& la
 void writeManifest(Session& session, Manifest manifest) {
   const Options& options = session.options();
   manifest.scene_file = findScene(options.scene);
-  manifest.scene_hash = hex16(fnv1a(readWholeFile(manifest.scene_file)));
+  manifest.scene_hash = session.sceneHash();
   manifest.model_hash = hex16(modelHash(session.model()));
   manifest.command = options.command;
   manifest.width = options.width;
@@ -167,6 +167,7 @@ int runOffscreen(Session& session) {
     writePng(results.fileNamed(stem + ".png"), last);
     std::cout << "picture      " << results.fileNamed(stem + ".png") << '\n';
     if (!options.dump_fields) return;
+    if (session.searching()) return session.log().info(stem + ": no fields, which would show the lumps");
     manifest.files.push_back(stem + ".vtu");
     writeStateVtu(results.fileNamed(stem + ".vtu"), session.model(), snapshot.u);
     std::cout << "fields       " << results.fileNamed(stem + ".vtu") << '\n';
@@ -181,17 +182,18 @@ int runOffscreen(Session& session) {
     keep(one ? "snapshot" : format("snapshot_%gs", time), snapshot);
   });
   if (interrupted()) session.log().info("interrupted: keeping what was done so far");
-  if (session.task() != nullptr && options.trainee) {
-    writeWholeFile(results.fileNamed("score.json"), session.submitTask());
+  if (session.revealed()) {
+    const SheetHead head = session.sheetHead(options.trainee_name);
+    for (const std::string& name :
+         writeScore(results.fileNamed("score.json"), *session.task(), head, drawScorePage(organ, session, head)))
+      manifest.files.push_back(name);
     const TaskScore::Sheet sheet = session.task()->sheet();
-    writePng(results.fileNamed("score.png"), drawScorePage(organ, session));
-    manifest.files.insert(manifest.files.end(), {"score.json", "score.png"});
-    std::cout << format("score        %s: %d found, %d missed, %d false, %.1f mm off\n",
-                        results.fileNamed("score.json").c_str(), sheet.hits, sheet.misses, sheet.false_alarms,
-                        sheet.mean_error_mm);
+    std::cout << format("score        %s: %d found, %d missed, %d false", results.fileNamed("score.json").c_str(),
+                        sheet.hits, sheet.misses, sheet.false_alarms)
+              << (sheet.mean_error_mm ? format(", %.1f mm off", *sheet.mean_error_mm) : "") << '\n';
   }
   if (!options.animation.empty() && !interrupted()) {
-    if (session.task() != nullptr && !session.revealed()) session.submitTask();  // what was hidden is shown at last
+    if (options.replay.empty()) session.giveUpSearch();  // what was hidden is shown at last
     animation.push_back(drawPicture(organ, session, session.latest()));
     writeAnimation(options.animation, animation, 1 / animation_rate, animation_end_seconds);
     std::cout << "animation    " << options.animation << '\n';

@@ -139,6 +139,8 @@ std::string readPictureOptions(Options& o, const Texts& texts) {
   if (o.trainee && (!o.offscreen || o.seconds || !o.tool_script.empty() || !o.replay.empty() || o.soak_minutes))
     return "--trainee moves the tool itself, off-screen, to its end; add --offscreen, and leave out --seconds, --tool, "
            "--replay and --soak";
+  if (o.answers && (o.trainee || !o.replay.empty()))
+    return "--answers shows lumps without a search; leave out --trainee and --replay";
   const std::string problem = readPictureChoice(texts.camera, texts.view, texts.field, texts.range, o.picture);
   if (!problem.empty()) return problem;
   const bool for_pictures = !texts.camera.empty() || !texts.view.empty() || !texts.field.empty() ||
@@ -216,6 +218,16 @@ void addOptions(CLI::App& app, Options& o, std::string& size, bool& no_cache, Te
   app.add_flag("--trainee", o.trainee,
                "Off-screen: a trainee by rule looks for the scene's lumps; writes score.json, e.g. palpate "
                "lump_liver --trainee --offscreen --fast");
+  app.add_option("--trainee-name", o.trainee_name,
+                 "Who searches, for the score sheet, e.g. palpate lump_liver --trainee-name \"A. Miller\"")
+      ->type_name("NAME");
+  app.add_flag("--answers", o.answers,
+               "Show the lumps of a task without a search, and score nothing, e.g. palpate lump_liver --answers "
+               "--offscreen --ghost");
+  app.add_option("--scores", o.scores,
+                 "Put all score sheets (JSON) below DIR into one table, DIR/scores.csv, or that of --out, e.g. palpate "
+                 "--scores out")
+      ->type_name("DIR");
   app.add_flag(
       "--check-lumps", o.check_lumps,
       "Tell how clearly each lump is felt at the working depth; exit with code 5 where one is not, e.g. palpate "
@@ -269,6 +281,11 @@ ParsedOptions parseOptions(int argc, const char* const* argv) {
   if (o.soak_minutes && o.scene.empty()) o.scene = "liver";
   if (!o.soak_minutes && (o.rough || o.seed))
     return refusal("--rough and --seed are for --soak; say for how many minutes, e.g. --soak 10 --rough");
+  if (!o.scores.empty()) {
+    if (!o.scene.empty() || o.offscreen)
+      return refusal("--scores reads score sheets alone; leave out SCENE and the rest");
+    return {o, "", 0};
+  }
   if (o.scene.empty())
     return refusal("SCENE is required: a scene file, or the name of one in assets/scenes, e.g. liver");
   if (o.soak_minutes && (o.seconds || !o.tool_script.empty() || !o.replay.empty()))

@@ -28,6 +28,10 @@ struct Options {
   double tolerance = 0.5;                 // of compare: mean delta E
   bool trainee = false;                   // a trainee by rule looks for the lumps
   bool check_lumps = false;               // whether they can be felt
+  bool answers = false;                   // they may be seen, and nobody searches
+  int answers_seen = 0;                   // of this scene in this program before
+  std::string trainee_name;               // for the score sheet
+  std::string scores;                     // folder whose score sheets are put into one table; empty: none
   bool strict = false;                    // a doubted run is a failed one
   std::string command;                    // as typed
   std::optional<ToolChoice> tool_choice;  // chosen in the window, instead of the scene's

@@ -103,6 +103,12 @@ std::string readPictureChoice(const std::string& camera, const std::string& view
   return {};
 }
 
+bool PictureChoice::showsInside() const {
+  View view;
+  applyChoice(*this, view);
+  return cut || view.showsInside();
+}
+
 void applyChoice(const PictureChoice& choice, View& view) {
   view.camera.azimuth_deg = choice.azimuth_deg.value_or(view.camera.azimuth_deg);
   view.camera.elevation_deg = choice.elevation_deg.value_or(view.camera.elevation_deg);

@@ -18,6 +18,9 @@ struct PictureChoice {
   ColourMap field = ColourMap::Tissue;
   std::optional<double> low, high;  // m, Pa or 1: the colours' range
   std::string show, hide;           // overlays, e.g. "nodes,contact"
+
+  /// Whether it tells what lies below the skin.
+  bool showsInside() const;
 };
 
 /// The texts of the options, each empty where it was not given. Returns what is wrong; empty: nothing.

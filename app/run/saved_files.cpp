@@ -42,10 +42,9 @@ std::string SavedFiles::presses(const PressCurves& presses) const {
   return path;
 }
 
-std::string SavedFiles::score(const std::string& json, const Picture& page) const {
+std::string SavedFiles::score(const TaskScore& score, const SheetHead& head, const Picture& page) const {
   std::string path = free("score", ".json");
-  writeWholeFile(path, json);
-  writePng(std::filesystem::path(path).replace_extension(".png").string(), page);
+  writeScore(path, score, head, page);
   return path;
 }
 
@@ -59,6 +58,18 @@ std::string SavedFiles::state(const Model& model, const Snapshot& snapshot) cons
   std::string path = free("state", ".vtu");
   writeStateVtu(path, model, snapshot.u);
   return path;
+}
+
+std::vector<std::string> writeScore(const std::string& json_file, const TaskScore& score, const SheetHead& head,
+                                    const Picture& page) {
+  namespace fs = std::filesystem;
+  const fs::path file(json_file);
+  const std::string stem = file.stem().string();
+  std::vector<std::string> names{file.filename().string(), stem + "-pressure.csv", stem + ".png"};
+  writeWholeFile(json_file, score.json(head, names[1]));
+  writeWholeFile((file.parent_path() / names[1]).string(), score.pressureCsv());
+  writePng((file.parent_path() / names[2]).string(), page);
+  return names;
 }
 
 void writeStateVtu(const std::string& path, const Model& model, const AlignedVector<Float4>& u) {

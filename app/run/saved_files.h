@@ -6,6 +6,7 @@
 
 #include "app/panels/press_curves.h"
 #include "app/render/picture.h"
+#include "app/trainer/task_score.h"
 #include "realtime/channels/snapshot.h"
 #include "realtime/recording/recording.h"
 #include "simulation/model.h"
@@ -22,8 +23,8 @@ class SavedFiles {
   std::string picture(const Picture& picture) const;
   std::string forces(const std::deque<ForceSample>& samples) const;
   std::string presses(const PressCurves& presses) const;
-  /// The sheet as JSON, and beside it, with the same name, as a page to print.
-  std::string score(const std::string& json, const Picture& page) const;
+  /// As writeScore.
+  std::string score(const TaskScore& score, const SheetHead& head, const Picture& page) const;
   std::string recording(const Recording& recording) const;
   std::string state(const Model& model, const Snapshot& snapshot) const;
 
@@ -32,6 +33,11 @@ class SavedFiles {
 
   std::string folder_;
 };
+
+/// The sheet as JSON, and beside it, with the same stem, the map of pressures as CSV and a page to print as PNG.
+/// Returns the names of the three. Throws std::runtime_error with file and reason where they can't be written.
+std::vector<std::string> writeScore(const std::string& json_file, const TaskScore& score, const SheetHead& head,
+                                    const Picture& page);
 
 /// The deformed body for ParaView: displacement at the nodes; J, pressure and von Mises stress in the cells.
 void writeStateVtu(const std::string& path, const Model& model, const AlignedVector<Float4>& u);

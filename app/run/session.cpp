@@ -11,11 +11,13 @@
 #include "app/trainer/feel_check.h"
 #include "app/trainer/felt_layout.h"
 #include "base/interrupt.h"
+#include "base/key.h"
 #include "base/number_text.h"
 #include "io/find_asset.h"
 #include "io/indent_script.h"
 #include "io/load_model.h"
 #include "io/scene_file.h"
+#include "io/text_file.h"
 #include "mechanics/materials/material_law.h"
 #include "realtime/device/open_device.h"
 #include "simulation/model_hash.h"
@@ -44,13 +46,34 @@ std::optional<ResultFolder> openResults(const Options& options) {
   return {};
 }
 
-/// What --replay names, as far as it can be checked without the model.
+bool isSubmitted(const Recording& recording) {
+  return std::any_of(recording.changes.begin(), recording.changes.end(),
+                     [](const TimedRequest& change) { return change.request.kind == Request::Kind::Submit; });
+}
+
+/// A picture that would give a search's answers away is refused, unless the run gives them itself.
+void checkSearch(const Options& options, const Scene& scene, const std::optional<Recording>& replay) {
+  const bool answered =
+      options.answers || options.trainee || (replay ? isSubmitted(*replay) : !options.animation.empty());
+  if (!isTask(scene) || answered || !(options.picture.showsInside() || options.dump_fields)) return;
+  throw InputError(scene.place,
+                   "the scene is a search for lumps, and --cut, --ghost, --fields, stress, J, nodes and "
+                   "points would show them",
+                   replay ? "replay a recording of a search that was submitted, or leave them out"
+                          : "add --answers, which shows them without a search, or leave them out");
+}
+
+/// What --replay names, and whether it may be shown as asked, as far as that can be checked without the model.
 std::optional<Recording> recordingToReplay(const Options& options, const Scene& scene) {
-  if (options.replay.empty()) return {};
-  Recording recording = readRecording(options.replay);
-  checkRate(recording, scene.rate_hz, options.replay);
-  if (recording.ticks == 0)
-    throw InputError({options.replay}, "the recording ended before its first tick", "record a run anew with --record");
+  std::optional<Recording> recording;
+  if (!options.replay.empty()) {
+    recording = readRecording(options.replay);
+    checkRate(*recording, scene.rate_hz, options.replay);
+    if (recording->ticks == 0)
+      throw InputError({options.replay}, "the recording ended before its first tick",
+                       "record a run anew with --record");
+  }
+  checkSearch(options, scene, recording);
   return recording;
 }
 
@@ -114,7 +137,7 @@ Scene readScene(const Options& options, std::optional<int> layout) {
   if (options.rate_hz) overrideRate(scene, *options.rate_hz);
   if (options.threads) scene.threads = *options.threads;
   if (options.tool_choice) overrideTool(scene, *options.tool_choice);
-  if ((options.trainee || options.check_lumps) && !isTask(scene))
+  if ((options.trainee || options.check_lumps || options.answers) && !isTask(scene))
     throw InputError(scene.place, "there are no lumps to be found in this scene",
                      "add [[lump]] or [lumps], or take lump_liver");
   return scene;
@@ -141,6 +164,8 @@ Model modelOf(const Options& options, Scene& scene, Log& log, const LoadProgress
   return makeTask(scene, making);
 }
 
+std::string sceneHash(const Options& options) { return hex16(fnv1a(readWholeFile(findScene(options.scene)))); }
+
 void checkOptions(const Options& options) {
   const Scene scene = readScene(options);
   namedScript(options.tool_script, scene.tool.radius);
@@ -151,6 +176,7 @@ Session::Session(const Options& options, const Scene& scene, Log& log, const Loa
     : options_(options),
       log_(log),
       scene_(scene),
+      scene_hash_(app::sceneHash(options)),
       tool_script_(namedScript(options.tool_script, scene.tool.radius)),
       replay_(recordingToReplay(options, scene)),
       results_(openResults(options)),
@@ -160,7 +186,7 @@ Session::Session(const Options& options, const Scene& scene, Log& log, const Loa
       sent_before_(scene_materials_),
       friction_(scene_.friction),
       forces_(history_seconds) {
-  if (isTask(scene_)) task_.emplace(model_, lumpsOf(model_));
+  if (isTask(scene_) && !options_.answers) beginSearch();
   SimulationLoopOptions loop_options;
   loop_options.as_fast_as_possible = options_.as_fast_as_possible;
   loop_options.start_paused = !options_.offscreen;  // the window resumes with its first picture
@@ -265,6 +291,7 @@ void Session::gather() {
     takeEvent(*event);
     next_event_.reset();
   }
+  followSearch();
   if (notice_ && !notice_->frozen && forces_.lastTime() > notice_->time_s + notice_seconds) notice_.reset();
   changes_lost_ |= loop_->recorded().size() + 1 >= window_record_capacity;  // a full ring takes no more
   TimedRequest change;
@@ -282,7 +309,7 @@ void Session::takeForces(std::int64_t until_tick) {
     ToolReadings readings;
     if (!model_.tools.empty()) loop_->tools().pop(readings);
     if (sample.tick > latest_->status.reset_tick) forces_.add(sample);
-    if (task_ && !revealed_) task_->add(sample);
+    if (searching()) felt_.push_back(sample);
     if (results_) results_->addForce(sample, readings);
     if (!options_.soak_minutes && !options_.offscreen) {  // else nobody is there to look at them
       presses_.add(sample);
@@ -296,6 +323,7 @@ void Session::takeForces(std::int64_t until_tick) {
 /// A material has its scene's name for it, not its number.
 std::string Session::withMaterialName(std::string text, const LogEvent& event) const {
   if (event.kind != LogEvent::Kind::MaterialSet && event.kind != LogEvent::Kind::MaterialRefused) return text;
+  if (searching() && event.index > 0) return text;  // of a lump nothing is told
   const auto m = static_cast<std::size_t>(event.index);
   const std::string number = "material " + std::to_string(event.index);
   const std::size_t at = text.find(number);
@@ -306,6 +334,7 @@ std::string Session::withMaterialName(std::string text, const LogEvent& event) c
 
 void Session::takeEvent(const LogEvent& event) {
   using Kind = LogEvent::Kind;
+  if (searching()) said_.push_back(event);
   const std::string text = withMaterialName(logText(event), event);
   const std::string shown = withMaterialName(briefText(event), event);
   if (std::optional<Notice> notice = noticeOf(event); notice && !options_.rough) notice_ = std::move(notice);
@@ -369,13 +398,6 @@ void Session::giveWay(bool yes) {
   if (yes == gives_way_ || latest_->status.ticks == 0) return;  // before its first tick it has not been set up
   gives_way_ = yes;
   palpate::giveWay(loop_->summary().rt_setup, yes);
-}
-
-std::string Session::submitTask() {
-  if (trainee_)
-    for (const Vec3& place : trainee_->marks()) task_->mark(place, 2, task_->seconds());
-  revealed_ = true;
-  return task_->json(scene_.name);
 }
 
 void Session::loadedSettings() {

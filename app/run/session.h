@@ -40,6 +40,9 @@ Model modelOf(const Options& options, Scene& scene, Log& log, const LoadProgress
 /// Whether the scene hides lumps that are to be found.
 bool isTask(const Scene& scene);
 
+/// Of the bytes of the scene's file, as hexadecimal digits.
+std::string sceneHash(const Options& options);
+
 /// Reads scene and tool script, and throws InputError where they can't be used: before a running session is given up.
 void checkOptions(const Options& options);
 
@@ -86,11 +89,21 @@ class Session {
   void dismissNotice() { notice_.reset(); }
 
   /// The search for the scene's lumps; null where it has none that are hidden.
-  TaskScore* task() { return task_ ? &*task_ : nullptr; }
   const TaskScore* task() const { return task_ ? &*task_ : nullptr; }
+  /// The answers are in: lumps may be seen, and nothing more counts.
   bool revealed() const { return revealed_; }
-  /// The answers are in: lumps may be seen, and nothing more counts. Returns the score sheet's text.
-  std::string submitTask();
+  /// They are not yet: nothing may show the inside, and what is felt stays as the scene has it.
+  bool searching() const { return task_ && !revealed_; }
+  /// A mark, that it is taken back, that these are the answers. Nothing while a recording says that itself.
+  void say(const Request& said);
+  /// The lumps may be seen, and nobody has searched: of a run that shows what it hides at its end.
+  void giveUpSearch() { revealed_ = task_.has_value(); }
+  Conditions conditions() const;
+  /// Who searched, when, where, under which conditions.
+  SheetHead sheetHead(const std::string& trainee) const;
+  /// Lumps were shown, by these or without a search (--answers).
+  bool answersShown() const { return revealed_ || options_.answers; }
+  const std::string& sceneHash() const { return scene_hash_; }
 
   /// The last minutes' forces (not in a soak), and the presses of the session.
   const std::deque<ForceSample>& samples() const { return samples_; }
@@ -123,6 +136,10 @@ class Session {
   void followScript(const ToolScript& script, SimulationLoopOptions& loop_options);
   void takeForces(std::int64_t until_tick);
   void takeEvent(const LogEvent& event);
+  void beginSearch();
+  void followSearch();
+  void takeSaid(const LogEvent& event);
+  void submitForTrainee();
   std::string withMaterialName(std::string text, const LogEvent& event) const;
   void finishDevice();
   TimingView timing(const Snapshot& snapshot) const;
@@ -131,6 +148,7 @@ class Session {
   Options options_;
   Log& log_;
   Scene scene_;  // as loaded; the model's copy is the loop's to change
+  std::string scene_hash_;
   std::optional<ToolScript> tool_script_;
   std::optional<Recording> replay_;
   std::optional<ResultFolder> results_;
@@ -144,7 +162,11 @@ class Session {
   std::optional<ScriptMotion> script_motion_;
   std::optional<Trainee> trainee_;
   std::optional<TaskScore> task_;
-  bool revealed_ = false;
+  bool revealed_ = false, revealed_by_recording_ = false;
+  std::vector<ForceSample> felt_;  // to be scored
+  std::deque<LogEvent> said_;      // likewise
+  std::int64_t felt_until_ = 0;    // tick of the last sample that was scored
+  Conditions conditions_;          // as far as they change during the search
   std::unique_ptr<TissuePhysics> physics_;
   std::unique_ptr<CoupledTool> coupled_tool_;  // a haptic device's end in the loop, and its thread
   std::unique_ptr<SimulationLoop> loop_;

@@ -15,6 +15,7 @@ void Session::finish() {
   loop_->quit();
   loop_->join();
   gather();
+  if (trainee_ && searching()) submitForTrainee();
   const RunSummary& summary = loop_->summary();
   if (summary.lost_force_samples > 0)
     log_.warning(format("%lld force samples were lost: the main thread was kept from running",
@@ -51,7 +52,7 @@ Recording Session::recordingSoFar() {
     return recording;
   }
   for (const TimedRequest& change : recording_->changes)
-    if (change.tick < ticks) recording.changes.push_back(change);
+    if (change.tick < ticks || (change.tick == ticks && change.request.isSaid())) recording.changes.push_back(change);
   return recording;
 }
 

@@ -110,11 +110,13 @@ PanelData Session::panelData(const Snapshot& snapshot) const {
   data.friction = friction_;
   data.driver = driver();
   data.script = script_;
+  if (searching()) data.input_note = "a search is made with what the scene says";
   if (data.driver == ToolDriver::Script) data.input_note = "a script runs, which must find the scene's own values";
   if (data.driver == ToolDriver::Replay) data.input_note = "a recording runs, which brings its own values";
   data.frozen_reason = frozen_reason_;
   data.task = task();
   data.revealed = revealed_;
+  if (revealed_) data.conditions = conditions().text();
   data.notice = notice_;
   if (!options_.offscreen) data.presses = &presses_;
   return data;

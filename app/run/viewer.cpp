@@ -19,6 +19,7 @@ namespace {
 
 constexpr double min_radius = 0.003, max_radius = 0.03;  // m, of a probe that is chosen
 constexpr double pick_pixels = 12;                       // how near to the pointer an integration point must be
+constexpr double most_look_seconds = 0.5;                // that one picture counts for, of what was looked at
 
 /// Where on the skin at rest the point is that is now under the ray.
 std::optional<Vec3> touchedAtRest(const TriangleSurface& rest, const std::vector<Vec3f>& positions, const Ray& ray) {
@@ -90,7 +91,7 @@ void Viewer::passTime(bool somebody, double seconds) {
   }
   if (!panels_.demo || !rests()) return;
   if (!attract_) startAttracting();
-  if (session_.task() != nullptr && !session_.revealed()) return;  // it would count as the trainee's
+  if (session_.searching()) return;  // it would count as the trainee's
   const Snapshot& now = session_.latest();
   if (now.status.frozen) reset();
   send(attract_->next(nobody_s_ - session_.options().idle_seconds, hand_, now.goal_pose));
@@ -101,7 +102,8 @@ void Viewer::passTime(bool somebody, double seconds) {
 /// As the scene begins: tissue at rest, its own materials, the first view.
 void Viewer::startAttracting() {
   attract_.emplace(session_.model());
-  panels_.help_shown = panels_.open_shown = panels_.quit_asked = false;
+  panels_.help_shown = panels_.open_shown = false;
+  panels_.at_stake.clear();
   panels_.problem.clear();
   session_.dismissNotice();
   session_.loadedSettings();
@@ -140,8 +142,8 @@ void Viewer::applyView(const Actions& actions, const CanvasSize& size) {
       panels_.problem.clear();
     else if (panels_.help_shown)
       panels_.help_shown = false;
-    else if (panels_.open_shown || panels_.quit_asked)
-      panels_.open_shown = panels_.quit_asked = false;
+    else if (panels_.open_shown || !panels_.at_stake.empty())
+      panels_.open_shown = false, panels_.at_stake.clear();
   }
   if (actions.open_scene) panels_.open_shown = true, panels_.open_kind = OpenKind::Scene, panels_.path.clear();
   if (actions.toggle_timeline) {
@@ -253,11 +255,9 @@ void Viewer::applyRequests(const PanelRequests& requests, const Snapshot& snapsh
     leavePast();
     if (panels_.demo != window_.fullScreen()) window_.toggleFullScreen();
   }
-  if (TaskScore* task = session_.task(); task != nullptr && !session_.revealed()) {
-    if (requests.mark) task->mark(snapshot.tool_pose.position, panels_.hardness, snapshot.force.time_s);
-    if (requests.unmark) task->unmark();
-    if (requests.submit) submit();
-  }
+  if (requests.mark) session_.say(Request::mark(snapshot.tool_pose.position, panels_.hardness));
+  if (requests.unmark) session_.say(Request::simple(Request::Kind::Unmark));
+  if (requests.submit) session_.say(Request::simple(Request::Kind::Submit));
   if (requests.look_at_s && !past_.empty()) {
     if (!snapshot.status.paused && !looked_at_) {
       session_.send(Request::simple(Request::Kind::Pause));
@@ -269,16 +269,20 @@ void Viewer::applyRequests(const PanelRequests& requests, const Snapshot& snapsh
   applyFiles(requests);
 }
 
-/// The answers are in: the lumps are shown, and the score sheet is written.
-void Viewer::submit() {
-  const std::string sheet = session_.submitTask();
-  view_.ghost = true;
+/// Once the answers are in, the lumps are shown and the score sheet is written.
+void Viewer::showAnswers() {
+  if (!session_.revealed() || answers_shown_) return;
+  answers_shown_ = view_.ghost = true;
+  const SheetHead head = session_.sheetHead(panels_.trainee);
   try {
-    session_.log().info("score: " +
-                        SavedFiles(session_.options().scene)
-                            .score(sheet, scorePage(ui_.theme(), session_.model(), organ_, *session_.task())));
+    session_.log().info(
+        "score: " +
+        SavedFiles(session_.options().scene)
+            .score(*session_.task(), head, scorePage(ui_.theme(), session_.model(), organ_, *session_.task(), head)));
   } catch (const std::exception& error) {
+    sheet_lost_ = true;
     session_.log().error(error.what());
+    panels_.problem = error.what();
   }
 }
 
@@ -320,6 +324,8 @@ ProgramRequests Viewer::frame(double seconds, const std::vector<std::string>& sc
   constexpr double share = 0.05;  // of the newest frame in the mean that is shown
   frame_seconds_ = frame_seconds_ == 0 ? seconds : frame_seconds_ + share * (seconds - frame_seconds_);
   session_.gather();
+  showAnswers();
+  if (answers_shown_ && panels_.at_stake.empty()) answers_seconds_ += std::min(seconds, most_look_seconds);
   const Snapshot& snapshot = session_.latest();
   const KeyPresses presses = window_.takePressed();
   ui_.hold(presses.taps());
@@ -338,7 +344,7 @@ ProgramRequests Viewer::frame(double seconds, const std::vector<std::string>& sc
     input.on_skin = pickSkin(session_.model().skin.surface, organ_.skinPositions(),
                              before.rayThrough(input.mouse.x(), input.mouse.y(), size.pixelWidth(), size.pixelHeight()))
                         .has_value();
-  const bool something_open = menuOpen() || panels_.help_shown || panels_.open_shown || panels_.quit_asked ||
+  const bool something_open = menuOpen() || panels_.help_shown || panels_.open_shown || !panels_.at_stake.empty() ||
                               panels_.demo || !panels_.problem.empty();
   Actions actions = controls_.read(input, something_open);
   if (panels_.demo) actions = lockedForDemo(actions);
@@ -383,23 +389,34 @@ ProgramRequests Viewer::frame(double seconds, const std::vector<std::string>& sc
   program.quit = (actions.quit || requests.quit) && !asksBeforeQuit();
   program.agreed = requests.quit_now;
   program.open_scene = requests.search_again ? session_.options().scene : requests.open_scene;
+  program.agreed |= requests.search_again;
   program.open_script = requests.open_script;
   program.open_recording = requests.open_recording;
   program.tool = requests.tool;
   return program;
 }
 
+std::string Viewer::atStake() const {
+  constexpr double look_seconds = 5;  // that answers are taken to have been looked at
+  if (session_.searching() && session_.task()->begun() && session_.driver() != ToolDriver::Replay)
+    return "A search is under way: what was felt and marked would be lost.";
+  if (sheet_lost_) return "The score sheet could not be written, and would be lost.";
+  if (answers_shown_ && answers_seconds_ < look_seconds)
+    return "The answers were shown just now, and not looked at yet.";
+  return {};
+}
+
 bool Viewer::asksBeforeQuit() {
-  const TaskScore* task = session_.task();
-  const bool unsaved = task != nullptr && !session_.revealed() && !task->marks().empty();
-  panels_.quit_asked |= unsaved;
-  return unsaved;
+  const std::string lost = atStake();
+  if (!lost.empty()) panels_.at_stake = lost;
+  return !lost.empty();
 }
 
 ProgramRequests Viewer::withConsent(const ProgramRequests& wish) {
-  if (!panels_.quit_asked) asked_.reset();  // the user stays
+  if (panels_.at_stake.empty()) asked_.reset();  // the user stays
   if (wish.agreed) {
-    panels_.quit_asked = false;
+    panels_.at_stake.clear();
+    if (wish.leaves()) return wish;
     if (asked_) return *std::exchange(asked_, {});
     ProgramRequests quit;
     quit.quit = true;

@@ -68,7 +68,8 @@ class Viewer {
   bool byHand() const;
   void send(const std::vector<Request>& requests);
   void reset();
-  void submit();
+  void showAnswers();
+  std::string atStake() const;
 
   Session& session_;
   GlWindow& window_;
@@ -80,6 +81,9 @@ class Viewer {
   PanelState& panels_;
   std::int64_t undo_count_ = 0;  // of the last snapshot
   double frame_seconds_ = 0;     // mean of the last ones
+  bool answers_shown_ = false;   // of the search
+  bool sheet_lost_ = false;      // it could not be written
+  double answers_seconds_ = 0;   // that they were
   Shown shown_;
   PastPictures past_;
   std::optional<ProgramRequests> asked_;     // that waits for consent

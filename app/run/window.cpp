@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <filesystem>
+#include <map>
 #include <stdexcept>
 #include <thread>
 #include <utility>
@@ -52,6 +53,7 @@ class Shell {
       panels_.panels_shown = false;
       window_.toggleFullScreen();
     }
+    panels_.trainee = options.trainee_name;
     const std::string done = "done: ";
     log_.detail(
         "OpenGL: " + renderer_name_ +
@@ -70,6 +72,10 @@ class Shell {
   bool ends() const { return window_.closeAsked() || interrupted(); }
 
  private:
+  /// How often the lumps of a scene were shown, in the present session, too.
+  int answersSeen(const Session& session, const std::string& scene_hash) {
+    return answers_seen_[scene_hash] + (session.answersShown() && session.sceneHash() == scene_hash ? 1 : 0);
+  }
   bool beginPicture();
   void endPicture();
 
@@ -82,6 +88,7 @@ class Shell {
   PanelState panels_;
   RecentScenes recent_;
   std::string renderer_name_;
+  std::map<std::string, int> answers_seen_;  // by a scene's hash: how often its lumps were shown
 };
 
 /// A scene or a tool script, told by what is in it, a recording, or a curve, which is shown at once. Returns what is
@@ -170,6 +177,7 @@ Options nextOptions(const Options& now, const ProgramRequests& wish) {
   next.record.clear();  // its file belongs to the session that ends
   next.replay.clear();
   next.out.clear();
+  next.answers &= wish.open_scene.empty() && wish.open_recording.empty();
   if (!wish.open_scene.empty()) {
     next.scene = wish.open_scene;
     next.tool_script.clear();
@@ -219,6 +227,7 @@ Next Shell::show(Session& session, Viewer& viewer, bool resume) {
       try {  // what can be seen to be wrong leaves the present session as it is
         next.options = nextOptions(session.options(), wish);
         checkOptions(next.options);
+        next.options.answers_seen = answersSeen(session, sceneHash(next.options));
         next.quit = false;
         break;
       } catch (const InputError& error) {
@@ -240,6 +249,7 @@ Next Shell::show(Session& session, Viewer& viewer, bool resume) {
 
 void Shell::finish(Session& session, Viewer& viewer) {
   session.finish();
+  answers_seen_[session.sceneHash()] += session.answersShown() ? 1 : 0;
   if (ResultFolder* results = session.results()) {
     results->writeReport(toJson(session.report()));
     results->writePicture(viewer.picture());

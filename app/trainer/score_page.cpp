@@ -47,6 +47,10 @@ class Page {
              float anchor = 0) {
     list_.AddText(font_, px, {std::round(x - anchor * width(text, px)), std::round(y)}, colour, text.c_str());
   }
+  /// Over as many lines as it takes.
+  void writeWrapped(float y, const std::string& text, float px, ImU32 colour) {
+    list_.AddText(font_, px, {margin, y}, colour, text.c_str(), text.c_str() + text.size(), page_width - 2 * margin);
+  }
   void rule(float y, float thickness = 1.5F) {
     list_.AddLine({margin, y}, {page_width - margin, y}, paper::frame, thickness);
   }
@@ -93,11 +97,17 @@ Camera fromTheTool(const Model& model, const OrganView& view) {
   return camera;
 }
 
-void writeHead(Page& page, const Model& model, const TaskScore& score, const TaskScore::Sheet& sheet) {
+void writeHead(Page& page, const SheetHead& head, const TaskScore& score, const TaskScore::Sheet& sheet) {
   page.write(margin, 62, "Palpation: find the lumps", title_px);
-  page.write(page_width - margin, 76, model.scene.name, text_px, paper::faint, 1);
-  page.write(margin, 128, "Trainee ______________________________", small_px, paper::faint);
-  page.write(page_width - margin, 128, "Date ____________________", small_px, paper::faint, 1);
+  std::string scene = head.scene;
+  if (head.lump_draw) scene += format(", seed %u, layout %d", head.lump_draw->seed, head.lump_draw->layout);
+  page.write(page_width - margin, 76, scene, text_px, paper::faint, 1);
+  page.write(margin, 128, "Trainee", small_px, paper::faint);
+  if (head.trainee.empty())
+    page.write(margin + 80, 128, "______________________________", small_px, paper::faint);
+  else
+    page.write(margin + 80, 125, head.trainee);
+  page.write(page_width - margin, 128, head.date, small_px, paper::ink, 1);
   page.rule(170);
   const int all = static_cast<int>(score.lumps().size());
   page.write(margin, 186,
@@ -107,7 +117,7 @@ void writeHead(Page& page, const Model& model, const TaskScore& score, const Tas
              32);
 }
 
-void writeNumbers(Page& page, const TaskScore::Sheet& sheet) {
+void writeNumbers(Page& page, const SheetHead& head, const TaskScore::Sheet& sheet) {
   float y = 240;
   const auto rows = [&](const char* a, const std::string& value_a, bool bad_a, const char* b,
                         const std::string& value_b, bool bad_b) {
@@ -121,16 +131,18 @@ void writeNumbers(Page& page, const TaskScore::Sheet& sheet) {
   rows("False alarms", std::to_string(sheet.false_alarms), sheet.false_alarms > 0,
        format("Above %.0f N", TaskScore::force_limit).c_str(), format("%.1f s", sheet.seconds_above_limit),
        sheet.seconds_above_limit > 0);
-  rows("Mean error of those found", sheet.hits > 0 ? format("%.1f mm", sheet.mean_error_mm) : "-", false,
+  rows("Hardness told right", sheet.hits > 0 ? format("%d of %d", sheet.hardness_right, sheet.hits) : "-",
+       sheet.hardness_right < sheet.hits,
        format("Skin pressed with %.0f kPa or more", 1e-3 * TaskScore::threshold_pressure).c_str(),
        format("%.0f %%", 100 * sheet.covered_share), false);
-  rows("Time", format("%.0f s", sheet.seconds), false, "Way of the probe on the skin", format("%.2f m", sheet.path_m),
-       false);
+  rows("Mean error of those found", sheet.mean_error_mm ? format("%.1f mm", *sheet.mean_error_mm) : "-", false,
+       "Way of the probe on the skin", format("%.2f m", sheet.path_m), false);
+  rows("Time", format("%.0f s", sheet.seconds), false, "Scene's hash", head.scene_hash, false);
 }
 
-/// A line for each lump: how large, how deep, whether found.
-void writeLumps(Page& page, const TaskScore& score, const TaskScore::Sheet& sheet) {
-  float y = 446;
+/// A line for each lump: how large, how deep, whether found; below, under which conditions.
+void writeLumps(Page& page, const SheetHead& head, const TaskScore& score, const TaskScore::Sheet& sheet) {
+  float y = 484;
   page.rule(y - 12);
   for (std::size_t k = 0; k < score.lumps().size() && k < most_lumps; ++k) {
     const Lump& lump = score.lumps()[k];
@@ -141,7 +153,10 @@ void writeLumps(Page& page, const TaskScore& score, const TaskScore::Sheet& shee
     for (std::size_t m = 0; m < score.marks().size(); ++m) {
       if (sheet.lump_of_mark[m] != static_cast<int>(k)) continue;
       found = true;
-      outcome = format("found, %.1f mm off", 1e3 * (score.marks()[m].place - lump.foot.point).norm());
+      outcome = format("found, %.1f mm off, ", 1e3 * (score.marks()[m].place - lump.foot.point).norm());
+      const int said = score.marks()[m].hardness, is = hardnessOf(lump);
+      outcome += said == is ? format("%s as told", hardnessName(is))
+                            : format("%s, told %s", hardnessName(is), hardnessName(said));
     }
     page.write(margin, y,
                format("Lump %d: %.0f mm across, %.0f mm below the skin, %.0f times as stiff", static_cast<int>(k) + 1,
@@ -149,6 +164,25 @@ void writeLumps(Page& page, const TaskScore& score, const TaskScore::Sheet& shee
                21, paper::faint);
     page.write(page_width - margin, y, outcome, 21, found ? paper::ink : false_colour, 1);
     y += 32;
+  }
+  const std::string text = "Conditions: " + head.conditions.text() + ".";
+  page.writeWrapped(y + 8, text, 17, head.conditions.asTheSceneHasThem() ? paper::faint : false_colour);
+}
+
+/// Each way on the skin by itself: through the air none is drawn.
+template <class At>
+void drawPath(ImDrawList& draw, const std::vector<TaskScore::PathPoint>& path, const At& at) {
+  for (std::size_t begin = 0; begin < path.size();) {
+    std::vector<ImVec2> way;
+    do way.push_back(at(path[begin++].tip));
+    while (begin < path.size() && !path[begin].begins);
+    if (way.size() == 1) {  // pressed at one place
+      draw.AddCircleFilled(way[0], 3.5F, IM_COL32(255, 255, 255, 90));
+      draw.AddCircleFilled(way[0], 2, IM_COL32(30, 34, 40, 150));
+      continue;
+    }
+    strokeLine(draw, way, IM_COL32(255, 255, 255, 90), 3.5F);
+    strokeLine(draw, way, IM_COL32(30, 34, 40, 130), 1.5F);
   }
 }
 
@@ -160,10 +194,7 @@ void drawPlaces(Page& page, const Camera& camera, const TaskScore& score, const 
     const Vec3 p = camera.project(x, page_width, map_height);
     return ImVec2(static_cast<float>(p.x()), top + static_cast<float>(p.y()));
   };
-  std::vector<ImVec2> path;
-  for (const Vec3& x : score.path()) path.push_back(at(x));
-  strokeLine(draw, path, IM_COL32(255, 255, 255, 90), 3.5F);
-  strokeLine(draw, path, IM_COL32(30, 34, 40, 130), 1.5F);
+  drawPath(draw, score.path(), at);
   for (std::size_t k = 0; k < score.lumps().size(); ++k) {
     const Lump& lump = score.lumps()[k];
     const ImVec2 c = at(lump.foot.point);
@@ -230,7 +261,8 @@ void writeKey(Page& page, const ColourScale& scale) {
 
 }  // namespace
 
-Picture scorePage(const Theme& theme, const Model& model, OrganView& view, const TaskScore& score) {
+Picture scorePage(const Theme& theme, const Model& model, OrganView& view, const TaskScore& score,
+                  const SheetHead& head) {
   const TaskScore::Sheet sheet = score.sheet();
   Snapshot rest;
   rest.u.assign(model.X.size(), Float4{});
@@ -247,9 +279,9 @@ Picture scorePage(const Theme& theme, const Model& model, OrganView& view, const
   const ColourScale scale = view.draw(rest, look, page_width, map_height);  // the lower part of the page
   paper_sheet.bind();
   Page page(theme);
-  writeHead(page, model, score, sheet);
-  writeNumbers(page, sheet);
-  writeLumps(page, score, sheet);
+  writeHead(page, head, score, sheet);
+  writeNumbers(page, head, sheet);
+  writeLumps(page, head, score, sheet);
   drawPlaces(page, look.camera, score, sheet);
   writeKey(page, scale);
   page.render();

@@ -13,6 +13,7 @@ namespace palpate::app {
 /// from the tool's side with lumps, marks, the probe's path and the peak pressure on the skin.
 /// Draws in the current contexts of OpenGL and Dear ImGui, in no frame's midst; leaves the window's framebuffer bound.
 /// @param view  of the same model, in which the score was made
-Picture scorePage(const Theme& theme, const Model& model, OrganView& view, const TaskScore& score);
+Picture scorePage(const Theme& theme, const Model& model, OrganView& view, const TaskScore& score,
+                  const SheetHead& head);
 
 }  // namespace palpate::app

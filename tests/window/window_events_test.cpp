@@ -218,21 +218,36 @@ TEST_CASE("A person presses, tilts, cuts open, saves, marks, undoes, submits and
           [](Session& s, Viewer& v) { return !v.lookedAt() && !s.latest().status.paused; }},
          {"a click on Save run", [&](Session&, Viewer&) { clickButton(*person, "Save run"); },
           [](Session&, Viewer&) { return fs::exists("out/task/recording-1.rec"); }},
+         {"Escape after presses, without a mark", [&](Session&, Viewer&) { person->tap("Escape"); },
+          [](Session&, Viewer& v) { return !v.panels().at_stake.empty(); }},
+         {"Escape, which stays", [&](Session&, Viewer&) { person->tap("Escape"); },
+          [](Session&, Viewer& v) { return v.panels().at_stake.empty(); }},
          {"a tap of M", [&](Session&, Viewer&) { person->tap("m"); },
           [](Session& s, Viewer&) { return s.task()->marks().size() == 1; }},
          {"Ctrl+O with a mark", [&](Session&, Viewer&) { person->tapWith("Control_L", "o"); },
           [](Session&, Viewer& v) { return v.panels().open_shown && ImGui::GetIO().WantTextInput; }},
          {"a scene's name and Return", [&](Session&, Viewer&) { person->type("other.toml"), person->tap("Return"); },
           [pictures = 0](Session&, Viewer& v) mutable {  // its place settles
-            return v.panels().quit_asked && ++pictures > 3;
+            return !v.panels().at_stake.empty() && ++pictures > 3;
           }},
          {"a click on Stay", [&](Session&, Viewer&) { clickButton(*person, "Stay"); },
-          [](Session& s, Viewer& v) { return !v.panels().quit_asked && s.task()->marks().size() == 1; }},
+          [](Session& s, Viewer& v) { return v.panels().at_stake.empty() && s.task()->marks().size() == 1; }},
          {"a click on Submit", [&](Session&, Viewer&) { clickButton(*person, "Submit"); },
-          [](Session& s, Viewer&) { return s.revealed() && fs::exists("out/task/score-1.json"); }},
+          [](Session& s, Viewer&) {
+            return s.revealed() && fs::exists("out/task/score-1.json") && fs::exists("out/task/score-1.png") &&
+                   fs::exists("out/task/score-1-pressure.csv");
+          }},
+         {"Escape before the answers were looked at", [&](Session&, Viewer&) { person->tap("Escape"); },
+          [](Session&, Viewer& v) { return !v.panels().at_stake.empty(); }},
+         {"Escape, which stays once more", [&](Session&, Viewer&) { person->tap("Escape"); },
+          [](Session&, Viewer& v) { return v.panels().at_stake.empty(); }},
+         {"Save run with the answers", [&](Session&, Viewer&) { clickButton(*person, "Save run"); },
+          [](Session&, Viewer&) { return fs::exists("out/task/recording-2.rec"); }},
          {"the score", wait, [](Session&, Viewer&) { return buttonPlaces().count("Search again") > 0; }},
          {"a click on Search again", [&](Session&, Viewer&) { clickButton(*person, "Search again"); },
-          [](Session& s, Viewer&) { return !s.revealed() && s.task()->marks().empty(); }},
+          [](Session& s, Viewer&) {
+            return !s.revealed() && s.task()->marks().empty() && s.conditions().answers_seen == 1;
+          }},
          {"a click on File", [&](Session&, Viewer&) { clickButton(*person, "File"); },
           [](Session&, Viewer&) { return menuOpen(); }},
          {"Escape, which closes the menu", [&](Session&, Viewer&) { person->tap("Escape"); },

@@ -42,8 +42,9 @@ class Panels {
   std::string draw(int width, int height, int pictures = 3) {
     ImGuiIO& io = ImGui::GetIO();
     io.DisplaySize = {static_cast<float>(width), static_cast<float>(height)};
-    io.MousePos = {-1e6F, -1e6F};
+    io.MousePos = mouse_;
     std::string names;
+    seen_ = {};
     for (int k = 0; k < pictures; ++k) {
       ImGui::NewFrame();
       const PanelData data = this->data();
@@ -85,6 +86,22 @@ class Panels {
   PanelRequests requests_;
   std::optional<TimelineView> timeline_;
   Rect demo_place_;
+  ImVec2 mouse_{-1e6F, -1e6F};
+  std::optional<TaskScore> task_;
+
+  /// A press of the left button there, and what it asks for.
+  PanelRequests click(float x, float y, int width, int height) {
+    mouse_ = {x, y};
+    draw(width, height);
+    PanelRequests all;
+    for (const bool down : {true, false}) {
+      ImGui::GetIO().MouseDown[0] = down;
+      draw(width, height);
+      all.save_state |= seen_.save_state;
+      all.save_recording |= seen_.save_recording;
+    }
+    return all;
+  }
 
  private:
   PanelData data() const {
@@ -95,12 +112,15 @@ class Panels {
     data.pull_N = pull_N_;
     data.out_of_view = out_of_view_;
     data.timeline = timeline_;
+    data.task = task_ ? &*task_ : nullptr;
     data.frozen_reason = "12 integration points are inverted";
     return data;
   }
 
   std::string drawPanels(const PanelData& data, int width, int height) {
     requests_ = palpate::app::drawPanels(theme_, data, layoutFor(width, height, 1, state_.panels_shown), state_, view_);
+    seen_.save_state |= requests_.save_state;
+    seen_.save_recording |= requests_.save_recording;
     std::string names;
     for (const ImGuiWindow* window : context_->Windows)
       if (window->Active) names += std::string(window->Name) + "\n";
@@ -109,6 +129,7 @@ class Panels {
 
   ImGuiContext* context_;
   Theme theme_;
+  PanelRequests seen_;  // in the pictures of one draw()
 };
 
 const ImGuiWindow* windowNamed(const char* name) { return ImGui::FindWindowByName(name); }
@@ -162,6 +183,28 @@ TEST_CASE("The help lies inside the window and above all else", "[panels]") {
     CHECK(help->Pos.y >= 0);
     CHECK(help->Pos.x + help->Size.x <= static_cast<float>(width));
     CHECK(help->Pos.y + help->Size.y <= static_cast<float>(height));
+  }
+}
+
+TEST_CASE("During a search the File menu does not save the tissue's state, which shows the lumps", "[panels]") {
+  Model model;
+  model.skin.surface.vertices = {{0, 0, 0}, {0.1, 0, 0}, {0, 0.1, 0}};
+  model.skin.surface.triangles = {{0, 1, 2}};
+  for (const bool searching : {false, true}) {
+    Panels panels;
+    if (searching) panels.task_.emplace(model, std::vector<Lump>());
+    panels.draw(1280, 800);
+    const Rect file = buttonPlaces().at("File");
+    bool saved_state = false, saved_run = false;
+    for (float y = file.bottom() + 10; y < 420; y += 12) {  // each line of the menu
+      panels.click(file.x + 5, file.y + 5, 1280, 800);
+      const PanelRequests asked = panels.click(file.x + 30, y, 1280, 800);
+      saved_state |= asked.save_state;
+      saved_run |= asked.save_recording;
+      panels.state_ = {};
+    }
+    CHECK(saved_run);
+    CHECK(saved_state != searching);
   }
 }
 
@@ -274,7 +317,8 @@ TEST_CASE("A figure that has no room is left out, not cut", "[panels]") {
 
 TEST_CASE("Panels are drawn in windows of any size, with all that can be open", "[panels]") {
   Panels panels;
-  panels.state_.open_shown = panels.state_.quit_asked = panels.state_.help_shown = true;
+  panels.state_.open_shown = panels.state_.help_shown = true;
+  panels.state_.at_stake = "The sheet would be lost.";
   panels.state_.problem = "out/broken.toml:3:9: no such solid";
   panels.notice_ = Notice{"The tissue gives no further.", "the tool yields", 1, false};
   for (const auto& [width, height] : {std::pair{1, 1}, {20, 400}, {100, 100}, {1280, 60}, {3840, 2160}})

@@ -82,6 +82,8 @@ TEST_CASE("Each option reaches its field", "[options]") {
   CHECK(rough.rough);
   CHECK(rough.seed.value() == 7);
   CHECK(parse({"--soak", "1.5"}).options.value().scene == "liver");
+  CHECK(parse({"--scores", "out"}).options.value().scores == "out");
+  CHECK(parse({"a.toml", "--trainee-name", "A. M"}).options.value().trainee_name == "A. M");
 }
 
 TEST_CASE("--help names every option with an example and is no error", "[options]") {
@@ -96,7 +98,8 @@ TEST_CASE("--help names every option with an example and is no error", "[options
                              "--camera",    "--view",        "--field",
                              "--range",     "--show",        "--hide",
                              "--compare",   "--tolerance",   "--expect",
-                             "--strict"}) {
+                             "--strict",    "--answers",     "--trainee-name",
+                             "--scores"}) {
     INFO(option);
     const auto at = parsed.message.find("  " + std::string(option));
     REQUIRE(at != std::string::npos);
@@ -149,6 +152,8 @@ TEST_CASE("A line that can't be used is refused with exit code 2 and a message t
       {{"liver", "--offscreen", "--field", "J", "--range", "1:0"}, "--range"},
       {{"liver", "--offscreen", "--show", "bones"}, "bones"},
       {{"liver", "--compare", "a.png"}, "--compare"},
+      {{"liver", "--answers", "--replay", "a.rec"}, "--answers"},
+      {{"liver", "--scores", "out"}, "--scores"},
       {{"liver", "--animation", "a.png"}, "--animation"},
       {{"liver", "--offscreen", "--animation", "a.png"}, "--animation"},
       {{"liver", "--offscreen", "--animation", "a.png", "--seconds", "100"}, "--animation"},

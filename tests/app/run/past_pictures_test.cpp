@@ -56,5 +56,8 @@ TEST_CASE("What is kept of a run's input comes back in its order, up to a tick",
   CHECK(all[4].request.pose.position.x() == 3);
   CHECK(all[6].request.kind == Request::Kind::ReleasePull);
   CHECK(kept.before(5).size() == 5);
+  kept.add({6, Request::simple(Request::Kind::Submit)});
+  CHECK(kept.before(6).size() == 7);  // all but the release: what is said in a pause is of its last tick
+  CHECK(kept.before(6).back().request.kind == Request::Kind::Submit);
   CHECK_FALSE(kept.overflowed());
 }

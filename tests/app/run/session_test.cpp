@@ -231,11 +231,117 @@ TEST_CASE("Without lumps there is nothing for a trainee to find", "[session]") {
   Options options;
   options.scene = folder.write("block.toml", test::block_text);
   CHECK(app::readScene(options).spacing == 0.012);
-  for (bool Options::*wish : {&Options::trainee, &Options::check_lumps}) {
+  for (bool Options::*wish : {&Options::trainee, &Options::check_lumps, &Options::answers}) {
     Options wishful = options;
     wishful.*wish = true;
     CHECK_THAT(refusal([&] { app::readScene(wishful); }), Catch::Contains("block.toml") && Catch::Contains("no lumps"));
   }
+}
+
+namespace {
+
+/// A block with a lump that can be felt, quickly computed.
+const std::string search_text = test::block_text + R"([tool]
+shape = "sphere"
+radius = 0.008
+position = [0, 0, 0.045]
+[[lump]]
+centre = [0.0, 0, 0.018]
+radius = 0.009
+young = 30000
+[dynamics]
+rate = 100
+threads = 1
+)";
+
+struct Searched {
+  std::string score;
+  Conditions conditions;
+  bool revealed = false;
+};
+
+Searched searched(const Options& options, Log& log) {
+  Session session(options, app::readScene(options), log);
+  CHECK(session.searching());
+  session.start();
+  while (!session.finished()) session.gather();
+  session.finish();
+  CHECK(session.failure().empty());
+  return {session.task()->json({}, "") + session.task()->pressureCsv(), session.conditions(), session.revealed()};
+}
+
+}  // namespace
+
+TEST_CASE("A search's recording brings marks and answers: a replay scores the same and is shut until then",
+          "[session]") {
+  const TempFolder folder;
+  Options options;
+  options.offscreen = options.as_fast_as_possible = true;
+  options.scene = folder.write("block.toml", search_text);
+  options.out = folder.path("out");
+  options.trainee = true;
+  options.record = folder.path("search.rec");
+  Log log;
+  const Searched first = searched(options, log);
+  CHECK(first.revealed);
+  CHECK(first.conditions.moved_by == "a trainee by rule");
+  CHECK(first.score.find("\"marks\":[{") != std::string::npos);
+
+  options.trainee = false;
+  options.replay = std::exchange(options.record, "");
+  options.picture.ghost = true;  // from the answers on
+  const Searched again = searched(options, log);
+  CHECK(again.revealed);
+  CHECK(again.score == first.score);
+  CHECK(again.conditions.moved_by == "the recording search.rec");
+  CHECK(again.conditions.changes.empty());
+
+  // Never submitted: it stays shut, and what would show the inside is refused.
+  const std::string text = readAll(options.replay);
+  const std::size_t at = text.rfind('\n', text.find(" submit"));
+  const std::size_t end = text.find('\n', at + 1);
+  options.replay = folder.write("open.rec", text.substr(0, at) + text.substr(end));
+  CHECK_THAT(refusal([&] { Session(options, app::readScene(options), log); }), Catch::Contains("search for lumps"));
+  options.picture.ghost = false;
+  const Searched open = searched(options, log);
+  CHECK_FALSE(open.revealed);
+  CHECK(open.score == first.score);  // the marks are there
+
+  // A recording may bring other conditions; the sheet says so.
+  const std::size_t body = text.find('\n', text.find("rate_hz")) + 1;
+  options.replay = folder.write("slippery.rec", text.substr(0, body) + "0 friction 0.9\n" + text.substr(body));
+  const Searched changed = searched(options, log);
+  REQUIRE(changed.conditions.changes.size() == 1);
+  CHECK_THAT(changed.conditions.changes[0], Catch::Contains("friction is now 0.9"));
+}
+
+TEST_CASE("Off-screen, too, nothing shows a search's inside; --answers shows it without a search", "[session]") {
+  const TempFolder folder;
+  Options options;
+  options.offscreen = true;
+  options.scene = folder.write("block.toml", search_text);
+  const auto refused = [&](auto&& wish) {
+    Options wishful = options;
+    wish(wishful);
+    CHECK_THAT(refusal([&] { checkOptions(wishful); }), Catch::Contains("search for lumps"));
+    wishful.answers = true;
+    CHECK_NOTHROW(checkOptions(wishful));
+  };
+  refused([](Options& o) { o.picture.ghost = true; });
+  refused([](Options& o) { o.picture.cut = true; });
+  refused([](Options& o) { o.picture.field = ColourMap::VonMises; });
+  refused([](Options& o) { o.picture.field = ColourMap::J; });
+  refused([](Options& o) { o.picture.show = "contact,nodes"; });
+  refused([](Options& o) { o.picture.show = "points"; });
+  refused([](Options& o) { o.dump_fields = true; });
+  options.picture.field = ColourMap::Displacement;  // of the skin
+  CHECK_NOTHROW(checkOptions(options));
+  options.answers = true;
+  options.out = folder.path("out");
+  Log log;
+  const Session session(options, app::readScene(options), log);
+  CHECK_FALSE(session.searching());
+  CHECK(session.answersShown());
 }
 
 TEST_CASE("What happened in the run has the run's time in the log, all else none", "[session]") {

@@ -1,9 +1,13 @@
 #include "app/trainer/trainee.h"
 
+#include "app/trainer/class_scores.h"
 #include "app/trainer/feel_check.h"
 #include "app/trainer/felt_layout.h"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "io/load_model.h"
 #include "io/scene_lumps.h"
@@ -66,7 +70,7 @@ std::string scored(const Model& model, const Played& played, const std::vector<V
   TaskScore score(model, lumpsOf(model));
   for (const ForceSample& sample : played.samples) score.add(sample);
   for (const Vec3& mark : marks) score.mark(mark, 2, score.seconds());
-  return score.json("block");
+  return score.json({.scene = "block"}, "score-pressure.csv") + score.pressureCsv();
 }
 
 }  // namespace
@@ -82,7 +86,7 @@ TEST_CASE("A trainee by rule finds a lump of the first level, and a replay has t
   CHECK(sheet.hits == 1);
   CHECK(sheet.misses == 0);
   CHECK(sheet.false_alarms == 0);
-  CHECK(sheet.mean_error_mm < 13);
+  CHECK(sheet.mean_error_mm.value() < 13);
   CHECK(sheet.covered_share > 0.1);
   CHECK(sheet.peak_force_N > sheet.mean_force_N);
 
@@ -182,12 +186,128 @@ TEST_CASE("A score counts each lump once, what is marked beside it, and force ab
   const TaskScore::Sheet sheet = score.sheet();
   CHECK(sheet.hits == 1);
   CHECK(sheet.false_alarms == 2);
-  CHECK(sheet.mean_error_mm == Approx(4).margin(0.1));
+  CHECK(sheet.mean_error_mm.value() == Approx(4).margin(0.1));
   CHECK(sheet.mean_force_N == Approx(3.5));
   CHECK(sheet.seconds_above_limit == Approx(0.5));
-  CHECK(score.json("x").find("\"hits\":1") != std::string::npos);
   score.unmark();
   CHECK(score.sheet().false_alarms == 1);
+}
+
+TEST_CASE("A mark's hardness is judged by how much stiffer the lump is: three times, ten times", "[trainer]") {
+  for (const auto& [times, hardness] : {std::pair{2.9, 1}, {3.1, 2}, {9.9, 2}, {10.1, 3}}) {
+    Lump lump;
+    lump.stiffness = times;
+    CHECK(hardnessOf(lump) == hardness);
+  }
+  const Model model = blockWithLump();
+  for (int told = 1; told <= 3; ++told) {
+    TaskScore score(model, lumpsOf(model));
+    REQUIRE(hardnessOf(score.lumps().at(0)) == 2);  // 50 kPa in 6.6
+    score.mark(score.lumps()[0].foot.point, told, 1);
+    score.mark(Vec3(-0.03, 0.02, 0.03), 2, 1);  // beside it, where there is nothing to judge
+    CHECK(score.sheet().hardness_right == (told == 2 ? 1 : 0));
+  }
+}
+
+TEST_CASE("A sheet says who, where and under which conditions, and what is not known is null", "[trainer]") {
+  using Json = nlohmann::json;
+  const Model model = blockWithLump();
+  TaskScore score(model, lumpsOf(model));
+  SheetHead head{.scene = "block", .trainee = "Ann \"A\" M\xFC", .date = "2025-03-01 14:05", .scene_hash = "0123"};
+  head.conditions.probe = "sphere, radius 8 mm";
+  Json json = Json::parse(score.json(head, "score-1-pressure.csv"));
+  CHECK(json["trainee"].get<std::string>().starts_with("Ann \"A\" M"));  // the byte that is no UTF-8 is no fault
+  CHECK(json["date"] == "2025-03-01 14:05");
+  CHECK(json["scene_hash"] == "0123");
+  CHECK(json["seed"].is_null());
+  CHECK(json["mean_error_mm"].is_null());
+  CHECK(json["conditions"]["moved_by"] == "hand");
+  CHECK(json["conditions"]["probe"] == "sphere, radius 8 mm");
+  CHECK(json["conditions"]["inside_shown"] == false);
+  CHECK(json["lumps"][0]["hardness"] == 2);
+  CHECK(json["pressure_file"] == "score-1-pressure.csv");
+  CHECK_FALSE(json.contains("peak_pressure_Pa"));
+  const std::string pressures = score.pressureCsv();
+  CHECK(pressures.starts_with("x_mm,y_mm,z_mm,peak_pressure_Pa\n"));
+  CHECK(static_cast<std::size_t>(std::count(pressures.begin(), pressures.end(), '\n')) ==
+        1 + model.skin.surface.vertices.size());
+  head.lump_draw = LumpDraw{1, 42, 2};
+  json = Json::parse(score.json(head, ""));
+  CHECK(json["seed"] == 42);
+  CHECK(json["layout"] == 2);
+  CHECK(head.conditions.asTheSceneHasThem());
+  head.conditions.changes = {"1.000 s: friction is now 0.3"};
+  CHECK_FALSE(head.conditions.asTheSceneHasThem());
+  CHECK(head.conditions.text().find("friction is now 0.3") != std::string::npos);
+}
+
+TEST_CASE("The sheets of a class become one table, other files are left alone, and a broken sheet is told",
+          "[trainer]") {
+  const Model model = blockWithLump();
+  TaskScore score(model, lumpsOf(model));
+  const TempFolder folder;
+  std::filesystem::create_directories(folder.path("b/deep"));
+  SheetHead head{.scene = "block", .trainee = "Bo, \"B\""};
+  head.conditions.changes = {"a", "b"};
+  folder.write("b/deep/bo.json", score.json(head, ""));
+  score.mark(score.lumps().at(0).foot.point, 2, 1);
+  folder.write("score-1.json", score.json({.scene = "block", .trainee = "Ann"}, ""));
+  folder.write("report.json", "{\"peak_force_N\": 1}");
+  folder.write("broken.json", "{");
+  const ClassScores scores = classScores(folder.path(""));
+  CHECK(scores.sheets == 2);
+  CHECK(scores.problems.empty());
+  std::istringstream lines(scores.csv);
+  std::string header, bo, ann, rest;
+  std::getline(lines, header);
+  std::getline(lines, bo);
+  std::getline(lines, ann);
+  CHECK_FALSE(std::getline(lines, rest));
+  CHECK(header.starts_with("file,trainee,date,scene,scene_hash,"));
+  CHECK(std::count(header.begin(), header.end(), ',') == std::count(ann.begin(), ann.end(), ','));
+  CHECK(bo.starts_with("\"b/deep/bo.json\",\"Bo, \"\"B\"\"\",\"\",\"block\","));
+  CHECK(bo.find(",0,1,0,0,,0.0,") != std::string::npos);  // no hit, hence no error
+  CHECK(bo.ends_with(",2,0,0,0"));
+  CHECK(ann.find(",1,0,0,1,0.0,0.0,") != std::string::npos);
+
+  folder.write("score-2.json", "{\"hits\": 1,");  // cut off
+  const ClassScores worse = classScores(folder.path(""));
+  CHECK(worse.sheets == 2);
+  REQUIRE(worse.problems.size() == 1);
+  CHECK(worse.problems[0].find("score-2.json") != std::string::npos);
+  CHECK_THAT(refusal([&] { classScores(folder.path("absent")); }), Catch::Contains("absent"));
+}
+
+TEST_CASE("The way on the skin ends where the probe lifts off and begins where it comes down", "[trainer]") {
+  const Model model = blockWithLump();
+  TaskScore score(model, lumpsOf(model));
+  ForceSample sample;
+  const auto add = [&](double x, double force) {
+    sample.time_s += 0.002;
+    sample.tool_pose.position = Vec3(x, 0, 0.03);
+    sample.force_raw = Vec3(0, 0, force);
+    score.add(sample);
+  };
+  for (int k = 0; k <= 10; ++k) add(0.0025 * k, 1);           // 25 mm on the skin,
+  for (int k = 0; k <= 10; ++k) add(0.025 - 0.004 * k, 0);    // 40 mm back through the air,
+  for (int k = 0; k <= 10; ++k) add(-0.015 + 0.0025 * k, 1);  // 25 mm again
+  CHECK(score.sheet().path_m == Approx(0.05));
+  const auto ways = [&] {
+    return std::count_if(score.path().begin(), score.path().end(), [](const auto& point) { return point.begins; });
+  };
+  CHECK(ways() == 2);
+  // A probe that trembles on the skin has not lifted off: 20 mm.
+  for (int k = 0; k < 40; ++k) add(0.01 + 0.0005 * (k + 1), k % 3 == 1 ? 0 : 1);
+  CHECK(ways() == 2);
+  CHECK(score.sheet().path_m == Approx(0.07).margin(TaskScore::path_step));
+  // Put elsewhere in the midst of a press, as by Undo.
+  score.breakPath();
+  add(-0.02, 1);
+  CHECK(ways() == 3);
+  CHECK(score.sheet().path_m == Approx(0.07).margin(TaskScore::path_step));
+  const nlohmann::json json = nlohmann::json::parse(score.json({}, ""));
+  CHECK(json["path_mm"].size() == 3);
+  CHECK(json["path_mm"][2].size() == 1);
 }
 
 TEST_CASE("A probe's path stays bounded over hours, from its beginning to its end, and its length exact", "[trainer]") {
@@ -203,7 +323,7 @@ TEST_CASE("A probe's path stays bounded over hours, from its beginning to its en
   }
   CHECK(score.path().size() <= TaskScore::most_path_points);
   CHECK(score.path().size() > TaskScore::most_path_points / 4);
-  CHECK(score.path().front() == Vec3(0, 0, 0));
-  CHECK(score.path().back().x() == Approx(0.0025 * steps).epsilon(1e-3));
+  CHECK(score.path().front().tip == Vec3(0, 0, 0));
+  CHECK(score.path().back().tip.x() == Approx(0.0025 * steps).epsilon(1e-3));
   CHECK(score.sheet().path_m == Approx(0.0025 * steps));
 }
