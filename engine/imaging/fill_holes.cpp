@@ -104,44 +104,4 @@ int fillHoles(TriangleSurface& surface, SurfaceSource& source, RepairReport& rep
   return given;
 }
 
-void dropSmallParts(TriangleSurface& surface, SurfaceSource& source, RepairReport& report) {
-  std::vector<FaceEdge> edges = faceEdges(surface), pairs;
-  for (std::size_t i = 0; i < edges.size();) {
-    std::size_t end = i + 1;
-    while (end < edges.size() && edges[end].low == edges[i].low && edges[end].high == edges[i].high) ++end;
-    if (end - i == 2) pairs.insert(pairs.end(), {edges[i], edges[i + 1]});
-    i = end;
-  }
-  const SurfaceParts parts = connectedParts(surface, pairs);
-  const Vec3 centre = boundingBox(surface).center();
-  std::vector<double> volume(parts.count, 0);
-  for (int t = 0; t < static_cast<int>(surface.triangles.size()); ++t)
-    volume[parts.part[t]] += areaVector(surface, t).dot(surface.vertices[surface.triangles[t][0]] - centre) / 3;
-  const double largest = parts.count > 0 ? *std::max_element(volume.begin(), volume.end()) : 0;
-  if (!(largest > 0)) return;
-  double whole = 0, dropped = 0;
-  std::vector<char> drops(parts.count, 0);
-  for (int p = 0; p < parts.count; ++p) {
-    drops[p] = volume[p] < 0 ? -volume[p] < least_cavity_share * largest : volume[p] < least_part_share * largest;
-    whole += std::max(0.0, volume[p]);
-    if (drops[p]) {
-      dropped += std::abs(volume[p]);
-      ++(volume[p] < 0 ? report.filled_bubbles : report.small_parts);
-    }
-  }
-  // A cavity of a part that goes must go, too, or it bounds nothing: with all the part's faces further in than it
-  // is small, it is below the least share as well.
-  report.small_volume_share = whole > 0 ? dropped / whole : 0;
-  std::size_t kept = 0;
-  for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
-    if (drops[parts.part[t]]) continue;
-    surface.triangles[kept] = surface.triangles[t];
-    if (!source.triangle_line.empty()) source.triangle_line[kept] = source.triangle_line[t];
-    ++kept;
-  }
-  surface.triangles.resize(kept);
-  if (!source.triangle_line.empty()) source.triangle_line.resize(kept);
-  dropUnusedVertices(surface, source);
-}
-
 }  // namespace palpate

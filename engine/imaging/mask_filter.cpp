@@ -177,6 +177,25 @@ Mask keepLargestPart(const Mask& mask, MaskParts& parts) {
   return kept;
 }
 
+Mask withoutTails(const Mask& mask, double radius, double reach) {
+  const Mask near = croppedTo(mask, 0);
+  const Image to_outside = squaredDistance(near, 0);
+  const double half = 0.5 * std::cbrt(mask.grid.voxelVolume());
+  Mask core(near.grid);  // the ball's middles
+  for (std::size_t v = 0; v < core.value.size(); ++v)
+    core.value[v] = std::sqrt(static_cast<double>(to_outside.value[v])) - half >= radius;
+  const Image to_core = squaredDistance(core, 1);
+  const Vec3 low = mask.grid.indexOf(near.grid.origin);
+  Mask kept = mask;
+  for (int k = 0; k < near.grid.size[2]; ++k)
+    for (int j = 0; j < near.grid.size[1]; ++j)
+      for (int i = 0; i < near.grid.size[0]; ++i)
+        if (near(i, j, k) && std::sqrt(static_cast<double>(to_core(i, j, k))) > radius + half + reach)
+          kept(i + static_cast<int>(std::lround(low.x())), j + static_cast<int>(std::lround(low.y())),
+               k + static_cast<int>(std::lround(low.z()))) = 0;
+  return kept;
+}
+
 Image signedDistance(const Mask& mask) {
   Image outside = squaredDistance(mask, 1);
   const Image inside = squaredDistance(mask, 0);

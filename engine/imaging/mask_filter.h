@@ -14,6 +14,9 @@ struct MaskParts {
 /// Keeps the largest part of a mask and fills the holes in it: what an organ's outside is.
 Mask keepLargestPart(const Mask& mask, MaskParts& parts);
 
+/// Leaves out thin tails: the voxels further than `reach` from where a ball of `radius`, m, gets within the mask.
+Mask withoutTails(const Mask& mask, double radius, double reach);
+
 /// Distance of each voxel's centre to the mask's border, m; negative inside. Exact between voxels' centres
 /// (Felzenszwalb and Huttenlocher 2012), the border being half a voxel before the first centre on the other side. On
 /// sheared grids along the axes.

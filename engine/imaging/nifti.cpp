@@ -163,6 +163,10 @@ void skip(ByteReader& reader, std::size_t count, const std::string& name) {
 /// Reads the voxels in pieces, so that no more memory is taken than the image needs.
 void readValues(ByteReader& reader, const Header& h, const StoredType& type, const std::string& name, Image& image,
                 const NiftiOptions& options) {
+  // No number, as some programs write it, and 0 say that nothing is scaled.
+  if (std::isinf(h.slope) || std::isinf(h.intercept))
+    refuse(name, "the header scales the voxels' values by infinity (scl_slope, scl_inter)",
+           "have it written anew by the program that made it");
   const bool scaled = std::isfinite(h.slope) && h.slope != 0;
   const double slope = scaled ? h.slope : 1, intercept = scaled && std::isfinite(h.intercept) ? h.intercept : 0;
   const auto bytes = static_cast<std::size_t>(type.bytes);

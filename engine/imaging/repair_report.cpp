@@ -14,7 +14,7 @@ std::string counted(int count, const char* one, const char* many) {
 bool RepairReport::changedNothing() const {
   return !resampled() && unreadable_faces + concave_polygons + doubled_faces + flat_faces + split_faces +
                                  joined_vertices + turned_faces + holes + piercing_faces + inner_sheets + loose_sheets +
-                                 small_parts + filled_bubbles ==
+                                 small_parts + thin_parts + filled_bubbles + stray_vertices ==
                              0;
 }
 
@@ -24,6 +24,11 @@ std::vector<std::string> RepairReport::lines() const {
     if (count > 0) lines.push_back(counted(count, one, many) + what);
   };
   say(unreadable_faces, "face", "faces", " that can't be read (cut off, or without proper vertices): left out");
+  say(unused_vertices, "vertex", "vertices", " that no face has: left out");
+  if (stray_vertices > 0)
+    lines.push_back(counted(stray_vertices, "stray vertex", "stray vertices") +
+                    format(", up to %.3g sizes of the body away, with ", stray_sizes) +
+                    counted(stray_faces, "face", "faces") + ": left out");
   say(concave_polygons, "concave polygon", "concave polygons", ": cut into triangles");
   say(doubled_faces, "face", "faces", " there more than once: removed");
   say(flat_faces, "face", "faces", " without area: removed");
@@ -43,6 +48,9 @@ std::vector<std::string> RepairReport::lines() const {
   if (small_parts > 0)
     lines.push_back(counted(small_parts, "small part", "small parts") +
                     format(" (%.2g %% of the volume): left out", 100 * small_volume_share));
+  if (thin_parts > 0)
+    lines.push_back(counted(thin_parts, "part", "parts") + " joined to the body, but too thin to be united with it" +
+                    format(" (%.2g %% of the volume): left out", 100 * thin_volume_share));
   say(filled_bubbles, "hollow", "hollows", " too small to matter: filled");
   if (resampled()) {
     lines.push_back("made anew, because " + resampled_because +
@@ -55,6 +63,7 @@ std::vector<std::string> RepairReport::lines() const {
       lines.push_back(
           format("%.2g %% of the given surface is too thin for the grid, or was inside: not kept", 100 * lost_share));
   }
+  say(came_apart, "part", "parts", " joined to the rest by less than the grid shows: came apart");
   if (cavities > 0) lines.push_back(counted(cavities, "cavity", "cavities") + " inside: kept");
   if (parts - cavities > 1) lines.push_back(counted(parts - cavities, "separate part", "separate parts") + ": kept");
   return lines;

@@ -11,6 +11,10 @@ struct RepairReport {
   // Of the file's faces
   int unreadable_faces = 0;  // named vertices that are not there or not finite, or were cut off
   int concave_polygons = 0;  // cut into triangles
+  int unused_vertices = 0;   // that no face has, left out
+  int stray_vertices = 0;    // far off all others, left out
+  int stray_faces = 0;       // with them
+  double stray_sizes = 0;    // how far off the furthest was, in sizes of the body
   // Of faces and edges
   int doubled_faces = 0;    // removed
   int flat_faces = 0;       // without area, removed
@@ -25,10 +29,13 @@ struct RepairReport {
   // Of parts
   int parts = 0;                  // closed surfaces that are kept
   int cavities = 0;               // of these
+  int came_apart = 0;             // parts that the given ones' joints were too thin to hold together
   int inner_sheets = 0;           // removed
   int loose_sheets = 0;           // removed: bound nothing
   int small_parts = 0;            // removed
   double small_volume_share = 0;  // of them, of the whole
+  int thin_parts = 0;             // joined to others, but too thin for the grid that would unite them: removed
+  double thin_volume_share = 0;   // of them, of the whole
   int filled_bubbles = 0;         // cavities too small to matter
   // Where mending face by face was not enough
   std::string resampled_because;  // empty: it was

@@ -39,8 +39,15 @@ constexpr double bearable_loss = 0.05;
 // Piercing faces are cut out where they and those around them are no more of the area than this, and the volume changes
 // by no more.
 constexpr double max_cut_share = 0.03;
-// Faces closer to another part than this fraction of the size touch it; so many of all make the parts one.
-constexpr double contact_gap = 1e-4, contact_share = 2e-3;
+// Small parts thinner than this many of the grid's cells do not show on it.
+constexpr double thin_part = 0.5;
+// Cut off with piercing faces: no more than crumbs.
+constexpr double max_crumb_share = 1e-4;
+// A body keeps this share of its volume where spikes are taken off, or triangles made fewer: else it is a thin shell,
+// of which that would leave crumbs.
+constexpr double least_kept = 0.85;
+// What has lost more than this share of its outside and of its volume is no longer what was given.
+constexpr double most_lost = 0.5;
 // The next try's cell; the widest opening, in cells: the field knows its distance to three.
 constexpr double finer = 0.6, most_opening = 5;
 // A gap is what is further from the given faces than this many cells.
@@ -85,11 +92,12 @@ class Repair {
   }
 
   RepairedSurface run() {
+    dropStray(surface_, source_, report_);
     const bool too_fine = options_.max_faces > 0 && report_.given_faces > options_.max_faces;
     const bool anew = too_fine || options_.thinnest > 0;
     step("checking", 0);
     if (!anew && (report_.resampled_because = faultOrContact()).empty()) {
-      dropSmallParts(surface_, source_, report_);
+      dropSmallParts(surface_, source_, report_, 0);
       return finish();
     }
     step("mending", 0.1);
@@ -102,7 +110,7 @@ class Repair {
     TriangleSurface given = surface_;
     given.triangles.resize(static_cast<std::size_t>(fillHoles(surface_, source_, report_)));
     if (!anew) {
-      dropSmallParts(surface_, source_, report_);
+      dropSmallParts(surface_, source_, report_, thin_part * wideCell(surface_));
       step("checking", 0.3);
       if ((report_.resampled_because = faultOrContact()).empty()) return finish();
       step("cutting out faces that pierce others", 0.35);
@@ -137,16 +145,14 @@ class Repair {
   /// one body. Empty: neither.
   std::string faultOrContact() const {
     const std::string fault = faultOf(surface_);
-    if (!fault.empty() || connectedParts(surface_, faceEdges(surface_)).count == 1) return fault;
-    const SurfaceTree tree(surface_);
-    const double off = contact_gap * boundingBox(surface_).diagonal().norm();
-    const SurfacePoints points = pointsOn(surface_, distance_points / 4);
-    int touching = 0;
-    for (std::size_t k = 0; k < points.x.size(); ++k) {
-      const Vec3 n = areaVector(surface_, points.face[k]).stableNormalized();
-      touching += tree.windingNumber(points.x[k] + off * n) > 0.5 ? 1 : 0;
-    }
-    return touching > contact_share * static_cast<double>(points.x.size()) ? "parts of it touch, face on face" : "";
+    if (!fault.empty()) return fault;
+    return bodiesOf(surface_).touching ? "parts of it touch, face on face" : "";
+  }
+
+  static Bodies bodiesOf(const TriangleSurface& surface) {
+    std::vector<FaceEdge> edges = faceEdges(surface);
+    const SurfaceParts parts = connectedParts(surface, edges);
+    return joinedParts(surface, parts, std::vector<char>(static_cast<std::size_t>(parts.count), 1));
   }
 
   /// Cuts the faces that pierce others out, with those around them, and closes the holes. False, and nothing has
@@ -155,6 +161,7 @@ class Repair {
     TriangleSurface surface = surface_;
     SurfaceSource source = source_;
     RepairReport report = report_;
+    const int bodies = bodiesOf(surface_).count;
     const int most = std::max(20, static_cast<int>(surface.triangles.size()) / 200);
     constexpr int max_rounds = 3;
     for (int round = 0; round < max_rounds; ++round) {
@@ -184,11 +191,12 @@ class Repair {
       RepairReport ignored;
       dropUnusedVertices(surface, source);
       fillHoles(surface, source, ignored);
-      dropSmallParts(surface, source, ignored);
+      dropSmallParts(surface, source, ignored, 0);
       report.piercing_faces += static_cast<int>(piercing.size());
       const bool same_volume =
           std::abs(signedVolume(surface) - signedVolume(surface_)) <= max_cut_share * std::abs(signedVolume(surface_));
-      if (same_volume && faultOf(surface).empty()) {
+      const bool whole = ignored.small_volume_share <= max_crumb_share && bodiesOf(surface).count <= bodies;
+      if (same_volume && whole && faultOf(surface).empty()) {
         surface_ = std::move(surface);
         source_ = std::move(source);
         report_ = report;
@@ -215,13 +223,20 @@ class Repair {
     return *fifth;
   }
 
+  /// The spacing with which the body has its nodes, as far as its volume tells.
+  double nodeSpacing(const TriangleSurface& s) const {
+    const double size = boundingBox(s).diagonal().norm();
+    const double volume = std::max(std::abs(signedVolume(s)), 1e-4 * surfaceArea(s) * size);
+    return std::cbrt(volume / (0.7 * options_.body_nodes));
+  }
+  /// The grid's cell where no wall is thin.
+  double wideCell(const TriangleSurface& s) const {
+    return std::min(cell_of_spacing * nodeSpacing(s),
+                    boundingBox(s).diagonal().norm() / (cells_of_nodes * std::cbrt(options_.body_nodes)));
+  }
   double firstCell(const SurfaceTree& tree) const {
-    const TriangleSurface& s = tree.surface();
-    const double size = boundingBox(s).diagonal().norm(), area = surfaceArea(s);
-    const double volume = std::max(std::abs(signedVolume(s)), 1e-4 * area * size);
-    const double spacing = std::cbrt(volume / (0.7 * options_.body_nodes));
-    const double wall = std::max(thinWall(tree) / cells_of_wall, least_cell_of_spacing * spacing);
-    return std::min({cell_of_spacing * spacing, wall, size / (cells_of_nodes * std::cbrt(options_.body_nodes))});
+    const double least = least_cell_of_spacing * nodeSpacing(tree.surface());
+    return std::min(wideCell(tree.surface()), std::max(thinWall(tree) / cells_of_wall, least));
   }
 
   /// Share of the given surface's outside that has no new surface within reach.
@@ -239,6 +254,7 @@ class Repair {
 
   /// @param given_faces  the mended surface without the faces that close holes
   void makeAnew(const TriangleSurface& given_faces) {
+    given_bodies_ = bodiesOf(surface_).count;
     const Frame frame(boundingBox(surface_));
     const TriangleSurface normal = frame.to(surface_);
     const SurfaceTree tree(normal);
@@ -247,6 +263,7 @@ class Repair {
     double cell = firstCell(tree);
     SampledField field;
     TriangleSurface made;
+    const RepairReport before = report_;
     constexpr int max_tries = 2;
     for (int attempt = 1;; ++attempt) {
       while (fieldNodes(box, cell) > grid_nodes_of_node * options_.body_nodes) cell *= 1.05;
@@ -254,9 +271,9 @@ class Repair {
       field = signedField(tree, cell, [&](double share) { step("winding numbers on a grid", from + 0.15 * share); });
       const SmallRegions small = removeSmallRegions(field, least_part_share, least_cavity_share);
       made = isosurface(field);
-      report_.small_parts = small.parts;
-      report_.small_volume_share = small.part_share;
-      report_.filled_bubbles = small.hollows;
+      report_.small_parts = before.small_parts + small.parts;
+      report_.small_volume_share = before.small_volume_share + small.part_share;
+      report_.filled_bubbles = before.filled_bubbles + small.hollows;
       const bool last = attempt == max_tries || options_.thinnest > 0;
       if (!made.triangles.empty())
         report_.lost_share = lostShare(given, SurfaceTree(made), gap_cells * cell);
@@ -275,7 +292,19 @@ class Repair {
       report_.opened *= frame.scale();
       report_.lost_share = lostShare(given, SurfaceTree(frame.to(surface_)), gap_cells * cell);
     }
+    const double given_volume = std::pow(frame.scale(), 3) * std::abs(signedVolume(normal));
+    if (report_.lost_share > most_lost && signedVolume(surface_) < most_lost * given_volume)
+      throw InputError({source_.file, 0, 0},
+                       format("the body is too thin to be made anew: of its surface %.0f %% would be lost on a grid of "
+                              "%.3g mm",
+                              100 * report_.lost_share, 1e3 * report_.cell),
+                       "thicken its walls, or fill its inside, in a mesh editor");
     report_.made_faces = static_cast<int>(surface_.triangles.size());
+    if (options_.max_faces > 0 && report_.made_faces > options_.max_faces)
+      throw InputError({source_.file, 0, 0},
+                       "the body is so thin for its size that its surface takes " + std::to_string(report_.made_faces) +
+                           " faces, more than " + std::to_string(options_.max_faces),
+                       "fill its inside, or thicken its walls, in a mesh editor");
   }
 
   /// Even triangles; without spikes and walls thinner than `thinnest`, or, where that takes it, than two cells. As the
@@ -286,20 +315,46 @@ class Repair {
       thinnest = 2 * field.cell;
     }
     step("removing spikes", 0.9);
+    const RepairReport before = report_;
     const SampledField open = opened(made, field.cell, 0.5 * std::min(thinnest, most_opening * field.cell));
     TriangleSurface without = open.value.empty() ? TriangleSurface() : isosurface(open);
-    if (without.triangles.empty()) return made;
+    if (without.triangles.empty() || signedVolume(without) < least_kept * signedVolume(made)) {
+      report_ = before;
+      return uneven(made, field);
+    }
     report_.opened = thinnest;
     if (auto even = evenTriangles(without, open)) return std::move(*even);
-    return without;
+    return uneven(std::move(without), open);
+  }
+
+  /// The triangles that the grid gave; where they are too many those of coarser grids, which may be even.
+  TriangleSurface uneven(TriangleSurface made, const SampledField& field) {
+    const Field at = [&](const Vec3& x) { return field.at(x); };
+    double cell = field.cell;
+    while (options_.max_faces > 0 && static_cast<int>(made.triangles.size()) > options_.max_faces) {
+      SetupWatch::check();
+      const double wider = 1.05 * std::sqrt(static_cast<double>(made.triangles.size()) / options_.max_faces);
+      cell *= wider;
+      const Vec3 last = field.position(static_cast<int>(field.value.size()) - 1);
+      SampledField coarser = sampleField(at, field.origin, last, cell);
+      removeSmallRegions(coarser, least_part_share, least_cavity_share);
+      TriangleSurface fewer = reachesBox(coarser) ? TriangleSurface() : isosurface(coarser);
+      if (fewer.triangles.empty() || signedVolume(fewer) < least_kept * signedVolume(made)) break;
+      report_.cell *= wider;
+      if (auto even = evenTriangles(fewer, coarser)) return std::move(*even);
+      made = std::move(fewer);
+    }
+    return made;
   }
 
   /// The body without what a ball of this radius does not reach from inside (a morphological opening). No values where
   /// nothing is left.
-  static SampledField opened(const TriangleSurface& body, double cell, double radius) {
+  SampledField opened(const TriangleSurface& body, double cell, double radius) {
     SampledField field = signedField(SurfaceTree(body), cell);  // to the body's own skin: the given had walls inside
     for (double& value : field.value) value += radius;
-    removeSmallRegions(field, least_part_share, 0);
+    const SmallRegions small = removeSmallRegions(field, least_part_share, 0);
+    report_.small_parts += small.parts;
+    report_.small_volume_share += small.part_share;
     const TriangleSurface core = isosurface(field);
     if (core.triangles.empty()) return {};
     field = signedField(SurfaceTree(core), cell);
@@ -326,6 +381,7 @@ class Repair {
     report_.cavities = 0;
     if (parts.count > 1)
       for (const TriangleSurface& part : separateParts(surface_, parts)) report_.cavities += signedVolume(part) < 0;
+    if (given_bodies_ > 0) report_.came_apart = std::max(0, parts.count - report_.cavities - given_bodies_);
     step("done", 1);
     return {std::move(surface_), std::move(report_)};
   }
@@ -334,6 +390,7 @@ class Repair {
   SurfaceSource source_;
   const RepairOptions& options_;
   RepairReport report_;
+  int given_bodies_ = 0;  // before the surface was made anew
 };
 
 }  // namespace

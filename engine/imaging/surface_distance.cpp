@@ -42,6 +42,8 @@ SurfaceDistance distanceTo(const SurfaceTree& surface, const std::vector<Vec3>& 
     for (int k = begin; k < end; ++k) result.sorted[k] = surface.closest(points[k]).distance;
   });
   if (points.empty()) return result;
+  result.furthest =
+      static_cast<int>(std::max_element(result.sorted.begin(), result.sorted.end()) - result.sorted.begin());
   std::sort(result.sorted.begin(), result.sorted.end());
   result.mean = std::accumulate(result.sorted.begin(), result.sorted.end(), 0.0) / result.count;
   result.p95 = result.sorted[static_cast<std::size_t>(0.95 * (result.count - 1))];

@@ -18,6 +18,7 @@ SurfacePoints pointsOn(const TriangleSurface& surface, int count);
 struct SurfaceDistance {
   double mean = 0, p95 = 0, max = 0;  // m
   int count = 0;
+  int furthest = -1;  // the point with the largest
 
   /// Share of the points further away than `distance`.
   double shareBeyond(double distance) const;

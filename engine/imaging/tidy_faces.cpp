@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <numbers>
 #include <numeric>
 
 #include "base/parallel_for.h"
@@ -23,6 +24,10 @@ constexpr double flat_face_ratio = 1e-9;
 constexpr double rim_gap = 1e-3, rim_gap_of_edge = 0.2;
 // A vertex hangs in an edge where it is no further from it than this fraction of the surface's size and of the edge.
 constexpr double hanging_gap = 2e-5, hanging_gap_of_edge = 0.05;
+
+// Stray vertices are at most so many of all, lie so many times as far from the middle as any other, and leave a hole of
+// this share of the area at most.
+constexpr double most_stray = 0.01, stray_gap = 3, most_stray_hole = 0.05;
 
 bool isFlat(const TriangleSurface& s, const Triangle& t) {
   const auto& [a, b, c] = t;
@@ -208,6 +213,46 @@ int splitAtHanging(TriangleSurface& surface, SurfaceSource& source, double size)
 }
 
 }  // namespace
+
+void dropStray(TriangleSurface& surface, SurfaceSource& source, RepairReport& report) {
+  const std::size_t count = surface.vertices.size();
+  const std::size_t most = std::max<std::size_t>(3, static_cast<std::size_t>(most_stray * static_cast<double>(count)));
+  if (count < most + 4) return;
+  Vec3 middle;
+  std::vector<double> along(count);
+  for (int axis = 0; axis < 3; ++axis) {
+    for (std::size_t v = 0; v < count; ++v) along[v] = surface.vertices[v][axis];
+    std::nth_element(along.begin(), along.begin() + static_cast<std::ptrdiff_t>(count / 2), along.end());
+    middle[axis] = along[count / 2];
+  }
+  for (std::size_t v = 0; v < count; ++v) along[v] = (surface.vertices[v] - middle).norm();
+  std::vector<double> off = along;
+  std::sort(off.begin(), off.end());
+  std::size_t first = count - most;
+  while (first < count && off[first] <= stray_gap * off[first - 1]) ++first;
+  if (first == count || !(off[first - 1] > 0)) return;
+  const auto isStray = [&](int v) { return along[static_cast<std::size_t>(v)] >= off[first]; };
+  // What their faces leave open is no larger than a circle with the rim's length.
+  std::map<int, double> rim;  // by a face's first stray vertex
+  double rest = 0;            // area
+  for (int t = 0; t < static_cast<int>(surface.triangles.size()); ++t) {
+    const Triangle& corner = surface.triangles[t];
+    const auto stray = std::find_if(corner.begin(), corner.end(), isStray);
+    if (stray == corner.end()) rest += areaVector(surface, t).norm();
+    for (int k = 0; k < 3 && stray != corner.end(); ++k)
+      if (!isStray(corner[k]) && !isStray(corner[(k + 1) % 3]))
+        rim[*stray] += (surface.vertices[corner[k]] - surface.vertices[corner[(k + 1) % 3]]).norm();
+  }
+  double open = 0;
+  for (const auto& [v, length] : rim) open += length * length / (4 * std::numbers::pi);
+  if (open > most_stray_hole * rest) return;
+  report.stray_vertices = static_cast<int>(count - first);
+  report.stray_sizes = off.back() / (2 * off[first - 1]);
+  report.stray_faces = keepFaces(surface, source, [&](int t) {
+    return std::none_of(surface.triangles[t].begin(), surface.triangles[t].end(), isStray);
+  });
+  dropUnusedVertices(surface, source);
+}
 
 void tidyFaces(TriangleSurface& surface, SurfaceSource& source, RepairReport& report) {
   const double size = boundingBox(surface).diagonal().norm();

@@ -256,6 +256,9 @@ Scene readScene(const std::string& path, std::span<const SceneChange> changes) {
   for (const TomlTable& entry : top.tables("prescribed", {"prescribed", "boundary", "region"})) {
     scene.boundaries.push_back(readPrescribed(entry, folder.string(), scene.boundaries));
   }
+  if (scene.boundaries.empty())
+    throw InputError(top.place(), "the key \"fixed\" is missing, and nothing is prescribed: the organ is not held",
+                     "add [[fixed]] with the region where it is held");
   if (top.has("skull")) readSkull(top.table("skull", {"skull"}), folder, scene.skull);
   readDynamics(top.table("dynamics", {"dynamics"}), scene);
   readSolve(top.table("solve", {"solve"}), folder, scene.solve);

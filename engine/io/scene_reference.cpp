@@ -24,7 +24,8 @@ constexpr Section sections[] = {
      "Not a table of its own: these keys choose a part of space, inline in `[[fixed]]` and `[[prescribed]]`, and in a "
      "material's `region = { ... }`. All coordinates are the organ's at rest, after scaling."},
     {"boundary", "`[[fixed]]`",
-     "One or more. The keys of a [region](#region), and these. The displacement field there is exactly zero."},
+     "One or more, or none where `[[prescribed]]` holds the organ. The keys of a [region](#region), and these. The "
+     "displacement field there is exactly zero."},
     {"prescribed", "`[[prescribed]]`",
      "The keys of `[[fixed]]`, and these: where the region's nodes go (a translation, a rotation or a rotation "
      "followed "

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <iterator>
 #include <stdexcept>
 #include <vector>
@@ -13,6 +12,7 @@
 #include "imaging/mend_surface.h"
 #include "io/obj_parser.h"
 #include "io/off_parser.h"
+#include "io/output_file.h"
 #include "io/ply_parser.h"
 #include "io/stl_parser.h"
 #include "io/text_file.h"
@@ -36,6 +36,14 @@ constexpr Format formats[] = {
     {".obj", parseObj}, {".stl", parseStl}, {".ply", parsePly}, {".off", parseOff}, {".vtk", parseVtk}};
 
 bool isNear(const Vec3& x) { return x.cwiseAbs().maxCoeff() <= max_coordinate; }
+
+int unusedVertices(const TriangleSurface& surface) {
+  std::vector<char> used(surface.vertices.size(), 0);
+  for (const auto& t : surface.triangles)
+    for (const int v : t)
+      if (v >= 0 && static_cast<std::size_t>(v) < used.size()) used[static_cast<std::size_t>(v)] = 1;
+  return static_cast<int>(std::count(used.begin(), used.end(), 0));
+}
 
 /// Leaves out the faces with vertices that are not there, not finite or out of this world.
 void leaveOutUnreadable(SurfaceFile& file) {
@@ -108,6 +116,7 @@ SurfaceFile surfaceFrom(const std::string& bytes, const std::string& path, doubl
                      "simplify the surface: ten thousand faces show an organ well");
   }
   for (Vec3& x : result.surface.vertices) x *= scale;
+  result.unused_vertices = unusedVertices(result.surface);
   if (reading == SurfaceReading::Tolerant) {
     leaveOutUnreadable(result);
     if (result.surface.triangles.empty()) {
@@ -140,10 +149,7 @@ void writeObj(const TriangleSurface& surface, const std::string& path) {
   for (const auto& [a, b, c] : surface.triangles) {
     text += "f " + std::to_string(a + 1) + ' ' + std::to_string(b + 1) + ' ' + std::to_string(c + 1) + '\n';
   }
-  std::ofstream out(path, std::ios::binary);
-  out << text;
-  out.close();
-  if (!out) throw std::runtime_error("can't write " + path);
+  writeWholeFile(path, text);
 }
 
 }  // namespace palpate

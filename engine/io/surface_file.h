@@ -13,6 +13,7 @@ struct SurfaceFile {
   TriangleSurface surface;  // m; coincident vertices joined, unused ones dropped (weldVertices)
   SurfaceSource source;
   int concave_polygons = 0;  // that were cut into triangles
+  int unused_vertices = 0;   // that no face has, left out
   int unreadable_faces = 0;  // left out (SurfaceReading::Tolerant): cut off, or with a vertex that is not there
 };
 

@@ -54,12 +54,36 @@ void checkChosenSteps(const Scene& scene, double steps, const CriticalTimeStep& 
 
 }  // namespace
 
-double nextCriticalStep(const Scene& scene, double dt_critical) {
-  if (scene.time_step > 0) return dt_critical < scene.time_step ? scene.time_step / scene.step_safety : 0;
-  const double fewer = stepsPerTick(scene, dt_critical) - 1;
-  if (fewer < 1 || !(fewer < max_steps_per_tick)) return 0;  // none, or refused later
-  const double needed = 1 / scene.rate_hz / fewer / scene.step_safety;
-  return stepsPerTick(scene, needed) <= fewer ? needed : 0;  // else it is the tool that asks for short steps
+double longestCriticalStep(const Scene& scene, double dt_critical, const std::function<bool(double)>& grants) {
+  if (scene.time_step > 0) {
+    const double needed = scene.time_step / scene.step_safety;
+    return dt_critical < scene.time_step && grants(needed) ? needed : 0;
+  }
+  double longest = 0;
+  const auto holds = [&](double steps) {
+    const double needed = 1 / scene.rate_hz / steps / scene.step_safety;
+    // The tool may ask for short steps; and a safety that asks for steps of a thousand ticks has a number wrong.
+    if (stepsPerTick(scene, needed) > steps || needed > 1e3 / scene.rate_hz || !grants(needed)) return false;
+    longest = needed;
+    return true;
+  };
+  const double steps = stepsPerTick(scene, dt_critical);
+  constexpr double many = 16;
+  if (steps <= many) {
+    for (double fewer = steps - 1; fewer >= 1 && holds(fewer);) --fewer;
+    return longest;
+  }
+  // A sliver asks for millions of steps, and for next to no mass to be spared them: up from one step, then between.
+  double refused = 0, granted = 1;
+  for (; !holds(granted); granted *= 2) {
+    refused = granted;
+    if (2 * granted >= std::min(steps, 1.0 * max_steps_per_tick)) return 0;
+  }
+  while (granted - refused > 1) {
+    const double middle = std::floor(0.5 * (granted + refused));
+    (holds(middle) ? granted : refused) = middle;
+  }
+  return longest;
 }
 
 void checkStepsAsked(const Scene& scene) {

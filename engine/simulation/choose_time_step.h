@@ -1,5 +1,7 @@
 #pragma once
 
+#include <functional>
+
 #include "mechanics/critical_time_step.h"
 #include "simulation/model.h"
 
@@ -9,9 +11,11 @@ namespace palpate {
 /// meant need some hundreds.
 inline constexpr int max_steps_per_tick = 10'000;
 
-/// The next longer step for which it pays to add mass to a body with the critical step `dt_critical`: the critical step
-/// that one step fewer per tick needs (or the scene's time_step). 0: none.
-double nextCriticalStep(const Scene& scene, double dt_critical);
+/// The longest critical step for which it pays to add mass to a body with the critical step `dt_critical`: what the
+/// fewest steps per tick that are granted need (or the scene's time_step). 0: none.
+/// @param grants  whether the body may get the mass with which its critical step is this long; the last time that it
+/// says so is for the result
+double longestCriticalStep(const Scene& scene, double dt_critical, const std::function<bool(double)>& grants);
 
 /// Throws InputError where the scene alone, whatever its body, asks for more than max_steps_per_tick.
 void checkStepsAsked(const Scene& scene);

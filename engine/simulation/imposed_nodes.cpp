@@ -1,5 +1,6 @@
 #include "simulation/imposed_nodes.h"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
@@ -48,8 +49,9 @@ void addPoint(const Scene& scene, int b, const NodeCloud& cloud, EssentialNodes&
     const Vec3& at = other.node < 0 ? essential.X[k] : cloud.X[other.node];
     if ((at - X).norm() >= 0.5 * scene.spacing) continue;
     const int owner = *std::max_element(other.boundary.begin(), other.boundary.end());
-    throw InputError(spec.place,
-                     "the point at " + coordinates(X) + " is nearer than half the spacing to what is imposed at " +
+    throw InputError(spec.region.place.file.empty() ? spec.place : spec.region.place,
+                     inQuotes(spec.name) + ", at " + coordinates(X) +
+                         ", is nearer than half the spacing to what is imposed at " +
                          scene.boundaries[owner].place.text(),
                      "make that region smaller, or leave the point out");
   }
@@ -98,6 +100,33 @@ EssentialNodes chooseImposed(const Scene& scene, const NodeCloud& cloud, const S
                        "move or enlarge it (node spacing is " + number(scene.spacing) + " m)");
   }
   return essential;
+}
+
+void checkHeld(const Scene& scene, const EssentialNodes& essential) {
+  if (std::any_of(scene.boundaries.begin(), scene.boundaries.end(),
+                  [](const BoundarySpec& b) { return b.duration == 0; }))
+    return;
+  Box3 box;
+  for (const Vec3& X : essential.X) box.extend(X);
+  const double length = std::max(box.diagonal().norm(), scene.spacing);
+  // Each imposed component of a place X stops one mix of the shifts t and the turns w: (t + w x X) e_c.
+  Eigen::Matrix<double, 6, 6> stopped = Eigen::Matrix<double, 6, 6>::Zero();
+  for (std::size_t k = 0; k < essential.nodes.size(); ++k)
+    for (int c = 0; c < 3; ++c) {
+      if (essential.nodes[k].boundary[c] < 0) continue;
+      Eigen::Matrix<double, 6, 1> row;
+      row << Vec3::Unit(c), (essential.X[k] - box.center()).cross(Vec3::Unit(c)) / length;
+      stopped += row * row.transpose();
+    }
+  const Eigen::Matrix<double, 6, 1> hold =
+      Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 6, 6>>(stopped, Eigen::EigenvaluesOnly).eigenvalues();
+  constexpr double least = 1e-4;  // of the best: a lever of a hundredth of what is imposed
+  const auto free = (hold.array() < least * hold.maxCoeff()).count();
+  if (free == 0) return;
+  throw InputError(scene.boundaries.front().place,
+                   "nothing is fixed, and what is prescribed leaves the organ " + std::to_string(free) +
+                       " of its six motions as a whole (three shifts, three turns)",
+                   "add [[fixed]], or prescribe all components at three places that are not in line");
 }
 
 std::vector<Vec3> essentialFacets(const NodeCloud& cloud, const std::vector<std::array<int, 3>>& outer,

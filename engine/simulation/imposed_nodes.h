@@ -16,6 +16,9 @@ BoundaryMotion motionOf(const BoundarySpec& spec);
 /// Which nodes are imposed, and how. Throws InputError where a region is empty or two motions contradict.
 EssentialNodes chooseImposed(const Scene& scene, const NodeCloud& cloud, const SurfaceTree& organ);
 
+/// Throws InputError where nothing is fixed, and what is prescribed leaves the body a motion as a whole.
+void checkHeld(const Scene& scene, const EssentialNodes& essential);
+
 /// Sets the facets that EBCIEM integrates over; returns the places of their quadrature points, m.
 /// @param outer  the cells' outer faces
 std::vector<Vec3> essentialFacets(const NodeCloud& cloud, const std::vector<std::array<int, 3>>& outer,

@@ -14,7 +14,8 @@ namespace palpate {
 /// become one, in their middle. Where they carry a sheet, the skin between them has points, too (sheet.h). The same
 /// scene where it has none.
 /// @param warn  told how many were joined
-/// Throws InputError where a point is more than 40 mm from the surface: its frame or unit is probably another.
+/// Throws InputError where a point is more than 40 mm from the surface: its frame or unit is probably another; and
+/// where one lies in what another boundary holds or moves.
 /// Test: simulation/point_boundaries_test.cpp
 Scene withPointBoundaries(const Scene& scene, const SurfaceTree& organ,
                           const std::function<void(const std::string&)>& warn = {});

@@ -120,18 +120,18 @@ void addMasses(const Scene& scene, const std::vector<Vec3>& X, const BackgroundC
     patches = makeNodePatches(verticesOf(X, p.side_node), p.volume_cells.empty() ? cells.cells : p.volume_cells,
                               points.X, points.volume, points.cell, p.point_material, materials, ownBulk(scene));
   p.limit = criticalTimeStep(shape, points.volume, p.point_material, materials, p.mass, patches);
-  const std::vector<double> own_mass = p.mass;
-  const CriticalTimeStep own_limit = p.limit;
-  while (scene.mass_scaling > 0) {  // fewer and fewer steps to a tick, while they cost no more than the scene grants
-    const double wanted = nextCriticalStep(scene, p.limit.dt);
-    if (wanted == 0) break;
-    ScaledMass scaled =
-        scaleMass(shape, points.volume, p.point_material, materials, own_mass, patches, own_limit, wanted);
-    if (scaled.added > scene.mass_scaling || scaled.limit.dt < wanted) break;
-    p.mass = std::move(scaled.mass);
-    p.limit = scaled.limit;
-    p.added_mass = scaled.added;
-  }
+  if (!(scene.mass_scaling > 0)) return;
+  ScaledMass granted;
+  longestCriticalStep(scene, p.limit.dt, [&](double wanted) {
+    ScaledMass scaled = scaleMass(shape, points.volume, p.point_material, materials, p.mass, patches, p.limit, wanted);
+    if (scaled.added > scene.mass_scaling || scaled.limit.dt < wanted) return false;
+    granted = std::move(scaled);
+    return true;
+  });
+  if (granted.mass.empty()) return;
+  p.mass = std::move(granted.mass);
+  p.limit = granted.limit;
+  p.added_mass = granted.added;
 }
 
 }  // namespace
@@ -156,6 +156,7 @@ Preparation prepare(const Scene& scene, const SurfaceTree& tree, Discretization 
   p.skin.surface = refineForContact(scene, tree.surface());
 
   p.essential = chooseImposed(scene, cloud, tree);
+  checkHeld(scene, p.essential);
   const auto outer = boundaryFacets(cells.cells);
   std::vector<Vec3> facet_X;
   if (scene.boundary_method == Scene::BoundaryMethod::Ebciem) facet_X = essentialFacets(cloud, outer, p.essential);

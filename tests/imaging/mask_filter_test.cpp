@@ -37,6 +37,21 @@ TEST_CASE("Parts that meet late, or only across an edge, are told apart", "[imag
   CHECK(countOf(kept) == 4 * 4 + 7);
 }
 
+TEST_CASE("A thin tail is left out up to its root, a body and its edges stay", "[imaging][mask]") {
+  Mask mask(ImageGrid({40, 16, 16}, Mat3::Identity() * 1e-3, Vec3(0.1, 0, -0.2)));
+  for (int k = 2; k < 14; ++k)
+    for (int j = 2; j < 14; ++j)
+      for (int i = 2; i < 16; ++i) mask(i, j, k) = 1;
+  const std::size_t body = countOf(mask);
+  CHECK(countOf(withoutTails(mask, 3e-3, 3e-3)) == body);
+  for (int i = 16; i < 38; ++i) mask(i, 8, 8) = mask(i, 8, 9) = 1;
+  const Mask cut = withoutTails(mask, 3e-3, 3e-3);
+  CHECK(countOf(cut) >= body);
+  CHECK(countOf(cut) <= body + 8);
+  CHECK(cut(37, 8, 8) == 0);
+  CHECK(countOf(withoutTails(mask, 0.02, 3e-3)) == 0);  // the ball fits nowhere
+}
+
 TEST_CASE("Distances to a mask's border are those by hand, on unequal edges", "[imaging][mask]") {
   Mask mask(ImageGrid({9, 7, 5}, Vec3(1e-3, 2e-3, 3e-3).asDiagonal(), Vec3::Zero()));
   mask(4, 3, 2) = 1;

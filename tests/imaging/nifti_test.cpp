@@ -1,8 +1,9 @@
-#include <catch2/catch.hpp>
 #include <algorithm>
+#include <catch2/catch.hpp>
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
+#include <limits>
 
 #include "imaging/gzip.h"
 #include "imaging/nifti.h"
@@ -228,4 +229,16 @@ TEST_CASE("An independent reader finds the same image", "[imaging][nifti][nibabe
   in >> w[0] >> w[1] >> w[2] >> value;
   CHECK((1e-3 * w - sampleImage().grid.worldOf(4, 3, 2)).norm() < 1e-7);
   CHECK(value == static_cast<double>(sampleImage()(1, 2, 1)));
+}
+
+TEST_CASE("Values scaled by infinity are refused, and no number scales nothing", "[imaging][nifti]") {
+  std::string bytes = plain();
+  put(bytes, 112, std::numeric_limits<float>::quiet_NaN());
+  CHECK(read(bytes).value == sampleImage().value);
+  for (const std::size_t at : {112, 116}) {
+    std::string damaged = plain();
+    put(damaged, 112, 1.0F);
+    put(damaged, at, std::numeric_limits<float>::infinity());
+    CHECK_THAT(refusal([&] { read(damaged); }), Contains("a.nii: ") && Contains("scl_slope"));
+  }
 }

@@ -215,6 +215,75 @@ TEST_CASE("Parts that touch face on face become one", "[imaging][repair]") {
   CHECK(volumeOf(result.surface) == Approx(5).epsilon(0.05));
 }
 
+TEST_CASE("A small part that is joined to a body is kept with it, however little they overlap", "[imaging][repair]") {
+  const double side = 0.35, height = 4;  // 0.9 % of the base's volume
+  for (const double overlap : {0.004, 0.0}) {
+    INFO(overlap);
+    TriangleSurface surface = boxSurface({6, 6, 1.5}, 0.6);
+    test::append(surface, boxSurface({side, side, height}, 0.2), {1, 1, 1.5 - overlap});
+    RepairOptions options;
+    options.body_nodes = 2000;
+    const RepairedSurface result = repairSurface(surface, {}, options);
+    CHECK(result.report.resampled());
+    CHECK(result.report.small_parts == 0);
+    CHECK(result.report.parts == 1);
+    CHECK(boundingBox(result.surface).max().z() > 1.5 + height - 0.2);
+  }
+  // What does not touch the body is another part, and too small for one.
+  TriangleSurface apart = boxSurface({6, 6, 1.5}, 0.6);
+  test::append(apart, boxSurface({side, side, height}, 0.2), {1, 1, 1.51});
+  CHECK(repaired(apart).report.small_parts == 1);
+  // One too thin to be united is no reason to make all anew.
+  TriangleSurface fin = boxSurface({6, 6, 1.5}, 0.6);
+  test::append(fin, boxSurface({2, 0.02, 2}, 0.5), {0, 0, 1});
+  const RepairReport report = repaired(fin).report;
+  CHECK(report.thin_parts == 1);
+  CHECK(!report.resampled());
+  CHECK_THAT(report.lines().back(), Contains("1 part joined to the body, but too thin"));
+}
+
+TEST_CASE("Bodies that little joins are not cut apart with the faces that pierce", "[imaging][repair]") {
+  TriangleSurface surface = ballOf(1, 0.12);
+  test::append(surface, ballOf(0.5, 0.1), {1.48, 0, 0});
+  const RepairedSurface result = repaired(surface);
+  CHECK(result.report.piercing_faces == 0);
+  CHECK(result.report.parts == 1);
+}
+
+TEST_CASE("Vertices far off all others are left out and counted, a tip is not", "[imaging][repair]") {
+  const TriangleSurface ball = ballOf(1, 0.2);
+  SECTION("one of the surface's own") {
+    TriangleSurface surface = ball;
+    surface.vertices[40] = Vec3(70, 0, 0);
+    const RepairedSurface result = repaired(surface);
+    CHECK(result.report.stray_vertices == 1);
+    CHECK(result.report.stray_sizes == Approx(35).epsilon(0.1));
+    CHECK(result.report.holes == 1);
+    CHECK(volumeOf(result.surface) == Approx(volumeOf(ball)).epsilon(0.02));
+    CHECK_THAT(result.report.lines().front(), Contains("1 stray vertex, up to 3"));
+  }
+  SECTION("a face too many") {
+    TriangleSurface surface = ball;
+    surface.vertices.emplace_back(0, 9, 0);
+    surface.triangles.push_back({3, 9, static_cast<int>(surface.vertices.size()) - 1});
+    const RepairedSurface result = repaired(surface);
+    CHECK(result.report.stray_faces == 1);
+    CHECK(result.surface.triangles == ball.triangles);
+  }
+  SECTION("a needle on a broad base") {
+    TriangleSurface cone;
+    constexpr int count = 400;
+    cone.vertices = {{0, 0, 0}, {0, 0, 30}};
+    for (int k = 0; k < count; ++k)
+      cone.vertices.emplace_back(std::cos(2 * M_PI * k / count), std::sin(2 * M_PI * k / count), 0);
+    for (int k = 0; k < count; ++k) {
+      cone.triangles.push_back({0, 2 + (k + 1) % count, 2 + k});
+      cone.triangles.push_back({1, 2 + k, 2 + (k + 1) % count});
+    }
+    CHECK(repaired(cone).report.changedNothing());
+  }
+}
+
 TEST_CASE("The field of a surface has its distance, its sign, and the same bits for any number of threads",
           "[imaging][repair]") {
   TriangleSurface surface = ballOf(1, 0.15);

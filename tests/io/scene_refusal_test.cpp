@@ -119,6 +119,10 @@ TEST_CASE("A missing table or file is named", "[io][scene][refusal]") {
   CHECK_THAT(message(""), Contains("s.toml") && Contains("the key \"organ\" is missing") && Contains("add an [organ]"));
   CHECK_THAT(message(minimal_scene.substr(0, minimal_scene.find("[[fixed]]"))),
              Contains("\"fixed\" is missing") && Contains("[[fixed]]"));
+  // A prescribed region may hold it.
+  CHECK_NOTHROW(readScene(folder.write("p.toml", minimal_scene.substr(0, minimal_scene.find("[[fixed]]")) +
+                                                     "[[prescribed]]\nshape = \"sphere\"\ncentre = [0, 0, 0]\nradius = "
+                                                     "0.1\ntranslation = [0, 0, 0.001]\nduration = 1\n")));
   CHECK_THAT(message(replaced(minimal_scene, "[[material]]", "[material]")),
              Contains("s.toml:6:1: \"material\" is a table; write each entry as [[material]]"));
   CHECK_THAT(message(minimal_scene + "[[material]]\nmodel = \"neo-hookean\"\nyoung = 1\npoisson = 0.3\nregion = 3\n"),

@@ -75,6 +75,28 @@ TEST_CASE("More steps to a tick than an int can count, or anybody means, are ref
   CHECK(blockModel(most).substeps_per_tick == max_steps_per_tick);
 }
 
+TEST_CASE("However many steps a sliver asks for, the fewest that added mass can spare are found in a few looks",
+          "[choose_time_step]") {
+  Scene scene = blockScene();
+  const auto granted = [&](double fewest, double now) {
+    const double tick = 1 / scene.rate_hz;
+    int looks = 0;
+    const double longest = longestCriticalStep(scene, tick / now / scene.step_safety, [&](double wanted) {
+      ++looks;
+      return wanted < 1.001 * tick / fewest / scene.step_safety;
+    });
+    CHECK(looks < 25);
+    return longest > 0 ? tick / longest / scene.step_safety : now;
+  };
+  for (const double now : {5.0, 300.0, 1.5e6}) {
+    INFO(now);
+    CHECK(granted(3, now) == Approx(3));
+    CHECK(granted(4, now) == Approx(4));
+  }
+  CHECK(granted(777, 1.5e6) == Approx(777));
+  CHECK(granted(20'000, 1.5e6) == Approx(1.5e6));  // none
+}
+
 TEST_CASE("Nodes and faces beyond what the set-up holds are refused before they are made", "[discretize]") {
   const double volume = 0.06 * 0.06 * 0.03, area = 2 * 0.06 * 0.06 + 4 * 0.06 * 0.03;
   CHECK_NOTHROW(checkCounts(placedScene(), volume, area));

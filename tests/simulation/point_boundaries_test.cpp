@@ -93,7 +93,35 @@ TEST_CASE("Points nearer than half the spacing are joined, and those far away re
 
 TEST_CASE("A point in a region that is held is refused", "[simulation][points]") {
   PointLoad load;
-  load.after = {{0, 0, -0.001}};
-  CHECK_THAT(refusal([&] { test::blockModel(withPointBoundaries(sceneWith(load), blockTree())); }),
-             Contains("nearer than half the spacing"));
+  load.file = "e.csv";
+  load.line = {2, 3, 4};
+  load.after = {{0, 0, 0.031}, {0, 0, -0.001}, {0.02, 0, -0.001}};
+  Scene scene = sceneWith(load);
+  scene.boundaries[0].place = {"s.toml", 7};
+  // Before there are nodes, and which.
+  CHECK_THAT(refusal([&] { withPointBoundaries(scene, blockTree()); }),
+             Contains("e.csv:3: ") && Contains("is held at s.toml:7") && Contains("lines 4"));
+  // Beside the region, by what its nodes hold.
+  load.after = {{0.0301, 0.006, 0.001}};
+  load.line = {5};
+  scene = sceneWith(load);
+  CHECK_THAT(refusal([&] { test::blockModel(withPointBoundaries(scene, blockTree())); }),
+             Contains("e.csv:5: ") && Contains("\"electrode 1\"") && Contains("nearer than half the spacing"));
+}
+
+TEST_CASE("A body that only prescribed regions hold is accepted where they leave it no motion as a whole",
+          "[simulation][points]") {
+  Scene scene = test::blockScene();
+  scene.boundaries[0].duration = 1;  // the base is moved: three shifts and three turns are
+  scene.boundaries[0].translation = Vec3(0, 0, 1e-3);
+  CHECK(test::blockModel(scene).nodeCount() > 10);
+  scene.boundaries[0].component[0] = false;
+  CHECK_THAT(refusal([&] { test::blockModel(scene); }), Contains("leaves the organ 1 of its six motions"));
+  scene.boundaries[0].component[1] = false;  // only heights: both slides, and the turn about z
+  CHECK_THAT(refusal([&] { test::blockModel(scene); }), Contains("leaves the organ 3 of its six motions"));
+  PointLoad load;
+  load.after = {{0.01, 0.01, 0.031}, {-0.01, -0.01, 0.031}};
+  scene = sceneWith(load);
+  scene.boundaries.erase(scene.boundaries.begin());
+  CHECK_THAT(refusal([&] { test::blockModel(withPointBoundaries(scene, blockTree())); }), Contains("1 of its six"));
 }

@@ -4,15 +4,20 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "discretization/nodes/node_cloud.h"
 #include "discretization/surface/solids.h"
 #include "discretization/surface/surface_tree.h"
+#include "imaging/damaged_surfaces.h"
 #include "io/load_model.h"
+#include "io/output_file.h"
 #include "io/scene_file.h"
 #include "io/surface_file.h"
 #include "io/text_file.h"
 #include "mtled/import/import_scene.h"
 #include "mtled/import/import_unit.h"
+#include "mtled/run/case_folder.h"
 #include "support/captured_output.h"
+#include "support/interrupted_child.h"
 #include "support/temp_folder.h"
 
 using namespace palpate;
@@ -41,6 +46,9 @@ TEST_CASE("A damaged surface is imported as a scene that opens, with a report", 
   TriangleSurface surface = boxSurface({8, 6, 5}, 1.5);
   surface.triangles.erase(surface.triangles.begin() + 3);
   std::swap(surface.triangles[10][0], surface.triangles[10][1]);
+  test::append(surface, boxSurface({2, 0.01, 2}, 0.5), {0, 0, 4.5});  // a fin too thin for any grid
+  surface.vertices.emplace_back(0, 0, 400);
+  surface.triangles.push_back({0, 1, static_cast<int>(surface.vertices.size()) - 1});
   for (Vec3& x : surface.vertices) x += Vec3(1e4, 0, 0);
   const std::string file = folder.path("my \"organ\".obj"), out = folder.path("out");
   writeObj(surface, file);
@@ -48,9 +56,13 @@ TEST_CASE("A damaged surface is imported as a scene that opens, with a report", 
   CHECK_THAT(said, Contains("1 hole (3 open edges): closed"));
   CHECK_THAT(said, Contains("1 face facing inward or against the neighbours: turned"));
   CHECK_THAT(said, Contains("moved to the origin"));
+  CHECK_THAT(said, Contains("1 stray vertex"));
+  CHECK_THAT(said, Contains("1 part joined to the body, but too thin"));
   const auto report = nlohmann::json::parse(readWholeFile(out + "/report.json"));
   CHECK(report["holes_closed"] == 1);
-  CHECK(report["distance_from_file_m"]["p95"].get<double>() < 1e-9);  // undamaged faces stay where they were
+  CHECK(report["distance_to_file_m"]["p95"].get<double>() < 1e-9);  // undamaged faces stay where they were
+  REQUIRE(report["warnings"].size() == 1);
+  CHECK_THAT(report["warnings"][0].get<std::string>(), Contains("what is there is lost") && Contains("1.5 mm off"));
   CHECK(report["kept_as_it_is"] == false);
   const Scene scene = readScene(out + "/scene.toml");
   CHECK(scene.name == "my _organ_");
@@ -71,6 +83,59 @@ TEST_CASE("A damaged surface is imported as a scene that opens, with a report", 
   CHECK(signedVolume(organSurface(repaired)) == Approx(240e-9));
 
   CHECK_THAT(refusal([&] { import(out + "/surface.obj", out, "m"); }), Contains("written over"));
+
+  // What is refused or interrupted leaves the folder as it was.
+  const std::string scene_before = readWholeFile(out + "/scene.toml");
+  writeObj(boxSurface({100, 80, 0.4}, 5), folder.path("plate.obj"));
+  CHECK_THAT(refusal([&] { import(folder.path("plate.obj"), out); }), Contains("so thin for its size"));
+  CHECK(test::codeWhenInterrupted(out + "/import.part/scene.toml", [&] {
+          import(file, out);
+          return 0;
+        }) == 99);
+  CHECK(readWholeFile(out + "/scene.toml") == scene_before);
+  CHECK(!std::filesystem::exists(out + "/import.part"));
+}
+
+TEST_CASE("A folder gets its files all at once, the scene last, or stays as it was", "[import]") {
+  const TempFolder folder;
+  const std::string out = folder.path("a/b/c");
+  const std::vector<std::string> names = {"surface.obj", "scene.toml"};
+  {
+    const CaseFolder refused(out, names, {});
+    writeWholeFile(refused.aside("scene.toml"), "1");
+    CHECK(!std::filesystem::exists(refused.file("scene.toml")));
+    CHECK(refused.inPlace("at " + refused.aside("scene.toml") + ":3") == "at " + refused.file("scene.toml") + ":3");
+  }
+  CHECK(!std::filesystem::exists(folder.path("a")));
+  {
+    CaseFolder whole(out, names, {});
+    for (const std::string& name : names) writeWholeFile(whole.aside(name), name);
+    whole.takePlace();
+  }
+  CHECK(readWholeFile(out + "/scene.toml") == "scene.toml");
+  CHECK(readWholeFile(out + "/surface.obj") == "surface.obj");
+  CHECK(!std::filesystem::exists(out + "/import.part"));
+  CHECK_THAT(refusal([&] { CaseFolder(out, names, {out + "/surface.obj"}); }), Contains("written over"));
+  // Told before the file is read, which is not there.
+  const std::string no_folder = folder.write("file", "") + "/out";
+  CHECK_THROWS_WITH(import(folder.path("none.stl"), no_folder), Contains("can't write " + no_folder));
+}
+
+TEST_CASE("Nodes are counted before there are any, within a quarter", "[import]") {
+  const std::pair<TriangleSurface, double> bodies[] = {{boxSurface({0.1, 0.08, 0.05}, 0.01), 0.008},
+                                                       {boxSurface({0.1, 0.08, 0.005}, 0.01), 0.0045},
+                                                       {boxSurface({0.1, 0.08, 0.002}, 0.01), 0.0019},
+                                                       {ellipsoidSurface({0.05, 0.04, 0.03}, 0.005), 0.006}};
+  for (const auto& [surface, spacing] : bodies) {
+    const SurfaceTree tree(surface);
+    SpacingField field;
+    field.spacing = spacing;
+    const BodyMeasures body = measuresOf(tree);
+    CHECK(nodesAt(body, spacing) == Approx(static_cast<double>(makeNodeCloud(tree, field, 1).X.size())).epsilon(0.25));
+    const double first = firstSpacing(body);
+    CHECK(nodesAt(body, first) * stepsAt(body, first) <= node_steps_budget);
+    CHECK(nodesAt(body, first) * stepsAt(body, first) > 0.5 * node_steps_budget);
+  }
 }
 
 TEST_CASE("The unit of a surface is guessed only where its size leaves no doubt", "[import]") {

@@ -151,6 +151,64 @@ TEST_CASE("Scans that can't be imported are refused with what is missing", "[imp
   CHECK(std::filesystem::exists(good.mask));
 }
 
+TEST_CASE("What a scan or its mask has of its own is told: zeros, values between, tails", "[import_scan]") {
+  TempFolder folder;
+  ::setenv("PALPATE_CACHE_DIR", folder.path("cache").c_str(), 1);
+  CapturedOutput output;
+  ImportScanOptions import = smallPhantom(folder);
+  import.electrodes = import.frame = "";
+  import.open = false;
+  const auto reported = [&] {
+    REQUIRE(importScan(import) == 0);
+    return nlohmann::json::parse(readWholeFile(folder.path("case/report.json")));
+  };
+  const nlohmann::json whole = reported();
+  // A rim cut away by the skull's stripping, of which the mask knows nothing; and values between 0 and 1.
+  Image scan = readImage(import.scan), mask = readImage(import.mask);
+  const Mask organ = maskOf(mask);
+  const auto [nx, ny, nz] = organ.grid.size;
+  std::size_t zeros = 0;
+  for (int k = 1; k < nz - 1; ++k)
+    for (int j = 1; j < ny - 1; ++j)
+      for (int i = 1; i < nx - 1; ++i)
+        if (organ(i, j, k) && !(organ(i - 1, j, k) && organ(i + 1, j, k))) {
+          scan(i, j, k) = 0;
+          ++zeros;
+        }
+  for (float& a : mask.value) a *= 0.7F;
+  import.scan = folder.path("stripped.nii");
+  import.mask = folder.path("parts.nii");
+  writeImage(import.scan, scan, NiftiType::Float32);
+  writeImage(import.mask, mask, NiftiType::Float32);
+  const nlohmann::json stripped = reported();
+  CHECK(stripped.at("zero_voxels").get<double>() > 0.9 * static_cast<double>(zeros));
+  for (std::size_t c = 0; c < 3; ++c)
+    CHECK(stripped.at("classes")[c].at("centre").get<double>() ==
+          Approx(whole.at("classes")[c].at("centre").get<double>()).epsilon(0.25));
+  CHECK_THAT(stripped.at("warnings").dump(), Contains("exactly 0") && Contains("up to 0.7"));
+  CHECK_THAT(readWholeFile(folder.path("case/scene.toml")), Contains("mask = \"known.nii.gz\""));
+  // A tail of a voxel, longer than the nodes are apart.
+  Mask tailed = organ;
+  const int i = nx / 2, j = ny / 2;
+  int low = 0;
+  while (!organ(i, j, low)) ++low;
+  for (int k = std::max(0, low - 7); k < low; ++k) tailed(i, j, k) = 1;
+  import.mask = folder.path("tailed.nii");
+  import.scan = folder.path("phantom/scan.nii.gz");
+  import.spacing_mm = 18;
+  writeImage(import.mask, tailed);
+  const nlohmann::json cut = reported();
+  CHECK_THAT(cut.at("warnings").dump(), Contains("tails thinner than"));
+  CHECK(cut.at("mask_voxels").get<std::size_t>() < countOf(tailed));
+  CHECK(cut.at("mask_voxels").get<std::size_t>() > 0.99 * static_cast<double>(countOf(organ)));
+  // Which electrode is where it is held, before anything is made.
+  import = smallPhantom(folder);
+  import.fix = {"0,0,80,60"};
+  CHECK_THAT(refusal([&] { importScan(import); }),
+             Contains("electrodes.csv:") && Contains("--fix 0,0,80,60") && Contains("lines"));
+  ::unsetenv("PALPATE_CACHE_DIR");
+}
+
 TEST_CASE("Import opens a skull and holds the organ where it is told to", "[import_scan]") {
   TempFolder folder;
   ::setenv("PALPATE_CACHE_DIR", folder.path("cache").c_str(), 1);

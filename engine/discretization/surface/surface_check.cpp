@@ -166,6 +166,8 @@ bool edgePierces(const Vec3& p, const Vec3& q, const Vec3& a, const Vec3& b, con
   return passes(a, b) && passes(b, c) && passes(c, a) && std::abs(side) == 3;
 }
 
+}  // namespace
+
 bool facesPierce(const TriangleSurface& surface, int s, int t) {
   const auto &f = surface.triangles[s], &g = surface.triangles[t];
   int shared = 0;
@@ -191,6 +193,8 @@ bool facesPierce(const TriangleSurface& surface, int s, int t) {
   };
   return anyEdge(f, g) || anyEdge(g, f);
 }
+
+namespace {
 
 /// Calls found(t, other) for pairs of faces that pierce one another, t < other, until it returns false.
 template <class Found>

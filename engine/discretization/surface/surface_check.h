@@ -27,6 +27,9 @@ struct SurfaceSource {
 /// faces pointing into the hollow, and two parts may touch in vertices only.
 void checkSurface(const TriangleSurface& surface, const SurfaceSource& source = {});
 
+/// Whether two faces that share no edge go through one another.
+bool facesPierce(const TriangleSurface& surface, int s, int t);
+
 /// The faces that pierce another one, ascending; the search ends with the pair that makes them `most` or more.
 std::vector<int> piercingFaces(const TriangleSurface& surface, int most);
 

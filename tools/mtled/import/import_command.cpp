@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <stdexcept>
+#include <utility>
 
 #include "base/build_info.h"
 #include "base/input_error.h"
@@ -14,6 +15,7 @@
 #include "base/parallel_for.h"
 #include "base/printable_text.h"
 #include "discretization/surface/surface_parts.h"
+#include "imaging/mend_surface.h"
 #include "imaging/repair_surface.h"
 #include "imaging/surface_distance.h"
 #include "io/load_model.h"
@@ -23,6 +25,7 @@
 #include "mtled/import/import_scene.h"
 #include "mtled/import/import_unit.h"
 #include "mtled/pictures/pictures.h"
+#include "mtled/run/case_folder.h"
 #include "mtled/run/progress.h"
 
 namespace palpate::tools {
@@ -32,8 +35,13 @@ namespace {
 constexpr int max_faces = 100'000;
 // A surface further from the origin than this many of its sizes is moved there: single precision would feel it.
 constexpr double far_sizes = 20;
-// The widest spacing, of the body's least extent; and the nodes on a thin body's skin that can be waited for.
-constexpr double least_layers = 0.95, max_skin_nodes = 25'000;
+// The widest spacing, of the body's least extent; and the nodes of a thin body that can be waited for.
+constexpr double least_layers = 0.95, max_nodes = 12'000;
+// Above this the budget's cost is brought down by one more try, and told where that does not help.
+constexpr double bearable_cost = 1.2;
+// Told as lost: what is further from the organ than so many cells of the grid that it was made on, or than this
+// fraction of its size where it was not.
+constexpr double lost_cells = 4, lost_share = 0.02;
 // Points on each of two surfaces at which their distance is measured.
 constexpr int distance_points = 40'000;
 
@@ -60,7 +68,8 @@ class SurfaceImport {
   explicit SurfaceImport(const ImportOptions& options)
       : options_(options),
         name_(printable(std::filesystem::path(options.file).stem().string())),
-        folder_(options.out.empty() ? "out/" + std::filesystem::path(options.file).stem().string() : options.out) {}
+        folder_(options.out.empty() ? "out/" + std::filesystem::path(options.file).stem().string() : options.out,
+                {"surface.obj", "organ.png", "report.json", "scene.toml"}, {options.file}) {}
 
   int run() {
     const SetupWatch watch(stopWhereInterrupted);
@@ -74,8 +83,12 @@ class SurfaceImport {
               << format("%.3g mm", 1e3 * model_->scene.spacing) << "\n";
     const std::string picture = draw();
     writeReport(picture);
-    std::cout << "surface  " << folder_ << "/surface.obj\nscene    " << folder_ << "/scene.toml\npicture  " << picture
-              << "\nreport   " << folder_ << "/report.json\nTouch it: palpate " << folder_ << "/scene.toml\n";
+    stopWhereInterrupted();
+    folder_.takePlace();
+    for (const std::string& line : warnings_) warn(line);
+    const std::string scene = folder_.file("scene.toml");
+    std::cout << "surface  " << folder_.file("surface.obj") << "\nscene    " << scene << "\npicture  " << picture
+              << "\nreport   " << folder_.file("report.json") << "\nTouch it: palpate " << scene << "\n";
     std::cout.flush();
     return 0;
   }
@@ -89,9 +102,11 @@ class SurfaceImport {
       progress.show(0, "reading");
       file_ = readSurface(options_.file, 1.0, {}, SurfaceReading::Tolerant);
     }
+    dropStray(file_.surface, file_.source, strays_);
     const Box3 box = boundingBox(file_.surface);
     unit_ = surfaceUnit(options_.file, options_.unit, box.sizes().maxCoeff());
-    find(std::to_string(file_.surface.triangles.size()) + " faces in " + unit_.name + " (" + unit_.reason + ")");
+    find(std::to_string(file_.surface.triangles.size() + static_cast<std::size_t>(strays_.stray_faces)) + " faces in " +
+         unit_.name + " (" + unit_.reason + ")");
     for (Vec3& x : file_.surface.vertices) x *= unit_.length;
     const double size = unit_.length * box.diagonal().norm();
     const Vec3 centre = unit_.length * box.center();
@@ -136,21 +151,43 @@ class SurfaceImport {
     report_ = std::move(repaired.report);
     report_.unreadable_faces = file_.unreadable_faces;
     report_.concave_polygons = file_.concave_polygons;
+    report_.unused_vertices = file_.unused_vertices;
+    report_.stray_vertices += strays_.stray_vertices;
+    report_.stray_faces += strays_.stray_faces;
+    report_.stray_sizes = std::max(report_.stray_sizes, strays_.stray_sizes);
     findings_ = found_in_file_;
     if (report_.changedNothing()) find("it bounds a solid: kept as it is");
     for (const std::string& line : report_.lines()) find(line);
     progress.show(0.7, "measuring the distance");
     organ_.emplace(std::move(repaired.surface));
-    deviation_.from_given = distanceTo(*organ_, pointsOutside());
+    const std::vector<Vec3> outside = pointsOutside();
+    deviation_.from_given = distanceTo(*organ_, outside);
     deviation_.from_made = distanceTo(SurfaceTree(file_.surface), pointsOn(organ_->surface(), distance_points).x);
     stopWhereInterrupted();
     if (inside_share_ > 0.0005)
       find(format("%.2g %% of the file's surface lies within the organ", 100 * inside_share_));
     if (!report_.changedNothing()) find("distance from the file's outer surface to the organ's: " + deviation_.text());
+    warnings_.clear();
+    if (deviation_.from_given.furthest >= 0)
+      warnWhereLost(outside[static_cast<std::size_t>(deviation_.from_given.furthest)]);
     const TriangleSurface& surface = organ_->surface();
     const Vec3 size = 1e3 * boundingBox(surface).sizes();
     find(format("%.3g x %.3g x %.3g mm, %.3g ml, ", size.x(), size.y(), size.z(), 1e6 * signedVolume(surface)) +
          std::to_string(surface.triangles.size()) + " faces");
+  }
+
+  /// What of the file's surface is not in the organ's, by far.
+  /// @param furthest  the point of the file's surface that is furthest from the organ
+  void warnWhereLost(const Vec3& furthest) {
+    const double size = boundingBox(organ_->surface()).diagonal().norm();
+    const double far = report_.resampled() ? lost_cells * report_.cell : lost_share * size;
+    if (!(deviation_.from_given.max > far)) return;
+    const Vec3 at = (furthest - moved_) / unit_.length;
+    warnings_.push_back(
+        format("%.2g %% of the file's outer surface is not in the organ's, the furthest %.3g mm off it, "
+               "at (%.4g, %.4g, %.4g) in the file: what is there is lost; if it matters, unite it with "
+               "the rest or thicken it in a mesh editor",
+               100 * deviation_.from_given.shareBeyond(far), 1e3 * deviation_.from_given.max, at.x(), at.y(), at.z()));
   }
 
   /// Where a body with thin spikes or walls can't be divided: one without them, if something is left then.
@@ -163,48 +200,62 @@ class SurfaceImport {
     }
   }
 
-  /// Writes surface and scene, and opens them as the window will, with a coarser spacing where the first costs too
-  /// much or is refused.
+  /// The nodes are no further apart than the body is thick, whatever that costs.
+  double spacingOf(const BodyMeasures& body) const { return std::min(firstSpacing(body), widestSpacing()); }
+  double widestSpacing() const { return least_layers * boundingBox(organ_->surface()).sizes().minCoeff(); }
+
+  /// Writes surface and scene, and opens them as the window will: once, where the counts told the spacing that holds
+  /// the rate; a second time with a coarser one where it costs too much, and others where it is refused.
   void makeScene() {
-    const std::string surface_file = folder_ + "/surface.obj", scene_file = folder_ + "/scene.toml";
-    std::error_code error;
-    std::filesystem::create_directories(folder_, error);
-    if (error) throw std::runtime_error("can't make " + folder_ + ": " + error.message() + "; choose another --out");
-    if (std::filesystem::equivalent(options_.file, surface_file, error))
-      throw InputError({options_.file}, "the surface would be written over this file", "choose another --out");
-    double spacing = firstSpacing(signedVolume(organ_->surface()), surfaceArea(organ_->surface()));
-    // The nodes are no further apart than the body is thick, whatever that costs.
-    spacing = std::min(spacing, least_layers * boundingBox(organ_->surface()).sizes().minCoeff());
-    constexpr int max_tries = 5;
-    for (int attempt = 1;; ++attempt) {
-      const double nodes = surfaceArea(organ_->surface()) / (spacing * spacing);
-      if (nodes > max_skin_nodes)
+    BodyMeasures body = measuresOf(*organ_);
+    double spacing = spacingOf(body);
+    bool thicker = false, coarser = false;
+    std::string why;  // it was refused, at first
+    constexpr int max_refusals = 3;
+    for (int refusals = 0;;) {
+      const double nodes = nodesAt(body, spacing);
+      if (nodes > max_nodes)
         throw InputError({options_.file}, format("so thin for its size that it takes some %.0f nodes", nodes),
                          "import a part of it, or a thicker one: 5,000 nodes hold 500 Hz");
-      ImportedScene scene = chooseScene(*organ_, spacing);
-      scene.name = name_;
-      scene.source = std::filesystem::path(options_.file).filename().string();
-      writeObj(organ_->surface(), surface_file);
-      writeWholeFile(scene_file, sceneText(scene));
+      const std::string scene_file = writeScene(spacing);
       try {
         model_.emplace(open(scene_file));
-      } catch (const InputError&) {
-        if (attempt == max_tries) throw;
-        if (attempt != 1 || !makeThicker(spacing))
+      } catch (const InputError& error) {
+        why = error.what();
+        if (why.starts_with(scene_file))
+          why.erase(0, std::min(why.size(), why.find(": ", scene_file.size()) + 2));  // a file that goes, too
+        if (++refusals > max_refusals)
+          throw InputError({options_.file}, "no scene can be made of it: " + why,
+                           "smooth or thicken the surface in a mesh editor where it is sharp or thin");
+        if (!std::exchange(thicker, true) && makeThicker(spacing)) {
+          body = measuresOf(*organ_);
+          spacing = spacingOf(body);
+        } else {
           spacing *= 0.8;  // a finer one follows a difficult shape more closely
+        }
         continue;
       }
       const double cost = static_cast<double>(model_->nodeCount()) * model_->substeps_per_tick / node_steps_budget;
-      const double coarser = spacing * std::max(1.03, std::pow(cost, 0.27));
-      if (cost <= 1.1 || attempt == max_tries ||
-          coarser > least_layers * boundingBox(organ_->surface()).sizes().minCoeff()) {
-        if (cost > 1.2)
-          findings_.push_back(
-              format("so thin that it takes %.1f times what holds 500 Hz on two cores: slower than life", cost));
-        return;
+      const double wider = spacing * std::max(1.03, std::pow(cost, 0.3));
+      if (cost > bearable_cost && refusals == 0 && wider <= widestSpacing() && !std::exchange(coarser, true)) {
+        spacing = wider;
+        continue;
       }
-      spacing = coarser;
+      if (!why.empty()) findings_.push_back("refused at first, with other triangles or a wider spacing: " + why);
+      if (cost > bearable_cost)
+        findings_.push_back(
+            format("so thin that it takes %.1f times what holds 500 Hz on two cores: slower than life", cost));
+      return;
     }
+  }
+
+  std::string writeScene(double spacing) const {
+    ImportedScene scene = chooseScene(*organ_, spacing);
+    scene.name = name_;
+    scene.source = std::filesystem::path(options_.file).filename().string();
+    writeObj(organ_->surface(), folder_.aside("surface.obj"));
+    writeWholeFile(folder_.aside("scene.toml"), sceneText(scene));
+    return folder_.aside("scene.toml");
   }
 
   Model open(const std::string& scene_file) {
@@ -213,7 +264,7 @@ class SurfaceImport {
     return loadModel(
         readScene(scene_file),
         [&](const std::string& what, double share) {
-          if (interrupted()) throw std::runtime_error("interrupted: " + scene_file + " is written, but not tried");
+          stopWhereInterrupted();
           progress.show(share, what);
         },
         cache, warn);
@@ -230,9 +281,10 @@ class SurfaceImport {
     picture.tool = model_->tool_start;
     try {
       const CutPlane* const whole = nullptr;
-      return writePicture(folder_ + "/organ.png", picture, *model_, AlignedVector<Float4>(), whole);
+      return folder_.inPlace(
+          writePicture(folder_.aside("organ.png"), picture, *model_, AlignedVector<Float4>(), whole));
     } catch (const std::runtime_error& error) {
-      return std::string("none: ") + error.what();
+      return "none: " + folder_.inPlace(error.what());
     }
   }
 
@@ -242,6 +294,7 @@ class SurfaceImport {
                              {"unit_reason", unit_.reason},
                              {"moved_m", {moved_.x(), moved_.y(), moved_.z()}},
                              {"findings", findings_},
+                             {"warnings", warnings_},
                              {"kept_as_it_is", report_.changedNothing()},
                              {"made_anew", report_.resampled()},
                              {"cell_m", report_.cell},
@@ -259,27 +312,26 @@ class SurfaceImport {
                              {"spacing_m", model_->scene.spacing},
                              {"picture", picture},
                              {"build", buildInfo()}};
-    writeWholeFile(folder_ + "/report.json",
+    writeWholeFile(folder_.aside("report.json"),
                    report.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
   }
 
   const ImportOptions& options_;
-  std::string name_, folder_;
+  std::string name_;
+  CaseFolder folder_;
   SurfaceFile file_;  // m, once the unit is known
   SurfaceUnit unit_;
   Vec3 moved_ = Vec3::Zero();  // m
-  RepairReport report_;
+  RepairReport strays_, report_;
   std::optional<SurfaceTree> organ_;
   Deviation deviation_;
   double inside_share_ = 0;  // of the file's surface
-  std::vector<std::string> found_in_file_, findings_;
+  std::vector<std::string> found_in_file_, findings_, warnings_;
   std::optional<Model> model_;
 };
 
 }  // namespace
 
-int importCommand(const ImportOptions& options) {
-  return SurfaceImport(options).run();
-}
+int importCommand(const ImportOptions& options) { return SurfaceImport(options).run(); }
 
 }  // namespace palpate::tools

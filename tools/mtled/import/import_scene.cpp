@@ -4,7 +4,10 @@
 #include <cmath>
 
 #include "base/number_text.h"
+#include "base/parallel_for.h"
+#include "discretization/nodes/node_scatter.h"
 #include "discretization/surface/surface_parts.h"
+#include "imaging/surface_distance.h"
 
 namespace palpate::tools {
 namespace {
@@ -19,10 +22,10 @@ constexpr double tool_radius = 1.4, tool_clearance = 1.2;
 
 // A tick of 2 ms is one step from this spacing on, with the material and the mass scaling of the text below; half of it
 // takes two. Of cloud and step as they are made; whoever opens the scene finds out whether they hold.
-constexpr double one_step_spacing = 0.007;  // m
-// A node has so many cubes of the spacing in a compact body, and so many squares on a thin one.
-constexpr double volume_of_node = 0.57, area_of_node = 1.1;
+constexpr double one_step_spacing = 0.0074;  // m
 constexpr double tick = 0.002;  // s
+// Points of a body and of its skin that are looked at.
+constexpr int inside_points = 20'000, skin_points = 2000;
 
 /// Height below which lies `held_share` of a surface's area.
 double heldHeight(const TriangleSurface& part, double spacing) {
@@ -83,16 +86,64 @@ std::string quotable(std::string words) {
 
 }  // namespace
 
-double firstSpacing(double volume, double area) {
-  double best = 0, most_nodes = 0;
-  constexpr int max_steps = 20;
-  for (int steps = 1; steps <= max_steps; ++steps) {
-    const double nodes = 0.97 * node_steps_budget / steps;
-    // Thin bodies have nearly all of their nodes on the skin, about one for each square of the spacing.
-    const double spacing = std::max({std::cbrt(volume / (volume_of_node * nodes)),
-                                     std::sqrt(area / (area_of_node * nodes)), one_step_spacing / steps});
-    const double made = std::min(volume / (volume_of_node * std::pow(spacing, 3)), nodes);
-    if (made <= most_nodes) continue;
+BodyMeasures measuresOf(const SurfaceTree& organ) {
+  const TriangleSurface& surface = organ.surface();
+  BodyMeasures body;
+  body.volume = signedVolume(surface);
+  body.area = surfaceArea(surface);
+  const Box3 box = boundingBox(surface);
+  std::vector<double> depth(inside_points, -1);
+  parallelFor(inside_points, [&](int begin, int end) {
+    for (int k = begin; k < end; ++k) {
+      // Three irrational steps spread the points over the box.
+      const Vec3 at(std::fmod(0.5 + k * 0.8191725133961645, 1.0), std::fmod(0.5 + k * 0.6710436067037893, 1.0),
+                    std::fmod(0.5 + k * 0.5497004779019703, 1.0));
+      const Vec3 x = box.min() + at.cwiseProduct(box.sizes());
+      if (organ.inside(x)) depth[k] = organ.closest(x).distance;
+    }
+  });
+  for (const double d : depth)
+    if (d >= 0) body.depth.push_back(d);
+  std::sort(body.depth.begin(), body.depth.end());
+  const SurfacePoints skin = pointsOn(surface, skin_points);
+  const double off = 1e-5 * box.diagonal().norm();
+  for (std::size_t k = 0; k < skin.x.size(); ++k) {
+    const Vec3 n = areaVector(surface, skin.face[k]).stableNormalized();
+    const auto hit = organ.firstHit(skin.x[k] - off * n, -n);
+    body.wall.push_back(hit ? hit->distance + off : box.diagonal().norm());
+  }
+  std::sort(body.wall.begin(), body.wall.end());
+  return body;
+}
+
+double nodesAt(const BodyMeasures& body, double spacing) {
+  // As node_scatter.h places them. Nodes of both sides of a thin wall keep a distance, which costs few of them.
+  constexpr double no_room = 0.15;
+  const auto shareBelow = [](const std::vector<double>& sorted, double value) {
+    if (sorted.empty()) return 0.0;
+    return static_cast<double>(std::lower_bound(sorted.begin(), sorted.end(), value) - sorted.begin()) /
+           static_cast<double>(sorted.size());
+  };
+  const double thin = shareBelow(body.wall, closest_approach * spacing);
+  const double on_skin = (1 - no_room * thin) * body.area / (area_per_node * spacing * spacing);
+  const double below = 1 - shareBelow(body.depth, 0.408 * spacing);
+  return on_skin + below * body.volume / (volume_per_node * std::pow(spacing, 3));
+}
+
+int stepsAt(const BodyMeasures& body, double spacing) {
+  // Walls thinner than the spacing shorten the step like it, where a fifth of the skin has them: few get more mass.
+  const double wall = body.wall.empty() ? spacing : body.wall[body.wall.size() / 5];
+  return std::max(1, static_cast<int>(std::ceil(one_step_spacing / std::min(spacing, wall))));
+}
+
+double firstSpacing(const BodyMeasures& body) {
+  // From far too coarse to far too fine.
+  const double nodes = 0.02 * node_steps_budget;
+  double spacing = std::max(std::cbrt(body.volume / nodes), std::sqrt(body.area / nodes));
+  double best = spacing, most_nodes = 0;
+  for (constexpr double finer = 0.98; nodesAt(body, spacing) < node_steps_budget; spacing *= finer) {
+    const double made = nodesAt(body, spacing);
+    if (made <= most_nodes || made * stepsAt(body, spacing) > 0.97 * node_steps_budget) continue;
     most_nodes = made;
     best = spacing;
   }

@@ -28,9 +28,20 @@ struct ImportedScene {
 /// Nodes times steps a tick that hold 500 Hz on two cores: the liver of assets/scenes.
 inline constexpr double node_steps_budget = 5200;
 
-/// The spacing with the most nodes in the budget, as far as volume and area tell before nodes are made: half the
-/// spacing takes half the step.
-double firstSpacing(double volume, double area);
+/// What a body's nodes and steps are counted from before it has any.
+struct BodyMeasures {
+  double volume = 0, area = 0;  // m^3, m^2
+  std::vector<double> depth;    // of points of its inside, spread evenly; m, ascending
+  std::vector<double> wall;     // how thick it is below points of its skin, spread evenly; m, ascending
+};
+BodyMeasures measuresOf(const SurfaceTree& organ);
+
+/// Nodes, and steps of a tick, that a body has with a spacing: within a fifth and a step for most bodies.
+double nodesAt(const BodyMeasures& body, double spacing);
+int stepsAt(const BodyMeasures& body, double spacing);
+
+/// The spacing with the most nodes whose cost is within the budget.
+double firstSpacing(const BodyMeasures& body);
 
 /// Rests on its underside; a ball above its middle.
 ImportedScene chooseScene(const SurfaceTree& organ, double spacing);

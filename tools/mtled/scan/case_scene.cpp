@@ -31,7 +31,7 @@ std::string fixedText(const CaseScene& scene, const Box3& box) {
       << "\nradius = " << format("%.4g", scene.fixed[n].radius) << "\n\n";
   if (scene.fixed.empty())
     s << "[[fixed]]             # guessed: the lowest twentieth\nname = \"base\"\nshape = \"half-space\"\npoint = "
-      << vectorText(Vec3(box.center().x(), box.center().y(), box.min().z() + 0.05 * box.sizes().z()))
+      << vectorText(Vec3(box.center().x(), box.center().y(), box.min().z() + lowest_held * box.sizes().z()))
       << "\nnormal = [0, 0, 1]\n\n";
   return s.str();
 }
@@ -66,7 +66,7 @@ std::string sceneText(const CaseScene& scene, const TriangleSurface& surface) {
   if (scene.has_fluid)
     s << "[[material]]          # as much fluid as the image says\nmodel = \"neo-hookean\"\nyoung = 100\npoisson = "
          "0.49\n"
-      << "density = 1007\nmembership = \"csf.nii.gz\"\nmask = \"mask.nii.gz\"\n\n";
+      << "density = 1007\nmembership = \"csf.nii.gz\"\nmask = " << quoted(scene.known) << "\n\n";
   s << fixedText(scene, box);
   if (!scene.electrodes.empty())
     s << "[[prescribed]]        # where the electrodes are\nname = \"electrode\"\npoints = " << quoted(scene.electrodes)

@@ -12,7 +12,8 @@ namespace palpate::tools {
 struct CaseScene {
   std::string name;
   double spacing = 0;               // m
-  bool has_fluid = false;           // csf.nii.gz and mask.nii.gz are there
+  bool has_fluid = false;           // csf.nii.gz is there
+  std::string known;                // the mask of the voxels whose tissue is known, in the case's folder
   std::string electrodes;           // file in the case's folder; "" for none
   std::string electrode_keys;       // lines with unit and frame
   bool in_skull = false;            // slides in a rigid shell around the brain as it lies
@@ -20,6 +21,9 @@ struct CaseScene {
   std::vector<NamedBall> openings;  // of the skull, too
   std::vector<NamedBall> fixed;     // where it is held; empty: the lowest twentieth
 };
+
+/// Share of the organ's height that is held where nothing is said.
+inline constexpr double lowest_held = 0.05;
 
 /// m between nodes, so that a volume (m^3) has about so many.
 double spacingFor(double volume, int nodes);

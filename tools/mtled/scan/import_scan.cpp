@@ -1,5 +1,6 @@
 #include "mtled/scan/import_scan.h"
 
+#include <algorithm>
 #include <cctype>
 #include <chrono>
 #include <cmath>
@@ -23,6 +24,7 @@
 #include "io/surface_file.h"
 #include "io/text_file.h"
 #include "mtled/pictures/pictures.h"
+#include "mtled/run/case_folder.h"
 #include "mtled/run/progress.h"
 #include "mtled/scan/case_scene.h"
 #include "mtled/scan/interruption.h"
@@ -37,7 +39,7 @@ namespace fs = std::filesystem;
 /// A case on its way.
 struct Import {
   const ImportScanOptions& options;
-  fs::path folder;
+  CaseFolder folder;
   ProgressLine progress{"import"};
   nlohmann::json report = nlohmann::json::object();
   std::vector<std::string> warnings{};
@@ -48,8 +50,7 @@ struct Import {
   double spacing = 0;
   MaskSurface surface{};
   CaseScene scene{};
-  bool begun = false, is_new = false;  // whether there may be files, and whether the folder was made
-  std::vector<std::string> fresh{};    // names of files that were not there before
+  PointLoad electrodes{};
   std::chrono::steady_clock::time_point start = std::chrono::steady_clock::now();
 
   void show(double share, const std::string& what) {
@@ -63,44 +64,17 @@ struct Import {
   NiftiOptions reading() {
     return {options.assume_ras, [this](const std::string& text) { note(text); }};
   }
-  std::string file(const std::string& name) const { return (folder / name).string(); }
-  /// Makes the folder. Throws InputError where an input is in it under a name that is going to be written.
-  void begin();
-  /// Takes away the files that were not there before.
-  void undo() const;
+  std::string file(const std::string& name) const { return folder.aside(name); }
 };
 
 /// All that an import may write.
 std::vector<std::string> namesOf(const ImportScanOptions& options) {
-  std::vector<std::string> names{"mask.nii.gz",         "csf.nii.gz", "surface.obj",    "scene.toml",
-                                 "preview.png",         "organ.png",  "electrodes.csv", "electrodes.fcsv",
+  std::vector<std::string> names{"mask.nii.gz",         "known.nii.gz", "csf.nii.gz",     "surface.obj",
+                                 "preview.png",         "organ.png",    "electrodes.csv", "electrodes.fcsv",
                                  "electrodes.mrk.json", "report.json"};
   for (int c = 1; c <= options.classes; ++c) names.push_back("tissue_" + std::to_string(c) + ".nii.gz");
+  names.emplace_back("scene.toml");  // the last: without it the folder does not open
   return names;
-}
-
-void Import::begin() {
-  std::error_code error;
-  for (const std::string& name : namesOf(options)) {
-    if (!fs::exists(folder / name, error)) {
-      fresh.push_back(name);
-      continue;
-    }
-    for (const std::string& input : {options.scan, options.mask, options.labels})
-      if (!input.empty() && fs::equivalent(folder / name, input, error))
-        throw InputError({input}, "this file would be written over by the case's own", "choose another --out");
-  }
-  is_new = !fs::exists(folder, error);
-  fs::create_directories(folder, error);
-  if (error) throw std::runtime_error(folder.string() + ": " + error.message());
-  begun = true;
-}
-
-void Import::undo() const {
-  if (!begun) return;
-  std::error_code ignored;
-  for (const std::string& name : fresh) fs::remove(folder / name, ignored);
-  if (is_new) fs::remove(folder, ignored);  // where it is empty
 }
 
 /// The file that says which voxels are the organ.
@@ -135,6 +109,27 @@ Mask onScan(Import& import, const Mask& found) {
   return mask;
 }
 
+/// What a mask's values say that a mask's don't.
+void noteValues(Import& import, const Image& mask) {
+  if (!import.options.label.empty()) return;
+  const std::string& file = maskFile(import.options);
+  const bool fractions = std::any_of(mask.value.begin(), mask.value.end(), [](float a) { return a != std::floor(a); });
+  float first = 0;  // above a half
+  const bool several = std::any_of(mask.value.begin(), mask.value.end(), [&](float a) {
+    if (a > 0.5F && first == 0) first = a;
+    return a > 0.5F && a != first;
+  });
+  const double largest = static_cast<double>(*std::max_element(mask.value.begin(), mask.value.end()));
+  if (fractions)
+    import.note(file + format(": not a mask of 0 and 1: it has values between, up to %.3g; what is above a half is the "
+                              "organ",
+                              largest));
+  else if (several)
+    import.note(file + format(": not a mask of 0 and 1, but of several values, up to %.3g; all above a half are the "
+                              "organ (--labels with --label picks some)",
+                              largest));
+}
+
 /// Refuses what is no organ by its size, of which the scan's unit may be the cause.
 void checkSize(const Import& import) {
   constexpr double shortest = 1e-3, longest = 3;  // m
@@ -150,19 +145,42 @@ void checkSize(const Import& import) {
                      "give a finer mask; is it the right one?");
 }
 
+/// Thin tails of a mask, such as the rest of a nerve, would be no body but a strip of skin: they go, with what hangs on
+/// them. A mask that is thin in many places is left as it is.
+void cutTails(Import& import) {
+  constexpr double thin = 0.35, reach = 0.35;  // of the spacing: a tail's radius; how far it may stand out
+  constexpr double most = 0.05;                // of the mask
+  const Mask cut = withoutTails(import.mask, thin * import.spacing, reach * import.spacing);
+  MaskParts parts;
+  const Mask kept = keepLargestPart(cut, parts);
+  const std::size_t all = countOf(import.mask), left = countOf(kept);
+  if (left >= all) return;
+  const double share = 1 - static_cast<double>(left) / static_cast<double>(all);
+  const std::string what = format("%.3g ml of the mask (%.2g %%)",
+                                  1e6 * static_cast<double>(all - left) * kept.grid.voxelVolume(), 100 * share);
+  const double width = 2 * thin * import.spacing / mm;
+  if (share > most) {
+    import.note(what +
+                format(" are thinner than %.3g mm, which nodes %.3g mm apart can't follow; a smaller --spacing does",
+                       width, import.spacing / mm));
+    return;
+  }
+  import.note(what + format(" are tails thinner than %.3g mm: left out; a smaller --spacing keeps them", width));
+  import.mask = kept;
+}
+
 void readImages(Import& import) {
   import.show(0, "reading");
   // Expanding an image is work for one core.
   std::vector<std::string> of_mask;  // warnings
   auto reader = std::async(std::launch::async, [&, file = maskFile(import.options)] {
-    return maskOf(
-        readImage(file, {import.options.assume_ras, [&](const std::string& text) { of_mask.push_back(text); }}),
-        import.options.label);
+    return readImage(file, {import.options.assume_ras, [&](const std::string& text) { of_mask.push_back(text); }});
   });
   import.scan = readImage(import.options.scan, import.reading());
-  const Mask found = reader.get();
+  const Image of_file = reader.get();
   for (const std::string& text : of_mask) import.note(text);
-  const Mask given = onScan(import, found);
+  noteValues(import, of_file);
+  const Mask given = onScan(import, maskOf(of_file, import.options.label));
   MaskParts parts;
   if (countOf(given) == 0)
     throw InputError({maskFile(import.options)}, "no voxel is in the organ",
@@ -176,18 +194,81 @@ void readImages(Import& import) {
     import.note(
         format("holes of %.3g ml inside the mask are filled", static_cast<double>(parts.filled_voxels) * voxel_ml));
   checkSize(import);
+  const double volume = static_cast<double>(countOf(import.mask)) * import.mask.grid.voxelVolume();
+  import.spacing =
+      import.options.spacing_mm > 0 ? import.options.spacing_mm * mm : spacingFor(volume, import.options.nodes);
+  cutTails(import);
   import.report["mask_voxels"] = countOf(import.mask);
+}
+
+/// Whether a place is held, or nearer to that than half the spacing; empty: it is not. Before there is a surface the
+/// mask's box tells where the organ is lowest.
+std::string heldBy(const Import& import, const Box3& box, const Vec3& x) {
+  const double near = 0.5 * import.spacing;
+  for (const NamedBall& ball : import.scene.fixed)
+    if ((x - ball.centre).norm() < ball.radius + near) return ball.text;
+  const bool low = import.scene.fixed.empty() && x.z() < box.min().z() + lowest_held * box.sizes().z() + near;
+  return low ? "the lowest twentieth, which is held because --fix says nothing else" : "";
+}
+
+/// Refuses electrodes where the organ is held, which the set-up would find only after long work.
+void checkElectrodes(const Import& import) {
+  const PointLoad& load = import.electrodes;
+  const Box3 box = boxOf(import.mask, 0);
+  std::string held, lines;
+  int first = 0;
+  for (std::size_t k = 0; k < load.after.size(); ++k) {
+    const std::string by = heldBy(import, box, load.before.empty() ? load.after[k] : load.before[k]);
+    if (by.empty()) continue;
+    const int line = k < load.line.size() ? load.line[k] : 0;
+    if (held.empty()) {
+      held = by;
+      first = line;
+    } else {
+      lines += (lines.empty() ? " (and so are those of lines " : ", ") + std::to_string(line);
+    }
+  }
+  if (held.empty()) return;
+  throw InputError(
+      {import.options.electrodes, first},
+      format("this electrode is nearer than half the spacing of %.3g mm to what is held: ", import.spacing / mm) +
+          held + (lines.empty() ? "" : lines + ")"),
+      "say with --fix where else it is held, give a smaller ball, or leave the electrode out");
+}
+
+/// The mask without the voxels that are exactly 0: what other programs cut away, and the mask has, is no tissue. Where
+/// a scan has negative values 0 is one like others.
+Mask knownTissue(Import& import) {
+  Mask known = import.mask;
+  import.scene.known = "mask.nii.gz";
+  for (std::size_t v = 0; v < known.value.size(); ++v) {
+    if (known.value[v] && import.scan.value[v] < 0) return import.mask;
+    if (import.scan.value[v] == 0) known.value[v] = 0;
+  }
+  const std::size_t all = countOf(import.mask), left = countOf(known);
+  if (left == all) return known;
+  if (left == 0)
+    throw InputError({import.options.scan}, "all voxels in the mask are 0", "is it the mask of this scan?");
+  import.note(
+      format("%.2g %% of the mask's voxels are exactly 0, as if cut away: they are of no class, and take the "
+             "tissue around them",
+             100 * (1 - static_cast<double>(left) / static_cast<double>(all))));
+  import.scene.known = "known.nii.gz";
+  writeImage(import.file(import.scene.known), known);
+  import.report["zero_voxels"] = all - left;
+  return known;
 }
 
 void classify(Import& import) {
   const ImportScanOptions& o = import.options;
   writeImage(import.file("mask.nii.gz"), import.mask);
   if (o.classes == 0) return;
+  const Mask known = knownTissue(import);
   FuzzyOptions fuzzy;
   fuzzy.classes = o.classes;
   const auto show = [&](double share) { import.show(0.1 + 0.3 * share, "tissue classes and surface"); };
   try {
-    import.tissue = fuzzyCMeans(import.scan, import.mask, fuzzy, show);
+    import.tissue = fuzzyCMeans(import.scan, known, fuzzy, show);
   } catch (const InputError& error) {
     throw InputError({o.scan}, error.what(), "");
   }
@@ -206,11 +287,9 @@ void classify(Import& import) {
   import.report["classes"] = classes;
 }
 
-/// Makes import.spacing and import.surface; touches nothing else of it, so that another thread may do the rest.
+/// Makes import.surface; touches nothing else of it, so that another thread may do the rest.
 void makeSurface(Import& import) {
   const ImportScanOptions& o = import.options;
-  const double volume = static_cast<double>(countOf(import.mask)) * import.mask.grid.voxelVolume();
-  import.spacing = o.spacing_mm > 0 ? o.spacing_mm * mm : spacingFor(volume, o.nodes);
   const double smoothing = o.smoothing_mm > 0
                                ? o.smoothing_mm * mm
                                : std::max(0.35 * import.spacing, 0.7 * std::cbrt(import.mask.grid.voxelVolume()));
@@ -258,7 +337,8 @@ void readRequests(Import& import) {
   if (!slicer && !frame)
     throw InputError({o.electrodes}, "the frame of these points is not known",
                      "give --frame ras (+x to the patient's right, +y to the front) or --frame lps (left, back)");
-  const PointLoad points = readPoints(o.electrodes, slicer ? std::optional<double>() : unit, frame);
+  const PointLoad& points = import.electrodes =
+      readPoints(o.electrodes, slicer ? std::optional<double>() : unit, frame);
   scene.electrodes = "electrodes" + fs::path(o.electrodes).extension().string();
   if (o.electrodes.ends_with(".mrk.json")) scene.electrodes = "electrodes.mrk.json";
   if (!slicer) scene.electrode_keys = "unit = \"" + o.unit + "\"\nframe = \"" + o.frame + "\"\n";
@@ -317,11 +397,14 @@ int importScan(const ImportScanOptions& options) {
   std::string name = fs::path(options.scan).filename().string();
   for (const char* ending : {".gz", ".nii"})
     if (name.ends_with(ending)) name.resize(name.size() - std::string(ending).size());
-  Import import{options, options.out.empty() ? fs::path("out") / name : fs::path(options.out)};
+  Import import{options,
+                {options.out.empty() ? fs::path("out") / name : fs::path(options.out),
+                 namesOf(options),
+                 {options.scan, options.mask, options.labels, options.electrodes}}};
   try {
     readRequests(import);
     readImages(import);
-    import.begin();
+    checkElectrodes(import);
     // Neither needs the other, and each leaves cores idle at times.
     auto surface = std::async(std::launch::async, makeSurface, std::ref(import));
     classify(import);
@@ -331,16 +414,15 @@ int importScan(const ImportScanOptions& options) {
     writeScene(import);
     if (options.open) openAndDraw(import);
   } catch (const Interrupted&) {
-    std::cerr << "mtled: interrupted; what was done is in " << import.folder.string() << "\n";
+    std::cerr << "mtled: interrupted: nothing was imported\n";
     return 1;
   } catch (const InputError& error) {
-    import.undo();
     // The case's copy of the electrodes is gone.
     std::string text = error.what();
     if (const std::string copy = import.file(import.scene.electrodes);
         !import.scene.electrodes.empty() && text.starts_with(copy))
       text.replace(0, copy.size(), options.electrodes);
-    throw InputError({}, text, "");
+    throw InputError({}, import.folder.inPlace(text), "");
   }
   const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - import.start;
   import.report["scan"] = options.scan;
@@ -350,12 +432,13 @@ int importScan(const ImportScanOptions& options) {
   import.report["build"] = buildInfo();
   writeWholeFile(import.file("report.json"),
                  import.report.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
+  import.folder.takePlace();
   if (!options.open) return 0;
   std::cout << format("%s: %.0f ml, %lld nodes, %.3g mm apart; %.1f s\n", name.c_str(), 1e6 * import.surface.volume,
                       asLongLong(import.report["nodes"].get<std::int64_t>()), import.spacing / mm, seconds.count())
-            << "scene    " << import.file("scene.toml") << "\npreview  "
-            << (withoutPictures().empty() ? import.file("preview.png") : withoutPictures()) << "\nreport   "
-            << import.file("report.json") << std::endl;
+            << "scene    " << import.folder.file("scene.toml") << "\npreview  "
+            << (withoutPictures().empty() ? import.folder.file("preview.png") : withoutPictures()) << "\nreport   "
+            << import.folder.file("report.json") << std::endl;
   return 0;
 }
 

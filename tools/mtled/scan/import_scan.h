@@ -30,9 +30,9 @@ struct ImportScanOptions {
 /// From a scan to a case: a folder with scene.toml, surface.obj, the tissue's memberships (csf.nii.gz, tissue_2.nii.gz,
 /// ...), mask.nii.gz, a copy of the electrodes, preview.png, organ.png and report.json. `palpate CASE/scene.toml`
 /// touches it, `mtled solve CASE` computes the shift, `mtled warp CASE --image I.nii.gz` warps an image by that.
-/// @return 0, or 1 where it was interrupted: what there is stays
-/// Throws InputError for unusable input, of which no file is left behind, std::runtime_error where a file can't be
-/// written.
+/// @return 0, or 1 where it was interrupted. The folder gets its files all at once, at the end: nothing is left behind
+/// of an import that was interrupted or refused.
+/// Throws InputError for unusable input, std::runtime_error where a file can't be written.
 int importScan(const ImportScanOptions& options);
 
 /// Whether mtled import takes the file for a scan: .nii or .nii.gz.

@@ -16,7 +16,8 @@ struct WarpOptions {
 
 /// Warps an image by a case's solution. Writes field.nii.gz (displacements from the deformed to the reference image, as
 /// ITK's resampling wants them), forward.nii.gz (from the reference to the deformed), warped.nii.gz, valid.nii.gz,
-/// jacobian.nii.gz (volume now over volume at rest), shift.png and warp.json with a check against the whole field.
+/// jacobian.nii.gz (volume now over volume at rest, where the tissue is now), shift.png and warp.json with a check
+/// against the whole field.
 /// @return 0, or 1 where it was interrupted
 /// Throws InputError where the case was not solved as its scene now is, or an image can't be used.
 int warpCommand(const WarpOptions& options);
