@@ -276,6 +276,14 @@ constexpr KeySpec scene_keys[] = {
     {"device", "own_damping", T::Number, "N s/m", depends, between(0.05, 50), "",
      "Of the device and the lightest hand that will hold it; by `class` 2, 2 and 3. It bounds the coupling's stiffness "
      "K by K (T/2 + delay) <= own_damping (T: time from pose to pose).", never},
+    {"device", "orientation", T::Text, "", "\"free\"", {}, "free|locked",
+     "`\"free\"`: the tool turns with the handle, on an angular spring whose torque the device is given. "
+     "`\"locked\"`: it keeps the orientation that it starts with.",
+     never},
+    {"device", "lever", T::Number, "m", "0.02", between(0.001, 0.5), "",
+     "What turning is measured by: the angular spring is `stiffness` lever^2, its damper `damping` lever^2, the torque "
+     "at most `max_force` lever.",
+     never},
 
     {"camera", "target", T::Vector, "m", depends, {}, "",
      "The point in the middle of the view: [0.0, 0.0, 0.0] where only `distance` is given. With neither the first view "

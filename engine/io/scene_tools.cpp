@@ -97,6 +97,8 @@ void readDevice(const TomlTable& table, DeviceSettings& device) {
   table.read("rise_time", device.rise_time);
   table.read("scale", device.scale);
   table.read("own_damping", device.own_damping);
+  table.read("lever", device.lever);
+  device.locked = table.readChoice("orientation", 0) == 1;
 }
 
 }  // namespace palpate

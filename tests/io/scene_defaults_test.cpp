@@ -42,7 +42,7 @@ std::string described(const Scene& s) {
   vector(s.tool_position), vector(s.tool_direction);
   add(s.tool_max_speed, s.tool_max_force, s.friction, s.filter_cutoff_hz, s.force_rate_limit);
   add(s.device.stiffness, s.device.damping, s.device.max_force, s.device.rise_time, s.device.scale);
-  add(s.device.own_damping);
+  add(s.device.own_damping, s.device.lever, s.device.locked);
   vector(s.camera_target);
   add(s.camera_distance, s.camera_azimuth_deg, s.camera_elevation_deg, s.camera_fov_deg);
   return text.str();

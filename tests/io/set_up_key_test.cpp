@@ -166,6 +166,8 @@ std::map<std::string, Change> changes() {
       {"device.rise_time", {full_scene, "[camera]", "[device]\nrise_time = 0.02\n[camera]"}},
       {"device.scale", {full_scene, "[camera]", "[device]\nscale = 2\n[camera]"}},
       {"device.own_damping", {full_scene, "[camera]", "[device]\nown_damping = 3\n[camera]"}},
+      {"device.orientation", {full_scene, "[camera]", "[device]\norientation = \"locked\"\n[camera]"}},
+      {"device.lever", {full_scene, "[camera]", "[device]\nlever = 0.03\n[camera]"}},
       {"camera.target", {full_scene, "target = [0, 0, 0.01]", "target = [0, 0, 0.02]"}},
       {"camera.distance", {full_scene, "distance = 0.2", "distance = 0.3"}},
       {"camera.azimuth", {full_scene, "azimuth = 30", "azimuth = 31"}},

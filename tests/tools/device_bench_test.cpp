@@ -64,3 +64,24 @@ TEST_CASE("A trial with a device depends on nothing but its settings", "[device]
   ++trial.seed;
   CHECK(runDeviceTrial(model, trial).peak_force != once.peak_force);
 }
+
+TEST_CASE("A loose hand behind a delay gets no energy from a slab, rocked or not", "[device][whole]") {
+  const Model model = deviceBody("slab");
+  DeviceTrial trial;
+  SimulatedDeviceSettings device;
+  device.mass = 0.08;
+  device.damping = device.friction = 0;
+  device.encoder_step = 1e-6;
+  device.delay_s = 0.012;  // 5 ms each way, 1 ms of jitter
+  device.least_delay_s = 0.010;
+  trial.device = device;
+  trial.hand = HandModel::loose();
+  trial.deeper = 0.06;  // m, to which 5 N/m push with 0.3 N
+  trial.rock = GENERATE(0.0, 0.25);
+  trial.seconds = 5;
+  const DeviceResult result = runDeviceTrial(model, trial);
+  CHECK(result.given_J < 1e-4);
+  CHECK(result.pull < 0.01);
+  CHECK(result.static_error < 0.03);
+  CHECK((trial.rock > 0) == (result.peak_torque > 3e-4));
+}

@@ -38,7 +38,7 @@ static void readHandle(pose_packet* pose) { /* <- the SDK's position, turn and v
   pose->orientation[3] = 1;
 }
 
-static void setForce(const float force[3]) { pushed = force[2]; } /* <- the SDK's force */
+static void setForce(const float force[3]) { pushed = force[2]; } /* <- the SDK's force; torques likewise */
 
 int main(int argc, char** argv) {
   const int line = socket(AF_INET, SOCK_DGRAM, 0);

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "base/turn.h"
+
 namespace palpate {
 namespace {
 
@@ -33,6 +35,8 @@ CoupledTool::CoupledTool(const Model& model) : tick_s_(1 / model.scene.rate_hz) 
     const double punch = 2 * R * young / (1 - poisson * poisson);
     normal_hold_ = std::max(normal_hold_, std::sqrt(m.waveModulus() * m.density) * area / tick_s_ + punch);
     tangent_hold_ = std::max(tangent_hold_, std::sqrt(G * m.density) * area / tick_s_ + punch);
+    turning_hold_ = std::max(
+        turning_hold_, R * R * (0.25 * std::sqrt(m.waveModulus() * m.density) * area / tick_s_ + 2.0 / 3 * punch));
   }
 }
 
@@ -48,8 +52,8 @@ Pose CoupledTool::next(const State& state, const StepReport& last) {
   if (hold_ <= 0) {
     along_watch_.forget();
     across_watch_.forget();
-    last_x_ = x;
-    last_force_ = last.tool_force;
+    turning_watch_.forget();
+    remember(state, last);
     return pose;
   }
   const Vec3 way = x - last_x_, change = last.tool_force - last_force_;
@@ -57,8 +61,8 @@ Pose CoupledTool::next(const State& state, const StepReport& last) {
   const double most = kMostHolds * normal_hold_;
   const double rattle_along = along_watch_.see(way_along, change, most, tick_s_);
   const double rattle_across = across_watch_.see(way - way_along, change, most, tick_s_);
-  last_x_ = x;
-  last_force_ = last.tool_force;
+  if (target.turning_stiffness > 0) pose.orientation = turned(target, state, last);
+  remember(state, last);
   const Vec3 push = target.stiffness * (target.pose.position - x) + target.damping * target.velocity + last.tool_force;
   const double spring = target.stiffness + target.damping / tick_s_;
   const double along = push.dot(normal_);
@@ -66,6 +70,24 @@ Pose CoupledTool::next(const State& state, const StepReport& last) {
   pose.position = x + (along / (spring + hold_ * std::max(normal_hold_, rattle_along))) * normal_ +
                   (push - along * normal_) / (spring + sticks * tangent_hold_ + hold_ * rattle_across);
   return pose;
+}
+
+/// The same balance of torques.
+Quat CoupledTool::turned(const DeviceTarget& target, const State& state, const StepReport& last) {
+  const Quat& q = state.tool_pose.orientation;
+  const double rattle =
+      turning_watch_.see(turnBetween(last_q_, q), last.tool_torque - last_torque_, kMostHolds * turning_hold_, tick_s_);
+  const Vec3 push = target.turning_stiffness * turnBetween(q, target.pose.orientation) +
+                    target.turning_damping * target.turning + last.tool_torque;
+  const double spring = target.turning_stiffness + target.turning_damping / tick_s_;
+  return (turnedBy(push / (spring + hold_ * std::max(turning_hold_, rattle))) * q).normalized();
+}
+
+void CoupledTool::remember(const State& state, const StepReport& last) {
+  last_x_ = state.tool_pose.position;
+  last_q_ = state.tool_pose.orientation;
+  last_force_ = last.tool_force;
+  last_torque_ = last.tool_torque;
 }
 
 }  // namespace palpate

@@ -8,7 +8,8 @@
 
 namespace palpate {
 
-/// How stiffly the tissue answers from tick to tick along one direction, seen where a tool goes to and fro.
+/// How stiffly the tissue answers from tick to tick along one direction, seen where a tool goes to and fro. In turning
+/// with ways in rad, torques in N m.
 class RattleWatch {
  public:
   /// @param way    m, that the tool went in a tick
@@ -41,6 +42,8 @@ class RattleWatch {
 /// than D knows of: the tool would go to and fro from tick to tick. What that shows the tissue to answer with is taken
 /// for D then, and forgotten within seconds (RattleWatch). D dissipates, and vanishes within 20 ms in air, where the
 /// tool is where the device is.
+/// It turns by the same law, with the torque on it and a punch that is rocked:
+///   D = R^2 (rho c pi R^2 / 4 T + (4/3) R E / (1 - nu^2))
 /// Loop thread only, but for targets(). Real-time: no allocation, no lock, no throw. A recording keeps the poses that
 /// this gives, so a replay needs no device. Test: realtime/device/coupled_tool_test.cpp
 class CoupledTool final : public ToolMotion {
@@ -67,12 +70,17 @@ class CoupledTool final : public ToolMotion {
 
  private:
   DeviceTargetSlot targets_{DeviceTarget{}};
+  Quat turned(const DeviceTarget& target, const State& state, const StepReport& last);
+  void remember(const State& state, const StepReport& last);
+
   const double tick_s_;
   double normal_hold_ = 0, tangent_hold_ = 0;  // N/m
+  double turning_hold_ = 0;                    // N m/rad
   double hold_ = 0;                            // share of them that is in force
   Vec3 normal_ = Vec3::Zero();                 // of the last contact
-  Vec3 last_x_ = Vec3::Zero(), last_force_ = Vec3::Zero();
-  RattleWatch along_watch_, across_watch_;
+  Vec3 last_x_ = Vec3::Zero(), last_force_ = Vec3::Zero(), last_torque_ = Vec3::Zero();
+  Quat last_q_ = Quat::Identity();
+  RattleWatch along_watch_, across_watch_, turning_watch_;
   std::uint64_t sequence_ = 0;
   std::atomic<std::uint32_t> put_backs_{0};
 };

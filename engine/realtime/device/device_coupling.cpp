@@ -3,25 +3,34 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/turn.h"
 #include "realtime/channels/force_output.h"
 
 namespace palpate {
 namespace {
 
-constexpr double kLongestCall = 0.01;       // s; a thread that was away longer starts anew in a moment anyway
-constexpr double kContactSeconds = 0.005;   // for the coupling to come and go with the contact
-constexpr double kVelocitySeconds = 0.004;  // smoothing of velocities made from an encoder's steps
-constexpr double kIntervalShare = 0.02;     // of a new interval between poses in their mean
-constexpr double kDelayFalls = 0.2;         // 1/s: the delay that is reckoned with is nearly the longest of late
+constexpr double kLongestCall = 0.01;               // s; a thread that was away longer starts anew in a moment anyway
+constexpr double kContactSeconds = 0.005;           // for the coupling to come and go with the contact
+constexpr double kVelocitySeconds = 0.004;          // smoothing of velocities made from an encoder's steps
+constexpr double kIntervalShare = 0.02;             // of a new interval between poses in their mean
+constexpr double kGap = 2.5;                        // intervals without a pose: some were lost
 constexpr double kSoftens = 0.02, kStiffens = 1.0;  // s, of the coupling when its delay changes
-constexpr double kJumps = 3;                        // times the tool's greatest speed: it was put elsewhere
+constexpr double kBraked = 0.1;    // m/s, up to which a handle that comes in is braked before it has paid
+constexpr double kUnknown = 3e-4;  // J, that forces under way may give to a handle at full speed that turns back
+constexpr double kJumps = 3;       // times the tool's greatest speed: it was put elsewhere
 
 double seconds(std::int64_t ns) { return 1e-9 * static_cast<double>(ns); }
 
-/// 1 to 0 over the time, gently at both ends.
-double left(double time, double duration) {
-  const double s = std::clamp(time / duration, 0.0, 1.0);
-  return 1 - s * s * (3 - 2 * s);
+/// No longer than `most`.
+Vec3 cut(const Vec3& v, double most) {
+  const double size = v.norm();
+  return size > most ? Vec3(most / size * v) : v;
+}
+
+/// The part of `way` that relaxes a spring stretched like this, as far as to its rest.
+Vec3 relaxing(const Vec3& way, const Vec3& stretch) {
+  const double size2 = stretch.squaredNorm();
+  return size2 > 0 ? Vec3(std::clamp(way.dot(stretch) / size2, 0.0, 1.0) * stretch) : Vec3(Vec3::Zero());
 }
 
 }  // namespace
@@ -39,32 +48,33 @@ DeviceCoupling::DeviceCoupling(const DeviceSettings& settings, const Model& mode
 /// Energy, velocity and interval of a new pose.
 void DeviceCoupling::take(std::int64_t now, const DevicePose& pose) {
   if (report_.poses++ == 0) handle_ = pose;
-  const Vec3 way = pose.pose.position - handle_.pose.position;
-  // The force that the hand worked against is the one that was out, not the one that this pose brings about.
-  report_.energy_J -= force_.dot(way);
+  AlongAndTurning way;
+  way.along = pose.pose.position - handle_.pose.position;
+  way.turning = settings_.lever * turnBetween(handle_.pose.orientation, pose.pose.orientation);
   const double interval = std::max(1e-4, seconds(now - pose_ns_));
-  if (interval < silent_seconds) interval_s_ += kIntervalShare * (interval - interval_s_);
+  const bool gap = report_.poses == 1 || interval > std::max(silent_seconds, kGap * interval_s_);
+  energy_.moved(now, pose.felt, way, interval, gap);
+  if (!gap) interval_s_ += kIntervalShare * (interval - interval_s_);
   // By the device's clock: the way here takes now longer, now shorter.
   const double told = seconds(pose.sent_ns - handle_.sent_ns);
   const double taken = told > 1e-5 && told < 10 * silent_seconds ? told : interval;
-  if (pose.has_velocity)
-    velocity_ = pose.velocity;
-  else if (interval > silent_seconds)
-    velocity_.setZero();
-  else
-    velocity_ -= std::expm1(-taken / kVelocitySeconds) * (way / taken - velocity_);
+  if (interval > silent_seconds) {
+    velocity_ = newest_velocity_ = {};
+  } else {
+    newest_velocity_ = {way.along / taken, way.turning / taken};
+    const double share = -std::expm1(-taken / kVelocitySeconds);
+    velocity_.along += share * (newest_velocity_.along - velocity_.along);
+    velocity_.turning += share * (newest_velocity_.turning - velocity_.turning);
+  }
+  if (pose.has_velocity) velocity_.along = newest_velocity_.along = pose.velocity;
+  speed_ = std::max(velocity_.along.norm(), speed_ * std::exp(-taken / unknown()));
   handle_ = pose;
   pose_ns_ = now;
-  if (pose.felt != 0) watchDelay(now, pose.felt);
 }
 
-/// There and back: the pose tells which force the handle had when it was measured.
-void DeviceCoupling::watchDelay(std::int64_t now, std::uint32_t felt) {
-  const std::uint32_t ago = sequence_ - felt;
-  if (ago >= kRemembered) return;
-  // The thread's own period lies between a force and the next look at poses, and is no delay of the way.
-  const double delay = std::max(0.0, seconds(now - sent_ns_[felt % kRemembered]) - interval_s_);
-  delay_s_ = std::max(delay, delay_s_ * (1 - kDelayFalls * interval_s_));
+/// s, for which it isn't known what the handle does with a force.
+double DeviceCoupling::unknown() const {
+  return energy_.told() ? energy_.delay() + 1.5 * interval_s_ : PortEnergy::longest_assumed_s;
 }
 
 /// @return false where the tool can't be gone by: late, frozen, or put elsewhere since the last call
@@ -75,73 +85,161 @@ bool DeviceCoupling::followTool(std::int64_t now, const ForceSample& tool, std::
   const Vec3 way = tool.tool_pose.position - tool_.position;
   const bool put_back = known && (tool.loss_count != losses_ || put_backs != put_backs_ || ticks < 0 ||
                                   way.norm() > jump_ * std::max<double>(1, static_cast<double>(ticks)));
-  if (known && ticks > 0 && !put_back)
-    tool_velocity_ = way * rate_hz_ / static_cast<double>(ticks);
-  else if (!known || put_back)
-    tool_velocity_.setZero();
+  if (known && ticks > 0 && !put_back) {
+    const double per_second = rate_hz_ / static_cast<double>(ticks);
+    tool_velocity_.along = per_second * way;
+    tool_velocity_.turning = per_second * settings_.lever * turnBetween(tool_.orientation, tool.tool_pose.orientation);
+  } else if (!known || put_back) {
+    tool_velocity_ = {};
+  }
   if (ticks != 0) tool_ns_ = now;
   tool_ = tool.tool_pose;
   tool_tick_ = tool.tick;
   losses_ = tool.loss_count;
   put_backs_ = put_backs;
   touching_ = tool.contact_count > 0 || !tool.force_raw.isZero(0);
+  if (!tool.contact_normal.isZero(0)) normal_ = tool.contact_normal;
+  if (put_back) lost_ = true;
   return !put_back && readForce(tool, now, rate_hz_).fresh && !tool.frozen;
 }
 
-/// From rest: the device pulls from where the tool is.
-void DeviceCoupling::engage(std::int64_t now) {
+/// Where both are, with the force that is out.
+void DeviceCoupling::engage() {
   if (!anchored_) first_ = handle_.pose;
   anchored_ = true;
   phase_ = Phase::Engaged;
-  phase_ns_ = now;
-  slack_ = tool_.position - toWorld(handle_.pose.position);
-  contact_ = 0;
-  force_.setZero();
+  contact_ = touching_ ? 1 : 0;
+  slack_.setZero();
+  turned_.setIdentity();
+  placeTarget();
+  const double reach = settings_.scale / stiffness_;
+  slip({tool_.position - target_.pose.position - reach * force_.along,
+        settings_.lever * turnBetween(target_.pose.orientation, tool_.orientation) - force_.turning / stiffness_});
+  energy_.holdAtMost(0.5 * force_.dot(force_) / stiffness_);
 }
 
-Vec3 DeviceCoupling::coupling(std::int64_t now, double step) {
-  const double allowed = settings_.own_damping / (0.5 * interval_s_ + delay_s_);
-  const double wanted = std::min(settings_.stiffness, allowed);
+/// To what the way's delay allows.
+void DeviceCoupling::soften(double step) {
+  const double delay = 0.5 * interval_s_ + energy_.delay();
+  const double wanted =
+      std::min({settings_.stiffness, settings_.own_damping / delay, lightest_handle / (delay * delay)});
   stiffness_ += (wanted - stiffness_) * std::min(1.0, step / (wanted < stiffness_ ? kSoftens : kStiffens));
-  const double change = step / kContactSeconds;
-  contact_ = std::clamp(contact_ + (touching_ ? change : -change), 0.0, 1.0);
+}
 
-  target_.engaged = true;
-  target_.pose.position = toWorld(handle_.pose.position) + left(seconds(now - phase_ns_), slack_seconds) * slack_;
-  target_.pose.orientation =
-      (handle_.pose.orientation * first_.orientation.conjugate() * start_.orientation).normalized();
-  target_.velocity = settings_.scale * velocity_;
-  // N per m of the tool, whose way is `scale` times the device's.
+/// The spring's end: where the handle will be when the force of now reaches it, and what has slipped.
+void DeviceCoupling::placeTarget() {
+  const double ahead = energy_.delay();
+  target_.pose.position = toWorld(handle_.pose.position + ahead * velocity_.along) + slack_;
+  target_.velocity = settings_.scale * velocity_.along;
+  if (settings_.locked) {
+    target_.pose.orientation = start_.orientation;
+  } else {
+    const Quat turn = handle_.pose.orientation * first_.orientation.conjugate();
+    target_.pose.orientation =
+        (turned_ * turnedBy(ahead / settings_.lever * velocity_.turning) * turn * start_.orientation).normalized();
+    target_.turning = velocity_.turning / settings_.lever;
+  }
+  // N per m of the tool, whose way is `scale` times the device's; turns are not scaled, so torques are.
   target_.stiffness = stiffness_ / settings_.scale;
   target_.damping = settings_.damping / settings_.scale;
+  const double turning = settings_.locked ? 0 : settings_.scale * settings_.lever * settings_.lever;
+  target_.turning_stiffness = turning * stiffness_;
+  target_.turning_damping = turning * settings_.damping;
   target_.sequence = handle_.sequence;
+}
+
+/// How far it is stretched, m: from its end to the tool.
+AlongAndTurning DeviceCoupling::spring(std::int64_t now) const {
   // Between two ticks the tool goes on as it went, or each of them would be a step in the force.
   const double since = std::clamp(seconds(now - tool_ns_), 0.0, 1 / rate_hz_);
-  const Vec3 tool = tool_.position + since * tool_velocity_;
-  return contact_ *
-         (target_.stiffness * (tool - target_.pose.position) + target_.damping * (tool_velocity_ - target_.velocity));
+  AlongAndTurning stretch;
+  stretch.along = tool_.position + since * tool_velocity_.along - target_.pose.position;
+  if (!settings_.locked)
+    stretch.turning =
+        settings_.lever * turnBetween(target_.pose.orientation, tool_.orientation) + since * tool_velocity_.turning;
+  return stretch;
+}
+
+/// Moves the spring's end.
+void DeviceCoupling::slip(const AlongAndTurning& way) {
+  slack_ += way.along;
+  target_.pose.position += way.along;
+  if (settings_.locked) return;
+  const Quat turn = turnedBy(way.turning / settings_.lever);
+  turned_ = (turn * turned_).normalized();
+  target_.pose.orientation = (turn * target_.pose.orientation).normalized();
+}
+
+/// In air, and in contact as far as it charges no spring.
+void DeviceCoupling::giveSlackBack(const AlongAndTurning& stretch, double step) {
+  const double share = -std::expm1(-step / slack_seconds);
+  AlongAndTurning back;
+  back.along = -share * slack_;
+  back.turning = -share * settings_.lever * turnBetween(Quat::Identity(), turned_);
+  if (touching_ || contact_ > 0) {
+    back.along = relaxing(back.along, stretch.along);
+    back.turning = relaxing(back.turning, stretch.turning);
+  }
+  slip(back);
+}
+
+AlongAndTurning DeviceCoupling::coupling(std::int64_t now, double step) {
+  soften(step);
+  const double change = step / kContactSeconds;
+  contact_ = std::clamp(contact_ + (touching_ ? change : -change), 0.0, 1.0);
+  if (contact_ <= 0) energy_.forget();
+  energy_.forgive(step);
+  report_.energy_J = energy_.pushed();
+  report_.lowest_energy_J = std::min(report_.lowest_energy_J, report_.energy_J);
+
+  placeTarget();
+  giveSlackBack(spring(now), step);
+  AlongAndTurning stretch = spring(now), force;
+  force.along = target_.stiffness * stretch.along + target_.damping * (tool_velocity_.along - target_.velocity);
+  force.turning = stiffness_ * stretch.turning + settings_.damping * (tool_velocity_.turning - velocity_.turning);
+  if (settings_.locked) force.turning.setZero();
+  force.along *= contact_;
+  force.turning *= contact_;
+  if (const double pull = force.along.dot(normal_); pull < 0) force.along -= pull * normal_;
+  force = limited(force, step);
+  pay(now, force);
+  return force;
+}
+
+/// Cuts a force down to what the hand has paid for; what stretched the spring further slips.
+void DeviceCoupling::pay(std::int64_t now, AlongAndTurning& force) {
+  const double horizon = energy_.delay() + 1.5 * interval_s_;
+  // Forces under way meet a handle that may have turned back.
+  if (speed_ > 0) force.along = cut(force.along, kUnknown / (speed_ * unknown()));
+  const double stiffness = 1 / (1 / stiffness_ + horizon * horizon / lightest_handle);
+  const double damping = std::min(settings_.own_damping, 0.5 * lightest_handle / horizon);
+  const auto slipped = [&](Vec3& part, double energy, const Vec3& velocity) {
+    const double size = part.norm(), paid = energy / free_energy_J + 1;
+    if (size <= 0) return Vec3(Vec3::Zero());
+    const double in = std::clamp(-velocity.dot(part) / size, 0.0, kBraked);
+    const double most =
+        std::sqrt(2 * stiffness * free_energy_J * std::max(0.0, paid)) + std::clamp(1 + paid, 0.0, 1.0) * damping * in;
+    if (size <= most) return Vec3(Vec3::Zero());
+    const Vec3 way = (1 - most / size) / stiffness_ * part;
+    report_.damped_J += way.dot(part);
+    part *= most / size;
+    return way;
+  };
+  AlongAndTurning way;
+  const double pushed = energy_.pushed() - energy_.underway(now, newest_velocity_, true);
+  way.along = settings_.scale * slipped(force.along, pushed, velocity_.along);
+  const double left = energy_.all() - energy_.underway(now, newest_velocity_, false);
+  way.turning = slipped(force.turning, left - 0.5 * force.along.squaredNorm() / stiffness, velocity_.turning);
+  slip(way);
 }
 
 /// No longer than the device may push, and no quicker than it may rise.
-Vec3 DeviceCoupling::limited(const Vec3& wanted, double step) const {
-  Vec3 force = wanted;
-  if (const double size = force.norm(); size > settings_.max_force) force *= settings_.max_force / size;
-  const Vec3 change = force - force_;
+AlongAndTurning DeviceCoupling::limited(const AlongAndTurning& wanted, double step) const {
   const double reach = settings_.max_force / settings_.rise_time * step;
-  return change.norm() > reach ? Vec3(force_ + reach / change.norm() * change) : force;
-}
-
-/// Passivity observer and controller.
-Vec3 DeviceCoupling::passive(const Vec3& force, double step) {
-  double& energy = report_.energy_J;
-  report_.lowest_energy_J = std::min(report_.lowest_energy_J, energy);
-  if (contact_ <= 0) energy = std::min(energy, 0.0);
-  const double v2 = velocity_.squaredNorm();
-  if (energy >= 0 || v2 <= 0) return force;
-  // A damper that acts late is stable as a spring is: below what device and hand have of themselves.
-  const double alpha = std::min(-energy / (v2 * interval_s_), settings_.own_damping);
-  report_.damped_J += alpha * v2 * step;
-  return force - alpha * velocity_;
+  const auto limit = [&](const Vec3& to, const Vec3& from) {
+    return Vec3(from + cut(cut(to, settings_.max_force) - from, reach));
+  };
+  return {limit(wanted.along, force_.along), limit(wanted.turning, force_.turning)};
 }
 
 DeviceWrench DeviceCoupling::update(std::int64_t now, const DevicePose* pose, const ForceSample& tool,
@@ -152,40 +250,38 @@ DeviceWrench DeviceCoupling::update(std::int64_t now, const DevicePose* pose, co
   const bool alive = report_.poses > 0 && seconds(now - pose_ns_) <= silent_seconds;
   const bool usable = followTool(now, tool, put_backs);
 
-  if (phase_ == Phase::Off && alive && usable) engage(now);
   if (phase_ == Phase::Engaged && !(alive && usable)) {
     ++(alive ? report_.fades : report_.silences);
     phase_ = Phase::Fading;
     phase_ns_ = now;
     held_ = force_;
   }
-  switch (phase_) {
-    case Phase::Off:
-      force_.setZero();
-      break;
-    case Phase::Engaged:
-      force_ = limited(passive(coupling(now, step), step), step);
-      break;
-    case Phase::Fading:
-      force_ = std::max(0.0, 1 - seconds(now - phase_ns_) / fade_seconds) * held_;
-      if (force_.isZero(0)) phase_ = Phase::Off;
-      break;
+  if (phase_ == Phase::Fading) {
+    const double left = std::max(0.0, 1 - seconds(now - phase_ns_) / fade_seconds);
+    force_ = {left * held_.along, left * held_.turning};
+    if (left <= 0) phase_ = Phase::Off, lost_ = false;
   }
+  if (phase_ == Phase::Off) force_ = {};
+  if ((phase_ == Phase::Off || (phase_ == Phase::Fading && !lost_)) && alive && usable) engage();
+  if (phase_ == Phase::Engaged) force_ = coupling(now, step);
   target_.engaged = phase_ == Phase::Engaged;
-  report_.peak_force = std::max(report_.peak_force, force_.norm());
 
   DeviceWrench wrench;
   wrench.sequence = ++sequence_;
   wrench.answers = handle_.sequence;
-  wrench.sent_ns = sent_ns_[sequence_ % kRemembered] = now;
-  wrench.force = force_;
+  wrench.sent_ns = now;
+  wrench.force = force_.along;
+  wrench.torque = settings_.lever * force_.turning;
   wrench.touching = touching_;
+  energy_.sent(sequence_, now, force_);
+  report_.peak_force = std::max(report_.peak_force, wrench.force.norm());
+  report_.peak_torque = std::max(report_.peak_torque, wrench.torque.norm());
   return wrench;
 }
 
 DeviceReport DeviceCoupling::report() const {
   DeviceReport report = report_;
-  report.delay_s = delay_s_;
+  report.delay_s = energy_.delay();
   report.stiffness = stiffness_;
   report.engaged = phase_ == Phase::Engaged;
   return report;

@@ -23,7 +23,7 @@ struct DeviceWrench {
   std::uint32_t answers = 0;   // DevicePose::sequence
   std::int64_t sent_ns = 0;    // by our clock
   Vec3 force = Vec3::Zero();   // N, on the handle
-  Vec3 torque = Vec3::Zero();  // N m; zero: the coupling hands out forces
+  Vec3 torque = Vec3::Zero();  // N m, on the handle
   bool touching = false;
 };
 

@@ -14,6 +14,9 @@ struct DeviceTarget {
   Vec3 velocity = Vec3::Zero();  // m/s
   double stiffness = 0;          // N/m
   double damping = 0;            // N s/m
+  Vec3 turning = Vec3::Zero();   // rad/s
+  double turning_stiffness = 0;  // N m/rad; 0: the tool's orientation is the target's
+  double turning_damping = 0;    // N m s/rad
   std::uint64_t sequence = 0;    // DevicePose::sequence
 };
 

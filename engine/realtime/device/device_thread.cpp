@@ -58,6 +58,7 @@ void DeviceThread::run() {
   DeviceWrench rest = link_.wrench();
   ++rest.sequence;
   rest.force.setZero();
+  rest.torque.setZero();
   backend_->write(clock.now(), rest);
 }
 

@@ -28,6 +28,17 @@ Vec3 HandMotion::at(double seconds) const {
     const double pressed = rise(s, 0.05, 0.25) - rise(s, 0.85, 0.97);
     return depth * pressed * down + slide * (rise(s, 0.6, 0.7) - rise(s, 0.72, 0.82)) * along;
   }
+  if (kind == Kind::Wander) {
+    const double presses = std::floor(seconds / period), s = seconds / period - presses;
+    const auto place = [&](double press) {
+      if (press < 1) return Vec3(Vec3::Zero());
+      SteadyRandom random(seed + static_cast<std::uint64_t>(press));
+      const double far = slide * std::sqrt(random.next()), angle = 2 * std::numbers::pi * random.next();
+      return Vec3(far * (std::cos(angle) * along + std::sin(angle) * down.cross(along)));
+    };
+    const double on_the_way = rise(s, 0, 0.15), pressed = rise(s, 0.15, 0.4) - rise(s, 0.75, 0.95);
+    return (1 - on_the_way) * place(presses - 1) + on_the_way * place(presses) + depth * pressed * down;
+  }
   constexpr int kSines = 8;
   constexpr double kSlowest = 0.2, kRatio = 1.53;  // Hz: 0.2 to 4
   SteadyRandom random(seed);
@@ -41,6 +52,10 @@ Vec3 HandMotion::at(double seconds) const {
   }
   const double begins = rise(seconds, 0, 0.5);
   return begins * (depth * (0.5 + deep / all) * down + slide * side / all * along);
+}
+
+Vec3 HandMotion::turnAt(double seconds) const {
+  return rise(seconds, 0, rock_period) * rock * std::sin(2 * std::numbers::pi * seconds / rock_period) * along;
 }
 
 }  // namespace palpate

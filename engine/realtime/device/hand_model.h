@@ -20,6 +20,8 @@ struct HandModel {
 
   static HandModel light() { return {0.12, 300, 2, 60, 3}; }
   static HandModel firm() { return {0.55, 1200, 9, 135, 6.5}; }
+  /// Fingers that hardly hold it, of an arm that goes where it is wanted.
+  static HandModel loose(double stiffness = 5, double damping = 0.2) { return {1, stiffness, damping, 1e4, 200}; }
 };
 
 /// Where a person wants the hand, by time: m from where it began.
@@ -27,14 +29,18 @@ struct HandMotion {
   enum class Kind {
     Press,   // down, rest there, along, back up, once in `period`
     Random,  // about half that depth, by sines between 0.2 and 4 Hz
+    Wander,  // down, rest there, back up, and on to another place within `slide`, once in `period`
   };
   Kind kind = Kind::Press;
   Vec3 down = -Vec3::UnitZ(), along = Vec3::UnitX();  // unit
   double depth = 0.01, slide = 0.005;                 // m
-  double period = 4;                                  // s, of Press
-  std::uint64_t seed = 1;                             // of Random
+  double period = 4;                                  // s, of Press and Wander
+  std::uint64_t seed = 1;                             // of Random and Wander
+  double rock = 0, rock_period = 1;                   // rad, to both sides about `along`; s
 
   Vec3 at(double seconds) const;
+  /// The rotation vector, rad.
+  Vec3 turnAt(double seconds) const;
 };
 
 /// Numbers that are the same on every machine: splitmix64.

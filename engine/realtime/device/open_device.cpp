@@ -37,6 +37,7 @@ std::unique_ptr<DeviceBackend> openDevice(const std::string& device, const Model
   if (device.starts_with("ws://")) return std::make_unique<WebsocketDevice>(device);
   if (device != "simulated") return std::make_unique<UdpDevice>(udpPort(device));
   HandMotion motion;
+  motion.kind = HandMotion::Kind::Wander;
   motion.down = model.tool_start.orientation * -Vec3::UnitZ();
   motion.along = model.tool_start.orientation * Vec3::UnitX();
   motion.depth = model.first_contact_travel + 0.8 * model.scene.tool.radius;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/turn.h"
+
 namespace palpate {
 
 SimulatedDeviceSettings SimulatedDeviceSettings::of(int device_class) {
@@ -26,6 +28,8 @@ void SimulatedDevice::step() {
     if (w.wrench.sequence > force_.sequence) force_ = w.wrench;  // one that was overtaken is dropped
     w.arrives = -1;
     if (const double size = force_.force.norm(); size > device_.max_force) force_.force *= device_.max_force / size;
+    const double most = device_.turns_hand ? device_.max_force * device_.lever : 0;
+    if (const double size = force_.torque.norm(); size > most) force_.torque *= most / size;
   }
   const Vec3 wanted = motion_.at(step_s * static_cast<double>(steps_));
   const Vec3 grip = hand_.grip_stiffness * (arm_x_ - x_) + hand_.grip_damping * (arm_v_ - v_);
@@ -37,16 +41,22 @@ void SimulatedDevice::step() {
   v_ = speed > stop ? Vec3((1 - stop / speed) * v_) : Vec3::Zero();
   arm_x_ += step_s * arm_v_;
   x_ += step_s * v_;
-  work_ += step_s * force_.force.dot(v_);
+  const double per_lever2 = 1 / (device_.lever * device_.lever);
+  const Vec3 turned = hand_.grip_stiffness * (motion_.turnAt(step_s * static_cast<double>(steps_)) - turn_) -
+                      (hand_.grip_damping + device_.damping) * turning_;
+  turning_ += step_s / device_.mass * (per_lever2 * force_.torque + turned);
+  turn_ += step_s * turning_;
+  work_ += step_s * (force_.force.dot(v_) + force_.torque.dot(turning_));
   ++steps_;
 }
 
 void SimulatedDevice::sendPose() {
   DevicePose pose;
   pose.sequence = ++sent_;
-  pose.felt = force_.sequence;
+  if (device_.tells_felt) pose.felt = force_.sequence;
   pose.sent_ns = static_cast<std::int64_t>(std::llround(1e9 * step_s * static_cast<double>(steps_)));
   for (int c = 0; c < 3; ++c) pose.pose.position[c] = device_.encoder_step * std::round(x_[c] / device_.encoder_step);
+  pose.pose.orientation = turnedBy(turn_);
   if (silent_) return;
   for (PoseUnderway& p : poses_) {
     if (p.arrives >= 0) continue;

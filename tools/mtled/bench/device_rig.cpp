@@ -9,7 +9,6 @@
 #include "io/load_model.h"
 #include "io/scene_file.h"
 #include "realtime/device/device_thread.h"
-#include "realtime/device/simulated_device.h"
 #include "realtime/loop/simulation_loop.h"
 
 namespace palpate::tools {
@@ -19,6 +18,7 @@ constexpr std::int64_t kDeviceNs = 1'000'000;
 constexpr double kTickShare = 0.8;  // of the period, that a tick takes: the force is no younger
 // Of a press of 4 s, from where all is at rest to where it is measured, and when the silence begins in the next.
 constexpr double kRestFrom = 1.3, kRestTo = 2.3, kStaticFrom = 2.0, kSilent = 5.6, kSilence = 0.2;
+constexpr double kGapsFrom = 1.5, kGapEvery = 0.5;
 
 /// 50 kPa, 8 mm below the top of a soft block.
 Scene inclusionScene() {
@@ -46,23 +46,38 @@ Scene inclusionScene() {
   return scene;
 }
 
+/// 20 mm of one material, bonded below; the tool begins 3 mm above it.
+Scene slabScene() {
+  Scene scene = inclusionScene();
+  scene.name = "slab";
+  scene.size = Vec3(0.06, 0.06, 0.02);
+  scene.spacing = 0.008;
+  scene.materials.resize(1);
+  scene.materials[0].material.set("young", 50000);
+  scene.tool.radius = 0.006;
+  scene.tool_position = Vec3(0, 0, 0.023);
+  return scene;
+}
+
 /// Time as the trial has it, and what is under way between the loop and the device's thread.
 class Lockstep {
  public:
   Lockstep(const Model& model, const DeviceTrial& trial, const HandMotion& motion)
       : model_(model),
         tick_ns_(std::llround(1e9 / model.scene.rate_hz)),
-        device_(deviceOf(trial), trial.firm ? HandModel::firm() : HandModel::light(), motion),
+        device_(deviceOf(trial), trial.hand.value_or(trial.firm ? HandModel::firm() : HandModel::light()), motion),
         tool_(model),
         link_(device_, tool_, model),
         physics_(model, 1),
         loop_(model, physics_, nullptr, optionsFor(tool_)) {}
 
   /// One look of the device's thread, and the loop's ticks that begin until the next.
-  void advance() {
+  /// @param stalled  no tick begins: something else has the loop's core
+  void advance(bool stalled) {
     link_.exchange(now_, ready_);
     arrivals_.emplace_back(link_.wrench().answers, now_);
     for (; next_tick_ < now_ + kDeviceNs; next_tick_ += tick_ns_) {
+      if (stalled) continue;
       if (next_tick_ >= done_ns_ && pending_.tick > 0) ready_ = pending_;
       loop_.advanceHere(1);
       pending_ = loop_.force().sample;
@@ -83,6 +98,7 @@ class Lockstep {
 
  private:
   static SimulatedDeviceSettings deviceOf(const DeviceTrial& trial) {
+    if (trial.device) return *trial.device;
     SimulatedDeviceSettings settings = SimulatedDeviceSettings::of(trial.device_class);
     settings.delay_s = trial.delay_s;
     settings.seed = trial.seed;
@@ -172,7 +188,8 @@ DeviceResult runDeviceTrial(const Model& model, const DeviceTrial& trial) {
   motion.kind = trial.motion;
   motion.down = down;
   motion.along = model.tool_start.orientation * Vec3::UnitX();
-  motion.depth = model.first_contact_travel + 1.0 * model.scene.tool.radius;
+  motion.depth = model.first_contact_travel + 1.0 * model.scene.tool.radius + trial.deeper;
+  motion.rock = trial.rock;
   motion.slide = 0.4 * model.scene.tool.radius;
   motion.seed = trial.seed;
   const bool press = trial.motion == HandMotion::Kind::Press;
@@ -181,12 +198,22 @@ DeviceResult runDeviceTrial(const Model& model, const DeviceTrial& trial) {
   DeviceResult result;
   std::vector<Vec3> steady;
   Rest rest;
-  double before = 0, dragged = 0, moved = 0;
+  double before = 0, dragged = 0, moved = 0, before_gap = 0, low = -1, high = 1;
   Vec3 handle = run.device().handle();
   while (run.seconds() < trial.seconds) {
     const double t = run.seconds(), since = t - kSilent;
-    run.device().setSilent(press && since >= 0 && since < kSilence);
-    run.advance();
+    const double gap = std::fmod(t, kGapEvery);
+    const auto gaps = [&](int count) {
+      return t >= kGapsFrom && t < kGapsFrom + kGapEvery * count && gap < trial.lasting;
+    };
+    if (gap < 1e-9 * kDeviceNs) before_gap = run.device().work();
+    run.device().setSilent((press && since >= 0 && since < kSilence) || gaps(trial.dropouts));
+    run.advance(gaps(trial.stalls));
+    if (t >= kGapsFrom && t < kGapsFrom + kGapEvery * std::max(trial.dropouts, trial.stalls))
+      result.dropout_J = std::max(result.dropout_J, run.device().work() - before_gap);
+    const double deep = run.device().handle().dot(down);
+    result.pull = std::max(result.pull, run.device().force().dot(down));
+    if (t > trial.seconds - 1) low = std::max(low, deep), high = std::min(high, deep);
     const Vec3& force = run.link().wrench().force;
     result.peak_force = std::max(result.peak_force, force.norm());
     const Vec3 v = (run.device().handle() - handle) / (1e-9 * kDeviceNs);
@@ -213,6 +240,8 @@ DeviceResult runDeviceTrial(const Model& model, const DeviceTrial& trial) {
   const DeviceReport report = run.link().report();
   result.lowest_energy_J = report.lowest_energy_J;
   result.damped_J = report.damped_J;
+  result.peak_torque = report.peak_torque;
+  result.sway = std::max(0.0, low - high);
   result.coupling_stiffness = report.stiffness;
   if (moved > 0) result.drag = dragged / moved;
   result.latency_ticks = run.latency_ticks;
@@ -225,8 +254,8 @@ DeviceResult runDeviceTrial(const Model& model, const DeviceTrial& trial) {
 }
 
 Model deviceBody(const std::string& body) {
-  if (body == "inclusion") {
-    const Scene scene = inclusionScene();
+  if (body == "inclusion" || body == "slab") {
+    const Scene scene = body == "slab" ? slabScene() : inclusionScene();
     return buildModel(scene, boxSurface(scene.size, 0.004));
   }
   const bool liver = body == "liver";

@@ -1,9 +1,10 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
-#include "realtime/device/hand_model.h"
+#include "realtime/device/simulated_device.h"
 #include "simulation/model.h"
 
 namespace palpate::tools {
@@ -16,6 +17,12 @@ struct DeviceTrial {
   HandMotion::Kind motion = HandMotion::Kind::Press;
   double seconds = 6.6;  // simulated; Press: the device is silent for 0.2 s in the rest of its second time, if it comes
   std::uint64_t seed = 1;
+  std::optional<SimulatedDeviceSettings> device;  // another than the class's, with its own delays
+  std::optional<HandModel> hand;                  // another than light and firm
+  double deeper = 0;                              // m, that this hand wants to be beneath where others press
+  double rock = 0;                                // rad, to both sides, once a second
+  int dropouts = 0, stalls = 0;                   // of the poses, of the loop: one each half second from 1.5 s on
+  double lasting = 0.02;                          // s, each of them
 };
 
 /// What the hand went through.
@@ -26,6 +33,10 @@ struct DeviceResult {
   double lowest_energy_J = 0;  // of the passivity observer
   double damped_J = 0;         // by the passivity controller
   double given_J = 0;          // the most that the motors had given to the handle in all, at any time
+  double dropout_J = 0;        // the most that they gave in the half second from before a dropout or stall
+  double pull = 0;             // N, the most that they pulled it towards the tissue
+  double sway = 0;             // m, that the handle went up and down in the last second
+  double peak_torque = 0;      // N m
   double static_error = -1;    // |force at the handle - force on the tool| over the latter, at rest; -1: not measured
   double static_force = 0;     // N, on the tool, at rest
   double tissue_stiffness = 0, felt_stiffness = 0;  // N/m, force over depth at rest: of the tool, of the handle
@@ -45,7 +56,7 @@ DeviceResult runDeviceTrial(const Model& model, const DeviceTrial& trial);
 /// N, and frequency.
 std::pair<double, double> spectralPeak(const std::vector<Vec3>& force, double rate_hz, double from_hz);
 
-/// A scene as bench and tests use it: coarse, one thread. @param body  liver, gel or inclusion
+/// A scene as bench and tests use it: coarse, one thread. @param body  liver, gel, inclusion, or slab: of 50 kPa
 Model deviceBody(const std::string& body);
 
 }  // namespace palpate::tools
