@@ -308,6 +308,7 @@ void Viewer::applyFiles(const PanelRequests& requests) {
 void Viewer::applyChoices(const Actions& actions, PanelRequests& requests) {
   if (actions.toggle_engineer) panels_.engineer = !panels_.engineer;
   if (actions.next_hardness > 0) panels_.hardness = 1 + (panels_.hardness - 1 + actions.next_hardness) % 3;
+  if (session_.searching()) return;  // with the scene's probe
   if (actions.next_shape > 0 || actions.radius_steps != 0) {
     const ToolShape& tool = session_.model().scene.tool;
     if (!panels_.tool_edited) panels_.tool = {tool.kind, tool.radius};

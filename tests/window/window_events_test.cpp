@@ -138,154 +138,158 @@ TEST_CASE("A person presses, tilts, cuts open, saves, marks, undoes, submits and
   std::int64_t ticks = 0;
 
   const auto wait = [](Session&, Viewer&) {};
-  drive(*person, scene,
-        {{"the first picture", wait, [](Session& s, Viewer&) { return s.latest().status.ticks > 0; }},
-         {"End, which presses", [&](Session&, Viewer&) { person->tap("End"); },
-          [](Session& s, Viewer& v) { return v.hand().depth() > 0.002 && s.latest().force.force_raw.norm() > 0.01; }},
-         {"Home, which lifts", [&](Session&, Viewer&) { person->tap("Home"); },
-          [](Session& s, Viewer&) { return s.latest().tool_pose.position.z() > 0.034; }},
-         {"a click on Press", [&](Session&, Viewer&) { clickButton(*person, "Press"); },
-          [](Session& s, Viewer& v) { return v.hand().depth() > 0.002 && s.latest().force.force_raw.norm() > 0.01; }},
-         {"a click on Lift", [&](Session&, Viewer&) { clickButton(*person, "Lift"); },
-          [](Session& s, Viewer&) { return s.latest().tool_pose.position.z() > 0.034; }},
-         {"E and U", [&](Session&, Viewer&) { person->tap("e"), person->tap("u"); },
-          [](Session&, Viewer& v) { return v.panels().engineer && v.panels().hardness == 3; }},
-         {"B", [&](Session&, Viewer&) { person->tap("b"); },
-          [](Session&, Viewer& v) { return v.panels().tool_edited && v.panels().tool.kind == ToolKind::FlatCylinder; }},
-         {"its place", wait, [](Session&, Viewer&) { return buttonPlaces().count("Keep the old") > 0; }},
-         {"a click on Keep the old", [&](Session&, Viewer&) { clickButton(*person, "Keep the old"); },
-          [](Session&, Viewer& v) { return !v.panels().tool_edited; }},
-         {"button down on the skin",
-          [&](Session&, Viewer& v) {
-            const Eigen::Vector2d at = pixelOf(v, spot);
-            person->moveTo(at.x(), at.y());
-            person->button(1, true);
-          },
-          [](Session&, Viewer& v) { return v.drag() == Drag::Glide && v.hand().onSkin(); }},
-         {"button up", [&](Session&, Viewer&) { person->button(1, false); },
-          [&](Session& s, Viewer& v) {
-            return v.drag() == Drag::None && (s.latest().tool_pose.position - spot).norm() < 0.003;
-          }},
-         {"a tap of PageDown that is shorter than a picture",
-          [&](Session& s, Viewer&) {
-            before = s.latest().tool_pose.position.z();
-            person->tap("Next");
-          },
-          [&](Session& s, Viewer&) { return s.latest().tool_pose.position.z() < before - 8e-4; }},
-         {"another",
-          [&](Session& s, Viewer&) {
-            before = s.latest().tool_pose.position.z();
-            person->tap("Next");
-          },
-          [&](Session& s, Viewer&) {
-            return s.latest().tool_pose.position.z() < before - 8e-4 && s.latest().force.force_raw.norm() > 0.01;
-          }},
-         {"a tap of PageUp that is shorter than a picture",
-          [&](Session& s, Viewer&) {
-            before = s.latest().goal_pose.position.z();
-            person->tap("Prior");
-          },
-          [&](Session& s, Viewer&) { return s.latest().goal_pose.position.z() > before + 5e-4; }},
-         {"J held",
-          [&](Session& s, Viewer&) {
-            turned = s.latest().tool_pose.orientation;
-            person->key("j", true);
-          },
-          [&](Session& s, Viewer&) { return s.latest().tool_pose.orientation.angularDistance(turned) > 0.1; }},
-         {"J up", [&](Session&, Viewer&) { person->key("j", false); }, [](Session&, Viewer&) { return true; }},
-         {"a tap of X", [&](Session&, Viewer&) { person->tap("x"); },
-          [](Session&, Viewer& v) { return v.view().section.on; }},
-         {"three taps of X between two pictures",
-          [&](Session&, Viewer&) {
-            for (int k = 0; k < 3; ++k) person->tap("x");
-          },
-          [](Session&, Viewer& v) { return !v.view().section.on; }},
-         {"a tap of F12", [&](Session&, Viewer&) { person->tap("F12"); },
-          [](Session&, Viewer&) { return fs::exists("out/task/picture-1.png"); }},
-         {"Ctrl+S", [&](Session&, Viewer&) { person->tapWith("Control_L", "s"); },
-          [](Session&, Viewer&) { return fs::exists("out/task/force-1/force.csv"); }},
-         {"Ctrl+Z", [&](Session&, Viewer&) { person->tapWith("Control_L", "z"); },
-          [](Session& s, Viewer&) { return s.latest().status.undo_count == 1; }},
-         {"T, which looks back", [&](Session&, Viewer&) { person->tap("t"); },
-          [](Session&, Viewer& v) { return v.panels().timeline_shown; }},
-         {"a click into the past",
-          [&](Session&, Viewer&) {
-            const Rect play = buttonPlaces().at("Play");
-            person->click(play.x + 20, play.y - 0.7F * play.height);
-          },
-          [](Session& s, Viewer& v) { return v.lookedAt() && s.latest().status.paused; }},
-         {"Space, which goes on", [&](Session&, Viewer&) { person->tap("space"); },
-          [](Session& s, Viewer& v) { return !v.lookedAt() && !s.latest().status.paused; }},
-         {"a click on Save run", [&](Session&, Viewer&) { clickButton(*person, "Save run"); },
-          [](Session&, Viewer&) { return fs::exists("out/task/recording-1.rec"); }},
-         {"Escape after presses, without a mark", [&](Session&, Viewer&) { person->tap("Escape"); },
-          [](Session&, Viewer& v) { return !v.panels().at_stake.empty(); }},
-         {"Escape, which stays", [&](Session&, Viewer&) { person->tap("Escape"); },
-          [](Session&, Viewer& v) { return v.panels().at_stake.empty(); }},
-         {"a tap of M", [&](Session&, Viewer&) { person->tap("m"); },
-          [](Session& s, Viewer&) { return s.task()->marks().size() == 1; }},
-         {"Ctrl+O with a mark", [&](Session&, Viewer&) { person->tapWith("Control_L", "o"); },
-          [](Session&, Viewer& v) { return v.panels().open_shown && ImGui::GetIO().WantTextInput; }},
-         {"a scene's name and Return", [&](Session&, Viewer&) { person->type("other.toml"), person->tap("Return"); },
-          [pictures = 0](Session&, Viewer& v) mutable {  // its place settles
-            return !v.panels().at_stake.empty() && ++pictures > 3;
-          }},
-         {"a click on Stay", [&](Session&, Viewer&) { clickButton(*person, "Stay"); },
-          [](Session& s, Viewer& v) { return v.panels().at_stake.empty() && s.task()->marks().size() == 1; }},
-         {"a click on Submit", [&](Session&, Viewer&) { clickButton(*person, "Submit"); },
-          [](Session& s, Viewer&) {
-            return s.revealed() && fs::exists("out/task/score-1.json") && fs::exists("out/task/score-1.png") &&
-                   fs::exists("out/task/score-1-pressure.csv");
-          }},
-         {"Escape before the answers were looked at", [&](Session&, Viewer&) { person->tap("Escape"); },
-          [](Session&, Viewer& v) { return !v.panels().at_stake.empty(); }},
-         {"Escape, which stays once more", [&](Session&, Viewer&) { person->tap("Escape"); },
-          [](Session&, Viewer& v) { return v.panels().at_stake.empty(); }},
-         {"Save run with the answers", [&](Session&, Viewer&) { clickButton(*person, "Save run"); },
-          [](Session&, Viewer&) { return fs::exists("out/task/recording-2.rec"); }},
-         {"the score", wait, [](Session&, Viewer&) { return buttonPlaces().count("Search again") > 0; }},
-         {"a click on Search again", [&](Session&, Viewer&) { clickButton(*person, "Search again"); },
-          [](Session& s, Viewer&) {
-            return !s.revealed() && s.task()->marks().empty() && s.conditions().answers_seen == 1;
-          }},
-         {"a click on File", [&](Session&, Viewer&) { clickButton(*person, "File"); },
-          [](Session&, Viewer&) { return menuOpen(); }},
-         {"Escape, which closes the menu", [&](Session&, Viewer&) { person->tap("Escape"); },
-          [](Session&, Viewer&) { return !menuOpen(); }},
-         {"Ctrl+O", [&](Session&, Viewer&) { person->tapWith("Control_L", "o"); },
-          [](Session&, Viewer& v) { return v.panels().open_shown && ImGui::GetIO().WantTextInput; }},
-         {"the name of a broken scene",
-          [&](Session& s, Viewer&) {
-            first = &s;
-            person->type("broken.toml");
-          },
-          [](Session&, Viewer& v) { return v.panels().path == "broken.toml"; }},
-         {"Return", [&](Session&, Viewer&) { person->tap("Return"); },
-          [](Session&, Viewer& v) { return !v.panels().problem.empty(); }},
-         {"Escape",
-          [&](Session& s, Viewer&) {
-            ticks = s.latest().status.ticks;
-            person->tap("Escape");
-          },
-          [&](Session& s, Viewer& v) {  // the old one is still there, and runs
-            return v.panels().problem.empty() && &s == first && s.latest().status.ticks > ticks;
-          }},
-         {"Ctrl+O again", [&](Session&, Viewer&) { person->tapWith("Control_L", "o"); },
-          [](Session&, Viewer& v) { return v.panels().open_shown && ImGui::GetIO().WantTextInput; }},
-         {"the name of another scene", [&](Session&, Viewer&) { person->type("other.toml"); },
-          [](Session&, Viewer& v) { return v.panels().path == "other.toml"; }},
-         {"Return again", [&](Session&, Viewer&) { person->tap("Return"); },
-          [](Session& s, Viewer&) { return s.task() == nullptr && s.latest().status.ticks > 0; }},
-         {"B, + and Enter",
-          [&](Session&, Viewer&) {
-            for (const char* key : {"b", "equal", "Return"}) person->tap(key);
-          },
-          [](Session& s, Viewer&) {
-            const ToolShape& tool = s.model().scene.tool;
-            return tool.kind == ToolKind::FlatCylinder && tool.radius > 0.0105 && s.latest().status.ticks > 0;
-          }},
-         {"Escape, which quits", [&](Session&, Viewer&) { person->tap("Escape"); },
-          [](Session&, Viewer&) { return false; }}});
+  drive(
+      *person, scene,
+      {{"the first picture", wait, [](Session& s, Viewer&) { return s.latest().status.ticks > 0; }},
+       {"End, which presses", [&](Session&, Viewer&) { person->tap("End"); },
+        [](Session& s, Viewer& v) { return v.hand().depth() > 0.002 && s.latest().force.force_raw.norm() > 0.01; }},
+       {"Home, which lifts", [&](Session&, Viewer&) { person->tap("Home"); },
+        [](Session& s, Viewer&) { return s.latest().tool_pose.position.z() > 0.034; }},
+       {"a click on Press", [&](Session&, Viewer&) { clickButton(*person, "Press"); },
+        [](Session& s, Viewer& v) { return v.hand().depth() > 0.002 && s.latest().force.force_raw.norm() > 0.01; }},
+       {"a click on Lift", [&](Session&, Viewer&) { clickButton(*person, "Lift"); },
+        [](Session& s, Viewer&) { return s.latest().tool_pose.position.z() > 0.034; }},
+       {"E, B, which is shut during a search, and U",
+        [&](Session&, Viewer&) {
+          for (const char* key : {"e", "b", "u"}) person->tap(key);
+        },
+        [](Session&, Viewer& v) { return v.panels().engineer && v.panels().hardness == 3 && !v.panels().tool_edited; }},
+       {"button down on the skin",
+        [&](Session&, Viewer& v) {
+          const Eigen::Vector2d at = pixelOf(v, spot);
+          person->moveTo(at.x(), at.y());
+          person->button(1, true);
+        },
+        [](Session&, Viewer& v) { return v.drag() == Drag::Glide && v.hand().onSkin(); }},
+       {"button up", [&](Session&, Viewer&) { person->button(1, false); },
+        [&](Session& s, Viewer& v) {
+          return v.drag() == Drag::None && (s.latest().tool_pose.position - spot).norm() < 0.003;
+        }},
+       {"a tap of PageDown that is shorter than a picture",
+        [&](Session& s, Viewer&) {
+          before = s.latest().tool_pose.position.z();
+          person->tap("Next");
+        },
+        [&](Session& s, Viewer&) { return s.latest().tool_pose.position.z() < before - 8e-4; }},
+       {"another",
+        [&](Session& s, Viewer&) {
+          before = s.latest().tool_pose.position.z();
+          person->tap("Next");
+        },
+        [&](Session& s, Viewer&) {
+          return s.latest().tool_pose.position.z() < before - 8e-4 && s.latest().force.force_raw.norm() > 0.01;
+        }},
+       {"a tap of PageUp that is shorter than a picture",
+        [&](Session& s, Viewer&) {
+          before = s.latest().goal_pose.position.z();
+          person->tap("Prior");
+        },
+        [&](Session& s, Viewer&) { return s.latest().goal_pose.position.z() > before + 5e-4; }},
+       {"J held",
+        [&](Session& s, Viewer&) {
+          turned = s.latest().tool_pose.orientation;
+          person->key("j", true);
+        },
+        [&](Session& s, Viewer&) { return s.latest().tool_pose.orientation.angularDistance(turned) > 0.1; }},
+       {"J up", [&](Session&, Viewer&) { person->key("j", false); }, [](Session&, Viewer&) { return true; }},
+       {"a tap of X", [&](Session&, Viewer&) { person->tap("x"); },
+        [](Session&, Viewer& v) { return v.view().section.on; }},
+       {"three taps of X between two pictures",
+        [&](Session&, Viewer&) {
+          for (int k = 0; k < 3; ++k) person->tap("x");
+        },
+        [](Session&, Viewer& v) { return !v.view().section.on; }},
+       {"a tap of F12", [&](Session&, Viewer&) { person->tap("F12"); },
+        [](Session&, Viewer&) { return fs::exists("out/task/picture-1.png"); }},
+       {"Ctrl+S", [&](Session&, Viewer&) { person->tapWith("Control_L", "s"); },
+        [](Session&, Viewer&) { return fs::exists("out/task/force-1/force.csv"); }},
+       {"Ctrl+Z", [&](Session&, Viewer&) { person->tapWith("Control_L", "z"); },
+        [](Session& s, Viewer&) { return s.latest().status.undo_count == 1; }},
+       {"T, which looks back", [&](Session&, Viewer&) { person->tap("t"); },
+        [](Session&, Viewer& v) { return v.panels().timeline_shown; }},
+       {"a click into the past",
+        [&](Session&, Viewer&) {
+          const Rect play = buttonPlaces().at("Play");
+          person->click(play.x + 20, play.y - 0.7F * play.height);
+        },
+        [](Session& s, Viewer& v) { return v.lookedAt() && s.latest().status.paused; }},
+       {"Space, which goes on", [&](Session&, Viewer&) { person->tap("space"); },
+        [](Session& s, Viewer& v) { return !v.lookedAt() && !s.latest().status.paused; }},
+       {"a click on Save run", [&](Session&, Viewer&) { clickButton(*person, "Save run"); },
+        [](Session&, Viewer&) { return fs::exists("out/task/recording-1.rec"); }},
+       {"Escape after presses, without a mark", [&](Session&, Viewer&) { person->tap("Escape"); },
+        [](Session&, Viewer& v) { return !v.panels().at_stake.empty(); }},
+       {"Escape, which stays", [&](Session&, Viewer&) { person->tap("Escape"); },
+        [](Session&, Viewer& v) { return v.panels().at_stake.empty(); }},
+       {"a tap of M", [&](Session&, Viewer&) { person->tap("m"); },
+        [](Session& s, Viewer&) { return s.task()->marks().size() == 1; }},
+       {"Ctrl+O with a mark", [&](Session&, Viewer&) { person->tapWith("Control_L", "o"); },
+        [](Session&, Viewer& v) { return v.panels().open_shown && ImGui::GetIO().WantTextInput; }},
+       {"a scene's name and Return", [&](Session&, Viewer&) { person->type("other.toml"), person->tap("Return"); },
+        [pictures = 0](Session&, Viewer& v) mutable {  // its place settles
+          return !v.panels().at_stake.empty() && ++pictures > 3;
+        }},
+       {"a click on Stay", [&](Session&, Viewer&) { clickButton(*person, "Stay"); },
+        [](Session& s, Viewer& v) { return v.panels().at_stake.empty() && s.task()->marks().size() == 1; }},
+       {"a click on Submit", [&](Session&, Viewer&) { clickButton(*person, "Submit"); },
+        [](Session& s, Viewer&) {
+          return s.revealed() && fs::exists("out/task/score-1.json") && fs::exists("out/task/score-1.png") &&
+                 fs::exists("out/task/score-1-pressure.csv");
+        }},
+       {"Escape before the answers were looked at", [&](Session&, Viewer&) { person->tap("Escape"); },
+        [](Session&, Viewer& v) { return !v.panels().at_stake.empty(); }},
+       {"Escape, which stays once more", [&](Session&, Viewer&) { person->tap("Escape"); },
+        [](Session&, Viewer& v) { return v.panels().at_stake.empty(); }},
+       {"Save run with the answers", [&](Session&, Viewer&) { clickButton(*person, "Save run"); },
+        [](Session&, Viewer&) { return fs::exists("out/task/recording-2.rec"); }},
+       {"the score", wait, [](Session&, Viewer&) { return buttonPlaces().count("Search again") > 0; }},
+       {"a click on Search again", [&](Session&, Viewer&) { clickButton(*person, "Search again"); },
+        [](Session& s, Viewer&) {
+          return !s.revealed() && s.task()->marks().empty() && s.conditions().answers_seen == 1;
+        }},
+       {"a click on File", [&](Session&, Viewer&) { clickButton(*person, "File"); },
+        [](Session&, Viewer&) { return menuOpen(); }},
+       {"Escape, which closes the menu", [&](Session&, Viewer&) { person->tap("Escape"); },
+        [](Session&, Viewer&) { return !menuOpen(); }},
+       {"Ctrl+O", [&](Session&, Viewer&) { person->tapWith("Control_L", "o"); },
+        [](Session&, Viewer& v) { return v.panels().open_shown && ImGui::GetIO().WantTextInput; }},
+       {"the name of a broken scene",
+        [&](Session& s, Viewer&) {
+          first = &s;
+          person->type("broken.toml");
+        },
+        [](Session&, Viewer& v) { return v.panels().path == "broken.toml"; }},
+       {"Return", [&](Session&, Viewer&) { person->tap("Return"); },
+        [](Session&, Viewer& v) { return !v.panels().problem.empty(); }},
+       {"Escape",
+        [&](Session& s, Viewer&) {
+          ticks = s.latest().status.ticks;
+          person->tap("Escape");
+        },
+        [&](Session& s, Viewer& v) {  // the old one is still there, and runs
+          return v.panels().problem.empty() && &s == first && s.latest().status.ticks > ticks;
+        }},
+       {"Ctrl+O again", [&](Session&, Viewer&) { person->tapWith("Control_L", "o"); },
+        [](Session&, Viewer& v) { return v.panels().open_shown && ImGui::GetIO().WantTextInput; }},
+       {"the name of another scene", [&](Session&, Viewer&) { person->type("other.toml"); },
+        [](Session&, Viewer& v) { return v.panels().path == "other.toml"; }},
+       {"Return again", [&](Session&, Viewer&) { person->tap("Return"); },
+        [](Session& s, Viewer&) { return s.task() == nullptr && s.latest().status.ticks > 0; }},
+       {"B", [&](Session&, Viewer&) { person->tap("b"); },
+        [](Session&, Viewer& v) { return v.panels().tool_edited && v.panels().tool.kind == ToolKind::FlatCylinder; }},
+       {"its place", wait, [](Session&, Viewer&) { return buttonPlaces().count("Keep the old") > 0; }},
+       {"a click on Keep the old", [&](Session&, Viewer&) { clickButton(*person, "Keep the old"); },
+        [](Session&, Viewer& v) { return !v.panels().tool_edited; }},
+       {"B, + and Enter",
+        [&](Session&, Viewer&) {
+          for (const char* key : {"b", "equal", "Return"}) person->tap(key);
+        },
+        [](Session& s, Viewer&) {
+          const ToolShape& tool = s.model().scene.tool;
+          return tool.kind == ToolKind::FlatCylinder && tool.radius > 0.0105 && s.latest().status.ticks > 0;
+        }},
+       {"Escape, which quits", [&](Session&, Viewer&) { person->tap("Escape"); },
+        [](Session&, Viewer&) { return false; }}});
 }
 
 TEST_CASE("A rough person drags, turns the wheel, resizes to nothing and presses everything, and it goes on",
