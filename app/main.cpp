@@ -46,7 +46,7 @@ int run(const palpate::app::Options& options) {
   std::string failure;
   int code = 0;
   if (options.offscreen) {
-    checkReferences(options);
+    checkReferences(options, scene);
     Session session(options, scene, log);
     code = runOffscreen(session);
     failure = session.failure();

@@ -30,3 +30,8 @@ if(PALPATE_APP)
   install(TARGETS palpate RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT programs)
   install(DIRECTORY shaders DESTINATION ${CMAKE_INSTALL_DATADIR}/palpate COMPONENT library)
 endif()
+
+if(PALPATE_NATIVE)
+  install(CODE "message(STATUS \"For this machine's kind of processor; for others: tools/build portable\")"
+          ALL_COMPONENTS)
+endif()

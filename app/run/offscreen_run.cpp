@@ -76,11 +76,20 @@ struct References {
   std::optional<Baseline> baseline;
 };
 
-References readReferences(const Options& options) {
+/// The report that a run of the scene will have, but for its values.
+RunReport blankReport(const Scene& scene) {
+  RunReport report;
+  const std::vector<ToolSpec> tools = toolsOf(scene);
+  if (tools.size() > 1 || tools[0].jaws()) report.tools.resize(tools.size());
+  report.has_skull = scene.skull.given;
+  return report;
+}
+
+References readReferences(const Options& options, const Scene& scene) {
   if (!options.offscreen) return {};
   References references;
   if (!options.compare.empty()) references.picture = readPng(options.compare);
-  if (!options.expect.empty()) references.baseline.emplace(options.expect);
+  if (!options.expect.empty()) references.baseline.emplace(options.expect, toJson(blankReport(scene)));
   return references;
 }
 
@@ -146,11 +155,11 @@ void writeManifest(Session& session, Manifest manifest) {
 
 }  // namespace
 
-void checkReferences(const Options& options) { readReferences(options); }
+void checkReferences(const Options& options, const Scene& scene) { readReferences(options, scene); }
 
 int runOffscreen(Session& session) {
   // First what may be missing, so that a long run is not for nothing.
-  const References references = readReferences(session.options());
+  const References references = readReferences(session.options(), session.model().scene);
   const OffscreenContext context;
   OrganView organ(session.model());
   session.log().info("OpenGL: " + context.description());

@@ -5,7 +5,7 @@
 namespace palpate::app {
 
 /// Reads what the run is to be compared with, and throws InputError where that can't be used: before the set-up.
-void checkReferences(const Options& options);
+void checkReferences(const Options& options, const Scene& scene);
 
 /// Runs a session to its end without a display and writes its results: pictures (at the very ticks that were asked
 /// for), forces, report, manifest. Compares with references where the options name some.

@@ -17,8 +17,9 @@ inline constexpr int done = 0, failed = 1, unusable_input = 2, doubted = 3, froz
 /// text or a whole number (to be equal), or {"value": v, "abs": a} or {"value": v, "rel": r} with a tolerance.
 class Baseline {
  public:
-  /// Throws InputError with the file and what is wrong with it.
-  explicit Baseline(const std::string& file);
+  /// @param blank_report  report.json's text as the run's will be, but for its values
+  /// Throws InputError with the place in the file and what is wrong there, a key that the report won't have included.
+  Baseline(const std::string& file, const std::string& blank_report);
 
   /// What differs, a line for each key; empty: nothing. @param report  report.json's text
   std::vector<std::string> differences(const std::string& report) const;
@@ -27,9 +28,10 @@ class Baseline {
   std::string file_, text_;
 };
 
-/// Whether `picture` looks like `reference`: the mean colour difference (CIELAB) at most `tolerance`, and no spot
-/// stands out. Empty: it does; else the sentence that says how they differ. Where they do and `image` is not empty, a
-/// picture of the differences is written there.
+/// Whether `picture` looks like `reference`: the mean colour difference (CIELAB) at most `tolerance`, and the share of
+/// strongly different pixels (PictureDifference::strong_delta_E) at most 0.4 % for each unit of it, so that no spot
+/// stands out. Empty: it does; else the sentence that says which limit it missed. Where it does and `image` is not
+/// empty, a picture of the differences is written there.
 std::string pictureDifference(const Picture& reference, const Picture& picture, double tolerance,
                               const std::string& image);
 

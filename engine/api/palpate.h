@@ -220,8 +220,8 @@ PALPATE_API int32_t palpate_set_tool_target(palpate_simulation* simulation, int3
                                             uint64_t sequence);
 
 /* (hand, a thread for each tool) How far the jaws of a tool should be open, from the next tick on; they go there as
- * fast as the scene lets them, and yield to what they pinch. The latest wins. PALPATE_BAD_ARGUMENT where that tool is
- * no jaws.
+ * fast as the scene lets them, and stop where they pinch with its grip_force. The latest wins. PALPATE_BAD_ARGUMENT
+ * where that tool is no jaws.
  * @param opening  m, the gap between the fingers, at least 0 */
 PALPATE_API int32_t palpate_set_opening(palpate_simulation* simulation, int32_t tool, double opening);
 

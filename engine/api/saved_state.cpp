@@ -115,11 +115,11 @@ int32_t palpate_restore(palpate_simulation* simulation, const void* bytes, size_
     if (size != sizeOf(*simulation) || header.size != size || header.sum != sumOf(at, size))
       throw Refusal(PALPATE_BAD_INPUT, "the saved state is damaged");
 
+    State state = simulation->physics.state();  // before anything changes: there may be no memory for it
     at += sizeof header;
     RunMemory memory;
     take(at, memory);
     take(at, simulation->step_sequence);
-    State state = simulation->physics.state();
     for (std::size_t m = 0; m < simulation->materials.size(); ++m) {
       take(at, simulation->materials[m]);
       setMaterial(*simulation->model, static_cast<int>(m), simulation->materials[m], state.live);

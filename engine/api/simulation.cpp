@@ -100,6 +100,7 @@ void palpate_destroy(palpate_simulation* simulation) { delete simulation; }
 
 int32_t palpate_step(palpate_simulation* simulation, int64_t n, const double* pose, palpate_state* state) {
   if (simulation == nullptr || n < 0 || (pose != nullptr && !isPose(pose))) return PALPATE_BAD_ARGUMENT;
+  if (state != nullptr && !isSize(state->size)) return PALPATE_BAD_ARGUMENT;
   if (simulation->running) return PALPATE_BUSY;
   return guarded(nullptr, [&] {
     if (pose != nullptr) setHand(*simulation, poseFrom(pose), ++simulation->step_sequence);

@@ -249,6 +249,9 @@ constexpr KeySpec scene_keys[] = {
      "Makes it jaws: two fingers of this shape side by side, this far apart at the start. `position` is the middle "
      "between their tips, and they close along the tool's x axis (the world's, where it points down). Without "
      "`friction` they hold nothing. Absent: no jaws.", never},
+    {"tool", "grip_force", T::Number, "N", "0", atLeast(0), "",
+     "What jaws pinch with at most, each finger along the closing axis: there they stop, however much narrower hand or "
+     "script wants them. 0: twice the tissue's mean shear modulus on the finger's cross-section.", never},
     {"tool", "input", T::Text, "", "", {}, "",
      "What moves it. `\"hand\"`, or absent: mouse, device or program; where there is none it stands still, but the "
      "first tool is pressed in by off-screen runs. `\"script:FILE\"`: a [tool script](../tools/README.md), relative to "

@@ -57,6 +57,8 @@ ToolSpec readTool(const TomlTable& any, const std::filesystem::path& folder) {
   table.read("max_force", spec.max_force);
   table.read("friction", spec.friction);
   table.read("opening", spec.opening);
+  table.read("grip_force", spec.grip_force);
+  if (!spec.jaws()) table.forbid({"grip_force"}, "to a tool without \"opening\", which is no jaws");
   spec.script = readInput(table, folder);
   if (const std::optional<ToolFault> fault = type.fault(tool))
     throw InputError(table.place(fault->key), fault->problem, fault->advice);
@@ -83,6 +85,7 @@ void readTools(const TomlTable& top, const std::filesystem::path& folder, Scene&
   scene.tool_direction = first.direction;
   scene.tool_max_speed = first.max_speed;
   scene.tool_max_force = first.max_force;
+  scene.tool_grip_force = first.grip_force;
   scene.friction = first.friction;
   scene.tool_opening = first.opening;
   scene.tool_script = first.script;

@@ -83,7 +83,7 @@ std::uint64_t modelHash(const Model& model) {
   }
   for (const ToolSetUp& tool : model.tools.tool) {
     key.add(tool.start.pose.position, tool.start.pose.orientation.coeffs(), tool.start.opening);
-    key.add(tool.max_speed, tool.max_force, tool.friction, tool.path.size());
+    key.add(tool.max_speed, tool.max_force, tool.grip_force, tool.friction, tool.path.size());
     for (const ToolPosture& p : tool.path) key.add(p.pose.position, p.pose.orientation.coeffs(), p.opening);
   }
   key.add(model.stiffness_means.points.weight, model.stiffness_means.nodes.weight, model.stiffness_means.bounded);

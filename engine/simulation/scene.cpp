@@ -28,8 +28,10 @@ bool Region::contains(const Vec3& x, double tolerance, double surface_distance) 
 }
 
 std::vector<ToolSpec> toolsOf(const Scene& scene) {
-  ToolSpec first{scene.tool,     scene.tool_position, scene.tool_direction, scene.tool_max_speed, scene.tool_max_force,
-                 scene.friction, scene.tool_opening,  scene.tool_script,    scene.place};
+  ToolSpec first{scene.tool,           scene.tool_position,  scene.tool_direction,
+                 scene.tool_max_speed, scene.tool_max_force, scene.tool_grip_force,
+                 scene.friction,       scene.tool_opening,   scene.tool_script,
+                 scene.place};
   for (const char* key : {"tool", "tool.position", "tool[0].position"})
     if (const auto at = scene.places.find(key); at != scene.places.end()) first.place = at->second;
   std::vector<ToolSpec> tools{first};

@@ -124,7 +124,7 @@ struct ToolSpec {
   ToolShape shape;
   Vec3 position = Vec3(0, 0, 0.1);  // m, tip
   Vec3 direction = -Vec3::UnitZ();  // unit
-  double max_speed = 1, max_force = 0, friction = 0;
+  double max_speed = 1, max_force = 0, grip_force = 0, friction = 0;
   double opening = -1;  // m, jaws: the gap at the start between two fingers of that shape; < 0: no jaws
   std::string script;   // file of a tool script that it follows; "": a hand leads it
   SourceLocation place;
@@ -196,6 +196,7 @@ struct Scene {
   Vec3 tool_direction = -Vec3::UnitZ();  // unit, the way the tip points
   double tool_max_speed = 1.0;           // m/s; a faster command is followed at this speed
   double tool_max_force = 0;             // N; 0: from the tissue (maxToolForce)
+  double tool_grip_force = 0;            // N, of jaws; 0: from the tissue (gripForce)
   double friction = 0;                   // Coulomb coefficient
   double tool_opening = -1;              // as ToolSpec::opening
   std::string tool_script;  // what runs without a hand do with it, as ToolSpec::script; "": they press it in

@@ -56,6 +56,7 @@ ToolSet makeToolSet(const Scene& scene, const SurfaceTree& organ, const Triangle
     made.start = {startPose(spec), std::max(0.0, spec.opening)};
     made.max_speed = spec.max_speed;
     made.max_force = spec.max_force;
+    made.grip_force = spec.grip_force;
     made.friction = spec.friction;
     if (made.jaws) {
       set.body.push_back({tool, -1, spec.shape});

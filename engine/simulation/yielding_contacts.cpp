@@ -112,13 +112,13 @@ void undo(const Model& model, double alpha, const float* inverse_mass, State& st
 }
 
 struct Limit {
-  double force, speed;  // N, m/s; force 0: none
+  double force, grip, speed;  // N, N of the pinch, m/s; a force of 0: none
 };
 
 Limit limitOf(const Model& model, int tool) {
-  if (model.tools.empty()) return {model.max_tool_force, model.scene.tool_max_speed};
+  if (model.tools.empty()) return {model.max_tool_force, 0, model.scene.tool_max_speed};
   const ToolSetUp& set_up = model.tools.tool[static_cast<std::size_t>(tool)];
-  return {set_up.max_force, set_up.max_speed};
+  return {set_up.max_force, set_up.grip_force, set_up.max_speed};
 }
 
 /// How far a tool goes back in a step at most: faster than it may follow a hand, for a cell that was crushed thrusts.
@@ -141,13 +141,12 @@ struct Search {
     bool good = true;
     for (int k = 0; k < model.tools.toolCount(); ++k) {
       const Limit limit = limitOf(model, k);
-      if (!(limit.force > 0)) continue;
       const Vec3 force = forceOn(model, k, first, loads);
       const double most_way = longestWay(model, limit);
       const auto tool = static_cast<std::size_t>(k);
       const ToolPosture from = postureOf(state, k);
       Yielding& whole = yielding[tool];
-      if (!whole.active && force.norm() > limit.force) {
+      if (!whole.active && limit.force > 0 && force.norm() > limit.force) {
         whole.active = true;
         whole.out = force.normalized();
         whole.stands = std::max(0.0, -(wanted[tool].pose.position - from.pose.position).dot(whole.out));
@@ -155,13 +154,13 @@ struct Search {
       }
       Yielding& jaws = yielding[max_tools + tool];
       const double pinch = loads[tool].pinch;
-      if (!jaws.active && pinch > limit.force) {
+      if (!jaws.active && limit.grip > 0 && pinch > limit.grip) {
         jaws.active = true;
         jaws.stands = std::max(0.0, from.opening - wanted[tool].opening);
         jaws.most = jaws.stands + most_way;
       }
       if (whole.active) good = learn(tool, force, limit.force) && good;
-      if (jaws.active) good = jaws.learn(pinch / limit.force) && good;
+      if (jaws.active) good = jaws.learn(pinch / limit.grip) && good;
     }
     return good;
   }

@@ -281,6 +281,52 @@ TEST_CASE("What can't be used is told with its place, and leaves the caller's pr
   CHECK(hashOf(simulation) == rest);
 }
 
+TEST_CASE("A call that is refused changes nothing, now or in the ticks that follow", "[api]") {
+  const ModelHandle model = loadBlock();
+  const palpate_model_info info = describe(model);
+  const SimulationHandle asked = create(model), left_alone = create(model);
+  press(asked, info, 0, 40), press(left_alone, info, 0, 40);
+  palpate_simulation* const simulation = asked.get();
+  const std::uint64_t before = hashOf(asked);
+  const auto away = poseAtDepth(info, -0.005);
+  std::vector<char> bytes(palpate_save_size(simulation));
+  REQUIRE(palpate_save(simulation, bytes.data(), bytes.size()) == PALPATE_OK);
+  bytes.back() = static_cast<char>(bytes.back() + 1);
+  const double one[] = {1000, 2000};
+  const palpate_parameter half[] = {{"young", one, 1}, {"poisson", one, 1}};  // the first of them can be meant
+  palpate_state unsized{};
+  palpate_tool_state unsized_tool{};
+  std::vector<float> skin(static_cast<std::size_t>(3 * info.skin_vertex_count));
+  std::int32_t count = 0;
+  CHECK(palpate_step(simulation, 3, away.data(), &unsized) == PALPATE_BAD_ARGUMENT);
+  CHECK(palpate_step(simulation, 0, away.data(), &unsized) == PALPATE_BAD_ARGUMENT);
+  unsized.size = 1 << 20;
+  CHECK(palpate_step(simulation, 3, nullptr, &unsized) == PALPATE_BAD_ARGUMENT);
+  CHECK(palpate_step(simulation, -1, away.data(), nullptr) == PALPATE_BAD_ARGUMENT);
+  CHECK(palpate_start(simulation, 1U << 9) == PALPATE_BAD_ARGUMENT);
+  CHECK(palpate_set_target(simulation, nullptr, 9) == PALPATE_BAD_ARGUMENT);
+  CHECK(palpate_set_tool_target(simulation, 1, away.data(), 9) == PALPATE_BAD_ARGUMENT);
+  CHECK(palpate_set_opening(simulation, 0, 0.01) == PALPATE_BAD_ARGUMENT);
+  CHECK(palpate_set_friction(simulation, 3) == PALPATE_BAD_ARGUMENT);
+  CHECK(palpate_set_material(simulation, 0, half, 2, nullptr) == PALPATE_BAD_ARGUMENT);
+  CHECK(palpate_restore(simulation, bytes.data(), bytes.size(), nullptr) == PALPATE_BAD_INPUT);
+  CHECK(palpate_save(simulation, bytes.data(), bytes.size() - 1) == PALPATE_BAD_ARGUMENT);
+  CHECK(palpate_read_tool(simulation, 0, &unsized_tool) == PALPATE_BAD_ARGUMENT);
+  CHECK(palpate_skin_positions(simulation, skin.data(), info.skin_vertex_count - 1) == PALPATE_BAD_ARGUMENT);
+  CHECK(palpate_contacts(simulation, nullptr, nullptr, 5, &count) == PALPATE_BAD_ARGUMENT);
+  CHECK(hashOf(asked) == before);
+  const palpate_state after = press(asked, info, 40, 60), expected = press(left_alone, info, 40, 60);
+  CHECK(sameOutcome(after, expected));
+  CHECK(hashOf(asked) == hashOf(left_alone));
+
+  REQUIRE(palpate_start(simulation, PALPATE_ORDINARY_THREAD) == PALPATE_OK);
+  CHECK(palpate_step(simulation, 1, away.data(), nullptr) == PALPATE_BUSY);
+  REQUIRE(palpate_stop(simulation) == PALPATE_OK);
+  auto stopped = sized<palpate_state>();
+  REQUIRE(palpate_read(simulation, &stopped) == PALPATE_OK);
+  CHECK(stopped.depth_m > 0.004);  // nor did it take the pose
+}
+
 TEST_CASE("What can't be meant is refused, not done in part", "[api]") {
   const ModelHandle model = loadBlock();
   const SimulationHandle simulation = create(model);

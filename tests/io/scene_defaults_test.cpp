@@ -40,7 +40,7 @@ std::string described(const Scene& s) {
   add(static_cast<int>(s.tool.kind), s.tool.radius, s.tool.length);
   for (const double parameter : s.tool.parameter) add(parameter);
   vector(s.tool_position), vector(s.tool_direction);
-  add(s.tool_max_speed, s.tool_max_force, s.friction, s.filter_cutoff_hz, s.force_rate_limit);
+  add(s.tool_max_speed, s.tool_max_force, s.tool_grip_force, s.friction, s.filter_cutoff_hz, s.force_rate_limit);
   add(s.device.stiffness, s.device.damping, s.device.max_force, s.device.rise_time, s.device.scale);
   add(s.device.own_damping, s.device.lever, s.device.locked);
   vector(s.camera_target);
@@ -52,7 +52,10 @@ std::string described(const Scene& s) {
 std::string sceneWith(const KeySpec& key, const std::string& given) {
   const std::string group = key.table, name = key.name;
   // How a cell is divided means nothing where none is.
-  const std::string line = (name.starts_with("quadrature_d") ? "quadrature_accuracy = 0.1\n" : "") + given;
+  const std::string line = (name.starts_with("quadrature_d") ? "quadrature_accuracy = 0.1\n"
+                            : name == "grip_force"           ? "opening = 0.02\n"
+                                                             : "") +
+                           given;
   if (group == "organ" && name == "repair") {
     return replaced(minimal_scene, "solid = \"box\"\nsize = [0.1, 0.1, 0.05]\n",
                     "surface = \"a.obj\"\nunit = \"mm\"\n" + line);

@@ -147,6 +147,7 @@ std::map<std::string, Change> changes() {
       {"tool.direction", {full_scene, "direction = [0, 3, -4]", "direction = [0, 3, -5]"}},
       {"tool.max_speed", {full_scene, "max_speed = 0.5", "max_speed = 0.6"}},
       {"tool.opening", added(full_scene, "[tool]\n", "opening = 0.02")},
+      {"tool.grip_force", added(full_scene, "[tool]\n", "opening = 0.02\ngrip_force = 3")},
       {"tool.input", added(full_scene, "[tool]\n", "input = \"script:e.csv\"")},
       {"tool.max_force", added(full_scene, "[tool]\n", "max_force = 3")},
       {"tool.friction", {full_scene, "friction = 0.2", "friction = 0.3"}},

@@ -78,11 +78,11 @@ TEST_CASE("A limit that is not reached changes no bit", "[yielding]") {
   CHECK(limited.peak == free.peak);
 }
 
-TEST_CASE("Jaws open where the pinch would be above their limit", "[yielding]") {
+TEST_CASE("Jaws open where the pinch would be above their grip force", "[yielding]") {
   const Model model = stripModel();
   const auto pinch = [&](double limit) {
     Model limited = model;
-    limited.tools.tool[0].max_force = limit;
+    limited.tools.tool[0].grip_force = limit;
     State state = initialState(limited);
     Workspace workspace(limited, 1);
     double peak = 0;

@@ -69,6 +69,7 @@ ToolProxy::ToolProxy(const Model& model, int tool)
       tool_(tool),
       max_speed_(tool == 0 ? model.scene.tool_max_speed : model.tools.tool[static_cast<std::size_t>(tool)].max_speed),
       max_force_(tool == 0 ? model.max_tool_force : model.tools.tool[static_cast<std::size_t>(tool)].max_force),
+      grip_force_(model.tools.empty() ? 0 : model.tools.tool[static_cast<std::size_t>(tool)].grip_force),
       arrival_ticks_(static_cast<int>(std::lround(arrival_seconds * model.scene.rate_hz))),
       max_advance_(YieldLimits::sound_share * slowestSound(model) / model.scene.rate_hz),
       support_(model, tool) {}
@@ -102,10 +103,10 @@ double ToolProxy::followOpening(double wanted, const State& state, const StepRep
   const double reach = (pinch > 0 ? std::min(closing_speed, max_speed_) : max_speed_) / model_.scene.rate_hz;
   double change = std::clamp(wanted - opening, -reach, max_speed_ / model_.scene.rate_hz);
   if (change < 0 && pinch > 0) {
-    const double g = freedomUnder(model_, last, pinch, max_force_);
+    const double g = freedomUnder(model_, last, pinch, grip_force_);
     change *= g * g;
   }
-  if (const double push = pushUnder(pinch, max_force_); push > 0) change = std::max(change, push * reach);
+  if (const double push = pushUnder(pinch, grip_force_); push > 0) change = std::max(change, push * reach);
   return opening + change;
 }
 

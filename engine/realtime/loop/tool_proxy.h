@@ -66,8 +66,8 @@ class ToolProxy {
   /// The same for any tool of a scene that has several or jaws, its opening included.
   ToolPosture follow(const ToolPosture& hand, const State& state, const StepReport& last);
 
-  /// How far its jaws are open at the tick's end, m: jaws that close yield to what they pinch as a tool that advances
-  /// yields to what it presses.
+  /// How far its jaws are open at the tick's end, m: as a tool that advances yields to what it presses, jaws that close
+  /// yield to what they pinch. They stop at their grip_force (ToolSetUp), however much narrower the hand wants them.
   double followOpening(double wanted, const State& state, const StepReport& last) const;
 
   /// The tissue was put back.
@@ -100,7 +100,7 @@ class ToolProxy {
 
   const Model& model_;
   int tool_;
-  double max_speed_, max_force_;  // m/s, N
+  double max_speed_, max_force_, grip_force_;  // m/s, N, N
   const int arrival_ticks_;
   const double max_advance_;  // m a tick in tissue
   RigidSupport support_;

@@ -116,9 +116,9 @@ TEST_CASE("A tool with a script follows it from the start and after a reset, and
   CHECK(forceCsvHeader({}) == force_csv_header);
 }
 
-TEST_CASE("Jaws yield to what they pinch", "[several_tools]") {
+TEST_CASE("Jaws stop at the grip force that the scene gives them", "[several_tools]") {
   Scene scene = stripScene();
-  scene.tool_max_force = 0.02;  // N
+  scene.tool_grip_force = 0.02;  // N
   const Model model = stripModel(scene);
   TissuePhysics physics(model, 1);
   SimulationLoop loop(model, physics, &physics.team(), {});
@@ -131,6 +131,43 @@ TEST_CASE("Jaws yield to what they pinch", "[several_tools]") {
   CHECK(largest > 0.01);
   CHECK(largest < 0.022);
   CHECK(loop.toolReadings().tool[0].opening > 0.002);
+}
+
+TEST_CASE("Jaws that close on a strip hold it at their grip force, and it follows the hand that lifts them",
+          "[several_tools]") {
+  const Model model = stripModel();
+  const double grip = model.tools.tool[0].grip_force;
+  REQUIRE(0.8 * 2 * grip > 2 * stripWeight(model));  // by friction, and then some
+  TissuePhysics physics(model, 1);
+  SimulationLoop loop(model, physics, &physics.team(), {});
+  double largest = 0, least = grip;
+  const auto run = [&](int ticks, double up, double opening, bool held) {
+    for (int k = 1; k <= ticks; ++k) {
+      Pose hand = model.tool_start;
+      hand.position.z() += up * k / ticks;
+      loop.hand().back() = {hand, 1};
+      loop.hand().publish();
+      loop.toolHands().opening[0] = opening;
+      loop.advanceHere(1);
+      const double pinch = loop.toolReadings().tool[0].pinch;
+      largest = std::max(largest, pinch);
+      if (held) least = std::min(least, pinch);
+    }
+  };
+  run(100, 0, 0.012, false);  // it comes to stand on the table
+  run(400, 0, 0, false);      // the hand closes them whole
+  run(500, 0.01, 0, true);
+  const ToolReading jaws = loop.toolReadings().tool[0];
+  INFO("grip " << grip << " N, pinch " << least << " to " << largest << " N, " << 1e3 * jaws.opening
+               << " mm open, min J " << loop.summary().min_J << ", yields " << 1e3 * loop.summary().largest_yield
+               << " mm");
+  CHECK(largest <= 1.001 * grip);
+  CHECK(least > 0.85 * grip);
+  CHECK(jaws.opening > 0.002);
+  CHECK(loop.summary().min_J > 0.5F);
+  CHECK(loop.summary().doubt == Doubt::None);
+  CHECK(jaws.pose[2] == Approx(model.tool_start.position.z() + 0.01).margin(1e-9));
+  CHECK(loop.toolReadings().tool[1].contact_count == 0);  // it hangs
 }
 
 TEST_CASE("What a recording says of a tool that can't be is refused at its line", "[several_tools]") {

@@ -1,0 +1,21 @@
+# Fails where something but the hot kernel, which is chosen when the program runs, is compiled for certain processors:
+# on an older one it would end with an illegal instruction.
+#   cmake -DCOMMANDS=<compile_commands.json> -P portable_build.cmake
+cmake_minimum_required(VERSION 3.21)
+file(READ ${COMMANDS} commands)
+string(JSON count LENGTH "${commands}")
+math(EXPR last "${count} - 1")
+set(kernels 0)
+foreach(k RANGE ${last})
+  string(JSON file GET "${commands}" ${k} file)
+  string(JSON command GET "${commands}" ${k} command)
+  if(file MATCHES "/mechanics/kernel_passes[.]cpp$")
+    math(EXPR kernels "${kernels} + 1")
+  elseif(command MATCHES " (-m(arch|cpu|avx|fma|sse|bmi|tune)[^ ]*)")
+    message(SEND_ERROR "${file}: ${CMAKE_MATCH_1}")
+  endif()
+endforeach()
+message(STATUS "${count} files, ${kernels} of them the hot kernel")
+if(kernels EQUAL 0)
+  message(FATAL_ERROR "no hot kernel in ${COMMANDS}")
+endif()
