@@ -96,7 +96,8 @@ void drawDepthPlot(const PanelData& data, float height, const PanelState& state)
   widenToRound(axes.x_min, axes.x_max, min_depth_axis);
   widenToRound(axes.y_min, axes.y_max, min_force_axis);
   std::optional<ReferenceCurve> hertz;
-  if (state.hertz && data.materials.size() == 1) hertz = hertzCurve(data.model, data.materials[0].material, axes.x_max);
+  if (state.hertz && state.engineer && data.materials.size() == 1)
+    hertz = hertzCurve(data.model, data.materials[0].material, axes.x_max);
   if (hertz) series.push_back({"Hertz", hertz->curve, colours::good, 1.6F});
   if (state.engineer) series.push_back({"raw", raw, colours::raw, 1.2F});
   series.push_back({state.engineer ? "filtered" : "", filtered, colours::accent, 1.8F});
@@ -107,15 +108,18 @@ void drawDepthPlot(const PanelData& data, float height, const PanelState& state)
 void drawReferenceChoice(const PanelData& data, PanelState& state) {
   if (data.timeless) return;
   const float left = ImGui::GetCursorPosX(), half = 0.5F * ImGui::GetContentRegionAvail().x;
-  const bool possible = data.materials.size() == 1 && hertzCurve(data.model, data.materials[0].material, 1);
-  ImGui::BeginDisabled(!possible);
-  ImGui::Checkbox("Hertz", &state.hertz);
-  ImGui::EndDisabled();
-  if (ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled))
-    ImGui::SetTooltip(possible ? "a rigid sphere on an elastic half-space (Hertz 1882): what a press should begin like"
-                               : "the closed form is for a spherical probe on tissue of one material");
+  if (state.engineer) {
+    const bool possible = data.materials.size() == 1 && hertzCurve(data.model, data.materials[0].material, 1);
+    ImGui::BeginDisabled(!possible);
+    ImGui::Checkbox("Hertz", &state.hertz);
+    ImGui::EndDisabled();
+    if (ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled))
+      ImGui::SetTooltip(possible
+                            ? "a rigid sphere on an elastic half-space (Hertz 1882): what a press should begin like"
+                            : "the closed form is for a spherical probe on tissue of one material");
+  }
   if (!state.reference) return;
-  ImGui::SameLine(left + half);
+  if (state.engineer) ImGui::SameLine(left + half);
   bool shown = true;
   if (ImGui::Checkbox(fitted(state.reference->label, 0.75F * half).c_str(), &shown)) state.reference.reset();
 }

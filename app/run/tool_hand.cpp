@@ -122,6 +122,7 @@ std::vector<Request> ToolHand::press(double depth, double speed, const Pose& goa
     go(poseOn(*place_), touch_speed);
   }
   depth_ = depth;
+  lifted_ = depth < 0;
   go(poseOn(*place_), speed);
   return requests;
 }
@@ -243,7 +244,8 @@ void ToolHand::moveByMouse(const Actions& actions, const Camera& camera, int hei
 
 void ToolHand::glideTo(const Vec3& touched, double seconds, std::vector<Request>& requests) {
   const SkinSurface::Place place = skin_.nearest(touched);
-  const bool far = !place_ || (place.point - place_->point).norm() > jump || place.normal.dot(place_->normal) < 0.7;
+  const bool far = !place_ || std::exchange(lifted_, false) || (place.point - place_->point).norm() > jump ||
+                   place.normal.dot(place_->normal) < 0.7;
   if (!far && (place.point - place_->point).norm() < 1e-6) return;
   if (far) {
     tilt_ = Quat::Identity();

@@ -88,6 +88,7 @@ class ToolHand {
   std::optional<SkinSurface::Place> place_;    // that it glides at
   Quat tilt_ = Quat::Identity();               // off the skin's normal, in the world
   double depth_ = 0;                           // m
+  bool lifted_ = false;                        // a click brings it down again
   bool pressing_ = false;                      // keys press in or draw back
   int behind_ = 0;                             // frames in which the loop may have gone on by itself
   bool steering_ = false;                      // keys were held in the last frame

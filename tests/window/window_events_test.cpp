@@ -141,7 +141,7 @@ TEST_CASE("A person presses, tilts, cuts open, saves, marks, undoes, submits and
   drive(
       *person, scene,
       {{"the first picture", wait, [](Session& s, Viewer&) { return s.latest().status.ticks > 0; }},
-       {"End, which presses", [&](Session&, Viewer&) { person->tap("End"); },
+       {"End, which presses", [&](Session&, Viewer&) { person->moveTo(640, 200), person->tap("End"); },
         [](Session& s, Viewer& v) { return v.hand().depth() > 0.002 && s.latest().force.force_raw.norm() > 0.01; }},
        {"Home, which lifts", [&](Session&, Viewer&) { person->tap("Home"); },
         [](Session& s, Viewer&) { return s.latest().tool_pose.position.z() > 0.034; }},

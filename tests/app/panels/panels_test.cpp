@@ -57,7 +57,9 @@ class Panels {
 
   /// What stands in the cards.
   std::string cards() {
+    ImGui::GetIO().DisplaySize = {1280, 800};
     ImGui::NewFrame();
+    ImGui::SetNextWindowSize({400, 780});
     ImGui::Begin("cards");
     ImGui::LogToBuffer();
     const PanelData data = this->data();

@@ -203,4 +203,6 @@ TEST_CASE("The demo is the window's, and rests after as long as is asked", "[opt
   CHECK(parsed.options->idle_seconds == 60);
   CHECK(parse({"liver", "--demo", "--offscreen"}).exit_code == 2);
   CHECK(parse({"liver", "--idle", "0"}).exit_code == 2);
+  CHECK(parse({"liver", "--close"}).exit_code == 2);  // of off-screen pictures
+  CHECK(parse({"liver", "--close", "--offscreen"}).options->picture.close);
 }

@@ -192,6 +192,9 @@ TEST_CASE("Press goes into the skin below the probe and Lift off it, from where 
   REQUIRE(requests.size() == 1);
   CHECK(requests[0].kind == Request::Kind::MoveTool);
   CHECK((hand.target().position - Vec3(0, 0, 0.105)).norm() < 1e-3);
+  ask(hand, {}, 0.016, Vec3(0.002, 0, 0.1));  // a click brings it down again
+  CHECK(hand.depth() == 0);
+  hand.lift(speed, hand.target());
   // What is under way is not cut short: the way to a place goes around the organ.
   ask(hand, {}, 0.016, on_the_side);
   requests = hand.press(0.004, speed, model.tool_start);
