@@ -80,8 +80,17 @@ struct BarrierLanes {
   explicit BarrierLanes(const Material& m)
       : strength(static_cast<Real>(m.bulk_modulus * m.barrier_strength)), J0(static_cast<Real>(m.barrier_J0)) {}
 
+  /// Whether it acts on one of the lanes: nearly always it acts on none, and costs a comparison.
+  bool acts(const Simd<Real>& J) const {
+    if (strength == 0) return false;
+    const typename Simd<Real>::Integer below = J.v < Simd<Real>(J0).v;
+    typename Simd<Real>::Index any = 0;
+    for (int i = 0; i < Simd<Real>::width; ++i) any |= below[i];
+    return any != 0;
+  }
+
   void addTo(Simd<Real>& pressure, Simd<Real>& energy, const Simd<Real>& J) const {
-    if (strength == 0) return;
+    if (!acts(J)) return;
     const Simd<Real> none = Real(0), Jc = max(J, Simd<Real>(static_cast<Real>(Material::min_isochoric_J))), d = J - Jc;
     const Simd<Real> logarithm = log2(Jc / J0) * static_cast<Real>(0.6931471805599453);
     pressure += whereLess(J, Simd<Real>(J0), strength * (logarithm + d / Jc), none);
@@ -90,7 +99,7 @@ struct BarrierLanes {
 
   /// Adds the barrier's part of the volume's stiffness, K b / J, to PointStateOf::squeeze.
   void stiffen(Simd<Real>& squeeze, const Simd<Real>& J) const {
-    if (strength == 0) return;
+    if (!acts(J)) return;
     const Simd<Real> none = Real(0), Jc = max(J, Simd<Real>(static_cast<Real>(Material::min_isochoric_J)));
     squeeze += whereLess(J, Simd<Real>(J0), strength / Jc, none);
   }
