@@ -29,8 +29,8 @@ struct CoarseToFine {
 /// al., IEEE Trans. Microw. Theory Tech. 52, 337 (2004); with this model: Echeverria & Hemker, Comput. Methods Appl.
 /// Math. 5, 107 (2005)). S is then corrected to take the last way as the fine one does (Broyden). The residuals are the
 /// fine one's, to first order at the values found; their derivatives are S times the coarse one's.
-/// Throws CoarseFailed where the coarse one can't answer at the start, or does not feel what is sought (which may be of a
-/// layer that is thinner than its spacing).
+/// Throws CoarseFailed where the coarse one can't answer at the start, or does not feel what is sought (which may be of
+/// a layer that is thinner than its spacing).
 CoarseToFine identifyCoarseToFine(const std::vector<SoughtParameter>& sought, const std::vector<double>& measured,
                                   const Answer& coarse, const Answer& fine);
 

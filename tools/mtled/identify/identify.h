@@ -53,8 +53,8 @@ struct Identified {
 Identified identify(const std::vector<SoughtParameter>& sought,
                     const std::function<std::vector<double>(const std::vector<double>&)>& residuals);
 
-/// Widens the intervals to the values that would fit if what was measured were another by `change` (row_count), to first
-/// order.
+/// Widens the intervals to the values that would fit if what was measured were another by `change` (row_count), to
+/// first order.
 void widenFor(const std::vector<double>& change, const std::vector<SoughtParameter>& sought, Identified& found);
 
 /// Widens the intervals to the values that each half of the rows would give alone, to first order: where the residuals

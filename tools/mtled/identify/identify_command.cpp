@@ -128,8 +128,8 @@ double coarserBy(const Scene& scene) {
   return nodes < worth_it * search_nodes ? 1 : std::cbrt(nodes / search_nodes);
 }
 
-/// Physics time in which the tool is pressed in, s. Tissue that relaxes is pressed in as fast as the measured was; other
-/// tissue no slower than its own swinging asks for.
+/// Physics time in which the tool is pressed in, s. Tissue that relaxes is pressed in as fast as the measured was;
+/// other tissue no slower than its own swinging asks for.
 double pressSeconds(const MeasuredCurve& measured, bool relaxing) {
   constexpr double slow = 2, fastest = 0.1, slowest = 100;
   if (measured.seconds <= 0) return slow;
@@ -240,7 +240,13 @@ int identifyCommand(const IdentifyOptions& options) {
   PressedScene pressed(press, sought, measured, options.measured);
   const CoarseToFine search = searched(pressed, sought, measured, coarser);
   Identified found = search.found;
-  const Remarks remarks = judge(measured, relaxing && measured.seconds > 0, sought.parameters, found);
+  const bool in_time = measured.seconds > 0 || options.seconds > 0;
+  Remarks remarks = judge(measured, relaxing && in_time, sought.parameters, found);
+  if (relaxing && !in_time)
+    remarks.notes.push_back(
+        format("the scene's tissue relaxes, and the file has no times (time_s): it was pressed in "
+               "%g s; --seconds says otherwise",
+               press.seconds));
   const double largest = *std::max_element(measured.force.begin(), measured.force.end());
   nlohmann::ordered_json report{{"program", buildInfo()},
                                 {"scene", scene.name},
