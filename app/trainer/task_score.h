@@ -18,8 +18,8 @@ struct LumpMark {
 };
 
 /// How hard a lump is, in the words of a mark: 1 a little, 2 clearly, 3 much harder than the tissue around. The bounds,
-/// 3 and 10 times as stiff, lie between what Samani et al. (2007) measured of breast tissue against what is normal there:
-/// fibroadenomas 2, carcinomas of low grade 3 to 5, of high grade 13 times.
+/// 3 and 10 times as stiff, lie between what Samani et al. (2007) measured of breast tissue against what is normal
+/// there: fibroadenomas 2, carcinomas of low grade 3 to 5, of high grade 13 times.
 int hardnessOf(const Lump& lump);
 const char* hardnessName(int hardness);
 

@@ -57,9 +57,10 @@ class Panels {
 
   /// What stands in the cards.
   std::string cards() {
-    ImGui::GetIO().DisplaySize = {1280, 800};
+    ImGui::GetIO().DisplaySize = {1280, 3000};  // with room for all: what is clipped is not written
     ImGui::NewFrame();
-    ImGui::SetNextWindowSize({400, 780});
+    ImGui::SetNextWindowPos({0, 0});
+    ImGui::SetNextWindowSize({400, 2900});
     ImGui::Begin("cards");
     ImGui::LogToBuffer();
     const PanelData data = this->data();
