@@ -15,7 +15,7 @@
 namespace palpate::test {
 
 /// A closed surface of a body about 2 across, and its volume.
-struct TestBody {
+struct NamedSurface {
   std::string name;
   TriangleSurface surface;
   double volume;
@@ -213,9 +213,9 @@ inline void append(TriangleSurface& surface, const TriangleSurface& other, const
 }
 
 /// A ball, a box, a ring, a shell of a sixth of its radius, two balls apart.
-inline std::vector<TestBody> testBodies() {
+inline std::vector<NamedSurface> testBodies() {
   using namespace damage;
-  std::vector<TestBody> bodies;
+  std::vector<NamedSurface> bodies;
   const auto add = [&](const std::string& name, const TriangleSurface& s) {
     bodies.push_back({name, s, signedVolume(s)});
   };

@@ -39,7 +39,7 @@ double volumeOf(const TriangleSurface& surface) { return signedVolume(surface); 
 }  // namespace
 
 TEST_CASE("A surface that bounds a solid is kept as it is", "[imaging][repair]") {
-  for (const test::TestBody& body : test::testBodies()) {
+  for (const test::NamedSurface& body : test::testBodies()) {
     INFO(body.name);
     const RepairedSurface kept = repaired(body.surface);
     CHECK(kept.report.changedNothing());
@@ -51,7 +51,7 @@ TEST_CASE("A surface that bounds a solid is kept as it is", "[imaging][repair]")
 }
 
 TEST_CASE("Each kind of damage at three sizes is repaired, and most of it face by face", "[imaging][repair]") {
-  const test::TestBody body = test::testBodies()[0];
+  const test::NamedSurface body = test::testBodies()[0];
   int mended = 0, cases = 0;
   for (const test::Damage& damage : test::allDamage()) {
     for (int size = 0; size < 3; ++size) {
@@ -83,7 +83,7 @@ TEST_CASE("Combinations of damage are repaired", "[imaging][repair]") {
   const int kinds = static_cast<int>(all.size());
   int made_anew = 0;
   for (int k = 0; k < 10; ++k) {
-    const test::TestBody& body = bodies[static_cast<std::size_t>(k) % bodies.size()];
+    const test::NamedSurface& body = bodies[static_cast<std::size_t>(k) % bodies.size()];
     TriangleSurface surface = body.surface;
     std::mt19937 random(static_cast<unsigned>(k));
     std::string names = body.name;
@@ -357,7 +357,7 @@ TEST_CASE("Every kind of damage, and pairs and triples of them, on every body", 
   const char* const only = std::getenv("PALPATE_MATRIX");  // "body damage"
   const std::string wanted = only ? only : "";
   int cases = 0, opened = 0;
-  const auto tryOne = [&](const test::TestBody& body, const std::vector<std::pair<int, int>>& damage) {
+  const auto tryOne = [&](const test::NamedSurface& body, const std::vector<std::pair<int, int>>& damage) {
     std::string name = body.name;
     for (const auto& [d, size] : damage) name += ", " + test::allDamage()[d].name + " " + std::to_string(size);
     if (name.find(wanted) == std::string::npos) return;

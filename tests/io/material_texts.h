@@ -20,11 +20,18 @@ inline std::string keyLine(const Parameter& p, std::span<const double> values) {
   return text + "]\n";
 }
 
+/// Whether scenes say a parameter of all laws, and not their scheme.
+inline bool isSceneKey(const Parameter& p) {
+  for (const CommonMaterialParameter& common : commonMaterialParameters())
+    if (!common.is_key && std::string_view(common.parameter.name) == p.name) return false;
+  return true;
+}
+
 /// The minimal scene with this material, without its key `left_out`.
 inline std::string sceneOf(const Material& m, const std::string& left_out = "") {
   std::string text = std::string("model = \"") + m.lawDescription().name + "\"\n";
   forEachParameter(m, [&](const Parameter& p, std::span<const double> values) {
-    if (p.name != left_out) text += keyLine(p, values);
+    if (p.name != left_out && isSceneKey(p)) text += keyLine(p, values);
   });
   const std::size_t begin = minimal_scene.find("model = "), end = minimal_scene.find('[', begin);
   return minimal_scene.substr(0, begin) + text + minimal_scene.substr(end);
