@@ -11,11 +11,6 @@ namespace palpate {
 /// looked at for the same forces.
 inline constexpr double pressure_limit = 1.5;
 
-/// The same between near bonded faces (CellVolumeOf::limit): as far as patches alone hold where cells share points. Two
-/// bonded, confined layers of 1000 and 3000 Pa, nu 0.49, six spacings high, are within 0.2 % of the closed form to 11
-/// shear moduli; with 4 the softer one gives way (-2.3 %).
-inline constexpr double bonded_pressure_limit = 2.4;
-
 /// Share of its limit from which on a node's pressure counts.
 inline constexpr double pressed_from = 0.8;
 

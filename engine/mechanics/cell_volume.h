@@ -34,7 +34,8 @@ namespace palpate {
 /// Exact where the pressure is even. Between bonded faces that are few cells apart the chords take from the flow across
 /// them, and the body becomes too stiff: layers pressed by 20 % and four times as wide as high answer with 11, 9.5 %
 /// more force at a height of 3, 4 spacings (22, 17 % with equal parts for all), the patches alone with 0.6 and -0.1 %.
-/// So nodes between bonded faces less than bonded_cells edges apart keep their patch's pressure as far as patches hold.
+/// So nodes between bonded faces less than bonded_cells edges apart keep their patch's pressure, whatever it is (beyond what
+/// patches hold it is doubted: simulation/trust.h). But for bodies that are held all around: nothing flows across then.
 ///
 /// Which nodes are looked at follows from the points alone: w_a rises from 0 to 1 as the largest K_a (1 - J_q) / p1 of
 /// the points in the patch rises from pressed_from to 1. Where no point gets there, nothing is computed. (A patch's own
@@ -103,7 +104,7 @@ struct CellVolumeScratchOf {
   AlignedVector<Real4<Real>> vertex_force;  // (vertex_count) N, at X_a
 };
 
-/// Edges of cells between bonded faces, below which the patches keep more of their pressure.
+/// Edges of cells between bonded faces, below which the patches keep their pressure.
 inline constexpr double bonded_cells = 8;
 
 /// What the cells' volume is computed from, in double.
@@ -116,7 +117,7 @@ struct CellVolumeSpec {
   std::vector<std::uint8_t> imposed = {};  // (vertex_count) 7: all components are imposed; empty: none is
 };
 
-/// p1 over the shear modulus, of the vertices: pressure_limit, and more between bonded faces. A vertex is between them
+/// p1 over the shear modulus, of the vertices: pressure_limit, and infinity between bonded faces. A vertex is between them
 /// where held nodes lie to either side of it, the nearest and one in nearly the opposite direction; a held node, where
 /// one of its cells has such a vertex.
 std::vector<double> pressureLimits(const CellVolumeSpec& spec);

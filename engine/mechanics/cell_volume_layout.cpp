@@ -1,6 +1,8 @@
 #include <algorithm>
+#include <limits>
 #include <numeric>
 
+#include "discretization/cells/background_cells.h"
 #include "mechanics/bounded_pressure.h"
 #include "mechanics/cell_volume.h"
 
@@ -33,6 +35,21 @@ std::vector<std::uint8_t> bondedNodes(const CellVolumeSpec& spec) {
       for (const int a : cell)
         if (held(a)) bonded[a] = 1;
   return bonded;
+}
+
+/// Whether each outer face is held at its nodes, in some component.
+bool isConfined(const CellVolumeSpec& spec) {
+  if (spec.imposed.empty()) return false;
+  const auto nodeOf = [&](int vertex) {
+    return vertex < spec.node_count ? vertex : spec.vertex_shape.node[spec.vertex_shape.begin[vertex]];
+  };
+  std::vector<std::array<int, 4>> cells = spec.cells;
+  for (auto& cell : cells)
+    for (int& vertex : cell) vertex = nodeOf(vertex);
+  for (const auto& facet : boundaryFacets(cells))
+    for (const int node : facet)
+      if (spec.imposed[node] == 0) return false;
+  return true;
 }
 
 /// s_ta of a cell's vertices.
@@ -126,6 +143,7 @@ void averageLess(const std::vector<double>& averaged, CellVolumeOf<Real>& cells)
 }  // namespace
 
 std::vector<double> pressureLimits(const CellVolumeSpec& spec) {
+  if (isConfined(spec)) return std::vector<double>(spec.X.size(), pressure_limit);
   std::vector<std::uint8_t> between(spec.X.size(), 0);
   std::vector<Vec3> held;
   std::vector<double> edges(spec.X.size(), 0), count(spec.X.size(), 0);
@@ -149,7 +167,7 @@ std::vector<double> pressureLimits(const CellVolumeSpec& spec) {
         if (isHeld(a)) all[a] = 1;
   std::vector<double> limit;
   for (const std::uint8_t bonded_twice : all)
-    limit.push_back(bonded_twice != 0 ? bonded_pressure_limit : pressure_limit);
+    limit.push_back(bonded_twice != 0 ? std::numeric_limits<double>::infinity() : pressure_limit);
   return limit;
 }
 

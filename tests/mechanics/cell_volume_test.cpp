@@ -266,25 +266,20 @@ TEST_CASE("A uniform dilatation beyond the limit costs what it would cost withou
   }
 }
 
-TEST_CASE("Between bonded faces that are near, patches keep more of their pressure; one bonded face changes nothing",
+TEST_CASE("Between bonded faces that are near, patches keep their pressure; one bonded face changes nothing",
           "[cell_volume]") {
   PressedBody body(5);
   const auto count = [&] {
     const auto limit = pressureLimits(body.spec());
-    return std::count(limit.begin(), limit.end(), bonded_pressure_limit);
+    return std::count(limit.begin(), limit.end(), std::numeric_limits<double>::infinity());
   };
   CHECK(count() == 0);
   body.hold(0);
   CHECK(count() == 0);
   body.hold(0.1);
   CHECK(count() == body.nodeCount());
-  // A uniform dilatation to two shear moduli of pressure, and to six.
-  const auto dilated = [&](double pressure) {
-    const double J = 1 - pressure * body.materials[0].shear_modulus / body.materials[0].bulk_modulus;
-    return body.displacement(std::cbrt(J) * Mat3::Identity());
-  };
-  CHECK(evaluate<float>(body, dilated(2)).f == evaluate<float>(body, dilated(2), false).f);
-  CHECK(evaluate<double>(body, dilated(6)).report.max_patch_pressure == Approx(bonded_pressure_limit).epsilon(1e-9));
+  const auto u = body.displacement(0.9 * Mat3::Identity());
+  CHECK(evaluate<float>(body, u).f == evaluate<float>(body, u, false).f);
   PressedBody high(14);  // some ten edges
   high.hold(0);
   high.hold(0.1);
