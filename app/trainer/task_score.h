@@ -46,11 +46,11 @@ inline constexpr const char* score_kind = "palpate score";
 
 /// What a sheet says beside the score: who searched, when, where, under which conditions.
 struct SheetHead {
-  std::string scene, trainee, date;  // "2025-03-01 14:05"; the trainee may be empty
-  std::string scene_hash;            // of the scene's file, as in manifest.json
-  std::string model_hash;            // of what was made of it
-  std::optional<LumpDraw> lump_draw;
-  Conditions conditions;
+  std::string scene{}, trainee{}, date{};  // "2025-03-01 14:05"; the trainee may be empty
+  std::string scene_hash{};                // of the scene's file, as in manifest.json
+  std::string model_hash{};                // of what was made of it
+  std::optional<LumpDraw> lump_draw{};
+  Conditions conditions{};
 };
 
 /// Keeps what a task's score is made of, sample by sample, and makes the score sheet. It depends on samples and marks

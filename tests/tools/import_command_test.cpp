@@ -68,7 +68,7 @@ TEST_CASE("A damaged surface is imported as a scene that opens, with a report", 
   CHECK(scene.name == "my _organ_");
   const SurfaceTree organ(organSurface(scene));
   CHECK(signedVolume(organ.surface()) == Approx(240e-9));
-  CHECK(boundingBox(organ.surface()).center().norm() < 1e-6);
+  CHECK(boundingBox(organ.surface()).center().norm() < 0.8e-3);  // half of the 1.5 mm that are lost on one side
   CHECK(organ.signedDistance(scene.tool_position + scene.tool.radius * Vec3::UnitZ()) > scene.tool.radius);
   const double node_steps = report["nodes"].get<double>() * report["steps_per_tick"].get<double>();
   CHECK(node_steps > 0.3 * node_steps_budget);

@@ -131,7 +131,7 @@ TEST_CASE("Scans that can't be imported are refused with what is missing", "[imp
                o.classes = 0;
                o.fix = {"0,0,0,500"};
              }),
-             Contains("smaller radius"));
+             Contains("give a smaller ball"));
   // A sheet of a single layer of voxels, and crumbs.
   Mask thin = maskOf(readImage(good.mask), {});
   for (int k = 0; k < thin.grid.size[2]; ++k)

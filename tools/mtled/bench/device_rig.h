@@ -17,8 +17,8 @@ struct DeviceTrial {
   HandMotion::Kind motion = HandMotion::Kind::Press;
   double seconds = 6.6;  // simulated; Press: the device is silent for 0.2 s in the rest of its second time, if it comes
   std::uint64_t seed = 1;
-  std::optional<SimulatedDeviceSettings> device;  // another than the class's, with its own delays
-  std::optional<HandModel> hand;                  // another than light and firm
+  std::optional<SimulatedDeviceSettings> device{};  // another than the class's, with its own delays
+  std::optional<HandModel> hand{};                  // another than light and firm
   double deeper = 0;                              // m, that this hand wants to be beneath where others press
   double rock = 0;                                // rad, to both sides, once a second
   int dropouts = 0, stalls = 0;                   // of the poses, of the loop: one each half second from 1.5 s on
