@@ -15,7 +15,7 @@ struct CsvTable {
   std::vector<std::string> name;            // (column_count), unlike each other
   std::vector<std::vector<double>> column;  // (column_count)(row_count); NaN where the file has none
   std::vector<int> line;                    // (row_count), of the file
-  std::vector<std::string> trust;           // (row_count) words of a column of this name, whose numbers are NaN; or empty
+  std::vector<std::string> trust;  // (row_count) words of a column of this name, whose numbers are NaN; or empty
 
   std::size_t rowCount() const { return line.size(); }
 

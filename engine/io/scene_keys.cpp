@@ -397,7 +397,8 @@ constexpr RetiredKey retired_keys[] = {
     {"discretization", "patch_stabilization", "what points keep of their volume is the program's choice"},
     {"discretization", "cell_volume", "tissue under pressure always keeps the volume of its cells"},
     {"discretization", "sharp_interfaces", "supports always end at the borders between materials"},
-    {"material", "barrier_strength", "every material has a floor against collapse, far below the volumes it is made for"},
+    {"material", "barrier_strength",
+     "every material has a floor against collapse, far below the volumes it is made for"},
     {"material", "barrier_J0", "every material has a floor against collapse, far below the volumes it is made for"},
 };
 

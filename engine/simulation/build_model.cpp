@@ -170,9 +170,9 @@ Model finish(const Scene& scene, const SurfaceTree& tree, Preparation preparatio
   for (const double m : model.mass) model.inverse_mass.push_back(static_cast<float>(1 / m));
   completeEssential(scene, model);
   if (needsPatches(scene))
-    model.patches = makeNodePatches(verticesOf(model.X, model.side_node),
-                                    model.volume_cells.empty() ? model.cells : model.volume_cells, model.point_X, model.point_volume, model.point_cell,
-                                    model.point_material, model.materials, ownBulk(scene));
+    model.patches = makeNodePatches(
+        verticesOf(model.X, model.side_node), model.volume_cells.empty() ? model.cells : model.volume_cells,
+        model.point_X, model.point_volume, model.point_cell, model.point_material, model.materials, ownBulk(scene));
   chooseTimeStep(scene, model.limit, model.X, model);
   addWeight(model);
   setBounds(model);

@@ -169,7 +169,8 @@ SharpInterfaces sharpInterfaces(const std::vector<Vec3>& X, const std::vector<st
       while (j < X.size() && X[j] != sharp.boundary.X[static_cast<std::size_t>(k)]) ++j;
       if (j == X.size()) continue;
       i = j + 1;
-      if ((sharp.node[j] & (sharp.node[j] - 1)) != 0) sharp.sample_node[static_cast<std::size_t>(k)] = static_cast<int>(j);
+      if ((sharp.node[j] & (sharp.node[j] - 1)) != 0)
+        sharp.sample_node[static_cast<std::size_t>(k)] = static_cast<int>(j);
     }
     sharp.sides.push_back(std::move(side));
   }

@@ -135,8 +135,8 @@ int solveStatic(const Task& task, SolveResults& results) {
     e = solver.advanceTo(time, task.toolsAt(time), watch);
     iterations += e.iterations;
     if (!e.converged) break;
-    results.add({k, time, e.error, e.iterations, e.min_J, e.inverted_points, e.loads, e.skull, solver.largestSoFar(), e.doubt,
-                 e.worst_point},
+    results.add({k, time, e.error, e.iterations, e.min_J, e.inverted_points, e.loads, e.skull, solver.largestSoFar(),
+                 e.doubt, e.worst_point},
                 solver.body());
   }
   results.finish({{"mode", "static"},
