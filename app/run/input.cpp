@@ -37,11 +37,12 @@ Actions Controls::read(const Input& input, bool something_open) {
     drag_ = Drag::None;
   else if (drag_ == Drag::None)
     drag_ = beginningDrag(input);
-  const bool began = drag_ != before;
+  const bool began = before == Drag::None && drag_ != Drag::None, ended = before != Drag::None && drag_ == Drag::None;
 
-  // The press itself is no movement: the pointer may have come from anywhere.
+  // The press itself is no movement: the pointer may have come from anywhere. What was moved until the button came up
+  // is, and of a quick drag all of it when pictures are slow.
   const Eigen::Vector2d moved = began ? Eigen::Vector2d(0, 0) : input.mouse_delta;
-  switch (drag_) {
+  switch (ended ? before : drag_) {
     case Drag::None:
     case Drag::Panel:
       break;
@@ -65,7 +66,7 @@ Actions Controls::read(const Input& input, bool something_open) {
       break;
     case Drag::Pull:
       actions.pull_begin = began;
-      actions.pulling = true;
+      actions.pulling = !ended;
       break;
   }
   actions.pick_point = input.double_click && drag_ == Drag::Orbit;

@@ -37,21 +37,6 @@ std::vector<std::uint8_t> bondedNodes(const CellVolumeSpec& spec) {
   return bonded;
 }
 
-/// Whether each outer face is held at its nodes, in some component.
-bool isConfined(const CellVolumeSpec& spec) {
-  if (spec.imposed.empty()) return false;
-  const auto nodeOf = [&](int vertex) {
-    return vertex < spec.node_count ? vertex : spec.vertex_shape.node[spec.vertex_shape.begin[vertex]];
-  };
-  std::vector<std::array<int, 4>> cells = spec.cells;
-  for (auto& cell : cells)
-    for (int& vertex : cell) vertex = nodeOf(vertex);
-  for (const auto& facet : boundaryFacets(cells))
-    for (const int node : facet)
-      if (spec.imposed[node] == 0) return false;
-  return true;
-}
-
 /// s_ta of a cell's vertices.
 std::array<double, 4> sharesOf(const std::array<int, 4>& cell, const std::vector<std::uint8_t>& bonded) {
   const auto free = std::count_if(cell.begin(), cell.end(), [&](int a) { return bonded[a] == 0; });
@@ -141,6 +126,20 @@ void averageLess(const std::vector<double>& averaged, CellVolumeOf<Real>& cells)
 }
 
 }  // namespace
+
+bool isConfined(const CellVolumeSpec& spec) {
+  if (spec.imposed.empty()) return false;
+  const auto nodeOf = [&](int vertex) {
+    return vertex < spec.node_count ? vertex : spec.vertex_shape.node[spec.vertex_shape.begin[vertex]];
+  };
+  std::vector<std::array<int, 4>> cells = spec.cells;
+  for (auto& cell : cells)
+    for (int& vertex : cell) vertex = nodeOf(vertex);
+  for (const auto& facet : boundaryFacets(cells))
+    for (const int node : facet)
+      if (spec.imposed[node] == 0) return false;
+  return true;
+}
 
 std::vector<double> pressureLimits(const CellVolumeSpec& spec) {
   if (isConfined(spec)) return std::vector<double>(spec.X.size(), pressure_limit);

@@ -55,6 +55,19 @@ ShapeTable shapeAt(const Model& model, const std::vector<Vec3>& points) {
       "lower discretization.spacing, or leave the point out");
 }
 
+/// Whether the cells take pressure over from the patches: not where a bonded face moves, which curves the flow, of which
+/// cells see chords; but in a body that is held all around and pressed without a turn.
+bool keepsCellVolume(const Model& model) {
+  if (!model.scene.formulation.cell_volume || model.patches.empty()) return false;
+  bool bonded_moves = false, straight = true;
+  for (const BoundarySpec& boundary : model.scene.boundaries) {
+    const auto* held = boundary.component;
+    bonded_moves |= boundary.duration > 0 && (boundary.points || held[0] + held[1] + held[2] > 1);
+    straight &= boundary.angle == 0 && !boundary.points;
+  }
+  return !bonded_moves || (straight && isConfined(model.cellVolume()));
+}
+
 /// What follows from the imposed nodes and the scene.
 void completeEssential(const Scene& scene, Model& model) {
   EssentialNodes& essential = model.essential;
@@ -183,7 +196,7 @@ Model finish(const Scene& scene, const SurfaceTree& tree, Preparation preparatio
   model.kernel =
       makeKernelLayout(model.point_shape, model.point_X, model.point_volume, model.point_material, model.materials,
                        model.nodeCount(), model.patches, scene.gradient_precision, model.X, mixtureBases(scene));
-  if (model.hasCellVolume()) model.kernel.cell_volume = makeCellVolume<float>(model.cellVolume());
+  if (keepsCellVolume(model)) model.kernel.cell_volume = makeCellVolume<float>(model.cellVolume());
   std::vector<std::array<int, 4>> vertices;  // of each point's cell
   for (const int c : model.point_cell) vertices.push_back(model.cells[c]);
   model.stiffness_means = makeStiffnessMeans(model.kernel, model.point_shape, vertices, model.point_volume,

@@ -26,7 +26,7 @@ struct Model : Body {
   double max_tool_force = 0;  // N, at which the tool advances no further (realtime/loop/tool_proxy.h); 0: none
 
   /// What takes over from the patches under pressure.
-  bool hasCellVolume() const { return scene.formulation.cell_volume && !patches.empty(); }
+  bool hasCellVolume() const { return !kernel.cell_volume.empty(); }
   CellVolumeSpec cellVolume() const {
     return {verticesOf(X, side_node), volume_cells.empty() ? cells : volume_cells, nodeCount(),
             vertexShape(node_shape, side_node), patches, verticesOf(imposed, side_node)};

@@ -167,7 +167,7 @@ TEST_CASE("Held-out parameters come back from a noisy force curve", "[identify]"
   CHECK(one["doubts"].empty());
 }
 
-TEST_CASE("The shear modulus of an Ogden term is identified by its scene key", "[identify]") {
+TEST_CASE("The shear modulus of an Ogden term is identified by its scene key", "[identify][whole]") {
   const TempFolder folder;
   const std::string scene = folder.write("block.toml", ogdenBlock());
   const std::string curve = measured(folder, scene, {{"material[0].mu", "[1500]"}}, 0.006);
@@ -286,7 +286,7 @@ TEST_CASE("A search on a coarse model asks the fine one two to four times", "[id
       CoarseFailed);
 }
 
-TEST_CASE("A fine scene is pressed two to four times, its search being on a coarser cloud", "[identify]") {
+TEST_CASE("A fine scene is pressed two to four times, its search being on a coarser cloud", "[identify][whole]") {
   const TempFolder folder;
   const std::string scene = folder.write("block.toml", replaced(test::touched_block_text, "0.012", "0.0042"));
   const std::string curve = measured(folder, scene, {{"material[0].young", "4321"}});

@@ -121,7 +121,7 @@ TEST_CASE("A folder gets its files all at once, the scene last, or stays as it w
   CHECK_THROWS_WITH(import(folder.path("none.stl"), no_folder), Contains("can't write " + no_folder));
 }
 
-TEST_CASE("Nodes are counted before there are any, within a quarter", "[import]") {
+TEST_CASE("Nodes are counted before there are any, within a quarter", "[import][whole]") {
   const std::pair<TriangleSurface, double> bodies[] = {{boxSurface({0.1, 0.08, 0.05}, 0.01), 0.008},
                                                        {boxSurface({0.1, 0.08, 0.005}, 0.01), 0.0045},
                                                        {boxSurface({0.1, 0.08, 0.002}, 0.01), 0.0019},

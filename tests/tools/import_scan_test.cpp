@@ -46,7 +46,7 @@ ImportScanOptions smallPhantom(const TempFolder& folder) {
 
 }  // namespace
 
-TEST_CASE("From a scan to a warped scan: import, solve, warp", "[import_scan]") {
+TEST_CASE("From a scan to a warped scan: import, solve, warp", "[import_scan][whole]") {
   TempFolder folder;
   ::setenv("PALPATE_CACHE_DIR", folder.path("cache").c_str(), 1);
   CapturedOutput output;

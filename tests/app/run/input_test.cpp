@@ -63,9 +63,10 @@ TEST_CASE("A drag keeps its meaning until the button comes up", "[input]") {
   const Actions actions = controls.read(input, false);
   CHECK(controls.drag() == Drag::MoveTool);
   CHECK(actions.move_tool == Eigen::Vector2d(1, 0));
-  input.left = false;
-  controls.read(input, false);
+  input.left = false;  // and up after a last stretch, which a slow picture shows together with it
+  CHECK(controls.read(input, false).move_tool == Eigen::Vector2d(1, 0));
   CHECK(controls.drag() == Drag::None);
+  CHECK(controls.read(input, false).move_tool.isZero());
 }
 
 TEST_CASE("What belongs to a panel does not reach the view", "[input]") {

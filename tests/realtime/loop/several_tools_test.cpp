@@ -116,7 +116,7 @@ TEST_CASE("A tool with a script follows it from the start and after a reset, and
   CHECK(forceCsvHeader({}) == force_csv_header);
 }
 
-TEST_CASE("Jaws stop at the grip force that the scene gives them", "[several_tools]") {
+TEST_CASE("Jaws stop at the grip force that the scene gives them", "[several_tools][whole]") {
   Scene scene = stripScene();
   scene.tool_grip_force = 0.02;  // N
   const Model model = stripModel(scene);
@@ -134,7 +134,7 @@ TEST_CASE("Jaws stop at the grip force that the scene gives them", "[several_too
 }
 
 TEST_CASE("Jaws that close on a strip hold it at their grip force, and it follows the hand that lifts them",
-          "[several_tools]") {
+          "[several_tools][whole]") {
   const Model model = stripModel();
   const double grip = model.tools.tool[0].grip_force;
   REQUIRE(0.8 * 2 * grip > 2 * stripWeight(model));  // by friction, and then some

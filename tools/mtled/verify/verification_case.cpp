@@ -32,8 +32,6 @@ const std::vector<VerificationCase>& verificationCases() {
 
 void apply(const Variant& variant, Scene& scene) {
   scene.formulation = Formulation{};
-  // The two steps alone, as the tables say; cases about pressure add the cells' volume themselves.
-  scene.formulation.cell_volume = false;
   if (variant.consistent_gradients && variant.node_patch_volume) return;
   scene.formulation = Formulation::paper();
   scene.formulation.consistent_gradients = variant.consistent_gradients;
