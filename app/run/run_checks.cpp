@@ -22,9 +22,9 @@ constexpr double spots_per_tolerance = 0.004;  // share of strongly different pi
 
 bool isClear(const Json& wanted) {
   if (wanted.is_string() || wanted.is_number_integer() || wanted.is_boolean()) return true;
-  return wanted.is_object() && wanted.contains("value") && wanted["value"].is_number() &&
-         (wanted.contains("abs") || wanted.contains("rel")) && wanted.value("abs", 0.0) >= 0 &&
-         wanted.value("rel", 0.0) >= 0;
+  if (!wanted.is_object() || !wanted.contains("value") || !wanted["value"].is_number()) return false;
+  const std::size_t limits = wanted.count("abs") + wanted.count("rel");
+  return limits > 0 && wanted.size() == 1 + limits && wanted.value("abs", 0.0) >= 0 && wanted.value("rel", 0.0) >= 0;
 }
 
 /// Where a key stands first in the text.

@@ -263,7 +263,8 @@ void Session::chooseInput(SimulationLoopOptions& loop_options) {
     track_seconds = options_.seconds.value_or(default_offscreen_seconds);
     const ToolScript script = indentScript(model_);
     followScript(script, loop_options);
-    loop_options.track_ticks = ticksIn(track_seconds, rate);  // longer than the script: the tool stays
+    // Longer than the script: the tool stays. Shorter: the run ends before the tool has gone all of its way.
+    loop_options.track_ticks = std::max(loop_options.track_ticks, ticksIn(track_seconds, rate));
     script_ = script.name;
   }
   track_over_ = loop_options.track.empty() && loop_options.motion == nullptr;

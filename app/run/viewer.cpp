@@ -83,7 +83,7 @@ void Viewer::leavePast() {
 /// What is left behind must not stay for those who come next.
 void Viewer::passTime(bool somebody, double seconds) {
   nobody_s_ = somebody ? 0 : nobody_s_ + seconds;
-  if (looked_at_ && rests() && !panels_.timeline_plays) leavePast();
+  if (looked_at_ && nobody_s_ >= session_.options().idle_seconds && !panels_.timeline_plays) leavePast();
   session_.giveWay(panels_.demo && rests());
   if (attract_ && (somebody || !panels_.demo || !byHand())) {
     attract_.reset();

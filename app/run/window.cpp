@@ -27,7 +27,8 @@ namespace {
 using SteadyClock = std::chrono::steady_clock;
 
 constexpr double hidden_wait = 0.1;    // s, between looks at the loop while the window is minimised
-constexpr double resting_turn = 0.15;  // s, between pictures while nobody is there
+// s, between pictures while nobody is there; a picture takes at most a quarter of it
+constexpr double resting_turn = 0.15, paused_turn = 1;
 constexpr double loading_turn = 0.1;   // s, between pictures of the progress: the set-up needs the cores
 
 /// What comes after a session.
@@ -236,7 +237,8 @@ Next Shell::show(Session& session, Viewer& viewer, bool resume) {
     }
     if (std::exchange(resume, false)) session.send(Request::simple(Request::Kind::Resume));
     if (viewer.rests()) {  // until somebody comes
-      window_.waitFor(std::max(0.0, resting_turn - std::chrono::duration<double>(SteadyClock::now() - now).count()));
+      const double drawn = std::chrono::duration<double>(SteadyClock::now() - now).count();
+      window_.waitFor(std::max(session.latest().status.paused ? paused_turn : resting_turn, 4 * drawn) - drawn);
       continue;
     }
     const double turn = pace.turn(std::chrono::duration<double>(SteadyClock::now() - now).count(),

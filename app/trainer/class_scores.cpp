@@ -29,14 +29,16 @@ constexpr const char* sheet_columns[] = {"trainee",       "date",         "scene
 constexpr const char* condition_columns[] = {"moved_by",      "probe",   "probe_of_scene", "friction", "rate_hz",
                                              "rate_of_scene", "changes", "undos",          "resets",   "answers_seen"};
 
-/// A field of a table: a text stands in quotes, of a list its length, nothing for null.
+/// A field of a table: a text stands in quotes, of a list its length, nothing for null. A text that a spreadsheet would
+/// compute begins with an apostrophe there.
 std::string field(const Value& object, const char* key) {
   const auto value = object.find(key);
   if (value == object.end() || value->is_null()) return "";
   if (value->is_array()) return std::to_string(value->size());
   if (!value->is_string()) return value->dump();
-  std::string text = "\"";
-  for (const char c : value->get<std::string>()) text += c == '"' ? std::string("\"\"") : std::string(1, c);
+  const auto given = value->get<std::string>();
+  std::string text = given.find_first_of("=+-@\t\r") == 0 ? "\"'" : "\"";
+  for (const char c : given) text += c == '"' ? std::string("\"\"") : std::string(1, c);
   return text + "\"";
 }
 

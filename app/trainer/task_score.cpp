@@ -39,7 +39,9 @@ std::string Conditions::text() const {
   if (changes.empty()) text += "; friction and materials as they were";
   for (const std::string& change : changes) text += "; " + change;
   text += format("; undone %d %s, reset %d %s", undos, times(undos), resets, times(resets));
-  if (answers_seen > 0) text += format("; the answers had been seen %d %s before", answers_seen, times(answers_seen));
+  if (answers_seen > 0)
+    text += format("; the answers had been seen %d %s before, since the program was started", answers_seen,
+                   times(answers_seen));
   return text;
 }
 

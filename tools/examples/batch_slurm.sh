@@ -9,6 +9,8 @@
 #SBATCH --cpus-per-task=1
 set -euo pipefail
 mtled=$(command -v "${MTLED:-mtled}") || { echo "no mtled: set MTLED to where it is installed" >&2; exit 2; }
+usage="give JOBS.jsonl OUT, or --merge JOBS.jsonl OUT"
+: "${1:?$usage}" "${2:?$usage}"
 if [[ "$1" == --merge ]]; then
   exec "$mtled" batch "$2" --merge "$3"/part-* --out "$3"
 fi

@@ -251,7 +251,7 @@ TEST_CASE("The sheets of a class become one table, other files are left alone, a
   head.conditions.changes = {"a", "b"};
   folder.write("b/deep/bo.json", score.json(head, ""));
   score.mark(score.lumps().at(0).foot.point, 2, 1);
-  folder.write("score-1.json", score.json({.scene = "block", .trainee = "Ann"}, ""));
+  folder.write("score-1.json", score.json({.scene = "block", .trainee = "=1+Ann"}, ""));
   folder.write("report.json", "{\"peak_force_N\": 1}");
   folder.write("broken.json", "{");
   const ClassScores scores = classScores(folder.path(""));
@@ -269,6 +269,7 @@ TEST_CASE("The sheets of a class become one table, other files are left alone, a
   CHECK(bo.find(",0,1,0,0,,0.0,") != std::string::npos);  // no hit, hence no error
   CHECK(bo.ends_with(",2,0,0,0"));
   CHECK(ann.find(",1,0,0,1,0.0,0.0,") != std::string::npos);
+  CHECK(ann.find(",\"'=1+Ann\",") != std::string::npos);  // or a spreadsheet would compute it
 
   folder.write("score-2.json", "{\"hits\": 1,");  // cut off
   const ClassScores worse = classScores(folder.path(""));

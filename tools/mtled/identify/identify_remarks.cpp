@@ -21,8 +21,10 @@ Remarks judge(const MeasuredCurve& measured, bool relaxes, const std::vector<Sou
   Remarks remarks;
   const double largest = *std::max_element(measured.force.begin(), measured.force.end());
   if (!found.told_apart)
-    remarks.notes.emplace_back(
-        "the curve does not tell the parameters apart: give one, or measure deeper or with another tool");
+    remarks.notes.emplace_back(sought.size() > 1 ? "the curve does not tell the parameters apart: give one, or measure "
+                                                   "deeper or with another tool"
+                                                 : "the curve hardly says what the parameter is: measure deeper or "
+                                                   "with another tool");
   if (found.structure > told_structure * largest) widenToHalves(sought, found);
   if (found.misfit > most_noise * largest || found.structure > most_structure * largest)
     remarks.doubts.push_back(
