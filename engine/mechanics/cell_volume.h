@@ -36,8 +36,9 @@ namespace palpate {
 /// more force at a height of 3, 4 spacings (22, 17 % with equal parts for all), the patches alone with 0.6 and -0.1 %.
 /// So nodes between bonded faces less than bonded_cells edges apart keep their patch's pressure, whatever it is (beyond what
 /// patches hold it is doubted: simulation/trust.h). But for bodies that are held all around: nothing flows across then.
-/// A bonded face that moves curves the flow everywhere (a block bent to a ring answers with 17 % too much, with 4 % by
-/// patches alone; twisted tissue of nu 0.499 finds no equilibrium): such bodies have no cells (Model::hasCellVolume).
+/// A face that is turned, or moved while it is bonded, curves the flow everywhere (a block bent to a ring answers with
+/// 17 % too much, with 4 % by patches alone; twisted tissue of nu 0.499 finds no equilibrium): such bodies have no cells
+/// (Model::hasCellVolume).
 ///
 /// Which nodes are looked at follows from the points alone: w_a rises from 0 to 1 as the largest K_a (1 - J_q) / p1 of
 /// the points in the patch rises from pressed_from to 1. Where no point gets there, nothing is computed. (A patch's own

@@ -55,17 +55,17 @@ ShapeTable shapeAt(const Model& model, const std::vector<Vec3>& points) {
       "lower discretization.spacing, or leave the point out");
 }
 
-/// Whether the cells take pressure over from the patches: not where a bonded face moves, which curves the flow, of which
-/// cells see chords; but in a body that is held all around and pressed without a turn.
+/// Whether the cells take pressure over from the patches: not where a face is turned, or moved while it is bonded, which
+/// curves the flow, of which cells see chords; but in a body that is held all around and pressed without a turn.
 bool keepsCellVolume(const Model& model) {
   if (!model.scene.formulation.cell_volume || model.patches.empty()) return false;
-  bool bonded_moves = false, straight = true;
+  bool turned = false, bonded_moves = false;
   for (const BoundarySpec& boundary : model.scene.boundaries) {
     const auto* held = boundary.component;
-    bonded_moves |= boundary.duration > 0 && (boundary.points || held[0] + held[1] + held[2] > 1);
-    straight &= boundary.angle == 0 && !boundary.points;
+    turned |= boundary.angle != 0 || boundary.points;
+    bonded_moves |= boundary.duration > 0 && held[0] + held[1] + held[2] > 1;
   }
-  return !bonded_moves || (straight && isConfined(model.cellVolume()));
+  return !turned && (!bonded_moves || isConfined(model.cellVolume()));
 }
 
 /// What follows from the imposed nodes and the scene.
