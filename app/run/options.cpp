@@ -152,8 +152,8 @@ std::string readPictureOptions(Options& o, const Texts& texts) {
            "--expect and --strict are for off-screen runs; add --offscreen";
   if (!o.animation.empty()) {
     if (!o.offscreen || !o.seconds || !o.snapshot_at.empty())
-      return "--animation is for off-screen runs of a given length, a replay too, without --snapshot-at; add --offscreen "
-             "--seconds 6";
+      return "--animation is for off-screen runs of a given length, a replay too, without --snapshot-at; add "
+             "--offscreen --seconds 6";
     if (*o.seconds > most_animated_seconds)
       return format("--animation shows at most %.0f s; give a smaller --seconds", most_animated_seconds);
     const int pictures = std::max(2, static_cast<int>(*o.seconds * animation_rate));

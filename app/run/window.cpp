@@ -26,10 +26,10 @@ namespace {
 
 using SteadyClock = std::chrono::steady_clock;
 
-constexpr double hidden_wait = 0.1;    // s, between looks at the loop while the window is minimised
+constexpr double hidden_wait = 0.1;  // s, between looks at the loop while the window is minimised
 // s, between pictures while nobody is there; a picture takes at most a quarter of it
 constexpr double resting_turn = 0.15, paused_turn = 1;
-constexpr double loading_turn = 0.1;   // s, between pictures of the progress: the set-up needs the cores
+constexpr double loading_turn = 0.1;  // s, between pictures of the progress: the set-up needs the cores
 
 /// What comes after a session.
 struct Next {

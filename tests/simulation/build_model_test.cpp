@@ -354,3 +354,33 @@ TEST_CASE("What counts as a blow-up is half of the coarse spacing in a step, a f
   scene.refine.push_back({Vec3(0, 0, 0.03), 0.01, 0.25 * scene.spacing, 0, {}});
   CHECK(blockModel(scene).max_increment == Approx(0.5 * scene.spacing));
 }
+
+TEST_CASE("Cells keep the volume of what is pressed flat or by tools, not where a moving face curves the flow",
+          "[build_model]") {
+  Scene scene = blockScene();
+  CHECK(blockModel(scene).hasCellVolume());  // a tool, a base that stands still
+  const auto plate = [&](int axis, double at, bool bonded) {
+    BoundarySpec face = scene.boundaries.front();
+    face.region.point = at * Vec3::Unit(axis);
+    face.region.normal = Vec3::Unit(axis);
+    for (int c = 0; c < 3; ++c) face.component[c] = bonded || c == axis;
+    return face;
+  };
+  scene.boundaries.push_back(plate(2, 0.03, false));
+  BoundarySpec& top = scene.boundaries.back();
+  top.translation = Vec3(0, 0, -0.003);
+  top.duration = 1;
+  CHECK(blockModel(scene).hasCellVolume());  // slides
+  top.angle = 0.1;
+  CHECK_FALSE(blockModel(scene).hasCellVolume());
+  top.angle = 0;
+  top.component[0] = top.component[1] = true;  // bonded
+  CHECK_FALSE(blockModel(scene).hasCellVolume());
+  for (const double side : {-0.03, 0.03}) {
+    scene.boundaries.push_back(plate(0, side, false));
+    scene.boundaries.push_back(plate(1, side, false));
+  }
+  CHECK(blockModel(scene).hasCellVolume());  // held all around
+  scene.formulation = Formulation::paper();
+  CHECK_FALSE(blockModel(scene).hasCellVolume());
+}

@@ -41,7 +41,8 @@ TEST_CASE("A report is held to a baseline: equal where exact, near where there i
 TEST_CASE("A baseline that says nothing clear is refused before the run", "[run_checks]") {
   const TempFolder folder;
   for (const char* text : {"[1, 2]", "{\"nodes\": }", R"({"min_J": 0.5})", R"({"min_J": {"value": 1}})",
-                           R"({"min_J": {"value": 1, "abs": -1}})", R"({"min_J": {"value": 1, "rel": 1, "abss": 2}})", R"({"min_J": {"value": 1, "rel": "a lot"}})"}) {
+                           R"({"min_J": {"value": 1, "abs": -1}})", R"({"min_J": {"value": 1, "rel": 1, "abss": 2}})",
+                           R"({"min_J": {"value": 1, "rel": "a lot"}})"}) {
     CAPTURE(text);
     folder.write("b.json", text);
     CHECK_THROWS_AS(Baseline(folder.path("b.json"), blank()), InputError);

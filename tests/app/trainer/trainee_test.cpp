@@ -311,7 +311,8 @@ TEST_CASE("The way on the skin ends where the probe lifts off and begins where i
   CHECK(json["path_mm"][2].size() == 1);
 }
 
-TEST_CASE("A probe's path stays bounded over hours, from its beginning to its end, and its length exact", "[trainer][whole]") {
+TEST_CASE("A probe's path stays bounded over hours, from its beginning to its end, and its length exact",
+          "[trainer][whole]") {
   const Model model = blockWithLump();
   TaskScore score(model, lumpsOf(model));
   ForceSample sample;

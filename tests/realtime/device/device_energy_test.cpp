@@ -221,7 +221,8 @@ TEST_CASE("Neither a dropout nor a late loop gives the handle energy", "[device]
   CHECK(outcome.dropout_J < 1e-4);  // it was 0.15 to 0.27 mJ each
 }
 
-TEST_CASE("Handles, hands, delays and tissues drawn by lot: no handle gets half a millijoule", "[device][energy][whole]") {
+TEST_CASE("Handles, hands, delays and tissues drawn by lot: no handle gets half a millijoule",
+          "[device][energy][whole]") {
   double given = 0, pull = 0;
   std::uint64_t worst = 0;
   for (std::uint64_t seed = 1; seed <= 150; ++seed) {

@@ -275,8 +275,9 @@ int identifyCommand(const IdentifyOptions& options) {
   writeWholeFile(folder + "/identify.json", report.dump(2) + "\n");
   std::cout << "picture      "
             << writePicture(folder + "/identify.png", figureOf(scene.name, measured, pressed.lastCurve())) << std::endl;
+  if (!found.converged) return not_found;
   if (!remarks.doubts.empty()) return doubted;
-  return found.converged && found.told_apart ? found_it : not_found;
+  return found.told_apart ? found_it : not_found;
 }
 
 }  // namespace palpate::tools
