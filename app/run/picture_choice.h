@@ -7,7 +7,8 @@
 
 namespace palpate::app {
 
-/// What the command line says about an off-screen picture: --no-panels, --close, --camera, --view, --field, --range, --show,
+/// What the command line says about an off-screen picture: --no-panels, --close, --camera, --view, --field, --range,
+/// --show,
 /// --hide, --timing.
 struct PictureChoice {
   bool panels = true;

@@ -44,8 +44,8 @@ class ToolHand {
   void reset();
   /// To the place of the skin at rest that is nearest to `touched`, m, as a click there.
   std::vector<Request> bring(const Vec3& touched);
-  /// So deep into the skin at its place, m; negative: off it. Without a place: into the skin that is nearest to the tip,
-  /// on which it then stands (Glide), or as it is turned now (Free).
+  /// So deep into the skin at its place, m; negative: off it. Without a place: into the skin that is nearest to the
+  /// tip, on which it then stands (Glide), or as it is turned now (Free).
   /// @param speed  m/s
   /// @param goal   where the loop's own goal stands (Snapshot::goal_pose)
   std::vector<Request> press(double depth, double speed, const Pose& goal);

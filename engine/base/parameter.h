@@ -24,8 +24,9 @@ constexpr ValueRange atLeast(double low) { return {low, std::numeric_limits<doub
 constexpr ValueRange between(double low, double high) { return {low, high, false, false}; }
 constexpr ValueRange aboveUpTo(double low, double high) { return {low, high, true, false}; }
 
-/// A number, a vector, or a list of numbers or pairs of them, that describes a thing such as a material law or a tool: stated
-/// once, beside the formulas that use it. Scene keys, their reference, hashes, recordings and panels follow from it.
+/// A number, a vector, or a list of numbers or pairs of them, that describes a thing such as a material law or a tool:
+/// stated once, beside the formulas that use it. Scene keys, their reference, hashes, recordings and panels follow from
+/// it.
 struct Parameter {
   enum class Type { Number, Numbers, Pairs, Vector };  // pairs one after another, or none; a vector has three numbers
 

@@ -22,10 +22,10 @@ namespace palpate {
 ///   energy  sum_a V_a h(K_a theta_a) + V'_a w_a (K_a theta'_a^2 / 2 - h(K_a theta'_a))
 ///
 /// over nodes a and their cells t; theta_a and V_a are the patches' (node_patch.h). h is the energy of a pressure
-/// p = K theta that is bounded by p1, some times the least shear modulus in the patch (pressureLimits): p^2 / 2K for p > -p1,
-/// p1 (-p - p1/2) / K beyond. So a patch's pressure is max(K theta, -p1), and what is beyond comes from the cells:
-/// their pressure is the sum of s_ta w_a min(K theta'_a + p1, 0) of their four nodes, and -p_t dV_t/dx_a goes to the
-/// nodes j by N_j(X_a). Under tension nothing changes.
+/// p = K theta that is bounded by p1, some times the least shear modulus in the patch (pressureLimits): p^2 / 2K for p
+/// > -p1, p1 (-p - p1/2) / K beyond. So a patch's pressure is max(K theta, -p1), and what is beyond comes from the
+/// cells: their pressure is the sum of s_ta w_a min(K theta'_a + p1, 0) of their four nodes, and -p_t dV_t/dx_a goes to
+/// the nodes j by N_j(X_a). Under tension nothing changes.
 ///
 /// A cell counts for its vertices by equal parts s_ta, but not for those that are held in all directions while others
 /// are free: along a bonded face a field without change of volume curves away from it, of which tetrahedra see chords;
@@ -34,11 +34,11 @@ namespace palpate {
 /// Exact where the pressure is even. Between bonded faces that are few cells apart the chords take from the flow across
 /// them, and the body becomes too stiff: layers pressed by 20 % and four times as wide as high answer with 11, 9.5 %
 /// more force at a height of 3, 4 spacings (22, 17 % with equal parts for all), the patches alone with 0.6 and -0.1 %.
-/// So nodes between bonded faces less than bonded_cells edges apart keep their patch's pressure, whatever it is (beyond what
-/// patches hold it is doubted: simulation/trust.h). But for bodies that are held all around: nothing flows across then.
-/// A face that is turned, or moved while it is bonded, curves the flow everywhere (a block bent to a ring answers with
-/// 17 % too much, with 4 % by patches alone; twisted tissue of nu 0.499 finds no equilibrium): such bodies have no cells
-/// (Model::hasCellVolume).
+/// So nodes between bonded faces less than bonded_cells edges apart keep their patch's pressure, whatever it is (beyond
+/// what patches hold it is doubted: simulation/trust.h). But for bodies that are held all around: nothing flows across
+/// then. A face that is turned, or moved while it is bonded, curves the flow everywhere (a block bent to a ring answers
+/// with 17 % too much, with 4 % by patches alone; twisted tissue of nu 0.499 finds no equilibrium): such bodies have no
+/// cells (Model::hasCellVolume).
 ///
 /// Which nodes are looked at follows from the points alone: w_a rises from 0 to 1 as the largest K_a (1 - J_q) / p1 of
 /// the points in the patch rises from pressed_from to 1. Where no point gets there, nothing is computed. (A patch's own
@@ -123,9 +123,9 @@ struct CellVolumeSpec {
 /// Whether each outer face is held at its nodes, in some component.
 bool isConfined(const CellVolumeSpec& spec);
 
-/// p1 over the shear modulus, of the vertices: pressure_limit, and infinity between bonded faces. A vertex is between them
-/// where held nodes lie to either side of it, the nearest and one in nearly the opposite direction; a held node, where
-/// one of its cells has such a vertex.
+/// p1 over the shear modulus, of the vertices: pressure_limit, and infinity between bonded faces. A vertex is between
+/// them where held nodes lie to either side of it, the nearest and one in nearly the opposite direction; a held node,
+/// where one of its cells has such a vertex.
 std::vector<double> pressureLimits(const CellVolumeSpec& spec);
 
 template <class Real>

@@ -13,7 +13,8 @@ namespace palpate {
 /// Mass that follows the stiffness of squeezed tissue, so that a time step chosen at rest stays stable.
 ///
 /// Squeezed tissue is stiffer: waves across a squeeze see the modulus c(F) of squeezedModulus(), six times that at rest
-/// where a free neo-Hookean block has 0.4 of its height; stretched fibres may be stiffer by far. The block Gershgorin row of node i (critical_time_step.h) then is
+/// where a free neo-Hookean block has 0.4 of its height; stretched fibres may be stiffer by far. The block Gershgorin
+/// row of node i (critical_time_step.h) then is
 ///   row_i(u) = sum_q V_q c_q |b_iq| sum_j |b_jq| = row_i r_i,   r_i a mean of c_q / c_q(rest) with weights of sum 1.
 /// With masses m_i f_i, f_i >= r_i (share / limit)^2, the bound of the deformed body is no higher than (limit /
 /// share)^2 times that of the body at rest: dt is at most `limit` of the stable step where it was `share` of it at
@@ -54,9 +55,9 @@ StiffnessMeans makeStiffnessMeans(const KernelLayout& layout, const ShapeTable& 
                                   const std::vector<double>& volume, const std::vector<int>& point_material,
                                   const std::vector<Material>& materials, const EssentialBoundary& boundary);
 
-/// Bounds of the tangent moduli of a batch of 16 points, c = squeeze s^2 + other of PointStateOf. s comes from |cof F|^2
-/// = s^2 + 2 J^2 / s, as if the two other singular values of cof F were equal: up to 1 % too large where they are, more
-/// where they differ, never too small.
+/// Bounds of the tangent moduli of a batch of 16 points, c = squeeze s^2 + other of PointStateOf. s comes from |cof
+/// F|^2 = s^2 + 2 J^2 / s, as if the two other singular values of cof F were equal: up to 1 % too large where they are,
+/// more where they differ, never too small.
 /// @param cofactor_norm2, J  |cof F|^2 and det F (16)
 /// @param squeeze, other     of the law, Pa (16)
 /// @param modulus            Pa (16)

@@ -55,8 +55,8 @@ ShapeTable shapeAt(const Model& model, const std::vector<Vec3>& points) {
       "lower discretization.spacing, or leave the point out");
 }
 
-/// Whether the cells take pressure over from the patches: not where a face is turned, or moved while it is bonded, which
-/// curves the flow, of which cells see chords; but in a body that is held all around and pressed without a turn.
+/// Whether the cells take pressure over from the patches: not where a face is turned, or moved while it is bonded,
+/// which curves the flow, of which cells see chords; but in a body that is held all around and pressed without a turn.
 bool keepsCellVolume(const Model& model) {
   if (!model.scene.formulation.cell_volume || model.patches.empty()) return false;
   bool turned = false, bonded_moves = false;

@@ -2,9 +2,9 @@
 
 namespace palpate {
 
-/// The floor under the energy: its barrier's strength, and the volume ratio below which it acts (Material). Paper eq. 32
-/// and its like let a point collapse at a pressure of K. Confined tissue of nu 0.49 is at J = 0.2 under 40 shear moduli,
-/// the most that is promised; below, no state is one that a scene is made for.
+/// The floor under the energy: its barrier's strength, and the volume ratio below which it acts (Material). Paper eq.
+/// 32 and its like let a point collapse at a pressure of K. Confined tissue of nu 0.49 is at J = 0.2 under 40 shear
+/// moduli, the most that is promised; below, no state is one that a scene is made for.
 inline constexpr double floor_strength = 1, floor_J0 = 0.2;
 
 /// How forces follow from displacements, beyond the paper's equations. A scene has all of it, without keys, or with

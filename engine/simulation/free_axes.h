@@ -4,8 +4,8 @@
 
 namespace palpate {
 
-/// 1 along each axis along which nothing holds the body, so that it may slide there as a whole, 0 along the others; zero
-/// where nothing is known to hold it at all.
+/// 1 along each axis along which nothing holds the body, so that it may slide there as a whole, 0 along the others;
+/// zero where nothing is known to hold it at all.
 Vec3 freeAxes(const Body& body);
 
 }  // namespace palpate

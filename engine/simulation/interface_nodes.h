@@ -11,8 +11,8 @@
 
 namespace palpate {
 
-/// Formulation::sharp_interfaces, where there is a border between materials: where tissue mixes by a membership there is
-/// none.
+/// Formulation::sharp_interfaces, where there is a border between materials: where tissue mixes by a membership there
+/// is none.
 bool hasSharpInterfaces(const Scene& scene);
 
 /// Moves nodes that are near a border between materials (materialAt) onto it, along the shortest way that keeps corners

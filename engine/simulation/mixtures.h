@@ -27,8 +27,8 @@ int mixedMaterial(const Scene& scene);
 /// scene's, and more where tissue mixes: it changes over a few edges, and its pressure with it.
 double ownBulk(const Scene& scene);
 
-/// Whether the scene's volume is averaged over node patches: with a bulk modulus that is all left to the points, nothing
-/// would be averaged.
+/// Whether the scene's volume is averaged over node patches: with a bulk modulus that is all left to the points,
+/// nothing would be averaged.
 bool needsPatches(const Scene& scene);
 
 /// The scene's materials and then, where it mixes, those between: what point_material counts.

@@ -22,14 +22,15 @@ std::vector<int> cellGroups(const std::vector<std::array<int, 4>>& cells, const 
 void joinGroups(const std::vector<Unsupported>& places, const std::vector<std::array<int, 4>>& cells,
                 const std::vector<Vec3>& centroid, std::vector<int>& group);
 
-/// Supports that end at borders between materials (Formulation::sharp_interfaces). A point of one material has the nodes of
-/// that material's cells in its support, those of the border among them, and no others (groups: cellGroups). So each side reproduces a
-/// linear field of its own, and a field that is linear on both sides with a kink at the border is exact; with supports
-/// across the border the kink is smeared over their width, which stiffens.
+/// Supports that end at borders between materials (Formulation::sharp_interfaces). A point of one material has the
+/// nodes of that material's cells in its support, those of the border among them, and no others (groups: cellGroups).
+/// So each side reproduces a linear field of its own, and a field that is linear on both sides with a kink at the
+/// border is exact; with supports across the border the kink is smeared over their width, which stiffens.
 ///
 /// A border goes where its nodes' own parameters go, for both sides: the sides' fields agree there for linear
-/// displacements only, and a gap or an overlap between them would change the volume of the whole. The gradients see to it that uniform
-/// stresses on both sides with one traction across the border are in equilibrium: for each group m and node i
+/// displacements only, and a gap or an overlap between them would change the volume of the whole. The gradients see to
+/// it that uniform stresses on both sides with one traction across the border are in equilibrium: for each group m and
+/// node i
 ///
 ///   sum_{q in m} V_q gradN_i(X_q) = int_{outer faces of m} N_i n dS + int_{border of m} L_i n dS
 ///

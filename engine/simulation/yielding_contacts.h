@@ -10,9 +10,9 @@ namespace palpate {
 ///
 ///   x_tool = wanted + t out,   out = F / |F| of the tool at `wanted`,   |F(t)| = max_force,   t >= 0
 ///
-/// Jaws open likewise until the pinch is within their grip_force. t is searched within the step, by contacts solved anew with
-/// the tool elsewhere (eight times at most), to 0.85 .. 1 of the limit. A tool that is shut in, with walls on its way
-/// out, too, goes by the force it feels at each place to the one with the least (six times more). It goes back
+/// Jaws open likewise until the pinch is within their grip_force. t is searched within the step, by contacts solved
+/// anew with the tool elsewhere (eight times at most), to 0.85 .. 1 of the limit. A tool that is shut in, with walls on
+/// its way out, too, goes by the force it feels at each place to the one with the least (six times more). It goes back
 /// four times as fast as it may follow a hand at most. Below the limit all is as without it, bit for bit.
 ///
 /// @param tools  where they should be at the step's end; receives where they are

@@ -33,8 +33,8 @@ inline Material sampleMaterial(const MaterialLaw& law) {
   return m;
 }
 
-/// Materials of the law as soft tissue might have them, 2 kPa to 2 MPa of bulk modulus and exponents up to 6, drawn from
-/// a fixed seed; some have a barrier.
+/// Materials of the law as soft tissue might have them, 2 kPa to 2 MPa of bulk modulus and exponents up to 6, drawn
+/// from a fixed seed; some have a barrier.
 inline std::vector<Material> plausibleMaterials(const MaterialLaw& law, int count = 6) {
   std::mt19937 random(17);
   std::uniform_real_distribution<double> unit(0, 1);

@@ -61,7 +61,8 @@ const Parameter& relaxationParameter();
 std::optional<ParameterProblem> relaxationProblem(const Material& material);
 
 /// Calls `call(parameter, values)` for each parameter of the material's law and then for those that all laws have;
-/// `values` is a span of one number, of three for a vector, or of term_count for a list; at last for the relaxation, with pairs or nothing.
+/// `values` is a span of one number, of three for a vector, or of term_count for a list; at last for the relaxation,
+/// with pairs or nothing.
 template <class SomeMaterial, class Call>
 void forEachParameter(SomeMaterial&& material, Call call) {
   auto* value = material.value;
