@@ -177,7 +177,7 @@ std::optional<Request> ToolHand::steer(const Actions& actions, const Camera& cam
     if (!std::exchange(steering_, false)) return {};
     return Request::steer(Vec3::Zero(), Vec3::Zero(), 0);
   }
-  steering_ = true;
+  steering_ = !actions.tapped;  // what was tapped ends by itself, however soon the next frame is
   pressing_ = actions.tool_keys.z() != 0;
   behind_ = 2;
   if (place_) return glideKeys(actions, camera, speed, seconds, goal);

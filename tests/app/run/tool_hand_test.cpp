@@ -90,6 +90,20 @@ TEST_CASE("Held keys are a velocity, the same however seldom a picture comes; le
   }
 }
 
+TEST_CASE("A tapped key moves the tool by the same way however soon the next picture comes", "[tool_hand]") {
+  const Model model = organ();
+  for (const double seconds : {0.004, 0.5}) {
+    ToolHand hand(model);
+    Actions tap;
+    tap.tool_keys = {0, 0, 1};
+    tap.tapped = true;
+    const std::vector<Request> requests = ask(hand, tap, seconds);
+    REQUIRE(requests.size() == 1);
+    CHECK(velocityOf(requests[0]).norm() * requests[0].value == Approx(0.08 * speed));
+    CHECK(ask(hand, Actions{}, seconds).empty());  // nothing cuts it short
+  }
+}
+
 TEST_CASE("The tool does not get lost, and rests when nothing is asked", "[tool_hand]") {
   const Model model = organ();
   ToolHand hand(model);
