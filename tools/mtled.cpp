@@ -19,7 +19,9 @@
 #include "mtled/atlas/atlas_command.h"
 #include "mtled/batch/batch_command.h"
 #include "mtled/bench/bench_command.h"
+#include "mtled/certify/certify_command.h"
 #include "mtled/fit/fit_command.h"
+#include "mtled/matrix/matrix_command.h"
 #include "mtled/frontier/frontier_command.h"
 #include "mtled/identify/identify_command.h"
 #include "mtled/import/import_command.h"
@@ -43,9 +45,11 @@ const char* const examples = R"(Examples:
   mtled solve liver --tool indent_hold_retract               the tool's way, quasi-static
   mtled verify                               all cases beside the paper and independent references
   mtled verify cube torsion --report /tmp/v  two of them, as a page with pictures
+  mtled matrix --count 20                    scenes drawn by lot beside finer clouds of theirs
   mtled bench --quick                        the force kernels' speed beside what this machine could do at most
   mtled frontier liver --quick               what each microsecond buys
   mtled fit liver --rate 1000                the most accurate setting that holds 1 kHz here
+  mtled certify liver                        how exact a scene's force is, over depth; palpate then shows it
   mtled batch jobs.jsonl --jobs 8            many scenes, one thread each
   mtled identify kidney --measured force.csv    the material that gives a measured force curve
   mtled phantom --out out/phantom            a brain scan by formula, its mask and electrodes
@@ -110,6 +114,18 @@ CLI::App* addVerify(CLI::App& app, VerifyOptions& options) {
   command->add_option("--json", options.json, "Write the results to this file")->type_name("FILE");
   command->add_option("--report", options.report, "Write a page with tables and pictures into this folder")
       ->type_name("DIR");
+  command->add_option("--threads", options.threads, "Threads (one per core)")->type_name("N")->check(CLI::Range(1, 64));
+  return command;
+}
+
+CLI::App* addMatrix(CLI::App& app, MatrixOptions& options) {
+  CLI::App* command =
+      app.add_subcommand("matrix", "Compare scenes drawn by lot with finer clouds: how far off is what is trusted");
+  command->footer(examplesOf(*command));
+  command->add_option("--first", options.first, "The first seed (1)")->type_name("N")->check(CLI::Range(0, 1000000));
+  command->add_option("--count", options.count, "How many (300)")->type_name("N")->check(CLI::Range(1, 100000));
+  command->add_flag("--make", options.make, "Compute the references anew, and keep them in tests/reference/matrix.csv");
+  command->add_option("--json", options.json, "Write all rows to this file")->type_name("FILE");
   command->add_option("--threads", options.threads, "Threads (one per core)")->type_name("N")->check(CLI::Range(1, 64));
   return command;
 }
@@ -189,6 +205,21 @@ CLI::App* addBatch(CLI::App& app, BatchOptions& options) {
   options.use_cache = true;
   command->add_flag_callback(
       "--no-cache", [&options] { options.use_cache = false; }, "Make the set-ups anew and do not keep them");
+  return command;
+}
+
+CLI::App* addCertify(CLI::App& app, CertifyOptions& options) {
+  CLI::App* command =
+      app.add_subcommand("certify", "Measure how exact a scene's force is, over depth, against two finer clouds");
+  command->footer(examplesOf(*command) +
+                  "\n\nWritten beside the scene; palpate shows it as long as nothing of the scene is changed.");
+  command->add_option("SCENE", options.scene, "Scene file (.toml), or the name of one in assets/scenes")->required();
+  command->add_option("--tool", options.tool_script, "Tool script, or the name of one in assets/tools")
+      ->type_name("SCRIPT");
+  command->add_option("--out", options.out, "File for the certificate (SCENE.certificate.json)")->type_name("FILE");
+  command->add_option("--threads", options.threads, "Threads (one per core)")->type_name("N")->check(CLI::Range(1, 64));
+  command->add_flag_callback(
+      "--no-cache", [&options] { options.use_cache = false; }, "Make the set-up anew and do not keep it");
   return command;
 }
 
@@ -374,7 +405,9 @@ int main(int argc, char** argv) {
   VerifyOptions verify;
   BenchOptions bench;
   FrontierOptions frontier;
+  MatrixOptions matrix;
   FitOptions fit;
+  CertifyOptions certify;
   AtlasOptions atlas;
   BatchOptions batch;
   IdentifyOptions identify;
@@ -387,9 +420,11 @@ int main(int argc, char** argv) {
   const std::pair<CLI::App*, std::function<int()>> commands[] = {
       {addSolve(app, solve), [&] { return solveCommand(solve); }},
       {addVerify(app, verify), [&] { return verifyCommand(verify); }},
+      {addMatrix(app, matrix), [&] { return matrixCommand(matrix); }},
       {addBench(app, bench), [&] { return benchCommand(bench); }},
       {addFrontier(app, frontier), [&] { return frontierCommand(frontier); }},
       {addFit(app, fit), [&] { return fitCommand(fit); }},
+      {addCertify(app, certify), [&] { return certifyCommand(certify); }},
       {addAtlas(app, atlas), [&] { return atlasCommand(atlas); }},
       {addBatch(app, batch), [&] { return batchCommand(batch); }},
       {addIdentify(app, identify), [&] { return identifyCommand(identify); }},

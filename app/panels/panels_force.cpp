@@ -183,6 +183,12 @@ void drawForceCard(const Theme& theme, const PanelData& data, float height, Pane
   if (const ToolReading& jaws = data.snapshot.tools.tool[0]; jaws.opening > 0 || jaws.pinch > 0)
     row("Pinch", format("%.3f N, %.1f mm open", jaws.pinch, 1e3 * jaws.opening));
 
+  if (!data.certified.empty())
+    row("Force error", data.certified, colours::text, "as mtled certify measured it against two finer clouds");
+  else if (force.contact_count > 0)
+    row("Expected error", format("+%.2g %%", 100 * force.expected_error),
+        force.expected_error > TrustLimits::expected_error ? colours::warning : colours::text,
+        "by how much the force is too large because the nodes below the contact are no closer");
   const StepReport& report = data.snapshot.report;
   row("Trust", doubted ? std::string("doubt: ") + doubtName(force.doubt) : "good",
       doubted ? colours::warning : colours::good,

@@ -20,6 +20,7 @@
 #include "io/text_file.h"
 #include "mechanics/materials/material_law.h"
 #include "realtime/device/open_device.h"
+#include "simulation/contact_patch.h"
 #include "simulation/model_hash.h"
 #include "simulation/tick_cost.h"
 
@@ -185,7 +186,10 @@ Session::Session(const Options& options, const Scene& scene, Log& log, const Loa
       materials_(scene_materials_),
       sent_before_(scene_materials_),
       friction_(scene_.friction),
+      certificate_(readCertificate(certificateFile(findScene(options.scene)), modelHash(model_))),
       forces_(history_seconds) {
+  if (const std::string coarse = resolutionWarning(model_); !coarse.empty() && !certificate_) log_.warning(coarse);
+  if (certificate_) log_.info("the force is " + certifiedText(*certificate_, certificate_->deepest()));
   if (isTask(scene_) && !options_.answers) beginSearch();
   SimulationLoopOptions loop_options;
   loop_options.as_fast_as_possible = options_.as_fast_as_possible;

@@ -17,6 +17,7 @@
 #include "app/run/soak.h"
 #include "app/trainer/task_score.h"
 #include "app/trainer/trainee.h"
+#include "io/certificate.h"
 #include "io/tool_script.h"
 #include "realtime/device/device_thread.h"
 #include "realtime/loop/simulation_loop.h"
@@ -158,6 +159,7 @@ class Session {
   std::vector<Material> materials_;    // (material_count) present
   std::vector<Material> sent_before_;  // (material_count) before the last request, should it be refused
   double friction_ = 0;
+  std::optional<Certificate> certificate_;  // of this very model
   std::optional<Soak> soak_;
   std::optional<ScriptMotion> script_motion_;
   std::optional<Trainee> trainee_;

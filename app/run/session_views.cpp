@@ -113,6 +113,12 @@ PanelData Session::panelData(const Snapshot& snapshot) const {
   if (searching()) data.input_note = "a search is made with what the scene says";
   if (data.driver == ToolDriver::Script) data.input_note = "a script runs, which must find the scene's own values";
   if (data.driver == ToolDriver::Replay) data.input_note = "a recording runs, which brings its own values";
+  const auto isStiffAs = [](const Material& a, const Material& b) {
+    return std::equal(std::begin(a.value), std::end(a.value), std::begin(b.value));
+  };
+  if (certificate_ && friction_ == scene_.friction &&
+      std::equal(materials_.begin(), materials_.end(), scene_materials_.begin(), isStiffAs))
+    data.certified = certifiedText(*certificate_, snapshot.force.advance_m);
   data.frozen_reason = frozen_reason_;
   data.task = task();
   data.revealed = revealed_;

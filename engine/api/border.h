@@ -11,6 +11,7 @@
 #include "api/palpate.h"
 #include "base/input_error.h"
 #include "base/types.h"
+#include "simulation/report.h"
 
 namespace palpate::api {
 
@@ -19,6 +20,13 @@ struct Refusal : std::runtime_error {
   Refusal(std::int32_t why, const std::string& text) : std::runtime_error(text), code(why) {}
   std::int32_t code;
 };
+
+/// The number that callers know a doubt by.
+inline std::int32_t numberOf(Doubt doubt) {
+  if (doubt == Doubt::None) return PALPATE_DOUBT_NONE;
+  if (doubt == Doubt::Resolution) return PALPATE_DOUBT_RESOLUTION;  // came last, and is the least
+  return static_cast<std::int32_t>(doubt) - static_cast<std::int32_t>(Doubt::Volume) + PALPATE_DOUBT_VOLUME;
+}
 
 /// Whether a struct's size can be meant: one that was never set is 0 or anything.
 inline bool isSize(std::uint32_t size) { return size >= 8 && size <= 4096; }

@@ -64,8 +64,9 @@ const char* palpate_result_text(int32_t code) {
 }
 
 const char* palpate_doubt_text(int32_t doubt) {
-  if (doubt < PALPATE_DOUBT_NONE || doubt > PALPATE_DOUBT_LOST) return "";
-  return doubtText(static_cast<Doubt>(doubt));
+  for (int d = 0; d <= static_cast<int>(Doubt::Lost); ++d)
+    if (numberOf(static_cast<Doubt>(d)) == doubt) return doubtText(static_cast<Doubt>(d));
+  return "";
 }
 
 int32_t palpate_load(const char* scene, const palpate_options* options, palpate_model** model, palpate_error* error) {

@@ -145,7 +145,7 @@ int32_t palpate_read(const palpate_simulation* simulation, palpate_state* state)
   const ForceReading reading = simulation->loop.force();
   const ForceSample& s = reading.sample;
   palpate_state out{};
-  out.doubt = static_cast<std::int32_t>(s.doubt);
+  out.doubt = numberOf(s.doubt);
   out.fresh = reading.fresh;
   out.frozen = s.frozen;
   out.contact_count = s.contact_count;
@@ -163,6 +163,7 @@ int32_t palpate_read(const palpate_simulation* simulation, palpate_state* state)
   out.depth_m = s.depth_m;
   out.advance_m = s.advance_m;
   out.work_J = s.work_J;
+  out.expected_error = s.expected_error;
   return fill(state, out);
 }
 

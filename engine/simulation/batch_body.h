@@ -24,8 +24,9 @@ class BatchBody {
     int inverted_points = 0;
     double max_increment = 0;  // m
     bool finite = true;
-    double step_share = 0;      // of the step that the model was made for
-    Doubt doubt = Doubt::None;  // of what step time and energy don't tell
+    double step_share = 0;           // of the step that the model was made for
+    Doubt doubt = Doubt::None;       // of what step time and energy don't tell
+    double expected_error = 0;       // of the tools' forces, as a share (contact_patch.h)
     Vec3 tool_force = Vec3::Zero();  // N, on the first tool
     ToolLoads loads;                 // of all tools, without torques
     SkullContact skull;

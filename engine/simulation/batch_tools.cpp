@@ -4,6 +4,7 @@
 #include <array>
 
 #include "contact/contact.h"
+#include "simulation/contact_patch.h"
 #include "simulation/tool_bodies.h"
 
 namespace palpate {
@@ -59,13 +60,18 @@ int BatchTools::bodyCount() const {
 double BatchTools::maxPenetration() const {
   double deepest = 0;
   for (int b = 0; b < bodyCount(); ++b)
-    deepest = std::max(deepest, contact_[static_cast<std::size_t>(b)].max_penetration *
-                                    model_.scene.tool.radius / toolBody(model_, b).shape.radius);
+    deepest = std::max(deepest, contact_[static_cast<std::size_t>(b)].max_penetration * model_.scene.tool.radius /
+                                    toolBody(model_, b).shape.radius);
   return deepest;
 }
 
 bool BatchTools::overflow() const {
   return std::any_of(contact_.begin(), contact_.end(), [](const ContactState& contact) { return contact.overflow; });
+}
+
+double BatchTools::expectedError() const {
+  return largestExpectedError(model_, model_.materials, bodyCount(),
+                              [this](int b) -> const ContactState& { return contact_[static_cast<std::size_t>(b)]; });
 }
 
 void BatchTools::solveAll(double alpha, const float* inverse_mass, const Float4* u, Float4* du, ToolLoads& loads) {

@@ -8,6 +8,7 @@
 #include "approximation/shape_functions.h"
 #include "discretization/surface/facet_rule.h"
 #include "simulation/choose_time_step.h"
+#include "simulation/contact_patch.h"
 #include "simulation/imposed_nodes.h"
 #include "simulation/mixtures.h"
 #include "simulation/prepare.h"
@@ -45,9 +46,9 @@ SupportGroups groupsAt(const Model& model, const std::vector<Vec3>& points) {
 ShapeTable shapeAt(const Model& model, const std::vector<Vec3>& points) {
   const Neighbours neighbours(model.X, model.support_radius);
   std::vector<InadmissibleSupport> failed;
-  ShapeTable shape = shapeFunctions(points, model.X, model.support_radius, neighbours,
-                                    {model.scene.basis_degree, model.scene.mmls_weight}, failed, {},
-                                     groupsAt(model, points));
+  ShapeTable shape =
+      shapeFunctions(points, model.X, model.support_radius, neighbours,
+                     {model.scene.basis_degree, model.scene.mmls_weight}, failed, {}, groupsAt(model, points));
   if (failed.empty()) return shape;
   throw InputError(
       model.scene.boundaries.front().place,
@@ -180,6 +181,7 @@ Model finish(const Scene& scene, const SurfaceTree& tree, Preparation preparatio
   static_cast<Preparation&>(model) = std::move(preparation);
   model.scene = scene;
   model.materials = materialsOf(scene);
+  model.node_material = nodeMaterials(model);
   for (const double m : model.mass) model.inverse_mass.push_back(static_cast<float>(1 / m));
   completeEssential(scene, model);
   if (needsPatches(scene))

@@ -20,6 +20,7 @@ enum StepFlag : std::uint32_t {
 /// Why the numbers of a step should not be believed, the gravest that applies (simulation/trust.h).
 enum class Doubt : std::uint8_t {
   None,
+  Resolution,  // the nodes are too far apart for the contact (contact_patch.h)
   Volume,    // nearly incompressible tissue has changed its volume, or is under a pressure far above its shear modulus
   Contact,   // the tool is deep in the skin, or touches more of it than there is memory for
   Squeezed,  // a point is near collapse
@@ -59,6 +60,7 @@ struct StepReport {
   double step_share = 0;               // dt over the stable step, as the tissue is now, with the mass that was added
   double added_mass = 0;               // by followStiffness, as a share of the body's own
   double added_inertia = 0;            // force that accelerates that mass, as a share of the recent forces
+  double expected_error = 0;           // of the tools' forces, as a share (contact_patch.h); of a whole tick only
 
   /// A tool touches the tissue.
   bool isTouched() const {

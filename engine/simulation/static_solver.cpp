@@ -121,6 +121,7 @@ StaticSolver::Outcome StaticSolver::relax(double time, const ToolsAt& tools, int
     equilibrium.worst_point = report.worst_point;
     equilibrium.inverted_points = report.inverted_points;
     equilibrium.doubt = report.doubt;
+    equilibrium.expected_error = report.expected_error;
     equilibrium.tool_force = report.tool_force;
     equilibrium.loads = report.loads;
     equilibrium.skull = report.skull;

@@ -20,6 +20,7 @@ struct Equilibrium {
   int worst_point = -1;  // with min J
   int inverted_points = 0;
   Doubt doubt = Doubt::None;
+  double expected_error = 0;       // of the tools' forces, as a share (contact_patch.h)
   Vec3 tool_force = Vec3::Zero();  // N, on the first tool
   ToolLoads loads;                 // of all tools, without torques
   SkullContact skull;

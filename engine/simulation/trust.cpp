@@ -20,13 +20,26 @@ Doubt doubtOf(const Model& model, const StepReport& report) {
       (report.min_J < TrustLimits::crumpled_J || std::abs(report.volume_change) > TrustLimits::volume_change ||
        report.pressure_over_shear > max_pressure || report.cell_pressure_over_shear > TrustLimits::pressure_with_cells))
     return Doubt::Volume;
-  return Doubt::None;
+  return report.expected_error > TrustLimits::expected_error ? Doubt::Resolution : Doubt::None;
+}
+
+void RunTrust::add(Doubt doubt, double expected_error, double force, double time) {
+  largest_force_ = std::max(largest_force_, force);
+  largest_error_ = std::max(largest_error_, expected_error * force);
+  if (doubt == Doubt::None) return;
+  double& first = doubt == Doubt::Resolution ? first_unresolved_ : first_;
+  if (first < 0) first = time;
+  if (doubt != Doubt::Resolution) gravest_ = std::max(gravest_, doubt);
 }
 
 const char* doubtText(Doubt doubt) {
   switch (doubt) {
     case Doubt::None:
       return "";
+    case Doubt::Resolution:
+      return "the nodes are too far apart for so small a contact, which makes the tissue too stiff: finer spacing "
+             "below "
+             "the tool (mtled fit), or a wider tool";
     case Doubt::Volume:
       return "the tissue's volume has changed too much, or is under too high a pressure: press less, or finer spacing";
     case Doubt::Contact:
@@ -50,6 +63,8 @@ const char* doubtName(Doubt doubt) {
   switch (doubt) {
     case Doubt::None:
       return "good";
+    case Doubt::Resolution:
+      return "resolution";
     case Doubt::Volume:
       return "volume";
     case Doubt::Contact:

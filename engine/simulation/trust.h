@@ -37,6 +37,8 @@ struct TrustLimits {
   // to 40 mm: at 0.05, 0.2, 0.5 m/s shares of 0.010, 0.054, 0.23, and forces off by 0.9, 11, 35 %.
   static constexpr double added_inertia = 0.025;
   static constexpr double energy_error = 0.1;  // of the recent energy (energy_balance.h)
+  // Of a tool's force, expected from how fine the cloud below it is (contact_patch.h).
+  static constexpr double expected_error = 0.05;
 };
 
 /// Real-time: no allocation, no lock, no throw.
@@ -48,6 +50,27 @@ const char* doubtText(Doubt doubt);
 const char* doubtName(Doubt doubt);
 /// The doubt with that name; None where there is none.
 Doubt doubtNamed(std::string_view name);
+
+/// What a run's or a solution's rows are worth together: the gravest of their doubts, but that of Resolution by the
+/// largest error in N over the largest force. First touch is never resolved, and matters little for what a press finds.
+class RunTrust {
+ public:
+  /// @param force  N, on the tools  @param expected_error  of it (StepReport)
+  void add(Doubt doubt, double expected_error, double force, double time);
+
+  Doubt doubt() const { return gravest_ != Doubt::None || !unresolved() ? gravest_ : Doubt::Resolution; }
+  /// s, of the first row with a doubt that counts; < 0: none
+  double firstTime() const { return gravest_ != Doubt::None ? first_ : unresolved() ? first_unresolved_ : -1; }
+  /// Of the largest force.
+  double expectedError() const { return largest_force_ > 0 ? largest_error_ / largest_force_ : 0; }
+
+ private:
+  bool unresolved() const { return expectedError() > TrustLimits::expected_error; }
+
+  Doubt gravest_ = Doubt::None;
+  double first_ = -1, first_unresolved_ = -1;     // s
+  double largest_error_ = 0, largest_force_ = 0;  // N
+};
 
 /// The time step dt divided by the stable step of the deformed body: above 1 the step is too long.
 ///

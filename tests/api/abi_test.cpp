@@ -27,7 +27,7 @@ TEST_CASE("The structs of palpate.h have the layout that callers were compiled w
   CHECK(sizeof(palpate_error) == 1024);
   CHECK(sizeof(palpate_options) == 40);
   CHECK(sizeof(palpate_model_info) == 112);
-  CHECK(sizeof(palpate_state) == 240);
+  CHECK(sizeof(palpate_state) == 248);
   CHECK(sizeof(palpate_parameter) == 24);
   CHECK(sizeof(palpate_tool_state) == 136);
   for (const Field& field : std::array{FIELD(palpate_error, size, 0),
@@ -69,6 +69,7 @@ TEST_CASE("The structs of palpate.h have the layout that callers were compiled w
                                        FIELD(palpate_state, depth_m, 216),
                                        FIELD(palpate_state, advance_m, 224),
                                        FIELD(palpate_state, work_J, 232),
+                                       FIELD(palpate_state, expected_error, 240),
                                        FIELD(palpate_tool_state, size, 0),
                                        FIELD(palpate_tool_state, contact_count, 4),
                                        FIELD(palpate_tool_state, tick, 8),
@@ -89,8 +90,9 @@ TEST_CASE("The numbers of palpate.h are those that callers were compiled with", 
   const std::array outcomes{PALPATE_OK,      PALPATE_BAD_ARGUMENT, PALPATE_BAD_INPUT,
                             PALPATE_REFUSED, PALPATE_BUSY,         PALPATE_FAILED};
   for (std::size_t k = 0; k < outcomes.size(); ++k) CHECK(outcomes[k] == static_cast<int>(k));
-  const std::array doubts{PALPATE_DOUBT_NONE, PALPATE_DOUBT_VOLUME, PALPATE_DOUBT_CONTACT,  PALPATE_DOUBT_SQUEEZED,
-                          PALPATE_DOUBT_STEP, PALPATE_DOUBT_ENERGY, PALPATE_DOUBT_INVERTED, PALPATE_DOUBT_LOST};
+  const std::array doubts{PALPATE_DOUBT_NONE,     PALPATE_DOUBT_VOLUME, PALPATE_DOUBT_CONTACT,
+                          PALPATE_DOUBT_SQUEEZED, PALPATE_DOUBT_STEP,   PALPATE_DOUBT_ENERGY,
+                          PALPATE_DOUBT_INVERTED, PALPATE_DOUBT_LOST,   PALPATE_DOUBT_RESOLUTION};
   for (std::size_t k = 0; k < doubts.size(); ++k) CHECK(doubts[k] == static_cast<int>(k));
   CHECK(PALPATE_ORDINARY_THREAD == 1);
 }

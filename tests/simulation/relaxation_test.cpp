@@ -152,7 +152,7 @@ TEST_CASE("Indented, held and released: the force falls to what is left, the way
   Workspace workspace(model, 1);
   double work = 0, pressed = 0, last_depth = 0, peak = 0, held = 0;
   indent(model, state, workspace, 2.0, [&](const StepReport& report, double depth) {
-    REQUIRE(doubtOf(model, report) == Doubt::None);  // the energy's included
+    REQUIRE(doubtOf(model, report) <= Doubt::Resolution);  // the energy's included
     const double force = report.tool_force.z();
     work += force * (depth - last_depth);
     pressed = std::max(pressed, work);

@@ -20,7 +20,7 @@ import os
 import numpy as np
 
 OK, BAD_ARGUMENT, BAD_INPUT, REFUSED, BUSY, FAILED = range(6)
-DOUBTS = ("good", "volume", "contact", "squeezed", "step", "energy", "inverted", "lost")
+DOUBTS = ("good", "volume", "contact", "squeezed", "step", "energy", "inverted", "lost", "resolution")
 
 
 class Error(RuntimeError):
@@ -61,7 +61,7 @@ class _State(_Sized):
                 ("pose_sequence", C.c_uint64), ("time", C.c_double), ("age", C.c_double), ("pose", C.c_double * 7),
                 ("force", C.c_double * 3), ("force_filtered", C.c_double * 3), ("torque", C.c_double * 3),
                 ("normal", C.c_double * 3), ("stiffness", C.c_double), ("depth", C.c_double), ("advance", C.c_double),
-                ("work", C.c_double)]
+                ("work", C.c_double), ("expected_error", C.c_double)]
 
 
 class _ToolState(_Sized):

@@ -42,7 +42,7 @@ struct Unpacker {
 }  // namespace
 
 void ForceOutput::publish(const ForceSample& s) {
-  LatestWords<31>::Words words{};
+  LatestWords<32>::Words words{};
   Packer packer{words.data()};
   packer.add(std::bit_cast<std::uint64_t>(s.tick));
   packer.add(std::bit_cast<std::uint64_t>(s.wall_ns));
@@ -52,6 +52,7 @@ void ForceOutput::publish(const ForceSample& s) {
   packer.add(s.force_raw);
   packer.add(s.force_filtered);
   packer.add(static_cast<std::uint64_t>(s.doubt));
+  packer.add(s.expected_error);
   packer.add(s.tool_pose.position);
   for (const double component : s.tool_pose.orientation.coeffs()) packer.add(component);
   packer.add(s.torque);
@@ -66,7 +67,7 @@ void ForceOutput::publish(const ForceSample& s) {
 }
 
 ForceSample ForceOutput::latest() const {
-  const LatestWords<31>::Words words = words_.latest();
+  const LatestWords<32>::Words words = words_.latest();
   Unpacker unpacker{words.data()};
   ForceSample s;
   s.tick = std::bit_cast<std::int64_t>(unpacker.whole());
@@ -77,6 +78,7 @@ ForceSample ForceOutput::latest() const {
   s.force_raw = unpacker.vector();
   s.force_filtered = unpacker.vector();
   s.doubt = static_cast<Doubt>(unpacker.whole());
+  s.expected_error = unpacker.real();
   s.tool_pose.position = unpacker.vector();
   for (double& component : s.tool_pose.orientation.coeffs()) component = unpacker.real();
   s.torque = unpacker.vector();

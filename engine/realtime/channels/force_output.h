@@ -36,7 +36,7 @@ class ForceOutput {
   ForceSample latest() const;
 
  private:
-  LatestWords<31> words_;
+  LatestWords<32> words_;
 };
 
 }  // namespace palpate

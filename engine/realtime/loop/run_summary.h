@@ -5,6 +5,7 @@
 #include "realtime/loop/thread_setup.h"
 #include "realtime/timing/fixed_step_loop.h"
 #include "simulation/state.h"
+#include "simulation/trust.h"
 
 namespace palpate {
 
@@ -15,8 +16,7 @@ struct RunSummary {
   std::uint64_t state_hash = 0;
   std::uint32_t flags = 0;                                        // StepFlag, all ticks
   float min_J = 1;                                                // lowest of all ticks
-  Doubt doubt = Doubt::None;                                      // the gravest of all ticks
-  std::int64_t first_doubt_tick = -1;                             // of the run; -1: none
+  RunTrust trust;                                                 // of all ticks
   double peak_force = 0;                                          // N, raw
   double peak_depth = 0;                                          // m, true depth
   std::array<double, max_tools> peak_tool_force{}, peak_pinch{};  // N, where there are several tools or jaws

@@ -51,7 +51,7 @@ StateHistory::StateHistory(const State& start, double rate_hz) : start_(start) {
 }
 
 void StateHistory::keep(const State& state, Doubt doubt) {
-  if (doubt == Doubt::None && state.tick >= good_.due) return good_.keep(state);  // never two copies in one tick
+  if (doubt <= Doubt::Resolution && state.tick >= good_.due) return good_.keep(state);  // never two copies in one tick
   if (doubt < Doubt::Inverted && state.tick >= past_.due) past_.keep(state);
 }
 

@@ -41,8 +41,8 @@ Verdict TickReporter::judge(const StepReport& report, const RunState& run) {
   const std::uint32_t flags = report.flags;
   summary_.flags |= flags;
   force_.doubt = doubtOf(model_, report);
-  if (force_.doubt != Doubt::None && summary_.first_doubt_tick < 0) summary_.first_doubt_tick = run.tick;
-  summary_.doubt = std::max(summary_.doubt, force_.doubt);
+  force_.expected_error = report.expected_error;
+  summary_.trust.add(force_.doubt, report.expected_error, report.tool_force.norm(), secondsAt(run.tick));
   watchYield(run);
   if (verdict == Verdict::Restore) {  // the report of before, and its force, hold for this tick
     report_.flags = flags;

@@ -2,6 +2,7 @@
 
 #include <cstdio>
 
+#include "base/number_text.h"
 #include "simulation/trust.h"
 
 namespace palpate {
@@ -9,7 +10,8 @@ namespace palpate {
 const char* const force_csv_header =
     "time_s,depth_m,advance_m,force_raw_N_x,force_raw_N_y,force_raw_N_z,"
     "force_filtered_N_x,force_filtered_N_y,force_filtered_N_z,trust,"
-    "tool_x_m,tool_y_m,tool_z_m,tool_qx,tool_qy,tool_qz,tool_qw,torque_Nm_x,torque_Nm_y,torque_Nm_z,contacts\n";
+    "tool_x_m,tool_y_m,tool_z_m,tool_qx,tool_qy,tool_qz,tool_qw,torque_Nm_x,torque_Nm_y,torque_Nm_z,contacts,"
+    "expected_error\n";
 
 std::string forceCsvRow(const ForceSample& s) {
   std::string row;
@@ -25,7 +27,7 @@ std::string forceCsvRow(const ForceSample& s) {
   for (const double value : s.tool_pose.position) add(value);
   for (const double value : s.tool_pose.orientation.coeffs()) add(value);
   for (const double value : s.torque) add(value);
-  return row + std::to_string(s.contact_count) + '\n';
+  return row + std::to_string(s.contact_count) + format(",%.3g\n", s.expected_error);
 }
 
 std::string forceCsvHeader(const ToolSet& tools) {

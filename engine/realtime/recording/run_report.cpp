@@ -81,9 +81,9 @@ RunReport makeRunReport(const Model& model, const RunSummary& summary, const Dea
   report.skull_penetration_m = summary.skull_penetration;
   report.state_hash = summary.state_hash;
   report.flags = summary.flags;
-  report.doubt = summary.doubt;
-  if (summary.first_doubt_tick >= 0)
-    report.first_doubt_s = static_cast<double>(summary.first_doubt_tick) / model.scene.rate_hz;
+  report.doubt = summary.trust.doubt();
+  report.first_doubt_s = summary.trust.firstTime();
+  report.expected_error = summary.trust.expectedError();
   report.restored_count = summary.restored_count;
   report.largest_yield_m = summary.largest_yield;
   report.yielding_seconds = static_cast<double>(summary.yielding_ticks) / model.scene.rate_hz;
@@ -130,6 +130,7 @@ std::string toJson(const RunReport& r) {
       {"state_hash", hex16(r.state_hash)},
       {"flags", flagNames(r.flags)},
       {"trust", doubtName(r.doubt)},
+      {"expected_force_error", r.expected_error},
       {"first_doubt_s", r.first_doubt_s < 0 ? Json(nullptr) : Json(r.first_doubt_s)},
       {"restored_count", r.restored_count},
       {"largest_yield_m", r.largest_yield_m},

@@ -43,8 +43,9 @@ struct RunReport {
   double skull_penetration_m = 0;
   std::uint64_t state_hash = 0;
   std::uint32_t flags = 0;    // StepFlag, all ticks
-  Doubt doubt = Doubt::None;  // the gravest of all ticks
+  Doubt doubt = Doubt::None;  // of all ticks (RunTrust)
   double first_doubt_s = -1;  // < 0: none
+  double expected_error = 0;  // of the largest force, as a share (RunTrust)
   std::int64_t restored_count = 0;
   double largest_yield_m = 0;   // that the tool stayed behind hand or script; 0: it went where it was asked to
   double yielding_seconds = 0;  // for how long

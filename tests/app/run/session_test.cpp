@@ -97,6 +97,7 @@ TEST_CASE("force.csv has the agreed header, a row per sample, and numbers that r
   sample.tool_pose.position = {0.125, -0.25, 1.0 / 7};
   sample.torque = {-1e-5, 0, 2.0 / 3};
   sample.contact_count = 17;
+  sample.expected_error = 0.03125;
   results.addForce(sample);
   results.finishForces();
   std::istringstream lines(readAll(results.forceFile()));
@@ -106,7 +107,8 @@ TEST_CASE("force.csv has the agreed header, a row per sample, and numbers that r
   CHECK(header ==
         "time_s,depth_m,advance_m,force_raw_N_x,force_raw_N_y,force_raw_N_z,"
         "force_filtered_N_x,force_filtered_N_y,force_filtered_N_z,trust,"
-        "tool_x_m,tool_y_m,tool_z_m,tool_qx,tool_qy,tool_qz,tool_qw,torque_Nm_x,torque_Nm_y,torque_Nm_z,contacts");
+        "tool_x_m,tool_y_m,tool_z_m,tool_qx,tool_qy,tool_qz,tool_qw,torque_Nm_x,torque_Nm_y,torque_Nm_z,contacts,"
+        "expected_error");
   double value[9] = {};
   char comma = 0;
   std::istringstream cells(row);
@@ -116,7 +118,7 @@ TEST_CASE("force.csv has the agreed header, a row per sample, and numbers that r
   CHECK(value[2] == 0.25);
   CHECK(value[5] == -3e-7);
   CHECK(value[8] == Approx(1.0 / 3).epsilon(1e-8));
-  CHECK(row.ends_with(",good,0.125,-0.25,0.142857143,0,0,0,1,-1e-05,0,0.666666667,17"));
+  CHECK(row.ends_with(",good,0.125,-0.25,0.142857143,0,0,0,1,-1e-05,0,0.666666667,17,0.0312"));
   CHECK_FALSE(std::getline(lines, rest));
   results.writeReport("{}");
   CHECK(readAll(results.reportFile()) == "{}\n");

@@ -140,11 +140,11 @@ AtlasRun drive(const Model& model, const AtlasDrive& drive) {
     m.step_share = std::max(m.step_share, report.step_share);
     m.min_J = std::min(m.min_J, static_cast<double>(report.min_J));
     const Doubt doubt = doubtOf(model, report);
-    if (doubt != Doubt::None && std::isnan(m.doubt_at) && doubt != Doubt::Lost) {
+    if (doubt > Doubt::Resolution && std::isnan(m.doubt_at) && doubt != Doubt::Lost) {
       m.doubt_at = time;
       m.doubt = doubtName(doubt);
     }
-    if (doubt != Doubt::None) m.doubted_for += tick_s;
+    if (doubt > Doubt::Resolution) m.doubted_for += tick_s;
     const Verdict verdict = watchdog.judge(report, k + 1, log);
     LogEvent event;
     while (log.pop(event))
@@ -170,7 +170,7 @@ AtlasRun drive(const Model& model, const AtlasDrive& drive) {
     if (k >= schedule.early() && k < schedule.early() + early_count)
       run.early_tool_force += report.tool_force / early_count;
     if (k < schedule.measured) continue;
-    m.doubted_then = m.doubted_then || doubt != Doubt::None;
+    m.doubted_then = m.doubted_then || doubt > Doubt::Resolution;
     run.tool_force += report.tool_force / (schedule.ticks - schedule.measured);
     reaction.add(workspace.boundary.reaction);
   }

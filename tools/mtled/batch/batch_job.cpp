@@ -120,6 +120,7 @@ std::string toLine(const BatchResult& r) {
   json["last_force_N"] = r.last_force;
   json["last_depth_m"] = r.last_depth;
   json["trust"] = r.doubt;
+  json["expected_force_error"] = r.expected_error;
   json["job"] = r.job;
   return json.dump(-1, ' ', true, Json::error_handler_t::replace);
 }
@@ -137,6 +138,7 @@ BatchResult resultFromLine(const std::string& line, const SourceLocation& place)
   r.last_force = json.at("last_force_N").get<double>();
   r.last_depth = json.at("last_depth_m").get<double>();
   r.doubt = json.at("trust").get<std::string>();
+  r.expected_error = json.at("expected_force_error");
   r.job = json.at("job").get<std::string>();
   return r;
 } catch (const Json::exception&) {

@@ -42,6 +42,7 @@ struct BatchResult {
   std::string state_hash;                                 // 16 hex digits, as in report.json
   double seconds = 0;                                     // physics time
   double peak_force = 0, last_force = 0, last_depth = 0;  // N, N, m
+  double expected_error = 0;                              // of the largest force, as a share
   std::string doubt;                                      // the gravest, doubtName
 };
 

@@ -93,7 +93,7 @@ BatchResult runBatchJob(const BatchJob& job, const Model& model, const std::stri
   BatchResult result;
   result.id = job.id;
   result.job = job.text;
-  Doubt doubt = Doubt::None;
+  RunTrust trust;
   PendingFile pending(folder + "/force.csv");
   errno = 0;
   std::ofstream rows(pending.part(), std::ios::binary | std::ios::trunc);
@@ -108,7 +108,7 @@ BatchResult runBatchJob(const BatchJob& job, const Model& model, const std::stri
     loop.advanceHere(1);
     const ForceSample sample = loop.force().sample;
     rows << forceCsvRow(sample, loop.toolReadings(), model.tools);
-    doubt = std::max(doubt, sample.doubt);
+    trust.add(sample.doubt, sample.expected_error, sample.force_raw.norm(), sample.time_s);
     result.peak_force = std::max(result.peak_force, sample.force_raw.norm());
     result.last_force = sample.force_raw.norm();
     result.last_depth = sample.depth_m;
@@ -118,7 +118,8 @@ BatchResult runBatchJob(const BatchJob& job, const Model& model, const std::stri
   result.ticks = ticks;
   result.seconds = static_cast<double>(ticks) / model.scene.rate_hz;
   result.state_hash = hex16(physics.stateHash());
-  result.doubt = doubtName(doubt);
+  result.doubt = doubtName(trust.doubt());
+  result.expected_error = trust.expectedError();
   rows.close();
   if (!rows) failWriting(folder + "/force.csv", errno);
   pending.takePlace();

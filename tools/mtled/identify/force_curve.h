@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "simulation/model.h"
+#include "simulation/trust.h"
 
 namespace palpate::tools {
 
@@ -11,6 +12,7 @@ namespace palpate::tools {
 struct ForceCurve {
   std::vector<double> depth;  // m, ascending, above 0
   std::vector<double> force;  // N, its size
+  RunTrust trust;             // of a simulated one
 
   double deepest() const { return depth.back(); }
 };

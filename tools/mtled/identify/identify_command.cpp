@@ -205,6 +205,18 @@ CoarseToFine searched(PressedScene& scene, const Sought& sought, const MeasuredC
   return result;
 }
 
+/// What there is to doubt of the scene's own answer with what was found; "": nothing.
+std::string doubtOfScene(const RunTrust& trust) {
+  const Doubt doubt = trust.doubt();
+  if (doubt == Doubt::None) return {};
+  if (doubt != Doubt::Resolution)
+    return format("from %.3g mm on the scene's own force is not to be trusted: ", 1e3 * trust.firstTime()) +
+           doubtText(doubt);
+  return format("the scene's cloud makes its force some %.0f %% too large, and what was found that much too soft: ",
+                100 * trust.expectedError()) +
+         doubtText(doubt);
+}
+
 Figure figureOf(const std::string& scene, const ForceCurve& measured, const ForceCurve& fitted) {
   Figure figure;
   figure.title = scene;
@@ -242,6 +254,8 @@ int identifyCommand(const IdentifyOptions& options) {
   Identified found = search.found;
   const bool in_time = measured.seconds > 0 || options.seconds > 0;
   Remarks remarks = judge(measured, relaxing && in_time, sought.parameters, found);
+  if (const std::string doubt = doubtOfScene(pressed.lastCurve().trust); !doubt.empty())
+    remarks.doubts.push_back(doubt);
   if (relaxing && !in_time)
     remarks.notes.push_back(
         format("the scene's tissue relaxes, and the file has no times (time_s): it was pressed in "

@@ -27,7 +27,6 @@ ConvergedRun convergedRun(const Model& present, const ToolTrajectory& way, const
                           const ContactRegion& place, const Fineness& fineness, int threads,
                           const std::function<void(double, const std::string&)>& watch) {
   ConvergedRun converged;
-  ScriptedRun coarser;
   for (const bool fine : {false, true}) {
     watch(fine ? 0.3 : 0, fine ? "the reference" : "a coarser reference");
     Scene scene = present.scene;
@@ -50,7 +49,7 @@ ConvergedRun convergedRun(const Model& present, const ToolTrajectory& way, const
     if (peak == 0)
       throw std::runtime_error("the tool never touches the organ on this way, so there is no force to compare");
     if (!fine) {
-      coarser = std::move(run);
+      converged.coarser = std::move(run);
       converged.about.coarser_nodes = model.nodeCount();
       continue;
     }
@@ -59,7 +58,7 @@ ConvergedRun convergedRun(const Model& present, const ToolTrajectory& way, const
     converged.about.peak_force = peak;
     converged.run = std::move(run);
   }
-  converged.about.convergence = errorOf(coarser, converged.run);
+  converged.about.convergence = errorOf(converged.coarser, converged.run);
   return converged;
 }
 

@@ -11,7 +11,7 @@ namespace palpate::tools {
 /// A scene's way followed on finer clouds: what its errors are measured against.
 struct ConvergedRun {
   FrontierReference about;
-  ScriptedRun run;
+  ScriptedRun run, coarser;  // the finest, and the one that shows how far it still is from the limit
 };
 
 /// How fine a converged run is.

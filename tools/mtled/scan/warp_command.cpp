@@ -19,6 +19,7 @@
 #include "io/load_model.h"
 #include "io/output_file.h"
 #include "io/scene_file.h"
+#include "io/text_file.h"
 #include "mtled/pictures/pictures.h"
 #include "mtled/run/progress.h"
 #include "mtled/scan/interruption.h"
@@ -52,6 +53,16 @@ std::unique_ptr<MmlsDeformation> deformationOf(const std::string& folder, double
   nodes = model.nodeCount();
   return std::make_unique<MmlsDeformation>(model.X, model.support_radius, std::move(u),
                                            MmlsOptions{scene.basis_degree, scene.mmls_weight}, organSurface(scene));
+}
+
+/// What the solution is worth, as `mtled solve` left it beside it: "good", its doubt, or "unknown" where it left none.
+std::string trustOf(const std::string& folder) {
+  try {
+    const auto report = nlohmann::json::parse(readWholeFile((fs::path(folder) / "solution" / "report.json").string()));
+    return report.value("converged", true) ? report.at("trust").get<std::string>() : "not converged";
+  } catch (const std::exception&) {
+    return "unknown";
+  }
 }
 
 /// Writes files, each while the next one's bytes are made.
@@ -178,9 +189,11 @@ int warpCommand(const WarpOptions& options) {
     const auto end = std::chrono::steady_clock::now();
     double largest = 0;
     for (const Vec3f& d : field.to_rest.value) largest = std::max(largest, static_cast<double>(d.norm()));
+    const std::string trust = trustOf(options.folder);
     const nlohmann::json report = {{"image", options.image},
                                    {"voxels", grid.voxelCount()},
                                    {"nodes", nodes},
+                                   {"trust", trust},
                                    {"voxels_of_the_body", countOf(field.body)},
                                    {"voxels_left_empty", countOf(field.vacated)},
                                    {"largest_displacement_mm", largest / mm},
@@ -203,6 +216,7 @@ int warpCommand(const WarpOptions& options) {
               << "fields   " << file("field.nii.gz") << ", " << file("forward.nii.gz") << "\n";
     if (!options.image.empty()) std::cout << "image    " << file("warped.nii.gz") << "\n";
     std::cout.flush();
+    if (trust != "good") warn("the solution behind it is doubted (" + trust + "), and so is where the image went");
     return 0;
   } catch (const Interrupted&) {
     std::cerr << "mtled: interrupted; what was written stays in " << out.string() << "\n";

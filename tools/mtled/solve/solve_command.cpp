@@ -19,6 +19,7 @@
 #include "mtled/run/progress.h"
 #include "mtled/solve/solve_results.h"
 #include "mtled/solve/solve_tools.h"
+#include "simulation/contact_patch.h"
 #include "simulation/model_hash.h"
 #include "simulation/scene_messages.h"
 #include "simulation/static_solver.h"
@@ -136,7 +137,7 @@ int solveStatic(const Task& task, SolveResults& results) {
     iterations += e.iterations;
     if (!e.converged) break;
     results.add({k, time, e.error, e.iterations, e.min_J, e.inverted_points, e.loads, e.skull, solver.largestSoFar(),
-                 e.doubt, e.worst_point},
+                 e.doubt, e.expected_error, e.worst_point},
                 solver.body());
   }
   results.finish({{"mode", "static"},
@@ -190,6 +191,7 @@ int solveTransient(const Task& task, SolveResults& results) {
                    report->skull,
                    0,
                    report->doubt,
+                   report->expected_error,
                    report->worst_point},
                   solver.body());
     char detail[64];
@@ -232,6 +234,7 @@ int solveCommand(const SolveOptions& options) {
     model = std::make_unique<Model>(loadModel(scene, show, cache, warn));
   }
   const int cores = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  if (const std::string coarse = resolutionWarning(*model); moved.moved() && !coarse.empty()) warn(coarse);
   SolveResults results(*model, options.out.empty() ? usualFolder(options, file) : options.out, end,
                        identityOf(*model, moved, end), options.resume);
   std::cout << scene.name << ": " << model->nodeCount() << " nodes, " << model->pointCount()

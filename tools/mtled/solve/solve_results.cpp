@@ -19,6 +19,7 @@ namespace palpate::tools {
 namespace {
 
 constexpr std::size_t first_reaction = 4;  // its column
+constexpr const char* error_column = "expected_force_error";
 
 std::string frameName(std::size_t k) {
   char name[32];
@@ -56,7 +57,7 @@ SolveResults::SolveResults(const Model& model, const std::string& folder, double
     for (std::size_t c = 0; c + 1 < kept.column.size(); ++c) row.push_back(kept.column[c][static_cast<std::size_t>(r)]);
     const std::string& trust = kept.trust[static_cast<std::size_t>(r)];
     force_->add(row, trust);
-    remember(doubtNamed(trust), row.front(), {});
+    remember(doubtNamed(trust), row, {});
     last_row_ = std::move(row);
   }
   const double* at = last_row_.empty() ? nullptr : last_row_.data() + first_reaction;
@@ -101,6 +102,7 @@ std::vector<std::string> SolveResults::columns() const {
   if (model_.scene.skull.given)
     for (const char* part : {"skull_fx_N", "skull_fy_N", "skull_fz_N", "skull_penetration_m"})
       columns.emplace_back(part);
+  if (model_.tools.toolCount() > 0) columns.emplace_back(error_column);
   if (model_.scene.solve.mode == SolveSpec::Mode::Static) columns.emplace_back("error_m");  // a motion has no estimate
   columns.emplace_back("trust");
   return columns;
@@ -115,11 +117,17 @@ CsvTable SolveResults::takeUp(std::uint64_t identity, const std::vector<std::str
   return earlier;
 }
 
-void SolveResults::remember(Doubt doubt, double time, const std::optional<Vec3>& place) {
-  if (doubt <= doubt_) return;
-  doubt_ = doubt;
-  doubt_time_ = time;
-  doubt_place_ = place;
+void SolveResults::remember(Doubt doubt, const std::vector<double>& row, const std::optional<Vec3>& place) {
+  double force = 0, expected_error = 0;
+  const std::vector<std::string> names = columns();
+  for (int t = 0; t < model_.tools.toolCount(); ++t) {
+    const auto x = std::find(names.begin(), names.end(), toolColumn(t) + "_fx_N") - names.begin();
+    force = std::max(force, Vec3(row.data() + x).norm());
+  }
+  if (const auto e = std::find(names.begin(), names.end(), error_column); e != names.end())
+    expected_error = row[static_cast<std::size_t>(e - names.begin())];
+  if (const Doubt before = trust_.doubt(); doubt > before) doubt_place_ = place;
+  trust_.add(doubt, expected_error, force, row.front());
 }
 
 void SolveResults::checkHistory(const AlignedVector<double>& solver) const {
@@ -146,9 +154,10 @@ void SolveResults::add(const SolvedRow& solved, const BatchBody& body) {
     row.push_back(solved.skull.max_penetration);
     last_skull_ = solved.skull;
   }
+  if (model_.tools.toolCount() > 0) row.push_back(solved.expected_error);
   if (solved.error) row.push_back(*solved.error);
   force_->add(row, doubtName(solved.doubt));
-  remember(solved.doubt, solved.time,
+  remember(solved.doubt, row,
            solved.worst_point < 0 ? std::nullopt
                                   : std::optional(model_.point_X[static_cast<std::size_t>(solved.worst_point)]));
   ++checkpoint_.rows;
@@ -200,11 +209,12 @@ void SolveResults::finish(nlohmann::json outcome) {
                   {"rows", checkpoint_.rows},
                   {"frames", checkpoint_.frame_time.size()},
                   {"reactions", reactions},
-                  {"trust", doubtName(doubt_)},
+                  {"trust", doubtName(trust_.doubt())},
                   {"setup_seconds", model_.setup_seconds},
                   {"build", buildInfo()}});
-  if (doubt_ != Doubt::None) {
-    outcome["doubt"] = {{"text", doubtText(doubt_)}, {"first_time_s", doubt_time_}};
+  if (trust_.expectedError() > 0) outcome[error_column] = trust_.expectedError();
+  if (const Doubt doubt = trust_.doubt(); doubt != Doubt::None) {
+    outcome["doubt"] = {{"text", doubtText(doubt)}, {"first_time_s", trust_.firstTime()}};
     if (doubt_place_) outcome["doubt"]["worst_point_m"] = listed(*doubt_place_);
   }
   if (last_skull_)
@@ -224,10 +234,11 @@ void SolveResults::print() const {
             << folder_ << "/report.json\n";
   if (!probes_.X.empty()) std::cout << "probes       " << folder_ << "/probes.csv\n";
   std::cout.flush();
-  if (doubt_ == Doubt::None) return;
-  std::cerr << "mtled: the result is not to be trusted from " << number(doubt_time_) << " s on";
+  const Doubt doubt = trust_.doubt();
+  if (doubt == Doubt::None) return;
+  std::cerr << "mtled: the result is not to be trusted from " << number(trust_.firstTime()) << " s on";
   if (doubt_place_) std::cerr << ", at " << coordinates(*doubt_place_);
-  std::cerr << ": " << doubtText(doubt_) << "\n";
+  std::cerr << ": " << doubtText(doubt) << "\n";
 }
 
 void SolveResults::addFrame(double time, const BatchBody& body) {

@@ -16,6 +16,7 @@
 #include "mtled/run/checkpoint.h"
 #include "simulation/batch_body.h"
 #include "simulation/model.h"
+#include "simulation/trust.h"
 
 namespace palpate::tools {
 
@@ -31,7 +32,8 @@ struct SolvedRow {
   SkullContact skull;
   double largest = 0;  // m, the largest displacement so far; 0: not needed
   Doubt doubt = Doubt::None;
-  int worst_point = -1;  // where the doubt is, as far as it is at a point of the tissue
+  double expected_error = 0;  // of the tools' forces, as a share
+  int worst_point = -1;       // where the doubt is, as far as it is at a point of the tissue
 };
 
 /// Everything that a solution leaves in its folder: force.csv, probes.csv, solution.pvd with its VTU files,
@@ -50,8 +52,8 @@ class SolveResults {
   /// Throws InputError where the checkpoint remembers other than a solver does.
   void checkHistory(const AlignedVector<double>& solver) const;
   double error() const { return last_row_.empty() ? 0 : last_row_.back(); }  // m, of the last equilibrium
-  /// The gravest doubt of all rows; None: all can be trusted.
-  Doubt doubt() const { return doubt_; }
+  /// Of all rows (RunTrust); None: they can be trusted.
+  Doubt doubt() const { return trust_.doubt(); }
 
   /// A row of force.csv, with a frame when its time has come and a checkpoint every ten seconds.
   void add(const SolvedRow& solved, const BatchBody& body);
@@ -70,7 +72,7 @@ class SolveResults {
   void readProbePoints();
   std::vector<std::string> columns() const;
   CsvTable takeUp(std::uint64_t identity, const std::vector<std::string>& columns);
-  void remember(Doubt doubt, double time, const std::optional<Vec3>& place);
+  void remember(Doubt doubt, const std::vector<double>& row, const std::optional<Vec3>& place);
   void addFrame(double time, const BatchBody& body);
   nlohmann::json tools() const;
   void writeProbes() const;
@@ -83,9 +85,8 @@ class SolveResults {
   ShapeTable probe_shape_;
   std::unique_ptr<ResultCsv> force_;
   std::vector<double> last_row_;
-  Doubt doubt_ = Doubt::None;  // the gravest, and where and when it first was
-  double doubt_time_ = 0;      // s
-  std::optional<Vec3> doubt_place_;
+  RunTrust trust_;
+  std::optional<Vec3> doubt_place_;  // of the gravest
   std::vector<Reaction> last_reactions_;
   std::optional<SkullContact> last_skull_;  // of this run
   std::optional<ToolLoads> last_loads_;     // likewise

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "io/certificate.h"
+#include "mtled/run/converged_run.h"
+
+namespace palpate::tools {
+
+struct CertifyOptions {
+  std::string scene;        // file, or the name of one in assets/scenes
+  std::string tool_script;  // "": the scene's own, or the built-in indentation
+  std::string out;          // "": beside the scene
+  int threads = 0;          // 0: all cores
+  bool use_cache = true;
+};
+
+/// Follows the scene's tool on its own cloud and on two finer ones, extrapolates, and writes the error of force and
+/// displacement over depth beside the scene (io/certificate.h), where `palpate` finds it.
+///
+///   F* = F_f + (F_f - F_c) / (r^2 - 1),   error = F - F*,   uncertainty = |F_f - F_c| / (r^2 - 1)
+///
+/// with r the ratio of the two finer spacings: Richardson's extrapolation of what converges with their square
+/// (Roache 1998).
+/// @return 0 done, 1 interrupted or not sound
+/// Throws InputError for unusable input, std::runtime_error where a solution or a file fails.
+int certifyCommand(const CertifyOptions& options);
+
+/// The rows of a certificate: the error of `run` against what the two finer runs extrapolate to.
+/// @param ratio  of the two finer spacings, > 1
+std::vector<Certificate::Row> certifiedRows(const Model& model, const ToolTrajectory& way, const ScriptedRun& run,
+                                            const ConvergedRun& converged, double ratio, int count);
+
+}  // namespace palpate::tools
