@@ -20,8 +20,8 @@
 #include "io/text_file.h"
 #include "mechanics/materials/material_law.h"
 #include "realtime/device/open_device.h"
-#include "simulation/contact_patch.h"
 #include "simulation/model_hash.h"
+#include "simulation/resolution.h"
 #include "simulation/tick_cost.h"
 
 namespace palpate::app {

@@ -117,8 +117,8 @@ typedef struct palpate_state {
   double depth_m;           /* how deep the tip is, from where the skin lay at rest; negative: not there yet */
   double advance_m;         /* travel along the tool's first axis past first touch */
   double work_J;            /* that the tool has done on the tissue */
-  double expected_error;    /* of the force, as a share, from how fine the scene's cloud is below the contact: 0.05 is
-                               5 % too much; true within a factor of two in 9 of 10 */
+  double expected_error;    /* of forces, as a share, because the scene's cloud is no finer: 0.05 is 5 % too much. An
+                               estimate of some tenths of a second ago; 0 until there is one, also after a restore */
 } palpate_state;
 
 /* A parameter of a material's law, by the name that scenes give it: "young", "poisson", "mu". */

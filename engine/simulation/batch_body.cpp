@@ -115,7 +115,6 @@ Doubt BatchBody::doubt(const ForceReport& forces, const Report& report) const {
       model_.patches.empty() ? -step.volume_change * bulkOverShear(model_.materials) : forces.max_patch_pressure;
   step.cell_pressure_over_shear = forces.max_cell_pressure;
   step.nearly_incompressible = nearlyIncompressible(model_.materials);
-  step.expected_error = report.expected_error;
   return doubtOf(model_, step);
 }
 
@@ -142,7 +141,7 @@ BatchBody::Report BatchBody::advance(double alpha, double beta, double time) {
     largest = std::max(largest, d2);
   }
   report.max_increment = std::sqrt(largest);
-  report.expected_error = tools_.expectedError();
+  report.strain_energy = forces_report.strain_energy;
   report.doubt = doubt(forces_report, report);
   return report;
 }

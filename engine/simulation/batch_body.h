@@ -26,7 +26,7 @@ class BatchBody {
     bool finite = true;
     double step_share = 0;           // of the step that the model was made for
     Doubt doubt = Doubt::None;       // of what step time and energy don't tell
-    double expected_error = 0;       // of the tools' forces, as a share (contact_patch.h)
+    double strain_energy = 0;        // J, at the beginning of the step
     Vec3 tool_force = Vec3::Zero();  // N, on the first tool
     ToolLoads loads;                 // of all tools, without torques
     SkullContact skull;

@@ -4,7 +4,6 @@
 #include <array>
 
 #include "contact/contact.h"
-#include "simulation/contact_patch.h"
 #include "simulation/tool_bodies.h"
 
 namespace palpate {
@@ -67,11 +66,6 @@ double BatchTools::maxPenetration() const {
 
 bool BatchTools::overflow() const {
   return std::any_of(contact_.begin(), contact_.end(), [](const ContactState& contact) { return contact.overflow; });
-}
-
-double BatchTools::expectedError() const {
-  return largestExpectedError(model_, model_.materials, bodyCount(),
-                              [this](int b) -> const ContactState& { return contact_[static_cast<std::size_t>(b)]; });
 }
 
 void BatchTools::solveAll(double alpha, const float* inverse_mass, const Float4* u, Float4* du, ToolLoads& loads) {

@@ -28,8 +28,6 @@ class BatchTools {
   /// After solve(), as StepReport has them: how deep the skin is in the tools, m, and whether a list overflowed.
   double maxPenetration() const;
   bool overflow() const;
-  /// Of the tools' forces, as a share (contact_patch.h).
-  double expectedError() const;
 
  private:
   int bodyCount() const;

@@ -16,7 +16,6 @@ struct Body : Preparation {
   Scene scene;
   std::vector<std::uint8_t> imposed;  // (node_count) bit c set: component c is imposed
   std::vector<Material> materials;    // as loaded; those in force are in State
-  std::vector<int> node_material;     // (node_count) index of the one that has most of the node's support
 
   Pose tool_start;
   ToolSet tools;                    // empty where the scene has one tool that is one body

@@ -8,7 +8,6 @@
 #include "approximation/shape_functions.h"
 #include "discretization/surface/facet_rule.h"
 #include "simulation/choose_time_step.h"
-#include "simulation/contact_patch.h"
 #include "simulation/imposed_nodes.h"
 #include "simulation/mixtures.h"
 #include "simulation/prepare.h"
@@ -181,7 +180,7 @@ Model finish(const Scene& scene, const SurfaceTree& tree, Preparation preparatio
   static_cast<Preparation&>(model) = std::move(preparation);
   model.scene = scene;
   model.materials = materialsOf(scene);
-  model.node_material = nodeMaterials(model);
+  model.point_groups = makePointGroups(model);
   for (const double m : model.mass) model.inverse_mass.push_back(static_cast<float>(1 / m));
   completeEssential(scene, model);
   if (needsPatches(scene))

@@ -6,6 +6,7 @@
 #include "mechanics/kernel_layout.h"
 #include "mechanics/local_mass.h"
 #include "simulation/body.h"
+#include "simulation/point_groups.h"
 #include "simulation/sharp_interfaces.h"
 
 namespace palpate {
@@ -20,6 +21,7 @@ struct Model : Body {
   EssentialBoundary boundary;         // of `essential` and the masses
   Skull skull;                        // empty where scene.skull is not given
   StiffnessMeans stiffness_means;     // how masses follow the stiffness of squeezed tissue
+  PointGroups point_groups;           // for the error to expect (resolution.h)
 
   double rest_energy = 0;     // J, strain energy below which is rounding
   double max_increment = 0;   // m a node may move in one step; more is a blow-up

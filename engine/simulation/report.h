@@ -20,7 +20,7 @@ enum StepFlag : std::uint32_t {
 /// Why the numbers of a step should not be believed, the gravest that applies (simulation/trust.h).
 enum class Doubt : std::uint8_t {
   None,
-  Resolution,  // the nodes are too far apart for the contact (contact_patch.h)
+  Resolution,  // the nodes are too far apart for how the tissue deforms (resolution.h)
   Volume,    // nearly incompressible tissue has changed its volume, or is under a pressure far above its shear modulus
   Contact,   // the tool is deep in the skin, or touches more of it than there is memory for
   Squeezed,  // a point is near collapse
@@ -60,7 +60,9 @@ struct StepReport {
   double step_share = 0;               // dt over the stable step, as the tissue is now, with the mass that was added
   double added_mass = 0;               // by followStiffness, as a share of the body's own
   double added_inertia = 0;            // force that accelerates that mass, as a share of the recent forces
-  double expected_error = 0;           // of the tools' forces, as a share (contact_patch.h); of a whole tick only
+  // Of forces, as a share, because the cloud is no finer, and the force that it was found for, N: of a moment some
+  // tenths of a second ago, of a whole tick only (resolution.h).
+  double expected_error = 0, error_force = 0;
 
   /// A tool touches the tissue.
   bool isTouched() const {

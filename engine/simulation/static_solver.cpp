@@ -7,6 +7,8 @@
 #include "base/float4.h"
 #include "mechanics/critical_time_step.h"
 #include "mechanics/lanczos.h"
+#include "simulation/resolution.h"
+#include "simulation/trust.h"
 
 namespace palpate {
 namespace {
@@ -121,7 +123,7 @@ StaticSolver::Outcome StaticSolver::relax(double time, const ToolsAt& tools, int
     equilibrium.worst_point = report.worst_point;
     equilibrium.inverted_points = report.inverted_points;
     equilibrium.doubt = report.doubt;
-    equilibrium.expected_error = report.expected_error;
+    equilibrium.strain_energy = report.strain_energy;
     equilibrium.tool_force = report.tool_force;
     equilibrium.loads = report.loads;
     equilibrium.skull = report.skull;
@@ -174,6 +176,9 @@ Equilibrium StaticSolver::advanceTo(double time, const ToolsAt& tools, const Wat
     }
     if (outcome != Outcome::BlownUp) {
       equilibrium.converged = outcome == Outcome::Converged;
+      equilibrium.expected_error = expectedError(model_, model_.materials, body_.u, equilibrium.strain_energy);
+      if (equilibrium.expected_error > TrustLimits::expected_error)
+        equilibrium.doubt = std::max(equilibrium.doubt, Doubt::Resolution);
       time_ = time;
       updateStep();
       return equilibrium;

@@ -20,7 +20,8 @@ struct Equilibrium {
   int worst_point = -1;  // with min J
   int inverted_points = 0;
   Doubt doubt = Doubt::None;
-  double expected_error = 0;       // of the tools' forces, as a share (contact_patch.h)
+  double strain_energy = 0;        // J
+  double expected_error = 0;       // of the forces, as a share (resolution.h)
   Vec3 tool_force = Vec3::Zero();  // N, on the first tool
   ToolLoads loads;                 // of all tools, without torques
   SkullContact skull;

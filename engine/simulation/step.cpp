@@ -93,8 +93,7 @@ StepReport tick(const Model& model, State& state, const Command& command, Worksp
   const ToolContact contact = toolContact(model, state);
   total.tool_torque = contact.torque;
   total.contact_normal = contact.normal;
-  total.expected_error = largestExpectedError(model, state.live.kernel.materials, model.tools.bodyCount(),
-                                              [&](int b) -> const ContactState& { return contactOf(state, b); });
+  workspace.resolution.advance(model, state.live.kernel.materials, state.u, total);
   for (std::size_t t = 0; t < model.tools.tool.size(); ++t)
     total.loads[t].torque = t == 0 ? contact.torque : toolContact(model, state, static_cast<int>(t)).torque;
   return total;

@@ -35,7 +35,6 @@ std::optional<BatchBody::Report> TransientSolver::tick(const ToolsAt& tools, con
     total.inverted_points = std::max(total.inverted_points, report.inverted_points);
     total.max_increment = std::max(total.max_increment, report.max_increment);
     total.finite = total.finite && report.finite;
-    total.expected_error = report.expected_error;
     total.tool_force = report.tool_force;
     total.loads = report.loads;
     total.skull = report.skull;

@@ -37,7 +37,7 @@ struct TrustLimits {
   // to 40 mm: at 0.05, 0.2, 0.5 m/s shares of 0.010, 0.054, 0.23, and forces off by 0.9, 11, 35 %.
   static constexpr double added_inertia = 0.025;
   static constexpr double energy_error = 0.1;  // of the recent energy (energy_balance.h)
-  // Of a tool's force, expected from how fine the cloud below it is (contact_patch.h).
+  // Of forces, expected from how fine the cloud is (resolution.h).
   static constexpr double expected_error = 0.05;
 };
 
@@ -55,7 +55,7 @@ Doubt doubtNamed(std::string_view name);
 /// largest error in N over the largest force. First touch is never resolved, and matters little for what a press finds.
 class RunTrust {
  public:
-  /// @param force  N, on the tools  @param expected_error  of it (StepReport)
+  /// @param expected_error, force  as StepReport::expected_error and error_force
   void add(Doubt doubt, double expected_error, double force, double time);
 
   Doubt doubt() const { return gravest_ != Doubt::None || !unresolved() ? gravest_ : Doubt::Resolution; }

@@ -36,7 +36,7 @@ class ForceOutput {
   ForceSample latest() const;
 
  private:
-  LatestWords<32> words_;
+  LatestWords<33> words_;
 };
 
 }  // namespace palpate

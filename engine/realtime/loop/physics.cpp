@@ -45,6 +45,7 @@ std::uint64_t TissuePhysics::stateHash() const { return palpate::stateHash(model
 void TissuePhysics::reset() {
   initial_.live = state_.live;
   state_ = initial_;
+  workspace_.resolution.restart();
 }
 
 void TissuePhysics::restore(const State& past) {
@@ -53,6 +54,7 @@ void TissuePhysics::restore(const State& past) {
   state_.live = initial_.live;
   std::fill(state_.du.begin(), state_.du.end(), Float4{});
   state_.energy.fresh = true;  // its kinetic energy is gone
+  workspace_.resolution.restart();
 }
 
 void TissuePhysics::setFriction(double coefficient) { state_.live.friction = coefficient; }

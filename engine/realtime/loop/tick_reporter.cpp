@@ -42,7 +42,8 @@ Verdict TickReporter::judge(const StepReport& report, const RunState& run) {
   summary_.flags |= flags;
   force_.doubt = doubtOf(model_, report);
   force_.expected_error = report.expected_error;
-  summary_.trust.add(force_.doubt, report.expected_error, report.tool_force.norm(), secondsAt(run.tick));
+  force_.error_force = report.error_force;
+  summary_.trust.add(force_.doubt, report.expected_error, report.error_force, secondsAt(run.tick));
   watchYield(run);
   if (verdict == Verdict::Restore) {  // the report of before, and its force, hold for this tick
     report_.flags = flags;

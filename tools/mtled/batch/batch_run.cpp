@@ -108,7 +108,7 @@ BatchResult runBatchJob(const BatchJob& job, const Model& model, const std::stri
     loop.advanceHere(1);
     const ForceSample sample = loop.force().sample;
     rows << forceCsvRow(sample, loop.toolReadings(), model.tools);
-    trust.add(sample.doubt, sample.expected_error, sample.force_raw.norm(), sample.time_s);
+    trust.add(sample.doubt, sample.expected_error, sample.error_force, sample.time_s);
     result.peak_force = std::max(result.peak_force, sample.force_raw.norm());
     result.last_force = sample.force_raw.norm();
     result.last_depth = sample.depth_m;

@@ -16,8 +16,8 @@
 #include "io/scene_file.h"
 #include "mtled/run/converged_run.h"
 #include "mtled/run/progress.h"
-#include "simulation/contact_patch.h"
 #include "simulation/model_hash.h"
+#include "simulation/resolution.h"
 
 namespace palpate::tools {
 namespace {
@@ -26,8 +26,8 @@ constexpr int row_count = 8, probe_count = 200;
 
 /// Finer than the scene where the tool works: by half, or where the scene does not resolve its tool, until that is.
 Fineness finenessFor(const Model& model) {
-  const ContactPatch full = fullContact(model);
-  return {0.85, std::clamp(spacingFor(full.radius, 0.01) / full.spacing, 0.25, 0.5), 1.35};
+  constexpr double fine = 0.3;  // tool radii
+  return {0.85, std::clamp(fine * model.scene.tool.radius / spacingAtTool(model), 0.25, 0.5), 1.35};
 }
 
 ToolTrajectory wayOf(const Model& model, const std::string& name) {

@@ -220,7 +220,7 @@ ForceCurve simulateForceCurve(const Model& model, double deepest, double seconds
     if (const Doubt doubt = doubtOf(model, report); doubt >= Doubt::Squeezed)
       throw std::runtime_error("at " + std::to_string(1e3 * depth) + " mm the model can't follow: " + doubtText(doubt));
     if (k <= approach_ticks) continue;
-    curve.trust.add(doubtOf(model, report), report.expected_error, report.tool_force.norm(), depth);
+    curve.trust.add(doubtOf(model, report), report.expected_error, report.error_force, depth);
     curve.depth.push_back(depth);
     curve.force.push_back(report.tool_force.norm());
   }

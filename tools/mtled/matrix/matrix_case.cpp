@@ -131,7 +131,7 @@ MatrixAnswer pressed(const MatrixCase& one, const Model& model, int threads) {
     const StepReport report = tick(model, state, command, workspace);
     answer.sound = (report.flags & (kNotFinite | kBlowUp | kInvertedPoints)) == 0;
     answer.value = report.tool_force.norm();
-    answer.trust.add(doubtOf(model, report), report.expected_error, answer.value, k / rate);
+    answer.trust.add(doubtOf(model, report), report.expected_error, report.error_force, k / rate);
   }
   workspace.team.park();
   return answer;
@@ -147,7 +147,7 @@ MatrixAnswer moved(const MatrixCase& one, const Model& model, int threads) {
     answer.sound = e.converged && e.inverted_points == 0;
     const Reaction& top = solver.body().reactions().back();
     answer.value = one.kind == "twist" ? std::abs(top.moment.z()) : top.force.norm();
-    answer.trust.add(e.doubt, 0, 0, time);
+    answer.trust.add(e.doubt, e.expected_error, answer.value, time);
   }
   return answer;
 }

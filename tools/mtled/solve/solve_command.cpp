@@ -19,8 +19,8 @@
 #include "mtled/run/progress.h"
 #include "mtled/solve/solve_results.h"
 #include "mtled/solve/solve_tools.h"
-#include "simulation/contact_patch.h"
 #include "simulation/model_hash.h"
+#include "simulation/resolution.h"
 #include "simulation/scene_messages.h"
 #include "simulation/static_solver.h"
 #include "simulation/transient_solver.h"
@@ -191,7 +191,7 @@ int solveTransient(const Task& task, SolveResults& results) {
                    report->skull,
                    0,
                    report->doubt,
-                   report->expected_error,
+                   0,
                    report->worst_point},
                   solver.body());
     char detail[64];

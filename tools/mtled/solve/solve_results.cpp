@@ -102,8 +102,8 @@ std::vector<std::string> SolveResults::columns() const {
   if (model_.scene.skull.given)
     for (const char* part : {"skull_fx_N", "skull_fy_N", "skull_fz_N", "skull_penetration_m"})
       columns.emplace_back(part);
-  if (model_.tools.toolCount() > 0) columns.emplace_back(error_column);
-  if (model_.scene.solve.mode == SolveSpec::Mode::Static) columns.emplace_back("error_m");  // a motion has no estimate
+  if (model_.scene.solve.mode == SolveSpec::Mode::Static)  // a motion has no estimates
+    for (const char* estimate : {error_column, "error_m"}) columns.emplace_back(estimate);
   columns.emplace_back("trust");
   return columns;
 }
@@ -118,15 +118,13 @@ CsvTable SolveResults::takeUp(std::uint64_t identity, const std::vector<std::str
 }
 
 void SolveResults::remember(Doubt doubt, const std::vector<double>& row, const std::optional<Vec3>& place) {
-  double force = 0, expected_error = 0;
   const std::vector<std::string> names = columns();
-  for (int t = 0; t < model_.tools.toolCount(); ++t) {
-    const auto x = std::find(names.begin(), names.end(), toolColumn(t) + "_fx_N") - names.begin();
-    force = std::max(force, Vec3(row.data() + x).norm());
+  double force = 0, expected_error = 0;
+  for (std::size_t c = 0; c < row.size(); ++c) {
+    if (names[c].ends_with("_fx_N")) force = std::max(force, Vec3(row.data() + c).norm());
+    if (names[c] == error_column) expected_error = row[c];
   }
-  if (const auto e = std::find(names.begin(), names.end(), error_column); e != names.end())
-    expected_error = row[static_cast<std::size_t>(e - names.begin())];
-  if (const Doubt before = trust_.doubt(); doubt > before) doubt_place_ = place;
+  if (doubt > trust_.doubt()) doubt_place_ = place;
   trust_.add(doubt, expected_error, force, row.front());
 }
 
@@ -154,8 +152,7 @@ void SolveResults::add(const SolvedRow& solved, const BatchBody& body) {
     row.push_back(solved.skull.max_penetration);
     last_skull_ = solved.skull;
   }
-  if (model_.tools.toolCount() > 0) row.push_back(solved.expected_error);
-  if (solved.error) row.push_back(*solved.error);
+  if (solved.error) row.insert(row.end(), {solved.expected_error, *solved.error});
   force_->add(row, doubtName(solved.doubt));
   remember(solved.doubt, row,
            solved.worst_point < 0 ? std::nullopt

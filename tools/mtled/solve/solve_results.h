@@ -32,7 +32,7 @@ struct SolvedRow {
   SkullContact skull;
   double largest = 0;  // m, the largest displacement so far; 0: not needed
   Doubt doubt = Doubt::None;
-  double expected_error = 0;  // of the tools' forces, as a share
+  double expected_error = 0;  // of the forces, as a share; of an equilibrium
   int worst_point = -1;       // where the doubt is, as far as it is at a point of the tissue
 };
 

@@ -1,0 +1,69 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "mechanics/materials/material.h"
+#include "simulation/model.h"
+#include "simulation/report.h"
+
+namespace palpate {
+
+// How much too stiff a body is because its cloud is no finer.
+//
+// What moves as it is told stores the energy W, and a force is its slope; so a force is too large by about the share
+// of W that a finer cloud would not store. That share follows from how much the deformation changes from point to
+// point (Zienkiewicz and Zhu 1987, with means in place of fits, which did not do better):
+//
+//   e = c sum_q V_q mu_q |F_q - F*_q|^2 / W
+//
+// F*_q the mean over the nodes of point q's cell of the mean F around each, of points of q's material alone: what jumps
+// at a border is right. Wherever the cloud is too coarse counts: below a small tool, in a thin layer, at a bonded edge.
+// Measured on scenes drawn by lot (`mtled matrix`, engine/mechanics/README.md); an estimate, no bound.
+
+/// e for a displacement. For batch: allocates.
+/// @param u  m (node_count)  @param strain_energy  W, J; below Model::rest_energy e is 0
+double expectedError(const Model& model, std::span<const Material> materials, const AlignedVector<Double4>& u,
+                     double strain_energy);
+
+/// e while ticks go on: of a moment, some points a tick, so that a tick takes no longer for it by more than a hundredth.
+/// What it says is of the moment before the last sweep of all points, about 0.4 s ago; 0 until there was one.
+/// Belongs to who steps (Workspace), not to the state: after a restore it begins anew.
+/// Test: simulation/resolution_test.cpp
+class ResolutionWatch {
+ public:
+  explicit ResolutionWatch(const Model& model);
+
+  /// Nothing is known any more.
+  void restart();
+
+  /// A tick is done. Fills expected_error and error_force of the report.
+  /// Real-time: no allocation, no lock, no throw.
+  void advance(const Model& model, std::span<const Material> materials, const AlignedVector<Float4>& u,
+               StepReport& report);
+
+ private:
+  using Gradient = std::array<float, 9>;  // F - 1, row by row
+  void gather(const Model& model, std::size_t begin, std::size_t end);
+  void compare(const Model& model, std::span<const Material> materials, std::size_t begin, std::size_t end);
+
+  AlignedVector<Float4> u_;       // (node_count) of the moment
+  std::vector<Gradient> F_;       // (point_count)
+  std::vector<Gradient> mean_;    // (group_count)
+  std::size_t next_ = 0;          // of the points, twice over: gathered, then compared
+  double sum_ = 0, energy_ = 0;   // J
+  double force_ = 0;              // N, of the moment
+  double error_ = 0, error_force_ = 0;  // of the last
+};
+
+/// The spacing of the cloud where the first tool meets the organ, m.
+double spacingAtTool(const Body& body);
+
+/// A sentence for whoever loads a scene whose tool is too small for its cloud, before a press has shown it; "" where
+/// nodes are no further apart than three quarters of the tool's radius.
+std::string resolutionWarning(const Body& body);
+
+}  // namespace palpate
