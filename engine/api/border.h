@@ -20,6 +20,8 @@ struct Refusal : std::runtime_error {
   std::int32_t code;
 };
 
+constexpr int max_threads = 64;  // of a simulation, or of a team
+
 /// Whether a struct's size can be meant: one that was never set is 0 or anything.
 inline bool isSize(std::uint32_t size) { return size >= 8 && size <= 4096; }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <cstdint>
 #include <memory>
@@ -11,9 +12,18 @@
 #include "realtime/loop/simulation_loop.h"
 #include "simulation/model.h"
 
+namespace palpate::api {
+
+/// By PALPATE_MATERIAL, PALPATE_TOOL, PALPATE_REGION.
+using Names = std::array<std::vector<std::string>, 3>;
+Names namesOf(const Model& model);
+
+}  // namespace palpate::api
+
 /// What is behind the handles of palpate.h.
 struct palpate_model {
   std::shared_ptr<const palpate::Model> model;
+  palpate::api::Names names;
 };
 
 struct palpate_simulation {

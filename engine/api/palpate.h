@@ -69,6 +69,8 @@ typedef struct palpate_options {
   const char* cache_folder; /* where set-ups are kept for the next time; NULL: nowhere */
   int (*progress)(void* user, const char* what, double fraction); /* called by the loading thread; not 0: give up */
   void* user;
+  const char* const* set; /* keys of the scene that get other values, as TOML writes them: "material[0].young = 4000" */
+  int32_t set_count;
 } palpate_options;
 
 typedef struct palpate_model_info {
@@ -157,6 +159,12 @@ PALPATE_API const char* palpate_doubt_text(int32_t doubt);
 PALPATE_API int32_t palpate_load(const char* scene, const palpate_options* options, palpate_model** model,
                                  palpate_error* error);
 
+/* The same from a text in memory, which is TOML as scene files are.
+ * @param folder  that the scene's relative paths start from; NULL: the working directory
+ * @param name    what errors call it; NULL: "scene text" */
+PALPATE_API int32_t palpate_load_text(const char* text, const char* folder, const char* name,
+                                      const palpate_options* options, palpate_model** model, palpate_error* error);
+
 /* Simulations that use it live on. NULL does nothing. */
 PALPATE_API void palpate_model_destroy(palpate_model* model);
 
@@ -165,6 +173,15 @@ PALPATE_API void palpate_model_destroy(palpate_model* model);
 PALPATE_API int32_t palpate_tool_count(const palpate_model* model, int32_t* count);
 
 PALPATE_API int32_t palpate_describe(const palpate_model* model, palpate_model_info* info);
+
+/* What a scene has several of, by number: materials and regions by the names that it gives them, else "material 1",
+ * "fixed 1"; tools by their shape, "sphere" or "jaws", and "sphere 1", "sphere 2" where there are several. Regions are
+ * those that are fixed, and after them those that are prescribed.
+ * palpate_name: NULL where there is none; lives as long as the model. palpate_index: the first of that name; -1: none. */
+enum { PALPATE_MATERIAL = 0, PALPATE_TOOL = 1, PALPATE_REGION = 2 };
+PALPATE_API int32_t palpate_count(const palpate_model* model, int32_t kind, int32_t* count);
+PALPATE_API const char* palpate_name(const palpate_model* model, int32_t kind, int32_t index);
+PALPATE_API int32_t palpate_index(const palpate_model* model, int32_t kind, const char* name);
 
 /* Corners of the skin's triangles, counter-clockwise from outside.
  * @param corners  (triangle_count, 3), indices of skin vertices

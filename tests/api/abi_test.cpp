@@ -25,7 +25,7 @@ TEST_CASE("The version is that of this layout and of consumer/exports.txt", "[ab
 
 TEST_CASE("The structs of palpate.h have the layout that callers were compiled with", "[abi]") {
   CHECK(sizeof(palpate_error) == 1024);
-  CHECK(sizeof(palpate_options) == 40);
+  CHECK(sizeof(palpate_options) == 56);
   CHECK(sizeof(palpate_model_info) == 112);
   CHECK(sizeof(palpate_state) == 240);
   CHECK(sizeof(palpate_parameter) == 24);
@@ -39,6 +39,8 @@ TEST_CASE("The structs of palpate.h have the layout that callers were compiled w
                                        FIELD(palpate_options, cache_folder, 16),
                                        FIELD(palpate_options, progress, 24),
                                        FIELD(palpate_options, user, 32),
+                                       FIELD(palpate_options, set, 40),
+                                       FIELD(palpate_options, set_count, 48),
                                        FIELD(palpate_model_info, size, 0),
                                        FIELD(palpate_model_info, node_count, 4),
                                        FIELD(palpate_model_info, point_count, 8),
@@ -93,6 +95,9 @@ TEST_CASE("The numbers of palpate.h are those that callers were compiled with", 
                           PALPATE_DOUBT_STEP, PALPATE_DOUBT_ENERGY, PALPATE_DOUBT_INVERTED, PALPATE_DOUBT_LOST};
   for (std::size_t k = 0; k < doubts.size(); ++k) CHECK(doubts[k] == static_cast<int>(k));
   CHECK(PALPATE_ORDINARY_THREAD == 1);
+  for (const auto& [number, expected] :
+       {std::pair{int{PALPATE_MATERIAL}, 0}, std::pair{int{PALPATE_TOOL}, 1}, std::pair{int{PALPATE_REGION}, 2}})
+    CHECK(number == expected);
 }
 
 // The functions' types; their names are held by tests/consumer.
@@ -127,3 +132,9 @@ static_assert(same<decltype(palpate_set_tool_target), int32_t(Simulation, int32_
 static_assert(same<decltype(palpate_set_opening), int32_t(Simulation, int32_t, double)>);
 static_assert(same<decltype(palpate_read_tool), int32_t(const palpate_simulation*, int32_t, palpate_tool_state*)>);
 static_assert(same<decltype(palpate_hash), int32_t(const palpate_simulation*, uint64_t*)>);
+using Model = const palpate_model*;
+static_assert(same<decltype(palpate_load_text),
+                   int32_t(const char*, const char*, const char*, const palpate_options*, palpate_model**, Error)>);
+static_assert(same<decltype(palpate_count), int32_t(Model, int32_t, int32_t*)>);
+static_assert(same<decltype(palpate_name), const char*(Model, int32_t, int32_t)>);
+static_assert(same<decltype(palpate_index), int32_t(Model, int32_t, const char*)>);
