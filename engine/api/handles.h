@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "api/palpate.h"
+#include "discretization/surface/surface_tree.h"
 #include "realtime/loop/simulation_loop.h"
 #include "simulation/model.h"
 
@@ -17,6 +18,12 @@ namespace palpate::api {
 /// By PALPATE_MATERIAL, PALPATE_TOOL, PALPATE_REGION.
 using Names = std::array<std::vector<std::string>, 3>;
 Names namesOf(const Model& model);
+
+/// The skin where these displacements have it.
+struct DeformedSkin {
+  AlignedVector<Float4> u;
+  SurfaceTree tree;
+};
 
 }  // namespace palpate::api
 
@@ -37,5 +44,6 @@ struct palpate_simulation {
   std::vector<palpate::Material> materials;  // as last asked for
   std::uint64_t step_sequence = 0;           // of the last pose given to palpate_step
   std::atomic<bool> running{false};
+  std::unique_ptr<const palpate::api::DeformedSkin> skin;  // that the last question was asked of; the viewer's
   int process = 0;  // that made it: one that was forked off has a copy without physics threads
 };

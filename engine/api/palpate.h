@@ -43,6 +43,7 @@ extern "C" {
 
 typedef struct palpate_model palpate_model;
 typedef struct palpate_simulation palpate_simulation;
+typedef struct palpate_points palpate_points;
 
 /* Outcomes. */
 enum {
@@ -257,6 +258,66 @@ PALPATE_API int32_t palpate_skin_positions(palpate_simulation* simulation, float
  * @param count   receives how many there are, also where capacity is less: then the first ones are written */
 PALPATE_API int32_t palpate_contacts(palpate_simulation* simulation, int32_t* vertex, float* force, int32_t capacity,
                                      int32_t* count);
+
+/* A place on the skin. */
+typedef struct palpate_skin_point {
+  uint32_t size;         /* sizeof(palpate_skin_point) */
+  int32_t triangle;      /* as of palpate_skin_triangles; -1: there is none, and all else is 0 */
+  double distance;       /* m; of palpate_closest negative inside the body */
+  double point[3];       /* m */
+  double normal[3];      /* unit, outward, of the triangle */
+  double barycentric[3]; /* weights of its corners */
+} palpate_skin_point;
+
+/* (viewer) The place of the skin, as it is in the newest tick, that is closest to x, m (3), or that a ray meets first,
+ * from either side. The first question after a tick takes ms (it sorts the triangles), further ones us. */
+PALPATE_API int32_t palpate_closest(palpate_simulation* simulation, const double* x, palpate_skin_point* place);
+PALPATE_API int32_t palpate_ray(palpate_simulation* simulation, const double* origin, const double* direction,
+                                palpate_skin_point* place);
+
+/* (control, stopped) Where tools touch the skin, point by point. Each array may be NULL.
+ * @param position  (capacity, 3) m
+ * @param normal    (capacity, 3) unit, from the tissue towards the tool
+ * @param force     (capacity, 3) N, on the tissue
+ * @param tool      (capacity) its number
+ * @param count     as of palpate_contacts */
+PALPATE_API int32_t palpate_contact_points(const palpate_simulation* simulation, double* position, double* normal,
+                                           double* force, int32_t* tool, int32_t capacity, int32_t* count);
+
+/* (control, stopped) What holds the tissue at each region, N and N m about the region's axis (the origin where it has
+ * none), in the last step; 0 before the first, and after a reset or restore.
+ * @param force, moment  (region_count, 3), on the tissue; may be NULL
+ * @param region_count   as palpate_count says of PALPATE_REGION */
+PALPATE_API int32_t palpate_reactions(const palpate_simulation* simulation, double* force, double* moment,
+                                      int32_t region_count);
+
+/* ---- Points of the body ---- */
+
+enum { PALPATE_NODES = 0, PALPATE_INTEGRATION_POINTS = 1 };
+
+/* Material points of which fields are asked, made once for all simulations of a model, and used by any threads. Given
+ * ones, or a model's own in its order. PALPATE_BAD_ARGUMENT names the first that is not in the body.
+ * @param X      (count, 3) m, where they are at rest
+ * @param count  of palpate_points_rest and the fields: as many as there are */
+PALPATE_API int32_t palpate_points_create(const palpate_model* model, const double* X, int32_t count,
+                                          palpate_points** points, palpate_error* error);
+PALPATE_API int32_t palpate_points_of(const palpate_model* model, int32_t kind, palpate_points** points,
+                                      palpate_error* error);
+PALPATE_API void palpate_points_destroy(palpate_points* points);
+PALPATE_API int32_t palpate_points_rest(const palpate_points* points, double* X, int32_t count);
+
+/* (viewer) Displacements in the newest tick, m (count, 3). No allocation or lock. */
+PALPATE_API int32_t palpate_displacements(palpate_simulation* simulation, const palpate_points* points, double* u,
+                                          int32_t count);
+
+/* (control, stopped) Velocities in the last step, m/s (count, 3). */
+PALPATE_API int32_t palpate_velocities(const palpate_simulation* simulation, const palpate_points* points, double* v,
+                                       int32_t count);
+
+/* (control, stopped) Cauchy stresses, Pa (count, 3, 3), and volumes over those at rest (count), with the materials in
+ * force: those of the integration point that is nearest at rest. Either may be NULL. */
+PALPATE_API int32_t palpate_stresses(const palpate_simulation* simulation, const palpate_points* points, double* stress,
+                                     double* J, int32_t count);
 
 /* (control) Coulomb coefficient between tool and tissue, 0 to 2, from the next tick on. */
 PALPATE_API int32_t palpate_set_friction(palpate_simulation* simulation, double coefficient);

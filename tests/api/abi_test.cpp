@@ -30,6 +30,7 @@ TEST_CASE("The structs of palpate.h have the layout that callers were compiled w
   CHECK(sizeof(palpate_state) == 240);
   CHECK(sizeof(palpate_parameter) == 24);
   CHECK(sizeof(palpate_tool_state) == 136);
+  CHECK(sizeof(palpate_skin_point) == 88);
   for (const Field& field : std::array{FIELD(palpate_error, size, 0),
                                        FIELD(palpate_error, code, 4),
                                        FIELD(palpate_error, text, 8),
@@ -79,6 +80,12 @@ TEST_CASE("The structs of palpate.h have the layout that callers were compiled w
                                        FIELD(palpate_tool_state, torque, 96),
                                        FIELD(palpate_tool_state, opening, 120),
                                        FIELD(palpate_tool_state, pinch, 128),
+                                       FIELD(palpate_skin_point, size, 0),
+                                       FIELD(palpate_skin_point, triangle, 4),
+                                       FIELD(palpate_skin_point, distance, 8),
+                                       FIELD(palpate_skin_point, point, 16),
+                                       FIELD(palpate_skin_point, normal, 40),
+                                       FIELD(palpate_skin_point, barycentric, 64),
                                        FIELD(palpate_parameter, name, 0),
                                        FIELD(palpate_parameter, values, 8),
                                        FIELD(palpate_parameter, count, 16)}) {
@@ -96,7 +103,8 @@ TEST_CASE("The numbers of palpate.h are those that callers were compiled with", 
   for (std::size_t k = 0; k < doubts.size(); ++k) CHECK(doubts[k] == static_cast<int>(k));
   CHECK(PALPATE_ORDINARY_THREAD == 1);
   for (const auto& [number, expected] :
-       {std::pair{int{PALPATE_MATERIAL}, 0}, std::pair{int{PALPATE_TOOL}, 1}, std::pair{int{PALPATE_REGION}, 2}})
+       {std::pair{int{PALPATE_MATERIAL}, 0}, std::pair{int{PALPATE_TOOL}, 1}, std::pair{int{PALPATE_REGION}, 2},
+        std::pair{int{PALPATE_NODES}, 0}, std::pair{int{PALPATE_INTEGRATION_POINTS}, 1}})
     CHECK(number == expected);
 }
 
@@ -133,8 +141,22 @@ static_assert(same<decltype(palpate_set_opening), int32_t(Simulation, int32_t, d
 static_assert(same<decltype(palpate_read_tool), int32_t(const palpate_simulation*, int32_t, palpate_tool_state*)>);
 static_assert(same<decltype(palpate_hash), int32_t(const palpate_simulation*, uint64_t*)>);
 using Model = const palpate_model*;
+using Points = const palpate_points*;
+using Asked = const palpate_simulation*;
 static_assert(same<decltype(palpate_load_text),
                    int32_t(const char*, const char*, const char*, const palpate_options*, palpate_model**, Error)>);
 static_assert(same<decltype(palpate_count), int32_t(Model, int32_t, int32_t*)>);
 static_assert(same<decltype(palpate_name), const char*(Model, int32_t, int32_t)>);
 static_assert(same<decltype(palpate_index), int32_t(Model, int32_t, const char*)>);
+static_assert(same<decltype(palpate_closest), int32_t(Simulation, const double*, palpate_skin_point*)>);
+static_assert(same<decltype(palpate_ray), int32_t(Simulation, const double*, const double*, palpate_skin_point*)>);
+static_assert(
+    same<decltype(palpate_contact_points), int32_t(Asked, double*, double*, double*, int32_t*, int32_t, int32_t*)>);
+static_assert(same<decltype(palpate_reactions), int32_t(Asked, double*, double*, int32_t)>);
+static_assert(same<decltype(palpate_points_create), int32_t(Model, const double*, int32_t, palpate_points**, Error)>);
+static_assert(same<decltype(palpate_points_of), int32_t(Model, int32_t, palpate_points**, Error)>);
+static_assert(same<decltype(palpate_points_destroy), void(palpate_points*)>);
+static_assert(same<decltype(palpate_points_rest), int32_t(Points, double*, int32_t)>);
+static_assert(same<decltype(palpate_displacements), int32_t(Simulation, Points, double*, int32_t)>);
+static_assert(same<decltype(palpate_velocities), int32_t(Asked, Points, double*, int32_t)>);
+static_assert(same<decltype(palpate_stresses), int32_t(Asked, Points, double*, double*, int32_t)>);

@@ -39,15 +39,19 @@ class TissuePhysics final : public Physics {
   void reset() override;
   void restore(const State& past) override;
   /// Puts in a state of this model as it is, live settings included.
-  void putIn(const State& state) { state_ = state; }
+  void putIn(const State& state);
   /// What setMaterial would return, without doing it. Any thread.
   double excessOf(int index, const Material& material) const;
   void setFriction(double coefficient) override;
   double setMaterial(int index, const Material& material) override;
 
   SpinTeam& team() { return workspace_.team; }
+  /// Of each boundary on the tissue in the last step; 0 before the first, and after reset, restore and putIn.
+  const std::vector<Reaction>& reactions() const { return workspace_.boundary.reaction; }
 
  private:
+  void forgetReactions();
+
   const Model& model_;
   State initial_;  // at rest, with the live settings in force
   State state_;
