@@ -10,6 +10,8 @@
 
 #include "api/palpate.h"
 #include "discretization/surface/surface_tree.h"
+#include "realtime/device/coupled_tool.h"
+#include "realtime/device/device_coupling.h"
 #include "realtime/loop/simulation_loop.h"
 #include "simulation/model.h"
 
@@ -18,6 +20,13 @@ namespace palpate::api {
 /// By PALPATE_MATERIAL, PALPATE_TOOL, PALPATE_REGION.
 using Names = std::array<std::vector<std::string>, 3>;
 Names namesOf(const Model& model);
+
+/// What hangs the tool on a device: the loop's end and the device's.
+struct Coupling {
+  Coupling(const Model& model, const DeviceSettings& settings) : tool(model), device(settings, model) {}
+  CoupledTool tool;
+  DeviceCoupling device;
+};
 
 /// The skin where these displacements have it.
 struct DeformedSkin {
@@ -39,6 +48,7 @@ struct palpate_simulation {
   std::string identity;  // of the sources: a library beside this one looks into this struct
   std::shared_ptr<const palpate::Model> model;
   palpate::TissuePhysics physics;
+  std::unique_ptr<palpate::api::Coupling> coupling;  // null: a hand or program has the tool
   palpate::SimulationLoop loop;
   palpate::RunMemory start;                  // of the loop, before its first tick
   std::vector<palpate::Material> materials;  // as last asked for

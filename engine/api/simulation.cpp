@@ -102,6 +102,7 @@ int32_t palpate_step(palpate_simulation* simulation, int64_t n, const double* po
   if (simulation == nullptr || n < 0 || (pose != nullptr && !isPose(pose))) return PALPATE_BAD_ARGUMENT;
   if (state != nullptr && !isSize(state->size)) return PALPATE_BAD_ARGUMENT;
   if (simulation->running) return PALPATE_BUSY;
+  if (pose != nullptr && simulation->coupling) return PALPATE_REFUSED;
   return guarded(nullptr, [&] {
     if (pose != nullptr) setHand(*simulation, poseFrom(pose), ++simulation->step_sequence);
     simulation->loop.advanceHere(n);
@@ -136,6 +137,7 @@ int32_t palpate_stop(palpate_simulation* simulation) {
 
 int32_t palpate_set_target(palpate_simulation* simulation, const double* pose, uint64_t sequence) {
   if (simulation == nullptr || !isPose(pose)) return PALPATE_BAD_ARGUMENT;
+  if (simulation->coupling) return PALPATE_REFUSED;
   setHand(*simulation, poseFrom(pose), sequence);
   return PALPATE_OK;
 }

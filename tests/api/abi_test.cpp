@@ -6,6 +6,7 @@
 #include <type_traits>
 
 #include "api/palpate.h"
+#include "api/palpate_device.h"
 
 namespace {
 
@@ -31,6 +32,10 @@ TEST_CASE("The structs of palpate.h have the layout that callers were compiled w
   CHECK(sizeof(palpate_parameter) == 24);
   CHECK(sizeof(palpate_tool_state) == 136);
   CHECK(sizeof(palpate_skin_point) == 88);
+  CHECK(sizeof(palpate_device_settings) == 64);
+  CHECK(sizeof(palpate_device_pose) == 104);
+  CHECK(sizeof(palpate_wrench) == 64);
+  CHECK(sizeof(palpate_coupling_state) == 88);
   for (const Field& field : std::array{FIELD(palpate_error, size, 0),
                                        FIELD(palpate_error, code, 4),
                                        FIELD(palpate_error, text, 8),
@@ -86,6 +91,40 @@ TEST_CASE("The structs of palpate.h have the layout that callers were compiled w
                                        FIELD(palpate_skin_point, point, 16),
                                        FIELD(palpate_skin_point, normal, 40),
                                        FIELD(palpate_skin_point, barycentric, 64),
+                                       FIELD(palpate_device_settings, size, 0),
+                                       FIELD(palpate_device_settings, locked, 4),
+                                       FIELD(palpate_device_settings, stiffness, 8),
+                                       FIELD(palpate_device_settings, damping, 16),
+                                       FIELD(palpate_device_settings, max_force, 24),
+                                       FIELD(palpate_device_settings, rise_time, 32),
+                                       FIELD(palpate_device_settings, scale, 40),
+                                       FIELD(palpate_device_settings, own_damping, 48),
+                                       FIELD(palpate_device_settings, lever, 56),
+                                       FIELD(palpate_device_pose, size, 0),
+                                       FIELD(palpate_device_pose, sequence, 4),
+                                       FIELD(palpate_device_pose, felt, 8),
+                                       FIELD(palpate_device_pose, has_velocity, 12),
+                                       FIELD(palpate_device_pose, sent_ns, 16),
+                                       FIELD(palpate_device_pose, pose, 24),
+                                       FIELD(palpate_device_pose, velocity, 80),
+                                       FIELD(palpate_wrench, size, 0),
+                                       FIELD(palpate_wrench, touching, 4),
+                                       FIELD(palpate_wrench, sequence, 8),
+                                       FIELD(palpate_wrench, answers, 12),
+                                       FIELD(palpate_wrench, force, 16),
+                                       FIELD(palpate_wrench, torque, 40),
+                                       FIELD(palpate_coupling_state, size, 0),
+                                       FIELD(palpate_coupling_state, engaged, 4),
+                                       FIELD(palpate_coupling_state, poses, 8),
+                                       FIELD(palpate_coupling_state, silences, 16),
+                                       FIELD(palpate_coupling_state, fades, 24),
+                                       FIELD(palpate_coupling_state, stiffness, 32),
+                                       FIELD(palpate_coupling_state, delay_s, 40),
+                                       FIELD(palpate_coupling_state, energy_J, 48),
+                                       FIELD(palpate_coupling_state, lowest_energy_J, 56),
+                                       FIELD(palpate_coupling_state, damped_J, 64),
+                                       FIELD(palpate_coupling_state, peak_force, 72),
+                                       FIELD(palpate_coupling_state, peak_torque, 80),
                                        FIELD(palpate_parameter, name, 0),
                                        FIELD(palpate_parameter, values, 8),
                                        FIELD(palpate_parameter, count, 16)}) {
@@ -160,3 +199,9 @@ static_assert(same<decltype(palpate_points_rest), int32_t(Points, double*, int32
 static_assert(same<decltype(palpate_displacements), int32_t(Simulation, Points, double*, int32_t)>);
 static_assert(same<decltype(palpate_velocities), int32_t(Asked, Points, double*, int32_t)>);
 static_assert(same<decltype(palpate_stresses), int32_t(Asked, Points, double*, double*, int32_t)>);
+static_assert(same<decltype(palpate_scene_device), int32_t(Model, palpate_device_settings*)>);
+static_assert(same<decltype(palpate_couple), int32_t(Simulation, const palpate_device_settings*, Error)>);
+static_assert(same<decltype(palpate_uncouple), int32_t(Simulation)>);
+static_assert(
+    same<decltype(palpate_exchange), int32_t(Simulation, int64_t, const palpate_device_pose*, palpate_wrench*)>);
+static_assert(same<decltype(palpate_read_coupling), int32_t(Asked, palpate_coupling_state*)>);

@@ -126,6 +126,7 @@ void SimulationLoop::recall(const RunMemory& memory) {
   command_.tools = memory.hands;
   track_.goal().jumpTo(memory.hand);
   proxy_.recall(memory.proxy);
+  if (device_ != nullptr) device_->restart();
   further_.recall(memory.further);
   for (std::size_t k = 0; k < further_proxies_.size(); ++k) further_proxies_[k].recall(memory.proxies[k]);
   folds_.recall(memory.folds);

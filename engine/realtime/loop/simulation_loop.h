@@ -77,6 +77,10 @@ class SimulationLoop final : private LoopBody {
   void run();
   void run(Clock& clock);
 
+  /// (viewer) While no thread runs: another device moves the tool from now on, as SimulationLoopOptions::device, or
+  /// with null none.
+  void setDevice(ToolMotion* device) { device_ = device; }
+
   /// (viewer) While no thread runs, does the next ticks on the calling one, bit for bit as run() would: the tool is at
   /// each tick's end where `hand()` has it. 0: takes what was asked of commands() and hand(), and does no tick.
   /// Denormals are flushed meanwhile. Publishes at the end.
@@ -139,7 +143,7 @@ class SimulationLoop final : private LoopBody {
   SpinTeam* team_;
   const bool as_fast_as_possible_;
   const bool keeps_settings_;
-  ToolMotion* const device_;
+  ToolMotion* device_;
   const std::vector<std::int64_t> pause_at_;
   std::size_t next_pause_ = 0;  // of pause_at_
   bool real_time_;
