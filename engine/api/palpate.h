@@ -43,6 +43,7 @@ extern "C" {
 
 typedef struct palpate_model palpate_model;
 typedef struct palpate_simulation palpate_simulation;
+typedef struct palpate_team palpate_team;
 typedef struct palpate_points palpate_points;
 
 /* Outcomes. */
@@ -211,6 +212,19 @@ PALPATE_API void palpate_destroy(palpate_simulation* simulation);
  * @param pose   (7); NULL: as before
  * @param state  receives the last tick's outcome; may be NULL */
 PALPATE_API int32_t palpate_step(palpate_simulation* simulation, int64_t n, const double* pose, palpate_state* state);
+
+/* Threads that step simulations side by side. NULL does nothing in destroy, and is the calling thread in step_many.
+ * @param threads  the calling one included, at most 64; 0: one for each core that the process may use */
+PALPATE_API int32_t palpate_team_create(int32_t threads, palpate_team** team, palpate_error* error);
+PALPATE_API void palpate_team_destroy(palpate_team* team);
+
+/* (control, of the team and of all of its simulations) palpate_step for many, of one model or several: the bits are those
+ * of one after the other. What is refused is so before any has moved, and the error's text says which it is.
+ * @param simulations  (count) none of them twice; scenes with one thread each share the cores best
+ * @param poses        (count, 7); NULL: as before
+ * @param states       (count), all of one size; may be NULL */
+PALPATE_API int32_t palpate_step_many(palpate_team* team, palpate_simulation* const* simulations, int32_t count,
+                                      int64_t n, const double* poses, palpate_state* states, palpate_error* error);
 
 enum { PALPATE_ORDINARY_THREAD = 1 };
 

@@ -180,6 +180,7 @@ static_assert(same<decltype(palpate_set_opening), int32_t(Simulation, int32_t, d
 static_assert(same<decltype(palpate_read_tool), int32_t(const palpate_simulation*, int32_t, palpate_tool_state*)>);
 static_assert(same<decltype(palpate_hash), int32_t(const palpate_simulation*, uint64_t*)>);
 using Model = const palpate_model*;
+using Team = palpate_team*;
 using Points = const palpate_points*;
 using Asked = const palpate_simulation*;
 static_assert(same<decltype(palpate_load_text),
@@ -187,6 +188,10 @@ static_assert(same<decltype(palpate_load_text),
 static_assert(same<decltype(palpate_count), int32_t(Model, int32_t, int32_t*)>);
 static_assert(same<decltype(palpate_name), const char*(Model, int32_t, int32_t)>);
 static_assert(same<decltype(palpate_index), int32_t(Model, int32_t, const char*)>);
+static_assert(same<decltype(palpate_team_create), int32_t(int32_t, Team*, Error)>);
+static_assert(same<decltype(palpate_team_destroy), void(Team)>);
+static_assert(same<decltype(palpate_step_many),
+                   int32_t(Team, Simulation const*, int32_t, int64_t, const double*, palpate_state*, Error)>);
 static_assert(same<decltype(palpate_closest), int32_t(Simulation, const double*, palpate_skin_point*)>);
 static_assert(same<decltype(palpate_ray), int32_t(Simulation, const double*, const double*, palpate_skin_point*)>);
 static_assert(
