@@ -71,6 +71,10 @@ T given(const T* in) {
   return value;
 }
 
+inline bool isPlace(const double* x) {
+  return x != nullptr && std::all_of(x, x + 3, [](double v) { return std::isfinite(v); });
+}
+
 inline bool isPose(const double* p) {
   if (p == nullptr || !std::all_of(p, p + 7, [](double v) { return std::isfinite(v); })) return false;
   constexpr double farthest = 1e6;  // m: beyond, steps towards it are lost to rounding

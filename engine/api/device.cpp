@@ -66,7 +66,7 @@ int32_t palpate_scene_device(const palpate_model* model, palpate_device_settings
 
 int32_t palpate_couple(palpate_simulation* simulation, const palpate_device_settings* settings, palpate_error* error) {
   if (simulation == nullptr) return say(error, PALPATE_BAD_ARGUMENT, "simulation is NULL");
-  if (simulation->running) return say(error, PALPATE_BUSY, palpate_result_text(PALPATE_BUSY));
+  if (const int32_t code = simulation->whyNot()) return say(error, code, palpate_result_text(code));
   return guarded(error, [&] {
     const Model& model = *simulation->model;
     const DeviceSettings wanted = settings != nullptr ? deviceFrom(given(settings)) : model.scene.device;
@@ -79,7 +79,7 @@ int32_t palpate_couple(palpate_simulation* simulation, const palpate_device_sett
 
 int32_t palpate_uncouple(palpate_simulation* simulation) {
   if (simulation == nullptr) return PALPATE_BAD_ARGUMENT;
-  if (simulation->running) return PALPATE_BUSY;
+  if (const int32_t code = simulation->whyNot()) return code;
   simulation->loop.setDevice(nullptr);
   simulation->coupling.reset();
   return PALPATE_OK;

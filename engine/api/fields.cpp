@@ -107,9 +107,12 @@ int32_t palpate_points_of(const palpate_model* model, int32_t kind, palpate_poin
 
 void palpate_points_destroy(palpate_points* points) { delete points; }
 
-int32_t palpate_points_rest(const palpate_points* points, double* X, int32_t count) {
-  if (points == nullptr || X == nullptr || count != points->count()) return PALPATE_BAD_ARGUMENT;
-  for (std::size_t k = 0; k < points->X.size(); ++k) put(points->X[k], X + 3 * k);
+int32_t palpate_points_rest(const palpate_points* points, double* X, double* volume, int32_t count) {
+  if (points == nullptr || count != points->count()) return PALPATE_BAD_ARGUMENT;
+  const Model& model = *points->model;
+  if (volume != nullptr && points->shape != &model.point_shape) return PALPATE_BAD_ARGUMENT;
+  for (std::size_t k = 0; X != nullptr && k < points->X.size(); ++k) put(points->X[k], X + 3 * k);
+  if (volume != nullptr) std::copy(model.point_volume.begin(), model.point_volume.end(), volume);
   return PALPATE_OK;
 }
 
@@ -122,7 +125,7 @@ int32_t palpate_displacements(palpate_simulation* simulation, const palpate_poin
 int32_t palpate_velocities(const palpate_simulation* simulation, const palpate_points* points, double* v,
                            int32_t count) {
   if (v == nullptr || !fits(points, simulation, count)) return PALPATE_BAD_ARGUMENT;
-  if (simulation->running) return PALPATE_BUSY;
+  if (!simulation->standsStill()) return PALPATE_BUSY;
   putField(*points, simulation->physics.state().du, 1 / simulation->model->dt, v);
   return PALPATE_OK;
 }
@@ -130,7 +133,7 @@ int32_t palpate_velocities(const palpate_simulation* simulation, const palpate_p
 int32_t palpate_stresses(const palpate_simulation* simulation, const palpate_points* points, double* stress, double* J,
                          int32_t count) {
   if (!fits(points, simulation, count)) return PALPATE_BAD_ARGUMENT;
-  if (simulation->running) return PALPATE_BUSY;
+  if (!simulation->standsStill()) return PALPATE_BUSY;
   return guarded(nullptr, [&] {
     const Model& model = *simulation->model;
     const State& state = simulation->physics.state();
@@ -154,7 +157,7 @@ int32_t palpate_reactions(const palpate_simulation* simulation, double* force, d
   if (simulation == nullptr) return PALPATE_BAD_ARGUMENT;
   const std::vector<Reaction>& reactions = simulation->physics.reactions();
   if (region_count != static_cast<std::int32_t>(reactions.size())) return PALPATE_BAD_ARGUMENT;
-  if (simulation->running) return PALPATE_BUSY;
+  if (!simulation->standsStill()) return PALPATE_BUSY;
   for (std::size_t b = 0; b < reactions.size(); ++b) {
     if (force != nullptr) put(reactions[b].force, force + 3 * b);
     if (moment != nullptr) put(reactions[b].moment, moment + 3 * b);

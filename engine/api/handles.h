@@ -34,6 +34,21 @@ struct DeformedSkin {
   SurfaceTree tree;
 };
 
+/// Calls a function of the caller's after each tick.
+class TickCall final : public TickListener {
+ public:
+  TickCall(palpate_simulation& of, palpate_tick_call call, void* user) : of_(of), call_(call), user_(user) {}
+  void afterTick() override;
+
+ private:
+  palpate_simulation& of_;
+  const palpate_tick_call call_;
+  void* const user_;
+};
+
+/// Whether the calling thread is in a TickCall of the simulation, which stands still meanwhile.
+bool isInTickCall(const palpate_simulation& simulation);
+
 }  // namespace palpate::api
 
 /// What is behind the handles of palpate.h.
@@ -48,7 +63,8 @@ struct palpate_simulation {
   std::string identity;  // of the sources: a library beside this one looks into this struct
   std::shared_ptr<const palpate::Model> model;
   palpate::TissuePhysics physics;
-  std::unique_ptr<palpate::api::Coupling> coupling;  // null: a hand or program has the tool
+  std::unique_ptr<palpate::api::Coupling> coupling;   // null: a hand or program has the tool
+  std::unique_ptr<palpate::api::TickCall> tick_call;  // null: nobody wants to know
   palpate::SimulationLoop loop;
   palpate::RunMemory start;                  // of the loop, before its first tick
   std::vector<palpate::Material> materials;  // as last asked for
@@ -56,4 +72,11 @@ struct palpate_simulation {
   std::atomic<bool> running{false};
   std::unique_ptr<const palpate::api::DeformedSkin> skin;  // that the last question was asked of; the viewer's
   int process = 0;  // that made it: one that was forked off has a copy without physics threads
+
+  /// Whether the calling thread may look at the state.
+  bool standsStill() const { return !running || palpate::api::isInTickCall(*this); }
+  /// Why it may not change the state or the loop: PALPATE_OK, PALPATE_BUSY or, in a tick call, PALPATE_REFUSED.
+  std::int32_t whyNot() const {
+    return palpate::api::isInTickCall(*this) ? PALPATE_REFUSED : running ? PALPATE_BUSY : PALPATE_OK;
+  }
 };

@@ -179,7 +179,7 @@ PALPATE_API int32_t palpate_describe(const palpate_model* model, palpate_model_i
 /* What a scene has several of, by number: materials and regions by the names that it gives them, else "material 1",
  * "fixed 1"; tools by their shape, "sphere" or "jaws", and "sphere 1", "sphere 2" where there are several. Regions are
  * those that are fixed, and after them those that are prescribed.
- * palpate_name: NULL where there is none; lives as long as the model. palpate_index: the first of that name; -1: none. */
+ * palpate_name: NULL where there is none; lives as long as the model. palpate_index: the first of that name, or -1. */
 enum { PALPATE_MATERIAL = 0, PALPATE_TOOL = 1, PALPATE_REGION = 2 };
 PALPATE_API int32_t palpate_count(const palpate_model* model, int32_t kind, int32_t* count);
 PALPATE_API const char* palpate_name(const palpate_model* model, int32_t kind, int32_t index);
@@ -218,8 +218,8 @@ PALPATE_API int32_t palpate_step(palpate_simulation* simulation, int64_t n, cons
 PALPATE_API int32_t palpate_team_create(int32_t threads, palpate_team** team, palpate_error* error);
 PALPATE_API void palpate_team_destroy(palpate_team* team);
 
-/* (control, of the team and of all of its simulations) palpate_step for many, of one model or several: the bits are those
- * of one after the other. What is refused is so before any has moved, and the error's text says which it is.
+/* (control, of the team and of all of its simulations) palpate_step for many, of one model or several: the bits are
+ * those of one after the other. What is refused is so before any has moved, and the error's text says which it is.
  * @param simulations  (count) none of them twice; scenes with one thread each share the cores best
  * @param poses        (count, 7); NULL: as before
  * @param states       (count), all of one size; may be NULL */
@@ -312,13 +312,16 @@ enum { PALPATE_NODES = 0, PALPATE_INTEGRATION_POINTS = 1 };
 /* Material points of which fields are asked, made once for all simulations of a model, and used by any threads. Given
  * ones, or a model's own in its order. PALPATE_BAD_ARGUMENT names the first that is not in the body.
  * @param X      (count, 3) m, where they are at rest
- * @param count  of palpate_points_rest and the fields: as many as there are */
+ * @param count  where they are asked for: as many as there are */
 PALPATE_API int32_t palpate_points_create(const palpate_model* model, const double* X, int32_t count,
                                           palpate_points** points, palpate_error* error);
 PALPATE_API int32_t palpate_points_of(const palpate_model* model, int32_t kind, palpate_points** points,
                                       palpate_error* error);
 PALPATE_API void palpate_points_destroy(palpate_points* points);
-PALPATE_API int32_t palpate_points_rest(const palpate_points* points, double* X, int32_t count);
+
+/* Where they are at rest, m (count, 3), and, of integration points only, what they stand for, m^3 (count). Either may
+ * be NULL. */
+PALPATE_API int32_t palpate_points_rest(const palpate_points* points, double* X, double* volume, int32_t count);
 
 /* (viewer) Displacements in the newest tick, m (count, 3). No allocation or lock. */
 PALPATE_API int32_t palpate_displacements(palpate_simulation* simulation, const palpate_points* points, double* u,
@@ -347,6 +350,19 @@ PALPATE_API int32_t palpate_set_material(palpate_simulation* simulation, int32_t
  * at once, and what follows has the bits of a new simulation. Running: in the next tick, and the tool then comes back
  * gently. */
 PALPATE_API int32_t palpate_reset(palpate_simulation* simulation);
+
+/* (control) A spring draws a vertex of the skin to a place, m (3), from the next tick on; stiff enough to lead it, soft
+ * enough for the time step, and as if no longer than two radii of the tool. One at a time; -1: none. A reset or restore
+ * ends it. PALPATE_BAD_ARGUMENT where there is no such vertex. */
+PALPATE_API int32_t palpate_pull(palpate_simulation* simulation, int32_t vertex, const double* place);
+
+/* (control, stopped) Calls `call` after each tick, on the thread that has done it, with its outcome; NULL: nobody.
+ * While the simulation runs on its own thread the call has a real-time thread's duties: no allocation, no lock, no wait
+ * (a debug build ends the program where it has waited), and is part of the tick's time. In it, functions that change
+ * the simulation are PALPATE_REFUSED but those marked (hand); those that look at it may be used, (control, stopped) ones
+ * too. */
+typedef void (*palpate_tick_call)(void* user, const palpate_state* state);
+PALPATE_API int32_t palpate_on_tick(palpate_simulation* simulation, palpate_tick_call call, void* user);
 
 /* (control, stopped) The whole state as bytes. A simulation of the same model that restores them goes on bit for bit,
  * friction and materials included. (Only what the loop keeps to go back to when a solution is lost begins anew.) The

@@ -16,11 +16,11 @@
  *   - passive: the energy at the handle is counted, and no spring pushes harder than one that holds what the hand has
  *     put in and not got back, and 0.1 mJ; the spring's end slips instead, as a clutch
  *   - a contact only pushes
- *   - dead man: without a pose for 10 ms the force goes to 0 within 40 ms; likewise while the tissue is put back, frozen
- *     or late. Then the handle takes the tool again where both are
+ *   - dead man: without a pose for 10 ms the force goes to 0 within 40 ms; likewise while the tissue is put back,
+ *     frozen or late. Then the handle takes the tool again where both are
  *
  * World and device have the same axes: x, z up. Where the handle is when it first takes the tool is the tool's start.
- * While a simulation is coupled its first tool follows the device: palpate_set_target, and a pose given to palpate_step,
+ * While a simulation is coupled its first tool follows the device: palpate_set_target, or a pose given to palpate_step,
  * is PALPATE_REFUSED. A recording or saved state knows nothing of the coupling; after palpate_reset or palpate_restore
  * it takes the tool anew. */
 #ifndef PALPATE_DEVICE_H
@@ -95,8 +95,8 @@ PALPATE_API int32_t palpate_couple(palpate_simulation* simulation, const palpate
 PALPATE_API int32_t palpate_uncouple(palpate_simulation* simulation);
 
 /* (hand) One exchange with the device: its newest pose in, the force out, the tool's target on to the loop. No
- * allocation or lock. PALPATE_REFUSED where nothing is coupled. A pose that can't be one (not finite, further than 10 m)
- * counts as none, so that the force fades: PALPATE_BAD_ARGUMENT, and the wrench is to be sent all the same.
+ * allocation or lock. PALPATE_REFUSED where nothing is coupled. A pose that can't be one (not finite, or further than
+ * 10 m) counts as none, so that the force fades: PALPATE_BAD_ARGUMENT, and the wrench is to be sent all the same.
  * @param now_ns  CLOCK_MONOTONIC; 0: it is read
  * @param pose    what has come since the last call; NULL: nothing */
 PALPATE_API int32_t palpate_exchange(palpate_simulation* simulation, int64_t now_ns, const palpate_device_pose* pose,

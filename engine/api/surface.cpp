@@ -38,10 +38,6 @@ void putPlace(const SurfaceTree& tree, int triangle, const Vec3& point, palpate_
   out.barycentric[2] = 1 - out.barycentric[0] - out.barycentric[1];
 }
 
-bool isPlace(const double* x) {
-  return x != nullptr && std::isfinite(x[0]) && std::isfinite(x[1]) && std::isfinite(x[2]);
-}
-
 /// Calls call(tool, position, outward normal of the tool, force on the tissue) for each contact point with a force.
 template <class Call>
 void forEachContactPoint(const Model& model, const State& state, Call call) {
@@ -102,7 +98,7 @@ int32_t palpate_contacts(palpate_simulation* simulation, int32_t* vertex, float*
 int32_t palpate_contact_points(const palpate_simulation* simulation, double* position, double* normal, double* force,
                                int32_t* tool, int32_t capacity, int32_t* count) {
   if (simulation == nullptr || count == nullptr || capacity < 0) return PALPATE_BAD_ARGUMENT;
-  if (simulation->running) return PALPATE_BUSY;
+  if (!simulation->standsStill()) return PALPATE_BUSY;
   *count = 0;
   forEachContactPoint(*simulation->model, simulation->physics.state(),
                       [&](int of_tool, const Vec3& at, const Vec3& outward, const Vec3& on_tissue) {

@@ -46,6 +46,7 @@ void check(palpate_simulation* const* simulations, std::int32_t count, const dou
   for (std::int32_t k = 0; k < count; ++k) {
     palpate_simulation* const simulation = simulations[k];
     if (simulation == nullptr) Entry{k}.refuse("it is NULL");
+    if (isInTickCall(*simulation)) Entry{k, PALPATE_REFUSED}.refuse("this is a call of its own tick");
     if (simulation->running) Entry{k, PALPATE_BUSY}.refuse("it runs on its own thread; stop it first");
     if (poses != nullptr && !isPose(poses + 7 * k)) Entry{k}.refuse("its pose is none");
     if (poses != nullptr && simulation->coupling) Entry{k, PALPATE_REFUSED}.refuse("a device has its tool");

@@ -200,7 +200,7 @@ static_assert(same<decltype(palpate_reactions), int32_t(Asked, double*, double*,
 static_assert(same<decltype(palpate_points_create), int32_t(Model, const double*, int32_t, palpate_points**, Error)>);
 static_assert(same<decltype(palpate_points_of), int32_t(Model, int32_t, palpate_points**, Error)>);
 static_assert(same<decltype(palpate_points_destroy), void(palpate_points*)>);
-static_assert(same<decltype(palpate_points_rest), int32_t(Points, double*, int32_t)>);
+static_assert(same<decltype(palpate_points_rest), int32_t(Points, double*, double*, int32_t)>);
 static_assert(same<decltype(palpate_displacements), int32_t(Simulation, Points, double*, int32_t)>);
 static_assert(same<decltype(palpate_velocities), int32_t(Asked, Points, double*, int32_t)>);
 static_assert(same<decltype(palpate_stresses), int32_t(Asked, Points, double*, double*, int32_t)>);
@@ -210,3 +210,6 @@ static_assert(same<decltype(palpate_uncouple), int32_t(Simulation)>);
 static_assert(
     same<decltype(palpate_exchange), int32_t(Simulation, int64_t, const palpate_device_pose*, palpate_wrench*)>);
 static_assert(same<decltype(palpate_read_coupling), int32_t(Asked, palpate_coupling_state*)>);
+static_assert(same<decltype(palpate_pull), int32_t(Simulation, int32_t, const double*)>);
+static_assert(same<palpate_tick_call, void (*)(void*, const palpate_state*)>);
+static_assert(same<decltype(palpate_on_tick), int32_t(Simulation, palpate_tick_call, void*)>);

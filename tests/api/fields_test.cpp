@@ -2,9 +2,11 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <numeric>
 #include <vector>
 
 #include "api/pressed_block.h"
+#include "support/realtime_guard.h"
 #include "support/text.h"
 
 using namespace palpate;
@@ -48,7 +50,7 @@ Rows velocities(const SimulationHandle& simulation, const PointsHandle& points, 
 
 Rows rest(const PointsHandle& points, int count) {
   Rows X(count, 3);
-  REQUIRE(palpate_points_rest(points.get(), X.data(), count) == PALPATE_OK);
+  REQUIRE(palpate_points_rest(points.get(), X.data(), nullptr, count) == PALPATE_OK);
   return X;
 }
 
@@ -154,6 +156,39 @@ TEST_CASE("A pulled bar's stress is its reaction over its cross-section, with th
   CHECK(reactions(simulation).isZero(0));
 }
 
+TEST_CASE("The stresses of a body at rest are in balance with what presses it", "[api][fields]") {
+  const std::string incompressible = replaced(touched_block_text, "poisson = 0.45", "poisson = 0.49");
+  const std::string relaxing =
+      replaced(touched_block_text, "poisson = 0.45", "poisson = 0.45\nrelaxation = [[0.4, 0.05]]");
+  for (const std::string& text : {touched_block_text, incompressible, relaxing}) {
+    const ModelHandle model = loadBlock(text);
+    const palpate_model_info info = describe(model);
+    const SimulationHandle simulation = create(model);
+    const PointsHandle points = pointsOf(model, PALPATE_INTEGRATION_POINTS);
+    std::vector<double> volume(static_cast<std::size_t>(info.point_count));
+    REQUIRE(palpate_points_rest(points.get(), nullptr, volume.data(), info.point_count) == PALPATE_OK);
+    CHECK(std::accumulate(volume.begin(), volume.end(), 0.0) == Approx(0.06 * 0.06 * 0.03).epsilon(0.01));
+    press(simulation, info, 0, 60);
+    const double stiffer = 3500;
+    const palpate_parameter young{"young", &stiffer, 1};
+    REQUIRE(palpate_set_material(simulation.get(), 0, &young, 1, nullptr) == PALPATE_OK);
+    for (const int ticks : {20, 1500}) {  // it still relaxes, and does no longer
+      REQUIRE(palpate_step(simulation.get(), ticks, nullptr, nullptr) == PALPATE_OK);
+      // int sigma_zz dv = sum z f_z over the forces from outside; at the base z is 0.
+      const Stresses all(simulation, points, info.point_count);
+      double inside = 0, outside = 0;
+      for (std::size_t q = 0; q < volume.size(); ++q) inside += volume[q] * all.J[q] * all.stress[q](2, 2);
+      std::int32_t count = 0;
+      Rows position(4096, 3), force(4096, 3);
+      REQUIRE(palpate_contact_points(simulation.get(), position.data(), nullptr, force.data(), nullptr, 4096, &count) ==
+              PALPATE_OK);
+      for (int k = 0; k < count; ++k) outside += position(k, 2) * force(k, 2);
+      CHECK(outside < 0);
+      CHECK(inside == Approx(outside).epsilon(ticks > 20 ? 0.01 : 0.1));
+    }
+  }
+}
+
 TEST_CASE("Displacements at nodes, material points and the skin are one field, and velocities its change",
           "[api][fields]") {
   const ModelHandle model = loadBlock();
@@ -241,6 +276,20 @@ TEST_CASE("The closest place of the skin and a ray's first are on the skin as it
   }
 }
 
+TEST_CASE("Displacements of points take no lock and allocate nothing", "[api][fields]") {
+  if (!guardAvailable()) return;
+  const ModelHandle model = loadBlock();
+  const palpate_model_info info = describe(model);
+  const SimulationHandle simulation = create(model);
+  const PointsHandle nodes = pointsOf(model, PALPATE_NODES);
+  Rows u(info.node_count, 3);
+  startGuard();
+  const std::int32_t code = palpate_displacements(simulation.get(), nodes.get(), u.data(), info.node_count);
+  const GuardCounts counts = stopGuard();
+  CHECK(code == PALPATE_OK);
+  CHECK(counts.total() == 0);
+}
+
 TEST_CASE("A question that can't be meant is refused and changes nothing", "[api][fields]") {
   const ModelHandle model = loadBlock(), other = loadBlock();
   const palpate_model_info info = describe(model);
@@ -268,7 +317,8 @@ TEST_CASE("A question that can't be meant is refused and changes nothing", "[api
   refused(Rows(0, 3), "count");
   CHECK(palpate_points_of(model.get(), 2, &none, &error) == PALPATE_BAD_ARGUMENT);
   CHECK(palpate_points_of(nullptr, 0, &none, &error) == PALPATE_BAD_ARGUMENT);
-  CHECK(palpate_points_rest(nodes.get(), out.data(), 1) == PALPATE_BAD_ARGUMENT);
+  CHECK(palpate_points_rest(nodes.get(), out.data(), nullptr, 1) == PALPATE_BAD_ARGUMENT);
+  CHECK(palpate_points_rest(nodes.get(), nullptr, out.data(), info.node_count) == PALPATE_BAD_ARGUMENT);
   const int n = info.node_count;
   CHECK(palpate_displacements(simulation, nodes.get(), out.data(), n - 1) == PALPATE_BAD_ARGUMENT);
   CHECK(palpate_displacements(simulation, nodes.get(), nullptr, n) == PALPATE_BAD_ARGUMENT);

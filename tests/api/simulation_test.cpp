@@ -211,9 +211,6 @@ TEST_CASE("Hand, readers and the steps themselves take no lock and allocate noth
   auto state = sized<palpate_state>();
   std::vector<float> positions(3 * static_cast<std::size_t>(info.skin_vertex_count)), forces(300);
   std::vector<std::int32_t> vertex(100);
-  std::vector<double> u(static_cast<std::size_t>(3 * info.node_count));
-  palpate_points* nodes = nullptr;
-  REQUIRE(palpate_points_of(model.get(), PALPATE_NODES, &nodes, nullptr) == PALPATE_OK);
   std::int32_t count = 0, code = 0;
   const auto pose = poseAtDepth(info, 0.002);
   startGuard();
@@ -222,10 +219,8 @@ TEST_CASE("Hand, readers and the steps themselves take no lock and allocate noth
   code |= palpate_read(simulation.get(), &state);
   code |= palpate_skin_positions(simulation.get(), positions.data(), info.skin_vertex_count);
   code |= palpate_contacts(simulation.get(), vertex.data(), forces.data(), 100, &count);
-  code |= palpate_displacements(simulation.get(), nodes, u.data(), info.node_count);
   code |= palpate_set_friction(simulation.get(), 0.1);
   const GuardCounts counts = stopGuard();
-  palpate_points_destroy(nodes);
   CHECK(code == PALPATE_OK);
   CHECK(counts.total() == 0);
   CHECK(state.pose_sequence == 7);

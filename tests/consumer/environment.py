@@ -120,6 +120,7 @@ body = palpate.Simulation(block)
 pressed = body.step(block.pose_at(0.003), ticks=200)
 before = body.hash()
 nodes, points = palpate.Points.nodes(block), palpate.Points.integration(block)
+assert nodes.volume is None and np.isclose(points.volume.sum(), 0.06 * 0.06 * 0.03, rtol=0.01)
 u = body.displacements(nodes)
 assert u.shape == nodes.X.shape and np.abs(u).max() > 1e-3
 out = np.empty_like(u)
@@ -140,9 +141,21 @@ refused(palpate.Error, lambda: palpate.Points(block, [[0, 0, 0.01], [0, 0, 0.1]]
 refused(palpate.Error, lambda: body.displacements(palpate.Points.nodes(model)), "displacements: ")
 assert body.hash() == before
 
+# A spring at the skin, and a call after each tick.
+ticks = []
+body.on_tick(lambda state: ticks.append((state.tick, state.force[2])))
+refused(palpate.Error, lambda: body.pull(block.skin_vertex_count, [0, 0, 0]), "pull: ")
+refused(ValueError, lambda: body.pull(0, [0, 0, np.inf]), "[2] is inf")
+body.pull(0, body.skin_positions()[0])
+last = body.step(ticks=3)
+body.release()
+body.on_tick(None)
+body.step()
+assert [tick for tick, _ in ticks] == [201, 202, 203] and ticks[-1][1] == last.force[2]
+
 # A pickled simulation goes on bit for bit.
 twin = pickle.loads(pickle.dumps(body))
-assert twin.hash() == before and twin.step(ticks=7) == body.step(ticks=7) and twin.hash() == body.hash()
+assert twin.hash() == body.hash() and twin.step(ticks=7) == body.step(ticks=7) and twin.hash() == body.hash()
 
 # A device.
 refused(TypeError, lambda: body.couple(stifness=1), "stifness")

@@ -90,6 +90,7 @@ void SimulationLoop::advanceHere(std::int64_t ticks) {
     reporter_.beginTick(time, run_);
     if (!advance()) break;
     reporter_.sendForce(time, run_);
+    if (listener_ != nullptr) listener_->afterTick();
   }
   reporter_.publish(time, run_);
 }
@@ -160,6 +161,7 @@ TickOutcome SimulationLoop::onTick(const LoopTime& time) {
   if (moves) {
     if (!advance()) return TickOutcome::Stop;
     reporter_.sendForce(time, run_);
+    if (listener_ != nullptr) listener_->afterTick();
   }
   reporter_.publish(time, run_);
   return moves ? TickOutcome::Advanced : TickOutcome::Idle;

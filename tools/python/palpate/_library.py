@@ -27,6 +27,7 @@ class _Error(_Sized):
     _fields_ = [("size", C.c_uint32), ("code", C.c_int32), ("text", C.c_char * 1016)]
 
 
+_TickCall = C.CFUNCTYPE(None, C.c_void_p, C.c_void_p)  # user, state
 _Progress = C.CFUNCTYPE(C.c_int, C.c_void_p, C.c_char_p, C.c_double)
 
 
@@ -179,12 +180,14 @@ def _load_library():
         "reactions": [pointer, pointer, pointer, number],
         "points_create": [pointer, pointer, number, to(pointer), error],
         "points_of": [pointer, number, to(pointer), error],
-        "points_rest": [pointer, pointer, number],
+        "points_rest": [pointer, pointer, pointer, number],
         "displacements": [pointer, pointer, pointer, number],
         "velocities": [pointer, pointer, pointer, number],
         "stresses": [pointer, pointer, pointer, pointer, number],
         "set_friction": [pointer, C.c_double],
         "set_material": [pointer, number, to(_Parameter), number, error],
+        "pull": [pointer, number, pose],
+        "on_tick": [pointer, _TickCall, pointer],
         "reset": [pointer],
         "save": [pointer, pointer, size],
         "restore": [pointer, pointer, size, error],

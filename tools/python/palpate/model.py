@@ -133,7 +133,9 @@ class Model:
 
 class Points:
     """Material points of which fields are asked: X (n, 3), m, where they are at rest; or Points.nodes(model), and
-    Points.integration(model), the model's own."""
+    Points.integration(model), the model's own, whose `volume` (n), m^3, is what each stands for."""
+
+    volume = None
 
     def __init__(self, model, X):
         X = _numbers(X, (None, 3), "points")
@@ -143,7 +145,7 @@ class Points:
         self.model, self._handle = model, C.c_void_p()
         _call(call, model._handle, *arguments, C.byref(self._handle), error=_Error())
         self.X = np.empty((count, 3))
-        _call("points_rest", self._handle, self.X.ctypes.data, count)
+        _call("points_rest", self._handle, self.X.ctypes.data, None, count)
         return self
 
     @classmethod
@@ -152,7 +154,10 @@ class Points:
 
     @classmethod
     def integration(cls, model):
-        return cls.__new__(cls)._make(model, model.point_count, "points_of", 1)
+        points = cls.__new__(cls)._make(model, model.point_count, "points_of", 1)
+        points.volume = np.empty(len(points))
+        _call("points_rest", points._handle, None, points.volume.ctypes.data, len(points))
+        return points
 
     def __len__(self):
         return len(self.X)

@@ -5,8 +5,8 @@ import operator
 import numpy as np
 
 from ._library import (BAD_ARGUMENT, FAILED, OK, REFUSED, Coupling, Error, SkinPlace, State, ToolState, Wrench, _call,
-                       _Coupling, _Device, _DevicePose, _Error, _Parameter, _SkinPlace, _State, _ToolState, _Wrench,
-                       find_library, library)
+                       _Coupling, _Device, _DevicePose, _Error, _Parameter, _SkinPlace, _State, _TickCall, _ToolState,
+                       _Wrench, find_library, library)
 from .model import Model, _doubles, _numbers, _pose
 
 
@@ -201,6 +201,22 @@ class Simulation:
             _Parameter(name.encode(), value.ctypes.data_as(C.POINTER(C.c_double)), len(value))
             for name, value in values.items()])
         _call("set_material", self._handle, index, rows, len(values), error=_Error())
+
+    def pull(self, vertex, place):
+        """A spring draws a vertex of the skin to a place (3), m, from the next tick on."""
+        _call("pull", self._handle, vertex, _doubles(_numbers(place, (3,), "a place")))
+
+    def release(self):
+        """Ends the pull."""
+        _call("pull", self._handle, -1, None)
+
+    def on_tick(self, call):
+        """call(state) after each tick, on the thread that has done it; None: no more. Python is too slow for a
+        simulation that runs in real time beside a hand."""
+        told = _TickCall() if call is None else _TickCall(
+            lambda _, raw: call(State(_State.from_buffer_copy(C.string_at(raw, C.sizeof(_State))))))
+        _call("on_tick", self._handle, told, None)
+        self._told = told  # it must live as long as the library may call it
 
     def reset(self):
         """The body at rest again; friction and materials stay as they were set."""
