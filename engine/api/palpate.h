@@ -359,8 +359,8 @@ PALPATE_API int32_t palpate_pull(palpate_simulation* simulation, int32_t vertex,
 /* (control, stopped) Calls `call` after each tick, on the thread that has done it, with its outcome; NULL: nobody.
  * While the simulation runs on its own thread the call has a real-time thread's duties: no allocation, no lock, no wait
  * (a debug build ends the program where it has waited), and is part of the tick's time. In it, functions that change
- * the simulation are PALPATE_REFUSED but those marked (hand); those that look at it may be used, (control, stopped) ones
- * too. */
+ * the simulation are PALPATE_REFUSED but those marked (hand); those that look at it may be used, those marked (control,
+ * stopped) too. */
 typedef void (*palpate_tick_call)(void* user, const palpate_state* state);
 PALPATE_API int32_t palpate_on_tick(palpate_simulation* simulation, palpate_tick_call call, void* user);
 

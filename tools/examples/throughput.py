@@ -12,13 +12,13 @@ import numpy as np
 import palpate
 
 scene = sys.argv[1] if len(sys.argv) > 1 else "layer_sphere"
-count = int(sys.argv[2]) if len(sys.argv) > 2 else 16
+count = int(sys.argv[2]) if len(sys.argv) > 2 else 64
 threads = int(sys.argv[3]) if len(sys.argv) > 3 else 2
 model = palpate.Model(scene, threads=1)
 simulations = [palpate.Simulation(model) for _ in range(count)]
 poses = np.array([model.pose_at(0.001 + 0.0001 * k / count) for k in range(count)])
 palpate.step_many(simulations, poses, 200)  # pressed in
-rounds, ticks = 15, 20
+rounds, ticks = 15, 5
 ratios, rates = [], {1: [], threads: []}
 teams = {n: palpate.Team(n) for n in rates}
 for _ in range(rounds):

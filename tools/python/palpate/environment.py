@@ -199,6 +199,8 @@ class VectorEnv(_VectorEnv):
     threads: 0: one for each core. environment: the class of each, for other rewards and observations.
     """
 
+    closed = False
+
     def __init__(self, scene, num_envs, threads=0, environment=Environment, **options):
         if num_envs < 1:
             raise ValueError(f"num_envs is {num_envs}")
