@@ -85,13 +85,14 @@ typedef struct palpate_coupling_state {
 /* The scene's settings. */
 PALPATE_API int32_t palpate_scene_device(const palpate_model* model, palpate_device_settings* settings);
 
-/* (control, stopped) The simulation's first tool hangs on a device from now on; one that did already begins anew.
- * PALPATE_BAD_ARGUMENT names the setting that is out of its range.
+/* (control, stopped, and no function marked (hand) beside it) The simulation's first tool hangs on a device from now
+ * on; one that did already begins anew. PALPATE_BAD_ARGUMENT: the error's text names the setting that is out of range.
  * @param settings  NULL: the scene's */
 PALPATE_API int32_t palpate_couple(palpate_simulation* simulation, const palpate_device_settings* settings,
                                    palpate_error* error);
 
-/* (control, stopped) The tool stays where it is. Does nothing where there is no coupling. */
+/* (control, stopped, and no function marked (hand) beside it) The tool stays where it is. Does nothing where there is
+ * no coupling. */
 PALPATE_API int32_t palpate_uncouple(palpate_simulation* simulation);
 
 /* (hand) One exchange with the device: its newest pose in, the force out, the tool's target on to the loop. No
