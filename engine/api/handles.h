@@ -68,6 +68,7 @@ struct palpate_simulation {
   palpate::SimulationLoop loop;
   palpate::RunMemory start;                  // of the loop, before its first tick
   std::vector<palpate::Material> materials;  // as last asked for
+  palpate::LiveLoads loads;                  // likewise
   std::uint64_t step_sequence = 0;           // of the last pose given to palpate_step
   std::atomic<bool> running{false};
   std::unique_ptr<const palpate::api::DeformedSkin> skin;  // that the last question was asked of; the viewer's

@@ -346,10 +346,16 @@ PALPATE_API int32_t palpate_set_material(palpate_simulation* simulation, int32_t
                                          const palpate_parameter* parameters, int32_t parameter_count,
                                          palpate_error* error);
 
-/* (control) The body at rest again, and the tool at its start; friction and materials stay as they were set. Stopped:
- * at once, and what follows has the bits of a new simulation. Running: in the next tick, and the tool then comes back
- * gently. */
+/* (control) The body at rest again, and the tool at its start; friction, materials and loads stay as they were set.
+ * Stopped: at once, and what follows has the bits of a new simulation. Running: in the next tick, and the tool then
+ * comes back gently. */
 PALPATE_API int32_t palpate_reset(palpate_simulation* simulation);
+
+/* (control) Gravity of the tissue, m/s^2 (3), in place of the scene's, and a force on a vertex of the skin, N (3), from
+ * the next tick on; a force lasts until it is set to 0, or with vertex -1 all are. At most 64 vertices: else
+ * PALPATE_REFUSED. They are part of the state, and stay in a reset. */
+PALPATE_API int32_t palpate_set_gravity(palpate_simulation* simulation, const double* acceleration);
+PALPATE_API int32_t palpate_set_force(palpate_simulation* simulation, int32_t vertex, const double* force);
 
 /* (control) A spring draws a vertex of the skin to a place, m (3), from the next tick on; stiff enough to lead it, soft
  * enough for the time step, and as if no longer than two radii of the tool. One at a time; -1: none. A reset or restore

@@ -41,7 +41,7 @@ void forEachPart(SomeState& s, Call call) {
   list(s.relaxation.Z);
   list(s.local_mass.factor), one(s.local_mass.active), one(s.local_mass.momentum), one(s.local_mass.force);
   one(s.energy);
-  one(s.live.friction);
+  one(s.live.friction), one(s.live.loads);
 }
 
 std::size_t sizeOf(const palpate_simulation& simulation) {
@@ -128,6 +128,7 @@ int32_t palpate_restore(palpate_simulation* simulation, const void* bytes, size_
       if (length > 0) std::memcpy(part, at, length);
       at += length;
     });
+    simulation->loads = state.live.loads;
     simulation->physics.putIn(state);
     simulation->loop.recall(memory);
     return PALPATE_OK;

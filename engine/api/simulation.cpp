@@ -214,6 +214,33 @@ int32_t palpate_set_friction(palpate_simulation* simulation, double coefficient)
   return guarded(nullptr, [&] { return send(*simulation, Request::setFriction(coefficient)); });
 }
 
+int32_t palpate_set_gravity(palpate_simulation* simulation, const double* acceleration) {
+  constexpr double most = 1000;  // m/s^2, a hundred times the earth's
+  if (simulation == nullptr || !isPlace(acceleration)) return PALPATE_BAD_ARGUMENT;
+  const Vec3 g(acceleration[0], acceleration[1], acceleration[2]);
+  if (g.cwiseAbs().maxCoeff() > most) return PALPATE_BAD_ARGUMENT;
+  return guarded(nullptr, [&] {
+    const std::int32_t code = send(*simulation, Request::setGravity(g));
+    if (code == PALPATE_OK) simulation->loads.gravity = g - simulation->model->scene.gravity;
+    return code;
+  });
+}
+
+int32_t palpate_set_force(palpate_simulation* simulation, int32_t vertex, const double* force) {
+  if (simulation == nullptr || vertex < -1 || vertex >= simulation->model->skin.vertexCount())
+    return PALPATE_BAD_ARGUMENT;
+  if (vertex >= 0 && !isPlace(force)) return PALPATE_BAD_ARGUMENT;
+  return guarded(nullptr, [&]() -> std::int32_t {
+    const Vec3 newtons = vertex < 0 ? Vec3(Vec3::Zero()) : Vec3(force[0], force[1], force[2]);
+    LiveLoads wanted = simulation->loads;
+    if (vertex < 0) wanted = {}, wanted.gravity = simulation->loads.gravity;
+    if (vertex >= 0 && !wanted.setForce(vertex, newtons)) return PALPATE_REFUSED;
+    const std::int32_t code = send(*simulation, Request::setForce(vertex, newtons));
+    if (code == PALPATE_OK) simulation->loads = wanted;
+    return code;
+  });
+}
+
 int32_t palpate_pull(palpate_simulation* simulation, int32_t vertex, const double* place) {
   if (simulation == nullptr || vertex < -1 || vertex >= simulation->model->skin.vertexCount())
     return PALPATE_BAD_ARGUMENT;

@@ -2,6 +2,7 @@
 
 #include "base/spin_team.h"
 #include "base/types.h"
+#include "simulation/live_loads.h"
 #include "simulation/model.h"
 
 namespace palpate {
@@ -33,7 +34,8 @@ class Workspace {
         boundary(makeBoundaryScratch(model.boundary)),
         f(model.X.size()),
         previous_du(model.X.size()),
-        local_mass(model.X.size(), model.kernel, model.stiffness_means) {}
+        local_mass(model.X.size(), model.kernel, model.stiffness_means),
+        tissue_mass(tissueMass(model)) {}
 
   SpinTeam team;
   KernelScratch kernel;
@@ -41,6 +43,7 @@ class Workspace {
   AlignedVector<Float4> f;            // (node_count) internal forces, N
   AlignedVector<Float4> previous_du;  // (node_count) increments of the step before, m
   LocalMassScratch local_mass;
+  const AlignedVector<float> tissue_mass;  // (node_count) kg, that live loads accelerate
 };
 
 }  // namespace palpate

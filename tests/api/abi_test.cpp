@@ -213,3 +213,5 @@ static_assert(same<decltype(palpate_read_coupling), int32_t(Asked, palpate_coupl
 static_assert(same<decltype(palpate_pull), int32_t(Simulation, int32_t, const double*)>);
 static_assert(same<palpate_tick_call, void (*)(void*, const palpate_state*)>);
 static_assert(same<decltype(palpate_on_tick), int32_t(Simulation, palpate_tick_call, void*)>);
+static_assert(same<decltype(palpate_set_gravity), int32_t(Simulation, const double*)>);
+static_assert(same<decltype(palpate_set_force), int32_t(Simulation, int32_t, const double*)>);

@@ -153,6 +153,19 @@ body.on_tick(None)
 body.step()
 assert [tick for tick, _ in ticks] == [201, 202, 203] and ticks[-1][1] == last.force[2]
 
+# Loads.
+loaded = palpate.Simulation(block)
+at_rest = loaded.hash()
+loaded.set_gravity([0, 0, -9.81])
+loaded.set_force(5, [0, 0.01, 0])
+assert loaded.hash() != at_rest and loaded.step(ticks=20).tick == 20 and loaded.reactions()["base"][0][2] > 0
+loaded.reset()
+loaded.set_gravity([0, 0, 0])
+loaded.clear_forces()
+assert loaded.hash() == at_rest
+refused(ValueError, lambda: loaded.set_force(0, [0, 0, np.nan]), "[2] is nan")
+refused(palpate.Error, lambda: loaded.set_force(-2, [0, 0, 1]), "set_force: ")
+
 # A pickled simulation goes on bit for bit.
 twin = pickle.loads(pickle.dumps(body))
 assert twin.hash() == body.hash() and twin.step(ticks=7) == body.step(ticks=7) and twin.hash() == body.hash()

@@ -208,7 +208,7 @@ void SimulationLoop::yieldFurther(Command& command) {
 /// Why the tissue can't come back to rest by itself, if so.
 std::optional<LogEvent::Kind> SimulationLoop::findLost(const StepReport& report) {
   const State& state = physics_.state();
-  const bool pulled = command_.pull_vertex >= 0;
+  const bool pulled = command_.pull_vertex >= 0 || state.live.loads.any();
   if (folds_.update(report, pulled, static_cast<double>(state.step) * model_.dt)) return LogEvent::Kind::RestoredFolded;
   if (snags_.update(state, run_.hand.position, report)) return LogEvent::Kind::RestoredCaught;
   if (slides_.update(state, report, pulled)) return LogEvent::Kind::RestoredSlid;

@@ -186,6 +186,8 @@ def _load_library():
         "stresses": [pointer, pointer, pointer, pointer, number],
         "set_friction": [pointer, C.c_double],
         "set_material": [pointer, number, to(_Parameter), number, error],
+        "set_gravity": [pointer, pose],
+        "set_force": [pointer, number, pose],
         "pull": [pointer, number, pose],
         "on_tick": [pointer, _TickCall, pointer],
         "reset": [pointer],

@@ -202,6 +202,17 @@ class Simulation:
             for name, value in values.items()])
         _call("set_material", self._handle, index, rows, len(values), error=_Error())
 
+    def set_gravity(self, acceleration):
+        """Gravity of the tissue (3), m/s^2, in place of the scene's, from the next tick on."""
+        _call("set_gravity", self._handle, _doubles(_numbers(acceleration, (3,), "an acceleration")))
+
+    def set_force(self, vertex, force):
+        """A force on a vertex of the skin (3), N, from the next tick on, until it is set to 0."""
+        _call("set_force", self._handle, operator.index(vertex), _doubles(_numbers(force, (3,), "a force")))
+
+    def clear_forces(self):
+        _call("set_force", self._handle, -1, None)
+
     def pull(self, vertex, place):
         """A spring draws a vertex of the skin to a place (3), m, from the next tick on."""
         _call("pull", self._handle, vertex, _doubles(_numbers(place, (3,), "a place")))
@@ -219,7 +230,7 @@ class Simulation:
         self._told = told  # it must live as long as the library may call it
 
     def reset(self):
-        """The body at rest again; friction and materials stay as they were set."""
+        """The body at rest again; friction, materials and loads stay as they were set."""
         _call("reset", self._handle)
 
     def save(self):
