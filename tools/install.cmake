@@ -5,7 +5,7 @@ include(CMakePackageConfigHelpers)
 set(PACKAGE ${CMAKE_INSTALL_LIBDIR}/cmake/Palpate)
 
 set(LIBRARIES palpate_library)
-set(HEADERS engine/api/palpate.h)
+set(HEADERS engine/api/palpate.h engine/api/palpate_device.h)
 if(PALPATE_APP)
   list(APPEND LIBRARIES palpate_image)
   list(APPEND HEADERS app/image/palpate_image.h)

@@ -21,6 +21,8 @@ struct Refusal : std::runtime_error {
   std::int32_t code;
 };
 
+constexpr int max_threads = 64;  // of a simulation, or of a team
+
 /// The number that callers know a doubt by.
 inline std::int32_t numberOf(Doubt doubt) {
   if (doubt == Doubt::None) return PALPATE_DOUBT_NONE;
@@ -75,6 +77,10 @@ T given(const T* in) {
   if (in != nullptr && !isSize(in->size)) throw Refusal(PALPATE_BAD_ARGUMENT, "a struct whose size is not sizeof it");
   if (in != nullptr) std::memcpy(&value, in, std::min<std::size_t>(in->size, sizeof(T)));
   return value;
+}
+
+inline bool isPlace(const double* x) {
+  return x != nullptr && std::all_of(x, x + 3, [](double v) { return std::isfinite(v); });
 }
 
 inline bool isPose(const double* p) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <cstdint>
 #include <memory>
@@ -8,12 +9,52 @@
 #include <vector>
 
 #include "api/palpate.h"
+#include "discretization/surface/surface_tree.h"
+#include "realtime/device/coupled_tool.h"
+#include "realtime/device/device_coupling.h"
 #include "realtime/loop/simulation_loop.h"
 #include "simulation/model.h"
+
+namespace palpate::api {
+
+/// By PALPATE_MATERIAL, PALPATE_TOOL, PALPATE_REGION.
+using Names = std::array<std::vector<std::string>, 3>;
+Names namesOf(const Model& model);
+
+/// What hangs the tool on a device: the loop's end and the device's.
+struct Coupling {
+  Coupling(const Model& model, const DeviceSettings& settings) : tool(model), device(settings, model) {}
+  CoupledTool tool;
+  DeviceCoupling device;
+};
+
+/// The skin where these displacements have it.
+struct DeformedSkin {
+  AlignedVector<Float4> u;
+  SurfaceTree tree;
+};
+
+/// Calls a function of the caller's after each tick.
+class TickCall final : public TickListener {
+ public:
+  TickCall(palpate_simulation& of, palpate_tick_call call, void* user) : of_(of), call_(call), user_(user) {}
+  void afterTick() override;
+
+ private:
+  palpate_simulation& of_;
+  const palpate_tick_call call_;
+  void* const user_;
+};
+
+/// Whether the calling thread is in a TickCall of the simulation, which stands still meanwhile.
+bool isInTickCall(const palpate_simulation& simulation);
+
+}  // namespace palpate::api
 
 /// What is behind the handles of palpate.h.
 struct palpate_model {
   std::shared_ptr<const palpate::Model> model;
+  palpate::api::Names names;
 };
 
 struct palpate_simulation {
@@ -22,10 +63,21 @@ struct palpate_simulation {
   std::string identity;  // of the sources: a library beside this one looks into this struct
   std::shared_ptr<const palpate::Model> model;
   palpate::TissuePhysics physics;
+  std::unique_ptr<palpate::api::Coupling> coupling;   // null: a hand or program has the tool
+  std::unique_ptr<palpate::api::TickCall> tick_call;  // null: nobody wants to know
   palpate::SimulationLoop loop;
   palpate::RunMemory start;                  // of the loop, before its first tick
   std::vector<palpate::Material> materials;  // as last asked for
+  palpate::LiveLoads loads;                  // likewise
   std::uint64_t step_sequence = 0;           // of the last pose given to palpate_step
   std::atomic<bool> running{false};
+  std::unique_ptr<const palpate::api::DeformedSkin> skin;  // that the last question was asked of; the viewer's
   int process = 0;  // that made it: one that was forked off has a copy without physics threads
+
+  /// Whether the calling thread may look at the state.
+  bool standsStill() const { return !running || palpate::api::isInTickCall(*this); }
+  /// Why it may not change the state or the loop: PALPATE_OK, PALPATE_BUSY or, in a tick call, PALPATE_REFUSED.
+  std::int32_t whyNot() const {
+    return palpate::api::isInTickCall(*this) ? PALPATE_REFUSED : running ? PALPATE_BUSY : PALPATE_OK;
+  }
 };

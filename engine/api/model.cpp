@@ -15,10 +15,20 @@ using namespace palpate::api;
 
 namespace {
 
-constexpr int max_threads = 64;
+std::vector<SceneChange> changesOf(const palpate_options& options) {
+  if (options.set_count < 0 || (options.set == nullptr && options.set_count > 0))
+    throw Refusal(PALPATE_BAD_ARGUMENT, "options.set is NULL, or options.set_count negative");
+  std::vector<SceneChange> changes;
+  for (int k = 0; k < options.set_count; ++k) {
+    if (options.set[k] == nullptr)
+      throw Refusal(PALPATE_BAD_ARGUMENT, "options.set[" + std::to_string(k) + "] is NULL");
+    changes.push_back(changeFrom(options.set[k]));
+  }
+  return changes;
+}
 
-Scene sceneOf(const char* name, const palpate_options& options) {
-  Scene scene = readScene(findScene(name));
+/// With the options' rate and threads.
+Scene withOptions(Scene scene, const palpate_options& options) {
   if (options.rate_hz != 0) {
     if (!(options.rate_hz >= 100 && options.rate_hz <= 2000))
       throw Refusal(PALPATE_BAD_ARGUMENT, "options.rate_hz is not in 100 .. 2000 Hz");
@@ -28,6 +38,26 @@ Scene sceneOf(const char* name, const palpate_options& options) {
     throw Refusal(PALPATE_BAD_ARGUMENT, "options.threads is not in 0 .. " + std::to_string(max_threads));
   if (options.threads > 0) scene.threads = options.threads;
   return scene;
+}
+
+/// @param read  (changes): the scene
+template <class Read>
+std::int32_t load(Read read, const palpate_options* options, palpate_model** model, palpate_error* error) {
+  *model = nullptr;
+  return guarded(error, [&] {
+    const palpate_options asked = given(options);
+    const ModelCache cache(asked.cache_folder != nullptr ? asked.cache_folder : "");
+    const Progress progress = [&asked](const std::string& what, double fraction) {
+      if (asked.progress != nullptr && asked.progress(asked.user, what.c_str(), fraction) != 0)
+        throw Refusal(PALPATE_REFUSED, "given up while the model was made, as options.progress wanted");
+    };
+    auto handle = std::make_unique<palpate_model>();
+    const Scene scene = withOptions(read(changesOf(asked)), asked);
+    handle->model = std::make_shared<const Model>(loadModel(scene, progress, cache));
+    handle->names = namesOf(*handle->model);
+    *model = handle.release();
+    return PALPATE_OK;
+  });
 }
 
 }  // namespace
@@ -72,18 +102,21 @@ const char* palpate_doubt_text(int32_t doubt) {
 int32_t palpate_load(const char* scene, const palpate_options* options, palpate_model** model, palpate_error* error) {
   if (model != nullptr) *model = nullptr;
   if (scene == nullptr || model == nullptr) return say(error, PALPATE_BAD_ARGUMENT, "scene or model is NULL");
-  return guarded(error, [&] {
-    const palpate_options asked = given(options);
-    const ModelCache cache(asked.cache_folder != nullptr ? asked.cache_folder : "");
-    const Progress progress = [&asked](const std::string& what, double fraction) {
-      if (asked.progress != nullptr && asked.progress(asked.user, what.c_str(), fraction) != 0)
-        throw Refusal(PALPATE_REFUSED, "given up while the model was made, as options.progress wanted");
-    };
-    auto handle = std::make_unique<palpate_model>();
-    handle->model = std::make_shared<const Model>(loadModel(sceneOf(scene, asked), progress, cache));
-    *model = handle.release();
-    return PALPATE_OK;
-  });
+  return load([&](const auto& changes) { return readScene(findScene(scene), changes); }, options, model, error);
+}
+
+int32_t palpate_load_text(const char* text, const char* folder, const char* name, const palpate_options* options,
+                          palpate_model** model, palpate_error* error) {
+  if (model != nullptr) *model = nullptr;
+  if (text == nullptr || model == nullptr) return say(error, PALPATE_BAD_ARGUMENT, "text or model is NULL");
+  return load(
+      [&](const auto& changes) {
+        const auto or_else = [](const char* given, const char* fallback) {
+          return given != nullptr ? given : fallback;
+        };
+        return readScene(SceneText{text, or_else(folder, ""), or_else(name, "scene text")}, changes);
+      },
+      options, model, error);
 }
 
 void palpate_model_destroy(palpate_model* model) { delete model; }

@@ -43,6 +43,8 @@ extern "C" {
 
 typedef struct palpate_model palpate_model;
 typedef struct palpate_simulation palpate_simulation;
+typedef struct palpate_team palpate_team;
+typedef struct palpate_points palpate_points;
 
 /* Outcomes. */
 enum {
@@ -69,6 +71,8 @@ typedef struct palpate_options {
   const char* cache_folder; /* where set-ups are kept for the next time; NULL: nowhere */
   int (*progress)(void* user, const char* what, double fraction); /* called by the loading thread; not 0: give up */
   void* user;
+  const char* const* set; /* keys of the scene that get other values, as TOML writes them: "material[0].young = 4000" */
+  int32_t set_count;
 } palpate_options;
 
 typedef struct palpate_model_info {
@@ -160,6 +164,12 @@ PALPATE_API const char* palpate_doubt_text(int32_t doubt);
 PALPATE_API int32_t palpate_load(const char* scene, const palpate_options* options, palpate_model** model,
                                  palpate_error* error);
 
+/* The same from a text in memory, which is TOML as scene files are.
+ * @param folder  that the scene's relative paths start from; NULL: the working directory
+ * @param name    what errors call it; NULL: "scene text" */
+PALPATE_API int32_t palpate_load_text(const char* text, const char* folder, const char* name,
+                                      const palpate_options* options, palpate_model** model, palpate_error* error);
+
 /* Simulations that use it live on. NULL does nothing. */
 PALPATE_API void palpate_model_destroy(palpate_model* model);
 
@@ -168,6 +178,15 @@ PALPATE_API void palpate_model_destroy(palpate_model* model);
 PALPATE_API int32_t palpate_tool_count(const palpate_model* model, int32_t* count);
 
 PALPATE_API int32_t palpate_describe(const palpate_model* model, palpate_model_info* info);
+
+/* What a scene has several of, by number: materials and regions by the names that it gives them, else "material 1",
+ * "fixed 1"; tools by their shape, "sphere" or "jaws", and "sphere 1", "sphere 2" where there are several. Regions are
+ * those that are fixed, and after them those that are prescribed.
+ * palpate_name: NULL where there is none; lives as long as the model. palpate_index: the first of that name, or -1. */
+enum { PALPATE_MATERIAL = 0, PALPATE_TOOL = 1, PALPATE_REGION = 2 };
+PALPATE_API int32_t palpate_count(const palpate_model* model, int32_t kind, int32_t* count);
+PALPATE_API const char* palpate_name(const palpate_model* model, int32_t kind, int32_t index);
+PALPATE_API int32_t palpate_index(const palpate_model* model, int32_t kind, const char* name);
 
 /* Corners of the skin's triangles, counter-clockwise from outside.
  * @param corners  (triangle_count, 3), indices of skin vertices
@@ -196,6 +215,19 @@ PALPATE_API void palpate_destroy(palpate_simulation* simulation);
  * @param pose   (7); NULL: as before
  * @param state  receives the last tick's outcome; may be NULL */
 PALPATE_API int32_t palpate_step(palpate_simulation* simulation, int64_t n, const double* pose, palpate_state* state);
+
+/* Threads that step simulations side by side. NULL does nothing in destroy, and is the calling thread in step_many.
+ * @param threads  the calling one included, at most 64; 0: one for each core that the process may use */
+PALPATE_API int32_t palpate_team_create(int32_t threads, palpate_team** team, palpate_error* error);
+PALPATE_API void palpate_team_destroy(palpate_team* team);
+
+/* (control, of the team and of all of its simulations) palpate_step for many, of one model or several: the bits are
+ * those of one after the other. What is refused is so before any has moved, and the error's text says which it is.
+ * @param simulations  (count) none of them twice; scenes with one thread each share the cores best
+ * @param poses        (count, 7); NULL: as before
+ * @param states       (count), all of one size; may be NULL */
+PALPATE_API int32_t palpate_step_many(palpate_team* team, palpate_simulation* const* simulations, int32_t count,
+                                      int64_t n, const double* poses, palpate_state* states, palpate_error* error);
 
 enum { PALPATE_ORDINARY_THREAD = 1 };
 
@@ -244,6 +276,69 @@ PALPATE_API int32_t palpate_skin_positions(palpate_simulation* simulation, float
 PALPATE_API int32_t palpate_contacts(palpate_simulation* simulation, int32_t* vertex, float* force, int32_t capacity,
                                      int32_t* count);
 
+/* A place on the skin. */
+typedef struct palpate_skin_point {
+  uint32_t size;         /* sizeof(palpate_skin_point) */
+  int32_t triangle;      /* as of palpate_skin_triangles; -1: there is none, and all else is 0 */
+  double distance;       /* m; of palpate_closest negative inside the body */
+  double point[3];       /* m */
+  double normal[3];      /* unit, outward, of the triangle */
+  double barycentric[3]; /* weights of its corners */
+} palpate_skin_point;
+
+/* (viewer) The place of the skin, as it is in the newest tick, that is closest to x, m (3), or that a ray meets first,
+ * from either side. The first question after a tick takes ms (it sorts the triangles), further ones us. */
+PALPATE_API int32_t palpate_closest(palpate_simulation* simulation, const double* x, palpate_skin_point* place);
+PALPATE_API int32_t palpate_ray(palpate_simulation* simulation, const double* origin, const double* direction,
+                                palpate_skin_point* place);
+
+/* (control, stopped) Where tools touch the skin, point by point. Each array may be NULL.
+ * @param position  (capacity, 3) m
+ * @param normal    (capacity, 3) unit, from the tissue towards the tool
+ * @param force     (capacity, 3) N, on the tissue
+ * @param tool      (capacity) its number
+ * @param count     as of palpate_contacts */
+PALPATE_API int32_t palpate_contact_points(const palpate_simulation* simulation, double* position, double* normal,
+                                           double* force, int32_t* tool, int32_t capacity, int32_t* count);
+
+/* (control, stopped) What holds the tissue at each region, N and N m about the region's axis (the origin where it has
+ * none), in the last step; 0 before the first, and after a reset or restore.
+ * @param force, moment  (region_count, 3), on the tissue; may be NULL
+ * @param region_count   as palpate_count says of PALPATE_REGION */
+PALPATE_API int32_t palpate_reactions(const palpate_simulation* simulation, double* force, double* moment,
+                                      int32_t region_count);
+
+/* ---- Points of the body ---- */
+
+enum { PALPATE_NODES = 0, PALPATE_INTEGRATION_POINTS = 1 };
+
+/* Material points of which fields are asked, made once for all simulations of a model, and used by any threads. Given
+ * ones, or a model's own in its order. PALPATE_BAD_ARGUMENT names the first that is not in the body.
+ * @param X      (count, 3) m, where they are at rest
+ * @param count  where they are asked for: as many as there are */
+PALPATE_API int32_t palpate_points_create(const palpate_model* model, const double* X, int32_t count,
+                                          palpate_points** points, palpate_error* error);
+PALPATE_API int32_t palpate_points_of(const palpate_model* model, int32_t kind, palpate_points** points,
+                                      palpate_error* error);
+PALPATE_API void palpate_points_destroy(palpate_points* points);
+
+/* Where they are at rest, m (count, 3), and, of integration points only, what they stand for, m^3 (count). Either may
+ * be NULL. */
+PALPATE_API int32_t palpate_points_rest(const palpate_points* points, double* X, double* volume, int32_t count);
+
+/* (viewer) Displacements in the newest tick, m (count, 3). No allocation or lock. */
+PALPATE_API int32_t palpate_displacements(palpate_simulation* simulation, const palpate_points* points, double* u,
+                                          int32_t count);
+
+/* (control, stopped) Velocities in the last step, m/s (count, 3). */
+PALPATE_API int32_t palpate_velocities(const palpate_simulation* simulation, const palpate_points* points, double* v,
+                                       int32_t count);
+
+/* (control, stopped) Cauchy stresses, Pa (count, 3, 3), and volumes over those at rest (count), with the materials in
+ * force: those of the integration point that is nearest at rest. Either may be NULL. */
+PALPATE_API int32_t palpate_stresses(const palpate_simulation* simulation, const palpate_points* points, double* stress,
+                                     double* J, int32_t count);
+
 /* (control) Coulomb coefficient between tool and tissue, 0 to 2, from the next tick on. */
 PALPATE_API int32_t palpate_set_friction(palpate_simulation* simulation, double coefficient);
 
@@ -254,10 +349,29 @@ PALPATE_API int32_t palpate_set_material(palpate_simulation* simulation, int32_t
                                          const palpate_parameter* parameters, int32_t parameter_count,
                                          palpate_error* error);
 
-/* (control) The body at rest again, and the tool at its start; friction and materials stay as they were set. Stopped:
- * at once, and what follows has the bits of a new simulation. Running: in the next tick, and the tool then comes back
- * gently. */
+/* (control) The body at rest again, and the tool at its start; friction, materials and loads stay as they were set.
+ * Stopped: at once, and what follows has the bits of a new simulation. Running: in the next tick, and the tool then
+ * comes back gently. */
 PALPATE_API int32_t palpate_reset(palpate_simulation* simulation);
+
+/* (control) Gravity of the tissue, m/s^2 (3), in place of the scene's, and a force on a vertex of the skin, N (3), from
+ * the next tick on; a force lasts until it is set to 0, or with vertex -1 all are. At most 64 vertices: else
+ * PALPATE_REFUSED. They are part of the state, and stay in a reset. */
+PALPATE_API int32_t palpate_set_gravity(palpate_simulation* simulation, const double* acceleration);
+PALPATE_API int32_t palpate_set_force(palpate_simulation* simulation, int32_t vertex, const double* force);
+
+/* (control) A spring draws a vertex of the skin to a place, m (3), from the next tick on; stiff enough to lead it, soft
+ * enough for the time step, and as if no longer than two radii of the tool. One at a time; -1: none. A reset or restore
+ * ends it. PALPATE_BAD_ARGUMENT where there is no such vertex. */
+PALPATE_API int32_t palpate_pull(palpate_simulation* simulation, int32_t vertex, const double* place);
+
+/* (control, stopped) Calls `call` after each tick, on the thread that has done it, with its outcome; NULL: nobody.
+ * While the simulation runs on its own thread the call has a real-time thread's duties: no allocation, no lock, no wait
+ * (a debug build ends the program where it has waited), and is part of the tick's time. In it, functions that change
+ * the simulation are PALPATE_REFUSED but those marked (hand); those that look at it may be used, those marked (control,
+ * stopped) too. */
+typedef void (*palpate_tick_call)(void* user, const palpate_state* state);
+PALPATE_API int32_t palpate_on_tick(palpate_simulation* simulation, palpate_tick_call call, void* user);
 
 /* (control, stopped) The whole state as bytes. A simulation of the same model that restores them goes on bit for bit,
  * friction and materials included. (Only what the loop keeps to go back to when a solution is lost begins anew.) The

@@ -41,7 +41,7 @@ void forEachPart(SomeState& s, Call call) {
   list(s.relaxation.Z);
   list(s.local_mass.factor), one(s.local_mass.active), one(s.local_mass.momentum), one(s.local_mass.force);
   one(s.energy);
-  one(s.live.friction);
+  one(s.live.friction), one(s.live.loads);
 }
 
 std::size_t sizeOf(const palpate_simulation& simulation) {
@@ -74,7 +74,7 @@ size_t palpate_save_size(const palpate_simulation* simulation) {
 
 int32_t palpate_save(const palpate_simulation* simulation, void* bytes, size_t size) {
   if (simulation == nullptr || bytes == nullptr || size != sizeOf(*simulation)) return PALPATE_BAD_ARGUMENT;
-  if (simulation->running) return PALPATE_BUSY;
+  if (!simulation->standsStill()) return PALPATE_BUSY;
   return guarded(nullptr, [&] {
     char* const begin = static_cast<char*>(bytes);
     char* at = begin + sizeof(Header);
@@ -100,7 +100,7 @@ int32_t palpate_save(const palpate_simulation* simulation, void* bytes, size_t s
 
 int32_t palpate_restore(palpate_simulation* simulation, const void* bytes, size_t size, palpate_error* error) {
   if (simulation == nullptr || bytes == nullptr) return say(error, PALPATE_BAD_ARGUMENT, "simulation or bytes is NULL");
-  if (simulation->running) return say(error, PALPATE_BUSY, palpate_result_text(PALPATE_BUSY));
+  if (const int32_t code = simulation->whyNot()) return say(error, code, palpate_result_text(code));
   return guarded(error, [&] {
     const char* at = static_cast<const char*>(bytes);
     Header header;
@@ -128,6 +128,7 @@ int32_t palpate_restore(palpate_simulation* simulation, const void* bytes, size_
       if (length > 0) std::memcpy(part, at, length);
       at += length;
     });
+    simulation->loads = state.live.loads;
     simulation->physics.putIn(state);
     simulation->loop.recall(memory);
     return PALPATE_OK;
@@ -136,7 +137,7 @@ int32_t palpate_restore(palpate_simulation* simulation, const void* bytes, size_
 
 int32_t palpate_hash(const palpate_simulation* simulation, uint64_t* hash) {
   if (simulation == nullptr || hash == nullptr) return PALPATE_BAD_ARGUMENT;
-  if (simulation->running) return PALPATE_BUSY;
+  if (!simulation->standsStill()) return PALPATE_BUSY;
   return guarded(nullptr, [&] {
     *hash = simulation->physics.stateHash();
     return PALPATE_OK;

@@ -1,6 +1,9 @@
+#include <sys/resource.h>
 #include <unistd.h>
 
+#include <cassert>
 #include <span>
+#include <utility>
 
 #include "api/border.h"
 #include "api/handles.h"
@@ -37,6 +40,38 @@ palpate_simulation::palpate_simulation(std::shared_ptr<const Model> shared, int 
 
 namespace {
 
+thread_local const palpate_simulation* in_call = nullptr;  // whose tick call the thread is in
+
+#ifndef NDEBUG
+/// How often the calling thread has given its core away of its own accord.
+long waitCount() {
+  rusage use{};
+  getrusage(RUSAGE_THREAD, &use);
+  return use.ru_nvcsw;
+}
+#endif
+
+}  // namespace
+
+bool palpate::api::isInTickCall(const palpate_simulation& simulation) { return in_call == &simulation; }
+
+void TickCall::afterTick() {
+  palpate_state state{};
+  state.size = sizeof state;
+  palpate_read(&of_, &state);
+  const palpate_simulation* const outer = std::exchange(in_call, &of_);
+#ifndef NDEBUG
+  const long waits = waitCount();
+#endif
+  call_(user_, &state);
+#ifndef NDEBUG
+  assert((!of_.running || waitCount() == waits) && "a call of palpate_on_tick has waited");
+#endif
+  in_call = outer;
+}
+
+namespace {
+
 void setHand(palpate_simulation& simulation, const Pose& pose, std::uint64_t sequence) {
   HandSlot& hand = simulation.loop.hand();
   hand.back() = {pose, sequence};
@@ -45,6 +80,7 @@ void setHand(palpate_simulation& simulation, const Pose& pose, std::uint64_t seq
 
 /// The loop takes it in the next tick; where none runs, now.
 std::int32_t send(palpate_simulation& simulation, const Request& request) {
+  if (isInTickCall(simulation)) return PALPATE_REFUSED;
   if (!simulation.loop.commands().push(request)) return PALPATE_REFUSED;  // full: the loop has not run for long
   if (!simulation.running) simulation.loop.advanceHere(0);
   return PALPATE_OK;
@@ -96,12 +132,16 @@ int32_t palpate_create(const palpate_model* model, palpate_simulation** simulati
   });
 }
 
-void palpate_destroy(palpate_simulation* simulation) { delete simulation; }
+void palpate_destroy(palpate_simulation* simulation) {
+  if (simulation == nullptr || isInTickCall(*simulation)) return;  // a tick can't end what it is part of
+  delete simulation;
+}
 
 int32_t palpate_step(palpate_simulation* simulation, int64_t n, const double* pose, palpate_state* state) {
   if (simulation == nullptr || n < 0 || (pose != nullptr && !isPose(pose))) return PALPATE_BAD_ARGUMENT;
   if (state != nullptr && !isSize(state->size)) return PALPATE_BAD_ARGUMENT;
-  if (simulation->running) return PALPATE_BUSY;
+  if (const int32_t code = simulation->whyNot()) return code;
+  if (pose != nullptr && simulation->coupling) return PALPATE_REFUSED;
   return guarded(nullptr, [&] {
     if (pose != nullptr) setHand(*simulation, poseFrom(pose), ++simulation->step_sequence);
     simulation->loop.advanceHere(n);
@@ -112,7 +152,7 @@ int32_t palpate_step(palpate_simulation* simulation, int64_t n, const double* po
 int32_t palpate_start(palpate_simulation* simulation, uint32_t flags) {
   if (simulation == nullptr || (flags & ~static_cast<std::uint32_t>(PALPATE_ORDINARY_THREAD)) != 0)
     return PALPATE_BAD_ARGUMENT;
-  if (simulation->running) return PALPATE_BUSY;
+  if (const int32_t code = simulation->whyNot()) return code;
   if (simulation->process != getpid() && simulation->physics.team().size() > 1) return PALPATE_REFUSED;
   return guarded(nullptr, [&] {
     simulation->loop.setRealTime((flags & PALPATE_ORDINARY_THREAD) == 0);
@@ -124,7 +164,8 @@ int32_t palpate_start(palpate_simulation* simulation, uint32_t flags) {
 
 int32_t palpate_stop(palpate_simulation* simulation) {
   if (simulation == nullptr) return PALPATE_BAD_ARGUMENT;
-  if (!simulation->running) return PALPATE_OK;  // a loop that never ran would remember it
+  if (isInTickCall(*simulation)) return PALPATE_REFUSED;  // it would wait for itself
+  if (!simulation->running) return PALPATE_OK;            // a loop that never ran would remember it
   return guarded(nullptr, [&] {
     simulation->loop.quit();
     simulation->loop.join();
@@ -136,6 +177,7 @@ int32_t palpate_stop(palpate_simulation* simulation) {
 
 int32_t palpate_set_target(palpate_simulation* simulation, const double* pose, uint64_t sequence) {
   if (simulation == nullptr || !isPose(pose)) return PALPATE_BAD_ARGUMENT;
+  if (simulation->coupling) return PALPATE_REFUSED;
   setHand(*simulation, poseFrom(pose), sequence);
   return PALPATE_OK;
 }
@@ -173,6 +215,54 @@ int32_t palpate_set_friction(palpate_simulation* simulation, double coefficient)
   return guarded(nullptr, [&] { return send(*simulation, Request::setFriction(coefficient)); });
 }
 
+int32_t palpate_set_gravity(palpate_simulation* simulation, const double* acceleration) {
+  constexpr double most = 1000;  // m/s^2, a hundred times the earth's
+  if (simulation == nullptr || !isPlace(acceleration)) return PALPATE_BAD_ARGUMENT;
+  const Vec3 g(acceleration[0], acceleration[1], acceleration[2]);
+  if (g.cwiseAbs().maxCoeff() > most) return PALPATE_BAD_ARGUMENT;
+  return guarded(nullptr, [&] {
+    const std::int32_t code = send(*simulation, Request::setGravity(g));
+    if (code == PALPATE_OK) simulation->loads.gravity = g - simulation->model->scene.gravity;
+    return code;
+  });
+}
+
+int32_t palpate_set_force(palpate_simulation* simulation, int32_t vertex, const double* force) {
+  if (simulation == nullptr || vertex < -1 || vertex >= simulation->model->skin.vertexCount())
+    return PALPATE_BAD_ARGUMENT;
+  if (vertex >= 0 && !isPlace(force)) return PALPATE_BAD_ARGUMENT;
+  return guarded(nullptr, [&]() -> std::int32_t {
+    const Vec3 newtons = vertex < 0 ? Vec3(Vec3::Zero()) : Vec3(force[0], force[1], force[2]);
+    LiveLoads wanted = simulation->loads;
+    if (vertex < 0) wanted = {}, wanted.gravity = simulation->loads.gravity;
+    if (vertex >= 0 && !wanted.setForce(vertex, newtons)) return PALPATE_REFUSED;
+    const std::int32_t code = send(*simulation, Request::setForce(vertex, newtons));
+    if (code == PALPATE_OK) simulation->loads = wanted;
+    return code;
+  });
+}
+
+int32_t palpate_pull(palpate_simulation* simulation, int32_t vertex, const double* place) {
+  if (simulation == nullptr || vertex < -1 || vertex >= simulation->model->skin.vertexCount())
+    return PALPATE_BAD_ARGUMENT;
+  if (vertex >= 0 && !isPlace(place)) return PALPATE_BAD_ARGUMENT;
+  return guarded(nullptr, [&] {
+    return send(*simulation, vertex < 0 ? Request::simple(Request::Kind::ReleasePull)
+                                        : Request::pull(vertex, {place[0], place[1], place[2]}));
+  });
+}
+
+int32_t palpate_on_tick(palpate_simulation* simulation, palpate_tick_call call, void* user) {
+  if (simulation == nullptr) return PALPATE_BAD_ARGUMENT;
+  if (const int32_t code = simulation->whyNot()) return code;
+  return guarded(nullptr, [&] {
+    auto made = call != nullptr ? std::make_unique<TickCall>(*simulation, call, user) : nullptr;
+    simulation->loop.setListener(made.get());
+    simulation->tick_call = std::move(made);
+    return PALPATE_OK;
+  });
+}
+
 int32_t palpate_set_material(palpate_simulation* simulation, int32_t material, const palpate_parameter* parameters,
                              int32_t parameter_count, palpate_error* error) {
   if (simulation == nullptr || material < 0 ||
@@ -199,6 +289,7 @@ int32_t palpate_set_material(palpate_simulation* simulation, int32_t material, c
 
 int32_t palpate_reset(palpate_simulation* simulation) {
   if (simulation == nullptr) return PALPATE_BAD_ARGUMENT;
+  if (isInTickCall(*simulation)) return PALPATE_REFUSED;
   return guarded(nullptr, [&]() -> std::int32_t {
     if (simulation->running) return send(*simulation, Request::simple(Request::Kind::Reset));
     simulation->physics.reset();

@@ -1,9 +1,69 @@
 #include "api/border.h"
 #include "api/handles.h"
 #include "contact/skin.h"
+#include "simulation/tool_bodies.h"
 
 using namespace palpate;
 using namespace palpate::api;
+
+namespace {
+
+/// The skin in the newest tick as a tree, made anew where that has moved it.
+const SurfaceTree& skinNow(palpate_simulation& simulation) {
+  const auto& u = simulation.loop.snapshots().latest().u;
+  const auto& made = simulation.skin;
+  if (!made || std::memcmp(made->u.data(), u.data(), u.size() * sizeof(Float4)) != 0) {
+    const SkinModel& skin = simulation.model->skin;
+    TriangleSurface surface = skin.surface;
+    for (int v = 0; v < skin.vertexCount(); ++v)
+      surface.vertices[static_cast<std::size_t>(v)] = skinPosition(skin, v, u.data());
+    simulation.skin.reset(new DeformedSkin{u, SurfaceTree(std::move(surface))});
+  }
+  return simulation.skin->tree;
+}
+
+/// Normal and barycentric coordinates of a place on a triangle.
+void putPlace(const SurfaceTree& tree, int triangle, const Vec3& point, palpate_skin_point& out) {
+  const auto& [a, b, c] = tree.surface().triangles[static_cast<std::size_t>(triangle)];
+  const auto& x = tree.surface().vertices;
+  const Vec3 A = x[static_cast<std::size_t>(a)], B = x[static_cast<std::size_t>(b)], C = x[static_cast<std::size_t>(c)];
+  const Vec3 area = (B - A).cross(C - A);
+  out.triangle = triangle;
+  put(point, out.point);
+  if (area.squaredNorm() <= 0) return;
+  put(area.normalized(), out.normal);
+  const double whole = area.squaredNorm();
+  out.barycentric[0] = (C - B).cross(point - B).dot(area) / whole;
+  out.barycentric[1] = (A - C).cross(point - C).dot(area) / whole;
+  out.barycentric[2] = 1 - out.barycentric[0] - out.barycentric[1];
+}
+
+/// Calls call(tool, position, outward normal of the tool, force on the tissue) for each contact point with a force.
+template <class Call>
+void forEachContactPoint(const Model& model, const State& state, Call call) {
+  const Float4* const u = state.u.data();
+  for (int b = 0; b < model.tools.bodyCount(); ++b) {
+    const ToolBody body = toolBody(model, b);
+    const Quat turn = bodyPose(body, postureOf(state, body.tool)).orientation;
+    const ContactState& contact = contactOf(state, b);
+    const auto one = [&](const Vec3& at, const Vec3f& normal, const Float4& force) {
+      if (force.x == 0 && force.y == 0 && force.z == 0) return;
+      call(body.tool, at, turn * normal.cast<double>(), toVec3(force));
+    };
+    for (std::size_t c = 0; c < static_cast<std::size_t>(contact.count); ++c)
+      one(skinPosition(model.skin, contact.vertex[c], u), contact.normal[c], contact.force[c]);
+    const FaceSamples& samples = contact.samples;
+    for (std::size_t s = 0; s < static_cast<std::size_t>(samples.count); ++s) {
+      const SkinPoint& point = samples.point[s];
+      Vec3 at = Vec3::Zero();
+      for (std::size_t k = 0; k < static_cast<std::size_t>(point.corners); ++k)
+        at += static_cast<double>(point.share[k]) * skinPosition(model.skin, point.vertex[k], u);
+      one(at, samples.normal[s], samples.force[s]);
+    }
+  }
+}
+
+}  // namespace
 
 extern "C" {
 
@@ -33,6 +93,57 @@ int32_t palpate_contacts(palpate_simulation* simulation, int32_t* vertex, float*
     *force++ = f.z;
   }
   return PALPATE_OK;
+}
+
+int32_t palpate_contact_points(const palpate_simulation* simulation, double* position, double* normal, double* force,
+                               int32_t* tool, int32_t capacity, int32_t* count) {
+  if (simulation == nullptr || count == nullptr || capacity < 0) return PALPATE_BAD_ARGUMENT;
+  if (!simulation->standsStill()) return PALPATE_BUSY;
+  *count = 0;
+  forEachContactPoint(*simulation->model, simulation->physics.state(),
+                      [&](int of_tool, const Vec3& at, const Vec3& outward, const Vec3& on_tissue) {
+                        const int k = (*count)++;
+                        if (k >= capacity) return;
+                        if (position != nullptr) put(at, position + 3 * k);
+                        if (normal != nullptr) put(-outward, normal + 3 * k);
+                        if (force != nullptr) put(on_tissue, force + 3 * k);
+                        if (tool != nullptr) tool[k] = of_tool;
+                      });
+  return PALPATE_OK;
+}
+
+int32_t palpate_closest(palpate_simulation* simulation, const double* x, palpate_skin_point* place) {
+  if (simulation == nullptr || !isPlace(x) || place == nullptr || !isSize(place->size)) return PALPATE_BAD_ARGUMENT;
+  return guarded(nullptr, [&] {
+    const SurfaceTree& tree = skinNow(*simulation);
+    const Vec3 from(x[0], x[1], x[2]);
+    const SurfaceTree::Closest closest = tree.closest(from);
+    palpate_skin_point out{};
+    out.triangle = -1;
+    if (closest.triangle >= 0) {
+      putPlace(tree, closest.triangle, closest.point, out);
+      out.distance = tree.inside(from) ? -closest.distance : closest.distance;
+    }
+    return fill(place, out);
+  });
+}
+
+int32_t palpate_ray(palpate_simulation* simulation, const double* origin, const double* direction,
+                    palpate_skin_point* place) {
+  if (simulation == nullptr || !isPlace(origin) || !isPlace(direction) || place == nullptr || !isSize(place->size))
+    return PALPATE_BAD_ARGUMENT;
+  const Vec3 from(origin[0], origin[1], origin[2]), along(direction[0], direction[1], direction[2]);
+  if (!(along.norm() > 0) || !std::isfinite(along.norm())) return PALPATE_BAD_ARGUMENT;
+  return guarded(nullptr, [&] {
+    const SurfaceTree& tree = skinNow(*simulation);
+    palpate_skin_point out{};
+    out.triangle = -1;
+    if (const auto hit = tree.firstHit(from, along.normalized())) {
+      putPlace(tree, hit->triangle, hit->point, out);
+      out.distance = hit->distance;
+    }
+    return fill(place, out);
+  });
 }
 
 }  // extern "C"

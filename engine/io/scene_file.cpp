@@ -233,12 +233,34 @@ Scene readScene(const std::string& path) { return readScene(path, {}); }
 
 Scene readScene(const std::string& path, std::span<const SceneChange> changes) {
   refuseOther(path);
-  toml::table document = parseToml(readWholeFile(path, {}, max_toml_bytes), path);
+  return readScene(
+      SceneText{readWholeFile(path, {}, max_toml_bytes), std::filesystem::path(path).parent_path().string(), path},
+      changes);
+}
+
+SceneChange changeFrom(const std::string& assignment) {
+  const auto trimmed = [](const std::string& s) {
+    const auto begin = s.find_first_not_of(" \t");
+    return begin == std::string::npos ? "" : s.substr(begin, s.find_last_not_of(" \t") - begin + 1);
+  };
+  const std::size_t equals = assignment.find('=');
+  SceneChange change;
+  change.key = trimmed(assignment.substr(0, equals));
+  if (equals != std::string::npos) change.value = trimmed(assignment.substr(equals + 1));
+  if (change.key.empty() || change.value.empty())
+    throw InputError({}, inQuotes(assignment) + " sets no key to a value", "write material[0].young = 4000");
+  return change;
+}
+
+Scene readScene(const SceneText& given, std::span<const SceneChange> changes) {
+  const std::string& path = given.name;
+  if (given.text.size() > max_toml_bytes) throw InputError({path}, "this text is too long for a scene", "");
+  toml::table document = parseToml(given.text, path);
   for (const SceneChange& change : changes) apply(change, path, document);
   TomlFile file{path, sceneKeys(), retiredSceneKeys(), {}};
   Scene scene;
   scene.place = {path, 0, 0};
-  const std::filesystem::path folder = std::filesystem::path(path).parent_path();
+  const std::filesystem::path folder = given.folder;
 
   const TomlTable top(file, document, "", {""});
   scene.name = printable(std::filesystem::path(path).stem().string());

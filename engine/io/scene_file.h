@@ -26,8 +26,21 @@ struct SceneChange {
   std::string value;  // as TOML writes it: `0.01`, `"int16"`, `[0, 0, 1]`
 };
 
+/// "material[0].young = 4000" as a change. Throws InputError where there is no key or no value.
+SceneChange changeFrom(const std::string& assignment);
+
 /// The same with changes, which are checked as if they stood in the file.
 Scene readScene(const std::string& path, std::span<const SceneChange> changes);
+
+/// A scene that is no file.
+struct SceneText {
+  std::string text;    // TOML
+  std::string folder;  // that its paths start from
+  std::string name;    // what errors call it
+};
+
+/// The same from a text.
+Scene readScene(const SceneText& scene, std::span<const SceneChange> changes = {});
 
 /// Runs the scene at another rate than the file's. A preparation with added mass depends on it.
 void overrideRate(Scene& scene, double rate_hz);

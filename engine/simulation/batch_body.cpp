@@ -6,6 +6,7 @@
 #include "base/float4.h"
 #include "simulation/live_parameters.h"
 #include "simulation/mixtures.h"
+#include "simulation/solution_fields.h"
 #include "simulation/trust.h"
 
 namespace palpate {
@@ -49,16 +50,7 @@ void BatchBody::keepHistory(double h) {
 }
 
 PointHistory BatchBody::pointHistory() const {
-  PointHistory result{history_.term_count, history_step_, {}};
-  const auto terms = static_cast<std::size_t>(history_.term_count);
-  result.Z.resize(terms * static_cast<std::size_t>(model_.pointCount()));
-  for (std::size_t p = 0; p < kernel_.point.size(); ++p)
-    for (std::size_t i = 0; i < terms && kernel_.point[p] >= 0; ++i) {
-      const double* z = &history_.Z[(p / 16 * terms + i) * 96 + p % 16];
-      result.Z[static_cast<std::size_t>(kernel_.point[p]) * terms + i] << z[0], z[80], z[64], z[80], z[16], z[48],
-          z[64], z[48], z[32];
-    }
-  return result;
+  return palpate::pointHistory(kernel_, history_, model_.pointCount(), history_step_);
 }
 
 void BatchBody::restore(const AlignedVector<Double4>& displacement, const AlignedVector<Double4>& increment,

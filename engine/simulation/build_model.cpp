@@ -5,8 +5,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "approximation/shape_functions.h"
 #include "discretization/surface/facet_rule.h"
+#include "simulation/body_points.h"
 #include "simulation/choose_time_step.h"
 #include "simulation/imposed_nodes.h"
 #include "simulation/mixtures.h"
@@ -25,29 +25,10 @@ const Vec3& imposedPoint(const Scene& scene, const ImposedNode& point) {
   return scene.boundaries[*std::max_element(point.boundary.begin(), point.boundary.end())].region.point;
 }
 
-/// Where supports end at borders between materials: those of points of the body as those of the nearest integration
-/// point.
-SupportGroups groupsAt(const Model& model, const std::vector<Vec3>& points) {
-  SupportGroups groups;
-  if (model.side_node.empty()) return groups;
-  groups.node.assign(model.vertex_group.begin(), model.vertex_group.begin() + model.nodeCount());
-  for (std::size_t k = 0; k < model.side_node.size(); ++k)
-    groups.node[model.side_node[k]] |= model.vertex_group[model.X.size() + k];
-  const Neighbours nearest(model.point_X, std::vector<double>(model.point_X.size(), model.scene.spacing));
-  for (const Vec3& X : points) {
-    const int cell = model.point_cell[nearest.nearest(X, 1).front()];
-    groups.row.push_back(model.vertex_group[model.volume_cells[cell].front()]);
-  }
-  return groups;
-}
-
-/// Shape functions at points of the body.
-ShapeTable shapeAt(const Model& model, const std::vector<Vec3>& points) {
-  const Neighbours neighbours(model.X, model.support_radius);
+/// Shape functions at points where displacement is imposed.
+ShapeTable shapeAtImposed(const Model& model, const std::vector<Vec3>& points) {
   std::vector<InadmissibleSupport> failed;
-  ShapeTable shape =
-      shapeFunctions(points, model.X, model.support_radius, neighbours,
-                     {model.scene.basis_degree, model.scene.mmls_weight}, failed, {}, groupsAt(model, points));
+  ShapeTable shape = shapeAt(model, points, failed);
   if (failed.empty()) return shape;
   throw InputError(
       model.scene.boundaries.front().place,
@@ -79,7 +60,7 @@ void completeEssential(const Scene& scene, Model& model) {
     if (node.node < 0) points.push_back(imposedPoint(scene, node));
     essential.X.push_back(node.node < 0 ? points.back() : model.X[node.node]);
   }
-  essential.phi = rowsOf(model.node_shape, essential.nodes, points.empty() ? ShapeTable{} : shapeAt(model, points));
+  essential.phi = rowsOf(model.node_shape, essential.nodes, points.empty() ? ShapeTable{} : shapeAtImposed(model, points));
   essential.facet_points = essential.facets.empty() ? 0 : FacetRule::size;
   model.imposed = imposedComponents(essential.nodes, model.X.size());
   try {

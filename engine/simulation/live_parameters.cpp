@@ -7,7 +7,7 @@
 namespace palpate {
 
 LiveParameters loadedParameters(const Model& model) {
-  return {model.scene.friction, makeKernelMaterials(model.kernel, model.materials)};
+  return {model.scene.friction, {}, makeKernelMaterials(model.kernel, model.materials)};
 }
 
 void setMaterial(const Model& model, int index, const Material& material, LiveParameters& live) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "mechanics/kernel_layout.h"
+#include "simulation/live_loads.h"
 
 namespace palpate {
 
@@ -9,6 +10,7 @@ struct Model;
 /// What may be set while a run goes on: part of State, so that simulations which share a Model do not share it.
 struct LiveParameters {
   double friction = 0;     // Coulomb coefficient between tool and tissue
+  LiveLoads loads;
   KernelMaterials kernel;  // the materials in force, and the node patches' moduli that follow from them
 };
 

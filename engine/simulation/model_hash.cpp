@@ -33,6 +33,11 @@ void add(ByteKey& key, const ToolShape& tool) { key.add(tool.kind, tool.radius, 
 std::string liveChanges(const Model& model, const LiveParameters& live) {
   ByteKey changes;
   if (live.friction != model.scene.friction) changes.add(-1, live.friction);
+  if (const LiveLoads& loads = live.loads; loads.any()) {
+    changes.add(-2, loads.gravity, loads.count);
+    for (std::size_t k = 0; k < static_cast<std::size_t>(loads.count); ++k)
+      changes.add(loads.vertex[k], toVec3(loads.force[k]));
+  }
   for (std::size_t m = 0; m < model.materials.size(); ++m) {
     if (live.kernel.materials[m] == model.materials[m]) continue;
     changes.add(static_cast<int>(m));

@@ -22,7 +22,8 @@ void relax(const Material& material, const PointHistory& history, int q, const M
 }  // namespace
 
 std::vector<Mat3> pointStresses(const Model& model, const std::vector<Vec3>& u, std::vector<Mat3>& F,
-                                const PointHistory& history) {
+                                const PointHistory& history, const KernelMaterials* in_force) {
+  const std::vector<Material>& materials = in_force == nullptr ? model.materials : in_force->materials;
   const int points = model.pointCount();
   F.resize(points);
   std::vector<double> pressure(points);
@@ -31,21 +32,26 @@ std::vector<Mat3> pointStresses(const Model& model, const std::vector<Vec3>& u, 
     pressure[q] = F[q].determinant() - 1;
   }
   const std::vector<double> J_minus_1 = pressure;
+  NodePatches patches = model.patches;
+  if (in_force != nullptr && !patches.empty())
+    patches.bulk_modulus.assign(in_force->patch_bulk.begin(), in_force->patch_bulk.end());
   if (model.hasCellVolume()) {
-    const auto shear = patchShear(model.patches, model.point_material, model.materials);
-    auto of_node = referenceCellVolume(model.cellVolume(), model.point_volume, pressure, shear, u);
+    const CellVolumeSpec spec = model.cellVolume();
+    const auto shear = patchShear(patches, model.point_material, materials);
+    auto of_node = referenceCellVolume({spec.X, spec.cells, spec.node_count, spec.vertex_shape, patches, spec.imposed},
+                                       model.point_volume, pressure, shear, u);
     for (std::size_t a = 0; a < of_node.patch_pressure.size(); ++a)
       of_node.patch_pressure[a] += of_node.cell_pressure[a];
-    pressure = pointPressure(model.patches, of_node.patch_pressure);
-  } else if (!model.patches.empty()) {
-    pressure = patchPressure(model.patches, model.point_volume, pressure);
+    pressure = pointPressure(patches, of_node.patch_pressure);
+  } else if (!patches.empty()) {
+    pressure = patchPressure(patches, model.point_volume, pressure);
   } else {
-    for (int q = 0; q < points; ++q) pressure[q] *= model.materials[model.point_material[q]].bulk_modulus;
+    for (int q = 0; q < points; ++q) pressure[q] *= materials[model.point_material[q]].bulk_modulus;
   }
-  addOwnPressure(model.patches, model.point_material, model.materials, J_minus_1, pressure);
+  addOwnPressure(patches, model.point_material, materials, J_minus_1, pressure);
   std::vector<Mat3> P(points);
   for (int q = 0; q < points; ++q) {
-    const Material& material = model.materials[model.point_material[q]];
+    const Material& material = materials[model.point_material[q]];
     P[q] = material.firstPiola(F[q], pressure[q]);
     relax(material, history, q, F[q], P[q]);
   }

@@ -21,7 +21,24 @@ SolutionFields solutionFields(const Model& model, const std::vector<Vec3>& u, co
 
 /// First Piola-Kirchhoff stress at the integration points, Pa (point_count), with the volume law of the scene.
 /// @param F  receives the deformation gradients (point_count)
+/// @param in_force  of a state's live parameters; null: the materials that the model was loaded with
 std::vector<Mat3> pointStresses(const Model& model, const std::vector<Vec3>& u, std::vector<Mat3>& F,
-                                const PointHistory& history = {});
+                                const PointHistory& history = {}, const KernelMaterials* in_force = nullptr);
+
+/// A kernel's history by points. @param h  s, of the steps that it was kept in
+template <class Real>
+PointHistory pointHistory(const KernelLayoutOf<Real>& kernel, const RelaxationHistoryOf<Real>& history, int point_count,
+                          double h) {
+  PointHistory result{history.term_count, h, {}};
+  const auto terms = static_cast<std::size_t>(history.term_count);
+  result.Z.resize(terms * static_cast<std::size_t>(point_count));
+  for (std::size_t p = 0; p < kernel.point.size(); ++p)
+    for (std::size_t i = 0; i < terms && kernel.point[p] >= 0; ++i) {
+      const Real* z = &history.Z[(p / 16 * terms + i) * 96 + p % 16];
+      result.Z[static_cast<std::size_t>(kernel.point[p]) * terms + i] << z[0], z[80], z[64], z[80], z[16], z[48], z[64],
+          z[48], z[32];
+    }
+  return result;
+}
 
 }  // namespace palpate

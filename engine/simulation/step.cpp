@@ -33,8 +33,9 @@ StepReport step(const Model& model, State& state, const ToolPostures& wanted, co
   // du~ = beta du + alpha M^-1 f                                          (eq. 22)
   outcome.work_before = predict(model, integrator, masses, state, workspace);
 
-  // What the user and the tools add to du~; a tool gives way to more than its max_force
+  // What the user, live loads and the tools add to du~; a tool gives way to more than its max_force
   pull(model, command, masses, state);
+  addLoads(model, workspace.tissue_mass, integrator.alpha, masses, state);
   ToolPostures tools = wanted;
   outcome.tool_force = solveYieldingContacts(model, integrator.alpha, masses.inverse, tools, state, outcome.loads);
 

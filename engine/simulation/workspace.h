@@ -2,6 +2,7 @@
 
 #include "base/spin_team.h"
 #include "base/types.h"
+#include "simulation/live_loads.h"
 #include "simulation/model.h"
 #include "simulation/resolution.h"
 
@@ -35,7 +36,8 @@ class Workspace {
         f(model.X.size()),
         previous_du(model.X.size()),
         local_mass(model.X.size(), model.kernel, model.stiffness_means),
-        resolution(model) {}
+        resolution(model),
+        tissue_mass(tissueMass(model)) {}
 
   SpinTeam team;
   KernelScratch kernel;
@@ -44,6 +46,7 @@ class Workspace {
   AlignedVector<Float4> previous_du;  // (node_count) increments of the step before, m
   LocalMassScratch local_mass;
   ResolutionWatch resolution;
+  const AlignedVector<float> tissue_mass;  // (node_count) kg, that live loads accelerate
 };
 
 }  // namespace palpate

@@ -1,4 +1,6 @@
-"""What tests/consumer/run.cmake asks of palpate.py: environment.py SCENE BAD_SCENE"""
+"""What tests/consumer/run.cmake asks of the Python package: environment.py SCENE BAD_SCENE"""
+import copy
+import pickle
 import sys
 
 import numpy as np
@@ -13,7 +15,7 @@ except palpate.Error as error:
     assert error.code == palpate.BAD_INPUT and str(error).startswith("bad.toml:") and "poisson" in str(error), error
 
 model = palpate.Model(scene)
-environment = palpate.Environment(model, ticks=5, seconds=0.2, scatter=0.002)
+environment = palpate.Environment(model, ticks=5, seconds=0.2, scatter=0.002, render_mode="rgb_array", size=(80, 60))
 
 
 def refused(kind, call, text):
@@ -30,6 +32,12 @@ refused(TypeError, lambda: palpate.Simulation(scene), "made of a Model")
 refused(ValueError, lambda: palpate.Model("block\0.toml"), "zero byte")
 refused(TypeError, lambda: environment.simulation.step(ticks=1.5), "float")
 refused(palpate.Error, lambda: environment.simulation.step(ticks=-1), "step: ")
+refused(TypeError, lambda: palpate.Model(), "of a scene or of a text")
+refused(palpate.Error, lambda: palpate.Model(scene, set={"material[0].yuong": 1}), "yuong")
+refused(palpate.Error, lambda: palpate.Model(text="nothing", name="mine"), "mine:1:")
+refused(ValueError, lambda: environment.simulation.step([0, 0, np.nan, 0, 0, 0, 1]), "[2] is nan")
+refused(ValueError, lambda: environment.simulation.step([0, 0, 0]), "(3,), not (7)")
+refused(ValueError, lambda: palpate.Environment(model, render_mode="human"), "rgb_array")
 
 
 def episode(seed):
@@ -68,8 +76,189 @@ try:
     sys.exit("a parameter that is none was taken")
 except palpate.Error as error:
     assert error.code == palpate.BAD_ARGUMENT and "young" in str(error), error
+refused(ValueError, lambda: simulation.set_material("lump", young=1), "no material 'lump'")
 try:
-    picture = environment.render(80, 60)
-    assert picture.shape == (60, 80, 4) and picture[..., :3].std() > 1 and (picture[..., 3] == 255).all()
+    picture = environment.render()
+    assert picture.shape == (60, 80, 3) and picture.dtype == np.uint8 and picture.std() > 1
+    assert palpate.image(simulation, 40, 30).shape == (30, 40, 4)
 except palpate.Error as error:
     assert "PALPATE_APP" in str(error) or "EGL" in str(error), error
+assert palpate.Environment(model).render() is None
+
+# A text, changes and names; what is pickled is the same again.
+softer = palpate.Model(scene, set={"material[0].young": 2000.0, "organ.colour": [0.5, 0.4, 0.3]})
+assert softer.hash != model.hash and model.materials == ["material 1"] and model.tools == ["sphere"]
+again = pickle.loads(pickle.dumps(softer))
+assert again.hash == softer.hash and copy.deepcopy(softer) is softer
+BLOCK = """[organ]
+solid = "box"
+size = [0.06, 0.06, 0.03]
+[discretization]
+spacing = 0.012
+[[material]]
+name = "gel"
+model = "neo-hookean"
+young = 3000
+poisson = 0.45
+[[fixed]]
+name = "base"
+shape = "near-plane"
+point = [0, 0, 0]
+normal = [0, 0, 1]
+distance = 1e-6
+[tool]
+shape = "sphere"
+radius = 0.01
+position = [0, 0, 0.035]
+"""
+block = palpate.Model(text=BLOCK, name="block")
+assert (block.materials, block.regions) == (["gel"], ["base"])
+assert pickle.loads(pickle.dumps(block)).hash == block.hash
+
+# What a tick knows.
+body = palpate.Simulation(block)
+pressed = body.step(block.pose_at(0.003), ticks=200)
+before = body.hash()
+nodes, points = palpate.Points.nodes(block), palpate.Points.integration(block)
+assert nodes.volume is None and np.isclose(points.volume.sum(), 0.06 * 0.06 * 0.03, rtol=0.01)
+u = body.displacements(nodes)
+assert u.shape == nodes.X.shape and np.abs(u).max() > 1e-3
+out = np.empty_like(u)
+assert body.displacements(nodes, out) is out and np.array_equal(out, u)
+refused(ValueError, lambda: body.displacements(nodes, np.empty((3, 3))), "out must be")
+assert np.allclose(body.displacements(palpate.Points(block, nodes.X)), u, atol=1e-9)
+assert body.velocities(nodes).shape == u.shape
+stress, J = body.stresses(points)
+assert stress.shape == (block.point_count, 3, 3) and np.array_equal(stress, stress.transpose(0, 2, 1)) and J.min() > 0.5
+force, moment = body.reactions()["base"]
+assert np.linalg.norm(force - pressed.force) < 0.1 * np.linalg.norm(pressed.force), (force, pressed.force)
+position, normal, on_tissue, tool = body.contact_points()
+assert np.allclose(on_tissue.sum(axis=0), -pressed.force) and (np.einsum("ij,ij->i", normal, on_tissue) < 0).all()
+assert body.ray(block.tool_start[:3] + [0, 0, 0.02], block.tool_axis).distance > 0.02
+assert body.ray(block.tool_start[:3], -block.tool_axis) is None and body.closest([0, 0, 0.01]).distance < 0
+refused(ValueError, lambda: palpate.Points(block, [[0, 0, 0.01], [0, np.inf, 0]]), "[1, 1] is inf")
+refused(palpate.Error, lambda: palpate.Points(block, [[0, 0, 0.01], [0, 0, 0.1]]), "point 1 at")
+refused(palpate.Error, lambda: body.displacements(palpate.Points.nodes(model)), "displacements: ")
+assert body.hash() == before
+
+# A spring at the skin, and a call after each tick.
+ticks = []
+body.on_tick(lambda state: ticks.append((state.tick, state.force[2])))
+refused(palpate.Error, lambda: body.pull(block.skin_vertex_count, [0, 0, 0]), "pull: ")
+refused(ValueError, lambda: body.pull(0, [0, 0, np.inf]), "[2] is inf")
+body.pull(0, body.skin_positions()[0])
+last = body.step(ticks=3)
+body.release()
+body.on_tick(None)
+body.step()
+assert [tick for tick, _ in ticks] == [201, 202, 203] and ticks[-1][1] == last.force[2]
+
+# Loads.
+loaded = palpate.Simulation(block)
+at_rest = loaded.hash()
+loaded.set_gravity([0, 0, -9.81])
+loaded.set_force(5, [0, 0.01, 0])
+assert loaded.hash() != at_rest and loaded.step(ticks=20).tick == 20 and loaded.reactions()["base"][0][2] > 0
+loaded.reset()
+loaded.set_gravity([0, 0, 0])
+loaded.clear_forces()
+assert loaded.hash() == at_rest
+refused(ValueError, lambda: loaded.set_force(0, [0, 0, np.nan]), "[2] is nan")
+refused(palpate.Error, lambda: loaded.set_force(-2, [0, 0, 1]), "set_force: ")
+
+# A pickled simulation goes on bit for bit.
+twin = pickle.loads(pickle.dumps(body))
+assert twin.hash() == body.hash() and twin.step(ticks=7) == body.step(ticks=7) and twin.hash() == body.hash()
+
+# A device.
+refused(TypeError, lambda: body.couple(stifness=1), "stifness")
+refused(palpate.Error, lambda: body.couple(stiffness=1), "stiffness")
+refused(palpate.Error, lambda: body.exchange([0, 0, 0, 0, 0, 0, 1]), "exchange: ")
+body.couple(max_force=1)
+wrench = body.exchange([0, 0, 0, 0, 0, 0, 1], sequence=3)
+assert wrench.answers == 3 and wrench.force.shape == (3,) and body.coupling().poses == 1
+try:
+    body.exchange([np.nan] * 7)
+    sys.exit("a pose that is none was taken")
+except palpate.Error as error:
+    assert error.wrench.sequence == 2
+body.uncouple()
+
+# Many at once: the bits of one after the other.
+many, alone = ([palpate.Simulation(block) for _ in range(4)] for _ in range(2))
+poses = np.array([block.pose_at(0.0005 * k) for k in range(4)])
+team = palpate.Team(2)
+states = palpate.step_many(many, poses, 100, team)
+for k, simulation in enumerate(alone):
+    state = simulation.step(poses[k], 100)
+    assert np.array_equal(state.force, states["force"][k]) and simulation.hash() == many[k].hash()
+hashes = [simulation.hash() for simulation in many]
+poses[2, 1] = np.nan
+refused(ValueError, lambda: palpate.step_many(many, poses, 1, team), "[2, 1] is nan")
+refused(palpate.Error, lambda: palpate.step_many([many[0], many[1], many[0]], None, 1, team), "simulation 2: ")
+many[3].close()
+refused(palpate.Error, lambda: palpate.step_many(many, None, 1, team), "simulation 3: ")
+assert [simulation.hash() for simulation in many[:3]] == hashes[:3]
+
+
+# What gymnasium's checker asks of an environment.
+def check_environment(env):
+    assert env.metadata["render_modes"] == ["rgb_array"] and env.metadata["render_fps"] > 0
+    assert env.unwrapped is env and env.render_mode is None
+    env.action_space.seed(5)
+    action = env.action_space.sample()
+    assert action in env.action_space and np.isfinite(env.action_space.low).all()
+    outcomes = []
+    for seed in (123, 123, 456):
+        observation, info = env.reset(seed=seed)
+        assert observation in env.observation_space and isinstance(info, dict)
+        random_state = env.np_random.bit_generator.state
+        outcomes.append((observation, random_state, *env.step(action)))
+        assert outcomes[-1][2] in env.observation_space
+        reward, terminated, truncated, info = outcomes[-1][3:]
+        assert type(reward) is float and type(terminated) is bool and type(truncated) is bool
+    a, b, c = outcomes
+    assert np.array_equal(a[0], b[0]) and a[1] == b[1] and np.array_equal(a[2], b[2]) and a[6] == b[6]
+    assert a[1] != c[1] and not np.array_equal(a[0], c[0])
+    assert env.np_random_seed == 456
+    assert np.array_equal(env.reset(options={})[0].shape, (17,))
+
+
+with palpate.Environment(block, ticks=4, seconds=0.04, scatter=0.002) as checked:
+    check_environment(checked)
+    before = checked.simulation.hash()
+    refused(ValueError, lambda: checked.step([0, np.nan, 0]), "[1] is nan")
+    refused(ValueError, lambda: checked.step([0, 0]), "(1, 3)")
+    refused(ValueError, lambda: checked.step([0, 0, 0.1, 0, 0, 0, 0]), "is no turn")
+    assert checked.simulation.hash() == before
+    held = copy.deepcopy(checked)
+    assert np.array_equal(held.step(checked.start)[0], checked.step(checked.start)[0])
+checked.close()
+refused(palpate.Error, lambda: checked.step(checked.start), "closed")
+
+# Many environments are as many single ones, those that begin anew included.
+vector = palpate.VectorEnv(block, 3, threads=2, ticks=4, seconds=0.04, scatter=0.002)
+single = [palpate.Environment(block, ticks=4, seconds=0.04, scatter=0.002) for _ in range(3)]
+observations, info = vector.reset(seed=11)
+assert np.array_equal(observations, [env.reset(seed=11 + k)[0] for k, env in enumerate(single)])
+assert observations in vector.observation_space and vector.action_space.shape == (3, 3)
+ended = [False] * 3
+for step in range(8):
+    actions = np.array([env.start[:3] - [0, 0, 0.002 * step + 0.0005 * k] for k, env in enumerate(single)])
+    observations, rewards, terminated, truncated, info = vector.step(actions)
+    for k, env in enumerate(single):
+        expected = (env.reset()[0], 0.0, False, False) if ended[k] else env.step(actions[k])[:4]
+        assert np.array_equal(observations[k], expected[0]) and truncated[k] == expected[3], (step, k)
+        ended[k] = expected[3]
+    assert info["state"]["force"].shape == (3, 3) and rewards.shape == terminated.shape == (3,)
+assert any(ended) or step == 7
+actions[1, 2] = np.inf
+refused(ValueError, lambda: vector.step(actions), "action 1: [2] is inf")
+refused(ValueError, lambda: vector.step(actions[:2]), "3 actions")
+refused(ValueError, lambda: vector.reset(seed=[1, 2]), "2 seeds for 3")
+twins = pickle.loads(pickle.dumps(vector))
+actions[1, 2] = 0.05
+assert np.array_equal(twins.step(actions)[0], vector.step(actions)[0])
+vector.close()
+vector.close()
+refused(palpate.Error, lambda: vector.step(actions), "closed")

@@ -44,3 +44,26 @@ TEST_CASE("A change that can't be made is refused with the file and the key", "[
   CHECK_THAT(refused("tool.radius", "="), Contains("block.toml") && Contains("tool.radius"));
   CHECK_THAT(refused("dynamics.damping", "\"much\""), Contains("block.toml") && Contains("damping"));
 }
+
+TEST_CASE("A change in one text is a key and what stands after its first =", "[scene_change]") {
+  const auto parts = [](const std::string& text) {
+    const SceneChange change = changeFrom(text);
+    return change.key + "|" + change.value;
+  };
+  CHECK(parts("material[0].young=4000") == "material[0].young|4000");
+  CHECK(parts("  name =  \"a = b\" ") == "name|\"a = b\"");
+  for (const char* text : {"", "name", "name =", "= 3", " = "})
+    CHECK_THAT(refusal([&] { changeFrom(text); }), Contains("sets no key to a value"));
+}
+
+TEST_CASE("A scene that is no file is read as one, its paths from a folder of its own", "[scene_change]") {
+  const TempFolder folder;
+  folder.write("points.csv", "X,Y,Z\n0,0,0.01\n");
+  const std::string text = test::touched_block_text + "[solve]\nprobes = \"points.csv\"\n";
+  const Scene from_text = readScene(SceneText{text, folder.path(""), "mine"});
+  const Scene from_file = readScene(folder.write("block.toml", text));
+  CHECK(from_text.set_up_values == from_file.set_up_values);
+  CHECK(from_text.solve.probes_file == from_file.solve.probes_file);
+  CHECK(from_text.place.file == "mine");
+  CHECK_THAT(refusal([&] { readScene(SceneText{text, "", "mine"}); }), Contains("mine:") && Contains("points.csv"));
+}

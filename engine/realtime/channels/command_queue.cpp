@@ -49,6 +49,19 @@ Request Request::setMaterial(int index, const Material& material) {
   return request;
 }
 
+Request Request::setGravity(const Vec3& acceleration) {
+  Request request = simple(Kind::SetGravity);
+  request.point = acceleration;
+  return request;
+}
+
+Request Request::setForce(int skin_vertex, const Vec3& force) {
+  Request request = simple(Kind::SetForce);
+  request.index = skin_vertex;
+  request.point = force;
+  return request;
+}
+
 Request Request::moveHand(int tool, const Pose& pose) {
   Request request = simple(Kind::MoveHand);
   request.index = tool;

@@ -25,6 +25,8 @@ struct Request {
     Undo,         // half a second to a second back; leaves a freeze; not while a script or replay lasts
     SetFriction,  // value: Coulomb coefficient
     SetMaterial,  // index: into Model::materials; material
+    SetGravity,   // point: m/s^2, of the tissue
+    SetForce,     // index: skin vertex, -1: all; point: N, 0 ends it
     Quit,
     MoveHand,    // index: tool, from 1; pose: where it should go, at once
     SetOpening,  // index: tool, from 0; value: m, the gap between the fingers of its jaws
@@ -33,9 +35,9 @@ struct Request {
     Submit,      // they are all
   };
   Kind kind = Kind::Pause;
-  int index = -1;             // Pull: skin vertex; SetMaterial: material; MoveHand, SetOpening: tool; Mark
+  int index = -1;             // Pull, SetForce: skin vertex; SetMaterial: material; MoveHand, SetOpening: tool; Mark
   double value = 0;           // SetFriction; seconds of the tool's motions; SetOpening, m
-  Vec3 point = Vec3::Zero();  // Pull, Mark, m
+  Vec3 point = Vec3::Zero();  // Pull, Mark, m; SetGravity, SetForce
   Pose pose;                  // MoveTool
   Material material;          // SetMaterial
 
@@ -53,6 +55,8 @@ struct Request {
   /// Refused by the loop (with a log event) where the material is stiffer than the
   /// time step allows.
   static Request setMaterial(int index, const Material& material);
+  static Request setGravity(const Vec3& acceleration);
+  static Request setForce(int skin_vertex, const Vec3& force);
   static Request moveHand(int tool, const Pose& pose);
   static Request setOpening(int tool, double opening);
   static Request mark(const Vec3& place, int hardness);

@@ -7,7 +7,7 @@
 
 namespace palpate {
 
-/// Friction and materials, as they were asked for while the loop runs. Holds only what was asked; what is in
+/// Friction, materials and loads, as they were asked for while the loop runs. Holds only what was asked; what is in
 /// force is the physics' own.
 /// Loop thread only. Real-time: no allocation, no lock, no throw; but not the constructor.
 class LiveSettings {
@@ -25,7 +25,7 @@ class LiveSettings {
   /// The physics must outlive this. What `model` was loaded with is what loaded() brings back.
   LiveSettings(const Model& model, Physics& physics);
 
-  /// Takes a SetFriction or SetMaterial to the physics; it counts from the next tick on.
+  /// Takes a SetFriction, SetMaterial, SetGravity or SetForce to the physics; it counts from the next tick on.
   Answer apply(const Request& request);
 
   /// The physics has a state from elsewhere.
@@ -37,9 +37,11 @@ class LiveSettings {
  private:
   Answer setFriction(double coefficient);
   Answer setMaterial(int index, const Material& material);
+  Answer setLoad(const Request& request);
 
   Physics& physics_;
-  const int material_count_;
+  const int material_count_, vertex_count_;
+  const Vec3 gravity_;  // m/s^2, the scene's
   const std::vector<Request> loaded_;
   double friction_;  // the last that was asked for
 };

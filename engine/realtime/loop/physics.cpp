@@ -45,7 +45,18 @@ std::uint64_t TissuePhysics::stateHash() const { return palpate::stateHash(model
 void TissuePhysics::reset() {
   initial_.live = state_.live;
   state_ = initial_;
+  forgetLastTick();
+}
+
+void TissuePhysics::putIn(const State& state) {
+  state_ = state;
+  forgetLastTick();
+}
+
+void TissuePhysics::forgetLastTick() {
   workspace_.resolution.restart();
+  std::vector<Reaction>& reactions = workspace_.boundary.reaction;
+  std::fill(reactions.begin(), reactions.end(), Reaction{});
 }
 
 void TissuePhysics::restore(const State& past) {
@@ -54,7 +65,7 @@ void TissuePhysics::restore(const State& past) {
   state_.live = initial_.live;
   std::fill(state_.du.begin(), state_.du.end(), Float4{});
   state_.energy.fresh = true;  // its kinetic energy is gone
-  workspace_.resolution.restart();
+  forgetLastTick();
 }
 
 void TissuePhysics::setFriction(double coefficient) { state_.live.friction = coefficient; }

@@ -15,11 +15,13 @@ class Physics {
   virtual StepReport tick(const Command& command) = 0;
   virtual const State& state() const = 0;
   virtual std::uint64_t stateHash() const = 0;
-  /// The freshly loaded state, bit for bit, but for friction and materials: these stay as they were set.
+  /// The freshly loaded state, bit for bit, but for friction, materials and loads: these stay as they were set.
   virtual void reset() = 0;
   /// An earlier state of this physics, with zero velocity; friction and materials stay as they were set.
   virtual void restore(const State& past) = 0;
   virtual void setFriction(double coefficient) = 0;
+  /// From the next step on. Physics without tissue has none.
+  virtual void setLoads(const LiveLoads&) {}
   /// Replaces a material from the next step on. Returns 0 when done; where it is
   /// stiffer than dt is stable for, changes nothing and returns the factor (> 1) by
   /// which it is too stiff.
@@ -39,15 +41,20 @@ class TissuePhysics final : public Physics {
   void reset() override;
   void restore(const State& past) override;
   /// Puts in a state of this model as it is, live settings included.
-  void putIn(const State& state) { state_ = state; }
+  void putIn(const State& state);
   /// What setMaterial would return, without doing it. Any thread.
   double excessOf(int index, const Material& material) const;
   void setFriction(double coefficient) override;
+  void setLoads(const LiveLoads& loads) override { state_.live.loads = loads; }
   double setMaterial(int index, const Material& material) override;
 
   SpinTeam& team() { return workspace_.team; }
+  /// Of each boundary on the tissue in the last step; 0 before the first, and after reset, restore and putIn.
+  const std::vector<Reaction>& reactions() const { return workspace_.boundary.reaction; }
 
  private:
+  void forgetLastTick();
+
   const Model& model_;
   State initial_;  // at rest, with the live settings in force
   State state_;

@@ -90,6 +90,7 @@ void SimulationLoop::advanceHere(std::int64_t ticks) {
     reporter_.beginTick(time, run_);
     if (!advance()) break;
     reporter_.sendForce(time, run_);
+    if (listener_ != nullptr) listener_->afterTick();
   }
   reporter_.publish(time, run_);
 }
@@ -126,6 +127,7 @@ void SimulationLoop::recall(const RunMemory& memory) {
   command_.tools = memory.hands;
   track_.goal().jumpTo(memory.hand);
   proxy_.recall(memory.proxy);
+  if (device_ != nullptr) device_->restart();
   further_.recall(memory.further);
   for (std::size_t k = 0; k < further_proxies_.size(); ++k) further_proxies_[k].recall(memory.proxies[k]);
   folds_.recall(memory.folds);
@@ -159,6 +161,7 @@ TickOutcome SimulationLoop::onTick(const LoopTime& time) {
   if (moves) {
     if (!advance()) return TickOutcome::Stop;
     reporter_.sendForce(time, run_);
+    if (listener_ != nullptr) listener_->afterTick();
   }
   reporter_.publish(time, run_);
   return moves ? TickOutcome::Advanced : TickOutcome::Idle;
@@ -205,7 +208,7 @@ void SimulationLoop::yieldFurther(Command& command) {
 /// Why the tissue can't come back to rest by itself, if so.
 std::optional<LogEvent::Kind> SimulationLoop::findLost(const StepReport& report) {
   const State& state = physics_.state();
-  const bool pulled = command_.pull_vertex >= 0;
+  const bool pulled = command_.pull_vertex >= 0 || state.live.loads.any();
   if (folds_.update(report, pulled, static_cast<double>(state.step) * model_.dt)) return LogEvent::Kind::RestoredFolded;
   if (snags_.update(state, run_.hand.position, report)) return LogEvent::Kind::RestoredCaught;
   if (slides_.update(state, report, pulled)) return LogEvent::Kind::RestoredSlid;

@@ -17,6 +17,7 @@
 #include "realtime/loop/slide_watch.h"
 #include "realtime/loop/snag_watch.h"
 #include "realtime/loop/state_history.h"
+#include "realtime/loop/tick_listener.h"
 #include "realtime/loop/tick_reporter.h"
 #include "realtime/loop/tool_proxy.h"
 #include "realtime/loop/tool_track.h"
@@ -76,6 +77,12 @@ class SimulationLoop final : private LoopBody {
   /// `clock` given, nothing is asked and denormals are not flushed; that is for tests.
   void run();
   void run(Clock& clock);
+
+  /// (viewer) While no thread runs: another device moves the tool from now on, as SimulationLoopOptions::device, or
+  /// with null none.
+  void setDevice(ToolMotion* device) { device_ = device; }
+  /// (viewer) While no thread runs: who is told of each tick from now on; null: nobody.
+  void setListener(TickListener* listener) { listener_ = listener; }
 
   /// (viewer) While no thread runs, does the next ticks on the calling one, bit for bit as run() would: the tool is at
   /// each tick's end where `hand()` has it. 0: takes what was asked of commands() and hand(), and does no tick.
@@ -139,7 +146,8 @@ class SimulationLoop final : private LoopBody {
   SpinTeam* team_;
   const bool as_fast_as_possible_;
   const bool keeps_settings_;
-  ToolMotion* const device_;
+  ToolMotion* device_;
+  TickListener* listener_ = nullptr;
   const std::vector<std::int64_t> pause_at_;
   std::size_t next_pause_ = 0;  // of pause_at_
   bool real_time_;

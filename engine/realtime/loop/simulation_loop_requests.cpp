@@ -91,6 +91,8 @@ void SimulationLoop::apply(const Request& request, bool from_track) {
       return further_.take(request, command_);
     case Kind::SetFriction:
     case Kind::SetMaterial:
+    case Kind::SetGravity:
+    case Kind::SetForce:
       return change(request);
     default:
       return;
@@ -132,6 +134,7 @@ void SimulationLoop::change(const Request& setting) {
   if (answer.outcome != LiveSettings::Outcome::Changed) return;
   recorder_.add(run_.tick, setting);
   const bool friction = setting.kind == Request::Kind::SetFriction;
+  if (!friction && setting.kind != Request::Kind::SetMaterial) return;
   reporter_.logEvent(friction ? LogEvent::Kind::FrictionSet : LogEvent::Kind::MaterialSet, run_, setting.index,
                      setting.value);
 }

@@ -74,6 +74,14 @@ std::string lineOf(const TimedRequest& change) {
       });
       break;
     }
+    case Request::Kind::SetGravity:
+      line += " gravity";
+      append(line, {r.point.x(), r.point.y(), r.point.z()});
+      break;
+    case Request::Kind::SetForce:
+      line += " force " + std::to_string(r.index);
+      append(line, {r.point.x(), r.point.y(), r.point.z()});
+      break;
     case Request::Kind::Reset:
       line += " reset";
       break;
@@ -167,6 +175,12 @@ Request readChange(LineReader& line) {
   if (what == "restart") return Request::simple(Request::Kind::Restart);
   if (what == "undo") return Request::simple(Request::Kind::Undo);
   if (what == "friction") return Request::setFriction(line.number("a friction coefficient"));
+  if (what == "gravity") return Request::setGravity(line.vector("an acceleration, m/s^2"));
+  if (what == "force") {
+    const int vertex = line.integer<int>("a skin vertex");
+    if (vertex < -1) line.fail("a skin vertex can't be negative");
+    return Request::setForce(vertex, line.vector("a force, N"));
+  }
   if (what == "material") {
     const int index = line.integer<int>("a material's index");
     return Request::setMaterial(index, readMaterial(line));
