@@ -155,7 +155,8 @@ void drawForceCard(const Theme& theme, const PanelData& data, float height, Pane
   const bool fresh = data.force.fresh;
   const std::string mark = staleMark(data.force, data.snapshot.status);
   // Amber before it goes wrong: whoever feels or reads the number sees the doubt in it.
-  const bool doubted = force.doubt != Doubt::None;
+  // A coarse cloud's error stands beside it, and is no reason to stop.
+  const bool coarse = force.doubt == Doubt::Resolution, doubted = force.doubt != Doubt::None && !coarse;
   const ImU32 filtered_colour = !fresh ? colours::stale : doubted ? colours::warning : colours::accent;
   const ImU32 raw_colour = !fresh ? colours::stale : doubted ? colours::warning : colours::raw;
   const float half = 0.5F * ImGui::GetContentRegionAvail().x;
@@ -188,11 +189,12 @@ void drawForceCard(const Theme& theme, const PanelData& data, float height, Pane
   else if (force.contact_count > 0)
     row("Expected error", format("+%.2g %%", 100 * force.expected_error),
         force.expected_error > TrustLimits::expected_error ? colours::warning : colours::text,
-        "by how much the force is too large because the nodes below the contact are no closer");
+        "by how much forces are too large because nodes are no closer; of some tenths of a second ago");
   const StepReport& report = data.snapshot.report;
-  row("Trust", doubted ? std::string("doubt: ") + doubtName(force.doubt) : "good",
-      doubted ? colours::warning : colours::good,
-      doubted ? doubtText(force.doubt) : "volume, smallest J, energy balance and time step are within their limits");
+  row("Trust", doubted || coarse ? std::string("doubt: ") + doubtName(force.doubt) : "good",
+      doubted || coarse ? colours::warning : colours::good,
+      doubted || coarse ? doubtText(force.doubt)
+                        : "volume, smallest J, energy balance and time step are within their limits");
   if (engineer)
     note(theme, format("volume %+.2f %%   J %.2f   energy %.1f %%   dt/limit %.2f", 100 * report.volume_change,
                        report.min_J, 100 * report.energy_error, report.step_share));

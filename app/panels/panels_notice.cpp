@@ -135,7 +135,7 @@ void drawDemoForce(const Theme& theme, const PanelData& data) {
   draw->AddRectFilled({place.x, place.y}, {place.right(), place.bottom()}, IM_COL32(22, 26, 32, 190), 12 * s);
   const ImU32 colour = data.pull_N >= 0             ? colours::good
                        : !data.force.fresh          ? colours::stale
-                       : force.doubt != Doubt::None ? colours::warning
+                       : force.doubt > Doubt::Resolution ? colours::warning
                                                     : colours::accent;
   draw->AddText(theme.big, size, at, colour, number.c_str());
   draw->AddText(theme.big, theme.big->FontSize, {at.x, at.y + size}, colours::text, demoDepth(data).c_str());

@@ -11,9 +11,9 @@
 namespace palpate {
 namespace {
 
-constexpr double error_constant = 0.3;  // c
+constexpr double error_constant = 0.28;  // c
 constexpr std::size_t sweep_ticks = 200;
-constexpr double coarsest = 0.75;  // nodes' distance over a tool's radius
+constexpr double coarsest = 0.8;  // nodes' distance over a tool's radius
 
 /// The largest force that something has on it, N.
 double largestForce(const StepReport& report) {
@@ -124,8 +124,7 @@ void ResolutionWatch::compare(const Model& model, std::span<const Material> mate
       for (std::size_t k = 0; k < 9; ++k) off[k] -= 0.25F * mean_[static_cast<std::size_t>(g)][k];
     double square = 0;
     for (const float a : off) square += static_cast<double>(a) * a;
-    sum_ +=
-        model.point_volume[q] * materials[static_cast<std::size_t>(model.point_material[q])].shear_modulus * square;
+    sum_ += model.point_volume[q] * materials[static_cast<std::size_t>(model.point_material[q])].shear_modulus * square;
   }
 }
 
@@ -146,11 +145,12 @@ std::string resolutionWarning(const Body& body) {
   const double spacing = spacingAtTool(body), radius = body.scene.tool.radius;
   if (body.first_contact_travel <= 0 || spacing <= coarsest * radius) return {};
   return placeOf(body.scene, "discretization.spacing").text() +
-         format(": where the tool meets the organ the nodes are %.3g mm apart, which is coarse for a tool of %.3g mm "
-                "radius: it will feel the tissue too stiff, by more the lighter it touches. A spacing of %.2g mm there "
-                "(spacing, or refine) would do; `mtled fit` finds the best cloud for a rate, `mtled certify` says how "
-                "exact this one is",
-                1e3 * spacing, 1e3 * radius, 1e3 * coarsest * radius);
+         format(
+             ": where the tool meets the organ the nodes are %.3g mm apart, which is coarse for a tool of %.3g mm "
+             "radius: it will feel the tissue too stiff, by more the lighter it touches. A spacing of %.2g mm there "
+             "(spacing, or refine) would do; `mtled fit` finds the best cloud for a rate, `mtled certify` says how "
+             "exact this one is",
+             1e3 * spacing, 1e3 * radius, 1e3 * coarsest * radius);
 }
 
 }  // namespace palpate

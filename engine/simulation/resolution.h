@@ -50,12 +50,12 @@ class ResolutionWatch {
   void gather(const Model& model, std::size_t begin, std::size_t end);
   void compare(const Model& model, std::span<const Material> materials, std::size_t begin, std::size_t end);
 
-  AlignedVector<Float4> u_;       // (node_count) of the moment
-  std::vector<Gradient> F_;       // (point_count)
-  std::vector<Gradient> mean_;    // (group_count)
-  std::size_t next_ = 0;          // of the points, twice over: gathered, then compared
-  double sum_ = 0, energy_ = 0;   // J
-  double force_ = 0;              // N, of the moment
+  AlignedVector<Float4> u_;             // (node_count) of the moment
+  std::vector<Gradient> F_;             // (point_count)
+  std::vector<Gradient> mean_;          // (group_count)
+  std::size_t next_ = 0;                // of the points, twice over: gathered, then compared
+  double sum_ = 0, energy_ = 0;         // J
+  double force_ = 0;                    // N, of the moment
   double error_ = 0, error_force_ = 0;  // of the last
 };
 
@@ -63,7 +63,7 @@ class ResolutionWatch {
 double spacingAtTool(const Body& body);
 
 /// A sentence for whoever loads a scene whose tool is too small for its cloud, before a press has shown it; "" where
-/// nodes are no further apart than three quarters of the tool's radius.
+/// nodes are no further apart than 0.8 of the tool's radius.
 std::string resolutionWarning(const Body& body);
 
 }  // namespace palpate

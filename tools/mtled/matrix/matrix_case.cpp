@@ -16,7 +16,7 @@
 namespace palpate::tools {
 namespace {
 
-constexpr double gap = 0.002;                              // m, between tool and body at the start
+constexpr double gap = 0.002;                               // m, between tool and body at the start
 constexpr double press_seconds = 0.2, hold_seconds = 0.15;  // to come to rest with the damping below
 constexpr int load_steps = 5;
 constexpr double tolerance = 1e-4;       // of an equilibrium
@@ -27,7 +27,9 @@ constexpr int most_nodes = 60000;
 class Lot {
  public:
   explicit Lot(unsigned seed) : random_(seed * 7919U + 13U) {}
-  double between(double low, double high) { return low + (high - low) * (static_cast<double>(random_()) / 4294967296.0); }
+  double between(double low, double high) {
+    return low + (high - low) * (static_cast<double>(random_()) / 4294967296.0);
+  }
   double logBetween(double low, double high) { return std::exp(between(std::log(low), std::log(high))); }
   bool chance(double share) { return between(0, 1) < share; }
   int oneOf(int count) { return std::min(count - 1, static_cast<int>(between(0, count))); }
@@ -187,7 +189,8 @@ MatrixCase drawCase(unsigned seed) {
   if (borders == 0) return one;
   MaterialSpec other;
   other.everywhere = false;
-  other.material = material(law, E * (lot.chance(0.7) ? contrast : 1 / contrast), lot.chance(0.5) ? nu : poissonOf(lot));
+  other.material =
+      material(law, E * (lot.chance(0.7) ? contrast : 1 / contrast), lot.chance(0.5) ? nu : poissonOf(lot));
   other.region.kind = borders == 1 ? Region::Kind::HalfSpace : Region::Kind::Sphere;
   other.region.point = Vec3(0, 0, lot.between(0.35, 0.65) * height);
   other.region.radius = lot.between(0.2, 0.35) * height;

@@ -144,16 +144,19 @@ int matrixCommand(const MatrixOptions& options) {
   std::sort(trusted.begin(), trusted.end(),
             [](const Row* a, const Row* b) { return std::abs(a->error()) > std::abs(b->error()); });
   const auto within = [&](double most) {
-    return 100.0 * static_cast<double>(std::count_if(trusted.begin(), trusted.end(), [=](const Row* r) {
-             return std::abs(r->error()) <= most + r->unknown();
-           })) /
+    return 100.0 *
+           static_cast<double>(
+               std::count_if(trusted.begin(), trusted.end(),
+                             [=](const Row* r) { return std::abs(r->error()) <= most + r->unknown(); })) /
            static_cast<double>(std::max<std::size_t>(1, trusted.size()));
   };
   std::printf("the trusted ones that are off most:\n");
   for (std::size_t k = 0; k < std::min<std::size_t>(10, trusted.size()); ++k) print(*trusted[k]);
   std::printf(
-      "%d scenes: %zu trusted, %d doubted, %d without an equilibrium and said so, %d refused, %d whose reference is not "
-      "known\nof the trusted, within 2, 5 and 10 %% (and what is not known): %.0f, %.0f and %.0f %%\nthe expected error "
+      "%d scenes: %zu trusted, %d doubted, %d without an equilibrium and said so, %d refused, %d whose reference is "
+      "not "
+      "known\nof the trusted, within 2, 5 and 10 %% (and what is not known): %.0f, %.0f and %.0f %%\nthe expected "
+      "error "
       "is within a factor of two of the true one in %d of %d\n",
       options.count, trusted.size(), doubted, lost, refused, not_known, within(0.02), within(0.05), within(wrong),
       honest, pressed);

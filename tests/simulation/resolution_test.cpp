@@ -1,0 +1,134 @@
+#include "simulation/resolution.h"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "mechanics/internal_forces.h"
+#include "simulation/static_solver.h"
+#include "simulation/step.h"
+#include "simulation/trust.h"
+#include "simulation/workspace.h"
+#include "support/small_scene.h"
+
+using namespace palpate;
+
+namespace {
+
+/// Presses 7 mm in and holds. @param seconds  of both
+StepReport pressed(const Model& model, State& state, Workspace& workspace, RunTrust& trust, double seconds = 2) {
+  const auto ticks = static_cast<int>(seconds * model.scene.rate_hz);
+  StepReport report;
+  for (int k = 1; k <= ticks; ++k) {
+    Command command;
+    command.tool_target =
+        test::toolAt(model, model.first_contact_travel + 0.007 * std::min(1.0, 3.0 * k / static_cast<double>(ticks)));
+    report = tick(model, state, command, workspace);
+    trust.add(doubtOf(model, report), report.expected_error, report.error_force, k / model.scene.rate_hz);
+  }
+  return report;
+}
+
+}  // namespace
+
+TEST_CASE("A deformation that is the same everywhere leaves nothing to expect, also where two materials meet in it",
+          "[resolution]") {
+  Scene scene = test::blockScene();
+  MaterialSpec stiff;
+  stiff.material.set("young", 30000);
+  stiff.material.set("poisson", 0.48);
+  stiff.everywhere = false;
+  stiff.region.point = Vec3(0, 0, 0.015);  // below
+  scene.materials.push_back(stiff);
+  const Model model = test::blockModel(scene);
+  AlignedVector<Double4> u;
+  for (const Vec3& X : model.X)
+    u.push_back(toReal4<double>(Vec3(0.1 * X.x() + 0.02 * X.z(), -0.05 * X.y(), 0.03 * X.x())));
+  CHECK(expectedError(model, model.materials, u, 1e-3) < 1e-10);
+  // A jump of the gradient at the border is no error, one within a material is.
+  for (std::size_t i = 0; i < u.size(); ++i) u[i].x += 0.1 * std::max(0.0, model.X[i].z() - 0.02);
+  CHECK(expectedError(model, model.materials, u, 1e-3) > 1e-4);
+  CHECK(expectedError(model, model.materials, u, 0) == 0);
+}
+
+TEST_CASE("A coarse block's press is doubted for its resolution, a fine one's is not", "[resolution]") {
+  double before = 0;
+  for (const double spacing : {0.012, 0.0045}) {
+    const Model model = test::blockModel(test::blockScene(spacing));
+    Workspace workspace(model, 2);
+    State state = initialState(model);
+    RunTrust trust;
+    const StepReport report = pressed(model, state, workspace, trust, spacing > 0.01 ? 2 : 1.2);
+    CAPTURE(spacing, report.expected_error, trust.expectedError());
+    const bool coarse = spacing > 0.01;
+    CHECK((report.expected_error > TrustLimits::expected_error) == coarse);
+    CHECK(trust.doubt() == (coarse ? Doubt::Resolution : Doubt::None));
+    CHECK((trust.firstTime() >= 0) == coarse);
+    CHECK(resolutionWarning(model).empty() != coarse);
+    if (coarse) CHECK(resolutionWarning(model).find("mtled fit") != std::string::npos);
+    CHECK(report.error_force == Approx(report.tool_force.norm()).epsilon(0.01));
+    if (!coarse) CHECK(report.expected_error < 0.5 * before);
+    before = report.expected_error;
+
+    // The whole sweep at once, in double, finds the same.
+    AlignedVector<Double4> u;
+    for (const Float4& a : state.u) u.push_back({a.x, a.y, a.z, 0});
+    CHECK(expectedError(model, model.materials, u, report.strain_energy) ==
+          Approx(report.expected_error).epsilon(0.01));
+
+    workspace.resolution.restart();
+    Command command;
+    command.tool_target = state.tool_pose;
+    CHECK(tick(model, state, command, workspace).expected_error == 0);
+  }
+}
+
+TEST_CASE("What is expected of a press is the same bits for any number of threads", "[resolution]") {
+  const Model model = test::blockModel();
+  double error = -1;
+  for (const int threads : {1, 3}) {
+    Workspace workspace(model, threads);
+    State state = initialState(model);
+    RunTrust trust;
+    const double found = pressed(model, state, workspace, trust, 1).expected_error;
+    CHECK(found > 0);
+    if (error >= 0) CHECK(found == error);
+    error = found;
+  }
+}
+
+TEST_CASE("A run's trust is that of its gravest row, and of its resolution at the largest force", "[resolution]") {
+  RunTrust trust;
+  trust.add(Doubt::Resolution, 0.8, 0.01, 0.1);  // first touch: never resolved
+  trust.add(Doubt::None, 0.03, 1, 0.2);
+  CHECK(trust.doubt() == Doubt::None);
+  CHECK(trust.firstTime() < 0);
+  CHECK(trust.expectedError() == Approx(0.03));
+  trust.add(Doubt::Resolution, 0.08, 1, 0.3);
+  CHECK(trust.doubt() == Doubt::Resolution);
+  CHECK(trust.firstTime() == 0.1);
+  trust.add(Doubt::Volume, 0.01, 1, 0.4);
+  trust.add(Doubt::Contact, 0.01, 1, 0.5);
+  CHECK(trust.doubt() == Doubt::Contact);
+  CHECK(trust.firstTime() == 0.4);
+}
+
+TEST_CASE("An equilibrium of a face that is moved has an error to expect, too", "[resolution]") {
+  Scene scene = test::blockScene();
+  scene.materials[0].material.set("poisson", 0.3);
+  BoundarySpec top;
+  top.region.kind = Region::Kind::NearPlane;
+  top.region.point = Vec3(0, 0, 0.03);
+  top.region.distance = 1e-6;
+  top.translation = Vec3(0.006, 0, 0);
+  top.duration = 1;
+  scene.boundaries.push_back(top);
+  scene.tool_position = Vec3(0, 0, 1);
+  const Model model = test::blockModel(scene);
+  StaticSolver solver(model, 2, 1e-4);
+  const Equilibrium sheared = solver.advanceTo(1);
+  REQUIRE(sheared.converged);
+  CHECK(sheared.strain_energy > 0);
+  CHECK(sheared.expected_error > 0.001);
+  CHECK(sheared.expected_error < TrustLimits::expected_error);
+  CHECK(sheared.doubt == Doubt::None);
+}
