@@ -1,0 +1,64 @@
+#include "mtled/certify/certify_command.h"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "io/load_model.h"
+#include "io/scene_file.h"
+#include "simulation/model_hash.h"
+#include "support/block_text.h"
+#include "support/captured_output.h"
+#include "support/small_scene.h"
+#include "support/temp_folder.h"
+
+using namespace palpate;
+using namespace palpate::tools;
+
+TEST_CASE("A certificate's error is that against the limit of two finer clouds, up to each depth", "[certify]") {
+  const Model model = test::blockModel();
+  constexpr int ticks = 100;
+  constexpr double ratio = 1.5, deepest = 0.004;
+  ToolTrajectory way;
+  ScriptedRun run;
+  ConvergedRun converged;
+  const double coarse = 4, fine = 1, coarser = fine * ratio * ratio;  // % too stiff, of second order in the spacing
+  for (int k = 1; k <= ticks; ++k) {
+    const double depth = deepest * k / ticks, truth = 100 * depth;
+    way.push_back(test::toolAt(model, model.first_contact_travel + depth));
+    run.force.emplace_back(0, 0, truth * (1 + 0.01 * coarse));
+    converged.run.force.emplace_back(0, 0, truth * (1 + 0.01 * fine));
+    converged.coarser.force.emplace_back(0, 0, truth * (1 + 0.01 * coarser));
+  }
+  const auto rows = certifiedRows(model, way, run, converged, ratio, 4);
+  REQUIRE(rows.size() == 4);
+  for (std::size_t r = 0; r < 4; ++r) {
+    const double depth = deepest * static_cast<double>(r + 1) / 4;
+    CHECK(rows[r].advance == Approx(depth));
+    CHECK(rows[r].force == Approx(100 * depth));  // extrapolated to the limit itself
+    // Root mean square of what grows evenly, over its largest.
+    CHECK(rows[r].error == Approx(0.01 * coarse / std::sqrt(3)).epsilon(0.05));
+    CHECK(rows[r].uncertainty == Approx(0.01 * fine / std::sqrt(3)).epsilon(0.05));
+  }
+}
+
+TEST_CASE("certify leaves a certificate of the scene's own model beside it", "[certify][whole]") {
+  const TempFolder folder;
+  CertifyOptions options;
+  options.scene = folder.write("block.toml", test::touched_block_text);
+  options.use_cache = false;
+  const CapturedOutput captured;
+  REQUIRE(certifyCommand(options) == 0);
+  const Model model = loadModel(readScene(options.scene));
+  const auto certificate = readCertificate(certificateFile(options.scene), modelHash(model));
+  REQUIRE(certificate);
+  REQUIRE(certificate->row.size() == 8);
+  CHECK(certificate->deepest() > 0.003);
+  for (const Certificate::Row& row : certificate->row) {
+    CHECK(row.error > 0);
+    CHECK(row.error < 1);
+    CHECK(row.uncertainty >= 0);
+  }
+  CHECK(certificate->row.back().error < certificate->row.front().error);
+  CHECK(certificate->displacement_error > 0);
+  CHECK(certificate->displacement_error < 0.2);
+}
