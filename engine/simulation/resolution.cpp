@@ -12,7 +12,8 @@ namespace palpate {
 namespace {
 
 constexpr double error_constant = 0.28;  // c
-constexpr std::size_t sweep_ticks = 200;
+// Of a tick: at the liver's 20,124 points a hundredth of its time.
+constexpr std::size_t points_a_tick = 64, most_ticks = 400;
 constexpr double coarsest = 0.8;  // nodes' distance over a tool's radius
 
 /// The largest force that something has on it, N.
@@ -74,21 +75,30 @@ void ResolutionWatch::restart() {
 
 void ResolutionWatch::advance(const Model& model, std::span<const Material> materials, const AlignedVector<Float4>& u,
                               StepReport& report) {
-  const std::size_t count = F_.size(), part = (2 * count + sweep_ticks - 1) / sweep_ticks;
+  const std::size_t count = F_.size(), part = std::max(points_a_tick, count / most_ticks + 1);
   if (next_ == 0) {
+    if (!(report.strain_energy > model.rest_energy)) {  // nothing to look at
+      error_ = error_force_ = 0;
+      return;
+    }
     std::copy(u.begin(), u.end(), u_.begin());
     std::fill(mean_.begin(), mean_.end(), Gradient{});
     sum_ = 0;
     energy_ = report.strain_energy;
     force_ = largestForce(report);
   }
-  const std::size_t end = std::min(next_ + part, 2 * count);
-  if (next_ < count) gather(model, next_, std::min(end, count));
-  if (end > count) compare(model, materials, std::max(next_, count) - count, end - count);
-  next_ = end;
+  if (next_ < count) {
+    const std::size_t end = std::min(next_ + part, count);
+    gather(model, next_, end);
+    next_ = end;
+  } else {
+    const std::size_t begin = next_ - count, end = std::min(begin + 4 * part, count);  // each a quarter of the work
+    compare(model, materials, begin, end);
+    next_ = count + end;
+  }
   if (next_ == 2 * count) {
     next_ = 0;
-    error_ = energy_ > model.rest_energy ? error_constant * sum_ / energy_ : 0;
+    error_ = error_constant * sum_ / energy_;
     error_force_ = force_;
   }
   report.expected_error = error_;
@@ -126,6 +136,14 @@ void ResolutionWatch::compare(const Model& model, std::span<const Material> mate
     for (const float a : off) square += static_cast<double>(a) * a;
     sum_ += model.point_volume[q] * materials[static_cast<std::size_t>(model.point_material[q])].shear_modulus * square;
   }
+}
+
+void addLast(const Model& model, const State& state, const StepReport& report, double time, RunTrust& trust) {
+  AlignedVector<Double4> u;
+  for (const Float4& a : state.u) u.push_back({a.x, a.y, a.z, 0});
+  const double error = expectedError(model, state.live.kernel.materials, u, report.strain_energy);
+  if (!std::isfinite(error)) return;
+  trust.add(error > TrustLimits::expected_error ? Doubt::Resolution : Doubt::None, error, largestForce(report), time);
 }
 
 double spacingAtTool(const Body& body) {

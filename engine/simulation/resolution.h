@@ -9,6 +9,8 @@
 #include "mechanics/materials/material.h"
 #include "simulation/model.h"
 #include "simulation/report.h"
+#include "simulation/state.h"
+#include "simulation/trust.h"
 
 namespace palpate {
 
@@ -29,8 +31,8 @@ namespace palpate {
 double expectedError(const Model& model, std::span<const Material> materials, const AlignedVector<Double4>& u,
                      double strain_energy);
 
-/// e while ticks go on: of a moment, some points a tick, so that a tick takes no longer for it by more than a hundredth.
-/// What it says is of the moment before the last sweep of all points, about 0.4 s ago; 0 until there was one.
+/// e while ticks go on: of a moment, some points a tick, so that it costs a hundredth of a tick, and nothing at rest.
+/// What it says is of the moment before the last sweep of all points, at most 0.8 s ago at 500 Hz; 0 until there was one.
 /// Belongs to who steps (Workspace), not to the state: after a restore it begins anew.
 /// Test: simulation/resolution_test.cpp
 class ResolutionWatch {
@@ -58,6 +60,10 @@ class ResolutionWatch {
   double force_ = 0;                    // N, of the moment
   double error_ = 0, error_force_ = 0;  // of the last
 };
+
+/// What a run's last tick is worth, all at once: for its end, and runs that are over before a sweep is. Allocates.
+/// @param report  of that tick  @param time  s
+void addLast(const Model& model, const State& state, const StepReport& report, double time, RunTrust& trust);
 
 /// The spacing of the cloud where the first tool meets the organ, m.
 double spacingAtTool(const Body& body);

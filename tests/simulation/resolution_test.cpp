@@ -57,7 +57,7 @@ TEST_CASE("A coarse block's press is doubted for its resolution, a fine one's is
     Workspace workspace(model, 2);
     State state = initialState(model);
     RunTrust trust;
-    const StepReport report = pressed(model, state, workspace, trust, spacing > 0.01 ? 2 : 1.2);
+    const StepReport report = pressed(model, state, workspace, trust, 2);
     CAPTURE(spacing, report.expected_error, trust.expectedError());
     const bool coarse = spacing > 0.01;
     CHECK((report.expected_error > TrustLimits::expected_error) == coarse);

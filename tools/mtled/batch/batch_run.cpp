@@ -19,6 +19,7 @@
 #include "mtled/pictures/pictures.h"
 #include "realtime/loop/simulation_loop.h"
 #include "realtime/recording/force_csv.h"
+#include "simulation/resolution.h"
 #include "simulation/trust.h"
 
 namespace palpate::tools {
@@ -93,7 +94,6 @@ BatchResult runBatchJob(const BatchJob& job, const Model& model, const std::stri
   BatchResult result;
   result.id = job.id;
   result.job = job.text;
-  RunTrust trust;
   PendingFile pending(folder + "/force.csv");
   errno = 0;
   std::ofstream rows(pending.part(), std::ios::binary | std::ios::trunc);
@@ -108,7 +108,6 @@ BatchResult runBatchJob(const BatchJob& job, const Model& model, const std::stri
     loop.advanceHere(1);
     const ForceSample sample = loop.force().sample;
     rows << forceCsvRow(sample, loop.toolReadings(), model.tools);
-    trust.add(sample.doubt, sample.expected_error, sample.error_force, sample.time_s);
     result.peak_force = std::max(result.peak_force, sample.force_raw.norm());
     result.last_force = sample.force_raw.norm();
     result.last_depth = sample.depth_m;
@@ -118,6 +117,8 @@ BatchResult runBatchJob(const BatchJob& job, const Model& model, const std::stri
   result.ticks = ticks;
   result.seconds = static_cast<double>(ticks) / model.scene.rate_hz;
   result.state_hash = hex16(physics.stateHash());
+  RunTrust trust = loop.summary().trust;
+  addLast(model, physics.state(), loop.snapshots().latest().report, result.seconds, trust);
   result.doubt = doubtName(trust.doubt());
   result.expected_error = trust.expectedError();
   rows.close();

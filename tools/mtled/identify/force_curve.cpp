@@ -14,6 +14,7 @@
 #include "base/number_text.h"
 #include "io/text_file.h"
 #include "simulation/build_model.h"
+#include "simulation/resolution.h"
 #include "simulation/step.h"
 #include "simulation/trust.h"
 #include "simulation/workspace.h"
@@ -210,13 +211,14 @@ ForceCurve simulateForceCurve(const Model& model, double deepest, double seconds
   Workspace workspace(model, threads);
   Command command;
   ForceCurve curve;
+  StepReport report;
   for (int k = 1; k <= approach_ticks + press_ticks; ++k) {
     if (interrupted()) throw std::runtime_error("interrupted");
     const double depth = deepest * std::max(k - approach_ticks, 0) / press_ticks;
     const double travel = k < approach_ticks ? approach * k / approach_ticks : model.first_contact_travel + depth;
     command.tool_target = model.tool_start;
     command.tool_target.position += travel * axis;
-    const StepReport report = tick(model, state, command, workspace);
+    report = tick(model, state, command, workspace);
     if (const Doubt doubt = doubtOf(model, report); doubt >= Doubt::Squeezed)
       throw std::runtime_error("at " + std::to_string(1e3 * depth) + " mm the model can't follow: " + doubtText(doubt));
     if (k <= approach_ticks) continue;
@@ -224,6 +226,7 @@ ForceCurve simulateForceCurve(const Model& model, double deepest, double seconds
     curve.depth.push_back(depth);
     curve.force.push_back(report.tool_force.norm());
   }
+  addLast(model, state, report, deepest, curve.trust);
   return curve;
 }
 

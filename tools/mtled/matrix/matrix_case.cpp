@@ -10,6 +10,7 @@
 #include "mtled/frontier/frontier_settings.h"
 #include "simulation/build_model.h"
 #include "simulation/static_solver.h"
+#include "simulation/resolution.h"
 #include "simulation/step.h"
 #include "simulation/workspace.h"
 
@@ -125,17 +126,20 @@ MatrixAnswer pressed(const MatrixCase& one, const Model& model, int threads) {
   const double rate = model.scene.rate_hz;
   const auto press = static_cast<int>(press_seconds * rate), ticks = press + static_cast<int>(hold_seconds * rate);
   answer.sound = true;
+  StepReport report;
   for (int k = 1; k <= ticks && answer.sound; ++k) {
     const double t = std::min(1.0, static_cast<double>(k) / press), share = t * t * (3 - 2 * t);
     Command command;
     command.tool_target = model.tool_start;
     command.tool_target.position.z() -= gap + share * one.depth;
-    const StepReport report = tick(model, state, command, workspace);
+    report = tick(model, state, command, workspace);
     answer.sound = (report.flags & (kNotFinite | kBlowUp | kInvertedPoints)) == 0;
     answer.value = report.tool_force.norm();
     answer.trust.add(doubtOf(model, report), report.expected_error, report.error_force, k / rate);
   }
   workspace.team.park();
+  answer.at_end = doubtOf(model, report);
+  addLast(model, state, report, ticks / rate, answer.trust);
   return answer;
 }
 
@@ -147,6 +151,7 @@ MatrixAnswer moved(const MatrixCase& one, const Model& model, int threads) {
     const double time = static_cast<double>(k) / load_steps;
     const Equilibrium e = solver.advanceTo(time);
     answer.sound = e.converged && e.inverted_points == 0;
+    answer.at_end = e.doubt;
     const Reaction& top = solver.body().reactions().back();
     answer.value = one.kind == "twist" ? std::abs(top.moment.z()) : top.force.norm();
     answer.trust.add(e.doubt, e.expected_error, answer.value, time);
@@ -213,7 +218,7 @@ MatrixReference referenceOf(const MatrixCase& one, int threads) {
   const MatrixAnswer coarse = answerOf(one, reference_ratio * fine, threads), best = answerOf(one, fine, threads);
   MatrixReference reference;
   reference.nodes = best.nodes;
-  reference.known = coarse.sound && best.sound && best.trust.doubt() <= Doubt::Resolution;
+  reference.known = coarse.sound && best.sound && best.at_end <= Doubt::Resolution;
   const double lacking = (best.value - coarse.value) / (reference_ratio * reference_ratio - 1);
   reference.value = best.value + lacking;
   reference.uncertainty = std::abs(lacking);

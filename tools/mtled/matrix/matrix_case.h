@@ -27,6 +27,7 @@ struct MatrixAnswer {
   RunTrust trust;    // of the whole way
   int nodes = 0;
   bool sound = false;  // else there is no answer: it diverged, or said so
+  Doubt at_end = Doubt::None;
 };
 
 /// By the real-time step where a tool presses, in equilibrium where a face is moved.
