@@ -5,6 +5,7 @@
 #include "base/interrupt.h"
 #include "base/number_text.h"
 #include "simulation/model_hash.h"
+#include "simulation/resolution.h"
 
 namespace palpate::app {
 
@@ -71,7 +72,9 @@ void Session::finishDevice() {
 }
 
 RunReport Session::report() {
-  return makeRunReport(model_, loop_->summary(), loop_->statistics(), physics_->team().size(),
+  RunSummary summary = loop_->summary();
+  addLast(model_, physics_->state(), latest().report, latest().time_s, summary.trust);
+  return makeRunReport(model_, summary, loop_->statistics(), physics_->team().size(),
                        volumeChange(model_, latest().u.data()));
 }
 

@@ -28,6 +28,13 @@ bool sameOutcome(palpate_state a, palpate_state b) {
   return std::memcmp(&a, &b, sizeof a) == 0;
 }
 
+/// What a simulation that was restored has not looked at yet.
+palpate_state withoutExpectation(palpate_state state) {
+  state.expected_error = 0;
+  if (state.doubt == PALPATE_DOUBT_RESOLUTION) state.doubt = PALPATE_DOUBT_NONE;
+  return state;
+}
+
 }  // namespace
 
 TEST_CASE("Simulations of one model on two threads have the bits of one alone", "[api]") {
@@ -129,7 +136,7 @@ TEST_CASE("A saved state goes on bit for bit, in its own simulation and in anoth
   for (const SimulationHandle* one : {&simulation, &other}) {
     REQUIRE(palpate_restore(one->get(), bytes.data(), bytes.size(), nullptr) == PALPATE_OK);
     CHECK(hashOf(*one) == saved_hash);
-    CHECK(sameOutcome(press(*one, info, 60, 100), expected));
+    CHECK(sameOutcome(withoutExpectation(press(*one, info, 60, 100)), withoutExpectation(expected)));
     CHECK(hashOf(*one) == hash);
   }
   // What was set live came along: setting the same again changes nothing, setting another does.

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "simulation/resolution.h"
 #include "simulation/tool_bodies.h"
 #include "simulation/tool_contact.h"
 #include "simulation/trust.h"
@@ -237,7 +236,6 @@ void TickReporter::finish(const LoopTotals& totals, const RunState& run, std::in
   overload_.end(run.tick, channels_.log);
   summary_.totals = totals;
   summary_.ticks = run.tick;
-  addLast(model_, physics_.state(), report_, secondsAt(run.tick), summary_.trust);
   summary_.state_hash = physics_.stateHash();
   summary_.frozen = run.frozen;
   summary_.lost_records = lost_records;

@@ -128,7 +128,7 @@ int matrixCommand(const MatrixOptions& options) {
   if (!options.json.empty()) writeWholeFile(options.json, jsonOf(rows).dump(2) + "\n");
 
   std::vector<const Row*> trusted;
-  int refused = 0, lost = 0, doubted = 0, not_known = 0, pressed = 0, honest = 0;
+  int refused = 0, lost = 0, doubted = 0, not_known = 0, compared = 0, honest = 0;
   for (const Row& r : rows) {
     refused += !r.refused.empty();
     lost += r.refused.empty() && !r.answer.sound;
@@ -136,9 +136,9 @@ int matrixCommand(const MatrixOptions& options) {
     not_known += r.answered() && !r.comparable();
     if (!r.comparable()) continue;
     if (r.trusted()) trusted.push_back(&r);
-    if (!r.one.pressed || r.unknown() > well_known || r.answer.trust.doubt() > Doubt::Resolution) continue;
+    if (r.unknown() > well_known || r.answer.trust.doubt() > Doubt::Resolution) continue;
     const double ratio = r.answer.trust.expectedError() / std::max(std::abs(r.error()), worth_a_look);
-    ++pressed;
+    ++compared;
     honest += ratio > 0.5 && ratio < 2;
   }
   std::sort(trusted.begin(), trusted.end(),
@@ -159,7 +159,7 @@ int matrixCommand(const MatrixOptions& options) {
       "error "
       "is within a factor of two of the true one in %d of %d\n",
       options.count, trusted.size(), doubted, lost, refused, not_known, within(0.02), within(0.05), within(wrong),
-      honest, pressed);
+      honest, compared);
   return within(wrong) < 100 ? 1 : 0;
 }
 
