@@ -166,9 +166,10 @@ assert loaded.hash() == at_rest
 refused(ValueError, lambda: loaded.set_force(0, [0, 0, np.nan]), "[2] is nan")
 refused(palpate.Error, lambda: loaded.set_force(-2, [0, 0, 1]), "set_force: ")
 
-# A pickled simulation goes on bit for bit.
+# A pickled simulation goes on bit for bit; what error is to be expected it finds anew.
 twin = pickle.loads(pickle.dumps(body))
-assert twin.hash() == body.hash() and twin.step(ticks=7) == body.step(ticks=7) and twin.hash() == body.hash()
+assert twin.hash() == body.hash() and np.array_equal(twin.step(ticks=7).force, body.step(ticks=7).force)
+assert twin.hash() == body.hash()
 
 # A device.
 refused(TypeError, lambda: body.couple(stifness=1), "stifness")
