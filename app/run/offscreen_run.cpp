@@ -23,6 +23,7 @@
 #include "io/output_file.h"
 #include "io/text_file.h"
 #include "simulation/model_hash.h"
+#include "simulation/trust.h"
 
 namespace palpate::app {
 
@@ -135,7 +136,11 @@ int exitCodeOf(Session& session, const References& references, const Picture& la
       log.error(line);
       code = exit_code::differs;
     }
-  if (options.strict && session.report().doubt != Doubt::None) code = exit_code::doubted;
+  const RunReport ended = session.report();
+  if (ended.doubt == Doubt::Resolution)  // no tick of it was worth a line of its own
+    log.warning(format("the force is expected to be some %.0f %% too large: ", 100 * ended.expected_error) +
+                doubtText(ended.doubt));
+  if (options.strict && ended.doubt != Doubt::None) code = exit_code::doubted;
   if (session.report().frozen) code = exit_code::frozen;
   if (interrupted()) code = exit_code::interrupted;
   return code;

@@ -374,8 +374,8 @@ typedef void (*palpate_tick_call)(void* user, const palpate_state* state);
 PALPATE_API int32_t palpate_on_tick(palpate_simulation* simulation, palpate_tick_call call, void* user);
 
 /* (control, stopped) The whole state as bytes. A simulation of the same model that restores them goes on bit for bit,
- * friction and materials included. (What the loop keeps to go back to when a solution is lost, and expected_error, begin
- * anew.) The bytes are for the same build of the library on the same kind of processor; others refuse them.
+ * friction and materials included. (What the loop keeps to go back to when a solution is lost, and expected_error,
+ * begin anew.) The bytes are for the same build of the library on the same kind of processor; others refuse them.
  * @param size  palpate_save_size, the same for all simulations of a model */
 PALPATE_API size_t palpate_save_size(const palpate_simulation* simulation);
 PALPATE_API int32_t palpate_save(const palpate_simulation* simulation, void* bytes, size_t size);

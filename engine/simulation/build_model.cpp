@@ -60,7 +60,8 @@ void completeEssential(const Scene& scene, Model& model) {
     if (node.node < 0) points.push_back(imposedPoint(scene, node));
     essential.X.push_back(node.node < 0 ? points.back() : model.X[node.node]);
   }
-  essential.phi = rowsOf(model.node_shape, essential.nodes, points.empty() ? ShapeTable{} : shapeAtImposed(model, points));
+  essential.phi =
+      rowsOf(model.node_shape, essential.nodes, points.empty() ? ShapeTable{} : shapeAtImposed(model, points));
   essential.facet_points = essential.facets.empty() ? 0 : FacetRule::size;
   model.imposed = imposedComponents(essential.nodes, model.X.size());
   try {

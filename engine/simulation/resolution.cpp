@@ -14,7 +14,8 @@ namespace {
 constexpr double error_constant = 0.28;  // c
 // Of a tick: at the liver's 20,124 points a hundredth of its time.
 constexpr std::size_t points_a_tick = 64, most_ticks = 400;
-constexpr double coarsest = 0.8;  // nodes' distance over a tool's radius
+// Nodes' distance over a tool's radius: the liver's 0.77 is 1.5 % off at its press, a kidney of 1.4 was by 10 %.
+constexpr double coarsest = 0.8;
 
 /// The largest force that something has on it, N.
 double largestForce(const StepReport& report) {

@@ -32,7 +32,8 @@ double expectedError(const Model& model, std::span<const Material> materials, co
                      double strain_energy);
 
 /// e while ticks go on: of a moment, some points a tick, so that it costs a hundredth of a tick, and nothing at rest.
-/// What it says is of the moment before the last sweep of all points, at most 0.8 s ago at 500 Hz; 0 until there was one.
+/// What it says is of the moment before the last sweep of all points, at most 0.8 s ago at 500 Hz; 0 until there was
+/// one.
 /// Belongs to who steps (Workspace), not to the state: after a restore it begins anew.
 /// Test: simulation/resolution_test.cpp
 class ResolutionWatch {

@@ -37,7 +37,7 @@ const char* doubtText(Doubt doubt) {
     case Doubt::None:
       return "";
     case Doubt::Resolution:
-      return "the nodes are too far apart for so small a contact, which makes the tissue too stiff: finer spacing "
+      return "the nodes are too far apart for how the tissue bends, which makes it too stiff: finer spacing "
              "below "
              "the tool (mtled fit), or a wider tool";
     case Doubt::Volume:
