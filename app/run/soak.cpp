@@ -33,7 +33,7 @@ std::unique_ptr<SoakHand> handFor(const Model& model, bool rough, unsigned seed)
 }  // namespace
 
 Soak::Soak(const Model& model, double minutes, bool rough, unsigned seed)
-    : hand_(handFor(model, rough, seed)), rate_hz_(model.scene.rate_hz) {
+    : hand_(handFor(model, rough, seed)), skin_(model.skin), rate_hz_(model.scene.rate_hz) {
   report_.rough = rough;
   report_.seed = seed;
   report_.scene = model.scene.name;
@@ -49,8 +49,16 @@ void Soak::takeCycles() {
   }
 }
 
+/// While a tool touches, or closes a fold, skin may lie on skin; alone it must not.
+void Soak::lookAtSkin(const Snapshot& snapshot) {
+  if (snapshot.contact_count > 0 || secondsSince(last_look_) < crossings_seconds) return;
+  report_.crossings = std::max(report_.crossings, skin_.count(snapshot.u.data()));
+  last_look_ = SteadyClock::now();
+}
+
 void Soak::update(SimulationLoop& loop, const ResultFolder& results) {
   takeCycles();
+  lookAtSkin(loop.snapshots().latest());
   if (!report_.warm && report_.cycles >= warm_cycles &&
       static_cast<double>(loop.statistics().ticks) >= warm_physics_seconds * rate_hz_)
     warmUp(loop, results);
@@ -118,6 +126,7 @@ std::string Soak::finish(SimulationLoop& loop, const ResultFolder& results, bool
   report_.min_J = std::min(report_.min_J, loop.summary().min_J);
   report_.frozen = loop.summary().frozen;
   report_.restored = loop.summary().restored_count;
+  report_.restores = loop.summary().restores;
   report_.largest_yield_m = loop.summary().largest_yield;
   report_.realtime_factor = loop.summary().totals.realtime_factor;
   write(results);

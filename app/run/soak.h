@@ -5,6 +5,7 @@
 #include <string>
 
 #include "app/run/result_folder.h"
+#include "app/run/skin_crossings.h"
 #include "app/run/soak_motion.h"
 #include "app/run/soak_report.h"
 #include "realtime/loop/simulation_loop.h"
@@ -16,6 +17,7 @@ namespace palpate::app {
 class Soak {
  public:
   static constexpr double interval_seconds = 60;      // wall time between lines and reports
+  static constexpr double crossings_seconds = 0.1;    // wall time between looks at the skin
   static constexpr double warm_physics_seconds = 20;  // by then every buffer of the program has its size
 
   /// @param minutes  of physics time
@@ -35,16 +37,18 @@ class Soak {
   using SteadyClock = std::chrono::steady_clock;
 
   void takeCycles();
+  void lookAtSkin(const Snapshot& snapshot);
   void warmUp(SimulationLoop& loop, const ResultFolder& results);
   void measure(SimulationLoop& loop);
   void countThreads(const SimulationLoop& loop);
   void write(const ResultFolder& results) const;
 
   std::unique_ptr<SoakHand> hand_;
+  SkinCrossings skin_;
   SoakReport report_;
   double rate_hz_;
   std::vector<SoakThread> warm_threads_;
-  SteadyClock::time_point begin_ = SteadyClock::now(), last_report_ = begin_, last_counters_ = begin_;
+  SteadyClock::time_point begin_ = SteadyClock::now(), last_report_ = begin_, last_counters_ = begin_, last_look_ = begin_;
 };
 
 }  // namespace palpate::app

@@ -42,6 +42,15 @@ std::string memoryText(const SoakReport& r) {
   return format("%+.0f kB", kB(r.memoryGrowth()));
 }
 
+/// Where the tissue was put back more often than the limit, per 10^6 ticks, allows.
+void addExcess(const char* what, std::int64_t count, double limit, std::int64_t ticks,
+               std::vector<std::string>& broken) {
+  const double allowed = 1 + 1e-6 * limit * static_cast<double>(ticks);
+  if (static_cast<double>(count) > allowed)
+    broken.push_back(format("the tissue %s and was put back %lld times in %lld ticks (limit %.0f)", what,
+                            asLongLong(count), asLongLong(ticks), std::floor(allowed)));
+}
+
 }  // namespace
 
 std::vector<HistogramBar> barsOf(const DurationHistogram& histogram) {
@@ -73,6 +82,14 @@ std::vector<std::string> brokenPromises(const SoakReport& r) {
   if (r.frozen || (r.flags & fatal) != 0 || (r.restored > 0 && !r.rough) || !std::isfinite(r.drift_m) ||
       !std::isfinite(r.peak_force_N))
     broken.push_back("the state did not stay finite");
+  if (r.rough) {
+    addExcess("was lost", r.restores.lost, RoughLimits::lost, r.ticks, broken);
+    addExcess("folded", r.restores.folded, RoughLimits::folded, r.ticks, broken);
+    addExcess("caught the tool", r.restores.caught, RoughLimits::caught, r.ticks, broken);
+    addExcess("slid away", r.restores.slid, RoughLimits::slid, r.ticks, broken);
+    if (r.crossings > RoughLimits::crossings)
+      broken.push_back(format("the skin crosses itself at %d places (limit %d)", r.crossings, RoughLimits::crossings));
+  }
   if (r.memoryGrowth() > 0) broken.push_back(format("memory grew by %.0f kB after the warm-up", kB(r.memoryGrowth())));
   if (r.rough && r.largest_drift_m > RestWatch::rough_drift_limit_m)
     broken.push_back(format("the state at rest drifted by %.2g m (limit %.0e m)", r.largest_drift_m,
@@ -145,6 +162,12 @@ std::string toJson(const SoakReport& r) {
       {"seed", r.seed},
       {"freezes", r.frozen ? 1 : 0},
       {"restored", r.restored},
+      {"restores",
+       {{"lost", r.restores.lost},
+        {"folded", r.restores.folded},
+        {"caught", r.restores.caught},
+        {"slid", r.restores.slid}}},
+      {"skin_crossings", r.crossings},
       {"not_finite_ticks", r.not_finite},
       {"largest_yield_m", r.largest_yield_m},
       {"frozen", r.frozen},
@@ -168,6 +191,9 @@ std::string toText(const SoakReport& r) {
   text += format("%s hand, seed %u: %d freezes, %lld times restored, %lld ticks not finite; it yielded by %.1f mm\n",
                  r.rough ? "rough" : "careful", r.seed, r.frozen ? 1 : 0, asLongLong(r.restored),
                  asLongLong(r.not_finite), 1e3 * r.largest_yield_m);
+  text += format("put back: %lld lost, %lld folded, %lld caught, %lld slid; skin crosses itself at %d places at most\n",
+                 asLongLong(r.restores.lost), asLongLong(r.restores.folded), asLongLong(r.restores.caught),
+                 asLongLong(r.restores.slid), r.crossings);
   std::string flags;
   for (const std::string& name : flagNames(r.flags)) flags += " " + name;
   text += format("peak force %.3f N, min J %.3f, flags:", r.peak_force_N, static_cast<double>(r.min_J)) +

@@ -8,6 +8,7 @@
 
 #include "app/run/soak_motion.h"
 #include "realtime/timing/deadline_statistics.h"
+#include "realtime/loop/run_summary.h"
 #include "realtime/timing/resource_use.h"
 
 namespace palpate::app {
@@ -47,10 +48,12 @@ struct SoakReport {
   double peak_force_N = 0;
   float min_J = 1;
   std::uint32_t flags = 0;  // StepFlag, all ticks
-  bool rough = false;       // a rough hand: restoring is allowed
+  bool rough = false;       // a rough hand: restores are bounded (RoughLimits); a careful one needs none
   unsigned seed = 1;
   bool frozen = false;
   std::int64_t restored = 0;    // times that the tissue was lost and went back to an earlier state
+  Restores restores;            // the same by cause; known at the end
+  int crossings = 0;            // of the skin with itself while no tool touched it (SkinCrossings), the most at a time
   std::int64_t not_finite = 0;  // ticks with a number that was not finite
   double largest_yield_m = 0;   // that the tool stayed behind the hand; known at the end
 
@@ -65,13 +68,21 @@ struct SoakReport {
   std::int64_t memoryGrowth() const { return warm ? memory.anonymous - warm->anonymous : 0; }
 };
 
+/// What a rough hand may do to the tissue, as bad as it was measured to be over the scenes of assets and coarse copies
+/// of them: times in 10^6 ticks that it is put back (in a run of any length so many in proportion, and one more, since
+/// they come by chance), and places where its skin crosses itself.
+struct RoughLimits {
+  static constexpr double lost = 50, folded = 150, caught = 250, slid = 20;
+  static constexpr int crossings = 600;
+};
+
 /// Takes a cycle into the sums.
 void addCycle(SoakReport& report, const SoakCycle& cycle);
 
 /// What a long run must keep, and this one did not; empty: all kept. Memory does not grow after the
 /// warm-up, rests drift by less than RestWatch::drift_limit, the tissue comes to rest, all stays finite; under a rough
-/// hand rests may differ by RestWatch::rough_drift_limit_m, and the tissue may be lost, but then goes back to an
-/// earlier state and never freezes.
+/// hand rests may differ by RestWatch::rough_drift_limit_m, and the tissue may be put back as seldom as RoughLimits
+/// say.
 std::vector<std::string> brokenPromises(const SoakReport& report);
 
 /// Of a cycle after which the tissue did not come to rest.

@@ -18,6 +18,9 @@ using Eigen::Vector4f;
 /// Sweeps at most. Warm-started contacts on tissue need one to five.
 constexpr int kMaxSweeps = 8;
 
+/// The same where a tool gives way.
+constexpr int kMaxYieldingSweeps = 24;
+
 /// Done when a sweep changes the forces by less than this part of their size (2-norms over vertices).
 constexpr float kTolerance = 1e-4F;
 
@@ -121,6 +124,10 @@ struct Touching {
   ToolProfile profile;
   float mu, cap;  // cap: m, of the depth that counts
   int row_count = 0;
+  ToolHold* hold;
+  Vec3 apart;
+  Vec3 given = Vec3::Zero();          // m, by how much it has given way in its pose
+  Vector4f shift = Vector4f::Zero();  // m, from the pose, as far as it has moved since
 
   explicit Touching(const TouchingTool& t)
       : tool(t.shape),
@@ -128,7 +135,14 @@ struct Touching {
         motion(t.previous_pose, t.pose),
         profile(toolProfile(*t.shape)),
         mu(static_cast<float>(t.friction)),
-        cap(static_cast<float>(kPressureCapDepth * t.shape->radius)) {}
+        cap(static_cast<float>(kPressureCapDepth * t.shape->radius)),
+        hold(t.hold),
+        apart(t.apart) {
+    if (hold != nullptr) given = hold->way + hold->opening * apart;
+  }
+
+  std::span<ContactRow> rows() const { return {contact->row.data(), static_cast<std::size_t>(row_count)}; }
+  void follow() { shift = lanes(hold->way + hold->opening * apart - given); }
 
   Vector4f turned(const Float4& force) const { return lanes(Vec3(motion.turn * toVec3(force))); }
 };
@@ -218,12 +232,90 @@ void sweepOnce(const SkinModel& skin, Touching& body, bool forwards, float alpha
                float& changed, float& size) {
   for (int k = 0; k < body.row_count; ++k) {
     ContactRow& row = body.contact->row[forwards ? k : body.row_count - 1 - k];
-    const Vector4f change = updateForce(row, interpolateAt(skin, row, du), body.mu, body.cap);
+    const Vector4f change = updateForce(row, interpolateAt(skin, row, du) - body.shift, body.mu, body.cap);
     size += row.force.squaredNorm();
     if (change.isZero(0.0F)) continue;
     changed += change.squaredNorm();
     applyForce(skin, row, change, alpha, inverse_mass, du);
   }
+}
+
+/// A way that a tool can give: as a whole along the force on it, or by its opening.
+struct Giving {
+  std::span<std::optional<Touching>> bodies;  // of one tool
+  bool opens;
+  double limit;       // N
+  Vec3 out{0, 0, 0};  // unit, as a whole
+  double size = 0;    // N, what the hand bears
+
+  Vec3 along(const Touching& body) const { return opens ? body.apart : out; }
+
+  void measure() {
+    Vec3 on_tool = Vec3::Zero();
+    size = 0;
+    for (const auto& body : bodies) {
+      Vec3 force = Vec3::Zero();
+      for (const ContactRow& row : body->rows()) force -= row.force.head<3>().cast<double>();
+      on_tool += force;
+      size += force.dot(body->apart);  // half of what presses a finger away from the other
+    }
+    if (opens) return;
+    size = on_tool.norm();
+    out = size > 0 ? Vec3(on_tool / size) : Vec3::Zero();
+  }
+
+  /// All forces that the tool feels times `share`.
+  void scale(float share, const SkinModel& skin, float alpha, const float* inverse_mass, Float4* du) const {
+    for (const auto& body : bodies)
+      for (ContactRow& row : body->rows()) {
+        applyForce(skin, row, (share - 1.0F) * row.force, alpha, inverse_mass, du);
+        row.force *= share;
+      }
+  }
+
+  /// m, that the tool must go for its layer to carry the forces as they are, on the mean.
+  double distance(const SkinModel& skin, const Float4* du) const {
+    double excess = 0, weight = 0;
+    for (const auto& body : bodies) {
+      const Vector4f way = lanes(along(*body));
+      for (const ContactRow& row : body->rows()) {
+        const float force = row.normal.dot(row.force);
+        if (force <= 0) continue;
+        const Vector4f moved = interpolateAt(skin, row, du) - body->shift - row.predicted;
+        const float penetration = -(row.gap + row.normal.dot(moved));
+        excess += static_cast<double>(force * (penetration - force / row.stiffness));
+        weight -= static_cast<double>(force * row.normal.dot(way));
+      }
+    }
+    return weight > 0 ? excess / weight : 0;
+  }
+};
+
+/// Lets a tool give way where its hand bears more than it can, or come back where it bears less.
+/// @return whether that is as it should be already
+bool giveWay(Giving giving, const SkinModel& skin, float alpha, const float* inverse_mass, Float4* du) {
+  constexpr double close = 0.02, most_growth = 1.5;  // of the limit; of the forces in one sweep
+  ToolHold& hold = *giving.bodies.front()->hold;
+  giving.measure();
+  const bool gave = giving.opens ? hold.opening > 0 : !hold.way.isZero(0);
+  if (giving.limit <= 0 || (giving.size <= giving.limit && !gave)) return true;
+  double t = 0;
+  if (giving.size > 0) {
+    const double share = std::min(giving.limit / giving.size, most_growth);
+    giving.scale(static_cast<float>(share), skin, alpha, inverse_mass, du);
+    t = giving.distance(skin, du);
+  }
+  const double before = giving.opens ? hold.opening : hold.way.norm();
+  if (giving.size <= 0 || (t < 0 && -t >= before)) {
+    (giving.opens ? hold.opening = 0 : (hold.way.setZero(), 0));
+  } else if (giving.opens) {
+    hold.opening = std::min(hold.opening + t, hold.longest);
+  } else {
+    hold.way += t * giving.out;
+    if (const double length = hold.way.norm(); length > hold.longest) hold.way *= hold.longest / length;
+  }
+  for (auto& body : giving.bodies) body->follow();
+  return std::abs(giving.size - giving.limit) <= close * giving.limit;
 }
 
 /// Keeps the forces for the next step. Returns that on the tool.
@@ -247,7 +339,7 @@ Vec3 finish(const Touching& body, int sweeps) {
 template <std::size_t capacity>
 void solve(const SkinModel& skin, std::span<TouchingTool> tools, double alpha, const float* inverse_mass,
            const Float4* u, Float4* du) {
-  const float alpha_f = static_cast<float>(alpha);
+  const auto alpha_f = static_cast<float>(alpha);
   std::array<std::optional<Touching>, capacity> bodies;
   const std::size_t count = tools.size();
   for (std::size_t b = 0; b < count; ++b) {
@@ -259,14 +351,35 @@ void solve(const SkinModel& skin, std::span<TouchingTool> tools, double alpha, c
     makeRows(skin, *bodies[b], alpha_f, inverse_mass, u, du);
     row_count += bodies[b]->row_count;
   }
-  int sweep = 0;
-  for (bool settled = row_count == 0; sweep < kMaxSweeps && !settled; ++sweep) {
+  // What may give way: tools as a whole, and jaws.
+  const auto forEachGiving = [&](auto each) {
+    for (std::size_t b = 0, end = 0; b < count; b = end) {
+      ToolHold* hold = bodies[b]->hold;
+      for (end = b + 1; end < std::min(count, capacity) && bodies[end]->hold == hold && hold != nullptr;) ++end;
+      if (hold == nullptr) continue;
+      const std::span<std::optional<Touching>> own(&bodies[b], end - b);
+      each(Giving{own, false, hold->max_force});
+      if (hold->max_pinch > 0) each(Giving{own, true, hold->max_pinch});
+    }
+  };
+  int sweep = 0, most = kMaxSweeps;
+  for (bool settled = row_count == 0; sweep < most && !settled; ++sweep) {
     float changed = 0.0F, size = 0.0F;
     const bool forwards = sweep % 2 == 0;
     for (std::size_t b = 0; b < count; ++b)
       sweepOnce(skin, *bodies[forwards ? b : count - 1 - b], forwards, alpha_f, inverse_mass, du, changed, size);
     settled = changed <= kTolerance * kTolerance * size;
+    forEachGiving([&](const Giving& giving) {
+      if (giveWay(giving, skin, alpha_f, inverse_mass, du)) return;
+      settled = false;
+      most = kMaxYieldingSweeps;
+    });
   }
+  forEachGiving([&](Giving giving) {  // what is left, and no hand bears
+    giving.measure();
+    if (giving.limit > 0 && giving.size > giving.limit)
+      giving.scale(static_cast<float>(giving.limit / giving.size), skin, alpha_f, inverse_mass, du);
+  });
   for (std::size_t b = 0; b < count; ++b) tools[b].force = finish(*bodies[b], sweep);
 }
 
@@ -275,14 +388,17 @@ void solve(const SkinModel& skin, std::span<TouchingTool> tools, double alpha, c
 Vec3 solveContact(const SkinModel& skin, const ToolShape& tool, const Pose& pose, const Pose& previous_pose,
                   double friction, double alpha, const float* inverse_mass, const Float4* u, Float4* du,
                   ContactState& contact) {
-  TouchingTool one{&tool, pose, previous_pose, friction, &contact, Vec3::Zero()};
+  TouchingTool one{&tool, pose, previous_pose, friction, &contact};
   solve<1>(skin, {&one, 1}, alpha, inverse_mass, u, du);
   return one.force;
 }
 
 void solveContacts(const SkinModel& skin, std::span<TouchingTool> tools, double alpha, const float* inverse_mass,
                    const Float4* u, Float4* du) {
-  solve<max_tool_bodies>(skin, tools, alpha, inverse_mass, u, du);
+  if (tools.size() == 1)
+    solve<1>(skin, tools, alpha, inverse_mass, u, du);
+  else
+    solve<max_tool_bodies>(skin, tools, alpha, inverse_mass, u, du);
 }
 
 }  // namespace palpate

@@ -44,17 +44,32 @@ Vec3 solveContact(const SkinModel& skin, const ToolShape& tool, const Pose& pose
                   double friction, double alpha, const float* inverse_mass, const Float4* u, Float4* du,
                   ContactState& contact);
 
+/// How a hand holds a tool: as a motor that is as strong as this, and gives way to more within the step.
+///   x_tool = wanted + way,   |F| <= max_force,   way = 0 or |F| = max_force
+/// F is the force on the tool. Jaws open likewise to more than their max_pinch. Beyond `longest` it gives way no
+/// further, and yet pushes no harder: the skin is deeper in it then.
+struct ToolHold {
+  double max_force = 0, max_pinch = 0;  // N; 0: it never gives way
+  double longest = 0;                   // m
+  // By how much it gives way (m): as a first guess, which the pose has in it already; receives the truth.
+  Vec3 way = Vec3::Zero();
+  double opening = 0;
+};
+
 /// One of several tools that touch the same skin.
 struct TouchingTool {
   const ToolShape* shape = nullptr;
   Pose pose, previous_pose;
   double friction = 0;
   ContactState* contact = nullptr;
+  ToolHold* hold = nullptr;   // null: nothing moves it from its pose; bodies of one tool have the same, and are adjacent
+  Vec3 apart = Vec3::Zero();  // by which it moves per m of opening; 0: no finger of jaws
   Vec3 force = Vec3::Zero();  // receives what solveContact returns
 };
 
 /// The same for tools that touch at once: each sweep goes over the points of all of them, so their forces answer each
-/// other within the step. With one tool it is solveContact, bit for bit.
+/// other within the step, and each gives way as its hold says. With one tool that does not it is solveContact, bit for
+/// bit.
 /// @param tools  at most max_tool_bodies
 void solveContacts(const SkinModel& skin, std::span<TouchingTool> tools, double alpha, const float* inverse_mass,
                    const Float4* u, Float4* du);

@@ -12,10 +12,7 @@ ToolsAt between(const ToolsAt& from, const ToolsAt& to, double share) {
   ToolsAt at = to;
   for (int t = 0; t < to.count; ++t) {
     const auto k = static_cast<std::size_t>(t);
-    const ToolPosture &a = from.posture[k], &b = to.posture[k];
-    at.posture[k].pose.position = a.pose.position + share * (b.pose.position - a.pose.position);
-    at.posture[k].pose.orientation = a.pose.orientation.slerp(share, b.pose.orientation).normalized();
-    at.posture[k].opening = a.opening + share * (b.opening - a.opening);
+    at.posture[k] = between(from.posture[k], to.posture[k], share);
   }
   return at;
 }
@@ -39,13 +36,7 @@ void BatchTools::solve(double alpha, const float* inverse_mass, const Float4* u,
     findContactCandidates(model_.skin, u, body.shape, pose, margin, contact);
     findFaceSamples(model_.skin, u, body.shape, pose, margin, contact);
   }
-  if (model_.tools.empty()) {
-    loads[0].force = solveContact(model_.skin, model_.scene.tool, now_.posture[0].pose, before_.posture[0].pose,
-                                  model_.scene.friction, alpha, inverse_mass, u, du, contact_[0]);
-    loads[0].contact_count = contact_[0].contact_count;
-  } else {
-    solveAll(alpha, inverse_mass, u, du, loads);
-  }
+  solveAll(alpha, inverse_mass, u, du, loads);
   before_ = now_;
 }
 
@@ -70,20 +61,20 @@ bool BatchTools::overflow() const {
 
 void BatchTools::solveAll(double alpha, const float* inverse_mass, const Float4* u, Float4* du, ToolLoads& loads) {
   std::array<TouchingTool, max_tool_bodies> touching;
+  std::array<ToolBody, max_tool_bodies> bodies;
   const ToolSet& set = model_.tools;
   const auto count = static_cast<std::size_t>(bodyCount());
   for (std::size_t b = 0; b < count; ++b) {
-    const ToolBody& body = set.body[b];
+    const ToolBody& body = bodies[b] = toolBody(model_, static_cast<int>(b));
     const auto t = static_cast<std::size_t>(body.tool);
     touching[b] = {&body.shape,
                    bodyPose(body, now_.posture[t]),
                    bodyPose(body, before_.posture[t]),
-                   set.tool[t].friction,
-                   &contact_[b],
-                   Vec3::Zero()};
+                   set.empty() ? model_.scene.friction : set.tool[t].friction,
+                   &contact_[b]};
   }
   solveContacts(model_.skin, {touching.data(), count}, alpha, inverse_mass, u, du);
-  for (std::size_t b = 0; b < count; ++b) addToLoad(set.body[b], touching[b], loads);
+  for (std::size_t b = 0; b < count; ++b) addToLoad(bodies[b], touching[b], loads);
 }
 
 }  // namespace palpate

@@ -93,11 +93,10 @@ void setBounds(Model& model) {
   for (std::size_t q = 0; q < model.point_volume.size(); ++q)
     shear += model.point_volume[q] * model.materials[model.point_material[q]].shear_modulus;
   // Tissue does not move faster than sound in it, or than a tool that is faster; four times and twice that leave room
-  // for whipping edges. A node that goes half way to the next in one step is lost in any case: at 1 m/s a tool moves
-  // those before it by a fifth of that. Not of the finest spacing: skin that slips off a tool whips back at half the
-  // speed of sound, whatever the cloud.
+  // for whipping edges. A node that goes all the way to the next in one step is lost in any case. Not of the finest
+  // spacing, nor half of the way: skin that slips off a tool whips back at half the speed of sound, whatever the cloud.
   model.max_increment =
-      std::min(std::max(4 * wave_speed, 2 * largestToolSpeed(model.scene)) * model.dt, 0.5 * model.scene.spacing);
+      std::min(std::max(4 * wave_speed, 2 * largestToolSpeed(model.scene)) * model.dt, model.scene.spacing);
   // Of strains of about 0.3 %, far above float's rounding (of the stiffest part, too).
   model.rest_energy = 1e-5 * shear;
 }

@@ -7,7 +7,6 @@
 #include "simulation/tool_bodies.h"
 #include "simulation/tool_contact.h"
 #include "simulation/workspace.h"
-#include "simulation/yielding_contacts.h"
 
 namespace palpate {
 
@@ -37,7 +36,7 @@ StepReport step(const Model& model, State& state, const ToolPostures& wanted, co
   pull(model, command, masses, state);
   addLoads(model, workspace.tissue_mass, integrator.alpha, masses, state);
   ToolPostures tools = wanted;
-  outcome.tool_force = solveYieldingContacts(model, integrator.alpha, masses.inverse, tools, state, outcome.loads);
+  outcome.tool_force = solveToolContacts(model, tools, integrator.alpha, masses.inverse, state, outcome.loads);
 
   if (!model.skull.empty())
     outcome.skull = solveSkull(model.skull, model.skin, integrator.alpha, masses.inverse, state.u.data(),
@@ -47,6 +46,10 @@ StepReport step(const Model& model, State& state, const ToolPostures& wanted, co
   outcome.base_reaction =
       imposeBoundary(model.boundary, time, model.dt, masses.boundary_alpha, model.inverse_mass.data(), nullptr,
                      state.du.data(), workspace.boundary, workspace.team);
+
+  // No point turns inside out; last, since what came before may do that. What holds the body is met again at the next
+  // tick's begin (correctBoundaryDrift).
+  workspace.compression.apply(model, workspace.kernel.J, outcome.forces.min_J, masses, state);
 
   // u += du
   outcome.moved = accumulate(model, masses, state, workspace);
@@ -59,14 +62,13 @@ StepReport step(const Model& model, State& state, const ToolPostures& wanted, co
 StepReport tick(const Model& model, State& state, const Command& command, Workspace& workspace) {
   // Each tool follows its command no faster than the scene allows, turning included.
   const ToolWays ways(model, state, command);
-  const ToolPostures arrived = ways.at(1, 1);
   const int bodies = model.tools.bodyCount();
 
   // The tool travels at most `reach` until the next look, and so may the tissue in its way: what is not listed
   // can't be touched, and would be found deep inside later, which pumps energy into the tissue.
   const auto forBody = [&](int b, auto find) {
     const ToolBody body = toolBody(model, b);
-    const Pose pose = bodyPose(body, arrived[static_cast<std::size_t>(body.tool)]);
+    const Pose pose = bodyPose(body, ways.end()[static_cast<std::size_t>(body.tool)]);
     find(model.skin, state.u.data(), body.shape, pose, 2 * ways.reach(b), contactOf(state, b));
   };
   shareOut(workspace.team, 1 + bodies, [&](int part) {
@@ -78,17 +80,14 @@ StepReport tick(const Model& model, State& state, const Command& command, Worksp
   });
   for (int b = 0; b < bodies; ++b) forBody(b, findFaceSamples);
   StepReport total;
-  StayedBehind behind;
   for (int k = 1; k <= model.substeps_per_tick; ++k) {
     if (command.stop != nullptr && command.stop->load(std::memory_order_relaxed)) {
       total.cut_short = true;
       return total;
     }
-    ToolPostures wanted = ways.at(k, model.substeps_per_tick);
-    behind.shift(wanted);
+    const ToolPostures wanted = ways.next(state, model.substeps_per_tick - k + 1);
     total = worstOf(total, step(model, state, wanted, command, workspace));
     if (total.flags & (kNotFinite | kBlowUp)) break;  // it is lost: more steps would bring numbers that are none
-    behind.add(model, wanted, state);
   }
   ++state.tick;
   const ToolContact contact = toolContact(model, state);

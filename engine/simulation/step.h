@@ -8,7 +8,7 @@ namespace palpate {
 class Workspace;  // simulation/workspace.h: buffers and threads of one stepping thread
 
 /// Advances the tissue by one dt, with the tools moving from where the state has them to `tools`, or less far where
-/// the tissue would push harder than their max_force (yielding_contacts.h).
+/// the tissue would push harder than their max_force (ToolHold).
 /// Paper sections 2.2-2.5: eqs. 12, 21-25, 31.
 /// Real-time: no allocation, no lock, no throw.
 StepReport step(const Model& model, State& state, const ToolPostures& tools, const Command& command,

@@ -5,6 +5,7 @@
 
 #include "discretization/surface/surface_tree.h"
 #include "simulation/scene_messages.h"
+#include "simulation/tool_contact.h"
 
 namespace palpate {
 namespace {
@@ -39,6 +40,44 @@ double largestWay(const Model& model, int tool, const ToolPosture& from, const T
 
 double topSpeed(const Model& model, int tool) {
   return model.tools.empty() ? model.scene.tool_max_speed : model.tools.tool[static_cast<std::size_t>(tool)].max_speed;
+}
+
+/// How a body moves with its jaws' opening.
+Vec3 apartOf(const ToolBody& body, const ToolPosture& tool) {
+  return body.side == 0 ? Vec3::Zero() : Vec3(0.5 * body.side * (tool.pose.orientation * Vec3::UnitX()));
+}
+
+/// How the hand holds a tool that goes from where it was to `wanted`. Where it was at its limit in the last step it is
+/// guessed to stay where it was.
+ToolHold holdOf(const Model& model, const State& state, int tool, const ToolPosture& was, const ToolPosture& wanted) {
+  constexpr double at_limit = 0.95;  // of it
+  // Faster than it may follow a hand: a cell that was crushed thrusts.
+  constexpr double quicker = 4;
+  ToolHold hold;
+  hold.longest = quicker * topSpeed(model, tool) * model.dt;
+  hold.max_force = model.max_tool_force;
+  if (!model.tools.empty()) {
+    hold.max_force = model.tools.tool[static_cast<std::size_t>(tool)].max_force;
+    hold.max_pinch = model.tools.tool[static_cast<std::size_t>(tool)].grip_force;
+  }
+  Vec3 on_tissue = Vec3::Zero();
+  double pinch = 0;
+  for (int b = 0; b < model.tools.bodyCount(); ++b) {
+    const ToolBody body = toolBody(model, b);
+    if (body.tool != tool) continue;
+    Vec3 force = Vec3::Zero();
+    forEachContactForce(contactOf(state, b), [&](int, const Float4& f) { force += toVec3(f); });
+    on_tissue += force;
+    pinch -= force.dot(apartOf(body, was));
+  }
+  if (hold.max_force > 0 && on_tissue.norm() > at_limit * hold.max_force) {
+    const Vec3 stays = was.pose.position - wanted.pose.position;
+    if (stays.dot(on_tissue) < 0) hold.way = stays;
+  }
+  if (hold.max_pinch > 0 && pinch > at_limit * hold.max_pinch)
+    hold.opening = std::max(0.0, was.opening - wanted.opening);
+  hold.longest += hold.way.norm() + hold.opening;
+  return hold;
 }
 
 }  // namespace
@@ -123,31 +162,32 @@ ToolBody toolBody(const Model& model, int body) {
   return model.tools.body[static_cast<std::size_t>(body)];
 }
 
+ToolPosture between(const ToolPosture& from, const ToolPosture& to, double share) {
+  if (share >= 1) return to;
+  ToolPosture posture;
+  posture.pose.position = from.pose.position + share * (to.pose.position - from.pose.position);
+  posture.pose.orientation = from.pose.orientation.slerp(share, to.pose.orientation).normalized();
+  posture.opening = from.opening + share * (to.opening - from.opening);
+  return posture;
+}
+
 ToolWays::ToolWays(const Model& model, const State& state, const Command& command)
-    : model_(model),
-      count_(model.tools.toolCount()),
-      from_(posturesOf(model, state)),
-      to_(command.moves_others ? command.tools : from_) {
+    : model_(model), count_(model.tools.toolCount()) {
+  const ToolPostures from = posturesOf(model, state);
+  to_ = command.moves_others ? command.tools : from;
   to_[0].pose = command.tool_target;
   for (int t = 0; t < count_; ++t) {
     const auto k = static_cast<std::size_t>(t);
     const double reach = topSpeed(model, t) / model.scene.rate_hz;
-    const double wanted = largestWay(model, t, from_[k], to_[k]);
-    share_[k] = wanted > reach ? reach / wanted : 1;
+    const double wanted = largestWay(model, t, from[k], to_[k]);
+    if (wanted > reach) to_[k] = between(from[k], to_[k], reach / wanted);
   }
 }
 
-ToolPostures ToolWays::at(int k, int n) const {
-  ToolPostures postures;
-  for (std::size_t t = 0; t < static_cast<std::size_t>(count_); ++t) {
-    const double s = share_[t] * k / n;
-    const ToolPosture &from = from_[t], &to = to_[t];
-    ToolPosture& posture = postures[t];
-    posture.pose.position = from.pose.position + s * (to.pose.position - from.pose.position);
-    posture.pose.orientation =
-        s >= 1 ? to.pose.orientation : from.pose.orientation.slerp(s, to.pose.orientation).normalized();
-    posture.opening = s >= 1 ? to.opening : from.opening + s * (to.opening - from.opening);
-  }
+ToolPostures ToolWays::next(const State& state, int left) const {
+  ToolPostures postures = posturesOf(model_, state);
+  for (std::size_t t = 0; t < static_cast<std::size_t>(count_); ++t)
+    postures[t] = between(postures[t], to_[t], 1.0 / left);
   return postures;
 }
 
@@ -160,26 +200,38 @@ void addToLoad(const ToolBody& body, const TouchingTool& felt, ToolLoads& loads)
   if (body.side != 0) load.pinch += 0.5 * body.side * felt.force.dot(felt.pose.orientation * Vec3::UnitX());
 }
 
-Vec3 solveToolContacts(const Model& model, const ToolPostures& tools, double alpha, const float* inverse_mass,
-                       State& state, ToolLoads& loads) {
+Vec3 solveToolContacts(const Model& model, ToolPostures& tools, double alpha, const float* inverse_mass, State& state,
+                       ToolLoads& loads) {
   const ToolSet& set = model.tools;
-  if (set.empty())
-    return solveContact(model.skin, model.scene.tool, tools[0].pose, state.tool_pose, state.live.friction, alpha,
-                        inverse_mass, state.u.data(), state.du.data(), state.contact);
+  const auto bodies = static_cast<std::size_t>(set.bodyCount()), count = static_cast<std::size_t>(set.toolCount());
+  std::array<ToolBody, max_tool_bodies> body;
   std::array<TouchingTool, max_tool_bodies> touching;
+  std::array<ToolHold, max_tools> holds;
   const ToolPostures before = posturesOf(model, state);
-  for (std::size_t b = 0; b < set.body.size(); ++b) {
-    const ToolBody& body = set.body[b];
-    const auto t = static_cast<std::size_t>(body.tool);
-    touching[b] = {&body.shape,
-                   bodyPose(body, tools[t]),
-                   bodyPose(body, before[t]),
+  for (std::size_t b = 0; b < bodies; ++b) body[b] = toolBody(model, static_cast<int>(b));
+  for (std::size_t t = 0; t < count; ++t) {
+    holds[t] = holdOf(model, state, static_cast<int>(t), before[t], tools[t]);
+    tools[t].pose.position += holds[t].way;
+    tools[t].opening += holds[t].opening;
+  }
+  for (std::size_t b = 0; b < bodies; ++b) {
+    const auto t = static_cast<std::size_t>(body[b].tool);
+    touching[b] = {&body[b].shape,
+                   bodyPose(body[b], tools[t]),
+                   bodyPose(body[b], before[t]),
                    t == 0 ? state.live.friction : set.tool[t].friction,
                    &contactOf(state, static_cast<int>(b)),
-                   Vec3::Zero()};
+                   &holds[t],
+                   apartOf(body[b], tools[t])};
   }
-  solveContacts(model.skin, {touching.data(), set.body.size()}, alpha, inverse_mass, state.u.data(), state.du.data());
-  for (std::size_t b = 0; b < set.body.size(); ++b) addToLoad(set.body[b], touching[b], loads);
+  const std::array<ToolHold, max_tools> guessed = holds;
+  solveContacts(model.skin, {touching.data(), bodies}, alpha, inverse_mass, state.u.data(), state.du.data());
+  for (std::size_t t = 0; t < count; ++t) {
+    tools[t].pose.position += holds[t].way - guessed[t].way;
+    tools[t].opening += holds[t].opening - guessed[t].opening;
+  }
+  if (set.empty()) return touching[0].force;
+  for (std::size_t b = 0; b < bodies; ++b) addToLoad(body[b], touching[b], loads);
   return loads[0].force;
 }
 

@@ -27,6 +27,9 @@ ToolPosture postureOf(const State& state, int tool);
 ToolPostures posturesOf(const Model& model, const State& state);
 void setPostures(const Model& model, const ToolPostures& postures, State& state);
 
+/// A share of the way between two, turning and closing included.
+ToolPosture between(const ToolPosture& from, const ToolPosture& to, double share);
+
 inline const ContactState& contactOf(const State& state, int body) {
   return body == 0 ? state.contact : state.more.contact[static_cast<std::size_t>(body - 1)];
 }
@@ -37,14 +40,18 @@ inline ContactState& contactOf(State& state, int body) {
 /// Body b and where it is when the tools are there.
 ToolBody toolBody(const Model& model, int body);
 
-/// How the tools go in one tick: each evenly from where it is to where the command wants it, no faster than its scene
+/// How the tools should go in one tick: each evenly from where it is to where the command wants it, no faster than its scene
 /// allows, turning and closing included.
 class ToolWays {
  public:
   ToolWays(const Model& model, const State& state, const Command& command);
 
-  /// Where they are after k of n parts of the tick.
-  ToolPostures at(int k, int n) const;
+  /// Where they should be at the tick's end.
+  const ToolPostures& end() const { return to_; }
+
+  /// Where they should be after the next of `left` steps of the tick, from where they are: a tool that gave way tries
+  /// to make it good.
+  ToolPostures next(const State& state, int left) const;
 
   /// m, that body b may go in the tick.
   double reach(int body) const;
@@ -52,17 +59,18 @@ class ToolWays {
  private:
   const Model& model_;
   int count_;
-  ToolPostures from_, to_;
-  std::array<double, max_tools> share_{};  // of the way that they get
+  ToolPostures to_;
 };
 
 /// Adds what a body felt in solveContacts to its tool's.
 void addToLoad(const ToolBody& body, const TouchingTool& felt, ToolLoads& loads);
 
-/// solveContact or solveContacts for all bodies, which go from where the state has them to `tools`.
+/// solveContacts for all bodies, which go from where the state has them to `tools`, or less far where the tissue would
+/// push harder than their max_force, or pinch harder than their grip_force (ToolHold).
+/// @param tools  where they should be at the step's end; receives where they are
 /// @param loads  receives force, pinch and contact count of each tool where there are several or jaws
 /// @return the force on the first tool, N
-Vec3 solveToolContacts(const Model& model, const ToolPostures& tools, double alpha, const float* inverse_mass,
+Vec3 solveToolContacts(const Model& model, ToolPostures& tools, double alpha, const float* inverse_mass,
                        State& state, ToolLoads& loads);
 
 }  // namespace palpate

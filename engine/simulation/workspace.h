@@ -2,6 +2,7 @@
 
 #include "base/spin_team.h"
 #include "base/types.h"
+#include "simulation/limit_compression.h"
 #include "simulation/live_loads.h"
 #include "simulation/model.h"
 #include "simulation/resolution.h"
@@ -36,6 +37,7 @@ class Workspace {
         f(model.X.size()),
         previous_du(model.X.size()),
         local_mass(model.X.size(), model.kernel, model.stiffness_means),
+        compression(model),
         resolution(model),
         tissue_mass(tissueMass(model)) {}
 
@@ -45,6 +47,7 @@ class Workspace {
   AlignedVector<Float4> f;            // (node_count) internal forces, N
   AlignedVector<Float4> previous_du;  // (node_count) increments of the step before, m
   LocalMassScratch local_mass;
+  CompressionLimit compression;
   ResolutionWatch resolution;
   const AlignedVector<float> tissue_mass;  // (node_count) kg, that live loads accelerate
 };

@@ -7,6 +7,7 @@
 
 #include "app/run/rough_motion.h"
 #include "app/run/rough_report.h"
+#include "app/run/skin_crossings.h"
 #include "base/build_info.h"
 #include "io/load_model.h"
 #include "io/scene_file.h"
@@ -37,10 +38,19 @@ void roughHand(const std::string& name, unsigned seed, bool rests = true) {
   options.tick_limit = 10000;
   SimulationLoop loop(model, physics, nullptr, options);
   test::FakeClock clock;
+  SkinCrossings skin(model.skin);
+  int crossings = 0;
+  clock.before_sleep = [&](int) {
+    const Snapshot& now = loop.snapshots().latest();
+    if (now.contact_count == 0 && now.tick % 250 == 0) crossings = std::max(crossings, skin.count(now.u.data()));
+  };
   loop.run(clock);
   const RunSummary& summary = loop.summary();
-  const SoakReport report = test::roughReport(motion, summary);
-  INFO(name << ", " << model.X.size() << " nodes, " << report.cycles << " cycles, restored " << report.restored
+  SoakReport report = test::roughReport(motion, summary);
+  report.crossings = crossings;
+  INFO(name << ", " << model.X.size() << " nodes, " << report.cycles << " cycles, " << report.restores.lost
+            << " lost, " << report.restores.folded << " folded, " << report.restores.caught << " caught, "
+            << report.restores.slid << " slid, " << crossings << " crossings"
             << ", peak " << summary.peak_force << " N, min J " << summary.min_J << ", drift " << report.largest_drift_m
             << " m");
   for (const std::string& broken : brokenPromises(report)) FAIL_CHECK(broken);

@@ -2,12 +2,28 @@
 
 #include <cstdint>
 
+#include "realtime/channels/log_event.h"
 #include "realtime/loop/thread_setup.h"
 #include "realtime/timing/fixed_step_loop.h"
 #include "simulation/state.h"
 #include "simulation/trust.h"
 
 namespace palpate {
+
+/// How often the tissue went back to an earlier state, by what it was lost to.
+struct Restores {
+  std::int64_t lost = 0;    // not finite, blown up, or too many points inverted (Watchdog)
+  std::int64_t folded = 0;  // FoldWatch
+  std::int64_t caught = 0;  // SnagWatch
+  std::int64_t slid = 0;    // SlideWatch
+
+  void count(LogEvent::Kind kind) {
+    ++(kind == LogEvent::Kind::RestoredFolded   ? folded
+       : kind == LogEvent::Kind::RestoredCaught ? caught
+       : kind == LogEvent::Kind::RestoredSlid   ? slid
+                                                : lost);
+  }
+};
 
 /// The facts of a run that has ended.
 struct RunSummary {
@@ -21,6 +37,7 @@ struct RunSummary {
   double peak_depth = 0;                                          // m, true depth
   std::array<double, max_tools> peak_tool_force{}, peak_pinch{};  // N, where there are several tools or jaws
   std::int64_t restored_count = 0;  // times that the solution was lost, and the tissue went back to an earlier state
+  Restores restores;                // the same by cause, of this run alone
   double largest_yield = 0;         // m, that the tool stayed behind the hand (ToolProxy)
   std::int64_t yielding_ticks = 0;
   Vec3 base_reaction = Vec3::Zero();    // N, last tick

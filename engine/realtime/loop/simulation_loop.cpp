@@ -220,18 +220,18 @@ bool SimulationLoop::step() {
   command.tool_target = proxy_.follow(run_.hand, physics_.state(), reporter_.lastReport());
   if (!model_.tools.empty()) yieldFurther(command);
   command.stop = &channels_.quit;
-  run_.yield = proxy_.yield();
   if (team_ != nullptr) team_->wake();
   const StepReport report = physics_.tick(command);
   if (team_ != nullptr && !as_fast_as_possible_) team_->park();
   if (report.cut_short) return false;
+  run_.yield = proxy_.yieldAfter(run_.hand, physics_.state(), report);
   switch (reporter_.judge(report, run_)) {
     case Verdict::Good: {
       if (const auto lost = findLost(report)) {
         physics_.reset();  // not to where a recalled run began: that may have been folded
         history_.clear();
         beGentle();
-        reporter_.restored();
+        reporter_.restored(*lost);
         reporter_.logEvent(*lost, run_, report.worst_point, report.min_J);
         break;
       }
@@ -240,7 +240,7 @@ bool SimulationLoop::step() {
     }
     case Verdict::Restore:
       goBackTo(history_.good(reporter_.recentLosses()));
-      reporter_.restored();
+      reporter_.restored(LogEvent::Kind::RestoredBlowUp);
       break;
     case Verdict::Freeze:
       run_.frozen = true;

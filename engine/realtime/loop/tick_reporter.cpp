@@ -87,8 +87,9 @@ void TickReporter::watchYield(const RunState& run) {
 
 void TickReporter::showState() { std::copy(physics_.state().u.begin(), physics_.state().u.end(), shown_u_.begin()); }
 
-void TickReporter::restored() {
+void TickReporter::restored(LogEvent::Kind cause) {
   ++summary_.restored_count;
+  summary_.restores.count(cause);
   trend_.restart(false);
   showState();
 }

@@ -32,8 +32,8 @@ class TickReporter {
   /// After the verdict Restore: how often that was so within the last second before.
   int recentLosses() const { return watchdog_.recentLosses(); }
 
-  /// The physics went back to an earlier state, as judge() wanted.
-  void restored();
+  /// The physics went back to an earlier state. @param cause  a LogEvent::isRestore(), which is logged already
+  void restored(LogEvent::Kind cause);
 
   /// The tick is done, frozen or not, and counted in `run`: its force goes out.
   void sendForce(const LoopTime& time, const RunState& run);

@@ -5,7 +5,6 @@
 #include <limits>
 
 #include "simulation/tool_bodies.h"
-#include "simulation/tool_contact.h"
 #include "simulation/trust.h"
 
 namespace palpate {
@@ -30,46 +29,12 @@ Vec3 held(const Vec3& move, const Vec3& out, double share) {
   return move + (1 - share) * std::min(1.0, size / small) * against / size * out;
 }
 
-/// g of tool_proxy.h for a tool with this force on it, but for its penetration.
-double freedomOfTissue(const StepReport& last, double force, double most) {
-  double g = fade(last.step_share, YieldLimits::free_step_share, YieldLimits::step_share);
-  g = std::min(g, fade(-static_cast<double>(last.min_J), -TrustLimits::min_J, -YieldLimits::min_J));
-  if (most > 0) g = std::min(g, fade(force, YieldLimits::free_force * most, most));
-  return g;
-}
-
-/// The same with it.
-double freedomUnder(const Model& model, const StepReport& last, double force, double most) {
-  const double radius = model.scene.tool.radius;
-  return std::min(freedomOfTissue(last, force, most),
-                  fade(last.max_penetration, TrustLimits::penetration * radius, YieldLimits::penetration * radius));
-}
-
-/// Whether the tissue that holds a tool against going along `way` holds it as much the other way: 0 it pushes it
-/// back .. 1 the tool is wedged.
-double wedged(const Model& model, const State& state, int tool, const Vec3& way) {
-  double against = 0, along = 0;
-  for (int b = 0; b < model.tools.bodyCount(); ++b) {
-    if (toolBody(model, b).tool != tool) continue;
-    forEachContactForce(contactOf(state, b), [&](int, const Float4& on_tissue) {
-      const double f = way.dot(toVec3(on_tissue));
-      (f > 0 ? against : along) += std::abs(f);
-    });
-  }
-  const double sum = against + along;
-  return sum > 0 ? fade(std::abs(against - along) / sum, YieldLimits::wedged, YieldLimits::pushed) : 0;
-}
-
-double pushUnder(double force, double most) { return most > 0 && force > most ? std::min(1.0, force / most - 1) : 0; }
-
 }  // namespace
 
 ToolProxy::ToolProxy(const Model& model, int tool)
     : model_(model),
       tool_(tool),
       max_speed_(tool == 0 ? model.scene.tool_max_speed : model.tools.tool[static_cast<std::size_t>(tool)].max_speed),
-      max_force_(tool == 0 ? model.max_tool_force : model.tools.tool[static_cast<std::size_t>(tool)].max_force),
-      grip_force_(model.tools.empty() ? 0 : model.tools.tool[static_cast<std::size_t>(tool)].grip_force),
       arrival_ticks_(static_cast<int>(std::lround(arrival_seconds * model.scene.rate_hz))),
       max_advance_(YieldLimits::sound_share * slowestSound(model) / model.scene.rate_hz),
       support_(model, tool) {}
@@ -80,21 +45,26 @@ void ToolProxy::beGentle() {
 }
 
 double ToolProxy::freedom(const Model& model, const StepReport& last) {
-  return freedomUnder(model, last, last.tool_force.norm(), model.max_tool_force);
+  const double radius = model.scene.tool.radius;
+  return std::min({fade(last.step_share, YieldLimits::free_step_share, YieldLimits::step_share),
+                   fade(-static_cast<double>(last.min_J), -TrustLimits::min_J, -YieldLimits::min_J),
+                   fade(last.max_penetration, TrustLimits::penetration * radius, YieldLimits::penetration * radius)});
 }
 
-double ToolProxy::pushedBack(const Model& model, const StepReport& last) {
-  return pushUnder(last.tool_force.norm(), model.max_tool_force);
+double ToolProxy::yieldAfter(const Pose& hand, const State& state, const StepReport& report) const {
+  constexpr double at_limit = 0.95;  // of it
+  const bool gave_way = model_.max_tool_force > 0 && report.tool_force.norm() > at_limit * model_.max_tool_force;
+  return gave_way ? (hand.position - state.tool_pose.position).norm() : yield_;
 }
 
 Pose ToolProxy::follow(const Pose& hand, const State& state, const StepReport& last) {
-  return followFrom(postureOf(state, 0), hand, last.tool_force, state, last);
+  return followFrom(postureOf(state, 0), hand, last.tool_force, last);
 }
 
 ToolPosture ToolProxy::follow(const ToolPosture& hand, const State& state, const StepReport& last) {
   const ToolPosture from = postureOf(state, tool_);
   const ToolLoad& load = last.loads[static_cast<std::size_t>(tool_)];
-  return {followFrom(from, hand.pose, load.force, state, last), followOpening(hand.opening, state, last)};
+  return {followFrom(from, hand.pose, load.force, last), followOpening(hand.opening, state, last)};
 }
 
 double ToolProxy::followOpening(double wanted, const State& state, const StepReport& last) const {
@@ -103,16 +73,14 @@ double ToolProxy::followOpening(double wanted, const State& state, const StepRep
   const double reach = (pinch > 0 ? std::min(closing_speed, max_speed_) : max_speed_) / model_.scene.rate_hz;
   double change = std::clamp(wanted - opening, -reach, max_speed_ / model_.scene.rate_hz);
   if (change < 0 && pinch > 0) {
-    const double g = freedomUnder(model_, last, pinch, grip_force_);
+    const double g = freedom(model_, last);
     change *= g * g;
   }
-  if (const double push = pushUnder(pinch, grip_force_); push > 0) change = std::max(change, push * reach);
   return opening + change;
 }
 
-Pose ToolProxy::followFrom(const ToolPosture& from, const Pose& hand, const Vec3& force, const State& state,
-                           const StepReport& last) {
-  Pose pose = yieldFrom(from.pose, hand, force, state, last);
+Pose ToolProxy::followFrom(const ToolPosture& from, const Pose& hand, const Vec3& force, const StepReport& last) {
+  Pose pose = yieldFrom(from.pose, hand, force, last);
   if (support_.empty()) return pose;
   Vec3 move = pose.position - from.pose.position;
   const double reach = max_speed_ / model_.scene.rate_hz;
@@ -125,10 +93,9 @@ Pose ToolProxy::followFrom(const ToolPosture& from, const Pose& hand, const Vec3
   return pose;
 }
 
-Pose ToolProxy::yieldFrom(const Pose& from, const Pose& hand, const Vec3& force, const State& state,
-                          const StepReport& last) {
+Pose ToolProxy::yieldFrom(const Pose& from, const Pose& hand, const Vec3& force, const StepReport& last) {
   const bool touches = !force.isZero(0);
-  const double g = touches ? freedomUnder(model_, last, force.norm(), max_force_) : 1, share = g * g;
+  const double g = touches ? freedom(model_, last) : 1, share = g * g;
   yield_ = 0;
   const Vec3 axis = from.orientation * Vec3::UnitZ();
   const Vec3 out = touches ? Vec3(force.normalized()) : axis;
@@ -142,17 +109,9 @@ Pose ToolProxy::yieldFrom(const Pose& from, const Pose& hand, const Vec3& force,
   if (move.norm() > reach) move *= reach / move.norm();
   const bool deeper = move.dot(out) < 0;
   const double gently = tick_s * gentle_speed;
-  const Vec3 wish = move;
   move = held(held(move, out.dot(axis) * axis, share), out - out.dot(axis) * axis, share);
-  if (const Vec3 rest = wish - move; share < 1 && !rest.isZero(0)) {
-    const double free = freedomOfTissue(last, force.norm(), max_force_);
-    const double most = free * free * wedged(model_, state, tool_, rest) * gently;
-    move += std::min(1.0, most / rest.norm()) * rest;
-  }
   if (gentle_ && touches && deeper && move.norm() > gently) move *= gently / move.norm();
   if (too_fast) move += std::max(0.0, -move.dot(out) - max_advance_) * out;
-  const double push = pushUnder(force.norm(), max_force_);
-  if (push > 0) move += std::max(0.0, push * tick_s * max_speed_ - move.dot(out)) * out;
 
   Pose pose;
   const bool arrives = move == way;

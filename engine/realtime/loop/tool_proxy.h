@@ -13,10 +13,6 @@ struct YieldLimits {
   static constexpr double free_step_share = 1.2;  // up to here it does not count
   static constexpr double min_J = 0.1;            // from TrustLimits::min_J on
   static constexpr double penetration = 0.3;      // of the tool's radius, from TrustLimits::penetration on
-  static constexpr double free_force = 0.5;       // of Model::max_tool_force: up to here the force does not count
-  // Of the contact's forces along the tool's way, those to both sides: with a net push below this the tool is wedged,
-  static constexpr double wedged = 0.25;
-  static constexpr double pushed = 0.5;  // and from here on it is pushed.
   // Of sound in the softest tissue: a tool as fast as sound would crush what is before it, as the tissue behind knows
   // nothing of it yet (J = 1 - speed / sound, in one dimension).
   static constexpr double sound_share = 0.5;
@@ -28,13 +24,7 @@ struct YieldLimits {
 ///   advance = g^2 (hand - tool), along the tool's axis and across it, each as far as it goes against the tissue's push
 ///   g = min over the limits of clamp((limit - value) / (limit - begin), 0, 1)
 ///
-/// Within a step no force passes Model::max_tool_force (simulation/yielding_contacts.h). What still does, where even
-/// the tool's greatest speed is too slow to give way, pushes the tool back:
-///
-///   retreat = min(force / max_tool_force - 1, 1) tool_max_speed, along the push
-///
-/// Skin that lies deep in the tool on both sides of its way, as where a fold has closed over it, wedges it: no way is
-/// away from that. There penetration alone doesn't hold it, it goes at gentle_speed.
+/// To more than Model::max_tool_force it gives way within the step (ToolHold).
 ///
 /// It stands before what holds the organ (RigidSupport), whatever the tissue between takes.
 ///
@@ -67,7 +57,7 @@ class ToolProxy {
   ToolPosture follow(const ToolPosture& hand, const State& state, const StepReport& last);
 
   /// How far its jaws are open at the tick's end, m: as a tool that advances yields to what it presses, jaws that close
-  /// yield to what they pinch. They stop at their grip_force (ToolSetUp), however much narrower the hand wants them.
+  /// yield to what they pinch. At their grip_force they close no further within the step.
   double followOpening(double wanted, const State& state, const StepReport& last) const;
 
   /// The tissue was put back.
@@ -84,23 +74,20 @@ class ToolProxy {
     arrived_ticks_ = memory.arrived_ticks;
   }
 
-  /// m, how far the tool stays behind the hand because it yields; 0: it does not.
-  double yield() const { return yield_; }
+  /// After the tick that it led to: m, how far the tool stays behind the hand because it yields, or is at its
+  /// max_force; 0: it does not.
+  double yieldAfter(const Pose& hand, const State& state, const StepReport& report) const;
 
   /// g above: 1 free, 0 no further.
   static double freedom(const Model& model, const StepReport& last);
-  /// 0: the force is within Model::max_tool_force; else, up to 1, how much of the tool's greatest speed it is pushed
-  /// back with.
-  static double pushedBack(const Model& model, const StepReport& last);
 
  private:
-  Pose followFrom(const ToolPosture& from, const Pose& hand, const Vec3& force, const State& state,
-                  const StepReport& last);
-  Pose yieldFrom(const Pose& from, const Pose& hand, const Vec3& force, const State& state, const StepReport& last);
+  Pose followFrom(const ToolPosture& from, const Pose& hand, const Vec3& force, const StepReport& last);
+  Pose yieldFrom(const Pose& from, const Pose& hand, const Vec3& force, const StepReport& last);
 
   const Model& model_;
   int tool_;
-  double max_speed_, max_force_, grip_force_;  // m/s, N, N
+  double max_speed_;  // m/s
   const int arrival_ticks_;
   const double max_advance_;  // m a tick in tissue
   RigidSupport support_;

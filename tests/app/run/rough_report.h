@@ -13,6 +13,8 @@ inline app::SoakReport roughReport(app::RoughMotion& motion, const RunSummary& s
   report.organ_size_m = motion.rest().organSize();
   report.frozen = summary.frozen;
   report.restored = summary.restored_count;
+  report.restores = summary.restores;
+  report.ticks = summary.ticks;
   for (app::SoakCycle cycle; motion.cycles().pop(cycle);) addCycle(report, cycle);
   return report;
 }

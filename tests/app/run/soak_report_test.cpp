@@ -64,6 +64,37 @@ TEST_CASE("Each broken promise of a soak is named, and a good run breaks none", 
   only(report, "still moving");
 }
 
+TEST_CASE("A rough hand may not put the tissue back more often than was measured, whatever it is lost to",
+          "[soak_report]") {
+  struct Limit {
+    std::int64_t Restores::*count;
+    double limit;
+    const char* named;
+  };
+  for (const Limit& one : {Limit{&Restores::lost, RoughLimits::lost, "was lost"},
+                           Limit{&Restores::folded, RoughLimits::folded, "folded"},
+                           Limit{&Restores::caught, RoughLimits::caught, "caught the tool"},
+                           Limit{&Restores::slid, RoughLimits::slid, "slid away"}})
+    for (const std::int64_t ticks : {std::int64_t{1000}, std::int64_t{2'000'000}}) {
+      SoakReport report = goodReport();
+      report.rough = true;
+      report.ticks = ticks;
+      report.flags = kBlowUp;  // a loss is counted, not told by its flag
+      report.restores.*one.count = report.restored =
+          1 + static_cast<std::int64_t>(1e-6 * one.limit * static_cast<double>(ticks));
+      CHECK(brokenPromises(report).empty());
+      ++(report.restores.*one.count);
+      REQUIRE(brokenPromises(report).size() == 1);
+      CHECK(brokenPromises(report)[0].find(one.named) != std::string::npos);
+    }
+  SoakReport report = goodReport();
+  report.rough = true;
+  report.crossings = RoughLimits::crossings;
+  CHECK(brokenPromises(report).empty());
+  ++report.crossings;
+  CHECK(brokenPromises(report).size() == 1);
+}
+
 TEST_CASE("A soak's report has what was measured, as JSON and as text", "[soak_report]") {
   SoakReport report = goodReport();
   SoakCycle cycle;

@@ -1,0 +1,52 @@
+#include "app/run/skin_crossings.h"
+
+#include <algorithm>
+
+namespace palpate::app {
+namespace {
+
+/// Six times the signed volume of a tetrahedron.
+double volume(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) { return (b - a).cross(c - a).dot(d - a); }
+
+/// The segment p q goes through the triangle's inside.
+bool pierces(const Vec3& p, const Vec3& q, const Vec3& a, const Vec3& b, const Vec3& c) {
+  if (volume(a, b, c, p) * volume(a, b, c, q) >= 0) return false;
+  const double ab = volume(p, q, a, b), bc = volume(p, q, b, c), ca = volume(p, q, c, a);
+  return (ab > 0 && bc > 0 && ca > 0) || (ab < 0 && bc < 0 && ca < 0);
+}
+
+}  // namespace
+
+SkinCrossings::SkinCrossings(const SkinModel& skin)
+    : skin_(skin),
+      x_(skin.surface.vertices.size()),
+      box_(skin.surface.triangles.size()),
+      spans_(skin.surface.triangles.size()) {}
+
+bool SkinCrossings::cross(int a, int b) const {
+  const std::array<int, 3>&s = skin_.surface.triangles[a], &t = skin_.surface.triangles[b];
+  for (const int v : s)
+    if (std::find(t.begin(), t.end(), v) != t.end()) return false;
+  for (std::size_t k = 0; k < 3; ++k)
+    if (pierces(x_[s[k]], x_[s[(k + 1) % 3]], x_[t[0]], x_[t[1]], x_[t[2]]) ||
+        pierces(x_[t[k]], x_[t[(k + 1) % 3]], x_[s[0]], x_[s[1]], x_[s[2]]))
+      return true;
+  return false;
+}
+
+int SkinCrossings::count(const Float4* u) {
+  for (std::size_t v = 0; v < x_.size(); ++v) x_[v] = skinPosition(skin_, static_cast<int>(v), u);
+  for (std::size_t t = 0; t < box_.size(); ++t) {
+    box_[t].setEmpty();
+    for (const int v : skin_.surface.triangles[t]) box_[t].extend(x_[v]);
+    spans_[t] = {box_[t].min().x(), box_[t].max().x(), static_cast<int>(t)};
+  }
+  std::sort(spans_.begin(), spans_.end(), [](const Span& a, const Span& b) { return a.low < b.low; });
+  int count = 0;
+  for (auto a = spans_.begin(); a != spans_.end(); ++a)
+    for (auto b = a + 1; b != spans_.end() && b->low <= a->high; ++b)
+      count += box_[a->triangle].intersects(box_[b->triangle]) && cross(a->triangle, b->triangle);
+  return count;
+}
+
+}  // namespace palpate::app

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "contact/skin.h"
+
+namespace palpate::app {
+
+/// Counts where the skin passes through itself, which skin that knows no contact with itself can. Not real-time: some
+/// ms for 20,000 triangles.
+class SkinCrossings {
+ public:
+  /// @param skin  must outlive this
+  explicit SkinCrossings(const SkinModel& skin);
+
+  /// @param u  (node_count) m
+  /// @return pairs of triangles without a common vertex of which an edge of one goes through the other; those that only
+  /// touch, or lie in one plane, may count or not
+  int count(const Float4* u);
+
+ private:
+  struct Span {
+    double low = 0, high = 0;  // m, along x
+    int triangle = 0;
+  };
+  bool cross(int a, int b) const;
+
+  const SkinModel& skin_;
+  std::vector<Vec3> x_;                   // (vertex_count) m
+  std::vector<Eigen::AlignedBox3d> box_;  // (triangle_count) m
+  std::vector<Span> spans_;               // (triangle_count) by low
+};
+
+}  // namespace palpate::app

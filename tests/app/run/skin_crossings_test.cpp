@@ -1,0 +1,28 @@
+#include "app/run/skin_crossings.h"
+
+#include <catch2/catch.hpp>
+
+#include "support/small_scene.h"
+
+using namespace palpate;
+using namespace palpate::app;
+
+TEST_CASE("Skin crosses itself where one side is pushed through the other, and nowhere at rest or turned inside out",
+          "[skin_crossings]") {
+  const Model model = test::blockModel(test::blockScene());
+  SkinCrossings crossings(model.skin);
+  AlignedVector<Float4> u = initialState(model).u;
+  CHECK(crossings.count(u.data()) == 0);
+  double top = 0;
+  for (const Vec3& X : model.X) top = std::max(top, X.z());
+  const auto moveUp = [&](auto&& way) {
+    for (std::size_t i = 0; i < model.X.size(); ++i) u[i].z = static_cast<float>(way(model.X[i]));
+    return crossings.count(u.data());
+  };
+  CHECK(moveUp([&](const Vec3& X) { return 0.5 * X.z(); }) == 0);
+  CHECK(moveUp([&](const Vec3& X) { return -2 * X.z(); }) == 0);
+  // The middle of the base goes up through the top.
+  const int through = moveUp([&](const Vec3& X) { return 1.5 * (top - X.z()) * (X.head<2>().norm() < 0.012); });
+  CHECK(through > 0);
+  CHECK(moveUp([&](const Vec3& X) { return -1.5 * X.z() * (X.head<2>().norm() < 0.012); }) > 0);
+}
