@@ -11,6 +11,7 @@
 #include "app/render/offscreen_context.h"
 #include "app/run/composition.h"
 #include "app/run/run_checks.h"
+#include "app/run/run_export.h"
 #include "app/run/saved_files.h"
 #include "app/trainer/feel_check.h"
 #include "app/trainer/score_page.h"
@@ -186,9 +187,12 @@ int runOffscreen(Session& session) {
     writeStateVtu(results.fileNamed(stem + ".vtu"), session.model(), snapshot.u);
     std::cout << "fields       " << results.fileNamed(stem + ".vtu") << '\n';
   };
+  std::optional<RunExport> exported;
+  if (!options.export_file.empty()) exported.emplace(options.export_file, session.model());
   const bool one = options.snapshot_at.size() <= 1;
   std::vector<Picture> animation;
   runAndTake(session, [&](double time, const Snapshot& snapshot) {
+    if (exported) return exported->add(snapshot);
     if (!options.animation.empty()) {
       animation.push_back(drawPicture(organ, session, snapshot));
       return;
@@ -211,6 +215,10 @@ int runOffscreen(Session& session) {
     animation.push_back(drawPicture(organ, session, session.latest()));
     writeAnimation(options.animation, animation, 1 / animation_rate, animation_end_seconds);
     std::cout << "animation    " << options.animation << '\n';
+  }
+  if (exported) {
+    exported->write();
+    std::cout << "export       " << options.export_file << '\n';
   }
   if (manifest.picture_times_s.empty()) keep("snapshot", session.latest());  // with the lumps, once the answers are in
 
