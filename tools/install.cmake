@@ -45,6 +45,11 @@ if(PALPATE_APP)
   install(DIRECTORY shaders DESTINATION ${CMAKE_INSTALL_DATADIR}/palpate COMPONENT data)
 endif()
 
+if(TARGET palpate_igtl)
+  set_target_properties(palpate_igtl PROPERTIES INSTALL_RPATH $ORIGIN/../${CMAKE_INSTALL_LIBDIR})
+  install(TARGETS palpate_igtl RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT igtl)
+endif()
+
 if(PALPATE_NATIVE)
   install(CODE "message(STATUS \"For this machine's kind of processor; for others: tools/build portable\")"
           ALL_COMPONENTS)

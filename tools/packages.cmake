@@ -56,6 +56,8 @@ palpate_package(library libpalpate NEEDS data SECTION libs
                 WHAT "Palpate as a C library: soft tissue under a tool, step by step or in real time.")
 palpate_package(python python3-palpate ALL NEEDS library ASKS python3 python3-numpy SECTION python
                 WHAT "Palpate in Python: models, simulations, environments for reinforcement learning.")
+# What Python has kept beside the package goes with it.
+set(CPACK_DEBIAN_PYTHON_PACKAGE_CONTROL_EXTRA ${PROJECT_SOURCE_DIR}/tools/packaging/prerm)
 if(PALPATE_APP)
   palpate_package(programs palpate NEEDS data ASKS ${WINDOW} WISHES ${DRIVERS} fonts-dejavu-core SECTION science
                   WHAT "Press a probe into soft tissue and read the force: palpate, and mtled for batch work.")
@@ -67,6 +69,10 @@ else()
   palpate_package(programs palpate NEEDS data SECTION science WHAT "mtled: soft tissue simulated in batch.")
   palpate_package(development libpalpate-dev NEEDS library SECTION libdevel
                   WHAT "Header, pkg-config and CMake files of libpalpate.")
+endif()
+if(TARGET palpate_igtl)
+  palpate_package(igtl palpate-igtl NEEDS library SECTION science
+                  WHAT "A server of OpenIGTLink, for 3D Slicer and navigation: a tracked tool in, force and tissue out.")
 endif()
 set(CPACK_PALPATE_NATIVE ${PALPATE_NATIVE})
 include(CPack)

@@ -64,6 +64,11 @@ if [ -e libpalpate-image.list ]; then
   unpacked/usr/bin/palpate --version | grep -q "^palpate $version," || fail "palpate --version"
 fi
 
+if [ -e palpate-igtl.list ]; then
+  has palpate-igtl /usr/bin/palpate-igtl$
+  depends palpate-igtl libpalpate libopenigtlink1.11
+fi
+
 # Unpacked, without what -dev brings and far from the source tree.
 find unpacked -name 'libpalpate*.so' -delete
 unset PALPATE_LIBRARY PALPATE_DATA_DIR
