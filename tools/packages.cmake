@@ -72,7 +72,7 @@ else()
 endif()
 if(TARGET palpate_igtl)
   palpate_package(igtl palpate-igtl NEEDS library SECTION science
-                  WHAT "A server of OpenIGTLink, for 3D Slicer and navigation: a tracked tool in, force and tissue out.")
+                  WHAT "A server of OpenIGTLink, for 3D Slicer: a tracked tool in, force and tissue out.")
 endif()
 set(CPACK_PALPATE_NATIVE ${PALPATE_NATIVE})
 include(CPack)
