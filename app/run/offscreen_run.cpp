@@ -216,15 +216,15 @@ int runOffscreen(Session& session) {
     writeAnimation(options.animation, animation, 1 / animation_rate, animation_end_seconds);
     std::cout << "animation    " << options.animation << '\n';
   }
-  if (exported) {
-    exported->write();
-    std::cout << "export       " << options.export_file << '\n';
-  }
   if (manifest.picture_times_s.empty()) keep("snapshot", session.latest());  // with the lumps, once the answers are in
 
   const std::string report = toJson(session.report());
   results.writeReport(report);
   writeManifest(session, manifest);
+  if (exported) {  // last: where it can't be written, all else is
+    exported->write();
+    std::cout << "export       " << options.export_file << '\n';
+  }
   if (options.soak_minutes)
     std::cout << "soak         " << results.soakTextFile() << '\n';
   else
