@@ -19,8 +19,8 @@ std::string exportProblem(const std::string& path);
 /// Whether it keeps the body's inside, too, which a search hides.
 bool exportsInside(const std::string& path);
 
-/// A run over time for other programs: *.gltf or *.glb with skin and tools as an animation, or *.pvd, ParaView's series,
-/// whose moments (VTU: the body with displacement, stress, J) lie in a folder of the same name.
+/// A run over time for other programs: *.gltf or *.glb with skin and tools as an animation, or *.pvd, ParaView's
+/// series, whose moments (VTU: the body with displacement, stress, J) lie in a folder of the same name.
 class RunExport {
  public:
   /// Throws std::runtime_error with file and reason where nothing can be written there.
