@@ -11,6 +11,7 @@
 #include "app/render/offscreen_context.h"
 #include "app/run/composition.h"
 #include "app/run/run_checks.h"
+#include "app/run/run_export.h"
 #include "app/run/saved_files.h"
 #include "app/trainer/feel_check.h"
 #include "app/trainer/score_page.h"
@@ -186,9 +187,12 @@ int runOffscreen(Session& session) {
     writeStateVtu(results.fileNamed(stem + ".vtu"), session.model(), snapshot.u);
     std::cout << "fields       " << results.fileNamed(stem + ".vtu") << '\n';
   };
+  std::optional<RunExport> exported;
+  if (!options.export_file.empty()) exported.emplace(options.export_file, session.model());
   const bool one = options.snapshot_at.size() <= 1;
   std::vector<Picture> animation;
   runAndTake(session, [&](double time, const Snapshot& snapshot) {
+    if (exported) return exported->add(snapshot);
     if (!options.animation.empty()) {
       animation.push_back(drawPicture(organ, session, snapshot));
       return;
@@ -217,6 +221,10 @@ int runOffscreen(Session& session) {
   const std::string report = toJson(session.report());
   results.writeReport(report);
   writeManifest(session, manifest);
+  if (exported) {  // last: where it can't be written, all else is
+    exported->write();
+    std::cout << "export       " << options.export_file << '\n';
+  }
   if (options.soak_minutes)
     std::cout << "soak         " << results.soakTextFile() << '\n';
   else

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <sstream>
 
+#include "app/run/run_export.h"
 #include "base/build_info.h"
 #include "base/input_error.h"
 #include "base/nearest_word.h"
@@ -97,6 +98,11 @@ void addPictureOptions(CLI::App& app, Options& o, Texts& texts) {
                  "Off-screen: the run as an animated PNG, in the end with what was hidden, e.g. palpate lump_liver "
                  "--offscreen --seconds 6 --ghost --animation found.png --size 640x400")
       ->type_name("PNG");
+  app.add_option("--export", o.export_file,
+                 "Off-screen: the run over time for other programs: .gltf or .glb (skin and tools, for viewers and "
+                 "films), .pvd (the whole body, for ParaView), e.g. palpate liver --replay session.rec --offscreen "
+                 "--fast --export run.glb")
+      ->type_name("FILE");
   app.add_flag("--fields", o.dump_fields, "Off-screen: the deformed body beside each picture, as VTU, e.g. --fields");
   app.add_option(
          "--compare", o.compare,
@@ -158,6 +164,12 @@ std::string readPictureOptions(Options& o, const Texts& texts) {
       return format("--animation shows at most %.0f s; give a smaller --seconds", most_animated_seconds);
     const int pictures = std::max(2, static_cast<int>(*o.seconds * animation_rate));
     for (int k = 1; k <= pictures; ++k) o.snapshot_at.push_back(k * *o.seconds / pictures);
+  }
+  if (!o.export_file.empty()) {
+    if (!o.offscreen || !o.snapshot_at.empty() || o.soak_minutes)
+      return "--export is for off-screen runs, a replay too, without --snapshot-at, --animation and --soak; add "
+             "--offscreen";
+    if (const std::string wrong = exportProblem(o.export_file); !wrong.empty()) return wrong;
   }
   if (!o.compare.empty() && !o.offscreen && !o.scene.ends_with(".png"))
     return "--compare is for off-screen runs and pictures; add --offscreen";

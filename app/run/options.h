@@ -24,6 +24,7 @@ struct Options {
   PictureChoice picture;                  // of these
   bool dump_fields = false;               // beside each picture, for ParaView
   std::string animation;                  // file of the run as an animated PNG; empty: none
+  std::string export_file;                // of the run for other programs (RunExport); empty: none
   std::string compare, expect;            // a reference picture, a baseline of the report; empty: none
   double tolerance = 0.5;                 // of compare: mean delta E
   bool trainee = false;                   // a trainee by rule looks for the lumps

@@ -8,6 +8,7 @@
 #include <iostream>
 #include <stdexcept>
 
+#include "app/run/run_export.h"
 #include "app/trainer/feel_check.h"
 #include "app/trainer/felt_layout.h"
 #include "base/interrupt.h"
@@ -39,6 +40,7 @@ std::string fileName(const std::string& path) { return std::filesystem::path(pat
 /// The files that the run will write, opened or tried before anything takes time.
 std::optional<ResultFolder> openResults(const Options& options) {
   if (!options.record.empty()) checkWritable(options.record, "choose another file with --record");
+  if (!options.export_file.empty()) checkWritable(options.export_file, "choose another file with --export");
   const std::string named = "out/" + std::filesystem::path(options.scene).stem().string();
   // A soak's force curve would grow by 150 MB an hour and tell nothing that its report doesn't.
   if (options.soak_minutes) return ResultFolder(options.out.empty() ? named + "-soak" : options.out, false);
@@ -56,9 +58,10 @@ bool isSubmitted(const Recording& recording) {
 void checkSearch(const Options& options, const Scene& scene, const std::optional<Recording>& replay) {
   const bool answered =
       options.answers || options.trainee || (replay ? isSubmitted(*replay) : !options.animation.empty());
-  if (!isTask(scene) || answered || !(options.picture.showsInside() || options.dump_fields)) return;
+  const bool inside = options.picture.showsInside() || options.dump_fields || exportsInside(options.export_file);
+  if (!isTask(scene) || answered || !inside) return;
   throw InputError(scene.place,
-                   "the scene is a search for lumps, and --cut, --ghost, --fields, stress, J, nodes and "
+                   "the scene is a search for lumps, and --cut, --ghost, --fields, a .pvd, stress, J, nodes and "
                    "points would show them",
                    replay ? "replay a recording of a search that was submitted, or leave them out"
                           : "add --answers, which shows them without a search, or leave them out");
@@ -195,6 +198,7 @@ Session::Session(const Options& options, const Scene& scene, Log& log, const Loa
   loop_options.as_fast_as_possible = options_.as_fast_as_possible;
   loop_options.start_paused = !options_.offscreen;  // the window resumes with its first picture
   chooseInput(loop_options);
+  if (!options_.export_file.empty()) options_.snapshot_at = exportTimes(loop_options.tick_limit);
   for (const double time : options_.snapshot_at) loop_options.pause_at.push_back(ticksIn(time, scene_.rate_hz));
 
   if (!options_.record.empty()) {
@@ -279,6 +283,18 @@ void Session::chooseInput(SimulationLoopOptions& loop_options) {
     loop_options.tick_limit = ticksIn(track_seconds, rate);
 }
 
+/// When moments of a run of so many ticks are exported, s.
+std::vector<double> Session::exportTimes(std::int64_t ticks) const {
+  const double end = static_cast<double>(ticks) / scene_.rate_hz;
+  if (end > most_exported_seconds)
+    throw InputError({}, format("--export keeps at most %.0f s, and this run takes %.1f", most_exported_seconds, end),
+                     "give a smaller --seconds");
+  std::vector<double> times;
+  for (int k = 1; k / export_rate < end; ++k) times.push_back(k / export_rate);
+  times.push_back(end);
+  return times;
+}
+
 void Session::start() {
   if (results_) results_->begin(model_.tools);
   loop_->start();
@@ -347,6 +363,8 @@ void Session::takeEvent(const LogEvent& event) {
     frozen_reason_ = text;
     if (soak_) loop_->quit();  // broken for good
     log_.add(LogLevel::Error, event.time_s, shown, text);
+  } else if (!options_.export_file.empty() && event.kind == Kind::Resumed) {
+    // After each moment that was taken.
   } else if (options_.rough && !event.isRestore()) {
     // Each second of a rough hand has its warnings and settings: the report has their sums.
   } else if (event.isWarning() || event.kind == Kind::MaterialRefused) {

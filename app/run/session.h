@@ -134,6 +134,7 @@ class Session {
 
  private:
   void chooseInput(SimulationLoopOptions& loop_options);
+  std::vector<double> exportTimes(std::int64_t ticks) const;
   void followScript(const ToolScript& script, SimulationLoopOptions& loop_options);
   void takeForces(std::int64_t until_tick);
   void takeEvent(const LogEvent& event);

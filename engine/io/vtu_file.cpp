@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "base/number_text.h"
+#include "io/base64.h"
 #include "io/output_file.h"
 
 namespace palpate {
@@ -28,20 +29,6 @@ const char* typeName() {
   if constexpr (std::is_same_v<T, double>) return "Float64";
   if constexpr (std::is_same_v<T, int>) return "Int32";
   return "UInt8";
-}
-
-void appendBase64(std::string& text, const std::vector<unsigned char>& bytes) {
-  constexpr char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    const std::size_t count = std::min<std::size_t>(3, bytes.size() - i);
-    unsigned group = bytes[i] * 0x10000U;
-    if (count > 1) group += bytes[i + 1] * 0x100U;
-    if (count > 2) group += bytes[i + 2];
-    text += digits[group >> 18];
-    text += digits[group >> 12 & 63];
-    text += count > 1 ? digits[group >> 6 & 63] : '=';
-    text += count > 2 ? digits[group & 63] : '=';
-  }
 }
 
 std::string escaped(const std::string& text) {

@@ -336,6 +336,7 @@ TEST_CASE("Off-screen, too, nothing shows a search's inside; --answers shows it 
   refused([](Options& o) { o.picture.show = "contact,nodes"; });
   refused([](Options& o) { o.picture.show = "points"; });
   refused([](Options& o) { o.dump_fields = true; });
+  refused([](Options& o) { o.export_file = "run.pvd"; });
   options.picture.field = ColourMap::Displacement;  // of the skin
   CHECK_NOTHROW(checkOptions(options));
   options.answers = true;

@@ -10,9 +10,10 @@ Many at once: step_many(simulations, poses). In the form that reinforcement lear
 `VectorEnv` (environment.py). Models and simulations can be pickled: models by what they were made from, simulations by
 their state.
 
-The library is looked for in $PALPATE_LIBRARY (a file), beside an installed copy of this package, and in the release
-build, or else the newest, of the source tree that this is in. Units are m, N, s, rad; a pose is x, y, z, then the
-quaternion x, y, z, w. What may be called by which thread, and what each number means, stands in palpate.h.
+The library is looked for in $PALPATE_LIBRARY (a file), beside an installed copy of this package, in the release build,
+or else the newest, of the source tree that this is in, and where the system keeps libraries. Units are m, N, s, rad; a
+pose is x, y, z, then the quaternion x, y, z, w. What may be called by which thread, and what each number means, stands
+in palpate.h.
 """
 from ._library import (BAD_ARGUMENT, BAD_INPUT, BUSY, DOUBTS, FAILED, MATERIAL, OK, REFUSED, REGION, TOOL, Coupling,
                        Error, SkinPlace, State, ToolState, Wrench, find_library, library, version)

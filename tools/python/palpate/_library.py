@@ -5,6 +5,7 @@ import os
 
 import numpy as np
 
+ABI = "0.2"  # of the library that the structs here are those of
 OK, BAD_ARGUMENT, BAD_INPUT, REFUSED, BUSY, FAILED = range(6)
 MATERIAL, TOOL, REGION = range(3)
 DOUBTS = ("good", "volume", "contact", "squeezed", "step", "energy", "inverted", "lost", "resolution")
@@ -142,14 +143,23 @@ def find_library(name="palpate"):
     if name == "palpate" and os.environ.get("PALPATE_LIBRARY"):
         return os.environ["PALPATE_LIBRARY"]
     file, here = f"lib{name}.so", os.path.dirname(os.path.dirname(os.path.realpath(__file__)))
+    versioned = f"{file}.{ABI}"
     if name != "palpate":  # beside the one in use
-        return os.path.join(os.path.dirname(os.path.realpath(find_library())), file)
+        used = find_library()
+        beside = os.path.join(os.path.dirname(os.path.realpath(used)), file) if "/" in used else versioned
+        return beside if os.path.exists(beside) or "/" not in used else f"{beside}.{ABI}"
     up = lambda *parts: os.path.normpath(os.path.join(here, *parts))
-    places = glob.glob(up("../../../lib*", file)) + glob.glob(up("../../../lib/*", file))
+    places = [place for file in (file, versioned) for lib in ("lib*", "lib/*")
+              for place in glob.glob(up("../../..", lib, file))]
     places += sorted(glob.glob(up("../../build/*", file)), key=lambda p: ("release" not in p, -os.path.getmtime(p)))
-    if not places:
-        raise Error(FAILED, f"there is no {file} near {here}; install or build Palpate, or set PALPATE_LIBRARY")
-    return places[0]
+    if places:
+        return places[0]
+    try:
+        C.CDLL(versioned)
+    except OSError:
+        raise Error(FAILED, f"there is no {file} near {here}, nor {versioned} where the system keeps libraries; "
+                            "install or build Palpate, or set PALPATE_LIBRARY") from None
+    return versioned
 
 
 def _load_library():

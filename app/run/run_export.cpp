@@ -1,0 +1,104 @@
+#include "app/run/run_export.h"
+
+#include <filesystem>
+
+#include "app/render/solid_mesh.h"
+#include "app/run/saved_files.h"
+#include "base/number_text.h"
+#include "simulation/tool_bodies.h"
+
+namespace palpate::app {
+
+namespace {
+
+const Vec3 tool_colour(0.55, 0.57, 0.6);
+
+bool isSeries(const std::string& path) { return path.ends_with(".pvd"); }
+
+TriangleSurface surfaceOf(const SolidMesh& mesh) {
+  TriangleSurface surface;
+  for (const SolidVertex& vertex : mesh.vertices) surface.vertices.push_back(vertex.position.cast<double>());
+  for (std::size_t k = 0; k + 2 < mesh.indices.size(); k += 3) {
+    const std::uint32_t a = mesh.indices[k], b = mesh.indices[k + 1], c = mesh.indices[k + 2];
+    const Vec3f &A = mesh.vertices[a].position, &B = mesh.vertices[b].position, &C = mesh.vertices[c].position;
+    if (A == B || B == C || C == A) continue;  // at the poles of what was turned
+    surface.triangles.push_back({static_cast<int>(a), static_cast<int>(b), static_cast<int>(c)});
+  }
+  return surface;
+}
+
+/// The folder of a series' moments, as it stands in the series.
+std::string folderName(const std::string& path) { return std::filesystem::path(path).stem().string(); }
+
+}  // namespace
+
+std::string exportProblem(const std::string& path) {
+  for (const char* ending : {".gltf", ".glb", ".pvd"})
+    if (path.ends_with(ending) && std::filesystem::path(path).stem() != ending) return "";
+  return "--export: '" + path +
+         "' ends in none of .gltf, .glb (films and viewers) and .pvd (ParaView: a .vtu for each moment)";
+}
+
+bool exportsInside(const std::string& path) { return isSeries(path); }
+
+RunExport::RunExport(std::string path, const Model& model) : path_(std::move(path)), model_(model) {
+  if (isSeries(path_)) {
+    const std::filesystem::path folder = std::filesystem::path(path_).parent_path() / folderName(path_);
+    std::error_code error;
+    std::filesystem::create_directories(folder, error);
+    if (error) throw std::runtime_error("can't make the folder " + folder.string() + ": " + error.message());
+    return;
+  }
+  run_.surface.name = "tissue";
+  run_.surface.rest = model.skin.surface;
+  run_.surface.colour = model.scene.tissue_colour;
+  run_.curves = {{"force_N_x", {}}, {"force_N_y", {}}, {"force_N_z", {}}, {"doubted", {}}};
+  for (int b = 0; b < model.tools.bodyCount(); ++b)
+    run_.bodies.push_back(
+        {"tool " + std::to_string(b + 1), surfaceOf(toolMesh(toolBody(model, b).shape)), tool_colour, {}});
+  // The first moment is rest, before any tick.
+  run_.time_s = {0};
+  run_.surface.frames.emplace_back();
+  for (const Vec3& X : run_.surface.rest.vertices) run_.surface.frames[0].push_back(X.cast<float>());
+  for (auto& [name, values] : run_.curves) values.push_back(0);
+  addPoses(nullptr);
+}
+
+/// @param snapshot  null: where they start
+void RunExport::addPoses(const Snapshot* snapshot) {
+  for (std::size_t b = 0; b < run_.bodies.size(); ++b) {
+    const ToolBody body = toolBody(model_, static_cast<int>(b));
+    ToolPosture posture = startOf(model_, body.tool);
+    if (snapshot != nullptr && snapshot->tools.count > 0) posture = snapshot->tools.posture(body.tool);
+    if (snapshot != nullptr && snapshot->tools.count == 0) posture.pose = snapshot->tool_pose;
+    run_.bodies[b].poses.push_back(bodyPose(body, posture));
+  }
+}
+
+void RunExport::add(const Snapshot& snapshot) {
+  const double time = snapshot.force.time_s;
+  if (isSeries(path_)) {
+    if (!series_.empty() && time <= series_.back().time) return;
+    const std::string file =
+        format("%s/%s_%04zu.vtu", folderName(path_).c_str(), folderName(path_).c_str(), series_.size());
+    writeStateVtu((std::filesystem::path(path_).parent_path() / file).string(), model_, snapshot.u);
+    series_.push_back({time, file});
+    return;
+  }
+  if (time <= run_.time_s.back()) return;
+  run_.time_s.push_back(time);
+  std::vector<Vec3f>& x = run_.surface.frames.emplace_back();
+  for (int v = 0; v < model_.skin.vertexCount(); ++v)
+    x.push_back(skinPosition(model_.skin, v, snapshot.u.data()).cast<float>());
+  for (std::size_t k = 0; k < 3; ++k)
+    run_.curves[k].second.push_back(snapshot.force.force_raw[static_cast<Eigen::Index>(k)]);
+  run_.curves[3].second.push_back(snapshot.force.doubt == Doubt::None ? 0 : 1);
+  addPoses(&snapshot);
+}
+
+void RunExport::write() const {
+  if (isSeries(path_)) return writePvd(path_, series_);
+  writeGltf(path_, run_);
+}
+
+}  // namespace palpate::app
