@@ -9,15 +9,15 @@
 namespace palpate {
 namespace {
 
-/// Whether node i of B has the row of N that node k of A has.
+/// Whether node i of B has the row of N that node k of A has, as far as a force can tell.
 bool sameRow(const Model& a, int k, const Model& b, int i, const std::vector<int>& from) {
-  if (a.X[k] != b.X[i]) return false;
+  if ((a.X[k] - b.X[i]).norm() > same_place) return false;
   const ShapeTable &A = a.node_shape, &B = b.node_shape;
   const int count = B.begin[i + 1] - B.begin[i];
   if (A.begin[k + 1] - A.begin[k] != count) return false;
   for (int e = 0; e < count; ++e) {
     const int p = A.begin[k] + e, q = B.begin[i] + e;
-    if (from[B.node[q]] != A.node[p] || A.N[p] != B.N[q]) return false;
+    if (from[B.node[q]] != A.node[p] || std::abs(A.N[p] - B.N[q]) > same_N) return false;
   }
   return true;
 }
@@ -84,7 +84,7 @@ Passage makePassage(const Place& a, const Place& b) {
   if (!failed.empty()) throw std::runtime_error("a node of a place lies where the other has no approximation");
   for (std::size_t r = 0; r < passage.node.size(); ++r) {
     const int k = passage.from[passage.node[r]];
-    if (k >= 0 && a.model.X[k] == moved[r])
+    if (k >= 0 && (a.model.X[k] - moved[r]).norm() <= same_place)
       addRow(a.model.node_shape, k, passage.at);  // at borders between materials a node's own parameter
     else
       addRow(shape, static_cast<int>(r), passage.at);
