@@ -94,7 +94,8 @@ Passage makePassage(const Place& a, const Place& b) {
 
 void applyPassage(const Place& a, const Place& b, const Passage& passage, const State& before, PassageScratch& scratch,
                   State& state) {
-  carry(passage, [&](int k) -> Vec3 { return vectorOf(before.u[k]) + vectorOf(before.u_low[k]); }, scratch);
+  carry(
+      passage, [&](int k) -> Vec3 { return vectorOf(before.u[k]) + vectorOf(before.u_low[k]); }, scratch);
   for (std::size_t i = 0; i < passage.from.size(); ++i) {
     const Vec3& u = scratch.values[i];
     state.u[i] = toFloat4(u);
@@ -103,7 +104,8 @@ void applyPassage(const Place& a, const Place& b, const Passage& passage, const 
   for (std::size_t i = 0; i < passage.from.size(); ++i)
     if (const int k = passage.from[i]; k >= 0 && vectorOf(state.u[i]) == vectorOf(before.u[k]))
       state.u_low[i] = before.u_low[k];
-  carry(passage, [&](int k) -> Vec3 { return vectorOf(before.du[k]); }, scratch);
+  carry(
+      passage, [&](int k) -> Vec3 { return vectorOf(before.du[k]); }, scratch);
   for (std::size_t i = 0; i < passage.from.size(); ++i) state.du[i] = toFloat4(scratch.values[i]);
 
   state.local_mass.active = before.local_mass.active;

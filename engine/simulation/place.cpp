@@ -125,8 +125,7 @@ Places makePlaces(const Scene& as_read, const TriangleSurface& organ, const Prog
   Scene fine = as_read;
   fine.spacing = sizes.fine;
   fine.refine = finerThan(sizes.fine, as_read.refine);
-  Discretization d =
-      discretizeOnSurface(fine, places.organ, [&](double share) { report("fine cloud", 0.5 * share); });
+  Discretization d = discretizeOnSurface(fine, places.organ, [&](double share) { report("fine cloud", 0.5 * share); });
   putInSlices(d);
   places.cloud = nestedOrder(d.cloud, dimensionsOf(fine, places.organ, d), spacingField(fine));
   keepRegions(as_read, places.organ, places.cloud);
@@ -141,9 +140,8 @@ Places makePlaces(const Scene& as_read, const TriangleSurface& organ, const Prog
   places.common.skin = refineForContact(plain, organ);
   places.centres = centresOn(places.common.skin, sizes.stride);
   if (scene.quadrature.cells_per_point > 1 && scene.quadrature.accuracy == 0 && scene.quadrature.points_per_cell == 1)
-    places.common.pair_moment =
-        largestPairMoment(d.cloud.X, d.cells, cellMaterials(fine, places.organ, d.cloud.X, d.cells),
-                          scene.quadrature.cells_per_point);
+    places.common.pair_moment = largestPairMoment(
+        d.cloud.X, d.cells, cellMaterials(fine, places.organ, d.cloud.X, d.cells), scene.quadrature.cells_per_point);
 
   // One step and one rule for masses: those that suit the place at which the tools start.
   report("time step", 0.6);
@@ -170,7 +168,10 @@ SpacingField wantedSpacing(const Places& places, const PlaceIndex& index) {
     if (!(places.sizes.fine < places.sizes.coarse)) continue;
     const double opening = tools[t].jaws() ? tools[t].opening / 2 : 0;
     wanted.refinements.push_back({places.centres[static_cast<std::size_t>(index[t])],
-                                  ball_radii * tools[t].shape.radius + opening, places.sizes.fine, 0, {}});
+                                  ball_radii * tools[t].shape.radius + opening,
+                                  places.sizes.fine,
+                                  0,
+                                  {}});
   }
   return wanted;
 }

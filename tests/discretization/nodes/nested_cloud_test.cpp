@@ -1,7 +1,7 @@
 #include "discretization/nodes/nested_cloud.h"
 
-#include <catch2/catch.hpp>
 #include <algorithm>
+#include <catch2/catch.hpp>
 #include <cmath>
 #include <numeric>
 

@@ -9,11 +9,11 @@
 namespace palpate::tools {
 namespace {
 
-constexpr int grid = 24;                // starts tried along either side of the organ
+constexpr int grid = 24;  // starts tried along either side of the organ
 constexpr int headings = 8;
-constexpr double sample = 1e-3;         // m, along the line
-constexpr double steepest = 0.7;        // cosine of the skin's normal with the tool's axis: 45 degrees
-constexpr double smooth = 4e-3;         // m to both sides, over which the skin's height is averaged
+constexpr double sample = 1e-3;   // m, along the line
+constexpr double steepest = 0.7;  // cosine of the skin's normal with the tool's axis: 45 degrees
+constexpr double smooth = 4e-3;   // m to both sides, over which the skin's height is averaged
 constexpr double down_seconds = 0.5;
 
 /// Height of the skin along -axis over a line; empty where the line leaves what may be dragged over.
@@ -29,7 +29,8 @@ std::vector<Vec3> skinAlong(const Scene& scene, const SurfaceTree& organ, const 
     const auto hit = organ.firstHit(start + k * sample * heading - far * axis, axis, 2 * far);
     if (!hit || -areaVector(organ.surface(), hit->triangle).normalized().dot(axis) < steepest) return {};
     const bool imposed = std::any_of(scene.boundaries.begin(), scene.boundaries.end(), [&](const BoundarySpec& b) {
-      return contains(b.region, hit->point, organ) || contains(b.region, hit->point + 2 * scene.tool.radius * axis, organ);
+      return contains(b.region, hit->point, organ) ||
+             contains(b.region, hit->point + 2 * scene.tool.radius * axis, organ);
     });
     if (imposed) return {};
     if (k >= 0 && k <= last) line.push_back(hit->point);
@@ -51,8 +52,7 @@ std::vector<DragWay> dragWays(const Scene& scene, const SurfaceTree& organ, cons
         for (int h = 0; h < headings; ++h) {
           const Vec3 start = box.center() + half * ((2.0 * i / grid - 1) * e1 + (2.0 * j / grid - 1) * e2);
           const double angle = 2 * M_PI * h / headings;
-          const auto line =
-              skinAlong(scene, organ, start, std::cos(angle) * e1 + std::sin(angle) * e2, length);
+          const auto line = skinAlong(scene, organ, start, std::cos(angle) * e1 + std::sin(angle) * e2, length);
           if (line.empty()) continue;
           DragWay way{line.front(), line.back(), length, {}};
           const int last = static_cast<int>(line.size()) - 1;

@@ -7,8 +7,8 @@
 
 namespace palpate::tools {
 
-/// A way of the first tool over an organ: down until it is half a radius deep, then along a straight line seen along the
-/// tool's axis, at that depth below the resting skin.
+/// A way of the first tool over an organ: down until it is half a radius deep, then along a straight line as seen along
+/// the tool's axis, at that depth below the resting skin.
 struct DragWay {
   Vec3 from = Vec3::Zero(), to = Vec3::Zero();  // m, on the resting skin
   double length = 0;                            // m, seen along the axis

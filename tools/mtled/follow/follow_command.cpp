@@ -96,9 +96,8 @@ void print(const Row& row, double unit) {
 }
 
 Json toJson(const Row& row) {
-  return {{"name", row.name},         {"nodes", row.nodes},       {"substeps", row.substeps},
-          {"tick_us", row.tick_us},   {"force_error", row.error}, {"mean_error", row.mean},
-          {"sound", row.sound}};
+  return {{"name", row.name},         {"nodes", row.nodes},     {"substeps", row.substeps}, {"tick_us", row.tick_us},
+          {"force_error", row.error}, {"mean_error", row.mean}, {"sound", row.sound}};
 }
 
 }  // namespace
@@ -111,8 +110,9 @@ int followCommand(const FollowOptions& options) {
   settings.count = options.ways;
   const auto ways = dragWays(scene, tree, settings);
   if (ways.empty())
-    throw InputError(scene.place, "there is no way of " + format("%g", 500 * settings.length) +
-                                      " mm over the organ that the tool could be dragged along",
+    throw InputError(scene.place,
+                     "there is no way of " + format("%g", 500 * settings.length) +
+                         " mm over the organ that the tool could be dragged along",
                      "turn tool.direction towards the organ's open side");
   const Places places = makePlaces(scene, organ);
   PlaceShelf shelf(places);
@@ -126,8 +126,8 @@ int followCommand(const FollowOptions& options) {
     const DragWay& way = ways[w];
     const ToolTrajectory poses = trajectoryOf(way, scene, settings);
     std::cout << format("way %zu: %.0f mm from (%.0f %.0f %.0f) to (%.0f %.0f %.0f) mm\n", w + 1, 1e3 * way.length,
-                        1e3 * way.from.x(), 1e3 * way.from.y(), 1e3 * way.from.z(), 1e3 * way.to.x(),
-                        1e3 * way.to.y(), 1e3 * way.to.z());
+                        1e3 * way.from.x(), 1e3 * way.from.y(), 1e3 * way.from.z(), 1e3 * way.to.x(), 1e3 * way.to.y(),
+                        1e3 * way.to.z());
     const Model fine = loadModel(referenceScene(scene, way, options.quick ? 1.2 : 1));
     const ScriptedRun reference = trajectoryOn(fine, poses);
     std::vector<Row> rows;
@@ -138,8 +138,8 @@ int followCommand(const FollowOptions& options) {
     };
     measure("as it is", scene);
     const FollowingRun following = followTrajectory(places, shelf, poses);
-    rows.push_back(rowOf("following", following.most_nodes, following.substeps, following.run, reference,
-                         scene.rate_hz));
+    rows.push_back(
+        rowOf("following", following.most_nodes, following.substeps, following.run, reference, scene.rate_hz));
     if (!options.quick) {
       for (const double factor : {0.8, 1.3}) {
         Scene turned = scene;
@@ -175,15 +175,19 @@ int followCommand(const FollowOptions& options) {
       lost |= !row.sound;
     }
     for (const Swap& swap : following.swaps)
-      json["swaps"].push_back({{"tick", swap.tick},   {"loaded", swap.loaded},      {"first", swap.first},
-                               {"worst", swap.worst}, {"apply_us", swap.apply_us}, {"rows", swap.rows}});
+      json["swaps"].push_back({{"tick", swap.tick},
+                               {"loaded", swap.loaded},
+                               {"first", swap.first},
+                               {"worst", swap.worst},
+                               {"apply_us", swap.apply_us},
+                               {"rows", swap.rows}});
     all.push_back(json);
   }
-  std::cout << format("%zu swaps under load: median / largest %.2f / %.2f %% in the first tick, %.2f / %.2f %% in 120 ms;"
-                      " swap %.0f us (median); %d places, %.2f s of processor time each\n",
-                      first.size(), 100 * quantileOf(first, 0.5), 100 * quantileOf(first, 1),
-                      100 * quantileOf(worst, 0.5), 100 * quantileOf(worst, 1), quantileOf(apply, 0.5), shelf.count(),
-                      shelf.seconds() / shelf.count());
+  std::cout << format(
+      "%zu swaps under load: median / largest %.2f / %.2f %% in the first tick, %.2f / %.2f %% in 120 ms;"
+      " swap %.0f us (median); %d places, %.2f s of processor time each\n",
+      first.size(), 100 * quantileOf(first, 0.5), 100 * quantileOf(first, 1), 100 * quantileOf(worst, 0.5),
+      100 * quantileOf(worst, 1), quantileOf(apply, 0.5), shelf.count(), shelf.seconds() / shelf.count());
   if (!options.json.empty()) writeWholeFile(options.json, all.dump(2) + "\n");
   return interrupted() || lost ? 1 : 0;
 }

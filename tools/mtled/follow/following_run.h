@@ -34,7 +34,7 @@ struct Swap {
 };
 
 struct FollowingRun {
-  ScriptedRun run;          // tick_us: processor time of the ticks alone
+  ScriptedRun run;  // tick_us: processor time of the ticks alone
   std::vector<Swap> swaps;
   int fewest_nodes = 0, most_nodes = 0;
   int substeps = 0;
