@@ -21,6 +21,7 @@
 #include "mtled/bench/bench_command.h"
 #include "mtled/certify/certify_command.h"
 #include "mtled/fit/fit_command.h"
+#include "mtled/follow/follow_command.h"
 #include "mtled/matrix/matrix_command.h"
 #include "mtled/frontier/frontier_command.h"
 #include "mtled/identify/identify_command.h"
@@ -48,6 +49,7 @@ const char* const examples = R"(Examples:
   mtled matrix --count 20                    scenes drawn by lot beside finer clouds of theirs
   mtled bench --quick                        the force kernels' speed beside what this machine could do at most
   mtled frontier liver --quick               what each microsecond buys
+  mtled follow liver --quick                 a cloud that follows the tool, beside the scene as it is
   mtled fit liver --rate 1000                the most accurate setting that holds 1 kHz here
   mtled certify liver                        how exact a scene's force is, over depth; palpate then shows it
   mtled batch jobs.jsonl --jobs 8            many scenes, one thread each
@@ -160,6 +162,19 @@ CLI::App* addFrontier(CLI::App& app, FrontierOptions& options) {
       ->type_name("DIR");
   command->add_flag("--quick", options.quick, "The most telling settings, and a coarser reference");
   command->add_flag("--resume", options.resume, "Keep the settings that the folder has already");
+  return command;
+}
+
+CLI::App* addFollow(CLI::App& app, FollowOptions& options) {
+  CLI::App* command = app.add_subcommand(
+      "follow", "Drag the tool over a scene's organ on a cloud that follows it: cost, error, and what swaps do");
+  command->footer(examplesOf(*command));
+  command->add_option("SCENE", options.scene, "Scene file (.toml), or the name of one in assets/scenes")->required();
+  command->add_option("--ways", options.ways, "Drags, at as many places of the organ (1)")
+      ->type_name("N")
+      ->check(CLI::Range(1, 100));
+  command->add_option("--json", options.json, "Write all numbers to this file")->type_name("FILE");
+  command->add_flag("--quick", options.quick, "No other spacings, and a coarser reference");
   return command;
 }
 
@@ -405,6 +420,7 @@ int main(int argc, char** argv) {
   VerifyOptions verify;
   BenchOptions bench;
   FrontierOptions frontier;
+  FollowOptions follow;
   MatrixOptions matrix;
   FitOptions fit;
   CertifyOptions certify;
@@ -422,6 +438,7 @@ int main(int argc, char** argv) {
       {addVerify(app, verify), [&] { return verifyCommand(verify); }},
       {addMatrix(app, matrix), [&] { return matrixCommand(matrix); }},
       {addBench(app, bench), [&] { return benchCommand(bench); }},
+      {addFollow(app, follow), [&] { return followCommand(follow); }},
       {addFrontier(app, frontier), [&] { return frontierCommand(frontier); }},
       {addFit(app, fit), [&] { return fitCommand(fit); }},
       {addCertify(app, certify), [&] { return certifyCommand(certify); }},

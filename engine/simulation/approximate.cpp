@@ -17,13 +17,16 @@ constexpr int max_enlargements = 8;  // by 1.15 each: a support radius grows at 
 }  // namespace
 
 IntegrationPoints choosePoints(const Scene& scene, const std::vector<Vec3>& X, const BackgroundCells& cells,
-                               const std::vector<int>& cell_material, std::vector<double>& radius) {
+                               const std::vector<int>& cell_material, std::vector<double>& radius,
+                               const double* pair_moment) {
   const QuadratureSpec& spec = scene.quadrature;
   if (spec.cells_per_point != 1 && (spec.points_per_cell != 1 || spec.accuracy > 0))
     throw InputError(placeOf(scene, "discretization.cells_per_point"),
                      "cells can share a point only where each has one", "leave one of the two out");
   if (spec.cells_per_point != 1)
-    return makePairedPoints(X, cells, pairCells(X, cells, cell_material, spec.cells_per_point));
+    return makePairedPoints(X, cells,
+                            pair_moment ? pairCellsUpTo(X, cells, cell_material, *pair_moment)
+                                        : pairCells(X, cells, cell_material, spec.cells_per_point));
   if (spec.accuracy == 0) return makeIntegrationPoints(X, cells.cells, cells.volume, spec.points_per_cell);
   AdaptiveOptions options;
   options.accuracy = spec.accuracy;

@@ -13,8 +13,11 @@ namespace palpate {
 /// The cells' integration points, shared by pairs of cells or adaptive where the scene asks for it. Supports on which
 /// the adaptive quadrature can't judge are enlarged in `radius`.
 /// @param cell_material  (cell_count) index into the scene's materials: no pair has two
+/// @param pair_moment    cells are joined up to it (pairCellsUpTo); null: until there are so many to a point as the
+///                       scene asks for
 IntegrationPoints choosePoints(const Scene& scene, const std::vector<Vec3>& X, const BackgroundCells& cells,
-                               const std::vector<int>& cell_material, std::vector<double>& radius);
+                               const std::vector<int>& cell_material, std::vector<double>& radius,
+                               const double* pair_moment = nullptr);
 
 /// Shape functions at integration points, skin vertices, nodes and samples of the boundary, over supports that
 /// are enlarged where they must be.

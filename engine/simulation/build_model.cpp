@@ -8,6 +8,7 @@
 #include "discretization/surface/facet_rule.h"
 #include "simulation/body_points.h"
 #include "simulation/choose_time_step.h"
+#include "simulation/finish.h"
 #include "simulation/imposed_nodes.h"
 #include "simulation/mixtures.h"
 #include "simulation/prepare.h"
@@ -154,7 +155,8 @@ void addSkinAndTool(const Scene& scene, const SurfaceTree& tree, Model& model) {
     model.first_contact_travel = 0;  // never touches: depth counts from the start
 }
 
-/// What is quick, and what depends on rate, step and tool.
+}  // namespace
+
 Model finish(const Scene& scene, const SurfaceTree& tree, Preparation preparation, const Progress& report) {
   report("boundaries", 0.95);
   Model model;
@@ -186,8 +188,6 @@ Model finish(const Scene& scene, const SurfaceTree& tree, Preparation preparatio
   report("ready", 1.0);
   return model;
 }
-
-}  // namespace
 
 Model buildModel(const Scene& scene, const TriangleSurface& organ, const BuildOptions& options) {
   const auto start = Clock::now();

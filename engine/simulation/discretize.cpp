@@ -7,6 +7,7 @@
 #include "discretization/nodes/node_order.h"
 #include "discretization/nodes/volume_fit.h"
 #include "discretization/surface/surface_geometry.h"
+#include "simulation/discretize_parts.h"
 #include "simulation/interface_nodes.h"
 #include "simulation/scene_messages.h"
 
@@ -15,6 +16,8 @@ namespace {
 
 constexpr double tool_edge = 0.35;  // of the tool's radius: the longest edge of the skin that it touches
 
+}  // namespace
+
 SpacingField spacingField(const Scene& scene) {
   SpacingField spacing;
   spacing.spacing = scene.spacing;
@@ -22,6 +25,8 @@ SpacingField spacingField(const Scene& scene) {
   for (const auto& r : scene.refine) spacing.refinements.push_back({r.centre, r.radius, r.spacing, r.blend, r.place});
   return spacing;
 }
+
+namespace {
 
 /// Where the mantle of an imposed cylindrical region meets the organ's surface, so that the region ends at nodes: a
 /// punch whose rim falls between nodes would be too small by half their distance. No curve where the rim leaves the
@@ -73,7 +78,8 @@ void checkCounts(const Scene& scene, double volume, double area) {
                          " m, or is the organ's size right?");
 }
 
-Discretization discretize(const Scene& scene, const SurfaceTree& organ, const std::function<void(double)>& progress) {
+Discretization discretizeOnSurface(const Scene& scene, const SurfaceTree& organ,
+                                   const std::function<void(double)>& progress) {
   checkCounts(scene, signedVolume(organ.surface()), surfaceArea(organ.surface()));
   Discretization d;
   d.cloud = makeNodeCloud(organ, spacingField(scene), scene.seed, rimsOf(scene, organ));
@@ -86,8 +92,17 @@ Discretization discretize(const Scene& scene, const SurfaceTree& organ, const st
     d.cells = makeBackgroundCells(d.cloud, organ);
   }
   progress(0.95);
-  fitToVolume(d.cloud, d.cells, organ);
+  return d;
+}
 
+FeatureEdges featuresOf(const Scene& scene, const SurfaceTree& organ) {
+  FeatureEdges features = findFeatureEdges(organ.surface());
+  const auto rims = rimsOf(scene, organ);
+  features.chains.insert(features.chains.end(), rims.begin(), rims.end());
+  return features;
+}
+
+void putInSlices(Discretization& d) {
   const auto order = slicedOrder(d.cloud.X, 4, 1);
   std::vector<int> place(order.size());
   for (std::size_t k = 0; k < order.size(); ++k) place[order[k]] = static_cast<int>(k);
@@ -95,6 +110,12 @@ Discretization discretize(const Scene& scene, const SurfaceTree& organ, const st
   d.cloud.on_surface = reordered(d.cloud.on_surface, order);
   for (auto& cell : d.cells.cells)
     for (int& node : cell) node = place[node];
+}
+
+Discretization discretize(const Scene& scene, const SurfaceTree& organ, const std::function<void(double)>& progress) {
+  Discretization d = discretizeOnSurface(scene, organ, progress);
+  fitToVolume(d.cloud, d.cells, organ);
+  putInSlices(d);
   return d;
 }
 

@@ -23,6 +23,15 @@ namespace palpate {
 std::vector<int> pairCells(const std::vector<Vec3>& X, const BackgroundCells& cells, const std::vector<int>& group,
                            double cells_per_point);
 
+/// The largest excess over (V_1 + V_2)^(5/3), dimensionless, of the pairs that pairCells joins; 0: there are none.
+double largestPairMoment(const std::vector<Vec3>& X, const BackgroundCells& cells, const std::vector<int>& group,
+                         double cells_per_point);
+
+/// Joins in the same order all pairs up to a moment, however many. Whether two cells are joined then depends on the
+/// cells around them alone: clouds that are the same in some part have the same pairs there.
+std::vector<int> pairCellsUpTo(const std::vector<Vec3>& X, const BackgroundCells& cells, const std::vector<int>& group,
+                               double moment);
+
 /// One integration point for each cell without a partner, at the cell's centroid, and one for each pair, at the
 /// centroid of both cells: exact for linear functions. A pair's `cell` is the larger of the two, and the point lies in
 /// it or near it; `other_cell` is the smaller.

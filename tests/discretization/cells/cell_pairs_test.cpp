@@ -142,3 +142,13 @@ TEST_CASE("More than two cells or less than one per point are refused", "[cell_p
   for (const double wrong : {0.99, 2.01, std::nan("")})
     CHECK_THROWS_AS(pairCells(body.cloud.X, body.cells, body.group, wrong), InputError);
 }
+
+TEST_CASE("Pairs up to the largest moment are those that a number of cells per point gave", "[cell_pairs]") {
+  const PairedBody body;
+  const auto by_count = pairCells(body.cloud.X, body.cells, body.group, 1.3);
+  const double moment = largestPairMoment(body.cloud.X, body.cells, body.group, 1.3);
+  CHECK(pairCellsUpTo(body.cloud.X, body.cells, body.group, moment) == by_count);
+  const auto fewer = pairCellsUpTo(body.cloud.X, body.cells, body.group, 0.99 * moment);
+  CHECK(pointCountOf(fewer) > pointCountOf(by_count));
+  CHECK(pointCountOf(pairCellsUpTo(body.cloud.X, body.cells, body.group, 0)) == body.count());
+}

@@ -1,0 +1,197 @@
+#include "simulation/place.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "discretization/nodes/site_grid.h"
+#include "discretization/nodes/volume_fit.h"
+#include "discretization/surface/surface_geometry.h"
+#include "simulation/choose_time_step.h"
+#include "simulation/discretize_parts.h"
+#include "simulation/finish.h"
+#include "simulation/interface_nodes.h"
+#include "simulation/scene_messages.h"
+#include "simulation/scene_regions.h"
+
+namespace palpate {
+namespace {
+
+constexpr double fine_radii = 0.55, coarse_of_fine = 2.2, widest_of_body = 0.2;
+constexpr double hysteresis = 0.25;      // strides
+constexpr double longest_stride = 0.01;  // m
+constexpr int kept_of_region = 6;        // nodes of each imposed region that are always live
+/// Rows at places that were not looked at may need a little more than those at the first: 2 % of the step.
+constexpr double row_margin = 0.96;
+
+/// The scene's own refinements that ask for less than a spacing.
+std::vector<RefineSpec> finerThan(double spacing, const std::vector<RefineSpec>& refine) {
+  std::vector<RefineSpec> finer = refine;
+  std::erase_if(finer, [&](const RefineSpec& r) { return !(r.spacing < spacing); });
+  return finer;
+}
+
+std::vector<std::uint8_t> dimensionsOf(const Scene& scene, const SurfaceTree& organ, const Discretization& d) {
+  auto dimension = nodeDimensions(d.cloud, featuresOf(scene, organ), spacingField(scene));
+  if (!hasSharpInterfaces(scene)) return dimension;
+  const auto material = cellMaterials(scene, organ, d.cloud.X, d.cells);
+  std::vector<int> of_node(d.cloud.X.size(), -1);
+  for (std::size_t c = 0; c < material.size(); ++c)
+    for (const int i : d.cells.cells[c]) {
+      if (of_node[i] < 0) of_node[i] = material[c];
+      if (of_node[i] != material[c]) dimension[i] = std::min<std::uint8_t>(dimension[i], d.cloud.on_surface[i] ? 1 : 2);
+    }
+  return dimension;
+}
+
+/// Some nodes of each imposed region are live wherever the tools are, or a place could have none there.
+void keepRegions(const Scene& scene, const SurfaceTree& organ, NestedCloud& cloud) {
+  for (const BoundarySpec& spec : scene.boundaries) {
+    if (spec.region.kind == Region::Kind::Point) continue;
+    std::vector<int> members;
+    for (int i = 0; i < cloud.nodeCount(); ++i)
+      if ((cloud.on_surface[i] || !spec.surface_only) && contains(spec.region, cloud.X[i], organ)) members.push_back(i);
+    keepLive(members, kept_of_region, cloud);
+  }
+}
+
+/// Vertices of a surface about a stride apart: each the first that is farther from all before.
+std::vector<Vec3> centresOn(const TriangleSurface& skin, double stride) {
+  std::vector<Vec3> centres;
+  SiteGrid grid(boundingBox(skin), stride);
+  for (const Vec3& x : skin.vertices) {
+    bool free = true;
+    grid.forEachWithin(x, stride, [&](int, const Site&) { return free = false; });
+    if (!free) continue;
+    grid.add({x, Vec3::Zero(), 0});
+    centres.push_back(x);
+  }
+  return centres;
+}
+
+void checkCarried(const Scene& scene) {
+  for (const MaterialSpec& spec : scene.materials)
+    if (spec.material.relaxation_count > 0)
+      throw InputError(spec.place, "a cloud that follows the tool can't have a material that relaxes",
+                       "leave its relaxation out, or the cloud where it is");
+}
+
+/// The place from its scene, with what is common to all or, for the first, without.
+Place place(const Places& places, const PlaceIndex& index, const CommonToPlaces* common) {
+  Place made;
+  made.index = index;
+  made.node = liveNodes(places.cloud, wantedSpacing(places, index));
+  Discretization d;
+  for (const int i : made.node) {
+    d.cloud.X.push_back(places.cloud.X[i]);
+    d.cloud.on_surface.push_back(places.cloud.on_surface[i]);
+  }
+  d.cells = makeBackgroundCells(d.cloud, places.organ);
+  fitToVolume(d.cloud, d.cells, places.organ);
+  Scene scene = places.scene;
+  const auto tools = toolsOf(scene);
+  for (std::size_t t = 0; t < tools.size(); ++t) {
+    RefineSpec ball;
+    ball.centre = places.centres[static_cast<std::size_t>(index[t])];
+    ball.radius = ball_radii * tools[t].shape.radius + (tools[t].jaws() ? tools[t].opening / 2 : 0);
+    ball.spacing = places.sizes.fine;
+    if (ball.spacing < scene.spacing) scene.refine.push_back(ball);
+  }
+  const Progress silent = [](const std::string&, double) {};
+  made.model = finish(scene, places.organ, prepare(scene, places.organ, std::move(d), silent, common), silent);
+  return made;
+}
+
+}  // namespace
+
+FollowSizes followSizes(const Scene& scene, double volume) {
+  const double radius = smallestToolRadius(scene);
+  FollowSizes sizes;
+  sizes.fine = fine_radii * radius;
+  sizes.coarse = std::max(sizes.fine, std::min(coarse_of_fine * sizes.fine, widest_of_body * std::cbrt(volume)));
+  sizes.fine = std::min(sizes.fine, sizes.coarse);
+  sizes.stride = std::min(longest_stride, ball_radii * radius / 2);
+  return sizes;
+}
+
+Places makePlaces(const Scene& as_read, const TriangleSurface& organ, const Progress& progress) {
+  checkCarried(as_read);
+  const auto report = [&](const char* what, double fraction) {
+    if (progress) progress(what, fraction);
+  };
+  Places places{as_read, SurfaceTree(organ), followSizes(as_read, signedVolume(organ)), {}, {}, {}};
+  const FollowSizes& sizes = places.sizes;
+  report("fine cloud", 0);
+  Scene fine = as_read;
+  fine.spacing = sizes.fine;
+  fine.refine = finerThan(sizes.fine, as_read.refine);
+  Discretization d = discretizeOnSurface(fine, places.organ, [&](double share) { report("fine cloud", 0.5 * share); });
+  putInSlices(d);
+  places.cloud = nestedOrder(d.cloud, dimensionsOf(fine, places.organ, d), spacingField(fine));
+  keepRegions(as_read, places.organ, places.cloud);
+
+  Scene& scene = places.scene;
+  scene.spacing = sizes.coarse;
+  scene.refine = finerThan(sizes.coarse, as_read.refine);
+  scene.set_up_values.clear();
+  // The skin is one for all: no finer below a ball than elsewhere.
+  Scene plain = scene;
+  plain.refine = finerThan(sizes.fine, as_read.refine);
+  places.common.skin = refineForContact(plain, organ);
+  places.centres = centresOn(places.common.skin, sizes.stride);
+  if (scene.quadrature.cells_per_point > 1 && scene.quadrature.accuracy == 0 && scene.quadrature.points_per_cell == 1)
+    places.common.pair_moment = largestPairMoment(
+        d.cloud.X, d.cells, cellMaterials(fine, places.organ, d.cloud.X, d.cells), scene.quadrature.cells_per_point);
+
+  // One step and one rule for masses: those that suit the place at which the tools start.
+  report("time step", 0.6);
+  PlaceIndex start;
+  start.fill(-1);
+  ToolPostures tools;
+  const auto specs = toolsOf(scene);
+  for (std::size_t t = 0; t < specs.size(); ++t) tools[t].pose.position = specs[t].position;
+  start = nextPlace(places, start, tools);
+  const Model first = place(places, start, nullptr).model;
+  places.common.row_limit = row_margin * 4 / (first.dt_proven * first.dt_proven);
+  places.common.critical = first.dt_critical;
+  scene.time_step = first.dt;
+  report("ready", 1);
+  return places;
+}
+
+Place makePlace(const Places& places, const PlaceIndex& index) { return place(places, index, &places.common); }
+
+SpacingField wantedSpacing(const Places& places, const PlaceIndex& index) {
+  SpacingField wanted = spacingField(places.scene);
+  const auto tools = toolsOf(places.scene);
+  for (std::size_t t = 0; t < tools.size(); ++t) {
+    if (!(places.sizes.fine < places.sizes.coarse)) continue;
+    const double opening = tools[t].jaws() ? tools[t].opening / 2 : 0;
+    wanted.refinements.push_back({places.centres[static_cast<std::size_t>(index[t])],
+                                  ball_radii * tools[t].shape.radius + opening,
+                                  places.sizes.fine,
+                                  0,
+                                  {}});
+  }
+  return wanted;
+}
+
+PlaceIndex nextPlace(const Places& places, const PlaceIndex& present, const ToolPostures& tools) {
+  PlaceIndex next;
+  next.fill(-1);
+  const std::size_t count = 1 + places.scene.further_tools.size();
+  for (std::size_t t = 0; t < count; ++t) {
+    const Vec3& at = tools[t].pose.position;
+    double nearest = std::numeric_limits<double>::infinity();
+    for (std::size_t c = 0; c < places.centres.size(); ++c) {
+      const double distance = (places.centres[c] - at).norm();
+      if (distance < nearest) nearest = distance, next[t] = static_cast<int>(c);
+    }
+    if (present[t] < 0) continue;
+    const double now = (places.centres[static_cast<std::size_t>(present[t])] - at).norm();
+    if (!(now > nearest + hysteresis * places.sizes.stride)) next[t] = present[t];
+  }
+  return next;
+}
+
+}  // namespace palpate
