@@ -48,7 +48,8 @@ class Soak {
   SoakReport report_;
   double rate_hz_;
   std::vector<SoakThread> warm_threads_;
-  SteadyClock::time_point begin_ = SteadyClock::now(), last_report_ = begin_, last_counters_ = begin_, last_look_ = begin_;
+  SteadyClock::time_point begin_ = SteadyClock::now(), last_report_ = begin_, last_counters_ = begin_,
+                          last_look_ = begin_;
 };
 
 }  // namespace palpate::app

@@ -73,7 +73,7 @@ struct SoakReport {
 /// they come by chance), and places where its skin crosses itself.
 struct RoughLimits {
   static constexpr double lost = 50, folded = 150, caught = 250, slid = 20;
-  static constexpr int crossings = 600;
+  static constexpr int crossings = 1200;
 };
 
 /// Takes a cycle into the sums.

@@ -307,7 +307,10 @@ bool giveWay(Giving giving, const SkinModel& skin, float alpha, const float* inv
   }
   const double before = giving.opens ? hold.opening : hold.way.norm();
   if (giving.size <= 0 || (t < 0 && -t >= before)) {
-    (giving.opens ? hold.opening = 0 : (hold.way.setZero(), 0));
+    if (giving.opens)
+      hold.opening = 0;
+    else
+      hold.way.setZero();
   } else if (giving.opens) {
     hold.opening = std::min(hold.opening + t, hold.longest);
   } else {

@@ -62,7 +62,7 @@ struct TouchingTool {
   Pose pose, previous_pose;
   double friction = 0;
   ContactState* contact = nullptr;
-  ToolHold* hold = nullptr;   // null: nothing moves it from its pose; bodies of one tool have the same, and are adjacent
+  ToolHold* hold = nullptr;   // null: nothing moves it from its pose. Bodies of one tool have the same, side by side
   Vec3 apart = Vec3::Zero();  // by which it moves per m of opening; 0: no finger of jaws
   Vec3 force = Vec3::Zero();  // receives what solveContact returns
 };

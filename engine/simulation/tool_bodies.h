@@ -40,8 +40,8 @@ inline ContactState& contactOf(State& state, int body) {
 /// Body b and where it is when the tools are there.
 ToolBody toolBody(const Model& model, int body);
 
-/// How the tools should go in one tick: each evenly from where it is to where the command wants it, no faster than its scene
-/// allows, turning and closing included.
+/// How the tools should go in one tick: each evenly from where it is to where the command wants it, no faster than its
+/// scene allows, turning and closing included.
 class ToolWays {
  public:
   ToolWays(const Model& model, const State& state, const Command& command);

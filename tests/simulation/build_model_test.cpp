@@ -346,13 +346,13 @@ TEST_CASE("Mass is added where it spares a step, and never more than the scene g
   CHECK_THROWS_WITH(blockModel(scene), Catch::Contains("block.toml:21:3") && Catch::Contains("raise mass_scaling"));
 }
 
-TEST_CASE("What counts as a blow-up is half of the coarse spacing in a step, a finer place or not", "[build_model]") {
+TEST_CASE("What counts as a blow-up is the coarse spacing in a step, a finer place or not", "[build_model]") {
   Scene scene = blockScene();
   scene.mass_scaling = 1000;  // long steps, in which sound would go further
   scene.tool_max_speed = 0.2;
-  CHECK(blockModel(scene).max_increment == Approx(0.5 * scene.spacing));
+  CHECK(blockModel(scene).max_increment == Approx(scene.spacing));
   scene.refine.push_back({Vec3(0, 0, 0.03), 0.01, 0.25 * scene.spacing, 0, {}});
-  CHECK(blockModel(scene).max_increment == Approx(0.5 * scene.spacing));
+  CHECK(blockModel(scene).max_increment == Approx(scene.spacing));
 }
 
 TEST_CASE("Cells keep the volume of what is pressed flat or by tools, not where a moving face curves the flow",
