@@ -87,6 +87,7 @@ Discretization discretize(const Scene& scene, const SurfaceTree& organ, const st
   }
   progress(0.95);
   fitToVolume(d.cloud, d.cells, organ);
+  if (hasSharpInterfaces(scene)) fitInterfaces(scene, organ, d.cloud, d.cells);
 
   const auto order = slicedOrder(d.cloud.X, 4, 1);
   std::vector<int> place(order.size());
