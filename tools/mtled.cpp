@@ -125,6 +125,7 @@ CLI::App* addMatrix(CLI::App& verify, MatrixOptions& options) {
   command->footer("Exit code 3 where a trusted force is off by more than a tenth.\n\n" + examplesOf(verify));
   command->add_option("--first", options.first, "The first seed (1)")->type_name("N")->check(CLI::Range(0, 1000000));
   command->add_option("--count", options.count, "How many (320)")->type_name("N")->check(CLI::Range(1, 100000));
+  command->add_flag("--quick", options.quick, "Only those with a closed form");
   command->add_flag("--make", options.make, "Only compute the references that tests/reference/matrix.csv lacks, and keep them there");
   command->add_option("--json", options.json, "Write the results and all rows to this file")->type_name("FILE");
   command->add_option("--report", options.report, "Write a page with tables and the cloud of errors into this folder")

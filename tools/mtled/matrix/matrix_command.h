@@ -7,6 +7,7 @@ namespace palpate::tools {
 struct MatrixOptions {
   int first = 1, count = 320;  // seeds
   bool make = false;           // only compute the references that are missing, and keep them
+  bool quick = false;          // only those with a closed form
   std::string json;            // file for the results, or ""
   std::string report;          // folder for the page, or ""
   int threads = 0;             // 0: one per core; each case has one
