@@ -21,10 +21,10 @@
 #include "mtled/bench/bench_command.h"
 #include "mtled/certify/certify_command.h"
 #include "mtled/fit/fit_command.h"
-#include "mtled/matrix/matrix_command.h"
 #include "mtled/frontier/frontier_command.h"
 #include "mtled/identify/identify_command.h"
 #include "mtled/import/import_command.h"
+#include "mtled/matrix/matrix_command.h"
 #include "mtled/scan/brainshift_command.h"
 #include "mtled/scan/import_scan.h"
 #include "mtled/scan/phantom_command.h"
@@ -124,9 +124,10 @@ CLI::App* addMatrix(CLI::App& verify, MatrixOptions& options) {
       verify.add_subcommand("matrix", "Scenes drawn by lot beside closed forms and finer clouds: what is trusted?");
   command->footer("Exit code 3 where a trusted force is off by more than a tenth.\n\n" + examplesOf(verify));
   command->add_option("--first", options.first, "The first seed (1)")->type_name("N")->check(CLI::Range(0, 1000000));
-  command->add_option("--count", options.count, "How many (320)")->type_name("N")->check(CLI::Range(1, 100000));
+  command->add_option("--count", options.count, "How many (300)")->type_name("N")->check(CLI::Range(1, 100000));
   command->add_flag("--quick", options.quick, "Only those with a closed form");
-  command->add_flag("--make", options.make, "Only compute the references that tests/reference/matrix.csv lacks, and keep them there");
+  command->add_flag("--make", options.make,
+                    "Only compute the references that tests/reference/matrix.csv lacks, and keep them there");
   command->add_option("--json", options.json, "Write the results and all rows to this file")->type_name("FILE");
   command->add_option("--report", options.report, "Write a page with tables and the cloud of errors into this folder")
       ->type_name("DIR");

@@ -271,10 +271,10 @@ int closeInterfaces(const Scene& scene, const SurfaceTree& organ, const SpacingF
 }
 
 void fitInterfaces(const Scene& scene, const SurfaceTree& organ, NodeCloud& cloud, BackgroundCells& cells) {
-  constexpr int rounds = 4;               // each leaves about a third of the gap
-  constexpr double flat_gap = 1e-4;       // of a facet's edge: nodes were put on the border less exactly than that
-  constexpr double farthest = 0.25;       // of a facet's edge, of a node's way
-  constexpr double min_volume = 0.2;      // of a cell's first volume
+  constexpr int rounds = 4;           // each leaves about a third of the gap
+  constexpr double flat_gap = 1e-4;   // of a facet's edge: nodes were put on the border less exactly than that
+  constexpr double farthest = 0.25;   // of a facet's edge, of a node's way
+  constexpr double min_volume = 0.2;  // of a cell's first volume
   const Mover mover(scene, organ);
   std::vector<int> material;
   for (const Vec3& middle : centroids(cloud.X, cells.cells)) material.push_back(materialAt(scene, middle, organ));
@@ -299,7 +299,9 @@ void fitInterfaces(const Scene& scene, const SurfaceTree& organ, NodeCloud& clou
     const std::vector<Vec3> middles = centroids(cloud.X, cells.cells);
     bool uneven = false;
     for (const Facet& facet : facets) {
-      const auto corner = [&](std::size_t k) -> const Vec3& { return cloud.X[static_cast<std::size_t>(facet.nodes[k])]; };
+      const auto corner = [&](std::size_t k) -> const Vec3& {
+        return cloud.X[static_cast<std::size_t>(facet.nodes[k])];
+      };
       const Vec3 across = (corner(1) - corner(0)).cross(corner(2) - corner(0)) / 2;
       const auto cell = static_cast<std::size_t>(facet.cell);
       const Vec3 n = across.normalized() * ((corner(0) - middles[cell]).dot(across) < 0 ? -1 : 1);
@@ -320,7 +322,8 @@ void fitInterfaces(const Scene& scene, const SurfaceTree& organ, NodeCloud& clou
     for (std::size_t i = 0; i < X.size(); ++i) {
       if (area[i] == 0) continue;
       const double edge = reach_of[i] / area[i];
-      const Vec3 total = cloud.X[i] + mover.allowed(motion[i] / area[i], start[i], cloud.on_surface[i] != 0, edge) - start[i];
+      const Vec3 total =
+          cloud.X[i] + mover.allowed(motion[i] / area[i], start[i], cloud.on_surface[i] != 0, edge) - start[i];
       X[i] = start[i] + total * std::min(1.0, farthest * edge / std::max(total.norm(), 1e-300));
     }
     for (bool again = true; again;) {  // cells that would shrink too much hold their nodes where they are

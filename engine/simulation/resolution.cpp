@@ -73,9 +73,8 @@ double expectedError(const Model& model, std::span<const Material> materials, co
   for (std::size_t q = 0; q < F.size(); ++q) {
     Mat3 around = Mat3::Zero();
     for (const int g : groups.of_point[q]) around += 0.25 * mean[static_cast<std::size_t>(g)];
-    sum += model.point_volume[q] *
-           deviationEnergy(materials[static_cast<std::size_t>(model.point_material[q])], F[q] + Mat3::Identity(),
-                           F[q] - around);
+    sum += model.point_volume[q] * deviationEnergy(materials[static_cast<std::size_t>(model.point_material[q])],
+                                                   F[q] + Mat3::Identity(), F[q] - around);
   }
   return error_constant * sum / strain_energy;
 }

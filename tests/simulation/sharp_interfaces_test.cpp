@@ -229,7 +229,8 @@ TEST_CASE("A core and a lump have the volume that they should, however few nodes
     inside.point = core ? Vec3(0, 0, -0.01) : Vec3(0, 0, 0.015);
     inside.height = 0.05;
     inside.radius = core ? 0.0065 : 0.008;
-    const double exact = core ? M_PI * std::pow(inside.radius, 2) * scene.height : 4.0 / 3 * M_PI * std::pow(inside.radius, 3);
+    const double exact =
+        core ? M_PI * std::pow(inside.radius, 2) * scene.height : 4.0 / 3 * M_PI * std::pow(inside.radius, 3);
     for (const unsigned seed : {1U, 2U, 3U}) {
       scene.seed = seed;
       const Model model = loadModel(scene);

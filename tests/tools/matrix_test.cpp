@@ -53,11 +53,26 @@ TEST_CASE("A case drawn by lot follows from its seed, and the lot draws all kind
     CHECK(one.pressed == (one.depth > 0));
     CHECK((one.pressed || one.lever));
   }
-  for (const char* kind :
-       {"press sphere", "press cylinder", "press capsule", "press cone", "bonded stretched", "bonded compressed",
-        "bonded sheared", "bonded twisted", "bonded tilted", "confined", "confined core", "sheared", "affine",
-        "stretched between plates", "compressed between plates", "twisted", "rod stretched", "rod compressed", "bent",
-        "sphere squeezed"})
+  for (const char* kind : {"press sphere",
+                           "press cylinder",
+                           "press capsule",
+                           "press cone",
+                           "bonded stretched",
+                           "bonded compressed",
+                           "bonded sheared",
+                           "bonded twisted",
+                           "bonded tilted",
+                           "confined",
+                           "confined core",
+                           "sheared",
+                           "affine",
+                           "stretched between plates",
+                           "compressed between plates",
+                           "twisted",
+                           "rod stretched",
+                           "rod compressed",
+                           "bent",
+                           "sphere squeezed"})
     CHECK(kinds.contains(kind));
   CHECK(laws.size() == materialLaws().size());
   CHECK(closed > 200);

@@ -14,10 +14,11 @@ struct Family {
   double share;  // of all cases
 };
 
-constexpr std::array families{Family{drawConfined, 0.12}, Family{drawSheared, 0.12},      Family{drawAffine, 0.08},
-                              Family{drawBetweenPlates, 0.10}, Family{drawTwisted, 0.13}, Family{drawConfinedCore, 0.05},
-                              Family{drawSphere, 0.05}, Family{drawBent, 0.13}, Family{drawPress, 0.14},
-                              Family{drawBonded, 0.08}};
+constexpr std::array families{Family{drawConfined, 0.12}, Family{drawSheared, 0.12},
+                              Family{drawAffine, 0.08},   Family{drawBetweenPlates, 0.10},
+                              Family{drawTwisted, 0.13},  Family{drawConfinedCore, 0.05},
+                              Family{drawSphere, 0.05},   Family{drawBent, 0.13},
+                              Family{drawPress, 0.14},    Family{drawBonded, 0.08}};
 
 }  // namespace
 

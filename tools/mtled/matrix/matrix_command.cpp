@@ -115,7 +115,10 @@ ResultTable rowsTable(const std::vector<MatrixRow>& rows) {
                           format("%.6g", r.answer.value), format("%.6g", r.reference.value),
                           format("%.3g", r.reference.uncertainty), r.comparable() ? format("%.6g", r.error()) : "",
                           format("%.6g", r.answer.trust.expectedError()), doubtName(r.answer.trust.doubt()),
-                          doubtName(r.answer.at_end), !r.refused.empty() ? r.refused : r.answer.sound ? "" : "unsound"});
+                          doubtName(r.answer.at_end),
+                          !r.refused.empty() ? r.refused
+                          : r.answer.sound   ? ""
+                                             : "unsound"});
   return table;
 }
 
@@ -132,7 +135,8 @@ int matrixCommand(const MatrixOptions& options) {
   if (options.make) return 0;
   Report report;
   report.title = "Scenes drawn by lot";
-  report.command = format("build/release/tools/mtled verify matrix --first %d --count %d", options.first, options.count);
+  report.command =
+      format("build/release/tools/mtled verify matrix --first %d --count %d", options.first, options.count);
   if (options.quick) report.command += " --quick";
   if (!options.report.empty()) report.command += " --report " + options.report;
   report.build = buildInfo();

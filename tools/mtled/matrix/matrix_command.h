@@ -5,7 +5,7 @@
 namespace palpate::tools {
 
 struct MatrixOptions {
-  int first = 1, count = 320;  // seeds
+  int first = 1, count = 300;  // seeds
   bool make = false;           // only compute the references that are missing, and keep them
   bool quick = false;          // only those with a closed form
   std::string json;            // file for the results, or ""

@@ -93,7 +93,9 @@ MatrixCase drawConfined(Lot& lot) {
     s.boundaries.push_back(facePlane(Vec3(side * size.x(), 0, 0), Vec3::UnitX(), true, false, false));
     s.boundaries.push_back(facePlane(Vec3(0, side * size.y(), 0), Vec3::UnitY(), false, true, false));
   }
-  one.lever = [height = size.z()](const Vec3&, const Vec3& X, const Vec3&) { return Vec3(X.z() / height * Vec3::UnitZ()); };
+  one.lever = [height = size.z()](const Vec3&, const Vec3& X, const Vec3&) {
+    return Vec3(X.z() / height * Vec3::UnitZ());
+  };
   return one;
 }
 
@@ -182,7 +184,8 @@ MatrixCase drawBetweenPlates(Lot& lot) {
     left.point = Vec3((share - 0.5) * size.x(), 0, 0);
     addTissue(s, other, left);
     force = (1 - share) * force + share * size.x() * size.y() * stressBetweenPlates(other.material, stretch, true);
-    one.about = format("side by side 1 : %.3g, ", other.shear / tissue.shear) + textOf(tissue) + " and " + textOf(other);
+    one.about =
+        format("side by side 1 : %.3g, ", other.shear / tissue.shear) + textOf(tissue) + " and " + textOf(other);
   }
   one.known = force;
   one.kind = stretch < 1 ? "compressed between plates" : "stretched between plates";
@@ -194,7 +197,9 @@ MatrixCase drawBetweenPlates(Lot& lot) {
   if (held) s.boundaries.push_back(facePlane(Vec3(0, size.y() / 2, 0), Vec3::UnitY(), false, true, false));
   s.boundaries[1].translation = Vec3(0, 0, (stretch - 1) * size.z());
   moveEvenly(s.boundaries[1]);
-  one.lever = [height = size.z()](const Vec3&, const Vec3& X, const Vec3&) { return Vec3(X.z() / height * Vec3::UnitZ()); };
+  one.lever = [height = size.z()](const Vec3&, const Vec3& X, const Vec3&) {
+    return Vec3(X.z() / height * Vec3::UnitZ());
+  };
   return one;
 }
 

@@ -43,8 +43,8 @@ BondedBody drawBody(Lot& lot, bool round, Scene& s) {
 std::string addInside(Lot& lot, const DrawnTissue& tissue, const BondedBody& body, const Vec3& fibre, Scene& s) {
   const int borders = lot.oneOf(3);
   if (borders == 0) return body.name + ", " + textOf(tissue);
-  const DrawnTissue other =
-      drawTissue(lot, tissue.shear * drawContrast(lot), lot.chance(0.5) ? tissue.poisson : std::min(0.495, drawPoisson(lot)), fibre);
+  const DrawnTissue other = drawTissue(lot, tissue.shear * drawContrast(lot),
+                                       lot.chance(0.5) ? tissue.poisson : std::min(0.495, drawPoisson(lot)), fibre);
   Region region;
   region.kind = borders == 1 ? Region::Kind::HalfSpace : Region::Kind::Sphere;
   region.point = Vec3(0, 0, lot.between(0.4, 0.6) * body.height);

@@ -25,15 +25,15 @@ Rod drawRod(Lot& lot) {
   rod.mantle = drawTissue(lot, lot.logBetween(300, 8000), drawPoisson(lot), Vec3::UnitZ());
   if (lot.chance(0.5)) return rod;
   rod.core = lot.between(0.4, 0.65) * rod.radius;
-  rod.inside = drawTissue(lot, rod.mantle.shear * drawContrast(lot), lot.chance(0.5) ? rod.mantle.poisson : drawPoisson(lot),
-                          Vec3::UnitZ());
+  rod.inside = drawTissue(lot, rod.mantle.shear * drawContrast(lot),
+                          lot.chance(0.5) ? rod.mantle.poisson : drawPoisson(lot), Vec3::UnitZ());
   return rod;
 }
 
 std::string textOf(const Rod& rod) {
   if (rod.core == 0) return "cylinder, " + textOf(rod.mantle);
-  return format("cylinder with a core 1 : %.3g, ", rod.inside.shear / rod.mantle.shear) + textOf(rod.mantle) + " around " +
-         textOf(rod.inside);
+  return format("cylinder with a core 1 : %.3g, ", rod.inside.shear / rod.mantle.shear) + textOf(rod.mantle) +
+         " around " + textOf(rod.inside);
 }
 
 Scene sceneOf(Lot& lot, const Rod& rod) {
@@ -78,15 +78,16 @@ MatrixCase drawTwisted(Lot& lot) {
   const double angle = twisted ? lot.between(0.2, 1) * height / rod.radius : 0;
   OneDimensional problem = oneDimensional(rod);
   problem.turn = angle / height;
-  problem.stretch = !twisted || lot.chance(0.3) ? (lot.chance(0.5) ? lot.between(0.75, 0.95) : lot.between(1.05, 1.4)) : 1;
+  problem.stretch =
+      !twisted || lot.chance(0.3) ? (lot.chance(0.5) ? lot.between(0.75, 0.95) : lot.between(1.05, 1.4)) : 1;
   const OneDimensional::Answer exact = problem.solve();
   one.known = twisted ? exact.moment : exact.force;
   one.kind = twisted ? "twisted" : problem.stretch < 1 ? "rod compressed" : "rod stretched";
   one.about = textOf(rod) + format(", by %.2g rad, to %.2g", angle, problem.stretch);
   one.scene = sceneOf(lot, rod);
   const double stretch = problem.stretch;
-  one.placed.push_back({[](const Vec3& X) { return X.z() < on_face; },
-                        [exact](const Vec3& X) { return radially(exact, X); }});
+  one.placed.push_back(
+      {[](const Vec3& X) { return X.z() < on_face; }, [exact](const Vec3& X) { return radially(exact, X); }});
   one.placed.push_back({[height](const Vec3& X) { return X.z() > height - on_face; },
                         [exact, stretch, angle](const Vec3& X) {
                           Vec3 x = radially(exact, X);
@@ -126,7 +127,8 @@ MatrixCase drawConfinedCore(Lot& lot) {
   moveEvenly(s.boundaries[1]);
   // All of the mantle, and the rims of both ends with it.
   PlacedSurface mantle{[radius = rod.radius, height](const Vec3& X) {
-                         return (X.z() > on_face && X.z() < height - on_face) || std::hypot(X.x(), X.y()) > 0.97 * radius;
+                         return (X.z() > on_face && X.z() < height - on_face) ||
+                                std::hypot(X.x(), X.y()) > 0.97 * radius;
                        },
                        [](const Vec3& X) { return X; }};
   mantle.component[2] = false;

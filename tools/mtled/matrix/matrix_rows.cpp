@@ -105,8 +105,8 @@ Figure cloudOf(const std::vector<MatrixRow>& rows) {
   figure.log_x = figure.log_y = true;
   figure.x_low = figure.y_low = least;
   figure.x_high = figure.y_high = most;
-  Series closed{"trusted, closed form", {}, {}, SeriesStyle::Points}, finer{"trusted, finer clouds", {}, {}, SeriesStyle::Points},
-      doubted{"doubted", {}, {}, SeriesStyle::Points};
+  Series closed{"trusted, closed form", {}, {}, SeriesStyle::Points},
+      finer{"trusted, finer clouds", {}, {}, SeriesStyle::Points}, doubted{"doubted", {}, {}, SeriesStyle::Points};
   for (const MatrixRow& row : rows) {
     if (!row.comparable()) continue;
     Series& series = !row.trusted() ? doubted : row.one.hasClosedForm() ? closed : finer;
@@ -170,8 +170,9 @@ CaseResult matrixResult(const std::vector<MatrixRow>& rows, Pictures* pictures, 
       {"Expected errors within a factor of two", 100 * shareOf(s.honest, s.estimated), 90, false, "%", "the goal"}};
   if (pictures == nullptr) return result;
   pictures->write(folder + "/matrix_errors.png", cloudOf(rows));
-  result.figures.push_back({"matrix_errors.png", "True against expected error; below the band errors are larger than "
-                                                 "they are said to be"});
+  result.figures.push_back({"matrix_errors.png",
+                            "True against expected error; below the band errors are larger than "
+                            "they are said to be"});
   return result;
 }
 

@@ -20,7 +20,7 @@ constexpr int load_steps = 2;
 constexpr double tolerance = 1e-4, tolerance_of_known = 1e-5, tolerance_of_press = 1e-3;
 // Of a load step: who is not at rest then has no answer. Contact that goes on for ever is found out early.
 constexpr int most_iterations = 3000, most_iterations_of_known = 12000;
-constexpr double finest = 0.4, reference_ratio = 1.4;          // of the two clouds that are extrapolated from
+constexpr double finest = 0.4, reference_ratio = 1.4;  // of the two clouds that are extrapolated from
 
 /// The scene at a fineness, with a boundary for each node that goes to a place of its own.
 Scene sceneAt(const MatrixCase& one, double fineness) {
@@ -41,8 +41,8 @@ Scene sceneAt(const MatrixCase& one, double fineness) {
       std::copy(std::begin(placed.component), std::end(placed.component), std::begin(b.component));
       b.axis_point = placed.axis_point;
       b.angle = placed.angle;
-      b.translation = placed.to(X) - placed.axis_point -
-                      Eigen::AngleAxisd(placed.angle, Vec3::UnitZ()) * (X - placed.axis_point);
+      b.translation =
+          placed.to(X) - placed.axis_point - Eigen::AngleAxisd(placed.angle, Vec3::UnitZ()) * (X - placed.axis_point);
       if (b.translation.isZero(0) && b.angle == 0) continue;
       b.duration = 1;
       b.curve.kind = LoadCurve::Kind::Linear;

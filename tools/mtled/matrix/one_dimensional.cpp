@@ -82,7 +82,7 @@ OneDimensional::Answer OneDimensional::solve() const {
     }
     return f;
   };
-  const double unit = modulus * (kind == Kind::Beam ? 1 : kind == Kind::Sphere ? size * size : size) ;
+  const double unit = modulus * (kind == Kind::Beam ? 1 : kind == Kind::Sphere ? size * size : size);
   const auto residual = [&](const Eigen::VectorXd& x, double load) {
     Eigen::VectorXd f = forces(x, load) / unit;
     if (kind != Kind::Beam) f[0] = x[0] / size;

@@ -22,7 +22,8 @@ Laminate::Laminate(std::vector<Layer> from, const Vec3& motion) : layers(std::mo
   const auto residual = [&](const Eigen::VectorXd& x, double load) {
     Eigen::VectorXd r(3 * count);
     Vec3 reached = -load * motion;
-    for (Eigen::Index k = 0; k < count; ++k) reached += layers[static_cast<std::size_t>(k)].height * x.segment<3>(3 * k);
+    for (Eigen::Index k = 0; k < count; ++k)
+      reached += layers[static_cast<std::size_t>(k)].height * x.segment<3>(3 * k);
     r.segment<3>(0) = reached / height;
     const Vec3 first = tractionOf(0, x.segment<3>(0));
     for (Eigen::Index k = 1; k < count; ++k)
