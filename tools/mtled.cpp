@@ -22,10 +22,10 @@
 #include "mtled/certify/certify_command.h"
 #include "mtled/fit/fit_command.h"
 #include "mtled/follow/follow_command.h"
-#include "mtled/matrix/matrix_command.h"
 #include "mtled/frontier/frontier_command.h"
 #include "mtled/identify/identify_command.h"
 #include "mtled/import/import_command.h"
+#include "mtled/matrix/matrix_command.h"
 #include "mtled/scan/brainshift_command.h"
 #include "mtled/scan/import_scan.h"
 #include "mtled/scan/phantom_command.h"
@@ -46,7 +46,7 @@ const char* const examples = R"(Examples:
   mtled solve liver --tool indent_hold_retract               the tool's way, quasi-static
   mtled verify                               all cases beside the paper and independent references
   mtled verify cube torsion --report /tmp/v  two of them, as a page with pictures
-  mtled matrix --count 20                    scenes drawn by lot beside finer clouds of theirs
+  mtled verify matrix --first 1000 --count 50   scenes drawn by lot beside closed forms and finer clouds
   mtled bench --quick                        the force kernels' speed beside what this machine could do at most
   mtled frontier liver --quick               what each microsecond buys
   mtled follow liver --quick                 a cloud that follows the tool, beside the scene as it is
@@ -63,7 +63,7 @@ const char* const examples = R"(Examples:
   mtled import liver.stl --unit mm --out my/liver   a scene of any surface, repaired where it must be
 
 Exit codes: 0 done, 1 failed, not converged or interrupted (what there is is kept), 2 bad option, file or scene,
-3 found but doubted (identify).)";
+3 found but doubted (identify, verify matrix, --strict).)";
 
 /// The lines of the examples that show one command.
 std::string examplesOf(const CLI::App& command) {
@@ -120,14 +120,19 @@ CLI::App* addVerify(CLI::App& app, VerifyOptions& options) {
   return command;
 }
 
-CLI::App* addMatrix(CLI::App& app, MatrixOptions& options) {
+/// `mtled verify matrix`.
+CLI::App* addMatrix(CLI::App& verify, MatrixOptions& options) {
   CLI::App* command =
-      app.add_subcommand("matrix", "Compare scenes drawn by lot with finer clouds: how far off is what is trusted");
-  command->footer(examplesOf(*command));
+      verify.add_subcommand("matrix", "Scenes drawn by lot beside closed forms and finer clouds: what is trusted?");
+  command->footer("Exit code 3 where a trusted force is off by more than a tenth.\n\n" + examplesOf(verify));
   command->add_option("--first", options.first, "The first seed (1)")->type_name("N")->check(CLI::Range(0, 1000000));
   command->add_option("--count", options.count, "How many (300)")->type_name("N")->check(CLI::Range(1, 100000));
-  command->add_flag("--make", options.make, "Compute the references anew, and keep them in tests/reference/matrix.csv");
-  command->add_option("--json", options.json, "Write all rows to this file")->type_name("FILE");
+  command->add_flag("--quick", options.quick, "Only those with a closed form");
+  command->add_flag("--make", options.make,
+                    "Only compute the references that tests/reference/matrix.csv lacks, and keep them there");
+  command->add_option("--json", options.json, "Write the results and all rows to this file")->type_name("FILE");
+  command->add_option("--report", options.report, "Write a page with tables and the cloud of errors into this folder")
+      ->type_name("DIR");
   command->add_option("--threads", options.threads, "Threads (one per core)")->type_name("N")->check(CLI::Range(1, 64));
   return command;
 }
@@ -433,10 +438,12 @@ int main(int argc, char** argv) {
   ImportScanOptions shift;
   std::string shift_like;
   WarpOptions warp;
+  CLI::App* const solve_app = addSolve(app, solve);
+  CLI::App* const verify_app = addVerify(app, verify);
+  CLI::App* const matrix_app = addMatrix(*verify_app, matrix);
   const std::pair<CLI::App*, std::function<int()>> commands[] = {
-      {addSolve(app, solve), [&] { return solveCommand(solve); }},
-      {addVerify(app, verify), [&] { return verifyCommand(verify); }},
-      {addMatrix(app, matrix), [&] { return matrixCommand(matrix); }},
+      {solve_app, [&] { return solveCommand(solve); }},
+      {verify_app, [&] { return *matrix_app ? matrixCommand(matrix) : verifyCommand(verify); }},
       {addBench(app, bench), [&] { return benchCommand(bench); }},
       {addFollow(app, follow), [&] { return followCommand(follow); }},
       {addFrontier(app, frontier), [&] { return frontierCommand(frontier); }},

@@ -112,9 +112,14 @@ void putInSlices(Discretization& d) {
     for (int& node : cell) node = place[node];
 }
 
+void fitVolumes(const Scene& scene, const SurfaceTree& organ, Discretization& d) {
+  fitToVolume(d.cloud, d.cells, organ);
+  if (hasSharpInterfaces(scene)) fitInterfaces(scene, organ, d.cloud, d.cells);
+}
+
 Discretization discretize(const Scene& scene, const SurfaceTree& organ, const std::function<void(double)>& progress) {
   Discretization d = discretizeOnSurface(scene, organ, progress);
-  fitToVolume(d.cloud, d.cells, organ);
+  fitVolumes(scene, organ, d);
   putInSlices(d);
   return d;
 }

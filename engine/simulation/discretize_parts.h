@@ -7,7 +7,7 @@ namespace palpate {
 
 /// What `discretize` is made of, for clouds of which parts are used (place.h).
 ///
-///   discretize = discretizeOnSurface, fitToVolume (volume_fit.h), putInSlices
+///   discretize = discretizeOnSurface, fitVolumes, putInSlices
 
 /// The spacing that a scene asks for.
 SpacingField spacingField(const Scene& scene);
@@ -15,6 +15,10 @@ SpacingField spacingField(const Scene& scene);
 /// Nodes and cells before the volume is fitted: surface nodes are on the surface. @throws as discretize
 Discretization discretizeOnSurface(const Scene& scene, const SurfaceTree& organ,
                                    const std::function<void(double)>& progress);
+
+/// Moves nodes so that cells enclose the organ's volume (volume_fit.h) and, where materials meet, each its own
+/// (interface_nodes.h).
+void fitVolumes(const Scene& scene, const SurfaceTree& organ, Discretization& discretization);
 
 /// The lines that its nodes follow: the organ's sharp edges, and rims of imposed cylindrical regions.
 FeatureEdges featuresOf(const Scene& scene, const SurfaceTree& organ);

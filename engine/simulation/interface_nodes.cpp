@@ -7,6 +7,7 @@
 #include <set>
 
 #include "discretization/nodes/node_scatter.h"
+#include "discretization/surface/facet_rule.h"
 #include "discretization/surface/feature_edges.h"
 #include "discretization/surface/surface_geometry.h"
 #include "simulation/mixtures.h"
@@ -41,6 +42,23 @@ class Mover {
       if (!sign.isZero(0) && materialAt(scene_, X + on_edge_of * h * sign, organ_) != own) return true;
     }
     return false;
+  }
+
+  /// How far along n the border of material `own` lies from X, or against it where X is of another; 0 where it is not
+  /// found within `range`; m.
+  double heightOfBorder(const Vec3& X, const Vec3& n, int own, double range) const {
+    const int here = materialAt(scene_, X, organ_);
+    const double way = here == own ? wayAcross(X, n, own, range) : wayTo(X, -n, own, range);
+    return way < 0 ? 0 : here == own ? way : -way;
+  }
+
+  /// The part of a motion that leaves a node on the organ's edge or surface where it is on one.
+  Vec3 allowed(const Vec3& motion, const Vec3& X, bool on_surface, double h) const {
+    if (!on_surface) return motion;
+    const Freedom freedom = ofSurface(X, h);
+    Vec3 left = Vec3::Zero();
+    for (int k = 0; k < freedom.free; ++k) left += freedom.axes.col(k).dot(motion) * freedom.axes.col(k);
+    return left;
   }
 
   /// Where the way from a to b gets to another material. @pre  the ends are of two
@@ -89,13 +107,23 @@ class Mover {
  private:
   /// m along d to another material, or -1: none within `range`.
   double wayAcross(const Vec3& X, const Vec3& d, int own, double range) const {
+    return way(X, d, range, [own](int material) { return material != own; });
+  }
+
+  /// m along d to that material, or -1 likewise.
+  double wayTo(const Vec3& X, const Vec3& d, int other, double range) const {
+    return way(X, d, range, [other](int material) { return material == other; });
+  }
+
+  template <class Wanted>
+  double way(const Vec3& X, const Vec3& d, double range, Wanted wanted) const {
     constexpr int looks = 3;
     for (int k = 1; k <= looks; ++k) {
       double low = range * (k - 1) / looks, high = range * k / looks;
-      if (materialAt(scene_, X + high * d, organ_) == own) continue;
+      if (!wanted(materialAt(scene_, X + high * d, organ_))) continue;
       for (int n = 0; n < bisections; ++n) {
         const double middle = (low + high) / 2;
-        (materialAt(scene_, X + middle * d, organ_) == own ? low : high) = middle;
+        (wanted(materialAt(scene_, X + middle * d, organ_)) ? high : low) = middle;
       }
       return high;
     }
@@ -240,6 +268,81 @@ int closeInterfaces(const Scene& scene, const SurfaceTree& organ, const SpacingF
     ++mended;
   }
   return mended;
+}
+
+void fitInterfaces(const Scene& scene, const SurfaceTree& organ, NodeCloud& cloud, BackgroundCells& cells) {
+  constexpr int rounds = 4;           // each leaves about a third of the gap
+  constexpr double flat_gap = 1e-4;   // of a facet's edge: nodes were put on the border less exactly than that
+  constexpr double farthest = 0.25;   // of a facet's edge, of a node's way
+  constexpr double min_volume = 0.2;  // of a cell's first volume
+  const Mover mover(scene, organ);
+  std::vector<int> material;
+  for (const Vec3& middle : centroids(cloud.X, cells.cells)) material.push_back(materialAt(scene, middle, organ));
+  struct Facet {
+    std::array<int, 3> nodes;
+    int cell;  // on the side that the normal leaves
+  };
+  std::vector<Facet> facets;
+  for (const auto& [a, b] : neighbouringCells(cells.cells)) {
+    const auto &one = cells.cells[static_cast<std::size_t>(a)], &other = cells.cells[static_cast<std::size_t>(b)];
+    if (material[static_cast<std::size_t>(a)] == material[static_cast<std::size_t>(b)]) continue;
+    Facet facet{{}, a};
+    std::copy_if(one.begin(), one.end(), facet.nodes.begin(),
+                 [&](int i) { return std::find(other.begin(), other.end(), i) != other.end(); });
+    facets.push_back(facet);
+  }
+  const std::vector<Vec3> start = cloud.X;
+  const std::vector<double> first_volume = cells.volume;
+  for (int round = 0; round < rounds; ++round) {
+    std::vector<Vec3> motion(start.size(), Vec3::Zero());
+    std::vector<double> area(start.size(), 0), reach_of(start.size(), 0);
+    const std::vector<Vec3> middles = centroids(cloud.X, cells.cells);
+    bool uneven = false;
+    for (const Facet& facet : facets) {
+      const auto corner = [&](std::size_t k) -> const Vec3& {
+        return cloud.X[static_cast<std::size_t>(facet.nodes[k])];
+      };
+      const Vec3 across = (corner(1) - corner(0)).cross(corner(2) - corner(0)) / 2;
+      const auto cell = static_cast<std::size_t>(facet.cell);
+      const Vec3 n = across.normalized() * ((corner(0) - middles[cell]).dot(across) < 0 ? -1 : 1);
+      const double edge = std::sqrt(2 * across.norm());
+      double gap = 0;
+      for (int k = 0; k < FacetRule::size; ++k)
+        gap += FacetRule::weight(k) * mover.heightOfBorder(FacetRule::point(k, corner(0), corner(1), corner(2)), n,
+                                                           material[cell], 0.5 * edge);
+      uneven |= std::abs(gap) > flat_gap * edge;
+      for (const int i : facet.nodes) {
+        motion[static_cast<std::size_t>(i)] += across.norm() * (std::abs(gap) > flat_gap * edge ? gap : 0) * n;
+        area[static_cast<std::size_t>(i)] += across.norm();
+        reach_of[static_cast<std::size_t>(i)] += across.norm() * edge;
+      }
+    }
+    if (!uneven) return;
+    std::vector<Vec3> X = cloud.X;
+    for (std::size_t i = 0; i < X.size(); ++i) {
+      if (area[i] == 0) continue;
+      const double edge = reach_of[i] / area[i];
+      const Vec3 total =
+          cloud.X[i] + mover.allowed(motion[i] / area[i], start[i], cloud.on_surface[i] != 0, edge) - start[i];
+      X[i] = start[i] + total * std::min(1.0, farthest * edge / std::max(total.norm(), 1e-300));
+    }
+    for (bool again = true; again;) {  // cells that would shrink too much hold their nodes where they are
+      again = false;
+      BackgroundCells trial;
+      trial.cells = cells.cells;
+      updateVolumes(trial, X);
+      for (std::size_t c = 0; c < cells.cells.size(); ++c) {
+        if (trial.volume[c] >= min_volume * first_volume[c]) continue;
+        for (const int node : cells.cells[c]) {
+          const auto i = static_cast<std::size_t>(node);
+          again = again || X[i] != cloud.X[i];
+          X[i] = cloud.X[i];
+        }
+      }
+    }
+    cloud.X = X;
+  }
+  updateVolumes(cells, cloud.X);
 }
 
 }  // namespace palpate

@@ -5,7 +5,6 @@
 #include <limits>
 
 #include "discretization/nodes/site_grid.h"
-#include "discretization/nodes/volume_fit.h"
 #include "discretization/surface/surface_geometry.h"
 #include "simulation/choose_time_step.h"
 #include "simulation/discretize_parts.h"
@@ -87,7 +86,7 @@ Place place(const Places& places, const PlaceIndex& index, const CommonToPlaces*
     d.cloud.on_surface.push_back(places.cloud.on_surface[i]);
   }
   d.cells = makeBackgroundCells(d.cloud, places.organ);
-  fitToVolume(d.cloud, d.cells, places.organ);
+  fitVolumes(places.scene, places.organ, d);
   Scene scene = places.scene;
   const auto tools = toolsOf(scene);
   for (std::size_t t = 0; t < tools.size(); ++t) {

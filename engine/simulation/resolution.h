@@ -23,11 +23,12 @@ namespace palpate {
 //   e = c sum_q V_q mu_q |F_q - F*_q|^2 / W
 //
 // F*_q the mean over the nodes of point q's cell of the mean F around each, of points of q's material alone: what jumps
-// at a border is right. Wherever the cloud is too coarse counts: below a small tool, in a thin layer, at a bonded edge.
-// Measured on scenes drawn by lot (`mtled matrix`, engine/mechanics/README.md); an estimate, no bound.
+// at a border is right. Fibres under tension add half their modulus times (n . (F_q - F*_q) n)^2 to mu |F_q - F*_q|^2.
+// Wherever the cloud is too coarse counts: below a small tool, in a thin layer, at a bonded edge. Measured on scenes
+// drawn by lot (`mtled verify matrix`, engine/mechanics/README.md); an estimate, no bound.
 
 /// e for a displacement. For batch: allocates.
-/// @param u  m (node_count)  @param strain_energy  W, J; below Model::rest_energy e is 0
+/// @param u  m (node_count)  @param strain_energy  W, J; below a millionth of Model::rest_energy e is 0
 double expectedError(const Model& model, std::span<const Material> materials, const AlignedVector<Double4>& u,
                      double strain_energy);
 

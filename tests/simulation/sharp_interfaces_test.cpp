@@ -206,3 +206,39 @@ TEST_CASE("One material has no border: sharp interfaces change nothing", "[sharp
   CHECK(sharp.point_shape.N == plain.point_shape.N);
   CHECK(sharp.mass == plain.mass);
 }
+
+TEST_CASE("A core and a lump have the volume that they should, however few nodes are around them",
+          "[sharp_interfaces]") {
+  // Flat faces between nodes on the border would leave an octagon, a tenth too small.
+  Scene scene;
+  scene.solid = Scene::Solid::Cylinder;
+  scene.radius = 0.014;
+  scene.height = 0.03;
+  scene.spacing = 0.0048;
+  scene.materials.resize(2);
+  scene.materials[1].material.set("young", 20000);
+  scene.materials[1].everywhere = false;
+  scene.tool_position = Vec3(0, 0, 1);
+  BoundarySpec base;
+  base.region.kind = Region::Kind::NearPlane;
+  base.region.distance = 1e-6;
+  scene.boundaries.push_back(base);
+  Region& inside = scene.materials[1].region;
+  for (const bool core : {true, false}) {
+    inside.kind = core ? Region::Kind::Cylinder : Region::Kind::Sphere;
+    inside.point = core ? Vec3(0, 0, -0.01) : Vec3(0, 0, 0.015);
+    inside.height = 0.05;
+    inside.radius = core ? 0.0065 : 0.008;
+    const double exact =
+        core ? M_PI * std::pow(inside.radius, 2) * scene.height : 4.0 / 3 * M_PI * std::pow(inside.radius, 3);
+    for (const unsigned seed : {1U, 2U, 3U}) {
+      scene.seed = seed;
+      const Model model = loadModel(scene);
+      double volume = 0;
+      for (int q = 0; q < model.pointCount(); ++q)
+        if (model.point_material[q] == 1) volume += model.point_volume[q];
+      INFO((core ? "core" : "lump") << ", seed " << seed << ": " << 100 * (volume / exact - 1) << " % off");
+      CHECK(std::abs(volume / exact - 1) < 0.02);
+    }
+  }
+}
