@@ -139,7 +139,7 @@ int exitCodeOf(Session& session, const References& references, const Picture& la
     }
   const RunReport ended = session.report();
   if (ended.doubt == Doubt::Resolution)  // no tick of it was worth a line of its own
-    log.warning(format("the force is expected to be some %.0f %% too large: ", 100 * ended.expected_error) +
+    log.warning(format("the force is expected to be off by some %.0f %%: ", 100 * ended.expected_error) +
                 doubtText(ended.doubt));
   if (options.strict && ended.doubt != Doubt::None) code = exit_code::doubted;
   if (session.report().frozen) code = exit_code::frozen;

@@ -121,7 +121,7 @@ typedef struct palpate_state {
   double depth_m;           /* how deep the tip is, from where the skin lay at rest; negative: not there yet */
   double advance_m;         /* travel along the tool's first axis past first touch */
   double work_J;            /* that the tool has done on the tissue */
-  double expected_error;    /* of forces, as a share, because the scene's cloud is no finer: 0.05 is 5 % too much. An
+  double expected_error;    /* of forces, as a share, because the scene's cloud is no finer: 0.05 is 5 % off. An
                                estimate of some tenths of a second ago; 0 until there is one, also after a restore */
 } palpate_state;
 

@@ -33,19 +33,20 @@ void monomials(const Vec& xi, double* p) {
 }  // namespace
 
 template <int Dim>
-bool Mmls<Dim>::evaluate(const Vec& x, const Vec* X, const double* radius, int count) {
+bool Mmls<Dim>::evaluate(const Vec& x, const Vec* X, const double* radius, int count, const std::uint8_t* pinned) {
   N_.resize(count);
   w_.resize(count);
   gradN_.resize(count);
   dw_.resize(count);
   gp_.resize(count);
   p_.resize(static_cast<std::size_t>(count) * quadratic_size<Dim>);
-  return degree_ == 1 ? solve<linear_size<Dim>>(x, X, radius, count) : solve<quadratic_size<Dim>>(x, X, radius, count);
+  return degree_ == 1 ? solve<linear_size<Dim>>(x, X, radius, count, pinned)
+                      : solve<quadratic_size<Dim>>(x, X, radius, count, pinned);
 }
 
 template <int Dim>
 template <int Size>
-bool Mmls<Dim>::solve(const Vec& x, const Vec* X, const double* radius, int count) {
+bool Mmls<Dim>::solve(const Vec& x, const Vec* X, const double* radius, int count, const std::uint8_t* pinned) {
   using Basis = Eigen::Matrix<double, Size, 1>;
   using Moment = Eigen::Matrix<double, Size, Size>;
 
@@ -59,7 +60,12 @@ bool Mmls<Dim>::solve(const Vec& x, const Vec* X, const double* radius, int coun
     const Vec d = x - X[j];
     const double s = d.norm() / radius[j];
     w_[j] = quarticSpline(s);
-    dw_[j] = quarticSplineSlope(s) / (radius[j] * radius[j]) * d;
+    double slope = quarticSplineSlope(s);
+    if (pinned != nullptr && pinned[j] != 0) {
+      slope = slope * pinnedFactor(s) + w_[j] * pinnedSlope(s);
+      w_[j] *= pinnedFactor(s);
+    }
+    dw_[j] = slope / (radius[j] * radius[j]) * d;
     sum_w += w_[j];
     sum_wR += w_[j] * radius[j];
     sum_dw += dw_[j];

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <cstdint>
 #include <optional>
 #include <vector>
 
@@ -48,8 +49,9 @@ class Mmls {
   /// Evaluates N and gradN at x for a support of `count` nodes.
   /// @param X       node positions, m                       (count)
   /// @param radius  support radii R_j, m, > |x - X_j|        (count)
+  /// @param pinned  not 0 at nodes that the approximation goes through (weight_function.h); null: none (count)
   /// @return false if the moment matrix is numerically singular; N and gradN are then undefined.
-  bool evaluate(const Vec& x, const Vec* X, const double* radius, int count);
+  bool evaluate(const Vec& x, const Vec* X, const double* radius, int count, const std::uint8_t* pinned = nullptr);
 
   const std::vector<double>& N() const { return N_; }       // (count)
   const std::vector<Vec>& gradN() const { return gradN_; }  // (count) 1/m
@@ -57,7 +59,7 @@ class Mmls {
 
  private:
   template <int Size>
-  bool solve(const Vec& x, const Vec* X, const double* radius, int count);
+  bool solve(const Vec& x, const Vec* X, const double* radius, int count, const std::uint8_t* pinned);
 
   int degree_;
   std::array<double, 6> mu_;  // weights of the constraints

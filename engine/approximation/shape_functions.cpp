@@ -1,6 +1,7 @@
 #include "approximation/shape_functions.h"
 
 #include <algorithm>
+#include <bit>
 
 #include "base/parallel_for.h"
 
@@ -23,17 +24,22 @@ ShapeTable shapeFunctions(const std::vector<Vec3>& points, const std::vector<Vec
     Mmls<3> mmls(options);
     std::vector<Vec3> support_X;
     std::vector<double> support_radius;
+    std::vector<std::uint8_t> pinned;
     for (int r = begin; r < end; ++r) {
       neighbours.find(points[r], row[r].node);
       if (!groups.row.empty()) std::erase_if(row[r].node, [&](int j) { return (groups.node[j] & groups.row[r]) == 0; });
       support_X.clear();
       support_radius.clear();
+      pinned.clear();
       for (int j : row[r].node) {
         support_X.push_back(X[j]);
         support_radius.push_back(radius[j]);
+        if (!groups.row.empty()) pinned.push_back(std::popcount(groups.node[j]) > 1);
       }
       const int count = static_cast<int>(row[r].node.size());
-      if (mmls.evaluate(points[r], support_X.data(), support_radius.data(), count) && limits.admit(mmls.quality())) {
+      if (mmls.evaluate(points[r], support_X.data(), support_radius.data(), count,
+                        pinned.empty() ? nullptr : pinned.data()) &&
+          limits.admit(mmls.quality())) {
         row[r].N = mmls.N();
         row[r].gradN = mmls.gradN();
       } else {

@@ -28,7 +28,8 @@ struct AdmissibilityLimits {
   }
 };
 
-/// Which nodes may carry which points: those that have a bit in common with the point. Empty: all.
+/// Which nodes may carry which points: those that have a bit in common with the point. Empty: all. The approximation
+/// goes through nodes with several bits, so that the fields of their groups meet there.
 struct SupportGroups {
   std::vector<std::uint64_t> node;  // (node_count)
   std::vector<std::uint64_t> row;   // (row_count)

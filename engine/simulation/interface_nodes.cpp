@@ -61,15 +61,29 @@ class Mover {
     return left;
   }
 
-  /// Where the way from a to b gets to another material. @pre  the ends are of two
-  Vec3 crossing(const Vec3& a, const Vec3& b) const {
-    const int own = materialAt(scene_, a, organ_);
-    double low = 0, high = 1;
-    for (int n = 0; n < bisections; ++n) {
-      const double middle = (low + high) / 2;
-      (materialAt(scene_, a + middle * (b - a), organ_) == own ? low : high) = middle;
+  /// Whether a node of the surface may go to another place there: those of edges stay on their edge, corners where they
+  /// are.
+  bool staysOnEdge(const Vec3& X, const Vec3& to, double h) const {
+    return ofSurface(X, h).free == 2 || (allowed(to - X, X, true, h) - (to - X)).norm() < on_edge_of * h;
+  }
+
+  /// Where the way from a to b gets to another material, away from its ends; none where it does not, or where it only
+  /// runs along a border.
+  std::optional<Vec3> crossing(const Vec3& a, const Vec3& b) const {
+    constexpr double looks[] = {0.08, 0.36, 0.64, 0.92};  // of the way: a layer that it crosses takes up a third of it
+    for (std::size_t k = 1; k < std::size(looks); ++k) {
+      const int own = materialAt(scene_, a + looks[k - 1] * (b - a), organ_);
+      if (materialAt(scene_, a + looks[k] * (b - a), organ_) == own) continue;
+      double low = looks[k - 1], high = looks[k];
+      for (int n = 0; n < bisections; ++n) {
+        const double middle = (low + high) / 2;
+        (materialAt(scene_, a + middle * (b - a), organ_) == own ? low : high) = middle;
+      }
+      const Vec3 at = a + high * (b - a);
+      const double h = (b - a).norm();
+      if (!isOnBorder((a + at) / 2, h) && !isOnBorder((at + b) / 2, h)) return at;
     }
-    return a + high * (b - a);
+    return std::nullopt;
   }
 
   /// Where the node gets to a border within `range`; itself where it doesn't.
@@ -224,7 +238,8 @@ int putOnInterfaces(const Scene& scene, const SurfaceTree& organ, const SpacingF
 
 int closeInterfaces(const Scene& scene, const SurfaceTree& organ, const SpacingField& spacing,
                     const std::vector<std::array<int, 4>>& cells, NodeCloud& cloud) {
-  constexpr double free = 0.45;  // spacings: nearer nodes move instead of a new one
+  constexpr double free = 0.45;  // spacings: nearer nodes move instead of a new one, if they may
+  constexpr double least = 0.3;  // spacings: no new one is nearer to one that may not, or to the surface
   const Mover mover(scene, organ);
   std::vector<int> material(cloud.X.size());
   std::vector<std::uint8_t> on_border(cloud.X.size());
@@ -239,29 +254,30 @@ int closeInterfaces(const Scene& scene, const SurfaceTree& organ, const SpacingF
   for (const auto& cell : cells)
     for (const int i : cell)
       for (const int j : cell)
-        if (i < j && material[i] != material[j] && !on_border[i] && !on_border[j]) edges.insert({i, j});
+        if (i < j && (material[i] != material[j] || on_border[i] || on_border[j])) edges.insert({i, j});
   int mended = 0;
   for (const auto& [i, j] : edges) {
-    if (on_border[i] || on_border[j]) continue;  // by now
-    const bool on_surface = cloud.on_surface[i] != 0 && cloud.on_surface[j] != 0;
-    Vec3 at = mover.crossing(cloud.X[i], cloud.X[j]);
-    if (on_surface) at = organ.closest(at).point;
-    const double h = spacing.at(at);
+    const std::optional<Vec3> crossing = mover.crossing(cloud.X[i], cloud.X[j]);
+    if (!crossing) continue;
+    const double h = spacing.at(*crossing);
+    const bool on_surface =
+        (cloud.on_surface[i] != 0 && cloud.on_surface[j] != 0) || organ.signedDistance(*crossing) > -least * h;
+    const Vec3 at = on_surface ? organ.closest(*crossing).point : *crossing;
     int nearest = -1;
     double distance = free * h;
     grid.forEachWithin(at, (free + reach) * h, [&](int k, const Site&) {
       if (const double d = (cloud.X[k] - at).norm(); d < distance) distance = d, nearest = k;
       return true;
     });
-    if (!on_surface && organ.signedDistance(at) > -free * h) continue;
-    if (nearest < 0) {
+    if (nearest >= 0 && !on_border[nearest] && (cloud.on_surface[nearest] != 0) == on_surface &&
+        (!on_surface || mover.staysOnEdge(cloud.X[nearest], at, h))) {
+      cloud.X[nearest] = at;
+      on_border[nearest] = 1;
+    } else if (nearest < 0 || distance > least * h) {
       grid.add({at, Vec3::Zero(), h});
       cloud.X.push_back(at);
       cloud.on_surface.push_back(on_surface ? 1 : 0);
       on_border.push_back(1);
-    } else if (!on_border[nearest] && (cloud.on_surface[nearest] != 0) == on_surface) {
-      cloud.X[nearest] = at;
-      on_border[nearest] = 1;
     } else {
       continue;
     }

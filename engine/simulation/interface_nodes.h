@@ -24,9 +24,9 @@ bool hasSharpInterfaces(const Scene& scene);
 /// Test: simulation/sharp_interfaces_test.cpp
 int putOnInterfaces(const Scene& scene, const SurfaceTree& organ, const SpacingField& spacing, NodeCloud& cloud);
 
-/// Closes holes in a border's nodes: where an edge of the cells goes from one material to another and neither end is on
-/// the border, a node is added where it crosses, or the node nearest to there moves on to it. A border that cells
-/// pierce is a jagged one, at which uniform stresses do not balance.
+/// Closes holes in a border's nodes: where an edge of the cells goes from one material to another between its ends, a
+/// node is added where it crosses, or the node nearest to there moves on to it. A border that cells pierce is a jagged
+/// one, at which uniform stresses do not balance.
 /// @return how many edges were mended; the cells are to be made anew then
 int closeInterfaces(const Scene& scene, const SurfaceTree& organ, const SpacingField& spacing,
                     const std::vector<std::array<int, 4>>& cells, NodeCloud& cloud);

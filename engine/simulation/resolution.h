@@ -14,16 +14,18 @@
 
 namespace palpate {
 
-// How much too stiff a body is because its cloud is no finer.
+// How far off forces are because the cloud is no finer.
 //
-// What moves as it is told stores the energy W, and a force is its slope; so a force is too large by about the share
-// of W that a finer cloud would not store. That share follows from how much the deformation changes from point to
-// point (Zienkiewicz and Zhu 1987, with means in place of fits, which did not do better):
+// What moves as it is told stores the energy W, and a force is its slope; so a force is off by about the share of W
+// that a finer cloud would not store, or would store besides. That share follows from how much the deformation changes
+// from point to point (Zienkiewicz and Zhu 1987, with means in place of fits, which did not do better), from how much
+// it changes within what a point stands for, which one point does not see, and from volume that points can't hold:
 //
-//   e = c sum_q V_q mu_q |F_q - F*_q|^2 / W
+//   e W = sum_q V_q (c_0 mu |F_q - F*_q|^2 + c_1 mu mean_a |F_a - F*_q|^2 / 5 + c_2 K (J_q - J*_q)^2)
 //
-// F*_q the mean over the nodes of point q's cell of the mean F around each, of points of q's material alone: what jumps
-// at a border is right. Fibres under tension add half their modulus times (n . (F_q - F*_q) n)^2 to mu |F_q - F*_q|^2.
+// F_a the mean F around node a of point q's cell, of points of q's material alone: what jumps at a border is right.
+// F*_q and J*_q are the means over the cell's nodes. Fibres under tension add half their modulus times (n . D n)^2 to
+// mu |D|^2.
 // Wherever the cloud is too coarse counts: below a small tool, in a thin layer, at a bonded edge. Measured on scenes
 // drawn by lot (`mtled verify matrix`, engine/mechanics/README.md); an estimate, no bound.
 
@@ -50,13 +52,13 @@ class ResolutionWatch {
                StepReport& report);
 
  private:
-  using Gradient = std::array<float, 9>;  // F - 1, row by row
+  using Strain = std::array<float, 10>;  // F - 1, row by row, and J - 1
   void gather(const Model& model, std::size_t begin, std::size_t end);
   void compare(const Model& model, std::span<const Material> materials, std::size_t begin, std::size_t end);
 
   AlignedVector<Float4> u_;             // (node_count) of the moment
-  std::vector<Gradient> F_;             // (point_count)
-  std::vector<Gradient> mean_;          // (group_count)
+  std::vector<Strain> at_;              // (point_count)
+  std::vector<Strain> mean_;            // (group_count)
   std::size_t next_ = 0;                // of the points, twice over: gathered, then compared
   double sum_ = 0, energy_ = 0;         // J
   double force_ = 0;                    // N, of the moment

@@ -27,10 +27,11 @@ void joinGroups(const std::vector<Unsupported>& places, const std::vector<std::a
 /// So each side reproduces a linear field of its own, and a field that is linear on both sides with a kink at the
 /// border is exact; with supports across the border the kink is smeared over their width, which stiffens.
 ///
-/// A border goes where its nodes' own parameters go, for both sides: the sides' fields agree there for linear
-/// displacements only, and a gap or an overlap between them would change the volume of the whole. The gradients see to
-/// it that uniform stresses on both sides with one traction across the border are in equilibrium: for each group m and
-/// node i
+/// A border goes where its nodes' own parameters go, for both sides, and the sides' fields go through them (pinned
+/// nodes, weight_function.h): without, they meet for linear displacements only, and what gapes between them elsewhere
+/// is stiffness that is lacking. Squeezed balls with a core are 4.5 % off in the mean without, 1.2 % with; cores of
+/// confined rods 3.1 and 0.5 % (`mtled verify matrix`). The gradients see to it that uniform stresses on both sides
+/// with one traction across the border are in equilibrium: for each group m and node i
 ///
 ///   sum_{q in m} V_q gradN_i(X_q) = int_{outer faces of m} N_i n dS + int_{border of m} L_i n dS
 ///

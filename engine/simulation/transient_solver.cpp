@@ -35,6 +35,7 @@ std::optional<BatchBody::Report> TransientSolver::tick(const ToolsAt& tools, con
     total.inverted_points = std::max(total.inverted_points, report.inverted_points);
     total.max_increment = std::max(total.max_increment, report.max_increment);
     total.finite = total.finite && report.finite;
+    total.strain_energy = report.strain_energy;
     total.tool_force = report.tool_force;
     total.loads = report.loads;
     total.skull = report.skull;

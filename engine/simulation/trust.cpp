@@ -17,8 +17,8 @@ Doubt doubtOf(const Model& model, const StepReport& report) {
   const double max_pressure =
       model.scene.quadrature.cells_per_point > 1 ? TrustLimits::pressure_of_pairs : TrustLimits::pressure;
   if (report.nearly_incompressible &&
-      (report.min_J < TrustLimits::crumpled_J || std::abs(report.volume_change) > TrustLimits::volume_change ||
-       report.pressure_over_shear > max_pressure || report.cell_pressure_over_shear > TrustLimits::pressure_with_cells))
+      (report.min_J < TrustLimits::crumpled_J || report.pressure_over_shear > max_pressure ||
+       report.cell_pressure_over_shear > TrustLimits::pressure_with_cells))
     return Doubt::Volume;
   return report.expected_error > TrustLimits::expected_error ? Doubt::Resolution : Doubt::None;
 }
@@ -37,11 +37,9 @@ const char* doubtText(Doubt doubt) {
     case Doubt::None:
       return "";
     case Doubt::Resolution:
-      return "the nodes are too far apart for how the tissue bends, which makes it too stiff: finer spacing "
-             "below "
-             "the tool (mtled fit), or a wider tool";
+      return "the nodes are too far apart for how the tissue deforms: finer spacing there (mtled fit), or a wider tool";
     case Doubt::Volume:
-      return "the tissue's volume has changed too much, or is under too high a pressure: press less, or finer spacing";
+      return "the tissue's volume is under too high a pressure to be held: press less, or finer spacing";
     case Doubt::Contact:
       return "the tool is deep in the skin: finer spacing, or a blunter tool";
     case Doubt::Squeezed:

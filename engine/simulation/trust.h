@@ -10,11 +10,7 @@ namespace palpate {
 
 /// The limits beyond which a step's numbers are doubted.
 struct TrustLimits {
-  // Change of the tissue's volume as a share of it, where Poisson's ratio is 0.45 or more. Such a change need not be
-  // wrong (confined blocks of nu 0.45 are exact at 20 %), but it is the only warning before a free block of nu 0.49
-  // collapses: the warning comes at 62 % compression, the collapse at 68 %.
-  static constexpr double volume_change = 0.02;
-  // Largest local pressure over the shear modulus where points hold the volume, also for Poisson's ratios of 0.45 or
+  // Largest local pressure over the shear modulus where points hold the volume, for Poisson's ratios of 0.45 or
   // more. The nodes' volumes are only as exact as the quadrature, so under pressure some patterns of displacement
   // release energy, and only shear stiffness resists them. Measured on confined blocks (nu 0.48 .. 0.4999, spacings 4.2
   // .. 7.5 mm, seven seeds, 1 and 4 points a cell, held for 1 .. 6 s), where it is the same everywhere: within 1e-5 of

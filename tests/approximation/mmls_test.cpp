@@ -103,6 +103,42 @@ TEMPLATE_TEST_CASE_SIG("MMLS gradients equal finite differences", "[mmls]", ((in
   }
 }
 
+TEST_CASE("MMLS goes through pinned nodes, and stays linear and smooth", "[mmls]") {
+  const Cloud<3> cloud(800, 0.3, 9);
+  const int n = static_cast<int>(cloud.X.size());
+  std::vector<std::uint8_t> pinned(cloud.X.size());
+  for (std::size_t j = 0; j < pinned.size(); j += 4) pinned[j] = 1;
+  const auto at = [&](Mmls<3>& mmls, const Vec3& x) {
+    REQUIRE(mmls.evaluate(x, cloud.X.data(), cloud.radius.data(), n, pinned.data()));
+  };
+  Mmls<3> here({2, 0.1}), ahead({2, 0.1}), behind({2, 0.1}), free({2, 0.1});
+  int tried = 0;
+  for (std::size_t j = 0; j < pinned.size(); j += 4) {
+    const Vec3& X = cloud.X[j];
+    if ((X.array() < 0.25).any() || (X.array() > 0.75).any()) continue;
+    ++tried;
+    at(here, X);
+    CHECK(here.N()[j] > 0.95);  // 1 but for the share of the floor, more where a support is lopsided
+    REQUIRE(free.evaluate(X, cloud.X.data(), cloud.radius.data(), n));
+    CHECK(free.N()[j] < 0.5);
+    CHECK(here.quality().linear_error < 1e-10);
+  }
+  CHECK(tried > 5);
+  const double step = 1e-6;
+  const Vec3 x(0.41, 0.52, 0.47);
+  at(here, x);
+  for (int k = 0; k < 3; ++k) {
+    at(ahead, x + Vec3::Unit(k) * step);
+    at(behind, x - Vec3::Unit(k) * step);
+    double worst = 0, largest = 0;
+    for (std::size_t j = 0; j < cloud.X.size(); ++j) {
+      worst = std::max(worst, std::abs((ahead.N()[j] - behind.N()[j]) / (2 * step) - here.gradN()[j][k]));
+      largest = std::max(largest, std::abs(here.gradN()[j][k]));
+    }
+    CHECK(worst < 1e-6 * largest);
+  }
+}
+
 TEST_CASE("MMLS stands where classical moving least squares is singular", "[mmls]") {
   // Nodes on two parallel planes: z^2 is constant on the nodes' span, the quadratic moment matrix singular.
   std::vector<Vec3> X;

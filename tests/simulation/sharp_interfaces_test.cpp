@@ -178,6 +178,31 @@ TEST_CASE("Nodes are put on borders, and no support reaches over one", "[sharp_i
       REQUIRE((materials[sharp.point_shape.node[e]] >> sharp.point_material[q] & 1) == 1);
 }
 
+TEST_CASE("No cell reaches over a border of layers that are hardly thicker than a spacing", "[sharp_interfaces]") {
+  Scene scene = layers(4.3, true);
+  const double border[] = {0.24, 0.5, 0.78};  // of the height
+  for (int k = 2; k >= 0; --k) {
+    MaterialSpec& below = k == 2 ? scene.materials[1] : scene.materials.emplace_back(scene.materials[1]);
+    below.region.point = Vec3(0, 0, border[k] * stack_height);
+  }
+  for (const unsigned seed : {1U, 2U, 3U}) {
+    scene.seed = seed;
+    const Model model = loadModel(scene);
+    CAPTURE(seed);
+    double worst = 0;  // m, of a node beyond the border of a cell that it belongs to
+    for (int q = 0; q < model.pointCount(); ++q) {
+      const double z = model.point_X[q].z() / stack_height;
+      double low = 0, high = 1;
+      for (const double b : border) (b < z ? low : high) = b < z ? std::max(low, b) : std::min(high, b);
+      for (const int i : model.cells[model.point_cell[q]]) {
+        const double at = model.X[i].z() / stack_height;
+        worst = std::max({worst, low - at, at - high});
+      }
+    }
+    CHECK(worst < 1e-4);
+  }
+}
+
 TEST_CASE("The sides of a sharp border balance under one traction, whatever else their stresses are",
           "[sharp_interfaces]") {
   // sum_q V_q gradN_i over the points of both sides vanishes at inner nodes; over those of one side at its own ones.

@@ -69,7 +69,7 @@ nlohmann::json found(const TempFolder& folder, const std::string& scene, const s
   CHECK(result.code == (doubts.empty() ? 0 : 3));
   // The block's cloud is coarse for shallow presses; what made the curve had the same.
   for (const nlohmann::json& doubt : doubts)
-    CHECK_THAT(doubt.get<std::string>(), Contains("the scene's cloud makes its force some"));
+    CHECK_THAT(doubt.get<std::string>(), Contains("the scene's cloud puts its force off by some"));
   return result.report;
 }
 

@@ -218,6 +218,8 @@ TEST_CASE("A transient solution has a row a tick", "[solve_command]") {
   CHECK(force.rowCount() == 20);
   CHECK(force["time_s"].back() == Approx(0.04).epsilon(1e-12));
   CHECK(reportIn(folder)["mode"] == "transient");
+  CHECK(force["expected_force_error"].back() > 0);
+  CHECK(force["expected_force_error"].back() < 1);
   // Only an equilibrium has an estimate of how far it is from rest.
   CHECK(force.find("error_m") < 0);
   CHECK_THAT(readAll(folder.out("force.csv")), !Contains("nan"));

@@ -212,7 +212,7 @@ std::string doubtOfScene(const RunTrust& trust) {
   if (doubt != Doubt::Resolution)
     return format("from %.3g mm on the scene's own force is not to be trusted: ", 1e3 * trust.firstTime()) +
            doubtText(doubt);
-  return format("the scene's cloud makes its force some %.0f %% too large, and what was found that much too soft: ",
+  return format("the scene's cloud puts its force off by some %.0f %%, and what was found, too: ",
                 100 * trust.expectedError()) +
          doubtText(doubt);
 }

@@ -174,12 +174,18 @@ int solveTransient(const Task& task, SolveResults& results) {
   ProgressLine progress("solve");
   const double tick = 1 / task.model.scene.rate_hz;
   const auto ticks = static_cast<std::int64_t>(ticksTo(task.end, task.model.scene));
+  // What the cloud's fineness is worth takes as long to find as a step: of some ticks, and the last.
+  const std::int64_t interval = 1 + ticks / 200;
+  double expected_error = results.expectedError();
   bool stopped = false, diverged = false;
   for (std::int64_t k = solver.step() / task.model.substeps_per_tick + 1; k <= ticks && !stopped && !diverged; ++k) {
     const auto report = solver.tick(task.toolsAt(static_cast<double>(k) * tick), [] { return !interrupted(); });
     stopped = !report;
     if (stopped) break;
     diverged = !report->finite || report->max_increment > task.model.max_increment;
+    if (k % interval == 0 || k == ticks)
+      expected_error = expectedError(task.model, task.model.materials, solver.body().u, report->strain_energy);
+    const Doubt unresolved = expected_error > TrustLimits::expected_error ? Doubt::Resolution : Doubt::None;
     if (!diverged)
       results.add({solver.step(),
                    solver.time(),
@@ -190,8 +196,8 @@ int solveTransient(const Task& task, SolveResults& results) {
                    report->loads,
                    report->skull,
                    0,
-                   report->doubt,
-                   0,
+                   std::max(report->doubt, unresolved),
+                   expected_error,
                    report->worst_point},
                   solver.body());
     char detail[64];

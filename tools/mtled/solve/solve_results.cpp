@@ -102,8 +102,8 @@ std::vector<std::string> SolveResults::columns() const {
   if (model_.scene.skull.given)
     for (const char* part : {"skull_fx_N", "skull_fy_N", "skull_fz_N", "skull_penetration_m"})
       columns.emplace_back(part);
-  if (model_.scene.solve.mode == SolveSpec::Mode::Static)  // a motion has no estimates
-    for (const char* estimate : {error_column, "error_m"}) columns.emplace_back(estimate);
+  columns.emplace_back(error_column);
+  if (model_.scene.solve.mode == SolveSpec::Mode::Static) columns.emplace_back("error_m");
   columns.emplace_back("trust");
   return columns;
 }
@@ -119,13 +119,13 @@ CsvTable SolveResults::takeUp(std::uint64_t identity, const std::vector<std::str
 
 void SolveResults::remember(Doubt doubt, const std::vector<double>& row, const std::optional<Vec3>& place) {
   const std::vector<std::string> names = columns();
-  double force = 0, expected_error = 0;
+  double force = 0;
   for (std::size_t c = 0; c < row.size(); ++c) {
     if (names[c].ends_with("_fx_N")) force = std::max(force, Vec3(row.data() + c).norm());
-    if (names[c] == error_column) expected_error = row[c];
+    if (names[c] == error_column) expected_error_ = row[c];
   }
   if (doubt > trust_.doubt()) doubt_place_ = place;
-  trust_.add(doubt, expected_error, force, row.front());
+  trust_.add(doubt, expected_error_, force, row.front());
 }
 
 void SolveResults::checkHistory(const AlignedVector<double>& solver) const {
@@ -152,7 +152,8 @@ void SolveResults::add(const SolvedRow& solved, const BatchBody& body) {
     row.push_back(solved.skull.max_penetration);
     last_skull_ = solved.skull;
   }
-  if (solved.error) row.insert(row.end(), {solved.expected_error, *solved.error});
+  row.push_back(solved.expected_error);
+  if (solved.error) row.push_back(*solved.error);
   force_->add(row, doubtName(solved.doubt));
   remember(solved.doubt, row,
            solved.worst_point < 0 ? std::nullopt

@@ -32,7 +32,7 @@ struct SolvedRow {
   SkullContact skull;
   double largest = 0;  // m, the largest displacement so far; 0: not needed
   Doubt doubt = Doubt::None;
-  double expected_error = 0;  // of the forces, as a share; of an equilibrium
+  double expected_error = 0;  // of the forces, as a share, of late
   int worst_point = -1;       // where the doubt is, as far as it is at a point of the tissue
 };
 
@@ -51,6 +51,7 @@ class SolveResults {
   const Checkpoint& checkpoint() const { return checkpoint_; }
   /// Throws InputError where the checkpoint remembers other than a solver does.
   void checkHistory(const AlignedVector<double>& solver) const;
+  double expectedError() const { return expected_error_; }                   // of the last row
   double error() const { return last_row_.empty() ? 0 : last_row_.back(); }  // m, of the last equilibrium
   /// Of all rows (RunTrust); None: they can be trusted.
   Doubt doubt() const { return trust_.doubt(); }
@@ -86,6 +87,7 @@ class SolveResults {
   std::unique_ptr<ResultCsv> force_;
   std::vector<double> last_row_;
   RunTrust trust_;
+  double expected_error_ = 0;        // of the last row
   std::optional<Vec3> doubt_place_;  // of the gravest
   std::vector<Reaction> last_reactions_;
   std::optional<SkullContact> last_skull_;  // of this run
