@@ -349,16 +349,35 @@ PALPATE_API int32_t palpate_set_material(palpate_simulation* simulation, int32_t
                                          const palpate_parameter* parameters, int32_t parameter_count,
                                          palpate_error* error);
 
-/* (control) The body at rest again, and the tool at its start; friction, materials and loads stay as they were set.
+/* (control) The body at rest again, and the tool at its start; friction, materials, loads and pins stay as they were set.
  * Stopped: at once, and what follows has the bits of a new simulation. Running: in the next tick, and the tool then
  * comes back gently. */
 PALPATE_API int32_t palpate_reset(palpate_simulation* simulation);
 
 /* (control) Gravity of the tissue, m/s^2 (3), in place of the scene's, and a force on a vertex of the skin, N (3), from
  * the next tick on; a force lasts until it is set to 0, or with vertex -1 all are. At most 64 vertices: else
- * PALPATE_REFUSED. They are part of the state, and stay in a reset. */
+ * PALPATE_REFUSED. They are part of the state, and stay in a reset. No allocation or lock. */
 PALPATE_API int32_t palpate_set_gravity(palpate_simulation* simulation, const double* acceleration);
 PALPATE_API int32_t palpate_set_force(palpate_simulation* simulation, int32_t vertex, const double* force);
+
+/* (control) Holds a vertex of the skin at a place, m (3), from the next tick on, and moves it as the place is set anew,
+ * no faster than the scene's max_speed; NULL lets it go, and with vertex -1 all. At most 64 vertices: else
+ * PALPATE_REFUSED. Where a region holds the tissue, that has its way. As loads, pins are part of the state, and stay in
+ * a reset. No allocation or lock. */
+PALPATE_API int32_t palpate_pin(palpate_simulation* simulation, int32_t vertex, const double* place);
+
+/* (control) Moves a region, m (3), beside what the scene says of it, from the next tick on and no faster than the scene's
+ * max_speed; one that is fixed, too. The first 16 regions only: else PALPATE_REFUSED. As palpate_pin in all else.
+ * @param region  as of palpate_name; its components that the scene leaves free stay so */
+PALPATE_API int32_t palpate_move_region(palpate_simulation* simulation, int32_t region, const double* shift);
+
+/* (control, stopped) Records all input from here on: tools, pulls, loads, pins, regions, friction and materials, those
+ * that are set already included. A recording begins at rest: PALPATE_REFUSED after the first tick, unless palpate_reset
+ * follows; and as long as it lasts, so are palpate_restore and, stopped, palpate_reset.
+ * palpate_record_stop writes what `palpate SCENE --replay FILE` repeats bit for bit; NULL: nothing is written. Where the
+ * file can't be written (PALPATE_FAILED) it goes on recording: name another one. */
+PALPATE_API int32_t palpate_record_start(palpate_simulation* simulation, palpate_error* error);
+PALPATE_API int32_t palpate_record_stop(palpate_simulation* simulation, const char* file, palpate_error* error);
 
 /* (control) A spring draws a vertex of the skin to a place, m (3), from the next tick on; stiff enough to lead it, soft
  * enough for the time step, and as if no longer than two radii of the tool. One at a time; -1: none. A reset or restore

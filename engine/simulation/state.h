@@ -53,6 +53,7 @@ struct State {
   SkullState skull;  // empty without a skull
   RelaxationHistory relaxation;  // of materials that relax; empty where none does
   LiveParameters live;
+  BoundaryShifts region_shift;  // how far regions have come of what LiveLoads wants
   LocalMass local_mass;
   EnergyBalance energy;  // watches; nothing depends on it
 };

@@ -1,7 +1,9 @@
 """What tests/consumer/run.cmake asks of the Python package: environment.py SCENE BAD_SCENE"""
 import copy
+import os
 import pickle
 import sys
+import tempfile
 
 import numpy as np
 
@@ -165,6 +167,27 @@ loaded.clear_forces()
 assert loaded.hash() == at_rest
 refused(ValueError, lambda: loaded.set_force(0, [0, 0, np.nan]), "[2] is nan")
 refused(palpate.Error, lambda: loaded.set_force(-2, [0, 0, 1]), "set_force: ")
+
+# Pins, regions and a recording.
+recorded = palpate.Simulation(block)
+recorded.start_recording()
+recorded.pin(5, recorded.skin_positions()[5] + [0, 0, 0.001])
+recorded.move_region("base", [0, 0.0005, 0])
+recorded.step(block.pose_at(0.001), ticks=30)
+recorded.unpin()
+before = recorded.hash()
+refused(palpate.Error, lambda: recorded.stop_recording("/no/such/folder/run.rec"), "can't be written")
+refused(palpate.Error, lambda: recorded.restore(recorded.save()), "record_stop first")
+refused(ValueError, lambda: recorded.pin(5, [0, np.nan, 0]), "[1] is nan")
+refused(ValueError, lambda: recorded.move_region("lid", [0, 0, 0]), "no region 'lid'")
+assert recorded.hash() == before
+with tempfile.TemporaryDirectory() as folder:
+    recorded.stop_recording(os.path.join(folder, "run.rec"))
+    with open(os.path.join(folder, "run.rec")) as file:
+        lines = file.read().splitlines()
+assert lines[0] == "palpate-recording 3" and lines[-1] == "end 30", lines
+assert [line.split()[1] for line in lines[4:-1]] == ["pin", "region", "tool", "unpin"], lines
+refused(palpate.Error, recorded.start_recording, "reset first")
 
 # A pickled simulation goes on bit for bit; what error is to be expected it finds anew.
 twin = pickle.loads(pickle.dumps(body))

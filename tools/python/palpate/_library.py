@@ -199,6 +199,10 @@ def _load_library():
         "set_gravity": [pointer, pose],
         "set_force": [pointer, number, pose],
         "pull": [pointer, number, pose],
+        "pin": [pointer, number, pose],
+        "move_region": [pointer, number, pose],
+        "record_start": [pointer, error],
+        "record_stop": [pointer, C.c_char_p, error],
         "on_tick": [pointer, _TickCall, pointer],
         "reset": [pointer],
         "save": [pointer, pointer, size],
@@ -242,7 +246,7 @@ def version():
 
 def _call(name, *arguments, error=None):
     if arguments and arguments[0] is None:
-        raise Error(BAD_ARGUMENT, "the simulation is closed")
+        raise Error(BAD_ARGUMENT, "it is closed")
     if error is not None:
         arguments += (C.byref(error),)
     code = getattr(library(), "palpate_" + name)(*arguments)
