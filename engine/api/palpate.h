@@ -45,6 +45,7 @@ typedef struct palpate_model palpate_model;
 typedef struct palpate_simulation palpate_simulation;
 typedef struct palpate_team palpate_team;
 typedef struct palpate_points palpate_points;
+typedef struct palpate_equilibrium palpate_equilibrium;
 
 /* Outcomes. */
 enum {
@@ -403,6 +404,56 @@ PALPATE_API int32_t palpate_restore(palpate_simulation* simulation, const void* 
 
 /* (control, stopped) A hash of the state: equal where all that follows is equal. */
 PALPATE_API int32_t palpate_hash(const palpate_simulation* simulation, uint64_t* hash);
+
+/* ---- Equilibria and what they depend on ---- */
+
+/* A body at rest in double, for gradients: its answers and their derivatives to materials. One thread at a time. */
+
+/* What is asked of an equilibrium: the component along `direction` of the force on the tool, N; of the force that holds
+ * the tissue at a region, N; or of a point's displacement, m. */
+enum { PALPATE_TOOL_FORCE = 0, PALPATE_REGION_FORCE = 1, PALPATE_DISPLACEMENT = 2 };
+typedef struct palpate_quantity {
+  uint32_t size;                /* sizeof(palpate_quantity) */
+  int32_t kind;                 /* PALPATE_TOOL_FORCE, ... */
+  int32_t index;                /* of the region, or of the point in `points` */
+  int32_t unused;               /* 0 */
+  const palpate_points* points; /* of a displacement; else NULL */
+  double direction[3];
+} palpate_quantity;
+
+/* A number of a material, by the name that scenes give it: "young" of the lump. */
+typedef struct palpate_material_number {
+  int32_t material; /* 0 to material_count - 1: a region's, or a membership class's */
+  int32_t entry;    /* of a parameter that is a list; else 0 */
+  const char* name;
+} palpate_material_number;
+
+/* The body at rest with its tool at a pose, come to along the tool's axis from outside. Takes seconds. It is solved to
+ * rounding, with the laws of `mtled solve`: materials that relax after a long time, loads of the scene only.
+ * PALPATE_BAD_INPUT where the scene has several tools, friction, a skull or boundary_method "ebciem", which sensitivities
+ * are not for; PALPATE_REFUSED where the body does not come to rest.
+ * @param pose     (7); NULL: there is no tool
+ * @param time     s, of the scene's prescribed motions; 0: before them
+ * @param threads  0: one for each core. No result depends on it */
+PALPATE_API int32_t palpate_settle(const palpate_model* model, const double* pose, double time, int32_t threads,
+                                   palpate_equilibrium** equilibrium, palpate_error* error);
+PALPATE_API void palpate_equilibrium_destroy(palpate_equilibrium* equilibrium);
+
+/* The same body and tool with another value of a number; the contact layer's stiffness, and how node patches average,
+ * stay as loaded. Where it is refused, all is as before.
+ * @param value  receives a quantity */
+PALPATE_API int32_t palpate_settle_with(palpate_equilibrium* equilibrium, const palpate_material_number* number,
+                                        double value, palpate_error* error);
+PALPATE_API int32_t palpate_equilibrium_value(palpate_equilibrium* equilibrium, const palpate_quantity* quantity,
+                                              double* value, palpate_error* error);
+
+/* The derivatives of a quantity to numbers of materials, in its unit over theirs, by the adjoint: one linear solution
+ * for a quantity, whatever `count` is. They are those of palpate_settle_with: of the answer at rest, the tool standing
+ * where it is, with the contact points that there are. Central differences agree to 1e-6.
+ * @param derivatives  (count) */
+PALPATE_API int32_t palpate_sensitivity(palpate_equilibrium* equilibrium, const palpate_quantity* quantity,
+                                        const palpate_material_number* numbers, int32_t count, double* derivatives,
+                                        palpate_error* error);
 
 #ifdef __cplusplus
 }
