@@ -265,15 +265,16 @@ CLI::App* addIdentify(CLI::App& app, IdentifyOptions& options) {
       ->type_name("N")
       ->check(CLI::Range(0, 99));
   command
-      ->add_flag("--regions", options.regions,
-                 "A parameter of all of the scene's materials at once, from presses at rest at many places")
-      ->excludes("--material");
-  command
       ->add_option("--seconds", options.seconds,
                    "Physics time in which the simulated tool is pressed in (the measured time, 2 at most where nothing "
                    "relaxes)")
       ->type_name("S")
       ->check(CLI::Range(0.1, 100.0));
+  command
+      ->add_flag("--regions", options.regions,
+                 "A parameter of all of the scene's materials at once, from presses at rest at many places")
+      ->excludes("--material")
+      ->excludes("--seconds");
   command->add_option("--threads", options.threads, "Threads (one per core)")->type_name("N")->check(CLI::Range(1, 64));
   command->add_option("--out", options.out, "Folder for the results (out/<scene>_identify)")->type_name("DIR");
   return command;

@@ -154,16 +154,18 @@ void EquilibriumSensitivity::unbalanced(const Field& u, Field& f) {
   }
 }
 
-void EquilibriumSensitivity::multiply(const Field& v, Field& Kv) {
+void EquilibriumSensitivity::multiply(const Field& v, Field& Kv, Difference difference) {
   if (watch_ && !watch_()) throw std::runtime_error("interrupted");
   const double scale = difference_reach * size_ / largestOf(v);
   const auto forcesAt = [&](double share, Field& f) {
     for (std::size_t i = 0; i < v.size(); ++i) store(probe_[i], load(u_[i]) + share * load(v[i]));
     unbalanced(probe_, f);
   };
+  const bool central = difference == Difference::Central;
   forcesAt(scale, f_plus_);
-  forcesAt(-scale, f_minus_);
-  for (std::size_t i = 0; i < v.size(); ++i) store(Kv[i], (0.5 / scale) * (load(f_minus_[i]) - load(f_plus_[i])));
+  if (central) forcesAt(-scale, f_minus_);
+  for (std::size_t i = 0; i < v.size(); ++i)
+    store(Kv[i], ((central ? 0.5 : 1.0) / scale) * (load(f_minus_[i]) - load(f_plus_[i])));
 }
 
 /// g = P M^-1 r, which moves no imposed node, and r = M g, without what these nodes bear. In place of r, which holds it
@@ -177,12 +179,13 @@ double EquilibriumSensitivity::precondition(Field& r, Field& g) {
 }
 
 /// x += K^-1 r on what is not imposed, until the residual is a share of r.
-/// @param careful  throws std::runtime_error where K is not positive or the tolerance is not met; else x is then the
-///                 best so far
-/// @return the residual's share
-double EquilibriumSensitivity::solve(Field r, Field& x, double tolerance, bool careful) {
+/// @param difference  Forward: for a step of Newton's, which is tried. Central: throws std::runtime_error where K is not
+///                    positive or the tolerance is not met
+void EquilibriumSensitivity::solve(Field r, Field& x, double tolerance, Difference difference) {
   constexpr int max_iterations = 20000;
   ++solution_count_;
+  const bool careful = difference == Difference::Central;
+  if (!careful) unbalanced(u_, f_minus_);
   Field g(r.size()), p, Kp(r.size());
   precondition(r, g);
   double rg = precondition(r, g);  // of what the first one's rounding left
@@ -191,7 +194,7 @@ double EquilibriumSensitivity::solve(Field r, Field& x, double tolerance, bool c
   int since_least = 0;
   p = g;
   for (int k = 0; k < max_iterations && rg > tolerance * tolerance * begin; ++k) {
-    multiply(p, Kp);
+    multiply(p, Kp, difference);
     const double curvature = dotOf(p, Kp);
     if (!(curvature > 0)) {
       if (careful || !std::isfinite(curvature))
@@ -216,7 +219,6 @@ double EquilibriumSensitivity::solve(Field r, Field& x, double tolerance, bool c
   if (careful && share > std::max(tolerance, good_enough))
     throw std::runtime_error("the linear system of a sensitivity was not solved: its residual stays at " +
                              shortest(share));
-  return share;
 }
 
 /// Newton's method from u_, whose imposed nodes are where they should be.
@@ -229,10 +231,10 @@ void EquilibriumSensitivity::polish() {
   };
   findContact();
   unbalanced(u_, f);
-  double now = residualOf(f);
+  double now = residualOf(f), tolerance = 1e-3;  // of the next step
   for (int k = 0; k < max_steps; ++k) {
     std::fill(step.begin(), step.end(), Double4{});
-    solve(f, step, k == 0 ? 1e-3 : 1e-6, false);
+    solve(f, step, tolerance, Difference::Forward);
     const double size = largestOf(step), scale = std::max(largestOf(u_), 1e-3 * size_);
     if (!std::isfinite(size)) break;
     if (size <= accuracy_ * scale) return;
@@ -250,7 +252,9 @@ void EquilibriumSensitivity::polish() {
     }
     if (!(next < now)) break;
     // What is left, as the residual tells; ten times for what the residual does not.
-    if (10 * size * std::sqrt(next / now) <= accuracy_ * scale) return;
+    const double left = 10 * size * std::sqrt(next / now);
+    if (left <= accuracy_ * scale) return;
+    tolerance = std::clamp(accuracy_ * scale / left, 1e-4, 1e-2);  // forward differences bring no more
     std::swap(f, tried_f);
     now = next;
   }
@@ -342,7 +346,7 @@ std::vector<double> EquilibriumSensitivity::derivatives(const EquilibriumQuantit
   Field l(u_.size()), r(u_.size());
   if (q.kind == Kind::RegionForce) {  // Phi l = -dq/dt
     body_.moveRegion(q.region, -q.direction, l);
-    multiply(l, r);
+    multiply(l, r, Difference::Central);
     for (Double4& v : r) store(v, -load(v));
   }
   for (const auto& [node, N] : q.row)
@@ -361,7 +365,7 @@ std::vector<double> EquilibriumSensitivity::derivatives(const EquilibriumQuantit
       store(at, load(at) + static_cast<double>(model_.skin.N[e]) * load(toReal4<double>(slope)));
     }
   }
-  if (largestOf(r) > 0) solve(r, l, std::max(1e-10, accuracy_), true);
+  if (largestOf(r) > 0) solve(r, l, std::max(1e-10, accuracy_), Difference::Central);
 
   std::vector<double> slopes;
   const std::vector<Material> before = of_scene_;

@@ -44,7 +44,8 @@ struct EquilibriumQuantity {
 /// that relax are those of after a long time.
 ///
 /// Equilibria are those of StaticSolver's laws, polished by Newton's method; linear systems by projected conjugate
-/// gradients (Gould, Hribar, Nocedal, SIAM J. Sci. Comput. 23, 1376 (2001)), K v by central differences of forces.
+/// gradients (Gould, Hribar, Nocedal, SIAM J. Sci. Comput. 23, 1376 (2001)), K v by differences of forces, which are central
+/// for derivatives.
 /// Contact is that of the skin's vertices: points of faces that are stretched by more than half take no part.
 /// Test: simulation/sensitivity_test.cpp (central differences)
 class EquilibriumSensitivity {
@@ -100,9 +101,10 @@ class EquilibriumSensitivity {
   Vec3 placeOf(const ContactPoint& point, const Field& u) const;
   Vec3 contactForce(const ContactPoint& point, const Vec3& x) const;
   void unbalanced(const Field& u, Field& f);
-  void multiply(const Field& v, Field& Kv);
+  enum class Difference { Forward, Central };
+  void multiply(const Field& v, Field& Kv, Difference difference);
   double precondition(Field& r, Field& g);
-  double solve(Field r, Field& x, double tolerance, bool careful);
+  void solve(Field r, Field& x, double tolerance, Difference difference);
   void polish();
 
   const Model& model_;
@@ -117,7 +119,7 @@ class EquilibriumSensitivity {
   double size_;  // m, of the body
   std::optional<Pose> tool_;
   std::vector<ContactPoint> contact_;
-  Field u_, probe_, f_plus_, f_minus_;
+  Field u_, probe_, f_plus_, f_minus_;  // f_minus_: of u_ where differences are forward
   int solution_count_ = 0;
 };
 

@@ -15,7 +15,7 @@ import numpy as np
 
 import palpate
 
-seeds = int(sys.argv[1]) if len(sys.argv) > 1 else 1
+seeds = max(1, int(sys.argv[1])) if len(sys.argv) > 1 else 1
 mtled = sys.argv[2] if len(sys.argv) > 2 else "mtled"
 columns, rows, size, depth = 5, 4, np.array([0.10, 0.08, 0.03]), 0.003
 tissue = 'model = "neo-hookean"\nyoung = {young}\npoisson = 0.45\n'
@@ -88,8 +88,7 @@ with tempfile.TemporaryDirectory() as folder:
         held += inside
         errors.append([np.log(r["value"] / t) for r, t in zip(regions, truth)])
         width = np.median([np.log(r["high_95"] / r["low_95"]) / 2 for r in regions])
-        print(f"seed {seed}: {inside.sum()} of {len(names)} intervals hold the truth; error {np.std(errors[-1]):.3f}, "
-              f"half an interval {width:.3f}; {report['maps_solved']} maps, {report['linear_solutions']} linear solutions",
-              flush=True)
-share = 100 * held.sum() / (seeds * len(names))
-print(f"{share:.1f} % of all intervals hold the truth; by region {held.min()} to {held.max()} of {seeds}")
+        print(f"seed {seed}: {inside.sum()} of {len(names)} intervals hold the truth, so far by region {held.min()} to "
+              f"{held.max()} of {seed + 1}; error {np.std(errors[-1]):.3f}, half an interval {width:.3f}; "
+              f"{report['maps_solved']} maps, {report['linear_solutions']} linear solutions", flush=True)
+print(f"{100 * held.sum() / (seeds * len(names)):.1f} % of all intervals hold the truth")

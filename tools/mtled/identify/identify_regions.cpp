@@ -15,6 +15,7 @@
 #include "io/scene_file.h"
 #include "io/text_file.h"
 #include "mechanics/materials/material_law.h"
+#include "mtled/identify/force_curve.h"
 #include "mtled/identify/identify.h"
 #include "mtled/identify/pressed_regions.h"
 #include "mtled/pictures/pictures.h"
@@ -76,6 +77,12 @@ int identifyRegions(const IdentifyOptions& options) {
                      "there are " + std::to_string(presses.size()) + " presses for " +
                          std::to_string(sought.numbers.size()) + " materials",
                      "give more presses than materials; twice as many tell how certain the answer is");
+  const auto largest =
+      std::max_element(presses.begin(), presses.end(), [](const auto& a, const auto& b) { return a.force < b.force; });
+  if (!(largest->force > 0))
+    throw InputError({options.measured}, "no press has a force above 0",
+                     "give forces on the tool, along its axis and out of the tissue");
+  const auto hardest = static_cast<std::size_t>(largest - presses.begin());
   const std::string folder =
       options.out.empty() ? "out/" + std::filesystem::path(file).stem().string() + "_identify" : options.out;
   std::error_code error;
@@ -93,12 +100,14 @@ int identifyRegions(const IdentifyOptions& options) {
     ++maps;
     progress.show(maps / (maps + 3.0), "map " + std::to_string(maps));
     std::vector<double> r = regions.forces(values);
-    if (maps == 1) {
-      const auto most = [](const std::vector<double>& a) { return *std::max_element(a.begin(), a.end()); };
-      if (!(most(r) > 0))
+    if (maps == 1) {  // as the scene stands
+      if (!(*std::max_element(r.begin(), r.end()) > 0))
         throw InputError(
             {options.measured}, "no press touches the scene's body",
             "give the tip where the tool had come to rest, in the scene's coordinates; x_mm for millimetres");
+      MeasuredCurve strongest;
+      strongest.force = {largest->force};
+      checkUnits(strongest, options.measured, r[hardest]);
     }
     for (std::size_t k = 0; k < r.size(); ++k) r[k] -= presses[k].force;
     last = values;
@@ -111,15 +120,13 @@ int identifyRegions(const IdentifyOptions& options) {
   };
   const Identified found = identify(sought.parameters, residuals, derivatives);
 
-  const auto largest =
-      std::max_element(presses.begin(), presses.end(), [](const auto& a, const auto& b) { return a.force < b.force; });
   std::vector<std::string> doubts;
   if (found.misfit > most_noise * largest->force)
     doubts.push_back(
         format("the scene can't follow these presses: %.3g %% of the largest force are left over; are "
                "tool, support and places those of the experiment?",
                100 * found.misfit / largest->force));
-  const double too_large = regions.expectedError(static_cast<std::size_t>(largest - presses.begin()));
+  const double too_large = regions.expectedError(hardest);
   if (too_large > TrustLimits::expected_error)
     doubts.push_back(
         format("the scene's cloud makes its force some %.0f %% too large, and what was found that much too "
