@@ -350,9 +350,9 @@ PALPATE_API int32_t palpate_set_material(palpate_simulation* simulation, int32_t
                                          const palpate_parameter* parameters, int32_t parameter_count,
                                          palpate_error* error);
 
-/* (control) The body at rest again, and the tool at its start; friction, materials, loads and pins stay as they were set.
- * Stopped: at once, and what follows has the bits of a new simulation. Running: in the next tick, and the tool then
- * comes back gently. */
+/* (control) The body at rest again, and the tool at its start; friction, materials, loads and pins stay as they were
+ * set. Stopped: at once, and what follows has the bits of a new simulation. Running: in the next tick, and the tool
+ * then comes back gently. */
 PALPATE_API int32_t palpate_reset(palpate_simulation* simulation);
 
 /* (control) Gravity of the tissue, m/s^2 (3), in place of the scene's, and a force on a vertex of the skin, N (3), from
@@ -367,16 +367,17 @@ PALPATE_API int32_t palpate_set_force(palpate_simulation* simulation, int32_t ve
  * a reset. No allocation or lock. */
 PALPATE_API int32_t palpate_pin(palpate_simulation* simulation, int32_t vertex, const double* place);
 
-/* (control) Moves a region, m (3), beside what the scene says of it, from the next tick on and no faster than the scene's
- * max_speed; one that is fixed, too. The first 16 regions only: else PALPATE_REFUSED. As palpate_pin in all else.
+/* (control) Moves a region, m (3), beside what the scene says of it, from the next tick on and no faster than the
+ * scene's max_speed; one that is fixed, too. The first 16 regions only: else PALPATE_REFUSED. As palpate_pin in all
+ * else.
  * @param region  as of palpate_name; its components that the scene leaves free stay so */
 PALPATE_API int32_t palpate_move_region(palpate_simulation* simulation, int32_t region, const double* shift);
 
 /* (control, stopped) Records all input from here on: tools, pulls, loads, pins, regions, friction and materials, those
  * that are set already included. A recording begins at rest: PALPATE_REFUSED after the first tick, unless palpate_reset
  * follows; and as long as it lasts, so are palpate_restore and, stopped, palpate_reset.
- * palpate_record_stop writes what `palpate SCENE --replay FILE` repeats bit for bit; NULL: nothing is written. Where the
- * file can't be written (PALPATE_FAILED) it goes on recording: name another one. */
+ * palpate_record_stop writes what `palpate SCENE --replay FILE` repeats bit for bit; NULL: nothing is written. Where
+ * the file can't be written (PALPATE_FAILED) it goes on recording: name another one. */
 PALPATE_API int32_t palpate_record_start(palpate_simulation* simulation, palpate_error* error);
 PALPATE_API int32_t palpate_record_stop(palpate_simulation* simulation, const char* file, palpate_error* error);
 
@@ -430,8 +431,8 @@ typedef struct palpate_material_number {
 
 /* The body at rest with its tool at a pose, come to along the tool's axis from outside. Takes seconds. It is solved to
  * rounding, with the laws of `mtled solve`: materials that relax after a long time, loads of the scene only.
- * PALPATE_BAD_INPUT where the scene has several tools, friction, a skull or boundary_method "ebciem", which sensitivities
- * are not for; PALPATE_REFUSED where the body does not come to rest.
+ * PALPATE_BAD_INPUT where the scene has several tools, friction, a skull or boundary_method "ebciem", which
+ * sensitivities are not for; PALPATE_REFUSED where the body does not come to rest.
  * @param pose     (7); NULL: there is no tool
  * @param time     s, of the scene's prescribed motions; 0: before them
  * @param threads  0: one for each core. No result depends on it */

@@ -92,8 +92,8 @@ Vec3 imposeBoundary(const EssentialBoundaryOf<Real>& boundary, double time_s, do
 
 /// Where only increments are imposed, their rounding errors add up to a drift of some 1e-9 of the body's size in a
 /// thousand ticks. This function computes in double how far the field at the imposed nodes is from where it should be
-/// at `time_s` with `moved` of `scratch`; the next imposeBoundary corrects a tenth of it. Called once per tick, it keeps the drift at the size
-/// of one rounding error, however long the run.
+/// at `time_s` with `moved` of `scratch`; the next imposeBoundary corrects a tenth of it. Called once per tick, it
+/// keeps the drift at the size of one rounding error, however long the run.
 /// @param u, u_low  displacement parameters and what float32 lost of them, m (node_count)
 /// Real-time: no allocation, no lock, no throw.
 void correctBoundaryDrift(const EssentialBoundary& boundary, double time_s, const Float4* u, const Float4* u_low,

@@ -179,8 +179,8 @@ double EquilibriumSensitivity::precondition(Field& r, Field& g) {
 }
 
 /// x += K^-1 r on what is not imposed, until the residual is a share of r.
-/// @param difference  Forward: for a step of Newton's, which is tried. Central: throws std::runtime_error where K is not
-///                    positive or the tolerance is not met
+/// @param difference  Forward: for a step of Newton's, which is tried. Central: throws std::runtime_error where K is
+///                    not positive or the tolerance is not met
 void EquilibriumSensitivity::solve(Field r, Field& x, double tolerance, Difference difference) {
   constexpr int max_iterations = 20000;
   ++solution_count_;

@@ -44,8 +44,8 @@ struct EquilibriumQuantity {
 /// that relax are those of after a long time.
 ///
 /// Equilibria are those of StaticSolver's laws, polished by Newton's method; linear systems by projected conjugate
-/// gradients (Gould, Hribar, Nocedal, SIAM J. Sci. Comput. 23, 1376 (2001)), K v by differences of forces, which are central
-/// for derivatives.
+/// gradients (Gould, Hribar, Nocedal, SIAM J. Sci. Comput. 23, 1376 (2001)), K v by differences of forces, which are
+/// central for derivatives.
 /// Contact is that of the skin's vertices: points of faces that are stretched by more than half take no part.
 /// Test: simulation/sensitivity_test.cpp (central differences)
 class EquilibriumSensitivity {
@@ -76,8 +76,8 @@ class EquilibriumSensitivity {
   const AlignedVector<Double4>& u() const { return u_; }  // (node_count) m
   double valueOf(const EquilibriumQuantity& q);
 
-  /// dq/dp for each of the numbers, in q's unit over the number's. Throws InputError where there is no such number or it
-  /// is at an end of its range, std::runtime_error where the equilibrium is not stable.
+  /// dq/dp for each of the numbers, in q's unit over the number's. Throws InputError where there is no such number or
+  /// it is at an end of its range, std::runtime_error where the equilibrium is not stable.
   std::vector<double> derivatives(const EquilibriumQuantity& q, const std::vector<MaterialNumber>& numbers);
 
   /// By how much the tool's force is too large because the scene's cloud is no finer, as a share (resolution.h).

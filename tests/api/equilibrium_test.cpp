@@ -105,8 +105,8 @@ TEST_CASE("An equilibrium that can't be is refused in a sentence and changes not
   palpate_quantity region = quantity(PALPATE_REGION_FORCE, 0, 0, 1);
   region.index = 1;
   refused(region, "not in 0 .. 0");
-  const palpate_material_number misspelt{0, 0, "yuong"}, third{2, 0, "young"}, second{0, 1, "young"}, young{0, 0, "young"},
-      poisson{0, 0, "poisson"};
+  const palpate_material_number misspelt{0, 0, "yuong"}, third{2, 0, "young"}, second{0, 1, "young"},
+      young{0, 0, "young"}, poisson{0, 0, "poisson"};
   CHECK(palpate_sensitivity(equilibrium, &q, &misspelt, 1, &value, &error) == PALPATE_BAD_INPUT);
   CHECK_THAT(error.text, Catch::Contains("yuong"));
   CHECK(palpate_sensitivity(equilibrium, &q, &third, 1, &value, &error) == PALPATE_BAD_INPUT);

@@ -47,7 +47,8 @@ friction = 0
         if k > 0:
             corner = low + size[:2] / (columns, rows) * (k % columns, k // columns)
             other = corner + size[:2] / (columns, rows)
-            text += f'region = {{ shape = "box", min = [{corner[0]}, {corner[1]}, -1], max = [{other[0]}, {other[1]}, 1] }}\n'
+            text += (f'region = {{ shape = "box", min = [{corner[0]}, {corner[1]}, -1], '
+                     f'max = [{other[0]}, {other[1]}, 1] }}\n')
     return text
 
 
@@ -64,8 +65,8 @@ for tip in tips:
     at_rest.close()
 forces = np.array(forces)
 noise = 0.01 * forces.mean()
-print(f"{model.node_count} nodes, {len(tips)} presses of {1e3 * depth:g} mm: {forces.min():.3f} .. {forces.max():.3f} N, "
-      f"noise {noise:.4f} N; moduli {truth.min():.0f} .. {truth.max():.0f} Pa", flush=True)
+print(f"{model.node_count} nodes, {len(tips)} presses of {1e3 * depth:g} mm: {forces.min():.3f} .. "
+      f"{forces.max():.3f} N, noise {noise:.4f} N; moduli {truth.min():.0f} .. {truth.max():.0f} Pa", flush=True)
 
 held = np.zeros(len(names), dtype=int)
 errors = []

@@ -38,8 +38,9 @@ struct Request {
     Submit,      // they are all
   };
   Kind kind = Kind::Pause;
-  int index =
-      -1;  // Pull, SetForce, Pin: skin vertex; MoveRegion: boundary; SetMaterial: material; MoveHand, SetOpening: tool; Mark
+  // Pull, SetForce, Pin, Unpin: skin vertex; MoveRegion: boundary; SetMaterial: material; MoveHand, SetOpening: tool;
+  // Mark: how hard
+  int index = -1;
   double value = 0;           // SetFriction; seconds of the tool's motions; SetOpening, m
   Vec3 point = Vec3::Zero();  // Pull, Pin, MoveRegion, Mark, m; SetGravity, SetForce
   Pose pose;                  // MoveTool

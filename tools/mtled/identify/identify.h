@@ -47,9 +47,9 @@ struct Identified {
 };
 
 /// Least squares by Levenberg and Marquardt (Marquardt, SIAM J. Appl. Math. 11, 431 (1963)) over unbounded coordinates.
-/// Derivatives are differences, unless they are given. The intervals come from (J^T J)^-1 and the residuals, in those coordinates, with
-/// Student's t; they allow for noise that grows with the force and for residuals that follow their neighbours, and hold
-/// what they say where the residuals are noise.
+/// Derivatives are differences, unless they are given. The intervals come from (J^T J)^-1 and the residuals, in those
+/// coordinates, with Student's t; they allow for noise that grows with the force and for residuals that follow their
+/// neighbours, and hold what they say where the residuals are noise.
 /// @param residuals    r(values), always as many; may throw std::runtime_error for values that can't be
 /// @param derivatives  dr/dvalues (row_count)(parameter_count)
 Identified identify(
