@@ -54,6 +54,7 @@ const char* const examples = R"(Examples:
   mtled certify liver                        how exact a scene's force is, over depth; palpate then shows it
   mtled batch jobs.jsonl --jobs 8            many scenes, one thread each
   mtled identify kidney --measured force.csv    the material that gives a measured force curve
+  mtled identify map.toml --regions --measured presses.csv   a map of stiffness from presses at many places
   mtled phantom --out out/phantom            a brain scan by formula, its mask and electrodes
   mtled import out/phantom/scan.nii.gz --mask out/phantom/mask.nii.gz --out out/case   from a scan to a scene
   mtled brainshift out/phantom/scan.nii.gz --mask out/phantom/mask.nii.gz --electrodes out/phantom/electrodes.csv \
@@ -250,8 +251,10 @@ CLI::App* addIdentify(CLI::App& app, IdentifyOptions& options) {
                   "doubted: the scene can't follow the curve, or the curve had not settled.");
   command->add_option("SCENE", options.scene, "Scene file (.toml), or the name of one in assets/scenes")->required();
   command
-      ->add_option("--measured", options.measured,
-                   "CSV with columns depth_m (or depth_mm) and force_N (or force_mN), or a run's force.csv")
+      ->add_option(
+          "--measured", options.measured,
+          "CSV with columns depth_m (or depth_mm) and force_N (or force_mN), or a run's force.csv; with --regions "
+          "x_m, y_m, z_m of the tip at rest and force_N along the tool's axis, a row for each press")
       ->type_name("FILE")
       ->required();
   command
@@ -267,6 +270,11 @@ CLI::App* addIdentify(CLI::App& app, IdentifyOptions& options) {
                    "relaxes)")
       ->type_name("S")
       ->check(CLI::Range(0.1, 100.0));
+  command
+      ->add_flag("--regions", options.regions,
+                 "A parameter of all of the scene's materials at once, from presses at rest at many places")
+      ->excludes("--material")
+      ->excludes("--seconds");
   command->add_option("--threads", options.threads, "Threads (one per core)")->type_name("N")->check(CLI::Range(1, 64));
   command->add_option("--out", options.out, "Folder for the results (out/<scene>_identify)")->type_name("DIR");
   return command;

@@ -9,15 +9,6 @@
 using namespace palpate;
 using namespace palpate::api;
 
-struct palpate_points {
-  std::shared_ptr<const Model> model;
-  std::vector<Vec3> X;       // (count) m
-  ShapeTable own;            // of given points
-  const ShapeTable* shape;   // own, or one of the model's
-  std::vector<int> nearest;  // (count) integration point
-  int count() const { return static_cast<int>(X.size()); }
-};
-
 namespace {
 
 constexpr std::int32_t max_points = 10'000'000;

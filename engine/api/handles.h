@@ -6,6 +6,7 @@
 #include <memory>
 #include <mutex>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "api/palpate.h"
@@ -46,6 +47,37 @@ class TickCall final : public TickListener {
   void* const user_;
 };
 
+/// Keeps what a loop tells of its input until it is written.
+class Recorder {
+ public:
+  /// @param begin  what is recorded already
+  explicit Recorder(std::vector<TimedRequest> begin);
+  ~Recorder();
+
+  SpscRing<TimedRequest>& ring() { return ring_; }  // the loop's to push
+  /// So far; while nobody pushes.
+  const std::vector<TimedRequest>& changes();
+
+ private:
+  void take();
+
+  const int process_;  // that made it
+  SpscRing<TimedRequest> ring_{1 << 14};
+  std::mutex mutex_;  // of what follows; never the loop's
+  std::vector<TimedRequest> changes_;
+  std::atomic<bool> ended_{false};
+  std::thread thread_;  // takes from the ring
+};
+
+/// A parameter's new values in a material. Throws Refusal where they can't be.
+void setParameter(Material& material, const palpate_parameter& wanted);
+
+/// Throws Refusal where the parameters of a material don't fit each other.
+void checkMaterial(const Material& material);
+
+/// Asks the loop for something: it is done in the next tick, or now where none runs.
+std::int32_t send(palpate_simulation& simulation, const Request& request);
+
 /// Whether the calling thread is in a TickCall of the simulation, which stands still meanwhile.
 bool isInTickCall(const palpate_simulation& simulation);
 
@@ -65,6 +97,7 @@ struct palpate_simulation {
   palpate::TissuePhysics physics;
   std::unique_ptr<palpate::api::Coupling> coupling;   // null: a hand or program has the tool
   std::unique_ptr<palpate::api::TickCall> tick_call;  // null: nobody wants to know
+  std::unique_ptr<palpate::api::Recorder> recorder;   // null: nothing is recorded
   palpate::SimulationLoop loop;
   palpate::RunMemory start;                  // of the loop, before its first tick
   std::vector<palpate::Material> materials;  // as last asked for
@@ -80,4 +113,13 @@ struct palpate_simulation {
   std::int32_t whyNot() const {
     return palpate::api::isInTickCall(*this) ? PALPATE_REFUSED : running ? PALPATE_BUSY : PALPATE_OK;
   }
+};
+
+struct palpate_points {
+  std::shared_ptr<const palpate::Model> model;
+  std::vector<palpate::Vec3> X;      // (count) m
+  palpate::ShapeTable own;           // of given points
+  const palpate::ShapeTable* shape;  // own, or one of the model's
+  std::vector<int> nearest;          // (count) integration point
+  int count() const { return static_cast<int>(X.size()); }
 };

@@ -45,6 +45,7 @@ typedef struct palpate_model palpate_model;
 typedef struct palpate_simulation palpate_simulation;
 typedef struct palpate_team palpate_team;
 typedef struct palpate_points palpate_points;
+typedef struct palpate_equilibrium palpate_equilibrium;
 
 /* Outcomes. */
 enum {
@@ -349,16 +350,36 @@ PALPATE_API int32_t palpate_set_material(palpate_simulation* simulation, int32_t
                                          const palpate_parameter* parameters, int32_t parameter_count,
                                          palpate_error* error);
 
-/* (control) The body at rest again, and the tool at its start; friction, materials and loads stay as they were set.
- * Stopped: at once, and what follows has the bits of a new simulation. Running: in the next tick, and the tool then
- * comes back gently. */
+/* (control) The body at rest again, and the tool at its start; friction, materials, loads and pins stay as they were
+ * set. Stopped: at once, and what follows has the bits of a new simulation. Running: in the next tick, and the tool
+ * then comes back gently. */
 PALPATE_API int32_t palpate_reset(palpate_simulation* simulation);
 
 /* (control) Gravity of the tissue, m/s^2 (3), in place of the scene's, and a force on a vertex of the skin, N (3), from
  * the next tick on; a force lasts until it is set to 0, or with vertex -1 all are. At most 64 vertices: else
- * PALPATE_REFUSED. They are part of the state, and stay in a reset. */
+ * PALPATE_REFUSED. They are part of the state, and stay in a reset. No allocation or lock. */
 PALPATE_API int32_t palpate_set_gravity(palpate_simulation* simulation, const double* acceleration);
 PALPATE_API int32_t palpate_set_force(palpate_simulation* simulation, int32_t vertex, const double* force);
+
+/* (control) Holds a vertex of the skin at a place, m (3), from the next tick on, and moves it as the place is set anew,
+ * no faster than the scene's max_speed; NULL lets it go, and with vertex -1 all. At most 64 vertices: else
+ * PALPATE_REFUSED. Where a region holds the tissue, that has its way. As loads, pins are part of the state, and stay in
+ * a reset. No allocation or lock. */
+PALPATE_API int32_t palpate_pin(palpate_simulation* simulation, int32_t vertex, const double* place);
+
+/* (control) Moves a region, m (3), beside what the scene says of it, from the next tick on and no faster than the
+ * scene's max_speed; one that is fixed, too. The first 16 regions only: else PALPATE_REFUSED. As palpate_pin in all
+ * else.
+ * @param region  as of palpate_name; its components that the scene leaves free stay so */
+PALPATE_API int32_t palpate_move_region(palpate_simulation* simulation, int32_t region, const double* shift);
+
+/* (control, stopped) Records all input from here on: tools, pulls, loads, pins, regions, friction and materials, those
+ * that are set already included. A recording begins at rest: PALPATE_REFUSED after the first tick, unless palpate_reset
+ * follows; and as long as it lasts, so are palpate_restore and, stopped, palpate_reset.
+ * palpate_record_stop writes what `palpate SCENE --replay FILE` repeats bit for bit; NULL: nothing is written. Where
+ * the file can't be written (PALPATE_FAILED) it goes on recording: name another one. */
+PALPATE_API int32_t palpate_record_start(palpate_simulation* simulation, palpate_error* error);
+PALPATE_API int32_t palpate_record_stop(palpate_simulation* simulation, const char* file, palpate_error* error);
 
 /* (control) A spring draws a vertex of the skin to a place, m (3), from the next tick on; stiff enough to lead it, soft
  * enough for the time step, and as if no longer than two radii of the tool. One at a time; -1: none. A reset or restore
@@ -384,6 +405,56 @@ PALPATE_API int32_t palpate_restore(palpate_simulation* simulation, const void* 
 
 /* (control, stopped) A hash of the state: equal where all that follows is equal. */
 PALPATE_API int32_t palpate_hash(const palpate_simulation* simulation, uint64_t* hash);
+
+/* ---- Equilibria and what they depend on ---- */
+
+/* A body at rest in double, for gradients: its answers and their derivatives to materials. One thread at a time. */
+
+/* What is asked of an equilibrium: the component along `direction` of the force on the tool, N; of the force that holds
+ * the tissue at a region, N; or of a point's displacement, m. */
+enum { PALPATE_TOOL_FORCE = 0, PALPATE_REGION_FORCE = 1, PALPATE_DISPLACEMENT = 2 };
+typedef struct palpate_quantity {
+  uint32_t size;                /* sizeof(palpate_quantity) */
+  int32_t kind;                 /* PALPATE_TOOL_FORCE, ... */
+  int32_t index;                /* of the region, or of the point in `points` */
+  int32_t unused;               /* 0 */
+  const palpate_points* points; /* of a displacement; else NULL */
+  double direction[3];
+} palpate_quantity;
+
+/* A number of a material, by the name that scenes give it: "young" of the lump. */
+typedef struct palpate_material_number {
+  int32_t material; /* 0 to material_count - 1: a region's, or a membership class's */
+  int32_t entry;    /* of a parameter that is a list; else 0 */
+  const char* name;
+} palpate_material_number;
+
+/* The body at rest with its tool at a pose, come to along the tool's axis from outside. Takes seconds. It is solved to
+ * rounding, with the laws of `mtled solve`: materials that relax after a long time, loads of the scene only.
+ * PALPATE_BAD_INPUT where the scene has several tools, friction, a skull or boundary_method "ebciem", which
+ * sensitivities are not for; PALPATE_REFUSED where the body does not come to rest.
+ * @param pose     (7); NULL: there is no tool
+ * @param time     s, of the scene's prescribed motions; 0: before them
+ * @param threads  0: one for each core. No result depends on it */
+PALPATE_API int32_t palpate_settle(const palpate_model* model, const double* pose, double time, int32_t threads,
+                                   palpate_equilibrium** equilibrium, palpate_error* error);
+PALPATE_API void palpate_equilibrium_destroy(palpate_equilibrium* equilibrium);
+
+/* The same body and tool with another value of a number; the contact layer's stiffness, and how node patches average,
+ * stay as loaded. Where it is refused, all is as before.
+ * @param value  receives a quantity */
+PALPATE_API int32_t palpate_settle_with(palpate_equilibrium* equilibrium, const palpate_material_number* number,
+                                        double value, palpate_error* error);
+PALPATE_API int32_t palpate_equilibrium_value(palpate_equilibrium* equilibrium, const palpate_quantity* quantity,
+                                              double* value, palpate_error* error);
+
+/* The derivatives of a quantity to numbers of materials, in its unit over theirs, by the adjoint: one linear solution
+ * for a quantity, whatever `count` is. They are those of palpate_settle_with: of the answer at rest, the tool standing
+ * where it is, with the contact points that there are. Central differences agree to 1e-6.
+ * @param derivatives  (count) */
+PALPATE_API int32_t palpate_sensitivity(palpate_equilibrium* equilibrium, const palpate_quantity* quantity,
+                                        const palpate_material_number* numbers, int32_t count, double* derivatives,
+                                        palpate_error* error);
 
 #ifdef __cplusplus
 }

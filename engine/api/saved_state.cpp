@@ -41,7 +41,7 @@ void forEachPart(SomeState& s, Call call) {
   list(s.relaxation.Z);
   list(s.local_mass.factor), one(s.local_mass.active), one(s.local_mass.momentum), one(s.local_mass.force);
   one(s.energy);
-  one(s.live.friction), one(s.live.loads);
+  one(s.live.friction), one(s.live.loads), one(s.region_shift);
 }
 
 std::size_t sizeOf(const palpate_simulation& simulation) {
@@ -115,6 +115,8 @@ int32_t palpate_restore(palpate_simulation* simulation, const void* bytes, size_
     if (size != sizeOf(*simulation) || header.size != size || header.sum != sumOf(at, size))
       throw Refusal(PALPATE_BAD_INPUT, "the saved state is damaged");
 
+    if (simulation->recorder)
+      throw Refusal(PALPATE_REFUSED, "a recording can't go on from a saved state; palpate_record_stop first");
     State state = simulation->physics.state();  // before anything changes: there may be no memory for it
     at += sizeof header;
     RunMemory memory;

@@ -70,6 +70,14 @@ void TickCall::afterTick() {
   in_call = outer;
 }
 
+/// The loop takes it in the next tick; where none runs, now.
+std::int32_t palpate::api::send(palpate_simulation& simulation, const Request& request) {
+  if (isInTickCall(simulation)) return PALPATE_REFUSED;
+  if (!simulation.loop.commands().push(request)) return PALPATE_REFUSED;  // full: the loop has not run for long
+  if (!simulation.running) simulation.loop.advanceHere(0);
+  return PALPATE_OK;
+}
+
 namespace {
 
 void setHand(palpate_simulation& simulation, const Pose& pose, std::uint64_t sequence) {
@@ -78,16 +86,9 @@ void setHand(palpate_simulation& simulation, const Pose& pose, std::uint64_t seq
   hand.publish();
 }
 
-/// The loop takes it in the next tick; where none runs, now.
-std::int32_t send(palpate_simulation& simulation, const Request& request) {
-  if (isInTickCall(simulation)) return PALPATE_REFUSED;
-  if (!simulation.loop.commands().push(request)) return PALPATE_REFUSED;  // full: the loop has not run for long
-  if (!simulation.running) simulation.loop.advanceHere(0);
-  return PALPATE_OK;
-}
+}  // namespace
 
-/// What `name` of the material may be, and its new values in it.
-void set(Material& material, const palpate_parameter& wanted) {
+void palpate::api::setParameter(Material& material, const palpate_parameter& wanted) {
   if (wanted.name == nullptr || wanted.values == nullptr || wanted.count < 1)
     throw Refusal(PALPATE_BAD_ARGUMENT, "a parameter without name or values");
   const std::span<const double> values(wanted.values, static_cast<std::size_t>(wanted.count));
@@ -110,7 +111,7 @@ void set(Material& material, const palpate_parameter& wanted) {
   });
 }
 
-void check(const Material& material) {
+void palpate::api::checkMaterial(const Material& material) {
   const MaterialLaw& law = material.lawDescription();
   std::optional<ParameterProblem> problem = law.check != nullptr ? law.check(material) : std::nullopt;
   if (!problem) problem = relaxationProblem(material);
@@ -118,8 +119,6 @@ void check(const Material& material) {
   throw Refusal(PALPATE_BAD_ARGUMENT,
                 std::string(problem->parameter) + ": " + problem->problem + "; " + problem->advice);
 }
-
-}  // namespace
 
 extern "C" {
 
@@ -215,43 +214,6 @@ int32_t palpate_set_friction(palpate_simulation* simulation, double coefficient)
   return guarded(nullptr, [&] { return send(*simulation, Request::setFriction(coefficient)); });
 }
 
-int32_t palpate_set_gravity(palpate_simulation* simulation, const double* acceleration) {
-  constexpr double most = 1000;  // m/s^2, a hundred times the earth's
-  if (simulation == nullptr || !isPlace(acceleration)) return PALPATE_BAD_ARGUMENT;
-  const Vec3 g(acceleration[0], acceleration[1], acceleration[2]);
-  if (g.cwiseAbs().maxCoeff() > most) return PALPATE_BAD_ARGUMENT;
-  return guarded(nullptr, [&] {
-    const std::int32_t code = send(*simulation, Request::setGravity(g));
-    if (code == PALPATE_OK) simulation->loads.gravity = g - simulation->model->scene.gravity;
-    return code;
-  });
-}
-
-int32_t palpate_set_force(palpate_simulation* simulation, int32_t vertex, const double* force) {
-  if (simulation == nullptr || vertex < -1 || vertex >= simulation->model->skin.vertexCount())
-    return PALPATE_BAD_ARGUMENT;
-  if (vertex >= 0 && !isPlace(force)) return PALPATE_BAD_ARGUMENT;
-  return guarded(nullptr, [&]() -> std::int32_t {
-    const Vec3 newtons = vertex < 0 ? Vec3(Vec3::Zero()) : Vec3(force[0], force[1], force[2]);
-    LiveLoads wanted = simulation->loads;
-    if (vertex < 0) wanted = {}, wanted.gravity = simulation->loads.gravity;
-    if (vertex >= 0 && !wanted.setForce(vertex, newtons)) return PALPATE_REFUSED;
-    const std::int32_t code = send(*simulation, Request::setForce(vertex, newtons));
-    if (code == PALPATE_OK) simulation->loads = wanted;
-    return code;
-  });
-}
-
-int32_t palpate_pull(palpate_simulation* simulation, int32_t vertex, const double* place) {
-  if (simulation == nullptr || vertex < -1 || vertex >= simulation->model->skin.vertexCount())
-    return PALPATE_BAD_ARGUMENT;
-  if (vertex >= 0 && !isPlace(place)) return PALPATE_BAD_ARGUMENT;
-  return guarded(nullptr, [&] {
-    return send(*simulation, vertex < 0 ? Request::simple(Request::Kind::ReleasePull)
-                                        : Request::pull(vertex, {place[0], place[1], place[2]}));
-  });
-}
-
 int32_t palpate_on_tick(palpate_simulation* simulation, palpate_tick_call call, void* user) {
   if (simulation == nullptr) return PALPATE_BAD_ARGUMENT;
   if (const int32_t code = simulation->whyNot()) return code;
@@ -275,8 +237,8 @@ int32_t palpate_set_material(palpate_simulation* simulation, int32_t material, c
                     "the materials of a scene that mixes them can't be changed live; load another scene");
     Material& present = simulation->materials[static_cast<std::size_t>(material)];
     Material wanted = present;
-    for (int k = 0; k < parameter_count; ++k) set(wanted, parameters[k]);
-    check(wanted);
+    for (int k = 0; k < parameter_count; ++k) setParameter(wanted, parameters[k]);
+    checkMaterial(wanted);
     wanted.updateModuli();
     if (const double excess = simulation->physics.excessOf(material, wanted); excess > 0)
       throw Refusal(PALPATE_REFUSED, "the material is " + std::to_string(excess) +
@@ -292,6 +254,7 @@ int32_t palpate_reset(palpate_simulation* simulation) {
   if (isInTickCall(*simulation)) return PALPATE_REFUSED;
   return guarded(nullptr, [&]() -> std::int32_t {
     if (simulation->running) return send(*simulation, Request::simple(Request::Kind::Reset));
+    if (simulation->recorder) return PALPATE_REFUSED;  // its ticks would begin anew
     simulation->physics.reset();
     simulation->loop.recall(simulation->start);
     simulation->step_sequence = 0;

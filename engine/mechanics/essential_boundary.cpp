@@ -206,7 +206,7 @@ BoundaryScratchOf<Real> makeBoundaryScratch(const EssentialBoundaryOf<Real>& bou
   scratch.shift.assign(boundaries, Vec3::Zero());
   scratch.shift_before = scratch.shift;
   scratch.reaction.resize(boundaries);
-  for (const auto& motion : boundary.motions) scratch.moves.push_back(motion.moves());
+  scratch.moves.resize(boundaries);
   for (auto& part : scratch.part_reaction) part.resize(boundaries);
   return scratch;
 }

@@ -6,6 +6,7 @@
 
 #include "base/spin_team.h"
 #include "base/types.h"
+#include "mechanics/boundary_shifts.h"
 #include "mechanics/essential_nodes.h"
 
 namespace palpate {
@@ -61,7 +62,8 @@ struct BoundaryScratchOf {
       drift;  // (set_count)(row_count) m, drift that the next step with increments corrects
   std::vector<Mat3> rotation, rotation_before;  // (boundary_count) minus identity, at the step's end and start
   std::vector<Vec3> shift, shift_before;        // (boundary_count) m
-  std::vector<std::uint8_t> moves;              // (boundary_count)
+  BoundaryShifts moved, moved_before;           // beside the motions at the step's end and start; the caller's
+  std::vector<std::uint8_t> moves;              // (boundary_count) for either reason
   std::vector<Reaction> reaction;               // (boundary_count) of the last step, paper eq. 18
   std::array<std::vector<Reaction>, boundary_parts> part_reaction;  // the terms of its sum
 };
@@ -75,12 +77,12 @@ EssentialBoundaryOf<Real> makeEssentialBoundary(const EssentialNodes& essential,
 template <class Real>
 BoundaryScratchOf<Real> makeBoundaryScratch(const EssentialBoundaryOf<Real>& boundary);
 
-/// Corrects `du` so that the field at the imposed nodes follows the motions to `time_s`, and leaves every
-/// boundary's reaction in `scratch`.
+/// Corrects `du` so that the field at the imposed nodes follows the motions to `time_s`, and from `moved_before` to
+/// `moved` of `scratch`, and leaves every boundary's reaction there.
 /// @param u  null: du is set to the motions' increment over [time_s - dt, time_s], the most exact in float32;
 ///           otherwise u + du is set to the whole displacement, so that no errors accumulate
 /// @param alpha  of paper eq. 12, s^2
-/// @return force of the boundaries that don't move on the tissue, N
+/// @return force of the boundaries that have no motion on the tissue, N
 /// The team shares all but the triangular solutions; results do not depend on its size.
 /// Real-time: no allocation, no lock, no throw.
 template <class Real>
@@ -90,8 +92,8 @@ Vec3 imposeBoundary(const EssentialBoundaryOf<Real>& boundary, double time_s, do
 
 /// Where only increments are imposed, their rounding errors add up to a drift of some 1e-9 of the body's size in a
 /// thousand ticks. This function computes in double how far the field at the imposed nodes is from where it should be
-/// at `time_s`; the next imposeBoundary corrects a tenth of it. Called once per tick, it keeps the drift at the size
-/// of one rounding error, however long the run.
+/// at `time_s` with `moved` of `scratch`; the next imposeBoundary corrects a tenth of it. Called once per tick, it
+/// keeps the drift at the size of one rounding error, however long the run.
 /// @param u, u_low  displacement parameters and what float32 lost of them, m (node_count)
 /// Real-time: no allocation, no lock, no throw.
 void correctBoundaryDrift(const EssentialBoundary& boundary, double time_s, const Float4* u, const Float4* u_low,

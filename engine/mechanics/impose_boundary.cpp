@@ -6,12 +6,12 @@ namespace palpate {
 namespace {
 
 /// The motions at a time as u = rotation (X - axis_point) + shift, the rotation less the identity.
-void evaluate(const std::vector<BoundaryMotion>& motions, double time_s, std::vector<Mat3>& rotation,
-              std::vector<Vec3>& shift) {
+void evaluate(const std::vector<BoundaryMotion>& motions, double time_s, const BoundaryShifts& moved,
+              std::vector<Mat3>& rotation, std::vector<Vec3>& shift) {
   for (std::size_t b = 0; b < motions.size(); ++b) {
     const double s = motions[b].curve.at(time_s, motions[b].duration);
     rotation[b] = Eigen::AngleAxisd(s * motions[b].angle, motions[b].axis).toRotationMatrix() - Mat3::Identity();
-    shift[b] = s * motions[b].translation;
+    shift[b] = s * motions[b].translation + moved.at(b);
   }
 }
 
@@ -72,8 +72,11 @@ template <class Real>
 Vec3 imposeBoundary(const EssentialBoundaryOf<Real>& boundary, double time_s, double dt, double alpha,
                     const Real* inverse_mass, const std::type_identity_t<Real4<Real>>* u, Real4<Real>* du,
                     BoundaryScratchOf<Real>& scratch, SpinTeam& team) {
-  evaluate(boundary.motions, time_s, scratch.rotation, scratch.shift);
-  evaluate(boundary.motions, time_s - dt, scratch.rotation_before, scratch.shift_before);
+  evaluate(boundary.motions, time_s, scratch.moved, scratch.rotation, scratch.shift);
+  evaluate(boundary.motions, time_s - dt, scratch.moved_before, scratch.rotation_before, scratch.shift_before);
+  for (std::size_t b = 0; b < boundary.motions.size(); ++b)
+    scratch.moves[b] =
+        boundary.motions[b].moves() || !scratch.moved.at(b).isZero(0) || !scratch.moved_before.at(b).isZero(0);
   for (auto& part : scratch.part_reaction)
     for (auto& reaction : part) reaction = {};
 
@@ -124,7 +127,7 @@ Vec3 imposeBoundary(const EssentialBoundaryOf<Real>& boundary, double time_s, do
       scratch.reaction[b].force += part[b].force;
       scratch.reaction[b].moment += part[b].moment;
     }
-    if (!scratch.moves[b]) held += scratch.reaction[b].force;
+    if (!boundary.motions[b].moves()) held += scratch.reaction[b].force;
   }
   return held;
 }
@@ -132,7 +135,7 @@ Vec3 imposeBoundary(const EssentialBoundaryOf<Real>& boundary, double time_s, do
 void correctBoundaryDrift(const EssentialBoundary& boundary, double time_s, const Float4* u, const Float4* u_low,
                           BoundaryScratch& scratch) {
   constexpr double share = 0.1;
-  evaluate(boundary.motions, time_s, scratch.rotation, scratch.shift);
+  evaluate(boundary.motions, time_s, scratch.moved, scratch.rotation, scratch.shift);
   for (std::size_t s = 0; s < boundary.sets.size(); ++s) {
     const auto& set = boundary.sets[s];
     for (std::size_t k = 0; k < set.node.size(); ++k) {

@@ -12,10 +12,10 @@
 namespace palpate {
 namespace {
 
-KernelLayoutOf<double> kernelInDouble(const Model& model) {
+KernelLayoutOf<double> kernelInDouble(const Model& model, const std::vector<Material>& materials) {
   auto kernel = makeKernelLayout<double>(model.point_shape, model.point_X, model.point_volume, model.point_material,
-                                         model.materials, model.nodeCount(), model.patches, GradientPrecision::Float32,
-                                         {}, mixtureBases(model.scene));
+                                         materials, model.nodeCount(), model.patches, GradientPrecision::Float32, {},
+                                         mixtureBases(model.scene));
   if (model.hasCellVolume()) kernel.cell_volume = makeCellVolume<double>(model.cellVolume());
   return kernel;
 }
@@ -28,7 +28,7 @@ BatchBody::BatchBody(const Model& model, const std::vector<double>& mass, int th
       f(model.X.size()),
       model_(model),
       team_(threads),
-      kernel_(kernelInDouble(model)),
+      kernel_(kernelInDouble(model, model.materials)),
       materials_(makeKernelMaterials(kernel_, model.materials)),
       kernel_scratch_(makeKernelScratch(kernel_)),
       boundary_(makeEssentialBoundary<double>(model.essential, mass)),
@@ -42,6 +42,18 @@ BatchBody::BatchBody(const Model& model, const std::vector<double>& mass, int th
     inverse_mass_.push_back(1 / m);
     inverse_mass_float_.push_back(static_cast<float>(1 / m));
   }
+}
+
+void BatchBody::setMaterials(const std::vector<Material>& materials) {
+  if (!mixtureBases(model_.scene).empty()) kernel_ = kernelInDouble(model_, materials);  // has the mixtures' shares
+  materials_ = makeKernelMaterials(kernel_, materials);
+}
+
+void BatchBody::moveRegion(int region, const Vec3& shift, AlignedVector<Double4>& increment) {
+  if (boundary_.motions.empty()) return;
+  boundary_scratch_.moved.of[static_cast<std::size_t>(region)] = shift;
+  imposeBoundary(boundary_, 0.0, 0.0, 1.0, inverse_mass_.data(), nullptr, increment.data(), boundary_scratch_, team_);
+  boundary_scratch_.moved = {};
 }
 
 void BatchBody::keepHistory(double h) {

@@ -55,6 +55,16 @@ class BatchBody {
   void restore(const AlignedVector<Double4>& displacement, const AlignedVector<Double4>& increment,
                const AlignedVector<double>& history = {});
 
+  /// Materials in place of the loaded ones, by the same laws (model.materials.size()). What the model had them for
+  /// otherwise stays: masses, weights, the contact layer, what node patches average.
+  void setMaterials(const std::vector<Material>& materials);
+
+  /// increment += M^-1 Phi^T A^-1 (0 - Phi increment): then it moves no imposed node. reactions() are those of a body
+  /// whose forces are M increment.
+  void project(AlignedVector<Double4>& increment) { moveRegion(0, Vec3::Zero(), increment); }
+  /// The same, with one region moved by `shift` and the others held.
+  void moveRegion(int region, const Vec3& shift, AlignedVector<Double4>& increment);
+
   /// Internal forces at a displacement and those of a skull's layer, N; `force` and the report's J. Of materials that
   /// relax, after a long time.
   ForceReport forces(const AlignedVector<Double4>& at, AlignedVector<Double4>& force);

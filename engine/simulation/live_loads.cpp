@@ -10,31 +10,58 @@
 
 namespace palpate {
 
-bool LiveLoads::operator==(const LiveLoads& other) const {
-  const auto same = [](const Float4& a, const Float4& b) { return a.x == b.x && a.y == b.y && a.z == b.z; };
-  return gravity == other.gravity && count == other.count && vertex == other.vertex &&
-         std::equal(force.begin(), force.begin() + count, other.force.begin(), same);
+namespace {
+
+/// `wanted`, or as much of it as goes in one step.
+Vec3 inOneStep(const Model& model, const Vec3& wanted) {
+  const double longest = model.scene.tool_max_speed * model.dt, length = wanted.norm();
+  return length > longest ? Vec3(longest / length * wanted) : wanted;
 }
 
-bool LiveLoads::setForce(int at, const Vec3& newtons) {
+}  // namespace
+
+bool VertexValues::operator==(const VertexValues& other) const {
+  const auto same = [](const Float4& a, const Float4& b) { return a.x == b.x && a.y == b.y && a.z == b.z; };
+  return count == other.count && vertex == other.vertex &&
+         std::equal(value.begin(), value.begin() + count, other.value.begin(), same);
+}
+
+bool VertexValues::put(int at, const Vec3& of) {
   const auto end = vertex.begin() + count;
   const auto place = std::lower_bound(vertex.begin(), end, at);
-  const auto k = static_cast<std::size_t>(place - vertex.begin());
-  const bool there = place != end && *place == at, wanted = !newtons.isZero(0);
-  const auto last = force.begin() + count;
-  if (there && !wanted) {
-    std::move(place + 1, end, place);
-    std::move(force.begin() + static_cast<std::ptrdiff_t>(k) + 1, last, force.begin() + static_cast<std::ptrdiff_t>(k));
-    --count;
-    vertex[static_cast<std::size_t>(count)] = 0;
-    force[static_cast<std::size_t>(count)] = {};
-  } else if (!there && wanted) {
-    if (count == max_forces) return false;
+  const auto k = place - vertex.begin();
+  if (place == end || *place != at) {
+    if (count == capacity) return false;
     std::move_backward(place, end, end + 1);
-    std::move_backward(force.begin() + static_cast<std::ptrdiff_t>(k), last, last + 1);
+    std::move_backward(value.begin() + k, value.begin() + count, value.begin() + count + 1);
     ++count;
   }
-  if (wanted) vertex[k] = at, force[k] = toFloat4(newtons);
+  vertex[static_cast<std::size_t>(k)] = at;
+  value[static_cast<std::size_t>(k)] = toFloat4(of);
+  return true;
+}
+
+void VertexValues::drop(int at) {
+  const auto end = vertex.begin() + count;
+  const auto place = std::lower_bound(vertex.begin(), end, at);
+  if (place == end || *place != at) return;
+  const auto k = place - vertex.begin();
+  std::move(place + 1, end, place);
+  std::move(value.begin() + k + 1, value.begin() + count, value.begin() + k);
+  --count;
+  vertex[static_cast<std::size_t>(count)] = 0;
+  value[static_cast<std::size_t>(count)] = {};
+}
+
+bool LiveLoads::operator==(const LiveLoads& other) const {
+  return gravity == other.gravity && forces == other.forces && pins == other.pins && region_shift == other.region_shift;
+}
+
+bool LiveLoads::any() const { return forces.count > 0 || pins.count > 0 || !gravity.isZero(0) || region_shift.any(); }
+
+bool LiveLoads::setForce(int at, const Vec3& newtons) {
+  if (!newtons.isZero(0)) return forces.put(at, newtons);
+  forces.drop(at);
   return true;
 }
 
@@ -57,9 +84,39 @@ void addLoads(const Model& model, const AlignedVector<float>& tissue_mass, doubl
     for (std::size_t i = 0; i < tissue_mass.size(); ++i)
       store(state.du[i], load(state.du[i]) + a * masses.inverse[i] * tissue_mass[i] * g);
   }
-  for (std::size_t k = 0; k < static_cast<std::size_t>(loads.count); ++k) {
-    const Float4& f = loads.force[k];
-    applyForce(model.skin, loads.vertex[k], Eigen::Vector4f(f.x, f.y, f.z, 0), a, masses.inverse, state.du.data());
+  for (std::size_t k = 0; k < static_cast<std::size_t>(loads.forces.count); ++k) {
+    const Float4& f = loads.forces.value[k];
+    applyForce(model.skin, loads.forces.vertex[k], Eigen::Vector4f(f.x, f.y, f.z, 0), a, masses.inverse,
+               state.du.data());
+  }
+}
+
+void holdPins(const Model& model, const StepMasses& masses, State& state) {
+  constexpr int sweeps = 4;
+  const VertexValues& pins = state.live.loads.pins;
+  const SkinModel& skin = model.skin;
+  for (int sweep = 0; sweep < (pins.count > 1 ? sweeps : pins.count); ++sweep)
+    for (std::size_t k = 0; k < static_cast<std::size_t>(pins.count); ++k) {
+      const int v = pins.vertex[k];
+      Vec3 x = skin.surface.vertices[static_cast<std::size_t>(v)], dx = Vec3::Zero();
+      double mobility = 0;  // N^T M^-1 N
+      for (int e = skin.begin[v]; e < skin.begin[v + 1]; ++e) {
+        const int i = skin.node[e];
+        x += skin.N[e] * toVec3(state.u[i]);
+        dx += skin.N[e] * toVec3(state.du[i]);
+        mobility += static_cast<double>(skin.N[e]) * skin.N[e] * masses.inverse[i];
+      }
+      const Vec3 impulse = 1 / mobility * (inOneStep(model, toVec3(pins.value[k]) - x) - dx);
+      for (int e = skin.begin[v]; e < skin.begin[v + 1]; ++e)
+        addScaled(state.du[skin.node[e]], skin.N[e] * masses.inverse[skin.node[e]], toFloat4(impulse));
+    }
+}
+
+void moveRegions(const Model& model, State& state) {
+  for (std::size_t b = 0; b < BoundaryShifts::max_count; ++b) {
+    const Vec3 &wanted = state.live.loads.region_shift.of[b], gap = wanted - state.region_shift.of[b];
+    const Vec3 step = inOneStep(model, gap);
+    state.region_shift.of[b] = step == gap ? wanted : Vec3(state.region_shift.of[b] + step);
   }
 }
 

@@ -3,6 +3,7 @@
 #include <array>
 
 #include "base/types.h"
+#include "mechanics/boundary_shifts.h"
 
 namespace palpate {
 
@@ -10,19 +11,31 @@ struct Model;
 struct State;
 struct StepMasses;
 
-/// What is beside the scene's own gravity: set live, and part of State. Equal loads have equal bytes.
+/// What some vertices of the skin have, in their order. Equal ones have equal bytes.
+struct VertexValues {
+  static constexpr int capacity = 64;
+  int count = 0;
+  std::array<int, capacity> vertex{};  // ascending
+  std::array<Float4, capacity> value{};
+
+  bool operator==(const VertexValues& other) const;
+  /// @return false where there are `capacity` others
+  bool put(int at, const Vec3& of);
+  void drop(int at);
+};
+
+/// What is beside the scene's own gravity and boundaries: set live, and part of State. Equal loads have equal bytes.
 struct LiveLoads {
-  static constexpr int max_forces = 64;
-  Vec3 gravity = Vec3::Zero();             // m/s^2, more than the scene's
-  int count = 0;                           // forces
-  std::array<int, max_forces> vertex{};    // of the skin, ascending
-  std::array<Float4, max_forces> force{};  // N, on the tissue there
+  Vec3 gravity = Vec3::Zero();  // m/s^2, more than the scene's
+  VertexValues forces;          // N, on the tissue there
+  VertexValues pins;            // m, where the vertex is held
+  BoundaryShifts region_shift;  // that are wanted, beside the scene's own motions
 
   bool operator==(const LiveLoads& other) const;
-  bool any() const { return count > 0 || !gravity.isZero(0); }
+  bool any() const;
 
   /// The force at a vertex of the skin from now on, N; 0: none.
-  /// @return false where there are max_forces others
+  /// @return false where there are VertexValues::capacity others
   bool setForce(int at, const Vec3& newtons);
 };
 
@@ -34,5 +47,15 @@ AlignedVector<float> tissueMass(const Model& model);
 /// Real-time: no allocation, no lock, no throw. Nothing is computed where there is no load.
 void addLoads(const Model& model, const AlignedVector<float>& tissue_mass, double alpha, const StepMasses& masses,
               State& state);
+
+/// Pinned vertices are where they are held at the step's end, or as near as the scene's max_speed lets them come:
+///   du += M^-1 N(X_v) (x_pin - X_v - N u - N du) / (N M^-1 N)   one after the other, a few times over,
+/// so that what neighbours leave is below a thousandth of the way, and met in the next steps.
+/// Real-time: no allocation, no lock, no throw.
+void holdPins(const Model& model, const StepMasses& masses, State& state);
+
+/// Moves State::region_shift towards what is asked for, in one step as far as the scene's max_speed goes.
+/// Real-time: no allocation, no lock, no throw.
+void moveRegions(const Model& model, State& state);
 
 }  // namespace palpate

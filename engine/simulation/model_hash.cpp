@@ -34,9 +34,13 @@ std::string liveChanges(const Model& model, const LiveParameters& live) {
   ByteKey changes;
   if (live.friction != model.scene.friction) changes.add(-1, live.friction);
   if (const LiveLoads& loads = live.loads; loads.any()) {
-    changes.add(-2, loads.gravity, loads.count);
-    for (std::size_t k = 0; k < static_cast<std::size_t>(loads.count); ++k)
-      changes.add(loads.vertex[k], toVec3(loads.force[k]));
+    for (const VertexValues* values : {&loads.forces, &loads.pins}) {
+      changes.add(values == &loads.forces ? -2 : -3, values->count);
+      for (std::size_t k = 0; k < static_cast<std::size_t>(values->count); ++k)
+        changes.add(values->vertex[k], toVec3(values->value[k]));
+    }
+    changes.add(loads.gravity);
+    for (const Vec3& shift : loads.region_shift.of) changes.add(shift);
   }
   for (std::size_t m = 0; m < model.materials.size(); ++m) {
     if (live.kernel.materials[m] == model.materials[m]) continue;
@@ -119,6 +123,7 @@ std::uint64_t stateHash(const Model& model, const State& state) {
     }
     for (const ContactState& contact : state.more.contact) addContact(contact, add);
   }
+  if (state.region_shift.any()) add(&state.region_shift, sizeof state.region_shift);
   if (state.local_mass.active) add(state.local_mass.factor.data(), state.local_mass.factor.size() * sizeof(float));
   return fnv1a(liveChanges(model, state.live), hash);
 }

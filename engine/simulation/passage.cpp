@@ -129,6 +129,7 @@ void applyPassage(const Place& a, const Place& b, const Passage& passage, const 
   state.skull = before.skull;
   state.live.friction = before.live.friction;
   state.live.loads = before.live.loads;
+  state.region_shift = before.region_shift;
   for (std::size_t m = 0; m < a.model.materials.size(); ++m)
     setMaterial(b.model, static_cast<int>(m), before.live.kernel.materials[m], state.live);
   state.energy = {};

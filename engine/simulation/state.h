@@ -50,9 +50,10 @@ struct State {
   Pose tool_pose;               // of the first tool
   ContactState contact;
   MoreTools more;
-  SkullState skull;  // empty without a skull
+  SkullState skull;              // empty without a skull
   RelaxationHistory relaxation;  // of materials that relax; empty where none does
   LiveParameters live;
+  BoundaryShifts region_shift;  // how far regions have come of what LiveLoads wants
   LocalMass local_mass;
   EnergyBalance energy;  // watches; nothing depends on it
 };

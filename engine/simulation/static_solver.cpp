@@ -47,6 +47,11 @@ StaticSolver::StaticSolver(const Model& model, int threads, double tolerance)
   updateStep();
 }
 
+void StaticSolver::setMaterials(const std::vector<Material>& materials) {
+  body_.setMaterials(materials);
+  updateStep();
+}
+
 void StaticSolver::resume(double time, const AlignedVector<Double4>& u, const ToolsAt& tools, double largest) {
   largest_so_far_ = largest;
   time_ = time;

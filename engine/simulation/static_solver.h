@@ -48,6 +48,9 @@ class StaticSolver {
   /// @param tools  where they are at `time`; without, there are none
   Equilibrium advanceTo(double time, const ToolsAt& tools = {}, const Watch& watch = {});
 
+  /// As BatchBody::setMaterials, from the next load step on.
+  void setMaterials(const std::vector<Material>& materials);
+
   const BatchBody& body() const { return body_; }
   double time() const { return time_; }
   /// Goes on from a state that was saved. @param largest  m, largestSoFar() then

@@ -42,6 +42,12 @@ StepReport step(const Model& model, State& state, const ToolPostures& wanted, co
     outcome.skull = solveSkull(model.skull, model.skin, integrator.alpha, masses.inverse, state.u.data(),
                                state.du.data(), state.skull);
 
+  // Pins and regions go where they were asked to be
+  holdPins(model, masses, state);
+  workspace.boundary.moved_before = state.region_shift;
+  moveRegions(model, state);
+  workspace.boundary.moved = state.region_shift;
+
   // du = du~ + P (du_bar - Phi du~)                                       (eqs. 23-25)
   outcome.base_reaction =
       imposeBoundary(model.boundary, time, model.dt, masses.boundary_alpha, model.inverse_mass.data(), nullptr,
@@ -71,6 +77,7 @@ StepReport tick(const Model& model, State& state, const Command& command, Worksp
     const Pose pose = bodyPose(body, ways.end()[static_cast<std::size_t>(body.tool)]);
     find(model.skin, state.u.data(), body.shape, pose, 2 * ways.reach(b), contactOf(state, b));
   };
+  workspace.boundary.moved = state.region_shift;
   shareOut(workspace.team, 1 + bodies, [&](int part) {
     if (part < bodies)
       forBody(part, findContactCandidates);

@@ -32,6 +32,8 @@ TEST_CASE("The structs of palpate.h have the layout that callers were compiled w
   CHECK(sizeof(palpate_parameter) == 24);
   CHECK(sizeof(palpate_tool_state) == 136);
   CHECK(sizeof(palpate_skin_point) == 88);
+  CHECK(sizeof(palpate_quantity) == 48);
+  CHECK(sizeof(palpate_material_number) == 16);
   CHECK(sizeof(palpate_device_settings) == 64);
   CHECK(sizeof(palpate_device_pose) == 104);
   CHECK(sizeof(palpate_wrench) == 64);

@@ -186,5 +186,5 @@ TEST_CASE("Loads are recorded, written and replayed bit for bit", "[api][loads]"
   loop.run();
   CHECK(replayed.stateHash() == played.stateHash());
   CHECK(replayed.state().live.loads.gravity.z() == -9.81);
-  CHECK(replayed.state().live.loads.count == 0);
+  CHECK(replayed.state().live.loads.forces.count == 0);
 }

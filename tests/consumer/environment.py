@@ -1,7 +1,9 @@
 """What tests/consumer/run.cmake asks of the Python package: environment.py SCENE BAD_SCENE"""
 import copy
+import os
 import pickle
 import sys
+import tempfile
 
 import numpy as np
 
@@ -166,6 +168,69 @@ assert loaded.hash() == at_rest
 refused(ValueError, lambda: loaded.set_force(0, [0, 0, np.nan]), "[2] is nan")
 refused(palpate.Error, lambda: loaded.set_force(-2, [0, 0, 1]), "set_force: ")
 
+# Pins, regions and a recording.
+recorded = palpate.Simulation(block)
+recorded.start_recording()
+recorded.pin(5, recorded.skin_positions()[5] + [0, 0, 0.001])
+recorded.move_region("base", [0, 0.0005, 0])
+recorded.step(block.pose_at(0.001), ticks=30)
+recorded.unpin()
+before = recorded.hash()
+refused(palpate.Error, lambda: recorded.stop_recording("/no/such/folder/run.rec"), "can't be written")
+refused(palpate.Error, lambda: recorded.restore(recorded.save()), "record_stop first")
+refused(ValueError, lambda: recorded.pin(5, [0, np.nan, 0]), "[1] is nan")
+refused(ValueError, lambda: recorded.move_region("lid", [0, 0, 0]), "no region 'lid'")
+assert recorded.hash() == before
+with tempfile.TemporaryDirectory() as folder:
+    recorded.stop_recording(os.path.join(folder, "run.rec"))
+    with open(os.path.join(folder, "run.rec")) as file:
+        lines = file.read().splitlines()
+assert lines[0] == "palpate-recording 3" and lines[-1] == "end 30", lines
+assert [line.split()[1] for line in lines[4:-1]] == ["pin", "region", "tool", "unpin"], lines
+refused(palpate.Error, recorded.start_recording, "reset first")
+played = palpate.Simulation(model)  # for run.cmake, which replays it
+played.start_recording()
+top = played.skin_positions()[:, 2].argmax()
+played.pin(top, played.skin_positions()[top] + [0, 0, 0.0005])
+played.set_gravity([0, 0, -3])
+played.step(model.pose_at(0.001), ticks=40)
+played.move_region(0, [0.0003, 0, 0])
+played.step(ticks=40)
+played.stop_recording("python.rec")
+print(f"{played.hash():016x}")
+
+# Gradients.
+two = palpate.Model(text=BLOCK + """friction = 0
+[[material]]
+name = "lump"
+model = "neo-hookean"
+young = 9000
+poisson = 0.45
+region = { shape = "sphere", centre = [0.01, 0, 0.017], radius = 0.01 }
+""", name="two")
+at_rest = palpate.Equilibrium(two, two.pose_at(0.002, (0.011, 0)))
+up, numbers = [0, 0, 1], [("gel", "young"), ("lump", "young")]
+lift = at_rest.force(up)
+assert lift > 0.01 and np.isclose(at_rest.force(up, region="base"), lift, rtol=1e-6)
+slopes = at_rest.sensitivity(numbers, up)
+for (material, name), slope, young in zip(numbers, slopes, (3000.0, 9000.0)):
+    values = []
+    for changed in (young * 0.9999, young * 1.0001):
+        at_rest.set(material, name, changed)
+        values.append(at_rest.force(up))
+    at_rest.set(material, name, young)
+    assert abs((values[1] - values[0]) / 2e-4 - slope * young) < 1e-6 * abs(slopes @ [3000, 9000]), (values, slope)
+seen = palpate.Points(two, [[0.011, 0, 0.028]])
+assert at_rest.displacement(up, seen) < 0 < at_rest.sensitivity(numbers, up, points=seen)[1]
+refused(palpate.Error, lambda: at_rest.sensitivity([("gel", "yuong")], up), "yuong")
+refused(palpate.Error, lambda: at_rest.set("gel", "young", -1), "young")
+refused(ValueError, lambda: at_rest.sensitivity([("jelly", "young")], up), "no material 'jelly'")
+refused(palpate.Error, lambda: at_rest.displacement(up, palpate.Points.nodes(block)), "another model")
+refused(palpate.Error, lambda: palpate.Equilibrium(two, threads=-1), "threads")
+assert np.isclose(at_rest.force(up), lift, rtol=1e-9)
+at_rest.close()
+refused(palpate.Error, lambda: at_rest.force(up), "closed")
+
 # A pickled simulation goes on bit for bit; what error is to be expected it finds anew.
 twin = pickle.loads(pickle.dumps(body))
 assert twin.hash() == body.hash() and np.array_equal(twin.step(ticks=7).force, body.step(ticks=7).force)
@@ -222,6 +287,23 @@ def check_environment(env):
     assert np.array_equal(a[0], b[0]) and a[1] == b[1] and np.array_equal(a[2], b[2]) and a[6] == b[6]
     assert a[1] != c[1] and not np.array_equal(a[0], c[0])
     assert env.np_random_seed == 456
+    env.reset()  # goes on with the numbers of that seed
+    assert env.np_random_seed == 456 and env.np_random.bit_generator.state != random_state
+    for space, one in ((env.action_space, action), (env.observation_space, observation)):
+        assert space.shape == one.shape and space.dtype == one.dtype and (space.low < space.high).all()
+        assert space.sample() in space
+        space.seed(9)
+        first = space.sample()
+        space.seed(9)
+        assert np.array_equal(first, space.sample())
+    assert env.action_space.low - 1 not in env.action_space and env.observation_space.sample()[:-1] not in \
+        env.observation_space
+    for steps in range(1, 100):
+        observation, _, terminated, truncated, info = env.step(action)
+        assert observation in env.observation_space and "state" in info and not terminated
+        if truncated:
+            break
+    assert steps == 4, steps  # of 4 ticks of 2 ms in 0.04 s, less that of reset()
     assert np.array_equal(env.reset(options={})[0].shape, (17,))
 
 

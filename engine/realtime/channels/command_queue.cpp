@@ -62,6 +62,26 @@ Request Request::setForce(int skin_vertex, const Vec3& force) {
   return request;
 }
 
+Request Request::pin(int skin_vertex, const Vec3& place) {
+  Request request = simple(Kind::Pin);
+  request.index = skin_vertex;
+  request.point = place;
+  return request;
+}
+
+Request Request::unpin(int skin_vertex) {
+  Request request = simple(Kind::Unpin);
+  request.index = skin_vertex;
+  return request;
+}
+
+Request Request::moveRegion(int boundary, const Vec3& shift) {
+  Request request = simple(Kind::MoveRegion);
+  request.index = boundary;
+  request.point = shift;
+  return request;
+}
+
 Request Request::moveHand(int tool, const Pose& pose) {
   Request request = simple(Kind::MoveHand);
   request.index = tool;

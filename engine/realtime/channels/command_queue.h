@@ -27,6 +27,9 @@ struct Request {
     SetMaterial,  // index: into Model::materials; material
     SetGravity,   // point: m/s^2, of the tissue
     SetForce,     // index: skin vertex, -1: all; point: N, 0 ends it
+    Pin,          // index: skin vertex; point: m, where it is held
+    Unpin,        // index: skin vertex, -1: all
+    MoveRegion,   // index: boundary, -1: all; point: m, beside the scene's own motion
     Quit,
     MoveHand,    // index: tool, from 1; pose: where it should go, at once
     SetOpening,  // index: tool, from 0; value: m, the gap between the fingers of its jaws
@@ -35,9 +38,11 @@ struct Request {
     Submit,      // they are all
   };
   Kind kind = Kind::Pause;
-  int index = -1;             // Pull, SetForce: skin vertex; SetMaterial: material; MoveHand, SetOpening: tool; Mark
+  // Pull, SetForce, Pin, Unpin: skin vertex; MoveRegion: boundary; SetMaterial: material; MoveHand, SetOpening: tool;
+  // Mark: how hard
+  int index = -1;
   double value = 0;           // SetFriction; seconds of the tool's motions; SetOpening, m
-  Vec3 point = Vec3::Zero();  // Pull, Mark, m; SetGravity, SetForce
+  Vec3 point = Vec3::Zero();  // Pull, Pin, MoveRegion, Mark, m; SetGravity, SetForce
   Pose pose;                  // MoveTool
   Material material;          // SetMaterial
 
@@ -57,6 +62,9 @@ struct Request {
   static Request setMaterial(int index, const Material& material);
   static Request setGravity(const Vec3& acceleration);
   static Request setForce(int skin_vertex, const Vec3& force);
+  static Request pin(int skin_vertex, const Vec3& place);
+  static Request unpin(int skin_vertex);
+  static Request moveRegion(int boundary, const Vec3& shift);
   static Request moveHand(int tool, const Pose& pose);
   static Request setOpening(int tool, double opening);
   static Request mark(const Vec3& place, int hardness);

@@ -9,12 +9,8 @@ bool samePose(const Pose& a, const Pose& b) {
 
 }  // namespace
 
-InputRecorder::InputRecorder(SpscRing<TimedRequest>& ring, bool on, const Pose& start) : ring_(ring), on_(on) {
-  command_.tool_target = start;
-}
-
 void InputRecorder::add(std::int64_t tick, const Request& request) {
-  if (on_ && !ring_.push({tick, request})) ++lost_;
+  if (ring_ != nullptr && !ring_->push({tick, request})) ++lost_;
 }
 
 void InputRecorder::addCommand(std::int64_t tick, const Command& command) {

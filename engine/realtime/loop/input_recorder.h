@@ -12,13 +12,13 @@ namespace palpate {
 /// Loop thread only (the other end of the ring is the viewer's). Real-time: no allocation, no lock, no throw.
 class InputRecorder {
  public:
-  /// @param ring   must outlive this
-  /// @param on     false: writes down nothing
-  /// @param start  pose of the tool at rest, which is no change
-  InputRecorder(SpscRing<TimedRequest>& ring, bool on, const Pose& start);
-
-  /// What the command is at rest, which is no change.
-  void startFrom(const Command& command) { command_ = command; }
+  /// From here on into `ring`, which must outlive this; null: writes down nothing.
+  /// @param command  at rest, which is no change
+  void startFrom(const Command& command, SpscRing<TimedRequest>* ring) {
+    command_ = command;
+    ring_ = ring;
+    lost_ = 0;
+  }
 
   void add(std::int64_t tick, const Request& request);
 
@@ -32,8 +32,7 @@ class InputRecorder {
   std::int64_t lostCount() const { return lost_; }
 
  private:
-  SpscRing<TimedRequest>& ring_;
-  const bool on_;
+  SpscRing<TimedRequest>* ring_ = nullptr;
   Command command_;  // as far as the recording tells
   std::int64_t lost_ = 0;
 };

@@ -1,7 +1,9 @@
 #include "realtime/loop/live_settings.h"
 
+#include <algorithm>
 #include <cmath>
 
+#include "base/float4.h"
 #include "mechanics/materials/material_law.h"
 
 namespace palpate {
@@ -9,7 +11,8 @@ namespace {
 
 std::vector<Request> settingsOf(const Model& model) {
   std::vector<Request> requests{Request::setFriction(model.scene.friction), Request::setGravity(model.scene.gravity),
-                                Request::setForce(-1, Vec3::Zero())};
+                                Request::setForce(-1, Vec3::Zero()), Request::unpin(-1),
+                                Request::moveRegion(-1, Vec3::Zero())};
   if (model.materials.size() != model.scene.materials.size()) return requests;  // mixed ones can't be changed live
   for (std::size_t m = 0; m < model.materials.size(); ++m) {
     requests.push_back(Request::setMaterial(static_cast<int>(m), model.materials[m]));
@@ -19,10 +22,56 @@ std::vector<Request> settingsOf(const Model& model) {
 
 }  // namespace
 
+bool changeLoads(const Request& request, int vertex_count, int boundary_count, const Vec3& gravity, LiveLoads& loads) {
+  using Kind = Request::Kind;
+  if (!request.point.allFinite()) return false;
+  const bool all = request.index < 0, is_vertex = request.index < vertex_count;
+  switch (request.kind) {
+    case Kind::SetGravity:
+      loads.gravity = request.point - gravity;
+      return true;
+    case Kind::SetForce:
+      if (all) loads.forces = {};
+      return all || (is_vertex && loads.setForce(request.index, request.point));
+    case Kind::Pin:
+      return !all && is_vertex && loads.pins.put(request.index, request.point);
+    case Kind::Unpin:
+      if (all) loads.pins = {};
+      if (is_vertex) loads.pins.drop(request.index);
+      return is_vertex;
+    case Kind::MoveRegion:
+      if (all) loads.region_shift = {};
+      if (request.index >= std::min(boundary_count, BoundaryShifts::max_count)) return false;
+      if (!all) loads.region_shift.of[static_cast<std::size_t>(request.index)] = request.point;
+      return true;
+    default:
+      return false;
+  }
+}
+
+std::vector<Request> settingsInForce(const Model& model, const LiveParameters& live) {
+  std::vector<Request> requests;
+  if (live.friction != model.scene.friction) requests.push_back(Request::setFriction(live.friction));
+  const LiveLoads& loads = live.loads;
+  if (!loads.gravity.isZero(0)) requests.push_back(Request::setGravity(loads.gravity + model.scene.gravity));
+  for (std::size_t k = 0; k < static_cast<std::size_t>(loads.forces.count); ++k)
+    requests.push_back(Request::setForce(loads.forces.vertex[k], toVec3(loads.forces.value[k])));
+  for (std::size_t k = 0; k < static_cast<std::size_t>(loads.pins.count); ++k)
+    requests.push_back(Request::pin(loads.pins.vertex[k], toVec3(loads.pins.value[k])));
+  for (std::size_t b = 0; b < BoundaryShifts::max_count; ++b)
+    if (const Vec3& shift = loads.region_shift.of[b]; !shift.isZero(0))
+      requests.push_back(Request::moveRegion(static_cast<int>(b), shift));
+  for (std::size_t m = 0; m < model.materials.size(); ++m)
+    if (!(live.kernel.materials[m] == model.materials[m]))
+      requests.push_back(Request::setMaterial(static_cast<int>(m), live.kernel.materials[m]));
+  return requests;
+}
+
 LiveSettings::LiveSettings(const Model& model, Physics& physics)
     : physics_(physics),
       material_count_(static_cast<int>(model.materials.size())),
       vertex_count_(model.skin.vertexCount()),
+      boundary_count_(static_cast<int>(model.boundary.motions.size())),
       gravity_(model.scene.gravity),
       loaded_(settingsOf(model)),
       friction_(physics.state().live.friction) {}
@@ -30,23 +79,13 @@ LiveSettings::LiveSettings(const Model& model, Physics& physics)
 LiveSettings::Answer LiveSettings::apply(const Request& request) {
   if (request.kind == Request::Kind::SetFriction) return setFriction(request.value);
   if (request.kind == Request::Kind::SetMaterial) return setMaterial(request.index, request.material);
-  if (request.kind == Request::Kind::SetGravity || request.kind == Request::Kind::SetForce) return setLoad(request);
-  return {};
+  return setLoad(request);
 }
 
 LiveSettings::Answer LiveSettings::setLoad(const Request& request) {
-  if (!request.point.allFinite()) return {};
-  const LiveLoads before = physics_.state().live.loads;
-  LiveLoads loads = before;
-  if (request.kind == Request::Kind::SetGravity) {
-    loads.gravity = request.point - gravity_;
-  } else if (request.index < 0) {
-    loads = {};
-    loads.gravity = before.gravity;
-  } else if (request.index >= vertex_count_ || !loads.setForce(request.index, request.point)) {
-    return {};
-  }
-  if (loads == before) return {};
+  LiveLoads loads = physics_.state().live.loads;
+  if (!changeLoads(request, vertex_count_, boundary_count_, gravity_, loads)) return {};
+  if (loads == physics_.state().live.loads) return {};
   physics_.setLoads(loads);
   return {Outcome::Changed};
 }

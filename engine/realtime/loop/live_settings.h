@@ -25,7 +25,7 @@ class LiveSettings {
   /// The physics must outlive this. What `model` was loaded with is what loaded() brings back.
   LiveSettings(const Model& model, Physics& physics);
 
-  /// Takes a SetFriction, SetMaterial, SetGravity or SetForce to the physics; it counts from the next tick on.
+  /// Takes a SetFriction, SetMaterial or what changes LiveLoads to the physics; it counts from the next tick on.
   Answer apply(const Request& request);
 
   /// The physics has a state from elsewhere.
@@ -40,10 +40,17 @@ class LiveSettings {
   Answer setLoad(const Request& request);
 
   Physics& physics_;
-  const int material_count_, vertex_count_;
+  const int material_count_, vertex_count_, boundary_count_;
   const Vec3 gravity_;  // m/s^2, the scene's
   const std::vector<Request> loaded_;
   double friction_;  // the last that was asked for
 };
+
+/// What makes of the loaded settings those in force, in the order in which it has to be asked for.
+std::vector<Request> settingsInForce(const Model& model, const LiveParameters& live);
+
+/// `loads` with what a request changes of them. @param gravity  m/s^2, the scene's
+/// @return false where it can't be: no such place, no room, or no request of LiveLoads
+bool changeLoads(const Request& request, int vertex_count, int boundary_count, const Vec3& gravity, LiveLoads& loads);
 
 }  // namespace palpate

@@ -35,11 +35,10 @@ SimulationLoop::SimulationLoop(const Model& model, Physics& physics, SpinTeam* t
       snags_(model),
       slides_(model),
       settings_(model, physics),
-      recorder_(channels_.recorded, options.record, model.tool_start),
       reporter_(model, physics, team, channels_) {
   command_ = restCommand(model);
   run_.hand = run_.goal = model.tool_start;
-  recorder_.startFrom(command_);
+  recorder_.startFrom(command_, options.record ? &channels_.recorded : nullptr);
   for (int k = 1; k < model.tools.toolCount(); ++k) further_proxies_.emplace_back(model, k);
   reporter_.publish({}, run_);
 }
@@ -111,6 +110,8 @@ RunMemory SimulationLoop::memory() const {
   reporter_.tell(memory);
   return memory;
 }
+
+void SimulationLoop::record(SpscRing<TimedRequest>* into) { recorder_.startFrom(restCommand(model_), into); }
 
 void SimulationLoop::recall(const RunMemory& memory) {
   // What was sent before is of another future.

@@ -89,6 +89,12 @@ class SimulationLoop final : private LoopBody {
   /// Denormals are flushed meanwhile. Publishes at the end.
   void advanceHere(std::int64_t ticks);
 
+  /// (viewer) While no thread runs: the changes of input go there from now on, in place of recorded(); null: nowhere. A
+  /// recording begins before the first tick.
+  void record(SpscRing<TimedRequest>* into);
+  /// (viewer) While no thread runs: changes that have found no room since then.
+  std::int64_t lostChanges() const { return recorder_.lostCount(); }
+
   /// (viewer) While no thread runs: what another loop of this model goes on from, together with the physics' state.
   /// What was kept to go back to (StateHistory), and the watchdog's memory of losses, begin anew there.
   RunMemory memory() const;

@@ -93,6 +93,9 @@ void SimulationLoop::apply(const Request& request, bool from_track) {
     case Kind::SetMaterial:
     case Kind::SetGravity:
     case Kind::SetForce:
+    case Kind::Pin:
+    case Kind::Unpin:
+    case Kind::MoveRegion:
       return change(request);
     default:
       return;

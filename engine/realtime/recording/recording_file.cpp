@@ -82,6 +82,14 @@ std::string lineOf(const TimedRequest& change) {
       line += " force " + std::to_string(r.index);
       append(line, {r.point.x(), r.point.y(), r.point.z()});
       break;
+    case Request::Kind::Pin:
+    case Request::Kind::MoveRegion:
+      line += (r.kind == Request::Kind::Pin ? " pin " : " region ") + std::to_string(r.index);
+      append(line, {r.point.x(), r.point.y(), r.point.z()});
+      break;
+    case Request::Kind::Unpin:
+      line += " unpin " + std::to_string(r.index);
+      break;
     case Request::Kind::Reset:
       line += " reset";
       break;
@@ -180,6 +188,16 @@ Request readChange(LineReader& line) {
     const int vertex = line.integer<int>("a skin vertex");
     if (vertex < -1) line.fail("a skin vertex can't be negative");
     return Request::setForce(vertex, line.vector("a force, N"));
+  }
+  if (what == "pin") {
+    const int vertex = line.integer<int>("a skin vertex");
+    if (vertex < 0) line.fail("a skin vertex can't be negative");
+    return Request::pin(vertex, line.vector("a coordinate, m"));
+  }
+  if (what == "unpin" || what == "region") {
+    const int index = line.integer<int>(what == "unpin" ? "a skin vertex" : "a region");
+    if (index < -1) line.fail("a number can't be below -1, which is all");
+    return what == "unpin" ? Request::unpin(index) : Request::moveRegion(index, line.vector("a shift, m"));
   }
   if (what == "material") {
     const int index = line.integer<int>("a material's index");

@@ -17,6 +17,11 @@ namespace palpate {
 ///   12 pull 411 0.01 0 0.12              skin vertex, target m
 ///   15 release
 ///   20 friction 0.3
+///   20 gravity 0 0 -9.81                 m/s^2
+///   20 force 411 0 0 0.1                 skin vertex, N; -1: all end
+///   20 pin 411 0.01 0 0.12               skin vertex, m
+///   20 unpin 411                         -1: all
+///   20 region 0 0 0 0.002                boundary, m; -1: all
 ///   21 material 0 neo-hookean young 3000 poisson 0.49 barrier_strength 0 barrier_J0 0.5 density 1060
 ///   21 material 0 ogden mu 2 1000 500 alpha 2 2 -2 D1 4e-5 barrier_strength 0 ...    lists after their length
 ///      ... density 1060 relaxation 4 0.3 0.1 0.2 2    at the end, of one that relaxes

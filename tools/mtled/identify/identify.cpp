@@ -97,8 +97,15 @@ double Coordinate::to(double q) const {
   return std::isfinite(high_) ? high_ - std::exp(-q) : q;
 }
 
+double Coordinate::slopeAt(double q) const {
+  if (std::isfinite(low_) && std::isfinite(high_)) return (high_ - low_) / ((1 + std::exp(-q)) * (1 + std::exp(q)));
+  if (std::isfinite(low_)) return std::exp(q);
+  return std::isfinite(high_) ? std::exp(-q) : 1;
+}
+
 Identified identify(const std::vector<SoughtParameter>& sought,
-                    const std::function<std::vector<double>(const std::vector<double>&)>& residuals) {
+                    const std::function<std::vector<double>(const std::vector<double>&)>& residuals,
+                    const std::function<std::vector<std::vector<double>>(const std::vector<double>&)>& derivatives) {
   const auto count = static_cast<Eigen::Index>(sought.size());
   std::vector<Coordinate> coordinate;
   VectorXd q(count);
@@ -123,7 +130,14 @@ Identified identify(const std::vector<SoughtParameter>& sought,
   MatrixXd J(r.size(), count);
   double lambda = 1e-3;
   for (int iteration = 0; iteration < max_iterations && !result.converged; ++iteration) {
-    for (Eigen::Index k = 0; k < count; ++k) {
+    if (derivatives) {
+      const std::vector<std::vector<double>> slopes = derivatives(valuesAt(q));
+      for (Eigen::Index k = 0; k < count; ++k)
+        for (Eigen::Index row = 0; row < r.size(); ++row)
+          J(row, k) = slopes[static_cast<std::size_t>(row)][static_cast<std::size_t>(k)] *
+                      coordinate[static_cast<std::size_t>(k)].slopeAt(q[k]);
+    }
+    for (Eigen::Index k = 0; k < count && !derivatives; ++k) {
       VectorXd beside = q;
       beside[k] += difference;
       J.col(k) = (evaluate(beside) - r) / difference;

@@ -26,6 +26,7 @@ class Coordinate {
   bool isRelative() const;
   double from(double value) const;
   double to(double q) const;
+  double slopeAt(double q) const;  // of to()
 
  private:
   double low_, high_;
@@ -46,12 +47,15 @@ struct Identified {
 };
 
 /// Least squares by Levenberg and Marquardt (Marquardt, SIAM J. Appl. Math. 11, 431 (1963)) over unbounded coordinates.
-/// Derivatives are differences. The intervals come from (J^T J)^-1 and the residuals, in those coordinates, with
-/// Student's t; they allow for noise that grows with the force and for residuals that follow their neighbours, and hold
-/// what they say where the residuals are noise.
-/// @param residuals  r(values), always as many; may throw std::runtime_error for values that can't be
-Identified identify(const std::vector<SoughtParameter>& sought,
-                    const std::function<std::vector<double>(const std::vector<double>&)>& residuals);
+/// Derivatives are differences, unless they are given. The intervals come from (J^T J)^-1 and the residuals, in those
+/// coordinates, with Student's t; they allow for noise that grows with the force and for residuals that follow their
+/// neighbours, and hold what they say where the residuals are noise.
+/// @param residuals    r(values), always as many; may throw std::runtime_error for values that can't be
+/// @param derivatives  dr/dvalues (row_count)(parameter_count)
+Identified identify(
+    const std::vector<SoughtParameter>& sought,
+    const std::function<std::vector<double>(const std::vector<double>&)>& residuals,
+    const std::function<std::vector<std::vector<double>>(const std::vector<double>&)>& derivatives = {});
 
 /// Widens the intervals to the values that would fit if what was measured were another by `change` (row_count), to
 /// first order.

@@ -17,6 +17,7 @@
 #include "io/scene_file.h"
 #include "mechanics/materials/material_law.h"
 #include "mtled/identify/coarse_to_fine.h"
+#include "mtled/identify/identify_regions.h"
 #include "mtled/identify/identify_remarks.h"
 #include "mtled/pictures/pictures.h"
 #include "mtled/run/progress.h"
@@ -232,6 +233,7 @@ Figure figureOf(const std::string& scene, const ForceCurve& measured, const Forc
 }  // namespace
 
 int identifyCommand(const IdentifyOptions& options) {
+  if (options.regions) return identifyRegions(options);
   const std::string file = findScene(options.scene);
   const Scene scene = readScene(file);
   const Sought sought = soughtOf(options, scene);

@@ -17,6 +17,7 @@ in palpate.h.
 """
 from ._library import (BAD_ARGUMENT, BAD_INPUT, BUSY, DOUBTS, FAILED, MATERIAL, OK, REFUSED, REGION, TOOL, Coupling,
                        Error, SkinPlace, State, ToolState, Wrench, find_library, library, version)
+from .equilibrium import Equilibrium
 from .model import Model, Points
 from .simulation import STATE, Simulation, Team, image, step_many
 

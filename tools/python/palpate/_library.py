@@ -89,6 +89,15 @@ class _Coupling(_Sized):
                     "stiffness", "delay", "energy", "lowest_energy", "damped", "peak_force", "peak_torque")]
 
 
+class _MaterialNumber(C.Structure):
+    _fields_ = [("material", C.c_int32), ("entry", C.c_int32), ("name", C.c_char_p)]
+
+
+class _Quantity(_Sized):
+    _fields_ = [("size", C.c_uint32), ("kind", C.c_int32), ("index", C.c_int32), ("unused", C.c_int32),
+                ("points", C.c_void_p), ("direction", C.c_double * 3)]
+
+
 class Record:
     """The fields of a struct of the library, vectors as numpy arrays over its memory."""
 
@@ -199,6 +208,14 @@ def _load_library():
         "set_gravity": [pointer, pose],
         "set_force": [pointer, number, pose],
         "pull": [pointer, number, pose],
+        "pin": [pointer, number, pose],
+        "move_region": [pointer, number, pose],
+        "record_start": [pointer, error],
+        "record_stop": [pointer, C.c_char_p, error],
+        "settle": [pointer, pose, C.c_double, number, to(pointer), error],
+        "settle_with": [pointer, to(_MaterialNumber), C.c_double, error],
+        "equilibrium_value": [pointer, to(_Quantity), pose, error],
+        "sensitivity": [pointer, to(_Quantity), to(_MaterialNumber), number, pose, error],
         "on_tick": [pointer, _TickCall, pointer],
         "reset": [pointer],
         "save": [pointer, pointer, size],
@@ -216,7 +233,7 @@ def _load_library():
     for name, types in arguments.items():
         function = getattr(lib, "palpate_" + name)
         function.argtypes, function.restype = types, number
-    for name in ("model_destroy", "destroy", "team_destroy", "points_destroy"):
+    for name in ("model_destroy", "destroy", "team_destroy", "points_destroy", "equilibrium_destroy"):
         getattr(lib, "palpate_" + name).argtypes, getattr(lib, "palpate_" + name).restype = [pointer], None
     lib.palpate_save_size.argtypes, lib.palpate_save_size.restype = [pointer], size
     lib.palpate_name.argtypes, lib.palpate_name.restype = [pointer, number, number], C.c_char_p
@@ -242,7 +259,7 @@ def version():
 
 def _call(name, *arguments, error=None):
     if arguments and arguments[0] is None:
-        raise Error(BAD_ARGUMENT, "the simulation is closed")
+        raise Error(BAD_ARGUMENT, "it is closed")
     if error is not None:
         arguments += (C.byref(error),)
     code = getattr(library(), "palpate_" + name)(*arguments)

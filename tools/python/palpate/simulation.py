@@ -1,6 +1,7 @@
 """Simulations, one or many at once, and their pictures."""
 import ctypes as C
 import operator
+import os
 
 import numpy as np
 
@@ -212,6 +213,27 @@ class Simulation:
 
     def clear_forces(self):
         _call("set_force", self._handle, -1, None)
+
+    def pin(self, vertex, place):
+        """Holds a vertex of the skin at a place (3), m, from the next tick on; set anew, it moves it."""
+        _call("pin", self._handle, operator.index(vertex), _doubles(_numbers(place, (3,), "a place")))
+
+    def unpin(self, vertex=-1):
+        """Lets a pinned vertex go, or all of them."""
+        _call("pin", self._handle, operator.index(vertex), None)
+
+    def move_region(self, region, shift):
+        """Moves a region (3), m, by its number or name, beside what the scene says of it."""
+        _call("move_region", self._handle, self.model._index(self.model.regions, region, "region"),
+              _doubles(_numbers(shift, (3,), "a shift")))
+
+    def start_recording(self):
+        """Records all input from here on: before the first tick, or after a reset."""
+        _call("record_start", self._handle, error=_Error())
+
+    def stop_recording(self, path=None):
+        """Writes what `palpate SCENE --replay PATH` repeats bit for bit; None: nothing."""
+        _call("record_stop", self._handle, None if path is None else os.fsencode(path), error=_Error())
 
     def pull(self, vertex, place):
         """A spring draws a vertex of the skin to a place (3), m, from the next tick on."""

@@ -1,0 +1,195 @@
+#include "simulation/sensitivity.h"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "imaging/membership.h"
+#include "support/small_scene.h"
+
+using namespace palpate;
+using Kind = EquilibriumQuantity::Kind;
+
+namespace {
+
+/// The block with a stiffer ball in it, under a tool without friction.
+Scene lumpScene(double poisson = 0.45) {
+  Scene scene = test::blockScene();
+  scene.friction = 0;
+  scene.materials[0].material.set("poisson", poisson);
+  MaterialSpec lump;
+  lump.material = Material::neoHookean(9000, poisson, 1000);
+  lump.everywhere = false;
+  lump.region.kind = Region::Kind::Sphere;
+  lump.region.point = Vec3(0.005, 0, 0.017);
+  lump.region.radius = 0.01;
+  scene.materials.push_back(lump);
+  return scene;
+}
+
+/// A tool that is pressed in beside the middle, not along an axis of anything.
+Pose pressed(const Model& model, double depth = 0.002) {
+  return test::toolAt(model, model.first_contact_travel + depth, 0.006);
+}
+
+EquilibriumQuantity quantity(Kind kind, const Vec3& direction, const Model& model) {
+  EquilibriumQuantity q;
+  q.kind = kind;
+  q.direction = direction;
+  const int i = model.nodeCount() / 3;
+  for (int e = model.node_shape.begin[i]; e < model.node_shape.begin[i + 1]; ++e)
+    q.row.emplace_back(model.node_shape.node[e], model.node_shape.N[e]);
+  return q;
+}
+
+/// dq/dp by two equilibria. @param share  of p, to each side
+double centralDifference(EquilibriumSensitivity& body, const EquilibriumQuantity& q, const MaterialNumber& number,
+                         const std::optional<Pose>& tool, double share = 1e-3) {
+  const AlignedVector<Double4> u = body.u();
+  const std::vector<Material> before = body.materials();
+  const double middle = before[static_cast<std::size_t>(number.material)].get(number.name)[0];
+  double value[2];
+  for (const int side : {0, 1}) {
+    std::vector<Material> materials = before;
+    materials[static_cast<std::size_t>(number.material)].set(number.name, middle * (1 + (side == 0 ? -share : share)));
+    body.setMaterials(materials);
+    body.settleFrom(u, tool);
+    value[side] = body.valueOf(q);
+  }
+  body.setMaterials(before);
+  body.settleFrom(u, tool);
+  return (value[1] - value[0]) / (2 * share * middle);
+}
+
+const std::vector<MaterialNumber> all_numbers = {{0, "young"}, {0, "poisson"}, {1, "young"}, {1, "poisson"}};
+
+/// That the adjoint's derivatives are central differences, to 1e-6 of the largest relative one of a quantity.
+void checkDerivatives(EquilibriumSensitivity& body, const EquilibriumQuantity& q, const std::optional<Pose>& tool,
+                      const std::vector<MaterialNumber>& numbers = all_numbers) {
+  const int before = body.solutionCount();
+  const std::vector<double> slopes = body.derivatives(q, numbers);
+  CHECK(body.solutionCount() == before + 1);  // whatever the number of parameters
+  double largest = 0;
+  const auto sizeOf = [&](const MaterialNumber& n) {
+    return body.materials()[static_cast<std::size_t>(n.material)].get(n.name)[0];
+  };
+  for (std::size_t k = 0; k < numbers.size(); ++k)
+    largest = std::max(largest, std::abs(slopes[k]) * sizeOf(numbers[k]));
+  REQUIRE(largest > 0);
+  for (std::size_t k = 0; k < numbers.size(); ++k) {
+    INFO(static_cast<int>(q.kind) << ": material " << numbers[k].material << " " << numbers[k].name);
+    // Differences over h and 2 h, so that their own error, of h^2, is gone (Richardson).
+    const double h = centralDifference(body, q, numbers[k], tool, 1e-4),
+                 h2 = centralDifference(body, q, numbers[k], tool, 2e-4), difference = (4 * h - h2) / 3;
+    CAPTURE(slopes[k], difference);
+    CHECK(std::abs(slopes[k] - difference) * sizeOf(numbers[k]) < 1e-6 * largest);
+  }
+}
+
+}  // namespace
+
+TEST_CASE("Forces and displacements under a tool change with materials as central differences say",
+          "[simulation][sensitivity]") {
+  const Model model = test::blockModel(lumpScene());
+  EquilibriumSensitivity body(model, 1);
+  const Pose tool = pressed(model);
+  body.settle(tool);
+  const Vec3 aslant = Vec3(0.3, -0.2, 1).normalized();
+  for (const Kind kind : {Kind::ToolForce, Kind::RegionForce, Kind::Displacement})
+    checkDerivatives(body, quantity(kind, aslant, model), tool);
+  // What the tool presses the region bears.
+  for (const Vec3& axis : {Vec3(Vec3::UnitX()), Vec3(Vec3::UnitZ())})
+    CHECK(body.valueOf(quantity(Kind::ToolForce, axis, model)) ==
+          Approx(body.valueOf(quantity(Kind::RegionForce, axis, model))).margin(1e-9));
+  CHECK(body.valueOf(quantity(Kind::ToolForce, Vec3::UnitZ(), model)) > 0.01);
+}
+
+TEST_CASE("The same for near-incompressible tissue with node patches, under gravity and another law",
+          "[simulation][sensitivity]") {
+  Scene scene = lumpScene(0.49);
+  scene.gravity = Vec3(0, 0, -9.81);
+  const double mu[1] = {1500}, alpha[1] = {-4};
+  scene.materials[1].material = Material::ogden(mu, alpha, 1, 2e-5, 1000);
+  const Model model = test::blockModel(scene);
+  REQUIRE_FALSE(model.patches.empty());
+  EquilibriumSensitivity body(model, 1);
+  const Pose tool = pressed(model);
+  body.settle(tool);
+  checkDerivatives(body, quantity(Kind::ToolForce, Vec3::UnitZ(), model), tool,
+                   {{0, "young"}, {0, "poisson"}, {1, "mu"}, {1, "alpha"}, {1, "D1"}});
+}
+
+TEST_CASE("Where a motion is imposed, forces are homogeneous in the moduli and displacements do not depend on all",
+          "[simulation][sensitivity]") {
+  // Euler: sum_p p dq/dp is q of a force and 0 of a displacement, p being all moduli, at fixed Poisson's ratios.
+  Scene scene = lumpScene();
+  BoundarySpec top = scene.boundaries[0];
+  top.region.point = Vec3(0, 0, 0.03);
+  top.translation = Vec3(0.001, 0, -0.002);
+  top.duration = 1;
+  scene.boundaries.push_back(top);
+  const Model model = test::blockModel(scene);
+  EquilibriumSensitivity body(model, 1);
+  body.settle({}, 1);
+  EquilibriumQuantity q = quantity(Kind::RegionForce, Vec3(1, 0, -1).normalized(), model);
+  q.region = 1;
+  const auto weighted = [&] {
+    const std::vector<double> slopes = body.derivatives(q, {{0, "young"}, {1, "young"}});
+    CHECK(slopes[0] * slopes[1] != 0);
+    return 3000 * slopes[0] + 9000 * slopes[1];
+  };
+  const double force = body.valueOf(q);
+  REQUIRE(force > 0.1);
+  CHECK(weighted() == Approx(force).epsilon(1e-8));
+  checkDerivatives(body, q, {});
+  q.kind = Kind::Displacement;
+  CHECK(std::abs(weighted()) < 1e-8 * std::abs(3000 * body.derivatives(q, {{0, "young"}})[0]));
+}
+
+TEST_CASE("The derivative to a membership class is that to all points that have some of it",
+          "[simulation][sensitivity]") {
+  Scene scene = lumpScene();
+  auto membership = std::make_shared<Membership>();
+  membership->share = Image(ImageGrid({20, 20, 10}, 4e-3 * Mat3::Identity(), Vec3(-0.038, -0.038, -0.001)));
+  for (int k = 0; k < 10; ++k)
+    for (int j = 0; j < 20; ++j)
+      for (int i = 0; i < 20; ++i) membership->share(i, j, k) = static_cast<float>(i) / 19.0F;
+  scene.materials[1].membership = membership;
+  const Model model = test::blockModel(scene);
+  REQUIRE(model.materials.size() > 100);
+  EquilibriumSensitivity body(model, 1);
+  const Pose tool = pressed(model);
+  body.settle(tool);
+  checkDerivatives(body, quantity(Kind::ToolForce, Vec3::UnitZ(), model), tool, {{0, "young"}, {1, "young"}});
+}
+
+TEST_CASE("A polished equilibrium is that of the static solver, and the answer the same for any number of threads",
+          "[simulation][sensitivity]") {
+  const Model model = test::blockModel(lumpScene());
+  const Pose tool = pressed(model);
+  StaticSolver solver(model, 1, 1e-4);
+  const Equilibrium rough = solver.advanceTo(0, tool);
+  REQUIRE(rough.converged);
+  EquilibriumSensitivity one(model, 1), two(model, 2);
+  one.settle(tool), two.settle(tool);
+  const EquilibriumQuantity q = quantity(Kind::ToolForce, Vec3::UnitZ(), model);
+  CHECK(one.valueOf(q) == Approx(rough.tool_force.z()).epsilon(1e-4));  // its contact is in float
+  CHECK(one.valueOf(q) == two.valueOf(q));
+  CHECK(one.derivatives(q, all_numbers) == two.derivatives(q, all_numbers));
+}
+
+TEST_CASE("Sensitivities that would be none are refused in a sentence", "[simulation][sensitivity]") {
+  Scene rough = lumpScene();
+  rough.friction = 0.3;
+  const Model rubbing = test::blockModel(rough), model = test::blockModel(lumpScene());
+  CHECK_THROWS_WITH(EquilibriumSensitivity(rubbing, 1), Catch::Contains("without friction"));
+  EquilibriumSensitivity body(model, 1);
+  body.settle({});
+  const EquilibriumQuantity q = quantity(Kind::Displacement, Vec3::UnitZ(), model);
+  CHECK_THROWS_WITH(body.derivatives(q, {{0, "yuong"}}), Catch::Contains("yuong"));
+  CHECK_THROWS_WITH(body.derivatives(q, {{2, "young"}}), Catch::Contains("no material 2"));
+  CHECK_THROWS_WITH(body.derivatives(q, {{0, "young", 1}}), Catch::Contains("no entry 1"));
+  CHECK_THROWS_WITH(body.derivatives(q, {{0, "density"}}), Catch::Contains("density"));
+  int calls = 0;
+  EquilibriumSensitivity stopped(model, 1, [&] { return ++calls < 5; });
+  CHECK_THROWS_WITH(stopped.settle(pressed(model)), Catch::Contains("interrupted"));
+}

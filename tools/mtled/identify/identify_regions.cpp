@@ -1,0 +1,168 @@
+#include "mtled/identify/identify_regions.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iostream>
+#include <nlohmann/json.hpp>
+#include <system_error>
+#include <thread>
+
+#include "base/build_info.h"
+#include "base/number_text.h"
+#include "io/find_asset.h"
+#include "io/load_model.h"
+#include "io/output_file.h"
+#include "io/scene_file.h"
+#include "io/text_file.h"
+#include "mechanics/materials/material_law.h"
+#include "mtled/identify/force_curve.h"
+#include "mtled/identify/identify.h"
+#include "mtled/identify/pressed_regions.h"
+#include "mtled/pictures/pictures.h"
+#include "mtled/run/progress.h"
+#include "simulation/trust.h"
+
+namespace palpate::tools {
+namespace {
+
+/// What is sought of each material: the one parameter that was named, or its law's first.
+struct SoughtOfAll {
+  std::vector<MaterialNumber> numbers;
+  std::vector<SoughtParameter> parameters;
+};
+
+SoughtOfAll soughtOfAll(const IdentifyOptions& options, const Scene& scene) {
+  if (options.parameters.size() > 1)
+    throw InputError({}, "--regions seeks one parameter of each material", "name one with --parameter");
+  SoughtOfAll sought;
+  for (std::size_t m = 0; m < scene.materials.size(); ++m) {
+    const MaterialSpec& spec = scene.materials[m];
+    const auto& parameters = spec.material.lawDescription().parameters;
+    const std::string wanted = options.parameters.empty() ? parameters.front().name : options.parameters.front();
+    const auto found =
+        std::find_if(parameters.begin(), parameters.end(), [&wanted](const Parameter& p) { return wanted == p.name; });
+    const std::string name = spec.name.empty() ? "material " + std::to_string(m + 1) : spec.name;
+    if (found == parameters.end() || found->type == Parameter::Type::Vector)
+      throw InputError(spec.place, inQuotes(name) + " has no number " + inQuotes(wanted),
+                       "name another with --parameter");
+    sought.numbers.push_back({static_cast<int>(m), wanted, 0});
+    sought.parameters.push_back({name, found->range, spec.material.get(wanted).front()});
+  }
+  return sought;
+}
+
+Figure figureOfRegions(const std::string& scene, const std::string& parameter, const Identified& found) {
+  Figure figure;
+  figure.title = scene;
+  figure.x_label = "Material, in the scene's order";
+  figure.y_label = parameter;
+  Series values{"identified", {}, found.value, SeriesStyle::Points};
+  figure.series = {values, {"95 %: low", {}, found.low}, {"95 %: high", {}, found.high}};
+  for (Series& series : figure.series)
+    for (std::size_t k = 0; k < found.value.size(); ++k) series.x.push_back(static_cast<double>(k) + 1);
+  return figure;
+}
+
+}  // namespace
+
+int identifyRegions(const IdentifyOptions& options) {
+  constexpr int found_it = 0, not_found = 1, doubted = 3;
+  constexpr double most_noise = 0.1;  // of the largest force: no scale for forces is as bad
+  const std::string file = findScene(options.scene);
+  const Scene scene = readScene(file);
+  const SoughtOfAll sought = soughtOfAll(options, scene);
+  const std::vector<SettledPress> presses = readPresses(options.measured);
+  if (presses.size() <= sought.numbers.size())
+    throw InputError({options.measured},
+                     "there are " + std::to_string(presses.size()) + " presses for " +
+                         std::to_string(sought.numbers.size()) + " materials",
+                     "give more presses than materials; twice as many tell how certain the answer is");
+  const auto largest =
+      std::max_element(presses.begin(), presses.end(), [](const auto& a, const auto& b) { return a.force < b.force; });
+  if (!(largest->force > 0))
+    throw InputError({options.measured}, "no press has a force above 0",
+                     "give forces on the tool, along its axis and out of the tissue");
+  const auto hardest = static_cast<std::size_t>(largest - presses.begin());
+  const std::string folder =
+      options.out.empty() ? "out/" + std::filesystem::path(file).stem().string() + "_identify" : options.out;
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error) failWriting(folder, error.value(), "choose another place with --out");
+
+  const Model model = loadModel(scene);
+  const int threads =
+      options.threads > 0 ? options.threads : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  PressedRegions regions(model, presses, sought.numbers, threads);
+  ProgressLine progress("identify");
+  int maps = 0;
+  std::vector<double> last;
+  const auto residuals = [&](const std::vector<double>& values) {
+    ++maps;
+    progress.show(maps / (maps + 3.0), "map " + std::to_string(maps));
+    std::vector<double> r = regions.forces(values);
+    if (maps == 1) {  // as the scene stands
+      if (!(*std::max_element(r.begin(), r.end()) > 0))
+        throw InputError(
+            {options.measured}, "no press touches the scene's body",
+            "give the tip where the tool had come to rest, in the scene's coordinates; x_mm for millimetres");
+      MeasuredCurve strongest;
+      strongest.force = {largest->force};
+      checkUnits(strongest, options.measured, r[hardest]);
+    }
+    for (std::size_t k = 0; k < r.size(); ++k) r[k] -= presses[k].force;
+    last = values;
+    return r;
+  };
+  const auto derivatives = [&](const std::vector<double>& values) {
+    if (values != last) residuals(values);
+    progress.show(maps / (maps + 2.5), "its derivatives");
+    return regions.derivatives();
+  };
+  const Identified found = identify(sought.parameters, residuals, derivatives);
+
+  std::vector<std::string> doubts;
+  if (found.misfit > most_noise * largest->force)
+    doubts.push_back(
+        format("the scene can't follow these presses: %.3g %% of the largest force are left over; are "
+               "tool, support and places those of the experiment?",
+               100 * found.misfit / largest->force));
+  const double too_large = regions.expectedError(hardest);
+  if (too_large > TrustLimits::expected_error)
+    doubts.push_back(
+        format("the scene's cloud makes its force some %.0f %% too large, and what was found that much too "
+               "soft: ",
+               100 * too_large) +
+        doubtText(Doubt::Resolution));
+  nlohmann::ordered_json report{{"program", buildInfo()},
+                                {"scene", scene.name},
+                                {"parameter", sought.numbers.front().name},
+                                {"converged", found.converged},
+                                {"told_apart", found.told_apart},
+                                {"misfit_N", found.misfit},
+                                {"misfit_of_largest_force", found.misfit / largest->force},
+                                {"doubts", doubts},
+                                {"presses", presses.size()},
+                                {"maps_solved", maps},
+                                {"linear_solutions", regions.solutionCount()}};
+  for (std::size_t k = 0; k < sought.parameters.size(); ++k) {
+    const std::string& name = sought.parameters[k].name;
+    report["regions"][name] = {{"value", found.value[k]}, {"low_95", found.low[k]}, {"high_95", found.high[k]}};
+    std::cout << format("%-12s %.6g   (95 %%: %.6g .. %.6g)\n", name.c_str(), found.value[k], found.low[k],
+                        found.high[k]);
+  }
+  std::cout << format("misfit       %.3g %% of the largest force, %.4g N\n", 100 * found.misfit / largest->force,
+                      largest->force);
+  if (!found.converged) std::cout << "no convergence: begin from nearer values\n";
+  if (!found.told_apart)
+    std::cout << "note         the presses do not tell all regions apart: press over each, or join some\n";
+  for (const std::string& doubt : doubts) std::cout << "DOUBTED      " << doubt << "\n";
+  writeWholeFile(folder + "/identify.json", report.dump(2) + "\n");
+  std::cout << "picture      "
+            << writePicture(folder + "/identify.png", figureOfRegions(scene.name, sought.numbers.front().name, found))
+            << std::endl;
+  if (!found.converged) return not_found;
+  if (!doubts.empty()) return doubted;
+  return found.told_apart ? found_it : not_found;
+}
+
+}  // namespace palpate::tools
