@@ -119,6 +119,7 @@ std::uint64_t stateHash(const Model& model, const State& state) {
     }
     for (const ContactState& contact : state.more.contact) addContact(contact, add);
   }
+  if (state.place != no_place) add(state.place.data(), sizeof state.place);
   if (state.local_mass.active) add(state.local_mass.factor.data(), state.local_mass.factor.size() * sizeof(float));
   return fnv1a(liveChanges(model, state.live), hash);
 }
