@@ -36,7 +36,7 @@ double arrowLength(double force, double organ_radius) {
 }  // namespace
 
 Overlays::Overlays(const Body& model, const std::string& shader_dir)
-    : model_(model),
+    : model_(&model),
       dot_program_(shader_dir, "point.vert", "point.frag"),
       arrow_program_(shader_dir, "arrow.vert", "marker.frag"),
       bubble_program_(shader_dir, "bubble.vert", "marker.frag"),
@@ -70,7 +70,7 @@ void Overlays::draw(const Snapshot& snapshot, const View& view, const SkinMesh& 
   bubble_radius_ = 0;
   if (view.show_points) addPoints(snapshot);
   if (view.show_nodes) addNodes(snapshot);
-  if (view.picked_point >= 0 && view.picked_point < model_.pointCount()) addSupport(snapshot, view.picked_point);
+  if (view.picked_point >= 0 && view.picked_point < model_->pointCount()) addSupport(snapshot, view.picked_point);
   if (skin.leftOf(view.pulled_vertex) >= 0) addPull(view, skin, framebuffer_height);
   if (view.show_contact) addContactForces(snapshot, view, skin, framebuffer_height);
   if (view.show_forces) addToolForce(snapshot, view, organ_radius, framebuffer_height);
@@ -83,29 +83,29 @@ void Overlays::draw(const Snapshot& snapshot, const View& view, const SkinMesh& 
 /// Nodes stand at X_i + u_i, where their parameters put them; the field there differs a
 /// little, since MMLS approximates and does not interpolate.
 void Overlays::addNodes(const Snapshot& snapshot) {
-  for (int i = 0; i < model_.nodeCount(); ++i) {
+  for (int i = 0; i < model_->nodeCount(); ++i) {
     const Vec3 u = snapshot.u.empty() ? Vec3::Zero() : toVec3(snapshot.u[i]);
-    const bool imposed = model_.imposed[i] != 0;
-    dots_.push_back({(model_.X[i] + u).cast<float>(), imposed ? imposed_colour : node_colour, imposed ? 6.0F : 5.0F});
+    const bool imposed = model_->imposed[i] != 0;
+    dots_.push_back({(model_->X[i] + u).cast<float>(), imposed ? imposed_colour : node_colour, imposed ? 6.0F : 5.0F});
   }
 }
 
 void Overlays::addPoints(const Snapshot& snapshot) {
-  const std::vector<Vec3f> x = deformed(model_.point_X, model_.point_shape, snapshot.u);
+  const std::vector<Vec3f> x = deformed(model_->point_X, model_->point_shape, snapshot.u);
   const std::size_t every = (x.size() + max_points - 1) / max_points;
   for (std::size_t q = 0; q < x.size(); q += every) dots_.push_back({x[q], point_colour, 3.0F});
 }
 
 void Overlays::addSupport(const Snapshot& snapshot, int point) {
-  const ShapeTable& shape = model_.point_shape;
+  const ShapeTable& shape = model_->point_shape;
   const int begin = shape.begin[point], end = shape.begin[point + 1];
   const auto moved = [&](int node) {
-    return Vec3(model_.X[node] + (snapshot.u.empty() ? Vec3::Zero() : toVec3(snapshot.u[node])));
+    return Vec3(model_->X[node] + (snapshot.u.empty() ? Vec3::Zero() : toVec3(snapshot.u[node])));
   };
-  Vec3 centre = model_.point_X[point];
+  Vec3 centre = model_->point_X[point];
   double largest = 0;
   for (int k = begin; k < end; ++k) {
-    centre += shape.N[k] * (moved(shape.node[k]) - model_.X[shape.node[k]]);
+    centre += shape.N[k] * (moved(shape.node[k]) - model_->X[shape.node[k]]);
     largest = std::max(largest, std::abs(shape.N[k]));
   }
   for (int k = begin; k < end; ++k) {
@@ -150,7 +150,8 @@ void Overlays::addContactForces(const Snapshot& snapshot, const View& view, cons
     const double share = force.norm() / largest;
     const int v = skin.leftOf(snapshot.contact_vertex[k]);
     if (share < min_contact_share || v < 0) continue;
-    const Vec3 along = force.normalized() * longest_contact_in_tool_radii * model_.scene.tool.radius * std::sqrt(share);
+    const Vec3 along =
+        force.normalized() * longest_contact_in_tool_radii * model_->scene.tool.radius * std::sqrt(share);
     clear_arrows_.push_back(
         {skin.positions()[v], along.cast<float>(), static_cast<float>(1.1 * std::abs(pixel)), contact_colour});
   }

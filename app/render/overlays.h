@@ -17,6 +17,9 @@ class Overlays {
  public:
   Overlays(const Body& model, const std::string& shader_dir);
 
+  /// As SkinMesh::goOnWith.
+  void goOnWith(const Body& model) { model_ = &model; }
+
   /// Draws over the tissue; what it hides of points shows faintly through.
   /// @param skin  as drawn
   /// @param organ_radius  m; the longest arrow is a share of it
@@ -45,7 +48,7 @@ class Overlays {
   void drawArrows(const std::vector<Arrow>& arrows, GLenum depth_test) const;
   void drawBubble() const;
 
-  const Body& model_;
+  const Body* model_;
   ShaderProgram dot_program_, arrow_program_, bubble_program_;
   GLint opacity_, arrow_clear_, bubble_clear_, bubble_place_, bubble_tint_;
   GlVertexArray dot_array_;

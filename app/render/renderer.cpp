@@ -343,6 +343,11 @@ Renderer::Renderer(const Body& model, const std::string& shader_dir, std::span<c
 
 Renderer::~Renderer() = default;
 
+void Renderer::goOnWith(const Body& model) {
+  parts_->skin.goOnWith(model);
+  parts_->overlays.goOnWith(model);
+}
+
 ColourScale Renderer::draw(const Snapshot& snapshot, const View& view, int framebuffer_width, int framebuffer_height) {
   Parts& parts = *parts_;
   if (framebuffer_width <= 0 || framebuffer_height <= 0) return {view.colour_map, 0, 1};  // a minimised window

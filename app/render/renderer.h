@@ -26,6 +26,10 @@ class Renderer {
   Renderer(const Renderer&) = delete;
   Renderer& operator=(const Renderer&) = delete;
 
+  /// The next snapshots are of this body, which has the same skin, but other nodes (simulation/place.h).
+  /// It must outlive the last of them that is drawn.
+  void goOnWith(const Body& model);
+
   /// Fills the framebuffer that is bound for drawing (the window's, or a Framebuffer),
   /// pixels (0, 0) to (width, height), with a whole, anti-aliased picture. Needs no depth
   /// buffer and no multisampling there. Leaves that framebuffer bound, and blending,

@@ -53,7 +53,7 @@ std::vector<int> verticesLeft(std::span<const int> whole_vertex, std::size_t ver
 }  // namespace
 
 SkinMesh::SkinMesh(const Body& model, std::span<const int> whole_vertex)
-    : model_(model), triangles_(model.skin.surface.triangles) {
+    : model_(&model), triangles_(model.skin.surface.triangles) {
   for (const Vec3& X : model.skin.surface.vertices) positions_.push_back(X.cast<float>());
   left_ = verticesLeft(whole_vertex, positions_.size());
   splitEdges();
@@ -76,7 +76,7 @@ SkinMesh::SkinMesh(const Body& model, std::span<const int> whole_vertex)
 }
 
 void SkinMesh::splitEdges() {
-  const auto& surface = model_.skin.surface.triangles;
+  const auto& surface = model_->skin.surface.triangles;
   std::vector<std::vector<int>> around(positions_.size());  // triangles at each vertex
   std::vector<Vec3f> face_normal;
   for (std::size_t t = 0; t < surface.size(); ++t) {
@@ -109,7 +109,7 @@ void SkinMesh::splitEdges() {
 
 void SkinMesh::findNeighbours() {
   std::vector<std::vector<int>> rows(positions_.size());
-  for (const auto& t : model_.skin.surface.triangles)
+  for (const auto& t : model_->skin.surface.triangles)
     for (int c = 0; c < 3; ++c) rows[t[c]].push_back(t[(c + 1) % 3]);  // closed: each neighbour follows once
   neighbour_begin_.push_back(0);
   for (const auto& row : rows) {
@@ -119,16 +119,16 @@ void SkinMesh::findNeighbours() {
 }
 
 ColourScale SkinMesh::update(const Snapshot& snapshot, const View& view) {
-  positions_ = deformed(model_.skin.surface.vertices, model_.skin_shape, snapshot.u);
+  positions_ = deformed(model_->skin.surface.vertices, model_->skin_shape, snapshot.u);
   updateNormals();
   updateCavities();
   updateContact(snapshot);
   const bool given = view.colour_map == ColourMap::Pressure && view.skin_values != nullptr &&
                      view.skin_values->size() == positions_.size();
   const std::vector<float> values =
-      view.node_values != nullptr ? skinAverages(model_, *view.node_values)
+      view.node_values != nullptr ? skinAverages(*model_, *view.node_values)
       : given                     ? *view.skin_values
-                                  : skinValues(model_, snapshot.u, positions_, view.colour_map, snapshot.materials);
+                                  : skinValues(*model_, snapshot.u, positions_, view.colour_map, snapshot.materials);
   ColourScale scale = automaticScale(values, view.colour_map);
   if (!view.colour_auto && view.colour_map != ColourMap::Tissue && view.colour_max > view.colour_min) {
     scale.min = view.colour_min;
@@ -150,7 +150,7 @@ ColourScale SkinMesh::update(const Snapshot& snapshot, const View& view) {
 void SkinMesh::updateNormals() {
   for (SkinVertex& s : vertices_) s.normal.setZero();
   std::fill(normals_.begin(), normals_.end(), Vec3f::Zero());
-  const auto& surface = model_.skin.surface.triangles;
+  const auto& surface = model_->skin.surface.triangles;
   for (std::size_t t = 0; t < surface.size(); ++t) {
     const Vec3f normal = areaNormal(positions_, surface[t]);
     for (int c = 0; c < 3; ++c) {
@@ -164,7 +164,7 @@ void SkinMesh::updateNormals() {
 
 void SkinMesh::updateCavities() {
   // A sphere of curvature k bends away from its tangent plane by k e / 2 per distance e.
-  const float radius = static_cast<float>(model_.scene.tool.radius);
+  const float radius = static_cast<float>(model_->scene.tool.radius);
   for (std::size_t v = 0; v < positions_.size(); ++v) {
     float sum = 0;
     const int begin = neighbour_begin_[v], end = neighbour_begin_[v + 1];
@@ -184,11 +184,11 @@ int SkinMesh::leftOf(int whole_vertex) const {
 void SkinMesh::updateContact(const Snapshot& snapshot) {
   std::fill(contact_.begin(), contact_.end(), 0.0F);
   if (snapshot.contact_count == 0) return;
-  const double full = full_contact_pressure * model_.materials.front().shear_modulus;
+  const double full = full_contact_pressure * model_->materials.front().shear_modulus;
   for (int k = 0; k < snapshot.contact_count; ++k) {
     const int v = leftOf(snapshot.contact_vertex[k]);
     if (v < 0) continue;
-    const double pressure = toVec3(snapshot.contact_force[k]).norm() / model_.skin.area[v];
+    const double pressure = toVec3(snapshot.contact_force[k]).norm() / model_->skin.area[v];
     contact_[v] = static_cast<float>(std::min(1.0, pressure / full));
   }
   spread(contact_);

@@ -30,6 +30,9 @@ class SkinMesh {
   /// @param whole_vertex  of a cut body (CutBody), whose snapshots tell of the whole one's skin; else empty
   explicit SkinMesh(const Body& model, std::span<const int> whole_vertex = {});
 
+  /// The next snapshots are of this body, which has the same skin, but other nodes (simulation/place.h).
+  void goOnWith(const Body& model) { model_ = &model; }
+
   /// Follows a snapshot. @return the scale of the vertices' values
   ColourScale update(const Snapshot& snapshot, const View& view);
 
@@ -47,7 +50,7 @@ class SkinMesh {
   void updateContact(const Snapshot& snapshot);
   void spread(std::vector<float>& values) const;
 
-  const Body& model_;
+  const Body* model_;
   std::vector<SkinVertex> vertices_;
   std::vector<int> skin_vertex_;  // (vertices) the model's skin vertex behind each
   std::vector<std::array<int, 3>> triangles_;

@@ -40,7 +40,7 @@ PanelRequests drawComposition(OrganView& organ, Interface& ui, const Session& se
   if (past) drawn.pulled_vertex = -1;
   const TaskScore* task = session.task();
   if (session.searching()) drawn.shutInside();
-  if (drawn.ghost || drawn.section.on) drawn.balls = ballsInside(session.model(), snapshot.u);
+  if (drawn.ghost || drawn.section.on) drawn.balls = ballsInside(modelOf(snapshot, session.model()), snapshot.u);
   if (task != nullptr)
     for (const LumpMark& mark : task->marks()) drawn.balls.push_back({mark.place, mark_radius});
   if (task != nullptr) drawn.skin_values = &task->pressureMap();
@@ -52,7 +52,7 @@ PanelRequests drawComposition(OrganView& organ, Interface& ui, const Session& se
   data.frames_per_second = shown.frames_per_second;
   if (drawn.pulled_vertex >= 0)  // by the skin as it was just drawn
     data.pull_N = pullForce(
-        session.model(), drawn.pulled_vertex,
+        modelOf(snapshot, session.model()), drawn.pulled_vertex,
         drawn.pull_target - organ.skinPositions()[static_cast<std::size_t>(drawn.pulled_vertex)].cast<double>());
   if (!session.options().offscreen) {
     const Eigen::Vector2d corner(layout.view.x, layout.view.y), room(layout.view.width, layout.view.height);

@@ -82,6 +82,7 @@ struct References {
 RunReport blankReport(const Scene& scene) {
   RunReport report;
   const std::vector<ToolSpec> tools = toolsOf(scene);
+  if (scene.follow) report.follow.emplace();
   if (tools.size() > 1 || tools[0].jaws()) report.tools.resize(tools.size());
   report.has_skull = scene.skull.given;
   return report;
@@ -184,7 +185,7 @@ int runOffscreen(Session& session) {
     if (!options.dump_fields) return;
     if (session.searching()) return session.log().info(stem + ": no fields, which would show the lumps");
     manifest.files.push_back(stem + ".vtu");
-    writeStateVtu(results.fileNamed(stem + ".vtu"), session.model(), snapshot.u);
+    writeStateVtu(results.fileNamed(stem + ".vtu"), modelOf(snapshot, session.model()), snapshot.u);
     std::cout << "fields       " << results.fileNamed(stem + ".vtu") << '\n';
   };
   std::optional<RunExport> exported;

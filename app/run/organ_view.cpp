@@ -5,19 +5,30 @@
 #include <stdexcept>
 
 #include "app/render/field.h"
+#include "simulation/place.h"
 
 namespace palpate::app {
 
-OrganView::OrganView(const Body& model) : model_(model), whole_(model, findShaderDir()) {}
+OrganView::OrganView(const Body& model) : model_(&model), whole_(model, findShaderDir()) {}
+
+/// The snapshot's nodes are those of its place.
+void OrganView::follow(const Snapshot& snapshot) {
+  if (!snapshot.place || snapshot.place == place_) return;
+  model_ = &snapshot.place->model;
+  whole_.goOnWith(*model_);
+  cut_renderer_.reset();
+  place_ = snapshot.place;
+}
 
 ColourScale OrganView::draw(const Snapshot& snapshot, const View& view, int framebuffer_width, int framebuffer_height) {
+  follow(snapshot);
   cut_shown_ = view.section.on;
   if (!view.section.on) return whole_.draw(snapshot, view, framebuffer_width, framebuffer_height);
   const bool moved = view.section.offset != shown_.offset || view.section.normal != shown_.normal;
   if (!cut_renderer_ || moved) {
     shown_ = view.section;
     try {
-      auto body = std::make_unique<const CutBody>(cutBody(model_, planeOf(shown_, centre(), radius())));
+      auto body = std::make_unique<const CutBody>(cutBody(*model_, planeOf(shown_, centre(), radius())));
       cut_renderer_.reset();  // before the body that it draws
       cut_ = std::move(body);
       cut_renderer_ = std::make_unique<Renderer>(*cut_, findShaderDir(), cut_->whole_vertex);
@@ -25,7 +36,7 @@ ColourScale OrganView::draw(const Snapshot& snapshot, const View& view, int fram
     }
   }
   if (!cut_renderer_) return whole_.draw(snapshot, view, framebuffer_width, framebuffer_height);
-  positions_ = deformed(model_.skin.surface.vertices, model_.skin_shape, snapshot.u);
+  positions_ = deformed(model_->skin.surface.vertices, model_->skin_shape, snapshot.u);
   return cut_renderer_->draw(snapshot, view, framebuffer_width, framebuffer_height);
 }
 

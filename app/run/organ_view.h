@@ -21,7 +21,10 @@ class OrganView {
   double radius() const { return whole_.radius(); }
 
  private:
-  const Body& model_;
+  void follow(const Snapshot& snapshot);
+
+  const Body* model_;                   // of the snapshot that is shown
+  std::shared_ptr<const Place> place_;  // likewise; null where the cloud stays
   Renderer whole_;
   std::vector<Vec3f> positions_;
   bool cut_shown_ = false;

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "simulation/place.h"
+
 namespace palpate::app {
 
 namespace {
@@ -9,6 +11,14 @@ namespace {
 std::size_t bytesOf(const Snapshot& s) {
   return sizeof s + s.u.size() * sizeof(Float4) + s.contact_vertex.size() * (sizeof(int) + sizeof(Float4)) +
          s.materials.size() * sizeof(Material);
+}
+
+/// Of the place that a snapshot is of, where it is another than that of the one before: it stays in memory for it.
+std::size_t bytesOfPlace(const Snapshot& s, const std::shared_ptr<const Place>& before) {
+  if (!s.place || s.place == before) return 0;
+  const Model& model = s.place->model;
+  constexpr std::size_t gradient = sizeof(Vec3) + sizeof(double) + sizeof(int), value = sizeof(double) + sizeof(int);
+  return 2 * (model.point_shape.N.size() * gradient + model.skin_shape.N.size() * value);  // the kernel's, too
 }
 
 }  // namespace
@@ -24,6 +34,7 @@ void PastPictures::add(const Snapshot& snapshot) {
       return;
     }
   }
+  bytes_ += bytesOfPlace(snapshot, kept_.empty() ? nullptr : kept_.back().place);
   kept_.push_back(snapshot);
   Snapshot& copy = kept_.back();  // without the room for contacts that it does not use
   const auto used = static_cast<std::size_t>(std::max(snapshot.contact_entries, snapshot.contact_count));
@@ -33,7 +44,9 @@ void PastPictures::add(const Snapshot& snapshot) {
   copy.contact_force.shrink_to_fit();
   bytes_ += bytesOf(copy);
   while (kept_.size() > 1 && (kept_.front().force.time_s < time - seconds || bytes_ > most_bytes)) {
+    const std::shared_ptr<const Place> place = kept_.front().place;
     bytes_ -= bytesOf(kept_.front());
+    if (place && kept_[1].place != place) bytes_ -= bytesOfPlace(kept_.front(), nullptr);
     kept_.pop_front();
   }
 }

@@ -36,11 +36,12 @@ ResultFolder::ResultFolder(const std::string& folder, bool with_forces)
   checkForces();
 }
 
-void ResultFolder::begin(const ToolSet& tools) {
+void ResultFolder::begin(const ToolSet& tools, bool follows) {
   tools_ = tools;
+  follows_ = follows;
   if (with_forces_) {
     errno = 0;
-    forces_ << forceCsvHeader(tools_).substr(common_columns) << std::flush;
+    forces_ << forceCsvHeader(tools_, follows_).substr(common_columns) << std::flush;
     checkForces();
   }
   if (pending_.pending()) pending_.takePlace(elsewhere);
@@ -53,7 +54,7 @@ void ResultFolder::checkForces() {
 void ResultFolder::addForce(const ForceSample& s, const ToolReadings& readings) {
   if (!with_forces_) return;
   errno = 0;
-  forces_ << forceCsvRow(s, readings, tools_);
+  forces_ << forceCsvRow(s, readings, tools_, follows_);
   checkForces();
 }
 

@@ -20,7 +20,8 @@ class ResultFolder {
   explicit ResultFolder(const std::string& folder, bool with_forces = true);
 
   /// The run starts: force.csv takes the place of an earlier one, with the columns that these tools have.
-  void begin(const ToolSet& tools = {});
+  /// @param follows  the cloud follows the tool
+  void begin(const ToolSet& tools = {}, bool follows = false);
 
   /// One row of force.csv. @param readings  of the same tick, where there are several tools or jaws
   void addForce(const ForceSample& sample, const ToolReadings& readings = {});
@@ -43,6 +44,7 @@ class ResultFolder {
   std::string folder_;
   bool with_forces_;
   ToolSet tools_;
+  bool follows_ = false;
   PendingFile pending_;  // force.csv
   std::ofstream forces_;
 };

@@ -81,15 +81,15 @@ void RunExport::add(const Snapshot& snapshot) {
     if (!series_.empty() && time <= series_.back().time) return;
     const std::string file =
         format("%s/%s_%04zu.vtu", folderName(path_).c_str(), folderName(path_).c_str(), series_.size());
-    writeStateVtu((std::filesystem::path(path_).parent_path() / file).string(), model_, snapshot.u);
+    writeStateVtu((std::filesystem::path(path_).parent_path() / file).string(), modelOf(snapshot, model_), snapshot.u);
     series_.push_back({time, file});
     return;
   }
   if (time <= run_.time_s.back()) return;
   run_.time_s.push_back(time);
   std::vector<Vec3f>& x = run_.surface.frames.emplace_back();
-  for (int v = 0; v < model_.skin.vertexCount(); ++v)
-    x.push_back(skinPosition(model_.skin, v, snapshot.u.data()).cast<float>());
+  const SkinModel& skin = modelOf(snapshot, model_).skin;
+  for (int v = 0; v < skin.vertexCount(); ++v) x.push_back(skinPosition(skin, v, snapshot.u.data()).cast<float>());
   for (std::size_t k = 0; k < 3; ++k)
     run_.curves[k].second.push_back(snapshot.force.force_raw[static_cast<Eigen::Index>(k)]);
   run_.curves[3].second.push_back(snapshot.force.doubt == Doubt::None ? 0 : 1);

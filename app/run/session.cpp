@@ -81,36 +81,75 @@ std::optional<Recording> recordingToReplay(const Options& options, const Scene& 
   return recording;
 }
 
+/// How a set-up's progress is shown, and how it is interrupted.
+class ShownProgress {
+ public:
+  ShownProgress(Log& log, const LoadProgress& progress)
+      : watched_(isatty(STDERR_FILENO) != 0),
+        warn([this, &log](const std::string& line) {
+          if (watched_) std::cerr << "\r\033[K";  // over the progress
+          log.warning(line);
+        }),
+        report([this, progress](const std::string& what, double fraction) {
+          if (interrupted()) throw std::runtime_error("interrupted while the model was made");
+          if (progress) progress(what, fraction);
+          if (!watched_) return;
+          std::string line = format("\r\033[K%3.0f %%  %s", 100 * fraction, what.c_str());
+          if (line == shown_) return;
+          std::cerr << line << std::flush;
+          shown_ = std::move(line);
+        }) {}
+  ShownProgress(const ShownProgress&) = delete;
+  ShownProgress& operator=(const ShownProgress&) = delete;
+  void end() const {
+    if (watched_) std::cerr << "\r\033[K" << std::flush;
+  }
+
+ private:
+  const bool watched_;
+  std::string shown_;
+
+ public:
+  const std::function<void(const std::string&)> warn;
+  const Progress report;
+};
+
+std::string cacheFolder(bool use_cache) { return use_cache ? ModelCache::userFolder() : ""; }
+
 /// @param timed  the run will keep to the clock
-Model buildModelOf(const Scene& scene, bool use_cache, bool timed, Log& log, const LoadProgress& progress) {
-  const bool watched = isatty(STDERR_FILENO) != 0;
-  const auto warn = [&](const std::string& line) {
-    if (watched) std::cerr << "\r\033[K";  // over the progress
-    log.warning(line);
-  };
-  const ModelCache cache(use_cache ? ModelCache::userFolder() : "", warn);
-  std::string shown;
-  Model model = loadModel(
-      scene,
-      [&](const std::string& what, double fraction) {
-        if (interrupted()) throw std::runtime_error("interrupted while the model was made");
-        if (progress) progress(what, fraction);
-        if (!watched) return;
-        std::string line = format("\r\033[K%3.0f %%  %s", 100 * fraction, what.c_str());
-        if (line == shown) return;
-        std::cerr << line << std::flush;
-        shown = std::move(line);
-      },
-      cache, warn);
-  if (watched) std::cerr << "\r\033[K" << std::flush;
-  log.detail(format("%s: %d nodes, %d integration points, %d x %.0f us per tick, ready in %.2f s", scene.name.c_str(),
-                    model.nodeCount(), model.pointCount(), model.substeps_per_tick, model.dt * 1e6,
-                    model.setup_seconds));
+void describe(const Model& model, bool timed, Log& log) {
+  log.detail(format("%s: %d nodes, %d integration points, %d x %.0f us per tick, ready in %.2f s",
+                    model.scene.name.c_str(), model.nodeCount(), model.pointCount(), model.substeps_per_tick,
+                    model.dt * 1e6, model.setup_seconds));
   if (model.added_mass > 0)
     log.detail(format("mass scaling added %.3g %% to the mass: the same forces at rest, slower motion",
                       100 * model.added_mass));
   if (const std::string late = rateWarning(model); timed && !late.empty()) log.warning(late);
+}
+
+Model buildModelOf(const Scene& scene, bool use_cache, bool timed, Log& log, const LoadProgress& progress) {
+  const ShownProgress shown(log, progress);
+  Model model = loadModel(scene, shown.report, ModelCache(cacheFolder(use_cache), shown.warn), shown.warn);
+  shown.end();
+  describe(model, timed, log);
   return model;
+}
+
+std::unique_ptr<FollowingTissue> buildFollowingOf(const Scene& scene, bool use_cache, bool timed, Log& log,
+                                                  const LoadProgress& progress) {
+  const ShownProgress shown(log, progress);
+  const ModelCache cache(cacheFolder(use_cache), shown.warn);
+  FollowingModel loaded = loadFollowing(scene, shown.report, cache, shown.warn);
+  shown.end();
+  const Places& places = *loaded.places;
+  log.detail(format("the cloud follows the tool: nodes %.1f mm apart near it, %.1f mm elsewhere; %zu places",
+                    1e3 * places.sizes.fine, 1e3 * places.sizes.coarse, places.centres.size()));
+  describe(loaded.start.model, timed, log);
+  auto make = [shared = loaded.places, store = placeStore(scene, cache)](const PlaceIndex& index) {
+    return makePlace(*shared, index, store);
+  };
+  return std::make_unique<FollowingTissue>(loaded.places, std::move(loaded.start), std::move(make), scene.threads,
+                                           timed);
 }
 
 /// The ring's next entry if it is of a tick up to this one, else null; it waits in `next` until that is emptied.
@@ -168,6 +207,18 @@ Model modelOf(const Options& options, Scene& scene, Log& log, const LoadProgress
   return makeTask(scene, making);
 }
 
+LoadedModel loadedModelOf(const Options& options, Scene& scene, Log& log, const LoadProgress& progress) {
+  LoadedModel loaded;
+  if (scene.follow) {
+    loaded.following = buildFollowingOf(scene, options.use_cache, !options.as_fast_as_possible, log, progress);
+    const std::shared_ptr<ReadyPlace>& start = loaded.following->start;
+    loaded.model = {start, &start->place.model};
+  } else {
+    loaded.model = std::make_shared<const Model>(modelOf(options, scene, log, progress));
+  }
+  return loaded;
+}
+
 std::string sceneHash(const Options& options) { return hex16(fnv1a(readWholeFile(findScene(options.scene)))); }
 
 void checkOptions(const Options& options) {
@@ -184,7 +235,8 @@ Session::Session(const Options& options, const Scene& scene, Log& log, const Loa
       tool_script_(namedScript(options.tool_script, scene.tool.radius)),
       replay_(recordingToReplay(options, scene)),
       results_(openResults(options)),
-      model_(modelOf(options, scene_, log, progress)),
+      loaded_(loadedModelOf(options, scene_, log, progress)),
+      model_(*loaded_.model),
       scene_materials_(model_.materials),
       materials_(scene_materials_),
       sent_before_(scene_materials_),
@@ -209,7 +261,14 @@ Session::Session(const Options& options, const Scene& scene, Log& log, const Loa
     loop_options.record_capacity = window_record_capacity;
   }
 
-  physics_ = std::make_unique<TissuePhysics>(model_, scene_.threads);
+  if (loaded_.following) {
+    physics_ = &loaded_.following->physics;
+    loop_options.follower = &loaded_.following->follower;
+    loop_options.track_has_places = replay_.has_value();
+  } else {
+    own_physics_ = std::make_unique<TissuePhysics>(model_, scene_.threads);
+    physics_ = own_physics_.get();
+  }
   if (!options_.device.empty()) {
     coupled_tool_ = std::make_unique<CoupledTool>(model_);
     loop_options.device = coupled_tool_.get();
@@ -296,7 +355,7 @@ std::vector<double> Session::exportTimes(std::int64_t ticks) const {
 }
 
 void Session::start() {
-  if (results_) results_->begin(model_.tools);
+  if (results_) results_->begin(model_.tools, scene_.follow);
   loop_->start();
   if (device_) device_->start();
 }

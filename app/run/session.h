@@ -20,6 +20,7 @@
 #include "io/certificate.h"
 #include "io/tool_script.h"
 #include "realtime/device/device_thread.h"
+#include "realtime/loop/cloud_follower.h"
 #include "realtime/loop/simulation_loop.h"
 #include "realtime/recording/recording_file.h"
 #include "realtime/recording/run_report.h"
@@ -37,6 +38,15 @@ Scene readScene(const Options& options, std::optional<int> layout = {});
 /// The scene's model, ready to run; a task's lumps can be felt in it (makeTask). Throws InputError.
 /// @param scene  receives the layout of its lumps
 Model modelOf(const Options& options, Scene& scene, Log& log, const LoadProgress& progress = {});
+
+/// A scene's model; where its cloud follows the tool, that of the place at which it starts.
+struct LoadedModel {
+  std::shared_ptr<const Model> model;
+  std::unique_ptr<FollowingTissue> following;  // null: the cloud stays
+};
+
+/// The same of any scene. Throws InputError.
+LoadedModel loadedModelOf(const Options& options, Scene& scene, Log& log, const LoadProgress& progress = {});
 
 /// Whether the scene hides lumps that are to be found.
 bool isTask(const Scene& scene);
@@ -144,6 +154,7 @@ class Session {
   void submitForTrainee();
   std::string withMaterialName(std::string text, const LogEvent& event) const;
   void finishDevice();
+  void finishFollowing();
   TimingView timing(const Snapshot& snapshot) const;
   MaterialView materialView(std::size_t index) const;
 
@@ -155,7 +166,8 @@ class Session {
   std::optional<Recording> replay_;
   std::optional<ResultFolder> results_;
   std::string failure_;
-  Model model_;
+  const LoadedModel loaded_;
+  const Model& model_;
   std::vector<Material> scene_materials_;
   std::vector<Material> materials_;    // (material_count) present
   std::vector<Material> sent_before_;  // (material_count) before the last request, should it be refused
@@ -166,11 +178,12 @@ class Session {
   std::optional<Trainee> trainee_;
   std::optional<TaskScore> task_;
   bool revealed_ = false, revealed_by_recording_ = false;
-  std::vector<ForceSample> felt_;  // to be scored
-  std::deque<LogEvent> said_;      // likewise
-  std::int64_t felt_until_ = 0;    // tick of the last sample that was scored
-  Conditions conditions_;          // as far as they change during the search
-  std::unique_ptr<TissuePhysics> physics_;
+  std::vector<ForceSample> felt_;               // to be scored
+  std::deque<LogEvent> said_;                   // likewise
+  std::int64_t felt_until_ = 0;                 // tick of the last sample that was scored
+  Conditions conditions_;                       // as far as they change during the search
+  std::unique_ptr<TissuePhysics> own_physics_;  // where the cloud stays
+  TissuePhysics* physics_ = nullptr;
   std::unique_ptr<CoupledTool> coupled_tool_;  // a haptic device's end in the loop, and its thread
   std::unique_ptr<SimulationLoop> loop_;
   std::unique_ptr<DeviceThread> device_;

@@ -1,4 +1,6 @@
 // How a run ends, and what is kept of it.
+#include <algorithm>
+#include <optional>
 #include <stdexcept>
 
 #include "app/run/session.h"
@@ -17,6 +19,7 @@ void Session::finish() {
   loop_->join();
   gather();
   if (trainee_ && searching()) submitForTrainee();
+  finishFollowing();
   const RunSummary& summary = loop_->summary();
   if (summary.lost_force_samples > 0)
     log_.warning(format("%lld force samples were lost: the main thread was kept from running",
@@ -57,6 +60,22 @@ Recording Session::recordingSoFar() {
   return recording;
 }
 
+/// How the cloud followed the tool.
+void Session::finishFollowing() {
+  const std::optional<FollowTotals>& follow = loop_->summary().follow;
+  if (!follow || !loaded_.following) return;
+  const PlaceWorker& worker = loaded_.following->worker;
+  const auto ticks = static_cast<double>(std::max<std::int64_t>(1, loop_->summary().ticks));
+  log_.info(
+      format("the cloud followed the tool: %lld swaps of %.0f us at most, the force jumped by %.2f %% at most, "
+             "%.1f %% of the ticks on a place that was late; %d places made or read, %.2f s each",
+             asLongLong(follow->swaps), follow->longest_swap_us, 100 * follow->largest_jump_share,
+             100 * static_cast<double>(follow->late_ticks) / ticks, worker.madeCount(),
+             worker.madeCount() > 0 ? worker.madeSeconds() / worker.madeCount() : 0));
+  if (const std::string failure = worker.failure(); !failure.empty())
+    log_.warning("a place could not be made: " + failure);
+}
+
 /// The handle gets its last force, zero; the log what the device did.
 void Session::finishDevice() {
   device_->stop();
@@ -73,9 +92,10 @@ void Session::finishDevice() {
 
 RunReport Session::report() {
   RunSummary summary = loop_->summary();
-  addLast(model_, physics_->state(), latest().report, latest().time_s, summary.trust);
+  const Model& model = physics_->place() ? physics_->place()->place.model : model_;
+  addLast(model, physics_->state(), latest().report, latest().time_s, summary.trust);
   return makeRunReport(model_, summary, loop_->statistics(), physics_->team().size(),
-                       volumeChange(model_, latest().u.data()));
+                       volumeChange(modelOf(latest(), model_), latest().u.data()));
 }
 
 double volumeChange(const Model& model, const Float4* u) {

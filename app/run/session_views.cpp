@@ -97,7 +97,7 @@ MaterialView Session::materialView(std::size_t index) const {
 }
 
 PanelData Session::panelData(const Snapshot& snapshot) const {
-  PanelData data{.model = model_, .snapshot = snapshot, .forces = forces_, .log = log_.lines()};
+  PanelData data{.model = modelOf(snapshot, model_), .snapshot = snapshot, .forces = forces_, .log = log_.lines()};
   data.timing = timing(snapshot);
   // Old is what was old when it was taken, and not what took long to draw. Pictures of a moment, off-screen, after the
   // end or of the past, show its force as it was then.

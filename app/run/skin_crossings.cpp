@@ -18,13 +18,13 @@ bool pierces(const Vec3& p, const Vec3& q, const Vec3& a, const Vec3& b, const V
 }  // namespace
 
 SkinCrossings::SkinCrossings(const SkinModel& skin)
-    : skin_(skin),
+    : skin_(&skin),
       x_(skin.surface.vertices.size()),
       box_(skin.surface.triangles.size()),
       spans_(skin.surface.triangles.size()) {}
 
 bool SkinCrossings::cross(int a, int b) const {
-  const std::array<int, 3>&s = skin_.surface.triangles[a], &t = skin_.surface.triangles[b];
+  const std::array<int, 3>&s = skin_->surface.triangles[a], &t = skin_->surface.triangles[b];
   for (const int v : s)
     if (std::find(t.begin(), t.end(), v) != t.end()) return false;
   for (std::size_t k = 0; k < 3; ++k)
@@ -35,10 +35,10 @@ bool SkinCrossings::cross(int a, int b) const {
 }
 
 int SkinCrossings::count(const Float4* u) {
-  for (std::size_t v = 0; v < x_.size(); ++v) x_[v] = skinPosition(skin_, static_cast<int>(v), u);
+  for (std::size_t v = 0; v < x_.size(); ++v) x_[v] = skinPosition(*skin_, static_cast<int>(v), u);
   for (std::size_t t = 0; t < box_.size(); ++t) {
     box_[t].setEmpty();
-    for (const int v : skin_.surface.triangles[t]) box_[t].extend(x_[v]);
+    for (const int v : skin_->surface.triangles[t]) box_[t].extend(x_[v]);
     spans_[t] = {box_[t].min().x(), box_[t].max().x(), static_cast<int>(t)};
   }
   std::sort(spans_.begin(), spans_.end(), [](const Span& a, const Span& b) { return a.low < b.low; });

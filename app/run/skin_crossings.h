@@ -14,6 +14,9 @@ class SkinCrossings {
   /// @param skin  must outlive this
   explicit SkinCrossings(const SkinModel& skin);
 
+  /// The same skin by other nodes, which must outlive this, too.
+  void goOnWith(const SkinModel& skin) { skin_ = &skin; }
+
   /// @param u  (node_count) m
   /// @return pairs of triangles without a common vertex of which an edge of one goes through the other; those that only
   /// touch, or lie in one plane, may count or not
@@ -26,7 +29,7 @@ class SkinCrossings {
   };
   bool cross(int a, int b) const;
 
-  const SkinModel& skin_;
+  const SkinModel* skin_;
   std::vector<Vec3> x_;                   // (vertex_count) m
   std::vector<Eigen::AlignedBox3d> box_;  // (triangle_count) m
   std::vector<Span> spans_;               // (triangle_count) by low

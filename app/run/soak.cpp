@@ -6,6 +6,7 @@
 #include "app/run/rough_motion.h"
 #include "app/run/soak_places.h"
 #include "io/output_file.h"
+#include "simulation/place.h"
 
 namespace palpate::app {
 
@@ -52,6 +53,7 @@ void Soak::takeCycles() {
 /// While a tool touches, or closes a fold, skin may lie on skin; alone it must not.
 void Soak::lookAtSkin(const Snapshot& snapshot) {
   if (snapshot.contact_count > 0 || secondsSince(last_look_) < crossings_seconds) return;
+  if (snapshot.place) skin_.goOnWith(snapshot.place->model.skin);  // which the snapshot keeps
   report_.crossings = std::max(report_.crossings, skin_.count(snapshot.u.data()));
   last_look_ = SteadyClock::now();
 }

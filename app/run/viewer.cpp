@@ -296,7 +296,8 @@ void Viewer::applyFiles(const PanelRequests& requests) {
     if (requests.save_presses) log.info("saved: " + files.presses(session_.presses()));
     if (requests.save_recording) log.info("saved: " + files.recording(session_.recordingSoFar()));
     if (!requests.open_curve.empty()) panels_.reference = readReferenceCurve(requests.open_curve);
-    if (requests.save_state) log.info("saved: " + files.state(session_.model(), session_.latest()));
+    if (requests.save_state)
+      log.info("saved: " + files.state(modelOf(session_.latest(), session_.model()), session_.latest()));
   } catch (const std::exception& error) {
     session_.log().error(error.what());
     panels_.problem = error.what();
@@ -359,8 +360,8 @@ ProgramRequests Viewer::frame(double seconds, const std::vector<std::string>& sc
   }
   if (actions.pick_point) {
     const Ray ray = shown.rayThrough(input.mouse.x(), input.mouse.y(), size.pixelWidth(), size.pixelHeight());
-    view_.picked_point =
-        pickPoint(session_.model(), snapshot, ray, pick_pixels * shown.pixelSize(shown.target, size.pixelHeight()));
+    view_.picked_point = pickPoint(modelOf(snapshot, session_.model()), snapshot, ray,
+                                   pick_pixels * shown.pixelSize(shown.target, size.pixelHeight()));
   }
 
   glBindFramebuffer(GL_FRAMEBUFFER, 0);

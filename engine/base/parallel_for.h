@@ -13,6 +13,21 @@ namespace palpate {
 /// Threads of parallelFor; 0: one per core. Results never depend on it: tests set it to show that.
 inline std::atomic<int> setup_threads{0};
 
+/// While it lives, those of this thread's parallelFor: of work that must leave cores to others.
+class OwnSetupThreads {
+ public:
+  explicit OwnSetupThreads(int threads) : before_(std::exchange(count_, threads)) {}
+  ~OwnSetupThreads() { count_ = before_; }
+  OwnSetupThreads(const OwnSetupThreads&) = delete;
+  OwnSetupThreads& operator=(const OwnSetupThreads&) = delete;
+
+  static int wanted() { return count_ > 0 ? count_ : setup_threads.load(); }
+
+ private:
+  static inline thread_local int count_ = 0;
+  int before_;
+};
+
 /// While it lives, each parallelFor of this thread calls `look` before its parts, many times a second. It may throw,
 /// which ends that parallelFor once the parts under way are done, and so the set-up that it is part of.
 class SetupWatch {
@@ -39,7 +54,7 @@ class SetupWatch {
 /// @param least  indices that are worth a part of their own
 template <class Body>
 void parallelFor(int count, Body&& body, int least = 64) {
-  const int wanted = setup_threads.load();
+  const int wanted = OwnSetupThreads::wanted();
   const int cores = wanted > 0 ? wanted : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
   constexpr int parts_per_core = 8;
   const int parts = std::clamp(count / least, 1, cores * parts_per_core);

@@ -85,40 +85,95 @@ TriangleSurface organSurface(const Scene& scene) {
   return readClosedSurface(scene.surface_file, scene.surface_scale, placeOf(scene, "organ.surface"));
 }
 
-Model loadModel(const Scene& as_read, const Progress& progress, const ModelCache& cache,
-                const std::function<void(const std::string&)>& warn) {
-  const auto start = std::chrono::steady_clock::now();
+namespace {
+
+/// Progress that a SetupWatch may repeat within long stages, so that these, too, can be ended.
+struct Stages {
+  explicit Stages(const Progress& progress)
+      : report([this, progress](const std::string& what, double fraction) {
+          stage = what;
+          behind = fraction;
+          if (progress) progress(stage, behind);
+        }) {}
   std::string stage = "surface";
   double behind = 0;
-  const Progress report = [&](const std::string& what, double fraction) {
-    stage = what;
-    behind = fraction;
-    if (progress) progress(stage, behind);
-  };
-  checkStepsAsked(as_read);
-  report(stage, behind);
-  const SetupWatch watch([&] {  // long stages, too, can be ended
-    if (progress) progress(stage, behind);
-  });
-  const TriangleSurface organ = organSurface(as_read);
+  const Progress report;
+};
+
+/// The scene as it is built on this organ.
+Scene readyScene(const Scene& as_read, const TriangleSurface& organ,
+                 const std::function<void(const std::string&)>& warn) {
   const bool has_points = std::any_of(as_read.boundaries.begin(), as_read.boundaries.end(),
                                       [](const BoundarySpec& b) { return b.points != nullptr; });
-  const Scene scene = has_points ? withPointBoundaries(as_read, SurfaceTree(organ), warn) : as_read;
+  Scene scene = has_points ? withPointBoundaries(as_read, SurfaceTree(organ), warn) : as_read;
   if (const std::string warning = sizeWarning(scene, organ); warn && !warning.empty()) warn(warning);
   for (const ToolSpec& tool : toolsOf(scene))
     if (warn && tool.jaws() && tool.friction == 0)
       warn(tool.place.text() + ": jaws without friction hold nothing; give them friction = 0.8");
+  return scene;
+}
+
+double secondsSince(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+}  // namespace
+
+void requireOneCloud(const Scene& scene) {
+  if (scene.follow)
+    throw InputError(placeOf(scene, "discretization.follow"),
+                     "a cloud follows the tool in palpate and its recordings only", "give spacing in place of follow");
+}
+
+Model loadModel(const Scene& as_read, const Progress& progress, const ModelCache& cache,
+                const std::function<void(const std::string&)>& warn) {
+  const auto start = std::chrono::steady_clock::now();
+  requireOneCloud(as_read);
+  checkStepsAsked(as_read);
+  const Stages stages(progress);
+  stages.report("surface", 0);
+  const SetupWatch watch([&] { stages.report(stages.stage, stages.behind); });
+  const TriangleSurface organ = organSurface(as_read);
+  const Scene scene = readyScene(as_read, organ, warn);
   const std::string key = preparationKey(scene, organ);
   BuildOptions options;
-  options.progress = report;
+  options.progress = stages.report;
   if (!scene.set_up_values.empty()) {  // else nothing says what a preparation was made from
     options.find = [&] { return cache.find(key, materialsOf(scene).size(), scene.boundaries.size()); };
     options.keep = [&](const Preparation& preparation) { cache.keep(key, preparation); };
   }
   Model model = buildModel(scene, organ, options);
   addToolPaths(model);
-  model.setup_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  model.setup_seconds = secondsSince(start);
   return model;
+}
+
+FollowingModel loadFollowing(const Scene& as_read, const Progress& progress, const ModelCache& cache,
+                             const std::function<void(const std::string&)>& warn) {
+  const auto start = std::chrono::steady_clock::now();
+  checkStepsAsked(as_read);
+  const Stages stages(progress);
+  stages.report("surface", 0);
+  const SetupWatch watch([&] { stages.report(stages.stage, stages.behind); });
+  const TriangleSurface organ = organSurface(as_read);
+  const Scene scene = readyScene(as_read, organ, warn);
+  const PlaceStore store = placeStore(scene, cache);
+  FollowingModel following;
+  following.places = std::make_shared<const Places>(makePlaces(
+      scene, organ, [&](const std::string& what, double share) { stages.report(what, 0.8 * share); }, store));
+  stages.report("first place", 0.8);
+  following.start = makePlace(*following.places, startPlace(*following.places), store);
+  addToolPaths(following.start.model);
+  following.start.model.setup_seconds = secondsSince(start);
+  stages.report("ready", 1);
+  return following;
+}
+
+PlaceStore placeStore(const Scene& scene, const ModelCache& cache) {
+  const ModelCache silent = cache.silent();
+  const std::size_t materials = materialsOf(scene).size(), boundaries = scene.boundaries.size();
+  return {[=](const std::string& key) { return silent.find(key, materials, boundaries); },
+          [=](const std::string& key, const Preparation& preparation) { silent.keep(key, preparation); }};
 }
 
 }  // namespace palpate

@@ -1,10 +1,12 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <string>
 
 #include "io/model_cache.h"
 #include "simulation/build_model.h"
+#include "simulation/place.h"
 
 namespace palpate {
 
@@ -16,12 +18,28 @@ TriangleSurface organSurface(const Scene& scene);
 /// another one. Empty for all others.
 std::string sizeWarning(const Scene& scene, const TriangleSurface& surface);
 
+/// Throws InputError where the cloud of the scene follows the tool: for programs that have one cloud.
+void requireOneCloud(const Scene& scene);
+
 /// organSurface and buildModel: from a scene that was read to a model that is ready to run. What takes long is taken
 /// from the cache, or made and kept there; the model has the same bits either way. Scenes without set_up_values,
 /// which no
 /// file was read for, are not kept.
+/// Throws InputError as requireOneCloud, too.
 /// @param warn  gets what is allowed but probably not meant (sizeWarning), before the set-up takes time
 Model loadModel(const Scene& scene, const Progress& progress = {}, const ModelCache& cache = ModelCache(),
                 const std::function<void(const std::string&)>& warn = {});
+
+/// The same of a scene whose cloud follows the tool (`[discretization] follow`): what all its places have in common,
+/// and the place at which the tools start.
+struct FollowingModel {
+  std::shared_ptr<const Places> places;
+  Place start;
+};
+FollowingModel loadFollowing(const Scene& scene, const Progress& progress = {}, const ModelCache& cache = ModelCache(),
+                             const std::function<void(const std::string&)>& warn = {});
+
+/// Where places of this scene are kept. Nothing is told of what can't be kept or read.
+PlaceStore placeStore(const Scene& scene, const ModelCache& cache);
 
 }  // namespace palpate

@@ -38,6 +38,9 @@ class ModelCache {
   /// Keeps it. Never throws: what can't be kept will be made again.
   void keep(const std::string& key, const Preparation& preparation) const;
 
+  /// The same, but nothing is reported: for other threads.
+  ModelCache silent() const { return ModelCache(folder_, {}, max_bytes_); }
+
   /// The file for this key, whether it exists or not.
   std::string fileOf(const std::string& key) const;
 

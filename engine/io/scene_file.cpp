@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <limits>
 #include <span>
 #include <string_view>
 #include <utility>
@@ -18,6 +19,7 @@
 #include "io/surface_file.h"
 #include "io/text_file.h"
 #include "io/toml_table.h"
+#include "simulation/place.h"
 
 namespace palpate {
 
@@ -86,7 +88,16 @@ void readQuadrature(const TomlTable& table, QuadratureSpec& quadrature) {
 }
 
 void readDiscretization(const TomlTable& table, Scene& scene) {
-  table.read("spacing", scene.spacing);
+  table.read("follow", scene.follow);
+  if (scene.follow) {
+    table.forbid({"spacing"}, "to a cloud that follows the tool");
+    scene.spacing = std::numeric_limits<double>::infinity();  // until the tools are known
+  } else {
+    if (!table.has("spacing"))
+      throw InputError(table.place(), "the key \"spacing\" is missing in [discretization]",
+                       "add spacing = number in m, or follow = true");
+    table.read("spacing", scene.spacing);
+  }
   table.read("seed", scene.seed);
   readQuadrature(table, scene.quadrature);
   scene.basis_degree = 1 + table.readChoice("basis", scene.basis_degree - 1);
@@ -106,6 +117,17 @@ void readDiscretization(const TomlTable& table, Scene& scene) {
                        "give less than [discretization] spacing, or leave the refinement out");
     }
   }
+}
+
+/// What the cloud can't follow; else its spacing far from the tools.
+void checkFollow(const TomlTable& top, const SourceLocation& place, Scene& scene) {
+  if (!top.has("tool"))
+    throw InputError(place, "there is no tool that the cloud could follow",
+                     "add [tool], or give spacing in place of follow");
+  if (top.has("lump") || top.has("lumps"))
+    throw InputError(place, "a cloud that follows the tool can't have lumps to be found",
+                     "give spacing in place of follow");
+  scene.spacing = followSpacing(scene);
 }
 
 void readSkull(const TomlTable& table, const std::filesystem::path& folder, SkullSpec& skull) {
@@ -285,6 +307,7 @@ Scene readScene(const SceneText& given, std::span<const SceneChange> changes) {
   readDynamics(top.table("dynamics", {"dynamics"}), scene);
   readSolve(top.table("solve", {"solve"}), folder, scene.solve);
   if (top.has("tool")) readTools(top, folder, scene);
+  if (scene.follow) checkFollow(top, file.places["discretization.follow"], scene);
   scene.places = file.places;  // of the organ, for what is wrong with it
   readLumps(top, scene);
 

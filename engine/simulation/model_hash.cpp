@@ -124,6 +124,7 @@ std::uint64_t stateHash(const Model& model, const State& state) {
     for (const ContactState& contact : state.more.contact) addContact(contact, add);
   }
   if (state.region_shift.any()) add(&state.region_shift, sizeof state.region_shift);
+  if (state.place != no_place) add(state.place.data(), sizeof state.place);
   if (state.local_mass.active) add(state.local_mass.factor.data(), state.local_mass.factor.size() * sizeof(float));
   return fnv1a(liveChanges(model, state.live), hash);
 }

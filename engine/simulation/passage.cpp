@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
+#include <utility>
 
 #include "simulation/body_points.h"
 
@@ -32,35 +33,158 @@ void addRow(const ShapeTable& table, int row, ShapeTable& rows) {
 
 Vec3 vectorOf(const Float4& a) { return {a.x, a.y, a.z}; }
 
-/// Field values at the passage's rows from A's parameters, then B's parameters.
-/// @param parameter  k -> A's, m
-template <class Parameter>
-void carry(const Passage& passage, const Parameter& parameter, PassageScratch& scratch) {
-  const std::size_t rows = passage.node.size();
-  for (std::size_t r = 0; r < rows; ++r) {
-    Vec3 g = Vec3::Zero();
-    for (int e = passage.at.begin[r]; e < passage.at.begin[r + 1]; ++e)
-      g += passage.at.N[e] * parameter(passage.at.node[e]);
-    scratch.wanted[r] = g;
-  }
-  for (std::size_t i = 0; i < passage.from.size(); ++i)
-    if (passage.from[i] >= 0) scratch.values[i] = parameter(passage.from[i]);
-  for (std::size_t r = 0; r < rows; ++r)
-    if (passage.from[passage.node[r]] < 0) scratch.values[passage.node[r]] = scratch.wanted[r];
-  for (int sweep = 0; sweep < passage_sweeps; ++sweep) {
-    for (std::size_t r = 0; r < rows; ++r) {
-      Vec3 g = scratch.wanted[r];
-      for (int e = passage.own.begin[r]; e < passage.own.begin[r + 1]; ++e)
-        g -= passage.own.N[e] * scratch.values[passage.own.node[e]];
-      scratch.change[r] = passage_relaxation * g;
+using Both = PassageScratch::Both;
+
+constexpr int passage_parts = 8;  // of the work, whatever the team
+
+/// Calls each(begin, end) for parts of [0, count).
+template <class Each>
+void inParts(SpinTeam* team, std::size_t count, Each each) {
+  if (team == nullptr) return each(0, count);
+  shareOut(*team, passage_parts, [&](int part) {
+    const auto border = [&](int p) { return count * static_cast<std::size_t>(p) / passage_parts; };
+    each(border(part), border(part + 1));
+  });
+}
+
+Both sumOf(const Passage::Rows& rows, std::size_t row, const AlignedVector<Both>& values) {
+  Both sum = Both::Zero();
+  for (int e = rows.begin[row]; e < rows.begin[row + 1]; ++e) sum += rows.weight[e] * values[rows.node[e]];
+  return sum;
+}
+
+/// A's field at a row's node, m.
+template <class Value>
+Vec3 fieldAt(const ShapeTable& table, std::size_t row, const Value& value) {
+  Vec3 sum = Vec3::Zero();
+  for (int e = table.begin[row]; e < table.begin[row + 1]; ++e) sum += table.N[e] * value(table.node[e]);
+  return sum;
+}
+
+void setDisplacement(const Vec3& u, std::size_t i, State& state) {
+  state.u[i] = toFloat4(u);
+  state.u_low[i] = toFloat4(u - vectorOf(state.u[i]));
+}
+
+/// What the sweeps change of the parameters of passage.node, into scratch.change; new nodes have the field's value.
+void solve(const Passage& passage, const State& before, PassageScratch& scratch, State& state, SpinTeam* team) {
+  constexpr auto relaxation = static_cast<float>(passage_relaxation);
+  inParts(team, before.u.size(), [&](std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k) {
+      const Float4 &u = before.u[k], &du = before.du[k];
+      scratch.before[k] << u.x, u.y, u.z, 0, du.x, du.y, du.z, 0;
     }
-    for (std::size_t r = 0; r < rows; ++r) scratch.values[passage.node[r]] += scratch.change[r];
+  });
+  inParts(team, passage.fresh.size(), [&](std::size_t begin, std::size_t end) {
+    for (std::size_t f = begin; f < end; ++f) {
+      const auto row = static_cast<std::size_t>(passage.fresh[f]), i = static_cast<std::size_t>(passage.node[row]);
+      const auto whole = [&](int k) -> Vec3 { return vectorOf(before.u[k]) + vectorOf(before.u_low[k]); };
+      setDisplacement(fieldAt(passage.at, row, whole), i, state);
+      state.du[i] = toFloat4(fieldAt(passage.at, row, [&](int k) { return vectorOf(before.du[k]); }));
+      const Float4 &u = state.u[i], &du = state.du[i];
+      scratch.before[before.u.size() + f] << u.x, u.y, u.z, 0, du.x, du.y, du.z, 0;
+    }
+  });
+  // m - N d with d the change, m = g - N u before it; the first sweep is d = 1.2 m.
+  inParts(team, passage.node.size(), [&](std::size_t begin, std::size_t end) {
+    for (std::size_t r = begin; r < end; ++r) {
+      scratch.missing[r] = sumOf(passage.missing, r, scratch.before);
+      scratch.change[r] = relaxation * scratch.missing[r];
+    }
+  });
+  for (int sweep = 1; sweep < passage_sweeps; ++sweep) {
+    inParts(team, passage.node.size(), [&](std::size_t begin, std::size_t end) {
+      for (std::size_t r = begin; r < end; ++r)
+        scratch.changed[r] =
+            scratch.change[r] + relaxation * (scratch.missing[r] - sumOf(passage.inner, r, scratch.change));
+    });
+    std::swap(scratch.change, scratch.changed);
   }
+}
+
+/// All but contacts.
+void carryTissue(const Place& b, const Passage& passage, const State& before, PassageScratch& scratch, State& state,
+                 SpinTeam* team) {
+  for (std::size_t i = 0; i < passage.from.size(); ++i) {
+    const int k = passage.from[i];
+    if (k < 0) continue;
+    state.u[i] = before.u[k];
+    state.u_low[i] = before.u_low[k];
+    state.du[i] = before.du[k];
+  }
+  solve(passage, before, scratch, state, team);
+  for (std::size_t r = 0; r < passage.node.size(); ++r) {
+    const auto i = static_cast<std::size_t>(passage.node[r]);
+    const Both& change = scratch.change[r];
+    setDisplacement(vectorOf(state.u[i]) + vectorOf(state.u_low[i]) + change.head<3>().cast<double>(), i, state);
+    state.du[i] = toFloat4(Vec3(vectorOf(state.du[i]) + change.segment<3>(4).cast<double>()));
+  }
+
+  state.local_mass.active = before.local_mass.active;
+  state.local_mass.momentum = before.local_mass.momentum;
+  state.local_mass.force = before.local_mass.force;
+  if (before.local_mass.active) {
+    for (std::size_t i = 0; i < passage.from.size(); ++i)
+      if (const int k = passage.from[i]; k >= 0) state.local_mass.factor[i] = before.local_mass.factor[k];
+    for (const int r : passage.fresh) {
+      float& factor = state.local_mass.factor[passage.node[r]];
+      factor = 1;
+      for (int e = passage.at.begin[r]; e < passage.at.begin[r + 1]; ++e)
+        factor = std::max(factor, before.local_mass.factor[passage.at.node[e]]);
+    }
+  }
+
+  state.tick = before.tick;
+  state.step = before.step;
+  state.place = b.index;
+  state.region_shift = before.region_shift;
+  state.tool_pose = before.tool_pose;
+  if (state.live.kernel.materials == before.live.kernel.materials) {  // with the patches that follow from them
+    state.live.friction = before.live.friction;
+    state.live.loads = before.live.loads;
+  } else {
+    carryLive(b.model, before.live, state.live);
+  }
+  state.energy = {};
 }
 
 }  // namespace
 
-int Passage::newCount() const { return static_cast<int>(std::count(from.begin(), from.end(), -1)); }
+void Passage::complete(int node_count_of_a) {
+  std::vector<int> row(from.size(), -1), source = from;  // of u before the sweeps: a node of A, or one that is new
+  fresh.clear();
+  for (std::size_t r = 0; r < node.size(); ++r) {
+    row[node[r]] = static_cast<int>(r);
+    if (from[node[r]] >= 0) continue;
+    source[node[r]] = node_count_of_a + newCount();
+    fresh.push_back(static_cast<int>(r));
+  }
+  missing = inner = {{0}, {}, {}};
+  std::vector<std::pair<int, double>> sum;  // source, weight
+  for (int r = 0; r < static_cast<int>(node.size()); ++r) {
+    sum.clear();
+    for (int e = at.begin[r]; e < at.begin[r + 1]; ++e) sum.emplace_back(at.node[e], at.N[e]);
+    for (int e = own.begin[r]; e < own.begin[r + 1]; ++e) {
+      const int j = own.node[e];
+      if (row[j] >= 0) {
+        inner.node.push_back(row[j]);
+        inner.weight.push_back(static_cast<float>(own.N[e]));
+      }
+      sum.emplace_back(source[j], -own.N[e]);
+    }
+    inner.end();
+    std::stable_sort(sum.begin(), sum.end(), [](const auto& x, const auto& y) { return x.first < y.first; });
+    for (std::size_t e = 0; e < sum.size();) {
+      const int k = sum[e].first;
+      double weight = 0;
+      for (; e < sum.size() && sum[e].first == k; ++e) weight += sum[e].second;
+      if (weight == 0) continue;
+      missing.node.push_back(k);
+      missing.weight.push_back(static_cast<float>(weight));
+    }
+    missing.end();
+  }
+}
 
 Passage makePassage(const Place& a, const Place& b) {
   Passage passage;
@@ -89,50 +213,34 @@ Passage makePassage(const Place& a, const Place& b) {
     else
       addRow(shape, static_cast<int>(r), passage.at);
   }
+  passage.complete(a.model.nodeCount());
   return passage;
 }
 
-void applyPassage(const Place& a, const Place& b, const Passage& passage, const State& before, PassageScratch& scratch,
-                  State& state) {
-  carry(
-      passage, [&](int k) -> Vec3 { return vectorOf(before.u[k]) + vectorOf(before.u_low[k]); }, scratch);
-  for (std::size_t i = 0; i < passage.from.size(); ++i) {
-    const Vec3& u = scratch.values[i];
-    state.u[i] = toFloat4(u);
-    state.u_low[i] = toFloat4(u - vectorOf(state.u[i]));
-  }
-  for (std::size_t i = 0; i < passage.from.size(); ++i)
-    if (const int k = passage.from[i]; k >= 0 && vectorOf(state.u[i]) == vectorOf(before.u[k]))
-      state.u_low[i] = before.u_low[k];
-  carry(
-      passage, [&](int k) -> Vec3 { return vectorOf(before.du[k]); }, scratch);
-  for (std::size_t i = 0; i < passage.from.size(); ++i) state.du[i] = toFloat4(scratch.values[i]);
+void carryLive(const Model& b, const LiveParameters& before, LiveParameters& live) {
+  live.friction = before.friction;
+  live.loads = before.loads;
+  const std::size_t patches = b.kernel.patch_begin.empty() ? 0 : b.kernel.patch_begin.size() - 1;
+  live.kernel.patch_bulk.resize(patches);
+  live.kernel.patch_shear.resize(patches);
+  live.kernel.materials = before.kernel.materials;
+  updatePatchBulk(b.kernel, live.kernel);
+}
 
-  state.local_mass.active = before.local_mass.active;
-  state.local_mass.momentum = before.local_mass.momentum;
-  state.local_mass.force = before.local_mass.force;
-  for (std::size_t i = 0; i < passage.from.size(); ++i)
-    if (const int k = passage.from[i]; k >= 0) state.local_mass.factor[i] = before.local_mass.factor[k];
-  for (std::size_t r = 0; r < passage.node.size(); ++r) {
-    float& factor = state.local_mass.factor[passage.node[r]];
-    if (passage.from[passage.node[r]] >= 0) continue;
-    factor = 1;
-    for (int e = passage.at.begin[r]; e < passage.at.begin[r + 1]; ++e)
-      factor = std::max(factor, before.local_mass.factor[passage.at.node[e]]);
-  }
-
-  state.tick = before.tick;
-  state.step = before.step;
-  state.tool_pose = before.tool_pose;
+void applyPassage(const Place& b, const Passage& passage, const State& before, PassageScratch& scratch, State& state,
+                  SpinTeam* team) {
+  carryTissue(b, passage, before, scratch, state, team);
   state.contact = before.contact;
   state.more = before.more;
   state.skull = before.skull;
-  state.live.friction = before.live.friction;
-  state.live.loads = before.live.loads;
-  state.region_shift = before.region_shift;
-  for (std::size_t m = 0; m < a.model.materials.size(); ++m)
-    setMaterial(b.model, static_cast<int>(m), before.live.kernel.materials[m], state.live);
-  state.energy = {};
+}
+
+void applyPassage(const Place& b, const Passage& passage, State&& before, PassageScratch& scratch, State& state,
+                  SpinTeam* team) {
+  carryTissue(b, passage, before, scratch, state, team);
+  std::swap(state.contact, before.contact);
+  std::swap(state.more, before.more);
+  std::swap(state.skull, before.skull);
 }
 
 }  // namespace palpate

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "base/number_text.h"
 #include "discretization/nodes/site_grid.h"
 #include "discretization/surface/surface_geometry.h"
 #include "simulation/choose_time_step.h"
@@ -75,18 +76,19 @@ void checkCarried(const Scene& scene) {
                        "leave its relaxation out, or the cloud where it is");
 }
 
+/// What a place's preparation depends on; "" where nothing is to be kept.
+std::string keyOf(const Places& places, const PlaceIndex& index, bool common) {
+  if (places.key.empty()) return {};
+  std::string key = places.key + (common ? "\nplace" : "\nfirst place");
+  for (const int centre : index) key += ' ' + std::to_string(centre);
+  return key;
+}
+
 /// The place from its scene, with what is common to all or, for the first, without.
-Place place(const Places& places, const PlaceIndex& index, const CommonToPlaces* common) {
+Place place(const Places& places, const PlaceIndex& index, const CommonToPlaces* common, const PlaceStore& store) {
   Place made;
   made.index = index;
   made.node = liveNodes(places.cloud, wantedSpacing(places, index));
-  Discretization d;
-  for (const int i : made.node) {
-    d.cloud.X.push_back(places.cloud.X[i]);
-    d.cloud.on_surface.push_back(places.cloud.on_surface[i]);
-  }
-  d.cells = makeBackgroundCells(d.cloud, places.organ);
-  fitVolumes(places.scene, places.organ, d);
   Scene scene = places.scene;
   const auto tools = toolsOf(scene);
   for (std::size_t t = 0; t < tools.size(); ++t) {
@@ -97,8 +99,33 @@ Place place(const Places& places, const PlaceIndex& index, const CommonToPlaces*
     if (ball.spacing < scene.spacing) scene.refine.push_back(ball);
   }
   const Progress silent = [](const std::string&, double) {};
-  made.model = finish(scene, places.organ, prepare(scene, places.organ, std::move(d), silent, common), silent);
+  const std::string key = keyOf(places, index, common != nullptr);
+  std::optional<Preparation> kept;
+  if (!key.empty() && store.find) kept = store.find(key);
+  if (!kept || kept->X.size() != made.node.size()) {
+    Discretization d;
+    for (const int i : made.node) {
+      d.cloud.X.push_back(places.cloud.X[i]);
+      d.cloud.on_surface.push_back(places.cloud.on_surface[i]);
+    }
+    d.cells = makeBackgroundCells(d.cloud, places.organ);
+    fitVolumes(places.scene, places.organ, d);
+    kept = prepare(scene, places.organ, std::move(d), silent, common);
+    if (!key.empty() && store.keep) store.keep(key, *kept);
+  }
+  made.model = finish(scene, places.organ, std::move(*kept), silent);
   return made;
+}
+
+/// Of a state of `nodes` nodes, whose patches may be twice as many.
+void reserveFor(std::size_t nodes, State& state) {
+  state.u.reserve(nodes);
+  state.du.reserve(nodes);
+  state.u_low.reserve(nodes);
+  state.local_mass.factor.reserve(nodes);
+  if (state.live.kernel.patch_bulk.empty()) return;
+  state.live.kernel.patch_bulk.reserve(2 * nodes);
+  state.live.kernel.patch_shear.reserve(2 * nodes);
 }
 
 }  // namespace
@@ -113,12 +140,15 @@ FollowSizes followSizes(const Scene& scene, double volume) {
   return sizes;
 }
 
-Places makePlaces(const Scene& as_read, const TriangleSurface& organ, const Progress& progress) {
+double followSpacing(const Scene& scene) { return coarse_of_fine * fine_radii * smallestToolRadius(scene); }
+
+Places makePlaces(const Scene& as_read, const TriangleSurface& organ, const Progress& progress,
+                  const PlaceStore& store) {
   checkCarried(as_read);
   const auto report = [&](const char* what, double fraction) {
     if (progress) progress(what, fraction);
   };
-  Places places{as_read, SurfaceTree(organ), followSizes(as_read, signedVolume(organ)), {}, {}, {}};
+  Places places{as_read, SurfaceTree(organ), followSizes(as_read, signedVolume(organ)), {}, {}, {}, {}};
   const FollowSizes& sizes = places.sizes;
   report("fine cloud", 0);
   Scene fine = as_read;
@@ -132,6 +162,11 @@ Places makePlaces(const Scene& as_read, const TriangleSurface& organ, const Prog
   Scene& scene = places.scene;
   scene.spacing = sizes.coarse;
   scene.refine = finerThan(sizes.coarse, as_read.refine);
+  if (!as_read.set_up_values.empty()) {
+    places.key = preparationKey(as_read, organ);
+    for (const ToolSpec& tool : toolsOf(as_read))  // what the balls, and so the places, depend on besides
+      places.key += "\ntool " + shortest(tool.shape.radius) + ' ' + shortest(tool.opening);
+  }
   scene.set_up_values.clear();
   // The skin is one for all: no finer below a ball than elsewhere.
   Scene plain = scene;
@@ -144,13 +179,10 @@ Places makePlaces(const Scene& as_read, const TriangleSurface& organ, const Prog
 
   // One step and one rule for masses: those that suit the place at which the tools start.
   report("time step", 0.6);
-  PlaceIndex start;
-  start.fill(-1);
-  ToolPostures tools;
-  const auto specs = toolsOf(scene);
-  for (std::size_t t = 0; t < specs.size(); ++t) tools[t].pose.position = specs[t].position;
-  start = nextPlace(places, start, tools);
-  const Model first = place(places, start, nullptr).model;
+  const PlaceIndex start = startPlace(places);
+  const Model first = place(places, start, nullptr, store).model;
+  if (!places.key.empty())
+    for (const int centre : start) places.key += "\nstart " + std::to_string(centre);
   places.common.row_limit = row_margin * 4 / (first.dt_proven * first.dt_proven);
   places.common.critical = first.dt_critical;
   scene.time_step = first.dt;
@@ -158,7 +190,24 @@ Places makePlaces(const Scene& as_read, const TriangleSurface& organ, const Prog
   return places;
 }
 
-Place makePlace(const Places& places, const PlaceIndex& index) { return place(places, index, &places.common); }
+Place makePlace(const Places& places, const PlaceIndex& index, const PlaceStore& store) {
+  return place(places, index, &places.common, store);
+}
+
+PlaceIndex startPlace(const Places& places) {
+  ToolPostures tools;
+  const auto specs = toolsOf(places.scene);
+  for (std::size_t t = 0; t < specs.size(); ++t) tools[t].pose.position = specs[t].position;
+  return nextPlace(places, no_place, tools);
+}
+
+void reserveForPlaces(const Places& places, State& state) {
+  reserveFor(static_cast<std::size_t>(places.cloud.nodeCount()), state);
+}
+
+void reserveAs(const State& like, State& state) {
+  if (like.u.capacity() > like.u.size()) reserveFor(like.u.capacity(), state);
+}
 
 SpacingField wantedSpacing(const Places& places, const PlaceIndex& index) {
   SpacingField wanted = spacingField(places.scene);
@@ -176,8 +225,7 @@ SpacingField wantedSpacing(const Places& places, const PlaceIndex& index) {
 }
 
 PlaceIndex nextPlace(const Places& places, const PlaceIndex& present, const ToolPostures& tools) {
-  PlaceIndex next;
-  next.fill(-1);
+  PlaceIndex next = no_place;
   const std::size_t count = 1 + places.scene.further_tools.size();
   for (std::size_t t = 0; t < count; ++t) {
     const Vec3& at = tools[t].pose.position;

@@ -1,12 +1,15 @@
 #pragma once
 
-#include <array>
+#include <cstddef>
+#include <functional>
+#include <optional>
+#include <string>
 #include <vector>
 
-#include "contact/tool_set.h"
 #include "discretization/nodes/nested_cloud.h"
 #include "discretization/surface/surface_tree.h"
 #include "simulation/build_model.h"
+#include "simulation/place_index.h"
 #include "simulation/prepare.h"
 
 namespace palpate {
@@ -21,10 +24,8 @@ namespace palpate {
 //   makePlace    index -> model, a pure function
 //   passage.h    the state of one place carried over to another
 //
-// For a real-time loop, not built here: a place is its index, so a worker makes it (1-2 s) or reads it (a file each, by
-// the key of Places and the index; all have one skin, so skin rows are most of it), then makes its passage from the
-// present place (Passage::apply allocates nothing). The loop swaps between two ticks where both are ready, and records
-// the tick and the index; else it stays where it is and counts the tick as one on a cloud that was not ready.
+// A place is its index: a real-time loop has a worker that makes it, or reads it where it was kept, and swaps to it
+// between two ticks (realtime/loop/cloud_follower.h).
 
 /// The lengths of a following cloud, m.
 struct FollowSizes {
@@ -41,8 +42,14 @@ FollowSizes followSizes(const Scene& scene, double volume);
 /// Of the tool's radius: the ball's. Below 3, and below 5 fine spacings, a swap is felt (0.5 to 2 % of the force).
 inline constexpr double ball_radii = 3;
 
-/// The centre of each tool's ball by number, -1 beyond the last tool.
-using PlaceIndex = std::array<int, max_tools>;
+/// m, the coarse spacing but for the body's size: what a scene's `spacing` is where its cloud follows the tool.
+double followSpacing(const Scene& scene);
+
+/// Where the long half of a place (Preparation) may come from, and where it goes, by a key; empty: nowhere.
+struct PlaceStore {
+  std::function<std::optional<Preparation>(const std::string& key)> find;
+  std::function<void(const std::string& key, const Preparation&)> keep;
+};
 
 struct Places {
   Scene scene;  // as its places have it, but for their balls: the coarse spacing, one time step
@@ -51,6 +58,7 @@ struct Places {
   NestedCloud cloud;          // nodes on the surface where they are on it: volume is fitted place by place
   std::vector<Vec3> centres;  // (centre_count) m, on the skin, about a stride apart
   CommonToPlaces common;
+  std::string key;  // all that they depend on, as bytes, for a PlaceStore; empty: nothing is kept
 };
 
 /// A model around some balls.
@@ -62,12 +70,23 @@ struct Place {
 
 /// Throws InputError as buildModel does, and where a material relaxes: what a point remembers can't be carried over.
 /// @param organ  closed surface, checked, m
-Places makePlaces(const Scene& scene, const TriangleSurface& organ, const Progress& progress = {});
+/// @param store  used where the scene was read from a file (Scene::set_up_values)
+Places makePlaces(const Scene& scene, const TriangleSurface& organ, const Progress& progress = {},
+                  const PlaceStore& store = {});
 
-/// The place whose balls are around those centres. Equal bits at each call, whatever was made before.
+/// The place whose balls are around those centres. Equal bits at each call, whatever was made or kept before.
 /// Throws InputError where a region of the scene can't be used with this cloud.
 /// Test: simulation/place_test.cpp
-Place makePlace(const Places& places, const PlaceIndex& index);
+Place makePlace(const Places& places, const PlaceIndex& index, const PlaceStore& store = {});
+
+/// The place at which the tools start.
+PlaceIndex startPlace(const Places& places);
+
+/// Makes room in a state of one place for that of any, so that copies between them allocate nothing.
+void reserveForPlaces(const Places& places, State& state);
+
+/// The same for a state that will hold copies of `like`.
+void reserveAs(const State& like, State& state);
 
 /// The centres nearest to where the tools are, m (tool_count); no tool's centre changes before another is nearer by a
 /// quarter of the stride. @param present  any; its entries may be -1

@@ -105,6 +105,12 @@ void ResolutionWatch::restart() {
   error_ = error_force_ = 0;
 }
 
+void ResolutionWatch::goOnFrom(const ResolutionWatch& before) {
+  next_ = 0;
+  error_ = before.error_;
+  error_force_ = before.error_force_;
+}
+
 void ResolutionWatch::advance(const Model& model, std::span<const Material> materials, const AlignedVector<Float4>& u,
                               StepReport& report) {
   const std::size_t count = at_.size(), part = std::max(points_a_tick, count / most_ticks + 1);

@@ -46,6 +46,9 @@ class ResolutionWatch {
   /// Nothing is known any more.
   void restart();
 
+  /// The body goes on with other nodes (place.h): what the watch before said holds until this one has seen all points.
+  void goOnFrom(const ResolutionWatch& before);
+
   /// A tick is done. Fills expected_error and error_force of the report.
   /// Real-time: no allocation, no lock, no throw.
   void advance(const Model& model, std::span<const Material> materials, const AlignedVector<Float4>& u,

@@ -162,11 +162,12 @@ struct Scene {
 
   // discretization
   double spacing = 0.01;  // m, target distance of neighbouring nodes
+  bool follow = false;    // the cloud follows the tool (place.h): spacing is then what it has far from it
   unsigned seed = 1;
   QuadratureSpec quadrature;
-  int basis_degree = 2;               // 1 or 2
-  double support_factor = 1.8;        // R / h, h the local mean edge length
-  double mmls_weight = 0.2;           // dimensionless weight of the MMLS constraints
+  int basis_degree = 2;         // 1 or 2
+  double support_factor = 1.8;  // R / h, h the local mean edge length
+  double mmls_weight = 0.2;     // dimensionless weight of the MMLS constraints
   Formulation formulation;
   enum class BoundaryMethod { Sebciem, Ebciem };
   BoundaryMethod boundary_method = BoundaryMethod::Sebciem;  // paper eqs. 18-20 or 14-17

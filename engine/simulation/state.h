@@ -10,6 +10,7 @@
 #include "mechanics/relaxation.h"
 #include "simulation/energy_balance.h"
 #include "simulation/live_parameters.h"
+#include "simulation/place_index.h"
 #include "simulation/report.h"
 
 namespace palpate {
@@ -44,6 +45,7 @@ struct MoreTools {
 struct State {
   std::int64_t tick = 0;        // ticks done
   std::int64_t step = 0;        // steps of dt done; physics time is step * dt
+  PlaceIndex place = no_place;  // whose nodes these are, where the cloud follows the tool
   AlignedVector<Float4> u;      // (node_count) displacement parameters, m
   AlignedVector<Float4> du;     // (node_count) last step's increment, m
   AlignedVector<Float4> u_low;  // (node_count) what float32 lost of u (Kahan), m

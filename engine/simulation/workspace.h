@@ -1,5 +1,8 @@
 #pragma once
 
+#include <memory>
+#include <utility>
+
 #include "base/spin_team.h"
 #include "base/types.h"
 #include "simulation/limit_compression.h"
@@ -30,8 +33,12 @@ class Workspace {
  public:
   /// @param threads  physics threads, the stepping one included (>= 1). The result of
   ///                 a step does not depend on it.
-  Workspace(const Model& model, int threads)
-      : team(threads),
+  Workspace(const Model& model, int threads) : Workspace(model, std::make_shared<SpinTeam>(threads)) {}
+
+  /// Of threads that step other models, too, one after the other.
+  Workspace(const Model& model, std::shared_ptr<SpinTeam> threads)
+      : shared_team(std::move(threads)),
+        team(*shared_team),
         kernel(makeKernelScratch(model.kernel)),
         boundary(makeBoundaryScratch(model.boundary)),
         f(model.X.size()),
@@ -41,7 +48,8 @@ class Workspace {
         resolution(model),
         tissue_mass(tissueMass(model)) {}
 
-  SpinTeam team;
+  const std::shared_ptr<SpinTeam> shared_team;
+  SpinTeam& team;
   KernelScratch kernel;
   BoundaryScratch boundary;
   AlignedVector<Float4> f;            // (node_count) internal forces, N

@@ -21,7 +21,7 @@ std::string described(const Scene& s) {
   const auto add = [&](const auto&... values) { ((text << values << ' '), ...); };
   const auto vector = [&](const Vec3& v) { add(v.x() + 0.0, v.y() + 0.0, v.z() + 0.0); };  // no -0
   add(s.upper_half, s.repair_surface), vector(s.tissue_colour);
-  add(s.spacing, s.seed, s.basis_degree, s.support_factor, s.mmls_weight, s.formulation == Formulation{});
+  add(s.follow, s.spacing, s.seed, s.basis_degree, s.support_factor, s.mmls_weight, s.formulation == Formulation{});
   add(static_cast<int>(s.boundary_method), s.quadrature.points_per_cell, s.quadrature.cells_per_point);
   add(s.quadrature.accuracy, s.quadrature.division, s.quadrature.max_depth);
   for (const RefineSpec& r : s.refine) add(r.spacing, r.blend);
@@ -67,6 +67,11 @@ std::string sceneWith(const KeySpec& key, const std::string& given) {
   const auto after = [&](const std::string& table) {
     return replaced(minimal_scene, table + "\n", table + "\n" + line);
   };
+  if (name == "follow") {  // in place of a spacing, and with a tool
+    const std::string spacing = given == "follow = true\n" ? "" : "spacing = 0.01\n";
+    return replaced(minimal_scene, "spacing = 0.01\n", spacing + given) +
+           "[tool]\nshape = \"sphere\"\nradius = 0.01\nposition = [0, 0, 0.1]\n";
+  }
   if (group == "discretization" || group == "material")
     return after(group == "material" ? "[[material]]" : "[discretization]");
   if (group == "boundary") return after("[[fixed]]");

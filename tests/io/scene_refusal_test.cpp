@@ -2,6 +2,7 @@
 #include <cmath>
 #include <random>
 
+#include "io/load_model.h"
 #include "io/scene_file.h"
 #include "io/scene_texts.h"
 #include "support/temp_folder.h"
@@ -32,6 +33,9 @@ TEST_CASE("Bad scenes are refused at their place, with advice", "[io][scene][ref
        "\"radius\""},
       // missing
       {"spacing = 0.004\n", "", ":7:1", "the key \"spacing\" is missing in [discretization]", "spacing = number in m"},
+      {"spacing = 0.004\n", "spacing = 0.004\nfollow = true\n", ":8:1",
+       "\"spacing\" means nothing to a cloud that follows the tool", "remove it"},
+      {"spacing = 0.004\n", "follow = 1\n", ":8:10", "\"follow\" is a whole number", "true or false"},
       {"height = 0.017\n", "", ":2:1", "the key \"height\" is missing", "a cylinder needs it"},
       {"distance = 1e-5\n", "", ":30:1", "the key \"distance\" is missing", "near-plane"},
       {"D1 = 1.2598e-4\n", "", ":23:1", "the key \"D1\" is missing", "an Ogden material needs it"},
@@ -176,4 +180,25 @@ TEST_CASE("A surface or a scan in place of a scene is told what makes one of it"
   for (const char* name : {"organ.STL", "organ.obj", "head.nii.gz"})
     CHECK_THAT(refusal([&] { readScene(folder.write(name, "v 0 0 0")); }),
                Contains("no scene") && Contains("mtled import") && Contains(name));
+}
+
+TEST_CASE("io: a cloud can follow a tool that is there, where nothing hidden would be told by it",
+          "[io][scene][refusal]") {
+  const TempFolder folder;
+  const std::string follows = replaced(minimal_scene, "spacing = 0.01", "follow = true"),
+                    tool = "[tool]\nshape = \"sphere\"\nradius = 0.01\nposition = [0, 0, 0.07]\n",
+                    lump = "[[lump]]\ncentre = [0, 0, 0.03]\nradius = 0.008\nyoung = 40000\n",
+                    relaxes = replaced(follows, "poisson = 0.49", "poisson = 0.49\nrelaxation = [[0.3, 0.1]]");
+  const auto read = [&](const std::string& text) { return readScene(folder.write("f.toml", text)); };
+  CHECK_THAT(refusal([&] { read(follows); }), Contains("f.toml:5:") && Contains("no tool that the cloud could follow"));
+  CHECK_THAT(refusal([&] { read(follows + tool + lump); }), Contains("f.toml:5:") && Contains("lumps to be found"));
+  const Scene scene = read(follows + tool);
+  CHECK(scene.follow);
+  CHECK(scene.spacing == Approx(2.2 * 0.55 * 0.01));
+  CHECK(!read(minimal_scene + tool).follow);
+  // A program with one cloud, and a material that can't be carried from place to place.
+  CHECK_THAT(refusal([&] { loadModel(scene); }),
+             Contains("f.toml:5:") && Contains("in palpate and its recordings only"));
+  const Scene relaxing = read(relaxes + tool);
+  CHECK_THAT(refusal([&] { loadFollowing(relaxing); }), Contains("f.toml:") && Contains("relaxes"));
 }

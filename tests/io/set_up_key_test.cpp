@@ -73,6 +73,7 @@ std::map<std::string, Change> changes() {
       {"organ.semi_axes", {ellipsoid, "[0.1, 0.1, 0.05]", "[0.1, 0.1, 0.06]"}},
       {"organ.upper_half", {ellipsoid, "[0.1, 0.1, 0.05]", "[0.1, 0.1, 0.05]\nupper_half = true"}},
       {"organ.colour", {full_scene, "[0.1, 0.2, 0.3]", "[0.1, 0.2, 0.4]"}},
+      {"discretization.follow", {full_scene, "spacing = 0.004", "follow = true"}},
       {"discretization.spacing", {full_scene, "spacing = 0.004", "spacing = 0.0041"}},
       {"discretization.seed", {full_scene, "seed = 9", "seed = 10"}},
       {"discretization.points_per_cell", {full_scene, "points_per_cell = 1", "points_per_cell = 4"}},

@@ -17,23 +17,8 @@ using namespace palpate;
 
 namespace {
 
-/// A bar of 160 x 50 x 30 mm on a fixed base under a ball of 8 mm.
-Scene barScene() {
-  Scene scene = test::blockScene();
-  scene.size = Vec3(0.16, 0.05, 0.03);
-  scene.materials[0].material.set("poisson", 0.45);
-  scene.quadrature.cells_per_point = 1.32;
-  scene.tool.radius = 0.008;
-  return scene;
-}
-
-const TriangleSurface& bar() {
-  static const TriangleSurface surface = boxSurface(barScene().size, 0.01);
-  return surface;
-}
-
 const Places& barPlaces() {
-  static const Places places = makePlaces(barScene(), bar());
+  static const Places places = makePlaces(test::barScene(), test::barSurface());
   return places;
 }
 
@@ -71,7 +56,7 @@ TEST_CASE("Far from the tool all places are the same, and a place is a function 
   CHECK(a.model.dt <= a.model.scene.step_safety * a.model.dt_critical * (1 + 1e-9));
   test::requireSameBits("skin", a.model.skin.surface.vertices, b.model.skin.surface.vertices);
   for (const Place* place : {&a, &b}) {
-    CHECK(share(place->model.cell_volume, barScene().size.prod()) < 1e-12);
+    CHECK(share(place->model.cell_volume, test::barScene().size.prod()) < 1e-12);
     CHECK(place->model.nodeCount() < 0.6 * places.cloud.nodeCount());
     CHECK(std::is_sorted(place->node.begin(), place->node.end()));
   }
@@ -144,8 +129,8 @@ TEST_CASE("A passage carries linear fields, and what does not belong to nodes", 
   before.contact.count = 1;
   before.contact.vertex[0] = 5;
   State after = initialState(b.model);
-  PassageScratch scratch(passage);
-  applyPassage(a, b, passage, before, scratch, after);
+  PassageScratch scratch(passage, before.u.size());
+  applyPassage(b, passage, before, scratch, after);
   double worst = 0, worst_du = 0;
   for (int i = 0; i < b.model.nodeCount(); ++i) {
     const Vec3 u(after.u[i].x, after.u[i].y, after.u[i].z), du(after.du[i].x, after.du[i].y, after.du[i].z);
@@ -162,8 +147,8 @@ TEST_CASE("A passage carries linear fields, and what does not belong to nodes", 
   const Passage none = makePassage(a, a);
   CHECK(none.node.empty());
   State same = initialState(a.model);
-  PassageScratch no_scratch(none);
-  applyPassage(a, a, none, before, no_scratch, same);
+  PassageScratch no_scratch(none, before.u.size());
+  applyPassage(a, none, before, no_scratch, same);
   test::requireSameBits("u", same.u, before.u);
   test::requireSameBits("du", same.du, before.du);
 }
@@ -183,8 +168,8 @@ TEST_CASE("A press goes on from place to place; with values for parameters it ju
   }
   const auto swapped = [&](const Passage& by) {
     State next = initialState(b.model);
-    PassageScratch scratch(by);
-    applyPassage(a, b, by, state, scratch, next);
+    PassageScratch scratch(by, state.u.size());
+    applyPassage(b, by, state, scratch, next);
     return next;
   };
   Passage plain = passage;  // the field's value as the parameter
@@ -197,6 +182,7 @@ TEST_CASE("A press goes on from place to place; with values for parameters it ju
     plain.own.node[first] = i;
     plain.own.N[first] = 1;
   }
+  plain.complete(a.model.nodeCount());
   Workspace of_b(b.model, 1);
   State next = swapped(passage), rough = swapped(plain);
   double first = 0, worst = 0, first_rough = 0;
@@ -218,14 +204,14 @@ TEST_CASE("A press goes on from place to place; with values for parameters it ju
 }
 
 TEST_CASE("Each of several tools has a ball; what can't be carried is refused", "[place]") {
-  Scene scene = barScene();
+  Scene scene = test::barScene();
   scene.tool.radius = 0.01;
   scene.tool_position = Vec3(-0.06, 0, 0.032);
   ToolSpec second;
   second.shape = scene.tool;
   second.position = Vec3(0.06, 0, 0.032);
   scene.further_tools.push_back(second);
-  const Places places = makePlaces(scene, bar());
+  const Places places = makePlaces(scene, test::barSurface());
   PlaceIndex nowhere;
   nowhere.fill(-1);
   ToolPostures tools;
@@ -242,11 +228,11 @@ TEST_CASE("Each of several tools has a ball; what can't be carried is refused", 
   }
   CHECK(place.model.tools.toolCount() == 2);
 
-  Scene relaxing = barScene();
+  Scene relaxing = test::barScene();
   relaxing.materials[0].material.relaxation_count = 1;
   relaxing.materials[0].material.relaxation[0] = 0.3;
   relaxing.materials[0].material.relaxation[1] = 0.1;
   relaxing.materials[0].place = {"bar.toml", 9, 1};
-  CHECK_THROWS_WITH(makePlaces(relaxing, bar()),
+  CHECK_THROWS_WITH(makePlaces(relaxing, test::barSurface()),
                     Catch::Contains("bar.toml:9:1") && Catch::Contains("a material that relaxes"));
 }

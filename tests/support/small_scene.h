@@ -26,6 +26,21 @@ inline Scene blockScene(double spacing = 0.012) {
   return scene;
 }
 
+/// A bar of 160 x 50 x 30 mm on a fixed base under a ball of 8 mm: one that a cloud can follow (simulation/place.h).
+inline Scene barScene() {
+  Scene scene = blockScene();
+  scene.size = Vec3(0.16, 0.05, 0.03);
+  scene.materials[0].material.set("poisson", 0.45);
+  scene.quadrature.cells_per_point = 1.32;
+  scene.tool.radius = 0.008;
+  return scene;
+}
+
+inline const TriangleSurface& barSurface() {
+  static const TriangleSurface surface = boxSurface(barScene().size, 0.01);
+  return surface;
+}
+
 inline Model blockModel(const Scene& scene = blockScene()) { return buildModel(scene, boxSurface(scene.size, 0.004)); }
 
 /// The tool's start pose moved by `travel` along its axis and `slide` in x.

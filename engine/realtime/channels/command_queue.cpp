@@ -2,6 +2,13 @@
 
 namespace palpate {
 
+Request Request::goToPlace(const PlaceIndex& place) {
+  Request request;
+  request.kind = Kind::GoToPlace;
+  request.place = place;
+  return request;
+}
+
 Request Request::simple(Kind kind) {
   Request request;
   request.kind = kind;

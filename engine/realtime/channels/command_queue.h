@@ -5,6 +5,7 @@
 #include "base/types.h"
 #include "mechanics/materials/material.h"
 #include "realtime/channels/spsc_ring.h"
+#include "simulation/place_index.h"
 
 namespace palpate {
 
@@ -36,6 +37,7 @@ struct Request {
     Mark,        // a place that is said to be hard: point: m; index: how hard, 1 .. 3
     Unmark,      // the last of these is taken back
     Submit,      // they are all
+    GoToPlace,   // place: that a cloud which follows the tool went to here; of recordings
   };
   Kind kind = Kind::Pause;
   // Pull, SetForce, Pin, Unpin: skin vertex; MoveRegion: boundary; SetMaterial: material; MoveHand, SetOpening: tool;
@@ -45,9 +47,10 @@ struct Request {
   Vec3 point = Vec3::Zero();  // Pull, Pin, MoveRegion, Mark, m; SetGravity, SetForce
   Pose pose;                  // MoveTool
   Material material;          // SetMaterial
+  PlaceIndex place = no_place;  // GoToPlace
 
   /// What is said while the tool moves: recorded at its tick, and nothing that the tissue feels.
-  bool isSaid() const { return kind >= Kind::Mark; }
+  bool isSaid() const { return kind == Kind::Mark || kind == Kind::Unmark || kind == Kind::Submit; }
 
   /// @param seconds  for the way, which is gone evenly; 0: as fast as the hand is followed (ToolTrack)
   static Request moveTool(const Pose& pose, double seconds = 0);
@@ -68,6 +71,7 @@ struct Request {
   static Request moveHand(int tool, const Pose& pose);
   static Request setOpening(int tool, double opening);
   static Request mark(const Vec3& place, int hardness);
+  static Request goToPlace(const PlaceIndex& place);
   static Request simple(Kind kind);  // those without parameters
 };
 

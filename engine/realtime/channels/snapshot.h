@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "base/types.h"
@@ -9,6 +10,9 @@
 #include "simulation/report.h"
 
 namespace palpate {
+
+struct Model;
+struct Place;
 
 /// One tick's force, as written to force.csv and plotted.
 struct ForceSample {
@@ -31,6 +35,8 @@ struct ForceSample {
   std::int64_t loss_count = 0;         // times that the solution was lost and the tissue went back
   int contact_count = 0;               // points of the skin that carry force
   bool frozen = false;                 // the watchdog stopped the tissue
+  int node_count = 0;                  // of the place, where the cloud follows the tool; else 0
+  bool place_late = false;             // it is not the one for where the tools are: that was not ready
 };
 
 /// How well the loop holds its rate, up to the present tick.
@@ -53,7 +59,8 @@ struct LoopStatus {
 struct Snapshot {
   std::int64_t tick = 0;
   double time_s = 0;
-  AlignedVector<Float4> u;  // (node_count) m
+  AlignedVector<Float4> u;             // (node_count) m
+  std::shared_ptr<const Place> place;  // whose nodes these are, where the cloud follows the tool; else null
   Pose tool_pose;
   Pose goal_pose;      // where the viewer's requests have led the hand, which follows smoothly (ToolTrack)
   Pose hand_pose;      // where the tool would be if it did not yield (ToolProxy)
@@ -68,5 +75,8 @@ struct Snapshot {
   std::vector<Float4> contact_force;  // (capacity) N, on the tissue
   std::vector<Material> materials;    // (material_count) those in force; live changes show here
 };
+
+/// The model that a snapshot's nodes are of. @param loaded  that the loop was made for
+const Model& modelOf(const Snapshot& snapshot, const Model& loaded);
 
 }  // namespace palpate

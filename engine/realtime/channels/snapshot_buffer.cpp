@@ -1,6 +1,12 @@
 #include "realtime/channels/snapshot_buffer.h"
 
+#include "simulation/place.h"
+
 namespace palpate {
+
+const Model& modelOf(const Snapshot& snapshot, const Model& loaded) {
+  return snapshot.place ? snapshot.place->model : loaded;
+}
 
 Snapshot makeSnapshot(int node_count, int contact_capacity, int material_count) {
   Snapshot snapshot;

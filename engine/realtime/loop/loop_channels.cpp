@@ -22,7 +22,7 @@ LoopChannels::LoopChannels(const Model& model, const State& state, std::size_t f
                            std::size_t record_capacity)
     : commands(kCommandCapacity),
       hand(HandPose{}),
-      snapshots(makeSnapshot(static_cast<int>(state.u.size()), contactEntries(state),
+      snapshots(makeSnapshot(static_cast<int>(state.u.capacity()), contactEntries(state),
                              static_cast<int>(model.materials.size()))),
       forces(force_capacity),
       tools(model.tools.empty() ? 1 : force_capacity),

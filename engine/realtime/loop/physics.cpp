@@ -1,6 +1,7 @@
 #include "realtime/loop/physics.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "simulation/build_model.h"
 #include "simulation/model_hash.h"
@@ -19,50 +20,134 @@ constexpr int kLongTick = 64;
 
 }  // namespace
 
+PlaceChange::PlaceChange(std::shared_ptr<ReadyPlace> a, std::shared_ptr<ReadyPlace> b, const Places& places)
+    : from(std::move(a)),
+      to(std::move(b)),
+      passage(makePassage(from->place, to->place)),
+      scratch(passage, from->place.node.size()),
+      state(initialState(to->place.model)) {
+  state.place = to->place.index;
+  reserveForPlaces(places, state);
+}
+
 TissuePhysics::TissuePhysics(const Model& model, int threads)
-    : model_(model), initial_(initialState(model)), state_(initial_), workspace_(model, threads) {
-  if (model.substeps_per_tick > kLongTick) before_ = initial_;
+    : own_workspace_(std::make_unique<Workspace>(model, threads)),
+      team_(own_workspace_->shared_team),
+      model_(&model),
+      workspace_(own_workspace_.get()),
+      initial_(initialState(model)) {
+  prepare();
+}
+
+TissuePhysics::TissuePhysics(const Places& places, std::shared_ptr<ReadyPlace> start)
+    : place_(std::move(start)),
+      team_(place_->workspace.shared_team),
+      model_(&place_->place.model),
+      workspace_(&place_->workspace),
+      initial_(initialState(*model_)) {
+  held_[0] = place_;
+  initial_.place = place_->place.index;
+  reserveForPlaces(places, initial_);
+  prepare();
+}
+
+void TissuePhysics::prepare() {
+  state_ = initial_;
+  reserveAs(initial_, state_);
+  if (model_->substeps_per_tick > kLongTick) {
+    before_ = initial_;
+    reserveAs(initial_, before_);
+  }
   // The critical step goes with 1 / sqrt(stiffness). Which material set it is not known, so each is taken for the one.
-  const double ratio = kLiveStepSafety * model.dt_critical / model.dt;
+  const double ratio = kLiveStepSafety * model_->dt_critical / model_->dt;
   allowed_stiffening_ = std::max(ratio * ratio, 1.0);
 }
 
 StepReport TissuePhysics::tick(const Command& command) {
-  if (model_.substeps_per_tick <= kLongTick) {
+  if (model_->substeps_per_tick <= kLongTick) {
     Command whole = command;
     whole.stop = nullptr;
-    return palpate::tick(model_, state_, whole, workspace_);
+    return palpate::tick(*model_, state_, whole, *workspace_);
   }
-  before_ = state_;  // same sizes: no allocation
-  const StepReport report = palpate::tick(model_, state_, command, workspace_);
+  before_ = state_;  // no larger than there is room for: no allocation
+  const StepReport report = palpate::tick(*model_, state_, command, *workspace_);
   if (report.cut_short) state_ = before_;
   return report;
 }
 
-std::uint64_t TissuePhysics::stateHash() const { return palpate::stateHash(model_, state_); }
+std::uint64_t TissuePhysics::stateHash() const { return palpate::stateHash(*model_, state_); }
 
-// Same sizes: the vectors' copies go into the memory that they have.
+const std::shared_ptr<ReadyPlace>* TissuePhysics::find(const PlaceIndex& index) const {
+  for (const auto& held : held_)
+    if (held && held->place.index == index) return &held;
+  return nullptr;
+}
+
+/// The model changes; the state is the caller's to change with it.
+void TissuePhysics::moveTo(const std::shared_ptr<ReadyPlace>& place) {
+  place_ = place;
+  model_ = &place_->place.model;
+  workspace_ = &place_->workspace;
+}
+
+PlaceIndex TissuePhysics::goTo(PlaceChange& change) {
+  applyPassage(change.to->place, change.passage, std::move(state_), change.scratch, change.state, team_.get());
+  std::swap(state_, change.state);
+  const ResolutionWatch& before = workspace_->resolution;
+  moveTo(change.to);
+  forgetLastTick();
+  workspace_->resolution.goOnFrom(before);
+  if (place_ == held_[0]) return no_place;
+  const auto begin = held_.begin() + 1, end = held_.end();
+  auto at = std::find(begin, end, place_);
+  PlaceIndex lost = no_place;
+  if (at == end) {
+    at = end - 1;
+    if (*at) lost = (*at)->place.index;
+    *at = place_;
+  }
+  std::rotate(begin, at, at + 1);
+  return lost;
+}
+
+// No larger than there is room for: the vectors' copies go into the memory that they have.
 void TissuePhysics::reset() {
-  initial_.live = state_.live;
+  if (held_[0]) {
+    carryLive(held_[0]->place.model, state_.live, initial_.live);
+    moveTo(held_[0]);
+  } else {
+    initial_.live = state_.live;
+  }
   state_ = initial_;
   forgetLastTick();
 }
 
 void TissuePhysics::putIn(const State& state) {
+  if (const auto* held = find(state.place)) moveTo(*held);
   state_ = state;
   forgetLastTick();
 }
 
 void TissuePhysics::forgetLastTick() {
-  workspace_.resolution.restart();
-  std::vector<Reaction>& reactions = workspace_.boundary.reaction;
+  workspace_->resolution.restart();
+  std::vector<Reaction>& reactions = workspace_->boundary.reaction;
   std::fill(reactions.begin(), reactions.end(), Reaction{});
 }
 
 void TissuePhysics::restore(const State& past) {
+  const Model& left = *model_;
+  if (place_) {
+    const auto* held = find(past.place);
+    if (held == nullptr) return reset();
+    moveTo(*held);
+  }
+  // What is set live stays, with patches of the model that it goes back to.
   initial_.live = state_.live;
   state_ = past;
-  state_.live = initial_.live;
+  if (model_ == &left)
+    state_.live = initial_.live;
+  else
+    carryLive(*model_, initial_.live, state_.live);
   std::fill(state_.du.begin(), state_.du.end(), Float4{});
   state_.energy.fresh = true;  // its kinetic energy is gone
   forgetLastTick();
@@ -71,14 +156,14 @@ void TissuePhysics::restore(const State& past) {
 void TissuePhysics::setFriction(double coefficient) { state_.live.friction = coefficient; }
 
 double TissuePhysics::excessOf(int index, const Material& material) const {
-  const Material& loaded = model_.materials[static_cast<std::size_t>(index)];
+  const Material& loaded = model_->materials[static_cast<std::size_t>(index)];
   const double excess = stiffening(loaded, material) / allowed_stiffening_;
   return excess > 1 ? excess : 0;
 }
 
 double TissuePhysics::setMaterial(int index, const Material& material) {
   if (const double excess = excessOf(index, material); excess > 0) return excess;
-  palpate::setMaterial(model_, index, material, state_.live);
+  palpate::setMaterial(*model_, index, material, state_.live);
   state_.energy.fresh = true;
   return 0;
 }

@@ -1,6 +1,11 @@
 #pragma once
 
+#include <array>
+#include <memory>
+#include <optional>
+
 #include "simulation/model.h"
+#include "simulation/passage.h"
 #include "simulation/state.h"
 #include "simulation/workspace.h"
 
@@ -28,6 +33,23 @@ class Physics {
   virtual double setMaterial(int index, const Material& material) = 0;
 };
 
+/// A place of a cloud that follows the tool (simulation/place.h), with the memory that its steps need.
+struct ReadyPlace {
+  ReadyPlace(Place made, std::shared_ptr<SpinTeam> team)
+      : place(std::move(made)), workspace(place.model, std::move(team)) {}
+  const Place place;
+  Workspace workspace;
+};
+
+/// A place that is ready, and the way there from another.
+struct PlaceChange {
+  PlaceChange(std::shared_ptr<ReadyPlace> from, std::shared_ptr<ReadyPlace> to, const Places& places);
+  std::shared_ptr<ReadyPlace> from, to;
+  Passage passage;
+  PassageScratch scratch;
+  State state;  // of `to`, with room for any place
+};
+
 /// A model, its state and its workspace.
 class TissuePhysics final : public Physics {
  public:
@@ -35,12 +57,18 @@ class TissuePhysics final : public Physics {
   /// @param threads  physics threads, the loop's own included
   TissuePhysics(const Model& model, int threads);
 
+  /// Of a cloud that follows the tool. Places that it was at of late stay with it, so that it may go back to a state of
+  /// them.
+  /// @param start  where it begins, and where reset() goes
+  TissuePhysics(const Places& places, std::shared_ptr<ReadyPlace> start);
+
   StepReport tick(const Command& command) override;
   const State& state() const override { return state_; }
   std::uint64_t stateHash() const override;
   void reset() override;
+  /// Where the state's place does not stay with it any more, as reset().
   void restore(const State& past) override;
-  /// Puts in a state of this model as it is, live settings included.
+  /// Puts in a state of this model as it is, live settings included; of a cloud that follows, of a place that it holds.
   void putIn(const State& state);
   /// What setMaterial would return, without doing it. Any thread.
   double excessOf(int index, const Material& material) const;
@@ -48,19 +76,39 @@ class TissuePhysics final : public Physics {
   void setLoads(const LiveLoads& loads) override { state_.live.loads = loads; }
   double setMaterial(int index, const Material& material) override;
 
-  SpinTeam& team() { return workspace_.team; }
+  static constexpr std::size_t kept_places = 6;  // beside the start: those that it was at last
+
+  /// The present place; null where the cloud stays.
+  const std::shared_ptr<ReadyPlace>& place() const { return place_; }
+  /// Whether it may go back to a state of this place.
+  bool holds(const PlaceIndex& index) const { return find(index) != nullptr; }
+  /// Goes on at another place. @param change  from the present one; its memory is used up
+  /// @return the place that it holds no longer for that, or no_place
+  PlaceIndex goTo(PlaceChange& change);
+
+  SpinTeam& team() { return *team_; }
   /// Of each boundary on the tissue in the last step; 0 before the first, and after reset, restore and putIn.
-  const std::vector<Reaction>& reactions() const { return workspace_.boundary.reaction; }
+  const std::vector<Reaction>& reactions() const { return workspace_->boundary.reaction; }
 
  private:
+  void prepare();
   void forgetLastTick();
+  const std::shared_ptr<ReadyPlace>* find(const PlaceIndex& index) const;
+  void moveTo(const std::shared_ptr<ReadyPlace>& place);
 
-  const Model& model_;
-  State initial_;  // at rest, with the live settings in force
+  // Where the cloud stays.
+  std::unique_ptr<Workspace> own_workspace_;
+  // Where it follows: the start, then those it was at, the last one first.
+  std::array<std::shared_ptr<ReadyPlace>, 1 + kept_places> held_;
+  std::shared_ptr<ReadyPlace> place_;
+
+  std::shared_ptr<SpinTeam> team_;
+  const Model* model_;    // the present one
+  Workspace* workspace_;  // its
+  State initial_;         // at rest, with the live settings in force
   State state_;
-  State before_;  // the present tick, where that is long enough to be cut short; else empty
-  Workspace workspace_;
-  double allowed_stiffening_;  // of a material over the loaded one
+  State before_;                   // the present tick, where that is long enough to be cut short; else empty
+  double allowed_stiffening_ = 1;  // of a material over the loaded one
 };
 
 }  // namespace palpate

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 #include "realtime/channels/log_event.h"
 #include "realtime/loop/thread_setup.h"
@@ -25,6 +26,16 @@ struct Restores {
   }
 };
 
+/// How a cloud followed the tool in a run.
+struct FollowTotals {
+  std::int64_t swaps = 0;       // from place to place
+  std::int64_t late_ticks = 0;  // on a place that was not the one for where the tools are: it was not ready
+  double longest_swap_us = 0;   // on the loop's thread
+  double largest_jump_N = 0;    // of the first tool's raw force in a swap's first tick: what the two before don't lead
+                                // one to expect
+  double largest_jump_share = 0;  // the same over the force before, where that is above 2 % of the run's largest
+};
+
 /// The facts of a run that has ended.
 struct RunSummary {
   std::int64_t ticks = 0;  // of the run, frozen ones included
@@ -45,7 +56,8 @@ struct RunSummary {
   double skull_penetration = 0;         // m, largest of all ticks
   std::int64_t lost_force_samples = 0;  // ring full: nobody took them
   std::int64_t lost_records = 0;
-  bool frozen = false;  // at the end
+  bool frozen = false;                 // at the end
+  std::optional<FollowTotals> follow;  // where the cloud follows the tool
   RtSetup rt_setup;
 };
 

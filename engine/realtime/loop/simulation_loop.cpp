@@ -23,6 +23,9 @@ SimulationLoop::SimulationLoop(const Model& model, Physics& physics, SpinTeam* t
       as_fast_as_possible_(options.as_fast_as_possible),
       keeps_settings_(options.keeps_settings),
       device_(options.device),
+      follower_(options.follower),
+      track_has_places_(options.track_has_places),
+      waits_(options.as_fast_as_possible),
       pause_at_(options.pause_at),
       real_time_(!options.as_fast_as_possible),
       channels_(model, physics.state(), options.force_capacity, options.record ? options.record_capacity : 1),
@@ -40,6 +43,7 @@ SimulationLoop::SimulationLoop(const Model& model, Physics& physics, SpinTeam* t
   run_.hand = run_.goal = model.tool_start;
   recorder_.startFrom(command_, options.record ? &channels_.recorded : nullptr);
   for (int k = 1; k < model.tools.toolCount(); ++k) further_proxies_.emplace_back(model, k);
+  goOnAtPlace(false);
   reporter_.publish({}, run_);
 }
 
@@ -74,6 +78,12 @@ void SimulationLoop::run(Clock& clock) {
   loop.catch_up = model_.scene.catch_up;
   const LoopTotals totals = runFixedStepLoop(loop, clock, *this, channels_.statistics);
   reporter_.finish(totals, run_, recorder_.lostCount());
+  if (follower_ != nullptr) {
+    FollowTotals& follow = *reporter_.summary().follow;
+    follow.swaps = follower_->swapCount();
+    follow.late_ticks = follower_->lateTicks();
+    follow.longest_swap_us = follower_->longestSwap();
+  }
   channels_.finished.store(true, std::memory_order_release);
 }
 
@@ -84,6 +94,7 @@ void SimulationLoop::advanceHere(std::int64_t ticks) {
   time.begin_ns = MonotonicClock().now();
   takeRequests();
   takeHand();
+  const bool waited = std::exchange(waits_, true);
   for (std::int64_t k = 0; k < ticks; ++k) {
     time.begin_ns = MonotonicClock().now();
     reporter_.beginTick(time, run_);
@@ -91,6 +102,7 @@ void SimulationLoop::advanceHere(std::int64_t ticks) {
     reporter_.sendForce(time, run_);
     if (listener_ != nullptr) listener_->afterTick();
   }
+  waits_ = waited;
   reporter_.publish(time, run_);
 }
 
@@ -134,6 +146,7 @@ void SimulationLoop::recall(const RunMemory& memory) {
   folds_.recall(memory.folds);
   snags_.recall(memory.snags);
   slides_.recall(memory.slides);
+  goOnAtPlace(false);
   history_.startAt(physics_.state());
   settings_.recall();
   reporter_.recall(memory);
@@ -216,12 +229,41 @@ std::optional<LogEvent::Kind> SimulationLoop::findLost(const StepReport& report)
   return std::nullopt;
 }
 
+/// The physics is at another place, and who reads its nodes with it.
+void SimulationLoop::goOnAtPlace(bool swapped) {
+  if (follower_ == nullptr) return;
+  const std::shared_ptr<ReadyPlace>& place = follower_->place();
+  reporter_.goOnAt(place, swapped);
+  slides_.goOnWith(place->place.model);
+  if (swapped && follower_->letGo() != no_place) history_.forget(follower_->letGo());
+  if (!swapped) follower_->restart();
+}
+
+/// Before a tick's physics: the cloud is where the tool is. False: quit() came while it was waited for.
+bool SimulationLoop::followTool() {
+  if (follower_ == nullptr) return true;
+  if (track_has_places_ && track_.drives(run_.tick)) {
+    follower_->expect(track_.nextPlace());
+    return true;
+  }
+  if (follower_->follow(waits_, channels_.quit)) {
+    recorder_.add(run_.tick, Request::goToPlace(follower_->place()->place.index));
+    goOnAtPlace(true);
+  }
+  reporter_.notePlace(follower_->isLate());
+  return !channels_.quit.load(std::memory_order_relaxed);
+}
+
 bool SimulationLoop::step() {
+  if (team_ != nullptr) team_->wake();
+  if (!followTool()) {
+    if (team_ != nullptr && !as_fast_as_possible_) team_->park();
+    return false;
+  }
   Command command = command_;
   command.tool_target = proxy_.follow(run_.hand, physics_.state(), reporter_.lastReport());
   if (!model_.tools.empty()) yieldFurther(command);
   command.stop = &channels_.quit;
-  if (team_ != nullptr) team_->wake();
   const StepReport report = physics_.tick(command);
   if (team_ != nullptr && !as_fast_as_possible_) team_->park();
   if (report.cut_short) return false;
@@ -230,6 +272,7 @@ bool SimulationLoop::step() {
     case Verdict::Good: {
       if (const auto lost = findLost(report)) {
         physics_.reset();  // not to where a recalled run began: that may have been folded
+        goOnAtPlace(false);
         history_.clear();
         beGentle();
         reporter_.restored(*lost);
@@ -253,6 +296,7 @@ bool SimulationLoop::step() {
 /// The tool is where it was then, too; it will come gently to where the hand is.
 void SimulationLoop::goBackTo(const State& past) {
   physics_.restore(past);
+  goOnAtPlace(false);
   history_.wentBackTo(past.tick);
   beGentle();
 }

@@ -5,6 +5,7 @@
 #include <thread>
 #include <vector>
 
+#include "realtime/loop/cloud_follower.h"
 #include "realtime/loop/fold_watch.h"
 #include "realtime/loop/further_hands.h"
 #include "realtime/loop/input_recorder.h"
@@ -42,7 +43,10 @@ struct SimulationLoopOptions {
   /// Moves the tool wherever no track does, beside which the viewer may change what it likes but the tool: a haptic
   /// device's (realtime/device/coupled_tool.h). Must outlive the loop. Null: none.
   ToolMotion* device = nullptr;
-  bool keeps_settings = false;  // friction and materials stay as they were set when track or motion starts over
+  /// Has the physics at the place for where the tool is; must outlive the loop. Null: the cloud stays.
+  CloudFollower* follower = nullptr;
+  bool track_has_places = false;  // a replay's: while the track lasts, it alone says when the cloud goes where
+  bool keeps_settings = false;    // friction and materials stay as they were set when track or motion starts over
   std::size_t force_capacity = 1 << 16;   // samples kept until the viewer takes them
   std::size_t record_capacity = 1 << 16;  // changes kept until the viewer takes them
 };
@@ -143,6 +147,9 @@ class SimulationLoop final : private LoopBody {
   void beGentle();
   void yieldFurther(Command& command);
   void goBackTo(const State& past);
+  bool followTool();
+  void goToPlace(const PlaceIndex& index);
+  void goOnAtPlace(bool swapped);
   bool advance();  // false: quit() broke the tick off, which then never was
   bool step();     // likewise
   std::optional<LogEvent::Kind> findLost(const StepReport& report);
@@ -153,6 +160,9 @@ class SimulationLoop final : private LoopBody {
   const bool as_fast_as_possible_;
   const bool keeps_settings_;
   ToolMotion* device_;
+  CloudFollower* const follower_;
+  const bool track_has_places_;
+  bool waits_;  // for places that are not ready
   TickListener* listener_ = nullptr;
   const std::vector<std::int64_t> pause_at_;
   std::size_t next_pause_ = 0;  // of pause_at_

@@ -89,6 +89,8 @@ void SimulationLoop::apply(const Request& request, bool from_track) {
     case Kind::MoveHand:
     case Kind::SetOpening:
       return further_.take(request, command_);
+    case Kind::GoToPlace:
+      return goToPlace(request.place);
     case Kind::SetFriction:
     case Kind::SetMaterial:
     case Kind::SetGravity:
@@ -115,6 +117,12 @@ void SimulationLoop::moveTool(const Request& request, bool from_track) {
     track_.goal().thenMoveTo(target, request.value);
   else
     track_.goal().moveTo(target, request.value);
+}
+
+void SimulationLoop::goToPlace(const PlaceIndex& index) {
+  if (follower_ == nullptr || !follower_->goTo(index, channels_.quit)) return;
+  recorder_.add(run_.tick, Request::goToPlace(index));
+  goOnAtPlace(true);
 }
 
 void SimulationLoop::steer(const Request& request) {
@@ -171,6 +179,7 @@ void SimulationLoop::reset(Request::Kind kind, bool from_track) {
   const bool over = !from_track && track_.startOver(run_.tick);
   if (over || (!from_track && track_.drives(run_.tick))) kind = Request::Kind::Restart;  // an endless motion, too
   physics_.reset();
+  goOnAtPlace(false);
   run_.reset_tick = run_.tick;
   history_.clear();
   if (kind == Request::Kind::Reset) beGentle();

@@ -20,24 +20,24 @@ double cosineOfTurn(const Mat3& moments) {
 }  // namespace
 
 SlideWatch::SlideWatch(const Model& model)
-    : needed_(std::llround(seconds * model.scene.rate_hz)), free_(freeAxes(model)) {
+    : needed_(std::llround(seconds * model.scene.rate_hz)), free_(freeAxes(model)), model_(&model) {
   if (free_.isZero(0)) return;
-  Vec3 low = model.X.front(), high = low, mean = Vec3::Zero();
+  Vec3 low = model.X.front(), high = low;
   for (const Vec3& X : model.X) {
     low = low.cwiseMin(X);
     high = high.cwiseMax(X);
-    mean += X / static_cast<double>(model.X.size());
   }
   far_ = away * (high - low).norm();
-  for (const Vec3& X : model.X) centred_.push_back(X - mean);
 }
 
 bool SlideWatch::hasLeft(const State& state) const {
   // What slides, slides as a whole: any node tells.
   if (toVec3(state.u.front()).cwiseProduct(free_).norm() > far_) return true;
+  const std::vector<Vec3>& X = model_->X;
+  Vec3 mean = Vec3::Zero();
+  for (const Vec3& x : X) mean += x / static_cast<double>(X.size());
   Mat3 moments = Mat3::Zero();
-  for (std::size_t i = 0; i < centred_.size(); ++i)
-    moments += (centred_[i] + toVec3(state.u[i])) * centred_[i].transpose();
+  for (std::size_t i = 0; i < X.size(); ++i) moments += (X[i] - mean + toVec3(state.u[i])) * (X[i] - mean).transpose();
   return cosineOfTurn(moments) < 0;
 }
 

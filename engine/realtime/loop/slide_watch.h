@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <vector>
 
 #include "simulation/model.h"
 #include "simulation/report.h"
@@ -21,6 +20,9 @@ class SlideWatch {
 
   explicit SlideWatch(const Model& model);
 
+  /// The body has other nodes.
+  void goOnWith(const Model& model) { model_ = &model; }
+
   /// What its coming verdicts depend on.
   struct Memory {
     std::int64_t ticks = 0;  // that it is alone, since it was looked at
@@ -38,7 +40,7 @@ class SlideWatch {
   const std::int64_t needed_;  // ticks
   Vec3 free_;                  // 1 along the axes along which it can slide
   double far_ = 0;             // m
-  std::vector<Vec3> centred_;  // (node_count) m, X less its mean; empty where nothing can slide
+  const Model* model_;
   Memory memory_;
 };
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "simulation/place.h"
+
 namespace palpate {
 namespace {
 
@@ -18,7 +20,7 @@ std::size_t bytesOf(const ContactState& c) {
 
 /// Of the vectors that make up nearly all of a state.
 std::size_t bytesOf(const State& s) {
-  std::size_t bytes = sizeof(State) + 3 * s.u.size() * sizeof(Float4) + s.relaxation.Z.size() * sizeof(float) +
+  std::size_t bytes = sizeof(State) + 3 * s.u.capacity() * sizeof(Float4) + s.relaxation.Z.size() * sizeof(float) +
                       bytesOf(s.contact) + s.skull.force.size() * sizeof(Float4) + bytesOf(s.skull.row);
   for (const ContactState& contact : s.more.contact) bytes += bytesOf(contact);
   return bytes;
@@ -29,7 +31,7 @@ std::size_t bytesOf(const State& s) {
 void StateHistory::Ring::keep(const State& state) {
   newest = (newest + 1) % slots.size();
   used = std::min(used + 1, slots.size());
-  slots[newest] = state;  // same sizes: no allocation
+  slots[newest] = state;  // no larger than there is room for: no allocation
   due = state.tick + every;
 }
 
@@ -42,10 +44,18 @@ void StateHistory::Ring::dropAfter(std::int64_t tick) {
   due = used > 0 ? at(0).tick + every : tick + every;
 }
 
+void StateHistory::Ring::forget(const PlaceIndex& place) {
+  for (std::size_t age = 0; age < used; ++age)
+    if (at(age).place == place) used = age;
+}
+
 StateHistory::StateHistory(const State& start, double rate_hz) : start_(start) {
   const std::size_t fitting = std::clamp<std::size_t>(max_past_bytes / bytesOf(start), 2, past_count);
   good_.slots.assign(2, start);
   past_.slots.assign(fitting, start);
+  reserveAs(start, start_);
+  for (Ring* ring : {&good_, &past_})
+    for (State& slot : ring->slots) reserveAs(start, slot);
   good_.every = std::max<std::int64_t>(1, std::llround(good_seconds * rate_hz));
   past_.every = std::max<std::int64_t>(1, std::llround(past_seconds * rate_hz));
 }
@@ -71,13 +81,18 @@ void StateHistory::wentBackTo(std::int64_t tick) {
   past_.dropAfter(tick);
 }
 
+void StateHistory::forget(const PlaceIndex& place) {
+  good_.forget(place);
+  past_.forget(place);
+}
+
 void StateHistory::clear() {
   good_.used = past_.used = 0;
   good_.due = past_.due = 0;
 }
 
 void StateHistory::startAt(const State& state) {
-  start_ = state;  // same sizes: no allocation
+  start_ = state;  // no larger than there is room for: no allocation
   clear();
   good_.due = past_.due = state.tick;
 }

@@ -34,6 +34,9 @@ class StateHistory {
   /// The physics is back at this tick: what was kept after it never was.
   void wentBackTo(std::int64_t tick);
 
+  /// States of this place, and all before them, can't be gone back to any more.
+  void forget(const PlaceIndex& place);
+
   /// The physics was reset.
   void clear();
 
@@ -53,6 +56,7 @@ class StateHistory {
     void keep(const State& state);
     const State& at(std::size_t age) const;
     void dropAfter(std::int64_t tick);
+    void forget(const PlaceIndex& place);
   };
 
   State start_;

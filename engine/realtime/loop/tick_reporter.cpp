@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "simulation/tool_bodies.h"
 #include "simulation/tool_contact.h"
@@ -10,7 +11,7 @@
 namespace palpate {
 
 TickReporter::TickReporter(const Model& model, const Physics& physics, const SpinTeam* team, LoopChannels& channels)
-    : model_(model),
+    : model_(&model),
       physics_(physics),
       team_(team),
       channels_(channels),
@@ -20,6 +21,7 @@ TickReporter::TickReporter(const Model& model, const Physics& physics, const Spi
       watchdog_(model),
       overload_(model.scene.rate_hz),
       shown_u_(physics.state().u) {
+  shown_u_.reserve(physics.state().u.capacity());
   readings_.count = model.tools.empty() ? 0 : model.tools.toolCount();
   readTools({});
 }
@@ -40,7 +42,7 @@ Verdict TickReporter::judge(const StepReport& report, const RunState& run) {
   const Verdict verdict = watchdog_.judge(report, run.tick, channels_.log);
   const std::uint32_t flags = report.flags;
   summary_.flags |= flags;
-  force_.doubt = doubtOf(model_, report);
+  force_.doubt = doubtOf(*model_, report);
   force_.expected_error = report.expected_error;
   force_.error_force = report.error_force;
   summary_.trust.add(force_.doubt, report.expected_error, report.error_force, secondsAt(run.tick));
@@ -49,6 +51,8 @@ Verdict TickReporter::judge(const StepReport& report, const RunState& run) {
     report_.flags = flags;
     return verdict;
   }
+  const Vec3 expected = 2 * report_.tool_force - force_before_, before = report_.tool_force;
+  force_before_ = report_.tool_force;
   report_ = report;
   if (std::isfinite(report_.min_J)) summary_.min_J = std::min(summary_.min_J, report_.min_J);
   if (verdict == Verdict::Freeze) {
@@ -61,7 +65,8 @@ Verdict TickReporter::judge(const StepReport& report, const RunState& run) {
     return verdict;
   }
   showState();
-  trend_.update(physics_.state().tool_pose, report_, model_.scene.rate_hz);
+  watchSwap(expected, before);
+  trend_.update(physics_.state().tool_pose, report_, model_->scene.rate_hz);
   summary_.peak_force = std::max(summary_.peak_force, report_.tool_force.norm());
   for (std::size_t k = 0; k < static_cast<std::size_t>(readings_.count); ++k) {
     summary_.peak_tool_force[k] = std::max(summary_.peak_tool_force[k], report_.loads[k].force.norm());
@@ -85,7 +90,31 @@ void TickReporter::watchYield(const RunState& run) {
   if (begins) logEvent(LogEvent::Kind::ToolYields, run, -1, run.yield);
 }
 
-void TickReporter::showState() { std::copy(physics_.state().u.begin(), physics_.state().u.end(), shown_u_.begin()); }
+void TickReporter::showState() {
+  shown_u_.resize(physics_.state().u.size());  // there is room
+  std::copy(physics_.state().u.begin(), physics_.state().u.end(), shown_u_.begin());
+}
+
+void TickReporter::goOnAt(const std::shared_ptr<ReadyPlace>& place, bool swapped) {
+  model_ = &place->place.model;
+  place_ = std::shared_ptr<const Place>(place, &place->place);
+  watchdog_.goOnWith(*model_);
+  force_.node_count = model_->nodeCount();
+  if (!summary_.follow) summary_.follow.emplace();
+  swapped_ = swapped;
+  showState();
+}
+
+/// How far a swap has the force jump. @param expected, before  N
+void TickReporter::watchSwap(const Vec3& expected, const Vec3& before) {
+  constexpr double least_share = 0.02;  // of the largest force: below, a jump is a share of nearly nothing
+  if (!std::exchange(swapped_, false)) return;
+  const double jump = (report_.tool_force - expected).norm();
+  FollowTotals& follow = *summary_.follow;
+  follow.largest_jump_N = std::max(follow.largest_jump_N, jump);
+  if (before.norm() > least_share * summary_.peak_force)
+    follow.largest_jump_share = std::max(follow.largest_jump_share, jump / before.norm());
+}
 
 void TickReporter::restored(LogEvent::Kind cause) {
   ++summary_.restored_count;
@@ -95,7 +124,7 @@ void TickReporter::restored(LogEvent::Kind cause) {
 }
 
 /// Where the first tool is; of jaws their first finger.
-Pose TickReporter::firstBody() const { return bodyPose(toolBody(model_, 0), postureOf(physics_.state(), 0)); }
+Pose TickReporter::firstBody() const { return bodyPose(toolBody(*model_, 0), postureOf(physics_.state(), 0)); }
 
 void TickReporter::sendForce(const LoopTime& time, const RunState& run) {
   force_.tick = run.tick;
@@ -103,8 +132,8 @@ void TickReporter::sendForce(const LoopTime& time, const RunState& run) {
   force_.time_s = secondsAt(run.tick);
   force_.depth_m = depth_.of(firstBody(), physics_.state().contact);
   summary_.peak_depth = std::max(summary_.peak_depth, force_.depth_m);
-  force_.advance_m =
-      (physics_.state().tool_pose.position - model_.tool_start.position).dot(tool_axis_) - model_.first_contact_travel;
+  force_.advance_m = (physics_.state().tool_pose.position - model_->tool_start.position).dot(tool_axis_) -
+                     model_->first_contact_travel;
   force_.tool_pose = physics_.state().tool_pose;
   force_.force_raw = report_.tool_force;
   force_.torque = report_.tool_torque;
@@ -135,7 +164,9 @@ void TickReporter::publish(const LoopTime& time, const RunState& run) {
   Snapshot& snapshot = channels_.snapshots.back();
   snapshot.tick = state.tick;
   snapshot.time_s = secondsAt(state.tick);
+  snapshot.u.resize(shown_u_.size());  // there is room
   std::copy(shown_u_.begin(), shown_u_.end(), snapshot.u.begin());
+  snapshot.place = place_;
   snapshot.tool_pose = state.tool_pose;
   snapshot.goal_pose = run.goal;
   snapshot.hand_pose = run.hand;
@@ -165,9 +196,9 @@ void TickReporter::publish(const LoopTime& time, const RunState& run) {
     snapshot.contact_force[used] = force;
     ++used;
   };
-  for (int b = 0; b < model_.tools.bodyCount(); ++b) forEachVertexForce(contactOf(state, b), take);
+  for (int b = 0; b < model_->tools.bodyCount(); ++b) forEachVertexForce(contactOf(state, b), take);
   snapshot.contact_count = static_cast<int>(used);
-  for (int b = 0; b < model_.tools.bodyCount(); ++b) forEachSampleForce(contactOf(state, b).samples, take);
+  for (int b = 0; b < model_->tools.bodyCount(); ++b) forEachSampleForce(contactOf(state, b).samples, take);
   snapshot.contact_entries = static_cast<int>(used);
   // The vector has its size since the channels were made.
   const std::vector<Material>& materials = physics_.state().live.kernel.materials;
@@ -190,8 +221,8 @@ void TickReporter::reset() {
   watchdog_.reset();
   report_ = {};
   force_.force_raw.setZero();
-  for (int b = 0; b < model_.tools.bodyCount(); ++b)
-    if (toolBody(model_, b).tool == 0)
+  for (int b = 0; b < model_->tools.bodyCount(); ++b)
+    if (toolBody(*model_, b).tool == 0)
       forEachContactForce(contactOf(state, b), [&](int, const Float4& force) { force_.force_raw -= toVec3(force); });
   force_.force_filtered = force_.force_raw;
   force_.depth_m = depth_.of(firstBody(), state.contact);

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <memory>
+
 #include "base/spin_team.h"
 #include "contact/true_depth.h"
 #include "realtime/loop/contact_trend.h"
@@ -25,6 +27,11 @@ class TickReporter {
 
   /// A period begins.
   void beginTick(const LoopTime& time, const RunState& run);
+
+  /// The body has other nodes from here on. @param swapped  it went from place to place; else to an earlier state
+  void goOnAt(const std::shared_ptr<ReadyPlace>& place, bool swapped);
+  /// The coming tick's: whether its place is late.
+  void notePlace(bool late) { force_.place_late = late; }
 
   /// The physics has done a tick.
   Verdict judge(const StepReport& report, const RunState& run);
@@ -66,12 +73,16 @@ class TickReporter {
 
  private:
   void watchYield(const RunState& run);
+  void watchSwap(const Vec3& expected, const Vec3& before);
   void readTools(const RunState& run);
   Pose firstBody() const;
   void showState();
-  double secondsAt(std::int64_t tick) const { return static_cast<double>(tick) / model_.scene.rate_hz; }
+  double secondsAt(std::int64_t tick) const { return static_cast<double>(tick) / model_->scene.rate_hz; }
 
-  const Model& model_;
+  const Model* model_;                  // the present one
+  std::shared_ptr<const Place> place_;  // that it is of; null where the cloud stays
+  bool swapped_ = false;                // before the present tick
+  Vec3 force_before_ = Vec3::Zero();    // N, of the tick before the last
   const Physics& physics_;
   const SpinTeam* team_;
   LoopChannels& channels_;

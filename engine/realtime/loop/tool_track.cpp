@@ -43,13 +43,21 @@ ToolTrack::ToolTrack(std::vector<TimedRequest> track, std::int64_t ticks, ToolMo
       motion_(motion),
       start_(start),
       follow_gain_(-std::expm1(-1 / (kFollowSeconds * rate_hz))),
-      goal_(start, rate_hz) {}
+      goal_(start, rate_hz) {
+  for (std::size_t k = 0; k < track_.size(); ++k)
+    if (track_[k].request.kind == Request::Kind::GoToPlace) places_.push_back(k);
+}
 
 bool ToolTrack::drives(std::int64_t tick) const { return tick - begin_ < end_; }
 
 const Request* ToolTrack::takeDue(std::int64_t tick) {
   if (next_ >= track_.size() || track_[next_].tick > tick - begin_) return nullptr;
   return &track_[next_++].request;
+}
+
+const PlaceIndex& ToolTrack::nextPlace() {
+  while (next_place_ < places_.size() && places_[next_place_] < next_) ++next_place_;
+  return next_place_ < places_.size() ? track_[places_[next_place_]].request.place : no_place;
 }
 
 const Request* ToolTrack::takeSetting(std::int64_t tick, bool frozen) {
@@ -78,7 +86,7 @@ void ToolTrack::reset() {
 bool ToolTrack::startOver(std::int64_t tick) {
   if (track_.empty() && (motion_ == nullptr || end_ == kEndless)) return false;
   begin_ = tick;
-  next_ = 0;
+  next_ = next_place_ = 0;
   return true;
 }
 

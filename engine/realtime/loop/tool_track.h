@@ -26,6 +26,9 @@ class ToolTrack {
   /// The track's next request that takes effect before this tick of the run; null: none is due.
   const Request* takeDue(std::int64_t tick);
 
+  /// The place of the track's next GoToPlace; no_place: there is none.
+  const PlaceIndex& nextPlace();
+
   /// The motion's next change of a setting before this tick; null: none more.
   const Request* takeSetting(std::int64_t tick, bool frozen);
 
@@ -53,10 +56,12 @@ class ToolTrack {
   const std::int64_t end_;  // ticks that track or motion lasts
   ToolMotion* const motion_;
   const Pose start_;
-  const double follow_gain_;  // share of the way to the goal that the tool goes in one tick
-  std::int64_t begin_ = 0;    // tick of the run at which track or motion began
-  std::size_t next_ = 0;      // of track_, to be taken
-  ToolGoal goal_;             // the viewer's
+  const double follow_gain_;         // share of the way to the goal that the tool goes in one tick
+  std::int64_t begin_ = 0;           // tick of the run at which track or motion began
+  std::size_t next_ = 0;             // of track_, to be taken
+  std::vector<std::size_t> places_;  // which of track_ are GoToPlace
+  std::size_t next_place_ = 0;       // of these
+  ToolGoal goal_;                    // the viewer's
 };
 
 }  // namespace palpate

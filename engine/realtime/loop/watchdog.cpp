@@ -21,7 +21,7 @@ Vec3 placeOf(const std::vector<Vec3>& X, int index) {
 
 }  // namespace
 
-Watchdog::Watchdog(const Model& model, const WatchdogLimits& limits) : model_(model), limits_(limits) { reset(); }
+Watchdog::Watchdog(const Model& model, const WatchdogLimits& limits) : model_(&model), limits_(limits) { reset(); }
 
 void Watchdog::reset() {
   inverted_ticks_ = recent_losses_ = 0;
@@ -32,14 +32,14 @@ void Watchdog::reset() {
 bool Watchdog::begins(int warning, bool condition, std::int64_t tick) {
   if (!condition) return false;
   std::int64_t& last = last_seen_[static_cast<std::size_t>(warning)];
-  const bool news = last == kNever || static_cast<double>(tick - last) > kQuietSeconds * model_.scene.rate_hz;
+  const bool news = last == kNever || static_cast<double>(tick - last) > kQuietSeconds * model_->scene.rate_hz;
   last = tick;
   return news;
 }
 
 Verdict Watchdog::lost(std::int64_t tick) {
   const auto is_recent = [&](std::int64_t loss) {
-    return loss != kNever && static_cast<double>(tick - loss) <= kLossSeconds * model_.scene.rate_hz;
+    return loss != kNever && static_cast<double>(tick - loss) <= kLossSeconds * model_->scene.rate_hz;
   };
   recent_losses_ = static_cast<int>(std::count_if(losses_.begin(), losses_.end(), is_recent));
   if (recent_losses_ == static_cast<int>(losses_.size())) return Verdict::Freeze;
@@ -54,14 +54,14 @@ Verdict Watchdog::judge(const StepReport& report, std::int64_t tick, LogRing& lo
     LogEvent event;
     event.kind = kind;
     event.tick = tick;
-    event.time_s = static_cast<double>(tick) / model_.scene.rate_hz;
+    event.time_s = static_cast<double>(tick) / model_->scene.rate_hz;
     event.index = index;
     event.position = position;
     event.value = value;
     log.push(event);
   };
-  const Vec3 node_X = placeOf(model_.X, report.worst_node);
-  const Vec3 point_X = placeOf(model_.point_X, report.worst_point);
+  const Vec3 node_X = placeOf(model_->X, report.worst_node);
+  const Vec3 point_X = placeOf(model_->point_X, report.worst_point);
 
   using Kind = LogEvent::Kind;
   const bool finite = std::all_of(report.loads.begin(), report.loads.end(),
@@ -79,8 +79,8 @@ Verdict Watchdog::judge(const StepReport& report, std::int64_t tick, LogRing& lo
     return verdict;
   }
   const int flood =
-      std::max(limits_.flood_minimum, static_cast<int>(std::ceil(limits_.flood_fraction * model_.pointCount())));
-  const int flood_at_once = std::max(flood, static_cast<int>(std::ceil(limits_.flood_at_once * model_.pointCount())));
+      std::max(limits_.flood_minimum, static_cast<int>(std::ceil(limits_.flood_fraction * model_->pointCount())));
+  const int flood_at_once = std::max(flood, static_cast<int>(std::ceil(limits_.flood_at_once * model_->pointCount())));
   inverted_ticks_ = report.inverted_points >= flood ? inverted_ticks_ + 1 : 0;
   if (inverted_ticks_ >= limits_.flood_ticks || report.inverted_points >= flood_at_once) {
     const Verdict verdict = lost(tick);
@@ -99,7 +99,7 @@ Verdict Watchdog::judge(const StepReport& report, std::int64_t tick, LogRing& lo
     logEvent(LogEvent::Kind::DeepContact, -1, Vec3::Zero(), report.max_penetration);
   }
   // The doubts that none of the events above tells of.
-  const Doubt doubt = doubtOf(model_, report);
+  const Doubt doubt = doubtOf(*model_, report);
   const bool other =
       doubt == Doubt::Volume || doubt == Doubt::Squeezed || doubt == Doubt::Step || doubt == Doubt::Energy;
   if (begins(3, other, tick)) logEvent(LogEvent::Kind::Doubted, static_cast<int>(doubt), Vec3::Zero(), 0);

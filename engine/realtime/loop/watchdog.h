@@ -42,6 +42,8 @@ class Watchdog {
   int recentLosses() const { return recent_losses_; }
 
   void reset();
+  /// The body has other nodes.
+  void goOnWith(const Model& model) { model_ = &model; }
 
  private:
   static constexpr std::size_t kWarningCount = 4;
@@ -49,7 +51,7 @@ class Watchdog {
   bool begins(int warning, bool condition, std::int64_t tick);
   Verdict lost(std::int64_t tick);
 
-  const Model& model_;
+  const Model* model_;
   WatchdogLimits limits_;
   int inverted_ticks_ = 0;
   std::array<std::int64_t, 3> losses_{};  // ticks of the last, as a ring

@@ -30,7 +30,7 @@ std::string forceCsvRow(const ForceSample& s) {
   return row + std::to_string(s.contact_count) + format(",%.3g\n", s.expected_error);
 }
 
-std::string forceCsvHeader(const ToolSet& tools) {
+std::string forceCsvHeader(const ToolSet& tools, bool follows) {
   std::string header(force_csv_header);
   header.pop_back();
   for (std::size_t k = 0; k < tools.tool.size(); ++k) {
@@ -41,10 +41,10 @@ std::string forceCsvHeader(const ToolSet& tools) {
         header.append(name).append(column);
     if (tools.tool[k].jaws) header.append(name).append("opening_m").append(name).append("pinch_N");
   }
-  return header + '\n';
+  return header + (follows ? ",nodes,place_late\n" : "\n");
 }
 
-std::string forceCsvRow(const ForceSample& sample, const ToolReadings& readings, const ToolSet& tools) {
+std::string forceCsvRow(const ForceSample& sample, const ToolReadings& readings, const ToolSet& tools, bool follows) {
   std::string row = forceCsvRow(sample);
   row.pop_back();
   const auto add = [&row](double value) {
@@ -62,6 +62,7 @@ std::string forceCsvRow(const ForceSample& sample, const ToolReadings& readings,
     }
     if (tools.tool[k].jaws) add(t.opening), add(t.pinch);
   }
+  if (follows) row += ',' + std::to_string(sample.node_count) + (sample.place_late ? ",1" : ",0");
   return row + '\n';
 }
 

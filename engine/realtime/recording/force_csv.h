@@ -17,7 +17,9 @@ std::string forceCsvRow(const ForceSample& sample);
 /// Header and rows with the columns that a scene with several tools or jaws has beyond these, each behind its tool's
 /// number (tool1_opening_m, tool2_force_N_x): opening and pinch force of jaws; pose, force and torque of the tools
 /// beside the first. Others: the same as above.
-std::string forceCsvHeader(const ToolSet& tools);
-std::string forceCsvRow(const ForceSample& sample, const ToolReadings& readings, const ToolSet& tools);
+/// @param follows  the cloud follows the tool: at last the nodes of its place, and 1 where that was late
+std::string forceCsvHeader(const ToolSet& tools, bool follows = false);
+std::string forceCsvRow(const ForceSample& sample, const ToolReadings& readings, const ToolSet& tools,
+                        bool follows = false);
 
 }  // namespace palpate

@@ -103,6 +103,10 @@ std::string lineOf(const TimedRequest& change) {
       line += " mark " + std::to_string(r.index);
       append(line, {r.point.x(), r.point.y(), r.point.z()});
       break;
+    case Request::Kind::GoToPlace:
+      line += " place";
+      for (const int centre : r.place) line += ' ' + std::to_string(centre);
+      break;
     case Request::Kind::Unmark:
       line += " unmark";
       break;
@@ -207,6 +211,15 @@ Request readChange(LineReader& line) {
     const int hardness = line.integer<int>("how hard, 1 .. 3");
     if (hardness < 1 || hardness > 3) line.fail("a mark is 1, 2 or 3 hard");
     return Request::mark(line.vector("a coordinate, m"), hardness);
+  }
+  if (what == "place") {
+    PlaceIndex place = no_place;
+    for (int& centre : place) {
+      centre = line.integer<int>("the number of a centre");
+      if (centre < -1) line.fail("a centre's number can't be below -1");
+    }
+    if (place[0] < 0) line.fail("the first tool's centre is missing");
+    return Request::goToPlace(place);
   }
   if (what == "unmark") return Request::simple(Request::Kind::Unmark);
   if (what == "submit") return Request::simple(Request::Kind::Submit);

@@ -29,6 +29,7 @@ namespace palpate {
 ///   40 mark 2 0.01 0.02 0.08             how hard, 1 .. 3, and where a trainee says that a lump is, m
 ///   41 unmark
 ///   44 submit                            from here on a replay shows the lumps
+///   50 place 17 -1 -1 -1                 where a cloud that follows the tool goes, by the number of each tool's centre
 ///   end 500                              ticks of the run; missing: cut off
 /// The scene's name is written without line ends and other control characters, which would end its line.
 /// Throws std::runtime_error when the file can't be written.

@@ -87,6 +87,7 @@ RunReport makeRunReport(const Model& model, const RunSummary& summary, const Dea
   report.restored_count = summary.restored_count;
   report.largest_yield_m = summary.largest_yield;
   report.yielding_seconds = static_cast<double>(summary.yielding_ticks) / model.scene.rate_hz;
+  report.follow = summary.follow;
   report.frozen = summary.frozen;
   report.setup_seconds = model.setup_seconds;
   report.build = buildInfo();
@@ -144,6 +145,13 @@ std::string toJson(const RunReport& r) {
     if (tool.jaws) entry["peak_pinch_N"] = tool.peak_pinch_N;
     json["tools"].push_back(entry);
   }
+  if (r.follow)
+    json["follow"] = {
+        {"swaps", r.follow->swaps},
+        {"late_share", r.ticks > 0 ? static_cast<double>(r.follow->late_ticks) / static_cast<double>(r.ticks) : 0},
+        {"largest_jump_N", r.follow->largest_jump_N},
+        {"largest_jump_share", r.follow->largest_jump_share},
+        {"longest_swap_us", r.follow->longest_swap_us}};
   if (r.has_skull) {
     const Vec3& skull = r.skull_force_N;
     json["skull_force_N"] = Json::array({skull.x(), skull.y(), skull.z()});

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -47,8 +48,9 @@ struct RunReport {
   double first_doubt_s = -1;  // < 0: none
   double expected_error = 0;  // of the largest force, as a share (RunTrust)
   std::int64_t restored_count = 0;
-  double largest_yield_m = 0;   // that the tool stayed behind hand or script; 0: it went where it was asked to
-  double yielding_seconds = 0;  // for how long
+  double largest_yield_m = 0;          // that the tool stayed behind hand or script; 0: it went where it was asked to
+  double yielding_seconds = 0;         // for how long
+  std::optional<FollowTotals> follow;  // where the cloud follows the tool; else report.json has no "follow"
   bool frozen = false;
   double setup_seconds = 0;
   std::string build;

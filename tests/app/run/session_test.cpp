@@ -408,3 +408,44 @@ TEST_CASE("All that a picture shows is of one tick, however seldom and slowly pi
   session.finish();
   CHECK(session.samples().back().tick == session.latest().status.ticks);
 }
+
+TEST_CASE("app: a run on a cloud that follows the probe is repeated by its recording, and says how it followed",
+          "[session][whole]") {
+  const TempFolder folder;
+  Options options;
+  options.offscreen = options.as_fast_as_possible = true;
+  options.use_cache = false;
+  options.scene =
+      folder.write("bar.toml", replaced(replaced(test::touched_block_text, "spacing = 0.012", "follow = true"),
+                                        "size = [0.06, 0.06, 0.03]", "size = [0.12, 0.04, 0.03]"));
+  options.out = folder.path("out");
+  options.tool_script = folder.write("drag.toml",
+                                     "interpolation = \"linear\"\n"
+                                     "[[keyframe]]\ntime = 0.05\nadvance = 0\n"
+                                     "[[keyframe]]\ntime = 0.1\nadvance = 0.003\n"
+                                     "[[keyframe]]\ntime = 0.4\nadvance = 0.003\nslide = [0.03, 0]\n");
+  options.record = folder.path("drag.rec");
+  Log log;
+  const auto run = [&] {
+    Session session(options, app::readScene(options), log);
+    session.start();
+    while (!session.finished()) session.gather();
+    session.finish();
+    CHECK(session.failure().empty());
+    const Snapshot& last = session.latest();
+    REQUIRE(last.place);
+    CHECK(static_cast<int>(last.u.size()) == modelOf(last, session.model()).nodeCount());
+    CHECK(&modelOf(last, session.model()) != &session.model());
+    return session.report();
+  };
+  const RunReport first = run();
+  REQUIRE(first.follow);
+  CHECK(first.follow->swaps >= 2);
+  CHECK(first.follow->late_ticks == 0);
+  CHECK(readAll(options.out + "/force.csv").find(",nodes,place_late\n") != std::string::npos);
+  options.tool_script.clear();
+  options.replay = std::exchange(options.record, "");
+  const RunReport again = run();
+  CHECK(again.state_hash == first.state_hash);
+  CHECK(again.follow->swaps == first.follow->swaps);
+}

@@ -57,6 +57,7 @@ Recording everyKind() {
                        {999, Request::simple(Request::Kind::Undo)},
                        {999, Request::mark(Vec3(0.1, 1.0 / 3, -2e-3), 3)},
                        {999, Request::simple(Request::Kind::Unmark)},
+                       {999, Request::goToPlace({17, 0, -1, -1})},
                        {1000, Request::simple(Request::Kind::Submit)}};
   for (const MaterialLaw& law : materialLaws())
     recording.changes.insert(recording.changes.begin() + 5, {8, Request::setMaterial(0, test::sampleMaterial(law))});
@@ -98,6 +99,7 @@ TEST_CASE("A recording is read as it was written, bit for bit", "[recording]") {
     CHECK(a.pose.position == b.pose.position);
     CHECK(a.pose.orientation.coeffs() == b.pose.orientation.coeffs());
     CHECK(a.material == b.material);
+    CHECK(a.place == b.place);
   }
   const std::string text = readAll(temporary.file);
   writeRecording(read, temporary.file);
@@ -145,6 +147,9 @@ TEST_CASE("Damaged recordings are refused with file and line", "[recording]") {
       {with("15 release", "15 unpin -2"), 7, "below -1"},
       {with("15 release", "15 region -2 0 0 0"), 7, "below -1"},
       {with("15 release", "15 mark 4 0 0 0"), 7, "a mark is 1, 2 or 3 hard"},
+      {with("15 release", "15 place 3 -2 -1 -1"), 7, "a centre's number can't be below -1"},
+      {with("15 release", "15 place -1 -1 -1 -1"), 7, "the first tool's centre is missing"},
+      {with("15 release", "15 place 3 -1"), 7, "ends before the number of a centre"},
       {with("15 release", "15 material 0 jelly"), 7, "\"jelly\" is not a material law"},
       {with("15 release", "15 material 0 ogden mu 7"), 7, "so many terms"},
       {with("15 release", "15 material 0 ogden mu 2 1 1 alpha 1"), 7, "so many terms"},

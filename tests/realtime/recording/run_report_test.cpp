@@ -51,6 +51,16 @@ TEST_CASE("report.json has the keys that other tools read", "[run_report]") {
     CHECK(report["step_us"].contains(key));
     CHECK(report["wakeup_late_us"].contains(key));
   }
+  CHECK(!report.contains("follow"));
+  RunReport following;
+  following.ticks = 200;
+  following.follow = FollowTotals{3, 50, 120, 0.01, 0.004};
+  const json follow = json::parse(toJson(following))["follow"];
+  CHECK(follow["swaps"] == 3);
+  CHECK(follow["late_share"] == 0.25);
+  CHECK(follow["largest_jump_N"] == 0.01);
+  CHECK(follow["largest_jump_share"] == 0.004);
+  CHECK(follow["longest_swap_us"] == 120);
   for (const char* key : {"scheduling", "memory_lock", "affinity"}) CHECK(report["rt_setup"].contains(key));
 }
 

@@ -104,6 +104,7 @@ Json toJson(const Row& row) {
 
 int followCommand(const FollowOptions& options) {
   const Scene scene = readScene(findScene(options.scene));
+  requireOneCloud(scene);  // the one that it is measured beside
   const TriangleSurface organ = organSurface(scene);
   const SurfaceTree tree(organ);
   DragSettings settings;

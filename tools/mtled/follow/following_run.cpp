@@ -91,10 +91,10 @@ FollowingRun followTrajectory(const Places& places, PlaceShelf& shelf, const Too
     if (index != place->index) {
       const Place& next = shelf.at(index);
       const Passage passage = makePassage(*place, next);
-      PassageScratch scratch(passage);
+      PassageScratch scratch(passage, runner->state.u.size());
       State state = initialState(next.model);
       const double start = processorSeconds(CLOCK_THREAD_CPUTIME_ID);
-      applyPassage(*place, next, passage, runner->state, scratch, state);
+      applyPassage(next, passage, runner->state, scratch, state);
       Swap swap;
       swap.apply_us = 1e6 * (processorSeconds(CLOCK_THREAD_CPUTIME_ID) - start);
       swap.tick = static_cast<int>(k);

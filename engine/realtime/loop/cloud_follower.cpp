@@ -1,0 +1,149 @@
+#include "realtime/loop/cloud_follower.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <thread>
+#include <utility>
+
+#include "simulation/tool_bodies.h"
+
+namespace palpate {
+namespace {
+
+constexpr auto look_every = std::chrono::microseconds(200);  // while it waits
+
+int threadsLeft(int physics_threads) {
+  return std::max(1, static_cast<int>(std::thread::hardware_concurrency()) - physics_threads);
+}
+
+}  // namespace
+
+CloudFollower::CloudFollower(const Places& places, TissuePhysics& physics, PlaceWorker& worker)
+    : places_(places), physics_(physics), worker_(worker) {
+  velocity_.fill(Vec3::Zero());
+}
+
+CloudFollower::~CloudFollower() { drop(); }
+
+void CloudFollower::drop() {
+  if (pending_ != nullptr) worker_.giveBack(std::exchange(pending_, nullptr));
+}
+
+/// Whether some tool's ball is around it better there than here, and none worse.
+bool CloudFollower::isNearer(const PlaceIndex& index, const ToolPostures& tools) const {
+  const PlaceIndex& present = physics_.place()->place.index;
+  bool nearer = false;
+  for (std::size_t t = 0; t < present.size(); ++t) {
+    if (index[t] == present[t]) continue;
+    const auto distance = [&](const PlaceIndex& i) {
+      return (places_.centres[static_cast<std::size_t>(i[t])] - tools[t].pose.position).squaredNorm();
+    };
+    if (!(distance(index) < distance(present))) return false;
+    nearer = true;
+  }
+  return nearer;
+}
+
+/// Has the change to a place pending, if it can be had.
+bool CloudFollower::get(const PlaceIndex& next, bool waits, const std::atomic<bool>& stop) {
+  const PlaceIndex present = physics_.place()->place.index;
+  const auto fits = [&] {
+    return pending_ != nullptr && pending_->from->place.index == present && pending_->to->place.index == next;
+  };
+  for (;;) {
+    if (fits()) return true;
+    if (PlaceChange* const made = worker_.take()) {
+      drop();
+      pending_ = made;
+      if (fits()) return true;
+    }
+    if (!waits || worker_.failed(next) || stop.load(std::memory_order_relaxed)) return false;
+    worker_.want({present, next, no_place});
+    std::this_thread::sleep_for(look_every);
+  }
+}
+
+void CloudFollower::swap() {
+  const auto begin = std::chrono::steady_clock::now();
+  let_go_ = physics_.goTo(*pending_);
+  const std::chrono::duration<double, std::micro> taken = std::chrono::steady_clock::now() - begin;
+  longest_swap_us_ = std::max(longest_swap_us_, taken.count());
+  ++swap_count_;
+  drop();
+}
+
+bool CloudFollower::follow(bool waits, const std::atomic<bool>& stop) {
+  const Place& here = physics_.place()->place;
+  const PlaceIndex present = here.index;
+  const ToolPostures tools = posturesOf(here.model, physics_.state());
+  const auto count = static_cast<std::size_t>(1 + places_.scene.further_tools.size());
+  const double rate = places_.scene.rate_hz, share = std::min(1.0, 1 / (velocity_seconds * rate));
+  const double make_seconds = worker_.madeCount() > 0 ? worker_.madeSeconds() / worker_.madeCount() : 0;
+  ToolPostures soon = tools, then = tools;
+  for (std::size_t t = 0; t < count; ++t) {
+    const Vec3& x = tools[t].pose.position;
+    if (!has_moved_)
+      velocity_[t].setZero();
+    else
+      velocity_[t] += share * (rate * (x - position_[t]) - velocity_[t]);
+    position_[t] = x;
+    const double speed = velocity_[t].norm();
+    if (!(speed > 0)) continue;
+    const double far = std::min(speed * ahead_seconds, std::max(places_.sizes.stride, speed * make_seconds));
+    soon[t].pose.position += far / speed * velocity_[t];
+    then[t].pose.position += 2 * far / speed * velocity_[t];
+  }
+  has_moved_ = true;
+
+  const PlaceIndex next = nextPlace(places_, present, tools);
+  const PlaceIndex wanted = next != present ? next : nextPlace(places_, present, soon);
+  late_ = false;
+  bool swapped = false;
+  if (next != present) {
+    if (get(next, waits, stop)) {
+      swapped = true;
+    } else {
+      late_ = true;
+      // One that was asked for earlier is better than none.
+      const bool usable = !waits && pending_ != nullptr && pending_->from->place.index == present;
+      swapped = usable && isNearer(pending_->to->place.index, tools);
+    }
+    if (swapped) swap();
+    late_ticks_ += late_;
+  }
+  const PlaceIndex& now = physics_.place()->place.index;
+  const PlaceIndex to = swapped ? nextPlace(places_, now, late_ ? tools : soon) : wanted;
+  PlaceIndex after = nextPlace(places_, to, then);
+  if (to != now && !worker_.failed(to)) {
+    const bool there = pending_ != nullptr && pending_->from->place.index == now && pending_->to->place.index == to;
+    if (!there) worker_.want({now, to, after});
+  } else if (after != now) {
+    worker_.want({now, no_place, after});
+  }
+  return swapped;
+}
+
+bool CloudFollower::goTo(const PlaceIndex& index, const std::atomic<bool>& stop) {
+  let_go_ = no_place;
+  late_ = false;
+  if (index == physics_.place()->place.index) return true;
+  if (!get(index, true, stop)) return false;
+  swap();
+  return true;
+}
+
+void CloudFollower::expect(const PlaceIndex& index) {
+  const PlaceIndex& now = physics_.place()->place.index;
+  if (index != no_place && index != now) worker_.want({now, index, no_place});
+}
+
+FollowingTissue::FollowingTissue(std::shared_ptr<const Places> shared, Place first, PlaceWorker::Make make, int threads,
+                                 bool timed)
+    : places(std::move(shared)),
+      start(std::make_shared<ReadyPlace>(std::move(first), std::make_shared<SpinTeam>(threads))),
+      physics(*places, start),
+      worker(*places, std::move(make), start, timed ? threadsLeft(threads) : 0),
+      follower(*places, physics, worker) {}
+
+}  // namespace palpate

@@ -1,0 +1,88 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "realtime/loop/place_worker.h"
+
+namespace palpate {
+
+/// Has the loop's physics at the place for where the tools are (nextPlace), between two ticks. A place and the way to
+/// it come from a worker, which is asked ahead in the direction that the tools go; where they are not ready the loop
+/// stays where it is, or, where it need not keep to the clock, waits: then the run depends on its input alone. A
+/// recording has the tick and the place of each swap, and its replay waits for them.
+/// Loop thread only. Real-time where it does not wait: no allocation, no lock, no throw.
+/// Test: realtime/loop/cloud_follower_test.cpp
+class CloudFollower {
+ public:
+  /// The worker is asked for where the tools are in so long, but no further than the next place; or, where it takes
+  /// longer to make one than they take to the next, for where they are by then.
+  static constexpr double ahead_seconds = 0.6;
+  static constexpr double velocity_seconds = 0.05;  // over which the tools' velocity is smoothed
+
+  /// All must outlive this.
+  CloudFollower(const Places& places, TissuePhysics& physics, PlaceWorker& worker);
+  ~CloudFollower();
+  CloudFollower(const CloudFollower&) = delete;
+  CloudFollower& operator=(const CloudFollower&) = delete;
+
+  /// Before a tick: goes on where the rule says.
+  /// @param waits  for what is not ready, until `stop`
+  /// @return whether the place is another now
+  bool follow(bool waits, const std::atomic<bool>& stop);
+
+  /// Goes to a place that a recording says, and waits for it until `stop`. False: stopped, or it can't be made.
+  bool goTo(const PlaceIndex& index, const std::atomic<bool>& stop);
+
+  /// Where a recording will go next, so that it is ready then; no_place: nowhere.
+  void expect(const PlaceIndex& index);
+
+  /// The tools did not go, but were put where they are.
+  void restart() { has_moved_ = false; }
+
+  const std::shared_ptr<ReadyPlace>& place() const { return physics_.place(); }
+  /// The place that the last swap let go, to whose states nothing goes back; no_place: none.
+  const PlaceIndex& letGo() const { return let_go_; }
+  /// The last tick was one on a place that was not ready.
+  bool isLate() const { return late_; }
+  std::int64_t swapCount() const { return swap_count_; }
+  std::int64_t lateTicks() const { return late_ticks_; }
+  double longestSwap() const { return longest_swap_us_; }  // us
+
+ private:
+  bool get(const PlaceIndex& next, bool waits, const std::atomic<bool>& stop);
+  bool isNearer(const PlaceIndex& index, const ToolPostures& tools) const;
+  void swap();
+  void drop();
+
+  const Places& places_;
+  TissuePhysics& physics_;
+  PlaceWorker& worker_;
+  PlaceChange* pending_ = nullptr;  // taken from the worker
+  bool has_moved_ = false;
+  std::array<Vec3, max_tools> position_, velocity_;  // m, m/s
+  PlaceIndex let_go_ = no_place;
+  bool late_ = false;
+  std::int64_t swap_count_ = 0, late_ticks_ = 0;
+  double longest_swap_us_ = 0;
+};
+
+/// A body whose cloud follows the tool, ready to run: physics, worker and follower of one loop.
+struct FollowingTissue {
+  /// @param start  the place at which the tools start
+  /// @param threads  physics threads
+  /// @param timed    the loop will keep to the clock, and the worker must leave cores to it
+  FollowingTissue(std::shared_ptr<const Places> shared, Place start, PlaceWorker::Make make, int threads, bool timed);
+
+  const Model& model() const { return start->place.model; }
+
+  const std::shared_ptr<const Places> places;
+  const std::shared_ptr<ReadyPlace> start;
+  TissuePhysics physics;
+  PlaceWorker worker;
+  CloudFollower follower;
+};
+
+}  // namespace palpate

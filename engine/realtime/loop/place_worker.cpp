@@ -1,0 +1,136 @@
+#include "realtime/loop/place_worker.h"
+
+#include <algorithm>
+#include <chrono>
+#include <utility>
+
+#include "base/parallel_for.h"
+#include "realtime/loop/thread_setup.h"
+
+namespace palpate {
+namespace {
+
+constexpr std::size_t returned_capacity = 16;  // the loop has two at most
+
+}  // namespace
+
+PlaceWorker::PlaceWorker(const Places& places, Make make, std::shared_ptr<ReadyPlace> start, int threads)
+    : places_(places),
+      make_(std::move(make)),
+      threads_(threads),
+      team_(start->workspace.shared_team),
+      wishes_(Wish{}),
+      returned_(returned_capacity),
+      failures_(no_place) {
+  const PlaceIndex index = start->place.index;
+  shelf_[index] = {std::move(start), ++uses_};
+  thread_ = std::thread([this] { work(); });
+}
+
+PlaceWorker::~PlaceWorker() {
+  stop_.store(true, std::memory_order_relaxed);
+  wish_count_.fetch_add(1, std::memory_order_release);
+  wish_count_.notify_one();
+  thread_.join();
+  clear();
+  delete take();
+}
+
+void PlaceWorker::want(const Wish& wish) {
+  if (wish == wanted_) return;
+  wishes_.back() = wanted_ = wish;
+  wishes_.publish();
+  wish_count_.fetch_add(1, std::memory_order_release);
+  wish_count_.notify_one();
+}
+
+PlaceChange* PlaceWorker::take() {
+  PlaceChange* const change = ready_.exchange(nullptr, std::memory_order_acq_rel);
+  if (change != nullptr) wanted_ = {};  // the same may be wanted once more
+  return change;
+}
+
+bool PlaceWorker::failed(const PlaceIndex& index) { return index != no_place && failures_.latest() == index; }
+
+std::string PlaceWorker::failure() const {
+  const std::lock_guard lock(failure_mutex_);
+  return failure_;
+}
+
+void PlaceWorker::fail(const PlaceIndex& index, const std::string& why) {
+  {
+    const std::lock_guard lock(failure_mutex_);
+    if (failure_.empty()) failure_ = why;
+  }
+  failures_.back() = index;
+  failures_.publish();
+}
+
+/// The changes that the loop is done with.
+void PlaceWorker::clear() {
+  for (PlaceChange* change = nullptr; returned_.pop(change);) delete change;
+}
+
+std::shared_ptr<ReadyPlace> PlaceWorker::at(const PlaceIndex& index) {
+  Shelved& shelved = shelf_[index];
+  shelved.used = ++uses_;
+  if (shelved.place) return shelved.place;
+  try {
+    const auto start = std::chrono::steady_clock::now();
+    shelved.place = std::make_shared<ReadyPlace>(make_(index), team_);
+    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    made_seconds_.store(made_seconds_.load(std::memory_order_relaxed) + seconds, std::memory_order_relaxed);
+    made_count_.fetch_add(1, std::memory_order_relaxed);
+  } catch (...) {
+    shelf_.erase(index);
+    throw;
+  }
+  std::shared_ptr<ReadyPlace> place = shelved.place;
+  while (shelf_.size() > most_places) {
+    auto oldest = shelf_.end();
+    for (auto it = shelf_.begin(); it != shelf_.end();
+         ++it)  // that nobody but the shelf has, so that nobody can get it
+      if (it->second.place.use_count() == 1 && (oldest == shelf_.end() || it->second.used < oldest->second.used))
+        oldest = it;
+    if (oldest == shelf_.end()) break;
+    shelf_.erase(oldest);
+  }
+  return place;
+}
+
+void PlaceWorker::work() {
+  if (threads_ > 0) setUpViewerThread();  // gives way to the loop, as whoever draws
+  const OwnSetupThreads own(threads_);
+  Wish done;
+  std::uint32_t seen = 0;
+  while (!stop_.load(std::memory_order_relaxed)) {
+    const std::uint32_t count = wish_count_.load(std::memory_order_acquire);
+    const Wish wish = wishes_.latest();
+    clear();
+    PlaceIndex made = no_place;
+    try {
+      if (count != seen) {
+        seen = count;
+        const bool there =
+            ready_.load(std::memory_order_acquire) != nullptr && wish.from == done.from && wish.to == done.to;
+        if (wish.to != no_place && !there) {
+          made = wish.to;
+          auto change = std::make_unique<PlaceChange>(at(wish.from), at(wish.to), places_);
+          done = wish;
+          delete ready_.exchange(change.release(), std::memory_order_acq_rel);
+          continue;
+        }
+      }
+      made = wish.then;
+      if (made != no_place && !shelf_.contains(made)) {
+        at(made);
+        continue;
+      }
+    } catch (const std::exception& error) {
+      fail(made, error.what());
+    }
+    wish_count_.wait(count, std::memory_order_acquire);
+  }
+}
+
+}  // namespace palpate

@@ -1,0 +1,317 @@
+// A cloud that follows the tool in the loop: swaps between ticks, a worker that is late, replays, undo, saved states.
+
+#include "realtime/loop/cloud_follower.h"
+
+#include <atomic>
+#include <catch2/catch.hpp>
+#include <chrono>
+#include <map>
+#include <mutex>
+#include <random>
+#include <thread>
+
+#include "realtime/fakes.h"
+#include "realtime/loop/simulation_loop.h"
+#include "realtime/loop_run.h"
+#include "realtime/recording/recording.h"
+#include "simulation/build_model.h"
+#include "simulation/model_hash.h"
+#include "support/equal_models.h"
+#include "support/realtime_guard.h"
+#include "support/small_scene.h"
+
+using namespace palpate;
+
+namespace {
+
+std::shared_ptr<const Places> places() {
+  static const auto made = [] {
+    Scene scene = test::barScene();
+    scene.tool_position = Vec3(-0.06, 0, 0.0305);
+    return std::make_shared<const Places>(makePlaces(scene, test::barSurface()));
+  }();
+  return made;
+}
+
+/// As a worker makes it; made once for all tests.
+Place placeAt(const PlaceIndex& index) {
+  static std::mutex mutex;
+  static std::map<PlaceIndex, Place> made;
+  const std::lock_guard lock(mutex);
+  const auto at = made.find(index);
+  return at != made.end() ? at->second : made[index] = makePlace(*places(), index);
+}
+
+/// A worker that takes up to so long for a place, by a lot of its own.
+PlaceWorker::Make late(int most_ms, unsigned seed) {
+  auto random = std::make_shared<std::mt19937>(seed);
+  return [random, most_ms](const PlaceIndex& index) {
+    Place place = placeAt(index);
+    std::this_thread::sleep_for(std::chrono::milliseconds(std::uniform_int_distribution<int>(0, most_ms)(*random)));
+    return place;
+  };
+}
+
+std::unique_ptr<FollowingTissue> tissue(int threads = 1, PlaceWorker::Make make = placeAt) {
+  return std::make_unique<FollowingTissue>(places(), placeAt(startPlace(*places())), std::move(make), threads, true);
+}
+
+constexpr int drag_ticks = 250;
+constexpr double drag_length = 0.045;  // m
+
+/// Half a radius down in the first fifth, then along the bar.
+Pose dragPose(const Model& model, int tick) {
+  const double down = std::min(1.0, 5.0 * tick / drag_ticks), along = std::max(0.0, (5.0 * tick / drag_ticks - 1) / 4);
+  Pose pose = model.tool_start;
+  pose.position += Vec3(drag_length * along, 0, -0.0045 * down);
+  return pose;
+}
+
+SimulationLoopOptions dragging(FollowingTissue& tissue, bool fast) {
+  SimulationLoopOptions options;
+  options.follower = &tissue.follower;
+  options.as_fast_as_possible = fast;
+  options.tick_limit = drag_ticks;
+  options.record = true;
+  std::vector<Pose> poses;
+  for (int k = 1; k <= drag_ticks; ++k) poses.push_back(dragPose(tissue.model(), k));
+  options.track = trackFromPoses(poses);
+  return options;
+}
+
+struct Run {
+  RunSummary summary;
+  std::vector<TimedRequest> changes;
+};
+
+Run run(FollowingTissue& tissue, SimulationLoopOptions options) {
+  SimulationLoop loop(tissue.model(), tissue.physics, &tissue.physics.team(), std::move(options));
+  loop.start();
+  loop.join();
+  return {loop.summary(), test::drain(loop.recorded())};
+}
+
+Run replay(FollowingTissue& tissue, const std::vector<TimedRequest>& changes, std::int64_t ticks) {
+  SimulationLoopOptions options;
+  options.follower = &tissue.follower;
+  options.track_has_places = true;
+  options.as_fast_as_possible = true;
+  options.track = changes;
+  options.tick_limit = options.track_ticks = ticks;
+  return run(tissue, std::move(options));
+}
+
+std::vector<std::int64_t> swapTicks(const std::vector<TimedRequest>& changes) {
+  std::vector<std::int64_t> ticks;
+  for (const TimedRequest& change : changes)
+    if (change.request.kind == Request::Kind::GoToPlace) ticks.push_back(change.tick);
+  return ticks;
+}
+
+}  // namespace
+
+TEST_CASE("realtime: a run that need not keep to the clock has the same bits however late its places are",
+          "[cloud_follower]") {
+  Run first;
+  for (const int k : {0, 1}) {
+    const auto body = tissue(1 + k, late(k == 0 ? 0 : 25, 7U + static_cast<unsigned>(k)));
+    const Run one = run(*body, dragging(*body, true));
+    REQUIRE(one.summary.follow);
+    CHECK(one.summary.follow->swaps >= 3);
+    CHECK(one.summary.follow->late_ticks == 0);
+    CHECK(one.summary.peak_force > 0.05);
+    CHECK((one.summary.flags & (kNotFinite | kBlowUp | kInvertedPoints)) == 0);
+    if (k == 0) first = one;
+    CHECK(one.summary.state_hash == first.summary.state_hash);
+    CHECK(swapTicks(one.changes) == swapTicks(first.changes));
+  }
+  // Half a percent of the force here, where the ball is as deep as the bar (place_test.cpp); the tool moves meanwhile.
+  CHECK(first.summary.follow->largest_jump_share < 0.05);
+}
+
+TEST_CASE("realtime: in real time the loop stays where it is until a place is ready, and a replay swaps as it did",
+          "[cloud_follower]") {
+  Run live;
+  {
+    // The worker makes a place each time that the gate is opened, long after the tool has left the first.
+    std::atomic<int> gate{0};
+    int made = 0;
+    const auto body = tissue(1, [&](const PlaceIndex& index) {
+      for (++made; gate < made;) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      return placeAt(index);
+    });
+    SimulationLoop loop(body->model(), body->physics, &body->physics.team(), dragging(*body, false));
+    test::FakeClock clock;
+    clock.before_sleep = [&](int sleep) {
+      if (sleep != 120 && sleep != 160 && sleep != 200) return;
+      const int before = body->worker.madeCount();
+      ++gate;
+      for (int k = 0; k < 500 && body->worker.madeCount() == before; ++k)
+        std::this_thread::sleep_for(std::chrono::milliseconds(10));
+      std::this_thread::sleep_for(std::chrono::milliseconds(100));  // the passage is made
+    };
+    loop.run(clock);
+    live = {loop.summary(), test::drain(loop.recorded())};
+    gate = 1000;
+  }
+  REQUIRE(live.summary.ticks == drag_ticks);
+  const std::vector<std::int64_t> ticks = swapTicks(live.changes);
+  CHECK(static_cast<std::int64_t>(ticks.size()) == live.summary.follow->swaps);
+  REQUIRE(live.summary.follow->swaps >= 1);
+  CHECK(ticks.front() >= 100);
+  CHECK(live.summary.follow->late_ticks > 10);
+  for (const unsigned seed : {11U, 12U}) {
+    const auto body = tissue(2, late(20, seed));
+    const Run again = replay(*body, live.changes, live.summary.ticks);
+    CHECK(again.summary.state_hash == live.summary.state_hash);
+    CHECK(again.summary.follow->swaps == live.summary.follow->swaps);
+    CHECK(again.summary.peak_force == live.summary.peak_force);
+  }
+}
+
+TEST_CASE("realtime: undo goes back to the place of that moment, reset to the start, and a recording tells of both",
+          "[cloud_follower]") {
+  const auto body = tissue();
+  SimulationLoopOptions options;
+  options.follower = &body->follower;
+  options.record = true;
+  SimulationLoop loop(body->model(), body->physics, &body->physics.team(), std::move(options));
+  const auto drag = [&](int from, int to, int ticks_a_pose) {
+    for (int k = from; k < to; ++k) {
+      HandPose hand;
+      hand.pose = dragPose(body->model(), k);
+      loop.hand().back() = hand;
+      loop.hand().publish();
+      loop.advanceHere(ticks_a_pose);
+    }
+  };
+  drag(1, 200, 2);
+  const PlaceIndex before = body->physics.state().place;
+  const std::int64_t tick = body->physics.state().tick;
+  CHECK(before != startPlace(*places()));
+  loop.commands().push(Request::simple(Request::Kind::Undo));
+  loop.advanceHere(0);
+  const State& state = body->physics.state();
+  CHECK(state.tick < tick - 100);
+  CHECK(state.place != before);
+  CHECK(state.place == body->physics.place()->place.index);
+  CHECK(static_cast<int>(state.u.size()) == body->physics.place()->place.model.nodeCount());
+  loop.advanceHere(30);
+  drag(200, 240, 2);
+  CHECK(body->physics.state().place != startPlace(*places()));
+
+  std::vector<TimedRequest> changes = test::drain(loop.recorded());
+  const std::int64_t ticks = loop.memory().tick;
+  const std::uint64_t hash = body->physics.stateHash();
+  loop.commands().push(Request::simple(Request::Kind::Reset));
+  loop.advanceHere(0);
+  const State fresh = initialState(body->model());
+  test::requireSameBits("u", body->physics.state().u, fresh.u);
+  CHECK(body->physics.state().place == startPlace(*places()));
+
+  const auto other = tissue(2, late(10, 5));
+  CHECK(replay(*other, changes, ticks).summary.state_hash == hash);
+}
+
+TEST_CASE("realtime: a saved state goes on as it did, also from another place", "[cloud_follower]") {
+  const auto body = tissue();
+  TissuePhysics& physics = body->physics;
+  const std::atomic<bool> stop{false};
+  Command command;
+  const auto goOn = [&](int from, int to) {
+    for (int k = from; k < to; ++k) {
+      body->follower.follow(true, stop);
+      command.tool_target = dragPose(body->model(), k);
+      physics.tick(command);
+    }
+  };
+  goOn(1, 120);
+  const State saved = physics.state();
+  REQUIRE(saved.place != startPlace(*places()));
+  goOn(120, 200);
+  const std::uint64_t hash = physics.stateHash();
+  REQUIRE(physics.state().place != saved.place);
+  REQUIRE(physics.holds(saved.place));
+  physics.putIn(saved);
+  body->follower.restart();
+  goOn(120, 200);
+  CHECK(physics.stateHash() == hash);
+}
+
+TEST_CASE("realtime: what is set live holds at all places", "[cloud_follower]") {
+  const auto body = tissue();
+  TissuePhysics& physics = body->physics;
+  const std::atomic<bool> stop{false};
+  const Material soft = stiffened(body->model().materials[0], 0.5);
+  REQUIRE(physics.setMaterial(0, soft) == 0);
+  physics.setFriction(0.4);
+  Command command;
+  for (int k = 1; k < 150; ++k) {
+    body->follower.follow(true, stop);
+    command.tool_target = dragPose(body->model(), k);
+    physics.tick(command);
+  }
+  REQUIRE(body->follower.swapCount() > 1);
+  const auto fits = [&](const State& state, const Model& model) {
+    LiveParameters wanted = loadedParameters(model);
+    setMaterial(model, 0, soft, wanted);
+    CHECK(state.live.friction == 0.4);
+    CHECK(state.live.kernel.materials[0] == soft);
+    test::requireSameBits("patches", state.live.kernel.patch_bulk, wanted.kernel.patch_bulk);
+  };
+  fits(physics.state(), physics.place()->place.model);
+  physics.reset();
+  fits(physics.state(), body->model());
+}
+
+TEST_CASE("realtime: a swap allocates nothing and takes no lock, nor does what keeps its states", "[cloud_follower]") {
+  if (!test::guardAvailable()) return;
+  const auto body = tissue(2);
+  TissuePhysics& physics = body->physics;
+  StateHistory history(physics.state(), 500);
+  const std::atomic<bool> stop{false};
+  Command command;
+  test::GuardCounts counts;
+  int swaps = 0;
+  for (int k = 1; k < 200; ++k) {
+    const PlaceIndex present = physics.state().place;
+    ToolPostures tools;
+    tools[0].pose = physics.state().tool_pose;
+    const PlaceIndex next = nextPlace(*places(), present, tools);
+    PlaceChange* change = nullptr;
+    if (next != present) {
+      body->worker.want({present, next, no_place});
+      while ((change = body->worker.take()) == nullptr) std::this_thread::yield();
+      swaps += present != startPlace(*places());
+    }
+    command.tool_target = dragPose(body->model(), k);
+    test::startGuard();
+    if (change != nullptr) {
+      if (const PlaceIndex lost = physics.goTo(*change); lost != no_place) history.forget(lost);
+      body->worker.giveBack(change);
+    }
+    physics.tick(command);
+    history.keep(physics.state(), Doubt::None);
+    const test::GuardCounts one = test::stopGuard();
+    counts.allocations += one.allocations;
+    counts.frees += one.frees;
+    counts.locks += one.locks;
+  }
+  CHECK(swaps >= 2);
+  CHECK(counts.allocations == 0);
+  CHECK(counts.frees == 0);
+  CHECK(counts.locks == 0);
+}
+
+TEST_CASE("realtime: where a place can't be made the loop stays where it is, and says why", "[cloud_follower]") {
+  for (const bool fast : {true, false}) {
+    const PlaceIndex start = startPlace(*places());
+    const auto body = tissue(1, [](const PlaceIndex&) -> Place { throw InputError({}, "no such place", "nothing"); });
+    const Run one = run(*body, dragging(*body, fast));
+    CHECK(one.summary.ticks == drag_ticks);
+    CHECK(one.summary.follow->swaps == 0);
+    CHECK(one.summary.follow->late_ticks > drag_ticks / 2);
+    CHECK(body->physics.state().place == start);
+    CHECK_THAT(body->worker.failure(), Catch::Contains("no such place"));
+  }
+}
