@@ -35,7 +35,11 @@ EquilibriumQuantity quantity(Kind kind, const Vec3& direction, const Model& mode
   EquilibriumQuantity q;
   q.kind = kind;
   q.direction = direction;
-  const int i = model.nodeCount() / 3;
+  int i = 0;  // inside, where nothing is held
+  for (int k = 1; k < model.nodeCount(); ++k) {
+    const Vec3 at(-0.01, 0.004, 0.019);
+    if ((model.X[k] - at).norm() < (model.X[i] - at).norm()) i = k;
+  }
   for (int e = model.node_shape.begin[i]; e < model.node_shape.begin[i + 1]; ++e)
     q.row.emplace_back(model.node_shape.node[e], model.node_shape.N[e]);
   return q;
@@ -165,7 +169,7 @@ TEST_CASE("The derivative to a membership class is that to all points that have 
 TEST_CASE("A polished equilibrium is that of the static solver, and the answer the same for any number of threads",
           "[simulation][sensitivity]") {
   const Model model = test::blockModel(lumpScene());
-  const Pose tool = pressed(model);
+  const Pose tool = pressed(model, 0.0015);  // no face of the skin is stretched by half
   StaticSolver solver(model, 1, 1e-4);
   const Equilibrium rough = solver.advanceTo(0, tool);
   REQUIRE(rough.converged);
