@@ -182,7 +182,7 @@ TEST_CASE("A surface or a scan in place of a scene is told what makes one of it"
                Contains("no scene") && Contains("mtled import") && Contains(name));
 }
 
-TEST_CASE("io: a cloud can follow a tool that is there, where nothing hidden would be told by it",
+TEST_CASE("A cloud can follow a tool that is there, where nothing hidden would be told by it",
           "[io][scene][refusal]") {
   const TempFolder folder;
   const std::string follows = replaced(minimal_scene, "spacing = 0.01", "follow = true"),

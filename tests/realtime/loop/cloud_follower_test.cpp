@@ -110,8 +110,8 @@ std::vector<std::int64_t> swapTicks(const std::vector<TimedRequest>& changes) {
 
 }  // namespace
 
-TEST_CASE("realtime: a run that need not keep to the clock has the same bits however late its places are",
-          "[cloud_follower]") {
+TEST_CASE("A run that need not keep to the clock has the same bits however late its places are",
+          "[cloud_follower][whole]") {
   Run first;
   for (const int k : {0, 1}) {
     const auto body = tissue(1 + k, late(k == 0 ? 0 : 25, 7U + static_cast<unsigned>(k)));
@@ -129,7 +129,7 @@ TEST_CASE("realtime: a run that need not keep to the clock has the same bits how
   CHECK(first.summary.follow->largest_jump_share < 0.05);
 }
 
-TEST_CASE("realtime: in real time the loop stays where it is until a place is ready, and a replay swaps as it did",
+TEST_CASE("In real time the loop stays where it is until a place is ready, and a replay swaps as it did",
           "[cloud_follower]") {
   Run live;
   {
@@ -169,8 +169,8 @@ TEST_CASE("realtime: in real time the loop stays where it is until a place is re
   }
 }
 
-TEST_CASE("realtime: undo goes back to the place of that moment, reset to the start, and a recording tells of both",
-          "[cloud_follower]") {
+TEST_CASE("Undo goes back to the place of that moment, reset to the start, and a recording tells of both",
+          "[cloud_follower][whole]") {
   const auto body = tissue();
   SimulationLoopOptions options;
   options.follower = &body->follower;
@@ -213,7 +213,7 @@ TEST_CASE("realtime: undo goes back to the place of that moment, reset to the st
   CHECK(replay(*other, changes, ticks).summary.state_hash == hash);
 }
 
-TEST_CASE("realtime: a saved state goes on as it did, also from another place", "[cloud_follower]") {
+TEST_CASE("A saved state goes on as it did, also from another place", "[cloud_follower][whole]") {
   const auto body = tissue();
   TissuePhysics& physics = body->physics;
   const std::atomic<bool> stop{false};
@@ -238,7 +238,7 @@ TEST_CASE("realtime: a saved state goes on as it did, also from another place", 
   CHECK(physics.stateHash() == hash);
 }
 
-TEST_CASE("realtime: what is set live holds at all places", "[cloud_follower]") {
+TEST_CASE("What is set live holds at all places", "[cloud_follower][whole]") {
   const auto body = tissue();
   TissuePhysics& physics = body->physics;
   const std::atomic<bool> stop{false};
@@ -264,7 +264,7 @@ TEST_CASE("realtime: what is set live holds at all places", "[cloud_follower]") 
   fits(physics.state(), body->model());
 }
 
-TEST_CASE("realtime: a swap allocates nothing and takes no lock, nor does what keeps its states", "[cloud_follower]") {
+TEST_CASE("A swap allocates nothing and takes no lock, nor does what keeps its states", "[cloud_follower][whole]") {
   if (!test::guardAvailable()) return;
   const auto body = tissue(2);
   TissuePhysics& physics = body->physics;
@@ -303,7 +303,7 @@ TEST_CASE("realtime: a swap allocates nothing and takes no lock, nor does what k
   CHECK(counts.locks == 0);
 }
 
-TEST_CASE("realtime: where a place can't be made the loop stays where it is, and says why", "[cloud_follower]") {
+TEST_CASE("Where a place can't be made the loop stays where it is, and says why", "[cloud_follower]") {
   for (const bool fast : {true, false}) {
     const PlaceIndex start = startPlace(*places());
     const auto body = tissue(1, [](const PlaceIndex&) -> Place { throw InputError({}, "no such place", "nothing"); });
