@@ -113,9 +113,26 @@ Scene readyScene(const Scene& as_read, const TriangleSurface& organ,
   return scene;
 }
 
-double secondsSince(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
+/// A set-up that has begun: the surface is read, and what takes long from here on tells how far it is.
+struct SetUp {
+  SetUp(const Scene& as_read, const Progress& progress, const std::function<void(const std::string&)>& warn)
+      : stages(progress), organ(surfaceOf(as_read)), scene(readyScene(as_read, organ, warn)) {}
+
+  double seconds() const { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(); }
+
+  const std::chrono::steady_clock::time_point start = std::chrono::steady_clock::now();
+  const Stages stages;
+  const SetupWatch watch{[this] { stages.report(stages.stage, stages.behind); }};
+  const TriangleSurface organ;
+  const Scene scene;
+
+ private:
+  TriangleSurface surfaceOf(const Scene& as_read) const {
+    checkStepsAsked(as_read);
+    stages.report("surface", 0);
+    return organSurface(as_read);
+  }
+};
 
 }  // namespace
 
@@ -127,45 +144,35 @@ void requireOneCloud(const Scene& scene) {
 
 Model loadModel(const Scene& as_read, const Progress& progress, const ModelCache& cache,
                 const std::function<void(const std::string&)>& warn) {
-  const auto start = std::chrono::steady_clock::now();
   requireOneCloud(as_read);
-  checkStepsAsked(as_read);
-  const Stages stages(progress);
-  stages.report("surface", 0);
-  const SetupWatch watch([&] { stages.report(stages.stage, stages.behind); });
-  const TriangleSurface organ = organSurface(as_read);
-  const Scene scene = readyScene(as_read, organ, warn);
-  const std::string key = preparationKey(scene, organ);
+  const SetUp set_up(as_read, progress, warn);
+  const Scene& scene = set_up.scene;
+  const std::string key = preparationKey(scene, set_up.organ);
   BuildOptions options;
-  options.progress = stages.report;
+  options.progress = set_up.stages.report;
   if (!scene.set_up_values.empty()) {  // else nothing says what a preparation was made from
     options.find = [&] { return cache.find(key, materialsOf(scene).size(), scene.boundaries.size()); };
     options.keep = [&](const Preparation& preparation) { cache.keep(key, preparation); };
   }
-  Model model = buildModel(scene, organ, options);
+  Model model = buildModel(scene, set_up.organ, options);
   addToolPaths(model);
-  model.setup_seconds = secondsSince(start);
+  model.setup_seconds = set_up.seconds();
   return model;
 }
 
 FollowingModel loadFollowing(const Scene& as_read, const Progress& progress, const ModelCache& cache,
                              const std::function<void(const std::string&)>& warn) {
-  const auto start = std::chrono::steady_clock::now();
-  checkStepsAsked(as_read);
-  const Stages stages(progress);
-  stages.report("surface", 0);
-  const SetupWatch watch([&] { stages.report(stages.stage, stages.behind); });
-  const TriangleSurface organ = organSurface(as_read);
-  const Scene scene = readyScene(as_read, organ, warn);
-  const PlaceStore store = placeStore(scene, cache);
+  const SetUp set_up(as_read, progress, warn);
+  const Progress& report = set_up.stages.report;
+  const PlaceStore store = placeStore(set_up.scene, cache);
   FollowingModel following;
   following.places = std::make_shared<const Places>(makePlaces(
-      scene, organ, [&](const std::string& what, double share) { stages.report(what, 0.8 * share); }, store));
-  stages.report("first place", 0.8);
+      set_up.scene, set_up.organ, [&](const std::string& what, double share) { report(what, 0.8 * share); }, store));
+  report("first place", 0.8);
   following.start = makePlace(*following.places, startPlace(*following.places), store);
   addToolPaths(following.start.model);
-  following.start.model.setup_seconds = secondsSince(start);
-  stages.report("ready", 1);
+  following.start.model.setup_seconds = set_up.seconds();
+  report("ready", 1);
   return following;
 }
 

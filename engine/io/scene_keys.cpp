@@ -97,8 +97,8 @@ constexpr KeySpec scene_keys[] = {
      "Weight of the constraints on second-degree coefficients (paper eq. 4), dimensionless: the basis is "
      "scaled by the support radius."},
     {"discretization", "scheme", T::Text, "", "\"standard\"", {}, "standard|paper",
-     "How forces follow from displacements. `standard`: what is known to be right, for every scene; what a scene does not "
-     "need costs it nothing. Gradients satisfy the divergence theorem; volume is averaged over node patches, against "
+     "How forces follow from displacements. `standard`: what is known to be right, for every scene; what a scene does "
+     "not need costs it nothing. Gradients satisfy the divergence theorem; volume is averaged over node patches, against "
      "locking; under pressure the background cells hold it; supports end at the borders between materials; a floor "
      "keeps points from collapsing. `paper`: the paper's own equations alone, to be compared with."},
     {"discretization", "boundary_method", T::Text, "", "\"sebciem\"", {}, "sebciem|ebciem",

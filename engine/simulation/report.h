@@ -21,13 +21,13 @@ enum StepFlag : std::uint32_t {
 enum class Doubt : std::uint8_t {
   None,
   Resolution,  // the nodes are too far apart for how the tissue deforms (resolution.h)
-  Volume,    // nearly incompressible tissue has crumpled, or is under a pressure at which it may
-  Contact,   // the tool is deep in the skin, or touches more of it than there is memory for
-  Squeezed,  // a point is near collapse
-  Step,      // the mass that keeps squeezed tissue stable with this time step slows it
-  Energy,    // the steps make energy
-  Inverted,  // a point is inside out
-  Lost,      // not finite, or blown up
+  Volume,      // nearly incompressible tissue has crumpled, or is under a pressure at which it may
+  Contact,     // the tool is deep in the skin, or touches more of it than there is memory for
+  Squeezed,    // a point is near collapse
+  Step,        // the mass that keeps squeezed tissue stable with this time step slows it
+  Energy,      // the steps make energy
+  Inverted,    // a point is inside out
+  Lost,        // not finite, or blown up
 };
 
 /// One step's (or, accumulated, one tick's) outcome.

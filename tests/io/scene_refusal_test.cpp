@@ -182,8 +182,7 @@ TEST_CASE("A surface or a scan in place of a scene is told what makes one of it"
                Contains("no scene") && Contains("mtled import") && Contains(name));
 }
 
-TEST_CASE("A cloud can follow a tool that is there, where nothing hidden would be told by it",
-          "[io][scene][refusal]") {
+TEST_CASE("A cloud can follow a tool that is there, where nothing hidden would be told by it", "[io][scene][refusal]") {
   const TempFolder folder;
   const std::string follows = replaced(minimal_scene, "spacing = 0.01", "follow = true"),
                     tool = "[tool]\nshape = \"sphere\"\nradius = 0.01\nposition = [0, 0, 0.07]\n",

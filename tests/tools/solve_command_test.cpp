@@ -109,7 +109,7 @@ TEST_CASE("A solution leaves its force curve, pictures, probes and report", "[so
 }
 
 TEST_CASE("Each row says whether it can be trusted, and a strict solution fails where one can't", "[solve_command]") {
-  // Confined tissue of nu 0.499 to ten shear moduli of pressure: the paper's scheme gives way, the standard one is exact.
+  // Confined tissue of nu 0.499 to ten shear moduli of pressure: the paper's scheme gives way, the standard is exact.
   std::string confined = replaced(block_scene, "poisson = 0.45", "poisson = 0.499");
   confined = replaced(confined, "translation = [0.001, 0, -0.003]", "translation = [0, 0, -0.0006]");
   for (const char* wall : {"[0.03, 0, 0]", "[-0.03, 0, 0]", "[0, 0.03, 0]", "[0, -0.03, 0]"}) {

@@ -1,10 +1,20 @@
 #include "realtime/channels/command_queue.h"
 
 namespace palpate {
+namespace {
+
+/// A request about one thing and a vector.
+Request at(Request::Kind kind, int index, const Vec3& point) {
+  Request request = Request::simple(kind);
+  request.index = index;
+  request.point = point;
+  return request;
+}
+
+}  // namespace
 
 Request Request::goToPlace(const PlaceIndex& place) {
-  Request request;
-  request.kind = Kind::GoToPlace;
+  Request request = simple(Kind::GoToPlace);
   request.place = place;
   return request;
 }
@@ -36,12 +46,7 @@ Request Request::steer(const Vec3& velocity, const Vec3& turn, double seconds) {
   return request;
 }
 
-Request Request::pull(int skin_vertex, const Vec3& target) {
-  Request request = simple(Kind::Pull);
-  request.index = skin_vertex;
-  request.point = target;
-  return request;
-}
+Request Request::pull(int skin_vertex, const Vec3& target) { return at(Kind::Pull, skin_vertex, target); }
 
 Request Request::setFriction(double coefficient) {
   Request request = simple(Kind::SetFriction);
@@ -62,32 +67,13 @@ Request Request::setGravity(const Vec3& acceleration) {
   return request;
 }
 
-Request Request::setForce(int skin_vertex, const Vec3& force) {
-  Request request = simple(Kind::SetForce);
-  request.index = skin_vertex;
-  request.point = force;
-  return request;
-}
+Request Request::setForce(int skin_vertex, const Vec3& force) { return at(Kind::SetForce, skin_vertex, force); }
 
-Request Request::pin(int skin_vertex, const Vec3& place) {
-  Request request = simple(Kind::Pin);
-  request.index = skin_vertex;
-  request.point = place;
-  return request;
-}
+Request Request::pin(int skin_vertex, const Vec3& place) { return at(Kind::Pin, skin_vertex, place); }
 
-Request Request::unpin(int skin_vertex) {
-  Request request = simple(Kind::Unpin);
-  request.index = skin_vertex;
-  return request;
-}
+Request Request::unpin(int skin_vertex) { return at(Kind::Unpin, skin_vertex, Vec3::Zero()); }
 
-Request Request::moveRegion(int boundary, const Vec3& shift) {
-  Request request = simple(Kind::MoveRegion);
-  request.index = boundary;
-  request.point = shift;
-  return request;
-}
+Request Request::moveRegion(int boundary, const Vec3& shift) { return at(Kind::MoveRegion, boundary, shift); }
 
 Request Request::moveHand(int tool, const Pose& pose) {
   Request request = simple(Kind::MoveHand);
@@ -96,12 +82,7 @@ Request Request::moveHand(int tool, const Pose& pose) {
   return request;
 }
 
-Request Request::mark(const Vec3& place, int hardness) {
-  Request request = simple(Kind::Mark);
-  request.point = place;
-  request.index = hardness;
-  return request;
-}
+Request Request::mark(const Vec3& place, int hardness) { return at(Kind::Mark, hardness, place); }
 
 Request Request::setOpening(int tool, double opening) {
   Request request = simple(Kind::SetOpening);

@@ -43,10 +43,10 @@ struct Request {
   // Pull, SetForce, Pin, Unpin: skin vertex; MoveRegion: boundary; SetMaterial: material; MoveHand, SetOpening: tool;
   // Mark: how hard
   int index = -1;
-  double value = 0;           // SetFriction; seconds of the tool's motions; SetOpening, m
-  Vec3 point = Vec3::Zero();  // Pull, Pin, MoveRegion, Mark, m; SetGravity, SetForce
-  Pose pose;                  // MoveTool
-  Material material;          // SetMaterial
+  double value = 0;             // SetFriction; seconds of the tool's motions; SetOpening, m
+  Vec3 point = Vec3::Zero();    // Pull, Pin, MoveRegion, Mark, m; SetGravity, SetForce
+  Pose pose;                    // MoveTool
+  Material material;            // SetMaterial
   PlaceIndex place = no_place;  // GoToPlace
 
   /// What is said while the tool moves: recorded at its tick, and nothing that the tissue feels.

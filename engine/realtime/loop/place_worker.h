@@ -44,6 +44,8 @@ class PlaceWorker {
   /// Loop: the change that was made last, or null: none since the last call. The caller's until it gives it back.
   PlaceChange* take();
   void giveBack(PlaceChange* change) { returned_.push(change); }
+  /// (any thread) Whether take() would find one.
+  bool isReady() const { return ready_.load(std::memory_order_acquire) != nullptr; }
 
   /// Loop: whether that place can't be made.
   bool failed(const PlaceIndex& index);
