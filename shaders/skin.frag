@@ -12,6 +12,7 @@ in vec3 p;
 in vec3 n;
 in vec3 X;
 in vec4 trait;
+in vec3 own;  // albedo, linear
 out vec4 colour;
 
 // How far light creeps around the terminator under the surface, for what is absorbed most
@@ -46,9 +47,9 @@ void main() {
   vec3 bump = fine.xyz + 0.35 * coarse.xyz + 0.45 * finest.xyz;
   vec3 rough_n = normalize(smooth_n - (field ? 0.0 : 0.34) * (bump - smooth_n * dot(bump, smooth_n)));
 
-  vec3 albedo = tissue.rgb;
+  vec3 albedo = own;
   albedo *= 1.0 + 0.75 * coarse.a + 0.35 * fine.a + 0.22 * finest.a;
-  vec3 passing = tissue.rgb / max(max(tissue.r, tissue.g), max(tissue.b, 1e-3));  // 1 for what goes furthest
+  vec3 passing = own / max(max(own.r, own.g), max(own.b, 1e-3));  // 1 for what goes furthest
   albedo *= mix(vec3(1.0), mix(vec3(0.62), vec3(0.82), passing), clamp(coarse.r * 1.6, 0.0, 1.0));
   vec3 creep = mix(vec3(min_creep), vec3(max_creep), passing * passing);
   if (field) albedo = outside(texture(colours, vec2(trait.x, 0.5)).rgb, trait.x) * 0.9;

@@ -228,6 +228,7 @@ CutBody cutBody(const Body& model, const CutPlane& plane) {
   CutBody cut;
   cut.scene = model.scene;
   cut.X = model.X;
+  cut.node_organ = model.node_organ;
   cut.support_radius = model.support_radius;
   cut.imposed = model.imposed;
   cut.point_X = model.point_X;

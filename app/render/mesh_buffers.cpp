@@ -5,7 +5,7 @@
 namespace palpate::app {
 namespace {
 
-static_assert(sizeof(SkinVertex) == 13 * sizeof(float) && sizeof(SolidVertex) == 7 * sizeof(float),
+static_assert(sizeof(SkinVertex) == 16 * sizeof(float) && sizeof(SolidVertex) == 7 * sizeof(float),
               "vertices go to the card as they stand in memory");
 
 template <class Index>
@@ -29,8 +29,9 @@ MeshBuffers::MeshBuffers(const SkinMesh& skin) {
   index_count_ = static_cast<GLsizei>(3 * skin.triangles().size());
   update(skin);
   glBindBuffer(GL_ARRAY_BUFFER, vertices_);
-  for (GLuint k = 0; k < 3; ++k) addAttribute(k, 3, 3 * k, 13);
-  addAttribute(3, 4, 9, 13);
+  for (GLuint k = 0; k < 3; ++k) addAttribute(k, 3, 3 * k, 16);
+  addAttribute(3, 4, 9, 16);
+  addAttribute(4, 3, 13, 16);
   glBindVertexArray(0);
   glBindBuffer(GL_ARRAY_BUFFER, 0);
 }

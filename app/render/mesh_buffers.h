@@ -14,7 +14,7 @@ namespace palpate::app {
 class MeshBuffers {
  public:
   /// A skin whose vertices are sent anew for each picture: attributes 0 position, 1 normal,
-  /// 2 reference, 3 (value, contact, cavity, fixed).
+  /// 2 reference, 3 (value, contact, cavity, fixed), 4 tissue.
   explicit MeshBuffers(const SkinMesh& skin);
 
   /// A constant solid: attributes 0 position, 1 normal, 2 finish.

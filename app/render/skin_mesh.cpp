@@ -58,16 +58,21 @@ SkinMesh::SkinMesh(const Body& model, std::span<const int> whole_vertex)
   left_ = verticesLeft(whole_vertex, positions_.size());
   splitEdges();
   findNeighbours();
+  const std::vector<OrganSpec> organs = organsOf(model.scene);
   const ShapeTable& shape = model.skin_shape;
   for (std::size_t s = 0; s < vertices_.size(); ++s) {
     const int v = skin_vertex_[s];
     vertices_[s].reference = positions_[v];
     double fixed = 0, all = 0;
+    int heaviest = shape.begin[v];
     for (int k = shape.begin[v]; k < shape.begin[v + 1]; ++k) {
       const double w = std::max(0.0, shape.N[k]);
       all += w;
       if (model.imposed[shape.node[k]] != 0) fixed += w;
+      if (shape.N[k] > shape.N[heaviest]) heaviest = k;
     }
+    const int organ = model.node_organ.empty() ? 0 : model.node_organ[shape.node[heaviest]];
+    vertices_[s].tissue = organs[static_cast<std::size_t>(organ)].tissue_colour.cast<float>();
     vertices_[s].fixed = all > 0 ? static_cast<float>(fixed / all) : 0.0F;
   }
   normals_.assign(positions_.size(), Vec3f::UnitZ());

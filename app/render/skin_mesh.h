@@ -20,6 +20,7 @@ struct SkinVertex {
   float contact = 0;  // pressure of the tool over the tissue's shear modulus, 0..1
   float cavity = 0;   // mean curvature times the tool's radius; > 0 in hollows
   float fixed = 0;    // share of imposed nodes in the support, 0..1
+  Vec3f tissue;       // albedo, linear
 };
 
 /// The skin to draw: the model's surface, moved by the nodes, with smooth normals.

@@ -84,6 +84,8 @@ RunReport blankReport(const Scene& scene) {
   const std::vector<ToolSpec> tools = toolsOf(scene);
   if (scene.follow) report.follow.emplace();
   if (tools.size() > 1 || tools[0].jaws()) report.tools.resize(tools.size());
+  if (!scene.further_organs.empty())
+    for (const OrganSpec& organ : organsOf(scene)) report.organs.push_back({organ.organ_name, Vec3::Zero()});
   report.has_skull = scene.skull.given;
   return report;
 }

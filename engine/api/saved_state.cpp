@@ -37,6 +37,8 @@ void forEachPart(SomeState& s, Call call) {
   contact(s.contact);
   one(s.more.opening), list(s.more.posture);
   for (auto& further : s.more.contact) contact(further);
+  one(s.skins.count), list(s.skins.vertex), list(s.skins.face), list(s.skins.clearance), list(s.skins.force);
+  one(s.skins.travel), one(s.skins.since_search), one(s.skins.searched);
   list(s.skull.force);
   list(s.relaxation.Z);
   list(s.local_mass.factor), one(s.local_mass.active), one(s.local_mass.momentum), one(s.local_mass.force);

@@ -11,5 +11,6 @@
 #include "contact/samples/face_samples.h"  // findFaceSamples, once per tick after it
 #include "contact/contact_solver.h"        // solveContact, once per step
 #include "contact/true_depth.h"            // how deep the skin is pressed, once per tick
+#include "contact/skin_contact.h"          // bodies against one another: findSkinPairs once per tick, solveSkinContact
 #include "contact/skull.h"                 // a rigid shell around the organ: buildSkull, solveSkull once per step
 // clang-format on

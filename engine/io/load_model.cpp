@@ -9,6 +9,7 @@
 
 #include "base/parallel_for.h"
 #include "discretization/surface/solids.h"
+#include "discretization/surface/surface_tree.h"
 #include "imaging/repair_surface.h"
 #include "io/indent_script.h"
 #include "io/surface_file.h"
@@ -24,6 +25,17 @@ namespace {
 
 constexpr double shortest_organ = 1e-3, longest_organ = 3;  // m; what is touched by hand lies well within
 
+/// Where an organ's key stands, or the organ.
+SourceLocation placeOf(const Scene& scene, const OrganSpec& organ, const std::string& key) {
+  for (const auto& [dotted, at] : scene.places) {
+    const std::size_t dot = dotted.rfind('.');
+    if (dotted.compare(0, 5, "organ") == 0 && dot != std::string::npos && dotted.compare(dot + 1, dotted.size(), key) == 0 &&
+        at.line >= organ.organ_place.line)
+      return at;
+  }
+  return organ.organ_place.file.empty() ? scene.place : organ.organ_place;
+}
+
 /// The key that sets the organ's size, and the question whether it is right.
 std::pair<std::string, std::string> sizeKey(const Scene& scene) {
   if (scene.solid != Scene::Solid::Surface) return {"organ.solid", "are its lengths in m?"};
@@ -35,14 +47,75 @@ std::pair<std::string, std::string> sizeKey(const Scene& scene) {
 }
 
 /// Refuses a solid that is too finely divided before it is made, which would take long.
-void checkSolid(const Scene& scene) {
-  if (scene.solid == Scene::Solid::Surface) return;
-  const double volume = scene.solid == Scene::Solid::Box        ? scene.size.prod()
-                        : scene.solid == Scene::Solid::Cylinder ? M_PI * scene.radius * scene.radius * scene.height
-                                                                : 4.0 / 3 * M_PI * scene.semi_axes.prod();
+void checkSolid(const Scene& scene, const OrganSpec& organ) {
+  if (organ.solid == OrganSpec::Solid::Surface) return;
+  const double volume = organ.solid == OrganSpec::Solid::Box        ? organ.size.prod()
+                        : organ.solid == OrganSpec::Solid::Cylinder ? M_PI * organ.radius * organ.radius * organ.height
+                                                                    : 4.0 / 3 * M_PI * organ.semi_axes.prod();
   // Flat faces take less than a hundredth of a round solid away, whose surface is no smaller than a ball's.
-  const double least = 0.99 * (scene.upper_half ? volume / 2 : volume);
+  const double least = 0.99 * (organ.upper_half ? volume / 2 : volume);
   checkCounts(scene, least, std::cbrt(36 * M_PI * least * least));
+}
+
+/// In its own coordinates.
+TriangleSurface surfaceOf(const Scene& scene, const OrganSpec& organ) {
+  checkSolid(scene, organ);
+  // Curved solids lose volume to flat faces; half the spacing leaves less than the cells do.
+  const double edge = std::min(0.5 * scene.spacing, 0.5 * smallestToolRadius(scene));
+  try {
+    switch (organ.solid) {
+      case OrganSpec::Solid::Box:
+        return boxSurface(organ.size, edge);
+      case OrganSpec::Solid::Cylinder:
+        return cylinderSurface(organ.radius, organ.height, edge);
+      case OrganSpec::Solid::Ellipsoid:
+        return organ.upper_half ? halfEllipsoidSurface(organ.semi_axes, edge) : ellipsoidSurface(organ.semi_axes, edge);
+      case OrganSpec::Solid::Surface:
+        break;
+    }
+  } catch (const std::invalid_argument& error) {
+    throw InputError(placeOf(scene, "discretization.spacing"), error.what(),
+                     "raise discretization.spacing or tool.radius");
+  }
+  const SourceLocation place = placeOf(scene, organ, "surface");
+  if (organ.repair_surface) {
+    SurfaceFile file = readSurface(organ.surface_file, organ.surface_scale, place, SurfaceReading::Tolerant);
+    return repairSurface(std::move(file.surface), std::move(file.source)).surface;
+  }
+  return readClosedSurface(organ.surface_file, organ.surface_scale, place);
+}
+
+/// Organs touch at most. Where edges alone go through one another no vertex is inside; faces pierce then.
+void refuseOverlap(const OrganSpec& one, const TriangleSurface& first, const OrganSpec& two,
+                   const TriangleSurface& second) {
+  constexpr double touching = 1e-4;  // m, by which flat faces of round bodies may be in one another
+  if (!boundingBox(first).intersects(boundingBox(second))) return;
+  double deepest = -touching;
+  Vec3 where = Vec3::Zero();
+  const auto look = [&](const TriangleSurface& surface, const TriangleSurface& other) {
+    const SurfaceTree tree(other);
+    const Box3 box = boundingBox(other);
+    std::vector<Vec3> places = surface.vertices;
+    for (const auto& [a, b, c] : surface.triangles)
+      places.push_back((surface.vertices[a] + surface.vertices[b] + surface.vertices[c]) / 3);
+    for (const Vec3& x : places)
+      if (const double distance = box.contains(x) ? tree.signedDistance(x) : 0; distance < deepest)
+        deepest = distance, where = x;
+  };
+  look(first, second);
+  look(second, first);
+  if (deepest < -touching)
+    throw InputError(two.organ_place,
+                     "the organs " + inQuotes(one.organ_name) + " and " + inQuotes(two.organ_name) + " overlap by " +
+                         number(-1e3 * deepest) + " mm at " + coordinates(where),
+                     "move one by its \"position\"");
+}
+
+/// Turns it and moves it to where it lies.
+void place(const OrganSpec& organ, TriangleSurface& surface) {
+  if (organ.organ_angle == 0 && organ.organ_position.isZero(0)) return;
+  const Mat3 turn = Eigen::AngleAxisd(organ.organ_angle, organ.organ_axis).toRotationMatrix();
+  for (Vec3& x : surface.vertices) x = turn * x + organ.organ_position;
 }
 
 }  // namespace
@@ -59,30 +132,21 @@ std::string sizeWarning(const Scene& scene, const TriangleSurface& surface) {
 }
 
 TriangleSurface organSurface(const Scene& scene) {
-  checkSolid(scene);
-  // Curved solids lose volume to flat faces; half the spacing leaves less than the cells do.
-  const double edge = std::min(0.5 * scene.spacing, 0.5 * smallestToolRadius(scene));
-  try {
-    switch (scene.solid) {
-      case Scene::Solid::Box:
-        return boxSurface(scene.size, edge);
-      case Scene::Solid::Cylinder:
-        return cylinderSurface(scene.radius, scene.height, edge);
-      case Scene::Solid::Ellipsoid:
-        return scene.upper_half ? halfEllipsoidSurface(scene.semi_axes, edge) : ellipsoidSurface(scene.semi_axes, edge);
-      case Scene::Solid::Surface:
-        break;
-    }
-  } catch (const std::invalid_argument& error) {
-    throw InputError(placeOf(scene, "discretization.spacing"), error.what(),
-                     "raise discretization.spacing or tool.radius");
+  const std::vector<OrganSpec> organs = organsOf(scene);
+  TriangleSurface all;
+  std::vector<TriangleSurface> before;
+  for (std::size_t k = 0; k < organs.size(); ++k) {
+    TriangleSurface surface = surfaceOf(scene, organs[k]);
+    place(organs[k], surface);
+    if (organs.size() == 1) return surface;
+    for (std::size_t j = 0; j < k; ++j) refuseOverlap(organs[j], before[j], organs[k], surface);
+    before.push_back(surface);
+    const int vertices = static_cast<int>(all.vertices.size());
+    all.vertices.insert(all.vertices.end(), surface.vertices.begin(), surface.vertices.end());
+    for (const auto& [a, b, c] : surface.triangles) all.triangles.push_back({a + vertices, b + vertices, c + vertices});
+    all.organ.resize(all.triangles.size(), static_cast<int>(k));
   }
-  if (scene.repair_surface) {
-    SurfaceFile file =
-        readSurface(scene.surface_file, scene.surface_scale, placeOf(scene, "organ.surface"), SurfaceReading::Tolerant);
-    return repairSurface(std::move(file.surface), std::move(file.source)).surface;
-  }
-  return readClosedSurface(scene.surface_file, scene.surface_scale, placeOf(scene, "organ.surface"));
+  return all;
 }
 
 namespace {
@@ -116,7 +180,7 @@ Scene readyScene(const Scene& as_read, const TriangleSurface& organ,
 /// A set-up that has begun: the surface is read, and what takes long from here on tells how far it is.
 struct SetUp {
   SetUp(const Scene& as_read, const Progress& progress, const std::function<void(const std::string&)>& warn)
-      : stages(progress), organ(surfaceOf(as_read)), scene(readyScene(as_read, organ, warn)) {}
+      : stages(progress), organ(organOf(as_read)), scene(readyScene(as_read, organ, warn)) {}
 
   double seconds() const { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(); }
 
@@ -127,7 +191,7 @@ struct SetUp {
   const Scene scene;
 
  private:
-  TriangleSurface surfaceOf(const Scene& as_read) const {
+  TriangleSurface organOf(const Scene& as_read) const {
     checkStepsAsked(as_read);
     stages.report("surface", 0);
     return organSurface(as_read);

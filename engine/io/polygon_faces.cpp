@@ -41,7 +41,8 @@ void PolygonFaces::finish() {
 }
 
 void checkIndices(const SurfaceFile& result, SurfaceReading reading) {
-  const auto& [vertices, triangles] = result.surface;
+  const auto& vertices = result.surface.vertices;
+  const auto& triangles = result.surface.triangles;
   const std::string& file = result.source.file;
   if (triangles.empty()) throw InputError({file, 0, 0}, "no faces in this file", "export the organ as a triangle mesh");
   if (reading == SurfaceReading::Tolerant) return;

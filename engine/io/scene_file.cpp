@@ -15,6 +15,7 @@
 #include "io/scene_keys.h"
 #include "io/scene_lumps.h"
 #include "io/scene_materials.h"
+#include "io/scene_organs.h"
 #include "io/scene_tools.h"
 #include "io/surface_file.h"
 #include "io/text_file.h"
@@ -24,53 +25,6 @@
 namespace palpate {
 
 namespace {
-
-void readOrgan(const TomlTable& organ, const std::filesystem::path& folder, Scene& scene) {
-  organ.read("colour", scene.tissue_colour);
-  if (organ.has("surface") == organ.has("solid")) {
-    throw InputError(organ.place("solid"),
-                     organ.has("solid") ? "both \"surface\" and \"solid\"" : "neither \"surface\" nor \"solid\"",
-                     "give surface = \"file.obj\" with a unit, or solid = \"box\", \"cylinder\" or \"ellipsoid\"");
-  }
-  if (organ.has("surface")) {
-    organ.forbid({"size", "radius", "height", "semi_axes", "upper_half"}, "to a surface file");
-    std::string file;
-    organ.read("surface", file);
-    scene.surface_file = existingFile(organ, "surface", folder / file, "surface file");
-    if (organ.has("unit") == organ.has("scale")) {
-      throw InputError(organ.place(organ.has("unit") ? "unit" : "surface"),
-                       organ.has("unit") ? "both \"unit\" and \"scale\"" : "the surface's unit is missing",
-                       "add unit = \"mm\", \"cm\" or \"m\", or scale = the unit's length in m");
-    }
-    constexpr double units[] = {0.001, 0.01, 1.0};  // in the order of the key's choices
-    if (organ.has("unit")) scene.surface_scale = units[organ.readChoice("unit", 2)];
-    organ.read("scale", scene.surface_scale);
-    organ.read("repair", scene.repair_surface);
-    return;
-  }
-  organ.forbid({"unit", "scale", "repair"}, "to a solid, which is given in m");
-  switch (organ.readChoice("solid", 0)) {
-    case 0:
-      scene.solid = Scene::Solid::Box;
-      organ.require({"size"}, "a box");
-      organ.forbid({"radius", "height", "semi_axes", "upper_half"}, "to a box");
-      break;
-    case 1:
-      scene.solid = Scene::Solid::Cylinder;
-      organ.require({"radius", "height"}, "a cylinder");
-      organ.forbid({"size", "semi_axes", "upper_half"}, "to a cylinder");
-      break;
-    default:
-      scene.solid = Scene::Solid::Ellipsoid;
-      organ.require({"semi_axes"}, "an ellipsoid");
-      organ.forbid({"size", "radius", "height"}, "to an ellipsoid");
-  }
-  organ.read("size", scene.size);
-  organ.read("radius", scene.radius);
-  organ.read("height", scene.height);
-  organ.read("semi_axes", scene.semi_axes);
-  organ.read("upper_half", scene.upper_half);
-}
 
 void readQuadrature(const TomlTable& table, QuadratureSpec& quadrature) {
   if (!table.has("quadrature_accuracy")) {
@@ -287,18 +241,22 @@ Scene readScene(const SceneText& given, std::span<const SceneChange> changes) {
   const TomlTable top(file, document, "", {""});
   scene.name = printable(std::filesystem::path(path).stem().string());
   top.readName("name", scene.name);
-  readOrgan(top.table("organ", {"organ"}), folder, scene);
+  readOrgans(top, folder, scene);
   readDiscretization(top.table("discretization", {"discretization"}), scene);
   for (const TomlTable& entry : top.tables("material", {"material"})) {
     MaterialSpec material;
     readMaterial(entry, folder, scene.materials, material);
+    material.organ = organNamed(entry, scene);
     scene.materials.push_back(std::move(material));
   }
+  checkMaterials(scene);
   for (const TomlTable& entry : top.tables("fixed", {"boundary", "region"})) {
     scene.boundaries.push_back(readFixed(entry, scene.boundaries));
+    scene.boundaries.back().organ = organNamed(entry, scene);
   }
   for (const TomlTable& entry : top.tables("prescribed", {"prescribed", "boundary", "region"})) {
     scene.boundaries.push_back(readPrescribed(entry, folder.string(), scene.boundaries));
+    scene.boundaries.back().organ = organNamed(entry, scene);
   }
   if (scene.boundaries.empty())
     throw InputError(top.place(), "the key \"fixed\" is missing, and nothing is prescribed: the organ is not held",

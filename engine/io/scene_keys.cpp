@@ -24,7 +24,8 @@ constexpr auto never = KeySpec::SetUp::Never, with_mass_scaling = KeySpec::SetUp
 constexpr KeySpec scene_keys[] = {
     {"", "name", T::Text, "", "", {}, "",
      "Shown in the window's title and in reports; the file's name where absent.", never},
-    {"", "organ", T::Table, "", required, {}, "", "What is touched."},
+    {"", "organ", T::Table, "", required, {}, "",
+     "What is touched; `[[organ]]`: several, which touch one another as they touch tools."},
     {"", "discretization", T::Table, "", required, {}, "", "How it is cut into nodes and integration points."},
     {"", "material", T::Tables, "", required, {}, "", "What it is made of."},
     {"", "fixed", T::Tables, "", depends, {}, "",
@@ -40,6 +41,14 @@ constexpr KeySpec scene_keys[] = {
     {"", "lump", T::Tables, "", "", {}, "", "Stiff balls to be found by touch."},
     {"", "lumps", T::Table, "", "", {}, "", "The same, at random places."},
 
+    {"organ", "name", T::Text, "", "", {}, "",
+     "By which materials and regions say whose they are; \"organ 1\", \"organ 2\" where absent."},
+    {"organ", "position", T::Vector, "m", "[0, 0, 0]", {}, "", "Where its own origin lies."},
+    {"organ", "friction", T::Number, "", "0", between(0, 2), "",
+     "Coulomb coefficient where it touches other organs; of two the larger counts.", never},
+    {"organ", "axis", T::Vector, "", depends, {}, "",
+     "Axis through its own origin about which it is turned before it is moved; with `angle`."},
+    {"organ", "angle", T::Number, "degrees", depends, between(-360, 360), "", "By how much, right-handed about `axis`."},
     {"organ", "surface", T::Text, "", depends, {}, "",
      "File of a closed surface (.obj, .stl, .ply, .off, .vtk), relative to the scene file. Either this or `solid`.",
      never},
@@ -117,7 +126,8 @@ constexpr KeySpec scene_keys[] = {
     {"material", "name", T::Text, "", "", {}, "", "Its name in the window, e.g. \"capsule\".", never},
     {"material", "region", T::Table, "", depends, {}, "",
      "Where this material is (a [region](#region)). The first material is everywhere and has none; each later "
-     "one needs one and replaces what was there."},
+     "one needs one, or `organ`, or both, and replaces what was there."},
+    {"material", "organ", T::Text, "", "", {}, "", "The name of the organ that it is of; absent: of any."},
 
     {"material", "membership", T::Text, "", depends, {}, "",
      "In place of a region: NIfTI file (.nii, .nii.gz), relative to the scene file, of how much of each voxel is this "
@@ -146,6 +156,7 @@ constexpr KeySpec scene_keys[] = {
     {"boundary", "name", T::Text, "", "", {}, "",
      "Its name in results, unlike all others. Where absent `fixed 1`, `fixed 2`, ... and `prescribed 1`, ..., "
      "by its place among those of its kind.", never},
+    {"boundary", "organ", T::Text, "", "", {}, "", "The name of the organ that it is of; absent: of any."},
     {"boundary", "components", T::Axes, "", "[\"x\", \"y\", \"z\"]", {}, "",
      "The directions of displacement that are imposed; the others stay free."},
     {"boundary", "surface_only", T::Boolean, "", "false", {}, "", "Choose only nodes on the organ's surface."},

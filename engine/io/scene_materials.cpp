@@ -165,12 +165,12 @@ void readMaterial(const TomlTable& table, const std::filesystem::path& folder, c
     throw InputError(table.place("region"), "the first material has a region",
                      "the first applies everywhere; give regions to later ones");
   }
-  if (!first && !table.has("region")) {
+  if (!first && !table.has("region") && !table.has("organ")) {
     throw InputError(table.place(), "this material has no region and would replace all before it",
-                     "add region = { shape = ..., ... }");
+                     "add region = { shape = ..., ... }, or the organ that it is of");
   }
-  material.everywhere = first;
-  if (!first) material.region = readRegion(table.table("region", {"region"}));
+  material.everywhere = !table.has("region");
+  if (!material.everywhere) material.region = readRegion(table.table("region", {"region"}));
 }
 
 }  // namespace palpate

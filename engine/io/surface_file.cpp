@@ -47,7 +47,8 @@ int unusedVertices(const TriangleSurface& surface) {
 
 /// Leaves out the faces with vertices that are not there, not finite or out of this world.
 void leaveOutUnreadable(SurfaceFile& file) {
-  auto& [vertices, triangles] = file.surface;
+  const auto& vertices = file.surface.vertices;
+  auto& triangles = file.surface.triangles;
   std::vector<char> good(vertices.size());
   for (std::size_t v = 0; v < vertices.size(); ++v) good[v] = vertices[v].allFinite() && isNear(vertices[v]);
   std::size_t kept = 0;

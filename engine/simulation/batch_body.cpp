@@ -7,6 +7,7 @@
 #include "simulation/live_parameters.h"
 #include "simulation/mixtures.h"
 #include "simulation/solution_fields.h"
+#include "simulation/step_report.h"
 #include "simulation/trust.h"
 
 namespace palpate {
@@ -34,6 +35,8 @@ BatchBody::BatchBody(const Model& model, const std::vector<double>& mass, int th
       boundary_(makeEssentialBoundary<double>(model.essential, mass)),
       boundary_scratch_(makeBoundaryScratch(boundary_)),
       tools_(model),
+      skins_(makeSkinContactState(model.bodies, model.skin)),
+      skins_scratch_(model.bodies, model.skin),
       skull_(makeSkullState(model.skull)),
       u_float_(model.X.size()),
       du_float_(model.X.size()),
@@ -67,6 +70,7 @@ PointHistory BatchBody::pointHistory() const {
 
 void BatchBody::restore(const AlignedVector<Double4>& displacement, const AlignedVector<Double4>& increment,
                         const AlignedVector<double>& history) {
+  skins_ = makeSkinContactState(model_.bodies, model_.skin);
   skull_ = makeSkullState(model_.skull);
   u = displacement;
   du = increment;
@@ -99,11 +103,21 @@ void BatchBody::contact(double alpha, Report& report) {
   }
   tools_.solve(alpha, inverse_mass_float_.data(), u_float_.data(), du_float_.data(), report.loads);
   report.tool_force = report.loads[0].force;
+  findSkinPairs(model_.bodies, model_.skin, u_float_.data(), skins_, skins_scratch_);
+  report.skins = solveSkinContact(model_.skin, alpha, inverse_mass_float_.data(), u_float_.data(), du_float_.data(),
+                                  skins_, skins_scratch_);
+  if (!model_.bodies.empty())
+    for (int k = 0; k < organCount(model_); ++k)
+      report.organ_force[static_cast<std::size_t>(k)] = skinForceOn(model_.bodies, model_.skin, k, skins_);
   if (!model_.skull.empty() && !layer_)
     report.skull = solveSkull(model_.skull, model_.skin, alpha, inverse_mass_float_.data(), u_float_.data(),
                               du_float_.data(), skull_);
   for (std::size_t i = 0; i < u.size(); ++i)
     store(du[i], load(du[i]) + __builtin_convertvector(load(du_float_[i]) - load(du_before_[i]), GroupOf<double>));
+}
+
+bool BatchBody::hasContact() const {
+  return tools_.present() || !model_.bodies.empty() || (!model_.skull.empty() && !layer_);
 }
 
 /// As of a step of the loop that saw the same.
@@ -114,6 +128,7 @@ Doubt BatchBody::doubt(const ForceReport& forces, const Report& report) const {
   step.min_J = forces.min_J;
   step.inverted_points = forces.inverted_points;
   step.max_penetration = tools_.maxPenetration();
+  if (isTooDeep(model_, report.skins)) step.flags |= kDeepContact;
   step.volume_change = forces.volume_change / model_.cell_volume;
   step.pressure_over_shear =
       model_.patches.empty() ? -step.volume_change * bulkOverShear(model_.materials) : forces.max_patch_pressure;
@@ -134,7 +149,7 @@ BatchBody::Report BatchBody::advance(double alpha, double beta, double time) {
   for (std::size_t i = 0; i < model_.weight.size(); ++i)
     store(du[i], load(du[i]) + (alpha * inverse_mass_[i]) * load(model_.weight[i]));
   if (layer_) report.skull = layer_->contact();
-  if (tools_.present() || (!model_.skull.empty() && !layer_)) contact(alpha, report);
+  if (hasContact()) contact(alpha, report);
   imposeBoundary(boundary_, time, 0.0, alpha, inverse_mass_.data(), u.data(), du.data(), boundary_scratch_, team_);
   double largest = 0;
   for (std::size_t i = 0; i < u.size(); ++i) {
@@ -145,6 +160,7 @@ BatchBody::Report BatchBody::advance(double alpha, double beta, double time) {
     largest = std::max(largest, d2);
   }
   report.max_increment = std::sqrt(largest);
+  noteTravel(model_.bodies, report.max_increment, skins_);
   report.strain_energy = forces_report.strain_energy;
   report.doubt = doubt(forces_report, report);
   return report;

@@ -29,6 +29,8 @@ class BatchBody {
     double strain_energy = 0;        // J, at the beginning of the step
     Vec3 tool_force = Vec3::Zero();  // N, on the first tool
     ToolLoads loads;                 // of all tools, without torques
+    SkinContact skins;
+    OrganForces organ_force{};  // N, of the other organs on each
     SkullContact skull;
   };
 
@@ -85,6 +87,7 @@ class BatchBody {
   ForceReport forces(const AlignedVector<Double4>& at, AlignedVector<Double4>& force,
                      RelaxationHistoryOf<double>* history);
   void contact(double alpha, Report& report);
+  bool hasContact() const;
   Doubt doubt(const ForceReport& forces, const Report& report) const;
 
   const Model& model_;
@@ -100,6 +103,8 @@ class BatchBody {
   AlignedVector<float> inverse_mass_float_;
   double alpha_ = 1;  // of the last step, s^2
   BatchTools tools_;
+  SkinContactState skins_;
+  SkinContactScratch skins_scratch_;
   SkullState skull_;
   SkullLayer* layer_ = nullptr;  // in place of skull_
   AlignedVector<Float4> u_float_, du_float_, du_before_;

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "base/types.h"
+#include "contact/skin_contact.h"
 #include "contact/tool_set.h"
 #include "mechanics/materials/material.h"
 #include "simulation/preparation.h"
@@ -16,6 +17,9 @@ struct Body : Preparation {
   Scene scene;
   std::vector<std::uint8_t> imposed;  // (node_count) bit c set: component c is imposed
   std::vector<Material> materials;    // as loaded; those in force are in State
+
+  SkinBodies bodies;            // that touch one another; empty: there is one
+  std::vector<int> node_organ;  // (node_count) of the scene's organs (organsOf); empty: there is one
 
   Pose tool_start;
   ToolSet tools;                    // empty where the scene has one tool that is one body

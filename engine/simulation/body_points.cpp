@@ -5,7 +5,7 @@ namespace {
 
 SupportGroups groupsAt(const Body& model, const std::vector<Vec3>& points) {
   SupportGroups groups;
-  if (model.side_node.empty()) return groups;
+  if (model.vertex_group.empty()) return groups;
   groups.node.assign(model.vertex_group.begin(), model.vertex_group.begin() + model.nodeCount());
   for (std::size_t k = 0; k < model.side_node.size(); ++k)
     groups.node[model.side_node[k]] |= model.vertex_group[model.X.size() + k];

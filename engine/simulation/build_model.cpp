@@ -5,11 +5,14 @@
 #include <cmath>
 #include <numbers>
 
+#include "approximation/neighbours.h"
 #include "discretization/surface/facet_rule.h"
+#include "discretization/surface/surface_bodies.h"
 #include "simulation/body_points.h"
 #include "simulation/choose_time_step.h"
 #include "simulation/finish.h"
 #include "simulation/imposed_nodes.h"
+#include "simulation/join_bodies.h"
 #include "simulation/mixtures.h"
 #include "simulation/prepare.h"
 #include "simulation/scene_messages.h"
@@ -129,12 +132,41 @@ double gripForce(double asked, double radius, const Model& model) {
   return pressure * stiffness / volume * std::numbers::pi * radius * radius;
 }
 
+/// Which organ each body is of, and each node.
+void addBodies(const Scene& scene, const SurfaceTree& tree, Model& model) {
+  model.bodies = makeSkinBodies(model.skin, scene.spacing);
+  SkinBodies& bodies = model.bodies;
+  if (bodies.count > max_skin_bodies)
+    throw InputError(scene.place, "the surface has " + number(bodies.count) + " separate bodies, and at most " +
+                                      number(max_skin_bodies) + " can touch one another",
+                     "leave small parts out (mtled import does)");
+  const std::vector<int>& organ = tree.surface().organ;
+  if (bodies.empty() || organ.empty()) return;
+  const std::vector<OrganSpec> organs = organsOf(scene);
+  const SurfaceBodies of_faces = bodiesOf(model.skin.surface);
+  for (std::size_t t = of_faces.of_face.size(); t-- > 0;) {
+    const auto& [a, b, c] = model.skin.surface.triangles[t];
+    const auto& X = model.skin.surface.vertices;
+    const auto body = static_cast<std::size_t>(of_faces.of_face[t]);
+    if (t > 0 && of_faces.of_face[t - 1] == of_faces.of_face[t]) continue;  // one face of each run tells
+    bodies.organ[body] = organ[static_cast<std::size_t>(tree.closest((X[a] + X[b] + X[c]) / 3).triangle)];
+    bodies.friction[body] = static_cast<float>(organs[static_cast<std::size_t>(bodies.organ[body])].organ_friction);
+  }
+  // The nearest skin is a node's own: on the way to any other lies its own.
+  const std::vector<Vec3>& skin = model.skin.surface.vertices;
+  const Neighbours near(skin, std::vector<double>(skin.size(), scene.spacing));
+  for (const Vec3& X : model.X)
+    model.node_organ.push_back(
+        bodies.organ[static_cast<std::size_t>(bodies.body[static_cast<std::size_t>(near.nearest(X, 1).front())])]);
+}
+
 /// The skin as the contact reads it, and the tool before it.
 void addSkinAndTool(const Scene& scene, const SurfaceTree& tree, Model& model) {
   double softest = model.materials[0].shear_modulus;
   for (const auto& m : model.materials) softest = std::min(softest, m.shear_modulus);
   model.skin = buildSkinModel(model.skin.surface, model.skin_shape, smallestToolRadius(scene), 3 * softest);
   model.skin.topology = makeSkinTopology(model.skin.surface);
+  addBodies(scene, tree, model);
   model.skull = skullOf(scene, tree, model.skin, 3 * softest);
   model.tool_start = {scene.tool_position, Quat::FromTwoVectors(-Vec3::UnitZ(), scene.tool_direction)};
   model.tools = makeToolSet(scene, tree, model.skin.surface);
@@ -189,26 +221,94 @@ Model finish(const Scene& scene, const SurfaceTree& tree, Preparation preparatio
   return model;
 }
 
+namespace {
+
+/// The scene as one organ of several has it: what is of others holds nothing.
+Scene sceneOf(const Scene& scene, int organ) {
+  Region nothing;
+  nothing.kind = Region::Kind::Sphere;
+  nothing.radius = -1;
+  const auto isOther = [&](int named) { return named >= 0 && named != organ; };
+  Scene own = scene;
+  for (BoundarySpec& boundary : own.boundaries)
+    if (isOther(boundary.organ)) boundary.region = nothing;
+  for (MaterialSpec& material : own.materials)
+    if (isOther(material.organ)) {
+      material.everywhere = false;
+      material.region = nothing;
+    }
+  return own;
+}
+
+/// Discretizes and prepares one body.
+class BodyBuilder {
+ public:
+  BodyBuilder(const Scene& scene, TriangleSurface surface)
+      : scene_(sceneOf(scene, surface.organ.empty() ? 0 : surface.organ.front())), tree_(std::move(surface)) {}
+
+  void discretize(const BuildOptions& options, const std::function<void(double)>& progress) {
+    discretization_ = palpate::discretize(scene_, tree_, progress);
+    if (options.disturb) options.disturb(discretization_, tree_);
+  }
+  bool has(std::size_t boundary) const {
+    return choosesNode(scene_.boundaries[boundary], discretization_.cloud, tree_);
+  }
+  Preparation prepare(const Progress& report) { return palpate::prepare(scene_, tree_, std::move(discretization_), report); }
+
+ private:
+  Scene scene_;
+  SurfaceTree tree_;
+  Discretization discretization_;
+};
+
+/// The long first half of buildModel: of each body on its own.
+Preparation prepareBodies(const Scene& scene, const TriangleSurface& organ, const BuildOptions& options,
+                          const Progress& report) {
+  constexpr double cloud_share = 0.43;
+  std::vector<BodyBuilder> bodies;
+  for (TriangleSurface& surface : separated(organ, bodiesOf(organ))) bodies.emplace_back(scene, std::move(surface));
+  const double share = 1.0 / static_cast<double>(bodies.size());
+  for (std::size_t k = 0; k < bodies.size(); ++k) {
+    const auto progress = [&](double part) {
+      report("nodes and cells", cloud_share * share * (static_cast<double>(k) + part));
+    };
+    progress(0);
+    bodies[k].discretize(options, progress);
+  }
+  for (std::size_t b = 0; b < scene.boundaries.size(); ++b) {
+    const BoundarySpec& spec = scene.boundaries[b];
+    if (std::none_of(bodies.begin(), bodies.end(), [&](const BodyBuilder& body) { return body.has(b); }))
+      refuseEmpty(scene, spec);
+    if (bodies.size() > 1 && spec.region.kind == Region::Kind::Point)
+      throw InputError(spec.place, "points that are measured move one body, and here are " + number(bodies.size()),
+                       "leave the other organs out");
+  }
+  if (bodies.size() == 1) return bodies.front().prepare(report);
+  std::vector<Preparation> prepared;
+  for (std::size_t k = 0; k < bodies.size(); ++k)
+    prepared.push_back(bodies[k].prepare([&](const std::string& what, double fraction) {
+      report(what, cloud_share + (1 - cloud_share) * share * static_cast<double>(k) + share * (fraction - cloud_share));
+    }));
+  return joinBodies(std::move(prepared));
+}
+
+}  // namespace
+
 Model buildModel(const Scene& scene, const TriangleSurface& organ, const BuildOptions& options) {
   const auto start = Clock::now();
   const Progress report = [&](const std::string& what, double fraction) {
     if (options.progress) options.progress(what, fraction);
   };
-  const SurfaceTree tree(organ);
   std::optional<Preparation> preparation;
   if (options.find) preparation = options.find();
   if (!preparation) {
-    const auto nodesAndCells = [&](double share) { report("nodes and cells", 0.43 * share); };
-    nodesAndCells(0);
-    Discretization discretization = discretize(scene, tree, nodesAndCells);
-    if (options.disturb) options.disturb(discretization, tree);
-    preparation = prepare(scene, tree, std::move(discretization), report);
+    preparation = prepareBodies(scene, organ, options, report);
     if (options.keep) {
       report("keeping it for the next start", 0.94);
       options.keep(*preparation);
     }
   }
-  Model model = finish(scene, tree, std::move(*preparation), report);
+  Model model = finish(scene, SurfaceTree(organ), std::move(*preparation), report);
   model.setup_seconds = std::chrono::duration<double>(Clock::now() - start).count();
   return model;
 }
@@ -220,6 +320,7 @@ State initialState(const Model& model) {
   state.tool_pose = model.tool_start;
   state.contact = makeContactState(model.skin, model.scene.tool);
   state.more = makeMoreTools(model);
+  state.skins = makeSkinContactState(model.bodies, model.skin);
   state.skull = makeSkullState(model.skull);
   state.live = loadedParameters(model);
   state.local_mass.factor.assign(model.X.size(), 1.0F);

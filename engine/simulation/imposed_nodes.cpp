@@ -39,6 +39,10 @@ bool agree(const BoundarySpec& a, const BoundarySpec& b, const Vec3& X, int comp
 
 namespace {
 
+bool isChosen(const BoundarySpec& spec, const NodeCloud& cloud, int i, const SurfaceTree& organ) {
+  return (!spec.surface_only || cloud.on_surface[i]) && contains(spec.region, cloud.X[i], organ);
+}
+
 /// Adds a row for a point between the nodes. Nodes that are imposed nearer than half the spacing would leave the two no
 /// independent displacements.
 void addPoint(const Scene& scene, int b, const NodeCloud& cloud, EssentialNodes& essential) {
@@ -74,11 +78,8 @@ EssentialNodes chooseImposed(const Scene& scene, const NodeCloud& cloud, const S
       addPoint(scene, b, cloud, essential);
       continue;
     }
-    int found = 0;
     for (int i = 0; i < static_cast<int>(cloud.X.size()); ++i) {
-      if (spec.surface_only && !cloud.on_surface[i]) continue;
-      if (!contains(spec.region, cloud.X[i], organ)) continue;
-      ++found;
+      if (!isChosen(spec, cloud, i, organ)) continue;
       if (slot[i] < 0) {
         slot[i] = static_cast<int>(essential.nodes.size());
         essential.nodes.push_back({i, {-1, -1, -1}});
@@ -95,11 +96,20 @@ EssentialNodes chooseImposed(const Scene& scene, const NodeCloud& cloud, const S
                            "make the regions disjoint, or impose other components");
       }
     }
-    if (found == 0)
-      throw InputError(spec.place, "no node lies in this region",
-                       "move or enlarge it (node spacing is " + number(scene.spacing) + " m)");
   }
   return essential;
+}
+
+bool choosesNode(const BoundarySpec& spec, const NodeCloud& cloud, const SurfaceTree& organ) {
+  if (spec.region.kind == Region::Kind::Point) return true;
+  for (int i = 0; i < static_cast<int>(cloud.X.size()); ++i)
+    if (isChosen(spec, cloud, i, organ)) return true;
+  return false;
+}
+
+void refuseEmpty(const Scene& scene, const BoundarySpec& spec) {
+  throw InputError(spec.place, "no node lies in this region",
+                   "move or enlarge it (node spacing is " + number(scene.spacing) + " m)");
 }
 
 void checkHeld(const Scene& scene, const EssentialNodes& essential) {

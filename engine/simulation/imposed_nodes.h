@@ -13,7 +13,13 @@ namespace palpate {
 
 BoundaryMotion motionOf(const BoundarySpec& spec);
 
-/// Which nodes are imposed, and how. Throws InputError where a region is empty or two motions contradict.
+/// Whether there is a node that the boundary imposes.
+bool choosesNode(const BoundarySpec& spec, const NodeCloud& cloud, const SurfaceTree& organ);
+
+/// Says that a boundary imposes no node.
+[[noreturn]] void refuseEmpty(const Scene& scene, const BoundarySpec& spec);
+
+/// Which nodes are imposed, and how. Throws InputError where two motions contradict.
 EssentialNodes chooseImposed(const Scene& scene, const NodeCloud& cloud, const SurfaceTree& organ);
 
 /// Throws InputError where nothing is fixed, and what is prescribed leaves the body a motion as a whole.

@@ -80,6 +80,7 @@ std::uint64_t modelHash(const Model& model) {
   add(key, model.boundary);
   if (!model.weight.empty()) key.add(model.weight);  // none: hashes are those of before
   key.add(model.skin.surface.vertices, model.skin.area, model.skin.node, model.skin.N, model.skin.bulk_stiffness);
+  if (!model.bodies.empty()) key.add(model.bodies.body, model.bodies.friction);
   if (const Skull& skull = model.skull; !skull.empty())  // none: hashes are those of before
     key.add(skull.vertex, skull.area, skull.correction, skull.origin, skull.cell, skull.gap, skull.stiffness);
   add(key, model.scene.tool);
@@ -111,6 +112,15 @@ std::uint64_t stateHash(const Model& model, const State& state) {
   add(state.u_low.data(), state.u_low.size() * sizeof(Float4));
   add(state.relaxation.Z.data(), state.relaxation.Z.size() * sizeof(float));
   addContact(state.contact, add);
+  if (const auto& skins = state.skins; !model.bodies.empty()) {
+    const auto count = static_cast<std::size_t>(skins.count);
+    add(skins.vertex.data(), count * sizeof(int));
+    add(skins.face.data(), count * sizeof(int));
+    add(skins.clearance.data(), count * sizeof(float));
+    add(skins.force.data(), count * sizeof(Float4));
+    add(&skins.travel, sizeof skins.travel);
+    add(&skins.since_search, sizeof skins.since_search);
+  }
   add(state.skull.force.data(), state.skull.force.size() * sizeof(Float4));
   add(state.tool_pose.position.data(), sizeof(double) * 3);
   add(state.tool_pose.orientation.coeffs().data(), sizeof(double) * 4);

@@ -6,10 +6,12 @@
 
 #include "base/number_text.h"
 #include "discretization/nodes/site_grid.h"
+#include "discretization/surface/surface_bodies.h"
 #include "discretization/surface/surface_geometry.h"
 #include "simulation/choose_time_step.h"
 #include "simulation/discretize_parts.h"
 #include "simulation/finish.h"
+#include "simulation/imposed_nodes.h"
 #include "simulation/interface_nodes.h"
 #include "simulation/scene_messages.h"
 #include "simulation/scene_regions.h"
@@ -51,6 +53,7 @@ void keepRegions(const Scene& scene, const SurfaceTree& organ, NestedCloud& clou
     std::vector<int> members;
     for (int i = 0; i < cloud.nodeCount(); ++i)
       if ((cloud.on_surface[i] || !spec.surface_only) && contains(spec.region, cloud.X[i], organ)) members.push_back(i);
+    if (members.empty()) refuseEmpty(scene, spec);
     keepLive(members, kept_of_region, cloud);
   }
 }
@@ -69,7 +72,10 @@ std::vector<Vec3> centresOn(const TriangleSurface& skin, double stride) {
   return centres;
 }
 
-void checkCarried(const Scene& scene) {
+void checkCarried(const Scene& scene, const TriangleSurface& organ) {
+  if (bodiesOf(organ).count > 1)
+    throw InputError(placeOf(scene, "discretization.follow"), "a cloud that follows the tool is that of one body",
+                     "give spacing in place of follow");
   for (const MaterialSpec& spec : scene.materials)
     if (spec.material.relaxation_count > 0)
       throw InputError(spec.place, "a cloud that follows the tool can't have a material that relaxes",
@@ -144,7 +150,7 @@ double followSpacing(const Scene& scene) { return coarse_of_fine * fine_radii * 
 
 Places makePlaces(const Scene& as_read, const TriangleSurface& organ, const Progress& progress,
                   const PlaceStore& store) {
-  checkCarried(as_read);
+  checkCarried(as_read, organ);
   const auto report = [&](const char* what, double fraction) {
     if (progress) progress(what, fraction);
   };

@@ -86,8 +86,8 @@ bool isSound(const Preparation& p, std::size_t material_count, std::size_t bound
          allPositive(p.support_radius) && allPositive(p.mass) && allWithin(p.cells, nodes) &&
          hasSoundPoints(p, material_count) && isTable(p.point_shape, p.point_X.size(), nodes, true) &&
          allWithin(p.side_node, nodes) && allWithin(p.volume_cells, nodes + p.side_node.size()) &&
-         p.volume_cells.size() == (p.side_node.empty() ? 0 : p.cells.size()) &&
-         p.vertex_group.size() == (p.side_node.empty() ? 0 : nodes + p.side_node.size()) &&
+         p.volume_cells.size() == (p.vertex_group.empty() ? 0 : p.cells.size()) &&
+         p.vertex_group.size() == (p.vertex_group.empty() ? p.side_node.size() : nodes + p.side_node.size()) &&
          isTable(p.node_shape, nodes, nodes, false) && isTable(p.skin_shape, vertices, nodes, true) &&
          allFinite(p.skin.surface.vertices) && allWithin(p.skin.surface.triangles, vertices) &&
          isEssential(p.essential, nodes, boundary_count) && within(p.limit.worst_node, nodes) &&

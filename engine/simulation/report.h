@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "base/types.h"
+#include "contact/skin_contact.h"
 #include "contact/tool_set.h"
 
 namespace palpate {
@@ -30,6 +31,9 @@ enum class Doubt : std::uint8_t {
   Lost,        // not finite, or blown up
 };
 
+/// A force on each of the scene's organs (organsOf), N.
+using OrganForces = std::array<Vec3, max_organs>;
+
 /// One step's (or, accumulated, one tick's) outcome.
 struct StepReport {
   std::uint32_t flags = 0;
@@ -46,6 +50,9 @@ struct StepReport {
   int contact_count = 0;               // skin vertices that carry force
   double max_penetration = 0;          // m; of several tools the deepest for its radius, times the first one's radius
   ToolLoads loads;                     // where the scene has several tools or jaws (Model::tools); else all 0
+  OrganForces organ_force{};           // N, of the other organs on each; of a whole tick only
+  double skin_penetration = 0;         // m, of bodies into one another
+  int skin_contact_count = 0;          // skin vertices at which bodies touch
   Vec3 skull_force = Vec3::Zero();     // N, of the skull on the tissue
   double skull_penetration = 0;        // m, of the skin into the skull
   // For simulation/trust.h.

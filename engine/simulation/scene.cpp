@@ -27,6 +27,12 @@ bool Region::contains(const Vec3& x, double tolerance, double surface_distance) 
   return false;
 }
 
+std::vector<OrganSpec> organsOf(const Scene& scene) {
+  std::vector<OrganSpec> organs{scene};
+  organs.insert(organs.end(), scene.further_organs.begin(), scene.further_organs.end());
+  return organs;
+}
+
 std::vector<ToolSpec> toolsOf(const Scene& scene) {
   ToolSpec first{scene.tool,           scene.tool_position,  scene.tool_direction,
                  scene.tool_max_speed, scene.tool_max_force, scene.tool_grip_force,

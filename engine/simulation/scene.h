@@ -56,6 +56,7 @@ struct MaterialSpec {
   std::string name;  // as shown; "" where the scene gives none
   Material material = Material::neoHookean(3000, 0.49, 1000);
   bool everywhere = true;  // otherwise only inside `region` (later entries win)
+  int organ = -1;          // only of this one (organsOf); -1: of any
   Region region;
   /// Not null: there is as much of it as an image says, and the rest is the first material (mixtures.h).
   std::shared_ptr<const Membership> membership;
@@ -66,6 +67,7 @@ struct MaterialSpec {
 struct BoundarySpec {
   std::string name;  // in results; "fixed 1", "prescribed 2" where the scene gives none
   Region region;
+  int organ = -1;  // only of this one (organsOf); -1: of any
   bool component[3] = {true, true, true};  // which of x, y, z are imposed
   Vec3 translation = Vec3::Zero();         // m
   Vec3 axis_point = Vec3::Zero();          // m, a point of the axis of rotation
@@ -139,18 +141,11 @@ struct LumpDraw {
   int layout = 1;  // the first, second ... of the seed
 };
 
-/// Everything a scene file says, validated as far as that needs no geometry.
-/// Plain data; `io/scene_file.h` reads it, `simulation/build_model.h` turns it into a Model.
-struct Scene {
-  std::string name;
-  SourceLocation place;                          // the file itself
-  std::map<std::string, SourceLocation> places;  // where a key stands ("dynamics.time_step"), for errors
-  /// The values that the reader accepted of all keys that a Preparation depends on (KeySpec::SetUp), one a line: what a
-  /// cache goes by. Empty: made or changed by a program, and then nothing is kept.
-  std::string set_up_values;
-
-  // organ
+/// An organ, as the scene says it: a closed surface from a file, or an analytic solid.
+struct OrganSpec {
   enum class Solid { Surface, Box, Cylinder, Ellipsoid };
+  std::string organ_name;  // "organ 1" where the scene gives none
+  SourceLocation organ_place;
   Solid solid = Solid::Surface;
   std::string surface_file;       // absolute or relative to the working directory; see surfaceFormats()
   double surface_scale = 1.0;     // m per file unit
@@ -159,6 +154,25 @@ struct Scene {
   double radius = 0, height = 0;  // Cylinder: m; axis z, base centred at the origin
   Vec3 semi_axes = Vec3::Zero();  // Ellipsoid: m, centred at the origin
   bool upper_half = false;        // Ellipsoid: only z >= 0
+  // Where it lies: turned about an axis through the origin, then moved.
+  Vec3 organ_axis = Vec3::UnitZ();                // unit
+  double organ_angle = 0;                         // rad, right-handed
+  Vec3 organ_position = Vec3::Zero();             // m
+  double organ_friction = 0;                      // Coulomb coefficient at other organs; of two the larger counts
+  Vec3 tissue_colour = Vec3(0.62, 0.21, 0.17);    // linear-light albedo, 0..1
+};
+
+/// Everything a scene file says, validated as far as that needs no geometry. Its first organ is a part of it.
+/// Plain data; `io/scene_file.h` reads it, `simulation/build_model.h` turns it into a Model.
+struct Scene : OrganSpec {
+  std::string name;
+  SourceLocation place;                          // the file itself
+  std::map<std::string, SourceLocation> places;  // where a key stands ("dynamics.time_step"), for errors
+  /// The values that the reader accepted of all keys that a Preparation depends on (KeySpec::SetUp), one a line: what a
+  /// cache goes by. Empty: made or changed by a program, and then nothing is kept.
+  std::string set_up_values;
+
+  std::vector<OrganSpec> further_organs;  // beside the first, which the scene itself is
 
   // discretization
   double spacing = 0.01;  // m, target distance of neighbouring nodes
@@ -214,9 +228,11 @@ struct Scene {
   double camera_distance = 0.5;       // m
   double camera_azimuth_deg = -60;    // around +z, from +x
   double camera_elevation_deg = 25;
-  double camera_fov_deg = 35;                   // vertical
-  Vec3 tissue_colour = Vec3(0.62, 0.21, 0.17);  // linear-light albedo, 0..1
+  double camera_fov_deg = 35;  // vertical
 };
+
+/// All organs, the first one first.
+std::vector<OrganSpec> organsOf(const Scene& scene);
 
 /// All tools, the first one first.
 std::vector<ToolSpec> toolsOf(const Scene& scene);

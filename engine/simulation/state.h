@@ -5,6 +5,7 @@
 
 #include "base/types.h"
 #include "contact/contact_state.h"
+#include "contact/skin_contact.h"
 #include "contact/skull.h"
 #include "contact/tool_set.h"
 #include "mechanics/relaxation.h"
@@ -52,6 +53,7 @@ struct State {
   Pose tool_pose;               // of the first tool
   ContactState contact;
   MoreTools more;
+  SkinContactState skins;        // empty where there is one body
   SkullState skull;              // empty without a skull
   RelaxationHistory relaxation;  // of materials that relax; empty where none does
   LiveParameters live;

@@ -1,5 +1,7 @@
 #include "simulation/step.h"
 
+#include <cmath>
+
 #include "mechanics/internal_forces.h"
 #include "simulation/follow_stiffness.h"
 #include "simulation/node_passes.h"
@@ -38,6 +40,9 @@ StepReport step(const Model& model, State& state, const ToolPostures& wanted, co
   ToolPostures tools = wanted;
   outcome.tool_force = solveToolContacts(model, tools, integrator.alpha, masses.inverse, state, outcome.loads);
 
+  if (!model.bodies.empty())
+    outcome.skins = solveSkinContact(model.skin, integrator.alpha, masses.inverse, state.u.data(), state.du.data(),
+                                     state.skins, workspace.skins);
   if (!model.skull.empty())
     outcome.skull = solveSkull(model.skull, model.skin, integrator.alpha, masses.inverse, state.u.data(),
                                state.du.data(), state.skull);
@@ -59,6 +64,7 @@ StepReport step(const Model& model, State& state, const ToolPostures& wanted, co
 
   // u += du
   outcome.moved = accumulate(model, masses, state, workspace);
+  noteTravel(model.bodies, std::sqrt(outcome.moved.distance2), state.skins);
 
   setPostures(model, tools, state);
   ++state.step;
@@ -86,6 +92,7 @@ StepReport tick(const Model& model, State& state, const Command& command, Worksp
                            state.u_low.data(), workspace.boundary);
   });
   for (int b = 0; b < bodies; ++b) forBody(b, findFaceSamples);
+  findSkinPairs(model.bodies, model.skin, state.u.data(), state.skins, workspace.skins);
   StepReport total;
   for (int k = 1; k <= model.substeps_per_tick; ++k) {
     if (command.stop != nullptr && command.stop->load(std::memory_order_relaxed)) {
@@ -97,6 +104,9 @@ StepReport tick(const Model& model, State& state, const Command& command, Worksp
     if (total.flags & (kNotFinite | kBlowUp)) break;  // it is lost: more steps would bring numbers that are none
   }
   ++state.tick;
+  if (!model.bodies.empty())
+    for (int k = 0; k < organCount(model); ++k)
+      total.organ_force[static_cast<std::size_t>(k)] = skinForceOn(model.bodies, model.skin, k, state.skins);
   const ToolContact contact = toolContact(model, state);
   total.tool_torque = contact.torque;
   total.contact_normal = contact.normal;

@@ -8,7 +8,7 @@
 namespace palpate {
 namespace {
 
-/// Deeper than this share of the tool's radius the contact is no longer trusted to push out evenly.
+/// Deeper than this share of the tool's radius, or of the spacing between two bodies, the contact is no longer trusted to push out evenly.
 constexpr double deep_contact = 0.2;
 
 std::uint32_t flagsOf(const Model& model, const StepReport& report, const StepOutcome& outcome, const State& state) {
@@ -16,10 +16,11 @@ std::uint32_t flagsOf(const Model& model, const StepReport& report, const StepOu
   if (outcome.moved.not_finite >= 0) flags |= kNotFinite;
   if (report.max_increment > model.max_increment) flags |= kBlowUp;
   if (report.inverted_points > 0) flags |= kInvertedPoints;
-  if (state.contact.overflow) flags |= kContactOverflow;
+  if (state.contact.overflow || outcome.skins.overflow) flags |= kContactOverflow;
   for (const ContactState& contact : state.more.contact)
     if (contact.overflow) flags |= kContactOverflow;
   if (report.max_penetration > deep_contact * model.scene.tool.radius) flags |= kDeepContact;
+  if (isTooDeep(model, outcome.skins)) flags |= kDeepContact;
   return flags;
 }
 
@@ -58,6 +59,12 @@ double addedInertia(const Model& model, const StepOutcome& outcome, LocalMass& l
 
 }  // namespace
 
+bool isTooDeep(const Model& model, const SkinContact& skins) {
+  return skins.max_penetration > deep_contact * model.bodies.spacing && !model.bodies.empty();
+}
+
+int organCount(const Model& model) { return 1 + static_cast<int>(model.scene.further_organs.size()); }
+
 StepReport reportOf(const Model& model, const StepOutcome& outcome, State& state) {
   const ForceReport& forces = outcome.forces;
   const Moved& moved = outcome.moved;
@@ -65,6 +72,8 @@ StepReport reportOf(const Model& model, const StepOutcome& outcome, State& state
   StepReport report;
   report.tool_force = outcome.tool_force;
   report.base_reaction = outcome.base_reaction;
+  report.skin_penetration = outcome.skins.max_penetration;
+  report.skin_contact_count = outcome.skins.count;
   report.skull_force = outcome.skull.force;
   report.skull_penetration = outcome.skull.max_penetration;
 
@@ -109,6 +118,7 @@ StepReport worstOf(const StepReport& earlier, const StepReport& later) {
     both.min_J = earlier.min_J;
     both.worst_point = earlier.worst_point;
   }
+  both.skin_penetration = std::max(earlier.skin_penetration, later.skin_penetration);
   both.skull_penetration = std::max(earlier.skull_penetration, later.skull_penetration);
   both.energy_error = std::max(earlier.energy_error, later.energy_error);
   both.pressure_over_shear = std::max(earlier.pressure_over_shear, later.pressure_over_shear);

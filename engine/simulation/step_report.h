@@ -17,8 +17,15 @@ struct StepOutcome {
   Vec3 tool_force = Vec3::Zero();     // N
   ToolLoads loads;                    // as StepReport has them
   Vec3 base_reaction = Vec3::Zero();  // N
+  SkinContact skins;
   SkullContact skull;
 };
+
+/// Whether bodies are so deep in one another that the contact is no longer trusted.
+bool isTooDeep(const Model& model, const SkinContact& skins);
+
+/// How many organs the scene has.
+int organCount(const Model& model);
 
 /// The report of a step that has been done; keeps the state's account of energy.
 /// Real-time: no allocation, no lock, no throw.

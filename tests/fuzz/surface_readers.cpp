@@ -164,7 +164,8 @@ std::vector<std::string> objSeeds() {
 std::vector<std::string> stlSeeds() { return {tetrahedron_stl, binaryStl(boxSurface({1, 1, 1}, 1))}; }
 
 void holdSurface(const SurfaceFile& file) {
-  const auto& [vertices, triangles] = file.surface;
+  const auto& vertices = file.surface.vertices;
+  const auto& triangles = file.surface.triangles;
   const auto& [name, vertex_line, triangle_line] = file.source;
   hold(!triangles.empty(), "no faces");
   hold(std::all_of(vertices.begin(), vertices.end(), [](const Vec3& x) { return x.allFinite(); }),

@@ -127,8 +127,7 @@ TEST_CASE("No rough hand breaks the half-ellipsoid of brain", "[rough]") { rough
 // Its top is pulled up all the while.
 TEST_CASE("No rough hand breaks the box that is stretched", "[rough]") { roughHand("box_extension", 21); }
 TEST_CASE("No rough hand breaks the scenes with lumps", "[rough]") {
-  const std::string name =
-      GENERATE("lump_liver", "lump_liver_2", "lump_liver_3", "lump_breast", "lump_breast_2", "lump_breast_3");
+  const std::string name = GENERATE("lump_liver", "lump_breast_3");  // levels differ in the lumps alone
   roughHand(name, 31);
 }
 TEST_CASE("No rough hand breaks what a second tool presses, too", "[rough]") { roughHand("two_fingers", 32); }

@@ -346,7 +346,7 @@ TEST_CASE("Mass is added where it spares a step, and never more than the scene g
   CHECK_THROWS_WITH(blockModel(scene), Catch::Contains("block.toml:21:3") && Catch::Contains("raise mass_scaling"));
 }
 
-TEST_CASE("What counts as a blow-up is the coarse spacing in a step, a finer place or not", "[build_model]") {
+TEST_CASE("What counts as a blow-up is the coarse spacing in a step, a finer place or not", "[build_model][whole]") {
   Scene scene = blockScene();
   scene.mass_scaling = 1000;  // long steps, in which sound would go further
   scene.tool_max_speed = 0.2;

@@ -44,7 +44,7 @@ double share(double part, double whole) { return std::abs(part / whole - 1); }
 
 }  // namespace
 
-TEST_CASE("Far from the tool all places are the same, and a place is a function of its index", "[place]") {
+TEST_CASE("Far from the tool all places are the same, and a place is a function of its index", "[place][whole]") {
   const Places& places = barPlaces();
   const Place &a = leftPlace(), b = makePlace(places, indexAt(places, Vec3(0.06, 0, 0.03)));
   REQUIRE(a.index != b.index);

@@ -50,7 +50,7 @@ TEST_CASE("A deformation that is the same everywhere leaves nothing to expect, a
   CHECK(expectedError(model, model.materials, u, 0) == 0);
 }
 
-TEST_CASE("A coarse block's press is doubted for its resolution, a fine one's is not", "[resolution]") {
+TEST_CASE("A coarse block's press is doubted for its resolution, a fine one's is not", "[resolution][whole]") {
   double before = 0;
   for (const double spacing : {0.012, 0.0045}) {
     const Model model = test::blockModel(test::blockScene(spacing));

@@ -6,7 +6,7 @@
 
 using namespace palpate;
 
-TEST_CASE("A model has the same bits for any number of threads that make it", "[build_model]") {
+TEST_CASE("A model has the same bits for any number of threads that make it", "[build_model][whole]") {
   Scene scene = test::blockScene(0.008);
   SECTION("as it is") {}
   SECTION("with all that is optional") {

@@ -233,7 +233,7 @@ TEST_CASE("One material has no border: sharp interfaces change nothing", "[sharp
 }
 
 TEST_CASE("A core and a lump have the volume that they should, however few nodes are around them",
-          "[sharp_interfaces]") {
+          "[sharp_interfaces][whole]") {
   // Flat faces between nodes on the border would leave an octagon, a tenth too small.
   Scene scene;
   scene.solid = Scene::Solid::Cylinder;

@@ -90,7 +90,7 @@ TEST_CASE("Jaws that lift a strip carry its weight and do not lose it", "[tools]
   CHECK(state.more.opening == Approx(0.005));
 }
 
-TEST_CASE("Several tools have the same bits on any number of threads", "[tools]") {
+TEST_CASE("Several tools have the same bits on any number of threads", "[tools][whole]") {
   const Model model = stripModel();
   std::vector<std::uint64_t> hashes;
   for (const int threads : {1, 3}) {
@@ -132,7 +132,7 @@ TEST_CASE("A finger stands half the opening and its radius beside the middle of 
   CHECK(pose.orientation.coeffs() == turned.orientation.coeffs());
 }
 
-TEST_CASE("A tool that starts in the organ is told by its number", "[tools]") {
+TEST_CASE("A tool that starts in the organ is told by its number", "[tools][whole]") {
   Scene scene = stripScene();
   scene.further_tools[0].position.z() = 0.005;
   CHECK_THAT(refusal([&] { stripModel(scene); }), Catch::Contains("tool 2 starts inside the organ"));

@@ -76,7 +76,7 @@ TEST_CASE("A limit that is not nearly reached changes no bit", "[yielding]") {
   CHECK(limited.peak == free.peak);
 }
 
-TEST_CASE("Jaws open where the pinch would be above their grip force", "[yielding]") {
+TEST_CASE("Jaws open where the pinch would be above their grip force", "[yielding][whole]") {
   const Model model = stripModel();
   const auto pinch = [&](double limit) {
     Model limited = model;

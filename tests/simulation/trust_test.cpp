@@ -60,7 +60,7 @@ TEST_CASE("A plain indentation is trusted from the first tick to the last", "[tr
   CHECK(watched.worst_step_share >= model.dt / model.dt_critical);
 }
 
-TEST_CASE("A first touch is no energy of nothing, however fast", "[trust]") {
+TEST_CASE("A first touch is no energy of nothing, however fast", "[trust][whole]") {
   for (const ToolKind kind : {ToolKind::Sphere, ToolKind::FlatCylinder}) {
     Scene scene = blockScene();
     scene.tool.kind = kind;

@@ -209,7 +209,7 @@ TEST_CASE("What a scan or its mask has of its own is told: zeros, values between
   ::unsetenv("PALPATE_CACHE_DIR");
 }
 
-TEST_CASE("Import opens a skull and holds the organ where it is told to", "[import_scan]") {
+TEST_CASE("Import opens a skull and holds the organ where it is told to", "[import_scan][whole]") {
   TempFolder folder;
   ::setenv("PALPATE_CACHE_DIR", folder.path("cache").c_str(), 1);
   CapturedOutput output;

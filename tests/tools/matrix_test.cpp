@@ -27,7 +27,7 @@ MatrixRow rowWith(double answer, double expected, Doubt doubt = Doubt::None) {
 }  // namespace
 
 TEST_CASE("A case drawn by lot follows from its seed, and the lot draws all kinds, laws and Poisson's ratios",
-          "[matrix]") {
+          "[matrix][whole]") {
   std::set<std::string> kinds;
   std::set<int> laws;
   double lowest = 1, highest = 0;

@@ -89,6 +89,7 @@ std::vector<TriangleSurface> separateParts(const TriangleSurface& surface, const
       v = local[v];
     }
     piece.triangles.push_back(triangle);
+    if (!surface.organ.empty()) piece.organ.push_back(surface.organ[t]);
   }
   return pieces;
 }

@@ -12,6 +12,7 @@ namespace palpate {
 struct TriangleSurface {
   std::vector<Vec3> vertices;                 // (vertex_count)
   std::vector<std::array<int, 3>> triangles;  // (triangle_count)
+  std::vector<int> organ{};                   // (triangle_count) of several organs the one that it is of; empty: of one
 };
 
 }  // namespace palpate

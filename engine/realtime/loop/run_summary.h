@@ -52,6 +52,8 @@ struct RunSummary {
   double largest_yield = 0;         // m, that the tool stayed behind the hand (ToolProxy)
   std::int64_t yielding_ticks = 0;
   Vec3 base_reaction = Vec3::Zero();    // N, last tick
+  OrganForces organ_force{};            // N, of the other organs on each, last tick
+  double skin_penetration = 0;          // m, of organs into one another, largest of all ticks
   Vec3 skull_force = Vec3::Zero();      // N, on the tissue, last tick
   double skull_penetration = 0;         // m, largest of all ticks
   std::int64_t lost_force_samples = 0;  // ring full: nobody took them

@@ -73,6 +73,8 @@ Verdict TickReporter::judge(const StepReport& report, const RunState& run) {
     summary_.peak_pinch[k] = std::max(summary_.peak_pinch[k], report_.loads[k].pinch);
   }
   summary_.base_reaction = report_.base_reaction;
+  summary_.organ_force = report_.organ_force;
+  summary_.skin_penetration = std::max(summary_.skin_penetration, report_.skin_penetration);
   summary_.skull_force = report_.skull_force;
   summary_.skull_penetration = std::max(summary_.skull_penetration, report_.skull_penetration);
   return verdict;

@@ -76,6 +76,10 @@ RunReport makeRunReport(const Model& model, const RunSummary& summary, const Dea
     report.tools.push_back({summary.peak_tool_force[k], summary.peak_pinch[k], model.tools.tool[k].jaws});
   report.peak_depth_m = summary.peak_depth;
   report.base_reaction_N = summary.base_reaction;
+  if (!model.scene.further_organs.empty())
+    for (const OrganSpec& organ : organsOf(model.scene))
+      report.organs.push_back({organ.organ_name, summary.organ_force[report.organs.size()]});
+  report.organ_penetration_m = summary.skin_penetration;
   report.has_skull = !model.skull.empty();
   report.skull_force_N = summary.skull_force;
   report.skull_penetration_m = summary.skull_penetration;
@@ -152,6 +156,11 @@ std::string toJson(const RunReport& r) {
         {"largest_jump_N", r.follow->largest_jump_N},
         {"largest_jump_share", r.follow->largest_jump_share},
         {"longest_swap_us", r.follow->longest_swap_us}};
+  for (const RunReport::Organ& organ : r.organs) {
+    const Vec3& f = organ.contact_force_N;
+    json["organs"].push_back({{"name", organ.name}, {"contact_force_N", Json::array({f.x(), f.y(), f.z()})}});
+  }
+  if (!r.organs.empty()) json["organ_penetration_m"] = r.organ_penetration_m;
   if (r.has_skull) {
     const Vec3& skull = r.skull_force_N;
     json["skull_force_N"] = Json::array({skull.x(), skull.y(), skull.z()});

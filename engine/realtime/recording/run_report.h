@@ -39,6 +39,12 @@ struct RunReport {
   std::vector<Tool> tools;  // where the scene has several or jaws; else empty, and report.json has no "tools"
   double peak_depth_m = 0;  // of the skin under the tip, from where it lay at rest
   Vec3 base_reaction_N = Vec3::Zero();
+  struct Organ {
+    std::string name;
+    Vec3 contact_force_N = Vec3::Zero();
+  };
+  std::vector<Organ> organs;  // where the scene has several; else empty, and report.json has no "organs"
+  double organ_penetration_m = 0;
   bool has_skull = false;
   Vec3 skull_force_N = Vec3::Zero();
   double skull_penetration_m = 0;

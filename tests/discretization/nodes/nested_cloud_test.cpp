@@ -80,7 +80,7 @@ TEST_CASE("What is live far from the tool does not depend on where the tool is",
   CHECK(nestedIn(boxSurface(Vec3(0.12, 0.08, 0.05), 0.01), 0.005).coarsest == cloud.coarsest);
 }
 
-TEST_CASE("Live clouds keep the wanted spacing, the surface, corners and edges", "[nested]") {
+TEST_CASE("Live clouds keep the wanted spacing, the surface, corners and edges", "[nested][whole]") {
   struct Case {
     const char* name;
     TriangleSurface surface;

@@ -64,7 +64,8 @@ std::string originOf(const BatchJob& job) {
     if (!file.empty()) key.add(fnv1a(readWholeFile(file)));
   try {
     const Scene scene = readScene(findScene(job.scene), job.changes);
-    if (!scene.surface_file.empty()) key.add(fnv1a(readWholeFile(scene.surface_file)));
+    for (const OrganSpec& organ : organsOf(scene))
+      if (!organ.surface_file.empty()) key.add(fnv1a(readWholeFile(organ.surface_file)));
     for (const MaterialSpec& material : scene.materials)
       if (material.membership) key.add(fnv1a(identityOf(*material.membership)));
     for (const BoundarySpec& boundary : scene.boundaries)

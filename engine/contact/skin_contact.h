@@ -1,0 +1,118 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "base/types.h"
+#include "contact/skin.h"
+
+namespace palpate {
+
+/// Bodies whose skins touch each other: constant.
+struct SkinBodies {
+  std::vector<int> body;    // (vertex_count) of the skin's vertices; empty: one body, which does not touch itself
+  int count = 1;            // at most max_skin_bodies
+  std::vector<int> organ;   // (count) that each body is of, for the caller
+  std::vector<float> friction;  // (count) Coulomb coefficient; of two bodies the larger counts
+  std::vector<int> rank;        // (count) by how densely their vertices stand: of two bodies that touch, the vertices of
+                                // the lower rank carry the pressure, and the other's only what those miss
+  double spacing = 0;           // m, of the nodes
+  double longest_edge = 0;      // m, of the skin at rest
+  double row_sum = 1;           // max_v sum_i |N_i(X_v)|: no vertex moves further than this times the fastest node
+
+  bool empty() const { return count < 2; }
+};
+constexpr int max_skin_bodies = 64, max_organs = 16;
+
+/// The bodies of a skin, all of organ 0 and without friction.
+SkinBodies makeSkinBodies(const SkinModel& skin, double spacing);
+
+/// Vertices of the skin that are near another body, with the face that each is before: the side on which it is is
+/// remembered, found when it comes near and followed from face to face, so that what is pressed through a thin part
+/// finds its way back. Sized by makeSkinContactState; nothing here allocates later.
+struct SkinContactState {
+  int count = 0;
+  std::vector<int> vertex;       // (capacity) ascending
+  std::vector<int> face;         // (capacity) of another body
+  std::vector<float> clearance;  // (capacity) m, at most what is between the two
+  std::vector<Float4> force;     // (capacity) on the tissue at the vertex, N; the face has the opposite
+  double travel = 0;             // m, that vertices have moved at most since the last look
+  double since_search = 0;       // m, by which skins have come nearer at most since all vertices were looked at
+  bool searched = false;
+};
+SkinContactState makeSkinContactState(const SkinBodies& bodies, const SkinModel& skin);
+
+/// The pairs that may touch in a tick, and scratch.
+struct SkinContactScratch {
+  SkinContactScratch(const SkinBodies& bodies, const SkinModel& skin);
+
+  struct Row {
+    int slot = 0;                                         // in SkinContactState
+    int begin = 0, end = 0;                               // of its entries
+    Eigen::Vector4f apart = Eigen::Vector4f::Zero();      // vertex less face point at rest, m
+    Eigen::Vector4f normal = Eigen::Vector4f::Zero();     // unit, from the face to the vertex
+    Eigen::Vector4f predicted = Eigen::Vector4f::Zero();  // increment of the vertex, the face's taken off, m
+    Eigen::Vector4f stick = Eigen::Vector4f::Zero();      // tangential force carried over from the last step, N
+    Eigen::Vector4f force = Eigen::Vector4f::Zero();      // N
+    float gap = 0;                                        // m, at the end of the step if there were no contact
+    float highest = 0;                                    // m, gap that contact brings it to at most in this step
+    float stiffness = 0;                                  // N/m
+    float mobility = 0;                                   // m/N
+    float friction = 0;
+    float lift = 0;                                       // m, added to the gap
+  };
+  int row_count = 0;
+  bool overflow = false;    // more pairs than there is memory for; the last vertices' were left out
+  std::vector<Row> row;     // (capacity)
+  std::vector<int> active;  // (capacity) rows that touch in this step, or nearly
+  // What a row's vertex has more of a node than its face point, N_i(X_v) - sum_k b_k N_i(X_k).
+  std::vector<int> node;    // (entry_capacity)
+  AlignedVector<float> N;   // (entry_capacity)
+
+  // Of one look.
+  std::uint32_t look = 0;
+  std::vector<std::uint32_t> known, directed;  // (vertex_count) the look at which position and normal were found
+  std::vector<Vec3> position;                  // (vertex_count) m
+  std::vector<Vec3> normal;                    // (vertex_count) unit, of the faces around it
+  std::vector<std::uint32_t> measured;         // (face_count) the look at which `area` was found
+  std::vector<Vec3> area;                      // (face_count) m^2, twice the area along the normal
+  std::vector<int> head, next;                 // vertices in the cells of a hashed grid
+  std::vector<int> old_vertex, old_face;
+  std::vector<Float4> old_force;
+  std::vector<std::uint8_t> old_touches;
+};
+
+/// What the bodies do to each other in one step.
+struct SkinContact {
+  int count = 0;               // vertices that carry force
+  double max_penetration = 0;  // m
+  bool overflow = false;       // more pairs than there is memory for
+};
+
+/// Before a tick's steps: the pairs that may touch. All vertices are looked at only after something has moved so far
+/// that others may have come near; calm tissue pays nothing.
+/// Real-time: no allocation, no lock, no throw.
+void findSkinPairs(const SkinBodies& bodies, const SkinModel& skin, const Float4* u, SkinContactState& state,
+                   SkinContactScratch& scratch);
+
+/// Keeps the predicted displacements of several bodies out of each other: unilateral contact with Coulomb friction,
+/// solved as solveContact solves the tool's (contact_solver.h). A vertex v before a face with corners k and shares b_k:
+///   du_i += alpha / m_i (N_i(X_v) - sum_k b_k N_i(X_k)) f,   f_n = K max(d, 0),   |f_t| <= friction f_n
+/// with d the penetration at the end of the step and K = skin.bulk_stiffness a_v. Action and reaction are equal to
+/// rounding. What is deeper than the layer comes back by no more than 0.02 mm a step, so that it is not shot out.
+///
+/// @param alpha, inverse_mass, u, du, as solveContact's
+/// Real-time: no allocation, no lock, no throw; serial, so that it is the same for any number of threads.
+/// Test: simulation/skin_contact_test.cpp
+SkinContact solveSkinContact(const SkinModel& skin, double alpha, const float* inverse_mass, const Float4* u, Float4* du,
+                             SkinContactState& state, SkinContactScratch& scratch);
+
+/// After a step in which no node moved further than this (m).
+inline void noteTravel(const SkinBodies& bodies, double distance, SkinContactState& state) {
+  if (!bodies.empty()) state.travel += distance * bodies.row_sum;
+}
+
+/// The force of all other organs on one, N.
+Vec3 skinForceOn(const SkinBodies& bodies, const SkinModel& skin, int organ, const SkinContactState& state);
+
+}  // namespace palpate

@@ -1,0 +1,211 @@
+#include <catch2/catch.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+#include "discretization/surface/surface_bodies.h"
+#include "discretization/surface/surface_tree.h"
+#include "io/load_model.h"
+#include "simulation/model_hash.h"
+#include "simulation/static_solver.h"
+#include "simulation/step.h"
+#include "simulation/workspace.h"
+#include "support/realtime_guard.h"
+#include "support/small_scene.h"
+#include "support/temp_folder.h"
+
+using namespace palpate;
+
+namespace {
+
+constexpr double block = 0.02, apart = 1e-3;  // m
+
+void addBoundary(Scene& scene, int organ, const Vec3& point, const Vec3& normal, std::array<bool, 3> components,
+                 double down = 0) {
+  BoundarySpec& wall = scene.boundaries.emplace_back();
+  wall.name = "wall " + std::to_string(scene.boundaries.size());
+  wall.organ = organ;
+  wall.region.kind = Region::Kind::NearPlane;
+  wall.region.point = point;
+  wall.region.normal = normal;
+  wall.region.distance = 1e-6;
+  for (int c = 0; c < 3; ++c) wall.component[c] = components[static_cast<std::size_t>(c)];
+  wall.translation = Vec3(0, 0, -down);
+  wall.duration = down > 0 ? 0.1 : 0;
+}
+
+/// Two cubes between sliding walls, one a millimetre above the other, which comes down.
+Scene twoBlocks(double down, double shift = 0) {
+  Scene scene = test::blockScene(0.006);
+  scene.boundaries.clear();
+  scene.size = Vec3::Constant(block);
+  scene.further_organs.push_back(scene);
+  scene.further_organs[0].organ_position = Vec3(shift, 0, block + apart);
+  scene.materials[0].material.set("poisson", 0.3);
+  scene.tool_position = Vec3(0, 0, 0.2);
+  scene.tool.radius = 0.01;
+  for (const int organ : {0, 1}) {
+    const double x = organ * shift;
+    for (const double side : {-0.5, 0.5}) {
+      addBoundary(scene, organ, Vec3(x + side * block, 0, 0), Vec3::UnitX(), {true, false, false});
+      addBoundary(scene, organ, Vec3(0, side * block, 0), Vec3::UnitY(), {false, true, false});
+    }
+  }
+  addBoundary(scene, 0, Vec3::Zero(), Vec3::UnitZ(), {false, false, true});
+  addBoundary(scene, 1, Vec3(0, 0, 2 * block + apart), Vec3::UnitZ(), {false, false, true}, down);
+  return scene;
+}
+
+Model modelOf(const Scene& scene) { return buildModel(scene, organSurface(scene)); }
+
+StepReport run(const Model& model, State& state, int ticks, int threads = 1) {
+  Workspace workspace(model, threads);
+  Command command;
+  command.tool_target = model.tool_start;
+  StepReport report;
+  for (int k = 0; k < ticks; ++k) report = tick(model, state, command, workspace);
+  return report;
+}
+
+}  // namespace
+
+TEST_CASE("Two confined blocks that are pressed together are one twice as high", "[simulation][skin_contact]") {
+  constexpr double closing = 2e-3;
+  const Model model = modelOf(twoBlocks(apart + closing));
+  REQUIRE(model.bodies.count == 2);
+  State state = initialState(model);
+  const StepReport report = run(model, state, 150);
+  // Uniaxial strain of a column that both make up: P = mu J^(-2/3) (l - I1 / (3 l)) + K (J - 1).
+  const Material& m = model.materials[0];
+  const double l = 1 - closing / (2 * block);
+  const double stress = m.shear_modulus * std::pow(l, -2.0 / 3) * (l - (l * l + 2) / (3 * l)) + m.bulk_modulus * (l - 1);
+  const Vec3 &on_lower = report.organ_force[0], &on_upper = report.organ_force[1];
+  CHECK(on_lower.z() == Approx(stress * block * block).epsilon(2e-3));
+  CHECK((on_lower + on_upper).norm() < 1e-6 * on_lower.norm());
+  CHECK(on_lower.head<2>().norm() < 1e-3 * on_lower.norm());
+  CHECK(report.skin_penetration < 1e-5);
+  CHECK(report.flags == 0);
+}
+
+TEST_CASE("Two balls meet as Hertz says", "[simulation][skin_contact][whole]") {
+  constexpr double R = 0.03, gap = 5e-4, closing = 1e-3;
+  Scene scene = test::blockScene(0.006);
+  scene.boundaries.clear();
+  scene.solid = Scene::Solid::Ellipsoid;
+  scene.upper_half = true;
+  scene.semi_axes = Vec3::Constant(R);
+  scene.further_organs.push_back(scene);
+  scene.further_organs[0].organ_axis = Vec3::UnitX();
+  scene.further_organs[0].organ_angle = M_PI;
+  scene.further_organs[0].organ_position = Vec3(0, 0, 2 * R + gap);
+  scene.materials[0].material.set("poisson", 0.3);
+  scene.tool_position = Vec3(0, 0, 0.2);
+  scene.tool.radius = 0.004;  // edges of the skin are by that
+  scene.refine.push_back({Vec3(0, 0, R), 0.35 * R, 0.0022, 0, {}});
+  addBoundary(scene, 0, Vec3::Zero(), Vec3::UnitZ(), {true, true, true});
+  addBoundary(scene, 1, Vec3(0, 0, 2 * R + gap), Vec3::UnitZ(), {true, true, true}, gap + closing);
+  const Model model = modelOf(scene);
+  State state = initialState(model);
+  const StepReport report = run(model, state, 150);
+  // Each half gives way at its base, too, by about what a half-space has there: (1 - nu^2) F / (pi E R).
+  const double E = 3000, plane = E / (1 - 0.3 * 0.3);
+  double force = 0;
+  for (int k = 0; k < 50; ++k)
+    force = 4.0 / 3 * plane / 2 * std::sqrt(R / 2) * std::pow(closing + 2 * force / (M_PI * plane * R), 1.5);
+  CHECK(-report.organ_force[0].z() == Approx(force).epsilon(0.05));
+  CHECK(report.organ_force[0].head<2>().norm() < 0.01 * force);
+}
+
+TEST_CASE("Organs in contact have the same bits on any number of threads, as saved, and take no memory",
+          "[simulation][skin_contact]") {
+  const Model model = modelOf(twoBlocks(3 * apart, 0.004));
+  State one = initialState(model), two = one;
+  run(model, one, 80);
+  run(model, two, 80, 2);
+  CHECK(stateHash(model, one) == stateHash(model, two));
+  State saved = one;
+  run(model, one, 10);
+  run(model, saved, 10);
+  CHECK(stateHash(model, one) == stateHash(model, saved));
+  saved.skins.force[0].x += 1e-6F;  // it is remembered
+  CHECK(stateHash(model, one) != stateHash(model, saved));
+
+  Workspace workspace(model, 1);
+  Command command;
+  command.tool_target = model.tool_start;
+  tick(model, one, command, workspace);
+  one.skins.searched = false;  // a look at all vertices
+  if (test::guardAvailable()) test::startGuard();
+  for (int k = 0; k < 5; ++k) tick(model, one, command, workspace);
+  CHECK((!test::guardAvailable() || test::stopGuard().total() == 0));
+}
+
+TEST_CASE("Friction between organs holds what pushes less than it can, and does not creep",
+          "[simulation][skin_contact]") {
+  for (const int rough : {0, 1}) {
+    Scene scene = twoBlocks(apart + 2e-3);
+    std::erase_if(scene.boundaries, [](const BoundarySpec& b) { return b.region.normal.z() == 0; });
+    scene.boundaries.back().translation.x() = 1e-3;
+    for (BoundarySpec& b : scene.boundaries) std::fill(b.component, b.component + 3, true);
+    scene.organ_friction = 0.3 * rough;
+    const Model model = modelOf(scene);
+    State state = initialState(model);
+    const Vec3 soon = run(model, state, 90).organ_force[0], later = run(model, state, 60).organ_force[0];
+    if (rough == 0) {
+      CHECK(std::abs(soon.x()) < 0.02 * std::abs(soon.z()));
+    } else {
+      CHECK(soon.x() > 0.04 * std::abs(soon.z()));
+      CHECK(later.x() == Approx(soon.x()).epsilon(0.01));
+    }
+  }
+}
+
+TEST_CASE("An organ that is struck at the tool's highest speed is not passed through", "[simulation][skin_contact]") {
+  Scene scene = twoBlocks(apart + 0.008);
+  scene.boundaries.back().duration = 0.01;  // 0.9 m/s
+  std::erase_if(scene.boundaries, [](const BoundarySpec& b) { return b.region.normal.z() == 0; });
+  for (bool& component : scene.boundaries.front().component) component = true;
+  for (bool& component : scene.boundaries.back().component) component = true;
+  const Model model = modelOf(scene);
+  State state = initialState(model);
+  Workspace workspace(model, 1);
+  Command command;
+  command.tool_target = model.tool_start;
+  double deepest = 1;
+  for (int k = 0; k < 100; ++k) {
+    const StepReport report = tick(model, state, command, workspace);
+    REQUIRE((report.flags & (kNotFinite | kBlowUp | kInvertedPoints)) == 0);
+    CHECK(report.skin_penetration < (k < 90 ? 5e-4 : 1e-4));  // what the blow left comes back slowly
+    if (k % 10 != 9) continue;
+    TriangleSurface now = model.skin.surface;
+    for (int v = 0; v < model.skin.vertexCount(); ++v) now.vertices[v] = skinPosition(model.skin, v, state.u.data());
+    const std::vector<TriangleSurface> skins = separated(now, bodiesOf(now));
+    const SurfaceTree lower(skins[0]);
+    for (const Vec3& x : skins[1].vertices) deepest = std::min(deepest, lower.signedDistance(x));
+  }
+  CHECK(deepest > -5e-4);  // where vertices of the one stand between those of the other
+  CHECK(deepest < 1e-4);
+  CHECK(state.skins.count > 0);
+}
+
+TEST_CASE("What stands apart in one surface file is several bodies: no support goes across the gap",
+          "[simulation][skin_contact]") {
+  Scene scene = twoBlocks(0.5 * apart);
+  TriangleSurface both = organSurface(scene);
+  both.organ.clear();
+  scene.further_organs.clear();
+  for (BoundarySpec& b : scene.boundaries) b.organ = -1;
+  const Model model = buildModel(scene, both);
+  CHECK(model.bodies.count == 2);
+  State state = initialState(model);
+  const StepReport report = run(model, state, 80);
+  CHECK(report.base_reaction.norm() < 1e-5);  // the upper one came nearer, and did not touch
+  CHECK(report.skin_contact_count == 0);
+}
+
+TEST_CASE("Organs that overlap are refused with what to do", "[simulation][skin_contact]") {
+  Scene scene = twoBlocks(apart);
+  scene.further_organs[0].organ_position.z() = 0.9 * block;
+  CHECK_THAT(refusal([&] { organSurface(scene); }), Catch::Matchers::Contains("overlap by 2 mm") &&
+                                                         Catch::Matchers::Contains("\"position\""));
+}
