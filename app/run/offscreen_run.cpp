@@ -84,7 +84,7 @@ RunReport blankReport(const Scene& scene) {
   const std::vector<ToolSpec> tools = toolsOf(scene);
   if (scene.follow) report.follow.emplace();
   if (tools.size() > 1 || tools[0].jaws()) report.tools.resize(tools.size());
-  report.has_skull = scene.skull.given;
+  for (const RigidSpec& body : scene.rigid) report.rigid.push_back({body.name});
   return report;
 }
 

@@ -37,7 +37,7 @@ void forEachPart(SomeState& s, Call call) {
   contact(s.contact);
   one(s.more.opening), list(s.more.posture);
   for (auto& further : s.more.contact) contact(further);
-  list(s.skull.force);
+  list(s.rigid.force), list(s.rigid.normal);
   list(s.relaxation.Z);
   list(s.local_mass.factor), one(s.local_mass.active), one(s.local_mass.momentum), one(s.local_mass.force);
   one(s.energy);
@@ -130,6 +130,7 @@ int32_t palpate_restore(palpate_simulation* simulation, const void* bytes, size_
       if (length > 0) std::memcpy(part, at, length);
       at += length;
     });
+    state.rigid.lookAgain();
     simulation->loads = state.live.loads;
     simulation->physics.putIn(state);
     simulation->loop.recall(memory);

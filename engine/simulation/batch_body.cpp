@@ -34,7 +34,7 @@ BatchBody::BatchBody(const Model& model, const std::vector<double>& mass, int th
       boundary_(makeEssentialBoundary<double>(model.essential, mass)),
       boundary_scratch_(makeBoundaryScratch(boundary_)),
       tools_(model),
-      skull_(makeSkullState(model.skull)),
+      rigid_(makeRigidState(model.rigid, model.nodeCount())),
       u_float_(model.X.size()),
       du_float_(model.X.size()),
       du_before_(model.X.size()) {
@@ -67,7 +67,7 @@ PointHistory BatchBody::pointHistory() const {
 
 void BatchBody::restore(const AlignedVector<Double4>& displacement, const AlignedVector<Double4>& increment,
                         const AlignedVector<double>& history) {
-  skull_ = makeSkullState(model_.skull);
+  rigid_ = makeRigidState(model_.rigid, model_.nodeCount());
   u = displacement;
   du = increment;
   if (history.empty())
@@ -89,7 +89,7 @@ ForceReport BatchBody::forces(const AlignedVector<Double4>& at, AlignedVector<Do
   return report;
 }
 
-void BatchBody::contact(double alpha, Report& report) {
+void BatchBody::contact(double alpha, double time, Report& report) {
   const auto toFloat = [](const Double4& a) {
     return Float4{static_cast<float>(a.x), static_cast<float>(a.y), static_cast<float>(a.z), 0};
   };
@@ -99,9 +99,9 @@ void BatchBody::contact(double alpha, Report& report) {
   }
   tools_.solve(alpha, inverse_mass_float_.data(), u_float_.data(), du_float_.data(), report.loads);
   report.tool_force = report.loads[0].force;
-  if (!model_.skull.empty() && !layer_)
-    report.skull = solveSkull(model_.skull, model_.skin, alpha, inverse_mass_float_.data(), u_float_.data(),
-                              du_float_.data(), skull_);
+  if (!model_.rigid.empty() && !layer_)
+    report.rigid = solveRigidBodies(model_.rigid, model_.skin, time - model_.dt, time, alpha,
+                                    inverse_mass_float_.data(), u_float_.data(), du_float_.data(), rigid_);
   for (std::size_t i = 0; i < u.size(); ++i)
     store(du[i], load(du[i]) + __builtin_convertvector(load(du_float_[i]) - load(du_before_[i]), GroupOf<double>));
 }
@@ -133,8 +133,8 @@ BatchBody::Report BatchBody::advance(double alpha, double beta, double time) {
   for (std::size_t i = 0; i < u.size(); ++i) store(du[i], beta * load(du[i]) + (alpha * inverse_mass_[i]) * load(f[i]));
   for (std::size_t i = 0; i < model_.weight.size(); ++i)
     store(du[i], load(du[i]) + (alpha * inverse_mass_[i]) * load(model_.weight[i]));
-  if (layer_) report.skull = layer_->contact();
-  if (tools_.present() || (!model_.skull.empty() && !layer_)) contact(alpha, report);
+  if (layer_) report.rigid = layer_->loads();
+  if (tools_.present() || (!model_.rigid.empty() && !layer_)) contact(alpha, time, report);
   imposeBoundary(boundary_, time, 0.0, alpha, inverse_mass_.data(), u.data(), du.data(), boundary_scratch_, team_);
   double largest = 0;
   for (std::size_t i = 0; i < u.size(); ++i) {

@@ -103,6 +103,7 @@ EssentialNodes chooseImposed(const Scene& scene, const NodeCloud& cloud, const S
 }
 
 void checkHeld(const Scene& scene, const EssentialNodes& essential) {
+  if (!scene.rigid.empty()) return;  // it may lie on them
   if (std::any_of(scene.boundaries.begin(), scene.boundaries.end(),
                   [](const BoundarySpec& b) { return b.duration == 0; }))
     return;

@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "base/types.h"
+#include "contact/rigid_bodies.h"
 #include "contact/tool_set.h"
 
 namespace palpate {
@@ -46,8 +47,7 @@ struct StepReport {
   int contact_count = 0;               // skin vertices that carry force
   double max_penetration = 0;          // m; of several tools the deepest for its radius, times the first one's radius
   ToolLoads loads;                     // where the scene has several tools or jaws (Model::tools); else all 0
-  Vec3 skull_force = Vec3::Zero();     // N, of the skull on the tissue
-  double skull_penetration = 0;        // m, of the skin into the skull
+  RigidLoads rigid;                    // of the rigid bodies on the tissue
   // For simulation/trust.h.
   double strain_energy = 0;   // J
   double kinetic_energy = 0;  // J

@@ -33,10 +33,11 @@ void addTools(const Model& model, const StepOutcome& outcome, const State& state
                  contactOf(state, b).max_penetration * model.scene.tool.radius / toolBody(model, b).shape.radius);
 }
 
-/// The largest force that a tool has on it, or a finger.
+/// The largest force that a tool has on it, or a finger, or a rigid body.
 double largestForce(const StepOutcome& outcome) {
   double largest = outcome.tool_force.norm();
   for (const ToolLoad& load : outcome.loads) largest = std::max({largest, load.force.norm(), load.pinch});
+  for (const RigidLoad& load : outcome.rigid) largest = std::max(largest, load.force.norm());
   return largest;
 }
 
@@ -65,8 +66,7 @@ StepReport reportOf(const Model& model, const StepOutcome& outcome, State& state
   StepReport report;
   report.tool_force = outcome.tool_force;
   report.base_reaction = outcome.base_reaction;
-  report.skull_force = outcome.skull.force;
-  report.skull_penetration = outcome.skull.max_penetration;
+  report.rigid = outcome.rigid;
 
   report.max_increment = std::sqrt(moved.distance2);
   report.worst_node = moved.not_finite < 0 ? moved.node : moved.not_finite;
@@ -109,7 +109,8 @@ StepReport worstOf(const StepReport& earlier, const StepReport& later) {
     both.min_J = earlier.min_J;
     both.worst_point = earlier.worst_point;
   }
-  both.skull_penetration = std::max(earlier.skull_penetration, later.skull_penetration);
+  for (std::size_t b = 0; b < both.rigid.size(); ++b)
+    both.rigid[b].max_penetration = std::max(earlier.rigid[b].max_penetration, later.rigid[b].max_penetration);
   both.energy_error = std::max(earlier.energy_error, later.energy_error);
   both.pressure_over_shear = std::max(earlier.pressure_over_shear, later.pressure_over_shear);
   both.cell_pressure_over_shear = std::max(earlier.cell_pressure_over_shear, later.cell_pressure_over_shear);

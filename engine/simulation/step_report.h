@@ -17,7 +17,7 @@ struct StepOutcome {
   Vec3 tool_force = Vec3::Zero();     // N
   ToolLoads loads;                    // as StepReport has them
   Vec3 base_reaction = Vec3::Zero();  // N
-  SkullContact skull;
+  RigidLoads rigid;
 };
 
 /// The report of a step that has been done; keeps the state's account of energy.

@@ -52,8 +52,7 @@ struct RunSummary {
   double largest_yield = 0;         // m, that the tool stayed behind the hand (ToolProxy)
   std::int64_t yielding_ticks = 0;
   Vec3 base_reaction = Vec3::Zero();    // N, last tick
-  Vec3 skull_force = Vec3::Zero();      // N, on the tissue, last tick
-  double skull_penetration = 0;         // m, largest of all ticks
+  RigidLoads rigid;                     // on the tissue: forces of the last tick, the deepest of all
   std::int64_t lost_force_samples = 0;  // ring full: nobody took them
   std::int64_t lost_records = 0;
   bool frozen = false;                 // at the end

@@ -21,7 +21,8 @@ std::size_t bytesOf(const ContactState& c) {
 /// Of the vectors that make up nearly all of a state.
 std::size_t bytesOf(const State& s) {
   std::size_t bytes = sizeof(State) + 3 * s.u.capacity() * sizeof(Float4) + s.relaxation.Z.size() * sizeof(float) +
-                      bytesOf(s.contact) + s.skull.force.size() * sizeof(Float4) + bytesOf(s.skull.row);
+                      bytesOf(s.contact) + s.rigid.force.size() * sizeof(Float4) + bytesOf(s.rigid.normal) +
+                      bytesOf(s.rigid.row) + bytesOf(s.rigid.near) + s.rigid.near_u.size() * sizeof(Float4);
   for (const ContactState& contact : s.more.contact) bytes += bytesOf(contact);
   return bytes;
 }

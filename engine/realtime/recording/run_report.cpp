@@ -6,6 +6,7 @@
 
 #include "base/build_info.h"
 #include "base/number_text.h"
+#include "simulation/scene_rigid.h"
 #include "simulation/trust.h"
 
 namespace palpate {
@@ -76,9 +77,8 @@ RunReport makeRunReport(const Model& model, const RunSummary& summary, const Dea
     report.tools.push_back({summary.peak_tool_force[k], summary.peak_pinch[k], model.tools.tool[k].jaws});
   report.peak_depth_m = summary.peak_depth;
   report.base_reaction_N = summary.base_reaction;
-  report.has_skull = !model.skull.empty();
-  report.skull_force_N = summary.skull_force;
-  report.skull_penetration_m = summary.skull_penetration;
+  for (std::size_t b = 0; b < model.rigid.body.size(); ++b)
+    report.rigid.push_back({model.rigid.body[b].name, summary.rigid[b].force, summary.rigid[b].max_penetration});
   report.state_hash = summary.state_hash;
   report.flags = summary.flags;
   report.doubt = summary.trust.doubt();
@@ -152,10 +152,12 @@ std::string toJson(const RunReport& r) {
         {"largest_jump_N", r.follow->largest_jump_N},
         {"largest_jump_share", r.follow->largest_jump_share},
         {"longest_swap_us", r.follow->longest_swap_us}};
-  if (r.has_skull) {
-    const Vec3& skull = r.skull_force_N;
-    json["skull_force_N"] = Json::array({skull.x(), skull.y(), skull.z()});
-    json["skull_penetration_m"] = r.skull_penetration_m;
+  for (const RunReport::Rigid& body : r.rigid) {
+    const Json force = Json::array({body.force_N.x(), body.force_N.y(), body.force_N.z()});
+    json["rigid"].push_back({{"name", body.name}, {"force_N", force}, {"penetration_m", body.penetration_m}});
+    if (body.name != skull_name) continue;
+    json["skull_force_N"] = force;
+    json["skull_penetration_m"] = body.penetration_m;
   }
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }

@@ -39,9 +39,12 @@ struct RunReport {
   std::vector<Tool> tools;  // where the scene has several or jaws; else empty, and report.json has no "tools"
   double peak_depth_m = 0;  // of the skin under the tip, from where it lay at rest
   Vec3 base_reaction_N = Vec3::Zero();
-  bool has_skull = false;
-  Vec3 skull_force_N = Vec3::Zero();
-  double skull_penetration_m = 0;
+  struct Rigid {
+    std::string name;
+    Vec3 force_N = Vec3::Zero();  // on the tissue, last tick
+    double penetration_m = 0;     // the deepest
+  };
+  std::vector<Rigid> rigid;  // where the scene has rigid bodies; else report.json has no "rigid"
   std::uint64_t state_hash = 0;
   std::uint32_t flags = 0;    // StepFlag, all ticks
   Doubt doubt = Doubt::None;  // of all ticks (RunTrust)
