@@ -267,7 +267,8 @@ RigidLoads solveRigidBodies(const RigidBodies& bodies, const SkinModel& skin, do
   RigidLoads loads;
   for (int k = 0; k < count; ++k) {
     const RigidRow& row = state.row[k];
-    const Vector4f force = row.force * row.normal + row.tangential;
+    Vector4f force = row.force * row.normal;
+    if (row.friction > 0) force += row.tangential;  // else the bits of a skull's, 0 of either sign
     store(state.force[row.point], loadGroup(force.data()));
     RigidLoad& load = loads[static_cast<std::size_t>(row.body)];
     load.force += force.head<3>().cast<double>();
