@@ -67,26 +67,11 @@ Vec3 RigidLayer::positionOf(std::size_t p, std::size_t body, const AlignedVector
   return bodies_.body[body].motion.moves() ? place_[body].toLocal(x) : x;
 }
 
-/// Of a surface the distance's mean slope over a cell around X, which has no jumps; beside an opening that of the cell
-/// itself, `of_cell`.
-Vec3 RigidLayer::normalAt(const RigidShape& shape, const Vec3& X, const Vec3& of_cell) const {
-  if (shape.kind != RigidShape::Kind::Surface) return of_cell.normalized();
-  const double cell = shape.grid.cell;
-  Vec3 slope, unused;
-  for (int a = 0; a < 3; ++a) {
-    const Vec3 half = 0.5 * cell * Vec3::Unit(a);
-    const double up = shape.gapAt(X + half, unused), down = shape.gapAt(X - half, unused);
-    if (std::max(up, down) >= RigidShape::away) return of_cell.normalized();
-    slope[a] = up - down;
-  }
-  return slope.squaredNorm() > 1e-6 * cell * cell ? slope.normalized() : of_cell.normalized();
-}
-
 void RigidLayer::takePlane(std::size_t p, const RigidBody& body, const Vec3& X) {
   Vec3 normal;
   const double gap = body.shape.gapAt(X, normal);
   if (!(gap < RigidShape::away)) return;
-  point_[p].normal = normalAt(body.shape, X, normal);
+  point_[p].normal = body.shape.normalAt(X, normal);
   point_[p].offset = gap + static_cast<double>(bodies_.correction[p]) - point_[p].normal.dot(X);
 }
 

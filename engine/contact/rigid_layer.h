@@ -9,8 +9,7 @@ namespace palpate {
 /// the body, and in front of it a spring with a preload p,
 ///   f = max(0, p - K gap) n,   gap = n . (x - x_plane)
 /// update() takes the force as the new preload (augmented Lagrangian: Alart and Curnier 1991), which takes the
-/// penetration away without a stiff spring. K is a share of the tissue's own stiffness there. The planes turn steadily
-/// as a point moves, not from one cell of a surface's grid to the next, for that would never settle.
+/// penetration away without a stiff spring. K is a share of the tissue's own stiffness there.
 ///
 /// A point that has no shell over it at rest is left alone by what encloses the organ; one that slides to an opening
 /// keeps its plane.
@@ -50,7 +49,6 @@ class RigidLayer {
     double offset = 0;           // m: gap = normal . X + offset
   };
   Vec3 positionOf(std::size_t p, std::size_t body, const AlignedVector<Double4>& u) const;
-  Vec3 normalAt(const RigidShape& shape, const Vec3& X, const Vec3& of_cell) const;
   void takePlane(std::size_t p, const RigidBody& body, const Vec3& X);
   template <class Call>
   void forEachPoint(Call call);

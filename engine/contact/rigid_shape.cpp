@@ -91,6 +91,18 @@ double RigidShape::gapAt(const Vec3& x, Vec3& n) const {
   return gridGap(grid, x, n);
 }
 
+Vec3 RigidShape::normalAt(const Vec3& x, const Vec3& gradient) const {
+  if (kind != Kind::Surface) return gradient.normalized();
+  Vec3 slope, unused;
+  for (int a = 0; a < 3; ++a) {
+    const Vec3 half_cell = 0.5 * grid.cell * Vec3::Unit(a);
+    const double up = gapAt(x + half_cell, unused), down = gapAt(x - half_cell, unused);
+    if (std::max(up, down) >= away) return gradient.normalized();
+    slope[a] = up - down;
+  }
+  return slope.squaredNorm() > 1e-6 * grid.cell * grid.cell ? slope.normalized() : gradient.normalized();
+}
+
 double RigidShape::leastGap(const Vec3& x) const {
   Vec3 unused;
   if (kind != Kind::Surface) return gapAt(x, unused);

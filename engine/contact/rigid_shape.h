@@ -35,6 +35,12 @@ struct RigidShape {
   /// Real-time.
   double gapAt(const Vec3& x, Vec3& normal) const;
 
+  /// The unit normal at x: of a surface the gap's mean slope over a cell of the grid around x, which turns steadily. The
+  /// gradient jumps from cell to cell, and with it a force, so that what lies on it would never come to rest.
+  /// @param gradient  of gapAt(x), which it is beside an opening, and of solids
+  /// Real-time.
+  Vec3 normalAt(const Vec3& x, const Vec3& gradient) const;
+
   /// A bound from below on the gap at x, m, where there is one to speak of: a place has to move so far, or further, to
   /// touch. Of solids the gap itself, of surfaces the way to their grid. Real-time.
   double leastGap(const Vec3& x) const;

@@ -111,6 +111,7 @@ TEST_CASE("A block that nothing else holds lies on a floor, which bears its weig
   const StepReport report = run.ticks(400);
   CHECK(report.rigid[0].force.z() == Approx(weightOf(model)).epsilon(1e-3));
   CHECK(report.rigid[0].max_penetration < 1e-4);
+  CHECK(report.max_increment < 1e-5 * model.dt);  // m/s: it rests
   CHECK(run.way().head<2>().norm() < 1e-4);
   CHECK(run.flags == 0);
 }
