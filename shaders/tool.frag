@@ -51,8 +51,10 @@ void main() {
     float low = exp(-max(0.0, p.z - ground.z) / (0.2 * ground.w)) * clamp(normal.z, 0.0, 1.0);
     float taken = low * texture(ground_shade, (p.xy - ground.xy) / (4.0 * ground.w) + 0.5).g;
     float under = groundOcclusion(p, normal) * (1.0 - 0.8 * taken) * toolOcclusion(p, normal);
-    vec3 light = key_colour * keyVisible(p, normal) * clamp(dot(normal, key.xyz), 0.0, 1.0) +
-                 ambientLight(normal) * under;
+    // A shadow that goes on beyond the shadow map fades before its border.
+    vec2 q = (shadow_from_world * vec4(p, 1.0)).xy, border = min(q, 1.0 - q);
+    float visible = mix(1.0, keyVisible(p, normal), smoothstep(0.0, 0.15, min(border.x, border.y)));
+    vec3 light = key_colour * visible * clamp(dot(normal, key.xyz), 0.0, 1.0) + ambientLight(normal) * under;
     vec3 sheen = reflectedRoom(reflect(-to_eye, normal), 0.6, 1.0) * fresnel(facing, 0.04) * 0.35 * under;
     colour = encode(vec3(0.21, 0.215, 0.225) * light + sheen, opacity);
     return;

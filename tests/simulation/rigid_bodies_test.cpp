@@ -228,7 +228,7 @@ TEST_CASE("A table carries what lies on it, along and about", "[simulation][rigi
   }
 }
 
-TEST_CASE("A rigid sphere presses as the same sphere held by a hand", "[simulation][rigid][static]") {
+TEST_CASE("A rigid sphere presses as the same sphere held by a hand", "[simulation][rigid][static][whole]") {
   const Scene scene = test::blockScene();
   const double press = 0.006;
   const Model by_hand = test::blockModel(scene);
