@@ -1,6 +1,10 @@
-// The tool: brushed steel (turned, so its grain runs around the axis), a rubber grip, a collar.
+// The tool: brushed steel (turned, so its grain runs around the axis), a rubber grip, a collar. Also lumps, and rigid
+// bodies of matte grey.
 #include "encode.glsl"
+#include "shadow.glsl"
 #include "studio.glsl"
+
+uniform sampler2D ground_shade;  // as in ground.frag
 
 uniform mat4 world_from_local;
 uniform float opacity;
@@ -41,6 +45,18 @@ void main() {
   if (finish == 3.0) {  // lump: pale, firm tissue
     vec3 light = key_colour * clamp(0.25 + 0.75 * dot(normal, key.xyz), 0.0, 1.0) + ambientLight(normal);
     colour = encode(vec3(0.72, 0.58, 0.24) * light, opacity);
+    return;
+  }
+  if (finish == 4.0) {  // a rigid body, in the shadow of organ and tool; what lies low, in the shade of what is on it
+    float low = exp(-max(0.0, p.z - ground.z) / (0.2 * ground.w)) * clamp(normal.z, 0.0, 1.0);
+    float taken = low * texture(ground_shade, (p.xy - ground.xy) / (4.0 * ground.w) + 0.5).g;
+    float under = groundOcclusion(p, normal) * (1.0 - 0.8 * taken) * toolOcclusion(p, normal);
+    // A shadow that goes on beyond the shadow map fades before its border.
+    vec2 q = (shadow_from_world * vec4(p, 1.0)).xy, border = min(q, 1.0 - q);
+    float visible = mix(1.0, keyVisible(p, normal), smoothstep(0.0, 0.15, min(border.x, border.y)));
+    vec3 light = key_colour * visible * clamp(dot(normal, key.xyz), 0.0, 1.0) + ambientLight(normal) * under;
+    vec3 sheen = reflectedRoom(reflect(-to_eye, normal), 0.6, 1.0) * fresnel(facing, 0.04) * 0.35 * under;
+    colour = encode(vec3(0.21, 0.215, 0.225) * light + sheen, opacity);
     return;
   }
   if (finish == 1.0) {  // grip

@@ -16,6 +16,7 @@
 #include "app/render/multisample_target.h"
 #include "app/render/noise_texture.h"
 #include "app/render/overlays.h"
+#include "app/render/rigid_mesh.h"
 #include "app/render/shader_program.h"
 #include "app/render/shadow_map.h"
 #include "app/render/skin_mesh.h"
@@ -69,7 +70,7 @@ void requireOpenGl33() {
                              std::to_string(epoxy_gl_version() % 10) + "; run with --offscreen");
 }
 
-Eigen::Matrix4f worldFromTool(const Pose& pose) {
+Eigen::Matrix4f worldFrom(const Pose& pose) {
   Eigen::Matrix4d m = Eigen::Matrix4d::Identity();
   m.topLeftCorner<3, 3>() = pose.orientation.toRotationMatrix();
   m.topRightCorner<3, 1>() = pose.position;
@@ -90,6 +91,10 @@ struct Renderer::Parts {
   void drawPicture(const Snapshot& snapshot, const View& view);
   void drawSkin(float opacity);
   void drawBalls(const View& view) const;
+  void addRigidBodies();
+  /// Calls draw(body, world_from_rest) for each that is drawn.
+  template <class Draw>
+  void forEachRigid(const Snapshot& snapshot, Draw draw) const;
   void drawGhost(const Snapshot& snapshot) const;
   template <class Draw>
   void forEachTool(const Snapshot& snapshot, Draw draw) const;
@@ -97,7 +102,7 @@ struct Renderer::Parts {
   void releaseState() const;
 
   const Body& model;
-  const Extent rest;
+  Extent rest;
   Extent extent;  // at rest; of the present shape where it stands alone on paper
   Vec3 key;
 
@@ -107,6 +112,12 @@ struct Renderer::Parts {
   ShaderProgram skin_program, tool_program, ground_program, backdrop_program;
   GLint tool_place, tool_opacity, skin_opacity, skin_below, skin_above;
   MeshBuffers ball_buffers;
+  struct Rigid {
+    RigidBody body;  // its motion
+    std::unique_ptr<MeshBuffers> mesh;
+    bool below = false;  // the organ: the ground lies under it
+  };
+  std::vector<Rigid> rigid;
   ShadowMap shadow_map;
   GroundShade ground_shade;
   NoiseTexture noise;
@@ -167,6 +178,7 @@ Renderer::Parts::Parts(const Body& the_model, const std::string& shader_dir, std
       overlays(model, shader_dir) {
   for (std::size_t t = 1; t < model.tools.tool.size(); ++t)
     further_buffers.push_back(std::make_unique<MeshBuffers>(toolMesh(model.tools.tool[t].shape)));
+  addRigidBodies();
   fillColours(sequential_colours, ColourMap::Displacement);
   fillColours(diverging_colours, ColourMap::J);
   glBindBuffer(GL_UNIFORM_BUFFER, frame_buffer);
@@ -183,6 +195,29 @@ void Renderer::Parts::forEachTool(const Snapshot& snapshot, Draw draw) const {
     draw(body.tool, bodyPose(body, snapshot.tools.posture(body.tool)),
          body.tool == 0 ? tool_buffers : *further_buffers[further]);
   }
+}
+
+void Renderer::Parts::addRigidBodies() {
+  const double lowest = rest.ground.z();
+  for (const RigidSpec& spec : model.scene.rigid) {
+    const SolidMesh mesh = rigidMesh(spec, rest.centre, rest.radius);
+    if (mesh.vertices.empty()) continue;
+    Eigen::AlignedBox3f box;
+    for (const SolidVertex& v : mesh.vertices) box.extend(v.position);
+    Rigid& drawn = rigid.emplace_back();
+    drawn.body.motion = spec.motion;
+    drawn.mesh = std::make_unique<MeshBuffers>(mesh);
+    constexpr double sunk = 0.05;  // of the organ's radius, that it may lie in its hollows
+    drawn.below = static_cast<double>(box.max().z()) < lowest + sunk * rest.radius;
+    if (drawn.below) rest.ground.z() = std::min(rest.ground.z(), static_cast<double>(box.min().z()));
+  }
+  extent = rest;
+}
+
+template <class Draw>
+void Renderer::Parts::forEachRigid(const Snapshot& snapshot, Draw draw) const {
+  const double time = static_cast<double>(snapshot.tick) / model.scene.rate_hz;
+  for (const Rigid& body : rigid) draw(body, worldFrom(body.body.at(time)));
 }
 
 void Renderer::Parts::fillFrame(const Snapshot& snapshot, const View& view, int width, int height) {
@@ -211,17 +246,25 @@ void Renderer::Parts::fillFrame(const Snapshot& snapshot, const View& view, int 
 }
 
 void Renderer::Parts::drawShadows(const Snapshot& snapshot, const View& view) {
+  bool on_ground = false;  // what lies below the organ casts no shade on the ground, or it would on itself
   const DrawCasters casters = [&](GLint clip_from_local, const Eigen::Matrix4f& clip_from_world) {
+    forEachRigid(snapshot, [&](const Rigid& body, const Eigen::Matrix4f& place) {
+      if (on_ground && body.below) return;
+      const Eigen::Matrix4f clip_from_rest = clip_from_world * place;
+      glUniformMatrix4fv(clip_from_local, 1, GL_FALSE, clip_from_rest.data());
+      body.mesh->draw();
+    });
     glUniformMatrix4fv(clip_from_local, 1, GL_FALSE, clip_from_world.data());
     skin_buffers.draw();
     if (!view.show_tool) return;
     forEachTool(snapshot, [&](int, const Pose& pose, const MeshBuffers& mesh) {
-      const Eigen::Matrix4f clip_from_tool = clip_from_world * worldFromTool(pose);
+      const Eigen::Matrix4f clip_from_tool = clip_from_world * worldFrom(pose);
       glUniformMatrix4fv(clip_from_local, 1, GL_FALSE, clip_from_tool.data());
       mesh.draw();
     });
   };
   shadow_map.draw(key, extent.centre, extent.radius, casters);
+  on_ground = true;
   ground_shade.draw(key, extent.ground, extent.radius, casters);
 }
 
@@ -242,11 +285,17 @@ void Renderer::Parts::drawPicture(const Snapshot& snapshot, const View& view) {
   glEnable(GL_CULL_FACE);
   if (!view.ghost) drawSkin(1);
   drawBalls(view);
+  forEachRigid(snapshot, [&](const Rigid& body, const Eigen::Matrix4f& place) {
+    tool_program.use();
+    glUniform1f(tool_opacity, 1);
+    glUniformMatrix4fv(tool_place, 1, GL_FALSE, place.data());
+    body.mesh->draw();
+  });
   if (view.show_tool) {
     tool_program.use();
     glUniform1f(tool_opacity, 1);
     forEachTool(snapshot, [&](int, const Pose& pose, const MeshBuffers& mesh) {
-      const Eigen::Matrix4f place = worldFromTool(pose);
+      const Eigen::Matrix4f place = worldFrom(pose);
       glUniformMatrix4fv(tool_place, 1, GL_FALSE, place.data());
       mesh.draw();
     });
@@ -309,7 +358,7 @@ void Renderer::Parts::drawGhost(const Snapshot& snapshot) const {
     const Quat turn = snapshot.hand_pose.orientation * snapshot.tool_pose.orientation.conjugate();
     pose.position = snapshot.hand_pose.position + turn * (pose.position - snapshot.tool_pose.position);
     pose.orientation = turn * pose.orientation;
-    const Eigen::Matrix4f place = worldFromTool(pose);
+    const Eigen::Matrix4f place = worldFrom(pose);
     glUniformMatrix4fv(tool_place, 1, GL_FALSE, place.data());
     mesh.draw();
   });

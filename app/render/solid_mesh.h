@@ -9,7 +9,7 @@
 namespace palpate::app {
 
 /// What a part of a solid is made of, as solid.frag shades it.
-enum class Finish { Steel, Grip, Collar, Lump };
+enum class Finish { Steel, Grip, Collar, Lump, Matte };
 
 struct SolidVertex {
   Vec3f position;  // m

@@ -86,7 +86,7 @@ RunReport blankReport(const Scene& scene) {
   if (tools.size() > 1 || tools[0].jaws()) report.tools.resize(tools.size());
   if (!scene.further_organs.empty())
     for (const OrganSpec& organ : organsOf(scene)) report.organs.push_back({organ.organ_name, Vec3::Zero()});
-  report.has_skull = scene.skull.given;
+  for (const RigidSpec& body : scene.rigid) report.rigid.push_back({body.name});
   return report;
 }
 

@@ -431,7 +431,7 @@ typedef struct palpate_material_number {
 
 /* The body at rest with its tool at a pose, come to along the tool's axis from outside. Takes seconds. It is solved to
  * rounding, with the laws of `mtled solve`: materials that relax after a long time, loads of the scene only.
- * PALPATE_BAD_INPUT where the scene has several tools, friction, a skull or boundary_method "ebciem", which
+ * PALPATE_BAD_INPUT where the scene has several tools, friction, rigid bodies or boundary_method "ebciem", which
  * sensitivities are not for; PALPATE_REFUSED where the body does not come to rest.
  * @param pose     (7); NULL: there is no tool
  * @param time     s, of the scene's prescribed motions; 0: before them

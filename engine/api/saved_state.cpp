@@ -39,7 +39,7 @@ void forEachPart(SomeState& s, Call call) {
   for (auto& further : s.more.contact) contact(further);
   one(s.skins.count), list(s.skins.vertex), list(s.skins.face), list(s.skins.clearance), list(s.skins.force);
   one(s.skins.travel), one(s.skins.since_search), one(s.skins.searched);
-  list(s.skull.force);
+  list(s.rigid.force), list(s.rigid.normal);
   list(s.relaxation.Z);
   list(s.local_mass.factor), one(s.local_mass.active), one(s.local_mass.momentum), one(s.local_mass.force);
   one(s.energy);
@@ -132,6 +132,7 @@ int32_t palpate_restore(palpate_simulation* simulation, const void* bytes, size_
       if (length > 0) std::memcpy(part, at, length);
       at += length;
     });
+    state.rigid.lookAgain();
     simulation->loads = state.live.loads;
     simulation->physics.putIn(state);
     simulation->loop.recall(memory);

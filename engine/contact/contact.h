@@ -12,5 +12,5 @@
 #include "contact/contact_solver.h"        // solveContact, once per step
 #include "contact/true_depth.h"            // how deep the skin is pressed, once per tick
 #include "contact/skin_contact.h"          // bodies against one another: findSkinPairs once per tick, solveSkinContact
-#include "contact/skull.h"                 // a rigid shell around the organ: buildSkull, solveSkull once per step
+#include "contact/rigid_bodies.h"          // addRigidBody, at load; solveRigidBodies, once per step
 // clang-format on

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <optional>
 
+#include "contact/coulomb_friction.h"
 #include "contact/samples/face_samples.h"
 #include "contact/skin_forces.h"
 #include "contact/tool_set.h"
@@ -104,11 +105,7 @@ Vector4f updateForce(ContactRow& row, const Vector4f& increment, float friction,
     Vector4f slip = increment - row.tool_increment;
     slip -= row.normal.dot(slip) * row.normal;
     const Vector4f tangential_old = row.force - normal_old * row.normal;
-    Vector4f tangential = (row.stick - K * (slip - A * tangential_old)) / (1.0F + K * A);
-    const float size = tangential.norm();
-    const float limit = friction * normal_new;
-    if (size > limit) tangential *= limit / size;
-    force += tangential;
+    force += frictionForce(row.stick, slip, tangential_old, K, A, friction * normal_new);
   }
   row.penetration = penetration - A * (normal_new - normal_old);
   const Vector4f change = force - row.force;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <span>
 
+#include "contact/coulomb_friction.h"
 #include "contact/skin_forces.h"
 
 namespace palpate {
@@ -57,11 +58,7 @@ Vector4f updateForce(Row& row, const Vector4f& increment) {
   Vector4f force = normal_new * row.normal;
   if (row.friction > 0 && normal_new > 0) {
     const Vector4f slip = increment - row.normal.dot(increment) * row.normal;
-    const Vector4f tangential_old = row.force - normal_old * row.normal;
-    Vector4f tangential = (row.stick - K * (slip - A * tangential_old)) / (1 + K * A);
-    const float size = tangential.norm(), limit = row.friction * normal_new;
-    if (size > limit) tangential *= limit / size;
-    force += tangential;
+    force += frictionForce(row.stick, slip, row.force - normal_old * row.normal, K, A, row.friction * normal_new);
   }
   const Vector4f change = force - row.force;
   row.force = force;

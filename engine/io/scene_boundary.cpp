@@ -66,7 +66,6 @@ void readMeasured(const TomlTable& table, const std::string& folder, BoundarySpe
 
 /// Where a region goes.
 void readWay(const TomlTable& table, BoundarySpec& boundary) {
-  table.forbid({"unit", "frame", "spread"}, "without \"points\"");
   table.read("translation", boundary.translation);
   const bool rotates = table.has("axis_point") || table.has("axis") || table.has("angle");
   if (rotates) {
@@ -145,6 +144,13 @@ Region readRegion(const TomlTable& table) {
   return region;
 }
 
+BoundarySpec readMotion(const TomlTable& table) {
+  BoundarySpec boundary;
+  readWay(table, boundary);
+  readCourse(table, boundary);
+  return boundary;
+}
+
 BoundarySpec readFixed(const TomlTable& table, const std::vector<BoundarySpec>& before) {
   return readBoundary(table, "fixed " + std::to_string(before.size() + 1), before);
 }
@@ -153,10 +159,12 @@ BoundarySpec readPrescribed(const TomlTable& table, const std::string& folder,
                             const std::vector<BoundarySpec>& before) {
   const auto moving = std::count_if(before.begin(), before.end(), [](const BoundarySpec& b) { return b.duration > 0; });
   BoundarySpec boundary = readBoundary(table, "prescribed " + std::to_string(moving + 1), before);
-  if (table.has("points"))
+  if (table.has("points")) {
     readMeasured(table, folder, boundary);
-  else
+  } else {
+    table.forbid({"unit", "frame", "spread"}, "without \"points\"");
     readWay(table, boundary);
+  }
   readCourse(table, boundary);
   return boundary;
 }

@@ -20,4 +20,7 @@ BoundarySpec readFixed(const TomlTable& table, const std::vector<BoundarySpec>& 
 /// @param folder  from which the paths of files start
 BoundarySpec readPrescribed(const TomlTable& table, const std::string& folder, const std::vector<BoundarySpec>& before);
 
+/// The motion that the keys of a [[prescribed]] region, or of a [[rigid]] body, describe.
+BoundarySpec readMotion(const TomlTable& table);
+
 }  // namespace palpate

@@ -16,6 +16,7 @@
 #include "io/scene_lumps.h"
 #include "io/scene_materials.h"
 #include "io/scene_organs.h"
+#include "io/scene_rigid_bodies.h"
 #include "io/scene_tools.h"
 #include "io/surface_file.h"
 #include "io/text_file.h"
@@ -82,22 +83,6 @@ void checkFollow(const TomlTable& top, const SourceLocation& place, Scene& scene
     throw InputError(place, "a cloud that follows the tool can't have lumps to be found",
                      "give spacing in place of follow");
   scene.spacing = followSpacing(scene);
-}
-
-void readSkull(const TomlTable& table, const std::filesystem::path& folder, SkullSpec& skull) {
-  skull.given = true;
-  skull.place = table.place();
-  table.require({"from"}, "a skull");
-  std::string from;
-  table.read("from", from);
-  table.read("clearance", skull.clearance);
-  for (const TomlTable& region : table.tables("open", {"region"})) skull.open.push_back(readRegion(region));
-  if (from == "organ") return table.forbid({"unit"}, "to the organ's own surface");
-  table.require({"unit"}, "a skull from a file");
-  constexpr double units[] = {0.001, 0.01, 1.0};  // in the order of the key's choices
-  const std::string file = existingFile(table, "from", folder / from, "surface file");
-  skull.surface = std::make_shared<const TriangleSurface>(
-      readClosedSurface(file, units[table.readChoice("unit", 2)], table.place("from")));
 }
 
 void readDynamics(const TomlTable& table, Scene& scene) {
@@ -258,10 +243,10 @@ Scene readScene(const SceneText& given, std::span<const SceneChange> changes) {
     scene.boundaries.push_back(readPrescribed(entry, folder.string(), scene.boundaries));
     scene.boundaries.back().organ = organNamed(entry, scene);
   }
-  if (scene.boundaries.empty())
+  scene.rigid = readRigidBodies(top, folder, scene.boundaries);
+  if (scene.boundaries.empty() && scene.rigid.empty())
     throw InputError(top.place(), "the key \"fixed\" is missing, and nothing is prescribed: the organ is not held",
-                     "add [[fixed]] with the region where it is held");
-  if (top.has("skull")) readSkull(top.table("skull", {"skull"}), folder, scene.skull);
+                     "add [[fixed]] with the region where it is held, or [[rigid]] that it lies on");
   readDynamics(top.table("dynamics", {"dynamics"}), scene);
   readSolve(top.table("solve", {"solve"}), folder, scene.solve);
   if (top.has("tool")) readTools(top, folder, scene);

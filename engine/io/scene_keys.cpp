@@ -29,8 +29,10 @@ constexpr KeySpec scene_keys[] = {
     {"", "discretization", T::Table, "", required, {}, "", "How it is cut into nodes and integration points."},
     {"", "material", T::Tables, "", required, {}, "", "What it is made of."},
     {"", "fixed", T::Tables, "", depends, {}, "",
-     "Where it is held. Required, but where `[[prescribed]]` regions leave the organ no motion as a whole."},
+     "Where it is held. Required, but where `[[prescribed]]` regions leave the organ no motion as a whole, or where "
+     "there is a `[[rigid]]` body (or `[skull]`) for it to lie on."},
     {"", "prescribed", T::Tables, "", "", {}, "", "Where it is moved."},
+    {"", "rigid", T::Tables, "", "", {}, "", "What it lies on, or what presses it: up to eight bodies.", never},
     {"", "skull", T::Table, "", "", {}, "", "What encloses it.", never},
     {"", "dynamics", T::Table, "", "", {}, "", "Loop rate, time step, damping."},
     {"", "solve", T::Table, "", "", {}, "", "How far and how finely `mtled solve` computes."},
@@ -188,6 +190,34 @@ constexpr KeySpec scene_keys[] = {
     {"prescribed", "curve_table", T::Curve, "s", "", {}, "",
      "Instead of `curve`: rows of time and share of the whole motion, like `[[0.0, 0.0], [0.5, 1.0], [1.0, "
      "0.25]]`; straight in between, constant after the last. Times ascend from 0, the first share is 0."},
+
+    {"rigid", "name", T::Text, "", "", {}, "",
+     "Its name in results, unlike all others. Where absent `rigid 1`, `rigid 2`, ...", never},
+    {"rigid", "region", T::Table, "", depends, {}, "",
+     "The solid that the skin can't enter: a [region](#region) that is a half-space, box, sphere or cylinder. Either "
+     "this or `surface`."},
+    {"rigid", "surface", T::Text, "", depends, {}, "",
+     "File of a closed surface (.obj, .stl, .ply, .off, .vtk), relative to the scene file.", never},
+    {"rigid", "unit", T::Text, "", depends, {}, "mm|cm|m", "Unit of the file's coordinates.", never},
+    {"rigid", "side", T::Text, "", "\"outside\"", {}, "outside|inside",
+     "Where the organ is: outside of the surface, or enclosed in it, as in a skull, which tools pass.", never},
+    {"rigid", "clearance", T::Number, "m", "0", between(0, 0.05), "",
+     "Between the surface and what the skin touches: room inside, a thicker body outside.", never},
+    {"rigid", "open", T::Tables, "", "", {}, "",
+     "[Regions](#region) without surface: `open = [{ shape = \"sphere\", ... }]`.", never},
+    {"rigid", "friction", T::Number, "", "0", between(0, 10), "",
+     "Coulomb coefficient between body and skin; 0: frictionless.", never},
+    {"rigid", "translation", T::Vector, "m", depends, {}, "",
+     "Where it goes, with what is on it. As the keys below as in [`[[prescribed]]`](#prescribed); none of them: it "
+     "stands still.", never},
+    {"rigid", "axis_point", T::Vector, "m", depends, {}, "", "Rotation: a point of its axis.", never},
+    {"rigid", "axis", T::Vector, "", depends, {}, "", "Rotation: the direction of its axis. Any length.", never},
+    {"rigid", "angle", T::Number, "degrees", depends, between(-3600, 3600), "", "Rotation: how far, right-handed.",
+     never},
+    {"rigid", "duration", T::Number, "s", depends, above(0), "", "In which time.", never},
+    {"rigid", "curve", T::Text, "", "\"smooth\"", {}, "smooth|linear", "How: gently, or at constant speed.", never},
+    {"rigid", "curve_table", T::Curve, "s", "", {}, "", "Instead of `curve`: rows of time and share of the motion.",
+     never},
 
     {"skull", "from", T::Text, "", required, {}, "",
      "`\"organ\"`: the organ's own surface at rest; or the file of a closed surface that encloses it (.obj, .stl, "

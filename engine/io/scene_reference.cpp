@@ -30,10 +30,17 @@ constexpr Section sections[] = {
      "The keys of `[[fixed]]`, and these: where the region's nodes go (a translation, a rotation or a rotation "
      "followed "
      "by a translation, of which only `components` are imposed), and how over time."},
+    {"rigid", "`[[rigid]]`",
+     "A rigid body that the organ's skin can't enter, and tools stop at: a table, a plate, a retractor, which stands "
+     "still or moves on a path. Penetration stays below 0.1 mm; an organ that reaches up to 1 mm into it at rest is "
+     "pushed out, one that reaches further is refused. Reports have its force on the tissue by its name. With a rigid "
+     "body an organ needs no `[[fixed]]`: it lies there by `gravity`, and what slides off has slid off (a reset brings "
+     "it back). `mtled solve` takes it, too: a static solution without friction, and with something fixed, or it would "
+     "be one of many."},
     {"skull", "`[skull]`",
-     "A rigid shell that the organ's skin slides along and can't pass, without friction; penetration stays below 0.1 "
-     "mm. "
-     "Reports have its force on the tissue. Tools pass it. `mtled solve` takes it, too."},
+     "Short for a `[[rigid]]` surface that encloses the organ (`side = \"inside\"`), whose skin slides along it "
+     "without "
+     "friction. Tools pass it."},
     {"dynamics", "`[dynamics]`", ""},
     {"solve", "`[solve]`", "For solutions without a window; the interactive program ignores it."},
     {"tool", "`[tool]`",

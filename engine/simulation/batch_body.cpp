@@ -37,7 +37,7 @@ BatchBody::BatchBody(const Model& model, const std::vector<double>& mass, int th
       tools_(model),
       skins_(makeSkinContactState(model.bodies, model.skin)),
       skins_scratch_(model.bodies, model.skin),
-      skull_(makeSkullState(model.skull)),
+      rigid_(makeRigidState(model.rigid, model.nodeCount())),
       u_float_(model.X.size()),
       du_float_(model.X.size()),
       du_before_(model.X.size()) {
@@ -71,7 +71,7 @@ PointHistory BatchBody::pointHistory() const {
 void BatchBody::restore(const AlignedVector<Double4>& displacement, const AlignedVector<Double4>& increment,
                         const AlignedVector<double>& history) {
   skins_ = makeSkinContactState(model_.bodies, model_.skin);
-  skull_ = makeSkullState(model_.skull);
+  rigid_ = makeRigidState(model_.rigid, model_.nodeCount());
   u = displacement;
   du = increment;
   if (history.empty())
@@ -93,7 +93,7 @@ ForceReport BatchBody::forces(const AlignedVector<Double4>& at, AlignedVector<Do
   return report;
 }
 
-void BatchBody::contact(double alpha, Report& report) {
+void BatchBody::contact(double alpha, double time, Report& report) {
   const auto toFloat = [](const Double4& a) {
     return Float4{static_cast<float>(a.x), static_cast<float>(a.y), static_cast<float>(a.z), 0};
   };
@@ -109,15 +109,15 @@ void BatchBody::contact(double alpha, Report& report) {
   if (!model_.bodies.empty())
     for (int k = 0; k < organCount(model_); ++k)
       report.organ_force[static_cast<std::size_t>(k)] = skinForceOn(model_.bodies, model_.skin, k, skins_);
-  if (!model_.skull.empty() && !layer_)
-    report.skull = solveSkull(model_.skull, model_.skin, alpha, inverse_mass_float_.data(), u_float_.data(),
-                              du_float_.data(), skull_);
+  if (!model_.rigid.empty() && !layer_)
+    report.rigid = solveRigidBodies(model_.rigid, model_.skin, time - model_.dt, time, alpha,
+                                    inverse_mass_float_.data(), u_float_.data(), du_float_.data(), rigid_);
   for (std::size_t i = 0; i < u.size(); ++i)
     store(du[i], load(du[i]) + __builtin_convertvector(load(du_float_[i]) - load(du_before_[i]), GroupOf<double>));
 }
 
 bool BatchBody::hasContact() const {
-  return tools_.present() || !model_.bodies.empty() || (!model_.skull.empty() && !layer_);
+  return tools_.present() || !model_.bodies.empty() || (!model_.rigid.empty() && !layer_);
 }
 
 /// As of a step of the loop that saw the same.
@@ -148,8 +148,8 @@ BatchBody::Report BatchBody::advance(double alpha, double beta, double time) {
   for (std::size_t i = 0; i < u.size(); ++i) store(du[i], beta * load(du[i]) + (alpha * inverse_mass_[i]) * load(f[i]));
   for (std::size_t i = 0; i < model_.weight.size(); ++i)
     store(du[i], load(du[i]) + (alpha * inverse_mass_[i]) * load(model_.weight[i]));
-  if (layer_) report.skull = layer_->contact();
-  if (hasContact()) contact(alpha, report);
+  if (layer_) report.rigid = layer_->loads();
+  if (hasContact()) contact(alpha, time, report);
   imposeBoundary(boundary_, time, 0.0, alpha, inverse_mass_.data(), u.data(), du.data(), boundary_scratch_, team_);
   double largest = 0;
   for (std::size_t i = 0; i < u.size(); ++i) {

@@ -2,7 +2,7 @@
 
 #include "base/spin_team.h"
 #include "contact/contact.h"
-#include "contact/skull_layer.h"
+#include "contact/rigid_layer.h"
 #include "mechanics/internal_forces.h"
 #include "simulation/batch_tools.h"
 #include "simulation/model.h"
@@ -31,7 +31,7 @@ class BatchBody {
     ToolLoads loads;                 // of all tools, without torques
     SkinContact skins;
     OrganForces organ_force{};  // N, of the other organs on each
-    SkullContact skull;
+    RigidLoads rigid;
   };
 
   /// One step of paper eqs. 12 and 21-25, the boundaries then being where they are at `time`:
@@ -45,8 +45,8 @@ class BatchBody {
   /// Tools that were never moved are not there, but have a place: their start.
   const ToolsAt& tools() const { return tools_.at(); }
 
-  /// The skull's forces are this layer's from now on, and part of forces(): for static solutions.
-  void meetSkullBy(SkullLayer& layer) { layer_ = layer.empty() ? nullptr : &layer; }
+  /// The rigid bodies' forces are this layer's from now on, and part of forces(): for static solutions.
+  void meetRigidBodiesBy(RigidLayer& layer) { layer_ = layer.empty() ? nullptr : &layer; }
 
   /// Materials that relax keep the history of steps of h s from now on. Without, they are in equilibrium.
   void keepHistory(double h);
@@ -67,7 +67,7 @@ class BatchBody {
   /// The same, with one region moved by `shift` and the others held.
   void moveRegion(int region, const Vec3& shift, AlignedVector<Double4>& increment);
 
-  /// Internal forces at a displacement and those of a skull's layer, N; `force` and the report's J. Of materials that
+  /// Internal forces at a displacement and those of the rigid bodies' layer, N; `force` and the report's J. Of materials that
   /// relax, after a long time.
   ForceReport forces(const AlignedVector<Double4>& at, AlignedVector<Double4>& force);
 
@@ -86,8 +86,8 @@ class BatchBody {
  private:
   ForceReport forces(const AlignedVector<Double4>& at, AlignedVector<Double4>& force,
                      RelaxationHistoryOf<double>* history);
-  void contact(double alpha, Report& report);
   bool hasContact() const;
+  void contact(double alpha, double time, Report& report);
   Doubt doubt(const ForceReport& forces, const Report& report) const;
 
   const Model& model_;
@@ -105,8 +105,8 @@ class BatchBody {
   BatchTools tools_;
   SkinContactState skins_;
   SkinContactScratch skins_scratch_;
-  SkullState skull_;
-  SkullLayer* layer_ = nullptr;  // in place of skull_
+  RigidState rigid_;
+  RigidLayer* layer_ = nullptr;  // in place of rigid_
   AlignedVector<Float4> u_float_, du_float_, du_before_;
 };
 

@@ -16,7 +16,7 @@
 #include "simulation/mixtures.h"
 #include "simulation/prepare.h"
 #include "simulation/scene_messages.h"
-#include "simulation/scene_skull.h"
+#include "simulation/scene_rigid.h"
 #include "simulation/tool_bodies.h"
 
 namespace palpate {
@@ -167,7 +167,7 @@ void addSkinAndTool(const Scene& scene, const SurfaceTree& tree, Model& model) {
   model.skin = buildSkinModel(model.skin.surface, model.skin_shape, smallestToolRadius(scene), 3 * softest);
   model.skin.topology = makeSkinTopology(model.skin.surface);
   addBodies(scene, tree, model);
-  model.skull = skullOf(scene, tree, model.skin, 3 * softest);
+  model.rigid = rigidBodiesOf(scene, tree, model.skin, 3 * softest);
   model.tool_start = {scene.tool_position, Quat::FromTwoVectors(-Vec3::UnitZ(), scene.tool_direction)};
   model.tools = makeToolSet(scene, tree, model.skin.surface);
   for (ToolSetUp& tool : model.tools.tool) {
@@ -321,7 +321,7 @@ State initialState(const Model& model) {
   state.contact = makeContactState(model.skin, model.scene.tool);
   state.more = makeMoreTools(model);
   state.skins = makeSkinContactState(model.bodies, model.skin);
-  state.skull = makeSkullState(model.skull);
+  state.rigid = makeRigidState(model.rigid, model.nodeCount());
   state.live = loadedParameters(model);
   state.local_mass.factor.assign(model.X.size(), 1.0F);
   state.relaxation = makeRelaxationHistory<float>(model.kernel.batch_material.size(), model.materials);

@@ -113,6 +113,7 @@ void refuseEmpty(const Scene& scene, const BoundarySpec& spec) {
 }
 
 void checkHeld(const Scene& scene, const EssentialNodes& essential) {
+  if (!scene.rigid.empty()) return;  // it may lie on them
   if (std::any_of(scene.boundaries.begin(), scene.boundaries.end(),
                   [](const BoundarySpec& b) { return b.duration == 0; }))
     return;

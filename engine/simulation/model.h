@@ -19,7 +19,7 @@ struct Model : Body {
   AlignedVector<Double4> weight;      // (node_count) N; empty without scene.gravity
   KernelLayout kernel;                // what the hot kernel reads
   EssentialBoundary boundary;         // of `essential` and the masses
-  Skull skull;                        // empty where scene.skull is not given
+  RigidBodies rigid;                  // of scene.rigid
   StiffnessMeans stiffness_means;     // how masses follow the stiffness of squeezed tissue
   PointGroups point_groups;           // for the error to expect (resolution.h)
 
@@ -30,8 +30,12 @@ struct Model : Body {
   /// What takes over from the patches under pressure.
   bool hasCellVolume() const { return !kernel.cell_volume.empty(); }
   CellVolumeSpec cellVolume() const {
-    return {verticesOf(X, side_node), volume_cells.empty() ? cells : volume_cells, nodeCount(),
-            vertexShape(node_shape, side_node), patches, verticesOf(imposed, side_node)};
+    return {verticesOf(X, side_node),
+            volume_cells.empty() ? cells : volume_cells,
+            nodeCount(),
+            vertexShape(node_shape, side_node),
+            patches,
+            verticesOf(imposed, side_node)};
   }
 };
 

@@ -20,11 +20,28 @@ void add(ByteKey& key, const KernelLayout& kernel) {
   if (!cells.empty()) key.add(cells.share, cells.limit);
 }
 
+void add(ByteKey& key, const BoundaryMotion& m) {
+  key.add(m.translation, m.axis_point, m.axis, m.angle, m.duration, m.curve.kind, m.curve.time, m.curve.fraction);
+}
+
 void add(ByteKey& key, const EssentialBoundary& boundary) {
   for (const EssentialBoundary::Set& set : boundary.sets)
     key.add(set.mask, set.node, set.boundary, set.phi.value, set.v.value, set.u.value);
-  for (const BoundaryMotion& m : boundary.motions)
-    key.add(m.translation, m.axis_point, m.axis, m.angle, m.duration, m.curve.kind, m.curve.time, m.curve.fraction);
+  for (const BoundaryMotion& m : boundary.motions) add(key, m);
+}
+
+void add(ByteKey& key, const RigidBodies& bodies) {
+  key.add(bodies.vertex, bodies.area, bodies.correction);
+  for (const RigidBody& body : bodies.body) {
+    const RigidShape& shape = body.shape;
+    if (shape.kind == RigidShape::Kind::Surface)
+      key.add(shape.grid.origin, shape.grid.cell, shape.grid.gap);
+    else
+      key.add(shape.kind, shape.point, shape.normal, shape.half, shape.radius, shape.height);
+    if (!body.encloses || body.friction > 0) key.add(body.encloses, body.friction);  // else as a skull's was
+    if (body.motion.moves()) add(key, body.motion);
+  }
+  key.add(bodies.stiffness);
 }
 
 void add(ByteKey& key, const ToolShape& tool) { key.add(tool.kind, tool.radius, tool.length, tool.parameter); }
@@ -81,8 +98,7 @@ std::uint64_t modelHash(const Model& model) {
   if (!model.weight.empty()) key.add(model.weight);  // none: hashes are those of before
   key.add(model.skin.surface.vertices, model.skin.area, model.skin.node, model.skin.N, model.skin.bulk_stiffness);
   if (!model.bodies.empty()) key.add(model.bodies.body, model.bodies.friction);
-  if (const Skull& skull = model.skull; !skull.empty())  // none: hashes are those of before
-    key.add(skull.vertex, skull.area, skull.correction, skull.origin, skull.cell, skull.gap, skull.stiffness);
+  if (!model.rigid.empty()) add(key, model.rigid);  // none: hashes are those of before
   add(key, model.scene.tool);
   key.add(model.tool_start.position, model.tool_start.orientation.coeffs(), model.scene.tool_max_speed);
   key.add(model.scene.friction, model.scene.damping, model.scene.rate_hz);
@@ -121,7 +137,8 @@ std::uint64_t stateHash(const Model& model, const State& state) {
     add(&skins.travel, sizeof skins.travel);
     add(&skins.since_search, sizeof skins.since_search);
   }
-  add(state.skull.force.data(), state.skull.force.size() * sizeof(Float4));
+  add(state.rigid.force.data(), state.rigid.force.size() * sizeof(Float4));
+  add(state.rigid.normal.data(), state.rigid.normal.size() * sizeof(Vec3f));
   add(state.tool_pose.position.data(), sizeof(double) * 3);
   add(state.tool_pose.orientation.coeffs().data(), sizeof(double) * 4);
   if (!model.tools.empty()) {

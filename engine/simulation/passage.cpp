@@ -232,7 +232,9 @@ void applyPassage(const Place& b, const Passage& passage, const State& before, P
   carryTissue(b, passage, before, scratch, state, team);
   state.contact = before.contact;
   state.more = before.more;
-  state.skull = before.skull;
+  state.rigid.force = before.rigid.force;
+  state.rigid.normal = before.rigid.normal;
+  state.rigid.lookAgain();
 }
 
 void applyPassage(const Place& b, const Passage& passage, State&& before, PassageScratch& scratch, State& state,
@@ -240,7 +242,9 @@ void applyPassage(const Place& b, const Passage& passage, State&& before, Passag
   carryTissue(b, passage, before, scratch, state, team);
   std::swap(state.contact, before.contact);
   std::swap(state.more, before.more);
-  std::swap(state.skull, before.skull);
+  std::swap(state.rigid.force, before.rigid.force);
+  std::swap(state.rigid.normal, before.rigid.normal);
+  state.rigid.lookAgain();
 }
 
 }  // namespace palpate

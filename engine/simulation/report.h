@@ -5,6 +5,7 @@
 
 #include "base/types.h"
 #include "contact/skin_contact.h"
+#include "contact/rigid_bodies.h"
 #include "contact/tool_set.h"
 
 namespace palpate {
@@ -53,8 +54,7 @@ struct StepReport {
   OrganForces organ_force{};           // N, of the other organs on each; of a whole tick only
   double skin_penetration = 0;         // m, of bodies into one another
   int skin_contact_count = 0;          // skin vertices at which bodies touch
-  Vec3 skull_force = Vec3::Zero();     // N, of the skull on the tissue
-  double skull_penetration = 0;        // m, of the skin into the skull
+  RigidLoads rigid;                    // of the rigid bodies on the tissue
   // For simulation/trust.h.
   double strain_energy = 0;   // J
   double kinetic_energy = 0;  // J

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "simulation/scene_rigid.h"
+
 namespace palpate {
 
 bool Region::contains(const Vec3& x, double tolerance, double surface_distance) const {
@@ -33,6 +35,16 @@ std::vector<OrganSpec> organsOf(const Scene& scene) {
   return organs;
 }
 
+double motionEnd(const Scene& scene) {
+  double end = 0;
+  const auto add = [&end](double duration, const LoadCurve& curve) {
+    end = std::max({end, duration, curve.time.empty() ? 0 : curve.time.back()});
+  };
+  for (const BoundarySpec& boundary : scene.boundaries) add(boundary.duration, boundary.curve);
+  for (const RigidSpec& body : scene.rigid) add(body.motion.duration, body.motion.curve);
+  return end;
+}
+
 std::vector<ToolSpec> toolsOf(const Scene& scene) {
   ToolSpec first{scene.tool,           scene.tool_position,  scene.tool_direction,
                  scene.tool_max_speed, scene.tool_max_force, scene.tool_grip_force,
@@ -48,12 +60,15 @@ std::vector<ToolSpec> toolsOf(const Scene& scene) {
 double smallestToolRadius(const Scene& scene) {
   double smallest = scene.tool.radius;
   for (const ToolSpec& tool : scene.further_tools) smallest = std::min(smallest, tool.shape.radius);
+  for (const RigidSpec& body : scene.rigid)
+    if (body.region.radius > 0) smallest = std::min(smallest, body.region.radius);
   return smallest;
 }
 
 double largestToolSpeed(const Scene& scene) {
   double largest = scene.tool_max_speed;
   for (const ToolSpec& tool : scene.further_tools) largest = std::max(largest, tool.max_speed);
+  for (const RigidSpec& body : scene.rigid) largest = std::max(largest, largestSpeed(body));
   return largest;
 }
 

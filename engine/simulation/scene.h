@@ -10,6 +10,7 @@
 #include "base/input_error.h"
 #include "base/types.h"
 #include "contact/tool.h"
+#include "mechanics/essential_nodes.h"
 #include "mechanics/gradient_precision.h"
 #include "mechanics/load_curve.h"
 #include "mechanics/materials/material.h"
@@ -90,12 +91,17 @@ struct QuadratureSpec {
   int max_depth = 4;           // divisions of a cell after one another
 };
 
-/// A rigid shell around the organ that its skin can't pass, open in some regions.
-struct SkullSpec {
-  bool given = false;
-  std::shared_ptr<const TriangleSurface> surface;  // closed, m; null: the organ's own at rest
-  double clearance = 0;                            // m, from that surface outwards to the shell
-  std::vector<Region> open;
+/// A rigid body that the organ's skin can't enter: a region, or one side of a surface that is closed but for openings.
+struct RigidSpec {
+  std::string name;                                // in results
+  Region region;                                   // a half-space, box, sphere or cylinder
+  std::shared_ptr<const TriangleSurface> surface;  // closed, m; not null: in place of the region
+  bool of_organ = false;                           // the surface is the organ's own at rest
+  bool encloses = false;                           // the organ lies inside the surface, and tools pass it
+  double clearance = 0;                            // m, from the surface to what the skin touches
+  std::vector<Region> open;                        // where there is no surface
+  double friction = 0;                             // Coulomb
+  BoundaryMotion motion;
   SourceLocation place;
 };
 
@@ -189,8 +195,8 @@ struct Scene : OrganSpec {
 
   std::vector<MaterialSpec> materials;   // at least one, the first applies everywhere
   std::optional<LumpDraw> lump_draw;     // of the later ones that are lumps at random
-  std::vector<BoundarySpec> boundaries;  // at least one fixed
-  SkullSpec skull;
+  std::vector<BoundarySpec> boundaries;  // at least one, or a rigid body
+  std::vector<RigidSpec> rigid;
 
   // dynamics
   double rate_hz = 500;         // 100 .. 2000; one tick is 1/rate
@@ -234,11 +240,14 @@ struct Scene : OrganSpec {
 /// All organs, the first one first.
 std::vector<OrganSpec> organsOf(const Scene& scene);
 
+/// Time from which on neither boundary nor rigid body moves, s; 0: they never do.
+double motionEnd(const Scene& scene);
+
 /// All tools, the first one first.
 std::vector<ToolSpec> toolsOf(const Scene& scene);
 
-/// The radius that the skin is made for, m, and the top speed that the time step is, m/s: of all tools the smallest and
-/// the largest.
+/// The radius that the skin is made for, m, and the top speed that the time step is, m/s: of all tools, and of what is
+/// round or moves of the rigid bodies, the smallest and the largest.
 double smallestToolRadius(const Scene& scene);
 double largestToolSpeed(const Scene& scene);
 

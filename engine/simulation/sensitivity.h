@@ -54,7 +54,7 @@ class EquilibriumSensitivity {
   using Watch = std::function<bool()>;
 
   /// @param accuracy  of the displacement, as a share of the largest; for derivatives to 1e-6 rounding
-  /// Throws InputError for what this is not for: several tools or jaws, friction, several bodies, a skull, EBCIEM.
+  /// Throws InputError for what this is not for: several tools or jaws, friction, several bodies, rigid ones, EBCIEM.
   EquilibriumSensitivity(const Model& model, int threads, Watch watch = {}, double accuracy = 1e-11);
 
   /// Others in place of the loaded ones, for what is solved next; densities have no effect.

@@ -6,7 +6,7 @@
 #include "base/types.h"
 #include "contact/contact_state.h"
 #include "contact/skin_contact.h"
-#include "contact/skull.h"
+#include "contact/rigid_bodies.h"
 #include "contact/tool_set.h"
 #include "mechanics/relaxation.h"
 #include "simulation/energy_balance.h"
@@ -54,7 +54,7 @@ struct State {
   ContactState contact;
   MoreTools more;
   SkinContactState skins;        // empty where there is one body
-  SkullState skull;              // empty without a skull
+  RigidState rigid;              // empty without rigid bodies
   RelaxationHistory relaxation;  // of materials that relax; empty where none does
   LiveParameters live;
   BoundaryShifts region_shift;  // how far regions have come of what LiveLoads wants

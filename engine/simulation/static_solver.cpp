@@ -8,6 +8,7 @@
 #include "mechanics/critical_time_step.h"
 #include "mechanics/lanczos.h"
 #include "simulation/resolution.h"
+#include "simulation/rigid_stop.h"
 #include "simulation/trust.h"
 
 namespace palpate {
@@ -32,18 +33,34 @@ double diagonal(const std::vector<Vec3>& X) {
 
 }  // namespace
 
+void requireUniqueEquilibrium(const Scene& scene) {
+  if (scene.boundaries.empty())
+    throw InputError(
+        scene.rigid.empty() ? scene.place : scene.rigid.front().place,
+        "nothing but rigid bodies holds the organ, along which it is free to slide: a static solution has "
+        "no one place for it",
+        "add [[fixed]], of some components at least, or let it come to rest in time: mode = \"transient\"");
+  for (const RigidSpec& body : scene.rigid)
+    if (body.friction > 0)
+      throw InputError(body.place,
+                       "the friction of the rigid body " + inQuotes(body.name) +
+                           " depends on the way that led to a static solution, which has none",
+                       "leave friction out, or give mode = \"transient\"");
+}
+
 StaticSolver::StaticSolver(const Model& model, int threads, double tolerance)
     : model_(model),
       tolerance_(tolerance),
       mass_(
           gershgorinRows(model.point_shape, model.point_volume, model.point_material, model.materials, model.X.size())),
-      skull_(model.skull, model.skin, mass_),
+      rigid_(model.rigid, model.skin, mass_),
       body_(model, mass_, threads),
       relaxation_(1.0),
       size_(diagonal(model.X)),
       probe_u_(model.X.size()),
       probe_f_(model.X.size()) {
-  body_.meetSkullBy(skull_);
+  requireUniqueEquilibrium(model.scene);
+  body_.meetRigidBodiesBy(rigid_);
   updateStep();
 }
 
@@ -62,7 +79,8 @@ void StaticSolver::resume(double time, const AlignedVector<Double4>& u, const To
 /// At rest at a displacement. @param tools  where they are, if there are any
 void StaticSolver::restore(const AlignedVector<Double4>& u, const ToolsAt& tools) {
   body_.restore(u, AlignedVector<Double4>(u.size()));
-  skull_.restart(u);
+  rigid_.moveTo(time_);
+  rigid_.restart(u);
   if (tools) body_.placeTools(tools);
 }
 
@@ -92,7 +110,7 @@ void StaticSolver::updateStep() {
     }
   };
   const auto largest = largestEigenvalue(static_cast<Eigen::Index>(3 * mass_.size()), apply, iterations, accuracy);
-  relaxation_.setStep(caution_ * step_safety * 2 / std::sqrt(largest.value + largest.residual + skull_.highest()));
+  relaxation_.setStep(caution_ * step_safety * 2 / std::sqrt(largest.value + largest.residual + rigid_.highest()));
 }
 
 void StaticSolver::observeFrequency() {
@@ -112,7 +130,7 @@ StaticSolver::Outcome StaticSolver::relax(double time, const ToolsAt& tools, int
   constexpr int calm_needed = 20;  // iterations below the tolerance in a row
   constexpr int reference_interval = 200;
   constexpr int watch_interval = 25;
-  constexpr int skull_interval = 10;  // of its planes
+  constexpr int rigid_interval = 10;  // of their planes
   const double from = time_;
   const ToolsAt tools_from = body_.tools();
   int calm = 0;
@@ -120,8 +138,10 @@ StaticSolver::Outcome StaticSolver::relax(double time, const ToolsAt& tools, int
     const double s = std::min(1.0, static_cast<double>(k) / ramp);
     const double share = s * s * s * (10 + s * (-15 + 6 * s));
     if (tools) body_.moveTools(s < 1 ? between(tools_from, tools, share) : tools);
-    if (k % skull_interval == 0) skull_.follow(body_.u);
-    const auto report = body_.advance(relaxation_.alpha(), relaxation_.beta(), from + share * (time - from));
+    const double now = from + share * (time - from);
+    rigid_.moveTo(now);
+    if (k % rigid_interval == 0) rigid_.follow(body_.u);
+    const auto report = body_.advance(relaxation_.alpha(), relaxation_.beta(), now);
     ++equilibrium.iterations;
     if (!report.finite || report.max_increment > 0.1 * size_) return Outcome::BlownUp;
     equilibrium.min_J = report.min_J;
@@ -131,7 +151,7 @@ StaticSolver::Outcome StaticSolver::relax(double time, const ToolsAt& tools, int
     equilibrium.strain_energy = report.strain_energy;
     equilibrium.tool_force = report.tool_force;
     equilibrium.loads = report.loads;
-    equilibrium.skull = report.skull;
+    equilibrium.rigid = report.rigid;
     if (k % reference_interval == 1) {
       u_reference_ = body_.u;
       for (std::size_t i = 0; i < u_reference_.size(); ++i)
@@ -152,7 +172,7 @@ StaticSolver::Outcome StaticSolver::relax(double time, const ToolsAt& tools, int
                            report.max_increment <= coordinate_rounding * size_;
       calm = at_rest ? calm + 1 : 0;
       if (calm >= calm_needed) {
-        if (skull_.empty() || skull_.update(body_.u) <= skull_accuracy) return Outcome::Converged;
+        if (rigid_.empty() || rigid_.update(body_.u) <= rigid_accuracy) return Outcome::Converged;
         calm = 0;
       }
     }
@@ -161,11 +181,12 @@ StaticSolver::Outcome StaticSolver::relax(double time, const ToolsAt& tools, int
   return Outcome::Exhausted;
 }
 
-Equilibrium StaticSolver::advanceTo(double time, const ToolsAt& tools, const Watch& watch) {
+Equilibrium StaticSolver::advanceTo(double time, const ToolsAt& wanted, const Watch& watch) {
   constexpr int attempts = 6;
   Equilibrium equilibrium;
   equilibrium.time = time;
   const AlignedVector<Double4> u_before = body_.u;
+  const ToolsAt tools = stoppedByRigidBodies(model_, wanted, time);
   ToolsAt tools_before = body_.tools();
   tools_before.count = tools.count;
   const double largest_before = largest_so_far_;

@@ -24,8 +24,12 @@ struct Equilibrium {
   double expected_error = 0;       // of the forces, as a share (resolution.h)
   Vec3 tool_force = Vec3::Zero();  // N, on the first tool
   ToolLoads loads;                 // of all tools, without torques
-  SkullContact skull;
+  RigidLoads rigid;
 };
+
+/// Throws InputError where a scene has no static solution of its own: nothing but rigid bodies holds the organ, along
+/// which it may lie anywhere, or they have friction, which depends on the way there.
+void requireUniqueEquilibrium(const Scene& scene);
 
 /// Follows the equilibria of a model under imposed motions and a tool by dynamic relaxation, with fictitious masses
 /// that give all nodes the same stable step (paper section 2.3). Times are those of the load curves; there is no
@@ -33,12 +37,13 @@ struct Equilibrium {
 ///
 /// The stable step is taken from the largest eigenvalue of the tangent at each equilibrium, so that it follows
 /// the stiffening under compression. An iteration that blows up all the same is taken back and repeated with half
-/// the step and twice as gentle a load. In a skull (SkullLayer) the body comes to rest several times in a load step,
-/// the layer being brought up to date in between, until nothing is more than skull_accuracy from contact.
+/// the step and twice as gentle a load. On rigid bodies (RigidLayer) it comes to rest several times in a load step,
+/// the layer being brought up to date in between, until nothing is more than rigid_accuracy from contact.
 class StaticSolver {
  public:
   /// @param tolerance  of the displacement, as a share of the largest that there was so far; what double's rounding
   ///                   leaves (1e-13 of the body's size) is always good enough
+  /// Throws what requireUniqueEquilibrium does.
   StaticSolver(const Model& model, int threads, double tolerance);
 
   /// Called every few iterations with the load step's iterations so far; false interrupts.
@@ -59,7 +64,7 @@ class StaticSolver {
   double convergenceRate() const { return relaxation_.convergenceRate(); }
 
   static constexpr int max_iterations = 20000;    // of one load step
-  static constexpr double skull_accuracy = 1e-5;  // m, a tenth of what is promised
+  static constexpr double rigid_accuracy = 1e-5;  // m, a tenth of what is promised
 
  private:
   enum class Outcome { Converged, Exhausted, Interrupted, BlownUp };
@@ -71,7 +76,7 @@ class StaticSolver {
   const Model& model_;
   double tolerance_;
   std::vector<double> mass_;  // fictitious, kg
-  SkullLayer skull_;
+  RigidLayer rigid_;
   BatchBody body_;
   DynamicRelaxation relaxation_;
   double time_ = 0;

@@ -43,9 +43,9 @@ StepReport step(const Model& model, State& state, const ToolPostures& wanted, co
   if (!model.bodies.empty())
     outcome.skins = solveSkinContact(model.skin, integrator.alpha, masses.inverse, state.u.data(), state.du.data(),
                                      state.skins, workspace.skins);
-  if (!model.skull.empty())
-    outcome.skull = solveSkull(model.skull, model.skin, integrator.alpha, masses.inverse, state.u.data(),
-                               state.du.data(), state.skull);
+  if (!model.rigid.empty())
+    outcome.rigid = solveRigidBodies(model.rigid, model.skin, time - model.dt, time, integrator.alpha, masses.inverse,
+                                     state.u.data(), state.du.data(), state.rigid);
 
   // Pins and regions go where they were asked to be
   holdPins(model, masses, state);

@@ -34,10 +34,11 @@ void addTools(const Model& model, const StepOutcome& outcome, const State& state
                  contactOf(state, b).max_penetration * model.scene.tool.radius / toolBody(model, b).shape.radius);
 }
 
-/// The largest force that a tool has on it, or a finger.
+/// The largest force that a tool has on it, or a finger, or a rigid body.
 double largestForce(const StepOutcome& outcome) {
   double largest = outcome.tool_force.norm();
   for (const ToolLoad& load : outcome.loads) largest = std::max({largest, load.force.norm(), load.pinch});
+  for (const RigidLoad& load : outcome.rigid) largest = std::max(largest, load.force.norm());
   return largest;
 }
 
@@ -74,8 +75,7 @@ StepReport reportOf(const Model& model, const StepOutcome& outcome, State& state
   report.base_reaction = outcome.base_reaction;
   report.skin_penetration = outcome.skins.max_penetration;
   report.skin_contact_count = outcome.skins.count;
-  report.skull_force = outcome.skull.force;
-  report.skull_penetration = outcome.skull.max_penetration;
+  report.rigid = outcome.rigid;
 
   report.max_increment = std::sqrt(moved.distance2);
   report.worst_node = moved.not_finite < 0 ? moved.node : moved.not_finite;
@@ -119,7 +119,8 @@ StepReport worstOf(const StepReport& earlier, const StepReport& later) {
     both.worst_point = earlier.worst_point;
   }
   both.skin_penetration = std::max(earlier.skin_penetration, later.skin_penetration);
-  both.skull_penetration = std::max(earlier.skull_penetration, later.skull_penetration);
+  for (std::size_t b = 0; b < both.rigid.size(); ++b)
+    both.rigid[b].max_penetration = std::max(earlier.rigid[b].max_penetration, later.rigid[b].max_penetration);
   both.energy_error = std::max(earlier.energy_error, later.energy_error);
   both.pressure_over_shear = std::max(earlier.pressure_over_shear, later.pressure_over_shear);
   both.cell_pressure_over_shear = std::max(earlier.cell_pressure_over_shear, later.cell_pressure_over_shear);

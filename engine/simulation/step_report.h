@@ -18,7 +18,7 @@ struct StepOutcome {
   ToolLoads loads;                    // as StepReport has them
   Vec3 base_reaction = Vec3::Zero();  // N
   SkinContact skins;
-  SkullContact skull;
+  RigidLoads rigid;
 };
 
 /// Whether bodies are so deep in one another that the contact is no longer trusted.

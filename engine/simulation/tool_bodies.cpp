@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "discretization/surface/surface_tree.h"
+#include "simulation/rigid_stop.h"
 #include "simulation/scene_messages.h"
 #include "simulation/tool_contact.h"
 
@@ -181,6 +182,9 @@ ToolWays::ToolWays(const Model& model, const State& state, const Command& comman
     const double reach = topSpeed(model, t) / model.scene.rate_hz;
     const double wanted = largestWay(model, t, from[k], to_[k]);
     if (wanted > reach) to_[k] = between(from[k], to_[k], reach / wanted);
+    if (model.rigid.empty()) continue;
+    const double end = static_cast<double>(state.step + model.substeps_per_tick) * model.dt;
+    to_[k] = stoppedByRigidBodies(model, t, to_[k], end, reach);
   }
 }
 

@@ -2,13 +2,15 @@
 
 #include <algorithm>
 
+#include "simulation/rigid_stop.h"
 #include "simulation/trust.h"
 
 namespace palpate {
 
-std::optional<BatchBody::Report> TransientSolver::tick(const ToolsAt& tools, const Watch& watch) {
+std::optional<BatchBody::Report> TransientSolver::tick(const ToolsAt& wanted, const Watch& watch) {
   const double h = model_.dt, c = model_.scene.damping;
   const double alpha = 2 * h * h / (2 + c * h), beta = (2 - c * h) / (2 + c * h);
+  const ToolsAt tools = stoppedByRigidBodies(model_, wanted, time() + model_.substeps_per_tick * h);
   ToolsAt from = body_.tools();
   from.count = tools.count;
   if (watch) {
@@ -38,7 +40,7 @@ std::optional<BatchBody::Report> TransientSolver::tick(const ToolsAt& tools, con
     total.strain_energy = report.strain_energy;
     total.tool_force = report.tool_force;
     total.loads = report.loads;
-    total.skull = report.skull;
+    total.rigid = report.rigid;
   }
   return total;
 }

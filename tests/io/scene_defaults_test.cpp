@@ -31,7 +31,7 @@ std::string described(const Scene& s) {
   for (const BoundarySpec& b : s.boundaries)
     add(b.component[0], b.component[1], b.component[2], b.surface_only, static_cast<int>(b.curve.kind));
   vector(s.gravity);
-  add(s.skull.clearance);
+  for (const RigidSpec& b : s.rigid) add(b.clearance, b.friction, b.encloses, static_cast<int>(b.motion.curve.kind));
   for (const BoundarySpec& b : s.boundaries)
     if (b.points) add(b.points->sheet);
   add(s.rate_hz, s.catch_up, s.time_step, s.step_safety, s.mass_scaling, s.damping, s.threads);
@@ -79,6 +79,10 @@ std::string sceneWith(const KeySpec& key, const std::string& given) {
     return minimal_scene + "[[discretization.refine]]\ncentre = [0, 0, 0]\nradius = 0.01\nspacing = 0.005\n" + line;
   }
   if (group == "skull") return minimal_scene + "[skull]\nfrom = \"organ\"\n" + line;
+  if (group == "rigid") {
+    const std::string body = "[[rigid]]\nsurface = \"t.obj\"\nunit = \"mm\"\n";
+    return minimal_scene + body + (name == "curve" ? "translation = [0, 0, 1]\nduration = 1\n" : "") + line;
+  }
   if (name == "spread") {
     return minimal_scene + "[[prescribed]]\npoints = \"e.csv\"\nunit = \"mm\"\nframe = \"ras\"\nduration = 1\n" + line;
   }
@@ -122,6 +126,7 @@ TEST_CASE("Each default of the reference is what a scene without the key has", "
   TempFolder folder;
   folder.write("a.obj", "v 0 0 0\n");
   folder.write("e.csv", "x,y,z\n0,0,50\n");
+  folder.write("t.obj", "v 0 0 0\nv 9 0 0\nv 0 9 0\nv 0 0 9\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n");
   const auto read = [&](const std::string& text) { return described(readScene(folder.write("box.toml", text))); };
   int defaults = 0;
   for (const KeySpec& key : sceneKeys()) {

@@ -40,6 +40,11 @@ const std::string enclosed =
     minimal_scene +
     "[skull]\nfrom = \"organ\"\nopen = [{ shape = \"sphere\", centre = [0, 0, 0.05], radius = 0.02 }]\n";
 const std::string enclosed_by_file = minimal_scene + "[skull]\nfrom = \"t.obj\"\nunit = \"mm\"\n";
+const std::string on_floor =
+    minimal_scene +
+    "[[rigid]]\nregion = { shape = \"half-space\", point = [0, 0, -1], normal = [0, 0, 1] }\n"
+    "translation = [0, 0, 1]\naxis_point = [0, 0, 0]\naxis = [1, 0, 0]\nangle = 10\nduration = 1\n";
+const std::string beside = minimal_scene + "[[rigid]]\nsurface = \"t.obj\"\nunit = \"mm\"\n";
 const std::string cone =
     replaced(full_scene, "shape = \"cylinder\"\nradius = 0.005\nlength = 0.03\nedge_radius = 0.0005",
              "shape = \"cone\"\nradius = 0.005\nhalf_angle = 40\ntip_radius = 0.002");
@@ -119,6 +124,19 @@ std::map<std::string, Change> changes() {
       {"prescribed.duration", {moved, "duration = 1", "duration = 2"}},
       {"prescribed.curve", {moved, "duration = 1", "duration = 1\ncurve = \"linear\""}},
       {"prescribed.curve_table", {moved, "duration = 1", "duration = 1\ncurve_table = [[0, 0], [1, 1]]"}},
+      {"rigid.name", added(on_floor, "[[rigid]]\n", "name = \"floor\"")},
+      {"rigid.surface", {beside, "\"t.obj\"", "\"./t.obj\""}},
+      {"rigid.unit", {beside, "\"mm\"", "\"cm\""}},
+      {"rigid.side", added(beside, "[[rigid]]\n", "side = \"inside\"")},
+      {"rigid.clearance", added(beside, "[[rigid]]\n", "clearance = 0.001")},
+      {"rigid.friction", added(on_floor, "[[rigid]]\n", "friction = 0.5")},
+      {"rigid.translation", {on_floor, "translation = [0, 0, 1]", "translation = [0, 0, 2]"}},
+      {"rigid.axis_point", {on_floor, "axis_point = [0, 0, 0]", "axis_point = [0, 0, 1]"}},
+      {"rigid.axis", {on_floor, "axis = [1, 0, 0]", "axis = [0, 1, 0]"}},
+      {"rigid.angle", {on_floor, "angle = 10", "angle = 20"}},
+      {"rigid.duration", {on_floor, "duration = 1", "duration = 2"}},
+      {"rigid.curve", {on_floor, "duration = 1", "duration = 1\ncurve = \"linear\""}},
+      {"rigid.curve_table", {on_floor, "duration = 1", "duration = 1\ncurve_table = [[0, 0], [1, 1]]"}},
       {"skull.from", {enclosed_by_file, "\"t.obj\"", "\"./t.obj\""}},
       {"skull.unit", {enclosed_by_file, "\"mm\"", "\"cm\""}},
       {"skull.clearance", added(enclosed, "[skull]\n", "clearance = 0.001")},

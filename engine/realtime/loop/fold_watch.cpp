@@ -11,13 +11,10 @@ namespace palpate {
 FoldWatch::FoldWatch(const Model& model)
     : needed_(std::llround(seconds * model.scene.rate_hz)),
       crushed_needed_(std::llround(crushed_seconds * model.scene.rate_hz)),
-      strained_(strained * model.rest_energy) {
-  for (const BoundarySpec& boundary : model.scene.boundaries) {
-    if (!(boundary.duration > 0)) continue;
-    const std::vector<double>& times = boundary.curve.time;
-    moved_until_ = std::max({moved_until_, boundary.duration, times.empty() ? 0 : times.back()});
-  }
+      strained_(strained * model.rest_energy),
+      moved_until_(motionEnd(model.scene)) {
   strained_anyway_ = !model.scene.gravity.isZero(0);
+  for (const RigidSpec& body : model.scene.rigid) strained_anyway_ = strained_anyway_ || !body.encloses;
   for (const Material& material : model.materials) strained_anyway_ = strained_anyway_ || material.relaxation_count > 0;
 }
 

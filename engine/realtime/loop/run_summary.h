@@ -54,8 +54,7 @@ struct RunSummary {
   Vec3 base_reaction = Vec3::Zero();    // N, last tick
   OrganForces organ_force{};            // N, of the other organs on each, last tick
   double skin_penetration = 0;          // m, of organs into one another, largest of all ticks
-  Vec3 skull_force = Vec3::Zero();      // N, on the tissue, last tick
-  double skull_penetration = 0;         // m, largest of all ticks
+  RigidLoads rigid;                     // on the tissue: forces of the last tick, the deepest of all
   std::int64_t lost_force_samples = 0;  // ring full: nobody took them
   std::int64_t lost_records = 0;
   bool frozen = false;                 // at the end

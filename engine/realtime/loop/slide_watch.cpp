@@ -1,6 +1,7 @@
 #include "realtime/loop/slide_watch.h"
 
 #include <Eigen/SVD>
+#include <algorithm>
 #include <cmath>
 
 #include "simulation/free_axes.h"
@@ -17,10 +18,17 @@ double cosineOfTurn(const Mat3& moments) {
   return ((svd.matrixU() * proper * svd.matrixV().transpose()).trace() - 1) / 2;
 }
 
+/// What lies loose on rigid bodies may be pushed anywhere, and what slides off them has slid off.
+bool isLoose(const Model& model) {
+  return std::all_of(model.imposed.begin(), model.imposed.end(), [](std::uint8_t axes) { return axes == 0; });
+}
+
 }  // namespace
 
 SlideWatch::SlideWatch(const Model& model)
-    : needed_(std::llround(seconds * model.scene.rate_hz)), free_(freeAxes(model)), model_(&model) {
+    : needed_(std::llround(seconds * model.scene.rate_hz)),
+      free_(isLoose(model) ? Vec3(Vec3::Zero()) : freeAxes(model)),
+      model_(&model) {
   if (free_.isZero(0)) return;
   Vec3 low = model.X.front(), high = low;
   for (const Vec3& X : model.X) {

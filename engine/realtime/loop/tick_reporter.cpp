@@ -75,8 +75,11 @@ Verdict TickReporter::judge(const StepReport& report, const RunState& run) {
   summary_.base_reaction = report_.base_reaction;
   summary_.organ_force = report_.organ_force;
   summary_.skin_penetration = std::max(summary_.skin_penetration, report_.skin_penetration);
-  summary_.skull_force = report_.skull_force;
-  summary_.skull_penetration = std::max(summary_.skull_penetration, report_.skull_penetration);
+  for (std::size_t b = 0; b < summary_.rigid.size(); ++b) {
+    const double deepest = std::max(summary_.rigid[b].max_penetration, report_.rigid[b].max_penetration);
+    summary_.rigid[b] = report_.rigid[b];
+    summary_.rigid[b].max_penetration = deepest;
+  }
   return verdict;
 }
 

@@ -6,6 +6,7 @@
 
 #include "base/build_info.h"
 #include "base/number_text.h"
+#include "simulation/scene_rigid.h"
 #include "simulation/trust.h"
 
 namespace palpate {
@@ -80,9 +81,8 @@ RunReport makeRunReport(const Model& model, const RunSummary& summary, const Dea
     for (const OrganSpec& organ : organsOf(model.scene))
       report.organs.push_back({organ.organ_name, summary.organ_force[report.organs.size()]});
   report.organ_penetration_m = summary.skin_penetration;
-  report.has_skull = !model.skull.empty();
-  report.skull_force_N = summary.skull_force;
-  report.skull_penetration_m = summary.skull_penetration;
+  for (std::size_t b = 0; b < model.rigid.body.size(); ++b)
+    report.rigid.push_back({model.rigid.body[b].name, summary.rigid[b].force, summary.rigid[b].max_penetration});
   report.state_hash = summary.state_hash;
   report.flags = summary.flags;
   report.doubt = summary.trust.doubt();
@@ -161,10 +161,12 @@ std::string toJson(const RunReport& r) {
     json["organs"].push_back({{"name", organ.name}, {"contact_force_N", Json::array({f.x(), f.y(), f.z()})}});
   }
   if (!r.organs.empty()) json["organ_penetration_m"] = r.organ_penetration_m;
-  if (r.has_skull) {
-    const Vec3& skull = r.skull_force_N;
-    json["skull_force_N"] = Json::array({skull.x(), skull.y(), skull.z()});
-    json["skull_penetration_m"] = r.skull_penetration_m;
+  for (const RunReport::Rigid& body : r.rigid) {
+    const Json force = Json::array({body.force_N.x(), body.force_N.y(), body.force_N.z()});
+    json["rigid"].push_back({{"name", body.name}, {"force_N", force}, {"penetration_m", body.penetration_m}});
+    if (body.name != skull_name) continue;
+    json["skull_force_N"] = force;
+    json["skull_penetration_m"] = body.penetration_m;
   }
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }

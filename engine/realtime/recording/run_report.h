@@ -45,9 +45,12 @@ struct RunReport {
   };
   std::vector<Organ> organs;  // where the scene has several; else empty, and report.json has no "organs"
   double organ_penetration_m = 0;
-  bool has_skull = false;
-  Vec3 skull_force_N = Vec3::Zero();
-  double skull_penetration_m = 0;
+  struct Rigid {
+    std::string name;
+    Vec3 force_N = Vec3::Zero();  // on the tissue, last tick
+    double penetration_m = 0;     // the deepest
+  };
+  std::vector<Rigid> rigid;  // where the scene has rigid bodies; else report.json has no "rigid"
   std::uint64_t state_hash = 0;
   std::uint32_t flags = 0;    // StepFlag, all ticks
   Doubt doubt = Doubt::None;  // of all ticks (RunTrust)

@@ -38,6 +38,10 @@ TEST_CASE("Axes along which nothing is held are free", "[slide_watch]") {
   CHECK(freeAxes(model) == Vec3(0, 0, 0));
   model.imposed.clear();  // nothing is known
   CHECK(freeAxes(model) == Vec3(0, 0, 0));
+  model.scene.rigid.emplace_back();
+  CHECK(freeAxes(model) == Vec3(1, 1, 1));
+  SlideWatch watch(model);  // what slides off a table has slid off
+  CHECK(ticksUntilFound(watch, model, {10, 0, 0, 0}) == -1);
 }
 
 TEST_CASE("A body that is further from its place than it is large has slid away", "[slide_watch]") {

@@ -33,9 +33,7 @@ using Seconds = std::chrono::duration<double>;
 /// Time after which nothing moves any more, s.
 double endTime(const Scene& scene, const SolveTools& tools) {
   if (scene.solve.end_time > 0) return scene.solve.end_time;
-  double end = tools.duration();
-  for (const auto& b : scene.boundaries)
-    end = std::max({end, b.duration, b.curve.time.empty() ? 0 : b.curve.time.back()});
+  const double end = std::max(tools.duration(), motionEnd(scene));
   if (end <= 0 && !scene.gravity.isZero(0)) return 1;  // the weight is there from the start
   if (end <= 0)
     throw InputError(
@@ -136,7 +134,7 @@ int solveStatic(const Task& task, SolveResults& results) {
     e = solver.advanceTo(time, task.toolsAt(time), watch);
     iterations += e.iterations;
     if (!e.converged) break;
-    results.add({k, time, e.error, e.iterations, e.min_J, e.inverted_points, e.loads, e.skull, solver.largestSoFar(),
+    results.add({k, time, e.error, e.iterations, e.min_J, e.inverted_points, e.loads, e.rigid, solver.largestSoFar(),
                  e.doubt, e.expected_error, e.worst_point},
                 solver.body());
   }
@@ -194,7 +192,7 @@ int solveTransient(const Task& task, SolveResults& results) {
                    report->min_J,
                    report->inverted_points,
                    report->loads,
-                   report->skull,
+                   report->rigid,
                    0,
                    std::max(report->doubt, unresolved),
                    expected_error,
@@ -227,6 +225,7 @@ int solveCommand(const SolveOptions& options) {
   const Scene scene = readScene(file);
   checkTools(scene);
   const SolveTools moved(scene, options.tool_script);
+  if (scene.solve.mode == SolveSpec::Mode::Static) requireUniqueEquilibrium(scene);
   const double end = endTime(scene, moved);
   checkLength(scene, end);
   std::unique_ptr<Model> model;

@@ -12,6 +12,7 @@
 #include "io/output_file.h"
 #include "mtled/solve/solve_tools.h"
 #include "simulation/scene_messages.h"
+#include "simulation/scene_rigid.h"
 #include "simulation/solution_fields.h"
 #include "simulation/trust.h"
 
@@ -99,9 +100,8 @@ std::vector<std::string> SolveResults::columns() const {
     for (const char* part : {"_fx_N", "_fy_N", "_fz_N"}) columns.push_back(toolColumn(t) + part);
     if (isJaws(model_, t)) columns.push_back(toolColumn(t) + "_pinch_N");
   }
-  if (model_.scene.skull.given)
-    for (const char* part : {"skull_fx_N", "skull_fy_N", "skull_fz_N", "skull_penetration_m"})
-      columns.emplace_back(part);
+  for (const RigidBody& body : model_.rigid.body)
+    for (const char* part : {"_fx_N", "_fy_N", "_fz_N", "_penetration_m"}) columns.push_back(body.name + part);
   columns.emplace_back(error_column);
   if (model_.scene.solve.mode == SolveSpec::Mode::Static) columns.emplace_back("error_m");
   columns.emplace_back("trust");
@@ -147,11 +147,11 @@ void SolveResults::add(const SolvedRow& solved, const BatchBody& body) {
     if (isJaws(model_, t)) row.push_back(load.pinch);
   }
   last_loads_ = solved.loads;
-  if (model_.scene.skull.given) {
-    append(solved.skull.force);
-    row.push_back(solved.skull.max_penetration);
-    last_skull_ = solved.skull;
+  for (std::size_t b = 0; b < model_.rigid.body.size(); ++b) {
+    append(solved.rigid[b].force);
+    row.push_back(solved.rigid[b].max_penetration);
   }
+  last_rigid_ = solved.rigid;
   row.push_back(solved.expected_error);
   if (solved.error) row.push_back(*solved.error);
   force_->add(row, doubtName(solved.doubt));
@@ -215,8 +215,14 @@ void SolveResults::finish(nlohmann::json outcome) {
     outcome["doubt"] = {{"text", doubtText(doubt)}, {"first_time_s", trust_.firstTime()}};
     if (doubt_place_) outcome["doubt"]["worst_point_m"] = listed(*doubt_place_);
   }
-  if (last_skull_)
-    outcome["skull"] = {{"force_N", listed(last_skull_->force)}, {"max_penetration_m", last_skull_->max_penetration}};
+  for (std::size_t b = 0; last_rigid_ && b < model_.rigid.body.size(); ++b) {
+    const std::string& name = model_.rigid.body[b].name;
+    const RigidLoad& load = (*last_rigid_)[b];
+    outcome["rigid"].push_back(
+        {{"name", name}, {"force_N", listed(load.force)}, {"penetration_m", load.max_penetration}});
+    if (name == skull_name)
+      outcome["skull"] = {{"force_N", listed(load.force)}, {"max_penetration_m", load.max_penetration}};
+  }
   if (!model_.tools.empty() && last_loads_) outcome["tools"] = tools();
   if (!last_row_.empty()) {
     outcome["time_s"] = last_row_[0];

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "contact/skull.h"
+#include "contact/rigid_bodies.h"
 #include "contact/tool_set.h"
 #include "io/csv_table.h"
 #include "io/probes_file.h"
@@ -29,7 +29,7 @@ struct SolvedRow {
   double min_J = 1;
   int inverted_points = 0;
   ToolLoads loads;  // of the tools, without torques
-  SkullContact skull;
+  RigidLoads rigid;
   double largest = 0;  // m, the largest displacement so far; 0: not needed
   Doubt doubt = Doubt::None;
   double expected_error = 0;  // of the forces, as a share, of late
@@ -90,8 +90,8 @@ class SolveResults {
   double expected_error_ = 0;        // of the last row
   std::optional<Vec3> doubt_place_;  // of the gravest
   std::vector<Reaction> last_reactions_;
-  std::optional<SkullContact> last_skull_;  // of this run
-  std::optional<ToolLoads> last_loads_;     // likewise
+  std::optional<RigidLoads> last_rigid_;  // of this run
+  std::optional<ToolLoads> last_loads_;   // likewise
   std::vector<PvdFrame> pvd_;
   Checkpoint checkpoint_;
   Clock::time_point saved_ = Clock::now();

@@ -1,0 +1,161 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+
+#include "base/parallel_for.h"
+#include "contact/rigid_bodies.h"
+
+namespace palpate {
+namespace {
+
+/// A pressure of one Young's modulus presses the skin so deep into a body, m: a tenth of what is promised, at ten
+/// times the pressure of a brain's weight.
+constexpr double layer_depth = 1e-5;
+
+/// Apart from each other, per spacing of the nodes, are the points that touch.
+constexpr double point_distance = 0.5;
+
+/// The same per radius of a ball or cylinder, whichever is less: all vertices of a skin that is made for it (edges of a
+/// quarter). Two thirds of them press 4 % less than a tool of the same shape, which has all.
+constexpr double point_distance_on_round = 0.1;
+
+constexpr double cells_per_spacing = 3;
+constexpr double largest_cell = 2e-3;  // m: the distance to a ball of 30 mm is within 0.03 mm then
+constexpr double most_nodes = 4e6;     // of the grid: 16 MB
+
+/// Vertices of the skin that are no nearer to each other than `apart`, in their order.
+std::vector<int> thinned(const std::vector<Vec3>& X, double apart) {
+  using Cell = std::array<int, 3>;
+  std::map<Cell, std::vector<int>> kept;
+  std::vector<int> result;
+  for (int v = 0; v < static_cast<int>(X.size()); ++v) {
+    Cell at{};
+    for (int a = 0; a < 3; ++a) at[static_cast<std::size_t>(a)] = static_cast<int>(std::floor(X[v][a] / apart));
+    bool free = true;
+    for (int n = 0; n < 27 && free; ++n) {
+      const auto cell = kept.find({at[0] + n % 3 - 1, at[1] + n / 3 % 3 - 1, at[2] + n / 9 - 1});
+      if (cell == kept.end()) continue;
+      for (const int w : cell->second) free = free && (X[w] - X[v]).squaredNorm() >= apart * apart;
+    }
+    if (!free) continue;
+    kept[at].push_back(v);
+    result.push_back(v);
+  }
+  return result;
+}
+
+/// Shares the skin's area out to the nearest points.
+std::vector<float> areasOf(const SkinModel& skin, const std::vector<int>& points, double apart) {
+  using Cell = std::array<int, 3>;
+  const std::vector<Vec3>& X = skin.surface.vertices;
+  const auto cellOf = [&](const Vec3& x) {
+    Cell at{};
+    for (int a = 0; a < 3; ++a) at[static_cast<std::size_t>(a)] = static_cast<int>(std::floor(x[a] / apart));
+    return at;
+  };
+  std::map<Cell, std::vector<int>> place;  // numbers of points
+  for (std::size_t p = 0; p < points.size(); ++p) place[cellOf(X[points[p]])].push_back(static_cast<int>(p));
+  std::vector<double> area(points.size(), 0);
+  for (std::size_t v = 0; v < X.size(); ++v) {
+    const Cell at = cellOf(X[v]);
+    int nearest = -1;
+    double distance = std::numeric_limits<double>::infinity();
+    for (int n = 0; n < 27; ++n) {
+      const auto cell = place.find({at[0] + n % 3 - 1, at[1] + n / 3 % 3 - 1, at[2] + n / 9 - 1});
+      if (cell == place.end()) continue;
+      for (const int p : cell->second)
+        if (const double d = (X[points[p]] - X[v]).squaredNorm(); d < distance) distance = d, nearest = p;
+    }
+    if (nearest >= 0) area[nearest] += skin.area[v];  // always: each vertex is nearer than `apart` to one
+  }
+  return {area.begin(), area.end()};
+}
+
+/// Fills a row of the grid: distances are asked for near the surface, and as often as needed to get there.
+void fillRow(const SurfaceTree& surface, const SurfaceSide& side, int j, int k, GapGrid& grid) {
+  const double inner = 3 * grid.cell, outer = RigidShape::farthest_out + 2 * grid.cell;
+  bool inside = false, sure = false;
+  for (int i = 0; i < grid.count[0];) {
+    const Vec3 x = grid.origin + grid.cell * Vec3(i, j, k);
+    const double distance = surface.closest(x).distance;
+    if (!sure) inside = surface.inside(x);
+    const double room = side.inside == inside ? distance : -distance;
+    const double gap = side.inside ? side.clearance + room : room - side.clearance;
+    const bool near = gap < inner && -gap < outer;
+    if (near && !(side.open && side.open(x)))
+      grid.gap[static_cast<std::size_t>(i) +
+               static_cast<std::size_t>(grid.count[0]) *
+                   (static_cast<std::size_t>(j) +
+                    static_cast<std::size_t>(grid.count[1]) * static_cast<std::size_t>(k))] = static_cast<float>(gap);
+    // No surface within `distance`: the next nodes there are on the same side, and far ones are not looked at.
+    const double beyond = near ? 0 : gap > 0 ? gap - inner : -gap - outer;
+    const int steps = std::max(1, static_cast<int>(beyond / grid.cell));
+    sure = distance > steps * grid.cell;
+    i += steps;
+  }
+}
+
+/// m, apart from each other, where points of the skin touch a body.
+double apartOn(const RigidShape& shape, double spacing) {
+  const bool round = shape.kind == RigidShape::Kind::Sphere || shape.kind == RigidShape::Kind::Cylinder;
+  const double by_spacing = point_distance * spacing;
+  return round ? std::min(by_spacing, point_distance_on_round * shape.radius) : by_spacing;
+}
+
+/// Largest sum of a point's |N|.
+double rowSum(const SkinModel& skin, const std::vector<int>& points) {
+  double largest = 1;
+  for (const int v : points) {
+    double sum = 0;
+    for (int e = skin.begin[v]; e < skin.begin[v + 1]; ++e) sum += std::abs(static_cast<double>(skin.N[e]));
+    largest = std::max(largest, sum);
+  }
+  return largest;
+}
+
+}  // namespace
+
+GapGrid gapGrid(const SurfaceTree& surface, const SurfaceSide& side, double spacing) {
+  GapGrid grid;
+  const Box3 box = boundingBox(surface.surface());
+  grid.cell = std::min(spacing / cells_per_spacing, largest_cell);
+  const auto margin = [&] { return side.clearance + RigidShape::farthest_out + 3 * grid.cell; };
+  const auto nodes = [&] { return ((box.sizes().array() + 2 * margin()) / grid.cell + 2).prod(); };
+  while (nodes() > most_nodes) grid.cell *= 1.1;
+  grid.origin = box.min().array() - margin();
+  for (int a = 0; a < 3; ++a)
+    grid.count[static_cast<std::size_t>(a)] = 2 + static_cast<int>((box.sizes()[a] + 2 * margin()) / grid.cell);
+  grid.gap.assign(static_cast<std::size_t>(grid.count[0]) * static_cast<std::size_t>(grid.count[1]) *
+                      static_cast<std::size_t>(grid.count[2]),
+                  static_cast<float>(RigidShape::away));
+  parallelFor(
+      grid.count[1] * grid.count[2],
+      [&](int first, int last) {
+        for (int row = first; row < last; ++row) fillRow(surface, side, row % grid.count[1], row / grid.count[1], grid);
+      },
+      1);
+  return grid;
+}
+
+void addRigidBody(RigidBody body, const SkinModel& skin, double spacing, double young_modulus,
+                  std::optional<double> gap_at_rest, RigidBodies& bodies) {
+  const double apart = apartOn(body.shape, spacing);
+  const std::vector<int> points = thinned(skin.surface.vertices, apart);
+  const std::vector<float> areas = areasOf(skin, points, apart);
+  body.begin = bodies.pointCount();
+  bodies.vertex.insert(bodies.vertex.end(), points.begin(), points.end());
+  bodies.area.insert(bodies.area.end(), areas.begin(), areas.end());
+  body.end = bodies.pointCount();
+  for (const int v : points) {
+    Vec3 normal;
+    const double gap = gap_at_rest ? body.shape.gapAt(skin.surface.vertices[v], normal) : 0;
+    const bool exact = gap_at_rest && gap < RigidShape::away;
+    bodies.correction.push_back(exact ? static_cast<float>(*gap_at_rest - gap) : 0.0F);
+  }
+  bodies.stiffness = young_modulus / layer_depth;
+  bodies.row_sum = std::max(bodies.row_sum, rowSum(skin, points));
+  bodies.body.push_back(std::move(body));
+}
+
+}  // namespace palpate

@@ -1,0 +1,127 @@
+#pragma once
+
+#include <array>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/types.h"
+#include "contact/rigid_shape.h"
+#include "contact/skin.h"
+#include "discretization/surface/surface_tree.h"
+#include "mechanics/essential_nodes.h"
+
+namespace palpate {
+
+inline constexpr int max_rigid_bodies = 8;  // of a scene
+
+/// A body that the skin can't enter, which stands still or moves on a path: a table, a plate, a skull.
+struct RigidBody {
+  std::string name;
+  RigidShape shape;        // at rest
+  double friction = 0;     // Coulomb
+  BoundaryMotion motion;   // a rotation, then a translation
+  bool encloses = false;   // the organ lies inside it: tools pass it
+  int begin = 0, end = 0;  // its points in RigidBodies
+
+  /// Where it is at `time` (s): x = pose.toWorld(X). Real-time.
+  Pose at(double time) const;
+};
+
+/// The rigid bodies as the skin meets them, constant. The skin touches each at some of its vertices, about half the
+/// nodes' spacing apart: the displacement between them is no finer.
+struct RigidBodies {
+  std::vector<RigidBody> body;  // (body_count)
+  // The points that may touch, body by body.
+  std::vector<int> vertex;        // (point_count) skin vertices, ascending for each body
+  std::vector<float> area;        // (point_count) m^2 of the skin that each stands for
+  std::vector<float> correction;  // (point_count) m, added to a grid's gap: exact at rest where the organ made it
+  double stiffness = 0;           // Pa/m, of the layer on all of them
+  double row_sum = 1;             // largest sum_i |N_i| of a point: so much further than nodes it goes at most
+
+  bool empty() const { return body.empty(); }
+  bool moves() const;
+  bool hasFriction() const;
+  int pointCount() const { return static_cast<int>(vertex.size()); }
+};
+
+/// The gap of a surface that is closed but for openings.
+struct SurfaceSide {
+  bool inside = false;                      // where the organ is
+  double clearance = 0;                     // m, between the surface and what the skin touches: more room inside, less
+                                            // outside
+  std::function<bool(const Vec3&)> open{};  // whether there is no surface at a place (m); none: it is closed
+};
+/// @param spacing  m, of the nodes, by which the grid is made
+GapGrid gapGrid(const SurfaceTree& surface, const SurfaceSide& side, double spacing);
+
+/// Adds a body, of which only the points are missing.
+/// @param spacing        m, of the nodes
+/// @param young_modulus  Pa, the softest tissue's
+/// @param gap_at_rest    m, of all the skin, where the skin made the surface
+void addRigidBody(RigidBody body, const SkinModel& skin, double spacing, double young_modulus,
+                  std::optional<double> gap_at_rest, RigidBodies& bodies);
+
+/// One point of one body in the solver's system.
+struct RigidRow {
+  Eigen::Vector4f normal;          // unit, out of the body
+  Eigen::Vector4f predicted;       // increment of the point before contact, m
+  Eigen::Vector4f body_increment;  // of the body at the point, m
+  Eigen::Vector4f stick;           // tangential force carried over from the last step, N
+  Eigen::Vector4f tangential;      // N
+  float gap = 0;                   // m, at the end of the step if there were no contact
+  float highest = 0;               // m, gap that contact brings it to at most in this step
+  float stiffness = 0;             // N/m
+  float mobility = 0;              // m/N
+  float friction = 0;
+  float force = 0;  // N, along the normal
+  int point = 0;
+  int body = 0;
+};
+
+/// What contact with rigid bodies remembers from step to step, and scratch.
+struct RigidState {
+  AlignedVector<Float4> force;  // (point_count) on the tissue, N
+  std::vector<Vec3f> normal;    // (point_count) unit, body's frame, of the last contact; 0: none. Empty: no friction
+
+  // Scratch: the points that the step looks at, and when others have to be looked for. The result does not depend on
+  // them.
+  std::vector<RigidRow> row;        // (point_count)
+  std::vector<int> near;            // (point_count)
+  int near_count = -1;              // < 0: they are to be looked for
+  AlignedVector<Float4> near_u;     // (node_count) m, displacement that they were looked for at
+  double near_time = 0;             // s, likewise
+  Vec3 near_centre = Vec3::Zero();  // m, of a ball that held all points then
+  double near_radius = 0;           // m
+
+  /// `force` is another now.
+  void lookAgain() { near_count = -1; }
+};
+RigidState makeRigidState(const RigidBodies& bodies, int node_count);
+
+/// What a body did in one step.
+struct RigidLoad {
+  Vec3 force = Vec3::Zero();   // N, on the tissue
+  double max_penetration = 0;  // m
+  int count = 0;               // points that carry force
+};
+using RigidLoads = std::array<RigidLoad, max_rigid_bodies>;  // the first body_count count
+
+/// Keeps the predicted displacement out of all bodies at once: unilateral contact with friction, solved as solveContact
+/// solves the tool's (contact_solver.h), with forces f_v >= 0 along the bodies' normals n_v and f_t across them:
+///   du_i += alpha / m_i sum_v N_i(X_v) (f_v n_v + f_t),   f_v = K max(d_v, 0),   K = stiffness a_v
+///   |f_t| <= friction f_v, else none of the tangential way that the point has over the body      (frictionForce)
+/// d is the penetration at the end of the step. A point that is deeper in a body than the layer comes back by no more
+/// than 0.02 mm a step, so that it is not shot out; one that is 3 mm beyond a surface is left alone: it went out by an
+/// opening.
+///
+/// @param begin, end  s, of the step: the bodies go from where they are at one to where they are at the other
+/// @param alpha, inverse_mass, u, du, as solveContact's
+/// Real-time: no allocation, no lock, no throw; serial, so that it is the same for any number of threads. Costs 2
+/// four-lane operations a node, about 60 four-lane FMAs a point near a body, and per point in contact 60 (1 + sweeps).
+/// Test: simulation/rigid_bodies_test.cpp, simulation/rigid_shell_test.cpp
+RigidLoads solveRigidBodies(const RigidBodies& bodies, const SkinModel& skin, double begin, double end, double alpha,
+                            const float* inverse_mass, const Float4* u, Float4* du, RigidState& state);
+
+}  // namespace palpate

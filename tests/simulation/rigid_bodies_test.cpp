@@ -1,0 +1,305 @@
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "simulation/model_hash.h"
+#include "simulation/static_solver.h"
+#include "simulation/step.h"
+#include "simulation/tool_bodies.h"
+#include "simulation/transient_solver.h"
+#include "simulation/trust.h"
+#include "simulation/workspace.h"
+#include "support/realtime_guard.h"
+#include "support/small_scene.h"
+#include "support/temp_folder.h"
+
+using namespace palpate;
+
+namespace {
+
+constexpr double g = 9.81;  // m/s^2
+
+/// The half-space beneath a plane.
+RigidSpec halfSpace(const Vec3& point, const Vec3& normal, double friction = 0) {
+  RigidSpec body;
+  body.name = "floor";
+  body.region.point = point;
+  body.region.normal = normal;
+  body.friction = friction;
+  return body;
+}
+
+/// A body that goes somewhere in a second, or in so many.
+RigidSpec moved(RigidSpec body, const Vec3& translation, double duration = 1) {
+  body.name += ", moved";
+  body.motion.translation = translation;
+  body.motion.duration = duration;
+  return body;
+}
+
+/// The block of blockScene on a floor, held by nothing else.
+Scene lyingScene(double friction = 0) {
+  Scene scene = test::blockScene();
+  scene.boundaries.clear();
+  scene.gravity = Vec3(0, 0, -g);
+  scene.rigid = {halfSpace(Vec3::Zero(), Vec3::UnitZ(), friction)};
+  scene.tool_position = Vec3(0, 0, 0.2);
+  return scene;
+}
+
+/// Ticks with the tool where it starts.
+struct Run {
+  explicit Run(const Model& the_model, int threads = 1)
+      : model(the_model), workspace(the_model, threads), state(initialState(the_model)) {
+    command.tool_target = model.tool_start;
+  }
+  StepReport ticks(int count) {
+    StepReport report;
+    for (int k = 0; k < count; ++k) {
+      report = tick(model, state, command, workspace);
+      flags |= report.flags;
+      doubt = std::max(doubt, doubtOf(model, report));
+    }
+    return report;
+  }
+  /// Mean over the mass: the way, m, and the last step's speed, m/s.
+  Vec3 mean(const AlignedVector<Float4>& field) const {
+    Vec3 sum = Vec3::Zero();
+    double mass = 0;
+    for (std::size_t i = 0; i < field.size(); ++i) sum += model.mass[i] * toVec3(field[i]), mass += model.mass[i];
+    return sum / mass;
+  }
+  Vec3 way() const { return mean(state.u); }
+  Vec3 speed() const { return mean(state.du) / model.dt; }
+  std::uint64_t hash() const { return stateHash(model, state); }
+
+  const Model& model;
+  Workspace workspace;
+  State state;
+  Command command;
+  std::uint32_t flags = 0;
+  Doubt doubt = Doubt::None;
+};
+
+double weightOf(const Model& model) {
+  double weight = 0;
+  for (const Double4& f : model.weight) weight += toVec3(f).norm();
+  return weight;
+}
+
+/// N, on a neo-Hookean bar of this section, pressed to `stretch` of its length and free across.
+double uniaxialForce(double young, double poisson, double stretch, double section) {
+  const double mu = young / (2 * (1 + poisson)), bulk = young / (3 * (1 - 2 * poisson));
+  const auto energy = [&](double along, double across) {
+    const double J = along * across * across;
+    return 0.5 * mu * (std::pow(J, -2.0 / 3) * (along * along + 2 * across * across) - 3) +
+           0.5 * bulk * (J - 1) * (J - 1);
+  };
+  constexpr double h = 1e-6;
+  double low = 0.5, high = 2;  // the width that costs least
+  while (high - low > 1e-12) {
+    const double middle = 0.5 * (low + high);
+    (energy(stretch, middle + h) > energy(stretch, middle - h) ? high : low) = middle;
+  }
+  return -section * (energy(stretch + h, low) - energy(stretch - h, low)) / (2 * h);
+}
+
+}  // namespace
+
+TEST_CASE("A block that nothing else holds lies on a floor, which bears its weight", "[simulation][rigid]") {
+  const Model model = test::blockModel(lyingScene());
+  Run run(model);
+  const StepReport report = run.ticks(400);
+  CHECK(report.rigid[0].force.z() == Approx(weightOf(model)).epsilon(1e-3));
+  CHECK(report.rigid[0].max_penetration < 1e-4);
+  CHECK(report.max_increment < 1e-5 * model.dt);  // m/s: it rests
+  CHECK(run.way().head<2>().norm() < 1e-4);
+  CHECK(run.flags == 0);
+}
+
+TEST_CASE("Neither threads nor where points were looked for last change a bit, and steps take no memory",
+          "[simulation][rigid]") {
+  Scene scene = lyingScene(0.4);
+  scene.rigid.push_back(moved(halfSpace(Vec3(0, 0, 0.0302), -Vec3::UnitZ(), 0.2), Vec3(0.002, 0, -0.006), 0.1));
+  const Model model = test::blockModel(scene);
+  Run one(model), two(model, 2), forgetful(model);
+  one.ticks(40);
+  two.ticks(40);
+  for (int k = 0; k < 40; ++k) {
+    forgetful.state.rigid.lookAgain();
+    forgetful.ticks(1);
+  }
+  CHECK(one.hash() == two.hash());
+  CHECK(one.hash() == forgetful.hash());
+  REQUIRE(one.state.rigid.near_count < model.rigid.pointCount() / 2);  // the sides are far from both
+
+  Run later(model);  // a state that was kept goes on as if nothing had been
+  later.state = one.state;
+  if (test::guardAvailable()) test::startGuard();
+  one.ticks(10);
+  CHECK((!test::guardAvailable() || test::stopGuard().total() == 0));
+  later.ticks(10);
+  CHECK(one.hash() == later.hash());
+  later.state.rigid.normal[one.state.rigid.near[0]].x() += 0.5F;  // it is remembered
+  CHECK(one.hash() != later.hash());
+}
+
+TEST_CASE("Between two smooth plates a block is compressed as a bar", "[simulation][rigid][static]") {
+  Scene scene = test::blockScene(0.01);
+  for (int c = 0; c < 2; ++c) {  // planes of symmetry, which leave it free to widen
+    if (c == 1) scene.boundaries.emplace_back();
+    BoundarySpec& guide = scene.boundaries.back();
+    guide.region.kind = Region::Kind::NearPlane;
+    guide.region.distance = 1e-6;
+    guide.region.normal = Vec3::Unit(c);
+    guide.region.point = -0.03 * Vec3::Unit(c);
+    for (int k = 0; k < 3; ++k) guide.component[k] = k == c;
+  }
+  const double squeeze = 0.003;
+  scene.rigid = {halfSpace(Vec3::Zero(), Vec3::UnitZ()),
+                 moved(halfSpace(Vec3(0, 0, 0.03), -Vec3::UnitZ()), -squeeze * Vec3::UnitZ())};
+  const Model model = test::blockModel(scene);
+  StaticSolver solver(model, 1, 1e-4);
+  const Equilibrium pressed = solver.advanceTo(1);
+  REQUIRE(pressed.converged);
+  const double force = uniaxialForce(3000, 0.48, 1 - squeeze / 0.03, 0.0036);
+  CHECK(pressed.rigid[0].force.z() == Approx(force).epsilon(0.01));
+  CHECK(pressed.rigid[1].force.z() == Approx(-force).epsilon(0.01));
+  CHECK(pressed.rigid[0].max_penetration < 2e-5);
+}
+
+TEST_CASE("A block on a slope sticks below the angle of friction without creeping, and slides above it",
+          "[simulation][rigid]") {
+  const auto onSlope = [](double tangent, double friction) {
+    Scene scene = lyingScene(friction);
+    const double angle = std::atan(tangent);
+    scene.gravity = g * Vec3(std::sin(angle), 0, -std::cos(angle));
+    return scene;
+  };
+  SECTION("it sticks") {
+    const Model model = test::blockModel(onSlope(0.4, 0.5));
+    Run run(model);
+    run.ticks(200);
+    const Vec3 before = run.way();
+    const StepReport report = run.ticks(200);
+    CHECK((run.way() - before).norm() < 1e-6);
+    CHECK(report.rigid[0].force.x() == Approx(-weightOf(model) * std::sin(std::atan(0.4))).epsilon(2e-3));
+  }
+  SECTION("it slides") {
+    Scene scene = onSlope(0.5, 0.2);  // where much more friction makes the block chatter
+    scene.materials[0].material.set("young", 30e3);
+    scene.damping = 10;
+    const Model model = test::blockModel(scene);
+    Run run(model);
+    const double angle = std::atan(0.5), a = g * (std::sin(angle) - 0.2 * std::cos(angle)), c = scene.damping;
+    for (const int ticks : {40, 80}) {
+      const StepReport report = run.ticks(40);
+      CHECK(run.speed().x() == Approx(a / c * (1 - std::exp(-c * ticks / scene.rate_hz))).epsilon(0.02));
+      CHECK(-report.rigid[0].force.x() == Approx(0.2 * report.rigid[0].force.z()).epsilon(2e-3));
+    }
+  }
+}
+
+TEST_CASE("A table carries what lies on it, along and about", "[simulation][rigid]") {
+  Scene scene = lyingScene(0.8);
+  scene.rigid[0].motion.duration = 0.4;
+  SECTION("along") {
+    scene.rigid[0].motion.translation = Vec3(0.02, 0, 0);
+    const Model model = test::blockModel(scene);
+    Run run(model);
+    run.ticks(300);
+    CHECK(run.way().x() == Approx(0.02).margin(5e-5));
+  }
+  SECTION("about") {
+    scene.rigid[0].motion.axis = Vec3::UnitZ();
+    scene.rigid[0].motion.angle = 0.5;
+    scene.materials[0].material.set("young", 30e3);
+    const Model model = test::blockModel(scene);
+    scene.rigid[0].motion = {};
+    const Model standing = test::blockModel(scene);
+    Run run(model), still(standing);
+    run.ticks(250);
+    still.ticks(250);
+    const Pose pose = model.rigid.body[0].at(1);
+    double farthest = 0;
+    for (std::size_t i = 0; i < model.X.size(); ++i)
+      farthest = std::max(
+          farthest, (model.X[i] + toVec3(run.state.u[i]) - pose.toWorld(model.X[i] + toVec3(still.state.u[i]))).norm());
+    CHECK(farthest < 1e-4);
+  }
+}
+
+TEST_CASE("A rigid sphere presses as the same sphere held by a hand", "[simulation][rigid][static][whole]") {
+  const Scene scene = test::blockScene();
+  const double press = 0.006;
+  const Model by_hand = test::blockModel(scene);
+  StaticSolver hand(by_hand, 1, 1e-4);
+  const Equilibrium held = hand.advanceTo(1, test::toolAt(by_hand, press));
+  Scene with_ball = scene;
+  with_ball.tool_position.z() = 0.1;
+  RigidSpec ball;
+  ball.name = "ball";
+  ball.region.kind = Region::Kind::Sphere;
+  ball.region.point = scene.tool_position + Vec3(0, 0, 0.01);
+  ball.region.radius = 0.01;
+  with_ball.rigid = {moved(ball, -press * Vec3::UnitZ())};
+  const Model by_body = test::blockModel(with_ball);
+  StaticSolver body(by_body, 1, 1e-4);
+  const Equilibrium pressed = body.advanceTo(1);
+  REQUIRE((held.converged && pressed.converged));
+  CHECK(-pressed.rigid[0].force.z() == Approx(held.tool_force.z()).epsilon(0.01));
+}
+
+TEST_CASE("In time a plate presses as in equilibrium, in float and in double", "[simulation][rigid][whole]") {
+  Scene scene = test::blockScene();  // on a fixed base
+  scene.rigid = {moved(halfSpace(Vec3(0, 0, 0.03), -Vec3::UnitZ()), Vec3(0, 0, -0.002), 0.4)};
+  scene.tool_position.z() = 0.2;
+  scene.rigid[0].region.point.z() = 0.0301;
+  const Model model = test::blockModel(scene);
+  StaticSolver solver(model, 1, 1e-3);
+  const double force = -solver.advanceTo(0.4).rigid[0].force.z();
+  Run run(model);
+  CHECK(-run.ticks(300).rigid[0].force.z() == Approx(force).epsilon(0.01));
+  TransientSolver motion(model, 1);
+  BatchBody::Report report;
+  for (int k = 0; k < 300; ++k) report = motion.tick();
+  CHECK(-report.rigid[0].force.z() == Approx(force).epsilon(0.01));
+}
+
+TEST_CASE("Jabs of a plate at 1 m/s do not blow a block up", "[simulation][rigid]") {
+  Scene scene = lyingScene(0.5);
+  RigidSpec plate;
+  plate.name = "plate";
+  plate.region.kind = Region::Kind::Box;
+  plate.region.min = Vec3(-0.05, -0.05, 0.031);
+  plate.region.max = Vec3(0.01, 0.05, 0.036);
+  plate.motion.translation = Vec3(0, 0, -0.018);
+  plate.motion.curve = {LoadCurve::Kind::Table, {0, 0.018, 0.036, 0.054, 0.072, 0.2}, {0, 1, 0, 1, 0, 0}};
+  plate.motion.duration = 0.2;
+  scene.rigid.push_back(plate);
+  const Model model = test::blockModel(scene);
+  Run run(model);
+  run.ticks(36);
+  CHECK((run.flags & (kNotFinite | kBlowUp)) == 0);
+  const StepReport report = run.ticks(300);
+  CHECK((run.flags & (kNotFinite | kBlowUp)) == 0);
+  CHECK(report.rigid[0].max_penetration < 1e-4);
+  CHECK(report.min_J > 0.5F);
+  CHECK(report.rigid[0].force.z() == Approx(weightOf(model)).epsilon(0.02));  // it lies there again
+}
+
+TEST_CASE("What rigid bodies can't be is refused", "[simulation][rigid]") {
+  const auto fails = [](const Scene& scene, const char* text) {
+    CHECK_THAT(refusal([&] {
+                 const Model model = test::blockModel(scene);
+                 StaticSolver(model, 1, 1e-3);
+               }),
+               Catch::Matchers::Contains(text));
+  };
+  Scene scene = lyingScene();
+  fails(scene, "free to slide");
+  scene.boundaries = test::blockScene().boundaries;
+  scene.rigid[0].friction = 0.5;
+  fails(scene, "depends on the way");
+  scene.rigid[0] = halfSpace(Vec3(0, 0, 0.0025), Vec3::UnitZ());
+  fails(scene, "reaches 2.5 mm into the rigid body \"floor\"");
+}
