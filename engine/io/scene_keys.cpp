@@ -30,6 +30,7 @@ constexpr KeySpec scene_keys[] = {
     {"", "fixed", T::Tables, "", depends, {}, "",
      "Where it is held. Required, but where `[[prescribed]]` regions leave the organ no motion as a whole."},
     {"", "prescribed", T::Tables, "", "", {}, "", "Where it is moved."},
+    {"", "load", T::Tables, "", "", {}, "", "What presses or pulls on its skin.", never},
     {"", "skull", T::Table, "", "", {}, "", "What encloses it.", never},
     {"", "dynamics", T::Table, "", "", {}, "", "Loop rate, time step, damping."},
     {"", "solve", T::Table, "", "", {}, "", "How far and how finely `mtled solve` computes."},
@@ -177,6 +178,25 @@ constexpr KeySpec scene_keys[] = {
     {"prescribed", "curve_table", T::Curve, "s", "", {}, "",
      "Instead of `curve`: rows of time and share of the whole motion, like `[[0.0, 0.0], [0.5, 1.0], [1.0, "
      "0.25]]`; straight in between, constant after the last. Times ascend from 0, the first share is 0."},
+
+    {"load", "name", T::Text, "", "", {}, "",
+     "Its name in results, unlike all others. Where absent `load 1`, `load 2`, ...", never},
+    {"load", "region", T::Table, "", "", {}, "",
+     "Where it is: the part of the skin that lies in a [region](#region), whose border cuts faces. To choose a flat side "
+     "alone take a near-plane with `distance = 1e-6`. Absent: all of the skin.", never},
+    {"load", "pressure", T::Number, "Pa", depends, {}, "",
+     "Inwards; negative: suction. Either this or `traction`.", never},
+    {"load", "kind", T::Text, "", "\"follower\"", {}, "follower|dead",
+     "Of a pressure: along the normal and on the area that the skin has now, as gas and fluids press; or those at rest.",
+     never},
+    {"load", "traction", T::Vector, "Pa", depends, {}, "",
+     "Force per area of the skin at rest, in a fixed direction.", never},
+    {"load", "duration", T::Number, "s", depends, above(0), "",
+     "In which time it comes. With `curve_table` it may be left out: the table's last time.", never},
+    {"load", "curve", T::Text, "", "\"smooth\"", {}, "smooth|linear",
+     "How: along 10 t^3 - 15 t^4 + 6 t^5, or evenly.", never},
+    {"load", "curve_table", T::Curve, "s", "", {}, "",
+     "Instead of `curve`: rows of time and share of the whole load, as those of `[[prescribed]]`.", never},
 
     {"skull", "from", T::Text, "", required, {}, "",
      "`\"organ\"`: the organ's own surface at rest; or the file of a closed surface that encloses it (.obj, .stl, "

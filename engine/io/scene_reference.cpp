@@ -22,7 +22,7 @@ constexpr Section sections[] = {
     {"material", "`[[material]]`", "One or more."},
     {"region", "Region",
      "Not a table of its own: these keys choose a part of space, inline in `[[fixed]]` and `[[prescribed]]`, and in a "
-     "material's `region = { ... }`. All coordinates are the organ's at rest, after scaling."},
+     "material's or load's `region = { ... }`. All coordinates are the organ's at rest, after scaling."},
     {"boundary", "`[[fixed]]`",
      "One or more, or none where `[[prescribed]]` holds the organ. The keys of a [region](#region), and these. The "
      "displacement field there is exactly zero."},
@@ -30,6 +30,9 @@ constexpr Section sections[] = {
      "The keys of `[[fixed]]`, and these: where the region's nodes go (a translation, a rotation or a rotation "
      "followed "
      "by a translation, of which only `components` are imposed), and how over time."},
+    {"load", "`[[load]]`",
+     "A pressure or traction on the skin, and how it comes over time. It acts in the loop and in `mtled solve`, whose "
+     "`force.csv` has each load's force on the tissue. Sensitivities (`mtled identify`) refuse it."},
     {"skull", "`[skull]`",
      "A rigid shell that the organ's skin slides along and can't pass, without friction; penetration stays below 0.1 "
      "mm. "

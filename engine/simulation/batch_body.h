@@ -32,8 +32,8 @@ class BatchBody {
     SkullContact skull;
   };
 
-  /// One step of paper eqs. 12 and 21-25, the boundaries then being where they are at `time`:
-  ///   f = -F_int(u);  du = beta du + alpha M^-1 f;  contact;  du += P (u_bar - Phi (u + du));  u += du
+  /// One step of paper eqs. 12 and 21-25, the boundaries then being where they are at `time`, and loads what they are:
+  ///   f = -F_int(u);  du = beta du + alpha M^-1 (f + loads);  contact;  du += P (u_bar - Phi (u + du));  u += du
   Report advance(double alpha, double beta, double time);
 
   /// Where the tools are from the next step on; they go there from where they were in that one step.
@@ -71,6 +71,8 @@ class BatchBody {
 
   const Model& model() const { return model_; }
   const std::vector<Reaction>& reactions() const { return boundary_scratch_.reaction; }  // of the last step
+  /// The sum of each surface load's forces in the last step, N (load_count).
+  std::vector<Vec3> loadForces() const { return palpate::loadForces(model_.surface_loads, load_scratch_); }
   /// Adds the force at each imposed node in the last step, N (node_count).
   void addNodeReactions(std::vector<Vec3>& force) const {
     palpate::addNodeReactions(boundary_, boundary_scratch_, alpha_, force);
@@ -84,6 +86,7 @@ class BatchBody {
  private:
   ForceReport forces(const AlignedVector<Double4>& at, AlignedVector<Double4>& force,
                      RelaxationHistoryOf<double>* history);
+  void addLoads(double alpha, double time);
   void contact(double alpha, Report& report);
   Doubt doubt(const ForceReport& forces, const Report& report) const;
 
@@ -99,6 +102,7 @@ class BatchBody {
   AlignedVector<double> inverse_mass_;
   AlignedVector<float> inverse_mass_float_;
   double alpha_ = 1;  // of the last step, s^2
+  SurfaceLoadScratchOf<double> load_scratch_;
   BatchTools tools_;
   SkullState skull_;
   SkullLayer* layer_ = nullptr;  // in place of skull_

@@ -27,6 +27,13 @@ void add(ByteKey& key, const EssentialBoundary& boundary) {
     key.add(m.translation, m.axis_point, m.axis, m.angle, m.duration, m.curve.kind, m.curve.time, m.curve.fraction);
 }
 
+void add(ByteKey& key, const SurfaceLoads& loads) {
+  for (const SurfaceLoads::Course& c : loads.course) key.add(c.duration, c.curve.kind, c.curve.time, c.curve.fraction);
+  key.add(loads.pressure, loads.dead, loads.X, loads.begin, loads.node, loads.N);
+  for (const SurfaceLoads::Face& f : loads.face) key.add(f.vertex, f.load);
+  key.add(loads.node_begin, loads.node_face, loads.R);
+}
+
 void add(ByteKey& key, const ToolShape& tool) { key.add(tool.kind, tool.radius, tool.length, tool.parameter); }
 
 /// What is set live and differs from the model, each setting after its number; the patches' moduli follow from it.
@@ -79,6 +86,7 @@ std::uint64_t modelHash(const Model& model) {
   for (const Material& m : model.materials) add(key, m);
   add(key, model.boundary);
   if (!model.weight.empty()) key.add(model.weight);  // none: hashes are those of before
+  if (!model.surface_loads.empty()) add(key, model.surface_loads);
   key.add(model.skin.surface.vertices, model.skin.area, model.skin.node, model.skin.N, model.skin.bulk_stiffness);
   if (const Skull& skull = model.skull; !skull.empty())  // none: hashes are those of before
     key.add(skull.vertex, skull.area, skull.correction, skull.origin, skull.cell, skull.gap, skull.stiffness);

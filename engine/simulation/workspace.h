@@ -46,7 +46,8 @@ class Workspace {
         local_mass(model.X.size(), model.kernel, model.stiffness_means),
         compression(model),
         resolution(model),
-        tissue_mass(tissueMass(model)) {}
+        tissue_mass(tissueMass(model)),
+        surface_loads(model.surface_loads) {}
 
   const std::shared_ptr<SpinTeam> shared_team;
   SpinTeam& team;
@@ -58,6 +59,7 @@ class Workspace {
   CompressionLimit compression;
   ResolutionWatch resolution;
   const AlignedVector<float> tissue_mass;  // (node_count) kg, that live loads accelerate
+  SurfaceLoadScratch surface_loads;
 };
 
 }  // namespace palpate

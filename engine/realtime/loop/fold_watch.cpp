@@ -17,6 +17,7 @@ FoldWatch::FoldWatch(const Model& model)
     const std::vector<double>& times = boundary.curve.time;
     moved_until_ = std::max({moved_until_, boundary.duration, times.empty() ? 0 : times.back()});
   }
+  for (const LoadSpec& load : model.scene.loads) moved_until_ = std::max(moved_until_, load.end());
   strained_anyway_ = !model.scene.gravity.isZero(0);
   for (const Material& material : model.materials) strained_anyway_ = strained_anyway_ || material.relaxation_count > 0;
 }

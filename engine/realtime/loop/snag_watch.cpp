@@ -34,6 +34,7 @@ SnagWatch::SnagWatch(const Model& model)
       stuck_needed_(std::llround(stuck_seconds * model.scene.rate_hz)) {
   for (const ToolSetUp& tool : model.tools.tool) off_ = off_ || tool.jaws;
   for (const BoundarySpec& boundary : model.scene.boundaries) off_ = off_ || boundary.duration > 0;
+  off_ = off_ || !model.scene.loads.empty();
   low_ = high_ = model.tool_start.position;  // where it begins it is never far outside
   for (const Vec3& X : model.skin.surface.vertices) {
     low_ = low_.cwiseMin(X);

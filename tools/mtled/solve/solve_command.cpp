@@ -36,12 +36,13 @@ double endTime(const Scene& scene, const SolveTools& tools) {
   double end = tools.duration();
   for (const auto& b : scene.boundaries)
     end = std::max({end, b.duration, b.curve.time.empty() ? 0 : b.curve.time.back()});
+  for (const LoadSpec& load : scene.loads) end = std::max(end, load.end());
   if (end <= 0 && !scene.gravity.isZero(0)) return 1;  // the weight is there from the start
   if (end <= 0)
     throw InputError(
         scene.solve.place.file.empty() ? scene.place : scene.solve.place,
         "nothing moves in this scene, so there is no time to solve to",
-        "add a [[prescribed]] motion, --tool SCRIPT or a tool's input = \"script:FILE\", or set end_time in [solve]");
+        "add a [[prescribed]] motion, a [[load]], --tool SCRIPT or a tool's input = \"script:FILE\", or set end_time in [solve]");
   return end;
 }
 

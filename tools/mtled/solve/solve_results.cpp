@@ -102,6 +102,8 @@ std::vector<std::string> SolveResults::columns() const {
   if (model_.scene.skull.given)
     for (const char* part : {"skull_fx_N", "skull_fy_N", "skull_fz_N", "skull_penetration_m"})
       columns.emplace_back(part);
+  for (const LoadSpec& load : model_.scene.loads)
+    for (const char* part : {"_fx_N", "_fy_N", "_fz_N"}) columns.push_back(load.name + part);
   columns.emplace_back(error_column);
   if (model_.scene.solve.mode == SolveSpec::Mode::Static) columns.emplace_back("error_m");
   columns.emplace_back("trust");
@@ -152,6 +154,8 @@ void SolveResults::add(const SolvedRow& solved, const BatchBody& body) {
     row.push_back(solved.skull.max_penetration);
     last_skull_ = solved.skull;
   }
+  last_load_forces_ = body.loadForces();
+  for (const Vec3& force : last_load_forces_) append(force);
   row.push_back(solved.expected_error);
   if (solved.error) row.push_back(*solved.error);
   force_->add(row, doubtName(solved.doubt));
@@ -217,6 +221,8 @@ void SolveResults::finish(nlohmann::json outcome) {
   }
   if (last_skull_)
     outcome["skull"] = {{"force_N", listed(last_skull_->force)}, {"max_penetration_m", last_skull_->max_penetration}};
+  for (std::size_t l = 0; l < last_load_forces_.size(); ++l)
+    outcome["loads"][model_.scene.loads[l].name] = {{"force_N", listed(last_load_forces_[l])}};
   if (!model_.tools.empty() && last_loads_) outcome["tools"] = tools();
   if (!last_row_.empty()) {
     outcome["time_s"] = last_row_[0];
