@@ -47,7 +47,7 @@ void checkScene(const Model& model) {
       !model.tools.empty()   ? "sensitivities are those of one tool without jaws, and the scene has more"
       : scene.friction != 0  ? "sensitivities are those of a tool without friction: with it, forces depend on the way"
       : !model.skull.empty() ? "sensitivities are those of a body without a skull, whose contact comes and goes"
-      : !scene.loads.empty() ? "sensitivities are those of a body without surface loads, which turn with it"
+      : !scene.loads.empty() ? "sensitivities are those of a body without loads on its skin"
       : scene.boundary_method == Scene::BoundaryMethod::Ebciem
           ? "sensitivities are those of the symmetric boundary method"
           : nullptr;

@@ -4,6 +4,7 @@
 
 #include "discretization/surface/surface_geometry.h"
 #include "simulation/model_hash.h"
+#include "simulation/sensitivity.h"
 #include "simulation/static_solver.h"
 #include "simulation/step.h"
 #include "simulation/transient_solver.h"
@@ -315,6 +316,28 @@ TEST_CASE("A load that comes in one tick swings the tissue and makes no energy",
   CHECK(report.strain_energy > 10 * model.rest_energy);
 }
 
+TEST_CASE("The error to expect of a tool's force is not thinned by what loads store", "[simulation][load]") {
+  const auto expected = [](double pressure) {
+    Scene scene = test::blockScene();
+    scene.materials[0].material.set("poisson", 0.45);
+    if (pressure > 0) scene.loads = {loadOf(Kind::FollowerPressure, pressure, Vec3::Zero(), true)};
+    if (pressure > 0) scene.loads[0].duration = 0.2;
+    const Model model = test::blockModel(scene);
+    State state = initialState(model);
+    Workspace workspace(model, 1);
+    run(model, state, workspace, 0.5);
+    Command command;
+    command.tool_target = test::toolAt(model, model.first_contact_travel + 0.005);
+    StepReport report;
+    for (int k = 0; k < 300; ++k) report = tick(model, state, command, workspace);
+    REQUIRE(report.isTouched());
+    return report.expected_error;
+  };
+  const double alone = expected(0), loaded = expected(800);
+  CHECK(loaded > 0.6 * alone);
+  CHECK(loaded < 3 * alone);
+}
+
 TEST_CASE("A load on no skin, or on held skin alone, is refused", "[simulation][load][refusal]") {
   using Catch::Contains;
   Scene scene = test::blockScene();
@@ -324,5 +347,6 @@ TEST_CASE("A load on no skin, or on held skin alone, is refused", "[simulation][
   scene.loads[0].region.point.z() = 0;
   CHECK_THAT(refusal([&] { test::blockModel(scene); }), Contains("acts only where the organ is held"));
   scene.boundaries = {roller(Vec3::Zero(), 2), roller(Vec3(-half, 0, 0), 0), roller(Vec3(0, -half, 0), 1)};
-  CHECK_NOTHROW(test::blockModel(scene));  // what is on rollers can move
+  const Model model = test::blockModel(scene);  // what is on rollers can move
+  CHECK_THAT(refusal([&] { EquilibriumSensitivity(model, 1); }), Contains("without loads on its skin"));
 }
