@@ -182,8 +182,8 @@ constexpr KeySpec scene_keys[] = {
     {"load", "name", T::Text, "", "", {}, "",
      "Its name in results, unlike all others. Where absent `load 1`, `load 2`, ...", never},
     {"load", "region", T::Table, "", "", {}, "",
-     "Where it is: the part of the skin that lies in a [region](#region), whose border cuts faces. To choose a flat side "
-     "alone take a near-plane with `distance = 1e-6`. Absent: all of the skin.", never},
+     "Where it is: the part of the skin that lies in a [region](#region), whose border cuts faces. To choose a flat "
+     "side alone take a near-plane with `distance = 1e-6`. Absent: all of the skin.", never},
     {"load", "pressure", T::Number, "Pa", depends, {}, "",
      "Inwards; negative: suction. Either this or `traction`.", never},
     {"load", "kind", T::Text, "", "\"follower\"", {}, "follower|dead",

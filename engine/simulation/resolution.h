@@ -31,8 +31,8 @@ namespace palpate {
 
 /// e for a displacement. For batch: allocates.
 /// @param u  m (node_count)  @param strain_energy  W, J; below a millionth of Model::rest_energy e is 0
-/// @param tool_force  N. Where surface loads strain the body, too, their energy is none that a tool's force is the slope
-///                    of: the whole error is then taken for the tool's, over what its force stores by Hertz (at most 1)
+/// @param tool_force  N. Where surface loads strain the body, too, a tool's force is not the slope of their energy: the
+///                    whole error is then taken for the tool's, over what its force stores by Hertz (at most 1)
 double expectedError(const Model& model, std::span<const Material> materials, const AlignedVector<Double4>& u,
                      double strain_energy, double tool_force = 0);
 
