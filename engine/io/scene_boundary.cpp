@@ -13,8 +13,8 @@ namespace palpate {
 
 namespace {
 
-/// The name must be fit to head a column of CSV results, and unlike those of the others.
-void checkName(const TomlTable& table, const std::string& name, const std::vector<BoundarySpec>& others) {
+/// Throws where a name is not fit to head a column of CSV results.
+void checkPlain(const TomlTable& table, const std::string& name) {
   const bool plain = name.find_first_of(",\"") == std::string::npos;
   if (name == "tool") {
     throw InputError(table.place("name"), "the name \"tool\" stands for the tool's own force in the results",
@@ -22,12 +22,6 @@ void checkName(const TomlTable& table, const std::string& name, const std::vecto
   }
   if (!plain || name.empty()) {
     throw InputError(table.place("name"), "\"name\" is " + inQuotes(name), "give a name without commas and quotes");
-  }
-  for (const BoundarySpec& other : others) {
-    if (other.name != name) continue;
-    throw InputError(table.place("name"),
-                     "the name " + inQuotes(name) + " is taken by line " + std::to_string(other.place.line),
-                     "give each [[fixed]] and [[prescribed]] a name of its own");
   }
 }
 
@@ -39,7 +33,7 @@ BoundarySpec readBoundary(const TomlTable& table, const std::string& usual_name,
   boundary.place = table.place();
   boundary.name = usual_name;
   table.readName("name", boundary.name);
-  checkName(table, boundary.name, others);
+  checkResultName(table, boundary.name, others);
   if (!table.has("points")) boundary.region = readRegion(table);
   table.readAxes("components", boundary.component);
   table.read("surface_only", boundary.surface_only);
@@ -81,29 +75,41 @@ void readWay(const TomlTable& table, BoundarySpec& boundary) {
   }
 }
 
-/// How a boundary goes over time.
-void readCourse(const TomlTable& table, BoundarySpec& boundary) {
+}  // namespace
+
+template <class Spec>
+void checkResultName(const TomlTable& table, const std::string& name, const std::vector<Spec>& others) {
+  checkPlain(table, name);
+  for (const Spec& other : others) {
+    if (other.name != name) continue;
+    throw InputError(table.place("name"),
+                     "the name " + inQuotes(name) + " is taken by line " + std::to_string(other.place.line),
+                     "give each [[fixed]], [[prescribed]] and [[load]] a name of its own");
+  }
+}
+template void checkResultName(const TomlTable&, const std::string&, const std::vector<BoundarySpec>&);
+template void checkResultName(const TomlTable&, const std::string&, const std::vector<LoadSpec>&);
+
+void readCourse(const TomlTable& table, const std::string& what, double& duration, LoadCurve& curve) {
   if (!table.has("curve_table")) {
-    table.require({"duration"}, "a motion without \"curve_table\"");
-    table.read("duration", boundary.duration);
+    table.require({"duration"}, what + " without \"curve_table\"");
+    table.read("duration", duration);
     constexpr LoadCurve::Kind kinds[] = {LoadCurve::Kind::Smooth, LoadCurve::Kind::Linear};
-    boundary.curve.kind = kinds[table.readChoice("curve", 0)];
+    curve.kind = kinds[table.readChoice("curve", 0)];
     return;
   }
   if (table.has("curve")) {
     throw InputError(table.place("curve"), "both \"curve\" and \"curve_table\"", "give one of them");
   }
-  boundary.curve.kind = LoadCurve::Kind::Table;
-  table.readCurve("curve_table", boundary.curve.time, boundary.curve.fraction);
-  boundary.duration = boundary.curve.time.back();
-  table.read("duration", boundary.duration);
-  if (boundary.duration < boundary.curve.time.back()) {
+  curve.kind = LoadCurve::Kind::Table;
+  table.readCurve("curve_table", curve.time, curve.fraction);
+  duration = curve.time.back();
+  table.read("duration", duration);
+  if (duration < curve.time.back()) {
     throw InputError(table.place("duration"), "\"curve_table\" goes on after \"duration\"",
                      "leave \"duration\" out: the table's last time is meant");
   }
 }
-
-}  // namespace
 
 Region readRegion(const TomlTable& table) {
   struct Shape {
@@ -147,7 +153,7 @@ Region readRegion(const TomlTable& table) {
 BoundarySpec readMotion(const TomlTable& table) {
   BoundarySpec boundary;
   readWay(table, boundary);
-  readCourse(table, boundary);
+  readCourse(table, "a motion", boundary.duration, boundary.curve);
   return boundary;
 }
 
@@ -165,7 +171,7 @@ BoundarySpec readPrescribed(const TomlTable& table, const std::string& folder,
     table.forbid({"unit", "frame", "spread"}, "without \"points\"");
     readWay(table, boundary);
   }
-  readCourse(table, boundary);
+  readCourse(table, "a motion", boundary.duration, boundary.curve);
   return boundary;
 }
 

@@ -11,7 +11,15 @@ namespace palpate {
 /// The region that a table's keys choose.
 Region readRegion(const TomlTable& table);
 
-/// An entry of [[fixed]]. Throws InputError, as all three, with file:line:column.
+/// How a motion or load goes over time: the keys duration, curve and curve_table.
+/// @param what  "a motion", for messages
+void readCourse(const TomlTable& table, const std::string& what, double& duration, LoadCurve& curve);
+
+/// Throws where a name is not fit to head a column of CSV results, or is that of one of the others.
+template <class Spec>
+void checkResultName(const TomlTable& table, const std::string& name, const std::vector<Spec>& others);
+
+/// An entry of [[fixed]]. Throws InputError, as all here, with file:line:column.
 /// @param before  the boundaries read so far: they number the usual name ("fixed 2"), and no two
 ///                may have the same name
 BoundarySpec readFixed(const TomlTable& table, const std::vector<BoundarySpec>& before);

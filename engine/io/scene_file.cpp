@@ -13,6 +13,7 @@
 #include "base/printable_text.h"
 #include "io/scene_boundary.h"
 #include "io/scene_keys.h"
+#include "io/scene_load.h"
 #include "io/scene_lumps.h"
 #include "io/scene_materials.h"
 #include "io/scene_organs.h"
@@ -247,6 +248,8 @@ Scene readScene(const SceneText& given, std::span<const SceneChange> changes) {
   if (scene.boundaries.empty() && scene.rigid.empty())
     throw InputError(top.place(), "the key \"fixed\" is missing, and nothing is prescribed: the organ is not held",
                      "add [[fixed]] with the region where it is held, or [[rigid]] that it lies on");
+  for (const TomlTable& entry : top.tables("load", {"load"})) scene.loads.push_back(readLoad(entry, scene));
+  std::erase_if(file.set_up, [](const auto& entry) { return entry.first.starts_with("load["); });  // regions
   readDynamics(top.table("dynamics", {"dynamics"}), scene);
   readSolve(top.table("solve", {"solve"}), folder, scene.solve);
   if (top.has("tool")) readTools(top, folder, scene);

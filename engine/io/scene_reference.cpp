@@ -22,7 +22,7 @@ constexpr Section sections[] = {
     {"material", "`[[material]]`", "One or more."},
     {"region", "Region",
      "Not a table of its own: these keys choose a part of space, inline in `[[fixed]]` and `[[prescribed]]`, and in a "
-     "material's `region = { ... }`. All coordinates are the organ's at rest, after scaling."},
+     "material's or load's `region = { ... }`. All coordinates are the organ's at rest, after scaling."},
     {"boundary", "`[[fixed]]`",
      "One or more, or none where `[[prescribed]]` holds the organ. The keys of a [region](#region), and these. The "
      "displacement field there is exactly zero."},
@@ -37,6 +37,9 @@ constexpr Section sections[] = {
      "body an organ needs no `[[fixed]]`: it lies there by `gravity`, and what slides off has slid off (a reset brings "
      "it back). `mtled solve` takes it, too: a static solution without friction, and with something fixed, or it would "
      "be one of many."},
+    {"load", "`[[load]]`",
+     "A pressure or traction on the skin, and how it comes over time. It acts in the loop and in `mtled solve`, whose "
+     "`force.csv` has each load's force on the tissue. Sensitivities (`mtled identify`) refuse it."},
     {"skull", "`[skull]`",
      "Short for a `[[rigid]]` surface that encloses the organ (`side = \"inside\"`), whose skin slides along it "
      "without "

@@ -34,6 +34,7 @@ BatchBody::BatchBody(const Model& model, const std::vector<double>& mass, int th
       kernel_scratch_(makeKernelScratch(kernel_)),
       boundary_(makeEssentialBoundary<double>(model.essential, mass)),
       boundary_scratch_(makeBoundaryScratch(boundary_)),
+      load_scratch_(model.surface_loads),
       tools_(model),
       skins_(makeSkinContactState(model.bodies, model.skin)),
       skins_scratch_(model.bodies, model.skin),
@@ -137,6 +138,18 @@ Doubt BatchBody::doubt(const ForceReport& forces, const Report& report) const {
   return doubtOf(model_, step);
 }
 
+/// du += alpha M^-1 (w + surface loads at a time)
+void BatchBody::addLoads(double alpha, double time) {
+  const SurfaceLoads& loads = model_.surface_loads;
+  if (model_.weight.empty() && loads.empty()) return;
+  evaluate(loads, time, u.data(), load_scratch_, team_);
+  for (std::size_t i = 0; i < u.size(); ++i) {
+    GroupOf<double> force = loadOnNode(loads, load_scratch_, i);
+    if (!model_.weight.empty()) force += load(model_.weight[i]);
+    store(du[i], load(du[i]) + (alpha * inverse_mass_[i]) * force);
+  }
+}
+
 BatchBody::Report BatchBody::advance(double alpha, double beta, double time) {
   Report report;
   alpha_ = alpha;
@@ -146,8 +159,7 @@ BatchBody::Report BatchBody::advance(double alpha, double beta, double time) {
   report.inverted_points = forces_report.inverted_points;
   report.step_share = stepShare(model_, forces_report);
   for (std::size_t i = 0; i < u.size(); ++i) store(du[i], beta * load(du[i]) + (alpha * inverse_mass_[i]) * load(f[i]));
-  for (std::size_t i = 0; i < model_.weight.size(); ++i)
-    store(du[i], load(du[i]) + (alpha * inverse_mass_[i]) * load(model_.weight[i]));
+  addLoads(alpha, time);
   if (layer_) report.rigid = layer_->loads();
   if (hasContact()) contact(alpha, time, report);
   imposeBoundary(boundary_, time, 0.0, alpha, inverse_mass_.data(), u.data(), du.data(), boundary_scratch_, team_);

@@ -34,8 +34,8 @@ class BatchBody {
     RigidLoads rigid;
   };
 
-  /// One step of paper eqs. 12 and 21-25, the boundaries then being where they are at `time`:
-  ///   f = -F_int(u);  du = beta du + alpha M^-1 f;  contact;  du += P (u_bar - Phi (u + du));  u += du
+  /// One step of paper eqs. 12 and 21-25, the boundaries then being where they are at `time`, and loads what they are:
+  ///   f = -F_int(u);  du = beta du + alpha M^-1 (f + loads);  contact;  du += P (u_bar - Phi (u + du));  u += du
   Report advance(double alpha, double beta, double time);
 
   /// Where the tools are from the next step on; they go there from where they were in that one step.
@@ -73,6 +73,8 @@ class BatchBody {
 
   const Model& model() const { return model_; }
   const std::vector<Reaction>& reactions() const { return boundary_scratch_.reaction; }  // of the last step
+  /// The sum of each surface load's forces in the last step, N (load_count).
+  std::vector<Vec3> loadForces() const { return palpate::loadForces(model_.surface_loads, load_scratch_); }
   /// Adds the force at each imposed node in the last step, N (node_count).
   void addNodeReactions(std::vector<Vec3>& force) const {
     palpate::addNodeReactions(boundary_, boundary_scratch_, alpha_, force);
@@ -88,6 +90,7 @@ class BatchBody {
                      RelaxationHistoryOf<double>* history);
   bool hasContact() const;
   void contact(double alpha, double time, Report& report);
+  void addLoads(double alpha, double time);
   Doubt doubt(const ForceReport& forces, const Report& report) const;
 
   const Model& model_;
@@ -102,6 +105,7 @@ class BatchBody {
   AlignedVector<double> inverse_mass_;
   AlignedVector<float> inverse_mass_float_;
   double alpha_ = 1;  // of the last step, s^2
+  SurfaceLoadScratchOf<double> load_scratch_;
   BatchTools tools_;
   SkinContactState skins_;
   SkinContactScratch skins_scratch_;

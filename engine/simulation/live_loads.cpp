@@ -7,6 +7,7 @@
 #include "simulation/follow_stiffness.h"
 #include "simulation/model.h"
 #include "simulation/state.h"
+#include "simulation/workspace.h"
 
 namespace palpate {
 
@@ -16,6 +17,23 @@ namespace {
 Vec3 inOneStep(const Model& model, const Vec3& wanted) {
   const double longest = model.scene.tool_max_speed * model.dt, length = wanted.norm();
   return length > longest ? Vec3(longest / length * wanted) : wanted;
+}
+
+/// Weight and surface loads.
+void addSceneLoads(const Model& model, double time, float alpha, const StepMasses& masses, State& state,
+                   Workspace& workspace) {
+  constexpr int load_parts = 8;  // fixed, so that no result depends on the threads' number
+  const SurfaceLoads& loads = model.surface_loads;
+  if (model.weight.empty() && loads.empty()) return;
+  evaluate(loads, time, state.u.data(), workspace.surface_loads, workspace.team);
+  shareOut(workspace.team, load_parts, [&](int part) {
+    const std::size_t n = state.du.size(), end = n * (part + 1U) / load_parts;
+    for (std::size_t i = n * static_cast<std::size_t>(part) / load_parts; i < end; ++i) {
+      Group f = loadOnNode(loads, workspace.surface_loads, i);
+      if (!model.weight.empty()) f += load(toFloat4(toVec3(model.weight[i])));
+      store(state.du[i], load(state.du[i]) + alpha * masses.inverse[i] * f);
+    }
+  });
 }
 
 }  // namespace
@@ -75,10 +93,12 @@ AlignedVector<float> tissueMass(const Model& model) {
   return AlignedVector<float>(mass.begin(), mass.end());
 }
 
-void addLoads(const Model& model, const AlignedVector<float>& tissue_mass, double alpha, const StepMasses& masses,
-              State& state) {
-  const LiveLoads& loads = state.live.loads;
+void addLoads(const Model& model, double time, double alpha, const StepMasses& masses, State& state,
+              Workspace& workspace) {
   const auto a = static_cast<float>(alpha);
+  addSceneLoads(model, time, a, masses, state, workspace);
+  const LiveLoads& loads = state.live.loads;
+  const AlignedVector<float>& tissue_mass = workspace.tissue_mass;
   if (!loads.gravity.isZero(0)) {
     const Group g = load(toFloat4(loads.gravity));
     for (std::size_t i = 0; i < tissue_mass.size(); ++i)

@@ -10,6 +10,7 @@ namespace palpate {
 struct Model;
 struct State;
 struct StepMasses;
+class Workspace;
 
 /// What some vertices of the skin have, in their order. Equal ones have equal bytes.
 struct VertexValues {
@@ -42,11 +43,12 @@ struct LiveLoads {
 /// Mass of the tissue itself by nodes, sum_q V_q rho_q N_i(X_q), kg (node_count). Set-up.
 AlignedVector<float> tissueMass(const Model& model);
 
-/// du += alpha M^-1 (m g + sum_v N(X_v) f_v)
-/// @param tissue_mass  m, by tissueMass
-/// Real-time: no allocation, no lock, no throw. Nothing is computed where there is no load.
-void addLoads(const Model& model, const AlignedVector<float>& tissue_mass, double alpha, const StepMasses& masses,
-              State& state);
+/// What bears on the tissue, but for tools: its weight, the scene's surface loads at a time, and what is set live,
+///   du += alpha M^-1 (w + sum_v N(X_v) f_v(t, u) + m g + sum_v N(X_v) f_v)
+/// Real-time: no allocation, no lock, no throw. Nothing is computed where there is no load. The team shares the scene's
+/// in fixed parts.
+void addLoads(const Model& model, double time, double alpha, const StepMasses& masses, State& state,
+              Workspace& workspace);
 
 /// Pinned vertices are where they are held at the step's end, or as near as the scene's max_speed lets them come:
 ///   du += M^-1 N(X_v) (x_pin - X_v - N u - N du) / (N M^-1 N)   one after the other, a few times over,

@@ -8,6 +8,7 @@
 #include "simulation/body.h"
 #include "simulation/point_groups.h"
 #include "simulation/sharp_interfaces.h"
+#include "simulation/surface_loads.h"
 
 namespace palpate {
 
@@ -17,6 +18,7 @@ struct Model : Body {
   AlignedVector<float> inverse_mass;  // (node_count) 1/kg
   NodePatches patches;                // empty where nothing is to be averaged (needsPatches)
   AlignedVector<Double4> weight;      // (node_count) N; empty without scene.gravity
+  SurfaceLoads surface_loads;         // empty without scene.loads
   KernelLayout kernel;                // what the hot kernel reads
   EssentialBoundary boundary;         // of `essential` and the masses
   RigidBodies rigid;                  // of scene.rigid

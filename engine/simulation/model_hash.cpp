@@ -44,6 +44,13 @@ void add(ByteKey& key, const RigidBodies& bodies) {
   key.add(bodies.stiffness);
 }
 
+void add(ByteKey& key, const SurfaceLoads& loads) {
+  for (const SurfaceLoads::Course& c : loads.course) key.add(c.duration, c.curve.kind, c.curve.time, c.curve.fraction);
+  key.add(loads.pressure, loads.dead, loads.X, loads.begin, loads.node, loads.N);
+  for (const SurfaceLoads::Face& f : loads.face) key.add(f.vertex, f.load);
+  key.add(loads.node_begin, loads.node_face, loads.R);
+}
+
 void add(ByteKey& key, const ToolShape& tool) { key.add(tool.kind, tool.radius, tool.length, tool.parameter); }
 
 /// What is set live and differs from the model, each setting after its number; the patches' moduli follow from it.
@@ -96,6 +103,7 @@ std::uint64_t modelHash(const Model& model) {
   for (const Material& m : model.materials) add(key, m);
   add(key, model.boundary);
   if (!model.weight.empty()) key.add(model.weight);  // none: hashes are those of before
+  if (!model.surface_loads.empty()) add(key, model.surface_loads);
   key.add(model.skin.surface.vertices, model.skin.area, model.skin.node, model.skin.N, model.skin.bulk_stiffness);
   if (!model.bodies.empty()) key.add(model.bodies.body, model.bodies.friction);
   if (!model.rigid.empty()) add(key, model.rigid);  // none: hashes are those of before

@@ -81,9 +81,6 @@ double predict(const Model& model, const Integrator& integrator, const StepMasse
         store(state.du[i], beta * du + alpha * masses.inverse[i] * f);
       }
     }
-    if (!model.weight.empty())  // its work is none of the internal forces'
-      for (int i = begin; i < end; ++i)
-        store(state.du[i], load(state.du[i]) + alpha * masses.inverse[i] * load(toFloat4(toVec3(model.weight[i]))));
     of[part] = static_cast<double>(work[0]) + work[1] + work[2];
   });
   double sum = 0;

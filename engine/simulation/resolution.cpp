@@ -19,11 +19,20 @@ constexpr std::size_t points_a_tick = 64, most_ticks = 400;
 // Nodes' distance over a tool's radius: the liver's 0.77 is 1.5 % off at its press, a kidney of 1.4 was by 10 %.
 constexpr double coarsest = 0.8;
 
-/// The largest force that something has on it, N.
-double largestForce(const StepReport& report) {
-  double largest = std::max(report.tool_force.norm(), report.base_reaction.norm());
+/// The largest force that a tool has on it, N.
+double toolForce(const StepReport& report) {
+  double largest = report.tool_force.norm();
   for (const ToolLoad& load : report.loads) largest = std::max({largest, load.force.norm(), load.pinch});
   return largest;
+}
+
+/// The largest force that something has on it, N.
+double largestForce(const StepReport& report) { return std::max(toolForce(report), report.base_reaction.norm()); }
+
+/// What a ball's force stores in a half-space, J: 2/5 F d, F = 16/3 mu sqrt(R) d^(3/2) (Hertz); no more than there is.
+double touchEnergy(const Model& model, double force, double strain_energy) {
+  const double stiffness = 16.0 / 3 * model.materials[0].shear_modulus * std::sqrt(smallestToolRadius(model.scene));
+  return std::min(strain_energy, 0.4 * force * std::pow(force / stiffness, 2.0 / 3));
 }
 
 /// mu |D|^2 of a deviation D = F - F*, and half of what fibres along n, which are under tension where |F n| > 1, add to
@@ -62,7 +71,7 @@ PointGroups makePointGroups(const Preparation& p) {
 }
 
 double expectedError(const Model& model, std::span<const Material> materials, const AlignedVector<Double4>& u,
-                     double strain_energy) {
+                     double strain_energy, double tool_force) {
   if (!(strain_energy > least_energy * model.rest_energy)) return 0;
   const ShapeTable& shape = model.point_shape;
   const PointGroups& groups = model.point_groups;
@@ -94,7 +103,8 @@ double expectedError(const Model& model, std::span<const Material> materials, co
     sum += model.point_volume[q] *
            weighed(deviationEnergy(material, F[q], F[q] - around), slope, material.bulk_modulus, J[q] - J_around);
   }
-  return sum / strain_energy;
+  if (model.surface_loads.empty() || !(tool_force > 0)) return sum / strain_energy;
+  return std::min(1.0, sum / touchEnergy(model, tool_force, strain_energy));
 }
 
 ResolutionWatch::ResolutionWatch(const Model& model)
@@ -107,6 +117,7 @@ void ResolutionWatch::restart() {
 
 void ResolutionWatch::goOnFrom(const ResolutionWatch& before) {
   next_ = 0;
+  load_error_ = before.load_error_;
   error_ = before.error_;
   error_force_ = before.error_force_;
 }
@@ -123,7 +134,8 @@ void ResolutionWatch::advance(const Model& model, std::span<const Material> mate
     std::fill(mean_.begin(), mean_.end(), Strain{});
     sum_ = 0;
     energy_ = report.strain_energy;
-    force_ = largestForce(report);
+    touch_ = model.surface_loads.empty() ? 0 : toolForce(report);
+    force_ = touch_ > 0 ? touch_ : largestForce(report);
   }
   if (next_ < count) {
     const std::size_t end = std::min(next_ + part, count);
@@ -137,6 +149,12 @@ void ResolutionWatch::advance(const Model& model, std::span<const Material> mate
   if (next_ == 2 * count) {
     next_ = 0;
     error_ = sum_ / energy_;
+    if (touch_ > 0) {
+      const double touch = touchEnergy(model, touch_, energy_);
+      error_ = std::clamp((sum_ - load_error_ * (energy_ - touch)) / touch, 0.0, 1.0);
+    } else {
+      load_error_ = error_;
+    }
     error_force_ = force_;
   }
   report.expected_error = error_;
@@ -199,9 +217,15 @@ void addLast(const Model& model, const State& state, const StepReport& report, d
   AlignedVector<Double4> u;
   for (const Float4& a : state.u) u.push_back({a.x, a.y, a.z, 0});
   const bool at_rest = !(report.strain_energy > model.rest_energy);
-  const double error = at_rest ? 0 : expectedError(model, state.live.kernel.materials, u, report.strain_energy);
+  // A tool's share beside surface loads' only the watch knows.
+  const double touch = model.surface_loads.empty() ? 0 : toolForce(report);
+  const bool watched = touch > 0 && report.expected_error > 0;
+  const double error = at_rest   ? 0
+                       : watched ? report.expected_error
+                                 : expectedError(model, state.live.kernel.materials, u, report.strain_energy, touch);
   if (!std::isfinite(error)) return;
-  trust.add(error > TrustLimits::expected_error ? Doubt::Resolution : Doubt::None, error, largestForce(report), time);
+  trust.add(error > TrustLimits::expected_error ? Doubt::Resolution : Doubt::None, error,
+            touch > 0 ? touch : largestForce(report), time);
 }
 
 double spacingAtTool(const Body& body) {

@@ -31,12 +31,15 @@ namespace palpate {
 
 /// e for a displacement. For batch: allocates.
 /// @param u  m (node_count)  @param strain_energy  W, J; below a millionth of Model::rest_energy e is 0
+/// @param tool_force  N. Where surface loads strain the body, too, a tool's force is not the slope of their energy: the
+///                    whole error is then taken for the tool's, over what its force stores by Hertz (at most 1)
 double expectedError(const Model& model, std::span<const Material> materials, const AlignedVector<Double4>& u,
-                     double strain_energy);
+                     double strain_energy, double tool_force = 0);
 
 /// e while ticks go on: of a moment, some points a tick, so that it costs a hundredth of a tick, and nothing at rest.
 /// What it says is of the moment before the last sweep of all points, at most 0.8 s ago at 500 Hz; 0 until there was
-/// one.
+/// one. Of a tool on tissue under surface loads it is that of the tool's force: what the loads alone had, when nothing
+/// touched last, is taken off.
 /// Belongs to who steps (Workspace), not to the state: after a restore it begins anew.
 /// Test: simulation/resolution_test.cpp
 class ResolutionWatch {
@@ -65,6 +68,8 @@ class ResolutionWatch {
   std::size_t next_ = 0;                // of the points, twice over: gathered, then compared
   double sum_ = 0, energy_ = 0;         // J
   double force_ = 0;                    // N, of the moment
+  double touch_ = 0;                    // N, of the moment: of tools on tissue under surface loads
+  double load_error_ = 0;               // of surface loads alone
   double error_ = 0, error_force_ = 0;  // of the last
 };
 

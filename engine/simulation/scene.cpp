@@ -41,6 +41,7 @@ double motionEnd(const Scene& scene) {
     end = std::max({end, duration, curve.time.empty() ? 0 : curve.time.back()});
   };
   for (const BoundarySpec& boundary : scene.boundaries) add(boundary.duration, boundary.curve);
+  for (const LoadSpec& load : scene.loads) end = std::max(end, load.end());
   for (const RigidSpec& body : scene.rigid) add(body.motion.duration, body.motion.curve);
   return end;
 }

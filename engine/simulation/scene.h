@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <limits>
 #include <map>
 #include <memory>
@@ -80,6 +81,24 @@ struct BoundarySpec {
   /// Not null: in place of region and motion, points that go where they were measured (point_boundaries.h).
   std::shared_ptr<const PointLoad> points;
   SourceLocation place;
+};
+
+/// A pressure or a traction on the skin, in the measure of `curve`.
+struct LoadSpec {
+  enum class Kind { FollowerPressure, DeadPressure, Traction };
+  std::string name;   // in results; "load 1" where the scene gives none
+  bool whole = true;  // all of the skin; else what lies in `region`
+  Region region;
+  Kind kind = Kind::FollowerPressure;
+  double pressure = 0;           // Pa, inwards; FollowerPressure: along the normal and on the area that the skin has
+                                 // now, DeadPressure: those at rest
+  Vec3 traction = Vec3::Zero();  // Pa, of the area at rest
+  double duration = 0;           // s
+  LoadCurve curve;
+  SourceLocation place;
+
+  /// Time from which on it stays as it is, s.
+  double end() const { return curve.time.empty() ? duration : std::max(duration, curve.time.back()); }
 };
 
 /// Quadrature of the background cells, paper section 2.5.
@@ -197,6 +216,7 @@ struct Scene : OrganSpec {
   std::optional<LumpDraw> lump_draw;     // of the later ones that are lumps at random
   std::vector<BoundarySpec> boundaries;  // at least one, or a rigid body
   std::vector<RigidSpec> rigid;
+  std::vector<LoadSpec> loads;
 
   // dynamics
   double rate_hz = 500;         // 100 .. 2000; one tick is 1/rate
@@ -240,7 +260,7 @@ struct Scene : OrganSpec {
 /// All organs, the first one first.
 std::vector<OrganSpec> organsOf(const Scene& scene);
 
-/// Time from which on neither boundary nor rigid body moves, s; 0: they never do.
+/// Time from which on no boundary and no rigid body moves and no load changes, s; 0: they never do.
 double motionEnd(const Scene& scene);
 
 /// All tools, the first one first.

@@ -48,6 +48,7 @@ void checkScene(const Model& model) {
       : scene.friction != 0  ? "sensitivities are those of a tool without friction: with it, forces depend on the way"
       : !model.bodies.empty() ? "sensitivities are those of one body, and the scene has several, which touch"
       : !model.rigid.empty() ? "sensitivities are those of a body without rigid ones, whose contact comes and goes"
+      : !scene.loads.empty() ? "sensitivities are those of a body without loads on its skin"
       : scene.boundary_method == Scene::BoundaryMethod::Ebciem
           ? "sensitivities are those of the symmetric boundary method"
           : nullptr;

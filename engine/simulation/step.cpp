@@ -34,9 +34,9 @@ StepReport step(const Model& model, State& state, const ToolPostures& wanted, co
   // du~ = beta du + alpha M^-1 f                                          (eq. 22)
   outcome.work_before = predict(model, integrator, masses, state, workspace);
 
-  // What the user, live loads and the tools add to du~; a tool gives way to more than its max_force
+  // What weight, loads, the user and the tools add to du~; a tool gives way to more than its max_force
+  addLoads(model, time, integrator.alpha, masses, state, workspace);
   pull(model, command, masses, state);
-  addLoads(model, workspace.tissue_mass, integrator.alpha, masses, state);
   ToolPostures tools = wanted;
   outcome.tool_force = solveToolContacts(model, tools, integrator.alpha, masses.inverse, state, outcome.loads);
 

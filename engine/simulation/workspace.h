@@ -47,7 +47,8 @@ class Workspace {
         compression(model),
         resolution(model),
         tissue_mass(tissueMass(model)),
-        skins(model.bodies, model.skin) {}
+        skins(model.bodies, model.skin),
+        surface_loads(model.surface_loads) {}
 
   const std::shared_ptr<SpinTeam> shared_team;
   SpinTeam& team;
@@ -60,6 +61,7 @@ class Workspace {
   ResolutionWatch resolution;
   const AlignedVector<float> tissue_mass;  // (node_count) kg, that live loads accelerate
   SkinContactScratch skins;
+  SurfaceLoadScratch surface_loads;
 };
 
 }  // namespace palpate

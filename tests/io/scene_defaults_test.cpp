@@ -30,6 +30,7 @@ std::string described(const Scene& s) {
     for (const auto& common : commonMaterialParameters()) add(m.material.*common.member);
   for (const BoundarySpec& b : s.boundaries)
     add(b.component[0], b.component[1], b.component[2], b.surface_only, static_cast<int>(b.curve.kind));
+  for (const LoadSpec& l : s.loads) add(static_cast<int>(l.kind), static_cast<int>(l.curve.kind));
   vector(s.gravity);
   for (const RigidSpec& b : s.rigid) add(b.clearance, b.friction, b.encloses, static_cast<int>(b.motion.curve.kind));
   for (const BoundarySpec& b : s.boundaries)
@@ -92,6 +93,7 @@ std::string sceneWith(const KeySpec& key, const std::string& given) {
            "1\n" +
            line;
   }
+  if (group == "load") return minimal_scene + "[[load]]\npressure = 100\nduration = 1\n" + line;
   if (group == "lumps") return minimal_scene + "[lumps]\ncount = 1\n" + line;
   if (group == "tool" || group.starts_with("tool (")) {
     const std::string shape = group == "tool" ? "sphere" : group.substr(6, group.size() - 7);

@@ -36,6 +36,7 @@ const std::string mixed =
     "[[material]]\nmodel = \"neo-hookean\"\nyoung = 100\npoisson = 0.49\nmembership = \"m.nii\"\nmask = \"k.nii\"\n";
 const std::string measured =
     minimal_scene + "[[prescribed]]\npoints = \"e.csv\"\nunit = \"mm\"\nframe = \"ras\"\nduration = 1\n";
+const std::string loaded = minimal_scene + "[[load]]\npressure = 100\nduration = 1\n";
 const std::string enclosed =
     minimal_scene +
     "[skull]\nfrom = \"organ\"\nopen = [{ shape = \"sphere\", centre = [0, 0, 0.05], radius = 0.02 }]\n";
@@ -137,6 +138,13 @@ std::map<std::string, Change> changes() {
       {"rigid.duration", {on_floor, "duration = 1", "duration = 2"}},
       {"rigid.curve", {on_floor, "duration = 1", "duration = 1\ncurve = \"linear\""}},
       {"rigid.curve_table", {on_floor, "duration = 1", "duration = 1\ncurve_table = [[0, 0], [1, 1]]"}},
+      {"load.name", added(loaded, "[[load]]\n", "name = \"gas\"")},
+      {"load.pressure", {loaded, "pressure = 100", "pressure = 101"}},
+      {"load.kind", {loaded, "pressure = 100", "pressure = 100\nkind = \"dead\""}},
+      {"load.traction", {loaded, "pressure = 100", "traction = [0, 0, 1]"}},
+      {"load.duration", {loaded, "duration = 1", "duration = 2"}},
+      {"load.curve", {loaded, "duration = 1", "duration = 1\ncurve = \"linear\""}},
+      {"load.curve_table", {loaded, "duration = 1", "duration = 1\ncurve_table = [[0, 0], [1, 1]]"}},
       {"skull.from", {enclosed_by_file, "\"t.obj\"", "\"./t.obj\""}},
       {"skull.unit", {enclosed_by_file, "\"mm\"", "\"cm\""}},
       {"skull.clearance", added(enclosed, "[skull]\n", "clearance = 0.001")},

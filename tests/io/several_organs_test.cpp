@@ -9,7 +9,6 @@
 
 using namespace palpate;
 using Catch::Matchers::Contains;
-using test::replaced;
 
 namespace {
 

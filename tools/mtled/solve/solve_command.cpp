@@ -36,10 +36,10 @@ double endTime(const Scene& scene, const SolveTools& tools) {
   const double end = std::max(tools.duration(), motionEnd(scene));
   if (end <= 0 && !scene.gravity.isZero(0)) return 1;  // the weight is there from the start
   if (end <= 0)
-    throw InputError(
-        scene.solve.place.file.empty() ? scene.place : scene.solve.place,
-        "nothing moves in this scene, so there is no time to solve to",
-        "add a [[prescribed]] motion, --tool SCRIPT or a tool's input = \"script:FILE\", or set end_time in [solve]");
+    throw InputError(scene.solve.place.file.empty() ? scene.place : scene.solve.place,
+                     "nothing moves in this scene, so there is no time to solve to",
+                     "add a [[prescribed]] motion, a [[load]], --tool SCRIPT or a tool's input = \"script:FILE\", or "
+                     "set end_time in [solve]");
   return end;
 }
 
@@ -182,7 +182,8 @@ int solveTransient(const Task& task, SolveResults& results) {
     if (stopped) break;
     diverged = !report->finite || report->max_increment > task.model.max_increment;
     if (k % interval == 0 || k == ticks)
-      expected_error = expectedError(task.model, task.model.materials, solver.body().u, report->strain_energy);
+      expected_error = expectedError(task.model, task.model.materials, solver.body().u, report->strain_energy,
+                                     report->tool_force.norm());
     const Doubt unresolved = expected_error > TrustLimits::expected_error ? Doubt::Resolution : Doubt::None;
     if (!diverged)
       results.add({solver.step(),

@@ -102,6 +102,8 @@ std::vector<std::string> SolveResults::columns() const {
   }
   for (const RigidBody& body : model_.rigid.body)
     for (const char* part : {"_fx_N", "_fy_N", "_fz_N", "_penetration_m"}) columns.push_back(body.name + part);
+  for (const LoadSpec& load : model_.scene.loads)
+    for (const char* part : {"_fx_N", "_fy_N", "_fz_N"}) columns.push_back(load.name + part);
   columns.emplace_back(error_column);
   if (model_.scene.solve.mode == SolveSpec::Mode::Static) columns.emplace_back("error_m");
   columns.emplace_back("trust");
@@ -152,6 +154,8 @@ void SolveResults::add(const SolvedRow& solved, const BatchBody& body) {
     row.push_back(solved.rigid[b].max_penetration);
   }
   last_rigid_ = solved.rigid;
+  last_load_forces_ = body.loadForces();
+  for (const Vec3& force : last_load_forces_) append(force);
   row.push_back(solved.expected_error);
   if (solved.error) row.push_back(*solved.error);
   force_->add(row, doubtName(solved.doubt));
@@ -223,6 +227,8 @@ void SolveResults::finish(nlohmann::json outcome) {
     if (name == skull_name)
       outcome["skull"] = {{"force_N", listed(load.force)}, {"max_penetration_m", load.max_penetration}};
   }
+  for (std::size_t l = 0; l < last_load_forces_.size(); ++l)
+    outcome["loads"][model_.scene.loads[l].name] = {{"force_N", listed(last_load_forces_[l])}};
   if (!model_.tools.empty() && last_loads_) outcome["tools"] = tools();
   if (!last_row_.empty()) {
     outcome["time_s"] = last_row_[0];

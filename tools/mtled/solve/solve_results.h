@@ -91,6 +91,7 @@ class SolveResults {
   std::optional<Vec3> doubt_place_;  // of the gravest
   std::vector<Reaction> last_reactions_;
   std::optional<RigidLoads> last_rigid_;  // of this run
+  std::vector<Vec3> last_load_forces_;    // N, of surface loads
   std::optional<ToolLoads> last_loads_;   // likewise
   std::vector<PvdFrame> pvd_;
   Checkpoint checkpoint_;

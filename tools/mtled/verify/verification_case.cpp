@@ -9,6 +9,7 @@
 #include "base/interrupt.h"
 #include "io/load_model.h"
 #include "mtled/verify/cases/cases.h"
+#include "simulation/build_model.h"
 
 namespace palpate::tools {
 
@@ -25,6 +26,8 @@ const std::vector<VerificationCase>& verificationCases() {
       {"modes", "whether one point a cell leaves a mode without energy", modesCase},
       {"torsion", "twisting a cylinder, Rivlin's closed form", torsionCase},
       {"brain_shift", "from a scan to the shifted scan, on a phantom (section 5)", brainShiftCase},
+      {"thick_sphere", "a thick sphere under pressure from inside, Green and Zerna's closed form", thickSphereCase},
+      {"cook", "Cook's panel, shear on a tapered cantilever", cookCase},
       {"flexure", "bending a block into a ring, Rivlin's closed form", flexureCase},
   };
   return cases;
@@ -96,10 +99,10 @@ std::vector<Vec3> StaticSolution::at(const std::vector<Vec3>& X) const {
 }
 
 StaticSolution solveCase(const Scene& scene, const std::vector<double>& times, const CaseContext& context,
-                         double tolerance, const StaticSolution* start_from) {
+                         double tolerance, const StaticSolution* start_from, const TriangleSurface* organ) {
   StaticSolution s;
   context.progress(0, "set-up");
-  s.model = std::make_unique<Model>(loadModel(scene));
+  s.model = std::make_unique<Model>(organ ? buildModel(scene, *organ) : loadModel(scene));
   const auto start = std::chrono::steady_clock::now();
   s.solver = std::make_unique<StaticSolver>(*s.model, context.threads, tolerance);
   if (start_from) s.solver->resume(start_from->solver->time(), start_from->u(), {});

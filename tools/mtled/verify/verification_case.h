@@ -74,8 +74,10 @@ struct StaticSolution {
 /// Follows a scene to each of `times` (s of its load curves). Stops early where no equilibrium is found:
 /// steps.back().converged is then false.
 /// @param start_from  a solution of the same nodes with other boundaries, to go on from; null: from rest
+/// @param organ  the body's closed surface, m, where no file or solid of the scene is it; else null
 StaticSolution solveCase(const Scene& scene, const std::vector<double>& times, const CaseContext& context,
-                         double tolerance = 1e-4, const StaticSolution* start_from = nullptr);
+                         double tolerance = 1e-4, const StaticSolution* start_from = nullptr,
+                         const TriangleSurface* organ = nullptr);
 
 /// Writes a plot, or the deformed body, as `file` into the context's folder and lists it in the result. Only with
 /// context.pictures.

@@ -20,6 +20,8 @@ CaseResult gelCylinderCase(const CaseContext& context);
 CaseResult modesCase(const CaseContext& context);
 CaseResult lockingCase(const CaseContext& context);
 CaseResult torsionCase(const CaseContext& context);
+CaseResult thickSphereCase(const CaseContext& context);
+CaseResult cookCase(const CaseContext& context);
 CaseResult flexureCase(const CaseContext& context);
 CaseResult brainShiftCase(const CaseContext& context);
 
