@@ -45,7 +45,7 @@ constexpr KeySpec scene_keys[] = {
     {"", "lumps", T::Table, "", "", {}, "", "The same, at random places."},
 
     {"organ", "name", T::Text, "", "", {}, "",
-     "By which materials and regions say whose they are; \"organ 1\", \"organ 2\" where absent."},
+     "By which materials and regions say whose they are; `organ 1`, `organ 2`, ... where absent.", never},
     {"organ", "position", T::Vector, "m", "[0, 0, 0]", {}, "", "Where its own origin lies."},
     {"organ", "friction", T::Number, "", "0", between(0, 2), "",
      "Coulomb coefficient where it touches other organs; of two the larger counts.", never},

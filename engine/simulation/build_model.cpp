@@ -5,7 +5,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "approximation/neighbours.h"
 #include "discretization/surface/facet_rule.h"
 #include "discretization/surface/surface_bodies.h"
 #include "simulation/body_points.h"
@@ -145,21 +144,29 @@ void addBodies(const Scene& scene, const SurfaceTree& tree, Model& model) {
   const std::vector<int>& organ = tree.surface().organ;
   if (bodies.empty() || organ.empty()) return;
   const std::vector<OrganSpec> organs = organsOf(scene);
-  const SurfaceBodies of_faces = bodiesOf(model.skin.surface);
-  for (std::size_t t = of_faces.of_face.size(); t-- > 0;) {
-    const auto& [a, b, c] = model.skin.surface.triangles[t];
-    const auto& X = model.skin.surface.vertices;
-    const auto body = static_cast<std::size_t>(of_faces.of_face[t]);
-    if (t > 0 && of_faces.of_face[t - 1] == of_faces.of_face[t]) continue;  // one face of each run tells
-    bodies.organ[body] = organ[static_cast<std::size_t>(tree.closest((X[a] + X[b] + X[c]) / 3).triangle)];
-    bodies.friction[body] = static_cast<float>(organs[static_cast<std::size_t>(bodies.organ[body])].organ_friction);
+  const SurfaceBodies of_faces = bodiesOf(tree.surface());  // numbered as those of the skin, which is made of them
+  for (std::size_t t = 0; t < organ.size(); ++t)
+    bodies.organ[static_cast<std::size_t>(of_faces.of_face[t])] = organ[t];
+  for (std::size_t b = 0; b < bodies.organ.size(); ++b)
+    bodies.friction[b] = static_cast<float>(organs[static_cast<std::size_t>(bodies.organ[b])].organ_friction);
+  // Nodes that carry skin are its body's, and those that share a cell with one.
+  std::vector<int>& of_node = model.node_organ;
+  of_node.assign(model.X.size(), -1);
+  for (int v = 0; v < model.skin.vertexCount(); ++v)
+    for (int e = model.skin.begin[v]; e < model.skin.begin[v + 1]; ++e)
+      of_node[static_cast<std::size_t>(model.skin.node[e])] =
+          bodies.organ[static_cast<std::size_t>(bodies.body[static_cast<std::size_t>(v)])];
+  for (bool found = true; found;) {
+    found = false;
+    for (const auto& cell : model.cells) {
+      int of_cell = -1;
+      for (const int i : cell) of_cell = std::max(of_cell, of_node[static_cast<std::size_t>(i)]);
+      for (const int i : cell) {
+        found |= of_node[static_cast<std::size_t>(i)] < of_cell;
+        of_node[static_cast<std::size_t>(i)] = std::max(of_node[static_cast<std::size_t>(i)], of_cell);
+      }
+    }
   }
-  // The nearest skin is a node's own: on the way to any other lies its own.
-  const std::vector<Vec3>& skin = model.skin.surface.vertices;
-  const Neighbours near(skin, std::vector<double>(skin.size(), scene.spacing));
-  for (const Vec3& X : model.X)
-    model.node_organ.push_back(
-        bodies.organ[static_cast<std::size_t>(bodies.body[static_cast<std::size_t>(near.nearest(X, 1).front())])]);
 }
 
 /// The skin as the contact reads it, and the tool before it.

@@ -20,7 +20,7 @@ std::string described(const Scene& s) {
   text.precision(17);
   const auto add = [&](const auto&... values) { ((text << values << ' '), ...); };
   const auto vector = [&](const Vec3& v) { add(v.x() + 0.0, v.y() + 0.0, v.z() + 0.0); };  // no -0
-  add(s.upper_half, s.repair_surface), vector(s.tissue_colour);
+  add(s.upper_half, s.repair_surface, s.organ_friction), vector(s.tissue_colour), vector(s.organ_position);
   add(s.follow, s.spacing, s.seed, s.basis_degree, s.support_factor, s.mmls_weight, s.formulation == Formulation{});
   add(static_cast<int>(s.boundary_method), s.quadrature.points_per_cell, s.quadrature.cells_per_point);
   add(s.quadrature.accuracy, s.quadrature.division, s.quadrature.max_depth);

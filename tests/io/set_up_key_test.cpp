@@ -54,6 +54,14 @@ const std::string lumped = minimal_scene +
                            "[[lump]]\ncentre = [0, 0, 0.03]\nradius = 0.008\nyoung = 40000\n"
                            "[lumps]\ncount = 2\nlevel = 1\nseed = 3\n";
 
+const std::string of_organs =
+    "[discretization]\nspacing = 0.01\n"
+    "[[organ]]\nname = \"a\"\nsolid = \"box\"\nsize = [0.1, 0.1, 0.05]\n"
+    "[[organ]]\nname = \"b\"\nsolid = \"box\"\nsize = [0.1, 0.1, 0.05]\nposition = [0, 0, 0.06]\n"
+    "[[material]]\nmodel = \"neo-hookean\"\nyoung = 3000\npoisson = 0.45\ndensity = 1000\n"
+    "[[material]]\norgan = \"a\"\nmodel = \"neo-hookean\"\nyoung = 3000\npoisson = 0.45\ndensity = 1000\n"
+    "[[fixed]]\norgan = \"a\"\nshape = \"half-space\"\npoint = [0, 0, 0]\nnormal = [0, 0, 1]\n";
+
 /// A scene, and what to write in it instead of something else, so that one key changes.
 struct Change {
   std::string scene, from, to;
@@ -67,6 +75,13 @@ std::map<std::string, Change> changes() {
   const std::string grid = "[discretization]\n";
   std::map<std::string, Change> all = {
       {".name", {full_scene, "\"Everything\"", "\"Something\""}},
+      {"organ.name", added(minimal_scene, "[organ]\n", "name = \"liver\"")},
+      {"organ.position", added(minimal_scene, "[organ]\n", "position = [0, 0, 0.001]")},
+      {"organ.axis", added(minimal_scene, "[organ]\n", "axis = [0, 0, 1]\nangle = 10")},
+      {"organ.angle", added(minimal_scene, "[organ]\n", "axis = [1, 0, 0]\nangle = 20")},
+      {"organ.friction", added(minimal_scene, "[organ]\n", "friction = 0.3")},
+      {"material.organ", {of_organs, "organ = \"a\"\nmodel", "organ = \"b\"\nmodel"}},
+      {"boundary.organ", {of_organs, "organ = \"a\"\nshape", "organ = \"b\"\nshape"}},
       {"organ.surface", {surface, "\"a.obj\"", "\"./b.obj\""}},
       {"organ.unit", {surface, "\"mm\"", "\"cm\""}},
       {"organ.scale", {scaled_surface, "scale = 0.001", "scale = 0.002"}},

@@ -72,7 +72,7 @@ TEST_CASE("Several organs are read with their places and materials, and are bodi
 
 TEST_CASE("What is wrong with several organs is said with its place", "[io][several_organs]") {
   CHECK_THAT(refusal([] { sceneOf(replaced(two_text, "organ = \"upper\"", "organ = \"uper\"")); }),
-             Contains("two.toml:31") && Contains("\"uper\"") && Contains("\"lower\", \"upper\""));
+             Contains("two.toml:28") && Contains("\"uper\"") && Contains("\"lower\", \"upper\""));
   CHECK_THAT(refusal([] { sceneOf(replaced(two_text, "name = \"upper\"", "name = \"lower\"")); }),
              Contains("a second organ has the name \"lower\""));
   const std::string bare = replaced(two_text, "[[material]]\nmodel", "[[material]]\norgan = \"upper\"\nmodel");
