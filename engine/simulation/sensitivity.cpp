@@ -272,7 +272,7 @@ void EquilibriumSensitivity::settle(const std::optional<Pose>& tool, double time
   const auto follow = [&](double at, const ToolsAt& tools) {
     const Equilibrium equilibrium = solver.advanceTo(at, tools, watch);
     if (equilibrium.interrupted) throw std::runtime_error("interrupted");
-    if (!equilibrium.converged)
+    if (equilibrium.diverged)  // where it merely goes on trembling, polish() finds it, or says that there is none
       throw std::runtime_error("no equilibrium was found: the body does not come to rest there");
   };
   if (!tool) {

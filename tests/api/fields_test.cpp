@@ -156,7 +156,7 @@ TEST_CASE("A pulled bar's stress is its reaction over its cross-section, with th
   CHECK(reactions(simulation).isZero(0));
 }
 
-TEST_CASE("The stresses of a body at rest are in balance with what presses it", "[api][fields]") {
+TEST_CASE("The stresses of a body at rest are in balance with what presses it", "[api][fields][whole]") {
   const std::string incompressible = replaced(touched_block_text, "poisson = 0.45", "poisson = 0.49");
   const std::string relaxing =
       replaced(touched_block_text, "poisson = 0.45", "poisson = 0.45\nrelaxation = [[0.4, 0.05]]");

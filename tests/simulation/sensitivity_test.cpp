@@ -92,7 +92,7 @@ void checkDerivatives(EquilibriumSensitivity& body, const EquilibriumQuantity& q
 }  // namespace
 
 TEST_CASE("Forces and displacements under a tool change with materials as central differences say",
-          "[simulation][sensitivity]") {
+          "[simulation][sensitivity][whole]") {
   const Model model = test::blockModel(lumpScene());
   EquilibriumSensitivity body(model, 1);
   const Pose tool = pressed(model);
@@ -108,7 +108,7 @@ TEST_CASE("Forces and displacements under a tool change with materials as centra
 }
 
 TEST_CASE("The same for near-incompressible tissue with node patches, under gravity and another law",
-          "[simulation][sensitivity]") {
+          "[simulation][sensitivity][whole]") {
   Scene scene = lumpScene(0.49);
   scene.gravity = Vec3(0, 0, -9.81);
   const double mu[1] = {1500}, alpha[1] = {-4};

@@ -7,7 +7,6 @@
 #include "discretization/surface/surface_tree.h"
 #include "io/load_model.h"
 #include "simulation/model_hash.h"
-#include "simulation/static_solver.h"
 #include "simulation/step.h"
 #include "simulation/workspace.h"
 #include "support/realtime_guard.h"

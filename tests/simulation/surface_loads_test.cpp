@@ -173,7 +173,7 @@ TEST_CASE("Under uniform tractions and pressures a block is stretched evenly", "
 }
 
 TEST_CASE("A follower pressure all around squeezes evenly, and where it is too high for the scheme that is said",
-          "[simulation][load]") {
+          "[simulation][load][whole]") {
   struct Case {
     double poisson, over_shear;
     bool exact;

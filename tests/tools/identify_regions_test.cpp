@@ -159,7 +159,7 @@ TEST_CASE("The map does not depend on the number of threads", "[identify][region
   CHECK(one.derivatives() == three.derivatives());
 }
 
-TEST_CASE("Presses that can't be used are refused with their place", "[identify][regions]") {
+TEST_CASE("Presses that can't be used are refused with their place", "[identify][regions][whole]") {
   const TempFolder folder;
   const std::string scene = folder.write("quarters.toml", quarters());
   const auto refused = [&](const std::string& table, const std::string& of = "") {

@@ -108,7 +108,7 @@ TEST_CASE("A solution leaves its force curve, pictures, probes and report", "[so
   CHECK(report["reactions"]["plate"]["force_N"][2].get<double>() == Approx(force["plate_fz_N"][3]).epsilon(1e-12));
 }
 
-TEST_CASE("Each row says whether it can be trusted, and a strict solution fails where one can't", "[solve_command]") {
+TEST_CASE("Each row says whether it can be trusted, and a strict solution fails where one can't", "[solve_command][whole]") {
   // Confined tissue of nu 0.499 to ten shear moduli of pressure: the paper's scheme gives way, the standard is exact.
   std::string confined = replaced(block_scene, "poisson = 0.45", "poisson = 0.499");
   confined = replaced(confined, "translation = [0.001, 0, -0.003]", "translation = [0, 0, -0.0006]");
@@ -226,7 +226,7 @@ TEST_CASE("A transient solution has a row a tick", "[solve_command]") {
 }
 
 TEST_CASE("Resumed after half of the load steps, a solution ends where an unbroken one does",
-          "[solve_command][checkpoint]") {
+          "[solve_command][checkpoint][whole]") {
   const Folder whole;
   REQUIRE(solve(whole.scene, whole.out()) == 0);
   // The first half as a run of its own: the same model, steps and times.
@@ -283,7 +283,7 @@ TEST_CASE("Interrupted during the set-up, the command ends with nothing to keep"
   CHECK_FALSE(std::filesystem::exists(folder.out("force.csv")));
 }
 
-TEST_CASE("A checkpoint that can't be gone on from is refused", "[solve_command][checkpoint]") {
+TEST_CASE("A checkpoint that can't be gone on from is refused", "[solve_command][checkpoint][whole]") {
   const Folder folder;
   CHECK_THROWS_AS(solve(folder.scene, folder.out(), true), InputError);  // there is none yet
   CHECK_THAT(refusal([&] { solve(folder.scene, folder.out(), true); }), Contains("there is no checkpoint"));

@@ -57,7 +57,7 @@ double meanEdge(const NodeCloud& cloud, const SurfaceTree& tree, const SpacingFi
 
 }  // namespace
 
-TEST_CASE("What is live far from the tool does not depend on where the tool is", "[nested]") {
+TEST_CASE("What is live far from the tool does not depend on where the tool is", "[nested][whole]") {
   const NestedCloud cloud = nestedIn(boxSurface(Vec3(0.12, 0.08, 0.05), 0.01), 0.005);
   const SpacingField left = ballIn(0.011, 0.005, Vec3(-0.06, 0, 0.05), 0.015),
                      right = ballIn(0.011, 0.005, Vec3(0.06, 0, 0.05), 0.015);

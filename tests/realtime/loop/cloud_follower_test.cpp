@@ -297,7 +297,7 @@ TEST_CASE("A swap allocates nothing and takes no lock, nor does what keeps its s
   CHECK(counts.locks == 0);
 }
 
-TEST_CASE("Where a place can't be made the loop stays where it is, and says why", "[cloud_follower]") {
+TEST_CASE("Where a place can't be made the loop stays where it is, and says why", "[cloud_follower][whole]") {
   for (const bool fast : {true, false}) {
     const PlaceIndex start = startPlace(*places());
     const auto body = tissue(1, [](const PlaceIndex&) -> Place { throw InputError({}, "no such place", "nothing"); });
