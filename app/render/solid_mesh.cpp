@@ -22,12 +22,12 @@ void addArc(std::vector<ProfilePoint>& profile, float centre_r, float centre_z, 
 }
 
 /// A rod with rounded rims at both ends.
-void addRod(SolidMesh& mesh, float z_begin, float z_end, float radius, float rim, Finish finish) {
+void addRod(SolidMesh& mesh, float z_begin, float z_end, float radius, float rim, Finish look) {
   std::vector<ProfilePoint> profile{{0, z_begin}};
   addArc(profile, radius - rim, z_begin + rim, rim, -pi / 2, 0, rim_arc_segments);
   addArc(profile, radius - rim, z_end - rim, rim, 0, pi / 2, rim_arc_segments);
   profile.emplace_back(0.0F, z_end);
-  addTurned(mesh, profile, finish);
+  addTurned(mesh, profile, look);
 }
 
 /// A grip with shallow waves for the fingers.
