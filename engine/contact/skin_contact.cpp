@@ -103,8 +103,8 @@ std::size_t findActive(const SkinModel& skin, float alpha, const float* inverse_
 
 }  // namespace
 
-SkinContact solveSkinContact(const SkinModel& skin, double alpha, const float* inverse_mass, const Float4* u, Float4* du,
-                             SkinContactState& state, SkinContactScratch& scratch) {
+SkinContact solveSkinContact(const SkinModel& skin, double alpha, const float* inverse_mass, const Float4* u,
+                             Float4* du, SkinContactState& state, SkinContactScratch& scratch) {
   const auto alpha_f = static_cast<float>(alpha);
   const std::size_t count = findActive(skin, alpha_f, inverse_mass, u, du, state, scratch);
   bool settled = count == 0;

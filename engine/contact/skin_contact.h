@@ -14,8 +14,10 @@ struct SkinBodies {
   int count = 1;            // at most max_skin_bodies
   std::vector<int> organ;   // (count) that each body is of, for the caller
   std::vector<float> friction;  // (count) Coulomb coefficient; of two bodies the larger counts
-  std::vector<int> rank;        // (count) by how densely their vertices stand: of two bodies that touch, the vertices of
-                                // the lower rank carry the pressure, and the other's only what those miss
+  // (count) By how densely their vertices stand: of two bodies that touch, the vertices of the lower rank carry the
+  // pressure, and the other's only what those miss.
+  std::vector<int> rank;
+  std::vector<int> anchor;      // (vertex_count) the node that moves each most: roughly where it is
   double spacing = 0;           // m, of the nodes
   double longest_edge = 0;      // m, of the skin at rest
   double row_sum = 1;           // max_v sum_i |N_i(X_v)|: no vertex moves further than this times the fastest node
@@ -104,8 +106,8 @@ void findSkinPairs(const SkinBodies& bodies, const SkinModel& skin, const Float4
 /// @param alpha, inverse_mass, u, du, as solveContact's
 /// Real-time: no allocation, no lock, no throw; serial, so that it is the same for any number of threads.
 /// Test: simulation/skin_contact_test.cpp
-SkinContact solveSkinContact(const SkinModel& skin, double alpha, const float* inverse_mass, const Float4* u, Float4* du,
-                             SkinContactState& state, SkinContactScratch& scratch);
+SkinContact solveSkinContact(const SkinModel& skin, double alpha, const float* inverse_mass, const Float4* u,
+                             Float4* du, SkinContactState& state, SkinContactScratch& scratch);
 
 /// After a step in which no node moved further than this (m).
 inline void noteTravel(const SkinBodies& bodies, double distance, SkinContactState& state) {

@@ -19,6 +19,9 @@ constexpr double followed_from = 0.5;
 /// what came so deep between two looks.
 constexpr double deepest_entry = 1;
 
+/// Spacings, by which a vertex is elsewhere than its anchor says, however the tissue is stretched.
+constexpr double rough_error = 1;
+
 /// m, within which what rests takes part: forces on its neighbours may push it to the other skin.
 constexpr double least_way = 1e-4;
 
@@ -38,8 +41,8 @@ constexpr double same_distance = 1e-7;
 constexpr double before_face = 0.5;
 
 /// Edges of the skin, by which vertices of the coarser skin may go into the finer: corners that stand between the
-/// finer one's vertices are met here. Both sides at once would be more conditions than there are nodes, and forces would
-/// wander between them, which friction does not survive.
+/// finer one's vertices are met here. Both sides at once would be more conditions than there are nodes, and forces
+/// would wander between them, which friction does not survive.
 constexpr double missed_depth = 0.05;
 
 /// How a vertex stands to the face that it is before.
@@ -185,8 +188,7 @@ class VertexGrid {
     std::array<std::size_t, 27> seen{};
     std::size_t count = 0;
     for (int n = 0; n < 27; ++n) {
-      const std::size_t b =
-          bucket({middle[0] + n % 3 - 1, middle[1] + n / 3 % 3 - 1, middle[2] + n / 9 - 1});
+      const std::size_t b = bucket({middle[0] + n % 3 - 1, middle[1] + n / 3 % 3 - 1, middle[2] + n / 9 - 1});
       const auto end = seen.begin() + static_cast<std::ptrdiff_t>(count);
       if (std::find(seen.begin(), end, b) != end) continue;
       seen[count++] = b;
@@ -221,18 +223,22 @@ bool touches(const SkinContactState& state, int k) {
 }
 
 /// Looks at all vertices. @param reach  m, from which on they are listed
-void search(const SkinBodies& bodies, const SkinModel& skin, double reach, Look& look, SkinContactState& state,
-            SkinContactScratch& scratch) {
+void search(const SkinBodies& bodies, const SkinModel& skin, const Float4* u, double reach, Look& look,
+            SkinContactState& state, SkinContactScratch& scratch) {
   const int vertices = skin.vertexCount();
+  // Roughly, where bodies are: what is far from all others is looked at no closer.
+  const auto roughly = [&](int v) { return Vec3(skin.surface.vertices[v] + toVec3(u[bodies.anchor[v]])); };
   std::array<Box3, max_skin_bodies> box;
-  for (int v = 0; v < vertices; ++v) box[static_cast<std::size_t>(bodies.body[v])].extend(look.at(v));
+  for (int v = 0; v < vertices; ++v) box[static_cast<std::size_t>(bodies.body[v])].extend(roughly(v));
   // How far a body's vertices are from one that is before the middle of its largest face.
   const double apart = reach + bodies.longest_edge;
   VertexGrid grid(apart, scratch);
   const auto isBetween = [&](int v) {
-    const Vec3& x = look.at(v);
+    const Vec3 x = roughly(v);
+    const double near = apart + 2 * rough_error * bodies.spacing;
     for (int b = 0; b < bodies.count; ++b)
-      if (b != bodies.body[v] && box[static_cast<std::size_t>(b)].exteriorDistance(x) <= apart) return true;
+      if (b != bodies.body[v] && box[static_cast<std::size_t>(b)].squaredExteriorDistance(x) <= near * near)
+        return true;
     return false;
   };
   for (int v = vertices - 1; v >= 0; --v)
@@ -248,12 +254,12 @@ void search(const SkinBodies& bodies, const SkinModel& skin, double reach, Look&
   for (int v = 0; v < vertices; ++v) {
     while (old < old_count && scratch.old_vertex[old] < v) ++old;
     const bool followed = old < old_count && scratch.old_vertex[old] == v;
-    const Vec3& x = look.at(v);
     const bool touched = followed && scratch.old_touches[old] != 0;
     Stand stand;
     if (followed) {
       stand = look.follow(v, scratch.old_face[old], touched);
     } else if (isBetween(v)) {
+      const Vec3& x = look.at(v);
       int nearest = -1;
       double least = apart * apart;
       grid.around(x, [&](int w) {
@@ -268,8 +274,10 @@ void search(const SkinBodies& bodies, const SkinModel& skin, double reach, Look&
     }
     if (!(stand.distance <= reach) && !touched) continue;
     if (!followed) {  // from which side it came
-      const double side = look.normalOf(stand).dot(x - look.pointOf(stand));
-      if (side < 0 && (stand.distance > deepest_entry * bodies.spacing || look.normalOf(stand).dot(look.normalAt(v)) > 0)) continue;
+      const double side = look.normalOf(stand).dot(look.at(v) - look.pointOf(stand));
+      if (side < 0 &&
+          (stand.distance > deepest_entry * bodies.spacing || look.normalOf(stand).dot(look.normalAt(v)) > 0))
+        continue;
     }
     const int k = state.count++;
     state.vertex[k] = v;
@@ -298,14 +306,16 @@ bool addEntries(const SkinModel& skin, int vertex, const std::array<int, 3>& cor
     if (next == std::numeric_limits<int>::max()) return true;
     float sum = 0;
     for (int k = 0; k < 4; ++k)
-      if (at[k] < skin.begin[of[k] + 1] && skin.node[at[k]] == next) sum += static_cast<float>(weight[k]) * skin.N[at[k]++];
+      if (at[k] < skin.begin[of[k] + 1] && skin.node[at[k]] == next)
+        sum += static_cast<float>(weight[k]) * skin.N[at[k]++];
     scratch.node[row.end] = next;
     scratch.N[row.end++] = sum;
   }
 }
 
 /// The pairs that may touch in this tick, as rows.
-void makeRows(const SkinBodies& bodies, const SkinModel& skin, double way, Look& look, SkinContactState& state, SkinContactScratch& scratch) {
+void makeRows(const SkinBodies& bodies, const SkinModel& skin, double way, Look& look, SkinContactState& state,
+              SkinContactScratch& scratch) {
   scratch.row_count = 0;
   scratch.overflow = false;
   int end = 0;
@@ -333,7 +343,8 @@ void makeRows(const SkinBodies& bodies, const SkinModel& skin, double way, Look&
     row.lift = bodies.rank[own] < bodies.rank[other] ? 0 : static_cast<float>(missed_depth * bodies.longest_edge);
     const auto& corner = look.corners(stand.face);
     Vec3 apart = skin.surface.vertices[v];
-    for (int c = 0; c < 3; ++c) apart -= stand.barycentric[c] * skin.surface.vertices[corner[static_cast<std::size_t>(c)]];
+    for (int c = 0; c < 3; ++c)
+      apart -= stand.barycentric[c] * skin.surface.vertices[corner[static_cast<std::size_t>(c)]];
     row.apart << apart.cast<float>(), 0;
     if (!addEntries(skin, v, corner, stand.barycentric, row, scratch)) {
       scratch.overflow = true;
@@ -355,9 +366,8 @@ std::vector<int> byDensity(const SkinBodies& bodies, const SkinModel& skin) {
   }
   std::vector<int> order(count), rank(count);
   std::iota(order.begin(), order.end(), 0);
-  std::stable_sort(order.begin(), order.end(), [&](int a, int b) {
-    return area[a] * vertices[b] < 0.999 * area[b] * vertices[a];
-  });
+  std::stable_sort(order.begin(), order.end(),
+                   [&](int a, int b) { return area[a] * vertices[b] < 0.999 * area[b] * vertices[a]; });
   for (std::size_t k = 0; k < count; ++k) rank[static_cast<std::size_t>(order[k])] = static_cast<int>(k);
   return rank;
 }
@@ -372,6 +382,10 @@ SkinBodies makeSkinBodies(const SkinModel& skin, double spacing) {
   bodies.body = of.ofVertices(skin.surface);
   for (int& b : bodies.body) b = std::max(b, 0);
   bodies.rank = byDensity(bodies, skin);
+  for (int v = 0; v < skin.vertexCount(); ++v)
+    bodies.anchor.push_back(
+        skin.node[std::max_element(skin.N.begin() + skin.begin[v], skin.N.begin() + skin.begin[v + 1]) -
+                  skin.N.begin()]);
   bodies.organ.assign(static_cast<std::size_t>(of.count), 0);
   bodies.friction.assign(static_cast<std::size_t>(of.count), 0.0F);
   bodies.spacing = spacing;
@@ -436,7 +450,7 @@ void findSkinPairs(const SkinBodies& bodies, const SkinModel& skin, const Float4
   Look look(skin, u, scratch);
   const double followed = followed_from * bodies.spacing;
   if (!state.searched || state.since_search + way > followed) {
-    search(bodies, skin, followed + way, look, state, scratch);
+    search(bodies, skin, u, followed + way, look, state, scratch);
     state.searched = true;
     state.since_search = 0;
   }

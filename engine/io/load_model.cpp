@@ -29,7 +29,7 @@ constexpr double shortest_organ = 1e-3, longest_organ = 3;  // m; what is touche
 SourceLocation placeOf(const Scene& scene, const OrganSpec& organ, const std::string& key) {
   for (const auto& [dotted, at] : scene.places) {
     const std::size_t dot = dotted.rfind('.');
-    if (dotted.compare(0, 5, "organ") == 0 && dot != std::string::npos && dotted.compare(dot + 1, dotted.size(), key) == 0 &&
+    if (dotted.starts_with("organ") && dot != std::string::npos && dotted.substr(dot + 1) == key &&
         at.line >= organ.organ_place.line)
       return at;
   }

@@ -263,7 +263,9 @@ class BodyBuilder {
   bool has(std::size_t boundary) const {
     return choosesNode(scene_.boundaries[boundary], discretization_.cloud, tree_);
   }
-  Preparation prepare(const Progress& report) { return palpate::prepare(scene_, tree_, std::move(discretization_), report); }
+  Preparation prepare(const Progress& report) {
+    return palpate::prepare(scene_, tree_, std::move(discretization_), report);
+  }
 
  private:
   Scene scene_;

@@ -31,8 +31,10 @@ void append(ShapeTable&& more, int nodes, ShapeTable& all) {
   const int entries = static_cast<int>(all.node.size());
   if (all.begin.empty() && !more.begin.empty()) all.begin.push_back(0);
   if (!more.begin.empty()) more.begin.erase(more.begin.begin());
-  append(std::move(more.begin), [&](int e) { return entries + e; }, all.begin);
-  append(std::move(more.node), [&](int i) { return nodes + i; }, all.node);
+  append(
+      std::move(more.begin), [&](int e) { return entries + e; }, all.begin);
+  append(
+      std::move(more.node), [&](int i) { return nodes + i; }, all.node);
   append(std::move(more.N), all.N);
   append(std::move(more.gradN), all.gradN);
 }
@@ -60,9 +62,11 @@ void joinVertices(std::vector<Preparation>& bodies, Preparation& all) {
       group = std::rotl(group, groups % 64);
     }
     groups += std::bit_width(used);
-    append(std::move(p.volume_cells), [&](int v) { return v < own ? nodes + v : node_count + sides + v - own; },
-           all.volume_cells);
-    append(std::move(p.side_node), [&](int i) { return nodes + i; }, all.side_node);
+    append(
+        std::move(p.volume_cells), [&](int v) { return v < own ? nodes + v : node_count + sides + v - own; },
+        all.volume_cells);
+    append(
+        std::move(p.side_node), [&](int i) { return nodes + i; }, all.side_node);
     all.vertex_group.insert(all.vertex_group.end(), p.vertex_group.begin(), p.vertex_group.begin() + own);
     side_group.insert(side_group.end(), p.vertex_group.begin() + own, p.vertex_group.end());
     nodes += own;
@@ -77,7 +81,8 @@ void append(EssentialNodes&& more, int nodes, EssentialNodes& all) {
   append(std::move(more.nodes), all.nodes);
   append(std::move(more.X), all.X);
   all.motions = std::move(more.motions);
-  append(std::move(more.facets), [&](int i) { return nodes + i; }, all.facets);
+  append(
+      std::move(more.facets), [&](int i) { return nodes + i; }, all.facets);
   all.facet_points = std::max(all.facet_points, more.facet_points);
   append(std::move(more.facet_phi), nodes, all.facet_phi);
   append(std::move(more.facet_weight), all.facet_weight);
@@ -117,7 +122,8 @@ void append(Preparation&& more, Preparation& all) {
   append(std::move(more.node_shape), nodes, all.node_shape);
   append(std::move(more.skin_shape), nodes, all.skin_shape);
   append(std::move(more.skin.surface.vertices), all.skin.surface.vertices);
-  append(std::move(more.skin.surface.triangles), [&](int v) { return vertices + v; }, all.skin.surface.triangles);
+  append(
+      std::move(more.skin.surface.triangles), [&](int v) { return vertices + v; }, all.skin.surface.triangles);
   append(std::move(more.essential), nodes, all.essential);
 }
 

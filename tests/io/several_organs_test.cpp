@@ -78,8 +78,7 @@ TEST_CASE("What is wrong with several organs is said with its place", "[io][seve
   const std::string bare = replaced(two_text, "[[material]]\nmodel", "[[material]]\norgan = \"upper\"\nmodel");
   CHECK_THAT(refusal([&] { sceneOf(bare); }), Contains("\"lower\" has no material"));
   CHECK_THAT(refusal([] { modelOf(replaced(two_text, "0.0205]", "0.015]")); }), Contains("overlap by 5 mm"));
-  CHECK_THAT(refusal([] { modelOf(replaced(two_text, "spacing = 0.012", "follow = true")); }),
-             Contains("follow"));
+  CHECK_THAT(refusal([] { modelOf(replaced(two_text, "spacing = 0.012", "follow = true")); }), Contains("follow"));
   CHECK_THAT(refusal([] { modelOf(replaced(two_text, "point = [0, 0, 0]", "point = [0, 0, 0.2]")); }),
              Contains("no node lies in this region"));
   const std::string other = replaced(two_text, "fixed = [{", "fixed = [{ organ = \"upper\",");
@@ -87,7 +86,6 @@ TEST_CASE("What is wrong with several organs is said with its place", "[io][seve
 }
 
 TEST_CASE("The scene of two organs loads", "[io][several_organs][whole]") {
-  const Model model =
-      loadModel(readScene(sourceFolder() + "/assets/scenes/liver_kidney.toml"), {}, ModelCache(""));
+  const Model model = loadModel(readScene(sourceFolder() + "/assets/scenes/liver_kidney.toml"), {}, ModelCache(""));
   CHECK(model.bodies.count == 2);
 }

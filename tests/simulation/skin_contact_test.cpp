@@ -77,7 +77,8 @@ TEST_CASE("Two confined blocks that are pressed together are one twice as high",
   // Uniaxial strain of a column that both make up: P = mu J^(-2/3) (l - I1 / (3 l)) + K (J - 1).
   const Material& m = model.materials[0];
   const double l = 1 - closing / (2 * block);
-  const double stress = m.shear_modulus * std::pow(l, -2.0 / 3) * (l - (l * l + 2) / (3 * l)) + m.bulk_modulus * (l - 1);
+  const double stress =
+      m.shear_modulus * std::pow(l, -2.0 / 3) * (l - (l * l + 2) / (3 * l)) + m.bulk_modulus * (l - 1);
   const Vec3 &on_lower = report.organ_force[0], &on_upper = report.organ_force[1];
   CHECK(on_lower.z() == Approx(stress * block * block).epsilon(2e-3));
   CHECK((on_lower + on_upper).norm() < 1e-6 * on_lower.norm());
@@ -205,6 +206,6 @@ TEST_CASE("What stands apart in one surface file is several bodies: no support g
 TEST_CASE("Organs that overlap are refused with what to do", "[simulation][skin_contact]") {
   Scene scene = twoBlocks(apart);
   scene.further_organs[0].organ_position.z() = 0.9 * block;
-  CHECK_THAT(refusal([&] { organSurface(scene); }), Catch::Matchers::Contains("overlap by 2 mm") &&
-                                                         Catch::Matchers::Contains("\"position\""));
+  CHECK_THAT(refusal([&] { organSurface(scene); }),
+             Catch::Matchers::Contains("overlap by 2 mm") && Catch::Matchers::Contains("\"position\""));
 }
