@@ -4,9 +4,9 @@
 
 namespace palpate {
 
-/// Rigid bodies as a static solution meets them: elastic forces without friction, which dynamic relaxation settles. Each
-/// point of the skin has a plane, the body's tangent where the point last was when follow() was called, which goes with
-/// the body, and in front of it a spring with a preload p,
+/// Rigid bodies as a static solution meets them: elastic forces without friction, which dynamic relaxation settles.
+/// Each point of the skin has a plane, the body's tangent where the point last was when follow() was called, which goes
+/// with the body, and in front of it a spring with a preload p,
 ///   f = max(0, p - K gap) n,   gap = n . (x - x_plane)
 /// update() takes the force as the new preload (augmented Lagrangian: Alart and Curnier 1991), which takes the
 /// penetration away without a stiff spring. K is a share of the tissue's own stiffness there.

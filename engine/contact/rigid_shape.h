@@ -35,8 +35,8 @@ struct RigidShape {
   /// Real-time.
   double gapAt(const Vec3& x, Vec3& normal) const;
 
-  /// The unit normal at x: of a surface the gap's mean slope over a cell of the grid around x, which turns steadily. The
-  /// gradient jumps from cell to cell, and with it a force, so that what lies on it would never come to rest.
+  /// The unit normal at x: of a surface the gap's mean slope over a cell of the grid around x, which turns steadily.
+  /// The gradient jumps from cell to cell, and with it a force, so that what lies on it would never come to rest.
   /// @param gradient  of gapAt(x), which it is beside an opening, and of solids
   /// Real-time.
   Vec3 normalAt(const Vec3& x, const Vec3& gradient) const;

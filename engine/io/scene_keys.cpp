@@ -51,7 +51,8 @@ constexpr KeySpec scene_keys[] = {
      "Coulomb coefficient where it touches other organs; of two the larger counts.", never},
     {"organ", "axis", T::Vector, "", depends, {}, "",
      "Axis through its own origin about which it is turned before it is moved; with `angle`."},
-    {"organ", "angle", T::Number, "degrees", depends, between(-360, 360), "", "By how much, right-handed about `axis`."},
+    {"organ", "angle", T::Number, "degrees", depends, between(-360, 360), "",
+     "By how much, right-handed about `axis`."},
     {"organ", "surface", T::Text, "", depends, {}, "",
      "File of a closed surface (.obj, .stl, .ply, .off, .vtk), relative to the scene file. Either this or `solid`.",
      never},
@@ -110,9 +111,9 @@ constexpr KeySpec scene_keys[] = {
      "scaled by the support radius."},
     {"discretization", "scheme", T::Text, "", "\"standard\"", {}, "standard|paper",
      "How forces follow from displacements. `standard`: what is known to be right, for every scene; what a scene does "
-     "not need costs it nothing. Gradients satisfy the divergence theorem; volume is averaged over node patches, against "
-     "locking; under pressure the background cells hold it; supports end at the borders between materials; a floor "
-     "keeps points from collapsing. `paper`: the paper's own equations alone, to be compared with."},
+     "not need costs it nothing. Gradients satisfy the divergence theorem; volume is averaged over node patches, "
+     "against locking; under pressure the background cells hold it; supports end at the borders between materials; a "
+     "floor keeps points from collapsing. `paper`: the paper's own equations alone, to be compared with."},
     {"discretization", "boundary_method", T::Text, "", "\"sebciem\"", {}, "sebciem|ebciem",
      "How the forces act that impose displacements: lumped at the nodes (paper eqs. 18-20), or distributed "
      "over the boundary's faces (paper eqs. 14-17), which is more accurate with a `support_factor` above 2. "
@@ -227,7 +228,8 @@ constexpr KeySpec scene_keys[] = {
     {"load", "pressure", T::Number, "Pa", depends, {}, "",
      "Inwards; negative: suction. Either this or `traction`.", never},
     {"load", "kind", T::Text, "", "\"follower\"", {}, "follower|dead",
-     "Of a pressure: along the normal and on the area that the skin has now, as gas and fluids press; or those at rest.",
+     "Of a pressure: along the normal and on the area that the skin has now, as gas and fluids press; or those "
+     "at rest.",
      never},
     {"load", "traction", T::Vector, "Pa", depends, {}, "",
      "Force per area of the skin at rest, in a fixed direction.", never},

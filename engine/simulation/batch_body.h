@@ -67,8 +67,8 @@ class BatchBody {
   /// The same, with one region moved by `shift` and the others held.
   void moveRegion(int region, const Vec3& shift, AlignedVector<Double4>& increment);
 
-  /// Internal forces at a displacement and those of the rigid bodies' layer, N; `force` and the report's J. Of materials that
-  /// relax, after a long time.
+  /// Internal forces at a displacement and those of the rigid bodies' layer, N; `force` and the report's J. Of
+  /// materials that relax, after a long time.
   ForceReport forces(const AlignedVector<Double4>& at, AlignedVector<Double4>& force);
 
   const Model& model() const { return model_; }

@@ -66,9 +66,9 @@ struct PassageScratch {
 };
 
 /// Fills `state`, made by initialState(b.model), with a state of the place that the passage comes from: u, du and u_low
-/// by the passage; contact, tools, rigid bodies as they are (one skin for all places); time, live friction, loads, materials
-/// and how far regions have come; added mass node by node, new nodes with the most of those that carried them. The
-/// energy balance starts anew.
+/// by the passage; contact, tools, rigid bodies as they are (one skin for all places); time, live friction, loads,
+/// materials and how far regions have come; added mass node by node, new nodes with the most of those that carried
+/// them. The energy balance starts anew.
 /// @param team  that shares the work, or null; the result does not depend on it
 /// Real-time: no allocation, no lock, no throw.
 /// Test: simulation/place_test.cpp (linear fields, no change at equal places, force in the ticks after)

@@ -8,7 +8,8 @@
 namespace palpate {
 namespace {
 
-/// Deeper than this share of the tool's radius, or of the spacing between two bodies, the contact is no longer trusted to push out evenly.
+/// Deeper than this share of the tool's radius, or of the spacing between two bodies, the contact is no longer trusted
+/// to push out evenly.
 constexpr double deep_contact = 0.2;
 
 std::uint32_t flagsOf(const Model& model, const StepReport& report, const StepOutcome& outcome, const State& state) {

@@ -215,7 +215,8 @@ TEST_CASE("Parts that touch face on face become one", "[imaging][repair]") {
   CHECK(volumeOf(result.surface) == Approx(5).epsilon(0.05));
 }
 
-TEST_CASE("A small part that is joined to a body is kept with it, however little they overlap", "[imaging][repair][whole]") {
+TEST_CASE("A small part that is joined to a body is kept with it, however little they overlap",
+          "[imaging][repair][whole]") {
   const double side = 0.35, height = 4;  // 0.9 % of the base's volume
   for (const double overlap : {0.004, 0.0}) {
     INFO(overlap);

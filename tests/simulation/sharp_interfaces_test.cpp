@@ -120,7 +120,8 @@ struct ConfinedLayers {
 
 }  // namespace
 
-TEST_CASE("Two confined layers meet the closed form, whatever their moduli and the pressure", "[sharp_interfaces][whole]") {
+TEST_CASE("Two confined layers meet the closed form, whatever their moduli and the pressure",
+          "[sharp_interfaces][whole]") {
   const ConfinedLayers cases[] = {{{4000, 500}, {0.4, 0.3}, 0.15},
                                   {{4000, 500}, {0.4, 0.3}, 0.15, 1e-3, 6, 1.5},
                                   {{3000, 300}, {0.3, 0.49}, 0.2, 0.04},

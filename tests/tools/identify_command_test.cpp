@@ -213,7 +213,8 @@ TEST_CASE("Depths or forces in another unit than their header's are refused, and
   CHECK(curve.change.empty());
 }
 
-TEST_CASE("A curve that had not settled is doubted, and its interval reaches to what fits it then", "[identify][whole]") {
+TEST_CASE("A curve that had not settled is doubted, and its interval reaches to what fits it then",
+          "[identify][whole]") {
   const TempFolder folder;
   const std::string elastic = replaced(test::touched_block_text, "0.012", "0.02");
   const std::string scene = folder.write("block.toml", elastic);

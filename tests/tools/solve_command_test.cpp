@@ -108,7 +108,8 @@ TEST_CASE("A solution leaves its force curve, pictures, probes and report", "[so
   CHECK(report["reactions"]["plate"]["force_N"][2].get<double>() == Approx(force["plate_fz_N"][3]).epsilon(1e-12));
 }
 
-TEST_CASE("Each row says whether it can be trusted, and a strict solution fails where one can't", "[solve_command][whole]") {
+TEST_CASE("Each row says whether it can be trusted, and a strict solution fails where one can't",
+          "[solve_command][whole]") {
   // Confined tissue of nu 0.499 to ten shear moduli of pressure: the paper's scheme gives way, the standard is exact.
   std::string confined = replaced(block_scene, "poisson = 0.45", "poisson = 0.499");
   confined = replaced(confined, "translation = [0.001, 0, -0.003]", "translation = [0, 0, -0.0006]");

@@ -30,7 +30,7 @@ Scene layerScene(double spacing_under_sphere) {
   scene.spacing = 0.006;
   scene.quadrature.points_per_cell = 1;
   scene.refine.push_back({Vec3(0, 0, 0.015), 0.005, spacing_under_sphere, 0.01, {}});
-  scene.formulation.consistent_gradients = true;  // as in the scene; without, 2 - 5 % below the closed form, not 1 - 2 %
+  scene.formulation.consistent_gradients = true;  // as in the scene; without, 2 - 5 % below, not 1 - 2 %
   scene.materials.emplace_back();
   scene.materials[0].material.set("young", 3000);
   scene.materials[0].material.set("poisson", 0.49);

@@ -12,7 +12,8 @@ int shellAround(const TriangleSurface& cavity, const std::vector<TriangleSurface
   const Box3 box = boundingBox(cavity);
   int found = -1;
   for (int p = 0; p < static_cast<int>(parts.size()); ++p) {
-    if (!(volume[p] > 0) || (found >= 0 && volume[p] >= volume[found]) || !boundingBox(parts[p]).contains(box)) continue;
+    const bool is_smaller = volume[p] > 0 && (found < 0 || volume[p] < volume[found]);
+    if (!is_smaller || !boundingBox(parts[p]).contains(box)) continue;
     if (SurfaceTree(parts[p]).inside(cavity.vertices.front())) found = p;
   }
   return found;

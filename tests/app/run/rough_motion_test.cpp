@@ -31,7 +31,8 @@ Model twoLayers() {
 
 }  // namespace
 
-TEST_CASE("Under a rough hand the tissue is always there, always finite, and comes back to rest", "[rough_motion][whole]") {
+TEST_CASE("Under a rough hand the tissue is always there, always finite, and comes back to rest",
+          "[rough_motion][whole]") {
   const Model model = twoLayers();
   std::vector<std::uint64_t> hashes;
   for (const unsigned seed : {1u, 2u, 2u}) {

@@ -170,8 +170,8 @@ MatrixCase drawBetweenPlates(Lot& lot) {
   s.spacing = size.z() / lot.between(3.5, 5.5);
   // Two tissues side by side, with y held, each with its own width; or one.
   const bool two = lot.chance(0.5), held = two || lot.chance(0.4);
-  // Two slabs that are pressed along their border bulge at a smaller strain than one, whose even strain is stable beyond
-  // 0.7 (Biot 1963: it creases): seed 180 at 0.65 found no equilibrium on a finer cloud.
+  // Two slabs that are pressed along their border bulge at a smaller strain than one, whose even strain is stable
+  // beyond 0.7 (Biot 1963: it creases): seed 180 at 0.65 found no equilibrium on a finer cloud.
   const double stretch = lot.chance(0.5) ? lot.between(two ? 0.8 : 0.7, 0.95) : lot.between(1.05, 1.5);
   double force = size.x() * size.y() * stressBetweenPlates(tissue.material, stretch, held);
   one.about = textOf(tissue);
