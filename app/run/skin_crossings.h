@@ -7,7 +7,7 @@
 
 namespace palpate::app {
 
-/// Counts where the skin passes through itself, which skin that knows no contact with itself can. Not real-time: some
+/// Counts where the skin passes through itself, which what folds finer than contact sees can. Not real-time: some
 /// ms for 20,000 triangles.
 class SkinCrossings {
  public:

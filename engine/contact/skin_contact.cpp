@@ -92,6 +92,8 @@ std::size_t findActive(const SkinModel& skin, float alpha, const float* inverse_
     float response = 0;
     for (int e = row.begin; e < row.end; ++e) response += scratch.N[e] * scratch.N[e] * inverse_mass[scratch.node[e]];
     row.mobility = alpha * response;
+    // Not so soft that what comes fast takes several steps to stop.
+    row.stiffness = std::max(row.stiffness, 1 / row.mobility);
     const float normal_force = row.normal.dot(old);
     row.stick = old - normal_force * row.normal;
     row.force = std::max(0.0F, normal_force) * row.normal + row.stick;

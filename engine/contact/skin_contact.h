@@ -8,41 +8,44 @@
 
 namespace palpate {
 
-/// Bodies whose skins touch each other: constant.
+/// Bodies whose skins touch each other and themselves: constant.
 struct SkinBodies {
-  std::vector<int> body;    // (vertex_count) of the skin's vertices; empty: one body, which does not touch itself
+  std::vector<int> body;    // (vertex_count) of the skin's vertices
   int count = 1;            // at most max_skin_bodies
   std::vector<int> organ;   // (count) that each body is of, for the caller
   std::vector<float> friction;  // (count) Coulomb coefficient; of two bodies the larger counts
   // (count) By how densely their vertices stand: of two bodies that touch, the vertices of the lower rank carry the
   // pressure, and the other's only what those miss.
   std::vector<int> rank;
-  std::vector<int> anchor;      // (vertex_count) the node that moves each most: roughly where it is
+  std::vector<Vec3> normal;     // (vertex_count) unit, at rest
+  // Faces around the vertices of the skin's clusters.
+  std::vector<int> cluster_face_begin;  // (cluster_count + 1)
+  std::vector<int> cluster_face;
   double spacing = 0;           // m, of the nodes
   double longest_edge = 0;      // m, of the skin at rest
   double row_sum = 1;           // max_v sum_i |N_i(X_v)|: no vertex moves further than this times the fastest node
 
-  bool empty() const { return count < 2; }
+  bool several() const { return count > 1; }
 };
 constexpr int max_skin_bodies = 64, max_organs = 16;
 
 /// The bodies of a skin, all of organ 0 and without friction.
 SkinBodies makeSkinBodies(const SkinModel& skin, double spacing);
 
-/// Vertices of the skin that are near another body, with the face that each is before: the side on which it is is
+/// Vertices of the skin that are near another body or another part of their own, with the face that each is before: the side on which it is is
 /// remembered, found when it comes near and followed from face to face, so that what is pressed through a thin part
 /// finds its way back. Sized by makeSkinContactState; nothing here allocates later.
 struct SkinContactState {
   int count = 0;
   std::vector<int> vertex;       // (capacity) ascending
-  std::vector<int> face;         // (capacity) of another body
-  std::vector<float> clearance;  // (capacity) m, at most what is between the two
+  std::vector<int> face;         // (capacity) of another body, or another part
+  std::vector<float> clearance;  // (capacity) m, at most what is between the two; -infinity: inside
   std::vector<Float4> force;     // (capacity) on the tissue at the vertex, N; the face has the opposite
   double travel = 0;             // m, that vertices have moved at most since the last look
   double since_search = 0;       // m, by which skins have come nearer at most since all vertices were looked at
   bool searched = false;
 };
-SkinContactState makeSkinContactState(const SkinBodies& bodies, const SkinModel& skin);
+SkinContactState makeSkinContactState(const SkinBodies& bodies);
 
 /// The pairs that may touch in a tick, and scratch.
 struct SkinContactScratch {
@@ -78,7 +81,15 @@ struct SkinContactScratch {
   std::vector<Vec3> normal;                    // (vertex_count) unit, of the faces around it
   std::vector<std::uint32_t> measured;         // (face_count) the look at which `area` was found
   std::vector<Vec3> area;                      // (face_count) m^2, twice the area along the normal
-  std::vector<int> head, next;                 // vertices in the cells of a hashed grid
+  struct Cluster {
+    Vec3 centre = Vec3::Zero();  // m
+    double radius = 0;           // m
+    Vec3 axis = Vec3::Zero();    // unit, mean of its faces' normals
+    double spread = 0;           // rad, of the normals around it
+  };
+  std::vector<Cluster> cluster;                // (cluster_count) of the skin
+  std::vector<int> nearest;                    // (vertex_count) vertex that each may touch; -1: none
+  std::vector<double> nearest_distance2;       // (vertex_count) m^2
   std::vector<int> old_vertex, old_face;
   std::vector<Float4> old_force;
   std::vector<std::uint8_t> old_touches;
@@ -97,10 +108,14 @@ struct SkinContact {
 void findSkinPairs(const SkinBodies& bodies, const SkinModel& skin, const Float4* u, SkinContactState& state,
                    SkinContactScratch& scratch);
 
-/// Keeps the predicted displacements of several bodies out of each other: unilateral contact with Coulomb friction,
+/// Nothing touches, and nothing may in the coming tick: findSkinPairs would find none.
+bool areCalm(const SkinBodies& bodies, const SkinContactState& state);
+
+/// Keeps the predicted displacements of skins out of each other: unilateral contact with Coulomb friction,
 /// solved as solveContact solves the tool's (contact_solver.h). A vertex v before a face with corners k and shares b_k:
 ///   du_i += alpha / m_i (N_i(X_v) - sum_k b_k N_i(X_k)) f,   f_n = K max(d, 0),   |f_t| <= friction f_n
-/// with d the penetration at the end of the step and K = skin.bulk_stiffness a_v. Action and reaction are equal to
+/// with d the penetration at the end of the step and K = skin.bulk_stiffness a_v, or what stops the two within a step
+/// where that is stiffer. Action and reaction are equal to
 /// rounding. What is deeper than the layer comes back by no more than 0.02 mm a step, so that it is not shot out.
 ///
 /// @param alpha, inverse_mass, u, du, as solveContact's
@@ -111,7 +126,7 @@ SkinContact solveSkinContact(const SkinModel& skin, double alpha, const float* i
 
 /// After a step in which no node moved further than this (m).
 inline void noteTravel(const SkinBodies& bodies, double distance, SkinContactState& state) {
-  if (!bodies.empty()) state.travel += distance * bodies.row_sum;
+  if (!bodies.body.empty()) state.travel += distance * bodies.row_sum;
 }
 
 /// The force of all other organs on one, N.

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <numeric>
 #include <span>
 
@@ -19,8 +20,16 @@ constexpr double followed_from = 0.5;
 /// what came so deep between two looks.
 constexpr double deepest_entry = 1;
 
-/// Spacings, by which a vertex is elsewhere than its anchor says, however the tissue is stretched.
-constexpr double rough_error = 1;
+/// Spacings at rest, from which on two places of one body may touch. Those that look at each other across a gap, from
+/// `across_gap` on: nearer ones are moved by the same nodes. Others only where skin folds, from `along_skin` on: nearer
+/// ones bend with each other, and what crumples between nodes is no contact (at 1.5 a pressed gel of 4.4 spacings across
+/// locked itself into folds that it had not without).
+constexpr double across_gap = 0.5, along_skin = 3;
+
+/// Spacings, by which two places of one body may be in each other. What comes deeper has been passed by something that
+/// contact can't hold, and finds its way back better alone: held, it locks (0.5 left a gel's skin crossing itself in 29
+/// of 77 looks after a rough hand, 0.1 in as many as no contact at all, 2).
+constexpr double deepest_hold = 0.1;
 
 /// m, within which what rests takes part: forces on its neighbours may push it to the other skin.
 constexpr double least_way = 1e-4;
@@ -55,7 +64,8 @@ struct Stand {
 /// One look at the skins as they are.
 class Look {
  public:
-  Look(const SkinModel& skin, const Float4* u, SkinContactScratch& scratch) : skin_(skin), u_(u), scratch_(scratch) {
+  Look(const SkinBodies& bodies, const SkinModel& skin, const Float4* u, SkinContactScratch& scratch)
+      : bodies_(bodies), skin_(skin), u_(u), scratch_(scratch) {
     if (++scratch_.look == 0) {  // once in 2^32 looks
       std::fill(scratch_.known.begin(), scratch_.known.end(), 0U);
       std::fill(scratch_.directed.begin(), scratch_.directed.end(), 0U);
@@ -99,7 +109,7 @@ class Look {
   Stand followFrom(int vertex, int other) {
     Stand best;
     nearestAround(vertex, other, false, best);
-    return follow(vertex, best.face);
+    return best.face < 0 ? best : follow(vertex, best.face);
   }
 
   /// Between the corners' normals, so that it turns steadily for what slides over the faces. Across a sharp edge no
@@ -127,11 +137,21 @@ class Look {
 
   const std::array<int, 3>& corners(int face) const { return skin_.surface.triangles[face]; }
 
- private:
-  std::span<const int> facesAround(int v) const {
-    const auto& topology = skin_.topology;
-    return {topology.face_of.data() + topology.face_begin[v],
-            static_cast<std::size_t>(topology.face_begin[v + 1] - topology.face_begin[v])};
+  /// Two vertices can touch: they are of two bodies, or were far from each other at rest.
+  bool areApart(int v, int w) const {
+    if (bodies_.body[v] != bodies_.body[w]) return true;
+    const auto &X = skin_.surface.vertices, &N = bodies_.normal;
+    const Vec3 way = X[w] - X[v];
+    const double distance2 = way.squaredNorm() / (bodies_.spacing * bodies_.spacing);
+    return distance2 > along_skin * along_skin ||
+           (distance2 > across_gap * across_gap && way.dot(N[v]) > 0 && way.dot(N[w]) < 0 && N[v].dot(N[w]) < 0);
+  }
+
+  /// They look at each other; within one body with no tissue between them.
+  bool face(int v, int w) {
+    if (normalAt(v).dot(normalAt(w)) >= 0) return false;
+    const Vec3 way = at(w) - at(v);
+    return bodies_.body[v] != bodies_.body[w] || (way.dot(normalAt(v)) > 0 && way.dot(normalAt(w)) < 0);
   }
 
   /// Twice its area along its normal, m^2.
@@ -140,6 +160,18 @@ class Look {
     scratch_.measured[face] = scratch_.look;
     const auto& [a, b, c] = corners(face);
     return scratch_.area[face] = (at(b) - at(a)).cross(at(c) - at(a));
+  }
+
+ private:
+  std::span<const int> facesAround(int v) const {
+    const auto& topology = skin_.topology;
+    return {topology.face_of.data() + topology.face_begin[v],
+            static_cast<std::size_t>(topology.face_begin[v + 1] - topology.face_begin[v])};
+  }
+
+  bool isApart(int v, int t) const {
+    const auto& [a, b, c] = corners(t);
+    return areApart(v, a) && areApart(v, b) && areApart(v, c);
   }
 
   bool areSmooth(int t, int other) { return unit(areaOf(t)).dot(unit(areaOf(other))) > smooth_cosine; }
@@ -156,7 +188,7 @@ class Look {
   /// Of faces at whose common edge or corner the vertex is nearest, the one that it faces.
   void nearestAround(int vertex, int v, bool touches, Stand& best) {
     for (const int t : facesAround(v)) {
-      if (t == best.face || (touches && !areSmooth(t, best.face))) continue;
+      if (t == best.face || (touches && !areSmooth(t, best.face)) || !isApart(vertex, t)) continue;
       const Stand stand = standAt(at(vertex), t);
       if (stand.distance > best.distance + same_distance) continue;
       if (stand.distance >= best.distance - same_distance && best.face >= 0 &&
@@ -166,124 +198,115 @@ class Look {
     }
   }
 
+  const SkinBodies& bodies_;
   const SkinModel& skin_;
   const Float4* u_;
   SkinContactScratch& scratch_;
 };
 
-/// A hashed grid over some of the skin's vertices.
-class VertexGrid {
- public:
-  VertexGrid(double cell, SkinContactScratch& scratch) : cell_(cell), scratch_(scratch) {
-    std::fill(scratch_.head.begin(), scratch_.head.end(), -1);
-  }
-  void add(int v, const Vec3& x) {
-    int& head = scratch_.head[bucket(cellOf(x))];
-    scratch_.next[v] = head;
-    head = v;
-  }
-  template <class Visit>
-  void around(const Vec3& x, Visit&& visit) const {
-    const auto middle = cellOf(x);
-    std::array<std::size_t, 27> seen{};
-    std::size_t count = 0;
-    for (int n = 0; n < 27; ++n) {
-      const std::size_t b = bucket({middle[0] + n % 3 - 1, middle[1] + n / 3 % 3 - 1, middle[2] + n / 9 - 1});
-      const auto end = seen.begin() + static_cast<std::ptrdiff_t>(count);
-      if (std::find(seen.begin(), end, b) != end) continue;
-      seen[count++] = b;
-      for (int v = scratch_.head[b]; v >= 0; v = scratch_.next[v]) visit(v);
-    }
-  }
+/// SkinContactState::clearance of what is inside the other's skin.
+constexpr float inside = -std::numeric_limits<float>::infinity();
 
- private:
-  using Cell = std::array<std::int64_t, 3>;
-  Cell cellOf(const Vec3& x) const {
-    Cell cell{};
-    for (int a = 0; a < 3; ++a) {
-      const double at = std::floor(x[a] / cell_);
-      cell[static_cast<std::size_t>(a)] = std::abs(at) < 1e9 ? static_cast<std::int64_t>(at) : 0;
-    }
-    return cell;
-  }
-  std::size_t bucket(const Cell& c) const {
-    const auto mixed = static_cast<std::uint64_t>(c[0]) * 73856093U ^ static_cast<std::uint64_t>(c[1]) * 19349663U ^
-                       static_cast<std::uint64_t>(c[2]) * 83492791U;
-    return mixed % scratch_.head.size();
-  }
-
-  double cell_;
-  SkinContactScratch& scratch_;
-};
-
-/// Whether a pair touched when it was last looked at, or is so near that it may by now.
-bool touches(const SkinContactState& state, int k) {
+/// Whether a pair touched when it was last looked at.
+bool touched(const SkinContactState& state, int k) {
   const Float4& f = state.force[k];
-  return state.clearance[k] <= 0 || f.x != 0 || f.y != 0 || f.z != 0;
+  return state.clearance[k] == inside || f.x != 0 || f.y != 0 || f.z != 0;
+}
+
+/// Or is so near that it may by now.
+bool touches(const SkinContactState& state, int k) { return state.clearance[k] <= 0 || touched(state, k); }
+
+/// Where each cluster of the skin is, and which ways its faces look.
+void findClusters(const SkinBodies& bodies, const SkinModel& skin, Look& look, SkinContactScratch& scratch) {
+  for (std::size_t c = 0; c < scratch.cluster.size(); ++c) {
+    SkinContactScratch::Cluster& cluster = scratch.cluster[c];
+    cluster.centre = look.at(skin.cluster_representative[c]);
+    double far2 = 0;
+    for (int k = skin.cluster_begin[c]; k < skin.cluster_begin[c + 1]; ++k)
+      far2 = std::max(far2, (look.at(skin.cluster_vertex[k]) - cluster.centre).squaredNorm());
+    cluster.radius = std::sqrt(far2);
+    Vec3 sum = Vec3::Zero();
+    const std::span<const int> faces(bodies.cluster_face.data() + bodies.cluster_face_begin[c],
+                                     bodies.cluster_face.data() + bodies.cluster_face_begin[c + 1]);
+    for (const int t : faces) sum += look.areaOf(t);
+    cluster.axis = unit(sum);
+    double least = 1;
+    for (const int t : faces) {
+      const Vec3& area = look.areaOf(t);
+      const double along = area.dot(cluster.axis);
+      if (along < least * area.norm()) least = along / area.norm();
+    }
+    cluster.spread = std::acos(std::clamp(least, -1.0, 1.0));
+  }
+}
+
+/// The nearest that each vertex of one cluster may touch in another.
+void findNearest(const SkinModel& skin, int a, int b, Look& look, SkinContactScratch& scratch) {
+  for (int k = skin.cluster_begin[a]; k < skin.cluster_begin[a + 1]; ++k) {
+    const int v = skin.cluster_vertex[k];
+    for (int l = skin.cluster_begin[b]; l < skin.cluster_begin[b + 1]; ++l) {
+      const int w = skin.cluster_vertex[l];
+      const double d2 = (look.at(w) - look.at(v)).squaredNorm();
+      if (d2 > scratch.nearest_distance2[v] || (d2 == scratch.nearest_distance2[v] && w > scratch.nearest[v])) continue;
+      if (!look.areApart(v, w) || !look.face(v, w)) continue;
+      scratch.nearest_distance2[v] = d2;
+      scratch.nearest[v] = w;
+    }
+  }
+}
+
+/// The nearest vertex that each may touch, no further than `apart` (m); -1: none.
+void findNearest(const SkinBodies& bodies, const SkinModel& skin, double apart, Look& look,
+                 SkinContactScratch& scratch) {
+  findClusters(bodies, skin, look, scratch);
+  std::fill(scratch.nearest.begin(), scratch.nearest.end(), -1);
+  std::fill(scratch.nearest_distance2.begin(), scratch.nearest_distance2.end(), apart * apart);
+  const int count = static_cast<int>(scratch.cluster.size());
+  for (int a = 0; a < count; ++a)
+    for (int b = a; b < count; ++b) {
+      const SkinContactScratch::Cluster &one = scratch.cluster[static_cast<std::size_t>(a)],
+                                        &other = scratch.cluster[static_cast<std::size_t>(b)];
+      const double near = apart + one.radius + other.radius;
+      if ((one.centre - other.centre).squaredNorm() > near * near) continue;
+      // No two of their faces look at each other.
+      const double turned = one.spread + other.spread;
+      if (turned < std::numbers::pi / 2 && one.axis.dot(other.axis) > std::sin(turned)) continue;
+      findNearest(skin, a, b, look, scratch);
+      if (a != b) findNearest(skin, b, a, look, scratch);
+    }
 }
 
 /// Looks at all vertices. @param reach  m, from which on they are listed
-void search(const SkinBodies& bodies, const SkinModel& skin, const Float4* u, double reach, Look& look,
-            SkinContactState& state, SkinContactScratch& scratch) {
-  const int vertices = skin.vertexCount();
-  // Roughly, where bodies are: what is far from all others is looked at no closer.
-  const auto roughly = [&](int v) { return Vec3(skin.surface.vertices[v] + toVec3(u[bodies.anchor[v]])); };
-  std::array<Box3, max_skin_bodies> box;
-  for (int v = 0; v < vertices; ++v) box[static_cast<std::size_t>(bodies.body[v])].extend(roughly(v));
+void search(const SkinBodies& bodies, const SkinModel& skin, double reach, Look& look, SkinContactState& state,
+            SkinContactScratch& scratch) {
   // How far a body's vertices are from one that is before the middle of its largest face.
-  const double apart = reach + bodies.longest_edge;
-  VertexGrid grid(apart, scratch);
-  const auto isBetween = [&](int v) {
-    const Vec3 x = roughly(v);
-    const double near = apart + 2 * rough_error * bodies.spacing;
-    for (int b = 0; b < bodies.count; ++b)
-      if (b != bodies.body[v] && box[static_cast<std::size_t>(b)].squaredExteriorDistance(x) <= near * near)
-        return true;
-    return false;
-  };
-  for (int v = vertices - 1; v >= 0; --v)
-    if (isBetween(v)) grid.add(v, look.at(v));
-
-  for (int k = 0; k < state.count; ++k) scratch.old_touches[k] = touches(state, k) ? 1 : 0;
+  findNearest(bodies, skin, reach + bodies.longest_edge, look, scratch);
+  for (int k = 0; k < state.count; ++k) scratch.old_touches[k] = state.clearance[k] == inside ? 2 : touches(state, k) ? 1 : 0;
   std::swap(state.vertex, scratch.old_vertex);
   std::swap(state.face, scratch.old_face);
   std::swap(state.force, scratch.old_force);
-  const int old_count = state.count;
+  const int old_count = state.count, vertices = skin.vertexCount();
   int old = 0;
   state.count = 0;
   for (int v = 0; v < vertices; ++v) {
     while (old < old_count && scratch.old_vertex[old] < v) ++old;
-    const bool followed = old < old_count && scratch.old_vertex[old] == v;
-    const bool touched = followed && scratch.old_touches[old] != 0;
-    Stand stand;
-    if (followed) {
-      stand = look.follow(v, scratch.old_face[old], touched);
-    } else if (isBetween(v)) {
-      const Vec3& x = look.at(v);
-      int nearest = -1;
-      double least = apart * apart;
-      grid.around(x, [&](int w) {
-        if (bodies.body[w] == bodies.body[v]) return;
-        const double d2 = (look.at(w) - x).squaredNorm();
-        if (d2 < least || (d2 == least && w < nearest)) least = d2, nearest = w;
-      });
-      if (nearest < 0) continue;
-      stand = look.followFrom(v, nearest);
-    } else {
-      continue;
-    }
-    if (!(stand.distance <= reach) && !touched) continue;
-    if (!followed) {  // from which side it came
+    const bool touched = old < old_count && scratch.old_vertex[old] == v && scratch.old_touches[old] != 0;
+    if (!touched && scratch.nearest[v] < 0) continue;
+    const Stand stand =
+        touched ? look.follow(v, scratch.old_face[old], touched) : look.followFrom(v, scratch.nearest[v]);
+    if (!touched) {
+      if (stand.face < 0 || !(stand.distance <= reach)) continue;
       const double side = look.normalOf(stand).dot(look.at(v) - look.pointOf(stand));
-      if (side < 0 &&
-          (stand.distance > deepest_entry * bodies.spacing || look.normalOf(stand).dot(look.normalAt(v)) > 0))
+      if (side < 0 && (bodies.body[v] == bodies.body[look.corners(stand.face)[0]] ||
+                       stand.distance > deepest_entry * bodies.spacing ||
+                       look.normalOf(stand).dot(look.normalAt(v)) > 0))
         continue;
     }
     const int k = state.count++;
     state.vertex[k] = v;
     state.face[k] = stand.face;
-    state.force[k] = followed ? scratch.old_force[old] : Float4{};
-    state.clearance[k] = touched ? 0.0F : static_cast<float>(stand.distance);
+    state.force[k] = touched ? scratch.old_force[old] : Float4{};
+    state.clearance[k] = !touched ? static_cast<float>(stand.distance) : scratch.old_touches[old] == 2 ? inside : 0.0F;
   }
 }
 
@@ -313,6 +336,12 @@ bool addEntries(const SkinModel& skin, int vertex, const std::array<int, 3>& cor
   }
 }
 
+/// Of two places of one body that touch, the vertices of one carry the pressure, a little before the other's faces; in a
+/// direction that no grid has.
+bool carries(int v, int other, const SkinModel& skin) {
+  return (skin.surface.vertices[v] - skin.surface.vertices[other]).dot(Vec3(0.46, 0.71, 0.53)) < 0;
+}
+
 /// The pairs that may touch in this tick, as rows.
 void makeRows(const SkinBodies& bodies, const SkinModel& skin, double way, Look& look, SkinContactState& state,
               SkinContactScratch& scratch) {
@@ -322,13 +351,23 @@ void makeRows(const SkinBodies& bodies, const SkinModel& skin, double way, Look&
   for (int k = 0; k < state.count; ++k) {
     if (static_cast<double>(state.clearance[k]) > way) continue;
     const int v = state.vertex[k];
+    const bool was_inside = state.clearance[k] == inside;
     const Stand stand = look.follow(v, state.face[k], touches(state, k));
     state.face[k] = stand.face;
     const Vec3 normal = look.normalOf(stand);
     const double gap = normal.dot(look.at(v) - look.pointOf(stand));
-    const bool is_beside = stand.distance > way && std::abs(gap) < before_face * stand.distance;
-    state.clearance[k] = gap > 0 || is_beside ? static_cast<float>(stand.distance) : 0.0F;
-    const bool may_touch = static_cast<double>(state.clearance[k]) <= way && std::isfinite(gap);
+    // Beyond an edge, or behind a face through which it did not come.
+    const bool same = bodies.body[v] == bodies.body[look.corners(stand.face)[0]];
+    const bool is_before = std::abs(gap) >= before_face * stand.distance;
+    const bool has_touched = touched(state, k);
+    const bool is_beside =
+        same ? (stand.distance > least_way && !is_before) ||
+                   gap < -(has_touched ? deepest_hold * bodies.spacing : least_way) ||
+                   (!has_touched && normal.dot(look.normalAt(v)) >= 0)
+             : stand.distance > way && (!is_before || (!was_inside && gap < 0));
+    const bool is_inside = gap <= 0 && !is_beside;
+    state.clearance[k] = is_inside ? inside : static_cast<float>(stand.distance);
+    const bool may_touch = !is_beside && static_cast<double>(state.clearance[k]) <= way && std::isfinite(gap);
     scratch.overflow |= may_touch && static_cast<std::size_t>(scratch.row_count) == scratch.row.size();
     if (!may_touch || scratch.overflow) {
       state.force[k] = {};
@@ -340,8 +379,11 @@ void makeRows(const SkinBodies& bodies, const SkinModel& skin, double way, Look&
     row.normal << normal.cast<float>(), 0;
     const int own = bodies.body[v], other = bodies.body[look.corners(stand.face)[0]];
     row.friction = std::max(bodies.friction[own], bodies.friction[other]);
-    row.lift = bodies.rank[own] < bodies.rank[other] ? 0 : static_cast<float>(missed_depth * bodies.longest_edge);
     const auto& corner = look.corners(stand.face);
+    const double missed = missed_depth * bodies.longest_edge;
+    row.lift = static_cast<float>(same                                  ? (carries(v, corner[0], skin) ? -missed : 0)
+                                  : bodies.rank[own] < bodies.rank[other] ? 0
+                                                                          : missed);
     Vec3 apart = skin.surface.vertices[v];
     for (int c = 0; c < 3; ++c)
       apart -= stand.barycentric[c] * skin.surface.vertices[corner[static_cast<std::size_t>(c)]];
@@ -372,25 +414,40 @@ std::vector<int> byDensity(const SkinBodies& bodies, const SkinModel& skin) {
   return rank;
 }
 
+/// The faces around each cluster's vertices.
+void addClusterFaces(const SkinModel& skin, SkinBodies& bodies) {
+  const SkinTopology& topology = skin.topology;
+  bodies.cluster_face_begin.assign(1, 0);
+  for (int c = 0; c < skin.clusterCount(); ++c) {
+    const auto first = static_cast<std::ptrdiff_t>(bodies.cluster_face.size());
+    for (int k = skin.cluster_begin[c]; k < skin.cluster_begin[c + 1]; ++k) {
+      const int v = skin.cluster_vertex[k];
+      bodies.cluster_face.insert(bodies.cluster_face.end(), topology.face_of.begin() + topology.face_begin[v],
+                                 topology.face_of.begin() + topology.face_begin[v + 1]);
+    }
+    std::sort(bodies.cluster_face.begin() + first, bodies.cluster_face.end());
+    bodies.cluster_face.erase(std::unique(bodies.cluster_face.begin() + first, bodies.cluster_face.end()),
+                              bodies.cluster_face.end());
+    bodies.cluster_face_begin.push_back(static_cast<int>(bodies.cluster_face.size()));
+  }
+}
+
 }  // namespace
 
 SkinBodies makeSkinBodies(const SkinModel& skin, double spacing) {
   SkinBodies bodies;
   const SurfaceBodies of = bodiesOf(skin.surface);
   bodies.count = of.count;
-  if (of.count < 2) return bodies;
   bodies.body = of.ofVertices(skin.surface);
   for (int& b : bodies.body) b = std::max(b, 0);
   bodies.rank = byDensity(bodies, skin);
-  for (int v = 0; v < skin.vertexCount(); ++v)
-    bodies.anchor.push_back(
-        skin.node[std::max_element(skin.N.begin() + skin.begin[v], skin.N.begin() + skin.begin[v + 1]) -
-                  skin.N.begin()]);
   bodies.organ.assign(static_cast<std::size_t>(of.count), 0);
   bodies.friction.assign(static_cast<std::size_t>(of.count), 0.0F);
   bodies.spacing = spacing;
   for (const float length : skin.topology.edge_length)
     bodies.longest_edge = std::max(bodies.longest_edge, static_cast<double>(length));
+  bodies.normal = vertexNormals(skin.surface);
+  addClusterFaces(skin, bodies);
   for (int v = 0; v < skin.vertexCount(); ++v) {
     double sum = 0;
     for (int e = skin.begin[v]; e < skin.begin[v + 1]; ++e) sum += std::abs(static_cast<double>(skin.N[e]));
@@ -399,9 +456,9 @@ SkinBodies makeSkinBodies(const SkinModel& skin, double spacing) {
   return bodies;
 }
 
-SkinContactState makeSkinContactState(const SkinBodies& bodies, const SkinModel& skin) {
+SkinContactState makeSkinContactState(const SkinBodies& bodies) {
   SkinContactState state;
-  const std::size_t capacity = bodies.empty() ? 0 : skin.area.size();
+  const std::size_t capacity = bodies.body.size();
   state.vertex.resize(capacity);
   state.face.resize(capacity);
   state.clearance.resize(capacity);
@@ -422,14 +479,16 @@ std::size_t longestRow(const SkinModel& skin) {
 
 }  // namespace
 
-SkinContactScratch::SkinContactScratch(const SkinBodies& bodies, const SkinModel& skin) {
-  const std::size_t capacity = bodies.empty() ? 0 : skin.area.size();
-  for (auto* list : {&old_vertex, &old_face, &head, &next}) list->resize(capacity);
+SkinContactScratch::SkinContactScratch(const SkinBodies& bodies, const SkinModel& skin)
+    : cluster(bodies.body.empty() ? 0 : static_cast<std::size_t>(skin.clusterCount())) {
+  const std::size_t capacity = bodies.body.size();
+  for (auto* list : {&old_vertex, &old_face, &nearest}) list->resize(capacity);
   for (auto* looks : {&known, &directed}) looks->resize(capacity);
   for (auto* vectors : {&position, &normal}) vectors->resize(capacity, Vec3::Zero());
-  const std::size_t faces = bodies.empty() ? 0 : skin.surface.triangles.size();
+  const std::size_t faces = bodies.body.empty() ? 0 : skin.surface.triangles.size();
   measured.resize(faces);
   area.resize(faces, Vec3::Zero());
+  nearest_distance2.resize(capacity);
   old_force.resize(capacity);
   old_touches.resize(capacity);
   const std::size_t rows = std::min(capacity, most_pairs), longest = 4 * longestRow(skin);
@@ -439,18 +498,33 @@ SkinContactScratch::SkinContactScratch(const SkinBodies& bodies, const SkinModel
   N.resize(rows * longest);
 }
 
+namespace {
+
+/// m: what is between two skins may be less by as much in the coming tick. They come nearer by twice what the fastest
+/// vertex does, which may be half as fast again.
+double wayOf(const SkinContactState& state) { return 1.5 * 2 * state.travel + least_way; }
+
+bool needsSearch(const SkinBodies& bodies, const SkinContactState& state) {
+  return !state.searched || state.since_search + 2 * state.travel + wayOf(state) > followed_from * bodies.spacing;
+}
+
+}  // namespace
+
+bool areCalm(const SkinBodies& bodies, const SkinContactState& state) {
+  return bodies.body.empty() || (state.count == 0 && !needsSearch(bodies, state));
+}
+
 void findSkinPairs(const SkinBodies& bodies, const SkinModel& skin, const Float4* u, SkinContactState& state,
                    SkinContactScratch& scratch) {
-  if (bodies.empty()) return;
-  // Two skins come nearer by twice what the fastest vertex does; the next tick may be half as fast again.
-  const double come = 2 * state.travel, way = 1.5 * come + least_way;
+  if (bodies.body.empty()) return;
+  const double come = 2 * state.travel, way = wayOf(state);
+  const bool searches = needsSearch(bodies, state);
   state.travel = 0;
   state.since_search += come;
   for (int k = 0; k < state.count; ++k) state.clearance[k] -= static_cast<float>(come);
-  Look look(skin, u, scratch);
-  const double followed = followed_from * bodies.spacing;
-  if (!state.searched || state.since_search + way > followed) {
-    search(bodies, skin, u, followed + way, look, state, scratch);
+  Look look(bodies, skin, u, scratch);
+  if (searches) {
+    search(bodies, skin, followed_from * bodies.spacing + way, look, state, scratch);
     state.searched = true;
     state.since_search = 0;
   }

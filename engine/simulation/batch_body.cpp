@@ -36,7 +36,7 @@ BatchBody::BatchBody(const Model& model, const std::vector<double>& mass, int th
       boundary_scratch_(makeBoundaryScratch(boundary_)),
       load_scratch_(model.surface_loads),
       tools_(model),
-      skins_(makeSkinContactState(model.bodies, model.skin)),
+      skins_(makeSkinContactState(model.bodies)),
       skins_scratch_(model.bodies, model.skin),
       rigid_(makeRigidState(model.rigid, model.nodeCount())),
       u_float_(model.X.size()),
@@ -71,7 +71,7 @@ PointHistory BatchBody::pointHistory() const {
 
 void BatchBody::restore(const AlignedVector<Double4>& displacement, const AlignedVector<Double4>& increment,
                         const AlignedVector<double>& history) {
-  skins_ = makeSkinContactState(model_.bodies, model_.skin);
+  skins_ = makeSkinContactState(model_.bodies);
   rigid_ = makeRigidState(model_.rigid, model_.nodeCount());
   u = displacement;
   du = increment;
@@ -107,7 +107,7 @@ void BatchBody::contact(double alpha, double time, Report& report) {
   findSkinPairs(model_.bodies, model_.skin, u_float_.data(), skins_, skins_scratch_);
   report.skins = solveSkinContact(model_.skin, alpha, inverse_mass_float_.data(), u_float_.data(), du_float_.data(),
                                   skins_, skins_scratch_);
-  if (!model_.bodies.empty())
+  if (model_.bodies.several())
     for (int k = 0; k < organCount(model_); ++k)
       report.organ_force[static_cast<std::size_t>(k)] = skinForceOn(model_.bodies, model_.skin, k, skins_);
   if (!model_.rigid.empty() && !layer_)
@@ -118,7 +118,7 @@ void BatchBody::contact(double alpha, double time, Report& report) {
 }
 
 bool BatchBody::hasContact() const {
-  return tools_.present() || !model_.bodies.empty() || (!model_.rigid.empty() && !layer_);
+  return tools_.present() || !areCalm(model_.bodies, skins_) || (!model_.rigid.empty() && !layer_);
 }
 
 /// As of a step of the loop that saw the same.

@@ -142,7 +142,7 @@ void addBodies(const Scene& scene, const SurfaceTree& tree, Model& model) {
                                       number(max_skin_bodies) + " can touch one another",
                      "leave small parts out (mtled import does)");
   const std::vector<int>& organ = tree.surface().organ;
-  if (bodies.empty() || organ.empty()) return;
+  if (!bodies.several() || organ.empty()) return;
   const std::vector<OrganSpec> organs = organsOf(scene);
   const SurfaceBodies of_faces = bodiesOf(tree.surface());  // numbered as those of the skin, which is made of them
   for (std::size_t t = 0; t < organ.size(); ++t)
@@ -332,7 +332,7 @@ State initialState(const Model& model) {
   state.tool_pose = model.tool_start;
   state.contact = makeContactState(model.skin, model.scene.tool);
   state.more = makeMoreTools(model);
-  state.skins = makeSkinContactState(model.bodies, model.skin);
+  state.skins = makeSkinContactState(model.bodies);
   state.rigid = makeRigidState(model.rigid, model.nodeCount());
   state.live = loadedParameters(model);
   state.local_mass.factor.assign(model.X.size(), 1.0F);

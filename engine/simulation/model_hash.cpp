@@ -105,7 +105,7 @@ std::uint64_t modelHash(const Model& model) {
   if (!model.weight.empty()) key.add(model.weight);  // none: hashes are those of before
   if (!model.surface_loads.empty()) add(key, model.surface_loads);
   key.add(model.skin.surface.vertices, model.skin.area, model.skin.node, model.skin.N, model.skin.bulk_stiffness);
-  if (!model.bodies.empty()) key.add(model.bodies.body, model.bodies.friction);
+  if (model.bodies.several()) key.add(model.bodies.body, model.bodies.friction);
   if (!model.rigid.empty()) add(key, model.rigid);  // none: hashes are those of before
   add(key, model.scene.tool);
   key.add(model.tool_start.position, model.tool_start.orientation.coeffs(), model.scene.tool_max_speed);
@@ -136,7 +136,7 @@ std::uint64_t stateHash(const Model& model, const State& state) {
   add(state.u_low.data(), state.u_low.size() * sizeof(Float4));
   add(state.relaxation.Z.data(), state.relaxation.Z.size() * sizeof(float));
   addContact(state.contact, add);
-  if (const auto& skins = state.skins; !model.bodies.empty()) {
+  if (const auto& skins = state.skins; skins.searched) {
     const auto count = static_cast<std::size_t>(skins.count);
     add(skins.vertex.data(), count * sizeof(int));
     add(skins.face.data(), count * sizeof(int));

@@ -46,7 +46,7 @@ void checkScene(const Model& model) {
   const char* const problem =
       !model.tools.empty()   ? "sensitivities are those of one tool without jaws, and the scene has more"
       : scene.friction != 0  ? "sensitivities are those of a tool without friction: with it, forces depend on the way"
-      : !model.bodies.empty() ? "sensitivities are those of one body, and the scene has several, which touch"
+      : model.bodies.several() ? "sensitivities are those of one body, and the scene has several, which touch"
       : !model.rigid.empty() ? "sensitivities are those of a body without rigid ones, whose contact comes and goes"
       : !scene.loads.empty() ? "sensitivities are those of a body without loads on its skin"
       : scene.boundary_method == Scene::BoundaryMethod::Ebciem

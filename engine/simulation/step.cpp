@@ -40,9 +40,8 @@ StepReport step(const Model& model, State& state, const ToolPostures& wanted, co
   ToolPostures tools = wanted;
   outcome.tool_force = solveToolContacts(model, tools, integrator.alpha, masses.inverse, state, outcome.loads);
 
-  if (!model.bodies.empty())
-    outcome.skins = solveSkinContact(model.skin, integrator.alpha, masses.inverse, state.u.data(), state.du.data(),
-                                     state.skins, workspace.skins);
+  outcome.skins = solveSkinContact(model.skin, integrator.alpha, masses.inverse, state.u.data(), state.du.data(),
+                                   state.skins, workspace.skins);
   if (!model.rigid.empty())
     outcome.rigid = solveRigidBodies(model.rigid, model.skin, time - model.dt, time, integrator.alpha, masses.inverse,
                                      state.u.data(), state.du.data(), state.rigid);
@@ -104,7 +103,7 @@ StepReport tick(const Model& model, State& state, const Command& command, Worksp
     if (total.flags & (kNotFinite | kBlowUp)) break;  // it is lost: more steps would bring numbers that are none
   }
   ++state.tick;
-  if (!model.bodies.empty())
+  if (model.bodies.several())
     for (int k = 0; k < organCount(model); ++k)
       total.organ_force[static_cast<std::size_t>(k)] = skinForceOn(model.bodies, model.skin, k, state.skins);
   const ToolContact contact = toolContact(model, state);

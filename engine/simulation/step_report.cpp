@@ -62,7 +62,7 @@ double addedInertia(const Model& model, const StepOutcome& outcome, LocalMass& l
 }  // namespace
 
 bool isTooDeep(const Model& model, const SkinContact& skins) {
-  return skins.max_penetration > deep_contact * model.bodies.spacing && !model.bodies.empty();
+  return skins.max_penetration > deep_contact * model.bodies.spacing;
 }
 
 int organCount(const Model& model) { return 1 + static_cast<int>(model.scene.further_organs.size()); }

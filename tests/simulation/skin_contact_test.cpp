@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "discretization/surface/surface_bodies.h"
 #include "discretization/surface/surface_tree.h"
@@ -66,7 +67,100 @@ StepReport run(const Model& model, State& state, int ticks, int threads = 1) {
   return report;
 }
 
+/// The skin of what is made of cubes, where `filled` (their middle, in cubes) says so.
+template <class Filled>
+TriangleSurface cubes(const std::array<int, 3>& count, double size, Filled&& filled) {
+  TriangleSurface surface;
+  std::map<std::array<int, 3>, int> number;
+  const auto vertex = [&](const std::array<int, 3>& at) {
+    const auto [found, is_new] = number.try_emplace(at, static_cast<int>(number.size()));
+    if (is_new) surface.vertices.push_back(size * Vec3(at[0], at[1], at[2]));
+    return found->second;
+  };
+  const auto isFilled = [&](const std::array<int, 3>& c) {
+    for (std::size_t a = 0; a < 3; ++a)
+      if (c[a] < 0 || c[a] >= count[a]) return false;
+    return filled(Vec3(c[0] + 0.5, c[1] + 0.5, c[2] + 0.5));
+  };
+  for (int n = 0; n < count[0] * count[1] * count[2]; ++n) {
+    const std::array<int, 3> cell = {n % count[0], n / count[0] % count[1], n / count[0] / count[1]};
+    if (!isFilled(cell)) continue;
+    for (std::size_t a = 0; a < 3; ++a)
+      for (const int side : {0, 1}) {
+        std::array<int, 3> beside = cell, corner = cell;
+        beside[a] += 2 * side - 1;
+        if (isFilled(beside)) continue;
+        corner[a] += side;
+        const std::size_t b = (a + (side == 1 ? 1 : 2)) % 3, c = 3 - a - b;
+        std::array<int, 3> at_b = corner, at_c = corner, opposite = corner;
+        ++at_b[b], ++at_c[c], ++opposite[b], ++opposite[c];
+        surface.triangles.push_back({vertex(corner), vertex(at_b), vertex(opposite)});
+        surface.triangles.push_back({vertex(corner), vertex(opposite), vertex(at_c)});
+      }
+  }
+  return surface;
+}
+
+constexpr double cube = 2e-3;  // m
+
+/// A flap that hangs over what it is grown to: 50 mm long, 24 mm wide, 6 mm of air below it. A ball above its end.
+Model flap() {
+  Scene scene = test::blockScene(0.004);
+  scene.materials[0].material.set("poisson", 0.45);
+  scene.boundaries.clear();
+  addBoundary(scene, -1, Vec3::Zero(), Vec3::UnitZ(), {true, true, true});
+  scene.damping = 40;
+  scene.tool.radius = 0.006;
+  scene.tool_position = Vec3(0.036, 0.012, 0.031);
+  return buildModel(scene, cubes({25, 12, 12}, cube, [](const Vec3& x) { return x.x() < 6 || x.z() < 5 || x.z() > 8; }));
+}
+
+/// m, the least that is between the flap and what is below it; less than 0: they went through each other.
+double airBelow(const Model& model, const State& state) {
+  double least = 1;
+  const auto& X = model.skin.surface.vertices;
+  std::vector<Vec3> below, above;
+  for (int v = 0; v < model.skin.vertexCount(); ++v) {
+    if (X[v].x() < 6.5 * cube) continue;
+    if (std::abs(X[v].z() - 5 * cube) < 1e-6) below.push_back(skinPosition(model.skin, v, state.u.data()));
+    if (std::abs(X[v].z() - 8 * cube) < 1e-6) above.push_back(skinPosition(model.skin, v, state.u.data()));
+  }
+  for (const Vec3& a : above)
+    for (const Vec3& b : below)
+      if ((a - b).head<2>().norm() < 2e-4) least = std::min(least, a.z() - b.z());
+  return least;
+}
+
 }  // namespace
+
+TEST_CASE("A flap that is pressed down rests on its own body, and lifts off again", "[simulation][skin_contact]") {
+  const Model model = flap();
+  REQUIRE(model.bodies.count == 1);
+  State state = initialState(model);
+  Workspace workspace(model, 1);
+  Command command;
+  command.tool_target = model.tool_start;
+  StepReport report;
+  double least = 1;
+  std::vector<double> force;  // N, at each depth, held
+  for (const double depth : {0.009, 0.014}) {  // m; the ball starts 1 mm above it
+    const double from = model.tool_start.position.z() - command.tool_target.position.z();
+    for (int k = 1; k <= 250; ++k) {
+      command.tool_target.position.z() = model.tool_start.position.z() - from - (depth - from) * std::min(1.0, k / 50.0);
+      report = tick(model, state, command, workspace);
+      least = std::min(least, airBelow(model, state));
+    }
+    force.push_back(report.tool_force.norm());
+    CHECK((report.skin_contact_count > 0) == (depth > 0.01));
+  }
+  CHECK(force[1] > 3 * force[0]);  // without what is below it, 1.6 times: twice as far bent
+  CHECK(least > -1e-5);
+  command.tool_target = model.tool_start;
+  command.tool_target.position.z() += 0.01;
+  for (int k = 0; k < 500; ++k) report = tick(model, state, command, workspace);
+  CHECK(report.skin_contact_count == 0);
+  CHECK(std::abs(airBelow(model, state) - 3 * cube) < 1e-5);
+}
 
 TEST_CASE("Two confined blocks that are pressed together are one twice as high", "[simulation][skin_contact]") {
   constexpr double closing = 2e-3;

@@ -9,7 +9,7 @@ namespace palpate {
 
 /// Finds tissue that has folded: nothing touches or pulls it, it stands still, and yet it is not at rest. A hand rough
 /// enough can push a coarse cloud into such an equilibrium, a crumpled edge or a part turned inside out, from which it
-/// does not come back by itself; the model knows no contact of the skin with itself, which would hold it back. What is
+/// does not come back by itself: the contact of the skin with itself knows no folds finer than some nodes. What is
 /// turned inside out hardly resists and may swing for minutes: what stays crushed for long has folded, still or not.
 ///
 /// Where the stress relaxes, tissue comes back slowly, and where it has weight, it is strained by that, so there only

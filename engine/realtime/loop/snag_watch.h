@@ -8,8 +8,8 @@
 namespace palpate {
 
 /// Finds a tool that is caught in the tissue, in one of two ways, and that nothing but putting the tissue back to rest
-/// frees. A hand rough enough can push a fold over the tool that holds it like a glove; skin knows no contact with
-/// itself, which would have kept the fold open.
+/// frees. A hand rough enough can push a fold over the tool that holds it like a glove, finer than the contact of the
+/// skin with itself knows.
 ///
 /// It has carried tissue off: with the hand far outside the body's shape at rest, and itself outside, it is still
 /// touched (it may stay behind a hand that draws harder than the tissue bears).
