@@ -24,7 +24,7 @@ TEST_CASE("A plate on the whole bed: springs and contact layer in series", "[con
   CHECK(bed.contact.contact_count == bed.skin.vertexCount());
 }
 
-TEST_CASE("A sphere on a Winkler foundation", "[contact]") {
+TEST_CASE("A sphere on a Winkler foundation", "[contact][whole]") {
   // F = kappa * (volume of the cap below the surface) = kappa pi (R d^2 - d^3 / 3). The discrete bed gives
   // way a node's width h beyond the contact's radius a: an error of order (h / a)^2, a^2 = 2 R d.
   const ToolShape tool = toolOf(ToolKind::Sphere, 0.02);

@@ -50,7 +50,7 @@ TEST_CASE("A surface that bounds a solid is kept as it is", "[imaging][repair]")
   }
 }
 
-TEST_CASE("Each kind of damage at three sizes is repaired, and most of it face by face", "[imaging][repair]") {
+TEST_CASE("Each kind of damage at three sizes is repaired, and most of it face by face", "[imaging][repair][whole]") {
   const test::NamedSurface body = test::testBodies()[0];
   int mended = 0, cases = 0;
   for (const test::Damage& damage : test::allDamage()) {

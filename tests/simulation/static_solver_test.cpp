@@ -224,7 +224,7 @@ TEST_CASE("A solution that goes on from a saved state ends where the unbroken on
         1e-3 * whole.body().reactions()[1].force.norm());
 }
 
-TEST_CASE("A tool pressed statically has the real-time loop's force at rest", "[static_solver][contact]") {
+TEST_CASE("A tool pressed statically has the real-time loop's force at rest", "[static_solver][contact][whole]") {
   const Model model = blockModel();
   constexpr double depth = 0.003;
   StaticSolver solver(model, 1, 1e-4);

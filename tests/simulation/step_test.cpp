@@ -104,7 +104,7 @@ TEST_CASE("A model built twice from one scene is the same to the last bit, and s
   CHECK(hashes[0] == hashes[1]);
 }
 
-TEST_CASE("Released tissue comes back to rest where it was", "[step]") {
+TEST_CASE("Released tissue comes back to rest where it was", "[step][whole]") {
   const Model model = blockModel();
   State state = initialState(model);
   Workspace workspace(model, 1);

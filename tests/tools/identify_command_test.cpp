@@ -157,7 +157,7 @@ TEST_CASE("The 95 % interval of each of two parameters holds the truth that ofte
   CHECK(narrow > 0.9 * trials);
 }
 
-TEST_CASE("Held-out parameters come back from a noisy force curve", "[identify]") {
+TEST_CASE("Held-out parameters come back from a noisy force curve", "[identify][whole]") {
   const TempFolder folder;
   const std::string scene = folder.write("block.toml", replaced(test::touched_block_text, "0.012", "0.02"));
   const std::string curve = measured(folder, scene, {{"material[0].young", "4321"}});

@@ -150,7 +150,7 @@ TEST_CASE("A map of stiffness is found from presses at many places, with interva
   CHECK(std::sqrt(width / error) < 5);
 }
 
-TEST_CASE("The map does not depend on the number of threads", "[identify][regions]") {
+TEST_CASE("The map does not depend on the number of threads", "[identify][regions][whole]") {
   const TempFolder folder;
   const Model model = loadModel(readScene(folder.write("quarters.toml", quarters())));
   const std::vector<SettledPress> some = {places()[1], places()[4], places()[11]};

@@ -90,7 +90,8 @@ TEST_CASE("The rim of a cylinder carries evenly spaced nodes", "[cloud]") {
   }
 }
 
-TEST_CASE("The same seed gives the same bits, another one another cloud of the same size", "[cloud][determinism]") {
+TEST_CASE("The same seed gives the same bits, another one another cloud of the same size",
+          "[cloud][determinism][whole]") {
   const SurfaceTree tree(bodies::liverLike());
   const NodeCloud first = makeNodeCloud(tree, uniform(0.012), 7);
   const NodeCloud again = makeNodeCloud(SurfaceTree(bodies::liverLike()), uniform(0.012), 7);
