@@ -21,6 +21,10 @@ struct SkinBodies {
   // Faces around the vertices of the skin's clusters.
   std::vector<int> cluster_face_begin;  // (cluster_count + 1)
   std::vector<int> cluster_face;
+  // (cluster_count x cluster_count, the lower one first) whether a vertex of the one may ever touch one of the other
+  std::vector<std::uint8_t> clusters_touch;
+  double least_gap = 0;  // m, at rest, between vertices that may touch
+  int node_count = 0;    // that move the skin
   double spacing = 0;           // m, of the nodes
   double longest_edge = 0;      // m, of the skin at rest
   double row_sum = 1;           // max_v sum_i |N_i(X_v)|: no vertex moves further than this times the fastest node

@@ -54,6 +54,16 @@ constexpr double before_face = 0.5;
 /// would wander between them, which friction does not survive.
 constexpr double missed_depth = 0.05;
 
+/// Two vertices may touch: they are of two bodies, or were far enough from each other at rest.
+bool mayTouch(const SkinBodies& bodies, const SkinModel& skin, int v, int w) {
+  if (bodies.body[v] != bodies.body[w]) return true;
+  const auto &X = skin.surface.vertices, &N = bodies.normal;
+  const Vec3 way = X[w] - X[v];
+  const double distance2 = way.squaredNorm() / (bodies.spacing * bodies.spacing);
+  return distance2 > along_skin * along_skin ||
+         (distance2 > across_gap * across_gap && way.dot(N[v]) > 0 && way.dot(N[w]) < 0 && N[v].dot(N[w]) < 0);
+}
+
 /// How a vertex stands to the face that it is before.
 struct Stand {
   int face = -1;
@@ -137,16 +147,6 @@ class Look {
 
   const std::array<int, 3>& corners(int face) const { return skin_.surface.triangles[face]; }
 
-  /// Two vertices can touch: they are of two bodies, or were far from each other at rest.
-  bool areApart(int v, int w) const {
-    if (bodies_.body[v] != bodies_.body[w]) return true;
-    const auto &X = skin_.surface.vertices, &N = bodies_.normal;
-    const Vec3 way = X[w] - X[v];
-    const double distance2 = way.squaredNorm() / (bodies_.spacing * bodies_.spacing);
-    return distance2 > along_skin * along_skin ||
-           (distance2 > across_gap * across_gap && way.dot(N[v]) > 0 && way.dot(N[w]) < 0 && N[v].dot(N[w]) < 0);
-  }
-
   /// They look at each other; within one body with no tissue between them.
   bool face(int v, int w) {
     if (normalAt(v).dot(normalAt(w)) >= 0) return false;
@@ -171,7 +171,7 @@ class Look {
 
   bool isApart(int v, int t) const {
     const auto& [a, b, c] = corners(t);
-    return areApart(v, a) && areApart(v, b) && areApart(v, c);
+    return mayTouch(bodies_, skin_, v, a) && mayTouch(bodies_, skin_, v, b) && mayTouch(bodies_, skin_, v, c);
   }
 
   bool areSmooth(int t, int other) { return unit(areaOf(t)).dot(unit(areaOf(other))) > smooth_cosine; }
@@ -241,14 +241,15 @@ void findClusters(const SkinBodies& bodies, const SkinModel& skin, Look& look, S
 }
 
 /// The nearest that each vertex of one cluster may touch in another.
-void findNearest(const SkinModel& skin, int a, int b, Look& look, SkinContactScratch& scratch) {
+void findNearest(const SkinBodies& bodies, const SkinModel& skin, int a, int b, Look& look,
+                 SkinContactScratch& scratch) {
   for (int k = skin.cluster_begin[a]; k < skin.cluster_begin[a + 1]; ++k) {
     const int v = skin.cluster_vertex[k];
     for (int l = skin.cluster_begin[b]; l < skin.cluster_begin[b + 1]; ++l) {
       const int w = skin.cluster_vertex[l];
       const double d2 = (look.at(w) - look.at(v)).squaredNorm();
       if (d2 > scratch.nearest_distance2[v] || (d2 == scratch.nearest_distance2[v] && w > scratch.nearest[v])) continue;
-      if (!look.areApart(v, w) || !look.face(v, w)) continue;
+      if (!mayTouch(bodies, skin, v, w) || !look.face(v, w)) continue;
       scratch.nearest_distance2[v] = d2;
       scratch.nearest[v] = w;
     }
@@ -267,12 +268,13 @@ void findNearest(const SkinBodies& bodies, const SkinModel& skin, double apart, 
       const SkinContactScratch::Cluster &one = scratch.cluster[static_cast<std::size_t>(a)],
                                         &other = scratch.cluster[static_cast<std::size_t>(b)];
       const double near = apart + one.radius + other.radius;
+      if (!bodies.clusters_touch[static_cast<std::size_t>(a * count + b)]) continue;
       if ((one.centre - other.centre).squaredNorm() > near * near) continue;
       // No two of their faces look at each other.
       const double turned = one.spread + other.spread;
       if (turned < std::numbers::pi / 2 && one.axis.dot(other.axis) > std::sin(turned)) continue;
-      findNearest(skin, a, b, look, scratch);
-      if (a != b) findNearest(skin, b, a, look, scratch);
+      findNearest(bodies, skin, a, b, look, scratch);
+      if (a != b) findNearest(bodies, skin, b, a, look, scratch);
     }
 }
 
@@ -432,6 +434,46 @@ void addClusterFaces(const SkinModel& skin, SkinBodies& bodies) {
   }
 }
 
+/// Which clusters have vertices that may touch, and how near those are.
+void addClustersThatTouch(const SkinModel& skin, SkinBodies& bodies) {
+  const auto& X = skin.surface.vertices;
+  const int count = skin.clusterCount();
+  const double along = along_skin * bodies.spacing;
+  bodies.clusters_touch.assign(static_cast<std::size_t>(count) * static_cast<std::size_t>(count), 0);
+  bodies.least_gap = bodies.several() ? 0 : along;
+  const auto touch = [&](int a, int b) {
+    const double centres = (X[skin.cluster_representative[a]] - X[skin.cluster_representative[b]]).norm();
+    const auto radii = static_cast<double>(skin.cluster_radius[a]) + static_cast<double>(skin.cluster_radius[b]);
+    if (centres > along + radii) return true;
+    bool may = false;
+    for (int k = skin.cluster_begin[a]; k < skin.cluster_begin[a + 1]; ++k)
+      for (int l = skin.cluster_begin[b]; l < skin.cluster_begin[b + 1]; ++l) {
+        const int v = skin.cluster_vertex[k], w = skin.cluster_vertex[l];
+        if (!mayTouch(bodies, skin, v, w)) continue;
+        may = true;
+        bodies.least_gap = std::min(bodies.least_gap, (X[v] - X[w]).norm());
+      }
+    return may;
+  };
+  for (int a = 0; a < count; ++a)
+    for (int b = a; b < count; ++b)
+      bodies.clusters_touch[static_cast<std::size_t>(a) * static_cast<std::size_t>(count) +
+                            static_cast<std::size_t>(b)] = touch(a, b) ? 1 : 0;
+}
+
+/// m: no two places are further from where they were to each other.
+double relativeMotion(const SkinBodies& bodies, const Float4* u) {
+  Group low = load(u[0]), high = low;
+  for (int i = 1; i < bodies.node_count; ++i) {
+    const Group at = load(u[i]);
+    low = at < low ? at : low;
+    high = at > high ? at : high;
+  }
+  Eigen::Vector4f size;
+  storeGroup(size.data(), high - low);
+  return bodies.row_sum * static_cast<double>(size.head<3>().norm());
+}
+
 }  // namespace
 
 SkinBodies makeSkinBodies(const SkinModel& skin, double spacing) {
@@ -453,6 +495,8 @@ SkinBodies makeSkinBodies(const SkinModel& skin, double spacing) {
     for (int e = skin.begin[v]; e < skin.begin[v + 1]; ++e) sum += std::abs(static_cast<double>(skin.N[e]));
     bodies.row_sum = std::max(bodies.row_sum, sum);
   }
+  for (const int i : skin.node) bodies.node_count = std::max(bodies.node_count, i + 1);
+  addClustersThatTouch(skin, bodies);
   return bodies;
 }
 
@@ -524,7 +568,10 @@ void findSkinPairs(const SkinBodies& bodies, const SkinModel& skin, const Float4
   for (int k = 0; k < state.count; ++k) state.clearance[k] -= static_cast<float>(come);
   Look look(bodies, skin, u, scratch);
   if (searches) {
-    search(bodies, skin, followed_from * bodies.spacing + way, look, state, scratch);
+    const double reach = followed_from * bodies.spacing + way;
+    const bool all_apart =
+        state.count == 0 && relativeMotion(bodies, u) + reach + bodies.longest_edge < bodies.least_gap;
+    if (!all_apart) search(bodies, skin, reach, look, state, scratch);
     state.searched = true;
     state.since_search = 0;
   }
