@@ -16,7 +16,7 @@ namespace palpate {
 namespace {
 
 constexpr std::uint64_t magic = 0x31657461706c6170;  // "palpate1" as bytes
-constexpr std::uint64_t version = 3;                 // of the layout below
+constexpr std::uint64_t version = 4;                 // of the layout below
 constexpr std::size_t block_bytes = 1 << 20;
 
 /// A word-wise mix: each step is a bijection of the state, so one changed word always changes the result.

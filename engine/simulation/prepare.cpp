@@ -30,8 +30,8 @@ std::vector<int> materialsAt(const Scene& scene, const std::vector<Vec3>& X, con
   return material;
 }
 
-/// Not 0 at nodes where lumped tractions act. Tractions that are integrated over facets can answer any stress; lumped
-/// ones only a sum over the nodes.
+/// Bits of the components in which lumped tractions act on nodes. Tractions that are integrated over facets can answer
+/// any stress; lumped ones only a sum over the nodes.
 std::vector<std::uint8_t> lumpedNodes(const Scene& scene, const EssentialNodes& essential, std::size_t node_count) {
   if (scene.boundary_method == Scene::BoundaryMethod::Ebciem) return std::vector<std::uint8_t>(node_count, 0);
   return imposedComponents(essential.nodes, node_count);
@@ -41,7 +41,7 @@ std::vector<std::uint8_t> lumpedNodes(const Scene& scene, const EssentialNodes& 
 BoundaryPoints consistencyPoints(const Scene& scene, const NodeCloud& cloud,
                                  const std::vector<std::array<int, 3>>& outer, const EssentialNodes& essential) {
   if (!scene.formulation.consistent_gradients) return {};
-  return boundaryPoints(cloud.X, outer, lumpedNodes(scene, essential, cloud.X.size()));
+  return boundaryPoints(cloud.X, outer, lumpedNodes(scene, essential, cloud.X.size()), !scene.loads.empty());
 }
 
 /// The group of the cell that each place is in, as near as its middle tells: of the cells around the nearest of the
@@ -76,7 +76,8 @@ Approximation approximateSharply(const Scene& scene, const SurfaceTree& tree, co
     const auto at = [&](const std::vector<Vec3>& places) {
       return groupsAt(scene, tree, places, middles, cell_material, group);
     };
-    const SharpInterfaces sharp = sharpInterfaces(X, cells.cells, group, at(X), points.cell, lumped);
+    const SharpInterfaces sharp =
+        sharpInterfaces(X, cells.cells, group, at(X), points.cell, lumped, !scene.loads.empty());
     VolumeVertices vertices = volumeVertices(sharp.node, cells.cells, group);
     ApproximationGroups groups;
     groups.of_nodes = sharp.node;

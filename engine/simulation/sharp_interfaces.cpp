@@ -123,7 +123,8 @@ void joinGroups(const std::vector<Unsupported>& places, const std::vector<std::a
 
 SharpInterfaces sharpInterfaces(const std::vector<Vec3>& X, const std::vector<std::array<int, 4>>& cells,
                                 const std::vector<int>& cell_group, const std::vector<int>& node_group,
-                                const std::vector<int>& point_cell, const std::vector<std::uint8_t>& lumped) {
+                                const std::vector<int>& point_cell, const std::vector<std::uint8_t>& lumped,
+                                bool loaded) {
   SharpInterfaces sharp;
   sharp.node = groupsOfNodes(cells, cell_group, node_group);
   for (const int c : point_cell) sharp.point_group.push_back(cell_group[c]);
@@ -156,22 +157,12 @@ SharpInterfaces sharpInterfaces(const std::vector<Vec3>& X, const std::vector<st
       side.border_node.push_back(static_cast<int>(i));
       side.border_area.push_back(area[i]);
     }
-    const BoundaryPoints samples = boundaryPoints(X, free, lumped);
+    const BoundaryPoints samples = boundaryPoints(X, free, lumped, loaded);
     side.begin = static_cast<int>(sharp.boundary.X.size());
-    sharp.boundary.X.insert(sharp.boundary.X.end(), samples.X.begin(), samples.X.end());
-    sharp.boundary.area.insert(sharp.boundary.area.end(), samples.area.begin(), samples.area.end());
+    sharp.boundary.append(samples, 0, samples.X.size());
     side.end = static_cast<int>(sharp.boundary.X.size());
-    // The samples that are nodes come last, in the nodes' order.
-    sharp.sample_node.resize(sharp.boundary.X.size(), -1);
-    std::size_t i = 0;
-    for (int k = side.begin; k < side.end; ++k) {
-      std::size_t j = i;
-      while (j < X.size() && X[j] != sharp.boundary.X[static_cast<std::size_t>(k)]) ++j;
-      if (j == X.size()) continue;
-      i = j + 1;
-      if ((sharp.node[j] & (sharp.node[j] - 1)) != 0)
-        sharp.sample_node[static_cast<std::size_t>(k)] = static_cast<int>(j);
-    }
+    for (const int i : samples.node)
+      sharp.sample_node.push_back(i >= 0 && (sharp.node[i] & (sharp.node[i] - 1)) != 0 ? i : -1);
     sharp.sides.push_back(std::move(side));
   }
   return sharp;
@@ -199,11 +190,9 @@ void correctGradients(const SharpInterfaces& sharp, ShapeTable& shape, const std
     for (int k = side.begin; k < side.end; ++k) samples.push_back(k);
     ShapeTable points = part(shape, rows, number, entry), faces = part(at_boundary, samples, number, unused);
     BoundaryPoints boundary;
-    boundary.X.assign(sharp.boundary.X.begin() + side.begin, sharp.boundary.X.begin() + side.end);
-    boundary.area.assign(sharp.boundary.area.begin() + side.begin, sharp.boundary.area.begin() + side.end);
+    boundary.append(sharp.boundary, static_cast<std::size_t>(side.begin), static_cast<std::size_t>(side.end));
     for (std::size_t k = 0; k < side.border_node.size(); ++k) {  // the border's, as further samples
-      boundary.X.push_back(X[side.border_node[k]]);
-      boundary.area.push_back(side.border_area[k]);
+      boundary.add(X[side.border_node[k]], side.border_area[k]);
       faces.node.push_back(number[side.border_node[k]]);
       faces.N.push_back(1);
       faces.begin.push_back(static_cast<int>(faces.node.size()));

@@ -62,10 +62,11 @@ struct SharpInterfaces {
 ShapeTable withOwnRows(const ShapeTable& table, const std::vector<int>& node);
 
 /// @param node_group  (node_count) of nodes that have no cell
-/// @param lumped  not 0 at imposed nodes whose tractions are lumped there (boundaryPoints); (node_count)
+/// @param lumped, loaded  as imposed, loaded of boundaryPoints: of nodes whose tractions are lumped there (node_count)
 SharpInterfaces sharpInterfaces(const std::vector<Vec3>& X, const std::vector<std::array<int, 4>>& cells,
                                 const std::vector<int>& cell_group, const std::vector<int>& node_group,
-                                const std::vector<int>& point_cell, const std::vector<std::uint8_t>& lumped);
+                                const std::vector<int>& point_cell, const std::vector<std::uint8_t>& lumped,
+                                bool loaded);
 
 /// Corrects the gradients of each group's points on its own.
 /// @param shape        of all points; gradN is changed

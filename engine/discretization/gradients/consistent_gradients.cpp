@@ -39,7 +39,9 @@ GradientCorrection correctGradients(ShapeTable& shape, const std::vector<Vec3>& 
                                     const BoundaryPoints& boundary, const ShapeTable& at_boundary, double tolerance) {
   const auto nodes = static_cast<Eigen::Index>(X.size());
   const NodeEntries entries = nodeEntries(shape, X.size());
-  const NodeField target = boundaryIntegral(boundary, at_boundary, nodes);
+  BoundaryPoints balanced = boundary;
+  balanceNodes(balanced, at_boundary);
+  const NodeField target = boundaryIntegral(balanced, at_boundary, nodes);
   NodeField r = target - divergence(shape, entries, volume);
 
   GradientCorrection result;

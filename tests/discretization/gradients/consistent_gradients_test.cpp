@@ -68,13 +68,57 @@ TEST_CASE("Boundary samples: closed surface, right volume, nodes' rule on impose
     double nearest = 1;
     for (const auto& x : body.X) nearest = std::min(nearest, (x - samples.X[k]).norm());
     if (nearest > 1e-12) inside_base -= samples.area[k].z();
+    CHECK((samples.node[k] >= 0) == (nearest <= 1e-12));
   }
   CHECK(sum.norm() < 1e-15);
   CHECK(volume == Approx(1e-3).epsilon(1e-12));
   CHECK(base == Approx(1e-2).epsilon(1e-12));
   CHECK(inside_base == 0);
-  // 2 x 36 nodes of base and top, 6 samples of each of the 4 x 50 facets on the sides.
-  CHECK(samples.X.size() == 72 + 1200);
+  // 2 x 36 nodes of base and top, 6 samples of each of the 4 x 50 facets on the sides, and of the 2 x 50 held ones.
+  CHECK(samples.X.size() == 72 + 1200 + 600);
+}
+
+TEST_CASE("Areas of held nodes integrate shape functions, and keep forces and moments", "[consistent_gradients]") {
+  const TestBody body = orientedBody(1);
+  const auto facets = boundaryFacets(body.cells);
+  BoundaryPoints thirds = boundaryPoints(body.X, facets, baseAndTop(body));
+  const ShapeTable shape = shapesAt(body, thirds.X);
+  BoundaryPoints balanced = thirds;
+  balanceNodes(balanced, shape);
+  // How far the nodes' sums are from those of 6 points a facet, and the base's second moment over its own, a^4 / 12.
+  const auto off = [&](const BoundaryPoints& samples) {
+    std::vector<double> lacks(body.X.size(), 0);
+    double sum = 0, moment = 0;
+    for (std::size_t k = 0; k < samples.X.size(); ++k) {
+      const double nodes = samples.node[k] >= 0 ? samples.area[k].z() : 0;
+      for (int e = shape.begin[k]; e < shape.begin[k + 1]; ++e)
+        lacks[shape.node[e]] += (samples.of_held[k].z() - nodes) * shape.N[e];
+      if (samples.X[k].z() < 1e-9) moment -= nodes * std::pow(samples.X[k].x() - 0.05, 2);
+    }
+    for (const double lack : lacks) sum += lack * lack;
+    return std::pair{std::sqrt(sum), moment / (1e-4 / 12)};
+  };
+  INFO("thirds " << off(thirds).first << ", " << off(thirds).second << ", balanced " << off(balanced).first << ", "
+                 << off(balanced).second);
+  CHECK(off(balanced).first < 0.5 * off(thirds).first);
+  CHECK(off(thirds).second == Approx(1.08).epsilon(0.01));  // 1 + 2 / 5^2
+  CHECK(off(balanced).second < 1.04);
+  Vec3 force = Vec3::Zero();
+  Mat3 moment = Mat3::Zero();
+  for (std::size_t k = 0; k < thirds.X.size(); ++k) {
+    force += balanced.area[k] - thirds.area[k];
+    moment += balanced.X[k] * (balanced.area[k] - thirds.area[k]).transpose();
+  }
+  CHECK(force.norm() < 1e-15);
+  CHECK(moment.norm() < 1e-16);
+
+  // Faces that are held in other components than they face, or bear loads beside, keep thirds.
+  const std::vector<std::uint8_t> slides(body.X.size(), 3);
+  for (const bool loaded : {false, true}) {
+    const BoundaryPoints kept = boundaryPoints(body.X, facets, slides, loaded);
+    for (std::size_t k = 0; k < kept.X.size(); ++k)
+      if (kept.face[k] >= 0) CHECK(std::abs(kept.area[k].z()) + loaded == 0);
+  }
 }
 
 TEST_CASE("Corrected gradients satisfy the divergence theorem and stay linearly consistent", "[consistent_gradients]") {
