@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -21,8 +22,8 @@ struct SkinBodies {
   // Faces around the vertices of the skin's clusters.
   std::vector<int> cluster_face_begin;  // (cluster_count + 1)
   std::vector<int> cluster_face;
-  // (cluster_count x cluster_count, the lower one first) whether a vertex of the one may ever touch one of the other
-  std::vector<std::uint8_t> clusters_touch;
+  std::vector<int> cluster_body;        // (cluster_count) of the clusters' vertices; -1: of several
+  std::vector<std::array<int, 2>> across_gaps;  // clusters of one body, near each other at rest, that may yet touch
   double least_gap = 0;  // m, at rest, between vertices that may touch
   int node_count = 0;    // that move the skin
   double spacing = 0;           // m, of the nodes
@@ -36,9 +37,9 @@ constexpr int max_skin_bodies = 64, max_organs = 16;
 /// The bodies of a skin, all of organ 0 and without friction.
 SkinBodies makeSkinBodies(const SkinModel& skin, double spacing);
 
-/// Vertices of the skin that are near another body or another part of their own, with the face that each is before: the side on which it is is
-/// remembered, found when it comes near and followed from face to face, so that what is pressed through a thin part
-/// finds its way back. Sized by makeSkinContactState; nothing here allocates later.
+/// Vertices of the skin that are near another body or another part of their own, with the face that each is before: the
+/// side on which it is is remembered, found when it comes near and followed from face to face, so that what is pressed
+/// through a thin part of another body finds its way back. Sized by makeSkinContactState; nothing here allocates later.
 struct SkinContactState {
   int count = 0;
   std::vector<int> vertex;       // (capacity) ascending
@@ -86,6 +87,7 @@ struct SkinContactScratch {
   std::vector<std::uint32_t> measured;         // (face_count) the look at which `area` was found
   std::vector<Vec3> area;                      // (face_count) m^2, twice the area along the normal
   struct Cluster {
+    std::uint32_t look = 0;      // at which it was measured
     Vec3 centre = Vec3::Zero();  // m
     double radius = 0;           // m
     Vec3 axis = Vec3::Zero();    // unit, mean of its faces' normals

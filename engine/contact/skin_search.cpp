@@ -22,14 +22,17 @@ constexpr double deepest_entry = 1;
 
 /// Spacings at rest, from which on two places of one body may touch. Those that look at each other across a gap, from
 /// `across_gap` on: nearer ones are moved by the same nodes. Others only where skin folds, from `along_skin` on: nearer
-/// ones bend with each other, and what crumples between nodes is no contact (at 1.5 a pressed gel of 4.4 spacings across
-/// locked itself into folds that it had not without).
+/// ones bend with each other, and what crumples between nodes is no contact (at 1.5 a gel that is 4.4 spacings wide,
+/// pressed roughly, locked itself into folds that it had not without).
 constexpr double across_gap = 0.5, along_skin = 3;
 
 /// Spacings, by which two places of one body may be in each other. What comes deeper has been passed by something that
 /// contact can't hold, and finds its way back better alone: held, it locks (0.5 left a gel's skin crossing itself in 29
 /// of 77 looks after a rough hand, 0.1 in as many as no contact at all, 2).
 constexpr double deepest_hold = 0.1;
+
+/// Of the skin, which the bounds of clusters allow for, as the tools' (broad_phase.cpp).
+constexpr double most_stretch = 2;
 
 /// m, within which what rests takes part: forces on its neighbours may push it to the other skin.
 constexpr double least_way = 1e-4;
@@ -64,6 +67,19 @@ bool mayTouch(const SkinBodies& bodies, const SkinModel& skin, int v, int w) {
          (distance2 > across_gap * across_gap && way.dot(N[v]) > 0 && way.dot(N[w]) < 0 && N[v].dot(N[w]) < 0);
 }
 
+/// Two clusters have vertices of one and the same body.
+bool areOfOne(const SkinBodies& bodies, int a, int b) {
+  return bodies.cluster_body[a] >= 0 && bodies.cluster_body[a] == bodies.cluster_body[b];
+}
+
+/// m, at rest, between the vertices of two clusters: at least, and at most.
+std::array<double, 2> distanceBetween(const SkinModel& skin, int a, int b) {
+  const auto& X = skin.surface.vertices;
+  const double centres = (X[skin.cluster_representative[a]] - X[skin.cluster_representative[b]]).norm();
+  const auto radii = static_cast<double>(skin.cluster_radius[a] + skin.cluster_radius[b]);
+  return {centres - radii, centres + radii};
+}
+
 /// How a vertex stands to the face that it is before.
 struct Stand {
   int face = -1;
@@ -80,6 +96,7 @@ class Look {
       std::fill(scratch_.known.begin(), scratch_.known.end(), 0U);
       std::fill(scratch_.directed.begin(), scratch_.directed.end(), 0U);
       std::fill(scratch_.measured.begin(), scratch_.measured.end(), 0U);
+      for (SkinContactScratch::Cluster& cluster : scratch_.cluster) cluster.look = 0;
       scratch_.look = 1;
     }
   }
@@ -147,13 +164,6 @@ class Look {
 
   const std::array<int, 3>& corners(int face) const { return skin_.surface.triangles[face]; }
 
-  /// They look at each other; within one body with no tissue between them.
-  bool face(int v, int w) {
-    if (normalAt(v).dot(normalAt(w)) >= 0) return false;
-    const Vec3 way = at(w) - at(v);
-    return bodies_.body[v] != bodies_.body[w] || (way.dot(normalAt(v)) > 0 && way.dot(normalAt(w)) < 0);
-  }
-
   /// Twice its area along its normal, m^2.
   const Vec3& areaOf(int face) {
     if (scratch_.measured[face] == scratch_.look) return scratch_.area[face];
@@ -216,40 +226,49 @@ bool touched(const SkinContactState& state, int k) {
 /// Or is so near that it may by now.
 bool touches(const SkinContactState& state, int k) { return state.clearance[k] <= 0 || touched(state, k); }
 
-/// Where each cluster of the skin is, and which ways its faces look.
-void findClusters(const SkinBodies& bodies, const SkinModel& skin, Look& look, SkinContactScratch& scratch) {
-  for (std::size_t c = 0; c < scratch.cluster.size(); ++c) {
-    SkinContactScratch::Cluster& cluster = scratch.cluster[c];
-    cluster.centre = look.at(skin.cluster_representative[c]);
-    double far2 = 0;
-    for (int k = skin.cluster_begin[c]; k < skin.cluster_begin[c + 1]; ++k)
-      far2 = std::max(far2, (look.at(skin.cluster_vertex[k]) - cluster.centre).squaredNorm());
-    cluster.radius = std::sqrt(far2);
-    Vec3 sum = Vec3::Zero();
-    const std::span<const int> faces(bodies.cluster_face.data() + bodies.cluster_face_begin[c],
-                                     bodies.cluster_face.data() + bodies.cluster_face_begin[c + 1]);
-    for (const int t : faces) sum += look.areaOf(t);
-    cluster.axis = unit(sum);
-    double least = 1;
-    for (const int t : faces) {
-      const Vec3& area = look.areaOf(t);
-      const double along = area.dot(cluster.axis);
-      if (along < least * area.norm()) least = along / area.norm();
-    }
-    cluster.spread = std::acos(std::clamp(least, -1.0, 1.0));
-  }
+/// Where a cluster of the skin is, and which ways its faces look.
+const SkinContactScratch::Cluster& measured(const SkinBodies& bodies, const SkinModel& skin, int c, Look& look,
+                                            SkinContactScratch& scratch) {
+  SkinContactScratch::Cluster& cluster = scratch.cluster[static_cast<std::size_t>(c)];
+  if (cluster.look == scratch.look) return cluster;
+  cluster.look = scratch.look;
+  cluster.centre = look.at(skin.cluster_representative[c]);
+  double far2 = 0;
+  for (int k = skin.cluster_begin[c]; k < skin.cluster_begin[c + 1]; ++k)
+    far2 = std::max(far2, (look.at(skin.cluster_vertex[k]) - cluster.centre).squaredNorm());
+  cluster.radius = std::sqrt(far2);
+  Vec3 sum = Vec3::Zero();
+  const std::span<const int> faces(bodies.cluster_face.data() + bodies.cluster_face_begin[c],
+                                   bodies.cluster_face.data() + bodies.cluster_face_begin[c + 1]);
+  for (const int t : faces) sum += look.areaOf(t);
+  cluster.axis = unit(sum);
+  double least = 1;
+  for (const int t : faces) least = std::min(least, unit(look.areaOf(t)).dot(cluster.axis));
+  cluster.spread = std::acos(std::clamp(least, -1.0, 1.0));
+  return cluster;
 }
 
 /// The nearest that each vertex of one cluster may touch in another.
 void findNearest(const SkinBodies& bodies, const SkinModel& skin, int a, int b, Look& look,
                  SkinContactScratch& scratch) {
+  const SkinContactScratch::Cluster& other = scratch.cluster[static_cast<std::size_t>(b)];
+  const double turned = other.spread < std::numbers::pi / 2 ? std::sin(other.spread) : 1;
   for (int k = skin.cluster_begin[a]; k < skin.cluster_begin[a + 1]; ++k) {
     const int v = skin.cluster_vertex[k];
+    const Vec3 &x = look.at(v), &n = look.normalAt(v);
+    const double way = (x - other.centre).norm() - other.radius;
+    if (way > 0 && way * way > scratch.nearest_distance2[v]) continue;
+    if (n.dot(other.axis) > turned) continue;  // it looks at none of them
     for (int l = skin.cluster_begin[b]; l < skin.cluster_begin[b + 1]; ++l) {
       const int w = skin.cluster_vertex[l];
-      const double d2 = (look.at(w) - look.at(v)).squaredNorm();
+      const Vec3 to = look.at(w) - x;
+      const double d2 = to.squaredNorm();
       if (d2 > scratch.nearest_distance2[v] || (d2 == scratch.nearest_distance2[v] && w > scratch.nearest[v])) continue;
-      if (!mayTouch(bodies, skin, v, w) || !look.face(v, w)) continue;
+      // They look at each other; within one body with no tissue between them.
+      const Vec3& m = look.normalAt(w);
+      if (n.dot(m) >= 0) continue;
+      if (bodies.body[v] == bodies.body[w] && (to.dot(n) <= 0 || to.dot(m) >= 0)) continue;
+      if (!mayTouch(bodies, skin, v, w)) continue;
       scratch.nearest_distance2[v] = d2;
       scratch.nearest[v] = w;
     }
@@ -257,33 +276,64 @@ void findNearest(const SkinBodies& bodies, const SkinModel& skin, int a, int b, 
 }
 
 /// The nearest vertex that each may touch, no further than `apart` (m); -1: none.
-void findNearest(const SkinBodies& bodies, const SkinModel& skin, double apart, Look& look,
+/// @param moved  m: no two places are further from where they were to each other
+void findNearest(const SkinBodies& bodies, const SkinModel& skin, double apart, double moved, Look& look,
                  SkinContactScratch& scratch) {
-  findClusters(bodies, skin, look, scratch);
   std::fill(scratch.nearest.begin(), scratch.nearest.end(), -1);
   std::fill(scratch.nearest_distance2.begin(), scratch.nearest_distance2.end(), apart * apart);
-  const int count = static_cast<int>(scratch.cluster.size());
-  for (int a = 0; a < count; ++a)
-    for (int b = a; b < count; ++b) {
-      const SkinContactScratch::Cluster &one = scratch.cluster[static_cast<std::size_t>(a)],
-                                        &other = scratch.cluster[static_cast<std::size_t>(b)];
-      const double near = apart + one.radius + other.radius;
-      if (!bodies.clusters_touch[static_cast<std::size_t>(a * count + b)]) continue;
-      if ((one.centre - other.centre).squaredNorm() > near * near) continue;
-      // No two of their faces look at each other.
-      const double turned = one.spread + other.spread;
-      if (turned < std::numbers::pi / 2 && one.axis.dot(other.axis) > std::sin(turned)) continue;
-      findNearest(bodies, skin, a, b, look, scratch);
-      if (a != b) findNearest(bodies, skin, b, a, look, scratch);
+  const auto reachOf = [&](int c) { return most_stretch * static_cast<double>(skin.cluster_radius[c]); };
+  const auto areNear = [&](const Vec3& x, const Vec3& y, double reach) {
+    return (x - y).squaredNorm() <= (apart + reach) * (apart + reach);
+  };
+  const auto compare = [&](int a, int b) {
+    if (!areNear(look.at(skin.cluster_representative[a]), look.at(skin.cluster_representative[b]),
+                 reachOf(a) + reachOf(b)))
+      return;
+    const SkinContactScratch::Cluster &one = measured(bodies, skin, a, look, scratch),
+                                      &other = measured(bodies, skin, b, look, scratch);
+    if (!areNear(one.centre, other.centre, one.radius + other.radius)) return;
+    // No two of their faces look at each other.
+    const double turned = one.spread + other.spread;
+    if (turned < std::numbers::pi / 2 && one.axis.dot(other.axis) > std::sin(turned)) return;
+    findNearest(bodies, skin, a, b, look, scratch);
+    if (a != b) findNearest(bodies, skin, b, a, look, scratch);
+  };
+  for (const auto& [a, b] : bodies.across_gaps)
+    if (distanceBetween(skin, a, b)[0] < moved + apart) compare(a, b);
+  const bool calm = moved + apart < along_skin * bodies.spacing;
+  if (calm && !bodies.several()) return;
+  const auto centreOf = [&](int r) { return look.at(skin.region_representative[r]); };
+  const auto bodyOf = [&](int r) {  // -1: of several
+    const int of = bodies.cluster_body[skin.region_begin[r]];
+    const auto first = bodies.cluster_body.begin();
+    return std::all_of(first + skin.region_begin[r], first + skin.region_begin[r + 1], [&](int b) { return b == of; })
+               ? of
+               : -1;
+  };
+  const auto radiusOf = [&](int r) {
+    double far = 0;
+    for (int c = skin.region_begin[r]; c < skin.region_begin[r + 1]; ++c)
+      far = std::max(far, (look.at(skin.cluster_representative[c]) - centreOf(r)).norm() + reachOf(c));
+    return far;
+  };
+  for (int r = 0; r < skin.regionCount(); ++r)
+    for (int s = r; s < skin.regionCount(); ++s) {
+      if (calm && bodyOf(r) >= 0 && bodyOf(r) == bodyOf(s)) continue;
+      if (!areNear(centreOf(r), centreOf(s), radiusOf(r) + radiusOf(s))) continue;
+      for (int a = skin.region_begin[r]; a < skin.region_begin[r + 1]; ++a)
+        for (int b = std::max(a, skin.region_begin[s]); b < skin.region_begin[s + 1]; ++b)
+          if (!areOfOne(bodies, a, b) || (!calm && distanceBetween(skin, a, b)[1] > along_skin * bodies.spacing))
+            compare(a, b);
     }
 }
 
 /// Looks at all vertices. @param reach  m, from which on they are listed
-void search(const SkinBodies& bodies, const SkinModel& skin, double reach, Look& look, SkinContactState& state,
-            SkinContactScratch& scratch) {
+void search(const SkinBodies& bodies, const SkinModel& skin, double reach, double moved, Look& look,
+            SkinContactState& state, SkinContactScratch& scratch) {
   // How far a body's vertices are from one that is before the middle of its largest face.
-  findNearest(bodies, skin, reach + bodies.longest_edge, look, scratch);
-  for (int k = 0; k < state.count; ++k) scratch.old_touches[k] = state.clearance[k] == inside ? 2 : touches(state, k) ? 1 : 0;
+  findNearest(bodies, skin, reach + bodies.longest_edge, moved, look, scratch);
+  for (int k = 0; k < state.count; ++k)
+    scratch.old_touches[k] = state.clearance[k] == inside ? 2 : touches(state, k) ? 1 : 0;
   std::swap(state.vertex, scratch.old_vertex);
   std::swap(state.face, scratch.old_face);
   std::swap(state.force, scratch.old_force);
@@ -299,9 +349,9 @@ void search(const SkinBodies& bodies, const SkinModel& skin, double reach, Look&
     if (!touched) {
       if (stand.face < 0 || !(stand.distance <= reach)) continue;
       const double side = look.normalOf(stand).dot(look.at(v) - look.pointOf(stand));
-      if (side < 0 && (bodies.body[v] == bodies.body[look.corners(stand.face)[0]] ||
-                       stand.distance > deepest_entry * bodies.spacing ||
-                       look.normalOf(stand).dot(look.normalAt(v)) > 0))
+      if (side < 0 &&
+          (bodies.body[v] == bodies.body[look.corners(stand.face)[0]] ||
+           stand.distance > deepest_entry * bodies.spacing || look.normalOf(stand).dot(look.normalAt(v)) > 0))
         continue;
     }
     const int k = state.count++;
@@ -338,8 +388,8 @@ bool addEntries(const SkinModel& skin, int vertex, const std::array<int, 3>& cor
   }
 }
 
-/// Of two places of one body that touch, the vertices of one carry the pressure, a little before the other's faces; in a
-/// direction that no grid has.
+/// Of two places of one body that touch, the vertices of one carry the pressure, a little before the other's faces: of
+/// that which comes first in a direction that no grid has.
 bool carries(int v, int other, const SkinModel& skin) {
   return (skin.surface.vertices[v] - skin.surface.vertices[other]).dot(Vec3(0.46, 0.71, 0.53)) < 0;
 }
@@ -362,11 +412,10 @@ void makeRows(const SkinBodies& bodies, const SkinModel& skin, double way, Look&
     const bool same = bodies.body[v] == bodies.body[look.corners(stand.face)[0]];
     const bool is_before = std::abs(gap) >= before_face * stand.distance;
     const bool has_touched = touched(state, k);
-    const bool is_beside =
-        same ? (stand.distance > least_way && !is_before) ||
-                   gap < -(has_touched ? deepest_hold * bodies.spacing : least_way) ||
-                   (!has_touched && normal.dot(look.normalAt(v)) >= 0)
-             : stand.distance > way && (!is_before || (!was_inside && gap < 0));
+    const bool is_beside = same ? (stand.distance > least_way && !is_before) ||
+                                      gap < -(has_touched ? deepest_hold * bodies.spacing : least_way) ||
+                                      (!has_touched && normal.dot(look.normalAt(v)) >= 0)
+                                : stand.distance > way && (!is_before || (!was_inside && gap < 0));
     const bool is_inside = gap <= 0 && !is_beside;
     state.clearance[k] = is_inside ? inside : static_cast<float>(stand.distance);
     const bool may_touch = !is_beside && static_cast<double>(state.clearance[k]) <= way && std::isfinite(gap);
@@ -383,7 +432,7 @@ void makeRows(const SkinBodies& bodies, const SkinModel& skin, double way, Look&
     row.friction = std::max(bodies.friction[own], bodies.friction[other]);
     const auto& corner = look.corners(stand.face);
     const double missed = missed_depth * bodies.longest_edge;
-    row.lift = static_cast<float>(same                                  ? (carries(v, corner[0], skin) ? -missed : 0)
+    row.lift = static_cast<float>(same                                    ? (carries(v, corner[0], skin) ? -missed : 0)
                                   : bodies.rank[own] < bodies.rank[other] ? 0
                                                                           : missed);
     Vec3 apart = skin.surface.vertices[v];
@@ -421,6 +470,10 @@ void addClusterFaces(const SkinModel& skin, SkinBodies& bodies) {
   const SkinTopology& topology = skin.topology;
   bodies.cluster_face_begin.assign(1, 0);
   for (int c = 0; c < skin.clusterCount(); ++c) {
+    int of = bodies.body[skin.cluster_representative[c]];
+    for (int k = skin.cluster_begin[c]; k < skin.cluster_begin[c + 1]; ++k)
+      if (bodies.body[skin.cluster_vertex[k]] != of) of = -1;
+    bodies.cluster_body.push_back(of);
     const auto first = static_cast<std::ptrdiff_t>(bodies.cluster_face.size());
     for (int k = skin.cluster_begin[c]; k < skin.cluster_begin[c + 1]; ++k) {
       const int v = skin.cluster_vertex[k];
@@ -434,31 +487,24 @@ void addClusterFaces(const SkinModel& skin, SkinBodies& bodies) {
   }
 }
 
-/// Which clusters have vertices that may touch, and how near those are.
-void addClustersThatTouch(const SkinModel& skin, SkinBodies& bodies) {
+/// Which clusters look at each other across a gap, and how near they are.
+void addGaps(const SkinModel& skin, SkinBodies& bodies) {
   const auto& X = skin.surface.vertices;
-  const int count = skin.clusterCount();
   const double along = along_skin * bodies.spacing;
-  bodies.clusters_touch.assign(static_cast<std::size_t>(count) * static_cast<std::size_t>(count), 0);
   bodies.least_gap = bodies.several() ? 0 : along;
-  const auto touch = [&](int a, int b) {
-    const double centres = (X[skin.cluster_representative[a]] - X[skin.cluster_representative[b]]).norm();
-    const auto radii = static_cast<double>(skin.cluster_radius[a]) + static_cast<double>(skin.cluster_radius[b]);
-    if (centres > along + radii) return true;
-    bool may = false;
-    for (int k = skin.cluster_begin[a]; k < skin.cluster_begin[a + 1]; ++k)
-      for (int l = skin.cluster_begin[b]; l < skin.cluster_begin[b + 1]; ++l) {
-        const int v = skin.cluster_vertex[k], w = skin.cluster_vertex[l];
-        if (!mayTouch(bodies, skin, v, w)) continue;
-        may = true;
-        bodies.least_gap = std::min(bodies.least_gap, (X[v] - X[w]).norm());
-      }
-    return may;
-  };
-  for (int a = 0; a < count; ++a)
-    for (int b = a; b < count; ++b)
-      bodies.clusters_touch[static_cast<std::size_t>(a) * static_cast<std::size_t>(count) +
-                            static_cast<std::size_t>(b)] = touch(a, b) ? 1 : 0;
+  for (int a = 0; a < skin.clusterCount(); ++a)
+    for (int b = a; b < skin.clusterCount(); ++b) {
+      if (!areOfOne(bodies, a, b) || distanceBetween(skin, a, b)[0] > along) continue;
+      bool are_across = false;
+      for (int k = skin.cluster_begin[a]; k < skin.cluster_begin[a + 1]; ++k)
+        for (int l = skin.cluster_begin[b]; l < skin.cluster_begin[b + 1]; ++l) {
+          const int v = skin.cluster_vertex[k], w = skin.cluster_vertex[l];
+          if ((X[v] - X[w]).squaredNorm() > along * along || !mayTouch(bodies, skin, v, w)) continue;
+          are_across = true;
+          bodies.least_gap = std::min(bodies.least_gap, (X[v] - X[w]).norm());
+        }
+      if (are_across) bodies.across_gaps.push_back({a, b});
+    }
 }
 
 /// m: no two places are further from where they were to each other.
@@ -496,7 +542,7 @@ SkinBodies makeSkinBodies(const SkinModel& skin, double spacing) {
     bodies.row_sum = std::max(bodies.row_sum, sum);
   }
   for (const int i : skin.node) bodies.node_count = std::max(bodies.node_count, i + 1);
-  addClustersThatTouch(skin, bodies);
+  addGaps(skin, bodies);
   return bodies;
 }
 
@@ -569,9 +615,9 @@ void findSkinPairs(const SkinBodies& bodies, const SkinModel& skin, const Float4
   Look look(bodies, skin, u, scratch);
   if (searches) {
     const double reach = followed_from * bodies.spacing + way;
-    const bool all_apart =
-        state.count == 0 && relativeMotion(bodies, u) + reach + bodies.longest_edge < bodies.least_gap;
-    if (!all_apart) search(bodies, skin, reach, look, state, scratch);
+    const double moved = relativeMotion(bodies, u);
+    if (state.count > 0 || moved + reach + bodies.longest_edge >= bodies.least_gap)
+      search(bodies, skin, reach, moved, look, state, scratch);
     state.searched = true;
     state.since_search = 0;
   }

@@ -112,7 +112,8 @@ Model flap() {
   scene.damping = 40;
   scene.tool.radius = 0.006;
   scene.tool_position = Vec3(0.036, 0.012, 0.031);
-  return buildModel(scene, cubes({25, 12, 12}, cube, [](const Vec3& x) { return x.x() < 6 || x.z() < 5 || x.z() > 8; }));
+  return buildModel(scene,
+                    cubes({25, 12, 12}, cube, [](const Vec3& x) { return x.x() < 6 || x.z() < 5 || x.z() > 8; }));
 }
 
 /// m, the least that is between the flap and what is below it; less than 0: they went through each other.
@@ -142,11 +143,12 @@ TEST_CASE("A flap that is pressed down rests on its own body, and lifts off agai
   command.tool_target = model.tool_start;
   StepReport report;
   double least = 1;
-  std::vector<double> force;  // N, at each depth, held
+  std::vector<double> force;                   // N, at each depth, held
   for (const double depth : {0.009, 0.014}) {  // m; the ball starts 1 mm above it
     const double from = model.tool_start.position.z() - command.tool_target.position.z();
     for (int k = 1; k <= 250; ++k) {
-      command.tool_target.position.z() = model.tool_start.position.z() - from - (depth - from) * std::min(1.0, k / 50.0);
+      command.tool_target.position.z() =
+          model.tool_start.position.z() - from - (depth - from) * std::min(1.0, k / 50.0);
       report = tick(model, state, command, workspace);
       least = std::min(least, airBelow(model, state));
     }

@@ -125,12 +125,15 @@ TEST_CASE("A free block meets the closed form up to 50 % compression", "[validat
   // clouds of nu 0.49 find no equilibrium at 45 %. At nu 0.45 volumes of points swing so far (0.4 to 1.6) that the
   // block gives way between 46 and 50 %, whatever the points keep. A barrier that begins just below the volume that it
   // has (0.94) holds them: at 50 % the force is 0.7 to 1 % too low with three clouds, and 45 to 63 % without it.
+  // At nu 0.49 and 50 % it is 1.02 and 1.12 % too low since the areas of held nodes integrate the shape functions (it
+  // was below 1 %); with thirds of facets, what is bent or twisted by its faces was 2 to 5 % too stiff.
   struct Case {
     double nu, compression, barrier_strength, barrier_J0;
     unsigned seed;
+    double error;
   };
-  for (const Case& c : {Case{0.45, 0.45, 0, 0.5, 1}, Case{0.45, 0.48, 5, 0.935, 1}, Case{0.49, 0.5, 0, 0.5, 2},
-                        Case{0.49, 0.5, 0, 0.5, 3}}) {
+  for (const Case& c : {Case{0.45, 0.45, 0, 0.5, 1, 1e-2}, Case{0.45, 0.48, 5, 0.935, 1, 1e-2},
+                        Case{0.49, 0.5, 0, 0.5, 2, 1.2e-2}, Case{0.49, 0.5, 0, 0.5, 3, 1.2e-2}}) {
     INFO("nu " << c.nu << ", " << c.compression << ", barrier " << c.barrier_strength << ", seed " << c.seed);
     Scene scene = blockScene(c.nu, c.compression, false, 1);
     scene.seed = c.seed;
@@ -141,7 +144,7 @@ TEST_CASE("A free block meets the closed form up to 50 % compression", "[validat
     for (const double share : {0.75, 1.0}) {
       REQUIRE(solver.advanceTo(share).converged);
       const double force = solver.body().reactions()[1].force.z();
-      CHECK(force == Approx(closedForm(c.nu, c.compression * share, false)).epsilon(1e-2));
+      CHECK(force == Approx(closedForm(c.nu, c.compression * share, false)).epsilon(c.error));
     }
   }
 }
