@@ -31,8 +31,9 @@ constexpr double across_gap = 0.5, along_skin = 3;
 /// of 77 looks after a rough hand, 0.1 in as many as no contact at all, 2).
 constexpr double deepest_hold = 0.1;
 
-/// Of the skin, which the bounds of clusters allow for, as the tools' (broad_phase.cpp).
-constexpr double most_stretch = 2;
+/// Of the skin, which the bounds of clusters allow for: of two bodies as the tools' (broad_phase.cpp), of one where it
+/// folds less, since with 2 all neighbours of neighbours are looked at closely.
+constexpr double most_stretch = 2, folded_stretch = 1.5;
 
 /// m, within which what rests takes part: forces on its neighbours may push it to the other skin.
 constexpr double least_way = 1e-4;
@@ -285,9 +286,9 @@ void findNearest(const SkinBodies& bodies, const SkinModel& skin, double apart, 
   const auto areNear = [&](const Vec3& x, const Vec3& y, double reach) {
     return (x - y).squaredNorm() <= (apart + reach) * (apart + reach);
   };
-  const auto compare = [&](int a, int b) {
+  const auto compare = [&](int a, int b, double stretch) {
     if (!areNear(look.at(skin.cluster_representative[a]), look.at(skin.cluster_representative[b]),
-                 reachOf(a) + reachOf(b)))
+                 stretch / most_stretch * (reachOf(a) + reachOf(b))))
       return;
     const SkinContactScratch::Cluster &one = measured(bodies, skin, a, look, scratch),
                                       &other = measured(bodies, skin, b, look, scratch);
@@ -299,7 +300,7 @@ void findNearest(const SkinBodies& bodies, const SkinModel& skin, double apart, 
     if (a != b) findNearest(bodies, skin, b, a, look, scratch);
   };
   for (const auto& [a, b] : bodies.across_gaps)
-    if (distanceBetween(skin, a, b)[0] < moved + apart) compare(a, b);
+    if (distanceBetween(skin, a, b)[0] < moved + apart) compare(a, b, most_stretch);
   const bool calm = moved + apart < along_skin * bodies.spacing;
   if (calm && !bodies.several()) return;
   const auto centreOf = [&](int r) { return look.at(skin.region_representative[r]); };
@@ -316,14 +317,19 @@ void findNearest(const SkinBodies& bodies, const SkinModel& skin, double apart, 
       far = std::max(far, (look.at(skin.cluster_representative[c]) - centreOf(r)).norm() + reachOf(c));
     return far;
   };
+  std::array<double, 1024> radius;  // of so many regions; the others are taken for near
+  const auto known = std::min<int>(skin.regionCount(), static_cast<int>(radius.size()));
+  for (int r = 0; r < known; ++r) radius[static_cast<std::size_t>(r)] = radiusOf(r);
   for (int r = 0; r < skin.regionCount(); ++r)
     for (int s = r; s < skin.regionCount(); ++s) {
       if (calm && bodyOf(r) >= 0 && bodyOf(r) == bodyOf(s)) continue;
-      if (!areNear(centreOf(r), centreOf(s), radiusOf(r) + radiusOf(s))) continue;
+      if (s < known && !areNear(centreOf(r), centreOf(s),
+                                radius[static_cast<std::size_t>(r)] + radius[static_cast<std::size_t>(s)]))
+        continue;
       for (int a = skin.region_begin[r]; a < skin.region_begin[r + 1]; ++a)
         for (int b = std::max(a, skin.region_begin[s]); b < skin.region_begin[s + 1]; ++b)
           if (!areOfOne(bodies, a, b) || (!calm && distanceBetween(skin, a, b)[1] > along_skin * bodies.spacing))
-            compare(a, b);
+            compare(a, b, areOfOne(bodies, a, b) ? folded_stretch : most_stretch);
     }
 }
 

@@ -146,11 +146,11 @@ TEST_CASE("A flap that is pressed down rests on its own body, and lifts off agai
   std::vector<double> force;                   // N, at each depth, held
   for (const double depth : {0.009, 0.014}) {  // m; the ball starts 1 mm above it
     const double from = model.tool_start.position.z() - command.tool_target.position.z();
-    for (int k = 1; k <= 250; ++k) {
+    for (int k = 1; k <= 150; ++k) {
       command.tool_target.position.z() =
           model.tool_start.position.z() - from - (depth - from) * std::min(1.0, k / 50.0);
       report = tick(model, state, command, workspace);
-      least = std::min(least, airBelow(model, state));
+      if (k % 10 == 0) least = std::min(least, airBelow(model, state));
     }
     force.push_back(report.tool_force.norm());
     CHECK((report.skin_contact_count > 0) == (depth > 0.01));
@@ -159,7 +159,7 @@ TEST_CASE("A flap that is pressed down rests on its own body, and lifts off agai
   CHECK(least > -1e-5);
   command.tool_target = model.tool_start;
   command.tool_target.position.z() += 0.01;
-  for (int k = 0; k < 500; ++k) report = tick(model, state, command, workspace);
+  for (int k = 0; k < 250; ++k) report = tick(model, state, command, workspace);
   CHECK(report.skin_contact_count == 0);
   CHECK(std::abs(airBelow(model, state) - 3 * cube) < 1e-5);
 }
