@@ -24,16 +24,15 @@ constexpr double deepest_entry = 1;
 /// `across_gap` on: nearer ones are moved by the same nodes. Others only where skin folds, from `along_skin` on: nearer
 /// ones bend with each other, and what crumples between nodes is no contact (at 1.5 a gel that is 4.4 spacings wide,
 /// pressed roughly, locked itself into folds that it had not without).
-constexpr double across_gap = 0.5, along_skin = 3;
+constexpr double across_gap = 0.5, along_skin = 4;
 
 /// Spacings, by which two places of one body may be in each other. What comes deeper has been passed by something that
 /// contact can't hold, and finds its way back better alone: held, it locks (0.5 left a gel's skin crossing itself in 29
 /// of 77 looks after a rough hand, 0.1 in as many as no contact at all, 2).
 constexpr double deepest_hold = 0.1;
 
-/// Of the skin, which the bounds of clusters allow for: of two bodies as the tools' (broad_phase.cpp), of one where it
-/// folds less, since with 2 all neighbours of neighbours are looked at closely.
-constexpr double most_stretch = 2, folded_stretch = 1.5;
+/// Of the skin, which the bounds of clusters allow for, as the tools' (broad_phase.cpp).
+constexpr double most_stretch = 2;
 
 /// m, within which what rests takes part: forces on its neighbours may push it to the other skin.
 constexpr double least_way = 1e-4;
@@ -286,9 +285,9 @@ void findNearest(const SkinBodies& bodies, const SkinModel& skin, double apart, 
   const auto areNear = [&](const Vec3& x, const Vec3& y, double reach) {
     return (x - y).squaredNorm() <= (apart + reach) * (apart + reach);
   };
-  const auto compare = [&](int a, int b, double stretch) {
+  const auto compare = [&](int a, int b) {
     if (!areNear(look.at(skin.cluster_representative[a]), look.at(skin.cluster_representative[b]),
-                 stretch / most_stretch * (reachOf(a) + reachOf(b))))
+                 reachOf(a) + reachOf(b)))
       return;
     const SkinContactScratch::Cluster &one = measured(bodies, skin, a, look, scratch),
                                       &other = measured(bodies, skin, b, look, scratch);
@@ -300,7 +299,7 @@ void findNearest(const SkinBodies& bodies, const SkinModel& skin, double apart, 
     if (a != b) findNearest(bodies, skin, b, a, look, scratch);
   };
   for (const auto& [a, b] : bodies.across_gaps)
-    if (distanceBetween(skin, a, b)[0] < moved + apart) compare(a, b, most_stretch);
+    if (distanceBetween(skin, a, b)[0] < moved + apart) compare(a, b);
   const bool calm = moved + apart < along_skin * bodies.spacing;
   if (calm && !bodies.several()) return;
   const auto centreOf = [&](int r) { return look.at(skin.region_representative[r]); };
@@ -317,6 +316,16 @@ void findNearest(const SkinBodies& bodies, const SkinModel& skin, double apart, 
       far = std::max(far, (look.at(skin.cluster_representative[c]) - centreOf(r)).norm() + reachOf(c));
     return far;
   };
+  // Places that are far from each other at rest can be near only if their clusters have moved differently: those of one
+  // move as its middle does, to within its radius.
+  const auto mayHaveFolded = [&](int a, int b) {
+    const int v = skin.cluster_representative[a], w = skin.cluster_representative[b];
+    const auto& X = skin.surface.vertices;
+    const auto radii = static_cast<double>(skin.cluster_radius[a] + skin.cluster_radius[b]);
+    const double least = along_skin * bodies.spacing - apart - radii;
+    return (least <= 0 || (look.at(v) - X[v] - look.at(w) + X[w]).squaredNorm() >= least * least) &&
+           distanceBetween(skin, a, b)[1] > along_skin * bodies.spacing;
+  };
   std::array<double, 1024> radius;  // of so many regions; the others are taken for near
   const auto known = std::min<int>(skin.regionCount(), static_cast<int>(radius.size()));
   for (int r = 0; r < known; ++r) radius[static_cast<std::size_t>(r)] = radiusOf(r);
@@ -328,8 +337,7 @@ void findNearest(const SkinBodies& bodies, const SkinModel& skin, double apart, 
         continue;
       for (int a = skin.region_begin[r]; a < skin.region_begin[r + 1]; ++a)
         for (int b = std::max(a, skin.region_begin[s]); b < skin.region_begin[s + 1]; ++b)
-          if (!areOfOne(bodies, a, b) || (!calm && distanceBetween(skin, a, b)[1] > along_skin * bodies.spacing))
-            compare(a, b, areOfOne(bodies, a, b) ? folded_stretch : most_stretch);
+          if (!areOfOne(bodies, a, b) || (!calm && mayHaveFolded(a, b))) compare(a, b);
     }
 }
 
