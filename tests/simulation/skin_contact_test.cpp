@@ -146,7 +146,7 @@ TEST_CASE("A flap that is pressed down rests on its own body, and lifts off agai
   std::vector<double> force;                   // N, at each depth, held
   for (const double depth : {0.009, 0.014}) {  // m; the ball starts 1 mm above it
     const double from = model.tool_start.position.z() - command.tool_target.position.z();
-    for (int k = 1; k <= 150; ++k) {
+    for (int k = 1; k <= 100; ++k) {
       command.tool_target.position.z() =
           model.tool_start.position.z() - from - (depth - from) * std::min(1.0, k / 50.0);
       report = tick(model, state, command, workspace);
