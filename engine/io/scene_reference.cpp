@@ -17,7 +17,8 @@ constexpr Section sections[] = {
     {"", "Top level", ""},
     {"organ", "`[organ]`",
      "A closed surface from a file, or an analytic solid. Several stand as `[[organ]]`: they touch one another, as "
-     "separate closed parts of one surface do, and must not overlap. `report.json` has the force of the others on each."},
+     "separate closed parts of one surface do, and must not overlap. `report.json` has the force of the others on "
+     "each."},
     {"discretization", "`[discretization]`", ""},
     {"discretization.refine", "`[[discretization.refine]]`",
      "Any number of them; where they overlap the finest counts."},
