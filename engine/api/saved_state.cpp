@@ -38,7 +38,7 @@ void forEachPart(SomeState& s, Call call) {
   one(s.more.opening), list(s.more.posture);
   for (auto& further : s.more.contact) contact(further);
   one(s.skins.count), list(s.skins.vertex), list(s.skins.face), list(s.skins.clearance), list(s.skins.force);
-  one(s.skins.travel), one(s.skins.since_search), one(s.skins.searched);
+  one(s.skins.calm), one(s.skins.travel), one(s.skins.since_calm), list(s.skins.moved), list(s.skins.unseen);
   list(s.rigid.force), list(s.rigid.normal);
   list(s.relaxation.Z);
   list(s.local_mass.factor), one(s.local_mass.active), one(s.local_mass.momentum), one(s.local_mass.force);

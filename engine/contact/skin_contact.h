@@ -1,6 +1,8 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
@@ -25,7 +27,10 @@ struct SkinBodies {
   std::vector<int> cluster_body;        // (cluster_count) of the clusters' vertices; -1: of several
   std::vector<std::array<int, 2>> across_gaps;  // clusters of one body, near each other at rest, that may yet touch
   double least_gap = 0;  // m, at rest, between vertices that may touch
-  int node_count = 0;    // that move the skin
+  std::vector<int> region;             // (vertex_count) of the skin's clusters
+  std::vector<int> region_node_begin;  // (region_count + 1)
+  std::vector<int> region_node;        // nodes that move each region's vertices, ascending
+  int node_count = 0;                  // that move the skin
   double spacing = 0;           // m, of the nodes
   double longest_edge = 0;      // m, of the skin at rest
   double row_sum = 1;           // max_v sum_i |N_i(X_v)|: no vertex moves further than this times the fastest node
@@ -46,9 +51,13 @@ struct SkinContactState {
   std::vector<int> face;         // (capacity) of another body, or another part
   std::vector<float> clearance;  // (capacity) m, at most what is between the two; -infinity: inside
   std::vector<Float4> force;     // (capacity) on the tissue at the vertex, N; the face has the opposite
-  double travel = 0;             // m, that vertices have moved at most since the last look
-  double since_search = 0;       // m, by which skins have come nearer at most since all vertices were looked at
-  bool searched = false;
+  // While all parts that may touch are far from each other, the fastest vertex is watched; else each region is, and
+  // looked at when it may have come near.
+  bool calm = false;
+  double travel = 0;          // m, that vertices have moved at most in this tick
+  double since_calm = 0;      // m, by which parts have come nearer at most since they were seen to be far
+  std::vector<float> moved;   // (region_count) m, that each region's vertices have moved at most in this tick,
+  std::vector<float> unseen;  // (region_count) and before, since they were looked at; infinity: never
 };
 SkinContactState makeSkinContactState(const SkinBodies& bodies);
 
@@ -96,7 +105,9 @@ struct SkinContactScratch {
   std::vector<Cluster> cluster;                // (cluster_count) of the skin
   std::vector<int> nearest;                    // (vertex_count) vertex that each may touch; -1: none
   std::vector<double> nearest_distance2;       // (vertex_count) m^2
+  std::vector<std::uint8_t> due;               // (region_count) it is looked at
   std::vector<int> old_vertex, old_face;
+  std::vector<float> old_clearance;
   std::vector<Float4> old_force;
   std::vector<std::uint8_t> old_touches;
 };
@@ -108,8 +119,8 @@ struct SkinContact {
   bool overflow = false;       // more pairs than there is memory for
 };
 
-/// Before a tick's steps: the pairs that may touch. All vertices are looked at only after something has moved so far
-/// that others may have come near; calm tissue pays nothing.
+/// Before a tick's steps: the pairs that may touch. Those regions of the skin are looked at that have moved so far that
+/// others may be near; calm tissue pays nothing.
 /// Real-time: no allocation, no lock, no throw.
 void findSkinPairs(const SkinBodies& bodies, const SkinModel& skin, const Float4* u, SkinContactState& state,
                    SkinContactScratch& scratch);
@@ -130,9 +141,22 @@ bool areCalm(const SkinBodies& bodies, const SkinContactState& state);
 SkinContact solveSkinContact(const SkinModel& skin, double alpha, const float* inverse_mass, const Float4* u,
                              Float4* du, SkinContactState& state, SkinContactScratch& scratch);
 
-/// After a step in which no node moved further than this (m).
-inline void noteTravel(const SkinBodies& bodies, double distance, SkinContactState& state) {
-  if (!bodies.body.empty()) state.travel += distance * bodies.row_sum;
+/// After a step.
+/// @param distance  m, of the node that moved furthest
+/// @param du        m, of all nodes
+template <class Row>
+void noteTravel(const SkinBodies& bodies, double distance, const Row* du, SkinContactState& state) {
+  if (bodies.body.empty()) return;
+  state.travel += distance * bodies.row_sum;
+  if (state.calm) return;
+  for (std::size_t r = 0; r < state.moved.size(); ++r) {
+    auto furthest2 = decltype(du->x){0};
+    for (int k = bodies.region_node_begin[r]; k < bodies.region_node_begin[r + 1]; ++k) {
+      const Row& d = du[bodies.region_node[k]];
+      furthest2 = std::max(furthest2, d.x * d.x + d.y * d.y + d.z * d.z);
+    }
+    state.moved[r] += static_cast<float>(bodies.row_sum * std::sqrt(furthest2));
+  }
 }
 
 /// The force of all other organs on one, N.

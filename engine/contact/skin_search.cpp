@@ -13,8 +13,14 @@
 namespace palpate {
 namespace {
 
-/// Vertices are followed from this distance on, spacings; so far things may move before all are looked at again.
+/// Vertices are followed from this distance on, spacings; so far two regions may move before they are looked at again.
 constexpr double followed_from = 0.5;
+
+/// Spacings, by which parts that are far from each other may come nearer before that is asked again.
+constexpr double calm_for = 0.1;
+
+/// m, by which a region's vertices may move in the coming tick: half as much again as in the last.
+double comingOf(double moved) { return 1.5 * moved; }
 
 /// Spacings, to which a vertex may be inside another body and is still taken for one that goes out by the nearest face:
 /// what came so deep between two looks.
@@ -298,8 +304,9 @@ void findNearest(const SkinBodies& bodies, const SkinModel& skin, double apart, 
     findNearest(bodies, skin, a, b, look, scratch);
     if (a != b) findNearest(bodies, skin, b, a, look, scratch);
   };
+  const auto isDue = [&](int cluster) { return scratch.due[bodies.region[skin.cluster_representative[cluster]]] != 0; };
   for (const auto& [a, b] : bodies.across_gaps)
-    if (distanceBetween(skin, a, b)[0] < moved + apart) compare(a, b);
+    if ((isDue(a) || isDue(b)) && distanceBetween(skin, a, b)[0] < moved + apart) compare(a, b);
   const bool calm = moved + apart < along_skin * bodies.spacing;
   if (calm && !bodies.several()) return;
   const auto centreOf = [&](int r) { return look.at(skin.region_representative[r]); };
@@ -331,6 +338,7 @@ void findNearest(const SkinBodies& bodies, const SkinModel& skin, double apart, 
   for (int r = 0; r < known; ++r) radius[static_cast<std::size_t>(r)] = radiusOf(r);
   for (int r = 0; r < skin.regionCount(); ++r)
     for (int s = r; s < skin.regionCount(); ++s) {
+      if (scratch.due[r] == 0 && scratch.due[s] == 0) continue;
       if (calm && bodyOf(r) >= 0 && bodyOf(r) == bodyOf(s)) continue;
       if (s < known && !areNear(centreOf(r), centreOf(s),
                                 radius[static_cast<std::size_t>(r)] + radius[static_cast<std::size_t>(s)]))
@@ -341,7 +349,16 @@ void findNearest(const SkinBodies& bodies, const SkinModel& skin, double apart, 
     }
 }
 
-/// Looks at all vertices. @param reach  m, from which on they are listed
+/// Whether a vertex is listed before a face: near, on its outer side or no deeper than what came in between two looks.
+bool mayEnter(const SkinBodies& bodies, int v, const Stand& stand, double reach, Look& look) {
+  if (stand.face < 0 || !(stand.distance <= reach)) return false;
+  const Vec3 normal = look.normalOf(stand);
+  return normal.dot(look.at(v) - look.pointOf(stand)) >= 0 ||
+         (bodies.body[v] != bodies.body[look.corners(stand.face)[0]] &&
+          stand.distance <= deepest_entry * bodies.spacing && normal.dot(look.normalAt(v)) <= 0);
+}
+
+/// Looks at the regions that are due. @param reach  m, from which on vertices are listed
 void search(const SkinBodies& bodies, const SkinModel& skin, double reach, double moved, Look& look,
             SkinContactState& state, SkinContactScratch& scratch) {
   // How far a body's vertices are from one that is before the middle of its largest face.
@@ -351,28 +368,31 @@ void search(const SkinBodies& bodies, const SkinModel& skin, double reach, doubl
   std::swap(state.vertex, scratch.old_vertex);
   std::swap(state.face, scratch.old_face);
   std::swap(state.force, scratch.old_force);
+  std::swap(state.clearance, scratch.old_clearance);
   const int old_count = state.count, vertices = skin.vertexCount();
   int old = 0;
   state.count = 0;
   for (int v = 0; v < vertices; ++v) {
     while (old < old_count && scratch.old_vertex[old] < v) ++old;
-    const bool touched = old < old_count && scratch.old_vertex[old] == v && scratch.old_touches[old] != 0;
-    if (!touched && scratch.nearest[v] < 0) continue;
-    const Stand stand =
-        touched ? look.follow(v, scratch.old_face[old], touched) : look.followFrom(v, scratch.nearest[v]);
-    if (!touched) {
-      if (stand.face < 0 || !(stand.distance <= reach)) continue;
-      const double side = look.normalOf(stand).dot(look.at(v) - look.pointOf(stand));
-      if (side < 0 &&
-          (bodies.body[v] == bodies.body[look.corners(stand.face)[0]] ||
-           stand.distance > deepest_entry * bodies.spacing || look.normalOf(stand).dot(look.normalAt(v)) > 0))
-        continue;
-    }
+    const bool listed = old < old_count && scratch.old_vertex[old] == v;
+    const bool touched = listed && scratch.old_touches[old] != 0;
+    const bool kept = listed && !touched && scratch.due[bodies.region[v]] == 0;
+    if (!touched && scratch.nearest[v] < 0 && !kept) continue;
+    Stand stand;
+    if (touched)
+      stand = look.follow(v, scratch.old_face[old], touched);
+    else if (scratch.nearest[v] >= 0)
+      stand = look.followFrom(v, scratch.nearest[v]);
+    const bool is_new = !touched && mayEnter(bodies, v, stand, reach, look) &&
+                        !(kept && look.follow(v, scratch.old_face[old]).distance <= stand.distance);
+    if (!touched && !is_new && !kept) continue;
     const int k = state.count++;
     state.vertex[k] = v;
-    state.face[k] = stand.face;
+    state.face[k] = touched || is_new ? stand.face : scratch.old_face[old];
     state.force[k] = touched ? scratch.old_force[old] : Float4{};
-    state.clearance[k] = !touched ? static_cast<float>(stand.distance) : scratch.old_touches[old] == 2 ? inside : 0.0F;
+    state.clearance[k] = touched  ? (scratch.old_touches[old] == 2 ? inside : 0.0F)
+                         : is_new ? static_cast<float>(stand.distance)
+                                  : scratch.old_clearance[old];
   }
 }
 
@@ -408,13 +428,20 @@ bool carries(int v, int other, const SkinModel& skin) {
   return (skin.surface.vertices[v] - skin.surface.vertices[other]).dot(Vec3(0.46, 0.71, 0.53)) < 0;
 }
 
+/// m: by so much vertex and face of a pair came nearer in the last tick at most.
+double movedOf(const SkinBodies& bodies, const SkinModel& skin, const SkinContactState& state, int k) {
+  float of_face = 0;
+  for (const int corner : skin.surface.triangles[state.face[k]])
+    of_face = std::max(of_face, state.moved[bodies.region[corner]]);
+  return static_cast<double>(state.moved[bodies.region[state.vertex[k]]] + of_face);
+}
+
 /// The pairs that may touch in this tick, as rows.
-void makeRows(const SkinBodies& bodies, const SkinModel& skin, double way, Look& look, SkinContactState& state,
+void makeRows(const SkinBodies& bodies, const SkinModel& skin, Look& look, SkinContactState& state,
               SkinContactScratch& scratch) {
-  scratch.row_count = 0;
-  scratch.overflow = false;
   int end = 0;
   for (int k = 0; k < state.count; ++k) {
+    const double way = comingOf(movedOf(bodies, skin, state, k)) + least_way;
     if (static_cast<double>(state.clearance[k]) > way) continue;
     const int v = state.vertex[k];
     const bool was_inside = state.clearance[k] == inside;
@@ -501,6 +528,24 @@ void addClusterFaces(const SkinModel& skin, SkinBodies& bodies) {
   }
 }
 
+/// The nodes that move each region's vertices.
+void addRegionNodes(const SkinModel& skin, SkinBodies& bodies) {
+  bodies.region.resize(static_cast<std::size_t>(skin.vertexCount()));
+  bodies.region_node_begin.assign(1, 0);
+  for (int r = 0; r < skin.regionCount(); ++r) {
+    std::vector<int> nodes;
+    for (int k = skin.cluster_begin[skin.region_begin[r]]; k < skin.cluster_begin[skin.region_begin[r + 1]]; ++k) {
+      const int v = skin.cluster_vertex[k];
+      bodies.region[v] = r;
+      nodes.insert(nodes.end(), skin.node.begin() + skin.begin[v], skin.node.begin() + skin.begin[v + 1]);
+    }
+    std::sort(nodes.begin(), nodes.end());
+    nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+    bodies.region_node.insert(bodies.region_node.end(), nodes.begin(), nodes.end());
+    bodies.region_node_begin.push_back(static_cast<int>(bodies.region_node.size()));
+  }
+}
+
 /// Which clusters look at each other across a gap, and how near they are.
 void addGaps(const SkinModel& skin, SkinBodies& bodies) {
   const auto& X = skin.surface.vertices;
@@ -550,6 +595,7 @@ SkinBodies makeSkinBodies(const SkinModel& skin, double spacing) {
     bodies.longest_edge = std::max(bodies.longest_edge, static_cast<double>(length));
   bodies.normal = vertexNormals(skin.surface);
   addClusterFaces(skin, bodies);
+  addRegionNodes(skin, bodies);
   for (int v = 0; v < skin.vertexCount(); ++v) {
     double sum = 0;
     for (int e = skin.begin[v]; e < skin.begin[v + 1]; ++e) sum += std::abs(static_cast<double>(skin.N[e]));
@@ -567,6 +613,10 @@ SkinContactState makeSkinContactState(const SkinBodies& bodies) {
   state.face.resize(capacity);
   state.clearance.resize(capacity);
   state.force.resize(capacity);
+  if (!bodies.body.empty()) {
+    state.moved.resize(bodies.region_node_begin.size() - 1);
+    state.unseen.resize(state.moved.size(), std::numeric_limits<float>::infinity());
+  }
   return state;
 }
 
@@ -595,6 +645,8 @@ SkinContactScratch::SkinContactScratch(const SkinBodies& bodies, const SkinModel
   nearest_distance2.resize(capacity);
   old_force.resize(capacity);
   old_touches.resize(capacity);
+  old_clearance.resize(capacity);
+  due.resize(bodies.body.empty() ? 0 : static_cast<std::size_t>(skin.regionCount()));
   const std::size_t rows = std::min(capacity, most_pairs), longest = 4 * longestRow(skin);
   row.resize(rows);
   active.resize(rows);
@@ -604,38 +656,68 @@ SkinContactScratch::SkinContactScratch(const SkinBodies& bodies, const SkinModel
 
 namespace {
 
-/// m: what is between two skins may be less by as much in the coming tick. They come nearer by twice what the fastest
-/// vertex does, which may be half as fast again.
-double wayOf(const SkinContactState& state) { return 1.5 * 2 * state.travel + least_way; }
+/// Parts that were far from each other may not be so for long.
+bool staysCalm(const SkinBodies& bodies, const SkinContactState& state) {
+  const double come = 2 * state.travel;
+  return state.calm && state.since_calm + come + comingOf(come) + least_way <= calm_for * bodies.spacing;
+}
 
-bool needsSearch(const SkinBodies& bodies, const SkinContactState& state) {
-  return !state.searched || state.since_search + 2 * state.travel + wayOf(state) > followed_from * bodies.spacing;
+/// A region has moved so far that its vertices may be near others.
+bool isDue(const SkinBodies& bodies, const SkinContactState& state, std::size_t r) {
+  const auto unseen = static_cast<double>(state.unseen[r]), moved = static_cast<double>(state.moved[r]);
+  return 2 * (unseen + moved + comingOf(moved)) + least_way > followed_from * bodies.spacing;
+}
+
+/// All parts that may touch are far from each other, or it is known by how much each region has moved since.
+/// @param moved  m, relativeMotion
+void findCalm(const SkinBodies& bodies, double reach, double moved, SkinContactState& state) {
+  const bool was_calm = state.calm;
+  state.calm = !bodies.several() && moved + reach + bodies.longest_edge < bodies.least_gap;
+  if (state.calm) {
+    state.count = 0;
+    state.since_calm = 0;
+  } else if (was_calm) {
+    std::fill(state.moved.begin(), state.moved.end(), static_cast<float>(state.travel));
+    std::fill(state.unseen.begin(), state.unseen.end(), static_cast<float>(state.since_calm / 2));
+  }
 }
 
 }  // namespace
 
 bool areCalm(const SkinBodies& bodies, const SkinContactState& state) {
-  return bodies.body.empty() || (state.count == 0 && !needsSearch(bodies, state));
+  if (bodies.body.empty() || staysCalm(bodies, state)) return true;
+  if (state.calm || state.count > 0) return false;
+  for (std::size_t r = 0; r < state.moved.size(); ++r)
+    if (isDue(bodies, state, r)) return false;
+  return true;
 }
 
 void findSkinPairs(const SkinBodies& bodies, const SkinModel& skin, const Float4* u, SkinContactState& state,
                    SkinContactScratch& scratch) {
+  scratch.row_count = 0;
+  scratch.overflow = false;
   if (bodies.body.empty()) return;
-  const double come = 2 * state.travel, way = wayOf(state);
-  const bool searches = needsSearch(bodies, state);
-  state.travel = 0;
-  state.since_search += come;
-  for (int k = 0; k < state.count; ++k) state.clearance[k] -= static_cast<float>(come);
-  Look look(bodies, skin, u, scratch);
-  if (searches) {
-    const double reach = followed_from * bodies.spacing + way;
+  const double come = 2 * state.travel, way = comingOf(come) + least_way;
+  const double reach = followed_from * bodies.spacing + way;
+  if (staysCalm(bodies, state)) {
+    state.since_calm += come;
+  } else {
     const double moved = relativeMotion(bodies, u);
-    if (state.count > 0 || moved + reach + bodies.longest_edge >= bodies.least_gap)
-      search(bodies, skin, reach, moved, look, state, scratch);
-    state.searched = true;
-    state.since_search = 0;
+    findCalm(bodies, reach, moved, state);
+    if (!state.calm) {
+      bool any = false;
+      for (std::size_t r = 0; r < state.moved.size(); ++r) any |= (scratch.due[r] = isDue(bodies, state, r)) != 0;
+      for (int k = 0; k < state.count; ++k)
+        state.clearance[k] -= static_cast<float>(movedOf(bodies, skin, state, k));
+      Look look(bodies, skin, u, scratch);
+      if (any) search(bodies, skin, reach, moved, look, state, scratch);
+      makeRows(bodies, skin, look, state, scratch);
+      for (std::size_t r = 0; r < state.moved.size(); ++r)
+        state.unseen[r] = scratch.due[r] != 0 ? 0.0F : state.unseen[r] + state.moved[r];
+    }
   }
-  makeRows(bodies, skin, way, look, state, scratch);
+  std::fill(state.moved.begin(), state.moved.end(), 0.0F);
+  state.travel = 0;
 }
 
 }  // namespace palpate

@@ -172,7 +172,7 @@ BatchBody::Report BatchBody::advance(double alpha, double beta, double time) {
     largest = std::max(largest, d2);
   }
   report.max_increment = std::sqrt(largest);
-  noteTravel(model_.bodies, report.max_increment, skins_);
+  noteTravel(model_.bodies, report.max_increment, du.data(), skins_);
   report.strain_energy = forces_report.strain_energy;
   report.doubt = doubt(forces_report, report);
   return report;

@@ -136,14 +136,18 @@ std::uint64_t stateHash(const Model& model, const State& state) {
   add(state.u_low.data(), state.u_low.size() * sizeof(Float4));
   add(state.relaxation.Z.data(), state.relaxation.Z.size() * sizeof(float));
   addContact(state.contact, add);
-  if (const auto& skins = state.skins; skins.searched) {
+  if (const auto& skins = state.skins; !skins.moved.empty()) {
     const auto count = static_cast<std::size_t>(skins.count);
     add(skins.vertex.data(), count * sizeof(int));
     add(skins.face.data(), count * sizeof(int));
     add(skins.clearance.data(), count * sizeof(float));
     add(skins.force.data(), count * sizeof(Float4));
     add(&skins.travel, sizeof skins.travel);
-    add(&skins.since_search, sizeof skins.since_search);
+    add(&skins.since_calm, sizeof skins.since_calm);
+    if (!skins.calm) {
+      add(skins.moved.data(), skins.moved.size() * sizeof(float));
+      add(skins.unseen.data(), skins.unseen.size() * sizeof(float));
+    }
   }
   add(state.rigid.force.data(), state.rigid.force.size() * sizeof(Float4));
   add(state.rigid.normal.data(), state.rigid.normal.size() * sizeof(Vec3f));

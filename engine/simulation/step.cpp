@@ -63,7 +63,7 @@ StepReport step(const Model& model, State& state, const ToolPostures& wanted, co
 
   // u += du
   outcome.moved = accumulate(model, masses, state, workspace);
-  noteTravel(model.bodies, std::sqrt(outcome.moved.distance2), state.skins);
+  noteTravel(model.bodies, std::sqrt(outcome.moved.distance2), state.du.data(), state.skins);
 
   setPostures(model, tools, state);
   ++state.step;
