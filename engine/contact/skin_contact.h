@@ -96,9 +96,11 @@ struct SkinContactScratch {
   std::vector<std::uint32_t> measured;         // (face_count) the look at which `area` was found
   std::vector<Vec3> area;                      // (face_count) m^2, twice the area along the normal
   struct Cluster {
-    std::uint32_t look = 0;      // at which it was measured
-    Vec3 centre = Vec3::Zero();  // m
-    double radius = 0;           // m
+    Vec3 centre = Vec3::Zero();  // m, of its representative
+    double reach = 0;            // m, around it, where its vertices are for certain
+    std::uint32_t look = 0;      // at which the radius was found
+    std::uint32_t directed = 0;  // at which the axis was
+    double radius = 0;           // m, around its centre
     Vec3 axis = Vec3::Zero();    // unit, mean of its faces' normals
     double spread = 0;           // rad, of the normals around it
   };

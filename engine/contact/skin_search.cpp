@@ -102,7 +102,7 @@ class Look {
       std::fill(scratch_.known.begin(), scratch_.known.end(), 0U);
       std::fill(scratch_.directed.begin(), scratch_.directed.end(), 0U);
       std::fill(scratch_.measured.begin(), scratch_.measured.end(), 0U);
-      for (SkinContactScratch::Cluster& cluster : scratch_.cluster) cluster.look = 0;
+      for (SkinContactScratch::Cluster& cluster : scratch_.cluster) cluster.look = cluster.directed = 0;
       scratch_.look = 1;
     }
   }
@@ -232,17 +232,22 @@ bool touched(const SkinContactState& state, int k) {
 /// Or is so near that it may by now.
 bool touches(const SkinContactState& state, int k) { return state.clearance[k] <= 0 || touched(state, k); }
 
-/// Where a cluster of the skin is, and which ways its faces look.
-const SkinContactScratch::Cluster& measured(const SkinBodies& bodies, const SkinModel& skin, int c, Look& look,
-                                            SkinContactScratch& scratch) {
+/// m: how far a cluster's vertices are from its centre.
+double radiusOf(const SkinModel& skin, int c, Look& look, SkinContactScratch& scratch) {
   SkinContactScratch::Cluster& cluster = scratch.cluster[static_cast<std::size_t>(c)];
-  if (cluster.look == scratch.look) return cluster;
+  if (cluster.look == scratch.look) return cluster.radius;
   cluster.look = scratch.look;
-  cluster.centre = look.at(skin.cluster_representative[c]);
   double far2 = 0;
   for (int k = skin.cluster_begin[c]; k < skin.cluster_begin[c + 1]; ++k)
     far2 = std::max(far2, (look.at(skin.cluster_vertex[k]) - cluster.centre).squaredNorm());
-  cluster.radius = std::sqrt(far2);
+  return cluster.radius = std::sqrt(far2);
+}
+
+/// With the ways that a cluster's faces look.
+const SkinContactScratch::Cluster& directed(const SkinBodies& bodies, int c, Look& look, SkinContactScratch& scratch) {
+  SkinContactScratch::Cluster& cluster = scratch.cluster[static_cast<std::size_t>(c)];
+  if (cluster.directed == scratch.look) return cluster;
+  cluster.directed = scratch.look;
   Vec3 sum = Vec3::Zero();
   const std::span<const int> faces(bodies.cluster_face.data() + bodies.cluster_face_begin[c],
                                    bodies.cluster_face.data() + bodies.cluster_face_begin[c + 1]);
@@ -287,18 +292,25 @@ void findNearest(const SkinBodies& bodies, const SkinModel& skin, double apart, 
                  SkinContactScratch& scratch) {
   std::fill(scratch.nearest.begin(), scratch.nearest.end(), -1);
   std::fill(scratch.nearest_distance2.begin(), scratch.nearest_distance2.end(), apart * apart);
-  const auto reachOf = [&](int c) { return most_stretch * static_cast<double>(skin.cluster_radius[c]); };
+  for (int c = 0; c < skin.clusterCount(); ++c) {
+    SkinContactScratch::Cluster& cluster = scratch.cluster[static_cast<std::size_t>(c)];
+    cluster.centre = look.at(skin.cluster_representative[c]);
+    cluster.reach = most_stretch * static_cast<double>(skin.cluster_radius[c]);
+  }
+  const SkinContactScratch::Cluster* clusters = scratch.cluster.data();
   const auto areNear = [&](const Vec3& x, const Vec3& y, double reach) {
     return (x - y).squaredNorm() <= (apart + reach) * (apart + reach);
   };
+  const auto mayBeNear = [&](int a, int b) {
+    return areNear(clusters[a].centre, clusters[b].centre, clusters[a].reach + clusters[b].reach);
+  };
   const auto compare = [&](int a, int b) {
-    if (!areNear(look.at(skin.cluster_representative[a]), look.at(skin.cluster_representative[b]),
-                 reachOf(a) + reachOf(b)))
+    if (!areNear(clusters[a].centre, clusters[b].centre,
+                 radiusOf(skin, a, look, scratch) + radiusOf(skin, b, look, scratch)))
       return;
-    const SkinContactScratch::Cluster &one = measured(bodies, skin, a, look, scratch),
-                                      &other = measured(bodies, skin, b, look, scratch);
-    if (!areNear(one.centre, other.centre, one.radius + other.radius)) return;
     // No two of their faces look at each other.
+    const SkinContactScratch::Cluster &one = directed(bodies, a, look, scratch),
+                                      &other = directed(bodies, b, look, scratch);
     const double turned = one.spread + other.spread;
     if (turned < std::numbers::pi / 2 && one.axis.dot(other.axis) > std::sin(turned)) return;
     findNearest(bodies, skin, a, b, look, scratch);
@@ -306,7 +318,7 @@ void findNearest(const SkinBodies& bodies, const SkinModel& skin, double apart, 
   };
   const auto isDue = [&](int cluster) { return scratch.due[bodies.region[skin.cluster_representative[cluster]]] != 0; };
   for (const auto& [a, b] : bodies.across_gaps)
-    if ((isDue(a) || isDue(b)) && distanceBetween(skin, a, b)[0] < moved + apart) compare(a, b);
+    if ((isDue(a) || isDue(b)) && distanceBetween(skin, a, b)[0] < moved + apart && mayBeNear(a, b)) compare(a, b);
   const bool calm = moved + apart < along_skin * bodies.spacing;
   if (calm && !bodies.several()) return;
   const auto centreOf = [&](int r) { return look.at(skin.region_representative[r]); };
@@ -317,10 +329,10 @@ void findNearest(const SkinBodies& bodies, const SkinModel& skin, double apart, 
                ? of
                : -1;
   };
-  const auto radiusOf = [&](int r) {
+  const auto regionRadius = [&](int r) {
     double far = 0;
     for (int c = skin.region_begin[r]; c < skin.region_begin[r + 1]; ++c)
-      far = std::max(far, (look.at(skin.cluster_representative[c]) - centreOf(r)).norm() + reachOf(c));
+      far = std::max(far, (clusters[c].centre - centreOf(r)).norm() + clusters[c].reach);
     return far;
   };
   // Places that are far from each other at rest can be near only if their clusters have moved differently: those of one
@@ -330,12 +342,12 @@ void findNearest(const SkinBodies& bodies, const SkinModel& skin, double apart, 
     const auto& X = skin.surface.vertices;
     const auto radii = static_cast<double>(skin.cluster_radius[a] + skin.cluster_radius[b]);
     const double least = along_skin * bodies.spacing - apart - radii;
-    return (least <= 0 || (look.at(v) - X[v] - look.at(w) + X[w]).squaredNorm() >= least * least) &&
+    return (least <= 0 || (clusters[a].centre - X[v] - clusters[b].centre + X[w]).squaredNorm() >= least * least) &&
            distanceBetween(skin, a, b)[1] > along_skin * bodies.spacing;
   };
   std::array<double, 1024> radius;  // of so many regions; the others are taken for near
   const auto known = std::min<int>(skin.regionCount(), static_cast<int>(radius.size()));
-  for (int r = 0; r < known; ++r) radius[static_cast<std::size_t>(r)] = radiusOf(r);
+  for (int r = 0; r < known; ++r) radius[static_cast<std::size_t>(r)] = regionRadius(r);
   for (int r = 0; r < skin.regionCount(); ++r)
     for (int s = r; s < skin.regionCount(); ++s) {
       if (scratch.due[r] == 0 && scratch.due[s] == 0) continue;
@@ -345,7 +357,7 @@ void findNearest(const SkinBodies& bodies, const SkinModel& skin, double apart, 
         continue;
       for (int a = skin.region_begin[r]; a < skin.region_begin[r + 1]; ++a)
         for (int b = std::max(a, skin.region_begin[s]); b < skin.region_begin[s + 1]; ++b)
-          if (!areOfOne(bodies, a, b) || (!calm && mayHaveFolded(a, b))) compare(a, b);
+          if (mayBeNear(a, b) && (!areOfOne(bodies, a, b) || (!calm && mayHaveFolded(a, b)))) compare(a, b);
     }
 }
 
@@ -698,7 +710,7 @@ void findSkinPairs(const SkinBodies& bodies, const SkinModel& skin, const Float4
   scratch.overflow = false;
   if (bodies.body.empty()) return;
   const double come = 2 * state.travel, way = comingOf(come) + least_way;
-  const double reach = followed_from * bodies.spacing + way;
+  const double reach = std::max(followed_from * bodies.spacing, way);
   if (staysCalm(bodies, state)) {
     state.since_calm += come;
   } else {
