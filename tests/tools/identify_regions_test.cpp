@@ -22,29 +22,20 @@ namespace {
 
 const std::vector<double> truth = {2400, 3900, 3100, 5200};  // Pa
 
-/// The block in four quarters, of the same young to begin from, under a tool without friction.
-std::string quarters() {
-  std::string text = replaced(test::touched_block_text, "[[fixed]]", R"([[material]]
-name = "right"
-model = "neo-hookean"
-young = 3000
-poisson = 0.45
-region = { shape = "box", min = [0, -1, -1], max = [1, 0, 1] }
-[[material]]
-name = "back"
-model = "neo-hookean"
-young = 3000
-poisson = 0.45
-region = { shape = "box", min = [-1, 0, -1], max = [0, 1, 1] }
-[[material]]
-name = "back right"
-model = "neo-hookean"
-young = 3000
-poisson = 0.45
-region = { shape = "box", min = [0, 0, -1], max = [1, 1, 1] }
-[[fixed]]
-)");
-  return text + "friction = 0\n";
+const std::vector<double> start = {3000, 3000, 3000, 3000};  // Pa
+
+/// The block in four quarters under a tool without friction.
+std::string quarters(const std::vector<double>& young = start) {
+  const auto quarter = [](const char* name, double modulus, const char* low, const char* high) {
+    return format("[[material]]\nname = \"%s\"\nmodel = \"neo-hookean\"\nyoung = %g\npoisson = 0.45\n"
+                  "region = { shape = \"box\", min = [%s, -1], max = [%s, 1] }\n",
+                  name, modulus, low, high);
+  };
+  const std::string text = replaced(test::touched_block_text, "young = 3000", format("young = %g", young[0]));
+  return replaced(text, "[[fixed]]",
+                  quarter("right", young[1], "0, -1", "1, 0") + quarter("back", young[2], "-1, 0", "0, 1") +
+                      quarter("back right", young[3], "0, 0", "1, 1") + "[[fixed]]") +
+         "friction = 0\n";
 }
 
 std::vector<SettledPress> places() {
@@ -115,7 +106,7 @@ TEST_CASE("A map of stiffness is found from presses at many places, with interva
           "[identify][regions][whole]") {
   const TempFolder folder;
   const std::string scene = folder.write("quarters.toml", quarters());
-  const Model model = loadModel(readScene(scene));
+  const Model model = loadModel(readScene(folder.write("truth.toml", quarters(truth))));  // nor is its set-up known
   PressedRegions regions(model, places(), youngs, 2);
   const std::vector<double> forces = regions.forces(truth);
   const std::vector<std::string> names = {"material 1", "right", "back", "back right"};
@@ -126,7 +117,7 @@ TEST_CASE("A map of stiffness is found from presses at many places, with interva
     CHECK(exact.report["regions"][names[m]]["value"].get<double>() == Approx(truth[m]).epsilon(1e-3));
   // An iteration is an equilibrium of each press (two or three linear solutions) and one more for its derivatives.
   const int maps = exact.report["maps_solved"], presses = static_cast<int>(places().size());
-  CHECK(maps < 8);
+  CHECK(maps < 11);  // of two set-ups
   CHECK(exact.report["linear_solutions"].get<int>() < 5 * maps * presses);
 
   int held = 0;

@@ -40,19 +40,25 @@ std::vector<SettledPress> readPresses(const std::string& path) {
 
 PressedRegions::PressedRegions(const Model& model, std::vector<SettledPress> presses,
                                std::vector<MaterialNumber> numbers, int threads)
-    : model_(model), presses_(std::move(presses)), numbers_(std::move(numbers)), u_(presses_.size()) {
-  // Forces are measured to a thousandth at best.
-  constexpr double accuracy = 1e-6;
+    : presses_(std::move(presses)), numbers_(std::move(numbers)), u_(presses_.size()) {
   axial_.direction = model.tool_start.orientation * Vec3::UnitZ();
-  const int count = std::clamp(threads, 1, std::max(1, static_cast<int>(presses_.size())));
-  for (int t = 0; t < count; ++t)
-    bodies_.push_back(std::make_unique<EquilibriumSensitivity>(
-        model, 1, [] { return !interrupted(); }, accuracy));
+  bodies_.resize(static_cast<std::size_t>(std::clamp(threads, 1, std::max(1, static_cast<int>(presses_.size())))));
+  setUpAnew(model);
   for (const MaterialNumber& number : numbers_) bodies_.front()->check(number);
 }
 
+void PressedRegions::setUpAnew(const Model& model) {
+  constexpr double accuracy = 1e-6;  // forces are measured to a thousandth at best
+  model_ = &model;
+  for (auto& body : bodies_) {
+    if (body) solved_before_ += body->solutionCount();
+    body = std::make_unique<EquilibriumSensitivity>(
+        model, 1, [] { return !interrupted(); }, accuracy);
+  }
+}
+
 Pose PressedRegions::poseOf(const SettledPress& press) const {
-  Pose pose = model_.tool_start;
+  Pose pose = model_->tool_start;
   pose.position = press.tip;
   return pose;
 }
@@ -133,7 +139,7 @@ double PressedRegions::expectedError(std::size_t press) {
 }
 
 int PressedRegions::solutionCount() const {
-  int count = 0;
+  int count = solved_before_;
   for (const auto& body : bodies_) count += body->solutionCount();
   return count;
 }

@@ -27,6 +27,9 @@ class PressedRegions {
   PressedRegions(const Model& model, std::vector<SettledPress> presses, std::vector<MaterialNumber> numbers,
                  int threads);
 
+  /// Goes on with the same scene, set up anew; presses are solved from where they were.
+  void setUpAnew(const Model& model);
+
   /// Forces along the tool's axis, N (press_count), with these values. Throws std::runtime_error naming the press that
   /// has none.
   std::vector<double> forces(const std::vector<double>& values);
@@ -45,11 +48,12 @@ class PressedRegions {
   template <class Each>
   void forPresses(Each each);
 
-  const Model& model_;
+  const Model* model_;
   const std::vector<SettledPress> presses_;
   const std::vector<MaterialNumber> numbers_;
   EquilibriumQuantity axial_;
   std::vector<std::unique_ptr<EquilibriumSensitivity>> bodies_;  // one for each thread
+  int solved_before_ = 0;  // by those of earlier set-ups
   std::vector<AlignedVector<Double4>> u_;                        // (press_count) last equilibria; empty: none yet
 };
 
