@@ -141,8 +141,6 @@ CLI::App* addMatrix(CLI::App& verify, MatrixOptions& options) {
 CLI::App* addBench(CLI::App& app, BenchOptions& options) {
   CLI::App* command = app.add_subcommand("bench", "Time the force kernels beside this machine's ceilings");
   command->footer(examplesOf(*command));
-  command->add_flag("--features", options.features,
-                    "Instead: what each feature that a scene may use costs, on and off");
   command->add_flag("--device", options.device,
                     "Instead: simulated haptic devices in simulated hands over liver, gel and a hard inclusion");
   command->add_flag("--quick", options.quick, "Bodies of 1,000 and 5,000 nodes only, under half a minute");

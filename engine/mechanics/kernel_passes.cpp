@@ -9,12 +9,6 @@
 namespace palpate {
 namespace {
 
-#ifdef PALPATE_BARE_KERNEL  // barePassesFor, in kernel_passes.h
-constexpr bool bare = true;
-#else
-constexpr bool bare = false;
-#endif
-
 /// Tensors of the 16 points of a batch, in memory between the passes over their blocks.
 template <class Real>
 struct alignas(64) BatchTensors {
@@ -204,9 +198,8 @@ struct Kernel {
     const Lanes by_shear = static_cast<Real>(-1 / (material.shear_modulus * material.longTermShare()));
     const Lanes by_wave =
         static_cast<Real>(1 / (material.bulk_modulus + 4.0 / 3 * material.shear_modulus + material.fibre_modulus));
-    const bool patches = !bare && k.patch_begin;
-    RelaxationStep relaxation;
-    if constexpr (!bare) relaxation = relaxationStep(material, k.relaxation_step, k.relaxation_terms);
+    const bool patches = k.patch_begin != nullptr;
+    const RelaxationStep relaxation = relaxationStep(material, k.relaxation_step, k.relaxation_terms);
     BatchTensors<Real> tensors;
     for (int batch = begin; batch < end; ++batch) {
       if (!patches) displacementGradients(batch, u, tensors);
@@ -266,10 +259,7 @@ struct Kernel {
       const Material& material = k.materials[material_index];
       int end = batch;
       while (end < last && k.batch_material[end] == material_index) ++end;
-      if constexpr (bare)
-        batchesForces<NeoHookean::Lanes<Real>>(material, batch, end, u, f, sums);
-      else
-        batchesForcesOf(RegisteredLaws{}, material, batch, end, u, f, sums);
+      batchesForcesOf(RegisteredLaws{}, material, batch, end, u, f, sums);
       batch = end;
     }
     auto& report = k.report[chunk];
@@ -339,12 +329,6 @@ constexpr KernelPasses<Real> passes{dilatation<Real>, sumPatches<Real>, forces<R
 
 }  // namespace
 
-#ifdef PALPATE_BARE_KERNEL
-template <>
-const KernelPasses<float>& barePassesFor<InstructionSet::PALPATE_KERNEL>() {
-  return passes<float>;
-}
-#else
 template <>
 const KernelPasses<float>& passesFor<InstructionSet::PALPATE_KERNEL, float>() {
   return passes<float>;
@@ -353,6 +337,5 @@ template <>
 const KernelPasses<double>& passesFor<InstructionSet::PALPATE_KERNEL, double>() {
   return passes<double>;
 }
-#endif
 
 }  // namespace palpate

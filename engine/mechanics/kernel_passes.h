@@ -85,11 +85,4 @@ struct KernelPasses {
 template <InstructionSet set, class Real>
 const KernelPasses<Real>& passesFor();
 
-/// The same, compiled without Ogden material and node patches (tools/CMakeLists.txt): what `mtled bench --features`
-/// holds them
-/// to where a scene uses neither.
-/// @pre  all points are neo-Hookean, and the layout has no patches
-template <InstructionSet set>
-const KernelPasses<float>& barePassesFor();
-
 }  // namespace palpate

@@ -110,7 +110,7 @@ TEST_CASE("The place changes with the tool, but not to and fro", "[place]") {
   CHECK(largest < 1.3 * places.sizes.stride);
 }
 
-TEST_CASE("A passage carries linear fields, and what does not belong to nodes", "[place]") {
+TEST_CASE("A passage carries linear fields, and what does not belong to nodes", "[place][whole]") {
   const Place &a = leftPlace(), &b = nextToLeft();
   REQUIRE(a.index != b.index);
   const Passage passage = makePassage(a, b);

@@ -164,7 +164,7 @@ TEST_CASE("A flap that is pressed down rests on its own body, and lifts off agai
   CHECK(std::abs(airBelow(model, state) - 3 * cube) < 1e-5);
 }
 
-TEST_CASE("Two confined blocks that are pressed together are one twice as high", "[simulation][skin_contact]") {
+TEST_CASE("Two confined blocks that are pressed together are one twice as high", "[simulation][skin_contact][whole]") {
   constexpr double closing = 2e-3;
   const Model model = modelOf(twoBlocks(apart + closing));
   REQUIRE(model.bodies.count == 2);

@@ -130,7 +130,7 @@ TEST_CASE("A run that need not keep to the clock has the same bits however late 
 }
 
 TEST_CASE("In real time the loop stays where it is until a place is ready, and a replay swaps as it did",
-          "[cloud_follower]") {
+          "[cloud_follower][threads]") {
   Run live;
   {
     // The gate opens long after the tool has left the first place.

@@ -7,55 +7,20 @@
 #include "base/build_info.h"
 #include "base/input_error.h"
 #include "io/output_file.h"
-#include "mtled/bench/bench_features.h"
 #include "mtled/bench/bench_run.h"
 #include "mtled/bench/device_bench.h"
-#include "mtled/bench/instruction_counter.h"
 #include "mtled/bench/roofline.h"
 #include "mtled/pictures/pictures.h"
-#include "mtled/run/progress.h"
 
 namespace palpate::tools {
-namespace {
-
-int benchFeatures(const BenchOptions& options) {
-  if (!options.plot.empty()) throw InputError({}, "--features has no roofline to draw", "leave --plot out");
-  const BenchSize size = benchSizes(true).back();  // 5k
-  if (!options.json.empty()) writeWholeFile(options.json, "");
-  FeatureReport report;
-  report.build = buildInfo();
-  report.command = std::string("build/release/tools/mtled bench --features") + (options.quick ? " --quick" : "");
-  report.processor = thisMachine().processor;
-  report.no_instructions = InstructionCounter().reason();
-  {
-    ProgressLine progress("features");
-    FeatureBench bench(size, [&](const std::string& what, double share) { progress.show(0.3 * share, what); });
-    report.nodes = bench.plain().nodeCount();
-    report.points = bench.plain().pointCount();
-    report.substeps = bench.plain().substeps_per_tick;
-    timePairs(bench.pairs(),
-              options.seconds > 0 ? options.seconds
-              : options.quick     ? 1
-                                  : 3,
-              [&](double share) { progress.show(0.3 + 0.7 * share, "rounds"); });
-    for (const auto& pair : bench.pairs()) report.rows.push_back(pair.row);
-  }
-  printFeatures(std::cout, report);
-  if (!options.json.empty()) writeWholeFile(options.json, jsonOf(report));
-  return options.check && !report.held() ? 1 : 0;
-}
-
-}  // namespace
-
 int benchCommand(const BenchOptions& options) {
   if (!(options.seconds >= 0 && options.seconds <= 60))
     throw InputError({}, "--seconds must be between 0 and 60", "leave it out for the usual length");
   if (options.device) {
-    if (options.features || !options.plot.empty() || options.seconds > 0)
-      throw InputError({}, "--device has neither features, a roofline nor times", "leave the other options out");
+    if (!options.plot.empty() || options.seconds > 0)
+      throw InputError({}, "--device has neither a roofline nor times", "leave the other options out");
     return deviceBench({options.quick, options.json, options.check});
   }
-  if (options.features) return benchFeatures(options);
   const double seconds = options.seconds > 0 ? options.seconds : options.quick ? 0.15 : 0.5;
 
   BenchReport report;

@@ -7,17 +7,16 @@
 namespace palpate::tools {
 
 struct BenchOptions {
-  bool features = false;  // what each feature of a scene costs, instead of the kernels
-  bool device = false;    // whether simulated haptic devices are stable, instead of the kernels
-  bool quick = false;     // 1k and 5k nodes only; of features fewer rounds
-  double seconds = 0;     // for each figure; 0: 0.5, or 0.15 of a quick run; for each pair of features 3, or 1
-  std::string json;       // file for the results, or ""
-  std::string plot;       // PNG for the roofline, or ""
-  bool check = false;     // a promise that is missed is a failure
+  bool device = false;  // whether simulated haptic devices are stable, instead of the kernels
+  bool quick = false;   // 1k and 5k nodes only
+  double seconds = 0;   // for each figure; 0: 0.5, or 0.15 of a quick run
+  std::string json;     // file for the results, or ""
+  std::string plot;     // PNG for the roofline, or ""
+  bool check = false;   // a promise that is missed is a failure
 };
 
-/// Measures the machine's ceilings and the force kernels beside them, and prints tables and verdicts; or what each
-/// feature that a scene may use costs, and what is left of it when it is off; or how simulated haptic devices do.
+/// Measures the machine's ceilings and the force kernels beside them, and prints tables and verdicts; or how
+/// simulated haptic devices do.
 /// @return 0; 1 where a kernel's forces are wrong, or with `check` where a promise is missed
 /// Throws InputError for an option out of range, std::runtime_error where a file can't be written.
 int benchCommand(const BenchOptions& options);
