@@ -558,22 +558,48 @@ void addRegionNodes(const SkinModel& skin, SkinBodies& bodies) {
   }
 }
 
+/// The normals of a cluster's vertices: one, and the sine of the largest angle that another has to it (1: any).
+struct Aspect {
+  Vec3 axis = Vec3::Zero();
+  double turned = 1;
+};
+
+Aspect aspectOf(const SkinModel& skin, const std::vector<Vec3>& normal, int c) {
+  const std::span<const int> vertices(skin.cluster_vertex.data() + skin.cluster_begin[c],
+                                      skin.cluster_vertex.data() + skin.cluster_begin[c + 1]);
+  Vec3 sum = Vec3::Zero();
+  for (const int v : vertices) sum += normal[v];
+  const Vec3 axis = unit(sum);
+  double least = 1;
+  for (const int v : vertices) least = std::min(least, axis.dot(normal[v]));
+  return {axis, least > 0 ? std::sqrt(1 - least * least) : 1};
+}
+
 /// Which clusters look at each other across a gap, and how near they are.
 void addGaps(const SkinModel& skin, SkinBodies& bodies) {
-  const auto& X = skin.surface.vertices;
+  const auto &X = skin.surface.vertices, &N = bodies.normal;
   const double along = along_skin * bodies.spacing;
+  constexpr double rounding = 1e-9;
   bodies.least_gap = bodies.several() ? 0 : along;
+  std::vector<Aspect> aspect;
+  for (int c = 0; c < skin.clusterCount(); ++c) aspect.push_back(aspectOf(skin, N, c));
   for (int a = 0; a < skin.clusterCount(); ++a)
     for (int b = a; b < skin.clusterCount(); ++b) {
       if (!areOfOne(bodies, a, b) || distanceBetween(skin, a, b)[0] > along) continue;
+      const Vec3& centre = X[skin.cluster_representative[b]];
+      const double radius = static_cast<double>(skin.cluster_radius[b]) * (1 + 1e-6);
       bool are_across = false;
-      for (int k = skin.cluster_begin[a]; k < skin.cluster_begin[a + 1]; ++k)
+      for (int k = skin.cluster_begin[a]; k < skin.cluster_begin[a + 1]; ++k) {
+        const int v = skin.cluster_vertex[k];
+        // All of the others look the same way, or are behind it.
+        if (N[v].dot(aspect[b].axis) > aspect[b].turned + rounding || N[v].dot(centre - X[v]) < -radius) continue;
         for (int l = skin.cluster_begin[b]; l < skin.cluster_begin[b + 1]; ++l) {
-          const int v = skin.cluster_vertex[k], w = skin.cluster_vertex[l];
+          const int w = skin.cluster_vertex[l];
           if ((X[v] - X[w]).squaredNorm() > along * along || !mayTouch(bodies, skin, v, w)) continue;
           are_across = true;
           bodies.least_gap = std::min(bodies.least_gap, (X[v] - X[w]).norm());
         }
+      }
       if (are_across) bodies.across_gaps.push_back({a, b});
     }
 }
