@@ -152,7 +152,7 @@ void ResolutionWatch::advance(const Model& model, std::span<const Material> mate
     if (touch_ > 0) {
       const double touch = touchEnergy(model, touch_, energy_);
       error_ = std::clamp((sum_ - load_error_ * (energy_ - touch)) / touch, 0.0, 1.0);
-    } else {
+    } else if (!(toolForce(report) > 0)) {  // nor was it a moment off a tool that hits
       load_error_ = error_;
     }
     error_force_ = force_;

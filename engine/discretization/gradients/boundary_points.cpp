@@ -74,7 +74,6 @@ std::vector<int> heldFaces(const std::vector<std::array<int, 3>>& facets, const 
                            bool loaded, const Area& area) {
   constexpr double least_cosine = 0.5;
   std::vector<int> first(facets.size(), -1);  // another facet of the face, itself at the root
-  if (loaded) return first;
   const auto root = [&](int k) {
     while (first[k] != k) k = first[k] = first[first[k]];
     return k;
@@ -84,9 +83,10 @@ std::vector<int> heldFaces(const std::vector<std::array<int, 3>>& facets, const 
     const std::array<int, 3>& f = facets[k];
     const Vec3 n = area(f).normalized();
     const int held = imposed[f[0]] & imposed[f[1]] & imposed[f[2]];
-    bool is_held = true;
-    for (int c = 0; c < 3; ++c) is_held = is_held && (std::abs(n[c]) <= faces_component || (held >> c & 1) != 0);
-    if (!is_held) continue;
+    int wanted = loaded ? 7 : 0;
+    for (int c = 0; c < 3; ++c)
+      if (std::abs(n[c]) > faces_component) wanted |= 1 << c;
+    if ((held & wanted) != wanted) continue;
     first[k] = k;
     for (int e = 0; e < 3; ++e) {
       const auto [other, is_new] = across.try_emplace(std::minmax(f[e], f[(e + 1) % 3]), k);

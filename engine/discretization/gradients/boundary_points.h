@@ -36,7 +36,7 @@ struct BoundaryPoints {
 /// +0.7 .. +0.9 %, but need tractions that are integrated as well: the cube's error is then 2e-3, not rounding.
 ///
 /// Held faces are those of facets that share edges and lie less than 60 degrees aslant, with nodes imposed in each
-/// component that the facet faces (there are none where the skin bears loads, which act on thirds).
+/// component that the facet faces (in all of them where the skin bears loads, which act on thirds along a face).
 ///
 /// @param X        nodes, m                                                    (node_count)
 /// @param facets   outward, counter-clockwise (background_cells.h)

@@ -122,7 +122,12 @@ void follow(const MatrixCase& one, const Model& model, int threads, MatrixAnswer
     answer.at_end = e.doubt;
     answer.expected_at_end = e.expected_error;
     answer.value = one.pressed ? e.tool_force.norm() : leveredForce(one, model, solver.body());
-    answer.trust.add(e.doubt, e.expected_error, std::abs(answer.value), time);
+    // The number is that of the end. On the way faces that are placed pass through other shapes: a block that is bent
+    // is stretched, too, by a moment that may be larger, and its expected error would be taken for that of the end.
+    if (k == load_steps)
+      answer.trust.add(e.doubt, e.expected_error, std::abs(answer.value), time);
+    else if (e.doubt != Doubt::Resolution)
+      answer.trust.add(e.doubt, 0, 0, time);
   }
 }
 
