@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <map>
 
 #include "discretization/surface/surface_bodies.h"
@@ -162,6 +163,27 @@ TEST_CASE("A flap that is pressed down rests on its own body, and lifts off agai
   for (int k = 0; k < 250; ++k) report = tick(model, state, command, workspace);
   CHECK(report.skin_contact_count == 0);
   CHECK(std::abs(airBelow(model, state) - 3 * cube) < 1e-5);
+}
+
+TEST_CASE("Looking at what moved finds what looking at all of the skin does", "[simulation][skin_contact]") {
+  const Model model = flap();
+  State moved = initialState(model), all = moved;
+  Workspace workspace(model, 1);
+  Command command;
+  command.tool_target = model.tool_start;
+  StepReport report;
+  bool spared = false;  // some regions were not looked at while others were
+  for (int k = 1; k <= 60; ++k) {
+    command.tool_target.position.z() = model.tool_start.position.z() - 0.015 * std::min(1.0, k / 40.0);
+    report = tick(model, moved, command, workspace);
+    const auto& unseen = moved.skins.unseen;
+    spared |= !moved.skins.calm && std::count(unseen.begin(), unseen.end(), 0.0F) < static_cast<int>(unseen.size());
+    std::fill(all.skins.unseen.begin(), all.skins.unseen.end(), 1e3F);
+    tick(model, all, command, workspace);
+  }
+  CHECK(report.skin_contact_count > 0);
+  CHECK(spared);
+  CHECK(std::memcmp(moved.u.data(), all.u.data(), moved.u.size() * sizeof(Float4)) == 0);
 }
 
 TEST_CASE("Two confined blocks that are pressed together are one twice as high", "[simulation][skin_contact][whole]") {
