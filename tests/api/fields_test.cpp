@@ -108,7 +108,7 @@ position = [0, 0, 0.1]
 }  // namespace
 
 TEST_CASE("A pulled bar's stress is its reaction over its cross-section, with the materials in force",
-          "[api][fields]") {
+          "[api][fields][whole]") {
   const ModelHandle model = loadBlock(bar_text);
   const palpate_model_info info = describe(model);
   const SimulationHandle simulation = create(model);

@@ -165,7 +165,7 @@ TEST_CASE("A flap that is pressed down rests on its own body, and lifts off agai
   CHECK(std::abs(airBelow(model, state) - 3 * cube) < 1e-5);
 }
 
-TEST_CASE("Looking at what moved finds what looking at all of the skin does", "[simulation][skin_contact]") {
+TEST_CASE("Looking at what moved finds what looking at all of the skin does", "[simulation][skin_contact][whole]") {
   const Model model = flap();
   State moved = initialState(model), all = moved;
   Workspace workspace(model, 1);
