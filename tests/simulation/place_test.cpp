@@ -128,6 +128,9 @@ TEST_CASE("A passage carries linear fields, and what does not belong to nodes", 
   before.live.friction = 0.3;
   before.contact.count = 1;
   before.contact.vertex[0] = 5;
+  before.skins.count = 1;
+  before.skins.vertex[0] = 7;
+  before.skins.unseen[0] = 2e-4F;
   State after = initialState(b.model);
   PassageScratch scratch(passage, before.u.size());
   applyPassage(b, passage, before, scratch, after);
@@ -142,6 +145,7 @@ TEST_CASE("A passage carries linear fields, and what does not belong to nodes", 
   CHECK((after.tick == 17 && after.step == 34));
   CHECK(after.live.friction == 0.3);
   CHECK((after.contact.count == 1 && after.contact.vertex[0] == 5));
+  CHECK((after.skins.count == 1 && after.skins.vertex[0] == 7 && after.skins.unseen == before.skins.unseen));
 
   // From a place to itself nothing changes, bit for bit.
   const Passage none = makePassage(a, a);
