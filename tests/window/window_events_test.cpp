@@ -3,6 +3,7 @@
 #include <imgui.h>
 
 #include <catch2/catch.hpp>
+#include <algorithm>
 #include <chrono>
 #include <cstdlib>
 #include <filesystem>
@@ -184,7 +185,10 @@ TEST_CASE("A person presses, tilts, cuts open, saves, marks, undoes, submits and
           before = s.latest().goal_pose.position.z();
           person->tap("Prior");
         },
-        [&](Session& s, Viewer&) { return s.latest().goal_pose.position.z() > before + 5e-4; }},
+        [&](Session& s, Viewer&) {  // on a busy machine the hand is still on its way down
+          before = std::min(before, s.latest().goal_pose.position.z());
+          return s.latest().goal_pose.position.z() > before + 5e-4;
+        }},
        {"J held",
         [&](Session& s, Viewer&) {
           turned = s.latest().tool_pose.orientation;
