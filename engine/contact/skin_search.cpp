@@ -576,12 +576,6 @@ SkinBodies makeSkinBodies(const SkinModel& skin, double spacing) {
     bodies.longest_edge = std::max(bodies.longest_edge, static_cast<double>(length));
   bodies.normal = vertexNormals(skin.surface);
   addClusterFaces(skin, bodies);
-  for (int v = 0; v < skin.vertexCount(); ++v) {
-    double sum = 0;
-    for (int e = skin.begin[v]; e < skin.begin[v + 1]; ++e) sum += std::abs(static_cast<double>(skin.N[e]));
-    bodies.row_sum = std::max(bodies.row_sum, sum);
-  }
-  for (const int i : skin.node) bodies.node_count = std::max(bodies.node_count, i + 1);
   addGaps(skin, bodies);
   return bodies;
 }

@@ -232,6 +232,7 @@ void applyPassage(const Place& b, const Passage& passage, const State& before, P
   carryTissue(b, passage, before, scratch, state, team);
   state.contact = before.contact;
   state.more = before.more;
+  state.skins = before.skins;
   state.rigid.force = before.rigid.force;
   state.rigid.normal = before.rigid.normal;
   state.rigid.lookAgain();
@@ -242,6 +243,7 @@ void applyPassage(const Place& b, const Passage& passage, State&& before, Passag
   carryTissue(b, passage, before, scratch, state, team);
   std::swap(state.contact, before.contact);
   std::swap(state.more, before.more);
+  std::swap(state.skins, before.skins);
   std::swap(state.rigid.force, before.rigid.force);
   std::swap(state.rigid.normal, before.rigid.normal);
   state.rigid.lookAgain();
