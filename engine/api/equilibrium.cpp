@@ -85,6 +85,7 @@ int32_t palpate_settle(const palpate_model* model, const double* pose, double ti
   if ((pose != nullptr && !isPose(pose)) || !(time >= 0 && std::isfinite(time)) || threads < 0 || threads > max_threads)
     return say(error, PALPATE_BAD_ARGUMENT, "pose, time or threads can't be meant");
   return guarded(error, [&] {
+    requireCloudThatStays(*model, "equilibria");
     const int cores = std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, max_threads);
     auto made = std::make_unique<palpate_equilibrium>(model->model, threads > 0 ? threads : cores);
     if (pose != nullptr) made->tool = poseFrom(pose);

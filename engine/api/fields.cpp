@@ -56,6 +56,7 @@ int32_t palpate_points_create(const palpate_model* model, const double* X, int32
   if (model == nullptr || points == nullptr || X == nullptr || count < 1 || count > max_points)
     return say(error, PALPATE_BAD_ARGUMENT, "model, X or points is NULL, or count not in 1 .. 1e7");
   return guarded(error, [&] {
+    requireCloudThatStays(*model, "fields");
     auto made = std::make_unique<palpate_points>();
     made->model = model->model;
     for (std::int32_t k = 0; k < count; ++k) {
@@ -78,6 +79,7 @@ int32_t palpate_points_of(const palpate_model* model, int32_t kind, palpate_poin
   if (model == nullptr || points == nullptr || (kind != PALPATE_NODES && kind != PALPATE_INTEGRATION_POINTS))
     return say(error, PALPATE_BAD_ARGUMENT, "model or points is NULL, or there is no such kind");
   return guarded(error, [&] {
+    requireCloudThatStays(*model, "fields");
     auto made = std::make_unique<palpate_points>();
     made->model = model->model;
     const Model& m = *made->model;

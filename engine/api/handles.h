@@ -13,6 +13,7 @@
 #include "discretization/surface/surface_tree.h"
 #include "realtime/device/coupled_tool.h"
 #include "realtime/device/device_coupling.h"
+#include "realtime/loop/cloud_follower.h"
 #include "realtime/loop/simulation_loop.h"
 #include "simulation/model.h"
 
@@ -78,6 +79,9 @@ void checkMaterial(const Material& material);
 /// Asks the loop for something: it is done in the next tick, or now where none runs.
 std::int32_t send(palpate_simulation& simulation, const Request& request);
 
+/// Throws Refusal where the model's cloud follows the tool, for what is asked of nodes that stay.
+void requireCloudThatStays(const palpate_model& model, const char* what);
+
 /// Whether the calling thread is in a TickCall of the simulation, which stands still meanwhile.
 bool isInTickCall(const palpate_simulation& simulation);
 
@@ -85,16 +89,22 @@ bool isInTickCall(const palpate_simulation& simulation);
 
 /// What is behind the handles of palpate.h.
 struct palpate_model {
-  std::shared_ptr<const palpate::Model> model;
+  std::shared_ptr<const palpate::Model> model;  // where the cloud follows the tool, that of its first place
   palpate::api::Names names;
+  // Where the cloud follows the tool, else null.
+  std::shared_ptr<const palpate::Places> places;
+  std::shared_ptr<const palpate::Place> start;  // `model` is its
+  palpate::PlaceStore store;
 };
 
 struct palpate_simulation {
-  palpate_simulation(std::shared_ptr<const palpate::Model> shared, int threads);
+  palpate_simulation(const palpate_model& of, int threads);
 
   std::string identity;  // of the sources: a library beside this one looks into this struct
   std::shared_ptr<const palpate::Model> model;
-  palpate::TissuePhysics physics;
+  std::unique_ptr<palpate::FollowingTissue> following;  // null: the cloud stays
+  std::unique_ptr<palpate::TissuePhysics> own_physics;  // else null
+  palpate::TissuePhysics& physics;
   std::unique_ptr<palpate::api::Coupling> coupling;   // null: a hand or program has the tool
   std::unique_ptr<palpate::api::TickCall> tick_call;  // null: nobody wants to know
   std::unique_ptr<palpate::api::Recorder> recorder;   // null: nothing is recorded
@@ -107,6 +117,8 @@ struct palpate_simulation {
   std::unique_ptr<const palpate::api::DeformedSkin> skin;  // that the last question was asked of; the viewer's
   int process = 0;  // that made it: one that was forked off has a copy without physics threads
 
+  /// That of the present state.
+  const palpate::Model& present() const { return physics.place() ? physics.place()->place.model : *model; }
   /// Whether the calling thread may look at the state.
   bool standsStill() const { return !running || palpate::api::isInTickCall(*this); }
   /// Why it may not change the state or the loop: PALPATE_OK, PALPATE_BUSY or, in a tick call, PALPATE_REFUSED.

@@ -53,7 +53,15 @@ std::int32_t load(Read read, const palpate_options* options, palpate_model** mod
     };
     auto handle = std::make_unique<palpate_model>();
     const Scene scene = withOptions(read(changesOf(asked)), asked);
-    handle->model = std::make_shared<const Model>(loadModel(scene, progress, cache));
+    if (scene.follow) {
+      FollowingModel made = loadFollowing(scene, progress, cache);
+      handle->places = std::move(made.places);
+      handle->start = std::make_shared<const Place>(std::move(made.start));
+      handle->store = placeStore(scene, cache);
+      handle->model = {handle->start, &handle->start->model};
+    } else {
+      handle->model = std::make_shared<const Model>(loadModel(scene, progress, cache));
+    }
     handle->names = namesOf(*handle->model);
     *model = handle.release();
     return PALPATE_OK;

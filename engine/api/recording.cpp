@@ -49,7 +49,7 @@ int32_t palpate_record_start(palpate_simulation* simulation, palpate_error* erro
     if (simulation->loop.memory().tick != 0 || simulation->physics.state().step != 0)
       throw Refusal(PALPATE_REFUSED, "a recording begins at rest, before the first tick; palpate_reset first");
     std::vector<TimedRequest> begin;
-    for (const Request& setting : settingsInForce(*simulation->model, simulation->physics.state().live))
+    for (const Request& setting : settingsInForce(simulation->present(), simulation->physics.state().live))
       begin.push_back({0, setting});
     simulation->recorder = std::make_unique<Recorder>(std::move(begin));
     simulation->loop.record(&simulation->recorder->ring());

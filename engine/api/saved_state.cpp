@@ -71,11 +71,12 @@ void take(const char*& from, T& value) {
 extern "C" {
 
 size_t palpate_save_size(const palpate_simulation* simulation) {
-  return simulation != nullptr ? sizeOf(*simulation) : 0;
+  return simulation != nullptr && !simulation->following ? sizeOf(*simulation) : 0;
 }
 
 int32_t palpate_save(const palpate_simulation* simulation, void* bytes, size_t size) {
-  if (simulation == nullptr || bytes == nullptr || size != sizeOf(*simulation)) return PALPATE_BAD_ARGUMENT;
+  if (simulation == nullptr || bytes == nullptr || size == 0 || size != palpate_save_size(simulation))
+    return PALPATE_BAD_ARGUMENT;
   if (!simulation->standsStill()) return PALPATE_BUSY;
   return guarded(nullptr, [&] {
     char* const begin = static_cast<char*>(bytes);
@@ -104,6 +105,8 @@ int32_t palpate_restore(palpate_simulation* simulation, const void* bytes, size_
   if (simulation == nullptr || bytes == nullptr) return say(error, PALPATE_BAD_ARGUMENT, "simulation or bytes is NULL");
   if (const int32_t code = simulation->whyNot()) return say(error, code, palpate_result_text(code));
   return guarded(error, [&] {
+    if (simulation->following)
+      throw Refusal(PALPATE_REFUSED, "a cloud that follows the tool can't go on from a saved state; record its input");
     const char* at = static_cast<const char*>(bytes);
     Header header;
     const Header right;

@@ -16,9 +16,18 @@ using namespace palpate::api;
 
 namespace {
 
+/// A body whose places are made by a worker of its own.
+std::unique_ptr<FollowingTissue> followingOf(const palpate_model& of, int threads) {
+  if (!of.places) return nullptr;
+  auto make = [places = of.places, store = of.store, memory = std::make_shared<PlaceMemory>()](
+                  const PlaceIndex& index) { return makePlace(*places, index, store, memory.get()); };
+  return std::make_unique<FollowingTissue>(of.places, *of.start, std::move(make), threads, true);
+}
+
 /// What nobody takes from the loop need not be kept.
-SimulationLoopOptions loopOptions() {
+SimulationLoopOptions loopOptions(FollowingTissue* following) {
   SimulationLoopOptions options;
+  options.follower = following != nullptr ? &following->follower : nullptr;
   options.force_capacity = 1;
   options.record_capacity = 1;
   return options;
@@ -26,11 +35,13 @@ SimulationLoopOptions loopOptions() {
 
 }  // namespace
 
-palpate_simulation::palpate_simulation(std::shared_ptr<const Model> shared, int threads)
+palpate_simulation::palpate_simulation(const palpate_model& of, int threads)
     : identity(sourceIdentity()),
-      model(std::move(shared)),
-      physics(*model, threads),
-      loop(*model, physics, &physics.team(), loopOptions()),
+      model(of.model),
+      following(followingOf(of, threads)),
+      own_physics(following ? nullptr : std::make_unique<TissuePhysics>(*model, threads)),
+      physics(following ? following->physics : *own_physics),
+      loop(*model, physics, &physics.team(), loopOptions(following.get())),
       start(loop.memory()),
       materials(model->materials) {
   process = getpid();
@@ -52,6 +63,12 @@ long waitCount() {
 #endif
 
 }  // namespace
+
+void palpate::api::requireCloudThatStays(const palpate_model& model, const char* what) {
+  if (model.places)
+    throw Refusal(PALPATE_REFUSED, std::string(what) + " of a cloud that follows the tool can't be had; load the scene "
+                                                       "with discretization.spacing in place of discretization.follow");
+}
 
 bool palpate::api::isInTickCall(const palpate_simulation& simulation) { return in_call == &simulation; }
 
@@ -126,7 +143,7 @@ int32_t palpate_create(const palpate_model* model, palpate_simulation** simulati
   if (simulation != nullptr) *simulation = nullptr;
   if (model == nullptr || simulation == nullptr) return say(error, PALPATE_BAD_ARGUMENT, "model or simulation is NULL");
   return guarded(error, [&] {
-    *simulation = new palpate_simulation(model->model, model->model->scene.threads);
+    *simulation = new palpate_simulation(*model, model->model->scene.threads);
     return PALPATE_OK;
   });
 }
@@ -141,6 +158,7 @@ int32_t palpate_step(palpate_simulation* simulation, int64_t n, const double* po
   if (state != nullptr && !isSize(state->size)) return PALPATE_BAD_ARGUMENT;
   if (const int32_t code = simulation->whyNot()) return code;
   if (pose != nullptr && simulation->coupling) return PALPATE_REFUSED;
+  if (simulation->following && simulation->process != getpid()) return PALPATE_REFUSED;  // its worker is the parent's
   return guarded(nullptr, [&] {
     if (pose != nullptr) setHand(*simulation, poseFrom(pose), ++simulation->step_sequence);
     simulation->loop.advanceHere(n);
@@ -152,7 +170,8 @@ int32_t palpate_start(palpate_simulation* simulation, uint32_t flags) {
   if (simulation == nullptr || (flags & ~static_cast<std::uint32_t>(PALPATE_ORDINARY_THREAD)) != 0)
     return PALPATE_BAD_ARGUMENT;
   if (const int32_t code = simulation->whyNot()) return code;
-  if (simulation->process != getpid() && simulation->physics.team().size() > 1) return PALPATE_REFUSED;
+  if (simulation->process != getpid() && (simulation->following || simulation->physics.team().size() > 1))
+    return PALPATE_REFUSED;
   return guarded(nullptr, [&] {
     simulation->loop.setRealTime((flags & PALPATE_ORDINARY_THREAD) == 0);
     simulation->loop.start();

@@ -10,10 +10,12 @@ namespace {
 
 /// The skin in the newest tick as a tree, made anew where that has moved it.
 const SurfaceTree& skinNow(palpate_simulation& simulation) {
-  const auto& u = simulation.loop.snapshots().latest().u;
+  const Snapshot& snapshot = simulation.loop.snapshots().latest();
+  const auto& u = snapshot.u;
   const auto& made = simulation.skin;
-  if (!made || std::memcmp(made->u.data(), u.data(), u.size() * sizeof(Float4)) != 0) {
-    const SkinModel& skin = simulation.model->skin;
+  if (!made || made->u.size() != u.size() ||
+      std::memcmp(made->u.data(), u.data(), u.size() * sizeof(Float4)) != 0) {
+    const SkinModel& skin = modelOf(snapshot, *simulation.model).skin;
     TriangleSurface surface = skin.surface;
     for (int v = 0; v < skin.vertexCount(); ++v)
       surface.vertices[static_cast<std::size_t>(v)] = skinPosition(skin, v, u.data());
@@ -69,9 +71,9 @@ extern "C" {
 
 int32_t palpate_skin_positions(palpate_simulation* simulation, float* positions, int32_t vertex_count) {
   if (simulation == nullptr || positions == nullptr) return PALPATE_BAD_ARGUMENT;
-  const SkinModel& skin = simulation->model->skin;
-  if (vertex_count != skin.vertexCount()) return PALPATE_BAD_ARGUMENT;
   const Snapshot& snapshot = simulation->loop.snapshots().latest();
+  const SkinModel& skin = modelOf(snapshot, *simulation->model).skin;
+  if (vertex_count != skin.vertexCount()) return PALPATE_BAD_ARGUMENT;
   for (int v = 0; v < vertex_count; ++v) {
     const Vec3f x = skinPosition(skin, v, snapshot.u.data()).cast<float>();
     positions = std::copy_n(x.data(), 3, positions);
@@ -100,7 +102,7 @@ int32_t palpate_contact_points(const palpate_simulation* simulation, double* pos
   if (simulation == nullptr || count == nullptr || capacity < 0) return PALPATE_BAD_ARGUMENT;
   if (!simulation->standsStill()) return PALPATE_BUSY;
   *count = 0;
-  forEachContactPoint(*simulation->model, simulation->physics.state(),
+  forEachContactPoint(simulation->present(), simulation->physics.state(),
                       [&](int of_tool, const Vec3& at, const Vec3& outward, const Vec3& on_tissue) {
                         const int k = (*count)++;
                         if (k >= capacity) return;

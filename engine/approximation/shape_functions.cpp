@@ -10,7 +10,7 @@ namespace palpate {
 ShapeTable shapeFunctions(const std::vector<Vec3>& points, const std::vector<Vec3>& X,
                           const std::vector<double>& radius, const Neighbours& neighbours, const MmlsOptions& options,
                           std::vector<InadmissibleSupport>& failed, const AdmissibilityLimits& limits,
-                          const SupportGroups& groups) {
+                          const SupportGroups& groups, const KnownPart& known) {
   const int rows = static_cast<int>(points.size());
   struct Row {
     std::vector<int> node;
@@ -26,6 +26,9 @@ ShapeTable shapeFunctions(const std::vector<Vec3>& points, const std::vector<Vec
     std::vector<double> support_radius;
     std::vector<std::uint8_t> pinned;
     for (int r = begin; r < end; ++r) {
+      if (known.rows != nullptr && known.rows->copy(known.part, points[r], groups.row.empty() ? 0 : groups.row[r],
+                                                    row[r].node, row[r].N, row[r].gradN))
+        continue;
       neighbours.find(points[r], row[r].node);
       if (!groups.row.empty()) std::erase_if(row[r].node, [&](int j) { return (groups.node[j] & groups.row[r]) == 0; });
       support_X.clear();

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "approximation/known_rows.h"
 #include "approximation/mmls.h"
 #include "approximation/neighbours.h"
 #include "approximation/shape_table.h"
@@ -35,14 +36,21 @@ struct SupportGroups {
   std::vector<std::uint64_t> row;   // (row_count)
 };
 
+/// The known rows of a part, if any.
+struct KnownPart {
+  const RowsAtHand* rows = nullptr;
+  std::size_t part = 0;
+};
+
 /// Evaluates MMLS shape functions and gradients at many points, on all cores.
 /// @param points   m (row_count)
 /// @param failed   receives the inadmissible rows in ascending order; their entries are left empty
 /// @param groups   supports that are to end somewhere
+/// @param known    rows of the same options and limits, which are copied where they hold
 ShapeTable shapeFunctions(const std::vector<Vec3>& points, const std::vector<Vec3>& X,
                           const std::vector<double>& radius, const Neighbours& neighbours, const MmlsOptions& options,
                           std::vector<InadmissibleSupport>& failed, const AdmissibilityLimits& limits = {},
-                          const SupportGroups& groups = {});
+                          const SupportGroups& groups = {}, const KnownPart& known = {});
 
 /// Multiplies by 1.15 the radii of the eight nodes nearest to each failed point: sparse supports
 /// grow until they are admissible. Returns the nodes that changed.

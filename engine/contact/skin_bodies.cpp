@@ -129,6 +129,11 @@ SkinBodies makeSkinBodies(const SkinModel& skin, double spacing) {
     bodies.longest_edge = std::max(bodies.longest_edge, static_cast<double>(length));
   bodies.normal = vertexNormals(skin.surface);
   addClusterFaces(skin, bodies);
+  addGaps(skin, bodies);
+  return bodies;
+}
+
+void addRows(const SkinModel& skin, SkinBodies& bodies) {
   addRegionNodes(skin, bodies);
   for (int v = 0; v < skin.vertexCount(); ++v) {
     double sum = 0;
@@ -136,8 +141,6 @@ SkinBodies makeSkinBodies(const SkinModel& skin, double spacing) {
     bodies.row_sum = std::max(bodies.row_sum, sum);
   }
   for (const int i : skin.node) bodies.node_count = std::max(bodies.node_count, i + 1);
-  addGaps(skin, bodies);
-  return bodies;
 }
 
 }  // namespace palpate

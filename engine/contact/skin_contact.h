@@ -39,8 +39,10 @@ struct SkinBodies {
 };
 constexpr int max_skin_bodies = 64, max_organs = 16;
 
-/// The bodies of a skin, all of organ 0 and without friction.
+/// The bodies of a skin, all of organ 0 and without friction, from where its vertices are at rest; then what follows
+/// from its rows, which each place of a cloud that follows the tool has of its own.
 SkinBodies makeSkinBodies(const SkinModel& skin, double spacing);
+void addRows(const SkinModel& skin, SkinBodies& bodies);
 
 /// Vertices of the skin that are near another body or another part of their own, with the face that each is before: the
 /// side on which it is is remembered, found when it comes near and followed from face to face, so that what is pressed

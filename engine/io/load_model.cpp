@@ -203,7 +203,8 @@ struct SetUp {
 void requireOneCloud(const Scene& scene) {
   if (scene.follow)
     throw InputError(placeOf(scene, "discretization.follow"),
-                     "a cloud follows the tool in palpate and its recordings only", "give spacing in place of follow");
+                     "a cloud follows the tool in palpate, the C library and their recordings only",
+                     "give spacing in place of follow");
 }
 
 Model loadModel(const Scene& as_read, const Progress& progress, const ModelCache& cache,

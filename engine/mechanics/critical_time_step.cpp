@@ -26,19 +26,22 @@ class StiffnessAtRest {
         patches_(patches),
         stress_(volume.size()),
         dilatation_(volume.size()),
+        u_(mass.size()),
         force_(part_count) {
     for (const double m : mass) inverse_root_mass_.push_back(1 / std::sqrt(m));
   }
 
   void apply(const Vector& x, Vector& y) {
     const int points = shape_.rowCount();
+    for (std::size_t j = 0; j < inverse_root_mass_.size(); ++j)
+      u_[j] << inverse_root_mass_[j] * x.segment<3>(3 * static_cast<Eigen::Index>(j)), 0;
     parallelFor(points, [&](int first, int last) {
       for (int q = first; q < last; ++q) {
-        Mat3 H = Mat3::Zero();
-        for (int e = shape_.begin[q]; e < shape_.begin[q + 1]; ++e) {
-          const int j = shape_.node[e];
-          H += inverse_root_mass_[j] * x.segment<3>(3 * j) * shape_.gradN[e].transpose();
-        }
+        Eigen::Vector4d column[3] = {Eigen::Vector4d::Zero(), Eigen::Vector4d::Zero(), Eigen::Vector4d::Zero()};
+        for (int e = shape_.begin[q]; e < shape_.begin[q + 1]; ++e)
+          for (int c = 0; c < 3; ++c) column[c] += shape_.gradN[e][c] * u_[shape_.node[e]];
+        Mat3 H;
+        H << column[0].head<3>(), column[1].head<3>(), column[2].head<3>();
         const Material& material = materials_[point_material_[q]];
         dilatation_[q] = H.trace() * (patches_.empty() ? material.bulk_modulus : 1);
         const double mu = material.shear_modulus;
@@ -59,21 +62,24 @@ class StiffnessAtRest {
         part_count,
         [&](int first, int last) {
           for (int part = first; part < last; ++part) {
-            force_[part].assign(inverse_root_mass_.size(), Vec3::Zero());
+            force_[part].assign(inverse_root_mass_.size(), Eigen::Vector4d::Zero());
             const auto begin = [&](int p) { return static_cast<int>(static_cast<long long>(points) * p / part_count); };
             for (int q = begin(part); q < begin(part + 1); ++q) {
-              const Mat3 VP = volume_[q] * (stress_[q] + pressure[q] * Mat3::Identity());
-              for (int e = shape_.begin[q]; e < shape_.begin[q + 1]; ++e)
-                force_[part][shape_.node[e]] += VP * shape_.gradN[e];
+              Eigen::Matrix<double, 4, 3> VP = Eigen::Matrix<double, 4, 3>::Zero();
+              VP.topRows<3>() = volume_[q] * (stress_[q] + pressure[q] * Mat3::Identity());
+              for (int e = shape_.begin[q]; e < shape_.begin[q + 1]; ++e) {
+                const Vec3& g = shape_.gradN[e];
+                force_[part][shape_.node[e]] += VP.col(0) * g[0] + VP.col(1) * g[1] + VP.col(2) * g[2];
+              }
             }
           }
         },
         1);
     parallelFor(static_cast<int>(inverse_root_mass_.size()), [&](int first, int last) {
       for (int i = first; i < last; ++i) {
-        Vec3 sum = Vec3::Zero();
+        Eigen::Vector4d sum = Eigen::Vector4d::Zero();
         for (const auto& force : force_) sum += force[i];
-        y.segment<3>(3 * i) = inverse_root_mass_[i] * sum;
+        y.segment<3>(3 * i) = inverse_root_mass_[i] * sum.head<3>();
       }
     });
   }
@@ -87,7 +93,9 @@ class StiffnessAtRest {
   std::vector<double> inverse_root_mass_;  // (node_count)
   std::vector<Mat3> stress_;               // (point_count)
   std::vector<double> dilatation_;         // (point_count) or pressure where pointwise
-  std::vector<std::vector<Vec3>> force_;   // (part_count)(node_count)
+  // In four lanes, of which the last is 0.
+  AlignedVector<Eigen::Vector4d> u_;                   // (node_count)
+  std::vector<AlignedVector<Eigen::Vector4d>> force_;  // (part_count)(node_count)
 };
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include "simulation/approximate.h"
 
 #include <algorithm>
+#include <optional>
 #include <tuple>
 
 #include "approximation/shape_functions.h"
@@ -57,11 +58,14 @@ IntegrationPoints choosePoints(const Scene& scene, const std::vector<Vec3>& X, c
 Approximation approximate(const Scene& scene, const std::vector<Vec3>& X, std::vector<double> radius,
                           const std::vector<Vec3>& point_X, const std::vector<Vec3>& skin_X,
                           const std::vector<Vec3>& facet_X, const std::vector<Vec3>& boundary_X,
-                          const ApproximationGroups& groups, std::vector<Unsupported>* unsupported) {
+                          const ApproximationGroups& groups, std::vector<Unsupported>* unsupported,
+                          const RowMemory* memory) {
   const MmlsOptions options{scene.basis_degree, scene.mmls_weight};
   Approximation a;
   for (int attempt = 0;; ++attempt) {
     const Neighbours neighbours(X, radius);
+    std::optional<RowsAtHand> at_hand;
+    if (memory != nullptr) at_hand.emplace(memory->rows, memory->number, X, radius, groups.of_nodes);
     const std::tuple<const std::vector<Vec3>*, const std::vector<std::uint64_t>*, ShapeTable*> parts[] = {
         {&point_X, &groups.points, &a.points},
         {&skin_X, &groups.skin, &a.skin},
@@ -70,9 +74,11 @@ Approximation approximate(const Scene& scene, const std::vector<Vec3>& X, std::v
         {&boundary_X, &groups.boundary, &a.boundary}};
     bool admissible = true;
     std::vector<double> enlarged = radius;
+    KnownPart known{at_hand ? &*at_hand : nullptr};
     for (const auto& [at, rows, table] : parts) {
       std::vector<InadmissibleSupport> failed;
-      *table = shapeFunctions(*at, X, radius, neighbours, options, failed, {}, {groups.of_nodes, *rows});
+      *table = shapeFunctions(*at, X, radius, neighbours, options, failed, {}, {groups.of_nodes, *rows}, known);
+      ++known.part;
       if (failed.empty()) continue;
       admissible = false;
       if (attempt == max_enlargements && unsupported != nullptr) {
@@ -87,6 +93,14 @@ Approximation approximate(const Scene& scene, const std::vector<Vec3>& X, std::v
       std::vector<double> mine = radius;
       enlargeSupports(*at, failed, neighbours, mine);
       for (std::size_t i = 0; i < mine.size(); ++i) enlarged[i] = std::max(enlarged[i], mine[i]);
+    }
+    at_hand.reset();
+    if (memory != nullptr) {
+      KnownRows& found = memory->rows = {memory->number, X, radius, groups.of_nodes, {}};
+      for (std::size_t k = 0; k < found.part.size(); ++k) {
+        const auto& [at, rows, table] = parts[k];
+        found.part[k] = {*at, *rows, *table};
+      }
     }
     if (admissible || attempt == max_enlargements) break;
     radius = enlarged;

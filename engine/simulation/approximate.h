@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "approximation/known_rows.h"
 #include "approximation/shape_table.h"
 #include "discretization/cells/background_cells.h"
 #include "discretization/cells/integration_points.h"
@@ -37,11 +38,19 @@ struct Unsupported {
   std::uint64_t group;
 };
 
+/// Rows that are known from another cloud, and how this one's nodes are numbered among those of both.
+struct RowMemory {
+  const std::vector<int>& number;  // (node_count) ascending
+  KnownRows& rows;                 // used, and replaced by those that are found
+};
+
 /// @param groups       empty: supports reach over all borders
 /// @param unsupported  receives such places; null: they are an InputError
+/// @param memory       or null
 Approximation approximate(const Scene& scene, const std::vector<Vec3>& X, std::vector<double> radius,
                           const std::vector<Vec3>& point_X, const std::vector<Vec3>& skin_X,
                           const std::vector<Vec3>& facet_X, const std::vector<Vec3>& boundary_X,
-                          const ApproximationGroups& groups = {}, std::vector<Unsupported>* unsupported = nullptr);
+                          const ApproximationGroups& groups = {}, std::vector<Unsupported>* unsupported = nullptr,
+                          const RowMemory* memory = nullptr);
 
 }  // namespace palpate

@@ -134,9 +134,10 @@ double gripForce(double asked, double radius, const Model& model) {
 }
 
 /// Which organ each body is of, and each node.
-void addBodies(const Scene& scene, const SurfaceTree& tree, Model& model) {
-  model.bodies = makeSkinBodies(model.skin, scene.spacing);
+void addBodies(const Scene& scene, const SurfaceTree& tree, const CommonToPlaces* common, Model& model) {
+  model.bodies = common != nullptr ? common->bodies : makeSkinBodies(model.skin, scene.spacing);
   SkinBodies& bodies = model.bodies;
+  addRows(model.skin, bodies);
   if (bodies.count > max_skin_bodies)
     throw InputError(scene.place, "the surface has " + number(bodies.count) + " separate bodies, and at most " +
                                       number(max_skin_bodies) + " can touch one another",
@@ -169,14 +170,21 @@ void addBodies(const Scene& scene, const SurfaceTree& tree, Model& model) {
   }
 }
 
+/// Pa, of a material that keeps its volume.
+double softestYoung(const std::vector<Material>& materials) {
+  double softest = materials[0].shear_modulus;
+  for (const auto& m : materials) softest = std::min(softest, m.shear_modulus);
+  return 3 * softest;
+}
+
 /// The skin as the contact reads it, and the tool before it.
-void addSkinAndTool(const Scene& scene, const SurfaceTree& tree, Model& model) {
-  double softest = model.materials[0].shear_modulus;
-  for (const auto& m : model.materials) softest = std::min(softest, m.shear_modulus);
-  model.skin = buildSkinModel(model.skin.surface, model.skin_shape, smallestToolRadius(scene), 3 * softest);
-  model.skin.topology = makeSkinTopology(model.skin.surface);
-  addBodies(scene, tree, model);
-  model.rigid = rigidBodiesOf(scene, tree, model.skin, 3 * softest);
+void addSkinAndTool(const Scene& scene, const SurfaceTree& tree, const CommonToPlaces* common, Model& model) {
+  model.skin = common != nullptr ? common->skin : skinOf(scene, model.skin.surface);
+  model.skin.begin = model.skin_shape.begin;
+  model.skin.node = model.skin_shape.node;
+  model.skin.N.assign(model.skin_shape.N.begin(), model.skin_shape.N.end());
+  addBodies(scene, tree, common, model);
+  model.rigid = rigidBodiesOf(scene, tree, model.skin, softestYoung(model.materials));
   model.tool_start = {scene.tool_position, Quat::FromTwoVectors(-Vec3::UnitZ(), scene.tool_direction)};
   model.tools = makeToolSet(scene, tree, model.skin.surface);
   for (ToolSetUp& tool : model.tools.tool) {
@@ -198,7 +206,14 @@ void addSkinAndTool(const Scene& scene, const SurfaceTree& tree, Model& model) {
 
 }  // namespace
 
-Model finish(const Scene& scene, const SurfaceTree& tree, Preparation preparation, const Progress& report) {
+SkinModel skinOf(const Scene& scene, const TriangleSurface& surface) {
+  SkinModel skin = buildSkinModel(surface, {}, smallestToolRadius(scene), softestYoung(materialsOf(scene)));
+  skin.topology = makeSkinTopology(surface);
+  return skin;
+}
+
+Model finish(const Scene& scene, const SurfaceTree& tree, Preparation preparation, const Progress& report,
+             const CommonToPlaces* common) {
   report("boundaries", 0.95);
   Model model;
   static_cast<Preparation&>(model) = std::move(preparation);
@@ -215,7 +230,7 @@ Model finish(const Scene& scene, const SurfaceTree& tree, Preparation preparatio
   addWeight(model);
   setBounds(model);
   model.max_tool_force = maxToolForce(scene.tool_max_force, scene.tool.radius, model.materials);
-  addSkinAndTool(scene, tree, model);
+  addSkinAndTool(scene, tree, common, model);
   model.surface_loads = makeSurfaceLoads(model, tree);
 
   report("kernel layout", 0.96);

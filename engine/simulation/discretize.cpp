@@ -112,8 +112,8 @@ void putInSlices(Discretization& d) {
     for (int& node : cell) node = place[node];
 }
 
-void fitVolumes(const Scene& scene, const SurfaceTree& organ, Discretization& d) {
-  fitToVolume(d.cloud, d.cells, organ);
+void fitVolumes(const Scene& scene, const SurfaceTree& organ, Discretization& d, SurfaceMemory* memory) {
+  fitToVolume(d.cloud, d.cells, organ, memory);
   if (hasSharpInterfaces(scene)) fitInterfaces(scene, organ, d.cloud, d.cells);
 }
 

@@ -18,7 +18,9 @@ Discretization discretizeOnSurface(const Scene& scene, const SurfaceTree& organ,
 
 /// Moves nodes so that cells enclose the organ's volume (volume_fit.h) and, where materials meet, each its own
 /// (interface_nodes.h).
-void fitVolumes(const Scene& scene, const SurfaceTree& organ, Discretization& discretization);
+/// @param memory  of the organ's surface, or null
+void fitVolumes(const Scene& scene, const SurfaceTree& organ, Discretization& discretization,
+                SurfaceMemory* memory = nullptr);
 
 /// The lines that its nodes follow: the organ's sharp edges, and rims of imposed cylindrical regions.
 FeatureEdges featuresOf(const Scene& scene, const SurfaceTree& organ);

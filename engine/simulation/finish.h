@@ -2,12 +2,18 @@
 
 #include "discretization/surface/surface_tree.h"
 #include "simulation/build_model.h"
+#include "simulation/prepare.h"
 
 namespace palpate {
 
 /// The second half of buildModel: what is quick, and what depends on rate, step and tool. Throws InputError naming the
 /// place in the scene that can't be used.
-/// @param tree  of the organ's closed surface
-Model finish(const Scene& scene, const SurfaceTree& tree, Preparation preparation, const Progress& report);
+/// @param tree    of the organ's closed surface
+/// @param common  of a place; null: the scene's body is on its own
+Model finish(const Scene& scene, const SurfaceTree& tree, Preparation preparation, const Progress& report,
+             const CommonToPlaces* common = nullptr);
+
+/// The skin as the contact reads it, but for its rows.
+SkinModel skinOf(const Scene& scene, const TriangleSurface& surface);
 
 }  // namespace palpate

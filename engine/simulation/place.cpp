@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "base/number_text.h"
+#include "discretization/cells/cell_pairs.h"
 #include "discretization/nodes/site_grid.h"
 #include "discretization/surface/surface_bodies.h"
 #include "discretization/surface/surface_geometry.h"
@@ -91,7 +92,8 @@ std::string keyOf(const Places& places, const PlaceIndex& index, bool common) {
 }
 
 /// The place from its scene, with what is common to all or, for the first, without.
-Place place(const Places& places, const PlaceIndex& index, const CommonToPlaces* common, const PlaceStore& store) {
+Place place(const Places& places, const PlaceIndex& index, const CommonToPlaces* common, const PlaceStore& store,
+            PlaceMemory* memory) {
   Place made;
   made.index = index;
   made.node = liveNodes(places.cloud, wantedSpacing(places, index));
@@ -109,17 +111,20 @@ Place place(const Places& places, const PlaceIndex& index, const CommonToPlaces*
   std::optional<Preparation> kept;
   if (!key.empty() && store.find) kept = store.find(key);
   if (!kept || kept->X.size() != made.node.size()) {
+    SurfaceMemory* const surface = memory != nullptr ? &memory->surface : nullptr;
     Discretization d;
     for (const int i : made.node) {
       d.cloud.X.push_back(places.cloud.X[i]);
       d.cloud.on_surface.push_back(places.cloud.on_surface[i]);
     }
-    d.cells = makeBackgroundCells(d.cloud, places.organ);
-    fitVolumes(places.scene, places.organ, d);
-    kept = prepare(scene, places.organ, std::move(d), silent, common);
+    d.cells = makeBackgroundCells(d.cloud, places.organ, surface);
+    fitVolumes(places.scene, places.organ, d, surface);
+    std::optional<RowMemory> rows;
+    if (memory != nullptr) rows.emplace(RowMemory{made.node, memory->rows});
+    kept = prepare(scene, places.organ, std::move(d), silent, common, rows ? &*rows : nullptr);
     if (!key.empty() && store.keep) store.keep(key, *kept);
   }
-  made.model = finish(scene, places.organ, std::move(*kept), silent);
+  made.model = finish(scene, places.organ, std::move(*kept), silent, common);
   return made;
 }
 
@@ -177,8 +182,9 @@ Places makePlaces(const Scene& as_read, const TriangleSurface& organ, const Prog
   // The skin is one for all: no finer below a ball than elsewhere.
   Scene plain = scene;
   plain.refine = finerThan(sizes.fine, as_read.refine);
-  places.common.skin = refineForContact(plain, organ);
-  places.centres = centresOn(places.common.skin, sizes.stride);
+  places.common.skin = skinOf(scene, refineForContact(plain, organ));
+  places.common.bodies = makeSkinBodies(places.common.skin, scene.spacing);
+  places.centres = centresOn(places.common.skin.surface, sizes.stride);
   if (scene.quadrature.cells_per_point > 1 && scene.quadrature.accuracy == 0 && scene.quadrature.points_per_cell == 1)
     places.common.pair_moment = largestPairMoment(
         d.cloud.X, d.cells, cellMaterials(fine, places.organ, d.cloud.X, d.cells), scene.quadrature.cells_per_point);
@@ -186,7 +192,7 @@ Places makePlaces(const Scene& as_read, const TriangleSurface& organ, const Prog
   // One step and one rule for masses: those that suit the place at which the tools start.
   report("time step", 0.6);
   const PlaceIndex start = startPlace(places);
-  const Model first = place(places, start, nullptr, store).model;
+  const Model first = place(places, start, nullptr, store, nullptr).model;
   if (!places.key.empty())
     for (const int centre : start) places.key += "\nstart " + std::to_string(centre);
   places.common.row_limit = row_margin * 4 / (first.dt_proven * first.dt_proven);
@@ -196,8 +202,8 @@ Places makePlaces(const Scene& as_read, const TriangleSurface& organ, const Prog
   return places;
 }
 
-Place makePlace(const Places& places, const PlaceIndex& index, const PlaceStore& store) {
-  return place(places, index, &places.common, store);
+Place makePlace(const Places& places, const PlaceIndex& index, const PlaceStore& store, PlaceMemory* memory) {
+  return place(places, index, &places.common, store, memory);
 }
 
 PlaceIndex startPlace(const Places& places) {

@@ -76,8 +76,10 @@ Places makePlaces(const Scene& scene, const TriangleSurface& organ, const Progre
 
 /// The place whose balls are around those centres. Equal bits at each call, whatever was made or kept before.
 /// Throws InputError where a region of the scene can't be used with this cloud.
+/// @param memory  of places of these Places, or null: saves time
 /// Test: simulation/place_test.cpp
-Place makePlace(const Places& places, const PlaceIndex& index, const PlaceStore& store = {});
+Place makePlace(const Places& places, const PlaceIndex& index, const PlaceStore& store = {},
+                PlaceMemory* memory = nullptr);
 
 /// The place at which the tools start.
 PlaceIndex startPlace(const Places& places);

@@ -67,7 +67,7 @@ Approximation approximateSharply(const Scene& scene, const SurfaceTree& tree, co
                                  const BackgroundCells& cells, const std::vector<int>& cell_material,
                                  const IntegrationPoints& points, const std::vector<Vec3>& skin_X,
                                  const std::vector<Vec3>& facet_X, const std::vector<double>& radius,
-                                 double gradient_tolerance, Preparation& p) {
+                                 double gradient_tolerance, const RowMemory* memory, Preparation& p) {
   const std::vector<Vec3> middle = centroids(X, cells.cells);
   const Neighbours middles(middle, std::vector<double>(middle.size(), scene.spacing));
   const auto lumped = lumpedNodes(scene, p.essential, X.size());
@@ -90,7 +90,7 @@ Approximation approximateSharply(const Scene& scene, const SurfaceTree& tree, co
     constexpr int patience = 8;  // rounds in which cells may join their neighbours
     std::vector<Unsupported> unsupported;
     Approximation shape = approximate(scene, X, radius, points.X, skin_X, facet_X, sharp.boundary.X, groups,
-                                      attempt < patience ? &unsupported : nullptr);
+                                      attempt < patience ? &unsupported : nullptr, memory);
     if (!unsupported.empty()) {
       joinGroups(unsupported, cells.cells, middle, group);
       continue;
@@ -166,7 +166,8 @@ std::vector<int> cellMaterials(const Scene& scene, const SurfaceTree& tree, cons
 
 // NOLINTNEXTLINE(performance-unnecessary-value-param): its parts are moved from
 Preparation prepare(const Scene& scene, const SurfaceTree& tree, Discretization discretization,
-                    const Progress& progress, const CommonToPlaces* common) {
+                    const Progress& progress, const CommonToPlaces* common,
+                    const RowMemory* memory) {
   // Shares of the time with 33,000 nodes and 190,000 points on two cores.
   const auto report = [&](const char* what, double fraction) {
     if (progress) progress(what, fraction);
@@ -182,7 +183,7 @@ Preparation prepare(const Scene& scene, const SurfaceTree& tree, Discretization 
       choosePoints(scene, cloud.X, cells, cell_material, radius, common != nullptr ? &common->pair_moment : nullptr);
 
   report("skin", 0.43);
-  p.skin.surface = common != nullptr ? common->skin : refineForContact(scene, tree.surface());
+  p.skin.surface = common != nullptr ? common->skin.surface : refineForContact(scene, tree.surface());
 
   p.essential = chooseImposed(scene, cloud, tree);
   if (!p.essential.nodes.empty()) checkHeld(scene, p.essential);
@@ -194,11 +195,12 @@ Preparation prepare(const Scene& scene, const SurfaceTree& tree, Discretization 
   if (hasSharpInterfaces(scene)) {
     report("shape functions", 0.44);
     shape = approximateSharply(scene, tree, cloud.X, cells, cell_material, points, p.skin.surface.vertices, facet_X,
-                               radius, gradient_tolerance, p);
+                               radius, gradient_tolerance, memory, p);
   } else {
     const BoundaryPoints boundary = consistencyPoints(scene, cloud, outer, p.essential);
     report("shape functions", 0.44);
-    shape = approximate(scene, cloud.X, std::move(radius), points.X, p.skin.surface.vertices, facet_X, boundary.X);
+    shape = approximate(scene, cloud.X, std::move(radius), points.X, p.skin.surface.vertices, facet_X, boundary.X, {},
+                        nullptr, memory);
     report("consistent gradients", 0.58);
     if (scene.formulation.consistent_gradients)
       correctGradients(shape.points, points.X, points.volume, cloud.X, boundary, shape.boundary, gradient_tolerance);

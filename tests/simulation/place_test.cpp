@@ -87,6 +87,36 @@ TEST_CASE("Far from the tool all places are the same, and a place is a function 
   CHECK(same == nodes);
 }
 
+TEST_CASE("What is used again for a place changes no bit of it, whatever places were made before", "[place]") {
+  const Places& places = barPlaces();
+  const Place &a = leftPlace(), &b = nextToLeft();
+  PlaceMemory memory;
+  test::requireSameModel(makePlace(places, a.index, {}, &memory).model, a.model);
+  CHECK(static_cast<int>(memory.rows.number.size()) == a.model.nodeCount());
+  test::requireSameModel(makePlace(places, b.index, {}, &memory).model, b.model);
+  makePlace(places, indexAt(places, Vec3(0.06, 0, 0.03)), {}, &memory);
+  test::requireSameModel(makePlace(places, a.index, {}, &memory).model, a.model);
+
+  // Between neighbours more is the same than not.
+  PlaceMemory of_a;
+  makePlace(places, a.index, {}, &of_a);
+  const RowsAtHand at_hand(of_a.rows, b.node, b.model.X, b.model.support_radius, {});
+  std::vector<int> node;
+  std::vector<double> N;
+  std::vector<Vec3> gradN;
+  const auto& skin = b.model.skin.surface.vertices;
+  int known = 0;
+  for (int v = 0; v < b.model.skin.vertexCount(); ++v) {
+    if (!at_hand.copy(1, skin[static_cast<std::size_t>(v)], 0, node, N, gradN)) continue;
+    ++known;
+    const ShapeTable& own = b.model.skin_shape;
+    REQUIRE(std::equal(node.begin(), node.end(), own.node.begin() + own.begin[v], own.node.begin() + own.begin[v + 1]));
+    REQUIRE(std::equal(N.begin(), N.end(), own.N.begin() + own.begin[v], own.N.begin() + own.begin[v + 1]));
+  }
+  CHECK(known > b.model.skin.vertexCount() / 3);
+  CHECK(known < b.model.skin.vertexCount());
+}
+
 TEST_CASE("The place changes with the tool, but not to and fro", "[place]") {
   const Places& places = barPlaces();
   PlaceIndex index = indexAt(places, Vec3(-0.07, 0, 0.03));

@@ -46,6 +46,7 @@ std::array<Eigen::Vector4d, 15> insideSamples() {
 
 class InsideTest {
  public:
+  /// For these cells.
   InsideTest(const NodeCloud& cloud, const std::vector<std::array<int, 4>>& cells, const SurfaceTree& surface)
       : X_(cloud.X), surface_(surface), depth_(cloud.X.size(), 0.0) {
     std::vector<double> longest(X_.size(), 0.0);  // edge of the cells at each node, m
@@ -53,7 +54,7 @@ class InsideTest {
       for (int i : cell) longest[i] = std::max(longest[i], longestEdgeAt(i, cell));
     parallelFor(static_cast<int>(X_.size()), [&](int first, int last) {
       for (int i = first; i < last; ++i) {
-        if (cloud.on_surface[i]) continue;
+        if (cloud.on_surface[i] || longest[i] == 0) continue;
         const SurfaceTree::Closest foot = surface.closest(X_[i], longest[i]);
         depth_[i] = foot.triangle < 0 ? std::numeric_limits<double>::infinity() : foot.distance;
       }
@@ -97,6 +98,32 @@ class InsideTest {
   std::array<Eigen::Vector4d, 15> samples_ = insideSamples();
 };
 
+/// Whether each cell lies inside.
+std::vector<char> heldCells(const NodeCloud& cloud, const std::vector<std::array<int, 4>>& cells,
+                            const SurfaceTree& surface, SurfaceMemory* memory) {
+  const auto places = [&](const std::array<int, 4>& cell) {
+    const auto& [a, b, c, d] = cell;
+    return std::array{cloud.X[a], cloud.X[b], cloud.X[c], cloud.X[d]};
+  };
+  std::vector<char> held(cells.size(), 0);
+  std::vector<int> unknown;
+  std::vector<std::array<int, 4>> asked;
+  for (int c = 0; c < static_cast<int>(cells.size()); ++c) {
+    if (const bool* const known = memory ? memory->holds.find(places(cells[c])) : nullptr) {
+      held[c] = *known;
+      continue;
+    }
+    unknown.push_back(c);
+    asked.push_back(cells[c]);
+  }
+  const InsideTest inside(cloud, asked, surface);
+  parallelFor(static_cast<int>(asked.size()), [&](int first, int last) {
+    for (int k = first; k < last; ++k) held[unknown[k]] = inside.holds(asked[k]);
+  });
+  for (std::size_t k = 0; memory && k < asked.size(); ++k) memory->holds.keep(places(asked[k]), held[unknown[k]] != 0);
+  return held;
+}
+
 double cellVolume(const std::vector<Vec3>& X, const std::array<int, 4>& cell) {
   return tetrahedronVolume(X[cell[0]], X[cell[1]], X[cell[2]], X[cell[3]]);
 }
@@ -130,7 +157,7 @@ int peelSlivers(std::vector<std::array<int, 4>>& cells, const NodeCloud& cloud) 
 
 }  // namespace
 
-BackgroundCells makeBackgroundCells(const NodeCloud& cloud, const SurfaceTree& surface) {
+BackgroundCells makeBackgroundCells(const NodeCloud& cloud, const SurfaceTree& surface, SurfaceMemory* memory) {
   std::vector<std::array<int, 4>> all;
   try {
     all = delaunay(cloud.X);
@@ -140,11 +167,7 @@ BackgroundCells makeBackgroundCells(const NodeCloud& cloud, const SurfaceTree& s
   }
 
   BackgroundCells result;
-  const InsideTest inside(cloud, all, surface);
-  std::vector<char> held(all.size(), 0);
-  parallelFor(static_cast<int>(all.size()), [&](int first, int last) {
-    for (int c = first; c < last; ++c) held[c] = inside.holds(all[c]);
-  });
+  const std::vector<char> held = heldCells(cloud, all, surface, memory);
   for (std::size_t c = 0; c < all.size(); ++c)
     if (held[c]) result.cells.push_back(all[c]);
   result.outside_count = static_cast<int>(all.size() - result.cells.size());

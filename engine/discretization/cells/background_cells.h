@@ -5,6 +5,7 @@
 
 #include "base/types.h"
 #include "discretization/nodes/node_cloud.h"
+#include "discretization/surface/surface_memory.h"
 #include "discretization/surface/surface_tree.h"
 
 namespace palpate {
@@ -31,8 +32,10 @@ struct BackgroundCells {
 /// The cells' flat faces cut the corners of curved surfaces: on a sphere of radius r the loss is about
 /// 0.4 (h/r)^2 of the volume. fitToVolume (volume_fit.h) removes this loss.
 /// Throws InputError where all nodes lie in one plane.
+/// @param memory  of this surface, or null
 /// Test: discretization/cells/background_cells_test.cpp
-BackgroundCells makeBackgroundCells(const NodeCloud& cloud, const SurfaceTree& surface);
+BackgroundCells makeBackgroundCells(const NodeCloud& cloud, const SurfaceTree& surface,
+                                    SurfaceMemory* memory = nullptr);
 
 /// The cells' faces that belong to one cell only, counter-clockwise seen from outside.
 /// Sorted by their nodes' numbers.

@@ -47,17 +47,25 @@ double meanGap(const Facet& facet, const std::vector<Vec3>& X, const SurfaceTree
 
 /// The same of all facets.
 std::vector<double> meanGaps(const std::vector<std::array<int, 3>>& facets, const std::vector<Vec3>& X,
-                             const SurfaceTree& surface) {
+                             const SurfaceTree& surface, SurfaceMemory* memory) {
   std::vector<double> gap(facets.size());
+  const auto places = [&](int f) { return std::array{X[facets[f][0]], X[facets[f][1]], X[facets[f][2]]}; };
+  std::vector<char> is_new(facets.size(), 1);
   parallelFor(static_cast<int>(facets.size()), [&](int first, int last) {
-    for (int f = first; f < last; ++f) gap[f] = meanGap(facetOf(facets[f], X), X, surface);
+    for (int f = first; f < last; ++f) {
+      const double* const known = memory ? memory->gap.find(places(f)) : nullptr;
+      gap[f] = known ? *known : meanGap(facetOf(facets[f], X), X, surface);
+      is_new[f] = !known;
+    }
   });
+  for (int f = 0; memory && f < static_cast<int>(facets.size()); ++f)
+    if (is_new[f]) memory->gap.keep(places(f), gap[f]);
   return gap;
 }
 
 }  // namespace
 
-void fitToVolume(NodeCloud& cloud, BackgroundCells& cells, const SurfaceTree& surface) {
+void fitToVolume(NodeCloud& cloud, BackgroundCells& cells, const SurfaceTree& surface, SurfaceMemory* memory) {
   std::vector<std::array<int, 3>> facets = boundaryFacets(cells.cells);
   std::erase_if(facets, [&](const std::array<int, 3>& f) {
     return !cloud.on_surface[f[0]] || !cloud.on_surface[f[1]] || !cloud.on_surface[f[2]];
@@ -67,7 +75,7 @@ void fitToVolume(NodeCloud& cloud, BackgroundCells& cells, const SurfaceTree& su
 
   // Facets without a gap have no say later, but keep their nodes in their plane.
   std::vector<Mat3> free(start.size(), Mat3::Identity());
-  const std::vector<double> first_gap = meanGaps(facets, start, surface);
+  const std::vector<double> first_gap = meanGaps(facets, start, surface, memory);
   std::vector<std::array<int, 3>> uneven;
   for (std::size_t f = 0; f < facets.size(); ++f) {
     const Facet facet = facetOf(facets[f], start);
@@ -83,7 +91,7 @@ void fitToVolume(NodeCloud& cloud, BackgroundCells& cells, const SurfaceTree& su
     // Each node goes the mean of its facets' gaps along their normals.
     std::vector<Vec3> move(start.size(), Vec3::Zero());
     std::vector<double> area(start.size(), 0.0), reach(start.size(), 0.0);
-    const std::vector<double> gap = meanGaps(facets, cloud.X, surface);
+    const std::vector<double> gap = meanGaps(facets, cloud.X, surface, memory);
     for (std::size_t f = 0; f < facets.size(); ++f) {
       const Facet facet = facetOf(facets[f], cloud.X);
       for (int i : facets[f]) {

@@ -2,6 +2,7 @@
 
 #include "discretization/cells/background_cells.h"
 #include "discretization/nodes/node_cloud.h"
+#include "discretization/surface/surface_memory.h"
 #include "discretization/surface/surface_tree.h"
 
 namespace palpate {
@@ -16,7 +17,8 @@ namespace palpate {
 ///
 /// @param cloud  X of surface nodes is moved
 /// @param cells  volumes are updated; every cell keeps at least a fifth of its volume
+/// @param memory of this surface, or null
 /// Test: discretization/nodes/volume_fit_test.cpp
-void fitToVolume(NodeCloud& cloud, BackgroundCells& cells, const SurfaceTree& surface);
+void fitToVolume(NodeCloud& cloud, BackgroundCells& cells, const SurfaceTree& surface, SurfaceMemory* memory = nullptr);
 
 }  // namespace palpate

@@ -118,8 +118,8 @@ bool CloudFollower::follow(bool waits, const std::atomic<bool>& stop) {
   if (to != now && !worker_.failed(to)) {
     const bool there = pending_ != nullptr && pending_->from->place.index == now && pending_->to->place.index == to;
     if (!there) worker_.want({now, to, after});
-  } else if (after != now) {
-    worker_.want({now, no_place, after});
+  } else {
+    worker_.want({now, no_place, after != now ? after : no_place});
   }
   return swapped;
 }

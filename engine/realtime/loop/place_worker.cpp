@@ -11,6 +11,8 @@ namespace palpate {
 namespace {
 
 constexpr std::size_t returned_capacity = 16;  // the loop has two at most
+constexpr std::size_t ready_around = 6;        // places around one, those that a tool may come to next
+constexpr double as_far_as = 1.8;              // strides
 
 }  // namespace
 
@@ -98,6 +100,22 @@ std::shared_ptr<ReadyPlace> PlaceWorker::at(const PlaceIndex& index) {
   return place;
 }
 
+/// Of the places around one, where some tool may go next, the nearest that is not in memory; no_place: all are.
+PlaceIndex PlaceWorker::missingNeighbour(const PlaceIndex& index) const {
+  std::vector<std::pair<double, PlaceIndex>> around;
+  for (std::size_t t = 0; t < index.size() && index[t] >= 0; ++t)
+    for (std::size_t c = 0; c < places_.centres.size(); ++c) {
+      const double distance = (places_.centres[c] - places_.centres[static_cast<std::size_t>(index[t])]).norm();
+      if (static_cast<int>(c) == index[t] || distance > as_far_as * places_.sizes.stride) continue;
+      around.emplace_back(distance, index).second[t] = static_cast<int>(c);
+    }
+  std::sort(around.begin(), around.end());
+  if (around.size() > ready_around) around.resize(ready_around);
+  for (const auto& [distance, place] : around)
+    if (!shelf_.contains(place)) return place;
+  return no_place;
+}
+
 void PlaceWorker::work() {
   if (threads_ > 0) setUpViewerThread();  // gives way to the loop, as whoever draws
   const OwnSetupThreads own(threads_);
@@ -122,6 +140,7 @@ void PlaceWorker::work() {
         }
       }
       made = wish.then;
+      if (made == no_place && wish.to == no_place && threads_ > 0) made = missingNeighbour(wish.from);
       if (made != no_place && !shelf_.contains(made)) {
         at(made);
         continue;

@@ -60,6 +60,7 @@ class PlaceWorker {
   void work();
   void clear();
   std::shared_ptr<ReadyPlace> at(const PlaceIndex& index);
+  PlaceIndex missingNeighbour(const PlaceIndex& index) const;
   void fail(const PlaceIndex& index, const std::string& why);
 
   const Places& places_;

@@ -297,6 +297,34 @@ TEST_CASE("A swap allocates nothing and takes no lock, nor does what keeps its s
   CHECK(counts.locks == 0);
 }
 
+TEST_CASE("While the loop stays where it is the places around are made, and no more", "[cloud_follower]") {
+  const auto body = tissue();
+  const PlaceIndex start = startPlace(*places());
+  body->worker.want({start, no_place, no_place});
+  std::vector<std::pair<double, int>> around;
+  const auto& centres = places()->centres;
+  for (int c = 0; c < static_cast<int>(centres.size()); ++c)
+    if (c != start[0])
+      around.emplace_back((centres[static_cast<std::size_t>(c)] - centres[static_cast<std::size_t>(start[0])]).norm(),
+                          c);
+  std::sort(around.begin(), around.end());
+  REQUIRE(around[0].first < 1.8 * places()->sizes.stride);
+  const int wanted =
+      static_cast<int>(std::min<std::ptrdiff_t>(6, std::count_if(around.begin(), around.end(), [](const auto& a) {
+                         return a.first <= 1.8 * places()->sizes.stride;
+                       })));
+  while (body->worker.madeCount() < wanted) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  // The nearest is there: going to it makes none.
+  PlaceIndex nearest = start;
+  nearest[0] = around[0].second;
+  body->worker.want({start, nearest, no_place});
+  PlaceChange* change = nullptr;
+  while ((change = body->worker.take()) == nullptr) std::this_thread::yield();
+  CHECK(change->to->place.index == nearest);
+  CHECK(body->worker.madeCount() == wanted);
+  body->worker.giveBack(change);
+}
+
 TEST_CASE("Where a place can't be made the loop stays where it is, and says why", "[cloud_follower][whole]") {
   for (const bool fast : {true, false}) {
     const PlaceIndex start = startPlace(*places());

@@ -256,8 +256,11 @@ class Simulation:
         _call("reset", self._handle)
 
     def save(self):
-        """The whole state as bytes, for restore()."""
-        data = C.create_string_buffer(library().palpate_save_size(self._handle))
+        """The whole state as bytes, for restore(). Not of a cloud that follows the tool."""
+        size = library().palpate_save_size(self._handle)
+        if size == 0:
+            raise ValueError("a cloud that follows the tool has no saved states; record its input")
+        data = C.create_string_buffer(size)
         _call("save", self._handle, data, len(data))
         return data.raw
 
