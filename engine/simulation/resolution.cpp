@@ -3,15 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
-#include <utility>
 
+#include "mechanics/materials/fibre_energy.h"
 #include "simulation/scene_messages.h"
 
 namespace palpate {
 namespace {
 
-constexpr double c_shape = 0.16, c_slope = 0.3, c_bulk = 0.12;  // c_0, c_1, c_2
+constexpr double c_uneven = 0.9, c_held = 0.2, c_missed = 0.7, c_both = 3;  // c_0 .. c_3
 // Of Model::rest_energy, which is far above float's noise: in double strains of 3e-6 are none, either.
 constexpr double least_energy = 1e-6;
 // Of a tick: at the liver's 20,124 points a hundredth of its time.
@@ -35,39 +34,66 @@ double touchEnergy(const Model& model, double force, double strain_energy) {
   return std::min(strain_energy, 0.4 * force * std::pow(force / stiffness, 2.0 / 3));
 }
 
-/// mu |D|^2 of a deviation D = F - F*, and half of what fibres along n, which are under tension where |F n| > 1, add to
-/// the modulus there times (n . D n)^2; Pa.
-double deviationEnergy(const Material& m, const Mat3& F, const Mat3& D) {
-  const double shear = m.shear_modulus * D.squaredNorm();
-  if (m.fibre_modulus == 0) return shear;
-  const Vec3 n(m.fibre[0], m.fibre[1], m.fibre[2]), stretched = F * n;
-  if (stretched.squaredNorm() <= 1) return shear;
-  const double along = stretched.dot(D * n);
-  return shear + m.fibre_modulus / 2 * along * along;
-}
+/// What a deviation D from the deformation F of a point stores at its volume: (W(F + D) + W(F - D)) / 2 - W(F), to second
+/// order of W = mu/2 J^(-2/3) |F|^2, whatever the law, and all of what its fibres store.
+class DeviationEnergy {
+ public:
+  DeviationEnergy(const Material& m, const Mat3& F, double J) : material_(m), F_(F), square_(F.squaredNorm()) {
+    constexpr double least_J = 0.1;
+    J = std::max(J, least_J);
+    inverse_ << F.row(1).cross(F.row(2)).transpose(), F.row(2).cross(F.row(0)).transpose(),
+        F.row(0).cross(F.row(1)).transpose();
+    inverse_ /= J;
+    stiffness_ = m.shear_modulus / std::cbrt(J * J);
+    fibre_ = fibreEnergy(m, (F_ * fibre()).squaredNorm());
+  }
 
-/// What a point adds to e W, over its volume, Pa. @param K  Pa
-double weighed(double shape, double slope, double K, double dJ) {
-  return c_shape * shape + c_slope * slope + c_bulk * K * dJ * dJ;
-}
+  /// Pa
+  double of(const Mat3& D) const {
+    const Mat3 d = D * inverse_;
+    const double trace = d.trace();
+    const double shape = stiffness_ * (D.squaredNorm() / 2 - 2.0 / 3 * trace * F_.cwiseProduct(D).sum() +
+                                       square_ * (trace * trace / 9 + d.cwiseProduct(d.transpose()).sum() / 6));
+    if (material_.fibre_modulus == 0) return std::max(0.0, shape);
+    const Vec3 Fn = F_ * fibre(), Dn = D * fibre();
+    const double there = fibreEnergy(material_, (Fn + Dn).squaredNorm()) +
+                         fibreEnergy(material_, (Fn - Dn).squaredNorm());
+    return std::max(0.0, shape + there / 2 - fibre_);
+  }
+
+ private:
+  Vec3 fibre() const { return {material_.fibre[0], material_.fibre[1], material_.fibre[2]}; }
+
+  const Material& material_;
+  Mat3 F_, inverse_;
+  double square_, stiffness_, fibre_;
+};
 
 }  // namespace
 
-PointGroups makePointGroups(const Preparation& p) {
-  PointGroups groups;
-  std::map<std::pair<int, int>, int> number;  // of node and material
-  std::vector<double> volume;
-  groups.of_point.resize(p.point_X.size());
-  for (std::size_t q = 0; q < p.point_X.size(); ++q)
-    for (std::size_t k = 0; k < 4; ++k) {
-      const int node = p.cells[static_cast<std::size_t>(p.point_cell[q])][k];
-      const int g = number.try_emplace({node, p.point_material[q]}, static_cast<int>(number.size())).first->second;
-      groups.of_point[q][k] = g;
-      volume.resize(number.size(), 0);
-      volume[static_cast<std::size_t>(g)] += p.point_volume[q];
-    }
-  for (const double v : volume) groups.inverse_volume.push_back(static_cast<float>(1 / v));
-  return groups;
+void ErrorSums::add(const Model& model, std::size_t q, const Material& material, const Strain& strain,
+                    const std::array<Strain, 4>& at_nodes) {
+  const DeviationEnergy energy(material, Mat3::Identity() + strain.H, 1 + strain.dilatation);
+  const std::array<float, 4>& position = model.point_groups.position[q];
+  Strain here, mean;
+  for (std::size_t k = 0; k < 4; ++k) {
+    here.add(static_cast<double>(position[k]), at_nodes[k]);
+    mean.add(0.25, at_nodes[k]);
+  }
+  double shape = 0, volume = 0;
+  for (const Strain& s : at_nodes) {
+    shape += energy.of(s.H - mean.H);
+    volume += (s.dilatation - mean.dilatation) * (s.dilatation - mean.dilatation);
+  }
+  const double V = model.point_volume[q], unseen = static_cast<double>(model.point_groups.unseen[q]);
+  uneven += V * energy.of(strain.H - here.H);
+  held += V * std::max(unseen, PointGroups::of_cell) * material.bulk_modulus * volume;
+  missed += V * unseen * shape;
+}
+
+double ErrorSums::off(double energy) const {
+  const double stiff = c_uneven * uneven + c_held * held, soft = c_missed * missed, sum = stiff + soft;
+  return std::hypot(stiff - soft, c_both * sum * sum / energy);
 }
 
 double expectedError(const Model& model, std::span<const Material> materials, const AlignedVector<Double4>& u,
@@ -75,40 +101,26 @@ double expectedError(const Model& model, std::span<const Material> materials, co
   if (!(strain_energy > least_energy * model.rest_energy)) return 0;
   const ShapeTable& shape = model.point_shape;
   const PointGroups& groups = model.point_groups;
-  std::vector<Mat3> F(model.point_X.size(), Mat3::Identity()), mean(groups.inverse_volume.size(), Mat3::Zero());
-  std::vector<double> J(F.size()), mean_J(mean.size(), 0);
-  for (std::size_t q = 0; q < F.size(); ++q) {
+  std::vector<Strain> at(model.point_X.size()), fit(static_cast<std::size_t>(groups.count));
+  for (std::size_t q = 0; q < at.size(); ++q) {
     for (auto e = static_cast<std::size_t>(shape.begin[q]); e < static_cast<std::size_t>(shape.begin[q + 1]); ++e)
-      F[q] += toVec3(u[static_cast<std::size_t>(shape.node[e])]) * shape.gradN[e].transpose();
-    J[q] = F[q].determinant();
-    for (const int g : groups.of_point[q]) {
-      const auto k = static_cast<std::size_t>(g);
-      const double share = model.point_volume[q] * groups.inverse_volume[k];
-      mean[k] += share * F[q];
-      mean_J[k] += share * J[q];
-    }
+      at[q].H += toVec3(u[static_cast<std::size_t>(shape.node[e])]) * shape.gradN[e].transpose();
+    at[q].dilatation = (Mat3::Identity() + at[q].H).determinant() - 1;
+    for (std::size_t k = 0; k < 4; ++k)
+      fit[static_cast<std::size_t>(groups.of_point[q][k])].add(static_cast<double>(groups.weight[q][k]), at[q]);
   }
-  double sum = 0;
-  for (std::size_t q = 0; q < F.size(); ++q) {
-    const Material& material = materials[static_cast<std::size_t>(model.point_material[q])];
-    Mat3 around = Mat3::Zero();
-    double J_around = 0;
-    for (const int g : groups.of_point[q]) {
-      around += 0.25 * mean[static_cast<std::size_t>(g)];
-      J_around += 0.25 * mean_J[static_cast<std::size_t>(g)];
-    }
-    double slope = 0;
-    for (const int g : groups.of_point[q])
-      slope += 0.05 * deviationEnergy(material, F[q], mean[static_cast<std::size_t>(g)] - around);
-    sum += model.point_volume[q] *
-           weighed(deviationEnergy(material, F[q], F[q] - around), slope, material.bulk_modulus, J[q] - J_around);
+  ErrorSums sums;
+  for (std::size_t q = 0; q < at.size(); ++q) {
+    std::array<Strain, 4> at_nodes;
+    for (std::size_t k = 0; k < 4; ++k) at_nodes[k] = fit[static_cast<std::size_t>(groups.of_point[q][k])];
+    sums.add(model, q, materials[static_cast<std::size_t>(model.point_material[q])], at[q], at_nodes);
   }
-  if (model.surface_loads.empty() || !(tool_force > 0)) return sum / strain_energy;
-  return std::min(1.0, sum / touchEnergy(model, tool_force, strain_energy));
+  if (model.surface_loads.empty() || !(tool_force > 0)) return sums.off(strain_energy) / strain_energy;
+  return std::min(1.0, sums.off(strain_energy) / touchEnergy(model, tool_force, strain_energy));
 }
 
 ResolutionWatch::ResolutionWatch(const Model& model)
-    : u_(model.X.size()), at_(model.point_X.size()), mean_(model.point_groups.inverse_volume.size()) {}
+    : u_(model.X.size()), at_(model.point_X.size()), fit_(static_cast<std::size_t>(model.point_groups.count)) {}
 
 void ResolutionWatch::restart() {
   next_ = 0;
@@ -131,8 +143,8 @@ void ResolutionWatch::advance(const Model& model, std::span<const Material> mate
       return;
     }
     std::copy(u.begin(), u.end(), u_.begin());
-    std::fill(mean_.begin(), mean_.end(), Strain{});
-    sum_ = 0;
+    std::fill(fit_.begin(), fit_.end(), Rows{});
+    sums_ = {};
     energy_ = report.strain_energy;
     touch_ = model.surface_loads.empty() ? 0 : toolForce(report);
     force_ = touch_ > 0 ? touch_ : largestForce(report);
@@ -148,10 +160,11 @@ void ResolutionWatch::advance(const Model& model, std::span<const Material> mate
   }
   if (next_ == 2 * count) {
     next_ = 0;
-    error_ = sum_ / energy_;
+    const double sum = sums_.off(energy_);
+    error_ = sum / energy_;
     if (touch_ > 0) {
       const double touch = touchEnergy(model, touch_, energy_);
-      error_ = std::clamp((sum_ - load_error_ * (energy_ - touch)) / touch, 0.0, 1.0);
+      error_ = std::clamp((sum - load_error_ * (energy_ - touch)) / touch, 0.0, 1.0);
     } else if (!(toolForce(report) > 0)) {  // nor was it a moment off a tool that hits
       load_error_ = error_;
     }
@@ -163,8 +176,9 @@ void ResolutionWatch::advance(const Model& model, std::span<const Material> mate
 
 void ResolutionWatch::gather(const Model& model, std::size_t begin, std::size_t end) {
   const ShapeTable& shape = model.point_shape;
+  const PointGroups& groups = model.point_groups;
   for (std::size_t q = begin; q < end; ++q) {
-    Strain s{};
+    Rows s{};
     for (auto e = static_cast<std::size_t>(shape.begin[q]); e < static_cast<std::size_t>(shape.begin[q + 1]); ++e) {
       const Float4& a = u_[static_cast<std::size_t>(shape.node[e])];
       const float gx = static_cast<float>(shape.gradN[e].x()), gy = static_cast<float>(shape.gradN[e].y()),
@@ -178,38 +192,24 @@ void ResolutionWatch::gather(const Model& model, std::size_t begin, std::size_t 
     s[9] = s[0] + s[4] + s[8] + s[0] * s[4] - s[1] * s[3] + s[0] * s[8] - s[2] * s[6] + yz + s[0] * yz -
            s[1] * (s[3] * s[8] - s[5] * s[6]) + s[2] * (s[3] * s[7] - s[4] * s[6]);
     at_[q] = s;
-    for (const int g : model.point_groups.of_point[q]) {
-      const auto group = static_cast<std::size_t>(g);
-      const float share = static_cast<float>(model.point_volume[q]) * model.point_groups.inverse_volume[group];
-      for (std::size_t k = 0; k < s.size(); ++k) mean_[group][k] += share * s[k];
+    for (std::size_t n = 0; n < 4; ++n) {
+      Rows& fit = fit_[static_cast<std::size_t>(groups.of_point[q][n])];
+      for (std::size_t k = 0; k < s.size(); ++k) fit[k] += groups.weight[q][n] * s[k];
     }
   }
 }
 
 void ResolutionWatch::compare(const Model& model, std::span<const Material> materials, std::size_t begin,
                               std::size_t end) {
-  using Rows = Eigen::Map<const Eigen::Matrix<float, 3, 3, Eigen::RowMajor>>;
+  const auto strainOf = [](const Rows& rows) {
+    using Map = Eigen::Map<const Eigen::Matrix<float, 3, 3, Eigen::RowMajor>>;
+    return Strain{Map(rows.data()).cast<double>(), static_cast<double>(rows[9])};
+  };
   for (std::size_t q = begin; q < end; ++q) {
-    const Material& material = materials[static_cast<std::size_t>(model.point_material[q])];
-    const Mat3 F = Mat3::Identity() + Rows(at_[q].data()).cast<double>();
-    const auto energyOf = [&](const Strain& off) {
-      if (material.fibre_modulus != 0) return deviationEnergy(material, F, Rows(off.data()).cast<double>());
-      float square = 0;
-      for (std::size_t k = 0; k < 9; ++k) square += off[k] * off[k];
-      return material.shear_modulus * static_cast<double>(square);
-    };
-    Strain around{};
-    for (const int g : model.point_groups.of_point[q])
-      for (std::size_t k = 0; k < around.size(); ++k) around[k] += 0.25F * mean_[static_cast<std::size_t>(g)][k];
-    const auto from_around = [&](Strain s) {
-      for (std::size_t k = 0; k < s.size(); ++k) s[k] -= around[k];
-      return s;
-    };
-    double slope = 0;
-    for (const int g : model.point_groups.of_point[q])
-      slope += 0.05 * energyOf(from_around(mean_[static_cast<std::size_t>(g)]));
-    const Strain off = from_around(at_[q]);
-    sum_ += model.point_volume[q] * weighed(energyOf(off), slope, material.bulk_modulus, static_cast<double>(off[9]));
+    std::array<Strain, 4> at_nodes;
+    for (std::size_t k = 0; k < 4; ++k)
+      at_nodes[k] = strainOf(fit_[static_cast<std::size_t>(model.point_groups.of_point[q][k])]);
+    sums_.add(model, q, materials[static_cast<std::size_t>(model.point_material[q])], strainOf(at_[q]), at_nodes);
   }
 }
 

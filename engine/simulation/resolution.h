@@ -17,17 +17,42 @@ namespace palpate {
 // How far off forces are because the cloud is no finer.
 //
 // What moves as it is told stores the energy W, and a force is its slope; so a force is off by about the share of W
-// that a finer cloud would not store, or would store besides. That share follows from how much the deformation changes
-// from point to point (Zienkiewicz and Zhu 1987, with means in place of fits, which did not do better), from how much
-// it changes within what a point stands for, which one point does not see, and from volume that points can't hold:
+// that a finer cloud would not store, or would store besides. Where deformation changes from point to point by more than
+// a linear function does (Zienkiewicz and Zhu 1987: L_q, from fits around the nodes of a point's cell), the body is too
+// stiff, and so it is where volume changes within what one point stands for, and has to be held. What changes of the
+// shape within that, one point does not see: the body is too soft. The two make up for each other:
 //
-//   e W = sum_q V_q (c_0 mu |F_q - F*_q|^2 + c_1 mu mean_a |F_a - F*_q|^2 / 5 + c_2 K (J_q - J*_q)^2)
+//   e = |S - M|,  S W = sum_q V_q (c_0 E(F_q - L_q) + c_1 K var_q J),  M W = c_2 sum_q V_q E(var_q F)
 //
-// F_a the mean F around node a of point q's cell, of points of q's material alone: what jumps at a border is right.
-// F*_q and J*_q are the means over the cell's nodes. Fibres under tension add half their modulus times (n . D n)^2 to
-// mu |D|^2.
+// E(D) what a deviation stores at a volume that stays, var_q the mean square of what is not seen (PointGroups::unseen),
+// from the fits at the nodes of q's cell; several points in a cell see it, but have to hold volume all the same. Fits
+// are of points of one material alone: what jumps at a border is right. The less is left the larger the two are, so e
+// is the root of the squares of that and of c_3 (S + M)^2.
 // Wherever the cloud is too coarse counts: below a small tool, in a thin layer, at a bonded edge. Measured on scenes
 // drawn by lot (`mtled verify matrix`, engine/mechanics/README.md); an estimate, no bound.
+
+/// What a point sees: F - 1 and J - 1.
+struct Strain {
+  Mat3 H = Mat3::Zero();
+  double dilatation = 0;
+
+  void add(double weight, const Strain& other) {
+    H += weight * other.H;
+    dilatation += weight * other.dilatation;
+  }
+};
+
+/// The parts of e W, J, without their constants.
+struct ErrorSums {
+  double uneven = 0, held = 0;  // of what is too stiff
+  double missed = 0;            // of what is too soft
+
+  /// @param at_nodes  the fits at the nodes of the point's cell
+  void add(const Model& model, std::size_t point, const Material& material, const Strain& strain,
+           const std::array<Strain, 4>& at_nodes);
+  /// e W, J. @param strain_energy  W, J
+  double off(double strain_energy) const;
+};
 
 /// e for a displacement. For batch: allocates.
 /// @param u  m (node_count)  @param strain_energy  W, J; below a millionth of Model::rest_energy e is 0
@@ -58,15 +83,16 @@ class ResolutionWatch {
                StepReport& report);
 
  private:
-  using Strain = std::array<float, 10>;  // F - 1, row by row, and J - 1
+  using Rows = std::array<float, 10>;  // F - 1, row by row, and J - 1
   void gather(const Model& model, std::size_t begin, std::size_t end);
   void compare(const Model& model, std::span<const Material> materials, std::size_t begin, std::size_t end);
 
   AlignedVector<Float4> u_;             // (node_count) of the moment
-  std::vector<Strain> at_;              // (point_count)
-  std::vector<Strain> mean_;            // (group_count)
+  std::vector<Rows> at_;                // (point_count)
+  std::vector<Rows> fit_;               // (group_count) at its node
   std::size_t next_ = 0;                // of the points, twice over: gathered, then compared
-  double sum_ = 0, energy_ = 0;         // J
+  ErrorSums sums_;
+  double energy_ = 0;                   // J
   double force_ = 0;                    // N, of the moment
   double touch_ = 0;                    // N, of the moment: of tools on tissue under surface loads
   double load_error_ = 0;               // of surface loads alone

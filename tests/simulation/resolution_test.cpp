@@ -1,5 +1,6 @@
 #include "simulation/resolution.h"
 
+#include <array>
 #include <catch2/catch.hpp>
 #include <cmath>
 
@@ -131,4 +132,30 @@ TEST_CASE("An equilibrium of a face that is moved has an error to expect, too", 
   CHECK(sheared.expected_error > 0.001);
   CHECK(sheared.expected_error < TrustLimits::expected_error);
   CHECK(sheared.doubt == Doubt::None);
+}
+
+TEST_CASE("One point misses what changes within its cell, two cells' more, fibres' most; four points see it",
+          "[resolution]") {
+  // Sheared the more the higher up, at a volume that stays.
+  const auto expected = [](int points_per_cell, double cells_per_point, double k2) {
+    Scene scene = test::blockScene();
+    scene.quadrature.points_per_cell = points_per_cell;
+    scene.quadrature.cells_per_point = cells_per_point;
+    if (k2 >= 0) {
+      const std::array up{0.0, 0.0, 1.0};
+      scene.materials[0].material =
+          Material::of("fibre-reinforced").set("young", 3000).set("poisson", 0.3).set("k1", 3000).set("k2", k2);
+      scene.materials[0].material.set("fibre", up);
+    }
+    const Model model = test::blockModel(scene);
+    AlignedVector<Double4> u;
+    for (const Vec3& X : model.X) u.push_back(toReal4<double>(Vec3(20 * X.z() * X.z(), 0, 0)));
+    return expectedError(model, model.materials, u, 1e-3);
+  };
+  const double one = expected(1, 1, -1);
+  CHECK(expected(4, 1, -1) < one / 3);
+  CHECK(expected(1, 1.5, -1) > 1.2 * one);
+  const double straight = expected(1, 1, 0);
+  CHECK(straight > 1.5 * one);
+  CHECK(expected(1, 1, 0.5) > 1.2 * straight);
 }

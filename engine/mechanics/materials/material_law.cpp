@@ -3,6 +3,7 @@
 #include <array>
 
 #include "base/key.h"
+#include "mechanics/materials/fibre_energy.h"
 #include "mechanics/materials/laws.h"
 
 namespace palpate {
@@ -36,6 +37,24 @@ constexpr std::array<MaterialLaw, sizeof...(Laws)> describeAll(LawList<Laws...>)
 }
 
 constexpr auto law_table = describeAll(RegisteredLaws{});
+
+using FibreFunction = double (*)(const Material&, double I4);
+
+/// Of laws that have a `Fibre`.
+template <class Law>
+constexpr FibreFunction fibreOf() {
+  if constexpr (requires { typename Law::Fibre; })
+    return [](const Material& m, double I4) { return typename Law::Fibre(m, I4).energy; };
+  else
+    return nullptr;
+}
+
+template <class... Laws>
+constexpr std::array<FibreFunction, sizeof...(Laws)> fibresOfAll(LawList<Laws...>) {
+  return {fibreOf<Laws>()...};
+}
+
+constexpr auto fibre_table = fibresOfAll(RegisteredLaws{});
 
 using T = Parameter::Type;
 constexpr CommonMaterialParameter common_parameters[] = {
@@ -83,6 +102,11 @@ std::optional<ParameterProblem> relaxationProblem(const Material& material) {
 }
 
 std::span<const MaterialLaw> materialLaws() { return law_table; }
+
+double fibreEnergy(const Material& material, double I4) {
+  const FibreFunction fibre = fibre_table[static_cast<std::size_t>(material.law)];
+  return fibre != nullptr && I4 > 1 ? fibre(material, I4) : 0;
+}
 
 std::span<const CommonMaterialParameter> commonMaterialParameters() { return common_parameters; }
 

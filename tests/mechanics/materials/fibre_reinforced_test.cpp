@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "mechanics/materials/fibre_energy.h"
 #include "support/law_values.h"
 
 using namespace palpate;
@@ -91,4 +92,14 @@ TEST_CASE("Fibre-reinforced: fibres have a direction", "[material]") {
   CHECK(m.fibre[1] == Approx(0.6));
   CHECK(m.fibre[2] == Approx(0.8));
   CHECK(m.fibre_modulus == Approx(4 * k1));
+}
+
+TEST_CASE("Fibre-reinforced: the slope of what fibres store is their tension", "[material]") {
+  for (const double exponent : {0.0, k2})
+    for (const double I4 : {0.8, 1.3, 2.2}) {
+      constexpr double h = 1e-5;
+      const Material m = fibres(Vec3(0, 3, 4), exponent);
+      CHECK((fibreEnergy(m, I4 + h) - fibreEnergy(m, I4 - h)) / h == Approx(tension(I4, exponent)).epsilon(1e-6));
+    }
+  CHECK(fibreEnergy(Material::neoHookean(young, poisson, 1000), 2) == 0);
 }
