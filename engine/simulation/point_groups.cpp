@@ -86,10 +86,12 @@ PointGroups makePointGroups(const Preparation& p) {
     f.moment += p.point_volume[q] / f.volume * off * off.transpose();
   });
   for (Fit& f : fit) f.solve();
+  groups.share.resize(points);
   groups.weight.resize(points);
   forEach([&](std::size_t q, std::size_t k, const Fit& f) {
-    groups.weight[q][k] =
-        static_cast<float>(p.point_volume[q] / f.volume * (1 + f.slope.dot(p.point_X[q] - f.middle)));
+    const double share = p.point_volume[q] / f.volume;
+    groups.share[q][k] = static_cast<float>(share);
+    groups.weight[q][k] = static_cast<float>(share * (1 + f.slope.dot(p.point_X[q] - f.middle)));
   });
   for (std::size_t q = 0; q < points; ++q) {
     const Corners X = cornersOf(p, q);

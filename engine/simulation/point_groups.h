@@ -15,7 +15,8 @@ struct PointGroups {
 
   int count = 0;
   std::vector<std::array<int, 4>> of_point;    // (point_count) groups at the nodes of its cell,
-  std::vector<std::array<float, 4>> weight;    // (point_count) its weight in each,
+  std::vector<std::array<float, 4>> share;     // (point_count) its share of each group's volume,
+  std::vector<std::array<float, 4>> weight;    // (point_count) its weight in the group's fit,
   std::vector<std::array<float, 4>> position;  // (point_count) and where it is between them: barycentric coordinates
   // (point_count) The mean square, over what a point stands for, of what it does not see of a linear function with the
   // values v_k at its cell's nodes is unseen sum_k (v_k - v)^2, v their mean: of_cell for a cell; more for the point

@@ -10,7 +10,8 @@
 namespace palpate {
 namespace {
 
-constexpr double c_uneven = 0.9, c_held = 0.2, c_missed = 0.7, c_both = 3;  // c_0 .. c_3
+constexpr double c_uneven = 0.9, c_held = 0.2, c_missed = 0.7, c_both = 3;          // c_0 .. c_3 of moved faces
+constexpr double c_pressed = 0.16, c_pressed_held = 0.12, c_pressed_missed = 0.3;  // of what is pressed
 // Of Model::rest_energy, which is far above float's noise: in double strains of 3e-6 are none, either.
 constexpr double least_energy = 1e-6;
 // Of a tick: at the liver's 20,124 points a hundredth of its time.
@@ -32,6 +33,20 @@ double largestForce(const StepReport& report) { return std::max(toolForce(report
 double touchEnergy(const Model& model, double force, double strain_energy) {
   const double stiffness = 16.0 / 3 * model.materials[0].shear_modulus * std::sqrt(smallestToolRadius(model.scene));
   return std::min(strain_energy, 0.4 * force * std::pow(force / stiffness, 2.0 / 3));
+}
+
+/// Forces are a tool's, or from loads, not from faces that are moved.
+bool isPressed(const Model& model, double tool_force) { return tool_force > 0 || !model.surface_loads.empty(); }
+
+/// mu |D|^2 of a deviation D from F, and half of what fibres along n, which are under tension where |F n| > 1, add to
+/// the modulus there times (n . D n)^2; Pa.
+double pressedEnergy(const Material& m, const Mat3& F, const Mat3& D) {
+  const double shear = m.shear_modulus * D.squaredNorm();
+  if (m.fibre_modulus == 0) return shear;
+  const Vec3 n(m.fibre[0], m.fibre[1], m.fibre[2]), stretched = F * n;
+  if (stretched.squaredNorm() <= 1) return shear;
+  const double along = stretched.dot(D * n);
+  return shear + m.fibre_modulus / 2 * along * along;
 }
 
 /// What a deviation D from the deformation F of a point stores at its volume: (W(F + D) + W(F - D)) / 2 - W(F), to second
@@ -73,25 +88,30 @@ class DeviationEnergy {
 
 void ErrorSums::add(const Model& model, std::size_t q, const Material& material, const Strain& strain,
                     const std::array<Strain, 4>& at_nodes) {
-  const DeviationEnergy energy(material, Mat3::Identity() + strain.H, 1 + strain.dilatation);
-  const std::array<float, 4>& position = model.point_groups.position[q];
-  Strain here, mean;
-  for (std::size_t k = 0; k < 4; ++k) {
-    here.add(static_cast<double>(position[k]), at_nodes[k]);
-    mean.add(0.25, at_nodes[k]);
-  }
-  double shape = 0, volume = 0;
-  for (const Strain& s : at_nodes) {
-    shape += energy.of(s.H - mean.H);
-    volume += (s.dilatation - mean.dilatation) * (s.dilatation - mean.dilatation);
-  }
+  const Mat3 F = Mat3::Identity() + strain.H;
   const double V = model.point_volume[q], unseen = static_cast<double>(model.point_groups.unseen[q]);
+  Strain mean;
+  for (const Strain& s : at_nodes) mean.add(0.25, s);
+  if (pressed) {
+    uneven += V * pressedEnergy(material, F, strain.H - mean.H);
+    held += V * material.bulk_modulus * std::pow(strain.dilatation - mean.dilatation, 2);
+    for (const Strain& s : at_nodes) missed += V * PointGroups::of_cell * pressedEnergy(material, F, s.H - mean.H);
+    return;
+  }
+  const DeviationEnergy energy(material, F, 1 + strain.dilatation);
+  const std::array<float, 4>& position = model.point_groups.position[q];
+  Strain here;
+  for (std::size_t k = 0; k < 4; ++k) here.add(static_cast<double>(position[k]), at_nodes[k]);
   uneven += V * energy.of(strain.H - here.H);
-  held += V * std::max(unseen, PointGroups::of_cell) * material.bulk_modulus * volume;
-  missed += V * unseen * shape;
+  for (const Strain& s : at_nodes) {
+    held += V * std::max(unseen, PointGroups::of_cell) * material.bulk_modulus *
+            std::pow(s.dilatation - mean.dilatation, 2);
+    missed += V * unseen * energy.of(s.H - mean.H);
+  }
 }
 
 double ErrorSums::off(double energy) const {
+  if (pressed) return c_pressed * uneven + c_pressed_held * held + c_pressed_missed * missed;
   const double stiff = c_uneven * uneven + c_held * held, soft = c_missed * missed, sum = stiff + soft;
   return std::hypot(stiff - soft, c_both * sum * sum / energy);
 }
@@ -101,15 +121,16 @@ double expectedError(const Model& model, std::span<const Material> materials, co
   if (!(strain_energy > least_energy * model.rest_energy)) return 0;
   const ShapeTable& shape = model.point_shape;
   const PointGroups& groups = model.point_groups;
+  ErrorSums sums{isPressed(model, tool_force)};
+  const auto& weight = sums.pressed ? groups.share : groups.weight;
   std::vector<Strain> at(model.point_X.size()), fit(static_cast<std::size_t>(groups.count));
   for (std::size_t q = 0; q < at.size(); ++q) {
     for (auto e = static_cast<std::size_t>(shape.begin[q]); e < static_cast<std::size_t>(shape.begin[q + 1]); ++e)
       at[q].H += toVec3(u[static_cast<std::size_t>(shape.node[e])]) * shape.gradN[e].transpose();
     at[q].dilatation = (Mat3::Identity() + at[q].H).determinant() - 1;
     for (std::size_t k = 0; k < 4; ++k)
-      fit[static_cast<std::size_t>(groups.of_point[q][k])].add(static_cast<double>(groups.weight[q][k]), at[q]);
+      fit[static_cast<std::size_t>(groups.of_point[q][k])].add(static_cast<double>(weight[q][k]), at[q]);
   }
-  ErrorSums sums;
   for (std::size_t q = 0; q < at.size(); ++q) {
     std::array<Strain, 4> at_nodes;
     for (std::size_t k = 0; k < 4; ++k) at_nodes[k] = fit[static_cast<std::size_t>(groups.of_point[q][k])];
@@ -144,7 +165,7 @@ void ResolutionWatch::advance(const Model& model, std::span<const Material> mate
     }
     std::copy(u.begin(), u.end(), u_.begin());
     std::fill(fit_.begin(), fit_.end(), Rows{});
-    sums_ = {};
+    sums_ = {isPressed(model, toolForce(report))};
     energy_ = report.strain_energy;
     touch_ = model.surface_loads.empty() ? 0 : toolForce(report);
     force_ = touch_ > 0 ? touch_ : largestForce(report);
@@ -177,6 +198,7 @@ void ResolutionWatch::advance(const Model& model, std::span<const Material> mate
 void ResolutionWatch::gather(const Model& model, std::size_t begin, std::size_t end) {
   const ShapeTable& shape = model.point_shape;
   const PointGroups& groups = model.point_groups;
+  const auto& weight = sums_.pressed ? groups.share : groups.weight;
   for (std::size_t q = begin; q < end; ++q) {
     Rows s{};
     for (auto e = static_cast<std::size_t>(shape.begin[q]); e < static_cast<std::size_t>(shape.begin[q + 1]); ++e) {
@@ -194,7 +216,7 @@ void ResolutionWatch::gather(const Model& model, std::size_t begin, std::size_t 
     at_[q] = s;
     for (std::size_t n = 0; n < 4; ++n) {
       Rows& fit = fit_[static_cast<std::size_t>(groups.of_point[q][n])];
-      for (std::size_t k = 0; k < s.size(); ++k) fit[k] += groups.weight[q][n] * s[k];
+      for (std::size_t k = 0; k < s.size(); ++k) fit[k] += weight[q][n] * s[k];
     }
   }
 }
@@ -218,11 +240,11 @@ void addLast(const Model& model, const State& state, const StepReport& report, d
   for (const Float4& a : state.u) u.push_back({a.x, a.y, a.z, 0});
   const bool at_rest = !(report.strain_energy > model.rest_energy);
   // A tool's share beside surface loads' only the watch knows.
-  const double touch = model.surface_loads.empty() ? 0 : toolForce(report);
+  const double tool = toolForce(report), touch = model.surface_loads.empty() ? 0 : tool;
   const bool watched = touch > 0 && report.expected_error > 0;
   const double error = at_rest   ? 0
                        : watched ? report.expected_error
-                                 : expectedError(model, state.live.kernel.materials, u, report.strain_energy, touch);
+                                 : expectedError(model, state.live.kernel.materials, u, report.strain_energy, tool);
   if (!std::isfinite(error)) return;
   trust.add(error > TrustLimits::expected_error ? Doubt::Resolution : Doubt::None, error,
             touch > 0 ? touch : largestForce(report), time);

@@ -313,8 +313,16 @@ void EquilibriumSensitivity::takeFrom(const AlignedVector<Double4>& u, const std
   findContact();
 }
 
+Vec3 EquilibriumSensitivity::toolForce() const {
+  Vec3 force = Vec3::Zero();
+  for (const ContactPoint& point : contact_)
+    if (point.active) force -= contactForce(point, placeOf(point, u_));
+  return force;
+}
+
 double EquilibriumSensitivity::expectedError() {
-  return palpate::expectedError(model_, modelMaterials(), u_, body_.forces(u_, f_plus_).strain_energy);
+  return palpate::expectedError(model_, modelMaterials(), u_, body_.forces(u_, f_plus_).strain_energy,
+                                toolForce().norm());
 }
 
 void EquilibriumSensitivity::check(const MaterialNumber& number) const { parameterOf(scene_, of_scene_, number); }
@@ -323,8 +331,7 @@ double EquilibriumSensitivity::valueOf(const EquilibriumQuantity& q) {
   Vec3 value = Vec3::Zero();
   switch (q.kind) {
     case EquilibriumQuantity::Kind::ToolForce:
-      for (const ContactPoint& point : contact_)
-        if (point.active) value -= contactForce(point, placeOf(point, u_));
+      value = toolForce();
       break;
     case EquilibriumQuantity::Kind::RegionForce: {
       Field f(u_.size()), g(u_.size());

@@ -100,6 +100,7 @@ class EquilibriumSensitivity {
   void findContact();
   Vec3 placeOf(const ContactPoint& point, const Field& u) const;
   Vec3 contactForce(const ContactPoint& point, const Vec3& x) const;
+  Vec3 toolForce() const;
   void unbalanced(const Field& u, Field& f);
   enum class Difference { Forward, Central };
   void multiply(const Field& v, Field& Kv, Difference difference);

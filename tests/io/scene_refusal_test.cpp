@@ -197,7 +197,7 @@ TEST_CASE("A cloud can follow a tool that is there, where nothing hidden would b
   CHECK(!read(minimal_scene + tool).follow);
   // A program with one cloud, and a material that can't be carried from place to place.
   CHECK_THAT(refusal([&] { loadModel(scene); }),
-             Contains("f.toml:5:") && Contains("in palpate and its recordings only"));
+             Contains("f.toml:5:") && Contains("in palpate, the C library and their recordings only"));
   const Scene relaxing = read(relaxes + tool);
   CHECK_THAT(refusal([&] { loadFollowing(relaxing); }), Contains("f.toml:") && Contains("relaxes"));
 }
