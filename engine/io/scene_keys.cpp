@@ -82,8 +82,8 @@ constexpr KeySpec scene_keys[] = {
      "step. Required, but where the cloud follows the tool (`follow`)."},
     {"discretization", "follow", T::Boolean, "", "false", {}, "",
      "The cloud follows the tool: nodes are dense in a ball around each tool and wide apart elsewhere, both by the "
-     "tool's radius (no `spacing` then), and change while it moves. For `palpate` and its recordings; other programs "
-     "refuse it. Not with materials that relax, nor with lumps to be found."},
+     "tool's radius (no `spacing` then), and change while it moves. For `palpate`, the library and their recordings; "
+     "other programs refuse it. Not with materials that relax, nor with lumps to be found."},
     {"discretization", "seed", T::Integer, "", "1", between(0, 4294967295.0), "",
      "Another seed, another irregular node cloud; the same seed, the same bits."},
     {"discretization", "points_per_cell", T::Integer, "", "1", {}, "1|4|5",

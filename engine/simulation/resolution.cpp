@@ -10,7 +10,7 @@
 namespace palpate {
 namespace {
 
-constexpr double c_uneven = 0.9, c_held = 0.2, c_missed = 0.7, c_both = 3;          // c_0 .. c_3 of moved faces
+constexpr double c_uneven = 0.86, c_held = 0.24, c_missed = 0.72, c_both = 3;     // c_0 .. c_3 of moved faces
 constexpr double c_pressed = 0.16, c_pressed_held = 0.12, c_pressed_missed = 0.3;  // of what is pressed
 // Of Model::rest_energy, which is far above float's noise: in double strains of 3e-6 are none, either.
 constexpr double least_energy = 1e-6;
