@@ -134,7 +134,7 @@ TEST_CASE("An equilibrium of a face that is moved has an error to expect, too", 
   CHECK(sheared.doubt == Doubt::None);
 }
 
-TEST_CASE("One point misses what changes within its cell, two cells' more, fibres' most; four points see it",
+TEST_CASE("One point misses what changes within its cell, two cells' more, fibres' most, and four points see it",
           "[resolution]") {
   // Sheared the more the higher up, at a volume that stays.
   const auto expected = [](int points_per_cell, double cells_per_point, double k2) {
