@@ -145,10 +145,8 @@ std::unique_ptr<FollowingTissue> buildFollowingOf(const Scene& scene, bool use_c
   log.detail(format("the cloud follows the tool: nodes %.1f mm apart near it, %.1f mm elsewhere; %zu places",
                     1e3 * places.sizes.fine, 1e3 * places.sizes.coarse, places.centres.size()));
   describe(loaded.start.model, timed, log);
-  auto make = [shared = loaded.places, store = placeStore(scene, cache),
-               memory = std::make_shared<PlaceMemory>()](const PlaceIndex& index) {
-    return makePlace(*shared, index, store, memory.get());
-  };
+  auto make = [shared = loaded.places, store = placeStore(scene, cache), memory = std::make_shared<PlaceMemory>()](
+                  const PlaceIndex& index) { return makePlace(*shared, index, store, memory.get()); };
   return std::make_unique<FollowingTissue>(loaded.places, std::move(loaded.start), std::move(make), scene.threads,
                                            timed);
 }

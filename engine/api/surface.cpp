@@ -13,8 +13,7 @@ const SurfaceTree& skinNow(palpate_simulation& simulation) {
   const Snapshot& snapshot = simulation.loop.snapshots().latest();
   const auto& u = snapshot.u;
   const auto& made = simulation.skin;
-  if (!made || made->u.size() != u.size() ||
-      std::memcmp(made->u.data(), u.data(), u.size() * sizeof(Float4)) != 0) {
+  if (!made || made->u.size() != u.size() || std::memcmp(made->u.data(), u.data(), u.size() * sizeof(Float4)) != 0) {
     const SkinModel& skin = modelOf(snapshot, *simulation.model).skin;
     TriangleSurface surface = skin.surface;
     for (int v = 0; v < skin.vertexCount(); ++v)

@@ -55,9 +55,7 @@ RowsAtHand::Changed RowsAtHand::compare(const KnownRows& known, const std::vecto
 
 RowsAtHand::RowsAtHand(const KnownRows& known, const std::vector<int>& number, const std::vector<Vec3>& X,
                        const std::vector<double>& radius, const std::vector<std::uint64_t>& group)
-    : known_(known),
-      changed_(compare(known, number, X, radius, group, now_)),
-      near_(changed_.X, changed_.radius) {}
+    : known_(known), changed_(compare(known, number, X, radius, group, now_)), near_(changed_.X, changed_.radius) {}
 
 bool RowsAtHand::copy(std::size_t part, const Vec3& at, std::uint64_t group, std::vector<int>& node,
                       std::vector<double>& N, std::vector<Vec3>& gradN) const {

@@ -13,27 +13,27 @@ namespace palpate {
 
 /// Bodies whose skins touch each other and themselves: constant.
 struct SkinBodies {
-  std::vector<int> body;    // (vertex_count) of the skin's vertices
-  int count = 1;            // at most max_skin_bodies
-  std::vector<int> organ;   // (count) that each body is of, for the caller
+  std::vector<int> body;        // (vertex_count) of the skin's vertices
+  int count = 1;                // at most max_skin_bodies
+  std::vector<int> organ;       // (count) that each body is of, for the caller
   std::vector<float> friction;  // (count) Coulomb coefficient; of two bodies the larger counts
   // (count) By how densely their vertices stand: of two bodies that touch, the vertices of the lower rank carry the
   // pressure, and the other's only what those miss.
   std::vector<int> rank;
-  std::vector<Vec3> normal;     // (vertex_count) unit, at rest
+  std::vector<Vec3> normal;  // (vertex_count) unit, at rest
   // Faces around the vertices of the skin's clusters.
   std::vector<int> cluster_face_begin;  // (cluster_count + 1)
   std::vector<int> cluster_face;
-  std::vector<int> cluster_body;        // (cluster_count) of the clusters' vertices; -1: of several
+  std::vector<int> cluster_body;                // (cluster_count) of the clusters' vertices; -1: of several
   std::vector<std::array<int, 2>> across_gaps;  // clusters of one body, near each other at rest, that may yet touch
-  double least_gap = 0;  // m, at rest, between vertices that may touch
-  std::vector<int> region;             // (vertex_count) of the skin's clusters
-  std::vector<int> region_node_begin;  // (region_count + 1)
-  std::vector<int> region_node;        // nodes that move each region's vertices, ascending
-  int node_count = 0;                  // that move the skin
-  double spacing = 0;           // m, of the nodes
-  double longest_edge = 0;      // m, of the skin at rest
-  double row_sum = 1;           // max_v sum_i |N_i(X_v)|: no vertex moves further than this times the fastest node
+  double least_gap = 0;                         // m, at rest, between vertices that may touch
+  std::vector<int> region;                      // (vertex_count) of the skin's clusters
+  std::vector<int> region_node_begin;           // (region_count + 1)
+  std::vector<int> region_node;                 // nodes that move each region's vertices, ascending
+  int node_count = 0;                           // that move the skin
+  double spacing = 0;                           // m, of the nodes
+  double longest_edge = 0;                      // m, of the skin at rest
+  double row_sum = 1;  // max_v sum_i |N_i(X_v)|: no vertex moves further than this times the fastest node
 
   bool several() const { return count > 1; }
 };
@@ -80,15 +80,15 @@ struct SkinContactScratch {
     float stiffness = 0;                                  // N/m
     float mobility = 0;                                   // m/N
     float friction = 0;
-    float lift = 0;                                       // m, added to the gap
+    float lift = 0;  // m, added to the gap
   };
   int row_count = 0;
   bool overflow = false;    // more pairs than there is memory for; the last vertices' were left out
   std::vector<Row> row;     // (capacity)
   std::vector<int> active;  // (capacity) rows that touch in this step, or nearly
   // What a row's vertex has more of a node than its face point, N_i(X_v) - sum_k b_k N_i(X_k).
-  std::vector<int> node;    // (entry_capacity)
-  AlignedVector<float> N;   // (entry_capacity)
+  std::vector<int> node;   // (entry_capacity)
+  AlignedVector<float> N;  // (entry_capacity)
 
   // Of one look.
   std::uint32_t look = 0;
@@ -106,10 +106,10 @@ struct SkinContactScratch {
     Vec3 axis = Vec3::Zero();    // unit, mean of its faces' normals
     double spread = 0;           // rad, of the normals around it
   };
-  std::vector<Cluster> cluster;                // (cluster_count) of the skin
-  std::vector<int> nearest;                    // (vertex_count) vertex that each may touch; -1: none
-  std::vector<double> nearest_distance2;       // (vertex_count) m^2
-  std::vector<std::uint8_t> due;               // (region_count) it is looked at
+  std::vector<Cluster> cluster;           // (cluster_count) of the skin
+  std::vector<int> nearest;               // (vertex_count) vertex that each may touch; -1: none
+  std::vector<double> nearest_distance2;  // (vertex_count) m^2
+  std::vector<std::uint8_t> due;          // (region_count) it is looked at
   std::vector<int> old_vertex, old_face;
   std::vector<float> old_clearance;
   std::vector<Float4> old_force;

@@ -139,15 +139,15 @@ void addBodies(const Scene& scene, const SurfaceTree& tree, const CommonToPlaces
   SkinBodies& bodies = model.bodies;
   addRows(model.skin, bodies);
   if (bodies.count > max_skin_bodies)
-    throw InputError(scene.place, "the surface has " + number(bodies.count) + " separate bodies, and at most " +
-                                      number(max_skin_bodies) + " can touch one another",
+    throw InputError(scene.place,
+                     "the surface has " + number(bodies.count) + " separate bodies, and at most " +
+                         number(max_skin_bodies) + " can touch one another",
                      "leave small parts out (mtled import does)");
   const std::vector<int>& organ = tree.surface().organ;
   if (!bodies.several() || organ.empty()) return;
   const std::vector<OrganSpec> organs = organsOf(scene);
   const SurfaceBodies of_faces = bodiesOf(tree.surface());  // numbered as those of the skin, which is made of them
-  for (std::size_t t = 0; t < organ.size(); ++t)
-    bodies.organ[static_cast<std::size_t>(of_faces.of_face[t])] = organ[t];
+  for (std::size_t t = 0; t < organ.size(); ++t) bodies.organ[static_cast<std::size_t>(of_faces.of_face[t])] = organ[t];
   for (std::size_t b = 0; b < bodies.organ.size(); ++b)
     bodies.friction[b] = static_cast<float>(organs[static_cast<std::size_t>(bodies.organ[b])].organ_friction);
   // Nodes that carry skin are its body's, and those that share a cell with one.

@@ -34,7 +34,8 @@ float unseenOf(const Corners& X, const Vec3& at, double volume) {
   double seen = 0;  // moment of the first, over its volume, m^2
   for (const Vec3& x : X) seen += of_cell * (x - middle).squaredNorm();
   const double edge = std::cbrt(6 * std::sqrt(2.0) * other), second = 4 * of_cell * 3.0 / 8 * edge * edge;
-  const double sum = first * (seen + (middle - at).squaredNorm()) + other * (second + (other_middle - at).squaredNorm());
+  const double sum =
+      first * (seen + (middle - at).squaredNorm()) + other * (second + (other_middle - at).squaredNorm());
   return static_cast<float>(of_cell * sum / (volume * seen));
 }
 
@@ -50,8 +51,7 @@ struct Fit {
     const double least = flat * std::max(solver.eigenvalues()[2], (node - middle).squaredNorm());
     for (Eigen::Index k = 0; k < 3; ++k) {
       const Vec3 axis = solver.eigenvectors().col(k);
-      if (const double along = solver.eigenvalues()[k]; along > least)
-        slope += axis.dot(node - middle) / along * axis;
+      if (const double along = solver.eigenvalues()[k]; along > least) slope += axis.dot(node - middle) / along * axis;
     }
   }
 };

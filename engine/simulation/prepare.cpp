@@ -3,18 +3,18 @@
 #include <algorithm>
 #include <numeric>
 
+#include "approximation/neighbours.h"
 #include "base/parallel_for.h"
 #include "discretization/gradients/boundary_points.h"
 #include "discretization/gradients/consistent_gradients.h"
 #include "mechanics/lumped_mass.h"
 #include "mechanics/mass_scaling.h"
 #include "mechanics/node_patch.h"
-#include "approximation/neighbours.h"
 #include "simulation/approximate.h"
 #include "simulation/choose_time_step.h"
 #include "simulation/imposed_nodes.h"
-#include "simulation/mixtures.h"
 #include "simulation/interface_nodes.h"
+#include "simulation/mixtures.h"
 #include "simulation/scene_regions.h"
 #include "simulation/sharp_interfaces.h"
 
@@ -166,8 +166,7 @@ std::vector<int> cellMaterials(const Scene& scene, const SurfaceTree& tree, cons
 
 // NOLINTNEXTLINE(performance-unnecessary-value-param): its parts are moved from
 Preparation prepare(const Scene& scene, const SurfaceTree& tree, Discretization discretization,
-                    const Progress& progress, const CommonToPlaces* common,
-                    const RowMemory* memory) {
+                    const Progress& progress, const CommonToPlaces* common, const RowMemory* memory) {
   // Shares of the time with 33,000 nodes and 190,000 points on two cores.
   const auto report = [&](const char* what, double fraction) {
     if (progress) progress(what, fraction);

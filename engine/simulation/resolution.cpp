@@ -10,7 +10,7 @@
 namespace palpate {
 namespace {
 
-constexpr double c_uneven = 0.86, c_held = 0.24, c_missed = 0.72, c_both = 3;     // c_0 .. c_3 of moved faces
+constexpr double c_uneven = 0.86, c_held = 0.24, c_missed = 0.72, c_both = 3;      // c_0 .. c_3 of moved faces
 constexpr double c_pressed = 0.16, c_pressed_held = 0.12, c_pressed_missed = 0.3;  // of what is pressed
 // Of Model::rest_energy, which is far above float's noise: in double strains of 3e-6 are none, either.
 constexpr double least_energy = 1e-6;
@@ -71,8 +71,8 @@ class DeviationEnergy {
                                        square_ * (trace * trace / 9 + d.cwiseProduct(d.transpose()).sum() / 6));
     if (material_.fibre_modulus == 0) return std::max(0.0, shape);
     const Vec3 Fn = F_ * fibre(), Dn = D * fibre();
-    const double there = fibreEnergy(material_, (Fn + Dn).squaredNorm()) +
-                         fibreEnergy(material_, (Fn - Dn).squaredNorm());
+    const double there =
+        fibreEnergy(material_, (Fn + Dn).squaredNorm()) + fibreEnergy(material_, (Fn - Dn).squaredNorm());
     return std::max(0.0, shape + there / 2 - fibre_);
   }
 

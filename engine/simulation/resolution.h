@@ -96,10 +96,10 @@ class ResolutionWatch {
   void gather(const Model& model, std::size_t begin, std::size_t end);
   void compare(const Model& model, std::span<const Material> materials, std::size_t begin, std::size_t end);
 
-  AlignedVector<Float4> u_;             // (node_count) of the moment
-  std::vector<Rows> at_;                // (point_count)
-  std::vector<Rows> fit_;               // (group_count) at its node, or mean
-  std::size_t next_ = 0;                // of the points, twice over: gathered, then compared
+  AlignedVector<Float4> u_;  // (node_count) of the moment
+  std::vector<Rows> at_;     // (point_count)
+  std::vector<Rows> fit_;    // (group_count) at its node, or mean
+  std::size_t next_ = 0;     // of the points, twice over: gathered, then compared
   ErrorSums sums_;
   double energy_ = 0;                   // J
   double force_ = 0;                    // N, of the moment

@@ -44,11 +44,11 @@ double largestOf(const NodeField& a) {
 void checkScene(const Model& model) {
   const Scene& scene = model.scene;
   const char* const problem =
-      !model.tools.empty()   ? "sensitivities are those of one tool without jaws, and the scene has more"
-      : scene.friction != 0  ? "sensitivities are those of a tool without friction: with it, forces depend on the way"
+      !model.tools.empty()     ? "sensitivities are those of one tool without jaws, and the scene has more"
+      : scene.friction != 0    ? "sensitivities are those of a tool without friction: with it, forces depend on the way"
       : model.bodies.several() ? "sensitivities are those of one body, and the scene has several, which touch"
-      : !model.rigid.empty() ? "sensitivities are those of a body without rigid ones, whose contact comes and goes"
-      : !scene.loads.empty() ? "sensitivities are those of a body without loads on its skin"
+      : !model.rigid.empty()   ? "sensitivities are those of a body without rigid ones, whose contact comes and goes"
+      : !scene.loads.empty()   ? "sensitivities are those of a body without loads on its skin"
       : scene.boundary_method == Scene::BoundaryMethod::Ebciem
           ? "sensitivities are those of the symmetric boundary method"
           : nullptr;

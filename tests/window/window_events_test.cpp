@@ -2,8 +2,8 @@
 // each event brings about, picture by picture, and never for a time: pictures may come as seldom as they like.
 #include <imgui.h>
 
-#include <catch2/catch.hpp>
 #include <algorithm>
+#include <catch2/catch.hpp>
 #include <chrono>
 #include <cstdlib>
 #include <filesystem>

@@ -46,8 +46,8 @@ class PlacesAsked {
 
 /// What was asked of one surface.
 struct SurfaceMemory {
-  PlacesAsked<4, bool> holds;     // whether a cell is inside (background_cells.h)
-  PlacesAsked<3, double> gap;     // m, mean height of the surface above a facet (volume_fit.h)
+  PlacesAsked<4, bool> holds;  // whether a cell is inside (background_cells.h)
+  PlacesAsked<3, double> gap;  // m, mean height of the surface above a facet (volume_fit.h)
 };
 
 }  // namespace palpate

@@ -311,8 +311,8 @@ TEST_CASE("While the loop stays where it is the places around are made, and no m
   REQUIRE(around[0].first < 1.8 * places()->sizes.stride);
   const int wanted =
       static_cast<int>(std::min<std::ptrdiff_t>(6, std::count_if(around.begin(), around.end(), [](const auto& a) {
-                         return a.first <= 1.8 * places()->sizes.stride;
-                       })));
+                                                  return a.first <= 1.8 * places()->sizes.stride;
+                                                })));
   while (body->worker.madeCount() < wanted) std::this_thread::sleep_for(std::chrono::milliseconds(1));
   // The nearest is there: going to it makes none.
   PlaceIndex nearest = start;
