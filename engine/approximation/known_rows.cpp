@@ -2,19 +2,10 @@
 
 #include <cstring>
 
+#include "base/place_hash.h"
+
 namespace palpate {
 namespace {
-
-std::uint64_t hashOf(const Vec3& x) {
-  std::uint64_t hash = 0;
-  for (int c = 0; c < 3; ++c) {
-    std::uint64_t bits = 0;
-    std::memcpy(&bits, &x[c], sizeof bits);
-    hash = (hash ^ bits) * 0x9e3779b97f4a7c15ull;
-    hash ^= hash >> 32;
-  }
-  return hash;
-}
 
 bool sameBits(const Vec3& a, const Vec3& b) { return std::memcmp(a.data(), b.data(), sizeof(double) * 3) == 0; }
 

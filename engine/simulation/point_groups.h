@@ -8,8 +8,8 @@
 namespace palpate {
 
 /// The integration points around each node, a group for each material there: resolution.h fits what they see by a
-/// linear function, by least squares over their volumes, whose value at the node is sum_q weight_q v_q. Along directions
-/// in which a group's points don't differ it is constant.
+/// linear function, by least squares over their volumes, whose value at the node is sum_q weight_q v_q. Along
+/// directions in which a group's points don't differ it is constant.
 struct PointGroups {
   static constexpr double of_cell = 1.0 / 20;
 

@@ -49,8 +49,8 @@ double pressedEnergy(const Material& m, const Mat3& F, const Mat3& D) {
   return shear + m.fibre_modulus / 2 * along * along;
 }
 
-/// What a deviation D from the deformation F of a point stores at its volume: (W(F + D) + W(F - D)) / 2 - W(F), to second
-/// order of W = mu/2 J^(-2/3) |F|^2, whatever the law, and all of what its fibres store.
+/// What a deviation D from the deformation F of a point stores at its volume: (W(F + D) + W(F - D)) / 2 - W(F), to
+/// second order of W = mu/2 J^(-2/3) |F|^2, whatever the law, and all of what its fibres store.
 class DeviationEnergy {
  public:
   DeviationEnergy(const Material& m, const Mat3& F, double J) : material_(m), F_(F), square_(F.squaredNorm()) {

@@ -17,10 +17,10 @@ namespace palpate {
 // How far off forces are because the cloud is no finer.
 //
 // What moves as it is told stores the energy W, and a force is its slope; so a force is off by about the share of W
-// that a finer cloud would not store, or would store besides. Where deformation changes from point to point by more than
-// a linear function does (Zienkiewicz and Zhu 1987: L_q, from fits around the nodes of a point's cell), the body is too
-// stiff, and so it is where volume changes within what one point stands for, and has to be held. What changes of the
-// shape within that, one point does not see: the body is too soft. The two make up for each other:
+// that a finer cloud would not store, or would store besides. Where deformation changes from point to point by more
+// than a linear function does (Zienkiewicz and Zhu 1987: L_q, from fits around the nodes of a point's cell), the body
+// is too stiff, and so it is where volume changes within what one point stands for, and has to be held. What changes
+// of the shape within that, one point does not see: the body is too soft. The two make up for each other:
 //
 //   e = |S - M|,  S W = sum_q V_q (c_0 E(F_q - L_q) + c_1 K var_q J),  M W = c_2 sum_q V_q E(var_q F)
 //
@@ -65,8 +65,9 @@ struct ErrorSums {
 
 /// e for a displacement. For batch: allocates.
 /// @param u  m (node_count)  @param strain_energy  W, J; below a millionth of Model::rest_energy e is 0
-/// @param tool_force  N; 0: none touches. Where surface loads strain the body, too, a tool's force is not the slope of their energy: the
-///                    whole error is then taken for the tool's, over what its force stores by Hertz (at most 1)
+/// @param tool_force  N; 0: none touches. Where surface loads strain the body, too, a tool's force is not the slope of
+///                    their energy: the whole error is then taken for the tool's, over what its force stores by Hertz
+///                    (at most 1)
 double expectedError(const Model& model, std::span<const Material> materials, const AlignedVector<Double4>& u,
                      double strain_energy, double tool_force = 0);
 

@@ -2,9 +2,9 @@
 
 #include <array>
 #include <cstdint>
-#include <cstring>
 #include <unordered_map>
 
+#include "base/place_hash.h"
 #include "base/types.h"
 
 namespace palpate {
@@ -31,13 +31,7 @@ class PlacesAsked {
   struct Hash {
     std::size_t operator()(const Places& places) const {
       std::uint64_t hash = 0;
-      for (const Vec3& x : places)
-        for (int c = 0; c < 3; ++c) {
-          std::uint64_t bits = 0;
-          std::memcpy(&bits, &x[c], sizeof bits);
-          hash = (hash ^ bits) * 0x9e3779b97f4a7c15ull;
-          hash ^= hash >> 32;
-        }
+      for (const Vec3& x : places) hash = hashOf(x, hash);
       return hash;
     }
   };
