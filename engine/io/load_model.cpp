@@ -52,15 +52,15 @@ void checkSolid(const Scene& scene, const OrganSpec& organ) {
   const double volume = organ.solid == OrganSpec::Solid::Box        ? organ.size.prod()
                         : organ.solid == OrganSpec::Solid::Cylinder ? M_PI * organ.radius * organ.radius * organ.height
                                                                     : 4.0 / 3 * M_PI * organ.semi_axes.prod();
-  // Flat faces take less than a hundredth of a round solid away, whose surface is no smaller than a ball's.
-  const double least = 0.99 * (organ.upper_half ? volume / 2 : volume);
+  // The surface is no smaller than a ball's.
+  const double least = organ.upper_half ? volume / 2 : volume;
   checkCounts(scene, least, std::cbrt(36 * M_PI * least * least));
 }
 
 /// In its own coordinates.
 TriangleSurface surfaceOf(const Scene& scene, const OrganSpec& organ) {
   checkSolid(scene, organ);
-  // Curved solids lose volume to flat faces; half the spacing leaves less than the cells do.
+  // Faces follow curved solids more closely than cells do.
   const double edge = std::min(0.5 * scene.spacing, 0.5 * smallestToolRadius(scene));
   try {
     switch (organ.solid) {

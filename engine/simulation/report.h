@@ -4,8 +4,8 @@
 #include <cstdint>
 
 #include "base/types.h"
-#include "contact/skin_contact.h"
 #include "contact/rigid_bodies.h"
+#include "contact/skin_contact.h"
 #include "contact/tool_set.h"
 
 namespace palpate {
@@ -38,9 +38,8 @@ using OrganForces = std::array<Vec3, max_organs>;
 /// One step's (or, accumulated, one tick's) outcome.
 struct StepReport {
   std::uint32_t flags = 0;
-  bool cut_short = false;  // Command::stop ended the tick: it does not count
-  int worst_point = -1;    // integration point with min J
-  int worst_node = -1;     // node that moved furthest in one step, or is not finite
+  int worst_point = -1;  // integration point with min J
+  int worst_node = -1;   // node that moved furthest in one step, or is not finite
   float min_J = 1;
   int inverted_points = 0;
   float max_increment = 0;             // m, largest |du| of a node in one step

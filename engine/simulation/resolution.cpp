@@ -10,8 +10,11 @@
 namespace palpate {
 namespace {
 
-constexpr double c_uneven = 0.86, c_held = 0.24, c_missed = 0.72, c_both = 3;      // c_0 .. c_3 of moved faces
+constexpr double c_uneven = 0.86, c_held = 0.24, c_missed = 0.72, c_both = 3;  // c_0 .. c_3 of moved faces
+// What turns fibres strains them by its square: what they store, c_4, grows faster than the whole.
+constexpr double c_missed_fibres = 1.8;
 constexpr double c_pressed = 0.16, c_pressed_held = 0.12, c_pressed_missed = 0.3;  // of what is pressed
+constexpr double c_flat = 1.6;                                                     // by a flat end
 // Of Model::rest_energy, which is far above float's noise: in double strains of 3e-6 are none, either.
 constexpr double least_energy = 1e-6;
 // Of a tick: at the liver's 20,124 points a hundredth of its time.
@@ -36,7 +39,12 @@ double touchEnergy(const Model& model, double force, double strain_energy) {
 }
 
 /// Forces are a tool's, or from loads, not from faces that are moved.
-bool isPressed(const Model& model, double tool_force) { return tool_force > 0 || !model.surface_loads.empty(); }
+ErrorSums sumsOf(const Model& model, double tool_force) {
+  if (!(tool_force > 0)) return {model.surface_loads.empty() ? 0.0 : 1.0};
+  const ToolShape& tool = model.scene.tool;
+  const bool flat = tipProfile(tool, tool.radius / 2) < 1e-3 * tool.radius;
+  return {flat ? c_flat : 1.0};
+}
 
 /// mu |D|^2 of a deviation D from F, and half of what fibres along n, which are under tension where |F n| > 1, add to
 /// the modulus there times (n . D n)^2; Pa.
@@ -63,17 +71,21 @@ class DeviationEnergy {
     fibre_ = fibreEnergy(m, (F_ * fibre()).squaredNorm());
   }
 
+  struct Parts {
+    double shape, fibres;
+  };
+
   /// Pa
-  double of(const Mat3& D) const {
+  Parts of(const Mat3& D) const {
     const Mat3 d = D * inverse_;
     const double trace = d.trace();
     const double shape = stiffness_ * (D.squaredNorm() / 2 - 2.0 / 3 * trace * F_.cwiseProduct(D).sum() +
                                        square_ * (trace * trace / 9 + d.cwiseProduct(d.transpose()).sum() / 6));
-    if (material_.fibre_modulus == 0) return std::max(0.0, shape);
+    if (material_.fibre_modulus == 0) return {std::max(0.0, shape), 0};
     const Vec3 Fn = F_ * fibre(), Dn = D * fibre();
     const double there =
         fibreEnergy(material_, (Fn + Dn).squaredNorm()) + fibreEnergy(material_, (Fn - Dn).squaredNorm());
-    return std::max(0.0, shape + there / 2 - fibre_);
+    return {std::max(0.0, shape), std::max(0.0, there / 2 - fibre_)};
   }
 
  private:
@@ -92,7 +104,7 @@ void ErrorSums::add(const Model& model, std::size_t q, const Material& material,
   const double V = model.point_volume[q], unseen = static_cast<double>(model.point_groups.unseen[q]);
   Strain mean;
   for (const Strain& s : at_nodes) mean.add(0.25, s);
-  if (pressed) {
+  if (pressed > 0) {
     uneven += V * pressedEnergy(material, F, strain.H - mean.H);
     held += V * material.bulk_modulus * std::pow(strain.dilatation - mean.dilatation, 2);
     for (const Strain& s : at_nodes) missed += V * PointGroups::of_cell * pressedEnergy(material, F, s.H - mean.H);
@@ -102,17 +114,21 @@ void ErrorSums::add(const Model& model, std::size_t q, const Material& material,
   const std::array<float, 4>& position = model.point_groups.position[q];
   Strain here;
   for (std::size_t k = 0; k < 4; ++k) here.add(static_cast<double>(position[k]), at_nodes[k]);
-  uneven += V * energy.of(strain.H - here.H);
+  const DeviationEnergy::Parts off = energy.of(strain.H - here.H);
+  uneven += V * (off.shape + off.fibres);
   for (const Strain& s : at_nodes) {
     held += V * std::max(unseen, PointGroups::of_cell) * material.bulk_modulus *
             std::pow(s.dilatation - mean.dilatation, 2);
-    missed += V * unseen * energy.of(s.H - mean.H);
+    const DeviationEnergy::Parts part = energy.of(s.H - mean.H);
+    missed += V * unseen * part.shape;
+    missed_fibres += V * unseen * part.fibres;
   }
 }
 
 double ErrorSums::off(double energy) const {
-  if (pressed) return c_pressed * uneven + c_pressed_held * held + c_pressed_missed * missed;
-  const double stiff = c_uneven * uneven + c_held * held, soft = c_missed * missed, sum = stiff + soft;
+  if (pressed > 0) return pressed * (c_pressed * uneven + c_pressed_held * held + c_pressed_missed * missed);
+  const double stiff = c_uneven * uneven + c_held * held, soft = c_missed * missed + c_missed_fibres * missed_fibres,
+               sum = stiff + soft;
   return std::hypot(stiff - soft, c_both * sum * sum / energy);
 }
 
@@ -121,8 +137,8 @@ double expectedError(const Model& model, std::span<const Material> materials, co
   if (!(strain_energy > least_energy * model.rest_energy)) return 0;
   const ShapeTable& shape = model.point_shape;
   const PointGroups& groups = model.point_groups;
-  ErrorSums sums{isPressed(model, tool_force)};
-  const auto& weight = sums.pressed ? groups.share : groups.weight;
+  ErrorSums sums = sumsOf(model, tool_force);
+  const auto& weight = sums.pressed > 0 ? groups.share : groups.weight;
   std::vector<Strain> at(model.point_X.size()), fit(static_cast<std::size_t>(groups.count));
   for (std::size_t q = 0; q < at.size(); ++q) {
     for (auto e = static_cast<std::size_t>(shape.begin[q]); e < static_cast<std::size_t>(shape.begin[q + 1]); ++e)
@@ -165,7 +181,7 @@ void ResolutionWatch::advance(const Model& model, std::span<const Material> mate
     }
     std::copy(u.begin(), u.end(), u_.begin());
     std::fill(fit_.begin(), fit_.end(), Rows{});
-    sums_ = {isPressed(model, toolForce(report))};
+    sums_ = sumsOf(model, toolForce(report));
     energy_ = report.strain_energy;
     touch_ = model.surface_loads.empty() ? 0 : toolForce(report);
     force_ = touch_ > 0 ? touch_ : largestForce(report);
@@ -198,7 +214,7 @@ void ResolutionWatch::advance(const Model& model, std::span<const Material> mate
 void ResolutionWatch::gather(const Model& model, std::size_t begin, std::size_t end) {
   const ShapeTable& shape = model.point_shape;
   const PointGroups& groups = model.point_groups;
-  const auto& weight = sums_.pressed ? groups.share : groups.weight;
+  const auto& weight = sums_.pressed > 0 ? groups.share : groups.weight;
   for (std::size_t q = begin; q < end; ++q) {
     Rows s{};
     for (auto e = static_cast<std::size_t>(shape.begin[q]); e < static_cast<std::size_t>(shape.begin[q + 1]); ++e) {

@@ -22,9 +22,11 @@ namespace palpate {
 // is too stiff, and so it is where volume changes within what one point stands for, and has to be held. What changes
 // of the shape within that, one point does not see: the body is too soft. The two make up for each other:
 //
-//   e = |S - M|,  S W = sum_q V_q (c_0 E(F_q - L_q) + c_1 K var_q J),  M W = c_2 sum_q V_q E(var_q F)
+//   e = |S - M|,  S W = sum_q V_q (c_0 E(F_q - L_q) + c_1 K var_q J),
+//                 M W = sum_q V_q (c_2 E_s(var_q F) + c_4 E_f(var_q F)),  E = E_s + E_f
 //
-// E(D) what a deviation stores at a volume that stays, var_q the mean square of what is not seen (PointGroups::unseen),
+// E(D) what a deviation stores at a volume that stays, E_f its fibres, which turning strains by its square, so that it
+// takes of a force more than its share of W; var_q the mean square of what is not seen (PointGroups::unseen),
 // from the fits at the nodes of q's cell; several points in a cell see it, but have to hold volume all the same. Fits
 // are of points of one material alone: what jumps at a border is right. The less is left the larger the two are, so e
 // is the root of the squares of that and of c_3 (S + M)^2.
@@ -35,7 +37,7 @@ namespace palpate {
 //   e W = sum_q V_q (c_0 mu |F_q - F*_q|^2 + c_2 mu mean_a |F_a - F*_q|^2 / 5 + c_1 K (J_q - J*_q)^2)
 //
 // with half the modulus of fibres under tension times (n . D n)^2 added to mu |D|^2: too much for faces that are moved
-// (bent: 1 to 2 % for 0.3).
+// (bent: 1 to 2 % for 0.3). Below the edge of a flat end stress has no bound, and means see less of it: e times c_flat.
 // Wherever the cloud is too coarse counts: below a small tool, in a thin layer, at a bonded edge. Measured on scenes
 // drawn by lot (`mtled verify matrix`, engine/mechanics/README.md); an estimate, no bound.
 
@@ -52,9 +54,10 @@ struct Strain {
 
 /// The parts of e W, J, without their constants.
 struct ErrorSums {
-  bool pressed = false;         // else a face is moved
+  double pressed = 0;           // 0: a face is moved; else 1, or more below a flat end
   double uneven = 0, held = 0;  // of what is too stiff
-  double missed = 0;            // of what is too soft
+  double missed = 0;            // of what is too soft,
+  double missed_fibres = 0;     // and of that, but for presses, what fibres store
 
   /// @param at_nodes  the fits, or means, at the nodes of the point's cell
   void add(const Model& model, std::size_t point, const Material& material, const Strain& strain,

