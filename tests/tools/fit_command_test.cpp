@@ -9,6 +9,7 @@
 #include <random>
 
 #include "io/load_model.h"
+#include "mtled/certify/certify_command.h"
 #include "mtled/fit/fit_search.h"
 #include "mtled/fit/rate_check.h"
 #include "support/block_text.h"
@@ -58,9 +59,9 @@ Scene randomScene(unsigned seed) {
 }  // namespace
 
 // A minute of work: a ctest of its own, not under sanitizers (tests/CMakeLists.txt).
-TEST_CASE("The force error that fit expects is within a factor of two of the measured one, in nine of ten drawn by lot",
+TEST_CASE("The force error that fit expects, or certify states, is within a factor of two in nine of ten drawn by lot",
           "[.][random_scenes]") {
-  int within = 0, drawn = 0;
+  int within = 0, certified = 0, drawn = 0;
   const auto quiet = [](double, const std::string&) {};
   for (const unsigned seed : {11U, 12U, 13U, 14U, 15U}) {
     const Scene scene = randomScene(seed);
@@ -92,12 +93,19 @@ TEST_CASE("The force error that fit expects is within a factor of two of the mea
       CHECK(measured > 0);
       CHECK(expected < 3 * measured);
       CHECK(expected > measured / 3);
+      // What certify would say of this cloud against the limit of the finer one, whose own is not known better than so.
+      const Certificate::Row stated = certifiedRows(model, way, c.run, converged, fineness.coarser, 1).at(0),
+                             truth = certifiedRows(model, way, c.run, finer, 1.35, 1).at(0);
+      CAPTURE(stated.error, stated.uncertainty, truth.error, truth.uncertainty);
+      CHECK(std::abs(stated.error - truth.error) < 2 * stated.uncertainty + truth.uncertainty);
+      certified += stated.error < 2 * truth.error && stated.error > truth.error / 2;
       ++drawn;
       within += expected < 2 * measured && expected > measured / 2;
     }
   }
   CHECK(drawn == 10);
   CHECK(within >= 9);
+  CHECK(certified >= 9);
 }
 
 TEST_CASE("fit refuses what it can not fit, with what to do", "[fit]") {
