@@ -84,7 +84,7 @@ Type this into `my.toml`:
 ```toml
 name = "slab"                                       # title of the window
 organ = { solid = "box", size = [0.1, 0.1, 0.05] }  # m: z goes from 0 to 0.05, the z axis is in the middle
-discretization = { spacing = 0.01 }                 # m between nodes: half of it makes eight times as many
+discretization = { spacing = 0.007 }                # m between nodes: half of it makes eight times as many
 fixed = [{ shape = "half-space", point = [0, 0, 0.001], normal = [0, 0, 1] }]  # m: held below z = 0.001
 tool = { shape = "sphere", radius = 0.01, position = [0, 0, 0.06] }  # m: a ball, 10 mm above the slab
 [[material]]           # all keys from here on describe the tissue

@@ -199,7 +199,7 @@ void addSkinAndTool(const Scene& scene, const SurfaceTree& tree, const CommonToP
   const Vec3 middle = model.tool_start.toWorld(Vec3(0, 0, scene.tool.radius));
   if (model.first_contact_travel < 0 || tree.inside(scene.tool_position) || tree.inside(middle))
     throw InputError(placeOf(scene, "tool.position"), "the tool starts inside the organ",
-                     "move tool.position against tool.direction");
+                     "move tool.position out of it, and let tool.direction point at it");
   if (!std::isfinite(model.first_contact_travel))
     model.first_contact_travel = 0;  // never touches: depth counts from the start
 }

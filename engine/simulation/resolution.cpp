@@ -13,12 +13,16 @@ namespace {
 constexpr double c_uneven = 0.86, c_held = 0.24, c_missed = 0.72, c_both = 3;  // c_0 .. c_3 of moved faces
 // What turns fibres strains them by its square: what they store, c_4, grows faster than the whole.
 constexpr double c_missed_fibres = 1.8;
-constexpr double c_pressed = 0.16, c_pressed_held = 0.12, c_pressed_missed = 0.3;  // of what is pressed
-constexpr double c_flat = 1.6;                                                     // by a flat end
+constexpr double c_pressed = 0.12, c_pressed_held = 0.08, c_pressed_missed = 0.2;  // of what is pressed
+constexpr double c_flat = 2.2;                                                     // by a flat end
 // Of Model::rest_energy, which is far above float's noise: in double strains of 3e-6 are none, either.
 constexpr double least_energy = 1e-6;
 // Of a tick: at the liver's 20,124 points a hundredth of its time.
 constexpr std::size_t points_a_tick = 64, most_ticks = 400;
+// So many times faster until there is an estimate, and while the energy is another than a sweep's by a fifth.
+constexpr std::size_t faster = 5;
+constexpr double changed = 0.2;
+constexpr double touched_energy = 1e-2;  // of Model::rest_energy, from which on a touch is looked at
 // Nodes' distance over a tool's radius: the liver's 0.77 is 1.5 % off at its press, a kidney of 1.4 was by 10 %.
 constexpr double coarsest = 0.8;
 
@@ -173,9 +177,11 @@ void ResolutionWatch::goOnFrom(const ResolutionWatch& before) {
 
 void ResolutionWatch::advance(const Model& model, std::span<const Material> materials, const AlignedVector<Float4>& u,
                               StepReport& report) {
-  const std::size_t count = at_.size(), part = std::max(points_a_tick, count / most_ticks + 1);
+  const bool old = !(error_force_ > 0) || std::abs(report.strain_energy - energy_) > changed * energy_;
+  const std::size_t count = at_.size(), part = std::max(points_a_tick, count / most_ticks + 1) * (old ? faster : 1);
   if (next_ == 0) {
-    if (!(report.strain_energy > model.rest_energy)) {  // nothing to look at
+    const double least = (toolForce(report) > 0 ? touched_energy : 1) * model.rest_energy;
+    if (!(report.strain_energy > least)) {  // nothing to look at
       error_ = error_force_ = 0;
       return;
     }

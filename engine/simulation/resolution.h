@@ -74,10 +74,10 @@ struct ErrorSums {
 double expectedError(const Model& model, std::span<const Material> materials, const AlignedVector<Double4>& u,
                      double strain_energy, double tool_force = 0);
 
-/// e while ticks go on: of a moment, some points a tick, so that it costs a hundredth of a tick, and nothing at rest.
-/// What it says is of the moment before the last sweep of all points, at most 0.8 s ago at 500 Hz; 0 until there was
-/// one. Of a tool on tissue under surface loads it is that of the tool's force: what the loads alone had, when nothing
-/// touched last, is taken off.
+/// e while ticks go on: of a moment, some points a tick, so that it costs a hundredth of a tick (a twentieth while the
+/// tissue's energy changes), and nothing at rest. What it says is of the moment before the last sweep of all points, at
+/// most 0.2 s ago at 500 Hz in a motion; 0 until there was one. Of a tool on tissue under surface loads it is that of
+/// the tool's force: what the loads alone had, when nothing touched last, is taken off.
 /// Belongs to who steps (Workspace), not to the state: after a restore it begins anew.
 /// Test: simulation/resolution_test.cpp
 class ResolutionWatch {

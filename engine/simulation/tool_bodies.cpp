@@ -107,8 +107,8 @@ ToolSet makeToolSet(const Scene& scene, const SurfaceTree& organ, const Triangle
     const double travel = travelToSkin(skin, set, tool, made.start);
     if (travel < 0 || startsInside(organ, set, tool, made.start))
       throw InputError(spec.place, "tool " + std::to_string(t + 1) + " starts inside the organ",
-                       made.jaws ? "move its position against its direction, or widen its opening"
-                                 : "move its position against its direction");
+                       made.jaws ? "move its position out of it, let its direction point at it, or widen its opening"
+                                 : "move its position out of it, and let its direction point at it");
     made.first_contact_travel = std::isfinite(travel) ? travel : 0;
     set.tool.push_back(std::move(made));
   }

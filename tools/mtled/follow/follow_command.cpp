@@ -4,6 +4,7 @@
 #include <cmath>
 #include <iostream>
 #include <nlohmann/json.hpp>
+#include <stdexcept>
 
 #include "base/interrupt.h"
 #include "base/number_text.h"
@@ -123,22 +124,29 @@ int followCommand(const FollowOptions& options) {
   Json all = Json::array();
   std::vector<double> first, worst, apply;
   bool lost = false;
-  for (std::size_t w = 0; w < ways.size() && !interrupted(); ++w) {
+  const auto goOn = [] {
+    if (interrupted()) throw std::runtime_error("interrupted; nothing is kept");
+  };
+  for (std::size_t w = 0; w < ways.size(); ++w) {
     const DragWay& way = ways[w];
     const ToolTrajectory poses = trajectoryOf(way, scene, settings);
     std::cout << format("way %zu: %.0f mm from (%.0f %.0f %.0f) to (%.0f %.0f %.0f) mm\n", w + 1, 1e3 * way.length,
                         1e3 * way.from.x(), 1e3 * way.from.y(), 1e3 * way.from.z(), 1e3 * way.to.x(), 1e3 * way.to.y(),
-                        1e3 * way.to.z());
+                        1e3 * way.to.z())
+              << std::flush;
     const Model fine = loadModel(referenceScene(scene, way, options.quick ? 1.2 : 1));
     const ScriptedRun reference = trajectoryOn(fine, poses);
+    goOn();
     std::vector<Row> rows;
     const auto measure = [&](const std::string& name, const Scene& turned) {
       const Model model = loadModel(turned);
       rows.push_back(rowOf(name, model.nodeCount(), model.substeps_per_tick, trajectoryOn(model, poses), reference,
                            scene.rate_hz));
+      goOn();
     };
     measure("as it is", scene);
     const FollowingRun following = followTrajectory(places, shelf, poses);
+    goOn();
     rows.push_back(
         rowOf("following", following.most_nodes, following.substeps, following.run, reference, scene.rate_hz));
     if (!options.quick) {
@@ -190,7 +198,7 @@ int followCommand(const FollowOptions& options) {
       first.size(), 100 * quantileOf(first, 0.5), 100 * quantileOf(first, 1), 100 * quantileOf(worst, 0.5),
       100 * quantileOf(worst, 1), quantileOf(apply, 0.5), shelf.count(), shelf.seconds() / shelf.count());
   if (!options.json.empty()) writeWholeFile(options.json, all.dump(2) + "\n");
-  return interrupted() || lost ? 1 : 0;
+  return lost ? 1 : 0;
 }
 
 }  // namespace palpate::tools
