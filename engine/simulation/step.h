@@ -19,8 +19,8 @@ StepReport step(const Model& model, State& state, const Pose& tool_pose, const C
 
 /// Advances one tick, substeps_per_tick steps, the tools going evenly from where they are to
 /// command.tool_target and command.tools, no faster than the scene allows. The report has the last
-/// step's force and the worst of the rest. Where a step was lost (kBlowUp, kNotFinite), which ends the tick, the state is
-/// of no use: the caller keeps that of before.
+/// step's force and the worst of the rest. Where a step was lost (kBlowUp, kNotFinite), which ends the tick, the state
+/// is of no use: the caller keeps that of before.
 /// Real-time: as step().
 StepReport tick(const Model& model, State& state, const Command& command, Workspace& workspace);
 

@@ -1,5 +1,5 @@
-// Every two settings of a scene together, in scenes drawn by lot: whoever writes such a scene gets a sentence, or tissue
-// that stays whole under a press.
+// Every two settings of a scene together, in scenes drawn by lot: whoever writes such a scene gets a sentence, or
+// tissue that stays whole under a press.
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
