@@ -136,7 +136,7 @@ void drawNumbersCard(const Theme& theme, const PanelData& data) {
   row("Step / stable limit", format("%.0f %%", 100 * model.dt / model.dt_critical), colours::text,
       "dt over the critical step of the operator at rest");
   if (model.scene.mass_scaling > 0)
-    row("Mass added", format("%.3g %%", 100 * model.added_mass), colours::text,
+    row("Mass added", format("%.3g %%", 100 * model.addedMass()), colours::text,
         "to spare steps: forces at rest are the same, motion is slower");
   const double volume_error = 100 * (model.cell_volume / model.surface_volume - 1);
   row("Volume error", format("%+.2f %%", volume_error), std::abs(volume_error) < 2 ? colours::text : colours::warning,

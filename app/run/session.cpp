@@ -121,9 +121,9 @@ void describe(const Model& model, bool timed, Log& log) {
   log.detail(format("%s: %d nodes, %d integration points, %d x %.0f us per tick, ready in %.2f s",
                     model.scene.name.c_str(), model.nodeCount(), model.pointCount(), model.substeps_per_tick,
                     model.dt * 1e6, model.setup_seconds));
-  if (model.added_mass > 0)
+  if (model.addedMass() > 0.01)
     log.detail(format("mass scaling added %.3g %% to the mass: the same forces at rest, slower motion",
-                      100 * model.added_mass));
+                      100 * model.addedMass()));
   if (const std::string late = rateWarning(model); timed && !late.empty()) log.warning(late);
 }
 
@@ -145,10 +145,8 @@ std::unique_ptr<FollowingTissue> buildFollowingOf(const Scene& scene, bool use_c
   log.detail(format("the cloud follows the tool: nodes %.1f mm apart near it, %.1f mm elsewhere; %zu places",
                     1e3 * places.sizes.fine, 1e3 * places.sizes.coarse, places.centres.size()));
   describe(loaded.start.model, timed, log);
-  auto make = [shared = loaded.places, store = placeStore(scene, cache), memory = std::make_shared<PlaceMemory>()](
-                  const PlaceIndex& index) { return makePlace(*shared, index, store, memory.get()); };
-  return std::make_unique<FollowingTissue>(loaded.places, std::move(loaded.start), std::move(make), scene.threads,
-                                           timed);
+  return std::make_unique<FollowingTissue>(loaded.places, std::move(loaded.start), placeStore(scene, cache),
+                                           scene.threads, timed);
 }
 
 /// The ring's next entry if it is of a tick up to this one, else null; it waits in `next` until that is emptied.

@@ -19,9 +19,7 @@ namespace {
 /// A body whose places are made by a worker of its own.
 std::unique_ptr<FollowingTissue> followingOf(const palpate_model& of, int threads) {
   if (!of.places) return nullptr;
-  auto make = [places = of.places, store = of.store, memory = std::make_shared<PlaceMemory>()](
-                  const PlaceIndex& index) { return makePlace(*places, index, store, memory.get()); };
-  return std::make_unique<FollowingTissue>(of.places, *of.start, std::move(make), threads, true);
+  return std::make_unique<FollowingTissue>(of.places, *of.start, of.store, threads, true);
 }
 
 /// What nobody takes from the loop need not be kept.

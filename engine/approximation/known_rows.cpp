@@ -63,7 +63,7 @@ bool RowsAtHand::copy(std::size_t part, const Vec3& at, std::uint64_t group, std
   if (!is_same) return false;
   for (int e = begin; e < end; ++e) node.push_back(now_[from.rows.node[e]]);
   N.assign(from.rows.N.begin() + begin, from.rows.N.begin() + end);
-  gradN.assign(from.rows.gradN.begin() + begin, from.rows.gradN.begin() + end);
+  if (!from.rows.gradN.empty()) gradN.assign(from.rows.gradN.begin() + begin, from.rows.gradN.begin() + end);
   return true;
 }
 

@@ -10,10 +10,9 @@ namespace palpate {
 
 /// How well a support carries the approximation at one point.
 struct MmlsQuality {
-  double reciprocal_condition = 0;  // of the moment matrix P^T W P + H (1-norm estimate)
-  double linear_error = 0;          // largest error in reproducing 1 and x / scale by N
-  double gradient_error = 0;        // largest error in reproducing their gradients by gradN
-  double gradient_norm = 0;         // max_j |gradN_j| * scale
+  double linear_error = 0;    // largest error in reproducing 1 and x / scale by N
+  double gradient_error = 0;  // largest error in reproducing their gradients by gradN; 0 where it is not wanted
+  double gradient_norm = 0;   // max_j |gradN_j| * scale; likewise
 };
 
 /// Options of the modified moving least squares approximation.
@@ -50,8 +49,10 @@ class Mmls {
   /// @param X       node positions, m                       (count)
   /// @param radius  support radii R_j, m, > |x - X_j|        (count)
   /// @param pinned  not 0 at nodes that the approximation goes through (weight_function.h); null: none (count)
+  /// @param gradients  false: gradN is not wanted, and left undefined; N has the same bits, at half the cost
   /// @return false if the moment matrix is numerically singular; N and gradN are then undefined.
-  bool evaluate(const Vec& x, const Vec* X, const double* radius, int count, const std::uint8_t* pinned = nullptr);
+  bool evaluate(const Vec& x, const Vec* X, const double* radius, int count, const std::uint8_t* pinned = nullptr,
+                bool gradients = true);
 
   const std::vector<double>& N() const { return N_; }       // (count)
   const std::vector<Vec>& gradN() const { return gradN_; }  // (count) 1/m
@@ -59,7 +60,7 @@ class Mmls {
 
  private:
   template <int Size>
-  bool solve(const Vec& x, const Vec* X, const double* radius, int count, const std::uint8_t* pinned);
+  bool solve(const Vec& x, const Vec* X, const double* radius, int count, const std::uint8_t* pinned, bool gradients);
 
   int degree_;
   std::array<double, 6> mu_;  // weights of the constraints

@@ -10,7 +10,8 @@ namespace palpate {
 ShapeTable shapeFunctions(const std::vector<Vec3>& points, const std::vector<Vec3>& X,
                           const std::vector<double>& radius, const Neighbours& neighbours, const MmlsOptions& options,
                           std::vector<InadmissibleSupport>& failed, const AdmissibilityLimits& limits,
-                          const SupportGroups& groups, const KnownPart& known) {
+                          const SupportGroups& groups, const KnownPart& known, Wanted wanted) {
+  const bool gradients = wanted == Wanted::Gradients;
   const int rows = static_cast<int>(points.size());
   struct Row {
     std::vector<int> node;
@@ -41,10 +42,10 @@ ShapeTable shapeFunctions(const std::vector<Vec3>& points, const std::vector<Vec
       }
       const int count = static_cast<int>(row[r].node.size());
       if (mmls.evaluate(points[r], support_X.data(), support_radius.data(), count,
-                        pinned.empty() ? nullptr : pinned.data()) &&
+                        pinned.empty() ? nullptr : pinned.data(), gradients) &&
           limits.admit(mmls.quality())) {
         row[r].N = mmls.N();
-        row[r].gradN = mmls.gradN();
+        if (gradients) row[r].gradN = mmls.gradN();
       } else {
         bad[r] = {r, count, mmls.quality()};
         row[r].node.clear();
@@ -61,12 +62,12 @@ ShapeTable shapeFunctions(const std::vector<Vec3>& points, const std::vector<Vec
   }
   table.node.resize(table.begin.back());
   table.N.resize(table.begin.back());
-  table.gradN.resize(table.begin.back());
+  if (gradients) table.gradN.resize(table.begin.back());
   parallelFor(rows, [&](int first, int last) {
     for (int r = first; r < last; ++r) {
       std::copy(row[r].node.begin(), row[r].node.end(), table.node.begin() + table.begin[r]);
       std::copy(row[r].N.begin(), row[r].N.end(), table.N.begin() + table.begin[r]);
-      std::copy(row[r].gradN.begin(), row[r].gradN.end(), table.gradN.begin() + table.begin[r]);
+      if (gradients) std::copy(row[r].gradN.begin(), row[r].gradN.end(), table.gradN.begin() + table.begin[r]);
       row[r] = {};
     }
   });

@@ -42,7 +42,10 @@ struct KnownPart {
   std::size_t part = 0;
 };
 
-/// Evaluates MMLS shape functions and gradients at many points, on all cores.
+enum class Wanted { Values, Gradients };
+
+/// Evaluates MMLS shape functions at many points, on all cores; with gradients where they are wanted (of the table,
+/// else gradN is empty).
 /// @param points   m (row_count)
 /// @param failed   receives the inadmissible rows in ascending order; their entries are left empty
 /// @param groups   supports that are to end somewhere
@@ -50,7 +53,8 @@ struct KnownPart {
 ShapeTable shapeFunctions(const std::vector<Vec3>& points, const std::vector<Vec3>& X,
                           const std::vector<double>& radius, const Neighbours& neighbours, const MmlsOptions& options,
                           std::vector<InadmissibleSupport>& failed, const AdmissibilityLimits& limits = {},
-                          const SupportGroups& groups = {}, const KnownPart& known = {});
+                          const SupportGroups& groups = {}, const KnownPart& known = {},
+                          Wanted wanted = Wanted::Gradients);
 
 /// Multiplies by 1.15 the radii of the eight nodes nearest to each failed point: sparse supports
 /// grow until they are admissible. Returns the nodes that changed.

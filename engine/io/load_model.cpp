@@ -200,16 +200,32 @@ struct SetUp {
 
 }  // namespace
 
-void requireOneCloud(const Scene& scene) {
-  if (scene.follow)
-    throw InputError(placeOf(scene, "discretization.follow"),
-                     "a cloud follows the tool in palpate, the C library and their recordings only",
-                     "give spacing in place of follow");
+namespace {
+
+/// The place for where the tools are, as a body on its own.
+Model loadPlace(const Scene& as_read, const Progress& progress, const ModelCache& cache,
+                const std::function<void(const std::string&)>& warn,
+                const std::function<ToolPostures(const Model&)>& at) {
+  FollowingModel following = loadFollowing(as_read, progress, cache, warn);
+  const Places& places = *following.places;
+  Place place = std::move(following.start);
+  const PlaceIndex index = at ? nextPlace(places, no_place, at(place.model)) : place.index;
+  if (index != place.index) {
+    const double seconds = place.model.setup_seconds;
+    place = makePlace(places, index, placeStore(as_read, cache));
+    addToolPaths(place.model);
+    place.model.setup_seconds = seconds;
+  }
+  place.model.scene.time_step = as_read.time_step;
+  return std::move(place.model);
 }
 
+}  // namespace
+
 Model loadModel(const Scene& as_read, const Progress& progress, const ModelCache& cache,
-                const std::function<void(const std::string&)>& warn) {
-  requireOneCloud(as_read);
+                const std::function<void(const std::string&)>& warn,
+                const std::function<ToolPostures(const Model&)>& at) {
+  if (as_read.follow) return loadPlace(as_read, progress, cache, warn, at);
   const SetUp set_up(as_read, progress, warn);
   const Scene& scene = set_up.scene;
   const std::string key = preparationKey(scene, set_up.organ);

@@ -18,17 +18,17 @@ TriangleSurface organSurface(const Scene& scene);
 /// another one. Empty for all others.
 std::string sizeWarning(const Scene& scene, const TriangleSurface& surface);
 
-/// Throws InputError where the cloud of the scene follows the tool: for programs that have one cloud.
-void requireOneCloud(const Scene& scene);
-
 /// organSurface and buildModel: from a scene that was read to a model that is ready to run. What takes long is taken
 /// from the cache, or made and kept there; the model has the same bits either way. Scenes without set_up_values,
-/// which no
-/// file was read for, are not kept.
-/// Throws InputError as requireOneCloud, too.
+/// which no file was read for, are not kept.
+///
+/// A cloud that follows the tool is the one for where the tools are, and stays there: for what happens at one place.
+/// The model's scene tells how it is made (spacing, a ball around each tool), without `follow`.
 /// @param warn  gets what is allowed but probably not meant (sizeWarning), before the set-up takes time
+/// @param at    where the tools are then, by the model that they start on; empty: where they start
 Model loadModel(const Scene& scene, const Progress& progress = {}, const ModelCache& cache = ModelCache(),
-                const std::function<void(const std::string&)>& warn = {});
+                const std::function<void(const std::string&)>& warn = {},
+                const std::function<ToolPostures(const Model&)>& at = {});
 
 /// The same of a scene whose cloud follows the tool (`[discretization] follow`): what all its places have in common,
 /// and the place at which the tools start.

@@ -16,7 +16,7 @@ namespace palpate {
 namespace {
 
 constexpr std::uint64_t magic = 0x31657461706c6170;  // "palpate1" as bytes
-constexpr std::uint64_t version = 4;                 // of the layout below
+constexpr std::uint64_t version = 5;                 // of the layout below
 constexpr std::size_t block_bytes = 1 << 20;
 
 /// A word-wise mix: each step is a bijection of the state, so one changed word always changes the result.
@@ -54,6 +54,7 @@ void forEachArray(P& p, Visit&& visit) {
   visit(p.X);
   visit(p.support_radius);
   visit(p.mass);
+  visit(p.own_mass);
   visit(p.cells);
   visit(p.point_X);
   visit(p.point_volume);
@@ -73,18 +74,18 @@ void forEachArray(P& p, Visit&& visit) {
   visit(p.essential.facet_weight);
   forEachTable(p.essential.facet_phi, visit);
 }
-constexpr std::size_t array_count = 33;
+constexpr std::size_t array_count = 34;
 
 struct Header {
   std::uint64_t magic_word = magic, layout = version;
   KeyHash key{};
-  double surface_volume = 0, cell_volume = 0, dt = 0, dt_proven = 0, added_mass = 0;
+  double surface_volume = 0, cell_volume = 0, dt = 0, dt_proven = 0;
   std::int64_t worst_node = 0, iterations = 0;
   std::array<std::uint64_t, array_count> length{};  // elements
   std::array<std::uint64_t, array_count> checksum{};
   std::uint64_t own_checksum = 0;  // of all before it
 };
-static_assert(std::is_trivially_copyable_v<Header> && sizeof(Header) == (12 + 2 * array_count) * 8);  // no padding
+static_assert(std::is_trivially_copyable_v<Header> && sizeof(Header) == (11 + 2 * array_count) * 8);  // no padding
 
 std::uint64_t checksumOf(const Header& header) {
   return hashBytes(reinterpret_cast<const char*>(&header), offsetof(Header, own_checksum), version);
@@ -158,7 +159,6 @@ int writePreparation(int file, const KeyHash& key, const Preparation& p) {
   header.cell_volume = p.cell_volume;
   header.dt = p.limit.dt;
   header.dt_proven = p.limit.dt_proven;
-  header.added_mass = p.added_mass;
   header.worst_node = p.limit.worst_node;
   header.iterations = p.limit.iterations;
   std::size_t k = 0;
@@ -215,7 +215,6 @@ bool readPreparation(int file, const KeyHash& key, Preparation& p) {
   // What does not fit an int is no node; isSound refuses it.
   const auto toInt = [](std::int64_t a) { return a == static_cast<int>(a) ? static_cast<int>(a) : -1; };
   p.limit = {header.dt, header.dt_proven, toInt(header.worst_node), toInt(header.iterations)};
-  p.added_mass = header.added_mass;
   return true;
 }
 

@@ -44,6 +44,7 @@ void readQuadrature(const TomlTable& table, QuadratureSpec& quadrature) {
 }
 
 void readDiscretization(const TomlTable& table, Scene& scene) {
+  scene.follow = !table.has("spacing");
   table.read("follow", scene.follow);
   if (scene.follow) {
     table.forbid({"spacing"}, "to a cloud that follows the tool");
@@ -51,7 +52,7 @@ void readDiscretization(const TomlTable& table, Scene& scene) {
   } else {
     if (!table.has("spacing"))
       throw InputError(table.place(), "the key \"spacing\" is missing in [discretization]",
-                       "add spacing = number in m, or follow = true");
+                       "add spacing = number in m, or leave follow out");
     table.read("spacing", scene.spacing);
   }
   table.read("seed", scene.seed);
@@ -75,14 +76,23 @@ void readDiscretization(const TomlTable& table, Scene& scene) {
   }
 }
 
-/// What the cloud can't follow; else its spacing far from the tools.
-void checkFollow(const TomlTable& top, const SourceLocation& place, Scene& scene) {
-  if (!top.has("tool"))
-    throw InputError(place, "there is no tool that the cloud could follow",
-                     "add [tool], or give spacing in place of follow");
+/// A cloud that follows the tool has its spacing far from it; where it can't, the scene has to give one.
+/// @param asked  of the key `follow`; null: the scene gives no spacing either
+void checkFollow(const TomlTable& top, const SourceLocation* asked, Scene& scene) {
+  const SourceLocation& place = asked ? *asked : top.has("discretization") ? top.place("discretization") : top.place();
+  const auto refuse = [&](const std::string& why, const std::string& instead) {
+    const std::string missing = "the key \"spacing\" is missing in [discretization], and ";
+    throw InputError(place, (asked ? "" : missing) + why,
+                     instead + "give [discretization] spacing" + (asked ? " in place of follow" : "") +
+                         (top.has("tool") ? ", about " + number(fineSpacing(scene)) + " m for this tool" : ", in m"));
+  };
+  if (!top.has("tool")) refuse("there is no tool that the cloud could follow", "add [tool], or ");
   if (top.has("lump") || top.has("lumps"))
-    throw InputError(place, "a cloud that follows the tool can't have lumps to be found",
-                     "give spacing in place of follow");
+    refuse("a cloud that follows the tool can't have lumps to be found", "");
+  if (!scene.further_organs.empty()) refuse("a cloud that follows the tool is that of one body", "");
+  for (const MaterialSpec& spec : scene.materials)
+    if (spec.material.relaxation_count > 0)
+      refuse("a cloud that follows the tool can't have a material that relaxes (" + spec.place.text() + ")", "");
   scene.spacing = followSpacing(scene);
 }
 
@@ -253,7 +263,10 @@ Scene readScene(const SceneText& given, std::span<const SceneChange> changes) {
   readDynamics(top.table("dynamics", {"dynamics"}), scene);
   readSolve(top.table("solve", {"solve"}), folder, scene.solve);
   if (top.has("tool")) readTools(top, folder, scene);
-  if (scene.follow) checkFollow(top, file.places["discretization.follow"], scene);
+  if (scene.follow) {
+    const auto asked = file.places.find("discretization.follow");
+    checkFollow(top, asked != file.places.end() ? &asked->second : nullptr, scene);
+  }
   scene.places = file.places;  // of the organ, for what is wrong with it
   readLumps(top, scene);
 

@@ -26,7 +26,7 @@ constexpr KeySpec scene_keys[] = {
      "Shown in the window's title and in reports; the file's name where absent.", never},
     {"", "organ", T::Table, "", required, {}, "",
      "What is touched; `[[organ]]`: several, which touch one another as they touch tools."},
-    {"", "discretization", T::Table, "", required, {}, "", "How it is cut into nodes and integration points."},
+    {"", "discretization", T::Table, "", "", {}, "", "How it is cut into nodes and integration points."},
     {"", "material", T::Tables, "", required, {}, "", "What it is made of."},
     {"", "fixed", T::Tables, "", depends, {}, "",
      "Where it is held. Required, but where `[[prescribed]]` regions leave the organ no motion as a whole, or where "
@@ -79,11 +79,12 @@ constexpr KeySpec scene_keys[] = {
 
     {"discretization", "spacing", T::Number, "m", depends, aboveUpTo(0, 1), "",
      "Distance wanted between neighbouring nodes. Halving it makes eight times the nodes and half the time "
-     "step. Required, but where the cloud follows the tool (`follow`)."},
-    {"discretization", "follow", T::Boolean, "", "false", {}, "",
+     "step. Without it the cloud follows the tool (`follow`)."},
+    {"discretization", "follow", T::Boolean, "", depends, {}, "",
      "The cloud follows the tool: nodes are dense in a ball around each tool and wide apart elsewhere, both by the "
-     "tool's radius (no `spacing` then), and change while it moves. For `palpate`, the library and their recordings; "
-     "other programs refuse it. Not with materials that relax, nor with lumps to be found."},
+     "tool's radius, and change while it moves. So it is where no `spacing` is given. Solutions (`mtled solve`) and "
+     "fits of material have the cloud for where the tool ends. Not with several organs, materials that relax, or lumps "
+     "to be found."},
     {"discretization", "seed", T::Integer, "", "1", between(0, 4294967295.0), "",
      "Another seed, another irregular node cloud; the same seed, the same bits."},
     {"discretization", "points_per_cell", T::Integer, "", "1", {}, "1|4|5",

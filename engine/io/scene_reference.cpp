@@ -77,14 +77,13 @@ std::string toolReference() {
 }
 
 /// What stands before the tables. A test reads the scene in it.
-constexpr const char* introduction = R"(## A scene in ten lines
+constexpr const char* introduction = R"(## A scene in nine lines
 
 Type this into `my.toml`:
 
 ```toml
 name = "slab"                                       # title of the window
 organ = { solid = "box", size = [0.1, 0.1, 0.05] }  # m: z goes from 0 to 0.05, the z axis is in the middle
-discretization = { spacing = 0.007 }                # m between nodes: half of it makes eight times as many
 fixed = [{ shape = "half-space", point = [0, 0, 0.001], normal = [0, 0, 1] }]  # m: held below z = 0.001
 tool = { shape = "sphere", radius = 0.01, position = [0, 0, 0.06] }  # m: a ball, 10 mm above the slab
 [[material]]           # all keys from here on describe the tissue
@@ -94,7 +93,7 @@ poisson = 0.45         # nearly incompressible (0.5 would be entirely)
 density = 1050         # kg/m^3
 ```
 
-`tools/run my.toml` opens it. `tools/run my.toml --tool indent_hold_retract` presses the ball 5 mm deep: the force at
+`tools/run my.toml` opens it: points are dense where the ball is, and follow it. `tools/run my.toml --tool indent_hold_retract` presses the ball 5 mm deep: the force at
 the hold is 0.2 N. Change `young` to 6000, and it is twice that.
 
 ## Reference

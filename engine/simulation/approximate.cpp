@@ -66,18 +66,19 @@ Approximation approximate(const Scene& scene, const std::vector<Vec3>& X, std::v
     const Neighbours neighbours(X, radius);
     std::optional<RowsAtHand> at_hand;
     if (memory != nullptr) at_hand.emplace(memory->rows, memory->number, X, radius, groups.of_nodes);
-    const std::tuple<const std::vector<Vec3>*, const std::vector<std::uint64_t>*, ShapeTable*> parts[] = {
-        {&point_X, &groups.points, &a.points},
-        {&skin_X, &groups.skin, &a.skin},
-        {&X, &groups.nodes, &a.nodes},
-        {&facet_X, &groups.facets, &a.facets},
-        {&boundary_X, &groups.boundary, &a.boundary}};
+    const std::tuple<const std::vector<Vec3>*, const std::vector<std::uint64_t>*, ShapeTable*, Wanted> parts[] = {
+        {&point_X, &groups.points, &a.points, Wanted::Gradients},
+        {&skin_X, &groups.skin, &a.skin, Wanted::Values},
+        {&X, &groups.nodes, &a.nodes, Wanted::Values},
+        {&facet_X, &groups.facets, &a.facets, Wanted::Values},
+        {&boundary_X, &groups.boundary, &a.boundary, Wanted::Values}};
     bool admissible = true;
     std::vector<double> enlarged = radius;
     KnownPart known{at_hand ? &*at_hand : nullptr};
-    for (const auto& [at, rows, table] : parts) {
+    for (const auto& [at, rows, table, wanted] : parts) {
       std::vector<InadmissibleSupport> failed;
-      *table = shapeFunctions(*at, X, radius, neighbours, options, failed, {}, {groups.of_nodes, *rows}, known);
+      *table = shapeFunctions(*at, X, radius, neighbours, options, failed, {}, {groups.of_nodes, *rows}, known,
+                              wanted);
       ++known.part;
       if (failed.empty()) continue;
       admissible = false;
@@ -98,7 +99,7 @@ Approximation approximate(const Scene& scene, const std::vector<Vec3>& X, std::v
     if (memory != nullptr) {
       KnownRows& found = memory->rows = {memory->number, X, radius, groups.of_nodes, {}};
       for (std::size_t k = 0; k < found.part.size(); ++k) {
-        const auto& [at, rows, table] = parts[k];
+        const auto& [at, rows, table, wanted] = parts[k];
         found.part[k] = {*at, *rows, *table};
       }
     }

@@ -150,7 +150,7 @@ void BatchBody::addLoads(double alpha, double time) {
   }
 }
 
-BatchBody::Report BatchBody::advance(double alpha, double beta, double time) {
+BatchBody::Report BatchBody::advance(double alpha, double beta, double time, const double* own_beta) {
   Report report;
   alpha_ = alpha;
   const ForceReport forces_report = forces(u, f, history_step_ > 0 ? &history_ : nullptr);
@@ -158,7 +158,8 @@ BatchBody::Report BatchBody::advance(double alpha, double beta, double time) {
   report.worst_point = forces_report.worst_point;
   report.inverted_points = forces_report.inverted_points;
   report.step_share = stepShare(model_, forces_report);
-  for (std::size_t i = 0; i < u.size(); ++i) store(du[i], beta * load(du[i]) + (alpha * inverse_mass_[i]) * load(f[i]));
+  for (std::size_t i = 0; i < u.size(); ++i)
+    store(du[i], (own_beta ? own_beta[i] : beta) * load(du[i]) + (alpha * inverse_mass_[i]) * load(f[i]));
   addLoads(alpha, time);
   if (layer_) report.rigid = layer_->loads();
   if (hasContact()) contact(alpha, time, report);

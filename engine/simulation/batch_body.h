@@ -36,7 +36,8 @@ class BatchBody {
 
   /// One step of paper eqs. 12 and 21-25, the boundaries then being where they are at `time`, and loads what they are:
   ///   f = -F_int(u);  du = beta du + alpha M^-1 (f + loads);  contact;  du += P (u_bar - Phi (u + du));  u += du
-  Report advance(double alpha, double beta, double time);
+  /// @param own_beta  (node_count) in place of beta; null: one for all
+  Report advance(double alpha, double beta, double time, const double* own_beta = nullptr);
 
   /// Where the tools are from the next step on; they go there from where they were in that one step.
   void moveTools(const ToolsAt& tools) { tools_.move(tools); }

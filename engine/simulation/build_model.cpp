@@ -221,6 +221,9 @@ Model finish(const Scene& scene, const SurfaceTree& tree, Preparation preparatio
   model.materials = materialsOf(scene);
   model.point_groups = makePointGroups(model);
   for (const double m : model.mass) model.inverse_mass.push_back(static_cast<float>(1 / m));
+  if (model.mass != model.own_mass)
+    for (std::size_t i = 0; i < model.mass.size(); ++i)
+      model.own_share.push_back(static_cast<float>(model.own_mass[i] / model.mass[i]));
   completeEssential(scene, model);
   if (needsPatches(scene))
     model.patches = makeNodePatches(

@@ -115,16 +115,16 @@ StepMasses followStiffness(const Model& model, const Integrator& integrator, con
   LocalMassScratch& scratch = workspace.local_mass;
   const float bounded_need = computeNeeds(model, workspace);
   const double ch = integrator.ch;
-  double added_of[parts], mass_of[parts];
+  double added_of[parts], own_of[parts];
   float needed_of[parts];
   forParts(workspace.team, local.factor.size(), [&](int part, int begin, int end) {
-    double added = 0, mass = 0;
+    double added = 0, own = 0;
     float needed = 0;
     for (int i = begin; i < end; ++i) {
       const float need = means.bounded[i] ? bounded_need : scratch.need[i];
       const float old = local.factor[i], now = std::max({1.0F, need, kept_per_step * old});
       needed = std::max(needed, need / now);
-      mass += model.mass[i];
+      own += model.own_mass[i];
       if (now == 1.0F && old == 1.0F) {  // most nodes
         scratch.kept[i] = 1.0F;
         scratch.inverse[i] = model.inverse_mass[i];
@@ -137,13 +137,13 @@ StepMasses followStiffness(const Model& model, const Integrator& integrator, con
       added += model.mass[i] * (static_cast<double>(now) - 1);
     }
     added_of[part] = added;
-    mass_of[part] = mass;
+    own_of[part] = own;
     needed_of[part] = needed;
   });
-  double added = 0, mass = 0;
+  double added = 0, own = 0;
   float needed = 0;
   for (int part = 0; part < parts; ++part) {
-    mass += mass_of[part];
+    own += own_of[part];
     added += added_of[part];
     needed = std::max(needed, needed_of[part]);
   }
@@ -156,7 +156,7 @@ StepMasses followStiffness(const Model& model, const Integrator& integrator, con
   masses.kept = scratch.kept.data();
   if (means.first_bounded >= 0)
     masses.boundary_alpha *= (2 + ch) / (2 * static_cast<double>(local.factor[means.first_bounded]) + ch);
-  masses.added = added / mass * (1 + model.added_mass);
+  masses.added = added / own;
   return masses;
 }
 

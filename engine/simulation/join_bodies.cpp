@@ -91,9 +91,6 @@ void append(EssentialNodes&& more, int nodes, EssentialNodes& all) {
 void append(Preparation&& more, Preparation& all) {
   const int nodes = all.nodeCount(), cells = static_cast<int>(all.cells.size()), points = all.pointCount(),
             vertices = static_cast<int>(all.skin.surface.vertices.size());
-  const double own = std::accumulate(all.mass.begin(), all.mass.end(), 0.0) / (1 + all.added_mass),
-               others = std::accumulate(more.mass.begin(), more.mass.end(), 0.0) / (1 + more.added_mass);
-  all.added_mass = (own * all.added_mass + others * more.added_mass) / (own + others);
   if (nodes == 0 || more.limit.dt_proven < all.limit.dt_proven) {
     all.limit.dt_proven = more.limit.dt_proven;
     all.limit.worst_node = nodes + more.limit.worst_node;
@@ -106,6 +103,7 @@ void append(Preparation&& more, Preparation& all) {
   append(std::move(more.X), all.X);
   append(std::move(more.support_radius), all.support_radius);
   append(std::move(more.mass), all.mass);
+  append(std::move(more.own_mass), all.own_mass);
   append(std::move(more.cells), node, all.cells);
   if (!more.point_other_cell.empty() || !all.point_other_cell.empty()) {
     all.point_other_cell.resize(static_cast<std::size_t>(points), -1);

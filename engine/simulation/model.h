@@ -16,6 +16,7 @@ namespace palpate {
 struct Model : Body {
   // Computed from the materials and the cells.
   AlignedVector<float> inverse_mass;  // (node_count) 1/kg
+  AlignedVector<float> own_share;     // (node_count) of the mass that is the tissue's, and damps; empty: all
   NodePatches patches;                // empty where nothing is to be averaged (needsPatches)
   AlignedVector<Double4> weight;      // (node_count) N; empty without scene.gravity
   SurfaceLoads surface_loads;         // empty without scene.loads

@@ -68,17 +68,19 @@ double predict(const Model& model, const Integrator& integrator, const StepMasse
   forNodes(model, workspace, [&](int part, int begin, int end) {
     sumForces(model.kernel, workspace.kernel, begin, end, workspace.f.data());
     Group work{};
+    const float* const own_share = model.own_share.empty() ? nullptr : model.own_share.data();
     for (int i = begin; i < end; ++i) {
       const Group du = load(state.du[i]), f = load(workspace.f[i]);
       work += f * du;
+      const float own = own_share ? ch * own_share[i] : ch;
       if (masses.factor && masses.factor[i] != 1.0F) {
         const Group kept = masses.kept[i] * du;
         const float twice = 2 * masses.factor[i];
         store(workspace.previous_du[i], kept);
-        store(state.du[i], (twice - ch) / (twice + ch) * kept + alpha * masses.inverse[i] * f);
+        store(state.du[i], (twice - own) / (twice + own) * kept + alpha * masses.inverse[i] * f);
       } else {
         workspace.previous_du[i] = state.du[i];
-        store(state.du[i], beta * du + alpha * masses.inverse[i] * f);
+        store(state.du[i], (own_share ? (2 - own) / (2 + own) : beta) * du + alpha * masses.inverse[i] * f);
       }
     }
     of[part] = static_cast<double>(work[0]) + work[1] + work[2];

@@ -18,7 +18,7 @@ struct Integrator {
 // the number of threads. Real-time: no allocation, no lock, no throw.
 
 /// du~ = beta du + alpha M^-1 f                                            (eq. 22)
-/// with each node's own alpha and beta where mass was added.
+/// with each node's own beta where mass was added, which does not damp: else a fast press would feel it.
 /// The increment is what is kept: 2u - u_prev in float32 loses a thousand times more.
 /// @return f . du, J, of the internal forces on the last step's increments
 double predict(const Model& model, const Integrator& integrator, const StepMasses& masses, State& state,

@@ -76,11 +76,11 @@ std::vector<Vec3> centresOn(const TriangleSurface& skin, double stride) {
 void checkCarried(const Scene& scene, const TriangleSurface& organ) {
   if (bodiesOf(organ).count > 1)
     throw InputError(placeOf(scene, "discretization.follow"), "a cloud that follows the tool is that of one body",
-                     "give spacing in place of follow");
+                     "give [discretization] spacing, about " + number(fineSpacing(scene)) + " m for this tool");
   for (const MaterialSpec& spec : scene.materials)
     if (spec.material.relaxation_count > 0)
       throw InputError(spec.place, "a cloud that follows the tool can't have a material that relaxes",
-                       "leave its relaxation out, or the cloud where it is");
+                       "leave its relaxation out, or give [discretization] spacing");
 }
 
 /// What a place's preparation depends on; "" where nothing is to be kept.
@@ -125,6 +125,7 @@ Place place(const Places& places, const PlaceIndex& index, const CommonToPlaces*
     if (!key.empty() && store.keep) store.keep(key, *kept);
   }
   made.model = finish(scene, places.organ, std::move(*kept), silent, common);
+  made.model.scene.follow = false;  // as a body on its own it stays
   return made;
 }
 
@@ -142,16 +143,17 @@ void reserveFor(std::size_t nodes, State& state) {
 }  // namespace
 
 FollowSizes followSizes(const Scene& scene, double volume) {
-  const double radius = smallestToolRadius(scene);
   FollowSizes sizes;
-  sizes.fine = fine_radii * radius;
+  sizes.fine = fineSpacing(scene);
   sizes.coarse = std::max(sizes.fine, std::min(coarse_of_fine * sizes.fine, widest_of_body * std::cbrt(volume)));
   sizes.fine = std::min(sizes.fine, sizes.coarse);
-  sizes.stride = std::min(longest_stride, ball_radii * radius / 2);
+  sizes.stride = std::min(longest_stride, ball_radii * smallestToolRadius(scene) / 2);
   return sizes;
 }
 
-double followSpacing(const Scene& scene) { return coarse_of_fine * fine_radii * smallestToolRadius(scene); }
+double fineSpacing(const Scene& scene) { return fine_radii * smallestToolRadius(scene); }
+
+double followSpacing(const Scene& scene) { return coarse_of_fine * fineSpacing(scene); }
 
 Places makePlaces(const Scene& as_read, const TriangleSurface& organ, const Progress& progress,
                   const PlaceStore& store) {

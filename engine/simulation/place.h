@@ -42,7 +42,8 @@ FollowSizes followSizes(const Scene& scene, double volume);
 /// Of the tool's radius: the ball's. Below 3, and below 5 fine spacings, a swap is felt (0.5 to 2 % of the force).
 inline constexpr double ball_radii = 3;
 
-/// m, the coarse spacing but for the body's size: what a scene's `spacing` is where its cloud follows the tool.
+/// m, of FollowSizes; the coarse one but for the body's size: what a scene's `spacing` is where its cloud follows.
+double fineSpacing(const Scene& scene);
 double followSpacing(const Scene& scene);
 
 /// Where the long half of a place (Preparation) may come from, and where it goes, by a key; empty: nowhere.
@@ -68,7 +69,8 @@ struct Place {
   Model model;
 };
 
-/// Throws InputError as buildModel does, and where a material relaxes: what a point remembers can't be carried over.
+/// Throws InputError as buildModel does, and where a material relaxes (what a point remembers can't be carried over) or
+/// there are several bodies.
 /// @param organ  closed surface, checked, m
 /// @param store  used where the scene was read from a file (Scene::set_up_values)
 Places makePlaces(const Scene& scene, const TriangleSurface& organ, const Progress& progress = {},

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "discretization/surface/facet_rule.h"
 
@@ -67,7 +68,7 @@ bool isEssential(const EssentialNodes& essential, std::size_t nodes, std::size_t
       if (!imposed[node]) return false;
   const std::size_t samples = essential.facets.size() * FacetRule::size;
   return essential.facet_weight.size() == samples && allFinite(essential.facet_weight) &&
-         isTable(essential.facet_phi, samples, nodes, samples != 0);
+         isTable(essential.facet_phi, samples, nodes, false);
 }
 
 bool hasSoundPoints(const Preparation& p, std::size_t material_count) {
@@ -80,18 +81,23 @@ bool hasSoundPoints(const Preparation& p, std::size_t material_count) {
 
 }  // namespace
 
+double Preparation::addedMass() const {
+  return std::accumulate(mass.begin(), mass.end(), 0.0) / std::accumulate(own_mass.begin(), own_mass.end(), 0.0) - 1;
+}
+
 bool isSound(const Preparation& p, std::size_t material_count, std::size_t boundary_count) {
   const std::size_t nodes = p.X.size(), vertices = p.skin.surface.vertices.size();
   return nodes != 0 && p.support_radius.size() == nodes && p.mass.size() == nodes && allFinite(p.X) &&
-         allPositive(p.support_radius) && allPositive(p.mass) && allWithin(p.cells, nodes) &&
+         allPositive(p.support_radius) && allPositive(p.mass) && p.own_mass.size() == nodes && allPositive(p.own_mass) &&
+         allWithin(p.cells, nodes) &&
          hasSoundPoints(p, material_count) && isTable(p.point_shape, p.point_X.size(), nodes, true) &&
          allWithin(p.side_node, nodes) && allWithin(p.volume_cells, nodes + p.side_node.size()) &&
          p.volume_cells.size() == (p.vertex_group.empty() ? 0 : p.cells.size()) &&
          p.vertex_group.size() == (p.vertex_group.empty() ? p.side_node.size() : nodes + p.side_node.size()) &&
-         isTable(p.node_shape, nodes, nodes, false) && isTable(p.skin_shape, vertices, nodes, true) &&
+         isTable(p.node_shape, nodes, nodes, false) && isTable(p.skin_shape, vertices, nodes, false) &&
          allFinite(p.skin.surface.vertices) && allWithin(p.skin.surface.triangles, vertices) &&
          isEssential(p.essential, nodes, boundary_count) && within(p.limit.worst_node, nodes) &&
-         allPositive({p.limit.dt, p.limit.dt_proven, p.surface_volume, p.cell_volume}) && std::isfinite(p.added_mass);
+         allPositive({p.limit.dt, p.limit.dt_proven, p.surface_volume, p.cell_volume});
 }
 
 }  // namespace palpate

@@ -19,8 +19,8 @@ struct Preparation {
   // Computed by makeNodeCloud (in slices along the organ) and the lumped masses.
   std::vector<Vec3> X;                 // (node_count) m
   std::vector<double> support_radius;  // (node_count) m
-  std::vector<double> mass;            // (node_count) kg
-  double added_mass = 0;               // share of the body's own that `mass` has more (scene.mass_scaling)
+  std::vector<double> mass;            // (node_count) kg, with what scene.mass_scaling adds
+  std::vector<double> own_mass;        // (node_count) kg, of the tissue
 
   // Computed by makeBackgroundCells and makeIntegrationPoints.
   std::vector<std::array<int, 4>> cells;  // (cell_count)
@@ -50,6 +50,7 @@ struct Preparation {
   CriticalTimeStep limit;  // of the operator at rest
 
   int nodeCount() const { return static_cast<int>(X.size()); }
+  double addedMass() const;  // as a share of the tissue's own
   int pointCount() const { return static_cast<int>(point_X.size()); }
 };
 

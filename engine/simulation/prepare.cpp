@@ -1,7 +1,6 @@
 #include "simulation/prepare.h"
 
 #include <algorithm>
-#include <numeric>
 
 #include "approximation/neighbours.h"
 #include "base/parallel_for.h"
@@ -112,7 +111,6 @@ Approximation approximateSharply(const Scene& scene, const SurfaceTree& tree, co
 void addCommonMasses(const CommonToPlaces& common, const ShapeTable& shape, const std::vector<double>& volume,
                      const std::vector<Material>& materials, const NodePatches& patches, Preparation& p) {
   const auto rows = gershgorinRows(shape, volume, p.point_material, materials, p.mass.size());
-  const double own = std::accumulate(p.mass.begin(), p.mass.end(), 0.0);
   for (std::size_t i = 0; i < p.mass.size(); ++i) p.mass[i] = std::max(p.mass[i], rows[i] / common.row_limit);
   p.limit = criticalTimeStep(shape, volume, p.point_material, materials, p.mass, patches);
   if (p.limit.dt < common.critical) {
@@ -122,7 +120,6 @@ void addCommonMasses(const CommonToPlaces& common, const ShapeTable& shape, cons
     p.limit = scaled.limit;
   }
   p.limit.dt = std::min(p.limit.dt, common.critical);
-  p.added_mass = std::accumulate(p.mass.begin(), p.mass.end(), 0.0) / own - 1;
 }
 
 /// Masses and the stable step, with the mass added that spares steps of a tick.
@@ -133,7 +130,7 @@ void addMasses(const Scene& scene, const std::vector<Vec3>& X, const BackgroundC
   std::vector<double> cell_density;
   cell_density.reserve(cell_material.size());
   for (const int m : cell_material) cell_density.push_back(materials[m].density);
-  p.mass = lumpedMass(X, cells.cells, cells.volume, cell_density);
+  p.own_mass = p.mass = lumpedMass(X, cells.cells, cells.volume, cell_density);
   NodePatches patches;
   if (needsPatches(scene))
     patches = makeNodePatches(verticesOf(X, p.side_node), p.volume_cells.empty() ? cells.cells : p.volume_cells,
@@ -154,7 +151,6 @@ void addMasses(const Scene& scene, const std::vector<Vec3>& X, const BackgroundC
   if (granted.mass.empty()) return;
   p.mass = std::move(granted.mass);
   p.limit = granted.limit;
-  p.added_mass = granted.added;
 }
 
 }  // namespace
@@ -225,7 +221,6 @@ Preparation prepare(const Scene& scene, const SurfaceTree& tree, Discretization 
   p.point_other_cell = std::move(points.other_cell);
   p.point_shape = std::move(shape.points);
   p.node_shape = std::move(shape.nodes);
-  p.node_shape.gradN.clear();
   p.skin_shape = std::move(shape.skin);
   p.essential.facet_phi = std::move(shape.facets);
   return p;

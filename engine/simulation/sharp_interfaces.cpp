@@ -28,7 +28,7 @@ ShapeTable part(const ShapeTable& table, const std::vector<int>& rows, const std
       entry.push_back(e);
       some.node.push_back(number[table.node[e]]);
       some.N.push_back(table.N[e]);
-      some.gradN.push_back(table.gradN[e]);
+      if (!table.gradN.empty()) some.gradN.push_back(table.gradN[e]);
     }
     some.begin.push_back(static_cast<int>(some.node.size()));
   }

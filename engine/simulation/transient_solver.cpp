@@ -2,14 +2,21 @@
 
 #include <algorithm>
 
+#include "simulation/node_passes.h"
 #include "simulation/rigid_stop.h"
 #include "simulation/trust.h"
 
 namespace palpate {
 
+TransientSolver::TransientSolver(const Model& model, int threads)
+    : model_(model), body_(model, model.mass, threads) {
+  body_.keepHistory(model.dt);
+  for (const float share : model.own_share) beta_.push_back(Integrator(model.dt, share * model.scene.damping).beta);
+}
+
 std::optional<BatchBody::Report> TransientSolver::tick(const ToolsAt& wanted, const Watch& watch) {
-  const double h = model_.dt, c = model_.scene.damping;
-  const double alpha = 2 * h * h / (2 + c * h), beta = (2 - c * h) / (2 + c * h);
+  const double h = model_.dt;
+  const auto [alpha, beta, ch] = Integrator(h, model_.scene.damping);
   const ToolsAt tools = stoppedByRigidBodies(model_, wanted, time() + model_.substeps_per_tick * h);
   ToolsAt from = body_.tools();
   from.count = tools.count;
@@ -27,7 +34,7 @@ std::optional<BatchBody::Report> TransientSolver::tick(const ToolsAt& wanted, co
     }
     if (tools) body_.moveTools(between(from, tools, static_cast<double>(k) / model_.substeps_per_tick));
     ++step_;
-    const auto report = body_.advance(alpha, beta, time());
+    const auto report = body_.advance(alpha, beta, time(), beta_.empty() ? nullptr : beta_.data());
     if (report.min_J < total.min_J) {
       total.min_J = report.min_J;
       total.worst_point = report.worst_point;

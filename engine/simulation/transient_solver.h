@@ -10,9 +10,7 @@ namespace palpate {
 /// The physical motion of a model in double, by paper eq. 12 with its own masses and damping.
 class TransientSolver {
  public:
-  TransientSolver(const Model& model, int threads) : model_(model), body_(model, model.mass, threads) {
-    body_.keepHistory(model.dt);
-  }
+  TransientSolver(const Model& model, int threads);
 
   /// Called before each step; false interrupts.
   using Watch = std::function<bool()>;
@@ -33,6 +31,7 @@ class TransientSolver {
  private:
   const Model& model_;
   BatchBody body_;
+  std::vector<double> beta_;  // (node_count) of each node's own mass; empty: one for all
   std::int64_t step_ = 0;
   AlignedVector<Double4> u_before_, du_before_;  // the present tick, where it is watched
   AlignedVector<double> history_before_;

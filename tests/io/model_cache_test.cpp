@@ -246,7 +246,7 @@ TEST_CASE("A forged file whose checksums hold is refused for every size, index a
       {"the stiffest row too high", [&](P& p) { p.limit.worst_node = nodes; }},
       {"the stiffest row negative", [&](P& p) { p.limit.worst_node = -1; }},
       {"no volume", [&](P& p) { p.cell_volume = 0; }},
-      {"added mass not finite", [&](P& p) { p.added_mass = infinite; }},
+      {"own mass not finite", [&](P& p) { p.own_mass[0] = infinite; }},
   };
   for (const auto& [name, forge] : forgeries) {
     INFO(name);

@@ -320,7 +320,7 @@ TEST_CASE("Mass is added where it spares a step, and never more than the scene g
   scene.tool_max_speed = 0.1;  // else the contact asks for short steps
   const Model own = blockModel(scene);
   REQUIRE(own.substeps_per_tick > 1);
-  CHECK(own.added_mass == 0);
+  CHECK(own.addedMass() == 0);
   scene.mass_scaling = 1e-9;
   const Model same = blockModel(scene);
   CHECK(same.mass == own.mass);
@@ -330,18 +330,18 @@ TEST_CASE("Mass is added where it spares a step, and never more than the scene g
   const Model one = blockModel(scene);
   CHECK(one.substeps_per_tick < own.substeps_per_tick);
   CHECK(one.dt <= scene.step_safety * one.dt_critical);
-  CHECK(one.added_mass > 0);
-  CHECK(one.added_mass <= 10);
-  scene.mass_scaling = 0.9 * one.added_mass;
+  CHECK(one.addedMass() > 0);
+  CHECK(one.addedMass() <= 10);
+  scene.mass_scaling = 0.9 * one.addedMass();
   const Model less = blockModel(scene);
   CHECK(less.substeps_per_tick == one.substeps_per_tick + 1);
-  CHECK(less.added_mass < one.added_mass);
+  CHECK(less.addedMass() < one.addedMass());
 
   // A step that the scene names becomes stable, or is refused.
   scene.mass_scaling = 10;
   scene.time_step = one.dt;
   scene.places["dynamics.time_step"] = {"block.toml", 21, 3};
-  CHECK(blockModel(scene).added_mass == Approx(one.added_mass).epsilon(1e-12));
+  CHECK(blockModel(scene).addedMass() == Approx(one.addedMass()).epsilon(1e-12));
   scene.mass_scaling = 1e-3;
   CHECK_THROWS_WITH(blockModel(scene), Catch::Contains("block.toml:21:3") && Catch::Contains("raise mass_scaling"));
 }

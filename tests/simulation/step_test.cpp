@@ -252,7 +252,7 @@ TEST_CASE("Added mass leaves the force at rest as it is", "[step][mass_scaling][
   for (const bool scaled : {false, true}) {
     scene.mass_scaling = scaled ? 10 : 0;
     const Model model = blockModel(scene);
-    REQUIRE((model.added_mass > 0.2) == scaled);
+    REQUIRE((model.addedMass() > 0.2) == scaled);
     State state = initialState(model);
     Workspace workspace(model, 1);
     force[scaled ? 1 : 0] = press(model, state, workspace, 0.003, 3.0, [](const StepReport&, int) {}).tool_force.z();

@@ -37,6 +37,7 @@ inline void requireSameModel(const Model& a, const Model& b) {
   requireSameBits("node_shape", a.node_shape, b.node_shape);
   requireSameBits("skin_shape", a.skin_shape, b.skin_shape);
   requireSameBits("mass", a.mass, b.mass);
+  requireSameBits("own_mass", a.own_mass, b.own_mass);
   requireSameBits("inverse_mass", a.inverse_mass, b.inverse_mass);
   requireSameBits("patch nodes", a.patches.node, b.patches.node);
   requireSameBits("patch weights", a.patches.weight, b.patches.weight);

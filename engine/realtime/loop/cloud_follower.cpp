@@ -138,6 +138,16 @@ void CloudFollower::expect(const PlaceIndex& index) {
   if (index != no_place && index != now) worker_.want({now, index, no_place});
 }
 
+static PlaceWorker::Make makeOf(const std::shared_ptr<const Places>& places, const PlaceStore& store) {
+  return [=, memory = std::make_shared<PlaceMemory>()](const PlaceIndex& index) {
+    return makePlace(*places, index, store, memory.get());
+  };
+}
+
+FollowingTissue::FollowingTissue(std::shared_ptr<const Places> shared, Place first, const PlaceStore& store,
+                                 int threads, bool timed)
+    : FollowingTissue(shared, std::move(first), makeOf(shared, store), threads, timed) {}
+
 FollowingTissue::FollowingTissue(std::shared_ptr<const Places> shared, Place first, PlaceWorker::Make make, int threads,
                                  bool timed)
     : places(std::move(shared)),

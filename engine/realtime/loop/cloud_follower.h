@@ -75,6 +75,8 @@ struct FollowingTissue {
   /// @param threads  physics threads
   /// @param timed    the loop will keep to the clock, and the worker must leave cores to it
   FollowingTissue(std::shared_ptr<const Places> shared, Place start, PlaceWorker::Make make, int threads, bool timed);
+  /// Places are made by makePlace. @param store  where they are kept
+  FollowingTissue(std::shared_ptr<const Places> shared, Place start, const PlaceStore& store, int threads, bool timed);
 
   const Model& model() const { return start->place.model; }
 

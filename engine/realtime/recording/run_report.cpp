@@ -52,7 +52,7 @@ RunReport makeRunReport(const Model& model, const RunSummary& summary, const Dea
   report.mean_support = model.point_shape.meanSupport();
   report.dt_s = model.dt;
   report.dt_critical_s = model.dt_critical;
-  report.added_mass = model.added_mass;
+  report.added_mass = model.addedMass();
   report.rate_hz = model.scene.rate_hz;
   report.substeps_per_tick = model.substeps_per_tick;
   report.ticks = summary.ticks;

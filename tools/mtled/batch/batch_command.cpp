@@ -162,7 +162,7 @@ class Batch {
     try {
       origin = originOf(job);
       fs::create_directories(folderOf(job));
-      const std::shared_ptr<const Model> model = models_->take(job);
+      const std::shared_ptr<const BatchModel> model = models_->take(job);
       result = runBatchJob(job, *model, folderOf(job));
     } catch (const Interrupted&) {
       throw;

@@ -12,11 +12,11 @@
 #include "base/number_text.h"
 #include "io/find_asset.h"
 #include "io/indent_script.h"
-#include "io/load_model.h"
 #include "io/npz_file.h"
 #include "io/output_file.h"
 #include "io/vtu_file.h"
 #include "mtled/pictures/pictures.h"
+#include "realtime/loop/cloud_follower.h"
 #include "realtime/loop/simulation_loop.h"
 #include "realtime/recording/force_csv.h"
 #include "simulation/resolution.h"
@@ -68,7 +68,7 @@ BatchModels::BatchModels(const std::vector<BatchJob>& jobs, ModelCache cache) : 
   for (const BatchJob& job : jobs) ++shelves_[job.modelKey()].waiting;
 }
 
-std::shared_ptr<const Model> BatchModels::take(const BatchJob& job) {
+std::shared_ptr<const BatchModel> BatchModels::take(const BatchJob& job) {
   const std::lock_guard lock(mutex_);
   Shelf& shelf = shelves_.at(job.modelKey());
   const bool last = --shelf.waiting == 0;
@@ -76,19 +76,33 @@ std::shared_ptr<const Model> BatchModels::take(const BatchJob& job) {
     const Progress progress = [](const std::string&, double) {
       if (interrupted()) throw Interrupted();
     };
-    shelf.model =
-        std::make_shared<const Model>(loadModel(readScene(findScene(job.scene), job.changes), progress, cache_));
+    const Scene scene = readScene(findScene(job.scene), job.changes);
+    auto made = std::make_shared<BatchModel>();
+    if (scene.follow) {
+      made->following = loadFollowing(scene, progress, cache_);
+      made->store = placeStore(scene, cache_);
+      made->model = std::make_shared<const Model>(made->following->start.model);
+    } else {
+      made->model = std::make_shared<const Model>(loadModel(scene, progress, cache_));
+    }
+    shelf.model = std::move(made);
   }
   return last ? std::move(shelf.model) : shelf.model;
 }
 
-BatchResult runBatchJob(const BatchJob& job, const Model& model, const std::string& folder) {
+BatchResult runBatchJob(const BatchJob& job, const BatchModel& of, const std::string& folder) {
+  const Model& model = *of.model;
   const std::optional<ToolScript> script = namedScript(job.tool, model.scene.tool.radius);
   ScriptTrajectory way = trajectoryOf(script ? *script : indentScript(model), model);
   const std::int64_t ticks = ticksOf(job, way, model.scene.rate_hz);
 
-  TissuePhysics physics(model, 1);
+  std::unique_ptr<FollowingTissue> following;
+  if (of.following)
+    following = std::make_unique<FollowingTissue>(of.following->places, of.following->start, of.store, 1, false);
+  const auto own = following ? nullptr : std::make_unique<TissuePhysics>(model, 1);
+  TissuePhysics& physics = following ? following->physics : *own;
   SimulationLoopOptions options;
+  options.follower = following ? &following->follower : nullptr;
   options.force_capacity = 1;
   SimulationLoop loop(model, physics, &physics.team(), options);
   BatchResult result;
@@ -97,7 +111,7 @@ BatchResult runBatchJob(const BatchJob& job, const Model& model, const std::stri
   PendingFile pending(folder + "/force.csv");
   errno = 0;
   std::ofstream rows(pending.part(), std::ios::binary | std::ios::trunc);
-  rows << forceCsvHeader(model.tools);
+  rows << forceCsvHeader(model.tools, following != nullptr);
   for (std::int64_t k = 0; k < ticks; ++k) {
     if (interrupted()) throw Interrupted();
     if (!script || k < way.ticks()) {  // after a script the tool stays where it is
@@ -107,7 +121,7 @@ BatchResult runBatchJob(const BatchJob& job, const Model& model, const std::stri
     }
     loop.advanceHere(1);
     const ForceSample sample = loop.force().sample;
-    rows << forceCsvRow(sample, loop.toolReadings(), model.tools);
+    rows << forceCsvRow(sample, loop.toolReadings(), model.tools, following != nullptr);
     result.peak_force = std::max(result.peak_force, sample.force_raw.norm());
     result.last_force = sample.force_raw.norm();
     result.last_depth = sample.depth_m;
@@ -117,15 +131,16 @@ BatchResult runBatchJob(const BatchJob& job, const Model& model, const std::stri
   result.ticks = ticks;
   result.seconds = static_cast<double>(ticks) / model.scene.rate_hz;
   result.state_hash = hex16(physics.stateHash());
+  const Model& last = following ? physics.place()->place.model : model;
   RunTrust trust = loop.summary().trust;
-  addLast(model, physics.state(), loop.snapshots().latest().report, result.seconds, trust);
+  addLast(last, physics.state(), loop.snapshots().latest().report, result.seconds, trust);
   result.doubt = doubtName(trust.doubt());
   result.expected_error = trust.expectedError();
   rows.close();
   if (!rows) failWriting(folder + "/force.csv", errno);
   pending.takePlace();
-  if (!job.field.empty()) writeField(model, physics.state(), folder, job.field == "npz");
-  if (job.picture) drawState(model, physics.state(), folder + "/picture.png");
+  if (!job.field.empty()) writeField(last, physics.state(), folder, job.field == "npz");
+  if (job.picture) drawState(last, physics.state(), folder + "/picture.png");
   return result;
 }
 

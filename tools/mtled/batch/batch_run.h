@@ -3,14 +3,21 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
-#include "io/model_cache.h"
+#include "io/load_model.h"
 #include "mtled/batch/batch_job.h"
-#include "simulation/model.h"
 
 namespace palpate::tools {
+
+/// What a job runs on. Where the cloud follows the tool, `model` is that of the place at which it starts.
+struct BatchModel {
+  std::shared_ptr<const Model> model;
+  std::optional<FollowingModel> following;
+  PlaceStore store;
+};
 
 /// The models of a batch, each made once and kept while jobs wait for it. Set-ups use all cores, so they are made one
 /// after another. Any thread.
@@ -20,12 +27,12 @@ class BatchModels {
   BatchModels(const std::vector<BatchJob>& jobs, ModelCache cache);
 
   /// Once for each job. Throws InputError for a scene that can't be used.
-  std::shared_ptr<const Model> take(const BatchJob& job);
+  std::shared_ptr<const BatchModel> take(const BatchJob& job);
 
  private:
   struct Shelf {
     int waiting = 0;  // jobs that have not asked yet
-    std::shared_ptr<const Model> model;
+    std::shared_ptr<const BatchModel> model;
   };
   std::mutex mutex_;
   std::map<std::string, Shelf> shelves_;
@@ -34,7 +41,7 @@ class BatchModels {
 
 /// Runs a job on the calling thread as `palpate SCENE --offscreen` does, with the same bits, and leaves force.csv and,
 /// where it is asked for, field.vtu in the folder. Throws what a job fails for; Interrupted where the program was.
-BatchResult runBatchJob(const BatchJob& job, const Model& model, const std::string& folder);
+BatchResult runBatchJob(const BatchJob& job, const BatchModel& of, const std::string& folder);
 
 struct Interrupted : std::runtime_error {
   Interrupted() : std::runtime_error("interrupted") {}

@@ -15,6 +15,7 @@
 #include "io/load_model.h"
 #include "io/scene_file.h"
 #include "mtled/run/converged_run.h"
+#include "mtled/run/following_run.h"
 #include "mtled/run/progress.h"
 #include "simulation/model_hash.h"
 #include "simulation/resolution.h"
@@ -85,11 +86,19 @@ int certifyCommand(const CertifyOptions& options) {
     progress.show(0.1 * fraction, what);
   };
   const ModelCache cache(options.use_cache ? ModelCache::userFolder() : "", {});
-  const Model model = loadModel(scene, show, cache);
+  const std::optional<FollowingModel> following =
+      scene.follow ? std::optional(loadFollowing(scene, show, cache)) : std::nullopt;
+  const Model model = following ? following->start.model : loadModel(scene, show, cache);
   const ToolTrajectory way = wayOf(model, options.tool_script);
   const std::vector<Vec3> probes = surfaceProbes(model, probe_count);
   progress.show(0.1, "the scene as it is");
-  const ScriptedRun run = runTrajectory(model, way, probes, threads);
+  ScriptedRun run;
+  if (following) {
+    PlaceShelf shelf(*following->places);
+    run = followTrajectory(*following->places, shelf, way, probes).run;
+  } else {
+    run = runTrajectory(model, way, probes, threads);
+  }
   if (run.interrupted) throw std::runtime_error("interrupted; nothing is kept");
   if (!run.sound())
     throw std::runtime_error("the scene does not follow its tool to the end of the way; there is nothing to certify");

@@ -99,6 +99,10 @@ FitOrder orderOf(const FitOptions& options) {
   order.scene_file = findScene(options.scene);
   order.given = readScene(order.scene_file);
   const Scene& given = order.given;
+  if (given.follow)
+    throw InputError(given.place, "`mtled fit` finds the spacing of a cloud that stays; this one follows the tool, "
+                     "with the spacing that it needs",
+                     "give [discretization] spacing, or leave it as it is");
   if (!given.refine.empty())
     throw InputError(given.refine.front().place, "`mtled fit` chooses the spacing and where it is finer itself",
                      "leave the refinements out");

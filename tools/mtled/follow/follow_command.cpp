@@ -13,7 +13,7 @@
 #include "io/output_file.h"
 #include "io/scene_file.h"
 #include "mtled/follow/drag_ways.h"
-#include "mtled/follow/following_run.h"
+#include "mtled/run/following_run.h"
 #include "mtled/frontier/frontier_page.h"
 #include "mtled/frontier/frontier_settings.h"
 
@@ -40,6 +40,15 @@ Scene referenceScene(const Scene& scene, const DragWay& way, double factor) {
   fine.time_step = 0;
   fine.step_safety = std::min(scene.step_safety, safety);
   return fine;
+}
+
+/// What stays where the scene's own cloud follows: about as many nodes as such scenes had before.
+Scene uniformScene(Scene scene, const FollowSizes& sizes) {
+  constexpr double of_fine = 1.3;
+  scene.follow = false;
+  scene.spacing = of_fine * sizes.fine;
+  scene.set_up_values.clear();
+  return scene;
 }
 
 struct Row {
@@ -81,7 +90,7 @@ double uniformCost(const std::vector<Row>& rows, double error) {
   for (const Row& row : rows) {
     if (row.name == "following" || !row.sound) continue;
     FrontierRow r;
-    r.group = row.name == "as it is" ? "present" : "spacing";
+    r.group = row.name == "as it is" || row.name == "uniform" ? "present" : "spacing";
     r.name = row.name;
     r.cost.us_per_ms = row.tick_us;
     r.error.force = row.error;
@@ -105,7 +114,6 @@ Json toJson(const Row& row) {
 
 int followCommand(const FollowOptions& options) {
   const Scene scene = readScene(findScene(options.scene));
-  requireOneCloud(scene);  // the one that it is measured beside
   const TriangleSurface organ = organSurface(scene);
   const SurfaceTree tree(organ);
   DragSettings settings;
@@ -117,6 +125,7 @@ int followCommand(const FollowOptions& options) {
                          " mm over the organ that the tool could be dragged along",
                      "turn tool.direction towards the organ's open side");
   const Places places = makePlaces(scene, organ);
+  const Scene uniform = scene.follow ? uniformScene(scene, places.sizes) : scene;
   PlaceShelf shelf(places);
   std::cout << format("%s: fine %.1f mm, coarse %.1f mm, %d nodes in all, %zu centres\n", scene.name.c_str(),
                       1e3 * places.sizes.fine, 1e3 * places.sizes.coarse, places.cloud.nodeCount(),
@@ -134,7 +143,7 @@ int followCommand(const FollowOptions& options) {
                         1e3 * way.from.x(), 1e3 * way.from.y(), 1e3 * way.from.z(), 1e3 * way.to.x(), 1e3 * way.to.y(),
                         1e3 * way.to.z())
               << std::flush;
-    const Model fine = loadModel(referenceScene(scene, way, options.quick ? 1.2 : 1));
+    const Model fine = loadModel(referenceScene(uniform, way, options.quick ? 1.2 : 1));
     const ScriptedRun reference = trajectoryOn(fine, poses);
     goOn();
     std::vector<Row> rows;
@@ -144,26 +153,26 @@ int followCommand(const FollowOptions& options) {
                            scene.rate_hz));
       goOn();
     };
-    measure("as it is", scene);
+    measure(scene.follow ? "uniform" : "as it is", uniform);
     const FollowingRun following = followTrajectory(places, shelf, poses);
     goOn();
     rows.push_back(
         rowOf("following", following.most_nodes, following.substeps, following.run, reference, scene.rate_hz));
     if (!options.quick) {
       for (const double factor : {0.8, 1.3}) {
-        Scene turned = scene;
+        Scene turned = uniform;
         scaleSpacing(turned, factor);
         measure(format("spacing x %g", factor), turned);
       }
-      measure("reference 1.35", referenceScene(scene, way, 1.35));
+      measure("reference 1.35", referenceScene(uniform, way, 1.35));
     }
     print(rowOf("reference", fine.nodeCount(), fine.substeps_per_tick, reference, reference, scene.rate_hz),
           rows[0].tick_us);
     for (const Row& row : rows) print(row, rows[0].tick_us);
     if (!options.quick) {
-      std::vector<Row> uniform(rows.begin(), rows.end() - 1);
+      const std::vector<Row> others(rows.begin(), rows.end() - 1);
       std::cout << format("  uniform nodes at the following cloud's error: x %.2f of its cost\n",
-                          uniformCost(uniform, rows[1].error) / rows[1].tick_us);
+                          uniformCost(others, rows[1].error) / rows[1].tick_us);
     }
     for (const Swap& swap : following.swaps) {
       std::cout << format("  swap at tick %4d: %3d new nodes, %4d rows, %3.0f us", swap.tick, swap.new_nodes, swap.rows,

@@ -39,6 +39,12 @@ ShapeTable probeShape(const Model& model, const std::vector<Vec3>& probes) {
   return shape;
 }
 
+AlignedVector<Double4> inDouble(const AlignedVector<Float4>& u) {
+  AlignedVector<Double4> result;
+  for (const Float4& a : u) result.push_back({a.x, a.y, a.z, 0});
+  return result;
+}
+
 /// @param tickTo  advances to a pose; fills force, flags and min_J
 template <class TickTo>
 void follow(const ToolTrajectory& way, ScriptedRun& run, TickTo&& tickTo) {
@@ -66,7 +72,7 @@ void followInFloat(const Model& model, const ToolTrajectory& way, int threads, S
     run.min_J = std::min(run.min_J, report.min_J);
   });
   workspace.team.park();
-  for (const Float4& a : state.u) u.push_back({a.x, a.y, a.z, 0});
+  u = inDouble(state.u);
 }
 
 void followInDouble(const Model& model, const ToolTrajectory& way, int threads, ScriptedRun& run,
@@ -112,6 +118,10 @@ ScriptedRun runTrajectory(const Model& model, const ToolTrajectory& way, const s
     followInFloat(model, way, threads, run, u);
   run.probe_u = fieldAt(shape, u);
   return run;
+}
+
+std::vector<Vec3> displacementAt(const Model& model, const std::vector<Vec3>& probes, const State& state) {
+  return fieldAt(probeShape(model, probes), inDouble(state.u));
 }
 
 RunError errorOf(const ScriptedRun& run, const ScriptedRun& better) {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "simulation/model.h"
+#include "simulation/state.h"
 
 namespace palpate::tools {
 
@@ -33,6 +34,9 @@ struct ScriptedRun {
 /// Throws std::runtime_error where a probe lies outside the body.
 ScriptedRun runTrajectory(const Model& model, const ToolTrajectory& way, const std::vector<Vec3>& probes, int threads,
                           bool in_double = false);
+
+/// m, of the body at the probes (probe_count). Throws as runTrajectory.
+std::vector<Vec3> displacementAt(const Model& model, const std::vector<Vec3>& probes, const State& state);
 
 /// How far a run is from a better one of the same way.
 struct RunError {

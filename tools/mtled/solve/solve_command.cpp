@@ -23,6 +23,7 @@
 #include "simulation/resolution.h"
 #include "simulation/scene_messages.h"
 #include "simulation/static_solver.h"
+#include "simulation/tool_bodies.h"
 #include "simulation/transient_solver.h"
 
 namespace palpate::tools {
@@ -209,7 +210,7 @@ int solveTransient(const Task& task, SolveResults& results) {
                   {"interrupted", stopped},
                   {"dt_s", task.model.dt},
                   {"dt_critical_s", task.model.dt_critical},
-                  {"added_mass", task.model.added_mass},
+                  {"added_mass", task.model.addedMass()},
                   {"steps", solver.step()},
                   {"solve_seconds", Seconds(std::chrono::steady_clock::now() - start).count()}});
   if (diverged)
@@ -237,7 +238,12 @@ int solveCommand(const SolveOptions& options) {
       if (interrupted()) throw std::runtime_error("interrupted while the model was made");
       progress.show(fraction, what);
     };
-    model = std::make_unique<Model>(loadModel(scene, show, cache, warn));
+    // Where the cloud follows the tool, it is the one for where the tool ends.
+    const auto at_end = [&](const Model& start) {
+      const ToolsAt tools = moved.at(start, end);
+      return tools ? tools.posture : posturesOf(start, initialState(start));
+    };
+    model = std::make_unique<Model>(loadModel(scene, show, cache, warn, at_end));
   }
   const int cores = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
   if (const std::string coarse = resolutionWarning(*model); moved.moved() && !coarse.empty()) warn(coarse);

@@ -1,4 +1,4 @@
-#include "mtled/follow/following_run.h"
+#include "mtled/run/following_run.h"
 
 #include <algorithm>
 #include <cmath>
@@ -67,7 +67,8 @@ const Place& PlaceShelf::at(const PlaceIndex& index) {
   return *place;
 }
 
-FollowingRun followTrajectory(const Places& places, PlaceShelf& shelf, const ToolTrajectory& way) {
+FollowingRun followTrajectory(const Places& places, PlaceShelf& shelf, const ToolTrajectory& way,
+                              const std::vector<Vec3>& probes) {
   FollowingRun following;
   ScriptedRun& run = following.run;
   ToolPostures tools;
@@ -119,6 +120,7 @@ FollowingRun followTrajectory(const Places& places, PlaceShelf& shelf, const Too
     }
     if (static_cast<int>(k) + 1 >= swap.tick + watched) unchanged.reset();
   }
+  if (!probes.empty()) run.probe_u = displacementAt(place->model, probes, runner->state);
   return following;
 }
 

@@ -41,7 +41,9 @@ struct FollowingRun {
 };
 
 /// Follows a trajectory of the first tool on one thread, with a place for wherever it is.
-FollowingRun followTrajectory(const Places& places, PlaceShelf& shelf, const ToolTrajectory& way);
+/// @param probes  as runTrajectory's
+FollowingRun followTrajectory(const Places& places, PlaceShelf& shelf, const ToolTrajectory& way,
+                              const std::vector<Vec3>& probes = {});
 
 /// The same of a model that stays, measured alike.
 ScriptedRun trajectoryOn(const Model& model, const ToolTrajectory& way);
