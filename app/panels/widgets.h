@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "app/panels/layout.h"
-#include "app/panels/theme.h"
+#include "app/render/theme.h"
 #include "base/number_text.h"
 
 namespace palpate::app {

@@ -3,10 +3,10 @@
 #include <span>
 #include <string>
 
-#include "app/panels/interface.h"
 #include "app/panels/layout.h"
+#include "app/render/interface.h"
+#include "app/render/organ_view.h"
 #include "app/render/view.h"
-#include "app/run/organ_view.h"
 #include "app/run/session.h"
 
 namespace palpate::app {

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "app/render/camera.h"
+#include "app/render/skin_surface.h"
 #include "app/run/input.h"
-#include "app/run/skin_surface.h"
 #include "realtime/channels/command_queue.h"
 #include "simulation/body.h"
 

@@ -1,4 +1,4 @@
-#include "app/panels/theme.h"
+#include "app/render/theme.h"
 
 #include <cmath>
 #include <filesystem>

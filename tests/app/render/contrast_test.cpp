@@ -6,9 +6,9 @@
 #include <string>
 #include <utility>
 
-#include "app/panels/theme.h"
 #include "app/render/colour.h"
 #include "app/render/colour_map.h"
+#include "app/render/theme.h"
 
 using namespace palpate;
 using namespace palpate::app;
