@@ -125,7 +125,7 @@ void drawReferenceChoice(const PanelData& data, PanelState& state) {
 }
 
 /// What is known of the last press beside those before it, and what can be done with all.
-void drawPresses(const Theme& theme, const PressCurves& presses, PanelRequests& requests) {
+void drawPresses(const Theme& theme, const PressCurves& presses, UserActions& asked) {
   const Press& last = presses.all().back();
   row(format("Press %d", last.number).c_str(), format("%.3f N at %.2f mm", last.peak_N, last.peak_mm), colours::text,
       "largest force and depth of the last press; violet curves are the presses before it");
@@ -134,9 +134,9 @@ void drawPresses(const Theme& theme, const PressCurves& presses, PanelRequests& 
         "of the work done on the tissue while it was pressed in, what did not come back");
   const float half = 0.5F * (ImGui::GetContentRegionAvail().x - ImGui::GetStyle().ItemSpacing.x);
   ImGui::PushFont(theme.small);
-  if (button("Save the curves", half)) requests.save_presses = true;
+  if (button("Save the curves", half)) asked.push_back({UserAction::SavePresses});
   ImGui::SameLine();
-  if (button("Clear them", half)) requests.clear_presses = true;
+  if (button("Clear them", half)) asked.push_back({UserAction::ClearPresses});
   ImGui::PopFont();
 }
 
@@ -148,8 +148,7 @@ std::string staleMark(const ForceReading& force, const LoopStatus& status) {
   return force.age_s < 1 ? format("stale, %.0f ms old", 1e3 * force.age_s) : format("stale, %.1f s old", force.age_s);
 }
 
-void drawForceCard(const Theme& theme, const PanelData& data, float height, PanelState& state,
-                   PanelRequests& requests) {
+void drawForceCard(const Theme& theme, const PanelData& data, float height, PanelState& state, UserActions& asked) {
   if (!beginCard(theme, "Force on the tool")) return;
   const ForceSample& force = data.force.sample;
   const bool fresh = data.force.fresh;
@@ -214,7 +213,7 @@ void drawForceCard(const Theme& theme, const PanelData& data, float height, Pane
   }
   drawDepthPlot(data, plot_height, state);
   ImGui::PopFont();
-  if (data.presses != nullptr && !data.presses->all().empty()) drawPresses(theme, *data.presses, requests);
+  if (data.presses != nullptr && !data.presses->all().empty()) drawPresses(theme, *data.presses, asked);
   drawReferenceChoice(data, state);
   ImGui::Spacing();
 }

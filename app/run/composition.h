@@ -44,8 +44,8 @@ struct Shown {
 
 /// Draws organ and panels into the framebuffer that is bound, between ui.begin() and
 /// the buffers' swap: the same for window and off-screen run.
-PanelRequests drawComposition(OrganView& organ, Interface& ui, const Session& session, const Snapshot& snapshot,
-                              View& view, PanelState& panels, const Layout& layout, const CanvasSize& size,
-                              const Shown& shown);
+UserActions drawComposition(OrganView& organ, Interface& ui, const Session& session, const Snapshot& snapshot,
+                            View& view, PanelState& panels, const Layout& layout, const CanvasSize& size,
+                            const Shown& shown);
 
 }  // namespace palpate::app

@@ -44,7 +44,7 @@ class Panels {
     io.DisplaySize = {static_cast<float>(width), static_cast<float>(height)};
     io.MousePos = mouse_;
     std::string names;
-    seen_ = {};
+    asked_.clear();
     for (int k = 0; k < pictures; ++k) {
       ImGui::NewFrame();
       const PanelData data = this->data();
@@ -64,11 +64,11 @@ class Panels {
     ImGui::Begin("cards");
     ImGui::LogToBuffer();
     const PanelData data = this->data();
-    PanelRequests requests;
-    drawToolCard(theme_, data, state_, requests);
-    drawViewCard(theme_, data, state_, view_, requests);
-    drawMaterialCard(theme_, data, state_, requests);
-    drawForceCard(theme_, data, 700, state_, requests);
+    UserActions asked;
+    drawToolCard(theme_, data, state_, asked);
+    drawViewCard(theme_, data, state_, view_, asked);
+    drawMaterialCard(theme_, data, state_, asked);
+    drawForceCard(theme_, data, 700, state_, asked);
     const std::string written = context_->LogBuffer.c_str();
     ImGui::End();
     ImGui::Render();
@@ -86,22 +86,21 @@ class Panels {
   double pull_N_ = -1;
   bool out_of_view_ = false;
   View view_;
-  PanelRequests requests_;
+  UserActions asked_;  // in the pictures of one draw()
   std::optional<TimelineView> timeline_;
   Rect demo_place_;
   ImVec2 mouse_{-1e6F, -1e6F};
   std::optional<TaskScore> task_;
 
   /// A press of the left button there, and what it asks for.
-  PanelRequests click(float x, float y, int width, int height) {
+  UserActions click(float x, float y, int width, int height) {
     mouse_ = {x, y};
     draw(width, height);
-    PanelRequests all;
+    UserActions all;
     for (const bool down : {true, false}) {
       ImGui::GetIO().MouseDown[0] = down;
       draw(width, height);
-      all.save_state |= seen_.save_state;
-      all.save_recording |= seen_.save_recording;
+      all.insert(all.end(), asked_.begin(), asked_.end());
     }
     return all;
   }
@@ -121,9 +120,9 @@ class Panels {
   }
 
   std::string drawPanels(const PanelData& data, int width, int height) {
-    requests_ = palpate::app::drawPanels(theme_, data, layoutFor(width, height, 1, state_.panels_shown), state_, view_);
-    seen_.save_state |= requests_.save_state;
-    seen_.save_recording |= requests_.save_recording;
+    for (const UserAction& action :
+         palpate::app::drawPanels(theme_, data, layoutFor(width, height, 1, state_.panels_shown), state_, view_))
+      asked_.push_back(action);
     std::string names;
     for (const ImGuiWindow* window : context_->Windows)
       if (window->Active) names += std::string(window->Name) + "\n";
@@ -132,7 +131,6 @@ class Panels {
 
   ImGuiContext* context_;
   Theme theme_;
-  PanelRequests seen_;  // in the pictures of one draw()
 };
 
 const ImGuiWindow* windowNamed(const char* name) { return ImGui::FindWindowByName(name); }
@@ -201,9 +199,9 @@ TEST_CASE("During a search the File menu does not save the tissue's state, which
     bool saved_state = false, saved_run = false;
     for (float y = file.bottom() + 10; y < 420; y += 12) {  // each line of the menu
       panels.click(file.x + 5, file.y + 5, 1280, 800);
-      const PanelRequests asked = panels.click(file.x + 30, y, 1280, 800);
-      saved_state |= asked.save_state;
-      saved_run |= asked.save_recording;
+      const UserActions asked = panels.click(file.x + 30, y, 1280, 800);
+      saved_state |= asks(asked, UserAction::SaveState);
+      saved_run |= asks(asked, UserAction::SaveRecording);
       panels.state_ = {};
     }
     CHECK(saved_run);
@@ -253,11 +251,7 @@ TEST_CASE("A force that is not the present one is marked and greyed", "[panels]"
 TEST_CASE("Nothing is requested unless something is clicked", "[panels]") {
   Panels panels;
   panels.draw(1280, 800);
-  const PanelRequests& r = panels.requests_;
-  CHECK_FALSE(
-      (r.toggle_pause || r.single_step || r.reset || r.undo || r.restart_script || r.tool_to_start || r.frame_view));
-  CHECK_FALSE(r.friction);
-  CHECK(r.material == -1);
+  CHECK(panels.asked_.empty());
 }
 
 TEST_CASE("A force that is not to be trusted is amber, and nothing is while it is", "[panels]") {
