@@ -168,12 +168,14 @@ void drawLog(const Theme& theme, const PanelData& data, bool engineer, const Rec
   // As high as its lines are in today's width, before they are drawn: else the first picture of another size would show
   // where they ended in the last one.
   const float text_left = 62 * theme.scale;
+  const auto listed = [=](const LogLine& line) { return line.level != LogLevel::Detail || engineer; };
+  if (std::none_of(data.log.begin(), data.log.end(), listed)) return;
   ImGui::PushFont(theme.small);
   const ImGuiStyle& style = ImGui::GetStyle();
   const float width = place.width - 2 * style.WindowPadding.x - style.ScrollbarSize - text_left;
   float height = 0;
   for (const LogLine& line : data.log)
-    if (line.level != LogLevel::Detail || engineer)
+    if (listed(line))
       height += ImGui::CalcTextSize(line.text.c_str(), nullptr, false, std::max(1.0F, width)).y + style.ItemSpacing.y;
   ImGui::PopFont();
   ImGui::SetNextWindowContentSize({0, height});
@@ -181,7 +183,7 @@ void drawLog(const Theme& theme, const PanelData& data, bool engineer, const Rec
   if (beginPane("##log", place)) {
     ImGui::PushFont(theme.small);
     for (const LogLine& line : data.log) {
-      if (line.level == LogLevel::Detail && !engineer) continue;
+      if (!listed(line)) continue;
       const ImU32 colour = line.level == LogLevel::Error     ? colours::bad
                            : line.level == LogLevel::Warning ? colours::warning
                                                              : colours::text;

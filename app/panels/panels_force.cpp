@@ -140,6 +140,21 @@ void drawPresses(const Theme& theme, const PressCurves& presses, UserActions& as
   ImGui::PopFont();
 }
 
+/// Of now; while that is good, of what the plots and the peak are made of.
+void drawTrust(Doubt now, const ForceHistory& forces) {
+  const Doubt before = forces.trust().doubt();
+  if (now != Doubt::None)
+    return row("Trust", std::string("doubt: ") + doubtName(now), colours::warning, doubtText(now));
+  if (before == Doubt::None)
+    return row("Trust", "good", colours::good,
+               "volume, smallest J, energy balance and time step are within their limits");
+  const std::string share =
+      format("%.0f %% doubted: %s", std::max(1.0, 100 * forces.doubtedShare()), doubtName(before));
+  const float room = ImGui::GetContentRegionAvail().x - ImGui::CalcTextSize("Trust  ").x;
+  row("Trust", lastThatFits({share, "good now, " + share}, room), colours::warning,
+      (std::string("of the ticks since the last reset: ") + doubtText(before)).c_str());
+}
+
 }  // namespace
 
 std::string staleMark(const ForceReading& force, const LoopStatus& status) {
@@ -186,14 +201,11 @@ void drawForceCard(const Theme& theme, const PanelData& data, float height, Pane
   if (!data.certified.empty())
     row("Force error", data.certified, colours::text, "as mtled certify measured it against two finer clouds");
   else if (force.contact_count > 0)
-    row("Expected error", format("+-%.2g %%", 100 * force.expected_error),
+    row("Expected error", format("\xC2\xB1%.2g %%", 100 * force.expected_error),
         force.expected_error > TrustLimits::expected_error ? colours::warning : colours::text,
         "by how much forces are off because nodes are no closer; of some tenths of a second ago");
   const StepReport& report = data.snapshot.report;
-  row("Trust", doubted || coarse ? std::string("doubt: ") + doubtName(force.doubt) : "good",
-      doubted || coarse ? colours::warning : colours::good,
-      doubted || coarse ? doubtText(force.doubt)
-                        : "volume, smallest J, energy balance and time step are within their limits");
+  drawTrust(force.doubt, forces);
   if (engineer)
     note(theme, format("volume %+.2f %%   J %.2f   energy %.1f %%   dt/limit %.2f", 100 * report.volume_change,
                        report.min_J, 100 * report.energy_error, report.step_share));

@@ -19,14 +19,15 @@ void drawTimeline(const Theme& theme, const PanelData& data, const Rect& view, P
   if (ImGui::Begin("##timeline", nullptr,
                    ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings |
                        ImGuiWindowFlags_NoFocusOnAppearing)) {
-    ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x);
     auto back = static_cast<float>(time.shown_s - time.now_s);
     const auto furthest = static_cast<float>(std::min(time.begin_s - time.now_s, -0.2));
-    if (ImGui::SliderFloat("##back", &back, furthest, 0, back < -0.05F ? "%.1f s" : "now",
-                           ImGuiSliderFlags_AlwaysClamp)) {
+    ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x - 60 * s);
+    if (ImGui::SliderFloat("##back", &back, furthest, 0, "##%.1f s", ImGuiSliderFlags_AlwaysClamp)) {
       state.timeline_plays = false;
       asked.push_back({UserAction::LookAt, time.now_s + static_cast<double>(back)});
     }
+    ImGui::SameLine();
+    ImGui::TextUnformatted(back < -0.05F ? format("%.1f s", static_cast<double>(back)).c_str() : "now");
     const float part = (ImGui::GetContentRegionAvail().x - 3 * ImGui::GetStyle().ItemSpacing.x) / 4;
     if (button(state.timeline_plays ? "Stop" : "Play", part, time.past, "first look back with the bar above"))
       state.timeline_plays = !state.timeline_plays;

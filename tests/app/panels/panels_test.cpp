@@ -268,6 +268,50 @@ TEST_CASE("A force that is not to be trusted is amber, and nothing is while it i
   CHECK(amber() >= without + 2 * 4 * 5);  // two numbers of five signs
 }
 
+TEST_CASE("While the force is good, what was doubted of it before is told, unless it does not count", "[panels]") {
+  Panels panels;
+  ForceSample sample;
+  const auto add = [&](int ticks, Doubt doubt, double error) {
+    for (int k = 0; k < ticks; ++k) {
+      sample.time_s += 0.1;
+      sample.doubt = doubt;
+      sample.expected_error = error;
+      sample.error_force = error > 0.3 ? 0.001 : 1;
+      panels.forces_.add(sample);
+    }
+  };
+  const auto told = [&](const char* what) { return panels.cards().find(what) != std::string::npos; };
+  add(3, Doubt::Resolution, 0.4);  // at first touch, of next to no force
+  add(3, Doubt::None, 0.01);
+  CHECK_FALSE(told("doubted"));
+  add(3, Doubt::Resolution, 0.08);
+  add(1, Doubt::None, 0);
+  CHECK(told("60 % doubted: resolution"));
+  panels.force_.sample.doubt = Doubt::Energy;
+  CHECK(told("doubt: energy"));
+  panels.forces_.clear();
+  panels.force_.sample.doubt = Doubt::None;
+  CHECK_FALSE(told("doubt"));
+}
+
+TEST_CASE("A slider's value stands above it, where no handle hides it, and is rounded to what is told", "[panels]") {
+  Panels panels;
+  ImGui::GetIO().DisplaySize = {640, 400};
+  ImGui::NewFrame();
+  ImGui::Begin("sliders");
+  ImGui::LogToBuffer();
+  float value = 4.5F;
+  slider("Radius", value, 3, 6, "%.1f mm", "");
+  const Rect all{ImGui::GetItemRectMin().x, ImGui::GetItemRectMin().y, ImGui::GetItemRectSize().x, 0};
+  const std::string written = ImGui::GetCurrentContext()->LogBuffer.c_str();
+  const auto letters = ImGui::GetWindowDrawList()->VtxBuffer;
+  ImGui::End();
+  ImGui::Render();
+  CHECK(written.find("4.5 mm") == written.rfind("4.5 mm"));
+  for (const ImDrawVert& v : letters)
+    if (v.col == colours::text) CHECK(v.pos.y < all.y);
+}
+
 TEST_CASE("In a small window nothing is wider than its column, and the force is on the screen", "[panels]") {
   Panels panels;
   for (const auto& [width, height] : {std::pair{900, 600}, {640, 400}}) {
@@ -361,6 +405,16 @@ TEST_CASE("The log shows its newest line in the first picture after the window's
     INFO(width << "x" << height);
     if (shown) CHECK(countOf(colours::bad, "##log") >= 4 * 9);
   }
+}
+
+TEST_CASE("A log with nothing to list has no pane", "[panels]") {
+  Panels panels;
+  panels.log_.resize(1);
+  panels.log_[0].level = LogLevel::Detail;
+  panels.log_[0].text = "5011 nodes";
+  CHECK(panels.draw(1280, 800).find("##log") == std::string::npos);
+  panels.state_.engineer = true;
+  CHECK(panels.draw(1280, 800).find("##log") != std::string::npos);
 }
 
 TEST_CASE("In the demo a notice is large and stands at the foot, beside the force", "[panels]") {
