@@ -2,8 +2,8 @@
 
 #include <optional>
 
-#include "app/panels/interface.h"
 #include "app/render/framebuffer.h"
+#include "app/render/interface.h"
 #include "app/render/offscreen_context.h"
 #include "app/render/picture.h"
 

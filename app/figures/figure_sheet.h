@@ -8,7 +8,7 @@
 #include "app/figures/figure.h"
 #include "app/figures/figure_axis.h"
 #include "app/figures/paper.h"
-#include "app/panels/theme.h"
+#include "app/render/theme.h"
 
 namespace palpate::app {
 

@@ -13,6 +13,8 @@ void ForceHistory::clear() {
   first_ = 0;
   last_time_ = -1;
   peak_raw_ = peak_filtered_ = 0;
+  trust_ = {};
+  samples_ = doubted_ = 0;
 }
 
 void ForceHistory::add(const ForceSample& sample) {
@@ -29,6 +31,9 @@ void ForceHistory::add(const ForceSample& sample) {
   filtered_depth_.push_back({depth, static_cast<float>(filtered)});
   peak_raw_ = std::max(peak_raw_, raw);
   peak_filtered_ = std::max(peak_filtered_, filtered);
+  trust_.add(sample.doubt, sample.expected_error, sample.error_force, sample.time_s);
+  ++samples_;
+  doubted_ += sample.doubt != Doubt::None ? 1 : 0;
 
   while (raw_time_[first_].x < time - static_cast<float>(seconds_)) ++first_;
   if (first_ > 1024 && 2 * first_ > raw_time_.size()) {  // seldom, so that adding stays cheap

@@ -5,6 +5,7 @@
 
 #include "app/panels/plot.h"
 #include "realtime/channels/snapshot.h"
+#include "simulation/trust.h"
 
 namespace palpate::app {
 
@@ -27,7 +28,12 @@ class ForceHistory {
   std::span<const PlotPoint> rawOverDepth() const { return kept(raw_depth_); }
   std::span<const PlotPoint> filteredOverDepth() const { return kept(filtered_depth_); }
 
-  double peakRaw() const { return peak_raw_; }            // N, since the beginning or the last clear()
+  /// Since the beginning or the last clear(): what is doubted, and of how large a share of the samples anything is.
+  const RunTrust& trust() const { return trust_; }
+  double doubtedShare() const {
+    return samples_ > 0 ? static_cast<double>(doubted_) / static_cast<double>(samples_) : 0;
+  }
+  double peakRaw() const { return peak_raw_; }            // N, likewise
   double peakFiltered() const { return peak_filtered_; }  // N
 
  private:
@@ -38,6 +44,8 @@ class ForceHistory {
   std::size_t first_ = 0;  // samples before it are older than seconds_
   std::vector<PlotPoint> raw_time_, filtered_time_, raw_depth_, filtered_depth_;
   double peak_raw_ = 0, peak_filtered_ = 0;
+  RunTrust trust_;
+  std::int64_t samples_ = 0, doubted_ = 0;
 };
 
 }  // namespace palpate::app

@@ -33,21 +33,20 @@ Rect aboveFoot(const Theme& theme, const PanelData& data, const PanelState& stat
 
 }  // namespace
 
-PanelRequests drawPanels(const Theme& theme, const PanelData& data, const Layout& layout, PanelState& state,
-                         View& view) {
-  PanelRequests requests;
+UserActions drawPanels(const Theme& theme, const PanelData& data, const Layout& layout, PanelState& state, View& view) {
+  UserActions asked;
   ImGui::PushFont(theme.body);
   const auto taskCard = [&] {
-    if (data.task != nullptr) drawTaskCard(theme, data, state, view, requests);
+    if (data.task != nullptr) drawTaskCard(theme, data, state, view, asked);
   };
   const auto tissueCards = [&] {
-    drawToolCard(theme, data, state, requests);
-    drawViewCard(theme, data, state, view, requests);
-    drawMaterialCard(theme, data, state, requests);
+    drawToolCard(theme, data, state, asked);
+    drawViewCard(theme, data, state, view, asked);
+    drawMaterialCard(theme, data, state, asked);
     if (state.engineer) drawNumbersCard(theme, data);
   };
   if (layout.panels) {
-    drawBar(theme, data, layout.bar, state, requests);
+    drawBar(theme, data, layout.bar, state, asked);
     if (layout.left.width > 0) {
       if (beginPane("##left", layout.left)) {
         taskCard();
@@ -58,7 +57,7 @@ PanelRequests drawPanels(const Theme& theme, const PanelData& data, const Layout
     if (layout.right.width > 0) {
       if (beginPane("##right", layout.right)) {
         if (layout.left.width <= 0) taskCard();  // its buttons are always at hand, and short enough to leave the force
-        drawForceCard(theme, data, layout.right.height, state, requests);
+        drawForceCard(theme, data, layout.right.height, state, asked);
         if (layout.left.width <= 0) tissueCards();  // one column for all, to be scrolled
         if (!data.timeless && state.engineer) drawTimingCard(theme, data, layout.left.width > 0);
       }
@@ -71,24 +70,25 @@ PanelRequests drawPanels(const Theme& theme, const PanelData& data, const Layout
   const bool demo = !layout.panels && state.demo;
   const Rect free = demo ? besideDemoForce(layout.view, demoForcePlace(theme, data), theme.scale) : layout.view;
   drawLegend(theme, data.colour_scale, free);
-  if (state.timeline_shown && data.timeline) drawTimeline(theme, data, free, state, requests);
+  if (state.timeline_shown && data.timeline) drawTimeline(theme, data, free, state, asked);
   drawPullForce(theme, data);
   // Its buttons are for somebody who looks on; a picture of the organ alone has none.
   const bool organ_alone = data.timeless && !state.panels_shown;
   const bool told = data.notice && !data.attracts;  // which nobody's hand has caused
   if ((told || data.snapshot.status.frozen) && !organ_alone)
-    drawNotice(theme, data, demo ? aboveFoot(theme, data, state, free) : layout.view, demo, requests);
+    drawNotice(theme, data, demo ? aboveFoot(theme, data, state, free) : layout.view, demo, asked);
   if (demo && data.attracts) drawInvitation(theme, aboveFoot(theme, data, state, free));
-  if (data.out_of_view) requests.frame_view |= drawCall(theme, "The organ is out of view: F", layout.view);
+  if (data.out_of_view && drawCall(theme, "The organ is out of view: F", layout.view))
+    asked.push_back({UserAction::FrameView});
   if (state.help_shown) drawHelp(theme, state);
-  if (state.open_shown) drawOpenDialog(theme, data, state, requests);
+  if (state.open_shown) drawOpenDialog(theme, data, state, asked);
   if (!state.problem.empty()) drawProblem(theme, state);
-  if (!state.at_stake.empty()) drawQuitDialog(theme, state, requests);
+  if (!state.at_stake.empty()) drawQuitDialog(theme, state, asked);
   ImGui::PopFont();
-  return requests;
+  return asked;
 }
 
-void drawBar(const Theme& theme, const PanelData& data, const Rect& place, PanelState& state, PanelRequests& requests) {
+void drawBar(const Theme& theme, const PanelData& data, const Rect& place, PanelState& state, UserActions& asked) {
   const LoopStatus& status = data.snapshot.status;
   if (beginPane("##bar", place, ImGuiWindowFlags_NoScrollbar | ImGuiWindowFlags_NoScrollWithMouse)) {
     const float s = theme.scale;
@@ -122,19 +122,20 @@ void drawBar(const Theme& theme, const PanelData& data, const Rect& place, Panel
     at(x, button_y);
     if (button("File", width)) ImGui::OpenPopup("##file");
     ImGui::SetNextWindowPos({ImGui::GetItemRectMin().x, ImGui::GetItemRectMax().y + 4 * s}, ImGuiCond_Appearing);
-    drawFileMenu(theme, data, state, requests);
+    drawFileMenu(theme, data, state, asked);
     at(x += next, button_y);
-    if (button(waits ? "Run" : "Pause", width, !status.frozen, "frozen: reset first")) requests.toggle_pause = true;
+    if (button(waits ? "Run" : "Pause", width, !status.frozen, "frozen: reset first"))
+      asked.push_back({UserAction::TogglePause});
     at(x += next, button_y);
     if (button("Step", width, waits && !status.frozen, "pause first, then single ticks can be made"))
-      requests.single_step = true;
+      asked.push_back({UserAction::SingleStep});
     at(x += next, button_y);
-    if (button("Reset", width)) requests.reset = true;
+    if (button("Reset", width)) asked.push_back({UserAction::Reset});
     at(x += next, button_y);
     const bool by_hand = data.driver == ToolDriver::User;
-    if (undoButton(width, by_hand)) requests.undo = true;
+    if (undoButton(width, by_hand)) asked.push_back({UserAction::Undo});
     at(x += next, button_y);
-    if (button("Frame", width)) requests.frame_view = true;
+    if (button("Frame", width)) asked.push_back({UserAction::FrameView});
     x += width + 16 * s;
 
     // Figures stand at the right end, so that the buttons never move.
@@ -158,7 +159,7 @@ void drawBar(const Theme& theme, const PanelData& data, const Rect& place, Panel
         ImGui::SetTooltip("E: also the numbers that only those who build scenes and programs need");
     }
     at(right + engineer_width, button_y);
-    if (button("F1 help", help_width)) state.help_shown = !state.help_shown;
+    if (button("F1 help", help_width)) asked.push_back({UserAction::ToggleHelp});
   }
   ImGui::End();
 }
@@ -167,12 +168,14 @@ void drawLog(const Theme& theme, const PanelData& data, bool engineer, const Rec
   // As high as its lines are in today's width, before they are drawn: else the first picture of another size would show
   // where they ended in the last one.
   const float text_left = 62 * theme.scale;
+  const auto listed = [=](const LogLine& line) { return line.level != LogLevel::Detail || engineer; };
+  if (std::none_of(data.log.begin(), data.log.end(), listed)) return;
   ImGui::PushFont(theme.small);
   const ImGuiStyle& style = ImGui::GetStyle();
   const float width = place.width - 2 * style.WindowPadding.x - style.ScrollbarSize - text_left;
   float height = 0;
   for (const LogLine& line : data.log)
-    if (line.level != LogLevel::Detail || engineer)
+    if (listed(line))
       height += ImGui::CalcTextSize(line.text.c_str(), nullptr, false, std::max(1.0F, width)).y + style.ItemSpacing.y;
   ImGui::PopFont();
   ImGui::SetNextWindowContentSize({0, height});
@@ -180,7 +183,7 @@ void drawLog(const Theme& theme, const PanelData& data, bool engineer, const Rec
   if (beginPane("##log", place)) {
     ImGui::PushFont(theme.small);
     for (const LogLine& line : data.log) {
-      if (line.level == LogLevel::Detail && !engineer) continue;
+      if (!listed(line)) continue;
       const ImU32 colour = line.level == LogLevel::Error     ? colours::bad
                            : line.level == LogLevel::Warning ? colours::warning
                                                              : colours::text;

@@ -11,10 +11,11 @@
 #include "app/panels/notice.h"
 #include "app/panels/press_curves.h"
 #include "app/panels/reference_curve.h"
-#include "app/panels/theme.h"
+#include "app/panels/tool_choice.h"
+#include "app/panels/user_action.h"
 #include "app/render/colour_map.h"
+#include "app/render/theme.h"
 #include "app/render/view.h"
-#include "app/run/tool_choice.h"
 #include "app/trainer/task_score.h"
 #include "realtime/channels/force_output.h"
 #include "realtime/channels/snapshot.h"
@@ -59,9 +60,6 @@ struct TimelineView {
   double begin_s = 0, now_s = 0, shown_s = 0;  // of the run
   bool past = false;                           // an earlier picture is shown
 };
-
-/// What a file is opened as.
-enum class OpenKind { Scene, Script, Recording, Curve };
 
 /// What the panels show: gathered afresh for each picture, never kept.
 struct PanelData {
@@ -124,56 +122,26 @@ struct PanelState {
   std::optional<ReferenceCurve> reference;  // of a file, likewise
 };
 
-/// What was clicked in this frame.
-struct PanelRequests {
-  bool toggle_pause = false, single_step = false, reset = false, undo = false;
-  bool reset_all = false;  // friction and materials, too
-  bool dismiss_notice = false;
-  bool save_picture = false, save_forces = false, save_state = false, save_presses = false, clear_presses = false;
-  bool full_screen = false, demo = false, quit = false, quit_now = false;
-  bool section_through_tool = false, section_faces = false;
-  bool mark = false, unmark = false, submit = false;
-  bool search_again = false;       // the same task from its beginning
-  bool upright = false;            // the probe stands on the skin again
-  std::optional<double> press;     // m, into the skin below the probe
-  bool lift = false;               // off it
-  bool grasp = false;              // and lift
-  std::optional<double> opening;   // m, of jaws
-  std::optional<bool> glide;       // the hand's mode
-  std::optional<ToolChoice> tool;  // another probe
-  std::string open_scene, open_script, open_recording, open_curve;
-  std::optional<double> look_at_s;  // of the run: an earlier picture
-  bool look_now = false;            // the present one again
-  bool save_recording = false;
-  bool restart_script = false;
-  bool tool_to_start = false;
-  std::optional<double> friction;
-  int material = -1;  // that changes; -1: none
-  Material changed;   // what it is to be
-  bool frame_view = false;
-};
-
 /// Draws all panels of one frame between ImGui::NewFrame and ImGui::Render; the same
-/// in the window and off-screen. Settings of the picture are edited in `view`.
-PanelRequests drawPanels(const Theme& theme, const PanelData& data, const Layout& layout, PanelState& state,
-                         View& view);
+/// in the window and off-screen. Settings of the picture are edited in `view`. @return what was clicked
+UserActions drawPanels(const Theme& theme, const PanelData& data, const Layout& layout, PanelState& state, View& view);
 
 /// What stands beside a force that is not the present one: "stale, 23 ms old", "paused"; empty: it is.
 std::string staleMark(const ForceReading& force, const LoopStatus& status);
 
 // The parts, each in a file of its own.
-void drawBar(const Theme&, const PanelData&, const Rect&, PanelState&, PanelRequests&);
-void drawViewCard(const Theme&, const PanelData&, const PanelState&, View&, PanelRequests&);
-void drawTaskCard(const Theme&, const PanelData&, PanelState&, View&, PanelRequests&);
+void drawBar(const Theme&, const PanelData&, const Rect&, PanelState&, UserActions&);
+void drawViewCard(const Theme&, const PanelData&, const PanelState&, View&, UserActions&);
+void drawTaskCard(const Theme&, const PanelData&, PanelState&, View&, UserActions&);
 void drawNumbersCard(const Theme&, const PanelData&);
-void drawToolCard(const Theme&, const PanelData&, PanelState&, PanelRequests&);
-void drawMaterialCard(const Theme&, const PanelData&, const PanelState&, PanelRequests&);
-void drawForceCard(const Theme&, const PanelData&, float height, PanelState&, PanelRequests&);
+void drawToolCard(const Theme&, const PanelData&, PanelState&, UserActions&);
+void drawMaterialCard(const Theme&, const PanelData&, const PanelState&, UserActions&);
+void drawForceCard(const Theme&, const PanelData&, float height, PanelState&, UserActions&);
 void drawTimingCard(const Theme&, const PanelData&, bool open);
 void drawLog(const Theme&, const PanelData&, bool engineer, const Rect&);
 void drawLegend(const Theme&, const ColourScale&, const Rect& view);
-void drawNotice(const Theme&, const PanelData&, const Rect& view, bool large, PanelRequests&);
-void drawTimeline(const Theme&, const PanelData&, const Rect& view, PanelState&, PanelRequests&);
+void drawNotice(const Theme&, const PanelData&, const Rect& view, bool large, UserActions&);
+void drawTimeline(const Theme&, const PanelData&, const Rect& view, PanelState&, UserActions&);
 void drawPullForce(const Theme&, const PanelData&);
 void drawDemoForce(const Theme&, const PanelData&);
 /// In the middle of the view: a sentence that can be clicked.
@@ -184,9 +152,9 @@ Rect demoForcePlace(const Theme&, const PanelData&);
 Rect besideDemoForce(const Rect& view, const Rect& force, float scale);
 /// What the demo that plays by itself asks of who comes near.
 void drawInvitation(const Theme&, const Rect& view);
-void drawFileMenu(const Theme&, const PanelData&, PanelState&, PanelRequests&);
-void drawOpenDialog(const Theme&, const PanelData&, PanelState&, PanelRequests&);
-void drawQuitDialog(const Theme&, PanelState&, PanelRequests&);
+void drawFileMenu(const Theme&, const PanelData&, PanelState&, UserActions&);
+void drawOpenDialog(const Theme&, const PanelData&, PanelState&, UserActions&);
+void drawQuitDialog(const Theme&, PanelState&, UserActions&);
 void drawProblem(const Theme&, PanelState&);
 void drawHelp(const Theme&, PanelState&);
 

@@ -125,7 +125,7 @@ void drawReferenceChoice(const PanelData& data, PanelState& state) {
 }
 
 /// What is known of the last press beside those before it, and what can be done with all.
-void drawPresses(const Theme& theme, const PressCurves& presses, PanelRequests& requests) {
+void drawPresses(const Theme& theme, const PressCurves& presses, UserActions& asked) {
   const Press& last = presses.all().back();
   row(format("Press %d", last.number).c_str(), format("%.3f N at %.2f mm", last.peak_N, last.peak_mm), colours::text,
       "largest force and depth of the last press; violet curves are the presses before it");
@@ -134,10 +134,25 @@ void drawPresses(const Theme& theme, const PressCurves& presses, PanelRequests& 
         "of the work done on the tissue while it was pressed in, what did not come back");
   const float half = 0.5F * (ImGui::GetContentRegionAvail().x - ImGui::GetStyle().ItemSpacing.x);
   ImGui::PushFont(theme.small);
-  if (button("Save the curves", half)) requests.save_presses = true;
+  if (button("Save the curves", half)) asked.push_back({UserAction::SavePresses});
   ImGui::SameLine();
-  if (button("Clear them", half)) requests.clear_presses = true;
+  if (button("Clear them", half)) asked.push_back({UserAction::ClearPresses});
   ImGui::PopFont();
+}
+
+/// Of now; while that is good, of what the plots and the peak are made of.
+void drawTrust(Doubt now, const ForceHistory& forces) {
+  const Doubt before = forces.trust().doubt();
+  if (now != Doubt::None)
+    return row("Trust", std::string("doubt: ") + doubtName(now), colours::warning, doubtText(now));
+  if (before == Doubt::None)
+    return row("Trust", "good", colours::good,
+               "volume, smallest J, energy balance and time step are within their limits");
+  const std::string share =
+      format("%.0f %% doubted: %s", std::max(1.0, 100 * forces.doubtedShare()), doubtName(before));
+  const float room = ImGui::GetContentRegionAvail().x - ImGui::CalcTextSize("Trust  ").x;
+  row("Trust", lastThatFits({share, "good now, " + share}, room), colours::warning,
+      (std::string("of the ticks since the last reset: ") + doubtText(before)).c_str());
 }
 
 }  // namespace
@@ -148,8 +163,7 @@ std::string staleMark(const ForceReading& force, const LoopStatus& status) {
   return force.age_s < 1 ? format("stale, %.0f ms old", 1e3 * force.age_s) : format("stale, %.1f s old", force.age_s);
 }
 
-void drawForceCard(const Theme& theme, const PanelData& data, float height, PanelState& state,
-                   PanelRequests& requests) {
+void drawForceCard(const Theme& theme, const PanelData& data, float height, PanelState& state, UserActions& asked) {
   if (!beginCard(theme, "Force on the tool")) return;
   const ForceSample& force = data.force.sample;
   const bool fresh = data.force.fresh;
@@ -187,14 +201,11 @@ void drawForceCard(const Theme& theme, const PanelData& data, float height, Pane
   if (!data.certified.empty())
     row("Force error", data.certified, colours::text, "as mtled certify measured it against two finer clouds");
   else if (force.contact_count > 0)
-    row("Expected error", format("+-%.2g %%", 100 * force.expected_error),
+    row("Expected error", format("\xC2\xB1%.2g %%", 100 * force.expected_error),
         force.expected_error > TrustLimits::expected_error ? colours::warning : colours::text,
         "by how much forces are off because nodes are no closer; of some tenths of a second ago");
   const StepReport& report = data.snapshot.report;
-  row("Trust", doubted || coarse ? std::string("doubt: ") + doubtName(force.doubt) : "good",
-      doubted || coarse ? colours::warning : colours::good,
-      doubted || coarse ? doubtText(force.doubt)
-                        : "volume, smallest J, energy balance and time step are within their limits");
+  drawTrust(force.doubt, forces);
   if (engineer)
     note(theme, format("volume %+.2f %%   J %.2f   energy %.1f %%   dt/limit %.2f", 100 * report.volume_change,
                        report.min_J, 100 * report.energy_error, report.step_share));
@@ -214,7 +225,7 @@ void drawForceCard(const Theme& theme, const PanelData& data, float height, Pane
   }
   drawDepthPlot(data, plot_height, state);
   ImGui::PopFont();
-  if (data.presses != nullptr && !data.presses->all().empty()) drawPresses(theme, *data.presses, requests);
+  if (data.presses != nullptr && !data.presses->all().empty()) drawPresses(theme, *data.presses, asked);
   drawReferenceChoice(data, state);
   ImGui::Spacing();
 }

@@ -138,7 +138,7 @@ void drawMixedBound(const Theme& theme, const PanelData& data) {
 
 }  // namespace
 
-void drawMaterialCard(const Theme& theme, const PanelData& data, const PanelState& state, PanelRequests& requests) {
+void drawMaterialCard(const Theme& theme, const PanelData& data, const PanelState& state, UserActions& asked) {
   if (!beginCard(theme, "Material")) return;
   for (std::size_t k = 0; k < data.materials.size(); ++k) {
     const MaterialView& view = data.materials[k];
@@ -151,14 +151,12 @@ void drawMaterialCard(const Theme& theme, const PanelData& data, const PanelStat
     if (view.mixtures > 0) continue;
     ImGui::PushID(static_cast<int>(k));
     Material changed = view.material;
-    if (drawMaterialSliders(theme, data, view, changed)) {
-      requests.material = static_cast<int>(k);
-      requests.changed = changed;
-    }
+    if (drawMaterialSliders(theme, data, view, changed))
+      asked.push_back({.kind = UserAction::SetMaterial, .value = static_cast<double>(k), .material = changed});
     ImGui::PopID();
   }
   if (!data.materials.empty() && data.materials.front().mixtures > 0) drawMixedBound(theme, data);
-  if (button("Reset all", ImGui::GetContentRegionAvail().x)) requests.reset_all = true;
+  if (button("Reset all", ImGui::GetContentRegionAvail().x)) asked.push_back({UserAction::ResetAll});
   if (ImGui::IsItemHovered())
     ImGui::SetTooltip("the tissue at rest, with the scene's own friction and stiffness; Reset keeps what was set here");
   ImGui::Spacing();

@@ -48,40 +48,37 @@ void endDialog() {
 
 }  // namespace
 
-void drawFileMenu(const Theme& theme, const PanelData& data, PanelState& state, PanelRequests& requests) {
+void drawFileMenu(const Theme& theme, const PanelData& data, PanelState& state, UserActions& asked) {
   ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {10 * theme.scale, 8 * theme.scale});
   if (ImGui::BeginPopup("##file")) {
-    const auto open = [&](OpenKind kind) {
-      state.open_shown = true;
-      state.open_kind = kind;
-      state.path.clear();
-    };
+    const auto open = [&](OpenKind kind) { asked.push_back({UserAction::AskForFile, static_cast<double>(kind)}); };
     if (ImGui::MenuItem("Open scene ...", "Ctrl+O")) open(OpenKind::Scene);
     if (ImGui::MenuItem("Open tool script ...")) open(OpenKind::Script);
     if (ImGui::MenuItem("Replay a recording ...")) open(OpenKind::Recording);
     if (ImGui::MenuItem("Lay a curve over the force ...")) open(OpenKind::Curve);
     ImGui::Separator();
     if (ImGui::MenuItem("Look back over the last minute", "T", state.timeline_shown))
-      state.timeline_shown = !state.timeline_shown;
-    if (ImGui::MenuItem("Save the run as a recording")) requests.save_recording = true;
-    if (ImGui::MenuItem("Save picture", "F12")) requests.save_picture = true;
-    if (ImGui::MenuItem("Save force as CSV", "Ctrl+S")) requests.save_forces = true;
-    if (ImGui::MenuItem("Save force-depth curves")) requests.save_presses = true;
-    if (ImGui::MenuItem("Save the tissue's state (VTU)", nullptr, false, !data.searching())) requests.save_state = true;
+      asked.push_back({UserAction::ToggleTimeline});
+    if (ImGui::MenuItem("Save the run as a recording")) asked.push_back({UserAction::SaveRecording});
+    if (ImGui::MenuItem("Save picture", "F12")) asked.push_back({UserAction::SavePicture});
+    if (ImGui::MenuItem("Save force as CSV", "Ctrl+S")) asked.push_back({UserAction::SaveForces});
+    if (ImGui::MenuItem("Save force-depth curves")) asked.push_back({UserAction::SavePresses});
+    if (ImGui::MenuItem("Save the tissue's state (VTU)", nullptr, false, !data.searching()))
+      asked.push_back({UserAction::SaveState});
     if (data.searching() && ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled))
       ImGui::SetTooltip("it shows where the lumps are: once the answers are in");
     ImGui::Separator();
-    if (ImGui::MenuItem("Engineer's numbers", "E", state.engineer)) state.engineer = !state.engineer;
-    if (ImGui::MenuItem("Full screen", "F11")) requests.full_screen = true;
-    if (ImGui::MenuItem("Demo: large force, no panels", "F10")) requests.demo = true;
+    if (ImGui::MenuItem("Engineer's numbers", "E", state.engineer)) asked.push_back({UserAction::ToggleEngineer});
+    if (ImGui::MenuItem("Full screen", "F11")) asked.push_back({UserAction::ToggleFullScreen});
+    if (ImGui::MenuItem("Demo: large force, no panels", "F10")) asked.push_back({UserAction::ToggleDemo});
     ImGui::Separator();
-    if (ImGui::MenuItem("Quit", "Esc")) requests.quit = true;
+    if (ImGui::MenuItem("Quit", "Esc")) asked.push_back({UserAction::Quit});
     ImGui::EndPopup();
   }
   ImGui::PopStyleVar();
 }
 
-void drawOpenDialog(const Theme& theme, const PanelData& data, PanelState& state, PanelRequests& requests) {
+void drawOpenDialog(const Theme& theme, const PanelData& data, PanelState& state, UserActions& asked) {
   const float s = theme.scale;
   const OpenWords& words = open_words[static_cast<std::size_t>(state.open_kind)];
   beginDialog(theme, "##open", words.title);
@@ -106,9 +103,9 @@ void drawOpenDialog(const Theme& theme, const PanelData& data, PanelState& state
   if (button("Cancel", 90 * s)) state.open_shown = false;
   note(theme, "A file can also be dropped on the window.");
   if (!chosen.empty()) {
-    std::string* const asked[] = {&requests.open_scene, &requests.open_script, &requests.open_recording,
-                                  &requests.open_curve};
-    *asked[static_cast<std::size_t>(state.open_kind)] = chosen;
+    constexpr UserAction::Kind opening[] = {UserAction::OpenScene, UserAction::OpenScript, UserAction::OpenRecording,
+                                            UserAction::LayCurve};
+    asked.push_back({opening[static_cast<std::size_t>(state.open_kind)], 0, chosen});
     state.open_shown = false;
   }
   endDialog();
@@ -125,12 +122,12 @@ void drawProblem(const Theme& theme, PanelState& state) {
   endDialog();
 }
 
-void drawQuitDialog(const Theme& theme, PanelState& state, PanelRequests& requests) {
+void drawQuitDialog(const Theme& theme, PanelState& state, UserActions& asked) {
   const float s = theme.scale;
   beginDialog(theme, "##quit", "Leave now?");
   ImGui::TextUnformatted(state.at_stake.c_str());
   ImGui::Spacing();
-  if (button("Leave", 90 * s)) requests.quit_now = true;
+  if (button("Leave", 90 * s)) asked.push_back({UserAction::Leave});
   ImGui::SameLine();
   if (button("Stay", 90 * s)) state.at_stake.clear();
   endDialog();

@@ -13,7 +13,7 @@ constexpr float large_notice =
     1.8F;  // times the size of one beside panels: the demo's, to be read from some steps away
 }
 
-void drawNotice(const Theme& theme, const PanelData& data, const Rect& view, bool large, PanelRequests& requests) {
+void drawNotice(const Theme& theme, const PanelData& data, const Rect& view, bool large, UserActions& asked) {
   const float s = theme.scale * (large ? large_notice : 1);
   const bool frozen = data.snapshot.status.frozen;
   const float width = std::min(view.width - 20 * s, 470 * s);
@@ -34,12 +34,12 @@ void drawNotice(const Theme& theme, const PanelData& data, const Rect& view, boo
     ImGui::PopTextWrapPos();
     ImGui::Spacing();
     const bool by_hand = data.driver == ToolDriver::User;
-    if (undoButton(66 * s, by_hand)) requests.undo = true;
+    if (undoButton(66 * s, by_hand)) asked.push_back({UserAction::Undo});
     ImGui::SameLine();
-    if (button("Reset", 66 * s)) requests.reset = true;
+    if (button("Reset", 66 * s)) asked.push_back({UserAction::Reset});
     if (!frozen) {
       ImGui::SameLine();
-      if (button("Go on", 66 * s)) requests.dismiss_notice = true;
+      if (button("Go on", 66 * s)) asked.push_back({UserAction::DismissNotice});
     }
     const std::string& details = told ? data.notice->details : data.frozen_reason;
     if (!details.empty()) {
@@ -133,10 +133,10 @@ void drawDemoForce(const Theme& theme, const PanelData& data) {
   const ImVec2 at{place.x + 18 * s, place.y + 8 * s};
   ImDrawList* draw = ImGui::GetBackgroundDrawList();
   draw->AddRectFilled({place.x, place.y}, {place.right(), place.bottom()}, IM_COL32(22, 26, 32, 190), 12 * s);
-  const ImU32 colour = data.pull_N >= 0             ? colours::good
-                       : !data.force.fresh          ? colours::stale
+  const ImU32 colour = data.pull_N >= 0                  ? colours::good
+                       : !data.force.fresh               ? colours::stale
                        : force.doubt > Doubt::Resolution ? colours::warning
-                                                    : colours::accent;
+                                                         : colours::accent;
   draw->AddText(theme.big, size, at, colour, number.c_str());
   draw->AddText(theme.big, theme.big->FontSize, {at.x, at.y + size}, colours::text, demoDepth(data).c_str());
 }

@@ -44,15 +44,17 @@ std::string grouped(long long n) {
 namespace {
 
 /// Cut open, see through.
-void drawInside(View& view, PanelRequests& requests) {
+void drawInside(View& view, UserActions& asked) {
   const float left = ImGui::GetCursorPosX(), half = 0.5F * ImGui::GetContentRegionAvail().x;
-  if (ImGui::Checkbox("Cut open", &view.section.on) && view.section.on) requests.section_faces = true;
+  bool open = view.section.on;
+  if (ImGui::Checkbox("Cut open", &open)) asked.push_back({UserAction::ToggleSection});
   ImGui::SameLine(left + half);
   ImGui::Checkbox("See through", &view.ghost);
   if (view.section.on) {
     float percent = 100 * view.section.offset;
     if (slider("Cut", percent, -95, 95, "%.0f %%", "")) view.section.offset = percent / 100;
-    if (button("Cut through the probe", ImGui::GetContentRegionAvail().x)) requests.section_through_tool = true;
+    if (button("Cut through the probe", ImGui::GetContentRegionAvail().x))
+      asked.push_back({UserAction::CutThroughTool});
   }
 }
 
@@ -79,8 +81,7 @@ void drawRange(const ColourScale& scale, View& view) {
 
 }  // namespace
 
-void drawViewCard(const Theme& theme, const PanelData& data, const PanelState& state, View& view,
-                  PanelRequests& requests) {
+void drawViewCard(const Theme& theme, const PanelData& data, const PanelState& state, View& view, UserActions& asked) {
   if (!beginCard(theme, "View")) return;
   ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x);
   if (ImGui::BeginCombo("##colour", quantityName(view.colour_map))) {
@@ -119,7 +120,7 @@ void drawViewCard(const Theme& theme, const PanelData& data, const PanelState& s
       ImGui::SameLine(left + half);
       ImGui::Checkbox("Points", &view.show_points);
     }
-    drawInside(view, requests);
+    drawInside(view, asked);
   }
   ImGui::Spacing();
 }
@@ -147,7 +148,7 @@ void drawNumbersCard(const Theme& theme, const PanelData& data) {
 namespace {
 
 /// Shape and radius, and a button that loads the scene anew with them.
-void drawProbeChoice(const PanelData& data, PanelState& state, PanelRequests& requests) {
+void drawProbeChoice(const PanelData& data, PanelState& state, UserActions& asked) {
   const ToolShape& tool = data.model.scene.tool;
   if (!state.tool_edited || data.searching()) state.tool = {tool.kind, tool.radius}, state.tool_edited = false;
   ImGui::BeginDisabled(data.searching());
@@ -172,54 +173,52 @@ void drawProbeChoice(const PanelData& data, PanelState& state, PanelRequests& re
   }
   if (!state.tool_edited) return;
   const float half = 0.5F * (ImGui::GetContentRegionAvail().x - ImGui::GetStyle().ItemSpacing.x);
-  if (button("Use this probe", half)) {
-    requests.tool = state.tool;
-    state.tool_edited = false;
-  }
+  if (button("Use this probe", half)) asked.push_back({UserAction::UseProbe});
   ImGui::SameLine();
   if (button("Keep the old", half)) state.tool_edited = false;
 }
 
 /// What the wheel and keys do, by clicks.
-void drawPressing(const PanelData& data, PanelState& state, bool by_hand, PanelRequests& requests) {
+void drawPressing(const PanelData& data, PanelState& state, bool by_hand, UserActions& asked) {
   const double most = 2 * mm * data.model.scene.tool.radius;
   if (!(state.press_mm > 0)) state.press_mm = usual_press * most;
   state.press_mm = std::min(state.press_mm, most);
   const float half = 0.5F * (ImGui::GetContentRegionAvail().x - ImGui::GetStyle().ItemSpacing.x);
-  if (button("Press", half, by_hand, not_by_hand)) requests.press = state.press_mm / mm;
+  if (button("Press", half, by_hand, not_by_hand)) asked.push_back({UserAction::Press});
   if (by_hand && ImGui::IsItemHovered()) ImGui::SetTooltip("End: so deep into the skin below the probe");
   ImGui::SameLine();
-  if (button("Lift", half, by_hand, not_by_hand)) requests.lift = true;
+  if (button("Lift", half, by_hand, not_by_hand)) asked.push_back({UserAction::Lift});
   if (by_hand && ImGui::IsItemHovered()) ImGui::SetTooltip("Home: off the skin");
   auto depth = static_cast<float>(state.press_mm);
   if (slider("Press by", depth, 0.5F, static_cast<float>(most), "%.1f mm", by_hand ? "" : not_by_hand)) {
     state.press_mm = static_cast<double>(depth);
-    if (data.hand_presses) requests.press = state.press_mm / mm;
+    if (data.hand_presses) asked.push_back({UserAction::Press});
   }
   if (!(data.widest_jaws_m > 0)) return;
   auto opening = static_cast<float>(mm * data.snapshot.tools.tool[0].opening);
   if (slider("Jaws open", opening, 0, static_cast<float>(mm * data.widest_jaws_m), "%.1f mm",
              by_hand ? "" : not_by_hand))
-    requests.opening = static_cast<double>(opening) / mm;
-  if (button("Grasp and lift", ImGui::GetContentRegionAvail().x, by_hand, not_by_hand)) requests.grasp = true;
+    asked.push_back({UserAction::OpenJaws, static_cast<double>(opening) / mm});
+  if (button("Grasp and lift", ImGui::GetContentRegionAvail().x, by_hand, not_by_hand))
+    asked.push_back({UserAction::Grasp});
   if (by_hand && ImGui::IsItemHovered())
     ImGui::SetTooltip("closes the jaws until they hold, then lifts what they hold");
 }
 
 }  // namespace
 
-void drawToolCard(const Theme& theme, const PanelData& data, PanelState& state, PanelRequests& requests) {
+void drawToolCard(const Theme& theme, const PanelData& data, PanelState& state, UserActions& asked) {
   if (!beginCard(theme, "Probe")) return;
   const bool by_hand = data.driver == ToolDriver::User;
   const float half = 0.5F * (ImGui::GetContentRegionAvail().x - ImGui::GetStyle().ItemSpacing.x);
   const float left = ImGui::GetCursorPosX();
-  if (ImGui::RadioButton("On the skin", state.glide)) requests.glide = state.glide = true;
+  if (ImGui::RadioButton("On the skin", state.glide)) asked.push_back({UserAction::SetGlide, 1});
   if (ImGui::IsItemHovered()) ImGui::SetTooltip("click the skin: the probe comes there and glides with the pointer");
   ImGui::SameLine(left + half);
-  if (ImGui::RadioButton("Free", !state.glide)) requests.glide = state.glide = false;
+  if (ImGui::RadioButton("Free", !state.glide)) asked.push_back({UserAction::SetGlide, 0});
   if (ImGui::IsItemHovered()) ImGui::SetTooltip("Shift+drag moves the probe in the view's plane");
-  drawPressing(data, state, by_hand, requests);
-  drawProbeChoice(data, state, requests);
+  drawPressing(data, state, by_hand, asked);
+  drawProbeChoice(data, state, asked);
   const ForceSample& force = data.snapshot.force;
   row(force.depth_m < 0 ? "Gap to the skin" : "Depth", format("%.2f mm", std::abs(force.depth_m) * mm), colours::text,
       format("how far the skin under the tip is pressed from where it lay at rest, along the contact's normal; "
@@ -237,15 +236,15 @@ void drawToolCard(const Theme& theme, const PanelData& data, PanelState& state, 
     row("Tip", format("%.1f  %.1f  %.1f mm", tip.x(), tip.y(), tip.z()), colours::text,
         format("%d skin vertices touched", data.snapshot.report.contact_count).c_str());
   auto friction = static_cast<float>(data.friction);
-  if (slider("Friction", friction, 0, 1, "%.2f", data.input_note)) requests.friction = friction;
+  if (slider("Friction", friction, 0, 1, "%.2f", data.input_note)) asked.push_back({UserAction::SetFriction, friction});
   auto speed = static_cast<float>(state.tool_speed_mm_s);
   if (slider("Key speed", speed, 1, 100, "%.0f mm/s", "")) state.tool_speed_mm_s = speed;
 
-  if (button("Upright", half, by_hand, not_by_hand)) requests.upright = true;
+  if (button("Upright", half, by_hand, not_by_hand)) asked.push_back({UserAction::Upright});
   ImGui::SameLine();
-  if (button("To start pose", half, by_hand, not_by_hand)) requests.tool_to_start = true;
+  if (button("To start pose", half, by_hand, not_by_hand)) asked.push_back({UserAction::ToStart});
   if (!data.script.empty() && button("Play script again", 2 * half + ImGui::GetStyle().ItemSpacing.x))
-    requests.restart_script = true;
+    asked.push_back({UserAction::RestartScript});
   switch (data.driver) {
     case ToolDriver::User:
       if (!state.engineer)

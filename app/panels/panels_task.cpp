@@ -38,7 +38,7 @@ void drawTrainee(PanelState& state) {
 
 }  // namespace
 
-void drawTaskCard(const Theme& theme, const PanelData& data, PanelState& state, View& view, PanelRequests& requests) {
+void drawTaskCard(const Theme& theme, const PanelData& data, PanelState& state, View& view, UserActions& asked) {
   if (!beginCard(theme, "Find the lumps")) return;
   const TaskScore& task = *data.task;
   bool pressed = view.colour_map == ColourMap::Pressure;
@@ -53,7 +53,7 @@ void drawTaskCard(const Theme& theme, const PanelData& data, PanelState& state, 
     if (sheet.missed_too_light > 0)
       note(theme, "Lumps were missed where you pressed too lightly to reach them, or not at all.", colours::warning);
     note(theme, "Conditions: " + data.conditions);
-    if (button("Search again", ImGui::GetContentRegionAvail().x)) requests.search_again = true;
+    if (button("Search again", ImGui::GetContentRegionAvail().x)) asked.push_back({UserAction::SearchAgain});
     ImGui::Spacing();
     return;
   }
@@ -68,12 +68,12 @@ void drawTaskCard(const Theme& theme, const PanelData& data, PanelState& state, 
     ImGui::RadioButton(hardnessName(k), &state.hardness, k);
   }
   const float third = (ImGui::GetContentRegionAvail().x - 2 * ImGui::GetStyle().ItemSpacing.x) / 3;
-  if (button("Mark (M)", third, !by_recording, not_now)) requests.mark = true;
+  if (button("Mark (M)", third, !by_recording, not_now)) asked.push_back({UserAction::Mark});
   ImGui::SameLine();
   if (button("Take back", third, !by_recording && !task.marks().empty(), by_recording ? not_now : "nothing is marked"))
-    requests.unmark = true;
+    asked.push_back({UserAction::Unmark});
   ImGui::SameLine();
-  if (button("Submit", third, !by_recording, not_now)) requests.submit = true;
+  if (button("Submit", third, !by_recording, not_now)) asked.push_back({UserAction::Submit});
   ImGui::Spacing();
 }
 

@@ -8,8 +8,7 @@
 
 namespace palpate::app {
 
-void drawTimeline(const Theme& theme, const PanelData& data, const Rect& view, PanelState& state,
-                  PanelRequests& requests) {
+void drawTimeline(const Theme& theme, const PanelData& data, const Rect& view, PanelState& state, UserActions& asked) {
   const float s = theme.scale;
   const TimelineView& time = *data.timeline;
   const float width = std::min(view.width - 20 * s, 620 * s), height = 62 * s;
@@ -20,33 +19,31 @@ void drawTimeline(const Theme& theme, const PanelData& data, const Rect& view, P
   if (ImGui::Begin("##timeline", nullptr,
                    ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings |
                        ImGuiWindowFlags_NoFocusOnAppearing)) {
-    ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x);
     auto back = static_cast<float>(time.shown_s - time.now_s);
     const auto furthest = static_cast<float>(std::min(time.begin_s - time.now_s, -0.2));
-    if (ImGui::SliderFloat("##back", &back, furthest, 0, back < -0.05F ? "%.1f s" : "now",
-                           ImGuiSliderFlags_AlwaysClamp)) {
+    ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x - 60 * s);
+    if (ImGui::SliderFloat("##back", &back, furthest, 0, "##%.1f s", ImGuiSliderFlags_AlwaysClamp)) {
       state.timeline_plays = false;
-      requests.look_at_s = time.now_s + static_cast<double>(back);
+      asked.push_back({UserAction::LookAt, time.now_s + static_cast<double>(back)});
     }
+    ImGui::SameLine();
+    ImGui::TextUnformatted(back < -0.05F ? format("%.1f s", static_cast<double>(back)).c_str() : "now");
     const float part = (ImGui::GetContentRegionAvail().x - 3 * ImGui::GetStyle().ItemSpacing.x) / 4;
     if (button(state.timeline_plays ? "Stop" : "Play", part, time.past, "first look back with the bar above"))
       state.timeline_plays = !state.timeline_plays;
     ImGui::SameLine();
-    if (button("Now", part, time.past, "this is the present picture")) requests.look_now = true;
+    if (button("Now", part, time.past, "this is the present picture")) asked.push_back({UserAction::LookNow});
     ImGui::SameLine();
-    if (button("Save run", part)) requests.save_recording = true;
+    if (button("Save run", part)) asked.push_back({UserAction::SaveRecording});
     if (ImGui::IsItemHovered()) ImGui::SetTooltip("the whole run as a recording, which can be replayed bit for bit");
     ImGui::SameLine();
-    if (button("Hide (T)", part)) {
-      state.timeline_shown = false;
-      requests.look_now = true;
-    }
+    if (button("Hide (T)", part)) asked.push_back({UserAction::ToggleTimeline});
     if (state.timeline_plays && time.past) {
       const double next = time.shown_s + static_cast<double>(ImGui::GetIO().DeltaTime);
       if (next < time.now_s)
-        requests.look_at_s = next;
+        asked.push_back({UserAction::LookAt, next});
       else
-        requests.look_now = true;
+        asked.push_back({UserAction::LookNow});
     }
   }
   ImGui::End();

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "app/figures/round_ticks.h"
-#include "app/panels/theme.h"
+#include "app/render/theme.h"
 
 namespace palpate::app {
 

@@ -108,18 +108,17 @@ bool undoButton(float width, bool by_hand) {
 }
 
 bool slider(const char* name, float& value, float low, float high, const char* pattern, const std::string& reason) {
-  const float left = ImGui::GetCursorPosX(), width = ImGui::GetContentRegionAvail().x;
-  ImGui::AlignTextToFramePadding();
-  ImGui::PushStyleColor(ImGuiCol_Text, colours::faint);
-  ImGui::TextUnformatted(name);
-  ImGui::PopStyleColor();
-  ImGui::SameLine();
-  ImGui::SetCursorPosX(left + 0.46F * width);
-  ImGui::SetNextItemWidth(0.54F * width);
+  row(name, format(pattern, static_cast<double>(value)), reason.empty() ? colours::text : colours::faint);
+  const float thinner = ImGui::GetFontSize() / 14;  // than a line
+  ImGui::SetCursorPosY(ImGui::GetCursorPosY() - 0.6F * ImGui::GetStyle().ItemSpacing.y);
+  ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x);
   ImGui::PushID(name);
+  ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, {0, -thinner});
   ImGui::BeginDisabled(!reason.empty());
-  const bool moved = ImGui::SliderFloat("##value", &value, low, high, pattern, ImGuiSliderFlags_AlwaysClamp);
+  const std::string hidden = std::string("##") + pattern;  // still what the value is rounded to
+  const bool moved = ImGui::SliderFloat("##value", &value, low, high, hidden.c_str(), ImGuiSliderFlags_AlwaysClamp);
   ImGui::EndDisabled();
+  ImGui::PopStyleVar();
   ImGui::PopID();
   if (!reason.empty() && ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled))
     ImGui::SetTooltip("%s", reason.c_str());

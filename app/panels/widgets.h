@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "app/panels/layout.h"
-#include "app/panels/theme.h"
+#include "app/render/theme.h"
 #include "base/number_text.h"
 
 namespace palpate::app {
@@ -47,8 +47,7 @@ void closeMenus();
 /// Where the buttons stood when they were last drawn, px, by their labels: for who drives the window from outside.
 const std::map<std::string, Rect>& buttonPlaces();
 
-/// A line with a faint name on the left and a slider on the right, greyed out where
-/// there is a reason not to move it.
+/// A row with a slider below it, so that no handle hides the value; greyed out where there is a reason not to move it.
 bool slider(const char* name, float& value, float low, float high, const char* pattern, const std::string& reason);
 
 /// A filled rounded label, e.g. "RUNNING", on the present line.

@@ -22,7 +22,7 @@ struct DrawnBody {
 };
 
 /// Draws pictures of one model, each framed around the deformed body. The writer whose context
-/// it uses, and the model, must outlive it.
+/// it uses, and the model, must outlive it. (Written in figures/, on whose paper it draws.)
 class BodyPainter {
  public:
   /// @param cut  where the body is cut open, so that its inside is seen

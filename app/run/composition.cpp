@@ -31,9 +31,9 @@ void frameOrgan(Camera& camera, const OrganView& organ, const Layout& layout, co
                static_cast<int>(layout.view.height));
 }
 
-PanelRequests drawComposition(OrganView& organ, Interface& ui, const Session& session, const Snapshot& snapshot,
-                              View& view, PanelState& panels, const Layout& layout, const CanvasSize& size,
-                              const Shown& shown) {
+UserActions drawComposition(OrganView& organ, Interface& ui, const Session& session, const Snapshot& snapshot,
+                            View& view, PanelState& panels, const Layout& layout, const CanvasSize& size,
+                            const Shown& shown) {
   View drawn = view;
   drawn.camera = centredIn(layout, view.camera, size);
   const bool past = shown.timeline && shown.timeline->past;
@@ -73,9 +73,9 @@ PanelRequests drawComposition(OrganView& organ, Interface& ui, const Session& se
     data.past_forces = shown.past_forces;
     data.presses = nullptr;
   }
-  const PanelRequests requests = drawPanels(ui.theme(), data, layout, panels, view);
+  UserActions asked = drawPanels(ui.theme(), data, layout, panels, view);
   ui.end();
-  return requests;
+  return asked;
 }
 
 }  // namespace palpate::app

@@ -3,10 +3,10 @@
 #include <span>
 #include <string>
 
-#include "app/panels/interface.h"
 #include "app/panels/layout.h"
+#include "app/render/interface.h"
+#include "app/render/organ_view.h"
 #include "app/render/view.h"
-#include "app/run/organ_view.h"
 #include "app/run/session.h"
 
 namespace palpate::app {
@@ -44,8 +44,8 @@ struct Shown {
 
 /// Draws organ and panels into the framebuffer that is bound, between ui.begin() and
 /// the buffers' swap: the same for window and off-screen run.
-PanelRequests drawComposition(OrganView& organ, Interface& ui, const Session& session, const Snapshot& snapshot,
-                              View& view, PanelState& panels, const Layout& layout, const CanvasSize& size,
-                              const Shown& shown);
+UserActions drawComposition(OrganView& organ, Interface& ui, const Session& session, const Snapshot& snapshot,
+                            View& view, PanelState& panels, const Layout& layout, const CanvasSize& size,
+                            const Shown& shown);
 
 }  // namespace palpate::app

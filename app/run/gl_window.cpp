@@ -5,7 +5,6 @@
 #include <GLFW/glfw3.h>
 
 #include <algorithm>
-#include <optional>
 #include <stdexcept>
 #include <utility>
 
@@ -59,10 +58,9 @@ GlWindow::GlWindow(const Options& options, const std::string& title) {
   glfwSetWindowUserPointer(handle_, this);
   glfwSetKeyCallback(handle_, [](GLFWwindow* window, int code, int, int action, int modifiers) {
     auto& self = *static_cast<GlWindow*>(glfwGetWindowUserPointer(window));
-    const std::optional<Key> key = keyFromGlfw(code);
     // Held, '.' goes on: a run in slow motion.
-    const bool counts = action == GLFW_PRESS || (action == GLFW_REPEAT && key == Key::Period);
-    if (key && counts) self.pressed_.add(*key, (modifiers & GLFW_MOD_CONTROL) != 0);
+    if (action == GLFW_PRESS || (action == GLFW_REPEAT && code == GLFW_KEY_PERIOD))
+      self.pressed_.add(code, (modifiers & GLFW_MOD_CONTROL) != 0);
     if (action == GLFW_PRESS) self.went_down_.push_back(code);
   });
   glfwSetDropCallback(handle_, [](GLFWwindow* window, int count, const char** paths) {

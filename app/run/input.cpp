@@ -4,9 +4,7 @@
 #include <imgui.h>
 
 #include <algorithm>
-#include <array>
 #include <cstddef>
-#include <utility>
 
 namespace palpate::app {
 
@@ -27,11 +25,58 @@ Drag beginningDrag(const Input& input) {
   return input.left ? Drag::Orbit : Drag::Pan;
 }
 
+/// How often a key counts that went down several times between two pictures; Switch: twice changes nothing.
+enum class Counts { Once, Switch, Each };
+struct KeyAction {
+  int code;
+  UserAction::Kind action;
+  Counts counts = Counts::Once;
+  bool with_ctrl = false, in_demo = true;
+  double value = 0;
+};
+
+constexpr bool plain = false, ctrl = true, not_in_demo = false;
+/// Carried out in this order.
+constexpr KeyAction key_actions[] = {
+    {GLFW_KEY_1, UserAction::ShowColours, Counts::Once, plain, true, 0},
+    {GLFW_KEY_2, UserAction::ShowColours, Counts::Once, plain, true, 1},
+    {GLFW_KEY_3, UserAction::ShowColours, Counts::Once, plain, true, 2},
+    {GLFW_KEY_4, UserAction::ShowColours, Counts::Once, plain, true, 3},
+    {GLFW_KEY_N, UserAction::ToggleNodes, Counts::Switch, plain, not_in_demo},
+    {GLFW_KEY_P, UserAction::TogglePoints, Counts::Switch, plain, not_in_demo},
+    {GLFW_KEY_H, UserAction::TogglePanels, Counts::Switch, plain, not_in_demo},
+    {GLFW_KEY_F1, UserAction::ToggleHelp, Counts::Switch},
+    {GLFW_KEY_O, UserAction::AskForFile, Counts::Once, ctrl, not_in_demo},
+    {GLFW_KEY_T, UserAction::ToggleTimeline, Counts::Switch, plain, not_in_demo},
+    {GLFW_KEY_F11, UserAction::ToggleFullScreen, Counts::Switch},
+    {GLFW_KEY_G, UserAction::ToggleGhost, Counts::Switch},
+    {GLFW_KEY_X, UserAction::ToggleSection, Counts::Switch},
+    {GLFW_KEY_F, UserAction::FrameView},
+    {GLFW_KEY_SPACE, UserAction::TogglePause, Counts::Switch},
+    {GLFW_KEY_PERIOD, UserAction::SingleStep, Counts::Each, plain, not_in_demo},
+    {GLFW_KEY_BACKSPACE, UserAction::Reset},
+    {GLFW_KEY_Z, UserAction::Undo, Counts::Each, ctrl},
+    {GLFW_KEY_E, UserAction::ToggleEngineer, Counts::Switch, plain, not_in_demo},
+    {GLFW_KEY_B, UserAction::NextShape, Counts::Each, plain, not_in_demo},
+    {GLFW_KEY_EQUAL, UserAction::Larger, Counts::Each, plain, not_in_demo},
+    {GLFW_KEY_KP_ADD, UserAction::Larger, Counts::Each, plain, not_in_demo},
+    {GLFW_KEY_MINUS, UserAction::Smaller, Counts::Each, plain, not_in_demo},
+    {GLFW_KEY_KP_SUBTRACT, UserAction::Smaller, Counts::Each, plain, not_in_demo},
+    {GLFW_KEY_ENTER, UserAction::UseProbe, Counts::Once, plain, not_in_demo},
+    {GLFW_KEY_KP_ENTER, UserAction::UseProbe, Counts::Once, plain, not_in_demo},
+    {GLFW_KEY_END, UserAction::Press},
+    {GLFW_KEY_HOME, UserAction::Lift},
+    {GLFW_KEY_F10, UserAction::ToggleDemo, Counts::Switch},
+    {GLFW_KEY_U, UserAction::NextHardness, Counts::Each},
+    {GLFW_KEY_M, UserAction::Mark},
+    {GLFW_KEY_F12, UserAction::SavePicture, Counts::Once, plain, not_in_demo},
+    {GLFW_KEY_S, UserAction::SaveForces, Counts::Once, ctrl, not_in_demo},
+};
+
 }  // namespace
 
-Actions Controls::read(const Input& input, bool something_open) {
-  Actions actions;
-
+Motion Controls::read(const Input& input) {
+  Motion motion;
   const Drag before = drag_;
   if (!input.left && !input.right && !input.middle)
     drag_ = Drag::None;
@@ -47,118 +92,54 @@ Actions Controls::read(const Input& input, bool something_open) {
     case Drag::Panel:
       break;
     case Drag::Orbit:
-      actions.orbit = moved;
+      motion.orbit = moved;
       break;
     case Drag::Pan:
-      actions.pan = moved;
+      motion.pan = moved;
       break;
     case Drag::MoveTool:
-      actions.move_tool = moved;
+      motion.move_tool = moved;
       break;
     case Drag::PushTool:
-      actions.push_tool_px = moved.y();
+      motion.push_tool_px = moved.y();
       break;
     case Drag::Glide:
-      actions.glide = true;
+      motion.glide = true;
       break;
     case Drag::TurnTool:
-      actions.turn_tool = moved;
+      motion.turn_tool = moved;
       break;
     case Drag::Pull:
-      actions.pull_begin = began;
-      actions.pulling = !ended;
+      motion.pull_begin = began;
+      motion.pulling = !ended;
       break;
   }
-  actions.pick_point = input.double_click && drag_ == Drag::Orbit;
+  motion.pick_point = input.double_click && drag_ == Drag::Orbit;
   const bool pushes = input.shift || drag_ == Drag::Glide || drag_ == Drag::MoveTool;
-  if (!input.mouse_taken) (pushes ? actions.push_tool_notches : actions.zoom) = input.wheel;
+  if (!input.mouse_taken) (pushes ? motion.push_tool_notches : motion.zoom) = input.wheel;
 
-  actions.close = input.wasPressed(Key::Escape) && something_open;  // also out of a text field
-  if (input.keys_taken) return actions;
-  actions.toggle_pause = input.switches(Key::Space);
-  actions.reset = input.wasPressed(Key::Backspace);
-  actions.undo = input.presses.countWithCtrl(Key::Z);
-  actions.single_step = input.presses.count(Key::Period);
-  actions.frame_view = input.wasPressed(Key::F);
-  actions.toggle_panels = input.switches(Key::H);
-  actions.toggle_help = input.switches(Key::F1);
-  actions.quit = input.wasPressed(Key::Escape) && !something_open;
-  actions.open_scene = input.presses.countWithCtrl(Key::O) > 0;
-  actions.save_forces = input.presses.countWithCtrl(Key::S) > 0;
-  actions.save_picture = input.wasPressed(Key::F12);
-  actions.toggle_full_screen = input.switches(Key::F11);
-  actions.toggle_demo = input.switches(Key::F10);
-  actions.toggle_section = input.switches(Key::X);
-  actions.toggle_ghost = input.switches(Key::G);
-  actions.mark = input.wasPressed(Key::M);
-  actions.toggle_nodes = input.switches(Key::N);
-  actions.toggle_timeline = input.switches(Key::T);
-  actions.toggle_points = input.switches(Key::P);
-  actions.toggle_engineer = input.switches(Key::E);
-  actions.press = input.wasPressed(Key::End);
-  actions.lift = input.wasPressed(Key::Home);
-  actions.use_probe = input.wasPressed(Key::Enter);
-  actions.next_shape = input.presses.count(Key::B);
-  actions.next_hardness = input.presses.count(Key::U);
-  actions.radius_steps = input.presses.count(Key::Plus) - input.presses.count(Key::Minus);
-  for (int k = 0; k < 4; ++k)
-    if (input.wasPressed(static_cast<Key>(static_cast<int>(Key::Digit1) + k))) actions.colour_map = k;
-  actions.tool_keys = input.arrows;
-  actions.turn_keys = input.tilt;
-  if (!input.ctrl) actions.jaws_keys = input.jaws;
-  actions.tapped = input.tapped;
-  return actions;
+  if (input.keys_taken) return motion;
+  motion.tool_keys = input.arrows;
+  motion.turn_keys = input.tilt;
+  if (!input.ctrl) motion.jaws_keys = input.jaws;
+  motion.tapped = input.tapped;
+  return motion;
 }
 
-Actions lockedForDemo(Actions actions) {
-  actions.toggle_nodes = actions.toggle_points = actions.toggle_timeline = actions.toggle_panels = false;
-  actions.toggle_engineer = actions.open_scene = actions.save_picture = actions.save_forces = false;
-  actions.next_shape = actions.radius_steps = 0;
-  actions.use_probe = actions.pick_point = actions.quit = false;
-  actions.single_step = 0;
-  return actions;
-}
-
-std::optional<Key> keyFromGlfw(int code) {
-  // Three of them have two codes.
-  static constexpr std::array<std::pair<int, Key>, static_cast<std::size_t>(Key::Count) + 3> keys{
-      {{GLFW_KEY_SPACE, Key::Space},
-       {GLFW_KEY_BACKSPACE, Key::Backspace},
-       {GLFW_KEY_PERIOD, Key::Period},
-       {GLFW_KEY_F, Key::F},
-       {GLFW_KEY_H, Key::H},
-       {GLFW_KEY_F1, Key::F1},
-       {GLFW_KEY_ESCAPE, Key::Escape},
-       {GLFW_KEY_1, Key::Digit1},
-       {GLFW_KEY_2, Key::Digit2},
-       {GLFW_KEY_3, Key::Digit3},
-       {GLFW_KEY_4, Key::Digit4},
-       {GLFW_KEY_N, Key::N},
-       {GLFW_KEY_P, Key::P},
-       {GLFW_KEY_Z, Key::Z},
-       {GLFW_KEY_O, Key::O},
-       {GLFW_KEY_S, Key::S},
-       {GLFW_KEY_G, Key::G},
-       {GLFW_KEY_X, Key::X},
-       {GLFW_KEY_M, Key::M},
-       {GLFW_KEY_T, Key::T},
-       {GLFW_KEY_B, Key::B},
-       {GLFW_KEY_E, Key::E},
-       {GLFW_KEY_U, Key::U},
-       {GLFW_KEY_MINUS, Key::Minus},
-       {GLFW_KEY_EQUAL, Key::Plus},
-       {GLFW_KEY_KP_SUBTRACT, Key::Minus},
-       {GLFW_KEY_KP_ADD, Key::Plus},
-       {GLFW_KEY_ENTER, Key::Enter},
-       {GLFW_KEY_KP_ENTER, Key::Enter},
-       {GLFW_KEY_HOME, Key::Home},
-       {GLFW_KEY_END, Key::End},
-       {GLFW_KEY_F10, Key::F10},
-       {GLFW_KEY_F11, Key::F11},
-       {GLFW_KEY_F12, Key::F12}}};
-  for (const auto& [glfw_code, key] : keys)
-    if (glfw_code == code) return key;
-  return {};
+UserActions askedByKeys(const Input& input, bool something_open, bool demo) {
+  UserActions asked;
+  const bool escape = input.presses.count(GLFW_KEY_ESCAPE) > 0;
+  if (escape && something_open) asked.push_back({UserAction::Close});  // also out of a text field
+  if (input.keys_taken) return asked;
+  for (const KeyAction& key : key_actions) {
+    const int downs = input.presses.count(key.code, key.with_ctrl);
+    const int times = key.counts == Counts::Each     ? downs
+                      : key.counts == Counts::Switch ? downs % 2
+                                                     : std::min(downs, 1);
+    if (key.in_demo || !demo) asked.insert(asked.end(), static_cast<std::size_t>(times), {key.action, key.value});
+  }
+  if (escape && !something_open) asked.push_back({UserAction::Quit});
+  return asked;
 }
 
 Input inputFromImGui(const KeyPresses& presses) {

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "app/panels/tool_choice.h"
 #include "app/run/picture_choice.h"
-#include "app/run/tool_choice.h"
 
 namespace palpate::app {
 

@@ -153,7 +153,7 @@ Pose ToolHand::poseOn(const SkinSurface::Place& place) const {
 
 Vec3 ToolHand::withinReach(const Vec3& position) const { return centre_ + limited(position - centre_, reach_); }
 
-std::vector<Request> ToolHand::apply(const Actions& actions, const std::optional<Vec3>& touched, const Camera& camera,
+std::vector<Request> ToolHand::apply(const Motion& motion, const std::optional<Vec3>& touched, const Camera& camera,
                                      int height, double speed, double seconds, const Pose& goal) {
   std::vector<Request> requests;
   if (behind_ > 0) {
@@ -162,71 +162,71 @@ std::vector<Request> ToolHand::apply(const Actions& actions, const std::optional
     moveTo(goal);
     if (!pressing_) depth_ = held;
   }
-  if (const std::optional<Request> keys = steer(actions, camera, speed, seconds, goal)) requests.push_back(*keys);
+  if (const std::optional<Request> keys = steer(motion, camera, speed, seconds, goal)) requests.push_back(*keys);
   if (touched && mode_ == HandMode::Glide) glideTo(*touched, seconds, requests);
-  moveByMouse(actions, camera, height, seconds, requests);
-  if (actions.jaws_keys != 0 && hasJaws()) requests.push_back(open(opening_ + actions.jaws_keys * speed * seconds));
+  moveByMouse(motion, camera, height, seconds, requests);
+  if (motion.jaws_keys != 0 && hasJaws()) requests.push_back(open(opening_ + motion.jaws_keys * speed * seconds));
   return requests;
 }
 
 /// Held keys: a velocity, which the loop keeps until the next frame says otherwise.
-std::optional<Request> ToolHand::steer(const Actions& actions, const Camera& camera, double speed, double seconds,
+std::optional<Request> ToolHand::steer(const Motion& motion, const Camera& camera, double speed, double seconds,
                                        const Pose& goal) {
-  const bool held = !actions.tool_keys.isZero(0) || !actions.turn_keys.isZero(0);
+  const bool held = !motion.tool_keys.isZero(0) || !motion.turn_keys.isZero(0);
   if (!held) {
     if (!std::exchange(steering_, false)) return {};
     return Request::steer(Vec3::Zero(), Vec3::Zero(), 0);
   }
-  steering_ = !actions.tapped;  // what was tapped ends by itself, however soon the next frame is
-  pressing_ = actions.tool_keys.z() != 0;
+  steering_ = !motion.tapped;  // what was tapped ends by itself, however soon the next frame is
+  pressing_ = motion.tool_keys.z() != 0;
   behind_ = 2;
-  if (place_) return glideKeys(actions, camera, speed, seconds, goal);
+  if (place_) return glideKeys(motion, camera, speed, seconds, goal);
   const Vec3 axis = goal.orientation * -Vec3::UnitZ();
-  Vec3 velocity = speed * (actions.tool_keys.x() * across(camera.right(), axis) +
-                           actions.tool_keys.y() * awayAcross(camera, axis) - actions.tool_keys.z() * axis);
+  Vec3 velocity = speed * (motion.tool_keys.x() * across(camera.right(), axis) +
+                           motion.tool_keys.y() * awayAcross(camera, axis) - motion.tool_keys.z() * axis);
   const Vec3 out = goal.position - centre_;
   if (out.norm() >= reach_ && velocity.dot(out) > 0) velocity -= velocity.dot(out) / out.squaredNorm() * out;
-  const Vec3 turn = turn_speed * (actions.turn_keys.x() * camera.forward() - actions.turn_keys.y() * camera.right());
-  return Request::steer(velocity, turn, holdSeconds(seconds, actions.tapped));
+  const Vec3 turn = turn_speed * (motion.turn_keys.x() * camera.forward() - motion.turn_keys.y() * camera.right());
+  return Request::steer(velocity, turn, holdSeconds(seconds, motion.tapped));
 }
 
 /// Along the skin, at the depth that was reached; what the surface's bend and the tilt ask for is made good evenly.
-Request ToolHand::glideKeys(const Actions& actions, const Camera& camera, double speed, double seconds,
+Request ToolHand::glideKeys(const Motion& motion, const Camera& camera, double speed, double seconds,
                             const Pose& goal) {
   const double soon = std::max(0.2, 2 * seconds);  // s, to make good what is off
   const SkinSurface::Place here = skin_.nearest(goal.position);
   const double depth = (here.point - goal.position).dot(here.normal);
-  Vec3 velocity = speed * (actions.tool_keys.x() * across(camera.right(), here.normal) +
-                           actions.tool_keys.y() * awayAcross(camera, here.normal));
-  if (actions.tool_keys.z() != 0) {
+  Vec3 velocity = speed * (motion.tool_keys.x() * across(camera.right(), here.normal) +
+                           motion.tool_keys.y() * awayAcross(camera, here.normal));
+  if (motion.tool_keys.z() != 0) {
     depth_ = depth;
-    velocity += speed * actions.tool_keys.z() * here.normal;
+    velocity += speed * motion.tool_keys.z() * here.normal;
   } else {
     velocity += limited((depth - depth_) / soon * here.normal, speed);
   }
-  const Vec3 turn = turn_speed * (actions.turn_keys.x() * camera.forward() - actions.turn_keys.y() * camera.right());
+  const Vec3 turn = turn_speed * (motion.turn_keys.x() * camera.forward() - motion.turn_keys.y() * camera.right());
   if (!turn.isZero(0)) {
     tilt_ = (goal.orientation * uprightOn(here.normal).conjugate()).normalized();
-    return Request::steer(velocity, turn, holdSeconds(seconds, actions.tapped));
+    return Request::steer(velocity, turn, holdSeconds(seconds, motion.tapped));
   }
   const Quat wanted = tilt_ * uprightOn(here.normal);
   const Vec3 back = rotationVector(wanted * goal.orientation.conjugate()) / soon;
-  return Request::steer(velocity, limited(back, 2 * turn_speed), holdSeconds(seconds, actions.tapped));
+  return Request::steer(velocity, limited(back, 2 * turn_speed), holdSeconds(seconds, motion.tapped));
 }
 
-void ToolHand::moveByMouse(const Actions& actions, const Camera& camera, int height, double seconds,
+void ToolHand::moveByMouse(const Motion& motion, const Camera& camera, int height, double seconds,
                            std::vector<Request>& requests) {
   const double pixel = camera.pixelSize(target_.position, height);  // m
   const Vec3 axis = target_.orientation * -Vec3::UnitZ();
-  const double push = pixel * actions.push_tool_px + metre_per_notch * actions.push_tool_notches;
-  const bool turns = !actions.turn_tool.isZero(0);
+  const double push = pixel * motion.push_tool_px + metre_per_notch * motion.push_tool_notches;
+  const bool turns = !motion.turn_tool.isZero(0);
   if (turns) {
-    const Quat turn = Quat(Eigen::AngleAxisd(turn_per_pixel * actions.turn_tool.x(), camera.forward())) *
-                      Quat(Eigen::AngleAxisd(turn_per_pixel * actions.turn_tool.y(), camera.right()));
+    const Quat turn = Quat(Eigen::AngleAxisd(turn_per_pixel * motion.turn_tool.x(), camera.forward())) *
+                      Quat(Eigen::AngleAxisd(turn_per_pixel * motion.turn_tool.y(), camera.right()));
     target_.orientation = (turn * target_.orientation).normalized();
     if (place_) tilt_ = (turn * tilt_).normalized();
   }
-  const Vec3 move = pixel * (actions.move_tool.x() * camera.right() - actions.move_tool.y() * camera.up());
+  const Vec3 move = pixel * (motion.move_tool.x() * camera.right() - motion.move_tool.y() * camera.up());
   if (move.isZero(0) && push == 0 && !turns) return;
   if (place_ && !move.isZero(0)) {  // moved freely, it is no longer at its place
     place_.reset();
@@ -238,7 +238,7 @@ void ToolHand::moveByMouse(const Actions& actions, const Camera& camera, int hei
   } else {
     target_.position = withinReach(target_.position + move + push * axis);
   }
-  const double least = actions.push_tool_notches != 0 ? notch_seconds : least_way_seconds;
+  const double least = motion.push_tool_notches != 0 ? notch_seconds : least_way_seconds;
   requests.push_back(Request::moveTool(target_, std::clamp(seconds, least, most_way_seconds)));
 }
 

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "app/render/camera.h"
+#include "app/render/skin_surface.h"
 #include "app/run/input.h"
-#include "app/run/skin_surface.h"
 #include "realtime/channels/command_queue.h"
 #include "simulation/body.h"
 
@@ -60,24 +60,24 @@ class ToolHand {
   /// Upright on the skin (Glide), or as at first (Free).
   std::vector<Request> upright();
 
-  /// What `actions` ask for.
+  /// What `motion` asks for.
   /// @param touched  m, where the pointer is on the skin at rest, while it leads the tool there; else empty
   /// @param height   of the picture, framebuffer pixels
   /// @param speed    of held keys, m/s
   /// @param seconds  since the last frame
   /// @param goal     where the loop's own goal stands (Snapshot::goal_pose)
-  std::vector<Request> apply(const Actions& actions, const std::optional<Vec3>& touched, const Camera& camera,
-                             int height, double speed, double seconds, const Pose& goal);
+  std::vector<Request> apply(const Motion& motion, const std::optional<Vec3>& touched, const Camera& camera, int height,
+                             double speed, double seconds, const Pose& goal);
 
  private:
   static constexpr double lift_height = 0.005;  // m, off the skin
 
   Pose poseOn(const SkinSurface::Place& place) const;
   Vec3 withinReach(const Vec3& position) const;
-  std::optional<Request> steer(const Actions& actions, const Camera& camera, double speed, double seconds,
+  std::optional<Request> steer(const Motion& motion, const Camera& camera, double speed, double seconds,
                                const Pose& goal);
-  Request glideKeys(const Actions& actions, const Camera& camera, double speed, double seconds, const Pose& goal);
-  void moveByMouse(const Actions& actions, const Camera& camera, int height, double seconds,
+  Request glideKeys(const Motion& motion, const Camera& camera, double speed, double seconds, const Pose& goal);
+  void moveByMouse(const Motion& motion, const Camera& camera, int height, double seconds,
                    std::vector<Request>& requests);
   void glideTo(const Vec3& touched, double seconds, std::vector<Request>& requests);
   void wayAround(const Pose& to, const Vec3& up, std::vector<Request>& requests) const;

@@ -17,9 +17,9 @@ namespace palpate::app {
 
 namespace {
 
-constexpr double min_radius = 0.003, max_radius = 0.03;  // m, of a probe that is chosen
-constexpr double pick_pixels = 12;                       // how near to the pointer an integration point must be
-constexpr double most_look_seconds = 0.5;                // that one picture counts for, of what was looked at
+constexpr double min_radius = 0.003, max_radius = 0.03, radius_step = 1e-3;  // m, of a probe that is chosen
+constexpr double pick_pixels = 12;         // how near to the pointer an integration point must be
+constexpr double most_look_seconds = 0.5;  // that one picture counts for, of what was looked at
 
 /// Where on the skin at rest the point is that is now under the ray.
 std::optional<Vec3> touchedAtRest(const TriangleSurface& rest, const std::vector<Vec3f>& positions, const Ray& ray) {
@@ -122,57 +122,152 @@ void Viewer::reset() {
   view_.pulled_vertex = -1;
 }
 
-void Viewer::applyView(const Actions& actions, const CanvasSize& size) {
+void Viewer::moveCamera(const Motion& motion, const CanvasSize& size) {
   const int height = size.pixelHeight();
-  view_.camera.orbit(actions.orbit.x(), actions.orbit.y(), height);
-  view_.camera.pan(actions.pan.x(), actions.pan.y(), height);
-  if (actions.zoom != 0) view_.camera.zoom(actions.zoom);
-  if (actions.colour_map >= 0) {
-    view_.colour_map = static_cast<ColourMap>(actions.colour_map);
-    view_.colour_auto = true;
-  }
-  if (actions.toggle_nodes) view_.show_nodes = !view_.show_nodes;
-  if (actions.toggle_points) view_.show_points = !view_.show_points;
-  if (actions.toggle_panels) panels_.panels_shown = !panels_.panels_shown;
-  if (actions.toggle_help) panels_.help_shown = !panels_.help_shown;
-  if (actions.close) {
-    if (menuOpen())
-      closeMenus();
-    else if (!panels_.problem.empty())
-      panels_.problem.clear();
-    else if (panels_.help_shown)
-      panels_.help_shown = false;
-    else if (panels_.open_shown || !panels_.at_stake.empty())
-      panels_.open_shown = false, panels_.at_stake.clear();
-  }
-  if (actions.open_scene) panels_.open_shown = true, panels_.open_kind = OpenKind::Scene, panels_.path.clear();
-  if (actions.toggle_timeline) {
-    panels_.timeline_shown = !panels_.timeline_shown;
-    if (!panels_.timeline_shown) leavePast();
-  }
-  if (actions.toggle_full_screen) window_.toggleFullScreen();
-  if (actions.toggle_ghost) view_.ghost = !view_.ghost;
-  if (actions.toggle_section) {
-    view_.section.on = !view_.section.on;
-    if (view_.section.on) faceCut(view_.section, view_.camera);
-  }
-  if (actions.frame_view) frameOrgan(view_.camera, organ_, layout(size), size);
+  view_.camera.orbit(motion.orbit.x(), motion.orbit.y(), height);
+  view_.camera.pan(motion.pan.x(), motion.pan.y(), height);
+  if (motion.zoom != 0) view_.camera.zoom(motion.zoom);
 }
 
-void Viewer::applyRun(const Actions& actions, const Snapshot& snapshot) {
+void Viewer::carryOut(const UserAction& action, const Snapshot& snapshot, const CanvasSize& size) {
+  using A = UserAction;
   using Kind = Request::Kind;
-  // What moves the run shows the present again.
-  if (actions.single_step > 0) paused_for_past_ = false;
-  if (actions.toggle_pause || actions.single_step > 0 || actions.reset || actions.undo > 0) leavePast();
-  if (actions.toggle_pause) session_.send(Request::simple(snapshot.status.paused ? Kind::Resume : Kind::Pause));
-  if (actions.single_step > 0 && !snapshot.status.paused) session_.send(Request::simple(Kind::Pause));
-  for (int k = 0; k < actions.single_step; ++k) session_.send(Request::simple(Kind::SingleStep));
-  if (actions.reset) reset();
-  for (int k = 0; k < actions.undo; ++k) session_.send(Request::simple(Kind::Undo));
+  const auto flip = [](bool& what) { what = !what; };
+  const auto say = [&](Kind kind) { session_.say(Request::simple(kind)); };
+  // clang-format off
+  switch (action.kind) {
+    case A::TogglePause: case A::SingleStep: case A::Reset: case A::ResetAll: case A::RestartScript: case A::Undo:
+      return moveRun(action.kind, snapshot.status.paused);
+    case A::DismissNotice: return session_.dismissNotice();
+    case A::LookAt: return lookAt(action.value, snapshot);
+    case A::LookNow: return leavePast();
+    case A::Press: case A::Lift: case A::Grasp: case A::OpenJaws: case A::ToStart: case A::Upright:
+      return moveByHand(action, snapshot);
+    case A::SetGlide:
+      panels_.glide = action.value != 0;
+      return hand_.setMode(panels_.glide ? HandMode::Glide : HandMode::Free);
+    case A::NextShape: case A::Larger: case A::Smaller: return chooseProbe(action.kind);
+    case A::SetFriction: return session_.setFriction(action.value);
+    case A::SetMaterial: return session_.setMaterial(static_cast<int>(action.value), action.material);
+    case A::NextHardness: panels_.hardness = 1 + panels_.hardness % 3; return;
+    case A::Mark: return session_.say(Request::mark(snapshot.tool_pose.position, panels_.hardness));
+    case A::Unmark: return say(Kind::Unmark);
+    case A::Submit: return say(Kind::Submit);
+    case A::FrameView: return frameOrgan(view_.camera, organ_, layout(size), size);
+    case A::ShowColours:
+      view_.colour_map = static_cast<ColourMap>(action.value);
+      view_.colour_auto = true;
+      return;
+    case A::ToggleNodes: return flip(view_.show_nodes);
+    case A::TogglePoints: return flip(view_.show_points);
+    case A::ToggleGhost: return flip(view_.ghost);
+    case A::ToggleSection:
+      flip(view_.section.on);
+      if (view_.section.on) faceCut(view_.section, view_.camera);
+      return;
+    case A::CutThroughTool:
+      return cutThroughTool(view_.section, snapshot.tool_pose, view_.camera, organ_.centre(), organ_.radius());
+    case A::TogglePanels: return flip(panels_.panels_shown);
+    case A::ToggleEngineer: return flip(panels_.engineer);
+    case A::ToggleHelp: return flip(panels_.help_shown);
+    case A::ToggleTimeline:
+      flip(panels_.timeline_shown);
+      if (!panels_.timeline_shown) leavePast();
+      return;
+    case A::ToggleFullScreen: return window_.toggleFullScreen();
+    case A::ToggleDemo:
+      flip(panels_.demo);
+      panels_.panels_shown = !panels_.demo;
+      panels_.timeline_shown = false;
+      leavePast();
+      if (panels_.demo != window_.fullScreen()) window_.toggleFullScreen();
+      return;
+    case A::Close: return closeTopmost();
+    case A::AskForFile:
+      panels_.open_shown = true;
+      panels_.open_kind = static_cast<OpenKind>(action.value);
+      return panels_.path.clear();
+    case A::LayCurve: case A::SavePicture: case A::SaveForces: case A::SavePresses: case A::SaveState:
+    case A::SaveRecording: return useFile(action);
+    case A::ClearPresses: return session_.clearPresses();
+    case A::UseProbe:
+      if (!session_.searching() && std::exchange(panels_.tool_edited, false))
+        leaving_.push_back({.kind = A::UseProbe, .tool = panels_.tool});
+      return;
+    case A::OpenScene: case A::OpenScript: case A::OpenRecording: case A::SearchAgain: case A::Quit: case A::Leave:
+      return leaving_.push_back(action);
+  }
+  // clang-format on
 }
 
-void Viewer::applyTool(const Actions& actions, const Camera& camera, const Snapshot& snapshot, const Input& input,
-                       const CanvasSize& size, double seconds) {
+/// What moves the run shows the present again.
+void Viewer::moveRun(UserAction::Kind kind, bool paused) {
+  using A = UserAction;
+  const auto ask = [&](Request::Kind what) { session_.send(Request::simple(what)); };
+  if (kind == A::SingleStep) paused_for_past_ = false;
+  leavePast();
+  if (kind == A::TogglePause) return ask(paused ? Request::Kind::Resume : Request::Kind::Pause);
+  if (kind == A::SingleStep) {
+    if (!paused) ask(Request::Kind::Pause);
+    return ask(Request::Kind::SingleStep);
+  }
+  session_.dismissNotice();
+  if (kind == A::Undo) return ask(Request::Kind::Undo);
+  reset();
+  if (kind == A::ResetAll) session_.loadedSettings();
+  if (kind == A::RestartScript && paused) ask(Request::Kind::Resume);
+}
+
+/// While a script moves the probe, or the past is seen, the hand rests.
+void Viewer::moveByHand(const UserAction& action, const Snapshot& snapshot) {
+  using A = UserAction;
+  if (session_.driver() != ToolDriver::User || looked_at_) return;
+  const double speed = 1e-3 * panels_.tool_speed_mm_s;
+  grasp_.reset();
+  if (action.kind == A::Press) send(hand_.press(1e-3 * panels_.press_mm, speed, snapshot.goal_pose));
+  if (action.kind == A::Lift) send(hand_.lift(speed, snapshot.goal_pose));
+  if (action.kind == A::ToStart) send(hand_.toStart());
+  if (action.kind == A::Upright) send(hand_.upright());
+  if (action.kind == A::Grasp && hand_.hasJaws()) grasp_.emplace();
+  if (action.kind == A::OpenJaws && hand_.hasJaws()) send({hand_.open(action.value)});
+}
+
+/// As in the panel, by keys.
+void Viewer::chooseProbe(UserAction::Kind next) {
+  if (session_.searching()) return;  // with the scene's probe
+  const ToolShape& tool = session_.model().scene.tool;
+  ToolChoice& chosen = panels_.tool;
+  if (!panels_.tool_edited) chosen = {tool.kind, tool.radius};
+  panels_.tool_edited = panels_.panels_shown = true;
+  const auto kinds = static_cast<int>(std::size(toolTypes()));
+  if (next == UserAction::NextShape) chosen.kind = static_cast<ToolKind>((static_cast<int>(chosen.kind) + 1) % kinds);
+  const double wider = next == UserAction::Larger ? radius_step : next == UserAction::Smaller ? -radius_step : 0;
+  chosen.radius = std::clamp(chosen.radius + wider, min_radius, max_radius);
+}
+
+void Viewer::closeTopmost() {
+  if (menuOpen())
+    closeMenus();
+  else if (!panels_.problem.empty())
+    panels_.problem.clear();
+  else if (panels_.help_shown)
+    panels_.help_shown = false;
+  else if (panels_.open_shown || !panels_.at_stake.empty())
+    panels_.open_shown = false, panels_.at_stake.clear();
+}
+
+/// The run waits meanwhile.
+void Viewer::lookAt(double run_s, const Snapshot& snapshot) {
+  if (past_.empty()) return;
+  if (!snapshot.status.paused && !looked_at_) {
+    session_.send(Request::simple(Request::Kind::Pause));
+    paused_for_past_ = true;
+  }
+  looked_at_ = run_s;
+}
+
+void Viewer::moveTool(const Motion& motion, const Camera& camera, const Snapshot& snapshot, const Input& input,
+                      const CanvasSize& size, double seconds) {
   if (session_.driver() != ToolDriver::User) {
     hand_.reset();
     hand_.moveTo(snapshot.tool_pose);  // so that the hand takes over where the script ends
@@ -183,30 +278,29 @@ void Viewer::applyTool(const Actions& actions, const Camera& camera, const Snaps
     grasp_.reset();
     view_.pulled_vertex = -1;
   }
-  const bool by_itself = !actions.glide && actions.tool_keys.isZero(0) && actions.turn_keys.isZero(0) &&
-                         actions.jaws_keys == 0 && actions.push_tool_notches == 0 && drag() != Drag::MoveTool;
+  const bool by_itself = !motion.glide && motion.tool_keys.isZero(0) && motion.turn_keys.isZero(0) &&
+                         motion.jaws_keys == 0 && motion.push_tool_notches == 0 && drag() != Drag::MoveTool;
   if (!by_itself) grasp_.reset();
   if (grasp_) send(grasp_->next(snapshot, hand_));
   if (grasp_ && grasp_->done()) grasp_.reset();
   std::optional<Vec3> touched;
-  if (actions.glide)
+  if (motion.glide)
     touched = touchedAtRest(session_.model().skin.surface, organ_.skinPositions(),
                             camera.rayThrough(input.mouse.x(), input.mouse.y(), size.pixelWidth(), size.pixelHeight()));
-  send(hand_.apply(actions, touched, camera, size.pixelHeight(), 1e-3 * panels_.tool_speed_mm_s, seconds,
+  send(hand_.apply(motion, touched, camera, size.pixelHeight(), 1e-3 * panels_.tool_speed_mm_s, seconds,
                    snapshot.goal_pose));
 }
 
-void Viewer::applyPull(const Actions& actions, const Camera& camera, const Eigen::Vector2d& mouse,
-                       const CanvasSize& size) {
+void Viewer::pull(const Motion& motion, const Camera& camera, const Eigen::Vector2d& mouse, const CanvasSize& size) {
   const Ray ray = camera.rayThrough(mouse.x(), mouse.y(), size.pixelWidth(), size.pixelHeight());
-  if (actions.pull_begin && session_.driver() == ToolDriver::User) {
+  if (motion.pull_begin && session_.driver() == ToolDriver::User) {
     if (const auto hit = pickSkin(session_.model().skin.surface, organ_.skinPositions(), ray)) {
       view_.pulled_vertex = hit->vertex;
       view_.pull_target = hit->position;
     }
   }
   if (view_.pulled_vertex < 0) return;
-  if (!actions.pulling) {
+  if (!motion.pulling) {
     view_.pulled_vertex = -1;
     session_.send(Request::simple(Request::Kind::ReleasePull));
     return;
@@ -214,59 +308,10 @@ void Viewer::applyPull(const Actions& actions, const Camera& camera, const Eigen
   // The target stays in the plane through the first hit that faces the viewer.
   const double depth = (view_.pull_target - ray.origin).dot(camera.forward());
   const Vec3 target = ray.origin + depth / ray.direction.dot(camera.forward()) * ray.direction;
-  if (actions.pull_begin || target != view_.pull_target) {
+  if (motion.pull_begin || target != view_.pull_target) {
     view_.pull_target = target;
     session_.send(Request::pull(view_.pulled_vertex, target));
   }
-}
-
-void Viewer::applyRequests(const PanelRequests& requests, const Snapshot& snapshot, const CanvasSize& size) {
-  Actions actions;
-  actions.toggle_pause = requests.toggle_pause;
-  actions.single_step = requests.single_step ? 1 : 0;
-  actions.reset = requests.reset || requests.restart_script || requests.reset_all;
-  actions.undo = requests.undo ? 1 : 0;
-  applyRun(actions, snapshot);
-  if (requests.reset_all) session_.loadedSettings();
-  if (requests.dismiss_notice || actions.undo > 0 || actions.reset) session_.dismissNotice();
-  if (requests.restart_script && snapshot.status.paused) session_.send(Request::simple(Request::Kind::Resume));
-  if (requests.frame_view) frameOrgan(view_.camera, organ_, layout(size), size);
-  if (requests.glide) hand_.setMode(*requests.glide ? HandMode::Glide : HandMode::Free);
-  if (requests.section_through_tool)
-    cutThroughTool(view_.section, snapshot.tool_pose, view_.camera, organ_.centre(), organ_.radius());
-  if (requests.section_faces) faceCut(view_.section, view_.camera);
-  if (requests.tool_to_start) send(hand_.toStart());
-  if (requests.upright) send(hand_.upright());
-  const double speed = 1e-3 * panels_.tool_speed_mm_s;
-  if (session_.driver() == ToolDriver::User && !looked_at_) {
-    if (requests.press) send(hand_.press(*requests.press, speed, snapshot.goal_pose));
-    if (requests.press || requests.lift || requests.opening || requests.tool_to_start) grasp_.reset();
-    if (requests.grasp && hand_.hasJaws()) grasp_.emplace();
-    if (requests.opening && hand_.hasJaws()) send({hand_.open(*requests.opening)});
-    if (requests.lift) send(hand_.lift(speed, snapshot.goal_pose));
-  }
-  if (requests.friction) session_.setFriction(*requests.friction);
-  if (requests.material >= 0) session_.setMaterial(requests.material, requests.changed);
-  if (requests.full_screen) window_.toggleFullScreen();
-  if (requests.demo) {
-    panels_.demo = !panels_.demo;
-    panels_.panels_shown = !panels_.demo;
-    panels_.timeline_shown = false;
-    leavePast();
-    if (panels_.demo != window_.fullScreen()) window_.toggleFullScreen();
-  }
-  if (requests.mark) session_.say(Request::mark(snapshot.tool_pose.position, panels_.hardness));
-  if (requests.unmark) session_.say(Request::simple(Request::Kind::Unmark));
-  if (requests.submit) session_.say(Request::simple(Request::Kind::Submit));
-  if (requests.look_at_s && !past_.empty()) {
-    if (!snapshot.status.paused && !looked_at_) {
-      session_.send(Request::simple(Request::Kind::Pause));
-      paused_for_past_ = true;
-    }
-    looked_at_ = *requests.look_at_s;
-  }
-  if (requests.look_now) leavePast();
-  applyFiles(requests);
 }
 
 /// Once the answers are in, the lumps are shown and the score sheet is written.
@@ -286,42 +331,25 @@ void Viewer::showAnswers() {
   }
 }
 
-/// What can't be written is said in the log; the run goes on.
-void Viewer::applyFiles(const PanelRequests& requests) {
+/// What can't be written or read is said; the run goes on.
+void Viewer::useFile(const UserAction& action) {
   try {
-    Log& log = session_.log();
     const SavedFiles files(session_.options().scene);
-    if (requests.save_picture) log.info("saved: " + files.picture(picture()));
-    if (requests.save_forces) log.info("saved: " + files.forces(session_.samples()));
-    if (requests.save_presses) log.info("saved: " + files.presses(session_.presses()));
-    if (requests.save_recording) log.info("saved: " + files.recording(session_.recordingSoFar()));
-    if (!requests.open_curve.empty()) panels_.reference = readReferenceCurve(requests.open_curve);
-    if (requests.save_state)
-      log.info("saved: " + files.state(modelOf(session_.latest(), session_.model()), session_.latest()));
+    const auto saved = [&](const std::string& file) { session_.log().info("saved: " + file); };
+    if (action.kind == UserAction::SavePicture) saved(files.picture(picture()));
+    if (action.kind == UserAction::SaveForces) saved(files.forces(session_.samples()));
+    if (action.kind == UserAction::SavePresses) saved(files.presses(session_.presses()));
+    if (action.kind == UserAction::SaveRecording) saved(files.recording(session_.recordingSoFar()));
+    if (action.kind == UserAction::LayCurve) panels_.reference = readReferenceCurve(action.file);
+    if (action.kind == UserAction::SaveState)
+      saved(files.state(modelOf(session_.latest(), session_.model()), session_.latest()));
   } catch (const std::exception& error) {
     session_.log().error(error.what());
     panels_.problem = error.what();
   }
-  if (requests.clear_presses) session_.clearPresses();
 }
 
-/// What is chosen in the panels, chosen by keys.
-void Viewer::applyChoices(const Actions& actions, PanelRequests& requests) {
-  if (actions.toggle_engineer) panels_.engineer = !panels_.engineer;
-  if (actions.next_hardness > 0) panels_.hardness = 1 + (panels_.hardness - 1 + actions.next_hardness) % 3;
-  if (session_.searching()) return;  // with the scene's probe
-  if (actions.next_shape > 0 || actions.radius_steps != 0) {
-    const ToolShape& tool = session_.model().scene.tool;
-    if (!panels_.tool_edited) panels_.tool = {tool.kind, tool.radius};
-    const auto kinds = static_cast<int>(std::size(toolTypes()));
-    panels_.tool.kind = static_cast<ToolKind>((static_cast<int>(panels_.tool.kind) + actions.next_shape) % kinds);
-    panels_.tool.radius = std::clamp(panels_.tool.radius + 1e-3 * actions.radius_steps, min_radius, max_radius);
-    panels_.tool_edited = panels_.panels_shown = true;
-  }
-  if (actions.use_probe && std::exchange(panels_.tool_edited, false)) requests.tool = panels_.tool;
-}
-
-ProgramRequests Viewer::frame(double seconds, const std::vector<std::string>& scenes) {
+UserActions Viewer::frame(double seconds, const std::vector<std::string>& scenes) {
   const CanvasSize size = window_.size();
   constexpr double share = 0.05;  // of the newest frame in the mean that is shown
   frame_seconds_ = frame_seconds_ == 0 ? seconds : frame_seconds_ + share * (seconds - frame_seconds_);
@@ -348,17 +376,22 @@ ProgramRequests Viewer::frame(double seconds, const std::vector<std::string>& sc
                         .has_value();
   const bool something_open = menuOpen() || panels_.help_shown || panels_.open_shown || !panels_.at_stake.empty() ||
                               panels_.demo || !panels_.problem.empty();
-  Actions actions = controls_.read(input, something_open);
-  if (panels_.demo) actions = lockedForDemo(actions);
-  applyView(actions, size);
-  applyRun(actions, snapshot);
+  const Motion motion = controls_.read(input);
+  moveCamera(motion, size);
+  leaving_.clear();
+  UserActions later;  // a picture is drawn in a frame of its own, once this one is
+  for (const UserAction& action : askedByKeys(input, something_open, panels_.demo))
+    if (action.kind == UserAction::SavePicture)
+      later.push_back(action);
+    else
+      carryOut(action, snapshot, size);
   const Camera shown = centredIn(layout(size), view_.camera, size);
   past_.add(snapshot);
   if (!looked_at_) {
-    applyTool(actions, shown, snapshot, input, size, seconds);
-    applyPull(actions, shown, input.mouse, size);
+    moveTool(motion, shown, snapshot, input, size, seconds);
+    pull(motion, shown, input.mouse, size);
   }
-  if (actions.pick_point) {
+  if (motion.pick_point && !panels_.demo) {
     const Ray ray = shown.rayThrough(input.mouse.x(), input.mouse.y(), size.pixelWidth(), size.pixelHeight());
     view_.picked_point = pickPoint(modelOf(snapshot, session_.model()), snapshot, ray,
                                    pick_pixels * shown.pixelSize(shown.target, size.pixelHeight()));
@@ -378,24 +411,10 @@ ProgramRequests Viewer::frame(double seconds, const std::vector<std::string>& sc
   if (looked_at_ && (!past_forces_ || past_forces_->lastTime() != drawn.force.time_s))
     past_forces_ = session_.forcesUntil(drawn);
   more.past_forces = looked_at_ ? &*past_forces_ : nullptr;
-  PanelRequests requests = drawComposition(organ_, ui_, session_, drawn, view_, panels_, layout(size), size, more);
-  requests.save_picture |= actions.save_picture;
-  requests.save_forces |= actions.save_forces;
-  requests.demo |= actions.toggle_demo;
-  requests.mark |= actions.mark;
-  requests.lift |= actions.lift;
-  if (actions.press) requests.press = 1e-3 * panels_.press_mm;
-  applyChoices(actions, requests);
-  applyRequests(requests, snapshot, size);
-  ProgramRequests program;
-  program.quit = (actions.quit || requests.quit) && !asksBeforeQuit();
-  program.agreed = requests.quit_now;
-  program.open_scene = requests.search_again ? session_.options().scene : requests.open_scene;
-  program.agreed |= requests.search_again;
-  program.open_script = requests.open_script;
-  program.open_recording = requests.open_recording;
-  program.tool = requests.tool;
-  return program;
+  const UserActions clicked = drawComposition(organ_, ui_, session_, drawn, view_, panels_, layout(size), size, more);
+  later.insert(later.end(), clicked.begin(), clicked.end());
+  for (const UserAction& action : later) carryOut(action, snapshot, size);
+  return leaving_;
 }
 
 std::string Viewer::atStake() const {
@@ -414,17 +433,17 @@ bool Viewer::asksBeforeQuit() {
   return !lost.empty();
 }
 
-ProgramRequests Viewer::withConsent(const ProgramRequests& wish) {
-  if (panels_.at_stake.empty()) asked_.reset();  // the user stays
-  if (wish.agreed) {
+UserActions Viewer::withConsent(const UserActions& wish) {
+  if (panels_.at_stake.empty()) asked_.clear();  // the user stays
+  if (asks(wish, UserAction::SearchAgain)) {
     panels_.at_stake.clear();
-    if (wish.leaves()) return wish;
-    if (asked_) return *std::exchange(asked_, {});
-    ProgramRequests quit;
-    quit.quit = true;
-    return quit;
+    return wish;
   }
-  if (!wish.leaves() || !asksBeforeQuit()) return wish;
+  if (asks(wish, UserAction::Leave)) {
+    panels_.at_stake.clear();
+    return asked_.empty() ? UserActions{{UserAction::Quit}} : std::exchange(asked_, {});
+  }
+  if (wish.empty() || !asksBeforeQuit()) return wish;
   asked_ = wish;
   return {};
 }

@@ -13,28 +13,18 @@
 
 namespace palpate::app {
 
-/// What a frame asks of the program beyond the session that it shows.
-struct ProgramRequests {
-  bool quit = false;
-  std::string open_scene, open_script, open_recording;  // empty: none
-  std::optional<ToolChoice> tool;                       // the same scene with another probe
-  bool agreed = false;                                  // what would be lost may be lost
-
-  bool leaves() const { return !open_scene.empty() || !open_script.empty() || !open_recording.empty() || tool; }
-};
-
 /// One session in the window: what the user sees, holds and sets. Main thread.
 class Viewer {
  public:
   /// @param panels  what was set before, in another session; kept between sessions by the caller
   Viewer(Session& session, GlWindow& window, Interface& ui, PanelState& panels);
 
-  /// One frame: input, requests to the loop, picture.
-  ProgramRequests frame(double seconds, const std::vector<std::string>& scenes);
+  /// One frame: input, requests to the loop, picture. @return what leaves the session
+  UserActions frame(double seconds, const std::vector<std::string>& scenes);
   /// Whether quitting would lose something; then the user is asked.
   bool asksBeforeQuit();
   /// The wish, or none until the user has agreed to lose what leaving this session would lose.
-  ProgramRequests withConsent(const ProgramRequests& wish);
+  UserActions withConsent(const UserActions& wish);
 
   /// The picture that is seen, drawn once more.
   Picture picture();
@@ -54,14 +44,17 @@ class Viewer {
  private:
   const Snapshot& shownSnapshot() const;
   Layout layout(const CanvasSize& size) const;
-  void applyView(const Actions& actions, const CanvasSize& size);
-  void applyRun(const Actions& actions, const Snapshot& snapshot);
-  void applyTool(const Actions& actions, const Camera& camera, const Snapshot& snapshot, const Input& input,
-                 const CanvasSize& size, double seconds);
-  void applyPull(const Actions& actions, const Camera& camera, const Eigen::Vector2d& mouse, const CanvasSize& size);
-  void applyRequests(const PanelRequests& requests, const Snapshot& snapshot, const CanvasSize& size);
-  void applyChoices(const Actions& actions, PanelRequests& requests);
-  void applyFiles(const PanelRequests& requests);
+  void carryOut(const UserAction& action, const Snapshot& snapshot, const CanvasSize& size);
+  void moveRun(UserAction::Kind kind, bool paused);
+  void moveByHand(const UserAction& action, const Snapshot& snapshot);
+  void chooseProbe(UserAction::Kind next);
+  void useFile(const UserAction& action);
+  void closeTopmost();
+  void lookAt(double run_s, const Snapshot& snapshot);
+  void moveCamera(const Motion& motion, const CanvasSize& size);
+  void moveTool(const Motion& motion, const Camera& camera, const Snapshot& snapshot, const Input& input,
+                const CanvasSize& size, double seconds);
+  void pull(const Motion& motion, const Camera& camera, const Eigen::Vector2d& mouse, const CanvasSize& size);
   void passTime(bool somebody, double seconds);
   void leavePast();
   void startAttracting();
@@ -86,7 +79,8 @@ class Viewer {
   double answers_seconds_ = 0;   // that they were
   Shown shown_;
   PastPictures past_;
-  std::optional<ProgramRequests> asked_;     // that waits for consent
+  UserActions leaving_;                      // what leaves the session, of this frame
+  UserActions asked_;                        // the same, that waits for consent
   std::optional<double> looked_at_;          // s of the run, of the earlier picture that is shown
   std::optional<ForceHistory> past_forces_;  // up to then
   bool paused_for_past_ = false;             // the run goes on when it is left

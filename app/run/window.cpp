@@ -2,6 +2,7 @@
 
 #include <epoxy/gl.h>
 
+#include <algorithm>
 #include <chrono>
 #include <filesystem>
 #include <map>
@@ -94,12 +95,12 @@ class Shell {
 
 /// A scene or a tool script, told by what is in it, a recording, or a curve, which is shown at once. Returns what is
 /// wrong with anything else; empty: nothing.
-std::string takeDropped(const std::string& file, ProgramRequests& wish, PanelState& panels) {
+std::string takeDropped(const std::string& file, UserActions& wish, PanelState& panels) {
   constexpr std::size_t most_bytes = 1 << 20;
   try {
     const std::string ending = std::filesystem::path(file).extension().string();
     if (ending == ".rec") {
-      wish.open_recording = file;
+      wish.push_back({UserAction::OpenRecording, 0, file});
       return {};
     }
     if (ending == ".csv") {
@@ -110,7 +111,8 @@ std::string takeDropped(const std::string& file, ProgramRequests& wish, PanelSta
       throw InputError({file}, "nothing that can be opened here",
                        "drop a scene or a tool script (.toml), a recording (.rec) or a force over depth (.csv)");
     const std::string text = readWholeFile(file, {}, most_bytes);
-    (text.find("[organ]") != std::string::npos ? wish.open_scene : wish.open_script) = file;
+    const bool is_scene = text.find("[organ]") != std::string::npos;
+    wish.push_back({is_scene ? UserAction::OpenScene : UserAction::OpenScript, 0, file});
   } catch (const std::exception& error) {
     return error.what();
   }
@@ -173,23 +175,22 @@ std::unique_ptr<Viewer> Shell::viewerOf(Session& session) {
 }
 
 /// What a frame asks for, as options of the next session; throws InputError where it can't be read.
-Options nextOptions(const Options& now, const ProgramRequests& wish) {
+Options nextOptions(const Options& now, UserActions wish) {
   Options next = now;
   next.record.clear();  // its file belongs to the session that ends
   next.replay.clear();
   next.out.clear();
-  next.answers &= wish.open_scene.empty() && wish.open_recording.empty();
-  if (!wish.open_scene.empty()) {
-    next.scene = wish.open_scene;
-    next.tool_script.clear();
-    next.tool_choice.reset();
+  std::stable_sort(wish.begin(), wish.end(), [](const UserAction& a, const UserAction& b) { return a.kind < b.kind; });
+  for (const UserAction& action : wish) {
+    const bool again = action.kind == UserAction::SearchAgain, scene = action.kind == UserAction::OpenScene,
+               recording = action.kind == UserAction::OpenRecording;
+    if (scene) next.scene = action.file;
+    if (recording) next.replay = action.file;
+    if (scene || again) next.tool_choice.reset();
+    if (scene || again || recording) next.tool_script.clear(), next.answers = false;
+    if (action.kind == UserAction::OpenScript) next.tool_script = action.file;
+    if (action.kind == UserAction::UseProbe) next.tool_choice = action.tool;
   }
-  if (!wish.open_script.empty()) next.tool_script = wish.open_script;
-  if (!wish.open_recording.empty()) {
-    next.replay = wish.open_recording;
-    next.tool_script.clear();
-  }
-  if (wish.tool) next.tool_choice = wish.tool;
   return next;
 }
 
@@ -212,19 +213,19 @@ Next Shell::show(Session& session, Viewer& viewer, bool resume) {
     }
     window_.poll();
     const auto now = SteadyClock::now();
-    ProgramRequests wish = viewer.frame(std::chrono::duration<double>(now - last).count(), scenes);
+    UserActions wish = viewer.frame(std::chrono::duration<double>(now - last).count(), scenes);
     last = now;
     window_.show();
     if (watch_) watch_(session, viewer);
     for (const std::string& file : window_.takeDropped())
       if (const std::string problem = takeDropped(file, wish, panels_); !problem.empty()) tell(problem);
     wish = viewer.withConsent(wish);
-    if (wish.quit) break;
+    if (asks(wish, UserAction::Quit)) break;
     if (window_.closeAsked()) {
       if (!viewer.asksBeforeQuit()) break;
       window_.forgetClose();
     }
-    if (wish.leaves()) {
+    if (!wish.empty()) {
       try {  // what can be seen to be wrong leaves the present session as it is
         next.options = nextOptions(session.options(), wish);
         checkOptions(next.options);

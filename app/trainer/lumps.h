@@ -3,7 +3,7 @@
 #include <functional>
 #include <vector>
 
-#include "app/run/skin_surface.h"
+#include "app/render/skin_surface.h"
 #include "simulation/model.h"
 
 namespace palpate::app {

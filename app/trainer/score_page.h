@@ -2,9 +2,9 @@
 
 #include <string>
 
-#include "app/panels/theme.h"
+#include "app/render/organ_view.h"
 #include "app/render/picture.h"
-#include "app/run/organ_view.h"
+#include "app/render/theme.h"
 #include "app/trainer/task_score.h"
 
 namespace palpate::app {

@@ -44,7 +44,7 @@ class Panels {
     io.DisplaySize = {static_cast<float>(width), static_cast<float>(height)};
     io.MousePos = mouse_;
     std::string names;
-    seen_ = {};
+    asked_.clear();
     for (int k = 0; k < pictures; ++k) {
       ImGui::NewFrame();
       const PanelData data = this->data();
@@ -64,11 +64,11 @@ class Panels {
     ImGui::Begin("cards");
     ImGui::LogToBuffer();
     const PanelData data = this->data();
-    PanelRequests requests;
-    drawToolCard(theme_, data, state_, requests);
-    drawViewCard(theme_, data, state_, view_, requests);
-    drawMaterialCard(theme_, data, state_, requests);
-    drawForceCard(theme_, data, 700, state_, requests);
+    UserActions asked;
+    drawToolCard(theme_, data, state_, asked);
+    drawViewCard(theme_, data, state_, view_, asked);
+    drawMaterialCard(theme_, data, state_, asked);
+    drawForceCard(theme_, data, 700, state_, asked);
     const std::string written = context_->LogBuffer.c_str();
     ImGui::End();
     ImGui::Render();
@@ -86,22 +86,21 @@ class Panels {
   double pull_N_ = -1;
   bool out_of_view_ = false;
   View view_;
-  PanelRequests requests_;
+  UserActions asked_;  // in the pictures of one draw()
   std::optional<TimelineView> timeline_;
   Rect demo_place_;
   ImVec2 mouse_{-1e6F, -1e6F};
   std::optional<TaskScore> task_;
 
   /// A press of the left button there, and what it asks for.
-  PanelRequests click(float x, float y, int width, int height) {
+  UserActions click(float x, float y, int width, int height) {
     mouse_ = {x, y};
     draw(width, height);
-    PanelRequests all;
+    UserActions all;
     for (const bool down : {true, false}) {
       ImGui::GetIO().MouseDown[0] = down;
       draw(width, height);
-      all.save_state |= seen_.save_state;
-      all.save_recording |= seen_.save_recording;
+      all.insert(all.end(), asked_.begin(), asked_.end());
     }
     return all;
   }
@@ -121,9 +120,9 @@ class Panels {
   }
 
   std::string drawPanels(const PanelData& data, int width, int height) {
-    requests_ = palpate::app::drawPanels(theme_, data, layoutFor(width, height, 1, state_.panels_shown), state_, view_);
-    seen_.save_state |= requests_.save_state;
-    seen_.save_recording |= requests_.save_recording;
+    for (const UserAction& action :
+         palpate::app::drawPanels(theme_, data, layoutFor(width, height, 1, state_.panels_shown), state_, view_))
+      asked_.push_back(action);
     std::string names;
     for (const ImGuiWindow* window : context_->Windows)
       if (window->Active) names += std::string(window->Name) + "\n";
@@ -132,7 +131,6 @@ class Panels {
 
   ImGuiContext* context_;
   Theme theme_;
-  PanelRequests seen_;  // in the pictures of one draw()
 };
 
 const ImGuiWindow* windowNamed(const char* name) { return ImGui::FindWindowByName(name); }
@@ -201,9 +199,9 @@ TEST_CASE("During a search the File menu does not save the tissue's state, which
     bool saved_state = false, saved_run = false;
     for (float y = file.bottom() + 10; y < 420; y += 12) {  // each line of the menu
       panels.click(file.x + 5, file.y + 5, 1280, 800);
-      const PanelRequests asked = panels.click(file.x + 30, y, 1280, 800);
-      saved_state |= asked.save_state;
-      saved_run |= asked.save_recording;
+      const UserActions asked = panels.click(file.x + 30, y, 1280, 800);
+      saved_state |= asks(asked, UserAction::SaveState);
+      saved_run |= asks(asked, UserAction::SaveRecording);
       panels.state_ = {};
     }
     CHECK(saved_run);
@@ -253,11 +251,7 @@ TEST_CASE("A force that is not the present one is marked and greyed", "[panels]"
 TEST_CASE("Nothing is requested unless something is clicked", "[panels]") {
   Panels panels;
   panels.draw(1280, 800);
-  const PanelRequests& r = panels.requests_;
-  CHECK_FALSE(
-      (r.toggle_pause || r.single_step || r.reset || r.undo || r.restart_script || r.tool_to_start || r.frame_view));
-  CHECK_FALSE(r.friction);
-  CHECK(r.material == -1);
+  CHECK(panels.asked_.empty());
 }
 
 TEST_CASE("A force that is not to be trusted is amber, and nothing is while it is", "[panels]") {
@@ -272,6 +266,50 @@ TEST_CASE("A force that is not to be trusted is amber, and nothing is while it i
   const int without = amber();
   panels.force_.sample.doubt = Doubt::Energy;
   CHECK(amber() >= without + 2 * 4 * 5);  // two numbers of five signs
+}
+
+TEST_CASE("While the force is good, what was doubted of it before is told, unless it does not count", "[panels]") {
+  Panels panels;
+  ForceSample sample;
+  const auto add = [&](int ticks, Doubt doubt, double error) {
+    for (int k = 0; k < ticks; ++k) {
+      sample.time_s += 0.1;
+      sample.doubt = doubt;
+      sample.expected_error = error;
+      sample.error_force = error > 0.3 ? 0.001 : 1;
+      panels.forces_.add(sample);
+    }
+  };
+  const auto told = [&](const char* what) { return panels.cards().find(what) != std::string::npos; };
+  add(3, Doubt::Resolution, 0.4);  // at first touch, of next to no force
+  add(3, Doubt::None, 0.01);
+  CHECK_FALSE(told("doubted"));
+  add(3, Doubt::Resolution, 0.08);
+  add(1, Doubt::None, 0);
+  CHECK(told("60 % doubted: resolution"));
+  panels.force_.sample.doubt = Doubt::Energy;
+  CHECK(told("doubt: energy"));
+  panels.forces_.clear();
+  panels.force_.sample.doubt = Doubt::None;
+  CHECK_FALSE(told("doubt"));
+}
+
+TEST_CASE("A slider's value stands above it, where no handle hides it, and is rounded to what is told", "[panels]") {
+  Panels panels;
+  ImGui::GetIO().DisplaySize = {640, 400};
+  ImGui::NewFrame();
+  ImGui::Begin("sliders");
+  ImGui::LogToBuffer();
+  float value = 4.5F;
+  slider("Radius", value, 3, 6, "%.1f mm", "");
+  const Rect all{ImGui::GetItemRectMin().x, ImGui::GetItemRectMin().y, ImGui::GetItemRectSize().x, 0};
+  const std::string written = ImGui::GetCurrentContext()->LogBuffer.c_str();
+  const auto letters = ImGui::GetWindowDrawList()->VtxBuffer;
+  ImGui::End();
+  ImGui::Render();
+  CHECK(written.find("4.5 mm") == written.rfind("4.5 mm"));
+  for (const ImDrawVert& v : letters)
+    if (v.col == colours::text) CHECK(v.pos.y < all.y);
 }
 
 TEST_CASE("In a small window nothing is wider than its column, and the force is on the screen", "[panels]") {
@@ -367,6 +405,16 @@ TEST_CASE("The log shows its newest line in the first picture after the window's
     INFO(width << "x" << height);
     if (shown) CHECK(countOf(colours::bad, "##log") >= 4 * 9);
   }
+}
+
+TEST_CASE("A log with nothing to list has no pane", "[panels]") {
+  Panels panels;
+  panels.log_.resize(1);
+  panels.log_[0].level = LogLevel::Detail;
+  panels.log_[0].text = "5011 nodes";
+  CHECK(panels.draw(1280, 800).find("##log") == std::string::npos);
+  panels.state_.engineer = true;
+  CHECK(panels.draw(1280, 800).find("##log") != std::string::npos);
 }
 
 TEST_CASE("In the demo a notice is large and stands at the foot, beside the force", "[panels]") {

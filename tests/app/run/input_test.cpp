@@ -2,7 +2,10 @@
 
 #include <GLFW/glfw3.h>
 
+#include <algorithm>
 #include <catch2/catch.hpp>
+#include <optional>
+#include <utility>
 
 using namespace palpate;
 using namespace palpate::app;
@@ -34,7 +37,7 @@ TEST_CASE("Each drag does its own thing and nothing else", "[input]") {
     input.right = c.right;
     input.shift = c.shift;
     input.ctrl = c.ctrl;
-    Actions first = controls.read(input, false);
+    Motion first = controls.read(input);
     CHECK(controls.drag() == c.drag);
     CHECK(first.orbit.isZero());  // the press is no movement
     CHECK(first.pan.isZero());
@@ -42,7 +45,7 @@ TEST_CASE("Each drag does its own thing and nothing else", "[input]") {
     CHECK(first.push_tool_px == 0);
     CHECK(first.pull_begin == (c.drag == Drag::Pull));
 
-    const Actions next = controls.read(input, false);
+    const Motion next = controls.read(input);
     CHECK(next.orbit == (c.drag == Drag::Orbit ? Eigen::Vector2d(3, 5) : Eigen::Vector2d(0, 0)));
     CHECK(next.pan == (c.drag == Drag::Pan ? Eigen::Vector2d(3, 5) : Eigen::Vector2d(0, 0)));
     CHECK(next.move_tool == (c.drag == Drag::MoveTool ? Eigen::Vector2d(3, 5) : Eigen::Vector2d(0, 0)));
@@ -57,16 +60,16 @@ TEST_CASE("A drag keeps its meaning until the button comes up", "[input]") {
   Input input = moved(1, 0);
   input.left = true;
   input.shift = true;
-  controls.read(input, false);
+  controls.read(input);
   input.shift = false;       // let go early
   input.mouse_taken = true;  // and wander over a panel
-  const Actions actions = controls.read(input, false);
+  const Motion motion = controls.read(input);
   CHECK(controls.drag() == Drag::MoveTool);
-  CHECK(actions.move_tool == Eigen::Vector2d(1, 0));
+  CHECK(motion.move_tool == Eigen::Vector2d(1, 0));
   input.left = false;  // and up after a last stretch, which a slow picture shows together with it
-  CHECK(controls.read(input, false).move_tool == Eigen::Vector2d(1, 0));
+  CHECK(controls.read(input).move_tool == Eigen::Vector2d(1, 0));
   CHECK(controls.drag() == Drag::None);
-  CHECK(controls.read(input, false).move_tool.isZero());
+  CHECK(controls.read(input).move_tool.isZero());
 }
 
 TEST_CASE("What belongs to a panel does not reach the view", "[input]") {
@@ -75,36 +78,26 @@ TEST_CASE("What belongs to a panel does not reach the view", "[input]") {
   input.left = true;
   input.mouse_taken = true;
   input.wheel = 1;
-  controls.read(input, false);
+  controls.read(input);
   input.mouse_taken = false;  // dragged off the panel, e.g. a slider's end
   input.wheel = 0;
-  Actions actions = controls.read(input, false);
+  const Motion motion = controls.read(input);
   CHECK(controls.drag() == Drag::Panel);
-  CHECK(actions.orbit.isZero());
+  CHECK(motion.orbit.isZero());
 
   Controls others;
   Input wheel;
   wheel.wheel = 1;
   wheel.mouse_taken = true;
-  CHECK(others.read(wheel, false).zoom == 0);
+  CHECK(others.read(wheel).zoom == 0);
   wheel.mouse_taken = false;
-  CHECK(others.read(wheel, false).zoom == 1);
+  CHECK(others.read(wheel).zoom == 1);
 
   Input typing;
   typing.keys_taken = true;
-  typing.press(Key::Backspace);
-  typing.press(Key::Escape);
-  actions = others.read(typing, false);
-  CHECK_FALSE(actions.reset);
-  CHECK_FALSE(actions.quit);
-}
-
-TEST_CASE("Keys have meanings by their GLFW codes, others have none", "[input]") {
-  CHECK(keyFromGlfw(GLFW_KEY_SPACE) == Key::Space);
-  CHECK(keyFromGlfw(GLFW_KEY_PERIOD) == Key::Period);
-  CHECK(keyFromGlfw(GLFW_KEY_P) == Key::P);
-  CHECK_FALSE(keyFromGlfw(GLFW_KEY_Q));
-  CHECK_FALSE(keyFromGlfw(GLFW_KEY_UNKNOWN));
+  typing.press(GLFW_KEY_BACKSPACE);
+  typing.press(GLFW_KEY_ESCAPE);
+  CHECK(askedByKeys(typing, false, false).empty());
 }
 
 TEST_CASE("Shift turns the wheel from zooming to pushing the tool", "[input]") {
@@ -112,56 +105,64 @@ TEST_CASE("Shift turns the wheel from zooming to pushing the tool", "[input]") {
   Input input;
   input.wheel = -2;
   input.shift = true;
-  const Actions actions = controls.read(input, false);
-  CHECK(actions.zoom == 0);
-  CHECK(actions.push_tool_notches == -2);
+  const Motion motion = controls.read(input);
+  CHECK(motion.zoom == 0);
+  CHECK(motion.push_tool_notches == -2);
 }
 
 TEST_CASE("Each key has its action; Escape closes the help before it quits", "[input]") {
-  Controls controls;
-  const auto with = [&](Key key, bool help = false) {
+  const auto asked = [](int code, bool with_ctrl = false, bool help = false) {
     Input input;
-    input.press(key);
-    return controls.read(input, help);
+    input.ctrl = with_ctrl;
+    input.press(code);
+    const UserActions actions = askedByKeys(input, help, false);
+    return actions.size() == 1 ? std::optional(actions[0].kind) : std::nullopt;
   };
-  CHECK(with(Key::Space).toggle_pause);
-  CHECK(with(Key::Backspace).reset);
-  CHECK(with(Key::Period).single_step);
-  CHECK(with(Key::F).frame_view);
-  CHECK(with(Key::H).toggle_panels);
-  CHECK(with(Key::F1).toggle_help);
-  CHECK(with(Key::N).toggle_nodes);
-  CHECK(with(Key::P).toggle_points);
-  CHECK(with(Key::Digit1).colour_map == 0);
-  CHECK(with(Key::Digit4).colour_map == 3);
-  CHECK(with(Key::Space).colour_map == -1);
-  CHECK(with(Key::Escape, true).close);
-  CHECK_FALSE(with(Key::Escape, true).quit);
-  CHECK(with(Key::Escape, false).quit);
-  CHECK_FALSE(with(Key::Z).undo);
-  Input undo;
-  undo.ctrl = true;
-  undo.press(Key::Z);
-  CHECK(controls.read(undo, false).undo);
+  for (const auto& [code, kind] : {std::pair{GLFW_KEY_SPACE, UserAction::TogglePause},
+                                   {GLFW_KEY_BACKSPACE, UserAction::Reset},
+                                   {GLFW_KEY_PERIOD, UserAction::SingleStep},
+                                   {GLFW_KEY_F, UserAction::FrameView},
+                                   {GLFW_KEY_H, UserAction::TogglePanels},
+                                   {GLFW_KEY_F1, UserAction::ToggleHelp},
+                                   {GLFW_KEY_N, UserAction::ToggleNodes},
+                                   {GLFW_KEY_P, UserAction::TogglePoints},
+                                   {GLFW_KEY_ESCAPE, UserAction::Quit},
+                                   {GLFW_KEY_END, UserAction::Press},
+                                   {GLFW_KEY_HOME, UserAction::Lift},
+                                   {GLFW_KEY_E, UserAction::ToggleEngineer},
+                                   {GLFW_KEY_KP_ENTER, UserAction::UseProbe}}) {
+    INFO(code);
+    CHECK(asked(code) == kind);
+  }
+  CHECK(asked(GLFW_KEY_ESCAPE, false, true) == UserAction::Close);
+  CHECK(asked(GLFW_KEY_Z, true) == UserAction::Undo);
+  for (const int code : {GLFW_KEY_Z, GLFW_KEY_S, GLFW_KEY_O, GLFW_KEY_Q, GLFW_KEY_UNKNOWN}) CHECK_FALSE(asked(code));
+  Input fourth;
+  fourth.press(GLFW_KEY_4);
+  CHECK(askedByKeys(fourth, false, false)[0].value == 3);
 }
 
 TEST_CASE("Presses between two pictures are counted: what switches twice stays, undo goes back so often", "[input]") {
-  Controls controls;
   Input input;
-  input.press(Key::X);
-  input.press(Key::X);
-  input.press(Key::G);
-  input.press(Key::Period);
-  input.press(Key::Period);
+  for (const int code : {GLFW_KEY_X, GLFW_KEY_X, GLFW_KEY_G, GLFW_KEY_PERIOD, GLFW_KEY_PERIOD, GLFW_KEY_B, GLFW_KEY_B,
+                         GLFW_KEY_EQUAL, GLFW_KEY_KP_ADD, GLFW_KEY_MINUS, GLFW_KEY_U, GLFW_KEY_END, GLFW_KEY_END})
+    input.press(code);
   input.ctrl = true;
-  input.press(Key::Z);
-  input.press(Key::Z);
+  input.press(GLFW_KEY_Z);
+  input.press(GLFW_KEY_Z);
   input.ctrl = false;  // up again by now
-  const Actions actions = controls.read(input, false);
-  CHECK_FALSE(actions.toggle_section);
-  CHECK(actions.toggle_ghost);
-  CHECK(actions.single_step == 2);
-  CHECK(actions.undo == 2);
+  const UserActions actions = askedByKeys(input, false, false);
+  const auto times = [&](UserAction::Kind kind) {
+    return std::count_if(actions.begin(), actions.end(), [=](const UserAction& a) { return a.kind == kind; });
+  };
+  CHECK(times(UserAction::ToggleSection) == 0);
+  CHECK(times(UserAction::ToggleGhost) == 1);
+  CHECK(times(UserAction::SingleStep) == 2);
+  CHECK(times(UserAction::Undo) == 2);
+  CHECK(times(UserAction::NextShape) == 2);
+  CHECK(times(UserAction::Larger) - times(UserAction::Smaller) == 1);
+  CHECK(times(UserAction::NextHardness) == 1);
+  CHECK(times(UserAction::Press) == 1);
 }
 
 TEST_CASE(
@@ -171,39 +172,25 @@ TEST_CASE(
   Input input = moved(3, 5);
   input.left = input.on_skin = true;
   input.wheel = 2;
-  Actions actions = controls.read(input, false);
+  Motion motion = controls.read(input);
   CHECK(controls.drag() == Drag::Glide);
-  CHECK(actions.glide);
-  CHECK(actions.push_tool_notches == 2);
-  CHECK(actions.zoom == 0);
+  CHECK(motion.glide);
+  CHECK(motion.push_tool_notches == 2);
+  CHECK(motion.zoom == 0);
   input.on_skin = false;  // it goes on past the organ's edge
-  CHECK(controls.read(input, false).glide);
+  CHECK(controls.read(input).glide);
 
   Controls others;
   Input middle = moved(3, 5);
   middle.middle = middle.on_skin = true;
-  others.read(middle, false);
+  others.read(middle);
   CHECK(others.drag() == Drag::Orbit);
 
   Controls turning;
   Input alt = moved(3, 5);
   alt.left = alt.alt = alt.on_skin = true;
-  turning.read(alt, false);
-  CHECK(turning.read(alt, false).turn_tool == Eigen::Vector2d(3, 5));
-}
-
-TEST_CASE("What presses, chooses and marks has a key of its own", "[input]") {
-  Controls controls;
-  Input input;
-  for (const Key key :
-       {Key::End, Key::Home, Key::E, Key::B, Key::B, Key::Plus, Key::Plus, Key::Minus, Key::Enter, Key::U})
-    input.press(key);
-  const Actions actions = controls.read(input, false);
-  CHECK((actions.press && actions.lift && actions.toggle_engineer && actions.use_probe));
-  CHECK(actions.next_shape == 2);
-  CHECK(actions.radius_steps == 1);
-  CHECK(actions.next_hardness == 1);
-  CHECK(keyFromGlfw(GLFW_KEY_KP_ADD) == Key::Plus);
+  turning.read(alt);
+  CHECK(turning.read(alt).turn_tool == Eigen::Vector2d(3, 5));
 }
 
 TEST_CASE("Taken hold of, a free probe is moved, pushed and tilted by the mouse alone", "[input]") {
@@ -211,32 +198,34 @@ TEST_CASE("Taken hold of, a free probe is moved, pushed and tilted by the mouse 
   input.left = input.on_probe = input.free_probe = input.on_skin = true;
   input.wheel = 1;
   Controls left;
-  left.read(input, false);
+  left.read(input);
   CHECK(left.drag() == Drag::MoveTool);
-  const Actions actions = left.read(input, false);
-  CHECK(actions.move_tool == Eigen::Vector2d(3, 5));
-  CHECK(actions.push_tool_notches == 1);
+  const Motion motion = left.read(input);
+  CHECK(motion.move_tool == Eigen::Vector2d(3, 5));
+  CHECK(motion.push_tool_notches == 1);
   input.free_probe = false;  // else it glides
   Controls gliding;
-  gliding.read(input, false);
+  gliding.read(input);
   CHECK(gliding.drag() == Drag::Glide);
   input.left = false;
   input.right = true;
   Controls right;
-  right.read(input, false);
+  right.read(input);
   CHECK(right.drag() == Drag::TurnTool);
 }
 
 TEST_CASE("The demo lets through what moves the probe and the view, and nothing that stays", "[input]") {
-  Controls controls;
   Input input;
-  for (int key = 0; key < static_cast<int>(Key::Count); ++key) input.press(static_cast<Key>(key));
   input.ctrl = true;
-  input.press(Key::O);
-  input.press(Key::S);
-  const Actions actions = lockedForDemo(controls.read(input, true));
-  CHECK_FALSE((actions.toggle_timeline || actions.toggle_nodes || actions.toggle_points || actions.toggle_panels));
-  CHECK_FALSE((actions.toggle_engineer || actions.open_scene || actions.save_forces || actions.save_picture));
-  CHECK_FALSE((actions.quit || actions.use_probe || actions.next_shape > 0 || actions.single_step > 0));
-  CHECK((actions.press && actions.lift && actions.reset && actions.frame_view && actions.toggle_demo));
+  for (int code = GLFW_KEY_SPACE; code <= GLFW_KEY_LAST; ++code) input.press(code);
+  const UserActions actions = askedByKeys(input, true, true);
+  using A = UserAction;
+  for (const A::Kind kind :
+       {A::ToggleTimeline, A::ToggleNodes, A::TogglePoints, A::TogglePanels, A::ToggleEngineer, A::AskForFile,
+        A::SaveForces, A::SavePicture, A::Quit, A::UseProbe, A::NextShape, A::Larger, A::Smaller, A::SingleStep}) {
+    INFO(kind);
+    CHECK_FALSE(asks(actions, kind));
+    CHECK(asks(askedByKeys(input, false, false), kind));
+  }
+  for (const A::Kind kind : {A::Press, A::Lift, A::Reset, A::FrameView, A::ToggleDemo}) CHECK(asks(actions, kind));
 }

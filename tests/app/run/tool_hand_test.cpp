@@ -37,9 +37,9 @@ Camera inFront() {
 constexpr int height = 800;
 constexpr double speed = 0.02;  // m/s, of keys
 
-std::vector<Request> ask(ToolHand& hand, const Actions& actions, double seconds = 0.016,
+std::vector<Request> ask(ToolHand& hand, const Motion& motion, double seconds = 0.016,
                          const std::optional<Vec3>& touched = {}) {
-  return hand.apply(actions, touched, inFront(), height, speed, seconds, hand.target());
+  return hand.apply(motion, touched, inFront(), height, speed, seconds, hand.target());
 }
 
 Vec3 velocityOf(const Request& request) { return request.pose.position; }
@@ -55,9 +55,9 @@ TEST_CASE("Dragged in the view's plane, the tip stays under the pointer, and get
   ToolHand hand(model);
   hand.setMode(HandMode::Free);
   const Vec3 before = camera.project(hand.target().position, 1280, height);
-  Actions actions;
-  actions.move_tool = {40, -25};
-  const std::vector<Request> requests = ask(hand, actions, 0.5);
+  Motion motion;
+  motion.move_tool = {40, -25};
+  const std::vector<Request> requests = ask(hand, motion, 0.5);
   REQUIRE(requests.size() == 1);
   CHECK(requests[0].kind == Request::Kind::MoveTool);
   CHECK(requests[0].pose.position == hand.target().position);
@@ -72,7 +72,7 @@ TEST_CASE("Held keys are a velocity, the same however seldom a picture comes; le
   const Model model = organ();
   for (const double seconds : {0.016, 0.5}) {
     ToolHand hand(model);
-    Actions keys;
+    Motion keys;
     keys.tool_keys = {1, 0, 0};
     std::vector<Request> requests = ask(hand, keys, seconds);
     REQUIRE(requests.size() == 1);
@@ -83,10 +83,10 @@ TEST_CASE("Held keys are a velocity, the same however seldom a picture comes; le
     keys.tool_keys = {0, 1, -1};  // away from the viewer, and into the tissue
     requests = ask(hand, keys, seconds);
     CHECK((velocityOf(requests[0]) - Vec3(0, speed, -speed)).norm() < 1e-12);
-    requests = ask(hand, Actions{}, seconds);
+    requests = ask(hand, Motion{}, seconds);
     REQUIRE(requests.size() == 1);
     CHECK(velocityOf(requests[0]).isZero(0));
-    CHECK(ask(hand, Actions{}, seconds).empty());
+    CHECK(ask(hand, Motion{}, seconds).empty());
   }
 }
 
@@ -94,27 +94,27 @@ TEST_CASE("A tapped key moves the tool by the same way however soon the next pic
   const Model model = organ();
   for (const double seconds : {0.004, 0.5}) {
     ToolHand hand(model);
-    Actions tap;
+    Motion tap;
     tap.tool_keys = {0, 0, 1};
     tap.tapped = true;
     const std::vector<Request> requests = ask(hand, tap, seconds);
     REQUIRE(requests.size() == 1);
     CHECK(velocityOf(requests[0]).norm() * requests[0].value == Approx(0.08 * speed));
-    CHECK(ask(hand, Actions{}, seconds).empty());  // nothing cuts it short
+    CHECK(ask(hand, Motion{}, seconds).empty());  // nothing cuts it short
   }
 }
 
 TEST_CASE("The tool does not get lost, and rests when nothing is asked", "[tool_hand]") {
   const Model model = organ();
   ToolHand hand(model);
-  CHECK(ask(hand, Actions{}).empty());
+  CHECK(ask(hand, Motion{}).empty());
   hand.setMode(HandMode::Free);
-  Actions far;
+  Motion far;
   far.move_tool = {500, 0};
   for (int k = 0; k < 100; ++k) ask(hand, far);
   CHECK(hand.target().position.norm() < 1.0);
   CHECK(hand.target().position.x() > 0.06);  // and yet reaches beyond the organ
-  Actions keys;
+  Motion keys;
   keys.tool_keys = {1, 0, 0};
   CHECK(velocityOf(ask(hand, keys)[0]).dot(hand.target().position - Vec3(0, 0, 0.075)) < 1e-9);
   const std::vector<Request> back = hand.toStart();
@@ -141,7 +141,7 @@ TEST_CASE("On the skin the wheel presses along its normal, and a drag glides at 
   const Model model = organ();
   ToolHand hand(model);
   ask(hand, {}, 0.016, on_the_side);
-  Actions wheel;
+  Motion wheel;
   wheel.push_tool_notches = 8;
   const std::vector<Request> pressed = ask(hand, wheel);
   REQUIRE(pressed.size() == 1);
@@ -160,7 +160,7 @@ TEST_CASE("Over the skin keys go along it, hold the depth and turn the probe wit
   const Model model = organ();
   ToolHand hand(model);
   ask(hand, {}, 0.016, Vec3(0, 0, 0.1));
-  Actions keys;
+  Motion keys;
   keys.tool_keys = {1, 0, 0};
   Pose goal = hand.target();
   for (int k = 0; k < 200;
@@ -183,7 +183,7 @@ TEST_CASE("The probe can be tilted, and stands upright again when asked", "[tool
   ToolHand hand(model);
   ask(hand, {}, 0.016, Vec3(0, 0, 0.1));
   const Quat before = hand.target().orientation;
-  Actions turn;
+  Motion turn;
   turn.turn_tool = {50, 0};
   ask(hand, turn);
   CHECK(hand.target().orientation.angularDistance(before) == Approx(0.3).epsilon(0.01));

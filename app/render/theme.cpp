@@ -1,4 +1,4 @@
-#include "app/panels/theme.h"
+#include "app/render/theme.h"
 
 #include <cmath>
 #include <filesystem>
@@ -81,9 +81,9 @@ Theme makeTheme(float scale) {
   c[ImGuiCol_HeaderHovered] = rgb(42, 50, 61);
   c[ImGuiCol_HeaderActive] = rgb(46, 56, 68);
   c[ImGuiCol_CheckMark] = ImGui::ColorConvertU32ToFloat4(colours::accent);
-  // Values are written over these two.
-  c[ImGuiCol_SliderGrab] = c[ImGuiCol_PlotHistogram] = ImGui::ColorConvertU32ToFloat4(colours::grab);
-  c[ImGuiCol_SliderGrabActive] = rgb(62, 108, 126);
+  c[ImGuiCol_SliderGrab] = ImGui::ColorConvertU32ToFloat4(colours::grab);
+  c[ImGuiCol_SliderGrabActive] = ImGui::ColorConvertU32ToFloat4(colours::accent);
+  c[ImGuiCol_PlotHistogram] = ImGui::ColorConvertU32ToFloat4(colours::progress);  // a value is written over it
   c[ImGuiCol_Separator] = rgb(255, 255, 255, 0.08F);
   c[ImGuiCol_ScrollbarBg] = rgb(0, 0, 0, 0);
   c[ImGuiCol_ScrollbarGrab] = rgb(62, 70, 82);

@@ -1,4 +1,4 @@
-#include "app/panels/interface.h"
+#include "app/render/interface.h"
 
 #include <backends/imgui_impl_glfw.h>
 #include <backends/imgui_impl_opengl3.h>

@@ -6,9 +6,9 @@
 #include <string>
 #include <utility>
 
-#include "app/panels/theme.h"
 #include "app/render/colour.h"
 #include "app/render/colour_map.h"
+#include "app/render/theme.h"
 
 using namespace palpate;
 using namespace palpate::app;
@@ -74,13 +74,18 @@ TEST_CASE("All that is written in the panels can be read", "[panels][contrast]")
       CHECK(contrast(over(ink, pane), pane) >= readable);
       CHECK(contrast(over(ink, popup), popup) >= readable);
     }
-    for (const ImGuiCol what :
-         {ImGuiCol_FrameBg, ImGuiCol_FrameBgHovered, ImGuiCol_FrameBgActive, ImGuiCol_Button, ImGuiCol_ButtonHovered,
-          ImGuiCol_ButtonActive, ImGuiCol_Header, ImGuiCol_HeaderHovered, ImGuiCol_HeaderActive, ImGuiCol_SliderGrab,
-          ImGuiCol_SliderGrabActive, ImGuiCol_PlotHistogram}) {
+    for (const ImGuiCol what : {ImGuiCol_FrameBg, ImGuiCol_FrameBgHovered, ImGuiCol_FrameBgActive, ImGuiCol_Button,
+                                ImGuiCol_ButtonHovered, ImGuiCol_ButtonActive, ImGuiCol_Header, ImGuiCol_HeaderHovered,
+                                ImGuiCol_HeaderActive, ImGuiCol_PlotHistogram}) {
       INFO(ImGui::GetStyleColorName(what));
       const Vec3f ground = style.ground(what, pane);
       CHECK(contrast(over(colours::text, ground), ground) >= readable);
+    }
+    for (const auto& [grab, frame] : {std::pair{ImGuiCol_SliderGrab, ImGuiCol_FrameBg},
+                                      {ImGuiCol_SliderGrab, ImGuiCol_FrameBgHovered},
+                                      {ImGuiCol_SliderGrabActive, ImGuiCol_FrameBgActive}}) {
+      const Vec3f ground = style.ground(frame, pane);
+      CHECK(contrast(style.ground(grab, ground), ground) >= 3);  // what is moved: WCAG 2.1, 1.4.11
     }
     for (const ImU32 banner : {colours::frozen_banner, colours::notice_banner}) {
       const Vec3f ground = over(banner, Vec3f::Constant(behind));

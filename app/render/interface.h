@@ -3,8 +3,7 @@
 #include <span>
 #include <vector>
 
-#include "app/panels/panels.h"
-#include "app/panels/theme.h"
+#include "app/render/theme.h"
 
 struct GLFWwindow;
 struct ImGuiContext;

@@ -1,4 +1,4 @@
-#include "app/run/skin_surface.h"
+#include "app/render/skin_surface.h"
 
 namespace palpate::app {
 

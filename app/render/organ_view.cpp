@@ -1,4 +1,4 @@
-#include "app/run/organ_view.h"
+#include "app/render/organ_view.h"
 
 #include <algorithm>
 #include <cmath>
