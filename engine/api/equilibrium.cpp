@@ -3,15 +3,17 @@
 #include "api/border.h"
 #include "api/handles.h"
 #include "simulation/sensitivity.h"
+#include "simulation/tool_bodies.h"
 
 using namespace palpate;
 using namespace palpate::api;
 
 struct palpate_equilibrium {
-  palpate_equilibrium(std::shared_ptr<const Model> shared, int threads)
-      : model(std::move(shared)), body(*model, threads) {}
+  palpate_equilibrium(const palpate_model& of, std::shared_ptr<const Model> place, int threads)
+      : loaded(of.model), model(std::move(place)), body(*model, threads) {}
 
-  std::shared_ptr<const Model> model;
+  std::shared_ptr<const Model> loaded;
+  std::shared_ptr<const Model> model;  // loaded; where the cloud follows the tool, that of the place for the pose
   EquilibriumSensitivity body;
   std::optional<Pose> tool;
 };
@@ -40,11 +42,12 @@ EquilibriumQuantity quantityOf(const palpate_equilibrium& equilibrium, const pal
       quantity.region = asked.index;
       return quantity;
     case PALPATE_DISPLACEMENT: {
-      if (asked.points == nullptr || asked.points->model != equilibrium.model)
+      if (asked.points == nullptr || asked.points->model != equilibrium.loaded)
         throw Refusal(PALPATE_BAD_ARGUMENT, "quantity.points is NULL, or of another model");
       checkIndex(asked.points->X.size());
       quantity.kind = EquilibriumQuantity::Kind::Displacement;
-      const ShapeTable& shape = *asked.points->shape;
+      const auto rows = asked.points->rowsAt(equilibrium.model);
+      const ShapeTable& shape = *rows->shape;
       for (int e = shape.begin[asked.index]; e < shape.begin[asked.index + 1]; ++e)
         quantity.row.emplace_back(shape.node[e], shape.N[e]);
       return quantity;
@@ -57,6 +60,17 @@ EquilibriumQuantity quantityOf(const palpate_equilibrium& equilibrium, const pal
 MaterialNumber numberFrom(const palpate_material_number& number) {
   if (number.name == nullptr) throw Refusal(PALPATE_BAD_ARGUMENT, "a number without a name");
   return {number.material, number.name, number.entry};
+}
+
+/// The model for a tool at a pose (or nowhere).
+std::shared_ptr<const Model> placeFor(const palpate_model& of, const double* pose) {
+  if (!of.places || pose == nullptr) return of.model;
+  ToolPostures tools = posturesOf(*of.model, initialState(*of.model));
+  tools[0].pose = poseFrom(pose);
+  const PlaceIndex index = nextPlace(*of.places, no_place, tools);
+  if (index == of.start->index) return of.model;
+  const auto place = std::make_shared<const Place>(makePlace(*of.places, index, of.store));
+  return {place, &place->model};
 }
 
 /// Calls what solves for an equilibrium; where there is none, that is a refusal.
@@ -85,9 +99,8 @@ int32_t palpate_settle(const palpate_model* model, const double* pose, double ti
   if ((pose != nullptr && !isPose(pose)) || !(time >= 0 && std::isfinite(time)) || threads < 0 || threads > max_threads)
     return say(error, PALPATE_BAD_ARGUMENT, "pose, time or threads can't be meant");
   return guarded(error, [&] {
-    requireCloudThatStays(*model, "equilibria");
     const int cores = std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, max_threads);
-    auto made = std::make_unique<palpate_equilibrium>(model->model, threads > 0 ? threads : cores);
+    auto made = std::make_unique<palpate_equilibrium>(*model, placeFor(*model, pose), threads > 0 ? threads : cores);
     if (pose != nullptr) made->tool = poseFrom(pose);
     settled([&] { made->body.settle(made->tool, time); });
     *equilibrium = made.release();

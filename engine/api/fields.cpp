@@ -13,16 +13,29 @@ namespace {
 
 constexpr std::int32_t max_points = 10'000'000;
 
-/// Refuses the first that the body does not have, or its nodes can't carry.
-void check(const palpate_points& points, const std::vector<InadmissibleSupport>& failed) {
+[[noreturn]] void refuse(const palpate_points& points, std::size_t k, const char* why) {
+  throw Refusal(PALPATE_BAD_ARGUMENT, "point " + std::to_string(k) + " at " + coordinates(points.X[k]) + why);
+}
+
+/// Refuses the first that the body does not have.
+void check(const palpate_points& points) {
   const SurfaceTree skin(points.model->skin.surface);
   const double tolerance = 0.05 * points.model->scene.spacing;  // flat faces stand for round ones
-  const auto refuse = [&](std::size_t k, const char* why) {
-    throw Refusal(PALPATE_BAD_ARGUMENT, "point " + std::to_string(k) + " at " + coordinates(points.X[k]) + why);
-  };
   for (std::size_t k = 0; k < points.X.size(); ++k)
-    if (skin.signedDistance(points.X[k]) > tolerance) refuse(k, " is not in the body");
-  if (!failed.empty()) refuse(static_cast<std::size_t>(failed.front().row), " has too few nodes around it");
+    if (skin.signedDistance(points.X[k]) > tolerance) refuse(points, k, " is not in the body");
+}
+
+/// Of any points of the body.
+std::shared_ptr<const palpate_points::Rows> makeRows(const palpate_points& points,
+                                                     const std::shared_ptr<const Model>& model) {
+  auto rows = std::make_shared<palpate_points::Rows>();
+  rows->of = model;
+  std::vector<InadmissibleSupport> failed;
+  rows->own = shapeAt(*model, points.X, failed);
+  if (!failed.empty()) refuse(points, static_cast<std::size_t>(failed.front().row), " has too few nodes around it");
+  rows->shape = &rows->own;
+  rows->nearest = nearestPoints(*model, points.X);
+  return rows;
 }
 
 /// Whether the points are the simulation's, and the caller's memory is for all of them.
@@ -42,11 +55,19 @@ Vec3 fieldAt(const ShapeTable& shape, std::size_t row, const Values& values) {
 }
 
 template <class Values>
-void putField(const palpate_points& points, const Values& values, double factor, double* out) {
-  for (std::size_t k = 0; k < points.X.size(); ++k) put(factor * fieldAt(*points.shape, k, values), out + 3 * k);
+void putField(const palpate_points::Rows& rows, const Values& values, double factor, double* out) {
+  for (int k = 0; k < rows.shape->rowCount(); ++k)
+    put(factor * fieldAt(*rows.shape, static_cast<std::size_t>(k), values), out + 3 * k);
 }
 
 }  // namespace
+
+std::shared_ptr<const palpate_points::Rows> palpate_points::rowsAt(const std::shared_ptr<const Model>& place) const {
+  if (place == model) return rows;
+  const std::lock_guard lock(mutex_);
+  if (!last_ || last_->of != place) last_ = makeRows(*this, place);
+  return last_;
+}
 
 extern "C" {
 
@@ -56,7 +77,6 @@ int32_t palpate_points_create(const palpate_model* model, const double* X, int32
   if (model == nullptr || points == nullptr || X == nullptr || count < 1 || count > max_points)
     return say(error, PALPATE_BAD_ARGUMENT, "model, X or points is NULL, or count not in 1 .. 1e7");
   return guarded(error, [&] {
-    requireCloudThatStays(*model, "fields");
     auto made = std::make_unique<palpate_points>();
     made->model = model->model;
     for (std::int32_t k = 0; k < count; ++k) {
@@ -64,11 +84,8 @@ int32_t palpate_points_create(const palpate_model* model, const double* X, int32
       if (!made->X.back().allFinite())
         throw Refusal(PALPATE_BAD_ARGUMENT, "point " + std::to_string(k) + " is not finite");
     }
-    std::vector<InadmissibleSupport> failed;
-    made->own = shapeAt(*made->model, made->X, failed);
-    check(*made, failed);
-    made->shape = &made->own;
-    made->nearest = nearestPoints(*made->model, made->X);
+    check(*made);
+    made->rows = makeRows(*made, made->model);
     *points = made.release();
     return PALPATE_OK;
   });
@@ -79,20 +96,23 @@ int32_t palpate_points_of(const palpate_model* model, int32_t kind, palpate_poin
   if (model == nullptr || points == nullptr || (kind != PALPATE_NODES && kind != PALPATE_INTEGRATION_POINTS))
     return say(error, PALPATE_BAD_ARGUMENT, "model or points is NULL, or there is no such kind");
   return guarded(error, [&] {
-    requireCloudThatStays(*model, "fields");
     auto made = std::make_unique<palpate_points>();
     made->model = model->model;
     const Model& m = *made->model;
+    auto rows = std::make_shared<palpate_points::Rows>();
+    rows->of = made->model;
     if (kind == PALPATE_NODES) {
       made->X = m.X;
-      made->shape = &m.node_shape;
-      made->nearest = nearestPoints(m, m.X);
+      rows->shape = &m.node_shape;
+      rows->nearest = nearestPoints(m, m.X);
     } else {
       made->X = m.point_X;
-      made->shape = &m.point_shape;
-      made->nearest.resize(m.point_X.size());
-      std::iota(made->nearest.begin(), made->nearest.end(), 0);
+      made->have_volumes = true;
+      rows->shape = &m.point_shape;
+      rows->nearest.resize(m.point_X.size());
+      std::iota(rows->nearest.begin(), rows->nearest.end(), 0);
     }
+    made->rows = std::move(rows);
     *points = made.release();
     return PALPATE_OK;
   });
@@ -103,7 +123,7 @@ void palpate_points_destroy(palpate_points* points) { delete points; }
 int32_t palpate_points_rest(const palpate_points* points, double* X, double* volume, int32_t count) {
   if (points == nullptr || count != points->count()) return PALPATE_BAD_ARGUMENT;
   const Model& model = *points->model;
-  if (volume != nullptr && points->shape != &model.point_shape) return PALPATE_BAD_ARGUMENT;
+  if (volume != nullptr && !points->have_volumes) return PALPATE_BAD_ARGUMENT;
   for (std::size_t k = 0; X != nullptr && k < points->X.size(); ++k) put(points->X[k], X + 3 * k);
   if (volume != nullptr) std::copy(model.point_volume.begin(), model.point_volume.end(), volume);
   return PALPATE_OK;
@@ -111,16 +131,24 @@ int32_t palpate_points_rest(const palpate_points* points, double* X, double* vol
 
 int32_t palpate_displacements(palpate_simulation* simulation, const palpate_points* points, double* u, int32_t count) {
   if (u == nullptr || !fits(points, simulation, count)) return PALPATE_BAD_ARGUMENT;
-  putField(*points, simulation->loop.snapshots().latest().u, 1, u);
-  return PALPATE_OK;
+  return guarded(nullptr, [&] {
+    const Snapshot& snapshot = simulation->loop.snapshots().latest();
+    const auto place =
+        snapshot.place ? std::shared_ptr<const Model>(snapshot.place, &snapshot.place->model) : simulation->model;
+    putField(*points->rowsAt(place), snapshot.u, 1, u);
+    return PALPATE_OK;
+  });
 }
 
 int32_t palpate_velocities(const palpate_simulation* simulation, const palpate_points* points, double* v,
                            int32_t count) {
   if (v == nullptr || !fits(points, simulation, count)) return PALPATE_BAD_ARGUMENT;
   if (!simulation->standsStill()) return PALPATE_BUSY;
-  putField(*points, simulation->physics.state().du, 1 / simulation->model->dt, v);
-  return PALPATE_OK;
+  return guarded(nullptr, [&] {
+    const auto rows = points->rowsAt(simulation->sharedPresent());
+    putField(*rows, simulation->physics.state().du, 1 / simulation->model->dt, v);
+    return PALPATE_OK;
+  });
 }
 
 int32_t palpate_stresses(const palpate_simulation* simulation, const palpate_points* points, double* stress, double* J,
@@ -128,7 +156,8 @@ int32_t palpate_stresses(const palpate_simulation* simulation, const palpate_poi
   if (!fits(points, simulation, count)) return PALPATE_BAD_ARGUMENT;
   if (!simulation->standsStill()) return PALPATE_BUSY;
   return guarded(nullptr, [&] {
-    const Model& model = *simulation->model;
+    const auto rows = points->rowsAt(simulation->sharedPresent());
+    const Model& model = *rows->of;
     const State& state = simulation->physics.state();
     std::vector<Vec3> u;
     for (const Float4& a : state.u) u.push_back(toVec3(a));
@@ -136,7 +165,7 @@ int32_t palpate_stresses(const palpate_simulation* simulation, const palpate_poi
     std::vector<Mat3> F;
     const std::vector<Mat3> P = pointStresses(model, u, F, history, &state.live.kernel);
     for (std::size_t k = 0; k < points->X.size(); ++k) {
-      const auto q = static_cast<std::size_t>(points->nearest[k]);
+      const auto q = static_cast<std::size_t>(rows->nearest[k]);
       const double volume_ratio = F[q].determinant();
       const Mat3 tau = P[q] * F[q].transpose(), cauchy = (tau + tau.transpose()) / (2 * volume_ratio);
       if (stress != nullptr) std::copy_n(cauchy.data(), 9, stress + 9 * k);

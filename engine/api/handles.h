@@ -79,9 +79,6 @@ void checkMaterial(const Material& material);
 /// Asks the loop for something: it is done in the next tick, or now where none runs.
 std::int32_t send(palpate_simulation& simulation, const Request& request);
 
-/// Throws Refusal where the model's cloud follows the tool, for what is asked of nodes that stay.
-void requireCloudThatStays(const palpate_model& model, const char* what);
-
 /// Whether the calling thread is in a TickCall of the simulation, which stands still meanwhile.
 bool isInTickCall(const palpate_simulation& simulation);
 
@@ -119,6 +116,10 @@ struct palpate_simulation {
 
   /// That of the present state.
   const palpate::Model& present() const { return physics.place() ? physics.place()->place.model : *model; }
+  std::shared_ptr<const palpate::Model> sharedPresent() const {
+    const auto& place = physics.place();
+    return place ? std::shared_ptr<const palpate::Model>(place, &place->place.model) : model;
+  }
   /// Whether the calling thread may look at the state.
   bool standsStill() const { return !running || palpate::api::isInTickCall(*this); }
   /// Why it may not change the state or the loop: PALPATE_OK, PALPATE_BUSY or, in a tick call, PALPATE_REFUSED.
@@ -128,10 +129,24 @@ struct palpate_simulation {
 };
 
 struct palpate_points {
-  std::shared_ptr<const palpate::Model> model;
-  std::vector<palpate::Vec3> X;      // (count) m
-  palpate::ShapeTable own;           // of given points
-  const palpate::ShapeTable* shape;  // own, or one of the model's
-  std::vector<int> nearest;          // (count) integration point
+  /// How the nodes of a model carry the points.
+  struct Rows {
+    std::shared_ptr<const palpate::Model> of;
+    palpate::ShapeTable own;                     // of given points
+    const palpate::ShapeTable* shape = nullptr;  // own, or one of the model's
+    std::vector<int> nearest;                    // (count) integration point
+  };
+  std::vector<palpate::Vec3> X;             // (count) m
+  std::shared_ptr<const palpate::Model> model;  // that they were made for
+  std::shared_ptr<const Rows> rows;             // there
+  bool have_volumes = false;                    // they are its integration points
+
   int count() const { return static_cast<int>(X.size()); }
+  /// Those there, or where the cloud follows the tool at another place, whose last are kept (and the place with them).
+  /// Any thread. Throws Refusal where nodes can't carry a point.
+  std::shared_ptr<const Rows> rowsAt(const std::shared_ptr<const palpate::Model>& place) const;
+
+ private:
+  mutable std::mutex mutex_;
+  mutable std::shared_ptr<const Rows> last_;
 };

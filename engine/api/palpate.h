@@ -163,8 +163,8 @@ PALPATE_API const char* palpate_doubt_text(int32_t doubt);
  * Where the scene's cloud follows the tool ([discretization] follow) its simulations make nodes around the tool while
  * they run: palpate_step waits for them (a second at new places, less from options.cache_folder), so that its bits are
  * those of `palpate --fast`; palpate_start does not, and goes on with the nodes that it has. palpate_describe counts
- * the nodes of the start. PALPATE_REFUSED: palpate_points_*, palpate_settle, palpate_restore (palpate_save_size is 0),
- * and stepping in a process that was forked off after palpate_create.
+ * the nodes of the start, palpate_points_of gives them, palpate_settle has those for its pose.
+ * PALPATE_REFUSED: stepping in a process that was forked off after palpate_create.
  * @param options  NULL: the scene's own
  * @param model    receives it; NULL where it fails */
 PALPATE_API int32_t palpate_load(const char* scene, const palpate_options* options, palpate_model** model,

@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include "api/border.h"
 #include "api/handles.h"
 #include "base/build_info.h"
@@ -49,7 +51,13 @@ void forEachPart(SomeState& s, Call call) {
 std::size_t sizeOf(const palpate_simulation& simulation) {
   std::size_t size =
       sizeof(Header) + sizeof(RunMemory) + simulation.materials.size() * sizeof(Material) + sizeof(std::uint64_t);
-  forEachPart(simulation.physics.state(), [&](const void*, std::size_t bytes) { size += bytes; });
+  const State& state = simulation.physics.state();
+  forEachPart(state, [&](const void*, std::size_t bytes) { size += bytes; });
+  if (simulation.following) {  // the same at all places: with room for all nodes
+    const std::size_t of_node = 3 * sizeof(Float4) + sizeof(float);  // u, du, u_low; added mass
+    const auto nodes = static_cast<std::size_t>(simulation.following->places->cloud.nodeCount());
+    size += sizeof(PlaceIndex) + (nodes - state.u.size()) * of_node;
+  }
   return size;
 }
 
@@ -66,12 +74,22 @@ void take(const char*& from, T& value) {
   from += sizeof value;
 }
 
+/// Where the saved bytes say, and waits for it. Throws Refusal where that can't be.
+void goToPlace(palpate_simulation& simulation, const char*& at) {
+  PlaceIndex place;
+  take(at, place);
+  if (place == simulation.physics.place()->place.index) return;
+  const std::int32_t code = send(simulation, Request::goToPlace(place));
+  if (code != PALPATE_OK || simulation.physics.place()->place.index != place)
+    throw Refusal(PALPATE_REFUSED, "the nodes for where the tool was can't be made again");
+}
+
 }  // namespace
 
 extern "C" {
 
 size_t palpate_save_size(const palpate_simulation* simulation) {
-  return simulation != nullptr && !simulation->following ? sizeOf(*simulation) : 0;
+  return simulation != nullptr ? sizeOf(*simulation) : 0;
 }
 
 int32_t palpate_save(const palpate_simulation* simulation, void* bytes, size_t size) {
@@ -89,8 +107,10 @@ int32_t palpate_save(const palpate_simulation* simulation, void* bytes, size_t s
     put(&memory, sizeof memory);
     put(&simulation->step_sequence, sizeof simulation->step_sequence);
     const State& state = simulation->physics.state();
+    if (simulation->following) put(&state.place, sizeof state.place);
     put(state.live.kernel.materials.data(), state.live.kernel.materials.size() * sizeof(Material));
     forEachPart(state, put);
+    std::fill(at, begin + size, '\0');
     Header header;
     header.build = buildHash();
     header.model = modelHash(*simulation->model);
@@ -105,8 +125,6 @@ int32_t palpate_restore(palpate_simulation* simulation, const void* bytes, size_
   if (simulation == nullptr || bytes == nullptr) return say(error, PALPATE_BAD_ARGUMENT, "simulation or bytes is NULL");
   if (const int32_t code = simulation->whyNot()) return say(error, code, palpate_result_text(code));
   return guarded(error, [&] {
-    if (simulation->following)
-      throw Refusal(PALPATE_REFUSED, "a cloud that follows the tool can't go on from a saved state; record its input");
     const char* at = static_cast<const char*>(bytes);
     Header header;
     const Header right;
@@ -122,14 +140,17 @@ int32_t palpate_restore(palpate_simulation* simulation, const void* bytes, size_
 
     if (simulation->recorder)
       throw Refusal(PALPATE_REFUSED, "a recording can't go on from a saved state; palpate_record_stop first");
-    State state = simulation->physics.state();  // before anything changes: there may be no memory for it
     at += sizeof header;
     RunMemory memory;
     take(at, memory);
-    take(at, simulation->step_sequence);
+    std::uint64_t step_sequence = 0;
+    take(at, step_sequence);
+    if (simulation->following) goToPlace(*simulation, at);
+    State state = simulation->physics.state();  // before anything changes: there may be no memory for it
+    simulation->step_sequence = step_sequence;
     for (std::size_t m = 0; m < simulation->materials.size(); ++m) {
       take(at, simulation->materials[m]);
-      setMaterial(*simulation->model, static_cast<int>(m), simulation->materials[m], state.live);
+      setMaterial(simulation->present(), static_cast<int>(m), simulation->materials[m], state.live);
     }
     forEachPart(state, [&at](void* part, std::size_t length) {
       if (length > 0) std::memcpy(part, at, length);

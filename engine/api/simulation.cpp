@@ -62,13 +62,6 @@ long waitCount() {
 
 }  // namespace
 
-void palpate::api::requireCloudThatStays(const palpate_model& model, const char* what) {
-  if (model.places)
-    throw Refusal(PALPATE_REFUSED, std::string(what) +
-                                       " of a cloud that follows the tool can't be had; load the scene "
-                                       "with discretization.spacing in place of discretization.follow");
-}
-
 bool palpate::api::isInTickCall(const palpate_simulation& simulation) { return in_call == &simulation; }
 
 void TickCall::afterTick() {

@@ -20,7 +20,7 @@
 namespace palpate {
 namespace {
 
-constexpr double fine_radii = 0.55, coarse_of_fine = 2.2, widest_of_body = 0.2;
+constexpr double fine_radii = 0.5, coarse_of_fine = 2.4, widest_of_body = 0.2;
 constexpr double hysteresis = 0.25;      // strides
 constexpr double longest_stride = 0.01;  // m
 constexpr int kept_of_region = 6;        // nodes of each imposed region that are always live

@@ -34,7 +34,7 @@ struct FollowSizes {
   double stride = 0;  // between neighbouring centres
 };
 
-/// fine 0.55 tool radii, coarse 2.2 times that but no wider than a fifth of the body's size (the cube root of its
+/// fine 0.5 tool radii, coarse 2.4 times that but no wider than a fifth of the body's size (the cube root of its
 /// volume), neighbouring centres half a ball apart but no more than 10 mm. Of several tools the smallest counts.
 /// Measured over drags on liver and kidney by `mtled follow`.
 FollowSizes followSizes(const Scene& scene, double volume);

@@ -194,7 +194,7 @@ TEST_CASE("A cloud can follow a tool that is there, where nothing hidden would b
   CHECK_THAT(refusal([&] { read(follows + tool + lump); }), Contains("f.toml:5:") && Contains("lumps to be found"));
   const Scene scene = read(follows + tool);
   CHECK(scene.follow);
-  CHECK(scene.spacing == Approx(2.2 * 0.55 * 0.01));
+  CHECK(scene.spacing == Approx(2.4 * 0.5 * 0.01));
   CHECK(!read(minimal_scene + tool).follow);
   CHECK_THAT(refusal([&] { read(relaxes + tool); }), Contains("f.toml:5:") && Contains("relaxes"));
   // Where nothing is said it follows, or the scene has to say more, with a number that suits the tool.
@@ -203,5 +203,5 @@ TEST_CASE("A cloud can follow a tool that is there, where nothing hidden would b
   CHECK_THAT(refusal([&] { read(silent(follows)); }),
              Contains("f.toml:") && Contains("\"spacing\" is missing") && Contains("no tool"));
   CHECK_THAT(refusal([&] { read(silent(relaxes) + tool); }),
-             Contains("\"spacing\" is missing") && Contains("relaxes") && Contains("0.0055 m"));
+             Contains("\"spacing\" is missing") && Contains("relaxes") && Contains("0.005 m"));
 }
