@@ -98,7 +98,8 @@ TEST_CASE("A hand far beneath the organ does not draw the tool through what hold
   PressBeneath press(model);
   SimulationLoopOptions options;
   options.motion = &press;
-  options.tick_limit = std::lround((PressBeneath::seconds + 3) * model.scene.rate_hz);
+  const double rest = 3 * (1 + model.addedMass());  // s: what is added does not damp
+  options.tick_limit = std::lround((PressBeneath::seconds + rest) * model.scene.rate_hz);
   SimulationLoop loop(model, physics, nullptr, options);
   test::FakeClock clock;
   loop.run(clock);
@@ -130,7 +131,7 @@ TEST_CASE("No rough hand breaks the half-ellipsoid of brain", "[rough]") { rough
 TEST_CASE("No rough hand breaks the box that is stretched", "[rough]") { roughHand("box_extension", 21, half); }
 TEST_CASE("No rough hand breaks the scenes with lumps", "[rough]") {
   const std::string name = GENERATE("lump_liver", "lump_breast_3");  // levels differ in the lumps alone
-  roughHand(name, 31, half);
+  roughHand(name, 31, name == "lump_liver" ? whole : half);  // its mass is doubled here, and it comes to rest late
 }
 TEST_CASE("No rough hand breaks what a second tool presses, too", "[rough]") { roughHand("two_fingers", 32); }
 // It lies between jaws, which a rough hand does not leave alone.

@@ -79,8 +79,7 @@ class SurfaceImport {
     makeScene();
     for (const std::string& line : findings_) std::cout << "  " << line << "\n";
     std::cout << name_ << ": " << model_->nodeCount() << " nodes, " << model_->substeps_per_tick
-              << (model_->substeps_per_tick == 1 ? " step" : " steps") << " a tick, spacing "
-              << format("%.3g mm", 1e3 * model_->scene.spacing) << "\n";
+              << (model_->substeps_per_tick == 1 ? " step" : " steps") << " a tick, spacing " << spacingText() << "\n";
     const std::string picture = draw();
     writeReport(picture);
     stopWhereInterrupted();
@@ -94,6 +93,13 @@ class SurfaceImport {
   }
 
  private:
+  /// Where the cloud follows, the ball's and that far from it.
+  std::string spacingText() const {
+    const Scene& scene = model_->scene;
+    const std::string far = format("%.3g mm", 1e3 * scene.spacing);
+    return scene.refine.empty() ? far : format("%.3g mm around the tool, ", 1e3 * scene.refine[0].spacing) + far;
+  }
+
   void find(const std::string& line) { findings_.push_back(line); }
 
   void read() {
@@ -212,6 +218,7 @@ class SurfaceImport {
     bool thicker = false, coarser = false;
     std::string why;  // it was refused, at first
     constexpr int max_refusals = 3;
+    if (opensFollowing(spacing)) return;
     for (int refusals = 0;;) {
       const double nodes = nodesAt(body, spacing);
       if (nodes > max_nodes)
@@ -249,8 +256,21 @@ class SurfaceImport {
     }
   }
 
-  std::string writeScene(double spacing) const {
+  /// A cloud that follows the tool, where the body can have one that costs no more.
+  bool opensFollowing(double spacing) {
+    if (separateParts(organ_->surface(), connectedParts(organ_->surface(), faceEdges(organ_->surface()))).size() > 1)
+      return false;
+    try {
+      model_.emplace(open(writeScene(spacing, true)));
+    } catch (const InputError&) {
+      return false;
+    }
+    return model_->nodeCount() * model_->substeps_per_tick <= node_steps_budget;
+  }
+
+  std::string writeScene(double spacing, bool follows = false) const {
     ImportedScene scene = chooseScene(*organ_, spacing);
+    scene.follows = follows;
     scene.name = name_;
     scene.source = std::filesystem::path(options_.file).filename().string();
     writeObj(organ_->surface(), folder_.aside("surface.obj"));

@@ -188,9 +188,11 @@ std::string sceneText(const ImportedScene& s) {
          quotable(s.name) +
          "\"\n\n"
          "[organ]\nsurface = \"surface.obj\"\nunit = \"m\"\n\n"
-         "[discretization]\nspacing = " +
-         text(s.spacing) +
-         "  # m; `mtled fit` finds the finest that holds the rate on your machine\n"
+         "[discretization]\n" +
+         (s.follows
+              ? "# Nodes follow the tool; a spacing = number in m makes a cloud that stays.\n"
+              : "spacing = " + text(s.spacing) +
+                    "  # m; `mtled fit` finds the finest that holds the rate on your machine\n") +
          "cells_per_point = 1.32\n\n"
          "[[material]]  # about a liver's\nmodel = \"neo-hookean\"\nyoung = 3000  # Pa\npoisson = 0.45\n"
          "density = 1060  # kg/m^3\n\n"

@@ -17,6 +17,7 @@ struct ImportedScene {
   std::string name;
   std::string source;  // the file it came from
   double spacing = 0;  // m
+  bool follows = false;  // the cloud follows the tool, and has its own spacings
   std::vector<HeldBox> held;
   double tool_radius = 0;        // m
   Vec3 tool_tip = Vec3::Zero();  // m
