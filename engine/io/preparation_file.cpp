@@ -73,19 +73,22 @@ void forEachArray(P& p, Visit&& visit) {
   visit(p.essential.facets);
   visit(p.essential.facet_weight);
   forEachTable(p.essential.facet_phi, visit);
+  visit(p.cloud.X);
+  visit(p.cloud.on_surface);
+  visit(p.cloud.coarsest);
 }
-constexpr std::size_t array_count = 34;
+constexpr std::size_t array_count = 37;
 
 struct Header {
   std::uint64_t magic_word = magic, layout = version;
   KeyHash key{};
-  double surface_volume = 0, cell_volume = 0, dt = 0, dt_proven = 0;
+  double surface_volume = 0, cell_volume = 0, dt = 0, dt_proven = 0, pair_moment = 0;
   std::int64_t worst_node = 0, iterations = 0;
   std::array<std::uint64_t, array_count> length{};  // elements
   std::array<std::uint64_t, array_count> checksum{};
   std::uint64_t own_checksum = 0;  // of all before it
 };
-static_assert(std::is_trivially_copyable_v<Header> && sizeof(Header) == (11 + 2 * array_count) * 8);  // no padding
+static_assert(std::is_trivially_copyable_v<Header> && sizeof(Header) == (12 + 2 * array_count) * 8);  // no padding
 
 std::uint64_t checksumOf(const Header& header) {
   return hashBytes(reinterpret_cast<const char*>(&header), offsetof(Header, own_checksum), version);
@@ -159,6 +162,7 @@ int writePreparation(int file, const KeyHash& key, const Preparation& p) {
   header.cell_volume = p.cell_volume;
   header.dt = p.limit.dt;
   header.dt_proven = p.limit.dt_proven;
+  header.pair_moment = p.pair_moment;
   header.worst_node = p.limit.worst_node;
   header.iterations = p.limit.iterations;
   std::size_t k = 0;
@@ -212,6 +216,7 @@ bool readPreparation(int file, const KeyHash& key, Preparation& p) {
   if (!good) return false;
   p.surface_volume = header.surface_volume;
   p.cell_volume = header.cell_volume;
+  p.pair_moment = header.pair_moment;
   // What does not fit an int is no node; isSound refuses it.
   const auto toInt = [](std::int64_t a) { return a == static_cast<int>(a) ? static_cast<int>(a) : -1; };
   p.limit = {header.dt, header.dt_proven, toInt(header.worst_node), toInt(header.iterations)};

@@ -92,8 +92,9 @@ std::string keyOf(const Places& places, const PlaceIndex& index, bool common) {
 }
 
 /// The place from its scene, with what is common to all or, for the first, without.
+/// @param kept  its preparation, if it is at hand
 Place place(const Places& places, const PlaceIndex& index, const CommonToPlaces* common, const PlaceStore& store,
-            PlaceMemory* memory) {
+            PlaceMemory* memory, std::optional<Preparation> kept = {}) {
   Place made;
   made.index = index;
   made.node = liveNodes(places.cloud, wantedSpacing(places, index));
@@ -108,8 +109,7 @@ Place place(const Places& places, const PlaceIndex& index, const CommonToPlaces*
   }
   const Progress silent = [](const std::string&, double) {};
   const std::string key = keyOf(places, index, common != nullptr);
-  std::optional<Preparation> kept;
-  if (!key.empty() && store.find) kept = store.find(key);
+  if (!kept && !key.empty() && store.find) kept = store.find(key);
   if (!kept || kept->X.size() != made.node.size()) {
     SurfaceMemory* const surface = memory != nullptr ? &memory->surface : nullptr;
     Discretization d;
@@ -122,8 +122,10 @@ Place place(const Places& places, const PlaceIndex& index, const CommonToPlaces*
     std::optional<RowMemory> rows;
     if (memory != nullptr) rows.emplace(RowMemory{made.node, memory->rows});
     kept = prepare(scene, places.organ, std::move(d), silent, common, rows ? &*rows : nullptr);
+    if (common == nullptr) kept->cloud = places.cloud, kept->pair_moment = places.common.pair_moment;
     if (!key.empty() && store.keep) store.keep(key, *kept);
   }
+  kept->cloud = {};
   made.model = finish(scene, places.organ, std::move(*kept), silent, common);
   made.model.scene.follow = false;  // as a body on its own it stays
   return made;
@@ -155,6 +157,21 @@ double fineSpacing(const Scene& scene) { return fine_radii * smallestToolRadius(
 
 double followSpacing(const Scene& scene) { return coarse_of_fine * fineSpacing(scene); }
 
+/// The fine cloud that all places are taken from, and up to where their cells are joined.
+static void makeCloud(const Scene& as_read, const std::function<void(double)>& progress, Places& places) {
+  Scene fine = as_read;
+  fine.spacing = places.sizes.fine;
+  fine.refine = finerThan(fine.spacing, as_read.refine);
+  Discretization d = discretizeOnSurface(fine, places.organ, progress);
+  putInSlices(d);
+  places.cloud = nestedOrder(d.cloud, dimensionsOf(fine, places.organ, d), spacingField(fine));
+  keepRegions(as_read, places.organ, places.cloud);
+  const QuadratureSpec& quadrature = as_read.quadrature;
+  if (quadrature.cells_per_point > 1 && quadrature.accuracy == 0 && quadrature.points_per_cell == 1)
+    places.common.pair_moment = largestPairMoment(
+        d.cloud.X, d.cells, cellMaterials(fine, places.organ, d.cloud.X, d.cells), quadrature.cells_per_point);
+}
+
 Places makePlaces(const Scene& as_read, const TriangleSurface& organ, const Progress& progress,
                   const PlaceStore& store) {
   checkCarried(as_read, organ);
@@ -163,15 +180,6 @@ Places makePlaces(const Scene& as_read, const TriangleSurface& organ, const Prog
   };
   Places places{as_read, SurfaceTree(organ), followSizes(as_read, signedVolume(organ)), {}, {}, {}, {}};
   const FollowSizes& sizes = places.sizes;
-  report("fine cloud", 0);
-  Scene fine = as_read;
-  fine.spacing = sizes.fine;
-  fine.refine = finerThan(sizes.fine, as_read.refine);
-  Discretization d = discretizeOnSurface(fine, places.organ, [&](double share) { report("fine cloud", 0.5 * share); });
-  putInSlices(d);
-  places.cloud = nestedOrder(d.cloud, dimensionsOf(fine, places.organ, d), spacingField(fine));
-  keepRegions(as_read, places.organ, places.cloud);
-
   Scene& scene = places.scene;
   scene.spacing = sizes.coarse;
   scene.refine = finerThan(sizes.coarse, as_read.refine);
@@ -187,14 +195,22 @@ Places makePlaces(const Scene& as_read, const TriangleSurface& organ, const Prog
   places.common.skin = skinOf(scene, refineForContact(plain, organ));
   places.common.bodies = makeSkinBodies(places.common.skin, scene.spacing);
   places.centres = centresOn(places.common.skin.surface, sizes.stride);
-  if (scene.quadrature.cells_per_point > 1 && scene.quadrature.accuracy == 0 && scene.quadrature.points_per_cell == 1)
-    places.common.pair_moment = largestPairMoment(
-        d.cloud.X, d.cells, cellMaterials(fine, places.organ, d.cloud.X, d.cells), scene.quadrature.cells_per_point);
+  const PlaceIndex start = startPlace(places);
+  report("fine cloud", 0);
+  const std::string first_key = keyOf(places, start, false);
+  std::optional<Preparation> kept;
+  if (!first_key.empty() && store.find) kept = store.find(first_key);
+  if (kept && !kept->cloud.X.empty()) {
+    places.cloud = std::move(kept->cloud);
+    places.common.pair_moment = kept->pair_moment;
+  } else {
+    kept.reset();
+    makeCloud(as_read, [&](double share) { report("fine cloud", 0.5 * share); }, places);
+  }
 
   // One step and one rule for masses: those that suit the place at which the tools start.
   report("time step", 0.6);
-  const PlaceIndex start = startPlace(places);
-  const Model first = place(places, start, nullptr, store, nullptr).model;
+  const Model first = place(places, start, nullptr, store, nullptr, std::move(kept)).model;
   if (!places.key.empty())
     for (const int centre : start) places.key += "\nstart " + std::to_string(centre);
   places.common.row_limit = row_margin * 4 / (first.dt_proven * first.dt_proven);

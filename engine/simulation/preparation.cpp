@@ -97,7 +97,10 @@ bool isSound(const Preparation& p, std::size_t material_count, std::size_t bound
          isTable(p.node_shape, nodes, nodes, false) && isTable(p.skin_shape, vertices, nodes, false) &&
          allFinite(p.skin.surface.vertices) && allWithin(p.skin.surface.triangles, vertices) &&
          isEssential(p.essential, nodes, boundary_count) && within(p.limit.worst_node, nodes) &&
-         allPositive({p.limit.dt, p.limit.dt_proven, p.surface_volume, p.cell_volume});
+         allPositive({p.limit.dt, p.limit.dt_proven, p.surface_volume, p.cell_volume}) &&
+         p.cloud.on_surface.size() == p.cloud.X.size() && p.cloud.coarsest.size() == p.cloud.X.size() &&
+         allFinite(p.cloud.X) && std::isfinite(p.pair_moment) &&
+         std::all_of(p.cloud.coarsest.begin(), p.cloud.coarsest.end(), [](double h) { return h > 0; });
 }
 
 }  // namespace palpate

@@ -7,6 +7,7 @@
 
 #include "approximation/shape_table.h"
 #include "contact/skin.h"
+#include "discretization/nodes/nested_cloud.h"
 #include "mechanics/critical_time_step.h"
 #include "mechanics/essential_nodes.h"
 #include "simulation/scene.h"
@@ -48,6 +49,10 @@ struct Preparation {
   EssentialNodes essential;  // what is imposed where
 
   CriticalTimeStep limit;  // of the operator at rest
+
+  // Of the first place of a cloud that follows the tool (place.h), for all others; else empty.
+  NestedCloud cloud;
+  double pair_moment = 0;
 
   int nodeCount() const { return static_cast<int>(X.size()); }
   double addedMass() const;  // as a share of the tissue's own

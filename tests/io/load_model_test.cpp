@@ -97,3 +97,24 @@ TEST_CASE("The warning of a size comes before the set-up takes time, and once", 
   REQUIRE(warnings.size() == 1);
   CHECK_THAT(warnings[0], Contains("the organ is 4 m long"));
 }
+
+TEST_CASE("Where the cloud follows, a model is that of the place where the tool will be", "[load_model]") {
+  Scene scene = test::barScene();
+  scene.follow = true;
+  const ModelCache none("");
+  const Vec3 there(0.05, 0, 0.032);
+  const Model start = loadModel(scene, {}, none), end = loadModel(scene, {}, none, {}, [&](const Model& model) {
+    ToolPostures tools;
+    tools[0].pose = model.tool_start;
+    tools[0].pose.position = there;
+    return tools;
+  });
+  const auto near = [&](const Model& model, const Vec3& x) {
+    return std::count_if(model.X.begin(), model.X.end(), [&](const Vec3& X) { return (X - x).norm() < 0.02; });
+  };
+  CHECK(near(end, there) > 1.5 * static_cast<double>(near(start, there)));
+  CHECK(near(start, scene.tool_position) > 1.5 * static_cast<double>(near(end, scene.tool_position)));
+  CHECK_FALSE(end.scene.follow);
+  REQUIRE(end.scene.refine.size() == 1);
+  CHECK(end.scene.refine[0].spacing == Approx(0.5 * scene.tool.radius));
+}

@@ -108,6 +108,29 @@ TEST_CASE("A batch gives the same bits with any number of workers, keeps failure
   CHECK(folder.read("one/results.jsonl") != results);
 }
 
+TEST_CASE("A job's cloud follows its tool, with the same bits again", "[batch]") {
+  TempFolder folder;
+  const std::string bar = replaced(replaced(test::touched_block_text, "spacing = 0.012", ""), "size = [0.06, 0.06, 0.03]",
+                                   "size = [0.12, 0.04, 0.03]"),
+                    way = "name = \"way\"\nfrom_touch = true\n[[keyframe]]\ntime = 0.05\nadvance = 0.003\n"
+                          "[[keyframe]]\ntime = 0.3\nadvance = 0.003\nslide = [0.03, 0]\n";
+  const std::string scene = folder.write("bar.toml", bar), tool = folder.write("way.toml", way);
+  const auto job = [&](const char* id) {
+    return std::string("{\"id\": \"") + id + "\", \"scene\": \"" + scene + "\", \"tool\": \"" + tool + "\"}\n";
+  };
+  BatchOptions options;
+  options.jobs = folder.write("jobs.jsonl", job("one") + job("two"));
+  options.out = folder.path("out");
+  options.workers = 2;
+  const CapturedOutput quiet;
+  REQUIRE(batchCommand(options) == 0);
+  const std::string force = readAll(folder.path("out/one/force.csv"));
+  CHECK(force == readAll(folder.path("out/two/force.csv")));
+  const CsvTable table = readCsvTable(folder.path("out/one/force.csv"));
+  CHECK(table["nodes"].front() != table["nodes"].back());  // another place
+  CHECK(table["place_late"] == std::vector<double>(table.rowCount(), 0));
+}
+
 TEST_CASE("Shards on many machines make the whole, and a merge refuses what is missing or doubled", "[batch]") {
   const BatchFolder folder;
   CHECK(folder.runBatch("whole", 2) == 1);

@@ -42,7 +42,7 @@ struct Unpacker {
 }  // namespace
 
 void ForceOutput::publish(const ForceSample& s) {
-  LatestWords<33>::Words words{};
+  LatestWords<35>::Words words{};
   Packer packer{words.data()};
   packer.add(std::bit_cast<std::uint64_t>(s.tick));
   packer.add(std::bit_cast<std::uint64_t>(s.wall_ns));
@@ -64,11 +64,13 @@ void ForceOutput::publish(const ForceSample& s) {
   packer.add(std::bit_cast<std::uint64_t>(s.loss_count));
   packer.add(static_cast<std::uint64_t>(s.contact_count));
   packer.add(static_cast<std::uint64_t>(s.frozen));
+  packer.add(static_cast<std::uint64_t>(s.node_count));
+  packer.add(static_cast<std::uint64_t>(s.place_late));
   words_.publish(words);
 }
 
 ForceSample ForceOutput::latest() const {
-  const LatestWords<33>::Words words = words_.latest();
+  const LatestWords<35>::Words words = words_.latest();
   Unpacker unpacker{words.data()};
   ForceSample s;
   s.tick = std::bit_cast<std::int64_t>(unpacker.whole());
@@ -91,6 +93,8 @@ ForceSample ForceOutput::latest() const {
   s.loss_count = std::bit_cast<std::int64_t>(unpacker.whole());
   s.contact_count = static_cast<int>(unpacker.whole());
   s.frozen = unpacker.whole() != 0;
+  s.node_count = static_cast<int>(unpacker.whole());
+  s.place_late = unpacker.whole() != 0;
   return s;
 }
 

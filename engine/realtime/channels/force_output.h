@@ -36,7 +36,7 @@ class ForceOutput {
   ForceSample latest() const;
 
  private:
-  LatestWords<33> words_;
+  LatestWords<35> words_;
 };
 
 }  // namespace palpate

@@ -35,6 +35,8 @@ ForceSample marked(std::int64_t tick) {
   sample.loss_count = 26 * tick;
   sample.contact_count = static_cast<int>(tick % 1000);
   sample.frozen = tick % 2 == 1;
+  sample.node_count = static_cast<int>(tick % 5000);
+  sample.place_late = tick % 3 == 1;
   return sample;
 }
 
@@ -46,7 +48,8 @@ bool isMarked(const ForceSample& s) {
          s.tool_pose.orientation.coeffs() == whole.tool_pose.orientation.coeffs() && s.torque == whole.torque &&
          s.contact_normal == whole.contact_normal && s.stiffness == whole.stiffness && s.work_J == whole.work_J &&
          s.pose_sequence == whole.pose_sequence && s.loss_count == whole.loss_count &&
-         s.contact_count == whole.contact_count && s.frozen == whole.frozen;
+         s.contact_count == whole.contact_count && s.frozen == whole.frozen &&
+         s.node_count == whole.node_count && s.place_late == whole.place_late;
 }
 
 }  // namespace
