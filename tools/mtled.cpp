@@ -173,11 +173,14 @@ CLI::App* addFollow(CLI::App& app, FollowOptions& options) {
   CLI::App* command = app.add_subcommand(
       "follow", "Drag the tool over a scene's organ on a cloud that follows it: cost, error, and what swaps do");
   command->footer(examplesOf(*command));
-  command->add_option("SCENE", options.scene, "Scene file (.toml), or the name of one in assets/scenes")->required();
+  command->add_option("SCENE", options.scenes, "Scene files (.toml), or names of those in assets/scenes")->required();
   command->add_option("--ways", options.ways, "Drags, at as many places of the organ (1)")
       ->type_name("N")
       ->check(CLI::Range(1, 100));
-  command->add_option("--json", options.json, "Write all numbers to this file")->type_name("FILE");
+  command->add_option("--nu", options.nu, "Poisson's ratio of all materials in place of the scene's")
+      ->type_name("NU")
+      ->check(CLI::Range(0.0, 0.4999));
+  command->add_option("--report", options.report, "Write a page and all numbers to this folder")->type_name("DIR");
   command->add_flag("--quick", options.quick, "No other spacings, and a coarser reference");
   return command;
 }

@@ -136,7 +136,7 @@ struct palpate_points {
     const palpate::ShapeTable* shape = nullptr;  // own, or one of the model's
     std::vector<int> nearest;                    // (count) integration point
   };
-  std::vector<palpate::Vec3> X;             // (count) m
+  std::vector<palpate::Vec3> X;                 // (count) m
   std::shared_ptr<const palpate::Model> model;  // that they were made for
   std::shared_ptr<const Rows> rows;             // there
   bool have_volumes = false;                    // they are its integration points

@@ -55,7 +55,7 @@ std::string certifiedText(const Certificate& certificate, double advance) {
   const Certificate::Row* const row = certificate.at(advance);
   const double deepest = 1e3 * certificate.deepest();
   if (row == nullptr) return format("beyond the certified %.3g mm", deepest);
-  return format("+-%.2g %% (certified to %.3g mm)", 100 * (row->error + row->uncertainty), deepest);
+  return format("±%.2g %% (certified to %.3g mm)", 100 * (row->error + row->uncertainty), deepest);
 }
 
 }  // namespace palpate

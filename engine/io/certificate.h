@@ -36,7 +36,7 @@ void writeCertificate(const std::string& file, const Certificate& certificate);
 /// Test: io/certificate_test.cpp
 std::optional<Certificate> readCertificate(const std::string& file, std::uint64_t model_hash);
 
-/// "+-1.5 % (certified to 12 mm)", or that the tool is beyond what was certified.
+/// "±1.5 % (certified to 12 mm)", or that the tool is beyond what was certified.
 std::string certifiedText(const Certificate& certificate, double advance);
 
 }  // namespace palpate

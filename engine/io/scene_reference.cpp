@@ -93,8 +93,9 @@ poisson = 0.45         # nearly incompressible (0.5 would be entirely)
 density = 1050         # kg/m^3
 ```
 
-`tools/run my.toml` opens it: points are dense where the ball is, and follow it. `tools/run my.toml --tool indent_hold_retract` presses the ball 5 mm deep: the force at
-the hold is 0.2 N. Change `young` to 6000, and it is twice that.
+`tools/run my.toml` opens it: nodes are dense around the ball, and follow it. `tools/run my.toml --tool
+indent_hold_retract` presses the ball 5 mm deep: the force at the hold is 0.19 N. Change `young` to 6000, and it is
+twice that.
 
 ## Reference
 

@@ -205,7 +205,8 @@ Places makePlaces(const Scene& as_read, const TriangleSurface& organ, const Prog
     places.common.pair_moment = kept->pair_moment;
   } else {
     kept.reset();
-    makeCloud(as_read, [&](double share) { report("fine cloud", 0.5 * share); }, places);
+    makeCloud(
+        as_read, [&](double share) { report("fine cloud", 0.5 * share); }, places);
   }
 
   // One step and one rule for masses: those that suit the place at which the tools start.

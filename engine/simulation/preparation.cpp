@@ -88,10 +88,10 @@ double Preparation::addedMass() const {
 bool isSound(const Preparation& p, std::size_t material_count, std::size_t boundary_count) {
   const std::size_t nodes = p.X.size(), vertices = p.skin.surface.vertices.size();
   return nodes != 0 && p.support_radius.size() == nodes && p.mass.size() == nodes && allFinite(p.X) &&
-         allPositive(p.support_radius) && allPositive(p.mass) && p.own_mass.size() == nodes && allPositive(p.own_mass) &&
-         allWithin(p.cells, nodes) &&
-         hasSoundPoints(p, material_count) && isTable(p.point_shape, p.point_X.size(), nodes, true) &&
-         allWithin(p.side_node, nodes) && allWithin(p.volume_cells, nodes + p.side_node.size()) &&
+         allPositive(p.support_radius) && allPositive(p.mass) && p.own_mass.size() == nodes &&
+         allPositive(p.own_mass) && allWithin(p.cells, nodes) && hasSoundPoints(p, material_count) &&
+         isTable(p.point_shape, p.point_X.size(), nodes, true) && allWithin(p.side_node, nodes) &&
+         allWithin(p.volume_cells, nodes + p.side_node.size()) &&
          p.volume_cells.size() == (p.vertex_group.empty() ? 0 : p.cells.size()) &&
          p.vertex_group.size() == (p.vertex_group.empty() ? p.side_node.size() : nodes + p.side_node.size()) &&
          isTable(p.node_shape, nodes, nodes, false) && isTable(p.skin_shape, vertices, nodes, false) &&

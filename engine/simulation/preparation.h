@@ -35,8 +35,8 @@ struct Preparation {
   std::vector<int> side_node;                    // (side_count) node of vertex node_count + k
   std::vector<std::uint64_t> vertex_group;       // (node_count + side_count) a bit for each group of cells (GroupBits)
   std::vector<std::array<int, 4>> volume_cells;  // (cell_count) as `cells`, by vertices
-  double surface_volume = 0;              // m^3, of the organ's own surface
-  double cell_volume = 0;                 // m^3, of the background cells
+  double surface_volume = 0;                     // m^3, of the organ's own surface
+  double cell_volume = 0;                        // m^3, of the background cells
 
   // Computed by shapeFunctions (MMLS).
   ShapeTable point_shape;  // N, gradN at the integration points

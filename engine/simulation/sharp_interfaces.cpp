@@ -73,8 +73,7 @@ void giveAway(const std::vector<int>& mine, const std::vector<Vec3>& centroid, s
   const Vec3 at = centroid[mine.front()];
   int nearest = -1;
   for (int c = 0; c < static_cast<int>(group.size()); ++c)
-    if (group[c] != own &&
-        (nearest < 0 || (centroid[c] - at).squaredNorm() < (centroid[nearest] - at).squaredNorm()))
+    if (group[c] != own && (nearest < 0 || (centroid[c] - at).squaredNorm() < (centroid[nearest] - at).squaredNorm()))
       nearest = c;
   if (nearest >= 0)
     for (const int c : mine) group[c] = group[nearest];
@@ -112,8 +111,8 @@ void joinGroups(const std::vector<Unsupported>& places, const std::vector<std::a
   for (const Unsupported& place : places) {
     int nearest = -1;
     for (int c = 0; c < static_cast<int>(cells.size()); ++c)
-      if ((place.group >> before[c] & 1) != 0 && (nearest < 0 || (centroid[c] - place.at).squaredNorm() <
-                                                                     (centroid[nearest] - place.at).squaredNorm()))
+      if ((place.group >> before[c] & 1) != 0 &&
+          (nearest < 0 || (centroid[c] - place.at).squaredNorm() < (centroid[nearest] - place.at).squaredNorm()))
         nearest = c;
     if (nearest < 0 || group[nearest] != before[nearest]) continue;
     const std::vector<int>& lump = lumps.cells[lumps.lump[nearest]];

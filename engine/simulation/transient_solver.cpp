@@ -8,8 +8,7 @@
 
 namespace palpate {
 
-TransientSolver::TransientSolver(const Model& model, int threads)
-    : model_(model), body_(model, model.mass, threads) {
+TransientSolver::TransientSolver(const Model& model, int threads) : model_(model), body_(model, model.mass, threads) {
   body_.keepHistory(model.dt);
   for (const float share : model.own_share) beta_.push_back(Integrator(model.dt, share * model.scene.damping).beta);
 }

@@ -13,8 +13,8 @@ using namespace palpate::test;
 
 namespace {
 
-const std::string bar_text = replaced(replaced(touched_block_text, "spacing = 0.012", ""),
-                                      "size = [0.06, 0.06, 0.03]", "size = [0.12, 0.04, 0.03]");
+const std::string bar_text = replaced(replaced(touched_block_text, "spacing = 0.012", ""), "size = [0.06, 0.06, 0.03]",
+                                      "size = [0.12, 0.04, 0.03]");
 constexpr int drag_ticks = 160;
 
 /// Half a radius down within the first 40 ticks, then 35 mm along the bar.
@@ -77,8 +77,7 @@ TEST_CASE("Fields, equilibria and saved states of a cloud that follows are those
   auto state = sized<palpate_state>();
   auto error = sized<palpate_error>();
   const auto dragTo = [&](const SimulationHandle& of, int from, int to) {
-    for (int k = from; k <= to; ++k)
-      REQUIRE(palpate_step(of.get(), 1, dragPose(info, k).data(), &state) == PALPATE_OK);
+    for (int k = from; k <= to; ++k) REQUIRE(palpate_step(of.get(), 1, dragPose(info, k).data(), &state) == PALPATE_OK);
   };
   // The displacement of the skin at its own vertices, before and after the nodes are others.
   const auto count = info.skin_vertex_count;

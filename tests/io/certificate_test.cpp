@@ -37,7 +37,7 @@ TEST_CASE("A certificate comes back as it was written, for its own model only, a
 TEST_CASE("What a certificate says of a depth, and beyond", "[certificate]") {
   Certificate c;
   c.row = {{0.004, 0.1, 0.05, 0.01}, {0.012, 0.5, 0.02, 0.005}};
-  CHECK(certifiedText(c, -0.001) == "+-6 % (certified to 12 mm)");
-  CHECK(certifiedText(c, 0.0041) == "+-2.5 % (certified to 12 mm)");
+  CHECK(certifiedText(c, -0.001) == "±6 % (certified to 12 mm)");
+  CHECK(certifiedText(c, 0.0041) == "±2.5 % (certified to 12 mm)");
   CHECK(certifiedText(c, 0.013) == "beyond the certified 12 mm");
 }

@@ -103,12 +103,12 @@ TEST_CASE("Where the cloud follows, a model is that of the place where the tool 
   scene.follow = true;
   const ModelCache none("");
   const Vec3 there(0.05, 0, 0.032);
-  const Model start = loadModel(scene, {}, none), end = loadModel(scene, {}, none, {}, [&](const Model& model) {
-    ToolPostures tools;
-    tools[0].pose = model.tool_start;
-    tools[0].pose.position = there;
-    return tools;
-  });
+  const Model start = loadModel(scene, {}, none), end = loadModel(scene, {}, none, {}, [&](const Model&model) {
+                                                    ToolPostures tools;
+                                                    tools[0].pose = model.tool_start;
+                                                    tools[0].pose.position = there;
+                                                    return tools;
+                                                  });
   const auto near = [&](const Model& model, const Vec3& x) {
     return std::count_if(model.X.begin(), model.X.end(), [&](const Vec3& X) { return (X - x).norm() < 0.02; });
   };

@@ -110,10 +110,11 @@ TEST_CASE("A batch gives the same bits with any number of workers, keeps failure
 
 TEST_CASE("A job's cloud follows its tool, with the same bits again", "[batch]") {
   TempFolder folder;
-  const std::string bar = replaced(replaced(test::touched_block_text, "spacing = 0.012", ""), "size = [0.06, 0.06, 0.03]",
-                                   "size = [0.12, 0.04, 0.03]"),
-                    way = "name = \"way\"\nfrom_touch = true\n[[keyframe]]\ntime = 0.05\nadvance = 0.003\n"
-                          "[[keyframe]]\ntime = 0.3\nadvance = 0.003\nslide = [0.03, 0]\n";
+  const std::string bar = replaced(replaced(test::touched_block_text, "spacing = 0.012", ""),
+                                   "size = [0.06, 0.06, 0.03]", "size = [0.12, 0.04, 0.03]"),
+                    way =
+                        "name = \"way\"\nfrom_touch = true\n[[keyframe]]\ntime = 0.05\nadvance = 0.003\n"
+                        "[[keyframe]]\ntime = 0.3\nadvance = 0.003\nslide = [0.03, 0]\n";
   const std::string scene = folder.write("bar.toml", bar), tool = folder.write("way.toml", way);
   const auto job = [&](const char* id) {
     return std::string("{\"id\": \"") + id + "\", \"scene\": \"" + scene + "\", \"tool\": \"" + tool + "\"}\n";

@@ -48,8 +48,8 @@ bool isMarked(const ForceSample& s) {
          s.tool_pose.orientation.coeffs() == whole.tool_pose.orientation.coeffs() && s.torque == whole.torque &&
          s.contact_normal == whole.contact_normal && s.stiffness == whole.stiffness && s.work_J == whole.work_J &&
          s.pose_sequence == whole.pose_sequence && s.loss_count == whole.loss_count &&
-         s.contact_count == whole.contact_count && s.frozen == whole.frozen &&
-         s.node_count == whole.node_count && s.place_late == whole.place_late;
+         s.contact_count == whole.contact_count && s.frozen == whole.frozen && s.node_count == whole.node_count &&
+         s.place_late == whole.place_late;
 }
 
 }  // namespace

@@ -100,7 +100,8 @@ FitOrder orderOf(const FitOptions& options) {
   order.given = readScene(order.scene_file);
   const Scene& given = order.given;
   if (given.follow)
-    throw InputError(given.place, "`mtled fit` finds the spacing of a cloud that stays; this one follows the tool, "
+    throw InputError(given.place,
+                     "`mtled fit` finds the spacing of a cloud that stays; this one follows the tool, "
                      "with the spacing that it needs",
                      "give [discretization] spacing, or leave it as it is");
   if (!given.refine.empty())

@@ -23,7 +23,7 @@ constexpr double tool_radius = 1.4, tool_clearance = 1.2;
 // A tick of 2 ms is one step from this spacing on, with the material and the mass scaling of the text below; half of it
 // takes two. Of cloud and step as they are made; whoever opens the scene finds out whether they hold.
 constexpr double one_step_spacing = 0.0074;  // m
-constexpr double tick = 0.002;  // s
+constexpr double tick = 0.002;               // s
 // Points of a body and of its skin that are looked at.
 constexpr int inside_points = 20'000, skin_points = 2000;
 
@@ -189,10 +189,9 @@ std::string sceneText(const ImportedScene& s) {
          "\"\n\n"
          "[organ]\nsurface = \"surface.obj\"\nunit = \"m\"\n\n"
          "[discretization]\n" +
-         (s.follows
-              ? "# Nodes follow the tool; a spacing = number in m makes a cloud that stays.\n"
-              : "spacing = " + text(s.spacing) +
-                    "  # m; `mtled fit` finds the finest that holds the rate on your machine\n") +
+         (s.follows ? "# Nodes follow the tool; a spacing = number in m makes a cloud that stays.\n"
+                    : "spacing = " + text(s.spacing) +
+                          "  # m; `mtled fit` finds the finest that holds the rate on your machine\n") +
          "cells_per_point = 1.32\n\n"
          "[[material]]  # about a liver's\nmodel = \"neo-hookean\"\nyoung = 3000  # Pa\npoisson = 0.45\n"
          "density = 1060  # kg/m^3\n\n"

@@ -15,8 +15,8 @@ struct HeldBox {
 /// What an imported organ's scene says that depends on the organ.
 struct ImportedScene {
   std::string name;
-  std::string source;  // the file it came from
-  double spacing = 0;  // m
+  std::string source;    // the file it came from
+  double spacing = 0;    // m
   bool follows = false;  // the cloud follows the tool, and has its own spacings
   std::vector<HeldBox> held;
   double tool_radius = 0;        // m
