@@ -163,6 +163,22 @@ std::string staleMark(const ForceReading& force, const LoopStatus& status) {
   return force.age_s < 1 ? format("stale, %.0f ms old", 1e3 * force.age_s) : format("stale, %.1f s old", force.age_s);
 }
 
+/// What other organs do to each, and rigid bodies to the tissue.
+void drawBodyForces(const PanelData& data) {
+  const Scene& scene = data.model.scene;
+  const StepReport& report = data.snapshot.report;
+  const auto show = [](const std::string& name, const Vec3& force, const char* about) {
+    row(name.c_str(), format("%.3f N", force.norm()), colours::text, about);
+  };
+  if (!scene.further_organs.empty()) {
+    const std::vector<OrganSpec> organs = organsOf(scene);
+    for (std::size_t k = 0; k < organs.size(); ++k)
+      show("On " + organs[k].organ_name, report.organ_force[k], "force of the other organs on it");
+  }
+  for (std::size_t k = 0; k < scene.rigid.size(); ++k)
+    show("By " + scene.rigid[k].name, report.rigid[k].force, "force of this rigid body on the tissue");
+}
+
 void drawForceCard(const Theme& theme, const PanelData& data, float height, PanelState& state, UserActions& asked) {
   if (!beginCard(theme, "Force on the tool")) return;
   const ForceSample& force = data.force.sample;
@@ -197,6 +213,7 @@ void drawForceCard(const Theme& theme, const PanelData& data, float height, Pane
   }
   if (const ToolReading& jaws = data.snapshot.tools.tool[0]; jaws.opening > 0 || jaws.pinch > 0)
     row("Pinch", format("%.3f N, %.1f mm open", jaws.pinch, 1e3 * jaws.opening));
+  drawBodyForces(data);
 
   if (!data.certified.empty())
     row("Force error", data.certified, colours::text, "as mtled certify measured it against two finer clouds");

@@ -20,6 +20,12 @@ double farthest(const Displacements& a, const Displacements& b, const Vec3& shif
   return largest;
 }
 
+double farthest(const Displacements& a) {
+  double largest = 0;
+  for (const Float4& of_node : a) largest = std::max(largest, toVec3(of_node).norm());
+  return largest;
+}
+
 Vec3 meanOf(const Displacements& u) {
   Vec3 sum = Vec3::Zero();
   for (const Float4& of_node : u) sum += toVec3(of_node);
@@ -28,13 +34,15 @@ Vec3 meanOf(const Displacements& u) {
 
 }  // namespace
 
-RestWatch::RestWatch(const Body& model, double hold_s)
+RestWatch::RestWatch(const Body& model, double hold_s, int most_nodes)
     : hold_s_(hold_s),
       tick_seconds_(1 / model.scene.rate_hz),
       dt_(model.dt),
       free_(freeAxes(model)),
-      first_(model.X.size()),
-      anchor_(model.X.size()) {
+      rests_unmoved_(model.scene.gravity.isZero(0) && model.scene.loads.empty() && free_.isZero(0) &&
+                     motionEnd(model.scene) <= 0) {
+  for (Displacements* kept : {&first_, &anchor_})
+    kept->reserve(std::max(model.X.size(), static_cast<std::size_t>(most_nodes)));
   Vec3 low = model.X.empty() ? Vec3(Vec3::Zero()) : model.X[0], high = low;
   for (const Vec3& X : model.X) {
     low = low.cwiseMin(X);
@@ -54,8 +62,9 @@ bool RestWatch::update(const State& state, const StepReport& last) {
   if (was_held && !held_) still_time_ = near_time_ = 0;
   rest_time_ += tick_seconds_;
   still_time_ = speed_ <= rest_speed_ ? still_time_ + tick_seconds_ : 0;
-  if (near_time_ == 0 || !(farthest(state.u, anchor_) <= restRadius() + rounding_)) {
-    std::copy(state.u.begin(), state.u.end(), anchor_.begin());
+  if (near_time_ == 0 || state.place != anchor_place_ || !(farthest(state.u, anchor_) <= restRadius() + rounding_)) {
+    anchor_.assign(state.u.begin(), state.u.end());  // there is room
+    anchor_place_ = state.place;
     rounding_ = 2 * std::numeric_limits<float>::epsilon() * free_.cwiseProduct(meanOf(state.u)).norm();
     near_time_ = 0;
   }
@@ -65,7 +74,13 @@ bool RestWatch::update(const State& state, const StepReport& last) {
 
 double RestWatch::driftOf(const State& state) {
   if (held_) return 0;
-  if (!has_first_) std::copy(state.u.begin(), state.u.end(), first_.begin());
+  const bool elsewhere = has_first_ && state.place != first_place_;
+  if (!has_first_ || (elsewhere && !rests_unmoved_)) {
+    first_.assign(state.u.begin(), state.u.end());
+    first_place_ = state.place;
+  } else if (elsewhere) {
+    return farthest(state.u);
+  }
   has_first_ = true;
   return farthest(state.u, first_, free_.cwiseProduct(meanOf(state.u) - meanOf(first_)));
 }

@@ -28,8 +28,9 @@ class RestWatch {
   // The same under a rough hand, m: a hundredth of a hair. What was pressed flat leaves more rounding behind.
   static constexpr double rough_drift_limit_m = 1e-6;
 
-  /// @param hold_s  s, how long it has to be still
-  explicit RestWatch(const Body& model, double hold_s = rest_hold_s);
+  /// @param hold_s      s, how long it has to be still
+  /// @param most_nodes  that a state may have, where the cloud follows the tool; 0: the model's
+  explicit RestWatch(const Body& model, double hold_s = rest_hold_s, int most_nodes = 0);
 
   /// The tool has lifted off: the wait begins.
   void begin() { rest_time_ = still_time_ = near_time_ = 0; }
@@ -37,7 +38,8 @@ class RestWatch {
   bool update(const State& state, const StepReport& last);
   /// m, largest |u - u at the first rest| of a node; the first call is that rest. Along axes along which nothing holds
   /// the body it may rest anywhere: there without its mean. 0 while a further tool of the scene touches the tissue:
-  /// where that rests depends on its friction's past.
+  /// where that rests depends on its friction's past. At another place of a cloud that follows the tool it is the
+  /// distance from where nothing is moved; where the body has weight or loads, the first rest is taken anew.
   double driftOf(const State& state);
   void forgetFirst() { has_first_ = false; }
 
@@ -50,13 +52,15 @@ class RestWatch {
 
  private:
   const double hold_s_, tick_seconds_, dt_;
-  const Vec3 free_;  // 1 along axes along which nothing holds the body
+  const Vec3 free_;           // 1 along axes along which nothing holds the body
+  const bool rests_unmoved_;  // by itself
   double organ_size_ = 0, rest_speed_ = 0;
-  double rest_time_ = 0, still_time_ = 0, near_time_ = 0;  // s
-  double speed_ = 0, rounding_ = 0;                        // m/s; m, by how far it has slid
-  bool has_first_ = false, held_ = false;                  // held_: a tool touches
-  AlignedVector<Float4> first_;                            // (node_count) m
-  AlignedVector<Float4> anchor_;                           // (node_count) m, at the beginning of near_time_
+  double rest_time_ = 0, still_time_ = 0, near_time_ = 0;        // s
+  double speed_ = 0, rounding_ = 0;                              // m/s; m, by how far it has slid
+  bool has_first_ = false, held_ = false;                        // held_: a tool touches
+  AlignedVector<Float4> first_;                                  // (node_count) m
+  AlignedVector<Float4> anchor_;                                 // (node_count) m, at the beginning of near_time_
+  PlaceIndex first_place_ = no_place, anchor_place_ = no_place;  // that these are of
 };
 
 }  // namespace palpate::app

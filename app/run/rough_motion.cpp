@@ -23,12 +23,12 @@ constexpr double kRoughBeyond = 0.1;                             // of the organ
 
 }  // namespace
 
-RoughMotion::RoughMotion(const Body& model, unsigned seed)
+RoughMotion::RoughMotion(const Body& model, unsigned seed, int most_nodes)
     : start_(model.tool_start),
       tick_seconds_(1 / model.scene.rate_hz),
       materials_(model.materials),
       seed_(seed),
-      rest_(model, RestWatch::rest_hold_s + FoldWatch::seconds),  // what has folded is put back before
+      rest_(model, RestWatch::rest_hold_s + FoldWatch::seconds, most_nodes),  // what has folded is put back before
       random_(seed) {
   low_ = high_ = start_.toLocal(model.skin.surface.vertices.front());
   for (const Vec3& X : model.skin.surface.vertices) {

@@ -20,7 +20,8 @@ class RoughMotion final : public SoakHand {
  public:
   static constexpr double poke_speed = 0.5;  // m/s
 
-  RoughMotion(const Body& model, unsigned seed);
+  /// @param most_nodes  as RestWatch's
+  RoughMotion(const Body& model, unsigned seed, int most_nodes = 0);
 
   Pose next(const State& state, const StepReport& last) override;
   const Request* nextSetting() override;

@@ -293,7 +293,8 @@ void Session::chooseInput(SimulationLoopOptions& loop_options) {
   const double rate = scene_.rate_hz;
   double track_seconds = 0;
   if (options_.soak_minutes) {
-    soak_.emplace(model_, *options_.soak_minutes, options_.rough, options_.seed.value_or(1));
+    soak_.emplace(model_, loaded_.following ? loaded_.following->places.get() : nullptr, *options_.soak_minutes,
+                  options_.rough, options_.seed.value_or(1));
     loop_options.motion = &soak_->motion();
     loop_options.tick_limit = ticksIn(60 * *options_.soak_minutes, rate);
     track_driver_ = ToolDriver::Script;

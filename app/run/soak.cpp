@@ -6,7 +6,6 @@
 #include "app/run/rough_motion.h"
 #include "app/run/soak_places.h"
 #include "io/output_file.h"
-#include "simulation/place.h"
 
 namespace palpate::app {
 
@@ -26,16 +25,20 @@ std::vector<SoakThread> countersOf(const SimulationLoop& loop) {
   return threads;
 }
 
-std::unique_ptr<SoakHand> handFor(const Model& model, bool rough, unsigned seed) {
-  if (rough) return std::make_unique<RoughMotion>(model, seed);
-  return std::make_unique<SoakMotion>(model, soakPlaces(model, place_count, seed), seed);
+std::unique_ptr<SoakHand> handFor(const Model& model, const Places* places, bool rough, unsigned seed) {
+  const int most_nodes = places ? places->cloud.nodeCount() : 0;
+  if (rough) return std::make_unique<RoughMotion>(model, seed, most_nodes);
+  return std::make_unique<SoakMotion>(model, soakPlaces(model, place_count, seed), seed, most_nodes);
 }
 
 }  // namespace
 
-Soak::Soak(const Model& model, double minutes, bool rough, unsigned seed)
-    : hand_(handFor(model, rough, seed)), skin_(model.skin), rate_hz_(model.scene.rate_hz) {
+Soak::Soak(const Model& model, const Places* places, double minutes, bool rough, unsigned seed)
+    : hand_(handFor(model, places, rough, seed)), skin_(model.skin), rate_hz_(model.scene.rate_hz) {
   report_.rough = rough;
+  // Places come and go: what is kept of them changes by as many as the worker makes ahead.
+  constexpr std::int64_t of_places = 400'000'000;
+  if (places) report_.memory_play = of_places;
   report_.seed = seed;
   report_.scene = model.scene.name;
   report_.state = "running";

@@ -9,6 +9,7 @@
 #include "app/run/soak_motion.h"
 #include "app/run/soak_report.h"
 #include "realtime/loop/simulation_loop.h"
+#include "simulation/place.h"
 
 namespace palpate::app {
 
@@ -22,7 +23,8 @@ class Soak {
 
   /// @param minutes  of physics time
   /// @param rough    a RoughMotion instead of a SoakMotion
-  Soak(const Model& model, double minutes, bool rough, unsigned seed);
+  /// @param places  where the cloud follows the tool, else null
+  Soak(const Model& model, const Places* places, double minutes, bool rough, unsigned seed);
 
   ToolMotion& motion() { return *hand_; }
 

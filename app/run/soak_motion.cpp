@@ -24,13 +24,13 @@ void addTick(SoakCycle& cycle, const StepReport& report) {
   cycle.peak_force_N = std::max(cycle.peak_force_N, report.tool_force.norm());
 }
 
-SoakMotion::SoakMotion(const Body& model, std::vector<SoakPlace> places, unsigned seed)
+SoakMotion::SoakMotion(const Body& model, std::vector<SoakPlace> places, unsigned seed, int most_nodes)
     : start_(model.tool_start),
       tick_seconds_(1 / model.scene.rate_hz),
       tool_radius_(model.scene.tool.radius),
       places_(std::move(places)),
       seed_(seed),
-      rest_(model),
+      rest_(model, RestWatch::rest_hold_s, most_nodes),
       random_(seed) {
   for (const Vec3& X : model.skin.surface.vertices) lift_ = std::min(lift_, -start_.toLocal(X).z() - tool_radius_);
   plan();

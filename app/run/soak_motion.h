@@ -50,7 +50,7 @@ class SoakHand : public ToolMotion {
 class SoakMotion final : public SoakHand {
  public:
   /// @param places  at least one
-  SoakMotion(const Body& model, std::vector<SoakPlace> places, unsigned seed);
+  SoakMotion(const Body& model, std::vector<SoakPlace> places, unsigned seed, int most_nodes = 0);
 
   Pose next(const State& state, const StepReport& last) override;
   void restart() override;

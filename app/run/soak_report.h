@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "app/run/soak_motion.h"
-#include "realtime/timing/deadline_statistics.h"
 #include "realtime/loop/run_summary.h"
+#include "realtime/timing/deadline_statistics.h"
 #include "realtime/timing/resource_use.h"
 
 namespace palpate::app {
@@ -64,6 +64,7 @@ struct SoakReport {
 
   /// Largest distance of the last rest from the first, relative to the organ's size.
   double drift() const { return organ_size_m > 0 ? drift_m / organ_size_m : 0; }
+  std::int64_t memory_play = 0;  // bytes by which memory may change
   /// Bytes of heap and stacks since the end of the warm-up.
   std::int64_t memoryGrowth() const { return warm ? memory.anonymous - warm->anonymous : 0; }
 };

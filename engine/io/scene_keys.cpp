@@ -268,8 +268,8 @@ constexpr KeySpec scene_keys[] = {
      "Share of the body's mass that may be added to the nodes that limit the step, if a tick needs fewer "
      "steps then (or, with `time_step`, if that one becomes stable). Forces at rest stay the same; motion "
      "becomes slower by about half that share. The mass added is reported."},
-    {"dynamics", "damping", T::Number, "1/s", "20", atLeast(0), "",
-     "Mass-proportional damping c in M u'' + c M u' + f(u) = 0.", never},
+    {"dynamics", "damping", T::Number, "1/s", "20", between(0, 1000), "",
+     "Mass-proportional damping c in M u'' + c M u' + f(u) = 0, with the tissue's own mass.", never},
     {"dynamics", "gravity", T::Vector, "m/s^2", "[0.0, 0.0, 0.0]", {}, "",
      "Acceleration that pulls at the tissue: [0.0, 0.0, -9.81] with z up. The shape at rest is that without it.",
      never},

@@ -112,7 +112,14 @@ void refuseEmpty(const Scene& scene, const BoundarySpec& spec) {
                    "move or enlarge it (node spacing is " + number(scene.spacing) + " m)");
 }
 
-void checkHeld(const Scene& scene, const EssentialNodes& essential) {
+void checkHeld(const Scene& scene, const EssentialNodes& essential, std::size_t node_count) {
+  const auto stands = [&](const ImposedNode& row) {
+    return std::all_of(row.boundary.begin(), row.boundary.end(),
+                       [&](int b) { return b >= 0 && scene.boundaries[static_cast<std::size_t>(b)].duration == 0; });
+  };
+  if (static_cast<std::size_t>(std::count_if(essential.nodes.begin(), essential.nodes.end(), stands)) == node_count)
+    throw InputError(scene.boundaries.front().place, "all nodes are fixed: nothing of the organ can move",
+                     "make the region smaller, or surface_only = true");
   if (!scene.rigid.empty()) return;  // it may lie on them
   if (std::any_of(scene.boundaries.begin(), scene.boundaries.end(),
                   [](const BoundarySpec& b) { return b.duration == 0; }))

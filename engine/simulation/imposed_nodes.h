@@ -22,8 +22,8 @@ bool choosesNode(const BoundarySpec& spec, const NodeCloud& cloud, const Surface
 /// Which nodes are imposed, and how. Throws InputError where two motions contradict.
 EssentialNodes chooseImposed(const Scene& scene, const NodeCloud& cloud, const SurfaceTree& organ);
 
-/// Throws InputError where nothing is fixed, and what is prescribed leaves the body a motion as a whole.
-void checkHeld(const Scene& scene, const EssentialNodes& essential);
+/// Throws InputError where all is fixed, or nothing is and what is prescribed leaves the body a motion as a whole.
+void checkHeld(const Scene& scene, const EssentialNodes& essential, std::size_t node_count);
 
 /// Sets the facets that EBCIEM integrates over; returns the places of their quadrature points, m.
 /// @param outer  the cells' outer faces

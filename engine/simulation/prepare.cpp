@@ -181,7 +181,7 @@ Preparation prepare(const Scene& scene, const SurfaceTree& tree, Discretization 
   p.skin.surface = common != nullptr ? common->skin.surface : refineForContact(scene, tree.surface());
 
   p.essential = chooseImposed(scene, cloud, tree);
-  if (!p.essential.nodes.empty()) checkHeld(scene, p.essential);
+  if (!p.essential.nodes.empty()) checkHeld(scene, p.essential, cloud.X.size());
   const auto outer = boundaryFacets(cells.cells);
   std::vector<Vec3> facet_X;
   if (scene.boundary_method == Scene::BoundaryMethod::Ebciem) facet_X = essentialFacets(cloud, outer, p.essential);

@@ -205,3 +205,11 @@ TEST_CASE("A cloud can follow a tool that is there, where nothing hidden would b
   CHECK_THAT(refusal([&] { read(silent(relaxes) + tool); }),
              Contains("\"spacing\" is missing") && Contains("relaxes") && Contains("0.005 m"));
 }
+
+TEST_CASE("An organ of which nothing can move is refused", "[io][scene][refusal]") {
+  const TempFolder folder;
+  const std::string all = replaced(minimal_scene, "point = [0, 0, 0.001]\nnormal = [0, 0, 1]",
+                                   "point = [0, 0, 0.1]\nnormal = [0, 0, 1]");
+  CHECK_THAT(refusal([&] { loadModel(readScene(folder.write("f.toml", all))); }),
+             Contains("f.toml:") && Contains("all nodes are fixed") && Contains("smaller"));
+}
