@@ -41,15 +41,6 @@ Scene referenceScene(const Scene& scene, const DragWay& way, double factor) {
   return fine;
 }
 
-/// What stays where the scene's own cloud follows: about as many nodes as such scenes had before.
-Scene uniformScene(Scene scene, const FollowSizes& sizes) {
-  constexpr double of_fine = 1.3;
-  scene.follow = false;
-  scene.spacing = of_fine * sizes.fine;
-  scene.set_up_values.clear();
-  return scene;
-}
-
 struct Row {
   std::string name;
   int nodes = 0, substeps = 0;
@@ -160,7 +151,7 @@ Study studyOf(const Scene& scene, const FollowOptions& options) {
                          " mm over the organ that the tool could be dragged along",
                      "turn tool.direction towards the organ's open side");
   const Places places = makePlaces(scene, organ);
-  const Scene uniform = scene.follow ? uniformScene(scene, places.sizes) : scene;
+  const Scene uniform = uniformScene(scene);
   PlaceShelf shelf(places);
   Study study;
   study.scene = scene.name + (options.nu > 0 ? ", nu " + shortest(options.nu) : "");

@@ -85,7 +85,7 @@ std::string commandOf(const FrontierOptions& options) {
 }  // namespace
 
 int frontierCommand(const FrontierOptions& options) {
-  Scene scene = readScene(findScene(options.scene));
+  const Scene scene = uniformScene(readScene(findScene(options.scene)));
   const std::optional<ToolScript> script = namedScript(options.tool_script, scene.tool.radius);
   const std::string folder = options.out.empty() ? "out/" + scene.name + "_frontier" : options.out;
   std::error_code problem;
@@ -99,7 +99,6 @@ int frontierCommand(const FrontierOptions& options) {
   ProgressLine progress("frontier");
   progress.show(0, "set-up");
   const Model present = loadModel(scene, {}, ModelCache(), warn);
-  if (scene.follow) scene = present.scene;  // of the place where the tool starts, which is turned like any cloud
   const ToolTrajectory way = script ? scriptPoses(*script, present) : indentationTrajectory(present);
   const auto probes = surfaceProbes(present, probe_count);
   const ContactRegion place = contactRegion(present, way);

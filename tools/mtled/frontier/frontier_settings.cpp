@@ -7,6 +7,7 @@
 #include "base/number_text.h"
 #include "discretization/surface/surface_tree.h"
 #include "simulation/interface_nodes.h"
+#include "simulation/place.h"
 
 namespace palpate::tools {
 namespace {
@@ -16,6 +17,15 @@ std::string times(const char* what, double factor) { return format("%s x %g", wh
 std::string value(const char* what, double number) { return format("%s %g", what, number); }
 
 }  // namespace
+
+Scene uniformScene(Scene scene) {
+  constexpr double of_fine = 1.3;
+  if (!scene.follow) return scene;
+  scene.follow = false;
+  scene.spacing = of_fine * fineSpacing(scene);
+  scene.set_up_values.clear();
+  return scene;
+}
 
 void scaleSpacing(Scene& scene, double factor) {
   scene.spacing *= factor;
