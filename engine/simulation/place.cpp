@@ -34,8 +34,26 @@ std::vector<RefineSpec> finerThan(double spacing, const std::vector<RefineSpec>&
   return finer;
 }
 
+/// Nodes of each imposed region that have neighbours outside: a coarse cloud keeps them as a sheet, or what is held
+/// would end where its next node happens to be, and the body above it be softer (the kidney by 2 %).
+void markBorders(const Scene& scene, const SurfaceTree& organ, const Discretization& d,
+                 std::vector<std::uint8_t>& dimension) {
+  for (const BoundarySpec& spec : scene.boundaries) {
+    if (spec.region.kind == Region::Kind::Point || spec.surface_only) continue;
+    std::vector<std::uint8_t> in(d.cloud.X.size());
+    for (std::size_t i = 0; i < in.size(); ++i) in[i] = contains(spec.region, d.cloud.X[i], organ);
+    for (const auto& cell : d.cells.cells) {
+      const auto inside = std::count_if(cell.begin(), cell.end(), [&](int i) { return in[i]; });
+      if (inside == 0 || inside == 4) continue;
+      for (const int i : cell)
+        if (in[i]) dimension[i] = std::min<std::uint8_t>(dimension[i], d.cloud.on_surface[i] ? 1 : 2);
+    }
+  }
+}
+
 std::vector<std::uint8_t> dimensionsOf(const Scene& scene, const SurfaceTree& organ, const Discretization& d) {
   auto dimension = nodeDimensions(d.cloud, featuresOf(scene, organ), spacingField(scene));
+  markBorders(scene, organ, d, dimension);
   if (!hasSharpInterfaces(scene)) return dimension;
   const auto material = cellMaterials(scene, organ, d.cloud.X, d.cells);
   std::vector<int> of_node(d.cloud.X.size(), -1);
