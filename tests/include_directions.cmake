@@ -36,7 +36,8 @@ function(check folder)  # or one file; ARGN: the rooms that its files may includ
       string(REGEX MATCH "^(app/[^/]*|[^/]*)" room "${included}")
       if(included MATCHES "(^|/)\\.\\./")
         string(APPEND faults "${file}: \"${included}\" has a `..`: name it from the room on\n")
-      elseif(included MATCHES "/" AND NOT room IN_LIST ARGN AND NOT "ANY" IN_LIST ARGN AND NOT included MATCHES "^(source_identity|generated)")
+      elseif(included MATCHES "/" AND NOT room IN_LIST ARGN AND NOT "ANY" IN_LIST ARGN
+             AND NOT included MATCHES "^(source_identity|generated)")
         string(APPEND faults "${file}: \"${included}\" runs upward: ${folder} may include ${ARGN}\n")
       elseif(file MATCHES "^tools/" AND room MATCHES "^app/" AND NOT file MATCHES "^tools/mtled/pictures/")
         string(APPEND faults "${file}: \"${included}\" draws: only tools/mtled/pictures may include it\n")

@@ -16,7 +16,7 @@ enum class OpenKind { Scene, Script, Recording, Curve };
 struct UserAction {
   // clang-format off
   enum Kind {
-    // The run. Reset keeps friction and materials, ResetAll does not; LookAt shows the picture at `value`, s of the run.
+    // The run. Reset keeps friction and materials, ResetAll does not; LookAt shows the picture at `value` s.
     TogglePause, SingleStep, Reset, ResetAll, RestartScript, Undo, DismissNotice, LookAt, LookNow,
     // The probe. Press goes as deep as is set, OpenJaws `value` m apart; SetGlide: 1 over the skin, 0 freely. The next
     // three choose another one, for UseProbe.
@@ -30,8 +30,8 @@ struct UserAction {
     ToggleEngineer, ToggleHelp, ToggleTimeline, ToggleFullScreen, ToggleDemo, Close,
     // Files. AskForFile: `value` is the OpenKind; LayCurve lays `file` over the force.
     AskForFile, LayCurve, SavePicture, SaveForces, SavePresses, SaveState, SaveRecording, ClearPresses,
-    // What leaves the session, for `file`, for the same scene with `tool`, or for the same search; in this order where a
-    // frame asks for several: a scene before the script that is dropped with it. Leave: what is at stake may be lost.
+    // What leaves the session, for `file`, for the same scene with `tool`, or for the same search; in this order where
+    // a frame asks for several: a scene before the script that is dropped with it. Leave: what is at stake may be lost.
     OpenScene, OpenScript, OpenRecording, UseProbe, SearchAgain, Quit, Leave
   };
   // clang-format on

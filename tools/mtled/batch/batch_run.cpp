@@ -81,9 +81,8 @@ std::shared_ptr<const BatchModel> BatchModels::take(const BatchJob& job) {
     if (scene.follow) {
       made->following = loadFollowing(scene, progress, cache_);
       made->store = placeStore(scene, cache_);
-      made->model = std::make_shared<const Model>(made->following->start.model);
     } else {
-      made->model = std::make_shared<const Model>(loadModel(scene, progress, cache_));
+      made->stays = loadModel(scene, progress, cache_);
     }
     shelf.model = std::move(made);
   }
@@ -91,7 +90,7 @@ std::shared_ptr<const BatchModel> BatchModels::take(const BatchJob& job) {
 }
 
 BatchResult runBatchJob(const BatchJob& job, const BatchModel& of, const std::string& folder) {
-  const Model& model = *of.model;
+  const Model& model = of.model();
   const std::optional<ToolScript> script = namedScript(job.tool, model.scene.tool.radius);
   ScriptTrajectory way = trajectoryOf(script ? *script : indentScript(model), model);
   const std::int64_t ticks = ticksOf(job, way, model.scene.rate_hz);

@@ -12,11 +12,13 @@
 
 namespace palpate::tools {
 
-/// What a job runs on. Where the cloud follows the tool, `model` is that of the place at which it starts.
+/// What a job runs on: a model, or the places of a cloud that follows the tool.
 struct BatchModel {
-  std::shared_ptr<const Model> model;
+  std::optional<Model> stays;
   std::optional<FollowingModel> following;
   PlaceStore store;
+
+  const Model& model() const { return following ? following->start.model : *stays; }
 };
 
 /// The models of a batch, each made once and kept while jobs wait for it. Set-ups use all cores, so they are made one
