@@ -25,6 +25,8 @@ Preparation tetrahedron() {
   p.X = {Vec3::Zero(), Vec3::UnitX(), Vec3::UnitY(), Vec3::UnitZ()};
   p.support_radius = {2, 2, 2, 2};
   p.mass = {1, 1, 1, 1};
+  p.own_mass = {1, 1, 1, 1};
+  p.cloud = {p.X, {1, 1, 1, 0}, {1, 1, 1, 2}};
   p.cells = {{0, 1, 2, 3}};
   p.point_X = {Vec3::Constant(0.25)};
   p.point_volume = {1.0 / 6};
@@ -43,7 +45,7 @@ Preparation tetrahedron() {
   p.point_shape = row(1);
   p.node_shape = row(4);
   p.node_shape.gradN.clear();
-  p.skin_shape = row(4);
+  p.skin_shape = p.node_shape;
   p.skin.surface = {p.X, {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}}};
   p.essential.nodes = {{0, {0, 0, 0}}};
   p.limit = {1e-3, 5e-4, 0, 1};
@@ -62,7 +64,7 @@ void forge(std::vector<T>& array, const Forgery& forgery) {
 }
 
 void forge(Preparation& p, const Forgery& forgery) {
-  switch (forgery.array % 14) {
+  switch (forgery.array % 17) {
     case 0:
       return forge(p.cells, forgery);
     case 1:
@@ -89,8 +91,14 @@ void forge(Preparation& p, const Forgery& forgery) {
       return forge(p.skin_shape.node, forgery);
     case 12:
       return forge(p.essential.facet_phi.begin, forgery);
-    default:
+    case 13:
       return forge(p.mass, forgery);
+    case 14:
+      return forge(p.own_mass, forgery);
+    case 15:
+      return forge(p.cloud.X, forgery);
+    default:
+      return forge(p.cloud.coarsest, forgery);
   }
 }
 

@@ -98,7 +98,7 @@ TEST_CASE("The warning of a size comes before the set-up takes time, and once", 
   CHECK_THAT(warnings[0], Contains("the organ is 4 m long"));
 }
 
-TEST_CASE("Where the cloud follows, a model is that of the place where the tool will be", "[load_model]") {
+TEST_CASE("Where the cloud follows, a model is that of the place where the tool will be", "[load_model][whole]") {
   Scene scene = test::barScene();
   scene.follow = true;
   const ModelCache none("");

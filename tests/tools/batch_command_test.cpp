@@ -108,7 +108,7 @@ TEST_CASE("A batch gives the same bits with any number of workers, keeps failure
   CHECK(folder.read("one/results.jsonl") != results);
 }
 
-TEST_CASE("A job's cloud follows its tool, with the same bits again", "[batch]") {
+TEST_CASE("A job's cloud follows its tool, with the same bits again", "[batch][whole]") {
   TempFolder folder;
   const std::string bar = replaced(replaced(test::touched_block_text, "spacing = 0.012", ""),
                                    "size = [0.06, 0.06, 0.03]", "size = [0.12, 0.04, 0.03]"),

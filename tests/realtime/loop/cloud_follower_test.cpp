@@ -27,6 +27,7 @@ namespace {
 std::shared_ptr<const Places> places() {
   static const auto made = [] {
     Scene scene = test::barScene();
+    scene.tool.radius = 0.012;  // a third of the nodes
     scene.tool_position = Vec3(-0.06, 0, 0.0305);
     return std::make_shared<const Places>(makePlaces(scene, test::barSurface()));
   }();
