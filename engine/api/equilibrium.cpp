@@ -67,7 +67,7 @@ std::shared_ptr<const Model> placeFor(const palpate_model& of, const double* pos
   if (!of.places || pose == nullptr) return of.model;
   ToolPostures tools = posturesOf(*of.model, initialState(*of.model));
   tools[0].pose = poseFrom(pose);
-  const PlaceIndex index = nextPlace(*of.places, no_place, tools);
+  const PlaceIndex index = placeUnder(*of.places, tools);
   if (index == of.start->index) return of.model;
   const auto place = std::make_shared<const Place>(makePlace(*of.places, index, of.store));
   return {place, &place->model};

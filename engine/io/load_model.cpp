@@ -209,7 +209,7 @@ Model loadPlace(const Scene& as_read, const Progress& progress, const ModelCache
   FollowingModel following = loadFollowing(as_read, progress, cache, warn);
   const Places& places = *following.places;
   Place place = std::move(following.start);
-  const PlaceIndex index = at ? nextPlace(places, no_place, at(place.model)) : place.index;
+  const PlaceIndex index = at ? placeUnder(places, at(place.model)) : place.index;
   if (index != place.index) {
     const double seconds = place.model.setup_seconds;
     place = makePlace(places, index, placeStore(as_read, cache));

@@ -48,15 +48,65 @@ bool keepVolume(const ShapeTable& shape, int row, const Mat3& F, double allowed,
 }  // namespace
 
 CompressionLimit::CompressionLimit(const Model& model)
-    : squeezed_(std::min(most_points, static_cast<std::size_t>(model.pointCount()))) {}
+    : far2_(model.X.size(), 0),
+      goes_(model.X.size(), 0),
+      watched_(model.kernel.point.size(), 0),
+      squeezed_(std::min(most_points, static_cast<std::size_t>(model.pointCount()))) {
+  const ShapeTable& shape = model.point_shape;
+  for (std::size_t e = 0; e < shape.node.size(); ++e) {
+    float& steepest2 = far2_[shape.node[e]];
+    steepest2 = std::max(steepest2, static_cast<float>(shape.gradN[e].squaredNorm()));
+  }
+  for (float& f : far2_) f = static_cast<float>(far * far) / f;
+}
 
-void CompressionLimit::apply(const Model& model, const AlignedVector<float>& J, float least, const StepMasses& masses,
-                             State& state) {
-  if (!(least < watched_J)) return;
+int CompressionLimit::findFar(const AlignedVector<Float4>& du) {
+  constexpr auto of_half = static_cast<float>(far_of_half * far_of_half / (far * far));
+  int furthest = 0;
+  for (std::size_t i = 0; i < far2_.size(); ++i) {
+    const Float4& d = du[i];
+    const float d2 = d.x * d.x + d.y * d.y + d.z * d.z;
+    const int goes = (d2 > of_half * far2_[i]) + (d2 > far2_[i]);
+    goes_[i] = static_cast<std::uint8_t>(goes);
+    furthest = std::max(furthest, goes);
+  }
+  return furthest;
+}
+
+bool CompressionLimit::isWatched(const Model& model, const KernelScratch& kernel, std::size_t place, int furthest,
+                                 const State& state) const {
+  const int row = model.kernel.point[place];
+  if (row < 0) return false;
+  const float J = kernel.J[place];
+  if (J < watched_J) return true;
+  const ShapeTable& shape = model.point_shape;
+  const int far_enough = J < 0.5F ? 1 : 2;
+  if (furthest < far_enough ||
+      std::none_of(shape.node.begin() + shape.begin[row], shape.node.begin() + shape.begin[row + 1],
+                   [&](int i) { return goes_[i] >= far_enough; }))
+    return false;
+  // J(F + dF) / J = det(I + F^-1 dF) is above 0.56 where |F^-1| |dF| is below a quarter.
+  const Mat3 dF = gradientOf(shape, row, state.du.data());
+  if (dF.squaredNorm() * static_cast<double>(kernel.cof2[place]) < static_cast<double>(J * J) / 16) return false;
+  // Where it goes half the way that is allowed: its neighbours' impulses may bring it the rest.
+  const Mat3 F = Mat3::Identity() + gradientOf(shape, row, state.u.data());
+  return (F + dF).determinant() < 0.5 * (1 + kept_volume) * F.determinant();
+}
+
+void CompressionLimit::apply(const Model& model, const KernelScratch& kernel, float least, const StepMasses& masses,
+                             State& state, SpinTeam& team) {
+  const int furthest = findFar(state.du);
+  if (!(least < watched_J) && furthest == 0) return;
+  constexpr int parts = 8;
+  shareOut(team, parts, [&](int part) {
+    const std::size_t places = watched_.size(), end = places * static_cast<std::size_t>(part + 1) / parts;
+    for (std::size_t p = places * static_cast<std::size_t>(part) / parts; p < end; ++p)
+      watched_[p] = isWatched(model, kernel, p, furthest, state) ? 1 : 0;
+  });
   const ShapeTable& shape = model.point_shape;
   std::size_t count = 0;
-  for (std::size_t place = 0; place < J.size() && count < squeezed_.size(); ++place) {
-    if (!(J[place] < watched_J) || model.kernel.point[place] < 0) continue;
+  for (std::size_t place = 0; place < watched_.size() && count < squeezed_.size(); ++place) {
+    if (watched_[place] == 0) continue;
     Point& point = squeezed_[count++];
     point.row = model.kernel.point[place];
     point.F = Mat3::Identity() + gradientOf(shape, point.row, state.u.data());

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "simulation/model.h"
@@ -8,8 +9,8 @@
 
 namespace palpate {
 
-/// No point turns inside out: what is prevented need not be watched. A point that is squeezed below watched_J keeps, in
-/// one step, at least half of its volume, and `least_J` of it at any rate:
+/// No point turns inside out: what is prevented need not be watched. A point that is squeezed below watched_J, or whose
+/// nodes go far in a step, keeps in one step at least half of its volume, and `least_J` of it at any rate:
 ///
 ///   J(u + du) >= max(J(u) / 2, least_J)         (not less than J(u), where that is below least_J already)
 ///
@@ -22,13 +23,18 @@ class CompressionLimit {
   static constexpr float watched_J = 0.2F;  // Formulation::floor_J0, from which on the energy has a floor
   static constexpr double least_J = 0.02;   // Material::min_isochoric_J, below which the energy is a tangent
 
+  /// A node goes far: |du_i| |gradN_i| in a step, at the point where that is largest. Half of a point's volume takes
+  /// several such nodes, and where half is left less of them.
+  static constexpr double far = 0.15, far_of_half = 0.05;
+
   explicit CompressionLimit(const Model& model);
 
-  /// Corrects du. @param J  of the kernel's points at u (KernelScratch::J)
-  /// @param least  of them
-  /// Real-time: no allocation, no lock, no throw; serial; costs a comparison where nothing is squeezed.
-  /// Test: simulation/limit_compression_test.cpp
-  void apply(const Model& model, const AlignedVector<float>& J, float least, const StepMasses& masses, State& state);
+  /// Corrects du. @param kernel  its points' J and |cof F|^2 at u
+  /// @param least  J of all points
+  /// Real-time: no allocation, no lock, no throw; costs a comparison for each node where nothing is squeezed. The team
+  /// looks for the points in fixed parts. Test: simulation/limit_compression_test.cpp
+  void apply(const Model& model, const KernelScratch& kernel, float least, const StepMasses& masses, State& state,
+             SpinTeam& team);
 
  private:
   struct Point {
@@ -36,7 +42,14 @@ class CompressionLimit {
     double allowed = 0;  // of J at the step's end
     int row = 0;         // of Model::point_shape
   };
-  std::vector<Point> squeezed_;  // (capacity)
+  int findFar(const AlignedVector<Float4>& du);
+  bool isWatched(const Model& model, const KernelScratch& kernel, std::size_t place, int furthest,
+                 const State& state) const;
+
+  std::vector<float> far2_;            // (node_count) m^2, of |du|^2
+  std::vector<std::uint8_t> goes_;     // (node_count) in this step: 1: far where half is left, 2: far
+  std::vector<std::uint8_t> watched_;  // (place_count of the kernel)
+  std::vector<Point> squeezed_;        // (capacity)
 };
 
 }  // namespace palpate

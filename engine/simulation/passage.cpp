@@ -120,6 +120,7 @@ void carryTissue(const Place& b, const Passage& passage, const State& before, Pa
     state.du[i] = toFloat4(Vec3(vectorOf(state.du[i]) + change.segment<3>(4).cast<double>()));
   }
 
+  std::fill(state.local_mass.factor.begin(), state.local_mass.factor.end(), 1.0F);
   state.local_mass.active = before.local_mass.active;
   state.local_mass.momentum = before.local_mass.momentum;
   state.local_mass.force = before.local_mass.force;
@@ -241,12 +242,16 @@ void applyPassage(const Place& b, const Passage& passage, const State& before, P
 void applyPassage(const Place& b, const Passage& passage, State&& before, PassageScratch& scratch, State& state,
                   SpinTeam* team) {
   carryTissue(b, passage, before, scratch, state, team);
-  std::swap(state.contact, before.contact);
-  std::swap(state.more, before.more);
-  std::swap(state.skins, before.skins);
-  std::swap(state.rigid.force, before.rigid.force);
-  std::swap(state.rigid.normal, before.rigid.normal);
+  swapContacts(state, before);
   state.rigid.lookAgain();
+}
+
+void swapContacts(State& a, State& b) {
+  std::swap(a.contact, b.contact);
+  std::swap(a.more, b.more);
+  std::swap(a.skins, b.skins);
+  std::swap(a.rigid.force, b.rigid.force);
+  std::swap(a.rigid.normal, b.rigid.normal);
 }
 
 }  // namespace palpate

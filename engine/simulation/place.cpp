@@ -290,4 +290,14 @@ PlaceIndex nextPlace(const Places& places, const PlaceIndex& present, const Tool
   return next;
 }
 
+PlaceIndex placeUnder(const Places& places, ToolPostures tools) {
+  for (std::size_t t = 0; t < 1 + places.scene.further_tools.size(); ++t) {
+    Pose& pose = tools[t].pose;
+    if (!places.organ.inside(pose.position)) continue;
+    const auto hit = places.organ.firstHit(pose.position, pose.orientation * Vec3::UnitZ());
+    if (hit) pose.position = hit->point;
+  }
+  return nextPlace(places, no_place, tools);
+}
+
 }  // namespace palpate

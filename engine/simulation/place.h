@@ -20,7 +20,7 @@ namespace palpate {
 //
 //   Places       what they have in common, made once for a scene
 //   PlaceIndex   which place: for each tool the centre that its ball is around
-//   nextPlace    the index for where the tools are, with hysteresis
+//   nextPlace    the index for where the tools are, with hysteresis: the ball stays with the tissue that they press
 //   makePlace    index -> model, a pure function
 //   passage.h    the state of one place carried over to another
 //
@@ -92,10 +92,14 @@ void reserveForPlaces(const Places& places, State& state);
 /// The same for a state that will hold copies of `like`.
 void reserveAs(const State& like, State& state);
 
-/// The centres nearest to where the tools are, m (tool_count); no tool's centre changes before another is nearer by a
+/// The centres nearest to where the tools are in the body at rest (posturesAtRest), m (tool_count); no tool's centre changes before another is nearer by a
 /// quarter of the stride. @param present  any; its entries may be -1
 /// Real-time: no allocation, no lock, no throw; ~ centre_count.
 PlaceIndex nextPlace(const Places& places, const PlaceIndex& present, const ToolPostures& tools);
+
+/// The place for tools that have pressed so far: those inside the organ at rest count from where they came in, back along
+/// their axes. For set-up.
+PlaceIndex placeUnder(const Places& places, ToolPostures tools);
 
 /// The spacing that a place wants.
 SpacingField wantedSpacing(const Places& places, const PlaceIndex& index);

@@ -42,4 +42,22 @@ ToolContact toolContact(const Model& model, const State& state, int tool) {
   return result;
 }
 
+ToolPostures posturesAtRest(const Model& model, const State& state) {
+  ToolPostures postures = posturesOf(model, state);
+  std::array<Vec3, max_tools> middle;
+  std::array<double, max_tools> force{};
+  middle.fill(Vec3::Zero());
+  for (int b = 0; b < model.tools.bodyCount(); ++b) {
+    const auto tool = static_cast<std::size_t>(toolBody(model, b).tool);
+    forEachContactForce(contactOf(state, b), [&](int vertex, const Float4& f) {
+      const double size = toVec3(f).norm();
+      middle[tool] += size * model.skin.surface.vertices[vertex];
+      force[tool] += size;
+    });
+  }
+  for (std::size_t t = 0; t < force.size(); ++t)
+    if (force[t] > 0) postures[t].pose.position = middle[t] / force[t];
+  return postures;
+}
+
 }  // namespace palpate

@@ -22,6 +22,11 @@ struct ToolContact {
 /// @param tool  of scenes that have several
 ToolContact toolContact(const Model& model, const State& state, int tool = 0);
 
+/// Where the tools are in the body at rest: a tool that touches at the middle of what it touches, by force, as it lies
+/// at rest; else where it is.
+/// Real-time as toolContact.
+ToolPostures posturesAtRest(const Model& model, const State& state);
+
 /// Calls `call(vertex, force)` for each force at a skin vertex, N on the tissue.
 template <class Call>
 void forEachVertexForce(const ContactState& contact, Call call) {

@@ -8,7 +8,7 @@
 
 #include "simulation/passage.h"
 #include "simulation/step.h"
-#include "simulation/tool_bodies.h"
+#include "simulation/tool_contact.h"
 #include "simulation/workspace.h"
 #include "support/equal_models.h"
 #include "support/small_scene.h"
@@ -138,6 +138,34 @@ TEST_CASE("The place changes with the tool, but not to and fro", "[place]") {
   CHECK(changes >= 5);
   CHECK(changes <= 28);
   CHECK(largest < 1.3 * places.sizes.stride);
+}
+
+TEST_CASE("The place is that of the tissue under the tool, however deep it is pressed", "[place]") {
+  const Places& places = barPlaces();
+  const PlaceIndex top = indexAt(places, Vec3(-0.06, 0, 0.03)), bottom = indexAt(places, Vec3(-0.06, 0, 0.002));
+  REQUIRE(top != bottom);
+  ToolPostures deep;
+  deep[0].pose.position = Vec3(-0.06, 0, 0.002);
+  CHECK(placeUnder(places, deep) == top);
+  deep[0].pose.position.z() = 0.04;  // outside
+  CHECK(placeUnder(places, deep) == indexAt(places, deep[0].pose.position));
+
+  // What it touches, as it lies at rest.
+  const Model& model = leftPlace().model;
+  State state = initialState(model);
+  CHECK(posturesAtRest(model, state)[0].pose.position == state.tool_pose.position);
+  state.tool_pose.position = Vec3(-0.06, 0, 0.0305);
+  Command command;
+  Workspace workspace(model, 1);
+  command.tool_target = state.tool_pose;
+  for (int k = 1; k <= 150; ++k) {
+    command.tool_target.position.z() = 0.0305 - 0.012 * std::min(1.0, k / 120.0);
+    tick(model, state, command, workspace);
+  }
+  REQUIRE(state.tool_pose.position.z() < 0.019);
+  const Vec3 at_rest = posturesAtRest(model, state)[0].pose.position;
+  CHECK(at_rest.z() == Approx(0.03).epsilon(1e-6));
+  CHECK((at_rest - Vec3(-0.06, 0, 0.03)).norm() < 0.002);
 }
 
 TEST_CASE("A passage carries linear fields, and what does not belong to nodes", "[place][whole]") {

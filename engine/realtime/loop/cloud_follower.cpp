@@ -3,10 +3,11 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <limits>
 #include <thread>
 #include <utility>
 
-#include "simulation/tool_bodies.h"
+#include "simulation/tool_contact.h"
 
 namespace palpate {
 namespace {
@@ -64,19 +65,22 @@ bool CloudFollower::get(const PlaceIndex& next, bool waits, const std::atomic<bo
   }
 }
 
-void CloudFollower::swap() {
+bool CloudFollower::swap(double most_rise) {
   const auto begin = std::chrono::steady_clock::now();
-  let_go_ = physics_.goTo(*pending_);
+  const std::optional<PlaceIndex> let_go = physics_.goTo(*pending_, most_rise);
   const std::chrono::duration<double, std::micro> taken = std::chrono::steady_clock::now() - begin;
   longest_swap_us_ = std::max(longest_swap_us_, taken.count());
+  if (!let_go) return false;
+  let_go_ = *let_go;
   ++swap_count_;
   drop();
+  return true;
 }
 
 bool CloudFollower::follow(bool waits, const std::atomic<bool>& stop) {
   const Place& here = physics_.place()->place;
   const PlaceIndex present = here.index;
-  const ToolPostures tools = posturesOf(here.model, physics_.state());
+  const ToolPostures tools = posturesAtRest(here.model, physics_.state());
   const auto count = static_cast<std::size_t>(1 + places_.scene.further_tools.size());
   const double rate = places_.scene.rate_hz, share = std::min(1.0, 1 / (velocity_seconds * rate));
   const double make_seconds = worker_.madeCount() > 0 ? worker_.madeSeconds() / worker_.madeCount() : 0;
@@ -100,16 +104,18 @@ bool CloudFollower::follow(bool waits, const std::atomic<bool>& stop) {
   const PlaceIndex wanted = next != present ? next : nextPlace(places_, present, soon);
   late_ = false;
   bool swapped = false;
-  if (next != present) {
-    if (get(next, waits, stop)) {
-      swapped = true;
-    } else {
-      late_ = true;
-      // One that was asked for earlier is better than none.
-      const bool usable = !waits && pending_ != nullptr && pending_->from->place.index == present;
-      swapped = usable && isNearer(pending_->to->place.index, tools);
+  if (next == present) {
+    refused_ = false;
+  } else {
+    const bool there = get(next, waits, stop);
+    // One that was asked for earlier is better than none.
+    const bool usable = there || (!waits && pending_ != nullptr && pending_->from->place.index == present &&
+                                  isNearer(pending_->to->place.index, tools));
+    if (usable && physics_.state().tick % swap_ticks == 0) {
+      swapped = swap(most_energy_rise);
+      refused_ = !swapped;
     }
-    if (swapped) swap();
+    late_ = !there || refused_;
     late_ticks_ += late_;
   }
   const PlaceIndex& now = physics_.place()->place.index;
@@ -129,7 +135,7 @@ bool CloudFollower::goTo(const PlaceIndex& index, const std::atomic<bool>& stop)
   late_ = false;
   if (index == physics_.place()->place.index) return true;
   if (!get(index, true, stop)) return false;
-  swap();
+  swap(std::numeric_limits<double>::infinity());
   return true;
 }
 

@@ -21,6 +21,8 @@ class CloudFollower {
   /// longer to make one than they take to the next, for where they are by then.
   static constexpr double ahead_seconds = 0.6;
   static constexpr double velocity_seconds = 0.05;  // over which the tools' velocity is smoothed
+  static constexpr double most_energy_rise = 0.05;  // TissuePhysics::goTo
+  static constexpr std::int64_t swap_ticks = 8;     // changes are tried at multiples, as a state alone can tell
 
   /// All must outlive this.
   CloudFollower(const Places& places, TissuePhysics& physics, PlaceWorker& worker);
@@ -40,7 +42,7 @@ class CloudFollower {
   void expect(const PlaceIndex& index);
 
   /// The tools did not go, but were put where they are.
-  void restart() { has_moved_ = false; }
+  void restart() { has_moved_ = refused_ = false; }
 
   const std::shared_ptr<ReadyPlace>& place() const { return physics_.place(); }
   /// The place that the last swap let go, to whose states nothing goes back; no_place: none.
@@ -54,7 +56,7 @@ class CloudFollower {
  private:
   bool get(const PlaceIndex& next, bool waits, const std::atomic<bool>& stop);
   bool isNearer(const PlaceIndex& index, const ToolPostures& tools) const;
-  void swap();
+  bool swap(double most_rise);
   void drop();
 
   const Places& places_;
@@ -65,6 +67,7 @@ class CloudFollower {
   std::array<Vec3, max_tools> position_, velocity_;  // m, m/s
   PlaceIndex let_go_ = no_place;
   bool late_ = false;
+  bool refused_ = false;  // the last change that was tried
   std::int64_t swap_count_ = 0, late_ticks_ = 0;
   double longest_swap_us_ = 0;
 };

@@ -1,8 +1,10 @@
 #include "realtime/loop/physics.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
+#include "mechanics/internal_forces.h"
 #include "simulation/build_model.h"
 #include "simulation/model_hash.h"
 #include "simulation/step.h"
@@ -72,9 +74,21 @@ void TissuePhysics::moveTo(const std::shared_ptr<ReadyPlace>& place) {
   workspace_ = &place_->workspace;
 }
 
-PlaceIndex TissuePhysics::goTo(PlaceChange& change) {
-  applyPassage(change.to->place, change.passage, std::move(state_), change.scratch, change.state, team_.get());
-  std::swap(state_, change.state);
+std::optional<PlaceIndex> TissuePhysics::goTo(PlaceChange& change, double most_rise) {
+  State& there = change.state;
+  applyPassage(change.to->place, change.passage, std::move(state_), change.scratch, there, team_.get());
+  // What is hardly squeezed is hardly bent between the nodes.
+  if (std::isfinite(most_rise) && state_.local_mass.active) {
+    const auto strainEnergy = [&](ReadyPlace& at, const State& state) {
+      return internalForces(at.place.model.kernel, state.live.kernel, state.u.data(), at.workspace.kernel, *team_)
+          .strain_energy;
+    };
+    if (!(strainEnergy(*change.to, there) <= (1 + most_rise) * strainEnergy(*place_, state_))) {
+      swapContacts(state_, there);
+      return std::nullopt;
+    }
+  }
+  std::swap(state_, there);
   const ResolutionWatch& before = workspace_->resolution;
   moveTo(change.to);
   forgetLastTick();

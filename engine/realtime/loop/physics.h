@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <limits>
 #include <memory>
 #include <optional>
 
@@ -82,8 +83,10 @@ class TissuePhysics final : public Physics {
   /// Whether it may go back to a state of this place.
   bool holds(const PlaceIndex& index) const { return find(index) != nullptr; }
   /// Goes on at another place. @param change  from the present one; its memory is used up
-  /// @return the place that it holds no longer for that, or no_place
-  PlaceIndex goTo(PlaceChange& change);
+  /// @param most_rise  of the strain energy, as a share: where it rose by more it stays as it is, and the change may be
+  /// tried again: tissue that is bent as only fine nodes bend is torn by coarse ones
+  /// @return the place that it holds no longer for that, or no_place; nothing: it stays
+  std::optional<PlaceIndex> goTo(PlaceChange& change, double most_rise = std::numeric_limits<double>::infinity());
 
   SpinTeam& team() { return *team_; }
   /// Of each boundary on the tissue in the last step; 0 before the first, and after reset, restore and putIn.

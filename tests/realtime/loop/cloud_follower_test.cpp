@@ -16,6 +16,7 @@
 #include "realtime/recording/recording.h"
 #include "simulation/build_model.h"
 #include "simulation/model_hash.h"
+#include "simulation/tool_bodies.h"
 #include "support/equal_models.h"
 #include "support/realtime_guard.h"
 #include "support/small_scene.h"
@@ -282,7 +283,7 @@ TEST_CASE("A swap allocates nothing and takes no lock, nor does what keeps its s
     command.tool_target = dragPose(body->model(), k);
     test::startGuard();
     if (change != nullptr) {
-      if (const PlaceIndex lost = physics.goTo(*change); lost != no_place) history.forget(lost);
+      if (const auto lost = physics.goTo(*change); *lost != no_place) history.forget(*lost);
       body->worker.giveBack(change);
     }
     physics.tick(command);
@@ -296,6 +297,76 @@ TEST_CASE("A swap allocates nothing and takes no lock, nor does what keeps its s
   CHECK(counts.allocations == 0);
   CHECK(counts.frees == 0);
   CHECK(counts.locks == 0);
+}
+
+TEST_CASE("A change that is refused leaves no trace, and can be made later", "[cloud_follower][whole]") {
+  const auto body = tissue();
+  TissuePhysics& physics = body->physics;
+  // Down at 0.5 m/s, then along with the tissue under it.
+  Command command;
+  const auto press = [&](int from, int to) {
+    for (int k = from; k < to; ++k) {
+      command.tool_target = body->model().tool_start;
+      command.tool_target.position += Vec3(0.0005 * std::max(0, k - 20), 0, -0.001 * std::min(k, 20));
+      physics.tick(command);
+    }
+  };
+  press(1, 60);
+  REQUIRE(physics.state().local_mass.active);
+  const State before = physics.state();
+  press(60, 80);
+  const std::uint64_t hash = physics.stateHash();
+  physics.putIn(before);
+  const PlaceIndex here = before.place;
+  const PlaceIndex next = nextPlace(*places(), here, posturesOf(body->model(), before));
+  REQUIRE(next != here);
+  PlaceChange* change = nullptr;
+  body->worker.want({here, next, no_place});
+  while ((change = body->worker.take()) == nullptr) std::this_thread::yield();
+  CHECK_FALSE(physics.goTo(*change, -0.5).has_value());  // whatever it brings
+  CHECK(physics.state().place == here);
+  press(60, 80);
+  CHECK(physics.stateHash() == hash);
+  physics.putIn(before);
+  CHECK(physics.goTo(*change).has_value());
+  CHECK(physics.state().place == next);
+  body->worker.giveBack(change);
+}
+
+TEST_CASE("Tissue bent between coarse nodes is not followed until it is straight", "[cloud_follower][whole]") {
+  const auto body = tissue();
+  TissuePhysics& physics = body->physics;
+  const std::atomic<bool> stop{false};
+  State bent = physics.state();
+  bent.tool_pose.position.x() += 1.5 * places()->sizes.stride;
+  const PlaceIndex next = nextPlace(*places(), bent.place, posturesOf(body->model(), bent));
+  REQUIRE(next != bent.place);
+  bent.local_mass.active = true;
+  // To and fro at the coarse nodes that the ball leaves, at rest at the fine ones between them, which go.
+  const Place here = placeAt(bent.place);
+  const auto inBall = [&](const PlaceIndex& index, const Vec3& X) {
+    return (X - places()->centres[static_cast<std::size_t>(index[0])]).norm() < ball_radii * 0.012;
+  };
+  float sign = 1e-4F;
+  for (std::size_t i = 0; i < here.node.size(); ++i)
+    if (inBall(bent.place, here.model.X[i]) && !inBall(next, here.model.X[i]) &&
+        places()->cloud.coarsest[static_cast<std::size_t>(here.node[i])] >= places()->sizes.coarse)
+      bent.u[i].z = sign = -sign;
+  bent.tick = 8 * 5;
+  physics.putIn(bent);
+  CHECK_FALSE(body->follower.follow(true, stop));
+  CHECK(body->follower.isLate());
+  CHECK(physics.state().place == bent.place);
+
+  for (Float4& u : bent.u) u = {};
+  bent.tick += 3;  // not yet one at which a change is tried
+  physics.putIn(bent);
+  CHECK_FALSE(body->follower.follow(true, stop));
+  bent.tick = 8 * 6;
+  physics.putIn(bent);
+  CHECK(body->follower.follow(true, stop));
+  CHECK_FALSE(body->follower.isLate());
+  CHECK(physics.state().place == next);
 }
 
 TEST_CASE("While the loop stays where it is the places around are made, and no more", "[cloud_follower]") {

@@ -87,8 +87,7 @@ FollowingRun followTrajectory(const Places& places, PlaceShelf& shelf, const Too
   for (std::size_t k = 0; k < way.size(); ++k) {
     run.interrupted = interrupted();
     if (run.interrupted || (run.flags & (kNotFinite | kBlowUp))) break;
-    tools[0].pose = way[k];
-    const PlaceIndex index = nextPlace(places, place->index, tools);
+    const PlaceIndex index = nextPlace(places, place->index, posturesAtRest(place->model, runner->state));
     if (index != place->index) {
       const Place& next = shelf.at(index);
       const Passage passage = makePassage(*place, next);
