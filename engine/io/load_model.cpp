@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "base/parallel_for.h"
+#include "contact/first_contact_travel.h"
 #include "discretization/surface/solids.h"
 #include "discretization/surface/surface_tree.h"
 #include "imaging/repair_surface.h"
@@ -164,6 +165,27 @@ struct Stages {
   const Progress report;
 };
 
+/// What can't be meant of the tools, or is hardly meant.
+void checkTools(const Scene& scene, const TriangleSurface& organ, const std::function<void(const std::string&)>& warn) {
+  constexpr double same = 1e-6;  // m
+  const std::vector<ToolSpec> tools = toolsOf(scene);
+  for (std::size_t t = 0; t < tools.size(); ++t) {
+    const ToolSpec& tool = tools[t];
+    for (std::size_t other = 0; other < t; ++other)
+      if ((tool.position - tools[other].position).norm() < same)
+        throw InputError(tool.place, format("tools %zu and %zu start at one place", other + 1, t + 1),
+                         "give each a position of its own");
+    if (!warn) continue;
+    if (tool.jaws() && tool.friction == 0)
+      warn(tool.place.text() + ": jaws without friction hold nothing; give them friction = 0.8");
+    const Pose start{tool.position, Quat::FromTwoVectors(-Vec3::UnitZ(), tool.direction)};
+    if (!tool.jaws() && std::isinf(firstContactTravel(organ, tool.shape, start)))
+      warn((t == 0 ? placeOf(scene, "tool.position") : tool.place).text() +
+           ": straight on the tool never touches the organ; put its position before it, and let its direction point "
+           "at it");
+  }
+}
+
 /// The scene as it is built on this organ.
 Scene readyScene(const Scene& as_read, const TriangleSurface& organ,
                  const std::function<void(const std::string&)>& warn) {
@@ -171,9 +193,7 @@ Scene readyScene(const Scene& as_read, const TriangleSurface& organ,
                                       [](const BoundarySpec& b) { return b.points != nullptr; });
   Scene scene = has_points ? withPointBoundaries(as_read, SurfaceTree(organ), warn) : as_read;
   if (const std::string warning = sizeWarning(scene, organ); warn && !warning.empty()) warn(warning);
-  for (const ToolSpec& tool : toolsOf(scene))
-    if (warn && tool.jaws() && tool.friction == 0)
-      warn(tool.place.text() + ": jaws without friction hold nothing; give them friction = 0.8");
+  checkTools(scene, organ, warn);
   return scene;
 }
 

@@ -98,6 +98,21 @@ TEST_CASE("The warning of a size comes before the set-up takes time, and once", 
   CHECK_THAT(warnings[0], Contains("the organ is 4 m long"));
 }
 
+TEST_CASE("Tools that start at one place are refused; of one that never touches there is a warning", "[load_model]") {
+  Scene scene = test::blockScene();
+  std::vector<std::string> warnings;
+  const auto keep = [&](const std::string& line) { warnings.push_back(line); };
+  scene.tool_position.x() = 0.2;
+  loadModel(scene, {}, ModelCache(), keep);
+  REQUIRE(warnings.size() == 1);
+  CHECK_THAT(warnings[0], Contains("never touches the organ"));
+  ToolSpec second;
+  second.shape = scene.tool;
+  second.position = scene.tool_position;
+  scene.further_tools.push_back(second);
+  CHECK_THROWS_WITH(loadModel(scene), Contains("tools 1 and 2 start at one place"));
+}
+
 TEST_CASE("Where the cloud follows, a model is that of the place where the tool will be", "[load_model][whole]") {
   Scene scene = test::barScene();
   scene.follow = true;

@@ -7,6 +7,7 @@
 
 #include "base/interrupt.h"
 #include "simulation/step.h"
+#include "simulation/tool_contact.h"
 #include "simulation/workspace.h"
 
 namespace palpate::tools {
