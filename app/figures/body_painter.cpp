@@ -1,4 +1,4 @@
-#include "app/render/body_painter.h"
+#include "app/figures/body_painter.h"
 
 #include <imgui.h>
 

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "app/render/body_painter.h"
+#include "app/figures/body_painter.h"
 #include "app/render/colour_map.h"
 #include "app/render/field.h"
 #include "snapshots/hand_made_model.h"

@@ -8,7 +8,7 @@
 #include "mtled/atlas/atlas_block.h"
 #include "mtled/atlas/atlas_page.h"
 #include "mtled/atlas/atlas_run.h"
-#include "mtled/pictures/pictures.h"
+#include "mtled/report/pictures.h"
 #include "simulation/build_model.h"
 #include "simulation/trust.h"
 #include "support/captured_output.h"

@@ -17,7 +17,7 @@
 #include "io/output_file.h"
 #include "mtled/atlas/atlas_page.h"
 #include "mtled/atlas/atlas_run.h"
-#include "mtled/pictures/pictures.h"
+#include "mtled/report/pictures.h"
 #include "mtled/run/progress.h"
 
 namespace palpate::tools {

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "mtled/pictures/pictures.h"
 #include "mtled/report/case_result.h"
+#include "mtled/report/pictures.h"
 #include "mtled/report/report_page.h"
 
 namespace palpate::tools {

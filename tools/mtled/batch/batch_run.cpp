@@ -15,7 +15,7 @@
 #include "io/npz_file.h"
 #include "io/output_file.h"
 #include "io/vtu_file.h"
-#include "mtled/pictures/pictures.h"
+#include "mtled/report/pictures.h"
 #include "realtime/loop/cloud_follower.h"
 #include "realtime/loop/simulation_loop.h"
 #include "realtime/recording/force_csv.h"

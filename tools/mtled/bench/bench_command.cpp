@@ -10,7 +10,7 @@
 #include "mtled/bench/bench_run.h"
 #include "mtled/bench/device_bench.h"
 #include "mtled/bench/roofline.h"
-#include "mtled/pictures/pictures.h"
+#include "mtled/report/pictures.h"
 
 namespace palpate::tools {
 int benchCommand(const BenchOptions& options) {

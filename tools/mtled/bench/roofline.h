@@ -1,7 +1,7 @@
 #pragma once
 
 #include "mtled/bench/bench_report.h"
-#include "mtled/pictures/pictures.h"
+#include "mtled/report/pictures.h"
 
 namespace palpate::tools {
 

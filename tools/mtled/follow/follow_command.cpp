@@ -13,9 +13,9 @@
 #include "io/scene_file.h"
 #include "mtled/follow/drag_ways.h"
 #include "mtled/frontier/frontier_page.h"
-#include "mtled/frontier/frontier_settings.h"
 #include "mtled/report/report_page.h"
 #include "mtled/run/following_run.h"
+#include "mtled/run/scene_spacing.h"
 
 namespace palpate::tools {
 namespace {

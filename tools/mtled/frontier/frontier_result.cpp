@@ -8,7 +8,7 @@
 #include <sstream>
 
 #include "base/number_text.h"
-#include "mtled/pictures/pictures.h"
+#include "mtled/report/pictures.h"
 
 namespace palpate::tools {
 namespace {

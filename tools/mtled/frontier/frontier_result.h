@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "mtled/pictures/pictures.h"
-#include "mtled/run/scripted_run.h"
+#include "mtled/report/pictures.h"
+#include "mtled/run/converged_run.h"
 
 namespace palpate::tools {
 
@@ -23,19 +23,11 @@ struct FrontierRow {
   std::string trouble;  // why its errors are not given; empty: none
 };
 
-/// What the rows are compared with.
-struct FrontierReference {
-  int nodes = 0, points = 0;
-  double peak_force = 0;  // N
-  int coarser_nodes = 0;  // of the next coarser solution
-  RunError convergence;   // its distance from the reference
-};
-
 struct Frontier {
   std::string scene, way, build;
   std::string identity;  // hash of scene and way, hexadecimal: what a resumed run must agree in
   double rate_hz = 0;
-  FrontierReference reference;
+  ConvergedReference reference;
   std::vector<FrontierRow> rows;  // the first is the scene as it is
 };
 

@@ -19,7 +19,7 @@
 #include "mtled/identify/coarse_to_fine.h"
 #include "mtled/identify/identify_regions.h"
 #include "mtled/identify/identify_remarks.h"
-#include "mtled/pictures/pictures.h"
+#include "mtled/report/pictures.h"
 #include "mtled/run/progress.h"
 
 namespace palpate::tools {

@@ -19,7 +19,7 @@
 #include "mtled/identify/force_curve.h"
 #include "mtled/identify/identify.h"
 #include "mtled/identify/pressed_regions.h"
-#include "mtled/pictures/pictures.h"
+#include "mtled/report/pictures.h"
 #include "mtled/run/progress.h"
 #include "simulation/trust.h"
 

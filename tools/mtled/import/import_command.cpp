@@ -24,7 +24,7 @@
 #include "io/surface_file.h"
 #include "mtled/import/import_scene.h"
 #include "mtled/import/import_unit.h"
-#include "mtled/pictures/pictures.h"
+#include "mtled/report/pictures.h"
 #include "mtled/run/case_folder.h"
 #include "mtled/run/progress.h"
 

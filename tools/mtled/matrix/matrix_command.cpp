@@ -17,7 +17,7 @@
 #include "io/csv_table.h"
 #include "io/output_file.h"
 #include "mtled/matrix/matrix_rows.h"
-#include "mtled/pictures/pictures.h"
+#include "mtled/report/pictures.h"
 #include "mtled/report/report_page.h"
 #include "mtled/run/progress.h"
 

@@ -5,7 +5,7 @@
 #include <map>
 
 #include "base/number_text.h"
-#include "mtled/pictures/pictures.h"
+#include "mtled/report/pictures.h"
 
 namespace palpate::tools {
 namespace {

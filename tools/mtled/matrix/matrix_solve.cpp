@@ -3,8 +3,8 @@
 
 #include "discretization/surface/surface_tree.h"
 #include "io/load_model.h"
-#include "mtled/frontier/frontier_settings.h"
 #include "mtled/matrix/matrix_case.h"
+#include "mtled/run/scene_spacing.h"
 #include "simulation/discretize.h"
 #include "simulation/resolution.h"
 #include "simulation/static_solver.h"

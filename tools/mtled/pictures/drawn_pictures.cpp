@@ -1,9 +1,9 @@
 #include <optional>
 
+#include "app/figures/body_painter.h"
 #include "app/figures/figure_writer.h"
-#include "app/render/body_painter.h"
 #include "mtled/pictures/atlas_map.h"
-#include "mtled/pictures/pictures.h"
+#include "mtled/report/pictures.h"
 #include "simulation/model.h"
 
 namespace palpate::tools {

@@ -1,5 +1,5 @@
 // Built in place of drawn_pictures.cpp where there is nothing to draw with (PALPATE_APP=OFF).
-#include "mtled/pictures/pictures.h"
+#include "mtled/report/pictures.h"
 
 namespace palpate::tools {
 

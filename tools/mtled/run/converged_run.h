@@ -2,15 +2,22 @@
 
 #include <functional>
 
-#include "mtled/frontier/frontier_result.h"
-#include "mtled/frontier/frontier_settings.h"
+#include "mtled/run/scene_spacing.h"
 #include "mtled/run/scripted_run.h"
 
 namespace palpate::tools {
 
+/// What a converged run is.
+struct ConvergedReference {
+  int nodes = 0, points = 0;
+  double peak_force = 0;  // N
+  int coarser_nodes = 0;  // of the next coarser solution
+  RunError convergence;   // its distance from the reference
+};
+
 /// A scene's way followed on finer clouds: what its errors are measured against.
 struct ConvergedRun {
-  FrontierReference about;
+  ConvergedReference about;
   ScriptedRun run, coarser;  // the finest, and the one that shows how far it still is from the limit
 };
 

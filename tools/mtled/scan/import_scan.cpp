@@ -23,7 +23,7 @@
 #include "io/scene_file.h"
 #include "io/surface_file.h"
 #include "io/text_file.h"
-#include "mtled/pictures/pictures.h"
+#include "mtled/report/pictures.h"
 #include "mtled/run/case_folder.h"
 #include "mtled/run/progress.h"
 #include "mtled/scan/case_scene.h"

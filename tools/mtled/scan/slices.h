@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "imaging/image.h"
-#include "mtled/pictures/pictures.h"
+#include "mtled/report/pictures.h"
 
 namespace palpate::tools {
 

@@ -20,7 +20,7 @@
 #include "io/output_file.h"
 #include "io/scene_file.h"
 #include "io/text_file.h"
-#include "mtled/pictures/pictures.h"
+#include "mtled/report/pictures.h"
 #include "mtled/run/progress.h"
 #include "mtled/scan/interruption.h"
 #include "mtled/scan/slices.h"

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "mtled/pictures/pictures.h"
 #include "mtled/report/case_result.h"
+#include "mtled/report/pictures.h"
 #include "simulation/static_solver.h"
 
 namespace palpate::tools {

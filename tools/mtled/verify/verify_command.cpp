@@ -11,7 +11,7 @@
 #include "base/input_error.h"
 #include "base/interrupt.h"
 #include "io/output_file.h"
-#include "mtled/pictures/pictures.h"
+#include "mtled/report/pictures.h"
 #include "mtled/report/report_page.h"
 #include "mtled/run/progress.h"
 #include "mtled/verify/verification_case.h"

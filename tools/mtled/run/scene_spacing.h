@@ -1,0 +1,25 @@
+#pragma once
+
+#include "mtled/run/scripted_run.h"
+
+namespace palpate::tools {
+
+/// The part of the body that a tool deforms on its trajectory.
+struct ContactRegion {
+  Vec3 centre = Vec3::Zero();  // m
+  double radius = 0;           // m; 0: the tool stays away from the organ
+};
+/// A sphere around all places of the skin that the tool's tip comes near to, widened by two tool radii.
+ContactRegion contactRegion(const Model& model, const ToolTrajectory& way);
+
+/// Sets the spacing to `inside` times the scene's in the region of contact, and to `outside` times it elsewhere.
+void refineWhere(Scene& scene, const ContactRegion& place, double outside, double inside);
+
+/// Where its cloud follows the tool, the scene with nodes evenly apart, 1.3 times as far as in the ball; others as they
+/// are.
+Scene uniformScene(Scene scene);
+
+/// The scene's settings with spacing and refinements `factor` times as wide.
+void scaleSpacing(Scene& scene, double factor);
+
+}  // namespace palpate::tools
