@@ -92,13 +92,13 @@ void reserveForPlaces(const Places& places, State& state);
 /// The same for a state that will hold copies of `like`.
 void reserveAs(const State& like, State& state);
 
-/// The centres nearest to where the tools are in the body at rest (posturesAtRest), m (tool_count); no tool's centre changes before another is nearer by a
-/// quarter of the stride. @param present  any; its entries may be -1
+/// The centres nearest to where the tools are in the body at rest (posturesAtRest), m (tool_count); no tool's centre
+/// changes before another is nearer by a quarter of the stride. @param present  any; its entries may be -1
 /// Real-time: no allocation, no lock, no throw; ~ centre_count.
 PlaceIndex nextPlace(const Places& places, const PlaceIndex& present, const ToolPostures& tools);
 
-/// The place for tools that have pressed so far: those inside the organ at rest count from where they came in, back along
-/// their axes. For set-up.
+/// The place for tools that have pressed so far: those inside the organ at rest count from where they came in, back
+/// along their axes. For set-up.
 PlaceIndex placeUnder(const Places& places, ToolPostures tools);
 
 /// The spacing that a place wants.
