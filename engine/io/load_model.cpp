@@ -169,18 +169,20 @@ struct Stages {
 void checkTools(const Scene& scene, const TriangleSurface& organ, const std::function<void(const std::string&)>& warn) {
   constexpr double same = 1e-6;  // m
   const std::vector<ToolSpec> tools = toolsOf(scene);
+  const bool has_tool = std::any_of(scene.places.begin(), scene.places.end(),
+                                    [](const auto& place) { return place.first.rfind("tool", 0) == 0; });
   for (std::size_t t = 0; t < tools.size(); ++t) {
     const ToolSpec& tool = tools[t];
     for (std::size_t other = 0; other < t; ++other)
-      if ((tool.position - tools[other].position).norm() < same)
+      if (tool.jaws() == tools[other].jaws() && (tool.position - tools[other].position).norm() < same)
         throw InputError(tool.place, format("tools %zu and %zu start at one place", other + 1, t + 1),
                          "give each a position of its own");
     if (!warn) continue;
     if (tool.jaws() && tool.friction == 0)
       warn(tool.place.text() + ": jaws without friction hold nothing; give them friction = 0.8");
     const Pose start{tool.position, Quat::FromTwoVectors(-Vec3::UnitZ(), tool.direction)};
-    if (!tool.jaws() && std::isinf(firstContactTravel(organ, tool.shape, start)))
-      warn((t == 0 ? placeOf(scene, "tool.position") : tool.place).text() +
+    if (has_tool && !tool.jaws() && std::isinf(firstContactTravel(organ, tool.shape, start)))
+      warn(tool.place.text() +
            ": straight on the tool never touches the organ; put its position before it, and let its direction point "
            "at it");
   }

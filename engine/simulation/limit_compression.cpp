@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kept_volume = 0.5;  // of a squeezed point's volume
 constexpr int most_sweeps = 24;
-constexpr std::size_t most_points = 2048;  // squeezed at a time; more is flooded tissue, which the watchdog puts back
+constexpr std::size_t most_points = 2048;  // at a time; more is flooded tissue, which the watchdog puts back
 
 Mat3 cofactorOf(const Mat3& F) {
   Mat3 cof;
@@ -61,12 +61,12 @@ CompressionLimit::CompressionLimit(const Model& model)
 }
 
 int CompressionLimit::findFar(const AlignedVector<Float4>& du) {
-  constexpr auto of_half = static_cast<float>(far_of_half * far_of_half / (far * far));
+  constexpr auto where_flat = static_cast<float>(far_where_flat * far_where_flat / (far * far));
   int furthest = 0;
   for (std::size_t i = 0; i < far2_.size(); ++i) {
     const Float4& d = du[i];
     const float d2 = d.x * d.x + d.y * d.y + d.z * d.z;
-    const int goes = (d2 > of_half * far2_[i]) + (d2 > far2_[i]);
+    const int goes = (d2 > where_flat * far2_[i]) + (d2 > far2_[i]);
     goes_[i] = static_cast<std::uint8_t>(goes);
     furthest = std::max(furthest, goes);
   }
@@ -80,23 +80,25 @@ bool CompressionLimit::isWatched(const Model& model, const KernelScratch& kernel
   const float J = kernel.J[place];
   if (J < watched_J) return true;
   const ShapeTable& shape = model.point_shape;
-  const int far_enough = J < 0.5F ? 1 : 2;
+  const float flatness = kernel.cof2[place] / (J * J);  // |F^-1|^2
+  const int far_enough = flatness < flat ? 2 : flatness < very_flat ? 1 : 0;
   if (furthest < far_enough ||
       std::none_of(shape.node.begin() + shape.begin[row], shape.node.begin() + shape.begin[row + 1],
                    [&](int i) { return goes_[i] >= far_enough; }))
     return false;
-  // J(F + dF) / J = det(I + F^-1 dF) is above 0.56 where |F^-1| |dF| is below a quarter.
+  // J(F + dF) / J = det(I + F^-1 dF) is above 3/4 where |F^-1|^2 |dF|^2 is below 1/40.
   const Mat3 dF = gradientOf(shape, row, state.du.data());
-  if (dF.squaredNorm() * static_cast<double>(kernel.cof2[place]) < static_cast<double>(J * J) / 16) return false;
+  if (dF.squaredNorm() * static_cast<double>(flatness) < 1.0 / 40) return false;
   // Where it goes half the way that is allowed: its neighbours' impulses may bring it the rest.
   const Mat3 F = Mat3::Identity() + gradientOf(shape, row, state.u.data());
   return (F + dF).determinant() < 0.5 * (1 + kept_volume) * F.determinant();
 }
 
-void CompressionLimit::apply(const Model& model, const KernelScratch& kernel, float least, const StepMasses& masses,
-                             State& state, SpinTeam& team) {
+void CompressionLimit::apply(const Model& model, const KernelScratch& kernel, const ForceReport& forces,
+                             const StepMasses& masses, State& state, SpinTeam& team) {
   const int furthest = findFar(state.du);
-  if (!(least < watched_J) && furthest == 0) return;
+  const bool any_flat = !(forces.max_cof2 < very_flat * static_cast<double>(forces.min_J) * forces.min_J);
+  if (!(forces.min_J < watched_J) && furthest == 0 && !any_flat) return;
   constexpr int parts = 8;
   shareOut(team, parts, [&](int part) {
     const std::size_t places = watched_.size(), end = places * static_cast<std::size_t>(part + 1) / parts;

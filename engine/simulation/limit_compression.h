@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "mechanics/internal_forces.h"
 #include "simulation/model.h"
 #include "simulation/node_passes.h"
 #include "simulation/state.h"
@@ -10,7 +11,8 @@
 namespace palpate {
 
 /// No point turns inside out: what is prevented need not be watched. A point that is squeezed below watched_J, or whose
-/// nodes go far in a step, keeps in one step at least half of its volume, and `least_J` of it at any rate:
+/// nodes go far in a step for how flat it is, keeps in one step at least half of its volume, and `least_J` of it at any
+/// rate:
 ///
 ///   J(u + du) >= max(J(u) / 2, least_J)         (not less than J(u), where that is below least_J already)
 ///
@@ -24,17 +26,17 @@ class CompressionLimit {
   static constexpr double least_J = 0.02;   // Material::min_isochoric_J, below which the energy is a tangent
 
   /// A node goes far: |du_i| |gradN_i| in a step, at the point where that is largest. Half of a point's volume takes
-  /// several such nodes, and where half is left less of them.
-  static constexpr double far = 0.15, far_of_half = 0.05;
+  /// several such nodes at rest; where |F^-1|^2 is above 12 (3 at rest) less of them, above 100 any.
+  static constexpr double far = 0.15, far_where_flat = 0.05;
+  static constexpr float flat = 12, very_flat = 100;
 
   explicit CompressionLimit(const Model& model);
 
-  /// Corrects du. @param kernel  its points' J and |cof F|^2 at u
-  /// @param least  J of all points
+  /// Corrects du. @param kernel  its points' J and |cof F|^2 at u; `forces` bounds them
   /// Real-time: no allocation, no lock, no throw; costs a comparison for each node where nothing is squeezed. The team
   /// looks for the points in fixed parts. Test: simulation/limit_compression_test.cpp
-  void apply(const Model& model, const KernelScratch& kernel, float least, const StepMasses& masses, State& state,
-             SpinTeam& team);
+  void apply(const Model& model, const KernelScratch& kernel, const ForceReport& forces, const StepMasses& masses,
+             State& state, SpinTeam& team);
 
  private:
   struct Point {
@@ -47,7 +49,7 @@ class CompressionLimit {
                  const State& state) const;
 
   std::vector<float> far2_;            // (node_count) m^2, of |du|^2
-  std::vector<std::uint8_t> goes_;     // (node_count) in this step: 1: far where half is left, 2: far
+  std::vector<std::uint8_t> goes_;     // (node_count) in this step: 1: far where the tissue is flat, 2: far
   std::vector<std::uint8_t> watched_;  // (place_count of the kernel)
   std::vector<Point> squeezed_;        // (capacity)
 };

@@ -75,11 +75,11 @@ struct PassageScratch {
 void applyPassage(const Place& b, const Passage& passage, const State& before, PassageScratch& scratch, State& state,
                   SpinTeam* team = nullptr);
 
-/// What two states have of contacts changes hands: undoes what applyPassage did to `before`.
-void swapContacts(State& a, State& b);
-
 /// The same; what `before` has of contacts changes hands.
 void applyPassage(const Place& b, const Passage& passage, State&& before, PassageScratch& scratch, State& state,
                   SpinTeam* team = nullptr);
+
+/// What two states have of contacts changes hands: undoes what applyPassage did to `before`.
+void swapContacts(State& a, State& b);
 
 }  // namespace palpate

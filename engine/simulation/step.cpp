@@ -59,7 +59,7 @@ StepReport step(const Model& model, State& state, const ToolPostures& wanted, co
 
   // No point turns inside out; last, since what came before may do that. What holds the body is met again at the next
   // tick's begin (correctBoundaryDrift).
-  workspace.compression.apply(model, workspace.kernel, outcome.forces.min_J, masses, state, workspace.team);
+  workspace.compression.apply(model, workspace.kernel, outcome.forces, masses, state, workspace.team);
 
   // u += du
   outcome.moved = accumulate(model, masses, state, workspace);

@@ -104,8 +104,11 @@ TEST_CASE("Tools that start at one place are refused; of one that never touches 
   const auto keep = [&](const std::string& line) { warnings.push_back(line); };
   scene.tool_position.x() = 0.2;
   loadModel(scene, {}, ModelCache(), keep);
+  CHECK(warnings.empty());  // a scene without a tool
+  scene.places["tool[0].position"] = {"block.toml", 7, 1};
+  loadModel(scene, {}, ModelCache(), keep);
   REQUIRE(warnings.size() == 1);
-  CHECK_THAT(warnings[0], Contains("never touches the organ"));
+  CHECK_THAT(warnings[0], Contains("block.toml:7:1: straight on the tool never touches the organ"));
   ToolSpec second;
   second.shape = scene.tool;
   second.position = scene.tool_position;

@@ -7,6 +7,7 @@
 #include <thread>
 #include <utility>
 
+#include "simulation/tool_bodies.h"
 #include "simulation/tool_contact.h"
 
 namespace palpate {
@@ -69,8 +70,8 @@ bool CloudFollower::swap(double most_rise) {
   const auto begin = std::chrono::steady_clock::now();
   const std::optional<PlaceIndex> let_go = physics_.goTo(*pending_, most_rise);
   const std::chrono::duration<double, std::micro> taken = std::chrono::steady_clock::now() - begin;
-  longest_swap_us_ = std::max(longest_swap_us_, taken.count());
   if (!let_go) return false;
+  longest_swap_us_ = std::max(longest_swap_us_, taken.count());
   let_go_ = *let_go;
   ++swap_count_;
   drop();
@@ -80,18 +81,22 @@ bool CloudFollower::swap(double most_rise) {
 bool CloudFollower::follow(bool waits, const std::atomic<bool>& stop) {
   const Place& here = physics_.place()->place;
   const PlaceIndex present = here.index;
-  const ToolPostures tools = posturesAtRest(here.model, physics_.state());
+  const ToolPostures at = posturesOf(here.model, physics_.state());
+  ToolPostures tools = posturesAtRest(here.model, physics_.state());
   const auto count = static_cast<std::size_t>(1 + places_.scene.further_tools.size());
   const double rate = places_.scene.rate_hz, share = std::min(1.0, 1 / (velocity_seconds * rate));
   const double make_seconds = worker_.madeCount() > 0 ? worker_.madeSeconds() / worker_.madeCount() : 0;
-  ToolPostures soon = tools, then = tools;
+  const double fastest = 2 * largestToolSpeed(places_.scene);
+  ToolPostures soon, then;
   for (std::size_t t = 0; t < count; ++t) {
-    const Vec3& x = tools[t].pose.position;
-    if (!has_moved_)
-      velocity_[t].setZero();
-    else
-      velocity_[t] += share * (rate * (x - position_[t]) - velocity_[t]);
+    Vec3& x = tools[t].pose.position;
+    // One that the skin has not followed out of a press is over what it pressed.
+    if (x == at[t].pose.position && places_.organ.inside(x)) x = places_.centres[static_cast<std::size_t>(present[t])];
+    const Vec3 moved = has_moved_ ? Vec3(x - position_[t]) : Vec3(Vec3::Zero());
+    if (!has_moved_) velocity_[t].setZero();
+    if (rate * moved.norm() < fastest) velocity_[t] += share * (rate * moved - velocity_[t]);  // else it began to touch
     position_[t] = x;
+    soon[t] = then[t] = tools[t];
     const double speed = velocity_[t].norm();
     if (!(speed > 0)) continue;
     const double far = std::min(speed * ahead_seconds, std::max(places_.sizes.stride, speed * make_seconds));
@@ -111,7 +116,8 @@ bool CloudFollower::follow(bool waits, const std::atomic<bool>& stop) {
     // One that was asked for earlier is better than none.
     const bool usable = there || (!waits && pending_ != nullptr && pending_->from->place.index == present &&
                                   isNearer(pending_->to->place.index, tools));
-    if (usable && physics_.state().tick % swap_ticks == 0) {
+    const std::int64_t every = physics_.state().local_mass.active ? squeezed_swap_ticks : swap_ticks;
+    if (usable && physics_.state().tick % every == 0) {
       swapped = swap(most_energy_rise);
       refused_ = !swapped;
     }

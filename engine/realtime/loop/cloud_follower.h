@@ -9,7 +9,8 @@
 
 namespace palpate {
 
-/// Has the loop's physics at the place for where the tools are (nextPlace), between two ticks. A place and the way to
+/// Has the loop's physics at the place for the tissue that the tools press (posturesAtRest, nextPlace), between two
+/// ticks; tissue that coarse nodes would tear (TissuePhysics::goTo) stays where it is, late. A place and the way to
 /// it come from a worker, which is asked ahead in the direction that the tools go; where they are not ready the loop
 /// stays where it is, or, where it need not keep to the clock, waits: then the run depends on its input alone. A
 /// recording has the tick and the place of each swap, and its replay waits for them.
@@ -22,7 +23,9 @@ class CloudFollower {
   static constexpr double ahead_seconds = 0.6;
   static constexpr double velocity_seconds = 0.05;  // over which the tools' velocity is smoothed
   static constexpr double most_energy_rise = 0.05;  // TissuePhysics::goTo
-  static constexpr std::int64_t swap_ticks = 8;     // changes are tried at multiples, as a state alone can tell
+  /// Changes are tried at multiples of so many ticks, as a state alone can tell; of more where tissue is squeezed, where
+  /// they may be refused.
+  static constexpr std::int64_t swap_ticks = 8, squeezed_swap_ticks = 32;
 
   /// All must outlive this.
   CloudFollower(const Places& places, TissuePhysics& physics, PlaceWorker& worker);
@@ -47,7 +50,7 @@ class CloudFollower {
   const std::shared_ptr<ReadyPlace>& place() const { return physics_.place(); }
   /// The place that the last swap let go, to whose states nothing goes back; no_place: none.
   const PlaceIndex& letGo() const { return let_go_; }
-  /// The last tick was one on a place that was not ready.
+  /// The last tick was one on a place that was not ready, or refused.
   bool isLate() const { return late_; }
   std::int64_t swapCount() const { return swap_count_; }
   std::int64_t lateTicks() const { return late_ticks_; }
