@@ -52,8 +52,9 @@ function(check folder)  # or one file; ARGN: the rooms that its files may includ
       elseif(included MATCHES "/" AND NOT room IN_LIST ARGN AND NOT "ANY" IN_LIST ARGN
              AND NOT included MATCHES "^(source_identity|generated)")
         string(APPEND faults "${file}: \"${included}\" runs upward: ${folder} may include ${ARGN}\n")
-      elseif(file MATCHES "^tools/" AND room MATCHES "^app/" AND NOT file MATCHES "^tools/mtled/(pictures/|report/pictures.h)")
-        string(APPEND faults "${file}: \"${included}\" draws: only tools/mtled/pictures may include it\n")
+      elseif(file MATCHES "^tools/" AND room MATCHES "^app/"
+             AND NOT file MATCHES "^tools/mtled/(pictures/|report/pictures.h)")
+        string(APPEND faults "${file}: \"${included}\" draws: only mtled's pictures may include it\n")
       endif()
     endforeach()
   endforeach()

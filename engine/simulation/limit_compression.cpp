@@ -48,43 +48,39 @@ bool keepVolume(const ShapeTable& shape, int row, const Mat3& F, double allowed,
 }  // namespace
 
 CompressionLimit::CompressionLimit(const Model& model)
-    : far2_(model.X.size(), 0),
-      goes_(model.X.size(), 0),
+    : steepest2_(model.X.size(), 0),
+      way2_(model.X.size(), 0),
       watched_(model.kernel.point.size(), 0),
       squeezed_(std::min(most_points, static_cast<std::size_t>(model.pointCount()))) {
   const ShapeTable& shape = model.point_shape;
   for (std::size_t e = 0; e < shape.node.size(); ++e) {
-    float& steepest2 = far2_[shape.node[e]];
+    float& steepest2 = steepest2_[shape.node[e]];
     steepest2 = std::max(steepest2, static_cast<float>(shape.gradN[e].squaredNorm()));
   }
-  for (float& f : far2_) f = static_cast<float>(far * far) / f;
 }
 
-int CompressionLimit::findFar(const AlignedVector<Float4>& du) {
-  constexpr auto where_flat = static_cast<float>(far_where_flat * far_where_flat / (far * far));
-  int furthest = 0;
-  for (std::size_t i = 0; i < far2_.size(); ++i) {
+/// The largest of way2_.
+float CompressionLimit::findWays(const AlignedVector<Float4>& du) {
+  float furthest = 0;
+  for (std::size_t i = 0; i < way2_.size(); ++i) {
     const Float4& d = du[i];
-    const float d2 = d.x * d.x + d.y * d.y + d.z * d.z;
-    const int goes = (d2 > where_flat * far2_[i]) + (d2 > far2_[i]);
-    goes_[i] = static_cast<std::uint8_t>(goes);
-    furthest = std::max(furthest, goes);
+    way2_[i] = (d.x * d.x + d.y * d.y + d.z * d.z) * steepest2_[i];
+    furthest = std::max(furthest, way2_[i]);
   }
   return furthest;
 }
 
-bool CompressionLimit::isWatched(const Model& model, const KernelScratch& kernel, std::size_t place, int furthest,
+bool CompressionLimit::isWatched(const Model& model, const KernelScratch& kernel, std::size_t place,
                                  const State& state) const {
   const int row = model.kernel.point[place];
   if (row < 0) return false;
   const float J = kernel.J[place];
   if (J < watched_J) return true;
   const ShapeTable& shape = model.point_shape;
-  const float flatness = kernel.cof2[place] / (J * J);  // |F^-1|^2
-  const int far_enough = flatness < flat ? 2 : flatness < very_flat ? 1 : 0;
-  if (furthest < far_enough ||
-      std::none_of(shape.node.begin() + shape.begin[row], shape.node.begin() + shape.begin[row + 1],
-                   [&](int i) { return goes_[i] >= far_enough; }))
+  const float flatness = kernel.cof2[place] / (J * J);  // |F^-1|^2, 3 at rest
+  const float far_enough = static_cast<float>(far * far) / flatness;
+  if (std::none_of(shape.node.begin() + shape.begin[row], shape.node.begin() + shape.begin[row + 1],
+                   [&](int i) { return way2_[i] > far_enough; }))
     return false;
   // J(F + dF) / J = det(I + F^-1 dF) is above 3/4 where |F^-1|^2 |dF|^2 is below 1/40.
   const Mat3 dF = gradientOf(shape, row, state.du.data());
@@ -96,14 +92,13 @@ bool CompressionLimit::isWatched(const Model& model, const KernelScratch& kernel
 
 void CompressionLimit::apply(const Model& model, const KernelScratch& kernel, const ForceReport& forces,
                              const StepMasses& masses, State& state, SpinTeam& team) {
-  const int furthest = findFar(state.du);
-  const bool any_flat = !(forces.max_cof2 < very_flat * static_cast<double>(forces.min_J) * forces.min_J);
-  if (!(forces.min_J < watched_J) && furthest == 0 && !any_flat) return;
+  const double furthest = findWays(state.du), least = forces.min_J;
+  if (!(least < static_cast<double>(watched_J)) && furthest * forces.max_cof2 < far * far * least * least) return;
   constexpr int parts = 8;
   shareOut(team, parts, [&](int part) {
     const std::size_t places = watched_.size(), end = places * static_cast<std::size_t>(part + 1) / parts;
     for (std::size_t p = places * static_cast<std::size_t>(part) / parts; p < end; ++p)
-      watched_[p] = isWatched(model, kernel, p, furthest, state) ? 1 : 0;
+      watched_[p] = isWatched(model, kernel, p, state) ? 1 : 0;
   });
   const ShapeTable& shape = model.point_shape;
   std::size_t count = 0;

@@ -41,11 +41,13 @@ KernelScratch scratchOf(const Model& model, const State& state) {
   return scratch;
 }
 
-ForceReport reportOf(float min_J, double max_cof2) {
-  ForceReport report;
-  report.min_J = min_J;
-  report.max_cof2 = max_cof2;
-  return report;
+void limit(const Model& model, float least_J, double max_cof2, State& state) {
+  ForceReport forces;
+  forces.min_J = least_J;
+  forces.max_cof2 = max_cof2;
+  const StepMasses masses{model.inverse_mass.data(), nullptr, nullptr, 1, 0, 0};
+  SpinTeam team(2);
+  CompressionLimit(model).apply(model, scratchOf(model, state), forces, masses, state, team);
 }
 
 Vec3 momentum(const Model& model, const State& state) {
@@ -85,10 +87,7 @@ TEST_CASE("No step takes more than half of a squeezed point's volume, and none t
   REQUIRE(*std::min_element(wanted.begin(), wanted.end()) < -0.01F);
   const Vec3 had = momentum(model, state);
   const double energy_before = energy(model, state);
-  StepMasses masses{model.inverse_mass.data(), nullptr, nullptr, 1, 0, 0};
-  CompressionLimit limit(model);
-  SpinTeam team(2);
-  limit.apply(model, scratchOf(model, state), reportOf(least, 0), masses, state, team);
+  limit(model, least, 3, state);
   const AlignedVector<float> after = volumeRatios(model, state, 1);
   int moved = 0;
   for (std::size_t k = 0; k < after.size(); ++k) {
@@ -104,10 +103,7 @@ TEST_CASE("What is squeezed no further than by half in a step is left alone, bit
   const Model model = test::blockModel(test::blockScene());
   State state = squeezed(model, 0.02);
   const AlignedVector<Float4> before = state.du;
-  StepMasses masses{model.inverse_mass.data(), nullptr, nullptr, 1, 0, 0};
-  CompressionLimit limit(model);
-  SpinTeam team(2);
-  limit.apply(model, scratchOf(model, state), reportOf(0.1F, 0), masses, state, team);
+  limit(model, 0.1F, 3, state);
   CHECK(std::memcmp(before.data(), state.du.data(), before.size() * sizeof(Float4)) == 0);
 }
 
@@ -121,10 +117,7 @@ TEST_CASE("Nor does a step as wide as a cell turn tissue inside out that was at 
   REQUIRE(*std::min_element(wanted.begin(), wanted.end()) < -0.2F);
   const Vec3 had = momentum(model, state);
   const double energy_before = energy(model, state);
-  StepMasses masses{model.inverse_mass.data(), nullptr, nullptr, 1, 0, 0};
-  CompressionLimit limit(model);
-  SpinTeam team(2);
-  limit.apply(model, scratchOf(model, state), reportOf(1, 3), masses, state, team);
+  limit(model, 1, 3, state);
   const AlignedVector<float> after = volumeRatios(model, state, 1);
   CHECK(*std::min_element(after.begin(), after.end()) > 0.45F);  // a half but for what the sweeps leave
   CHECK((momentum(model, state) - had).norm() < 1e-5 * had.norm());
@@ -144,10 +137,7 @@ TEST_CASE("Nor is tissue turned inside out that is pressed flat at its volume, h
   const AlignedVector<float> before = volumeRatios(model, state, 0), wanted = volumeRatios(model, state, 1);
   REQUIRE(*std::min_element(before.begin(), before.end()) > 0.9F);
   REQUIRE(*std::min_element(wanted.begin(), wanted.end()) < 0);
-  StepMasses masses{model.inverse_mass.data(), nullptr, nullptr, 1, 0, 0};
-  CompressionLimit limit(model);
-  SpinTeam team(2);
-  limit.apply(model, scratchOf(model, state), reportOf(1, wide * wide * wide * wide), masses, state, team);
+  limit(model, 1, wide * wide * wide * wide, state);
   const AlignedVector<float> after = volumeRatios(model, state, 1);
   CHECK(*std::min_element(after.begin(), after.end()) > 0.4F);
 }

@@ -83,9 +83,9 @@ class TissuePhysics final : public Physics {
   /// Whether it may go back to a state of this place.
   bool holds(const PlaceIndex& index) const { return find(index) != nullptr; }
   /// Goes on at another place. @param change  from the present one; its memory is used up unless it stays
-  /// @param most_rise  of the strain energy, as a share: where it rose by more while tissue is squeezed (mass is added to
-  /// it), it stays as it is, and the change may be tried again: what is bent as only fine nodes bend is torn by coarse
-  /// ones
+  /// @param most_rise  of the strain energy, as a share: where it rose by more while tissue is squeezed (mass is added
+  /// to it), it stays as it is, and the change may be tried again: what is bent as only fine nodes bend is torn by
+  /// coarse ones
   /// @return the place that it holds no longer for that, or no_place; nothing: it stays
   std::optional<PlaceIndex> goTo(PlaceChange& change, double most_rise = std::numeric_limits<double>::infinity());
 
