@@ -44,6 +44,12 @@ double exitDistance(const ToolShape& tool, const Vec3& local, const Vec3& direct
 
 double tipProfile(const ToolShape& tool, double r) { return tipProfile(toolProfile(tool), r); }
 
+double touchRadius(const ToolShape& tool) {
+  const ToolProfile profile = toolProfile(tool);
+  const bool flat = profile.corner_count > 1 && profile.side_normal[0].z < -0.999;
+  return flat ? tool.radius : std::sqrt(profile.rounding * tool.radius);
+}
+
 double largestTravel(const ToolShape& tool, const Pose& from, const Pose& to) {
   const double end = std::max(toolProfile(tool).length, 2.0 * tool.radius);
   const double angle = from.orientation.angularDistance(to.orientation);

@@ -77,6 +77,11 @@ ToolDistance toolDistance(const ToolShape& tool, const Vec3& local);
 double exitDistance(const ToolShape& tool, const Vec3& local, const Vec3& direction);
 double tipProfile(const ToolShape& tool, double r);
 
+/// Radius of the ball that wants nodes as close as the tool's end does, m: a flat end's own radius; where the end is
+/// round or pointed, with a tip of radius t behind which the tool has R, sqrt(t R). A quarter of R deep both touch a
+/// disk of half that radius (Hertz).
+double touchRadius(const ToolShape& tool);
+
 /// Bound on how far any point of the tool travels between two poses, m. Real-time.
 double largestTravel(const ToolShape& tool, const Pose& from, const Pose& to);
 

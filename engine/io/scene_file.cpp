@@ -28,7 +28,11 @@ namespace palpate {
 
 namespace {
 
-void readQuadrature(const TomlTable& table, QuadratureSpec& quadrature) {
+/// Of a cloud that follows the tool, where nothing is said. A slab of 100 x 100 x 50 mm under a ball of 5 mm has 0.62 of
+/// the points and of the time with it, and the same error to 0.02 % of the force (mtled certify).
+constexpr double following_cells_per_point = 1.6;
+
+void readQuadrature(const TomlTable& table, bool follows, QuadratureSpec& quadrature) {
   if (!table.has("quadrature_accuracy")) {
     table.forbid({"quadrature_division", "quadrature_depth"}, "without \"quadrature_accuracy\"");
   }
@@ -39,6 +43,8 @@ void readQuadrature(const TomlTable& table, QuadratureSpec& quadrature) {
     if (quadrature.points_per_cell > 1) table.forbid({"cells_per_point"}, "with more than one point per cell");
     if (quadrature.accuracy > 0) table.forbid({"cells_per_point"}, "with \"quadrature_accuracy\"");
   }
+  if (follows && !table.has("cells_per_point") && quadrature.points_per_cell == 1 && quadrature.accuracy == 0)
+    quadrature.cells_per_point = following_cells_per_point;
   table.read("quadrature_division", quadrature.division);
   table.read("quadrature_depth", quadrature.max_depth);
 }
@@ -56,7 +62,7 @@ void readDiscretization(const TomlTable& table, Scene& scene) {
     table.read("spacing", scene.spacing);
   }
   table.read("seed", scene.seed);
-  readQuadrature(table, scene.quadrature);
+  readQuadrature(table, scene.follow, scene.quadrature);
   scene.basis_degree = 1 + table.readChoice("basis", scene.basis_degree - 1);
   table.read("support_factor", scene.support_factor);
   table.read("mu", scene.mmls_weight);
@@ -89,9 +95,6 @@ void checkFollow(const TomlTable& top, const SourceLocation* asked, Scene& scene
   if (!top.has("tool")) refuse("there is no tool that the cloud could follow", "add [tool], or ");
   if (top.has("lump") || top.has("lumps")) refuse("a cloud that follows the tool can't have lumps to be found", "");
   if (!scene.further_organs.empty()) refuse("a cloud that follows the tool is that of one body", "");
-  for (const MaterialSpec& spec : scene.materials)
-    if (spec.material.relaxation_count > 0)
-      refuse("a cloud that follows the tool can't have a material that relaxes (" + spec.place.text() + ")", "");
   scene.spacing = followSpacing(scene);
 }
 

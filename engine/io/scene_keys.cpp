@@ -83,8 +83,7 @@ constexpr KeySpec scene_keys[] = {
     {"discretization", "follow", T::Boolean, "", depends, {}, "",
      "The cloud follows the tool: nodes are dense in a ball around each tool and wide apart elsewhere, both by the "
      "tool's radius, and change while it moves. So it is where no `spacing` is given. Solutions (`mtled solve`) and "
-     "fits of material have the cloud for where the tool ends. Not with several organs, materials that relax, or lumps "
-     "to be found."},
+     "fits of material have the cloud for where the tool ends. Not with several organs or lumps to be found."},
     {"discretization", "seed", T::Integer, "", "1", between(0, 4294967295.0), "",
      "Another seed, another irregular node cloud; the same seed, the same bits."},
     {"discretization", "points_per_cell", T::Integer, "", "1", {}, "1|4|5",
@@ -94,7 +93,8 @@ constexpr KeySpec scene_keys[] = {
     {"discretization", "cells_per_point", T::Number, "", "1", between(1, 2), "",
      "Above 1 neighbouring cells share an integration point in pairs, until there are so many cells to a "
      "point, or (at about 1.8) none is left to pair: 1.3 has three quarters of the points and of the time a "
-     "step. Neither with more than one point per cell nor with `quadrature_accuracy`."},
+     "step. Where the cloud follows the tool, and nothing is said, 1.6. Neither with more than one point per "
+     "cell nor with `quadrature_accuracy`."},
     {"discretization", "quadrature_accuracy", T::Number, "", "0", between(0, 1), "",
      "Tolerance tau of the adaptive quadrature (paper section 2.5): a cell is divided while the integral over "
      "it of the least smooth integrand (eq. 30) differs by more than this share from the sum over its parts. "

@@ -21,7 +21,7 @@ template <class Real>
 RelaxationHistoryOf<Real> makeRelaxationHistory(std::size_t batch_count, const std::vector<Material>& materials) {
   RelaxationHistoryOf<Real> history;
   for (const Material& m : materials) history.term_count = std::max(history.term_count, m.relaxation_count);
-  history.Z.assign(batch_count * static_cast<std::size_t>(history.term_count) * 96, Real(0));
+  history.Z.assign(batch_count * static_cast<std::size_t>(history.term_count) * history.batch_numbers, Real(0));
   return history;
 }
 

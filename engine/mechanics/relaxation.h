@@ -40,6 +40,8 @@ RelaxationStep relaxationStep(const Material& material, double h, int max_term_c
 /// What the points of a kernel layout remember. Part of a simulation's state.
 template <class Real>
 struct RelaxationHistoryOf {
+  static constexpr std::size_t batch_numbers = 96;  // a term of a batch's 16 points
+
   int term_count = 0;     // largest of the materials
   AlignedVector<Real> Z;  // (batch_count)(term_count)(6)(16) Pa: 11, 22, 33, 23, 13, 12 of a batch's 16 points
 };

@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "discretization/nodes/node_order.h"
+#include "discretization/nodes/node_scatter.h"
 #include "discretization/nodes/volume_fit.h"
 #include "discretization/surface/surface_geometry.h"
 #include "simulation/discretize_parts.h"
@@ -59,11 +60,15 @@ std::vector<FeatureEdges::Chain> rimsOf(const Scene& scene, const SurfaceTree& o
 
 }  // namespace
 
+double finestSpacing(double volume, double area, double nodes) {
+  return std::max(std::cbrt(volume / (0.7 * nodes)), std::sqrt(area / (area_per_node * nodes)));
+}
+
 void checkCounts(const Scene& scene, double volume, double area) {
   // What the set-up can hold: about 0.1 MB a node. A typing error in the spacing should not fill the memory.
-  constexpr double max_nodes = 60000;
+  const double max_nodes = scene.follow ? most_fine_nodes : 60000;
   const double nodes = volume / (0.7 * scene.spacing * scene.spacing * scene.spacing);
-  if (nodes > max_nodes)
+  if (nodes > 1.001 * max_nodes)
     throw InputError(placeOf(scene, "discretization.spacing"),
                      "a spacing of " + number(scene.spacing) + " m makes " +
                          (nodes < 1e15 ? "about " + number(nodes) : "countless") + " nodes, more than " +

@@ -146,7 +146,13 @@ void carryTissue(const Place& b, const Passage& passage, const State& before, Pa
   } else {
     carryLive(b.model, before.live, state.live);
   }
+  if (!passage.history.empty())
+    inParts(team, b.model.kernel.batch_material.size(), [&](std::size_t begin, std::size_t end) {
+      carryHistory(passage.history, before.relaxation, begin, end, state.relaxation);
+    });
   state.energy = {};
+  state.energy.relaxation_flow = before.energy.relaxation_flow;
+  state.energy.relaxation_power = before.energy.relaxation_power;
 }
 
 }  // namespace
@@ -215,6 +221,7 @@ Passage makePassage(const Place& a, const Place& b) {
       addRow(shape, static_cast<int>(r), passage.at);
   }
   passage.complete(a.model.nodeCount());
+  passage.history = makeHistoryPassage(a.model, b.model);
   return passage;
 }
 

@@ -4,6 +4,7 @@
 
 #include "approximation/shape_table.h"
 #include "base/spin_team.h"
+#include "simulation/history_passage.h"
 #include "simulation/place.h"
 #include "simulation/state.h"
 
@@ -18,10 +19,11 @@ namespace palpate {
 /// u_i += 1.2 (g_i - sum_j N^B_ij u_j), over all of `node` at once (of the change of u, in float). With values for
 /// parameters, as no sweeps would leave them, the force of a press jumps by 13 % (place_test.cpp).
 struct Passage {
-  std::vector<int> from;  // (node_count of B) the node of A that it is, or -1: new
-  std::vector<int> node;  // (row_count) nodes of B whose rows are not those of A, ascending
-  ShapeTable at;          // (row_count) N of A at X of these nodes
-  ShapeTable own;         // (row_count) N of B there
+  std::vector<int> from;   // (node_count of B) the node of A that it is, or -1: new
+  std::vector<int> node;   // (row_count) nodes of B whose rows are not those of A, ascending
+  ShapeTable at;           // (row_count) N of A at X of these nodes
+  ShapeTable own;          // (row_count) N of B there
+  HistoryPassage history;  // of points
 
   /// Rows of float weights, by numbers of nodes.
   struct Rows {
@@ -67,8 +69,8 @@ struct PassageScratch {
 
 /// Fills `state`, made by initialState(b.model), with a state of the place that the passage comes from: u, du and u_low
 /// by the passage; contact, tools, rigid bodies as they are (one skin for all places); time, live friction, loads,
-/// materials and how far regions have come; added mass node by node, new nodes with the most of those that carried
-/// them. The energy balance starts anew.
+/// materials and how far regions have come; what points remember as HistoryPassage has it; added mass node by node, new
+/// nodes with the most of those that carried them. The energy balance starts anew, but for what relaxation kept.
 /// @param team  that shares the work, or null; the result does not depend on it
 /// Real-time: no allocation, no lock, no throw.
 /// Test: simulation/place_test.cpp (linear fields, no change at equal places, force in the ticks after)

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "base/number_text.h"
 #include "discretization/cells/cell_pairs.h"
@@ -20,12 +21,14 @@
 namespace palpate {
 namespace {
 
-constexpr double fine_radii = 0.5, coarse_of_fine = 2.4, widest_of_body = 0.2;
+constexpr double fine_radii = 0.5, coarse_radii = 1.2, narrowest_of_body = 0.1, widest_of_body = 0.2;
+constexpr double sharpest = 0.4;         // of the tool's radius: a sharper tip is not resolved, and doubted
 constexpr double hysteresis = 0.25;      // strides
 constexpr double longest_stride = 0.01;  // m
 constexpr int kept_of_region = 6;        // nodes of each imposed region that are always live
 /// Rows at places that were not looked at may need a little more than those at the first: 2 % of the step.
 constexpr double row_margin = 0.96;
+constexpr double least_critical = 0.95;  // of the first place's critical step, that all have
 
 /// The scene's own refinements that ask for less than a spacing.
 std::vector<RefineSpec> finerThan(double spacing, const std::vector<RefineSpec>& refine) {
@@ -77,6 +80,19 @@ void keepRegions(const Scene& scene, const SurfaceTree& organ, NestedCloud& clou
   }
 }
 
+/// What a tool's ball and the spacing in it are made for, m.
+double resolvedRadius(const ToolShape& tool) { return std::max(touchRadius(tool), sharpest * tool.radius); }
+
+double smallestResolved(const Scene& scene) {
+  double smallest = smallestToolRadius(scene);
+  for (const ToolSpec& tool : toolsOf(scene)) smallest = std::min(smallest, resolvedRadius(tool.shape));
+  return smallest;
+}
+
+double ballRadius(const ToolShape& tool, double fine) {
+  return std::max(ball_radii * resolvedRadius(tool), ball_spacings * fine);
+}
+
 /// Vertices of a surface about a stride apart: each the first that is farther from all before.
 std::vector<Vec3> centresOn(const TriangleSurface& skin, double stride) {
   std::vector<Vec3> centres;
@@ -95,10 +111,6 @@ void checkCarried(const Scene& scene, const TriangleSurface& organ) {
   if (bodiesOf(organ).count > 1)
     throw InputError(placeOf(scene, "discretization.follow"), "a cloud that follows the tool is that of one body",
                      "give [discretization] spacing, about " + number(fineSpacing(scene)) + " m for this tool");
-  for (const MaterialSpec& spec : scene.materials)
-    if (spec.material.relaxation_count > 0)
-      throw InputError(spec.place, "a cloud that follows the tool can't have a material that relaxes",
-                       "leave its relaxation out, or give [discretization] spacing");
 }
 
 /// What a place's preparation depends on; "" where nothing is to be kept.
@@ -109,6 +121,37 @@ std::string keyOf(const Places& places, const PlaceIndex& index, bool common) {
   return key;
 }
 
+/// None where all is as fine.
+std::vector<SpacingField::Refinement> ballsAt(const Places& places, const PlaceIndex& index) {
+  std::vector<SpacingField::Refinement> balls;
+  const auto tools = toolsOf(places.scene);
+  for (std::size_t t = 0; t < tools.size() && places.sizes.fine < places.sizes.coarse; ++t)
+    balls.push_back({places.centres[static_cast<std::size_t>(index[t])],
+                     ballRadius(tools[t].shape, places.sizes.fine) + (tools[t].jaws() ? tools[t].opening / 2 : 0),
+                     places.sizes.fine,
+                     0,
+                     {}});
+  return balls;
+}
+
+/// Nodes that any place may have: as many as the first, and those of whole balls with what is around them, twice; no
+/// more than the cloud has.
+int mostNodes(const Places& places, int of_first) {
+  constexpr double safety = 2, nodes_per_cube = 1 / 0.7;
+  constexpr int shells = 1000;
+  const PlaceIndex any{};
+  double nodes = 0;
+  for (const SpacingField::Refinement& ball : ballsAt(places, any)) {
+    SpacingField field{places.sizes.coarse, {ball}, {}};
+    const double reach = ball.radius + 3 * places.sizes.coarse, width = reach / shells;
+    for (int k = 0; k < shells; ++k) {
+      const double r = (k + 0.5) * width, h = field.at(ball.centre + Vec3(r, 0, 0));
+      nodes += 4 * std::numbers::pi * r * r * width / std::pow(h, 3);
+    }
+  }
+  return static_cast<int>(std::min<double>(of_first + safety * nodes_per_cube * nodes, places.cloud.nodeCount()));
+}
+
 /// The place from its scene, with what is common to all or, for the first, without.
 /// @param kept  its preparation, if it is at hand
 Place place(const Places& places, const PlaceIndex& index, const CommonToPlaces* common, const PlaceStore& store,
@@ -117,13 +160,12 @@ Place place(const Places& places, const PlaceIndex& index, const CommonToPlaces*
   made.index = index;
   made.node = liveNodes(places.cloud, wantedSpacing(places, index));
   Scene scene = places.scene;
-  const auto tools = toolsOf(scene);
-  for (std::size_t t = 0; t < tools.size(); ++t) {
-    RefineSpec ball;
-    ball.centre = places.centres[static_cast<std::size_t>(index[t])];
-    ball.radius = ball_radii * tools[t].shape.radius + (tools[t].jaws() ? tools[t].opening / 2 : 0);
-    ball.spacing = places.sizes.fine;
-    if (ball.spacing < scene.spacing) scene.refine.push_back(ball);
+  for (const SpacingField::Refinement& ball : ballsAt(places, index)) {
+    RefineSpec refine;
+    refine.centre = ball.centre;
+    refine.radius = ball.radius;
+    refine.spacing = ball.spacing;
+    scene.refine.push_back(refine);
   }
   const Progress silent = [](const std::string&, double) {};
   const std::string key = keyOf(places, index, common != nullptr);
@@ -149,8 +191,9 @@ Place place(const Places& places, const PlaceIndex& index, const CommonToPlaces*
   return made;
 }
 
-/// Of a state of `nodes` nodes, whose patches may be twice as many.
-void reserveFor(std::size_t nodes, State& state) {
+/// Of a state of `nodes` nodes, whose patches may be twice as many, that remembers `history` numbers.
+void reserveFor(std::size_t nodes, std::size_t history, State& state) {
+  state.relaxation.Z.reserve(history);
   state.u.reserve(nodes);
   state.du.reserve(nodes);
   state.u_low.reserve(nodes);
@@ -162,18 +205,21 @@ void reserveFor(std::size_t nodes, State& state) {
 
 }  // namespace
 
-FollowSizes followSizes(const Scene& scene, double volume) {
+FollowSizes followSizes(const Scene& scene, double volume, double area) {
+  const double body = std::cbrt(volume);
   FollowSizes sizes;
-  sizes.fine = fineSpacing(scene);
-  sizes.coarse = std::max(sizes.fine, std::min(coarse_of_fine * sizes.fine, widest_of_body * std::cbrt(volume)));
-  sizes.fine = std::min(sizes.fine, sizes.coarse);
-  sizes.stride = std::min(longest_stride, ball_radii * smallestToolRadius(scene) / 2);
+  sizes.fine = std::max(fineSpacing(scene), finestSpacing(volume, area, most_fine_nodes));
+  sizes.coarse =
+      std::max(sizes.fine, std::clamp(followSpacing(scene), narrowest_of_body * body, widest_of_body * body));
+  double ball = std::numeric_limits<double>::infinity();
+  for (const ToolSpec& tool : toolsOf(scene)) ball = std::min(ball, ballRadius(tool.shape, sizes.fine));
+  sizes.stride = std::min(longest_stride, ball / 2);
   return sizes;
 }
 
-double fineSpacing(const Scene& scene) { return fine_radii * smallestToolRadius(scene); }
+double fineSpacing(const Scene& scene) { return fine_radii * smallestResolved(scene); }
 
-double followSpacing(const Scene& scene) { return coarse_of_fine * fineSpacing(scene); }
+double followSpacing(const Scene& scene) { return coarse_radii * smallestToolRadius(scene); }
 
 /// The fine cloud that all places are taken from, and up to where their cells are joined.
 static void makeCloud(const Scene& as_read, const std::function<void(double)>& progress, Places& places) {
@@ -196,7 +242,8 @@ Places makePlaces(const Scene& as_read, const TriangleSurface& organ, const Prog
   const auto report = [&](const char* what, double fraction) {
     if (progress) progress(what, fraction);
   };
-  Places places{as_read, SurfaceTree(organ), followSizes(as_read, signedVolume(organ)), {}, {}, {}, {}};
+  Places places{
+      as_read, SurfaceTree(organ), followSizes(as_read, signedVolume(organ), surfaceArea(organ)), {}, {}, {}, 0, 0, {}};
   const FollowSizes& sizes = places.sizes;
   Scene& scene = places.scene;
   scene.spacing = sizes.coarse;
@@ -204,7 +251,8 @@ Places makePlaces(const Scene& as_read, const TriangleSurface& organ, const Prog
   if (!as_read.set_up_values.empty()) {
     places.key = preparationKey(as_read, organ);
     for (const ToolSpec& tool : toolsOf(as_read))  // what the balls, and so the places, depend on besides
-      places.key += "\ntool " + shortest(tool.shape.radius) + ' ' + shortest(tool.opening);
+      places.key += "\ntool " + shortest(tool.shape.radius) + ' ' + shortest(touchRadius(tool.shape)) + ' ' +
+                    shortest(tool.opening);
   }
   scene.set_up_values.clear();
   // The skin is one for all: no finer below a ball than elsewhere.
@@ -233,14 +281,26 @@ Places makePlaces(const Scene& as_read, const TriangleSurface& organ, const Prog
   if (!places.key.empty())
     for (const int centre : start) places.key += "\nstart " + std::to_string(centre);
   places.common.row_limit = row_margin * 4 / (first.dt_proven * first.dt_proven);
-  places.common.critical = first.dt_critical;
+  // What the step asks for; a place has more mass only where it falls short of that (another search, half its time).
+  places.common.critical = std::max(first.dt / scene.step_safety, least_critical * first.dt_critical);
+  places.common.critical = std::min(places.common.critical, first.dt_critical);
   scene.time_step = first.dt;
+  constexpr double denser = 1.5;  // points that a node may have more than at the first place
+  places.most_nodes = mostNodes(places, first.nodeCount());
+  places.most_batches = static_cast<std::size_t>(
+      denser * static_cast<double>(first.kernel.batch_material.size()) * places.most_nodes / first.nodeCount() + 1);
   report("ready", 1);
   return places;
 }
 
 Place makePlace(const Places& places, const PlaceIndex& index, const PlaceStore& store, PlaceMemory* memory) {
-  return place(places, index, &places.common, store, memory);
+  Place made = place(places, index, &places.common, store, memory);
+  if (made.model.nodeCount() > places.most_nodes || made.model.kernel.batch_material.size() > places.most_batches)
+    throw InputError(places.scene.place,
+                     "a place of the cloud that follows the tool has " + std::to_string(made.model.nodeCount()) +
+                         " nodes, more than states have room for",
+                     "give [discretization] spacing");
+  return made;
 }
 
 PlaceIndex startPlace(const Places& places) {
@@ -251,25 +311,19 @@ PlaceIndex startPlace(const Places& places) {
 }
 
 void reserveForPlaces(const Places& places, State& state) {
-  reserveFor(static_cast<std::size_t>(places.cloud.nodeCount()), state);
+  reserveFor(
+      static_cast<std::size_t>(places.most_nodes),
+      places.most_batches * static_cast<std::size_t>(state.relaxation.term_count) * state.relaxation.batch_numbers,
+      state);
 }
 
 void reserveAs(const State& like, State& state) {
-  if (like.u.capacity() > like.u.size()) reserveFor(like.u.capacity(), state);
+  if (like.u.capacity() > like.u.size()) reserveFor(like.u.capacity(), like.relaxation.Z.capacity(), state);
 }
 
 SpacingField wantedSpacing(const Places& places, const PlaceIndex& index) {
   SpacingField wanted = spacingField(places.scene);
-  const auto tools = toolsOf(places.scene);
-  for (std::size_t t = 0; t < tools.size(); ++t) {
-    if (!(places.sizes.fine < places.sizes.coarse)) continue;
-    const double opening = tools[t].jaws() ? tools[t].opening / 2 : 0;
-    wanted.refinements.push_back({places.centres[static_cast<std::size_t>(index[t])],
-                                  ball_radii * tools[t].shape.radius + opening,
-                                  places.sizes.fine,
-                                  0,
-                                  {}});
-  }
+  for (const SpacingField::Refinement& ball : ballsAt(places, index)) wanted.refinements.push_back(ball);
   return wanted;
 }
 

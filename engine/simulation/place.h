@@ -34,15 +34,18 @@ struct FollowSizes {
   double stride = 0;  // between neighbouring centres
 };
 
-/// fine 0.5 tool radii, coarse 2.4 times that but no wider than a fifth of the body's size (the cube root of its
-/// volume), neighbouring centres half a ball apart but no more than 10 mm. Of several tools the smallest counts.
-/// Measured over drags on liver and kidney by `mtled follow`.
-FollowSizes followSizes(const Scene& scene, double volume);
+/// fine half the radius that the tool's end wants (touchRadius), but such that the fine cloud can be made; coarse 1.2
+/// tool radii, within a tenth and a fifth of the body's size (the cube root of its volume): a small tool wants no more
+/// nodes far from it than a large one; neighbouring centres half a ball apart but no more than 10 mm. Of several tools
+/// the smallest counts. Measured over drags on liver and kidney by `mtled follow`.
+/// @param volume, area  of the body, m^3, m^2
+FollowSizes followSizes(const Scene& scene, double volume, double area);
 
-/// Of the tool's radius: the ball's. Below 3, and below 5 fine spacings, a swap is felt (0.5 to 2 % of the force).
-inline constexpr double ball_radii = 3;
+/// The radius of a tool's ball: in radii that the tool's end wants, and at least in fine spacings. With less a swap is
+/// felt (0.5 to 2 % of the force).
+inline constexpr double ball_radii = 3, ball_spacings = 6;
 
-/// m, of FollowSizes; the coarse one but for the body's size: what a scene's `spacing` is where its cloud follows.
+/// m, of FollowSizes, but for the body's size; the coarse one is what a scene's `spacing` is where its cloud follows.
 double fineSpacing(const Scene& scene);
 double followSpacing(const Scene& scene);
 
@@ -59,7 +62,9 @@ struct Places {
   NestedCloud cloud;          // nodes on the surface where they are on it: volume is fitted place by place
   std::vector<Vec3> centres;  // (centre_count) m, on the skin, about a stride apart
   CommonToPlaces common;
-  std::string key;  // all that they depend on, as bytes, for a PlaceStore; empty: nothing is kept
+  int most_nodes = 0;            // of a place: what states have room for,
+  std::size_t most_batches = 0;  // and of its points (KernelLayout)
+  std::string key;               // all that they depend on, as bytes, for a PlaceStore; empty: nothing is kept
 };
 
 /// A model around some balls.
@@ -69,15 +74,14 @@ struct Place {
   Model model;
 };
 
-/// Throws InputError as buildModel does, and where a material relaxes (what a point remembers can't be carried over) or
-/// there are several bodies.
+/// Throws InputError as buildModel does, and where there are several bodies.
 /// @param organ  closed surface, checked, m
 /// @param store  used where the scene was read from a file (Scene::set_up_values)
 Places makePlaces(const Scene& scene, const TriangleSurface& organ, const Progress& progress = {},
                   const PlaceStore& store = {});
 
 /// The place whose balls are around those centres. Equal bits at each call, whatever was made or kept before.
-/// Throws InputError where a region of the scene can't be used with this cloud.
+/// Throws InputError where a region of the scene can't be used with this cloud, or states have no room for the place.
 /// @param memory  of places of these Places, or null: saves time
 /// Test: simulation/place_test.cpp
 Place makePlace(const Places& places, const PlaceIndex& index, const PlaceStore& store = {},

@@ -286,14 +286,14 @@ double spacingAtTool(const Body& body) {
 }
 
 std::string resolutionWarning(const Body& body) {
-  const double spacing = spacingAtTool(body), radius = body.scene.tool.radius;
+  const double spacing = spacingAtTool(body), radius = touchRadius(body.scene.tool);
   if (body.first_contact_travel <= 0 || spacing <= coarsest * radius) return {};
   return placeOf(body.scene, "discretization.spacing").text() +
          format(
-             ": where the tool meets the organ the nodes are %.3g mm apart, which is coarse for a tool of %.3g mm "
-             "radius: it will feel the tissue too stiff, by more the lighter it touches. A spacing of %.2g mm there "
-             "(spacing, or refine) would do; `mtled fit` finds the best cloud for a rate, `mtled certify` says how "
-             "exact this one is",
+             ": where the tool meets the organ the nodes are %.3g mm apart, which is coarse for a tip that touches as "
+             "a ball of %.3g mm radius does: it will feel the tissue too stiff, by more the lighter it touches. A "
+             "spacing of %.2g mm there (spacing, or refine) would do; `mtled fit` finds the best cloud for a rate, "
+             "`mtled certify` says how exact this one is",
              1e3 * spacing, 1e3 * radius, 1e3 * coarsest * radius);
 }
 

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <random>
 #include <set>
 #include <string>
@@ -140,6 +141,26 @@ TEST_CASE("The tip's profile lies on the surface", "[tool]") {
     }
     CHECK(std::isinf(tipProfile(tool, 1.01 * tool.radius)));
   }
+}
+
+TEST_CASE("A tip touches as the ball of its touch radius does", "[tool]") {
+  const double R = 0.01;
+  CHECK(touchRadius(ToolShape::of(ToolKind::FlatCylinder, R)) == R);
+  for (const ToolKind kind : {ToolKind::Sphere, ToolKind::Capsule, ToolKind::Cone})
+    for (const double tip : {0.5, 0.7, 1.0}) {
+      ToolShape tool = ToolShape::of(kind, R);
+      if (kind == ToolKind::Cone) tool.parameter[1] = tip * R;
+      CAPTURE(toolType(kind).name, tip);
+      // Sneddon's depth at which the profile f touches a disk of radius a: integral of a f'(r) / sqrt(a^2 - r^2).
+      const double a = touchRadius(tool) / 2;
+      const int count = 400;
+      double depth = 0;
+      for (int k = 0; k < count; ++k) {
+        const double step = std::numbers::pi / 2 / count, r = a * std::sin((k + 0.5) * step);
+        depth += a * step * (tipProfile(tool, r + 1e-7) - tipProfile(tool, r - 1e-7)) / 2e-7;
+      }
+      CHECK(depth == Approx(R / 4).epsilon(0.25));
+    }
 }
 
 TEST_CASE("A tool's shorter formula is the general one of its profile", "[tool]") {

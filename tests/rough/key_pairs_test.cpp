@@ -253,5 +253,5 @@ TEST_CASE("Every two settings of a scene stand together and press, or are refuse
     CHECK(sentence.find("; ") != std::string::npos);  // what to do
     CHECK(sentence.find("a cloud that follows the tool can't have") != std::string::npos);
   }
-  CHECK(refused.size() == 3);  // with a material that relaxes, a lump, lumps
+  CHECK(refused.size() == 2);  // with a lump, lumps
 }

@@ -6,9 +6,11 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "discretization/nodes/node_scatter.h"
 #include "simulation/passage.h"
 #include "simulation/step.h"
 #include "simulation/tool_contact.h"
+#include "simulation/trust.h"
 #include "simulation/workspace.h"
 #include "support/equal_models.h"
 #include "support/small_scene.h"
@@ -51,6 +53,7 @@ TEST_CASE("Far from the tool all places are the same, and a place is a function 
   test::requireSameModel(a.model, makePlace(places, a.index).model);
 
   CHECK(a.model.dt == b.model.dt);
+  CHECK(places.scene.time_step == a.model.dt);
   CHECK(a.model.substeps_per_tick == b.model.substeps_per_tick);
   CHECK(a.model.dt_critical == b.model.dt_critical);
   CHECK(a.model.dt <= a.model.scene.step_safety * a.model.dt_critical * (1 + 1e-9));
@@ -85,6 +88,36 @@ TEST_CASE("Far from the tool all places are the same, and a place is a function 
   }
   CHECK(nodes > 30);
   CHECK(same == nodes);
+}
+
+TEST_CASE("Spacings come from the tool's end and the body's size", "[place]") {
+  Scene scene = test::barScene();
+  const double volume = 500e-6;  // m^3
+  const auto sizes = [&](const ToolShape& tool) {
+    scene.tool = tool;
+    return followSizes(scene, volume, 0.04);
+  };
+  const FollowSizes ball = sizes(ToolShape::of(ToolKind::Sphere, 0.01));
+  CHECK(ball.fine == Approx(0.005));
+  CHECK(ball.coarse == Approx(0.012));
+  CHECK(ball.stride == Approx(0.01));
+  // A pointed one wants finer nodes around its tip alone.
+  const FollowSizes cone = sizes(ToolShape::of(ToolKind::Cone, 0.01));
+  CHECK(cone.fine == Approx(0.005 * std::sqrt(0.7)));
+  CHECK(cone.coarse == ball.coarse);
+  // A small one no more nodes far from it, and none that a fine cloud can't have.
+  const FollowSizes small = sizes(ToolShape::of(ToolKind::Sphere, 0.004));
+  CHECK(small.fine == Approx(0.002));
+  CHECK(small.coarse == Approx(0.1 * std::cbrt(volume)));
+  CHECK(small.stride == Approx(0.006));
+  const FollowSizes tiny = sizes(ToolShape::of(ToolKind::Sphere, 0.0002));
+  CHECK(volume / (0.7 * std::pow(tiny.fine, 3)) == Approx(1e5));
+  CHECK(tiny.stride == Approx(3 * tiny.fine));
+  const FollowSizes on_sheet = followSizes(scene, 0.001 * volume, 0.04);
+  CHECK(0.04 / (area_per_node * on_sheet.fine * on_sheet.fine) == Approx(1e5));
+  // A large one the body all alike.
+  const FollowSizes large = sizes(ToolShape::of(ToolKind::Sphere, 0.06));
+  CHECK((large.fine == Approx(0.03) && large.coarse == large.fine));
 }
 
 TEST_CASE("What is used again for a place changes no bit of it, whatever places were made before", "[place]") {
@@ -265,7 +298,58 @@ TEST_CASE("A press goes on from place to place; with values for parameters it ju
   CHECK(worst < 0.02);
 }
 
-TEST_CASE("Each of several tools has a ball; what can't be carried is refused", "[place]") {
+TEST_CASE("What points remember goes with the tissue from place to place", "[place]") {
+  Scene scene = test::barScene();
+  Material& material = scene.materials[0].material;
+  material.relaxation_count = 2;
+  material.relaxation[0] = 0.3, material.relaxation[1] = 0.05;  // share, s
+  material.relaxation[2] = 0.4, material.relaxation[3] = 0.3;
+  const Places places = makePlaces(scene, test::barSurface());
+  const Place a = makePlace(places, indexAt(places, Vec3(-0.06, 0, 0.03)));
+  const Place b = makePlace(places, indexAt(places, Vec3(-0.05, 0, 0.03)));
+  REQUIRE(a.index != b.index);
+  Workspace of_a(a.model, 1), of_b(b.model, 1);
+  State state = initialState(a.model);
+  state.tool_pose.position = Vec3(-0.055, 0, 0.034);
+  Command command;
+  command.tool_target = state.tool_pose;
+  for (int k = 1; k <= 150; ++k) {
+    command.tool_target.position.z() = 0.034 - 0.008 * std::min(1.0, k / 75.0);  // half a radius deep, and held
+    tick(a.model, state, command, of_a);
+  }
+  const auto gone = [&](const Place& to, const Passage& passage) {
+    State next = initialState(to.model);
+    reserveForPlaces(places, next);
+    const float* const memory = next.relaxation.Z.data();
+    PassageScratch scratch(passage, state.u.size());
+    applyPassage(to, passage, state, scratch, next);
+    CHECK(next.relaxation.Z.data() == memory);
+    return next;
+  };
+  const Passage passage = makePassage(a, b);
+  Passage forgetful = passage;
+  forgetful.history = {};
+  State next = gone(b, passage), forgotten = gone(b, forgetful);
+  test::requireSameBits("Z", gone(a, makePassage(a, a)).relaxation.Z, state.relaxation.Z);
+
+  double first = 0, worst = 0, without_history = 0;
+  for (int k = 0; k < 60; ++k) {
+    const double stays = tick(a.model, state, command, of_a).tool_force.norm();
+    const StepReport report = tick(b.model, next, command, of_b);
+    CHECK(doubtOf(b.model, report) != Doubt::Energy);
+    const double jump = share(report.tool_force.norm(), stays);
+    worst = std::max(worst, jump);
+    if (k > 0) continue;
+    first = jump;
+    without_history = share(tick(b.model, forgotten, command, of_b).tool_force.norm(), stays);
+  }
+  CAPTURE(first, worst, without_history);
+  CHECK(without_history > 0.2);  // 0.7 of the stress has relaxed, or half of that
+  CHECK(first < 0.01);
+  CHECK(worst < 0.02);
+}
+
+TEST_CASE("Each of several tools has a ball", "[place]") {
   Scene scene = test::barScene();
   scene.tool.radius = 0.01;
   scene.tool_position = Vec3(-0.06, 0, 0.032);
@@ -273,7 +357,7 @@ TEST_CASE("Each of several tools has a ball; what can't be carried is refused", 
   second.shape = scene.tool;
   second.position = Vec3(0.06, 0, 0.032);
   scene.further_tools.push_back(second);
-  const Places places = makePlaces(scene, test::barSurface());
+  Places places = makePlaces(scene, test::barSurface());
   PlaceIndex nowhere;
   nowhere.fill(-1);
   ToolPostures tools;
@@ -290,11 +374,6 @@ TEST_CASE("Each of several tools has a ball; what can't be carried is refused", 
   }
   CHECK(place.model.tools.toolCount() == 2);
 
-  Scene relaxing = test::barScene();
-  relaxing.materials[0].material.relaxation_count = 1;
-  relaxing.materials[0].material.relaxation[0] = 0.3;
-  relaxing.materials[0].material.relaxation[1] = 0.1;
-  relaxing.materials[0].place = {"bar.toml", 9, 1};
-  CHECK_THROWS_WITH(makePlaces(relaxing, test::barSurface()),
-                    Catch::Contains("bar.toml:9:1") && Catch::Contains("a material that relaxes"));
+  places.most_nodes = 10;
+  CHECK_THROWS_WITH(makePlace(places, place.index), Catch::Contains("more than states have room for"));
 }

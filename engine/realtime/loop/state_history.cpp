@@ -20,7 +20,7 @@ std::size_t bytesOf(const ContactState& c) {
 
 /// Of the vectors that make up nearly all of a state.
 std::size_t bytesOf(const State& s) {
-  std::size_t bytes = sizeof(State) + 3 * s.u.capacity() * sizeof(Float4) + s.relaxation.Z.size() * sizeof(float) +
+  std::size_t bytes = sizeof(State) + 3 * s.u.capacity() * sizeof(Float4) + s.relaxation.Z.capacity() * sizeof(float) +
                       bytesOf(s.contact) + s.skins.vertex.size() * (2 * sizeof(int) + sizeof(float) + sizeof(Float4)) +
                       s.rigid.force.size() * sizeof(Float4) + bytesOf(s.rigid.normal) +
                       bytesOf(s.rigid.row) + bytesOf(s.rigid.near) + s.rigid.near_u.size() * sizeof(Float4);

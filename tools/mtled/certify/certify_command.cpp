@@ -28,7 +28,7 @@ constexpr int row_count = 8, probe_count = 200;
 /// Finer than the scene where the tool works: by half, or where the scene does not resolve its tool, until that is.
 Fineness finenessFor(const Model& model) {
   constexpr double fine = 0.3;  // tool radii
-  return {0.85, std::clamp(fine * model.scene.tool.radius / spacingAtTool(model), 0.25, 0.5), 1.35};
+  return {0.85, std::clamp(fine * touchRadius(model.scene.tool) / spacingAtTool(model), 0.25, 0.5), 1.35};
 }
 
 ToolTrajectory wayOf(const Model& model, const std::string& name) {

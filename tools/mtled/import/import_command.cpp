@@ -260,6 +260,8 @@ class SurfaceImport {
   bool opensFollowing(double spacing) {
     if (separateParts(organ_->surface(), connectedParts(organ_->surface(), faceEdges(organ_->surface()))).size() > 1)
       return false;
+    constexpr double most_nodes = 60000;  // of the fine cloud, which is made anew for each try
+    if (nodesAt(measuresOf(*organ_), 0.5 * chooseScene(*organ_, spacing).tool_radius) > most_nodes) return false;
     try {
       model_.emplace(open(writeScene(spacing, true)));
     } catch (const InputError&) {
