@@ -121,16 +121,17 @@ std::string keyOf(const Places& places, const PlaceIndex& index, bool common) {
   return key;
 }
 
-/// None where all is as fine.
+/// Each as fine as its own tool wants; none where the whole body is.
 std::vector<SpacingField::Refinement> ballsAt(const Places& places, const PlaceIndex& index) {
   std::vector<SpacingField::Refinement> balls;
   const auto tools = toolsOf(places.scene);
-  for (std::size_t t = 0; t < tools.size() && places.sizes.fine < places.sizes.coarse; ++t)
-    balls.push_back({places.centres[static_cast<std::size_t>(index[t])],
-                     ballRadius(tools[t].shape, places.sizes.fine) + (tools[t].jaws() ? tools[t].opening / 2 : 0),
-                     places.sizes.fine,
-                     0,
-                     {}});
+  for (std::size_t t = 0; t < tools.size(); ++t) {
+    SpacingField::Refinement ball;
+    ball.centre = places.centres[static_cast<std::size_t>(index[t])];
+    ball.spacing = std::max(places.sizes.fine, fine_radii * resolvedRadius(tools[t].shape));
+    ball.radius = ballRadius(tools[t].shape, ball.spacing) + (tools[t].jaws() ? tools[t].opening / 2 : 0);
+    if (ball.spacing < places.sizes.coarse) balls.push_back(ball);
+  }
   return balls;
 }
 

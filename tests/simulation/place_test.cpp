@@ -373,6 +373,11 @@ TEST_CASE("Each of several tools has a ball", "[place]") {
     CHECK(live == all);
   }
   CHECK(place.model.tools.toolCount() == 2);
+  // A larger one's is no finer than that one wants.
+  places.scene.further_tools[0].shape.radius = 0.011;
+  const SpacingField wanted = wantedSpacing(places, place.index);
+  CHECK(wanted.at(places.centres[place.index[0]]) == Approx(0.005));
+  CHECK(wanted.at(places.centres[place.index[1]]) == Approx(0.0055));
 
   places.most_nodes = 10;
   CHECK_THROWS_WITH(makePlace(places, place.index), Catch::Contains("more than states have room for"));
