@@ -46,7 +46,7 @@ double tipProfile(const ToolShape& tool, double r) { return tipProfile(toolProfi
 
 double touchRadius(const ToolShape& tool) {
   const ToolProfile profile = toolProfile(tool);
-  const bool flat = profile.corner_count > 1 && profile.side_normal[0].z < -0.999;
+  const bool flat = profile.corner_count > 1 && profile.side_normal[0].z < -0.999;  // a cone's: -sin 80 degrees at most
   return flat ? tool.radius : std::sqrt(profile.rounding * tool.radius);
 }
 

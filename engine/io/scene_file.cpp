@@ -28,7 +28,7 @@ namespace palpate {
 
 namespace {
 
-/// Of a cloud that follows the tool, where nothing is said. A slab of 100 x 100 x 50 mm under a ball of 5 mm has 0.62 of
+/// Of a cloud that follows the tool, where nothing is said. A slab of 100 x 100 x 50 mm under a 5 mm ball has 0.62 of
 /// the points and of the time with it, and the same error to 0.02 % of the force (mtled certify).
 constexpr double following_cells_per_point = 1.6;
 

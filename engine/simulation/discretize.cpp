@@ -61,13 +61,13 @@ std::vector<FeatureEdges::Chain> rimsOf(const Scene& scene, const SurfaceTree& o
 }  // namespace
 
 double finestSpacing(double volume, double area, double nodes) {
-  return std::max(std::cbrt(volume / (0.7 * nodes)), std::sqrt(area / (area_per_node * nodes)));
+  return std::max(std::cbrt(volume / (volume_per_node * nodes)), std::sqrt(area / (area_per_node * nodes)));
 }
 
 void checkCounts(const Scene& scene, double volume, double area) {
   // What the set-up can hold: about 0.1 MB a node. A typing error in the spacing should not fill the memory.
   const double max_nodes = scene.follow ? most_fine_nodes : 60000;
-  const double nodes = volume / (0.7 * scene.spacing * scene.spacing * scene.spacing);
+  const double nodes = volume / (volume_per_node * scene.spacing * scene.spacing * scene.spacing);
   if (nodes > 1.001 * max_nodes)
     throw InputError(placeOf(scene, "discretization.spacing"),
                      "a spacing of " + number(scene.spacing) + " m makes " +

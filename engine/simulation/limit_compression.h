@@ -26,8 +26,8 @@ class CompressionLimit {
   static constexpr double least_J = 0.02;   // Material::min_isochoric_J, below which the energy is a tangent
 
   /// A node goes far for a point: |du_i| |gradN_i| |F^-1| in a step, gradN_i where it is largest. A screen before the
-  /// exact test, which costs two gradients a point. Least J of 15,000 rough ticks (liver, two fingers): without the test
-  /// -0.44 and -0.20, from 1 on 0.015 and -0.007, from 0.5 on 0.020 both; 0.25 brings no more.
+  /// exact test, which costs two gradients a point. Least J of 15,000 rough ticks (liver, two fingers): without the
+  /// test -0.44 and -0.20, from 1 on 0.015 and -0.007, from 0.5 on 0.020 both; 0.25 brings no more.
   static constexpr double far = 0.5;
 
   explicit CompressionLimit(const Model& model);

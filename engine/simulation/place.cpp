@@ -7,6 +7,7 @@
 
 #include "base/number_text.h"
 #include "discretization/cells/cell_pairs.h"
+#include "discretization/nodes/node_scatter.h"
 #include "discretization/nodes/site_grid.h"
 #include "discretization/surface/surface_bodies.h"
 #include "discretization/surface/surface_geometry.h"
@@ -22,7 +23,8 @@ namespace palpate {
 namespace {
 
 constexpr double fine_radii = 0.5, coarse_radii = 1.2, narrowest_of_body = 0.1, widest_of_body = 0.2;
-constexpr double sharpest = 0.4;         // of the tool's radius: a sharper tip is not resolved, and doubted
+constexpr double sharpest =
+    0.4;  // of the tool's radius, for tips below its square; below 1/16 told of (resolutionWarning)
 constexpr double hysteresis = 0.25;      // strides
 constexpr double longest_stride = 0.01;  // m
 constexpr int kept_of_region = 6;        // nodes of each imposed region that are always live
@@ -138,7 +140,7 @@ std::vector<SpacingField::Refinement> ballsAt(const Places& places, const PlaceI
 /// Nodes that any place may have: as many as the first, and those of whole balls with what is around them, twice; no
 /// more than the cloud has.
 int mostNodes(const Places& places, int of_first) {
-  constexpr double safety = 2, nodes_per_cube = 1 / 0.7;
+  constexpr double safety = 2;
   constexpr int shells = 1000;
   const PlaceIndex any{};
   double nodes = 0;
@@ -150,7 +152,7 @@ int mostNodes(const Places& places, int of_first) {
       nodes += 4 * std::numbers::pi * r * r * width / std::pow(h, 3);
     }
   }
-  return static_cast<int>(std::min<double>(of_first + safety * nodes_per_cube * nodes, places.cloud.nodeCount()));
+  return static_cast<int>(std::min<double>(of_first + safety * nodes / volume_per_node, places.cloud.nodeCount()));
 }
 
 /// The place from its scene, with what is common to all or, for the first, without.
@@ -283,8 +285,8 @@ Places makePlaces(const Scene& as_read, const TriangleSurface& organ, const Prog
     for (const int centre : start) places.key += "\nstart " + std::to_string(centre);
   places.common.row_limit = row_margin * 4 / (first.dt_proven * first.dt_proven);
   // What the step asks for; a place has more mass only where it falls short of that (another search, half its time).
-  places.common.critical = std::max(first.dt / scene.step_safety, least_critical * first.dt_critical);
-  places.common.critical = std::min(places.common.critical, first.dt_critical);
+  places.common.critical =
+      std::clamp(first.dt / scene.step_safety, least_critical * first.dt_critical, first.dt_critical);
   scene.time_step = first.dt;
   constexpr double denser = 1.5;  // points that a node may have more than at the first place
   places.most_nodes = mostNodes(places, first.nodeCount());

@@ -344,9 +344,9 @@ TEST_CASE("What points remember goes with the tissue from place to place", "[pla
     without_history = share(tick(b.model, forgotten, command, of_b).tool_force.norm(), stays);
   }
   CAPTURE(first, worst, without_history);
-  CHECK(without_history > 0.2);  // 0.7 of the stress has relaxed, or half of that
-  CHECK(first < 0.01);
-  CHECK(worst < 0.02);
+  CHECK(without_history > 0.2);  // 0.7 of the stress has relaxed; 0.76 here
+  CHECK(first < 0.01);           // 0.003 here,
+  CHECK(worst < 0.02);           // and 0.01: the ball is as deep as the bar (livers: 0.5 %, mtled follow)
 }
 
 TEST_CASE("Each of several tools has a ball", "[place]") {

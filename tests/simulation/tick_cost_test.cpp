@@ -42,4 +42,12 @@ TEST_CASE("A scene that its rate leaves no time for is told so, with its steps, 
   Body helped = body(498);
   helped.scene.mass_scaling = 0.1;
   CHECK_THAT(rateWarning(helped), Contains("more dynamics.mass_scaling"));
+
+  // A cloud that follows the tool has a step that the scene did not give, and no spacing to choose.
+  Body place = body(498);
+  place.scene.time_step = 1e-3;
+  place.scene.threads = 1;
+  place.scene.places = {{"dynamics.rate", {"stiff.toml", 9, 1}}};
+  CHECK_THAT(rateWarning(place), Contains("dynamics.threads") && Contains("allow dynamics.mass_scaling") &&
+                                     Contains("a wider tool") && !Contains("time_step"));
 }

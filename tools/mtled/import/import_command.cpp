@@ -218,7 +218,7 @@ class SurfaceImport {
     bool thicker = false, coarser = false;
     std::string why;  // it was refused, at first
     constexpr int max_refusals = 3;
-    if (opensFollowing(spacing)) return;
+    if (opensFollowing(body, spacing)) return;
     for (int refusals = 0;;) {
       const double nodes = nodesAt(body, spacing);
       if (nodes > max_nodes)
@@ -257,11 +257,11 @@ class SurfaceImport {
   }
 
   /// A cloud that follows the tool, where the body can have one that costs no more.
-  bool opensFollowing(double spacing) {
+  bool opensFollowing(const BodyMeasures& body, double spacing) {
     if (separateParts(organ_->surface(), connectedParts(organ_->surface(), faceEdges(organ_->surface()))).size() > 1)
       return false;
     constexpr double most_nodes = 60000;  // of the fine cloud, which is made anew for each try
-    if (nodesAt(measuresOf(*organ_), 0.5 * chooseScene(*organ_, spacing).tool_radius) > most_nodes) return false;
+    if (nodesAt(body, 0.5 * chooseScene(*organ_, spacing).tool_radius) > most_nodes) return false;
     try {
       model_.emplace(open(writeScene(spacing, true)));
     } catch (const InputError&) {
