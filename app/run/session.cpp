@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <iostream>
 #include <stdexcept>
+#include <thread>
 
 #include "app/run/run_export.h"
 #include "app/trainer/feel_check.h"
@@ -162,6 +163,10 @@ std::int64_t ticksIn(double seconds, double rate_hz) {
 
 }  // namespace
 
+/// Physics threads of a scene that says nothing. More than two were not measured; with one there's the other half of a
+/// small machine idle.
+static int threadsInRealTime() { return std::thread::hardware_concurrency() > 1 ? 2 : 1; }
+
 /// Another probe in the scene's place. What is kept of a set-up depends on the radius.
 static void overrideTool(Scene& scene, const ToolChoice& choice) {
   scene.tool = ToolShape::of(choice.kind, choice.radius, std::max(scene.tool.length, 3 * choice.radius));
@@ -175,7 +180,10 @@ Scene readScene(const Options& options, std::optional<int> layout) {
   if (layout) changes.push_back({"lumps.layout", std::to_string(*layout)});
   Scene scene = palpate::readScene(findScene(options.scene), changes);
   if (options.rate_hz) overrideRate(scene, *options.rate_hz);
-  if (options.threads) scene.threads = *options.threads;
+  if (options.threads)
+    scene.threads = *options.threads;
+  else if (!options.as_fast_as_possible && !scene.places.contains("dynamics.threads"))
+    scene.threads = threadsInRealTime();
   if (options.tool_choice) overrideTool(scene, *options.tool_choice);
   if ((options.trainee || options.check_lumps || options.answers) && !isTask(scene))
     throw InputError(scene.place, "there are no lumps to be found in this scene",

@@ -98,7 +98,7 @@ enum {
   PALPATE_DOUBT_ENERGY = 5,
   PALPATE_DOUBT_INVERTED = 6,
   PALPATE_DOUBT_LOST = 7,
-  PALPATE_DOUBT_RESOLUTION = 8 /* the least of all: the nodes are too far apart for the contact */
+  PALPATE_DOUBT_RESOLUTION = 8 /* the least of all: the nodes are too far apart, or mass_scaling slows the motion */
 };
 
 /* One tick's outcome. */

@@ -107,7 +107,8 @@ void readDynamics(const TomlTable& table, Scene& scene) {
   table.read("damping", scene.damping);
   table.read("gravity", scene.gravity);
   table.read("threads", scene.threads);
-  if (table.readChoice("gradient_precision", 0) == 1) scene.gradient_precision = GradientPrecision::Int16;
+  const bool is_small = table.readChoice("gradient_precision", scene.follow ? 1 : 0) == 1;
+  scene.gradient_precision = is_small ? GradientPrecision::Int16 : GradientPrecision::Float32;
   if (scene.time_step <= 0) return;
   const double steps = 1.0 / (scene.rate_hz * scene.time_step);
   constexpr double rounding = 1e-6;  // of a decimal fraction such as 0.000333333

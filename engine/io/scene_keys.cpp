@@ -274,12 +274,14 @@ constexpr KeySpec scene_keys[] = {
      "Acceleration that pulls at the tissue: [0.0, 0.0, -9.81] with z up. The shape at rest is that without it.",
      never},
     {"dynamics", "threads", T::Integer, "", "1", between(1, 64), "",
-     "Threads that compute the physics; the result does not depend on it.", never},
+     "Threads that compute the physics; the result does not depend on it. Where nothing is said, palpate's runs in "
+     "real time have two on a machine with two cores or more.",
+     never},
     {"dynamics", "gradient_precision", T::Text, "", "\"float32\"", {}, "float32|int16",
      "How the real-time loop stores the shape functions' gradients. int16 takes half the memory, which is "
      "faster where the gradients do not fit the processor's caches, and changes forces by about 2e-5; the "
-     "strains of rigid motion and uniform deformation stay as exact as with float32. `mtled solve` computes "
-     "in double either way.", never},
+     "strains of rigid motion and uniform deformation stay as exact as with float32. Where the cloud follows the "
+     "tool, and nothing is said, int16. `mtled solve` computes in double either way.", never},
 
     {"solve", "mode", T::Text, "", "\"static\"", {}, "static|transient",
      "Equilibria by dynamic relaxation (paper section 2.3), where the time of the prescribed motions is only "

@@ -26,7 +26,7 @@ void forNodes(const Model& model, Workspace& workspace, Each each) {
 Moved accumulate(const Model& model, const StepMasses& masses, State& state, const Workspace& workspace, int begin,
                  int end) {
   Moved moved;
-  Group work{}, added_momentum{};
+  Group work{}, added_momentum{}, scaled_momentum{};
   float kinetic = 0, acceleration = 0;
   for (int i = begin; i < end; ++i) {
     const Group du = load(state.du[i]), u = load(state.u[i]);
@@ -42,6 +42,7 @@ Moved accumulate(const Model& model, const StepMasses& masses, State& state, con
     }
     const Group change = du - load(workspace.previous_du[i]);
     auto mass = static_cast<float>(model.mass[i]);
+    if (!model.own_share.empty()) scaled_momentum += (1 - model.own_share[i]) * mass * du;
     if (masses.factor) {
       const float own = mass;
       mass *= masses.factor[i];
@@ -55,6 +56,7 @@ Moved accumulate(const Model& model, const StepMasses& masses, State& state, con
   moved.kinetic = kinetic;
   moved.acceleration = acceleration;
   moved.added_momentum = Vec3(added_momentum[0], added_momentum[1], added_momentum[2]);
+  moved.scaled_momentum = Vec3(scaled_momentum[0], scaled_momentum[1], scaled_momentum[2]);
   return moved;
 }
 
@@ -105,6 +107,7 @@ Moved accumulate(const Model& model, const StepMasses& masses, State& state, Wor
     moved.kinetic += f.kinetic;
     moved.acceleration += f.acceleration;
     moved.added_momentum += f.added_momentum;
+    moved.scaled_momentum += f.scaled_momentum;
   }
   return moved;
 }

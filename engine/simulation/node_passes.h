@@ -26,12 +26,13 @@ double predict(const Model& model, const Integrator& integrator, const StepMasse
 
 /// What the nodes' increments sum up to.
 struct Moved {
-  float distance2 = 0;                 // m^2, of the node that moved furthest
-  int node = -1, not_finite = -1;      // that node, and the first that is not finite
-  double work = 0;                     // J, f . du
-  double kinetic = 0;                  // kg m^2, sum of m |du|^2
-  double acceleration = 0;             // kg m^2, sum of m |du - previous du|^2
-  Vec3 added_momentum = Vec3::Zero();  // kg m, sum of the added mass times du
+  float distance2 = 0;                  // m^2, of the node that moved furthest
+  int node = -1, not_finite = -1;       // that node, and the first that is not finite
+  double work = 0;                      // J, f . du
+  double kinetic = 0;                   // kg m^2, sum of m |du|^2
+  double acceleration = 0;              // kg m^2, sum of m |du - previous du|^2
+  Vec3 added_momentum = Vec3::Zero();   // kg m, sum of the mass added to squeezed tissue times du
+  Vec3 scaled_momentum = Vec3::Zero();  // kg m, the same of what mass scaling added
 };
 
 /// u += du, compensated (Kahan): the error of u does not grow with the number of steps.

@@ -146,7 +146,7 @@ int mostNodes(const Places& places, int of_first) {
   double nodes = 0;
   for (const SpacingField::Refinement& ball : ballsAt(places, any)) {
     SpacingField field{places.sizes.coarse, {ball}, {}};
-    const double reach = ball.radius + 3 * places.sizes.coarse, width = reach / shells;
+    const double outer = ball.radius + 3 * places.sizes.coarse, width = outer / shells;
     for (int k = 0; k < shells; ++k) {
       const double r = (k + 0.5) * width, h = field.at(ball.centre + Vec3(r, 0, 0));
       nodes += 4 * std::numbers::pi * r * r * width / std::pow(h, 3);

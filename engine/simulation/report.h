@@ -22,7 +22,7 @@ enum StepFlag : std::uint32_t {
 /// Why the numbers of a step should not be believed, the gravest that applies (simulation/trust.h).
 enum class Doubt : std::uint8_t {
   None,
-  Resolution,  // the nodes are too far apart for how the tissue deforms (resolution.h)
+  Resolution,  // the nodes are too far apart for how the tissue deforms, or mass_scaling slows it (resolution.h)
   Volume,      // nearly incompressible tissue has crumpled, or is under a pressure at which it may
   Contact,     // the tool is deep in the skin, or touches more of it than there is memory for
   Squeezed,    // a point is near collapse
@@ -62,12 +62,13 @@ struct StepReport {
   // Largest local pressures over shear moduli: where points hold the volume (without node patches: the body's mean),
   // and where cells do.
   double pressure_over_shear = 0, cell_pressure_over_shear = 0;
-  bool nearly_incompressible = false;  // Poisson's ratio of all materials in force is at least 0.45
-  double step_share = 0;               // dt over the stable step, as the tissue is now, with the mass that was added
-  double added_mass = 0;               // by followStiffness, as a share of the body's own
-  double added_inertia = 0;            // force that accelerates that mass, as a share of the recent forces
+  bool nearly_incompressible = false;   // Poisson's ratio of all materials in force is at least 0.45
+  double step_share = 0;                // dt over the stable step, as the tissue is now, with the mass that was added
+  double added_mass = 0;                // by followStiffness, as a share of the body's own
+  double added_inertia = 0;             // force that accelerates that mass, as a share of the recent forces
+  Vec3 scaled_momentum = Vec3::Zero();  // kg m/s, of the mass that the scene's mass_scaling added
   // Of forces, as a share, because the cloud is no finer, and the force that it was found for, N: of a moment some
-  // tenths of a second ago, of a whole tick only (resolution.h).
+  // tenths of a second ago, of a whole tick only (resolution.h); and because that mass is accelerated now.
   double expected_error = 0, error_force = 0;
 
   /// A tool touches the tissue.

@@ -165,11 +165,12 @@ ResolutionWatch::ResolutionWatch(const Model& model)
 
 void ResolutionWatch::restart() {
   next_ = 0;
+  is_new_ = true;
   error_ = error_force_ = 0;
 }
 
 void ResolutionWatch::goOnFrom(const ResolutionWatch& before) {
-  next_ = 0;
+  restart();
   load_error_ = before.load_error_;
   error_ = before.error_;
   error_force_ = before.error_force_;
@@ -182,7 +183,7 @@ void ResolutionWatch::advance(const Model& model, std::span<const Material> mate
   if (next_ == 0) {
     const double least = (toolForce(report) > 0 ? touched_energy : 1) * model.rest_energy;
     if (!(report.strain_energy > least)) {  // nothing to look at
-      error_ = error_force_ = 0;
+      restart();
       return;
     }
     std::copy(u.begin(), u.end(), u_.begin());
@@ -215,6 +216,22 @@ void ResolutionWatch::advance(const Model& model, std::span<const Material> mate
   }
   report.expected_error = error_;
   report.error_force = error_force_;
+  addScaledInertia(model, report);
+}
+
+/// Of the tool's force, or of all where none touches.
+void ResolutionWatch::addScaledInertia(const Model& model, StepReport& report) {
+  if (model.own_share.empty()) return;
+  constexpr double smoothing = 0.01;  // s, since vibrations take turns
+  const double tick = 1 / model.scene.rate_hz;
+  if (is_new_) momentum_ = report.scaled_momentum;
+  is_new_ = false;
+  const Vec3 change = report.scaled_momentum - momentum_;
+  momentum_ += tick / (smoothing + tick) * change;
+  const double force = std::max(largestForce(report), report.error_force);
+  if (!(force > 0)) return;
+  report.expected_error = std::min(1.0, std::hypot(report.expected_error, change.norm() / smoothing / force));
+  report.error_force = force;
 }
 
 void ResolutionWatch::gather(const Model& model, std::size_t begin, std::size_t end) {

@@ -77,7 +77,8 @@ double expectedError(const Model& model, std::span<const Material> materials, co
 /// e while ticks go on: of a moment, some points a tick, so that it costs a hundredth of a tick (a twentieth while the
 /// tissue's energy changes), and nothing at rest. What it says is of the moment before the last sweep of all points, at
 /// most 0.2 s ago at 500 Hz in a motion; 0 until there was one. Of a tool on tissue under surface loads it is that of
-/// the tool's force: what the loads alone had, when nothing touched last, is taken off.
+/// the tool's force: what the loads alone had, when nothing touched last, is taken off. The force that accelerates
+/// the mass that the scene's mass_scaling added is an error, too: of this tick.
 /// Belongs to who steps (Workspace), not to the state: after a restore it begins anew.
 /// Test: simulation/resolution_test.cpp
 class ResolutionWatch {
@@ -100,6 +101,8 @@ class ResolutionWatch {
   void gather(const Model& model, std::size_t begin, std::size_t end);
   void compare(const Model& model, std::span<const Material> materials, std::size_t begin, std::size_t end);
 
+  void addScaledInertia(const Model& model, StepReport& report);
+
   AlignedVector<Float4> u_;  // (node_count) of the moment
   std::vector<Rows> at_;     // (point_count)
   std::vector<Rows> fit_;    // (group_count) at its node, or mean
@@ -110,6 +113,8 @@ class ResolutionWatch {
   double touch_ = 0;                    // N, of the moment: of tools on tissue under surface loads
   double load_error_ = 0;               // of surface loads alone
   double error_ = 0, error_force_ = 0;  // of the last
+  Vec3 momentum_ = Vec3::Zero();        // kg m/s, StepReport::scaled_momentum, smoothed
+  bool is_new_ = true;                  // no tick was seen with these masses
 };
 
 /// What a run's last tick is worth, all at once: for its end, and runs that are over before a sweep is. Allocates.

@@ -102,6 +102,7 @@ StepReport reportOf(const Model& model, const StepOutcome& outcome, State& state
   report.step_share = outcome.masses.step_share;
   report.added_mass = outcome.masses.added;
   report.added_inertia = addedInertia(model, outcome, state.local_mass);
+  report.scaled_momentum = moved.scaled_momentum / model.dt;
   report.flags = flagsOf(model, report, outcome, state);
   return report;
 }

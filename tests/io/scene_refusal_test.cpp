@@ -195,6 +195,12 @@ TEST_CASE("A cloud can follow a tool that is there, where nothing hidden would b
   CHECK_THAT(refusal([&] { read(follows + tool + lump); }), Contains("f.toml:5:") && Contains("lumps to be found"));
   const Scene scene = read(follows + tool);
   CHECK(scene.follow);
+  CHECK(scene.gradient_precision == GradientPrecision::Int16);
+  CHECK(scene.quadrature.cells_per_point > 1);
+  const Scene said = read(replaced(follows, "follow = true", "follow = true\ncells_per_point = 1") +
+                          "[dynamics]\ngradient_precision = \"float32\"\n" + tool);
+  CHECK(said.gradient_precision == GradientPrecision::Float32);
+  CHECK(said.quadrature.cells_per_point == 1);
   CHECK(scene.spacing == Approx(2.4 * 0.5 * 0.01));
   CHECK(!read(minimal_scene + tool).follow);
   CHECK(read(relaxes + tool).follow);
@@ -209,8 +215,8 @@ TEST_CASE("A cloud can follow a tool that is there, where nothing hidden would b
 
 TEST_CASE("An organ of which nothing can move is refused", "[io][scene][refusal]") {
   const TempFolder folder;
-  const std::string all = replaced(minimal_scene, "point = [0, 0, 0.001]\nnormal = [0, 0, 1]",
-                                   "point = [0, 0, 0.1]\nnormal = [0, 0, 1]");
+  const std::string all =
+      replaced(minimal_scene, "point = [0, 0, 0.001]\nnormal = [0, 0, 1]", "point = [0, 0, 0.1]\nnormal = [0, 0, 1]");
   CHECK_THAT(refusal([&] { loadModel(readScene(folder.write("f.toml", all))); }),
              Contains("f.toml:") && Contains("all nodes are fixed") && Contains("smaller"));
 }

@@ -1,6 +1,7 @@
 #include "simulation/trust.h"
 
 #include <algorithm>
+#include <array>
 #include <catch2/catch.hpp>
 #include <cmath>
 
@@ -50,6 +51,46 @@ Watched press(const Model& model, double depth, double seconds) {
 }
 
 }  // namespace
+
+TEST_CASE("The error that mass added for longer steps makes in fast motion is expected", "[trust]") {
+  Scene own = blockScene(0.008);
+  own.tool_max_speed = 0.5;
+  Scene slowed = own;
+  slowed.time_step = 1 / own.rate_hz;  // which the body's own mass is not stable with
+  slowed.mass_scaling = 10;
+  const Model with = blockModel(slowed), without = blockModel(own);
+  REQUIRE(without.substeps_per_tick > 1);
+  REQUIRE(with.substeps_per_tick == 1);
+  struct Pressed {
+    double error, expected, expected_without;  // of the largest force: rms, and as RunTrust has it
+  };
+  // To a third of the radius and back.
+  const auto pressed = [&](double seconds) {
+    Workspace a(with, 1), b(without, 1);
+    State state_a = initialState(with), state_b = initialState(without);
+    double largest = 0, sum = 0;
+    RunTrust trust, trust_without;
+    const int ticks = static_cast<int>(seconds * own.rate_hz);
+    for (int k = 0; k <= ticks; ++k) {
+      const double s = std::sin(M_PI * k / ticks);
+      Command command;
+      command.tool_target = toolAt(with, with.first_contact_travel + own.tool.radius / 3 * s * s);
+      const StepReport report = tick(with, state_a, command, a);
+      const StepReport right = tick(without, state_b, command, b);
+      sum += (report.tool_force - right.tool_force).squaredNorm();
+      largest = std::max(largest, right.tool_force.norm());
+      trust.add(doubtOf(with, report), report.expected_error, report.error_force, k / own.rate_hz);
+      trust_without.add(doubtOf(without, right), right.expected_error, right.error_force, k / own.rate_hz);
+    }
+    return Pressed{std::sqrt(sum / ticks) / largest, trust.expectedError(), trust_without.expectedError()};
+  };
+  const Pressed slow = pressed(3), fast = pressed(0.1);
+  CAPTURE(slow.error, slow.expected, slow.expected_without, fast.error, fast.expected, fast.expected_without);
+  CHECK(slow.error < 0.01);
+  CHECK(slow.expected == Approx(slow.expected_without).margin(0.01));
+  CHECK(fast.error > 0.1);
+  CHECK(fast.expected > fast.expected_without + fast.error);
+}
 
 TEST_CASE("A plain indentation is trusted from the first tick to the last", "[trust]") {
   const Model model = blockModel();

@@ -228,6 +228,22 @@ TEST_CASE("A scripted run is repeated by its recording, bit for bit", "[session]
   CHECK(recording.changes.size() > 50);
 }
 
+TEST_CASE("A run in real time has two physics threads where nothing is said, as far as there are cores", "[session]") {
+  const TempFolder folder;
+  Options options;
+  options.scene = folder.write("block.toml", test::block_text);
+  const int cores = static_cast<int>(std::thread::hardware_concurrency());
+  CHECK(app::readScene(options).threads == std::clamp(cores, 1, 2));
+  options.threads = 3;
+  CHECK(app::readScene(options).threads == 3);
+  options.threads.reset();
+  options.as_fast_as_possible = true;
+  CHECK(app::readScene(options).threads == 1);
+  options.as_fast_as_possible = false;
+  options.scene = folder.write("said.toml", std::string(test::block_text) + "[dynamics]\nthreads = 1\n");
+  CHECK(app::readScene(options).threads == 1);
+}
+
 TEST_CASE("Without lumps there is nothing for a trainee to find", "[session]") {
   const TempFolder folder;
   Options options;

@@ -218,7 +218,7 @@ class SurfaceImport {
     bool thicker = false, coarser = false;
     std::string why;  // it was refused, at first
     constexpr int max_refusals = 3;
-    if (opensFollowing(body, spacing)) return;
+    if (opensFollowing(body, spacing, false) || opensFollowing(body, spacing, true)) return;
     for (int refusals = 0;;) {
       const double nodes = nodesAt(body, spacing);
       if (nodes > max_nodes)
@@ -257,22 +257,23 @@ class SurfaceImport {
   }
 
   /// A cloud that follows the tool, where the body can have one that costs no more.
-  bool opensFollowing(const BodyMeasures& body, double spacing) {
+  bool opensFollowing(const BodyMeasures& body, double spacing, bool slowed) {
     if (separateParts(organ_->surface(), connectedParts(organ_->surface(), faceEdges(organ_->surface()))).size() > 1)
       return false;
     constexpr double most_nodes = 60000;  // of the fine cloud, which is made anew for each try
     if (nodesAt(body, 0.5 * chooseScene(*organ_, spacing).tool_radius) > most_nodes) return false;
     try {
-      model_.emplace(open(writeScene(spacing, true)));
+      model_.emplace(open(writeScene(spacing, true, slowed)));
     } catch (const InputError&) {
       return false;
     }
     return model_->nodeCount() * model_->substeps_per_tick <= node_steps_budget;
   }
 
-  std::string writeScene(double spacing, bool follows = false) const {
+  std::string writeScene(double spacing, bool follows = false, bool slowed = true) const {
     ImportedScene scene = chooseScene(*organ_, spacing);
     scene.follows = follows;
+    scene.slowed = slowed;
     scene.name = name_;
     scene.source = std::filesystem::path(options_.file).filename().string();
     writeObj(organ_->surface(), folder_.aside("surface.obj"));

@@ -187,18 +187,18 @@ std::string sceneText(const ImportedScene& s) {
          "name = \"" +
          quotable(s.name) +
          "\"\n\n"
-         "[organ]\nsurface = \"surface.obj\"\nunit = \"m\"\n\n"
-         "[discretization]\n" +
-         (s.follows ? "# Nodes follow the tool; a spacing = number in m makes a cloud that stays.\n"
-                    : "spacing = " + text(s.spacing) +
-                          "  # m; `mtled fit` finds the finest that holds the rate on your machine\n") +
-         "cells_per_point = 1.32\n\n"
+         "[organ]\nsurface = \"surface.obj\"\nunit = \"m\"\n\n" +
+         (s.follows ? "# Nodes follow the tool; [discretization] spacing = number in m makes a cloud that stays.\n\n"
+                    : "[discretization]\nspacing = " + text(s.spacing) +
+                          "  # m; `mtled fit` finds the finest that holds the rate on your machine\n"
+                          "cells_per_point = 1.32\n\n") +
          "[[material]]  # about a liver's\nmodel = \"neo-hookean\"\nyoung = 3000  # Pa\npoisson = 0.45\n"
          "density = 1060  # kg/m^3\n\n"
          "# It rests on its underside (z points up).\n" +
-         held +
-         "[dynamics]\nrate = 500  # Hz\nstep_safety = 0.55\nmass_scaling = 1.25\nthreads = 2\n"
-         "gradient_precision = \"int16\"\ndamping = 20  # 1/s\n\n"
+         held + "[dynamics]\nrate = 500  # Hz\nstep_safety = 0.55\n" +
+         (s.slowed ? "mass_scaling = 1.25  # longer steps, but what moves fast is slower, and said so\n" : "") +
+         "threads = 2\n" + (s.follows ? "" : "gradient_precision = \"int16\"\n") +
+         "damping = 20  # 1/s\n\n"
          "[tool]\nshape = \"sphere\"\nradius = " +
          text(s.tool_radius) + "\nposition = " + text(s.tool_tip) +
          "\ndirection = [0, 0, -1]\nmax_speed = " + text(s.tool_max_speed) +

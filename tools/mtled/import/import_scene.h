@@ -18,6 +18,7 @@ struct ImportedScene {
   std::string source;    // the file it came from
   double spacing = 0;    // m
   bool follows = false;  // the cloud follows the tool, and has its own spacings
+  bool slowed = true;    // mass is added, so that a tick has fewer steps
   std::vector<HeldBox> held;
   double tool_radius = 0;        // m
   Vec3 tool_tip = Vec3::Zero();  // m
