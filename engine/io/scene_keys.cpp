@@ -275,7 +275,7 @@ constexpr KeySpec scene_keys[] = {
      never},
     {"dynamics", "threads", T::Integer, "", "1", between(1, 64), "",
      "Threads that compute the physics; the result does not depend on it. Where nothing is said, palpate's runs in "
-     "real time have two on a machine with two cores or more.",
+     "real time have two on a machine with three cores or more.",
      never},
     {"dynamics", "gradient_precision", T::Text, "", "\"float32\"", {}, "float32|int16",
      "How the real-time loop stores the shape functions' gradients. int16 takes half the memory, which is "

@@ -23,8 +23,6 @@ constexpr std::size_t points_a_tick = 64, most_ticks = 400;
 constexpr std::size_t faster = 5;
 constexpr double changed = 0.2;
 constexpr double touched_energy = 1e-2;  // of Model::rest_energy, from which on a touch is looked at
-// Nodes' distance over a tool's radius: the liver's 0.77 is 1.5 % off at its press, a kidney of 1.4 was by 10 %.
-constexpr double coarsest = 0.8;
 
 /// The largest force that a tool has on it, N.
 double toolForce(const StepReport& report) {
@@ -304,14 +302,14 @@ double spacingAtTool(const Body& body) {
 
 std::string resolutionWarning(const Body& body) {
   const double spacing = spacingAtTool(body), radius = touchRadius(body.scene.tool);
-  if (body.first_contact_travel <= 0 || spacing <= coarsest * radius) return {};
+  if (body.first_contact_travel <= 0 || spacing <= coarsest_nodes * radius) return {};
   return placeOf(body.scene, "discretization.spacing").text() +
          format(
              ": where the tool meets the organ the nodes are %.3g mm apart, which is coarse for a tip that touches as "
              "a ball of %.3g mm radius does: it will feel the tissue too stiff, by more the lighter it touches. A "
              "spacing of %.2g mm there (spacing, or refine) would do; `mtled fit` finds the best cloud for a rate, "
              "`mtled certify` says how exact this one is",
-             1e3 * spacing, 1e3 * radius, 1e3 * coarsest * radius);
+             1e3 * spacing, 1e3 * radius, 1e3 * coarsest_nodes * radius);
 }
 
 }  // namespace palpate

@@ -7,8 +7,10 @@
 #include <thread>
 #include <utility>
 
+#include "simulation/resolution.h"
 #include "simulation/tool_bodies.h"
 #include "simulation/tool_contact.h"
+#include "simulation/trust.h"
 
 namespace palpate {
 namespace {
@@ -22,8 +24,13 @@ int threadsLeft(int physics_threads) {
 }  // namespace
 
 CloudFollower::CloudFollower(const Places& places, TissuePhysics& physics, PlaceWorker& worker)
-    : places_(places), physics_(physics), worker_(worker) {
+    : places_(places),
+      physics_(physics),
+      worker_(worker),
+      around_(wantedSpacing(places, physics.place()->place.index)) {
   velocity_.fill(Vec3::Zero());
+  const auto specs = toolsOf(places_.scene);
+  for (std::size_t t = 0; t < specs.size(); ++t) coarsest_[t] = coarsest_nodes * touchRadius(specs[t].shape);
 }
 
 CloudFollower::~CloudFollower() { drop(); }
@@ -143,6 +150,18 @@ bool CloudFollower::goTo(const PlaceIndex& index, const std::atomic<bool>& stop)
   if (!get(index, true, stop)) return false;
   swap(std::numeric_limits<double>::infinity());
   return true;
+}
+
+double CloudFollower::expectedError() {
+  const Place& here = physics_.place()->place;
+  const ToolPostures tools = posturesAtRest(here.model, physics_.state());
+  const std::size_t count = 1 + places_.scene.further_tools.size(), own = places_.scene.refine.size();
+  if (around_.refinements.size() != own + count) return 0;  // for some tool the whole body is fine enough
+  for (std::size_t t = 0; t < count; ++t)
+    around_.refinements[own + t].centre = places_.centres[static_cast<std::size_t>(here.index[t])];
+  double coarse = 1;
+  for (std::size_t t = 0; t < count; ++t) coarse = std::max(coarse, around_.at(tools[t].pose.position) / coarsest_[t]);
+  return coarse > 1 ? std::min(1.0, TrustLimits::expected_error * coarse * coarse) : 0;
 }
 
 void CloudFollower::expect(const PlaceIndex& index) {

@@ -263,7 +263,11 @@ bool SimulationLoop::step() {
   Command command = command_;
   command.tool_target = proxy_.follow(run_.hand, physics_.state(), reporter_.lastReport());
   if (!model_.tools.empty()) yieldFurther(command);
-  const StepReport report = physics_.tick(command);
+  StepReport report = physics_.tick(command);
+  if (follower_ != nullptr && report.contact_count > 0) {
+    report.expected_error = std::max(report.expected_error, follower_->expectedError());
+    report.error_force = std::max(report.error_force, report.tool_force.norm());
+  }
   if (team_ != nullptr && !as_fast_as_possible_) team_->park();
   run_.yield = proxy_.yieldAfter(run_.hand, physics_.state(), report);
   switch (reporter_.judge(report, run_)) {

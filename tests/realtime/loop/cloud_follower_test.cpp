@@ -16,7 +16,9 @@
 #include "realtime/recording/recording.h"
 #include "simulation/build_model.h"
 #include "simulation/model_hash.h"
+#include "simulation/resolution.h"
 #include "simulation/tool_bodies.h"
+#include "simulation/trust.h"
 #include "support/equal_models.h"
 #include "support/realtime_guard.h"
 #include "support/small_scene.h"
@@ -379,6 +381,18 @@ TEST_CASE("Tissue bent between coarse nodes is not followed until it is straight
   CHECK(follows(8 * 22));
   CHECK_FALSE(body->follower.isLate());
   CHECK(physics.state().place == next);
+}
+
+TEST_CASE("Where nodes are too far apart for the tool an error is expected, whatever the tissue's own estimate says",
+          "[cloud_follower][whole]") {
+  const auto body = tissue();
+  CHECK(body->follower.expectedError() == 0);
+  State beside = body->physics.state();
+  beside.tool_pose.position.x() += 0.1;  // beyond the ball
+  body->physics.putIn(beside);
+  const double apart = places()->sizes.coarse / (coarsest_nodes * 0.012);
+  REQUIRE(apart > 1);
+  CHECK(body->follower.expectedError() == Approx(TrustLimits::expected_error * apart * apart));
 }
 
 TEST_CASE("While the loop stays where it is the places around are made, and no more", "[cloud_follower]") {

@@ -197,7 +197,7 @@ std::string sceneText(const ImportedScene& s) {
          "# It rests on its underside (z points up).\n" +
          held + "[dynamics]\nrate = 500  # Hz\nstep_safety = 0.55\n" +
          (s.slowed ? "mass_scaling = 1.25  # longer steps, but what moves fast is slower, and said so\n" : "") +
-         "threads = 2\n" + (s.follows ? "" : "gradient_precision = \"int16\"\n") +
+         (s.follows ? "" : "threads = 2\ngradient_precision = \"int16\"\n") +
          "damping = 20  # 1/s\n\n"
          "[tool]\nshape = \"sphere\"\nradius = " +
          text(s.tool_radius) + "\nposition = " + text(s.tool_tip) +
