@@ -37,8 +37,8 @@ const char* doubtText(Doubt doubt) {
     case Doubt::None:
       return "";
     case Doubt::Resolution:
-      return "the nodes are too far apart for how the tissue deforms, or mass added for longer steps slows it: finer "
-             "spacing there (mtled fit), a wider tool, or slower";
+      return "the nodes are too far apart for how the tissue deforms: finer spacing there (mtled fit), or a wider "
+             "tool; where mass_scaling slows what moves, a slower hand";
     case Doubt::Volume:
       return "the tissue's volume is under too high a pressure to be held: press less, or finer spacing";
     case Doubt::Contact:
