@@ -218,7 +218,8 @@ void drawForceCard(const Theme& theme, const PanelData& data, float height, Pane
   if (!data.certified.empty())
     row("Force error", data.certified, colours::text, "as mtled certify measured it against two finer clouds");
   else if (force.contact_count > 0)
-    row("Expected error", format("\xC2\xB1%.2g %%", 100 * force.expected_error),
+    row("Expected error",
+        force.error_force > 0 ? format("\xC2\xB1%.2g %%", 100 * force.expected_error) : "not known yet",
         force.expected_error > TrustLimits::expected_error ? colours::warning : colours::text,
         "by how much forces are off because nodes are no closer; of some tenths of a second ago");
   const StepReport& report = data.snapshot.report;

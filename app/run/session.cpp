@@ -125,7 +125,15 @@ void describe(const Model& model, bool timed, Log& log) {
   if (model.addedMass() > 0.01)
     log.detail(format("mass scaling added %.3g %% to the mass: the same forces at rest, slower motion",
                       100 * model.addedMass()));
+  if (model.scene.places.contains("dynamics.mass_scaling") && !(model.addedMass() > 0))
+    log.detail("mass_scaling adds no mass here: it takes as many steps without");
   if (const std::string late = rateWarning(model); timed && !late.empty()) log.warning(late);
+  const int cores = static_cast<int>(std::thread::hardware_concurrency());
+  if (timed && cores > 0 && model.scene.threads > cores)
+    log.warning(
+        format("%d physics threads on %d cores wait for each other: ticks will be late (dynamics.threads, "
+               "--threads)",
+               model.scene.threads, cores));
 }
 
 Model buildModelOf(const Scene& scene, bool use_cache, bool timed, Log& log, const LoadProgress& progress) {

@@ -66,12 +66,17 @@ void Session::finishFollowing() {
   if (!follow || !loaded_.following) return;
   const PlaceWorker& worker = loaded_.following->worker;
   const auto ticks = static_cast<double>(std::max<std::int64_t>(1, loop_->summary().ticks));
+  const std::string swaps =
+      follow->swaps > 0 ? format("%lld swaps of %.0f us at most, the force jumped by %.2f %% at most, ",
+                                 asLongLong(follow->swaps), follow->longest_swap_us, 100 * follow->largest_jump_share)
+                        : "no swap, ";
+  const std::string made = worker.madeCount() > 0 ? format("; %d places made or read, %.2f s each", worker.madeCount(),
+                                                           worker.madeSeconds() / worker.madeCount())
+                                                  : "";
   log_.info(
-      format("the cloud followed the tool: %lld swaps of %.0f us at most, the force jumped by %.2f %% at most, "
-             "%.1f %% of the ticks on a place that was late; %d places made or read, %.2f s each",
-             asLongLong(follow->swaps), follow->longest_swap_us, 100 * follow->largest_jump_share,
-             100 * static_cast<double>(follow->late_ticks) / ticks, worker.madeCount(),
-             worker.madeCount() > 0 ? worker.madeSeconds() / worker.madeCount() : 0));
+      "the cloud followed the tool: " + swaps +
+      format("%.1f %% of the ticks on a place that was late", 100 * static_cast<double>(follow->late_ticks) / ticks) +
+      made);
   if (const std::string failure = worker.failure(); !failure.empty())
     log_.warning("a place could not be made: " + failure);
 }

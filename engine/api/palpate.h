@@ -123,7 +123,8 @@ typedef struct palpate_state {
   double advance_m;         /* travel along the tool's first axis past first touch */
   double work_J;            /* that the tool has done on the tissue */
   double expected_error;    /* of forces, as a share, because the scene's cloud is no finer: 0.05 is 5 % off. An
-                               estimate of some tenths of a second ago; 0 until there is one, also after a restore */
+                               estimate of some tenths of a second ago; 1 while something is touched and there is none
+                               yet (tenths of a second after a touch and after a restore), with doubt "resolution" */
 } palpate_state;
 
 /* A parameter of a material's law, by the name that scenes give it: "young", "poisson", "mu". */

@@ -66,7 +66,7 @@ double finestSpacing(double volume, double area, double nodes) {
 
 void checkCounts(const Scene& scene, double volume, double area) {
   // What the set-up can hold: about 0.1 MB a node. A typing error in the spacing should not fill the memory.
-  const double max_nodes = scene.follow ? most_fine_nodes : 60000;
+  const double max_nodes = scene.follow ? most_fine_nodes : most_nodes;
   const double h = scene.spacing,
                nodes = std::max(volume / (volume_per_node * h * h * h), area / (area_per_node * h * h));
   if (nodes > 1.001 * max_nodes)

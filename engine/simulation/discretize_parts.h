@@ -10,7 +10,7 @@ namespace palpate {
 ///   discretize = discretizeOnSurface, fitVolumes, putInSlices
 
 /// Nodes that the fine cloud of places may have: 45,000 take 12 s, once.
-inline constexpr double most_fine_nodes = 100000;
+inline constexpr double most_fine_nodes = 100000, most_nodes = 60000;
 
 /// The spacing with which a body has about so many nodes, m. @param volume, area  m^3, m^2, of which a sheet has more
 double finestSpacing(double volume, double area, double nodes);

@@ -115,6 +115,22 @@ void checkCarried(const Scene& scene, const TriangleSurface& organ) {
                      "give [discretization] spacing, about " + number(fineSpacing(scene)) + " m for this tool");
 }
 
+/// Nodes that are further apart than a body is thick can't fill it.
+void checkThickness(const Scene& scene, const TriangleSurface& organ, double fine) {
+  const double thickness = boundingBox(organ).sizes().minCoeff();
+  if (!(fine > thickness)) return;
+  const double finest = finestSpacing(signedVolume(organ), surfaceArea(organ), most_nodes);
+  throw InputError(
+      placeOf(scene, "tool.radius"),
+      "where the cloud follows a tool of this radius nodes are " + number(fine) +
+          " m apart, more than the body is thick, " + number(thickness) + " m",
+      finest < thickness
+          ? "take a smaller tool, or give [discretization] spacing, between " + number(finest) + " and " +
+                number(thickness / 2) + " m"
+          : "no spacing that can be made, " + number(finest) +
+                " m at least, is enough: cut the part that is touched out of the body, or check its scale");
+}
+
 /// What a place's preparation depends on; "" where nothing is to be kept.
 std::string keyOf(const Places& places, const PlaceIndex& index, bool common) {
   if (places.key.empty()) return {};
@@ -248,6 +264,7 @@ Places makePlaces(const Scene& as_read, const TriangleSurface& organ, const Prog
   Places places{
       as_read, SurfaceTree(organ), followSizes(as_read, signedVolume(organ), surfaceArea(organ)), {}, {}, {}, 0, 0, {}};
   const FollowSizes& sizes = places.sizes;
+  checkThickness(as_read, organ, sizes.fine);
   Scene& scene = places.scene;
   scene.spacing = sizes.coarse;
   scene.refine = finerThan(sizes.coarse, as_read.refine);

@@ -164,7 +164,7 @@ ResolutionWatch::ResolutionWatch(const Model& model)
 void ResolutionWatch::restart() {
   next_ = 0;
   is_new_ = true;
-  error_ = error_force_ = 0;
+  error_ = error_force_ = inertia_share_ = 0;
 }
 
 void ResolutionWatch::goOnFrom(const ResolutionWatch& before) {
@@ -182,6 +182,7 @@ void ResolutionWatch::advance(const Model& model, std::span<const Material> mate
     const double least = (toolForce(report) > 0 ? touched_energy : 1) * model.rest_energy;
     if (!(report.strain_energy > least)) {  // nothing to look at
       restart();
+      report.expected_error = toolForce(report) > 0 ? 1 : 0;
       return;
     }
     std::copy(u.begin(), u.end(), u_.begin());
@@ -212,7 +213,7 @@ void ResolutionWatch::advance(const Model& model, std::span<const Material> mate
     }
     error_force_ = force_;
   }
-  report.expected_error = error_;
+  report.expected_error = error_force_ > 0 ? error_ : 1;
   report.error_force = error_force_;
   addScaledInertia(model, report);
 }
@@ -220,7 +221,7 @@ void ResolutionWatch::advance(const Model& model, std::span<const Material> mate
 /// Of the tool's force, or of all where none touches.
 void ResolutionWatch::addScaledInertia(const Model& model, StepReport& report) {
   if (model.own_share.empty()) return;
-  constexpr double smoothing = 0.01;  // s, since vibrations take turns
+  constexpr double smoothing = 0.01, kept = 0.1;  // s, since vibrations take turns
   const double tick = 1 / model.scene.rate_hz;
   if (is_new_) momentum_ = report.scaled_momentum;
   is_new_ = false;
@@ -228,7 +229,9 @@ void ResolutionWatch::addScaledInertia(const Model& model, StepReport& report) {
   momentum_ += tick / (smoothing + tick) * change;
   const double force = std::max(largestForce(report), report.error_force);
   if (!(force > 0)) return;
-  report.expected_error = std::min(1.0, std::hypot(report.expected_error, change.norm() / smoothing / force));
+  inertia_share_ = std::max(change.norm() / smoothing / force, inertia_share_ * (1 - tick / kept));
+  if (!(report.error_force > 0)) return;
+  report.expected_error = std::min(1.0, std::hypot(report.expected_error, inertia_share_));
   report.error_force = force;
 }
 

@@ -76,9 +76,10 @@ double expectedError(const Model& model, std::span<const Material> materials, co
 
 /// e while ticks go on: of a moment, some points a tick, so that it costs a hundredth of a tick (a twentieth while the
 /// tissue's energy changes), and nothing at rest. What it says is of the moment before the last sweep of all points, at
-/// most 0.2 s ago at 500 Hz in a motion; 0 until there was one. Of a tool on tissue under surface loads it is that of
-/// the tool's force: what the loads alone had, when nothing touched last, is taken off. The force that accelerates
-/// the mass that the scene's mass_scaling added is an error, too: of this tick.
+/// most 0.2 s ago at 500 Hz in a motion; until there was one, 1 with an error_force of 0: a doubt of
+/// its tick (TrustLimits) that counts for no run (RunTrust). Of a tool on tissue under surface loads it is that
+/// of the tool's force: what the loads alone had, when nothing touched last, is taken off. The force that accelerates
+/// the mass that the scene's mass_scaling added is an error, too: the largest of late.
 /// Belongs to who steps (Workspace), not to the state: after a restore it begins anew.
 /// Test: simulation/resolution_test.cpp
 class ResolutionWatch {
@@ -114,6 +115,7 @@ class ResolutionWatch {
   double load_error_ = 0;               // of surface loads alone
   double error_ = 0, error_force_ = 0;  // of the last
   Vec3 momentum_ = Vec3::Zero();        // kg m/s, StepReport::scaled_momentum, smoothed
+  double inertia_share_ = 0;            // what its change takes of the force: the largest, which falls within 0.1 s
   bool is_new_ = true;                  // no tick was seen with these masses
 };
 

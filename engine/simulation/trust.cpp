@@ -24,6 +24,7 @@ Doubt doubtOf(const Model& model, const StepReport& report) {
 }
 
 void RunTrust::add(Doubt doubt, double expected_error, double force, double time) {
+  unknown_ = unknown_ || (expected_error > 0 && force == 0);
   largest_force_ = std::max(largest_force_, force);
   largest_error_ = std::max(largest_error_, expected_error * force);
   if (doubt == Doubt::None) return;

@@ -57,8 +57,8 @@ class RunTrust {
   Doubt doubt() const { return gravest_ != Doubt::None || !unresolved() ? gravest_ : Doubt::Resolution; }
   /// s, of the first row with a doubt that counts; < 0: none
   double firstTime() const { return gravest_ != Doubt::None ? first_ : unresolved() ? first_unresolved_ : -1; }
-  /// Of the largest force.
-  double expectedError() const { return largest_force_ > 0 ? largest_error_ / largest_force_ : 0; }
+  /// Of the largest force; 1: something was touched, and never long enough for an estimate.
+  double expectedError() const { return largest_force_ > 0 ? largest_error_ / largest_force_ : unknown_ ? 1 : 0; }
 
  private:
   bool unresolved() const { return expectedError() > TrustLimits::expected_error; }
@@ -66,6 +66,7 @@ class RunTrust {
   Doubt gravest_ = Doubt::None;
   double first_ = -1, first_unresolved_ = -1;     // s
   double largest_error_ = 0, largest_force_ = 0;  // N
+  bool unknown_ = false;
 };
 
 /// The time step dt divided by the stable step of the deformed body: above 1 the step is too long.

@@ -90,7 +90,7 @@ TEST_CASE("A pin that is far away is come to no faster than the tool may go", "[
   CHECK(state.loss_count == 0);
 }
 
-TEST_CASE("A fixed region that is moved takes the whole body with it, without a force that lasts", "[api][pins]") {
+TEST_CASE("A fixed region that is moved takes the whole body with it, without a force that lasts", "[api][pins][whole]") {
   const ModelHandle model = loadBlock(still_text);
   const palpate_model_info info = describe(model);
   const SimulationHandle simulation = create(model);
@@ -113,7 +113,7 @@ TEST_CASE("A fixed region that is moved takes the whole body with it, without a 
   CHECK(worst < 2e-5);
 }
 
-TEST_CASE("Moving the base against a pin is moving the pin against the base", "[api][pins]") {
+TEST_CASE("Moving the base against a pin is moving the pin against the base", "[api][pins][whole]") {
   const ModelHandle model = loadBlock(still_text);
   const palpate_model_info info = describe(model);
   const SimulationHandle base = create(model), skin = create(model);

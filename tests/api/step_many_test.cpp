@@ -67,7 +67,7 @@ std::vector<palpate_state> sizedStates() { return std::vector<palpate_state>(Blo
 
 }  // namespace
 
-TEST_CASE("Many simulations on a team have the bits of one after the other", "[api][step_many]") {
+TEST_CASE("Many simulations on a team have the bits of one after the other", "[api][step_many][whole]") {
   const std::vector<ModelHandle> models = twoModels();
   const Blocks alone(models), threaded(models), in_turn(models);
   const TeamHandle team = teamOf(3), all_cores = teamOf(0);

@@ -173,7 +173,7 @@ TEST_CASE("The place changes with the tool, but not to and fro", "[place]") {
   CHECK(largest < 1.3 * places.sizes.stride);
 }
 
-TEST_CASE("The place is that of the tissue under the tool, however deep it is pressed", "[place]") {
+TEST_CASE("The place is that of the tissue under the tool, however deep it is pressed", "[place][whole]") {
   const Places& places = barPlaces();
   const PlaceIndex top = indexAt(places, Vec3(-0.06, 0, 0.03)), bottom = indexAt(places, Vec3(-0.06, 0, 0.002));
   REQUIRE(top != bottom);
@@ -298,7 +298,7 @@ TEST_CASE("A press goes on from place to place; with values for parameters it ju
   CHECK(worst < 0.02);
 }
 
-TEST_CASE("What points remember goes with the tissue from place to place", "[place]") {
+TEST_CASE("What points remember goes with the tissue from place to place", "[place][whole]") {
   Scene scene = test::barScene();
   Material& material = scene.materials[0].material;
   material.relaxation_count = 2;
@@ -349,7 +349,7 @@ TEST_CASE("What points remember goes with the tissue from place to place", "[pla
   CHECK(worst < 0.02);           // and 0.01: the ball is as deep as the bar (livers: 0.5 %, mtled follow)
 }
 
-TEST_CASE("Each of several tools has a ball", "[place]") {
+TEST_CASE("Each of several tools has a ball", "[place][whole]") {
   Scene scene = test::barScene();
   scene.tool.radius = 0.01;
   scene.tool_position = Vec3(-0.06, 0, 0.032);

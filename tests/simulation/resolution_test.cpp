@@ -79,7 +79,10 @@ TEST_CASE("A coarse block's press is doubted for its resolution, a fine one's is
     workspace.resolution.restart();
     Command command;
     command.tool_target = state.tool_pose;
-    CHECK(tick(model, state, command, workspace).expected_error == 0);
+    const StepReport unknown = tick(model, state, command, workspace);
+    CHECK(unknown.expected_error == 1);
+    CHECK(unknown.error_force == 0);
+    CHECK(doubtOf(model, unknown) == Doubt::Resolution);
   }
 }
 
@@ -99,6 +102,9 @@ TEST_CASE("What is expected of a press is the same bits for any number of thread
 
 TEST_CASE("A run's trust is that of its gravest row, and of its resolution at the largest force", "[resolution]") {
   RunTrust trust;
+  trust.add(Doubt::Resolution, 1, 0, 0.1);  // nothing is known yet
+  CHECK(trust.doubt() == Doubt::Resolution);
+  CHECK(trust.expectedError() == 1);
   trust.add(Doubt::Resolution, 0.8, 0.01, 0.1);  // first touch: never resolved
   trust.add(Doubt::None, 0.03, 1, 0.2);
   CHECK(trust.doubt() == Doubt::None);

@@ -199,7 +199,7 @@ TEST_CASE("A block on a slope sticks below the angle of friction without creepin
   }
 }
 
-TEST_CASE("A table carries what lies on it, along and about", "[simulation][rigid]") {
+TEST_CASE("A table carries what lies on it, along and about", "[simulation][rigid][whole]") {
   Scene scene = lyingScene(0.8);
   scene.rigid[0].motion.duration = 0.4;
   SECTION("along") {

@@ -167,7 +167,7 @@ TEST_CASE("The derivative to a membership class is that to all points that have 
 }
 
 TEST_CASE("A polished equilibrium is that of the static solver, and the answer the same for any number of threads",
-          "[simulation][sensitivity]") {
+          "[simulation][sensitivity][whole]") {
   const Model model = test::blockModel(lumpScene());
   const Pose tool = pressed(model, 0.0015);  // no face of the skin is stretched by half
   StaticSolver solver(model, 1, 1e-4);

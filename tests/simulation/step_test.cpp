@@ -217,7 +217,7 @@ TEST_CASE("A tick ends with the step in which the tissue is lost", "[step]") {
   CHECK(state.step - before < model.substeps_per_tick);
 }
 
-TEST_CASE("What the imposed nodes have crept away is taken back", "[step]") {
+TEST_CASE("What the imposed nodes have crept away is taken back", "[step][whole]") {
   const Model model = blockModel();
   Workspace workspace(model, 1);
   State state = initialState(model);

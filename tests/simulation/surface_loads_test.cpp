@@ -243,7 +243,7 @@ TEST_CASE("A region's border cuts faces: the loaded area is the region's", "[sim
 }
 
 TEST_CASE("The loop comes to rest where the static solution is, whatever the threads, and makes no energy",
-          "[simulation][load]") {
+          "[simulation][load][whole]") {
   Scene scene = test::blockScene();
   scene.loads = {loadOf(Kind::FollowerPressure, 700), loadOf(Kind::Traction, 0, Vec3(100, 0, 0))};
   scene.loads[1].curve.kind = LoadCurve::Kind::Linear;

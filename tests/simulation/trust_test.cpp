@@ -52,7 +52,7 @@ Watched press(const Model& model, double depth, double seconds) {
 
 }  // namespace
 
-TEST_CASE("The error that mass added for longer steps makes in fast motion is expected", "[trust]") {
+TEST_CASE("The error that mass added for longer steps makes in fast motion is expected", "[trust][whole]") {
   Scene own = blockScene(0.008);
   own.tool_max_speed = 0.5;
   Scene slowed = own;

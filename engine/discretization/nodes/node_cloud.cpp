@@ -22,7 +22,7 @@ void checkAgainstBody(const SpacingField& spacing, const SurfaceTree& surface) {
     std::ostringstream problem, advice;
     problem << "the node spacing " << spacing.spacing << " m is larger than the body's smallest extent "
             << extent.minCoeff() << " m";
-    advice << "use at most a quarter of it, " << extent.minCoeff() / 4 << " m, or check the surface's scale";
+    advice << "use less, best a quarter of it, " << extent.minCoeff() / 4 << " m, or check the surface's scale";
     throw InputError(spacing.place, problem.str(), advice.str());
   }
   const double volume = signedVolume(surface.surface());

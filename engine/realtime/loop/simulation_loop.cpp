@@ -264,8 +264,9 @@ bool SimulationLoop::step() {
   command.tool_target = proxy_.follow(run_.hand, physics_.state(), reporter_.lastReport());
   if (!model_.tools.empty()) yieldFurther(command);
   StepReport report = physics_.tick(command);
-  if (follower_ != nullptr && report.contact_count > 0) {
-    report.expected_error = std::max(report.expected_error, follower_->expectedError());
+  const double late = follower_ != nullptr && report.contact_count > 0 ? follower_->expectedError() : 0;
+  if (late > 0) {
+    report.expected_error = report.error_force > 0 ? std::max(report.expected_error, late) : late;
     report.error_force = std::max(report.error_force, report.tool_force.norm());
   }
   if (team_ != nullptr && !as_fast_as_possible_) team_->park();

@@ -395,7 +395,7 @@ TEST_CASE("Where nodes are too far apart for the tool an error is expected, what
   CHECK(body->follower.expectedError() == Approx(TrustLimits::expected_error * apart * apart));
 }
 
-TEST_CASE("While the loop stays where it is the places around are made, and no more", "[cloud_follower]") {
+TEST_CASE("While the loop stays where it is the places around are made, and no more", "[cloud_follower][whole]") {
   const auto body = tissue();
   const PlaceIndex start = startPlace(*places());
   body->worker.want({start, no_place, no_place});

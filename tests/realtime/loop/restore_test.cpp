@@ -169,7 +169,7 @@ TEST_CASE("Undo with nothing kept changes nothing and says so; while a track las
   }
 }
 
-TEST_CASE("A reset under a device that stays deep does not dive in again", "[restore]") {
+TEST_CASE("A reset under a device that stays deep does not dive in again", "[restore][whole]") {
   const Model& model = restoredBlock();
   TissuePhysics physics(model, 1);
   const Pose deep = toolAt(model, 0.008);  // 6 mm in the tissue

@@ -97,7 +97,8 @@ class SurfaceImport {
   std::string spacingText() const {
     const Scene& scene = model_->scene;
     const std::string far = format("%.3g mm", 1e3 * scene.spacing);
-    return scene.refine.empty() ? far : format("%.3g mm around the tool, ", 1e3 * scene.refine[0].spacing) + far;
+    if (scene.refine.empty()) return far;
+    return format("%.3g mm around the tool, ", 1e3 * scene.refine[0].spacing) + far + " elsewhere";
   }
 
   void find(const std::string& line) { findings_.push_back(line); }
