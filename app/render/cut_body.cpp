@@ -8,6 +8,7 @@
 #include "approximation/neighbours.h"
 #include "approximation/shape_functions.h"
 #include "discretization/cells/delaunay.h"
+#include "simulation/approximate.h"
 
 namespace palpate::app {
 namespace {
@@ -195,7 +196,8 @@ ShapeTable shapeAt(const Body& model, const Clipped& clipped) {
     std::vector<double> radius = model.support_radius;
     for (double& r : radius) r *= widening;
     failed.clear();
-    tables.push_back(shapeFunctions(points, model.X, radius, Neighbours(model.X, radius), options, failed));
+    tables.push_back(
+        shapeFunctions(points, model.X, radius, Neighbours(model.X, radius, endingAt(*model.gaps)), options, failed));
     std::vector<char> bad(points.size(), 0);
     for (const InadmissibleSupport& f : failed) bad[f.row] = 1;
     for (std::size_t p = 0; p < points.size(); ++p)

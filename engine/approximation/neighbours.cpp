@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <nanoflann.hpp>
+#include <utility>
 
 namespace palpate {
 namespace {
@@ -26,8 +27,8 @@ struct Neighbours::Tree {
   Index index;
 };
 
-Neighbours::Neighbours(const std::vector<Vec3>& X, const std::vector<double>& radius)
-    : X_(X), tree_(std::make_unique<Tree>(X)) {
+Neighbours::Neighbours(const std::vector<Vec3>& X, const std::vector<double>& radius, SupportLimit limit)
+    : X_(X), limit_(std::move(limit)), tree_(std::make_unique<Tree>(X)) {
   for (double r : radius) max_radius_ = std::max(max_radius_, r);
   fillGrid(radius);
 }
@@ -80,6 +81,7 @@ void Neighbours::find(const Vec3& x, std::vector<int>& support) const {
       for (int e = first_[slot(low.x(), j, k)]; e < first_[slot(high.x(), j, k) + 1]; ++e)
         if ((ball_[e].X - x).squaredNorm() < ball_[e].radius2) support.push_back(node_[e]);
   std::sort(support.begin(), support.end());
+  if (limit_) limit_(x, X_, support);
 }
 
 std::vector<int> Neighbours::nearest(const Vec3& x, int k) const {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -7,13 +8,18 @@
 
 namespace palpate {
 
+/// Takes from the support of a point x the nodes that do not carry it although they are near; pure, any thread.
+/// @param X  of all nodes, m
+using SupportLimit = std::function<void(const Vec3& x, const std::vector<Vec3>& X, std::vector<int>& support)>;
+
 /// Finds the nodes whose support contains a point: |x - X_j| < R_j, the nodes' own radii.
 /// Immutable once made; queries may run on several threads at once.
 class Neighbours {
  public:
   /// @param X       node positions, m   (node_count); kept by reference
   /// @param radius  support radii, m    (node_count), as they are now
-  Neighbours(const std::vector<Vec3>& X, const std::vector<double>& radius);
+  /// @param limit   of what is found; null: none
+  Neighbours(const std::vector<Vec3>& X, const std::vector<double>& radius, SupportLimit limit = {});
   ~Neighbours();
 
   /// Support of x in ascending node order; `support` is overwritten.
@@ -31,6 +37,7 @@ class Neighbours {
   }
 
   const std::vector<Vec3>& X_;
+  const SupportLimit limit_;
   double max_radius_ = 0;
   std::unique_ptr<Tree> tree_;  // for nearest
 

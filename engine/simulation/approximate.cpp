@@ -55,15 +55,29 @@ IntegrationPoints choosePoints(const Scene& scene, const std::vector<Vec3>& X, c
   }
 }
 
+SurfaceGaps gapsOf(const Scene& scene, const TriangleSurface& skin, const SurfaceTree& body) {
+  constexpr double widest = 2;  // support radii, which grow where they must
+  return {skin, body, widest * scene.support_factor * scene.spacing};
+}
+
+SupportLimit endingAt(const SurfaceGaps& gaps) {
+  if (gaps.empty()) return {};
+  return [&gaps](const Vec3& x, const std::vector<Vec3>& X, std::vector<int>& support) {
+    double furthest = 0;
+    for (const int j : support) furthest = std::max(furthest, (X[j] - x).norm());
+    if (gaps.areNear(x, furthest)) std::erase_if(support, [&](int j) { return gaps.areBetween(x, X[j]); });
+  };
+}
+
 Approximation approximate(const Scene& scene, const std::vector<Vec3>& X, std::vector<double> radius,
                           const std::vector<Vec3>& point_X, const std::vector<Vec3>& skin_X,
                           const std::vector<Vec3>& facet_X, const std::vector<Vec3>& boundary_X,
-                          const ApproximationGroups& groups, std::vector<Unsupported>* unsupported,
-                          const RowMemory* memory) {
+                          const SurfaceGaps& gaps, const ApproximationGroups& groups,
+                          std::vector<Unsupported>* unsupported, const RowMemory* memory) {
   const MmlsOptions options{scene.basis_degree, scene.mmls_weight};
   Approximation a;
   for (int attempt = 0;; ++attempt) {
-    const Neighbours neighbours(X, radius);
+    const Neighbours neighbours(X, radius, endingAt(gaps));
     std::optional<RowsAtHand> at_hand;
     if (memory != nullptr) at_hand.emplace(memory->rows, memory->number, X, radius, groups.of_nodes);
     const std::tuple<const std::vector<Vec3>*, const std::vector<std::uint64_t>*, ShapeTable*, Wanted> parts[] = {

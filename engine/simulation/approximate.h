@@ -4,9 +4,11 @@
 #include <vector>
 
 #include "approximation/known_rows.h"
+#include "approximation/neighbours.h"
 #include "approximation/shape_table.h"
 #include "discretization/cells/background_cells.h"
 #include "discretization/cells/integration_points.h"
+#include "discretization/surface/surface_gaps.h"
 #include "simulation/scene.h"
 
 namespace palpate {
@@ -44,13 +46,20 @@ struct RowMemory {
   KnownRows& rows;                 // used, and replaced by those that are found
 };
 
+/// The gaps of a scene's body that supports could reach across. @param skin  as the tool touches it, m
+SurfaceGaps gapsOf(const Scene& scene, const TriangleSurface& skin, const SurfaceTree& body);
+
+/// Supports end at gaps, which must outlive it; null where there are none.
+SupportLimit endingAt(const SurfaceGaps& gaps);
+
+/// @param gaps         at which supports end
 /// @param groups       empty: supports reach over all borders
 /// @param unsupported  receives such places; null: they are an InputError
 /// @param memory       or null
 Approximation approximate(const Scene& scene, const std::vector<Vec3>& X, std::vector<double> radius,
                           const std::vector<Vec3>& point_X, const std::vector<Vec3>& skin_X,
                           const std::vector<Vec3>& facet_X, const std::vector<Vec3>& boundary_X,
-                          const ApproximationGroups& groups = {}, std::vector<Unsupported>* unsupported = nullptr,
-                          const RowMemory* memory = nullptr);
+                          const SurfaceGaps& gaps, const ApproximationGroups& groups = {},
+                          std::vector<Unsupported>* unsupported = nullptr, const RowMemory* memory = nullptr);
 
 }  // namespace palpate

@@ -1,11 +1,13 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "base/types.h"
 #include "contact/skin_contact.h"
 #include "contact/tool_set.h"
+#include "discretization/surface/surface_gaps.h"
 #include "mechanics/materials/material.h"
 #include "simulation/preparation.h"
 #include "simulation/scene.h"
@@ -17,6 +19,8 @@ struct Body : Preparation {
   Scene scene;
   std::vector<std::uint8_t> imposed;  // (node_count) bit c set: component c is imposed
   std::vector<Material> materials;    // as loaded; those in force are in State
+
+  std::shared_ptr<const SurfaceGaps> gaps = std::make_shared<const SurfaceGaps>();  // at which supports end
 
   SkinBodies bodies;            // that touch one another; empty: there is one
   std::vector<int> node_organ;  // (node_count) of the scene's organs (organsOf); empty: there is one

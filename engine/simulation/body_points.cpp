@@ -1,5 +1,7 @@
 #include "simulation/body_points.h"
 
+#include "simulation/approximate.h"
+
 namespace palpate {
 namespace {
 
@@ -24,7 +26,8 @@ std::vector<int> nearestPoints(const Body& model, const std::vector<Vec3>& point
 }
 
 ShapeTable shapeAt(const Body& model, const std::vector<Vec3>& points, std::vector<InadmissibleSupport>& failed) {
-  return shapeFunctions(points, model.X, model.support_radius, Neighbours(model.X, model.support_radius),
+  return shapeFunctions(points, model.X, model.support_radius,
+                        Neighbours(model.X, model.support_radius, endingAt(*model.gaps)),
                         {model.scene.basis_degree, model.scene.mmls_weight}, failed, {}, groupsAt(model, points));
 }
 

@@ -180,6 +180,8 @@ double softestYoung(const std::vector<Material>& materials) {
 /// The skin as the contact reads it, and the tool before it.
 void addSkinAndTool(const Scene& scene, const SurfaceTree& tree, const CommonToPlaces* common, Model& model) {
   model.skin = common != nullptr ? common->skin : skinOf(scene, model.skin.surface);
+  model.gaps =
+      common != nullptr ? common->gaps : std::make_shared<const SurfaceGaps>(gapsOf(scene, model.skin.surface, tree));
   model.skin.begin = model.skin_shape.begin;
   model.skin.node = model.skin_shape.node;
   model.skin.N.assign(model.skin_shape.N.begin(), model.skin_shape.N.end());

@@ -25,6 +25,8 @@ namespace {
 constexpr double fine_radii = 0.5, coarse_radii = 1.2, narrowest_of_body = 0.1, widest_of_body = 0.2;
 constexpr double sharpest =
     0.4;  // of the tool's radius, for tips below its square; below 1/16 told of (resolutionWarning)
+constexpr double thin_share = 0.1;       // of the skin
+constexpr double most_for_thin = 6000;   // nodes that a thin body gets for it
 constexpr double hysteresis = 0.25;      // strides
 constexpr double longest_stride = 0.01;  // m
 constexpr int kept_of_region = 6;        // nodes of each imposed region that are always live
@@ -224,12 +226,14 @@ void reserveFor(std::size_t nodes, std::size_t history, State& state) {
 
 }  // namespace
 
-FollowSizes followSizes(const Scene& scene, double volume, double area) {
+FollowSizes followSizes(const Scene& scene, double volume, double area, double thickness) {
   const double body = std::cbrt(volume);
   FollowSizes sizes;
   sizes.fine = std::max(fineSpacing(scene), finestSpacing(volume, area, most_fine_nodes));
   sizes.coarse =
       std::max(sizes.fine, std::clamp(followSpacing(scene), narrowest_of_body * body, widest_of_body * body));
+  sizes.coarse =
+      std::min(sizes.coarse, std::max({sizes.fine, finestSpacing(volume, area, most_for_thin), thickness / 2}));
   double ball = std::numeric_limits<double>::infinity();
   for (const ToolSpec& tool : toolsOf(scene)) ball = std::min(ball, ballRadius(tool.shape, sizes.fine));
   sizes.stride = std::min(longest_stride, ball / 2);
@@ -261,8 +265,8 @@ Places makePlaces(const Scene& as_read, const TriangleSurface& organ, const Prog
   const auto report = [&](const char* what, double fraction) {
     if (progress) progress(what, fraction);
   };
-  Places places{
-      as_read, SurfaceTree(organ), followSizes(as_read, signedVolume(organ), surfaceArea(organ)), {}, {}, {}, 0, 0, {}};
+  Places places{as_read, SurfaceTree(organ), {}, {}, {}, {}, 0, 0, {}};
+  places.sizes = followSizes(as_read, signedVolume(organ), surfaceArea(organ), thicknessOf(places.organ, thin_share));
   const FollowSizes& sizes = places.sizes;
   checkThickness(as_read, organ, sizes.fine);
   Scene& scene = places.scene;
@@ -279,6 +283,7 @@ Places makePlaces(const Scene& as_read, const TriangleSurface& organ, const Prog
   Scene plain = scene;
   plain.refine = finerThan(sizes.fine, as_read.refine);
   places.common.skin = skinOf(scene, refineForContact(plain, organ));
+  places.common.gaps = std::make_shared<const SurfaceGaps>(gapsOf(scene, places.common.skin.surface, places.organ));
   places.common.bodies = makeSkinBodies(places.common.skin, scene.spacing);
   places.centres = centresOn(places.common.skin.surface, sizes.stride);
   const PlaceIndex start = startPlace(places);

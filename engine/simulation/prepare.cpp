@@ -66,7 +66,8 @@ Approximation approximateSharply(const Scene& scene, const SurfaceTree& tree, co
                                  const BackgroundCells& cells, const std::vector<int>& cell_material,
                                  const IntegrationPoints& points, const std::vector<Vec3>& skin_X,
                                  const std::vector<Vec3>& facet_X, const std::vector<double>& radius,
-                                 double gradient_tolerance, const RowMemory* memory, Preparation& p) {
+                                 const SurfaceGaps& gaps, double gradient_tolerance, const RowMemory* memory,
+                                 Preparation& p) {
   const std::vector<Vec3> middle = centroids(X, cells.cells);
   const Neighbours middles(middle, std::vector<double>(middle.size(), scene.spacing));
   const auto lumped = lumpedNodes(scene, p.essential, X.size());
@@ -88,7 +89,7 @@ Approximation approximateSharply(const Scene& scene, const SurfaceTree& tree, co
       groups.boundary.resize(static_cast<std::size_t>(side.end), GroupBits{1} << side.group);
     constexpr int patience = 8;  // rounds in which cells may join their neighbours
     std::vector<Unsupported> unsupported;
-    Approximation shape = approximate(scene, X, radius, points.X, skin_X, facet_X, sharp.boundary.X, groups,
+    Approximation shape = approximate(scene, X, radius, points.X, skin_X, facet_X, sharp.boundary.X, gaps, groups,
                                       attempt < patience ? &unsupported : nullptr, memory);
     if (!unsupported.empty()) {
       joinGroups(unsupported, cells.cells, middle, group);
@@ -179,6 +180,8 @@ Preparation prepare(const Scene& scene, const SurfaceTree& tree, Discretization 
 
   report("skin", 0.43);
   p.skin.surface = common != nullptr ? common->skin.surface : refineForContact(scene, tree.surface());
+  const SurfaceGaps own_gaps = common != nullptr ? SurfaceGaps{} : gapsOf(scene, p.skin.surface, tree);
+  const SurfaceGaps& gaps = common != nullptr ? *common->gaps : own_gaps;
 
   p.essential = chooseImposed(scene, cloud, tree);
   if (!p.essential.nodes.empty()) checkHeld(scene, p.essential, cloud.X.size());
@@ -190,12 +193,12 @@ Preparation prepare(const Scene& scene, const SurfaceTree& tree, Discretization 
   if (hasSharpInterfaces(scene)) {
     report("shape functions", 0.44);
     shape = approximateSharply(scene, tree, cloud.X, cells, cell_material, points, p.skin.surface.vertices, facet_X,
-                               radius, gradient_tolerance, memory, p);
+                               radius, gaps, gradient_tolerance, memory, p);
   } else {
     const BoundaryPoints boundary = consistencyPoints(scene, cloud, outer, p.essential);
     report("shape functions", 0.44);
-    shape = approximate(scene, cloud.X, std::move(radius), points.X, p.skin.surface.vertices, facet_X, boundary.X, {},
-                        nullptr, memory);
+    shape = approximate(scene, cloud.X, std::move(radius), points.X, p.skin.surface.vertices, facet_X, boundary.X, gaps,
+                        {}, nullptr, memory);
     report("consistent gradients", 0.58);
     if (scene.formulation.consistent_gradients)
       correctGradients(shape.points, points.X, points.volume, cloud.X, boundary, shape.boundary, gradient_tolerance);

@@ -13,8 +13,9 @@ namespace palpate {
 /// What all places of a scene whose cloud follows the tool (place.h) have in common, so that what is far from the tool
 /// does not change with it.
 struct CommonToPlaces {
-  SkinModel skin;          // without rows
-  SkinBodies bodies;       // of it, likewise
+  SkinModel skin;     // without rows
+  SkinBodies bodies;  // of it, likewise
+  std::shared_ptr<const SurfaceGaps> gaps;
   double pair_moment = 0;  // cells are joined up to it (pairCellsUpTo), where the scene has cells_per_point > 1
   double row_limit = 0;    // 1/s^2: m_i = max(lumped m_i, Gershgorin row_i / row_limit)
   double critical = 0;     // s, the critical step that all have; a place that falls short gets more mass where it must

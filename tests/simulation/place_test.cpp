@@ -113,6 +113,12 @@ TEST_CASE("Spacings come from the tool's end and the body's size", "[place]") {
   const FollowSizes tiny = sizes(ToolShape::of(ToolKind::Sphere, 0.0002));
   CHECK(volume / (0.7 * std::pow(tiny.fine, 3)) == Approx(1e5));
   CHECK(tiny.stride == Approx(3 * tiny.fine));
+  // What is thin gets finer nodes everywhere, but no more than some thousand.
+  scene.tool = ToolShape::of(ToolKind::Sphere, 0.004);
+  CHECK(followSizes(scene, volume, 0.04, 0.02).coarse == small.coarse);
+  CHECK(followSizes(scene, volume, 0.04, 0.014).coarse == Approx(0.007));
+  CHECK(volume / (0.7 * std::pow(followSizes(scene, volume, 0.04, 0.002).coarse, 3)) == Approx(6000));
+  scene.tool = ToolShape::of(ToolKind::Sphere, 0.0002);
   const FollowSizes on_sheet = followSizes(scene, 0.001 * volume, 0.04);
   CHECK(0.04 / (area_per_node * on_sheet.fine * on_sheet.fine) == Approx(1e5));
   // A large one the body all alike.

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <map>
 
 #include "discretization/surface/surface_bodies.h"
 #include "discretization/surface/surface_tree.h"
@@ -11,6 +10,7 @@
 #include "simulation/model_hash.h"
 #include "simulation/step.h"
 #include "simulation/workspace.h"
+#include "support/cubes.h"
 #include "support/realtime_guard.h"
 #include "support/small_scene.h"
 #include "support/temp_folder.h"
@@ -68,40 +68,6 @@ StepReport run(const Model& model, State& state, int ticks, int threads = 1) {
   return report;
 }
 
-/// The skin of what is made of cubes, where `filled` (their middle, in cubes) says so.
-template <class Filled>
-TriangleSurface cubes(const std::array<int, 3>& count, double size, Filled&& filled) {
-  TriangleSurface surface;
-  std::map<std::array<int, 3>, int> number;
-  const auto vertex = [&](const std::array<int, 3>& at) {
-    const auto [found, is_new] = number.try_emplace(at, static_cast<int>(number.size()));
-    if (is_new) surface.vertices.push_back(size * Vec3(at[0], at[1], at[2]));
-    return found->second;
-  };
-  const auto isFilled = [&](const std::array<int, 3>& c) {
-    for (std::size_t a = 0; a < 3; ++a)
-      if (c[a] < 0 || c[a] >= count[a]) return false;
-    return filled(Vec3(c[0] + 0.5, c[1] + 0.5, c[2] + 0.5));
-  };
-  for (int n = 0; n < count[0] * count[1] * count[2]; ++n) {
-    const std::array<int, 3> cell = {n % count[0], n / count[0] % count[1], n / count[0] / count[1]};
-    if (!isFilled(cell)) continue;
-    for (std::size_t a = 0; a < 3; ++a)
-      for (const int side : {0, 1}) {
-        std::array<int, 3> beside = cell, corner = cell;
-        beside[a] += 2 * side - 1;
-        if (isFilled(beside)) continue;
-        corner[a] += side;
-        const std::size_t b = (a + (side == 1 ? 1 : 2)) % 3, c = 3 - a - b;
-        std::array<int, 3> at_b = corner, at_c = corner, opposite = corner;
-        ++at_b[b], ++at_c[c], ++opposite[b], ++opposite[c];
-        surface.triangles.push_back({vertex(corner), vertex(at_b), vertex(opposite)});
-        surface.triangles.push_back({vertex(corner), vertex(opposite), vertex(at_c)});
-      }
-  }
-  return surface;
-}
-
 constexpr double cube = 2e-3;  // m
 
 /// A flap that hangs over what it is grown to: 50 mm long, 24 mm wide, 6 mm of air below it. A ball above its end.
@@ -114,7 +80,7 @@ Model flap() {
   scene.tool.radius = 0.006;
   scene.tool_position = Vec3(0.036, 0.012, 0.031);
   return buildModel(scene,
-                    cubes({25, 12, 12}, cube, [](const Vec3& x) { return x.x() < 6 || x.z() < 5 || x.z() > 8; }));
+                    test::cubes({25, 12, 12}, cube, [](const Vec3& x) { return x.x() < 6 || x.z() < 5 || x.z() > 8; }));
 }
 
 /// m, the least that is between the flap and what is below it; less than 0: they went through each other.
@@ -134,6 +100,27 @@ double airBelow(const Model& model, const State& state) {
 }
 
 }  // namespace
+
+TEST_CASE("What a flap follows is not what lies below it, however near", "[simulation][skin_contact]") {
+  const Model model = flap();
+  CHECK_FALSE(model.gaps->empty());
+  // Above the air only nodes above it, beyond where the flap is grown to.
+  const auto follows = [&](const std::vector<Vec3>& at, const ShapeTable& rows) {
+    int seen = 0, wrong = 0, near = 0;
+    for (std::size_t r = 0; r < at.size(); ++r) {
+      if (at[r].x() < 9 * cube || at[r].z() < 8 * cube - 1e-6) continue;
+      ++seen;
+      for (const Vec3& X : model.X) near += X.z() < 5.5 * cube && (X - at[r]).norm() < 0.007;
+      for (int e = rows.begin[r]; e < rows.begin[r + 1]; ++e) wrong += model.X[rows.node[e]].z() < 6.5 * cube;
+    }
+    CHECK(seen > 50);
+    CHECK(near > 20);  // that would carry it
+    CHECK(wrong == 0);
+  };
+  follows(model.point_X, model.point_shape);
+  follows(model.X, model.node_shape);
+  follows(model.skin.surface.vertices, model.skin_shape);
+}
 
 TEST_CASE("A flap that is pressed down rests on its own body, and lifts off again", "[simulation][skin_contact]") {
   const Model model = flap();
@@ -160,9 +147,14 @@ TEST_CASE("A flap that is pressed down rests on its own body, and lifts off agai
   CHECK(least > -1e-5);
   command.tool_target = model.tool_start;
   command.tool_target.position.z() += 0.01;
-  for (int k = 0; k < 250; ++k) report = tick(model, state, command, workspace);
+  // It creeps back, at w^2 / damping with w its slowest frequency, 1.1 1/s: finer clouds do, too.
+  const auto bent = [&](int ticks) {
+    for (int k = 0; k < ticks; ++k) report = tick(model, state, command, workspace);
+    return std::abs(airBelow(model, state) - 3 * cube);
+  };
+  const double before = bent(750);
+  CHECK(bent(250) == Approx(before * std::exp(-0.55)).epsilon(0.05));
   CHECK(report.skin_contact_count == 0);
-  CHECK(std::abs(airBelow(model, state) - 3 * cube) < 1e-5);
 }
 
 TEST_CASE("Looking at what moved finds what looking at all of the skin does", "[simulation][skin_contact][whole]") {

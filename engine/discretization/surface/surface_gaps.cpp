@@ -1,0 +1,92 @@
+#include "discretization/surface/surface_gaps.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include "base/parallel_for.h"
+
+namespace palpate {
+namespace {
+
+constexpr double facing = 0.5;         // cosine between a face's normal and that of what it looks at, turned round
+constexpr double lift_of_edge = 1e-4;  // of a face's size, off the face: rays don't meet the face that they are from
+constexpr double screen_at = 1.0 / 3;  // of the way across: what is hollow has a screen, too, that is no line
+constexpr double inward = 0.02;  // of the way to a face's middle, so that rays from an edge meet what is over the face
+constexpr double overlap = 1.001;  // of screens, at edges of the skin
+constexpr double at_ends = 1e-3;   // of a way, at its ends: skin where a gap ends may lie on a screen
+
+/// From a face along its normal or against it to what looks at it, m; 0: nothing does.
+double wayAcross(const SurfaceTree& body, const Vec3& from, const Vec3& along, double lift, double furthest) {
+  const auto hit = body.firstHit(from + lift * along, along, furthest);
+  if (!hit) return 0;
+  const Vec3 opposite = areaVector(body.surface(), hit->triangle);
+  return std::abs(opposite.dot(along)) > facing * opposite.norm() ? hit->distance + lift : 0;
+}
+
+}  // namespace
+
+double thicknessOf(const SurfaceTree& body, double share) {
+  constexpr double everywhere = std::numeric_limits<double>::infinity();
+  const TriangleSurface& skin = body.surface();
+  std::vector<std::pair<double, double>> thin(skin.triangles.size(), {everywhere, 0});  // m, m^2
+  parallelFor(static_cast<int>(thin.size()), [&](int first, int last) {
+    for (int t = first; t < last; ++t) {
+      const Vec3 area = areaVector(skin, t);
+      if (!(area.squaredNorm() > 0)) continue;
+      const auto& [a, b, c] = skin.triangles[t];
+      const Vec3 middle = (skin.vertices[a] + skin.vertices[b] + skin.vertices[c]) / 3;
+      const double way = wayAcross(body, middle, -area.normalized(), lift_of_edge * std::sqrt(area.norm()), everywhere);
+      thin[t] = {way > 0 ? way : everywhere, area.norm()};
+    }
+  });
+  std::sort(thin.begin(), thin.end());
+  double left = share * surfaceArea(skin);
+  for (const auto& [thickness, area] : thin)
+    if ((left -= area) <= 0) return thickness;
+  return everywhere;
+}
+
+SurfaceGaps::SurfaceGaps(const TriangleSurface& skin, const SurfaceTree& body, double widest) {
+  const int count = static_cast<int>(skin.triangles.size());
+  std::vector<std::array<Vec3, 3>> screen(static_cast<std::size_t>(count));
+  std::vector<std::uint8_t> has_screen(static_cast<std::size_t>(count), 0);
+  parallelFor(count, [&](int first, int last) {
+    for (int t = first; t < last; ++t) {
+      const std::array<int, 3>& corner = skin.triangles[t];
+      const Vec3 &a = skin.vertices[corner[0]], &b = skin.vertices[corner[1]], &c = skin.vertices[corner[2]];
+      const Vec3 area = (b - a).cross(c - a), middle = (a + b + c) / 3;
+      if (!(area.squaredNorm() > 0)) continue;
+      const Vec3 normal = area.normalized();
+      const double lift = lift_of_edge * std::sqrt(area.norm());
+      const auto across = [&](const Vec3& from) { return wayAcross(body, from, normal, lift, widest); };
+      bool all = across(middle) > 0;
+      for (std::size_t k = 0; all && k < 3; ++k) {
+        const Vec3& x = skin.vertices[corner[k]];
+        const double gap = across(x + inward * (middle - x));
+        all = gap > 0;
+        screen[t][k] = middle + overlap * (x - middle) + screen_at * gap * normal;
+      }
+      has_screen[t] = all;
+    }
+  });
+  TriangleSurface screens;
+  for (int t = 0; t < count; ++t) {
+    if (!has_screen[t]) continue;
+    const int at = static_cast<int>(screens.vertices.size());
+    screens.vertices.insert(screens.vertices.end(), screen[t].begin(), screen[t].end());
+    screens.triangles.push_back({at, at + 1, at + 2});
+  }
+  if (!screens.triangles.empty()) screens_.emplace(std::move(screens));
+}
+
+bool SurfaceGaps::areBetween(const Vec3& a, const Vec3& b) const {
+  const Vec3 way = b - a;
+  return screens_ && screens_->firstHit(a + at_ends * way, way, (1 - 2 * at_ends) * way.norm()).has_value();
+}
+
+}  // namespace palpate

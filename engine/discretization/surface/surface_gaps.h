@@ -1,0 +1,40 @@
+#pragma once
+
+#include <optional>
+
+#include "discretization/surface/surface_tree.h"
+
+namespace palpate {
+
+/// The air between parts of a body's skin that look at each other: a fold, a slit, the space below a flap. What a point
+/// of the tissue follows must not be on the other side of it, however near (Belytschko et al. 1996, visibility of
+/// supports across cracks). Immutable; any number of threads may ask.
+class SurfaceGaps {
+ public:
+  /// No gaps.
+  SurfaceGaps() = default;
+
+  /// @param skin    of the body, m, in faces that are small beside its gaps
+  /// @param body    its closed surface
+  /// @param widest  m, that a gap may be
+  SurfaceGaps(const TriangleSurface& skin, const SurfaceTree& body, double widest);
+
+  bool empty() const { return !screens_; }
+
+  /// Whether a gap is within a distance of x, m.
+  bool areNear(const Vec3& x, double distance) const {
+    return screens_ && screens_->closest(x, distance).triangle >= 0;
+  }
+  /// Whether the straight way from a to b, m, leads across a gap.
+  bool areBetween(const Vec3& a, const Vec3& b) const;
+
+ private:
+  /// In each gap, before each of its two sides.
+  std::optional<SurfaceTree> screens_;
+};
+
+/// How thick a body is at most, m, where a share of its skin is thinnest: from each face straight through to skin that
+/// looks the other way; infinity where less has such skin.
+double thicknessOf(const SurfaceTree& body, double share);
+
+}  // namespace palpate
