@@ -45,7 +45,8 @@ double valueOf(const EquilibriumHandle& equilibrium, const palpate_quantity& q) 
 
 }  // namespace
 
-TEST_CASE("Sensitivities are central differences of equilibria, of forces and displacements", "[api][equilibrium][whole]") {
+TEST_CASE("Sensitivities are central differences of equilibria, of forces and displacements",
+          "[api][equilibrium][whole]") {
   const ModelHandle model = loadBlock(two_tissues);
   const auto pose = poseAtDepth(describe(model), 0.002);
   const EquilibriumHandle equilibrium = settle(model, pose.data());

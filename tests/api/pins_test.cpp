@@ -90,7 +90,8 @@ TEST_CASE("A pin that is far away is come to no faster than the tool may go", "[
   CHECK(state.loss_count == 0);
 }
 
-TEST_CASE("A fixed region that is moved takes the whole body with it, without a force that lasts", "[api][pins][whole]") {
+TEST_CASE("A fixed region that is moved takes the whole body with it, without a force that lasts",
+          "[api][pins][whole]") {
   const ModelHandle model = loadBlock(still_text);
   const palpate_model_info info = describe(model);
   const SimulationHandle simulation = create(model);

@@ -13,12 +13,14 @@
 namespace palpate {
 namespace {
 
+// Swept on a flap above even and on one above wedge-shaped air, nodes 4 mm apart: what points follow does not change
+// with `facing` from 0.25 to 0.8, `inward` from 0.005 to 0.1, `at_ends` from 1e-4 to 1e-2. With `screen_at` a fifth the
+// flap is 7 % slower to come back, with a half 3 % faster, of which finer clouds have nearly as much.
 constexpr double facing = 0.5;         // cosine between a face's normal and that of what it looks at, turned round
 constexpr double lift_of_edge = 1e-4;  // of a face's size, off the face: rays don't meet the face that they are from
 constexpr double screen_at = 1.0 / 3;  // of the way across: what is hollow has a screen, too, that is no line
-constexpr double inward = 0.02;  // of the way to a face's middle, so that rays from an edge meet what is over the face
-constexpr double overlap = 1.001;  // of screens, at edges of the skin
-constexpr double at_ends = 1e-3;   // of a way, at its ends: skin where a gap ends may lie on a screen
+constexpr double inward = 0.02;   // of the way to a face's middle, so that rays from an edge meet what is over the face
+constexpr double at_ends = 1e-3;  // of a way, at its ends: skin where a gap ends may lie on a screen
 
 /// From a face along its normal or against it to what looks at it, m; 0: nothing does.
 double wayAcross(const SurfaceTree& body, const Vec3& from, const Vec3& along, double lift, double furthest) {
@@ -69,7 +71,7 @@ SurfaceGaps::SurfaceGaps(const TriangleSurface& skin, const SurfaceTree& body, d
         const Vec3& x = skin.vertices[corner[k]];
         const double gap = across(x + inward * (middle - x));
         all = gap > 0;
-        screen[t][k] = middle + overlap * (x - middle) + screen_at * gap * normal;
+        screen[t][k] = x + screen_at * gap * normal;
       }
       has_screen[t] = all;
     }
