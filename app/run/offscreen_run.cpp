@@ -238,12 +238,12 @@ int runOffscreen(Session& session) {
 
 int checkLumps(const Options& options, Scene scene) {
   Log log;
-  const Model model = scene.places.contains("lumps.count") && !scene.places.contains("lumps.layout")
-                          ? modelOf(options, scene, log)
-                          : loadModel(scene, {}, ModelCache(options.use_cache ? ModelCache::userFolder() : "", {}));
+  const LoadedModel loaded = scene.places.contains("lumps.count") && !scene.places.contains("lumps.layout")
+                                 ? loadedModelOf(options, scene, log)
+                                 : loadAsItIs(options, scene, log);
   const double depth = workingDepth(scene);
-  const std::vector<Lump> lumps = lumpsOf(model);
-  const std::vector<LumpFeel> feels = feelLumps(model, depth);
+  const std::vector<Lump> lumps = lumpsOf(*loaded.model);
+  const std::vector<LumpFeel> feels = feelLumps(loaded.body(), depth);
   bool felt = true;
   std::cout << format("pressed %.1f mm deep by a %s of %.1f mm\n", 1e3 * depth, toolType(scene.tool.kind).title,
                       1e3 * scene.tool.radius);

@@ -203,12 +203,37 @@ bool isTask(const Scene& scene) {
   return scene.places.contains("lumps.count") || scene.places.contains("lump[0].radius");
 }
 
-Model modelOf(const Options& options, Scene& scene, Log& log, const LoadProgress& progress) {
+TaskBody LoadedModel::body() const {
+  if (!following) return {model};
+  return {model, [places = following->places, memory = std::make_shared<PlaceMemory>()](const Vec3& point) {
+            auto place = std::make_shared<const Place>(makePlace(*places, placeAt(*places, point), {}, memory.get()));
+            return std::shared_ptr<const Model>(place, &place->model);
+          }};
+}
+
+LoadedModel loadAsItIs(const Options& options, const Scene& scene, Log& log, const LoadProgress& progress) {
   const bool timed = !options.as_fast_as_possible && !options.check_lumps;
+  LoadedModel loaded;
+  if (scene.follow) {
+    loaded.following = buildFollowingOf(scene, options.use_cache, timed, log, progress);
+    const std::shared_ptr<ReadyPlace>& start = loaded.following->start;
+    loaded.model = {start, &start->place.model};
+  } else {
+    loaded.model = std::make_shared<const Model>(buildModelOf(scene, options.use_cache, timed, log, progress));
+  }
+  return loaded;
+}
+
+LoadedModel loadedModelOf(const Options& options, Scene& scene, Log& log, const LoadProgress& progress) {
+  LoadedModel loaded;
   const auto build = [&](const Scene& as_read) {
-    return buildModelOf(as_read, options.use_cache, timed, log, progress);
+    loaded = loadAsItIs(options, as_read, log, progress);
+    return loaded.body();
   };
-  if (!isTask(scene)) return build(scene);
+  if (!isTask(scene)) {
+    build(scene);
+    return loaded;
+  }
   TaskMaking making;
   making.build = build;
   making.progress = [&](double fraction) {
@@ -217,18 +242,7 @@ Model modelOf(const Options& options, Scene& scene, Log& log, const LoadProgress
   making.read = [&](int layout) { return readScene(options, layout); };
   making.say = [&](const std::string& line) { log.info(line); };
   if (options.use_cache) making.cache_folder = ModelCache::userFolder();
-  return makeTask(scene, making);
-}
-
-LoadedModel loadedModelOf(const Options& options, Scene& scene, Log& log, const LoadProgress& progress) {
-  LoadedModel loaded;
-  if (scene.follow) {
-    loaded.following = buildFollowingOf(scene, options.use_cache, !options.as_fast_as_possible, log, progress);
-    const std::shared_ptr<ReadyPlace>& start = loaded.following->start;
-    loaded.model = {start, &start->place.model};
-  } else {
-    loaded.model = std::make_shared<const Model>(modelOf(options, scene, log, progress));
-  }
+  makeTask(scene, making);
   return loaded;
 }
 

@@ -35,17 +35,19 @@ using LoadProgress = std::function<void(const std::string& stage, double fractio
 /// @param layout  of the lumps at random, in place of the scene's
 Scene readScene(const Options& options, std::optional<int> layout = {});
 
-/// The scene's model, ready to run; a task's lumps can be felt in it (makeTask). Throws InputError.
-/// @param scene  receives the layout of its lumps
-Model modelOf(const Options& options, Scene& scene, Log& log, const LoadProgress& progress = {});
-
 /// A scene's model; where its cloud follows the tool, that of the place at which it starts.
 struct LoadedModel {
   std::shared_ptr<const Model> model;
   std::unique_ptr<FollowingTissue> following;  // null: the cloud stays
+
+  TaskBody body() const;  // valid as long as `following` is
 };
 
-/// The same of any scene. Throws InputError.
+/// The same of the scene as it is, whether its lumps can be felt or not.
+LoadedModel loadAsItIs(const Options& options, const Scene& scene, Log& log, const LoadProgress& progress = {});
+
+/// The scene's model, ready to run; a task's lumps can be felt in it (makeTask). Throws InputError.
+/// @param scene  receives the layout of its lumps
 LoadedModel loadedModelOf(const Options& options, Scene& scene, Log& log, const LoadProgress& progress = {});
 
 /// Whether the scene hides lumps that are to be found.

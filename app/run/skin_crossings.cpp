@@ -8,9 +8,14 @@ namespace {
 /// Six times the signed volume of a tetrahedron.
 double volume(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) { return (b - a).cross(c - a).dot(d - a); }
 
+/// m, from a plane, within which what lies on which side is a matter of rounding.
+constexpr double in_plane = 1e-7;
+
 /// The segment p q goes through the triangle's inside.
 bool pierces(const Vec3& p, const Vec3& q, const Vec3& a, const Vec3& b, const Vec3& c) {
-  if (volume(a, b, c, p) * volume(a, b, c, q) >= 0) return false;
+  const Vec3 normal = (b - a).cross(c - a);
+  const double from = normal.dot(p - a), to = normal.dot(q - a), least = in_plane * normal.norm();
+  if (std::min(from, to) >= -least || std::max(from, to) <= least) return false;
   const double ab = volume(p, q, a, b), bc = volume(p, q, b, c), ca = volume(p, q, c, a);
   return (ab > 0 && bc > 0 && ca > 0) || (ab < 0 && bc < 0 && ca < 0);
 }

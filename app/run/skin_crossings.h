@@ -18,8 +18,8 @@ class SkinCrossings {
   void goOnWith(const SkinModel& skin) { skin_ = &skin; }
 
   /// @param u  (node_count) m
-  /// @return pairs of triangles without a common vertex of which an edge of one goes through the other; those that only
-  /// touch, or lie in one plane, may count or not
+  /// @return pairs of triangles without a common vertex of which an edge of one goes through the other, by more than
+  /// 1e-7 m to both sides: faces of one plane do not cross
   int count(const Float4* u);
 
  private:

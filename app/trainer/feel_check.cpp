@@ -46,15 +46,16 @@ SourceLocation placeOf(const Scene& scene, const Lump& lump) {
 
 double workingDepth(const Scene& scene) { return depth_per_radius * scene.tool.radius; }
 
-std::optional<Unfelt> unfeltLump(const Model& model, const std::string& cache_folder,
+std::optional<Unfelt> unfeltLump(const TaskBody& body, const std::string& cache_folder,
                                  const std::function<void(double)>& progress) {
+  const Model& model = *body.model;
   const std::vector<Lump> lumps = lumpsOf(model);
   const std::string file = cache_folder.empty()
                                ? std::string()
                                : cache_folder + "/" + hex16(modelHash(model)) + hex16(fnv1a(buildInfo())) + ".felt";
   std::vector<double> ratios = file.empty() ? std::vector<double>() : keptRatios(file, lumps.size());
   if (ratios.empty() && !lumps.empty()) {
-    for (const LumpFeel& feel : feelLumps(model, workingDepth(model.scene), progress)) ratios.push_back(feel.ratio());
+    for (const LumpFeel& feel : feelLumps(body, workingDepth(model.scene), progress)) ratios.push_back(feel.ratio());
     if (!file.empty()) keepRatios(file, ratios);
   }
   for (std::size_t k = 0; k < ratios.size(); ++k) {
@@ -70,8 +71,8 @@ std::optional<Unfelt> unfeltLump(const Model& model, const std::string& cache_fo
   return {};
 }
 
-void requireFelt(const Model& model, const std::string& cache_folder, const std::function<void(double)>& progress) {
-  if (const std::optional<Unfelt> unfelt = unfeltLump(model, cache_folder, progress))
+void requireFelt(const TaskBody& body, const std::string& cache_folder, const std::function<void(double)>& progress) {
+  if (const std::optional<Unfelt> unfelt = unfeltLump(body, cache_folder, progress))
     throw InputError(unfelt->place, unfelt->problem,
                      "make it larger, stiffer or less deep; of lumps at random try another seed or a lower level");
 }

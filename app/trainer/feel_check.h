@@ -21,10 +21,11 @@ struct Unfelt {
 /// beside it (about a second); what came of it is kept in `cache_folder` for the next start.
 /// @param cache_folder  "": nothing is kept
 /// @param progress  as feelLumps
-std::optional<Unfelt> unfeltLump(const Model& model, const std::string& cache_folder,
+std::optional<Unfelt> unfeltLump(const TaskBody& body, const std::string& cache_folder,
                                  const std::function<void(double)>& progress = {});
 
 /// Throws InputError at that lump, with what to change.
-void requireFelt(const Model& model, const std::string& cache_folder, const std::function<void(double)>& progress = {});
+void requireFelt(const TaskBody& body, const std::string& cache_folder,
+                 const std::function<void(double)>& progress = {});
 
 }  // namespace palpate::app

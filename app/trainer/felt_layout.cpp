@@ -7,16 +7,16 @@
 
 namespace palpate::app {
 
-Model makeTask(Scene& scene, const TaskMaking& making) {
+TaskBody makeTask(Scene& scene, const TaskMaking& making) {
   if (!scene.places.contains("lumps.count") || scene.places.contains("lumps.layout")) {
-    Model model = making.build(scene);
-    requireFelt(model, making.cache_folder, making.progress);
-    return model;
+    TaskBody body = making.build(scene);
+    requireFelt(body, making.cache_folder, making.progress);
+    return body;
   }
   for (int layout = 1;; ++layout) {
-    Model model = making.build(scene);
-    const std::optional<Unfelt> unfelt = unfeltLump(model, making.cache_folder, making.progress);
-    if (!unfelt) return model;
+    TaskBody body = making.build(scene);
+    const std::optional<Unfelt> unfelt = unfeltLump(body, making.cache_folder, making.progress);
+    if (!unfelt) return body;
     if (layout == most_layouts)
       throw InputError(
           unfelt->place,

@@ -8,9 +8,9 @@
 
 namespace palpate::app {
 
-/// How a task's model is made.
+/// How a task's body is made.
 struct TaskMaking {
-  std::function<Model(const Scene&)> build;
+  std::function<TaskBody(const Scene&)> build;
   std::function<Scene(int layout)> read;  // the scene, with the lumps of its seed in another layout (lumps.layout)
   std::function<void(const std::string&)> say{};  // gets what was decided
   std::string cache_folder{};                     // as requireFelt
@@ -20,9 +20,9 @@ struct TaskMaking {
 /// Layouts of a seed that are tried: of the assets' levels three in four can be felt, so a millionth of seeds has none.
 inline constexpr int most_layouts = 12;
 
-/// The scene's model, whose lumps can be felt. Where they lie at random and the scene does not name a layout, the first
+/// The scene's body, whose lumps can be felt. Where they lie at random and the scene does not name a layout, the first
 /// layout of its seed in which all are felt: the same for the same scene. Throws InputError where there is none.
 /// @param scene  receives that layout
-Model makeTask(Scene& scene, const TaskMaking& making);
+TaskBody makeTask(Scene& scene, const TaskMaking& making);
 
 }  // namespace palpate::app

@@ -18,7 +18,8 @@ constexpr double start_gap = 0.002;   // m
 constexpr double slope_begin = 0.6;   // of the working depth: from here on the slope is taken
 
 /// Slope of force over depth, N/m, of a press along the skin's normal.
-double pressSlope(const Model& model, const SkinSurface::Place& place, double depth, Workspace& workspace) {
+double pressSlope(const Model& model, const SkinSurface::Place& place, double depth) {
+  Workspace workspace(model, std::max(1, model.scene.threads));
   State state = initialState(model);
   Command command;
   command.tool_target.orientation = Quat::FromTwoVectors(Vec3::UnitZ(), place.normal);
@@ -74,15 +75,14 @@ std::vector<Lump> lumpsOf(const Body& model) {
   return lumps;
 }
 
-std::vector<LumpFeel> feelLumps(const Model& model, double depth, const std::function<void(double)>& progress) {
-  const std::vector<Lump> lumps = lumpsOf(model);
-  const SkinSurface skin(model.skin.surface);
-  Workspace workspace(model, std::max(1, model.scene.threads));
+std::vector<LumpFeel> feelLumps(const TaskBody& body, double depth, const std::function<void(double)>& progress) {
+  const std::vector<Lump> lumps = lumpsOf(*body.model);
+  const SkinSurface skin(body.model->skin.surface);
   std::vector<LumpFeel> feels;
   feels.reserve(lumps.size());
   const auto slopeAt = [&](const SkinSurface::Place& place, double presses) {
     if (progress) progress(presses / static_cast<double>(2 * lumps.size()));
-    return pressSlope(model, place, depth, workspace);
+    return pressSlope(body.near ? *body.near(place.point) : *body.model, place, depth);
   };
   for (const Lump& lump : lumps) {
     const auto done = static_cast<double>(2 * feels.size());

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <vector>
 
 #include "app/render/skin_surface.h"
@@ -27,10 +28,16 @@ struct LumpFeel {
 };
 inline constexpr double least_feel = 1.5;  // ratio from which a trained finger is taken to find a lump
 
+/// A task's model, and, where its cloud follows the tool, the one for a tool near a point of the skin.
+struct TaskBody {
+  std::shared_ptr<const Model> model;
+  std::function<std::shared_ptr<const Model>(const Vec3& point)> near{};  // empty: the cloud stays
+};
+
 /// Presses the scene's tool in above each lump and beside it, on states of its own; some tenths of a second each.
 /// Beside means the same skin 2.5 to 4 lump radii away, as far from all lumps as can be.
 /// @param depth  m, the working depth
 /// @param progress  called before each press with the share that is done; may throw to end it
-std::vector<LumpFeel> feelLumps(const Model& model, double depth, const std::function<void(double)>& progress = {});
+std::vector<LumpFeel> feelLumps(const TaskBody& body, double depth, const std::function<void(double)>& progress = {});
 
 }  // namespace palpate::app

@@ -93,7 +93,6 @@ void checkFollow(const TomlTable& top, const SourceLocation* asked, Scene& scene
                          (top.has("tool") ? ", about " + number(fineSpacing(scene)) + " m for this tool" : ", in m"));
   };
   if (!top.has("tool")) refuse("there is no tool that the cloud could follow", "add [tool], or ");
-  if (top.has("lump") || top.has("lumps")) refuse("a cloud that follows the tool can't have lumps to be found", "");
   if (!scene.further_organs.empty()) refuse("a cloud that follows the tool is that of one body", "");
   scene.spacing = followSpacing(scene);
 }

@@ -335,6 +335,14 @@ PlaceIndex startPlace(const Places& places) {
   return nextPlace(places, no_place, tools);
 }
 
+PlaceIndex placeAt(const Places& places, const Vec3& point) {
+  PlaceIndex index = startPlace(places);
+  ToolPostures tools;
+  tools[0].pose.position = point;
+  index[0] = nextPlace(places, no_place, tools)[0];
+  return index;
+}
+
 void reserveForPlaces(const Places& places, State& state) {
   reserveFor(
       static_cast<std::size_t>(places.most_nodes),

@@ -95,6 +95,9 @@ Place makePlace(const Places& places, const PlaceIndex& index, const PlaceStore&
 /// The place at which the tools start.
 PlaceIndex startPlace(const Places& places);
 
+/// That where the first tool is at a point instead, m.
+PlaceIndex placeAt(const Places& places, const Vec3& point);
+
 /// Makes room in a state of one place for that of any, so that copies between them allocate nothing.
 void reserveForPlaces(const Places& places, State& state);
 

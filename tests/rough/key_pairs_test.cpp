@@ -247,11 +247,5 @@ TEST_CASE("Every two settings of a scene stand together and press, or are refuse
   }
   CHECK(missing.empty());
   CAPTURE(scenes);
-  for (const auto& [settings, sentence] : refused) {
-    CHECK(settings.size() == 2);
-    CHECK(sentence.find("pairs.toml:") != std::string::npos);
-    CHECK(sentence.find("; ") != std::string::npos);  // what to do
-    CHECK(sentence.find("a cloud that follows the tool can't have") != std::string::npos);
-  }
-  CHECK(refused.size() == 2);  // with a lump, lumps
+  for (const auto& [settings, sentence] : refused) FAIL_CHECK(sentence);
 }

@@ -20,6 +20,7 @@ TEST_CASE("Skin crosses itself where one side is pushed through the other, and n
     return crossings.count(u.data());
   };
   CHECK(moveUp([&](const Vec3& X) { return 0.5 * X.z(); }) == 0);
+  CHECK(moveUp([&](const Vec3& X) { return 0.2 * X.x() + 0.3 * X.y() + 1e-8 * std::sin(1e5 * X.x()); }) == 0);
   CHECK(moveUp([&](const Vec3& X) { return -2 * X.z(); }) == 0);
   // The middle of the base goes up through the top.
   const int through = moveUp([&](const Vec3& X) { return 1.5 * (top - X.z()) * (X.head<2>().norm() < 0.012); });

@@ -13,6 +13,7 @@
 #include "io/scene_lumps.h"
 #include "realtime/loop/simulation_loop.h"
 #include "realtime/recording/recording.h"
+#include "simulation/place.h"
 #include "support/small_scene.h"
 #include "support/temp_folder.h"
 
@@ -32,6 +33,8 @@ Model blockWithLump() {
   addLump(Vec3(0.02, 0, 0.018), 0.009, 50e3, {}, scene);
   return buildModel(scene, boxSurface(scene.size, 0.004));
 }
+
+TaskBody bodyOf(Model model) { return {std::make_shared<const Model>(std::move(model))}; }
 
 struct Played {
   std::vector<ForceSample> samples;
@@ -96,25 +99,50 @@ TEST_CASE("A trainee by rule finds a lump of the first level, and a replay has t
 }
 
 TEST_CASE("A lump of the first level is felt as clearly stiffer; a small deep one is not", "[trainer]") {
-  const std::vector<LumpFeel> feels = feelLumps(blockWithLump(), depth);
+  const std::vector<LumpFeel> feels = feelLumps(bodyOf(blockWithLump()), depth);
   REQUIRE(feels.size() == 1);
   CHECK(feels[0].ratio() > least_feel);
   Scene scene = test::blockScene(0.012);
   scene.tool.radius = 0.008;
   addLump(Vec3(0.01, 0, 0.012), 0.004, 20e3, {}, scene);
-  const std::vector<LumpFeel> deep = feelLumps(buildModel(scene, boxSurface(scene.size, 0.004)), depth);
+  const std::vector<LumpFeel> deep = feelLumps(bodyOf(buildModel(scene, boxSurface(scene.size, 0.004))), depth);
   CHECK(deep[0].ratio() < least_feel);
+}
+
+TEST_CASE("Where the cloud follows the tool, a lump far from its start is felt as on nodes that are dense everywhere",
+          "[trainer][place][whole]") {
+  Scene scene = test::barScene();
+  addLump(Vec3(0.05, 0, 0.018), 0.009, 50e3, {}, scene);
+  const Places places = makePlaces(scene, test::barSurface());
+  int made = 0;
+  TaskBody body = bodyOf(makePlace(places, startPlace(places)).model);
+  const double coarse = feelLumps(body, depth).at(0).above_N_per_m;
+  body.near = [&](const Vec3& point) {
+    ++made;
+    return std::make_shared<const Model>(makePlace(places, placeAt(places, point)).model);
+  };
+  const LumpFeel feel = feelLumps(body, depth).at(0);
+  CHECK(made == 2);
+  Scene fine = scene;
+  fine.spacing = places.sizes.fine;
+  fine.refine.clear();
+  const LumpFeel dense = feelLumps(bodyOf(buildModel(fine, test::barSurface())), depth).at(0);
+  INFO(feel.above_N_per_m << " and " << feel.beside_N_per_m << " N/m, dense " << dense.above_N_per_m << " and "
+                          << dense.beside_N_per_m << ", coarse " << coarse);
+  CHECK(feel.above_N_per_m == Approx(dense.above_N_per_m).epsilon(0.03));
+  CHECK(feel.beside_N_per_m == Approx(dense.beside_N_per_m).epsilon(0.03));
+  CHECK(std::abs(coarse / dense.above_N_per_m - 1) > 0.03);
 }
 
 TEST_CASE("A layout that can't be felt is refused with its lump, and what was felt is kept", "[trainer]") {
   Scene scene = test::blockScene(0.012);
   scene.tool.radius = 0.008;
   addLump(Vec3(0.01, 0, 0.012), 0.004, 20e3, {"x.toml", 7}, scene);
-  const Model model = buildModel(scene, boxSurface(scene.size, 0.004));
+  const TaskBody body = bodyOf(buildModel(scene, boxSurface(scene.size, 0.004)));
   const TempFolder folder;
   const auto problem = [&] {
     try {
-      requireFelt(model, folder.path("cache"));
+      requireFelt(body, folder.path("cache"));
     } catch (const InputError& error) {
       return std::string(error.what());
     }
@@ -140,7 +168,7 @@ TEST_CASE("Of lumps at random the first layout in which all can be felt is taken
   scene.places["lumps.count"] = scene.place = {"x.toml", 7};
   Scene hidden = scene;
   addLump(Vec3(0.01, 0, 0.012), 0.004, 20e3, {"x.toml", 7}, hidden);
-  const Model unfelt = buildModel(hidden, boxSurface(scene.size, 0.004)), felt = blockWithLump();
+  const TaskBody unfelt = bodyOf(buildModel(hidden, boxSurface(scene.size, 0.004))), felt = bodyOf(blockWithLump());
   const TempFolder folder;
   std::vector<int> asked;
   std::string said;
@@ -153,7 +181,7 @@ TEST_CASE("Of lumps at random the first layout in which all can be felt is taken
   making.build = [&](const Scene&) { return asked.empty() || asked.back() < first_felt ? unfelt : felt; };
   making.say = [&](const std::string& line) { said += line + "\n"; };
   making.cache_folder = folder.path("cache");
-  CHECK(lumpsOf(makeTask(scene, making)).at(0).radius == 0.009);
+  CHECK(lumpsOf(*makeTask(scene, making).model).at(0).radius == 0.009);
   CHECK(asked == std::vector<int>{2, 3});
   CHECK(said.find("taking layout 3") != std::string::npos);
 
