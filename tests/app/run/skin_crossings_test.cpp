@@ -20,8 +20,14 @@ TEST_CASE("Skin crosses itself where one side is pushed through the other, and n
     return crossings.count(u.data());
   };
   CHECK(moveUp([&](const Vec3& X) { return 0.5 * X.z(); }) == 0);
-  CHECK(moveUp([&](const Vec3& X) { return 0.2 * X.x() + 0.3 * X.y() + 1e-8 * std::sin(1e5 * X.x()); }) == 0);
   CHECK(moveUp([&](const Vec3& X) { return -2 * X.z(); }) == 0);
+  // Turned, faces of one plane are so to rounding.
+  for (int k = 0; k < 40; ++k) {
+    const Eigen::AngleAxisd turn(0.1 + 0.15 * k, Vec3(1, 2 - 0.1 * k, 3).normalized());
+    for (std::size_t i = 0; i < model.X.size(); ++i) u[i] = toFloat4(turn * model.X[i] - model.X[i]);
+    CHECK(crossings.count(u.data()) == 0);
+  }
+  u = initialState(model).u;
   // The middle of the base goes up through the top.
   const int through = moveUp([&](const Vec3& X) { return 1.5 * (top - X.z()) * (X.head<2>().norm() < 0.012); });
   CHECK(through > 0);
