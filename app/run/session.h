@@ -40,7 +40,7 @@ struct LoadedModel {
   std::shared_ptr<const Model> model;
   std::unique_ptr<FollowingTissue> following;  // null: the cloud stays
 
-  TaskBody body() const;  // valid as long as `following` is
+  TaskBody body() const;
 };
 
 /// The same of the scene as it is, whether its lumps can be felt or not.
