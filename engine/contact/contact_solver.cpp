@@ -202,7 +202,6 @@ void makeRows(const SkinModel& skin, Touching& body, float alpha_f, const float*
     row.slot = slot;
     row.vertex = v;
     row.sample = sample;
-    row.normal = lanes(Vec3(motion.world_from_tool * d.normal));
     row.gap = static_cast<float>(d.distance);
     row.predicted = predicted;
     row.tool_increment = lanes(Vec3(end - (motion.world_from_old_tool * local + motion.old_position)));
@@ -211,15 +210,13 @@ void makeRows(const SkinModel& skin, Touching& body, float alpha_f, const float*
     row.mobility = alpha_f * (is_vertex ? compliance(skin, v, inverse_mass) : compliance(skin, *sample, inverse_mass));
     row.penetration = 0.0F;
 
-    // Last step's force, turned with the tool and the normal.
-    const Vec3 old_force = motion.turn * toVec3(last_force);
-    const Vec3 old_normal = motion.world_from_tool * last_normal.cast<double>();
-    const double normal_force = old_normal.dot(old_force);
-    row.stick = lanes(Vec3(old_force - normal_force * old_normal));
-    row.stick -= row.normal.dot(row.stick) * row.normal;
-    row.force = static_cast<float>(normal_force) * row.normal + row.stick;
+    // Along the normal of where the point was at the step's start, so that what slides over the tool gains no energy.
+    // Along the one of where it will be, a force that stays pushes it on, both ways: by N |du|^2 / R a step.
+    const bool touched = !last_normal.isZero();
+    row.normal = lanes(Vec3(motion.world_from_tool * (touched ? Vec3(last_normal.cast<double>()) : d.normal)));
+    row.force = applied;
+    row.stick = applied - row.normal.dot(applied) * row.normal;
     last_normal = d.normal.cast<float>();
-    applyForce(skin, row, row.force - applied, alpha_f, inverse_mass, du);
   }
   body.row_count = row_count;
 }

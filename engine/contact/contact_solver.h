@@ -19,7 +19,8 @@ namespace palpate {
 /// slip of the skin over the tool's surface during the step:
 ///   f_n = K min(max(d, 0), 0.2 R)                           normal
 ///   f_t = f_t(last step) - K s,  |f_t| <= friction * f_n    tangential: stick, else slip (Coulomb)
-/// Both are monotone and derive from stored energy or dissipation, so contact never creates energy;
+/// Both are monotone and derive from stored energy or dissipation; they act along and across the normal of where the
+/// point was at the step's start, as the tissue's forces are those of it, so contact never creates energy;
 /// f_t is its own memory of the stick, so static friction does not creep.
 ///
 /// Solved by Gauss-Seidel over the vertices, forwards and backwards by turns, in place on du,

@@ -116,28 +116,20 @@ void listNear(const RigidStep& step, RigidState& state) {
 void letGo(const RigidStep& step, int p, RigidState& state) {
   step.push(step.bodies.vertex[p], -lanesOf(state.force[p]));
   state.force[p] = {};
-  if (!state.normal.empty()) state.normal[p].setZero();
+  state.normal[p].setZero();
 }
 
-/// The last step's force, turned with body and normal, acts from the start.
+/// The last step's force, turned with the body, acts from the start.
 void carryOver(const RigidStep& step, const BodyPlace& from, const BodyPlace& to, const RigidBody& body, RigidRow& row,
                RigidState& state) {
   const Vector4f old = lanesOf(state.force[row.point]);
-  const int v = step.bodies.vertex[row.point];
+  const Vector4f turned =
+      body.motion.moves() ? lanesOf(Vec3(to.turn * (from.turn.transpose() * toVec3(state.force[row.point])))) : old;
+  const float along = row.normal.dot(turned);
   row.friction = static_cast<float>(body.friction);
-  row.stick = row.tangential = Vector4f::Zero();
-  if (body.friction == 0) {
-    row.force = std::max(0.0F, row.normal.dot(old));
-    return step.push(v, row.force * row.normal - old);
-  }
-  const Vec3 turned = to.turn * (from.turn.transpose() * toVec3(state.force[row.point]));
-  const Vec3 normal = to.turn * state.normal[row.point].cast<double>();
-  row.force = static_cast<float>(std::max(0.0, normal.dot(turned)));
-  row.stick = lanesOf(Vec3(turned - normal.dot(turned) * normal));
-  row.stick -= row.normal.dot(row.stick) * row.normal;
-  row.tangential = row.stick;
-  state.normal[row.point] = (to.turn.transpose() * row.normal.head<3>().cast<double>()).cast<float>();
-  step.push(v, row.force * row.normal + row.tangential - old);
+  row.force = std::max(0.0F, along);
+  row.stick = row.tangential = row.friction > 0 ? Vector4f(turned - along * row.normal) : Vector4f::Zero();
+  step.push(step.bodies.vertex[row.point], row.force * row.normal + row.tangential - old);
 }
 
 /// A point's row where it touches a body, or nearly. @return whether it does
@@ -162,9 +154,12 @@ bool makeRow(const RigidStep& step, const RigidBody& body, const BodyPlace& from
   gap += correction;
   before += correction;
   if (!(gap < near_gap)) return false;  // nor where it is not a number
+  // Along the normal of where the point was, as solveContact's: what slides gains no energy.
   const Vec3 out = known ? body.shape.normalAt(local_end, normal) : normal;
+  const Vec3 along = state.normal[p].isZero() ? out : state.normal[p].cast<double>();
+  state.normal[p] = out.cast<float>();
   row.point = p;
-  row.normal = lanesOf(moves ? Vec3(to.turn * out) : out);
+  row.normal = lanesOf(moves ? Vec3(to.turn * along) : along);
   row.body_increment = moves ? lanesOf(Vec3(end - from.toWorld(local_end))) : Vector4f::Zero();
   row.gap = static_cast<float>(gap);
   row.highest = before < 0 ? static_cast<float>(before + fastest_return) : static_cast<float>(RigidShape::away);
@@ -241,15 +236,11 @@ bool RigidBodies::moves() const {
   return std::any_of(body.begin(), body.end(), [](const RigidBody& b) { return b.motion.moves(); });
 }
 
-bool RigidBodies::hasFriction() const {
-  return std::any_of(body.begin(), body.end(), [](const RigidBody& b) { return b.friction > 0; });
-}
-
 RigidState makeRigidState(const RigidBodies& bodies, int node_count) {
   RigidState state;
   if (bodies.empty()) return state;
   state.force.assign(bodies.vertex.size(), Float4{});
-  if (bodies.hasFriction()) state.normal.assign(bodies.vertex.size(), Vec3f::Zero());
+  state.normal.assign(bodies.vertex.size(), Vec3f::Zero());
   state.row.resize(bodies.vertex.size());
   state.near.resize(bodies.vertex.size());
   state.near_u.assign(static_cast<std::size_t>(node_count), Float4{});

@@ -42,7 +42,6 @@ struct RigidBodies {
 
   bool empty() const { return body.empty(); }
   bool moves() const;
-  bool hasFriction() const;
   int pointCount() const { return static_cast<int>(vertex.size()); }
 };
 
@@ -83,7 +82,7 @@ struct RigidRow {
 /// What contact with rigid bodies remembers from step to step, and scratch.
 struct RigidState {
   AlignedVector<Float4> force;  // (point_count) on the tissue, N
-  std::vector<Vec3f> normal;    // (point_count) unit, body's frame, of the last contact; 0: none. Empty: no friction
+  std::vector<Vec3f> normal;    // (point_count) unit, body's frame, where the point is; 0: it does not touch
 
   // Scratch: the points that the step looks at, and when others have to be looked for. The result does not depend on
   // them.

@@ -1,8 +1,9 @@
 #include <catch2/catch.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <cstring>
+#include <cstdio>
 
 #include "discretization/surface/surface_bodies.h"
 #include "discretization/surface/surface_tree.h"
@@ -164,6 +165,13 @@ TEST_CASE("Looking at what moved finds what looking at all of the skin does", "[
   Command command;
   command.tool_target = model.tool_start;
   StepReport report;
+  // Vertices that carry force, with the face.
+  const auto touching = [](const State& state) {
+    std::vector<std::array<int, 2>> pairs;
+    for (int k = 0; k < state.skins.count; ++k)
+      if (!toVec3(state.skins.force[k]).isZero(0)) pairs.push_back({state.skins.vertex[k], state.skins.face[k]});
+    return pairs;
+  };
   bool spared = false;  // some regions were not looked at while others were
   for (int k = 1; k <= 60; ++k) {
     command.tool_target.position.z() = model.tool_start.position.z() - 0.015 * std::min(1.0, k / 40.0);
@@ -172,10 +180,16 @@ TEST_CASE("Looking at what moved finds what looking at all of the skin does", "[
     spared |= !moved.skins.calm && std::count(unseen.begin(), unseen.end(), 0.0F) < static_cast<int>(unseen.size());
     std::fill(all.skins.unseen.begin(), all.skins.unseen.end(), 1e3F);
     tick(model, all, command, workspace);
+    REQUIRE(touching(moved) == touching(all));
   }
   CHECK(report.skin_contact_count > 0);
   CHECK(spared);
-  CHECK(std::memcmp(moved.u.data(), all.u.data(), moved.u.size() * sizeof(Float4)) == 0);
+  // To rounding: what is remembered of pairs that do not touch yet may be another face.
+  double apart = 0;  // m
+  for (std::size_t i = 0; i < moved.u.size(); ++i)
+    apart = std::max(apart, (toVec3(moved.u[i]) - toVec3(all.u[i])).norm());
+  std::printf("looked at what moved and at all: %.1e m apart\n", apart);
+  CHECK(apart < 1e-7);
 }
 
 TEST_CASE("Two confined blocks that are pressed together are one twice as high", "[simulation][skin_contact][whole]") {
