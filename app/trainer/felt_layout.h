@@ -17,7 +17,7 @@ struct TaskMaking {
   std::function<void(double)> progress{};         // of feeling the lumps, 0 .. 1; may throw to end it
 };
 
-/// Layouts of a seed that are tried: of the assets' levels three in four can be felt, so a millionth of seeds has none.
+/// Layouts of a seed that are tried: at the third level one in eighteen can't be felt, at the others none was.
 inline constexpr int most_layouts = 12;
 
 /// The scene's body, whose lumps can be felt. Where they lie at random and the scene does not name a layout, the first

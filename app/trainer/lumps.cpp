@@ -16,23 +16,51 @@ namespace {
 constexpr double press_speed = 0.03;  // m/s
 constexpr double start_gap = 0.002;   // m
 constexpr double slope_begin = 0.6;   // of the working depth: from here on the slope is taken
+constexpr double hold_seconds = 0.3;  // s, at each of the two depths; of the force's swinging a twentieth is left then,
+constexpr double mean_seconds = 0.1;  // s, and of that the mean is taken
+
+/// A tool that is pressed in along the skin's normal.
+class Press {
+ public:
+  Press(const Model& model, const SkinSurface::Place& place)
+      : model_(model), place_(place), workspace_(model, std::max(1, model.scene.threads)), state_(initialState(model)) {
+    command_.tool_target.orientation = Quat::FromTwoVectors(Vec3::UnitZ(), place.normal);
+    state_.tool_pose = command_.tool_target;
+    state_.tool_pose.position = place.point + start_gap * place.normal;
+  }
+
+  /// N, as the tissue bears it in rest: neither its mass nor what a scene adds for longer steps has a share in it.
+  double holdAt(double depth) {
+    const double from = depth_;
+    const int way = ticksOf((depth - from) / press_speed), ticks = way + ticksOf(hold_seconds),
+              last = ticksOf(mean_seconds);
+    double sum = 0;
+    for (int k = 1; k <= ticks; ++k) {
+      depth_ = from + (depth - from) * std::min(1.0, static_cast<double>(k) / way);
+      command_.tool_target.position = place_.point - depth_ * place_.normal;
+      const double force = tick(model_, state_, command_, workspace_).tool_force.norm();
+      if (k > ticks - last) sum += force;
+    }
+    return sum / last;
+  }
+
+ private:
+  int ticksOf(double seconds) const {
+    return std::max(1, static_cast<int>(std::lround(seconds * model_.scene.rate_hz)));
+  }
+
+  const Model& model_;
+  const SkinSurface::Place& place_;
+  Workspace workspace_;
+  State state_;
+  Command command_;
+  double depth_ = -start_gap;  // m
+};
 
 /// Slope of force over depth, N/m, of a press along the skin's normal.
 double pressSlope(const Model& model, const SkinSurface::Place& place, double depth) {
-  Workspace workspace(model, std::max(1, model.scene.threads));
-  State state = initialState(model);
-  Command command;
-  command.tool_target.orientation = Quat::FromTwoVectors(Vec3::UnitZ(), place.normal);
-  state.tool_pose = command.tool_target;
-  state.tool_pose.position = place.point + start_gap * place.normal;
-  double first = 0, last = 0;
-  const int ticks = static_cast<int>(std::lround((depth + start_gap) / press_speed * model.scene.rate_hz));
-  for (int k = 1; k <= ticks; ++k) {
-    const double d = (depth + start_gap) * k / ticks - start_gap;
-    command.tool_target.position = place.point - d * place.normal;
-    last = tick(model, state, command, workspace).tool_force.norm();
-    if (d <= slope_begin * depth) first = last;
-  }
+  Press press(model, place);
+  const double first = press.holdAt(slope_begin * depth), last = press.holdAt(depth);
   return (last - first) / ((1 - slope_begin) * depth);
 }
 
