@@ -145,14 +145,16 @@ void drawBar(const Theme& theme, const PanelData& data, const Rect& place, Panel
       figures.push_back(figures.back() + format("   real time x%.3f", status.recent_realtime_factor));
     if (data.frames_per_second > 0 && state.engineer)
       figures.push_back(figures.back() + format("   %.0f fps", data.frames_per_second));
-    const float help_width = 64 * s, engineer_width = narrow ? 0 : 92 * s;
+    const float help_width = 64 * s, box_width = 92 * s;
+    const bool has_box = x + box_width + help_width <= place.width;  // else in the File menu
+    const float engineer_width = has_box ? box_width : 0;
     const float right = place.width - help_width - engineer_width - 10 * s;
     const std::string& shown = lastThatFits(figures, right - 12 * s - x);
     at(right - 12 * s - ImGui::CalcTextSize(shown.c_str()).x, text_y);
     ImGui::PushStyleColor(ImGuiCol_Text, slow ? colours::warning : colours::text);
     ImGui::TextUnformatted(shown.c_str());
     ImGui::PopStyleColor();
-    if (!narrow) {  // else in the File menu
+    if (has_box) {
       at(right, button_y);
       ImGui::Checkbox("Engineer", &state.engineer);
       if (ImGui::IsItemHovered())
