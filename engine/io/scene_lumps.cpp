@@ -20,8 +20,8 @@ constexpr double apart = 0.010;              // m, between two lumps: they are f
 constexpr double facing = 0.4;               // cosine between skin and tool, where the tool still gets to the skin
 constexpr int most_draws = 4000;
 
-// 16 to 20 mm, 12 to 16 mm, 10 to 12 mm across. Under the fingertips of the assets (6 and 8 mm) they are felt 1.4 to 2.1,
-// 1.3 to 1.7 and 1.2 to 1.4 times as stiff as the tissue beside them (palpate --check-lumps).
+// 16 to 20 mm, 12 to 16 mm, 10 to 12 mm across. Under the fingertips of the assets (6 and 8 mm) they are felt 1.4 to
+// 2.1, 1.3 to 1.7 and 1.2 to 1.4 times as stiff as the tissue beside them (palpate --check-lumps).
 constexpr std::array<LumpLevel, 3> levels{{{0.008, 0.010, 0.003, 0.005, 40e3, 50e3},
                                            {0.006, 0.008, 0.003, 0.0045, 40e3, 50e3},
                                            {0.005, 0.006, 0.0025, 0.003, 45e3, 50e3}}};
