@@ -16,7 +16,7 @@ namespace {
 constexpr double press_speed = 0.03;  // m/s
 constexpr double start_gap = 0.002;   // m
 constexpr double slope_begin = 0.6;   // of the working depth: from here on the slope is taken
-constexpr double hold_seconds = 0.3;  // s, at each of the two depths; of the force's swinging a twentieth is left then,
+constexpr double hold_seconds = 0.3;  // s, at each of the two depths; with 20 1/s a twentieth of the swinging is left,
 constexpr double mean_seconds = 0.1;  // s, and of that the mean is taken
 
 /// A tool that is pressed in along the skin's normal.

@@ -26,8 +26,9 @@ struct LumpFeel {
   double above_N_per_m = 0, beside_N_per_m = 0;
   double ratio() const { return beside_N_per_m > 0 ? above_N_per_m / beside_N_per_m : 0; }
 };
-/// Ratio from which a finger tells stiffnesses apart: 23 % in half of the trials (Jones and Hunter, Exp. Brain Res. 79,
-/// 1990).
+
+/// Ratio from which a lump is taken for felt. Told apart are stiffnesses that differ by 15 % (fingers on rubber:
+/// Bergmann Tiest and Kappers, IEEE Trans. Haptics 2, 2009) to 23 % (arms: Jones and Hunter, Exp. Brain Res. 79, 1990).
 inline constexpr double least_feel = 1.25;
 
 /// A task's model, and, where its cloud follows the tool, the one for a tool near a point of the skin.
