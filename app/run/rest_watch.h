@@ -44,6 +44,7 @@ class RestWatch {
   void forgetFirst() { has_first_ = false; }
 
   bool rested() const { return std::max(still_time_, near_time_) >= hold_s_; }
+  double hold() const { return hold_s_; }           // s, so long it is still then
   double seconds() const { return rest_time_; }     // s since begin()
   double speed() const { return speed_; }           // m/s, of the fastest node in the last tick
   double restSpeed() const { return rest_speed_; }  // m/s

@@ -131,6 +131,7 @@ void RoughMotion::watch(const State& state, const StepReport& last) {
   if (leg_ < leg_count_ || stillLifts(last) || !rest_.update(state, last)) return;
   cycle_.rest_speed = rest_.speed();
   cycle_.rested = rest_.rested();
+  cycle_.still_s = rest_.rested() ? rest_.hold() : 0;
   cycle_.rest_s = rest_.seconds();
   cycle_.drift_m = rest_.driftOf(state);
   cycle_.end_tick = state.tick;

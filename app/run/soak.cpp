@@ -49,6 +49,9 @@ Soak::Soak(const Model& model, const Places* places, double minutes, bool rough,
 void Soak::takeCycles() {
   for (SoakCycle cycle; hand_->cycles().pop(cycle);) {
     addCycle(report_, cycle);
+    const double before_end = static_cast<double>(cycle.end_tick - looked_at_) / rate_hz_;
+    if (before_end >= 0 && before_end < cycle.still_s)
+      report_.crossings_at_rest = std::max(report_.crossings_at_rest, seen_);
     if (!cycle.rested) std::cout << unrestedLine(cycle) << std::endl;
   }
 }
@@ -57,7 +60,9 @@ void Soak::takeCycles() {
 void Soak::lookAtSkin(const Snapshot& snapshot) {
   if (snapshot.contact_count > 0 || secondsSince(last_look_) < crossings_seconds) return;
   if (snapshot.place) skin_.goOnWith(snapshot.place->model.skin);  // which the snapshot keeps
-  report_.crossings = std::max(report_.crossings, skin_.count(snapshot.u.data()));
+  seen_ = skin_.count(snapshot.u.data());
+  looked_at_ = snapshot.tick;
+  report_.crossings = std::max(report_.crossings, seen_);
   last_look_ = SteadyClock::now();
 }
 

@@ -49,6 +49,8 @@ class Soak {
   SkinCrossings skin_;
   SoakReport report_;
   double rate_hz_;
+  std::int64_t looked_at_ = -1;  // tick of the last look at the skin,
+  int seen_ = 0;                 // and how often it crossed itself
   std::vector<SoakThread> warm_threads_;
   SteadyClock::time_point begin_ = SteadyClock::now(), last_report_ = begin_, last_counters_ = begin_,
                           last_look_ = begin_;

@@ -29,6 +29,7 @@ struct SoakCycle {
   std::uint32_t flags = 0;      // StepFlag
   std::int64_t not_finite = 0;  // ticks with a number that was not finite
   bool rested = false;          // came to rest before longest_rest_s
+  double still_s = 0;           // it was still for so long before end_tick
   double rest_s = 0;            // from the tool's lift-off to rest
   double rest_speed = 0;        // m/s, of the fastest node in the last tick
   double drift_m = 0;           // largest |u - u after the first cycle| of a node

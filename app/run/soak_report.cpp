@@ -89,6 +89,8 @@ std::vector<std::string> brokenPromises(const SoakReport& r) {
     addExcess("slid away", r.restores.slid, RoughLimits::slid, r.ticks, broken);
     if (r.crossings > RoughLimits::crossings)
       broken.push_back(format("the skin crosses itself at %d places (limit %d)", r.crossings, RoughLimits::crossings));
+    if (r.crossings_at_rest > RoughLimits::crossings_at_rest)
+      broken.push_back(format("at rest the skin crosses itself at %d places", r.crossings_at_rest));
   }
   if (r.memoryGrowth() > r.memory_play)
     broken.push_back(format("memory grew by %.0f kB after the warm-up", kB(r.memoryGrowth())));
@@ -169,6 +171,7 @@ std::string toJson(const SoakReport& r) {
         {"caught", r.restores.caught},
         {"slid", r.restores.slid}}},
       {"skin_crossings", r.crossings},
+      {"skin_crossings_at_rest", r.crossings_at_rest},
       {"not_finite_ticks", r.not_finite},
       {"largest_yield_m", r.largest_yield_m},
       {"frozen", r.frozen},
@@ -192,9 +195,11 @@ std::string toText(const SoakReport& r) {
   text += format("%s hand, seed %u: %d freezes, %lld times restored, %lld ticks not finite; it yielded by %.1f mm\n",
                  r.rough ? "rough" : "careful", r.seed, r.frozen ? 1 : 0, asLongLong(r.restored),
                  asLongLong(r.not_finite), 1e3 * r.largest_yield_m);
-  text += format("put back: %lld lost, %lld folded, %lld caught, %lld slid; skin crosses itself at %d places at most\n",
-                 asLongLong(r.restores.lost), asLongLong(r.restores.folded), asLongLong(r.restores.caught),
-                 asLongLong(r.restores.slid), r.crossings);
+  text += format(
+      "put back: %lld lost, %lld folded, %lld caught, %lld slid; skin crosses itself at %d places at most, "
+      "at rest at %d\n",
+      asLongLong(r.restores.lost), asLongLong(r.restores.folded), asLongLong(r.restores.caught),
+      asLongLong(r.restores.slid), r.crossings, r.crossings_at_rest);
   std::string flags;
   for (const std::string& name : flagNames(r.flags)) flags += " " + name;
   text += format("peak force %.3f N, min J %.3f, flags:", r.peak_force_N, static_cast<double>(r.min_J)) +

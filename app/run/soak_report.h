@@ -51,9 +51,10 @@ struct SoakReport {
   bool rough = false;       // a rough hand: restores are bounded (RoughLimits); a careful one needs none
   unsigned seed = 1;
   bool frozen = false;
-  std::int64_t restored = 0;    // times that the tissue was lost and went back to an earlier state
-  Restores restores;            // the same by cause; known at the end
-  int crossings = 0;            // of the skin with itself while no tool touched it (SkinCrossings), the most at a time
+  std::int64_t restored = 0;  // times that the tissue was lost and went back to an earlier state
+  Restores restores;          // the same by cause; known at the end
+  // Of the skin with itself (SkinCrossings), the most at a time: while no tool touched it, and of that at rest.
+  int crossings = 0, crossings_at_rest = 0;
   std::int64_t not_finite = 0;  // ticks with a number that was not finite
   double largest_yield_m = 0;   // that the tool stayed behind the hand; known at the end
 
@@ -74,7 +75,7 @@ struct SoakReport {
 /// they come by chance), and places where its skin crosses itself.
 struct RoughLimits {
   static constexpr double lost = 50, folded = 150, caught = 250, slid = 20;
-  static constexpr int crossings = 1200;
+  static constexpr int crossings = 1200, crossings_at_rest = 0;
 };
 
 /// Takes a cycle into the sums.

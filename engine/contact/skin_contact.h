@@ -103,10 +103,16 @@ struct SkinContactScratch {
     std::uint32_t look = 0;      // at which the radius was found
     std::uint32_t directed = 0;  // at which the axis was
     double radius = 0;           // m, around its centre
+    Vec3 coming = Vec3::Zero();  // m, that its centre will move in a tick if it goes on as now,
+    double uneven = 0;           // m, and by which its vertices will move otherwise at most
     Vec3 axis = Vec3::Zero();    // unit, mean of its faces' normals
     double spread = 0;           // rad, of the normals around it
   };
-  std::vector<Cluster> cluster;           // (cluster_count) of the skin
+  std::vector<Cluster> cluster;  // (cluster_count) of the skin
+  // Vertices of clusters, 16 to a block: x, y, z from the cluster's centre, m, then of the normal. Filled up with what is
+  // far away.
+  std::vector<int> block_begin;  // (cluster_count + 1)
+  std::vector<std::array<std::array<float, 16>, 6>> block;
   std::vector<int> nearest;               // (vertex_count) vertex that each may touch; -1: none
   std::vector<double> nearest_distance2;  // (vertex_count) m^2
   std::vector<std::uint8_t> due;          // (region_count) it is looked at
@@ -125,9 +131,11 @@ struct SkinContact {
 
 /// Before a tick's steps: the pairs that may touch. Those regions of the skin are looked at that have moved so far that
 /// others may be near; calm tissue pays nothing.
+/// @param du     (node_count) m, that the nodes moved in the last step
+/// @param steps  of a tick
 /// Real-time: no allocation, no lock, no throw.
-void findSkinPairs(const SkinBodies& bodies, const SkinModel& skin, const Float4* u, SkinContactState& state,
-                   SkinContactScratch& scratch);
+void findSkinPairs(const SkinBodies& bodies, const SkinModel& skin, const Float4* u, const Float4* du, int steps,
+                   SkinContactState& state, SkinContactScratch& scratch);
 
 /// Nothing touches, and nothing may in the coming tick: findSkinPairs would find none.
 bool areCalm(const SkinBodies& bodies, const SkinContactState& state);

@@ -38,6 +38,11 @@ constexpr double most_stretch = 2;
 /// m, within which what rests takes part: forces on its neighbours may push it to the other skin.
 constexpr double least_way = 1e-4;
 
+/// m, from which on vertices are listed where they came nearer by so much in the last tick.
+double reachOf(const SkinBodies& bodies, double come) {
+  return std::max(followed_from * bodies.spacing, comingOf(come) + least_way);
+}
+
 /// Faces that meet at less than this are of one smooth skin (cosine).
 constexpr double smooth_cosine = 0.7;
 
@@ -63,8 +68,9 @@ struct Stand {
 /// One look at the skins as they are.
 class Look {
  public:
-  Look(const SkinBodies& bodies, const SkinModel& skin, const Float4* u, SkinContactScratch& scratch)
-      : bodies_(bodies), skin_(skin), u_(u), scratch_(scratch) {
+  Look(const SkinBodies& bodies, const SkinModel& skin, const Float4* u, const Float4* du, int steps,
+       SkinContactScratch& scratch)
+      : bodies_(bodies), skin_(skin), u_(u), du_(du), steps_(steps), scratch_(scratch) {
     if (++scratch_.look == 0) {  // once in 2^32 looks
       std::fill(scratch_.known.begin(), scratch_.known.end(), 0U);
       std::fill(scratch_.directed.begin(), scratch_.directed.end(), 0U);
@@ -81,6 +87,9 @@ class Look {
     }
     return scratch_.position[v];
   }
+
+  /// m, that it will move in a tick if it goes on as now.
+  Vec3 comingAt(int v) const { return steps_ * interpolateAtVertex(skin_, v, du_).head<3>().cast<double>(); }
 
   /// Of the faces around a vertex as they are.
   const Vec3& normalAt(int v) {
@@ -183,7 +192,8 @@ class Look {
 
   const SkinBodies& bodies_;
   const SkinModel& skin_;
-  const Float4* u_;
+  const Float4 *u_, *du_;
+  int steps_;
   SkinContactScratch& scratch_;
 };
 
@@ -199,21 +209,26 @@ bool touched(const SkinContactState& state, int k) {
 /// Or is so near that it may by now.
 bool touches(const SkinContactState& state, int k) { return state.clearance[k] <= 0 || touched(state, k); }
 
-/// m: how far a cluster's vertices are from its centre.
-double radiusOf(const SkinModel& skin, int c, Look& look, SkinContactScratch& scratch) {
+/// How far a cluster's vertices are from its centre, and how it moves.
+const SkinContactScratch::Cluster& measured(const SkinModel& skin, int c, Look& look, SkinContactScratch& scratch) {
   SkinContactScratch::Cluster& cluster = scratch.cluster[static_cast<std::size_t>(c)];
-  if (cluster.look == scratch.look) return cluster.radius;
+  if (cluster.look == scratch.look) return cluster;
   cluster.look = scratch.look;
-  double far2 = 0;
-  for (int k = skin.cluster_begin[c]; k < skin.cluster_begin[c + 1]; ++k)
+  cluster.coming = look.comingAt(skin.cluster_representative[c]);
+  double far2 = 0, uneven2 = 0;
+  for (int k = skin.cluster_begin[c]; k < skin.cluster_begin[c + 1]; ++k) {
     far2 = std::max(far2, (look.at(skin.cluster_vertex[k]) - cluster.centre).squaredNorm());
-  return cluster.radius = std::sqrt(far2);
+    uneven2 = std::max(uneven2, (look.comingAt(skin.cluster_vertex[k]) - cluster.coming).squaredNorm());
+  }
+  cluster.radius = std::sqrt(far2);
+  cluster.uneven = std::sqrt(uneven2);
+  return cluster;
 }
 
-/// With the ways that a cluster's faces look.
-const SkinContactScratch::Cluster& directed(const SkinBodies& bodies, int c, Look& look, SkinContactScratch& scratch) {
+/// With the ways that a cluster's faces look, and its vertices in blocks.
+void direct(const SkinBodies& bodies, const SkinModel& skin, int c, Look& look, SkinContactScratch& scratch) {
   SkinContactScratch::Cluster& cluster = scratch.cluster[static_cast<std::size_t>(c)];
-  if (cluster.directed == scratch.look) return cluster;
+  if (cluster.directed == scratch.look) return;
   cluster.directed = scratch.look;
   Vec3 sum = Vec3::Zero();
   const std::span<const int> faces(bodies.cluster_face.data() + bodies.cluster_face_begin[c],
@@ -223,42 +238,85 @@ const SkinContactScratch::Cluster& directed(const SkinBodies& bodies, int c, Loo
   double least = 1;
   for (const int t : faces) least = std::min(least, unit(look.areaOf(t)).dot(cluster.axis));
   cluster.spread = std::acos(std::clamp(least, -1.0, 1.0));
-  return cluster;
-}
-
-/// The nearest that each vertex of one cluster may touch in another.
-void findNearest(const SkinBodies& bodies, const SkinModel& skin, int a, int b, Look& look,
-                 SkinContactScratch& scratch) {
-  const SkinContactScratch::Cluster& other = scratch.cluster[static_cast<std::size_t>(b)];
-  const double turned = other.spread < std::numbers::pi / 2 ? std::sin(other.spread) : 1;
-  for (int k = skin.cluster_begin[a]; k < skin.cluster_begin[a + 1]; ++k) {
-    const int v = skin.cluster_vertex[k];
-    const Vec3 &x = look.at(v), &n = look.normalAt(v);
-    const double way = (x - other.centre).norm() - other.radius;
-    if (way > 0 && way * way > scratch.nearest_distance2[v]) continue;
-    if (n.dot(other.axis) > turned) continue;  // it looks at none of them
-    for (int l = skin.cluster_begin[b]; l < skin.cluster_begin[b + 1]; ++l) {
-      const int w = skin.cluster_vertex[l];
-      const Vec3 to = look.at(w) - x;
-      const double d2 = to.squaredNorm();
-      if (d2 > scratch.nearest_distance2[v] || (d2 == scratch.nearest_distance2[v] && w > scratch.nearest[v])) continue;
-      // They look at each other; within one body with no tissue between them.
-      const Vec3& m = look.normalAt(w);
-      if (n.dot(m) >= 0) continue;
-      if (bodies.body[v] == bodies.body[w] && (to.dot(n) <= 0 || to.dot(m) >= 0)) continue;
-      if (!mayTouch(bodies, skin, v, w)) continue;
-      scratch.nearest_distance2[v] = d2;
-      scratch.nearest[v] = w;
+  for (int k = skin.cluster_begin[c]; k < skin.cluster_begin[c + 1]; ++k) {
+    const int v = skin.cluster_vertex[k], place = k - skin.cluster_begin[c];
+    const Vec3f from_centre = (look.at(v) - cluster.centre).cast<float>(), normal = look.normalAt(v).cast<float>();
+    auto& block = scratch.block[scratch.block_begin[c] + place / 16];
+    for (std::size_t d = 0; d < 3; ++d) {
+      block[d][static_cast<std::size_t>(place % 16)] = from_centre[static_cast<int>(d)];
+      block[3 + d][static_cast<std::size_t>(place % 16)] = normal[static_cast<int>(d)];
     }
   }
 }
 
-/// The nearest vertex that each may touch, no further than `apart` (m); -1: none.
+/// Takes w for the nearest that v may touch if it is.
+/// @param apart2  m^2: not further
+void offer(const SkinBodies& bodies, const SkinModel& skin, int v, int w, double apart2, Look& look,
+           SkinContactScratch& scratch) {
+  const Vec3 to = look.at(w) - look.at(v);
+  const double d2 = to.squaredNorm(), least = scratch.nearest_distance2[v];
+  if (d2 > apart2 || d2 > least || (d2 == least && w > scratch.nearest[v])) return;
+  // They look at each other; within one body with no tissue between them.
+  const Vec3 &n = look.normalAt(v), &m = look.normalAt(w);
+  if (n.dot(m) >= 0) return;
+  if (bodies.body[v] == bodies.body[w] && (to.dot(n) <= 0 || to.dot(m) >= 0)) return;
+  if (!mayTouch(bodies, skin, v, w)) return;
+  scratch.nearest_distance2[v] = d2;
+  scratch.nearest[v] = w;
+}
+
+/// The nearest that each vertex of one cluster may touch in another, no further than `apart` (m).
+void findNearest(const SkinBodies& bodies, const SkinModel& skin, int a, int b, double apart, Look& look,
+                 SkinContactScratch& scratch) {
+  constexpr float rounding = 1e-5F;  // of squared lengths and of cosines, that is left to `offer`
+  const SkinContactScratch::Cluster& other = scratch.cluster[static_cast<std::size_t>(b)];
+  const double turned = other.spread < std::numbers::pi / 2 ? std::sin(other.spread) : 1;
+  const bool of_one = areOfOne(bodies, a, b);
+  const float between = of_one ? 0 : std::numeric_limits<float>::infinity();
+  for (int k = skin.cluster_begin[a]; k < skin.cluster_begin[a + 1]; ++k) {
+    const int v = skin.cluster_vertex[k];
+    const double limit2 = std::min(apart * apart, scratch.nearest_distance2[v]);
+    const Vec3 to = other.centre - look.at(v);
+    const double way = to.norm() - other.radius;
+    if (limit2 < 0 || (way > 0 && way * way > limit2)) continue;
+    // It looks at none of them, or there is tissue between.
+    const Vec3& n = look.normalAt(v);
+    if (n.dot(other.axis) > turned || (of_one && n.dot(to) + other.radius <= 0)) continue;
+    const Vec3f x = to.cast<float>(), m = n.cast<float>();
+    const float far2 = (1 + rounding) * static_cast<float>(limit2), aside = rounding * std::sqrt(far2) + between;
+    for (int t = scratch.block_begin[b]; t < scratch.block_begin[b + 1]; ++t) {
+      const auto& [X, Y, Z, U, V, W] = scratch.block[t];
+      std::array<std::uint8_t, 16> near;
+      unsigned any = 0;
+      for (std::size_t l = 0; l < 16; ++l) {
+        const float dx = x[0] + X[l], dy = x[1] + Y[l], dz = x[2] + Z[l];
+        near[l] = (dx * dx + dy * dy + dz * dz <= far2) & (m[0] * U[l] + m[1] * V[l] + m[2] * W[l] <= rounding) &
+                  (dx * m[0] + dy * m[1] + dz * m[2] >= -aside) & (dx * U[l] + dy * V[l] + dz * W[l] <= aside);
+        any |= near[l];
+      }
+      if (any == 0) continue;
+      const int first = skin.cluster_begin[b] + 16 * (t - scratch.block_begin[b]);
+      for (std::size_t l = 0; l < 16; ++l)
+        if (near[l] != 0)
+          offer(bodies, skin, v, skin.cluster_vertex[first + static_cast<int>(l)], apart * apart, look, scratch);
+    }
+  }
+}
+
+/// The nearest vertex that each may touch, no further than `apart` (m); -1: none. Not for those that touch: they are
+/// followed from face to face.
 /// @param moved  m: no two places are further from where they were to each other
 void findNearest(const SkinBodies& bodies, const SkinModel& skin, double apart, double moved, Look& look,
-                 SkinContactScratch& scratch) {
+                 const SkinContactState& state, SkinContactScratch& scratch) {
   std::fill(scratch.nearest.begin(), scratch.nearest.end(), -1);
   std::fill(scratch.nearest_distance2.begin(), scratch.nearest_distance2.end(), apart * apart);
+  for (int k = 0; k < state.count; ++k) {
+    const int v = state.vertex[k];
+    if (touches(state, k))
+      scratch.nearest_distance2[v] = -1;
+    else  // what was near a vertex mostly still is, and whatever is further need not be looked at
+      for (const int w : look.corners(state.face[k])) offer(bodies, skin, v, w, apart * apart, look, scratch);
+  }
   for (int c = 0; c < skin.clusterCount(); ++c) {
     SkinContactScratch::Cluster& cluster = scratch.cluster[static_cast<std::size_t>(c)];
     cluster.centre = look.at(skin.cluster_representative[c]);
@@ -272,16 +330,19 @@ void findNearest(const SkinBodies& bodies, const SkinModel& skin, double apart, 
     return areNear(clusters[a].centre, clusters[b].centre, clusters[a].reach + clusters[b].reach);
   };
   const auto compare = [&](int a, int b) {
-    if (!areNear(clusters[a].centre, clusters[b].centre,
-                 radiusOf(skin, a, look, scratch) + radiusOf(skin, b, look, scratch)))
-      return;
+    const SkinContactScratch::Cluster &one = measured(skin, a, look, scratch),
+                                      &other = measured(skin, b, look, scratch);
+    // What moves with the other comes no nearer.
+    const double come = (one.coming - other.coming).norm() + one.uneven + other.uneven;
+    const double near = std::min(apart, reachOf(bodies, come) + bodies.longest_edge);
+    if ((one.centre - other.centre).norm() > near + one.radius + other.radius) return;
     // No two of their faces look at each other.
-    const SkinContactScratch::Cluster &one = directed(bodies, a, look, scratch),
-                                      &other = directed(bodies, b, look, scratch);
+    direct(bodies, skin, a, look, scratch);
+    direct(bodies, skin, b, look, scratch);
     const double turned = one.spread + other.spread;
     if (turned < std::numbers::pi / 2 && one.axis.dot(other.axis) > std::sin(turned)) return;
-    findNearest(bodies, skin, a, b, look, scratch);
-    if (a != b) findNearest(bodies, skin, b, a, look, scratch);
+    findNearest(bodies, skin, a, b, near, look, scratch);
+    if (a != b) findNearest(bodies, skin, b, a, near, look, scratch);
   };
   const auto isDue = [&](int cluster) { return scratch.due[bodies.region[skin.cluster_representative[cluster]]] != 0; };
   for (const auto& [a, b] : bodies.across_gaps)
@@ -319,8 +380,8 @@ void findNearest(const SkinBodies& bodies, const SkinModel& skin, double apart, 
     for (int s = r; s < skin.regionCount(); ++s) {
       if (scratch.due[r] == 0 && scratch.due[s] == 0) continue;
       if (calm && bodyOf(r) >= 0 && bodyOf(r) == bodyOf(s)) continue;
-      if (s < known && !areNear(centreOf(r), centreOf(s),
-                                radius[static_cast<std::size_t>(r)] + radius[static_cast<std::size_t>(s)]))
+      if (s < known &&
+          !areNear(centreOf(r), centreOf(s), radius[static_cast<std::size_t>(r)] + radius[static_cast<std::size_t>(s)]))
         continue;
       for (int a = skin.region_begin[r]; a < skin.region_begin[r + 1]; ++a)
         for (int b = std::max(a, skin.region_begin[s]); b < skin.region_begin[s + 1]; ++b)
@@ -341,7 +402,7 @@ bool mayEnter(const SkinBodies& bodies, int v, const Stand& stand, double reach,
 void search(const SkinBodies& bodies, const SkinModel& skin, double reach, double moved, Look& look,
             SkinContactState& state, SkinContactScratch& scratch) {
   // How far a body's vertices are from one that is before the middle of its largest face.
-  findNearest(bodies, skin, reach + bodies.longest_edge, moved, look, scratch);
+  findNearest(bodies, skin, reach + bodies.longest_edge, moved, look, state, scratch);
   for (int k = 0; k < state.count; ++k)
     scratch.old_touches[k] = state.clearance[k] == inside ? 2 : touches(state, k) ? 1 : 0;
   std::swap(state.vertex, scratch.old_vertex);
@@ -525,6 +586,12 @@ SkinContactScratch::SkinContactScratch(const SkinBodies& bodies, const SkinModel
   old_touches.resize(capacity);
   old_clearance.resize(capacity);
   due.resize(bodies.body.empty() ? 0 : static_cast<std::size_t>(skin.regionCount()));
+  block_begin.push_back(0);
+  for (std::size_t c = 0; c < cluster.size(); ++c)
+    block_begin.push_back(block_begin[c] + (skin.cluster_begin[c + 1] - skin.cluster_begin[c] + 15) / 16);
+  std::array<std::array<float, 16>, 6> far_away{};
+  far_away[0].fill(1e9F);
+  block.assign(static_cast<std::size_t>(block_begin.back()), far_away);
   const std::size_t rows = std::min(capacity, most_pairs), longest = 4 * longestRow(skin);
   row.resize(rows);
   active.resize(rows);
@@ -570,13 +637,12 @@ bool areCalm(const SkinBodies& bodies, const SkinContactState& state) {
   return true;
 }
 
-void findSkinPairs(const SkinBodies& bodies, const SkinModel& skin, const Float4* u, SkinContactState& state,
-                   SkinContactScratch& scratch) {
+void findSkinPairs(const SkinBodies& bodies, const SkinModel& skin, const Float4* u, const Float4* du, int steps,
+                   SkinContactState& state, SkinContactScratch& scratch) {
   scratch.row_count = 0;
   scratch.overflow = false;
   if (bodies.body.empty()) return;
-  const double come = 2 * state.travel, way = comingOf(come) + least_way;
-  const double reach = std::max(followed_from * bodies.spacing, way);
+  const double come = 2 * state.travel, reach = reachOf(bodies, come);
   if (staysCalm(bodies, state)) {
     state.since_calm += come;
   } else {
@@ -585,9 +651,8 @@ void findSkinPairs(const SkinBodies& bodies, const SkinModel& skin, const Float4
     if (!state.calm) {
       bool any = false;
       for (std::size_t r = 0; r < state.moved.size(); ++r) any |= (scratch.due[r] = isDue(bodies, state, r)) != 0;
-      for (int k = 0; k < state.count; ++k)
-        state.clearance[k] -= static_cast<float>(movedOf(bodies, skin, state, k));
-      Look look(bodies, skin, u, scratch);
+      for (int k = 0; k < state.count; ++k) state.clearance[k] -= static_cast<float>(movedOf(bodies, skin, state, k));
+      Look look(bodies, skin, u, du, steps, scratch);
       if (any) search(bodies, skin, reach, moved, look, state, scratch);
       makeRows(bodies, skin, look, state, scratch);
       for (std::size_t r = 0; r < state.moved.size(); ++r)

@@ -22,7 +22,7 @@ ToolDistance distanceToAxis(const ToolProfile& p, const Vec3& x) {
 
 /// The core is a polygon.
 ToolDistance distanceToPolygon(const ToolProfile& p, const Vec3& x) {
-  const double r = std::hypot(x.x(), x.y());
+  const double r = std::sqrt(x.x() * x.x() + x.y() * x.y());
   if (!std::isfinite(r + x.z())) return {std::numeric_limits<double>::quiet_NaN(), -Vec3::UnitZ()};
   double nearest = infinity, highest = -infinity;  // squared distance to a side; height over a side's line
   MeridianPoint away, up;                          // from the nearest point of a side; normal of the highest line

@@ -104,7 +104,7 @@ void BatchBody::contact(double alpha, double time, Report& report) {
   }
   tools_.solve(alpha, inverse_mass_float_.data(), u_float_.data(), du_float_.data(), report.loads);
   report.tool_force = report.loads[0].force;
-  findSkinPairs(model_.bodies, model_.skin, u_float_.data(), skins_, skins_scratch_);
+  findSkinPairs(model_.bodies, model_.skin, u_float_.data(), du_before_.data(), 1, skins_, skins_scratch_);
   report.skins = solveSkinContact(model_.skin, alpha, inverse_mass_float_.data(), u_float_.data(), du_float_.data(),
                                   skins_, skins_scratch_);
   if (model_.bodies.several())

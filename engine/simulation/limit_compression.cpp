@@ -70,7 +70,7 @@ float CompressionLimit::findWays(const AlignedVector<Float4>& du) {
   return furthest;
 }
 
-bool CompressionLimit::isWatched(const Model& model, const KernelScratch& kernel, std::size_t place,
+bool CompressionLimit::isWatched(const Model& model, const KernelScratch& kernel, std::size_t place, double furthest,
                                  const State& state) const {
   const int row = model.kernel.point[place];
   if (row < 0) return false;
@@ -79,7 +79,8 @@ bool CompressionLimit::isWatched(const Model& model, const KernelScratch& kernel
   const ShapeTable& shape = model.point_shape;
   const float flatness = kernel.cof2[place] / (J * J);  // |F^-1|^2, 3 at rest
   const float far_enough = static_cast<float>(far * far) / flatness;
-  if (std::none_of(shape.node.begin() + shape.begin[row], shape.node.begin() + shape.begin[row + 1],
+  if (furthest <= static_cast<double>(far_enough) ||
+      std::none_of(shape.node.begin() + shape.begin[row], shape.node.begin() + shape.begin[row + 1],
                    [&](int i) { return way2_[i] > far_enough; }))
     return false;
   // J(F + dF) / J = det(I + F^-1 dF) is above 3/4 where |F^-1|^2 |dF|^2 is below 1/40.
@@ -98,7 +99,7 @@ void CompressionLimit::apply(const Model& model, const KernelScratch& kernel, co
   shareOut(team, parts, [&](int part) {
     const std::size_t places = watched_.size(), end = places * static_cast<std::size_t>(part + 1) / parts;
     for (std::size_t p = places * static_cast<std::size_t>(part) / parts; p < end; ++p)
-      watched_[p] = isWatched(model, kernel, p, state) ? 1 : 0;
+      watched_[p] = isWatched(model, kernel, p, furthest, state) ? 1 : 0;
   });
   const ShapeTable& shape = model.point_shape;
   std::size_t count = 0;

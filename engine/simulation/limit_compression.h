@@ -45,7 +45,8 @@ class CompressionLimit {
     int row = 0;         // of Model::point_shape
   };
   float findWays(const AlignedVector<Float4>& du);
-  bool isWatched(const Model& model, const KernelScratch& kernel, std::size_t place, const State& state) const;
+  bool isWatched(const Model& model, const KernelScratch& kernel, std::size_t place, double furthest,
+                 const State& state) const;
 
   std::vector<float> steepest2_;       // (node_count) 1/m^2, largest |gradN_i|^2
   std::vector<float> way2_;            // (node_count) |du_i|^2 |gradN_i|^2 of this step

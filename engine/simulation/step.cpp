@@ -91,7 +91,8 @@ StepReport tick(const Model& model, State& state, const Command& command, Worksp
                            state.u_low.data(), workspace.boundary);
   });
   for (int b = 0; b < bodies; ++b) forBody(b, findFaceSamples);
-  findSkinPairs(model.bodies, model.skin, state.u.data(), state.skins, workspace.skins);
+  findSkinPairs(model.bodies, model.skin, state.u.data(), state.du.data(), model.substeps_per_tick, state.skins,
+                workspace.skins);
   StepReport total;
   for (int k = 1; k <= model.substeps_per_tick; ++k) {
     const ToolPostures wanted = ways.next(state, model.substeps_per_tick - k + 1);

@@ -14,7 +14,7 @@ constexpr Parameter parameters[] = {
 /// Distance to the cylinder of radius R - e and ends drawn in by e, less e.
 ToolDistance distance(const ToolProfile& p, const Vec3& x) {
   const double e = p.rounding;
-  const double r = std::hypot(x.x(), x.y());
+  const double r = std::sqrt(x.x() * x.x() + x.y() * x.y());
   const double half = 0.5 * p.length;
   // In the plane through the axis: how far beyond the core's wall (a) and end (b).
   const double a = r - p.corner[1].r;
@@ -22,7 +22,7 @@ ToolDistance distance(const ToolProfile& p, const Vec3& x) {
   const Vec3 outward = r > 0.0 ? Vec3(x.x() / r, x.y() / r, 0.0) : Vec3::UnitX();
   const Vec3 endward = x.z() < half ? Vec3(-Vec3::UnitZ()) : Vec3(Vec3::UnitZ());
   if (a > 0.0 && b > 0.0) {
-    const double length = std::hypot(a, b);
+    const double length = std::sqrt(a * a + b * b);
     return {length - e, (a * outward + b * endward) / length};
   }
   return b >= a ? ToolDistance{b - e, endward} : ToolDistance{a - e, outward};

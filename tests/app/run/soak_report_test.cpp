@@ -93,6 +93,9 @@ TEST_CASE("A rough hand may not put the tissue back more often than was measured
   CHECK(brokenPromises(report).empty());
   ++report.crossings;
   CHECK(brokenPromises(report).size() == 1);
+  report.crossings = report.crossings_at_rest = 1;
+  REQUIRE(brokenPromises(report).size() == 1);
+  CHECK(brokenPromises(report)[0] == "at rest the skin crosses itself at 1 places");
 }
 
 TEST_CASE("A soak's report has what was measured, as JSON and as text", "[soak_report]") {
