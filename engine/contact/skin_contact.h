@@ -109,7 +109,7 @@ struct SkinContactScratch {
     double spread = 0;           // rad, of the normals around it
   };
   std::vector<Cluster> cluster;  // (cluster_count) of the skin
-  // Vertices of clusters, 16 to a block: x, y, z from the cluster's centre, m, then of the normal. Filled up with what is
+  // Vertices of clusters, 16 to a block: x, y, z from the centre, m, then of the normal. Filled up with what is
   // far away.
   std::vector<int> block_begin;  // (cluster_count + 1)
   std::vector<std::array<std::array<float, 16>, 6>> block;

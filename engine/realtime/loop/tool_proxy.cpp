@@ -44,9 +44,14 @@ void ToolProxy::beGentle() {
   arrived_ticks_ = 0;
 }
 
-double ToolProxy::freedom(const Model& model, const StepReport& last) {
-  const double radius = model.scene.tool.radius;
-  return std::min({fade(last.step_share, YieldLimits::free_step_share, YieldLimits::step_share),
+double ToolProxy::freedom(const State& state, const StepReport& last) const {
+  const double radius = model_.scene.tool.radius;
+  float stretch = 1;
+  for (int b = 0; b < model_.tools.bodyCount(); ++b)
+    if (toolBody(model_, b).tool == tool_) stretch = std::max(stretch, contactOf(state, b).samples.largest_stretch);
+  return std::min({std::max(YieldLimits::least_of_stretched,
+                            fade(static_cast<double>(stretch), YieldLimits::free_stretch, YieldLimits::stretch)),
+                   fade(last.step_share, YieldLimits::free_step_share, YieldLimits::step_share),
                    fade(-static_cast<double>(last.min_J), -TrustLimits::min_J, -YieldLimits::min_J),
                    fade(last.max_penetration, TrustLimits::penetration * radius, YieldLimits::penetration * radius)});
 }
@@ -58,13 +63,12 @@ double ToolProxy::yieldAfter(const Pose& hand, const State& state, const StepRep
 }
 
 Pose ToolProxy::follow(const Pose& hand, const State& state, const StepReport& last) {
-  return followFrom(postureOf(state, 0), hand, last.tool_force, last);
+  return followFrom(state, hand, last.tool_force, last);
 }
 
 ToolPosture ToolProxy::follow(const ToolPosture& hand, const State& state, const StepReport& last) {
-  const ToolPosture from = postureOf(state, tool_);
   const ToolLoad& load = last.loads[static_cast<std::size_t>(tool_)];
-  return {followFrom(from, hand.pose, load.force, last), followOpening(hand.opening, state, last)};
+  return {followFrom(state, hand.pose, load.force, last), followOpening(hand.opening, state, last)};
 }
 
 double ToolProxy::followOpening(double wanted, const State& state, const StepReport& last) const {
@@ -73,14 +77,15 @@ double ToolProxy::followOpening(double wanted, const State& state, const StepRep
   const double reach = (pinch > 0 ? std::min(closing_speed, max_speed_) : max_speed_) / model_.scene.rate_hz;
   double change = std::clamp(wanted - opening, -reach, max_speed_ / model_.scene.rate_hz);
   if (change < 0 && pinch > 0) {
-    const double g = freedom(model_, last);
+    const double g = freedom(state, last);
     change *= g * g;
   }
   return opening + change;
 }
 
-Pose ToolProxy::followFrom(const ToolPosture& from, const Pose& hand, const Vec3& force, const StepReport& last) {
-  Pose pose = yieldFrom(from.pose, hand, force, last);
+Pose ToolProxy::followFrom(const State& state, const Pose& hand, const Vec3& force, const StepReport& last) {
+  const ToolPosture from = postureOf(state, tool_);
+  Pose pose = yieldFrom(from.pose, hand, force, force.isZero(0) ? 1 : freedom(state, last));
   if (support_.empty()) return pose;
   Vec3 move = pose.position - from.pose.position;
   const double reach = max_speed_ / model_.scene.rate_hz;
@@ -93,9 +98,9 @@ Pose ToolProxy::followFrom(const ToolPosture& from, const Pose& hand, const Vec3
   return pose;
 }
 
-Pose ToolProxy::yieldFrom(const Pose& from, const Pose& hand, const Vec3& force, const StepReport& last) {
+Pose ToolProxy::yieldFrom(const Pose& from, const Pose& hand, const Vec3& force, double g) {
   const bool touches = !force.isZero(0);
-  const double g = touches ? freedom(model_, last) : 1, share = g * g;
+  const double share = g * g;
   yield_ = 0;
   const Vec3 axis = from.orientation * Vec3::UnitZ();
   const Vec3 out = touches ? Vec3(force.normalized()) : axis;

@@ -13,6 +13,11 @@ struct YieldLimits {
   static constexpr double free_step_share = 1.2;  // up to here it does not count
   static constexpr double min_J = 0.1;            // from TrustLimits::min_J on
   static constexpr double penetration = 0.3;      // of the tool's radius, from TrustLimits::penetration on
+  // Of the skin's edges beside the tool: what is drawn out so far has torn. Laws that don't stiffen let a ball push a
+  // channel through the liver with 1 N, 90 mm long, and that closes over it. The deepest press that is trusted, three
+  // radii into the liver, stretches by 2.1. The advance becomes slower, g no less than the last of these, and does not
+  // end: a tool that skin holds from two sides would stay there.
+  static constexpr double free_stretch = 2.5, stretch = 3.5, least_of_stretched = 0.3;
   // Of sound in the softest tissue: a tool as fast as sound would crush what is before it, as the tissue behind knows
   // nothing of it yet (J = 1 - speed / sound, in one dimension).
   static constexpr double sound_share = 0.5;
@@ -79,11 +84,11 @@ class ToolProxy {
   double yieldAfter(const Pose& hand, const State& state, const StepReport& report) const;
 
   /// g above: 1 free, 0 no further.
-  static double freedom(const Model& model, const StepReport& last);
+  double freedom(const State& state, const StepReport& last) const;
 
  private:
-  Pose followFrom(const ToolPosture& from, const Pose& hand, const Vec3& force, const StepReport& last);
-  Pose yieldFrom(const Pose& from, const Pose& hand, const Vec3& force, const StepReport& last);
+  Pose followFrom(const State& state, const Pose& hand, const Vec3& force, const StepReport& last);
+  Pose yieldFrom(const Pose& from, const Pose& hand, const Vec3& force, double g);
 
   const Model& model_;
   int tool_;

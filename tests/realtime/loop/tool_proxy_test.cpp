@@ -52,20 +52,29 @@ TEST_CASE("Where nothing is doubted the tool is the hand, bit for bit", "[tool_p
 
 TEST_CASE("Each limit slows the advance and stops it; the gravest counts", "[tool_proxy]") {
   const Model model = toolModel();
+  const ToolProxy proxy(model);
+  State state;
   StepReport report;
-  CHECK(ToolProxy::freedom(model, report) == 1);
+  CHECK(proxy.freedom(state, report) == 1);
+  state.contact.samples.largest_stretch = YieldLimits::free_stretch;
+  CHECK(proxy.freedom(state, report) == 1);
+  state.contact.samples.largest_stretch = 0.5 * (YieldLimits::free_stretch + YieldLimits::stretch);
+  CHECK(proxy.freedom(state, report) == Approx(0.5));
+  state.contact.samples.largest_stretch = 2 * YieldLimits::stretch;
+  CHECK(proxy.freedom(state, report) == YieldLimits::least_of_stretched);
+  state.contact.samples.largest_stretch = 1;
   report.step_share = 0.5 * (YieldLimits::free_step_share + YieldLimits::step_share);
-  CHECK(ToolProxy::freedom(model, report) == Approx(0.5));
+  CHECK(proxy.freedom(state, report) == Approx(0.5));
   report.min_J = static_cast<float>(0.25 * TrustLimits::min_J + 0.75 * YieldLimits::min_J);
-  CHECK(ToolProxy::freedom(model, report) == Approx(0.25));
+  CHECK(proxy.freedom(state, report) == Approx(0.25));
   report.max_penetration = YieldLimits::penetration * model.scene.tool.radius;
-  CHECK(ToolProxy::freedom(model, report) == 0);
+  CHECK(proxy.freedom(state, report) == 0);
   report = {};
   report.min_J = -0.1F;
-  CHECK(ToolProxy::freedom(model, report) == 0);
+  CHECK(proxy.freedom(state, report) == 0);
   report = {};
   report.step_share = 10;
-  CHECK(ToolProxy::freedom(model, report) == 0);
+  CHECK(proxy.freedom(state, report) == 0);
 }
 
 TEST_CASE("A tool that yields is slowed where it goes deeper, and free sideways and backwards", "[tool_proxy]") {
