@@ -16,7 +16,7 @@ struct YieldLimits {
   // Of the skin's edges beside the tool: what is drawn out so far has torn. Laws that don't stiffen let a ball push a
   // channel through the liver with 1 N, 90 mm long, and that closes over it. The deepest press that is trusted, three
   // radii into the liver, stretches by 2.1. The advance becomes slower, g no less than the last of these, and does not
-  // end: a tool that skin holds from two sides would stay there.
+  // end: a tool that skin holds from two sides would stay there. Swept in engine/README.md.
   static constexpr double free_stretch = 2.5, stretch = 3.5, least_of_stretched = 0.3;
   // Of sound in the softest tissue: a tool as fast as sound would crush what is before it, as the tissue behind knows
   // nothing of it yet (J = 1 - speed / sound, in one dimension).
