@@ -82,7 +82,7 @@ TEST_CASE("A cone on a Winkler foundation", "[contact][cone][whole]") {
   CHECK((force - bed.springForce()).norm() < 1e-3 * force.z());
 }
 
-TEST_CASE("A cone moves as smoothly as the other tools, in, across and out", "[contact][cone]") {
+TEST_CASE("A cone moves as smoothly as the other tools, in, across and out", "[contact][cone][whole]") {
   const ToolShape tool = ToolShape::of(ToolKind::Cone, 0.01);
   for (const double friction : {0.0, 0.3}) {
     SpringBed bed(tissueLike());

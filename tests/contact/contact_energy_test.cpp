@@ -129,7 +129,7 @@ TEST_CASE("Contact creates no energy", "[contact][whole]") {
   }
 }
 
-TEST_CASE("Tissue that bounces on a resting tool loses energy, if any", "[contact]") {
+TEST_CASE("Tissue that bounces on a resting tool loses energy, if any", "[contact][whole]") {
   for (ToolKind kind : kKinds) {
     for (double stiffer : {0.01, 1.0, 1000.0}) {
       SpringBed bed = undampedBed(stiffer);

@@ -8,7 +8,7 @@ using namespace palpate;
 
 // The contact law, against closed forms.
 
-TEST_CASE("A plate on the whole bed: springs and contact layer in series", "[contact]") {
+TEST_CASE("A plate on the whole bed: springs and contact layer in series", "[contact][whole]") {
   // Every vertex is under the flat end, so p = kappa (d - p / k) everywhere: F = A d kappa k / (kappa + k).
   const ToolShape plate = toolOf(ToolKind::FlatCylinder, 0.1);
   SpringBed bed(damped({}));
@@ -51,7 +51,7 @@ TEST_CASE("A sphere on a Winkler foundation", "[contact][whole]") {
   CHECK(std::abs(error[1]) < 0.4 * std::abs(error[0]));
 }
 
-TEST_CASE("A flat punch on a Winkler foundation", "[contact]") {
+TEST_CASE("A flat punch on a Winkler foundation", "[contact][whole]") {
   // F = kappa pi R^2 d. Splines can't break off at the rim: the bed gives way over half their
   // width (1.5 h) more, by half the depth on average: an error of at most 2 * 0.75 h / R.
   const ToolShape tool{ToolKind::FlatCylinder, 0.01, 0.06, {0.0005}};
@@ -154,7 +154,7 @@ TEST_CASE("Turning the whole world turns the forces", "[contact]") {
   CHECK((turn * force - turned_force).norm() < 1e-3 * force.norm());
 }
 
-TEST_CASE("Moving at 10 mm/s the raw force changes smoothly, in, across and out", "[contact]") {
+TEST_CASE("Moving at 10 mm/s the raw force changes smoothly, in, across and out", "[contact][whole]") {
   struct Case {
     ToolKind kind;
     double friction;

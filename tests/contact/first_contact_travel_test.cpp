@@ -70,7 +70,7 @@ TEST_CASE("Travel of a tilted tool to an edge", "[touch]") {
   CHECK(firstContactTravel(roof, sphere, start) == Approx(expected).epsilon(1e-7));
 }
 
-TEST_CASE("Travel to a bumpy skin agrees with dense sampling", "[touch]") {
+TEST_CASE("Travel to a bumpy skin agrees with dense sampling", "[touch][whole]") {
   TriangleSurface bumps;
   const int n = 24;
   for (int j = 0; j <= n; ++j) {

@@ -20,7 +20,7 @@ double meanError(const FuzzyClasses& found, const Phantom& phantom) {
 
 }  // namespace
 
-TEST_CASE("Memberships of a phantom brain are near its tissue", "[imaging][fuzzy]") {
+TEST_CASE("Memberships of a phantom brain are near its tissue", "[imaging][fuzzy][whole]") {
   // Voxels of 2 mm, where most sulci are partial volume: 0.037 is left without any noise, 0.042 with 3 % and 0.053 with
   // 9 %. With 1.2 mm it is 0.019 and 0.027: mtled verify brain_shift.
   const double noise = 0.03, bound = 0.045;

@@ -29,7 +29,7 @@ ToolsAt fingers(const Model& model, double deep) {
 
 }  // namespace
 
-TEST_CASE("Two fingers that squeeze a block are in balance, and feel what they feel in the loop", "[tools]") {
+TEST_CASE("Two fingers that squeeze a block are in balance, and feel what they feel in the loop", "[tools][whole]") {
   Scene scene = squeezedScene();
   scene.friction = scene.further_tools[0].friction = 0;
   const Model model = blockModel(scene);

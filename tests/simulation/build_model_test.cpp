@@ -356,7 +356,7 @@ TEST_CASE("What counts as a blow-up is the coarse spacing in a step, a finer pla
 }
 
 TEST_CASE("Cells keep the volume of what is pressed flat or by tools, not where a moving face curves the flow",
-          "[build_model]") {
+          "[build_model][whole]") {
   Scene scene = blockScene();
   CHECK(blockModel(scene).hasCellVolume());  // a tool, a base that stands still
   const auto plate = [&](int axis, double at, bool bonded) {

@@ -241,7 +241,8 @@ TEST_CASE("Squeezed tissue has the same bits on any number of threads, and in a 
   CHECK(hashes[0] == hashes[1]);
 }
 
-TEST_CASE("Pokes and leaps to the bottom lose no tissue, and it comes back to its own mass", "[follow_stiffness]") {
+TEST_CASE("Pokes and leaps to the bottom lose no tissue, and it comes back to its own mass",
+          "[follow_stiffness][whole]") {
   Scene scene = blockScene();
   scene.materials[0].material.set("poisson", 0.45);
   scene.tool_max_speed = 0.5;

@@ -157,7 +157,7 @@ TEST_CASE("Mixtures lie between their tissues in equal steps, densities too", "[
   CHECK(materialsOf(scene).size() == 1);
 }
 
-TEST_CASE("The mass of mixed tissue is that of its shares, with paired cells too", "[simulation][mixtures]") {
+TEST_CASE("The mass of mixed tissue is that of its shares, with paired cells too", "[simulation][mixtures][whole]") {
   Scene scene = ballScene();
   scene.materials[1].material.set("density", 500);
   double expected = 0;  // of the shells

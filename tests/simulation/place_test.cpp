@@ -126,7 +126,7 @@ TEST_CASE("Spacings come from the tool's end and the body's size", "[place]") {
   CHECK((large.fine == Approx(0.03) && large.coarse == large.fine));
 }
 
-TEST_CASE("What is used again for a place changes no bit of it, whatever places were made before", "[place]") {
+TEST_CASE("What is used again for a place changes no bit of it, whatever places were made before", "[place][whole]") {
   const Places& places = barPlaces();
   const Place &a = leftPlace(), &b = nextToLeft();
   PlaceMemory memory;
@@ -156,7 +156,7 @@ TEST_CASE("What is used again for a place changes no bit of it, whatever places 
   CHECK(known < b.model.skin.vertexCount());
 }
 
-TEST_CASE("The place changes with the tool, but not to and fro", "[place]") {
+TEST_CASE("The place changes with the tool, but not to and fro", "[place][whole]") {
   const Places& places = barPlaces();
   PlaceIndex index = indexAt(places, Vec3(-0.07, 0, 0.03));
   ToolPostures tools;

@@ -141,7 +141,7 @@ TEST_CASE("An equilibrium of a face that is moved has an error to expect, too", 
 }
 
 TEST_CASE("One point misses what changes within its cell, two cells' more, fibres' most, and four points see it",
-          "[resolution]") {
+          "[resolution][whole]") {
   // Sheared the more the higher up, at a volume that stays.
   const auto expected = [](int points_per_cell, double cells_per_point, double k2) {
     Scene scene = test::blockScene();

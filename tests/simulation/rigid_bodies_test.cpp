@@ -144,7 +144,7 @@ TEST_CASE("Neither threads nor where points were looked for last change a bit, a
   CHECK(one.hash() != later.hash());
 }
 
-TEST_CASE("Between two smooth plates a block is compressed as a bar", "[simulation][rigid][static]") {
+TEST_CASE("Between two smooth plates a block is compressed as a bar", "[simulation][rigid][static][whole]") {
   Scene scene = test::blockScene(0.01);
   for (int c = 0; c < 2; ++c) {  // planes of symmetry, which leave it free to widen
     if (c == 1) scene.boundaries.emplace_back();
@@ -168,7 +168,7 @@ TEST_CASE("Between two smooth plates a block is compressed as a bar", "[simulati
 }
 
 TEST_CASE("A block on a slope sticks below the angle of friction without creeping, and slides above it",
-          "[simulation][rigid]") {
+          "[simulation][rigid][whole]") {
   const auto onSlope = [](double tangent, double friction) {
     Scene scene = lyingScene(friction);
     const double angle = std::atan(tangent);
@@ -249,7 +249,7 @@ TEST_CASE("A rigid sphere presses as the same sphere held by a hand", "[simulati
   CHECK(-pressed.rigid[0].force.z() == Approx(held.tool_force.z()).epsilon(0.01));
 }
 
-TEST_CASE("Tissue that slides to and fro on a rigid ball gains no energy", "[simulation][rigid]") {
+TEST_CASE("Tissue that slides to and fro on a rigid ball gains no energy", "[simulation][rigid][whole]") {
   Scene scene = test::blockScene();
   scene.tool_position.z() = 0.2;
   scene.damping = 0;

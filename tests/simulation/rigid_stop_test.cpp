@@ -58,7 +58,8 @@ TEST_CASE("A tool comes to stand before a rigid body and slides along it", "[sim
   }
 }
 
-TEST_CASE("A tool under a hand that goes through the table does not, nor does the tissue", "[simulation][rigid]") {
+TEST_CASE("A tool under a hand that goes through the table does not, nor does the tissue",
+          "[simulation][rigid][whole]") {
   Scene scene = test::blockScene();
   scene.boundaries.clear();
   scene.gravity = Vec3(0, 0, -9.81);

@@ -123,7 +123,7 @@ TEST_CASE("The same for near-incompressible tissue with node patches, under grav
 }
 
 TEST_CASE("Where a motion is imposed, forces are homogeneous in the moduli and displacements do not depend on all",
-          "[simulation][sensitivity]") {
+          "[simulation][sensitivity][whole]") {
   // Euler: sum_p p dq/dp is q of a force and 0 of a displacement, p being all moduli, at fixed Poisson's ratios.
   Scene scene = lumpScene();
   BoundarySpec top = scene.boundaries[0];
@@ -150,7 +150,7 @@ TEST_CASE("Where a motion is imposed, forces are homogeneous in the moduli and d
 }
 
 TEST_CASE("The derivative to a membership class is that to all points that have some of it",
-          "[simulation][sensitivity]") {
+          "[simulation][sensitivity][whole]") {
   Scene scene = lumpScene();
   auto membership = std::make_shared<Membership>();
   membership->share = Image(ImageGrid({20, 20, 10}, 4e-3 * Mat3::Identity(), Vec3(-0.038, -0.038, -0.001)));

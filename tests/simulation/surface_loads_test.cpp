@@ -148,7 +148,7 @@ StepReport run(const Model& model, State& state, Workspace& workspace, double se
 
 }  // namespace
 
-TEST_CASE("Under uniform tractions and pressures a block is stretched evenly", "[simulation][load]") {
+TEST_CASE("Under uniform tractions and pressures a block is stretched evenly", "[simulation][load][whole]") {
   struct Case {
     const char* name;
     LoadSpec load;
@@ -195,7 +195,7 @@ TEST_CASE("A follower pressure all around squeezes evenly, and where it is too h
 }
 
 TEST_CASE("A follower pressure on all of the skin has no force, hardly a torque, and its work is p dV",
-          "[simulation][load]") {
+          "[simulation][load][whole]") {
   Scene scene = test::blockScene(0.008);
   scene.loads = {loadOf(Kind::FollowerPressure, 1000, Vec3::Zero(), true)};
   const Model model = test::blockModel(scene);
@@ -316,7 +316,7 @@ TEST_CASE("A load that comes in one tick swings the tissue and makes no energy",
   CHECK(report.strain_energy > 10 * model.rest_energy);
 }
 
-TEST_CASE("The error to expect of a tool's force is not thinned by what loads store", "[simulation][load]") {
+TEST_CASE("The error to expect of a tool's force is not thinned by what loads store", "[simulation][load][whole]") {
   const auto expected = [](double pressure) {
     Scene scene = test::blockScene();
     scene.materials[0].material.set("poisson", 0.45);

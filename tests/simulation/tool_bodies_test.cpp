@@ -16,7 +16,7 @@
 using namespace palpate;
 using namespace palpate::test;
 
-TEST_CASE("Two fingers that squeeze a block feel equal and opposite forces", "[tools]") {
+TEST_CASE("Two fingers that squeeze a block feel equal and opposite forces", "[tools][whole]") {
   const Model model = blockModel(squeezedScene());
   REQUIRE(model.tools.toolCount() == 2);
   State state = initialState(model);

@@ -127,7 +127,7 @@ TEST_CASE("A first touch is no energy of nothing, however fast", "[trust][whole]
   }
 }
 
-TEST_CASE("The strain energy is that of the double reference, and the work done on the tissue", "[trust]") {
+TEST_CASE("The strain energy is that of the double reference, and the work done on the tissue", "[trust][whole]") {
   for (const bool patches : {false, true}) {
     Scene scene = blockScene();
     scene.formulation.node_patches = patches;
@@ -154,7 +154,8 @@ TEST_CASE("The strain energy is that of the double reference, and the work done 
   }
 }
 
-TEST_CASE("The pressure that is doubted is the one under the tool, of which the body's mean says nothing", "[trust]") {
+TEST_CASE("The pressure that is doubted is the one under the tool, of which the body's mean says nothing",
+          "[trust][whole]") {
   for (const bool cells : {false, true}) {
     Scene scene = blockScene();
     scene.rate_hz = 1000;  // one step a tick

@@ -96,7 +96,7 @@ TEST_CASE("A round body's cut is closed too", "[cut]") {
 }
 
 // A snapshot's contacts are vertices of the whole skin: where a cut's skin has fewer, they were written beside it.
-TEST_CASE("A cut body shows the contact where the whole one has it, and none that was cut away", "[cut]") {
+TEST_CASE("A cut body shows the contact where the whole one has it, and none that was cut away", "[cut][whole]") {
   Scene scene = test::blockScene(0.01);
   const Model block = buildModel(scene, boxSurface(Vec3(0.03, 0.03, 0.03), 0.004));
   const CutBody cut = cutBody(block, {Vec3(0.001, 0, 0), Vec3(1, 0, 0)});

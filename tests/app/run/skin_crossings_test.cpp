@@ -8,7 +8,7 @@ using namespace palpate;
 using namespace palpate::app;
 
 TEST_CASE("Skin crosses itself where one side is pushed through the other, and nowhere at rest or turned inside out",
-          "[skin_crossings]") {
+          "[skin_crossings][whole]") {
   const Model model = test::blockModel(test::blockScene());
   SkinCrossings crossings(model.skin);
   AlignedVector<Float4> u = initialState(model).u;

@@ -52,7 +52,7 @@ void play(SimulationLoop& loop) {
 
 }  // namespace
 
-TEST_CASE("A recorded run with jaws and a second tool is replayed bit for bit", "[several_tools]") {
+TEST_CASE("A recorded run with jaws and a second tool is replayed bit for bit", "[several_tools][whole]") {
   TissuePhysics physics(strip(), 1);
   SimulationLoopOptions options;
   options.record = true;
@@ -85,7 +85,8 @@ TEST_CASE("A recorded run with jaws and a second tool is replayed bit for bit", 
   CHECK(replayed.toolReadings().tool[0].pinch == last.tool[0].pinch);
 }
 
-TEST_CASE("A tool with a script follows it from the start and after a reset, and then stays", "[several_tools]") {
+TEST_CASE("A tool with a script follows it from the start and after a reset, and then stays",
+          "[several_tools][whole]") {
   TissuePhysics physics(strip(), 1);
   SimulationLoop loop(strip(), physics, &physics.team(), {});
   const double z = strip().tools.tool[1].start.pose.position.z();
