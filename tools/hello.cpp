@@ -6,9 +6,9 @@
 #include "io/find_asset.h"
 #include "io/load_model.h"
 #include "io/scene_file.h"
-#include "simulation/build_model.h"
-#include "simulation/step.h"
-#include "simulation/workspace.h"
+#include "setup/build_model.h"
+#include "step/step.h"
+#include "step/workspace.h"
 
 int main(int argc, char** argv) try {
   using namespace palpate;
@@ -17,10 +17,11 @@ int main(int argc, char** argv) try {
   Workspace workspace(model, 1);
   StepReport report;
   Command command;
-  const Vec3 way = (model.first_contact_travel + 0.002) * (model.tool_start.orientation * -Vec3::UnitZ());
+  const Vec3 way = (model.tools.first().first_contact_travel + 0.002) *
+                   (model.tools.first().start.pose.orientation * -Vec3::UnitZ());
   for (double t = 0; t < 1; t += 1 / model.scene.rate_hz) {
-    command.tool_target = model.tool_start;
-    command.tool_target.position += t * way;
+    command.tools[0].pose = model.tools.first().start.pose;
+    command.tools[0].pose.position += t * way;
     report = tick(model, state, command, workspace);
   }
   std::cout << "force on the tool: " << report.tool_force.transpose() << " N" << std::endl;

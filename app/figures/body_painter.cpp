@@ -152,7 +152,7 @@ DrawnBody BodyPainter::draw(const BodyPicture& picture, const AlignedVector<Floa
 
   Snapshot snapshot;
   snapshot.u = u;
-  if (picture.tool) snapshot.tool_pose = *picture.tool;
+  if (picture.tool) snapshot.tools.set(0, {*picture.tool, 0}, {});
   View view;
   view.camera = cameraAround(positions, picture.azimuth_deg, picture.elevation_deg, part, width, height);
   view.light_azimuth_deg = picture.azimuth_deg;

@@ -5,7 +5,7 @@
 
 #include "app/panels/plot.h"
 #include "realtime/channels/snapshot.h"
-#include "simulation/trust.h"
+#include "step/trust.h"
 
 namespace palpate::app {
 

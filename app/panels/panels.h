@@ -17,9 +17,9 @@
 #include "app/render/theme.h"
 #include "app/render/view.h"
 #include "app/trainer/task_score.h"
+#include "model/body.h"
 #include "realtime/channels/force_output.h"
 #include "realtime/channels/snapshot.h"
-#include "simulation/body.h"
 
 namespace palpate::app {
 

@@ -11,7 +11,7 @@
 #include "app/panels/panels.h"
 #include "app/panels/plot.h"
 #include "app/panels/widgets.h"
-#include "simulation/trust.h"
+#include "step/trust.h"
 
 namespace palpate::app {
 

@@ -149,7 +149,7 @@ namespace {
 
 /// Shape and radius, and a button that loads the scene anew with them.
 void drawProbeChoice(const PanelData& data, PanelState& state, UserActions& asked) {
-  const ToolShape& tool = data.model.scene.tool;
+  const ToolShape& tool = data.model.scene.tools[0].shape;
   if (!state.tool_edited || data.searching()) state.tool = {tool.kind, tool.radius}, state.tool_edited = false;
   ImGui::BeginDisabled(data.searching());
   ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x);
@@ -180,7 +180,7 @@ void drawProbeChoice(const PanelData& data, PanelState& state, UserActions& aske
 
 /// What the wheel and keys do, by clicks.
 void drawPressing(const PanelData& data, PanelState& state, bool by_hand, UserActions& asked) {
-  const double most = 2 * mm * data.model.scene.tool.radius;
+  const double most = 2 * mm * data.model.scene.tools[0].shape.radius;
   if (!(state.press_mm > 0)) state.press_mm = usual_press * most;
   state.press_mm = std::min(state.press_mm, most);
   const float half = 0.5F * (ImGui::GetContentRegionAvail().x - ImGui::GetStyle().ItemSpacing.x);
@@ -223,7 +223,7 @@ void drawToolCard(const Theme& theme, const PanelData& data, PanelState& state, 
   row(force.depth_m < 0 ? "Gap to the skin" : "Depth", format("%.2f mm", std::abs(force.depth_m) * mm), colours::text,
       format("how far the skin under the tip is pressed from where it lay at rest, along the contact's normal; "
              "advance along the start axis: %.2f mm; %s",
-             force.advance_m * mm, toolParameters(data.model.scene.tool).c_str())
+             force.advance_m * mm, toolParameters(data.model.scene.tools[0].shape).c_str())
           .c_str());
   if (data.snapshot.yield_m > least_yield)
     row("Behind the hand", format("%.1f mm", data.snapshot.yield_m * mm), colours::warning,
@@ -231,7 +231,7 @@ void drawToolCard(const Theme& theme, const PanelData& data, PanelState& state, 
   if (data.snapshot.status.restored_count > 0)
     row("Set back", format("%lld times", static_cast<long long>(data.snapshot.status.restored_count)), colours::warning,
         "the tissue could take no more, and went back to where it was shortly before");
-  const Vec3 tip = data.snapshot.tool_pose.position * mm;
+  const Vec3 tip = data.snapshot.toolPose().position * mm;
   if (state.engineer)
     row("Tip", format("%.1f  %.1f  %.1f mm", tip.x(), tip.y(), tip.z()), colours::text,
         format("%d skin vertices touched", data.snapshot.report.contact_count).c_str());

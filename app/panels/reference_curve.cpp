@@ -109,10 +109,10 @@ ReferenceCurve readReferenceCurve(const std::string& file) {
 
 std::optional<ReferenceCurve> hertzCurve(const Body& model, const Material& material, double depth_mm) {
   if (model.scene.materials.size() != 1 || material.fibre_modulus > 0 ||
-      std::string_view(toolType(model.scene.tool.kind).name) != "sphere")
+      std::string_view(toolType(model.scene.tools[0].shape.kind).name) != "sphere")
     return {};
   constexpr int points = 60;
-  const double K = material.bulk_modulus, mu = material.shear_modulus, R = model.scene.tool.radius;
+  const double K = material.bulk_modulus, mu = material.shear_modulus, R = model.scene.tools[0].shape.radius;
   const double young = 9 * K * mu / (3 * K + mu), poisson = (3 * K - 2 * mu) / (2 * (3 * K + mu));
   ReferenceCurve hertz;
   hertz.label = "Hertz";

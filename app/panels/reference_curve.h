@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "app/panels/plot.h"
-#include "simulation/body.h"
+#include "model/body.h"
 
 namespace palpate::app {
 

@@ -3,7 +3,7 @@
 #include <Eigen/Core>
 
 #include "base/types.h"
-#include "simulation/model.h"
+#include "model/model.h"
 
 namespace palpate::app {
 

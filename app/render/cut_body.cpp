@@ -8,7 +8,7 @@
 #include "approximation/neighbours.h"
 #include "approximation/shape_functions.h"
 #include "discretization/cells/delaunay.h"
-#include "simulation/approximate.h"
+#include "setup/approximate.h"
 
 namespace palpate::app {
 namespace {
@@ -238,7 +238,6 @@ CutBody cutBody(const Body& model, const CutPlane& plane) {
   cut.point_material = model.point_material;
   cut.point_shape = model.point_shape;
   cut.materials = model.materials;
-  cut.tool_start = model.tool_start;
   cut.tools = model.tools;
   cut.skin_shape = shapeAt(model, clipped);
   cut.skin.area.assign(clipped.surface.vertices.size(), 0.0);

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "simulation/body.h"
+#include "model/body.h"
 
 namespace palpate::app {
 

@@ -4,7 +4,7 @@
 
 #include "app/render/colour_map.h"
 #include "base/types.h"
-#include "simulation/body.h"
+#include "model/body.h"
 
 namespace palpate::app {
 

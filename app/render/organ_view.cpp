@@ -5,7 +5,7 @@
 #include <stdexcept>
 
 #include "app/render/field.h"
-#include "simulation/place.h"
+#include "setup/place.h"
 
 namespace palpate::app {
 

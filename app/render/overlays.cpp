@@ -131,7 +131,7 @@ void Overlays::addToolForce(const Snapshot& snapshot, const View& view, double o
   const Vec3 force = snapshot.force.force_filtered;
   const double size = force.norm();
   if (!(size > min_force) || !force.allFinite()) return;
-  const Vec3 tip = snapshot.tool_pose.position;
+  const Vec3 tip = snapshot.toolPose().position;
   const double pixel = view.camera.pixelSize(tip, framebuffer_height) * view.pixel_ratio;
   clear_arrows_.push_back({tip.cast<float>(), (force / size * arrowLength(size, organ_radius)).cast<float>(),
                            static_cast<float>(3.6 * std::abs(pixel)), force_colour});
@@ -144,14 +144,14 @@ void Overlays::addContactForces(const Snapshot& snapshot, const View& view, cons
   for (int k = 0; k < snapshot.contact_count; ++k)
     largest = std::max(largest, toVec3(snapshot.contact_force[k]).norm());
   if (!(largest > 0) || !std::isfinite(largest)) return;
-  const double pixel = view.camera.pixelSize(snapshot.tool_pose.position, framebuffer_height) * view.pixel_ratio;
+  const double pixel = view.camera.pixelSize(snapshot.toolPose().position, framebuffer_height) * view.pixel_ratio;
   for (int k = 0; k < snapshot.contact_count; ++k) {
     const Vec3 force = toVec3(snapshot.contact_force[k]);
     const double share = force.norm() / largest;
     const int v = skin.leftOf(snapshot.contact_vertex[k]);
     if (share < min_contact_share || v < 0) continue;
     const Vec3 along =
-        force.normalized() * longest_contact_in_tool_radii * model_->scene.tool.radius * std::sqrt(share);
+        force.normalized() * longest_contact_in_tool_radii * model_->scene.tools[0].shape.radius * std::sqrt(share);
     clear_arrows_.push_back(
         {skin.positions()[v], along.cast<float>(), static_cast<float>(1.1 * std::abs(pixel)), contact_colour});
   }

@@ -7,8 +7,8 @@
 #include "app/render/shader_program.h"
 #include "app/render/skin_mesh.h"
 #include "app/render/view.h"
+#include "model/body.h"
 #include "realtime/channels/snapshot.h"
-#include "simulation/body.h"
 
 namespace palpate::app {
 

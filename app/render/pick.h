@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "app/render/camera.h"
+#include "model/body.h"
 #include "realtime/channels/snapshot.h"
-#include "simulation/body.h"
 
 namespace palpate::app {
 

@@ -162,7 +162,7 @@ Renderer::Parts::Parts(const Body& the_model, const std::string& shader_dir, std
       key(keyDirection(model.scene.camera_azimuth_deg)),
       skin(model, whole_vertex),
       skin_buffers(skin),
-      tool_buffers(toolMesh(model.scene.tool)),
+      tool_buffers(toolMesh(model.scene.tools[0].shape)),
       skin_program(shader_dir, "skin.vert", "skin.frag"),
       tool_program(shader_dir, "solid.vert", "tool.frag"),
       ground_program(shader_dir, "ground.vert", "ground.frag"),
@@ -189,7 +189,6 @@ Renderer::Parts::Parts(const Body& the_model, const std::string& shader_dir, std
 /// Calls draw(tool, pose, mesh) for each tool and each finger of jaws.
 template <class Draw>
 void Renderer::Parts::forEachTool(const Snapshot& snapshot, Draw draw) const {
-  if (snapshot.tools.count == 0 || model.tools.empty()) return draw(0, snapshot.tool_pose, tool_buffers);
   for (const ToolBody& body : model.tools.body) {
     const auto further = static_cast<std::size_t>(body.tool - 1);
     draw(body.tool, bodyPose(body, snapshot.tools.posture(body.tool)),
@@ -222,15 +221,15 @@ void Renderer::Parts::forEachRigid(const Snapshot& snapshot, Draw draw) const {
 
 void Renderer::Parts::fillFrame(const Snapshot& snapshot, const View& view, int width, int height) {
   const Camera& camera = view.camera;
-  const ToolShape& tool = model.scene.tool;
+  const ToolShape& tool = model.scene.tools[0].shape;
   Frame frame;
   frame.clip_from_world = (camera.projection(width, height) * camera.view()).cast<float>();
   frame.shadow_from_world = shadow_map.mapFromWorld();
   frame.eye = with(camera.eye(), 1);
   frame.key = with(key, shadow_map.normalOffset());
   const double handle_end = toolHandleEnd(tool);
-  frame.tool_begin = with(snapshot.tool_pose.toWorld({0, 0, tool.radius}), view.show_tool ? tool.radius : 0);
-  frame.tool_end = with(snapshot.tool_pose.toWorld({0, 0, handle_end}), view.show_fixed ? 1 : 0);
+  frame.tool_begin = with(snapshot.toolPose().toWorld({0, 0, tool.radius}), view.show_tool ? tool.radius : 0);
+  frame.tool_end = with(snapshot.toolPose().toWorld({0, 0, handle_end}), view.show_fixed ? 1 : 0);
   // On paper nothing lies under the body that would take light from it.
   frame.ground =
       with(view.show_room ? extent.ground : Vec3(extent.ground - 100 * extent.radius * Vec3::UnitZ()), extent.radius);
@@ -355,8 +354,8 @@ void Renderer::Parts::drawGhost(const Snapshot& snapshot) const {
   glDisable(GL_DEPTH_TEST);
   forEachTool(snapshot, [&](int tool, Pose pose, const MeshBuffers& mesh) {
     if (tool > 0) return;
-    const Quat turn = snapshot.hand_pose.orientation * snapshot.tool_pose.orientation.conjugate();
-    pose.position = snapshot.hand_pose.position + turn * (pose.position - snapshot.tool_pose.position);
+    const Quat turn = snapshot.hand_pose.orientation * snapshot.toolPose().orientation.conjugate();
+    pose.position = snapshot.hand_pose.position + turn * (pose.position - snapshot.toolPose().position);
     pose.orientation = turn * pose.orientation;
     const Eigen::Matrix4f place = worldFrom(pose);
     glUniformMatrix4fv(tool_place, 1, GL_FALSE, place.data());

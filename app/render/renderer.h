@@ -7,8 +7,8 @@
 
 #include "app/render/colour_map.h"
 #include "app/render/view.h"
+#include "model/body.h"
 #include "realtime/channels/snapshot.h"
-#include "simulation/body.h"
 
 namespace palpate::app {
 
@@ -26,7 +26,7 @@ class Renderer {
   Renderer(const Renderer&) = delete;
   Renderer& operator=(const Renderer&) = delete;
 
-  /// The next snapshots are of this body, which has the same skin, but other nodes (simulation/place.h).
+  /// The next snapshots are of this body, which has the same skin, but other nodes (setup/place.h).
   /// It must outlive the last of them that is drawn.
   void goOnWith(const Body& model);
 

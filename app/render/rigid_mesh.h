@@ -1,7 +1,7 @@
 #pragma once
 
 #include "app/render/solid_mesh.h"
-#include "simulation/scene.h"
+#include "scene/scene.h"
 
 namespace palpate::app {
 

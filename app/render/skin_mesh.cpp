@@ -169,7 +169,7 @@ void SkinMesh::updateNormals() {
 
 void SkinMesh::updateCavities() {
   // A sphere of curvature k bends away from its tangent plane by k e / 2 per distance e.
-  const float radius = static_cast<float>(model_->scene.tool.radius);
+  const float radius = static_cast<float>(model_->scene.tools[0].shape.radius);
   for (std::size_t v = 0; v < positions_.size(); ++v) {
     float sum = 0;
     const int begin = neighbour_begin_[v], end = neighbour_begin_[v + 1];

@@ -6,8 +6,8 @@
 
 #include "app/render/field.h"
 #include "app/render/view.h"
+#include "model/body.h"
 #include "realtime/channels/snapshot.h"
-#include "simulation/body.h"
 
 namespace palpate::app {
 
@@ -31,7 +31,7 @@ class SkinMesh {
   /// @param whole_vertex  of a cut body (CutBody), whose snapshots tell of the whole one's skin; else empty
   explicit SkinMesh(const Body& model, std::span<const int> whole_vertex = {});
 
-  /// The next snapshots are of this body, which has the same skin, but other nodes (simulation/place.h).
+  /// The next snapshots are of this body, which has the same skin, but other nodes (setup/place.h).
   void goOnWith(const Body& model) { model_ = &model; }
 
   /// Follows a snapshot. @return the scale of the vertices' values

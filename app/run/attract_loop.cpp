@@ -26,7 +26,7 @@ constexpr double place_seconds = 7, home_seconds = 4;  // home: until it is wher
 
 std::vector<Vec3> facingPlaces(const Body& model, int count) {
   const std::vector<Vec3>& X = model.skin.surface.vertices;
-  const Pose& start = model.tool_start;
+  const Pose& start = model.tools.first().start.pose;
   const Vec3 back = start.orientation * Vec3::UnitZ();
   std::vector<Vec3> normals(X.size(), Vec3::Zero());
   for (const auto& [a, b, c] : model.skin.surface.triangles) {
@@ -52,7 +52,7 @@ std::vector<Vec3> facingPlaces(const Body& model, int count) {
 }
 
 AttractLoop::AttractLoop(const Body& model)
-    : places_(facingPlaces(model, shown_places)), depth_(shown_depth * model.scene.tool.radius) {}
+    : places_(facingPlaces(model, shown_places)), depth_(shown_depth * model.scene.tools[0].shape.radius) {}
 
 std::vector<Request> AttractLoop::next(double seconds, ToolHand& hand, const Pose& goal) {
   const double period = show_seconds + rest_seconds;

@@ -23,8 +23,8 @@
 #include "io/load_model.h"
 #include "io/output_file.h"
 #include "io/text_file.h"
-#include "simulation/model_hash.h"
-#include "simulation/trust.h"
+#include "model/model_hash.h"
+#include "step/trust.h"
 
 namespace palpate::app {
 
@@ -49,11 +49,12 @@ Picture drawPicture(OrganView& organ, Session& session, const Snapshot& snapshot
   view.camera = startCamera(session.model(), layout, size);
   applyChoice(options.picture, view);
   if (options.picture.close) {
-    view.camera.target = snapshot.tool_pose.position;
-    view.camera.distance = options.picture.distance_m.value_or(close_radii * session.model().scene.tool.radius);
+    view.camera.target = snapshot.toolPose().position;
+    view.camera.distance =
+        options.picture.distance_m.value_or(close_radii * session.model().scene.tools[0].shape.radius);
   }
   if (options.picture.cut)
-    cutThroughTool(view.section, snapshot.tool_pose, view.camera, organ.centre(), organ.radius());
+    cutThroughTool(view.section, snapshot.toolPose(), view.camera, organ.centre(), organ.radius());
   Shown shown;
   shown.timing = options.picture.timing;
   const Framebuffer framebuffer(size.width, size.height);
@@ -81,7 +82,7 @@ struct References {
 /// The report that a run of the scene will have, but for its values.
 RunReport blankReport(const Scene& scene) {
   RunReport report;
-  const std::vector<ToolSpec> tools = toolsOf(scene);
+  const std::vector<ToolSpec> tools = scene.tools;
   if (scene.follow) report.follow.emplace();
   if (tools.size() > 1 || tools[0].jaws()) report.tools.resize(tools.size());
   if (!scene.further_organs.empty())
@@ -245,8 +246,8 @@ int checkLumps(const Options& options, Scene scene) {
   const std::vector<Lump> lumps = lumpsOf(*loaded.model);
   const std::vector<LumpFeel> feels = feelLumps(loaded.body(), depth);
   bool felt = true;
-  std::cout << format("pressed %.1f mm deep by a %s of %.1f mm\n", 1e3 * depth, toolType(scene.tool.kind).title,
-                      1e3 * scene.tool.radius);
+  std::cout << format("pressed %.1f mm deep by a %s of %.1f mm\n", 1e3 * depth,
+                      toolType(scene.tools[0].shape.kind).title, 1e3 * scene.tools[0].shape.radius);
   for (std::size_t k = 0; k < lumps.size(); ++k) {
     const bool clear = feels[k].ratio() >= least_feel;
     felt &= clear;

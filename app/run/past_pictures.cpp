@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "simulation/place.h"
+#include "setup/place.h"
 
 namespace palpate::app {
 

@@ -14,7 +14,7 @@ double pullForce(const Model& model, int vertex, const Vec3& gap) {
   }
   constexpr double share_per_step = 0.02;
   const double c = model.scene.damping, h = model.dt, alpha = 2 * h * h / (2 + c * h);
-  return share_per_step * std::min(gap.norm(), 2 * model.scene.tool.radius) / (mobility * alpha);
+  return share_per_step * std::min(gap.norm(), 2 * model.scene.tools[0].shape.radius) / (mobility * alpha);
 }
 
 }  // namespace palpate::app

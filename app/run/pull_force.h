@@ -1,6 +1,6 @@
 #pragma once
 
-#include "simulation/model.h"
+#include "model/model.h"
 
 namespace palpate::app {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "simulation/free_axes.h"
+#include "setup/free_axes.h"
 
 namespace palpate::app {
 namespace {

@@ -3,8 +3,8 @@
 #include <algorithm>
 
 #include "base/types.h"
-#include "simulation/body.h"
-#include "simulation/state.h"
+#include "model/body.h"
+#include "model/state.h"
 
 namespace palpate::app {
 

@@ -24,7 +24,7 @@ constexpr double kRoughBeyond = 0.1;                             // of the organ
 }  // namespace
 
 RoughMotion::RoughMotion(const Body& model, unsigned seed, int most_nodes)
-    : start_(model.tool_start),
+    : start_(model.tools.first().start.pose),
       tick_seconds_(1 / model.scene.rate_hz),
       materials_(model.materials),
       seed_(seed),
@@ -35,7 +35,7 @@ RoughMotion::RoughMotion(const Body& model, unsigned seed, int most_nodes)
     low_ = low_.cwiseMin(start_.toLocal(X));
     high_ = high_.cwiseMax(start_.toLocal(X));
   }
-  lift_ = high_.z() + 0.5 * model.scene.tool.radius;
+  lift_ = high_.z() + 0.5 * model.scene.tools[0].shape.radius;
   planRound();
 }
 

@@ -6,8 +6,8 @@
 
 #include "app/run/rest_watch.h"
 #include "app/run/soak_motion.h"
+#include "model/body.h"
 #include "realtime/loop/tool_motion.h"
-#include "simulation/body.h"
 
 namespace palpate::app {
 

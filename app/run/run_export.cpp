@@ -5,7 +5,7 @@
 #include "app/render/solid_mesh.h"
 #include "app/run/saved_files.h"
 #include "base/number_text.h"
-#include "simulation/tool_bodies.h"
+#include "step/tool_bodies.h"
 
 namespace palpate::app {
 
@@ -55,7 +55,7 @@ RunExport::RunExport(std::string path, const Model& model) : path_(std::move(pat
   run_.curves = {{"force_N_x", {}}, {"force_N_y", {}}, {"force_N_z", {}}, {"doubted", {}}};
   for (int b = 0; b < model.tools.bodyCount(); ++b)
     run_.bodies.push_back(
-        {"tool " + std::to_string(b + 1), surfaceOf(toolMesh(toolBody(model, b).shape)), tool_colour, {}});
+        {"tool " + std::to_string(b + 1), surfaceOf(toolMesh(model.tools.body[b].shape)), tool_colour, {}});
   // The first moment is rest, before any tick.
   run_.time_s = {0};
   run_.surface.frames.emplace_back();
@@ -67,10 +67,9 @@ RunExport::RunExport(std::string path, const Model& model) : path_(std::move(pat
 /// @param snapshot  null: where they start
 void RunExport::addPoses(const Snapshot* snapshot) {
   for (std::size_t b = 0; b < run_.bodies.size(); ++b) {
-    const ToolBody body = toolBody(model_, static_cast<int>(b));
-    ToolPosture posture = startOf(model_, body.tool);
-    if (snapshot != nullptr && snapshot->tools.count > 0) posture = snapshot->tools.posture(body.tool);
-    if (snapshot != nullptr && snapshot->tools.count == 0) posture.pose = snapshot->tool_pose;
+    const ToolBody& body = model_.tools.body[b];
+    ToolPosture posture = model_.tools.tool[body.tool].start;
+    if (snapshot != nullptr) posture = snapshot->tools.posture(body.tool);
     run_.bodies[b].poses.push_back(bodyPose(body, posture));
   }
 }

@@ -5,8 +5,8 @@
 
 #include "io/gltf_file.h"
 #include "io/vtu_file.h"
+#include "model/model.h"
 #include "realtime/channels/snapshot.h"
-#include "simulation/model.h"
 
 namespace palpate::app {
 

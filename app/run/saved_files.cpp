@@ -5,8 +5,8 @@
 #include "app/run/result_folder.h"
 #include "io/output_file.h"
 #include "io/vtu_file.h"
+#include "model/solution_fields.h"
 #include "realtime/recording/recording_file.h"
-#include "simulation/solution_fields.h"
 
 namespace palpate::app {
 

@@ -7,9 +7,9 @@
 #include "app/panels/press_curves.h"
 #include "app/render/picture.h"
 #include "app/trainer/task_score.h"
+#include "model/model.h"
 #include "realtime/channels/snapshot.h"
 #include "realtime/recording/recording.h"
-#include "simulation/model.h"
 
 namespace palpate::app {
 

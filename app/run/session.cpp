@@ -21,10 +21,10 @@
 #include "io/scene_file.h"
 #include "io/text_file.h"
 #include "mechanics/materials/material_law.h"
+#include "model/model_hash.h"
 #include "realtime/device/open_device.h"
-#include "simulation/model_hash.h"
-#include "simulation/resolution.h"
-#include "simulation/tick_cost.h"
+#include "setup/tick_cost.h"
+#include "step/resolution.h"
 
 namespace palpate::app {
 
@@ -177,9 +177,10 @@ static int threadsInRealTime() { return std::clamp(static_cast<int>(std::thread:
 
 /// Another probe in the scene's place. What is kept of a set-up depends on the radius.
 static void overrideTool(Scene& scene, const ToolChoice& choice) {
-  scene.tool = ToolShape::of(choice.kind, choice.radius, std::max(scene.tool.length, 3 * choice.radius));
+  scene.tools[0].shape =
+      ToolShape::of(choice.kind, choice.radius, std::max(scene.tools[0].shape.length, 3 * choice.radius));
   if (!scene.set_up_values.empty()) scene.set_up_values += "instead: tool.radius = " + shortest(choice.radius) + "\n";
-  if (const std::optional<ToolFault> fault = toolType(choice.kind).fault(scene.tool))
+  if (const std::optional<ToolFault> fault = toolType(choice.kind).fault(scene.tools[0].shape))
     throw InputError(scene.place, fault->problem, fault->advice);
 }
 
@@ -250,7 +251,7 @@ std::string sceneHash(const Options& options) { return hex16(fnv1a(readWholeFile
 
 void checkOptions(const Options& options) {
   const Scene scene = readScene(options);
-  namedScript(options.tool_script, scene.tool.radius);
+  namedScript(options.tool_script, scene.tools[0].shape.radius);
   recordingToReplay(options, scene);
 }
 
@@ -259,7 +260,7 @@ Session::Session(const Options& options, const Scene& scene, Log& log, const Loa
       log_(log),
       scene_(scene),
       scene_hash_(app::sceneHash(options)),
-      tool_script_(namedScript(options.tool_script, scene.tool.radius)),
+      tool_script_(namedScript(options.tool_script, scene.tools[0].shape.radius)),
       replay_(recordingToReplay(options, scene)),
       results_(openResults(options)),
       loaded_(loadedModelOf(options, scene_, log, progress)),
@@ -267,7 +268,7 @@ Session::Session(const Options& options, const Scene& scene, Log& log, const Loa
       scene_materials_(model_.materials),
       materials_(scene_materials_),
       sent_before_(scene_materials_),
-      friction_(scene_.friction),
+      friction_(scene_.tools[0].friction),
       certificate_(readCertificate(certificateFile(findScene(options.scene)), modelHash(model_))),
       forces_(history_seconds) {
   if (const std::string coarse = resolutionWarning(model_); !coarse.empty() && !certificate_) log_.warning(coarse);
@@ -333,7 +334,7 @@ void Session::chooseInput(SimulationLoopOptions& loop_options) {
     return;
   }
   if (options_.trainee) {
-    trainee_.emplace(model_, workingDepth(model_.scene), 1.1 * model_.scene.tool.radius);
+    trainee_.emplace(model_, workingDepth(model_.scene), 1.1 * model_.scene.tools[0].shape.radius);
     loop_options.motion = &*trainee_;
     loop_options.track_ticks = loop_options.tick_limit = trainee_->ticks();
     track_driver_ = ToolDriver::Script;
@@ -415,7 +416,7 @@ void Session::takeForces(std::int64_t until_tick) {
   while (const ForceSample* next = nextUpTo(loop_->forces(), next_force_, until_tick)) {
     const ForceSample& sample = *next;
     ToolReadings readings;
-    if (!model_.tools.empty()) loop_->tools().pop(readings);
+    if (model_.tools.several()) loop_->tools().pop(readings);
     if (sample.tick > latest_->status.reset_tick) forces_.add(sample);
     if (searching()) felt_.push_back(sample);
     if (results_) results_->addForce(sample, readings);
@@ -511,7 +512,7 @@ void Session::giveWay(bool yes) {
 }
 
 void Session::loadedSettings() {
-  setFriction(scene_.friction);
+  setFriction(scene_.tools[0].friction);
   for (std::size_t m = 0; m < materials_.size(); ++m) setMaterial(static_cast<int>(m), scene_materials_[m]);
 }
 

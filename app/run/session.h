@@ -19,12 +19,12 @@
 #include "app/trainer/trainee.h"
 #include "io/certificate.h"
 #include "io/tool_script.h"
+#include "model/model.h"
 #include "realtime/device/device_thread.h"
 #include "realtime/loop/cloud_follower.h"
 #include "realtime/loop/simulation_loop.h"
 #include "realtime/recording/recording_file.h"
 #include "realtime/recording/run_report.h"
-#include "simulation/model.h"
 
 namespace palpate::app {
 

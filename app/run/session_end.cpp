@@ -6,8 +6,8 @@
 #include "app/run/session.h"
 #include "base/interrupt.h"
 #include "base/number_text.h"
-#include "simulation/model_hash.h"
-#include "simulation/resolution.h"
+#include "model/model_hash.h"
+#include "step/resolution.h"
 
 namespace palpate::app {
 

@@ -5,7 +5,7 @@
 #include "base/number_text.h"
 #include "base/printable_text.h"
 #include "contact/tools/tool_list.h"
-#include "simulation/model_hash.h"
+#include "model/model_hash.h"
 
 namespace palpate::app {
 
@@ -92,10 +92,10 @@ Conditions Session::conditions() const {
   else if (track_driver_ != ToolDriver::User)
     conditions.moved_by = (replay_ ? "the recording " : "the script ") + script_ +
                           (track_over_ && !revealed_by_recording_ ? ", then by hand" : "");
-  const ToolShape& tool = scene_.tool;
+  const ToolShape& tool = scene_.tools[0].shape;
   conditions.probe = format("%s, radius %.3g mm", toolType(tool.kind).title, 1e3 * tool.radius);
   conditions.probe_of_scene = !options_.tool_choice;
-  conditions.friction = scene_.friction;
+  conditions.friction = scene_.tools[0].friction;
   conditions.rate_hz = scene_.rate_hz;
   conditions.rate_of_scene = !options_.rate_hz;
   conditions.answers_seen = options_.answers_seen;

@@ -116,7 +116,7 @@ PanelData Session::panelData(const Snapshot& snapshot) const {
   const auto isStiffAs = [](const Material& a, const Material& b) {
     return std::equal(std::begin(a.value), std::end(a.value), std::begin(b.value));
   };
-  if (certificate_ && friction_ == scene_.friction &&
+  if (certificate_ && friction_ == scene_.tools[0].friction &&
       std::equal(materials_.begin(), materials_.end(), scene_materials_.begin(), isStiffAs))
     data.certified = certifiedText(*certificate_, snapshot.force.advance_m);
   data.frozen_reason = frozen_reason_;

@@ -9,7 +9,7 @@
 #include "app/run/soak_motion.h"
 #include "app/run/soak_report.h"
 #include "realtime/loop/simulation_loop.h"
-#include "simulation/place.h"
+#include "setup/place.h"
 
 namespace palpate::app {
 

@@ -25,9 +25,9 @@ void addTick(SoakCycle& cycle, const StepReport& report) {
 }
 
 SoakMotion::SoakMotion(const Body& model, std::vector<SoakPlace> places, unsigned seed, int most_nodes)
-    : start_(model.tool_start),
+    : start_(model.tools.first().start.pose),
       tick_seconds_(1 / model.scene.rate_hz),
-      tool_radius_(model.scene.tool.radius),
+      tool_radius_(model.scene.tools[0].shape.radius),
       places_(std::move(places)),
       seed_(seed),
       rest_(model, RestWatch::rest_hold_s, most_nodes),

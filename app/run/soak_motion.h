@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "app/run/rest_watch.h"
+#include "model/body.h"
 #include "realtime/channels/spsc_ring.h"
 #include "realtime/loop/tool_motion.h"
-#include "simulation/body.h"
 
 namespace palpate::app {
 

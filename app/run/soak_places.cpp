@@ -21,11 +21,11 @@ constexpr double slant_per_radius = 0.3;       // the skin under the middle may 
 
 std::vector<SoakPlace> soakPlaces(const Body& model, int count, unsigned seed) {
   const TriangleSurface& surface = model.skin.surface;
-  const double radius = model.scene.tool.radius;
+  const double radius = model.scene.tools[0].shape.radius;
   Vec3 low = Vec3::Zero(), high = Vec3::Zero();  // of the skin in the tool's frame
   std::vector<Vec3f> positions;
   for (const Vec3& X : surface.vertices) {
-    const Vec3 local = model.tool_start.toLocal(X);
+    const Vec3 local = model.tools.first().start.pose.toLocal(X);
     low = positions.empty() ? local : Vec3(low.cwiseMin(local));
     high = positions.empty() ? local : Vec3(high.cwiseMax(local));
     positions.push_back(X.cast<float>());
@@ -40,16 +40,16 @@ std::vector<SoakPlace> soakPlaces(const Body& model, int count, unsigned seed) {
     place.slide = {uniform(low.x(), high.x()), uniform(low.y(), high.y())};
     const auto along = [&](double z, double direction) {  // the first skin that a ray along the axis meets
       Ray ray;
-      ray.origin = model.tool_start.toWorld({place.slide.x(), place.slide.y(), z});
-      ray.direction = model.tool_start.orientation * Vec3(0, 0, direction);
+      ray.origin = model.tools.first().start.pose.toWorld({place.slide.x(), place.slide.y(), z});
+      ray.direction = model.tools.first().start.pose.orientation * Vec3(0, 0, direction);
       const auto hit = pickSkin(surface, positions, ray);
       return hit ? z + direction * hit->distance : std::nan("");
     };
     const double top = along(high.z() + reach, -1), bottom = along(low.z() - reach, 1);
     if (!(top > bottom)) continue;
-    Pose start = model.tool_start;
-    start.position = model.tool_start.toWorld({place.slide.x(), place.slide.y(), 0});
-    place.touch = firstContactTravel(surface, model.scene.tool, start);
+    Pose start = model.tools.first().start.pose;
+    start.position = model.tools.first().start.pose.toWorld({place.slide.x(), place.slide.y(), 0});
+    place.touch = firstContactTravel(surface, model.scene.tools[0].shape, start);
     if (!(std::abs(-top - place.touch) <= slant_per_radius * radius)) continue;
     place.depth = std::min(depth_per_radius * radius, depth_per_thickness * (top - bottom));
     if (place.depth >= min_depth_per_radius * radius) places.push_back(place);

@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "app/run/soak_motion.h"
-#include "simulation/body.h"
+#include "model/body.h"
 
 namespace palpate::app {
 

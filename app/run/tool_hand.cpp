@@ -51,11 +51,11 @@ double holdSeconds(double frame, bool tapped) { return tapped ? tap_seconds : st
 
 ToolHand::ToolHand(const Body& model)
     : skin_(model.skin.surface),
-      start_(model.tool_start),
+      start_(model.tools.first().start.pose),
       target_(start_),
       organ_radius_(0),
-      tool_radius_(model.scene.tool.radius),
-      start_opening_(model.scene.tool_opening),
+      tool_radius_(model.scene.tools[0].shape.radius),
+      start_opening_(model.scene.tools[0].opening),
       opening_(start_opening_) {
   Vec3 low = start_.position, high = start_.position;
   for (const Vec3& X : model.skin.surface.vertices) {

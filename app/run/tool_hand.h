@@ -7,8 +7,8 @@
 #include "app/render/camera.h"
 #include "app/render/skin_surface.h"
 #include "app/run/input.h"
+#include "model/body.h"
 #include "realtime/channels/command_queue.h"
-#include "simulation/body.h"
 
 namespace palpate::app {
 

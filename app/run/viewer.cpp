@@ -150,7 +150,7 @@ void Viewer::carryOut(const UserAction& action, const Snapshot& snapshot, const 
     case A::SetFriction: return session_.setFriction(action.value);
     case A::SetMaterial: return session_.setMaterial(static_cast<int>(action.value), action.material);
     case A::NextHardness: panels_.hardness = 1 + panels_.hardness % 3; return;
-    case A::Mark: return session_.say(Request::mark(snapshot.tool_pose.position, panels_.hardness));
+    case A::Mark: return session_.say(Request::mark(snapshot.toolPose().position, panels_.hardness));
     case A::Unmark: return say(Kind::Unmark);
     case A::Submit: return say(Kind::Submit);
     case A::FrameView: return frameOrgan(view_.camera, organ_, layout(size), size);
@@ -166,7 +166,7 @@ void Viewer::carryOut(const UserAction& action, const Snapshot& snapshot, const 
       if (view_.section.on) faceCut(view_.section, view_.camera);
       return;
     case A::CutThroughTool:
-      return cutThroughTool(view_.section, snapshot.tool_pose, view_.camera, organ_.centre(), organ_.radius());
+      return cutThroughTool(view_.section, snapshot.toolPose(), view_.camera, organ_.centre(), organ_.radius());
     case A::TogglePanels: return flip(panels_.panels_shown);
     case A::ToggleEngineer: return flip(panels_.engineer);
     case A::ToggleHelp: return flip(panels_.help_shown);
@@ -235,7 +235,7 @@ void Viewer::moveByHand(const UserAction& action, const Snapshot& snapshot) {
 /// As in the panel, by keys.
 void Viewer::chooseProbe(UserAction::Kind next) {
   if (session_.searching()) return;  // with the scene's probe
-  const ToolShape& tool = session_.model().scene.tool;
+  const ToolShape& tool = session_.model().scene.tools[0].shape;
   ToolChoice& chosen = panels_.tool;
   if (!panels_.tool_edited) chosen = {tool.kind, tool.radius};
   panels_.tool_edited = panels_.panels_shown = true;
@@ -270,7 +270,7 @@ void Viewer::moveTool(const Motion& motion, const Camera& camera, const Snapshot
                       const CanvasSize& size, double seconds) {
   if (session_.driver() != ToolDriver::User) {
     hand_.reset();
-    hand_.moveTo(snapshot.tool_pose);  // so that the hand takes over where the script ends
+    hand_.moveTo(snapshot.toolPose());  // so that the hand takes over where the script ends
     return;
   }
   if (std::exchange(undo_count_, snapshot.status.undo_count) != snapshot.status.undo_count) {
@@ -369,7 +369,7 @@ UserActions Viewer::frame(double seconds, const std::vector<std::string>& scenes
   const Camera before = centredIn(layout(size), view_.camera, size);
   input.free_probe = !panels_.glide;
   if (controls_.drag() == Drag::None && (input.left || input.right) && byHand())
-    input.on_probe = isOnProbe(session_.model().scene.tool, snapshot.tool_pose, before, input.mouse, size);
+    input.on_probe = isOnProbe(session_.model().scene.tools[0].shape, snapshot.toolPose(), before, input.mouse, size);
   if (panels_.glide && controls_.drag() == Drag::None && (input.left || input.right))
     input.on_skin = pickSkin(session_.model().skin.surface, organ_.skinPositions(),
                              before.rayThrough(input.mouse.x(), input.mouse.y(), size.pixelWidth(), size.pixelHeight()))

@@ -5,7 +5,7 @@
 
 #include "app/panels/log.h"
 #include "app/run/options.h"
-#include "simulation/scene.h"
+#include "scene/scene.h"
 
 namespace palpate::app {
 

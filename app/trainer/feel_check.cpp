@@ -9,7 +9,7 @@
 #include "base/key.h"
 #include "base/number_text.h"
 #include "io/output_file.h"
-#include "simulation/model_hash.h"
+#include "model/model_hash.h"
 
 namespace palpate::app {
 
@@ -44,7 +44,7 @@ SourceLocation placeOf(const Scene& scene, const Lump& lump) {
 
 }  // namespace
 
-double workingDepth(const Scene& scene) { return depth_per_radius * scene.tool.radius; }
+double workingDepth(const Scene& scene) { return depth_per_radius * scene.tools[0].shape.radius; }
 
 std::optional<Unfelt> unfeltLump(const TaskBody& body, const std::string& cache_folder,
                                  const std::function<void(double)>& progress) {

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "app/trainer/lumps.h"
-#include "simulation/scene.h"
+#include "scene/scene.h"
 
 namespace palpate::app {
 

@@ -5,9 +5,9 @@
 #include <limits>
 #include <numbers>
 
-#include "simulation/build_model.h"
-#include "simulation/step.h"
-#include "simulation/workspace.h"
+#include "setup/build_model.h"
+#include "step/step.h"
+#include "step/workspace.h"
 
 namespace palpate::app {
 
@@ -24,9 +24,9 @@ class Press {
  public:
   Press(const Model& model, const SkinSurface::Place& place)
       : model_(model), place_(place), workspace_(model, std::max(1, model.scene.threads)), state_(initialState(model)) {
-    command_.tool_target.orientation = Quat::FromTwoVectors(Vec3::UnitZ(), place.normal);
-    state_.tool_pose = command_.tool_target;
-    state_.tool_pose.position = place.point + start_gap * place.normal;
+    command_.tools[0].pose.orientation = Quat::FromTwoVectors(Vec3::UnitZ(), place.normal);
+    state_.tool[0].pose = command_.tools[0].pose;
+    state_.tool[0].pose.position = place.point + start_gap * place.normal;
   }
 
   /// N, as the tissue bears it in rest: neither its mass nor what a scene adds for longer steps has a share in it.
@@ -37,7 +37,7 @@ class Press {
     double sum = 0;
     for (int k = 1; k <= ticks; ++k) {
       depth_ = from + (depth - from) * std::min(1.0, static_cast<double>(k) / way);
-      command_.tool_target.position = place_.point - depth_ * place_.normal;
+      command_.tools[0].pose.position = place_.point - depth_ * place_.normal;
       const double force = tick(model_, state_, command_, workspace_).tool_force.norm();
       if (k > ticks - last) sum += force;
     }

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "app/render/skin_surface.h"
-#include "simulation/model.h"
+#include "model/model.h"
 
 namespace palpate::app {
 

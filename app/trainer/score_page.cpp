@@ -87,7 +87,7 @@ std::string plural(int count, const char* one, const char* several) {
 
 /// Seen along the tool's way, as the trainee's hand comes.
 Camera fromTheTool(const Model& model, const OrganView& view) {
-  const Vec3 eye = -model.scene.tool_direction;
+  const Vec3 eye = -model.scene.tools[0].direction;
   Camera camera;
   camera.elevation_deg = std::clamp(std::asin(std::clamp(eye.z(), -1.0, 1.0)) * 180 / std::numbers::pi, -89.0, 89.0);
   camera.azimuth_deg = eye.head<2>().norm() > 0.1 ? std::atan2(eye.y(), eye.x()) * 180 / std::numbers::pi : -90;

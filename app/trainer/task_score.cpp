@@ -74,7 +74,7 @@ void TaskScore::add(const ForceSample& sample) {
   for (std::size_t k = 0; k < lumps_.size(); ++k)
     if ((lumps_[k].foot.point - foot).norm() < lumps_[k].radius) deepest_[k] = std::max(deepest_[k], depth);
   // The patch of a ball of radius R that is d deep has about the radius sqrt(R d).
-  const double R = model_.scene.tool.radius;
+  const double R = model_.scene.tools[0].shape.radius;
   const double patch = std::min(R, std::sqrt(R * std::max(depth, 1e-4)));
   const auto pressure = static_cast<float>(force / (std::numbers::pi * patch * patch));
   for (std::size_t v = 0; v < pressure_.size(); ++v)
@@ -145,7 +145,7 @@ TaskScore::Sheet TaskScore::sheet() const {
   double covered = 0, reached = 0;
   for (std::size_t v = 0; v < pressure_.size(); ++v) {
     const double area = v < model_.skin.area.size() ? model_.skin.area[v] : 1;
-    if (skin_.nearest(model_.skin.surface.vertices[v]).normal.dot(-model_.scene.tool_direction) < reached_cosine)
+    if (skin_.nearest(model_.skin.surface.vertices[v]).normal.dot(-model_.scene.tools[0].direction) < reached_cosine)
       continue;
     reached += area;
     if (static_cast<double>(pressure_[v]) >= threshold_pressure) covered += area;

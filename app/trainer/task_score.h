@@ -6,7 +6,7 @@
 
 #include "app/trainer/lumps.h"
 #include "realtime/channels/snapshot.h"
-#include "simulation/scene.h"
+#include "scene/scene.h"
 
 namespace palpate::app {
 

@@ -29,7 +29,7 @@ bool isNearHeld(const Scene& scene, const Vec3& x) {
 /// Places a step apart, thinned from the skin's vertices in their order, row by row across the tool's way.
 std::vector<SkinSurface::Place> gridOn(const Model& model, double step) {
   const SkinSurface skin(model.skin.surface);
-  const Vec3 towards = -model.scene.tool_direction;
+  const Vec3 towards = -model.scene.tools[0].direction;
   std::vector<SkinSurface::Place> places;
   for (const Vec3& X : model.skin.surface.vertices) {
     const SkinSurface::Place place = skin.nearest(X);
@@ -57,7 +57,7 @@ Trainee::Trainee(const Model& model, double depth, double step)
       places_(gridOn(model, step)),
       slopes_(places_.size(), 0.0),
       ticks_per_place_(std::llround((travel_seconds + press_seconds + back_seconds) * rate_hz_)),
-      start_(model.tool_start) {}
+      start_(model.tools.first().start.pose) {}
 
 void Trainee::restart() {
   tick_ = 0;

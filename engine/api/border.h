@@ -11,7 +11,7 @@
 #include "api/palpate.h"
 #include "base/input_error.h"
 #include "base/types.h"
-#include "simulation/report.h"
+#include "model/report.h"
 
 namespace palpate::api {
 

@@ -2,8 +2,8 @@
 
 #include "api/border.h"
 #include "api/handles.h"
-#include "simulation/sensitivity.h"
-#include "simulation/tool_bodies.h"
+#include "batch/sensitivity.h"
+#include "step/tool_bodies.h"
 
 using namespace palpate;
 using namespace palpate::api;
@@ -65,7 +65,7 @@ MaterialNumber numberFrom(const palpate_material_number& number) {
 /// The model for a tool at a pose (or nowhere).
 std::shared_ptr<const Model> placeFor(const palpate_model& of, const double* pose) {
   if (!of.places || pose == nullptr) return of.model;
-  ToolPostures tools = posturesOf(*of.model, initialState(*of.model));
+  ToolPostures tools = posturesOf(initialState(*of.model));
   tools[0].pose = poseFrom(pose);
   const PlaceIndex index = placeUnder(*of.places, tools);
   if (index == of.start->index) return of.model;

@@ -2,9 +2,9 @@
 
 #include "api/border.h"
 #include "api/handles.h"
-#include "simulation/body_points.h"
-#include "simulation/scene_messages.h"
-#include "simulation/solution_fields.h"
+#include "model/solution_fields.h"
+#include "scene/scene_messages.h"
+#include "setup/body_points.h"
 
 using namespace palpate;
 using namespace palpate::api;

@@ -11,11 +11,11 @@
 
 #include "api/palpate.h"
 #include "discretization/surface/surface_tree.h"
+#include "model/model.h"
 #include "realtime/device/coupled_tool.h"
 #include "realtime/device/device_coupling.h"
 #include "realtime/loop/cloud_follower.h"
 #include "realtime/loop/simulation_loop.h"
-#include "simulation/model.h"
 
 namespace palpate::api {
 

@@ -7,8 +7,8 @@
 #include "io/indent_script.h"
 #include "io/load_model.h"
 #include "io/scene_file.h"
-#include "simulation/model_hash.h"
-#include "simulation/trust.h"
+#include "model/model_hash.h"
+#include "step/trust.h"
 
 using namespace palpate;
 using namespace palpate::api;
@@ -139,9 +139,9 @@ int32_t palpate_describe(const palpate_model* model, palpate_model_info* info) {
   out.skin_triangle_count = static_cast<std::int32_t>(m.skin.surface.triangles.size());
   out.material_count = static_cast<std::int32_t>(m.scene.materials.size()) /* not their mixtures */;
   out.rate_hz = m.scene.rate_hz;
-  put(m.tool_start, out.tool_start);
-  out.tool_radius = m.scene.tool.radius;
-  out.first_contact_travel = m.first_contact_travel;
+  put(m.tools.first().start.pose, out.tool_start);
+  out.tool_radius = m.scene.tools[0].shape.radius;
+  out.first_contact_travel = m.tools.first().first_contact_travel;
   return guarded(nullptr, [&] {
     out.hash = modelHash(m);
     return fill(info, out);
@@ -164,7 +164,7 @@ int32_t palpate_script(const palpate_model* model, const char* script, double* p
   return guarded(error, [&] {
     const Model& m = *model->model;
     const ToolScript motion =
-        script == nullptr || *script == '\0' ? indentScript(m) : *namedScript(script, m.scene.tool.radius);
+        script == nullptr || *script == '\0' ? indentScript(m) : *namedScript(script, m.scene.tools[0].shape.radius);
     ScriptTrajectory trajectory = trajectoryOf(motion, m);
     *count = trajectory.ticks();
     for (std::int64_t k = 0; k < std::min(capacity, *count); ++k) put(trajectory.next(), poses + 7 * k);

@@ -32,7 +32,7 @@ Names palpate::api::namesOf(const Model& model) {
     known.push_back(material.name.empty() ? "material " + std::to_string(known.size() + 1) : material.name);
   }
   std::vector<std::string> tools;
-  for (const ToolSpec& tool : toolsOf(model.scene))
+  for (const ToolSpec& tool : model.scene.tools)
     tools.emplace_back(tool.jaws() ? "jaws" : toolType(tool.shape.kind).name);
   names[PALPATE_TOOL] = numbered(tools);
   for (const BoundarySpec& boundary : model.scene.boundaries) names[PALPATE_REGION].push_back(boundary.name);

@@ -5,9 +5,9 @@
 
 #include "api/border.h"
 #include "api/handles.h"
+#include "model/model_hash.h"
 #include "realtime/loop/live_settings.h"
 #include "realtime/recording/recording_file.h"
-#include "simulation/model_hash.h"
 
 using namespace palpate;
 using namespace palpate::api;

@@ -4,8 +4,8 @@
 #include "api/handles.h"
 #include "base/build_info.h"
 #include "base/key.h"
-#include "simulation/live_parameters.h"
-#include "simulation/model_hash.h"
+#include "model/live_parameters.h"
+#include "model/model_hash.h"
 
 using namespace palpate;
 using namespace palpate::api;
@@ -28,7 +28,6 @@ void forEachPart(SomeState& s, Call call) {
   const auto list = [&call](auto& values) { call(values.data(), values.size() * sizeof values[0]); };
   one(s.tick), one(s.step);
   list(s.u), list(s.du), list(s.u_low);
-  one(s.tool_pose);
   const auto contact = [&](auto& c) {
     one(c.count), list(c.vertex), list(c.force), list(c.normal), list(c.side);
     one(c.overflow), one(c.max_penetration), one(c.contact_count), one(c.sweep_count);
@@ -36,9 +35,8 @@ void forEachPart(SomeState& s, Call call) {
     one(f.count), list(f.id), list(f.force), list(f.normal), list(f.side), list(f.point), list(f.area), list(f.lift);
     one(f.longest_edge), one(f.largest_stretch);
   };
-  contact(s.contact);
-  one(s.more.opening), list(s.more.posture);
-  for (auto& further : s.more.contact) contact(further);
+  list(s.tool);
+  for (auto& body : s.contact) contact(body);
   one(s.skins.count), list(s.skins.vertex), list(s.skins.face), list(s.skins.clearance), list(s.skins.force);
   one(s.skins.calm), one(s.skins.travel), one(s.skins.since_calm), list(s.skins.moved), list(s.skins.unseen);
   list(s.rigid.force), list(s.rigid.normal);

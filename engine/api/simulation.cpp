@@ -206,7 +206,7 @@ int32_t palpate_read(const palpate_simulation* simulation, palpate_state* state)
   out.pose_sequence = s.pose_sequence;
   out.time_s = s.time_s;
   out.age_s = s.tick > 0 ? reading.age_s : 0;
-  put(s.tick > 0 ? s.tool_pose : simulation->model->tool_start, out.pose);
+  put(s.tick > 0 ? s.tool_pose : simulation->model->tools.first().start.pose, out.pose);
   put(s.force_raw, out.force);
   put(s.force_filtered, out.force_filtered);
   put(s.torque, out.torque);

@@ -1,7 +1,7 @@
 #include "api/border.h"
 #include "api/handles.h"
 #include "contact/skin.h"
-#include "simulation/tool_bodies.h"
+#include "step/tool_bodies.h"
 
 using namespace palpate;
 using namespace palpate::api;
@@ -44,9 +44,9 @@ template <class Call>
 void forEachContactPoint(const Model& model, const State& state, Call call) {
   const Float4* const u = state.u.data();
   for (int b = 0; b < model.tools.bodyCount(); ++b) {
-    const ToolBody body = toolBody(model, b);
-    const Quat turn = bodyPose(body, postureOf(state, body.tool)).orientation;
-    const ContactState& contact = contactOf(state, b);
+    const ToolBody& body = model.tools.body[b];
+    const Quat turn = bodyPose(body, state.tool[body.tool]).orientation;
+    const ContactState& contact = state.contact[b];
     const auto one = [&](const Vec3& at, const Vec3f& normal, const Float4& force) {
       if (force.x == 0 && force.y == 0 && force.z == 0) return;
       call(body.tool, at, turn * normal.cast<double>(), toVec3(force));

@@ -32,8 +32,7 @@ int32_t palpate_set_tool_target(palpate_simulation* simulation, int32_t tool, co
 int32_t palpate_set_opening(palpate_simulation* simulation, int32_t tool, double opening) {
   if (!hasTool(simulation, tool) || !std::isfinite(opening) || opening < 0) return PALPATE_BAD_ARGUMENT;
   const auto k = static_cast<std::size_t>(tool);
-  const ToolSet& tools = simulation->model->tools;
-  if (tools.empty() || !tools.tool[k].jaws) return PALPATE_BAD_ARGUMENT;
+  if (!simulation->model->tools.tool[k].jaws) return PALPATE_BAD_ARGUMENT;
   simulation->loop.toolHands().opening[k].store(opening, std::memory_order_relaxed);
   return PALPATE_OK;
 }
@@ -41,29 +40,12 @@ int32_t palpate_set_opening(palpate_simulation* simulation, int32_t tool, double
 int32_t palpate_read_tool(const palpate_simulation* simulation, int32_t tool, palpate_tool_state* state) {
   if (!hasTool(simulation, tool)) return PALPATE_BAD_ARGUMENT;
   palpate_tool_state out{};
-  if (simulation->model->tools.empty()) {
-    palpate_state whole{};
-    whole.size = sizeof whole;
-    palpate_read(simulation, &whole);
-    out.contact_count = whole.contact_count;
-    out.tick = whole.tick;
-    std::copy_n(whole.pose, 7, out.pose);
-    std::copy_n(whole.force, 3, out.force);
-    std::copy_n(whole.torque, 3, out.torque);
-    return fill(state, out);
-  }
   const ToolReadings readings = simulation->loop.toolReadings();
   const ToolReading& t = readings.tool[static_cast<std::size_t>(tool)];
   out.contact_count = static_cast<std::int32_t>(t.contact_count);
   out.tick = readings.tick;
-  if (readings.count > 0) {
-    std::copy(t.pose.begin(), t.pose.end(), out.pose);
-    out.opening = t.opening;
-  } else {
-    const ToolSetUp& made = simulation->model->tools.tool[static_cast<std::size_t>(tool)];
-    put(made.start.pose, out.pose);
-    out.opening = made.start.opening;
-  }
+  std::copy(t.pose.begin(), t.pose.end(), out.pose);
+  out.opening = t.opening;
   std::copy(t.force.begin(), t.force.end(), out.force);
   std::copy(t.torque.begin(), t.torque.end(), out.torque);
   out.pinch = t.pinch;

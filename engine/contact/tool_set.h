@@ -33,7 +33,7 @@ inline Pose bodyPose(const ToolBody& body, const ToolPosture& tool) {
   return pose;
 }
 
-/// A tool of a scene that has several, or jaws.
+/// A tool of a model.
 struct ToolSetUp {
   ToolShape shape;  // of jaws: each finger's
   bool jaws = false;
@@ -46,14 +46,17 @@ struct ToolSetUp {
   std::vector<ToolPosture> path;    // (tick) where its script has it at each tick's end; then it stays. Empty: a hand
 };
 
-/// The tools of a scene that has several, or jaws; empty where its one tool is one body, which is then Scene::tool.
+/// The tools of a model. The first is the one of which forces and depths are told where nothing else is said.
 struct ToolSet {
-  std::vector<ToolSetUp> tool;  // (tool_count)
-  std::vector<ToolBody> body;   // (body_count) by tool; the first is that of State::contact
+  std::vector<ToolSetUp> tool = std::vector<ToolSetUp>(1);  // (tool_count), at least one
+  std::vector<ToolBody> body = std::vector<ToolBody>(1);    // (body_count) by tool
 
-  bool empty() const { return body.empty(); }
-  int toolCount() const { return empty() ? 1 : static_cast<int>(tool.size()); }
-  int bodyCount() const { return empty() ? 1 : static_cast<int>(body.size()); }
+  const ToolSetUp& first() const { return tool[0]; }
+  ToolSetUp& first() { return tool[0]; }
+  int toolCount() const { return static_cast<int>(tool.size()); }
+  int bodyCount() const { return static_cast<int>(body.size()); }
+  /// Several tools, or jaws: files and readings have them one by one.
+  bool several() const { return body.size() > 1; }
 };
 
 /// What the tissue does to a tool.

@@ -18,16 +18,17 @@ constexpr double max_of_organ = 0.25;          // of the organ's length along th
 }  // namespace
 
 ToolScript indentScript(const Model& model) {
-  if (!model.scene.tool_script.empty()) return readToolScript(model.scene.tool_script, model.scene.tool.radius);
-  const Vec3 axis = model.tool_start.orientation * -Vec3::UnitZ();  // the way the tool advances
+  if (!model.scene.tools[0].script.empty())
+    return readToolScript(model.scene.tools[0].script, model.scene.tools[0].shape.radius);
+  const Vec3 axis = model.tools.first().start.pose.orientation * -Vec3::UnitZ();  // the way the tool advances
   double low = 0, high = 0;
   for (std::size_t v = 0; v < model.skin.surface.vertices.size(); ++v) {
     const double along = model.skin.surface.vertices[v].dot(axis);
     low = v == 0 ? along : std::min(low, along);
     high = v == 0 ? along : std::max(high, along);
   }
-  const double depth = std::min(depth_per_radius * model.scene.tool.radius, max_of_organ * (high - low));
-  const double approach = std::max(min_approach, model.first_contact_travel / approach_speed);
+  const double depth = std::min(depth_per_radius * model.scene.tools[0].shape.radius, max_of_organ * (high - low));
+  const double approach = std::max(min_approach, model.tools.first().first_contact_travel / approach_speed);
 
   ToolScript script;
   script.name = "indent and hold";
@@ -41,7 +42,8 @@ std::optional<ToolScript> namedScript(const std::string& name, double tool_radiu
 }
 
 ScriptTrajectory trajectoryOf(const ToolScript& script, const Model& model) {
-  return {script, model.tool_start, model.first_contact_travel, model.scene.rate_hz, model.scene.tool_opening};
+  return {script, model.tools.first().start.pose, model.tools.first().first_contact_travel, model.scene.rate_hz,
+          model.scene.tools[0].opening};
 }
 
 std::vector<Pose> scriptPoses(const ToolScript& script, const Model& model) {
@@ -57,7 +59,7 @@ std::vector<Pose> scriptPoses(const ToolScript& script, const Model& model) {
 }
 
 void addToolPaths(Model& model) {
-  const std::vector<ToolSpec> specs = toolsOf(model.scene);
+  const std::vector<ToolSpec> specs = model.scene.tools;
   for (std::size_t k = 1; k < model.tools.tool.size(); ++k) {
     if (specs[k].script.empty()) continue;
     ToolSetUp& tool = model.tools.tool[k];

@@ -6,7 +6,7 @@
 
 #include "io/script_trajectory.h"
 #include "io/tool_script.h"
-#include "simulation/model.h"
+#include "model/model.h"
 
 namespace palpate {
 

@@ -10,7 +10,7 @@ namespace palpate {
 /// One key of a TOML file of ours: the parser checks by it and the reference is printed from it,
 /// so that the two can't differ.
 struct KeySpec {
-  /// Whether a preparation (simulation/preparation.h) depends on the key, so that one that was kept no longer serves
+  /// Whether a preparation (model/preparation.h) depends on the key, so that one that was kept no longer serves
   /// where the key is changed. What is not marked does: a key that nobody thought of costs a set-up, never a wrong
   /// model.
   enum class SetUp { Always, WithMassScaling, Never };

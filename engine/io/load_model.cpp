@@ -14,11 +14,11 @@
 #include "imaging/repair_surface.h"
 #include "io/indent_script.h"
 #include "io/surface_file.h"
-#include "simulation/choose_time_step.h"
-#include "simulation/discretize.h"
-#include "simulation/mixtures.h"
-#include "simulation/point_boundaries.h"
-#include "simulation/scene_messages.h"
+#include "scene/scene_messages.h"
+#include "setup/choose_time_step.h"
+#include "setup/discretize.h"
+#include "setup/mixtures.h"
+#include "setup/point_boundaries.h"
 
 namespace palpate {
 
@@ -168,7 +168,7 @@ struct Stages {
 /// What can't be meant of the tools, or is hardly meant.
 void checkTools(const Scene& scene, const TriangleSurface& organ, const std::function<void(const std::string&)>& warn) {
   constexpr double same = 1e-6;  // m
-  const std::vector<ToolSpec> tools = toolsOf(scene);
+  const std::vector<ToolSpec> tools = scene.tools;
   const bool has_tool = std::any_of(scene.places.begin(), scene.places.end(),
                                     [](const auto& place) { return place.first.rfind("tool", 0) == 0; });
   for (std::size_t t = 0; t < tools.size(); ++t) {

@@ -5,8 +5,8 @@
 #include <string>
 
 #include "io/model_cache.h"
-#include "simulation/build_model.h"
-#include "simulation/place.h"
+#include "setup/build_model.h"
+#include "setup/place.h"
 
 namespace palpate {
 

@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "simulation/preparation.h"
+#include "model/preparation.h"
 
 namespace palpate {
 

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "base/input_error.h"
-#include "simulation/scene.h"
+#include "scene/scene.h"
 
 namespace palpate {
 

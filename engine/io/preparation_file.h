@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <string>
 
-#include "simulation/preparation.h"
+#include "model/preparation.h"
 
 namespace palpate {
 

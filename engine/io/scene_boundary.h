@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "io/toml_table.h"
-#include "simulation/scene.h"
+#include "scene/scene.h"
 
 namespace palpate {
 

@@ -22,7 +22,7 @@
 #include "io/surface_file.h"
 #include "io/text_file.h"
 #include "io/toml_table.h"
-#include "simulation/place.h"
+#include "setup/place.h"
 
 namespace palpate {
 

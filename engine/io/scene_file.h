@@ -3,7 +3,7 @@
 #include <span>
 #include <string>
 
-#include "simulation/scene.h"
+#include "scene/scene.h"
 
 namespace palpate {
 

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "io/toml_table.h"
-#include "simulation/scene.h"
+#include "scene/scene.h"
 
 namespace palpate {
 

@@ -8,7 +8,7 @@
 #include "base/number_text.h"
 #include "discretization/surface/surface_tree.h"
 #include "io/load_model.h"
-#include "simulation/scene_regions.h"
+#include "scene/scene_regions.h"
 
 namespace palpate {
 
@@ -60,7 +60,7 @@ std::vector<PlacedLump> drawLayout(const LumpLevel& level, int count, const Scen
     const auto& [a, b, c] = skin.triangles[t];
     const Vec3 foot = (skin.vertices[a] + skin.vertices[b] + skin.vertices[c]) / 3;
     const Vec3 normal = (skin.vertices[b] - skin.vertices[a]).cross(skin.vertices[c] - skin.vertices[a]).normalized();
-    if (!(normal.dot(-scene.tool_direction) > facing)) continue;
+    if (!(normal.dot(-scene.tools[0].direction) > facing)) continue;
     const Vec3 centre = foot - (top + radius) * normal;
     if (tree.signedDistance(centre) > -0.9 * (top + radius)) continue;  // nearer to the skin elsewhere
     if (held(scene, centre, 1.5 * radius, tree) || held(scene, foot, 1.5 * radius, tree)) continue;

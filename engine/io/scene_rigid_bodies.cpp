@@ -5,8 +5,8 @@
 #include "contact/rigid_bodies.h"
 #include "io/scene_boundary.h"
 #include "io/surface_file.h"
-#include "simulation/imposed_nodes.h"
-#include "simulation/scene_rigid.h"
+#include "scene/scene_rigid.h"
+#include "setup/imposed_nodes.h"
 
 namespace palpate {
 namespace {

@@ -34,7 +34,6 @@ std::string readInput(const TomlTable& table, const std::filesystem::path& folde
 /// @param any  in which the keys of all tools may stand
 ToolSpec readTool(const TomlTable& any, const std::filesystem::path& folder) {
   ToolSpec spec;
-  spec.place = any.place();
   ToolShape& tool = spec.shape;
   tool.kind = static_cast<ToolKind>(any.readChoice("shape", 0));
   const ToolType& type = toolType(tool.kind);
@@ -52,6 +51,7 @@ ToolSpec readTool(const TomlTable& any, const std::filesystem::path& folder) {
   tool = ToolShape::of(tool.kind, tool.radius, tool.length);
   for (std::size_t k = 0; k < type.parameters.size(); ++k) table.read(type.parameters[k].name, tool.parameter[k]);
   table.read("position", spec.position);
+  spec.place = table.place("position");
   table.readDirection("direction", spec.direction);
   table.read("max_speed", spec.max_speed);
   table.read("max_force", spec.max_force);
@@ -78,18 +78,7 @@ void readTools(const TomlTable& top, const std::filesystem::path& folder, Scene&
   } else {
     specs.push_back(readTool(top.table("tool", toolGroups()), folder));
   }
-  if (specs.empty()) return;
-  const ToolSpec& first = specs[0];
-  scene.tool = first.shape;
-  scene.tool_position = first.position;
-  scene.tool_direction = first.direction;
-  scene.tool_max_speed = first.max_speed;
-  scene.tool_max_force = first.max_force;
-  scene.tool_grip_force = first.grip_force;
-  scene.friction = first.friction;
-  scene.tool_opening = first.opening;
-  scene.tool_script = first.script;
-  scene.further_tools.assign(specs.begin() + 1, specs.end());
+  if (!specs.empty()) scene.tools = std::move(specs);
 }
 
 void readDevice(const TomlTable& table, DeviceSettings& device) {

@@ -3,7 +3,7 @@
 #include <filesystem>
 
 #include "io/toml_table.h"
-#include "simulation/scene.h"
+#include "scene/scene.h"
 
 namespace palpate {
 

@@ -12,7 +12,7 @@ namespace palpate {
 /// Only those 40 ms are held, however long the script is.
 class ScriptTrajectory {
  public:
-  /// @param first_contact_travel  m from the start pose to first touch (Model::first_contact_travel)
+  /// @param first_contact_travel  m from the start pose to first touch (ToolSetUp::first_contact_travel)
   /// @param opening  m, of jaws at the start; < 0: no jaws
   ScriptTrajectory(ToolScript script, const Pose& start, double first_contact_travel, double rate_hz,
                    double opening = -1);

@@ -36,7 +36,7 @@ ToolScript readToolScript(const std::string& path, double tool_radius);
 
 /// The tool's pose at a time, s. Before a first keyframe that is later than 0 the tool comes
 /// from the start pose. Orientation stays the start's.
-/// @param first_contact_travel  m from the start pose to first touch (Model::first_contact_travel)
+/// @param first_contact_travel  m from the start pose to first touch (ToolSetUp::first_contact_travel)
 Pose poseAt(const ToolScript& script, const Pose& start, double first_contact_travel, double time);
 
 /// How far jaws are open at a time, m. @param start  as at the start

@@ -35,7 +35,7 @@ namespace palpate {
 /// them, and the body becomes too stiff: layers pressed by 20 % and four times as wide as high answer with 11, 9.5 %
 /// more force at a height of 3, 4 spacings (22, 17 % with equal parts for all), the patches alone with 0.6 and -0.1 %.
 /// So nodes between bonded faces less than bonded_cells edges apart keep their patch's pressure, whatever it is (beyond
-/// what patches hold it is doubted: simulation/trust.h). But for bodies that are held all around: nothing flows across
+/// what patches hold it is doubted: step/trust.h). But for bodies that are held all around: nothing flows across
 /// then. A face that is turned, or moved while it is bonded, curves the flow everywhere (a block bent to a ring answers
 /// with 17 % too much, with 4 % by patches alone; twisted tissue of nu 0.499 finds no equilibrium): such bodies have no
 /// cells (Model::hasCellVolume).
@@ -115,8 +115,8 @@ struct CellVolumeSpec {
   std::vector<Vec3> X;                    // (vertex_count) m: nodes, and after them a border's further sides
   std::vector<std::array<int, 4>> cells;  // (cell_count) of either orientation
   int node_count;
-  ShapeTable vertex_shape;         // of nodes, where vertices go with them; no gradients
-  const NodePatches& patches;      // a patch of each vertex
+  ShapeTable vertex_shape;                 // of nodes, where vertices go with them; no gradients
+  const NodePatches& patches;              // a patch of each vertex
   std::vector<std::uint8_t> imposed = {};  // (vertex_count) 7: all components are imposed; empty: none is
 };
 

@@ -5,8 +5,8 @@
 
 #include "contact/contact.h"
 #include "contact/tools/tool_list.h"
-#include "simulation/step.h"
-#include "simulation/workspace.h"
+#include "step/step.h"
+#include "step/workspace.h"
 #include "support/small_scene.h"
 
 using namespace palpate;
@@ -20,8 +20,8 @@ Model cube(const ToolShape& tool) {
   Scene scene = test::blockScene(0.015);
   scene.size = Vec3(0.09, 0.09, 0.09);
   scene.materials[0].material.set("poisson", 0.3);
-  scene.tool = tool;
-  scene.tool_position = Vec3(0.001, 0.002, 0.091);
+  scene.tools[0].shape = tool;
+  scene.tools[0].position = Vec3(0.001, 0.002, 0.091);
   scene.step_safety = 0.1;
   return buildModel(scene, boxSurface(scene.size, 0.01));
 }
@@ -34,10 +34,10 @@ struct Standing {
 
 Standing standing(const Model& model, const State& state) {
   const SkinModel& skin = model.skin;
-  const ToolProfile tool = toolProfile(model.scene.tool);
+  const ToolProfile tool = toolProfile(model.scene.tools[0].shape);
   std::vector<Vec3> x;
   for (int v = 0; v < skin.vertexCount(); ++v) x.push_back(skinPosition(skin, v, state.u.data()));
-  const Vec3 middle = state.tool_pose.toWorld({0, 0, tool.radius});
+  const Vec3 middle = state.tool[0].pose.toWorld({0, 0, tool.radius});
   const auto cross = [](const Vec3& p, const Vec3& q) { return p.x() * q.y() - p.y() * q.x(); };
   Standing s;
   for (const auto& [a, b, c] : skin.surface.triangles) {
@@ -52,7 +52,7 @@ Standing standing(const Model& model, const State& state) {
     for (int i = 0; i <= 4; ++i) {
       for (int j = 0; i + j <= 4; ++j) {
         const Vec3 p = (i * x[a] + j * x[b] + (4 - i - j) * x[c]) / 4;
-        s.deepest = std::max(s.deepest, -toolDistance(tool, state.tool_pose.toLocal(p)).distance);
+        s.deepest = std::max(s.deepest, -toolDistance(tool, state.tool[0].pose.toLocal(p)).distance);
       }
     }
   }
@@ -87,7 +87,7 @@ TEST_CASE("A tool two thirds of a body deep is felt all the way and across, and 
       const int dragged = std::max(0, k - 625);
       const double slide = dragged > 25 ? 2e-5 * (dragged - 12.5) : 4e-7 * dragged * dragged;
       Command command;
-      command.tool_target = test::toolAt(model, model.first_contact_travel + depth, slide);
+      command.tools[0].pose = test::toolAt(model, model.tools.first().first_contact_travel + depth, slide);
       const StepReport report = tick(model, state, command, workspace);
       REQUIRE((report.flags & ~kDeepContact) == 0);
       const double force = report.tool_force.norm();

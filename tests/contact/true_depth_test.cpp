@@ -6,7 +6,7 @@
 
 #include "contact/contact.h"
 #include "contact/tools/tool_list.h"
-#include "simulation/step.h"
+#include "step/step.h"
 #include "support/small_scene.h"
 
 using namespace palpate;
@@ -87,16 +87,16 @@ TEST_CASE("Where it touches, the depth is how far the tool reaches beyond the sk
 TEST_CASE("A ball that goes straight in is as deep as it has come past the touch, and the gap ends there",
           "[true_depth]") {
   const Model model = test::blockModel();
-  const TrueDepth depth(model.skin, model.scene.tool);
+  const TrueDepth depth(model.skin, model.scene.tools[0].shape);
   State state = initialState(model);
   Workspace workspace(model, 1);
-  double last = depth.of(state.tool_pose, state.contact), largest_step = 0;
+  double last = depth.of(state.tool[0].pose, state.contact[0]), largest_step = 0;
   CHECK(last == Approx(-0.002).epsilon(0.05));
   for (int k = 1; k <= 150; ++k) {
     Command command;
-    command.tool_target = test::toolAt(model, 4e-5 * k);
+    command.tools[0].pose = test::toolAt(model, 4e-5 * k);
     tick(model, state, command, workspace);
-    const double now = depth.of(state.tool_pose, state.contact);
+    const double now = depth.of(state.tool[0].pose, state.contact[0]);
     largest_step = std::max(largest_step, std::abs(now - last - 4e-5));
     last = now;
   }

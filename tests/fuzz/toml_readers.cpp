@@ -101,7 +101,7 @@ void readSceneFrom(const std::string& bytes) {
   hold(scene.spacing > 0 && std::isfinite(scene.spacing), "the spacing is not positive");
   hold(!scene.materials.empty(), "no material");
   for (const MaterialSpec& material : scene.materials) holdRegion(material.region);
-  hold(isUnit(scene.tool_direction), "the tool's direction is no unit vector");
+  hold(isUnit(scene.tools[0].direction), "the tool's direction is no unit vector");
   for (std::size_t b = 0; b < scene.boundaries.size(); ++b) {
     const BoundarySpec& boundary = scene.boundaries[b];
     holdRegion(boundary.region);

@@ -85,7 +85,7 @@ TEST_CASE("The warning of a size comes before the set-up takes time, and once", 
   loadModel(scene, {}, ModelCache(), keep);
   CHECK(warnings.empty());
   scene.size = Vec3(4, 4, 2);
-  scene.spacing = scene.tool.radius = 0.5;
+  scene.spacing = scene.tools[0].shape.radius = 0.5;
   struct Ended {};
   CHECK_THROWS_AS(loadModel(
                       scene,
@@ -102,7 +102,7 @@ TEST_CASE("Tools that start at one place are refused; of one that never touches 
   Scene scene = test::blockScene();
   std::vector<std::string> warnings;
   const auto keep = [&](const std::string& line) { warnings.push_back(line); };
-  scene.tool_position.x() = 0.2;
+  scene.tools[0].position.x() = 0.2;
   loadModel(scene, {}, ModelCache(), keep);
   CHECK(warnings.empty());  // a scene without a tool
   scene.places["tool[0].position"] = {"block.toml", 7, 1};
@@ -110,9 +110,9 @@ TEST_CASE("Tools that start at one place are refused; of one that never touches 
   REQUIRE(warnings.size() == 1);
   CHECK_THAT(warnings[0], Contains("block.toml:7:1: straight on the tool never touches the organ"));
   ToolSpec second;
-  second.shape = scene.tool;
-  second.position = scene.tool_position;
-  scene.further_tools.push_back(second);
+  second.shape = scene.tools[0].shape;
+  second.position = scene.tools[0].position;
+  scene.tools.push_back(second);
   CHECK_THROWS_WITH(loadModel(scene), Contains("tools 1 and 2 start at one place"));
 }
 
@@ -123,7 +123,7 @@ TEST_CASE("Where the cloud follows, a model is that of the place where the tool 
   const Vec3 there(0.05, 0, 0.032);
   const Model start = loadModel(scene, {}, none), end = loadModel(scene, {}, none, {}, [&](const Model&model) {
                                                     ToolPostures tools;
-                                                    tools[0].pose = model.tool_start;
+                                                    tools[0].pose = model.tools.first().start.pose;
                                                     tools[0].pose.position = there;
                                                     return tools;
                                                   });
@@ -131,8 +131,8 @@ TEST_CASE("Where the cloud follows, a model is that of the place where the tool 
     return std::count_if(model.X.begin(), model.X.end(), [&](const Vec3& X) { return (X - x).norm() < 0.02; });
   };
   CHECK(near(end, there) > 1.5 * static_cast<double>(near(start, there)));
-  CHECK(near(start, scene.tool_position) > 1.5 * static_cast<double>(near(end, scene.tool_position)));
+  CHECK(near(start, scene.tools[0].position) > 1.5 * static_cast<double>(near(end, scene.tools[0].position)));
   CHECK_FALSE(end.scene.follow);
   REQUIRE(end.scene.refine.size() == 1);
-  CHECK(end.scene.refine[0].spacing == Approx(0.5 * scene.tool.radius));
+  CHECK(end.scene.refine[0].spacing == Approx(0.5 * scene.tools[0].shape.radius));
 }

@@ -10,10 +10,10 @@
 #include "io/load_model.h"
 #include "io/model_cache.h"
 #include "io/preparation_file.h"
-#include "simulation/imposed_nodes.h"
-#include "simulation/model_hash.h"
-#include "simulation/step.h"
-#include "simulation/workspace.h"
+#include "model/model_hash.h"
+#include "setup/imposed_nodes.h"
+#include "step/step.h"
+#include "step/workspace.h"
 #include "support/equal_models.h"
 #include "support/small_scene.h"
 #include "support/temp_folder.h"
@@ -65,7 +65,7 @@ std::uint64_t hashAfterTicks(const Model& model, int ticks) {
   State state = initialState(model);
   Workspace workspace(model, 1);
   Command command;
-  command.tool_target = test::toolAt(model, model.first_contact_travel + 0.003);
+  command.tools[0].pose = test::toolAt(model, model.tools.first().first_contact_travel + 0.003);
   for (int k = 0; k < ticks; ++k) tick(model, state, command, workspace);
   return stateHash(model, state);
 }
@@ -101,14 +101,14 @@ TEST_CASE("What may change without a new set-up is taken from the scene, not fro
   scene.name = "another";
   scene.rate_hz = 250;
   scene.damping = 5;
-  scene.friction = 0.3;
-  scene.tool_position.x() = 0.004;
+  scene.tools[0].friction = 0.3;
+  scene.tools[0].position.x() = 0.004;
   scene.step_safety = 0.3;
   scene.camera_distance = 1;
   CHECK_FALSE(own.made(scene));
   test::requireSameModel(own.model, buildModel(scene, organSurface(scene)));
   CHECK(own.model.scene.name == "another");
-  scene.tool_position.z() = 0.02;  // and is still checked
+  scene.tools[0].position.z() = 0.02;  // and is still checked
   CHECK_THROWS_WITH(own.made(scene), Catch::Contains("inside the organ"));
 }
 

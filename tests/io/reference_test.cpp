@@ -68,6 +68,6 @@ TEST_CASE("The tutorial's scene has nine lines, each with a comment, and loads",
 
   const TempFolder folder;
   const Model model = loadModel(readScene(folder.write("my.toml", block)), {}, ModelCache(""));
-  CHECK(model.first_contact_travel == Approx(0.01).margin(1e-4));  // "10 mm above the slab"
-  CHECK(model.materials[0].density == 1050);                       // "all keys from here on describe the tissue"
+  CHECK(model.tools.first().first_contact_travel == Approx(0.01).margin(1e-4));  // "10 mm above the slab"
+  CHECK(model.materials[0].density == 1050);  // "all keys from here on describe the tissue"
 }

@@ -38,10 +38,11 @@ std::string described(const Scene& s) {
   add(s.rate_hz, s.catch_up, s.time_step, s.step_safety, s.mass_scaling, s.damping, s.threads);
   add(static_cast<int>(s.gradient_precision), static_cast<int>(s.solve.mode), s.solve.tolerance, s.solve.load_steps);
   add(s.solve.end_time, s.solve.frames);
-  add(static_cast<int>(s.tool.kind), s.tool.radius, s.tool.length);
-  for (const double parameter : s.tool.parameter) add(parameter);
-  vector(s.tool_position), vector(s.tool_direction);
-  add(s.tool_max_speed, s.tool_max_force, s.tool_grip_force, s.friction, s.filter_cutoff_hz, s.force_rate_limit);
+  add(static_cast<int>(s.tools[0].shape.kind), s.tools[0].shape.radius, s.tools[0].shape.length);
+  for (const double parameter : s.tools[0].shape.parameter) add(parameter);
+  vector(s.tools[0].position), vector(s.tools[0].direction);
+  add(s.tools[0].max_speed, s.tools[0].max_force, s.tools[0].grip_force, s.tools[0].friction, s.filter_cutoff_hz,
+      s.force_rate_limit);
   add(s.device.stiffness, s.device.damping, s.device.max_force, s.device.rise_time, s.device.scale);
   add(s.device.own_damping, s.device.lever, s.device.locked);
   vector(s.camera_target);
@@ -150,8 +151,8 @@ TEST_CASE("A scene without a tool has the tool that the reference names", "[io][
   CHECK(s.places.count("dynamics.rate") == 0);
   CHECK(s.solve.probes_file.empty());
   CHECK(sceneReference().find("a ball of radius 10 mm starts at (0, 0, 0.1) m and points down") != std::string::npos);
-  CHECK(s.tool.kind == ToolKind::Sphere);
-  CHECK(s.tool.radius == 0.01);
-  CHECK(s.tool_position == Vec3(0, 0, 0.1));
-  CHECK(s.tool_direction == Vec3(0, 0, -1));
+  CHECK(s.tools[0].shape.kind == ToolKind::Sphere);
+  CHECK(s.tools[0].shape.radius == 0.01);
+  CHECK(s.tools[0].position == Vec3(0, 0, 0.1));
+  CHECK(s.tools[0].direction == Vec3(0, 0, -1));
 }

@@ -64,14 +64,14 @@ TEST_CASE("Every key of a scene arrives where it belongs", "[io][scene]") {
   CHECK(s.step_safety == 0.5);
   CHECK(s.damping == 10);
   CHECK(s.threads == 2);
-  CHECK(s.tool.kind == ToolKind::FlatCylinder);
-  CHECK(s.tool.radius == 0.005);
-  CHECK(s.tool.length == 0.03);
-  CHECK(s.tool.parameter[0] == 0.0005);
-  CHECK(s.tool_position == Vec3(0, 0, 0.03));
-  CHECK((s.tool_direction - Vec3(0, 0.6, -0.8)).norm() < 1e-15);
-  CHECK(s.tool_max_speed == 0.5);
-  CHECK(s.friction == 0.2);
+  CHECK(s.tools[0].shape.kind == ToolKind::FlatCylinder);
+  CHECK(s.tools[0].shape.radius == 0.005);
+  CHECK(s.tools[0].shape.length == 0.03);
+  CHECK(s.tools[0].shape.parameter[0] == 0.0005);
+  CHECK(s.tools[0].position == Vec3(0, 0, 0.03));
+  CHECK((s.tools[0].direction - Vec3(0, 0.6, -0.8)).norm() < 1e-15);
+  CHECK(s.tools[0].max_speed == 0.5);
+  CHECK(s.tools[0].friction == 0.2);
   CHECK(s.filter_cutoff_hz == 40);
   CHECK(s.force_rate_limit == 100);
   CHECK(s.camera_target == Vec3(0, 0, 0.01));
@@ -165,10 +165,10 @@ TEST_CASE("Every scene in assets/scenes parses and its surface bounds a solid", 
       const Box3 box = boundingBox(organ);
       CHECK(box.sizes().maxCoeff() > 0.05);  // an organ in metres
       CHECK(box.sizes().maxCoeff() < 0.5);
-      CHECK_FALSE(box.contains(s.tool_position));
+      CHECK_FALSE(box.contains(s.tools[0].position));
       // The tool starts over the organ and points at it.
-      CHECK(box.sizes().norm() > (s.tool_position - box.center()).norm());
-      CHECK((box.center() - s.tool_position).dot(s.tool_direction) > 0);
+      CHECK(box.sizes().norm() > (s.tools[0].position - box.center()).norm());
+      CHECK((box.center() - s.tools[0].position).dot(s.tools[0].direction) > 0);
       CHECK(box.contains(s.camera_target));
     }
   }

@@ -2,7 +2,7 @@
 
 #include "io/scene_file.h"
 #include "io/scene_texts.h"
-#include "simulation/preparation.h"
+#include "model/preparation.h"
 #include "support/temp_folder.h"
 #include "support/text.h"
 

@@ -36,7 +36,7 @@ TEST_CASE("Rigid bodies are read, a skull as one of them", "[io][scene][rigid]")
   CHECK(scene.rigid[1].region.normal == Vec3::UnitZ());
   CHECK((scene.rigid[2].name == "rigid 2" && scene.rigid[2].surface && !scene.rigid[2].encloses));
   CHECK(motionEnd(scene) == 2);
-  CHECK(largestToolSpeed(scene) == scene.tool_max_speed);  // 5 mm/s is slower
+  CHECK(largestToolSpeed(scene) == scene.tools[0].max_speed);  // 5 mm/s is slower
 }
 
 TEST_CASE("Bad rigid bodies are refused at their place, with advice", "[io][scene][rigid]") {

@@ -8,7 +8,7 @@
 #include "io/material_texts.h"
 #include "io/scene_file.h"
 #include "io/scene_keys.h"
-#include "simulation/preparation.h"
+#include "model/preparation.h"
 #include "support/law_values.h"
 #include "support/temp_folder.h"
 #include "support/text.h"

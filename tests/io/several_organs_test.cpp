@@ -3,7 +3,7 @@
 #include "base/build_info.h"
 #include "io/load_model.h"
 #include "io/scene_file.h"
-#include "simulation/model_hash.h"
+#include "model/model_hash.h"
 #include "support/temp_folder.h"
 #include "support/text.h"
 

@@ -8,9 +8,9 @@
 #include "io/load_model.h"
 #include "io/scene_file.h"
 #include "io/scene_texts.h"
-#include "simulation/model_hash.h"
-#include "simulation/step.h"
-#include "simulation/workspace.h"
+#include "model/model_hash.h"
+#include "step/step.h"
+#include "step/workspace.h"
 #include "support/block_text.h"
 #include "support/temp_folder.h"
 #include "support/text.h"
@@ -38,8 +38,8 @@ std::uint64_t pressedHash(const Model& model) {
   State state = initialState(model);
   Workspace workspace(model, 1);
   Command command;
-  command.tool_target = model.tool_start;
-  command.tool_target.position.z() -= model.first_contact_travel + 0.003;
+  command.tools[0].pose = model.tools.first().start.pose;
+  command.tools[0].pose.position.z() -= model.tools.first().first_contact_travel + 0.003;
   for (int k = 0; k < 20; ++k) tick(model, state, command, workspace);
   return stateHash(model, state);
 }
@@ -49,7 +49,7 @@ std::uint64_t pressedHash(const Model& model) {
 TEST_CASE("One tool in a list is the same tool, bit for bit", "[io][several_tools]") {
   const TempFolder folder;
   const Model table = load(folder, touched_block_text), list = load(folder, listed(touched_block_text));
-  CHECK(list.tools.empty());
+  CHECK_FALSE(list.tools.several());
   CHECK(modelHash(list) == modelHash(table));
   CHECK(pressedHash(list) == pressedHash(table));
 }
@@ -58,9 +58,9 @@ TEST_CASE("Tools in a list have keys of their own", "[io][several_tools]") {
   const TempFolder folder;
   const Scene scene = readScene(folder.write(
       "s.toml", listed(touched_block_text) + second_tool + "opening = 0.01\nfriction = 0.7\nmax_speed = 0.3\n"));
-  REQUIRE(scene.further_tools.size() == 1);
-  const ToolSpec& tool = scene.further_tools[0];
-  CHECK(scene.tool.radius == 0.01);
+  REQUIRE(scene.tools.size() == 2);
+  const ToolSpec& tool = scene.tools[1];
+  CHECK(scene.tools[0].shape.radius == 0.01);
   CHECK(tool.shape.radius == 0.005);
   CHECK(tool.jaws());
   CHECK(tool.friction == 0.7);
@@ -108,7 +108,7 @@ TEST_CASE("A script opens and closes jaws, and a second tool's becomes its path"
   const std::string input = "input = \"script:way.toml\"\nopening = 0.01\nfriction = 0.5\n";
   const Model model = load(folder, listed(touched_block_text) + input + second_tool + input);
   REQUIRE(model.tools.toolCount() == 2);
-  CHECK(model.tools.tool[0].path.empty());  // a hand may have it; runs without one take its script
+  CHECK(model.tools.first().path.empty());  // a hand may have it; runs without one take its script
   ScriptTrajectory way = trajectoryOf(indentScript(model), model);
   const std::vector<ToolPosture>& path = model.tools.tool[1].path;
   REQUIRE(static_cast<std::int64_t>(path.size()) == way.ticks());
@@ -116,7 +116,8 @@ TEST_CASE("A script opens and closes jaws, and a second tool's becomes its path"
   for (const ToolPosture& posture : path) {
     const Pose pose = way.next();
     CHECK(posture.opening == way.opening());  // both scripts are the same
-    CHECK((posture.pose.position - start.pose.position - (pose.position - model.tool_start.position)).norm() < 1e-12);
+    CHECK((posture.pose.position - start.pose.position - (pose.position - model.tools.first().start.pose.position))
+              .norm() < 1e-12);
   }
   CHECK(path.front().opening == Approx(0.01));
   CHECK(path.back().opening == Approx(0.004));

@@ -57,7 +57,7 @@ inline Model smallModel(double rate_hz = 500) {
   model.scene.name = "small";
   model.scene.rate_hz = rate_hz;
   model.scene.catch_up = 0;  // what is late is skipped, unless a test is about that
-  model.scene.friction = 0.1;
+  model.scene.tools[0].friction = 0.1;
   model.scene.filter_cutoff_hz = 30;
   model.scene.force_rate_limit = 200;
   model.X = {{0, 0, 0}, {0.01, 0, 0}, {0, 0.02, 0}, {0, 0, 0.03}};
@@ -69,8 +69,8 @@ inline Model smallModel(double rate_hz = 500) {
   model.inverse_mass = {1, 2, 3, 4};
   model.mass = {1, 0.5, 1.0 / 3, 0.25};
   model.skin.surface.vertices = {{0, 0, 0}, {0.01, 0, 0}};
-  model.tool_start.position = Vec3(0, 0, 0.1);
-  model.first_contact_travel = 0.02;
+  model.tools.first().start.pose.position = Vec3(0, 0, 0.1);
+  model.tools.first().first_contact_travel = 0.02;
   model.dt = 1 / rate_hz / 4;
   model.dt_critical = model.dt * 1.6;
   model.substeps_per_tick = 4;
@@ -81,14 +81,14 @@ inline Model smallModel(double rate_hz = 500) {
 /// each node is a chaotic map, kicked by the tool, the pull, friction and stiffness.
 class FakePhysics final : public Physics {
  public:
-  explicit FakePhysics(const Model& model) : friction(model.scene.friction) {
+  explicit FakePhysics(const Model& model) : friction(model.scene.tools[0].friction) {
     initial_.u.resize(model.X.size());
     for (std::size_t i = 0; i < initial_.u.size(); ++i) initial_.u[i].x = 0.1F + 0.1F * static_cast<float>(i);
-    initial_.tool_pose = model.tool_start;
+    initial_.tool[0].pose = model.tools.first().start.pose;
     initial_.live.kernel.materials = model.materials;
-    initial_.contact.vertex.assign(4, -1);
-    initial_.contact.force.assign(4, Float4{});
-    initial_.contact.normal.assign(4, -Vec3f::UnitZ());
+    initial_.contact[0].vertex.assign(4, -1);
+    initial_.contact[0].force.assign(4, Float4{});
+    initial_.contact[0].normal.assign(4, -Vec3f::UnitZ());
     state_ = initial_;
   }
 
@@ -102,24 +102,24 @@ class FakePhysics final : public Physics {
   StepReport tick(const Command& command) override {
     ++calls;
     ++state_.tick;
-    state_.tool_pose = command.tool_target;
-    const Vec3& p = command.tool_target.position;
+    state_.tool[0].pose = command.tools[0].pose;
+    const Vec3& p = command.tools[0].pose.position;
     const Vec3 kick = p + friction * Vec3(0.3, 0.2, 0.1) +
                       (command.pull_vertex >= 0 ? command.pull_target : Vec3::Zero()) +
-                      0.01 * stiffness * command.tool_target.orientation.coeffs().head<3>();
+                      0.01 * stiffness * command.tools[0].pose.orientation.coeffs().head<3>();
     for (Float4& u : state_.u) {
       u.x = 3.7F * u.x * (1 - u.x);
       u.y = 0.9F * u.y + static_cast<float>(kick.x() + 2 * kick.y()) * u.x;
       u.z = 0.9F * u.z + static_cast<float>(stiffness * kick.z()) * u.x;
     }
     StepReport report;
-    report.tool_force = Vec3(0, 0, force_per_m * (initial_.tool_pose.position.z() - p.z()));
+    report.tool_force = Vec3(0, 0, force_per_m * (initial_.tool[0].pose.position.z() - p.z()));
     report.base_reaction = -report.tool_force;
     report.min_J = 0.9F;
-    state_.contact.count = 2;
-    state_.contact.vertex[0] = 1;
-    state_.contact.vertex[1] = 0;
-    state_.contact.force[0] = toFloat4(-report.tool_force);
+    state_.contact[0].count = 2;
+    state_.contact[0].vertex[0] = 1;
+    state_.contact[0].vertex[1] = 0;
+    state_.contact[0].force[0] = toFloat4(-report.tool_force);
     if (on_tick) on_tick(state_, report);
     return report;
   }
@@ -131,7 +131,7 @@ class FakePhysics final : public Physics {
     };
     std::uint64_t hash = fnv1a(bytesOf(state_.tick));
     for (const Float4& u : state_.u) hash = fnv1a(bytesOf(u), hash);
-    return fnv1a(bytesOf(state_.tool_pose.position), hash);
+    return fnv1a(bytesOf(state_.tool[0].pose.position), hash);
   }
   void reset() override { state_ = initial_; }
   void restore(const State& past) override { state_ = past; }

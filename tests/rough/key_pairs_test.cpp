@@ -156,8 +156,8 @@ void tryScene(const TempFolder& folder, const Draw& draw, bool press) {
   double force = 0;
   for (int k = 1; k <= ticks; ++k) {
     Command command;
-    command.tool_target = model.tool_start;
-    command.tool_target.position.z() -= (model.first_contact_travel + 0.003) * k / ticks;
+    command.tools[0].pose = model.tools.first().start.pose;
+    command.tools[0].pose.position.z() -= (model.tools.first().first_contact_travel + 0.003) * k / ticks;
     const StepReport report = physics->tick(command);
     CAPTURE(textOf(draw), k, report.min_J);
     REQUIRE((report.flags & (kNotFinite | kBlowUp | kInvertedPoints)) == 0);

@@ -61,7 +61,8 @@ void roughHand(const std::string& name, unsigned seed, int ticks = whole, bool r
   CHECK_FALSE(summary.frozen);
   CHECK(summary.peak_force > 0);
   int above = 0;  // ticks
-  for (ForceSample force; loop.forces().pop(force);) above += force.force_raw.norm() > 1.25 * model.max_tool_force;
+  for (ForceSample force; loop.forces().pop(force);)
+    above += force.force_raw.norm() > 1.25 * model.tools.first().max_force;
   CHECK(above == 0);
 }
 
@@ -71,12 +72,12 @@ class PressBeneath final : public ToolMotion {
   static constexpr double seconds = 3;
 
   explicit PressBeneath(const Model& model)
-      : start_(model.tool_start), ticks_(std::lround(seconds * model.scene.rate_hz)) {
+      : start_(model.tools.first().start.pose), ticks_(std::lround(seconds * model.scene.rate_hz)) {
     beneath_ = start_;
-    beneath_.position.z() = -10 * model.scene.tool.radius;
+    beneath_.position.z() = -10 * model.scene.tools[0].shape.radius;
   }
   Pose next(const State& state, const StepReport&) override {
-    lowest_ = std::min(lowest_, state.tool_pose.position.z());
+    lowest_ = std::min(lowest_, state.tool[0].pose.position.z());
     return state.tick < ticks_ ? beneath_ : start_;
   }
   void restart() override {}
@@ -109,7 +110,7 @@ TEST_CASE("A hand far beneath the organ does not draw the tool through what hold
   CHECK_FALSE(summary.frozen);
   CHECK(press.lowest() > 0);  // the base of each
   CHECK(press.lowest() < model.scene.spacing);
-  CHECK(physics.state().tool_pose.position.isApprox(model.tool_start.position, 1e-12));
+  CHECK(physics.state().tool[0].pose.position.isApprox(model.tools.first().start.pose.position, 1e-12));
   if (name == "liver") return;  // a fold of it hangs on the ball, and would have to be drawn off
   float largest = 0;
   for (const Float4& u : physics.state().u) largest = std::max({largest, std::abs(u.x), std::abs(u.y), std::abs(u.z)});

@@ -1,14 +1,14 @@
 // Several tools, and jaws, in static and transient solutions.
 
-#include "simulation/batch_tools.h"
+#include "batch/batch_tools.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "simulation/static_solver.h"
-#include "simulation/step.h"
-#include "simulation/transient_solver.h"
-#include "simulation/workspace.h"
+#include "batch/static_solver.h"
+#include "batch/transient_solver.h"
+#include "step/step.h"
+#include "step/workspace.h"
 #include "support/squeezed_scene.h"
 
 using namespace palpate;
@@ -23,7 +23,7 @@ ToolsAt fingers(const Model& model, double deep) {
   ToolsAt tools;
   tools.count = 2;
   tools.posture = command.tools;
-  tools.posture[0].pose = command.tool_target;
+  tools.posture[0].pose = command.tools[0].pose;
   return tools;
 }
 
@@ -31,7 +31,7 @@ ToolsAt fingers(const Model& model, double deep) {
 
 TEST_CASE("Two fingers that squeeze a block are in balance, and feel what they feel in the loop", "[tools][whole]") {
   Scene scene = squeezedScene();
-  scene.friction = scene.further_tools[0].friction = 0;
+  scene.tools[0].friction = scene.tools[1].friction = 0;
   const Model model = blockModel(scene);
   StaticSolver solver(model, 1, 1e-4);
   Equilibrium rest;

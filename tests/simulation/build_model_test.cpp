@@ -3,7 +3,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "simulation/solution_fields.h"
+#include "model/solution_fields.h"
 #include "support/small_scene.h"
 
 using namespace palpate;
@@ -21,7 +21,7 @@ TEST_CASE("A model says what it is made of", "[build_model]") {
   const double box = 0.06 * 0.06 * 0.03;
   CHECK(volume == Approx(box).epsilon(1e-12));  // flat faces: nothing is lost
   CHECK(mass == Approx(1000 * box).epsilon(1e-12));
-  CHECK(model.first_contact_travel == Approx(0.002).epsilon(1e-6));
+  CHECK(model.tools.first().first_contact_travel == Approx(0.002).epsilon(1e-6));
   CHECK(model.dt <= model.scene.step_safety * model.dt_critical);
   CHECK(model.dt * model.substeps_per_tick == Approx(1 / model.scene.rate_hz).epsilon(1e-14));
   CHECK(model.dt_proven < model.dt_critical);
@@ -50,7 +50,7 @@ TEST_CASE("Supports are a partition of unity that reproduces linear fields, at p
 TEST_CASE("What can't be used is refused with the place that says so", "[build_model]") {
   const auto refuse = [](Scene scene, const char* place, const char* problem) {
     scene.places["dynamics.time_step"] = {"block.toml", 21, 3};
-    scene.places["tool.position"] = {"block.toml", 30, 1};
+    scene.tools[0].place = {"block.toml", 30, 1};
     scene.places["discretization.support_factor"] = {"block.toml", 12, 1};
     for (auto& b : scene.boundaries) b.place = {"block.toml", 17, 1};
     CHECK_THROWS_WITH(blockModel(scene), Catch::Contains(place) && Catch::Contains(problem));
@@ -66,7 +66,7 @@ TEST_CASE("What can't be used is refused with the place that says so", "[build_m
   scene.boundaries[0].region.point = Vec3(0, 0, 1);
   refuse(scene, "block.toml:17:1", "no node");
   scene = blockScene();
-  scene.tool_position = Vec3(0, 0, 0.02);
+  scene.tools[0].position = Vec3(0, 0, 0.02);
   refuse(scene, "block.toml:30:1", "inside the organ");
   scene = blockScene();
   scene.support_factor = 0.1;  // no node reaches another, not even after enlargement
@@ -244,7 +244,7 @@ TEST_CASE("A box that leaves two nodes beside full blocks of the gradients' syst
           "[build_model]") {
   Scene scene = blockScene(0.0042);
   scene.size = Vec3(0.03, 0.03, 0.03);
-  scene.tool.radius = 0.006;
+  scene.tools[0].shape.radius = 0.006;
   int two_over = 0;
   for (const unsigned seed : {2u, 3u, 16u}) {
     scene.seed = seed;
@@ -317,7 +317,7 @@ TEST_CASE("Mass is added where it spares a step, and never more than the scene g
           "[build_model][mass_scaling][whole]") {
   Scene scene = blockScene();
   scene.rate_hz = 200;
-  scene.tool_max_speed = 0.1;  // else the contact asks for short steps
+  scene.tools[0].max_speed = 0.1;  // else the contact asks for short steps
   const Model own = blockModel(scene);
   REQUIRE(own.substeps_per_tick > 1);
   CHECK(own.addedMass() == 0);
@@ -349,7 +349,7 @@ TEST_CASE("Mass is added where it spares a step, and never more than the scene g
 TEST_CASE("What counts as a blow-up is the coarse spacing in a step, a finer place or not", "[build_model][whole]") {
   Scene scene = blockScene();
   scene.mass_scaling = 1000;  // long steps, in which sound would go further
-  scene.tool_max_speed = 0.2;
+  scene.tools[0].max_speed = 0.2;
   CHECK(blockModel(scene).max_increment == Approx(scene.spacing));
   scene.refine.push_back({Vec3(0, 0, 0.03), 0.01, 0.25 * scene.spacing, 0, {}});
   CHECK(blockModel(scene).max_increment == Approx(scene.spacing));

@@ -4,8 +4,8 @@
 
 #include "discretization/surface/solids.h"
 #include "io/load_model.h"
-#include "simulation/choose_time_step.h"
-#include "simulation/discretize.h"
+#include "setup/choose_time_step.h"
+#include "setup/discretize.h"
 #include "support/small_scene.h"
 #include "support/temp_folder.h"
 
@@ -52,11 +52,11 @@ TEST_CASE("More steps to a tick than an int can count, or anybody means, are ref
   CHECK_THAT(refused(stiff), Contains("block.toml:9:1") && Contains("the critical step is") && Contains("in Pa?") &&
                                  Contains("spacing"));
   Scene fast = placedScene();
-  fast.tool.radius = 1e-7;
-  fast.tool_max_speed = 10;
+  fast.tools[0].shape.radius = 1e-7;
+  fast.tools[0].max_speed = 10;
   CHECK_THAT(refusal([&] { checkStepsAsked(fast); }),
              Contains("block.toml:32:3") && Contains("4e+05 steps") && Contains("lower tool.max_speed to 0.25 m/s"));
-  fast.tool.radius = 0.01;
+  fast.tools[0].shape.radius = 0.01;
   fast.spacing = 2e-7;  // a quarter of it is as far
   CHECK_THAT(refusal([&] { checkStepsAsked(fast); }),
              Contains("4e+05 steps") && Contains("or raise tool.radius and the spacing"));
@@ -109,7 +109,7 @@ TEST_CASE("Nodes and faces beyond what the set-up holds are refused before they 
     CHECK_THAT(refusal([&] { organSurface(scene); }), Contains("block.toml:5:3") && Contains("more than 6e+04"));
   }
   Scene thin = placedScene();
-  thin.tool.radius = 1e-5;
+  thin.tools[0].shape.radius = 1e-5;
   CHECK_THAT(refusal([&] { checkCounts(thin, volume, area); }),
              Contains("block.toml:31:3") && Contains("faces to touch") && Contains("raise it to"));
   CHECK_THAT(refusal([&] { organSurface(thin); }), Contains("block.toml:31:3"));

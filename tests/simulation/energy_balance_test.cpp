@@ -1,4 +1,4 @@
-#include "simulation/energy_balance.h"
+#include "model/energy_balance.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>

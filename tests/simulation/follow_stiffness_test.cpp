@@ -1,15 +1,15 @@
-#include "simulation/follow_stiffness.h"
+#include "step/follow_stiffness.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "batch/batch_body.h"
 #include "mechanics/lanczos.h"
 #include "mechanics/materials/material_law.h"
-#include "simulation/batch_body.h"
-#include "simulation/model_hash.h"
-#include "simulation/step.h"
-#include "simulation/trust.h"
-#include "simulation/workspace.h"
+#include "model/model_hash.h"
+#include "step/step.h"
+#include "step/trust.h"
+#include "step/workspace.h"
 #include "support/small_scene.h"
 
 using namespace palpate;
@@ -66,10 +66,10 @@ Pressed press(const Model& model, double depth, double speed, double hold, int l
   State state = initialState(model);
   Pressed seen;
   const double rate = model.scene.rate_hz;
-  const int moving = static_cast<int>((model.first_contact_travel + depth) / speed * rate);
+  const int moving = static_cast<int>((model.tools.first().first_contact_travel + depth) / speed * rate);
   for (int k = 1; k <= moving + hold * rate; ++k) {
     Command command;
-    command.tool_target = toolAt(model, std::min(model.first_contact_travel + depth, speed * k / rate));
+    command.tools[0].pose = toolAt(model, std::min(model.tools.first().first_contact_travel + depth, speed * k / rate));
     const StepReport report = tick(model, state, command, workspace);
     seen.lost |= (report.flags & (kNotFinite | kBlowUp)) != 0;
     if (seen.lost) return seen;
@@ -183,7 +183,7 @@ TEST_CASE("A boundary is imposed as exactly where the nodes that carry it have g
   top.translation = Vec3(0, 0, -0.4 * scene.size.z());
   top.duration = 0.5;
   scene.boundaries.push_back(top);
-  scene.tool_position = Vec3(0, 0, 0.1);
+  scene.tools[0].position = Vec3(0, 0, 0.1);
   const Model model = longStep(scene);
   Model fine = model;
   fine.dt /= 8;
@@ -193,7 +193,7 @@ TEST_CASE("A boundary is imposed as exactly where the nodes that carry it have g
     Workspace workspace(*m, 1);
     State state = initialState(*m);
     Command command;
-    command.tool_target = m->tool_start;
+    command.tools[0].pose = m->tools.first().start.pose;
     StepReport report;
     double bounded = 1;
     for (int k = 0; k < 1.0 * m->scene.rate_hz; ++k) {
@@ -227,7 +227,8 @@ TEST_CASE("Squeezed tissue has the same bits on any number of threads, and in a 
     State state = initialState(model), copy;
     Command command;
     for (int k = 1; k <= 160; ++k) {
-      command.tool_target = toolAt(model, model.first_contact_travel + 0.016 * std::min(k / 120.0, 1.0));
+      command.tools[0].pose =
+          toolAt(model, model.tools.first().first_contact_travel + 0.016 * std::min(k / 120.0, 1.0));
       if (k == 120) {
         REQUIRE(state.local_mass.active);
         copy = state;
@@ -245,7 +246,7 @@ TEST_CASE("Pokes and leaps to the bottom lose no tissue, and it comes back to it
           "[follow_stiffness][whole]") {
   Scene scene = blockScene();
   scene.materials[0].material.set("poisson", 0.45);
-  scene.tool_max_speed = 0.5;
+  scene.tools[0].max_speed = 0.5;
   const Model model = longStep(scene);
   Workspace workspace(model, 1);
   State state = initialState(model);
@@ -259,7 +260,7 @@ TEST_CASE("Pokes and leaps to the bottom lose no tissue, and it comes back to it
   for (int poke = 0; poke < 12; ++poke) {
     const double depth = 0.02 * number(), slide = 0.02 * (number() - 0.5);
     for (int k = 0; k < 40; ++k) {
-      command.tool_target = toolAt(model, k < 25 ? model.first_contact_travel + depth : 0, slide);
+      command.tools[0].pose = toolAt(model, k < 25 ? model.tools.first().first_contact_travel + depth : 0, slide);
       const StepReport report = tick(model, state, command, workspace);
       added = std::max(added, report.added_mass);
       CAPTURE(poke, k, depth);
@@ -268,7 +269,7 @@ TEST_CASE("Pokes and leaps to the bottom lose no tissue, and it comes back to it
     }
   }
   CHECK(added > 0);
-  command.tool_target = model.tool_start;
+  command.tools[0].pose = model.tools.first().start.pose;
   for (int k = 0; k < 1500; ++k) tick(model, state, command, workspace);
   CHECK_FALSE(state.local_mass.active);
   double largest = 0;

@@ -1,9 +1,9 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "simulation/static_solver.h"
-#include "simulation/step.h"
-#include "simulation/workspace.h"
+#include "batch/static_solver.h"
+#include "step/step.h"
+#include "step/workspace.h"
 #include "support/small_scene.h"
 
 using namespace palpate;
@@ -74,9 +74,9 @@ TEST_CASE("In the loop's step the base comes to bear the weight, and without gra
     State state = initialState(model);
     Workspace workspace(model, 1);
     Command command;
-    command.tool_target = model.tool_start;
-    command.tool_target.position.z() += 0.1;
-    state.tool_pose = command.tool_target;
+    command.tools[0].pose = model.tools.first().start.pose;
+    command.tools[0].pose.position.z() += 0.1;
+    state.tool[0].pose = command.tools[0].pose;
     StepReport report;
     for (int k = 0; k < 150; ++k) report = tick(model, state, command, workspace);
     CHECK(report.base_reaction.z() == Approx(heavy ? weightOf(model) : 0).epsilon(0.01).margin(1e-6));

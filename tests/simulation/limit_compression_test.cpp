@@ -1,4 +1,4 @@
-#include "simulation/limit_compression.h"
+#include "step/limit_compression.h"
 
 #include <catch2/catch.hpp>
 
@@ -6,9 +6,9 @@
 #include <cstring>
 #include <random>
 
-#include "simulation/follow_stiffness.h"
-#include "simulation/step.h"
-#include "simulation/workspace.h"
+#include "step/follow_stiffness.h"
+#include "step/step.h"
+#include "step/workspace.h"
 #include "support/small_scene.h"
 
 using namespace palpate;

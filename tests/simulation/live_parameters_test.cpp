@@ -1,12 +1,12 @@
-#include "simulation/live_parameters.h"
+#include "model/live_parameters.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "simulation/build_model.h"
-#include "simulation/model_hash.h"
-#include "simulation/step.h"
-#include "simulation/workspace.h"
+#include "model/model_hash.h"
+#include "setup/build_model.h"
+#include "step/step.h"
+#include "step/workspace.h"
 #include "support/small_scene.h"
 
 using namespace palpate;
@@ -17,7 +17,7 @@ namespace {
 void press(const Model& model, State& state, Workspace& workspace, double depth, int ticks) {
   Command command;
   for (int k = 1; k <= ticks; ++k) {
-    command.tool_target = test::toolAt(model, model.first_contact_travel + depth * k / ticks);
+    command.tools[0].pose = test::toolAt(model, model.tools.first().first_contact_travel + depth * k / ticks);
     tick(model, state, command, workspace);
   }
 }
@@ -33,7 +33,7 @@ Limit limitOf(const Model& model, State state) {
   for (int k = 0; k < 3000; ++k) {
     const double depth = 0.012 * k / 3000;
     Command command;
-    command.tool_target = test::toolAt(model, model.first_contact_travel + depth);
+    command.tools[0].pose = test::toolAt(model, model.tools.first().first_contact_travel + depth);
     const StepReport report = tick(model, state, command, workspace);
     if (k == 0) limit.rest_share = report.step_share;
     if (report.added_mass > 0) {
@@ -56,7 +56,7 @@ TEST_CASE("The state's hash follows live settings where they differ from the loa
   setMaterial(model, 0, stiffened(model.materials[0], 2), state.live);
   const std::uint64_t rough_and_stiff = stateHash(model, state);
   CHECK(rough_and_stiff != rough);
-  state.live.friction = model.scene.friction;
+  state.live.friction = model.scene.tools[0].friction;
   CHECK(stateHash(model, state) != loaded);
   CHECK(stateHash(model, state) != rough_and_stiff);
   setMaterial(model, 0, model.materials[0], state.live);
@@ -77,7 +77,7 @@ TEST_CASE("Equal states give equal futures, live settings included", "[live_para
   press(model, copy, other, 0.003, 40);
   press(model, with_loaded_settings, other, 0.003, 40);
   CHECK(stateHash(model, copy) == stateHash(model, state));
-  CHECK(toVec3(copy.contact.force[0]) == toVec3(state.contact.force[0]));
+  CHECK(toVec3(copy.contact[0].force[0]) == toVec3(state.contact[0].force[0]));
   CHECK(stateHash(model, with_loaded_settings) != stateHash(model, state));
 }
 

@@ -1,15 +1,15 @@
-#include "simulation/mixtures.h"
+#include "setup/mixtures.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <set>
 
 #include "approximation/shape_functions.h"
+#include "batch/batch_body.h"
+#include "batch/static_solver.h"
 #include "imaging/membership.h"
 #include "io/load_model.h"
 #include "mechanics/internal_forces.h"
-#include "simulation/batch_body.h"
-#include "simulation/static_solver.h"
 #include "support/small_scene.h"
 
 using namespace palpate;
@@ -48,8 +48,8 @@ Scene ballScene(double spacing = 0.011, double soft = 600, double poisson = 0.3)
   scene.solid = Scene::Solid::Ellipsoid;
   scene.semi_axes = Vec3::Constant(ball);
   scene.spacing = spacing;
-  scene.tool.radius = 0.03;
-  scene.tool_position = Vec3(0, 0, 1);
+  scene.tools[0].shape.radius = 0.03;
+  scene.tools[0].position = Vec3(0, 0, 1);
   scene.materials.emplace_back();
   scene.materials[0].material = tissue(6000, poisson);
   scene.materials.push_back(mixedIn(tissue(soft, poisson), coreMembership()));

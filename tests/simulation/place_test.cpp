@@ -1,17 +1,17 @@
 // A cloud that follows the tool: places, and the passage of a state from one to the next.
 
-#include "simulation/place.h"
+#include "setup/place.h"
 
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 
 #include "discretization/nodes/node_scatter.h"
-#include "simulation/passage.h"
-#include "simulation/step.h"
-#include "simulation/tool_contact.h"
-#include "simulation/trust.h"
-#include "simulation/workspace.h"
+#include "setup/passage.h"
+#include "step/step.h"
+#include "step/tool_contact.h"
+#include "step/trust.h"
+#include "step/workspace.h"
 #include "support/equal_models.h"
 #include "support/small_scene.h"
 
@@ -94,7 +94,7 @@ TEST_CASE("Spacings come from the tool's end and the body's size", "[place]") {
   Scene scene = test::barScene();
   const double volume = 500e-6;  // m^3
   const auto sizes = [&](const ToolShape& tool) {
-    scene.tool = tool;
+    scene.tools[0].shape = tool;
     return followSizes(scene, volume, 0.04);
   };
   const FollowSizes ball = sizes(ToolShape::of(ToolKind::Sphere, 0.01));
@@ -114,11 +114,11 @@ TEST_CASE("Spacings come from the tool's end and the body's size", "[place]") {
   CHECK(volume / (0.7 * std::pow(tiny.fine, 3)) == Approx(1e5));
   CHECK(tiny.stride == Approx(3 * tiny.fine));
   // What is thin gets finer nodes everywhere, but no more than some thousand.
-  scene.tool = ToolShape::of(ToolKind::Sphere, 0.004);
+  scene.tools[0].shape = ToolShape::of(ToolKind::Sphere, 0.004);
   CHECK(followSizes(scene, volume, 0.04, 0.02).coarse == small.coarse);
   CHECK(followSizes(scene, volume, 0.04, 0.014).coarse == Approx(0.007));
   CHECK(volume / (0.7 * std::pow(followSizes(scene, volume, 0.04, 0.002).coarse, 3)) == Approx(6000));
-  scene.tool = ToolShape::of(ToolKind::Sphere, 0.0002);
+  scene.tools[0].shape = ToolShape::of(ToolKind::Sphere, 0.0002);
   const FollowSizes on_sheet = followSizes(scene, 0.001 * volume, 0.04);
   CHECK(0.04 / (area_per_node * on_sheet.fine * on_sheet.fine) == Approx(1e5));
   // A large one the body all alike.
@@ -192,16 +192,16 @@ TEST_CASE("The place is that of the tissue under the tool, however deep it is pr
   // What it touches, as it lies at rest.
   const Model& model = leftPlace().model;
   State state = initialState(model);
-  CHECK(posturesAtRest(model, state)[0].pose.position == state.tool_pose.position);
-  state.tool_pose.position = Vec3(-0.06, 0, 0.0305);
+  CHECK(posturesAtRest(model, state)[0].pose.position == state.tool[0].pose.position);
+  state.tool[0].pose.position = Vec3(-0.06, 0, 0.0305);
   Command command;
   Workspace workspace(model, 1);
-  command.tool_target = state.tool_pose;
+  command.tools[0].pose = state.tool[0].pose;
   for (int k = 1; k <= 150; ++k) {
-    command.tool_target.position.z() = 0.0305 - 0.012 * std::min(1.0, k / 120.0);
+    command.tools[0].pose.position.z() = 0.0305 - 0.012 * std::min(1.0, k / 120.0);
     tick(model, state, command, workspace);
   }
-  REQUIRE(state.tool_pose.position.z() < 0.019);
+  REQUIRE(state.tool[0].pose.position.z() < 0.019);
   const Vec3 at_rest = posturesAtRest(model, state)[0].pose.position;
   CHECK(at_rest.z() == Approx(0.03).epsilon(1e-6));
   CHECK((at_rest - Vec3(-0.06, 0, 0.03)).norm() < 0.002);
@@ -223,8 +223,8 @@ TEST_CASE("A passage carries linear fields, and what does not belong to nodes", 
   before.tick = 17;
   before.step = 34;
   before.live.friction = 0.3;
-  before.contact.count = 1;
-  before.contact.vertex[0] = 5;
+  before.contact[0].count = 1;
+  before.contact[0].vertex[0] = 5;
   before.skins.count = 1;
   before.skins.vertex[0] = 7;
   before.skins.unseen[0] = 2e-4F;
@@ -241,7 +241,7 @@ TEST_CASE("A passage carries linear fields, and what does not belong to nodes", 
   CHECK(worst_du < 1e-4 * same_place);
   CHECK((after.tick == 17 && after.step == 34));
   CHECK(after.live.friction == 0.3);
-  CHECK((after.contact.count == 1 && after.contact.vertex[0] == 5));
+  CHECK((after.contact[0].count == 1 && after.contact[0].vertex[0] == 5));
   CHECK((after.skins.count == 1 && after.skins.vertex[0] == 7 && after.skins.unseen == before.skins.unseen));
 
   // From a place to itself nothing changes, bit for bit.
@@ -259,12 +259,12 @@ TEST_CASE("A press goes on from place to place; with values for parameters it ju
   const Passage passage = makePassage(a, b);
   Workspace of_a(a.model, 1);
   State state = initialState(a.model);
-  state.tool_pose.position = Vec3(-0.055, 0, 0.034);
+  state.tool[0].pose.position = Vec3(-0.055, 0, 0.034);
   Command command;
-  command.tool_target = state.tool_pose;
+  command.tools[0].pose = state.tool[0].pose;
   const double start = 0.034, end = 0.026;  // half a radius deep
   for (int k = 1; k <= 200; ++k) {
-    command.tool_target.position.z() = start + (end - start) * std::min(1.0, k / 150.0);
+    command.tools[0].pose.position.z() = start + (end - start) * std::min(1.0, k / 150.0);
     tick(a.model, state, command, of_a);
   }
   const auto swapped = [&](const Passage& by) {
@@ -316,11 +316,11 @@ TEST_CASE("What points remember goes with the tissue from place to place", "[pla
   REQUIRE(a.index != b.index);
   Workspace of_a(a.model, 1), of_b(b.model, 1);
   State state = initialState(a.model);
-  state.tool_pose.position = Vec3(-0.055, 0, 0.034);
+  state.tool[0].pose.position = Vec3(-0.055, 0, 0.034);
   Command command;
-  command.tool_target = state.tool_pose;
+  command.tools[0].pose = state.tool[0].pose;
   for (int k = 1; k <= 150; ++k) {
-    command.tool_target.position.z() = 0.034 - 0.008 * std::min(1.0, k / 75.0);  // half a radius deep, and held
+    command.tools[0].pose.position.z() = 0.034 - 0.008 * std::min(1.0, k / 75.0);  // half a radius deep, and held
     tick(a.model, state, command, of_a);
   }
   const auto gone = [&](const Place& to, const Passage& passage) {
@@ -357,17 +357,17 @@ TEST_CASE("What points remember goes with the tissue from place to place", "[pla
 
 TEST_CASE("Each of several tools has a ball", "[place][whole]") {
   Scene scene = test::barScene();
-  scene.tool.radius = 0.01;
-  scene.tool_position = Vec3(-0.06, 0, 0.032);
+  scene.tools[0].shape.radius = 0.01;
+  scene.tools[0].position = Vec3(-0.06, 0, 0.032);
   ToolSpec second;
-  second.shape = scene.tool;
+  second.shape = scene.tools[0].shape;
   second.position = Vec3(0.06, 0, 0.032);
-  scene.further_tools.push_back(second);
+  scene.tools.push_back(second);
   Places places = makePlaces(scene, test::barSurface());
   PlaceIndex nowhere;
   nowhere.fill(-1);
   ToolPostures tools;
-  tools[0].pose.position = scene.tool_position;
+  tools[0].pose.position = scene.tools[0].position;
   tools[1].pose.position = second.position;
   const Place place = makePlace(places, nextPlace(places, nowhere, tools));
   for (const double x : {-0.06, 0.06}) {
@@ -380,7 +380,7 @@ TEST_CASE("Each of several tools has a ball", "[place][whole]") {
   }
   CHECK(place.model.tools.toolCount() == 2);
   // A larger one's is no finer than that one wants.
-  places.scene.further_tools[0].shape.radius = 0.011;
+  places.scene.tools[1].shape.radius = 0.011;
   const SpacingField wanted = wantedSpacing(places, place.index);
   CHECK(wanted.at(places.centres[place.index[0]]) == Approx(0.005));
   CHECK(wanted.at(places.centres[place.index[1]]) == Approx(0.0055));

@@ -1,11 +1,11 @@
-#include "simulation/point_boundaries.h"
+#include "setup/point_boundaries.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
 
 #include "approximation/shape_functions.h"
+#include "batch/static_solver.h"
 #include "discretization/surface/solids.h"
-#include "simulation/static_solver.h"
 #include "support/small_scene.h"
 #include "support/temp_folder.h"
 

@@ -3,14 +3,14 @@
 #include <catch2/catch.hpp>
 #include <cstring>
 
+#include "batch/static_solver.h"
+#include "batch/transient_solver.h"
 #include "discretization/surface/solids.h"
-#include "simulation/model_hash.h"
-#include "simulation/solution_fields.h"
-#include "simulation/static_solver.h"
-#include "simulation/step.h"
-#include "simulation/transient_solver.h"
-#include "simulation/trust.h"
-#include "simulation/workspace.h"
+#include "model/model_hash.h"
+#include "model/solution_fields.h"
+#include "step/step.h"
+#include "step/trust.h"
+#include "step/workspace.h"
 #include "support/small_scene.h"
 
 using namespace palpate;
@@ -43,7 +43,7 @@ Model squeezedCube() {
   plane(Vec3(0, 0, edge), 2);
   scene.boundaries.back().translation = Vec3(0, 0, -squeeze * edge);
   scene.boundaries.back().duration = ramp;
-  scene.tool_position = Vec3(0, 0, 0.5);
+  scene.tools[0].position = Vec3(0, 0, 0.5);
   scene.materials[0].material.set("poisson", 0.49).set("relaxation", terms);
   return buildModel(scene, boxSurface(scene.size, 0.02));
 }
@@ -77,14 +77,14 @@ double closedForm(double shear, double t) {
 /// Presses a ball 4 mm deep in 0.5 s, holds for `hold` s, draws it back in 0.5 s; each(report, depth) after each tick.
 template <class Each>
 void indent(const Model& model, State& state, Workspace& workspace, double hold, Each each) {
-  const double rate = model.scene.rate_hz, travel = model.first_contact_travel + 0.004, way = 0.5;
+  const double rate = model.scene.rate_hz, travel = model.tools.first().first_contact_travel + 0.004, way = 0.5;
   Command command;
   for (int k = 1; k <= static_cast<int>((2 * way + hold) * rate); ++k) {
     const double t = k / rate;
     const double at =
         travel * (LoadCurve{}.at(std::min(t, way), way) - (t > way + hold ? LoadCurve{}.at(t - way - hold, way) : 0.0));
-    command.tool_target = toolAt(model, at);
-    each(tick(model, state, command, workspace), at - model.first_contact_travel);
+    command.tools[0].pose = toolAt(model, at);
+    each(tick(model, state, command, workspace), at - model.tools.first().first_contact_travel);
   }
 }
 
@@ -110,7 +110,7 @@ TEST_CASE("A cube held at a fifth less height relaxes by the closed form: loop, 
   Workspace workspace(model, 1);
   TransientSolver solver(model, 1);
   Command command;
-  command.tool_target = model.tool_start;
+  command.tools[0].pose = model.tools.first().start.pose;
   const double shear = model.materials[0].shear_modulus;
   const int ticks = static_cast<int>(1.2 * model.scene.rate_hz);
   int compared = 0;

@@ -1,14 +1,14 @@
-#include "simulation/resolution.h"
+#include "step/resolution.h"
 
 #include <array>
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "batch/static_solver.h"
 #include "mechanics/internal_forces.h"
-#include "simulation/static_solver.h"
-#include "simulation/step.h"
-#include "simulation/trust.h"
-#include "simulation/workspace.h"
+#include "step/step.h"
+#include "step/trust.h"
+#include "step/workspace.h"
 #include "support/small_scene.h"
 
 using namespace palpate;
@@ -21,8 +21,8 @@ StepReport pressed(const Model& model, State& state, Workspace& workspace, RunTr
   StepReport report;
   for (int k = 1; k <= ticks; ++k) {
     Command command;
-    command.tool_target =
-        test::toolAt(model, model.first_contact_travel + 0.007 * std::min(1.0, 3.0 * k / static_cast<double>(ticks)));
+    command.tools[0].pose = test::toolAt(
+        model, model.tools.first().first_contact_travel + 0.007 * std::min(1.0, 3.0 * k / static_cast<double>(ticks)));
     report = tick(model, state, command, workspace);
     trust.add(doubtOf(model, report), report.expected_error, report.error_force, k / model.scene.rate_hz);
   }
@@ -78,7 +78,7 @@ TEST_CASE("A coarse block's press is doubted for its resolution, a fine one's is
 
     workspace.resolution.restart();
     Command command;
-    command.tool_target = state.tool_pose;
+    command.tools[0].pose = state.tool[0].pose;
     const StepReport unknown = tick(model, state, command, workspace);
     CHECK(unknown.expected_error == 1);
     CHECK(unknown.error_force == 0);
@@ -129,7 +129,7 @@ TEST_CASE("An equilibrium of a face that is moved has an error to expect, too", 
   top.translation = Vec3(0.006, 0, 0);
   top.duration = 1;
   scene.boundaries.push_back(top);
-  scene.tool_position = Vec3(0, 0, 1);
+  scene.tools[0].position = Vec3(0, 0, 1);
   const Model model = test::blockModel(scene);
   StaticSolver solver(model, 2, 1e-4);
   const Equilibrium sheared = solver.advanceTo(1);

@@ -2,13 +2,13 @@
 #include <cmath>
 #include <cstdio>
 
-#include "simulation/model_hash.h"
-#include "simulation/static_solver.h"
-#include "simulation/step.h"
-#include "simulation/tool_bodies.h"
-#include "simulation/transient_solver.h"
-#include "simulation/trust.h"
-#include "simulation/workspace.h"
+#include "batch/static_solver.h"
+#include "batch/transient_solver.h"
+#include "model/model_hash.h"
+#include "step/step.h"
+#include "step/tool_bodies.h"
+#include "step/trust.h"
+#include "step/workspace.h"
 #include "support/realtime_guard.h"
 #include "support/small_scene.h"
 #include "support/temp_folder.h"
@@ -43,7 +43,7 @@ Scene lyingScene(double friction = 0) {
   scene.boundaries.clear();
   scene.gravity = Vec3(0, 0, -g);
   scene.rigid = {halfSpace(Vec3::Zero(), Vec3::UnitZ(), friction)};
-  scene.tool_position = Vec3(0, 0, 0.2);
+  scene.tools[0].position = Vec3(0, 0, 0.2);
   return scene;
 }
 
@@ -51,7 +51,7 @@ Scene lyingScene(double friction = 0) {
 struct Run {
   explicit Run(const Model& the_model, int threads = 1)
       : model(the_model), workspace(the_model, threads), state(initialState(the_model)) {
-    command.tool_target = model.tool_start;
+    command.tools[0].pose = model.tools.first().start.pose;
   }
   StepReport ticks(int count) {
     StepReport report;
@@ -235,11 +235,11 @@ TEST_CASE("A rigid sphere presses as the same sphere held by a hand", "[simulati
   StaticSolver hand(by_hand, 1, 1e-4);
   const Equilibrium held = hand.advanceTo(1, test::toolAt(by_hand, press));
   Scene with_ball = scene;
-  with_ball.tool_position.z() = 0.1;
+  with_ball.tools[0].position.z() = 0.1;
   RigidSpec ball;
   ball.name = "ball";
   ball.region.kind = Region::Kind::Sphere;
-  ball.region.point = scene.tool_position + Vec3(0, 0, 0.01);
+  ball.region.point = scene.tools[0].position + Vec3(0, 0, 0.01);
   ball.region.radius = 0.01;
   with_ball.rigid = {moved(ball, -press * Vec3::UnitZ())};
   const Model by_body = test::blockModel(with_ball);
@@ -251,7 +251,7 @@ TEST_CASE("A rigid sphere presses as the same sphere held by a hand", "[simulati
 
 TEST_CASE("Tissue that slides to and fro on a rigid ball gains no energy", "[simulation][rigid][whole]") {
   Scene scene = test::blockScene();
-  scene.tool_position.z() = 0.2;
+  scene.tools[0].position.z() = 0.2;
   scene.damping = 0;
   RigidSpec ball;
   ball.name = "ball";
@@ -276,7 +276,7 @@ TEST_CASE("Tissue that slides to and fro on a rigid ball gains no energy", "[sim
 TEST_CASE("In time a plate presses as in equilibrium, in float and in double", "[simulation][rigid][whole]") {
   Scene scene = test::blockScene();  // on a fixed base
   scene.rigid = {moved(halfSpace(Vec3(0, 0, 0.03), -Vec3::UnitZ()), Vec3(0, 0, -0.002), 0.4)};
-  scene.tool_position.z() = 0.2;
+  scene.tools[0].position.z() = 0.2;
   scene.rigid[0].region.point.z() = 0.0301;
   const Model model = test::blockModel(scene);
   StaticSolver solver(model, 1, 1e-3);

@@ -1,10 +1,10 @@
 #include <catch2/catch.hpp>
 
-#include "simulation/model_hash.h"
-#include "simulation/static_solver.h"
-#include "simulation/step.h"
-#include "simulation/transient_solver.h"
-#include "simulation/workspace.h"
+#include "batch/static_solver.h"
+#include "batch/transient_solver.h"
+#include "model/model_hash.h"
+#include "step/step.h"
+#include "step/workspace.h"
 #include "support/realtime_guard.h"
 #include "support/small_scene.h"
 #include "support/temp_folder.h"
@@ -22,7 +22,7 @@ Scene heavyBallScene() {
   scene.semi_axes = Vec3::Constant(ball_radius);
   scene.gravity = Vec3(0, 0, -9.81);
   scene.damping = 60;
-  scene.tool_position = Vec3(0, 0, 0.06);
+  scene.tools[0].position = Vec3(0, 0, 0.06);
   BoundarySpec& guide = scene.boundaries[0];
   guide.region.kind = Region::Kind::Box;
   guide.region.min = Vec3(-0.012, -0.012, -0.012);
@@ -59,7 +59,7 @@ double deepest(const Model& model, const Positions& positionOf) {
 StepReport settled(const Model& model, State& state, int threads = 1, int ticks = 500) {
   Workspace workspace(model, threads);
   Command command;
-  command.tool_target = model.tool_start;
+  command.tools[0].pose = model.tools.first().start.pose;
   StepReport report;
   for (int k = 0; k < ticks; ++k) report = tick(model, state, command, workspace);
   return report;
@@ -122,7 +122,7 @@ TEST_CASE("Where the skull is open nothing holds the skin, and steps with it tak
   State held = initialState(closed);
   Workspace workspace(closed, 1);
   Command command;
-  command.tool_target = closed.tool_start;
+  command.tools[0].pose = closed.tools.first().start.pose;
   for (int k = 0; k < 40; ++k) tick(closed, held, command, workspace);
   REQUIRE(held.rigid.force.size() > 20);
   if (test::guardAvailable()) test::startGuard();

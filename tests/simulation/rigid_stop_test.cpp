@@ -1,10 +1,10 @@
-#include "simulation/rigid_stop.h"
+#include "step/rigid_stop.h"
 
 #include <catch2/catch.hpp>
 
 #include "contact/tools/tool_list.h"
-#include "simulation/step.h"
-#include "simulation/workspace.h"
+#include "step/step.h"
+#include "step/workspace.h"
 #include "support/small_scene.h"
 
 using namespace palpate;
@@ -49,7 +49,7 @@ TEST_CASE("A tool comes to stand before a rigid body and slides along it", "[sim
   }
   SECTION("a capsule that lies, the middle of its side first") {
     Scene scene = toolBefore(Region::Kind::Sphere);
-    scene.tool = ToolShape::of(ToolKind::Capsule, 0.01, 0.08);
+    scene.tools[0].shape = ToolShape::of(ToolKind::Capsule, 0.01, 0.08);
     const Model model = test::blockModel(scene);
     pose.orientation = Quat::FromTwoVectors(Vec3::UnitZ(), Vec3::UnitY());
     pose.position = Vec3(0.2, -0.042, 0.035);
@@ -67,16 +67,16 @@ TEST_CASE("A tool under a hand that goes through the table does not, nor does th
   table.name = "table";
   table.friction = 0.5;
   scene.rigid = {table};
-  scene.tool_max_speed = 0.3;
+  scene.tools[0].max_speed = 0.3;
   const Model model = test::blockModel(scene);
   State state = initialState(model);
   Workspace workspace(model, 1);
   Command command;
-  command.tool_target = test::toolAt(model, 0.08);
+  command.tools[0].pose = test::toolAt(model, 0.08);
   std::uint32_t flags = 0;
   for (int k = 0; k < 250; ++k) flags |= tick(model, state, command, workspace).flags;
   CHECK((flags & (kNotFinite | kBlowUp)) == 0);
-  CHECK(state.tool_pose.position.z() > 0.9 * kept);
+  CHECK(state.tool[0].pose.position.z() > 0.9 * kept);
   double lowest = 0;
   for (int v = 0; v < model.skin.vertexCount(); ++v)
     lowest = std::min(lowest, skinPosition(model.skin, v, state.u.data()).z());

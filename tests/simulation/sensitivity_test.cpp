@@ -1,4 +1,4 @@
-#include "simulation/sensitivity.h"
+#include "batch/sensitivity.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -14,7 +14,7 @@ namespace {
 /// The block with a stiffer ball in it, under a tool without friction.
 Scene lumpScene(double poisson = 0.45) {
   Scene scene = test::blockScene();
-  scene.friction = 0;
+  scene.tools[0].friction = 0;
   scene.materials[0].material.set("poisson", poisson);
   MaterialSpec lump;
   lump.material = Material::neoHookean(9000, poisson, 1000);
@@ -28,7 +28,7 @@ Scene lumpScene(double poisson = 0.45) {
 
 /// A tool that is pressed in beside the middle, not along an axis of anything.
 Pose pressed(const Model& model, double depth = 0.002) {
-  return test::toolAt(model, model.first_contact_travel + depth, 0.006);
+  return test::toolAt(model, model.tools.first().first_contact_travel + depth, 0.006);
 }
 
 EquilibriumQuantity quantity(Kind kind, const Vec3& direction, const Model& model) {
@@ -183,7 +183,7 @@ TEST_CASE("A polished equilibrium is that of the static solver, and the answer t
 
 TEST_CASE("Sensitivities that would be none are refused in a sentence", "[simulation][sensitivity]") {
   Scene rough = lumpScene();
-  rough.friction = 0.3;
+  rough.tools[0].friction = 0.3;
   const Model rubbing = test::blockModel(rough), model = test::blockModel(lumpScene());
   CHECK_THROWS_WITH(EquilibriumSensitivity(rubbing, 1), Catch::Contains("without friction"));
   EquilibriumSensitivity body(model, 1);

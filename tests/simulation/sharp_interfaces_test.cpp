@@ -1,12 +1,12 @@
-#include "simulation/sharp_interfaces.h"
+#include "setup/sharp_interfaces.h"
 
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "batch/batch_body.h"
+#include "batch/static_solver.h"
 #include "io/load_model.h"
-#include "simulation/batch_body.h"
-#include "simulation/static_solver.h"
 
 using namespace palpate;
 
@@ -35,7 +35,7 @@ Scene layers(double spacings, bool sharp) {
   scene.materials[1].material.set("young", soft);
   scene.materials[1].everywhere = false;
   scene.materials[1].region.point = Vec3(0, 0, stack_height / 2);
-  scene.tool_position = Vec3(0, 0, 1);
+  scene.tools[0].position = Vec3(0, 0, 1);
   const auto plane = [&](const Vec3& point, int normal) {
     BoundarySpec& b = scene.boundaries.emplace_back();
     b.region.kind = Region::Kind::NearPlane;
@@ -244,7 +244,7 @@ TEST_CASE("A core and a lump have the volume that they should, however few nodes
   scene.materials.resize(2);
   scene.materials[1].material.set("young", 20000);
   scene.materials[1].everywhere = false;
-  scene.tool_position = Vec3(0, 0, 1);
+  scene.tools[0].position = Vec3(0, 0, 1);
   BoundarySpec base;
   base.region.kind = Region::Kind::NearPlane;
   base.region.distance = 1e-6;

@@ -1,12 +1,12 @@
-#include "simulation/sheet.h"
+#include "setup/sheet.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <functional>
 
+#include "batch/static_solver.h"
 #include "discretization/surface/solids.h"
-#include "simulation/point_boundaries.h"
-#include "simulation/static_solver.h"
+#include "setup/point_boundaries.h"
 #include "support/small_scene.h"
 
 using namespace palpate;

@@ -8,9 +8,9 @@
 #include "discretization/surface/surface_bodies.h"
 #include "discretization/surface/surface_tree.h"
 #include "io/load_model.h"
-#include "simulation/model_hash.h"
-#include "simulation/step.h"
-#include "simulation/workspace.h"
+#include "model/model_hash.h"
+#include "step/step.h"
+#include "step/workspace.h"
 #include "support/cubes.h"
 #include "support/realtime_guard.h"
 #include "support/small_scene.h"
@@ -44,8 +44,8 @@ Scene twoBlocks(double down, double shift = 0) {
   scene.further_organs.push_back(scene);
   scene.further_organs[0].organ_position = Vec3(shift, 0, block + apart);
   scene.materials[0].material.set("poisson", 0.3);
-  scene.tool_position = Vec3(0, 0, 0.2);
-  scene.tool.radius = 0.01;
+  scene.tools[0].position = Vec3(0, 0, 0.2);
+  scene.tools[0].shape.radius = 0.01;
   for (const int organ : {0, 1}) {
     const double x = organ * shift;
     for (const double side : {-0.5, 0.5}) {
@@ -63,7 +63,7 @@ Model modelOf(const Scene& scene) { return buildModel(scene, organSurface(scene)
 StepReport run(const Model& model, State& state, int ticks, int threads = 1) {
   Workspace workspace(model, threads);
   Command command;
-  command.tool_target = model.tool_start;
+  command.tools[0].pose = model.tools.first().start.pose;
   StepReport report;
   for (int k = 0; k < ticks; ++k) report = tick(model, state, command, workspace);
   return report;
@@ -78,8 +78,8 @@ Model flap() {
   scene.boundaries.clear();
   addBoundary(scene, -1, Vec3::Zero(), Vec3::UnitZ(), {true, true, true});
   scene.damping = 40;
-  scene.tool.radius = 0.006;
-  scene.tool_position = Vec3(0.036, 0.012, 0.031);
+  scene.tools[0].shape.radius = 0.006;
+  scene.tools[0].position = Vec3(0.036, 0.012, 0.031);
   return buildModel(scene,
                     test::cubes({25, 12, 12}, cube, [](const Vec3& x) { return x.x() < 6 || x.z() < 5 || x.z() > 8; }));
 }
@@ -129,15 +129,15 @@ TEST_CASE("A flap that is pressed down rests on its own body, and lifts off agai
   State state = initialState(model);
   Workspace workspace(model, 1);
   Command command;
-  command.tool_target = model.tool_start;
+  command.tools[0].pose = model.tools.first().start.pose;
   StepReport report;
   double least = 1;
   std::vector<double> force;                   // N, at each depth, held
   for (const double depth : {0.009, 0.014}) {  // m; the ball starts 1 mm above it
-    const double from = model.tool_start.position.z() - command.tool_target.position.z();
+    const double from = model.tools.first().start.pose.position.z() - command.tools[0].pose.position.z();
     for (int k = 1; k <= 100; ++k) {
-      command.tool_target.position.z() =
-          model.tool_start.position.z() - from - (depth - from) * std::min(1.0, k / 50.0);
+      command.tools[0].pose.position.z() =
+          model.tools.first().start.pose.position.z() - from - (depth - from) * std::min(1.0, k / 50.0);
       report = tick(model, state, command, workspace);
       if (k % 10 == 0) least = std::min(least, airBelow(model, state));
     }
@@ -146,8 +146,8 @@ TEST_CASE("A flap that is pressed down rests on its own body, and lifts off agai
   }
   CHECK(force[1] > 3 * force[0]);  // without what is below it, 1.6 times: twice as far bent
   CHECK(least > -1e-5);
-  command.tool_target = model.tool_start;
-  command.tool_target.position.z() += 0.01;
+  command.tools[0].pose = model.tools.first().start.pose;
+  command.tools[0].pose.position.z() += 0.01;
   // It creeps back, at w^2 / damping with w its slowest frequency, 1.1 1/s: finer clouds do, too.
   const auto bent = [&](int ticks) {
     for (int k = 0; k < ticks; ++k) report = tick(model, state, command, workspace);
@@ -163,7 +163,7 @@ TEST_CASE("Looking at what moved finds what looking at all of the skin does", "[
   State moved = initialState(model), all = moved;
   Workspace workspace(model, 1);
   Command command;
-  command.tool_target = model.tool_start;
+  command.tools[0].pose = model.tools.first().start.pose;
   StepReport report;
   // Vertices that carry force, with the face.
   const auto touching = [](const State& state) {
@@ -174,7 +174,7 @@ TEST_CASE("Looking at what moved finds what looking at all of the skin does", "[
   };
   bool spared = false;  // some regions were not looked at while others were
   for (int k = 1; k <= 60; ++k) {
-    command.tool_target.position.z() = model.tool_start.position.z() - 0.015 * std::min(1.0, k / 40.0);
+    command.tools[0].pose.position.z() = model.tools.first().start.pose.position.z() - 0.015 * std::min(1.0, k / 40.0);
     report = tick(model, moved, command, workspace);
     const auto& unseen = moved.skins.unseen;
     spared |= !moved.skins.calm && std::count(unseen.begin(), unseen.end(), 0.0F) < static_cast<int>(unseen.size());
@@ -223,8 +223,8 @@ TEST_CASE("Two balls meet as Hertz says", "[simulation][skin_contact][whole]") {
   scene.further_organs[0].organ_angle = M_PI;
   scene.further_organs[0].organ_position = Vec3(0, 0, 2 * R + gap);
   scene.materials[0].material.set("poisson", 0.3);
-  scene.tool_position = Vec3(0, 0, 0.2);
-  scene.tool.radius = 0.004;  // edges of the skin are by that
+  scene.tools[0].position = Vec3(0, 0, 0.2);
+  scene.tools[0].shape.radius = 0.004;  // edges of the skin are by that
   scene.refine.push_back({Vec3(0, 0, R), 0.35 * R, 0.0022, 0, {}});
   addBoundary(scene, 0, Vec3::Zero(), Vec3::UnitZ(), {true, true, true});
   addBoundary(scene, 1, Vec3(0, 0, 2 * R + gap), Vec3::UnitZ(), {true, true, true}, gap + closing);
@@ -256,7 +256,7 @@ TEST_CASE("Organs in contact have the same bits on any number of threads, as sav
 
   Workspace workspace(model, 1);
   Command command;
-  command.tool_target = model.tool_start;
+  command.tools[0].pose = model.tools.first().start.pose;
   tick(model, one, command, workspace);
   std::fill(one.skins.unseen.begin(), one.skins.unseen.end(), 1e3F);  // a look at all vertices
   if (test::guardAvailable()) test::startGuard();
@@ -294,7 +294,7 @@ TEST_CASE("An organ that is struck at the tool's highest speed is not passed thr
   State state = initialState(model);
   Workspace workspace(model, 1);
   Command command;
-  command.tool_target = model.tool_start;
+  command.tools[0].pose = model.tools.first().start.pose;
   double deepest = 1;
   for (int k = 0; k < 130; ++k) {
     const StepReport report = tick(model, state, command, workspace);

@@ -3,10 +3,10 @@
 #include <cstring>
 
 #include "base/build_info.h"
+#include "batch/static_solver.h"
 #include "io/csv_table.h"
-#include "simulation/static_solver.h"
-#include "simulation/step.h"
-#include "simulation/workspace.h"
+#include "step/step.h"
+#include "step/workspace.h"
 #include "support/small_scene.h"
 
 using namespace palpate;
@@ -228,7 +228,7 @@ TEST_CASE("A tool pressed statically has the real-time loop's force at rest", "[
   const Model model = blockModel();
   constexpr double depth = 0.003;
   StaticSolver solver(model, 1, 1e-4);
-  const Equilibrium e = solver.advanceTo(1, toolAt(model, model.first_contact_travel + depth));
+  const Equilibrium e = solver.advanceTo(1, toolAt(model, model.tools.first().first_contact_travel + depth));
   REQUIRE(e.converged);
 
   State state = initialState(model);
@@ -236,8 +236,8 @@ TEST_CASE("A tool pressed statically has the real-time loop's force at rest", "[
   Command command;
   StepReport report;
   for (int k = 1; k <= 1000; ++k) {  // 1 s down, 1 s to come to rest
-    command.tool_target =
-        toolAt(model, (model.first_contact_travel + depth) * LoadCurve{}.at(k / model.scene.rate_hz, 1.0));
+    command.tools[0].pose = toolAt(
+        model, (model.tools.first().first_contact_travel + depth) * LoadCurve{}.at(k / model.scene.rate_hz, 1.0));
     report = tick(model, state, command, workspace);
     REQUIRE(report.flags == 0);
   }
@@ -250,15 +250,15 @@ TEST_CASE("A tool pressed statically has the real-time loop's force at rest", "[
 TEST_CASE("Where a tool only just touches, zero is an equilibrium", "[static_solver][contact][whole]") {
   const Model model = blockModel();
   // The travel at which the sphere meets its first skin vertex, |v - c| = R.
-  const double R = model.scene.tool.radius;
+  const double R = model.scene.tools[0].shape.radius;
   double touch = 1;
   for (const Vec3& v : model.skin.surface.vertices) {
-    const Vec3 from_axis = v - model.tool_start.position;
+    const Vec3 from_axis = v - model.tools.first().start.pose.position;
     const double r2 = from_axis.head<2>().squaredNorm();
     if (r2 < R * R) touch = std::min(touch, -from_axis.z() - std::sqrt(R * R - r2) + R);
   }
-  REQUIRE(touch > model.first_contact_travel);
-  REQUIRE(touch < model.first_contact_travel + 1e-3);
+  REQUIRE(touch > model.tools.first().first_contact_travel);
+  REQUIRE(touch < model.tools.first().first_contact_travel + 1e-3);
   double largest = 0;
   for (const double deeper : {-1e-6, 0.0, 1e-15, 1e-13, 1e-12, 1e-9})
     for (const double tolerance : {1e-3, 1e-6}) {

@@ -1,8 +1,8 @@
 #include <catch2/catch.hpp>
 
-#include "simulation/model_hash.h"
-#include "simulation/step.h"
-#include "simulation/workspace.h"
+#include "model/model_hash.h"
+#include "step/step.h"
+#include "step/workspace.h"
 #include "support/small_scene.h"
 
 using namespace palpate;
@@ -17,14 +17,14 @@ namespace {
 /// Calls each(report, k) per tick.
 template <class Each>
 StepReport press(const Model& model, State& state, Workspace& workspace, double depth, double hold, Each&& each) {
-  const double travel = model.first_contact_travel + depth;
+  const double travel = model.tools.first().first_contact_travel + depth;
   const double seconds = 1.875 * travel / 0.01;  // the 3-4-5 polynomial's top speed is 1.875 of its mean
   const int moving = static_cast<int>(seconds * model.scene.rate_hz);
   const int ticks = moving + static_cast<int>(hold * model.scene.rate_hz);
   StepReport report;
   Command command;
   for (int k = 1; k <= ticks; ++k) {
-    command.tool_target = toolAt(model, travel * LoadCurve{}.at(k / model.scene.rate_hz, seconds));
+    command.tools[0].pose = toolAt(model, travel * LoadCurve{}.at(k / model.scene.rate_hz, seconds));
     report = tick(model, state, command, workspace);
     each(report, k);
   }
@@ -38,7 +38,7 @@ TEST_CASE("At rest nothing moves, not even by rounding", "[step]") {
   State state = initialState(model);
   Workspace workspace(model, 1);
   Command command;
-  command.tool_target = model.tool_start;
+  command.tools[0].pose = model.tools.first().start.pose;
   for (int k = 0; k < 50; ++k) {
     const auto report = tick(model, state, command, workspace);
     REQUIRE(report.flags == 0);
@@ -61,7 +61,7 @@ TEST_CASE("A pressed block holds its base, balances its forces and keeps its vol
   CHECK(report.tool_force.z() > 0.01);
   // The reaction of the fixed nodes carries what the tool applies (issue: within 1 %).
   CHECK((report.tool_force - report.base_reaction).norm() < 0.01 * report.tool_force.norm());
-  CHECK(report.max_penetration < 0.02 * model.scene.tool.radius);
+  CHECK(report.max_penetration < 0.02 * model.scene.tools[0].shape.radius);
   CHECK(report.min_J > 0.5);
   CHECK(largest_change < 0.05 * peak);
 
@@ -110,7 +110,7 @@ TEST_CASE("Released tissue comes back to rest where it was", "[step][whole]") {
   Workspace workspace(model, 1);
   press(model, state, workspace, 0.004, 0.2, [](const StepReport&, int) {});
   Command command;
-  command.tool_target = model.tool_start;
+  command.tools[0].pose = model.tools.first().start.pose;
   StepReport report;
   for (int k = 0; k < 1500; ++k) report = tick(model, state, command, workspace);
   double largest = 0;
@@ -123,7 +123,7 @@ TEST_CASE("Dragging with friction pulls the tissue along; without, it slides und
   double sideways[2];
   for (const bool rough : {false, true}) {
     Scene scene = blockScene();
-    scene.friction = rough ? 0.5 : 0;
+    scene.tools[0].friction = rough ? 0.5 : 0;
     const Model model = blockModel(scene);
     State state = initialState(model);
     Workspace workspace(model, 1);
@@ -131,7 +131,7 @@ TEST_CASE("Dragging with friction pulls the tissue along; without, it slides und
     StepReport report;
     Command command;
     for (int k = 1; k <= 250; ++k) {
-      command.tool_target = toolAt(model, model.first_contact_travel + 0.003, 0.01 * k / 500.0);
+      command.tools[0].pose = toolAt(model, model.tools.first().first_contact_travel + 0.003, 0.01 * k / 500.0);
       report = tick(model, state, command, workspace);
       REQUIRE(report.flags == 0);
     }
@@ -147,7 +147,7 @@ TEST_CASE("Pulling a skin vertex brings it towards the pointer", "[step]") {
   State state = initialState(model);
   Workspace workspace(model, 1);
   Command command;
-  command.tool_target = model.tool_start;
+  command.tools[0].pose = model.tools.first().start.pose;
   // The top vertex nearest to a corner region away from the tool.
   int v = 0;
   for (int k = 0; k < static_cast<int>(model.skin.surface.vertices.size()); ++k)
@@ -173,21 +173,22 @@ TEST_CASE("A tool that is commanded across the room arrives at its own speed", "
   State state = initialState(model);
   Workspace workspace(model, 1);
   Command command;
-  command.tool_target = toolAt(model, 0, 1.0);
-  const Vec3 start = state.tool_pose.position;
+  command.tools[0].pose = toolAt(model, 0, 1.0);
+  const Vec3 start = state.tool[0].pose.position;
   for (int k = 0; k < 10; ++k) tick(model, state, command, workspace);
-  CHECK((state.tool_pose.position - start).norm() == Approx(10 * model.scene.tool_max_speed / model.scene.rate_hz));
+  CHECK((state.tool[0].pose.position - start).norm() ==
+        Approx(10 * model.scene.tools[0].max_speed / model.scene.rate_hz));
 }
 
 TEST_CASE("No pose of the tool makes a number that is not finite", "[step][contact]") {
   Scene scene = blockScene();
-  scene.tool_max_speed = 1.0;
+  scene.tools[0].max_speed = 1.0;
   const Model model = blockModel(scene);
   for (const double depth : {0.005, 0.02, 0.05}) {  // the last one passes through the whole block
     State state = initialState(model);
     Workspace workspace(model, 1);
     Command command;
-    command.tool_target = toolAt(model, model.first_contact_travel + depth);
+    command.tools[0].pose = toolAt(model, model.tools.first().first_contact_travel + depth);
     std::uint32_t flags = 0;
     for (int k = 0; k < 100; ++k) flags |= tick(model, state, command, workspace).flags;
     bool finite = true;
@@ -206,7 +207,7 @@ TEST_CASE("A tick ends with the step in which the tissue is lost", "[step]") {
   Workspace workspace(model, 1);
   State state = initialState(model);
   Command command;
-  command.tool_target = toolAt(model, 0.005);
+  command.tools[0].pose = toolAt(model, 0.005);
   StepReport report;
   std::int64_t before = 0;
   for (int k = 0; k < 1000 && (report.flags & kBlowUp) == 0; ++k) {
@@ -236,7 +237,7 @@ TEST_CASE("What the imposed nodes have crept away is taken back", "[step][whole]
   };
   REQUIRE(largestAtBase() == Approx(1e-6).epsilon(1e-3));
   Command command;
-  command.tool_target = model.tool_start;
+  command.tools[0].pose = model.tools.first().start.pose;
   for (int k = 0; k < 200; ++k) tick(model, state, command, workspace);
   CHECK(largestAtBase() < 1e-11);  // a tenth a tick, down to the roundings of a micrometre
   for (int k = 0; k < 2000; ++k) tick(model, state, command, workspace);
@@ -247,7 +248,7 @@ TEST_CASE("What the imposed nodes have crept away is taken back", "[step][whole]
 TEST_CASE("Added mass leaves the force at rest as it is", "[step][mass_scaling][whole]") {
   Scene scene = blockScene();
   scene.rate_hz = 200;
-  scene.tool_max_speed = 0.1;  // else the contact asks for short steps
+  scene.tools[0].max_speed = 0.1;  // else the contact asks for short steps
   double force[2];
   for (const bool scaled : {false, true}) {
     scene.mass_scaling = scaled ? 10 : 0;

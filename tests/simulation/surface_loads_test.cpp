@@ -2,14 +2,14 @@
 #include <cmath>
 #include <numbers>
 
+#include "batch/sensitivity.h"
+#include "batch/static_solver.h"
+#include "batch/transient_solver.h"
 #include "discretization/surface/surface_geometry.h"
-#include "simulation/model_hash.h"
-#include "simulation/sensitivity.h"
-#include "simulation/static_solver.h"
-#include "simulation/step.h"
-#include "simulation/transient_solver.h"
-#include "simulation/trust.h"
-#include "simulation/workspace.h"
+#include "model/model_hash.h"
+#include "step/step.h"
+#include "step/trust.h"
+#include "step/workspace.h"
 #include "support/realtime_guard.h"
 #include "support/small_scene.h"
 #include "support/temp_folder.h"
@@ -61,7 +61,7 @@ Scene rollers(const LoadSpec& load, bool confined = false, double poisson = 0.45
   if (confined)
     for (int c = 0; c < 2; ++c) scene.boundaries.push_back(roller(half * Vec3::Unit(c), c));
   scene.loads = {load};
-  scene.tool_position = Vec3(0, 0, 0.2);
+  scene.tools[0].position = Vec3(0, 0, 0.2);
   return scene;
 }
 
@@ -136,7 +136,7 @@ double volumeAt(const Model& model, const AlignedVector<Double4>& u) {
 /// The loop's ticks for a time, the tool far away.
 StepReport run(const Model& model, State& state, Workspace& workspace, double seconds) {
   Command command;
-  command.tool_target = model.tool_start;
+  command.tools[0].pose = model.tools.first().start.pose;
   StepReport report;
   for (int k = 0; k < seconds * model.scene.rate_hz; ++k) {
     report = tick(model, state, command, workspace);
@@ -295,7 +295,7 @@ TEST_CASE("A step under loads allocates and locks nothing", "[simulation][load]"
   State state = initialState(model);
   Workspace workspace(model, 1);
   Command command;
-  command.tool_target = model.tool_start;
+  command.tools[0].pose = model.tools.first().start.pose;
   tick(model, state, command, workspace);
   test::startGuard();
   tick(model, state, command, workspace);
@@ -327,7 +327,7 @@ TEST_CASE("The error to expect of a tool's force is not thinned by what loads st
     Workspace workspace(model, 1);
     run(model, state, workspace, 0.5);
     Command command;
-    command.tool_target = test::toolAt(model, model.first_contact_travel + 0.005);
+    command.tools[0].pose = test::toolAt(model, model.tools.first().first_contact_travel + 0.005);
     StepReport report;
     for (int k = 0; k < 300; ++k) report = tick(model, state, command, workspace);
     REQUIRE(report.isTouched());

@@ -1,4 +1,4 @@
-#include "simulation/tick_cost.h"
+#include "setup/tick_cost.h"
 
 #include <catch2/catch.hpp>
 

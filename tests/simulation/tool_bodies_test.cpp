@@ -1,14 +1,14 @@
 // Several tools at once, and jaws.
 
-#include "simulation/tool_bodies.h"
+#include "step/tool_bodies.h"
 
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "simulation/model_hash.h"
-#include "simulation/step.h"
-#include "simulation/workspace.h"
+#include "model/model_hash.h"
+#include "step/step.h"
+#include "step/workspace.h"
 #include "support/squeezed_scene.h"
 #include "support/strip_scene.h"
 #include "support/temp_folder.h"
@@ -41,7 +41,7 @@ TEST_CASE("Two fingers that squeeze a block feel equal and opposite forces", "[t
   for (int k = 1; k <= press + hold; ++k) {
     Command command = restCommand(model);
     const double share = std::min(1.0, double(k) / press);
-    command.tool_target.position.x() -= 0.003 + 0.008 * share;
+    command.tools[0].pose.position.x() -= 0.003 + 0.008 * share;
     command.tools[1].pose.position.x() += 0.003;
     alone = tick(model, one, command, workspace);
   }
@@ -69,7 +69,7 @@ TEST_CASE("Jaws that lift a strip carry its weight and do not lose it", "[tools]
   for (int k = 1; k <= end; ++k) {
     Command command = restCommand(model);
     const ToolPosture jaws = graspAndLift(model, k / rate);
-    command.tool_target = jaws.pose;
+    command.tools[0].pose = jaws.pose;
     command.tools[0].opening = jaws.opening;
     report = tick(model, state, command, workspace);
     flags |= report.flags;
@@ -87,7 +87,7 @@ TEST_CASE("Jaws that lift a strip carry its weight and do not lose it", "[tools]
   CHECK(0.8 * 2 * pinch / samples > weight);  // what friction can hold at this pinch
   CHECK(std::abs(top() - height) < 1e-4);     // it does not slip out
   CHECK(height > 0.024 + 0.008);              // lifted by 10 mm, less what it hangs down
-  CHECK(state.more.opening == Approx(0.005));
+  CHECK(state.tool[0].opening == Approx(0.005));
 }
 
 TEST_CASE("Several tools have the same bits on any number of threads", "[tools][whole]") {
@@ -100,7 +100,7 @@ TEST_CASE("Several tools have the same bits on any number of threads", "[tools][
     for (int k = 1; k <= 60; ++k) {
       Command command = restCommand(model);
       const ToolPosture jaws = graspAndLift(model, 0.3 + k / model.scene.rate_hz);
-      command.tool_target = jaws.pose;
+      command.tools[0].pose = jaws.pose;
       command.tools[0].opening = jaws.opening;
       tick(model, state, command, workspace);
     }
@@ -114,13 +114,13 @@ TEST_CASE("The state's hash has the further tools' poses, openings and contacts"
   const Model model = stripModel();
   State state = initialState(model);
   const std::uint64_t rest = stateHash(model, state);
-  state.more.opening += 1e-9;
+  state.tool[0].opening += 1e-9;
   CHECK(stateHash(model, state) != rest);
   state = initialState(model);
-  state.more.posture[0].pose.position.x() += 1e-9;
+  state.tool[1].pose.position.x() += 1e-9;
   CHECK(stateHash(model, state) != rest);
   state = initialState(model);
-  state.more.contact[1].count = 1;
+  state.contact[2].count = 1;
   CHECK(stateHash(model, state) != rest);
 }
 
@@ -134,10 +134,10 @@ TEST_CASE("A finger stands half the opening and its radius beside the middle of 
 
 TEST_CASE("A tool that starts in the organ is told by its number", "[tools][whole]") {
   Scene scene = stripScene();
-  scene.further_tools[0].position.z() = 0.005;
+  scene.tools[1].position.z() = 0.005;
   CHECK_THAT(refusal([&] { stripModel(scene); }), Catch::Contains("tool 2 starts inside the organ"));
   scene = stripScene();
-  scene.tool_opening = 0.006;
+  scene.tools[0].opening = 0.006;
   CHECK_THAT(refusal([&] { stripModel(scene); }),
              Catch::Contains("tool 1 starts inside the organ") && Catch::Contains("opening"));
 }

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 
-#include "simulation/model_hash.h"
-#include "simulation/step.h"
-#include "simulation/tool_bodies.h"
-#include "simulation/workspace.h"
+#include "model/model_hash.h"
+#include "step/step.h"
+#include "step/tool_bodies.h"
+#include "step/workspace.h"
 #include "support/small_scene.h"
 #include "support/strip_scene.h"
 
@@ -17,7 +17,7 @@ namespace {
 
 /// A blow at 0.5 m/s, 12 mm deep, a stay there, and out again.
 Pose blowAt(const Model& model, int tick) {
-  const double deepest = model.first_contact_travel + 0.012, step = 0.5 / model.scene.rate_hz;
+  const double deepest = model.tools.first().first_contact_travel + 0.012, step = 0.5 / model.scene.rate_hz;
   const int down = static_cast<int>(deepest / step), out = down + 50;
   return toolAt(model, tick <= out ? std::min(deepest, tick * step) : std::max(0.0, deepest - (tick - out) * step));
 }
@@ -37,15 +37,17 @@ Outcome strike(const Model& model, int ticks = 140) {
   Outcome outcome;
   Command command;
   for (int k = 1; k <= ticks; ++k) {
-    command.tool_target = blowAt(model, k);
-    const double force = tick(model, state, command, workspace).tool_force.norm(), limit = model.max_tool_force;
+    command.tools[0].pose = blowAt(model, k);
+    const double force = tick(model, state, command, workspace).tool_force.norm(),
+                 limit = model.tools.first().max_force;
     outcome.peak = std::max(outcome.peak, force);
     outcome.above += limit > 0 && force > 1.0001 * limit;
     outcome.near_limit += limit > 0 && force > 0.8 * limit && force <= 1.0001 * limit;
-    outcome.deepest = std::max(outcome.deepest, model.tool_start.position.z() - state.tool_pose.position.z());
+    outcome.deepest =
+        std::max(outcome.deepest, model.tools.first().start.pose.position.z() - state.tool[0].pose.position.z());
   }
   outcome.hash = stateHash(model, state);
-  outcome.end = state.tool_pose.position;
+  outcome.end = state.tool[0].pose.position;
   return outcome;
 }
 
@@ -53,11 +55,11 @@ Outcome strike(const Model& model, int ticks = 140) {
 
 TEST_CASE("No tick of a blow has more than the tool's max_force", "[yielding]") {
   Model model = blockModel();
-  model.max_tool_force = 0;
+  model.tools.first().max_force = 0;
   const Outcome stiff = strike(model);
-  model.max_tool_force = 0.4 * stiff.peak;
+  model.tools.first().max_force = 0.4 * stiff.peak;
   const Outcome held = strike(model);
-  INFO("peak " << stiff.peak << " N, held to " << held.peak << " of " << model.max_tool_force << " N in "
+  INFO("peak " << stiff.peak << " N, held to " << held.peak << " of " << model.tools.first().max_force << " N in "
                << held.near_limit << " ticks");
   CHECK(held.above == 0);
   CHECK(held.near_limit > 3);  // a hand at its limit, not one that lets go
@@ -68,9 +70,9 @@ TEST_CASE("No tick of a blow has more than the tool's max_force", "[yielding]") 
 
 TEST_CASE("A limit that is not nearly reached changes no bit", "[yielding]") {
   Model model = blockModel();
-  model.max_tool_force = 0;
+  model.tools.first().max_force = 0;
   const Outcome free = strike(model);
-  model.max_tool_force = 1.06 * free.peak;
+  model.tools.first().max_force = 1.06 * free.peak;
   const Outcome limited = strike(model);
   CHECK(limited.hash == free.hash);
   CHECK(limited.peak == free.peak);
@@ -89,7 +91,7 @@ TEST_CASE("Jaws open where the pinch would be above their grip force", "[yieldin
       command.tools[0].opening = std::max(0.004, 0.012 - 3e-4 * k);
       peak = std::max(peak, tick(limited, state, command, workspace).loads[0].pinch);
     }
-    return std::pair{peak, state.more.opening};
+    return std::pair{peak, state.tool[0].opening};
   };
   const auto [free_peak, closed] = pinch(0);
   const auto [peak, opening] = pinch(0.5 * free_peak);

@@ -1,10 +1,10 @@
 #include <catch2/catch.hpp>
 #include <cstring>
 
-#include "simulation/solution_fields.h"
-#include "simulation/step.h"
-#include "simulation/transient_solver.h"
-#include "simulation/workspace.h"
+#include "batch/transient_solver.h"
+#include "model/solution_fields.h"
+#include "step/step.h"
+#include "step/workspace.h"
 #include "support/small_scene.h"
 
 using namespace palpate;
@@ -46,7 +46,7 @@ TEST_CASE("The motion in double is that of the real-time loop in float", "[trans
   State state = initialState(model);
   Workspace workspace(model, 1);
   Command command;
-  command.tool_target = toolAt(model, -0.05);
+  command.tools[0].pose = toolAt(model, -0.05);
   for (int k = 0; k < 100; ++k) {
     REQUIRE(tick(model, state, command, workspace).flags == 0);
     REQUIRE(solver.tick().finite);
@@ -68,10 +68,10 @@ TEST_CASE("Under a tool, too, double and float go the same way", "[transient_sol
   StepReport report;
   BatchBody::Report batch;
   for (int k = 1; k <= 100; ++k) {
-    command.tool_target = toolAt(model, (model.first_contact_travel + 0.003) * LoadCurve{}.at(k, 100));
+    command.tools[0].pose = toolAt(model, (model.tools.first().first_contact_travel + 0.003) * LoadCurve{}.at(k, 100));
     report = tick(model, state, command, workspace);
     REQUIRE(report.flags == 0);
-    batch = solver.tick(command.tool_target);
+    batch = solver.tick(command.tools[0].pose);
     REQUIRE(batch.finite);
   }
   INFO("difference " << difference(state, solver.body()) << " of " << largest(state) << "; forces "

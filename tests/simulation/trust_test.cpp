@@ -1,4 +1,4 @@
-#include "simulation/trust.h"
+#include "step/trust.h"
 
 #include <algorithm>
 #include <array>
@@ -8,9 +8,9 @@
 #include "contact/tools/tool_list.h"
 #include "mechanics/bounded_pressure.h"
 #include "mechanics/internal_forces.h"
-#include "simulation/follow_stiffness.h"
-#include "simulation/step.h"
-#include "simulation/workspace.h"
+#include "step/follow_stiffness.h"
+#include "step/step.h"
+#include "step/workspace.h"
 #include "support/small_scene.h"
 
 using namespace palpate;
@@ -33,7 +33,7 @@ Watched press(const Model& model, double depth, double seconds) {
   for (int k = 0; k < ticks; ++k) {
     const double s = std::min(1.0, 2.0 * k / ticks);
     Command command;
-    command.tool_target = toolAt(model, model.first_contact_travel + depth * s * s * (3 - 2 * s));
+    command.tools[0].pose = toolAt(model, model.tools.first().first_contact_travel + depth * s * s * (3 - 2 * s));
     const StepReport report = tick(model, state, command, workspace);
     watched.worst_energy_error = std::max(watched.worst_energy_error, report.energy_error);
     watched.worst_step_share = std::max(watched.worst_step_share, report.step_share);
@@ -54,7 +54,7 @@ Watched press(const Model& model, double depth, double seconds) {
 
 TEST_CASE("The error that mass added for longer steps makes in fast motion is expected", "[trust][whole]") {
   Scene own = blockScene(0.008);
-  own.tool_max_speed = 0.5;
+  own.tools[0].max_speed = 0.5;
   Scene slowed = own;
   slowed.time_step = 1 / own.rate_hz;  // which the body's own mass is not stable with
   slowed.mass_scaling = 10;
@@ -74,7 +74,8 @@ TEST_CASE("The error that mass added for longer steps makes in fast motion is ex
     for (int k = 0; k <= ticks; ++k) {
       const double s = std::sin(M_PI * k / ticks);
       Command command;
-      command.tool_target = toolAt(with, with.first_contact_travel + own.tool.radius / 3 * s * s);
+      command.tools[0].pose =
+          toolAt(with, with.tools.first().first_contact_travel + own.tools[0].shape.radius / 3 * s * s);
       const StepReport report = tick(with, state_a, command, a);
       const StepReport right = tick(without, state_b, command, b);
       sum += (report.tool_force - right.tool_force).squaredNorm();
@@ -104,18 +105,18 @@ TEST_CASE("A plain indentation is trusted from the first tick to the last", "[tr
 TEST_CASE("A first touch is no energy of nothing, however fast", "[trust][whole]") {
   for (const ToolKind kind : {ToolKind::Sphere, ToolKind::FlatCylinder}) {
     Scene scene = blockScene();
-    scene.tool.kind = kind;
-    scene.tool_max_speed = 2;
+    scene.tools[0].shape.kind = kind;
+    scene.tools[0].max_speed = 2;
     const Model model = blockModel(scene);
     Workspace workspace(model, 1);
     for (const double speed : {0.05, 0.1, 0.2, 0.5, 1.0, 2.0}) {
       State state = initialState(model);
-      state.tool_pose = toolAt(model, model.first_contact_travel - 1e-6);
+      state.tool[0].pose = toolAt(model, model.tools.first().first_contact_travel - 1e-6);
       double worst = 0, force = 0;
       for (int k = 1; k <= 20; ++k) {
         Command command;
-        command.tool_target =
-            toolAt(model, model.first_contact_travel + std::min(0.003, speed * k / model.scene.rate_hz));
+        command.tools[0].pose =
+            toolAt(model, model.tools.first().first_contact_travel + std::min(0.003, speed * k / model.scene.rate_hz));
         const StepReport report = tick(model, state, command, workspace);
         worst = std::max(worst, report.energy_error);
         force = std::max(force, report.tool_force.norm());
@@ -137,7 +138,7 @@ TEST_CASE("The strain energy is that of the double reference, and the work done 
     StepReport report;
     for (int k = 1; k <= 200; ++k) {
       Command command;
-      command.tool_target = toolAt(model, model.first_contact_travel + 0.004 * k / 200);
+      command.tools[0].pose = toolAt(model, model.tools.first().first_contact_travel + 0.004 * k / 200);
       // Of the state that the last step began with.
       std::vector<Vec3> u;
       for (const auto& a : state.u) u.push_back(toVec3(a));
@@ -167,7 +168,7 @@ TEST_CASE("The pressure that is doubted is the one under the tool, of which the 
     std::vector<Vec3> u;  // that the last step began with
     for (int k = 1; k <= 300; ++k) {
       Command command;
-      command.tool_target = toolAt(model, model.first_contact_travel + 0.012 * k / 300);
+      command.tools[0].pose = toolAt(model, model.tools.first().first_contact_travel + 0.012 * k / 300);
       u.clear();
       for (const auto& a : state.u) u.push_back(toVec3(a));
       report = tick(model, state, command, workspace);
@@ -218,7 +219,7 @@ TEST_CASE("Energy that comes from nowhere is seen without knowing the stable ste
   Workspace workspace(model, 1);
   State state = initialState(model);
   Command command;
-  command.tool_target = model.tool_start;
+  command.tools[0].pose = model.tools.first().start.pose;
   state.du[static_cast<std::size_t>(model.nodeCount() / 2)].z = 1e-6F;  // a nudge
   int doubted = -1, lost = -1;
   for (int k = 0; k < 4000 && lost < 0; ++k) {
@@ -252,7 +253,7 @@ TEST_CASE("The share of the stable step follows the squeeze of the volume", "[tr
 
 TEST_CASE("Each doubt has its words, and the gravest is told", "[trust]") {
   Model model;
-  model.scene.tool.radius = 0.01;
+  model.scene.tools[0].shape.radius = 0.01;
   StepReport report;
   report.nearly_incompressible = true;
   report.min_J = 0.4F;

@@ -5,8 +5,8 @@
 #include <map>
 #include <utility>
 
+#include "model/model.h"
 #include "realtime/channels/snapshot.h"
-#include "simulation/model.h"
 
 namespace palpate {
 
@@ -46,7 +46,7 @@ inline ShapeTable shepardShape(const std::vector<Vec3>& nodes, double reach, con
 /// nodes imposed. Nothing here can be stepped.
 inline Model handMadeModel(TriangleSurface surface, double spacing, const ToolShape& tool, double node_reach = 1) {
   Model model;
-  model.scene.tool = tool;
+  model.tools.body[0].shape = model.scene.tools[0].shape = tool;
   Eigen::AlignedBox3d box;
   for (const Vec3& X : surface.vertices) box.extend(X);
   const Vec3 low = box.min() - Vec3::Constant(0.5 * spacing);
@@ -110,7 +110,9 @@ inline TriangleSurface ellipsoidSurface(const Vec3& semi_axes, int subdivisions)
 inline Snapshot restSnapshot(const Model& model, const Vec3& tip) {
   Snapshot snapshot;
   snapshot.u.assign(model.X.size(), Float4{});
-  snapshot.tool_pose.position = tip;
+  ToolPosture tool;
+  tool.pose.position = tip;
+  snapshot.tools.set(0, tool, {});
   return snapshot;
 }
 

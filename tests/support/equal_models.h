@@ -3,7 +3,7 @@
 #include <catch2/catch.hpp>
 #include <cstring>
 
-#include "simulation/build_model.h"
+#include "setup/build_model.h"
 
 namespace palpate::test {
 
@@ -68,13 +68,13 @@ inline void requireSameModel(const Model& a, const Model& b) {
   const auto numbers = [](const Model& m) {
     return std::vector<double>{m.surface_volume,
                                m.cell_volume,
-                               m.first_contact_travel,
+                               m.tools.first().first_contact_travel,
                                m.dt,
                                m.dt_critical,
                                m.dt_proven,
                                static_cast<double>(m.substeps_per_tick),
                                m.max_increment,
-                               m.max_tool_force,
+                               m.tools.tool[0].max_force,
                                m.skin.bulk_stiffness};
   };
   requireSameBits("numbers", numbers(a), numbers(b));

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "discretization/surface/solids.h"
-#include "simulation/build_model.h"
+#include "setup/build_model.h"
 
 namespace palpate::test {
 
@@ -21,18 +21,18 @@ inline Scene blockScene(double spacing = 0.012) {
   base.region.distance = 1e-6;
   scene.boundaries.push_back(base);
   scene.damping = 60;
-  scene.tool.radius = 0.01;
-  scene.tool_position = Vec3(0, 0, 0.032);
+  scene.tools[0].shape.radius = 0.01;
+  scene.tools[0].position = Vec3(0, 0, 0.032);
   return scene;
 }
 
-/// A bar of 160 x 50 x 30 mm on a fixed base under a ball of 8 mm: one that a cloud can follow (simulation/place.h).
+/// A bar of 160 x 50 x 30 mm on a fixed base under a ball of 8 mm: one that a cloud can follow (setup/place.h).
 inline Scene barScene() {
   Scene scene = blockScene();
   scene.size = Vec3(0.16, 0.05, 0.03);
   scene.materials[0].material.set("poisson", 0.45);
   scene.quadrature.cells_per_point = 1.32;
-  scene.tool.radius = 0.008;
+  scene.tools[0].shape.radius = 0.008;
   return scene;
 }
 
@@ -45,7 +45,7 @@ inline Model blockModel(const Scene& scene = blockScene()) { return buildModel(s
 
 /// The tool's start pose moved by `travel` along its axis and `slide` in x.
 inline Pose toolAt(const Model& model, double travel, double slide = 0) {
-  Pose pose = model.tool_start;
+  Pose pose = model.tools.first().start.pose;
   pose.position += travel * (pose.orientation * -Vec3::UnitZ()) + slide * Vec3::UnitX();
   return pose;
 }

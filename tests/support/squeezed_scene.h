@@ -1,6 +1,6 @@
 #pragma once
 
-#include "simulation/tool_bodies.h"
+#include "step/tool_bodies.h"
 #include "support/small_scene.h"
 
 namespace palpate::test {
@@ -10,23 +10,23 @@ inline Scene squeezedScene() {
   Scene scene = blockScene(0.0075);
   scene.size = Vec3(0.03, 0.03, 0.03);
   scene.boundaries[0].component[0] = false;
-  scene.tool.radius = 0.007;
-  scene.tool_position = Vec3(0.018, 0, 0.017);
-  scene.tool_direction = -Vec3::UnitX();
-  scene.friction = 0.3;
+  scene.tools[0].shape.radius = 0.007;
+  scene.tools[0].position = Vec3(0.018, 0, 0.017);
+  scene.tools[0].direction = -Vec3::UnitX();
+  scene.tools[0].friction = 0.3;
   ToolSpec other;
-  other.shape = scene.tool;
+  other.shape = scene.tools[0].shape;
   other.position = Vec3(-0.018, 0, 0.017);
   other.direction = Vec3::UnitX();
   other.friction = 0.3;
-  scene.further_tools.push_back(other);
+  scene.tools.push_back(other);
   return scene;
 }
 
 /// Both fingers `depth` m in the block.
 inline Command fingersAt(const Model& model, double depth) {
   Command command = restCommand(model);
-  command.tool_target.position.x() -= 0.003 + depth;
+  command.tools[0].pose.position.x() -= 0.003 + depth;
   command.tools[1].pose.position.x() += 0.003 + depth;
   return command;
 }

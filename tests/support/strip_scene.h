@@ -4,7 +4,7 @@
 
 #include "contact/tools/tool_list.h"
 #include "discretization/surface/solids.h"
-#include "simulation/build_model.h"
+#include "setup/build_model.h"
 
 namespace palpate::test {
 
@@ -27,17 +27,17 @@ inline Scene stripScene() {
   scene.boundaries.push_back(guide);
   scene.gravity = Vec3(0, 0, -9.81);
   scene.damping = 60;
-  scene.tool = ToolShape::of(ToolKind::Capsule, 0.004, 0.03);
-  scene.tool_position = Vec3(0, 0, 0.012);
-  scene.tool_opening = 0.012;
-  scene.tool_max_speed = 0.2;
-  scene.friction = 0.8;
+  scene.tools[0].shape = ToolShape::of(ToolKind::Capsule, 0.004, 0.03);
+  scene.tools[0].position = Vec3(0, 0, 0.012);
+  scene.tools[0].opening = 0.012;
+  scene.tools[0].max_speed = 0.2;
+  scene.tools[0].friction = 0.8;
   ToolSpec table;
   table.shape = ToolShape::of(ToolKind::FlatCylinder, 0.03, 0.01);
   table.position = Vec3(0, 0, -0.0003);
   table.direction = Vec3::UnitZ();
   table.friction = 0.5;
-  scene.further_tools.push_back(table);
+  scene.tools.push_back(table);
   return scene;
 }
 
@@ -53,7 +53,7 @@ inline double stripWeight(const Model& model) {
 /// The jaws after `seconds`: they wait for the strip to stand, close on it, and lift it by 10 mm.
 inline ToolPosture graspAndLift(const Model& model, double seconds) {
   const auto share = [&](double from, double to) { return std::clamp((seconds - from) / (to - from), 0.0, 1.0); };
-  ToolPosture jaws{model.tool_start, 0.012 - 0.007 * share(0.2, 0.5)};
+  ToolPosture jaws{model.tools.first().start.pose, 0.012 - 0.007 * share(0.2, 0.5)};
   jaws.pose.position.z() += 0.01 * share(0.6, 1.0);
   return jaws;
 }

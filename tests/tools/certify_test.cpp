@@ -5,7 +5,7 @@
 
 #include "io/load_model.h"
 #include "io/scene_file.h"
-#include "simulation/model_hash.h"
+#include "model/model_hash.h"
 #include "support/block_text.h"
 #include "support/captured_output.h"
 #include "support/small_scene.h"
@@ -25,7 +25,7 @@ TEST_CASE("A certificate's error is that against the limit of two finer clouds, 
   const double coarse = 4, fine = 1, coarser = fine * ratio * ratio;  // % too stiff, of second order in the spacing
   for (int k = 1; k <= ticks; ++k) {
     const double depth = deepest * k / ticks, truth = 100 * depth;
-    way.push_back(test::toolAt(model, model.first_contact_travel + depth));
+    way.push_back(test::toolAt(model, model.tools.first().first_contact_travel + depth));
     run.force.emplace_back(0, 0, truth * (1 + 0.01 * coarse));
     converged.run.force.emplace_back(0, 0, truth * (1 + 0.01 * fine));
     converged.coarser.force.emplace_back(0, 0, truth * (1 + 0.01 * coarser));

@@ -7,7 +7,7 @@
 #include <numbers>
 #include <sstream>
 
-#include "simulation/device_settings.h"
+#include "scene/device_settings.h"
 
 using namespace palpate;
 using namespace palpate::tools;

@@ -49,8 +49,8 @@ Scene randomScene(unsigned seed) {
   base.region.kind = Region::Kind::HalfSpace;
   base.region.point = Vec3(0, 0, 1e-6);
   scene.boundaries.push_back(base);
-  scene.tool.radius = between(0.008, 0.012);
-  scene.tool_position = Vec3(between(-0.01, 0.01), between(-0.01, 0.01), top + 0.002);
+  scene.tools[0].shape.radius = between(0.008, 0.012);
+  scene.tools[0].position = Vec3(between(-0.01, 0.01), between(-0.01, 0.01), top + 0.002);
   scene.spacing = between(0.0075, 0.009);
   scene.damping = 60;
   return scene;

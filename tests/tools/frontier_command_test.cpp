@@ -105,8 +105,8 @@ TEST_CASE("The place that a tool works on is found from its way", "[frontier]") 
   ToolTrajectory way = indentationTrajectory(model);
   const ContactRegion place = contactRegion(model, way);
   CHECK((place.centre - Vec3(0, 0, 0.03)).norm() < 0.006);
-  CHECK(place.radius >= 2 * model.scene.tool.radius);
-  CHECK(place.radius < 4 * model.scene.tool.radius);
+  CHECK(place.radius >= 2 * model.scene.tools[0].shape.radius);
+  CHECK(place.radius < 4 * model.scene.tools[0].shape.radius);
   for (auto& pose : way) pose.position.z() += 1;
   CHECK(contactRegion(model, way).radius == 0);
 }

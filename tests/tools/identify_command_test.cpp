@@ -12,8 +12,8 @@
 #include "mtled/identify/coarse_to_fine.h"
 #include "mtled/identify/force_curve.h"
 #include "mtled/identify/identify.h"
-#include "simulation/step.h"
-#include "simulation/workspace.h"
+#include "step/step.h"
+#include "step/workspace.h"
 #include "support/block_text.h"
 #include "support/captured_output.h"
 #include "support/temp_folder.h"
@@ -226,11 +226,11 @@ TEST_CASE("A curve that had not settled is doubted, and its interval reaches to 
   Workspace workspace(model, 1);
   Command command;
   std::string text = "time_s,depth_m,force_N\n";
-  const double ticks = press_seconds * model.scene.rate_hz, touch = model.first_contact_travel;
+  const double ticks = press_seconds * model.scene.rate_hz, touch = model.tools.first().first_contact_travel;
   for (int k = 1; k <= 2 * ticks; ++k) {
     const double way = k / ticks, depth = 0.004 * (way < 1 ? way : held ? 1 : 2 - way);
-    command.tool_target = model.tool_start;
-    command.tool_target.position.z() -= touch + depth;
+    command.tools[0].pose = model.tools.first().start.pose;
+    command.tools[0].pose.position.z() -= touch + depth;
     const StepReport report = tick(model, state, command, workspace);
     if (k % 5 == 0)
       text += std::to_string(k / model.scene.rate_hz) + "," + std::to_string(depth) + "," +

@@ -69,7 +69,8 @@ TEST_CASE("A damaged surface is imported as a scene that opens, with a report", 
   const SurfaceTree organ(organSurface(scene));
   CHECK(signedVolume(organ.surface()) == Approx(240e-9));
   CHECK(boundingBox(organ.surface()).center().norm() < 0.8e-3);  // half of the 1.5 mm that are lost on one side
-  CHECK(organ.signedDistance(scene.tool_position + scene.tool.radius * Vec3::UnitZ()) > scene.tool.radius);
+  CHECK(organ.signedDistance(scene.tools[0].position + scene.tools[0].shape.radius * Vec3::UnitZ()) >
+        scene.tools[0].shape.radius);
   const double node_steps = report["nodes"].get<double>() * report["steps_per_tick"].get<double>();
   CHECK(node_steps > 0.3 * node_steps_budget);
   CHECK(node_steps < 1.2 * node_steps_budget);

@@ -10,12 +10,12 @@
 #include "approximation/shape_functions.h"
 #include "base/interrupt.h"
 #include "base/key.h"
+#include "batch/static_solver.h"
 #include "io/csv_table.h"
 #include "io/load_model.h"
 #include "io/scene_file.h"
+#include "model/model_hash.h"
 #include "mtled/run/checkpoint.h"
-#include "simulation/model_hash.h"
-#include "simulation/static_solver.h"
 #include "support/block_text.h"
 #include "support/captured_output.h"
 #include "support/interrupted_child.h"
@@ -116,8 +116,8 @@ TEST_CASE("Each row says whether it can be trusted, and a strict solution fails 
   for (const char* wall : {"[0.03, 0, 0]", "[-0.03, 0, 0]", "[0, 0.03, 0]", "[0, -0.03, 0]"}) {
     const std::string at(wall);
     const bool x = at.find("[0,") != 0;
-    confined += "[[fixed]]\nshape = \"near-plane\"\npoint = " + at + "\nnormal = " +
-                (x ? "[1, 0, 0]" : "[0, 1, 0]") + "\ndistance = 1e-6\ncomponents = [\"" + (x ? "x" : "y") + "\"]\n";
+    confined += "[[fixed]]\nshape = \"near-plane\"\npoint = " + at + "\nnormal = " + (x ? "[1, 0, 0]" : "[0, 1, 0]") +
+                "\ndistance = 1e-6\ncomponents = [\"" + (x ? "x" : "y") + "\"]\n";
   }
   const Folder standard(confined), paper(replaced(confined, "spacing = 0.012", "spacing = 0.012\nscheme = \"paper\""));
   REQUIRE(solve(standard.scene, standard.out(), false, "", true) == 0);

@@ -7,9 +7,9 @@
 #include "base/build_info.h"
 #include "discretization/surface/solids.h"
 #include "mechanics/internal_forces.h"
-#include "simulation/build_model.h"
-#include "simulation/step.h"
-#include "simulation/workspace.h"
+#include "setup/build_model.h"
+#include "step/step.h"
+#include "step/workspace.h"
 
 using namespace palpate;
 
@@ -56,8 +56,8 @@ Outcome extend(bool consistent, bool patches, double spacing = 1.43e-3) {
   scene.formulation.node_patches = patches;
   scene.materials.emplace_back();
   scene.damping = 120;
-  scene.tool.radius = 0.01;
-  scene.tool_position = Vec3(0, 0, 0.1);
+  scene.tools[0].shape.radius = 0.01;
+  scene.tools[0].position = Vec3(0, 0, 0.1);
   for (const double z : {0.0, height}) {
     BoundarySpec b;
     b.region.kind = Region::Kind::NearPlane;
@@ -73,7 +73,7 @@ Outcome extend(bool consistent, bool patches, double spacing = 1.43e-3) {
   State state = initialState(model);
   Workspace workspace(model, 1);
   Command command;
-  command.tool_target = model.tool_start;
+  command.tools[0].pose = model.tools.first().start.pose;
   for (int k = 0; k < 110; ++k) REQUIRE(tick(model, state, command, workspace).flags == 0);
 
   std::vector<Vec3> u;

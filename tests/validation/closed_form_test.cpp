@@ -3,8 +3,8 @@
 #include "approximation/shape_functions.h"
 #include "discretization/surface/solids.h"
 #include "io/load_model.h"
-#include "simulation/step.h"
-#include "simulation/workspace.h"
+#include "step/step.h"
+#include "step/workspace.h"
 
 using namespace palpate;
 
@@ -40,8 +40,8 @@ Scene layerScene(double spacing_under_sphere) {
   scene.boundaries.push_back(base);
   scene.step_safety = 0.8;
   scene.damping = 150;  // settles within 0.1 s; the static force does not depend on it
-  scene.tool.radius = 0.01;
-  scene.tool_position = Vec3(0, 0, 0.0152);
+  scene.tools[0].shape.radius = 0.01;
+  scene.tools[0].position = Vec3(0, 0, 0.0152);
   return scene;
 }
 
@@ -54,18 +54,18 @@ std::vector<double> pressLayer(double spacing_under_sphere, const std::vector<do
   std::vector<double> forces;
   double from = 0;
   for (const double depth : depths) {
-    const double to = model.first_contact_travel + depth;
+    const double to = model.tools.first().first_contact_travel + depth;
     StepReport report;
     for (int k = 1; k <= 80; ++k) {
-      command.tool_target = model.tool_start;
-      command.tool_target.position.z() -= from + (to - from) * std::min(1.0, k / 30.0);
+      command.tools[0].pose = model.tools.first().start.pose;
+      command.tools[0].pose.position.z() -= from + (to - from) * std::min(1.0, k / 30.0);
       report = tick(model, state, command, workspace);
       REQUIRE(report.flags == 0);
     }
     from = to;
     // At rest: the base carries what the sphere presses.
     CHECK(report.base_reaction.z() == Approx(report.tool_force.z()).epsilon(0.01));
-    CHECK(report.max_penetration < 0.02 * model.scene.tool.radius);
+    CHECK(report.max_penetration < 0.02 * model.scene.tools[0].shape.radius);
     forces.push_back(report.tool_force.z());
   }
   return forces;
@@ -107,7 +107,7 @@ TEST_CASE("Unconstrained compression of the cube: NRMSE of u_z beside the paper'
     scene.materials.emplace_back();
     scene.damping = 40;
     scene.rate_hz = 200;
-    scene.tool_position = Vec3(0, 0, 0.5);
+    scene.tools[0].position = Vec3(0, 0, 0.5);
     const auto plane = [&](const Vec3& point, int component) {
       BoundarySpec b;
       b.region.kind = Region::Kind::NearPlane;
@@ -127,7 +127,7 @@ TEST_CASE("Unconstrained compression of the cube: NRMSE of u_z beside the paper'
     State state = initialState(model);
     Workspace workspace(model, 1);
     Command command;
-    command.tool_target = model.tool_start;
+    command.tools[0].pose = model.tools.first().start.pose;
     for (int k = 0; k < 260; ++k) REQUIRE(tick(model, state, command, workspace).flags == 0);
 
     const Neighbours neighbours(model.X, model.support_radius);

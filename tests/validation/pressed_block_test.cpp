@@ -2,10 +2,10 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "batch/static_solver.h"
 #include "io/load_model.h"
-#include "simulation/static_solver.h"
-#include "simulation/step.h"
-#include "simulation/workspace.h"
+#include "step/step.h"
+#include "step/workspace.h"
 
 using namespace palpate;
 
@@ -23,7 +23,7 @@ Scene blockScene(double poisson, double compression, bool confined, double secon
   scene.materials.emplace_back();
   scene.materials[0].material.set("young", young);
   scene.materials[0].material.set("poisson", poisson);
-  scene.tool_position = Vec3(0, 0, 1);
+  scene.tools[0].position = Vec3(0, 0, 1);
   scene.damping = 60;
   scene.formulation.cell_volume = true;
   const auto plane = [&](const Vec3& point, int component) {
@@ -106,7 +106,7 @@ TEST_CASE("So it does in the loop, in float32", "[validation][cell_volume]") {
     State state = initialState(model);
     Workspace workspace(model, 1);
     Command command;
-    command.tool_target = model.tool_start;
+    command.tools[0].pose = model.tools.first().start.pose;
     double force = 0;
     constexpr int ticks = 150, measured = 50;
     for (int k = 0; k < ticks; ++k) {

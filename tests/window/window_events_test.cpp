@@ -145,11 +145,11 @@ TEST_CASE("A person presses, tilts, cuts open, saves, marks, undoes, submits and
        {"End, which presses", [&](Session&, Viewer&) { person->moveTo(640, 200), person->tap("End"); },
         [](Session& s, Viewer& v) { return v.hand().depth() > 0.002 && s.latest().force.force_raw.norm() > 0.01; }},
        {"Home, which lifts", [&](Session&, Viewer&) { person->tap("Home"); },
-        [](Session& s, Viewer&) { return s.latest().tool_pose.position.z() > 0.034; }},
+        [](Session& s, Viewer&) { return s.latest().toolPose().position.z() > 0.034; }},
        {"a click on Press", [&](Session&, Viewer&) { clickButton(*person, "Press"); },
         [](Session& s, Viewer& v) { return v.hand().depth() > 0.002 && s.latest().force.force_raw.norm() > 0.01; }},
        {"a click on Lift", [&](Session&, Viewer&) { clickButton(*person, "Lift"); },
-        [](Session& s, Viewer&) { return s.latest().tool_pose.position.z() > 0.034; }},
+        [](Session& s, Viewer&) { return s.latest().toolPose().position.z() > 0.034; }},
        {"E, B, which is shut during a search, and U",
         [&](Session&, Viewer&) {
           for (const char* key : {"e", "b", "u"}) person->tap(key);
@@ -164,21 +164,21 @@ TEST_CASE("A person presses, tilts, cuts open, saves, marks, undoes, submits and
         [](Session&, Viewer& v) { return v.drag() == Drag::Glide && v.hand().onSkin(); }},
        {"button up", [&](Session&, Viewer&) { person->button(1, false); },
         [&](Session& s, Viewer& v) {
-          return v.drag() == Drag::None && (s.latest().tool_pose.position - spot).norm() < 0.003;
+          return v.drag() == Drag::None && (s.latest().toolPose().position - spot).norm() < 0.003;
         }},
        {"a tap of PageDown that is shorter than a picture",
         [&](Session& s, Viewer&) {
-          before = s.latest().tool_pose.position.z();
+          before = s.latest().toolPose().position.z();
           person->tap("Next");
         },
-        [&](Session& s, Viewer&) { return s.latest().tool_pose.position.z() < before - 8e-4; }},
+        [&](Session& s, Viewer&) { return s.latest().toolPose().position.z() < before - 8e-4; }},
        {"another",
         [&](Session& s, Viewer&) {
-          before = s.latest().tool_pose.position.z();
+          before = s.latest().toolPose().position.z();
           person->tap("Next");
         },
         [&](Session& s, Viewer&) {
-          return s.latest().tool_pose.position.z() < before - 8e-4 && s.latest().force.force_raw.norm() > 0.01;
+          return s.latest().toolPose().position.z() < before - 8e-4 && s.latest().force.force_raw.norm() > 0.01;
         }},
        {"a tap of PageUp that is shorter than a picture",
         [&](Session& s, Viewer&) {
@@ -191,10 +191,10 @@ TEST_CASE("A person presses, tilts, cuts open, saves, marks, undoes, submits and
         }},
        {"J held",
         [&](Session& s, Viewer&) {
-          turned = s.latest().tool_pose.orientation;
+          turned = s.latest().toolPose().orientation;
           person->key("j", true);
         },
-        [&](Session& s, Viewer&) { return s.latest().tool_pose.orientation.angularDistance(turned) > 0.1; }},
+        [&](Session& s, Viewer&) { return s.latest().toolPose().orientation.angularDistance(turned) > 0.1; }},
        {"J up", [&](Session&, Viewer&) { person->key("j", false); }, [](Session&, Viewer&) { return true; }},
        {"a tap of X", [&](Session&, Viewer&) { person->tap("x"); },
         [](Session&, Viewer& v) { return v.view().section.on; }},
@@ -289,7 +289,7 @@ TEST_CASE("A person presses, tilts, cuts open, saves, marks, undoes, submits and
           for (const char* key : {"b", "equal", "Return"}) person->tap(key);
         },
         [](Session& s, Viewer&) {
-          const ToolShape& tool = s.model().scene.tool;
+          const ToolShape& tool = s.model().scene.tools[0].shape;
           return tool.kind == ToolKind::FlatCylinder && tool.radius > 0.0105 && s.latest().status.ticks > 0;
         }},
        {"Escape, which quits", [&](Session&, Viewer&) { person->tap("Escape"); },

@@ -4,8 +4,8 @@
 
 #include "base/types.h"
 #include "mechanics/materials/material.h"
+#include "model/place_index.h"
 #include "realtime/channels/spsc_ring.h"
-#include "simulation/place_index.h"
 
 namespace palpate {
 

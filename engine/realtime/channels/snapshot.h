@@ -6,8 +6,8 @@
 
 #include "base/types.h"
 #include "mechanics/materials/material.h"
+#include "model/report.h"
 #include "realtime/channels/tool_readings.h"
-#include "simulation/report.h"
 
 namespace palpate {
 
@@ -25,7 +25,7 @@ struct ForceSample {
   Vec3 force_filtered = Vec3::Zero();  // N
   Doubt doubt = Doubt::None;           // why the force should not be believed
   double expected_error = 0;           // of forces, as a share, of late, and the force, N, that it was found for
-  double error_force = 0;              // (simulation/resolution.h)
+  double error_force = 0;              // (step/resolution.h)
   Pose tool_pose;                      // of the tool that the tissue felt
   Vec3 torque = Vec3::Zero();          // N m, on the tool about its tip, raw
   Vec3 contact_normal = Vec3::Zero();  // unit, from the tissue towards the tool; 0: no contact
@@ -61,12 +61,11 @@ struct Snapshot {
   double time_s = 0;
   AlignedVector<Float4> u;             // (node_count) m
   std::shared_ptr<const Place> place;  // whose nodes these are, where the cloud follows the tool; else null
-  Pose tool_pose;
   Pose goal_pose;      // where the viewer's requests have led the hand, which follows smoothly (ToolTrack)
   Pose hand_pose;      // where the tool would be if it did not yield (ToolProxy)
   double yield_m = 0;  // by how much it does
   ForceSample force;
-  ToolReadings tools;  // where the scene has several or jaws, from the start on; else their count is 0
+  ToolReadings tools;  // from the start on
   StepReport report;   // of that tick
   LoopStatus status;
   int contact_count = 0;              // entries used below for vertices,
@@ -74,6 +73,8 @@ struct Snapshot {
   std::vector<int> contact_vertex;    // (capacity) skin vertices in contact
   std::vector<Float4> contact_force;  // (capacity) N, on the tissue
   std::vector<Material> materials;    // (material_count) those in force; live changes show here
+
+  Pose toolPose() const { return tools.posture(0).pose; }
 };
 
 /// The model that a snapshot's nodes are of. @param loaded  that the loop was made for

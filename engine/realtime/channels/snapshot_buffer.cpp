@@ -1,6 +1,6 @@
 #include "realtime/channels/snapshot_buffer.h"
 
-#include "simulation/place.h"
+#include "setup/place.h"
 
 namespace palpate {
 

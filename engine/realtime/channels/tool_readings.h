@@ -8,20 +8,20 @@
 
 namespace palpate {
 
-/// What a tick says of one of several tools. Plain numbers, so that they go between threads as words.
+/// What a tick says of a tool. Plain numbers, so that they go between threads as words.
 struct ToolReading {
-  std::array<double, 7> pose{};    // m, and the quaternion x, y, z, w
-  double opening = 0;              // m, of jaws
-  std::array<double, 3> force{};   // N, on the tool
-  std::array<double, 3> torque{};  // N m, about its tip
-  double pinch = 0;                // N, of jaws
-  std::int64_t contact_count = 0;  // points of the skin that carry force
+  std::array<double, 7> pose{0, 0, 0, 0, 0, 0, 1};  // m, and the quaternion x, y, z, w
+  double opening = 0;                               // m, of jaws
+  std::array<double, 3> force{};                    // N, on the tool
+  std::array<double, 3> torque{};                   // N m, about its tip
+  double pinch = 0;                                 // N, of jaws
+  std::int64_t contact_count = 0;                   // points of the skin that carry force
 };
 
-/// All tools of a scene that has several, or jaws.
+/// All tools of a scene.
 struct ToolReadings {
   std::int64_t tick = 0;   // of the run; 0: none computed yet
-  std::int64_t count = 0;  // tools; 0: the scene's one tool is one body, and ForceSample says all of it
+  std::int64_t count = 0;  // of tools
   std::array<ToolReading, max_tools> tool;
 
   ToolPosture posture(int k) const {

@@ -28,7 +28,7 @@ double RattleWatch::see(const Vec3& way, const Vec3& force, double most, double 
 }
 
 CoupledTool::CoupledTool(const Model& model) : tick_s_(1 / model.scene.rate_hz) {
-  const double R = model.scene.tool.radius, area = std::numbers::pi * R * R;
+  const double R = model.scene.tools[0].shape.radius, area = std::numbers::pi * R * R;
   for (const Material& m : model.materials) {
     const double K = m.bulk_modulus, G = m.shear_modulus;
     const double young = 9 * K * G / (3 * K + G), poisson = (3 * K - 2 * G) / (2 * (3 * K + G));
@@ -42,13 +42,13 @@ CoupledTool::CoupledTool(const Model& model) : tick_s_(1 / model.scene.rate_hz) 
 
 Pose CoupledTool::next(const State& state, const StepReport& last) {
   const DeviceTarget& target = targets_.latest();
-  if (!target.engaged) return state.tool_pose;
+  if (!target.engaged) return state.tool[0].pose;
   sequence_ = target.sequence;
   const bool touches = !last.tool_force.isZero(0);
   hold_ = touches ? 1 : std::max(0.0, hold_ - tick_s_ / kReleaseSeconds);
   if (touches) normal_ = last.contact_normal.isZero(0) ? last.tool_force.normalized() : last.contact_normal;
   Pose pose = target.pose;
-  const Vec3& x = state.tool_pose.position;
+  const Vec3& x = state.tool[0].pose.position;
   if (hold_ <= 0) {
     along_watch_.forget();
     across_watch_.forget();
@@ -74,7 +74,7 @@ Pose CoupledTool::next(const State& state, const StepReport& last) {
 
 /// The same balance of torques.
 Quat CoupledTool::turned(const DeviceTarget& target, const State& state, const StepReport& last) {
-  const Quat& q = state.tool_pose.orientation;
+  const Quat& q = state.tool[0].pose.orientation;
   const double rattle =
       turning_watch_.see(turnBetween(last_q_, q), last.tool_torque - last_torque_, kMostHolds * turning_hold_, tick_s_);
   const Vec3 push = target.turning_stiffness * turnBetween(q, target.pose.orientation) +
@@ -84,8 +84,8 @@ Quat CoupledTool::turned(const DeviceTarget& target, const State& state, const S
 }
 
 void CoupledTool::remember(const State& state, const StepReport& last) {
-  last_x_ = state.tool_pose.position;
-  last_q_ = state.tool_pose.orientation;
+  last_x_ = state.tool[0].pose.position;
+  last_q_ = state.tool[0].pose.orientation;
   last_force_ = last.tool_force;
   last_torque_ = last.tool_torque;
 }

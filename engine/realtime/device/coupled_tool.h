@@ -2,9 +2,9 @@
 
 #include <atomic>
 
+#include "model/model.h"
 #include "realtime/device/device_target.h"
 #include "realtime/loop/tool_motion.h"
-#include "simulation/model.h"
 
 namespace palpate {
 

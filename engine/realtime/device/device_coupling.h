@@ -2,12 +2,12 @@
 
 #include <cstdint>
 
+#include "model/model.h"
 #include "realtime/channels/snapshot.h"
 #include "realtime/device/device_signals.h"
 #include "realtime/device/device_target.h"
 #include "realtime/device/port_energy.h"
-#include "simulation/device_settings.h"
-#include "simulation/model.h"
+#include "scene/device_settings.h"
 
 namespace palpate {
 

@@ -38,10 +38,10 @@ std::unique_ptr<DeviceBackend> openDevice(const std::string& device, const Model
   if (device != "simulated") return std::make_unique<UdpDevice>(udpPort(device));
   HandMotion motion;
   motion.kind = HandMotion::Kind::Wander;
-  motion.down = model.tool_start.orientation * -Vec3::UnitZ();
-  motion.along = model.tool_start.orientation * Vec3::UnitX();
-  motion.depth = model.first_contact_travel + 0.8 * model.scene.tool.radius;
-  motion.slide = 0.5 * model.scene.tool.radius;
+  motion.down = model.tools.first().start.pose.orientation * -Vec3::UnitZ();
+  motion.along = model.tools.first().start.pose.orientation * Vec3::UnitX();
+  motion.depth = model.tools.first().first_contact_travel + 0.8 * model.scene.tools[0].shape.radius;
+  motion.slide = 0.5 * model.scene.tools[0].shape.radius;
   const double scale = model.scene.device.scale;
   motion.depth /= scale, motion.slide /= scale;
   return std::make_unique<SimulatedDevice>(SimulatedDeviceSettings::of(classOf(model.scene.device)), HandModel::light(),

@@ -3,8 +3,8 @@
 #include <memory>
 #include <string>
 
+#include "model/model.h"
 #include "realtime/device/device_backend.h"
-#include "simulation/model.h"
 
 namespace palpate {
 

@@ -7,10 +7,10 @@
 #include <thread>
 #include <utility>
 
-#include "simulation/resolution.h"
-#include "simulation/tool_bodies.h"
-#include "simulation/tool_contact.h"
-#include "simulation/trust.h"
+#include "step/resolution.h"
+#include "step/tool_bodies.h"
+#include "step/tool_contact.h"
+#include "step/trust.h"
 
 namespace palpate {
 namespace {
@@ -29,7 +29,7 @@ CloudFollower::CloudFollower(const Places& places, TissuePhysics& physics, Place
       worker_(worker),
       around_(wantedSpacing(places, physics.place()->place.index)) {
   velocity_.fill(Vec3::Zero());
-  const auto specs = toolsOf(places_.scene);
+  const auto specs = places_.scene.tools;
   for (std::size_t t = 0; t < specs.size(); ++t) coarsest_[t] = coarsest_nodes * touchRadius(specs[t].shape);
 }
 
@@ -88,9 +88,9 @@ bool CloudFollower::swap(double most_rise) {
 bool CloudFollower::follow(bool waits, const std::atomic<bool>& stop) {
   const Place& here = physics_.place()->place;
   const PlaceIndex present = here.index;
-  const ToolPostures at = posturesOf(here.model, physics_.state());
+  const ToolPostures at = posturesOf(physics_.state());
   ToolPostures tools = posturesAtRest(here.model, physics_.state());
-  const auto count = static_cast<std::size_t>(1 + places_.scene.further_tools.size());
+  const auto count = static_cast<std::size_t>(places_.scene.tools.size());
   const double rate = places_.scene.rate_hz, share = std::min(1.0, 1 / (velocity_seconds * rate));
   const double make_seconds = worker_.madeCount() > 0 ? worker_.madeSeconds() / worker_.madeCount() : 0;
   const double fastest = 2 * largestToolSpeed(places_.scene);
@@ -155,7 +155,7 @@ bool CloudFollower::goTo(const PlaceIndex& index, const std::atomic<bool>& stop)
 double CloudFollower::expectedError() {
   const Place& here = physics_.place()->place;
   const ToolPostures tools = posturesAtRest(here.model, physics_.state());
-  const std::size_t count = 1 + places_.scene.further_tools.size(), own = places_.scene.refine.size();
+  const std::size_t count = places_.scene.tools.size(), own = places_.scene.refine.size();
   if (around_.refinements.size() != own + count) return 0;  // for some tool the whole body is fine enough
   for (std::size_t t = 0; t < count; ++t)
     around_.refinements[own + t].centre = places_.centres[static_cast<std::size_t>(here.index[t])];

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "base/types.h"
-#include "simulation/report.h"
+#include "model/report.h"
 
 namespace palpate {
 

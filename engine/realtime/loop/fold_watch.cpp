@@ -4,7 +4,7 @@
 #include <cmath>
 #include <vector>
 
-#include "simulation/trust.h"
+#include "step/trust.h"
 
 namespace palpate {
 

@@ -2,8 +2,8 @@
 
 #include <cstdint>
 
-#include "simulation/model.h"
-#include "simulation/report.h"
+#include "model/model.h"
+#include "model/report.h"
 
 namespace palpate {
 

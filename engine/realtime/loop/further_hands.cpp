@@ -6,7 +6,7 @@
 namespace palpate {
 
 void FurtherHands::take(const Request& request, Command& command) {
-  if (request.index < 0 || model_.tools.empty() || request.index >= model_.tools.toolCount()) return;
+  if (request.index < 0 || request.index >= model_.tools.toolCount()) return;
   const auto k = static_cast<std::size_t>(request.index);
   if (request.kind == Request::Kind::SetOpening) {
     if (!std::isfinite(request.value) || !model_.tools.tool[k].jaws) return;

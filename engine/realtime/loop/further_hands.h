@@ -3,9 +3,9 @@
 #include <array>
 #include <cstdint>
 
+#include "model/model.h"
+#include "model/state.h"
 #include "realtime/channels/command_queue.h"
-#include "simulation/model.h"
-#include "simulation/state.h"
 
 namespace palpate {
 

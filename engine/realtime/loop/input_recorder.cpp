@@ -14,7 +14,7 @@ void InputRecorder::add(std::int64_t tick, const Request& request) {
 }
 
 void InputRecorder::addCommand(std::int64_t tick, const Command& command) {
-  if (!samePose(command.tool_target, command_.tool_target)) add(tick, Request::moveTool(command.tool_target));
+  if (!samePose(command.tools[0].pose, command_.tools[0].pose)) add(tick, Request::moveTool(command.tools[0].pose));
   if (command.pull_vertex != command_.pull_vertex || command.pull_target != command_.pull_target) {
     add(tick, command.pull_vertex < 0 ? Request::simple(Request::Kind::ReleasePull)
                                       : Request::pull(command.pull_vertex, command.pull_target));

@@ -2,8 +2,8 @@
 
 #include <cstdint>
 
+#include "model/state.h"
 #include "realtime/channels/command_queue.h"
-#include "simulation/state.h"
 
 namespace palpate {
 

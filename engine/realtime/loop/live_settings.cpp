@@ -10,9 +10,9 @@ namespace palpate {
 namespace {
 
 std::vector<Request> settingsOf(const Model& model) {
-  std::vector<Request> requests{Request::setFriction(model.scene.friction), Request::setGravity(model.scene.gravity),
-                                Request::setForce(-1, Vec3::Zero()), Request::unpin(-1),
-                                Request::moveRegion(-1, Vec3::Zero())};
+  std::vector<Request> requests{Request::setFriction(model.scene.tools[0].friction),
+                                Request::setGravity(model.scene.gravity), Request::setForce(-1, Vec3::Zero()),
+                                Request::unpin(-1), Request::moveRegion(-1, Vec3::Zero())};
   if (model.materials.size() != model.scene.materials.size()) return requests;  // mixed ones can't be changed live
   for (std::size_t m = 0; m < model.materials.size(); ++m) {
     requests.push_back(Request::setMaterial(static_cast<int>(m), model.materials[m]));
@@ -51,7 +51,7 @@ bool changeLoads(const Request& request, int vertex_count, int boundary_count, c
 
 std::vector<Request> settingsInForce(const Model& model, const LiveParameters& live) {
   std::vector<Request> requests;
-  if (live.friction != model.scene.friction) requests.push_back(Request::setFriction(live.friction));
+  if (live.friction != model.scene.tools[0].friction) requests.push_back(Request::setFriction(live.friction));
   const LiveLoads& loads = live.loads;
   if (!loads.gravity.isZero(0)) requests.push_back(Request::setGravity(loads.gravity + model.scene.gravity));
   for (std::size_t k = 0; k < static_cast<std::size_t>(loads.forces.count); ++k)

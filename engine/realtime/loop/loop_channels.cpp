@@ -11,8 +11,8 @@ int contactEntries(const State& state) {
   const auto entries = [](const ContactState& c) {
     return static_cast<int>(c.vertex.size() + 3 * c.samples.id.size());
   };
-  int count = entries(state.contact);
-  for (const ContactState& contact : state.more.contact) count += entries(contact);
+  int count = 0;
+  for (const ContactState& contact : state.contact) count += entries(contact);
   return count;
 }
 
@@ -25,7 +25,7 @@ LoopChannels::LoopChannels(const Model& model, const State& state, std::size_t f
       snapshots(makeSnapshot(static_cast<int>(state.u.capacity()), contactEntries(state),
                              static_cast<int>(model.materials.size()))),
       forces(force_capacity),
-      tools(model.tools.empty() ? 1 : force_capacity),
+      tools(model.tools.several() ? force_capacity : 1),
       log(kLogCapacity),
       recorded(record_capacity) {}
 

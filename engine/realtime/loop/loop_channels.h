@@ -3,6 +3,8 @@
 #include <atomic>
 #include <cstddef>
 
+#include "model/model.h"
+#include "model/state.h"
 #include "realtime/channels/command_queue.h"
 #include "realtime/channels/force_output.h"
 #include "realtime/channels/hand_slot.h"
@@ -10,8 +12,6 @@
 #include "realtime/channels/snapshot_buffer.h"
 #include "realtime/channels/tool_readings.h"
 #include "realtime/timing/deadline_statistics.h"
-#include "simulation/model.h"
-#include "simulation/state.h"
 
 namespace palpate {
 

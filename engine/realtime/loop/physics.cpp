@@ -5,9 +5,9 @@
 #include <utility>
 
 #include "mechanics/internal_forces.h"
-#include "simulation/build_model.h"
-#include "simulation/model_hash.h"
-#include "simulation/step.h"
+#include "model/model_hash.h"
+#include "setup/build_model.h"
+#include "step/step.h"
 
 namespace palpate {
 namespace {

@@ -5,10 +5,10 @@
 #include <memory>
 #include <optional>
 
-#include "simulation/model.h"
-#include "simulation/passage.h"
-#include "simulation/state.h"
-#include "simulation/workspace.h"
+#include "model/model.h"
+#include "model/state.h"
+#include "setup/passage.h"
+#include "step/workspace.h"
 
 namespace palpate {
 
@@ -33,7 +33,7 @@ class Physics {
   virtual double setMaterial(int index, const Material& material) = 0;
 };
 
-/// A place of a cloud that follows the tool (simulation/place.h), with the memory that its steps need.
+/// A place of a cloud that follows the tool (setup/place.h), with the memory that its steps need.
 struct ReadyPlace {
   ReadyPlace(Place made, std::shared_ptr<SpinTeam> team)
       : place(std::move(made)), workspace(place.model, std::move(team)) {}

@@ -16,7 +16,7 @@
 
 namespace palpate {
 
-/// Makes the places that a loop's tool comes to (simulation/place.h), on a thread of its own, while the loop goes on:
+/// Makes the places that a loop's tool comes to (setup/place.h), on a thread of its own, while the loop goes on:
 /// the loop says where it is and where to, and finds the change there once it is ready. Keeps the places that it made
 /// last in memory (some 50 MB each, for a liver).
 /// What the loop's thread may call is real-time: no allocation, no lock, no throw.

@@ -5,7 +5,7 @@
 
 #include "approximation/neighbours.h"
 #include "discretization/surface/surface_geometry.h"
-#include "simulation/tool_bodies.h"
+#include "step/tool_bodies.h"
 
 namespace palpate {
 namespace {
@@ -52,7 +52,7 @@ RigidSupport::RigidSupport(const Model& model, int tool) {
     box_.extend(h.position - Vec3::Constant(h.clearance));
   }
   for (int b = 0; b < model.tools.bodyCount(); ++b) {
-    const ToolBody body = toolBody(model, b);
+    const ToolBody& body = model.tools.body[b];
     if (body.tool != tool) continue;
     const ToolProfile profile = toolType(body.shape.kind).profile(body.shape);
     bodies_.push_back({body, profile, std::hypot(0.5 * profile.length, profile.radius)});

@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "contact/tool_profile.h"
-#include "simulation/model.h"
+#include "model/model.h"
 
 namespace palpate {
 

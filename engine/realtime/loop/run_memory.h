@@ -3,6 +3,7 @@
 #include <cstdint>
 
 #include "base/types.h"
+#include "model/report.h"
 #include "realtime/channels/snapshot.h"
 #include "realtime/channels/tool_readings.h"
 #include "realtime/loop/contact_trend.h"
@@ -12,7 +13,6 @@
 #include "realtime/loop/slide_watch.h"
 #include "realtime/loop/snag_watch.h"
 #include "realtime/loop/tool_proxy.h"
-#include "simulation/report.h"
 
 namespace palpate {
 

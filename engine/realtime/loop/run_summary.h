@@ -3,11 +3,11 @@
 #include <cstdint>
 #include <optional>
 
+#include "model/state.h"
 #include "realtime/channels/log_event.h"
 #include "realtime/loop/thread_setup.h"
 #include "realtime/timing/fixed_step_loop.h"
-#include "simulation/state.h"
-#include "simulation/trust.h"
+#include "step/trust.h"
 
 namespace palpate {
 

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "simulation/tool_bodies.h"
+#include "step/tool_bodies.h"
 
 namespace palpate {
 namespace {
@@ -30,7 +30,8 @@ SimulationLoop::SimulationLoop(const Model& model, Physics& physics, SpinTeam* t
       real_time_(!options.as_fast_as_possible),
       channels_(model, physics.state(), options.force_capacity, options.record ? options.record_capacity : 1),
       run_(startOf(options)),
-      track_(std::move(options.track), options.track_ticks, options.motion, model.tool_start, model.scene.rate_hz),
+      track_(std::move(options.track), options.track_ticks, options.motion, model.tools.first().start.pose,
+             model.scene.rate_hz),
       proxy_(model),
       further_(model),
       history_(physics.state(), model.scene.rate_hz),
@@ -40,7 +41,7 @@ SimulationLoop::SimulationLoop(const Model& model, Physics& physics, SpinTeam* t
       settings_(model, physics),
       reporter_(model, physics, team, channels_) {
   command_ = restCommand(model);
-  run_.hand = run_.goal = model.tool_start;
+  run_.hand = run_.goal = model.tools.first().start.pose;
   recorder_.startFrom(command_, options.record ? &channels_.recorded : nullptr);
   for (int k = 1; k < model.tools.toolCount(); ++k) further_proxies_.emplace_back(model, k);
   goOnAtPlace(false);
@@ -110,7 +111,7 @@ RunMemory SimulationLoop::memory() const {
   RunMemory memory;
   memory.tick = run_.tick;
   memory.frozen = run_.frozen;
-  memory.hand = command_.tool_target;
+  memory.hand = command_.tools[0].pose;
   memory.pose_sequence = run_.pose_sequence;
   memory.proxy = proxy_.memory();
   memory.hands = command_.tools;
@@ -136,7 +137,7 @@ void SimulationLoop::recall(const RunMemory& memory) {
   run_.hand = run_.goal = memory.hand;
   run_.pose_sequence = memory.pose_sequence;
   command_ = restCommand(model_);
-  command_.tool_target = memory.hand;
+  command_.tools[0].pose = memory.hand;
   command_.tools = memory.hands;
   track_.goal().jumpTo(memory.hand);
   proxy_.recall(memory.proxy);
@@ -191,12 +192,12 @@ bool SimulationLoop::advance() {
     moveTool(Request::moveTool(device_->next(physics_.state(), reporter_.lastReport())), true);
     run_.pose_sequence = device_->poseSequence();
   }
-  command_.tool_target =
-      track_.next(run_.tick, command_.tool_target, physics_.state(), reporter_.lastReport(), run_.frozen);
+  command_.tools[0].pose =
+      track_.next(run_.tick, command_.tools[0].pose, physics_.state(), reporter_.lastReport(), run_.frozen);
   further_.next(run_.tick, command_);
   if (const double open = track_.opening(run_.tick, run_.frozen); open >= 0)
     further_.take(Request::setOpening(0, open), command_);
-  run_.hand = command_.tool_target;
+  run_.hand = command_.tools[0].pose;
   run_.goal = track_.drives(run_.tick) ? run_.hand : track_.goal().pose();
   if (!run_.frozen && !step()) return false;
   recorder_.addCommand(run_.tick, command_);
@@ -261,8 +262,8 @@ bool SimulationLoop::step() {
     return false;
   }
   Command command = command_;
-  command.tool_target = proxy_.follow(run_.hand, physics_.state(), reporter_.lastReport());
-  if (!model_.tools.empty()) yieldFurther(command);
+  command.tools[0].pose = proxy_.follow(run_.hand, physics_.state(), reporter_.lastReport());
+  if (model_.tools.several()) yieldFurther(command);
   StepReport report = physics_.tick(command);
   const double late = follower_ != nullptr && report.contact_count > 0 ? follower_->expectedError() : 0;
   if (late > 0) {

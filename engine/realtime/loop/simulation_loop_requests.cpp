@@ -34,7 +34,7 @@ void SimulationLoop::takeFurtherHands() {
 }
 
 void SimulationLoop::takeHand() {
-  if (!model_.tools.empty()) takeFurtherHands();
+  if (model_.tools.several()) takeFurtherHands();
   if (!channels_.hand.hasNews()) return;
   const HandPose& hand = channels_.hand.latest();
   if (track_.drives(run_.tick)) return;
@@ -108,7 +108,7 @@ void SimulationLoop::moveTool(const Request& request, bool from_track) {
   Pose target = request.pose;
   if (!isFinite(target)) return;
   if (from_track) {  // exactly, and at once
-    command_.tool_target = target;
+    command_.tools[0].pose = target;
     track_.goal().jumpTo(target);
     return;
   }
@@ -167,9 +167,9 @@ void SimulationLoop::undo() {
   ++run_.undo_count;
   reporter_.reset();
   command_ = restCommand(model_);
-  command_.tool_target = run_.hand = run_.goal = past->tool_pose;
-  if (!model_.tools.empty()) command_.tools = posturesOf(model_, *past);
-  track_.goal().jumpTo(past->tool_pose);
+  command_.tools = posturesOf(*past);
+  run_.hand = run_.goal = command_.tools[0].pose;
+  track_.goal().jumpTo(run_.goal);
   recorder_.addJump(run_.tick, Request::Kind::Undo, command_);
   const double seconds = static_cast<double>(tick - past->tick) / model_.scene.rate_hz;
   reporter_.logEvent(LogEvent::Kind::Undone, run_, -1, seconds);
@@ -188,7 +188,7 @@ void SimulationLoop::reset(Request::Kind kind, bool from_track) {
   track_.reset();
   if (device_ != nullptr) device_->restart();
   command_ = restCommand(model_);
-  run_.hand = run_.goal = model_.tool_start;
+  run_.hand = run_.goal = model_.tools.first().start.pose;
   further_.restart(run_.tick);
   recorder_.addJump(run_.tick, kind, command_);
   reporter_.logEvent(LogEvent::Kind::Reset, run_, over ? 1 : -1);

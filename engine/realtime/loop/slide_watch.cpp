@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "simulation/free_axes.h"
+#include "setup/free_axes.h"
 
 namespace palpate {
 namespace {

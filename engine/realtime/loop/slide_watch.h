@@ -2,9 +2,9 @@
 
 #include <cstdint>
 
-#include "simulation/model.h"
-#include "simulation/report.h"
-#include "simulation/state.h"
+#include "model/model.h"
+#include "model/report.h"
+#include "model/state.h"
 
 namespace palpate {
 

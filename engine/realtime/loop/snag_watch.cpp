@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "contact/tools/tool_list.h"
-#include "simulation/free_axes.h"
-#include "simulation/tool_contact.h"
+#include "setup/free_axes.h"
+#include "step/tool_contact.h"
 
 namespace palpate {
 namespace {
@@ -13,7 +13,7 @@ namespace {
 /// Whether the contact pushes the tool against going along `way` hardly more than along it.
 bool isBetween(const State& state, const Vec3& way) {
   double against = 0, along = 0;
-  forEachContactForce(state.contact, [&](int, const Float4& on_tissue) {
+  forEachContactForce(state.contact[0], [&](int, const Float4& on_tissue) {
     const double f = way.dot(toVec3(on_tissue));
     (f > 0 ? against : along) += std::abs(f);
   });
@@ -29,17 +29,17 @@ bool isHeldByFurther(const StepReport& report) {
 
 SnagWatch::SnagWatch(const Model& model)
     : free_(freeAxes(model)),
-      still_(stands * model.scene.tool.radius),
+      still_(stands * model.scene.tools[0].shape.radius),
       carried_needed_(std::llround(seconds * model.scene.rate_hz)),
       stuck_needed_(std::llround(stuck_seconds * model.scene.rate_hz)) {
   for (const ToolSetUp& tool : model.tools.tool) off_ = off_ || tool.jaws;
   off_ = off_ || motionEnd(model.scene) > 0;
-  low_ = high_ = model.tool_start.position;  // where it begins it is never far outside
+  low_ = high_ = model.tools.first().start.pose.position;  // where it begins it is never far outside
   for (const Vec3& X : model.skin.surface.vertices) {
     low_ = low_.cwiseMin(X);
     high_ = high_.cwiseMax(X);
   }
-  const ToolShape& tool = model.scene.tool;  // whose side may touch while its tip is beyond the body
+  const ToolShape& tool = model.scene.tools[0].shape;  // whose side may touch while its tip is beyond the body
   near_ = 2 * tool.radius + (tool.kind == ToolKind::Sphere ? 0 : tool.length);
   far_ = near_ + far_outside * (high_ - low_).norm();
 }
@@ -50,7 +50,7 @@ bool SnagWatch::isBeyond(const State& state, const Vec3& tip, double distance) c
 }
 
 bool SnagWatch::isCarrying(const State& state, const Vec3& hand, const StepReport& report) {
-  if (!isBeyond(state, state.tool_pose.position, near_) || !isBeyond(state, hand, far_))
+  if (!isBeyond(state, state.tool[0].pose.position, near_) || !isBeyond(state, hand, far_))
     memory_.carried_ticks = 0;
   else if (report.contact_count > 0)  // a fold that swings touches now and then
     ++memory_.carried_ticks;
@@ -58,7 +58,7 @@ bool SnagWatch::isCarrying(const State& state, const Vec3& hand, const StepRepor
 }
 
 bool SnagWatch::isStuck(const State& state, const Vec3& hand, const StepReport& report) {
-  const Vec3& tip = state.tool_pose.position;
+  const Vec3& tip = state.tool[0].pose.position;
   const bool stays = memory_.stuck_ticks > 0 && (tip - memory_.stood_at).norm() <= still_;
   if (!isBeyond(state, hand, far_) || report.contact_count == 0 || !isBetween(state, hand - tip)) {
     memory_.stuck_ticks = 0;

@@ -2,8 +2,8 @@
 
 #include <cstdint>
 
-#include "simulation/model.h"
-#include "simulation/state.h"
+#include "model/model.h"
+#include "model/state.h"
 
 namespace palpate {
 

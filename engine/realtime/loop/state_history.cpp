@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "simulation/place.h"
+#include "setup/place.h"
 
 namespace palpate {
 namespace {
@@ -21,10 +21,10 @@ std::size_t bytesOf(const ContactState& c) {
 /// Of the vectors that make up nearly all of a state.
 std::size_t bytesOf(const State& s) {
   std::size_t bytes = sizeof(State) + 3 * s.u.capacity() * sizeof(Float4) + s.relaxation.Z.capacity() * sizeof(float) +
-                      bytesOf(s.contact) + s.skins.vertex.size() * (2 * sizeof(int) + sizeof(float) + sizeof(Float4)) +
-                      s.rigid.force.size() * sizeof(Float4) + bytesOf(s.rigid.normal) +
-                      bytesOf(s.rigid.row) + bytesOf(s.rigid.near) + s.rigid.near_u.size() * sizeof(Float4);
-  for (const ContactState& contact : s.more.contact) bytes += bytesOf(contact);
+                      s.skins.vertex.size() * (2 * sizeof(int) + sizeof(float) + sizeof(Float4)) +
+                      s.rigid.force.size() * sizeof(Float4) + bytesOf(s.rigid.normal) + bytesOf(s.rigid.row) +
+                      bytesOf(s.rigid.near) + s.rigid.near_u.size() * sizeof(Float4);
+  for (const ContactState& contact : s.contact) bytes += bytesOf(contact);
   return bytes;
 }
 

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "simulation/state.h"
+#include "model/state.h"
 
 namespace palpate {
 

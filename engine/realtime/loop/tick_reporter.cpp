@@ -4,9 +4,9 @@
 #include <cmath>
 #include <utility>
 
-#include "simulation/tool_bodies.h"
-#include "simulation/tool_contact.h"
-#include "simulation/trust.h"
+#include "step/tool_bodies.h"
+#include "step/tool_contact.h"
+#include "step/trust.h"
 
 namespace palpate {
 
@@ -15,22 +15,23 @@ TickReporter::TickReporter(const Model& model, const Physics& physics, const Spi
       physics_(physics),
       team_(team),
       channels_(channels),
-      tool_axis_(model.tool_start.orientation * -Vec3::UnitZ()),
-      depth_(model.skin, model.scene.tool),
+      tool_axis_(model.tools.first().start.pose.orientation * -Vec3::UnitZ()),
+      depth_(model.skin, model.scene.tools[0].shape),
       filter_(model.scene.filter_cutoff_hz, model.scene.force_rate_limit, model.scene.rate_hz),
       watchdog_(model),
       overload_(model.scene.rate_hz),
       shown_u_(physics.state().u) {
   shown_u_.reserve(physics.state().u.capacity());
-  readings_.count = model.tools.empty() ? 0 : model.tools.toolCount();
+  readings_.count = model.tools.toolCount();
   readTools({});
+  channels_.newest_tools.publish(readings_);
 }
 
 /// Where the tools are, and what is on them.
 void TickReporter::readTools(const RunState& run) {
   readings_.tick = run.tick;
   for (int k = 0; k < static_cast<int>(readings_.count); ++k)
-    readings_.set(k, postureOf(physics_.state(), k), report_.loads[static_cast<std::size_t>(k)]);
+    readings_.set(k, physics_.state().tool[k], report_.loads[static_cast<std::size_t>(k)]);
 }
 
 void TickReporter::beginTick(const LoopTime& time, const RunState& run) {
@@ -66,7 +67,7 @@ Verdict TickReporter::judge(const StepReport& report, const RunState& run) {
   }
   showState();
   watchSwap(expected, before);
-  trend_.update(physics_.state().tool_pose, report_, model_->scene.rate_hz);
+  trend_.update(physics_.state().tool[0].pose, report_, model_->scene.rate_hz);
   summary_.peak_force = std::max(summary_.peak_force, report_.tool_force.norm());
   for (std::size_t k = 0; k < static_cast<std::size_t>(readings_.count); ++k) {
     summary_.peak_tool_force[k] = std::max(summary_.peak_tool_force[k], report_.loads[k].force.norm());
@@ -129,17 +130,18 @@ void TickReporter::restored(LogEvent::Kind cause) {
 }
 
 /// Where the first tool is; of jaws their first finger.
-Pose TickReporter::firstBody() const { return bodyPose(toolBody(*model_, 0), postureOf(physics_.state(), 0)); }
+Pose TickReporter::firstBody() const { return bodyPose(model_->tools.body[0], physics_.state().tool[0]); }
 
 void TickReporter::sendForce(const LoopTime& time, const RunState& run) {
   force_.tick = run.tick;
   force_.wall_ns = time.begin_ns;
   force_.time_s = secondsAt(run.tick);
-  force_.depth_m = depth_.of(firstBody(), physics_.state().contact);
+  force_.depth_m = depth_.of(firstBody(), physics_.state().contact[0]);
   summary_.peak_depth = std::max(summary_.peak_depth, force_.depth_m);
-  force_.advance_m = (physics_.state().tool_pose.position - model_->tool_start.position).dot(tool_axis_) -
-                     model_->first_contact_travel;
-  force_.tool_pose = physics_.state().tool_pose;
+  force_.advance_m =
+      (physics_.state().tool[0].pose.position - model_->tools.first().start.pose.position).dot(tool_axis_) -
+      model_->tools.first().first_contact_travel;
+  force_.tool_pose = physics_.state().tool[0].pose;
   force_.force_raw = report_.tool_force;
   force_.torque = report_.tool_torque;
   force_.contact_normal = report_.contact_normal;
@@ -151,14 +153,12 @@ void TickReporter::sendForce(const LoopTime& time, const RunState& run) {
   force_.frozen = run.frozen;
   force_.force_filtered = run.frozen ? filter_.fade() : filter_.update(force_.force_raw);
   channels_.newest_force.publish(force_);
-  if (readings_.count > 0) {
-    readTools(run);
-    channels_.newest_tools.publish(readings_);
-    // Before its force, and no force without it: whoever takes a force finds the readings that belong to it.
-    if (!channels_.tools.push(readings_)) {
-      ++summary_.lost_force_samples;
-      return;
-    }
+  readTools(run);
+  channels_.newest_tools.publish(readings_);
+  // Before its force, and no force without it: whoever takes a force finds the readings that belong to it.
+  if (model_->tools.several() && !channels_.tools.push(readings_)) {
+    ++summary_.lost_force_samples;
+    return;
   }
   if (!channels_.forces.push(force_)) ++summary_.lost_force_samples;
 }
@@ -172,12 +172,11 @@ void TickReporter::publish(const LoopTime& time, const RunState& run) {
   snapshot.u.resize(shown_u_.size());  // there is room
   std::copy(shown_u_.begin(), shown_u_.end(), snapshot.u.begin());
   snapshot.place = place_;
-  snapshot.tool_pose = state.tool_pose;
   snapshot.goal_pose = run.goal;
   snapshot.hand_pose = run.hand;
   snapshot.yield_m = run.yield;
   snapshot.force = force_;
-  if (readings_.count > 0) readTools(run);
+  readTools(run);
   snapshot.tools = readings_;
   snapshot.report = report_;
 
@@ -201,9 +200,9 @@ void TickReporter::publish(const LoopTime& time, const RunState& run) {
     snapshot.contact_force[used] = force;
     ++used;
   };
-  for (int b = 0; b < model_->tools.bodyCount(); ++b) forEachVertexForce(contactOf(state, b), take);
+  for (int b = 0; b < model_->tools.bodyCount(); ++b) forEachVertexForce(state.contact[b], take);
   snapshot.contact_count = static_cast<int>(used);
-  for (int b = 0; b < model_->tools.bodyCount(); ++b) forEachSampleForce(contactOf(state, b).samples, take);
+  for (int b = 0; b < model_->tools.bodyCount(); ++b) forEachSampleForce(state.contact[b].samples, take);
   snapshot.contact_entries = static_cast<int>(used);
   // The vector has its size since the channels were made.
   const std::vector<Material>& materials = physics_.state().live.kernel.materials;
@@ -227,11 +226,11 @@ void TickReporter::reset() {
   report_ = {};
   force_.force_raw.setZero();
   for (int b = 0; b < model_->tools.bodyCount(); ++b)
-    if (toolBody(*model_, b).tool == 0)
-      forEachContactForce(contactOf(state, b), [&](int, const Float4& force) { force_.force_raw -= toVec3(force); });
+    if (model_->tools.body[b].tool == 0)
+      forEachContactForce(state.contact[b], [&](int, const Float4& force) { force_.force_raw -= toVec3(force); });
   force_.force_filtered = force_.force_raw;
-  force_.depth_m = depth_.of(firstBody(), state.contact);
-  force_.tool_pose = state.tool_pose;
+  force_.depth_m = depth_.of(firstBody(), state.contact[0]);
+  force_.tool_pose = state.tool[0].pose;
   trend_.restart(true);
   showState();
 }

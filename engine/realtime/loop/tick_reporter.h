@@ -95,7 +95,7 @@ class TickReporter {
   std::int64_t long_waits_ = 0;  // of the team, before the present tick
   StepReport report_;
   ForceSample force_;
-  ToolReadings readings_;  // where there are several tools or jaws
+  ToolReadings readings_;
   std::int64_t last_yield_tick_ = -1;
   AlignedVector<Float4> shown_u_;  // the last displacement worth showing
   RunSummary summary_;

@@ -1,8 +1,8 @@
 #pragma once
 
 #include "base/types.h"
+#include "model/state.h"
 #include "realtime/channels/command_queue.h"
-#include "simulation/state.h"
 
 namespace palpate {
 

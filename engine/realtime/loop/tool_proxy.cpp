@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 
-#include "simulation/tool_bodies.h"
-#include "simulation/trust.h"
+#include "step/tool_bodies.h"
+#include "step/trust.h"
 
 namespace palpate {
 namespace {
@@ -34,7 +34,7 @@ Vec3 held(const Vec3& move, const Vec3& out, double share) {
 ToolProxy::ToolProxy(const Model& model, int tool)
     : model_(model),
       tool_(tool),
-      max_speed_(tool == 0 ? model.scene.tool_max_speed : model.tools.tool[static_cast<std::size_t>(tool)].max_speed),
+      max_speed_(model.tools.tool[static_cast<std::size_t>(tool)].max_speed),
       arrival_ticks_(static_cast<int>(std::lround(arrival_seconds * model.scene.rate_hz))),
       max_advance_(YieldLimits::sound_share * slowestSound(model) / model.scene.rate_hz),
       support_(model, tool) {}
@@ -45,10 +45,10 @@ void ToolProxy::beGentle() {
 }
 
 double ToolProxy::freedom(const State& state, const StepReport& last) const {
-  const double radius = model_.scene.tool.radius;
+  const double radius = model_.scene.tools[0].shape.radius;
   float stretch = 1;
   for (int b = 0; b < model_.tools.bodyCount(); ++b)
-    if (toolBody(model_, b).tool == tool_) stretch = std::max(stretch, contactOf(state, b).samples.largest_stretch);
+    if (model_.tools.body[b].tool == tool_) stretch = std::max(stretch, state.contact[b].samples.largest_stretch);
   return std::min({std::max(YieldLimits::least_of_stretched,
                             fade(static_cast<double>(stretch), YieldLimits::free_stretch, YieldLimits::stretch)),
                    fade(last.step_share, YieldLimits::free_step_share, YieldLimits::step_share),
@@ -58,8 +58,9 @@ double ToolProxy::freedom(const State& state, const StepReport& last) const {
 
 double ToolProxy::yieldAfter(const Pose& hand, const State& state, const StepReport& report) const {
   constexpr double at_limit = 0.95;  // of it
-  const bool gave_way = model_.max_tool_force > 0 && report.tool_force.norm() > at_limit * model_.max_tool_force;
-  return gave_way ? (hand.position - state.tool_pose.position).norm() : yield_;
+  const bool gave_way =
+      model_.tools.first().max_force > 0 && report.tool_force.norm() > at_limit * model_.tools.first().max_force;
+  return gave_way ? (hand.position - state.tool[0].pose.position).norm() : yield_;
 }
 
 Pose ToolProxy::follow(const Pose& hand, const State& state, const StepReport& last) {
@@ -72,7 +73,7 @@ ToolPosture ToolProxy::follow(const ToolPosture& hand, const State& state, const
 }
 
 double ToolProxy::followOpening(double wanted, const State& state, const StepReport& last) const {
-  const double opening = postureOf(state, tool_).opening;
+  const double opening = state.tool[tool_].opening;
   const double pinch = last.loads[static_cast<std::size_t>(tool_)].pinch;
   const double reach = (pinch > 0 ? std::min(closing_speed, max_speed_) : max_speed_) / model_.scene.rate_hz;
   double change = std::clamp(wanted - opening, -reach, max_speed_ / model_.scene.rate_hz);
@@ -84,7 +85,7 @@ double ToolProxy::followOpening(double wanted, const State& state, const StepRep
 }
 
 Pose ToolProxy::followFrom(const State& state, const Pose& hand, const Vec3& force, const StepReport& last) {
-  const ToolPosture from = postureOf(state, tool_);
+  const ToolPosture& from = state.tool[tool_];
   Pose pose = yieldFrom(from.pose, hand, force, force.isZero(0) ? 1 : freedom(state, last));
   if (support_.empty()) return pose;
   Vec3 move = pose.position - from.pose.position;

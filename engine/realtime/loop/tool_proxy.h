@@ -1,12 +1,12 @@
 #pragma once
 
+#include "model/model.h"
+#include "model/state.h"
 #include "realtime/loop/rigid_support.h"
-#include "simulation/model.h"
-#include "simulation/state.h"
 
 namespace palpate {
 
-/// Where the tool yields: beyond a doubt's limit (simulation/trust.h) its advance becomes slower, and here it ends.
+/// Where the tool yields: beyond a doubt's limit (step/trust.h) its advance becomes slower, and here it ends.
 /// Each is the last resort before the solution is lost, not where it becomes inexact.
 struct YieldLimits {
   static constexpr double step_share = 1.7;       // the share is a bound: the default liver freezes at about 2

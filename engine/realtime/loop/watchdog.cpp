@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "simulation/trust.h"
+#include "step/trust.h"
 
 namespace palpate {
 namespace {

@@ -4,9 +4,9 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "model/model.h"
+#include "model/state.h"
 #include "realtime/channels/log_event.h"
-#include "simulation/model.h"
-#include "simulation/state.h"
 
 namespace palpate {
 

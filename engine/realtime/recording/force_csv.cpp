@@ -3,7 +3,7 @@
 #include <cstdio>
 
 #include "base/number_text.h"
-#include "simulation/trust.h"
+#include "step/trust.h"
 
 namespace palpate {
 

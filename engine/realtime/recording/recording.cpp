@@ -2,8 +2,8 @@
 
 #include "base/input_error.h"
 #include "base/number_text.h"
-#include "simulation/model.h"
-#include "simulation/model_hash.h"
+#include "model/model.h"
+#include "model/model_hash.h"
 
 namespace palpate {
 

@@ -6,8 +6,8 @@
 
 #include "base/build_info.h"
 #include "base/number_text.h"
-#include "simulation/scene_rigid.h"
-#include "simulation/trust.h"
+#include "scene/scene_rigid.h"
+#include "step/trust.h"
 
 namespace palpate {
 namespace {
@@ -73,7 +73,7 @@ RunReport makeRunReport(const Model& model, const RunSummary& summary, const Dea
   report.volume_error = model.cell_volume / model.surface_volume - 1;
   report.volume_change = volume_change;
   report.peak_force_N = summary.peak_force;
-  for (std::size_t k = 0; k < model.tools.tool.size(); ++k)
+  for (std::size_t k = 0; model.tools.several() && k < model.tools.tool.size(); ++k)
     report.tools.push_back({summary.peak_tool_force[k], summary.peak_pinch[k], model.tools.tool[k].jaws});
   report.peak_depth_m = summary.peak_depth;
   report.base_reaction_N = summary.base_reaction;

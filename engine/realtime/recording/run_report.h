@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
+#include "model/model.h"
 #include "realtime/loop/run_summary.h"
 #include "realtime/timing/deadline_statistics.h"
-#include "simulation/model.h"
 
 namespace palpate {
 

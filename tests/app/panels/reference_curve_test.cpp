@@ -44,7 +44,7 @@ TEST_CASE("What is no reference is refused with its place", "[reference_curve]")
 TEST_CASE("Hertz's force is the closed form's, for a sphere on one material alone", "[reference_curve]") {
   Body model;
   model.scene.materials.resize(1);
-  model.scene.tool.radius = 0.01;
+  model.scene.tools[0].shape.radius = 0.01;
   const Material soft = Material::neoHookean(3000, 0.45, 1000);
   const auto hertz = hertzCurve(model, soft, 4);
   REQUIRE(hertz);

@@ -46,7 +46,7 @@ TEST_CASE("Under a rough hand the tissue is always there, always finite, and com
     test::FakeClock clock;
     double deepest = 0;
     int settings = 0;
-    double friction = model.scene.friction;
+    double friction = model.scene.tools[0].friction;
     clock.before_sleep = [&](int) {
       deepest = std::max(deepest, 0.03 - loop.snapshots().latest().hand_pose.position.z());
       settings += std::exchange(friction, physics.state().live.friction) != friction;

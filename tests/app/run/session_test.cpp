@@ -66,10 +66,10 @@ TEST_CASE("A stiffer material's stress is in proportion, its Poisson's ratio and
 TEST_CASE("The default indentation goes from the start pose by the touch into the tissue and stays", "[session]") {
   Model model;
   model.scene.rate_hz = 500;
-  model.scene.tool.radius = 0.01;
+  model.scene.tools[0].shape.radius = 0.01;
   model.skin.surface.vertices = {{0, 0, 0}, {0, 0, 0.08}};
-  model.tool_start.position = {0, 0, 0.1};
-  model.first_contact_travel = 0.02;
+  model.tools.first().start.pose.position = {0, 0, 0.1};
+  model.tools.first().first_contact_travel = 0.02;
   const std::vector<Pose> poses = scriptPoses(indentScript(model), model);
   const double depth = 0.012;  // 1.2 radii; a quarter of the height would be 20 mm
   CHECK(poses.back().position.z() == Approx(0.08 - depth).epsilon(1e-9));

@@ -42,10 +42,10 @@ TEST_CASE("Cycles on tissue press, drag, lift off and end at the same rest", "[s
     SoakMotion motion(model, kPlaces, 3);
     SimulationLoop loop(model, physics, nullptr, driven(motion, ticks));
     test::FakeClock clock;
-    Vec3 last = model.tool_start.position;
+    Vec3 last = model.tools.first().start.pose.position;
     double fastest = 0, lowest = 1, sideways = 0;
     clock.before_sleep = [&](int sleep) {
-      const Vec3 now = physics.state().tool_pose.position;
+      const Vec3 now = physics.state().tool[0].pose.position;
       fastest = std::max(fastest, (now - last).norm() * scene.rate_hz);
       lowest = std::min(lowest, now.z());
       sideways = std::max(sideways, now.head<2>().norm());
@@ -206,7 +206,7 @@ TEST_CASE("After a reset the cycles begin again", "[soak_motion]") {
   test::FakeClock clock;
   std::vector<Vec3> way;
   clock.before_sleep = [&](int sleep) {
-    if (sleep > 0) way.push_back(loop.snapshots().latest().tool_pose.position);
+    if (sleep > 0) way.push_back(loop.snapshots().latest().toolPose().position);
     if (sleep == 350) loop.commands().push(Request::simple(Request::Kind::Reset));
   };
   loop.run(clock);

@@ -10,7 +10,7 @@
 #include <sys/syscall.h>
 #include <unistd.h>
 
-#include "simulation/state.h"
+#include "model/state.h"
 
 using namespace palpate;
 using namespace palpate::app;
@@ -71,10 +71,10 @@ TEST_CASE("A rough hand may not put the tissue back more often than was measured
     double limit;
     const char* named;
   };
-  for (const Limit& one : {Limit{&Restores::lost, RoughLimits::lost, "was lost"},
-                           Limit{&Restores::folded, RoughLimits::folded, "folded"},
-                           Limit{&Restores::caught, RoughLimits::caught, "caught the tool"},
-                           Limit{&Restores::slid, RoughLimits::slid, "slid away"}})
+  for (const Limit& one :
+       {Limit{&Restores::lost, RoughLimits::lost, "was lost"}, Limit{&Restores::folded, RoughLimits::folded, "folded"},
+        Limit{&Restores::caught, RoughLimits::caught, "caught the tool"},
+        Limit{&Restores::slid, RoughLimits::slid, "slid away"}})
     for (const std::int64_t ticks : {std::int64_t{1000}, std::int64_t{2'000'000}}) {
       SoakReport report = goodReport();
       report.rough = true;

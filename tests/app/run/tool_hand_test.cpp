@@ -20,8 +20,8 @@ Model organ() {
   Model model;
   model.skin.surface = ellipsoidSurface({0.05, 0.05, 0.05}, 0.004);
   for (Vec3& X : model.skin.surface.vertices) X.z() += 0.05;
-  model.tool_start.position = {0, 0, 0.15};
-  model.scene.tool.radius = 0.01;
+  model.tools.first().start.pose.position = {0, 0, 0.15};
+  model.scene.tools[0].shape.radius = 0.01;
   return model;
 }
 
@@ -118,7 +118,7 @@ TEST_CASE("The tool does not get lost, and rests when nothing is asked", "[tool_
   keys.tool_keys = {1, 0, 0};
   CHECK(velocityOf(ask(hand, keys)[0]).dot(hand.target().position - Vec3(0, 0, 0.075)) < 1e-9);
   const std::vector<Request> back = hand.toStart();
-  CHECK(back.back().pose.position == model.tool_start.position);
+  CHECK(back.back().pose.position == model.tools.first().start.pose.position);
 }
 
 TEST_CASE("A click on the skin brings the probe there, upright, from above, and around the organ", "[tool_hand]") {
@@ -211,7 +211,7 @@ TEST_CASE("Press goes into the skin below the probe and Lift off it, from where 
   hand.lift(speed, hand.target());
   // What is under way is not cut short: the way to a place goes around the organ.
   ask(hand, {}, 0.016, on_the_side);
-  requests = hand.press(0.004, speed, model.tool_start);
+  requests = hand.press(0.004, speed, model.tools.first().start.pose);
   REQUIRE(requests.size() == 1);
   CHECK(requests[0].kind == Request::Kind::ThenMoveTool);
   CHECK((hand.target().position - Vec3(0.046, 0, 0.05)).norm() < 1e-3);
@@ -244,7 +244,7 @@ TEST_CASE("The demo that plays by itself presses at several places, goes home an
     if (!loop.next(t, hand, hand.target()).empty()) moved = t;
     if (!was_pressing && hand.onSkin() && hand.depth() > 0) pressed.push_back(hand.target().position);
     rested += loop.rests() ? 0.2 : 0;
-    if (loop.rests()) CHECK(hand.target().position == model.tool_start.position);
+    if (loop.rests()) CHECK(hand.target().position == model.tools.first().start.pose.position);
   }
   CHECK(pressed.size() == 8);
   CHECK(moved < 2 * period - 20);
@@ -253,7 +253,7 @@ TEST_CASE("The demo that plays by itself presses at several places, goes home an
 
 TEST_CASE("Grasp and lift closes the jaws until they hold, and then goes up", "[tool_hand]") {
   Model model = organ();
-  model.scene.tool_opening = 0.012;
+  model.scene.tools[0].opening = 0.012;
   ToolHand hand(model);
   Grasp grasp;
   Snapshot now;

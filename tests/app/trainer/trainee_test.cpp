@@ -13,7 +13,7 @@
 #include "io/scene_lumps.h"
 #include "realtime/loop/simulation_loop.h"
 #include "realtime/recording/recording.h"
-#include "simulation/place.h"
+#include "setup/place.h"
 #include "support/small_scene.h"
 #include "support/temp_folder.h"
 
@@ -29,7 +29,7 @@ Model blockWithLump() {
   Scene scene = test::blockScene(0.012);
   scene.size = Vec3(0.09, 0.06, 0.03);
   scene.materials[0].material = Material::neoHookean(6600, 0.45, 1000);
-  scene.tool.radius = 0.008;
+  scene.tools[0].shape.radius = 0.008;
   addLump(Vec3(0.02, 0, 0.018), 0.009, 50e3, {}, scene);
   return buildModel(scene, boxSurface(scene.size, 0.004));
 }
@@ -103,7 +103,7 @@ TEST_CASE("A lump of the first level is felt as clearly stiffer; a small deep on
   REQUIRE(feels.size() == 1);
   CHECK(feels[0].ratio() > least_feel);
   Scene scene = test::blockScene(0.012);
-  scene.tool.radius = 0.008;
+  scene.tools[0].shape.radius = 0.008;
   addLump(Vec3(0.01, 0, 0.012), 0.004, 20e3, {}, scene);
   const std::vector<LumpFeel> deep = feelLumps(bodyOf(buildModel(scene, boxSurface(scene.size, 0.004))), depth);
   CHECK(deep[0].ratio() < least_feel);
@@ -136,7 +136,7 @@ TEST_CASE("Where the cloud follows the tool, a lump far from its start is felt a
 
 TEST_CASE("A layout that can't be felt is refused with its lump, and what was felt is kept", "[trainer]") {
   Scene scene = test::blockScene(0.012);
-  scene.tool.radius = 0.008;
+  scene.tools[0].shape.radius = 0.008;
   addLump(Vec3(0.01, 0, 0.012), 0.004, 20e3, {"x.toml", 7}, scene);
   const TaskBody body = bodyOf(buildModel(scene, boxSurface(scene.size, 0.004)));
   const TempFolder folder;
@@ -164,7 +164,7 @@ TEST_CASE("A layout that can't be felt is refused with its lump, and what was fe
 
 TEST_CASE("Of lumps at random the first layout in which all can be felt is taken, of a dozen", "[trainer][whole]") {
   Scene scene = test::blockScene(0.012);
-  scene.tool.radius = 0.008;
+  scene.tools[0].shape.radius = 0.008;
   scene.places["lumps.count"] = scene.place = {"x.toml", 7};
   Scene hidden = scene;
   addLump(Vec3(0.01, 0, 0.012), 0.004, 20e3, {"x.toml", 7}, hidden);

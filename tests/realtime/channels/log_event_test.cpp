@@ -2,7 +2,7 @@
 
 #include <catch2/catch.hpp>
 
-#include "simulation/trust.h"
+#include "step/trust.h"
 
 using namespace palpate;
 using Catch::Contains;

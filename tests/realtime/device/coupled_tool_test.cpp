@@ -6,8 +6,8 @@
 
 #include "realtime/loop_run.h"
 #include "realtime/recording/recording.h"
-#include "simulation/step.h"
-#include "simulation/workspace.h"
+#include "step/step.h"
+#include "step/workspace.h"
 #include "support/small_scene.h"
 
 using namespace palpate;
@@ -36,23 +36,23 @@ TEST_CASE("The tool rests where the coupling's spring carries what the tissue do
     REQUIRE(stiffness + 2 * tool.normalHold() > tissue);  // where the steps converge
     State state;
     StepReport last;
-    state.tool_pose.position = Vec3(0, 0, 0.001);
+    state.tool[0].pose.position = Vec3(0, 0, 0.001);
     for (int k = 0; k < 2000; ++k) {
       pull(tool, Vec3(0.003, 0, -0.01), stiffness);
-      state.tool_pose = tool.next(state, last);
-      const double z = state.tool_pose.position.z();
+      state.tool[0].pose = tool.next(state, last);
+      const double z = state.tool[0].pose.position.z();
       last.tool_force = Vec3(0, 0, std::max(0.0, -tissue * z));
       last.contact_normal = Vec3::UnitZ();
     }
     const double expected = -0.01 * stiffness / (stiffness + tissue);
-    CHECK(state.tool_pose.position.z() == Approx(expected).epsilon(1e-9));
-    CHECK(state.tool_pose.position.x() == Approx(0.003));  // without friction nothing holds it along the skin
+    CHECK(state.tool[0].pose.position.z() == Approx(expected).epsilon(1e-9));
+    CHECK(state.tool[0].pose.position.x() == Approx(0.003));  // without friction nothing holds it along the skin
   }
 }
 
 TEST_CASE("A tool in coarse tissue does not go to and fro from tick to tick", "[device]") {
   const Model model = blockModel();  // without friction
-  REQUIRE(model.scene.friction == 0);
+  REQUIRE(model.scene.tools[0].friction == 0);
   CoupledTool tool(model);
   State state = initialState(model);
   Workspace workspace(model, 1);
@@ -60,20 +60,20 @@ TEST_CASE("A tool in coarse tissue does not go to and fro from tick to tick", "[
   Command command;
   constexpr double stiffness = 80;  // N/m: what a slow line to a light device leaves
   constexpr int press = 200, hold = 150, watched = 40;
-  const double depth = model.first_contact_travel + 0.6 * model.scene.tool.radius;
+  const double depth = model.tools.first().first_contact_travel + 0.6 * model.scene.tools[0].shape.radius;
   Vec3 hand;
   double largest = 0;  // m in a tick
   for (int k = 1; k <= press + hold; ++k) {
     hand = toolAt(model, depth * std::min(1.0, static_cast<double>(k) / press), 2e-4).position;
     pull(tool, hand, stiffness);
-    command.tool_target = tool.next(state, last);
+    command.tools[0].pose = tool.next(state, last);
     if (k > press + hold - watched)
-      largest = std::max(largest, (command.tool_target.position - state.tool_pose.position).norm());
+      largest = std::max(largest, (command.tools[0].pose.position - state.tool[0].pose.position).norm());
     last = tick(model, state, command, workspace);
   }
   CHECK(largest < 1e-5);             // it was 2.5e-4, and the force came and went with it
   CHECK(last.tool_force.z() > 0.1);  // N
-  CHECK(stiffness * (state.tool_pose.position - hand).norm() == Approx(last.tool_force.norm()).epsilon(0.02));
+  CHECK(stiffness * (state.tool[0].pose.position - hand).norm() == Approx(last.tool_force.norm()).epsilon(0.02));
 }
 
 TEST_CASE("What a rattle shows is believed up to a bound, and forgotten", "[device]") {
@@ -96,13 +96,13 @@ TEST_CASE("In air the tool is where the device is; without a device it stays", "
   const Model model = smallModel();
   CoupledTool tool(model);
   State state;
-  state.tool_pose.position = Vec3(0.1, 0.2, 0.3);
-  CHECK(tool.next(state, {}).position == state.tool_pose.position);
+  state.tool[0].pose.position = Vec3(0.1, 0.2, 0.3);
+  CHECK(tool.next(state, {}).position == state.tool[0].pose.position);
   pull(tool, Vec3(0.5, 0, 0), 400);
   CHECK(tool.next(state, {}).position == Vec3(0.5, 0, 0));
   CHECK(tool.poseSequence() == 1);
   pull(tool, Vec3(0.6, 0, 0), 400, false);
-  CHECK(tool.next(state, {}).position == state.tool_pose.position);
+  CHECK(tool.next(state, {}).position == state.tool[0].pose.position);
   CHECK(tool.poseSequence() == 1);
 }
 
@@ -127,5 +127,5 @@ TEST_CASE("A device's run is recorded and replayed without the device, bit for b
   SimulationLoop second(model, again, nullptr, replay);
   second.advanceHere(ticks);
   CHECK(again.stateHash() == physics.stateHash());
-  CHECK(again.state().tool_pose.position == physics.state().tool_pose.position);
+  CHECK(again.state().tool[0].pose.position == physics.state().tool[0].pose.position);
 }

@@ -20,7 +20,7 @@ struct Hand {
   explicit Hand(const DeviceSettings& device = {}) : settings(device), model(test::smallModel(1000)) {
     tool.tick = 1;
     tool.contact_count = 1;
-    tool.tool_pose = model.tool_start;
+    tool.tool_pose = model.tools.first().start.pose;
     call();  // the handle's first place is the tool's start
   }
 
@@ -42,7 +42,9 @@ struct Hand {
     for (int k = 0; k < calls_more; ++k) call();
     return last;
   }
-  void moveTool(const Vec3& from_start) { tool.tool_pose.position = model.tool_start.position + from_start; }
+  void moveTool(const Vec3& from_start) {
+    tool.tool_pose.position = model.tools.first().start.pose.position + from_start;
+  }
   /// There in as many calls; the tool goes a share of that way.
   Vec3 push(const Vec3& to, double share = 0.4, int calls = 200) {
     const Vec3 from = pose.pose.position, tool_from = tool.tool_pose.position;
@@ -75,8 +77,8 @@ TEST_CASE("At rest the handle feels the coupling's spring, in air nothing", "[de
   hand.push(Vec3(0.001, 0, -0.005));
   hand.after(1000);
   CHECK((hand.last - 400 * 0.6 * Vec3(-0.001, 0, 0.005)).norm() < 1e-9);
-  CHECK((hand.coupling.target().pose.position - hand.model.tool_start.position - hand.pose.pose.position).norm() <
-        1e-12);
+  CHECK((hand.coupling.target().pose.position - hand.model.tools.first().start.pose.position - hand.pose.pose.position)
+            .norm() < 1e-12);
   CHECK(hand.coupling.target().stiffness == Approx(400));
   hand.tool.contact_count = 0;
   CHECK(hand.after(10) == Vec3::Zero());
@@ -90,7 +92,8 @@ TEST_CASE("A scaled way changes the spring that the tool feels, not the one that
   hand.after(1000);
   CHECK((hand.last - 400 * 0.6 * Vec3(0, 0, 0.002)).norm() < 1e-9);
   CHECK(hand.coupling.target().stiffness == Approx(100));
-  CHECK((hand.coupling.target().pose.position - hand.model.tool_start.position - Vec3(0, 0, -0.008)).norm() < 1e-12);
+  CHECK((hand.coupling.target().pose.position - hand.model.tools.first().start.pose.position - Vec3(0, 0, -0.008))
+            .norm() < 1e-12);
 }
 
 TEST_CASE("The force's norm is bounded, and how quickly it rises", "[device]") {
@@ -126,8 +129,8 @@ TEST_CASE("A device that falls silent has no force 60 ms later, and takes the to
   hand.push(Vec3(0, 0, -0.004), 0);
   hand.tool.contact_count = 0;
   hand.after(1000);  // in air the tool comes to where it belongs
-  CHECK((hand.coupling.target().pose.position - hand.model.tool_start.position - hand.pose.pose.position).norm() <
-        1e-6);
+  CHECK((hand.coupling.target().pose.position - hand.model.tools.first().start.pose.position - hand.pose.pose.position)
+            .norm() < 1e-6);
 }
 
 TEST_CASE("A short silence leaves the force that is out, and no more", "[device]") {
@@ -240,7 +243,7 @@ TEST_CASE("A turned handle feels an angular spring with a bound, or the orientat
   const double spring = 400 * 0.02 * 0.02;  // N m/rad
   if (locked) {
     CHECK(hand.torque == Vec3::Zero());
-    CHECK(hand.coupling.target().pose.orientation.coeffs() == hand.model.tool_start.orientation.coeffs());
+    CHECK(hand.coupling.target().pose.orientation.coeffs() == hand.model.tools.first().start.pose.orientation.coeffs());
     CHECK(hand.coupling.target().turning_stiffness == 0);
     return;
   }

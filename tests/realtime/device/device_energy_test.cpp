@@ -70,10 +70,10 @@ constexpr double begins_above = 0.005;  // m
 Model modelOf(const Trial& c) {
   Model model = test::smallModel(c.rate_hz);
   model.scene.device = DeviceSettings::of(c.device_class);
-  model.scene.tool.radius = 0.005;
-  model.scene.tool_max_speed = 1;
-  model.scene.friction = 0;
-  model.tool_start.position = Vec3(0, 0, begins_above);
+  model.scene.tools[0].shape.radius = 0.005;
+  model.scene.tools[0].max_speed = 1;
+  model.scene.tools[0].friction = 0;
+  model.tools.first().start.pose.position = Vec3(0, 0, begins_above);
   Material& m = model.materials[0];
   m.density = 1000;
   m.shear_modulus = c.young / (2 * 1.45);
@@ -99,7 +99,7 @@ Outcome run(const Trial& c) {
   DevicePose pose, read;
   DeviceWrench motors;
   State state;
-  state.tool_pose = model.tool_start;
+  state.tool[0].pose = model.tools.first().start.pose;
   StepReport last;
   ForceSample pending, ready;
   Outcome out;
@@ -144,13 +144,13 @@ Outcome run(const Trial& c) {
     out.pull = std::max(out.pull, -wrench.force.z());
     if (k % per_tick == 0 && !gap(c.stalls)) {
       if (pending.tick > 0) ready = pending;
-      state.tool_pose = tool.next(state, last);
-      last.tool_force = tissueForce(state.tool_pose.position, c.young);
+      state.tool[0].pose = tool.next(state, last);
+      last.tool_force = tissueForce(state.tool[0].pose.position, c.young);
       const bool touches = !last.tool_force.isZero(0);
       last.contact_normal = touches ? Vec3(Vec3::UnitZ()) : Vec3(Vec3::Zero());
       ++pending.tick;
       pending.wall_ns = now;
-      pending.tool_pose = state.tool_pose;
+      pending.tool_pose = state.tool[0].pose;
       pending.force_raw = last.tool_force;
       pending.contact_normal = last.contact_normal;
       pending.contact_count = touches ? 3 : 0;

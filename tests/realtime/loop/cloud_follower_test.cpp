@@ -10,15 +10,15 @@
 #include <random>
 #include <thread>
 
+#include "model/model_hash.h"
 #include "realtime/fakes.h"
 #include "realtime/loop/simulation_loop.h"
 #include "realtime/loop_run.h"
 #include "realtime/recording/recording.h"
-#include "simulation/build_model.h"
-#include "simulation/model_hash.h"
-#include "simulation/resolution.h"
-#include "simulation/tool_bodies.h"
-#include "simulation/trust.h"
+#include "setup/build_model.h"
+#include "step/resolution.h"
+#include "step/tool_bodies.h"
+#include "step/trust.h"
 #include "support/equal_models.h"
 #include "support/realtime_guard.h"
 #include "support/small_scene.h"
@@ -30,8 +30,8 @@ namespace {
 std::shared_ptr<const Places> places() {
   static const auto made = [] {
     Scene scene = test::barScene();
-    scene.tool.radius = 0.012;  // a third of the nodes
-    scene.tool_position = Vec3(-0.06, 0, 0.0305);
+    scene.tools[0].shape.radius = 0.012;  // a third of the nodes
+    scene.tools[0].position = Vec3(-0.06, 0, 0.0305);
     return std::make_shared<const Places>(makePlaces(scene, test::barSurface()));
   }();
   return made;
@@ -66,7 +66,7 @@ constexpr double drag_length = 0.045;  // m
 /// Half a radius down in the first fifth, then along the bar.
 Pose dragPose(const Model& model, int tick) {
   const double down = std::min(1.0, 5.0 * tick / drag_ticks), along = std::max(0.0, (5.0 * tick / drag_ticks - 1) / 4);
-  Pose pose = model.tool_start;
+  Pose pose = model.tools.first().start.pose;
   pose.position += Vec3(drag_length * along, 0, -0.0045 * down);
   return pose;
 }
@@ -219,7 +219,7 @@ TEST_CASE("A saved state goes on as it did, also from another place", "[cloud_fo
   const auto goOn = [&](int from, int to) {
     for (int k = from; k < to; ++k) {
       body->follower.follow(true, stop);
-      command.tool_target = dragPose(body->model(), k);
+      command.tools[0].pose = dragPose(body->model(), k);
       physics.tick(command);
     }
   };
@@ -246,7 +246,7 @@ TEST_CASE("What is set live holds at all places", "[cloud_follower][whole]") {
   Command command;
   for (int k = 1; k < 150; ++k) {
     body->follower.follow(true, stop);
-    command.tool_target = dragPose(body->model(), k);
+    command.tools[0].pose = dragPose(body->model(), k);
     physics.tick(command);
   }
   REQUIRE(body->follower.swapCount() > 1);
@@ -274,7 +274,7 @@ TEST_CASE("A swap allocates nothing and takes no lock, nor does what keeps its s
   for (int k = 1; k < 200; ++k) {
     const PlaceIndex present = physics.state().place;
     ToolPostures tools;
-    tools[0].pose = physics.state().tool_pose;
+    tools[0].pose = physics.state().tool[0].pose;
     const PlaceIndex next = nextPlace(*places(), present, tools);
     PlaceChange* change = nullptr;
     if (next != present) {
@@ -282,7 +282,7 @@ TEST_CASE("A swap allocates nothing and takes no lock, nor does what keeps its s
       while ((change = body->worker.take()) == nullptr) std::this_thread::yield();
       swaps += present != startPlace(*places());
     }
-    command.tool_target = dragPose(body->model(), k);
+    command.tools[0].pose = dragPose(body->model(), k);
     test::startGuard();
     if (change != nullptr) {
       const auto lost = physics.goTo(*change, 1e9);  // where tissue is squeezed its energy is compared
@@ -309,8 +309,8 @@ TEST_CASE("A change that is refused leaves no trace, and can be made later", "[c
   Command command;
   const auto press = [&](int from, int to) {
     for (int k = from; k < to; ++k) {
-      command.tool_target = body->model().tool_start;
-      command.tool_target.position += Vec3(0.0005 * std::max(0, k - 20), 0, -0.001 * std::min(k, 20));
+      command.tools[0].pose = body->model().tools.first().start.pose;
+      command.tools[0].pose.position += Vec3(0.0005 * std::max(0, k - 20), 0, -0.001 * std::min(k, 20));
       physics.tick(command);
     }
   };
@@ -321,7 +321,7 @@ TEST_CASE("A change that is refused leaves no trace, and can be made later", "[c
   const std::uint64_t hash = physics.stateHash();
   physics.putIn(before);
   const PlaceIndex here = before.place;
-  const PlaceIndex next = nextPlace(*places(), here, posturesOf(body->model(), before));
+  const PlaceIndex next = nextPlace(*places(), here, posturesOf(before));
   REQUIRE(next != here);
   PlaceChange* change = nullptr;
   body->worker.want({here, next, no_place});
@@ -350,8 +350,8 @@ TEST_CASE("Tissue bent between coarse nodes is not followed until it is straight
   TissuePhysics& physics = body->physics;
   const std::atomic<bool> stop{false};
   State bent = physics.state();
-  bent.tool_pose.position.x() += 1.5 * places()->sizes.stride;
-  const PlaceIndex next = nextPlace(*places(), bent.place, posturesOf(body->model(), bent));
+  bent.tool[0].pose.position.x() += 1.5 * places()->sizes.stride;
+  const PlaceIndex next = nextPlace(*places(), bent.place, posturesOf(bent));
   REQUIRE(next != bent.place);
   bent.local_mass.active = true;
   // To and fro at the coarse nodes that the ball leaves, at rest at the fine ones between them, which go.
@@ -388,7 +388,7 @@ TEST_CASE("Where nodes are too far apart for the tool an error is expected, what
   const auto body = tissue();
   CHECK(body->follower.expectedError() == 0);
   State beside = body->physics.state();
-  beside.tool_pose.position.x() += 0.1;  // beyond the ball
+  beside.tool[0].pose.position.x() += 0.1;  // beyond the ball
   body->physics.putIn(beside);
   const double apart = places()->sizes.coarse / (coarsest_nodes * 0.012);
   REQUIRE(apart > 1);

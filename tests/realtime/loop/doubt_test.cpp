@@ -4,7 +4,7 @@
 #include "realtime/fakes.h"
 #include "realtime/loop/simulation_loop.h"
 #include "realtime/recording/run_report.h"
-#include "simulation/trust.h"
+#include "step/trust.h"
 
 using namespace palpate;
 using namespace palpate::test;

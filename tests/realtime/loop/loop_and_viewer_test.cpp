@@ -107,12 +107,12 @@ TEST_CASE("When the track is over the viewer has the tool", "[simulation_loop]")
   Vec3 at_end_of_track;
   clock.before_sleep = [&](int sleep) {
     if (sleep == 50) loop.commands().push(Request::moveTool(poseAt(Vec3(1, 1, 1))));
-    if (sleep == 120) at_end_of_track = physics.state().tool_pose.position;
+    if (sleep == 120) at_end_of_track = physics.state().tool[0].pose.position;
     if (sleep == 130) loop.commands().push(Request::moveTool(poseAt(wanted)));
   };
   loop.run(clock);
   CHECK(at_end_of_track == options.track.back().request.pose.position);  // stays where it was left
-  CHECK(physics.state().tool_pose.position == wanted);
+  CHECK(physics.state().tool[0].pose.position == wanted);
   CHECK(has(drain(loop.log()), LogEvent::Kind::TrackEnded));
 }
 

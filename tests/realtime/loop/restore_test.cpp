@@ -56,10 +56,10 @@ TEST_CASE("A lost solution goes back to a good one, at rest, and the tool comes 
   model.max_increment = 0.3 * model.dt;  // m: a blow-up is what goes faster than 0.3 m/s, as under a quick poke
   TissuePhysics physics(model, 1);
   const Pose deep = toolAt(model, 0.010);
-  double largest_advance = 0, before = model.tool_start.position.z();
+  double largest_advance = 0, before = model.tools.first().start.pose.position.z();
   const Live live = liveRun(model, physics, 900, [&](int sleep, SimulationLoop& loop) {
     if (sleep == 3) loop.commands().push(Request::moveTool(deep));
-    const double z = physics.state().tool_pose.position.z();
+    const double z = physics.state().tool[0].pose.position.z();
     if (loop.snapshots().latest().status.restored_count > 0) largest_advance = std::max(largest_advance, before - z);
     before = z;
   });
@@ -70,7 +70,7 @@ TEST_CASE("A lost solution goes back to a good one, at rest, and the tool comes 
   CHECK(has(live.events, LogEvent::Kind::RestoredBlowUp));
   CHECK(live.summary.largest_yield > 0.001);
   CHECK(largest_advance <= ToolProxy::approach_speed / model.scene.rate_hz + 1e-12);
-  CHECK(physics.state().tool_pose.position == deep.position);  // it arrived
+  CHECK(physics.state().tool[0].pose.position == deep.position);  // it arrived
   CHECK(live.summary.peak_force > 0.05);
 
   const RunSummary again = replayOf(live, model);
@@ -89,11 +89,11 @@ TEST_CASE("Undo goes back half a second or more, again and again; a recording re
     const State& state = physics.state();
     if (state.tick < tick) {
       went_back.push_back(tick - state.tick);
-      CHECK(state.tool_pose.position.isApprox(way[static_cast<std::size_t>(state.tick) - 2].position, 1e-12));
+      CHECK(state.tool[0].pose.position.isApprox(way[static_cast<std::size_t>(state.tick) - 2].position, 1e-12));
     }
     tick = state.tick;
     way.resize(static_cast<std::size_t>(tick));
-    if (tick > 0) way.back() = state.tool_pose;
+    if (tick > 0) way.back() = state.tool[0].pose;
     if (sleep % 5 == 0 && sleep < 1000) loop.commands().push(Request::moveTool(toolAt(model, 5e-6 * sleep)));
     if (sleep == 1000 || sleep == 1010) loop.commands().push(Request::simple(Request::Kind::Undo));
   });
@@ -106,7 +106,7 @@ TEST_CASE("Undo goes back half a second or more, again and again; a recording re
   CHECK(has(live.events, LogEvent::Kind::Undone));
   CHECK(physics.state().tick < 1200 - 200);
   // The hand's old place is forgotten: the tool stays where it was then.
-  CHECK(physics.state().tool_pose.position.isApprox(way.back().position, 1e-9));
+  CHECK(physics.state().tool[0].pose.position.isApprox(way.back().position, 1e-9));
   CHECK(replayOf(live, model).state_hash == live.summary.state_hash);
 }
 
@@ -116,7 +116,8 @@ TEST_CASE("In a pause, the picture after an undo or a reset has the force of its
   std::vector<Vec3> raw(1, Vec3::Zero());  // N, by physics tick
   liveRun(model, physics, 700, [&](int sleep, SimulationLoop& loop) {
     const Snapshot& shown = loop.snapshots().latest();
-    if (sleep == 3) loop.commands().push(Request::moveTool(toolAt(model, model.first_contact_travel + 0.004), 0.3));
+    if (sleep == 3)
+      loop.commands().push(Request::moveTool(toolAt(model, model.tools.first().first_contact_travel + 0.004), 0.3));
     if (sleep == 600) loop.commands().push(Request::simple(Request::Kind::Pause));
     if (sleep < 600) {
       raw.resize(static_cast<std::size_t>(shown.tick) + 1);
@@ -174,11 +175,11 @@ TEST_CASE("A reset under a device that stays deep does not dive in again", "[res
   TissuePhysics physics(model, 1);
   const Pose deep = toolAt(model, 0.008);  // 6 mm in the tissue
   double fastest = 0, fastest_inside = 0;
-  Vec3 before = model.tool_start.position;
+  Vec3 before = model.tools.first().start.pose.position;
   const Live live = liveRun(model, physics, 900, [&](int sleep, SimulationLoop& loop) {
     loop.commands().push(Request::moveTool(deep));
     if (sleep == 300) loop.commands().push(Request::simple(Request::Kind::Reset));
-    const Vec3 now = physics.state().tool_pose.position;
+    const Vec3 now = physics.state().tool[0].pose.position;
     const double speed = (now - before).norm() * model.scene.rate_hz;
     if (sleep > 302) fastest = std::max(fastest, speed);
     if (sleep > 302 && before.z() < 0.029) fastest_inside = std::max(fastest_inside, speed);
@@ -187,6 +188,6 @@ TEST_CASE("A reset under a device that stays deep does not dive in again", "[res
   CHECK(fastest <= ToolProxy::approach_speed * (1 + 1e-9));
   CHECK(fastest_inside <= ToolProxy::gentle_speed * (1 + 1e-9));
   CHECK(fastest_inside > 0);
-  CHECK(physics.state().tool_pose.position == deep.position);  // in the end it is there
+  CHECK(physics.state().tool[0].pose.position == deep.position);  // in the end it is there
   CHECK(replayOf(live, model).state_hash == live.summary.state_hash);
 }

@@ -18,8 +18,7 @@ Model slab(bool moved = false) {
   constexpr int n = 9, layers = 4;
   Model model = test::smallModel(500);
   model.scene.spacing = spacing;
-  model.scene.tool = ToolShape::of(ToolKind::Sphere, 0.01);
-  model.scene.tool_max_speed = 1;
+  model.tools.body[0].shape = model.scene.tools[0].shape = ToolShape::of(ToolKind::Sphere, 0.01);
   model.X.clear();
   model.skin.surface = {};
   const auto at = [](int i, int j, int k) { return Vec3(spacing * (i - n / 2), spacing * (j - n / 2), spacing * k); };
@@ -109,24 +108,24 @@ TEST_CASE("No tool is pushed through what holds the organ, whatever its shape an
           "[rigid_support]") {
   for (const ToolKind kind : {ToolKind::Sphere, ToolKind::FlatCylinder, ToolKind::Capsule, ToolKind::Cone}) {
     Model model = slab();
-    model.scene.tool = ToolShape::of(kind, 0.01, 0.05);
+    model.tools.body[0].shape = model.scene.tools[0].shape = ToolShape::of(kind, 0.01, 0.05);
     ToolProxy proxy(model);
     State state;
-    state.tool_pose.position = Vec3(0.002, -0.003, 0.02);
+    state.tool[0].pose.position = Vec3(0.002, -0.003, 0.02);
     Pose hand;
     hand.position = Vec3(0.002, -0.003, -1);
     const auto go = [&] {  // at the tool's greatest speed
-      const Vec3 way = proxy.follow(hand, state, {}).position - state.tool_pose.position;
-      state.tool_pose.position += std::min(1.0, 2e-3 / std::max(way.norm(), 1e-12)) * way;
+      const Vec3 way = proxy.follow(hand, state, {}).position - state.tool[0].pose.position;
+      state.tool[0].pose.position += std::min(1.0, 2e-3 / std::max(way.norm(), 1e-12)) * way;
     };
     for (int tick = 0; tick < 200; ++tick) go();
     INFO(static_cast<int>(kind));
-    CHECK(state.tool_pose.position.z() > 0);
-    CHECK(state.tool_pose.position.z() < 0.5 * spacing);
-    CHECK(state.tool_pose.position.head<2>().isApprox(hand.position.head<2>(), 1e-9));
-    CHECK(proxy.yieldAfter(hand, state, {}) == Approx((hand.position - state.tool_pose.position).norm()));
+    CHECK(state.tool[0].pose.position.z() > 0);
+    CHECK(state.tool[0].pose.position.z() < 0.5 * spacing);
+    CHECK(state.tool[0].pose.position.head<2>().isApprox(hand.position.head<2>(), 1e-9));
+    CHECK(proxy.yieldAfter(hand, state, {}) == Approx((hand.position - state.tool[0].pose.position).norm()));
     hand.position.z() = 0.05;  // and it comes out as it went in
     for (int tick = 0; tick < 50; ++tick) go();
-    CHECK(state.tool_pose.position == hand.position);
+    CHECK(state.tool[0].pose.position == hand.position);
   }
 }

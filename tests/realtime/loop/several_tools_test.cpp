@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 
+#include "model/model_hash.h"
 #include "realtime/fakes.h"
 #include "realtime/loop/simulation_loop.h"
 #include "realtime/recording/force_csv.h"
 #include "realtime/recording/recording_file.h"
-#include "simulation/model_hash.h"
-#include "simulation/tool_bodies.h"
+#include "step/tool_bodies.h"
 #include "support/realtime_guard.h"
 #include "support/strip_scene.h"
 #include "support/temp_folder.h"
@@ -119,7 +119,7 @@ TEST_CASE("A tool with a script follows it from the start and after a reset, and
 
 TEST_CASE("Jaws stop at the grip force that the scene gives them", "[several_tools][whole]") {
   Scene scene = stripScene();
-  scene.tool_grip_force = 0.02;  // N
+  scene.tools[0].grip_force = 0.02;  // N
   const Model model = stripModel(scene);
   TissuePhysics physics(model, 1);
   SimulationLoop loop(model, physics, &physics.team(), {});
@@ -137,14 +137,14 @@ TEST_CASE("Jaws stop at the grip force that the scene gives them", "[several_too
 TEST_CASE("Jaws that close on a strip hold it at their grip force, and it follows the hand that lifts them",
           "[several_tools][whole]") {
   const Model model = stripModel();
-  const double grip = model.tools.tool[0].grip_force;
+  const double grip = model.tools.first().grip_force;
   REQUIRE(0.8 * 2 * grip > 2 * stripWeight(model));  // by friction, and then some
   TissuePhysics physics(model, 1);
   SimulationLoop loop(model, physics, &physics.team(), {});
   double largest = 0, least = grip;
   const auto run = [&](int ticks, double up, double opening, bool held) {
     for (int k = 1; k <= ticks; ++k) {
-      Pose hand = model.tool_start;
+      Pose hand = model.tools.first().start.pose;
       hand.position.z() += up * k / ticks;
       loop.hand().back() = {hand, 1};
       loop.hand().publish();
@@ -167,7 +167,7 @@ TEST_CASE("Jaws that close on a strip hold it at their grip force, and it follow
   CHECK(jaws.opening > 0.002);
   CHECK(loop.summary().min_J > 0.5F);
   CHECK(loop.summary().trust.doubt() <= Doubt::Resolution);
-  CHECK(jaws.pose[2] == Approx(model.tool_start.position.z() + 0.01).margin(1e-9));
+  CHECK(jaws.pose[2] == Approx(model.tools.first().start.pose.position.z() + 0.01).margin(1e-9));
   CHECK(loop.toolReadings().tool[1].contact_count == 0);  // it hangs
 }
 

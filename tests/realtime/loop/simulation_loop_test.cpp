@@ -33,7 +33,7 @@ TEST_CASE("Each tick advances the physics once and gives a force sample at exact
     const ForceSample& sample = samples[static_cast<std::size_t>(k)];
     REQUIRE(sample.tick == k + 1);
     REQUIRE(sample.time_s == (k + 1) / 700.0);
-    REQUIRE(sample.advance_m == Approx(1e-4 * (k + 1) - model.first_contact_travel).margin(1e-15));
+    REQUIRE(sample.advance_m == Approx(1e-4 * (k + 1) - model.tools.first().first_contact_travel).margin(1e-15));
     REQUIRE(sample.force_raw.z() == Approx(100 * 1e-4 * (k + 1)));
   }
   CHECK(samples[299].force_filtered.z() < samples[299].force_raw.z());
@@ -46,7 +46,7 @@ TEST_CASE("Each tick advances the physics once and gives a force sample at exact
   const Snapshot& last = loop.snapshots().latest();
   CHECK(last.tick == 300);
   CHECK(last.time_s == 300 / 700.0);
-  CHECK(last.tool_pose.position == poses.back().position);
+  CHECK(last.toolPose().position == poses.back().position);
   CHECK(std::equal(last.u.begin(), last.u.end(), physics.state().u.begin(),
                    [](const Float4& a, const Float4& b) { return a.x == b.x && a.y == b.y && a.z == b.z; }));
   REQUIRE(last.contact_count == 1);  // the vertex without force is left out
@@ -136,9 +136,9 @@ TEST_CASE("A tool moved by hand arrives smoothly at the newest pose", "[simulati
   FakeClock clock;
   const Pose target = poseAt(Vec3(0.01, 0, 0.09), 0.3);
   double largest = 0;
-  Vec3 before = model.tool_start.position;
+  Vec3 before = model.tools.first().start.pose.position;
   clock.before_sleep = [&](int sleep) {
-    const Vec3 now = physics.state().tool_pose.position;
+    const Vec3 now = physics.state().tool[0].pose.position;
     largest = std::max(largest, (now - before).norm());
     before = now;
     if (sleep == 5) {
@@ -151,8 +151,8 @@ TEST_CASE("A tool moved by hand arrives smoothly at the newest pose", "[simulati
     }
   };
   loop.run(clock);
-  CHECK(physics.state().tool_pose.position == target.position);
-  CHECK(physics.state().tool_pose.orientation.isApprox(target.orientation, 1e-15));
+  CHECK(physics.state().tool[0].pose.position == target.position);
+  CHECK(physics.state().tool[0].pose.orientation.isApprox(target.orientation, 1e-15));
   // A first-order lag of 20 ms: the first of its 2 ms ticks is the largest, 1 - exp(-0.1) of the way.
   CHECK(largest == Approx(std::sqrt(2.0) * 0.01 * (1 - std::exp(-0.1))).epsilon(1e-9));
 }

@@ -4,7 +4,7 @@
 
 #include "realtime/fakes.h"
 #include "realtime/loop/simulation_loop.h"
-#include "simulation/free_axes.h"
+#include "setup/free_axes.h"
 
 using namespace palpate;
 

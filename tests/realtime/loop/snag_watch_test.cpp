@@ -14,8 +14,8 @@ namespace {
 Model boxed() {
   Model model = test::smallModel(500);
   model.skin.surface.vertices = {Vec3(0, 0, 0), Vec3(0.1, 0.06, 0.04)};
-  model.scene.tool = ToolShape::of(ToolKind::Sphere, 0.005);
-  model.tool_start.position = Vec3(0.05, 0.03, 0.042);
+  model.scene.tools[0].shape = ToolShape::of(ToolKind::Sphere, 0.005);
+  model.tools.first().start.pose.position = Vec3(0.05, 0.03, 0.042);
   return model;
 }
 
@@ -28,7 +28,7 @@ StepReport touching() {
 /// The ticks after which `watch` finds a tool at `tip` caught; -1: not within 2000.
 int ticksUntilFound(SnagWatch& watch, const Model& model, const Vec3& tip, const Vec3& hand, const StepReport& report) {
   State state = test::FakePhysics(model).state();
-  state.tool_pose.position = tip;
+  state.tool[0].pose.position = tip;
   for (int t = 1; t <= 2000; ++t)
     if (watch.update(state, hand, report)) return t;
   return -1;
@@ -50,11 +50,11 @@ TEST_CASE("A tool that touches far outside of the body is caught", "[snag_watch]
   CHECK(ticksUntilFound(watch, model, Vec3(0.05, 0.03, 0.06), above, touching()) == 250);
   CHECK(ticksUntilFound(watch, model, Vec3(0.05, 0.03, 0.002), Vec3(0.05, 0.03, -1), touching()) == -1);
   State state = test::FakePhysics(model).state();
-  state.tool_pose.position = above;
+  state.tool[0].pose.position = above;
   int found = 0;
   for (int t = 1; t <= 750; ++t) found += watch.update(state, above, t % 3 == 0 ? touching() : StepReport());
   CHECK(found == 1);  // a fold that swings touches now and then
-  model.scene.tool = ToolShape::of(ToolKind::FlatCylinder, 0.005, 0.05);
+  model.scene.tools[0].shape = ToolShape::of(ToolKind::FlatCylinder, 0.005, 0.05);
   SnagWatch longer(model);  // its side may touch the body
   CHECK(ticksUntilFound(longer, model, above, above, touching()) == -1);
   model.scene.boundaries.emplace_back();
@@ -72,7 +72,7 @@ TEST_CASE("What a tool carries off is told from a body that it pushes along, and
   const Vec3 away(0.3, 0.03, 0.02);
   const auto found = [&](SnagWatch& watch, float slid, const StepReport& report) {
     for (Float4& u : state.u) u = {slid, 0, 0, 0};
-    state.tool_pose.position = away;
+    state.tool[0].pose.position = away;
     int count = 0;
     for (int t = 1; t <= 250; ++t) count += watch.update(state, away, report);
     return count == 1;
@@ -97,12 +97,12 @@ TEST_CASE("A tool that stands between skin before it and behind, far from its ha
   State state = test::FakePhysics(model).state();
   Vec3 hand(0.05, 0.03, -1);
   const auto ticksUntil = [&](double below, double above, double speed) {  // N from either side; m/s
-    state.contact.vertex = {0, 1};
-    state.contact.force = {Float4{0, 0, static_cast<float>(-below), 0}, Float4{0, 0, static_cast<float>(above), 0}};
-    state.contact.count = 2;
-    state.tool_pose.position = Vec3(0.05, 0.03, 0.02);
+    state.contact[0].vertex = {0, 1};
+    state.contact[0].force = {Float4{0, 0, static_cast<float>(-below), 0}, Float4{0, 0, static_cast<float>(above), 0}};
+    state.contact[0].count = 2;
+    state.tool[0].pose.position = Vec3(0.05, 0.03, 0.02);
     for (int t = 1; t <= 5000; ++t) {
-      state.tool_pose.position.z() -= speed / model.scene.rate_hz;
+      state.tool[0].pose.position.z() -= speed / model.scene.rate_hz;
       if (watch.update(state, hand, touching())) return t;
     }
     watch.recall({});
@@ -124,7 +124,7 @@ TEST_CASE("Tissue that a tool has carried off is put back to rest, counted and t
   physics.on_tick = [](State& state, StepReport& report) {
     if (state.tick < 100 || state.tick > 500) return;
     report.contact_count = 3;
-    state.tool_pose.position = Vec3(0.05, 0.03, 1);
+    state.tool[0].pose.position = Vec3(0.05, 0.03, 1);
     state.u[0].x = 0.05F;
   };
   SimulationLoopOptions options;

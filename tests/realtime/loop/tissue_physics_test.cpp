@@ -8,13 +8,13 @@
 
 #include "contact/tools/tool_list.h"
 #include "discretization/surface/solids.h"
+#include "model/model_hash.h"
 #include "realtime/fakes.h"
 #include "realtime/loop/simulation_loop.h"
 #include "realtime/recording/recording.h"
 #include "realtime/team_guard.h"
-#include "simulation/build_model.h"
-#include "simulation/model_hash.h"
-#include "simulation/step.h"
+#include "setup/build_model.h"
+#include "step/step.h"
 #include "support/realtime_guard.h"
 
 using namespace palpate;
@@ -33,10 +33,10 @@ const Model& block() {
     base.region.point = Vec3::Zero();
     base.region.normal = Vec3::UnitZ();
     scene.boundaries = {base};
-    scene.tool.kind = ToolKind::Sphere;
-    scene.tool.radius = 0.008;
-    scene.tool_position = Vec3(0, 0, 0.021);
-    scene.friction = 0.3;
+    scene.tools[0].shape.kind = ToolKind::Sphere;
+    scene.tools[0].shape.radius = 0.008;
+    scene.tools[0].position = Vec3(0, 0, 0.021);
+    scene.tools[0].friction = 0.3;
     return buildModel(scene, boxSurface(Vec3(0.04, 0.04, 0.02), 0.005));
   }();
   return model;
@@ -47,7 +47,7 @@ std::vector<TimedRequest> pressAndDrag(int ticks) {
   std::vector<Pose> poses;
   for (int k = 1; k <= ticks; ++k) {
     const double down = std::min(1.0, 2.0 * k / ticks), along = std::max(0.0, 2.0 * k / ticks - 1);
-    Pose pose = block().tool_start;
+    Pose pose = block().tools.first().start.pose;
     pose.position += Vec3(0.005 * along, 0, -0.004 * down);
     poses.push_back(pose);
   }
@@ -104,7 +104,7 @@ TEST_CASE("Reset equals a fresh load, bit for bit, and so does what follows", "[
   CHECK(sameBits(physics.state().u_low, fresh.u_low));
   CHECK(physics.state().tick == 0);
   CHECK(physics.state().step == 0);
-  CHECK(physics.state().contact.count == fresh.contact.count);
+  CHECK(physics.state().contact[0].count == fresh.contact[0].count);
   CHECK(physics.stateHash() == stateHash(model, fresh));
   const RunSummary again = run(physics, model, pressing(40));
   CHECK(again.state_hash == first.state_hash);
@@ -124,7 +124,7 @@ TEST_CASE("A live session on tissue is repeated by its recording", "[tissue_phys
     options.tick_limit = ticks;
     options.record = true;
     SimulationLoop loop(model, physics, &physics.team(), options);
-    Pose pressed = model.tool_start;
+    Pose pressed = model.tools.first().start.pose;
     pressed.position.z() -= 0.004;
     const Material soft = stiffened(model.materials[0], 0.5);
     test::FakeClock clock;
@@ -211,7 +211,7 @@ TEST_CASE("Two simulations share a model, and what is set live in one leaves the
       of_untouched = run(untouched, model, pressing(ticks));
     }
     CHECK(changed.state().live.friction == 0);
-    CHECK(untouched.state().live.friction == model.scene.friction);
+    CHECK(untouched.state().live.friction == model.scene.tools[0].friction);
     CHECK(of_changed.state_hash != expected.state_hash);
     CHECK(of_changed.peak_force > 1.05 * expected.peak_force);
     CHECK(of_untouched.state_hash == expected.state_hash);

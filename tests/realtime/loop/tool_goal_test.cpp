@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "realtime/loop_run.h"
-#include "simulation/build_model.h"
+#include "setup/build_model.h"
 #include "support/small_scene.h"
 
 using namespace palpate;
@@ -87,7 +87,7 @@ TEST_CASE("Input that comes twice a second gives the force no steps", "[tool_goa
   TissuePhysics physics(model, 1);
   SimulationLoop loop(model, physics, nullptr, limited(1500));
   FakeClock clock;
-  Pose target = model.tool_start;
+  Pose target = model.tools.first().start.pose;
   clock.before_sleep = [&](int sleep) {
     if (sleep % 250 != 0) return;
     target = loop.snapshots().latest().goal_pose;

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "realtime/fakes.h"
-#include "simulation/trust.h"
+#include "step/trust.h"
 
 using namespace palpate;
 
@@ -13,9 +13,8 @@ namespace {
 
 Model toolModel() {
   Model model = test::smallModel(500);
-  model.scene.tool.radius = 0.01;
-  model.scene.tool_max_speed = 1;
-  model.max_tool_force = 4;
+  model.scene.tools[0].shape.radius = 0.01;
+  model.tools.first().max_force = 4;
   return model;
 }
 
@@ -40,8 +39,8 @@ TEST_CASE("Where nothing is doubted the tool is the hand, bit for bit", "[tool_p
   Touch touch;
   touch.report.step_share = YieldLimits::free_step_share;
   touch.report.min_J = TrustLimits::min_J + 1e-6F;
-  touch.report.max_penetration = TrustLimits::penetration * model.scene.tool.radius;
-  touch.report.tool_force = Vec3(0, 0, 0.5 * model.max_tool_force);
+  touch.report.max_penetration = TrustLimits::penetration * model.scene.tools[0].shape.radius;
+  touch.report.tool_force = Vec3(0, 0, 0.5 * model.tools.first().max_force);
   Pose hand = handAt(0.1, -0.2, -0.3);
   hand.orientation = Quat(Eigen::AngleAxisd(0.3, Vec3::UnitX()));
   const Pose tool = proxy.follow(hand, touch.state, touch.report);
@@ -56,18 +55,18 @@ TEST_CASE("Each limit slows the advance and stops it; the gravest counts", "[too
   State state;
   StepReport report;
   CHECK(proxy.freedom(state, report) == 1);
-  state.contact.samples.largest_stretch = YieldLimits::free_stretch;
+  state.contact[0].samples.largest_stretch = YieldLimits::free_stretch;
   CHECK(proxy.freedom(state, report) == 1);
-  state.contact.samples.largest_stretch = 0.5 * (YieldLimits::free_stretch + YieldLimits::stretch);
+  state.contact[0].samples.largest_stretch = 0.5 * (YieldLimits::free_stretch + YieldLimits::stretch);
   CHECK(proxy.freedom(state, report) == Approx(0.5));
-  state.contact.samples.largest_stretch = 2 * YieldLimits::stretch;
+  state.contact[0].samples.largest_stretch = 2 * YieldLimits::stretch;
   CHECK(proxy.freedom(state, report) == YieldLimits::least_of_stretched);
-  state.contact.samples.largest_stretch = 1;
+  state.contact[0].samples.largest_stretch = 1;
   report.step_share = 0.5 * (YieldLimits::free_step_share + YieldLimits::step_share);
   CHECK(proxy.freedom(state, report) == Approx(0.5));
   report.min_J = static_cast<float>(0.25 * TrustLimits::min_J + 0.75 * YieldLimits::min_J);
   CHECK(proxy.freedom(state, report) == Approx(0.25));
-  report.max_penetration = YieldLimits::penetration * model.scene.tool.radius;
+  report.max_penetration = YieldLimits::penetration * model.scene.tools[0].shape.radius;
   CHECK(proxy.freedom(state, report) == 0);
   report = {};
   report.min_J = -0.1F;
@@ -116,10 +115,10 @@ TEST_CASE("A tool at its max_force is said to yield", "[tool_proxy]") {
   ToolProxy proxy(model);
   Touch touch;
   const Pose hand = handAt(0, 0, -0.05);
-  touch.report.tool_force = Vec3(0, 0, 0.9 * model.max_tool_force);
+  touch.report.tool_force = Vec3(0, 0, 0.9 * model.tools.first().max_force);
   CHECK(proxy.follow(hand, touch.state, touch.report).position == hand.position);  // it gives way within the step
   CHECK(proxy.yieldAfter(hand, touch.state, touch.report) == 0);
-  touch.report.tool_force = Vec3(0, 0, model.max_tool_force);
+  touch.report.tool_force = Vec3(0, 0, model.tools.first().max_force);
   CHECK(proxy.yieldAfter(hand, touch.state, touch.report) == Approx(0.05));
 }
 
@@ -127,7 +126,7 @@ TEST_CASE("In tissue no tool advances faster than half of sound", "[tool_proxy]"
   Model model = toolModel();
   double sound = 1e9;
   for (const Material& m : model.materials) sound = std::min(sound, std::sqrt(m.waveModulus() / m.density));
-  model.scene.tool_max_speed = 10 * sound;
+  model.tools.first().max_speed = 10 * sound;
   ToolProxy proxy(model);
   Touch touch;
   const double tick_s = 1 / model.scene.rate_hz, most = 0.5 * sound * tick_s;
@@ -148,15 +147,15 @@ TEST_CASE("After the tissue was put back the tool comes gently, until it has rea
   const Pose hand = handAt(0, 0, -0.01);
   double fastest = 0;
   int ticks = 0;
-  while (touch.state.tool_pose.position.z() > hand.position.z() && ticks < 1000) {
+  while (touch.state.tool[0].pose.position.z() > hand.position.z() && ticks < 1000) {
     const Pose tool = proxy.follow(hand, touch.state, touch.report);
-    fastest = std::max(fastest, (tool.position - touch.state.tool_pose.position).norm());
-    touch.state.tool_pose = tool;
+    fastest = std::max(fastest, (tool.position - touch.state.tool[0].pose.position).norm());
+    touch.state.tool[0].pose = tool;
     ++ticks;
   }
   CHECK(fastest * 500 == Approx(ToolProxy::gentle_speed));
   CHECK(std::abs(ticks - 250) <= 1);  // 10 mm at 20 mm/s
-  touch.state.tool_pose = hand;
+  touch.state.tool[0].pose = hand;
   // Then, after a while there, as fast as the hand.
   for (int k = 0; k < 500 * ToolProxy::arrival_seconds; ++k) proxy.follow(hand, touch.state, touch.report);
   CHECK(proxy.follow(handAt(0, 0, -0.5), touch.state, touch.report).position == Vec3(0, 0, -0.5));

@@ -8,8 +8,8 @@
 
 #include "base/input_error.h"
 #include "mechanics/materials/material_law.h"
+#include "model/model_hash.h"
 #include "realtime/fakes.h"
-#include "simulation/model_hash.h"
 #include "support/law_values.h"
 #include "support/temp_folder.h"
 #include "support/text.h"
@@ -219,7 +219,7 @@ TEST_CASE("A recording of another model or rate is refused", "[recording]") {
   softer.materials[0] = stiffened(softer.materials[0], 0.5);
   CHECK(modelHash(softer) != modelHash(model));
   Model rougher = model;
-  rougher.scene.friction = 0.2;
+  rougher.tools.first().friction = 0.2;
   CHECK(modelHash(rougher) != modelHash(model));
   CHECK(modelHash(test::smallModel()) == modelHash(model));
 }

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "mtled/atlas/atlas_run.h"
-#include "simulation/scene.h"
+#include "scene/scene.h"
 
 namespace palpate::tools {
 

@@ -6,7 +6,7 @@
 #include "io/load_model.h"
 #include "mtled/atlas/atlas_block.h"
 #include "mtled/atlas/atlas_cells.h"
-#include "simulation/build_model.h"
+#include "setup/build_model.h"
 
 namespace palpate::tools {
 namespace {

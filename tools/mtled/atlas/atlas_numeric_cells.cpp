@@ -3,12 +3,12 @@
 #include <cmath>
 
 #include "base/number_text.h"
+#include "batch/static_solver.h"
 #include "io/load_model.h"
 #include "mtled/atlas/atlas_block.h"
 #include "mtled/atlas/atlas_cells.h"
 #include "mtled/report/case_result.h"
 #include "mtled/verify/cases/cases.h"
-#include "simulation/static_solver.h"
 
 namespace palpate::tools {
 namespace {
@@ -29,7 +29,7 @@ void nudge(State& state) {
 AtlasMeasure timeStep(double share, bool forced) {
   constexpr double young = 3000, poisson = 0.45, stretch = 0.9;
   Scene scene = blockScene(BlockFaces::Free, young, poisson, stretch);
-  scene.tool_max_speed = 0.1;  // the contact follows it at any of these steps
+  scene.tools[0].max_speed = 0.1;  // the contact follows it at any of these steps
   const double limit = loadModel(scene).dt_critical;
   if (!forced) {
     scene.time_step = share * limit;
@@ -94,7 +94,7 @@ AtlasMeasure poorestMode(const Variant& variant, int points_per_cell) {
     scene.solid = Scene::Solid::Box;
     scene.size = Vec3(0.1, 0.1, 0.1);
     scene.spacing = 0.026;
-    scene.tool.radius = 0.05;
+    scene.tools[0].shape.radius = 0.05;
     scene.quadrature.points_per_cell = points;
     scene.boundaries = {planeBoundary("base", Vec3::Zero(), Vec3::UnitZ())};  // a model needs one; it is not used
     apply(of, scene);

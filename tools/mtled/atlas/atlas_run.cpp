@@ -5,16 +5,16 @@
 #include <optional>
 
 #include "base/interrupt.h"
+#include "batch/transient_solver.h"
 #include "realtime/loop/fold_watch.h"
 #include "realtime/loop/snag_watch.h"
 #include "realtime/loop/state_history.h"
 #include "realtime/loop/tool_proxy.h"
 #include "realtime/loop/watchdog.h"
-#include "simulation/build_model.h"
-#include "simulation/step.h"
-#include "simulation/transient_solver.h"
-#include "simulation/trust.h"
-#include "simulation/workspace.h"
+#include "setup/build_model.h"
+#include "step/step.h"
+#include "step/trust.h"
+#include "step/workspace.h"
 
 namespace palpate::tools {
 namespace {
@@ -131,10 +131,10 @@ AtlasRun drive(const Model& model, const AtlasDrive& drive) {
     if (k % look_every == 0 && interrupted()) throw AtlasInterrupted();
     const double time = (k + 1) * tick_s;
     Command command;
-    command.tool_target = model.tool_start;
+    command.tools[0].pose = model.tools.first().start.pose;
     if (drive.command) command = drive.command(time);
-    const Vec3 wanted = command.tool_target.position;
-    if (hand) command.tool_target = hand->proxy.follow(command.tool_target, state, last);
+    const Vec3 wanted = command.tools[0].pose.position;
+    if (hand) command.tools[0].pose = hand->proxy.follow(command.tools[0].pose, state, last);
     const StepReport report = last = tick(model, state, command, workspace);
     m.energy_error = std::max(m.energy_error, report.energy_error);
     m.step_share = std::max(m.step_share, report.step_share);
@@ -177,7 +177,7 @@ AtlasRun drive(const Model& model, const AtlasDrive& drive) {
   m.steps = static_cast<double>(state.step);
   m.growth = (largest_energy - still_energy) / std::max(still_energy, model.rest_energy);
   run.reaction = run.lost() ? unknown(model) : reaction.value();
-  run.tool = state.tool_pose;
+  run.tool = state.tool[0].pose;
   for (const auto& a : state.u) run.u.push_back(toVec3(a));
   return run;
 }

@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "mechanics/essential_boundary.h"
+#include "model/model.h"
+#include "model/state.h"
 #include "mtled/atlas/atlas_result.h"
-#include "simulation/model.h"
-#include "simulation/state.h"
 
 namespace palpate::tools {
 

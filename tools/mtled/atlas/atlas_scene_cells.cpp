@@ -4,13 +4,13 @@
 #include <random>
 
 #include "base/number_text.h"
+#include "batch/static_solver.h"
 #include "io/find_asset.h"
 #include "io/load_model.h"
 #include "io/scene_file.h"
 #include "mtled/atlas/atlas_cells.h"
 #include "mtled/atlas/atlas_run.h"
 #include "realtime/loop/tool_proxy.h"
-#include "simulation/static_solver.h"
 
 namespace palpate::tools {
 namespace {
@@ -42,30 +42,32 @@ Model coarse(const CoarseScene& which) {
 /// m from the first touch to the tissue's other side along the tool's way.
 double thicknessBefore(const Model& model) {
   double deepest = 0;
-  for (const Vec3& X : model.skin.surface.vertices) deepest = std::max(deepest, -model.tool_start.toLocal(X).z());
-  return deepest - model.first_contact_travel;
+  for (const Vec3& X : model.skin.surface.vertices)
+    deepest = std::max(deepest, -model.tools.first().start.pose.toLocal(X).z());
+  return deepest - model.tools.first().first_contact_travel;
 }
 
 /// The tool's start, `travel` m further along its axis and `aside` across it.
 Command toolAt(const Model& model, double travel, double aside = 0) {
   Command command;
-  command.tool_target = model.tool_start;
-  command.tool_target.position += model.tool_start.orientation * Vec3(aside, 0, -travel);
+  command.tools[0].pose = model.tools.first().start.pose;
+  command.tools[0].pose.position += model.tools.first().start.pose.orientation * Vec3(aside, 0, -travel);
   return command;
 }
 
 /// Force against the tool where it stands, N: the equilibrium in double. NaN where there is none.
 double forceInEquilibrium(const Model& model, const Pose& tool) {
   StaticSolver solver(model, 1, 1e-3);
-  Pose pose = model.tool_start;
+  Pose pose = model.tools.first().start.pose;
   constexpr int load_steps = 6;
   Equilibrium at;
   for (int k = 1; k <= load_steps; ++k) {
-    pose.position = model.tool_start.position + (tool.position - model.tool_start.position) * k / load_steps;
+    pose.position = model.tools.first().start.pose.position +
+                    (tool.position - model.tools.first().start.pose.position) * k / load_steps;
     at = solver.advanceTo(0, pose);
     if (!at.converged) return NAN;
   }
-  return at.tool_force.dot(model.tool_start.orientation * Vec3::UnitZ());
+  return at.tool_force.dot(model.tools.first().start.pose.orientation * Vec3::UnitZ());
 }
 
 /// Where no equilibrium is found, at least the force should stay what it is.
@@ -80,7 +82,7 @@ double forceFromThere(const Model& model, const AtlasRun& run) {
   for (const Vec3& a : run.u) u.push_back({a.x(), a.y(), a.z(), 0});
   solver.resume(0, u, run.tool);
   const Equilibrium at = solver.advanceTo(0, run.tool);
-  return at.converged ? at.tool_force.dot(model.tool_start.orientation * Vec3::UnitZ()) : NAN;
+  return at.converged ? at.tool_force.dot(model.tools.first().start.pose.orientation * Vec3::UnitZ()) : NAN;
 }
 
 /// A quick press may leave the tissue in another equilibrium than a gentle one: folded elsewhere, or slipped to another
@@ -111,7 +113,7 @@ AtlasMeasure residual(const Model& model, const AtlasRun& run) {
 /// The hand goes down at `speed` (0: it is there at once, after a reset) to a share of the thickness, and is held.
 AtlasMeasure down(const CoarseScene& scene, double share, double speed) {
   const Model model = coarse(scene);
-  const double way = model.first_contact_travel + share * thicknessBefore(model);
+  const double way = model.tools.first().first_contact_travel + share * thicknessBefore(model);
   // After a reset the tool comes at ToolProxy's gentle speed.
   const double arrival = way / (speed > 0 ? speed : ToolProxy::gentle_speed);
   AtlasDrive press;
@@ -126,10 +128,11 @@ AtlasMeasure down(const CoarseScene& scene, double share, double speed) {
 /// Down to a share of the thickness, dragged out at one side and in at the other, and lifted off.
 AtlasMeasure drag(const CoarseScene& scene, double share, double speed) {
   const Model model = coarse(scene);
-  const double way = model.first_contact_travel + share * thicknessBefore(model);
+  const double way = model.tools.first().first_contact_travel + share * thicknessBefore(model);
   double half = 0;  // m, to the organ's side and clear of it
-  for (const Vec3& X : model.skin.surface.vertices) half = std::max(half, std::abs(model.tool_start.toLocal(X).x()));
-  half += 2 * model.scene.tool.radius;
+  for (const Vec3& X : model.skin.surface.vertices)
+    half = std::max(half, std::abs(model.tools.first().start.pose.toLocal(X).x()));
+  half += 2 * model.scene.tools[0].shape.radius;
   const double in = way / speed, out = in + half / speed, back = out + 2 * half / speed, up = back + half / speed;
   AtlasDrive pull;
   pull.yields = true;
@@ -148,7 +151,7 @@ AtlasMeasure drag(const CoarseScene& scene, double share, double speed) {
 /// Told to be under the organ at once, held there, and told to be back at the start at once.
 AtlasMeasure through(const CoarseScene& scene) {
   const Model model = coarse(scene);
-  const double way = model.first_contact_travel + 1.2 * thicknessBefore(model);
+  const double way = model.tools.first().first_contact_travel + 1.2 * thicknessBefore(model);
   constexpr double held = 2;  // s
   AtlasDrive jump;
   jump.yields = true;
@@ -161,10 +164,10 @@ AtlasMeasure through(const CoarseScene& scene) {
 /// A hand that goes anywhere over, in and under the organ at up to 0.5 m/s or at once, for two seconds, then lifts off.
 AtlasMeasure randomHand(const CoarseScene& scene, unsigned seed) {
   const Model model = coarse(scene);
-  Vec3 low = model.tool_start.toLocal(model.skin.surface.vertices.front()), high = low;
+  Vec3 low = model.tools.first().start.pose.toLocal(model.skin.surface.vertices.front()), high = low;
   for (const Vec3& X : model.skin.surface.vertices) {
-    low = low.cwiseMin(model.tool_start.toLocal(X));
-    high = high.cwiseMax(model.tool_start.toLocal(X));
+    low = low.cwiseMin(model.tools.first().start.pose.toLocal(X));
+    high = high.cwiseMax(model.tools.first().start.pose.toLocal(X));
   }
   std::mt19937 random(seed);
   const auto uniform = [&](double from, double to) { return from + (to - from) * (random() / 4294967296.0); };
@@ -178,7 +181,7 @@ AtlasMeasure randomHand(const CoarseScene& scene, unsigned seed) {
   rough.seconds = rough.still_from + 1;
   rough.command = [&](double time) {
     if (time > rough_for) {
-      goal = Vec3(hand.x(), hand.y(), high.z() + model.scene.tool.radius);
+      goal = Vec3(hand.x(), hand.y(), high.z() + model.scene.tools[0].shape.radius);
       speed = 1;
     } else if (hand == goal && time > held_until) {
       for (int c = 0; c < 3; ++c) goal[c] = uniform(low[c], high[c]);
@@ -190,8 +193,8 @@ AtlasMeasure randomHand(const CoarseScene& scene, unsigned seed) {
     const double reach = speed * tick_s, distance = way.norm();
     hand = speed > 0 && distance > reach ? Vec3(hand + reach / distance * way) : goal;
     Command command;
-    command.tool_target = model.tool_start;
-    command.tool_target.position = model.tool_start.toWorld(hand);
+    command.tools[0].pose = model.tools.first().start.pose;
+    command.tools[0].pose.position = model.tools.first().start.pose.toWorld(hand);
     return command;
   };
   return residual(model, drive(model, rough));

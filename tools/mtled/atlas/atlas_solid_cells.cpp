@@ -75,7 +75,7 @@ AtlasMeasure torsion(double degrees) {
   scene.radius = R;
   scene.height = H;
   scene.spacing = 2.4e-3;
-  scene.tool.radius = 2.4e-3;  // a finer polygon for the round: the moment goes with R^4
+  scene.tools[0].shape.radius = 2.4e-3;  // a finer polygon for the round: the moment goes with R^4
   scene.boundary_method = Scene::BoundaryMethod::Ebciem;
   scene.damping = 60;
   scene.boundaries = {planeBoundary("base", Vec3::Zero(), Vec3::UnitZ()),

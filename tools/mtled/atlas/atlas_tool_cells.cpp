@@ -4,12 +4,12 @@
 #include <memory>
 
 #include "base/number_text.h"
+#include "batch/static_solver.h"
 #include "io/load_model.h"
 #include "mtled/atlas/atlas_cells.h"
 #include "mtled/atlas/atlas_run.h"
 #include "mtled/report/case_result.h"
 #include "mtled/verify/verification_case.h"
-#include "simulation/static_solver.h"
 
 namespace palpate::tools {
 namespace {
@@ -28,25 +28,26 @@ Scene slab() {
   scene.damping = 60;
   scene.threads = 1;
   scene.boundaries = {planeBoundary("base", Vec3::Zero(), Vec3::UnitZ())};
-  scene.tool.radius = tool_radius;
-  scene.tool_position = Vec3(0, 0, height + above);
+  scene.tools[0].shape.radius = tool_radius;
+  scene.tools[0].position = Vec3(0, 0, height + above);
   return scene;
 }
 
 Command tipAt(const Vec3& tip) {
   Command command;
-  command.tool_target.position = tip;
+  command.tools[0].pose.position = tip;
   return command;
 }
 
 /// Force on the tool along z with its tip there, N: the equilibrium in double. NaN where there is none.
 double restingForce(const Model& model, const Vec3& tip) {
   StaticSolver solver(model, 1, 1e-4);
-  Pose pose = model.tool_start;
+  Pose pose = model.tools.first().start.pose;
   constexpr int load_steps = 6;
   Equilibrium at;
   for (int k = 1; k <= load_steps; ++k) {
-    pose.position = model.tool_start.position + (tip - model.tool_start.position) * k / load_steps;
+    pose.position =
+        model.tools.first().start.pose.position + (tip - model.tools.first().start.pose.position) * k / load_steps;
     at = solver.advanceTo(1, pose);
     if (!at.converged) return NAN;
   }
@@ -68,7 +69,7 @@ AtlasMeasure residual(const AtlasRun& run) {
 AtlasMeasure poke(double speed) {
   constexpr double depth = 0.006;
   Scene scene = slab();
-  scene.tool_max_speed = std::max(1.0, speed);
+  scene.tools[0].max_speed = std::max(1.0, speed);
   const Model model = loadModel(scene);
   const double way = above + depth, arrival = way / speed;
   AtlasDrive poke;

@@ -19,8 +19,8 @@
 #include "realtime/loop/cloud_follower.h"
 #include "realtime/loop/simulation_loop.h"
 #include "realtime/recording/force_csv.h"
-#include "simulation/resolution.h"
-#include "simulation/trust.h"
+#include "step/resolution.h"
+#include "step/trust.h"
 
 namespace palpate::tools {
 namespace {
@@ -58,7 +58,7 @@ void drawState(const Model& model, const State& state, const std::string& png) {
   if (!pictures) throw std::runtime_error("picture.png " + withoutPictures());
   BodyPicture picture;
   picture.title = model.scene.name;
-  picture.tool = state.tool_pose;
+  picture.tool = state.tool[0].pose;
   pictures->write(png, picture, model, state.u, nullptr);
 }
 
@@ -91,7 +91,7 @@ std::shared_ptr<const BatchModel> BatchModels::take(const BatchJob& job) {
 
 BatchResult runBatchJob(const BatchJob& job, const BatchModel& of, const std::string& folder) {
   const Model& model = of.model();
-  const std::optional<ToolScript> script = namedScript(job.tool, model.scene.tool.radius);
+  const std::optional<ToolScript> script = namedScript(job.tool, model.scene.tools[0].shape.radius);
   ScriptTrajectory way = trajectoryOf(script ? *script : indentScript(model), model);
   const std::int64_t ticks = ticksOf(job, way, model.scene.rate_hz);
 

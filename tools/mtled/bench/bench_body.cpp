@@ -32,9 +32,9 @@ Scene benchScene(const BenchSize& size) {
   base.region.distance = 1e-9;
   scene.boundaries.push_back(base);
   scene.damping = 60;
-  scene.tool.radius = 0.01;
-  scene.tool_max_speed = 0.1;  // m/s: the tissue follows, so that it stays in contact
-  scene.tool_position = Vec3(0, 0, box_size.z() + 0.001);
+  scene.tools[0].shape.radius = 0.01;
+  scene.tools[0].max_speed = 0.1;  // m/s: the tissue follows, so that it stays in contact
+  scene.tools[0].position = Vec3(0, 0, box_size.z() + 0.001);
   return scene;
 }
 

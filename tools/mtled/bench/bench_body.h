@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "simulation/model.h"
+#include "model/model.h"
 
 namespace palpate::tools {
 

@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "base/spin_team.h"
+#include "model/model.h"
 #include "mtled/bench/kernel_cost.h"
 #include "mtled/bench/machine_ceilings.h"
-#include "simulation/model.h"
 
 namespace palpate::tools {
 

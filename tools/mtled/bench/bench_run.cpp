@@ -11,8 +11,8 @@
 #include "mtled/bench/timing.h"
 #include "mtled/run/progress.h"
 #include "realtime/loop/thread_setup.h"
-#include "simulation/step.h"
-#include "simulation/workspace.h"
+#include "step/step.h"
+#include "step/workspace.h"
 
 namespace palpate::tools {
 namespace {
@@ -93,14 +93,14 @@ void benchForces(const Model& model, const std::vector<Ceilings>& ceilings, Team
 /// The body with the ball pressed into it, slowly.
 State pressedState(const Model& model, Command& command) {
   constexpr double depth = 0.003;  // m: under a third of the ball's radius
-  command.tool_target = model.tool_start;
-  command.tool_target.position +=
-      (model.first_contact_travel + depth) * (model.tool_start.orientation * -Vec3::UnitZ());
+  command.tools[0].pose = model.tools.first().start.pose;
+  command.tools[0].pose.position += (model.tools.first().first_contact_travel + depth) *
+                                    (model.tools.first().start.pose.orientation * -Vec3::UnitZ());
   State state = initialState(model);
   Workspace workspace(model, 1);
   setUpLoopThread(&workspace.team, false);
-  const double travel = model.first_contact_travel + depth;
-  const int ticks = 1 + static_cast<int>(std::ceil(travel / model.scene.tool_max_speed * model.scene.rate_hz));
+  const double travel = model.tools.first().first_contact_travel + depth;
+  const int ticks = 1 + static_cast<int>(std::ceil(travel / model.scene.tools[0].max_speed * model.scene.rate_hz));
   StepReport report;
   for (int k = 0; k < ticks; ++k) report = tick(model, state, command, workspace);
   if (report.flags != 0 || report.contact_count == 0)

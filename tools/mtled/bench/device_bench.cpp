@@ -10,7 +10,7 @@
 #include "base/number_text.h"
 #include "io/output_file.h"
 #include "mtled/run/progress.h"
-#include "simulation/device_settings.h"
+#include "scene/device_settings.h"
 
 namespace palpate::tools {
 namespace {

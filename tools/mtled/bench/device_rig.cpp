@@ -41,8 +41,8 @@ Scene inclusionScene() {
   base.region.distance = 1e-6;
   scene.boundaries.push_back(base);
   scene.damping = 40;
-  scene.tool.radius = 0.008;
-  scene.tool_position = Vec3(0, 0, 0.043);
+  scene.tools[0].shape.radius = 0.008;
+  scene.tools[0].position = Vec3(0, 0, 0.043);
   return scene;
 }
 
@@ -54,8 +54,8 @@ Scene slabScene() {
   scene.spacing = 0.008;
   scene.materials.resize(1);
   scene.materials[0].material.set("young", 50000);
-  scene.tool.radius = 0.006;
-  scene.tool_position = Vec3(0, 0, 0.023);
+  scene.tools[0].shape.radius = 0.006;
+  scene.tools[0].position = Vec3(0, 0, 0.023);
   return scene;
 }
 
@@ -183,14 +183,14 @@ std::pair<double, double> spectralPeak(const std::vector<Vec3>& force, double ra
 }
 
 DeviceResult runDeviceTrial(const Model& model, const DeviceTrial& trial) {
-  const Vec3 down = model.tool_start.orientation * -Vec3::UnitZ();
+  const Vec3 down = model.tools.first().start.pose.orientation * -Vec3::UnitZ();
   HandMotion motion;
   motion.kind = trial.motion;
   motion.down = down;
-  motion.along = model.tool_start.orientation * Vec3::UnitX();
-  motion.depth = model.first_contact_travel + 1.0 * model.scene.tool.radius + trial.deeper;
+  motion.along = model.tools.first().start.pose.orientation * Vec3::UnitX();
+  motion.depth = model.tools.first().first_contact_travel + 1.0 * model.scene.tools[0].shape.radius + trial.deeper;
   motion.rock = trial.rock;
-  motion.slide = 0.4 * model.scene.tool.radius;
+  motion.slide = 0.4 * model.scene.tools[0].shape.radius;
   motion.seed = trial.seed;
   const bool press = trial.motion == HandMotion::Kind::Press;
 
@@ -228,7 +228,8 @@ DeviceResult runDeviceTrial(const Model& model, const DeviceTrial& trial) {
       rest.handle += force;
       rest.tissue += run.tissue().force_raw;
       rest.tool_depth += run.tissue().advance_m;
-      rest.handle_depth += (run.target().position - model.tool_start.position).dot(down) - model.first_contact_travel;
+      rest.handle_depth += (run.target().position - model.tools.first().start.pose.position).dot(down) -
+                           model.tools.first().first_contact_travel;
       ++rest.count;
     }
     if (!press || since < -0.05) continue;

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "model/model.h"
 #include "realtime/device/simulated_device.h"
-#include "simulation/model.h"
 
 namespace palpate::tools {
 
@@ -19,10 +19,10 @@ struct DeviceTrial {
   std::uint64_t seed = 1;
   std::optional<SimulatedDeviceSettings> device{};  // another than the class's, with its own delays
   std::optional<HandModel> hand{};                  // another than light and firm
-  double deeper = 0;                              // m, that this hand wants to be beneath where others press
-  double rock = 0;                                // rad, to both sides, once a second
-  int dropouts = 0, stalls = 0;                   // of the poses, of the loop: one each half second from 1.5 s on
-  double lasting = 0.02;                          // s, each of them
+  double deeper = 0;                                // m, that this hand wants to be beneath where others press
+  double rock = 0;                                  // rad, to both sides, once a second
+  int dropouts = 0, stalls = 0;                     // of the poses, of the loop: one each half second from 1.5 s on
+  double lasting = 0.02;                            // s, each of them
 };
 
 /// What the hand went through.

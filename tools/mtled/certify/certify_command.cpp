@@ -14,11 +14,11 @@
 #include "io/indent_script.h"
 #include "io/load_model.h"
 #include "io/scene_file.h"
+#include "model/model_hash.h"
 #include "mtled/run/converged_run.h"
 #include "mtled/run/following_run.h"
 #include "mtled/run/progress.h"
-#include "simulation/model_hash.h"
-#include "simulation/resolution.h"
+#include "step/resolution.h"
 
 namespace palpate::tools {
 namespace {
@@ -28,18 +28,18 @@ constexpr int row_count = 8, probe_count = 200;
 /// Finer than the scene where the tool works: by half, or where the scene does not resolve its tool, until that is.
 Fineness finenessFor(const Model& model) {
   constexpr double fine = 0.3;  // tool radii
-  return {0.85, std::clamp(fine * touchRadius(model.scene.tool) / spacingAtTool(model), 0.25, 0.5), 1.35};
+  return {0.85, std::clamp(fine * touchRadius(model.scene.tools[0].shape) / spacingAtTool(model), 0.25, 0.5), 1.35};
 }
 
 ToolTrajectory wayOf(const Model& model, const std::string& name) {
-  const std::optional<ToolScript> script = namedScript(name, model.scene.tool.radius);
+  const std::optional<ToolScript> script = namedScript(name, model.scene.tools[0].shape.radius);
   return script ? scriptPoses(*script, model) : indentationTrajectory(model);
 }
 
 /// Of the tip along its axis past first touch, m.
 double advanceOf(const Model& model, const Pose& pose) {
-  const Vec3 axis = model.tool_start.orientation * -Vec3::UnitZ();
-  return (pose.position - model.tool_start.position).dot(axis) - model.first_contact_travel;
+  const Vec3 axis = model.tools.first().start.pose.orientation * -Vec3::UnitZ();
+  return (pose.position - model.tools.first().start.pose.position).dot(axis) - model.tools.first().first_contact_travel;
 }
 
 }  // namespace

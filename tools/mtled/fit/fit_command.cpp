@@ -109,7 +109,7 @@ FitOrder orderOf(const FitOptions& options) {
                      "leave the refinements out");
   if (given.quadrature.accuracy > 0)
     throw InputError(given.place, "`mtled fit` chooses the points itself", "leave quadrature_accuracy out");
-  order.script = namedScript(options.tool_script, given.tool.radius);
+  order.script = namedScript(options.tool_script, given.tools[0].shape.radius);
   order.scene = given;
   if (options.rate_hz > 0) order.scene.rate_hz = options.rate_hz;
   order.scene.threads =

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "discretization/surface/surface_geometry.h"
-#include "simulation/scene_regions.h"
+#include "scene/scene_regions.h"
 
 namespace palpate::tools {
 namespace {
@@ -19,18 +19,18 @@ constexpr double down_seconds = 0.5;
 /// Height of the skin along -axis over a line; empty where the line leaves what may be dragged over.
 std::vector<Vec3> skinAlong(const Scene& scene, const SurfaceTree& organ, const Vec3& start, const Vec3& heading,
                             double length) {
-  const Vec3 axis = scene.tool_direction;
+  const Vec3 axis = scene.tools[0].direction;
   const double far = boundingBox(organ.surface()).diagonal().norm();
   std::vector<Vec3> line;
   // A tool radius beyond both ends, so that the whole tool is over skin.
-  const int beyond = static_cast<int>(std::ceil(scene.tool.radius / sample));
+  const int beyond = static_cast<int>(std::ceil(scene.tools[0].shape.radius / sample));
   const int last = static_cast<int>(std::lround(length / sample));
   for (int k = -beyond; k <= last + beyond; ++k) {
     const auto hit = organ.firstHit(start + k * sample * heading - far * axis, axis, 2 * far);
     if (!hit || -areaVector(organ.surface(), hit->triangle).normalized().dot(axis) < steepest) return {};
     const bool imposed = std::any_of(scene.boundaries.begin(), scene.boundaries.end(), [&](const BoundarySpec& b) {
       return contains(b.region, hit->point, organ) ||
-             contains(b.region, hit->point + 2 * scene.tool.radius * axis, organ);
+             contains(b.region, hit->point + 2 * scene.tools[0].shape.radius * axis, organ);
     });
     if (imposed) return {};
     if (k >= 0 && k <= last) line.push_back(hit->point);
@@ -41,7 +41,7 @@ std::vector<Vec3> skinAlong(const Scene& scene, const SurfaceTree& organ, const 
 }  // namespace
 
 std::vector<DragWay> dragWays(const Scene& scene, const SurfaceTree& organ, const DragSettings& settings) {
-  const Vec3 axis = scene.tool_direction, e1 = axis.unitOrthogonal(), e2 = axis.cross(e1);
+  const Vec3 axis = scene.tools[0].direction, e1 = axis.unitOrthogonal(), e2 = axis.cross(e1);
   const Box3 box = boundingBox(organ.surface());
   const double half = box.diagonal().norm() / 2;
   const int width = static_cast<int>(std::lround(smooth / sample));
@@ -60,7 +60,7 @@ std::vector<DragWay> dragWays(const Scene& scene, const SurfaceTree& organ, cons
             const int reach = std::min({width, k, last - k});
             double height = 0;
             for (int n = k - reach; n <= k + reach; ++n) height += (line[n] - line[k]).dot(axis) / (2 * reach + 1);
-            way.tip.push_back(line[k] + (height + settings.depth * scene.tool.radius) * axis);
+            way.tip.push_back(line[k] + (height + settings.depth * scene.tools[0].shape.radius) * axis);
           }
           all.push_back(std::move(way));
         }
@@ -72,7 +72,7 @@ std::vector<DragWay> dragWays(const Scene& scene, const SurfaceTree& organ, cons
     std::size_t best = 0;
     double largest = -INFINITY;
     for (std::size_t k = 0; k < all.size(); ++k) {
-      const Vec3 apart = middle(all[k]) - scene.tool_position;
+      const Vec3 apart = middle(all[k]) - scene.tools[0].position;
       double value = chosen.empty() ? -(apart - apart.dot(axis) * axis).norm() : INFINITY;
       for (const DragWay& other : chosen) value = std::min(value, (middle(all[k]) - middle(other)).norm());
       if (value > largest) largest = value, best = k;
@@ -85,12 +85,12 @@ std::vector<DragWay> dragWays(const Scene& scene, const SurfaceTree& organ, cons
 
 ToolTrajectory trajectoryOf(const DragWay& way, const Scene& scene, const DragSettings& settings) {
   ToolTrajectory poses;
-  Pose pose{way.tip.front(), Quat::FromTwoVectors(-Vec3::UnitZ(), scene.tool_direction)};
+  Pose pose{way.tip.front(), Quat::FromTwoVectors(-Vec3::UnitZ(), scene.tools[0].direction)};
   const int down = static_cast<int>(std::lround(down_seconds * scene.rate_hz));
-  const double above = (settings.depth + 0.5) * scene.tool.radius;
+  const double above = (settings.depth + 0.5) * scene.tools[0].shape.radius;
   for (int k = 0; k <= down; ++k) {
     const double s = static_cast<double>(k) / down;
-    pose.position = way.tip.front() - (1 - s * s * (3 - 2 * s)) * above * scene.tool_direction;
+    pose.position = way.tip.front() - (1 - s * s * (3 - 2 * s)) * above * scene.tools[0].direction;
     poses.push_back(pose);
   }
   const int ticks = static_cast<int>(std::lround(way.length / settings.speed * scene.rate_hz));

@@ -25,12 +25,12 @@ Scene referenceScene(const Scene& scene, const DragWay& way, double factor) {
   constexpr double outside = 0.85, inside = 0.45, inside_radii = 0.3, ball_radii = 2, safety = 0.4;
   Scene fine = scene;
   scaleSpacing(fine, factor * outside);
-  const double spacing = factor * std::min(inside * scene.spacing, inside_radii * scene.tool.radius);
-  const int balls = static_cast<int>(std::ceil(way.length / scene.tool.radius));
+  const double spacing = factor * std::min(inside * scene.spacing, inside_radii * scene.tools[0].shape.radius);
+  const int balls = static_cast<int>(std::ceil(way.length / scene.tools[0].shape.radius));
   for (int k = 0; k <= balls; ++k) {
     RefineSpec ball;
     ball.centre = way.tip[(way.tip.size() - 1) * static_cast<std::size_t>(k) / static_cast<std::size_t>(balls)];
-    ball.radius = ball_radii * scene.tool.radius;
+    ball.radius = ball_radii * scene.tools[0].shape.radius;
     ball.spacing = spacing;
     fine.refine.push_back(ball);
   }

@@ -13,7 +13,7 @@ struct FollowOptions {
   bool quick = false;               // a uniform cloud and the following one only, a coarser reference, no second one
 };
 
-/// Judges a cloud that follows the tool (simulation/place.h): drags the first tool half a radius deep over the organ,
+/// Judges a cloud that follows the tool (setup/place.h): drags the first tool half a radius deep over the organ,
 /// on one thread, on uniform clouds and on a following one, each beside a reference that is fine
 /// along the whole way. Prints nodes, processor time of a tick, error of the force, and what the swaps did to it.
 /// @return 0 done, 1 interrupted or a run was lost

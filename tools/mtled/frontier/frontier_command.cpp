@@ -86,7 +86,7 @@ std::string commandOf(const FrontierOptions& options) {
 
 int frontierCommand(const FrontierOptions& options) {
   const Scene scene = uniformScene(readScene(findScene(options.scene)));
-  const std::optional<ToolScript> script = namedScript(options.tool_script, scene.tool.radius);
+  const std::optional<ToolScript> script = namedScript(options.tool_script, scene.tools[0].shape.radius);
   const std::string folder = options.out.empty() ? "out/" + scene.name + "_frontier" : options.out;
   std::error_code problem;
   std::filesystem::create_directories(folder, problem);

@@ -5,7 +5,7 @@
 #include <cstdio>
 
 #include "base/number_text.h"
-#include "simulation/interface_nodes.h"
+#include "setup/interface_nodes.h"
 
 namespace palpate::tools {
 namespace {

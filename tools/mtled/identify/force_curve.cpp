@@ -13,11 +13,11 @@
 #include "base/interrupt.h"
 #include "base/number_text.h"
 #include "io/text_file.h"
-#include "simulation/build_model.h"
-#include "simulation/resolution.h"
-#include "simulation/step.h"
-#include "simulation/trust.h"
-#include "simulation/workspace.h"
+#include "setup/build_model.h"
+#include "step/resolution.h"
+#include "step/step.h"
+#include "step/trust.h"
+#include "step/workspace.h"
 
 namespace palpate::tools {
 namespace {
@@ -175,7 +175,7 @@ MeasuredCurve readForceCurve(const std::string& path) {
 }
 
 void checkUnits(const MeasuredCurve& measured, const std::string& path, const Model& model) {
-  const Vec3 axis = model.tool_start.orientation * Vec3::UnitZ();
+  const Vec3 axis = model.tools.first().start.pose.orientation * Vec3::UnitZ();
   double low = std::numeric_limits<double>::infinity(), high = -low;
   for (const Vec3& X : model.X) {
     low = std::min(low, axis.dot(X));
@@ -203,8 +203,8 @@ void checkUnits(const MeasuredCurve& measured, const std::string& path, double s
 
 ForceCurve simulateForceCurve(const Model& model, double deepest, double seconds, int threads) {
   const double rate = model.scene.rate_hz;
-  const Vec3 axis = model.tool_start.orientation * -Vec3::UnitZ();
-  const double approach = std::max(model.first_contact_travel, 0.0);
+  const Vec3 axis = model.tools.first().start.pose.orientation * -Vec3::UnitZ();
+  const double approach = std::max(model.tools.first().first_contact_travel, 0.0);
   const auto approach_ticks = static_cast<int>(std::ceil(approach / approach_speed * rate));
   const auto press_ticks = std::max(20, static_cast<int>(std::ceil(seconds * rate)));
   State state = initialState(model);
@@ -215,9 +215,10 @@ ForceCurve simulateForceCurve(const Model& model, double deepest, double seconds
   for (int k = 1; k <= approach_ticks + press_ticks; ++k) {
     if (interrupted()) throw std::runtime_error("interrupted");
     const double depth = deepest * std::max(k - approach_ticks, 0) / press_ticks;
-    const double travel = k < approach_ticks ? approach * k / approach_ticks : model.first_contact_travel + depth;
-    command.tool_target = model.tool_start;
-    command.tool_target.position += travel * axis;
+    const double travel =
+        k < approach_ticks ? approach * k / approach_ticks : model.tools.first().first_contact_travel + depth;
+    command.tools[0].pose = model.tools.first().start.pose;
+    command.tools[0].pose.position += travel * axis;
     report = tick(model, state, command, workspace);
     if (const Doubt doubt = doubtOf(model, report); doubt >= Doubt::Squeezed)
       throw std::runtime_error("at " + std::to_string(1e3 * depth) + " mm the model can't follow: " + doubtText(doubt));

@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
-#include "simulation/model.h"
-#include "simulation/trust.h"
+#include "model/model.h"
+#include "step/trust.h"
 
 namespace palpate::tools {
 

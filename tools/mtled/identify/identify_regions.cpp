@@ -21,7 +21,7 @@
 #include "mtled/identify/pressed_regions.h"
 #include "mtled/report/pictures.h"
 #include "mtled/run/progress.h"
-#include "simulation/trust.h"
+#include "step/trust.h"
 
 namespace palpate::tools {
 namespace {

@@ -41,7 +41,7 @@ std::vector<SettledPress> readPresses(const std::string& path) {
 PressedRegions::PressedRegions(const Model& model, std::vector<SettledPress> presses,
                                std::vector<MaterialNumber> numbers, int threads)
     : presses_(std::move(presses)), numbers_(std::move(numbers)), u_(presses_.size()) {
-  axial_.direction = model.tool_start.orientation * Vec3::UnitZ();
+  axial_.direction = model.tools.first().start.pose.orientation * Vec3::UnitZ();
   bodies_.resize(static_cast<std::size_t>(std::clamp(threads, 1, std::max(1, static_cast<int>(presses_.size())))));
   setUpAnew(model);
   for (const MaterialNumber& number : numbers_) bodies_.front()->check(number);
@@ -58,7 +58,7 @@ void PressedRegions::setUpAnew(const Model& model) {
 }
 
 Pose PressedRegions::poseOf(const SettledPress& press) const {
-  Pose pose = model_->tool_start;
+  Pose pose = model_->tools.first().start.pose;
   pose.position = press.tip;
   return pose;
 }

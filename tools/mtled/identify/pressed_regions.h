@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "simulation/sensitivity.h"
+#include "batch/sensitivity.h"
 
 namespace palpate::tools {
 
@@ -53,7 +53,7 @@ class PressedRegions {
   const std::vector<MaterialNumber> numbers_;
   EquilibriumQuantity axial_;
   std::vector<std::unique_ptr<EquilibriumSensitivity>> bodies_;  // one for each thread
-  int solved_before_ = 0;  // by those of earlier set-ups
+  int solved_before_ = 0;                                        // by those of earlier set-ups
   std::vector<AlignedVector<Double4>> u_;                        // (press_count) last equilibria; empty: none yet
 };
 

@@ -302,7 +302,7 @@ class SurfaceImport {
     picture.azimuth_deg = -68;
     picture.elevation_deg = 30;
     picture.rest_outline = false;
-    picture.tool = model_->tool_start;
+    picture.tool = model_->tools.first().start.pose;
     try {
       const CutPlane* const whole = nullptr;
       return folder_.inPlace(

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "mtled/matrix/lot.h"
-#include "simulation/scene.h"
-#include "simulation/trust.h"
+#include "scene/scene.h"
+#include "step/trust.h"
 
 namespace palpate::tools {
 

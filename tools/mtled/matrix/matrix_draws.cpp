@@ -62,7 +62,7 @@ Scene drawScene(Lot& lot, const DrawnTissue& tissue) {
   const int quadrature = lot.oneOf(6);
   if (quadrature == 0) s.quadrature.cells_per_point = lot.between(1, 2);
   if (quadrature == 1) s.quadrature.points_per_cell = 4;
-  s.tool_position = Vec3(0, 0, 1);
+  s.tools[0].position = Vec3(0, 0, 1);
   return s;
 }
 

@@ -64,17 +64,19 @@ MatrixCase drawPress(Lot& lot) {
   const BondedBody body = drawBody(lot, true, s);
   const auto kinds = toolTypes();
   const int kind = lot.oneOf(static_cast<int>(kinds.size()));
-  s.tool = ToolShape::of(static_cast<ToolKind>(kind), lot.between(0.2, 0.42) * body.width);
-  s.spacing = std::clamp(s.tool.radius * lot.between(0.35, 0.9), body.height / 3.8, body.height / 2.3);
-  s.tool_position = Vec3(lot.between(-0.1, 0.1) * body.width, lot.between(-0.1, 0.1) * body.width, body.height + gap);
-  s.friction = lot.chance(0.3) ? lot.between(0.1, 0.6) : 0;
+  s.tools[0].shape = ToolShape::of(static_cast<ToolKind>(kind), lot.between(0.2, 0.42) * body.width);
+  s.spacing = std::clamp(s.tools[0].shape.radius * lot.between(0.35, 0.9), body.height / 3.8, body.height / 2.3);
+  s.tools[0].position =
+      Vec3(lot.between(-0.1, 0.1) * body.width, lot.between(-0.1, 0.1) * body.width, body.height + gap);
+  s.tools[0].friction = lot.chance(0.3) ? lot.between(0.1, 0.6) : 0;
   s.damping = 60;
   one.pressed = true;
   one.looped = lot.chance(0.4);
-  one.depth = std::min(lot.between(0.2, 0.8) * s.tool.radius, lot.between(0.15, 0.3) * body.height);
+  one.depth = std::min(lot.between(0.2, 0.8) * s.tools[0].shape.radius, lot.between(0.15, 0.3) * body.height);
   one.kind = std::string("press ") + kinds[static_cast<std::size_t>(kind)]->name;
-  one.about = addInside(lot, tissue, body, fibre, s) +
-              format(", spacing %.2g and depth %.2g radii", s.spacing / s.tool.radius, one.depth / s.tool.radius);
+  one.about = addInside(lot, tissue, body, fibre, s) + format(", spacing %.2g and depth %.2g radii",
+                                                              s.spacing / s.tools[0].shape.radius,
+                                                              one.depth / s.tools[0].shape.radius);
   return one;
 }
 

@@ -42,7 +42,7 @@ Scene sceneOf(Lot& lot, const Rod& rod) {
   s.radius = rod.radius;
   s.height = rod.height;
   s.spacing = rod.radius / lot.between(2.6, 4.2);
-  s.tool.radius = s.spacing;  // a finer polygon for the round
+  s.tools[0].shape.radius = s.spacing;  // a finer polygon for the round
   if (rod.core == 0) return s;
   Region core;
   core.kind = Region::Kind::Cylinder;
@@ -160,7 +160,7 @@ MatrixCase drawSphere(Lot& lot) {
   s.solid = Scene::Solid::Ellipsoid;
   s.semi_axes = Vec3::Constant(radius);
   s.spacing = radius / lot.between(3, 4.5);
-  s.tool.radius = s.spacing;
+  s.tools[0].shape.radius = s.spacing;
   Region region;
   region.kind = Region::Kind::Sphere;
   region.radius = lump;

@@ -1,15 +1,15 @@
 #include <algorithm>
 #include <cmath>
 
+#include "batch/static_solver.h"
 #include "discretization/surface/surface_tree.h"
 #include "io/load_model.h"
 #include "mtled/matrix/matrix_case.h"
 #include "mtled/run/scene_spacing.h"
-#include "simulation/discretize.h"
-#include "simulation/resolution.h"
-#include "simulation/static_solver.h"
-#include "simulation/step.h"
-#include "simulation/workspace.h"
+#include "setup/discretize.h"
+#include "step/resolution.h"
+#include "step/step.h"
+#include "step/workspace.h"
 
 namespace palpate::tools {
 namespace {
@@ -51,7 +51,7 @@ Scene sceneAt(const MatrixCase& one, double fineness) {
 }
 
 double pressedBy(const MatrixCase& one, const Model& model, double share) {
-  return model.first_contact_travel + share * one.depth;
+  return model.tools.first().first_contact_travel + share * one.depth;
 }
 
 void pressInLoop(const MatrixCase& one, const Model& model, int threads, MatrixAnswer& answer) {
@@ -64,8 +64,8 @@ void pressInLoop(const MatrixCase& one, const Model& model, int threads, MatrixA
   for (int k = 1; k <= ticks && answer.sound; ++k) {
     const double t = std::min(1.0, static_cast<double>(k) / press);
     Command command;
-    command.tool_target = model.tool_start;
-    command.tool_target.position.z() -= pressedBy(one, model, t * t * (3 - 2 * t));
+    command.tools[0].pose = model.tools.first().start.pose;
+    command.tools[0].pose.position.z() -= pressedBy(one, model, t * t * (3 - 2 * t));
     report = tick(model, state, command, workspace);
     answer.sound = (report.flags & (kNotFinite | kBlowUp | kInvertedPoints)) == 0;
     answer.value = report.tool_force.norm();
@@ -113,7 +113,7 @@ void follow(const MatrixCase& one, const Model& model, int threads, MatrixAnswer
     const double time = static_cast<double>(k) / load_steps;
     ToolsAt tools;
     if (one.pressed) {
-      Pose pose = model.tool_start;
+      Pose pose = model.tools.first().start.pose;
       pose.position.z() -= pressedBy(one, model, time);
       tools = ToolsAt(pose);
     }

@@ -2,9 +2,9 @@
 
 #include "app/figures/body_painter.h"
 #include "app/figures/figure_writer.h"
+#include "model/model.h"
 #include "mtled/pictures/atlas_map.h"
 #include "mtled/report/pictures.h"
-#include "simulation/model.h"
 
 namespace palpate::tools {
 namespace {

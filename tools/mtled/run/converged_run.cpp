@@ -10,9 +10,9 @@
 #include "base/number_text.h"
 #include "io/load_model.h"
 #include "io/output_file.h"
+#include "model/model_hash.h"
 #include "mtled/report/vector_json.h"
 #include "realtime/recording/recording.h"
-#include "simulation/model_hash.h"
 
 namespace palpate::tools {
 namespace {

@@ -6,9 +6,9 @@
 #include <optional>
 
 #include "base/interrupt.h"
-#include "simulation/step.h"
-#include "simulation/tool_contact.h"
-#include "simulation/workspace.h"
+#include "step/step.h"
+#include "step/tool_contact.h"
+#include "step/workspace.h"
 
 namespace palpate::tools {
 namespace {
@@ -28,7 +28,7 @@ struct Runner {
 
   StepReport tickTo(const Pose& pose) {
     Command command;
-    command.tool_target = pose;
+    command.tools[0].pose = pose;
     return tick(model, state, command, workspace);
   }
 
@@ -52,7 +52,7 @@ void timedTick(Runner& runner, const Pose& pose, ScriptedRun& run) {
 
 State startAt(const Model& model, const Pose& pose) {
   State state = initialState(model);
-  state.tool_pose = pose;
+  state.tool[0].pose = pose;
   return state;
 }
 
@@ -73,7 +73,7 @@ FollowingRun followTrajectory(const Places& places, PlaceShelf& shelf, const Too
   FollowingRun following;
   ScriptedRun& run = following.run;
   ToolPostures tools;
-  const auto specs = toolsOf(places.scene);
+  const auto specs = places.scene.tools;
   for (std::size_t t = 0; t < specs.size(); ++t) tools[t].pose.position = specs[t].position;
   tools[0].pose = way.front();
   PlaceIndex nowhere;

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "mtled/run/scripted_run.h"
-#include "simulation/passage.h"
+#include "setup/passage.h"
 
 namespace palpate::tools {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "discretization/surface/surface_tree.h"
-#include "simulation/place.h"
+#include "setup/place.h"
 
 namespace palpate::tools {
 
@@ -24,7 +24,7 @@ void scaleSpacing(Scene& scene, double factor) {
 
 ContactRegion contactRegion(const Model& model, const ToolTrajectory& way) {
   const SurfaceTree skin(model.skin.surface);
-  const double radius = model.scene.tool.radius;
+  const double radius = model.scene.tools[0].shape.radius;
   Vec3 low = Vec3::Constant(INFINITY), high = -low;
   std::vector<Vec3> places;
   for (const Pose& pose : way) {

@@ -8,11 +8,11 @@
 
 #include "approximation/shape_functions.h"
 #include "base/interrupt.h"
+#include "batch/transient_solver.h"
 #include "io/indent_script.h"
-#include "simulation/build_model.h"
-#include "simulation/step.h"
-#include "simulation/transient_solver.h"
-#include "simulation/workspace.h"
+#include "setup/build_model.h"
+#include "step/step.h"
+#include "step/workspace.h"
 
 namespace palpate::tools {
 namespace {
@@ -61,11 +61,11 @@ void followInFloat(const Model& model, const ToolTrajectory& way, int threads, S
                    AlignedVector<Double4>& u) {
   Workspace workspace(model, threads);
   State state = initialState(model);
-  state.tool_pose = way.front();
+  state.tool[0].pose = way.front();
   workspace.team.wake();
   follow(way, run, [&](const Pose& pose) {
     Command command;
-    command.tool_target = pose;
+    command.tools[0].pose = pose;
     const StepReport report = tick(model, state, command, workspace);
     run.force.push_back(report.tool_force);
     run.flags |= report.flags;
@@ -94,9 +94,10 @@ void followInDouble(const Model& model, const ToolTrajectory& way, int threads, 
 
 ToolTrajectory indentationTrajectory(const Model& model) {
   const auto poses = scriptPoses(indentScript(model), model);
-  const Vec3 axis = model.tool_start.orientation * -Vec3::UnitZ();
+  const Vec3 axis = model.tools.first().start.pose.orientation * -Vec3::UnitZ();
   const auto near = [&](const Pose& p) {
-    return (p.position - model.tool_start.position).dot(axis) > model.first_contact_travel - head_start;
+    return (p.position - model.tools.first().start.pose.position).dot(axis) >
+           model.tools.first().first_contact_travel - head_start;
   };
   ToolTrajectory way(std::find_if(poses.begin(), poses.end() - 1, near), poses.end());
   way.insert(way.end(), static_cast<std::size_t>(std::lround(hold_seconds * model.scene.rate_hz)), poses.back());

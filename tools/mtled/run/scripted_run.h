@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "simulation/model.h"
-#include "simulation/state.h"
+#include "model/model.h"
+#include "model/state.h"
 
 namespace palpate::tools {
 

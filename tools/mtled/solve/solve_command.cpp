@@ -12,19 +12,19 @@
 
 #include "base/interrupt.h"
 #include "base/key.h"
+#include "batch/static_solver.h"
+#include "batch/transient_solver.h"
 #include "io/find_asset.h"
 #include "io/load_model.h"
 #include "io/scene_file.h"
+#include "model/model_hash.h"
 #include "mtled/run/checkpoint.h"
 #include "mtled/run/progress.h"
 #include "mtled/solve/solve_results.h"
 #include "mtled/solve/solve_tools.h"
-#include "simulation/model_hash.h"
-#include "simulation/resolution.h"
-#include "simulation/scene_messages.h"
-#include "simulation/static_solver.h"
-#include "simulation/tool_bodies.h"
-#include "simulation/transient_solver.h"
+#include "scene/scene_messages.h"
+#include "step/resolution.h"
+#include "step/tool_bodies.h"
 
 namespace palpate::tools {
 namespace {
@@ -78,14 +78,14 @@ void checkLength(const Scene& scene, double end) {
 /// but the relaxation's, in which they slip.
 void checkTools(const Scene& scene) {
   if (scene.solve.mode == SolveSpec::Mode::Transient) return;
-  for (const ToolSpec& tool : toolsOf(scene))
+  for (const ToolSpec& tool : scene.tools)
     if (tool.jaws())
       throw InputError(tool.place, "a static solution has no way along which jaws could take hold",
                        "set mode = \"transient\" in [solve], or leave \"opening\" out");
 }
 
 bool hasFriction(const Scene& scene) {
-  const std::vector<ToolSpec> tools = toolsOf(scene);
+  const std::vector<ToolSpec> tools = scene.tools;
   return std::any_of(tools.begin(), tools.end(), [](const ToolSpec& tool) { return tool.friction > 0; });
 }
 
@@ -241,7 +241,7 @@ int solveCommand(const SolveOptions& options) {
     // Where the cloud follows the tool, it is the one for where the tool ends.
     const auto at_end = [&](const Model& start) {
       const ToolsAt tools = moved.at(start, end);
-      return tools ? tools.posture : posturesOf(start, initialState(start));
+      return tools ? tools.posture : posturesOf(initialState(start));
     };
     model = std::make_unique<Model>(loadModel(scene, show, cache, warn, at_end));
   }

@@ -10,11 +10,11 @@
 #include "discretization/surface/surface_tree.h"
 #include "io/csv_table.h"
 #include "io/output_file.h"
+#include "model/solution_fields.h"
 #include "mtled/solve/solve_tools.h"
-#include "simulation/scene_messages.h"
-#include "simulation/scene_rigid.h"
-#include "simulation/solution_fields.h"
-#include "simulation/trust.h"
+#include "scene/scene_messages.h"
+#include "scene/scene_rigid.h"
+#include "step/trust.h"
 
 namespace palpate::tools {
 namespace {
@@ -30,9 +30,7 @@ std::string frameName(std::size_t k) {
 
 nlohmann::json listed(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
 
-bool isJaws(const Model& model, int tool) {
-  return !model.tools.empty() && model.tools.tool[static_cast<std::size_t>(tool)].jaws;
-}
+bool isJaws(const Model& model, int tool) { return model.tools.tool[static_cast<std::size_t>(tool)].jaws; }
 
 }  // namespace
 
@@ -229,7 +227,7 @@ void SolveResults::finish(nlohmann::json outcome) {
   }
   for (std::size_t l = 0; l < last_load_forces_.size(); ++l)
     outcome["loads"][model_.scene.loads[l].name] = {{"force_N", listed(last_load_forces_[l])}};
-  if (!model_.tools.empty() && last_loads_) outcome["tools"] = tools();
+  if (model_.tools.several() && last_loads_) outcome["tools"] = tools();
   if (!last_row_.empty()) {
     outcome["time_s"] = last_row_[0];
     outcome["min_J"] = last_row_[2];

@@ -7,16 +7,16 @@
 #include <string>
 #include <vector>
 
+#include "batch/batch_body.h"
 #include "contact/rigid_bodies.h"
 #include "contact/tool_set.h"
 #include "io/csv_table.h"
 #include "io/probes_file.h"
 #include "io/result_csv.h"
 #include "io/vtu_file.h"
+#include "model/model.h"
 #include "mtled/run/checkpoint.h"
-#include "simulation/batch_body.h"
-#include "simulation/model.h"
-#include "simulation/trust.h"
+#include "step/trust.h"
 
 namespace palpate::tools {
 

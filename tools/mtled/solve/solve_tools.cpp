@@ -3,12 +3,12 @@
 #include <algorithm>
 
 #include "io/indent_script.h"
-#include "simulation/tool_bodies.h"
+#include "step/tool_bodies.h"
 
 namespace palpate::tools {
 
 SolveTools::SolveTools(const Scene& scene, const std::string& named) {
-  const std::vector<ToolSpec> specs = toolsOf(scene);
+  const std::vector<ToolSpec>& specs = scene.tools;
   several_ = specs.size() > 1 || specs[0].jaws();
   for (std::size_t t = 0; t < specs.size(); ++t) {
     if (t == 0 && !named.empty())
@@ -36,13 +36,12 @@ ToolsAt SolveTools::at(const Model& model, double time) const {
   ToolsAt at;
   at.count = static_cast<int>(script_.size());
   for (std::size_t t = 0; t < script_.size(); ++t) {
-    const ToolPosture start = startOf(model, static_cast<int>(t));
-    const double travel = several_ ? model.tools.tool[t].first_contact_travel : model.first_contact_travel;
+    const ToolPosture start = model.tools.tool[t].start;
+    const double travel = model.tools.tool[t].first_contact_travel;
     at.posture[t] = start;
     if (!script_[t]) continue;
     at.posture[t].pose = poseAt(*script_[t], start.pose, travel, time);
-    if (several_ && model.tools.tool[t].jaws)
-      at.posture[t].opening = std::max(0.0, openingAt(*script_[t], start.opening, time));
+    if (model.tools.tool[t].jaws) at.posture[t].opening = std::max(0.0, openingAt(*script_[t], start.opening, time));
   }
   return at;
 }

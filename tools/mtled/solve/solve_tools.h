@@ -6,8 +6,8 @@
 
 #include "base/key.h"
 #include "io/tool_script.h"
-#include "simulation/model.h"
-#include "simulation/tools_at.h"
+#include "model/model.h"
+#include "model/tools_at.h"
 
 namespace palpate::tools {
 

@@ -9,7 +9,7 @@
 #include "base/interrupt.h"
 #include "io/load_model.h"
 #include "mtled/verify/cases/cases.h"
-#include "simulation/build_model.h"
+#include "setup/build_model.h"
 
 namespace palpate::tools {
 
@@ -72,8 +72,8 @@ Scene caseScene(double young, double poisson) {
   scene.materials.emplace_back();
   scene.materials[0].material.set("young", young);
   scene.materials[0].material.set("poisson", poisson);
-  scene.tool.radius = 0.01;  // a case that has no tool needs a skin no finer than for this
-  scene.tool_position = Vec3(0, 0, 1);
+  scene.tools[0].shape.radius = 0.01;  // a case that has no tool needs a skin no finer than for this
+  scene.tools[0].position = Vec3(0, 0, 1);
   return scene;
 }
 

@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
+#include "batch/static_solver.h"
 #include "mtled/report/case_result.h"
 #include "mtled/report/pictures.h"
-#include "simulation/static_solver.h"
 
 namespace palpate::tools {
 

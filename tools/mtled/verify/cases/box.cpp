@@ -17,7 +17,7 @@ Scene boxScene(double spacing, double motion) {
   scene.solid = Scene::Solid::Box;
   scene.size = Vec3(0.020, 0.015, height);
   scene.spacing = spacing;
-  scene.tool.radius = std::max(0.004, 4 * spacing);
+  scene.tools[0].shape.radius = std::max(0.004, 4 * spacing);
   scene.support_factor = 2.0;
   scene.mmls_weight = 0.2;
   scene.boundary_method = Scene::BoundaryMethod::Ebciem;

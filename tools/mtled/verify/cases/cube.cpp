@@ -15,7 +15,7 @@ Scene cubeScene(double spacing, int points_per_cell, double accuracy) {
   scene.solid = Scene::Solid::Box;
   scene.size = Vec3(edge, edge, edge);
   scene.spacing = spacing;
-  scene.tool.radius = 0.05;
+  scene.tools[0].shape.radius = 0.05;
   scene.support_factor = 1.8;
   scene.mmls_weight = 0.1;
   scene.quadrature.points_per_cell = points_per_cell;

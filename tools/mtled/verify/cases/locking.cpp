@@ -3,8 +3,8 @@
 #include <cmath>
 #include <map>
 
+#include "model/solution_fields.h"
 #include "mtled/verify/cases/cases.h"
-#include "simulation/solution_fields.h"
 
 namespace palpate::tools {
 namespace {

@@ -140,7 +140,7 @@ CaseResult modesCase(const CaseContext& context) {
     scene.solid = Scene::Solid::Box;
     scene.size = Vec3(0.1, 0.1, 0.1);
     scene.spacing = spacing;
-    scene.tool.radius = 0.05;
+    scene.tools[0].shape.radius = 0.05;
     scene.quadrature.points_per_cell = row.points_per_cell;
     scene.quadrature.cells_per_point = row.cells_per_point;
     scene.boundaries = {planeBoundary("base", Vec3::Zero(), Vec3::UnitZ())};  // a model needs one; it is not used

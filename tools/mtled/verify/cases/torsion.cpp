@@ -16,7 +16,7 @@ constexpr double R = 0.01, H = 0.02, angle = 2 * M_PI / 3;
 Scene torsionScene(double spacing) {
   Scene scene = caseScene(young(), nu);
   scene.name = "torsion";
-  scene.tool.radius = spacing;  // a finer polygon for the round: the moment goes with R^4
+  scene.tools[0].shape.radius = spacing;  // a finer polygon for the round: the moment goes with R^4
   scene.solid = Scene::Solid::Cylinder;
   scene.radius = R;
   scene.height = H;

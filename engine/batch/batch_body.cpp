@@ -1,0 +1,189 @@
+#include "batch/batch_body.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/float4.h"
+#include "model/live_parameters.h"
+#include "model/solution_fields.h"
+#include "setup/mixtures.h"
+#include "step/step_report.h"
+#include "step/trust.h"
+
+namespace palpate {
+namespace {
+
+KernelLayoutOf<double> kernelInDouble(const Model& model, const std::vector<Material>& materials) {
+  auto kernel = makeKernelLayout<double>(model.point_shape, model.point_X, model.point_volume, model.point_material,
+                                         materials, model.nodeCount(), model.patches, GradientPrecision::Float32, {},
+                                         mixtureBases(model.scene));
+  if (model.hasCellVolume()) kernel.cell_volume = makeCellVolume<double>(model.cellVolume());
+  return kernel;
+}
+
+}  // namespace
+
+BatchBody::BatchBody(const Model& model, const std::vector<double>& mass, int threads)
+    : u(model.X.size()),
+      du(model.X.size()),
+      f(model.X.size()),
+      model_(model),
+      team_(threads),
+      kernel_(kernelInDouble(model, model.materials)),
+      materials_(makeKernelMaterials(kernel_, model.materials)),
+      kernel_scratch_(makeKernelScratch(kernel_)),
+      boundary_(makeEssentialBoundary<double>(model.essential, mass)),
+      boundary_scratch_(makeBoundaryScratch(boundary_)),
+      load_scratch_(model.surface_loads),
+      tools_(model),
+      skins_(makeSkinContactState(model.bodies)),
+      skins_scratch_(model.bodies, model.skin),
+      rigid_(makeRigidState(model.rigid, model.nodeCount())),
+      u_float_(model.X.size()),
+      du_float_(model.X.size()),
+      du_before_(model.X.size()) {
+  for (const double m : mass) {
+    inverse_mass_.push_back(1 / m);
+    inverse_mass_float_.push_back(static_cast<float>(1 / m));
+  }
+}
+
+void BatchBody::setMaterials(const std::vector<Material>& materials) {
+  if (!mixtureBases(model_.scene).empty()) kernel_ = kernelInDouble(model_, materials);  // has the mixtures' shares
+  materials_ = makeKernelMaterials(kernel_, materials);
+}
+
+void BatchBody::moveRegion(int region, const Vec3& shift, AlignedVector<Double4>& increment) {
+  if (boundary_.motions.empty()) return;
+  boundary_scratch_.moved.of[static_cast<std::size_t>(region)] = shift;
+  imposeBoundary(boundary_, 0.0, 0.0, 1.0, inverse_mass_.data(), nullptr, increment.data(), boundary_scratch_, team_);
+  boundary_scratch_.moved = {};
+}
+
+void BatchBody::keepHistory(double h) {
+  history_ = makeRelaxationHistory<double>(kernel_.batch_material.size(), model_.materials);
+  history_step_ = h;
+}
+
+PointHistory BatchBody::pointHistory() const {
+  return palpate::pointHistory(kernel_, history_, model_.pointCount(), history_step_);
+}
+
+void BatchBody::restore(const AlignedVector<Double4>& displacement, const AlignedVector<Double4>& increment,
+                        const AlignedVector<double>& history) {
+  skins_ = makeSkinContactState(model_.bodies);
+  rigid_ = makeRigidState(model_.rigid, model_.nodeCount());
+  u = displacement;
+  du = increment;
+  if (history.empty())
+    std::fill(history_.Z.begin(), history_.Z.end(), 0.0);
+  else
+    history_.Z = history;
+}
+
+ForceReport BatchBody::forces(const AlignedVector<Double4>& at, AlignedVector<Double4>& force) {
+  return forces(at, force, nullptr);
+}
+
+ForceReport BatchBody::forces(const AlignedVector<Double4>& at, AlignedVector<Double4>& force,
+                              RelaxationHistoryOf<double>* history) {
+  const ForceReport report =
+      internalForces(kernel_, materials_, at.data(), kernel_scratch_, team_, history, history_step_);
+  sumForces(kernel_, kernel_scratch_, 0, model_.nodeCount(), force.data());
+  if (layer_) layer_->addForces(at, force);
+  return report;
+}
+
+void BatchBody::contact(double alpha, double time, Report& report) {
+  const auto toFloat = [](const Double4& a) {
+    return Float4{static_cast<float>(a.x), static_cast<float>(a.y), static_cast<float>(a.z), 0};
+  };
+  for (std::size_t i = 0; i < u.size(); ++i) {
+    u_float_[i] = toFloat(u[i]);
+    du_float_[i] = du_before_[i] = toFloat(du[i]);
+  }
+  tools_.solve(alpha, inverse_mass_float_.data(), u_float_.data(), du_float_.data(), report.loads);
+  report.tool_force = report.loads[0].force;
+  findSkinPairs(model_.bodies, model_.skin, u_float_.data(), du_before_.data(), 1, skins_, skins_scratch_);
+  report.skins = solveSkinContact(model_.skin, alpha, inverse_mass_float_.data(), u_float_.data(), du_float_.data(),
+                                  skins_, skins_scratch_);
+  if (model_.bodies.several())
+    for (int k = 0; k < organCount(model_); ++k)
+      report.organ_force[static_cast<std::size_t>(k)] = skinForceOn(model_.bodies, model_.skin, k, skins_);
+  if (!model_.rigid.empty() && !layer_)
+    report.rigid = solveRigidBodies(model_.rigid, model_.skin, time - model_.dt, time, alpha,
+                                    inverse_mass_float_.data(), u_float_.data(), du_float_.data(), rigid_);
+  for (std::size_t i = 0; i < u.size(); ++i)
+    store(du[i], load(du[i]) + __builtin_convertvector(load(du_float_[i]) - load(du_before_[i]), GroupOf<double>));
+}
+
+bool BatchBody::hasContact() const {
+  return tools_.present() || !areCalm(model_.bodies, skins_) || (!model_.rigid.empty() && !layer_);
+}
+
+/// As of a step of the loop that saw the same.
+Doubt BatchBody::doubt(const ForceReport& forces, const Report& report) const {
+  StepReport step;
+  if (!report.finite) step.flags |= kNotFinite;
+  if (tools_.overflow()) step.flags |= kContactOverflow;
+  step.min_J = forces.min_J;
+  step.inverted_points = forces.inverted_points;
+  step.max_penetration = tools_.maxPenetration();
+  if (isTooDeep(model_, report.skins)) step.flags |= kDeepContact;
+  step.volume_change = forces.volume_change / model_.cell_volume;
+  step.pressure_over_shear =
+      model_.patches.empty() ? -step.volume_change * bulkOverShear(model_.materials) : forces.max_patch_pressure;
+  step.cell_pressure_over_shear = forces.max_cell_pressure;
+  step.nearly_incompressible = nearlyIncompressible(model_.materials);
+  return doubtOf(model_, step);
+}
+
+/// du += alpha M^-1 (w + surface loads at a time)
+void BatchBody::addLoads(double alpha, double time) {
+  const SurfaceLoads& loads = model_.surface_loads;
+  if (model_.weight.empty() && loads.empty()) return;
+  evaluate(loads, time, u.data(), load_scratch_, team_);
+  for (std::size_t i = 0; i < u.size(); ++i) {
+    GroupOf<double> force = loadOnNode(loads, load_scratch_, i);
+    if (!model_.weight.empty()) force += load(model_.weight[i]);
+    store(du[i], load(du[i]) + (alpha * inverse_mass_[i]) * force);
+  }
+}
+
+BatchBody::Report BatchBody::advance(double alpha, double beta, double time, const double* own_beta) {
+  Report report;
+  alpha_ = alpha;
+  const ForceReport forces_report = forces(u, f, history_step_ > 0 ? &history_ : nullptr);
+  report.min_J = forces_report.min_J;
+  report.worst_point = forces_report.worst_point;
+  report.inverted_points = forces_report.inverted_points;
+  report.step_share = stepShare(model_, forces_report);
+  for (std::size_t i = 0; i < u.size(); ++i)
+    store(du[i], (own_beta ? own_beta[i] : beta) * load(du[i]) + (alpha * inverse_mass_[i]) * load(f[i]));
+  addLoads(alpha, time);
+  if (layer_) report.rigid = layer_->loads();
+  if (hasContact()) contact(alpha, time, report);
+  imposeBoundary(boundary_, time, 0.0, alpha, inverse_mass_.data(), u.data(), du.data(), boundary_scratch_, team_);
+  double largest = 0;
+  for (std::size_t i = 0; i < u.size(); ++i) {
+    const auto d = load(du[i]);
+    store(u[i], load(u[i]) + d);
+    const double d2 = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
+    report.finite &= std::isfinite(d2);
+    largest = std::max(largest, d2);
+  }
+  report.max_increment = std::sqrt(largest);
+  noteTravel(model_.bodies, report.max_increment, du.data(), skins_);
+  report.strain_energy = forces_report.strain_energy;
+  report.doubt = doubt(forces_report, report);
+  return report;
+}
+
+std::vector<Vec3> fieldAt(const ShapeTable& shape, const AlignedVector<Double4>& u) {
+  std::vector<Vec3> field(shape.rowCount(), Vec3::Zero());
+  for (int r = 0; r < shape.rowCount(); ++r)
+    for (int e = shape.begin[r]; e < shape.begin[r + 1]; ++e) field[r] += shape.N[e] * toVec3(u[shape.node[e]]);
+  return field;
+}
+
+}  // namespace palpate

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "model/preparation.h"
+
+namespace palpate {
+
+/// The integration points around each node, a group for each material there: resolution.h fits what they see by a
+/// linear function, by least squares over their volumes, whose value at the node is sum_q weight_q v_q. Along
+/// directions in which a group's points don't differ it is constant.
+struct PointGroups {
+  static constexpr double of_cell = 1.0 / 20;
+
+  int count = 0;
+  std::vector<std::array<int, 4>> of_point;    // (point_count) groups at the nodes of its cell,
+  std::vector<std::array<float, 4>> share;     // (point_count) its share of each group's volume,
+  std::vector<std::array<float, 4>> weight;    // (point_count) its weight in the group's fit,
+  std::vector<std::array<float, 4>> position;  // (point_count) and where it is between them: barycentric coordinates
+  // (point_count) The mean square, over what a point stands for, of what it does not see of a linear function with the
+  // values v_k at its cell's nodes is unseen sum_k (v_k - v)^2, v their mean: of_cell for a cell; more for the point
+  // that stands for two, the second taken for regular; 0 for one of several, as they see it.
+  std::vector<float> unseen;
+};
+/// Test: simulation/resolution_test.cpp
+PointGroups makePointGroups(const Preparation& preparation);
+
+}  // namespace palpate

@@ -1,0 +1,126 @@
+#include "setup/approximate.h"
+
+#include <algorithm>
+#include <optional>
+#include <tuple>
+
+#include "approximation/shape_functions.h"
+#include "discretization/cells/adaptive_quadrature.h"
+#include "discretization/cells/cell_pairs.h"
+#include "discretization/gradients/gradient_energy.h"
+#include "scene/scene_messages.h"
+
+namespace palpate {
+namespace {
+
+constexpr int max_enlargements = 8;  // by 1.15 each: a support radius grows at most threefold
+
+}  // namespace
+
+IntegrationPoints choosePoints(const Scene& scene, const std::vector<Vec3>& X, const BackgroundCells& cells,
+                               const std::vector<int>& cell_material, std::vector<double>& radius,
+                               const double* pair_moment) {
+  const QuadratureSpec& spec = scene.quadrature;
+  if (spec.cells_per_point != 1 && (spec.points_per_cell != 1 || spec.accuracy > 0))
+    throw InputError(placeOf(scene, "discretization.cells_per_point"),
+                     "cells can share a point only where each has one", "leave one of the two out");
+  if (spec.cells_per_point != 1)
+    return makePairedPoints(X, cells,
+                            pair_moment ? pairCellsUpTo(X, cells, cell_material, *pair_moment)
+                                        : pairCells(X, cells, cell_material, spec.cells_per_point));
+  if (spec.accuracy == 0) return makeIntegrationPoints(X, cells.cells, cells.volume, spec.points_per_cell);
+  AdaptiveOptions options;
+  options.accuracy = spec.accuracy;
+  options.points_per_cell = spec.points_per_cell;
+  options.division = spec.division;
+  options.max_depth = spec.max_depth;
+  for (int attempt = 0;; ++attempt) {
+    const Neighbours neighbours(X, radius);
+    try {
+      auto adaptive =
+          makeAdaptivePoints(X, cells.cells, cells.volume, options,
+                             GradientEnergy(X, radius, neighbours, {scene.basis_degree, scene.mmls_weight}));
+      if (adaptive.not_finite.empty() || attempt == max_enlargements) return std::move(adaptive.points);
+      std::vector<InadmissibleSupport> failed;
+      for (int k = 0; k < static_cast<int>(adaptive.not_finite.size()); ++k) {
+        failed.emplace_back();
+        failed.back().row = k;
+      }
+      std::vector<double> enlarged = radius;
+      enlargeSupports(adaptive.not_finite, failed, neighbours, enlarged);
+      radius = std::move(enlarged);
+    } catch (const InputError& error) {
+      throw InputError(placeOf(scene, "discretization.quadrature_accuracy"), error.what(), "");
+    }
+  }
+}
+
+SurfaceGaps gapsOf(const Scene& scene, const TriangleSurface& skin, const SurfaceTree& body) {
+  constexpr double widest = 2;  // support radii, which grow where they must
+  return {skin, body, widest * scene.support_factor * scene.spacing};
+}
+
+SupportLimit endingAt(const SurfaceGaps& gaps) {
+  if (gaps.empty()) return {};
+  return [&gaps](const Vec3& x, const std::vector<Vec3>& X, std::vector<int>& support) {
+    double furthest = 0;
+    for (const int j : support) furthest = std::max(furthest, (X[j] - x).norm());
+    if (gaps.areNear(x, furthest)) std::erase_if(support, [&](int j) { return gaps.areBetween(x, X[j]); });
+  };
+}
+
+Approximation approximate(const Scene& scene, const std::vector<Vec3>& X, std::vector<double> radius,
+                          const std::vector<Vec3>& point_X, const std::vector<Vec3>& skin_X,
+                          const std::vector<Vec3>& facet_X, const std::vector<Vec3>& boundary_X,
+                          const SurfaceGaps& gaps, const ApproximationGroups& groups,
+                          std::vector<Unsupported>* unsupported, const RowMemory* memory) {
+  const MmlsOptions options{scene.basis_degree, scene.mmls_weight};
+  Approximation a;
+  for (int attempt = 0;; ++attempt) {
+    const Neighbours neighbours(X, radius, endingAt(gaps));
+    std::optional<RowsAtHand> at_hand;
+    if (memory != nullptr) at_hand.emplace(memory->rows, memory->number, X, radius, groups.of_nodes);
+    const std::tuple<const std::vector<Vec3>*, const std::vector<std::uint64_t>*, ShapeTable*, Wanted> parts[] = {
+        {&point_X, &groups.points, &a.points, Wanted::Gradients},
+        {&skin_X, &groups.skin, &a.skin, Wanted::Values},
+        {&X, &groups.nodes, &a.nodes, Wanted::Values},
+        {&facet_X, &groups.facets, &a.facets, Wanted::Values},
+        {&boundary_X, &groups.boundary, &a.boundary, Wanted::Values}};
+    bool admissible = true;
+    std::vector<double> enlarged = radius;
+    KnownPart known{at_hand ? &*at_hand : nullptr};
+    for (const auto& [at, rows, table, wanted] : parts) {
+      std::vector<InadmissibleSupport> failed;
+      *table = shapeFunctions(*at, X, radius, neighbours, options, failed, {}, {groups.of_nodes, *rows}, known, wanted);
+      ++known.part;
+      if (failed.empty()) continue;
+      admissible = false;
+      if (attempt == max_enlargements && unsupported != nullptr) {
+        for (const auto& f : failed) unsupported->push_back({(*at)[f.row], (*rows)[f.row]});
+        continue;
+      }
+      if (attempt == max_enlargements)
+        throw InputError(placeOf(scene, "discretization.support_factor"),
+                         "the support of the point at " + coordinates((*at)[failed.front().row]) +
+                             " is inadmissible (" + std::to_string(failed.front().support_count) + " nodes)",
+                         "raise discretization.support_factor or lower discretization.spacing");
+      std::vector<double> mine = radius;
+      enlargeSupports(*at, failed, neighbours, mine);
+      for (std::size_t i = 0; i < mine.size(); ++i) enlarged[i] = std::max(enlarged[i], mine[i]);
+    }
+    at_hand.reset();
+    if (memory != nullptr) {
+      KnownRows& found = memory->rows = {memory->number, X, radius, groups.of_nodes, {}};
+      for (std::size_t k = 0; k < found.part.size(); ++k) {
+        const auto& [at, rows, table, wanted] = parts[k];
+        found.part[k] = {*at, *rows, *table};
+      }
+    }
+    if (admissible || attempt == max_enlargements) break;
+    radius = enlarged;
+  }
+  a.radius = radius;
+  return a;
+}
+
+}  // namespace palpate

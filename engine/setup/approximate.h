@@ -1,0 +1,65 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "approximation/known_rows.h"
+#include "approximation/neighbours.h"
+#include "approximation/shape_table.h"
+#include "discretization/cells/background_cells.h"
+#include "discretization/cells/integration_points.h"
+#include "discretization/surface/surface_gaps.h"
+#include "scene/scene.h"
+
+namespace palpate {
+
+/// The cells' integration points, shared by pairs of cells or adaptive where the scene asks for it. Supports on which
+/// the adaptive quadrature can't judge are enlarged in `radius`.
+/// @param cell_material  (cell_count) index into the scene's materials: no pair has two
+/// @param pair_moment    cells are joined up to it (pairCellsUpTo); null: until there are so many to a point as the
+///                       scene asks for
+IntegrationPoints choosePoints(const Scene& scene, const std::vector<Vec3>& X, const BackgroundCells& cells,
+                               const std::vector<int>& cell_material, std::vector<double>& radius,
+                               const double* pair_moment = nullptr);
+
+/// Shape functions at integration points, skin vertices, nodes and samples of the boundary, over supports that
+/// are enlarged where they must be.
+struct Approximation {
+  std::vector<double> radius;
+  ShapeTable points, skin, nodes, facets, boundary;
+};
+
+/// Where supports end at borders between materials: to which groups of cells (bits) nodes and evaluation points belong.
+struct ApproximationGroups {
+  std::vector<std::uint64_t> of_nodes, points, skin, nodes, facets, boundary;
+};
+
+/// A place that no support carries, however large.
+struct Unsupported {
+  Vec3 at;
+  std::uint64_t group;
+};
+
+/// Rows that are known from another cloud, and how this one's nodes are numbered among those of both.
+struct RowMemory {
+  const std::vector<int>& number;  // (node_count) ascending
+  KnownRows& rows;                 // used, and replaced by those that are found
+};
+
+/// The gaps of a scene's body that supports could reach across. @param skin  as the tool touches it, m
+SurfaceGaps gapsOf(const Scene& scene, const TriangleSurface& skin, const SurfaceTree& body);
+
+/// Supports end at gaps, which must outlive it; null where there are none.
+SupportLimit endingAt(const SurfaceGaps& gaps);
+
+/// @param gaps         at which supports end
+/// @param groups       empty: supports reach over all borders
+/// @param unsupported  receives such places; null: they are an InputError
+/// @param memory       or null
+Approximation approximate(const Scene& scene, const std::vector<Vec3>& X, std::vector<double> radius,
+                          const std::vector<Vec3>& point_X, const std::vector<Vec3>& skin_X,
+                          const std::vector<Vec3>& facet_X, const std::vector<Vec3>& boundary_X,
+                          const SurfaceGaps& gaps, const ApproximationGroups& groups = {},
+                          std::vector<Unsupported>* unsupported = nullptr, const RowMemory* memory = nullptr);
+
+}  // namespace palpate

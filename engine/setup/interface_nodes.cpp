@@ -1,0 +1,364 @@
+#include "setup/interface_nodes.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <set>
+
+#include "discretization/nodes/node_scatter.h"
+#include "discretization/surface/facet_rule.h"
+#include "discretization/surface/feature_edges.h"
+#include "discretization/surface/surface_geometry.h"
+#include "scene/scene_regions.h"
+#include "setup/mixtures.h"
+
+namespace palpate {
+namespace {
+
+constexpr double reach = 0.45;       // spacings: nodes of a border come from this far
+constexpr double on_edge_of = 1e-3;  // spacings: nodes that were put on a sharp edge are nearer to it
+constexpr int bisections = 40;       // of a way across a border
+constexpr double past = 1 + 1e-6;    // of the way to a border, so that rounding does not leave a node before it
+
+/// How a node may move: along `axes`, of which there are `free`.
+struct Freedom {
+  int free = 3;
+  Mat3 axes = Mat3::Identity();
+};
+
+/// Moves nodes of one cloud.
+class Mover {
+ public:
+  Mover(const Scene& scene, const SurfaceTree& organ) : scene_(scene), organ_(organ) {
+    edges_ = findFeatureEdges(organ.surface());
+  }
+
+  /// Whether another material is next to X.
+  bool isOnBorder(const Vec3& X, double h) const {
+    const int own = materialAt(scene_, X, organ_);
+    for (int code = 0; code < 27; ++code) {
+      const Vec3 sign(code % 3 - 1, code / 3 % 3 - 1, code / 9 - 1);
+      if (!sign.isZero(0) && materialAt(scene_, X + on_edge_of * h * sign, organ_) != own) return true;
+    }
+    return false;
+  }
+
+  /// How far along n the border of material `own` lies from X, or against it where X is of another; 0 where it is not
+  /// found within `range`; m.
+  double heightOfBorder(const Vec3& X, const Vec3& n, int own, double range) const {
+    const int here = materialAt(scene_, X, organ_);
+    const double way = here == own ? wayAcross(X, n, own, range) : wayTo(X, -n, own, range);
+    return way < 0 ? 0 : here == own ? way : -way;
+  }
+
+  /// The part of a motion that leaves a node on the organ's edge or surface where it is on one.
+  Vec3 allowed(const Vec3& motion, const Vec3& X, bool on_surface, double h) const {
+    if (!on_surface) return motion;
+    const Freedom freedom = ofSurface(X, h);
+    Vec3 left = Vec3::Zero();
+    for (int k = 0; k < freedom.free; ++k) left += freedom.axes.col(k).dot(motion) * freedom.axes.col(k);
+    return left;
+  }
+
+  /// Whether a node of the surface may go to another place there: those of edges stay on their edge, corners where they
+  /// are.
+  bool staysOnEdge(const Vec3& X, const Vec3& to, double h) const {
+    return ofSurface(X, h).free == 2 || (allowed(to - X, X, true, h) - (to - X)).norm() < on_edge_of * h;
+  }
+
+  /// Where the way from a to b gets to another material, away from its ends; none where it does not, or where it only
+  /// runs along a border.
+  std::optional<Vec3> crossing(const Vec3& a, const Vec3& b) const {
+    constexpr double looks[] = {0.08, 0.36, 0.64, 0.92};  // of the way: a layer that it crosses takes up a third of it
+    for (std::size_t k = 1; k < std::size(looks); ++k) {
+      const int own = materialAt(scene_, a + looks[k - 1] * (b - a), organ_);
+      if (materialAt(scene_, a + looks[k] * (b - a), organ_) == own) continue;
+      double low = looks[k - 1], high = looks[k];
+      for (int n = 0; n < bisections; ++n) {
+        const double middle = (low + high) / 2;
+        (materialAt(scene_, a + middle * (b - a), organ_) == own ? low : high) = middle;
+      }
+      const Vec3 at = a + high * (b - a);
+      const double h = (b - a).norm();
+      if (!isOnBorder((a + at) / 2, h) && !isOnBorder((at + b) / 2, h)) return at;
+    }
+    return std::nullopt;
+  }
+
+  /// Where the node gets to a border within `range`; itself where it doesn't.
+  Vec3 onBorder(const Vec3& X, bool on_surface, double h) const {
+    const Freedom freedom = on_surface ? ofSurface(X, h) : Freedom{};
+    if (freedom.free == 0) return X;
+    const int own = materialAt(scene_, X, organ_);
+    // Distances to the border along many directions; of a plane border they give its normal.
+    Mat3 A = Mat3::Zero();
+    Vec3 b = Vec3::Zero(), best = Vec3::Zero();
+    double nearest = 2 * h;
+    for (int code = 0; code < 27; ++code) {
+      const Vec3 sign(code % 3 - 1, code / 3 % 3 - 1, code / 9 - 1);
+      if ((sign.tail(3 - freedom.free).array() != 0).any() || sign.isZero(0)) continue;
+      const Vec3 d = (freedom.axes * sign).normalized();
+      const double t = wayAcross(X, d, own, 1.5 * reach * h);
+      if (t < 0) continue;
+      A += t * t * d * d.transpose();
+      b += t * d;
+      if (t < nearest) nearest = t, best = d;
+    }
+    if (nearest > 1.5 * reach * h) return X;
+    const double size = A.trace();
+    const Vec3 normal = (A + 1e-9 * size * Mat3::Identity()).inverse() * b;
+    if (normal.norm() > 0) {
+      const double t = wayAcross(X, normal.normalized(), own, 1.5 * reach * h);
+      if (t >= 0 && t < nearest) nearest = t, best = normal.normalized();
+    }
+    if (nearest > reach * h) return X;
+    const Vec3 moved = X + nearest * past * best;
+    if (on_surface) return back(moved, freedom);
+    return organ_.signedDistance(moved) <= -closest_approach * h ? moved : X;
+  }
+
+ private:
+  /// m along d to another material, or -1: none within `range`.
+  double wayAcross(const Vec3& X, const Vec3& d, int own, double range) const {
+    return way(X, d, range, [own](int material) { return material != own; });
+  }
+
+  /// m along d to that material, or -1 likewise.
+  double wayTo(const Vec3& X, const Vec3& d, int other, double range) const {
+    return way(X, d, range, [other](int material) { return material == other; });
+  }
+
+  template <class Wanted>
+  double way(const Vec3& X, const Vec3& d, double range, Wanted wanted) const {
+    constexpr int looks = 3;
+    for (int k = 1; k <= looks; ++k) {
+      double low = range * (k - 1) / looks, high = range * k / looks;
+      if (!wanted(materialAt(scene_, X + high * d, organ_))) continue;
+      for (int n = 0; n < bisections; ++n) {
+        const double middle = (low + high) / 2;
+        (wanted(materialAt(scene_, X + middle * d, organ_)) ? high : low) = middle;
+      }
+      return high;
+    }
+    return -1;
+  }
+
+  Freedom ofSurface(const Vec3& X, double h) const {
+    for (const Vec3& corner : edges_.corners)
+      if ((corner - X).norm() < on_edge_of * h) return {0, Mat3::Identity()};
+    Freedom freedom;
+    Vec3 along;
+    if (nearestOfEdges(X, on_edge_of * h, &along)) {
+      freedom.free = 1;
+      freedom.axes.col(0) = along;
+      return freedom;
+    }
+    const auto& face = organ_.surface().triangles[static_cast<std::size_t>(organ_.closest(X).triangle)];
+    const auto& V = organ_.surface().vertices;
+    const Vec3 normal = (V[face[1]] - V[face[0]]).cross(V[face[2]] - V[face[0]]).normalized();
+    freedom.free = 2;
+    freedom.axes.col(0) = normal.unitOrthogonal();
+    freedom.axes.col(1) = normal.cross(freedom.axes.col(0));
+    return freedom;
+  }
+
+  /// The point of the sharp edges nearest to X, if one is within `range`; and the edge's direction there.
+  std::optional<Vec3> nearestOfEdges(const Vec3& X, double range, Vec3* along = nullptr) const {
+    std::optional<Vec3> found;
+    for (const auto& chain : edges_.chains)
+      for (std::size_t k = 0; k + 1 < chain.points.size(); ++k) {
+        const Vec3 edge = chain.points[k + 1] - chain.points[k];
+        const double t = std::clamp((X - chain.points[k]).dot(edge) / edge.squaredNorm(), 0.0, 1.0);
+        const Vec3 p = chain.points[k] + t * edge;
+        if ((p - X).norm() > range) continue;
+        range = (p - X).norm();
+        found = p;
+        if (along != nullptr) *along = edge.normalized();
+      }
+    return found;
+  }
+
+  /// Back onto the edge or the surface.
+  Vec3 back(const Vec3& X, const Freedom& freedom) const {
+    if (freedom.free == 1) return nearestOfEdges(X, std::numeric_limits<double>::infinity()).value_or(X);
+    return organ_.closest(X).point;
+  }
+
+  const Scene& scene_;
+  const SurfaceTree& organ_;
+  FeatureEdges edges_;
+};
+
+}  // namespace
+
+bool hasSharpInterfaces(const Scene& scene) {
+  return scene.formulation.sharp_interfaces && scene.materials.size() > 1 && mixedMaterial(scene) == 0 &&
+         scene.formulation.consistent_gradients;
+}
+
+int putOnInterfaces(const Scene& scene, const SurfaceTree& organ, const SpacingField& spacing, NodeCloud& cloud) {
+  if (scene.materials.size() < 2) return 0;
+  const Mover mover(scene, organ);
+  struct Move {
+    double way;  // spacings
+    std::size_t node;
+    Vec3 to;
+  };
+  std::vector<Move> moves;
+  SiteGrid grid(boundingBox(organ.surface()), std::sqrt(spacing.smallest() * spacing.largest()));
+  std::vector<Vec3> now = cloud.X;
+  for (std::size_t i = 0; i < now.size(); ++i) {
+    const double h = spacing.at(now[i]);
+    grid.add({now[i], Vec3::Zero(), h});
+    const Vec3 to = mover.onBorder(now[i], cloud.on_surface[i] != 0, h);
+    if (const double way = (to - now[i]).norm(); way > 0) moves.push_back({way / h, i, to});
+  }
+  // Edges before faces before the inside, as the cloud has them, and the nearest first.
+  std::stable_sort(moves.begin(), moves.end(), [&](const Move& a, const Move& b) {
+    const int before = cloud.on_surface[a.node] - cloud.on_surface[b.node];
+    return before != 0 ? before > 0 : a.way < b.way;
+  });
+  int moved = 0;
+  for (const Move& move : moves) {
+    const double h = spacing.at(move.to);
+    bool free = true;
+    // No node goes further than `reach`: who is near now was near before.
+    grid.forEachWithin(move.to, (closest_approach + reach) * h, [&](int j, const Site&) {
+      free = static_cast<std::size_t>(j) == move.node || (now[j] - move.to).norm() >= closest_approach * h;
+      return free;
+    });
+    if (!free) continue;
+    now[move.node] = move.to;
+    ++moved;
+  }
+  cloud.X = std::move(now);
+  return moved;
+}
+
+int closeInterfaces(const Scene& scene, const SurfaceTree& organ, const SpacingField& spacing,
+                    const std::vector<std::array<int, 4>>& cells, NodeCloud& cloud) {
+  constexpr double free = 0.45;  // spacings: nearer nodes move instead of a new one, if they may
+  constexpr double least = 0.3;  // spacings: no new one is nearer to one that may not, or to the surface
+  const Mover mover(scene, organ);
+  std::vector<int> material(cloud.X.size());
+  std::vector<std::uint8_t> on_border(cloud.X.size());
+  SiteGrid grid(boundingBox(organ.surface()), std::sqrt(spacing.smallest() * spacing.largest()));
+  for (std::size_t i = 0; i < cloud.X.size(); ++i) {
+    const double h = spacing.at(cloud.X[i]);
+    material[i] = materialAt(scene, cloud.X[i], organ);
+    on_border[i] = mover.isOnBorder(cloud.X[i], h);
+    grid.add({cloud.X[i], Vec3::Zero(), h});
+  }
+  std::set<std::pair<int, int>> edges;
+  for (const auto& cell : cells)
+    for (const int i : cell)
+      for (const int j : cell)
+        if (i < j && (material[i] != material[j] || on_border[i] || on_border[j])) edges.insert({i, j});
+  int mended = 0;
+  for (const auto& [i, j] : edges) {
+    const std::optional<Vec3> crossing = mover.crossing(cloud.X[i], cloud.X[j]);
+    if (!crossing) continue;
+    const double h = spacing.at(*crossing);
+    const bool on_surface =
+        (cloud.on_surface[i] != 0 && cloud.on_surface[j] != 0) || organ.signedDistance(*crossing) > -least * h;
+    const Vec3 at = on_surface ? organ.closest(*crossing).point : *crossing;
+    int nearest = -1;
+    double distance = free * h;
+    grid.forEachWithin(at, (free + reach) * h, [&](int k, const Site&) {
+      if (const double d = (cloud.X[k] - at).norm(); d < distance) distance = d, nearest = k;
+      return true;
+    });
+    if (nearest >= 0 && !on_border[nearest] && (cloud.on_surface[nearest] != 0) == on_surface &&
+        (!on_surface || mover.staysOnEdge(cloud.X[nearest], at, h))) {
+      cloud.X[nearest] = at;
+      on_border[nearest] = 1;
+    } else if (nearest < 0 || distance > least * h) {
+      grid.add({at, Vec3::Zero(), h});
+      cloud.X.push_back(at);
+      cloud.on_surface.push_back(on_surface ? 1 : 0);
+      on_border.push_back(1);
+    } else {
+      continue;
+    }
+    ++mended;
+  }
+  return mended;
+}
+
+void fitInterfaces(const Scene& scene, const SurfaceTree& organ, NodeCloud& cloud, BackgroundCells& cells) {
+  constexpr int rounds = 4;           // each leaves about a third of the gap
+  constexpr double flat_gap = 1e-4;   // of a facet's edge: nodes were put on the border less exactly than that
+  constexpr double farthest = 0.25;   // of a facet's edge, of a node's way
+  constexpr double min_volume = 0.2;  // of a cell's first volume
+  const Mover mover(scene, organ);
+  std::vector<int> material;
+  for (const Vec3& middle : centroids(cloud.X, cells.cells)) material.push_back(materialAt(scene, middle, organ));
+  struct Facet {
+    std::array<int, 3> nodes;
+    int cell;  // on the side that the normal leaves
+  };
+  std::vector<Facet> facets;
+  for (const auto& [a, b] : neighbouringCells(cells.cells)) {
+    const auto &one = cells.cells[static_cast<std::size_t>(a)], &other = cells.cells[static_cast<std::size_t>(b)];
+    if (material[static_cast<std::size_t>(a)] == material[static_cast<std::size_t>(b)]) continue;
+    Facet facet{{}, a};
+    std::copy_if(one.begin(), one.end(), facet.nodes.begin(),
+                 [&](int i) { return std::find(other.begin(), other.end(), i) != other.end(); });
+    facets.push_back(facet);
+  }
+  const std::vector<Vec3> start = cloud.X;
+  const std::vector<double> first_volume = cells.volume;
+  for (int round = 0; round < rounds; ++round) {
+    std::vector<Vec3> motion(start.size(), Vec3::Zero());
+    std::vector<double> area(start.size(), 0), reach_of(start.size(), 0);
+    const std::vector<Vec3> middles = centroids(cloud.X, cells.cells);
+    bool uneven = false;
+    for (const Facet& facet : facets) {
+      const auto corner = [&](std::size_t k) -> const Vec3& {
+        return cloud.X[static_cast<std::size_t>(facet.nodes[k])];
+      };
+      const Vec3 across = (corner(1) - corner(0)).cross(corner(2) - corner(0)) / 2;
+      const auto cell = static_cast<std::size_t>(facet.cell);
+      const Vec3 n = across.normalized() * ((corner(0) - middles[cell]).dot(across) < 0 ? -1 : 1);
+      const double edge = std::sqrt(2 * across.norm());
+      double gap = 0;
+      for (int k = 0; k < FacetRule::size; ++k)
+        gap += FacetRule::weight(k) * mover.heightOfBorder(FacetRule::point(k, corner(0), corner(1), corner(2)), n,
+                                                           material[cell], 0.5 * edge);
+      uneven |= std::abs(gap) > flat_gap * edge;
+      for (const int i : facet.nodes) {
+        motion[static_cast<std::size_t>(i)] += across.norm() * (std::abs(gap) > flat_gap * edge ? gap : 0) * n;
+        area[static_cast<std::size_t>(i)] += across.norm();
+        reach_of[static_cast<std::size_t>(i)] += across.norm() * edge;
+      }
+    }
+    if (!uneven) return;
+    std::vector<Vec3> X = cloud.X;
+    for (std::size_t i = 0; i < X.size(); ++i) {
+      if (area[i] == 0) continue;
+      const double edge = reach_of[i] / area[i];
+      const Vec3 total =
+          cloud.X[i] + mover.allowed(motion[i] / area[i], start[i], cloud.on_surface[i] != 0, edge) - start[i];
+      X[i] = start[i] + total * std::min(1.0, farthest * edge / std::max(total.norm(), 1e-300));
+    }
+    for (bool again = true; again;) {  // cells that would shrink too much hold their nodes where they are
+      again = false;
+      BackgroundCells trial;
+      trial.cells = cells.cells;
+      updateVolumes(trial, X);
+      for (std::size_t c = 0; c < cells.cells.size(); ++c) {
+        if (trial.volume[c] >= min_volume * first_volume[c]) continue;
+        for (const int node : cells.cells[c]) {
+          const auto i = static_cast<std::size_t>(node);
+          again = again || X[i] != cloud.X[i];
+          X[i] = cloud.X[i];
+        }
+      }
+    }
+    cloud.X = X;
+  }
+  updateVolumes(cells, cloud.X);
+}
+
+}  // namespace palpate

@@ -1,0 +1,198 @@
+#include "setup/make_surface_loads.h"
+
+#include <algorithm>
+#include <array>
+#include <map>
+
+#include "discretization/cells/background_cells.h"
+#include "discretization/surface/facet_rule.h"
+#include "scene/scene_messages.h"
+#include "scene/scene_regions.h"
+#include "setup/body_points.h"
+
+namespace palpate {
+namespace {
+
+using Facet = std::array<int, 3>;
+
+/// What a load has of a facet: points with their shares of the facet's area.
+struct LoadedFacet {
+  int facet = 0;
+  std::vector<Vec3> X;         // m
+  std::vector<double> weight;  // sum: the share of the facet that is loaded
+};
+
+Vec3 at(const Body& body, const Facet& f, const Vec3& l) {
+  return l[0] * body.X[f[0]] + l[1] * body.X[f[1]] + l[2] * body.X[f[2]];
+}
+
+/// The middles of n^2 equal triangles that a facet is divided into, in its linear shape functions.
+std::vector<Vec3> evenPlaces(int n) {
+  std::vector<Vec3> places;
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; i + j < n; ++j)
+      for (const double third : {1.0 / 3, 2.0 / 3})  // the triangle on either side of a cell's diagonal
+        if (third < 0.5 || i + j < n - 1)
+          places.emplace_back((i + third) / n, (j + third) / n, 1 - (i + j + 2 * third) / n);
+  return places;
+}
+
+/// All of a facet, by the rule at whose points gradients are consistent (boundary_points.h).
+LoadedFacet wholeFacet(const Body& body, const Facet& f, int number) {
+  LoadedFacet loaded{number, {}, {}};
+  const bool by_nodes = body.scene.boundary_method == Scene::BoundaryMethod::Sebciem &&
+                        std::all_of(f.begin(), f.end(), [&](int i) { return body.imposed[i] != 0; });
+  for (int k = 0; k < (by_nodes ? 3 : FacetRule::size); ++k) {
+    loaded.X.push_back(by_nodes ? body.X[f[k]] : at(body, f, FacetRule::corners(k)));
+    loaded.weight.push_back(by_nodes ? 1.0 / 3 : FacetRule::weight(k));
+  }
+  return loaded;
+}
+
+/// The facets that a load is on, or parts of them.
+std::vector<LoadedFacet> loadedFacets(const Body& body, const std::vector<Facet>& facets, const SurfaceTree& organ,
+                                      const LoadSpec& spec) {
+  constexpr int coarse = 4, fine = 8;  // parts of an edge: to see whether a border cuts a facet, and to divide it
+  static const std::vector<Vec3> few = evenPlaces(coarse), many = evenPlaces(fine);
+  std::vector<LoadedFacet> loaded;
+  for (int t = 0; t < static_cast<int>(facets.size()); ++t) {
+    const Facet& f = facets[t];
+    const auto holds = [&](const Vec3& l) { return contains(spec.region, organ.closest(at(body, f, l)).point, organ); };
+    const auto inside =
+        spec.whole ? static_cast<std::ptrdiff_t>(few.size()) : std::count_if(few.begin(), few.end(), holds);
+    if (inside == 0) continue;
+    if (inside == static_cast<std::ptrdiff_t>(few.size())) {
+      loaded.push_back(wholeFacet(body, f, t));
+      continue;
+    }
+    LoadedFacet& part = loaded.emplace_back();
+    part.facet = t;
+    for (const Vec3& l : many)
+      if (holds(l)) {
+        part.X.push_back(at(body, f, l));
+        part.weight.push_back(1.0 / static_cast<double>(many.size()));
+      }
+  }
+  return loaded;
+}
+
+void check(const Body& body, const std::vector<Facet>& facets, const LoadSpec& spec,
+           const std::vector<LoadedFacet>& loaded) {
+  constexpr std::uint8_t all_components = 7;
+  if (loaded.empty())
+    throw InputError(spec.whole ? spec.place : spec.region.place,
+                     "the region of the load " + inQuotes(spec.name) + " holds no part of the organ's skin",
+                     "move it or make it larger, so that skin lies in it");
+  const auto held = [&](int i) { return body.imposed[i] == all_components; };
+  if (std::all_of(loaded.begin(), loaded.end(), [&](const LoadedFacet& l) {
+        return std::all_of(facets[l.facet].begin(), facets[l.facet].end(), held);
+      }))
+    throw InputError(
+        spec.place,
+        "the load " + inQuotes(spec.name) + " acts only where the organ is held or moved, and would move nothing",
+        "give it a region with free skin, or leave it out");
+}
+
+/// R of each facet: node -> coefficient.
+std::vector<std::map<int, double>> coefficients(const Body& body, const LoadSpec& spec,
+                                                const std::vector<LoadedFacet>& loaded) {
+  std::vector<Vec3> points;
+  for (const LoadedFacet& l : loaded) points.insert(points.end(), l.X.begin(), l.X.end());
+  std::vector<InadmissibleSupport> failed;
+  const ShapeTable shape = shapeAt(body, points, failed);
+  if (!failed.empty())
+    throw InputError(spec.place,
+                     "the nodes near the loaded skin at " + coordinates(points[failed.front().row]) +
+                         " can't carry an approximation",
+                     "lower discretization.spacing");
+  std::vector<std::map<int, double>> rows(loaded.size());
+  int r = 0;
+  for (std::size_t k = 0; k < loaded.size(); ++k)
+    for (const double weight : loaded[k].weight) {
+      for (int e = shape.begin[r]; e < shape.begin[r + 1]; ++e) rows[k][shape.node[e]] += weight * shape.N[e];
+      ++r;
+    }
+  return rows;
+}
+
+/// The nodes' forces of a load of fixed direction.
+void addDead(const Body& body, const std::vector<Facet>& facets, const LoadSpec& spec,
+             const std::vector<LoadedFacet>& loaded, const std::vector<std::map<int, double>>& R, SurfaceLoads& loads) {
+  std::vector<Vec3> force(body.X.size(), Vec3::Zero());
+  for (std::size_t k = 0; k < loaded.size(); ++k) {
+    const Facet& f = facets[loaded[k].facet];
+    const Vec3 area = 0.5 * (body.X[f[1]] - body.X[f[0]]).cross(body.X[f[2]] - body.X[f[0]]);
+    const bool traction = spec.kind == LoadSpec::Kind::Traction;
+    const Vec3 g = traction ? Vec3(area.norm() * spec.traction) : Vec3(-spec.pressure * area);
+    for (const auto& [node, coefficient] : R[k]) force[node] += coefficient * g;
+    for (const double weight : loaded[k].weight) loads.dead_force.back() += weight * g;
+  }
+  for (const Vec3& f : force) loads.dead.back().push_back(toReal4<double>(f));
+}
+
+/// Faces under followers, as they are gathered.
+struct PressedFaces {
+  std::vector<int> number;                                  // (node_count) of a node among the vertices, or -1
+  std::vector<std::vector<std::pair<int, float>>> of_node;  // (node_count) face, R
+};
+
+void addFollower(const Body& body, const std::vector<Facet>& facets, int load, const std::vector<LoadedFacet>& loaded,
+                 const std::vector<std::map<int, double>>& R, PressedFaces& pressed, SurfaceLoads& loads) {
+  for (std::size_t k = 0; k < loaded.size(); ++k) {
+    SurfaceLoads::Face face{facets[loaded[k].facet], load, 0};
+    double share = 0;
+    for (const double weight : loaded[k].weight) share += weight;
+    face.share = static_cast<float>(share);
+    for (int& v : face.vertex) {
+      const int node = v;
+      if (pressed.number[node] < 0) {
+        pressed.number[node] = static_cast<int>(loads.X.size());
+        loads.X.push_back(body.X[node]);
+        for (int e = body.node_shape.begin[node]; e < body.node_shape.begin[node + 1]; ++e) {
+          loads.node.push_back(body.node_shape.node[e]);
+          loads.N.push_back(static_cast<float>(body.node_shape.N[e]));
+        }
+        loads.begin.push_back(static_cast<int>(loads.node.size()));
+      }
+      v = pressed.number[node];
+    }
+    for (const auto& [node, coefficient] : R[k])
+      pressed.of_node[node].emplace_back(static_cast<int>(loads.face.size()), static_cast<float>(coefficient));
+    loads.face.push_back(face);
+  }
+}
+
+}  // namespace
+
+SurfaceLoads makeSurfaceLoads(const Body& body, const SurfaceTree& organ) {
+  SurfaceLoads loads;
+  if (body.scene.loads.empty()) return loads;
+  const std::vector<Facet> facets = boundaryFacets(body.cells);
+  PressedFaces pressed{std::vector<int>(body.X.size(), -1), {}};
+  pressed.of_node.resize(body.X.size());
+  loads.begin.assign(1, 0);
+  for (const LoadSpec& spec : body.scene.loads) {
+    const auto load = static_cast<int>(loads.course.size());
+    const bool follows = spec.kind == LoadSpec::Kind::FollowerPressure;
+    const std::vector<LoadedFacet> loaded = loadedFacets(body, facets, organ, spec);
+    check(body, facets, spec, loaded);
+    const auto R = coefficients(body, spec, loaded);
+    loads.course.push_back({spec.curve, spec.duration});
+    loads.pressure.push_back(follows ? spec.pressure : 0);
+    loads.dead.emplace_back();
+    loads.dead_force.emplace_back(Vec3::Zero());
+    if (follows)
+      addFollower(body, facets, load, loaded, R, pressed, loads);
+    else
+      addDead(body, facets, spec, loaded, R, loads);
+  }
+  if (loads.face.empty()) return loads;
+  loads.node_begin.assign(1, 0);
+  for (const auto& row : pressed.of_node) {
+    for (const auto& [face, coefficient] : row) loads.node_face.push_back(face), loads.R.push_back(coefficient);
+    loads.node_begin.push_back(static_cast<int>(loads.node_face.size()));
+  }
+  return loads;
+}
+
+}  // namespace palpate

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <vector>
+
+#include "discretization/cells/background_cells.h"
+#include "discretization/cells/integration_points.h"
+#include "scene/scene.h"
+
+namespace palpate {
+
+/// Tissue that mixes by an image (paper section 5): of the material with a membership (MaterialSpec::membership) and
+/// the first one, each integration point gets
+///
+///   mu = (1 - s) mu_0 + s mu_m,  K and rho likewise,   s the mean membership over the point's cells
+///
+/// The shares are rounded to 1/255, so that the moduli are exact to 0.2 % of their range, and the mixtures are
+/// materials like all others: the stable step, mass scaling, node patches, pairs of cells and all that asks for a
+/// point's material needed no change. Only the kernel computes all of them in common (mixtureBases), so that
+/// neighbouring points share their nodes whatever they are made of, and a scene that does not mix runs the same code as
+/// before.
+constexpr int mixture_steps = 255;
+
+/// Place of the material with a membership, or 0 where none has one.
+int mixedMaterial(const Scene& scene);
+
+/// Of a point's bulk modulus what node patches leave to the point itself, in shear moduli (makeNodePatches): the
+/// scene's, and more where tissue mixes: it changes over a few edges, and its pressure with it.
+double ownBulk(const Scene& scene);
+
+/// Whether the scene's volume is averaged over node patches: with a bulk modulus that is all left to the points,
+/// nothing would be averaged.
+bool needsPatches(const Scene& scene);
+
+/// The scene's materials and then, where it mixes, those between: what point_material counts.
+std::vector<Material> materialsOf(const Scene& scene);
+
+/// Of each of materialsOf the one that the kernel computes it by; empty where nothing mixes.
+std::vector<int> mixtureBases(const Scene& scene);
+
+/// Mean membership over each cell (cell_count). @pre  mixedMaterial(scene) != 0
+std::vector<double> cellShares(const Scene& scene, const std::vector<Vec3>& X, const BackgroundCells& cells);
+
+/// Replaces the first material by the mixture of each cell.
+void mixCells(const Scene& scene, const std::vector<double>& share, std::vector<int>& cell_material);
+
+/// Replaces the first material by the mixture of each point's cells, by their volumes.
+void mixPoints(const Scene& scene, const std::vector<double>& share, const BackgroundCells& cells,
+               const IntegrationPoints& points, std::vector<int>& point_material);
+
+}  // namespace palpate

@@ -1,0 +1,390 @@
+#include "setup/place.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "base/number_text.h"
+#include "discretization/cells/cell_pairs.h"
+#include "discretization/nodes/node_scatter.h"
+#include "discretization/nodes/site_grid.h"
+#include "discretization/surface/surface_bodies.h"
+#include "discretization/surface/surface_geometry.h"
+#include "scene/scene_messages.h"
+#include "scene/scene_regions.h"
+#include "setup/choose_time_step.h"
+#include "setup/discretize_parts.h"
+#include "setup/finish.h"
+#include "setup/imposed_nodes.h"
+#include "setup/interface_nodes.h"
+
+namespace palpate {
+namespace {
+
+constexpr double fine_radii = 0.5, coarse_radii = 1.2, narrowest_of_body = 0.1, widest_of_body = 0.2;
+constexpr double sharpest =
+    0.4;  // of the tool's radius, for tips below its square; below 1/16 told of (resolutionWarning)
+constexpr double thin_share = 0.1;       // of the skin
+constexpr double most_for_thin = 6000;   // nodes that a thin body gets for it
+constexpr double hysteresis = 0.25;      // strides
+constexpr double longest_stride = 0.01;  // m
+constexpr int kept_of_region = 6;        // nodes of each imposed region that are always live
+/// Rows at places that were not looked at may need a little more than those at the first: 2 % of the step.
+constexpr double row_margin = 0.96;
+constexpr double least_critical = 0.95;  // of the first place's critical step, that all have
+
+/// The scene's own refinements that ask for less than a spacing.
+std::vector<RefineSpec> finerThan(double spacing, const std::vector<RefineSpec>& refine) {
+  std::vector<RefineSpec> finer = refine;
+  std::erase_if(finer, [&](const RefineSpec& r) { return !(r.spacing < spacing); });
+  return finer;
+}
+
+/// Nodes of each imposed region that have neighbours outside: a coarse cloud keeps them as a sheet, or what is held
+/// would end where its next node happens to be, and the body above it be softer (the kidney by 2 %).
+void markBorders(const Scene& scene, const SurfaceTree& organ, const Discretization& d,
+                 std::vector<std::uint8_t>& dimension) {
+  for (const BoundarySpec& spec : scene.boundaries) {
+    if (spec.region.kind == Region::Kind::Point || spec.surface_only) continue;
+    std::vector<std::uint8_t> in(d.cloud.X.size());
+    for (std::size_t i = 0; i < in.size(); ++i) in[i] = contains(spec.region, d.cloud.X[i], organ);
+    for (const auto& cell : d.cells.cells) {
+      const auto inside = std::count_if(cell.begin(), cell.end(), [&](int i) { return in[i]; });
+      if (inside == 0 || inside == 4) continue;
+      for (const int i : cell)
+        if (in[i]) dimension[i] = std::min<std::uint8_t>(dimension[i], d.cloud.on_surface[i] ? 1 : 2);
+    }
+  }
+}
+
+std::vector<std::uint8_t> dimensionsOf(const Scene& scene, const SurfaceTree& organ, const Discretization& d) {
+  auto dimension = nodeDimensions(d.cloud, featuresOf(scene, organ), spacingField(scene));
+  markBorders(scene, organ, d, dimension);
+  if (!hasSharpInterfaces(scene)) return dimension;
+  const auto material = cellMaterials(scene, organ, d.cloud.X, d.cells);
+  std::vector<int> of_node(d.cloud.X.size(), -1);
+  for (std::size_t c = 0; c < material.size(); ++c)
+    for (const int i : d.cells.cells[c]) {
+      if (of_node[i] < 0) of_node[i] = material[c];
+      if (of_node[i] != material[c]) dimension[i] = std::min<std::uint8_t>(dimension[i], d.cloud.on_surface[i] ? 1 : 2);
+    }
+  return dimension;
+}
+
+/// Some nodes of each imposed region are live wherever the tools are, or a place could have none there.
+void keepRegions(const Scene& scene, const SurfaceTree& organ, NestedCloud& cloud) {
+  for (const BoundarySpec& spec : scene.boundaries) {
+    if (spec.region.kind == Region::Kind::Point) continue;
+    std::vector<int> members;
+    for (int i = 0; i < cloud.nodeCount(); ++i)
+      if ((cloud.on_surface[i] || !spec.surface_only) && contains(spec.region, cloud.X[i], organ)) members.push_back(i);
+    if (members.empty()) refuseEmpty(scene, spec);
+    keepLive(members, kept_of_region, cloud);
+  }
+}
+
+/// What a tool's ball and the spacing in it are made for, m.
+double resolvedRadius(const ToolShape& tool) { return std::max(touchRadius(tool), sharpest * tool.radius); }
+
+double smallestResolved(const Scene& scene) {
+  double smallest = smallestToolRadius(scene);
+  for (const ToolSpec& tool : scene.tools) smallest = std::min(smallest, resolvedRadius(tool.shape));
+  return smallest;
+}
+
+double ballRadius(const ToolShape& tool, double fine) {
+  return std::max(ball_radii * resolvedRadius(tool), ball_spacings * fine);
+}
+
+/// Vertices of a surface about a stride apart: each the first that is farther from all before.
+std::vector<Vec3> centresOn(const TriangleSurface& skin, double stride) {
+  std::vector<Vec3> centres;
+  SiteGrid grid(boundingBox(skin), stride);
+  for (const Vec3& x : skin.vertices) {
+    bool free = true;
+    grid.forEachWithin(x, stride, [&](int, const Site&) { return free = false; });
+    if (!free) continue;
+    grid.add({x, Vec3::Zero(), 0});
+    centres.push_back(x);
+  }
+  return centres;
+}
+
+void checkCarried(const Scene& scene, const TriangleSurface& organ) {
+  if (bodiesOf(organ).count > 1)
+    throw InputError(placeOf(scene, "discretization.follow"), "a cloud that follows the tool is that of one body",
+                     "give [discretization] spacing, about " + number(fineSpacing(scene)) + " m for this tool");
+}
+
+/// Nodes that are further apart than a body is thick can't fill it.
+void checkThickness(const Scene& scene, const TriangleSurface& organ, double fine) {
+  const double thickness = boundingBox(organ).sizes().minCoeff();
+  if (!(fine > thickness)) return;
+  const double finest = finestSpacing(signedVolume(organ), surfaceArea(organ), most_nodes);
+  throw InputError(
+      placeOf(scene, "tool.radius"),
+      "where the cloud follows a tool of this radius nodes are " + number(fine) +
+          " m apart, more than the body is thick, " + number(thickness) + " m",
+      finest < thickness
+          ? "take a smaller tool, or give [discretization] spacing, between " + number(finest) + " and " +
+                number(thickness / 2) + " m"
+          : "no spacing that can be made, " + number(finest) +
+                " m at least, is enough: cut the part that is touched out of the body, or check its scale");
+}
+
+/// What a place's preparation depends on; "" where nothing is to be kept.
+std::string keyOf(const Places& places, const PlaceIndex& index, bool common) {
+  if (places.key.empty()) return {};
+  std::string key = places.key + (common ? "\nplace" : "\nfirst place");
+  for (const int centre : index) key += ' ' + std::to_string(centre);
+  return key;
+}
+
+/// Each as fine as its own tool wants; none where the whole body is.
+std::vector<SpacingField::Refinement> ballsAt(const Places& places, const PlaceIndex& index) {
+  std::vector<SpacingField::Refinement> balls;
+  const auto tools = places.scene.tools;
+  for (std::size_t t = 0; t < tools.size(); ++t) {
+    SpacingField::Refinement ball;
+    ball.centre = places.centres[static_cast<std::size_t>(index[t])];
+    ball.spacing = std::max(places.sizes.fine, fine_radii * resolvedRadius(tools[t].shape));
+    ball.radius = ballRadius(tools[t].shape, ball.spacing) + (tools[t].jaws() ? tools[t].opening / 2 : 0);
+    if (ball.spacing < places.sizes.coarse) balls.push_back(ball);
+  }
+  return balls;
+}
+
+/// Nodes that any place may have: as many as the first, and those of whole balls with what is around them, twice; no
+/// more than the cloud has.
+int mostNodes(const Places& places, int of_first) {
+  constexpr double safety = 2;
+  constexpr int shells = 1000;
+  const PlaceIndex any{};
+  double nodes = 0;
+  for (const SpacingField::Refinement& ball : ballsAt(places, any)) {
+    SpacingField field{places.sizes.coarse, {ball}, {}};
+    const double outer = ball.radius + 3 * places.sizes.coarse, width = outer / shells;
+    for (int k = 0; k < shells; ++k) {
+      const double r = (k + 0.5) * width, h = field.at(ball.centre + Vec3(r, 0, 0));
+      nodes += 4 * std::numbers::pi * r * r * width / std::pow(h, 3);
+    }
+  }
+  return static_cast<int>(std::min<double>(of_first + safety * nodes / volume_per_node, places.cloud.nodeCount()));
+}
+
+/// The place from its scene, with what is common to all or, for the first, without.
+/// @param kept  its preparation, if it is at hand
+Place place(const Places& places, const PlaceIndex& index, const CommonToPlaces* common, const PlaceStore& store,
+            PlaceMemory* memory, std::optional<Preparation> kept = {}) {
+  Place made;
+  made.index = index;
+  made.node = liveNodes(places.cloud, wantedSpacing(places, index));
+  Scene scene = places.scene;
+  for (const SpacingField::Refinement& ball : ballsAt(places, index)) {
+    RefineSpec refine;
+    refine.centre = ball.centre;
+    refine.radius = ball.radius;
+    refine.spacing = ball.spacing;
+    scene.refine.push_back(refine);
+  }
+  const Progress silent = [](const std::string&, double) {};
+  const std::string key = keyOf(places, index, common != nullptr);
+  if (!kept && !key.empty() && store.find) kept = store.find(key);
+  if (!kept || kept->X.size() != made.node.size()) {
+    SurfaceMemory* const surface = memory != nullptr ? &memory->surface : nullptr;
+    Discretization d;
+    for (const int i : made.node) {
+      d.cloud.X.push_back(places.cloud.X[i]);
+      d.cloud.on_surface.push_back(places.cloud.on_surface[i]);
+    }
+    d.cells = makeBackgroundCells(d.cloud, places.organ, surface);
+    fitVolumes(places.scene, places.organ, d, surface);
+    std::optional<RowMemory> rows;
+    if (memory != nullptr) rows.emplace(RowMemory{made.node, memory->rows});
+    kept = prepare(scene, places.organ, std::move(d), silent, common, rows ? &*rows : nullptr);
+    if (common == nullptr) kept->cloud = places.cloud, kept->pair_moment = places.common.pair_moment;
+    if (!key.empty() && store.keep) store.keep(key, *kept);
+  }
+  kept->cloud = {};
+  made.model = finish(scene, places.organ, std::move(*kept), silent, common);
+  made.model.scene.follow = false;  // as a body on its own it stays
+  return made;
+}
+
+/// Of a state of `nodes` nodes, whose patches may be twice as many, that remembers `history` numbers.
+void reserveFor(std::size_t nodes, std::size_t history, State& state) {
+  state.relaxation.Z.reserve(history);
+  state.u.reserve(nodes);
+  state.du.reserve(nodes);
+  state.u_low.reserve(nodes);
+  state.local_mass.factor.reserve(nodes);
+  if (state.live.kernel.patch_bulk.empty()) return;
+  state.live.kernel.patch_bulk.reserve(2 * nodes);
+  state.live.kernel.patch_shear.reserve(2 * nodes);
+}
+
+}  // namespace
+
+FollowSizes followSizes(const Scene& scene, double volume, double area, double thickness) {
+  const double body = std::cbrt(volume);
+  FollowSizes sizes;
+  sizes.fine = std::max(fineSpacing(scene), finestSpacing(volume, area, most_fine_nodes));
+  sizes.coarse =
+      std::max(sizes.fine, std::clamp(followSpacing(scene), narrowest_of_body * body, widest_of_body * body));
+  sizes.coarse =
+      std::min(sizes.coarse, std::max({sizes.fine, finestSpacing(volume, area, most_for_thin), thickness / 2}));
+  double ball = std::numeric_limits<double>::infinity();
+  for (const ToolSpec& tool : scene.tools) ball = std::min(ball, ballRadius(tool.shape, sizes.fine));
+  sizes.stride = std::min(longest_stride, ball / 2);
+  return sizes;
+}
+
+double fineSpacing(const Scene& scene) { return fine_radii * smallestResolved(scene); }
+
+double followSpacing(const Scene& scene) { return coarse_radii * smallestToolRadius(scene); }
+
+/// The fine cloud that all places are taken from, and up to where their cells are joined.
+static void makeCloud(const Scene& as_read, const std::function<void(double)>& progress, Places& places) {
+  Scene fine = as_read;
+  fine.spacing = places.sizes.fine;
+  fine.refine = finerThan(fine.spacing, as_read.refine);
+  Discretization d = discretizeOnSurface(fine, places.organ, progress);
+  putInSlices(d);
+  places.cloud = nestedOrder(d.cloud, dimensionsOf(fine, places.organ, d), spacingField(fine));
+  keepRegions(as_read, places.organ, places.cloud);
+  const QuadratureSpec& quadrature = as_read.quadrature;
+  if (quadrature.cells_per_point > 1 && quadrature.accuracy == 0 && quadrature.points_per_cell == 1)
+    places.common.pair_moment = largestPairMoment(
+        d.cloud.X, d.cells, cellMaterials(fine, places.organ, d.cloud.X, d.cells), quadrature.cells_per_point);
+}
+
+Places makePlaces(const Scene& as_read, const TriangleSurface& organ, const Progress& progress,
+                  const PlaceStore& store) {
+  checkCarried(as_read, organ);
+  const auto report = [&](const char* what, double fraction) {
+    if (progress) progress(what, fraction);
+  };
+  Places places{as_read, SurfaceTree(organ), {}, {}, {}, {}, 0, 0, {}};
+  places.sizes = followSizes(as_read, signedVolume(organ), surfaceArea(organ), thicknessOf(places.organ, thin_share));
+  const FollowSizes& sizes = places.sizes;
+  checkThickness(as_read, organ, sizes.fine);
+  Scene& scene = places.scene;
+  scene.spacing = sizes.coarse;
+  scene.refine = finerThan(sizes.coarse, as_read.refine);
+  if (!as_read.set_up_values.empty()) {
+    places.key = preparationKey(as_read, organ);
+    for (const ToolSpec& tool : as_read.tools)  // what the balls, and so the places, depend on besides
+      places.key += "\ntool " + shortest(tool.shape.radius) + ' ' + shortest(touchRadius(tool.shape)) + ' ' +
+                    shortest(tool.opening);
+  }
+  scene.set_up_values.clear();
+  // The skin is one for all: no finer below a ball than elsewhere.
+  Scene plain = scene;
+  plain.refine = finerThan(sizes.fine, as_read.refine);
+  places.common.skin = skinOf(scene, refineForContact(plain, organ));
+  places.common.gaps = std::make_shared<const SurfaceGaps>(gapsOf(scene, places.common.skin.surface, places.organ));
+  places.common.bodies = makeSkinBodies(places.common.skin, scene.spacing);
+  places.centres = centresOn(places.common.skin.surface, sizes.stride);
+  const PlaceIndex start = startPlace(places);
+  report("fine cloud", 0);
+  const std::string first_key = keyOf(places, start, false);
+  std::optional<Preparation> kept;
+  if (!first_key.empty() && store.find) kept = store.find(first_key);
+  if (kept && !kept->cloud.X.empty()) {
+    places.cloud = std::move(kept->cloud);
+    places.common.pair_moment = kept->pair_moment;
+  } else {
+    kept.reset();
+    makeCloud(
+        as_read, [&](double share) { report("fine cloud", 0.5 * share); }, places);
+  }
+
+  // One step and one rule for masses: those that suit the place at which the tools start.
+  report("time step", 0.6);
+  const Model first = place(places, start, nullptr, store, nullptr, std::move(kept)).model;
+  if (!places.key.empty())
+    for (const int centre : start) places.key += "\nstart " + std::to_string(centre);
+  places.common.row_limit = row_margin * 4 / (first.dt_proven * first.dt_proven);
+  // What the step asks for; a place has more mass only where it falls short of that (another search, half its time).
+  places.common.critical =
+      std::clamp(first.dt / scene.step_safety, least_critical * first.dt_critical, first.dt_critical);
+  scene.time_step = first.dt;
+  constexpr double denser = 1.5;  // points that a node may have more than at the first place
+  places.most_nodes = mostNodes(places, first.nodeCount());
+  places.most_batches = static_cast<std::size_t>(
+      denser * static_cast<double>(first.kernel.batch_material.size()) * places.most_nodes / first.nodeCount() + 1);
+  report("ready", 1);
+  return places;
+}
+
+Place makePlace(const Places& places, const PlaceIndex& index, const PlaceStore& store, PlaceMemory* memory) {
+  Place made = place(places, index, &places.common, store, memory);
+  if (made.model.nodeCount() > places.most_nodes || made.model.kernel.batch_material.size() > places.most_batches)
+    throw InputError(places.scene.place,
+                     "a place of the cloud that follows the tool has " + std::to_string(made.model.nodeCount()) +
+                         " nodes, more than states have room for",
+                     "give [discretization] spacing");
+  return made;
+}
+
+PlaceIndex startPlace(const Places& places) {
+  ToolPostures tools;
+  const auto specs = places.scene.tools;
+  for (std::size_t t = 0; t < specs.size(); ++t) tools[t].pose.position = specs[t].position;
+  return nextPlace(places, no_place, tools);
+}
+
+PlaceIndex placeAt(const Places& places, const Vec3& point) {
+  PlaceIndex index = startPlace(places);
+  ToolPostures tools;
+  tools[0].pose.position = point;
+  index[0] = nextPlace(places, no_place, tools)[0];
+  return index;
+}
+
+void reserveForPlaces(const Places& places, State& state) {
+  reserveFor(
+      static_cast<std::size_t>(places.most_nodes),
+      places.most_batches * static_cast<std::size_t>(state.relaxation.term_count) * state.relaxation.batch_numbers,
+      state);
+}
+
+void reserveAs(const State& like, State& state) {
+  if (like.u.capacity() > like.u.size()) reserveFor(like.u.capacity(), like.relaxation.Z.capacity(), state);
+}
+
+SpacingField wantedSpacing(const Places& places, const PlaceIndex& index) {
+  SpacingField wanted = spacingField(places.scene);
+  for (const SpacingField::Refinement& ball : ballsAt(places, index)) wanted.refinements.push_back(ball);
+  return wanted;
+}
+
+PlaceIndex nextPlace(const Places& places, const PlaceIndex& present, const ToolPostures& tools) {
+  PlaceIndex next = no_place;
+  const std::size_t count = places.scene.tools.size();
+  for (std::size_t t = 0; t < count; ++t) {
+    const Vec3& at = tools[t].pose.position;
+    double nearest = std::numeric_limits<double>::infinity();
+    for (std::size_t c = 0; c < places.centres.size(); ++c) {
+      const double distance = (places.centres[c] - at).norm();
+      if (distance < nearest) nearest = distance, next[t] = static_cast<int>(c);
+    }
+    if (present[t] < 0) continue;
+    const double now = (places.centres[static_cast<std::size_t>(present[t])] - at).norm();
+    if (!(now > nearest + hysteresis * places.sizes.stride)) next[t] = present[t];
+  }
+  return next;
+}
+
+PlaceIndex placeUnder(const Places& places, ToolPostures tools) {
+  for (std::size_t t = 0; t < places.scene.tools.size(); ++t) {
+    Pose& pose = tools[t].pose;
+    if (!places.organ.inside(pose.position)) continue;
+    const auto hit = places.organ.firstHit(pose.position, pose.orientation * Vec3::UnitZ());
+    if (hit) pose.position = hit->point;
+  }
+  return nextPlace(places, no_place, tools);
+}
+
+}  // namespace palpate

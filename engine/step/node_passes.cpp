@@ -1,0 +1,136 @@
+#include "step/node_passes.h"
+
+#include <cmath>
+
+#include "base/float4.h"
+#include "mechanics/internal_forces.h"
+#include "step/follow_stiffness.h"
+#include "step/workspace.h"
+
+namespace palpate {
+namespace {
+
+/// Shares of the nodes that threads take whole. Their number is fixed, so that no result depends on the threads'.
+constexpr int node_parts = 8;
+
+/// Runs each(part, begin, end) for all parts [begin, end) of the nodes.
+template <class Each>
+void forNodes(const Model& model, Workspace& workspace, Each each) {
+  const auto border = [n = std::int64_t{model.nodeCount()}](int part) {
+    return static_cast<int>(n * part / node_parts);
+  };
+  shareOut(workspace.team, node_parts, [&](int part) { each(part, border(part), border(part + 1)); });
+}
+
+/// u += du of nodes [begin, end), compensated (Kahan): the error of u does not grow with the number of steps.
+Moved accumulate(const Model& model, const StepMasses& masses, State& state, const Workspace& workspace, int begin,
+                 int end) {
+  Moved moved;
+  Group work{}, added_momentum{}, scaled_momentum{};
+  float kinetic = 0, acceleration = 0;
+  for (int i = begin; i < end; ++i) {
+    const Group du = load(state.du[i]), u = load(state.u[i]);
+    const Group y = du + load(state.u_low[i]);
+    const Group t = u + y;
+    store(state.u_low[i], y - (t - u));
+    store(state.u[i], t);
+    work += load(workspace.f[i]) * du;
+    const float d2 = du[0] * du[0] + du[1] * du[1] + du[2] * du[2];
+    if (d2 > moved.distance2) {
+      moved.distance2 = d2;
+      moved.node = i;
+    }
+    const Group change = du - load(workspace.previous_du[i]);
+    auto mass = static_cast<float>(model.mass[i]);
+    if (!model.own_share.empty()) scaled_momentum += (1 - model.own_share[i]) * mass * du;
+    if (masses.factor) {
+      const float own = mass;
+      mass *= masses.factor[i];
+      added_momentum += (mass - own) * du;
+    }
+    kinetic += mass * d2;
+    acceleration += mass * (change[0] * change[0] + change[1] * change[1] + change[2] * change[2]);
+    if (!(d2 <= 1e30F) && moved.not_finite < 0) moved.not_finite = i;
+  }
+  moved.work = static_cast<double>(work[0]) + work[1] + work[2];
+  moved.kinetic = kinetic;
+  moved.acceleration = acceleration;
+  moved.added_momentum = Vec3(added_momentum[0], added_momentum[1], added_momentum[2]);
+  moved.scaled_momentum = Vec3(scaled_momentum[0], scaled_momentum[1], scaled_momentum[2]);
+  return moved;
+}
+
+}  // namespace
+
+double predict(const Model& model, const Integrator& integrator, const StepMasses& masses, State& state,
+               Workspace& workspace) {
+  const auto alpha = static_cast<float>(integrator.alpha), beta = static_cast<float>(integrator.beta);
+  const auto ch = static_cast<float>(integrator.ch);
+  double of[node_parts];
+  forNodes(model, workspace, [&](int part, int begin, int end) {
+    sumForces(model.kernel, workspace.kernel, begin, end, workspace.f.data());
+    Group work{};
+    const float* const own_share = model.own_share.empty() ? nullptr : model.own_share.data();
+    for (int i = begin; i < end; ++i) {
+      const Group du = load(state.du[i]), f = load(workspace.f[i]);
+      work += f * du;
+      const float own = own_share ? ch * own_share[i] : ch;
+      if (masses.factor && masses.factor[i] != 1.0F) {
+        const Group kept = masses.kept[i] * du;
+        const float twice = 2 * masses.factor[i];
+        store(workspace.previous_du[i], kept);
+        store(state.du[i], (twice - own) / (twice + own) * kept + alpha * masses.inverse[i] * f);
+      } else {
+        workspace.previous_du[i] = state.du[i];
+        store(state.du[i], (own_share ? (2 - own) / (2 + own) : beta) * du + alpha * masses.inverse[i] * f);
+      }
+    }
+    of[part] = static_cast<double>(work[0]) + work[1] + work[2];
+  });
+  double sum = 0;
+  for (const double w : of) sum += w;
+  return sum;
+}
+
+Moved accumulate(const Model& model, const StepMasses& masses, State& state, Workspace& workspace) {
+  Moved of[node_parts];
+  forNodes(model, workspace,
+           [&](int part, int begin, int end) { of[part] = accumulate(model, masses, state, workspace, begin, end); });
+  Moved moved;
+  for (const Moved& f : of) {
+    if (f.distance2 > moved.distance2) {
+      moved.distance2 = f.distance2;
+      moved.node = f.node;
+    }
+    if (moved.not_finite < 0) moved.not_finite = f.not_finite;
+    moved.work += f.work;
+    moved.kinetic += f.kinetic;
+    moved.acceleration += f.acceleration;
+    moved.added_momentum += f.added_momentum;
+    moved.scaled_momentum += f.scaled_momentum;
+  }
+  return moved;
+}
+
+void pull(const Model& model, const Command& command, const StepMasses& masses, State& state) {
+  const int v = command.pull_vertex;
+  if (v < 0 || v >= static_cast<int>(model.skin.surface.vertices.size())) return;
+  const auto& skin = model.skin;
+  Vec3 x = skin.surface.vertices[v];
+  double mobility = 0;  // N^T M^-1 N
+  for (int e = skin.begin[v]; e < skin.begin[v + 1]; ++e) {
+    x += skin.N[e] * (toVec3(state.u[skin.node[e]]) + toVec3(state.du[skin.node[e]]));
+    mobility += static_cast<double>(skin.N[e]) * skin.N[e] * masses.inverse[skin.node[e]];
+  }
+  // Stiff enough to lead, soft enough to leave the stable step alone: the spring alone would
+  // correct a fiftieth of the gap in one step.
+  constexpr double share_per_step = 0.02;
+  Vec3 gap = command.pull_target - x;
+  const double longest = 2 * model.scene.tools[0].shape.radius;  // a pointer far away pulls no harder than this
+  if (gap.norm() > longest) gap *= longest / gap.norm();
+  const Vec3 impulse = share_per_step / mobility * gap;  // alpha * force
+  for (int e = skin.begin[v]; e < skin.begin[v + 1]; ++e)
+    addScaled(state.du[skin.node[e]], skin.N[e] * masses.inverse[skin.node[e]], toFloat4(impulse));
+}
+
+}  // namespace palpate

@@ -1,0 +1,115 @@
+#include "step/step.h"
+
+#include <cmath>
+
+#include "mechanics/internal_forces.h"
+#include "step/follow_stiffness.h"
+#include "step/node_passes.h"
+#include "step/step_report.h"
+#include "step/tool_bodies.h"
+#include "step/tool_contact.h"
+#include "step/workspace.h"
+
+namespace palpate {
+
+StepReport step(const Model& model, State& state, const Pose& tool_pose, const Command& command, Workspace& workspace) {
+  ToolPostures tools = posturesOf(state);
+  tools[0].pose = tool_pose;
+  return step(model, state, tools, command, workspace);
+}
+
+StepReport step(const Model& model, State& state, const ToolPostures& wanted, const Command& command,
+                Workspace& workspace) {
+  const Integrator integrator(model.dt, model.scene.damping);
+  const double time = static_cast<double>(state.step + 1) * model.dt;
+  StepOutcome outcome;
+
+  // f = -F_int(u)                                                         (eq. 31)
+  outcome.forces = internalForces(model.kernel, state.live.kernel, state.u.data(), workspace.kernel, workspace.team,
+                                  &state.relaxation, model.dt);
+
+  // M, with mass added where the tissue is squeezed so far that dt would be too long
+  const StepMasses masses = outcome.masses = followStiffness(model, integrator, outcome.forces, state, workspace);
+
+  // du~ = beta du + alpha M^-1 f                                          (eq. 22)
+  outcome.work_before = predict(model, integrator, masses, state, workspace);
+
+  // What weight, loads, the user and the tools add to du~; a tool gives way to more than its max_force
+  addLoads(model, time, integrator.alpha, masses, state, workspace);
+  pull(model, command, masses, state);
+  ToolPostures tools = wanted;
+  solveToolContacts(model, tools, integrator.alpha, masses.inverse, state, outcome.loads);
+
+  outcome.skins = solveSkinContact(model.skin, integrator.alpha, masses.inverse, state.u.data(), state.du.data(),
+                                   state.skins, workspace.skins);
+  if (!model.rigid.empty())
+    outcome.rigid = solveRigidBodies(model.rigid, model.skin, time - model.dt, time, integrator.alpha, masses.inverse,
+                                     state.u.data(), state.du.data(), state.rigid);
+
+  // Pins and regions go where they were asked to be
+  holdPins(model, masses, state);
+  workspace.boundary.moved_before = state.region_shift;
+  moveRegions(model, state);
+  workspace.boundary.moved = state.region_shift;
+
+  // du = du~ + P (du_bar - Phi du~)                                       (eqs. 23-25)
+  outcome.base_reaction =
+      imposeBoundary(model.boundary, time, model.dt, masses.boundary_alpha, model.inverse_mass.data(), nullptr,
+                     state.du.data(), workspace.boundary, workspace.team);
+
+  // No point turns inside out; last, since what came before may do that. What holds the body is met again at the next
+  // tick's begin (correctBoundaryDrift).
+  workspace.compression.apply(model, workspace.kernel, outcome.forces, masses, state, workspace.team);
+
+  // u += du
+  outcome.moved = accumulate(model, masses, state, workspace);
+  noteTravel(model.bodies, std::sqrt(outcome.moved.distance2), state.du.data(), state.skins);
+
+  std::copy_n(tools.begin(), state.tool.size(), state.tool.begin());
+  ++state.step;
+  return reportOf(model, outcome, state);
+}
+
+StepReport tick(const Model& model, State& state, const Command& command, Workspace& workspace) {
+  // Each tool follows its command no faster than the scene allows, turning included.
+  const ToolWays ways(model, state, command);
+  const int bodies = model.tools.bodyCount();
+
+  // The tool travels at most `reach` until the next look, and so may the tissue in its way: what is not listed
+  // can't be touched, and would be found deep inside later, which pumps energy into the tissue.
+  const auto forBody = [&](int b, auto find) {
+    const ToolBody& body = model.tools.body[b];
+    const Pose pose = bodyPose(body, ways.end()[static_cast<std::size_t>(body.tool)]);
+    find(model.skin, state.u.data(), body.shape, pose, 2 * ways.reach(body), state.contact[b]);
+  };
+  workspace.boundary.moved = state.region_shift;
+  shareOut(workspace.team, 1 + bodies, [&](int part) {
+    if (part < bodies)
+      forBody(part, findContactCandidates);
+    else
+      correctBoundaryDrift(model.boundary, static_cast<double>(state.step) * model.dt, state.u.data(),
+                           state.u_low.data(), workspace.boundary);
+  });
+  for (int b = 0; b < bodies; ++b) forBody(b, findFaceSamples);
+  findSkinPairs(model.bodies, model.skin, state.u.data(), state.du.data(), model.substeps_per_tick, state.skins,
+                workspace.skins);
+  StepReport total;
+  for (int k = 1; k <= model.substeps_per_tick; ++k) {
+    const ToolPostures wanted = ways.next(state, model.substeps_per_tick - k + 1);
+    total = worstOf(total, step(model, state, wanted, command, workspace));
+    if (total.flags & (kNotFinite | kBlowUp)) break;  // it is lost: more steps would bring numbers that are none
+  }
+  ++state.tick;
+  if (model.bodies.several())
+    for (int k = 0; k < organCount(model); ++k)
+      total.organ_force[static_cast<std::size_t>(k)] = skinForceOn(model.bodies, model.skin, k, state.skins);
+  const ToolContact contact = toolContact(model, state);
+  total.tool_torque = contact.torque;
+  total.contact_normal = contact.normal;
+  workspace.resolution.advance(model, state.live.kernel.materials, state.u, total);
+  total.loads[0].torque = contact.torque;
+  for (int t = 1; t < model.tools.toolCount(); ++t) total.loads[t].torque = toolContact(model, state, t).torque;
+  return total;
+}
+
+}  // namespace palpate

@@ -1,0 +1,52 @@
+#pragma once
+
+#include "contact/contact.h"
+#include "model/model.h"
+#include "model/state.h"
+
+namespace palpate {
+
+// The tools of a model one by one. Real-time: no allocation, no lock, no throw. Test: simulation/tool_bodies_test.cpp
+
+/// The command under which every tool is where it starts.
+Command restCommand(const Model& model);
+
+/// Where they are.
+ToolPostures posturesOf(const State& state);
+
+/// A share of the way between two, turning and closing included.
+ToolPosture between(const ToolPosture& from, const ToolPosture& to, double share);
+
+/// How the tools should go in one tick: each evenly from where it is to where the command wants it, no faster than its
+/// scene allows, turning and closing included.
+class ToolWays {
+ public:
+  ToolWays(const Model& model, const State& state, const Command& command);
+
+  /// Where they should be at the tick's end.
+  const ToolPostures& end() const { return to_; }
+
+  /// Where they should be after the next of `left` steps of the tick, from where they are: a tool that gave way tries
+  /// to make it good.
+  ToolPostures next(const State& state, int left) const;
+
+  /// m, that a body may go in the tick.
+  double reach(const ToolBody& body) const;
+
+ private:
+  const Model& model_;
+  int count_;
+  ToolPostures to_;
+};
+
+/// Adds what a body felt in solveContacts to its tool's.
+void addToLoad(const ToolBody& body, const TouchingTool& felt, ToolLoads& loads);
+
+/// solveContacts for all bodies, which go from where the state has them to `tools`, or less far where the tissue would
+/// push harder than their max_force, or pinch harder than their grip_force (ToolHold).
+/// @param tools  where they should be at the step's end; receives where they are
+/// @param loads  receives force, pinch and contact count of each
+void solveToolContacts(const Model& model, ToolPostures& tools, double alpha, const float* inverse_mass, State& state,
+                       ToolLoads& loads);
+
+}  // namespace palpate

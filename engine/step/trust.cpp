@@ -1,0 +1,105 @@
+#include "step/trust.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace palpate {
+
+Doubt doubtOf(const Model& model, const StepReport& report) {
+  if (report.flags & (kNotFinite | kBlowUp)) return Doubt::Lost;
+  if (report.inverted_points > 0) return Doubt::Inverted;
+  if (report.energy_error > TrustLimits::energy_error) return Doubt::Energy;
+  if (report.step_share > TrustLimits::step_share || report.added_inertia > TrustLimits::added_inertia)
+    return Doubt::Step;
+  if (report.min_J < TrustLimits::min_J) return Doubt::Squeezed;
+  if ((report.flags & kContactOverflow) ||
+      report.max_penetration > TrustLimits::penetration * model.scene.tools[0].shape.radius)
+    return Doubt::Contact;
+  const double max_pressure =
+      model.scene.quadrature.cells_per_point > 1 ? TrustLimits::pressure_of_pairs : TrustLimits::pressure;
+  if (report.nearly_incompressible &&
+      (report.min_J < TrustLimits::crumpled_J || report.pressure_over_shear > max_pressure ||
+       report.cell_pressure_over_shear > TrustLimits::pressure_with_cells))
+    return Doubt::Volume;
+  return report.expected_error > TrustLimits::expected_error ? Doubt::Resolution : Doubt::None;
+}
+
+void RunTrust::add(Doubt doubt, double expected_error, double force, double time) {
+  unknown_ = unknown_ || (expected_error > 0 && force == 0);
+  largest_force_ = std::max(largest_force_, force);
+  largest_error_ = std::max(largest_error_, expected_error * force);
+  if (doubt == Doubt::None) return;
+  double& first = doubt == Doubt::Resolution ? first_unresolved_ : first_;
+  if (first < 0) first = time;
+  if (doubt != Doubt::Resolution) gravest_ = std::max(gravest_, doubt);
+}
+
+const char* doubtText(Doubt doubt) {
+  switch (doubt) {
+    case Doubt::None:
+      return "";
+    case Doubt::Resolution:
+      return "the nodes are too far apart for how the tissue deforms: finer spacing there (mtled fit), or a wider "
+             "tool; where mass_scaling slows what moves, a slower hand";
+    case Doubt::Volume:
+      return "the tissue's volume is under too high a pressure to be held: press less, or finer spacing";
+    case Doubt::Contact:
+      return "the tool is deep in the skin: finer spacing, or a blunter tool";
+    case Doubt::Squeezed:
+      return "a point is squeezed to less than 0.3 of its volume: press less, or finer spacing";
+    case Doubt::Step:
+      return "the tissue is too stiff for the time step and is slowed to stay stable: press slower, or lower "
+             "dynamics.step_safety";
+    case Doubt::Energy:
+      return "energy comes from nowhere: lower dynamics.step_safety";
+    case Doubt::Inverted:
+      return "a point is inside out: press less";
+    case Doubt::Lost:
+      return "the solution is lost: reset";
+  }
+  return "";
+}
+
+const char* doubtName(Doubt doubt) {
+  switch (doubt) {
+    case Doubt::None:
+      return "good";
+    case Doubt::Resolution:
+      return "resolution";
+    case Doubt::Volume:
+      return "volume";
+    case Doubt::Contact:
+      return "contact";
+    case Doubt::Squeezed:
+      return "squeezed";
+    case Doubt::Step:
+      return "step";
+    case Doubt::Energy:
+      return "energy";
+    case Doubt::Inverted:
+      return "inverted";
+    case Doubt::Lost:
+      return "lost";
+  }
+  return "";
+}
+
+Doubt doubtNamed(std::string_view name) {
+  for (int d = 0; d <= static_cast<int>(Doubt::Lost); ++d)
+    if (name == doubtName(static_cast<Doubt>(d))) return static_cast<Doubt>(d);
+  return Doubt::None;
+}
+
+double stepShare(const Model& model, const LiveParameters& live, const ForceReport& forces) {
+  return std::sqrt(stiffening(model, live)) * stepShare(model, forces);
+}
+
+double stepShare(const Model& model, const ForceReport& forces) {
+  // The largest root of s^2 + 2 / s = |cof F|^2, the other two singular values being taken as equal.
+  const double a = std::max(forces.max_cof2, 3.0), r = std::sqrt(3 / a);
+  const double s = 2 / r * std::cos(std::acos(-r * r * r) / 3);
+  const double modulus = forces.max_modulus + forces.max_squeeze * (s * s - 1);  // of that at rest
+  return model.dt / model.dt_critical * std::sqrt(std::max(modulus, 1.0));
+}
+
+}  // namespace palpate

@@ -1,0 +1,67 @@
+#pragma once
+
+#include <memory>
+#include <utility>
+
+#include "base/spin_team.h"
+#include "base/types.h"
+#include "model/model.h"
+#include "step/apply_loads.h"
+#include "step/limit_compression.h"
+#include "step/resolution.h"
+
+namespace palpate {
+
+/// Scratch of followStiffness: factors that points, their means around nodes, the largest of those in a group, and
+/// nodes' rows need.
+struct LocalMassScratch {
+  LocalMassScratch(std::size_t nodes, const KernelLayout& kernel, const StiffnessMeans& means)
+      : squeezed(kernel.batch_material.size()),
+        point(kernel.point.size()),
+        node(nodes),
+        group(means.groups.begin.size() - 1),
+        need(nodes),
+        kept(nodes),
+        inverse(nodes) {}
+  AlignedVector<std::uint8_t> squeezed;  // (batch_count) 0: all its points need the same little
+  AlignedVector<float> point, node, group, need;
+  AlignedVector<float> kept, inverse;  // of StepMasses
+};
+
+/// Scratch memory and worker threads for stepping one model. All memory is taken here.
+class Workspace {
+ public:
+  /// @param threads  physics threads, the stepping one included (>= 1). The result of
+  ///                 a step does not depend on it.
+  Workspace(const Model& model, int threads) : Workspace(model, std::make_shared<SpinTeam>(threads)) {}
+
+  /// Of threads that step other models, too, one after the other.
+  Workspace(const Model& model, std::shared_ptr<SpinTeam> threads)
+      : shared_team(std::move(threads)),
+        team(*shared_team),
+        kernel(makeKernelScratch(model.kernel)),
+        boundary(makeBoundaryScratch(model.boundary)),
+        f(model.X.size()),
+        previous_du(model.X.size()),
+        local_mass(model.X.size(), model.kernel, model.stiffness_means),
+        compression(model),
+        resolution(model),
+        tissue_mass(tissueMass(model)),
+        skins(model.bodies, model.skin),
+        surface_loads(model.surface_loads) {}
+
+  const std::shared_ptr<SpinTeam> shared_team;
+  SpinTeam& team;
+  KernelScratch kernel;
+  BoundaryScratch boundary;
+  AlignedVector<Float4> f;            // (node_count) internal forces, N
+  AlignedVector<Float4> previous_du;  // (node_count) increments of the step before, m
+  LocalMassScratch local_mass;
+  CompressionLimit compression;
+  ResolutionWatch resolution;
+  const AlignedVector<float> tissue_mass;  // (node_count) kg, that live loads accelerate
+  SkinContactScratch skins;
+  SurfaceLoadScratch surface_loads;
+};
+
+}  // namespace palpate
