@@ -89,9 +89,11 @@ Discretization discretizeOnSurface(const Scene& scene, const SurfaceTree& organ,
                                    const std::function<void(double)>& progress) {
   checkCounts(scene, signedVolume(organ.surface()), surfaceArea(organ.surface()));
   Discretization d;
-  d.cloud = makeNodeCloud(organ, spacingField(scene), scene.seed, rimsOf(scene, organ));
+  constexpr double of_nodes = 0.7;
+  d.cloud = makeNodeCloud(organ, spacingField(scene), scene.seed, rimsOf(scene, organ),
+                          [&](double share) { progress(of_nodes * share); });
   if (hasSharpInterfaces(scene)) putOnInterfaces(scene, organ, spacingField(scene), d.cloud);
-  progress(0.7);
+  progress(of_nodes);
   d.cells = makeBackgroundCells(d.cloud, organ);
   constexpr int rounds = 4;  // most holes are closed by the first
   for (int k = 0; k < rounds && hasSharpInterfaces(scene); ++k) {
@@ -134,20 +136,28 @@ Discretization discretize(const Scene& scene, const SurfaceTree& organ, const st
 TriangleSurface refineForContact(const Scene& scene, const TriangleSurface& organ, int max_triangles) {
   const SpacingField spacing = spacingField(scene);
   const double by_tool = tool_edge * smallestToolRadius(scene);
+  const auto longestEdge = [&](const Vec3& x) {
+    const double h = spacing.at(x);
+    return h < scene.spacing ? std::min(by_tool, h / 3) : by_tool;
+  };
+  // At least so many: known at once, where refineSurface would need half a minute to find out.
+  double faces = 0;
+  for (std::size_t t = 0; t < organ.triangles.size(); ++t) {
+    const auto& [a, b, c] = organ.triangles[t];
+    const double edge = longestEdge((organ.vertices[a] + organ.vertices[b] + organ.vertices[c]) / 3);
+    faces += areaVector(organ, static_cast<int>(t)).norm() / (std::sqrt(3.0) / 4 * edge * edge);
+  }
   try {
-    return refineSurface(
-        organ,
-        [&](const Vec3& x) {
-          const double h = spacing.at(x);
-          return h < scene.spacing ? std::min(by_tool, h / 3) : by_tool;
-        },
-        max_triangles);
+    if (faces > max_triangles) throw std::length_error("");
+    return refineSurface(organ, longestEdge, max_triangles);
   } catch (const std::length_error&) {
-    const bool finer = std::any_of(scene.refine.begin(), scene.refine.end(),
-                                   [&](const RefineSpec& r) { return r.spacing / 3 < by_tool; });
-    throw InputError(finer ? scene.refine.front().place : placeOf(scene, "tool.radius"),
+    const auto finest =
+        std::min_element(scene.refine.begin(), scene.refine.end(),
+                         [](const RefineSpec& a, const RefineSpec& b) { return a.spacing < b.spacing; });
+    const bool finer = finest != scene.refine.end() && finest->spacing / 3 < by_tool;
+    throw InputError(finer ? finest->place : placeOf(scene, "tool.radius"),
                      "the skin that the tool touches would have more than " + number(max_triangles) + " faces",
-                     finer ? "raise the spacing of [[discretization.refine]], or tool.radius" : "raise tool.radius");
+                     finer ? "raise this spacing of [[discretization.refine]], or tool.radius" : "raise tool.radius");
   }
 }
 

@@ -45,13 +45,13 @@ void checkAgainstBody(const SpacingField& spacing, const SurfaceTree& surface) {
 }  // namespace
 
 NodeCloud makeNodeCloud(const SurfaceTree& surface, const SpacingField& spacing, unsigned seed,
-                        const std::vector<FeatureEdges::Chain>& rims) {
+                        const std::vector<FeatureEdges::Chain>& rims, const std::function<void(double)>& progress) {
   spacing.check();
   checkAgainstBody(spacing, surface);
 
   FeatureEdges features = findFeatureEdges(surface.surface());
   features.chains.insert(features.chains.end(), rims.begin(), rims.end());
-  Scatter scatter(surface, spacing, seed);
+  Scatter scatter(surface, spacing, seed, progress);
   scatter.placeCorners(features);
   scatter.placeEdges(features);
   scatter.placeFaces();

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "base/types.h"
@@ -29,6 +30,7 @@ struct NodeCloud {
 ///
 /// @param surface  closed, outward (see surface_check.h)
 /// @param rims     closed curves on the surface that get nodes as sharp edges do: the borders of imposed regions
+/// @param progress called now and then with the share that is done, 0..1; may throw
 /// @param seed     another seed, another cloud of the same quality; the same seed gives the same bits
 /// Throws InputError (place of the spacing field) for spacings that are not positive, exceed the body's
 /// smallest extent, or would need more than 500,000 nodes.
@@ -37,7 +39,8 @@ struct NodeCloud {
 ///
 /// Test: discretization/nodes/node_cloud_test.cpp
 NodeCloud makeNodeCloud(const SurfaceTree& surface, const SpacingField& spacing, unsigned seed,
-                        const std::vector<FeatureEdges::Chain>& rims = {});
+                        const std::vector<FeatureEdges::Chain>& rims = {},
+                        const std::function<void(double)>& progress = {});
 
 /// How well a cloud keeps the spacing that was asked for.
 struct CloudStatistics {

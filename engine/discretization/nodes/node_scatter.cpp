@@ -25,6 +25,9 @@ constexpr int relax_iterations = 60;
 /// No node moves more than this in an iteration, in units of h, so none can leap over the 0.55 h of depth.
 constexpr double longest_move = 0.15;
 
+// Shares of the time that the stages take, about.
+constexpr double faces_thrown = 0.05, faces_done = 0.3, inside_found = 0.5, inside_thrown = 0.6;
+
 Eigen::AlignedBox3d padded(Eigen::AlignedBox3d box) {
   const Vec3 margin = Vec3::Constant(1e-3 * box.sizes().maxCoeff());
   return {box.min() - margin, box.max() + margin};
@@ -32,9 +35,11 @@ Eigen::AlignedBox3d padded(Eigen::AlignedBox3d box) {
 
 }  // namespace
 
-Scatter::Scatter(const SurfaceTree& surface, const SpacingField& spacing, unsigned seed)
+Scatter::Scatter(const SurfaceTree& surface, const SpacingField& spacing, unsigned seed,
+                 std::function<void(double)> progress)
     : surface_(surface),
       spacing_(spacing),
+      progress_(std::move(progress)),
       random_(seed),
       grid_(padded(boundingBox(surface.surface())), std::sqrt(spacing.smallest() * spacing.largest())) {}
 
@@ -155,11 +160,13 @@ Vec3 Scatter::pushed(const Site& site, int dimension) const {
   return site.X + relax_step * site.h * push * std::min(1.0, longest_move / std::max(length, 1e-300));
 }
 
-/// Moves the sites from `begin` on apart; confine(site, old_position) puts each back where it belongs.
+/// Moves the sites from `begin` on apart; confine(site, old_position) puts each back where it belongs. Tells of progress
+/// from `told` to `tells`.
 template <class Confine>
-void Scatter::relax(std::size_t begin, int dimension, Confine&& confine) {
+void Scatter::relax(std::size_t begin, int dimension, double told, double tells, Confine&& confine) {
   std::vector<Vec3> moved(sites_.size());
   for (int iteration = 0; iteration < relax_iterations; ++iteration) {
+    tell(told + (tells - told) * iteration / relax_iterations);
     grid_.assign(sites_);
     parallelFor(grid_.size(), [&](int first, int last) {
       for (int place = first; place < last; ++place) {
@@ -221,7 +228,7 @@ void Scatter::placeFaces() {
   // three.
   wanted = std::max(0.0, wanted - edge_count_ - 0.75 * corner_count_);
   throwDarts(std::move(candidates), static_cast<std::size_t>(std::lround(wanted)));
-  relax(begin, 2, [&](Site& site, const Vec3& old) {
+  relax(begin, 2, faces_thrown, faces_done, [&](Site& site, const Vec3& old) {
     // The old place is on the surface; the rest is for rounding.
     const double farthest = (1 + 1e-6) * (site.X - old).norm() + 1e-9 * site.h;
     const SurfaceTree::Closest foot = surface_.closest(site.X, farthest);
@@ -321,10 +328,12 @@ std::vector<Site> Scatter::insideCandidates(double& wanted) {
 void Scatter::placeInside() {
   const std::size_t begin = sites_.size();
   double wanted = 0;
+  tell(faces_done);
   std::vector<Site> candidates = insideCandidates(wanted);
+  tell(inside_found);
   throwDarts(std::move(candidates), static_cast<std::size_t>(std::lround(wanted)));
   std::vector<double> room(sites_.size(), 0.0);  // at least this far from the surface, m
-  relax(begin, 3, [&](Site& site, const Vec3& old) {
+  relax(begin, 3, inside_thrown, 1, [&](Site& site, const Vec3& old) {
     double& distance = room[&site - sites_.data()];
     const double depth = min_depth * site.h;
     distance -= (site.X - old).norm();

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <random>
 #include <vector>
 
@@ -46,7 +47,9 @@ struct Cube {
 /// Nodes placed so far, in a grid for neighbour searches.
 class Scatter {
  public:
-  Scatter(const SurfaceTree& surface, const SpacingField& spacing, unsigned seed);
+  /// @param progress  called with the share that is done, 0..1; may throw
+  Scatter(const SurfaceTree& surface, const SpacingField& spacing, unsigned seed,
+          std::function<void(double)> progress = {});
 
   /// The four stages, in this order.
   void placeCorners(const FeatureEdges& features);
@@ -60,6 +63,9 @@ class Scatter {
  private:
   double searchRadius(const Site& site, double factor) const;
   double clearance(const Site& site, double most) const;
+  void tell(double share) const {
+    if (progress_) progress_(share);
+  }
   void add(const Site& site);
   bool addIfFree(const Site& site);
   void throwDarts(std::vector<Site> candidates, std::size_t wanted);
@@ -69,10 +75,11 @@ class Scatter {
   std::vector<Site> insideCandidates(double& wanted);
   Vec3 pushed(const Site& site, int dimension) const;
   template <class Confine>
-  void relax(std::size_t begin, int dimension, Confine&& confine);
+  void relax(std::size_t begin, int dimension, double told, double tells, Confine&& confine);
 
   const SurfaceTree& surface_;
   const SpacingField& spacing_;
+  std::function<void(double)> progress_;
   Random random_;
   SiteGrid grid_;  // of sites_
   std::vector<Site> sites_;

@@ -44,16 +44,37 @@ void ToolProxy::beGentle() {
   arrived_ticks_ = 0;
 }
 
-double ToolProxy::freedom(const State& state, const StepReport& last) const {
+double ToolProxy::freedom(const StepReport& last) const {
   const double radius = model_.scene.tools[0].shape.radius;
-  float stretch = 1;
-  for (int b = 0; b < model_.tools.bodyCount(); ++b)
-    if (model_.tools.body[b].tool == tool_) stretch = std::max(stretch, state.contact[b].samples.largest_stretch);
-  return std::min({std::max(YieldLimits::least_of_stretched,
-                            fade(static_cast<double>(stretch), YieldLimits::free_stretch, YieldLimits::stretch)),
-                   fade(last.step_share, YieldLimits::free_step_share, YieldLimits::step_share),
+  return std::min({fade(last.step_share, YieldLimits::free_step_share, YieldLimits::step_share),
                    fade(-static_cast<double>(last.min_J), -TrustLimits::min_J, -YieldLimits::min_J),
                    fade(last.max_penetration, TrustLimits::penetration * radius, YieldLimits::penetration * radius)});
+}
+
+double ToolProxy::freedomToDraw(const State& state) const {
+  float stretch = 1;
+  for (std::size_t b = 0; b < model_.tools.body.size(); ++b)
+    if (model_.tools.body[b].tool == tool_) stretch = std::max(stretch, state.contact[b].samples.largest_stretch);
+  return fade(static_cast<double>(stretch), YieldLimits::free_stretch, YieldLimits::stretch);
+}
+
+Vec3 ToolProxy::drawnWay(const State& state) const {
+  Vec3 at_rest = Vec3::Zero(), tool = Vec3::Zero(), body_moved = Vec3::Zero();
+  double weight = 0;
+  for (std::size_t b = 0; b < model_.tools.body.size(); ++b) {
+    const ToolBody& body = model_.tools.body[b];
+    if (body.tool != tool_) continue;
+    const Vec3 centre = bodyPose(body, state.tool[tool_]).toWorld(Vec3(0, 0, body.shape.radius));
+    forEachContactForce(state.contact[b], [&](int vertex, const Float4& force) {
+      const double size = toVec3(force).norm();
+      at_rest += size * model_.skin.surface.vertices[vertex];
+      tool += size * centre;
+      weight += size;
+    });
+  }
+  if (!(weight > 0)) return Vec3::Zero();
+  for (const Float4& u : state.u) body_moved += toVec3(u);
+  return ((tool - at_rest) / weight - body_moved / static_cast<double>(state.u.size())).normalized();
 }
 
 double ToolProxy::yieldAfter(const Pose& hand, const State& state, const StepReport& report) const {
@@ -78,20 +99,31 @@ double ToolProxy::followOpening(double wanted, const State& state, const StepRep
   const double reach = (pinch > 0 ? std::min(closing_speed, max_speed_) : max_speed_) / model_.scene.rate_hz;
   double change = std::clamp(wanted - opening, -reach, max_speed_ / model_.scene.rate_hz);
   if (change < 0 && pinch > 0) {
-    const double g = freedom(state, last);
+    const double g = freedom(last);
     change *= g * g;
   }
   return opening + change;
 }
 
+Vec3 ToolProxy::inOneTick(const Vec3& move) const {
+  const double reach = max_speed_ / model_.scene.rate_hz;
+  return move.norm() > reach ? Vec3(reach / move.norm() * move) : move;
+}
+
 Pose ToolProxy::followFrom(const State& state, const Pose& hand, const Vec3& force, const StepReport& last) {
   const ToolPosture& from = state.tool[tool_];
-  Pose pose = yieldFrom(from.pose, hand, force, force.isZero(0) ? 1 : freedom(state, last));
+  const bool touches = !force.isZero(0);
+  Pose pose = yieldFrom(from.pose, hand, force, touches ? freedom(last) : 1);
+  if (const double draws = touches ? freedomToDraw(state) : 1; draws < 1) {
+    const Vec3 way = drawnWay(state), move = inOneTick(pose.position - from.pose.position);
+    if (const double further = move.dot(way); further > 0) {
+      pose.position = from.pose.position + move - (1 - draws * draws) * further * way;
+      yield_ = (hand.position - pose.position).norm();
+      arrived_ticks_ = 0;
+    }
+  }
   if (support_.empty()) return pose;
-  Vec3 move = pose.position - from.pose.position;
-  const double reach = max_speed_ / model_.scene.rate_hz;
-  if (move.norm() > reach) move *= reach / move.norm();
-  const Vec3 free = support_.stop(from, move);
+  const Vec3 move = inOneTick(pose.position - from.pose.position), free = support_.stop(from, move);
   if (free == move) return pose;
   pose.position = from.pose.position + free;
   arrived_ticks_ = 0;

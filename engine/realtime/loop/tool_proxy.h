@@ -15,9 +15,9 @@ struct YieldLimits {
   static constexpr double penetration = 0.3;      // of the tool's radius, from TrustLimits::penetration on
   // Of the skin's edges beside the tool: what is drawn out so far has torn. Laws that don't stiffen let a ball push a
   // channel through the liver with 1 N, 90 mm long, and that closes over it. The deepest press that is trusted, three
-  // radii into the liver, stretches by 2.1. The advance becomes slower, g no less than the last of these, and does not
-  // end: a tool that skin holds from two sides would stay there. Swept in engine/README.md.
-  static constexpr double free_stretch = 2.5, stretch = 3.5, least_of_stretched = 0.3;
+  // radii into the liver, stretches by 2.1. The tool draws the skin no further from where it is at rest; back it is
+  // free. Swept in engine/README.md.
+  static constexpr double free_stretch = 2.5, stretch = 3.5;
   // Of sound in the softest tissue: a tool as fast as sound would crush what is before it, as the tissue behind knows
   // nothing of it yet (J = 1 - speed / sound, in one dimension).
   static constexpr double sound_share = 0.5;
@@ -84,9 +84,15 @@ class ToolProxy {
   double yieldAfter(const Pose& hand, const State& state, const StepReport& report) const;
 
   /// g above: 1 free, 0 no further.
-  double freedom(const State& state, const StepReport& last) const;
+  double freedom(const StepReport& last) const;
+
+  /// The same for drawing the skin out, and the way in which the tool does, unit: from where what it touches is at rest,
+  /// less how far the body as a whole has gone; 0: it touches nothing.
+  double freedomToDraw(const State& state) const;
+  Vec3 drawnWay(const State& state) const;
 
  private:
+  Vec3 inOneTick(const Vec3& move) const;
   Pose followFrom(const State& state, const Pose& hand, const Vec3& force, const StepReport& last);
   Pose yieldFrom(const Pose& from, const Pose& hand, const Vec3& force, double g);
 

@@ -50,6 +50,8 @@ RunReport makeRunReport(const Model& model, const RunSummary& summary, const Dea
   report.nodes = model.nodeCount();
   report.integration_points = model.pointCount();
   report.mean_support = model.point_shape.meanSupport();
+  report.cells_per_point = static_cast<double>(model.cells.size()) / model.pointCount();
+  report.gradient_precision = model.scene.gradient_precision;
   report.dt_s = model.dt;
   report.dt_critical_s = model.dt_critical;
   report.added_mass = model.addedMass();
@@ -105,6 +107,8 @@ std::string toJson(const RunReport& r) {
       {"nodes", r.nodes},
       {"integration_points", r.integration_points},
       {"mean_support", r.mean_support},
+      {"cells_per_point", r.cells_per_point},
+      {"gradient_precision", r.gradient_precision == GradientPrecision::Int16 ? "int16" : "float32"},
       {"dt_s", r.dt_s},
       {"dt_critical_s", r.dt_critical_s},
       {"added_mass", r.added_mass},

@@ -18,6 +18,8 @@ struct RunReport {
   std::string scene;
   int nodes = 0, integration_points = 0;
   double mean_support = 0;  // nodes per integration point
+  double cells_per_point = 1;
+  GradientPrecision gradient_precision = GradientPrecision::Float32;  // of the real-time kernel
   double dt_s = 0, dt_critical_s = 0, rate_hz = 0;
   double added_mass = 0;  // share of the body's own (scene.mass_scaling)
   int substeps_per_tick = 0;

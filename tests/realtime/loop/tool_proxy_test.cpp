@@ -49,31 +49,55 @@ TEST_CASE("Where nothing is doubted the tool is the hand, bit for bit", "[tool_p
   CHECK(proxy.yieldAfter({}, {}, {}) == 0);
 }
 
+TEST_CASE("Where the skin is drawn out, a tool draws it no further; back and aside it is free", "[tool_proxy]") {
+  Model model = toolModel();
+  ToolProxy proxy(model);
+  Touch touch;
+  State& state = touch.state;
+  state.u.assign(1, Float4{});
+  ContactState& contact = state.contact[0];
+  contact.count = 1;
+  contact.vertex = {0};  // at the origin when at rest
+  contact.force = {Float4{0, 0, -1, 0}};
+  contact.normal = {Vec3f::UnitZ()};
+  const double radius = model.scene.tools[0].shape.radius, step = 1e-3;
+  state.tool[0].pose = handAt(0, 0, -0.05 - radius);
+  const auto moved = [&](double x, double z) {
+    const Vec3 from = state.tool[0].pose.position;
+    return Vec3(proxy.follow(handAt(x, 0, from.z() + z), state, touch.report).position - from);
+  };
+  contact.samples.largest_stretch = YieldLimits::free_stretch;
+  CHECK(moved(0, -step) == Vec3(0, 0, -step));
+  contact.samples.largest_stretch = 0.5 * (YieldLimits::free_stretch + YieldLimits::stretch);
+  CHECK(moved(0, -step).z() == Approx(-0.25 * step));
+  CHECK(moved(0, -1).z() == Approx(-0.25 / model.scene.rate_hz));  // of what it may go in a tick at 1 m/s
+  contact.samples.largest_stretch = 2 * YieldLimits::stretch;
+  CHECK(moved(0, -step).norm() < 1e-12);
+  CHECK(proxy.yieldAfter(handAt(0, 0, -1), state, touch.report) == Approx(step));
+  CHECK((moved(step, -step) - Vec3(step, 0, 0)).norm() < 1e-12);
+  CHECK((moved(0, step) - Vec3(0, 0, step)).norm() < 1e-12);
+  state.u[0].z = -0.2F;  // the body has gone further than the tool: forward is back to where it would be
+  CHECK((moved(0, -step) - Vec3(0, 0, -step)).norm() < 1e-12);
+}
+
 TEST_CASE("Each limit slows the advance and stops it; the gravest counts", "[tool_proxy]") {
   const Model model = toolModel();
   const ToolProxy proxy(model);
   State state;
   StepReport report;
-  CHECK(proxy.freedom(state, report) == 1);
-  state.contact[0].samples.largest_stretch = YieldLimits::free_stretch;
-  CHECK(proxy.freedom(state, report) == 1);
-  state.contact[0].samples.largest_stretch = 0.5 * (YieldLimits::free_stretch + YieldLimits::stretch);
-  CHECK(proxy.freedom(state, report) == Approx(0.5));
-  state.contact[0].samples.largest_stretch = 2 * YieldLimits::stretch;
-  CHECK(proxy.freedom(state, report) == YieldLimits::least_of_stretched);
-  state.contact[0].samples.largest_stretch = 1;
+  CHECK(proxy.freedom(report) == 1);
   report.step_share = 0.5 * (YieldLimits::free_step_share + YieldLimits::step_share);
-  CHECK(proxy.freedom(state, report) == Approx(0.5));
+  CHECK(proxy.freedom(report) == Approx(0.5));
   report.min_J = static_cast<float>(0.25 * TrustLimits::min_J + 0.75 * YieldLimits::min_J);
-  CHECK(proxy.freedom(state, report) == Approx(0.25));
+  CHECK(proxy.freedom(report) == Approx(0.25));
   report.max_penetration = YieldLimits::penetration * model.scene.tools[0].shape.radius;
-  CHECK(proxy.freedom(state, report) == 0);
+  CHECK(proxy.freedom(report) == 0);
   report = {};
   report.min_J = -0.1F;
-  CHECK(proxy.freedom(state, report) == 0);
+  CHECK(proxy.freedom(report) == 0);
   report = {};
   report.step_share = 10;
-  CHECK(proxy.freedom(state, report) == 0);
+  CHECK(proxy.freedom(report) == 0);
 }
 
 TEST_CASE("A tool that yields is slowed where it goes deeper, and free sideways and backwards", "[tool_proxy]") {

@@ -16,6 +16,8 @@ TEST_CASE("report.json has the keys that other tools read", "[run_report]") {
                           "nodes",
                           "integration_points",
                           "mean_support",
+                          "cells_per_point",
+                          "gradient_precision",
                           "dt_s",
                           "dt_critical_s",
                           "rate_hz",
