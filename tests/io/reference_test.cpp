@@ -57,7 +57,7 @@ TEST_CASE("The reference has a row for every key, and no key twice in a table", 
   }
 }
 
-TEST_CASE("The tutorial's scene has nine lines, each with a comment, and loads", "[io][reference]") {
+TEST_CASE("The tutorial's scene has nine lines, each with a comment, and loads", "[io][reference][whole]") {
   const std::string text = readWholeFile(sourceFolder() + "/assets/scenes/README.md");
   const std::string fence = "```toml\n";
   const std::size_t begin = text.find(fence) + fence.size();

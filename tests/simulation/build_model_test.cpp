@@ -167,7 +167,7 @@ TEST_CASE("Motions that agree may share nodes; the first has them", "[build_mode
   CHECK(imposedCount(model) > imposedCount(blockModel(once)));
 }
 
-TEST_CASE("A shell holds the nodes near the surface, and no others", "[build_model]") {
+TEST_CASE("A shell holds the nodes near the surface, and no others", "[build_model][whole]") {
   for (const double distance : {0.0, 0.006}) {
     Scene scene = blockScene(0.008);
     scene.boundaries[0].region = {};
@@ -241,7 +241,7 @@ TEST_CASE("Adaptive quadrature adds points where it is asked to, and keeps the v
 }
 
 TEST_CASE("A box that leaves two nodes beside full blocks of the gradients' system is set up like any other",
-          "[build_model]") {
+          "[build_model][whole]") {
   Scene scene = blockScene(0.0042);
   scene.size = Vec3(0.03, 0.03, 0.03);
   scene.tools[0].shape.radius = 0.006;

@@ -31,7 +31,7 @@ Scene placedScene() {
 }  // namespace
 
 TEST_CASE("More steps to a tick than an int can count, or anybody means, are refused at the key that asks for them",
-          "[choose_time_step]") {
+          "[choose_time_step][whole]") {
   const auto refused = [](const Scene& scene) { return refusal([&] { blockModel(scene); }); };
   for (const double step : {1e-300, 1e-12, 1 / 500.0 / 10'001}) {
     Scene scene = placedScene();

@@ -177,7 +177,7 @@ TEST_CASE("The mass of mixed tissue is that of its shares, with paired cells too
   }
 }
 
-TEST_CASE("The kernel computes mixtures in common as the reference does one by one", "[simulation][mixtures]") {
+TEST_CASE("The kernel computes mixtures in common as the reference does one by one", "[simulation][mixtures][whole]") {
   for (const bool patches : {true, false}) {
     Scene scene = ballScene(0.016);
     scene.formulation.node_patches = patches;

@@ -187,7 +187,7 @@ TEST_CASE("Indented, held and released: the force falls to what is left, the way
 }
 
 TEST_CASE("What relaxes is part of the state: the same bits for any thread count, after a reset, after a resume",
-          "[relaxation][determinism]") {
+          "[relaxation][determinism][whole]") {
   const Model model = relaxingBlock(0.4, 0.1);
   const State rest = initialState(model);
   std::vector<std::uint64_t> hashes;

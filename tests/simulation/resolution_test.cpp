@@ -86,7 +86,7 @@ TEST_CASE("A coarse block's press is doubted for its resolution, a fine one's is
   }
 }
 
-TEST_CASE("What is expected of a press is the same bits for any number of threads", "[resolution]") {
+TEST_CASE("What is expected of a press is the same bits for any number of threads", "[resolution][whole]") {
   const Model model = test::blockModel();
   double error = -1;
   for (const int threads : {1, 3}) {

@@ -67,7 +67,7 @@ StepReport settled(const Model& model, State& state, int threads = 1, int ticks 
 
 }  // namespace
 
-TEST_CASE("A ball rests in its skull, which bears its weight, whatever the threads", "[simulation][rigid]") {
+TEST_CASE("A ball rests in its skull, which bears its weight, whatever the threads", "[simulation][rigid][whole]") {
   const Model model = heavyBallModel();
   State state = initialState(model), other = initialState(model);
   const StepReport report = settled(model, state);
@@ -108,7 +108,8 @@ TEST_CASE("A static solution in a skull rests, and a transient one comes to the 
   CHECK(sag[0] == Approx(sag[1]).epsilon(0.02));  // 1.2 mm on average
 }
 
-TEST_CASE("Where the skull is open nothing holds the skin, and steps with it take no memory", "[simulation][rigid]") {
+TEST_CASE("Where the skull is open nothing holds the skin, and steps with it take no memory",
+          "[simulation][rigid][whole]") {
   Scene scene = heavyBallScene();
   Region below;
   below.point = Vec3(0, 0, 0);  // a half-space: z <= 0

@@ -92,7 +92,7 @@ TEST_CASE("The same run gives the same bits, whatever the thread count", "[step]
 }
 
 TEST_CASE("A model built twice from one scene is the same to the last bit, and so is its future",
-          "[step][determinism]") {
+          "[step][determinism][whole]") {
   std::vector<std::uint64_t> hashes;
   for (int k = 0; k < 2; ++k) {
     const Model model = blockModel();

@@ -224,7 +224,7 @@ TEST_CASE("A follower pressure on all of the skin has no force, hardly a torque,
   CHECK(work == Approx(-1000 * (volumeAt(model, further) - volumeAt(model, before))).epsilon(0.01));
 }
 
-TEST_CASE("A region's border cuts faces: the loaded area is the region's", "[simulation][load]") {
+TEST_CASE("A region's border cuts faces: the loaded area is the region's", "[simulation][load][whole]") {
   Scene scene = test::blockScene();
   LoadSpec patch = loadOf(Kind::Traction, 0, Vec3(0, 0, 1));
   patch.region.kind = Region::Kind::Cylinder;

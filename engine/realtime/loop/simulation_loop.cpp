@@ -236,6 +236,8 @@ void SimulationLoop::goOnAtPlace(bool swapped) {
   const std::shared_ptr<ReadyPlace>& place = follower_->place();
   reporter_.goOnAt(place, swapped);
   slides_.goOnWith(place->place.model);
+  proxy_.goOnWith(place->place.model);
+  for (ToolProxy& proxy : further_proxies_) proxy.goOnWith(place->place.model);
   if (swapped && follower_->letGo() != no_place) history_.forget(follower_->letGo());
   if (!swapped) follower_->restart();
 }

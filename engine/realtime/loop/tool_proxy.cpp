@@ -4,7 +4,8 @@
 #include <cmath>
 #include <limits>
 
-#include "step/tool_bodies.h"
+#include "contact/skin.h"
+#include "step/tool_contact.h"
 #include "step/trust.h"
 
 namespace palpate {
@@ -33,6 +34,7 @@ Vec3 held(const Vec3& move, const Vec3& out, double share) {
 
 ToolProxy::ToolProxy(const Model& model, int tool)
     : model_(model),
+      at_(&model),
       tool_(tool),
       max_speed_(model.tools.tool[static_cast<std::size_t>(tool)].max_speed),
       arrival_ticks_(static_cast<int>(std::lround(arrival_seconds * model.scene.rate_hz))),
@@ -59,22 +61,19 @@ double ToolProxy::freedomToDraw(const State& state) const {
 }
 
 Vec3 ToolProxy::drawnWay(const State& state) const {
-  Vec3 at_rest = Vec3::Zero(), tool = Vec3::Zero(), body_moved = Vec3::Zero();
+  Vec3 sum = Vec3::Zero(), body = Vec3::Zero();
   double weight = 0;
   for (std::size_t b = 0; b < model_.tools.body.size(); ++b) {
-    const ToolBody& body = model_.tools.body[b];
-    if (body.tool != tool_) continue;
-    const Vec3 centre = bodyPose(body, state.tool[tool_]).toWorld(Vec3(0, 0, body.shape.radius));
+    if (model_.tools.body[b].tool != tool_) continue;
     forEachContactForce(state.contact[b], [&](int vertex, const Float4& force) {
       const double size = toVec3(force).norm();
-      at_rest += size * model_.skin.surface.vertices[vertex];
-      tool += size * centre;
+      sum += size * (skinPosition(at_->skin, vertex, state.u.data()) - at_->skin.surface.vertices[vertex]);
       weight += size;
     });
   }
   if (!(weight > 0)) return Vec3::Zero();
-  for (const Float4& u : state.u) body_moved += toVec3(u);
-  return ((tool - at_rest) / weight - body_moved / static_cast<double>(state.u.size())).normalized();
+  for (const Float4& u : state.u) body += toVec3(u);
+  return (sum / weight - body / static_cast<double>(state.u.size())).normalized();
 }
 
 double ToolProxy::yieldAfter(const Pose& hand, const State& state, const StepReport& report) const {

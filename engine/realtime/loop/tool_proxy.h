@@ -29,7 +29,8 @@ struct YieldLimits {
 ///   advance = g^2 (hand - tool), along the tool's axis and across it, each as far as it goes against the tissue's push
 ///   g = min over the limits of clamp((limit - value) / (limit - begin), 0, 1)
 ///
-/// To more than Model::max_tool_force it gives way within the step (ToolHold).
+/// Where the skin beside it is drawn out it goes no further from where that is at rest (drawnWay).
+/// To more than ToolSetUp::max_force it gives way within the step (ToolHold).
 ///
 /// It stands before what holds the organ (RigidSupport), whatever the tissue between takes.
 ///
@@ -68,6 +69,9 @@ class ToolProxy {
   /// The tissue was put back.
   void beGentle();
 
+  /// The body has other nodes, of which states are from now on.
+  void goOnWith(const Model& model) { at_ = &model; }
+
   /// What the next call depends on beside its arguments.
   struct Memory {
     bool gentle = false;
@@ -86,8 +90,8 @@ class ToolProxy {
   /// g above: 1 free, 0 no further.
   double freedom(const StepReport& last) const;
 
-  /// The same for drawing the skin out, and the way in which the tool does, unit: from where what it touches is at rest,
-  /// less how far the body as a whole has gone; 0: it touches nothing.
+  /// The same for drawing the skin out, and the way in which the tool does, unit: mean displacement of what it touches,
+  /// less that of the body as a whole; 0: it touches nothing.
   double freedomToDraw(const State& state) const;
   Vec3 drawnWay(const State& state) const;
 
@@ -97,6 +101,7 @@ class ToolProxy {
   Pose yieldFrom(const Pose& from, const Pose& hand, const Vec3& force, double g);
 
   const Model& model_;
+  const Model* at_;  // of the same body: the present place's
   int tool_;
   double max_speed_;  // m/s
   const int arrival_ticks_;

@@ -51,20 +51,22 @@ TEST_CASE("Where nothing is doubted the tool is the hand, bit for bit", "[tool_p
 
 TEST_CASE("Where the skin is drawn out, a tool draws it no further; back and aside it is free", "[tool_proxy]") {
   Model model = toolModel();
+  model.skin.begin = {0, 1, 2};  // each vertex moves with a node of its own
+  model.skin.node = {0, 1};
+  model.skin.N = {1, 1};
   ToolProxy proxy(model);
   Touch touch;
   State& state = touch.state;
-  state.u.assign(1, Float4{});
+  state.u.assign(2, Float4{});
+  state.u[0].z = -0.05F;  // what the tool touches
   ContactState& contact = state.contact[0];
   contact.count = 1;
-  contact.vertex = {0};  // at the origin when at rest
+  contact.vertex = {0};
   contact.force = {Float4{0, 0, -1, 0}};
   contact.normal = {Vec3f::UnitZ()};
-  const double radius = model.scene.tools[0].shape.radius, step = 1e-3;
-  state.tool[0].pose = handAt(0, 0, -0.05 - radius);
+  constexpr double step = 1e-3;
   const auto moved = [&](double x, double z) {
-    const Vec3 from = state.tool[0].pose.position;
-    return Vec3(proxy.follow(handAt(x, 0, from.z() + z), state, touch.report).position - from);
+    return Vec3(proxy.follow(handAt(x, 0, z), state, touch.report).position);
   };
   contact.samples.largest_stretch = YieldLimits::free_stretch;
   CHECK(moved(0, -step) == Vec3(0, 0, -step));
@@ -73,11 +75,17 @@ TEST_CASE("Where the skin is drawn out, a tool draws it no further; back and asi
   CHECK(moved(0, -1).z() == Approx(-0.25 / model.scene.rate_hz));  // of what it may go in a tick at 1 m/s
   contact.samples.largest_stretch = 2 * YieldLimits::stretch;
   CHECK(moved(0, -step).norm() < 1e-12);
-  CHECK(proxy.yieldAfter(handAt(0, 0, -1), state, touch.report) == Approx(step));
+  CHECK(proxy.yieldAfter(handAt(0, 0, -step), state, touch.report) == Approx(step));
   CHECK((moved(step, -step) - Vec3(step, 0, 0)).norm() < 1e-12);
   CHECK((moved(0, step) - Vec3(0, 0, step)).norm() < 1e-12);
-  state.u[0].z = -0.2F;  // the body has gone further than the tool: forward is back to where it would be
+  state.u[1].z = -0.1F;  // the body as a whole has gone further: forward is back
   CHECK((moved(0, -step) - Vec3(0, 0, -step)).norm() < 1e-12);
+
+  Model other = model;  // other nodes: what the vertex's row says of the state is another displacement
+  other.skin.node = {1, 0};
+  state.u[0].z = 0, state.u[1].z = -0.05F;
+  proxy.goOnWith(other);
+  CHECK(moved(0, -step).norm() < 1e-12);
 }
 
 TEST_CASE("Each limit slows the advance and stops it; the gravest counts", "[tool_proxy]") {
