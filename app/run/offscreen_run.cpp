@@ -82,7 +82,7 @@ struct References {
 /// The report that a run of the scene will have, but for its values.
 RunReport blankReport(const Scene& scene) {
   RunReport report;
-  const std::vector<ToolSpec> tools = scene.tools;
+  const std::vector<ToolSpec>& tools = scene.tools;
   if (scene.follow) report.follow.emplace();
   if (tools.size() > 1 || tools[0].jaws()) report.tools.resize(tools.size());
   if (!scene.further_organs.empty())

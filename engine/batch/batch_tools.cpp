@@ -62,17 +62,16 @@ bool BatchTools::overflow() const {
 
 void BatchTools::solveAll(double alpha, const float* inverse_mass, const Float4* u, Float4* du, ToolLoads& loads) {
   std::array<TouchingTool, max_tool_bodies> touching;
-  std::array<ToolBody, max_tool_bodies> bodies;
   const ToolSet& set = model_.tools;
   const auto count = static_cast<std::size_t>(bodyCount());
   for (std::size_t b = 0; b < count; ++b) {
-    const ToolBody& body = bodies[b] = model_.tools.body[b];
+    const ToolBody& body = set.body[b];
     const auto t = static_cast<std::size_t>(body.tool);
     touching[b] = {&body.shape, bodyPose(body, now_.posture[t]), bodyPose(body, before_.posture[t]),
                    set.tool[t].friction, &contact_[b]};
   }
   solveContacts(model_.skin, {touching.data(), count}, alpha, inverse_mass, u, du);
-  for (std::size_t b = 0; b < count; ++b) addToLoad(bodies[b], touching[b], loads);
+  for (std::size_t b = 0; b < count; ++b) addToLoad(set.body[b], touching[b], loads);
 }
 
 }  // namespace palpate

@@ -168,7 +168,7 @@ struct Stages {
 /// What can't be meant of the tools, or is hardly meant.
 void checkTools(const Scene& scene, const TriangleSurface& organ, const std::function<void(const std::string&)>& warn) {
   constexpr double same = 1e-6;  // m
-  const std::vector<ToolSpec> tools = scene.tools;
+  const std::vector<ToolSpec>& tools = scene.tools;
   const bool has_tool = std::any_of(scene.places.begin(), scene.places.end(),
                                     [](const auto& place) { return place.first.rfind("tool", 0) == 0; });
   for (std::size_t t = 0; t < tools.size(); ++t) {

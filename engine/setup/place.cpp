@@ -144,7 +144,7 @@ std::string keyOf(const Places& places, const PlaceIndex& index, bool common) {
 /// Each as fine as its own tool wants; none where the whole body is.
 std::vector<SpacingField::Refinement> ballsAt(const Places& places, const PlaceIndex& index) {
   std::vector<SpacingField::Refinement> balls;
-  const auto tools = places.scene.tools;
+  const std::vector<ToolSpec>& tools = places.scene.tools;
   for (std::size_t t = 0; t < tools.size(); ++t) {
     SpacingField::Refinement ball;
     ball.centre = places.centres[static_cast<std::size_t>(index[t])];
@@ -330,7 +330,7 @@ Place makePlace(const Places& places, const PlaceIndex& index, const PlaceStore&
 
 PlaceIndex startPlace(const Places& places) {
   ToolPostures tools;
-  const auto specs = places.scene.tools;
+  const std::vector<ToolSpec>& specs = places.scene.tools;
   for (std::size_t t = 0; t < specs.size(); ++t) tools[t].pose.position = specs[t].position;
   return nextPlace(places, no_place, tools);
 }

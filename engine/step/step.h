@@ -18,7 +18,7 @@ StepReport step(const Model& model, State& state, const ToolPostures& tools, con
 StepReport step(const Model& model, State& state, const Pose& tool_pose, const Command& command, Workspace& workspace);
 
 /// Advances one tick, substeps_per_tick steps, the tools going evenly from where they are to
-/// command.tools[0].pose and command.tools, no faster than the scene allows. The report has the last
+/// command.tools, no faster than the scene allows. The report has the last
 /// step's force and the worst of the rest. Where a step was lost (kBlowUp, kNotFinite), which ends the tick, the state
 /// is of no use: the caller keeps that of before.
 /// Real-time: as step().

@@ -120,4 +120,8 @@ TEST_CASE("A skin whose faces can't be counted beforehand is refused with the ke
   scene.refine.push_back({Vec3(0, 0, 0.03), 0.02, 1e-5, 0, {"block.toml", 12, 1}});
   CHECK_THAT(refusal([&] { refineForContact(scene, boxSurface(scene.size, 0.004), 20'000); }),
              Contains("block.toml:12:1") && Contains("more than 2e+04 faces") && Contains("refine"));
+  // Of several the finest is to blame.
+  scene.refine.insert(scene.refine.begin(), {Vec3(0, 0, 0.03), 0.02, 5e-3, 0, {"block.toml", 8, 1}});
+  CHECK_THAT(refusal([&] { refineForContact(scene, boxSurface(scene.size, 0.004), 20'000); }),
+             Contains("block.toml:12:1"));
 }

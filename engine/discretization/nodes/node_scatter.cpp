@@ -160,7 +160,7 @@ Vec3 Scatter::pushed(const Site& site, int dimension) const {
   return site.X + relax_step * site.h * push * std::min(1.0, longest_move / std::max(length, 1e-300));
 }
 
-/// Moves the sites from `begin` on apart; confine(site, old_position) puts each back where it belongs. Tells of progress
+/// Moves the sites from `begin` on apart; confine(site, old_position) puts each back where it belongs. Progress goes
 /// from `told` to `tells`.
 template <class Confine>
 void Scatter::relax(std::size_t begin, int dimension, double told, double tells, Confine&& confine) {

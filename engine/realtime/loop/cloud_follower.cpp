@@ -29,7 +29,7 @@ CloudFollower::CloudFollower(const Places& places, TissuePhysics& physics, Place
       worker_(worker),
       around_(wantedSpacing(places, physics.place()->place.index)) {
   velocity_.fill(Vec3::Zero());
-  const auto specs = places_.scene.tools;
+  const std::vector<ToolSpec>& specs = places_.scene.tools;
   for (std::size_t t = 0; t < specs.size(); ++t) coarsest_[t] = coarsest_nodes * touchRadius(specs[t].shape);
 }
 

@@ -1,6 +1,9 @@
 #include <catch2/catch.hpp>
 
+#include <algorithm>
 #include <limits>
+#include <stdexcept>
+#include <vector>
 
 #include "discretization/bodies.h"
 #include "discretization/nodes/node_cloud.h"
@@ -106,7 +109,12 @@ TEST_CASE("A refined sphere gets the spacing asked for, and the rest keeps its o
   SpacingField field = uniform(0.0125);
   field.refinements.push_back({Vec3(0, 0, 0.1), 0.025, 0.005, 0.03, {}});
   const SurfaceTree tree(boxSurface({0.1, 0.1, 0.1}, 0.05));
-  const NodeCloud cloud = makeNodeCloud(tree, field, 1);
+  std::vector<double> told;
+  const NodeCloud cloud = makeNodeCloud(tree, field, 1, {}, [&](double share) { told.push_back(share); });
+  CHECK(told.size() > 100);
+  CHECK((std::is_sorted(told.begin(), told.end()) && told.front() >= 0 && told.back() <= 1));
+  CHECK_THROWS_AS(makeNodeCloud(tree, field, 1, {}, [](double) { throw std::length_error("enough"); }),
+                  std::length_error);
   const CloudStatistics statistics = cloudStatistics(cloud, tree, field);
   CHECK(statistics.closest > 0.6);
   CHECK(statistics.depth >= 0.5);

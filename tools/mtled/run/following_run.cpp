@@ -73,7 +73,7 @@ FollowingRun followTrajectory(const Places& places, PlaceShelf& shelf, const Too
   FollowingRun following;
   ScriptedRun& run = following.run;
   ToolPostures tools;
-  const auto specs = places.scene.tools;
+  const std::vector<ToolSpec>& specs = places.scene.tools;
   for (std::size_t t = 0; t < specs.size(); ++t) tools[t].pose.position = specs[t].position;
   tools[0].pose = way.front();
   PlaceIndex nowhere;

@@ -85,7 +85,7 @@ void checkTools(const Scene& scene) {
 }
 
 bool hasFriction(const Scene& scene) {
-  const std::vector<ToolSpec> tools = scene.tools;
+  const std::vector<ToolSpec>& tools = scene.tools;
   return std::any_of(tools.begin(), tools.end(), [](const ToolSpec& tool) { return tool.friction > 0; });
 }
 
