@@ -137,6 +137,7 @@ std::string Soak::finish(SimulationLoop& loop, const ResultFolder& results, bool
   report_.frozen = loop.summary().frozen;
   report_.restored = loop.summary().restored_count;
   report_.restores = loop.summary().restores;
+  report_.let_go = loop.summary().let_go_count;
   report_.largest_yield_m = loop.summary().largest_yield;
   report_.realtime_factor = loop.summary().totals.realtime_factor;
   write(results);

@@ -42,13 +42,13 @@ std::string memoryText(const SoakReport& r) {
   return format("%+.0f kB", kB(r.memoryGrowth()));
 }
 
-/// Where the tissue was put back more often than the limit, per 10^6 ticks, allows.
+/// Where something happened more often than the limit, per 10^6 ticks, allows.
 void addExcess(const char* what, std::int64_t count, double limit, std::int64_t ticks,
                std::vector<std::string>& broken) {
   const double allowed = 1 + 1e-6 * limit * static_cast<double>(ticks);
   if (static_cast<double>(count) > allowed)
-    broken.push_back(format("the tissue %s and was put back %lld times in %lld ticks (limit %.0f)", what,
-                            asLongLong(count), asLongLong(ticks), std::floor(allowed)));
+    broken.push_back(format("%s %lld times in %lld ticks (limit %.0f)", what, asLongLong(count), asLongLong(ticks),
+                            std::floor(allowed)));
 }
 
 }  // namespace
@@ -83,10 +83,10 @@ std::vector<std::string> brokenPromises(const SoakReport& r) {
       !std::isfinite(r.peak_force_N))
     broken.push_back("the state did not stay finite");
   if (r.rough) {
-    addExcess("was lost", r.restores.lost, RoughLimits::lost, r.ticks, broken);
-    addExcess("folded", r.restores.folded, RoughLimits::folded, r.ticks, broken);
-    addExcess("caught the tool", r.restores.caught, RoughLimits::caught, r.ticks, broken);
-    addExcess("slid away", r.restores.slid, RoughLimits::slid, r.ticks, broken);
+    addExcess("the tissue was lost and was put back", r.restores.lost, RoughLimits::lost, r.ticks, broken);
+    addExcess("the tissue folded and was put back", r.restores.folded, RoughLimits::folded, r.ticks, broken);
+    addExcess("the tool was caught and let go", r.let_go, RoughLimits::let_go, r.ticks, broken);
+    addExcess("the tissue slid away and was put back", r.restores.slid, RoughLimits::slid, r.ticks, broken);
     if (r.crossings > RoughLimits::crossings)
       broken.push_back(format("the skin crosses itself at %d places (limit %d)", r.crossings, RoughLimits::crossings));
     if (r.crossings_at_rest > RoughLimits::crossings_at_rest)
@@ -167,9 +167,9 @@ std::string toJson(const SoakReport& r) {
       {"restored", r.restored},
       {"restores",
        {{"lost", r.restores.lost},
-        {"folded", r.restores.folded},
-        {"caught", r.restores.caught},
+        {"the tissue folded and was put back", r.restores.folded},
         {"slid", r.restores.slid}}},
+      {"let_go", r.let_go},
       {"skin_crossings", r.crossings},
       {"skin_crossings_at_rest", r.crossings_at_rest},
       {"not_finite_ticks", r.not_finite},
@@ -196,10 +196,11 @@ std::string toText(const SoakReport& r) {
                  r.rough ? "rough" : "careful", r.seed, r.frozen ? 1 : 0, asLongLong(r.restored),
                  asLongLong(r.not_finite), 1e3 * r.largest_yield_m);
   text += format(
-      "put back: %lld lost, %lld folded, %lld caught, %lld slid; skin crosses itself at %d places at most, "
+      "put back: %lld lost, %lld folded, %lld slid; %lld times the tool let go; skin crosses itself at %d places at "
+      "most, "
       "at rest at %d\n",
-      asLongLong(r.restores.lost), asLongLong(r.restores.folded), asLongLong(r.restores.caught),
-      asLongLong(r.restores.slid), r.crossings, r.crossings_at_rest);
+      asLongLong(r.restores.lost), asLongLong(r.restores.folded), asLongLong(r.restores.slid), asLongLong(r.let_go),
+      r.crossings, r.crossings_at_rest);
   std::string flags;
   for (const std::string& name : flagNames(r.flags)) flags += " " + name;
   text += format("peak force %.3f N, min J %.3f, flags:", r.peak_force_N, static_cast<double>(r.min_J)) +

@@ -65,6 +65,7 @@ struct ToolLoad {
   Vec3 torque = Vec3::Zero();  // N m, about its tip; of a whole tick only
   double pinch = 0;            // N, jaws: mean of what presses the two fingers apart
   int contact_count = 0;       // points of the skin that carry force
+  int near_count = 0;          // skin vertices that it may reach in the tick; of a whole tick only
 };
 using ToolLoads = std::array<ToolLoad, max_tools>;
 

@@ -17,10 +17,11 @@ namespace palpate {
 
 /// What a viewer, script or replay asks of one tick.
 struct Command {
-  ToolPostures tools;               // where they should be at the end of the tick
-  bool moves_others = false;        // else all but the first stay where they are, and jaws as open as they are
-  int pull_vertex = -1;             // skin vertex pulled by a spring; -1: none
-  Vec3 pull_target = Vec3::Zero();  // m, world
+  ToolPostures tools;                     // where they should be at the end of the tick
+  bool moves_others = false;              // else all but the first stay where they are, and jaws as open as they are
+  std::array<bool, max_tools> lets_go{};  // it touches nothing, and nothing rigid stops it
+  int pull_vertex = -1;                   // skin vertex pulled by a spring; -1: none
+  Vec3 pull_target = Vec3::Zero();        // m, world
 };
 
 /// Mass that was added where the tissue is squeezed (followStiffness).

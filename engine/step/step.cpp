@@ -90,7 +90,13 @@ StepReport tick(const Model& model, State& state, const Command& command, Worksp
       correctBoundaryDrift(model.boundary, static_cast<double>(state.step) * model.dt, state.u.data(),
                            state.u_low.data(), workspace.boundary);
   });
-  for (int b = 0; b < bodies; ++b) forBody(b, findFaceSamples);
+  ToolLoads near;
+  for (int b = 0; b < bodies; ++b) {
+    const auto tool = static_cast<std::size_t>(model.tools.body[b].tool);
+    near[tool].near_count += state.contact[b].count;
+    if (command.lets_go[tool]) state.contact[b].count = 0;
+    forBody(b, findFaceSamples);
+  }
   findSkinPairs(model.bodies, model.skin, state.u.data(), state.du.data(), model.substeps_per_tick, state.skins,
                 workspace.skins);
   StepReport total;
@@ -109,6 +115,7 @@ StepReport tick(const Model& model, State& state, const Command& command, Worksp
   workspace.resolution.advance(model, state.live.kernel.materials, state.u, total);
   total.loads[0].torque = contact.torque;
   for (int t = 1; t < model.tools.toolCount(); ++t) total.loads[t].torque = toolContact(model, state, t).torque;
+  for (int t = 0; t < model.tools.toolCount(); ++t) total.loads[t].near_count = near[t].near_count;
   return total;
 }
 

@@ -98,9 +98,11 @@ class FakePhysics final : public Physics {
   double stiffness = 1;
   double force_per_m = 100;  // N/m along z below the start
   int calls = 0;
+  Command last_command;
 
   StepReport tick(const Command& command) override {
     ++calls;
+    last_command = command;
     ++state_.tick;
     state_.tool[0].pose = command.tools[0].pose;
     const Vec3& p = command.tools[0].pose.position;
@@ -114,6 +116,7 @@ class FakePhysics final : public Physics {
     }
     StepReport report;
     report.tool_force = Vec3(0, 0, force_per_m * (initial_.tool[0].pose.position.z() - p.z()));
+    report.loads[0].force = report.tool_force;
     report.base_reaction = -report.tool_force;
     report.min_J = 0.9F;
     state_.contact[0].count = 2;

@@ -52,8 +52,6 @@ std::string sentence(const LogEvent& e) {
           "is "
           "put back to rest",
           100 * e.value);
-    case LogEvent::Kind::RestoredCaught:
-      return "restored: the tissue had closed over the tool and held it, far from the hand; it is put back to rest";
     case LogEvent::Kind::RestoredSlid:
       return "restored: nothing holds the body along one of its axes, and it had slid away or turned over; it is put "
              "back to its place";
@@ -78,6 +76,10 @@ std::string sentence(const LogEvent& e) {
       return "on time again after " + overloadText(e.overload);
     case LogEvent::Kind::ToolYields:
       return format("the tool yields: the tissue can take no more; it stays %.3g mm behind the hand", 1e3 * e.value);
+    case LogEvent::Kind::ToolLetsGo:
+      return format(
+          "tool %d was caught in the tissue, far from its hand: it lets go, and touches nothing until it is out",
+          e.index + 1);
     case LogEvent::Kind::Reset:
       return "reset";
     case LogEvent::Kind::Undone:

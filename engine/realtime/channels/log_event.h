@@ -20,7 +20,6 @@ struct LogEvent {
     RestoredBlowUp,
     RestoredInverted,
     RestoredFolded,  // value: J of the worst point
-    RestoredCaught,
     RestoredSlid,
     InvertedPoints,   // warning: point, position; value: how many
     ContactOverflow,  // warning
@@ -30,6 +29,7 @@ struct LogEvent {
     Overloaded,       // warning: overload, which goes on
     OverloadEnded,    // overload
     ToolYields,       // warning: value: m, how far the tool stays behind the hand
+    ToolLetsGo,       // warning: index: tool
     Reset,            // index: 1 where a script or replay begins again with it
     Undone,           // value: s of physics time that the tissue went back; 0: nothing was kept to go back to
     Paused,
@@ -53,7 +53,8 @@ struct LogEvent {
   bool isFreeze() const { return kind <= Kind::FrozenInverted; }
   bool isRestore() const { return kind > Kind::FrozenInverted && kind <= Kind::RestoredSlid; }
   bool isWarning() const {
-    return (kind > Kind::FrozenInverted && kind <= Kind::Overloaded) || kind == Kind::ToolYields;
+    return (kind > Kind::FrozenInverted && kind <= Kind::Overloaded) || kind == Kind::ToolYields ||
+           kind == Kind::ToolLetsGo;
   }
 };
 

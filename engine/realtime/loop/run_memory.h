@@ -11,7 +11,6 @@
 #include "realtime/loop/force_filter.h"
 #include "realtime/loop/further_hands.h"
 #include "realtime/loop/slide_watch.h"
-#include "realtime/loop/snag_watch.h"
 #include "realtime/loop/tool_proxy.h"
 
 namespace palpate {
@@ -22,13 +21,11 @@ struct RunMemory {
   bool frozen = false;
   Pose hand;
   std::uint64_t pose_sequence = 0;
-  ToolProxy::Memory proxy;
+  std::array<ToolProxy::Memory, max_tools> proxies;
   ToolPostures hands;  // of the tools beside the first; of the first its opening
   FurtherHands::Memory further;
-  std::array<ToolProxy::Memory, max_tools> proxies;  // of the tools beside the first
   ToolReadings readings;
   FoldWatch::Memory folds;
-  SnagWatch::Memory snags;
   SlideWatch::Memory slides;
   StepReport report;
   ForceSample force;

@@ -32,18 +32,16 @@ SimulationLoop::SimulationLoop(const Model& model, Physics& physics, SpinTeam* t
       run_(startOf(options)),
       track_(std::move(options.track), options.track_ticks, options.motion, model.tools.first().start.pose,
              model.scene.rate_hz),
-      proxy_(model),
       further_(model),
       history_(physics.state(), model.scene.rate_hz),
       folds_(model),
-      snags_(model),
       slides_(model),
       settings_(model, physics),
       reporter_(model, physics, team, channels_) {
   command_ = restCommand(model);
   run_.hand = run_.goal = model.tools.first().start.pose;
   recorder_.startFrom(command_, options.record ? &channels_.recorded : nullptr);
-  for (int k = 1; k < model.tools.toolCount(); ++k) further_proxies_.emplace_back(model, k);
+  for (int k = 0; k < model.tools.toolCount(); ++k) proxies_.emplace_back(model, k);
   goOnAtPlace(false);
   reporter_.publish({}, run_);
 }
@@ -113,12 +111,10 @@ RunMemory SimulationLoop::memory() const {
   memory.frozen = run_.frozen;
   memory.hand = command_.tools[0].pose;
   memory.pose_sequence = run_.pose_sequence;
-  memory.proxy = proxy_.memory();
   memory.hands = command_.tools;
   memory.further = further_.memory();
-  for (std::size_t k = 0; k < further_proxies_.size(); ++k) memory.proxies[k] = further_proxies_[k].memory();
+  for (std::size_t k = 0; k < proxies_.size(); ++k) memory.proxies[k] = proxies_[k].memory();
   memory.folds = folds_.memory();
-  memory.snags = snags_.memory();
   memory.slides = slides_.memory();
   reporter_.tell(memory);
   return memory;
@@ -140,12 +136,10 @@ void SimulationLoop::recall(const RunMemory& memory) {
   command_.tools[0].pose = memory.hand;
   command_.tools = memory.hands;
   track_.goal().jumpTo(memory.hand);
-  proxy_.recall(memory.proxy);
   if (device_ != nullptr) device_->restart();
   further_.recall(memory.further);
-  for (std::size_t k = 0; k < further_proxies_.size(); ++k) further_proxies_[k].recall(memory.proxies[k]);
+  for (std::size_t k = 0; k < proxies_.size(); ++k) proxies_[k].recall(memory.proxies[k]);
   folds_.recall(memory.folds);
-  snags_.recall(memory.snags);
   slides_.recall(memory.slides);
   goOnAtPlace(false);
   history_.startAt(physics_.state());
@@ -212,12 +206,14 @@ bool SimulationLoop::advance() {
   return true;
 }
 
-/// The tools beside the first yield, too, and all jaws. The first one's pose is done already.
-void SimulationLoop::yieldFurther(Command& command) {
-  const State& state = physics_.state();
-  command.tools[0].opening = proxy_.followOpening(command_.tools[0].opening, state, reporter_.lastReport());
-  for (std::size_t k = 0; k < further_proxies_.size(); ++k)
-    command.tools[k + 1] = further_proxies_[k].follow(command_.tools[k + 1], state, reporter_.lastReport());
+/// Where the tools should be in this tick, as far as the tissue lets them, in place of where the hands are.
+void SimulationLoop::followHands(Command& command) {
+  for (std::size_t k = 0; k < proxies_.size(); ++k) {
+    const bool held = !proxies_[k].letsGo();
+    command.tools[k] = proxies_[k].follow(command_.tools[k], physics_.state(), reporter_.lastReport());
+    command.lets_go[k] = proxies_[k].letsGo();
+    if (held && command.lets_go[k]) reporter_.letGo(run_, static_cast<int>(k));
+  }
 }
 
 /// Why the tissue can't come back to rest by itself, if so.
@@ -225,7 +221,6 @@ std::optional<LogEvent::Kind> SimulationLoop::findLost(const StepReport& report)
   const State& state = physics_.state();
   const bool pulled = command_.pull_vertex >= 0 || state.live.loads.any();
   if (folds_.update(report, pulled, static_cast<double>(state.step) * model_.dt)) return LogEvent::Kind::RestoredFolded;
-  if (snags_.update(state, run_.hand.position, report)) return LogEvent::Kind::RestoredCaught;
   if (slides_.update(state, report, pulled)) return LogEvent::Kind::RestoredSlid;
   return std::nullopt;
 }
@@ -236,8 +231,7 @@ void SimulationLoop::goOnAtPlace(bool swapped) {
   const std::shared_ptr<ReadyPlace>& place = follower_->place();
   reporter_.goOnAt(place, swapped);
   slides_.goOnWith(place->place.model);
-  proxy_.goOnWith(place->place.model);
-  for (ToolProxy& proxy : further_proxies_) proxy.goOnWith(place->place.model);
+  for (ToolProxy& proxy : proxies_) proxy.goOnWith(place->place.model);
   if (swapped && follower_->letGo() != no_place) history_.forget(follower_->letGo());
   if (!swapped) follower_->restart();
 }
@@ -264,8 +258,7 @@ bool SimulationLoop::step() {
     return false;
   }
   Command command = command_;
-  command.tools[0].pose = proxy_.follow(run_.hand, physics_.state(), reporter_.lastReport());
-  if (model_.tools.several()) yieldFurther(command);
+  followHands(command);
   StepReport report = physics_.tick(command);
   const double late = follower_ != nullptr && report.contact_count > 0 ? follower_->expectedError() : 0;
   if (late > 0) {
@@ -273,7 +266,7 @@ bool SimulationLoop::step() {
     report.error_force = std::max(report.error_force, report.tool_force.norm());
   }
   if (team_ != nullptr && !as_fast_as_possible_) team_->park();
-  run_.yield = proxy_.yieldAfter(run_.hand, physics_.state(), report);
+  run_.yield = proxies_[0].yieldAfter(run_.hand, physics_.state(), report);
   switch (reporter_.judge(report, run_)) {
     case Verdict::Good: {
       if (const auto lost = findLost(report)) {
@@ -308,8 +301,7 @@ void SimulationLoop::goBackTo(const State& past) {
 }
 
 void SimulationLoop::beGentle() {
-  proxy_.beGentle();
-  for (ToolProxy& proxy : further_proxies_) proxy.beGentle();
+  for (ToolProxy& proxy : proxies_) proxy.beGentle();
   if (device_ != nullptr) device_->restart();
 }
 

@@ -16,7 +16,6 @@
 #include "realtime/loop/run_state.h"
 #include "realtime/loop/run_summary.h"
 #include "realtime/loop/slide_watch.h"
-#include "realtime/loop/snag_watch.h"
 #include "realtime/loop/state_history.h"
 #include "realtime/loop/tick_listener.h"
 #include "realtime/loop/tick_reporter.h"
@@ -145,7 +144,7 @@ class SimulationLoop final : private LoopBody {
   void reset(Request::Kind kind, bool from_track);
   void undo();
   void beGentle();
-  void yieldFurther(Command& command);
+  void followHands(Command& command);
   void goBackTo(const State& past);
   bool followTool();
   void goToPlace(const PlaceIndex& index);
@@ -174,12 +173,10 @@ class SimulationLoop final : private LoopBody {
   RunState run_;
   Command command_;  // of the present tick; its tool is where the hand is
   ToolTrack track_;
-  ToolProxy proxy_;
   FurtherHands further_;
-  std::vector<ToolProxy> further_proxies_;  // of the tools beside the first
+  std::vector<ToolProxy> proxies_;  // (tool_count)
   StateHistory history_;
   FoldWatch folds_;
-  SnagWatch snags_;
   SlideWatch slides_;
   LiveSettings settings_;
   InputRecorder recorder_;

@@ -7,9 +7,8 @@
 
 namespace palpate {
 
-/// Finds a tool that is caught in the tissue, in one of two ways, and that nothing but putting the tissue back to rest
-/// frees. A hand rough enough can push a fold over the tool that holds it like a glove, finer than the contact of the
-/// skin with itself knows.
+/// Finds a tool that is caught in the tissue, in one of two ways, out of which no hand that goes on draws it. A hand
+/// rough enough can push a fold over the tool that holds it like a glove.
 ///
 /// It has carried tissue off: with the hand far outside the body's shape at rest, and itself outside, it is still
 /// touched (it may stay behind a hand that draws harder than the tissue bears).
@@ -17,9 +16,8 @@ namespace palpate {
 /// It is stuck: with the hand far outside the tool stands still for long, held by skin before it and behind. A tool
 /// that presses, however long and however far beneath the body its hand is, is pushed back by what is before it.
 ///
-/// A body that nothing holds along some axis may be pushed anywhere there: its shape at rest goes along. Jaws and
-/// further tools may hold tissue, and boundaries that move may carry it: nothing is found where there are jaws, while a
-/// further tool touches, or where a boundary is moved.
+/// A body that nothing holds along some axis may be pushed anywhere there: its shape at rest goes along. Jaws hold
+/// tissue, and boundaries that move may carry it: nothing is found for jaws, or where a boundary is moved.
 /// Loop thread only. Real-time: no allocation, no lock, no throw. Test: realtime/loop/snag_watch_test.cpp
 class SnagWatch {
  public:
@@ -30,11 +28,16 @@ class SnagWatch {
   // Of the contact's forces along the way to the hand, those to both sides: with a net push below this it is stuck.
   static constexpr double between = 0.55;
 
-  explicit SnagWatch(const Model& model);
+  /// @param tool  that it looks at
+  explicit SnagWatch(const Model& model, int tool = 0);
 
-  /// A tick has ended well. @param hand  m, where the tool's tip would be without tissue
+  /// Before a tick. @param hand  m, where the tool's tip would be without tissue
+  /// @param last  the tick before's outcome
   /// @return whether the tool is caught; then the watch begins anew
-  bool update(const State& state, const Vec3& hand, const StepReport& report);
+  bool update(const State& state, const Vec3& hand, const StepReport& last);
+
+  /// No part of the tool is in the body's shape at rest, or near its skin as it is.
+  bool isClear(const State& state, const StepReport& last) const;
 
   /// What its coming verdicts depend on.
   struct Memory {
@@ -47,10 +50,13 @@ class SnagWatch {
 
  private:
   bool isBeyond(const State& state, const Vec3& tip, double distance) const;
-  bool isCarrying(const State& state, const Vec3& hand, const StepReport& report);
-  bool isStuck(const State& state, const Vec3& hand, const StepReport& report);
+  bool isBetween(const State& state, const Vec3& way) const;
+  bool isCarrying(const State& state, const Vec3& hand, bool touches);
+  bool isStuck(const State& state, const Vec3& hand, bool touches);
 
-  bool off_ = false;                                  // carrying is what this scene is for
+  const Model& model_;
+  const std::size_t tool_;
+  bool off_ = false;                                  // carrying is what this tool or scene is for
   Vec3 free_;                                         // 1 along the axes along which the body can slide
   Vec3 low_, high_;                                   // m, the skin's box at rest
   double near_, far_;                                 // m, from it: no part of the tool is in it; the hand has left

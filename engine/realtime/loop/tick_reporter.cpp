@@ -129,6 +129,11 @@ void TickReporter::restored(LogEvent::Kind cause) {
   showState();
 }
 
+void TickReporter::letGo(const RunState& run, int tool) {
+  ++summary_.let_go_count;
+  logEvent(LogEvent::Kind::ToolLetsGo, run, tool);
+}
+
 /// Where the first tool is; of jaws their first finger.
 Pose TickReporter::firstBody() const { return bodyPose(model_->tools.body[0], physics_.state().tool[0]); }
 

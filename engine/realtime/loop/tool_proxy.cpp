@@ -39,11 +39,13 @@ ToolProxy::ToolProxy(const Model& model, int tool)
       max_speed_(model.tools.tool[static_cast<std::size_t>(tool)].max_speed),
       arrival_ticks_(static_cast<int>(std::lround(arrival_seconds * model.scene.rate_hz))),
       max_advance_(YieldLimits::sound_share * slowestSound(model) / model.scene.rate_hz),
-      support_(model, tool) {}
+      support_(model, tool),
+      snag_(model, tool) {}
 
 void ToolProxy::beGentle() {
-  gentle_ = true;
-  arrived_ticks_ = 0;
+  memory_.gentle = true;
+  memory_.arrived_ticks = 0;
+  memory_.lets_go = false;
 }
 
 double ToolProxy::freedom(const StepReport& last) const {
@@ -83,11 +85,23 @@ double ToolProxy::yieldAfter(const Pose& hand, const State& state, const StepRep
   return gave_way ? (hand.position - state.tool[0].pose.position).norm() : yield_;
 }
 
-Pose ToolProxy::follow(const Pose& hand, const State& state, const StepReport& last) {
-  return followFrom(state, hand, last.tool_force, last);
+void ToolProxy::letGoWhereCaught(const State& state, const Vec3& hand, const StepReport& last) {
+  if (memory_.lets_go) {
+    if (snag_.isClear(state, last)) beGentle();
+  } else if (snag_.update(state, hand, last)) {
+    memory_.lets_go = true;
+    memory_.away = hand;
+  }
 }
 
 ToolPosture ToolProxy::follow(const ToolPosture& hand, const State& state, const StepReport& last) {
+  letGoWhereCaught(state, hand.pose.position, last);
+  if (memory_.lets_go) {
+    yield_ = (hand.pose.position - state.tool[tool_].pose.position).norm();
+    ToolPosture away = hand;
+    away.pose.position = memory_.away;
+    return away;
+  }
   const ToolLoad& load = last.loads[static_cast<std::size_t>(tool_)];
   return {followFrom(state, hand.pose, load.force, last), followOpening(hand.opening, state, last)};
 }
@@ -118,14 +132,14 @@ Pose ToolProxy::followFrom(const State& state, const Pose& hand, const Vec3& for
     if (const double further = move.dot(way); further > 0) {
       pose.position = from.pose.position + move - (1 - draws * draws) * further * way;
       yield_ = (hand.position - pose.position).norm();
-      arrived_ticks_ = 0;
+      memory_.arrived_ticks = 0;
     }
   }
   if (support_.empty()) return pose;
   const Vec3 move = inOneTick(pose.position - from.pose.position), free = support_.stop(from, move);
   if (free == move) return pose;
   pose.position = from.pose.position + free;
-  arrived_ticks_ = 0;
+  memory_.arrived_ticks = 0;
   yield_ = (hand.position - pose.position).norm();
   return pose;
 }
@@ -139,23 +153,23 @@ Pose ToolProxy::yieldFrom(const Pose& from, const Pose& hand, const Vec3& force,
   const double tick_s = 1 / model_.scene.rate_hz;
   const Vec3 way = hand.position - from.position;
   const bool too_fast = touches && tick_s * max_speed_ > max_advance_ && -way.dot(out) > max_advance_;
-  if (share >= 1 && !gentle_ && !too_fast) return hand;
+  if (share >= 1 && !memory_.gentle && !too_fast) return hand;
 
   Vec3 move = way;
-  const double reach = tick_s * (gentle_ && !touches ? approach_speed : max_speed_);
+  const double reach = tick_s * (memory_.gentle && !touches ? approach_speed : max_speed_);
   if (move.norm() > reach) move *= reach / move.norm();
   const bool deeper = move.dot(out) < 0;
   const double gently = tick_s * gentle_speed;
   move = held(held(move, out.dot(axis) * axis, share), out - out.dot(axis) * axis, share);
-  if (gentle_ && touches && deeper && move.norm() > gently) move *= gently / move.norm();
+  if (memory_.gentle && touches && deeper && move.norm() > gently) move *= gently / move.norm();
   if (too_fast) move += std::max(0.0, -move.dot(out) - max_advance_) * out;
 
   Pose pose;
   const bool arrives = move == way;
   pose.position = arrives ? hand.position : Vec3(from.position + move);
   pose.orientation = share >= 1 ? hand.orientation : from.orientation.slerp(share, hand.orientation).normalized();
-  arrived_ticks_ = arrives ? arrived_ticks_ + 1 : 0;
-  if (arrived_ticks_ >= arrival_ticks_) gentle_ = false;
+  memory_.arrived_ticks = arrives ? memory_.arrived_ticks + 1 : 0;
+  if (memory_.arrived_ticks >= arrival_ticks_) memory_.gentle = false;
   if (!arrives) yield_ = (hand.position - pose.position).norm();
   return pose;
 }

@@ -3,6 +3,7 @@
 #include "model/model.h"
 #include "model/state.h"
 #include "realtime/loop/rigid_support.h"
+#include "realtime/loop/snag_watch.h"
 
 namespace palpate {
 
@@ -34,6 +35,9 @@ struct YieldLimits {
 ///
 /// It stands before what holds the organ (RigidSupport), whatever the tissue between takes.
 ///
+/// Where it is caught in the tissue (SnagWatch) it lets go: it goes to where the hand is then, through all that is in
+/// the way and without touching it, while the tissue springs back; once it is clear of the skin it follows again.
+///
 /// In tissue it advances at half the speed of sound at most: for very soft tissue and a very quick hand.
 /// Across the push and backwards the tool is free; it doesn't slide off a slope, as it would along the skin. Where no
 /// value is beyond its begin, the tool is the hand, bit for bit.
@@ -57,10 +61,10 @@ class ToolProxy {
   /// The tool's target in the coming tick.
   /// @param hand  where the tool would be without tissue
   /// @param last  the tick before's outcome
-  Pose follow(const Pose& hand, const State& state, const StepReport& last);
-
-  /// The same for any tool of a scene that has several or jaws, its opening included.
   ToolPosture follow(const ToolPosture& hand, const State& state, const StepReport& last);
+
+  /// In the coming tick it touches nothing (Command::lets_go).
+  bool letsGo() const { return memory_.lets_go; }
 
   /// How far its jaws are open at the tick's end, m: as a tool that advances yields to what it presses, jaws that close
   /// yield to what they pinch. At their grip_force they close no further within the step.
@@ -75,12 +79,19 @@ class ToolProxy {
   /// What the next call depends on beside its arguments.
   struct Memory {
     bool gentle = false;
-    int arrived_ticks = 0;
+    int arrived_ticks = 0;  // in a row, while gentle
+    bool lets_go = false;
+    Vec3 away = Vec3::Zero();  // m, where it goes meanwhile
+    SnagWatch::Memory snag;
   };
-  Memory memory() const { return {gentle_, arrived_ticks_}; }
+  Memory memory() const {
+    Memory memory = memory_;
+    memory.snag = snag_.memory();
+    return memory;
+  }
   void recall(const Memory& memory) {
-    gentle_ = memory.gentle;
-    arrived_ticks_ = memory.arrived_ticks;
+    memory_ = memory;
+    snag_.recall(memory.snag);
   }
 
   /// After the tick that it led to: m, how far the tool stays behind the hand because it yields, or is at its
@@ -97,6 +108,7 @@ class ToolProxy {
 
  private:
   Vec3 inOneTick(const Vec3& move) const;
+  void letGoWhereCaught(const State& state, const Vec3& hand, const StepReport& last);
   Pose followFrom(const State& state, const Pose& hand, const Vec3& force, const StepReport& last);
   Pose yieldFrom(const Pose& from, const Pose& hand, const Vec3& force, double g);
 
@@ -107,8 +119,8 @@ class ToolProxy {
   const int arrival_ticks_;
   const double max_advance_;  // m a tick in tissue
   RigidSupport support_;
-  bool gentle_ = false;
-  int arrived_ticks_ = 0;  // in a row, while gentle
+  SnagWatch snag_;
+  Memory memory_;  // but for snag_'s
   double yield_ = 0;
 };
 

@@ -91,6 +91,7 @@ RunReport makeRunReport(const Model& model, const RunSummary& summary, const Dea
   report.first_doubt_s = summary.trust.firstTime();
   report.expected_error = summary.trust.expectedError();
   report.restored_count = summary.restored_count;
+  report.let_go_count = summary.let_go_count;
   report.largest_yield_m = summary.largest_yield;
   report.yielding_seconds = static_cast<double>(summary.yielding_ticks) / model.scene.rate_hz;
   report.follow = summary.follow;
@@ -142,6 +143,7 @@ std::string toJson(const RunReport& r) {
       {"expected_force_error", r.expected_error},
       {"first_doubt_s", r.first_doubt_s < 0 ? Json(nullptr) : Json(r.first_doubt_s)},
       {"restored_count", r.restored_count},
+      {"let_go_count", r.let_go_count},
       {"largest_yield_m", r.largest_yield_m},
       {"yielding_seconds", r.yielding_seconds},
       {"frozen", r.frozen},

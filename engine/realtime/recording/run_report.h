@@ -58,7 +58,7 @@ struct RunReport {
   Doubt doubt = Doubt::None;  // of all ticks (RunTrust)
   double first_doubt_s = -1;  // < 0: none
   double expected_error = 0;  // of the largest force, as a share (RunTrust)
-  std::int64_t restored_count = 0;
+  std::int64_t restored_count = 0, let_go_count = 0;
   double largest_yield_m = 0;          // that the tool stayed behind hand or script; 0: it went where it was asked to
   double yielding_seconds = 0;         // for how long
   std::optional<FollowTotals> follow;  // where the cloud follows the tool; else report.json has no "follow"

@@ -14,6 +14,7 @@ inline app::SoakReport roughReport(app::RoughMotion& motion, const RunSummary& s
   report.frozen = summary.frozen;
   report.restored = summary.restored_count;
   report.restores = summary.restores;
+  report.let_go = summary.let_go_count;
   report.ticks = summary.ticks;
   for (app::SoakCycle cycle; motion.cycles().pop(cycle);) addCycle(report, cycle);
   return report;

@@ -73,7 +73,6 @@ TEST_CASE("A rough hand may not put the tissue back more often than was measured
   };
   for (const Limit& one :
        {Limit{&Restores::lost, RoughLimits::lost, "was lost"}, Limit{&Restores::folded, RoughLimits::folded, "folded"},
-        Limit{&Restores::caught, RoughLimits::caught, "caught the tool"},
         Limit{&Restores::slid, RoughLimits::slid, "slid away"}})
     for (const std::int64_t ticks : {std::int64_t{1000}, std::int64_t{2'000'000}}) {
       SoakReport report = goodReport();
@@ -89,6 +88,13 @@ TEST_CASE("A rough hand may not put the tissue back more often than was measured
     }
   SoakReport report = goodReport();
   report.rough = true;
+  report.ticks = 1'000'000;
+  report.let_go = 1 + static_cast<std::int64_t>(RoughLimits::let_go);
+  CHECK(brokenPromises(report).empty());
+  ++report.let_go;
+  REQUIRE(brokenPromises(report).size() == 1);
+  CHECK(brokenPromises(report)[0].find("was caught and let go") != std::string::npos);
+  report.let_go = 0;
   report.crossings = RoughLimits::crossings;
   CHECK(brokenPromises(report).empty());
   ++report.crossings;

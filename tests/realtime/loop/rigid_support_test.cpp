@@ -111,11 +111,12 @@ TEST_CASE("No tool is pushed through what holds the organ, whatever its shape an
     model.tools.body[0].shape = model.scene.tools[0].shape = ToolShape::of(kind, 0.01, 0.05);
     ToolProxy proxy(model);
     State state;
+    state.u.resize(4);
     state.tool[0].pose.position = Vec3(0.002, -0.003, 0.02);
     Pose hand;
     hand.position = Vec3(0.002, -0.003, -1);
     const auto go = [&] {  // at the tool's greatest speed
-      const Vec3 way = proxy.follow(hand, state, {}).position - state.tool[0].pose.position;
+      const Vec3 way = proxy.follow(ToolPosture{hand}, state, {}).pose.position - state.tool[0].pose.position;
       state.tool[0].pose.position += std::min(1.0, 2e-3 / std::max(way.norm(), 1e-12)) * way;
     };
     for (int tick = 0; tick < 200; ++tick) go();

@@ -22,13 +22,22 @@ Model toolModel() {
 struct Touch {
   State state;
   StepReport report;
-  Touch() { report.tool_force = Vec3(0, 0, 1); }
+  Touch() {
+    report.tool_force = Vec3(0, 0, 1);
+    state.u.resize(4);
+  }
 };
 
 Pose handAt(double x, double y, double z) {
   Pose pose;
   pose.position = Vec3(x, y, z);
   return pose;
+}
+
+/// The tool's target under this hand.
+Pose follow(ToolProxy& proxy, const Pose& hand, const State& state, StepReport last) {
+  last.loads[0].force = last.tool_force;
+  return proxy.follow(ToolPosture{hand}, state, last).pose;
 }
 
 }  // namespace
@@ -43,7 +52,7 @@ TEST_CASE("Where nothing is doubted the tool is the hand, bit for bit", "[tool_p
   touch.report.tool_force = Vec3(0, 0, 0.5 * model.tools.first().max_force);
   Pose hand = handAt(0.1, -0.2, -0.3);
   hand.orientation = Quat(Eigen::AngleAxisd(0.3, Vec3::UnitX()));
-  const Pose tool = proxy.follow(hand, touch.state, touch.report);
+  const Pose tool = follow(proxy, hand, touch.state, touch.report);
   CHECK(tool.position == hand.position);
   CHECK(tool.orientation.coeffs() == hand.orientation.coeffs());
   CHECK(proxy.yieldAfter({}, {}, {}) == 0);
@@ -66,7 +75,7 @@ TEST_CASE("Where the skin is drawn out, a tool draws it no further; back and asi
   contact.normal = {Vec3f::UnitZ()};
   constexpr double step = 1e-3;
   const auto moved = [&](double x, double z) {
-    return Vec3(proxy.follow(handAt(x, 0, z), state, touch.report).position);
+    return Vec3(follow(proxy, handAt(x, 0, z), state, touch.report).position);
   };
   contact.samples.largest_stretch = YieldLimits::free_stretch;
   CHECK(moved(0, -step) == Vec3(0, 0, -step));
@@ -114,32 +123,32 @@ TEST_CASE("A tool that yields is slowed where it goes deeper, and free sideways 
   Touch touch;
   touch.report.step_share = 0.5 * (YieldLimits::free_step_share + YieldLimits::step_share);  // g^2 = 1/4
   // The hand a millimetre deeper and one aside: within the reach of 2 mm a tick.
-  Pose tool = proxy.follow(handAt(1e-3, 0, -1e-3), touch.state, touch.report);
+  Pose tool = follow(proxy, handAt(1e-3, 0, -1e-3), touch.state, touch.report);
   CHECK(tool.position.x() == Approx(1e-3).epsilon(1e-12));
   CHECK(tool.position.z() == Approx(-0.25e-3).epsilon(1e-12));
   CHECK(proxy.yieldAfter({}, {}, {}) == Approx(0.75e-3).epsilon(1e-12));
   // Far away: no faster than the tool may go.
-  tool = proxy.follow(handAt(0, 0, -0.05), touch.state, touch.report);
+  tool = follow(proxy, handAt(0, 0, -0.05), touch.state, touch.report);
   CHECK(tool.position.z() == Approx(-0.25 * 2e-3).epsilon(1e-12));
   // Backwards and sideways: all the way.
-  tool = proxy.follow(handAt(1e-3, 1e-3, 1e-3), touch.state, touch.report);
+  tool = follow(proxy, handAt(1e-3, 1e-3, 1e-3), touch.state, touch.report);
   CHECK(tool.position == Vec3(1e-3, 1e-3, 1e-3));
   CHECK(proxy.yieldAfter({}, {}, {}) == 0);
   // On a slope, too, it stays under the hand; and what the tissue beside it pushes back is no free way.
   touch.report.tool_force = Vec3(0.6, 0, 0.8);
-  tool = proxy.follow(handAt(0, 0, -1e-3), touch.state, touch.report);
+  tool = follow(proxy, handAt(0, 0, -1e-3), touch.state, touch.report);
   CHECK(tool.position.isApprox(Vec3(0, 0, -0.25e-3), 1e-12));
-  tool = proxy.follow(handAt(-1e-3, 1e-3, 0), touch.state, touch.report);
+  tool = follow(proxy, handAt(-1e-3, 1e-3, 0), touch.state, touch.report);
   CHECK(tool.position.isApprox(Vec3(-0.25e-3, 1e-3, 0), 1e-12));
   touch.report.tool_force = Vec3(0, 0, 1);
   // Beyond the limit it stands.
   touch.report.step_share = 10;
-  tool = proxy.follow(handAt(0, 0, -0.05), touch.state, touch.report);
+  tool = follow(proxy, handAt(0, 0, -0.05), touch.state, touch.report);
   CHECK(tool.position.norm() < 1e-15);
   CHECK(proxy.yieldAfter({}, {}, {}) == Approx(0.05));
   // It is not the tool's doing where it touches nothing.
   touch.report.tool_force.setZero();
-  CHECK(proxy.follow(handAt(0, 0, -0.05), touch.state, touch.report).position == Vec3(0, 0, -0.05));
+  CHECK(follow(proxy, handAt(0, 0, -0.05), touch.state, touch.report).position == Vec3(0, 0, -0.05));
 }
 
 TEST_CASE("A tool at its max_force is said to yield", "[tool_proxy]") {
@@ -148,7 +157,7 @@ TEST_CASE("A tool at its max_force is said to yield", "[tool_proxy]") {
   Touch touch;
   const Pose hand = handAt(0, 0, -0.05);
   touch.report.tool_force = Vec3(0, 0, 0.9 * model.tools.first().max_force);
-  CHECK(proxy.follow(hand, touch.state, touch.report).position == hand.position);  // it gives way within the step
+  CHECK(follow(proxy, hand, touch.state, touch.report).position == hand.position);  // it gives way within the step
   CHECK(proxy.yieldAfter(hand, touch.state, touch.report) == 0);
   touch.report.tool_force = Vec3(0, 0, model.tools.first().max_force);
   CHECK(proxy.yieldAfter(hand, touch.state, touch.report) == Approx(0.05));
@@ -162,13 +171,13 @@ TEST_CASE("In tissue no tool advances faster than half of sound", "[tool_proxy]"
   ToolProxy proxy(model);
   Touch touch;
   const double tick_s = 1 / model.scene.rate_hz, most = 0.5 * sound * tick_s;
-  CHECK(proxy.follow(handAt(1e-4, 0, -0.9 * most), touch.state, touch.report).position == Vec3(1e-4, 0, -0.9 * most));
+  CHECK(follow(proxy, handAt(1e-4, 0, -0.9 * most), touch.state, touch.report).position == Vec3(1e-4, 0, -0.9 * most));
   CHECK(proxy.yieldAfter({}, {}, {}) == 0);
-  const Pose tool = proxy.follow(handAt(1e-4, 0, -5 * most), touch.state, touch.report);
+  const Pose tool = follow(proxy, handAt(1e-4, 0, -5 * most), touch.state, touch.report);
   CHECK(tool.position.isApprox(Vec3(1e-4, 0, -most), 1e-12));
   CHECK(proxy.yieldAfter({}, {}, {}) == Approx(4 * most).epsilon(1e-12));
   touch.report.tool_force.setZero();  // in the air it may
-  CHECK(proxy.follow(handAt(0, 0, -5 * most), touch.state, touch.report).position == Vec3(0, 0, -5 * most));
+  CHECK(follow(proxy, handAt(0, 0, -5 * most), touch.state, touch.report).position == Vec3(0, 0, -5 * most));
 }
 
 TEST_CASE("After the tissue was put back the tool comes gently, until it has reached the hand", "[tool_proxy]") {
@@ -180,7 +189,7 @@ TEST_CASE("After the tissue was put back the tool comes gently, until it has rea
   double fastest = 0;
   int ticks = 0;
   while (touch.state.tool[0].pose.position.z() > hand.position.z() && ticks < 1000) {
-    const Pose tool = proxy.follow(hand, touch.state, touch.report);
+    const Pose tool = follow(proxy, hand, touch.state, touch.report);
     fastest = std::max(fastest, (tool.position - touch.state.tool[0].pose.position).norm());
     touch.state.tool[0].pose = tool;
     ++ticks;
@@ -189,16 +198,17 @@ TEST_CASE("After the tissue was put back the tool comes gently, until it has rea
   CHECK(std::abs(ticks - 250) <= 1);  // 10 mm at 20 mm/s
   touch.state.tool[0].pose = hand;
   // Then, after a while there, as fast as the hand.
-  for (int k = 0; k < 500 * ToolProxy::arrival_seconds; ++k) proxy.follow(hand, touch.state, touch.report);
-  CHECK(proxy.follow(handAt(0, 0, -0.5), touch.state, touch.report).position == Vec3(0, 0, -0.5));
+  for (int k = 0; k < 500 * ToolProxy::arrival_seconds; ++k) follow(proxy, hand, touch.state, touch.report);
+  CHECK(follow(proxy, handAt(0, 0, -0.5), touch.state, touch.report).position == Vec3(0, 0, -0.5));
 
   // In the air it comes faster.
   ToolProxy free(model);
   State state;
+  state.u.resize(4);
   free.beGentle();
-  const Pose tool = free.follow(handAt(0, 0, -1), state, {});
+  const Pose tool = follow(free, handAt(0, 0, -1), state, {});
   CHECK(tool.position.z() * 500 == Approx(-ToolProxy::approach_speed));
   for (int k = 0; k < 500 * ToolProxy::arrival_seconds; ++k)
-    CHECK(free.follow(handAt(0, 0, 0), state, {}).position == Vec3::Zero());
-  CHECK(free.follow(handAt(0, 0, -1), state, {}).position == Vec3(0, 0, -1));
+    CHECK(follow(free, handAt(0, 0, 0), state, {}).position == Vec3::Zero());
+  CHECK(follow(free, handAt(0, 0, -1), state, {}).position == Vec3(0, 0, -1));
 }

@@ -26,6 +26,7 @@ TEST_CASE("report.json has the keys that other tools read", "[run_report]") {
                           "overruns",
                           "caught_up",
                           "restored_count",
+                          "let_go_count",
                           "largest_yield_m",
                           "yielding_seconds",
                           "longest_overrun_streak",

@@ -7,7 +7,6 @@
 #include "base/interrupt.h"
 #include "batch/transient_solver.h"
 #include "realtime/loop/fold_watch.h"
-#include "realtime/loop/snag_watch.h"
 #include "realtime/loop/state_history.h"
 #include "realtime/loop/tool_proxy.h"
 #include "realtime/loop/watchdog.h"
@@ -63,23 +62,24 @@ const char* lossName(const LogEvent& event) {
   }
 }
 
-/// A hand's tool, the tissue's earlier states, and who looks for tissue that has folded or is carried off, as the loop
-/// has them.
+/// A hand's tool, the tissue's earlier states, and who looks for tissue that has folded, as the loop has them.
 struct Hand {
   ToolProxy proxy;
   StateHistory history;
   FoldWatch folds;
-  SnagWatch snags;
   const State start;
   const double dt;  // s
   Hand(const Model& model, const State& at_rest)
-      : proxy(model), history(at_rest, model.scene.rate_hz), folds(model), snags(model), start(at_rest), dt(model.dt) {}
+      : proxy(model), history(at_rest, model.scene.rate_hz), folds(model), start(at_rest), dt(model.dt) {}
+
+  void lead(Command& command, const State& state, const StepReport& last) {
+    command.tools[0] = proxy.follow(command.tools[0], state, last);
+    command.lets_go[0] = proxy.letsGo();
+  }
 
   /// A tick has ended well. @return whether the tissue had to be put back at rest
-  bool putsBack(State& state, const Vec3& hand, const StepReport& report) {
-    const bool folded = folds.update(report, false, static_cast<double>(state.step) * dt);
-    const bool caught = !folded && snags.update(state, hand, report);
-    if (!folded && !caught) return false;
+  bool putsBack(State& state, const StepReport& report) {
+    if (!folds.update(report, false, static_cast<double>(state.step) * dt)) return false;
     const LiveParameters live = state.live;
     state = start;
     state.live = live;
@@ -133,8 +133,7 @@ AtlasRun drive(const Model& model, const AtlasDrive& drive) {
     Command command;
     command.tools[0].pose = model.tools.first().start.pose;
     if (drive.command) command = drive.command(time);
-    const Vec3 wanted = command.tools[0].pose.position;
-    if (hand) command.tools[0].pose = hand->proxy.follow(command.tools[0].pose, state, last);
+    if (hand) hand->lead(command, state, last);
     const StepReport report = last = tick(model, state, command, workspace);
     m.energy_error = std::max(m.energy_error, report.energy_error);
     m.step_share = std::max(m.step_share, report.step_share);
@@ -159,7 +158,7 @@ AtlasRun drive(const Model& model, const AtlasDrive& drive) {
       ++m.restored;
       continue;
     }
-    if (hand && hand->putsBack(state, wanted, report))
+    if (hand && hand->putsBack(state, report))
       ++m.restored;
     else if (hand)
       hand->history.keep(state, doubt);
