@@ -146,7 +146,7 @@ DrawnBody BodyPainter::draw(const BodyPicture& picture, const AlignedVector<Floa
   const float top = margin * s + (picture.title.empty() ? 0 : theme.title->FontSize + 4 * s);
   const Box part{margin * s, top, static_cast<float>(width) - (bar_shown ? 115 : margin) * s,
                  static_cast<float>(height) - margin * s};
-  std::vector<Vec3f> positions = deformed(model_.skin.surface.vertices, model_.skin_shape, u);
+  std::vector<Vec3f> positions = deformed(model_.skin.surface.vertices, model_.skin, u);
   if (picture.rest_outline)
     for (const Vec3& X : model_.skin.surface.vertices) positions.push_back(X.cast<float>());
 
@@ -167,7 +167,7 @@ DrawnBody BodyPainter::draw(const BodyPicture& picture, const AlignedVector<Floa
     view.colour_max = range.high;
   } else {
     const ColourScale scale = automaticScale(
-        skinValues(model_, u, deformed(model_.skin.surface.vertices, model_.skin_shape, u), picture.colour),
+        skinValues(model_, u, deformed(model_.skin.surface.vertices, model_.skin, u), picture.colour),
         picture.colour);
     view.colour_min = scale.min;
     view.colour_max = scale.max;

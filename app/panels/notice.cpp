@@ -9,8 +9,6 @@ std::optional<Notice> noticeOf(const LogEvent& event) {
     notice.sentence = "The tissue was pressed too hard and stands still. Go back a little, or start again.";
   else if (event.kind == Kind::RestoredFolded)
     notice.sentence = "The tissue had folded over and would not come back by itself: it was put back to rest.";
-  else if (event.kind == Kind::RestoredSlid)
-    notice.sentence = "The body had slid away or turned over: it was put back to its place.";
   else if (event.isRestore())
     notice.sentence = "That was more than this tissue can take: it was set back to just before. Press more gently.";
   else if (event.kind == Kind::ToolYields)

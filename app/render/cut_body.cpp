@@ -169,17 +169,17 @@ void addSection(Clipped& clipped, const PlaneFrame& plane, double edge) {
       clipped.surface.triangles.push_back({vertex[t[0]], vertex[t[1]], vertex[t[2]]});
 }
 
-/// Values only: the skin needs no gradients.
-void appendRow(ShapeTable& to, const ShapeTable& from, int row) {
+template <class Rows>
+void appendRow(SkinModel& to, const Rows& from, int row) {
   for (int k = from.begin[row]; k < from.begin[row + 1]; ++k) {
     to.node.push_back(from.node[k]);
-    to.N.push_back(from.N[k]);
+    to.N.push_back(static_cast<float>(from.N[k]));
   }
   to.begin.push_back(static_cast<int>(to.node.size()));
 }
 
 /// Old vertices keep their rows; new ones get theirs from the nodes around them.
-ShapeTable shapeAt(const Body& model, const Clipped& clipped) {
+void addRows(const Body& model, const Clipped& clipped, SkinModel& skin) {
   std::vector<Vec3> points;
   std::vector<int> row(clipped.old_vertex.size(), -1);
   for (std::size_t v = 0; v < row.size(); ++v)
@@ -204,15 +204,13 @@ ShapeTable shapeAt(const Body& model, const Clipped& clipped) {
       if (table[p] == static_cast<int>(tables.size()) - 1 && bad[p]) ++table[p];
     if (failed.empty()) break;
   }
-  ShapeTable shape;
-  shape.begin.assign(1, 0);
+  skin.begin.assign(1, 0);
   for (std::size_t v = 0; v < row.size(); ++v) {
     if (row[v] < 0)
-      appendRow(shape, model.skin_shape, clipped.old_vertex[v]);
+      appendRow(skin, model.skin, clipped.old_vertex[v]);
     else
-      appendRow(shape, tables[std::min<std::size_t>(table[row[v]], tables.size() - 1)], row[v]);
+      appendRow(skin, tables[std::min<std::size_t>(table[row[v]], tables.size() - 1)], row[v]);
   }
-  return shape;
 }
 
 }  // namespace
@@ -239,7 +237,7 @@ CutBody cutBody(const Body& model, const CutPlane& plane) {
   cut.point_shape = model.point_shape;
   cut.materials = model.materials;
   cut.tools = model.tools;
-  cut.skin_shape = shapeAt(model, clipped);
+  addRows(model, clipped, cut.skin);
   cut.skin.area.assign(clipped.surface.vertices.size(), 0.0);
   for (const auto& t : clipped.surface.triangles) {
     const Vec3& a = clipped.surface.vertices[t[0]];

@@ -8,18 +8,6 @@
 
 namespace palpate::app {
 
-std::vector<Vec3f> deformed(const std::vector<Vec3>& X, const ShapeTable& shape, const Displacements& u) {
-  std::vector<Vec3f> x(X.size());
-  for (std::size_t r = 0; r < X.size(); ++r) {
-    Vec3 sum = X[r];
-    if (!u.empty())
-      for (int k = shape.begin[r]; k < shape.begin[r + 1]; ++k) sum += shape.N[k] * toVec3(u[shape.node[k]]);
-    // A state that blew up is still drawn, at rest, so that what went wrong can be read on the screen.
-    x[r] = (sum.allFinite() ? sum : X[r]).cast<float>();
-  }
-  return x;
-}
-
 std::vector<float> pointValues(const Body& model, const Displacements& u, ColourMap map,
                                const std::vector<Material>& present) {
   const ShapeTable& shape = model.point_shape;
@@ -55,12 +43,12 @@ std::vector<float> nodeAverages(const Body& model, const std::vector<float>& poi
 }
 
 std::vector<float> skinAverages(const Body& model, const std::vector<float>& node_values) {
-  const ShapeTable& shape = model.skin_shape;
-  std::vector<float> values(shape.rowCount());
+  const SkinModel& shape = model.skin;
+  std::vector<float> values(shape.surface.vertices.size());
   for (std::size_t v = 0; v < values.size(); ++v) {
     double sum = 0, weight = 0;
     for (int k = shape.begin[v]; k < shape.begin[v + 1]; ++k) {
-      const double w = std::max(0.0, shape.N[k]);
+      const double w = std::max(0.0F, shape.N[k]);
       if (!std::isfinite(node_values[shape.node[k]])) continue;
       sum += w * node_values[shape.node[k]];
       weight += w;

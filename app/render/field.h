@@ -11,7 +11,19 @@ namespace palpate::app {
 using Displacements = AlignedVector<Float4>;
 
 /// Where evaluation points stand under u, m: X_r + sum_i N_i(X_r) u_i.  (row_count)
-std::vector<Vec3f> deformed(const std::vector<Vec3>& X, const ShapeTable& shape, const Displacements& u);
+/// @param rows  begin, node and N of each: a ShapeTable or a SkinModel
+template <class Rows>
+std::vector<Vec3f> deformed(const std::vector<Vec3>& X, const Rows& rows, const Displacements& u) {
+  std::vector<Vec3f> x(X.size());
+  for (std::size_t r = 0; r < X.size(); ++r) {
+    Vec3 sum = X[r];
+    if (!u.empty())
+      for (int k = rows.begin[r]; k < rows.begin[r + 1]; ++k) sum += rows.N[k] * toVec3(u[rows.node[k]]);
+    // A state that blew up is still drawn, at rest, so that what went wrong can be read on the screen.
+    x[r] = (sum.allFinite() ? sum : X[r]).template cast<float>();
+  }
+  return x;
+}
 
 /// von Mises stress (Pa) or J at the integration points, from F = I + sum_i u_i (x) gradN_i
 /// (X of paper eqs. 9, 31).  (point_count)

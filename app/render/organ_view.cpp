@@ -36,7 +36,7 @@ ColourScale OrganView::draw(const Snapshot& snapshot, const View& view, int fram
     }
   }
   if (!cut_renderer_) return whole_.draw(snapshot, view, framebuffer_width, framebuffer_height);
-  positions_ = deformed(model_->skin.surface.vertices, model_->skin_shape, snapshot.u);
+  positions_ = deformed(model_->skin.surface.vertices, model_->skin, snapshot.u);
   return cut_renderer_->draw(snapshot, view, framebuffer_width, framebuffer_height);
 }
 

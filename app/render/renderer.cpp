@@ -404,7 +404,9 @@ ColourScale Renderer::draw(const Snapshot& snapshot, const View& view, int frame
 
   const ColourScale scale = parts.skin.update(snapshot, view);
   parts.skin_buffers.update(parts.skin);
-  parts.extent = view.show_room ? parts.rest : Extent(parts.skin.positions());
+  const Extent now(parts.skin.positions());
+  parts.extent = view.show_room ? parts.rest : now;
+  parts.extent.ground.z() = std::min(parts.extent.ground.z(), now.ground.z());  // tissue may hang lower than at rest
   parts.key = keyDirection(view.light_azimuth_deg.value_or(parts.model.scene.camera_azimuth_deg));
 
   glEnable(GL_DEPTH_TEST);

@@ -59,14 +59,14 @@ SkinMesh::SkinMesh(const Body& model, std::span<const int> whole_vertex)
   splitEdges();
   findNeighbours();
   const std::vector<OrganSpec> organs = organsOf(model.scene);
-  const ShapeTable& shape = model.skin_shape;
+  const SkinModel& shape = model.skin;
   for (std::size_t s = 0; s < vertices_.size(); ++s) {
     const int v = skin_vertex_[s];
     vertices_[s].reference = positions_[v];
     double fixed = 0, all = 0;
     int heaviest = shape.begin[v];
     for (int k = shape.begin[v]; k < shape.begin[v + 1]; ++k) {
-      const double w = std::max(0.0, shape.N[k]);
+      const double w = std::max(0.0F, shape.N[k]);
       all += w;
       if (model.imposed[shape.node[k]] != 0) fixed += w;
       if (shape.N[k] > shape.N[heaviest]) heaviest = k;
@@ -124,7 +124,7 @@ void SkinMesh::findNeighbours() {
 }
 
 ColourScale SkinMesh::update(const Snapshot& snapshot, const View& view) {
-  positions_ = deformed(model_->skin.surface.vertices, model_->skin_shape, snapshot.u);
+  positions_ = deformed(model_->skin.surface.vertices, model_->skin, snapshot.u);
   updateNormals();
   updateCavities();
   updateContact(snapshot);

@@ -17,8 +17,8 @@ std::size_t bytesOf(const Snapshot& s) {
 std::size_t bytesOfPlace(const Snapshot& s, const std::shared_ptr<const Place>& before) {
   if (!s.place || s.place == before) return 0;
   const Model& model = s.place->model;
-  constexpr std::size_t gradient = sizeof(Vec3) + sizeof(double) + sizeof(int), value = sizeof(double) + sizeof(int);
-  return 2 * (model.point_shape.N.size() * gradient + model.skin_shape.N.size() * value);  // the kernel's, too
+  constexpr std::size_t gradient = sizeof(Vec3) + sizeof(double) + sizeof(int), value = sizeof(float) + sizeof(int);
+  return 2 * model.point_shape.N.size() * gradient + model.skin.N.size() * value;  // the kernel's, too
 }
 
 }  // namespace

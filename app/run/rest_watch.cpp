@@ -65,15 +65,17 @@ bool RestWatch::update(const State& state, const StepReport& last) {
   if (near_time_ == 0 || state.place != anchor_place_ || !(farthest(state.u, anchor_) <= restRadius() + rounding_)) {
     anchor_.assign(state.u.begin(), state.u.end());  // there is room
     anchor_place_ = state.place;
-    rounding_ = 2 * std::numeric_limits<float>::epsilon() * free_.cwiseProduct(meanOf(state.u)).norm();
+    rounding_ = 2 * std::numeric_limits<float>::epsilon() * slidOf(state).norm();
     near_time_ = 0;
   }
   near_time_ += tick_seconds_;
   return rested() || rest_time_ >= longest_rest_s;
 }
 
+Vec3 RestWatch::slidOf(const State& state) const { return free_.cwiseProduct(meanOf(state.u)); }
+
 double RestWatch::driftOf(const State& state) {
-  if (held_) return 0;
+  if (held_ || free_ == Vec3::Ones()) return 0;
   const bool elsewhere = has_first_ && state.place != first_place_;
   if (!has_first_ || (elsewhere && !rests_unmoved_)) {
     first_.assign(state.u.begin(), state.u.end());

@@ -44,7 +44,7 @@ double RoughMotion::uniform(double low, double high) { return low + (high - low)
 /// Somewhere over, in or under the organ: its height is this share of the organ's, from the bottom.
 Vec3 RoughMotion::place(double low_share, double high_share) {
   const double x = uniform(low_.x(), high_.x()), y = uniform(low_.y(), high_.y());
-  return {x, y, low_.z() + uniform(low_share, high_share) * (high_.z() - low_.z())};
+  return slid_ + Vec3(x, y, low_.z() + uniform(low_share, high_share) * (high_.z() - low_.z()));
 }
 
 void RoughMotion::planAct() {
@@ -93,6 +93,7 @@ void RoughMotion::planRound() {
 void RoughMotion::restart() {
   random_.seed(seed_);
   hand_.setZero();
+  slid_.setZero();
   cycle_ = {};
   rest_.forgetFirst();
   planRound();
@@ -106,7 +107,7 @@ const Request* RoughMotion::nextSetting() {
 /// m along `way`, to where it goes if the skin hangs on the tool: the organ's size beyond it.
 double RoughMotion::endOf(const Vec3& way) const {
   const Vec3 corner = (way.array() > 0).select(Vec3(high_.x(), high_.y(), lift_), low_);
-  return way.dot(corner) + (high_ - low_).norm();
+  return way.dot(slid_ + corner) + (high_ - low_).norm();
 }
 
 /// A tool that came up beneath a fold carries it; a hand would draw it out. One that came up beneath the organ lifts it
@@ -136,6 +137,7 @@ void RoughMotion::watch(const State& state, const StepReport& last) {
   cycle_.drift_m = rest_.driftOf(state);
   cycle_.end_tick = state.tick;
   cycles_.push(cycle_);
+  slid_ = start_.orientation.conjugate() * rest_.slidOf(state);
   planRound();
 }
 

@@ -54,8 +54,9 @@ class RoughMotion final : public SoakHand {
   const double tick_seconds_;
   const std::vector<Material> materials_;  // the scene's
   const unsigned seed_;
-  Vec3 low_, high_;  // m, the skin's box in the frame of the tool's start
-  double lift_ = 0;  // m, height there at which the tool is above all of the skin
+  Vec3 low_, high_;           // m, the skin's box in the frame of the tool's start
+  Vec3 slid_ = Vec3::Zero();  // m, how far what nothing holds has gone, in the frame of the tool's start
+  double lift_ = 0;           // m, height there at which the tool is above all of the skin
   RestWatch rest_;
 
   SpscRing<SoakCycle> cycles_{1024};

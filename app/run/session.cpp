@@ -356,9 +356,10 @@ void Session::chooseInput(SimulationLoopOptions& loop_options) {
   } else if (!options_.device.empty()) {
     track_seconds = options_.seconds.value_or(default_offscreen_seconds);
   } else if (options_.offscreen) {
-    track_seconds = options_.seconds.value_or(default_offscreen_seconds);
     const ToolScript script = indentScript(model_);
     followScript(script, loop_options);
+    track_seconds = options_.seconds.value_or(
+        std::max(default_offscreen_seconds, static_cast<double>(loop_options.track_ticks) / rate));
     // Longer than the script: the tool stays. Shorter: the run ends before the tool has gone all of its way.
     loop_options.track_ticks = std::max(loop_options.track_ticks, ticksIn(track_seconds, rate));
     script_ = script.name;

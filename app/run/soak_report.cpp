@@ -85,8 +85,7 @@ std::vector<std::string> brokenPromises(const SoakReport& r) {
   if (r.rough) {
     addExcess("the tissue was lost and was put back", r.restores.lost, RoughLimits::lost, r.ticks, broken);
     addExcess("the tissue folded and was put back", r.restores.folded, RoughLimits::folded, r.ticks, broken);
-    addExcess("the tool was caught and let go", r.let_go, RoughLimits::let_go, r.ticks, broken);
-    addExcess("the tissue slid away and was put back", r.restores.slid, RoughLimits::slid, r.ticks, broken);
+    addExcess("the tool was stuck and let go", r.let_go, RoughLimits::let_go, r.ticks, broken);
     if (r.crossings > RoughLimits::crossings)
       broken.push_back(format("the skin crosses itself at %d places (limit %d)", r.crossings, RoughLimits::crossings));
     if (r.crossings_at_rest > RoughLimits::crossings_at_rest)
@@ -165,10 +164,7 @@ std::string toJson(const SoakReport& r) {
       {"seed", r.seed},
       {"freezes", r.frozen ? 1 : 0},
       {"restored", r.restored},
-      {"restores",
-       {{"lost", r.restores.lost},
-        {"the tissue folded and was put back", r.restores.folded},
-        {"slid", r.restores.slid}}},
+      {"restores", {{"lost", r.restores.lost}, {"folded", r.restores.folded}}},
       {"let_go", r.let_go},
       {"skin_crossings", r.crossings},
       {"skin_crossings_at_rest", r.crossings_at_rest},
@@ -196,11 +192,11 @@ std::string toText(const SoakReport& r) {
                  r.rough ? "rough" : "careful", r.seed, r.frozen ? 1 : 0, asLongLong(r.restored),
                  asLongLong(r.not_finite), 1e3 * r.largest_yield_m);
   text += format(
-      "put back: %lld lost, %lld folded, %lld slid; %lld times the tool let go; skin crosses itself at %d places at "
+      "put back: %lld lost, %lld folded; %lld times the tool let go; skin crosses itself at %d places at "
       "most, "
       "at rest at %d\n",
-      asLongLong(r.restores.lost), asLongLong(r.restores.folded), asLongLong(r.restores.slid), asLongLong(r.let_go),
-      r.crossings, r.crossings_at_rest);
+      asLongLong(r.restores.lost), asLongLong(r.restores.folded), asLongLong(r.let_go), r.crossings,
+      r.crossings_at_rest);
   std::string flags;
   for (const std::string& name : flagNames(r.flags)) flags += " " + name;
   text += format("peak force %.3f N, min J %.3f, flags:", r.peak_force_N, static_cast<double>(r.min_J)) +

@@ -53,7 +53,7 @@ struct SoakReport {
   bool frozen = false;
   std::int64_t restored = 0;  // times that the tissue was lost and went back to an earlier state
   Restores restores;          // the same by cause; known at the end
-  std::int64_t let_go = 0;    // times that a tool was caught, and let the tissue go; likewise
+  std::int64_t let_go = 0;    // times that a tool was stuck, and let the tissue go; likewise
   // Of the skin with itself (SkinCrossings), the most at a time: while no tool touched it, and of that at rest.
   int crossings = 0, crossings_at_rest = 0;
   std::int64_t not_finite = 0;  // ticks with a number that was not finite
@@ -75,7 +75,7 @@ struct SoakReport {
 /// of them: times in 10^6 ticks that it is put back, or that a tool lets it go (in a run of any length so many in
 /// proportion, and one more, since they come by chance), and places where its skin crosses itself.
 struct RoughLimits {
-  static constexpr double lost = 50, folded = 150, let_go = 250, slid = 20;
+  static constexpr double lost = 50, folded = 150, let_go = 50;
   static constexpr int crossings = 1200, crossings_at_rest = 0;
 };
 

@@ -179,11 +179,4 @@ BatchBody::Report BatchBody::advance(double alpha, double beta, double time, con
   return report;
 }
 
-std::vector<Vec3> fieldAt(const ShapeTable& shape, const AlignedVector<Double4>& u) {
-  std::vector<Vec3> field(shape.rowCount(), Vec3::Zero());
-  for (int r = 0; r < shape.rowCount(); ++r)
-    for (int e = shape.begin[r]; e < shape.begin[r + 1]; ++e) field[r] += shape.N[e] * toVec3(u[shape.node[e]]);
-  return field;
-}
-
 }  // namespace palpate

@@ -115,7 +115,13 @@ class BatchBody {
   AlignedVector<Float4> u_float_, du_float_, du_before_;
 };
 
-/// The displacement field at rows of a shape table, m: sum_i N_i u_i.
-std::vector<Vec3> fieldAt(const ShapeTable& shape, const AlignedVector<Double4>& u);
+/// The displacement field at rows of a ShapeTable or SkinModel, m: sum_i N_i u_i.  (row_count)
+template <class Rows>
+std::vector<Vec3> fieldAt(const Rows& rows, const AlignedVector<Double4>& u) {
+  std::vector<Vec3> field(rows.begin.size() - 1, Vec3::Zero());
+  for (std::size_t r = 0; r < field.size(); ++r)
+    for (int k = rows.begin[r]; k < rows.begin[r + 1]; ++k) field[r] += rows.N[k] * toVec3(u[rows.node[k]]);
+  return field;
+}
 
 }  // namespace palpate

@@ -70,10 +70,10 @@ constexpr float kPassing = 2.0F;
 /// sideways.
 bool comesFromInside(const SkinModel& skin, int v, const Vec3& way, const Float4* u) {
   constexpr double kOutwards = 0.5;
-  if (skin.topology.face_begin.empty()) return false;
+  if (skin.topology->face_begin.empty()) return false;
   Vec3 outside = Vec3::Zero();
-  for (int k = skin.topology.face_begin[v]; k < skin.topology.face_begin[v + 1]; ++k) {
-    const auto& corner = skin.surface.triangles[skin.topology.face_of[k]];
+  for (int k = skin.topology->face_begin[v]; k < skin.topology->face_begin[v + 1]; ++k) {
+    const auto& corner = skin.surface.triangles[skin.topology->face_of[k]];
     const Vec3 x = skinPosition(skin, corner[0], u);
     outside += (skinPosition(skin, corner[1], u) - x).cross(skinPosition(skin, corner[2], u) - x);
   }

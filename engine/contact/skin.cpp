@@ -76,6 +76,12 @@ void makeClusters(SkinModel& skin) {
 
 }  // namespace
 
+void setRows(const ShapeTable& shape, SkinModel& skin) {
+  skin.begin = shape.begin;
+  skin.node = shape.node;
+  skin.N.assign(shape.N.begin(), shape.N.end());
+}
+
 SkinModel buildSkinModel(const TriangleSurface& surface, const ShapeTable& shape, double tool_radius,
                          double young_modulus) {
   SkinModel skin;
@@ -86,12 +92,28 @@ SkinModel buildSkinModel(const TriangleSurface& surface, const ShapeTable& shape
     const double third = edge.cross(surface.vertices[c] - surface.vertices[a]).norm() / 6.0;
     for (int v : {a, b, c}) skin.area[v] += third;
   }
-  skin.begin = shape.begin;
-  skin.node = shape.node;
-  skin.N.assign(shape.N.begin(), shape.N.end());
+  setRows(shape, skin);
   skin.bulk_stiffness = young_modulus / (kLayerDepthPerRadius * tool_radius);
   makeClusters(skin);
   return skin;
+}
+
+bool isInside(const SkinModel& skin, const Float4* u, const Vec3& point, std::vector<Vec3f>& position) {
+  for (std::size_t v = 0; v < position.size(); ++v)
+    position[v] = (skinPosition(skin, static_cast<int>(v), u) - point).cast<float>();
+  // Whether the origin is to the left of the way from a to b, seen along z; on it for one of two opposite ways.
+  const auto isLeft = [](const Vec3f& a, const Vec3f& b) {
+    const double ab = static_cast<double>(a.x()) * b.y(), ba = static_cast<double>(b.x()) * a.y();
+    return ab > ba || (ab == ba && (a.x() < b.x() || (a.x() == b.x() && a.y() < b.y())));
+  };
+  int around = 0;
+  for (const auto& t : skin.surface.triangles) {
+    const Vec3f &a = position[t[0]], &b = position[t[1]], &c = position[t[2]];
+    const bool left = isLeft(a, b);
+    if (isLeft(b, c) != left || isLeft(c, a) != left) continue;
+    if ((a.dot((b - a).cross(c - a)) > 0) == left) around += left ? 1 : -1;  // it is above
+  }
+  return around != 0;
 }
 
 }  // namespace palpate

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <vector>
 
 #include "approximation/shape_table.h"
@@ -33,7 +34,8 @@ struct SkinModel {
   std::vector<int> region_representative;  // (region_count) as a cluster's
   std::vector<float> region_radius;        // (region_count)
   double bulk_stiffness = 0;               // Pa/m, pressure per penetration of the contact layer
-  SkinTopology topology;                   // for samples on stretched faces (face_samples.h)
+  // For samples on stretched faces (face_samples.h); one for all models with this surface.
+  std::shared_ptr<const SkinTopology> topology = std::make_shared<const SkinTopology>();
 
   int vertexCount() const { return static_cast<int>(area.size()); }
   int clusterCount() const { return static_cast<int>(cluster_representative.size()); }
@@ -45,6 +47,9 @@ struct SkinModel {
 /// @param young_modulus  Pa, the softest tissue's; sets the contact layer's stiffness
 SkinModel buildSkinModel(const TriangleSurface& surface, const ShapeTable& shape, double tool_radius,
                          double young_modulus);
+
+/// Copies the values of a table with one row per skin vertex.
+void setRows(const ShapeTable& shape, SkinModel& skin);
 
 /// Interpolates a nodal field at skin vertex v: sum_i N_i(X_v) field_i. Lane w is 0.
 /// Four partial sums, so that the additions overlap; their order is fixed.
@@ -77,6 +82,11 @@ inline void prefetchVertex(const SkinModel& skin, int v) {
 }
 
 /// Where skin vertex v is now, m. Real-time.
+/// Whether a point is in what a closed skin encloses as it is now: by the faces above it, each by its side.
+/// @param position  (vertex_count) scratch
+/// Real-time: no allocation, no lock, no throw; an interpolation for each vertex.
+bool isInside(const SkinModel& skin, const Float4* u, const Vec3& point, std::vector<Vec3f>& position);
+
 inline Vec3 skinPosition(const SkinModel& skin, int v, const Float4* u) {
   return skin.surface.vertices[v] + interpolateAtVertex(skin, v, u).head<3>().cast<double>();
 }

@@ -29,7 +29,7 @@ std::vector<int> byDensity(const SkinBodies& bodies, const SkinModel& skin) {
 
 /// The faces around each cluster's vertices.
 void addClusterFaces(const SkinModel& skin, SkinBodies& bodies) {
-  const SkinTopology& topology = skin.topology;
+  const SkinTopology& topology = *skin.topology;
   bodies.cluster_face_begin.assign(1, 0);
   for (int c = 0; c < skin.clusterCount(); ++c) {
     int of = bodies.body[skin.cluster_representative[c]];
@@ -125,7 +125,7 @@ SkinBodies makeSkinBodies(const SkinModel& skin, double spacing) {
   bodies.organ.assign(static_cast<std::size_t>(of.count), 0);
   bodies.friction.assign(static_cast<std::size_t>(of.count), 0.0F);
   bodies.spacing = spacing;
-  for (const float length : skin.topology.edge_length)
+  for (const float length : skin.topology->edge_length)
     bodies.longest_edge = std::max(bodies.longest_edge, static_cast<double>(length));
   bodies.normal = vertexNormals(skin.surface);
   addClusterFaces(skin, bodies);

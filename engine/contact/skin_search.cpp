@@ -156,7 +156,7 @@ class Look {
 
  private:
   std::span<const int> facesAround(int v) const {
-    const auto& topology = skin_.topology;
+    const auto& topology = *skin_.topology;
     return {topology.face_of.data() + topology.face_begin[v],
             static_cast<std::size_t>(topology.face_begin[v + 1] - topology.face_begin[v])};
   }

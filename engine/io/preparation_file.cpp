@@ -66,9 +66,11 @@ void forEachArray(P& p, Visit&& visit) {
   visit(p.volume_cells);
   forEachTable(p.point_shape, visit);
   forEachTable(p.node_shape, visit);
-  forEachTable(p.skin_shape, visit);
   visit(p.skin.surface.vertices);
   visit(p.skin.surface.triangles);
+  visit(p.skin.begin);
+  visit(p.skin.node);
+  visit(p.skin.N);
   visit(p.essential.nodes);
   visit(p.essential.facets);
   visit(p.essential.facet_weight);
@@ -77,7 +79,7 @@ void forEachArray(P& p, Visit&& visit) {
   visit(p.cloud.on_surface);
   visit(p.cloud.coarsest);
 }
-constexpr std::size_t array_count = 37;
+constexpr std::size_t array_count = 36;
 
 struct Header {
   std::uint64_t magic_word = magic, layout = version;

@@ -24,8 +24,9 @@ bool allWithin(const std::vector<std::array<int, size>>& rows, std::size_t count
   });
 }
 
-bool allFinite(const std::vector<double>& values) {
-  return std::all_of(values.begin(), values.end(), [](double a) { return std::isfinite(a); });
+template <class Real, class Allocator>
+bool allFinite(const std::vector<Real, Allocator>& values) {
+  return std::all_of(values.begin(), values.end(), [](Real a) { return std::isfinite(a); });
 }
 
 bool allPositive(const std::vector<double>& values) {
@@ -36,19 +37,24 @@ bool allFinite(const std::vector<Vec3>& values) {
   return std::all_of(values.begin(), values.end(), [](const Vec3& a) { return a.allFinite(); });
 }
 
-/// Rows in order, each with ascending nodes of `nodes`.
-bool isTable(const ShapeTable& table, std::size_t rows, std::size_t nodes, bool gradients) {
-  if (rows == 0 && table.begin.empty()) return table.node.empty() && table.N.empty() && table.gradN.empty();
+/// Rows in order, each with ascending nodes of `nodes`: of a ShapeTable or SkinModel.
+template <class Rows>
+bool areRows(const Rows& table, std::size_t rows, std::size_t nodes) {
+  if (rows == 0 && table.begin.empty()) return table.node.empty() && table.N.empty();
   const std::size_t entries = table.node.size();
   if (table.begin.size() != rows + 1 || table.begin.front() != 0 ||
       static_cast<std::size_t>(table.begin.back()) != entries ||
-      !std::is_sorted(table.begin.begin(), table.begin.end()) || table.N.size() != entries ||
-      table.gradN.size() != (gradients ? entries : 0))
+      !std::is_sorted(table.begin.begin(), table.begin.end()) || table.N.size() != entries)
     return false;
   for (std::size_t r = 0; r < rows; ++r)
     for (int e = table.begin[r] + 1; e < table.begin[r + 1]; ++e)
       if (table.node[e - 1] >= table.node[e]) return false;
-  return allWithin(table.node, nodes) && allFinite(table.N) && allFinite(table.gradN);
+  return allWithin(table.node, nodes) && allFinite(table.N);
+}
+
+bool isTable(const ShapeTable& table, std::size_t rows, std::size_t nodes, bool gradients) {
+  return areRows(table, rows, nodes) && table.gradN.size() == (gradients ? table.node.size() : 0) &&
+         allFinite(table.gradN);
 }
 
 /// Each imposed node once, and only such nodes at the facets.
@@ -104,7 +110,7 @@ bool isSound(const Preparation& p, std::size_t material_count, std::size_t bound
          allWithin(p.volume_cells, nodes + p.side_node.size()) &&
          p.volume_cells.size() == (p.vertex_group.empty() ? 0 : p.cells.size()) &&
          p.vertex_group.size() == (p.vertex_group.empty() ? p.side_node.size() : nodes + p.side_node.size()) &&
-         isTable(p.node_shape, nodes, nodes, false) && isTable(p.skin_shape, vertices, nodes, false) &&
+         isTable(p.node_shape, nodes, nodes, false) && areRows(p.skin, vertices, nodes) &&
          allFinite(p.skin.surface.vertices) && allWithin(p.skin.surface.triangles, vertices) &&
          isEssential(p.essential, nodes, boundary_count) && within(p.limit.worst_node, nodes) &&
          allPositive({p.limit.dt, p.limit.dt_proven, p.surface_volume, p.cell_volume}) &&

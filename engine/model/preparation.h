@@ -41,10 +41,9 @@ struct Preparation {
   // Computed by shapeFunctions (MMLS).
   ShapeTable point_shape;  // N, gradN at the integration points
   ShapeTable node_shape;   // N at the nodes' own positions
-  ShapeTable skin_shape;   // N at the skin's vertices (double, for set-up and drawing)
 
-  // Kept are skin.surface, refined for contact, and essential's nodes and facets with facet_weight and facet_phi; what
-  // else these two hold follows from that and the scene, and comes from buildModel.
+  // Kept are skin.surface, refined for contact, with its rows of N, and essential's nodes and facets with facet_weight
+  // and facet_phi; what else these two hold follows from that and the scene, and comes from buildModel.
   SkinModel skin;
   EssentialNodes essential;  // what is imposed where
 

@@ -17,6 +17,7 @@ enum StepFlag : std::uint32_t {
   kInvertedPoints = 1u << 2,   // integration points with J <= 0
   kContactOverflow = 1u << 3,  // more skin vertices near the tool than memory was taken for
   kDeepContact = 1u << 4,      // penetration beyond a fifth of the tool's radius
+  kLetsGo = 1u << 5,           // a tool touches nothing, wherever it is (Command::lets_go)
 };
 
 /// Why the numbers of a step should not be believed, the gravest that applies (step/trust.h).
@@ -24,7 +25,7 @@ enum class Doubt : std::uint8_t {
   None,
   Resolution,  // the nodes are too far apart for how the tissue deforms, or mass_scaling slows it (resolution.h)
   Volume,      // nearly incompressible tissue has crumpled, or is under a pressure at which it may
-  Contact,     // the tool is deep in the skin, or touches more of it than there is memory for
+  Contact,     // the tool is deep in the skin, touches more of it than there is memory for, or has let go
   Squeezed,    // a point is near collapse
   Step,        // the mass that keeps squeezed tissue stable with this time step slows it
   Energy,      // the steps make energy

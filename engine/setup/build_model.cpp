@@ -180,12 +180,13 @@ double softestYoung(const std::vector<Material>& materials) {
 
 /// The skin as the contact reads it, and the tools before it.
 void addSkinAndTool(const Scene& scene, const SurfaceTree& tree, const CommonToPlaces* common, Model& model) {
-  model.skin = common != nullptr ? common->skin : skinOf(scene, model.skin.surface);
+  SkinModel skin = common != nullptr ? common->skin : skinOf(scene, model.skin.surface);
+  skin.begin = std::move(model.skin.begin);
+  skin.node = std::move(model.skin.node);
+  skin.N = std::move(model.skin.N);
+  model.skin = std::move(skin);
   model.gaps =
       common != nullptr ? common->gaps : std::make_shared<const SurfaceGaps>(gapsOf(scene, model.skin.surface, tree));
-  model.skin.begin = model.skin_shape.begin;
-  model.skin.node = model.skin_shape.node;
-  model.skin.N.assign(model.skin_shape.N.begin(), model.skin_shape.N.end());
   addBodies(scene, tree, common, model);
   model.rigid = rigidBodiesOf(scene, tree, model.skin, softestYoung(model.materials));
   model.tools = makeToolSet(scene, tree, model.skin.surface);
@@ -199,7 +200,7 @@ void addSkinAndTool(const Scene& scene, const SurfaceTree& tree, const CommonToP
 
 SkinModel skinOf(const Scene& scene, const TriangleSurface& surface) {
   SkinModel skin = buildSkinModel(surface, {}, smallestToolRadius(scene), softestYoung(materialsOf(scene)));
-  skin.topology = makeSkinTopology(surface);
+  skin.topology = std::make_shared<const SkinTopology>(makeSkinTopology(surface));
   return skin;
 }
 

@@ -65,16 +65,16 @@ double finestSpacing(double volume, double area, double nodes) {
 }
 
 void checkCounts(const Scene& scene, double volume, double area) {
-  // What the set-up can hold: about 0.1 MB a node. A typing error in the spacing should not fill the memory.
-  const double max_nodes = scene.follow ? most_fine_nodes : most_nodes;
+  // What the set-up can hold: about 0.1 MB a node. A typing error in the spacing should not fill the memory. A cloud
+  // that follows the tool is no finer than can be made (followSizes).
   const double h = scene.spacing,
                nodes = std::max(volume / (volume_per_node * h * h * h), area / (area_per_node * h * h));
-  if (nodes > 1.001 * max_nodes)
+  if (!scene.follow && nodes > 1.001 * most_nodes)
     throw InputError(placeOf(scene, "discretization.spacing"),
                      "a spacing of " + number(scene.spacing) + " m makes " +
                          (nodes < 1e15 ? "about " + number(nodes) : "countless") + " nodes, more than " +
-                         number(max_nodes),
-                     "raise it, to " + number(finestSpacing(volume, area, max_nodes)) +
+                         number(most_nodes),
+                     "raise it, to " + number(finestSpacing(volume, area, most_nodes)) +
                          " m or more, and refine where the tool works");
   const double edge = tool_edge * smallestToolRadius(scene), faces = area / (std::sqrt(3.0) / 4 * edge * edge);
   if (faces > max_refined_triangles)

@@ -9,8 +9,8 @@
 namespace palpate {
 namespace {
 
-template <class T>
-void append(std::vector<T>&& more, std::vector<T>& all) {
+template <class T, class Allocator>
+void append(std::vector<T, Allocator>&& more, std::vector<T, Allocator>& all) {
   all.insert(all.end(), std::make_move_iterator(more.begin()), std::make_move_iterator(more.end()));
 }
 
@@ -26,8 +26,9 @@ void append(std::vector<T>&& more, At at, std::vector<T>& all) {
   append(std::move(more), all);
 }
 
-/// @param nodes  before those of `more`
-void append(ShapeTable&& more, int nodes, ShapeTable& all) {
+/// Of a ShapeTable or SkinModel. @param nodes  before those of `more`
+template <class Rows>
+void appendRows(Rows& more, int nodes, Rows& all) {
   const int entries = static_cast<int>(all.node.size());
   if (all.begin.empty() && !more.begin.empty()) all.begin.push_back(0);
   if (!more.begin.empty()) more.begin.erase(more.begin.begin());
@@ -36,6 +37,10 @@ void append(ShapeTable&& more, int nodes, ShapeTable& all) {
   append(
       std::move(more.node), [&](int i) { return nodes + i; }, all.node);
   append(std::move(more.N), all.N);
+}
+
+void append(ShapeTable&& more, int nodes, ShapeTable& all) {
+  appendRows(more, nodes, all);
   append(std::move(more.gradN), all.gradN);
 }
 
@@ -118,7 +123,7 @@ void append(Preparation&& more, Preparation& all) {
   all.cell_volume += more.cell_volume;
   append(std::move(more.point_shape), nodes, all.point_shape);
   append(std::move(more.node_shape), nodes, all.node_shape);
-  append(std::move(more.skin_shape), nodes, all.skin_shape);
+  appendRows(more.skin, nodes, all.skin);
   append(std::move(more.skin.surface.vertices), all.skin.surface.vertices);
   append(
       std::move(more.skin.surface.triangles), [&](int v) { return vertices + v; }, all.skin.surface.triangles);

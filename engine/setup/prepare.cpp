@@ -224,7 +224,7 @@ Preparation prepare(const Scene& scene, const SurfaceTree& tree, Discretization 
   p.point_other_cell = std::move(points.other_cell);
   p.point_shape = std::move(shape.points);
   p.node_shape = std::move(shape.nodes);
-  p.skin_shape = std::move(shape.skin);
+  setRows(shape.skin, p.skin);
   p.essential.facet_phi = std::move(shape.facets);
   return p;
 }

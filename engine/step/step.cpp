@@ -90,16 +90,16 @@ StepReport tick(const Model& model, State& state, const Command& command, Worksp
       correctBoundaryDrift(model.boundary, static_cast<double>(state.step) * model.dt, state.u.data(),
                            state.u_low.data(), workspace.boundary);
   });
+  StepReport total;
   ToolLoads near;
   for (int b = 0; b < bodies; ++b) {
     const auto tool = static_cast<std::size_t>(model.tools.body[b].tool);
     near[tool].near_count += state.contact[b].count;
-    if (command.lets_go[tool]) state.contact[b].count = 0;
+    if (command.lets_go[tool]) state.contact[b].count = 0, total.flags |= kLetsGo;
     forBody(b, findFaceSamples);
   }
   findSkinPairs(model.bodies, model.skin, state.u.data(), state.du.data(), model.substeps_per_tick, state.skins,
                 workspace.skins);
-  StepReport total;
   for (int k = 1; k <= model.substeps_per_tick; ++k) {
     const ToolPostures wanted = ways.next(state, model.substeps_per_tick - k + 1);
     total = worstOf(total, step(model, state, wanted, command, workspace));

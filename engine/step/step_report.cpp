@@ -19,7 +19,7 @@ std::uint32_t flagsOf(const Model& model, const StepReport& report, const StepOu
   if (report.inverted_points > 0) flags |= kInvertedPoints;
   if (outcome.skins.overflow) flags |= kContactOverflow;
   for (const ContactState& contact : state.contact)
-    if (contact.overflow) flags |= kContactOverflow;
+    if (contact.overflow && contact.contact_count > 0) flags |= kContactOverflow;
   if (report.max_penetration > deep_contact * model.scene.tools[0].shape.radius) flags |= kDeepContact;
   if (isTooDeep(model, outcome.skins)) flags |= kDeepContact;
   return flags;

@@ -12,7 +12,7 @@ Doubt doubtOf(const Model& model, const StepReport& report) {
   if (report.step_share > TrustLimits::step_share || report.added_inertia > TrustLimits::added_inertia)
     return Doubt::Step;
   if (report.min_J < TrustLimits::min_J) return Doubt::Squeezed;
-  if ((report.flags & kContactOverflow) ||
+  if ((report.flags & (kContactOverflow | kLetsGo)) ||
       report.max_penetration > TrustLimits::penetration * model.scene.tools[0].shape.radius)
     return Doubt::Contact;
   const double max_pressure =
@@ -44,7 +44,7 @@ const char* doubtText(Doubt doubt) {
     case Doubt::Volume:
       return "the tissue's volume is under too high a pressure to be held: press less, or finer spacing";
     case Doubt::Contact:
-      return "the tool is deep in the skin: finer spacing, or a blunter tool";
+      return "the tool is deep in the skin, or has let go of it: finer spacing, or a blunter tool";
     case Doubt::Squeezed:
       return "a point is squeezed to less than 0.3 of its volume: press less, or finer spacing";
     case Doubt::Step:

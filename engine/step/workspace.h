@@ -36,9 +36,14 @@ class Workspace {
   Workspace(const Model& model, int threads) : Workspace(model, std::make_shared<SpinTeam>(threads)) {}
 
   /// Of threads that step other models, too, one after the other.
-  Workspace(const Model& model, std::shared_ptr<SpinTeam> threads)
+  /// @param skins_beside  of such a model with the same skin; null: its own
+  Workspace(const Model& model, std::shared_ptr<SpinTeam> threads,
+            std::shared_ptr<SkinContactScratch> skins_beside = nullptr)
       : shared_team(std::move(threads)),
+        shared_skins(skins_beside ? std::move(skins_beside)
+                                  : std::make_shared<SkinContactScratch>(model.bodies, model.skin)),
         team(*shared_team),
+        skins(*shared_skins),
         kernel(makeKernelScratch(model.kernel)),
         boundary(makeBoundaryScratch(model.boundary)),
         f(model.X.size()),
@@ -47,11 +52,12 @@ class Workspace {
         compression(model),
         resolution(model),
         tissue_mass(tissueMass(model)),
-        skins(model.bodies, model.skin),
         surface_loads(model.surface_loads) {}
 
   const std::shared_ptr<SpinTeam> shared_team;
+  const std::shared_ptr<SkinContactScratch> shared_skins;
   SpinTeam& team;
+  SkinContactScratch& skins;
   KernelScratch kernel;
   BoundaryScratch boundary;
   AlignedVector<Float4> f;            // (node_count) internal forces, N
@@ -60,7 +66,6 @@ class Workspace {
   CompressionLimit compression;
   ResolutionWatch resolution;
   const AlignedVector<float> tissue_mass;  // (node_count) kg, that live loads accelerate
-  SkinContactScratch skins;
   SurfaceLoadScratch surface_loads;
 };
 

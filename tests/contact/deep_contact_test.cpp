@@ -56,10 +56,10 @@ Standing standing(const Model& model, const State& state) {
       }
     }
   }
-  for (std::size_t e = 0; e < skin.topology.edge.size(); ++e) {
-    const auto [a, b] = skin.topology.edge[e];
+  for (std::size_t e = 0; e < skin.topology->edge.size(); ++e) {
+    const auto [a, b] = skin.topology->edge[e];
     if ((x[a] - middle).norm() < 2 * tool.radius)
-      s.stretch = std::max(s.stretch, (x[a] - x[b]).norm() / static_cast<double>(skin.topology.edge_length[e]));
+      s.stretch = std::max(s.stretch, (x[a] - x[b]).norm() / static_cast<double>(skin.topology->edge_length[e]));
   }
   return s;
 }

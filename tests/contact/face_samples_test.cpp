@@ -71,7 +71,7 @@ std::vector<Place> expected(const SpringBed& bed, const ToolShape& tool, const P
 
 TEST_CASE("The skin's edges join faces and vertices", "[contact][face_samples]") {
   const SpringBed bed(tissueLike());
-  const SkinTopology& t = bed.skin.topology;
+  const SkinTopology& t = *bed.skin.topology;
   CHECK(bed.skin.vertexCount() - t.edgeCount() + t.faceCount() == 1);  // Euler, of a disc
   REQUIRE(t.face_of.size() == 3 * bed.skin.surface.triangles.size());
   for (int f = 0; f < t.faceCount(); ++f) {

@@ -62,7 +62,7 @@ struct SpringBed {
       }
     }
     skin = buildSkinModel(surface, shape, s.tool_radius, s.young);
-    skin.topology = makeSkinTopology(surface);
+    skin.topology = std::make_shared<const SkinTopology>(makeSkinTopology(surface));
     const double node_area = s.node_spacing * s.node_spacing;
     const std::size_t n = static_cast<std::size_t>(side) * side;
     mass = s.surface_density * node_area;

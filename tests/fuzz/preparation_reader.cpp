@@ -45,7 +45,7 @@ Preparation tetrahedron() {
   p.point_shape = row(1);
   p.node_shape = row(4);
   p.node_shape.gradN.clear();
-  p.skin_shape = p.node_shape;
+  setRows(p.node_shape, p.skin);
   p.skin.surface = {p.X, {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}}};
   p.essential.nodes = {{0, {0, 0, 0}}};
   p.limit = {1e-3, 5e-4, 0, 1};
@@ -86,9 +86,9 @@ void forge(Preparation& p, const Forgery& forgery) {
     case 9:
       return forge(p.point_shape.node, forgery);
     case 10:
-      return forge(p.skin_shape.begin, forgery);
+      return forge(p.skin.begin, forgery);
     case 11:
-      return forge(p.skin_shape.node, forgery);
+      return forge(p.skin.node, forgery);
     case 12:
       return forge(p.essential.facet_phi.begin, forgery);
     case 13:

@@ -226,7 +226,7 @@ TEST_CASE("A forged file whose checksums hold is refused for every size, index a
       {"a support node negative", [&](P& p) { p.point_shape.node[0] = -1; }},
       {"a support node twice", [&](P& p) { p.point_shape.node[1] = p.point_shape.node[0]; }},
       {"rows out of order", [&](P& p) { std::swap(p.point_shape.begin[1], p.point_shape.begin[2]); }},
-      {"rows beyond the entries", [&](P& p) { ++p.skin_shape.begin.back(); }},
+      {"rows beyond the entries", [&](P& p) { ++p.skin.begin.back(); }},
       {"a row missing", [&](P& p) { p.node_shape.begin.pop_back(); }},
       {"a shape value missing", [&](P& p) { p.node_shape.N.pop_back(); }},
       {"a shape value not finite", [&](P& p) { p.node_shape.N[0] = nan; }},

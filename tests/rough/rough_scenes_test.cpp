@@ -51,8 +51,7 @@ void roughHand(const std::string& name, unsigned seed, int ticks = whole, bool r
   SoakReport report = test::roughReport(motion, summary);
   report.crossings = crossings;
   INFO(name << ", " << model.X.size() << " nodes, " << report.cycles << " cycles, " << report.restores.lost << " lost, "
-            << report.restores.folded << " folded, " << report.let_go << " let go, " << report.restores.slid
-            << " slid, " << crossings << " crossings"
+            << report.restores.folded << " folded, " << report.let_go << " let go, " << crossings << " crossings"
             << ", peak " << summary.peak_force << " N, min J " << summary.min_J << ", drift " << report.largest_drift_m
             << " m");
   for (const std::string& broken : brokenPromises(report)) FAIL_CHECK(broken);

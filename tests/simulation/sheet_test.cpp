@@ -72,7 +72,7 @@ TEST_CASE("The skin goes with the sheet, and the points stay exact", "[simulatio
   const Model model = test::blockModel(with_points);
   StaticSolver solver(model, 1, 1e-3);
   REQUIRE(solver.advanceTo(1).converged);
-  const std::vector<Vec3> u = fieldAt(model.skin_shape, solver.body().u);
+  const std::vector<Vec3> u = fieldAt(model.skin, solver.body().u);
   double sum = 0;
   int count = 0;
   for (int v = 0; v < model.skin.vertexCount(); ++v) {

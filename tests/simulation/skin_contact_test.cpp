@@ -106,7 +106,7 @@ TEST_CASE("What a flap follows is not what lies below it, however near", "[simul
   const Model model = flap();
   CHECK_FALSE(model.gaps->empty());
   // Above the air only nodes above it, beyond where the flap is grown to.
-  const auto follows = [&](const std::vector<Vec3>& at, const ShapeTable& rows) {
+  const auto follows = [&](const std::vector<Vec3>& at, const auto& rows) {
     int seen = 0, wrong = 0, near = 0;
     for (std::size_t r = 0; r < at.size(); ++r) {
       if (at[r].x() < 9 * cube || at[r].z() < 8 * cube - 1e-6) continue;
@@ -120,7 +120,7 @@ TEST_CASE("What a flap follows is not what lies below it, however near", "[simul
   };
   follows(model.point_X, model.point_shape);
   follows(model.X, model.node_shape);
-  follows(model.skin.surface.vertices, model.skin_shape);
+  follows(model.skin.surface.vertices, model.skin);
 }
 
 TEST_CASE("A flap that is pressed down rests on its own body, and lifts off again", "[simulation][skin_contact]") {

@@ -128,7 +128,7 @@ AlignedVector<Double4> wave(const Model& model, double size) {
 /// The volume below the skin.
 double volumeAt(const Model& model, const AlignedVector<Double4>& u) {
   TriangleSurface skin = model.skin.surface;
-  const auto moved = fieldAt(model.skin_shape, u);
+  const auto moved = fieldAt(model.skin, u);
   for (std::size_t v = 0; v < moved.size(); ++v) skin.vertices[v] += moved[v];
   return signedVolume(skin);
 }

@@ -284,7 +284,7 @@ TEST_CASE("A body is framed as it is deformed, on white, with a bar for its colo
   CHECK(near(colourAt(drawn.picture, 1, height - 2), white));
   int inside = 0;
   Eigen::AlignedBox2d seen;
-  for (const Vec3f& x : deformed(model.skin.surface.vertices, model.skin_shape, u)) {
+  for (const Vec3f& x : deformed(model.skin.surface.vertices, model.skin, u)) {
     const Eigen::Vector2d p = drawn.camera.project(x.cast<double>(), width, height).head<2>();
     seen.extend(p);
     inside += p.x() > 0 && p.x() < width && p.y() > 0 && p.y() < height;

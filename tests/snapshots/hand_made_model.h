@@ -68,7 +68,7 @@ inline Model handMadeModel(TriangleSurface surface, double spacing, const ToolSh
   model.point_material.assign(model.point_X.size(), 0);
   model.point_shape = shepardShape(model.X, reach, model.point_X);
   model.materials = {Material::neoHookean(3000, 0.49, 1000)};
-  model.skin_shape = shepardShape(model.X, reach, surface.vertices);
+  setRows(shepardShape(model.X, reach, surface.vertices), model.skin);
   model.skin.area.assign(surface.vertices.size(), 0.0);
   for (const auto& t : surface.triangles) {
     const Vec3& a = surface.vertices[t[0]];

@@ -35,7 +35,6 @@ inline void requireSameModel(const Model& a, const Model& b) {
   requireSameBits("point_other_cell", a.point_other_cell, b.point_other_cell);
   requireSameBits("point_shape", a.point_shape, b.point_shape);
   requireSameBits("node_shape", a.node_shape, b.node_shape);
-  requireSameBits("skin_shape", a.skin_shape, b.skin_shape);
   requireSameBits("mass", a.mass, b.mass);
   requireSameBits("own_mass", a.own_mass, b.own_mass);
   requireSameBits("inverse_mass", a.inverse_mass, b.inverse_mass);
@@ -63,6 +62,8 @@ inline void requireSameModel(const Model& a, const Model& b) {
   }
   requireSameBits("skin vertices", a.skin.surface.vertices, b.skin.surface.vertices);
   requireSameBits("skin triangles", a.skin.surface.triangles, b.skin.surface.triangles);
+  requireSameBits("skin rows", a.skin.begin, b.skin.begin);
+  requireSameBits("skin nodes", a.skin.node, b.skin.node);
   requireSameBits("skin N", a.skin.N, b.skin.N);
   requireSameBits("skin clusters", a.skin.cluster_vertex, b.skin.cluster_vertex);
   const auto numbers = [](const Model& m) {

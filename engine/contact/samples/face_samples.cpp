@@ -70,7 +70,7 @@ struct Search {
   const double reach;
   ContactState& contact;
   FaceSamples& samples = contact.samples;
-  const SkinTopology& topology = skin.topology;
+  const SkinTopology& topology = *skin.topology;
   int found = 0, marked = 0;
   float longest_edge = 0, largest_stretch = 1;
   bool overflow = false;

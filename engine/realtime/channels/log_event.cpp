@@ -52,9 +52,6 @@ std::string sentence(const LogEvent& e) {
           "is "
           "put back to rest",
           100 * e.value);
-    case LogEvent::Kind::RestoredSlid:
-      return "restored: nothing holds the body along one of its axes, and it had slid away or turned over; it is put "
-             "back to its place";
     case LogEvent::Kind::InvertedPoints:
       return format(
           "%s inverted, the worst, %d, at (%.4f, %.4f, %.4f) m; "
@@ -78,7 +75,7 @@ std::string sentence(const LogEvent& e) {
       return format("the tool yields: the tissue can take no more; it stays %.3g mm behind the hand", 1e3 * e.value);
     case LogEvent::Kind::ToolLetsGo:
       return format(
-          "tool %d was caught in the tissue, far from its hand: it lets go, and touches nothing until it is out",
+          "tool %d was stuck in the tissue, far from its hand: it lets go, and touches nothing until it is out",
           e.index + 1);
     case LogEvent::Kind::Reset:
       return "reset";

@@ -19,8 +19,7 @@ struct LogEvent {
     RestoredNotFinite,  // the same, after which the tissue went back to an earlier state
     RestoredBlowUp,
     RestoredInverted,
-    RestoredFolded,  // value: J of the worst point
-    RestoredSlid,
+    RestoredFolded,   // value: J of the worst point
     InvertedPoints,   // warning: point, position; value: how many
     ContactOverflow,  // warning
     DeepContact,      // warning: value: penetration, m
@@ -51,7 +50,7 @@ struct LogEvent {
   Overload overload;
 
   bool isFreeze() const { return kind <= Kind::FrozenInverted; }
-  bool isRestore() const { return kind > Kind::FrozenInverted && kind <= Kind::RestoredSlid; }
+  bool isRestore() const { return kind > Kind::FrozenInverted && kind <= Kind::RestoredFolded; }
   bool isWarning() const {
     return (kind > Kind::FrozenInverted && kind <= Kind::Overloaded) || kind == Kind::ToolYields ||
            kind == Kind::ToolLetsGo;

@@ -177,14 +177,15 @@ static PlaceWorker::Make makeOf(const std::shared_ptr<const Places>& places, con
 
 FollowingTissue::FollowingTissue(std::shared_ptr<const Places> shared, Place first, const PlaceStore& store,
                                  int threads, bool timed)
-    : FollowingTissue(shared, std::move(first), makeOf(shared, store), threads, timed) {}
+    : FollowingTissue(shared, std::move(first), makeOf(shared, store), threads, timed,
+                      store.keep && !shared->key.empty()) {}
 
 FollowingTissue::FollowingTissue(std::shared_ptr<const Places> shared, Place first, PlaceWorker::Make make, int threads,
-                                 bool timed)
+                                 bool timed, bool kept)
     : places(std::move(shared)),
       start(std::make_shared<ReadyPlace>(std::move(first), std::make_shared<SpinTeam>(threads))),
       physics(*places, start),
-      worker(*places, std::move(make), start, timed ? threadsLeft(threads) : 0),
+      worker(*places, std::move(make), start, timed ? threadsLeft(threads) : 0, kept),
       follower(*places, physics, worker) {}
 
 }  // namespace palpate

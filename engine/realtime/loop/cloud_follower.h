@@ -89,7 +89,9 @@ struct FollowingTissue {
   /// @param start  the place at which the tools start
   /// @param threads  physics threads
   /// @param timed    the loop will keep to the clock, and the worker must leave cores to it
-  FollowingTissue(std::shared_ptr<const Places> shared, Place start, PlaceWorker::Make make, int threads, bool timed);
+  /// @param kept     what `make` made once it reads from then on
+  FollowingTissue(std::shared_ptr<const Places> shared, Place start, PlaceWorker::Make make, int threads, bool timed,
+                  bool kept = false);
   /// Places are made by makePlace. @param store  where they are kept
   FollowingTissue(std::shared_ptr<const Places> shared, Place start, const PlaceStore& store, int threads, bool timed);
 

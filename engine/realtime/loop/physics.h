@@ -37,6 +37,9 @@ class Physics {
 struct ReadyPlace {
   ReadyPlace(Place made, std::shared_ptr<SpinTeam> team)
       : place(std::move(made)), workspace(place.model, std::move(team)) {}
+  /// @param beside  of the same body, stepped by the same loop
+  ReadyPlace(Place made, const Workspace& beside)
+      : place(std::move(made)), workspace(place.model, beside.shared_team, beside.shared_skins) {}
   const Place place;
   Workspace workspace;
 };
@@ -76,7 +79,7 @@ class TissuePhysics final : public Physics {
   void setLoads(const LiveLoads& loads) override { state_.live.loads = loads; }
   double setMaterial(int index, const Material& material) override;
 
-  static constexpr std::size_t kept_places = 6;  // beside the start: those that it was at last
+  static constexpr std::size_t kept_places = 4;  // beside the start: those that it was at last
 
   /// The present place; null where the cloud stays.
   const std::shared_ptr<ReadyPlace>& place() const { return place_; }

@@ -16,16 +16,17 @@ constexpr double as_far_as = 1.8;              // strides
 
 }  // namespace
 
-PlaceWorker::PlaceWorker(const Places& places, Make make, std::shared_ptr<ReadyPlace> start, int threads)
+PlaceWorker::PlaceWorker(const Places& places, Make make, std::shared_ptr<ReadyPlace> start, int threads, bool kept)
     : places_(places),
       make_(std::move(make)),
       threads_(threads),
-      team_(start->workspace.shared_team),
+      kept_(kept),
+      start_(std::move(start)),
       wishes_(Wish{}),
       returned_(returned_capacity),
       failures_(no_place) {
-  const PlaceIndex index = start->place.index;
-  shelf_[index] = {std::move(start), ++uses_};
+  shelf_[start_->place.index] = {start_, ++uses_};
+  seen_.insert(start_->place.index);
   thread_ = std::thread([this] { work(); });
 }
 
@@ -73,22 +74,28 @@ void PlaceWorker::clear() {
   for (PlaceChange* change = nullptr; returned_.pop(change);) delete change;
 }
 
+Place PlaceWorker::make(const PlaceIndex& index) {
+  const auto start = std::chrono::steady_clock::now();
+  Place made = make_(index);
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  made_seconds_.store(made_seconds_.load(std::memory_order_relaxed) + seconds, std::memory_order_relaxed);
+  made_count_.fetch_add(1, std::memory_order_relaxed);
+  seen_.insert(index);
+  return made;
+}
+
 std::shared_ptr<ReadyPlace> PlaceWorker::at(const PlaceIndex& index) {
   Shelved& shelved = shelf_[index];
   shelved.used = ++uses_;
   if (shelved.place) return shelved.place;
   try {
-    const auto start = std::chrono::steady_clock::now();
-    shelved.place = std::make_shared<ReadyPlace>(make_(index), team_);
-    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    made_seconds_.store(made_seconds_.load(std::memory_order_relaxed) + seconds, std::memory_order_relaxed);
-    made_count_.fetch_add(1, std::memory_order_relaxed);
+    shelved.place = std::make_shared<ReadyPlace>(make(index), start_->workspace);
   } catch (...) {
     shelf_.erase(index);
     throw;
   }
   std::shared_ptr<ReadyPlace> place = shelved.place;
-  while (shelf_.size() > most_places) {
+  while (shelf_.size() > (kept_ ? most_read : most_made)) {
     auto oldest = shelf_.end();
     for (auto it = shelf_.begin(); it != shelf_.end();
          ++it)  // that nobody but the shelf has, so that nobody can get it
@@ -100,7 +107,8 @@ std::shared_ptr<ReadyPlace> PlaceWorker::at(const PlaceIndex& index) {
   return place;
 }
 
-/// Of the places around one, where some tool may go next, the nearest that is not in memory; no_place: all are.
+/// Of the places around one, where some tool may go next, the nearest that is not in memory, nor was kept on disk;
+/// no_place: all are.
 PlaceIndex PlaceWorker::missingNeighbour(const PlaceIndex& index) const {
   std::vector<std::pair<double, PlaceIndex>> around;
   for (std::size_t t = 0; t < index.size() && index[t] >= 0; ++t)
@@ -112,7 +120,7 @@ PlaceIndex PlaceWorker::missingNeighbour(const PlaceIndex& index) const {
   std::sort(around.begin(), around.end());
   if (around.size() > ready_around) around.resize(ready_around);
   for (const auto& [distance, place] : around)
-    if (!shelf_.contains(place)) return place;
+    if (!shelf_.contains(place) && !(kept_ && seen_.contains(place))) return place;
   return no_place;
 }
 
@@ -140,9 +148,13 @@ void PlaceWorker::work() {
         }
       }
       made = wish.then;
-      if (made == no_place && wish.to == no_place && threads_ > 0) made = missingNeighbour(wish.from);
       if (made != no_place && !shelf_.contains(made)) {
         at(made);
+        continue;
+      }
+      if (made == no_place && wish.to == no_place && threads_ > 0) made = missingNeighbour(wish.from);
+      if (made != no_place && !shelf_.contains(made)) {
+        kept_ ? void(make(made)) : void(at(made));
         continue;
       }
     } catch (const std::exception& error) {

@@ -7,6 +7,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <set>
 #include <string>
 #include <thread>
 
@@ -18,17 +19,20 @@ namespace palpate {
 
 /// Makes the places that a loop's tool comes to (setup/place.h), on a thread of its own, while the loop goes on:
 /// the loop says where it is and where to, and finds the change there once it is ready. Keeps the places that it made
-/// last in memory (some 50 MB each, for a liver).
+/// last in memory (some 27 MB each, for a liver), and sees to it that those around are kept on disk, where any are.
 /// What the loop's thread may call is real-time: no allocation, no lock, no throw.
 class PlaceWorker {
  public:
   /// May take seconds; runs on the worker's thread alone. Equal results for equal indices.
   using Make = std::function<Place(const PlaceIndex&)>;
-  static constexpr std::size_t most_places = 12;  // in memory, those that the loop holds included, where it can
+  // In memory, those that the loop holds included, where it can: where a place that was made once is read in a moment
+  // (0.15 s for a liver), and where it would have to be made anew (1 s).
+  static constexpr std::size_t most_read = 7, most_made = 12;
 
   /// @param start    where the loop begins, with the team that steps all places
   /// @param threads  that a place is made with, and which give way to all others; 0: all cores, as good as any
-  PlaceWorker(const Places& places, Make make, std::shared_ptr<ReadyPlace> start, int threads = 1);
+  /// @param kept     what `make` made once it reads from then on
+  PlaceWorker(const Places& places, Make make, std::shared_ptr<ReadyPlace> start, int threads = 1, bool kept = false);
   ~PlaceWorker();  // after what is being made is done
   PlaceWorker(const PlaceWorker&) = delete;
   PlaceWorker& operator=(const PlaceWorker&) = delete;
@@ -59,6 +63,7 @@ class PlaceWorker {
  private:
   void work();
   void clear();
+  Place make(const PlaceIndex& index);
   std::shared_ptr<ReadyPlace> at(const PlaceIndex& index);
   PlaceIndex missingNeighbour(const PlaceIndex& index) const;
   void fail(const PlaceIndex& index, const std::string& why);
@@ -66,7 +71,8 @@ class PlaceWorker {
   const Places& places_;
   const Make make_;
   const int threads_;
-  const std::shared_ptr<SpinTeam> team_;
+  const bool kept_;
+  const std::shared_ptr<ReadyPlace> start_;
 
   TripleBuffer<Wish> wishes_;
   Wish wanted_;  // the loop's
@@ -86,6 +92,7 @@ class PlaceWorker {
     std::uint64_t used = 0;
   };
   std::map<PlaceIndex, Shelved> shelf_;
+  std::set<PlaceIndex> seen_;  // made or read once
   std::uint64_t uses_ = 0;
   std::thread thread_;
 };

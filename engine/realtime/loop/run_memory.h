@@ -10,7 +10,6 @@
 #include "realtime/loop/fold_watch.h"
 #include "realtime/loop/force_filter.h"
 #include "realtime/loop/further_hands.h"
-#include "realtime/loop/slide_watch.h"
 #include "realtime/loop/tool_proxy.h"
 
 namespace palpate {
@@ -26,7 +25,6 @@ struct RunMemory {
   FurtherHands::Memory further;
   ToolReadings readings;
   FoldWatch::Memory folds;
-  SlideWatch::Memory slides;
   StepReport report;
   ForceSample force;
   ForceFilter filter{0, 0, 1};

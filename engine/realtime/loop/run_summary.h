@@ -15,11 +15,8 @@ namespace palpate {
 struct Restores {
   std::int64_t lost = 0;    // not finite, blown up, or too many points inverted (Watchdog)
   std::int64_t folded = 0;  // FoldWatch
-  std::int64_t slid = 0;    // SlideWatch
 
-  void count(LogEvent::Kind kind) {
-    ++(kind == LogEvent::Kind::RestoredFolded ? folded : kind == LogEvent::Kind::RestoredSlid ? slid : lost);
-  }
+  void count(LogEvent::Kind kind) { ++(kind == LogEvent::Kind::RestoredFolded ? folded : lost); }
 };
 
 /// How a cloud followed the tool in a run.
@@ -45,7 +42,7 @@ struct RunSummary {
   std::array<double, max_tools> peak_tool_force{}, peak_pinch{};  // N, where there are several tools or jaws
   std::int64_t restored_count = 0;  // times that the solution was lost, and the tissue went back to an earlier state
   Restores restores;                // the same by cause, of this run alone
-  std::int64_t let_go_count = 0;    // times that a tool was caught, and let the tissue go (ToolProxy)
+  std::int64_t let_go_count = 0;    // times that a tool was stuck, and let the tissue go (ToolProxy)
   double largest_yield = 0;         // m, that the tool stayed behind the hand (ToolProxy)
   std::int64_t yielding_ticks = 0;
   Vec3 base_reaction = Vec3::Zero();    // N, last tick

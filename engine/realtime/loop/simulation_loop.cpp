@@ -35,7 +35,6 @@ SimulationLoop::SimulationLoop(const Model& model, Physics& physics, SpinTeam* t
       further_(model),
       history_(physics.state(), model.scene.rate_hz),
       folds_(model),
-      slides_(model),
       settings_(model, physics),
       reporter_(model, physics, team, channels_) {
   command_ = restCommand(model);
@@ -115,7 +114,6 @@ RunMemory SimulationLoop::memory() const {
   memory.further = further_.memory();
   for (std::size_t k = 0; k < proxies_.size(); ++k) memory.proxies[k] = proxies_[k].memory();
   memory.folds = folds_.memory();
-  memory.slides = slides_.memory();
   reporter_.tell(memory);
   return memory;
 }
@@ -140,7 +138,6 @@ void SimulationLoop::recall(const RunMemory& memory) {
   further_.recall(memory.further);
   for (std::size_t k = 0; k < proxies_.size(); ++k) proxies_[k].recall(memory.proxies[k]);
   folds_.recall(memory.folds);
-  slides_.recall(memory.slides);
   goOnAtPlace(false);
   history_.startAt(physics_.state());
   settings_.recall();
@@ -216,13 +213,10 @@ void SimulationLoop::followHands(Command& command) {
   }
 }
 
-/// Why the tissue can't come back to rest by itself, if so.
-std::optional<LogEvent::Kind> SimulationLoop::findLost(const StepReport& report) {
+bool SimulationLoop::hasFolded(const StepReport& report) {
   const State& state = physics_.state();
   const bool pulled = command_.pull_vertex >= 0 || state.live.loads.any();
-  if (folds_.update(report, pulled, static_cast<double>(state.step) * model_.dt)) return LogEvent::Kind::RestoredFolded;
-  if (slides_.update(state, report, pulled)) return LogEvent::Kind::RestoredSlid;
-  return std::nullopt;
+  return folds_.update(report, pulled, static_cast<double>(state.step) * model_.dt);
 }
 
 /// The physics is at another place, and who reads its nodes with it.
@@ -230,7 +224,6 @@ void SimulationLoop::goOnAtPlace(bool swapped) {
   if (follower_ == nullptr) return;
   const std::shared_ptr<ReadyPlace>& place = follower_->place();
   reporter_.goOnAt(place, swapped);
-  slides_.goOnWith(place->place.model);
   for (ToolProxy& proxy : proxies_) proxy.goOnWith(place->place.model);
   if (swapped && follower_->letGo() != no_place) history_.forget(follower_->letGo());
   if (!swapped) follower_->restart();
@@ -269,13 +262,13 @@ bool SimulationLoop::step() {
   run_.yield = proxies_[0].yieldAfter(run_.hand, physics_.state(), report);
   switch (reporter_.judge(report, run_)) {
     case Verdict::Good: {
-      if (const auto lost = findLost(report)) {
+      if (hasFolded(report)) {
         physics_.reset();  // not to where a recalled run began: that may have been folded
         goOnAtPlace(false);
         history_.clear();
         beGentle();
-        reporter_.restored(*lost);
-        reporter_.logEvent(*lost, run_, report.worst_point, report.min_J);
+        reporter_.restored(LogEvent::Kind::RestoredFolded);
+        reporter_.logEvent(LogEvent::Kind::RestoredFolded, run_, report.worst_point, report.min_J);
         break;
       }
       history_.keep(physics_.state(), reporter_.lastDoubt());

@@ -15,7 +15,6 @@
 #include "realtime/loop/run_memory.h"
 #include "realtime/loop/run_state.h"
 #include "realtime/loop/run_summary.h"
-#include "realtime/loop/slide_watch.h"
 #include "realtime/loop/state_history.h"
 #include "realtime/loop/tick_listener.h"
 #include "realtime/loop/tick_reporter.h"
@@ -151,7 +150,7 @@ class SimulationLoop final : private LoopBody {
   void goOnAtPlace(bool swapped);
   bool advance();  // false: quit() broke the tick off, which then never was
   bool step();     // likewise
-  std::optional<LogEvent::Kind> findLost(const StepReport& report);
+  bool hasFolded(const StepReport& report);
 
   const Model& model_;
   Physics& physics_;
@@ -177,7 +176,6 @@ class SimulationLoop final : private LoopBody {
   std::vector<ToolProxy> proxies_;  // (tool_count)
   StateHistory history_;
   FoldWatch folds_;
-  SlideWatch slides_;
   LiveSettings settings_;
   InputRecorder recorder_;
   TickReporter reporter_;

@@ -90,7 +90,7 @@ void TickReporter::watchYield(const RunState& run) {
   if (run.yield <= 0) return;
   ++summary_.yielding_ticks;
   summary_.largest_yield = std::max(summary_.largest_yield, run.yield);
-  if (run.yield < kTold) return;
+  if (run.yield < kTold || !report_.isTouched()) return;
   const bool begins = last_yield_tick_ < 0 || secondsAt(run.tick - last_yield_tick_) > kQuietSeconds;
   last_yield_tick_ = run.tick;
   if (begins) logEvent(LogEvent::Kind::ToolYields, run, -1, run.yield);

@@ -42,7 +42,7 @@ class TickReporter {
   /// The physics went back to an earlier state. @param cause  a LogEvent::isRestore(), which is logged already
   void restored(LogEvent::Kind cause);
 
-  /// In this tick a tool, caught in the tissue, lets it go.
+  /// In this tick a tool, stuck in the tissue, lets it go.
   void letGo(const RunState& run, int tool);
 
   /// The tick is done, frozen or not, and counted in `run`: its force goes out.

@@ -40,7 +40,8 @@ ToolProxy::ToolProxy(const Model& model, int tool)
       arrival_ticks_(static_cast<int>(std::lround(arrival_seconds * model.scene.rate_hz))),
       max_advance_(YieldLimits::sound_share * slowestSound(model) / model.scene.rate_hz),
       support_(model, tool),
-      snag_(model, tool) {}
+      snag_(model, tool),
+      skin_scratch_(model.skin.surface.vertices.size()) {}
 
 void ToolProxy::beGentle() {
   memory_.gentle = true;
@@ -85,22 +86,31 @@ double ToolProxy::yieldAfter(const Pose& hand, const State& state, const StepRep
   return gave_way ? (hand.position - state.tool[0].pose.position).norm() : yield_;
 }
 
-void ToolProxy::letGoWhereCaught(const State& state, const Vec3& hand, const StepReport& last) {
+/// While it lets go: it has come to its hand, no skin is near it, and it is in no tissue. Looks now and then.
+bool ToolProxy::isOutside(const State& state, const Vec3& hand, const StepReport& last) {
+  constexpr double look_seconds = 0.05;
+  const Vec3& tip = state.tool[tool_].pose.position;
+  const auto every = std::max(1, static_cast<int>(look_seconds * model_.scene.rate_hz));
+  if (++memory_.let_go_ticks % every != 0 || last.loads[static_cast<std::size_t>(tool_)].near_count > 0 ||
+      (hand - tip).norm() > max_speed_ / model_.scene.rate_hz)
+    return false;
+  return !isInside(at_->skin, state.u.data(), tip, skin_scratch_);
+}
+
+void ToolProxy::letGoWhereStuck(const State& state, const Vec3& hand, const StepReport& last) {
   if (memory_.lets_go) {
-    if (snag_.isClear(state, last)) beGentle();
-  } else if (snag_.update(state, hand, last)) {
+    if (isOutside(state, hand, last)) beGentle();
+  } else if (snag_.update(state, hand)) {
     memory_.lets_go = true;
-    memory_.away = hand;
+    memory_.let_go_ticks = 0;
   }
 }
 
 ToolPosture ToolProxy::follow(const ToolPosture& hand, const State& state, const StepReport& last) {
-  letGoWhereCaught(state, hand.pose.position, last);
+  letGoWhereStuck(state, hand.pose.position, last);
   if (memory_.lets_go) {
-    yield_ = (hand.pose.position - state.tool[tool_].pose.position).norm();
-    ToolPosture away = hand;
-    away.pose.position = memory_.away;
-    return away;
+    yield_ = 0;
+    return hand;
   }
   const ToolLoad& load = last.loads[static_cast<std::size_t>(tool_)];
   return {followFrom(state, hand.pose, load.force, last), followOpening(hand.opening, state, last)};

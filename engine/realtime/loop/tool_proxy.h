@@ -1,5 +1,7 @@
 #pragma once
 
+#include <vector>
+
 #include "model/model.h"
 #include "model/state.h"
 #include "realtime/loop/rigid_support.h"
@@ -35,8 +37,8 @@ struct YieldLimits {
 ///
 /// It stands before what holds the organ (RigidSupport), whatever the tissue between takes.
 ///
-/// Where it is caught in the tissue (SnagWatch) it lets go: it goes to where the hand is then, through all that is in
-/// the way and without touching it, while the tissue springs back; once it is clear of the skin it follows again.
+/// Where it is stuck in the tissue (SnagWatch) it lets go: it goes to the hand through all that is in the way and
+/// without touching it, while the tissue springs back; once it is there and outside of the skin it touches again.
 ///
 /// In tissue it advances at half the speed of sound at most: for very soft tissue and a very quick hand.
 /// Across the push and backwards the tool is free; it doesn't slide off a slope, as it would along the skin. Where no
@@ -81,7 +83,7 @@ class ToolProxy {
     bool gentle = false;
     int arrived_ticks = 0;  // in a row, while gentle
     bool lets_go = false;
-    Vec3 away = Vec3::Zero();  // m, where it goes meanwhile
+    int let_go_ticks = 0;
     SnagWatch::Memory snag;
   };
   Memory memory() const {
@@ -108,7 +110,8 @@ class ToolProxy {
 
  private:
   Vec3 inOneTick(const Vec3& move) const;
-  void letGoWhereCaught(const State& state, const Vec3& hand, const StepReport& last);
+  void letGoWhereStuck(const State& state, const Vec3& hand, const StepReport& last);
+  bool isOutside(const State& state, const Vec3& hand, const StepReport& last);
   Pose followFrom(const State& state, const Pose& hand, const Vec3& force, const StepReport& last);
   Pose yieldFrom(const Pose& from, const Pose& hand, const Vec3& force, double g);
 
@@ -120,7 +123,8 @@ class ToolProxy {
   const double max_advance_;  // m a tick in tissue
   RigidSupport support_;
   SnagWatch snag_;
-  Memory memory_;  // but for snag_'s
+  Memory memory_;                    // but for snag_'s
+  std::vector<Vec3f> skin_scratch_;  // (skin vertex_count)
   double yield_ = 0;
 };
 

@@ -14,12 +14,13 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::array<std::pair<StepFlag, const char*>, 5> kFlagNames{{
+constexpr std::array<std::pair<StepFlag, const char*>, 6> kFlagNames{{
     {kNotFinite, "not_finite"},
     {kBlowUp, "blow_up"},
     {kInvertedPoints, "inverted_points"},
     {kContactOverflow, "contact_overflow"},
     {kDeepContact, "deep_contact"},
+    {kLetsGo, "lets_go"},
 }};
 
 }  // namespace

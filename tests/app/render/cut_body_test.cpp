@@ -52,7 +52,7 @@ TEST_CASE("A cut body is closed, and has the volume that is left", "[cut]") {
     CHECK(openEdges(cut.skin.surface) == 0);
     CHECK(volumeOf(cut.skin.surface) ==
           Approx(0.5 * whole).epsilon(1e-4));  // flat faces; vertices near the plane are taken to lie in it
-    CHECK(cut.skin_shape.rowCount() == static_cast<int>(cut.skin.surface.vertices.size()));
+    CHECK(cut.skin.begin.size() == cut.skin.surface.vertices.size() + 1);
     for (const Vec3& X : cut.skin.surface.vertices)
       CHECK(normal.normalized().dot(X - box.center()) < 1e-6);  // what counts as in the plane
   }
@@ -65,7 +65,7 @@ TEST_CASE("A section's vertices follow a linear field, as all points of a body d
   gradient << 0.1, -0.2, 0.3, 0.05, 0.15, 0, -0.1, 0.2, -0.3;
   Displacements u;
   for (const Vec3& X : cut.X) u.push_back(toFloat4(gradient * X + Vec3(0.01, 0, 0)));
-  const auto x = deformed(cut.skin.surface.vertices, cut.skin_shape, u);
+  const auto x = deformed(cut.skin.surface.vertices, cut.skin, u);
   double worst = 0;
   for (std::size_t v = 0; v < x.size(); ++v) {
     const Vec3 X = cut.skin.surface.vertices[v];

@@ -20,7 +20,7 @@ Model tetrahedron() {
   model.point_shape = {{0, 4}, {0, 1, 2, 3}, {0.25, 0.25, 0.25, 0.25}, {{-1, -1, -1}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
   model.materials = {Material::neoHookean(3000, 0.45, 1000)};
   model.skin.surface.vertices = {{0, 0, 0}, {0.5, 0.5, 0}};
-  model.skin_shape = {{0, 2, 4}, {0, 4, 1, 2}, {0.5, 0.5, 0.5, 0.5}, {}};
+  setRows({{0, 2, 4}, {0, 4, 1, 2}, {0.5, 0.5, 0.5, 0.5}, {}}, model.skin);
   return model;
 }
 
@@ -67,11 +67,11 @@ TEST_CASE("Positions follow the shape functions; a blown-up state is drawn at re
   const Model model = tetrahedron();
   Displacements u(5);
   u[1].z = 0.2F;
-  CHECK(deformed(model.skin.surface.vertices, model.skin_shape, u)[1].isApprox(Vec3f(0.5F, 0.5F, 0.1F)));
-  CHECK(skinValues(model, u, deformed(model.skin.surface.vertices, model.skin_shape, u), ColourMap::Displacement)[1] ==
+  CHECK(deformed(model.skin.surface.vertices, model.skin, u)[1].isApprox(Vec3f(0.5F, 0.5F, 0.1F)));
+  CHECK(skinValues(model, u, deformed(model.skin.surface.vertices, model.skin, u), ColourMap::Displacement)[1] ==
         Approx(0.1));
   u[1].z = std::nanf("");
-  CHECK(deformed(model.skin.surface.vertices, model.skin_shape, u)[1].isApprox(Vec3f(0.5F, 0.5F, 0)));
+  CHECK(deformed(model.skin.surface.vertices, model.skin, u)[1].isApprox(Vec3f(0.5F, 0.5F, 0)));
 }
 
 TEST_CASE("Scales fit their values and never shrink to noise", "[field]") {

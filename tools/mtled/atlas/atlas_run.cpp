@@ -2,13 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
 #include "base/interrupt.h"
 #include "batch/transient_solver.h"
-#include "realtime/loop/fold_watch.h"
-#include "realtime/loop/state_history.h"
-#include "realtime/loop/tool_proxy.h"
+#include "realtime/loop/simulation_loop.h"
 #include "realtime/loop/watchdog.h"
 #include "setup/build_model.h"
 #include "step/step.h"
@@ -62,42 +59,67 @@ const char* lossName(const LogEvent& event) {
   }
 }
 
-/// A hand's tool, the tissue's earlier states, and who looks for tissue that has folded, as the loop has them.
-struct Hand {
-  ToolProxy proxy;
-  StateHistory history;
-  FoldWatch folds;
-  const State start;
-  const double dt;  // s
-  Hand(const Model& model, const State& at_rest)
-      : proxy(model), history(at_rest, model.scene.rate_hz), folds(model), start(at_rest), dt(model.dt) {}
+/// What a tick has led to.
+enum class Outcome { Goes, Restored, Ends };
 
-  void lead(Command& command, const State& state, const StepReport& last) {
-    command.tools[0] = proxy.follow(command.tools[0], state, last);
-    command.lets_go[0] = proxy.letsGo();
+/// The body alone: what the watchdog says ends it.
+class Bare {
+ public:
+  Bare(const Model& model, const AtlasDrive& drive)
+      : model_(model), workspace_(model, 1), watchdog_(model), state_(initialState(model)) {
+    if (drive.disturb) drive.disturb(state_);
   }
 
-  /// A tick has ended well. @return whether the tissue had to be put back at rest
-  bool putsBack(State& state, const StepReport& report) {
-    if (!folds.update(report, false, static_cast<double>(state.step) * dt)) return false;
-    const LiveParameters live = state.live;
-    state = start;
-    state.live = live;
-    history.clear();
-    proxy.beGentle();
-    return true;
+  Outcome tick(const Command& command) {
+    report_ = palpate::tick(model_, state_, command, workspace_);
+    return watchdog_.judge(report_, ++ticks_, log_) == Verdict::Good ? Outcome::Goes : Outcome::Ends;
+  }
+  const StepReport& report() const { return report_; }
+  const State& state() const { return state_; }
+  const std::vector<Reaction>& reactions() const { return workspace_.boundary.reaction; }
+  LogRing& log() { return log_; }
+  std::int64_t restoredCount() const { return 0; }
+
+ private:
+  const Model& model_;
+  Workspace workspace_;
+  Watchdog watchdog_;
+  LogRing log_{64};
+  State state_;
+  StepReport report_;
+  std::int64_t ticks_ = 0;
+};
+
+/// In the program's loop, under a hand, which has the first tool.
+class InLoop {
+ public:
+  InLoop(const Model& model, const AtlasDrive& drive) : physics_(model, 1), loop_(model, physics_, nullptr, options()) {
+    if (drive.put_back) loop_.commands().push(Request::simple(Request::Kind::Reset));
   }
 
-  /// The tissue was lost: back to an earlier state, at rest.
-  void goBack(State& state, int recent_losses) {
-    const LiveParameters live = state.live;
-    state = history.good(recent_losses);
-    state.live = live;
-    std::fill(state.du.begin(), state.du.end(), Float4{});
-    state.energy.fresh = true;
-    history.wentBackTo(state.tick);
-    proxy.beGentle();
+  Outcome tick(const Command& command) {
+    const std::int64_t lost = loop_.summary().restores.lost;
+    loop_.commands().push(Request::moveTool(command.tools[0].pose));
+    loop_.advanceHere(1);
+    memory_ = loop_.memory();
+    if (memory_.frozen) return Outcome::Ends;
+    return loop_.summary().restores.lost > lost ? Outcome::Restored : Outcome::Goes;
   }
+  const StepReport& report() const { return memory_.report; }
+  const State& state() const { return physics_.state(); }
+  const std::vector<Reaction>& reactions() const { return physics_.reactions(); }
+  LogRing& log() { return loop_.log(); }
+  std::int64_t restoredCount() const { return loop_.summary().restored_count; }
+
+ private:
+  static SimulationLoopOptions options() {
+    SimulationLoopOptions options;
+    options.as_fast_as_possible = true;
+    return options;
+  }
+  TissuePhysics physics_;
+  SimulationLoop loop_;
+  RunMemory memory_;
 };
 
 /// Ticks between two looks at the signals.
@@ -109,22 +131,14 @@ std::vector<Reaction> unknown(const Model& model) {
 
 }  // namespace
 
-AtlasRun drive(const Model& model, const AtlasDrive& drive) {
+template <class Body>
+static AtlasRun driveIn(Body&& body, const Model& model, const AtlasDrive& drive) {
   const Schedule schedule(model, drive);
   const double tick_s = 1 / model.scene.rate_hz;
   AtlasRun run;
   AtlasMeasure& m = run.measure;
   m.nodes = model.nodeCount();
   m.points = model.pointCount();
-  Workspace workspace(model, 1);
-  Watchdog watchdog(model);
-  LogRing log(64);
-  State state = initialState(model);
-  if (drive.disturb) drive.disturb(state);
-  std::optional<Hand> hand;
-  if (drive.yields) hand.emplace(model, state);
-  if (drive.yields && drive.put_back) hand->proxy.beGentle();
-  StepReport last;
   Mean reaction;
   double still_energy = 0, largest_energy = 0;
   for (int k = 0; k < schedule.ticks; ++k) {
@@ -133,8 +147,8 @@ AtlasRun drive(const Model& model, const AtlasDrive& drive) {
     Command command;
     command.tools[0].pose = model.tools.first().start.pose;
     if (drive.command) command = drive.command(time);
-    if (hand) hand->lead(command, state, last);
-    const StepReport report = last = tick(model, state, command, workspace);
+    const Outcome outcome = body.tick(command);
+    const StepReport& report = body.report();
     m.energy_error = std::max(m.energy_error, report.energy_error);
     m.step_share = std::max(m.step_share, report.step_share);
     m.min_J = std::min(m.min_J, static_cast<double>(report.min_J));
@@ -144,24 +158,14 @@ AtlasRun drive(const Model& model, const AtlasDrive& drive) {
       m.doubt = doubtName(doubt);
     }
     if (doubt > Doubt::Resolution) m.doubted_for += tick_s;
-    const Verdict verdict = watchdog.judge(report, k + 1, log);
     LogEvent event;
-    while (log.pop(event))
+    while (body.log().pop(event))
       if (event.isFreeze() || event.isRestore()) m.loss = lossName(event);
-    if (verdict == Verdict::Freeze || (verdict == Verdict::Restore && !hand)) {
+    if (outcome == Outcome::Ends) {
       m.lost_at = time;
       break;
     }
-    if (verdict == Verdict::Restore) {
-      hand->goBack(state, watchdog.recentLosses());
-      last = {};
-      ++m.restored;
-      continue;
-    }
-    if (hand && hand->putsBack(state, report))
-      ++m.restored;
-    else if (hand)
-      hand->history.keep(state, doubt);
+    if (outcome == Outcome::Restored) continue;
     const double energy = report.strain_energy + report.kinetic_energy;
     if (k == schedule.still) still_energy = largest_energy = energy;
     if (k > schedule.still) largest_energy = std::max(largest_energy, energy);
@@ -171,14 +175,19 @@ AtlasRun drive(const Model& model, const AtlasDrive& drive) {
     if (k < schedule.measured) continue;
     m.doubted_then = m.doubted_then || doubt > Doubt::Resolution;
     run.tool_force += report.tool_force / (schedule.ticks - schedule.measured);
-    reaction.add(workspace.boundary.reaction);
+    reaction.add(body.reactions());
   }
-  m.steps = static_cast<double>(state.step);
+  m.restored = static_cast<int>(body.restoredCount());
+  m.steps = static_cast<double>(body.state().step);
   m.growth = (largest_energy - still_energy) / std::max(still_energy, model.rest_energy);
   run.reaction = run.lost() ? unknown(model) : reaction.value();
-  run.tool = state.tool[0].pose;
-  for (const auto& a : state.u) run.u.push_back(toVec3(a));
+  run.tool = body.state().tool[0].pose;
+  for (const auto& a : body.state().u) run.u.push_back(toVec3(a));
   return run;
+}
+
+AtlasRun drive(const Model& model, const AtlasDrive& drive) {
+  return drive.yields ? driveIn(InLoop(model, drive), model, drive) : driveIn(Bare(model, drive), model, drive);
 }
 
 std::vector<Reaction> driveInDouble(const Model& model, const AtlasDrive& drive) {

@@ -22,11 +22,11 @@ struct AtlasDrive {
   double seconds = 1;
   double still_from = 0.7;  // nothing moves any more: from here on the energy may not grow, and the end is measured
   std::function<Command(double time)> command;  // at the end of a tick; null: the tool stays where it starts
-  /// As the loop does it: the tool follows the command's pose as far as the tissue lets it, where the tissue is lost it
-  /// goes back to an earlier state, and where it has folded or hangs on the tool it is put back at rest.
+  /// In the program's loop: the tool follows the command's pose as far as the tissue lets it, and what is lost is put
+  /// back. Else the bare step, which ends where it is lost.
   bool yields = false;
   bool put_back = false;                // the tissue was just reset, and the hand may still stand deep
-  std::function<void(State&)> disturb;  // of the state at rest, before the first tick; null: nothing
+  std::function<void(State&)> disturb;  // of the state at rest, before the first tick, of a bare step; null: nothing
 };
 
 /// What the last fifth of the still phase showed, beside AtlasMeasure.
