@@ -75,7 +75,7 @@ struct SoakReport {
 /// of them: times in 10^6 ticks that it is put back, or that a tool lets it go (in a run of any length so many in
 /// proportion, and one more, since they come by chance), and places where its skin crosses itself.
 struct RoughLimits {
-  static constexpr double lost = 50, folded = 150, let_go = 50;
+  static constexpr double lost = 10, folded = 60, let_go = 30;
   static constexpr int crossings = 1200, crossings_at_rest = 0;
 };
 
