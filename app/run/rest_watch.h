@@ -37,10 +37,10 @@ class RestWatch {
   /// Another tick. @return true where the wait is over: at rest, or after longest_rest_s
   bool update(const State& state, const StepReport& last);
   /// m, largest |u - u at the first rest| of a node; the first call is that rest. Along axes along which nothing holds
-  /// the body it may rest anywhere: there without its mean. 0 where it lies loose, and while a further tool of the scene
-  /// touches the tissue: where that rests depends on its friction's past. At another place of a cloud that follows the
-  /// tool it is the distance from where nothing is moved; where the body has weight or loads, the first rest is taken
-  /// anew.
+  /// the body it may rest anywhere: there without its mean. 0 where it lies loose, and while a further tool of the
+  /// scene touches the tissue: where that rests depends on its friction's past. At another place of a cloud that
+  /// follows the tool it is the distance from where nothing is moved; where the body has weight or loads, the first
+  /// rest is taken anew.
   double driftOf(const State& state);
   /// m, how far the body has gone along axes along which nothing holds it.
   Vec3 slidOf(const State& state) const;

@@ -279,7 +279,12 @@ Session::Session(const Options& options, const Scene& scene, Log& log, const Loa
   loop_options.start_paused = !options_.offscreen;  // the window resumes with its first picture
   chooseInput(loop_options);
   if (!options_.export_file.empty()) options_.snapshot_at = exportTimes(loop_options.tick_limit);
-  for (const double time : options_.snapshot_at) loop_options.pause_at.push_back(ticksIn(time, scene_.rate_hz));
+  for (const double time : options_.snapshot_at) {
+    const std::int64_t tick = ticksIn(time, scene_.rate_hz);
+    if (!loop_options.pause_at.empty() && loop_options.pause_at.back() == tick)
+      throw InputError({}, format("two pictures fall into one tick, that of %.6g s", time), "leave one out");
+    loop_options.pause_at.push_back(tick);
+  }
 
   if (!options_.record.empty()) {
     recording_ = Recording{scene_.name, modelHash(model_), scene_.rate_hz, 0, {}};

@@ -79,14 +79,15 @@ T given(const T* in) {
   return value;
 }
 
+inline constexpr double farthest = 1e6;  // m: beyond, steps towards a place are lost to rounding
+
+/// Three numbers, each finite and no larger than `farthest`.
 inline bool isPlace(const double* x) {
-  return x != nullptr && std::all_of(x, x + 3, [](double v) { return std::isfinite(v); });
+  return x != nullptr && std::all_of(x, x + 3, [](double v) { return std::abs(v) <= farthest; });
 }
 
 inline bool isPose(const double* p) {
-  if (p == nullptr || !std::all_of(p, p + 7, [](double v) { return std::isfinite(v); })) return false;
-  constexpr double farthest = 1e6;  // m: beyond, steps towards it are lost to rounding
-  if (!std::all_of(p, p + 3, [](double x) { return std::abs(x) <= farthest; })) return false;
+  if (!isPlace(p) || !std::all_of(p + 3, p + 7, [](double v) { return std::isfinite(v); })) return false;
   const double size = p[3] * p[3] + p[4] * p[4] + p[5] * p[5] + p[6] * p[6];
   return size > 0.25 && size < 4;
 }

@@ -9,7 +9,6 @@ namespace {
 
 /// What may be set beyond which no scene goes.
 constexpr double max_gravity = 1000;  // m/s^2, a hundred times the earth's
-constexpr double max_place = 1e6;     // m, as of poses
 
 bool isWithin(const double* x, double most) {
   return isPlace(x) && std::all_of(x, x + 3, [most](double v) { return std::abs(v) <= most; });
@@ -50,13 +49,13 @@ int32_t palpate_set_force(palpate_simulation* simulation, int32_t vertex, const 
 }
 
 int32_t palpate_pin(palpate_simulation* simulation, int32_t vertex, const double* place) {
-  if (!isVertex(simulation, vertex) || (place != nullptr && (vertex < 0 || !isWithin(place, max_place))))
+  if (!isVertex(simulation, vertex) || (place != nullptr && (vertex < 0 || !isPlace(place))))
     return PALPATE_BAD_ARGUMENT;
   return change(*simulation, place != nullptr ? Request::pin(vertex, vectorOf(place)) : Request::unpin(vertex));
 }
 
 int32_t palpate_move_region(palpate_simulation* simulation, int32_t region, const double* shift) {
-  if (simulation == nullptr || region < 0 || !isWithin(shift, max_place)) return PALPATE_BAD_ARGUMENT;
+  if (simulation == nullptr || region < 0 || !isPlace(shift)) return PALPATE_BAD_ARGUMENT;
   if (region >= static_cast<std::int32_t>(simulation->model->boundary.motions.size())) return PALPATE_BAD_ARGUMENT;
   return change(*simulation, Request::moveRegion(region, vectorOf(shift)));
 }

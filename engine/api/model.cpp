@@ -1,3 +1,6 @@
+#include <malloc.h>
+
+#include <algorithm>
 #include <limits>
 
 #include "api/border.h"
@@ -70,6 +73,23 @@ std::int32_t load(Read read, const palpate_options* options, palpate_model** mod
 
 }  // namespace
 
+/// Calls each(trajectory, tick) for the first `capacity` ticks of a script.
+template <class Each>
+static int32_t walk(const palpate_model* model, const char* script, const double* into, int64_t capacity,
+                    int64_t* count, palpate_error* error, Each each) {
+  if (model == nullptr || count == nullptr || capacity < 0 || (into == nullptr && capacity > 0))
+    return say(error, PALPATE_BAD_ARGUMENT, palpate_result_text(PALPATE_BAD_ARGUMENT));
+  return guarded(error, [&] {
+    const Model& m = *model->model;
+    const ToolScript motion =
+        script == nullptr || *script == '\0' ? indentScript(m) : *namedScript(script, m.scene.tools[0].shape.radius);
+    ScriptTrajectory trajectory = trajectoryOf(motion, m);
+    *count = trajectory.ticks();
+    for (std::int64_t k = 0; k < std::min(capacity, *count); ++k) each(trajectory, k);
+    return PALPATE_OK;
+  });
+}
+
 extern "C" {
 
 const char* palpate_version(void) {
@@ -127,7 +147,12 @@ int32_t palpate_load_text(const char* text, const char* folder, const char* name
       options, model, error);
 }
 
-void palpate_model_destroy(palpate_model* model) { delete model; }
+void palpate_model_destroy(palpate_model* model) {
+  delete model;
+#ifdef __GLIBC__
+  malloc_trim(0);  // some hundred MB of many pieces, which glibc would keep
+#endif
+}
 
 int32_t palpate_describe(const palpate_model* model, palpate_model_info* info) {
   if (model == nullptr) return PALPATE_BAD_ARGUMENT;
@@ -159,17 +184,19 @@ int32_t palpate_skin_triangles(const palpate_model* model, int32_t* corners, int
 
 int32_t palpate_script(const palpate_model* model, const char* script, double* poses, int64_t capacity, int64_t* count,
                        palpate_error* error) {
-  if (model == nullptr || count == nullptr || capacity < 0 || (poses == nullptr && capacity > 0))
-    return say(error, PALPATE_BAD_ARGUMENT, palpate_result_text(PALPATE_BAD_ARGUMENT));
-  return guarded(error, [&] {
-    const Model& m = *model->model;
-    const ToolScript motion =
-        script == nullptr || *script == '\0' ? indentScript(m) : *namedScript(script, m.scene.tools[0].shape.radius);
-    ScriptTrajectory trajectory = trajectoryOf(motion, m);
-    *count = trajectory.ticks();
-    for (std::int64_t k = 0; k < std::min(capacity, *count); ++k) put(trajectory.next(), poses + 7 * k);
-    return PALPATE_OK;
-  });
+  return walk(model, script, poses, capacity, count, error,
+              [&](ScriptTrajectory& trajectory, std::int64_t k) { put(trajectory.next(), poses + 7 * k); });
+}
+
+int32_t palpate_script_openings(const palpate_model* model, const char* script, double* openings, int64_t capacity,
+                                int64_t* count, palpate_error* error) {
+  const int32_t code =
+      walk(model, script, openings, capacity, count, error, [&](ScriptTrajectory& trajectory, std::int64_t k) {
+        trajectory.next();
+        openings[k] = std::max(trajectory.opening(), 0.0);
+      });
+  if (code == PALPATE_OK && !model->model->tools.first().jaws) *count = 0;
+  return code;
 }
 
 }  // extern "C"

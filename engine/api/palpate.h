@@ -110,7 +110,8 @@ typedef struct palpate_state {
   int32_t contact_count;    /* points of the skin that carry force */
   int32_t loss_count;       /* times that the solution was lost, and the tissue went back to an earlier state */
   int64_t tick;             /* ticks since create, or since a reset while stopped; 0: none yet */
-  uint64_t pose_sequence;   /* of the pose that this answers, as given to palpate_set_target */
+  uint64_t pose_sequence;   /* of the pose that this answers, as given to palpate_set_target; those that palpate_step
+                               is given are counted from 1 on by themselves */
   double time_s;            /* tick / rate */
   double age_s;             /* wall time since the tick began that computed this */
   double pose[7];           /* of the tool that the tissue felt: it may yield, or lag behind a fast hand */
@@ -119,7 +120,8 @@ typedef struct palpate_state {
   double torque[3];         /* N m, on the tool about its tip, as computed */
   double normal[3];         /* unit, from the tissue towards the tool; 0: no contact */
   double stiffness;         /* N/m, of late, force over travel along the normal (50 ms); 0: not known */
-  double depth_m;           /* how deep the tip is, from where the skin lay at rest; negative: not there yet */
+  double depth_m;           /* how far the tool's foremost point along the contact's normal is beyond where the skin
+                               lay at rest there; on a slope that is more than its tip. Negative: the gap */
   double advance_m;         /* travel along the tool's first axis past first touch */
   double work_J;            /* that the tool has done on the tissue */
   double expected_error;    /* of forces, as a share, because the scene's cloud is no finer: 0.05 is 5 % off. An
@@ -207,6 +209,10 @@ PALPATE_API int32_t palpate_skin_triangles(const palpate_model* model, int32_t* 
  * @param count     receives how many there are, also where capacity is less: then the first ones are written */
 PALPATE_API int32_t palpate_script(const palpate_model* model, const char* script, double* poses, int64_t capacity,
                                    int64_t* count, palpate_error* error);
+/* How far the script has the first tool's jaws open, m, in each of these ticks: for palpate_set_opening before the
+ * step. None (count 0) where that tool is no jaws. */
+PALPATE_API int32_t palpate_script_openings(const palpate_model* model, const char* script, double* openings,
+                                            int64_t capacity, int64_t* count, palpate_error* error);
 
 /* ---- Simulation ---- */
 

@@ -30,7 +30,7 @@ int32_t palpate_set_tool_target(palpate_simulation* simulation, int32_t tool, co
 }
 
 int32_t palpate_set_opening(palpate_simulation* simulation, int32_t tool, double opening) {
-  if (!hasTool(simulation, tool) || !std::isfinite(opening) || opening < 0) return PALPATE_BAD_ARGUMENT;
+  if (!hasTool(simulation, tool) || !(opening >= 0 && opening <= farthest)) return PALPATE_BAD_ARGUMENT;
   const auto k = static_cast<std::size_t>(tool);
   if (!simulation->model->tools.tool[k].jaws) return PALPATE_BAD_ARGUMENT;
   simulation->loop.toolHands().opening[k].store(opening, std::memory_order_relaxed);

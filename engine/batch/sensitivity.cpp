@@ -55,7 +55,8 @@ void checkScene(const Model& model) {
           : nullptr;
   if (problem == nullptr) return;
   throw InputError(scene.place, problem,
-                   scene.tools[0].friction != 0 ? "set tool.friction to 0"
+                   model.tools.several()          ? "leave the others, or the jaws, out"
+                   : scene.tools[0].friction != 0 ? "set tool.friction to 0"
                    : scene.boundary_method == Scene::BoundaryMethod::Ebciem
                        ? "set discretization.boundary_method to \"sebciem\""
                        : "leave them out");

@@ -162,6 +162,8 @@ static_assert(same<decltype(palpate_describe), int32_t(const palpate_model*, pal
 static_assert(same<decltype(palpate_skin_triangles), int32_t(const palpate_model*, int32_t*, int32_t)>);
 static_assert(
     same<decltype(palpate_script), int32_t(const palpate_model*, const char*, double*, int64_t, int64_t*, Error)>);
+static_assert(same<decltype(palpate_script_openings),
+                   int32_t(const palpate_model*, const char*, double*, int64_t, int64_t*, Error)>);
 static_assert(same<decltype(palpate_create), int32_t(const palpate_model*, Simulation*, Error)>);
 static_assert(same<decltype(palpate_destroy), void(Simulation)>);
 static_assert(same<decltype(palpate_step), int32_t(Simulation, int64_t, const double*, palpate_state*)>);

@@ -115,3 +115,35 @@ TEST_CASE("A scene with one tool is read by its number, too", "[api][several_too
   CHECK(std::equal(tool.force, tool.force + 3, whole.force));
   CHECK(palpate_set_opening(simulation.get(), 0, 0.01) == PALPATE_BAD_ARGUMENT);
 }
+
+TEST_CASE("A script that closes jaws hands out their openings, and one of a tool without jaws none",
+          "[api][several_tools]") {
+  const auto load = [](const char* scene) {
+    palpate_model* model = nullptr;
+    REQUIRE(palpate_load(scene, nullptr, &model, nullptr) == PALPATE_OK);
+    return ModelHandle(model);
+  };
+  const ModelHandle model = load("strip_grasp");
+  std::int64_t count = 0, jaws = 0;
+  REQUIRE(palpate_script(model.get(), nullptr, nullptr, 0, &count, nullptr) == PALPATE_OK);
+  std::vector<double> poses(7 * count), openings(count);
+  REQUIRE(palpate_script(model.get(), nullptr, poses.data(), count, &count, nullptr) == PALPATE_OK);
+  REQUIRE(palpate_script_openings(model.get(), nullptr, openings.data(), count, &jaws, nullptr) == PALPATE_OK);
+  REQUIRE(jaws == count);
+  const auto [least, most] = std::minmax_element(openings.begin(), openings.end());
+  CHECK(*least < 0.5 * *most);
+  const SimulationHandle simulation = create(model);
+  double pinch = 0;  // N
+  for (std::int64_t tick = 0; tick < count / 2; ++tick) {
+    REQUIRE(palpate_set_opening(simulation.get(), 0, openings[tick]) == PALPATE_OK);
+    REQUIRE(palpate_step(simulation.get(), 1, &poses[7 * tick], nullptr) == PALPATE_OK);
+    pinch = std::max(pinch, readTool(simulation, 0).pinch);
+  }
+  CHECK(pinch > 0.05);
+  CHECK(palpate_set_opening(simulation.get(), 0, 1e9) == PALPATE_BAD_ARGUMENT);
+
+  const ModelHandle ball = load("layer_sphere");
+  REQUIRE(palpate_script_openings(ball.get(), nullptr, openings.data(), 10, &jaws, nullptr) == PALPATE_OK);
+  CHECK(jaws == 0);
+  CHECK(palpate_script_openings(nullptr, nullptr, nullptr, 0, &jaws, nullptr) == PALPATE_BAD_ARGUMENT);
+}

@@ -165,6 +165,7 @@ TEST_CASE("A line that is no job is refused with its place", "[batch]") {
   CHECK_THAT(refused(R"({"scene": "liver", "field": "pdf"})"), Contains("\"vtu\" and \"npz\""));
   CHECK_THAT(refused(R"({"scene": "liver", "picture": 1})"), Contains("\"picture\" is neither"));
   CHECK_THAT(refused(R"({"scene": "liver", "id": "../x"})"), Contains("\"../x\" can't be the name of a folder"));
+  CHECK_THAT(refused(R"({"scene": "liver", "id": "results.jsonl"})"), Contains("writes itself"));
   CHECK_THAT(refused(R"({"scene": "liver", "id": "job-1"})"), Contains("there is a job \"job-1\" before"));
   CHECK_THAT(refused(R"({"scene": "liver", "set": {"tool.radius": null}})"), Contains("\"tool.radius\" no value"));
   CHECK_THAT(refusal([&] { readBatchJobs(folder.write("empty.jsonl", "\n")); }), Contains("there is no job"));

@@ -29,6 +29,8 @@ void checkId(const std::string& id, const SourceLocation& place) {
   };
   if (id.empty() || id.size() > max_id || id.front() == '.' || !std::all_of(id.begin(), id.end(), allowed))
     throw InputError(place, inQuotes(id) + " can't be the name of a folder", "use letters, digits, -, _ and .");
+  if (id == "results.jsonl" || id == "batch.json")
+    throw InputError(place, inQuotes(id) + " is a file that the batch writes itself", "give the job another id");
 }
 
 BatchJob jobFrom(const Json& json, const SourceLocation& place) {

@@ -1,6 +1,7 @@
 """The C library as ctypes sees it: palpate.h and palpate_device.h."""
 import ctypes as C
 import glob
+import operator
 import os
 
 import numpy as np
@@ -30,6 +31,25 @@ class _Error(_Sized):
 
 _TickCall = C.CFUNCTYPE(None, C.c_void_p, C.c_void_p)  # user, state
 _Progress = C.CFUNCTYPE(C.c_int, C.c_void_p, C.c_char_p, C.c_double)
+
+
+def _whole(kind):
+    """A ctypes integer as an argument that refuses what does not fit, where ctypes would take its lowest bits."""
+    bits = 8 * C.sizeof(kind)
+    low, high = (0, 2 ** bits - 1) if kind(-1).value > 0 else (-2 ** (bits - 1), 2 ** (bits - 1) - 1)
+
+    class Whole(kind):
+        @classmethod
+        def from_param(cls, value):
+            number = value.value if isinstance(value, C._SimpleCData) else operator.index(value)
+            if not low <= number <= high:
+                raise ValueError(f"{number} is not within {low} to {high}")
+            return kind(number)
+
+    return Whole
+
+
+_Int32, _Int64, _UInt64 = _whole(C.c_int32), _whole(C.c_int64), _whole(C.c_uint64)
 
 
 class _Options(_Sized):
@@ -173,27 +193,28 @@ def find_library(name="palpate"):
 
 def _load_library():
     lib = C.CDLL(find_library())
-    pointer, pose, size, number = C.c_void_p, C.POINTER(C.c_double), C.c_size_t, C.c_int32
+    pointer, pose, size, number = C.c_void_p, C.POINTER(C.c_double), C.c_size_t, _Int32
     to, error = C.POINTER, C.POINTER(_Error)
     arguments = {
         "load": [C.c_char_p, to(_Options), to(pointer), error],
         "load_text": [C.c_char_p, C.c_char_p, C.c_char_p, to(_Options), to(pointer), error],
         "describe": [pointer, to(_Info)],
-        "count": [pointer, number, to(number)],
+        "count": [pointer, number, to(C.c_int32)],
         "index": [pointer, number, C.c_char_p],
         "skin_triangles": [pointer, pointer, number],
-        "script": [pointer, C.c_char_p, pointer, C.c_int64, to(C.c_int64), error],
+        "script": [pointer, C.c_char_p, pointer, _Int64, to(C.c_int64), error],
+        "script_openings": [pointer, C.c_char_p, pointer, _Int64, to(C.c_int64), error],
         "create": [pointer, to(pointer), error],
-        "step": [pointer, C.c_int64, pose, to(_State)],
+        "step": [pointer, _Int64, pose, to(_State)],
         "team_create": [number, to(pointer), error],
-        "step_many": [pointer, pointer, number, C.c_int64, pointer, pointer, error],
+        "step_many": [pointer, pointer, number, _Int64, pointer, pointer, error],
         "start": [pointer, C.c_uint32],
         "stop": [pointer],
-        "set_target": [pointer, pose, C.c_uint64],
+        "set_target": [pointer, pose, _UInt64],
         "read": [pointer, to(_State)],
         "skin_positions": [pointer, pointer, number],
-        "contacts": [pointer, pointer, pointer, number, to(number)],
-        "contact_points": [pointer, pointer, pointer, pointer, pointer, number, to(number)],
+        "contacts": [pointer, pointer, pointer, number, to(C.c_int32)],
+        "contact_points": [pointer, pointer, pointer, pointer, pointer, number, to(C.c_int32)],
         "closest": [pointer, pose, to(_SkinPlace)],
         "ray": [pointer, pose, pose, to(_SkinPlace)],
         "reactions": [pointer, pointer, pointer, number],
@@ -221,18 +242,18 @@ def _load_library():
         "save": [pointer, pointer, size],
         "restore": [pointer, pointer, size, error],
         "hash": [pointer, to(C.c_uint64)],
-        "set_tool_target": [pointer, number, pose, C.c_uint64],
+        "set_tool_target": [pointer, number, pose, _UInt64],
         "set_opening": [pointer, number, C.c_double],
         "read_tool": [pointer, number, to(_ToolState)],
         "scene_device": [pointer, to(_Device)],
         "couple": [pointer, to(_Device), error],
         "uncouple": [pointer],
-        "exchange": [pointer, C.c_int64, to(_DevicePose), to(_Wrench)],
+        "exchange": [pointer, _Int64, to(_DevicePose), to(_Wrench)],
         "read_coupling": [pointer, to(_Coupling)],
     }
     for name, types in arguments.items():
         function = getattr(lib, "palpate_" + name)
-        function.argtypes, function.restype = types, number
+        function.argtypes, function.restype = types, C.c_int32
     for name in ("model_destroy", "destroy", "team_destroy", "points_destroy", "equilibrium_destroy"):
         getattr(lib, "palpate_" + name).argtypes, getattr(lib, "palpate_" + name).restype = [pointer], None
     lib.palpate_save_size.argtypes, lib.palpate_save_size.restype = [pointer], size
@@ -262,7 +283,10 @@ def _call(name, *arguments, error=None):
         raise Error(BAD_ARGUMENT, "it is closed")
     if error is not None:
         arguments += (C.byref(error),)
-    code = getattr(library(), "palpate_" + name)(*arguments)
+    try:
+        code = getattr(library(), "palpate_" + name)(*arguments)
+    except C.ArgumentError as problem:
+        raise ValueError(f"{name}: {problem}") from None
     if code != OK:
         text = error.text.decode(errors="replace") if error is not None else ""
         raise Error(code, text or name + ": " + library().palpate_result_text(code).decode())

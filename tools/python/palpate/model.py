@@ -6,7 +6,7 @@ import os
 
 import numpy as np
 
-from ._library import BAD_INPUT, MATERIAL, REGION, TOOL, Error, _call, _Error, _Info, _Options, _path, library
+from ._library import BAD_INPUT, MATERIAL, REGION, TOOL, Error, _call, _Error, _Info, _Int32, _Options, _path, library
 
 
 def _numbers(value, shape, what):
@@ -59,7 +59,7 @@ class Model:
             raise TypeError("a model is made of a scene or of a text")
         self._handle = C.c_void_p()
         changes = [_change(key, value) for key, value in (set or {}).items()]
-        options = _Options(threads=threads, rate_hz=rate_hz, cache_folder=_path(cache) if cache else None,
+        options = _Options(threads=_Int32.from_param(threads).value, rate_hz=rate_hz, cache_folder=_path(cache) if cache else None,
                            set=(C.c_char_p * max(1, len(changes)))(*changes), set_count=len(changes))
         out = C.byref(options), C.byref(self._handle)
         if text is None:
@@ -122,6 +122,15 @@ class Model:
         poses = np.empty((count.value, 7))
         _call("script", self._handle, text, poses.ctypes.data, len(poses), C.byref(count), error=_Error())
         return poses
+
+    def script_openings(self, name=None):
+        """How far that script has the first tool's jaws open, m, in each tick; none where it is no jaws."""
+        count, text = C.c_int64(), _path(name or "")
+        _call("script_openings", self._handle, text, None, 0, C.byref(count), error=_Error())
+        openings = np.empty(count.value)
+        _call("script_openings", self._handle, text, openings.ctypes.data, len(openings), C.byref(count),
+              error=_Error())
+        return openings
 
     def pose_at(self, depth, slide=(0, 0)):
         """The start pose moved along the tool's axis to `depth` m past first touch, and by `slide` m in x and y."""
