@@ -19,7 +19,7 @@ namespace palpate {
 struct Command {
   ToolPostures tools;                     // where they should be at the end of the tick
   bool moves_others = false;              // else all but the first stay where they are, and jaws as open as they are
-  std::array<bool, max_tools> lets_go{};  // it touches nothing, and nothing rigid stops it
+  std::array<bool, max_tools> lets_go{};  // it touches no tissue
   int pull_vertex = -1;                   // skin vertex pulled by a spring; -1: none
   Vec3 pull_target = Vec3::Zero();        // m, world
 };

@@ -89,7 +89,7 @@ ToolWays::ToolWays(const Model& model, const State& state, const Command& comman
     const double reach = topSpeed(model, t) / model.scene.rate_hz;
     const double wanted = largestWay(model, t, from[k], to_[k]);
     if (wanted > reach) to_[k] = between(from[k], to_[k], reach / wanted);
-    if (model.rigid.empty() || command.lets_go[k]) continue;
+    if (model.rigid.empty()) continue;
     const double end = static_cast<double>(state.step + model.substeps_per_tick) * model.dt;
     to_[k] = stoppedByRigidBodies(model, t, to_[k], end, reach);
   }

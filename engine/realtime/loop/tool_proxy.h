@@ -37,8 +37,8 @@ struct YieldLimits {
 ///
 /// It stands before what holds the organ (RigidSupport), whatever the tissue between takes.
 ///
-/// Where it is stuck in the tissue (SnagWatch) it lets go: it goes to the hand through all that is in the way and
-/// without touching it, while the tissue springs back; once it is there and outside of the skin it touches again.
+/// Where it is stuck in the tissue (SnagWatch) it lets go: it goes to the hand without touching tissue, which springs
+/// back; once it is there and outside of the skin it touches again. What is rigid stops it all the while.
 ///
 /// In tissue it advances at half the speed of sound at most: for very soft tissue and a very quick hand.
 /// Across the push and backwards the tool is free; it doesn't slide off a slope, as it would along the skin. Where no
@@ -112,6 +112,7 @@ class ToolProxy {
   Vec3 inOneTick(const Vec3& move) const;
   void letGoWhereStuck(const State& state, const Vec3& hand, const StepReport& last);
   bool isOutside(const State& state, const Vec3& hand, const StepReport& last);
+  Pose beforeSupport(const State& state, const Pose& hand, const Pose& wanted);
   Pose followFrom(const State& state, const Pose& hand, const Vec3& force, const StepReport& last);
   Pose yieldFrom(const Pose& from, const Pose& hand, const Vec3& force, double g);
 

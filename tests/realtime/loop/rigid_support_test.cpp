@@ -128,5 +128,12 @@ TEST_CASE("No tool is pushed through what holds the organ, whatever its shape an
     hand.position.z() = 0.05;  // and it comes out as it went in
     for (int tick = 0; tick < 50; ++tick) go();
     CHECK(state.tool[0].pose.position == hand.position);
+    hand.position.z() = -1;  // not when it lets the tissue go, either
+    ToolProxy::Memory letting_go;
+    letting_go.lets_go = true;
+    proxy.recall(letting_go);
+    for (int tick = 0; tick < 200; ++tick) go();
+    CHECK(proxy.letsGo());
+    CHECK(state.tool[0].pose.position.z() > 0);
   }
 }
