@@ -132,7 +132,8 @@ int32_t palpate_restore(palpate_simulation* simulation, const void* bytes, size_
     if (header.build != buildHash())
       throw Refusal(PALPATE_BAD_INPUT, "the state was saved by another build of the library; run it anew");
     if (header.model != modelHash(*simulation->model))
-      throw Refusal(PALPATE_BAD_INPUT, "the state was saved of another model: load its scene, with the same rate and settings");
+      throw Refusal(PALPATE_BAD_INPUT,
+                    "the state was saved of another model: load its scene, with the same rate and settings");
     if (size != sizeOf(*simulation) || header.size != size || header.sum != sumOf(at, size))
       throw Refusal(PALPATE_BAD_INPUT, "the saved state is damaged");
 

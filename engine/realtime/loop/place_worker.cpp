@@ -154,7 +154,10 @@ void PlaceWorker::work() {
       }
       if (made == no_place && wish.to == no_place && threads_ > 0) made = missingNeighbour(wish.from);
       if (made != no_place && !shelf_.contains(made)) {
-        kept_ ? void(make(made)) : void(at(made));
+        if (kept_)
+          make(made);  // for the disk
+        else
+          at(made);
         continue;
       }
     } catch (const std::exception& error) {

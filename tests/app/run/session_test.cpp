@@ -180,6 +180,29 @@ TEST_CASE("A run that is refused takes nothing of an earlier one's results away"
   CHECK(files() == 1);
 }
 
+TEST_CASE("Off-screen a scene's own script is played to its end, and no two pictures are of one tick", "[session]") {
+  const TempFolder folder;
+  Options options;
+  options.offscreen = options.as_fast_as_possible = true;
+  const std::string script = folder.write("long.toml",
+                                          "[[keyframe]]\ntime = 0.5\nadvance = 0\n"
+                                          "[[keyframe]]\ntime = 4.5\nadvance = 0.001\n");
+  options.scene = folder.write(
+      "block.toml", replaced(test::touched_block_text, "[tool]\n", "[tool]\ninput = \"script:" + script + "\"\n"));
+  options.out = folder.path("out");
+  Log log;
+  Session session(options, app::readScene(options), log);
+  session.start();
+  while (!session.finished()) session.gather();
+  session.finish();
+  CHECK(session.report().ticks == 2250 + 10);  // with the last corner's rounding
+
+  options.snapshot_at = {0.4, 0.4005};
+  CHECK_THAT(refusal([&] { Session(options, app::readScene(options), log); }), Catch::Contains("one tick"));
+  options.snapshot_at = {0.4, 0.402};
+  Session(options, app::readScene(options), log);
+}
+
 TEST_CASE("A recording that can't be replayed is found before the set-up is made", "[session]") {
   const TempFolder folder;
   Options options;

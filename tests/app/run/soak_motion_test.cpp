@@ -181,6 +181,14 @@ TEST_CASE("Where a body may slide, its drift is told without the slide", "[soak_
   state.u[0].x += 1e-3F;
   CHECK(rest.driftOf(state) == Approx(0.75e-3).epsilon(1e-4));  // of four nodes
   CHECK(rest.slidOf(state).isApprox(Vec3(0.01025, -0.02, 0), 1e-5));
+  Model loose = model;
+  loose.imposed.assign(4, 0);
+  loose.scene.rigid.emplace_back();
+  RestWatch on_table(loose);
+  CHECK(on_table.driftOf(State(state)) == 0);
+  State elsewhere = state;
+  for (Float4& u : elsewhere.u) u.z += 0.01F;
+  CHECK(on_table.driftOf(elsewhere) == 0);  // it may rest anywhere
   // Far off, the coordinates' last bit is larger than what the bound on the speed allows; here too it is at rest.
   const float far = 0.2F;
   for (const bool on_ice : {true, false}) {

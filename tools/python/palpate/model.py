@@ -59,7 +59,8 @@ class Model:
             raise TypeError("a model is made of a scene or of a text")
         self._handle = C.c_void_p()
         changes = [_change(key, value) for key, value in (set or {}).items()]
-        options = _Options(threads=_Int32.from_param(threads).value, rate_hz=rate_hz, cache_folder=_path(cache) if cache else None,
+        options = _Options(threads=_Int32.from_param(threads).value, rate_hz=rate_hz,
+                           cache_folder=_path(cache) if cache else None,
                            set=(C.c_char_p * max(1, len(changes)))(*changes), set_count=len(changes))
         out = C.byref(options), C.byref(self._handle)
         if text is None:
