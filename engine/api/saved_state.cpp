@@ -30,7 +30,7 @@ void forEachPart(SomeState& s, Call call) {
   list(s.u), list(s.du), list(s.u_low);
   const auto contact = [&](auto& c) {
     one(c.count), list(c.vertex), list(c.force), list(c.normal), list(c.side);
-    one(c.overflow), one(c.max_penetration), one(c.contact_count), one(c.sweep_count);
+    one(c.overflow), one(c.max_penetration), one(c.contact_count);
     auto& f = c.samples;
     one(f.count), list(f.id), list(f.force), list(f.normal), list(f.side), list(f.point), list(f.area), list(f.lift);
     one(f.longest_edge), one(f.largest_stretch);

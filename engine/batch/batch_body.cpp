@@ -102,17 +102,16 @@ void BatchBody::contact(double alpha, double time, Report& report) {
     u_float_[i] = toFloat(u[i]);
     du_float_[i] = du_before_[i] = toFloat(du[i]);
   }
-  tools_.solve(alpha, inverse_mass_float_.data(), u_float_.data(), du_float_.data(), report.loads);
-  report.tool_force = report.loads[0].force;
   findSkinPairs(model_.bodies, model_.skin, u_float_.data(), du_before_.data(), 1, skins_, skins_scratch_);
-  report.skins = solveSkinContact(model_.skin, alpha, inverse_mass_float_.data(), u_float_.data(), du_float_.data(),
-                                  skins_, skins_scratch_);
+  const ContactStep step{model_.skin, static_cast<float>(alpha), inverse_mass_float_.data(), u_float_.data(),
+                         du_float_.data()};
+  report.contact = tools_.solve(
+      step, {{}, &skins_, &skins_scratch_, layer_ ? nullptr : &model_.rigid, &rigid_, time - model_.dt, time},
+      report.loads);
+  report.tool_force = report.loads[0].force;
   if (model_.bodies.several())
     for (int k = 0; k < organCount(model_); ++k)
       report.organ_force[static_cast<std::size_t>(k)] = skinForceOn(model_.bodies, model_.skin, k, skins_);
-  if (!model_.rigid.empty() && !layer_)
-    report.rigid = solveRigidBodies(model_.rigid, model_.skin, time - model_.dt, time, alpha,
-                                    inverse_mass_float_.data(), u_float_.data(), du_float_.data(), rigid_);
   for (std::size_t i = 0; i < u.size(); ++i)
     store(du[i], load(du[i]) + __builtin_convertvector(load(du_float_[i]) - load(du_before_[i]), GroupOf<double>));
 }
@@ -129,7 +128,7 @@ Doubt BatchBody::doubt(const ForceReport& forces, const Report& report) const {
   step.min_J = forces.min_J;
   step.inverted_points = forces.inverted_points;
   step.max_penetration = tools_.maxPenetration();
-  if (isTooDeep(model_, report.skins)) step.flags |= kDeepContact;
+  if (isTooDeep(model_, report.contact.skins)) step.flags |= kDeepContact;
   step.volume_change = forces.volume_change / model_.cell_volume;
   step.pressure_over_shear =
       model_.patches.empty() ? -step.volume_change * bulkOverShear(model_.materials) : forces.max_patch_pressure;
@@ -161,7 +160,7 @@ BatchBody::Report BatchBody::advance(double alpha, double beta, double time, con
   for (std::size_t i = 0; i < u.size(); ++i)
     store(du[i], (own_beta ? own_beta[i] : beta) * load(du[i]) + (alpha * inverse_mass_[i]) * load(f[i]));
   addLoads(alpha, time);
-  if (layer_) report.rigid = layer_->loads();
+  if (layer_) report.contact.rigid = layer_->loads();
   if (hasContact()) contact(alpha, time, report);
   imposeBoundary(boundary_, time, 0.0, alpha, inverse_mass_.data(), u.data(), du.data(), boundary_scratch_, team_);
   double largest = 0;

@@ -29,9 +29,8 @@ class BatchBody {
     double strain_energy = 0;        // J, at the beginning of the step
     Vec3 tool_force = Vec3::Zero();  // N, on the first tool
     ToolLoads loads;                 // of all tools, without torques
-    SkinContact skins;
-    OrganForces organ_force{};  // N, of the other organs on each
-    RigidLoads rigid;
+    OrganForces organ_force{};       // N, of the other organs on each
+    ContactForces contact;           // of skins and rigid bodies
   };
 
   /// One step of paper eqs. 12 and 21-25, the boundaries then being where they are at `time`, and loads what they are:

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 
-#include "contact/contact.h"
 #include "step/tool_bodies.h"
 
 namespace palpate {
@@ -26,19 +25,24 @@ BatchTools::BatchTools(const Model& model) : model_(model) {
     contact_.push_back(makeContactState(model.skin, model.tools.body[b].shape));
 }
 
-void BatchTools::solve(double alpha, const float* inverse_mass, const Float4* u, Float4* du, ToolLoads& loads) {
-  if (!present()) return;
-  for (int b = 0; b < bodyCount(); ++b) {
-    const ToolBody& body = model_.tools.body[b];
+ContactForces BatchTools::solve(const ContactStep& step, Touching touching, ToolLoads& loads) {
+  std::array<TouchingTool, max_tool_bodies> tools;
+  const ToolSet& set = model_.tools;
+  const auto count = static_cast<std::size_t>(bodyCount());
+  for (std::size_t b = 0; b < count; ++b) {
+    const ToolBody& body = set.body[b];
     const auto t = static_cast<std::size_t>(body.tool);
-    const Pose pose = bodyPose(body, now_.posture[t]);
-    const double margin = 2 * largestTravel(body.shape, bodyPose(body, before_.posture[t]), pose);
-    ContactState& contact = contact_[static_cast<std::size_t>(b)];
-    findContactCandidates(model_.skin, u, body.shape, pose, margin, contact);
-    findFaceSamples(model_.skin, u, body.shape, pose, margin, contact);
+    const Pose pose = bodyPose(body, now_.posture[t]), before = bodyPose(body, before_.posture[t]);
+    const double margin = 2 * largestTravel(body.shape, before, pose);
+    findContactCandidates(model_.skin, step.u, body.shape, pose, margin, contact_[b]);
+    findFaceSamples(model_.skin, step.u, body.shape, pose, margin, contact_[b]);
+    tools[b] = {&body.shape, pose, before, set.tool[t].friction, &contact_[b]};
   }
-  solveAll(alpha, inverse_mass, u, du, loads);
-  before_ = now_;
+  touching.tools = {tools.data(), count};
+  const ContactForces forces = solveContacts(step, touching);
+  for (std::size_t b = 0; b < count; ++b) addToLoad(set.body[b], tools[b], loads);
+  if (present()) before_ = now_;
+  return forces;
 }
 
 /// Those of the tools that are there, which come first.
@@ -58,20 +62,6 @@ double BatchTools::maxPenetration() const {
 
 bool BatchTools::overflow() const {
   return std::any_of(contact_.begin(), contact_.end(), [](const ContactState& contact) { return contact.overflow; });
-}
-
-void BatchTools::solveAll(double alpha, const float* inverse_mass, const Float4* u, Float4* du, ToolLoads& loads) {
-  std::array<TouchingTool, max_tool_bodies> touching;
-  const ToolSet& set = model_.tools;
-  const auto count = static_cast<std::size_t>(bodyCount());
-  for (std::size_t b = 0; b < count; ++b) {
-    const ToolBody& body = set.body[b];
-    const auto t = static_cast<std::size_t>(body.tool);
-    touching[b] = {&body.shape, bodyPose(body, now_.posture[t]), bodyPose(body, before_.posture[t]),
-                   set.tool[t].friction, &contact_[b]};
-  }
-  solveContacts(model_.skin, {touching.data(), count}, alpha, inverse_mass, u, du);
-  for (std::size_t b = 0; b < count; ++b) addToLoad(set.body[b], touching[b], loads);
 }
 
 }  // namespace palpate

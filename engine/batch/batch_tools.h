@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "contact/contact.h"
 #include "model/model.h"
 #include "model/tools_at.h"
 
@@ -21,9 +22,8 @@ class BatchTools {
   bool present() const { return now_.count > 0; }
   const ToolsAt& at() const { return now_; }
 
-  /// As solveToolContacts: corrects du, and says what the tissue does to each tool (no torques).
-  /// @param u, du  m (node_count)
-  void solve(double alpha, const float* inverse_mass, const Float4* u, Float4* du, ToolLoads& loads);
+  /// solveContacts for the tools and all else that touches; says what the tissue does to each tool (no torques).
+  ContactForces solve(const ContactStep& step, Touching touching, ToolLoads& loads);
 
   /// After solve(), as StepReport has them: how deep the skin is in the tools, m, and whether a list overflowed.
   double maxPenetration() const;
@@ -31,7 +31,6 @@ class BatchTools {
 
  private:
   int bodyCount() const;
-  void solveAll(double alpha, const float* inverse_mass, const Float4* u, Float4* du, ToolLoads& loads);
 
   const Model& model_;
   ToolsAt now_, before_;

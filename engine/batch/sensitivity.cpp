@@ -20,7 +20,7 @@ using NodeField = AlignedVector<Double4>;
 
 /// Of the body's size, of differences of forces: rounding 1e-9, curvature 1e-9.
 constexpr double difference_reach = 1e-6;
-/// Of the tool's radius: the depth from which the layer's pressure grows no further, as contact_solver.cpp has it.
+/// Of the tool's radius: the depth from which the layer's pressure grows no further, as tool_rows.cpp has it.
 constexpr double pressure_cap_depth = 0.2;
 /// Of the tool's radius: vertices that are no nearer take no part in a solution.
 constexpr double contact_reach = 0.5;

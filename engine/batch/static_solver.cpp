@@ -151,7 +151,7 @@ StaticSolver::Outcome StaticSolver::relax(double time, const ToolsAt& tools, int
     equilibrium.strain_energy = report.strain_energy;
     equilibrium.tool_force = report.tool_force;
     equilibrium.loads = report.loads;
-    equilibrium.rigid = report.rigid;
+    equilibrium.rigid = report.contact.rigid;
     if (k % reference_interval == 1) {
       u_reference_ = body_.u;
       for (std::size_t i = 0; i < u_reference_.size(); ++i)

@@ -46,7 +46,7 @@ std::optional<BatchBody::Report> TransientSolver::tick(const ToolsAt& wanted, co
     total.strain_energy = report.strain_energy;
     total.tool_force = report.tool_force;
     total.loads = report.loads;
-    total.rigid = report.rigid;
+    total.contact.rigid = report.contact.rigid;
   }
   return total;
 }

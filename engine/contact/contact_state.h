@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "base/types.h"
+#include "contact/contact_row.h"
 #include "contact/skin.h"
 #include "contact/tool.h"
 
@@ -16,19 +17,9 @@ struct SkinPoint {
   std::array<float, 3> share = {1};  // (corners) sum 1
 };
 
-/// One point of the skin in solveContact's system.
-struct ContactRow {
-  Eigen::Vector4f normal;          // unit, outward from the tool, world
-  Eigen::Vector4f predicted;       // increment of the point before contact, m
-  Eigen::Vector4f tool_increment;  // of the tool's surface at the point, m
-  Eigen::Vector4f stick;           // tangential force carried over from the last step, N
-  Eigen::Vector4f force;           // on the tissue, N
-  float gap = 0;                   // m, at the end of the step if there were no contact
-  float stiffness = 0;             // N/m, of the contact layer at this point
-  float mobility = 0;              // m/N, alpha sum_i N_i^2 / m_i; of several corners a bound of it
-  float penetration = 0;           // m, after the last sweep
-  int slot = 0;                    // index in ContactState, or in its samples
-  int vertex = 0;                  // skin vertex; of a sample its first corner
+/// A vertex or a sample before a tool.
+struct ToolRow : ContactRow {
+  int vertex = 0;  // of the skin; of a sample its first corner
   const SkinPoint* sample = nullptr;
 };
 
@@ -76,7 +67,6 @@ struct ContactState {
   bool overflow = false;       // more points near the tool than capacity; the farthest vertices were dropped
   double max_penetration = 0;  // m, deepest after the last step
   int contact_count = 0;       // vertices and samples that carry force after the last step
-  int sweep_count = 0;         // sweeps of the last step
 
   // Scratch.
   struct Candidate {
@@ -88,7 +78,7 @@ struct ContactState {
   std::vector<Vec3f> old_normal;     // (capacity)
   std::vector<Vec3f> old_side;       // (capacity)
   std::vector<int> old_vertex;       // (capacity)
-  std::vector<ContactRow> row;       // (capacity of vertices and samples)
+  std::vector<ToolRow> row;          // (capacity of vertices and samples)
 };
 
 /// Memory for the largest contact that this tool can make with this skin: every vertex, but no

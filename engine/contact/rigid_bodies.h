@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/types.h"
+#include "contact/contact_row.h"
 #include "contact/rigid_shape.h"
 #include "contact/skin.h"
 #include "discretization/surface/surface_tree.h"
@@ -62,19 +63,8 @@ GapGrid gapGrid(const SurfaceTree& surface, const SurfaceSide& side, double spac
 void addRigidBody(RigidBody body, const SkinModel& skin, double spacing, double young_modulus,
                   std::optional<double> gap_at_rest, RigidBodies& bodies);
 
-/// One point of one body in the solver's system.
-struct RigidRow {
-  Eigen::Vector4f normal;          // unit, out of the body
-  Eigen::Vector4f predicted;       // increment of the point before contact, m
-  Eigen::Vector4f body_increment;  // of the body at the point, m
-  Eigen::Vector4f stick;           // tangential force carried over from the last step, N
-  Eigen::Vector4f tangential;      // N
-  float gap = 0;                   // m, at the end of the step if there were no contact
-  float highest = 0;               // m, gap that contact brings it to at most in this step
-  float stiffness = 0;             // N/m
-  float mobility = 0;              // m/N
-  float friction = 0;
-  float force = 0;  // N, along the normal
+/// A point before a body.
+struct RigidRow : ContactRow {
   int point = 0;
   int body = 0;
 };
@@ -106,21 +96,5 @@ struct RigidLoad {
   int count = 0;               // points that carry force
 };
 using RigidLoads = std::array<RigidLoad, max_rigid_bodies>;  // the first body_count count
-
-/// Keeps the predicted displacement out of all bodies at once: unilateral contact with friction, solved as solveContact
-/// solves the tool's (contact_solver.h), with forces f_v >= 0 along the bodies' normals n_v and f_t across them:
-///   du_i += alpha / m_i sum_v N_i(X_v) (f_v n_v + f_t),   f_v = K max(d_v, 0),   K = stiffness a_v
-///   |f_t| <= friction f_v, else none of the tangential way that the point has over the body      (frictionForce)
-/// d is the penetration at the end of the step. A point that is deeper in a body than the layer comes back by no more
-/// than 0.02 mm a step, so that it is not shot out; one that is 3 mm beyond a surface is left alone: it went out by an
-/// opening.
-///
-/// @param begin, end  s, of the step: the bodies go from where they are at one to where they are at the other
-/// @param alpha, inverse_mass, u, du, as solveContact's
-/// Real-time: no allocation, no lock, no throw; serial, so that it is the same for any number of threads. Costs 2
-/// four-lane operations a node, about 60 four-lane FMAs a point near a body, and per point in contact 60 (1 + sweeps).
-/// Test: simulation/rigid_bodies_test.cpp, simulation/rigid_shell_test.cpp
-RigidLoads solveRigidBodies(const RigidBodies& bodies, const SkinModel& skin, double begin, double end, double alpha,
-                            const float* inverse_mass, const Float4* u, Float4* du, RigidState& state);
 
 }  // namespace palpate

@@ -81,12 +81,12 @@ inline void prefetchVertex(const SkinModel& skin, int v) {
   }
 }
 
-/// Where skin vertex v is now, m. Real-time.
 /// Whether a point is in what a closed skin encloses as it is now: by the faces above it, each by its side.
 /// @param position  (vertex_count) scratch
 /// Real-time: no allocation, no lock, no throw; an interpolation for each vertex.
 bool isInside(const SkinModel& skin, const Float4* u, const Vec3& point, std::vector<Vec3f>& position);
 
+/// Where skin vertex v is now, m. Real-time.
 inline Vec3 skinPosition(const SkinModel& skin, int v, const Float4* u) {
   return skin.surface.vertices[v] + interpolateAtVertex(skin, v, u).head<3>().cast<double>();
 }

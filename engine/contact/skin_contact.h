@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/types.h"
+#include "contact/contact_row.h"
 #include "contact/skin.h"
 
 namespace palpate {
@@ -67,20 +68,10 @@ SkinContactState makeSkinContactState(const SkinBodies& bodies);
 struct SkinContactScratch {
   SkinContactScratch(const SkinBodies& bodies, const SkinModel& skin);
 
-  struct Row {
-    int slot = 0;                                         // in SkinContactState
-    int begin = 0, end = 0;                               // of its entries
-    Eigen::Vector4f apart = Eigen::Vector4f::Zero();      // vertex less face point at rest, m
-    Eigen::Vector4f normal = Eigen::Vector4f::Zero();     // unit, from the face to the vertex
-    Eigen::Vector4f predicted = Eigen::Vector4f::Zero();  // increment of the vertex, the face's taken off, m
-    Eigen::Vector4f stick = Eigen::Vector4f::Zero();      // tangential force carried over from the last step, N
-    Eigen::Vector4f force = Eigen::Vector4f::Zero();      // N
-    float gap = 0;                                        // m, at the end of the step if there were no contact
-    float highest = 0;                                    // m, gap that contact brings it to at most in this step
-    float stiffness = 0;                                  // N/m
-    float mobility = 0;                                   // m/N
-    float friction = 0;
-    float lift = 0;  // m, added to the gap
+  struct Row : ContactRow {                           // slot: in SkinContactState
+    int begin = 0, end = 0;                           // of its entries
+    Eigen::Vector4f apart = Eigen::Vector4f::Zero();  // m, vertex less face point at rest
+    float lift = 0;                                   // m, added to the gap
   };
   int row_count = 0;
   bool overflow = false;    // more pairs than there is memory for; the last vertices' were left out
@@ -139,19 +130,6 @@ void findSkinPairs(const SkinBodies& bodies, const SkinModel& skin, const Float4
 
 /// Nothing touches, and nothing may in the coming tick: findSkinPairs would find none.
 bool areCalm(const SkinBodies& bodies, const SkinContactState& state);
-
-/// Keeps the predicted displacements of skins out of each other: unilateral contact with Coulomb friction,
-/// solved as solveContact solves the tool's (contact_solver.h). A vertex v before a face with corners k and shares b_k:
-///   du_i += alpha / m_i (N_i(X_v) - sum_k b_k N_i(X_k)) f,   f_n = K max(d, 0),   |f_t| <= friction f_n
-/// with d the penetration at the end of the step and K = skin.bulk_stiffness a_v, or what stops the two within a step
-/// where that is stiffer. Action and reaction are equal to
-/// rounding. What is deeper than the layer comes back by no more than 0.02 mm a step, so that it is not shot out.
-///
-/// @param alpha, inverse_mass, u, du, as solveContact's
-/// Real-time: no allocation, no lock, no throw; serial, so that it is the same for any number of threads.
-/// Test: simulation/skin_contact_test.cpp
-SkinContact solveSkinContact(const SkinModel& skin, double alpha, const float* inverse_mass, const Float4* u,
-                             Float4* du, SkinContactState& state, SkinContactScratch& scratch);
 
 /// After a step.
 /// @param distance  m, of the node that moved furthest

@@ -9,7 +9,7 @@
 namespace palpate {
 namespace {
 
-/// How far the tool may go in a step for the contact to follow without tunnelling (contact/contact_solver.h), and
+/// How far the tool may go in a step for the contact to follow without tunnelling (contact/tool_rows.h), and
 /// without pushing the tissue over a good part of the half spacing that counts as lost, m.
 double reachOf(const Scene& scene) {
   double spacing = scene.spacing;

@@ -38,13 +38,8 @@ StepReport step(const Model& model, State& state, const ToolPostures& wanted, co
   addLoads(model, time, integrator.alpha, masses, state, workspace);
   pull(model, command, masses, state);
   ToolPostures tools = wanted;
-  solveToolContacts(model, tools, integrator.alpha, masses.inverse, state, outcome.loads);
-
-  outcome.skins = solveSkinContact(model.skin, integrator.alpha, masses.inverse, state.u.data(), state.du.data(),
-                                   state.skins, workspace.skins);
-  if (!model.rigid.empty())
-    outcome.rigid = solveRigidBodies(model.rigid, model.skin, time - model.dt, time, integrator.alpha, masses.inverse,
-                                     state.u.data(), state.du.data(), state.rigid);
+  outcome.contact =
+      solveContacts(model, tools, integrator.alpha, masses.inverse, state, workspace.skins, outcome.loads);
 
   // Pins and regions go where they were asked to be
   holdPins(model, masses, state);

@@ -17,11 +17,11 @@ std::uint32_t flagsOf(const Model& model, const StepReport& report, const StepOu
   if (outcome.moved.not_finite >= 0) flags |= kNotFinite;
   if (report.max_increment > model.max_increment) flags |= kBlowUp;
   if (report.inverted_points > 0) flags |= kInvertedPoints;
-  if (outcome.skins.overflow) flags |= kContactOverflow;
+  if (outcome.contact.skins.overflow) flags |= kContactOverflow;
   for (const ContactState& contact : state.contact)
     if (contact.overflow && contact.contact_count > 0) flags |= kContactOverflow;
   if (report.max_penetration > deep_contact * model.scene.tools[0].shape.radius) flags |= kDeepContact;
-  if (isTooDeep(model, outcome.skins)) flags |= kDeepContact;
+  if (isTooDeep(model, outcome.contact.skins)) flags |= kDeepContact;
   return flags;
 }
 
@@ -41,7 +41,7 @@ void addTools(const Model& model, const StepOutcome& outcome, const State& state
 double largestForce(const StepOutcome& outcome) {
   double largest = 0;
   for (const ToolLoad& load : outcome.loads) largest = std::max({largest, load.force.norm(), load.pinch});
-  for (const RigidLoad& load : outcome.rigid) largest = std::max(largest, load.force.norm());
+  for (const RigidLoad& load : outcome.contact.rigid) largest = std::max(largest, load.force.norm());
   return largest;
 }
 
@@ -75,9 +75,9 @@ StepReport reportOf(const Model& model, const StepOutcome& outcome, State& state
   const double dt2 = model.dt * model.dt;
   StepReport report;
   report.base_reaction = outcome.base_reaction;
-  report.skin_penetration = outcome.skins.max_penetration;
-  report.skin_contact_count = outcome.skins.count;
-  report.rigid = outcome.rigid;
+  report.skin_penetration = outcome.contact.skins.max_penetration;
+  report.skin_contact_count = outcome.contact.skins.count;
+  report.rigid = outcome.contact.rigid;
 
   report.max_increment = std::sqrt(moved.distance2);
   report.worst_node = moved.not_finite < 0 ? moved.node : moved.not_finite;

@@ -16,8 +16,7 @@ struct StepOutcome {
   Moved moved;                        // the step's own increments
   ToolLoads loads;                    // as StepReport has them
   Vec3 base_reaction = Vec3::Zero();  // N
-  SkinContact skins;
-  RigidLoads rigid;
+  ContactForces contact;              // of skins and rigid bodies
 };
 
 /// Whether bodies are so deep in one another that the contact is no longer trusted.

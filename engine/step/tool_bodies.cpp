@@ -111,8 +111,8 @@ void addToLoad(const ToolBody& body, const TouchingTool& felt, ToolLoads& loads)
   if (body.side != 0) load.pinch += 0.5 * body.side * felt.force.dot(felt.pose.orientation * Vec3::UnitX());
 }
 
-void solveToolContacts(const Model& model, ToolPostures& tools, double alpha, const float* inverse_mass, State& state,
-                       ToolLoads& loads) {
+ContactForces solveContacts(const Model& model, ToolPostures& tools, double alpha, const float* inverse_mass,
+                            State& state, SkinContactScratch& pairs, ToolLoads& loads) {
   const ToolSet& set = model.tools;
   const std::size_t bodies = set.body.size(), count = set.tool.size();
   std::array<TouchingTool, max_tool_bodies> touching;
@@ -135,12 +135,16 @@ void solveToolContacts(const Model& model, ToolPostures& tools, double alpha, co
                    apartOf(body, tools[t])};
   }
   const std::array<ToolHold, max_tools> guessed = holds;
-  solveContacts(model.skin, {touching.data(), bodies}, alpha, inverse_mass, state.u.data(), state.du.data());
+  const double begin = static_cast<double>(state.step) * model.dt;
+  const ContactForces forces = solveContacts(
+      {model.skin, static_cast<float>(alpha), inverse_mass, state.u.data(), state.du.data()},
+      {{touching.data(), bodies}, &state.skins, &pairs, &model.rigid, &state.rigid, begin, begin + model.dt});
   for (std::size_t t = 0; t < count; ++t) {
     tools[t].pose.position += holds[t].way - guessed[t].way;
     tools[t].opening += holds[t].opening - guessed[t].opening;
   }
   for (std::size_t b = 0; b < bodies; ++b) addToLoad(set.body[b], touching[b], loads);
+  return forces;
 }
 
 }  // namespace palpate

@@ -42,11 +42,11 @@ class ToolWays {
 /// Adds what a body felt in solveContacts to its tool's.
 void addToLoad(const ToolBody& body, const TouchingTool& felt, ToolLoads& loads);
 
-/// solveContacts for all bodies, which go from where the state has them to `tools`, or less far where the tissue would
-/// push harder than their max_force, or pinch harder than their grip_force (ToolHold).
+/// solveContacts for all that a model's skin touches in a step. Tools go from where the state has them to `tools`, or
+/// less far where the tissue would push harder than their max_force, or pinch harder than their grip_force (ToolHold).
 /// @param tools  where they should be at the step's end; receives where they are
 /// @param loads  receives force, pinch and contact count of each
-void solveToolContacts(const Model& model, ToolPostures& tools, double alpha, const float* inverse_mass, State& state,
-                       ToolLoads& loads);
+ContactForces solveContacts(const Model& model, ToolPostures& tools, double alpha, const float* inverse_mass,
+                            State& state, SkinContactScratch& pairs, ToolLoads& loads);
 
 }  // namespace palpate

@@ -78,6 +78,14 @@ struct SpringBed {
     u_low.assign(n, Float4{});
   }
 
+  /// The contact of a step; returns the force on the tool, N.
+  Vec3 solve(const ToolShape& tool, const Pose& to, const Pose& from, double friction, double alpha) {
+    TouchingTool one{&tool, to, from, friction, &contact};
+    sweeps =
+        solveContacts({skin, static_cast<float>(alpha), inverse_mass.data(), u.data(), du.data()}, {{&one, 1}}).sweeps;
+    return one.force;
+  }
+
   /// One step of eq. 12 with contact; returns the force on the tool, N.
   Vec3 step(const ToolShape& tool, const Pose& to, double friction = 0.0) {
     const double c = spec.damping, h = spec.dt;
@@ -86,8 +94,7 @@ struct SpringBed {
       const Vec3 f = springForce(i) - spec.tension * stretchAt(i, u);
       du[i] = toFloat4(beta * toVec3(du[i]) + alpha / mass * f);
     }
-    const Vec3 force =
-        solveContact(skin, tool, to, pose, friction, alpha, inverse_mass.data(), u.data(), du.data(), contact);
+    const Vec3 force = solve(tool, to, pose, friction, alpha);
     for (std::size_t i = 0; i < u.size(); ++i) {  // Kahan, as the simulator does
       for (float Float4::*lane : {&Float4::x, &Float4::y, &Float4::z}) {
         const float increment = du[i].*lane - u_low[i].*lane;
@@ -179,6 +186,7 @@ struct SpringBed {
   AlignedVector<Float4> u, du, u_low;
   Pose pose;
   ContactState contact;
+  int sweeps = 0;  // of the last step
 
  private:
   struct Weights {

@@ -286,7 +286,32 @@ TEST_CASE("In time a plate presses as in equilibrium, in float and in double", "
   TransientSolver motion(model, 1);
   BatchBody::Report report;
   for (int k = 0; k < 300; ++k) report = motion.tick();
-  CHECK(-report.rigid[0].force.z() == Approx(force).epsilon(0.01));
+  CHECK(-report.contact.rigid[0].force.z() == Approx(force).epsilon(0.01));
+}
+
+TEST_CASE("A sheet between a tool and a floor is held by both, whatever the time step", "[simulation][rigid]") {
+  Scene scene = lyingScene(0.5);
+  scene.size.z() = 0.006;
+  scene.spacing = 0.005;
+  scene.tools[0].position = Vec3(-0.005, 0, 0.0061);
+  scene.tools[0].friction = 0.5;
+  const auto draggedAside = [&](double time_step) {  // force on the tool, N
+    scene.time_step = time_step;
+    const Model model = buildModel(scene, boxSurface(scene.size, 0.003));
+    Run run(model);
+    for (int k = 1; k <= 250; ++k) {
+      run.command.tools[0].pose =
+          test::toolAt(model, 0.002 * std::min(1.0, k / 60.0), 0.003 * std::clamp((k - 80) / 100.0, 0.0, 1.0));
+      run.ticks(1);
+    }
+    return std::pair(run.ticks(50).tool_force, model.dt);
+  };
+  const auto [force, dt] = draggedAside(0);
+  const Vec3 finer = draggedAside(dt / 4).first;
+  std::printf("a sheet between tool and floor: %.4f N aside, with a fourth of the step %.4f N\n", -force.x(),
+              -finer.x());
+  CHECK(-force.x() > 0.1 * force.z());
+  CHECK((force - finer).norm() < 0.01 * force.norm());
 }
 
 TEST_CASE("Jabs of a plate at 1 m/s do not blow a block up", "[simulation][rigid]") {

@@ -95,8 +95,8 @@ TEST_CASE("A static solution in a skull rests, and a transient one comes to the 
   BatchBody::Report report;
   for (int k = 0; k < 130; ++k) report = motion.tick();
   CHECK(rest.rigid[0].force.z() == Approx(ownWeight(model)).epsilon(5e-3));
-  CHECK(report.rigid[0].force.z() == Approx(ownWeight(model)).epsilon(0.02));
-  CHECK(report.rigid[0].max_penetration < 1e-4);
+  CHECK(report.contact.rigid[0].force.z() == Approx(ownWeight(model)).epsilon(0.02));
+  CHECK(report.contact.rigid[0].max_penetration < 1e-4);
   double sag[2] = {0, 0};
   for (int which = 0; which < 2; ++which) {
     const AlignedVector<Double4>& u = which == 0 ? solver.body().u : motion.body().u;

@@ -194,7 +194,7 @@ int solveTransient(const Task& task, SolveResults& results) {
                    report->min_J,
                    report->inverted_points,
                    report->loads,
-                   report->rigid,
+                   report->contact.rigid,
                    0,
                    std::max(report->doubt, unresolved),
                    expected_error,

@@ -1,0 +1,99 @@
+#pragma once
+
+#include <algorithm>
+#include <limits>
+
+#include "base/types.h"
+#include "contact/coulomb_friction.h"
+
+namespace palpate {
+
+/// A row of the contact solver: a point of the skin before what it may touch, a tool, a rigid body or a face of the
+/// skin. What touches is an elastic layer with Coulomb friction:
+///   f_n = K max(d, 0),   |f_t| <= friction f_n, else none of the tangential way                 (frictionForce)
+/// with the penetration d = -(gap + n . (du - predicted)) at the end of the step.
+struct ContactRow {
+  Eigen::Vector4f normal = Eigen::Vector4f::Zero();     // unit, out of what is touched, where the point was
+  Eigen::Vector4f predicted = Eigen::Vector4f::Zero();  // m, increment of the point without this step's contact; of a
+                                                        // pair the face's taken off
+  Eigen::Vector4f surface = Eigen::Vector4f::Zero();    // m, likewise of what is touched; pairs have it in `predicted`
+  Eigen::Vector4f stick = Eigen::Vector4f::Zero();      // N, tangential force carried over from the last step
+  Eigen::Vector4f force = Eigen::Vector4f::Zero();      // N, on the point
+  float gap = 0;                                        // m, at the end of the step if there were no contact
+  float highest = 1e3F;                                 // m, gap that contact brings it to at most in this step
+  float largest = std::numeric_limits<float>::max();    // N, that presses at most
+  float stiffness = 0;                                  // N/m, K
+  float mobility = 0;                                   // m/N, response of the point to a force on it
+  float friction = 0;                                   // Coulomb coefficient
+  float penetration = 0;                                // m, d when it was last solved
+  int slot = 0;                                         // where its group remembers it
+};
+
+/// Solves one row's law with all other forces held; returns the change of its force.
+/// @param increment  of the point, m
+inline Eigen::Vector4f updateForce(ContactRow& row, const Eigen::Vector4f& increment) {
+  const float K = row.stiffness, A = row.mobility;
+  const float old = row.normal.dot(row.force);
+  const float gap = row.gap + row.normal.dot(increment - row.predicted);
+  const float free = gap - A * old;  // without this force
+  const float law = -K / (1 + K * A) * free, most = std::min(row.largest, (row.highest - free) / A);
+  const float pressed = std::max(0.0F, std::min(law, most));
+  Eigen::Vector4f force = pressed * row.normal;
+  if (row.friction > 0 && pressed > 0) {
+    Eigen::Vector4f slip = increment - row.surface;
+    slip -= row.normal.dot(slip) * row.normal;
+    force += frictionForce(row.stick, slip, row.force - old * row.normal, K, A, row.friction * pressed);
+  }
+  row.penetration = -(gap + A * (pressed - old));
+  const Eigen::Vector4f change = force - row.force;
+  row.force = force;
+  return change;
+}
+
+/// A sweep that changes forces by less than this part of their size (2-norms over rows) settles them.
+constexpr float settled_change = 1e-4F;
+
+/// Squared sums over the rows of a sweep.
+struct SweepChange {
+  float changed = 0, size = 0;  // N^2, of the forces' changes and of the forces
+
+  /// @param tolerance  of the forces
+  bool isSettled(float tolerance = settled_change) const { return changed <= tolerance * tolerance * size; }
+};
+
+/// Goes once over `count` rows.
+/// @param rowAt(k), incrementOf(row), push(row, force)  the k-th; of its point, m; adds what a force does to du
+template <class RowAt, class IncrementOf, class Push>
+void sweepRows(std::size_t count, bool forwards, SweepChange& change, RowAt rowAt, IncrementOf incrementOf, Push push) {
+  for (std::size_t k = 0; k < count; ++k) {
+    auto& row = rowAt(forwards ? k : count - 1 - k);
+    const Eigen::Vector4f changed = updateForce(row, incrementOf(row));
+    change.size += row.force.squaredNorm();
+    if (changed.isZero(0)) continue;
+    change.changed += changed.squaredNorm();
+    push(row, changed);
+  }
+}
+
+/// What a step's contact reads and corrects.
+struct ContactStep {
+  const struct SkinModel& skin;
+  float alpha;                // s^2, mobility factor of paper eq. 12
+  const float* inverse_mass;  // (node_count) 1/kg
+  const Float4* u;            // (node_count) m, displacement at the step's start
+  Float4* du;                 // (node_count) m, predicted increment; corrected
+};
+
+/// Rows of one kind, whose last step's forces act on du from the start: gaps and normals are then those of where the
+/// skin goes. Real-time: no allocation, no lock, no throw.
+class ContactGroup {
+ public:
+  virtual ~ContactGroup() = default;
+
+  /// Those that touch, or nearly. @return how many
+  virtual std::size_t makeRows() = 0;
+  /// Goes once over them. @return whether little has changed
+  virtual bool sweep(bool forwards) = 0;
+};
+
+}  // namespace palpate

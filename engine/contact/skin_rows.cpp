@@ -1,0 +1,119 @@
+#include "contact/skin_rows.h"
+
+#include <algorithm>
+
+#include "contact/skin_forces.h"
+
+namespace palpate {
+namespace {
+
+using Eigen::Vector4f;
+using Row = SkinContactScratch::Row;
+
+/// m, within which a pair takes part though it does not touch: forces on its neighbours may push it there.
+constexpr float near_skin = 1e-4F;
+
+/// m a step, by which what is too deep comes back at most.
+constexpr float skin_return = 2e-5F;
+
+Vector4f forceOf(const Float4& a) { return {a.x, a.y, a.z, 0}; }
+
+/// A field at the row's vertex, that at the face's point taken off.
+Vector4f difference(const SkinContactScratch& scratch, const Row& row, const Float4* field) {
+  Group even{}, odd{};
+  int e = row.begin;
+  for (; e + 2 <= row.end; e += 2) {
+    even += scratch.N[e] * load(field[scratch.node[e]]);
+    odd += scratch.N[e + 1] * load(field[scratch.node[e + 1]]);
+  }
+  if (e < row.end) even += scratch.N[e] * load(field[scratch.node[e]]);
+  Vector4f sum;
+  storeGroup(sum.data(), even + odd);
+  return sum;
+}
+
+}  // namespace
+
+SkinRows::SkinRows(const ContactStep& step, SkinContactState* state, SkinContactScratch* scratch)
+    : step_(step), state_(state), scratch_(scratch) {
+  if (state_ == nullptr) return;
+  for (const Row& row : rows()) push(row, forceOf(state_->force[row.slot]));
+}
+
+std::span<Row> SkinRows::rows() const { return {scratch_->row.data(), static_cast<std::size_t>(scratch_->row_count)}; }
+
+/// A force on the vertex, and its opposite on the face.
+void SkinRows::push(const Row& row, const Vector4f& f) const {
+  if (f.isZero(0)) return;
+  const Group scaled = step_.alpha * loadGroup(f.data());
+  for (int e = row.begin; e < row.end; ++e) {
+    const int node = scratch_->node[e];
+    store(step_.du[node], load(step_.du[node]) + (scratch_->N[e] * step_.inverse_mass[node]) * scaled);
+  }
+}
+
+std::size_t SkinRows::makeRows() {
+  if (state_ == nullptr) return 0;
+  for (Row& row : rows()) {
+    row.predicted = difference(*scratch_, row, step_.du);
+    const float before = row.lift + row.normal.dot(row.apart + difference(*scratch_, row, step_.u));
+    row.gap = before + row.normal.dot(row.predicted);
+    Float4& last = state_->force[row.slot];
+    const Vector4f old = forceOf(last);
+    if (!(row.gap < near_skin)) {  // nor where it is not a number
+      push(row, -old);
+      last = {};
+      continue;
+    }
+    scratch_->active[active_++] = static_cast<int>(&row - scratch_->row.data());
+    row.highest = before < 0 ? before + skin_return : 1e3F;
+    row.stiffness = static_cast<float>(step_.skin.bulk_stiffness * step_.skin.area[state_->vertex[row.slot]]);
+    float response = 0;
+    for (int e = row.begin; e < row.end; ++e)
+      response += scratch_->N[e] * scratch_->N[e] * step_.inverse_mass[scratch_->node[e]];
+    row.mobility = step_.alpha * response;
+    // Not so soft that what comes fast takes several steps to stop.
+    row.stiffness = std::max(row.stiffness, 1 / row.mobility);
+    const float normal_force = row.normal.dot(old);
+    row.stick = old - normal_force * row.normal;
+    row.force = std::max(0.0F, normal_force) * row.normal + row.stick;
+    push(row, row.force - old);
+  }
+  return active_;
+}
+
+bool SkinRows::sweep(bool forwards) {
+  SweepChange change;
+  sweepRows(
+      active_, forwards, change, [&](std::size_t k) -> Row& { return scratch_->row[active(k)]; },
+      [&](const Row& row) { return difference(*scratch_, row, step_.du); },
+      [&](const Row& row, const Vector4f& f) { push(row, f); });
+  return change.isSettled();
+}
+
+SkinContact SkinRows::finish() {
+  SkinContact contact;
+  if (state_ == nullptr) return contact;
+  for (std::size_t k = 0; k < active_; ++k) {
+    const Row& row = scratch_->row[active(k)];
+    store(state_->force[row.slot], loadGroup(row.force.data()));
+    if (row.force.isZero(0)) continue;
+    ++contact.count;
+    contact.max_penetration = std::max(contact.max_penetration, static_cast<double>(row.penetration));
+  }
+  contact.overflow = scratch_->overflow;
+  return contact;
+}
+
+Vec3 skinForceOn(const SkinBodies& bodies, const SkinModel& skin, int organ, const SkinContactState& state) {
+  const auto isOf = [&](int vertex) { return bodies.organ[bodies.body[vertex]] == organ; };
+  Vec3 force = Vec3::Zero();
+  for (int k = 0; k < state.count; ++k) {
+    const Vec3 f = toVec3(state.force[k]);
+    if (isOf(state.vertex[k])) force += f;
+    if (isOf(skin.surface.triangles[state.face[k]][0])) force -= f;
+  }
+  return force;
+}
+
+}  // namespace palpate
