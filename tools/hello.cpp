@@ -19,7 +19,7 @@ int main(int argc, char** argv) try {
   Command command;
   const Vec3 way = (model.tools.first().first_contact_travel + 0.002) *
                    (model.tools.first().start.pose.orientation * -Vec3::UnitZ());
-  for (double t = 0; t < 1; t += 1 / model.scene.rate_hz) {
+  for (double t = 0; t < 1; t += 1 / model.scene.dynamics.rate_hz) {
     command.tools[0].pose = model.tools.first().start.pose;
     command.tools[0].pose.position += t * way;
     report = tick(model, state, command, workspace);

@@ -170,10 +170,10 @@ void drawBodyForces(const PanelData& data) {
   const auto show = [](const std::string& name, const Vec3& force, const char* about) {
     row(name.c_str(), format("%.3f N", force.norm()), colours::text, about);
   };
-  if (!scene.further_organs.empty()) {
-    const std::vector<OrganSpec> organs = organsOf(scene);
+  if (scene.organs.size() > 1) {
+    const std::vector<OrganSpec>& organs = scene.organs;
     for (std::size_t k = 0; k < organs.size(); ++k)
-      show("On " + organs[k].organ_name, report.organ_force[k], "force of the other organs on it");
+      show("On " + organs[k].name, report.organ_force[k], "force of the other organs on it");
   }
   for (std::size_t k = 0; k < scene.rigid.size(); ++k)
     show("By " + scene.rigid[k].name, report.rigid[k].force, "force of this rigid body on the tissue");

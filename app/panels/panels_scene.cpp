@@ -136,7 +136,7 @@ void drawNumbersCard(const Theme& theme, const PanelData& data) {
       "dt and how many of them make one tick");
   row("Step / stable limit", format("%.0f %%", 100 * model.dt / model.dt_critical), colours::text,
       "dt over the critical step of the operator at rest");
-  if (model.scene.mass_scaling > 0)
+  if (model.scene.dynamics.mass_scaling > 0)
     row("Mass added", format("%.3g %%", 100 * model.addedMass()), colours::text,
         "to spare steps: forces at rest are the same, motion is slower");
   const double volume_error = 100 * (model.cell_volume / model.surface_volume - 1);

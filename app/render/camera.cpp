@@ -27,8 +27,8 @@ double halfHeight(const Camera& camera) { return std::tan(0.5 * camera.fov_deg *
 
 Camera Camera::of(const Model& model) {
   const Scene& scene = model.scene;
-  Camera camera{scene.camera_target, scene.camera_distance, scene.camera_azimuth_deg, scene.camera_elevation_deg,
-                scene.camera_fov_deg};
+  Camera camera{scene.camera.target, scene.camera.distance, scene.camera.azimuth_deg, scene.camera.elevation_deg,
+                scene.camera.fov_deg};
   const bool placed = scene.places.contains("camera.target") || scene.places.contains("camera.distance");
   if (placed || scene.place.file.empty()) return camera;
   Eigen::AlignedBox3d box;

@@ -187,7 +187,7 @@ void addRows(const Body& model, const Clipped& clipped, SkinModel& skin) {
       row[v] = static_cast<int>(points.size());
       points.push_back(clipped.surface.vertices[v]);
     }
-  const MmlsOptions options{model.scene.basis_degree, model.scene.mmls_weight};
+  const MmlsOptions options{model.scene.discretization.basis_degree, model.scene.discretization.mmls_weight};
   // The supports were made for the model's own points; where they don't carry one of these, wider ones do.
   std::vector<ShapeTable> tables;
   std::vector<int> table(points.size(), 0);

@@ -159,7 +159,7 @@ Renderer::Parts::Parts(const Body& the_model, const std::string& shader_dir, std
     : model(the_model),
       rest(model.skin.surface.vertices),
       extent(rest),
-      key(keyDirection(model.scene.camera_azimuth_deg)),
+      key(keyDirection(model.scene.camera.azimuth_deg)),
       skin(model, whole_vertex),
       skin_buffers(skin),
       tool_buffers(toolMesh(model.scene.tools[0].shape)),
@@ -215,7 +215,7 @@ void Renderer::Parts::addRigidBodies() {
 
 template <class Draw>
 void Renderer::Parts::forEachRigid(const Snapshot& snapshot, Draw draw) const {
-  const double time = static_cast<double>(snapshot.tick) / model.scene.rate_hz;
+  const double time = static_cast<double>(snapshot.tick) / model.scene.dynamics.rate_hz;
   for (const Rigid& body : rigid) draw(body, worldFrom(body.body.at(time)));
 }
 
@@ -237,7 +237,7 @@ void Renderer::Parts::fillFrame(const Snapshot& snapshot, const View& view, int 
                    view.colour_map == ColourMap::Tissue ? 0.0F
                    : view.show_room                     ? 1.0F
                                                         : 2.0F};
-  frame.tissue = with(model.scene.tissue_colour, patterns_per_radius / rest.radius);
+  frame.tissue = with(model.scene.organs[0].colour, patterns_per_radius / rest.radius);
   glBindBuffer(GL_UNIFORM_BUFFER, frame_buffer);
   glBufferData(GL_UNIFORM_BUFFER, sizeof frame, &frame, GL_STREAM_DRAW);
   glBindBuffer(GL_UNIFORM_BUFFER, 0);
@@ -407,7 +407,7 @@ ColourScale Renderer::draw(const Snapshot& snapshot, const View& view, int frame
   const Extent now(parts.skin.positions());
   parts.extent = view.show_room ? parts.rest : now;
   parts.extent.ground.z() = std::min(parts.extent.ground.z(), now.ground.z());  // tissue may hang lower than at rest
-  parts.key = keyDirection(view.light_azimuth_deg.value_or(parts.model.scene.camera_azimuth_deg));
+  parts.key = keyDirection(view.light_azimuth_deg.value_or(parts.model.scene.camera.azimuth_deg));
 
   glEnable(GL_DEPTH_TEST);
   parts.drawShadows(snapshot, view);

@@ -58,7 +58,7 @@ SkinMesh::SkinMesh(const Body& model, std::span<const int> whole_vertex)
   left_ = verticesLeft(whole_vertex, positions_.size());
   splitEdges();
   findNeighbours();
-  const std::vector<OrganSpec> organs = organsOf(model.scene);
+  const std::vector<OrganSpec>& organs = model.scene.organs;
   const SkinModel& shape = model.skin;
   for (std::size_t s = 0; s < vertices_.size(); ++s) {
     const int v = skin_vertex_[s];
@@ -72,7 +72,7 @@ SkinMesh::SkinMesh(const Body& model, std::span<const int> whole_vertex)
       if (shape.N[k] > shape.N[heaviest]) heaviest = k;
     }
     const int organ = model.node_organ.empty() ? 0 : model.node_organ[shape.node[heaviest]];
-    vertices_[s].tissue = organs[static_cast<std::size_t>(organ)].tissue_colour.cast<float>();
+    vertices_[s].tissue = organs[static_cast<std::size_t>(organ)].colour.cast<float>();
     vertices_[s].fixed = all > 0 ? static_cast<float>(fixed / all) : 0.0F;
   }
   normals_.assign(positions_.size(), Vec3f::UnitZ());

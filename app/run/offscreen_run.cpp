@@ -83,10 +83,10 @@ struct References {
 RunReport blankReport(const Scene& scene) {
   RunReport report;
   const std::vector<ToolSpec>& tools = scene.tools;
-  if (scene.follow) report.follow.emplace();
+  if (scene.discretization.follow) report.follow.emplace();
   if (tools.size() > 1 || tools[0].jaws()) report.tools.resize(tools.size());
-  if (!scene.further_organs.empty())
-    for (const OrganSpec& organ : organsOf(scene)) report.organs.push_back({organ.organ_name, Vec3::Zero()});
+  if (scene.organs.size() > 1)
+    for (const OrganSpec& organ : scene.organs) report.organs.push_back({organ.name, Vec3::Zero()});
   for (const RigidSpec& body : scene.rigid) report.rigid.push_back({body.name});
   return report;
 }
@@ -120,7 +120,7 @@ void runAndTake(Session& session, const Take& take) {
     std::this_thread::sleep_for(gather_every);
   }
   session.finish();
-  const double end = session.latest().force.time_s + 0.5 / session.model().scene.rate_hz;
+  const double end = session.latest().force.time_s + 0.5 / session.model().scene.dynamics.rate_hz;
   for (; taken < times.size() && times[taken] <= end; ++taken) take(times[taken], session.latest());  // the last tick's
 }
 

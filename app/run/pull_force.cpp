@@ -13,7 +13,7 @@ double pullForce(const Model& model, int vertex, const Vec3& gap) {
     mobility += N * N / model.mass[static_cast<std::size_t>(model.skin.node[k])];
   }
   constexpr double share_per_step = 0.02;
-  const double c = model.scene.damping, h = model.dt, alpha = 2 * h * h / (2 + c * h);
+  const double c = model.scene.dynamics.damping, h = model.dt, alpha = 2 * h * h / (2 + c * h);
   return share_per_step * std::min(gap.norm(), 2 * model.scene.tools[0].shape.radius) / (mobility * alpha);
 }
 

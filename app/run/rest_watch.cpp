@@ -36,10 +36,10 @@ Vec3 meanOf(const Displacements& u) {
 
 RestWatch::RestWatch(const Body& model, double hold_s, int most_nodes)
     : hold_s_(hold_s),
-      tick_seconds_(1 / model.scene.rate_hz),
+      tick_seconds_(1 / model.scene.dynamics.rate_hz),
       dt_(model.dt),
       free_(freeAxes(model)),
-      rests_unmoved_(model.scene.gravity.isZero(0) && model.scene.loads.empty() && free_.isZero(0) &&
+      rests_unmoved_(model.scene.dynamics.gravity.isZero(0) && model.scene.loads.empty() && free_.isZero(0) &&
                      motionEnd(model.scene) <= 0) {
   for (Displacements* kept : {&first_, &anchor_})
     kept->reserve(std::max(model.X.size(), static_cast<std::size_t>(most_nodes)));
@@ -49,7 +49,7 @@ RestWatch::RestWatch(const Body& model, double hold_s, int most_nodes)
     high = high.cwiseMax(X);
   }
   organ_size_ = (high - low).norm();
-  rest_speed_ = kRestShare * organ_size_ * 0.5 * std::max(model.scene.damping, 1.0);
+  rest_speed_ = kRestShare * organ_size_ * 0.5 * std::max(model.scene.dynamics.damping, 1.0);
 }
 
 double RestWatch::restRadius() const { return std::min(rest_speed_ * rest_hold_s, kRestShare * organ_size_); }

@@ -25,7 +25,7 @@ constexpr double kRoughBeyond = 0.1;                             // of the organ
 
 RoughMotion::RoughMotion(const Body& model, unsigned seed, int most_nodes)
     : start_(model.tools.first().start.pose),
-      tick_seconds_(1 / model.scene.rate_hz),
+      tick_seconds_(1 / model.scene.dynamics.rate_hz),
       materials_(model.materials),
       seed_(seed),
       rest_(model, RestWatch::rest_hold_s + FoldWatch::seconds, most_nodes),  // what has folded is put back before

@@ -51,7 +51,7 @@ RunExport::RunExport(std::string path, const Model& model) : path_(std::move(pat
   }
   run_.surface.name = "tissue";
   run_.surface.rest = model.skin.surface;
-  run_.surface.colour = model.scene.tissue_colour;
+  run_.surface.colour = model.scene.organs[0].colour;
   run_.curves = {{"force_N_x", {}}, {"force_N_y", {}}, {"force_N_z", {}}, {"doubted", {}}};
   for (int b = 0; b < model.tools.bodyCount(); ++b)
     run_.bodies.push_back(

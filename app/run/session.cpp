@@ -73,7 +73,7 @@ std::optional<Recording> recordingToReplay(const Options& options, const Scene& 
   std::optional<Recording> recording;
   if (!options.replay.empty()) {
     recording = readRecording(options.replay);
-    checkRate(*recording, scene.rate_hz, options.replay);
+    checkRate(*recording, scene.dynamics.rate_hz, options.replay);
     if (recording->ticks == 0)
       throw InputError({options.replay}, "the recording ended before its first tick",
                        "record a run anew with --record");
@@ -129,11 +129,11 @@ void describe(const Model& model, bool timed, Log& log) {
     log.detail("mass_scaling adds no mass here: it takes as many steps without");
   if (const std::string late = rateWarning(model); timed && !late.empty()) log.warning(late);
   const int cores = static_cast<int>(std::thread::hardware_concurrency());
-  if (timed && cores > 0 && model.scene.threads > cores)
+  if (timed && cores > 0 && model.scene.dynamics.threads > cores)
     log.warning(
         format("%d physics threads on %d cores wait for each other: ticks will be late (dynamics.threads, "
                "--threads)",
-               model.scene.threads, cores));
+               model.scene.dynamics.threads, cores));
 }
 
 Model buildModelOf(const Scene& scene, bool use_cache, bool timed, Log& log, const LoadProgress& progress) {
@@ -155,7 +155,7 @@ std::unique_ptr<FollowingTissue> buildFollowingOf(const Scene& scene, bool use_c
                     1e3 * places.sizes.fine, 1e3 * places.sizes.coarse, places.centres.size()));
   describe(loaded.start.model, timed, log);
   return std::make_unique<FollowingTissue>(loaded.places, std::move(loaded.start), placeStore(scene, cache),
-                                           scene.threads, timed);
+                                           scene.dynamics.threads, timed);
 }
 
 /// The ring's next entry if it is of a tick up to this one, else null; it waits in `next` until that is emptied.
@@ -190,9 +190,9 @@ Scene readScene(const Options& options, std::optional<int> layout) {
   Scene scene = palpate::readScene(findScene(options.scene), changes);
   if (options.rate_hz) overrideRate(scene, *options.rate_hz);
   if (options.threads)
-    scene.threads = *options.threads;
+    scene.dynamics.threads = *options.threads;
   else if (!options.as_fast_as_possible && !scene.places.contains("dynamics.threads"))
-    scene.threads = threadsInRealTime();
+    scene.dynamics.threads = threadsInRealTime();
   if (options.tool_choice) overrideTool(scene, *options.tool_choice);
   if ((options.trainee || options.check_lumps || options.answers) && !isTask(scene))
     throw InputError(scene.place, "there are no lumps to be found in this scene",
@@ -215,7 +215,7 @@ TaskBody LoadedModel::body() const {
 LoadedModel loadAsItIs(const Options& options, const Scene& scene, Log& log, const LoadProgress& progress) {
   const bool timed = !options.as_fast_as_possible && !options.check_lumps;
   LoadedModel loaded;
-  if (scene.follow) {
+  if (scene.discretization.follow) {
     loaded.following = buildFollowingOf(scene, options.use_cache, timed, log, progress);
     const std::shared_ptr<ReadyPlace>& start = loaded.following->start;
     loaded.model = {start, &start->place.model};
@@ -280,14 +280,14 @@ Session::Session(const Options& options, const Scene& scene, Log& log, const Loa
   chooseInput(loop_options);
   if (!options_.export_file.empty()) options_.snapshot_at = exportTimes(loop_options.tick_limit);
   for (const double time : options_.snapshot_at) {
-    const std::int64_t tick = ticksIn(time, scene_.rate_hz);
+    const std::int64_t tick = ticksIn(time, scene_.dynamics.rate_hz);
     if (!loop_options.pause_at.empty() && loop_options.pause_at.back() == tick)
       throw InputError({}, format("two pictures fall into one tick, that of %.6g s", time), "leave one out");
     loop_options.pause_at.push_back(tick);
   }
 
   if (!options_.record.empty()) {
-    recording_ = Recording{scene_.name, modelHash(model_), scene_.rate_hz, 0, {}};
+    recording_ = Recording{scene_.name, modelHash(model_), scene_.dynamics.rate_hz, 0, {}};
     loop_options.record = true;
   } else if (!options_.offscreen && !options_.soak_minutes) {
     loop_options.record = true;  // so that the run can be kept once it turns out to be worth it
@@ -299,7 +299,7 @@ Session::Session(const Options& options, const Scene& scene, Log& log, const Loa
     loop_options.follower = &loaded_.following->follower;
     loop_options.track_has_places = replay_.has_value();
   } else {
-    own_physics_ = std::make_unique<TissuePhysics>(model_, scene_.threads);
+    own_physics_ = std::make_unique<TissuePhysics>(model_, scene_.dynamics.threads);
     physics_ = own_physics_.get();
   }
   if (!options_.device.empty()) {
@@ -326,7 +326,7 @@ void Session::followScript(const ToolScript& script, SimulationLoopOptions& loop
 
 /// What moves the tool, and how long the run lasts.
 void Session::chooseInput(SimulationLoopOptions& loop_options) {
-  const double rate = scene_.rate_hz;
+  const double rate = scene_.dynamics.rate_hz;
   double track_seconds = 0;
   if (options_.soak_minutes) {
     soak_.emplace(model_, loaded_.following ? loaded_.following->places.get() : nullptr, *options_.soak_minutes,
@@ -379,7 +379,7 @@ void Session::chooseInput(SimulationLoopOptions& loop_options) {
 
 /// When moments of a run of so many ticks are exported, s.
 std::vector<double> Session::exportTimes(std::int64_t ticks) const {
-  const double end = static_cast<double>(ticks) / scene_.rate_hz;
+  const double end = static_cast<double>(ticks) / scene_.dynamics.rate_hz;
   if (end > most_exported_seconds)
     throw InputError({}, format("--export keeps at most %.0f s, and this run takes %.1f", most_exported_seconds, end),
                      "give a smaller --seconds");
@@ -390,7 +390,7 @@ std::vector<double> Session::exportTimes(std::int64_t ticks) const {
 }
 
 void Session::start() {
-  if (results_) results_->begin(model_.tools, scene_.follow);
+  if (results_) results_->begin(model_.tools, scene_.discretization.follow);
   loop_->start();
   if (device_) device_->start();
 }

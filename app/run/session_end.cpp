@@ -46,7 +46,7 @@ void Session::finish() {
 
 Recording Session::recordingSoFar() {
   const std::int64_t ticks = latest().status.ticks;  // all that came before it was taken with it
-  Recording recording{scene_.name, modelHash(model_), scene_.rate_hz, ticks, {}};
+  Recording recording{scene_.name, modelHash(model_), scene_.dynamics.rate_hz, ticks, {}};
   if (changes_.overflowed())
     throw std::runtime_error("the run is too long to be kept as a recording; start it with --record");
   if (changes_lost_) throw std::runtime_error("changes of the run were lost; start it with --record");

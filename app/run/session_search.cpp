@@ -77,7 +77,7 @@ void Session::submitForTrainee() {
   for (const Vec3& place : trainee_->marks()) {
     constexpr int hardness = 2;  // it feels where, not how hard
     recorded(Request::mark(place, hardness));
-    task_->mark(place, hardness, static_cast<double>(end) / scene_.rate_hz);
+    task_->mark(place, hardness, static_cast<double>(end) / scene_.dynamics.rate_hz);
   }
   recorded(Request::simple(Request::Kind::Submit));
   revealed_ = true;
@@ -96,7 +96,7 @@ Conditions Session::conditions() const {
   conditions.probe = format("%s, radius %.3g mm", toolType(tool.kind).title, 1e3 * tool.radius);
   conditions.probe_of_scene = !options_.tool_choice;
   conditions.friction = scene_.tools[0].friction;
-  conditions.rate_hz = scene_.rate_hz;
+  conditions.rate_hz = scene_.dynamics.rate_hz;
   conditions.rate_of_scene = !options_.rate_hz;
   conditions.answers_seen = options_.answers_seen;
   return conditions;

@@ -41,7 +41,7 @@ TimingView Session::timing(const Snapshot& snapshot) const {
   const DeadlineStatistics& statistics = loop_->statistics();
   const Percentiles step = statistics.step.percentiles(), late = statistics.wakeup_late.percentiles();
   TimingView view;
-  view.rate_hz = scene_.rate_hz;
+  view.rate_hz = scene_.dynamics.rate_hz;
   view.threads = physics_->team().size();
   view.step_p50 = step.p50;
   view.step_p99 = step.p99;
@@ -49,7 +49,7 @@ TimingView Session::timing(const Snapshot& snapshot) const {
   view.step_max = step.max;
   view.late_p99 = late.p99;
   view.late_max = late.max;
-  view.histogram_end = std::max(1.1e6 / scene_.rate_hz, 1.1 * step.p999);
+  view.histogram_end = std::max(1.1e6 / scene_.dynamics.rate_hz, 1.1 * step.p999);
   view.histogram.assign(bar_count, 0.0F);
   for (int b = 0; b < DurationHistogram::kBinCount; ++b) {
     const std::int64_t count = statistics.step.binCount(b);
@@ -102,7 +102,8 @@ PanelData Session::panelData(const Snapshot& snapshot) const {
   // Old is what was old when it was taken, and not what took long to draw. Pictures of a moment, off-screen, after the
   // end or of the past, show its force as it was then.
   const bool present = &snapshot == latest_ && !ended_ && !options_.offscreen;
-  data.force = present ? readForce(snapshot.force, latest_ns_, scene_.rate_hz) : ForceReading{snapshot.force, 0, true};
+  data.force =
+      present ? readForce(snapshot.force, latest_ns_, scene_.dynamics.rate_hz) : ForceReading{snapshot.force, 0, true};
   // Mixtures of tissue are hundreds of materials; one of them alone is nothing to change.
   const bool mixes = materials_.size() != scene_.materials.size();
   for (std::size_t m = 0; m < scene_.materials.size(); ++m)

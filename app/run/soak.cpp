@@ -34,7 +34,7 @@ std::unique_ptr<SoakHand> handFor(const Model& model, const Places* places, bool
 }  // namespace
 
 Soak::Soak(const Model& model, const Places* places, double minutes, bool rough, unsigned seed)
-    : hand_(handFor(model, places, rough, seed)), skin_(model.skin), rate_hz_(model.scene.rate_hz) {
+    : hand_(handFor(model, places, rough, seed)), skin_(model.skin), rate_hz_(model.scene.dynamics.rate_hz) {
   report_.rough = rough;
   // Places come and go: what is kept of them changes by as many as the worker makes ahead.
   constexpr std::int64_t of_places = 400'000'000;

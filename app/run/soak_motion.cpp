@@ -26,7 +26,7 @@ void addTick(SoakCycle& cycle, const StepReport& report) {
 
 SoakMotion::SoakMotion(const Body& model, std::vector<SoakPlace> places, unsigned seed, int most_nodes)
     : start_(model.tools.first().start.pose),
-      tick_seconds_(1 / model.scene.rate_hz),
+      tick_seconds_(1 / model.scene.dynamics.rate_hz),
       tool_radius_(model.scene.tools[0].shape.radius),
       places_(std::move(places)),
       seed_(seed),

@@ -23,7 +23,10 @@ constexpr double mean_seconds = 0.1;  // s, and of that the mean is taken
 class Press {
  public:
   Press(const Model& model, const SkinSurface::Place& place)
-      : model_(model), place_(place), workspace_(model, std::max(1, model.scene.threads)), state_(initialState(model)) {
+      : model_(model),
+        place_(place),
+        workspace_(model, std::max(1, model.scene.dynamics.threads)),
+        state_(initialState(model)) {
     command_.tools[0].pose.orientation = Quat::FromTwoVectors(Vec3::UnitZ(), place.normal);
     state_.tool[0].pose = command_.tools[0].pose;
     state_.tool[0].pose.position = place.point + start_gap * place.normal;
@@ -46,7 +49,7 @@ class Press {
 
  private:
   int ticksOf(double seconds) const {
-    return std::max(1, static_cast<int>(std::lround(seconds * model_.scene.rate_hz)));
+    return std::max(1, static_cast<int>(std::lround(seconds * model_.scene.dynamics.rate_hz)));
   }
 
   const Model& model_;

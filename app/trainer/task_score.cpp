@@ -140,7 +140,7 @@ TaskScore::Sheet TaskScore::sheet() const {
   sheet.seconds = seconds_;
   sheet.mean_force_N = touching_ > 0 ? force_sum_ / static_cast<double>(touching_) : 0;
   sheet.peak_force_N = peak_;
-  sheet.seconds_above_limit = static_cast<double>(above_limit_) / model_.scene.rate_hz;
+  sheet.seconds_above_limit = static_cast<double>(above_limit_) / model_.scene.dynamics.rate_hz;
   sheet.path_m = length_;
   double covered = 0, reached = 0;
   for (std::size_t v = 0; v < pressure_.size(); ++v) {

@@ -53,7 +53,7 @@ std::vector<SkinSurface::Place> gridOn(const Model& model, double step) {
 Trainee::Trainee(const Model& model, double depth, double step)
     : depth_(depth),
       step_(step),
-      rate_hz_(model.scene.rate_hz),
+      rate_hz_(model.scene.dynamics.rate_hz),
       places_(gridOn(model, step)),
       slopes_(places_.size(), 0.0),
       ticks_per_place_(std::llround((travel_seconds + press_seconds + back_seconds) * rate_hz_)),

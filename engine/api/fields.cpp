@@ -20,7 +20,7 @@ constexpr std::int32_t max_points = 10'000'000;
 /// Refuses the first that the body does not have.
 void check(const palpate_points& points) {
   const SurfaceTree skin(points.model->skin.surface);
-  const double tolerance = 0.05 * points.model->scene.spacing;  // flat faces stand for round ones
+  const double tolerance = 0.05 * points.model->scene.discretization.spacing;  // flat faces stand for round ones
   for (std::size_t k = 0; k < points.X.size(); ++k)
     if (skin.signedDistance(points.X[k]) > tolerance) refuse(points, k, " is not in the body");
 }

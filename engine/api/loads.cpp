@@ -26,7 +26,7 @@ std::int32_t change(palpate_simulation& simulation, const Request& request) {
     const Model& model = *simulation.model;
     LiveLoads wanted = simulation.loads;
     if (!changeLoads(request, model.skin.vertexCount(), static_cast<int>(model.boundary.motions.size()),
-                     model.scene.gravity, wanted))
+                     model.scene.dynamics.gravity, wanted))
       return PALPATE_REFUSED;
     const std::int32_t code = send(simulation, request);
     if (code == PALPATE_OK) simulation.loads = wanted;

@@ -39,7 +39,7 @@ Scene withOptions(Scene scene, const palpate_options& options) {
   }
   if (options.threads < 0 || options.threads > max_threads)
     throw Refusal(PALPATE_BAD_ARGUMENT, "options.threads is not in 0 .. " + std::to_string(max_threads));
-  if (options.threads > 0) scene.threads = options.threads;
+  if (options.threads > 0) scene.dynamics.threads = options.threads;
   return scene;
 }
 
@@ -56,7 +56,7 @@ std::int32_t load(Read read, const palpate_options* options, palpate_model** mod
     };
     auto handle = std::make_unique<palpate_model>();
     const Scene scene = withOptions(read(changesOf(asked)), asked);
-    if (scene.follow) {
+    if (scene.discretization.follow) {
       FollowingModel made = loadFollowing(scene, progress, cache);
       handle->places = std::move(made.places);
       handle->start = std::make_shared<const Place>(std::move(made.start));
@@ -163,7 +163,7 @@ int32_t palpate_describe(const palpate_model* model, palpate_model_info* info) {
   out.skin_vertex_count = m.skin.vertexCount();
   out.skin_triangle_count = static_cast<std::int32_t>(m.skin.surface.triangles.size());
   out.material_count = static_cast<std::int32_t>(m.scene.materials.size()) /* not their mixtures */;
-  out.rate_hz = m.scene.rate_hz;
+  out.rate_hz = m.scene.dynamics.rate_hz;
   put(m.tools.first().start.pose, out.tool_start);
   out.tool_radius = m.scene.tools[0].shape.radius;
   out.first_contact_travel = m.tools.first().first_contact_travel;

@@ -70,7 +70,7 @@ int32_t palpate_record_stop(palpate_simulation* simulation, const char* file, pa
       Recording recording;
       recording.scene = simulation->model->scene.name;
       recording.model_hash = modelHash(*simulation->model);
-      recording.rate_hz = simulation->model->scene.rate_hz;
+      recording.rate_hz = simulation->model->scene.dynamics.rate_hz;
       recording.ticks = simulation->loop.memory().tick;
       recording.changes = simulation->recorder->changes();
       writeRecording(recording, file);

@@ -135,7 +135,7 @@ int32_t palpate_create(const palpate_model* model, palpate_simulation** simulati
   if (simulation != nullptr) *simulation = nullptr;
   if (model == nullptr || simulation == nullptr) return say(error, PALPATE_BAD_ARGUMENT, "model or simulation is NULL");
   return guarded(error, [&] {
-    *simulation = new palpate_simulation(*model, model->model->scene.threads);
+    *simulation = new palpate_simulation(*model, model->model->scene.dynamics.threads);
     return PALPATE_OK;
   });
 }

@@ -50,14 +50,14 @@ void checkScene(const Model& model) {
       : model.bodies.several() ? "sensitivities are those of one body, and the scene has several, which touch"
       : !model.rigid.empty()   ? "sensitivities are those of a body without rigid ones, whose contact comes and goes"
       : !scene.loads.empty()   ? "sensitivities are those of a body without loads on its skin"
-      : scene.boundary_method == Scene::BoundaryMethod::Ebciem
+      : scene.discretization.boundary_method == DiscretizationSpec::BoundaryMethod::Ebciem
           ? "sensitivities are those of the symmetric boundary method"
           : nullptr;
   if (problem == nullptr) return;
   throw InputError(scene.place, problem,
                    model.tools.several()          ? "leave the others, or the jaws, out"
                    : scene.tools[0].friction != 0 ? "set tool.friction to 0"
-                   : scene.boundary_method == Scene::BoundaryMethod::Ebciem
+                   : scene.discretization.boundary_method == DiscretizationSpec::BoundaryMethod::Ebciem
                        ? "set discretization.boundary_method to \"sebciem\""
                        : "leave them out");
 }

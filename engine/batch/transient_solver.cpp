@@ -10,12 +10,13 @@ namespace palpate {
 
 TransientSolver::TransientSolver(const Model& model, int threads) : model_(model), body_(model, model.mass, threads) {
   body_.keepHistory(model.dt);
-  for (const float share : model.own_share) beta_.push_back(Integrator(model.dt, share * model.scene.damping).beta);
+  for (const float share : model.own_share)
+    beta_.push_back(Integrator(model.dt, share * model.scene.dynamics.damping).beta);
 }
 
 std::optional<BatchBody::Report> TransientSolver::tick(const ToolsAt& wanted, const Watch& watch) {
   const double h = model_.dt;
-  const auto [alpha, beta, ch] = Integrator(h, model_.scene.damping);
+  const auto [alpha, beta, ch] = Integrator(h, model_.scene.dynamics.damping);
   const ToolsAt tools = stoppedByRigidBodies(model_, wanted, time() + model_.substeps_per_tick * h);
   ToolsAt from = body_.tools();
   from.count = tools.count;

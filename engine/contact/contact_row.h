@@ -8,6 +8,13 @@
 
 namespace palpate {
 
+/// m, within which a point has a row though it does not touch: forces on its neighbours may push it there within the
+/// step. If missed, the next step has it.
+constexpr float near_gap = 1e-4F;
+
+/// m a step, by which what is too deep in a rigid body or other skin comes back at most.
+constexpr float fastest_return = 2e-5F;
+
 /// A row of the contact solver: a point of the skin before what it may touch, a tool, a rigid body or a face of the
 /// skin. What touches is an elastic layer with Coulomb friction:
 ///   f_n = K max(d, 0),   |f_t| <= friction f_n, else none of the tangential way                 (frictionForce)

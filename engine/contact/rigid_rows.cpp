@@ -14,12 +14,6 @@ using Eigen::Vector4f;
 /// less.
 constexpr float settled_on_rigid = 1e-6F;
 
-/// m, within which a point takes part though it does not touch: forces on its neighbours may push it there.
-constexpr double near_gap = 1e-5;
-
-/// m a step, by which a point that is outside comes back at most.
-constexpr double fastest_return = 2e-5;
-
 /// m, that nodes go until points near a body are looked for anew: in a tick at 1 m/s.
 constexpr double look_ahead = 2e-3;
 

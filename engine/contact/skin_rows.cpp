@@ -10,12 +10,6 @@ namespace {
 using Eigen::Vector4f;
 using Row = SkinContactScratch::Row;
 
-/// m, within which a pair takes part though it does not touch: forces on its neighbours may push it there.
-constexpr float near_skin = 1e-4F;
-
-/// m a step, by which what is too deep comes back at most.
-constexpr float skin_return = 2e-5F;
-
 Vector4f forceOf(const Float4& a) { return {a.x, a.y, a.z, 0}; }
 
 /// A field at the row's vertex, that at the face's point taken off.
@@ -60,13 +54,13 @@ std::size_t SkinRows::makeRows() {
     row.gap = before + row.normal.dot(row.predicted);
     Float4& last = state_->force[row.slot];
     const Vector4f old = forceOf(last);
-    if (!(row.gap < near_skin)) {  // nor where it is not a number
+    if (!(row.gap < near_gap)) {  // nor where it is not a number
       push(row, -old);
       last = {};
       continue;
     }
     scratch_->active[active_++] = static_cast<int>(&row - scratch_->row.data());
-    row.highest = before < 0 ? before + skin_return : 1e3F;
+    row.highest = before < 0 ? before + fastest_return : 1e3F;
     row.stiffness = static_cast<float>(step_.skin.bulk_stiffness * step_.skin.area[state_->vertex[row.slot]]);
     float response = 0;
     for (int e = row.begin; e < row.end; ++e)

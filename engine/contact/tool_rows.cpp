@@ -12,10 +12,6 @@ namespace {
 
 using Eigen::Vector4f;
 
-/// Gap, per tool radius, within which a vertex takes part though it does not touch: the forces on its
-/// neighbours may push it against the tool within the step. If missed, the next step has it.
-constexpr double active_gap = 0.01;
-
 /// Depth, per tool radius, from which the pressure grows no further (100 Young's moduli). Only a
 /// tool that is put into the tissue gets there; the cap lets it be expelled instead of exploding.
 constexpr double pressure_cap_depth = 0.2;
@@ -107,7 +103,6 @@ void ToolRows::makeRows(Body& body) {
   const Motion& motion = body.motion;
   ContactState& contact = *body.tool->contact;
   FaceSamples& samples = contact.samples;
-  const double near = active_gap * tool.radius;
   const auto cap = static_cast<float>(pressure_cap_depth * tool.radius);
   body.row_count = 0;
   for (int k = 0; k < contact.count + samples.count; ++k) {
@@ -125,13 +120,13 @@ void ToolRows::makeRows(Body& body) {
     const Vec3 local = motion.world_from_tool.transpose() * (end - motion.position);
     const Vec3 old_local = motion.world_from_old_tool.transpose() * (start - motion.old_position);
     if (side.squaredNorm() > passing) {  // the tool came to it from inside, and it is left alone until it has passed
-      if (toolDistance(body.profile, local).distance <= near) continue;
+      if (toolDistance(body.profile, local).distance <= near_gap) continue;
       side.setZero();
     }
     ToolDistance d = distanceBySide(body.profile, local, old_local, last_normal, side);
     if (!is_vertex) d.distance += static_cast<double>(samples.lift[slot]);
     const Vector4f applied = body.turned(last_force);
-    const bool touches = d.distance <= near;  // not where it is not a number
+    const bool touches = d.distance <= near_gap;  // not where it is not a number
     const bool from_inside =
         touches && last_normal.isZero() && comesFromInside(skin, v, motion.world_from_tool * d.normal, step_.u);
     if (!touches || from_inside) {

@@ -42,8 +42,8 @@ std::optional<ToolScript> namedScript(const std::string& name, double tool_radiu
 }
 
 ScriptTrajectory trajectoryOf(const ToolScript& script, const Model& model) {
-  return {script, model.tools.first().start.pose, model.tools.first().first_contact_travel, model.scene.rate_hz,
-          model.scene.tools[0].opening};
+  return {script, model.tools.first().start.pose, model.tools.first().first_contact_travel,
+          model.scene.dynamics.rate_hz, model.scene.tools[0].opening};
 }
 
 std::vector<Pose> scriptPoses(const ToolScript& script, const Model& model) {
@@ -64,7 +64,8 @@ void addToolPaths(Model& model) {
     if (specs[k].script.empty()) continue;
     ToolSetUp& tool = model.tools.tool[k];
     const ToolScript script = readToolScript(specs[k].script, tool.shape.radius);
-    ScriptTrajectory way(script, tool.start.pose, tool.first_contact_travel, model.scene.rate_hz, specs[k].opening);
+    ScriptTrajectory way(script, tool.start.pose, tool.first_contact_travel, model.scene.dynamics.rate_hz,
+                         specs[k].opening);
     if (way.ticks() > max_poses)
       throw InputError(script.end_place, "the tool script has " + std::to_string(way.ticks()) + " ticks",
                        "shorten it to " + std::to_string(max_poses));

@@ -31,20 +31,22 @@ SourceLocation placeOf(const Scene& scene, const OrganSpec& organ, const std::st
   for (const auto& [dotted, at] : scene.places) {
     const std::size_t dot = dotted.rfind('.');
     if (dotted.starts_with("organ") && dot != std::string::npos && dotted.substr(dot + 1) == key &&
-        at.line >= organ.organ_place.line)
+        at.line >= organ.place.line)
       return at;
   }
-  return organ.organ_place.file.empty() ? scene.place : organ.organ_place;
+  return organ.place.file.empty() ? scene.place : organ.place;
 }
 
 /// The key that sets the organ's size, and the question whether it is right.
 std::pair<std::string, std::string> sizeKey(const Scene& scene) {
-  if (scene.solid != Scene::Solid::Surface) return {"organ.solid", "are its lengths in m?"};
+  if (scene.organs[0].solid != OrganSpec::Solid::Surface) return {"organ.solid", "are its lengths in m?"};
   if (scene.places.contains("organ.unit")) {
-    const char* const unit = scene.surface_scale == 0.001 ? "mm" : scene.surface_scale == 0.01 ? "cm" : "m";
+    const char* const unit = scene.organs[0].surface_scale == 0.001  ? "mm"
+                             : scene.organs[0].surface_scale == 0.01 ? "cm"
+                                                                     : "m";
     return {"organ.unit", std::string("is unit = \"") + unit + "\" right?"};
   }
-  return {"organ.scale", "is scale = " + number(scene.surface_scale) + " right?"};
+  return {"organ.scale", "is scale = " + number(scene.organs[0].surface_scale) + " right?"};
 }
 
 /// Refuses a solid that is too finely divided before it is made, which would take long.
@@ -62,7 +64,7 @@ void checkSolid(const Scene& scene, const OrganSpec& organ) {
 TriangleSurface surfaceOf(const Scene& scene, const OrganSpec& organ) {
   checkSolid(scene, organ);
   // Faces follow curved solids more closely than cells do.
-  const double edge = std::min(0.5 * scene.spacing, 0.5 * smallestToolRadius(scene));
+  const double edge = std::min(0.5 * scene.discretization.spacing, 0.5 * smallestToolRadius(scene));
   try {
     switch (organ.solid) {
       case OrganSpec::Solid::Box:
@@ -106,17 +108,17 @@ void refuseOverlap(const OrganSpec& one, const TriangleSurface& first, const Org
   look(first, second);
   look(second, first);
   if (deepest < -touching)
-    throw InputError(two.organ_place,
-                     "the organs " + inQuotes(one.organ_name) + " and " + inQuotes(two.organ_name) + " overlap by " +
+    throw InputError(two.place,
+                     "the organs " + inQuotes(one.name) + " and " + inQuotes(two.name) + " overlap by " +
                          number(-1e3 * deepest) + " mm at " + coordinates(where),
                      "move one by its \"position\"");
 }
 
 /// Turns it and moves it to where it lies.
 void place(const OrganSpec& organ, TriangleSurface& surface) {
-  if (organ.organ_angle == 0 && organ.organ_position.isZero(0)) return;
-  const Mat3 turn = Eigen::AngleAxisd(organ.organ_angle, organ.organ_axis).toRotationMatrix();
-  for (Vec3& x : surface.vertices) x = turn * x + organ.organ_position;
+  if (organ.angle == 0 && organ.position.isZero(0)) return;
+  const Mat3 turn = Eigen::AngleAxisd(organ.angle, organ.axis).toRotationMatrix();
+  for (Vec3& x : surface.vertices) x = turn * x + organ.position;
 }
 
 }  // namespace
@@ -133,7 +135,7 @@ std::string sizeWarning(const Scene& scene, const TriangleSurface& surface) {
 }
 
 TriangleSurface organSurface(const Scene& scene) {
-  const std::vector<OrganSpec> organs = organsOf(scene);
+  const std::vector<OrganSpec>& organs = scene.organs;
   TriangleSurface all;
   std::vector<TriangleSurface> before;
   for (std::size_t k = 0; k < organs.size(); ++k) {
@@ -238,7 +240,7 @@ Model loadPlace(const Scene& as_read, const Progress& progress, const ModelCache
     addToolPaths(place.model);
     place.model.setup_seconds = seconds;
   }
-  place.model.scene.time_step = as_read.time_step;
+  place.model.scene.dynamics.time_step = as_read.dynamics.time_step;
   return std::move(place.model);
 }
 
@@ -247,7 +249,7 @@ Model loadPlace(const Scene& as_read, const Progress& progress, const ModelCache
 Model loadModel(const Scene& as_read, const Progress& progress, const ModelCache& cache,
                 const std::function<void(const std::string&)>& warn,
                 const std::function<ToolPostures(const Model&)>& at) {
-  if (as_read.follow) return loadPlace(as_read, progress, cache, warn, at);
+  if (as_read.discretization.follow) return loadPlace(as_read, progress, cache, warn, at);
   const SetUp set_up(as_read, progress, warn);
   const Scene& scene = set_up.scene;
   const std::string key = preparationKey(scene, set_up.organ);

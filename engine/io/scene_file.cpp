@@ -50,32 +50,33 @@ void readQuadrature(const TomlTable& table, bool follows, QuadratureSpec& quadra
 }
 
 void readDiscretization(const TomlTable& table, Scene& scene) {
-  scene.follow = !table.has("spacing");
-  table.read("follow", scene.follow);
-  if (scene.follow) {
+  scene.discretization.follow = !table.has("spacing");
+  table.read("follow", scene.discretization.follow);
+  if (scene.discretization.follow) {
     table.forbid({"spacing"}, "to a cloud that follows the tool");
-    scene.spacing = std::numeric_limits<double>::infinity();  // until the tools are known
+    scene.discretization.spacing = std::numeric_limits<double>::infinity();  // until the tools are known
   } else {
     if (!table.has("spacing"))
       throw InputError(table.place(), "the key \"spacing\" is missing in [discretization]",
                        "add spacing = number in m, or leave follow out");
-    table.read("spacing", scene.spacing);
+    table.read("spacing", scene.discretization.spacing);
   }
-  table.read("seed", scene.seed);
-  readQuadrature(table, scene.follow, scene.quadrature);
-  scene.basis_degree = 1 + table.readChoice("basis", scene.basis_degree - 1);
-  table.read("support_factor", scene.support_factor);
-  table.read("mu", scene.mmls_weight);
-  if (table.readChoice("scheme", 0) == 1) scene.formulation = Formulation::paper();
-  if (table.readChoice("boundary_method", 0) == 1) scene.boundary_method = Scene::BoundaryMethod::Ebciem;
+  table.read("seed", scene.discretization.seed);
+  readQuadrature(table, scene.discretization.follow, scene.discretization.quadrature);
+  scene.discretization.basis_degree = 1 + table.readChoice("basis", scene.discretization.basis_degree - 1);
+  table.read("support_factor", scene.discretization.support_factor);
+  table.read("mu", scene.discretization.mmls_weight);
+  if (table.readChoice("scheme", 0) == 1) scene.discretization.formulation = Formulation::paper();
+  if (table.readChoice("boundary_method", 0) == 1)
+    scene.discretization.boundary_method = DiscretizationSpec::BoundaryMethod::Ebciem;
   for (const TomlTable& entry : table.tables("refine", {"discretization.refine"})) {
-    RefineSpec& refine = scene.refine.emplace_back();
+    RefineSpec& refine = scene.discretization.refine.emplace_back();
     refine.place = entry.place();
     entry.read("centre", refine.centre);
     entry.read("radius", refine.radius);
     entry.read("spacing", refine.spacing);
     entry.read("blend", refine.blend);
-    if (refine.spacing >= scene.spacing) {
+    if (refine.spacing >= scene.discretization.spacing) {
       throw InputError(entry.place("spacing"), "the refined spacing is not below the global one",
                        "give less than [discretization] spacing, or leave the refinement out");
     }
@@ -93,32 +94,32 @@ void checkFollow(const TomlTable& top, const SourceLocation* asked, Scene& scene
                          (top.has("tool") ? ", about " + number(fineSpacing(scene)) + " m for this tool" : ", in m"));
   };
   if (!top.has("tool")) refuse("there is no tool that the cloud could follow", "add [tool], or ");
-  if (!scene.further_organs.empty()) refuse("a cloud that follows the tool is that of one body", "");
-  scene.spacing = followSpacing(scene);
+  if (scene.organs.size() > 1) refuse("a cloud that follows the tool is that of one body", "");
+  scene.discretization.spacing = followSpacing(scene);
 }
 
 void readDynamics(const TomlTable& table, Scene& scene) {
-  table.read("rate", scene.rate_hz);
-  table.read("catch_up", scene.catch_up);
-  table.read("time_step", scene.time_step);
-  table.read("step_safety", scene.step_safety);
-  table.read("mass_scaling", scene.mass_scaling);
-  table.read("damping", scene.damping);
-  table.read("gravity", scene.gravity);
-  table.read("threads", scene.threads);
-  const bool is_small = table.readChoice("gradient_precision", scene.follow ? 1 : 0) == 1;
-  scene.gradient_precision = is_small ? GradientPrecision::Int16 : GradientPrecision::Float32;
-  if (scene.time_step <= 0) return;
-  const double steps = 1.0 / (scene.rate_hz * scene.time_step);
+  table.read("rate", scene.dynamics.rate_hz);
+  table.read("catch_up", scene.dynamics.catch_up);
+  table.read("time_step", scene.dynamics.time_step);
+  table.read("step_safety", scene.dynamics.step_safety);
+  table.read("mass_scaling", scene.dynamics.mass_scaling);
+  table.read("damping", scene.dynamics.damping);
+  table.read("gravity", scene.dynamics.gravity);
+  table.read("threads", scene.dynamics.threads);
+  const bool is_small = table.readChoice("gradient_precision", scene.discretization.follow ? 1 : 0) == 1;
+  scene.dynamics.gradient_precision = is_small ? GradientPrecision::Int16 : GradientPrecision::Float32;
+  if (scene.dynamics.time_step <= 0) return;
+  const double steps = 1.0 / (scene.dynamics.rate_hz * scene.dynamics.time_step);
   constexpr double rounding = 1e-6;  // of a decimal fraction such as 0.000333333
   if (steps < 1 - rounding || std::abs(steps - std::round(steps)) > rounding * steps) {
     char advice[160];
     const double whole = std::max(1.0, std::ceil(steps - rounding));
     std::snprintf(advice, sizeof advice, "give %.9g s (%g steps a tick), or 0 to have it chosen",
-                  1.0 / (scene.rate_hz * whole), whole);
+                  1.0 / (scene.dynamics.rate_hz * whole), whole);
     char problem[160];
-    std::snprintf(problem, sizeof problem, "a tick of %g s is not a whole number of steps of %g s", 1 / scene.rate_hz,
-                  scene.time_step);
+    std::snprintf(problem, sizeof problem, "a tick of %g s is not a whole number of steps of %g s",
+                  1 / scene.dynamics.rate_hz, scene.dynamics.time_step);
     throw InputError(table.place("time_step"), problem, advice);
   }
 }
@@ -184,8 +185,8 @@ void apply(const SceneChange& change, const std::string& path, toml::table& docu
 }  // namespace
 
 void overrideRate(Scene& scene, double rate_hz) {
-  scene.rate_hz = rate_hz;
-  if (scene.mass_scaling > 0) scene.set_up_values += "instead: dynamics.rate = " + shortest(rate_hz) + "\n";
+  scene.dynamics.rate_hz = rate_hz;
+  if (scene.dynamics.mass_scaling > 0) scene.set_up_values += "instead: dynamics.rate = " + shortest(rate_hz) + "\n";
 }
 
 namespace {
@@ -265,7 +266,7 @@ Scene readScene(const SceneText& given, std::span<const SceneChange> changes) {
   readDynamics(top.table("dynamics", {"dynamics"}), scene);
   readSolve(top.table("solve", {"solve"}), folder, scene.solve);
   if (top.has("tool")) readTools(top, folder, scene);
-  if (scene.follow) {
+  if (scene.discretization.follow) {
     const auto asked = file.places.find("discretization.follow");
     checkFollow(top, asked != file.places.end() ? &asked->second : nullptr, scene);
   }
@@ -273,20 +274,20 @@ Scene readScene(const SceneText& given, std::span<const SceneChange> changes) {
   readLumps(top, scene);
 
   const TomlTable force = top.table("force", {"force"});
-  force.read("cutoff", scene.filter_cutoff_hz);
-  force.read("rate_limit", scene.force_rate_limit);
+  force.read("cutoff", scene.force.cutoff_hz);
+  force.read("rate_limit", scene.force.rate_limit);
 
   readDevice(top.table("device", {"device"}), scene.device);
 
   const TomlTable camera = top.table("camera", {"camera"});
-  camera.read("target", scene.camera_target);
-  camera.read("distance", scene.camera_distance);
-  camera.read("azimuth", scene.camera_azimuth_deg);
-  camera.read("elevation", scene.camera_elevation_deg);
-  camera.read("fov", scene.camera_fov_deg);
+  camera.read("target", scene.camera.target);
+  camera.read("distance", scene.camera.distance);
+  camera.read("azimuth", scene.camera.azimuth_deg);
+  camera.read("elevation", scene.camera.elevation_deg);
+  camera.read("fov", scene.camera.fov_deg);
 
   scene.places = std::move(file.places);
-  scene.set_up_values = setUpValues(file, scene.mass_scaling > 0);
+  scene.set_up_values = setUpValues(file, scene.dynamics.mass_scaling > 0);
   return scene;
 }
 

@@ -111,9 +111,9 @@ void addLump(const Vec3& centre, double radius, double young, const SourceLocati
   RefineSpec refine;
   refine.centre = centre;
   refine.radius = radius;
-  refine.spacing = std::max(spacing_per_radius * radius, finest * scene.spacing);
+  refine.spacing = std::max(spacing_per_radius * radius, finest * scene.discretization.spacing);
   refine.place = place;
-  if (refine.spacing < scene.spacing) scene.refine.push_back(refine);
+  if (refine.spacing < scene.discretization.spacing) scene.discretization.refine.push_back(refine);
 }
 
 void readLumps(const TomlTable& top, Scene& scene) {

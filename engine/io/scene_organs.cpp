@@ -11,17 +11,17 @@ namespace palpate {
 namespace {
 
 void readOrgan(const TomlTable& organ, const std::filesystem::path& folder, OrganSpec& spec) {
-  spec.organ_place = organ.place();
-  organ.readName("name", spec.organ_name);
-  organ.read("colour", spec.tissue_colour);
-  organ.read("position", spec.organ_position);
-  organ.read("friction", spec.organ_friction);
+  spec.place = organ.place();
+  organ.readName("name", spec.name);
+  organ.read("colour", spec.colour);
+  organ.read("position", spec.position);
+  organ.read("friction", spec.friction);
   if (organ.has("axis") || organ.has("angle")) {
     organ.require({"axis", "angle"}, "an organ that is turned");
-    organ.readDirection("axis", spec.organ_axis);
+    organ.readDirection("axis", spec.axis);
     double degrees = 0;
     organ.read("angle", degrees);
-    spec.organ_angle = degrees * std::numbers::pi / 180;
+    spec.angle = degrees * std::numbers::pi / 180;
   }
   if (organ.has("surface") == organ.has("solid")) {
     throw InputError(organ.place("solid"),
@@ -72,8 +72,8 @@ void readOrgan(const TomlTable& organ, const std::filesystem::path& folder, Orga
 void checkNames(const std::vector<OrganSpec>& organs) {
   for (std::size_t k = 0; k < organs.size(); ++k)
     for (std::size_t j = 0; j < k; ++j)
-      if (organs[j].organ_name == organs[k].organ_name)
-        throw InputError(organs[k].organ_place, "a second organ has the name " + inQuotes(organs[k].organ_name),
+      if (organs[j].name == organs[k].name)
+        throw InputError(organs[k].place, "a second organ has the name " + inQuotes(organs[k].name),
                          "give each [[organ]] a name of its own");
 }
 
@@ -88,35 +88,34 @@ void readOrgans(const TomlTable& top, const std::filesystem::path& folder, Scene
       if (organs.size() == std::size_t{max_organs})
         throw InputError(entry.place(), "more than " + std::to_string(max_organs) + " organs", "leave the others out");
       OrganSpec& organ = organs.emplace_back();
-      organ.organ_name = "organ " + std::to_string(organs.size());
+      organ.name = "organ " + std::to_string(organs.size());
       readOrgan(entry, folder, organ);
     }
     checkNames(organs);
   }
-  static_cast<OrganSpec&>(scene) = organs.front();
-  scene.further_organs.assign(organs.begin() + 1, organs.end());
+  scene.organs = std::move(organs);
 }
 
 int organNamed(const TomlTable& table, const Scene& scene) {
   if (!table.has("organ")) return -1;
   std::string name, all;
   table.readName("organ", name);
-  const std::vector<OrganSpec> organs = organsOf(scene);
+  const std::vector<OrganSpec>& organs = scene.organs;
   for (std::size_t k = 0; k < organs.size(); ++k) {
-    if (organs[k].organ_name == name) return static_cast<int>(k);
-    all += (k == 0 ? "" : ", ") + inQuotes(organs[k].organ_name);
+    if (organs[k].name == name) return static_cast<int>(k);
+    all += (k == 0 ? "" : ", ") + inQuotes(organs[k].name);
   }
   throw InputError(table.place("organ"), "no organ has the name " + inQuotes(name), "there are " + all);
 }
 
 void checkMaterials(const Scene& scene) {
-  const std::vector<OrganSpec> organs = organsOf(scene);
+  const std::vector<OrganSpec>& organs = scene.organs;
   for (std::size_t k = 0; k < organs.size(); ++k)
     if (std::none_of(scene.materials.begin(), scene.materials.end(), [&](const MaterialSpec& m) {
           return m.everywhere && (m.organ < 0 || m.organ == static_cast<int>(k));
         }))
-      throw InputError(organs[k].organ_place, "the organ " + inQuotes(organs[k].organ_name) + " has no material",
-                       "add [[material]] with organ = " + inQuotes(organs[k].organ_name) + " and no region");
+      throw InputError(organs[k].place, "the organ " + inQuotes(organs[k].name) + " has no material",
+                       "add [[material]] with organ = " + inQuotes(organs[k].name) + " and no region");
 }
 
 }  // namespace palpate

@@ -11,7 +11,7 @@ namespace palpate {
 /// @param folder  from which the paths of files start
 void readOrgans(const TomlTable& top, const std::filesystem::path& folder, Scene& scene);
 
-/// Which organ the table's "organ" names (organsOf); -1: none.
+/// Which organ the table's "organ" names (Scene::organs); -1: none.
 int organNamed(const TomlTable& table, const Scene& scene);
 
 /// Each organ has a material that is everywhere in it.

@@ -23,11 +23,11 @@ struct Body : Preparation {
   std::shared_ptr<const SurfaceGaps> gaps = std::make_shared<const SurfaceGaps>();  // at which supports end
 
   SkinBodies bodies;            // that touch one another; empty: there is one
-  std::vector<int> node_organ;  // (node_count) of the scene's organs (organsOf); empty: there is one
+  std::vector<int> node_organ;  // (node_count) of the scene's organs (Scene::organs); empty: there is one
 
   ToolSet tools;
 
-  // Time. tick = substeps_per_tick * dt = 1 / scene.rate_hz.
+  // Time. tick = substeps_per_tick * dt = 1 / scene.dynamics.rate_hz.
   double dt = 0;           // s
   double dt_critical = 0;  // s, of the operator at rest (Lanczos)
   double dt_proven = 0;    // s, Gershgorin bound: stable at rest for certain

@@ -17,7 +17,7 @@ struct Model : Body {
   AlignedVector<float> inverse_mass;  // (node_count) 1/kg
   AlignedVector<float> own_share;     // (node_count) of the mass that is the tissue's, and damps; empty: all
   NodePatches patches;                // empty where nothing is to be averaged (needsPatches)
-  AlignedVector<Double4> weight;      // (node_count) N; empty without scene.gravity
+  AlignedVector<Double4> weight;      // (node_count) N; empty without scene.dynamics.gravity
   SurfaceLoads surface_loads;         // empty without scene.loads
   KernelLayout kernel;                // what the hot kernel reads
   EssentialBoundary boundary;         // of `essential` and the masses

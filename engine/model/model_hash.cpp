@@ -107,7 +107,8 @@ std::uint64_t modelHash(const Model& model) {
   key.add(model.skin.surface.vertices, model.skin.area, model.skin.node, model.skin.N, model.skin.bulk_stiffness);
   if (model.bodies.several()) key.add(model.bodies.body, model.bodies.friction);
   if (!model.rigid.empty()) add(key, model.rigid);  // none: hashes are those of before
-  key.add(model.scene.damping, model.scene.rate_hz, model.dt, model.substeps_per_tick, model.max_increment);
+  key.add(model.scene.dynamics.damping, model.scene.dynamics.rate_hz, model.dt, model.substeps_per_tick,
+          model.max_increment);
   for (const ToolBody& body : model.tools.body) {
     key.add(body.tool, body.side);
     add(key, body.shape);

@@ -20,7 +20,7 @@ struct Preparation {
   // Computed by makeNodeCloud (in slices along the organ) and the lumped masses.
   std::vector<Vec3> X;                 // (node_count) m
   std::vector<double> support_radius;  // (node_count) m
-  std::vector<double> mass;            // (node_count) kg, with what scene.mass_scaling adds
+  std::vector<double> mass;            // (node_count) kg, with what scene.dynamics.mass_scaling adds
   std::vector<double> own_mass;        // (node_count) kg, of the tissue
 
   // Computed by makeBackgroundCells and makeIntegrationPoints.

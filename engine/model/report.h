@@ -33,7 +33,7 @@ enum class Doubt : std::uint8_t {
   Lost,        // not finite, or blown up
 };
 
-/// A force on each of the scene's organs (organsOf), N.
+/// A force on each of the scene's organs (Scene::organs), N.
 using OrganForces = std::array<Vec3, max_organs>;
 
 /// One step's (or, accumulated, one tick's) outcome.

@@ -29,12 +29,6 @@ bool Region::contains(const Vec3& x, double tolerance, double surface_distance) 
   return false;
 }
 
-std::vector<OrganSpec> organsOf(const Scene& scene) {
-  std::vector<OrganSpec> organs{scene};
-  organs.insert(organs.end(), scene.further_organs.begin(), scene.further_organs.end());
-  return organs;
-}
-
 double motionEnd(const Scene& scene) {
   double end = 0;
   const auto add = [&end](double duration, const LoadCurve& curve) {

@@ -58,7 +58,7 @@ struct MaterialSpec {
   std::string name;  // as shown; "" where the scene gives none
   Material material = Material::neoHookean(3000, 0.49, 1000);
   bool everywhere = true;  // otherwise only inside `region` (later entries win)
-  int organ = -1;          // only of this one (organsOf); -1: of any
+  int organ = -1;          // only of this one (Scene::organs); -1: of any
   Region region;
   /// Not null: there is as much of it as an image says, and the rest is the first material (mixtures.h).
   std::shared_ptr<const Membership> membership;
@@ -69,7 +69,7 @@ struct MaterialSpec {
 struct BoundarySpec {
   std::string name;  // in results; "fixed 1", "prescribed 2" where the scene gives none
   Region region;
-  int organ = -1;                          // only of this one (organsOf); -1: of any
+  int organ = -1;                          // only of this one (Scene::organs); -1: of any
   bool component[3] = {true, true, true};  // which of x, y, z are imposed
   Vec3 translation = Vec3::Zero();         // m
   Vec3 axis_point = Vec3::Zero();          // m, a point of the axis of rotation
@@ -173,8 +173,8 @@ struct LumpDraw {
 /// An organ, as the scene says it: a closed surface from a file, or an analytic solid.
 struct OrganSpec {
   enum class Solid { Surface, Box, Cylinder, Ellipsoid };
-  std::string organ_name;  // "organ 1" where the scene gives none
-  SourceLocation organ_place;
+  std::string name;  // "organ 1" where the scene gives none
+  SourceLocation place;
   Solid solid = Solid::Surface;
   std::string surface_file;       // absolute or relative to the working directory; see surfaceFormats()
   double surface_scale = 1.0;     // m per file unit
@@ -184,26 +184,15 @@ struct OrganSpec {
   Vec3 semi_axes = Vec3::Zero();  // Ellipsoid: m, centred at the origin
   bool upper_half = false;        // Ellipsoid: only z >= 0
   // Where it lies: turned about an axis through the origin, then moved.
-  Vec3 organ_axis = Vec3::UnitZ();              // unit
-  double organ_angle = 0;                       // rad, right-handed
-  Vec3 organ_position = Vec3::Zero();           // m
-  double organ_friction = 0;                    // Coulomb coefficient at other organs; of two the larger counts
-  Vec3 tissue_colour = Vec3(0.62, 0.21, 0.17);  // linear-light albedo, 0..1
+  Vec3 axis = Vec3::UnitZ();             // unit
+  double angle = 0;                      // rad, right-handed
+  Vec3 position = Vec3::Zero();          // m
+  double friction = 0;                   // Coulomb coefficient at other organs; of two the larger counts
+  Vec3 colour = Vec3(0.62, 0.21, 0.17);  // linear-light albedo, 0..1
 };
 
-/// Everything a scene file says, validated as far as that needs no geometry. Its first organ is a part of it.
-/// Plain data; `io/scene_file.h` reads it, `setup/build_model.h` turns it into a Model.
-struct Scene : OrganSpec {
-  std::string name;
-  SourceLocation place;                          // the file itself
-  std::map<std::string, SourceLocation> places;  // where a key stands ("dynamics.time_step"), for errors
-  /// The values that the reader accepted of all keys that a Preparation depends on (KeySpec::SetUp), one a line: what a
-  /// cache goes by. Empty: made or changed by a program, and then nothing is kept.
-  std::string set_up_values;
-
-  std::vector<OrganSpec> further_organs;  // beside the first, which the scene itself is
-
-  // discretization
+/// How the organs are cut into nodes and integration points.
+struct DiscretizationSpec {
   double spacing = 0.01;  // m, target distance of neighbouring nodes
   bool follow = false;    // the cloud follows the tool (place.h): spacing is then what it has far from it
   unsigned seed = 1;
@@ -215,14 +204,10 @@ struct Scene : OrganSpec {
   enum class BoundaryMethod { Sebciem, Ebciem };
   BoundaryMethod boundary_method = BoundaryMethod::Sebciem;  // paper eqs. 18-20 or 14-17
   std::vector<RefineSpec> refine;
+};
 
-  std::vector<MaterialSpec> materials;   // at least one, the first applies everywhere
-  std::optional<LumpDraw> lump_draw;     // of the later ones that are lumps at random
-  std::vector<BoundarySpec> boundaries;  // at least one, or a rigid body
-  std::vector<RigidSpec> rigid;
-  std::vector<LoadSpec> loads;
-
-  // dynamics
+/// How they move in real time.
+struct DynamicsSpec {
   double rate_hz = 500;         // 100 .. 2000; one tick is 1/rate
   int catch_up = 16;            // late ticks that the loop makes good
   double time_step = 0;         // s; 0: the largest whole division of a tick below safety * critical
@@ -232,27 +217,47 @@ struct Scene : OrganSpec {
   Vec3 gravity = Vec3::Zero();  // m/s^2, of the tissue; it bears its weight from the start
   int threads = 1;              // physics threads
   GradientPrecision gradient_precision = GradientPrecision::Float32;  // of the real-time kernel
-
-  SolveSpec solve;
-
-  std::vector<ToolSpec> tools = std::vector<ToolSpec>(1);  // at least one, at most max_tools
-
-  // force output
-  double filter_cutoff_hz = 30;   // first-order low-pass
-  double force_rate_limit = 200;  // N/s
-
-  DeviceSettings device;
-
-  // picture
-  Vec3 camera_target = Vec3::Zero();  // m
-  double camera_distance = 0.5;       // m
-  double camera_azimuth_deg = -60;    // around +z, from +x
-  double camera_elevation_deg = 25;
-  double camera_fov_deg = 35;  // vertical
 };
 
-/// All organs, the first one first.
-std::vector<OrganSpec> organsOf(const Scene& scene);
+/// How the force is smoothed for display and devices.
+struct ForceSpec {
+  double cutoff_hz = 30;    // first-order low-pass
+  double rate_limit = 200;  // N/s
+};
+
+/// The first view.
+struct CameraSpec {
+  Vec3 target = Vec3::Zero();  // m
+  double distance = 0.5;       // m
+  double azimuth_deg = -60;    // around +z, from +x
+  double elevation_deg = 25;
+  double fov_deg = 35;  // vertical
+};
+
+/// Everything a scene file says, validated as far as that needs no geometry.
+/// Plain data; `io/scene_file.h` reads it, `setup/build_model.h` turns it into a Model.
+struct Scene {
+  std::string name;
+  SourceLocation place;                          // the file itself
+  std::map<std::string, SourceLocation> places;  // where a key stands ("dynamics.time_step"), for errors
+  /// The values that the reader accepted of all keys that a Preparation depends on (KeySpec::SetUp), one a line: what a
+  /// cache goes by. Empty: made or changed by a program, and then nothing is kept.
+  std::string set_up_values;
+
+  std::vector<OrganSpec> organs = std::vector<OrganSpec>(1);  // at least one, at most max_organs
+  DiscretizationSpec discretization;
+  std::vector<MaterialSpec> materials;   // at least one, the first applies everywhere
+  std::optional<LumpDraw> lump_draw;     // of the later ones that are lumps at random
+  std::vector<BoundarySpec> boundaries;  // at least one, or a rigid body
+  std::vector<RigidSpec> rigid;
+  std::vector<LoadSpec> loads;
+  DynamicsSpec dynamics;
+  SolveSpec solve;
+  std::vector<ToolSpec> tools = std::vector<ToolSpec>(1);  // at least one, at most max_tools
+  ForceSpec force;
+  DeviceSettings device;
+  CameraSpec camera;
+};
 
 /// Time from which on no boundary and no rigid body moves and no load changes, s; 0: they never do.
 double motionEnd(const Scene& scene);

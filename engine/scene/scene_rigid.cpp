@@ -18,7 +18,8 @@ GapGrid gridOf(const Scene& scene, const RigidSpec& spec, const SurfaceTree& org
     side.open = [&](const Vec3& x) {
       return std::any_of(spec.open.begin(), spec.open.end(), [&](const Region& r) { return contains(r, x, organ); });
     };
-  return spec.of_organ ? gapGrid(organ, side, scene.spacing) : gapGrid(SurfaceTree(*spec.surface), side, scene.spacing);
+  return spec.of_organ ? gapGrid(organ, side, scene.discretization.spacing)
+                       : gapGrid(SurfaceTree(*spec.surface), side, scene.discretization.spacing);
 }
 
 /// The true gap at rest, m, where the grid knows only what is near.
@@ -116,7 +117,7 @@ RigidBodies rigidBodiesOf(const Scene& scene, const SurfaceTree& organ, const Sk
       body.shape = solidOf(spec.region);
     checkGap(spec, body.shape, organ, skin);
     const auto gap = spec.of_organ ? std::optional<double>(spec.clearance) : std::nullopt;
-    addRigidBody(std::move(body), skin, scene.spacing, young_modulus, gap, bodies);
+    addRigidBody(std::move(body), skin, scene.discretization.spacing, young_modulus, gap, bodies);
   }
   return bodies;
 }

@@ -20,7 +20,7 @@ constexpr int max_enlargements = 8;  // by 1.15 each: a support radius grows at 
 IntegrationPoints choosePoints(const Scene& scene, const std::vector<Vec3>& X, const BackgroundCells& cells,
                                const std::vector<int>& cell_material, std::vector<double>& radius,
                                const double* pair_moment) {
-  const QuadratureSpec& spec = scene.quadrature;
+  const QuadratureSpec& spec = scene.discretization.quadrature;
   if (spec.cells_per_point != 1 && (spec.points_per_cell != 1 || spec.accuracy > 0))
     throw InputError(placeOf(scene, "discretization.cells_per_point"),
                      "cells can share a point only where each has one", "leave one of the two out");
@@ -37,9 +37,9 @@ IntegrationPoints choosePoints(const Scene& scene, const std::vector<Vec3>& X, c
   for (int attempt = 0;; ++attempt) {
     const Neighbours neighbours(X, radius);
     try {
-      auto adaptive =
-          makeAdaptivePoints(X, cells.cells, cells.volume, options,
-                             GradientEnergy(X, radius, neighbours, {scene.basis_degree, scene.mmls_weight}));
+      auto adaptive = makeAdaptivePoints(
+          X, cells.cells, cells.volume, options,
+          GradientEnergy(X, radius, neighbours, {scene.discretization.basis_degree, scene.discretization.mmls_weight}));
       if (adaptive.not_finite.empty() || attempt == max_enlargements) return std::move(adaptive.points);
       std::vector<InadmissibleSupport> failed;
       for (int k = 0; k < static_cast<int>(adaptive.not_finite.size()); ++k) {
@@ -57,7 +57,7 @@ IntegrationPoints choosePoints(const Scene& scene, const std::vector<Vec3>& X, c
 
 SurfaceGaps gapsOf(const Scene& scene, const TriangleSurface& skin, const SurfaceTree& body) {
   constexpr double widest = 2;  // support radii, which grow where they must
-  return {skin, body, widest * scene.support_factor * scene.spacing};
+  return {skin, body, widest * scene.discretization.support_factor * scene.discretization.spacing};
 }
 
 SupportLimit endingAt(const SurfaceGaps& gaps) {
@@ -74,7 +74,7 @@ Approximation approximate(const Scene& scene, const std::vector<Vec3>& X, std::v
                           const std::vector<Vec3>& facet_X, const std::vector<Vec3>& boundary_X,
                           const SurfaceGaps& gaps, const ApproximationGroups& groups,
                           std::vector<Unsupported>* unsupported, const RowMemory* memory) {
-  const MmlsOptions options{scene.basis_degree, scene.mmls_weight};
+  const MmlsOptions options{scene.discretization.basis_degree, scene.discretization.mmls_weight};
   Approximation a;
   for (int attempt = 0;; ++attempt) {
     const Neighbours neighbours(X, radius, endingAt(gaps));

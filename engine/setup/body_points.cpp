@@ -19,7 +19,7 @@ SupportGroups groupsAt(const Body& model, const std::vector<Vec3>& points) {
 }  // namespace
 
 std::vector<int> nearestPoints(const Body& model, const std::vector<Vec3>& points) {
-  const Neighbours tree(model.point_X, std::vector<double>(model.point_X.size(), model.scene.spacing));
+  const Neighbours tree(model.point_X, std::vector<double>(model.point_X.size(), model.scene.discretization.spacing));
   std::vector<int> nearest;
   for (const Vec3& X : points) nearest.push_back(tree.nearest(X, 1).front());
   return nearest;
@@ -28,7 +28,8 @@ std::vector<int> nearestPoints(const Body& model, const std::vector<Vec3>& point
 ShapeTable shapeAt(const Body& model, const std::vector<Vec3>& points, std::vector<InadmissibleSupport>& failed) {
   return shapeFunctions(points, model.X, model.support_radius,
                         Neighbours(model.X, model.support_radius, endingAt(*model.gaps)),
-                        {model.scene.basis_degree, model.scene.mmls_weight}, failed, {}, groupsAt(model, points));
+                        {model.scene.discretization.basis_degree, model.scene.discretization.mmls_weight}, failed, {},
+                        groupsAt(model, points));
 }
 
 }  // namespace palpate

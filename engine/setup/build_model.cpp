@@ -45,7 +45,8 @@ ShapeTable shapeAtImposed(const Model& model, const std::vector<Vec3>& points) {
 /// Not under surface loads, which are in equilibrium with points: what cells hold acts on other nodes of a face, and
 /// the loaded face of a confined block (nu 0.48, 2 shear moduli) is then off by half of its displacement, not 1e-5.
 bool keepsCellVolume(const Model& model) {
-  if (!model.scene.formulation.cell_volume || model.patches.empty() || !model.scene.loads.empty()) return false;
+  if (!model.scene.discretization.formulation.cell_volume || model.patches.empty() || !model.scene.loads.empty())
+    return false;
   bool turned = false, bonded_moves = false;
   for (const BoundarySpec& boundary : model.scene.boundaries) {
     const auto* held = boundary.component;
@@ -81,7 +82,7 @@ void completeEssential(const Scene& scene, Model& model) {
 /// The weight at the nodes, f_i = sum_q V_q rho_q N_i(X_q) g: of the tissue itself, not of mass that was added for the
 /// sake of the step.
 void addWeight(Model& model) {
-  const Vec3& g = model.scene.gravity;
+  const Vec3& g = model.scene.dynamics.gravity;
   if (g.isZero(0)) return;
   std::vector<Vec3> weight(model.X.size(), Vec3::Zero());
   const ShapeTable& shape = model.point_shape;
@@ -101,8 +102,8 @@ void setBounds(Model& model) {
   // Tissue does not move faster than sound in it, or than a tool that is faster; four times and twice that leave room
   // for whipping edges. A node that goes all the way to the next in one step is lost in any case. Not of the finest
   // spacing, nor half of the way: skin that slips off a tool whips back at half the speed of sound, whatever the cloud.
-  model.max_increment =
-      std::min(std::max(4 * wave_speed, 2 * largestToolSpeed(model.scene)) * model.dt, model.scene.spacing);
+  model.max_increment = std::min(std::max(4 * wave_speed, 2 * largestToolSpeed(model.scene)) * model.dt,
+                                 model.scene.discretization.spacing);
   // Of strains of about 0.3 %, far above float's rounding (of the stiffest part, too).
   model.rest_energy = 1e-5 * shear;
 }
@@ -136,7 +137,7 @@ double gripForce(double asked, double radius, const Model& model) {
 
 /// Which organ each body is of, and each node.
 void addBodies(const Scene& scene, const SurfaceTree& tree, const CommonToPlaces* common, Model& model) {
-  model.bodies = common != nullptr ? common->bodies : makeSkinBodies(model.skin, scene.spacing);
+  model.bodies = common != nullptr ? common->bodies : makeSkinBodies(model.skin, scene.discretization.spacing);
   SkinBodies& bodies = model.bodies;
   addRows(model.skin, bodies);
   if (bodies.count > max_skin_bodies)
@@ -146,11 +147,11 @@ void addBodies(const Scene& scene, const SurfaceTree& tree, const CommonToPlaces
                      "leave small parts out (mtled import does)");
   const std::vector<int>& organ = tree.surface().organ;
   if (!bodies.several() || organ.empty()) return;
-  const std::vector<OrganSpec> organs = organsOf(scene);
+  const std::vector<OrganSpec>& organs = scene.organs;
   const SurfaceBodies of_faces = bodiesOf(tree.surface());  // numbered as those of the skin, which is made of them
   for (std::size_t t = 0; t < organ.size(); ++t) bodies.organ[static_cast<std::size_t>(of_faces.of_face[t])] = organ[t];
   for (std::size_t b = 0; b < bodies.organ.size(); ++b)
-    bodies.friction[b] = static_cast<float>(organs[static_cast<std::size_t>(bodies.organ[b])].organ_friction);
+    bodies.friction[b] = static_cast<float>(organs[static_cast<std::size_t>(bodies.organ[b])].friction);
   // Nodes that carry skin are its body's, and those that share a cell with one.
   std::vector<int>& of_node = model.node_organ;
   of_node.assign(model.X.size(), -1);
@@ -228,9 +229,9 @@ Model finish(const Scene& scene, const SurfaceTree& tree, Preparation preparatio
   model.surface_loads = makeSurfaceLoads(model, tree);
 
   report("kernel layout", 0.96);
-  model.kernel =
-      makeKernelLayout(model.point_shape, model.point_X, model.point_volume, model.point_material, model.materials,
-                       model.nodeCount(), model.patches, scene.gradient_precision, model.X, mixtureBases(scene));
+  model.kernel = makeKernelLayout(model.point_shape, model.point_X, model.point_volume, model.point_material,
+                                  model.materials, model.nodeCount(), model.patches, scene.dynamics.gradient_precision,
+                                  model.X, mixtureBases(scene));
   if (keepsCellVolume(model)) model.kernel.cell_volume = makeCellVolume<float>(model.cellVolume());
   std::vector<std::array<int, 4>> vertices;  // of each point's cell
   for (const int c : model.point_cell) vertices.push_back(model.cells[c]);

@@ -12,15 +12,15 @@ namespace {
 /// How far the tool may go in a step for the contact to follow without tunnelling (contact/tool_rows.h), and
 /// without pushing the tissue over a good part of the half spacing that counts as lost, m.
 double reachOf(const Scene& scene) {
-  double spacing = scene.spacing;
-  for (const RefineSpec& refine : scene.refine) spacing = std::min(spacing, refine.spacing);
+  double spacing = scene.discretization.spacing;
+  for (const RefineSpec& refine : scene.discretization.refine) spacing = std::min(spacing, refine.spacing);
   return std::min({1e-3, smallestToolRadius(scene) / 2, spacing / 4});
 }
 
 /// Steps of a tick, a whole number, for the tool's reach and a body with this critical step.
 double stepsPerTick(const Scene& scene, double dt_critical) {
-  const double longest = std::min(scene.step_safety * dt_critical, reachOf(scene) / largestToolSpeed(scene));
-  return std::max(1.0, std::ceil(1 / scene.rate_hz / longest * (1 - 1e-9)));
+  const double longest = std::min(scene.dynamics.step_safety * dt_critical, reachOf(scene) / largestToolSpeed(scene));
+  return std::max(1.0, std::ceil(1 / scene.dynamics.rate_hz / longest * (1 - 1e-9)));
 }
 
 /// The material with the fastest waves: what makes the critical step short.
@@ -41,7 +41,7 @@ const MaterialSpec& stiffestMaterial(const Scene& scene) {
 /// Refuses more steps to a tick than are taken, at the key that asks for them.
 void checkChosenSteps(const Scene& scene, double steps, const CriticalTimeStep& limit, const std::vector<Vec3>& X) {
   if (steps <= max_steps_per_tick) return;
-  const double needed = 1 / scene.rate_hz / max_steps_per_tick;  // s, the shortest step that is taken
+  const double needed = 1 / scene.dynamics.rate_hz / max_steps_per_tick;  // s, the shortest step that is taken
   const std::string critical = "the critical step is " + number(limit.dt) + " s (the stiffest row is the node at " +
                                coordinates(X[limit.worst_node]) + ")";
   if (limit.dt > needed)
@@ -55,15 +55,15 @@ void checkChosenSteps(const Scene& scene, double steps, const CriticalTimeStep& 
 }  // namespace
 
 double longestCriticalStep(const Scene& scene, double dt_critical, const std::function<bool(double)>& grants) {
-  if (scene.time_step > 0) {
-    const double needed = scene.time_step / scene.step_safety;
-    return dt_critical < scene.time_step && grants(needed) ? needed : 0;
+  if (scene.dynamics.time_step > 0) {
+    const double needed = scene.dynamics.time_step / scene.dynamics.step_safety;
+    return dt_critical < scene.dynamics.time_step && grants(needed) ? needed : 0;
   }
   double longest = 0;
   const auto holds = [&](double steps) {
-    const double needed = 1 / scene.rate_hz / steps / scene.step_safety;
+    const double needed = 1 / scene.dynamics.rate_hz / steps / scene.dynamics.step_safety;
     // The tool may ask for short steps; and a safety that asks for steps of a thousand ticks has a number wrong.
-    if (stepsPerTick(scene, needed) > steps || needed > 1e3 / scene.rate_hz || !grants(needed)) return false;
+    if (stepsPerTick(scene, needed) > steps || needed > 1e3 / scene.dynamics.rate_hz || !grants(needed)) return false;
     longest = needed;
     return true;
   };
@@ -87,11 +87,12 @@ double longestCriticalStep(const Scene& scene, double dt_critical, const std::fu
 }
 
 void checkStepsAsked(const Scene& scene) {
-  const double tick = 1 / scene.rate_hz, reach = reachOf(scene), shortest = tick / max_steps_per_tick;
-  if (scene.time_step > 0) {
-    const double steps = std::round(tick / scene.time_step);
+  const double tick = 1 / scene.dynamics.rate_hz, reach = reachOf(scene), shortest = tick / max_steps_per_tick;
+  if (scene.dynamics.time_step > 0) {
+    const double steps = std::round(tick / scene.dynamics.time_step);
     if (steps > max_steps_per_tick)
-      refuseSteps(placeOf(scene, "dynamics.time_step"), steps, "time_step is " + number(scene.time_step) + " s",
+      refuseSteps(placeOf(scene, "dynamics.time_step"), steps,
+                  "time_step is " + number(scene.dynamics.time_step) + " s",
                   "raise it to at least " + number(shortest) + " s, or leave it out");
     return;
   }
@@ -106,26 +107,29 @@ void chooseTimeStep(const Scene& scene, const CriticalTimeStep& limit, const std
   checkStepsAsked(scene);
   model.dt_critical = limit.dt;
   model.dt_proven = limit.dt_proven;
-  const double tick = 1 / scene.rate_hz;
+  const double tick = 1 / scene.dynamics.rate_hz;
   const double reach = reachOf(scene);
-  if (scene.time_step > 0) {
+  if (scene.dynamics.time_step > 0) {
     const SourceLocation place = placeOf(scene, "dynamics.time_step");
-    const double substeps = std::round(tick / scene.time_step);
-    if (substeps < 1 || std::abs(substeps * scene.time_step - tick) > 1e-6 * tick)
-      throw InputError(
-          place, "a tick of " + number(tick) + " s is not a whole number of steps of " + number(scene.time_step) + " s",
-          "use " + number(tick / std::max(1.0, std::ceil(tick / scene.time_step))) + " s, or leave time_step out");
+    const double substeps = std::round(tick / scene.dynamics.time_step);
+    if (substeps < 1 || std::abs(substeps * scene.dynamics.time_step - tick) > 1e-6 * tick)
+      throw InputError(place,
+                       "a tick of " + number(tick) + " s is not a whole number of steps of " +
+                           number(scene.dynamics.time_step) + " s",
+                       "use " + number(tick / std::max(1.0, std::ceil(tick / scene.dynamics.time_step))) +
+                           " s, or leave time_step out");
     model.substeps_per_tick = static_cast<int>(substeps);
-    if (scene.time_step > limit.dt)
+    if (scene.dynamics.time_step > limit.dt)
       throw InputError(place,
-                       "time_step " + number(scene.time_step) + " s exceeds the critical " + number(limit.dt) +
+                       "time_step " + number(scene.dynamics.time_step) + " s exceeds the critical " + number(limit.dt) +
                            " s (the stiffest row is the node at " + coordinates(X[limit.worst_node]) + ")",
-                       scene.mass_scaling > 0 ? "lower time_step, or raise mass_scaling"
-                                              : "lower time_step, or coarsen discretization.spacing");
-    if (largestToolSpeed(scene) * scene.time_step > reach * (1 + 1e-9))
+                       scene.dynamics.mass_scaling > 0 ? "lower time_step, or raise mass_scaling"
+                                                       : "lower time_step, or coarsen discretization.spacing");
+    if (largestToolSpeed(scene) * scene.dynamics.time_step > reach * (1 + 1e-9))
       throw InputError(place,
-                       "at tool.max_speed the tool travels " + number(largestToolSpeed(scene) * scene.time_step) +
-                           " m in a step, more than the " + number(reach) + " m that the contact follows",
+                       "at tool.max_speed the tool travels " +
+                           number(largestToolSpeed(scene) * scene.dynamics.time_step) + " m in a step, more than the " +
+                           number(reach) + " m that the contact follows",
                        "lower time_step to " + number(reach / largestToolSpeed(scene)) + " s, or tool.max_speed");
   } else {
     const double steps = stepsPerTick(scene, limit.dt);

@@ -21,9 +21,10 @@ constexpr double tool_edge = 0.35;  // of the tool's radius: the longest edge of
 
 SpacingField spacingField(const Scene& scene) {
   SpacingField spacing;
-  spacing.spacing = scene.spacing;
+  spacing.spacing = scene.discretization.spacing;
   spacing.place = placeOf(scene, "discretization.spacing");
-  for (const auto& r : scene.refine) spacing.refinements.push_back({r.centre, r.radius, r.spacing, r.blend, r.place});
+  for (const auto& r : scene.discretization.refine)
+    spacing.refinements.push_back({r.centre, r.radius, r.spacing, r.blend, r.place});
   return spacing;
 }
 
@@ -37,7 +38,8 @@ std::vector<FeatureEdges::Chain> rimsOf(const Scene& scene, const SurfaceTree& o
   for (const auto& boundary : scene.boundaries) {
     const Region& region = boundary.region;
     if (region.kind != Region::Kind::Cylinder) continue;
-    const int count = std::max(32, static_cast<int>(std::ceil(8 * 2 * M_PI * region.radius / scene.spacing)));
+    const int count =
+        std::max(32, static_cast<int>(std::ceil(8 * 2 * M_PI * region.radius / scene.discretization.spacing)));
     const Vec3 e1 = region.normal.unitOrthogonal(), e2 = region.normal.cross(e1);
     FeatureEdges::Chain chain;
     chain.closed = true;
@@ -67,11 +69,11 @@ double finestSpacing(double volume, double area, double nodes) {
 void checkCounts(const Scene& scene, double volume, double area) {
   // What the set-up can hold: about 0.1 MB a node. A typing error in the spacing should not fill the memory. A cloud
   // that follows the tool is no finer than can be made (followSizes).
-  const double h = scene.spacing,
+  const double h = scene.discretization.spacing,
                nodes = std::max(volume / (volume_per_node * h * h * h), area / (area_per_node * h * h));
-  if (!scene.follow && nodes > 1.001 * most_nodes)
+  if (!scene.discretization.follow && nodes > 1.001 * most_nodes)
     throw InputError(placeOf(scene, "discretization.spacing"),
-                     "a spacing of " + number(scene.spacing) + " m makes " +
+                     "a spacing of " + number(scene.discretization.spacing) + " m makes " +
                          (nodes < 1e15 ? "about " + number(nodes) : "countless") + " nodes, more than " +
                          number(most_nodes),
                      "raise it, to " + number(finestSpacing(volume, area, most_nodes)) +
@@ -90,7 +92,7 @@ Discretization discretizeOnSurface(const Scene& scene, const SurfaceTree& organ,
   checkCounts(scene, signedVolume(organ.surface()), surfaceArea(organ.surface()));
   Discretization d;
   constexpr double of_nodes = 0.7;
-  d.cloud = makeNodeCloud(organ, spacingField(scene), scene.seed, rimsOf(scene, organ),
+  d.cloud = makeNodeCloud(organ, spacingField(scene), scene.discretization.seed, rimsOf(scene, organ),
                           [&](double share) { progress(of_nodes * share); });
   if (hasSharpInterfaces(scene)) putOnInterfaces(scene, organ, spacingField(scene), d.cloud);
   progress(of_nodes);
@@ -138,7 +140,7 @@ TriangleSurface refineForContact(const Scene& scene, const TriangleSurface& orga
   const double by_tool = tool_edge * smallestToolRadius(scene);
   const auto longestEdge = [&](const Vec3& x) {
     const double h = spacing.at(x);
-    return h < scene.spacing ? std::min(by_tool, h / 3) : by_tool;
+    return h < scene.discretization.spacing ? std::min(by_tool, h / 3) : by_tool;
   };
   // At least so many: known at once, where refineSurface would need half a minute to find out.
   double faces = 0;
@@ -152,9 +154,9 @@ TriangleSurface refineForContact(const Scene& scene, const TriangleSurface& orga
     return refineSurface(organ, longestEdge, max_triangles);
   } catch (const std::length_error&) {
     const auto finest =
-        std::min_element(scene.refine.begin(), scene.refine.end(),
+        std::min_element(scene.discretization.refine.begin(), scene.discretization.refine.end(),
                          [](const RefineSpec& a, const RefineSpec& b) { return a.spacing < b.spacing; });
-    const bool finer = finest != scene.refine.end() && finest->spacing / 3 < by_tool;
+    const bool finer = finest != scene.discretization.refine.end() && finest->spacing / 3 < by_tool;
     throw InputError(finer ? finest->place : placeOf(scene, "tool.radius"),
                      "the skin that the tool touches would have more than " + number(max_triangles) + " faces",
                      finer ? "raise this spacing of [[discretization.refine]], or tool.radius" : "raise tool.radius");

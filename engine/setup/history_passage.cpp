@@ -35,7 +35,7 @@ HistoryPassage makeHistoryPassage(const Model& a, const Model& b) {
     passage.share.resize(b.kernel.point.size());
     const Points of_a = pointsOf(a, static_cast<int>(m)), of_b = pointsOf(b, static_cast<int>(m));
     if (of_a.X.empty()) continue;
-    const Neighbours neighbours(of_a.X, std::vector<double>(of_a.X.size(), a.scene.spacing));
+    const Neighbours neighbours(of_a.X, std::vector<double>(of_a.X.size(), a.scene.discretization.spacing));
     for (std::size_t p = 0; p < of_b.X.size(); ++p) {
       auto& lane = passage.lane[static_cast<std::size_t>(of_b.lane[p])];
       auto& share = passage.share[static_cast<std::size_t>(of_b.lane[p])];

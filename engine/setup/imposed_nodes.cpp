@@ -51,7 +51,7 @@ void addPoint(const Scene& scene, int b, const NodeCloud& cloud, EssentialNodes&
   for (std::size_t k = 0; k < essential.nodes.size(); ++k) {
     const ImposedNode& other = essential.nodes[k];
     const Vec3& at = other.node < 0 ? essential.X[k] : cloud.X[other.node];
-    if ((at - X).norm() >= 0.5 * scene.spacing) continue;
+    if ((at - X).norm() >= 0.5 * scene.discretization.spacing) continue;
     const int owner = *std::max_element(other.boundary.begin(), other.boundary.end());
     throw InputError(spec.region.place.file.empty() ? spec.place : spec.region.place,
                      inQuotes(spec.name) + ", at " + coordinates(X) +
@@ -109,7 +109,7 @@ bool choosesNode(const BoundarySpec& spec, const NodeCloud& cloud, const Surface
 
 void refuseEmpty(const Scene& scene, const BoundarySpec& spec) {
   throw InputError(spec.place, "no node lies in this region",
-                   "move or enlarge it (node spacing is " + number(scene.spacing) + " m)");
+                   "move or enlarge it (node spacing is " + number(scene.discretization.spacing) + " m)");
 }
 
 void checkHeld(const Scene& scene, const EssentialNodes& essential, std::size_t node_count) {
@@ -126,7 +126,7 @@ void checkHeld(const Scene& scene, const EssentialNodes& essential, std::size_t 
     return;
   Box3 box;
   for (const Vec3& X : essential.X) box.extend(X);
-  const double length = std::max(box.diagonal().norm(), scene.spacing);
+  const double length = std::max(box.diagonal().norm(), scene.discretization.spacing);
   // Each imposed component of a place X stops one mix of the shifts t and the turns w: (t + w x X) e_c.
   Eigen::Matrix<double, 6, 6> stopped = Eigen::Matrix<double, 6, 6>::Zero();
   for (std::size_t k = 0; k < essential.nodes.size(); ++k)

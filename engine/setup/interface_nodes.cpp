@@ -193,8 +193,8 @@ class Mover {
 }  // namespace
 
 bool hasSharpInterfaces(const Scene& scene) {
-  return scene.formulation.sharp_interfaces && scene.materials.size() > 1 && mixedMaterial(scene) == 0 &&
-         scene.formulation.consistent_gradients;
+  return scene.discretization.formulation.sharp_interfaces && scene.materials.size() > 1 && mixedMaterial(scene) == 0 &&
+         scene.discretization.formulation.consistent_gradients;
 }
 
 int putOnInterfaces(const Scene& scene, const SurfaceTree& organ, const SpacingField& spacing, NodeCloud& cloud) {

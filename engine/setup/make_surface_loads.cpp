@@ -40,7 +40,7 @@ std::vector<Vec3> evenPlaces(int n) {
 /// All of a facet, by the rule at whose points gradients are consistent (boundary_points.h).
 LoadedFacet wholeFacet(const Body& body, const Facet& f, int number) {
   LoadedFacet loaded{number, {}, {}};
-  const bool by_nodes = body.scene.boundary_method == Scene::BoundaryMethod::Sebciem &&
+  const bool by_nodes = body.scene.discretization.boundary_method == DiscretizationSpec::BoundaryMethod::Sebciem &&
                         std::all_of(f.begin(), f.end(), [&](int i) { return body.imposed[i] != 0; });
   for (int k = 0; k < (by_nodes ? 3 : FacetRule::size); ++k) {
     loaded.X.push_back(by_nodes ? body.X[f[k]] : at(body, f, FacetRule::corners(k)));

@@ -34,7 +34,7 @@ Material mixed(const Material& first, const Material& second, double share) {
 void checkPoisson(const Scene& scene, const MaterialSpec& other) {
   const Material& first = scene.materials[0].material;
   const double ratio = first.bulk_modulus / first.shear_modulus;
-  if (scene.formulation.node_patches ||
+  if (scene.discretization.formulation.node_patches ||
       std::abs(other.material.bulk_modulus / other.material.shear_modulus - ratio) < 1e-9 * ratio)
     return;
   throw InputError(other.place, "tissue of unlike Poisson's ratios does not mix in the paper's scheme",
@@ -50,12 +50,12 @@ int mixedMaterial(const Scene& scene) {
 }
 
 double ownBulk(const Scene& scene) {
-  const double own = scene.formulation.own_bulk;
+  const double own = scene.discretization.formulation.own_bulk;
   return mixedMaterial(scene) == 0 ? own : std::max(own, mixed_own_bulk);
 }
 
 bool needsPatches(const Scene& scene) {
-  return scene.formulation.node_patches &&
+  return scene.discretization.formulation.node_patches &&
          (mixedMaterial(scene) != 0 ||
           std::any_of(scene.materials.begin(), scene.materials.end(), [&](const MaterialSpec& spec) {
             const Material& m = spec.material;
@@ -67,7 +67,7 @@ std::vector<Material> materialsOf(const Scene& scene) {
   std::vector<Material> materials;
   for (const auto& spec : scene.materials) {
     materials.push_back(spec.material);
-    if (!scene.formulation.floor || spec.material.barrier_strength > 0) continue;
+    if (!scene.discretization.formulation.floor || spec.material.barrier_strength > 0) continue;
     materials.back().barrier_strength = floor_strength;
     materials.back().barrier_J0 = floor_J0;
   }

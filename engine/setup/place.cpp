@@ -186,7 +186,7 @@ Place place(const Places& places, const PlaceIndex& index, const CommonToPlaces*
     refine.centre = ball.centre;
     refine.radius = ball.radius;
     refine.spacing = ball.spacing;
-    scene.refine.push_back(refine);
+    scene.discretization.refine.push_back(refine);
   }
   const Progress silent = [](const std::string&, double) {};
   const std::string key = keyOf(places, index, common != nullptr);
@@ -208,7 +208,7 @@ Place place(const Places& places, const PlaceIndex& index, const CommonToPlaces*
   }
   kept->cloud = {};
   made.model = finish(scene, places.organ, std::move(*kept), silent, common);
-  made.model.scene.follow = false;  // as a body on its own it stays
+  made.model.scene.discretization.follow = false;  // as a body on its own it stays
   return made;
 }
 
@@ -247,13 +247,13 @@ double followSpacing(const Scene& scene) { return coarse_radii * smallestToolRad
 /// The fine cloud that all places are taken from, and up to where their cells are joined.
 static void makeCloud(const Scene& as_read, const std::function<void(double)>& progress, Places& places) {
   Scene fine = as_read;
-  fine.spacing = places.sizes.fine;
-  fine.refine = finerThan(fine.spacing, as_read.refine);
+  fine.discretization.spacing = places.sizes.fine;
+  fine.discretization.refine = finerThan(fine.discretization.spacing, as_read.discretization.refine);
   Discretization d = discretizeOnSurface(fine, places.organ, progress);
   putInSlices(d);
   places.cloud = nestedOrder(d.cloud, dimensionsOf(fine, places.organ, d), spacingField(fine));
   keepRegions(as_read, places.organ, places.cloud);
-  const QuadratureSpec& quadrature = as_read.quadrature;
+  const QuadratureSpec& quadrature = as_read.discretization.quadrature;
   if (quadrature.cells_per_point > 1 && quadrature.accuracy == 0 && quadrature.points_per_cell == 1)
     places.common.pair_moment = largestPairMoment(
         d.cloud.X, d.cells, cellMaterials(fine, places.organ, d.cloud.X, d.cells), quadrature.cells_per_point);
@@ -270,8 +270,8 @@ Places makePlaces(const Scene& as_read, const TriangleSurface& organ, const Prog
   const FollowSizes& sizes = places.sizes;
   checkThickness(as_read, organ, sizes.fine);
   Scene& scene = places.scene;
-  scene.spacing = sizes.coarse;
-  scene.refine = finerThan(sizes.coarse, as_read.refine);
+  scene.discretization.spacing = sizes.coarse;
+  scene.discretization.refine = finerThan(sizes.coarse, as_read.discretization.refine);
   if (!as_read.set_up_values.empty()) {
     places.key = preparationKey(as_read, organ);
     for (const ToolSpec& tool : as_read.tools)  // what the balls, and so the places, depend on besides
@@ -281,10 +281,10 @@ Places makePlaces(const Scene& as_read, const TriangleSurface& organ, const Prog
   scene.set_up_values.clear();
   // The skin is one for all: no finer below a ball than elsewhere.
   Scene plain = scene;
-  plain.refine = finerThan(sizes.fine, as_read.refine);
+  plain.discretization.refine = finerThan(sizes.fine, as_read.discretization.refine);
   places.common.skin = skinOf(scene, refineForContact(plain, organ));
   places.common.gaps = std::make_shared<const SurfaceGaps>(gapsOf(scene, places.common.skin.surface, places.organ));
-  places.common.bodies = makeSkinBodies(places.common.skin, scene.spacing);
+  places.common.bodies = makeSkinBodies(places.common.skin, scene.discretization.spacing);
   places.centres = centresOn(places.common.skin.surface, sizes.stride);
   const PlaceIndex start = startPlace(places);
   report("fine cloud", 0);
@@ -308,8 +308,8 @@ Places makePlaces(const Scene& as_read, const TriangleSurface& organ, const Prog
   places.common.row_limit = row_margin * 4 / (first.dt_proven * first.dt_proven);
   // What the step asks for; a place has more mass only where it falls short of that (another search, half its time).
   places.common.critical =
-      std::clamp(first.dt / scene.step_safety, least_critical * first.dt_critical, first.dt_critical);
-  scene.time_step = first.dt;
+      std::clamp(first.dt / scene.dynamics.step_safety, least_critical * first.dt_critical, first.dt_critical);
+  scene.dynamics.time_step = first.dt;
   constexpr double denser = 1.5;  // points that a node may have more than at the first place
   places.most_nodes = mostNodes(places, first.nodeCount());
   places.most_batches = static_cast<std::size_t>(

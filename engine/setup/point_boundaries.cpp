@@ -93,7 +93,7 @@ Scene withPointBoundaries(const Scene& scene, const SurfaceTree& organ,
     }
     const std::vector<MovedPoint> all = movedPoints(*spec.points, organ);
     refuseHeld(scene, spec, all, organ);
-    const std::vector<MovedPoint> kept = joined(all, 0.5 * scene.spacing);
+    const std::vector<MovedPoint> kept = joined(all, 0.5 * scene.discretization.spacing);
     if (kept.size() < all.size() && warn)
       warn(spec.place.text() + ": of " + std::to_string(all.size()) + " points " + std::to_string(kept.size()) +
            " are left: those nearer to each other than half the spacing were joined");
@@ -112,7 +112,7 @@ Scene withPointBoundaries(const Scene& scene, const SurfaceTree& organ,
       measured.X.push_back(kept[k].X), measured.u.push_back(kept[k].u);
     }
     if (!spec.points->sheet) continue;
-    const MovedPoints between = sheetBetween(measured, organ, scene.spacing);
+    const MovedPoints between = sheetBetween(measured, organ, scene.discretization.spacing);
     for (std::size_t k = 0; k < between.X.size(); ++k)
       add(spec.name + " sheet " + std::to_string(k + 1), between.X[k], between.u[k], {});
   }

@@ -32,14 +32,15 @@ std::vector<int> materialsAt(const Scene& scene, const std::vector<Vec3>& X, con
 /// Bits of the components in which lumped tractions act on nodes. Tractions that are integrated over facets can answer
 /// any stress; lumped ones only a sum over the nodes.
 std::vector<std::uint8_t> lumpedNodes(const Scene& scene, const EssentialNodes& essential, std::size_t node_count) {
-  if (scene.boundary_method == Scene::BoundaryMethod::Ebciem) return std::vector<std::uint8_t>(node_count, 0);
+  if (scene.discretization.boundary_method == DiscretizationSpec::BoundaryMethod::Ebciem)
+    return std::vector<std::uint8_t>(node_count, 0);
   return imposedComponents(essential.nodes, node_count);
 }
 
 /// Samples of the organ's border at which gradients are made consistent.
 BoundaryPoints consistencyPoints(const Scene& scene, const NodeCloud& cloud,
                                  const std::vector<std::array<int, 3>>& outer, const EssentialNodes& essential) {
-  if (!scene.formulation.consistent_gradients) return {};
+  if (!scene.discretization.formulation.consistent_gradients) return {};
   return boundaryPoints(cloud.X, outer, lumpedNodes(scene, essential, cloud.X.size()), !scene.loads.empty());
 }
 
@@ -69,7 +70,7 @@ Approximation approximateSharply(const Scene& scene, const SurfaceTree& tree, co
                                  const SurfaceGaps& gaps, double gradient_tolerance, const RowMemory* memory,
                                  Preparation& p) {
   const std::vector<Vec3> middle = centroids(X, cells.cells);
-  const Neighbours middles(middle, std::vector<double>(middle.size(), scene.spacing));
+  const Neighbours middles(middle, std::vector<double>(middle.size(), scene.discretization.spacing));
   const auto lumped = lumpedNodes(scene, p.essential, X.size());
   std::vector<int> group = cellGroups(cells.cells, middle, cell_material);
   for (int attempt = 0;; ++attempt) {
@@ -141,11 +142,11 @@ void addMasses(const Scene& scene, const std::vector<Vec3>& X, const BackgroundC
     return;
   }
   p.limit = criticalTimeStep(shape, points.volume, p.point_material, materials, p.mass, patches);
-  if (!(scene.mass_scaling > 0)) return;
+  if (!(scene.dynamics.mass_scaling > 0)) return;
   ScaledMass granted;
   longestCriticalStep(scene, p.limit.dt, [&](double wanted) {
     ScaledMass scaled = scaleMass(shape, points.volume, p.point_material, materials, p.mass, patches, p.limit, wanted);
-    if (scaled.added > scene.mass_scaling || scaled.limit.dt < wanted) return false;
+    if (scaled.added > scene.dynamics.mass_scaling || scaled.limit.dt < wanted) return false;
     granted = std::move(scaled);
     return true;
   });
@@ -173,7 +174,7 @@ Preparation prepare(const Scene& scene, const SurfaceTree& tree, Discretization 
   p.surface_volume = cells.surface_volume;
   p.cell_volume = cells.total_volume;
   report("integration points", 0.43);
-  auto radius = supportRadii(cloud.X, cells.cells, scene.support_factor);
+  auto radius = supportRadii(cloud.X, cells.cells, scene.discretization.support_factor);
   std::vector<int> cell_material = cellMaterials(scene, tree, cloud.X, cells);
   auto points =
       choosePoints(scene, cloud.X, cells, cell_material, radius, common != nullptr ? &common->pair_moment : nullptr);
@@ -187,7 +188,8 @@ Preparation prepare(const Scene& scene, const SurfaceTree& tree, Discretization 
   if (!p.essential.nodes.empty()) checkHeld(scene, p.essential, cloud.X.size());
   const auto outer = boundaryFacets(cells.cells);
   std::vector<Vec3> facet_X;
-  if (scene.boundary_method == Scene::BoundaryMethod::Ebciem) facet_X = essentialFacets(cloud, outer, p.essential);
+  if (scene.discretization.boundary_method == DiscretizationSpec::BoundaryMethod::Ebciem)
+    facet_X = essentialFacets(cloud, outer, p.essential);
   constexpr double gradient_tolerance = 1e-6;  // leaves 1e-7 of the displacement
   Approximation shape;
   if (hasSharpInterfaces(scene)) {
@@ -200,7 +202,7 @@ Preparation prepare(const Scene& scene, const SurfaceTree& tree, Discretization 
     shape = approximate(scene, cloud.X, std::move(radius), points.X, p.skin.surface.vertices, facet_X, boundary.X, gaps,
                         {}, nullptr, memory);
     report("consistent gradients", 0.58);
-    if (scene.formulation.consistent_gradients)
+    if (scene.discretization.formulation.consistent_gradients)
       correctGradients(shape.points, points.X, points.volume, cloud.X, boundary, shape.boundary, gradient_tolerance);
     p.point_material = materialsAt(scene, points.X, tree);
   }

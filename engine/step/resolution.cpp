@@ -222,7 +222,7 @@ void ResolutionWatch::advance(const Model& model, std::span<const Material> mate
 void ResolutionWatch::addScaledInertia(const Model& model, StepReport& report) {
   if (model.own_share.empty()) return;
   constexpr double smoothing = 0.01, kept = 0.1;  // s, since vibrations take turns
-  const double tick = 1 / model.scene.rate_hz;
+  const double tick = 1 / model.scene.dynamics.rate_hz;
   if (is_new_) momentum_ = report.scaled_momentum;
   is_new_ = false;
   const Vec3 change = report.scaled_momentum - momentum_;
@@ -301,7 +301,7 @@ double spacingAtTool(const Body& body) {
       least = d;
       nearest = i;
     }
-  return body.support_radius[nearest] / body.scene.support_factor;
+  return body.support_radius[nearest] / body.scene.discretization.support_factor;
 }
 
 std::string resolutionWarning(const Body& body) {

@@ -74,7 +74,7 @@ Approach nearestOf(const Model& model, int tool, const ToolPosture& posture, dou
     const ToolBody& body = model.tools.body[b];
     if (body.tool != tool) continue;
     const ToolProfile profile = toolProfile(body.shape);
-    const double kept = kept_share * std::min(model.scene.spacing, profile.radius);
+    const double kept = kept_share * std::min(model.scene.discretization.spacing, profile.radius);
     for (const RigidBody& rigid : model.rigid.body) {
       if (rigid.encloses) continue;
       Approach at = nearestOf({rigid.shape, rigid.at(time)}, profile, bodyPose(body, posture));

@@ -20,7 +20,7 @@ StepReport step(const Model& model, State& state, const Pose& tool_pose, const C
 
 StepReport step(const Model& model, State& state, const ToolPostures& wanted, const Command& command,
                 Workspace& workspace) {
-  const Integrator integrator(model.dt, model.scene.damping);
+  const Integrator integrator(model.dt, model.scene.dynamics.damping);
   const double time = static_cast<double>(state.step + 1) * model.dt;
   StepOutcome outcome;
 

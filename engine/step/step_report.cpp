@@ -67,7 +67,7 @@ bool isTooDeep(const Model& model, const SkinContact& skins) {
   return skins.max_penetration > deep_contact * model.bodies.spacing;
 }
 
-int organCount(const Model& model) { return 1 + static_cast<int>(model.scene.further_organs.size()); }
+int organCount(const Model& model) { return static_cast<int>(model.scene.organs.size()); }
 
 StepReport reportOf(const Model& model, const StepOutcome& outcome, State& state) {
   const ForceReport& forces = outcome.forces;

@@ -86,7 +86,7 @@ ToolWays::ToolWays(const Model& model, const State& state, const Command& comman
   to_[0].pose = command.tools[0].pose;
   for (int t = 0; t < count_; ++t) {
     const auto k = static_cast<std::size_t>(t);
-    const double reach = topSpeed(model, t) / model.scene.rate_hz;
+    const double reach = topSpeed(model, t) / model.scene.dynamics.rate_hz;
     const double wanted = largestWay(model, t, from[k], to_[k]);
     if (wanted > reach) to_[k] = between(from[k], to_[k], reach / wanted);
     if (model.rigid.empty()) continue;
@@ -102,7 +102,9 @@ ToolPostures ToolWays::next(const State& state, int left) const {
   return postures;
 }
 
-double ToolWays::reach(const ToolBody& body) const { return topSpeed(model_, body.tool) / model_.scene.rate_hz; }
+double ToolWays::reach(const ToolBody& body) const {
+  return topSpeed(model_, body.tool) / model_.scene.dynamics.rate_hz;
+}
 
 void addToLoad(const ToolBody& body, const TouchingTool& felt, ToolLoads& loads) {
   ToolLoad& load = loads[static_cast<std::size_t>(body.tool)];

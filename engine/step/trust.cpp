@@ -15,8 +15,8 @@ Doubt doubtOf(const Model& model, const StepReport& report) {
   if ((report.flags & (kContactOverflow | kLetsGo)) ||
       report.max_penetration > TrustLimits::penetration * model.scene.tools[0].shape.radius)
     return Doubt::Contact;
-  const double max_pressure =
-      model.scene.quadrature.cells_per_point > 1 ? TrustLimits::pressure_of_pairs : TrustLimits::pressure;
+  const double max_pressure = model.scene.discretization.quadrature.cells_per_point > 1 ? TrustLimits::pressure_of_pairs
+                                                                                        : TrustLimits::pressure;
   if (report.nearly_incompressible &&
       (report.min_J < TrustLimits::crumpled_J || report.pressure_over_shear > max_pressure ||
        report.cell_pressure_over_shear > TrustLimits::pressure_with_cells))

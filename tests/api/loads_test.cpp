@@ -157,7 +157,7 @@ TEST_CASE("Loads are recorded, written and replayed bit for bit", "[api][loads]"
   const Model& model = *handle->model;
   Recording recording;
   recording.scene = "block";
-  recording.rate_hz = model.scene.rate_hz;
+  recording.rate_hz = model.scene.dynamics.rate_hz;
   recording.ticks = 60;
   TissuePhysics played(model, 1);
   {

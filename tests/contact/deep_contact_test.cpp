@@ -18,12 +18,12 @@ namespace {
 /// A cube of 90 mm, soft enough in volume to be squeezed so far by every discretization.
 Model cube(const ToolShape& tool) {
   Scene scene = test::blockScene(0.015);
-  scene.size = Vec3(0.09, 0.09, 0.09);
+  scene.organs[0].size = Vec3(0.09, 0.09, 0.09);
   scene.materials[0].material.set("poisson", 0.3);
   scene.tools[0].shape = tool;
   scene.tools[0].position = Vec3(0.001, 0.002, 0.091);
-  scene.step_safety = 0.1;
-  return buildModel(scene, boxSurface(scene.size, 0.01));
+  scene.dynamics.step_safety = 0.1;
+  return buildModel(scene, boxSurface(scene.organs[0].size, 0.01));
 }
 
 struct Standing {

@@ -98,7 +98,7 @@ void readSceneFrom(const std::string& bytes) {
   static const MemoryFile file;
   const Scene scene = readScene(file.write(bytes));
   hold(scene.name == printable(scene.name), "the scene's name can't be printed");
-  hold(scene.spacing > 0 && std::isfinite(scene.spacing), "the spacing is not positive");
+  hold(scene.discretization.spacing > 0 && std::isfinite(scene.discretization.spacing), "the spacing is not positive");
   hold(!scene.materials.empty(), "no material");
   for (const MaterialSpec& material : scene.materials) holdRegion(material.region);
   hold(isUnit(scene.tools[0].direction), "the tool's direction is no unit vector");

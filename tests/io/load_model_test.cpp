@@ -53,13 +53,13 @@ TEST_CASE("An organ of an unlikely size is warned of, with its length and the ke
     return sizeWarning(scene, boxSurface(Vec3(edge / 2, edge / 3, edge), edge));
   };
   Scene scene;
-  scene.solid = Scene::Solid::Surface;
-  scene.surface_scale = 1;
+  scene.organs[0].solid = OrganSpec::Solid::Surface;
+  scene.organs[0].surface_scale = 1;
   scene.places["organ.unit"] = {"small.toml", 4, 1};
   CHECK(warned(scene, 0.00016) == "small.toml:4:1: the organ is 0.16 mm long; is unit = \"m\" right?");
   CHECK(warned(scene, 160) == "small.toml:4:1: the organ is 160 m long; is unit = \"m\" right?");
   for (const double likely : {0.001001, 0.16, 2.999}) CHECK(warned(scene, likely).empty());
-  scene.surface_scale = 0.001;
+  scene.organs[0].surface_scale = 0.001;
   CHECK_THAT(warned(scene, 0.00016), Contains("unit = \"mm\""));
   scene.places.clear();
   CHECK(warned(scene, 3.5) == "the organ is 3.5 m long; is scale = 0.001 right?");
@@ -84,8 +84,8 @@ TEST_CASE("The warning of a size comes before the set-up takes time, and once", 
   const auto keep = [&](const std::string& line) { warnings.push_back(line); };
   loadModel(scene, {}, ModelCache(), keep);
   CHECK(warnings.empty());
-  scene.size = Vec3(4, 4, 2);
-  scene.spacing = scene.tools[0].shape.radius = 0.5;
+  scene.organs[0].size = Vec3(4, 4, 2);
+  scene.discretization.spacing = scene.tools[0].shape.radius = 0.5;
   struct Ended {};
   CHECK_THROWS_AS(loadModel(
                       scene,
@@ -118,7 +118,7 @@ TEST_CASE("Tools that start at one place are refused; of one that never touches 
 
 TEST_CASE("Where the cloud follows, a model is that of the place where the tool will be", "[load_model][whole]") {
   Scene scene = test::barScene();
-  scene.follow = true;
+  scene.discretization.follow = true;
   const ModelCache none("");
   const Vec3 there(0.05, 0, 0.032);
   const Model start = loadModel(scene, {}, none), end = loadModel(scene, {}, none, {}, [&](const Model&model) {
@@ -132,7 +132,7 @@ TEST_CASE("Where the cloud follows, a model is that of the place where the tool 
   };
   CHECK(near(end, there) > 1.5 * static_cast<double>(near(start, there)));
   CHECK(near(start, scene.tools[0].position) > 1.5 * static_cast<double>(near(end, scene.tools[0].position)));
-  CHECK_FALSE(end.scene.follow);
-  REQUIRE(end.scene.refine.size() == 1);
-  CHECK(end.scene.refine[0].spacing == Approx(0.5 * scene.tools[0].shape.radius));
+  CHECK_FALSE(end.scene.discretization.follow);
+  REQUIRE(end.scene.discretization.refine.size() == 1);
+  CHECK(end.scene.discretization.refine[0].spacing == Approx(0.5 * scene.tools[0].shape.radius));
 }

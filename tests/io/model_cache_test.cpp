@@ -76,13 +76,13 @@ TEST_CASE("A model from the cache has the bits of one that was built", "[model_c
   Scene scene = keptScene("this");
   SECTION("as it is") {}
   SECTION("with tractions over facets and a second material") {
-    scene.boundary_method = Scene::BoundaryMethod::Ebciem;
+    scene.discretization.boundary_method = DiscretizationSpec::BoundaryMethod::Ebciem;
     scene.materials.push_back(scene.materials[0]);
     scene.materials[1].material.set("young", 9000);
     scene.materials[1].everywhere = false;
     scene.materials[1].region.normal = -Vec3::UnitX();
   }
-  SECTION("plain") { scene.formulation = Formulation::paper(); }
+  SECTION("plain") { scene.discretization.formulation = Formulation::paper(); }
   const Model built = buildModel(scene, organSurface(scene));
   OwnCache own;
   REQUIRE(own.made(scene));
@@ -99,12 +99,12 @@ TEST_CASE("What may change without a new set-up is taken from the scene, not fro
   Scene scene = keptScene("this");
   REQUIRE(own.made(scene));
   scene.name = "another";
-  scene.rate_hz = 250;
-  scene.damping = 5;
+  scene.dynamics.rate_hz = 250;
+  scene.dynamics.damping = 5;
   scene.tools[0].friction = 0.3;
   scene.tools[0].position.x() = 0.004;
-  scene.step_safety = 0.3;
-  scene.camera_distance = 1;
+  scene.dynamics.step_safety = 0.3;
+  scene.camera.distance = 1;
   CHECK_FALSE(own.made(scene));
   test::requireSameModel(own.model, buildModel(scene, organSurface(scene)));
   CHECK(own.model.scene.name == "another");
@@ -174,8 +174,8 @@ TEST_CASE("A damaged file is never trusted: it is told of, made again and replac
 TEST_CASE("A forged file whose checksums hold is refused for every size, index and number that is wrong",
           "[model_cache]") {
   Scene scene = keptScene("this", 0.02);
-  scene.quadrature.cells_per_point = 1.3;  // so that no array is empty
-  scene.boundary_method = Scene::BoundaryMethod::Ebciem;
+  scene.discretization.quadrature.cells_per_point = 1.3;  // so that no array is empty
+  scene.discretization.boundary_method = DiscretizationSpec::BoundaryMethod::Ebciem;
   scene.materials.push_back(scene.materials[0]);
   scene.materials[1].everywhere = false;
   scene.materials[1].region.normal = -Vec3::UnitX();
@@ -269,7 +269,7 @@ TEST_CASE("A forged file whose checksums hold is refused for every size, index a
 TEST_CASE("Another scene's file under this scene's name is refused", "[model_cache]") {
   OwnCache own;
   Scene scene = keptScene("seed 1", 0.02), other = scene;
-  other.seed = 2;
+  other.discretization.seed = 2;
   other.set_up_values = "seed 2";
   REQUIRE(own.made(scene));
   REQUIRE(own.made(other));
@@ -300,7 +300,7 @@ TEST_CASE("Beyond its bound the cache drops what was not used for longest", "[mo
   std::vector<std::string> files;
   std::uintmax_t size = 0;
   for (unsigned seed = 1; seed <= 3; ++seed) {
-    scene.seed = seed;
+    scene.discretization.seed = seed;
     scene.set_up_values = "seed " + std::to_string(seed);
     loadModel(scene, {}, roomy);
     files.push_back(roomy.fileOf(keyOf(scene)));
@@ -310,7 +310,7 @@ TEST_CASE("Beyond its bound the cache drops what was not used for longest", "[mo
   scene.set_up_values = "seed 1";
   REQUIRE(found(roomy, keyOf(scene), scene));  // used now: the second is the oldest
   const ModelCache narrow(folder.path("cache"), {}, 3 * size + size / 2);
-  scene.seed = 4;
+  scene.discretization.seed = 4;
   scene.set_up_values = "seed 4";
   loadModel(scene, {}, narrow);
   CHECK(fs::exists(files[0]));

@@ -22,7 +22,7 @@ TEST_CASE("A changed key is what it would be in the file", "[scene_change]") {
   CHECK(changed.name == "changed");
   CHECK(changed.materials[0].material == written.materials[0].material);
   CHECK(changed.tools[0].position == written.tools[0].position);
-  CHECK(changed.damping == 30);
+  CHECK(changed.dynamics.damping == 30);
   CHECK(changed.set_up_values == written.set_up_values);
   CHECK(changed.set_up_values != readScene(path).set_up_values);
 }

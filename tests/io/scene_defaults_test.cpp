@@ -20,33 +20,39 @@ std::string described(const Scene& s) {
   text.precision(17);
   const auto add = [&](const auto&... values) { ((text << values << ' '), ...); };
   const auto vector = [&](const Vec3& v) { add(v.x() + 0.0, v.y() + 0.0, v.z() + 0.0); };  // no -0
-  add(s.upper_half, s.repair_surface, s.organ_friction), vector(s.tissue_colour), vector(s.organ_position);
-  add(s.follow, s.spacing, s.seed, s.basis_degree, s.support_factor, s.mmls_weight, s.formulation == Formulation{});
-  add(static_cast<int>(s.boundary_method), s.quadrature.points_per_cell, s.quadrature.cells_per_point);
-  add(s.quadrature.accuracy, s.quadrature.division, s.quadrature.max_depth);
-  for (const RefineSpec& r : s.refine) add(r.spacing, r.blend);
+  add(s.organs[0].upper_half, s.organs[0].repair_surface, s.organs[0].friction), vector(s.organs[0].colour),
+      vector(s.organs[0].position);
+  add(s.discretization.follow, s.discretization.spacing, s.discretization.seed, s.discretization.basis_degree,
+      s.discretization.support_factor, s.discretization.mmls_weight, s.discretization.formulation == Formulation{});
+  add(static_cast<int>(s.discretization.boundary_method), s.discretization.quadrature.points_per_cell,
+      s.discretization.quadrature.cells_per_point);
+  add(s.discretization.quadrature.accuracy, s.discretization.quadrature.division,
+      s.discretization.quadrature.max_depth);
+  for (const RefineSpec& r : s.discretization.refine) add(r.spacing, r.blend);
   for (const MaterialSpec& m : s.materials) vector(m.region.point), add(m.region.radius);
   for (const MaterialSpec& m : s.materials)
     for (const auto& common : commonMaterialParameters()) add(m.material.*common.member);
   for (const BoundarySpec& b : s.boundaries)
     add(b.component[0], b.component[1], b.component[2], b.surface_only, static_cast<int>(b.curve.kind));
   for (const LoadSpec& l : s.loads) add(static_cast<int>(l.kind), static_cast<int>(l.curve.kind));
-  vector(s.gravity);
+  vector(s.dynamics.gravity);
   for (const RigidSpec& b : s.rigid) add(b.clearance, b.friction, b.encloses, static_cast<int>(b.motion.curve.kind));
   for (const BoundarySpec& b : s.boundaries)
     if (b.points) add(b.points->sheet);
-  add(s.rate_hz, s.catch_up, s.time_step, s.step_safety, s.mass_scaling, s.damping, s.threads);
-  add(static_cast<int>(s.gradient_precision), static_cast<int>(s.solve.mode), s.solve.tolerance, s.solve.load_steps);
+  add(s.dynamics.rate_hz, s.dynamics.catch_up, s.dynamics.time_step, s.dynamics.step_safety, s.dynamics.mass_scaling,
+      s.dynamics.damping, s.dynamics.threads);
+  add(static_cast<int>(s.dynamics.gradient_precision), static_cast<int>(s.solve.mode), s.solve.tolerance,
+      s.solve.load_steps);
   add(s.solve.end_time, s.solve.frames);
   add(static_cast<int>(s.tools[0].shape.kind), s.tools[0].shape.radius, s.tools[0].shape.length);
   for (const double parameter : s.tools[0].shape.parameter) add(parameter);
   vector(s.tools[0].position), vector(s.tools[0].direction);
-  add(s.tools[0].max_speed, s.tools[0].max_force, s.tools[0].grip_force, s.tools[0].friction, s.filter_cutoff_hz,
-      s.force_rate_limit);
+  add(s.tools[0].max_speed, s.tools[0].max_force, s.tools[0].grip_force, s.tools[0].friction, s.force.cutoff_hz,
+      s.force.rate_limit);
   add(s.device.stiffness, s.device.damping, s.device.max_force, s.device.rise_time, s.device.scale);
   add(s.device.own_damping, s.device.lever, s.device.locked);
-  vector(s.camera_target);
-  add(s.camera_distance, s.camera_azimuth_deg, s.camera_elevation_deg, s.camera_fov_deg);
+  vector(s.camera.target);
+  add(s.camera.distance, s.camera.azimuth_deg, s.camera.elevation_deg, s.camera.fov_deg);
   return text.str();
 }
 

@@ -20,21 +20,21 @@ TEST_CASE("Every key of a scene arrives where it belongs", "[io][scene]") {
   const std::string path = folder.write("full.toml", full_scene);
   const Scene s = readScene(path);
   CHECK(s.name == "Everything");
-  CHECK(s.solid == Scene::Solid::Cylinder);
-  CHECK(s.radius == 0.015);
-  CHECK(s.height == 0.017);
-  CHECK(s.tissue_colour == Vec3(0.1, 0.2, 0.3));
-  CHECK(s.spacing == 0.004);
-  CHECK(s.seed == 9);
-  CHECK(s.quadrature.points_per_cell == 1);
-  CHECK(s.basis_degree == 1);
-  CHECK(s.support_factor == 2);
-  CHECK(s.mmls_weight == 0.05);
-  REQUIRE(s.refine.size() == 1);
-  CHECK(s.refine[0].centre == Vec3(0, 0, 0.017));
-  CHECK(s.refine[0].radius == 0.003);
-  CHECK(s.refine[0].spacing == 0.001);
-  CHECK(s.refine[0].blend == 0.004);
+  CHECK(s.organs[0].solid == OrganSpec::Solid::Cylinder);
+  CHECK(s.organs[0].radius == 0.015);
+  CHECK(s.organs[0].height == 0.017);
+  CHECK(s.organs[0].colour == Vec3(0.1, 0.2, 0.3));
+  CHECK(s.discretization.spacing == 0.004);
+  CHECK(s.discretization.seed == 9);
+  CHECK(s.discretization.quadrature.points_per_cell == 1);
+  CHECK(s.discretization.basis_degree == 1);
+  CHECK(s.discretization.support_factor == 2);
+  CHECK(s.discretization.mmls_weight == 0.05);
+  REQUIRE(s.discretization.refine.size() == 1);
+  CHECK(s.discretization.refine[0].centre == Vec3(0, 0, 0.017));
+  CHECK(s.discretization.refine[0].radius == 0.003);
+  CHECK(s.discretization.refine[0].spacing == 0.001);
+  CHECK(s.discretization.refine[0].blend == 0.004);
   REQUIRE(s.materials.size() == 2);
   CHECK(s.materials[0].material == Material::neoHookean(1000, 0.45, 1000));
   CHECK(s.materials[0].everywhere);
@@ -59,11 +59,11 @@ TEST_CASE("Every key of a scene arrives where it belongs", "[io][scene]") {
   CHECK(s.boundaries[1].surface_only);
   CHECK(s.boundaries[1].translation == Vec3(0, 0, -0.002));
   CHECK(s.boundaries[1].duration == 0.5);
-  CHECK(s.rate_hz == 1000);
-  CHECK(s.time_step == 0.0005);
-  CHECK(s.step_safety == 0.5);
-  CHECK(s.damping == 10);
-  CHECK(s.threads == 2);
+  CHECK(s.dynamics.rate_hz == 1000);
+  CHECK(s.dynamics.time_step == 0.0005);
+  CHECK(s.dynamics.step_safety == 0.5);
+  CHECK(s.dynamics.damping == 10);
+  CHECK(s.dynamics.threads == 2);
   CHECK(s.tools[0].shape.kind == ToolKind::FlatCylinder);
   CHECK(s.tools[0].shape.radius == 0.005);
   CHECK(s.tools[0].shape.length == 0.03);
@@ -72,13 +72,13 @@ TEST_CASE("Every key of a scene arrives where it belongs", "[io][scene]") {
   CHECK((s.tools[0].direction - Vec3(0, 0.6, -0.8)).norm() < 1e-15);
   CHECK(s.tools[0].max_speed == 0.5);
   CHECK(s.tools[0].friction == 0.2);
-  CHECK(s.filter_cutoff_hz == 40);
-  CHECK(s.force_rate_limit == 100);
-  CHECK(s.camera_target == Vec3(0, 0, 0.01));
-  CHECK(s.camera_distance == 0.2);
-  CHECK(s.camera_azimuth_deg == 30);
-  CHECK(s.camera_elevation_deg == 10);
-  CHECK(s.camera_fov_deg == 40);
+  CHECK(s.force.cutoff_hz == 40);
+  CHECK(s.force.rate_limit == 100);
+  CHECK(s.camera.target == Vec3(0, 0, 0.01));
+  CHECK(s.camera.distance == 0.2);
+  CHECK(s.camera.azimuth_deg == 30);
+  CHECK(s.camera.elevation_deg == 10);
+  CHECK(s.camera.fov_deg == 40);
 
   // Places
   CHECK(s.place.text() == path);
@@ -89,7 +89,7 @@ TEST_CASE("Every key of a scene arrives where it belongs", "[io][scene]") {
   CHECK(s.materials[1].place.line == 23);
   CHECK(s.materials[1].region.place.line == 29);
   CHECK(s.boundaries[1].place.line == 35);
-  CHECK(s.refine[0].place.line == 14);
+  CHECK(s.discretization.refine[0].place.line == 14);
 }
 
 TEST_CASE("A surface organ is found from the scene's folder and scaled by its unit", "[io][scene]") {
@@ -99,11 +99,12 @@ TEST_CASE("A surface organ is found from the scene's folder and scaled by its un
     return readScene(
         folder.write("s.toml", replaced(minimal_scene, "solid = \"box\"\nsize = [0.1, 0.1, 0.05]", organ)));
   };
-  CHECK(scene("surface = \"a.obj\"\nunit = \"mm\"").surface_scale == 0.001);
-  CHECK(scene("surface = \"./a.obj\"\nunit = \"cm\"").surface_scale == 0.01);
-  CHECK(scene("surface = \"a.obj\"\nscale = 0.0254").surface_scale == 0.0254);
-  CHECK(scene("surface = \"" + folder.path("a.obj") + "\"\nunit = \"m\"").surface_file == folder.path("a.obj"));
-  CHECK(scene("surface = \"./a.obj\"\nunit = \"m\"").surface_file == folder.path("a.obj"));
+  CHECK(scene("surface = \"a.obj\"\nunit = \"mm\"").organs[0].surface_scale == 0.001);
+  CHECK(scene("surface = \"./a.obj\"\nunit = \"cm\"").organs[0].surface_scale == 0.01);
+  CHECK(scene("surface = \"a.obj\"\nscale = 0.0254").organs[0].surface_scale == 0.0254);
+  CHECK(scene("surface = \"" + folder.path("a.obj") + "\"\nunit = \"m\"").organs[0].surface_file ==
+        folder.path("a.obj"));
+  CHECK(scene("surface = \"./a.obj\"\nunit = \"m\"").organs[0].surface_file == folder.path("a.obj"));
   CHECK_THAT(refusal([&] { scene("surface = \"a.obj\""); }), Contains("s.toml:2:1: the surface's unit is missing"));
   CHECK_THAT(refusal([&] { scene("surface = \"a.obj\"\nunit = \"m\"\nscale = 1"); }),
              Contains("both \"unit\" and \"scale\""));
@@ -160,8 +161,8 @@ TEST_CASE("Every scene in assets/scenes parses and its surface bounds a solid", 
     INFO(entry.path());
     const Scene s = readScene(entry.path().string());
     CHECK_FALSE(s.name.empty());
-    if (s.solid == Scene::Solid::Surface) {
-      const TriangleSurface organ = readClosedSurface(s.surface_file, s.surface_scale);
+    if (s.organs[0].solid == OrganSpec::Solid::Surface) {
+      const TriangleSurface organ = readClosedSurface(s.organs[0].surface_file, s.organs[0].surface_scale);
       const Box3 box = boundingBox(organ);
       CHECK(box.sizes().maxCoeff() > 0.05);  // an organ in metres
       CHECK(box.sizes().maxCoeff() < 0.5);
@@ -169,7 +170,7 @@ TEST_CASE("Every scene in assets/scenes parses and its surface bounds a solid", 
       // The tool starts over the organ and points at it.
       CHECK(box.sizes().norm() > (s.tools[0].position - box.center()).norm());
       CHECK((box.center() - s.tools[0].position).dot(s.tools[0].direction) > 0);
-      CHECK(box.contains(s.camera_target));
+      CHECK(box.contains(s.camera.target));
     }
   }
   CHECK(count >= 5);

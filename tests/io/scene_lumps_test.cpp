@@ -19,9 +19,9 @@ TEST_CASE("A lump is a stiffer material with a finer spacing around it", "[io][l
   const Material &tissue = s.materials[0].material, &lump = s.materials[1].material;
   CHECK(lump.shear_modulus == Approx(10 * tissue.shear_modulus));  // the tissue has 3 kPa
   CHECK(s.materials[1].region.radius == 0.008);
-  REQUIRE(s.refine.size() == 1);
-  CHECK(s.refine[0].spacing < s.spacing);
-  CHECK(s.refine[0].centre == Vec3(0, 0, 0.03));
+  REQUIRE(s.discretization.refine.size() == 1);
+  CHECK(s.discretization.refine[0].spacing < s.discretization.spacing);
+  CHECK(s.discretization.refine[0].centre == Vec3(0, 0, 0.03));
 }
 
 TEST_CASE("Lumps at random lie below the skin within their level, apart, and the same for the same seed",

@@ -193,20 +193,20 @@ TEST_CASE("A cloud can follow a tool that is there", "[io][scene][refusal]") {
   const auto read = [&](const std::string& text) { return readScene(folder.write("f.toml", text)); };
   CHECK_THAT(refusal([&] { read(follows); }), Contains("f.toml:5:") && Contains("no tool that the cloud could follow"));
   const Scene scene = read(follows + tool);
-  CHECK(scene.follow);
-  CHECK(scene.gradient_precision == GradientPrecision::Int16);
-  CHECK(scene.quadrature.cells_per_point > 1);
+  CHECK(scene.discretization.follow);
+  CHECK(scene.dynamics.gradient_precision == GradientPrecision::Int16);
+  CHECK(scene.discretization.quadrature.cells_per_point > 1);
   const Scene said = read(replaced(follows, "follow = true", "follow = true\ncells_per_point = 1") +
                           "[dynamics]\ngradient_precision = \"float32\"\n" + tool);
-  CHECK(said.gradient_precision == GradientPrecision::Float32);
-  CHECK(said.quadrature.cells_per_point == 1);
-  CHECK(scene.spacing == Approx(2.4 * 0.5 * 0.01));
-  CHECK(!read(minimal_scene + tool).follow);
-  CHECK(read(relaxes + tool).follow);
+  CHECK(said.dynamics.gradient_precision == GradientPrecision::Float32);
+  CHECK(said.discretization.quadrature.cells_per_point == 1);
+  CHECK(scene.discretization.spacing == Approx(2.4 * 0.5 * 0.01));
+  CHECK(!read(minimal_scene + tool).discretization.follow);
+  CHECK(read(relaxes + tool).discretization.follow);
   // Where nothing is said it follows, or the scene has to say more, with a number that suits the tool.
   const auto silent = [](const std::string& text) { return replaced(text, "follow = true", ""); };
-  CHECK(read(silent(follows) + tool).follow);
-  CHECK(read(silent(follows) + tool + lump).follow);
+  CHECK(read(silent(follows) + tool).discretization.follow);
+  CHECK(read(silent(follows) + tool + lump).discretization.follow);
   CHECK_THAT(refusal([&] { read(silent(follows)); }),
              Contains("f.toml:") && Contains("\"spacing\" is missing") && Contains("no tool"));
 }

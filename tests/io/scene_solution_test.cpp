@@ -96,11 +96,11 @@ struct SceneFolder : TempFolder {
 TEST_CASE("Quadrature, motions and [solve] of a scene arrive where they belong", "[io][scene]") {
   const SceneFolder folder;
   const Scene s = folder.scene(solved_scene);
-  CHECK(s.quadrature.points_per_cell == 5);
-  CHECK(s.quadrature.accuracy == 0.01);
-  CHECK(s.quadrature.division == 2);
-  CHECK(s.quadrature.max_depth == 6);
-  CHECK(s.boundary_method == Scene::BoundaryMethod::Ebciem);
+  CHECK(s.discretization.quadrature.points_per_cell == 5);
+  CHECK(s.discretization.quadrature.accuracy == 0.01);
+  CHECK(s.discretization.quadrature.division == 2);
+  CHECK(s.discretization.quadrature.max_depth == 6);
+  CHECK(s.discretization.boundary_method == DiscretizationSpec::BoundaryMethod::Ebciem);
   CHECK(s.materials[1].region.kind == Region::Kind::Shell);
   CHECK(s.materials[1].region.distance == 0.002);
 

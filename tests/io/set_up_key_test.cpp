@@ -282,7 +282,7 @@ TEST_CASE("A rate that replaces the file's counts where mass is scaled", "[io][s
     Scene scene = readScene(folder.write("s.toml", withMassScaling(full_scene, scaled ? "0.5" : "0")));
     const std::string before = preparationKey(scene, {});
     overrideRate(scene, 500);
-    CHECK(scene.rate_hz == 500);
+    CHECK(scene.dynamics.rate_hz == 500);
     CHECK((preparationKey(scene, {}) != before) == scaled);
   }
 }

@@ -55,8 +55,8 @@ Model modelOf(const std::string& text) { return loadModel(sceneOf(text), {}, Mod
 TEST_CASE("Several organs are read with their places and materials, and are bodies of their own",
           "[io][several_organs]") {
   const Scene scene = sceneOf(two_text);
-  REQUIRE(organsOf(scene).size() == 2);
-  CHECK(organsOf(scene)[1].tissue_colour == Vec3(0.1, 0.2, 0.3));
+  REQUIRE(scene.organs.size() == 2);
+  CHECK(scene.organs[1].colour == Vec3(0.1, 0.2, 0.3));
   const Model model = modelOf(two_text);
   REQUIRE(model.bodies.count == 2);
   CHECK(model.bodies.organ == std::vector<int>{0, 1});

@@ -55,11 +55,11 @@ class ClockWithStart final : public Clock {
 inline Model smallModel(double rate_hz = 500) {
   Model model;
   model.scene.name = "small";
-  model.scene.rate_hz = rate_hz;
-  model.scene.catch_up = 0;  // what is late is skipped, unless a test is about that
+  model.scene.dynamics.rate_hz = rate_hz;
+  model.scene.dynamics.catch_up = 0;  // what is late is skipped, unless a test is about that
   model.scene.tools[0].friction = 0.1;
-  model.scene.filter_cutoff_hz = 30;
-  model.scene.force_rate_limit = 200;
+  model.scene.force.cutoff_hz = 30;
+  model.scene.force.rate_limit = 200;
   model.X = {{0, 0, 0}, {0.01, 0, 0}, {0, 0.02, 0}, {0, 0, 0.03}};
   model.point_X = {{0.001, 0.002, 0.003}, {0.004, 0.005, 0.006}, {0.007, 0.008, 0.009}};
   model.point_volume = {1e-6, 1e-6, 1e-6};

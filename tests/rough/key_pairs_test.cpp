@@ -141,17 +141,18 @@ void tryScene(const TempFolder& folder, const Draw& draw, bool press) {
   const Scene scene = readScene(folder.write("pairs.toml", textOf(draw)));
   std::optional<FollowingModel> following;
   std::optional<Model> still;
-  if (scene.follow)
+  if (scene.discretization.follow)
     following = loadFollowing(scene);
   else
     still = loadModel(scene);
   if (!press) return;
   std::shared_ptr<ReadyPlace> start;
   if (following)
-    start = std::make_shared<ReadyPlace>(std::move(following->start), std::make_shared<SpinTeam>(scene.threads));
+    start =
+        std::make_shared<ReadyPlace>(std::move(following->start), std::make_shared<SpinTeam>(scene.dynamics.threads));
   const Model& model = start ? start->place.model : *still;
   auto physics = start ? std::make_unique<TissuePhysics>(*following->places, start)
-                       : std::make_unique<TissuePhysics>(model, scene.threads);
+                       : std::make_unique<TissuePhysics>(model, scene.dynamics.threads);
   constexpr int ticks = 60;
   double force = 0;
   for (int k = 1; k <= ticks; ++k) {

@@ -23,8 +23,8 @@ namespace {
 Model coarse(const std::string& name) {
   constexpr double coarser = 2;
   Scene scene = readScene(sourceFolder() + "/assets/scenes/" + name + ".toml");
-  scene.spacing *= coarser;
-  for (RefineSpec& refine : scene.refine) refine.spacing *= coarser;
+  scene.discretization.spacing *= coarser;
+  for (RefineSpec& refine : scene.discretization.refine) refine.spacing *= coarser;
   return buildModel(scene, organSurface(scene));
 }
 
@@ -71,7 +71,7 @@ class PressBeneath final : public ToolMotion {
   static constexpr double seconds = 3;
 
   explicit PressBeneath(const Model& model)
-      : start_(model.tools.first().start.pose), ticks_(std::lround(seconds * model.scene.rate_hz)) {
+      : start_(model.tools.first().start.pose), ticks_(std::lround(seconds * model.scene.dynamics.rate_hz)) {
     beneath_ = start_;
     beneath_.position.z() = -10 * model.scene.tools[0].shape.radius;
   }
@@ -99,7 +99,7 @@ TEST_CASE("A hand far beneath the organ does not draw the tool through what hold
   SimulationLoopOptions options;
   options.motion = &press;
   const double rest = 3 * (1 + model.addedMass());  // s: what is added does not damp
-  options.tick_limit = std::lround((PressBeneath::seconds + rest) * model.scene.rate_hz);
+  options.tick_limit = std::lround((PressBeneath::seconds + rest) * model.scene.dynamics.rate_hz);
   SimulationLoop loop(model, physics, nullptr, options);
   test::FakeClock clock;
   loop.run(clock);
@@ -108,7 +108,7 @@ TEST_CASE("A hand far beneath the organ does not draw the tool through what hold
   CHECK(summary.restored_count == 0);
   CHECK_FALSE(summary.frozen);
   CHECK(press.lowest() > 0);  // the base of each
-  CHECK(press.lowest() < model.scene.spacing);
+  CHECK(press.lowest() < model.scene.discretization.spacing);
   CHECK(physics.state().tool[0].pose.position.isApprox(model.tools.first().start.pose.position, 1e-12));
   if (name == "liver") return;  // a fold of it hangs on the ball, and would have to be drawn off
   float largest = 0;

@@ -22,8 +22,8 @@ TEST_CASE("A model says what it is made of", "[build_model]") {
   CHECK(volume == Approx(box).epsilon(1e-12));  // flat faces: nothing is lost
   CHECK(mass == Approx(1000 * box).epsilon(1e-12));
   CHECK(model.tools.first().first_contact_travel == Approx(0.002).epsilon(1e-6));
-  CHECK(model.dt <= model.scene.step_safety * model.dt_critical);
-  CHECK(model.dt * model.substeps_per_tick == Approx(1 / model.scene.rate_hz).epsilon(1e-14));
+  CHECK(model.dt <= model.scene.dynamics.step_safety * model.dt_critical);
+  CHECK(model.dt * model.substeps_per_tick == Approx(1 / model.scene.dynamics.rate_hz).epsilon(1e-14));
   CHECK(model.dt_proven < model.dt_critical);
   CHECK(model.point_shape.meanSupport() > 15);
 }
@@ -57,11 +57,11 @@ TEST_CASE("What can't be used is refused with the place that says so", "[build_m
     CHECK_THROWS_WITH(blockModel(scene), Catch::Contains(place) && Catch::Contains(problem));
   };
   Scene scene = blockScene();
-  scene.rate_hz = 100;
-  scene.time_step = 1.0 / 100;  // one step a tick: far beyond the limit
+  scene.dynamics.rate_hz = 100;
+  scene.dynamics.time_step = 1.0 / 100;  // one step a tick: far beyond the limit
   refuse(scene, "block.toml:21:3", "exceeds the critical");
-  scene.rate_hz = 500;
-  scene.time_step = 0.0003;
+  scene.dynamics.rate_hz = 500;
+  scene.dynamics.time_step = 0.0003;
   refuse(scene, "block.toml:21:3", "not a whole number");
   scene = blockScene();
   scene.boundaries[0].region.point = Vec3(0, 0, 1);
@@ -70,7 +70,7 @@ TEST_CASE("What can't be used is refused with the place that says so", "[build_m
   scene.tools[0].position = Vec3(0, 0, 0.02);
   refuse(scene, "block.toml:30:1", "inside the organ");
   scene = blockScene();
-  scene.support_factor = 0.1;  // no node reaches another, not even after enlargement
+  scene.discretization.support_factor = 0.1;  // no node reaches another, not even after enlargement
   refuse(scene, "block.toml:12:1", "inadmissible");
   scene = blockScene();
   scene.boundaries.push_back(scene.boundaries[0]);
@@ -219,8 +219,8 @@ TEST_CASE("Adaptive quadrature adds points where it is asked to, and keeps the v
   CHECK(plain.pointCount() == static_cast<int>(plain.cells.size()));
   int before = plain.pointCount();
   for (const double accuracy : {0.1, 0.03}) {
-    scene.quadrature.accuracy = accuracy;
-    scene.quadrature.max_depth = 2;
+    scene.discretization.quadrature.accuracy = accuracy;
+    scene.discretization.quadrature.max_depth = 2;
     const Model model = blockModel(scene);
     INFO("accuracy " << accuracy << " points " << model.pointCount());
     CHECK(model.pointCount() > before);
@@ -244,11 +244,11 @@ TEST_CASE("Adaptive quadrature adds points where it is asked to, and keeps the v
 TEST_CASE("A box that leaves two nodes beside full blocks of the gradients' system is set up like any other",
           "[build_model][whole]") {
   Scene scene = blockScene(0.0042);
-  scene.size = Vec3(0.03, 0.03, 0.03);
+  scene.organs[0].size = Vec3(0.03, 0.03, 0.03);
   scene.tools[0].shape.radius = 0.006;
   int two_over = 0;
   for (const unsigned seed : {2u, 3u, 16u}) {
-    scene.seed = seed;
+    scene.discretization.seed = seed;
     const Model model = blockModel(scene);
     INFO("seed " << seed << ", " << model.nodeCount() << " nodes");
     two_over += model.nodeCount() % 64 == 2;  // the block's coarse functions are dependent
@@ -263,7 +263,7 @@ TEST_CASE("A box that leaves two nodes beside full blocks of the gradients' syst
 TEST_CASE("A body of so few nodes that the gradients' system is one block is set up like any other", "[build_model]") {
   Scene scene = blockScene(0.02);
   for (unsigned seed = 1; seed <= 12; ++seed) {
-    scene.seed = seed;
+    scene.discretization.seed = seed;
     const Model model = blockModel(scene);
     INFO("seed " << seed << ", " << model.nodeCount() << " nodes");
     REQUIRE(model.nodeCount() < 64);
@@ -279,7 +279,7 @@ TEST_CASE("Cells that share a point keep the volume and see a uniform strain exa
   Mat3 A;
   A << 0.01, 0.02, 0, -0.03, 0.04, 0.01, 0, 0.02, -0.05;
   for (const double cells_per_point : {1.5, 2.0}) {
-    scene.quadrature.cells_per_point = cells_per_point;
+    scene.discretization.quadrature.cells_per_point = cells_per_point;
     const Model model = blockModel(scene);
     INFO(cells_per_point << " cells per point, " << model.pointCount() << " points");
     CHECK(static_cast<int>(model.cells.size()) == cells);
@@ -298,7 +298,7 @@ TEST_CASE("Cells that share a point keep the volume and see a uniform strain exa
 TEST_CASE("EBCIEM is chosen by the scene and holds the base as exactly", "[build_model]") {
   Scene scene = gripped(Vec3(0.001, 0, -0.003));
   CHECK(blockModel(scene).essential.facets.empty());
-  scene.boundary_method = Scene::BoundaryMethod::Ebciem;
+  scene.discretization.boundary_method = DiscretizationSpec::BoundaryMethod::Ebciem;
   const Model model = blockModel(scene);
   REQUIRE_FALSE(model.essential.facets.empty());
   CHECK(model.essential.facet_weight.size() ==
@@ -317,43 +317,43 @@ TEST_CASE("EBCIEM is chosen by the scene and holds the base as exactly", "[build
 TEST_CASE("Mass is added where it spares a step, and never more than the scene grants",
           "[build_model][mass_scaling][whole]") {
   Scene scene = blockScene();
-  scene.rate_hz = 200;
+  scene.dynamics.rate_hz = 200;
   scene.tools[0].max_speed = 0.1;  // else the contact asks for short steps
   const Model own = blockModel(scene);
   REQUIRE(own.substeps_per_tick > 1);
   CHECK(own.addedMass() == 0);
-  scene.mass_scaling = 1e-9;
+  scene.dynamics.mass_scaling = 1e-9;
   const Model same = blockModel(scene);
   CHECK(same.mass == own.mass);
   CHECK(same.dt == own.dt);
 
-  scene.mass_scaling = 10;
+  scene.dynamics.mass_scaling = 10;
   const Model one = blockModel(scene);
   CHECK(one.substeps_per_tick < own.substeps_per_tick);
-  CHECK(one.dt <= scene.step_safety * one.dt_critical);
+  CHECK(one.dt <= scene.dynamics.step_safety * one.dt_critical);
   CHECK(one.addedMass() > 0);
   CHECK(one.addedMass() <= 10);
-  scene.mass_scaling = 0.9 * one.addedMass();
+  scene.dynamics.mass_scaling = 0.9 * one.addedMass();
   const Model less = blockModel(scene);
   CHECK(less.substeps_per_tick == one.substeps_per_tick + 1);
   CHECK(less.addedMass() < one.addedMass());
 
   // A step that the scene names becomes stable, or is refused.
-  scene.mass_scaling = 10;
-  scene.time_step = one.dt;
+  scene.dynamics.mass_scaling = 10;
+  scene.dynamics.time_step = one.dt;
   scene.places["dynamics.time_step"] = {"block.toml", 21, 3};
   CHECK(blockModel(scene).addedMass() == Approx(one.addedMass()).epsilon(1e-12));
-  scene.mass_scaling = 1e-3;
+  scene.dynamics.mass_scaling = 1e-3;
   CHECK_THROWS_WITH(blockModel(scene), Catch::Contains("block.toml:21:3") && Catch::Contains("raise mass_scaling"));
 }
 
 TEST_CASE("What counts as a blow-up is the coarse spacing in a step, a finer place or not", "[build_model][whole]") {
   Scene scene = blockScene();
-  scene.mass_scaling = 1000;  // long steps, in which sound would go further
+  scene.dynamics.mass_scaling = 1000;  // long steps, in which sound would go further
   scene.tools[0].max_speed = 0.2;
-  CHECK(blockModel(scene).max_increment == Approx(scene.spacing));
-  scene.refine.push_back({Vec3(0, 0, 0.03), 0.01, 0.25 * scene.spacing, 0, {}});
-  CHECK(blockModel(scene).max_increment == Approx(scene.spacing));
+  CHECK(blockModel(scene).max_increment == Approx(scene.discretization.spacing));
+  scene.discretization.refine.push_back({Vec3(0, 0, 0.03), 0.01, 0.25 * scene.discretization.spacing, 0, {}});
+  CHECK(blockModel(scene).max_increment == Approx(scene.discretization.spacing));
 }
 
 TEST_CASE("Cells keep the volume of what is pressed flat or by tools, not where a moving face curves the flow",
@@ -382,6 +382,6 @@ TEST_CASE("Cells keep the volume of what is pressed flat or by tools, not where 
     scene.boundaries.push_back(plate(1, side, false));
   }
   CHECK(blockModel(scene).hasCellVolume());  // held all around
-  scene.formulation = Formulation::paper();
+  scene.discretization.formulation = Formulation::paper();
   CHECK_FALSE(blockModel(scene).hasCellVolume());
 }

@@ -35,16 +35,16 @@ TEST_CASE("More steps to a tick than an int can count, or anybody means, are ref
   const auto refused = [](const Scene& scene) { return refusal([&] { blockModel(scene); }); };
   for (const double step : {1e-300, 1e-12, 1 / 500.0 / 10'001}) {
     Scene scene = placedScene();
-    scene.time_step = step;
+    scene.dynamics.time_step = step;
     CHECK_THAT(refused(scene), Contains("block.toml:21:3") && Contains("steps would make a tick") &&
                                    Contains("more than the 1e+04") && Contains("at least 2e-07 s"));
   }
   for (const double safety : {1e-300, 1e-7}) {
     Scene scene = placedScene();
-    scene.step_safety = safety;
+    scene.dynamics.step_safety = safety;
     CHECK_THAT(refused(scene), Contains("block.toml:22:3") && Contains("steps would make a tick") &&
                                    Contains("raise dynamics.step_safety to more than"));
-    scene.mass_scaling = 10;  // no search for the mass that would spare them
+    scene.dynamics.mass_scaling = 10;  // no search for the mass that would spare them
     CHECK_THAT(refused(scene), Contains("block.toml:22:3"));
   }
   Scene stiff = placedScene();
@@ -57,13 +57,13 @@ TEST_CASE("More steps to a tick than an int can count, or anybody means, are ref
   CHECK_THAT(refusal([&] { checkStepsAsked(fast); }),
              Contains("block.toml:32:3") && Contains("4e+05 steps") && Contains("lower tool.max_speed to 0.25 m/s"));
   fast.tools[0].shape.radius = 0.01;
-  fast.spacing = 2e-7;  // a quarter of it is as far
+  fast.discretization.spacing = 2e-7;  // a quarter of it is as far
   CHECK_THAT(refusal([&] { checkStepsAsked(fast); }),
              Contains("4e+05 steps") && Contains("or raise tool.radius and the spacing"));
 
   // What is asked for by the scene alone is refused before anything is made of it.
   Scene early = placedScene();
-  early.time_step = 1e-300;
+  early.dynamics.time_step = 1e-300;
   int stages = 0;
   CHECK_THAT(refusal([&] { loadModel(early, [&](const std::string&, double) { ++stages; }); }),
              Contains("block.toml:21:3"));
@@ -71,7 +71,7 @@ TEST_CASE("More steps to a tick than an int can count, or anybody means, are ref
 
   // The last that is granted.
   Scene most = blockScene();
-  most.time_step = 1 / most.rate_hz / max_steps_per_tick;
+  most.dynamics.time_step = 1 / most.dynamics.rate_hz / max_steps_per_tick;
   CHECK(blockModel(most).substeps_per_tick == max_steps_per_tick);
 }
 
@@ -79,14 +79,14 @@ TEST_CASE("However many steps a sliver asks for, the fewest that added mass can 
           "[choose_time_step]") {
   Scene scene = blockScene();
   const auto granted = [&](double fewest, double now) {
-    const double tick = 1 / scene.rate_hz;
+    const double tick = 1 / scene.dynamics.rate_hz;
     int looks = 0;
-    const double longest = longestCriticalStep(scene, tick / now / scene.step_safety, [&](double wanted) {
+    const double longest = longestCriticalStep(scene, tick / now / scene.dynamics.step_safety, [&](double wanted) {
       ++looks;
-      return wanted < 1.001 * tick / fewest / scene.step_safety;
+      return wanted < 1.001 * tick / fewest / scene.dynamics.step_safety;
     });
     CHECK(looks < 25);
-    return longest > 0 ? tick / longest / scene.step_safety : now;
+    return longest > 0 ? tick / longest / scene.dynamics.step_safety : now;
   };
   for (const double now : {5.0, 300.0, 1.5e6}) {
     INFO(now);
@@ -102,7 +102,7 @@ TEST_CASE("Nodes and faces beyond what the set-up holds are refused before they 
   CHECK_NOTHROW(checkCounts(placedScene(), volume, area));
   for (const double spacing : {3e-4, 1e-6, 1e-300}) {
     Scene scene = placedScene();
-    scene.spacing = spacing;
+    scene.discretization.spacing = spacing;
     CHECK_THAT(refusal([&] { checkCounts(scene, volume, area); }),
                Contains("block.toml:5:3") && Contains(spacing > 1e-5 ? "about 5.71e+06 nodes" : "nodes"));
     // Also where the solid would have to be made first: no face of it is.
@@ -117,11 +117,12 @@ TEST_CASE("Nodes and faces beyond what the set-up holds are refused before they 
 
 TEST_CASE("A skin whose faces can't be counted beforehand is refused with the key that asks for them", "[discretize]") {
   Scene scene = placedScene();
-  scene.refine.push_back({Vec3(0, 0, 0.03), 0.02, 1e-5, 0, {"block.toml", 12, 1}});
-  CHECK_THAT(refusal([&] { refineForContact(scene, boxSurface(scene.size, 0.004), 20'000); }),
+  scene.discretization.refine.push_back({Vec3(0, 0, 0.03), 0.02, 1e-5, 0, {"block.toml", 12, 1}});
+  CHECK_THAT(refusal([&] { refineForContact(scene, boxSurface(scene.organs[0].size, 0.004), 20'000); }),
              Contains("block.toml:12:1") && Contains("more than 2e+04 faces") && Contains("refine"));
   // Of several the finest is to blame.
-  scene.refine.insert(scene.refine.begin(), {Vec3(0, 0, 0.03), 0.02, 5e-3, 0, {"block.toml", 8, 1}});
-  CHECK_THAT(refusal([&] { refineForContact(scene, boxSurface(scene.size, 0.004), 20'000); }),
+  scene.discretization.refine.insert(scene.discretization.refine.begin(),
+                                     {Vec3(0, 0, 0.03), 0.02, 5e-3, 0, {"block.toml", 8, 1}});
+  CHECK_THAT(refusal([&] { refineForContact(scene, boxSurface(scene.organs[0].size, 0.004), 20'000); }),
              Contains("block.toml:12:1"));
 }

@@ -50,7 +50,7 @@ double shareOfTangent(const Model& model, const AlignedVector<Float4>& u, const 
 Model longStep(const Scene& scene = blockScene()) {
   Model model = blockModel(scene);
   model.dt = 0.85 * model.dt_critical;
-  model.scene.rate_hz = 1 / model.dt;
+  model.scene.dynamics.rate_hz = 1 / model.dt;
   model.substeps_per_tick = 1;
   return model;
 }
@@ -65,7 +65,7 @@ Pressed press(const Model& model, double depth, double speed, double hold, int l
   Workspace workspace(model, 1);
   State state = initialState(model);
   Pressed seen;
-  const double rate = model.scene.rate_hz;
+  const double rate = model.scene.dynamics.rate_hz;
   const int moving = static_cast<int>((model.tools.first().first_contact_travel + depth) / speed * rate);
   for (int k = 1; k <= moving + hold * rate; ++k) {
     Command command;
@@ -125,7 +125,7 @@ TEST_CASE("Squeezed tissue stays below its stable step, and near the solution of
 
 TEST_CASE("Mass comes and goes without adding energy, and momentum is kept as it comes", "[follow_stiffness]") {
   const Model model = longStep();
-  const Integrator integrator(model.dt, model.scene.damping);
+  const Integrator integrator(model.dt, model.scene.dynamics.damping);
   Workspace workspace(model, 1);
   State state = initialState(model);
   const auto squeeze = [&](double l) {
@@ -178,9 +178,9 @@ TEST_CASE("A boundary is imposed as exactly where the nodes that carry it have g
   Scene scene = blockScene();
   BoundarySpec top;
   top.region.kind = Region::Kind::NearPlane;
-  top.region.point = Vec3(0, 0, scene.size.z());
+  top.region.point = Vec3(0, 0, scene.organs[0].size.z());
   top.region.distance = 1e-6;
-  top.translation = Vec3(0, 0, -0.4 * scene.size.z());
+  top.translation = Vec3(0, 0, -0.4 * scene.organs[0].size.z());
   top.duration = 0.5;
   scene.boundaries.push_back(top);
   scene.tools[0].position = Vec3(0, 0, 0.1);
@@ -196,7 +196,7 @@ TEST_CASE("A boundary is imposed as exactly where the nodes that carry it have g
     command.tools[0].pose = m->tools.first().start.pose;
     StepReport report;
     double bounded = 1;
-    for (int k = 0; k < 1.0 * m->scene.rate_hz; ++k) {
+    for (int k = 0; k < 1.0 * m->scene.dynamics.rate_hz; ++k) {
       report = tick(*m, state, command, workspace);
       REQUIRE((report.flags & (kNotFinite | kBlowUp)) == 0);
     }

@@ -15,7 +15,7 @@ Scene columnScene(double young) {
   Scene scene = test::blockScene();
   scene.materials[0].material.set("young", young);
   scene.materials[0].material.set("poisson", 0.3);
-  scene.gravity = Vec3(0, 0, -9.81);
+  scene.dynamics.gravity = Vec3(0, 0, -9.81);
   const auto wall = [&](const Vec3& point, const Vec3& normal, int component) {
     BoundarySpec b;
     b.region.kind = Region::Kind::NearPlane;
@@ -44,7 +44,7 @@ double weightOf(const Model& model) {
 
 TEST_CASE("A column sags under its own weight as the closed form says", "[simulation][gravity]") {
   Scene scene = columnScene(3e5);
-  scene.spacing = 0.009;
+  scene.discretization.spacing = 0.009;
   const Model model = test::blockModel(scene);
   StaticSolver solver(model, 1, 1e-5);
   REQUIRE(solver.advanceTo(1).converged);
@@ -67,8 +67,8 @@ TEST_CASE("In the loop's step the base comes to bear the weight, and without gra
           "[simulation][gravity]") {
   for (const bool heavy : {true, false}) {
     Scene scene = columnScene(2e4);
-    scene.damping = 150;
-    if (!heavy) scene.gravity.setZero();
+    scene.dynamics.damping = 150;
+    if (!heavy) scene.dynamics.gravity.setZero();
     const Model model = test::blockModel(scene);
     CHECK(model.weight.empty() == !heavy);
     State state = initialState(model);

@@ -83,7 +83,7 @@ TEST_CASE("Equal states give equal futures, live settings included", "[live_para
 
 TEST_CASE("Patch moduli of a live material are those of a model that was loaded with it", "[live_parameters]") {
   Scene scene = test::blockScene();
-  scene.formulation.node_patches = true;
+  scene.discretization.formulation.node_patches = true;
   const Model soft = test::blockModel(scene);
   scene.materials[0].material = stiffened(scene.materials[0].material, 3);
   const Model stiff = test::blockModel(scene);

@@ -45,9 +45,9 @@ MaterialSpec mixedIn(const Material& material, std::shared_ptr<const Membership>
 
 Scene ballScene(double spacing = 0.011, double soft = 600, double poisson = 0.3) {
   Scene scene;
-  scene.solid = Scene::Solid::Ellipsoid;
-  scene.semi_axes = Vec3::Constant(ball);
-  scene.spacing = spacing;
+  scene.organs[0].solid = OrganSpec::Solid::Ellipsoid;
+  scene.organs[0].semi_axes = Vec3::Constant(ball);
+  scene.discretization.spacing = spacing;
   scene.tools[0].shape.radius = 0.03;
   scene.tools[0].position = Vec3(0, 0, 1);
   scene.materials.emplace_back();
@@ -100,7 +100,7 @@ TEST_CASE("A ball whose modulus varies with an image is compressed as its radial
   // Without locking, 1 %. With patches at 0.49, less than the 3 % that it is off without.
   for (const auto& [patches, poisson, bound] : {Case{false, 0.3, 0.01}, {true, 0.3, 0.01}, {true, 0.49, 0.028}}) {
     Scene scene = ballScene(0.011, 2000, poisson);
-    scene.formulation.node_patches = patches;
+    scene.discretization.formulation.node_patches = patches;
     const TriangleSurface surface = organSurface(scene);
     const Model skin = buildModel(scene, surface);  // says where the nodes on the surface are
     const double travel = 1e-3;                     // of the radius: linear to a thousandth
@@ -127,7 +127,8 @@ TEST_CASE("A ball whose modulus varies with an image is compressed as its radial
     for (const Vec3& way : {Vec3(1, 0, 0), Vec3(0, -1, 0), Vec3(0, 0, 1), Vec3(1, 1, 1), Vec3(-1, 1, -1)})
       for (int k = 1; k < 10; ++k) at.emplace_back(way.normalized() * ball * k / 10);
     const ShapeTable shape =
-        shapeFunctions(at, model.X, model.support_radius, neighbours, {scene.basis_degree, scene.mmls_weight}, failed);
+        shapeFunctions(at, model.X, model.support_radius, neighbours,
+                       {scene.discretization.basis_degree, scene.discretization.mmls_weight}, failed);
     REQUIRE(failed.empty());
     const std::vector<Vec3> u = fieldAt(shape, solver.body().u);
     double worst = 0, from_uniform = 0;
@@ -166,7 +167,7 @@ TEST_CASE("The mass of mixed tissue is that of its shares, with paired cells too
     expected += 4 * M_PI * r * r * ball / 5000 * (1000 - 500 * shareAt(r));
   }
   for (const double cells : {1.0, 1.5}) {
-    scene.quadrature.cells_per_point = cells;
+    scene.discretization.quadrature.cells_per_point = cells;
     const Model model = buildModel(scene, organSurface(scene));
     double nodes = 0, points = 0;
     for (const double m : model.mass) nodes += m;
@@ -180,7 +181,7 @@ TEST_CASE("The mass of mixed tissue is that of its shares, with paired cells too
 TEST_CASE("The kernel computes mixtures in common as the reference does one by one", "[simulation][mixtures][whole]") {
   for (const bool patches : {true, false}) {
     Scene scene = ballScene(0.016);
-    scene.formulation.node_patches = patches;
+    scene.discretization.formulation.node_patches = patches;
     if (patches) scene.materials[1].material.set("poisson", 0.49);  // the moduli's shares differ
     const Model model = buildModel(scene, organSurface(scene));
     BatchBody body(model, model.mass, 1);
@@ -209,14 +210,14 @@ TEST_CASE("The kernel computes mixtures in common as the reference does one by o
 
 TEST_CASE("Unlike Poisson's ratios without node patches are refused", "[simulation][mixtures]") {
   Scene scene = ballScene(0.016);
-  scene.formulation.node_patches = false;
+  scene.discretization.formulation.node_patches = false;
   scene.materials[1].material.set("poisson", 0.49);
   CHECK_THROWS_WITH(buildModel(scene, organSurface(scene)), Catch::Contains("paper"));
 }
 
 TEST_CASE("Forces of mixtures are their energy's slope, where cells hold the volume too", "[simulation][mixtures]") {
   Scene scene = ballScene(0.016, 600, 0.49);
-  scene.formulation.cell_volume = true;
+  scene.discretization.formulation.cell_volume = true;
   Region& held = scene.boundaries[0].region;  // not all around: between held faces the patches keep all pressure
   held.kind = Region::Kind::HalfSpace;
   held.point = Vec3(0, 0, -0.9 * ball);

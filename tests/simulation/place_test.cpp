@@ -53,13 +53,13 @@ TEST_CASE("Far from the tool all places are the same, and a place is a function 
   test::requireSameModel(a.model, makePlace(places, a.index).model);
 
   CHECK(a.model.dt == b.model.dt);
-  CHECK(places.scene.time_step == a.model.dt);
+  CHECK(places.scene.dynamics.time_step == a.model.dt);
   CHECK(a.model.substeps_per_tick == b.model.substeps_per_tick);
   CHECK(a.model.dt_critical == b.model.dt_critical);
-  CHECK(a.model.dt <= a.model.scene.step_safety * a.model.dt_critical * (1 + 1e-9));
+  CHECK(a.model.dt <= a.model.scene.dynamics.step_safety * a.model.dt_critical * (1 + 1e-9));
   test::requireSameBits("skin", a.model.skin.surface.vertices, b.model.skin.surface.vertices);
   for (const Place* place : {&a, &b}) {
-    CHECK(share(place->model.cell_volume, test::barScene().size.prod()) < 1e-12);
+    CHECK(share(place->model.cell_volume, test::barScene().organs[0].size.prod()) < 1e-12);
     CHECK(place->model.nodeCount() < 0.6 * places.cloud.nodeCount());
     CHECK(std::is_sorted(place->node.begin(), place->node.end()));
   }

@@ -49,7 +49,8 @@ TEST_CASE("Measured points are imposed exactly where they are on the surface", "
   const Neighbours neighbours(model.X, model.support_radius);
   std::vector<InadmissibleSupport> failed;
   const ShapeTable shape =
-      shapeFunctions(at, model.X, model.support_radius, neighbours, {scene.basis_degree, scene.mmls_weight}, failed);
+      shapeFunctions(at, model.X, model.support_radius, neighbours,
+                     {scene.discretization.basis_degree, scene.discretization.mmls_weight}, failed);
   const std::vector<Vec3> u = fieldAt(shape, solver.body().u);
   for (std::size_t k = 0; k < 3; ++k) CHECK((u[k] - (load.after[k] - load.before[k])).norm() < 1e-12);
   // Each is a boundary of its own: it says what holds it, and all together with the base carry nothing.

@@ -26,7 +26,7 @@ const std::vector<double> terms{0.3, 0.1, 0.2, 0.5};
 /// A cube between frictionless planes whose top comes down by a fifth in 0.1 s.
 Model squeezedCube() {
   Scene scene = blockScene(0.013);
-  scene.size = Vec3::Constant(edge);
+  scene.organs[0].size = Vec3::Constant(edge);
   scene.boundaries.clear();
   const auto plane = [&scene](const Vec3& point, int component) {
     BoundarySpec b;
@@ -45,7 +45,7 @@ Model squeezedCube() {
   scene.boundaries.back().duration = ramp;
   scene.tools[0].position = Vec3(0, 0, 0.5);
   scene.materials[0].material.set("poisson", 0.49).set("relaxation", terms);
-  return buildModel(scene, boxSurface(scene.size, 0.02));
+  return buildModel(scene, boxSurface(scene.organs[0].size, 0.02));
 }
 
 /// Force of the incompressible cube at time t, N: the integral of the Prony series over the history of
@@ -77,7 +77,8 @@ double closedForm(double shear, double t) {
 /// Presses a ball 4 mm deep in 0.5 s, holds for `hold` s, draws it back in 0.5 s; each(report, depth) after each tick.
 template <class Each>
 void indent(const Model& model, State& state, Workspace& workspace, double hold, Each each) {
-  const double rate = model.scene.rate_hz, travel = model.tools.first().first_contact_travel + 0.004, way = 0.5;
+  const double rate = model.scene.dynamics.rate_hz, travel = model.tools.first().first_contact_travel + 0.004,
+               way = 0.5;
   Command command;
   for (int k = 1; k <= static_cast<int>((2 * way + hold) * rate); ++k) {
     const double t = k / rate;
@@ -91,7 +92,7 @@ void indent(const Model& model, State& state, Workspace& workspace, double hold,
 /// A block in which little but the material takes energy.
 Scene slowlyDamped() {
   Scene scene = blockScene();
-  scene.damping = 20;
+  scene.dynamics.damping = 20;
   return scene;
 }
 
@@ -112,7 +113,7 @@ TEST_CASE("A cube held at a fifth less height relaxes by the closed form: loop, 
   Command command;
   command.tools[0].pose = model.tools.first().start.pose;
   const double shear = model.materials[0].shear_modulus;
-  const int ticks = static_cast<int>(1.2 * model.scene.rate_hz);
+  const int ticks = static_cast<int>(1.2 * model.scene.dynamics.rate_hz);
   int compared = 0;
   for (int k = 1; k <= ticks; ++k) {
     const StepReport report = tick(model, state, command, workspace);

@@ -17,14 +17,14 @@ namespace {
 
 /// Presses 7 mm in and holds. @param seconds  of both
 StepReport pressed(const Model& model, State& state, Workspace& workspace, RunTrust& trust, double seconds = 2) {
-  const auto ticks = static_cast<int>(seconds * model.scene.rate_hz);
+  const auto ticks = static_cast<int>(seconds * model.scene.dynamics.rate_hz);
   StepReport report;
   for (int k = 1; k <= ticks; ++k) {
     Command command;
     command.tools[0].pose = test::toolAt(
         model, model.tools.first().first_contact_travel + 0.007 * std::min(1.0, 3.0 * k / static_cast<double>(ticks)));
     report = tick(model, state, command, workspace);
-    trust.add(doubtOf(model, report), report.expected_error, report.error_force, k / model.scene.rate_hz);
+    trust.add(doubtOf(model, report), report.expected_error, report.error_force, k / model.scene.dynamics.rate_hz);
   }
   return report;
 }
@@ -145,8 +145,8 @@ TEST_CASE("One point misses what changes within its cell, two cells' more, fibre
   // Sheared the more the higher up, at a volume that stays.
   const auto expected = [](int points_per_cell, double cells_per_point, double k2) {
     Scene scene = test::blockScene();
-    scene.quadrature.points_per_cell = points_per_cell;
-    scene.quadrature.cells_per_point = cells_per_point;
+    scene.discretization.quadrature.points_per_cell = points_per_cell;
+    scene.discretization.quadrature.cells_per_point = cells_per_point;
     if (k2 >= 0) {
       const std::array up{0.0, 0.0, 1.0};
       scene.materials[0].material =

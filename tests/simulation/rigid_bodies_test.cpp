@@ -41,7 +41,7 @@ RigidSpec moved(RigidSpec body, const Vec3& translation, double duration = 1) {
 Scene lyingScene(double friction = 0) {
   Scene scene = test::blockScene();
   scene.boundaries.clear();
-  scene.gravity = Vec3(0, 0, -g);
+  scene.dynamics.gravity = Vec3(0, 0, -g);
   scene.rigid = {halfSpace(Vec3::Zero(), Vec3::UnitZ(), friction)};
   scene.tools[0].position = Vec3(0, 0, 0.2);
   return scene;
@@ -172,7 +172,7 @@ TEST_CASE("A block on a slope sticks below the angle of friction without creepin
   const auto onSlope = [](double tangent, double friction) {
     Scene scene = lyingScene(friction);
     const double angle = std::atan(tangent);
-    scene.gravity = g * Vec3(std::sin(angle), 0, -std::cos(angle));
+    scene.dynamics.gravity = g * Vec3(std::sin(angle), 0, -std::cos(angle));
     return scene;
   };
   SECTION("it sticks") {
@@ -187,13 +187,13 @@ TEST_CASE("A block on a slope sticks below the angle of friction without creepin
   SECTION("it slides") {
     Scene scene = onSlope(0.5, 0.2);  // where much more friction makes the block chatter
     scene.materials[0].material.set("young", 30e3);
-    scene.damping = 10;
+    scene.dynamics.damping = 10;
     const Model model = test::blockModel(scene);
     Run run(model);
-    const double angle = std::atan(0.5), a = g * (std::sin(angle) - 0.2 * std::cos(angle)), c = scene.damping;
+    const double angle = std::atan(0.5), a = g * (std::sin(angle) - 0.2 * std::cos(angle)), c = scene.dynamics.damping;
     for (const int ticks : {40, 80}) {
       const StepReport report = run.ticks(40);
-      CHECK(run.speed().x() == Approx(a / c * (1 - std::exp(-c * ticks / scene.rate_hz))).epsilon(0.02));
+      CHECK(run.speed().x() == Approx(a / c * (1 - std::exp(-c * ticks / scene.dynamics.rate_hz))).epsilon(0.02));
       CHECK(-report.rigid[0].force.x() == Approx(0.2 * report.rigid[0].force.z()).epsilon(2e-3));
     }
   }
@@ -252,7 +252,7 @@ TEST_CASE("A rigid sphere presses as the same sphere held by a hand", "[simulati
 TEST_CASE("Tissue that slides to and fro on a rigid ball gains no energy", "[simulation][rigid][whole]") {
   Scene scene = test::blockScene();
   scene.tools[0].position.z() = 0.2;
-  scene.damping = 0;
+  scene.dynamics.damping = 0;
   RigidSpec ball;
   ball.name = "ball";
   ball.region.kind = Region::Kind::Sphere;
@@ -291,13 +291,13 @@ TEST_CASE("In time a plate presses as in equilibrium, in float and in double", "
 
 TEST_CASE("A sheet between a tool and a floor is held by both, whatever the time step", "[simulation][rigid]") {
   Scene scene = lyingScene(0.5);
-  scene.size.z() = 0.006;
-  scene.spacing = 0.005;
+  scene.organs[0].size.z() = 0.006;
+  scene.discretization.spacing = 0.005;
   scene.tools[0].position = Vec3(-0.005, 0, 0.0061);
   scene.tools[0].friction = 0.5;
   const auto draggedAside = [&](double time_step) {  // force on the tool, N
-    scene.time_step = time_step;
-    const Model model = buildModel(scene, boxSurface(scene.size, 0.003));
+    scene.dynamics.time_step = time_step;
+    const Model model = buildModel(scene, boxSurface(scene.organs[0].size, 0.003));
     Run run(model);
     for (int k = 1; k <= 250; ++k) {
       run.command.tools[0].pose =

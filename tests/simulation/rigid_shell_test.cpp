@@ -18,10 +18,10 @@ constexpr double ball_radius = 0.03, ball_clearance = 5e-4;
 /// A heavy ball in a skull half a millimetre around it; guided so that nothing but the skull bears its weight.
 Scene heavyBallScene() {
   Scene scene = test::blockScene(0.011);
-  scene.solid = Scene::Solid::Ellipsoid;
-  scene.semi_axes = Vec3::Constant(ball_radius);
-  scene.gravity = Vec3(0, 0, -9.81);
-  scene.damping = 60;
+  scene.organs[0].solid = OrganSpec::Solid::Ellipsoid;
+  scene.organs[0].semi_axes = Vec3::Constant(ball_radius);
+  scene.dynamics.gravity = Vec3(0, 0, -9.81);
+  scene.dynamics.damping = 60;
   scene.tools[0].position = Vec3(0, 0, 0.06);
   BoundarySpec& guide = scene.boundaries[0];
   guide.region.kind = Region::Kind::Box;
@@ -36,7 +36,7 @@ Scene heavyBallScene() {
 }
 
 Model heavyBallModel(const Scene& scene = heavyBallScene()) {
-  return buildModel(scene, ellipsoidSurface(scene.semi_axes, 0.004));
+  return buildModel(scene, ellipsoidSurface(scene.organs[0].semi_axes, 0.004));
 }
 
 double ownWeight(const Model& model) {
@@ -48,7 +48,7 @@ double ownWeight(const Model& model) {
 /// m, how deep the skin is in the organ's own skull at most.
 template <class Positions>
 double deepest(const Model& model, const Positions& positionOf) {
-  const SurfaceTree shell(ellipsoidSurface(model.scene.semi_axes, 0.004));
+  const SurfaceTree shell(ellipsoidSurface(model.scene.organs[0].semi_axes, 0.004));
   double depth = -1;
   for (int v = 0; v < model.skin.vertexCount(); ++v)
     depth = std::max(depth, shell.signedDistance(positionOf(v)) - model.scene.rigid[0].clearance);

@@ -62,7 +62,7 @@ TEST_CASE("A tool under a hand that goes through the table does not, nor does th
           "[simulation][rigid][whole]") {
   Scene scene = test::blockScene();
   scene.boundaries.clear();
-  scene.gravity = Vec3(0, 0, -9.81);
+  scene.dynamics.gravity = Vec3(0, 0, -9.81);
   RigidSpec table;
   table.name = "table";
   table.friction = 0.5;

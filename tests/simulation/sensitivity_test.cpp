@@ -110,7 +110,7 @@ TEST_CASE("Forces and displacements under a tool change with materials as centra
 TEST_CASE("The same for near-incompressible tissue with node patches, under gravity and another law",
           "[simulation][sensitivity][whole]") {
   Scene scene = lumpScene(0.49);
-  scene.gravity = Vec3(0, 0, -9.81);
+  scene.dynamics.gravity = Vec3(0, 0, -9.81);
   const double mu[1] = {1500}, alpha[1] = {-4};
   scene.materials[1].material = Material::ogden(mu, alpha, 1, 2e-5, 1000);
   const Model model = test::blockModel(scene);

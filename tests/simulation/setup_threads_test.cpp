@@ -10,10 +10,10 @@ TEST_CASE("A model has the same bits for any number of threads that make it", "[
   Scene scene = test::blockScene(0.008);
   SECTION("as it is") {}
   SECTION("with all that is optional") {
-    scene.quadrature.accuracy = 0.1;
-    scene.quadrature.max_depth = 1;
-    scene.boundary_method = Scene::BoundaryMethod::Ebciem;
-    scene.refine.push_back({Vec3(0, 0, 0.03), 0.01, 0.006, 0, {}});
+    scene.discretization.quadrature.accuracy = 0.1;
+    scene.discretization.quadrature.max_depth = 1;
+    scene.discretization.boundary_method = DiscretizationSpec::BoundaryMethod::Ebciem;
+    scene.discretization.refine.push_back({Vec3(0, 0, 0.03), 0.01, 0.006, 0, {}});
   }
   setup_threads = 1;
   const Model alone = test::blockModel(scene);

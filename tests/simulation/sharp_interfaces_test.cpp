@@ -25,10 +25,10 @@ double slide(double z) {
 /// A soft layer under a stiff one between two plates, the upper of which slides by 30 % of the height.
 Scene layers(double spacings, bool sharp) {
   Scene scene;
-  scene.solid = Scene::Solid::Box;
-  scene.size = Vec3(stack_height, 0.6 * stack_height, stack_height);
-  scene.spacing = stack_height / spacings;
-  scene.formulation.sharp_interfaces = sharp;
+  scene.organs[0].solid = OrganSpec::Solid::Box;
+  scene.organs[0].size = Vec3(stack_height, 0.6 * stack_height, stack_height);
+  scene.discretization.spacing = stack_height / spacings;
+  scene.discretization.formulation.sharp_interfaces = sharp;
   scene.materials.resize(2);
   for (MaterialSpec& m : scene.materials) m.material.set("poisson", nu);
   scene.materials[0].material.set("young", stiff);
@@ -46,7 +46,7 @@ Scene layers(double spacings, bool sharp) {
   };
   plane(Vec3::Zero(), 2);
   plane(Vec3(0, 0, stack_height), 2);
-  for (const double side : {-0.5, 0.5}) plane(side * scene.size.cwiseProduct(Vec3::UnitY()), 1);
+  for (const double side : {-0.5, 0.5}) plane(side * scene.organs[0].size.cwiseProduct(Vec3::UnitY()), 1);
   scene.boundaries[1].translation = Vec3(shear * stack_height, 0, 0);
   return scene;
 }
@@ -59,7 +59,8 @@ Model shearedLayers(double spacings, bool sharp) {
   scene.boundaries[1].curve.kind = LoadCurve::Kind::Linear;
   const Model model = loadModel(scene);
   for (const Vec3& X : model.X) {
-    if (std::abs(std::abs(X.x()) - scene.size.x() / 2) > 1e-9 || X.z() < 1e-9 || X.z() > stack_height - 1e-9) continue;
+    if (std::abs(std::abs(X.x()) - scene.organs[0].size.x() / 2) > 1e-9 || X.z() < 1e-9 || X.z() > stack_height - 1e-9)
+      continue;
     BoundarySpec& b = scene.boundaries.emplace_back(scene.boundaries[1]);
     b.region.kind = Region::Kind::Sphere;
     b.region.point = X;
@@ -73,7 +74,7 @@ Model shearedLayers(double spacings, bool sharp) {
 double shearForceError(const Model& model) {
   StaticSolver solver(model, 1, 1e-4);
   REQUIRE(solver.advanceTo(1).converged);
-  const double area = model.scene.size.x() * model.scene.size.y();
+  const double area = model.scene.organs[0].size.x() * model.scene.organs[0].size.y();
   return solver.body().reactions()[1].force.x() / (area * shearStress()) - 1;
 }
 
@@ -99,7 +100,7 @@ struct ConfinedLayers {
   }
   Scene scene() const {
     Scene scene = layers(spacings, true);
-    scene.quadrature.cells_per_point = cells_per_point;
+    scene.discretization.quadrature.cells_per_point = cells_per_point;
     for (int m = 0; m < 2; ++m) {
       scene.materials[m].material.set("young", young[m]);
       scene.materials[m].material.set("poisson", poisson[m]);
@@ -109,7 +110,7 @@ struct ConfinedLayers {
     wall.component[1] = false;
     wall.region.normal = Vec3::UnitX();
     for (const double side : {-0.5, 0.5}) {
-      wall.region.point = side * scene.size.cwiseProduct(Vec3::UnitX());
+      wall.region.point = side * scene.organs[0].size.cwiseProduct(Vec3::UnitX());
       scene.boundaries.push_back(wall);
     }
     scene.boundaries[1].translation = Vec3(0, 0, -pressed * stack_height);
@@ -131,7 +132,8 @@ TEST_CASE("Two confined layers meet the closed form, whatever their moduli and t
     const Model model = loadModel(c.scene());
     StaticSolver solver(model, 1, 1e-6);
     REQUIRE(solver.advanceTo(1).converged);
-    const double area = model.scene.size.x() * model.scene.size.y(), l = c.lower(), exact = area * c.stress(1, l);
+    const double area = model.scene.organs[0].size.x() * model.scene.organs[0].size.y(), l = c.lower(),
+                 exact = area * c.stress(1, l);
     const double force = solver.body().reactions()[1].force.z();
     INFO("E " << c.young[0] << " over " << c.young[1] << " Pa, nu " << c.poisson[0] << " over " << c.poisson[1]
               << ": force " << force << " N, exact " << exact << " N, error " << 100 * (force / exact - 1) << " %");
@@ -168,7 +170,7 @@ TEST_CASE("Nodes are put on borders, and no support reaches over one", "[sharp_i
   double closest = 1;
   for (int i = 0; i < sharp.nodeCount(); ++i)
     for (int j = 0; j < i; ++j) closest = std::min(closest, (sharp.X[i] - sharp.X[j]).norm());
-  CHECK(closest > 0.44 * sharp.scene.spacing);
+  CHECK(closest > 0.44 * sharp.scene.discretization.spacing);
 
   // Of which materials the nodes' cells are; a point has only nodes of its own in its support.
   std::vector<GroupBits> materials(sharp.X.size(), 0);
@@ -187,7 +189,7 @@ TEST_CASE("No cell reaches over a border of layers that are hardly thicker than 
     below.region.point = Vec3(0, 0, border[k] * stack_height);
   }
   for (const unsigned seed : {1U, 2U, 3U}) {
-    scene.seed = seed;
+    scene.discretization.seed = seed;
     const Model model = loadModel(scene);
     CAPTURE(seed);
     double worst = 0;  // m, of a node beyond the border of a cell that it belongs to
@@ -212,10 +214,11 @@ TEST_CASE("The sides of a sharp border balance under one traction, whatever else
   for (int q = 0; q < model.pointCount(); ++q)
     for (int e = model.point_shape.begin[q]; e < model.point_shape.begin[q + 1]; ++e)
       sum[model.point_shape.node[e]][model.point_material[q]] += model.point_volume[q] * model.point_shape.gradN[e];
-  const double h = model.scene.spacing;
+  const double h = model.scene.discretization.spacing;
   int inner = 0;
   for (int i = 0; i < model.nodeCount(); ++i) {
-    const Vec3 depth = (model.scene.size / 2 - (model.X[i] - Vec3(0, 0, stack_height / 2)).cwiseAbs()) / (2 * h);
+    const Vec3 depth =
+        (model.scene.organs[0].size / 2 - (model.X[i] - Vec3(0, 0, stack_height / 2)).cwiseAbs()) / (2 * h);
     if (depth.minCoeff() < 1) continue;  // N of the outer faces reaches here
     ++inner;
     CHECK((sum[i][0] + sum[i][1]).norm() < 1e-4 * h * h);
@@ -227,7 +230,7 @@ TEST_CASE("One material has no border: sharp interfaces change nothing", "[sharp
   Scene scene = layers(4, true);
   scene.materials.resize(1);
   const Model sharp = loadModel(scene);
-  scene.formulation.sharp_interfaces = false;
+  scene.discretization.formulation.sharp_interfaces = false;
   const Model plain = loadModel(scene);
   CHECK(sharp.point_shape.N == plain.point_shape.N);
   CHECK(sharp.mass == plain.mass);
@@ -237,10 +240,10 @@ TEST_CASE("A core and a lump have the volume that they should, however few nodes
           "[sharp_interfaces][whole]") {
   // Flat faces between nodes on the border would leave an octagon, a tenth too small.
   Scene scene;
-  scene.solid = Scene::Solid::Cylinder;
-  scene.radius = 0.014;
-  scene.height = 0.03;
-  scene.spacing = 0.0048;
+  scene.organs[0].solid = OrganSpec::Solid::Cylinder;
+  scene.organs[0].radius = 0.014;
+  scene.organs[0].height = 0.03;
+  scene.discretization.spacing = 0.0048;
   scene.materials.resize(2);
   scene.materials[1].material.set("young", 20000);
   scene.materials[1].everywhere = false;
@@ -256,9 +259,9 @@ TEST_CASE("A core and a lump have the volume that they should, however few nodes
     inside.height = 0.05;
     inside.radius = core ? 0.0065 : 0.008;
     const double exact =
-        core ? M_PI * std::pow(inside.radius, 2) * scene.height : 4.0 / 3 * M_PI * std::pow(inside.radius, 3);
+        core ? M_PI * std::pow(inside.radius, 2) * scene.organs[0].height : 4.0 / 3 * M_PI * std::pow(inside.radius, 3);
     for (const unsigned seed : {1U, 2U, 3U}) {
-      scene.seed = seed;
+      scene.discretization.seed = seed;
       const Model model = loadModel(scene);
       double volume = 0;
       for (int q = 0; q < model.pointCount(); ++q)

@@ -40,9 +40,9 @@ void addBoundary(Scene& scene, int organ, const Vec3& point, const Vec3& normal,
 Scene twoBlocks(double down, double shift = 0) {
   Scene scene = test::blockScene(0.006);
   scene.boundaries.clear();
-  scene.size = Vec3::Constant(block);
-  scene.further_organs.push_back(scene);
-  scene.further_organs[0].organ_position = Vec3(shift, 0, block + apart);
+  scene.organs[0].size = Vec3::Constant(block);
+  scene.organs.push_back(scene.organs[0]);
+  scene.organs[1].position = Vec3(shift, 0, block + apart);
   scene.materials[0].material.set("poisson", 0.3);
   scene.tools[0].position = Vec3(0, 0, 0.2);
   scene.tools[0].shape.radius = 0.01;
@@ -77,7 +77,7 @@ Model flap() {
   scene.materials[0].material.set("poisson", 0.45);
   scene.boundaries.clear();
   addBoundary(scene, -1, Vec3::Zero(), Vec3::UnitZ(), {true, true, true});
-  scene.damping = 40;
+  scene.dynamics.damping = 40;
   scene.tools[0].shape.radius = 0.006;
   scene.tools[0].position = Vec3(0.036, 0.012, 0.031);
   return buildModel(scene,
@@ -215,17 +215,17 @@ TEST_CASE("Two balls meet as Hertz says", "[simulation][skin_contact][whole]") {
   constexpr double R = 0.03, gap = 5e-4, closing = 1e-3;
   Scene scene = test::blockScene(0.006);
   scene.boundaries.clear();
-  scene.solid = Scene::Solid::Ellipsoid;
-  scene.upper_half = true;
-  scene.semi_axes = Vec3::Constant(R);
-  scene.further_organs.push_back(scene);
-  scene.further_organs[0].organ_axis = Vec3::UnitX();
-  scene.further_organs[0].organ_angle = M_PI;
-  scene.further_organs[0].organ_position = Vec3(0, 0, 2 * R + gap);
+  scene.organs[0].solid = OrganSpec::Solid::Ellipsoid;
+  scene.organs[0].upper_half = true;
+  scene.organs[0].semi_axes = Vec3::Constant(R);
+  scene.organs.push_back(scene.organs[0]);
+  scene.organs[1].axis = Vec3::UnitX();
+  scene.organs[1].angle = M_PI;
+  scene.organs[1].position = Vec3(0, 0, 2 * R + gap);
   scene.materials[0].material.set("poisson", 0.3);
   scene.tools[0].position = Vec3(0, 0, 0.2);
   scene.tools[0].shape.radius = 0.004;  // edges of the skin are by that
-  scene.refine.push_back({Vec3(0, 0, R), 0.35 * R, 0.0022, 0, {}});
+  scene.discretization.refine.push_back({Vec3(0, 0, R), 0.35 * R, 0.0022, 0, {}});
   addBoundary(scene, 0, Vec3::Zero(), Vec3::UnitZ(), {true, true, true});
   addBoundary(scene, 1, Vec3(0, 0, 2 * R + gap), Vec3::UnitZ(), {true, true, true}, gap + closing);
   const Model model = modelOf(scene);
@@ -271,7 +271,7 @@ TEST_CASE("Friction between organs holds what pushes less than it can, and does 
     std::erase_if(scene.boundaries, [](const BoundarySpec& b) { return b.region.normal.z() == 0; });
     scene.boundaries.back().translation.x() = 1e-3;
     for (BoundarySpec& b : scene.boundaries) std::fill(b.component, b.component + 3, true);
-    scene.organ_friction = 0.3 * rough;
+    scene.organs[0].friction = 0.3 * rough;
     const Model model = modelOf(scene);
     State state = initialState(model);
     const Vec3 soon = run(model, state, 90).organ_force[0], later = run(model, state, 60).organ_force[0];
@@ -317,7 +317,7 @@ TEST_CASE("What stands apart in one surface file is several bodies: no support g
   Scene scene = twoBlocks(0.5 * apart);
   TriangleSurface both = organSurface(scene);
   both.organ.clear();
-  scene.further_organs.clear();
+  scene.organs.resize(1);
   for (BoundarySpec& b : scene.boundaries) b.organ = -1;
   const Model model = buildModel(scene, both);
   CHECK(model.bodies.count == 2);
@@ -329,7 +329,7 @@ TEST_CASE("What stands apart in one surface file is several bodies: no support g
 
 TEST_CASE("Organs that overlap are refused with what to do", "[simulation][skin_contact]") {
   Scene scene = twoBlocks(apart);
-  scene.further_organs[0].organ_position.z() = 0.9 * block;
+  scene.organs[1].position.z() = 0.9 * block;
   CHECK_THAT(refusal([&] { organSurface(scene); }),
              Catch::Matchers::Contains("overlap by 2 mm") && Catch::Matchers::Contains("\"position\""));
 }

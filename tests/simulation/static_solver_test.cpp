@@ -80,10 +80,10 @@ bool allFinite(const AlignedVector<Double4>& u) {
 }  // namespace
 
 TEST_CASE("A block on rollers meets the closed form of uniaxial stress", "[static_solver][whole]") {
-  for (const auto method : {Scene::BoundaryMethod::Sebciem, Scene::BoundaryMethod::Ebciem})
+  for (const auto method : {DiscretizationSpec::BoundaryMethod::Sebciem, DiscretizationSpec::BoundaryMethod::Ebciem})
     for (const double stretch : {0.8, 1.2}) {
       Scene scene = rollers((stretch - 1) * height);
-      scene.boundary_method = method;
+      scene.discretization.boundary_method = method;
       const Model model = blockModel(scene);
       StaticSolver solver(model, 1, 1e-6);
       const Equilibrium e = solver.advanceTo(1);
@@ -116,7 +116,7 @@ TEST_CASE("A block with fibres on rollers meets its closed form, stretched along
     const double stretch = along == 2 ? 1.3 : 0.7;
     const Vec3 fibre = Vec3::Unit(along);
     Scene scene = rollers((stretch - 1) * height);
-    scene.boundary_method = Scene::BoundaryMethod::Ebciem;
+    scene.discretization.boundary_method = DiscretizationSpec::BoundaryMethod::Ebciem;
     scene.materials[0].material = Material::of("fibre-reinforced")
                                       .set("young", young)
                                       .set("poisson", poisson)
@@ -236,8 +236,8 @@ TEST_CASE("A tool pressed statically has the real-time loop's force at rest", "[
   Command command;
   StepReport report;
   for (int k = 1; k <= 1000; ++k) {  // 1 s down, 1 s to come to rest
-    command.tools[0].pose = toolAt(
-        model, (model.tools.first().first_contact_travel + depth) * LoadCurve{}.at(k / model.scene.rate_hz, 1.0));
+    command.tools[0].pose = toolAt(model, (model.tools.first().first_contact_travel + depth) *
+                                              LoadCurve{}.at(k / model.scene.dynamics.rate_hz, 1.0));
     report = tick(model, state, command, workspace);
     REQUIRE(report.flags == 0);
   }

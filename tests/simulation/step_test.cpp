@@ -19,12 +19,12 @@ template <class Each>
 StepReport press(const Model& model, State& state, Workspace& workspace, double depth, double hold, Each&& each) {
   const double travel = model.tools.first().first_contact_travel + depth;
   const double seconds = 1.875 * travel / 0.01;  // the 3-4-5 polynomial's top speed is 1.875 of its mean
-  const int moving = static_cast<int>(seconds * model.scene.rate_hz);
-  const int ticks = moving + static_cast<int>(hold * model.scene.rate_hz);
+  const int moving = static_cast<int>(seconds * model.scene.dynamics.rate_hz);
+  const int ticks = moving + static_cast<int>(hold * model.scene.dynamics.rate_hz);
   StepReport report;
   Command command;
   for (int k = 1; k <= ticks; ++k) {
-    command.tools[0].pose = toolAt(model, travel * LoadCurve{}.at(k / model.scene.rate_hz, seconds));
+    command.tools[0].pose = toolAt(model, travel * LoadCurve{}.at(k / model.scene.dynamics.rate_hz, seconds));
     report = tick(model, state, command, workspace);
     each(report, k);
   }
@@ -177,7 +177,7 @@ TEST_CASE("A tool that is commanded across the room arrives at its own speed", "
   const Vec3 start = state.tool[0].pose.position;
   for (int k = 0; k < 10; ++k) tick(model, state, command, workspace);
   CHECK((state.tool[0].pose.position - start).norm() ==
-        Approx(10 * model.scene.tools[0].max_speed / model.scene.rate_hz));
+        Approx(10 * model.scene.tools[0].max_speed / model.scene.dynamics.rate_hz));
 }
 
 TEST_CASE("No pose of the tool makes a number that is not finite", "[step][contact]") {
@@ -247,11 +247,11 @@ TEST_CASE("What the imposed nodes have crept away is taken back", "[step][whole]
 
 TEST_CASE("Added mass leaves the force at rest as it is", "[step][mass_scaling][whole]") {
   Scene scene = blockScene();
-  scene.rate_hz = 200;
+  scene.dynamics.rate_hz = 200;
   scene.tools[0].max_speed = 0.1;  // else the contact asks for short steps
   double force[2];
   for (const bool scaled : {false, true}) {
-    scene.mass_scaling = scaled ? 10 : 0;
+    scene.dynamics.mass_scaling = scaled ? 10 : 0;
     const Model model = blockModel(scene);
     REQUIRE((model.addedMass() > 0.2) == scaled);
     State state = initialState(model);

@@ -138,7 +138,7 @@ StepReport run(const Model& model, State& state, Workspace& workspace, double se
   Command command;
   command.tools[0].pose = model.tools.first().start.pose;
   StepReport report;
-  for (int k = 0; k < seconds * model.scene.rate_hz; ++k) {
+  for (int k = 0; k < seconds * model.scene.dynamics.rate_hz; ++k) {
     report = tick(model, state, command, workspace);
     REQUIRE(report.flags == 0);
     REQUIRE(doubtOf(model, report) <= Doubt::Resolution);  // no energy from nowhere
@@ -233,7 +233,7 @@ TEST_CASE("A region's border cuts faces: the loaded area is the region's", "[sim
   patch.region.height = 0.02;
   scene.loads = {patch};
   for (const double spacing : {0.012, 0.006}) {
-    scene.spacing = spacing;
+    scene.discretization.spacing = spacing;
     const Model model = test::blockModel(scene);
     const NodeLoads loads = loadsAt(model, AlignedVector<Double4>(model.X.size()));
     CHECK(loads.force.z() == Approx(std::numbers::pi * 0.0117 * 0.0117).epsilon(0.005));
@@ -289,7 +289,7 @@ TEST_CASE("The loop comes to rest where the static solution is, whatever the thr
 
 TEST_CASE("A step under loads allocates and locks nothing", "[simulation][load]") {
   Scene scene = test::blockScene();
-  scene.gravity = Vec3(0, 0, -9.81);
+  scene.dynamics.gravity = Vec3(0, 0, -9.81);
   scene.loads = {loadOf(Kind::FollowerPressure, 700, Vec3::Zero(), true), loadOf(Kind::Traction, 0, Vec3(100, 0, 0))};
   const Model model = test::blockModel(scene);
   State state = initialState(model);
@@ -306,7 +306,7 @@ TEST_CASE("A step under loads allocates and locks nothing", "[simulation][load]"
 
 TEST_CASE("A load that comes in one tick swings the tissue and makes no energy", "[simulation][load]") {
   Scene scene = test::blockScene();
-  scene.damping = 5;
+  scene.dynamics.damping = 5;
   scene.loads = {loadOf(Kind::FollowerPressure, 400)};
   scene.loads[0].duration = 0.001;
   const Model model = test::blockModel(scene);

@@ -13,9 +13,9 @@ Body body(int steps) {
   made.scene.place = {"stiff.toml"};
   made.scene.places["discretization.spacing"] = {"stiff.toml", 5, 3};
   made.scene.places["dynamics.time_step"] = {"stiff.toml", 21, 3};
-  made.scene.rate_hz = 500;
-  made.scene.threads = 2;
-  made.scene.spacing = 0.01;
+  made.scene.dynamics.rate_hz = 500;
+  made.scene.dynamics.threads = 2;
+  made.scene.discretization.spacing = 0.01;
   made.point_X.resize(20'000);
   made.substeps_per_tick = steps;
   return made;
@@ -37,16 +37,16 @@ TEST_CASE("A scene that its rate leaves no time for is told so, with its steps, 
   one.point_X.resize(200'000);
   CHECK_THAT(rateWarning(one), Contains("1 step of 200000 points") && Contains("lower dynamics.rate"));
   Body own = body(498);
-  own.scene.time_step = 4e-6;
+  own.scene.dynamics.time_step = 4e-6;
   CHECK_THAT(rateWarning(own), Contains("stiff.toml:21:3: ") && Contains("leave time_step out"));
   Body helped = body(498);
-  helped.scene.mass_scaling = 0.1;
+  helped.scene.dynamics.mass_scaling = 0.1;
   CHECK_THAT(rateWarning(helped), Contains("more dynamics.mass_scaling"));
 
   // A cloud that follows the tool has a step that the scene did not give, and no spacing to choose.
   Body place = body(498);
-  place.scene.time_step = 1e-3;
-  place.scene.threads = 1;
+  place.scene.dynamics.time_step = 1e-3;
+  place.scene.dynamics.threads = 1;
   place.scene.places = {{"dynamics.rate", {"stiff.toml", 9, 1}}};
   CHECK_THAT(rateWarning(place), Contains("dynamics.threads") && Contains("allow dynamics.mass_scaling") &&
                                      Contains("a wider tool") && !Contains("time_step"));

@@ -53,7 +53,7 @@ TEST_CASE("Jaws that lift a strip carry its weight and do not lose it", "[tools]
   REQUIRE(model.tools.bodyCount() == 3);
   State state = initialState(model);
   Workspace workspace(model, 1);
-  const double rate = model.scene.rate_hz;
+  const double rate = model.scene.dynamics.rate_hz;
   const double weight = stripWeight(model);
   CHECK(weight == Approx(1050 * 9.81 * 0.008 * 0.03 * 0.024).epsilon(0.01));
   StepReport report;
@@ -99,7 +99,7 @@ TEST_CASE("Several tools have the same bits on any number of threads", "[tools][
     workspace.team.wake();
     for (int k = 1; k <= 60; ++k) {
       Command command = restCommand(model);
-      const ToolPosture jaws = graspAndLift(model, 0.3 + k / model.scene.rate_hz);
+      const ToolPosture jaws = graspAndLift(model, 0.3 + k / model.scene.dynamics.rate_hz);
       command.tools[0].pose = jaws.pose;
       command.tools[0].opening = jaws.opening;
       tick(model, state, command, workspace);

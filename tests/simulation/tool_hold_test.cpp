@@ -17,7 +17,7 @@ namespace {
 
 /// A blow at 0.5 m/s, 12 mm deep, a stay there, and out again.
 Pose blowAt(const Model& model, int tick) {
-  const double deepest = model.tools.first().first_contact_travel + 0.012, step = 0.5 / model.scene.rate_hz;
+  const double deepest = model.tools.first().first_contact_travel + 0.012, step = 0.5 / model.scene.dynamics.rate_hz;
   const int down = static_cast<int>(deepest / step), out = down + 50;
   return toolAt(model, tick <= out ? std::min(deepest, tick * step) : std::max(0.0, deepest - (tick - out) * step));
 }

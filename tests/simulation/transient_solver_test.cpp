@@ -52,7 +52,7 @@ TEST_CASE("The motion in double is that of the real-time loop in float", "[trans
     REQUIRE(solver.tick().finite);
   }
   CHECK(solver.step() == state.step);
-  CHECK(solver.time() == Approx(100 / model.scene.rate_hz).epsilon(1e-12));
+  CHECK(solver.time() == Approx(100 / model.scene.dynamics.rate_hz).epsilon(1e-12));
   INFO("difference " << difference(state, solver.body()) << " of " << largest(state));
   CHECK(largest(state) > 0.005);
   // numerics.md: 1e-6 over 1e4 steps, for increments imposed on increments.
@@ -97,7 +97,7 @@ TEST_CASE("A transient solution that goes on from a saved state has the same fut
 
 TEST_CASE("A tick that is interrupted between its steps never was", "[transient_solver]") {
   Scene scene = shaken();
-  scene.rate_hz = 100;
+  scene.dynamics.rate_hz = 100;
   const Model model = blockModel(scene);
   REQUIRE(model.substeps_per_tick > 4);
   TransientSolver solver(model, 1), unbroken(model, 1);
@@ -156,8 +156,8 @@ TEST_CASE("A uniform strain has uniform fields: displacement, J, pressure, von M
   for (const bool patches : {false, true})
     for (const int points : {1, 4}) {
       Scene scene = blockScene();
-      scene.formulation.node_patches = patches;
-      scene.quadrature.points_per_cell = points;
+      scene.discretization.formulation.node_patches = patches;
+      scene.discretization.quadrature.points_per_cell = points;
       const Model model = blockModel(scene);
       std::vector<Vec3> u;
       for (const auto& x : model.X) u.push_back((F - Mat3::Identity()) * x);

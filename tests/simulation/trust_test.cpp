@@ -29,7 +29,7 @@ Watched press(const Model& model, double depth, double seconds) {
   Workspace workspace(model, 1);
   State state = initialState(model);
   Watched watched;
-  const auto ticks = static_cast<int>(seconds * model.scene.rate_hz);
+  const auto ticks = static_cast<int>(seconds * model.scene.dynamics.rate_hz);
   for (int k = 0; k < ticks; ++k) {
     const double s = std::min(1.0, 2.0 * k / ticks);
     Command command;
@@ -56,8 +56,8 @@ TEST_CASE("The error that mass added for longer steps makes in fast motion is ex
   Scene own = blockScene(0.008);
   own.tools[0].max_speed = 0.5;
   Scene slowed = own;
-  slowed.time_step = 1 / own.rate_hz;  // which the body's own mass is not stable with
-  slowed.mass_scaling = 10;
+  slowed.dynamics.time_step = 1 / own.dynamics.rate_hz;  // which the body's own mass is not stable with
+  slowed.dynamics.mass_scaling = 10;
   const Model with = blockModel(slowed), without = blockModel(own);
   REQUIRE(without.substeps_per_tick > 1);
   REQUIRE(with.substeps_per_tick == 1);
@@ -70,7 +70,7 @@ TEST_CASE("The error that mass added for longer steps makes in fast motion is ex
     State state_a = initialState(with), state_b = initialState(without);
     double largest = 0, sum = 0;
     RunTrust trust, trust_without;
-    const int ticks = static_cast<int>(seconds * own.rate_hz);
+    const int ticks = static_cast<int>(seconds * own.dynamics.rate_hz);
     for (int k = 0; k <= ticks; ++k) {
       const double s = std::sin(M_PI * k / ticks);
       Command command;
@@ -80,8 +80,8 @@ TEST_CASE("The error that mass added for longer steps makes in fast motion is ex
       const StepReport right = tick(without, state_b, command, b);
       sum += (report.tool_force - right.tool_force).squaredNorm();
       largest = std::max(largest, right.tool_force.norm());
-      trust.add(doubtOf(with, report), report.expected_error, report.error_force, k / own.rate_hz);
-      trust_without.add(doubtOf(without, right), right.expected_error, right.error_force, k / own.rate_hz);
+      trust.add(doubtOf(with, report), report.expected_error, report.error_force, k / own.dynamics.rate_hz);
+      trust_without.add(doubtOf(without, right), right.expected_error, right.error_force, k / own.dynamics.rate_hz);
     }
     return Pressed{std::sqrt(sum / ticks) / largest, trust.expectedError(), trust_without.expectedError()};
   };
@@ -115,8 +115,8 @@ TEST_CASE("A first touch is no energy of nothing, however fast", "[trust][whole]
       double worst = 0, force = 0;
       for (int k = 1; k <= 20; ++k) {
         Command command;
-        command.tools[0].pose =
-            toolAt(model, model.tools.first().first_contact_travel + std::min(0.003, speed * k / model.scene.rate_hz));
+        command.tools[0].pose = toolAt(model, model.tools.first().first_contact_travel +
+                                                  std::min(0.003, speed * k / model.scene.dynamics.rate_hz));
         const StepReport report = tick(model, state, command, workspace);
         worst = std::max(worst, report.energy_error);
         force = std::max(force, report.tool_force.norm());
@@ -131,7 +131,7 @@ TEST_CASE("A first touch is no energy of nothing, however fast", "[trust][whole]
 TEST_CASE("The strain energy is that of the double reference, and the work done on the tissue", "[trust][whole]") {
   for (const bool patches : {false, true}) {
     Scene scene = blockScene();
-    scene.formulation.node_patches = patches;
+    scene.discretization.formulation.node_patches = patches;
     const Model model = blockModel(scene);
     Workspace workspace(model, 2);
     State state = initialState(model);
@@ -159,8 +159,8 @@ TEST_CASE("The pressure that is doubted is the one under the tool, of which the 
           "[trust][whole]") {
   for (const bool cells : {false, true}) {
     Scene scene = blockScene();
-    scene.rate_hz = 1000;  // one step a tick
-    scene.formulation.cell_volume = cells;
+    scene.dynamics.rate_hz = 1000;  // one step a tick
+    scene.discretization.formulation.cell_volume = cells;
     const Model model = blockModel(scene);
     Workspace workspace(model, 2);
     State state = initialState(model);
@@ -182,7 +182,7 @@ TEST_CASE("The pressure that is doubted is the one under the tool, of which the 
     addOwnPressure(model.patches, model.point_material, model.materials, change, pressure);
     const double largest = -*std::min_element(pressure.begin(), pressure.end()) / m.shear_modulus;
     // Of that what points keep for themselves, which the cells do not take over.
-    const double own = -scene.formulation.own_bulk * *std::min_element(change.begin(), change.end());
+    const double own = -scene.discretization.formulation.own_bulk * *std::min_element(change.begin(), change.end());
     INFO("patches " << largest << ", reported " << report.pressure_over_shear << ", " << report.cell_pressure_over_shear
                     << ", body's mean " << -report.volume_change * m.bulk_modulus / m.shear_modulus);
     CHECK(largest > 1);
@@ -265,11 +265,11 @@ TEST_CASE("Each doubt has its words, and the gravest is told", "[trust]") {
   CHECK(doubtOf(model, report) == Doubt::None);
   for (const double share : {0.95, 1.05}) {
     const Doubt expected = share < 1 ? Doubt::None : Doubt::Volume;
-    model.scene.quadrature.cells_per_point = 1;
+    model.scene.discretization.quadrature.cells_per_point = 1;
     report.cell_pressure_over_shear = 0;
     report.pressure_over_shear = share * TrustLimits::pressure;
     CHECK(doubtOf(model, report) == expected);
-    model.scene.quadrature.cells_per_point = 2;
+    model.scene.discretization.quadrature.cells_per_point = 2;
     CHECK(doubtOf(model, report) == Doubt::Volume);
     report.pressure_over_shear = share * TrustLimits::pressure_of_pairs;
     CHECK(doubtOf(model, report) == expected);

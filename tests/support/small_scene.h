@@ -9,10 +9,10 @@ namespace palpate::test {
 inline Scene blockScene(double spacing = 0.012) {
   Scene scene;
   scene.name = "block";
-  scene.solid = Scene::Solid::Box;
-  scene.size = Vec3(0.06, 0.06, 0.03);
-  scene.spacing = spacing;
-  scene.quadrature.points_per_cell = 1;
+  scene.organs[0].solid = OrganSpec::Solid::Box;
+  scene.organs[0].size = Vec3(0.06, 0.06, 0.03);
+  scene.discretization.spacing = spacing;
+  scene.discretization.quadrature.points_per_cell = 1;
   scene.materials.emplace_back();
   scene.materials[0].material.set("young", 3000);
   scene.materials[0].material.set("poisson", 0.48);
@@ -20,7 +20,7 @@ inline Scene blockScene(double spacing = 0.012) {
   base.region.kind = Region::Kind::NearPlane;
   base.region.distance = 1e-6;
   scene.boundaries.push_back(base);
-  scene.damping = 60;
+  scene.dynamics.damping = 60;
   scene.tools[0].shape.radius = 0.01;
   scene.tools[0].position = Vec3(0, 0, 0.032);
   return scene;
@@ -29,19 +29,21 @@ inline Scene blockScene(double spacing = 0.012) {
 /// A bar of 160 x 50 x 30 mm on a fixed base under a ball of 8 mm: one that a cloud can follow (setup/place.h).
 inline Scene barScene() {
   Scene scene = blockScene();
-  scene.size = Vec3(0.16, 0.05, 0.03);
+  scene.organs[0].size = Vec3(0.16, 0.05, 0.03);
   scene.materials[0].material.set("poisson", 0.45);
-  scene.quadrature.cells_per_point = 1.32;
+  scene.discretization.quadrature.cells_per_point = 1.32;
   scene.tools[0].shape.radius = 0.008;
   return scene;
 }
 
 inline const TriangleSurface& barSurface() {
-  static const TriangleSurface surface = boxSurface(barScene().size, 0.01);
+  static const TriangleSurface surface = boxSurface(barScene().organs[0].size, 0.01);
   return surface;
 }
 
-inline Model blockModel(const Scene& scene = blockScene()) { return buildModel(scene, boxSurface(scene.size, 0.004)); }
+inline Model blockModel(const Scene& scene = blockScene()) {
+  return buildModel(scene, boxSurface(scene.organs[0].size, 0.004));
+}
 
 /// The tool's start pose moved by `travel` along its axis and `slide` in x.
 inline Pose toolAt(const Model& model, double travel, double slide = 0) {

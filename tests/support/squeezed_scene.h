@@ -8,7 +8,7 @@ namespace palpate::test {
 /// A block that may slide along x, and a fingertip on each side of it, 3 mm away.
 inline Scene squeezedScene() {
   Scene scene = blockScene(0.0075);
-  scene.size = Vec3(0.03, 0.03, 0.03);
+  scene.organs[0].size = Vec3(0.03, 0.03, 0.03);
   scene.boundaries[0].component[0] = false;
   scene.tools[0].shape.radius = 0.007;
   scene.tools[0].position = Vec3(0.018, 0, 0.017);

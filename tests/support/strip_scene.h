@@ -13,9 +13,9 @@ namespace palpate::test {
 inline Scene stripScene() {
   Scene scene;
   scene.name = "strip";
-  scene.solid = Scene::Solid::Box;
-  scene.size = Vec3(0.008, 0.03, 0.024);
-  scene.spacing = 0.004;
+  scene.organs[0].solid = OrganSpec::Solid::Box;
+  scene.organs[0].size = Vec3(0.008, 0.03, 0.024);
+  scene.discretization.spacing = 0.004;
   scene.materials.emplace_back();
   scene.materials[0].material = Material::neoHookean(5000, 0.45, 1050);
   BoundarySpec guide;
@@ -25,8 +25,8 @@ inline Scene stripScene() {
   guide.region.distance = 1e-6;
   guide.component[2] = false;
   scene.boundaries.push_back(guide);
-  scene.gravity = Vec3(0, 0, -9.81);
-  scene.damping = 60;
+  scene.dynamics.gravity = Vec3(0, 0, -9.81);
+  scene.dynamics.damping = 60;
   scene.tools[0].shape = ToolShape::of(ToolKind::Capsule, 0.004, 0.03);
   scene.tools[0].position = Vec3(0, 0, 0.012);
   scene.tools[0].opening = 0.012;
@@ -41,7 +41,9 @@ inline Scene stripScene() {
   return scene;
 }
 
-inline Model stripModel(const Scene& scene = stripScene()) { return buildModel(scene, boxSurface(scene.size, 0.004)); }
+inline Model stripModel(const Scene& scene = stripScene()) {
+  return buildModel(scene, boxSurface(scene.organs[0].size, 0.004));
+}
 
 /// N, of the strip.
 inline double stripWeight(const Model& model) {

@@ -247,7 +247,7 @@ TEST_CASE("A drive tells the first doubt, the loss after it, and measures only w
   still.still_from = 0.1;
   const AtlasRun rest = drive(model, still);
   CHECK(outcomeOf(rest.measure) == AtlasOutcome::Stable);
-  CHECK(rest.measure.steps == Approx(0.2 * model.scene.rate_hz * model.substeps_per_tick));
+  CHECK(rest.measure.steps == Approx(0.2 * model.scene.dynamics.rate_hz * model.substeps_per_tick));
   CHECK(rest.measure.growth == 0);
 
   const auto jolted = [&](double of_critical) {

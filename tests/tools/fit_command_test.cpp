@@ -33,14 +33,14 @@ Scene randomScene(unsigned seed) {
   scene.name = "random " + std::to_string(seed);
   double top = 0;
   if (seed % 2 == 0) {
-    scene.solid = Scene::Solid::Box;
-    scene.size = Vec3(between(0.05, 0.08), between(0.05, 0.08), between(0.025, 0.04));
-    top = scene.size.z();
+    scene.organs[0].solid = OrganSpec::Solid::Box;
+    scene.organs[0].size = Vec3(between(0.05, 0.08), between(0.05, 0.08), between(0.025, 0.04));
+    top = scene.organs[0].size.z();
   } else {
-    scene.solid = Scene::Solid::Ellipsoid;
-    scene.upper_half = true;
-    scene.semi_axes = Vec3(between(0.03, 0.05), between(0.03, 0.05), between(0.03, 0.04));
-    top = scene.semi_axes.z();
+    scene.organs[0].solid = OrganSpec::Solid::Ellipsoid;
+    scene.organs[0].upper_half = true;
+    scene.organs[0].semi_axes = Vec3(between(0.03, 0.05), between(0.03, 0.05), between(0.03, 0.04));
+    top = scene.organs[0].semi_axes.z();
   }
   scene.materials.emplace_back();
   scene.materials[0].material.set("young", between(1000, 8000));
@@ -51,8 +51,8 @@ Scene randomScene(unsigned seed) {
   scene.boundaries.push_back(base);
   scene.tools[0].shape.radius = between(0.008, 0.012);
   scene.tools[0].position = Vec3(between(-0.01, 0.01), between(-0.01, 0.01), top + 0.002);
-  scene.spacing = between(0.0075, 0.009);
-  scene.damping = 60;
+  scene.discretization.spacing = between(0.0075, 0.009);
+  scene.dynamics.damping = 60;
   return scene;
 }
 
@@ -172,7 +172,7 @@ TEST_CASE("A record of a fit gives back what was tried, and refuses another fit'
 TEST_CASE("What a fit has tried is not tried again, and the finest that fits is found", "[fit]") {
   const TempFolder folder;
   Scene scene = blockScene();
-  scene.rate_hz = 500;
+  scene.dynamics.rate_hz = 500;
   const Model model = loadModel(scene);
   const ToolTrajectory way = indentationTrajectory(model);
   const auto probes = surfaceProbes(model, 10);
@@ -195,7 +195,7 @@ TEST_CASE("What a fit has tried is not tried again, and the finest that fits is 
   }
   const FitCandidate best = finestWithin(task, family, 0.5);
   CHECK(best.spacing_factor == Approx(factor));
-  CHECK(best.scene.spacing == Approx(factor * scene.spacing));
+  CHECK(best.scene.discretization.spacing == Approx(factor * scene.discretization.spacing));
   CHECK(best.cost.tick_p50 <= 1000);
   CHECK(tries == 2);
 
@@ -217,19 +217,20 @@ TEST_CASE(
   for (const auto& family : families) {
     turned.push_back(scene);
     family.turn(turned.back());
-    CHECK(turned.back().refine.size() == (family.inside < 1 ? 1U : 0U));
-    if (family.inside < 1) CHECK(turned.back().refine[0].spacing == Approx(family.inside * scene.spacing));
+    CHECK(turned.back().discretization.refine.size() == (family.inside < 1 ? 1U : 0U));
+    if (family.inside < 1)
+      CHECK(turned.back().discretization.refine[0].spacing == Approx(family.inside * scene.discretization.spacing));
     for (const auto& other : families) CHECK((&other == &family || other.name != family.name));
   }
-  CHECK(turned.front().refine.empty());
-  CHECK(turned.front().mass_scaling == 0);
-  CHECK(turned.back().mass_scaling > 0);
+  CHECK(turned.front().discretization.refine.empty());
+  CHECK(turned.front().dynamics.mass_scaling == 0);
+  CHECK(turned.back().dynamics.mass_scaling > 0);
   for (const auto& family : fitFamilies(scene, {})) CHECK(family.inside == 1);
-  scene.mass_scaling = 0.2;
+  scene.dynamics.mass_scaling = 0.2;
   for (const auto& family : fitFamilies(scene, place)) {
     Scene one = scene;
     family.turn(one);
-    CHECK(one.mass_scaling == 0.2);
+    CHECK(one.dynamics.mass_scaling == 0.2);
   }
 }
 

@@ -93,9 +93,9 @@ TEST_CASE("Each setting turns something, has a name of its own, and the first is
       if (s.group == "refined at the tool") {
         Scene turned = scene;
         s.turn(turned);
-        CHECK(turned.spacing > scene.spacing);
-        REQUIRE(turned.refine.size() == 1);
-        CHECK(turned.refine[0].spacing < turned.spacing);
+        CHECK(turned.discretization.spacing > scene.discretization.spacing);
+        REQUIRE(turned.discretization.refine.size() == 1);
+        CHECK(turned.discretization.refine[0].spacing < turned.discretization.spacing);
       }
   }
 }

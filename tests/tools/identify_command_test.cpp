@@ -226,14 +226,14 @@ TEST_CASE("A curve that had not settled is doubted, and its interval reaches to 
   Workspace workspace(model, 1);
   Command command;
   std::string text = "time_s,depth_m,force_N\n";
-  const double ticks = press_seconds * model.scene.rate_hz, touch = model.tools.first().first_contact_travel;
+  const double ticks = press_seconds * model.scene.dynamics.rate_hz, touch = model.tools.first().first_contact_travel;
   for (int k = 1; k <= 2 * ticks; ++k) {
     const double way = k / ticks, depth = 0.004 * (way < 1 ? way : held ? 1 : 2 - way);
     command.tools[0].pose = model.tools.first().start.pose;
     command.tools[0].pose.position.z() -= touch + depth;
     const StepReport report = tick(model, state, command, workspace);
     if (k % 5 == 0)
-      text += std::to_string(k / model.scene.rate_hz) + "," + std::to_string(depth) + "," +
+      text += std::to_string(k / model.scene.dynamics.rate_hz) + "," + std::to_string(depth) + "," +
               std::to_string(report.tool_force.norm()) + "\n";
   }
   const std::string curve = folder.write("force.csv", text);

@@ -77,10 +77,10 @@ TEST_CASE("A damaged surface is imported as a scene that opens, with a report", 
 
   // The same at load.
   Scene repaired = scene;
-  repaired.surface_file = file;
-  repaired.surface_scale = 0.001;
+  repaired.organs[0].surface_file = file;
+  repaired.organs[0].surface_scale = 0.001;
   CHECK_THAT(refusal([&] { organSurface(repaired); }), Contains("`mtled import " + file + "`"));
-  repaired.repair_surface = true;
+  repaired.organs[0].repair_surface = true;
   CHECK(signedVolume(organSurface(repaired)) == Approx(240e-9));
 
   CHECK_THAT(refusal([&] { import(out + "/surface.obj", out, "m"); }), Contains("written over"));

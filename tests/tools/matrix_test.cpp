@@ -38,7 +38,7 @@ TEST_CASE("A case drawn by lot follows from its seed, and the lot draws all kind
       const MatrixCase again = drawCase(seed);
       REQUIRE(one.kind == again.kind);
       REQUIRE(one.about == again.about);
-      REQUIRE(one.scene.spacing == again.scene.spacing);
+      REQUIRE(one.scene.discretization.spacing == again.scene.discretization.spacing);
       REQUIRE((one.known == again.known || !one.hasClosedForm()));
     }
     kinds.insert(one.kind);

@@ -151,8 +151,9 @@ TEST_CASE("probes.csv holds the displacement field of the solver", "[solve_comma
   for (int k = 1; k <= 4; ++k) REQUIRE(solver.advanceTo(k / 4.0).converged);
   const std::vector<Vec3> at{Vec3(0, 0, 0.015), Vec3(0.01, -0.02, 0.03), Vec3(0.0299, 0.01, 0.007)};
   std::vector<InadmissibleSupport> failed;
-  const ShapeTable shape = shapeFunctions(at, model.X, model.support_radius, Neighbours(model.X, model.support_radius),
-                                          {model.scene.basis_degree, model.scene.mmls_weight}, failed);
+  const ShapeTable shape =
+      shapeFunctions(at, model.X, model.support_radius, Neighbours(model.X, model.support_radius),
+                     {model.scene.discretization.basis_degree, model.scene.discretization.mmls_weight}, failed);
   const auto expected = fieldAt(shape, solver.body().u);
   const CsvTable table = readCsvTable(folder.out("probes.csv"));
   REQUIRE(table.rowCount() == 3);

@@ -46,16 +46,16 @@ struct Outcome {
 Outcome extend(bool consistent, bool patches, double spacing = 1.43e-3) {
   constexpr double height = 5.25e-3;
   Scene scene;
-  scene.solid = Scene::Solid::Box;
-  scene.size = Vec3(0.020, 0.015, height);
-  scene.spacing = spacing;
-  scene.quadrature.points_per_cell = 1;
-  scene.support_factor = 1.8;
-  scene.mmls_weight = 0.3;
-  scene.formulation.consistent_gradients = consistent;
-  scene.formulation.node_patches = patches;
+  scene.organs[0].solid = OrganSpec::Solid::Box;
+  scene.organs[0].size = Vec3(0.020, 0.015, height);
+  scene.discretization.spacing = spacing;
+  scene.discretization.quadrature.points_per_cell = 1;
+  scene.discretization.support_factor = 1.8;
+  scene.discretization.mmls_weight = 0.3;
+  scene.discretization.formulation.consistent_gradients = consistent;
+  scene.discretization.formulation.node_patches = patches;
   scene.materials.emplace_back();
-  scene.damping = 120;
+  scene.dynamics.damping = 120;
   scene.tools[0].shape.radius = 0.01;
   scene.tools[0].position = Vec3(0, 0, 0.1);
   for (const double z : {0.0, height}) {
@@ -69,7 +69,7 @@ Outcome extend(bool consistent, bool patches, double spacing = 1.43e-3) {
     }
     scene.boundaries.push_back(b);
   }
-  const Model model = buildModel(scene, boxSurface(scene.size, 2e-3));
+  const Model model = buildModel(scene, boxSurface(scene.organs[0].size, 2e-3));
   State state = initialState(model);
   Workspace workspace(model, 1);
   Command command;
@@ -103,7 +103,7 @@ Outcome extend(bool consistent, bool patches, double spacing = 1.43e-3) {
   const Neighbours neighbours(model.X, model.support_radius);
   std::vector<InadmissibleSupport> failed;
   const ShapeTable table =
-      shapeFunctions(at, model.X, model.support_radius, neighbours, {2, scene.mmls_weight}, failed);
+      shapeFunctions(at, model.X, model.support_radius, neighbours, {2, scene.discretization.mmls_weight}, failed);
   REQUIRE(failed.empty());
   Vec3 sum = Vec3::Zero(), low = probes[0].u, high = low;
   for (std::size_t k = 0; k < probes.size(); ++k) {

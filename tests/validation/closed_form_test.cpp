@@ -24,13 +24,13 @@ double dimitriadis(double E, double nu, double R, double h, double d) {
 /// The scene layer_sphere with another refinement under the sphere.
 Scene layerScene(double spacing_under_sphere) {
   Scene scene;
-  scene.solid = Scene::Solid::Cylinder;
-  scene.radius = 0.04;
-  scene.height = 0.015;
-  scene.spacing = 0.006;
-  scene.quadrature.points_per_cell = 1;
-  scene.refine.push_back({Vec3(0, 0, 0.015), 0.005, spacing_under_sphere, 0.01, {}});
-  scene.formulation.consistent_gradients = true;  // as in the scene; without, 2 - 5 % below, not 1 - 2 %
+  scene.organs[0].solid = OrganSpec::Solid::Cylinder;
+  scene.organs[0].radius = 0.04;
+  scene.organs[0].height = 0.015;
+  scene.discretization.spacing = 0.006;
+  scene.discretization.quadrature.points_per_cell = 1;
+  scene.discretization.refine.push_back({Vec3(0, 0, 0.015), 0.005, spacing_under_sphere, 0.01, {}});
+  scene.discretization.formulation.consistent_gradients = true;  // as in the scene; without, 2 - 5 % below, not 1 - 2 %
   scene.materials.emplace_back();
   scene.materials[0].material.set("young", 3000);
   scene.materials[0].material.set("poisson", 0.49);
@@ -38,8 +38,8 @@ Scene layerScene(double spacing_under_sphere) {
   base.region.kind = Region::Kind::NearPlane;
   base.region.distance = 1e-6;
   scene.boundaries.push_back(base);
-  scene.step_safety = 0.8;
-  scene.damping = 150;  // settles within 0.1 s; the static force does not depend on it
+  scene.dynamics.step_safety = 0.8;
+  scene.dynamics.damping = 150;  // settles within 0.1 s; the static force does not depend on it
   scene.tools[0].shape.radius = 0.01;
   scene.tools[0].position = Vec3(0, 0, 0.0152);
   return scene;
@@ -98,15 +98,15 @@ TEST_CASE("Unconstrained compression of the cube: NRMSE of u_z beside the paper'
   // 3.08e-3 with 260 nodes and one point per cell, 6.92e-4 with four.
   const auto nrmse = [](int points_per_cell, bool consistent) {
     Scene scene;
-    scene.solid = Scene::Solid::Box;
-    scene.size = Vec3(0.1, 0.1, 0.1);
-    scene.spacing = 0.0195;
-    scene.mmls_weight = 0.1;
-    scene.quadrature.points_per_cell = points_per_cell;
-    scene.formulation.consistent_gradients = consistent;
+    scene.organs[0].solid = OrganSpec::Solid::Box;
+    scene.organs[0].size = Vec3(0.1, 0.1, 0.1);
+    scene.discretization.spacing = 0.0195;
+    scene.discretization.mmls_weight = 0.1;
+    scene.discretization.quadrature.points_per_cell = points_per_cell;
+    scene.discretization.formulation.consistent_gradients = consistent;
     scene.materials.emplace_back();
-    scene.damping = 40;
-    scene.rate_hz = 200;
+    scene.dynamics.damping = 40;
+    scene.dynamics.rate_hz = 200;
     scene.tools[0].position = Vec3(0, 0, 0.5);
     const auto plane = [&](const Vec3& point, int component) {
       BoundarySpec b;
@@ -123,7 +123,7 @@ TEST_CASE("Unconstrained compression of the cube: NRMSE of u_z beside the paper'
     plane(Vec3(0, 0, 0.1), 2);
     scene.boundaries.back().translation = Vec3(0, 0, -0.02);
     scene.boundaries.back().duration = 0.5;
-    const Model model = buildModel(scene, boxSurface(scene.size, 0.02));
+    const Model model = buildModel(scene, boxSurface(scene.organs[0].size, 0.02));
     State state = initialState(model);
     Workspace workspace(model, 1);
     Command command;
@@ -132,8 +132,8 @@ TEST_CASE("Unconstrained compression of the cube: NRMSE of u_z beside the paper'
 
     const Neighbours neighbours(model.X, model.support_radius);
     std::vector<InadmissibleSupport> failed;
-    const ShapeTable at_nodes =
-        shapeFunctions(model.X, model.X, model.support_radius, neighbours, {2, scene.mmls_weight}, failed);
+    const ShapeTable at_nodes = shapeFunctions(model.X, model.X, model.support_radius, neighbours,
+                                               {2, scene.discretization.mmls_weight}, failed);
     REQUIRE(failed.empty());
     double sum = 0, boundary = 0;
     for (int i = 0; i < model.nodeCount(); ++i) {

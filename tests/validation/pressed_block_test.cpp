@@ -17,15 +17,15 @@ constexpr double young = 3000, edge = 0.03;
 /// its height; its sides confined, or two of them free.
 Scene blockScene(double poisson, double compression, bool confined, double seconds) {
   Scene scene;
-  scene.solid = Scene::Solid::Box;
-  scene.size = Vec3::Constant(edge);
-  scene.spacing = 0.0055;
+  scene.organs[0].solid = OrganSpec::Solid::Box;
+  scene.organs[0].size = Vec3::Constant(edge);
+  scene.discretization.spacing = 0.0055;
   scene.materials.emplace_back();
   scene.materials[0].material.set("young", young);
   scene.materials[0].material.set("poisson", poisson);
   scene.tools[0].position = Vec3(0, 0, 1);
-  scene.damping = 60;
-  scene.formulation.cell_volume = true;
+  scene.dynamics.damping = 60;
+  scene.discretization.formulation.cell_volume = true;
   const auto plane = [&](const Vec3& point, int component) {
     BoundarySpec b;
     b.region.kind = Region::Kind::NearPlane;
@@ -83,8 +83,8 @@ TEST_CASE("Confined tissue meets the closed form at 5 to 40 shear moduli of pres
   };
   for (const Case& c : {Case{1, 1}, Case{2, 2}}) {
     Scene scene = blockScene(nu, compressionFor(nu, 40), true, 1);
-    scene.seed = c.seed;
-    scene.quadrature.cells_per_point = c.cells_per_point;
+    scene.discretization.seed = c.seed;
+    scene.discretization.quadrature.cells_per_point = c.cells_per_point;
     const Model model = loadModel(scene);
     StaticSolver solver(model, 1, 1e-5);
     for (const double pressure : {5.0, 10.0, 40.0}) {
@@ -100,8 +100,8 @@ TEST_CASE("So it does in the loop, in float32", "[validation][cell_volume]") {
   constexpr double nu = 0.499;
   for (const double cells_per_point : {1.0, 2.0}) {
     Scene scene = blockScene(nu, compressionFor(nu, 40), true, 0.1);
-    scene.seed = 3;
-    scene.quadrature.cells_per_point = cells_per_point;
+    scene.discretization.seed = 3;
+    scene.discretization.quadrature.cells_per_point = cells_per_point;
     const Model model = loadModel(scene);
     State state = initialState(model);
     Workspace workspace(model, 1);
@@ -136,7 +136,7 @@ TEST_CASE("A free block meets the closed form up to 50 % compression", "[validat
                         Case{0.49, 0.5, 0, 0.5, 2, 1.2e-2}, Case{0.49, 0.5, 0, 0.5, 3, 1.2e-2}}) {
     INFO("nu " << c.nu << ", " << c.compression << ", barrier " << c.barrier_strength << ", seed " << c.seed);
     Scene scene = blockScene(c.nu, c.compression, false, 1);
-    scene.seed = c.seed;
+    scene.discretization.seed = c.seed;
     scene.materials[0].material.set("barrier_strength", c.barrier_strength);
     scene.materials[0].material.set("barrier_J0", c.barrier_J0);
     const Model model = loadModel(scene);
@@ -156,8 +156,8 @@ TEST_CASE("A thin layer between bonded faces is as stiff as fine clouds say, als
   // answer with 1.08 N.
   constexpr double height = 0.01, reference = 0.930;  // m, N
   Scene scene = blockScene(0.49, 0, false, 1);
-  scene.size = Vec3(2.5 * height, 2.5 * height, height);
-  scene.spacing = height / 4;
+  scene.organs[0].size = Vec3(2.5 * height, 2.5 * height, height);
+  scene.discretization.spacing = height / 4;
   scene.boundaries.resize(2);
   for (BoundarySpec& b : scene.boundaries) std::fill(b.component, b.component + 3, true);
   scene.boundaries[1].region.point = Vec3(0, 0, height);

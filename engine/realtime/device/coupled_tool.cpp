@@ -27,7 +27,7 @@ double RattleWatch::see(const Vec3& way, const Vec3& force, double most, double 
   return stiffness_;
 }
 
-CoupledTool::CoupledTool(const Model& model) : tick_s_(1 / model.scene.rate_hz) {
+CoupledTool::CoupledTool(const Model& model) : tick_s_(1 / model.scene.dynamics.rate_hz) {
   const double R = model.scene.tools[0].shape.radius, area = std::numbers::pi * R * R;
   for (const Material& m : model.materials) {
     const double K = m.bulk_modulus, G = m.shear_modulus;

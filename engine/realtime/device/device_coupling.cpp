@@ -38,8 +38,8 @@ Vec3 relaxing(const Vec3& way, const Vec3& stretch) {
 DeviceCoupling::DeviceCoupling(const DeviceSettings& settings, const Model& model)
     : settings_(settings),
       start_(model.tools.first().start.pose),
-      rate_hz_(model.scene.rate_hz),
-      jump_(kJumps * model.scene.tools[0].max_speed / model.scene.rate_hz),
+      rate_hz_(model.scene.dynamics.rate_hz),
+      jump_(kJumps * model.scene.tools[0].max_speed / model.scene.dynamics.rate_hz),
       stiffness_(settings.stiffness) {
   target_.pose = start_;
   tool_ = start_;

@@ -37,7 +37,7 @@ DeviceThread::DeviceThread(std::unique_ptr<DeviceBackend> backend, CoupledTool& 
     : backend_(std::move(backend)),
       link_(*backend_, tool, model),
       loop_(loop),
-      period_ns_(std::llround(1e9 / std::max(1000.0, model.scene.rate_hz))) {}
+      period_ns_(std::llround(1e9 / std::max(1000.0, model.scene.dynamics.rate_hz))) {}
 
 void DeviceThread::stop() {
   quit_.store(true, std::memory_order_relaxed);

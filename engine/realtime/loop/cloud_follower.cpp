@@ -91,7 +91,7 @@ bool CloudFollower::follow(bool waits, const std::atomic<bool>& stop) {
   const ToolPostures at = posturesOf(physics_.state());
   ToolPostures tools = posturesAtRest(here.model, physics_.state());
   const auto count = static_cast<std::size_t>(places_.scene.tools.size());
-  const double rate = places_.scene.rate_hz, share = std::min(1.0, 1 / (velocity_seconds * rate));
+  const double rate = places_.scene.dynamics.rate_hz, share = std::min(1.0, 1 / (velocity_seconds * rate));
   const double make_seconds = worker_.madeCount() > 0 ? worker_.madeSeconds() / worker_.madeCount() : 0;
   const double fastest = 2 * largestToolSpeed(places_.scene);
   ToolPostures soon, then;
@@ -155,7 +155,7 @@ bool CloudFollower::goTo(const PlaceIndex& index, const std::atomic<bool>& stop)
 double CloudFollower::expectedError() {
   const Place& here = physics_.place()->place;
   const ToolPostures tools = posturesAtRest(here.model, physics_.state());
-  const std::size_t count = places_.scene.tools.size(), own = places_.scene.refine.size();
+  const std::size_t count = places_.scene.tools.size(), own = places_.scene.discretization.refine.size();
   if (around_.refinements.size() != own + count) return 0;  // for some tool the whole body is fine enough
   for (std::size_t t = 0; t < count; ++t)
     around_.refinements[own + t].centre = places_.centres[static_cast<std::size_t>(here.index[t])];

@@ -9,11 +9,11 @@
 namespace palpate {
 
 FoldWatch::FoldWatch(const Model& model)
-    : needed_(std::llround(seconds * model.scene.rate_hz)),
-      crushed_needed_(std::llround(crushed_seconds * model.scene.rate_hz)),
+    : needed_(std::llround(seconds * model.scene.dynamics.rate_hz)),
+      crushed_needed_(std::llround(crushed_seconds * model.scene.dynamics.rate_hz)),
       strained_(strained * model.rest_energy),
       moved_until_(motionEnd(model.scene)) {
-  strained_anyway_ = !model.scene.gravity.isZero(0);
+  strained_anyway_ = !model.scene.dynamics.gravity.isZero(0);
   for (const RigidSpec& body : model.scene.rigid) strained_anyway_ = strained_anyway_ || !body.encloses;
   for (const Material& material : model.materials) strained_anyway_ = strained_anyway_ || material.relaxation_count > 0;
 }

@@ -11,7 +11,7 @@ namespace {
 
 std::vector<Request> settingsOf(const Model& model) {
   std::vector<Request> requests{Request::setFriction(model.scene.tools[0].friction),
-                                Request::setGravity(model.scene.gravity), Request::setForce(-1, Vec3::Zero()),
+                                Request::setGravity(model.scene.dynamics.gravity), Request::setForce(-1, Vec3::Zero()),
                                 Request::unpin(-1), Request::moveRegion(-1, Vec3::Zero())};
   if (model.materials.size() != model.scene.materials.size()) return requests;  // mixed ones can't be changed live
   for (std::size_t m = 0; m < model.materials.size(); ++m) {
@@ -53,7 +53,7 @@ std::vector<Request> settingsInForce(const Model& model, const LiveParameters& l
   std::vector<Request> requests;
   if (live.friction != model.scene.tools[0].friction) requests.push_back(Request::setFriction(live.friction));
   const LiveLoads& loads = live.loads;
-  if (!loads.gravity.isZero(0)) requests.push_back(Request::setGravity(loads.gravity + model.scene.gravity));
+  if (!loads.gravity.isZero(0)) requests.push_back(Request::setGravity(loads.gravity + model.scene.dynamics.gravity));
   for (std::size_t k = 0; k < static_cast<std::size_t>(loads.forces.count); ++k)
     requests.push_back(Request::setForce(loads.forces.vertex[k], toVec3(loads.forces.value[k])));
   for (std::size_t k = 0; k < static_cast<std::size_t>(loads.pins.count); ++k)
@@ -72,7 +72,7 @@ LiveSettings::LiveSettings(const Model& model, Physics& physics)
       material_count_(static_cast<int>(model.materials.size())),
       vertex_count_(model.skin.vertexCount()),
       boundary_count_(static_cast<int>(model.boundary.motions.size())),
-      gravity_(model.scene.gravity),
+      gravity_(model.scene.dynamics.gravity),
       loaded_(settingsOf(model)),
       friction_(physics.state().live.friction) {}
 

@@ -30,7 +30,7 @@ RigidSupport::RigidSupport(const Model& model, int tool) {
   const std::vector<bool> held = heldNodes(model);
   if (std::find(held.begin(), held.end(), true) == held.end()) return;
 
-  const Neighbours nodes(model.X, std::vector<double>(model.X.size(), model.scene.spacing));
+  const Neighbours nodes(model.X, std::vector<double>(model.X.size(), model.scene.discretization.spacing));
   const auto clearanceAt = [&](int node) {  // the nearest node is itself
     const Vec3& X = model.X[static_cast<std::size_t>(node)];
     return clearance * (model.X[static_cast<std::size_t>(nodes.nearest(X, 2).back())] - X).norm();

@@ -31,9 +31,9 @@ SimulationLoop::SimulationLoop(const Model& model, Physics& physics, SpinTeam* t
       channels_(model, physics.state(), options.force_capacity, options.record ? options.record_capacity : 1),
       run_(startOf(options)),
       track_(std::move(options.track), options.track_ticks, options.motion, model.tools.first().start.pose,
-             model.scene.rate_hz),
+             model.scene.dynamics.rate_hz),
       further_(model),
-      history_(physics.state(), model.scene.rate_hz),
+      history_(physics.state(), model.scene.dynamics.rate_hz),
       folds_(model),
       settings_(model, physics),
       reporter_(model, physics, team, channels_) {
@@ -71,9 +71,9 @@ void SimulationLoop::run() {
 
 void SimulationLoop::run(Clock& clock) {
   FixedStepOptions loop;
-  loop.rate_hz = model_.scene.rate_hz;
+  loop.rate_hz = model_.scene.dynamics.rate_hz;
   loop.as_fast_as_possible = as_fast_as_possible_;
-  loop.catch_up = model_.scene.catch_up;
+  loop.catch_up = model_.scene.dynamics.catch_up;
   const LoopTotals totals = runFixedStepLoop(loop, clock, *this, channels_.statistics);
   reporter_.finish(totals, run_, recorder_.lostCount());
   if (follower_ != nullptr) {
@@ -148,7 +148,7 @@ void SimulationLoop::recall(const RunMemory& memory) {
 ForceReading SimulationLoop::force() const {
   const ForceSample sample = channels_.newest_force.latest();
   // After the sample: a reader that was stopped in between must not take it for younger than it is.
-  return readForce(sample, MonotonicClock().now(), model_.scene.rate_hz);
+  return readForce(sample, MonotonicClock().now(), model_.scene.dynamics.rate_hz);
 }
 
 TickOutcome SimulationLoop::onTick(const LoopTime& time) {

@@ -171,7 +171,7 @@ void SimulationLoop::undo() {
   run_.hand = run_.goal = command_.tools[0].pose;
   track_.goal().jumpTo(run_.goal);
   recorder_.addJump(run_.tick, Request::Kind::Undo, command_);
-  const double seconds = static_cast<double>(tick - past->tick) / model_.scene.rate_hz;
+  const double seconds = static_cast<double>(tick - past->tick) / model_.scene.dynamics.rate_hz;
   reporter_.logEvent(LogEvent::Kind::Undone, run_, -1, seconds);
 }
 

@@ -10,7 +10,7 @@ SnagWatch::SnagWatch(const Model& model, int tool)
     : model_(model),
       tool_(static_cast<std::size_t>(tool)),
       still_(stands * model.tools.tool[tool_].shape.radius),
-      needed_(std::llround(seconds * model.scene.rate_hz)) {
+      needed_(std::llround(seconds * model.scene.dynamics.rate_hz)) {
   Eigen::AlignedBox3d box;
   for (const Vec3& X : model.skin.surface.vertices) box.extend(X);
   far_ = far * box.sizes().norm();

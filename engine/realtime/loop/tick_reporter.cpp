@@ -17,9 +17,9 @@ TickReporter::TickReporter(const Model& model, const Physics& physics, const Spi
       channels_(channels),
       tool_axis_(model.tools.first().start.pose.orientation * -Vec3::UnitZ()),
       depth_(model.skin, model.scene.tools[0].shape),
-      filter_(model.scene.filter_cutoff_hz, model.scene.force_rate_limit, model.scene.rate_hz),
+      filter_(model.scene.force.cutoff_hz, model.scene.force.rate_limit, model.scene.dynamics.rate_hz),
       watchdog_(model),
-      overload_(model.scene.rate_hz),
+      overload_(model.scene.dynamics.rate_hz),
       shown_u_(physics.state().u) {
   shown_u_.reserve(physics.state().u.capacity());
   readings_.count = model.tools.toolCount();
@@ -67,7 +67,7 @@ Verdict TickReporter::judge(const StepReport& report, const RunState& run) {
   }
   showState();
   watchSwap(expected, before);
-  trend_.update(physics_.state().tool[0].pose, report_, model_->scene.rate_hz);
+  trend_.update(physics_.state().tool[0].pose, report_, model_->scene.dynamics.rate_hz);
   summary_.peak_force = std::max(summary_.peak_force, report_.tool_force.norm());
   for (std::size_t k = 0; k < static_cast<std::size_t>(readings_.count); ++k) {
     summary_.peak_tool_force[k] = std::max(summary_.peak_tool_force[k], report_.loads[k].force.norm());

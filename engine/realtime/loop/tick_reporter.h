@@ -80,7 +80,7 @@ class TickReporter {
   void readTools(const RunState& run);
   Pose firstBody() const;
   void showState();
-  double secondsAt(std::int64_t tick) const { return static_cast<double>(tick) / model_->scene.rate_hz; }
+  double secondsAt(std::int64_t tick) const { return static_cast<double>(tick) / model_->scene.dynamics.rate_hz; }
 
   const Model* model_;                  // the present one
   std::shared_ptr<const Place> place_;  // that it is of; null where the cloud stays

@@ -37,8 +37,8 @@ ToolProxy::ToolProxy(const Model& model, int tool)
       at_(&model),
       tool_(tool),
       max_speed_(model.tools.tool[static_cast<std::size_t>(tool)].max_speed),
-      arrival_ticks_(static_cast<int>(std::lround(arrival_seconds * model.scene.rate_hz))),
-      max_advance_(YieldLimits::sound_share * slowestSound(model) / model.scene.rate_hz),
+      arrival_ticks_(static_cast<int>(std::lround(arrival_seconds * model.scene.dynamics.rate_hz))),
+      max_advance_(YieldLimits::sound_share * slowestSound(model) / model.scene.dynamics.rate_hz),
       support_(model, tool),
       snag_(model, tool),
       skin_scratch_(model.skin.surface.vertices.size()) {}
@@ -90,9 +90,9 @@ double ToolProxy::yieldAfter(const Pose& hand, const State& state, const StepRep
 bool ToolProxy::isOutside(const State& state, const Vec3& hand, const StepReport& last) {
   constexpr double look_seconds = 0.05;
   const Vec3& tip = state.tool[tool_].pose.position;
-  const auto every = std::max(1, static_cast<int>(look_seconds * model_.scene.rate_hz));
+  const auto every = std::max(1, static_cast<int>(look_seconds * model_.scene.dynamics.rate_hz));
   if (++memory_.let_go_ticks % every != 0 || last.loads[static_cast<std::size_t>(tool_)].near_count > 0 ||
-      (hand - tip).norm() > max_speed_ / model_.scene.rate_hz)
+      (hand - tip).norm() > max_speed_ / model_.scene.dynamics.rate_hz)
     return false;
   return !isInside(at_->skin, state.u.data(), tip, skin_scratch_);
 }
@@ -121,8 +121,8 @@ ToolPosture ToolProxy::follow(const ToolPosture& hand, const State& state, const
 double ToolProxy::followOpening(double wanted, const State& state, const StepReport& last) const {
   const double opening = state.tool[tool_].opening;
   const double pinch = last.loads[static_cast<std::size_t>(tool_)].pinch;
-  const double reach = (pinch > 0 ? std::min(closing_speed, max_speed_) : max_speed_) / model_.scene.rate_hz;
-  double change = std::clamp(wanted - opening, -reach, max_speed_ / model_.scene.rate_hz);
+  const double reach = (pinch > 0 ? std::min(closing_speed, max_speed_) : max_speed_) / model_.scene.dynamics.rate_hz;
+  double change = std::clamp(wanted - opening, -reach, max_speed_ / model_.scene.dynamics.rate_hz);
   if (change < 0 && pinch > 0) {
     const double g = freedom(last);
     change *= g * g;
@@ -131,7 +131,7 @@ double ToolProxy::followOpening(double wanted, const State& state, const StepRep
 }
 
 Vec3 ToolProxy::inOneTick(const Vec3& move) const {
-  const double reach = max_speed_ / model_.scene.rate_hz;
+  const double reach = max_speed_ / model_.scene.dynamics.rate_hz;
   return move.norm() > reach ? Vec3(reach / move.norm() * move) : move;
 }
 
@@ -169,7 +169,7 @@ Pose ToolProxy::yieldFrom(const Pose& from, const Pose& hand, const Vec3& force,
   yield_ = 0;
   const Vec3 axis = from.orientation * Vec3::UnitZ();
   const Vec3 out = touches ? Vec3(force.normalized()) : axis;
-  const double tick_s = 1 / model_.scene.rate_hz;
+  const double tick_s = 1 / model_.scene.dynamics.rate_hz;
   const Vec3 way = hand.position - from.position;
   const bool too_fast = touches && tick_s * max_speed_ > max_advance_ && -way.dot(out) > max_advance_;
   if (share >= 1 && !memory_.gentle && !too_fast) return hand;

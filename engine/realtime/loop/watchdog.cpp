@@ -32,14 +32,14 @@ void Watchdog::reset() {
 bool Watchdog::begins(int warning, bool condition, std::int64_t tick) {
   if (!condition) return false;
   std::int64_t& last = last_seen_[static_cast<std::size_t>(warning)];
-  const bool news = last == kNever || static_cast<double>(tick - last) > kQuietSeconds * model_->scene.rate_hz;
+  const bool news = last == kNever || static_cast<double>(tick - last) > kQuietSeconds * model_->scene.dynamics.rate_hz;
   last = tick;
   return news;
 }
 
 Verdict Watchdog::lost(std::int64_t tick) {
   const auto is_recent = [&](std::int64_t loss) {
-    return loss != kNever && static_cast<double>(tick - loss) <= kLossSeconds * model_->scene.rate_hz;
+    return loss != kNever && static_cast<double>(tick - loss) <= kLossSeconds * model_->scene.dynamics.rate_hz;
   };
   recent_losses_ = static_cast<int>(std::count_if(losses_.begin(), losses_.end(), is_recent));
   if (recent_losses_ == static_cast<int>(losses_.size())) return Verdict::Freeze;
@@ -54,7 +54,7 @@ Verdict Watchdog::judge(const StepReport& report, std::int64_t tick, LogRing& lo
     LogEvent event;
     event.kind = kind;
     event.tick = tick;
-    event.time_s = static_cast<double>(tick) / model_->scene.rate_hz;
+    event.time_s = static_cast<double>(tick) / model_->scene.dynamics.rate_hz;
     event.index = index;
     event.position = position;
     event.value = value;

@@ -18,7 +18,7 @@ void checkRate(const Recording& recording, double rate_hz, const std::string& fi
 
 void checkRecordingFits(const Recording& recording, const Model& model, const std::string& file) {
   constexpr int kModelLine = 3;
-  checkRate(recording, model.scene.rate_hz, file);
+  checkRate(recording, model.scene.dynamics.rate_hz, file);
   const std::uint64_t hash = modelHash(model);
   if (recording.model_hash != hash) {
     throw InputError({file, kModelLine},

@@ -52,11 +52,11 @@ RunReport makeRunReport(const Model& model, const RunSummary& summary, const Dea
   report.integration_points = model.pointCount();
   report.mean_support = model.point_shape.meanSupport();
   report.cells_per_point = static_cast<double>(model.cells.size()) / model.pointCount();
-  report.gradient_precision = model.scene.gradient_precision;
+  report.gradient_precision = model.scene.dynamics.gradient_precision;
   report.dt_s = model.dt;
   report.dt_critical_s = model.dt_critical;
   report.added_mass = model.addedMass();
-  report.rate_hz = model.scene.rate_hz;
+  report.rate_hz = model.scene.dynamics.rate_hz;
   report.substeps_per_tick = model.substeps_per_tick;
   report.ticks = summary.ticks;
   report.overruns = statistics.overrun_count.load(std::memory_order_relaxed);
@@ -80,9 +80,9 @@ RunReport makeRunReport(const Model& model, const RunSummary& summary, const Dea
     report.tools.push_back({summary.peak_tool_force[k], summary.peak_pinch[k], model.tools.tool[k].jaws});
   report.peak_depth_m = summary.peak_depth;
   report.base_reaction_N = summary.base_reaction;
-  if (!model.scene.further_organs.empty())
-    for (const OrganSpec& organ : organsOf(model.scene))
-      report.organs.push_back({organ.organ_name, summary.organ_force[report.organs.size()]});
+  if (model.scene.organs.size() > 1)
+    for (const OrganSpec& organ : model.scene.organs)
+      report.organs.push_back({organ.name, summary.organ_force[report.organs.size()]});
   report.organ_penetration_m = summary.skin_penetration;
   for (std::size_t b = 0; b < model.rigid.body.size(); ++b)
     report.rigid.push_back({model.rigid.body[b].name, summary.rigid[b].force, summary.rigid[b].max_penetration});
@@ -94,7 +94,7 @@ RunReport makeRunReport(const Model& model, const RunSummary& summary, const Dea
   report.restored_count = summary.restored_count;
   report.let_go_count = summary.let_go_count;
   report.largest_yield_m = summary.largest_yield;
-  report.yielding_seconds = static_cast<double>(summary.yielding_ticks) / model.scene.rate_hz;
+  report.yielding_seconds = static_cast<double>(summary.yielding_ticks) / model.scene.dynamics.rate_hz;
   report.follow = summary.follow;
   report.frozen = summary.frozen;
   report.setup_seconds = model.setup_seconds;

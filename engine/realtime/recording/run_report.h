@@ -21,7 +21,7 @@ struct RunReport {
   double cells_per_point = 1;
   GradientPrecision gradient_precision = GradientPrecision::Float32;  // of the real-time kernel
   double dt_s = 0, dt_critical_s = 0, rate_hz = 0;
-  double added_mass = 0;  // share of the body's own (scene.mass_scaling)
+  double added_mass = 0;  // share of the body's own (scene.dynamics.mass_scaling)
   int substeps_per_tick = 0;
   std::int64_t ticks = 0, overruns = 0, longest_overrun_streak = 0;
   std::int64_t caught_up = 0;                              // ticks that were late and made good

@@ -84,7 +84,7 @@ TEST_CASE("A plane beside a body cuts nothing or leaves nothing", "[cut]") {
 
 TEST_CASE("A round body's cut is closed too", "[cut]") {
   Scene scene = test::blockScene(0.01);
-  scene.solid = Scene::Solid::Cylinder;
+  scene.organs[0].solid = OrganSpec::Solid::Cylinder;
   const Model cylinder = buildModel(scene, cylinderSurface(0.03, 0.03, 0.004));
   for (const double angle : {0.0, 0.3, 1.1, 2.0}) {
     const Body cut = cutBody(cylinder, {Vec3(0.0011, 0.0003, 0), Vec3(std::cos(angle), std::sin(angle), 0)});

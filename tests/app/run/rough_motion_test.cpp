@@ -84,7 +84,7 @@ TEST_CASE("A rough hand whose tool the organ lies on leaves downwards", "[rough_
   double highest = 0;
   SoakCycle cycle;
   int ticks = 0;
-  for (const int most = static_cast<int>(30 * model.scene.rate_hz); !motion.cycles().pop(cycle); ++ticks) {
+  for (const int most = static_cast<int>(30 * model.scene.dynamics.rate_hz); !motion.cycles().pop(cycle); ++ticks) {
     REQUIRE(ticks < most);
     const double z = motion.next(state, touched).position.z();
     highest = std::max(highest, z);

@@ -65,7 +65,7 @@ TEST_CASE("A stiffer material's stress is in proportion, its Poisson's ratio and
 
 TEST_CASE("The default indentation goes from the start pose by the touch into the tissue and stays", "[session]") {
   Model model;
-  model.scene.rate_hz = 500;
+  model.scene.dynamics.rate_hz = 500;
   model.scene.tools[0].shape.radius = 0.01;
   model.skin.surface.vertices = {{0, 0, 0}, {0, 0, 0.08}};
   model.tools.first().start.pose.position = {0, 0, 0.1};
@@ -256,22 +256,22 @@ TEST_CASE("A run in real time leaves a core to others where nothing is said of t
   Options options;
   options.scene = folder.write("block.toml", test::block_text);
   const int cores = static_cast<int>(std::thread::hardware_concurrency());
-  CHECK(app::readScene(options).threads == std::clamp(cores - 1, 1, 2));
+  CHECK(app::readScene(options).dynamics.threads == std::clamp(cores - 1, 1, 2));
   options.threads = 3;
-  CHECK(app::readScene(options).threads == 3);
+  CHECK(app::readScene(options).dynamics.threads == 3);
   options.threads.reset();
   options.as_fast_as_possible = true;
-  CHECK(app::readScene(options).threads == 1);
+  CHECK(app::readScene(options).dynamics.threads == 1);
   options.as_fast_as_possible = false;
   options.scene = folder.write("said.toml", std::string(test::block_text) + "[dynamics]\nthreads = 1\n");
-  CHECK(app::readScene(options).threads == 1);
+  CHECK(app::readScene(options).dynamics.threads == 1);
 }
 
 TEST_CASE("Without lumps there is nothing for a trainee to find", "[session]") {
   const TempFolder folder;
   Options options;
   options.scene = folder.write("block.toml", test::block_text);
-  CHECK(app::readScene(options).spacing == 0.012);
+  CHECK(app::readScene(options).discretization.spacing == 0.012);
   for (bool Options::*wish : {&Options::trainee, &Options::check_lumps, &Options::answers}) {
     Options wishful = options;
     wishful.*wish = true;

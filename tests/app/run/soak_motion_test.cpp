@@ -34,7 +34,7 @@ SimulationLoopOptions driven(ToolMotion& motion, std::int64_t ticks) {
 
 TEST_CASE("Cycles on tissue press, drag, lift off and end at the same rest", "[soak_motion][whole]") {
   const Scene scene = test::blockScene(0.015);
-  const std::int64_t ticks = std::llround(20 * scene.rate_hz);
+  const std::int64_t ticks = std::llround(20 * scene.dynamics.rate_hz);
   std::uint64_t hash[2];
   for (std::uint64_t& h : hash) {
     Model model = test::blockModel(scene);
@@ -46,7 +46,7 @@ TEST_CASE("Cycles on tissue press, drag, lift off and end at the same rest", "[s
     double fastest = 0, lowest = 1, sideways = 0;
     clock.before_sleep = [&](int sleep) {
       const Vec3 now = physics.state().tool[0].pose.position;
-      fastest = std::max(fastest, (now - last).norm() * scene.rate_hz);
+      fastest = std::max(fastest, (now - last).norm() * scene.dynamics.rate_hz);
       lowest = std::min(lowest, now.z());
       sideways = std::max(sideways, now.head<2>().norm());
       last = now;
@@ -159,7 +159,7 @@ TEST_CASE("What a further tool held still comes to rest anew when that lets go",
     return ticks;
   };
   const int hold = ticksToRest(3);
-  CHECK(hold == Approx(RestWatch::rest_hold_s * model.scene.rate_hz).margin(1));
+  CHECK(hold == Approx(RestWatch::rest_hold_s * model.scene.dynamics.rate_hz).margin(1));
   CHECK(ticksToRest(3) == 1);
   CHECK(ticksToRest(0) == hold);
   CHECK(ticksToRest(0) == 1);

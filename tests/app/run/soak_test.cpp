@@ -29,8 +29,8 @@ TEST_CASE("A soak presses where its tool meets the organ's top, and no deeper th
     farthest = std::max(farthest, place.slide.norm());
   }
   CHECK(farthest > 0.015);
-  scene.size.z() = 0.004;  // too thin to press
-  scene.spacing = 0.008;
+  scene.organs[0].size.z() = 0.004;  // too thin to press
+  scene.discretization.spacing = 0.008;
   CHECK_THROWS_AS(soakPlaces(test::blockModel(scene), 20, 5), InputError);
 }
 

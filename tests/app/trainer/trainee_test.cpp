@@ -27,11 +27,11 @@ constexpr double depth = 0.006, grid = 0.013;  // m
 /// A block of soft tissue of 90 x 60 x 30 mm with a lump of the first level.
 Model blockWithLump() {
   Scene scene = test::blockScene(0.012);
-  scene.size = Vec3(0.09, 0.06, 0.03);
+  scene.organs[0].size = Vec3(0.09, 0.06, 0.03);
   scene.materials[0].material = Material::neoHookean(6600, 0.45, 1000);
   scene.tools[0].shape.radius = 0.008;
   addLump(Vec3(0.02, 0, 0.018), 0.009, 50e3, {}, scene);
-  return buildModel(scene, boxSurface(scene.size, 0.004));
+  return buildModel(scene, boxSurface(scene.organs[0].size, 0.004));
 }
 
 TaskBody bodyOf(Model model) { return {std::make_shared<const Model>(std::move(model))}; }
@@ -105,7 +105,8 @@ TEST_CASE("A lump of the first level is felt as clearly stiffer; a small deep on
   Scene scene = test::blockScene(0.012);
   scene.tools[0].shape.radius = 0.008;
   addLump(Vec3(0.01, 0, 0.012), 0.004, 20e3, {}, scene);
-  const std::vector<LumpFeel> deep = feelLumps(bodyOf(buildModel(scene, boxSurface(scene.size, 0.004))), depth);
+  const std::vector<LumpFeel> deep =
+      feelLumps(bodyOf(buildModel(scene, boxSurface(scene.organs[0].size, 0.004))), depth);
   CHECK(deep[0].ratio() < least_feel);
 }
 
@@ -124,8 +125,8 @@ TEST_CASE("Where the cloud follows the tool, a lump far from its start is felt a
   const LumpFeel feel = feelLumps(body, depth).at(0);
   CHECK(made == 2);
   Scene fine = scene;
-  fine.spacing = places.sizes.fine;
-  fine.refine.clear();
+  fine.discretization.spacing = places.sizes.fine;
+  fine.discretization.refine.clear();
   const LumpFeel dense = feelLumps(bodyOf(buildModel(fine, test::barSurface())), depth).at(0);
   INFO(feel.above_N_per_m << " and " << feel.beside_N_per_m << " N/m, dense " << dense.above_N_per_m << " and "
                           << dense.beside_N_per_m << ", coarse " << coarse);
@@ -138,7 +139,7 @@ TEST_CASE("A layout that can't be felt is refused with its lump, and what was fe
   Scene scene = test::blockScene(0.012);
   scene.tools[0].shape.radius = 0.008;
   addLump(Vec3(0.01, 0, 0.012), 0.004, 20e3, {"x.toml", 7}, scene);
-  const TaskBody body = bodyOf(buildModel(scene, boxSurface(scene.size, 0.004)));
+  const TaskBody body = bodyOf(buildModel(scene, boxSurface(scene.organs[0].size, 0.004)));
   const TempFolder folder;
   const auto problem = [&] {
     try {
@@ -168,7 +169,8 @@ TEST_CASE("Of lumps at random the first layout in which all can be felt is taken
   scene.places["lumps.count"] = scene.place = {"x.toml", 7};
   Scene hidden = scene;
   addLump(Vec3(0.01, 0, 0.012), 0.004, 20e3, {"x.toml", 7}, hidden);
-  const TaskBody unfelt = bodyOf(buildModel(hidden, boxSurface(scene.size, 0.004))), felt = bodyOf(blockWithLump());
+  const TaskBody unfelt = bodyOf(buildModel(hidden, boxSurface(scene.organs[0].size, 0.004))),
+                 felt = bodyOf(blockWithLump());
   const TempFolder folder;
   std::vector<int> asked;
   std::string said;

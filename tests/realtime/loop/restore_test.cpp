@@ -69,7 +69,7 @@ TEST_CASE("A lost solution goes back to a good one, at rest, and the tool comes 
   CHECK((live.summary.flags & kBlowUp) != 0);
   CHECK(has(live.events, LogEvent::Kind::RestoredBlowUp));
   CHECK(live.summary.largest_yield > 0.001);
-  CHECK(largest_advance <= ToolProxy::approach_speed / model.scene.rate_hz + 1e-12);
+  CHECK(largest_advance <= ToolProxy::approach_speed / model.scene.dynamics.rate_hz + 1e-12);
   CHECK(physics.state().tool[0].pose.position == deep.position);  // it arrived
   CHECK(live.summary.peak_force > 0.05);
 
@@ -180,7 +180,7 @@ TEST_CASE("A reset under a device that stays deep does not dive in again", "[res
     loop.commands().push(Request::moveTool(deep));
     if (sleep == 300) loop.commands().push(Request::simple(Request::Kind::Reset));
     const Vec3 now = physics.state().tool[0].pose.position;
-    const double speed = (now - before).norm() * model.scene.rate_hz;
+    const double speed = (now - before).norm() * model.scene.dynamics.rate_hz;
     if (sleep > 302) fastest = std::max(fastest, speed);
     if (sleep > 302 && before.z() < 0.029) fastest_inside = std::max(fastest_inside, speed);
     before = now;

@@ -17,7 +17,7 @@ constexpr double spacing = 0.01;
 Model slab(bool moved = false) {
   constexpr int n = 9, layers = 4;
   Model model = test::smallModel(500);
-  model.scene.spacing = spacing;
+  model.scene.discretization.spacing = spacing;
   model.tools.body[0].shape = model.scene.tools[0].shape = ToolShape::of(ToolKind::Sphere, 0.01);
   model.X.clear();
   model.skin.surface = {};

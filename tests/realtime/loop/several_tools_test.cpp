@@ -68,7 +68,7 @@ TEST_CASE("A recorded run with jaws and a second tool is replayed bit for bit", 
   CHECK(last.tool[1].pose[0] == Approx(0.001).margin(1e-9));  // a hand took it over
   CHECK(last.tool[1].pose[2] == Approx(strip().tools.tool[1].start.pose.position.z()));
 
-  Recording recording{"strip", modelHash(strip()), strip().scene.rate_hz, run_ticks, {}};
+  Recording recording{"strip", modelHash(strip()), strip().scene.dynamics.rate_hz, run_ticks, {}};
   for (TimedRequest change; loop.recorded().pop(change);) recording.changes.push_back(change);
   const TempFolder folder;
   writeRecording(recording, folder.path("run.txt"));

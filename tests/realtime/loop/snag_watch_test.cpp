@@ -39,13 +39,13 @@ TEST_CASE("A tool that stands between skin before it and behind, far from its ha
     hold(state.contact[0], below, above);
     state.tool[0].pose.position = Vec3(0.05, 0.03, 0.02);
     for (int t = 1; t <= 5000; ++t) {
-      state.tool[0].pose.position.z() -= speed / model.scene.rate_hz;
+      state.tool[0].pose.position.z() -= speed / model.scene.dynamics.rate_hz;
       if (watch.update(state, hand)) return t;
     }
     watch.recall({});
     return -1;
   };
-  const int stuck = static_cast<int>(SnagWatch::seconds * model.scene.rate_hz);
+  const int stuck = static_cast<int>(SnagWatch::seconds * model.scene.dynamics.rate_hz);
   CHECK(ticksUntil(5, 2, 0) == stuck);
   CHECK(ticksUntil(5, 2, 0) == stuck);  // and anew
   CHECK(ticksUntil(5, 8, 0) == stuck);  // held by what is behind it
@@ -68,7 +68,8 @@ TEST_CASE("Of several tools each is looked at by itself, and what jaws hold they
   hold(state.contact[1], 1, 1);
   const auto isStuck = [&](SnagWatch watch) {
     int found = 0;
-    for (int t = 0; t < SnagWatch::seconds * model.scene.rate_hz; ++t) found += watch.update(state, Vec3(0, 0, -1));
+    for (int t = 0; t < SnagWatch::seconds * model.scene.dynamics.rate_hz; ++t)
+      found += watch.update(state, Vec3(0, 0, -1));
     return found == 1;
   };
   CHECK_FALSE(isStuck(SnagWatch(model, 0)));

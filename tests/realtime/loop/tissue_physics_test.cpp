@@ -26,7 +26,7 @@ const Model& block() {
   static const Model model = [] {
     Scene scene;
     scene.name = "block";
-    scene.spacing = 0.01;
+    scene.discretization.spacing = 0.01;
     scene.materials = {MaterialSpec{}};
     BoundarySpec base;
     base.region.kind = Region::Kind::HalfSpace;
@@ -118,7 +118,7 @@ TEST_CASE("A live session on tissue is repeated by its recording", "[tissue_phys
   {
     const Model& model = block();
     recording.model_hash = modelHash(model);
-    recording.rate_hz = model.scene.rate_hz;
+    recording.rate_hz = model.scene.dynamics.rate_hz;
     TissuePhysics physics(model, 1);
     SimulationLoopOptions options;
     options.tick_limit = ticks;

@@ -81,7 +81,7 @@ TEST_CASE("Where the skin is drawn out, a tool draws it no further; back and asi
   CHECK(moved(0, -step) == Vec3(0, 0, -step));
   contact.samples.largest_stretch = 0.5 * (YieldLimits::free_stretch + YieldLimits::stretch);
   CHECK(moved(0, -step).z() == Approx(-0.25 * step));
-  CHECK(moved(0, -1).z() == Approx(-0.25 / model.scene.rate_hz));  // of what it may go in a tick at 1 m/s
+  CHECK(moved(0, -1).z() == Approx(-0.25 / model.scene.dynamics.rate_hz));  // of what it may go in a tick at 1 m/s
   contact.samples.largest_stretch = 2 * YieldLimits::stretch;
   CHECK(moved(0, -step).norm() < 1e-12);
   CHECK(proxy.yieldAfter(handAt(0, 0, -step), state, touch.report) == Approx(step));
@@ -170,7 +170,7 @@ TEST_CASE("In tissue no tool advances faster than half of sound", "[tool_proxy]"
   model.tools.first().max_speed = 10 * sound;
   ToolProxy proxy(model);
   Touch touch;
-  const double tick_s = 1 / model.scene.rate_hz, most = 0.5 * sound * tick_s;
+  const double tick_s = 1 / model.scene.dynamics.rate_hz, most = 0.5 * sound * tick_s;
   CHECK(follow(proxy, handAt(1e-4, 0, -0.9 * most), touch.state, touch.report).position == Vec3(1e-4, 0, -0.9 * most));
   CHECK(proxy.yieldAfter({}, {}, {}) == 0);
   const Pose tool = follow(proxy, handAt(1e-4, 0, -5 * most), touch.state, touch.report);

@@ -25,7 +25,7 @@ struct StalledRun {
 StalledRun stalledRun(int catch_up, double stalls_per_tick, std::int64_t tick_ns = 8 * kStallMs / 10,
                       int ticks = 10'000) {
   Model model = smallModel(500);
-  model.scene.catch_up = catch_up;
+  model.scene.dynamics.catch_up = catch_up;
   FakePhysics physics(model);
   FakeClock clock;
   const std::int64_t start = clock.time;
@@ -73,7 +73,7 @@ TEST_CASE("Where stalls of 5 to 15 ms cost a tenth of real time, catching up win
 TEST_CASE("After a stall the late ticks follow at once until the grid is reached, and the phase is kept",
           "[catch_up]") {
   Model model = smallModel(500);
-  model.scene.catch_up = 8;
+  model.scene.dynamics.catch_up = 8;
   FakePhysics physics(model);
   FakeClock clock;
   const std::int64_t start = clock.time;

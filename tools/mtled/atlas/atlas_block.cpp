@@ -10,11 +10,11 @@ Scene blockScene(BlockFaces faces, double young, double poisson, double stretch)
   constexpr double width = 0.03, height = 0.03;
   Scene scene = caseScene(young, poisson);
   scene.name = "atlas block";
-  scene.solid = Scene::Solid::Box;
-  scene.size = Vec3(width, width, height);
-  scene.spacing = 0.0055;
-  scene.damping = 60;
-  scene.threads = 1;
+  scene.organs[0].solid = OrganSpec::Solid::Box;
+  scene.organs[0].size = Vec3(width, width, height);
+  scene.discretization.spacing = 0.0055;
+  scene.dynamics.damping = 60;
+  scene.dynamics.threads = 1;
   const bool bonded = faces == BlockFaces::Bonded;
   BoundarySpec top = planeBoundary("top", Vec3(0, 0, height), Vec3::UnitZ(), {bonded, bonded, true});
   top.translation = Vec3(0, 0, (stretch - 1) * height);

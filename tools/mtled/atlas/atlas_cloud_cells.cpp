@@ -26,7 +26,8 @@ AtlasMeasure press(const Scene& scene, const std::function<void(NodeCloud&)>& di
   const Model model = buildModel(scene, organSurface(scene), options);
   const AtlasRun run = drive(model, blockDrive());
   return compare(run, "force / closed form", run.reaction[1].force.z(),
-                 blockForce(BlockFaces::Free, young, poisson, stretch, area_share * scene.size.x() * scene.size.y()),
+                 blockForce(BlockFaces::Free, young, poisson, stretch,
+                            area_share * scene.organs[0].size.x() * scene.organs[0].size.y()),
                  0.02);
 }
 
@@ -38,7 +39,7 @@ AtlasMeasure pairs(double distance_over_spacing) {
     int left = 10;
     for (std::size_t i = 0; i < count && left > 0; ++i) {
       if (cloud.on_surface[i]) continue;
-      cloud.X.push_back(cloud.X[i] + distance_over_spacing * scene.spacing * Vec3(0.6, 0.48, 0.64));
+      cloud.X.push_back(cloud.X[i] + distance_over_spacing * scene.discretization.spacing * Vec3(0.6, 0.48, 0.64));
       cloud.on_surface.push_back(0);
       --left;
     }
@@ -51,7 +52,7 @@ AtlasMeasure flattened(double thickness) {
   return press(
       scene,
       [&](NodeCloud& cloud) {
-        const double side = -scene.size.y() / 2;
+        const double side = -scene.organs[0].size.y() / 2;
         for (Vec3& X : cloud.X) X.y() = side + thickness * (X.y() - side);
       },
       thickness);
@@ -64,12 +65,13 @@ AtlasMeasure grid(double jitter) {
     constexpr int n = 6;
     cloud = {};
     std::mt19937 random(1);
-    const auto shake = [&] { return jitter * scene.size.x() / n * (random() / 4294967296.0 - 0.5); };
+    const auto shake = [&] { return jitter * scene.organs[0].size.x() / n * (random() / 4294967296.0 - 0.5); };
     for (int i = 0; i <= n; ++i)
       for (int j = 0; j <= n; ++j)
         for (int k = 0; k <= n; ++k) {
           const auto at = [&](int m) { return static_cast<double>(m) / n; };
-          Vec3 X((at(i) - 0.5) * scene.size.x(), (at(j) - 0.5) * scene.size.y(), at(k) * scene.size.z());
+          Vec3 X((at(i) - 0.5) * scene.organs[0].size.x(), (at(j) - 0.5) * scene.organs[0].size.y(),
+                 at(k) * scene.organs[0].size.z());
           const bool outer = i % n == 0 || j % n == 0 || k % n == 0;
           if (!outer) X += Vec3(shake(), shake(), shake());
           cloud.X.push_back(X);
@@ -81,14 +83,15 @@ AtlasMeasure grid(double jitter) {
 /// A sheet of so many node distances in thickness, stretched in its plane by 10 %.
 AtlasMeasure sheet(double thickness_over_spacing) {
   Scene scene = blockScene(BlockFaces::Free, young, poisson, 1.1);
-  const double spacing = scene.spacing;
-  scene.size.y() = thickness_over_spacing * spacing;
+  const double spacing = scene.discretization.spacing;
+  scene.organs[0].size.y() = thickness_over_spacing * spacing;
   for (auto& boundary : scene.boundaries)
-    if (std::abs(boundary.region.normal.y()) > 0.5) boundary.region.point.y() = -scene.size.y() / 2;
+    if (std::abs(boundary.region.normal.y()) > 0.5) boundary.region.point.y() = -scene.organs[0].size.y() / 2;
   const Model model = loadModel(scene);
   const AtlasRun run = drive(model, blockDrive());
   return compare(run, "force / closed form", run.reaction[1].force.z(),
-                 blockForce(BlockFaces::Free, young, poisson, 1.1, scene.size.x() * scene.size.y()), 0.02);
+                 blockForce(BlockFaces::Free, young, poisson, 1.1, scene.organs[0].size.x() * scene.organs[0].size.y()),
+                 0.02);
 }
 
 }  // namespace

@@ -32,26 +32,28 @@ AtlasMeasure timeStep(double share, bool forced) {
   scene.tools[0].max_speed = 0.1;  // the contact follows it at any of these steps
   const double limit = loadModel(scene).dt_critical;
   if (!forced) {
-    scene.time_step = share * limit;
-    scene.rate_hz = 1 / (scene.time_step * std::max(1.0, std::floor(2e-3 / scene.time_step)));
+    scene.dynamics.time_step = share * limit;
+    scene.dynamics.rate_hz =
+        1 / (scene.dynamics.time_step * std::max(1.0, std::floor(2e-3 / scene.dynamics.time_step)));
   }
   Model model = loadModel(scene);
   if (forced) {
     model.dt = share * limit;
-    model.scene.rate_hz = 1 / (model.dt * model.substeps_per_tick);
+    model.scene.dynamics.rate_hz = 1 / (model.dt * model.substeps_per_tick);
   }
   AtlasDrive steps = blockDrive();
   steps.disturb = nudge;
   steps.seconds = 3;
   const AtlasRun run = drive(model, steps);
-  return compare(run, "force / closed form", run.reaction[1].force.z(),
-                 blockForce(BlockFaces::Free, young, poisson, stretch, scene.size.x() * scene.size.y()), 0.02);
+  return compare(
+      run, "force / closed form", run.reaction[1].force.z(),
+      blockForce(BlockFaces::Free, young, poisson, stretch, scene.organs[0].size.x() * scene.organs[0].size.y()), 0.02);
 }
 
 Scene tinyBlock() {
   Scene scene = blockScene(BlockFaces::Bonded, 3000, 0.49, 0.85);
-  scene.spacing = 0.016;  // 27 nodes: 10^7 steps within a minute or two
-  scene.rate_hz = 100;    // many steps a tick: the steps are what counts here
+  scene.discretization.spacing = 0.016;  // 27 nodes: 10^7 steps within a minute or two
+  scene.dynamics.rate_hz = 100;          // many steps a tick: the steps are what counts here
   return scene;
 }
 
@@ -83,7 +85,7 @@ AtlasMeasure restingDrift(double steps) {
   const AtlasRun run = drive(model, forSteps(model, steps));
   double most = 0;
   for (const Vec3& u : run.u) most = std::max(most, u.norm());
-  const double size = scene.size.z();
+  const double size = scene.organs[0].size.z();
   return compare(run, "what stays / size", size + most, size, 1e-5);
 }
 
@@ -91,11 +93,11 @@ AtlasMeasure poorestMode(const Variant& variant, int points_per_cell) {
   const auto modelOf = [](const Variant& of, int points) {
     Scene scene = caseScene(3000, 0.49);
     scene.name = "atlas modes";
-    scene.solid = Scene::Solid::Box;
-    scene.size = Vec3(0.1, 0.1, 0.1);
-    scene.spacing = 0.026;
+    scene.organs[0].solid = OrganSpec::Solid::Box;
+    scene.organs[0].size = Vec3(0.1, 0.1, 0.1);
+    scene.discretization.spacing = 0.026;
     scene.tools[0].shape.radius = 0.05;
-    scene.quadrature.points_per_cell = points;
+    scene.discretization.quadrature.points_per_cell = points;
     scene.boundaries = {planeBoundary("base", Vec3::Zero(), Vec3::UnitZ())};  // a model needs one; it is not used
     apply(of, scene);
     return loadModel(scene);

@@ -19,8 +19,8 @@ struct Schedule {
   int ticks, still, measured;  // in all; the first of the still ones and of those that are measured
   int early() const { return still + (ticks - still) / 10; }  // the first of the still phase's second tenth
   Schedule(const Model& model, const AtlasDrive& drive)
-      : ticks(static_cast<int>(std::lround(drive.seconds * model.scene.rate_hz))),
-        still(static_cast<int>(std::lround(drive.still_from * model.scene.rate_hz))),
+      : ticks(static_cast<int>(std::lround(drive.seconds * model.scene.dynamics.rate_hz))),
+        still(static_cast<int>(std::lround(drive.still_from * model.scene.dynamics.rate_hz))),
         measured(ticks - std::max(1, (ticks - still) / 5)) {}
 };
 
@@ -134,7 +134,7 @@ std::vector<Reaction> unknown(const Model& model) {
 template <class Body>
 static AtlasRun driveIn(Body&& body, const Model& model, const AtlasDrive& drive) {
   const Schedule schedule(model, drive);
-  const double tick_s = 1 / model.scene.rate_hz;
+  const double tick_s = 1 / model.scene.dynamics.rate_hz;
   AtlasRun run;
   AtlasMeasure& m = run.measure;
   m.nodes = model.nodeCount();

@@ -32,10 +32,10 @@ constexpr CoarseScene coarse_scenes[] = {{"liver", 2.0},        {"liver_1khz", 1
 Model coarse(const CoarseScene& which) {
   Scene scene = readScene(findScene(which.name));
   scene.set_up_values.clear();  // not the file's any more: nothing is kept
-  scene.spacing *= which.coarser;
-  for (RefineSpec& refine : scene.refine) refine.spacing *= which.coarser;
+  scene.discretization.spacing *= which.coarser;
+  for (RefineSpec& refine : scene.discretization.refine) refine.spacing *= which.coarser;
   std::erase_if(scene.boundaries, [](const BoundarySpec& b) { return !b.translation.isZero(0) || b.angle != 0; });
-  scene.threads = 1;
+  scene.dynamics.threads = 1;
   return loadModel(scene);
 }
 
@@ -172,7 +172,7 @@ AtlasMeasure randomHand(const CoarseScene& scene, unsigned seed) {
   std::mt19937 random(seed);
   const auto uniform = [&](double from, double to) { return from + (to - from) * (random() / 4294967296.0); };
   constexpr double rough_for = 2;  // s
-  const double tick_s = 1 / model.scene.rate_hz, size = (high - low).norm();
+  const double tick_s = 1 / model.scene.dynamics.rate_hz, size = (high - low).norm();
   Vec3 hand = Vec3::Zero(), goal = hand;
   double speed = 0, held_until = 0;
   AtlasDrive rough;

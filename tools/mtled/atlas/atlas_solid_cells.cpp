@@ -18,13 +18,13 @@ constexpr double young = 3000;
 AtlasMeasure againstClosedForm(const Scene& scene, BlockFaces faces, double poisson, double stretch, double bound) {
   const Model model = loadModel(scene);
   const AtlasRun run = drive(model, blockDrive());
-  const double force = blockForce(faces, young, poisson, stretch, scene.size.x() * scene.size.y());
+  const double force = blockForce(faces, young, poisson, stretch, scene.organs[0].size.x() * scene.organs[0].size.y());
   return compare(run, "force / closed form", run.reaction[1].force.z(), force, bound);
 }
 
 AtlasMeasure uniform(BlockFaces faces, double poisson, double stretch, double safety = 0.6) {
   Scene scene = blockScene(faces, young, poisson, stretch);
-  scene.step_safety = safety;
+  scene.dynamics.step_safety = safety;
   return againstClosedForm(scene, faces, poisson, stretch, 0.02);
 }
 
@@ -40,7 +40,7 @@ double equilibriumForce(const Scene& scene) {
 /// Both ends held: no closed form, so the same model's equilibrium in double.
 AtlasMeasure bonded(double poisson, double stretch, double safety = 0.6) {
   Scene scene = blockScene(BlockFaces::Bonded, young, poisson, stretch);
-  scene.step_safety = safety;
+  scene.dynamics.step_safety = safety;
   const AtlasRun run = drive(loadModel(scene), blockDrive());
   if (run.lost()) return run.measure;
   return compare(run, "force / equilibrium", run.reaction[1].force.z(), equilibriumForce(scene), 0.02);
@@ -51,7 +51,7 @@ AtlasMeasure againstFiner(double poisson, double stretch) {
   Scene scene = blockScene(BlockFaces::Bonded, young, poisson, stretch);
   const AtlasRun run = drive(loadModel(scene), blockDrive());
   if (run.lost()) return run.measure;
-  scene.spacing /= 1.7;
+  scene.discretization.spacing /= 1.7;
   return compare(run, "force / finer cloud", run.reaction[1].force.z(), equilibriumForce(scene), 0.1);
 }
 
@@ -60,9 +60,9 @@ AtlasMeasure pressure(double over_shear_modulus, double cells_per_point = 1, boo
   constexpr double nu = 0.499, mu = young / (2 * (1 + nu)), K = young / (3 * (1 - 2 * nu));
   const double stretch = 1 - over_shear_modulus * mu / K;
   Scene scene = blockScene(BlockFaces::Confined, young, nu, stretch);
-  scene.step_safety = 0.6;
-  scene.quadrature.cells_per_point = cells_per_point;
-  scene.formulation.cell_volume = held;
+  scene.dynamics.step_safety = 0.6;
+  scene.discretization.quadrature.cells_per_point = cells_per_point;
+  scene.discretization.formulation.cell_volume = held;
   return againstClosedForm(scene, BlockFaces::Confined, nu, stretch, 0.02);
 }
 
@@ -71,13 +71,13 @@ AtlasMeasure torsion(double degrees) {
   const double angle = degrees * M_PI / 180, psi = angle / H;
   Scene scene = caseScene(2 * mu * (1 + nu), nu);
   scene.name = "atlas torsion";
-  scene.solid = Scene::Solid::Cylinder;
-  scene.radius = R;
-  scene.height = H;
-  scene.spacing = 2.4e-3;
+  scene.organs[0].solid = OrganSpec::Solid::Cylinder;
+  scene.organs[0].radius = R;
+  scene.organs[0].height = H;
+  scene.discretization.spacing = 2.4e-3;
   scene.tools[0].shape.radius = 2.4e-3;  // a finer polygon for the round: the moment goes with R^4
-  scene.boundary_method = Scene::BoundaryMethod::Ebciem;
-  scene.damping = 60;
+  scene.discretization.boundary_method = DiscretizationSpec::BoundaryMethod::Ebciem;
+  scene.dynamics.damping = 60;
   scene.boundaries = {planeBoundary("base", Vec3::Zero(), Vec3::UnitZ()),
                       planeBoundary("top", Vec3(0, 0, H), Vec3::UnitZ())};
   scene.boundaries[1].angle = angle;
@@ -99,7 +99,7 @@ AtlasMeasure stiffness(double contrast, bool parallel) {
   const double nu = 0.45, stretch = 0.95;
   const BlockFaces faces = parallel ? BlockFaces::Free : BlockFaces::Confined;
   Scene scene = blockScene(faces, young, nu, stretch);
-  const double H = scene.size.z(), area = scene.size.x() * scene.size.y();
+  const double H = scene.organs[0].size.z(), area = scene.organs[0].size.x() * scene.organs[0].size.y();
   MaterialSpec other = scene.materials[0];
   other.material.set("young", young * contrast);
   other.everywhere = false;
@@ -130,7 +130,7 @@ AtlasMeasure density(double contrast) {
   MaterialSpec light = scene.materials[0];
   light.material.density /= contrast;
   light.everywhere = false;
-  light.region = below(scene.size.z() / 2);
+  light.region = below(scene.organs[0].size.z() / 2);
   scene.materials.push_back(light);
   return againstClosedForm(scene, BlockFaces::Free, nu, stretch, 0.02);
 }

@@ -22,11 +22,11 @@ constexpr double width = 0.05, height = 0.02, tool_radius = 0.008, above = 0.002
 Scene slab() {
   Scene scene = caseScene(3000, 0.48);
   scene.name = "atlas slab";
-  scene.solid = Scene::Solid::Box;
-  scene.size = Vec3(width, width, height);
-  scene.spacing = 0.006;
-  scene.damping = 60;
-  scene.threads = 1;
+  scene.organs[0].solid = OrganSpec::Solid::Box;
+  scene.organs[0].size = Vec3(width, width, height);
+  scene.discretization.spacing = 0.006;
+  scene.dynamics.damping = 60;
+  scene.dynamics.threads = 1;
   scene.boundaries = {planeBoundary("base", Vec3::Zero(), Vec3::UnitZ())};
   scene.tools[0].shape.radius = tool_radius;
   scene.tools[0].position = Vec3(0, 0, height + above);

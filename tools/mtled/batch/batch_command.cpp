@@ -64,7 +64,7 @@ std::string originOf(const BatchJob& job) {
     if (!file.empty()) key.add(fnv1a(readWholeFile(file)));
   try {
     const Scene scene = readScene(findScene(job.scene), job.changes);
-    for (const OrganSpec& organ : organsOf(scene))
+    for (const OrganSpec& organ : scene.organs)
       if (!organ.surface_file.empty()) key.add(fnv1a(readWholeFile(organ.surface_file)));
     for (const MaterialSpec& material : scene.materials)
       if (material.membership) key.add(fnv1a(identityOf(*material.membership)));

@@ -78,7 +78,7 @@ std::shared_ptr<const BatchModel> BatchModels::take(const BatchJob& job) {
     };
     const Scene scene = readScene(findScene(job.scene), job.changes);
     auto made = std::make_shared<BatchModel>();
-    if (scene.follow) {
+    if (scene.discretization.follow) {
       made->following = loadFollowing(scene, progress, cache_);
       made->store = placeStore(scene, cache_);
     } else {
@@ -93,7 +93,7 @@ BatchResult runBatchJob(const BatchJob& job, const BatchModel& of, const std::st
   const Model& model = of.model();
   const std::optional<ToolScript> script = namedScript(job.tool, model.scene.tools[0].shape.radius);
   ScriptTrajectory way = trajectoryOf(script ? *script : indentScript(model), model);
-  const std::int64_t ticks = ticksOf(job, way, model.scene.rate_hz);
+  const std::int64_t ticks = ticksOf(job, way, model.scene.dynamics.rate_hz);
 
   std::unique_ptr<FollowingTissue> following;
   if (of.following)
@@ -128,7 +128,7 @@ BatchResult runBatchJob(const BatchJob& job, const BatchModel& of, const std::st
   }
   result.done = result.reason.empty();
   result.ticks = ticks;
-  result.seconds = static_cast<double>(ticks) / model.scene.rate_hz;
+  result.seconds = static_cast<double>(ticks) / model.scene.dynamics.rate_hz;
   result.state_hash = hex16(physics.stateHash());
   const Model& last = following ? physics.place()->place.model : model;
   RunTrust trust = loop.summary().trust;

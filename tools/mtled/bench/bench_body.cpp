@@ -19,19 +19,19 @@ std::vector<BenchSize> benchSizes(bool quick) {
 Scene benchScene(const BenchSize& size) {
   Scene scene;
   scene.name = "bench " + size.name;
-  scene.solid = Scene::Solid::Box;
-  scene.size = box_size;
-  scene.spacing = size.spacing;
-  scene.support_factor = size.support_factor;
-  scene.formulation.consistent_gradients = false;
-  scene.formulation.floor = false;  // the plain kernel beside it has none
+  scene.organs[0].solid = OrganSpec::Solid::Box;
+  scene.organs[0].size = box_size;
+  scene.discretization.spacing = size.spacing;
+  scene.discretization.support_factor = size.support_factor;
+  scene.discretization.formulation.consistent_gradients = false;
+  scene.discretization.formulation.floor = false;  // the plain kernel beside it has none
   scene.materials.emplace_back();
   scene.materials[0].material.set("poisson", 0.49);
   BoundarySpec base;
   base.region.kind = Region::Kind::NearPlane;
   base.region.distance = 1e-9;
   scene.boundaries.push_back(base);
-  scene.damping = 60;
+  scene.dynamics.damping = 60;
   scene.tools[0].shape.radius = 0.01;
   scene.tools[0].max_speed = 0.1;  // m/s: the tissue follows, so that it stays in contact
   scene.tools[0].position = Vec3(0, 0, box_size.z() + 0.001);

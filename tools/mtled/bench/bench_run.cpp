@@ -100,7 +100,8 @@ State pressedState(const Model& model, Command& command) {
   Workspace workspace(model, 1);
   setUpLoopThread(&workspace.team, false);
   const double travel = model.tools.first().first_contact_travel + depth;
-  const int ticks = 1 + static_cast<int>(std::ceil(travel / model.scene.tools[0].max_speed * model.scene.rate_hz));
+  const int ticks =
+      1 + static_cast<int>(std::ceil(travel / model.scene.tools[0].max_speed * model.scene.dynamics.rate_hz));
   StepReport report;
   for (int k = 0; k < ticks; ++k) report = tick(model, state, command, workspace);
   if (report.flags != 0 || report.contact_count == 0)

@@ -24,9 +24,9 @@ constexpr double kGapsFrom = 1.5, kGapEvery = 0.5;
 Scene inclusionScene() {
   Scene scene;
   scene.name = "inclusion";
-  scene.solid = Scene::Solid::Box;
-  scene.size = Vec3(0.08, 0.08, 0.04);
-  scene.spacing = 0.009;
+  scene.organs[0].solid = OrganSpec::Solid::Box;
+  scene.organs[0].size = Vec3(0.08, 0.08, 0.04);
+  scene.discretization.spacing = 0.009;
   scene.materials.emplace_back();
   scene.materials[0].material.set("young", 5000);
   scene.materials[0].material.set("poisson", 0.45);
@@ -40,7 +40,7 @@ Scene inclusionScene() {
   base.region.kind = Region::Kind::NearPlane;
   base.region.distance = 1e-6;
   scene.boundaries.push_back(base);
-  scene.damping = 40;
+  scene.dynamics.damping = 40;
   scene.tools[0].shape.radius = 0.008;
   scene.tools[0].position = Vec3(0, 0, 0.043);
   return scene;
@@ -50,8 +50,8 @@ Scene inclusionScene() {
 Scene slabScene() {
   Scene scene = inclusionScene();
   scene.name = "slab";
-  scene.size = Vec3(0.06, 0.06, 0.02);
-  scene.spacing = 0.008;
+  scene.organs[0].size = Vec3(0.06, 0.06, 0.02);
+  scene.discretization.spacing = 0.008;
   scene.materials.resize(1);
   scene.materials[0].material.set("young", 50000);
   scene.tools[0].shape.radius = 0.006;
@@ -64,7 +64,7 @@ class Lockstep {
  public:
   Lockstep(const Model& model, const DeviceTrial& trial, const HandMotion& motion)
       : model_(model),
-        tick_ns_(std::llround(1e9 / model.scene.rate_hz)),
+        tick_ns_(std::llround(1e9 / model.scene.dynamics.rate_hz)),
         device_(deviceOf(trial), trial.hand.value_or(trial.firm ? HandModel::firm() : HandModel::light()), motion),
         tool_(model),
         link_(device_, tool_, model),
@@ -257,7 +257,7 @@ DeviceResult runDeviceTrial(const Model& model, const DeviceTrial& trial) {
 Model deviceBody(const std::string& body) {
   if (body == "inclusion" || body == "slab") {
     const Scene scene = body == "slab" ? slabScene() : inclusionScene();
-    return buildModel(scene, boxSurface(scene.size, 0.004));
+    return buildModel(scene, boxSurface(scene.organs[0].size, 0.004));
   }
   const bool liver = body == "liver";
   const std::vector<SceneChange> changes{{"discretization.spacing", liver ? "0.014" : "0.0045"},

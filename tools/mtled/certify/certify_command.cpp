@@ -87,7 +87,7 @@ int certifyCommand(const CertifyOptions& options) {
   };
   const ModelCache cache(options.use_cache ? ModelCache::userFolder() : "", {});
   const std::optional<FollowingModel> following =
-      scene.follow ? std::optional(loadFollowing(scene, show, cache)) : std::nullopt;
+      scene.discretization.follow ? std::optional(loadFollowing(scene, show, cache)) : std::nullopt;
   const Model model = following ? following->start.model : loadModel(scene, show, cache);
   const ToolTrajectory way = wayOf(model, options.tool_script);
   const std::vector<Vec3> probes = surfaceProbes(model, probe_count);

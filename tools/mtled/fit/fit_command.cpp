@@ -45,38 +45,44 @@ std::string fittedText(const std::string& scene_file, const Scene& given, const 
     value.append(std::filesystem::proximate(std::filesystem::absolute(path), folder).generic_string()).append("\"");
     return value;
   };
-  if (given.solid == Scene::Solid::Surface) text = withSceneKey(text, "organ", "surface", pathFrom(given.surface_file));
+  if (given.organs[0].solid == OrganSpec::Solid::Surface)
+    text = withSceneKey(text, "organ", "surface", pathFrom(given.organs[0].surface_file));
   if (!given.solve.probes_file.empty()) text = withSceneKey(text, "solve", "probes", pathFrom(given.solve.probes_file));
-  text = withSceneKey(text, "discretization", "spacing", format("%.6g", fitted.spacing));
-  text = withSceneKey(text, "discretization", "support_factor", format("%.6g", fitted.support_factor));
-  text = withSceneKey(text, "discretization", "points_per_cell", std::to_string(fitted.quadrature.points_per_cell));
-  text = withSceneKey(text, "discretization", "cells_per_point", format("%.6g", fitted.quadrature.cells_per_point));
-  if (given.formulation != fitted.formulation) text = withSceneKey(text, "discretization", "scheme", "\"standard\"");
-  if (!fitted.refine.empty()) {
+  text = withSceneKey(text, "discretization", "spacing", format("%.6g", fitted.discretization.spacing));
+  text = withSceneKey(text, "discretization", "support_factor", format("%.6g", fitted.discretization.support_factor));
+  text = withSceneKey(text, "discretization", "points_per_cell",
+                      std::to_string(fitted.discretization.quadrature.points_per_cell));
+  text = withSceneKey(text, "discretization", "cells_per_point",
+                      format("%.6g", fitted.discretization.quadrature.cells_per_point));
+  if (given.discretization.formulation != fitted.discretization.formulation)
+    text = withSceneKey(text, "discretization", "scheme", "\"standard\"");
+  if (!fitted.discretization.refine.empty()) {
     std::string refine;
-    for (const auto& r : fitted.refine)
+    for (const auto& r : fitted.discretization.refine)
       refine += (refine.empty() ? "[{ centre = [" : ", { centre = [") + format("%.6g", r.centre.x()) + ", " +
                 format("%.6g", r.centre.y()) + ", " + format("%.6g", r.centre.z()) +
                 "], radius = " + format("%.6g", r.radius) + ", spacing = " + format("%.6g", r.spacing) + " }";
     text = withSceneKey(text, "discretization", "refine", refine + "]");
   }
-  text = withSceneKey(text, "dynamics", "rate", format("%.6g", fitted.rate_hz));
+  text = withSceneKey(text, "dynamics", "rate", format("%.6g", fitted.dynamics.rate_hz));
   text = withSceneKey(text, "dynamics", "time_step", "0");
-  if (fitted.mass_scaling != given.mass_scaling)
-    text = withSceneKey(text, "dynamics", "mass_scaling", format("%.6g", fitted.mass_scaling));
-  text = withSceneKey(text, "dynamics", "threads", std::to_string(fitted.threads));
+  if (fitted.dynamics.mass_scaling != given.dynamics.mass_scaling)
+    text = withSceneKey(text, "dynamics", "mass_scaling", format("%.6g", fitted.dynamics.mass_scaling));
+  text = withSceneKey(text, "dynamics", "threads", std::to_string(fitted.dynamics.threads));
   return text;
 }
 
 /// Whether a scene says what was fitted.
 bool says(const Scene& scene, const Scene& fitted) {
   const auto near = [](double a, double b) { return std::abs(a - b) <= 1e-5 * std::abs(b); };
-  return near(scene.spacing, fitted.spacing) && near(scene.support_factor, fitted.support_factor) &&
-         near(scene.rate_hz, fitted.rate_hz) && scene.threads == fitted.threads &&
-         scene.mass_scaling == fitted.mass_scaling && scene.quadrature.accuracy == 0 &&
-         scene.quadrature.points_per_cell == fitted.quadrature.points_per_cell &&
-         scene.quadrature.cells_per_point == fitted.quadrature.cells_per_point &&
-         std::equal(scene.refine.begin(), scene.refine.end(), fitted.refine.begin(), fitted.refine.end(),
+  return near(scene.discretization.spacing, fitted.discretization.spacing) &&
+         near(scene.discretization.support_factor, fitted.discretization.support_factor) &&
+         near(scene.dynamics.rate_hz, fitted.dynamics.rate_hz) && scene.dynamics.threads == fitted.dynamics.threads &&
+         scene.dynamics.mass_scaling == fitted.dynamics.mass_scaling && scene.discretization.quadrature.accuracy == 0 &&
+         scene.discretization.quadrature.points_per_cell == fitted.discretization.quadrature.points_per_cell &&
+         scene.discretization.quadrature.cells_per_point == fitted.discretization.quadrature.cells_per_point &&
+         std::equal(scene.discretization.refine.begin(), scene.discretization.refine.end(),
+                    fitted.discretization.refine.begin(), fitted.discretization.refine.end(),
                     [&](const RefineSpec& a, const RefineSpec& b) {
                       return near(a.spacing, b.spacing) && near(a.radius, b.radius) &&
                              (a.centre - b.centre).norm() <= 1e-4 * b.radius;
@@ -99,23 +105,23 @@ FitOrder orderOf(const FitOptions& options) {
   order.scene_file = findScene(options.scene);
   order.given = readScene(order.scene_file);
   const Scene& given = order.given;
-  if (given.follow)
+  if (given.discretization.follow)
     throw InputError(given.place,
                      "`mtled fit` finds the spacing of a cloud that stays; this one follows the tool, "
                      "with the spacing that it needs",
                      "give [discretization] spacing, or leave it as it is");
-  if (!given.refine.empty())
-    throw InputError(given.refine.front().place, "`mtled fit` chooses the spacing and where it is finer itself",
-                     "leave the refinements out");
-  if (given.quadrature.accuracy > 0)
+  if (!given.discretization.refine.empty())
+    throw InputError(given.discretization.refine.front().place,
+                     "`mtled fit` chooses the spacing and where it is finer itself", "leave the refinements out");
+  if (given.discretization.quadrature.accuracy > 0)
     throw InputError(given.place, "`mtled fit` chooses the points itself", "leave quadrature_accuracy out");
   order.script = namedScript(options.tool_script, given.tools[0].shape.radius);
   order.scene = given;
-  if (options.rate_hz > 0) order.scene.rate_hz = options.rate_hz;
-  order.scene.threads =
+  if (options.rate_hz > 0) order.scene.dynamics.rate_hz = options.rate_hz;
+  order.scene.dynamics.threads =
       options.cores > 0 ? options.cores : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
   order.out = options.out.empty() ? "out/" + std::filesystem::path(order.scene_file).stem().string() + "_" +
-                                        format("%.6g", order.scene.rate_hz) + "hz.toml"
+                                        format("%.6g", order.scene.dynamics.rate_hz) + "hz.toml"
                                   : options.out;
   if (std::filesystem::exists(order.out) && std::filesystem::equivalent(order.out, order.scene_file))
     throw InputError({order.out}, "this is the scene itself", "give another --out");
@@ -169,7 +175,7 @@ ConvergedRun referenceRun(const FitOptions& options, const FitOrder& order, cons
   ConvergedRun converged;
   if (options.resume && readConvergedRun(file, identity, converged)) return converged;
   converged =
-      convergedRun(w.present, w.way, w.probes, contactRegion(w.present, w.way), fineness, order.scene.threads,
+      convergedRun(w.present, w.way, w.probes, contactRegion(w.present, w.way), fineness, order.scene.dynamics.threads,
                    [&](double fraction, const std::string& what) { progress.show(0.6 + 0.3 * fraction, what); });
   writeConvergedRun(file, converged, identity);
   return converged;
@@ -184,7 +190,7 @@ HeldRate heldInTheLoop(FitTask& task, const std::vector<FitFamily>& families, co
     progress.show(0.9 + 0.02 * attempt, "in the real-time loop");
     Model model = loadModel(chosen.scene);
     held = checkRate(model, task.way, task.threads, check_seconds);
-    if (held.held(task.scene.rate_hz)) break;
+    if (held.held(task.scene.dynamics.rate_hz)) break;
     const auto family =
         std::find_if(families.begin(), families.end(), [&](const FitFamily& f) { return f.name == chosen.family; });
     chosen = tried(task, *family, 1.06 * chosen.spacing_factor);
@@ -203,25 +209,25 @@ struct Fitted {
   const HeldRate& held;
   int reference_nodes;
 
-  double headroom() const { return 1 - held.step_us.p999 * 1e-6 * order.scene.rate_hz; }
+  double headroom() const { return 1 - held.step_us.p999 * 1e-6 * order.scene.dynamics.rate_hz; }
 };
 
 void printFitted(const Fitted& f) {
   std::printf("%s at %g Hz on %d threads: %d nodes, %d points, %d steps a tick, %s\n", f.order.given.name.c_str(),
-              f.order.scene.rate_hz, f.order.scene.threads, f.chosen.nodes, f.chosen.points, f.chosen.substeps,
-              f.chosen.family.c_str());
+              f.order.scene.dynamics.rate_hz, f.order.scene.dynamics.threads, f.chosen.nodes, f.chosen.points,
+              f.chosen.substeps, f.chosen.family.c_str());
   std::printf("  expected force error   %.2f %% of the largest force (%.2f %% from a solution with %d nodes)\n",
               100 * f.chosen.expected_error, 100 * f.chosen.error.force, f.reference_nodes);
   std::printf(
       "  f.headroom()               %.0f %% of a tick at p99.9 (%.0f of %.0f us), %lld of %lld periods missed\n",
-      100 * f.headroom(), f.held.step_us.p999, 1e6 / f.order.scene.rate_hz, static_cast<long long>(f.held.overruns),
-      static_cast<long long>(f.held.ticks) + f.held.overruns);
-  if (!f.chosen.scene.refine.empty())
+      100 * f.headroom(), f.held.step_us.p999, 1e6 / f.order.scene.dynamics.rate_hz,
+      static_cast<long long>(f.held.overruns), static_cast<long long>(f.held.ticks) + f.held.overruns);
+  if (!f.chosen.scene.discretization.refine.empty())
     std::printf(
         "  nodes                  %.3g mm apart within %.3g mm of where the tool works, %.3g mm elsewhere (--uniform: "
         "the same everywhere)\n",
-        1e3 * f.chosen.scene.refine.front().spacing, 1e3 * f.chosen.scene.refine.front().radius,
-        1e3 * f.chosen.scene.spacing);
+        1e3 * f.chosen.scene.discretization.refine.front().spacing,
+        1e3 * f.chosen.scene.discretization.refine.front().radius, 1e3 * f.chosen.scene.discretization.spacing);
   for (const auto& c : f.candidates)
     std::printf("  %s %s, spacing x %.3g: %d nodes, %.2f %% expected\n",
                 c.family == f.chosen.family ? "chosen               " : "also                 ", c.family.c_str(),
@@ -230,26 +236,27 @@ void printFitted(const Fitted& f) {
 }
 
 std::string jsonOf(const Fitted& f) {
-  const nlohmann::ordered_json json = {{"scene", f.order.given.name},
-                                       {"file", f.order.out},
-                                       {"rate_hz", f.order.scene.rate_hz},
-                                       {"threads", f.order.scene.threads},
-                                       {"family", f.chosen.family},
-                                       {"mass_scaling", f.chosen.scene.mass_scaling},
-                                       {"spacing_m", f.chosen.scene.spacing},
-                                       {"spacing_where_the_tool_works_m", f.chosen.scene.spacing * f.chosen.inside},
-                                       {"nodes", f.chosen.nodes},
-                                       {"points", f.chosen.points},
-                                       {"substeps", f.chosen.substeps},
-                                       {"expected_force_error", f.chosen.expected_error},
-                                       {"distance_from_reference", f.chosen.error.force},
-                                       {"reference_nodes", f.reference_nodes},
-                                       {"tick_p999_us", f.held.step_us.p999},
-                                       {"headroom", f.headroom()},
-                                       {"overruns", f.held.overruns},
-                                       {"ticks", f.held.ticks},
-                                       {"realtime_factor", f.held.realtime_factor},
-                                       {"build", buildInfo()}};
+  const nlohmann::ordered_json json = {
+      {"scene", f.order.given.name},
+      {"file", f.order.out},
+      {"rate_hz", f.order.scene.dynamics.rate_hz},
+      {"threads", f.order.scene.dynamics.threads},
+      {"family", f.chosen.family},
+      {"mass_scaling", f.chosen.scene.dynamics.mass_scaling},
+      {"spacing_m", f.chosen.scene.discretization.spacing},
+      {"spacing_where_the_tool_works_m", f.chosen.scene.discretization.spacing * f.chosen.inside},
+      {"nodes", f.chosen.nodes},
+      {"points", f.chosen.points},
+      {"substeps", f.chosen.substeps},
+      {"expected_force_error", f.chosen.expected_error},
+      {"distance_from_reference", f.chosen.error.force},
+      {"reference_nodes", f.reference_nodes},
+      {"tick_p999_us", f.held.step_us.p999},
+      {"headroom", f.headroom()},
+      {"overruns", f.held.overruns},
+      {"ticks", f.held.ticks},
+      {"realtime_factor", f.held.realtime_factor},
+      {"build", buildInfo()}};
   return json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
 }
 
@@ -263,16 +270,16 @@ int fit(const FitOptions& options) {
   FitWay w{present, order.script ? scriptPoses(*order.script, present) : indentationTrajectory(present),
            surfaceProbes(present, probe_count)};
   const auto families = fitFamilies(scene, options.uniform ? ContactRegion{} : contactRegion(present, w.way));
-  const std::vector<double> asked = {scene.rate_hz, static_cast<double>(scene.threads)};
+  const std::vector<double> asked = {scene.dynamics.rate_hz, static_cast<double>(scene.dynamics.threads)};
   FitRecord record(order.stem + ".fit.json", runIdentity(present, w.way, asked));
   if (options.resume) record.resume();
 
-  FitTask task{scene, w.way, w.probes, scene.threads, record, {}};
+  FitTask task{scene, w.way, w.probes, scene.dynamics.threads, record, {}};
   std::vector<FitCandidate> candidates = finestOfEach(task, families, progress);
   stopIfInterrupted();
   if (candidates.empty()) {
-    std::cerr << "mtled: no setting of this scene holds " << scene.rate_hz << " Hz with " << scene.threads
-              << " threads on this machine\n";
+    std::cerr << "mtled: no setting of this scene holds " << scene.dynamics.rate_hz << " Hz with "
+              << scene.dynamics.threads << " threads on this machine\n";
     return 1;
   }
   const Fineness fineness = finerThan(candidates);
@@ -286,9 +293,9 @@ int fit(const FitOptions& options) {
   });
   const HeldRate held = heldInTheLoop(task, families, converged, fineness, chosen, progress);
   stopIfInterrupted();
-  if (!held.held(scene.rate_hz)) {
-    std::cerr << "mtled: " << scene.rate_hz << " Hz are not held in the real-time loop: " << held.overruns << " of "
-              << held.ticks + held.overruns << " periods missed, p99.9 " << held.step_us.p999
+  if (!held.held(scene.dynamics.rate_hz)) {
+    std::cerr << "mtled: " << scene.dynamics.rate_hz << " Hz are not held in the real-time loop: " << held.overruns
+              << " of " << held.ticks + held.overruns << " periods missed, p99.9 " << held.step_us.p999
               << " us. Is another program busy?\n";
     return 1;
   }

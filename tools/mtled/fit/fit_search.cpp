@@ -30,24 +30,24 @@ std::vector<FitFamily> fitFamilies(const Scene& scene, const ContactRegion& plac
     if (mass > 0) name += format(", mass_scaling %g", mass);
     families.push_back({name,
                         [=](Scene& s) {
-                          s.support_factor = support;
-                          s.quadrature = {1, cells_per_point, 0, 8, 4};
-                          s.formulation = Formulation{};
-                          s.time_step = 0;
-                          s.mass_scaling = mass;
+                          s.discretization.support_factor = support;
+                          s.discretization.quadrature = {1, cells_per_point, 0, 8, 4};
+                          s.discretization.formulation = Formulation{};
+                          s.dynamics.time_step = 0;
+                          s.dynamics.mass_scaling = mass;
                           if (inside < 1) refineWhere(s, place, 1, inside);
                         },
                         inside});
   };
-  const double given = scene.mass_scaling, more = std::max(given, some_mass);
-  add(scene.support_factor, 1, given);
-  add(scene.support_factor, 1, given, 1);
-  if (scene.support_factor < 2.1) add(2.2, 1, given);
+  const double given = scene.dynamics.mass_scaling, more = std::max(given, some_mass);
+  add(scene.discretization.support_factor, 1, given);
+  add(scene.discretization.support_factor, 1, given, 1);
+  if (scene.discretization.support_factor < 2.1) add(2.2, 1, given);
   const bool refined = place.radius > 0;
   if (refined)
-    for (const double inside : {0.6, 0.4}) add(scene.support_factor, inside, given);
+    for (const double inside : {0.6, 0.4}) add(scene.discretization.support_factor, inside, given);
   // Small cells limit the step: a little mass on them may spare steps.
-  if (more > given) add(scene.support_factor, refined ? 0.4 : 1, more);
+  if (more > given) add(scene.discretization.support_factor, refined ? 0.4 : 1, more);
   return families;
 }
 
@@ -70,7 +70,7 @@ FitCandidate tried(const FitTask& task, const FitFamily& family, double factor) 
     one.points = model.pointCount();
     one.substeps = model.substeps_per_tick;
     one.run = runTrajectory(model, task.way, task.probes, task.threads);
-    one.cost = costOf(one.run, c.scene.rate_hz);
+    one.cost = costOf(one.run, c.scene.dynamics.rate_hz);
   } catch (const InputError&) {  // a setting that this scene can't have
   }
   if (!one.run.interrupted) task.record.add(one);
@@ -78,7 +78,7 @@ FitCandidate tried(const FitTask& task, const FitFamily& family, double factor) 
 }
 
 FitCandidate finestWithin(const FitTask& task, const FitFamily& family, double share, double start) {
-  const double limit = share * 1e6 / task.scene.rate_hz;  // us
+  const double limit = share * 1e6 / task.scene.dynamics.rate_hz;  // us
   FitCandidate best;
   best.spacing_factor = 0;
   double factor = start, too_fine = 0;

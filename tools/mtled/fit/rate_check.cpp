@@ -19,11 +19,11 @@ bool HeldRate::held(double rate_hz) const {
 HeldRate checkRate(Model& model, const ToolTrajectory& way, int threads, double seconds) {
   ToolTrajectory there_and_back = way;
   there_and_back.insert(there_and_back.end(), way.rbegin(), way.rend());
-  const auto ticks = static_cast<std::size_t>(std::ceil(seconds * model.scene.rate_hz));
+  const auto ticks = static_cast<std::size_t>(std::ceil(seconds * model.scene.dynamics.rate_hz));
   std::vector<Pose> poses;
   while (poses.size() < ticks) poses.insert(poses.end(), there_and_back.begin(), there_and_back.end());
 
-  model.scene.catch_up = 0;  // a rate that is held needs none
+  model.scene.dynamics.catch_up = 0;  // a rate that is held needs none
   TissuePhysics physics(model, threads);
   SimulationLoopOptions options;
   options.track = trackFromPoses(poses);

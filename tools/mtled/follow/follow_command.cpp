@@ -25,19 +25,20 @@ Scene referenceScene(const Scene& scene, const DragWay& way, double factor) {
   constexpr double outside = 0.85, inside = 0.45, inside_radii = 0.3, ball_radii = 2, safety = 0.4;
   Scene fine = scene;
   scaleSpacing(fine, factor * outside);
-  const double spacing = factor * std::min(inside * scene.spacing, inside_radii * scene.tools[0].shape.radius);
+  const double spacing =
+      factor * std::min(inside * scene.discretization.spacing, inside_radii * scene.tools[0].shape.radius);
   const int balls = static_cast<int>(std::ceil(way.length / scene.tools[0].shape.radius));
   for (int k = 0; k <= balls; ++k) {
     RefineSpec ball;
     ball.centre = way.tip[(way.tip.size() - 1) * static_cast<std::size_t>(k) / static_cast<std::size_t>(balls)];
     ball.radius = ball_radii * scene.tools[0].shape.radius;
     ball.spacing = spacing;
-    fine.refine.push_back(ball);
+    fine.discretization.refine.push_back(ball);
   }
-  fine.quadrature.cells_per_point = 1;
-  fine.time_step = 0;
-  fine.mass_scaling = 0;
-  fine.step_safety = std::min(scene.step_safety, safety);
+  fine.discretization.quadrature.cells_per_point = 1;
+  fine.dynamics.time_step = 0;
+  fine.dynamics.mass_scaling = 0;
+  fine.dynamics.step_safety = std::min(scene.dynamics.step_safety, safety);
   return fine;
 }
 
@@ -172,14 +173,14 @@ Study studyOf(const Scene& scene, const FollowOptions& options) {
     const auto measure = [&](const std::string& name, const Scene& turned) {
       const Model model = loadModel(turned);
       rows.push_back(rowOf(name, model.nodeCount(), model.substeps_per_tick, trajectoryOn(model, poses), reference,
-                           scene.rate_hz));
+                           scene.dynamics.rate_hz));
       goOn();
     };
-    measure(scene.follow ? "uniform" : "as it is", uniform);
+    measure(scene.discretization.follow ? "uniform" : "as it is", uniform);
     const FollowingRun following = followTrajectory(places, shelf, poses);
     goOn();
     rows.push_back(
-        rowOf("following", following.most_nodes, following.substeps, following.run, reference, scene.rate_hz));
+        rowOf("following", following.most_nodes, following.substeps, following.run, reference, scene.dynamics.rate_hz));
     if (!options.quick) {
       for (const double factor : {0.8, 1.3}) {
         Scene turned = uniform;
@@ -189,7 +190,7 @@ Study studyOf(const Scene& scene, const FollowOptions& options) {
       study.gain.push_back(uniformCost(rows, rows[1].error) / rows[1].tick_us);
       measure("reference 1.35", referenceScene(uniform, way, 1.35));
     }
-    print(rowOf("reference", fine.nodeCount(), fine.substeps_per_tick, reference, reference, scene.rate_hz),
+    print(rowOf("reference", fine.nodeCount(), fine.substeps_per_tick, reference, reference, scene.dynamics.rate_hz),
           rows[0].tick_us);
     for (const Row& row : rows) print(row, rows[0].tick_us);
     if (!options.quick)

@@ -42,7 +42,7 @@ FrontierRow measure(const FrontierSetting& setting, const Model& present, const 
   row.realtime_factor = NAN;
   Scene scene = present.scene;
   setting.turn(scene);
-  row.threads = setting.threads > 0 ? setting.threads : scene.threads;
+  row.threads = setting.threads > 0 ? setting.threads : scene.dynamics.threads;
   try {
     const Model model = loadModel(scene);
     row.nodes = model.nodeCount();
@@ -53,7 +53,7 @@ FrontierRow measure(const FrontierSetting& setting, const Model& present, const 
     const ScriptedRun run = runTrajectory(model, way, probes, row.threads, setting.in_double);
     if (run.interrupted) return row;
     row.min_J = run.min_J;
-    row.cost = costOf(run, scene.rate_hz);
+    row.cost = costOf(run, scene.dynamics.rate_hz);
     row.realtime_factor = 1000 / row.cost.us_per_ms;
     for (const Vec3& f : run.force) row.peak_force = std::max(row.peak_force, f.norm());
     if (run.sound())
@@ -109,7 +109,7 @@ int frontierCommand(const FrontierOptions& options) {
   frontier.way = options.tool_script.empty() ? "built-in indentation" : options.tool_script;
   frontier.build = buildInfo();
   frontier.identity = runIdentity(present, way, {fineness.outside, fineness.inside});
-  frontier.rate_hz = scene.rate_hz;
+  frontier.rate_hz = scene.dynamics.rate_hz;
   std::vector<FrontierRow> earlier;
   if (options.resume) {
     const std::string text = readText(folder + "/frontier.json");

@@ -33,60 +33,71 @@ std::vector<FrontierSetting> frontierSettings(const Scene& scene, const ContactR
       add("refined at the tool", times("outside", outside) + ", " + times("inside", inside),
           [=, o = outside, i = inside](Scene& s) { refineWhere(s, place, o, i); });
 
-  if (scene.quadrature.points_per_cell != 4 || scene.quadrature.accuracy > 0)
-    add("quadrature, basis, support", "4 points a cell", [](Scene& s) { s.quadrature = {4, 1, 0, 8, 4}; });
-  if (scene.quadrature.points_per_cell != 1 || scene.quadrature.cells_per_point > 1 || scene.quadrature.accuracy > 0)
-    add("quadrature, basis, support", "1 point a cell", [](Scene& s) { s.quadrature = {1, 1, 0, 8, 4}; });
+  if (scene.discretization.quadrature.points_per_cell != 4 || scene.discretization.quadrature.accuracy > 0)
+    add("quadrature, basis, support", "4 points a cell", [](Scene& s) {
+      s.discretization.quadrature = {4, 1, 0, 8, 4};
+    });
+  if (scene.discretization.quadrature.points_per_cell != 1 || scene.discretization.quadrature.cells_per_point > 1 ||
+      scene.discretization.quadrature.accuracy > 0)
+    add("quadrature, basis, support", "1 point a cell", [](Scene& s) {
+      s.discretization.quadrature = {1, 1, 0, 8, 4};
+    });
   for (const double cells : {1.5, 2.0})
-    if (cells != scene.quadrature.cells_per_point && (!quick || cells == 2))
+    if (cells != scene.discretization.quadrature.cells_per_point && (!quick || cells == 2))
       add("quadrature, basis, support", shortest(cells) + " cells a point", [cells](Scene& s) {
-        s.quadrature = {1, cells, 0, 8, 4};
+        s.discretization.quadrature = {1, cells, 0, 8, 4};
       });
   if (!quick)
-    add("quadrature, basis, support", "adaptive, tau 0.1", [](Scene& s) { s.quadrature = {1, 1, 0.1, 8, 1}; });
-  add("quadrature, basis, support", scene.basis_degree == 2 ? "linear basis" : "quadratic basis",
-      [](Scene& s) { s.basis_degree = 3 - s.basis_degree; });
+    add("quadrature, basis, support", "adaptive, tau 0.1", [](Scene& s) {
+      s.discretization.quadrature = {1, 1, 0.1, 8, 1};
+    });
+  add("quadrature, basis, support", scene.discretization.basis_degree == 2 ? "linear basis" : "quadratic basis",
+      [](Scene& s) { s.discretization.basis_degree = 3 - s.discretization.basis_degree; });
   for (const double factor : {1.6, 2.2})
-    if (factor != scene.support_factor)
-      add("quadrature, basis, support", value("support", factor), [factor](Scene& s) { s.support_factor = factor; });
+    if (factor != scene.discretization.support_factor)
+      add("quadrature, basis, support", value("support", factor),
+          [factor](Scene& s) { s.discretization.support_factor = factor; });
 
   const auto flip = [&](const char* name, bool Formulation::*feature) {
-    add("features", std::string(name) + (scene.formulation.*feature ? " off" : " on"),
-        [feature](Scene& s) { s.formulation.*feature = !(s.formulation.*feature); });
+    add("features", std::string(name) + (scene.discretization.formulation.*feature ? " off" : " on"),
+        [feature](Scene& s) { s.discretization.formulation.*feature = !(s.discretization.formulation.*feature); });
   };
   flip("consistent gradients", &Formulation::consistent_gradients);
   flip("node patches", &Formulation::node_patches);
   flip("cells' volume", &Formulation::cell_volume);
   if (hasSharpInterfaces(scene)) flip("sharp interfaces", &Formulation::sharp_interfaces);
-  if (scene.formulation.node_patches && scene.formulation.own_bulk > 0)
-    add("features", "patch stabilization off", [](Scene& s) { s.formulation.own_bulk = 0; });
-  if (!quick) add("features", "the paper's scheme", [](Scene& s) { s.formulation = Formulation::paper(); });
+  if (scene.discretization.formulation.node_patches && scene.discretization.formulation.own_bulk > 0)
+    add("features", "patch stabilization off", [](Scene& s) { s.discretization.formulation.own_bulk = 0; });
+  if (!quick)
+    add("features", "the paper's scheme", [](Scene& s) { s.discretization.formulation = Formulation::paper(); });
 
-  const bool rounded = scene.gradient_precision == GradientPrecision::Int16;
-  add("precision", rounded ? "float32 gradients" : "int16 gradients",
-      [rounded](Scene& s) { s.gradient_precision = rounded ? GradientPrecision::Float32 : GradientPrecision::Int16; });
+  const bool rounded = scene.dynamics.gradient_precision == GradientPrecision::Int16;
+  add("precision", rounded ? "float32 gradients" : "int16 gradients", [rounded](Scene& s) {
+    s.dynamics.gradient_precision = rounded ? GradientPrecision::Float32 : GradientPrecision::Int16;
+  });
   add("precision", "double", [](Scene&) {}).in_double = true;
 
   for (const double safety : {0.3, 0.9})
     add("time step, damping", value("step_safety", safety), [safety](Scene& s) {
-      s.time_step = 0;
-      s.step_safety = safety;
+      s.dynamics.time_step = 0;
+      s.dynamics.step_safety = safety;
     });
   for (const double factor : {0.5, 2.0})
-    if (!quick) add("time step, damping", times("damping", factor), [factor](Scene& s) { s.damping *= factor; });
+    if (!quick)
+      add("time step, damping", times("damping", factor), [factor](Scene& s) { s.dynamics.damping *= factor; });
 
   // Where a few small cells limit the step, a little mass spares steps.
   for (const double share : {0.02, 0.1})
-    if (share != scene.mass_scaling && (!quick || share == 0.1))
-      add("mass scaling", value("mass_scaling", share), [share](Scene& s) { s.mass_scaling = share; });
+    if (share != scene.dynamics.mass_scaling && (!quick || share == 0.1))
+      add("mass scaling", value("mass_scaling", share), [share](Scene& s) { s.dynamics.mass_scaling = share; });
   if (place.radius > 0)
     add("mass scaling", "outside x 1.3, inside x 0.6, mass_scaling 0.1", [=](Scene& s) {
       refineWhere(s, place, 1.3, 0.6);
-      s.mass_scaling = 0.1;
+      s.dynamics.mass_scaling = 0.1;
     });
 
   for (const int threads : {1, cores})
-    if (threads != scene.threads && (settings.back().threads != threads))
+    if (threads != scene.dynamics.threads && (settings.back().threads != threads))
       add("threads", std::to_string(threads) + (threads == 1 ? " thread" : " threads"), [](Scene&) {}).threads =
           threads;
   return settings;

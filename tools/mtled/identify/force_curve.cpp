@@ -202,7 +202,7 @@ void checkUnits(const MeasuredCurve& measured, const std::string& path, double s
 }
 
 ForceCurve simulateForceCurve(const Model& model, double deepest, double seconds, int threads) {
-  const double rate = model.scene.rate_hz;
+  const double rate = model.scene.dynamics.rate_hz;
   const Vec3 axis = model.tools.first().start.pose.orientation * -Vec3::UnitZ();
   const double approach = std::max(model.tools.first().first_contact_travel, 0.0);
   const auto approach_ticks = static_cast<int>(std::ceil(approach / approach_speed * rate));

@@ -111,9 +111,9 @@ Model modelOf(const Press& press, const Sought& sought, const std::vector<double
   }
   Scene scene = readScene(press.file, changes);
   if (coarser > 1) {
-    scene.spacing *= coarser;
-    for (RefineSpec& refine : scene.refine) refine.spacing *= coarser;
-    scene.time_step = 0;
+    scene.discretization.spacing *= coarser;
+    for (RefineSpec& refine : scene.discretization.refine) refine.spacing *= coarser;
+    scene.dynamics.time_step = 0;
     scene.set_up_values.clear();  // which are another scene's now
   }
   return loadModel(scene);
@@ -123,8 +123,8 @@ Model modelOf(const Press& press, const Sought& sought, const std::vector<double
 double coarserBy(const Scene& scene) {
   constexpr double search_nodes = 1000, worth_it = 2;  // of the search's cloud; times as many that the scene has
   const double volume = signedVolume(organSurface(scene));
-  double nodes = volume / (0.7 * std::pow(scene.spacing, 3));  // as checkCounts
-  for (const RefineSpec& refine : scene.refine)
+  double nodes = volume / (0.7 * std::pow(scene.discretization.spacing, 3));  // as checkCounts
+  for (const RefineSpec& refine : scene.discretization.refine)
     nodes += 4.0 / 3 * M_PI * std::pow(refine.radius, 3) / (0.7 * std::pow(refine.spacing, 3));
   return nodes < worth_it * search_nodes ? 1 : std::cbrt(nodes / search_nodes);
 }

@@ -96,9 +96,9 @@ class SurfaceImport {
   /// Where the cloud follows, the ball's and that far from it.
   std::string spacingText() const {
     const Scene& scene = model_->scene;
-    const std::string far = format("%.3g mm", 1e3 * scene.spacing);
-    if (scene.refine.empty()) return far;
-    return format("%.3g mm around the tool, ", 1e3 * scene.refine[0].spacing) + far + " elsewhere";
+    const std::string far = format("%.3g mm", 1e3 * scene.discretization.spacing);
+    if (scene.discretization.refine.empty()) return far;
+    return format("%.3g mm around the tool, ", 1e3 * scene.discretization.refine[0].spacing) + far + " elsewhere";
   }
 
   void find(const std::string& line) { findings_.push_back(line); }
@@ -333,7 +333,7 @@ class SurfaceImport {
                              {"distance_to_file_m", jsonOf(deviation_.from_made)},
                              {"nodes", model_->nodeCount()},
                              {"steps_per_tick", model_->substeps_per_tick},
-                             {"spacing_m", model_->scene.spacing},
+                             {"spacing_m", model_->scene.discretization.spacing},
                              {"picture", picture},
                              {"build", buildInfo()}};
     writeWholeFile(folder_.aside("report.json"),

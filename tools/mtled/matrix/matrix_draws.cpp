@@ -55,13 +55,13 @@ double drawContrast(Lot& lot) {
 
 Scene drawScene(Lot& lot, const DrawnTissue& tissue) {
   Scene s;
-  s.seed = 1 + static_cast<unsigned>(lot.oneOf(1000));
+  s.discretization.seed = 1 + static_cast<unsigned>(lot.oneOf(1000));
   s.materials.assign(1, MaterialSpec{});
   s.materials[0].material = tissue.material;
-  if (lot.chance(0.3)) s.boundary_method = Scene::BoundaryMethod::Ebciem;
+  if (lot.chance(0.3)) s.discretization.boundary_method = DiscretizationSpec::BoundaryMethod::Ebciem;
   const int quadrature = lot.oneOf(6);
-  if (quadrature == 0) s.quadrature.cells_per_point = lot.between(1, 2);
-  if (quadrature == 1) s.quadrature.points_per_cell = 4;
+  if (quadrature == 0) s.discretization.quadrature.cells_per_point = lot.between(1, 2);
+  if (quadrature == 1) s.discretization.quadrature.points_per_cell = 4;
   s.tools[0].position = Vec3(0, 0, 1);
   return s;
 }

@@ -34,7 +34,7 @@ Stack drawStack(Lot& lot, double height, const Vec3& fibre) {
 
 /// Puts the layers into the scene, from the top down, as each region is all that is below a plane.
 void addLayers(const Stack& stack, Scene& scene) {
-  double top = scene.size.z();
+  double top = scene.organs[0].size.z();
   scene.materials[0].material = stack.tissues.back().material;
   for (std::size_t k = stack.layers.size() - 1; k > 0; --k) {
     top -= stack.layers[k].height;
@@ -67,9 +67,9 @@ MatrixCase drawConfined(Lot& lot) {
   const Vec3 size = drawBox(lot);
   const Stack stack = drawStack(lot, size.z(), drawFibre(lot, false));
   Scene& s = one.scene = drawScene(lot, stack.tissues[0]);
-  s.solid = Scene::Solid::Box;
-  s.size = size;
-  s.spacing = size.z() / lot.between(3.5, 5.5);
+  s.organs[0].solid = OrganSpec::Solid::Box;
+  s.organs[0].size = size;
+  s.discretization.spacing = size.z() / lot.between(3.5, 5.5);
   addLayers(stack, s);
   // Up to 40 shear moduli of the softest layer, where no layer gives way by more than a third of its height.
   const double pressure = stack.softest * lot.logBetween(0.1, 40);
@@ -104,9 +104,9 @@ MatrixCase drawSheared(Lot& lot) {
   const Vec3 size = drawBox(lot);
   const Stack stack = drawStack(lot, size.z(), drawFibre(lot, true));
   Scene& s = one.scene = drawScene(lot, stack.tissues[0]);
-  s.solid = Scene::Solid::Box;
-  s.size = size;
-  s.spacing = size.z() / lot.between(3.5, 5.5);
+  s.organs[0].solid = OrganSpec::Solid::Box;
+  s.organs[0].size = size;
+  s.discretization.spacing = size.z() / lot.between(3.5, 5.5);
   addLayers(stack, s);
   const Vec3 motion = size.z() * Vec3(lot.between(0.05, 0.35), lot.between(-0.1, 0.1), 0);
   const Laminate exact(stack.layers, motion);
@@ -138,17 +138,17 @@ MatrixCase drawAffine(Lot& lot) {
   const char* solid = "box";
   double volume = 0;
   if (lot.chance(0.5)) {
-    s.solid = Scene::Solid::Box;
-    s.size = drawBox(lot);
-    s.spacing = s.size.z() / lot.between(4, 6);
-    volume = s.size.prod();
+    s.organs[0].solid = OrganSpec::Solid::Box;
+    s.organs[0].size = drawBox(lot);
+    s.discretization.spacing = s.organs[0].size.z() / lot.between(4, 6);
+    volume = s.organs[0].size.prod();
   } else {
     solid = "half-ellipsoid";
-    s.solid = Scene::Solid::Ellipsoid;
-    s.upper_half = true;
-    s.semi_axes = Vec3(lot.between(0.02, 0.035), lot.between(0.02, 0.03), lot.between(0.015, 0.03));
-    s.spacing = s.semi_axes.z() / lot.between(3, 5);
-    volume = 2.0 / 3 * std::numbers::pi * s.semi_axes.prod();
+    s.organs[0].solid = OrganSpec::Solid::Ellipsoid;
+    s.organs[0].upper_half = true;
+    s.organs[0].semi_axes = Vec3(lot.between(0.02, 0.035), lot.between(0.02, 0.03), lot.between(0.015, 0.03));
+    s.discretization.spacing = s.organs[0].semi_axes.z() / lot.between(3, 5);
+    volume = 2.0 / 3 * std::numbers::pi * s.organs[0].semi_axes.prod();
   }
   G = F - Mat3::Identity();
   const Mat3 unit = G / G.norm() / std::cbrt(volume);
@@ -165,9 +165,9 @@ MatrixCase drawBetweenPlates(Lot& lot) {
   const Vec3 size = drawBox(lot), fibre = Vec3::Unit(lot.oneOf(3));
   const DrawnTissue tissue = drawTissue(lot, lot.logBetween(300, 8000), drawPoisson(lot), fibre);
   Scene& s = one.scene = drawScene(lot, tissue);
-  s.solid = Scene::Solid::Box;
-  s.size = size;
-  s.spacing = size.z() / lot.between(3.5, 5.5);
+  s.organs[0].solid = OrganSpec::Solid::Box;
+  s.organs[0].size = size;
+  s.discretization.spacing = size.z() / lot.between(3.5, 5.5);
   // Two tissues side by side, with y held, each with its own width; or one.
   const bool two = lot.chance(0.5), held = two || lot.chance(0.4);
   // Two slabs that are pressed along their border bulge at a smaller strain than one, whose even strain is stable

@@ -21,19 +21,20 @@ BondedBody drawBody(Lot& lot, bool round, Scene& s) {
   BondedBody body;
   const int solid = lot.oneOf(round ? 3 : 2);
   if (solid == 0) {
-    s.solid = Scene::Solid::Box;
-    s.size = Vec3(lot.between(0.026, 0.038), lot.between(0.026, 0.038), lot.between(0.014, 0.024));
-    body = {s.size.z(), std::min(s.size.x(), s.size.y()), "block"};
+    s.organs[0].solid = OrganSpec::Solid::Box;
+    s.organs[0].size = Vec3(lot.between(0.026, 0.038), lot.between(0.026, 0.038), lot.between(0.014, 0.024));
+    body = {s.organs[0].size.z(), std::min(s.organs[0].size.x(), s.organs[0].size.y()), "block"};
   } else if (solid == 1) {
-    s.solid = Scene::Solid::Cylinder;
-    s.radius = lot.between(0.014, 0.02);
-    s.height = lot.between(0.014, 0.024);
-    body = {s.height, 2 * s.radius, "cylinder"};
+    s.organs[0].solid = OrganSpec::Solid::Cylinder;
+    s.organs[0].radius = lot.between(0.014, 0.02);
+    s.organs[0].height = lot.between(0.014, 0.024);
+    body = {s.organs[0].height, 2 * s.organs[0].radius, "cylinder"};
   } else {
-    s.solid = Scene::Solid::Ellipsoid;
-    s.upper_half = true;
-    s.semi_axes = Vec3(lot.between(0.017, 0.024), lot.between(0.017, 0.024), lot.between(0.014, 0.022));
-    body = {s.semi_axes.z(), 2 * std::min(s.semi_axes.x(), s.semi_axes.y()), "half-ellipsoid"};
+    s.organs[0].solid = OrganSpec::Solid::Ellipsoid;
+    s.organs[0].upper_half = true;
+    s.organs[0].semi_axes = Vec3(lot.between(0.017, 0.024), lot.between(0.017, 0.024), lot.between(0.014, 0.022));
+    body = {s.organs[0].semi_axes.z(), 2 * std::min(s.organs[0].semi_axes.x(), s.organs[0].semi_axes.y()),
+            "half-ellipsoid"};
   }
   s.boundaries = {facePlane(Vec3::Zero(), Vec3::UnitZ(), true, true, true)};
   return body;
@@ -65,17 +66,18 @@ MatrixCase drawPress(Lot& lot) {
   const auto kinds = toolTypes();
   const int kind = lot.oneOf(static_cast<int>(kinds.size()));
   s.tools[0].shape = ToolShape::of(static_cast<ToolKind>(kind), lot.between(0.2, 0.42) * body.width);
-  s.spacing = std::clamp(s.tools[0].shape.radius * lot.between(0.35, 0.9), body.height / 3.8, body.height / 2.3);
+  s.discretization.spacing =
+      std::clamp(s.tools[0].shape.radius * lot.between(0.35, 0.9), body.height / 3.8, body.height / 2.3);
   s.tools[0].position =
       Vec3(lot.between(-0.1, 0.1) * body.width, lot.between(-0.1, 0.1) * body.width, body.height + gap);
   s.tools[0].friction = lot.chance(0.3) ? lot.between(0.1, 0.6) : 0;
-  s.damping = 60;
+  s.dynamics.damping = 60;
   one.pressed = true;
   one.looped = lot.chance(0.4);
   one.depth = std::min(lot.between(0.2, 0.8) * s.tools[0].shape.radius, lot.between(0.15, 0.3) * body.height);
   one.kind = std::string("press ") + kinds[static_cast<std::size_t>(kind)]->name;
   one.about = addInside(lot, tissue, body, fibre, s) + format(", spacing %.2g and depth %.2g radii",
-                                                              s.spacing / s.tools[0].shape.radius,
+                                                              s.discretization.spacing / s.tools[0].shape.radius,
                                                               one.depth / s.tools[0].shape.radius);
   return one;
 }
@@ -87,7 +89,7 @@ MatrixCase drawBonded(Lot& lot) {
   Scene& s = one.scene = drawScene(lot, tissue);
   const BondedBody body = drawBody(lot, false, s);
   const double height = body.height;
-  s.spacing = height / lot.between(2.5, 3.8);
+  s.discretization.spacing = height / lot.between(2.5, 3.8);
   BoundarySpec top = facePlane(Vec3(0, 0, height), Vec3::UnitZ(), true, true, true);
   moveEvenly(top);
   Vec3 along = Vec3::UnitZ();

@@ -38,11 +38,11 @@ std::string textOf(const Rod& rod) {
 
 Scene sceneOf(Lot& lot, const Rod& rod) {
   Scene s = drawScene(lot, rod.mantle);
-  s.solid = Scene::Solid::Cylinder;
-  s.radius = rod.radius;
-  s.height = rod.height;
-  s.spacing = rod.radius / lot.between(2.6, 4.2);
-  s.tools[0].shape.radius = s.spacing;  // a finer polygon for the round
+  s.organs[0].solid = OrganSpec::Solid::Cylinder;
+  s.organs[0].radius = rod.radius;
+  s.organs[0].height = rod.height;
+  s.discretization.spacing = rod.radius / lot.between(2.6, 4.2);
+  s.tools[0].shape.radius = s.discretization.spacing;  // a finer polygon for the round
   if (rod.core == 0) return s;
   Region core;
   core.kind = Region::Kind::Cylinder;
@@ -157,10 +157,10 @@ MatrixCase drawSphere(Lot& lot) {
   one.about = format("lump 1 : %.3g, ", inside.shear / around.shear) + textOf(around) + " around " + textOf(inside) +
               format(", to %.4g", problem.held / radius);
   Scene& s = one.scene = drawScene(lot, around);
-  s.solid = Scene::Solid::Ellipsoid;
-  s.semi_axes = Vec3::Constant(radius);
-  s.spacing = radius / lot.between(3, 4.5);
-  s.tools[0].shape.radius = s.spacing;
+  s.organs[0].solid = OrganSpec::Solid::Ellipsoid;
+  s.organs[0].semi_axes = Vec3::Constant(radius);
+  s.discretization.spacing = radius / lot.between(3, 4.5);
+  s.tools[0].shape.radius = s.discretization.spacing;
   Region region;
   region.kind = Region::Kind::Sphere;
   region.radius = lump;
@@ -199,9 +199,9 @@ MatrixCase drawBent(Lot& lot) {
   one.known = exact.moment * W;
   one.kind = "bent";
   one.about += format(", by %.2g rad", angle);
-  s.solid = Scene::Solid::Box;
-  s.size = Vec3(T, L, W);
-  s.spacing = T / lot.between(3.5, 5.5);
+  s.organs[0].solid = OrganSpec::Solid::Box;
+  s.organs[0].size = Vec3(T, L, W);
+  s.discretization.spacing = T / lot.between(3.5, 5.5);
   s.boundaries = {facePlane(Vec3(0, -L / 2, 0), Vec3::UnitY(), false, true, false),
                   facePlane(Vec3::Zero(), Vec3::UnitZ(), false, false, true),
                   facePlane(Vec3(0, 0, W), Vec3::UnitZ(), false, false, true)};

@@ -58,7 +58,7 @@ void pressInLoop(const MatrixCase& one, const Model& model, int threads, MatrixA
   Workspace workspace(model, threads);
   State state = initialState(model);
   workspace.team.wake();
-  const double rate = model.scene.rate_hz;
+  const double rate = model.scene.dynamics.rate_hz;
   const auto press = static_cast<int>(press_seconds * rate), ticks = press + static_cast<int>(hold_seconds * rate);
   StepReport report;
   for (int k = 1; k <= ticks && answer.sound; ++k) {

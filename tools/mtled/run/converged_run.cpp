@@ -35,9 +35,9 @@ ConvergedRun convergedRun(const Model& present, const ToolTrajectory& way, const
       refineWhere(scene, place, factor * fineness.outside, factor * fineness.inside);
     else
       scaleSpacing(scene, factor * fineness.outside);
-    scene.quadrature.cells_per_point = 1;
-    scene.time_step = 0;
-    scene.step_safety = std::min(scene.step_safety, reference_safety);
+    scene.discretization.quadrature.cells_per_point = 1;
+    scene.dynamics.time_step = 0;
+    scene.dynamics.step_safety = std::min(scene.dynamics.step_safety, reference_safety);
     const Model model = loadModel(scene);
     ScriptedRun run = runTrajectory(model, way, probes, threads);
     if (run.interrupted) throw std::runtime_error("interrupted during the reference solution; nothing is kept");
@@ -106,7 +106,7 @@ std::string runIdentity(const Model& model, const ToolTrajectory& way, const std
     hash = (hash ^ bits) * 0x100000001b3ull;  // FNV-1a by words
   };
   for (const double number : numbers) add(number);
-  add(model.scene.damping);
+  add(model.scene.dynamics.damping);
   for (const char c : sourceIdentity()) add(c);
   for (const Pose& pose : way)
     for (int c = 0; c < 3; ++c) add(pose.position[c]);

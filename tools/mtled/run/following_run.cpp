@@ -81,7 +81,7 @@ FollowingRun followTrajectory(const Places& places, PlaceShelf& shelf, const Too
   const Place* place = &shelf.at(nextPlace(places, nowhere, tools));
   auto runner = std::make_unique<Runner>(place->model, startAt(place->model, way.front()));
   std::unique_ptr<Runner> unchanged;  // the run without the last swap
-  const int watched = static_cast<int>(std::lround(watched_seconds * places.scene.rate_hz));
+  const int watched = static_cast<int>(std::lround(watched_seconds * places.scene.dynamics.rate_hz));
   following.substeps = place->model.substeps_per_tick;
   following.fewest_nodes = following.most_nodes = place->model.nodeCount();
   double largest = 0;

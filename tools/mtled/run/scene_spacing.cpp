@@ -10,16 +10,16 @@ namespace palpate::tools {
 
 Scene uniformScene(Scene scene) {
   constexpr double of_fine = 1.3;
-  if (!scene.follow) return scene;
-  scene.follow = false;
-  scene.spacing = of_fine * fineSpacing(scene);
+  if (!scene.discretization.follow) return scene;
+  scene.discretization.follow = false;
+  scene.discretization.spacing = of_fine * fineSpacing(scene);
   scene.set_up_values.clear();
   return scene;
 }
 
 void scaleSpacing(Scene& scene, double factor) {
-  scene.spacing *= factor;
-  for (auto& refine : scene.refine) refine.spacing *= factor;
+  scene.discretization.spacing *= factor;
+  for (auto& refine : scene.discretization.refine) refine.spacing *= factor;
 }
 
 ContactRegion contactRegion(const Model& model, const ToolTrajectory& way) {
@@ -42,13 +42,13 @@ ContactRegion contactRegion(const Model& model, const ToolTrajectory& way) {
 }
 
 void refineWhere(Scene& scene, const ContactRegion& place, double outside, double inside) {
-  const double present = scene.spacing;
+  const double present = scene.discretization.spacing;
   scaleSpacing(scene, outside);
   RefineSpec refine;
   refine.centre = place.centre;
   refine.radius = place.radius;
   refine.spacing = inside * present;
-  scene.refine.push_back(refine);
+  scene.discretization.refine.push_back(refine);
 }
 
 }  // namespace palpate::tools

@@ -33,8 +33,9 @@ double quantile(std::vector<double> values, double q) {
 ShapeTable probeShape(const Model& model, const std::vector<Vec3>& probes) {
   const Neighbours neighbours(model.X, model.support_radius);
   std::vector<InadmissibleSupport> failed;
-  ShapeTable shape = shapeFunctions(probes, model.X, model.support_radius, neighbours,
-                                    {model.scene.basis_degree, model.scene.mmls_weight}, failed);
+  ShapeTable shape =
+      shapeFunctions(probes, model.X, model.support_radius, neighbours,
+                     {model.scene.discretization.basis_degree, model.scene.discretization.mmls_weight}, failed);
   if (!failed.empty()) throw std::runtime_error("a probe lies outside the body");
   return shape;
 }
@@ -100,7 +101,8 @@ ToolTrajectory indentationTrajectory(const Model& model) {
            model.tools.first().first_contact_travel - head_start;
   };
   ToolTrajectory way(std::find_if(poses.begin(), poses.end() - 1, near), poses.end());
-  way.insert(way.end(), static_cast<std::size_t>(std::lround(hold_seconds * model.scene.rate_hz)), poses.back());
+  way.insert(way.end(), static_cast<std::size_t>(std::lround(hold_seconds * model.scene.dynamics.rate_hz)),
+             poses.back());
   return way;
 }
 

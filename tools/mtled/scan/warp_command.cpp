@@ -49,10 +49,11 @@ std::unique_ptr<MmlsDeformation> deformationOf(const std::string& folder, double
   const Model model = loadModel(scene, {}, ModelCache(ModelCache::userFolder(), warn), warn);
   std::vector<Vec3> u;
   for (const Double4& a : solutionOf(model, (fs::path(folder) / "solution").string())) u.push_back(toVec3(a));
-  spacing = scene.spacing;
+  spacing = scene.discretization.spacing;
   nodes = model.nodeCount();
-  return std::make_unique<MmlsDeformation>(model.X, model.support_radius, std::move(u),
-                                           MmlsOptions{scene.basis_degree, scene.mmls_weight}, organSurface(scene));
+  return std::make_unique<MmlsDeformation>(
+      model.X, model.support_radius, std::move(u),
+      MmlsOptions{scene.discretization.basis_degree, scene.discretization.mmls_weight}, organSurface(scene));
 }
 
 /// What the solution is worth, as `mtled solve` left it beside it: "good", its doubt, or "unknown" where it left none.

@@ -35,7 +35,7 @@ using Seconds = std::chrono::duration<double>;
 double endTime(const Scene& scene, const SolveTools& tools) {
   if (scene.solve.end_time > 0) return scene.solve.end_time;
   const double end = std::max(tools.duration(), motionEnd(scene));
-  if (end <= 0 && !scene.gravity.isZero(0)) return 1;  // the weight is there from the start
+  if (end <= 0 && !scene.dynamics.gravity.isZero(0)) return 1;  // the weight is there from the start
   if (end <= 0)
     throw InputError(scene.solve.place.file.empty() ? scene.place : scene.solve.place,
                      "nothing moves in this scene, so there is no time to solve to",
@@ -60,13 +60,16 @@ std::string usualFolder(const SolveOptions& options, const std::string& file) {
 }
 
 /// Ticks of a motion to a time, a whole number; at least one.
-double ticksTo(double end, const Scene& scene) { return std::max(1.0, std::ceil(end / (1 / scene.rate_hz) - 1e-9)); }
+double ticksTo(double end, const Scene& scene) {
+  return std::max(1.0, std::ceil(end / (1 / scene.dynamics.rate_hz) - 1e-9));
+}
 
 /// A motion that would fill every disk with its force curve is a typing error.
 void checkLength(const Scene& scene, double end) {
   constexpr double max_ticks = 1e8;
   if (scene.solve.mode != SolveSpec::Mode::Transient || ticksTo(end, scene) <= max_ticks) return;
-  const std::string advice = "a transient solution can have 1e8, " + number(max_ticks / scene.rate_hz) + " s; ";
+  const std::string advice =
+      "a transient solution can have 1e8, " + number(max_ticks / scene.dynamics.rate_hz) + " s; ";
   throw InputError(scene.places.contains("solve.end_time") ? placeOf(scene, "solve.end_time")
                    : scene.solve.place.file.empty()        ? scene.place
                                                            : scene.solve.place,
@@ -171,7 +174,7 @@ int solveTransient(const Task& task, SolveResults& results) {
                   task.toolsAt(static_cast<double>(results.checkpoint().position) * task.model.dt),
                   results.checkpoint().history);
   ProgressLine progress("solve");
-  const double tick = 1 / task.model.scene.rate_hz;
+  const double tick = 1 / task.model.scene.dynamics.rate_hz;
   const auto ticks = static_cast<std::int64_t>(ticksTo(task.end, task.model.scene));
   // What the cloud's fineness is worth takes as long to find as a step: of some ticks, and the last.
   const std::int64_t interval = 1 + ticks / 200;

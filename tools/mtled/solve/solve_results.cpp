@@ -77,10 +77,10 @@ void SolveResults::readProbePoints() {
   const Neighbours neighbours(model_.X, model_.support_radius);
   std::vector<InadmissibleSupport> failed;
   probe_shape_ = shapeFunctions(probes_.X, model_.X, model_.support_radius, neighbours,
-                                {scene.basis_degree, scene.mmls_weight}, failed);
+                                {scene.discretization.basis_degree, scene.discretization.mmls_weight}, failed);
   const SurfaceTree organ(organSurface(scene));
   // The organ's faces are flat where a probe may lie on the round that they stand for.
-  const double tolerance = 0.05 * scene.spacing;
+  const double tolerance = 0.05 * scene.discretization.spacing;
   for (std::size_t k = 0; k < probes_.X.size(); ++k)
     if (organ.signedDistance(probes_.X[k]) > tolerance)
       throw InputError({scene.solve.probes_file, probes_.table.line[k]}, "this point lies outside the body",

@@ -34,12 +34,12 @@ const std::vector<VerificationCase>& verificationCases() {
 }
 
 void apply(const Variant& variant, Scene& scene) {
-  scene.formulation = Formulation{};
+  scene.discretization.formulation = Formulation{};
   if (variant.consistent_gradients && variant.node_patch_volume) return;
-  scene.formulation = Formulation::paper();
-  scene.formulation.consistent_gradients = variant.consistent_gradients;
-  scene.formulation.node_patches = variant.node_patch_volume;
-  if (variant.node_patch_volume) scene.formulation.own_bulk = Formulation{}.own_bulk;
+  scene.discretization.formulation = Formulation::paper();
+  scene.discretization.formulation.consistent_gradients = variant.consistent_gradients;
+  scene.discretization.formulation.node_patches = variant.node_patch_volume;
+  if (variant.node_patch_volume) scene.discretization.formulation.own_bulk = Formulation{}.own_bulk;
 }
 
 CaseContext partOf(const CaseContext& context, double begin, double all, double width) {
@@ -92,8 +92,9 @@ std::vector<Vec3> StaticSolution::uAsVectors() const {
 std::vector<Vec3> StaticSolution::at(const std::vector<Vec3>& X) const {
   const Neighbours neighbours(model->X, model->support_radius);
   std::vector<InadmissibleSupport> failed;
-  const ShapeTable shape = shapeFunctions(X, model->X, model->support_radius, neighbours,
-                                          {model->scene.basis_degree, model->scene.mmls_weight}, failed);
+  const ShapeTable shape =
+      shapeFunctions(X, model->X, model->support_radius, neighbours,
+                     {model->scene.discretization.basis_degree, model->scene.discretization.mmls_weight}, failed);
   if (!failed.empty()) throw std::runtime_error("a probe lies outside the body");
   return fieldAt(shape, u());
 }

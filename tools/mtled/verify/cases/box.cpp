@@ -14,19 +14,19 @@ constexpr double height = 5.25e-3;
 Scene boxScene(double spacing, double motion) {
   Scene scene = caseScene(3000, 0.49);
   scene.name = "sheep brain sample";
-  scene.solid = Scene::Solid::Box;
-  scene.size = Vec3(0.020, 0.015, height);
-  scene.spacing = spacing;
+  scene.organs[0].solid = OrganSpec::Solid::Box;
+  scene.organs[0].size = Vec3(0.020, 0.015, height);
+  scene.discretization.spacing = spacing;
   scene.tools[0].shape.radius = std::max(0.004, 4 * spacing);
-  scene.support_factor = 2.0;
-  scene.mmls_weight = 0.2;
-  scene.boundary_method = Scene::BoundaryMethod::Ebciem;
+  scene.discretization.support_factor = 2.0;
+  scene.discretization.mmls_weight = 0.2;
+  scene.discretization.boundary_method = DiscretizationSpec::BoundaryMethod::Ebciem;
   scene.boundaries = {planeBoundary("base", Vec3::Zero(), Vec3::UnitZ()),
                       planeBoundary("top", Vec3(0, 0, height), Vec3::UnitZ())};
   scene.boundaries.back().translation = Vec3(0, 0, motion);
   scene.boundaries.back().duration = 1;
   scene.boundaries.back().curve.kind = LoadCurve::Kind::Linear;
-  scene.tissue_colour = Vec3(0.72, 0.42, 0.38);
+  scene.organs[0].colour = Vec3(0.72, 0.42, 0.38);
   return scene;
 }
 
@@ -116,8 +116,8 @@ CaseResult solveBox(const BoxProblem& problem, const CaseContext& context, CaseR
     const double begin = context.quick || k < 6 ? static_cast<double>(k) : 6.0 + 15.0 * static_cast<double>(k - 6);
     const CaseContext within = partOf(context, begin, context.quick ? 2 : 36, is_fine ? 15 : 1);
     Scene scene = boxScene(row.spacing, problem.motion);
-    scene.quadrature.points_per_cell = row.points_per_cell;
-    scene.quadrature.cells_per_point = row.cells_per_point;
+    scene.discretization.quadrature.points_per_cell = row.points_per_cell;
+    scene.discretization.quadrature.cells_per_point = row.cells_per_point;
     apply(row.variant, scene);
     const StaticSolution s = solveCase(scene, problem.times, within);
     const bool solved = !s.steps.empty() && s.steps.back().converged;

@@ -137,7 +137,7 @@ void compareWithSpline(const Model& model, const StaticSolution& s, const Backwa
     back.push_back(-u[i]);
     box.extend(x.back());
   }
-  const Vec3 margin = Vec3::Constant(model.scene.spacing);
+  const Vec3 margin = Vec3::Constant(model.scene.discretization.spacing);
   const Box3 around(box.min() - margin, box.max() + margin);
   ResultTable table{"The inverse as a multilevel B-spline of the nodes (Lee, Wolberg and Shin 1997)",
                     {"finest lattice", "levels", "mean", "99 % within", "largest", "time"},
@@ -147,7 +147,7 @@ void compareWithSpline(const Model& model, const StaticSolution& s, const Backwa
   const ImageGrid& grid = field.body.grid;
   for (const double edges : {2.0, 1.0, 0.5, 0.25}) {
     const auto start = std::chrono::steady_clock::now();
-    const MultilevelSpline spline(x, back, around, edges * model.scene.spacing);
+    const MultilevelSpline spline(x, back, around, edges * model.scene.discretization.spacing);
     std::vector<double> off;
     double sum = 0;
     std::size_t inside = 0;
@@ -161,8 +161,9 @@ void compareWithSpline(const Model& model, const StaticSolution& s, const Backwa
         }
     if (off.empty()) return;
     const Seconds seconds = std::chrono::steady_clock::now() - start;
-    table.rows.push_back({formatted(edges * model.scene.spacing, "m"), std::to_string(spline.levelCount()),
-                          formatted(sum / static_cast<double>(off.size()), "m"), formatted(quantile(off, 0.99), "m"),
+    table.rows.push_back({formatted(edges * model.scene.discretization.spacing, "m"),
+                          std::to_string(spline.levelCount()), formatted(sum / static_cast<double>(off.size()), "m"),
+                          formatted(quantile(off, 0.99), "m"),
                           formatted(*std::max_element(off.begin(), off.end()), "m"), formatted(seconds.count(), "s")});
   }
   result.tables.push_back(table);
@@ -172,8 +173,9 @@ void compareWithSpline(const Model& model, const StaticSolution& s, const Backwa
 void judgeWarp(const CaseContext& context, const Phantom& phantom, const StaticSolution& s, CaseResult& result) {
   const Model& model = *s.model;
   const MmlsDeformation whole(model.X, model.support_radius, s.uAsVectors(),
-                              {model.scene.basis_degree, model.scene.mmls_weight}, organSurface(model.scene));
-  const SampledDeformation sampled(whole, model.scene.spacing / 3);
+                              {model.scene.discretization.basis_degree, model.scene.discretization.mmls_weight},
+                              organSurface(model.scene));
+  const SampledDeformation sampled(whole, model.scene.discretization.spacing / 3);
   const InverseDeformation inverse(sampled);
   const BackwardField field = backwardField(sampled, inverse, phantom.scan.grid);
   const WarpCheck check = checkField(field, whole, inverse, context.quick ? 2000 : 10000);
@@ -244,7 +246,7 @@ CaseResult brainShiftCase(const CaseContext& context) {
   std::vector<StaticSolution> solutions;
   double miss = 0;
   for (std::size_t k = 0; k < counts.size(); ++k) {
-    scene.spacing = spacingFor(volume, counts[k]);
+    scene.discretization.spacing = spacingFor(volume, counts[k]);
     const double all = static_cast<double>(counts.size()) + 1;
     solutions.push_back(solveCase(scene, evenTimes(4), partOf(context, static_cast<double>(k) + 0.5, all), 1e-3));
     if (!solutions.back().steps.back().converged) {
@@ -268,10 +270,11 @@ CaseResult brainShiftCase(const CaseContext& context) {
     }
     const bool finest = k + 1 == counts.size();
     if (!finest) coarsest = std::max(coarsest, quantile(off, 0.95));
-    table.rows.push_back(
-        {std::to_string(solutions[k].model->nodeCount()), std::to_string(solutions[k].model->pointCount()),
-         formatted(solutions[k].model->scene.spacing, "m"), finest ? "" : formatted(quantile(off, 0.95), "m"),
-         formatted(largest, "m"), formatted(solutions[k].seconds, "s")});
+    table.rows.push_back({std::to_string(solutions[k].model->nodeCount()),
+                          std::to_string(solutions[k].model->pointCount()),
+                          formatted(solutions[k].model->scene.discretization.spacing, "m"),
+                          finest ? "" : formatted(quantile(off, 0.95), "m"), formatted(largest, "m"),
+                          formatted(solutions[k].seconds, "s")});
   }
   result.tables.push_back(table);
   result.bounds.push_back(

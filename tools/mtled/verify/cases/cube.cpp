@@ -12,15 +12,15 @@ constexpr double edge = 0.1, top_motion = -0.02;
 Scene cubeScene(double spacing, int points_per_cell, double accuracy) {
   Scene scene = caseScene(3000, 0.49);
   scene.name = "cube";
-  scene.solid = Scene::Solid::Box;
-  scene.size = Vec3(edge, edge, edge);
-  scene.spacing = spacing;
+  scene.organs[0].solid = OrganSpec::Solid::Box;
+  scene.organs[0].size = Vec3(edge, edge, edge);
+  scene.discretization.spacing = spacing;
   scene.tools[0].shape.radius = 0.05;
-  scene.support_factor = 1.8;
-  scene.mmls_weight = 0.1;
-  scene.quadrature.points_per_cell = points_per_cell;
-  scene.quadrature.accuracy = accuracy;
-  scene.boundary_method = Scene::BoundaryMethod::Ebciem;
+  scene.discretization.support_factor = 1.8;
+  scene.discretization.mmls_weight = 0.1;
+  scene.discretization.quadrature.points_per_cell = points_per_cell;
+  scene.discretization.quadrature.accuracy = accuracy;
+  scene.discretization.boundary_method = DiscretizationSpec::BoundaryMethod::Ebciem;
   scene.boundaries = {planeBoundary("base", Vec3::Zero(), Vec3::UnitZ(), {false, false, true}),
                       planeBoundary("x side", Vec3(-edge / 2, 0, 0), Vec3::UnitX(), {true, false, false}),
                       planeBoundary("y side", Vec3(0, -edge / 2, 0), Vec3::UnitY(), {false, true, false}),
@@ -135,7 +135,7 @@ CaseResult cubeCase(const CaseContext& context) {
       const int all = context.quick ? 12 : 26;
       const CaseContext within = partOf(context, done++, all);
       Scene scene = cubeScene(row.spacing, row.points_per_cell, row.accuracy);
-      scene.quadrature.cells_per_point = row.cells_per_point;
+      scene.discretization.quadrature.cells_per_point = row.cells_per_point;
       apply(variant, scene);
       const Outcome out = compress(scene, within);
       boundary_error = std::max(boundary_error, std::isnan(out.boundary_error) ? 1 : out.boundary_error);

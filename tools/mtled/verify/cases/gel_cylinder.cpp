@@ -37,21 +37,22 @@ Scene gelScene(const GelRow& row) {
     gel.barrier_strength = barrier_strength;
     gel.barrier_J0 = barrier_J0;
   }
-  scene.solid = Scene::Solid::Cylinder;
-  scene.radius = gel_radius;
-  scene.height = height;
-  scene.spacing = row.spacing;
-  if (row.near_punch > 0) scene.refine.push_back({Vec3(0, 0, height), 1.3 * punch_radius, row.near_punch, 0.008, {}});
+  scene.organs[0].solid = OrganSpec::Solid::Cylinder;
+  scene.organs[0].radius = gel_radius;
+  scene.organs[0].height = height;
+  scene.discretization.spacing = row.spacing;
+  if (row.near_punch > 0)
+    scene.discretization.refine.push_back({Vec3(0, 0, height), 1.3 * punch_radius, row.near_punch, 0.008, {}});
   constexpr int around = 24;
   for (int k = 0; k < around && row.at_rim > 0; ++k) {
     const double angle = 2 * M_PI * k / around;
-    scene.refine.push_back(
+    scene.discretization.refine.push_back(
         {Vec3(punch_radius * std::cos(angle), punch_radius * std::sin(angle), height), 1e-3, row.at_rim, 0.002, {}});
   }
   apply(row.variant, scene);
-  scene.formulation.cell_volume = row.cell_volume;
-  if (row.near_punch > 0) scene.boundary_method = Scene::BoundaryMethod::Ebciem;
-  scene.tissue_colour = Vec3(0.45, 0.6, 0.72);
+  scene.discretization.formulation.cell_volume = row.cell_volume;
+  if (row.near_punch > 0) scene.discretization.boundary_method = DiscretizationSpec::BoundaryMethod::Ebciem;
+  scene.organs[0].colour = Vec3(0.45, 0.6, 0.72);
   BoundarySpec punch = planeBoundary("punch", Vec3(0, 0, height), Vec3::UnitZ());
   punch.region.kind = Region::Kind::Cylinder;
   punch.region.point = Vec3(0, 0, height - 1e-6);

@@ -67,12 +67,12 @@ CaseResult lockingCase(const CaseContext& context) {
       const CaseContext within = partOf(context, done++, all);
       Scene scene = caseScene(2 * mu * (1 + nu), nu);
       scene.name = "locking";
-      scene.solid = Scene::Solid::Box;
-      scene.size = Vec3(0.020, 0.015, height);
-      scene.spacing = spacing;
-      scene.support_factor = 2.0;
-      scene.mmls_weight = 0.2;
-      scene.boundary_method = Scene::BoundaryMethod::Ebciem;
+      scene.organs[0].solid = OrganSpec::Solid::Box;
+      scene.organs[0].size = Vec3(0.020, 0.015, height);
+      scene.discretization.spacing = spacing;
+      scene.discretization.support_factor = 2.0;
+      scene.discretization.mmls_weight = 0.2;
+      scene.discretization.boundary_method = DiscretizationSpec::BoundaryMethod::Ebciem;
       scene.boundaries = {planeBoundary("base", Vec3::Zero(), Vec3::UnitZ()),
                           planeBoundary("top", Vec3(0, 0, height), Vec3::UnitZ())};
       scene.boundaries.back().translation = Vec3(0, 0, -0.2 * height);

@@ -66,8 +66,9 @@ Matrix gradientNorm(const Model& model) {
   }
   const Neighbours neighbours(model.X, model.support_radius);
   std::vector<InadmissibleSupport> failed;
-  const ShapeTable shape = shapeFunctions(fine.X, model.X, model.support_radius, neighbours,
-                                          {model.scene.basis_degree, model.scene.mmls_weight}, failed);
+  const ShapeTable shape =
+      shapeFunctions(fine.X, model.X, model.support_radius, neighbours,
+                     {model.scene.discretization.basis_degree, model.scene.discretization.mmls_weight}, failed);
   const int n = model.nodeCount();
   Matrix scalar = Matrix::Zero(n, n);
   for (int q = 0; q < shape.rowCount(); ++q)
@@ -137,12 +138,12 @@ CaseResult modesCase(const CaseContext& context) {
     context.progress(done++ / 7.0, row.name);
     Scene scene = caseScene(3000, 0.49);
     scene.name = "modes";
-    scene.solid = Scene::Solid::Box;
-    scene.size = Vec3(0.1, 0.1, 0.1);
-    scene.spacing = spacing;
+    scene.organs[0].solid = OrganSpec::Solid::Box;
+    scene.organs[0].size = Vec3(0.1, 0.1, 0.1);
+    scene.discretization.spacing = spacing;
     scene.tools[0].shape.radius = 0.05;
-    scene.quadrature.points_per_cell = row.points_per_cell;
-    scene.quadrature.cells_per_point = row.cells_per_point;
+    scene.discretization.quadrature.points_per_cell = row.points_per_cell;
+    scene.discretization.quadrature.cells_per_point = row.cells_per_point;
     scene.boundaries = {planeBoundary("base", Vec3::Zero(), Vec3::UnitZ())};  // a model needs one; it is not used
     apply(row.variant, scene);
     const StaticSolution s = solveCase(scene, {}, context);

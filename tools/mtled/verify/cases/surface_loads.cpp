@@ -65,8 +65,8 @@ TriangleSurface sphereOctant(double edge) {
 Scene sphereScene(double spacing, double young, double poisson, double pressure) {
   Scene scene = caseScene(young, poisson);
   scene.name = "thick sphere";
-  scene.spacing = spacing;
-  scene.support_factor = 2.0;
+  scene.discretization.spacing = spacing;
+  scene.discretization.support_factor = 2.0;
   for (int c = 0; c < 3; ++c)
     scene.boundaries.push_back(
         planeBoundary(std::string("wall ") + "xyz" [c], Vec3::Zero(), Vec3::Unit(c), { c == 0, c == 1, c == 2 }));
@@ -126,8 +126,8 @@ TriangleSurface cookSurface(double thickness, double edge) {
 Scene cookScene(double spacing, double thickness, double young, double poisson, double traction) {
   Scene scene = caseScene(young, poisson);
   scene.name = "Cook's panel";
-  scene.spacing = spacing;
-  scene.support_factor = 2.0;
+  scene.discretization.spacing = spacing;
+  scene.discretization.support_factor = 2.0;
   scene.boundaries = {planeBoundary("left", Vec3::Zero(), Vec3::UnitX(), {true, true, false}),
                       planeBoundary("back", Vec3::Zero(), Vec3::UnitZ(), {false, false, true}),
                       planeBoundary("front", Vec3(0, 0, thickness), Vec3::UnitZ(), {false, false, true})};

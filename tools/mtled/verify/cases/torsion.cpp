@@ -17,13 +17,13 @@ Scene torsionScene(double spacing) {
   Scene scene = caseScene(young(), nu);
   scene.name = "torsion";
   scene.tools[0].shape.radius = spacing;  // a finer polygon for the round: the moment goes with R^4
-  scene.solid = Scene::Solid::Cylinder;
-  scene.radius = R;
-  scene.height = H;
-  scene.spacing = spacing;
-  scene.support_factor = 2.0;
-  scene.mmls_weight = 0.1;
-  scene.boundary_method = Scene::BoundaryMethod::Ebciem;
+  scene.organs[0].solid = OrganSpec::Solid::Cylinder;
+  scene.organs[0].radius = R;
+  scene.organs[0].height = H;
+  scene.discretization.spacing = spacing;
+  scene.discretization.support_factor = 2.0;
+  scene.discretization.mmls_weight = 0.1;
+  scene.discretization.boundary_method = DiscretizationSpec::BoundaryMethod::Ebciem;
   scene.boundaries = {planeBoundary("base", Vec3::Zero(), Vec3::UnitZ()),
                       planeBoundary("top", Vec3(0, 0, H), Vec3::UnitZ())};
   scene.boundaries.back().angle = angle;
@@ -81,12 +81,12 @@ struct Ring {
 Scene flexureScene(double spacing, const Ring& ring) {
   Scene scene = caseScene(young(), nu);
   scene.name = "flexure";
-  scene.solid = Scene::Solid::Box;  // x in +-T/2, y in +-L/2, z in 0..W
-  scene.size = Vec3(T, L, W);
-  scene.spacing = spacing;
-  scene.support_factor = 2.0;
-  scene.mmls_weight = 0.1;
-  scene.boundary_method = Scene::BoundaryMethod::Ebciem;
+  scene.organs[0].solid = OrganSpec::Solid::Box;  // x in +-T/2, y in +-L/2, z in 0..W
+  scene.organs[0].size = Vec3(T, L, W);
+  scene.discretization.spacing = spacing;
+  scene.discretization.support_factor = 2.0;
+  scene.discretization.mmls_weight = 0.1;
+  scene.discretization.boundary_method = DiscretizationSpec::BoundaryMethod::Ebciem;
   // Turned by 90 degrees about a point at x = c, all of the end comes to lie at x = c. It is first turned as a
   // stiff plate, about where the ring's centre will be; then only x is imposed, the component along
   // the plane's normal, and the end slides in its plane to where it likes.
