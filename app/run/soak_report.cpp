@@ -99,6 +99,7 @@ std::vector<std::string> brokenPromises(const SoakReport& r) {
   if (!r.rough && r.drift() > RestWatch::drift_limit)
     broken.push_back(format("the state at rest drifted by %.2g of the organ's size (limit %.0e)", r.drift(),
                             RestWatch::drift_limit));
+  if (r.cycles == 0) broken.push_back("no cycle came to its end, and rest was never looked at: a longer soak");
   if (r.unrested_cycles > 0)
     broken.push_back(
         format("after %lld of %lld cycles the tissue was still moving %.0f s later: too little damping, "

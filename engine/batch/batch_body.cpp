@@ -7,6 +7,7 @@
 #include "model/live_parameters.h"
 #include "model/solution_fields.h"
 #include "setup/mixtures.h"
+#include "step/held_nodes.h"
 #include "step/step_report.h"
 #include "step/trust.h"
 
@@ -41,7 +42,8 @@ BatchBody::BatchBody(const Model& model, const std::vector<double>& mass, int th
       rigid_(makeRigidState(model.rigid, model.nodeCount())),
       u_float_(model.X.size()),
       du_float_(model.X.size()),
-      du_before_(model.X.size()) {
+      du_before_(model.X.size()),
+      du_held_(model.X.size()) {
   for (const double m : mass) {
     inverse_mass_.push_back(1 / m);
     inverse_mass_float_.push_back(static_cast<float>(1 / m));
@@ -105,9 +107,25 @@ void BatchBody::contact(double alpha, double time, Report& report) {
   findSkinPairs(model_.bodies, model_.skin, u_float_.data(), du_before_.data(), 1, skins_, skins_scratch_);
   const ContactStep step{model_.skin, static_cast<float>(alpha), inverse_mass_float_.data(), u_float_.data(),
                          du_float_.data()};
-  report.contact = tools_.solve(
-      step, {{}, &skins_, &skins_scratch_, layer_ ? nullptr : &model_.rigid, &rigid_, time - model_.dt, time},
-      report.loads);
+  HeldNodes held([&] {
+    for (std::size_t i = 0; i < u.size(); ++i)
+      du_held_[i] = {du[i].x + (du_float_[i].x - du_before_[i].x), du[i].y + (du_float_[i].y - du_before_[i].y),
+                     du[i].z + (du_float_[i].z - du_before_[i].z), 0};
+    imposeBoundary(boundary_, time, 0.0, alpha, inverse_mass_.data(), u.data(), du_held_.data(), boundary_scratch_,
+                   team_, true);
+    for (std::size_t i = 0; i < u.size(); ++i) du_float_[i] = toFloat(du_held_[i]);
+  });
+  const bool beside_held = touchesBesideHeld(model_, tools_.contacts(), skins_, rigid_);
+  report.contact = tools_.solve(step,
+                                {{},
+                                 beside_held ? &held : nullptr,
+                                 &skins_,
+                                 &skins_scratch_,
+                                 layer_ ? nullptr : &model_.rigid,
+                                 &rigid_,
+                                 time - model_.dt,
+                                 time},
+                                report.loads);
   report.tool_force = report.loads[0].force;
   if (model_.bodies.several())
     for (int k = 0; k < organCount(model_); ++k)

@@ -112,6 +112,7 @@ class BatchBody {
   RigidState rigid_;
   RigidLayer* layer_ = nullptr;  // in place of rigid_
   AlignedVector<Float4> u_float_, du_float_, du_before_;
+  AlignedVector<Double4> du_held_;
 };
 
 /// The displacement field at rows of a ShapeTable or SkinModel, m: sum_i N_i u_i.  (row_count)

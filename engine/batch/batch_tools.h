@@ -1,5 +1,6 @@
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "contact/contact.h"
@@ -25,6 +26,7 @@ class BatchTools {
   /// solveContacts for the tools and all else that touches; says what the tissue does to each tool (no torques).
   ContactForces solve(const ContactStep& step, Touching touching, ToolLoads& loads);
 
+  std::span<const ContactState> contacts() const { return contact_; }
   /// After solve(), as StepReport has them: how deep the skin is in the tools, m, and whether a list overflowed.
   double maxPenetration() const;
   bool overflow() const;

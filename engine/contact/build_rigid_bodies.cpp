@@ -13,7 +13,7 @@ namespace {
 /// times the pressure of a brain's weight.
 constexpr double layer_depth = 1e-5;
 
-/// Apart from each other, per spacing of the nodes, are the points that touch.
+/// Apart from each other, per spacing of the nodes there, are the points that touch.
 constexpr double point_distance = 0.5;
 
 /// The same per radius of a ball or cylinder, whichever is less: all vertices of a skin that is made for it (edges of a
@@ -24,19 +24,20 @@ constexpr double cells_per_spacing = 3;
 constexpr double largest_cell = 2e-3;  // m: the distance to a ball of 30 mm is within 0.03 mm then
 constexpr double most_nodes = 4e6;     // of the grid: 16 MB
 
-/// Vertices of the skin that are no nearer to each other than `apart`, in their order.
-std::vector<int> thinned(const std::vector<Vec3>& X, double apart) {
+/// Vertices of the skin of which none is nearer to an earlier one than `apart` of it, in their order.
+/// @param apart  m (vertex_count)  @param widest  m, the largest of them
+std::vector<int> thinned(const std::vector<Vec3>& X, const std::vector<double>& apart, double widest) {
   using Cell = std::array<int, 3>;
   std::map<Cell, std::vector<int>> kept;
   std::vector<int> result;
   for (int v = 0; v < static_cast<int>(X.size()); ++v) {
     Cell at{};
-    for (int a = 0; a < 3; ++a) at[static_cast<std::size_t>(a)] = static_cast<int>(std::floor(X[v][a] / apart));
+    for (int a = 0; a < 3; ++a) at[static_cast<std::size_t>(a)] = static_cast<int>(std::floor(X[v][a] / widest));
     bool free = true;
     for (int n = 0; n < 27 && free; ++n) {
       const auto cell = kept.find({at[0] + n % 3 - 1, at[1] + n / 3 % 3 - 1, at[2] + n / 9 - 1});
       if (cell == kept.end()) continue;
-      for (const int w : cell->second) free = free && (X[w] - X[v]).squaredNorm() >= apart * apart;
+      for (const int w : cell->second) free = free && (X[w] - X[v]).squaredNorm() >= apart[v] * apart[v];
     }
     if (!free) continue;
     kept[at].push_back(v);
@@ -138,11 +139,13 @@ GapGrid gapGrid(const SurfaceTree& surface, const SurfaceSide& side, double spac
   return grid;
 }
 
-void addRigidBody(RigidBody body, const SkinModel& skin, double spacing, double young_modulus,
+void addRigidBody(RigidBody body, const SkinModel& skin, const SpacingField& spacing, double young_modulus,
                   std::optional<double> gap_at_rest, RigidBodies& bodies) {
-  const double apart = apartOn(body.shape, spacing);
-  const std::vector<int> points = thinned(skin.surface.vertices, apart);
-  const std::vector<float> areas = areasOf(skin, points, apart);
+  std::vector<double> apart;
+  for (const Vec3& X : skin.surface.vertices) apart.push_back(apartOn(body.shape, spacing.at(X)));
+  const double widest = apartOn(body.shape, spacing.largest());
+  const std::vector<int> points = thinned(skin.surface.vertices, apart, widest);
+  const std::vector<float> areas = areasOf(skin, points, widest);
   body.begin = bodies.pointCount();
   bodies.vertex.insert(bodies.vertex.end(), points.begin(), points.end());
   bodies.area.insert(bodies.area.end(), areas.begin(), areas.end());

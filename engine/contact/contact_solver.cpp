@@ -43,6 +43,7 @@ ContactForces solveContacts(const ContactStep& step, const Touching& touching) {
   ToolRows tools(step, touching.tools);
   SkinRows skins(step, touching.skins, touching.pairs);
   RigidRows rigid(step, touching.rigid, touching.begin, touching.end, touching.rigid_state);
+  if (touching.held != nullptr) touching.held->makeRows();
   const int sweeps = sweepAll(std::array<ContactGroup*, 3>{&tools, &skins, &rigid});
   tools.finish();
   return {skins.finish(), rigid.finish(), sweeps};

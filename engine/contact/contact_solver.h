@@ -12,6 +12,8 @@ namespace palpate {
 /// All that may touch the skin in a step.
 struct Touching {
   std::span<TouchingTool> tools{};  // at most max_tool_bodies; each receives the force on it
+  // What imposes displacements, once the last step's forces act: rows then see nodes as they will go; null: nothing.
+  ContactGroup* held = nullptr;
   // Parts of the skin that touch each other; null: none do.
   SkinContactState* skins = nullptr;
   SkinContactScratch* pairs = nullptr;

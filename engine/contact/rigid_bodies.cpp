@@ -14,6 +14,21 @@ bool RigidBodies::moves() const {
   return std::any_of(body.begin(), body.end(), [](const RigidBody& b) { return b.motion.moves(); });
 }
 
+void addDeepest(const RigidBodies& bodies, const SkinModel& skin, const Float4* u, double time, int first, int stride,
+                RigidLoads& loads) {
+  for (std::size_t b = 0; b < bodies.body.size(); ++b) {
+    const RigidBody& body = bodies.body[b];
+    if (body.encloses) continue;
+    const Pose pose = body.motion.moves() ? body.at(time) : Pose{};
+    double deepest = 0;
+    for (int v = first; v < skin.vertexCount(); v += stride) {
+      Vec3 normal;
+      deepest = std::max(deepest, -body.shape.gapAt(pose.toLocal(skinPosition(skin, v, u)), normal));
+    }
+    loads[b].max_penetration = std::max(loads[b].max_penetration, deepest);
+  }
+}
+
 RigidState makeRigidState(const RigidBodies& bodies, int node_count) {
   RigidState state;
   if (bodies.empty()) return state;

@@ -66,6 +66,7 @@ struct ToolLoad {
   double pinch = 0;            // N, jaws: mean of what presses the two fingers apart
   int contact_count = 0;       // points of the skin that carry force
   int near_count = 0;          // skin vertices that it may reach in the tick; of a whole tick only
+  bool stopped = false;        // it stands before a rigid body; likewise
 };
 using ToolLoads = std::array<ToolLoad, max_tools>;
 

@@ -16,7 +16,7 @@ namespace palpate {
 namespace {
 
 constexpr std::uint64_t magic = 0x31657461706c6170;  // "palpate1" as bytes
-constexpr std::uint64_t version = 5;                 // of the layout below
+constexpr std::uint64_t version = 6;                 // of the layout below
 constexpr std::size_t block_bytes = 1 << 20;
 
 /// A word-wise mix: each step is a bijection of the state, so one changed word always changes the result.
@@ -84,13 +84,13 @@ constexpr std::size_t array_count = 36;
 struct Header {
   std::uint64_t magic_word = magic, layout = version;
   KeyHash key{};
-  double surface_volume = 0, cell_volume = 0, dt = 0, dt_proven = 0, pair_moment = 0;
-  std::int64_t worst_node = 0, iterations = 0;
+  double surface_volume = 0, cell_volume = 0, dt = 0, dt_proven = 0, pair_moment = 0, layer_error = 0;
+  std::int64_t thin_layer = -1, worst_node = 0, iterations = 0;
   std::array<std::uint64_t, array_count> length{};  // elements
   std::array<std::uint64_t, array_count> checksum{};
   std::uint64_t own_checksum = 0;  // of all before it
 };
-static_assert(std::is_trivially_copyable_v<Header> && sizeof(Header) == (12 + 2 * array_count) * 8);  // no padding
+static_assert(std::is_trivially_copyable_v<Header> && sizeof(Header) == (14 + 2 * array_count) * 8);  // no padding
 
 std::uint64_t checksumOf(const Header& header) {
   return hashBytes(reinterpret_cast<const char*>(&header), offsetof(Header, own_checksum), version);
@@ -165,6 +165,8 @@ int writePreparation(int file, const KeyHash& key, const Preparation& p) {
   header.dt = p.limit.dt;
   header.dt_proven = p.limit.dt_proven;
   header.pair_moment = p.pair_moment;
+  header.layer_error = p.layer_error;
+  header.thin_layer = p.thin_layer;
   header.worst_node = p.limit.worst_node;
   header.iterations = p.limit.iterations;
   std::size_t k = 0;
@@ -219,8 +221,10 @@ bool readPreparation(int file, const KeyHash& key, Preparation& p) {
   p.surface_volume = header.surface_volume;
   p.cell_volume = header.cell_volume;
   p.pair_moment = header.pair_moment;
+  p.layer_error = header.layer_error;
   // What does not fit an int is no node; isSound refuses it.
   const auto toInt = [](std::int64_t a) { return a == static_cast<int>(a) ? static_cast<int>(a) : -1; };
+  p.thin_layer = toInt(header.thin_layer);
   p.limit = {header.dt, header.dt_proven, toInt(header.worst_node), toInt(header.iterations)};
   return true;
 }

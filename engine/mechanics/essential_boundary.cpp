@@ -199,7 +199,7 @@ template <class Real>
 BoundaryScratchOf<Real> makeBoundaryScratch(const EssentialBoundaryOf<Real>& boundary) {
   BoundaryScratchOf<Real> scratch;
   for (const auto& set : boundary.sets) scratch.rhs.emplace_back(set.node.size());
-  scratch.drift = scratch.rhs;
+  scratch.drift = scratch.first = scratch.rhs;
   const std::size_t boundaries = boundary.motions.size();
   scratch.rotation.assign(boundaries, Mat3::Zero());
   scratch.rotation_before = scratch.rotation;

@@ -60,6 +60,9 @@ struct BoundaryScratchOf {
   std::vector<AlignedVector<Real4<Real>>> rhs;  // (set_count)(row_count); after a step alpha times the tractions T
   std::vector<AlignedVector<Real4<Real>>>
       drift;  // (set_count)(row_count) m, drift that the next step with increments corrects
+  // Of a step that imposes twice: what the first time brought.
+  std::vector<AlignedVector<Real4<Real>>> first;  // (set_count)(row_count) as rhs
+  bool goes_on = false;
   std::vector<Mat3> rotation, rotation_before;  // (boundary_count) minus identity, at the step's end and start
   std::vector<Vec3> shift, shift_before;        // (boundary_count) m
   BoundaryShifts moved, moved_before;           // beside the motions at the step's end and start; the caller's
@@ -83,12 +86,14 @@ BoundaryScratchOf<Real> makeBoundaryScratch(const EssentialBoundaryOf<Real>& bou
 ///           otherwise u + du is set to the whole displacement, so that no errors accumulate
 /// @param alpha  of paper eq. 12, s^2
 /// @return force of the boundaries that have no motion on the tissue, N
+/// @param again  it will be called once more in this step, after what moves du further: tractions and reactions are
+///               then those of both times
 /// The team shares all but the triangular solutions; results do not depend on its size.
 /// Real-time: no allocation, no lock, no throw.
 template <class Real>
 Vec3 imposeBoundary(const EssentialBoundaryOf<Real>& boundary, double time_s, double dt, double alpha,
                     const Real* inverse_mass, const std::type_identity_t<Real4<Real>>* u, Real4<Real>* du,
-                    BoundaryScratchOf<Real>& scratch, SpinTeam& team);
+                    BoundaryScratchOf<Real>& scratch, SpinTeam& team, bool again = false);
 
 /// Where only increments are imposed, their rounding errors add up to a drift of some 1e-9 of the body's size in a
 /// thousand ticks. This function computes in double how far the field at the imposed nodes is from where it should be

@@ -1,5 +1,7 @@
 #include "mechanics/essential_boundary.h"
 
+#include <algorithm>
+
 #include "base/float4.h"
 
 namespace palpate {
@@ -71,14 +73,15 @@ void addReactions(const EssentialBoundaryOf<Real>& boundary, const typename Esse
 template <class Real>
 Vec3 imposeBoundary(const EssentialBoundaryOf<Real>& boundary, double time_s, double dt, double alpha,
                     const Real* inverse_mass, const std::type_identity_t<Real4<Real>>* u, Real4<Real>* du,
-                    BoundaryScratchOf<Real>& scratch, SpinTeam& team) {
+                    BoundaryScratchOf<Real>& scratch, SpinTeam& team, bool again) {
   evaluate(boundary.motions, time_s, scratch.moved, scratch.rotation, scratch.shift);
   evaluate(boundary.motions, time_s - dt, scratch.moved_before, scratch.rotation_before, scratch.shift_before);
   for (std::size_t b = 0; b < boundary.motions.size(); ++b)
     scratch.moves[b] =
         boundary.motions[b].moves() || !scratch.moved.at(b).isZero(0) || !scratch.moved_before.at(b).isZero(0);
   for (auto& part : scratch.part_reaction)
-    for (auto& reaction : part) reaction = {};
+    for (auto& reaction : part)
+      if (!scratch.goes_on) reaction = {};
 
   for (std::size_t s = 0; s < boundary.sets.size(); ++s) {
     const auto& set = boundary.sets[s];
@@ -98,7 +101,7 @@ Vec3 imposeBoundary(const EssentialBoundaryOf<Real>& boundary, double time_s, do
         GroupOf<Real> sum = load(toReal4<Real>(imposed));
         if (!u) {
           sum += load(scratch.drift[s][k]);
-          scratch.drift[s][k] = {};
+          if (!again) scratch.drift[s][k] = {};
         }
         sum = lessRow<Real>(set.phi, k, du, sum);
         if (u) sum = lessRow<Real>(set.phi, k, u, sum);
@@ -120,6 +123,12 @@ Vec3 imposeBoundary(const EssentialBoundaryOf<Real>& boundary, double time_s, do
                    scratch.part_reaction[static_cast<std::size_t>(part)]);
     });
   }
+  for (std::size_t s = 0; s < boundary.sets.size(); ++s) {
+    auto &rhs = scratch.rhs[s], &first = scratch.first[s];
+    for (std::size_t k = 0; k < rhs.size() && scratch.goes_on; ++k) store(rhs[k], load(rhs[k]) + load(first[k]));
+    if (again) std::copy(rhs.begin(), rhs.end(), first.begin());
+  }
+  scratch.goes_on = again;
   Vec3 held = Vec3::Zero();
   for (std::size_t b = 0; b < boundary.motions.size(); ++b) {
     scratch.reaction[b] = {};
@@ -170,10 +179,10 @@ void addNodeReactions(const EssentialBoundaryOf<Real>& boundary, const BoundaryS
   }
 }
 
-#define PALPATE_INSTANTIATE(Real)                                                                          \
-  template Vec3 imposeBoundary(const EssentialBoundaryOf<Real>&, double, double, double, const Real*,      \
-                               const Real4<Real>*, Real4<Real>*, BoundaryScratchOf<Real>&, SpinTeam&);     \
-  template void addNodeReactions(const EssentialBoundaryOf<Real>&, const BoundaryScratchOf<Real>&, double, \
+#define PALPATE_INSTANTIATE(Real)                                                                            \
+  template Vec3 imposeBoundary(const EssentialBoundaryOf<Real>&, double, double, double, const Real*,        \
+                               const Real4<Real>*, Real4<Real>*, BoundaryScratchOf<Real>&, SpinTeam&, bool); \
+  template void addNodeReactions(const EssentialBoundaryOf<Real>&, const BoundaryScratchOf<Real>&, double,   \
                                  std::vector<Vec3>&);
 PALPATE_INSTANTIATE(float)
 PALPATE_INSTANTIATE(double)

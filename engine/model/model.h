@@ -22,8 +22,10 @@ struct Model : Body {
   KernelLayout kernel;                // what the hot kernel reads
   EssentialBoundary boundary;         // of `essential` and the masses
   RigidBodies rigid;                  // of scene.rigid
-  StiffnessMeans stiffness_means;     // how masses follow the stiffness of squeezed tissue
-  PointGroups point_groups;           // for the error to expect (resolution.h)
+  // (vertex_count) of the skin: nodes move it that displacements are imposed on. Empty: there are none
+  std::vector<std::uint8_t> beside_held;
+  StiffnessMeans stiffness_means;  // how masses follow the stiffness of squeezed tissue
+  PointGroups point_groups;        // for the error to expect (resolution.h)
 
   double rest_energy = 0;    // J, strain energy below which is rounding
   double max_increment = 0;  // m a node may move in one step; more is a blow-up

@@ -112,7 +112,8 @@ bool isSound(const Preparation& p, std::size_t material_count, std::size_t bound
          p.vertex_group.size() == (p.vertex_group.empty() ? p.side_node.size() : nodes + p.side_node.size()) &&
          isTable(p.node_shape, nodes, nodes, false) && areRows(p.skin, vertices, nodes) &&
          allFinite(p.skin.surface.vertices) && allWithin(p.skin.surface.triangles, vertices) &&
-         isEssential(p.essential, nodes, boundary_count) && within(p.limit.worst_node, nodes) &&
+         isEssential(p.essential, nodes, boundary_count) && within(p.limit.worst_node, nodes) && p.thin_layer >= -1 &&
+         p.thin_layer < static_cast<int>(material_count) && std::isfinite(p.layer_error) &&
          allPositive({p.limit.dt, p.limit.dt_proven, p.surface_volume, p.cell_volume}) &&
          p.cloud.on_surface.size() == p.cloud.X.size() && p.cloud.coarsest.size() == p.cloud.X.size() &&
          allFinite(p.cloud.X) && std::isfinite(p.pair_moment) &&

@@ -38,6 +38,10 @@ struct Preparation {
   double surface_volume = 0;                     // m^3, of the organ's own surface
   double cell_volume = 0;                        // m^3, of the background cells
 
+  // Of the cells' materials (thin_layers.h): one of which they see little, and the error that forces have for it.
+  int thin_layer = -1;  // index into the scene's materials; -1: none
+  double layer_error = 0;
+
   // Computed by shapeFunctions (MMLS).
   ShapeTable point_shape;  // N, gradN at the integration points
   ShapeTable node_shape;   // N at the nodes' own positions

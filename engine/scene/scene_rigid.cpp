@@ -103,7 +103,8 @@ double largestSpeed(const RigidSpec& spec) {
   return rate * way;
 }
 
-RigidBodies rigidBodiesOf(const Scene& scene, const SurfaceTree& organ, const SkinModel& skin, double young_modulus) {
+RigidBodies rigidBodiesOf(const Scene& scene, const SurfaceTree& organ, const SkinModel& skin,
+                          const SpacingField& spacing, double young_modulus) {
   RigidBodies bodies;
   for (const RigidSpec& spec : scene.rigid) {
     RigidBody body;
@@ -117,7 +118,7 @@ RigidBodies rigidBodiesOf(const Scene& scene, const SurfaceTree& organ, const Sk
       body.shape = solidOf(spec.region);
     checkGap(spec, body.shape, organ, skin);
     const auto gap = spec.of_organ ? std::optional<double>(spec.clearance) : std::nullopt;
-    addRigidBody(std::move(body), skin, scene.discretization.spacing, young_modulus, gap, bodies);
+    addRigidBody(std::move(body), skin, spacing, young_modulus, gap, bodies);
   }
   return bodies;
 }

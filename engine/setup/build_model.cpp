@@ -11,6 +11,7 @@
 #include "scene/scene_rigid.h"
 #include "setup/body_points.h"
 #include "setup/choose_time_step.h"
+#include "setup/discretize_parts.h"
 #include "setup/finish.h"
 #include "setup/imposed_nodes.h"
 #include "setup/join_bodies.h"
@@ -179,6 +180,22 @@ double softestYoung(const std::vector<Material>& materials) {
   return 3 * softest;
 }
 
+/// Skin vertices that nodes move which displacements are imposed on (vertex_count); empty: there are none.
+std::vector<std::uint8_t> besideHeld(const SkinModel& skin, const EssentialBoundary& boundary) {
+  std::vector<std::uint8_t> held, beside;
+  for (const auto& set : boundary.sets)
+    for (const int i : set.touched) {
+      held.resize(std::max(held.size(), static_cast<std::size_t>(i) + 1));
+      held[i] = 1;
+    }
+  if (held.empty()) return beside;
+  beside.resize(static_cast<std::size_t>(skin.vertexCount()));
+  for (int v = 0; v < skin.vertexCount(); ++v)
+    for (int e = skin.begin[v]; e < skin.begin[v + 1]; ++e)
+      if (static_cast<std::size_t>(skin.node[e]) < held.size()) beside[v] |= held[skin.node[e]];
+  return beside;
+}
+
 /// The skin as the contact reads it, and the tools before it.
 void addSkinAndTool(const Scene& scene, const SurfaceTree& tree, const CommonToPlaces* common, Model& model) {
   SkinModel skin = common != nullptr ? common->skin : skinOf(scene, model.skin.surface);
@@ -189,7 +206,12 @@ void addSkinAndTool(const Scene& scene, const SurfaceTree& tree, const CommonToP
   model.gaps =
       common != nullptr ? common->gaps : std::make_shared<const SurfaceGaps>(gapsOf(scene, model.skin.surface, tree));
   addBodies(scene, tree, common, model);
-  model.rigid = rigidBodiesOf(scene, tree, model.skin, softestYoung(model.materials));
+  SpacingField spacing = spacingField(scene);
+  if (common != nullptr) {  // the same points at all places
+    spacing.spacing = common->finest_spacing;
+    spacing.refinements.clear();
+  }
+  model.rigid = rigidBodiesOf(scene, tree, model.skin, spacing, softestYoung(model.materials));
   model.tools = makeToolSet(scene, tree, model.skin.surface);
   for (ToolSetUp& tool : model.tools.tool) {
     tool.max_force = maxToolForce(tool.max_force, tool.shape.radius, model.materials);
@@ -226,6 +248,7 @@ Model finish(const Scene& scene, const SurfaceTree& tree, Preparation preparatio
   addWeight(model);
   setBounds(model);
   addSkinAndTool(scene, tree, common, model);
+  model.beside_held = besideHeld(model.skin, model.boundary);
   model.surface_loads = makeSurfaceLoads(model, tree);
 
   report("kernel layout", 0.96);

@@ -119,6 +119,10 @@ void append(Preparation&& more, Preparation& all) {
   append(std::move(more.point_volume), all.point_volume);
   append(std::move(more.point_material), all.point_material);
   append(std::move(more.point_cell), cell, all.point_cell);
+  if (more.layer_error > all.layer_error) {
+    all.layer_error = more.layer_error;
+    all.thin_layer = more.thin_layer;
+  }
   all.surface_volume += more.surface_volume;
   all.cell_volume += more.cell_volume;
   append(std::move(more.point_shape), nodes, all.point_shape);

@@ -282,6 +282,7 @@ Places makePlaces(const Scene& as_read, const TriangleSurface& organ, const Prog
   // The skin is one for all: no finer below a ball than elsewhere.
   Scene plain = scene;
   plain.discretization.refine = finerThan(sizes.fine, as_read.discretization.refine);
+  places.common.finest_spacing = sizes.fine;
   places.common.skin = skinOf(scene, refineForContact(plain, organ));
   places.common.gaps = std::make_shared<const SurfaceGaps>(gapsOf(scene, places.common.skin.surface, places.organ));
   places.common.bodies = makeSkinBodies(places.common.skin, scene.discretization.spacing);

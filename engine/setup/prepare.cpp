@@ -16,6 +16,7 @@
 #include "setup/interface_nodes.h"
 #include "setup/mixtures.h"
 #include "setup/sharp_interfaces.h"
+#include "setup/thin_layers.h"
 
 namespace palpate {
 namespace {
@@ -176,6 +177,9 @@ Preparation prepare(const Scene& scene, const SurfaceTree& tree, Discretization 
   report("integration points", 0.43);
   auto radius = supportRadii(cloud.X, cells.cells, scene.discretization.support_factor);
   std::vector<int> cell_material = cellMaterials(scene, tree, cloud.X, cells);
+  const ThinLayer layer = thinnestLayer(scene, tree, cloud.X, cells.cells, cell_material);
+  p.thin_layer = layer.material;
+  p.layer_error = layer.error;
   auto points =
       choosePoints(scene, cloud.X, cells, cell_material, radius, common != nullptr ? &common->pair_moment : nullptr);
 

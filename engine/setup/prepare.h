@@ -16,9 +16,10 @@ struct CommonToPlaces {
   SkinModel skin;     // without rows
   SkinBodies bodies;  // of it, likewise
   std::shared_ptr<const SurfaceGaps> gaps;
-  double pair_moment = 0;  // cells are joined up to it (pairCellsUpTo), where the scene has cells_per_point > 1
-  double row_limit = 0;    // 1/s^2: m_i = max(lumped m_i, Gershgorin row_i / row_limit)
-  double critical = 0;     // s, the critical step that all have; a place that falls short gets more mass where it must
+  double finest_spacing = 0;  // m, of the nodes at any place
+  double pair_moment = 0;     // cells are joined up to it (pairCellsUpTo), where the scene has cells_per_point > 1
+  double row_limit = 0;       // 1/s^2: m_i = max(lumped m_i, Gershgorin row_i / row_limit)
+  double critical = 0;  // s, the critical step that all have; a place that falls short gets more mass where it must
 };
 
 /// What the places that were made leave for the next one. No bit of a place depends on it.

@@ -32,7 +32,11 @@ double toolForce(const StepReport& report) {
 }
 
 /// The largest force that something has on it, N.
-double largestForce(const StepReport& report) { return std::max(toolForce(report), report.base_reaction.norm()); }
+double largestForce(const StepReport& report) {
+  double largest = std::max(toolForce(report), report.base_reaction.norm());
+  for (const RigidLoad& load : report.rigid) largest = std::max(largest, load.force.norm());
+  return largest;
+}
 
 /// What a ball's force stores in a half-space, J: 2/5 F d, F = 16/3 mu sqrt(R) d^(3/2) (Hertz); no more than there is.
 double touchEnergy(const Model& model, double force, double strain_energy) {
@@ -154,8 +158,10 @@ double expectedError(const Model& model, std::span<const Material> materials, co
     for (std::size_t k = 0; k < 4; ++k) at_nodes[k] = fit[static_cast<std::size_t>(groups.of_point[q][k])];
     sums.add(model, q, materials[static_cast<std::size_t>(model.point_material[q])], at[q], at_nodes);
   }
-  if (model.surface_loads.empty() || !(tool_force > 0)) return sums.off(strain_energy) / strain_energy;
-  return std::min(1.0, sums.off(strain_energy) / touchEnergy(model, tool_force, strain_energy));
+  const double energy =
+      model.surface_loads.empty() || !(tool_force > 0) ? strain_energy : touchEnergy(model, tool_force, strain_energy);
+  const double error = sums.off(strain_energy) / energy;
+  return std::max(model.layer_error, energy < strain_energy ? std::min(1.0, error) : error);
 }
 
 ResolutionWatch::ResolutionWatch(const Model& model)
@@ -213,7 +219,7 @@ void ResolutionWatch::advance(const Model& model, std::span<const Material> mate
     }
     error_force_ = force_;
   }
-  report.expected_error = error_force_ > 0 ? error_ : 1;
+  report.expected_error = error_force_ > 0 ? std::max(error_, model.layer_error) : 1;
   report.error_force = error_force_;
   addScaledInertia(model, report);
 }
@@ -302,6 +308,18 @@ double spacingAtTool(const Body& body) {
       nearest = i;
     }
   return body.support_radius[nearest] / body.scene.discretization.support_factor;
+}
+
+std::string layerWarning(const Body& body) {
+  if (body.thin_layer < 0) return {};
+  const auto number = static_cast<std::size_t>(body.thin_layer);
+  const MaterialSpec& layer = body.scene.materials[number];
+  return placeOf(body.scene, "discretization").text() +
+         format(
+             ": material %zu%s is a layer thinner than the nodes are apart, and the cells see little of it: forces "
+             "may be off by %.2g %%. Nodes no further apart than it is thick (refine, or spacing) would do; leave "
+             "it out where it does not matter",
+             number + 1, layer.name.empty() ? "" : (" (\"" + layer.name + "\")").c_str(), 100 * body.layer_error);
 }
 
 std::string resolutionWarning(const Body& body) {

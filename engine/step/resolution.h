@@ -134,4 +134,7 @@ double spacingAtTool(const Body& body);
 /// nodes are no further apart than 0.8 of the tool's radius.
 std::string resolutionWarning(const Body& body);
 
+/// The same of a material that the cells see little of (Preparation::thin_layer); "" where there is none.
+std::string layerWarning(const Body& body);
+
 }  // namespace palpate

@@ -4,6 +4,7 @@
 
 #include "mechanics/internal_forces.h"
 #include "step/follow_stiffness.h"
+#include "step/held_nodes.h"
 #include "step/node_passes.h"
 #include "step/step_report.h"
 #include "step/tool_bodies.h"
@@ -38,19 +39,23 @@ StepReport step(const Model& model, State& state, const ToolPostures& wanted, co
   addLoads(model, time, integrator.alpha, masses, state, workspace);
   pull(model, command, masses, state);
   ToolPostures tools = wanted;
-  outcome.contact =
-      solveContacts(model, tools, integrator.alpha, masses.inverse, state, workspace.skins, outcome.loads);
-
-  // Pins and regions go where they were asked to be
-  holdPins(model, masses, state);
   workspace.boundary.moved_before = state.region_shift;
   moveRegions(model, state);
   workspace.boundary.moved = state.region_shift;
+  const auto impose = [&](bool again) {
+    return imposeBoundary(model.boundary, time, model.dt, masses.boundary_alpha, model.inverse_mass.data(), nullptr,
+                          state.du.data(), workspace.boundary, workspace.team, again);
+  };
+  HeldNodes held([&] { impose(true); });
+  const bool beside_held = touchesBesideHeld(model, state.contact, state.skins, state.rigid);
+  outcome.contact = solveContacts(model, tools, integrator.alpha, masses.inverse, beside_held ? &held : nullptr, state,
+                                  workspace.skins, outcome.loads);
+
+  // Pins go where they were asked to be
+  holdPins(model, masses, state);
 
   // du = du~ + P (du_bar - Phi du~)                                       (eqs. 23-25)
-  outcome.base_reaction =
-      imposeBoundary(model.boundary, time, model.dt, masses.boundary_alpha, model.inverse_mass.data(), nullptr,
-                     state.du.data(), workspace.boundary, workspace.team);
+  outcome.base_reaction = impose(false);
 
   // No point turns inside out; last, since what came before may do that. What holds the body is met again at the next
   // tick's begin (correctBoundaryDrift).
@@ -101,6 +106,13 @@ StepReport tick(const Model& model, State& state, const Command& command, Worksp
     if (total.flags & (kNotFinite | kBlowUp)) break;  // it is lost: more steps would bring numbers that are none
   }
   ++state.tick;
+  if (!model.rigid.empty()) {
+    // Between its points too, some of the skin each tick.
+    constexpr int shares = 32;
+    addDeepest(model.rigid, model.skin, state.u.data(), static_cast<double>(state.step) * model.dt,
+               static_cast<int>(state.tick % shares), shares, total.rigid);
+    if (isTooDeep(model, total.rigid)) total.flags |= kDeepContact;
+  }
   if (model.bodies.several())
     for (int k = 0; k < organCount(model); ++k)
       total.organ_force[static_cast<std::size_t>(k)] = skinForceOn(model.bodies, model.skin, k, state.skins);
@@ -110,7 +122,10 @@ StepReport tick(const Model& model, State& state, const Command& command, Worksp
   workspace.resolution.advance(model, state.live.kernel.materials, state.u, total);
   total.loads[0].torque = contact.torque;
   for (int t = 1; t < model.tools.toolCount(); ++t) total.loads[t].torque = toolContact(model, state, t).torque;
-  for (int t = 0; t < model.tools.toolCount(); ++t) total.loads[t].near_count = near[t].near_count;
+  for (int t = 0; t < model.tools.toolCount(); ++t) {
+    total.loads[t].near_count = near[t].near_count;
+    total.loads[t].stopped = ways.stopped(t);
+  }
   return total;
 }
 

@@ -67,6 +67,12 @@ bool isTooDeep(const Model& model, const SkinContact& skins) {
   return skins.max_penetration > deep_contact * model.bodies.spacing;
 }
 
+bool isTooDeep(const Model& model, const RigidLoads& rigid) {
+  constexpr double deep = 0.1;  // spacings: 0.03 between points where nodes are as dense as the deformation asks for
+  return std::any_of(rigid.begin(), rigid.end(),
+                     [&](const RigidLoad& load) { return load.max_penetration > deep * model.bodies.spacing; });
+}
+
 int organCount(const Model& model) { return static_cast<int>(model.scene.organs.size()); }
 
 StepReport reportOf(const Model& model, const StepOutcome& outcome, State& state) {

@@ -21,6 +21,7 @@ struct StepOutcome {
 
 /// Whether bodies are so deep in one another that the contact is no longer trusted.
 bool isTooDeep(const Model& model, const SkinContact& skins);
+bool isTooDeep(const Model& model, const RigidLoads& rigid);
 
 /// How many organs the scene has.
 int organCount(const Model& model);

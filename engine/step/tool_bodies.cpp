@@ -91,7 +91,9 @@ ToolWays::ToolWays(const Model& model, const State& state, const Command& comman
     if (wanted > reach) to_[k] = between(from[k], to_[k], reach / wanted);
     if (model.rigid.empty()) continue;
     const double end = static_cast<double>(state.step + model.substeps_per_tick) * model.dt;
+    const Vec3 wanted_at = to_[k].pose.position;
     to_[k] = stoppedByRigidBodies(model, t, to_[k], end, reach);
+    stopped_[k] = to_[k].pose.position != wanted_at;
   }
 }
 
@@ -114,7 +116,7 @@ void addToLoad(const ToolBody& body, const TouchingTool& felt, ToolLoads& loads)
 }
 
 ContactForces solveContacts(const Model& model, ToolPostures& tools, double alpha, const float* inverse_mass,
-                            State& state, SkinContactScratch& pairs, ToolLoads& loads) {
+                            ContactGroup* held, State& state, SkinContactScratch& pairs, ToolLoads& loads) {
   const ToolSet& set = model.tools;
   const std::size_t bodies = set.body.size(), count = set.tool.size();
   std::array<TouchingTool, max_tool_bodies> touching;
@@ -140,7 +142,7 @@ ContactForces solveContacts(const Model& model, ToolPostures& tools, double alph
   const double begin = static_cast<double>(state.step) * model.dt;
   const ContactForces forces = solveContacts(
       {model.skin, static_cast<float>(alpha), inverse_mass, state.u.data(), state.du.data()},
-      {{touching.data(), bodies}, &state.skins, &pairs, &model.rigid, &state.rigid, begin, begin + model.dt});
+      {{touching.data(), bodies}, held, &state.skins, &pairs, &model.rigid, &state.rigid, begin, begin + model.dt});
   for (std::size_t t = 0; t < count; ++t) {
     tools[t].pose.position += holds[t].way - guessed[t].way;
     tools[t].opening += holds[t].opening - guessed[t].opening;

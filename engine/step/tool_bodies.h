@@ -26,6 +26,9 @@ class ToolWays {
   /// Where they should be at the tick's end.
   const ToolPostures& end() const { return to_; }
 
+  /// Whether a tool stands before a rigid body instead.
+  bool stopped(int tool) const { return stopped_[static_cast<std::size_t>(tool)]; }
+
   /// Where they should be after the next of `left` steps of the tick, from where they are: a tool that gave way tries
   /// to make it good.
   ToolPostures next(const State& state, int left) const;
@@ -37,6 +40,7 @@ class ToolWays {
   const Model& model_;
   int count_;
   ToolPostures to_;
+  std::array<bool, max_tools> stopped_{};
 };
 
 /// Adds what a body felt in solveContacts to its tool's.
@@ -44,9 +48,10 @@ void addToLoad(const ToolBody& body, const TouchingTool& felt, ToolLoads& loads)
 
 /// solveContacts for all that a model's skin touches in a step. Tools go from where the state has them to `tools`, or
 /// less far where the tissue would push harder than their max_force, or pinch harder than their grip_force (ToolHold).
+/// @param held   as Touching::held
 /// @param tools  where they should be at the step's end; receives where they are
 /// @param loads  receives force, pinch and contact count of each
 ContactForces solveContacts(const Model& model, ToolPostures& tools, double alpha, const float* inverse_mass,
-                            State& state, SkinContactScratch& pairs, ToolLoads& loads);
+                            ContactGroup* held, State& state, SkinContactScratch& pairs, ToolLoads& loads);
 
 }  // namespace palpate

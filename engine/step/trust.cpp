@@ -12,7 +12,7 @@ Doubt doubtOf(const Model& model, const StepReport& report) {
   if (report.step_share > TrustLimits::step_share || report.added_inertia > TrustLimits::added_inertia)
     return Doubt::Step;
   if (report.min_J < TrustLimits::min_J) return Doubt::Squeezed;
-  if ((report.flags & (kContactOverflow | kLetsGo)) ||
+  if ((report.flags & (kContactOverflow | kLetsGo | kDeepContact)) ||
       report.max_penetration > TrustLimits::penetration * model.scene.tools[0].shape.radius)
     return Doubt::Contact;
   const double max_pressure = model.scene.discretization.quadrature.cells_per_point > 1 ? TrustLimits::pressure_of_pairs

@@ -68,6 +68,8 @@ inline void requireSameModel(const Model& a, const Model& b) {
   requireSameBits("skin clusters", a.skin.cluster_vertex, b.skin.cluster_vertex);
   const auto numbers = [](const Model& m) {
     return std::vector<double>{m.surface_volume,
+                               m.layer_error,
+                               static_cast<double>(m.thin_layer),
                                m.cell_volume,
                                m.tools.first().first_contact_travel,
                                m.dt,

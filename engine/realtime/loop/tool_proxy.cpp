@@ -83,7 +83,7 @@ double ToolProxy::yieldAfter(const Pose& hand, const State& state, const StepRep
   constexpr double at_limit = 0.95;  // of it
   const bool gave_way =
       model_.tools.first().max_force > 0 && report.tool_force.norm() > at_limit * model_.tools.first().max_force;
-  return gave_way ? (hand.position - state.tool[0].pose.position).norm() : yield_;
+  return gave_way || report.loads[0].stopped ? (hand.position - state.tool[0].pose.position).norm() : yield_;
 }
 
 /// While it lets go: it has come to its hand, no skin is near it, and it is in no tissue. Looks now and then.

@@ -249,6 +249,7 @@ int solveCommand(const SolveOptions& options) {
     model = std::make_unique<Model>(loadModel(scene, show, cache, warn, at_end));
   }
   const int cores = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  if (const std::string layer = layerWarning(*model); !layer.empty()) warn(layer);
   if (const std::string coarse = resolutionWarning(*model); moved.moved() && !coarse.empty()) warn(coarse);
   SolveResults results(*model, options.out.empty() ? usualFolder(options, file) : options.out, end,
                        identityOf(*model, moved, end), options.resume);

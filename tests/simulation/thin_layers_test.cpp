@@ -1,0 +1,56 @@
+#include "setup/thin_layers.h"
+
+#include <catch2/catch.hpp>
+
+#include "step/resolution.h"
+#include "step/step.h"
+#include "step/tool_bodies.h"
+#include "step/workspace.h"
+#include "support/small_scene.h"
+
+using namespace palpate;
+
+namespace {
+
+/// The block with another material up to a height, m.
+Scene layered(double height, double young, double spacing) {
+  Scene scene = test::blockScene(spacing);
+  scene.materials[0].material.set("poisson", 0.3);
+  scene.materials.push_back(scene.materials[0]);
+  MaterialSpec& layer = scene.materials[1];
+  layer.name = "bottom";
+  layer.everywhere = false;
+  layer.material.set("young", young);
+  layer.region.kind = Region::Kind::HalfSpace;
+  layer.region.point = Vec3(0, 0, height);
+  layer.region.normal = Vec3::UnitZ();
+  return scene;
+}
+
+}  // namespace
+
+TEST_CASE("A layer that the cells see little of is told by name, and doubted", "[simulation][resolution]") {
+  const Model model = test::blockModel(layered(0.002, 100, 0.012));
+  CHECK(model.thin_layer == 1);
+  CHECK(model.layer_error > 0.1);
+  CHECK(layerWarning(model).find("material 2 (\"bottom\") is a layer thinner than the nodes") != std::string::npos);
+  Workspace workspace(model, 1);
+  State state = initialState(model);
+  Command command = restCommand(model);
+  StepReport report;
+  for (int k = 1; k <= 300; ++k) {
+    command.tools[0].pose = test::toolAt(model, 0.002 + 0.004 * std::min(1.0, k / 100.0));
+    report = tick(model, state, command, workspace);
+  }
+  REQUIRE(report.tool_force.norm() > 0);
+  CHECK(report.expected_error >= model.layer_error);
+  CHECK(doubtOf(model, report) == Doubt::Resolution);
+}
+
+TEST_CASE("Layers that nodes resolve, and those that hardly differ, are no error", "[simulation][resolution]") {
+  for (const Scene& scene : {layered(0.015, 100, 0.012), layered(0.003, 100, 0.003), layered(0.002, 2900, 0.012)}) {
+    const Model model = test::blockModel(scene);
+    CHECK(model.layer_error < 0.02);
+    CHECK(layerWarning(model).empty() == (model.thin_layer < 0));
+  }
+}
