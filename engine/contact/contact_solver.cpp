@@ -8,8 +8,8 @@
 namespace palpate {
 namespace {
 
-/// Sweeps at most. Warm-started contacts on tissue need one to five, where a tool gives way some 20, a kidney at rest on
-/// a table 8 to 14. (Ended after 8 whatever they have come to, a node on the table trembles at 20 mm/s for ever, and
+/// Sweeps at most. Warm-started contacts on tissue need one to five, where a tool gives way some 20, a kidney at rest
+/// on a table 8 to 14. (Ended after 8 whatever they have come to, a node on the table trembles at 20 mm/s for ever, and
 /// friction lets go of it by and by.)
 constexpr int most_sweeps = 32;
 

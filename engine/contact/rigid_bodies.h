@@ -32,8 +32,8 @@ struct RigidBody {
 };
 
 /// The rigid bodies as the skin meets them, constant. The skin touches each at some of its vertices, half the nodes'
-/// spacing there apart: the displacement between them is no finer. (Half of the spacing elsewhere, and a ball with finer
-/// nodes below went 0.6 mm through a plate between its points, a third too soft.)
+/// spacing there apart: the displacement between them is no finer. (Half of the spacing elsewhere, and a ball with
+/// finer nodes below went 0.6 mm through a plate between its points, a third too soft.)
 struct RigidBodies {
   std::vector<RigidBody> body;  // (body_count)
   // The points that may touch, body by body.

@@ -4,9 +4,9 @@
 
 namespace palpate {
 
-/// The rows of rigid bodies, all points of all of them, with the layer's stiffness K = bodies.stiffness a_v. A point that
-/// is deeper in a body than the layer comes back by no more than 0.02 mm a step, so that it is not shot out; one that is
-/// 3 mm beyond a surface is left alone: it went out by an opening.
+/// The rows of rigid bodies, all points of all of them, with the layer's stiffness K = bodies.stiffness a_v. A point
+/// that is deeper in a body than the layer comes back by no more than 0.02 mm a step, so that it is not shot out; one
+/// that is 3 mm beyond a surface is left alone: it went out by an opening.
 ///
 /// Costs 2 four-lane operations a node and about 60 four-lane FMAs a point near a body, beside what rows cost.
 /// Test: simulation/rigid_bodies_test.cpp, simulation/rigid_shell_test.cpp
