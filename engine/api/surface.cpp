@@ -48,7 +48,7 @@ void forEachContactPoint(const Model& model, const State& state, Call call) {
     const Quat turn = bodyPose(body, state.tool[body.tool]).orientation;
     const ContactState& contact = state.contact[b];
     const auto one = [&](const Vec3& at, const Vec3f& normal, const Float4& force) {
-      if (force.x == 0 && force.y == 0 && force.z == 0) return;
+      if (isZero(force)) return;
       call(body.tool, at, turn * normal.cast<double>(), toVec3(force));
     };
     for (std::size_t c = 0; c < static_cast<std::size_t>(contact.count); ++c)

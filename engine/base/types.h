@@ -33,6 +33,7 @@ Real4<Real> toReal4(const Vec3& a) {
   return {static_cast<Real>(a.x()), static_cast<Real>(a.y()), static_cast<Real>(a.z()), 0};
 }
 inline Float4 toFloat4(const Vec3& a) { return toReal4<float>(a); }
+inline bool isZero(const Float4& a) { return a.x == 0 && a.y == 0 && a.z == 0; }
 
 /// Rigid pose: x_world = orientation * x_local + position. Position in m.
 struct Pose {

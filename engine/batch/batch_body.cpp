@@ -97,9 +97,7 @@ ForceReport BatchBody::forces(const AlignedVector<Double4>& at, AlignedVector<Do
 }
 
 void BatchBody::contact(double alpha, double time, Report& report) {
-  const auto toFloat = [](const Double4& a) {
-    return Float4{static_cast<float>(a.x), static_cast<float>(a.y), static_cast<float>(a.z), 0};
-  };
+  const auto toFloat = [](const Double4& a) { return toFloat4(toVec3(a)); };
   for (std::size_t i = 0; i < u.size(); ++i) {
     u_float_[i] = toFloat(u[i]);
     du_float_[i] = du_before_[i] = toFloat(du[i]);
@@ -132,6 +130,13 @@ void BatchBody::contact(double alpha, double time, Report& report) {
       report.organ_force[static_cast<std::size_t>(k)] = skinForceOn(model_.bodies, model_.skin, k, skins_);
   for (std::size_t i = 0; i < u.size(); ++i)
     store(du[i], load(du[i]) + __builtin_convertvector(load(du_float_[i]) - load(du_before_[i]), GroupOf<double>));
+}
+
+Doubt BatchBody::measureDepth(double time, RigidLoads& loads) {
+  if (model_.rigid.empty()) return Doubt::None;
+  for (std::size_t i = 0; i < u.size(); ++i) u_float_[i] = toFloat4(toVec3(u[i]));
+  addDeepest(model_.rigid, model_.skin, u_float_.data(), time, 0, 1, loads);
+  return isTooDeep(model_, loads) ? Doubt::Contact : Doubt::None;
 }
 
 bool BatchBody::hasContact() const {

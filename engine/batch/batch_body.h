@@ -67,6 +67,10 @@ class BatchBody {
   /// The same, with one region moved by `shift` and the others held.
   void moveRegion(int region, const Vec3& shift, AlignedVector<Double4>& increment);
 
+  /// How deep the skin is in rigid bodies, at all of its vertices, where they are at `time` (s); into max_penetration.
+  /// @return whether that is too deep to be trusted
+  Doubt measureDepth(double time, RigidLoads& loads);
+
   /// Internal forces at a displacement and those of the rigid bodies' layer, N; `force` and the report's J. Of
   /// materials that relax, after a long time.
   ForceReport forces(const AlignedVector<Double4>& at, AlignedVector<Double4>& force);

@@ -206,6 +206,7 @@ Equilibrium StaticSolver::advanceTo(double time, const ToolsAt& wanted, const Wa
           expectedError(model_, model_.materials, body_.u, equilibrium.strain_energy, equilibrium.tool_force.norm());
       if (equilibrium.expected_error > TrustLimits::expected_error)
         equilibrium.doubt = std::max(equilibrium.doubt, Doubt::Resolution);
+      equilibrium.doubt = std::max(equilibrium.doubt, body_.measureDepth(time, equilibrium.rigid));
       time_ = time;
       updateStep();
       return equilibrium;

@@ -49,6 +49,7 @@ std::optional<BatchBody::Report> TransientSolver::tick(const ToolsAt& wanted, co
     total.loads = report.loads;
     total.contact.rigid = report.contact.rigid;
   }
+  total.doubt = std::max(total.doubt, body_.measureDepth(time(), total.contact.rigid));
   return total;
 }
 

@@ -15,6 +15,10 @@ constexpr float near_gap = 1e-4F;
 /// m a step, by which what is too deep in a rigid body or other skin comes back at most.
 constexpr float fastest_return = 2e-5F;
 
+/// As the rows compute: the fourth component is 0.
+inline Eigen::Vector4f lanesOf(const Float4& a) { return {a.x, a.y, a.z, 0}; }
+inline Eigen::Vector4f lanesOf(const Vec3& a) { return lanesOf(toFloat4(a)); }
+
 /// A row of the contact solver: a point of the skin before what it may touch, a tool, a rigid body or a face of the
 /// skin. What touches is an elastic layer with Coulomb friction:
 ///   f_n = K max(d, 0),   |f_t| <= friction f_n, else none of the tangential way                 (frictionForce)

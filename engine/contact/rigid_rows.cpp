@@ -17,12 +17,6 @@ constexpr float settled_on_rigid = 1e-6F;
 /// m, that nodes go until points near a body are looked for anew: in a tick at 1 m/s.
 constexpr double look_ahead = 2e-3;
 
-Vector4f lanesOf(const Float4& a) { return {a.x, a.y, a.z, 0}; }
-Vector4f lanesOf(const Vec3& a) {
-  return {static_cast<float>(a.x()), static_cast<float>(a.y()), static_cast<float>(a.z()), 0};
-}
-bool isZero(const Float4& a) { return a.x == 0 && a.y == 0 && a.z == 0; }
-
 }  // namespace
 
 /// Where a body is at a time.

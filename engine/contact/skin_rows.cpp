@@ -10,8 +10,6 @@ namespace {
 using Eigen::Vector4f;
 using Row = SkinContactScratch::Row;
 
-Vector4f forceOf(const Float4& a) { return {a.x, a.y, a.z, 0}; }
-
 /// A field at the row's vertex, that at the face's point taken off.
 Vector4f difference(const SkinContactScratch& scratch, const Row& row, const Float4* field) {
   Group even{}, odd{};
@@ -31,7 +29,7 @@ Vector4f difference(const SkinContactScratch& scratch, const Row& row, const Flo
 SkinRows::SkinRows(const ContactStep& step, SkinContactState* state, SkinContactScratch* scratch)
     : step_(step), state_(state), scratch_(scratch) {
   if (state_ == nullptr) return;
-  for (const Row& row : rows()) push(row, forceOf(state_->force[row.slot]));
+  for (const Row& row : rows()) push(row, lanesOf(state_->force[row.slot]));
 }
 
 std::span<Row> SkinRows::rows() const { return {scratch_->row.data(), static_cast<std::size_t>(scratch_->row_count)}; }
@@ -53,7 +51,7 @@ std::size_t SkinRows::makeRows() {
     const float before = row.lift + row.normal.dot(row.apart + difference(*scratch_, row, step_.u));
     row.gap = before + row.normal.dot(row.predicted);
     Float4& last = state_->force[row.slot];
-    const Vector4f old = forceOf(last);
+    const Vector4f old = lanesOf(last);
     if (!(row.gap < near_gap)) {  // nor where it is not a number
       push(row, -old);
       last = {};

@@ -201,10 +201,7 @@ class Look {
 constexpr float inside = -std::numeric_limits<float>::infinity();
 
 /// Whether a pair touched when it was last looked at.
-bool touched(const SkinContactState& state, int k) {
-  const Float4& f = state.force[k];
-  return state.clearance[k] == inside || f.x != 0 || f.y != 0 || f.z != 0;
-}
+bool touched(const SkinContactState& state, int k) { return state.clearance[k] == inside || !isZero(state.force[k]); }
 
 /// Or is so near that it may by now.
 bool touches(const SkinContactState& state, int k) { return state.clearance[k] <= 0 || touched(state, k); }

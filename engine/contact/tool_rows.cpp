@@ -19,10 +19,6 @@ constexpr double pressure_cap_depth = 0.2;
 /// Squared length of a remembered side (a unit vector otherwise) from which on it says that the tool came from inside.
 constexpr float passing = 2;
 
-Vector4f lanes(const Vec3& a) {
-  return {static_cast<float>(a.x()), static_cast<float>(a.y()), static_cast<float>(a.z()), 0.0F};
-}
-
 /// Bound on a sample's: its corners move each other no more than themselves. Too large a response makes the sweeps
 /// careful, not wrong.
 float compliance(const SkinModel& skin, const SkinPoint& sample, const float* inverse_mass) {
@@ -71,9 +67,9 @@ ToolRows::Body::Body(TouchingTool& touching)
   if (tool->hold != nullptr) given = tool->hold->way + tool->hold->opening * tool->apart;
 }
 
-Vector4f ToolRows::Body::turned(const Float4& force) const { return lanes(Vec3(motion.turn * toVec3(force))); }
+Vector4f ToolRows::Body::turned(const Float4& force) const { return lanesOf(Vec3(motion.turn * toVec3(force))); }
 
-void ToolRows::Body::follow() { shift = lanes(tool->hold->way + tool->hold->opening * tool->apart - given); }
+void ToolRows::Body::follow() { shift = lanesOf(tool->hold->way + tool->hold->opening * tool->apart - given); }
 
 ToolRows::ToolRows(const ContactStep& step, std::span<TouchingTool> tools) : step_(step), count_(tools.size()) {
   for (std::size_t b = 0; b < count_; ++b) {
@@ -142,7 +138,7 @@ void ToolRows::makeRows(Body& body) {
     row.sample = sample;
     row.gap = static_cast<float>(d.distance);
     row.predicted = predicted;
-    row.surface = lanes(Vec3(end - (motion.world_from_old_tool * local + motion.old_position)));
+    row.surface = lanesOf(Vec3(end - (motion.world_from_old_tool * local + motion.old_position)));
     row.stiffness =
         static_cast<float>(skin.bulk_stiffness * (is_vertex ? skin.area[v] : static_cast<double>(samples.area[slot])));
     row.largest = cap * row.stiffness;
@@ -153,7 +149,7 @@ void ToolRows::makeRows(Body& body) {
     // Along the normal of where the point was at the step's start, so that what slides over the tool gains no energy.
     // Along the one of where it will be, a force that stays pushes it on, both ways: by N |du|^2 / R a step.
     const bool touched = !last_normal.isZero();
-    row.normal = lanes(Vec3(motion.world_from_tool * (touched ? Vec3(last_normal.cast<double>()) : d.normal)));
+    row.normal = lanesOf(Vec3(motion.world_from_tool * (touched ? Vec3(last_normal.cast<double>()) : d.normal)));
     row.force = applied;
     row.stick = applied - row.normal.dot(applied) * row.normal;
     last_normal = d.normal.cast<float>();
@@ -216,7 +212,7 @@ void ToolRows::scale(const Giving& giving, float share) {
 double ToolRows::distance(const Giving& giving) const {
   double excess = 0, weight = 0;
   for (const auto& body : giving.bodies) {
-    const Vector4f way = lanes(giving.along(*body));
+    const Vector4f way = lanesOf(giving.along(*body));
     for (const ToolRow& row : body->rows()) {
       const float force = row.normal.dot(row.force);
       if (force <= 0) continue;

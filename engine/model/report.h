@@ -25,12 +25,12 @@ enum class Doubt : std::uint8_t {
   None,
   Resolution,  // the nodes are too far apart for how the tissue deforms, or mass_scaling slows it (resolution.h)
   Volume,      // nearly incompressible tissue has crumpled, or is under a pressure at which it may
-  Contact,     // the tool is deep in the skin, touches more of it than there is memory for, or has let go
-  Squeezed,    // a point is near collapse
-  Step,        // the mass that keeps squeezed tissue stable with this time step slows it
-  Energy,      // the steps make energy
-  Inverted,    // a point is inside out
-  Lost,        // not finite, or blown up
+  Contact,   // the tool or other bodies are deep in the skin, it has let go, or there is no memory for all that touches
+  Squeezed,  // a point is near collapse
+  Step,      // the mass that keeps squeezed tissue stable with this time step slows it
+  Energy,    // the steps make energy
+  Inverted,  // a point is inside out
+  Lost,      // not finite, or blown up
 };
 
 /// A force on each of the scene's organs (Scene::organs), N.

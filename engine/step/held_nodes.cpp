@@ -11,14 +11,13 @@ bool touchesBesideHeld(const Model& model, std::span<const ContactState> tools, 
   bool touches = false;
   for (const ContactState& contact : tools)
     forEachContactForce(contact, [&](int vertex, const Float4&) { touches |= beside[vertex] != 0; });
-  const auto carries = [](const Float4& f) { return f.x != 0 || f.y != 0 || f.z != 0; };
   for (int k = 0; k < skins.count && !touches; ++k) {
-    if (!carries(skins.force[k])) continue;
+    if (isZero(skins.force[k])) continue;
     touches |= beside[skins.vertex[k]] != 0;
     for (const int corner : model.skin.surface.triangles[skins.face[k]]) touches |= beside[corner] != 0;
   }
   for (std::size_t p = 0; p < rigid.force.size() && !touches; ++p)
-    touches |= beside[model.rigid.vertex[p]] != 0 && carries(rigid.force[p]);
+    touches |= beside[model.rigid.vertex[p]] != 0 && !isZero(rigid.force[p]);
   return touches;
 }
 

@@ -32,7 +32,7 @@ template <class Call>
 void forEachVertexForce(const ContactState& contact, Call call) {
   for (int c = 0; c < contact.count; ++c) {
     const Float4& f = contact.force[static_cast<std::size_t>(c)];
-    if (f.x != 0 || f.y != 0 || f.z != 0) call(contact.vertex[static_cast<std::size_t>(c)], f);
+    if (!isZero(f)) call(contact.vertex[static_cast<std::size_t>(c)], f);
   }
 }
 
@@ -41,7 +41,7 @@ template <class Call>
 void forEachSampleForce(const FaceSamples& samples, Call call) {
   for (int s = 0; s < samples.count; ++s) {
     const Float4& f = samples.force[static_cast<std::size_t>(s)];
-    if (f.x == 0 && f.y == 0 && f.z == 0) continue;
+    if (isZero(f)) continue;
     const SkinPoint& point = samples.point[static_cast<std::size_t>(s)];
     for (int k = 0; k < point.corners; ++k) {
       const auto corner = static_cast<std::size_t>(k);

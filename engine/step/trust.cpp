@@ -44,7 +44,8 @@ const char* doubtText(Doubt doubt) {
     case Doubt::Volume:
       return "the tissue's volume is under too high a pressure to be held: press less, or finer spacing";
     case Doubt::Contact:
-      return "the tool is deep in the skin, or has let go of it: finer spacing, or a blunter tool";
+      return "the tool is deep in the skin, or has let go of it, or bodies are deep in one another: finer spacing, or "
+             "a blunter tool";
     case Doubt::Squeezed:
       return "a point is squeezed to less than 0.3 of its volume: press less, or finer spacing";
     case Doubt::Step:

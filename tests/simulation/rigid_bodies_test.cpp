@@ -289,6 +289,38 @@ TEST_CASE("In time a plate presses as in equilibrium, in float and in double", "
   CHECK(-report.contact.rigid[0].force.z() == Approx(force).epsilon(0.01));
 }
 
+TEST_CASE("A ball with finer nodes below lies on a plate with all of its skin", "[simulation][rigid]") {
+  Scene scene = lyingScene();
+  scene.organs[0].solid = OrganSpec::Solid::Ellipsoid;
+  scene.organs[0].semi_axes = Vec3::Constant(0.02);
+  scene.dynamics.gravity.setZero();
+  scene.discretization.spacing = 0.008;
+  RefineSpec& refine = scene.discretization.refine.emplace_back();
+  refine.centre = Vec3(0, 0, -0.02);
+  refine.radius = 0.008;
+  refine.spacing = 0.0025;
+  scene.rigid = {moved(halfSpace(Vec3(0, 0, -0.0201), Vec3::UnitZ()), Vec3(0, 0, 0.0011), 0.2)};
+  BoundarySpec& held = scene.boundaries.emplace_back();
+  held.region.kind = Region::Kind::HalfSpace;
+  held.region.normal = -Vec3::UnitZ();
+  const Model model = buildModel(scene, ellipsoidSurface(scene.organs[0].semi_axes, 0.003));
+  Run run(model);
+  run.ticks(150);
+  double deepest = 0, told = 0;
+  for (int v = 0; v < model.skin.vertexCount(); ++v)
+    deepest = std::max(deepest, -0.019 - skinPosition(model.skin, v, run.state.u.data()).z());
+  StepReport report;
+  for (int k = 0; k < 128; ++k) told = std::max(told, (report = run.ticks(1)).rigid[0].max_penetration);
+  std::printf("a refined ball on a plate: %.3f mm deep, %.3f told\n", 1e3 * deepest, 1e3 * told);
+  CHECK(deepest < 0.1 * refine.spacing);
+  CHECK(told == Approx(deepest).margin(1e-5));  // at the points and between them
+  CHECK(report.expected_error < 1);             // known, though no tool touches and nothing that is held stands still
+  StaticSolver solver(model, 1, 1e-3);
+  const Equilibrium pressed = solver.advanceTo(1);
+  CHECK(pressed.rigid[0].force.z() == Approx(report.rigid[0].force.z()).epsilon(0.01));
+  CHECK(pressed.rigid[0].max_penetration == Approx(deepest).margin(1e-5));
+}
+
 TEST_CASE("A sheet between a tool and a floor is held by both, whatever the time step", "[simulation][rigid]") {
   Scene scene = lyingScene(0.5);
   scene.organs[0].size.z() = 0.006;

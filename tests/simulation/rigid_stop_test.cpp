@@ -74,7 +74,9 @@ TEST_CASE("A tool under a hand that goes through the table does not, nor does th
   Command command;
   command.tools[0].pose = test::toolAt(model, 0.08);
   std::uint32_t flags = 0;
-  for (int k = 0; k < 250; ++k) flags |= tick(model, state, command, workspace).flags;
+  StepReport report;
+  for (int k = 0; k < 250; ++k) flags |= (report = tick(model, state, command, workspace)).flags;
+  CHECK(report.loads[0].stopped);
   CHECK((flags & (kNotFinite | kBlowUp)) == 0);
   CHECK(state.tool[0].pose.position.z() > 0.9 * kept);
   double lowest = 0;

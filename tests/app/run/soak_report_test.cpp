@@ -62,6 +62,9 @@ TEST_CASE("Each broken promise of a soak is named, and a good run breaks none", 
   report = goodReport();
   report.unrested_cycles = 1;
   only(report, "still moving");
+  report = goodReport();
+  report.cycles = 0;
+  only(report, "no cycle came to its end");
 }
 
 TEST_CASE("A rough hand may not put the tissue back more often than was measured, whatever it is lost to",
