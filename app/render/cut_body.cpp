@@ -5,10 +5,9 @@
 #include <map>
 #include <stdexcept>
 
-#include "approximation/neighbours.h"
 #include "approximation/shape_functions.h"
 #include "discretization/cells/delaunay.h"
-#include "setup/approximate.h"
+#include "setup/body_points.h"
 
 namespace palpate::app {
 namespace {
@@ -187,17 +186,14 @@ void addRows(const Body& model, const Clipped& clipped, SkinModel& skin) {
       row[v] = static_cast<int>(points.size());
       points.push_back(clipped.surface.vertices[v]);
     }
-  const MmlsOptions options{model.scene.discretization.basis_degree, model.scene.discretization.mmls_weight};
   // The supports were made for the model's own points; where they don't carry one of these, wider ones do.
+  const std::vector<int> body = bodiesAt(model, points);
   std::vector<ShapeTable> tables;
   std::vector<int> table(points.size(), 0);
   std::vector<InadmissibleSupport> failed;
   for (const double widening : {1.0, 1.25, 1.6, 2.0}) {
-    std::vector<double> radius = model.support_radius;
-    for (double& r : radius) r *= widening;
     failed.clear();
-    tables.push_back(
-        shapeFunctions(points, model.X, radius, Neighbours(model.X, radius, endingAt(*model.gaps)), options, failed));
+    tables.push_back(shapeAt(model, points, body, failed, widening));
     std::vector<char> bad(points.size(), 0);
     for (const InadmissibleSupport& f : failed) bad[f.row] = 1;
     for (std::size_t p = 0; p < points.size(); ++p)

@@ -26,7 +26,7 @@ std::vector<SoakThread> countersOf(const SimulationLoop& loop) {
 }
 
 std::unique_ptr<SoakHand> handFor(const Model& model, const Places* places, bool rough, unsigned seed) {
-  const int most_nodes = places ? places->cloud.nodeCount() : 0;
+  const int most_nodes = places ? places->nodeCount() : 0;
   if (rough) return std::make_unique<RoughMotion>(model, seed, most_nodes);
   return std::make_unique<SoakMotion>(model, soakPlaces(model, place_count, seed), seed, most_nodes);
 }

@@ -31,10 +31,11 @@ std::shared_ptr<const palpate_points::Rows> makeRows(const palpate_points& point
   auto rows = std::make_shared<palpate_points::Rows>();
   rows->of = model;
   std::vector<InadmissibleSupport> failed;
-  rows->own = shapeAt(*model, points.X, failed);
+  const std::vector<int> body = bodiesAt(*model, points.X);
+  rows->own = shapeAt(*model, points.X, body, failed);
   if (!failed.empty()) refuse(points, static_cast<std::size_t>(failed.front().row), " has too few nodes around it");
   rows->shape = &rows->own;
-  rows->nearest = nearestPoints(*model, points.X);
+  rows->nearest = nearestPoints(*model, points.X, body);
   return rows;
 }
 
@@ -104,7 +105,9 @@ int32_t palpate_points_of(const palpate_model* model, int32_t kind, palpate_poin
     if (kind == PALPATE_NODES) {
       made->X = m.X;
       rows->shape = &m.node_shape;
-      rows->nearest = nearestPoints(m, m.X);
+      std::vector<int> body;
+      for (int i = 0; i < m.nodeCount(); ++i) body.push_back(m.bodyOfNode(i));
+      rows->nearest = nearestPoints(m, m.X, body);
     } else {
       made->X = m.point_X;
       made->have_volumes = true;

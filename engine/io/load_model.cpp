@@ -10,6 +10,7 @@
 #include "base/parallel_for.h"
 #include "contact/first_contact_travel.h"
 #include "discretization/surface/solids.h"
+#include "discretization/surface/surface_bodies.h"
 #include "discretization/surface/surface_tree.h"
 #include "imaging/repair_surface.h"
 #include "io/indent_script.h"
@@ -144,9 +145,7 @@ TriangleSurface organSurface(const Scene& scene) {
     if (organs.size() == 1) return surface;
     for (std::size_t j = 0; j < k; ++j) refuseOverlap(organs[j], before[j], organs[k], surface);
     before.push_back(surface);
-    const int vertices = static_cast<int>(all.vertices.size());
-    all.vertices.insert(all.vertices.end(), surface.vertices.begin(), surface.vertices.end());
-    for (const auto& [a, b, c] : surface.triangles) all.triangles.push_back({a + vertices, b + vertices, c + vertices});
+    addSurface(surface, all);
     all.organ.resize(all.triangles.size(), static_cast<int>(k));
   }
   return all;

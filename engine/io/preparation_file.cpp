@@ -16,7 +16,7 @@ namespace palpate {
 namespace {
 
 constexpr std::uint64_t magic = 0x31657461706c6170;  // "palpate1" as bytes
-constexpr std::uint64_t version = 6;                 // of the layout below
+constexpr std::uint64_t version = 7;                 // of the layout below
 constexpr std::size_t block_bytes = 1 << 20;
 
 /// A word-wise mix: each step is a bijection of the state, so one changed word always changes the result.
@@ -64,6 +64,8 @@ void forEachArray(P& p, Visit&& visit) {
   visit(p.side_node);
   visit(p.vertex_group);
   visit(p.volume_cells);
+  visit(p.end_node);
+  visit(p.end_point);
   forEachTable(p.point_shape, visit);
   forEachTable(p.node_shape, visit);
   visit(p.skin.surface.vertices);
@@ -79,7 +81,7 @@ void forEachArray(P& p, Visit&& visit) {
   visit(p.cloud.on_surface);
   visit(p.cloud.coarsest);
 }
-constexpr std::size_t array_count = 36;
+constexpr std::size_t array_count = 38;
 
 struct Header {
   std::uint64_t magic_word = magic, layout = version;

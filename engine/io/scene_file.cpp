@@ -94,7 +94,6 @@ void checkFollow(const TomlTable& top, const SourceLocation* asked, Scene& scene
                          (top.has("tool") ? ", about " + number(fineSpacing(scene)) + " m for this tool" : ", in m"));
   };
   if (!top.has("tool")) refuse("there is no tool that the cloud could follow", "add [tool], or ");
-  if (scene.organs.size() > 1) refuse("a cloud that follows the tool is that of one body", "");
   scene.discretization.spacing = followSpacing(scene);
 }
 

@@ -83,7 +83,7 @@ constexpr KeySpec scene_keys[] = {
     {"discretization", "follow", T::Boolean, "", depends, {}, "",
      "The cloud follows the tool: nodes are dense in a ball around each tool and wide apart elsewhere, both by the "
      "tool's radius, and change while it moves. So it is where no `spacing` is given. Solutions (`mtled solve`) and "
-     "fits of material have the cloud for where the tool ends. Not with several organs."},
+     "fits of material have the cloud for where the tool ends."},
     {"discretization", "seed", T::Integer, "", "1", between(0, 4294967295.0), "",
      "Another seed, another irregular node cloud; the same seed, the same bits."},
     {"discretization", "points_per_cell", T::Integer, "", "1", {}, "1|4|5",

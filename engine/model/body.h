@@ -20,7 +20,7 @@ struct Body : Preparation {
   std::vector<std::uint8_t> imposed;  // (node_count) bit c set: component c is imposed
   std::vector<Material> materials;    // as loaded; those in force are in State
 
-  std::shared_ptr<const SurfaceGaps> gaps = std::make_shared<const SurfaceGaps>();  // at which supports end
+  std::vector<std::shared_ptr<const SurfaceGaps>> gaps;  // (body_count) in each one's skin, at which supports end
 
   SkinBodies bodies;            // that touch one another; empty: there is one
   std::vector<int> node_organ;  // (node_count) of the scene's organs (Scene::organs); empty: there is one

@@ -77,6 +77,16 @@ bool isEssential(const EssentialNodes& essential, std::size_t nodes, std::size_t
          isTable(essential.facet_phi, samples, nodes, false);
 }
 
+/// Of bodies with some each, one after another.
+bool areEnds(const std::vector<int>& ends, std::size_t count) {
+  int begin = 0;
+  for (const int end : ends) {
+    if (end <= begin) return false;
+    begin = end;
+  }
+  return begin == static_cast<int>(count);
+}
+
 bool hasSoundPoints(const Preparation& p, std::size_t material_count) {
   const std::size_t points = p.point_X.size(), cells = p.cells.size();
   return points != 0 && p.point_volume.size() == points && p.point_material.size() == points &&
@@ -101,6 +111,14 @@ ShapeTable vertexShape(const ShapeTable& node_shape, const std::vector<int>& sid
   return shape;
 }
 
+int Preparation::bodyOfNode(int node) const {
+  return static_cast<int>(std::upper_bound(end_node.begin(), end_node.end(), node) - end_node.begin());
+}
+
+int Preparation::bodyOfPoint(int point) const {
+  return static_cast<int>(std::upper_bound(end_point.begin(), end_point.end(), point) - end_point.begin());
+}
+
 bool isSound(const Preparation& p, std::size_t material_count, std::size_t boundary_count) {
   const std::size_t nodes = p.X.size(), vertices = p.skin.surface.vertices.size();
   return nodes != 0 && p.support_radius.size() == nodes && p.mass.size() == nodes && allFinite(p.X) &&
@@ -110,10 +128,12 @@ bool isSound(const Preparation& p, std::size_t material_count, std::size_t bound
          allWithin(p.volume_cells, nodes + p.side_node.size()) &&
          p.volume_cells.size() == (p.vertex_group.empty() ? 0 : p.cells.size()) &&
          p.vertex_group.size() == (p.vertex_group.empty() ? p.side_node.size() : nodes + p.side_node.size()) &&
-         isTable(p.node_shape, nodes, nodes, false) && areRows(p.skin, vertices, nodes) &&
-         allFinite(p.skin.surface.vertices) && allWithin(p.skin.surface.triangles, vertices) &&
-         isEssential(p.essential, nodes, boundary_count) && within(p.limit.worst_node, nodes) && p.thin_layer >= -1 &&
-         p.thin_layer < static_cast<int>(material_count) && std::isfinite(p.layer_error) &&
+         isTable(p.node_shape, nodes, nodes, false) && areEnds(p.end_node, nodes) &&
+         areEnds(p.end_point, p.point_X.size()) && p.end_node.size() == p.end_point.size() &&
+         areRows(p.skin, vertices, nodes) && allFinite(p.skin.surface.vertices) &&
+         allWithin(p.skin.surface.triangles, vertices) && isEssential(p.essential, nodes, boundary_count) &&
+         within(p.limit.worst_node, nodes) && p.thin_layer >= -1 && p.thin_layer < static_cast<int>(material_count) &&
+         std::isfinite(p.layer_error) &&
          allPositive({p.limit.dt, p.limit.dt_proven, p.surface_volume, p.cell_volume}) &&
          p.cloud.on_surface.size() == p.cloud.X.size() && p.cloud.coarsest.size() == p.cloud.X.size() &&
          allFinite(p.cloud.X) && std::isfinite(p.pair_moment) &&

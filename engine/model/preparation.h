@@ -38,6 +38,9 @@ struct Preparation {
   double surface_volume = 0;                     // m^3, of the organ's own surface
   double cell_volume = 0;                        // m^3, of the background cells
 
+  // Bodies that are not joined to one another stand one after another (join_bodies.h).
+  std::vector<int> end_node, end_point;  // (body_count)
+
   // Of the cells' materials (thin_layers.h): one of which they see little, and the error that forces have for it.
   int thin_layer = -1;  // index into the scene's materials; -1: none
   double layer_error = 0;
@@ -60,6 +63,9 @@ struct Preparation {
   int nodeCount() const { return static_cast<int>(X.size()); }
   double addedMass() const;  // as a share of the tissue's own
   int pointCount() const { return static_cast<int>(point_X.size()); }
+  int bodyCount() const { return static_cast<int>(end_node.size()); }
+  int bodyOfNode(int node) const;
+  int bodyOfPoint(int point) const;
 };
 
 /// What the nodes have, and after it what those of side_node have.

@@ -1,35 +1,112 @@
 #include "setup/body_points.h"
 
+#include <algorithm>
+
 #include "setup/approximate.h"
 
 namespace palpate {
 namespace {
 
-SupportGroups groupsAt(const Body& model, const std::vector<Vec3>& points) {
+SupportGroups groupsAt(const Body& model, const std::vector<Vec3>& points, const std::vector<int>& body) {
   SupportGroups groups;
   if (model.vertex_group.empty()) return groups;
   groups.node.assign(model.vertex_group.begin(), model.vertex_group.begin() + model.nodeCount());
   for (std::size_t k = 0; k < model.side_node.size(); ++k)
     groups.node[model.side_node[k]] |= model.vertex_group[model.X.size() + k];
-  for (const int q : nearestPoints(model, points))
+  for (const int q : nearestPoints(model, points, body))
     groups.row.push_back(model.vertex_group[model.volume_cells[model.point_cell[q]].front()]);
   return groups;
 }
 
-}  // namespace
+/// Calls each(p, rows) for the rows of each body that has some.
+template <class Each>
+void forEachBody(const Body& model, const std::vector<int>& body, Each each) {
+  for (int p = 0; p < model.bodyCount(); ++p) {
+    std::vector<int> rows;
+    for (std::size_t r = 0; r < body.size(); ++r)
+      if (body[r] == p) rows.push_back(static_cast<int>(r));
+    if (!rows.empty()) each(p, rows);
+  }
+}
 
-std::vector<int> nearestPoints(const Body& model, const std::vector<Vec3>& points) {
-  const Neighbours tree(model.point_X, std::vector<double>(model.point_X.size(), model.scene.discretization.spacing));
+template <class T>
+std::vector<T> picked(const std::vector<T>& all, const std::vector<int>& rows) {
+  std::vector<T> some;
+  some.reserve(rows.size());
+  for (const int r : rows) some.push_back(all[static_cast<std::size_t>(r)]);
+  return some;
+}
+
+/// Tables of some rows each, as one. @param rows  which of the whole those of each table are
+ShapeTable merged(const std::vector<ShapeTable>& tables, const std::vector<std::vector<int>>& rows, std::size_t count) {
+  std::vector<std::pair<int, int>> from(count);  // table, its row
+  for (std::size_t t = 0; t < rows.size(); ++t)
+    for (std::size_t r = 0; r < rows[t].size(); ++r)
+      from[static_cast<std::size_t>(rows[t][r])] = {static_cast<int>(t), static_cast<int>(r)};
+  ShapeTable all;
+  all.begin.push_back(0);
+  for (const auto& [t, r] : from) {
+    const ShapeTable& table = tables[static_cast<std::size_t>(t)];
+    const auto begin = table.begin[static_cast<std::size_t>(r)], end = table.begin[static_cast<std::size_t>(r) + 1];
+    all.node.insert(all.node.end(), table.node.begin() + begin, table.node.begin() + end);
+    all.N.insert(all.N.end(), table.N.begin() + begin, table.N.begin() + end);
+    if (!table.gradN.empty()) all.gradN.insert(all.gradN.end(), table.gradN.begin() + begin, table.gradN.begin() + end);
+    all.begin.push_back(static_cast<int>(all.node.size()));
+  }
+  return all;
+}
+
+std::vector<int> nearestOf(const std::vector<Vec3>& X, double spacing, const std::vector<Vec3>& points) {
+  const Neighbours tree(X, std::vector<double>(X.size(), spacing));
   std::vector<int> nearest;
-  for (const Vec3& X : points) nearest.push_back(tree.nearest(X, 1).front());
+  for (const Vec3& x : points) nearest.push_back(tree.nearest(x, 1).front());
   return nearest;
 }
 
-ShapeTable shapeAt(const Body& model, const std::vector<Vec3>& points, std::vector<InadmissibleSupport>& failed) {
-  return shapeFunctions(points, model.X, model.support_radius,
-                        Neighbours(model.X, model.support_radius, endingAt(*model.gaps)),
-                        {model.scene.discretization.basis_degree, model.scene.discretization.mmls_weight}, failed, {},
-                        groupsAt(model, points));
+}  // namespace
+
+std::vector<int> bodiesAt(const Body& model, const std::vector<Vec3>& points) {
+  if (model.bodyCount() == 1) return std::vector<int>(points.size(), 0);
+  std::vector<int> body = nearestOf(model.point_X, model.scene.discretization.spacing, points);
+  for (int& q : body) q = model.bodyOfPoint(q);
+  return body;
+}
+
+std::vector<int> nearestPoints(const Body& model, const std::vector<Vec3>& points, const std::vector<int>& body) {
+  std::vector<int> nearest(points.size());
+  forEachBody(model, body, [&](int p, const std::vector<int>& rows) {
+    const int begin = p == 0 ? 0 : model.end_point[static_cast<std::size_t>(p) - 1];
+    const std::vector<Vec3> own(model.point_X.begin() + begin,
+                                model.point_X.begin() + model.end_point[static_cast<std::size_t>(p)]);
+    const std::vector<int> found = nearestOf(own, model.scene.discretization.spacing, picked(points, rows));
+    for (std::size_t r = 0; r < rows.size(); ++r) nearest[static_cast<std::size_t>(rows[r])] = begin + found[r];
+  });
+  return nearest;
+}
+
+ShapeTable shapeAt(const Body& model, const std::vector<Vec3>& points, const std::vector<int>& body,
+                   std::vector<InadmissibleSupport>& failed, double widening) {
+  std::vector<double> radius = model.support_radius;
+  for (double& r : radius) r *= widening;
+  const MmlsOptions options{model.scene.discretization.basis_degree, model.scene.discretization.mmls_weight};
+  const SupportGroups groups = groupsAt(model, points, body);
+  std::vector<ShapeTable> tables;
+  std::vector<std::vector<int>> of;
+  forEachBody(model, body, [&](int p, const std::vector<int>& rows) {
+    SupportGroups own = groups;
+    if (!own.row.empty()) own.row = picked(groups.row, rows);
+    std::vector<InadmissibleSupport> bad;
+    tables.push_back(shapeFunctions(picked(points, rows), model.X, radius,
+                                    Neighbours(model.X, radius, endingAt(*model.gaps[static_cast<std::size_t>(p)])),
+                                    options, bad, {}, own));
+    for (InadmissibleSupport& f : bad) {
+      f.row = rows[static_cast<std::size_t>(f.row)];
+      failed.push_back(f);
+    }
+    of.push_back(rows);
+  });
+  std::sort(failed.begin(), failed.end(), [](const auto& a, const auto& b) { return a.row < b.row; });
+  return tables.size() == 1 ? std::move(tables.front()) : merged(tables, of, points.size());
 }
 
 }  // namespace palpate

@@ -7,12 +7,19 @@
 
 namespace palpate {
 
-/// Of each point (m, at rest) the integration point nearest to it.
-std::vector<int> nearestPoints(const Body& model, const std::vector<Vec3>& points);
+/// Of each point (m, at rest) the body (a number below body_count) that has the integration point nearest to it.
+std::vector<int> bodiesAt(const Body& model, const std::vector<Vec3>& points);
+
+/// Of each point the integration point nearest to it, of those of its body: another body's may be nearer.
+/// @param body  (points.size()) of which of the bodies each is
+std::vector<int> nearestPoints(const Body& model, const std::vector<Vec3>& points, const std::vector<int>& body);
 
 /// Shape functions at points of the body (m, at rest). Where supports end at borders between materials, those of a
 /// point do as those of the integration point nearest to it.
-/// @param failed  receives the points that the nodes near them can't carry
-ShapeTable shapeAt(const Body& model, const std::vector<Vec3>& points, std::vector<InadmissibleSupport>& failed);
+/// @param body      (points.size()) of which of the bodies each is
+/// @param failed    receives the points that the nodes near them can't carry
+/// @param widening  of the supports
+ShapeTable shapeAt(const Body& model, const std::vector<Vec3>& points, const std::vector<int>& body,
+                   std::vector<InadmissibleSupport>& failed, double widening = 1);
 
 }  // namespace palpate

@@ -33,7 +33,7 @@ const Vec3& imposedPoint(const Scene& scene, const ImposedNode& point) {
 /// Shape functions at points where displacement is imposed.
 ShapeTable shapeAtImposed(const Model& model, const std::vector<Vec3>& points) {
   std::vector<InadmissibleSupport> failed;
-  ShapeTable shape = shapeAt(model, points, failed);
+  ShapeTable shape = shapeAt(model, points, bodiesAt(model, points), failed);
   if (failed.empty()) return shape;
   throw InputError(
       model.scene.boundaries.front().place,
@@ -55,6 +55,17 @@ bool keepsCellVolume(const Model& model) {
     bonded_moves |= boundary.duration > 0 && held[0] + held[1] + held[2] > 1;
   }
   return !turned && (!bonded_moves || isConfined(model.cellVolume()));
+}
+
+/// Of each body the gaps in its own skin.
+std::vector<std::shared_ptr<const SurfaceGaps>> gapsOfBodies(const Scene& scene, const SurfaceTree& tree,
+                                                             const TriangleSurface& skin) {
+  std::vector<std::shared_ptr<const SurfaceGaps>> gaps;
+  const std::vector<TriangleSurface> skins = separated(skin, bodiesOf(skin)),
+                                     bodies = separated(tree.surface(), bodiesOf(tree.surface()));
+  for (std::size_t k = 0; k < bodies.size(); ++k)
+    gaps.push_back(std::make_shared<const SurfaceGaps>(gapsOf(scene, skins[k], SurfaceTree(bodies[k]))));
+  return gaps;
 }
 
 /// What follows from the imposed nodes and the scene.
@@ -203,8 +214,6 @@ void addSkinAndTool(const Scene& scene, const SurfaceTree& tree, const CommonToP
   skin.node = std::move(model.skin.node);
   skin.N = std::move(model.skin.N);
   model.skin = std::move(skin);
-  model.gaps =
-      common != nullptr ? common->gaps : std::make_shared<const SurfaceGaps>(gapsOf(scene, model.skin.surface, tree));
   addBodies(scene, tree, common, model);
   SpacingField spacing = spacingField(scene);
   if (common != nullptr) {  // the same points at all places
@@ -239,6 +248,7 @@ Model finish(const Scene& scene, const SurfaceTree& tree, Preparation preparatio
   if (model.mass != model.own_mass)
     for (std::size_t i = 0; i < model.mass.size(); ++i)
       model.own_share.push_back(static_cast<float>(model.own_mass[i] / model.mass[i]));
+  model.gaps = common != nullptr ? common->gaps : gapsOfBodies(scene, tree, model.skin.surface);
   completeEssential(scene, model);
   if (needsPatches(scene))
     model.patches = makeNodePatches(
@@ -266,28 +276,11 @@ Model finish(const Scene& scene, const SurfaceTree& tree, Preparation preparatio
 
 namespace {
 
-/// The scene as one organ of several has it: what is of others holds nothing.
-Scene sceneOf(const Scene& scene, int organ) {
-  Region nothing;
-  nothing.kind = Region::Kind::Sphere;
-  nothing.radius = -1;
-  const auto isOther = [&](int named) { return named >= 0 && named != organ; };
-  Scene own = scene;
-  for (BoundarySpec& boundary : own.boundaries)
-    if (isOther(boundary.organ)) boundary.region = nothing;
-  for (MaterialSpec& material : own.materials)
-    if (isOther(material.organ)) {
-      material.everywhere = false;
-      material.region = nothing;
-    }
-  return own;
-}
-
 /// Discretizes and prepares one body.
 class BodyBuilder {
  public:
   BodyBuilder(const Scene& scene, TriangleSurface surface)
-      : scene_(sceneOf(scene, surface.organ.empty() ? 0 : surface.organ.front())), tree_(std::move(surface)) {}
+      : scene_(sceneOf(scene, surface)), tree_(std::move(surface)) {}
 
   void discretize(const BuildOptions& options, const std::function<void(double)>& progress) {
     discretization_ = palpate::discretize(scene_, tree_, progress);
@@ -320,14 +313,7 @@ Preparation prepareBodies(const Scene& scene, const TriangleSurface& organ, cons
     progress(0);
     bodies[k].discretize(options, progress);
   }
-  for (std::size_t b = 0; b < scene.boundaries.size(); ++b) {
-    const BoundarySpec& spec = scene.boundaries[b];
-    if (std::none_of(bodies.begin(), bodies.end(), [&](const BodyBuilder& body) { return body.has(b); }))
-      refuseEmpty(scene, spec);
-    if (bodies.size() > 1 && spec.region.kind == Region::Kind::Point)
-      throw InputError(spec.place, "points that are measured move one body, and here are " + number(bodies.size()),
-                       "leave the other organs out");
-  }
+  checkBoundaries(scene, bodies.size(), [&](std::size_t k, std::size_t b) { return bodies[k].has(b); });
   if (bodies.size() == 1) return bodies.front().prepare(report);
   std::vector<Preparation> prepared;
   for (std::size_t k = 0; k < bodies.size(); ++k)

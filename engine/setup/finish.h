@@ -1,10 +1,22 @@
 #pragma once
 
+#include <memory>
+
+#include "contact/skin_contact.h"
+#include "discretization/surface/surface_gaps.h"
 #include "discretization/surface/surface_tree.h"
 #include "setup/build_model.h"
-#include "setup/prepare.h"
 
 namespace palpate {
+
+/// What all places of a scene whose cloud follows the tool (place.h) have in common, beside what each body has
+/// (CommonToBody).
+struct CommonToPlaces {
+  SkinModel skin;                                        // without rows
+  SkinBodies bodies;                                     // of it, likewise
+  std::vector<std::shared_ptr<const SurfaceGaps>> gaps;  // (body_count) in the skin of each
+  double finest_spacing = 0;                             // m, of the nodes at any place
+};
 
 /// The second half of buildModel: what is quick, and what depends on rate, step and tool. Throws InputError naming the
 /// place in the scene that can't be used.

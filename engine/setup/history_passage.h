@@ -10,8 +10,9 @@ namespace palpate {
 
 /// What the points of materials that relax remember (mechanics/relaxation.h) on the way from one place of a cloud that
 /// follows the tool to another: a point of B takes over the Z of the point of A that stands where it does (to
-/// same_place), or the mean of the nearest four of its material, weighted by the inverse square of their distance.
-/// Z is a stress in the body at rest, symmetric and continuous within a material, so that means of it are one, too.
+/// same_place), or the mean of the nearest four of its material and body, weighted by the inverse square of their
+/// distance. Z is a stress in the body at rest, symmetric and continuous within a material, so that means of it are
+/// one, too.
 struct HistoryPassage {
   static constexpr int sources = 4;
   std::vector<std::array<int, sources>> lane;     // (16 * batch_count of B) 16 * batch + lane in A's layout

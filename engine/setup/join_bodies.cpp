@@ -6,6 +6,9 @@
 #include <numeric>
 #include <type_traits>
 
+#include "scene/scene_messages.h"
+#include "setup/imposed_nodes.h"
+
 namespace palpate {
 namespace {
 
@@ -132,9 +135,42 @@ void append(Preparation&& more, Preparation& all) {
   append(
       std::move(more.skin.surface.triangles), [&](int v) { return vertices + v; }, all.skin.surface.triangles);
   append(std::move(more.essential), nodes, all.essential);
+  all.end_node.push_back(all.nodeCount());
+  all.end_point.push_back(all.pointCount());
 }
 
 }  // namespace
+
+Scene sceneOf(const Scene& scene, const TriangleSurface& surface) {
+  const int organ = surface.organ.empty() ? 0 : surface.organ.front();
+  Region nothing;
+  nothing.kind = Region::Kind::Sphere;
+  nothing.radius = -1;
+  const auto isOther = [&](int named) { return named >= 0 && named != organ; };
+  Scene own = scene;
+  for (BoundarySpec& boundary : own.boundaries)
+    if (isOther(boundary.organ)) boundary.region = nothing;
+  for (MaterialSpec& material : own.materials)
+    if (isOther(material.organ)) {
+      material.everywhere = false;
+      material.region = nothing;
+    }
+  return own;
+}
+
+void checkBoundaries(const Scene& scene, std::size_t body_count,
+                     const std::function<bool(std::size_t body, std::size_t boundary)>& has) {
+  for (std::size_t b = 0; b < scene.boundaries.size(); ++b) {
+    const BoundarySpec& spec = scene.boundaries[b];
+    const bool is_point = spec.region.kind == Region::Kind::Point;
+    bool found = false;
+    for (std::size_t k = 0; k < body_count && !found; ++k) found = has(k, b);
+    if (!found) refuseEmpty(scene, spec);
+    if (body_count > 1 && is_point)
+      throw InputError(spec.place, "points that are measured move one body, and here are " + number(body_count),
+                       "leave the other organs out");
+  }
+}
 
 // NOLINTNEXTLINE(performance-unnecessary-value-param): its parts are moved from
 Preparation joinBodies(std::vector<Preparation> bodies) {

@@ -203,15 +203,17 @@ Passage makePassage(const Place& a, const Place& b) {
   passage.at.begin.push_back(0);
   passage.own.begin.push_back(0);
   std::vector<Vec3> moved;
+  std::vector<int> body;
   for (int i = 0; i < b.model.nodeCount(); ++i) {
     const int k = passage.from[i];
     if (k >= 0 && sameRow(a.model, k, b.model, i, passage.from)) continue;
     passage.node.push_back(i);
     moved.push_back(b.model.X[i]);
+    body.push_back(b.model.bodyOfNode(i));
     addRow(b.model.node_shape, i, passage.own);
   }
   std::vector<InadmissibleSupport> failed;
-  const ShapeTable shape = shapeAt(a.model, moved, failed);
+  const ShapeTable shape = shapeAt(a.model, moved, body, failed);
   if (!failed.empty()) throw std::runtime_error("a node of a place lies where the other has no approximation");
   for (std::size_t r = 0; r < passage.node.size(); ++r) {
     const int k = passage.from[passage.node[r]];

@@ -15,9 +15,9 @@
 #include "scene/scene_regions.h"
 #include "setup/choose_time_step.h"
 #include "setup/discretize_parts.h"
-#include "setup/finish.h"
 #include "setup/imposed_nodes.h"
 #include "setup/interface_nodes.h"
+#include "setup/join_bodies.h"
 
 namespace palpate {
 namespace {
@@ -73,15 +73,18 @@ std::vector<std::uint8_t> dimensionsOf(const Scene& scene, const SurfaceTree& or
 }
 
 /// Some nodes of each imposed region are live wherever the tools are, or a place could have none there.
-void keepRegions(const Scene& scene, const SurfaceTree& organ, NestedCloud& cloud) {
-  for (const BoundarySpec& spec : scene.boundaries) {
-    if (spec.region.kind == Region::Kind::Point) continue;
+/// @return which regions the body has part in (boundary_count)
+std::vector<bool> keepRegions(BodyPlaces& body) {
+  std::vector<bool> has;
+  for (const BoundarySpec& spec : body.scene.boundaries) {
     std::vector<int> members;
-    for (int i = 0; i < cloud.nodeCount(); ++i)
-      if ((cloud.on_surface[i] || !spec.surface_only) && contains(spec.region, cloud.X[i], organ)) members.push_back(i);
-    if (members.empty()) refuseEmpty(scene, spec);
-    keepLive(members, kept_of_region, cloud);
+    for (int i = 0; i < body.cloud.nodeCount() && spec.region.kind != Region::Kind::Point; ++i)
+      if ((body.cloud.on_surface[i] || !spec.surface_only) && contains(spec.region, body.cloud.X[i], body.surface))
+        members.push_back(i);
+    if (!members.empty()) keepLive(members, kept_of_region, body.cloud);
+    has.push_back(!members.empty() || spec.region.kind == Region::Kind::Point);
   }
+  return has;
 }
 
 /// What a tool's ball and the spacing in it are made for, m.
@@ -111,12 +114,6 @@ std::vector<Vec3> centresOn(const TriangleSurface& skin, double stride) {
   return centres;
 }
 
-void checkCarried(const Scene& scene, const TriangleSurface& organ) {
-  if (bodiesOf(organ).count > 1)
-    throw InputError(placeOf(scene, "discretization.follow"), "a cloud that follows the tool is that of one body",
-                     "give [discretization] spacing, about " + number(fineSpacing(scene)) + " m for this tool");
-}
-
 /// Nodes that are further apart than a body is thick can't fill it.
 void checkThickness(const Scene& scene, const TriangleSurface& organ, double fine) {
   const double thickness = boundingBox(organ).sizes().minCoeff();
@@ -133,26 +130,34 @@ void checkThickness(const Scene& scene, const TriangleSurface& organ, double fin
                 " m at least, is enough: cut the part that is touched out of the body, or check its scale");
 }
 
-/// What a place's preparation depends on; "" where nothing is to be kept.
-std::string keyOf(const Places& places, const PlaceIndex& index, bool common) {
-  if (places.key.empty()) return {};
-  std::string key = places.key + (common ? "\nplace" : "\nfirst place");
-  for (const int centre : index) key += ' ' + std::to_string(centre);
-  return key;
+/// Whether a ball makes nodes of a body denser.
+bool reaches(const SpacingField::Refinement& ball, double coarse, const Box3& body) {
+  const double farthest = ball.radius + 3 * (coarse - ball.spacing);  // SpacingField's
+  return ball.spacing < coarse && body.squaredExteriorDistance(ball.centre) < farthest * farthest;
 }
 
-/// Each as fine as its own tool wants; none where the whole body is.
-std::vector<SpacingField::Refinement> ballsAt(const Places& places, const PlaceIndex& index) {
+/// Each as fine as its own tool wants; none where the whole of a body is.
+/// @param coarse  m, of the body
+/// @param used    gets for each tool the centre of its ball, or -1
+std::vector<SpacingField::Refinement> ballsAt(const Places& places, const PlaceIndex& index, double coarse,
+                                              const Box3& body, PlaceIndex* used = nullptr) {
   std::vector<SpacingField::Refinement> balls;
   const std::vector<ToolSpec>& tools = places.scene.tools;
+  if (used != nullptr) *used = no_place;
   for (std::size_t t = 0; t < tools.size(); ++t) {
     SpacingField::Refinement ball;
     ball.centre = places.centres[static_cast<std::size_t>(index[t])];
     ball.spacing = std::max(places.sizes.fine, fine_radii * resolvedRadius(tools[t].shape));
     ball.radius = ballRadius(tools[t].shape, ball.spacing) + (tools[t].jaws() ? tools[t].opening / 2 : 0);
-    if (ball.spacing < places.sizes.coarse) balls.push_back(ball);
+    if (!reaches(ball, coarse, body)) continue;
+    balls.push_back(ball);
+    if (used != nullptr) (*used)[t] = index[t];
   }
   return balls;
+}
+
+std::vector<SpacingField::Refinement> ballsAt(const Places& places, const PlaceIndex& index) {
+  return ballsAt(places, index, places.sizes.coarse, boundingBox(places.organ.surface()));
 }
 
 /// Nodes that any place may have: as many as the first, and those of whole balls with what is around them, twice; no
@@ -170,44 +175,89 @@ int mostNodes(const Places& places, int of_first) {
       nodes += 4 * std::numbers::pi * r * r * width / std::pow(h, 3);
     }
   }
-  return static_cast<int>(std::min<double>(of_first + safety * nodes / volume_per_node, places.cloud.nodeCount()));
+  return static_cast<int>(std::min<double>(of_first + safety * nodes / volume_per_node, places.nodeCount()));
 }
 
-/// The place from its scene, with what is common to all or, for the first, without.
-/// @param kept  its preparation, if it is at hand
-Place place(const Places& places, const PlaceIndex& index, const CommonToPlaces* common, const PlaceStore& store,
-            PlaceMemory* memory, std::optional<Preparation> kept = {}) {
-  Place made;
-  made.index = index;
-  made.node = liveNodes(places.cloud, wantedSpacing(places, index));
-  Scene scene = places.scene;
-  for (const SpacingField::Refinement& ball : ballsAt(places, index)) {
+/// A body at a place.
+struct BodyPlace {
+  Scene scene;            // with its balls
+  std::vector<int> node;  // of the body's cloud
+  std::string key;        // what its preparation depends on; "": nothing is to be kept
+};
+
+void addBalls(const std::vector<SpacingField::Refinement>& balls, Scene& scene) {
+  for (const SpacingField::Refinement& ball : balls) {
     RefineSpec refine;
     refine.centre = ball.centre;
     refine.radius = ball.radius;
     refine.spacing = ball.spacing;
     scene.discretization.refine.push_back(refine);
   }
-  const Progress silent = [](const std::string&, double) {};
-  const std::string key = keyOf(places, index, common != nullptr);
-  if (!kept && !key.empty() && store.find) kept = store.find(key);
-  if (!kept || kept->X.size() != made.node.size()) {
-    SurfaceMemory* const surface = memory != nullptr ? &memory->surface : nullptr;
-    Discretization d;
-    for (const int i : made.node) {
-      d.cloud.X.push_back(places.cloud.X[i]);
-      d.cloud.on_surface.push_back(places.cloud.on_surface[i]);
-    }
-    d.cells = makeBackgroundCells(d.cloud, places.organ, surface);
-    fitVolumes(places.scene, places.organ, d, surface);
-    std::optional<RowMemory> rows;
-    if (memory != nullptr) rows.emplace(RowMemory{made.node, memory->rows});
-    kept = prepare(scene, places.organ, std::move(d), silent, common, rows ? &*rows : nullptr);
-    if (common == nullptr) kept->cloud = places.cloud, kept->pair_moment = places.common.pair_moment;
-    if (!key.empty() && store.keep) store.keep(key, *kept);
+}
+
+/// But for its nodes. @param first  whether it has yet nothing in common with others
+BodyPlace bodyAt(const Places& places, std::size_t k, const PlaceIndex& index, bool first) {
+  const BodyPlaces& body = places.body[k];
+  BodyPlace at{body.scene, {}, {}};
+  PlaceIndex used;
+  addBalls(ballsAt(places, index, body.scene.discretization.spacing, boundingBox(body.surface.surface()), &used),
+           at.scene);
+  if (places.key.empty()) return at;
+  at.key = places.key + (first ? "\nfirst place" : "\nplace");
+  if (places.body.size() > 1) at.key += " of body " + std::to_string(k);
+  for (const int centre : used) at.key += ' ' + std::to_string(centre);
+  return at;
+}
+
+/// @param memory  or null
+Preparation prepareAt(const BodyPlaces& body, const BodyPlace& at, bool first, PlaceMemory::OfBody* memory) {
+  Discretization d;
+  for (const int i : at.node) {
+    d.cloud.X.push_back(body.cloud.X[i]);
+    d.cloud.on_surface.push_back(body.cloud.on_surface[i]);
   }
-  kept->cloud = {};
-  made.model = finish(scene, places.organ, std::move(*kept), silent, common);
+  SurfaceMemory* const surface = memory != nullptr ? &memory->surface : nullptr;
+  d.cells = makeBackgroundCells(d.cloud, body.surface, surface);
+  fitVolumes(body.scene, body.surface, d, surface);
+  std::optional<RowMemory> rows;
+  if (memory != nullptr) rows.emplace(RowMemory{at.node, memory->rows});
+  const Progress silent = [](const std::string&, double) {};
+  Preparation made =
+      prepare(at.scene, body.surface, std::move(d), silent, first ? nullptr : &body.common, rows ? &*rows : nullptr);
+  if (first) made.cloud = body.cloud, made.pair_moment = body.common.pair_moment;
+  return made;
+}
+
+/// The place from its scene, with what is common to all or, for the first, without.
+/// @param kept  preparations that are at hand (body_count), or none
+Place place(const Places& places, const PlaceIndex& index, bool first, const PlaceStore& store, PlaceMemory* memory,
+            std::vector<std::optional<Preparation>> kept = {}) {
+  Place made;
+  made.index = index;
+  kept.resize(places.body.size());
+  if (memory != nullptr) memory->body.resize(places.body.size());
+  std::vector<Preparation> prepared;
+  int before = 0;  // nodes of the fine clouds
+  for (std::size_t k = 0; k < places.body.size(); ++k) {
+    const BodyPlaces& body = places.body[k];
+    BodyPlace at = bodyAt(places, k, index, first);
+    at.node = liveNodes(body.cloud, spacingField(at.scene));
+    std::optional<Preparation>& own = kept[k];
+    if (!own && !at.key.empty() && store.find) own = store.find(at.key);
+    if (!own || own->X.size() != at.node.size()) {
+      own = prepareAt(body, at, first, memory != nullptr ? &memory->body[k] : nullptr);
+      if (!at.key.empty() && store.keep) store.keep(at.key, *own);
+    }
+    own->cloud = {};
+    for (const int i : at.node) made.node.push_back(before + i);
+    before += body.cloud.nodeCount();
+    prepared.push_back(std::move(*own));
+  }
+  Scene scene = places.scene;
+  addBalls(ballsAt(places, index), scene);
+  made.model = finish(
+      scene, places.organ, prepared.size() > 1 ? joinBodies(std::move(prepared)) : std::move(prepared[0]),
+      [](const std::string&, double) {}, first ? nullptr : &places.common);
   made.model.scene.discretization.follow = false;  // as a body on its own it stays
   return made;
 }
@@ -244,73 +294,126 @@ double fineSpacing(const Scene& scene) { return fine_radii * smallestResolved(sc
 
 double followSpacing(const Scene& scene) { return coarse_radii * smallestToolRadius(scene); }
 
-/// The fine cloud that all places are taken from, and up to where their cells are joined.
-static void makeCloud(const Scene& as_read, const std::function<void(double)>& progress, Places& places) {
-  Scene fine = as_read;
-  fine.discretization.spacing = places.sizes.fine;
-  fine.discretization.refine = finerThan(fine.discretization.spacing, as_read.discretization.refine);
-  Discretization d = discretizeOnSurface(fine, places.organ, progress);
-  putInSlices(d);
-  places.cloud = nestedOrder(d.cloud, dimensionsOf(fine, places.organ, d), spacingField(fine));
-  keepRegions(as_read, places.organ, places.cloud);
-  const QuadratureSpec& quadrature = as_read.discretization.quadrature;
-  if (quadrature.cells_per_point > 1 && quadrature.accuracy == 0 && quadrature.points_per_cell == 1)
-    places.common.pair_moment = largestPairMoment(
-        d.cloud.X, d.cells, cellMaterials(fine, places.organ, d.cloud.X, d.cells), quadrature.cells_per_point);
+int Places::nodeCount() const {
+  int count = 0;
+  for (const BodyPlaces& each : body) count += each.cloud.nodeCount();
+  return count;
 }
+
+namespace {
+
+/// The fine cloud of a body that all places are taken from, and up to where their cells are joined.
+void makeCloud(const Places& places, const std::function<void(double)>& progress, BodyPlaces& body) {
+  Scene fine = body.scene;
+  fine.discretization.spacing = places.sizes.fine;
+  fine.discretization.refine = finerThan(fine.discretization.spacing, body.scene.discretization.refine);
+  Discretization d = discretizeOnSurface(fine, body.surface, progress);
+  putInSlices(d);
+  body.cloud = nestedOrder(d.cloud, dimensionsOf(fine, body.surface, d), spacingField(fine));
+  const QuadratureSpec& quadrature = body.scene.discretization.quadrature;
+  if (quadrature.cells_per_point > 1 && quadrature.accuracy == 0 && quadrature.points_per_cell == 1)
+    body.common.pair_moment = largestPairMoment(
+        d.cloud.X, d.cells, cellMaterials(fine, body.surface, d.cloud.X, d.cells), quadrature.cells_per_point);
+}
+
+/// The scene as places have it, but for their balls.
+Scene withoutBalls(const Scene& as_read, double coarse) {
+  Scene scene = as_read;
+  scene.discretization.spacing = coarse;
+  scene.discretization.refine = finerThan(coarse, as_read.discretization.refine);
+  scene.set_up_values.clear();
+  return scene;
+}
+
+/// Bodies with their surfaces and scenes; the sizes are those of the widest.
+void addBodies(const Scene& as_read, const TriangleSurface& organ, Places& places) {
+  FollowSizes& sizes = places.sizes = followSizes(as_read, signedVolume(organ), surfaceArea(organ));
+  sizes.coarse = 0;
+  for (TriangleSurface& surface : separated(organ, bodiesOf(organ))) {
+    checkThickness(as_read, surface, sizes.fine);
+    const Scene own = sceneOf(as_read, surface);
+    const SurfaceTree tree(std::move(surface));
+    const TriangleSurface& closed = tree.surface();
+    const FollowSizes of_body =
+        followSizes(as_read, signedVolume(closed), surfaceArea(closed), thicknessOf(tree, thin_share));
+    const double coarse = std::max(sizes.fine, of_body.coarse);
+    sizes.coarse = std::max(sizes.coarse, coarse);
+    places.body.push_back({withoutBalls(own, coarse), tree, {}, {}});
+  }
+  places.scene = withoutBalls(as_read, sizes.coarse);
+}
+
+/// The skin is one for all: no finer below a ball than elsewhere.
+void addSkin(const Scene& as_read, Places& places) {
+  TriangleSurface all;
+  for (BodyPlaces& body : places.body) {
+    Scene plain = body.scene;
+    plain.discretization.refine = finerThan(places.sizes.fine, as_read.discretization.refine);
+    TriangleSurface& skin = body.common.skin = refineForContact(plain, body.surface.surface());
+    body.common.gaps = std::make_shared<const SurfaceGaps>(gapsOf(body.scene, skin, body.surface));
+    places.common.gaps.push_back(body.common.gaps);
+    addSurface(skin, all);
+  }
+  CommonToPlaces& common = places.common;
+  common.finest_spacing = places.sizes.fine;
+  common.skin = skinOf(places.scene, all);
+  common.bodies = makeSkinBodies(common.skin, places.scene.discretization.spacing);
+}
+
+}  // namespace
 
 Places makePlaces(const Scene& as_read, const TriangleSurface& organ, const Progress& progress,
                   const PlaceStore& store) {
-  checkCarried(as_read, organ);
   const auto report = [&](const char* what, double fraction) {
     if (progress) progress(what, fraction);
   };
   Places places{as_read, SurfaceTree(organ), {}, {}, {}, {}, 0, 0, {}};
-  places.sizes = followSizes(as_read, signedVolume(organ), surfaceArea(organ), thicknessOf(places.organ, thin_share));
-  const FollowSizes& sizes = places.sizes;
-  checkThickness(as_read, organ, sizes.fine);
-  Scene& scene = places.scene;
-  scene.discretization.spacing = sizes.coarse;
-  scene.discretization.refine = finerThan(sizes.coarse, as_read.discretization.refine);
+  addBodies(as_read, organ, places);
   if (!as_read.set_up_values.empty()) {
     places.key = preparationKey(as_read, organ);
     for (const ToolSpec& tool : as_read.tools)  // what the balls, and so the places, depend on besides
       places.key += "\ntool " + shortest(tool.shape.radius) + ' ' + shortest(touchRadius(tool.shape)) + ' ' +
                     shortest(tool.opening);
   }
-  scene.set_up_values.clear();
-  // The skin is one for all: no finer below a ball than elsewhere.
-  Scene plain = scene;
-  plain.discretization.refine = finerThan(sizes.fine, as_read.discretization.refine);
-  places.common.finest_spacing = sizes.fine;
-  places.common.skin = skinOf(scene, refineForContact(plain, organ));
-  places.common.gaps = std::make_shared<const SurfaceGaps>(gapsOf(scene, places.common.skin.surface, places.organ));
-  places.common.bodies = makeSkinBodies(places.common.skin, scene.discretization.spacing);
-  places.centres = centresOn(places.common.skin.surface, sizes.stride);
+  addSkin(as_read, places);
+  places.centres = centresOn(places.common.skin.surface, places.sizes.stride);
   const PlaceIndex start = startPlace(places);
-  report("fine cloud", 0);
-  const std::string first_key = keyOf(places, start, false);
-  std::optional<Preparation> kept;
-  if (!first_key.empty() && store.find) kept = store.find(first_key);
-  if (kept && !kept->cloud.X.empty()) {
-    places.cloud = std::move(kept->cloud);
-    places.common.pair_moment = kept->pair_moment;
-  } else {
-    kept.reset();
-    makeCloud(
-        as_read, [&](double share) { report("fine cloud", 0.5 * share); }, places);
+  const std::size_t count = places.body.size();
+  std::vector<std::optional<Preparation>> kept(count);
+  std::vector<std::vector<bool>> has(count,
+                                     std::vector<bool>(as_read.boundaries.size(), true));  // if kept: then it had
+  for (std::size_t k = 0; k < count; ++k) {
+    BodyPlaces& body = places.body[k];
+    const auto made = [&](double share) {
+      report("fine cloud", 0.5 * (static_cast<double>(k) + share) / static_cast<double>(count));
+    };
+    made(0);
+    const std::string key = bodyAt(places, k, start, true).key;
+    if (!key.empty() && store.find) kept[k] = store.find(key);
+    if (kept[k] && !kept[k]->cloud.X.empty()) {
+      body.cloud = std::move(kept[k]->cloud);
+      body.common.pair_moment = kept[k]->pair_moment;
+    } else {
+      kept[k].reset();
+      makeCloud(places, made, body);
+      has[k] = keepRegions(body);
+    }
   }
+  checkBoundaries(as_read, count, [&](std::size_t k, std::size_t b) { return has[k][b]; });
 
   // One step and one rule for masses: those that suit the place at which the tools start.
   report("time step", 0.6);
-  const Model first = place(places, start, nullptr, store, nullptr, std::move(kept)).model;
+  const Model first = place(places, start, true, store, nullptr, std::move(kept)).model;
   if (!places.key.empty())
     for (const int centre : start) places.key += "\nstart " + std::to_string(centre);
-  places.common.row_limit = row_margin * 4 / (first.dt_proven * first.dt_proven);
-  // What the step asks for; a place has more mass only where it falls short of that (another search, half its time).
-  places.common.critical =
-      std::clamp(first.dt / scene.dynamics.step_safety, least_critical * first.dt_critical, first.dt_critical);
-  scene.dynamics.time_step = first.dt;
+  places.scene.dynamics.time_step = first.dt;
+  for (BodyPlaces& body : places.body) {
+    body.common.row_limit = row_margin * 4 / (first.dt_proven * first.dt_proven);
+    // What the step asks for; a place has more mass only where it falls short of that (another search, half its time).
+    body.common.critical =
+        std::clamp(first.dt / as_read.dynamics.step_safety, least_critical * first.dt_critical, first.dt_critical);
+    body.scene.dynamics.time_step = first.dt;
+  }
   constexpr double denser = 1.5;  // points that a node may have more than at the first place
   places.most_nodes = mostNodes(places, first.nodeCount());
   places.most_batches = static_cast<std::size_t>(
@@ -320,7 +423,7 @@ Places makePlaces(const Scene& as_read, const TriangleSurface& organ, const Prog
 }
 
 Place makePlace(const Places& places, const PlaceIndex& index, const PlaceStore& store, PlaceMemory* memory) {
-  Place made = place(places, index, &places.common, store, memory);
+  Place made = place(places, index, false, store, memory);
   if (made.model.nodeCount() > places.most_nodes || made.model.kernel.batch_material.size() > places.most_batches)
     throw InputError(places.scene.place,
                      "a place of the cloud that follows the tool has " + std::to_string(made.model.nodeCount()) +

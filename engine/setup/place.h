@@ -8,16 +8,18 @@
 #include <vector>
 
 #include "discretization/nodes/nested_cloud.h"
+#include "discretization/surface/surface_memory.h"
 #include "discretization/surface/surface_tree.h"
 #include "model/place_index.h"
-#include "setup/build_model.h"
+#include "setup/finish.h"
 #include "setup/prepare.h"
 
 namespace palpate {
 
-// A cloud that follows the tool. One fine cloud holds all others (nested_cloud.h); a *place* is a model of it whose
-// nodes are live densely in a ball around each tool and thinly elsewhere. Far from the tools all places have the same
-// nodes, cells, points, supports, masses and rows; all have one skin, one time step and one rule for masses.
+// A cloud that follows the tool. One fine cloud of each body holds all others (nested_cloud.h); a *place* is a model of
+// them whose nodes are live densely in a ball around each tool and thinly elsewhere. Far from the tools all places have
+// the same nodes, cells, points, supports, masses and rows, and so has a body that no ball reaches; all have one skin,
+// one time step and one rule for masses.
 //
 //   Places       what they have in common, made once for a scene
 //   PlaceIndex   which place: for each tool the centre that its ball is around
@@ -60,26 +62,45 @@ struct PlaceStore {
   std::function<void(const std::string& key, const Preparation&)> keep;
 };
 
+/// What places take a body from.
+struct BodyPlaces {
+  Scene scene;  // as the body has it at all places, but for their balls: its coarse spacing, one time step
+  SurfaceTree surface;
+  NestedCloud cloud;  // nodes on the surface where they are on it: volume is fitted place by place
+  CommonToBody common;
+};
+
 struct Places {
-  Scene scene;  // as its places have it, but for their balls: the coarse spacing, one time step
+  Scene scene;  // as BodyPlaces::scene, of all bodies
   SurfaceTree organ;
-  FollowSizes sizes;
-  NestedCloud cloud;          // nodes on the surface where they are on it: volume is fitted place by place
-  std::vector<Vec3> centres;  // (centre_count) m, on the skin, about a stride apart
+  FollowSizes sizes;             // of several bodies the widest coarse spacing
+  std::vector<BodyPlaces> body;  // (body_count)
+  std::vector<Vec3> centres;     // (centre_count) m, on the skin, about a stride apart
   CommonToPlaces common;
   int most_nodes = 0;            // of a place: what states have room for,
   std::size_t most_batches = 0;  // and of its points (KernelLayout)
   std::string key;               // all that they depend on, as bytes, for a PlaceStore; empty: nothing is kept
+
+  int nodeCount() const;  // of the fine clouds
 };
 
 /// A model around some balls.
 struct Place {
   PlaceIndex index{};
-  std::vector<int> node;  // (node_count) which node of Places::cloud each of the model's is, ascending
+  std::vector<int> node;  // (node_count) which node of the fine clouds, one after another, each of the model's is
   Model model;
 };
 
-/// Throws InputError as buildModel does, and where there are several bodies.
+/// What the places that were made leave of each body for the next one. No bit of a place depends on it.
+struct PlaceMemory {
+  struct OfBody {
+    KnownRows rows;         // of the last
+    SurfaceMemory surface;  // of the organ
+  };
+  std::vector<OfBody> body;
+};
+
+/// Throws InputError as buildModel does.
 /// @param organ  closed surface, checked, m
 /// @param store  used where the scene was read from a file (Scene::set_up_values)
 Places makePlaces(const Scene& scene, const TriangleSurface& organ, const Progress& progress = {},
@@ -113,7 +134,7 @@ PlaceIndex nextPlace(const Places& places, const PlaceIndex& present, const Tool
 /// along their axes. For set-up.
 PlaceIndex placeUnder(const Places& places, ToolPostures tools);
 
-/// The spacing that a place wants.
+/// The spacing that a place wants, of several bodies far from the tools the widest.
 SpacingField wantedSpacing(const Places& places, const PlaceIndex& index);
 
 }  // namespace palpate

@@ -111,7 +111,7 @@ Approximation approximateSharply(const Scene& scene, const SurfaceTree& tree, co
 }
 
 /// Masses of a place: one rule for each node on its own, so that nodes far from the tool keep theirs.
-void addCommonMasses(const CommonToPlaces& common, const ShapeTable& shape, const std::vector<double>& volume,
+void addCommonMasses(const CommonToBody& common, const ShapeTable& shape, const std::vector<double>& volume,
                      const std::vector<Material>& materials, const NodePatches& patches, Preparation& p) {
   const auto rows = gershgorinRows(shape, volume, p.point_material, materials, p.mass.size());
   for (std::size_t i = 0; i < p.mass.size(); ++i) p.mass[i] = std::max(p.mass[i], rows[i] / common.row_limit);
@@ -128,7 +128,7 @@ void addCommonMasses(const CommonToPlaces& common, const ShapeTable& shape, cons
 /// Masses and the stable step, with the mass added that spares steps of a tick.
 void addMasses(const Scene& scene, const std::vector<Vec3>& X, const BackgroundCells& cells,
                const IntegrationPoints& points, const std::vector<int>& cell_material, const ShapeTable& shape,
-               const CommonToPlaces* common, Preparation& p) {
+               const CommonToBody* common, Preparation& p) {
   const std::vector<Material> materials = materialsOf(scene);
   std::vector<double> cell_density;
   cell_density.reserve(cell_material.size());
@@ -165,7 +165,7 @@ std::vector<int> cellMaterials(const Scene& scene, const SurfaceTree& tree, cons
 
 // NOLINTNEXTLINE(performance-unnecessary-value-param): its parts are moved from
 Preparation prepare(const Scene& scene, const SurfaceTree& tree, Discretization discretization,
-                    const Progress& progress, const CommonToPlaces* common, const RowMemory* memory) {
+                    const Progress& progress, const CommonToBody* common, const RowMemory* memory) {
   // Shares of the time with 33,000 nodes and 190,000 points on two cores.
   const auto report = [&](const char* what, double fraction) {
     if (progress) progress(what, fraction);
@@ -184,7 +184,7 @@ Preparation prepare(const Scene& scene, const SurfaceTree& tree, Discretization 
       choosePoints(scene, cloud.X, cells, cell_material, radius, common != nullptr ? &common->pair_moment : nullptr);
 
   report("skin", 0.43);
-  p.skin.surface = common != nullptr ? common->skin.surface : refineForContact(scene, tree.surface());
+  p.skin.surface = common != nullptr ? common->skin : refineForContact(scene, tree.surface());
   const SurfaceGaps own_gaps = common != nullptr ? SurfaceGaps{} : gapsOf(scene, p.skin.surface, tree);
   const SurfaceGaps& gaps = common != nullptr ? *common->gaps : own_gaps;
 
@@ -230,6 +230,8 @@ Preparation prepare(const Scene& scene, const SurfaceTree& tree, Discretization 
   p.point_other_cell = std::move(points.other_cell);
   p.point_shape = std::move(shape.points);
   p.node_shape = std::move(shape.nodes);
+  p.end_node = {p.nodeCount()};
+  p.end_point = {p.pointCount()};
   setRows(shape.skin, p.skin);
   p.essential.facet_phi = std::move(shape.facets);
   return p;

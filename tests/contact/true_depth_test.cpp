@@ -103,3 +103,33 @@ TEST_CASE("A ball that goes straight in is as deep as it has come past the touch
   CHECK(last == Approx(0.004).epsilon(0.05));
   CHECK(largest_step < 2.5e-4);  // 0.025 of the radius: as late as vertices feel the first touch
 }
+
+TEST_CASE("Vertices that come under the tip and leave it move the depth no further than the tool", "[true_depth]") {
+  // A dome of 30 mm radius, vertices 0.35 radii of the ball apart, which slides down it, 4 mm deep. Pressed, it has turned.
+  const Quat turn(Eigen::AngleAxisd(0.4, Vec3::UnitY()));
+  PlaneAndTool at(ToolShape::of(ToolKind::Sphere, 0.008), 0);
+  for (Vec3& X : at.skin.surface.vertices) {
+    X *= 2.8;
+    X.z() = -X.squaredNorm() / (2 * 0.03);
+  }
+  const ToolProfile profile = toolProfile(at.tool);
+  double last = 0, largest_change = 0;
+  for (int k = 0; k <= 60; ++k) {
+    at.pose.position = Vec3(1e-4 * k, 0.3e-4 * k, -0.004);
+    ContactState contact;
+    for (int v = 0; v < static_cast<int>(at.skin.surface.vertices.size()); ++v) {
+      const Vec3& X = at.skin.surface.vertices[static_cast<std::size_t>(v)];
+      const ToolDistance d = toolDistance(profile, at.pose.toLocal(turn * X));
+      if (d.distance > 0) continue;
+      contact.vertex.push_back(v);
+      contact.normal.push_back(d.normal.cast<float>());
+      contact.force.push_back(toFloat4(Vec3(-d.distance * d.normal)));
+      ++contact.count;
+    }
+    REQUIRE(contact.count > 3);
+    const double now = TrueDepth(at.skin, at.tool).of(at.pose, contact);
+    if (k > 0) largest_change = std::max(largest_change, std::abs(now - last));
+    last = now;
+  }
+  CHECK(largest_change < 1e-4);
+}

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "discretization/nodes/node_scatter.h"
+#include "discretization/surface/surface_bodies.h"
 #include "setup/passage.h"
 #include "step/step.h"
 #include "step/tool_contact.h"
@@ -60,7 +61,7 @@ TEST_CASE("Far from the tool all places are the same, and a place is a function 
   test::requireSameBits("skin", a.model.skin.surface.vertices, b.model.skin.surface.vertices);
   for (const Place* place : {&a, &b}) {
     CHECK(share(place->model.cell_volume, test::barScene().organs[0].size.prod()) < 1e-12);
-    CHECK(place->model.nodeCount() < 0.6 * places.cloud.nodeCount());
+    CHECK(place->model.nodeCount() < 0.6 * places.nodeCount());
     CHECK(std::is_sorted(place->node.begin(), place->node.end()));
   }
 
@@ -131,7 +132,7 @@ TEST_CASE("What is used again for a place changes no bit of it, whatever places 
   const Place &a = leftPlace(), &b = nextToLeft();
   PlaceMemory memory;
   test::requireSameModel(makePlace(places, a.index, {}, &memory).model, a.model);
-  CHECK(static_cast<int>(memory.rows.number.size()) == a.model.nodeCount());
+  CHECK(static_cast<int>(memory.body[0].rows.number.size()) == a.model.nodeCount());
   test::requireSameModel(makePlace(places, b.index, {}, &memory).model, b.model);
   makePlace(places, indexAt(places, Vec3(0.06, 0, 0.03)), {}, &memory);
   test::requireSameModel(makePlace(places, a.index, {}, &memory).model, a.model);
@@ -139,7 +140,7 @@ TEST_CASE("What is used again for a place changes no bit of it, whatever places 
   // Between neighbours more is the same than not.
   PlaceMemory of_a;
   makePlace(places, a.index, {}, &of_a);
-  const RowsAtHand at_hand(of_a.rows, b.node, b.model.X, b.model.support_radius, {});
+  const RowsAtHand at_hand(of_a.body[0].rows, b.node, b.model.X, b.model.support_radius, {});
   std::vector<int> node;
   std::vector<double> N;
   std::vector<Vec3> gradN;
@@ -356,6 +357,54 @@ TEST_CASE("What points remember goes with the tissue from place to place", "[pla
   CHECK(worst < 0.02);           // and 0.01: the ball is as deep as the bar (livers: 0.5 %, mtled follow)
 }
 
+TEST_CASE("Each of several bodies has a cloud: they touch, and what one follows is its own", "[place][whole]") {
+  // Two bars side by side, 0.1 mm apart, and one far away.
+  const std::array<Vec3, 3> at = {Vec3(0, -0.02505, 0), Vec3(0, 0.02505, 0), Vec3(0.4, 0, 0)};
+  Scene scene = test::barScene();
+  TriangleSurface bars;
+  for (std::size_t k = 0; k < at.size(); ++k) {
+    TriangleSurface bar = test::barSurface();
+    for (Vec3& x : bar.vertices) x += at[k];
+    addSurface(bar, bars);
+    bars.organ.resize(bars.triangles.size(), static_cast<int>(k));
+  }
+  scene.organs.resize(at.size(), scene.organs[0]);
+  const Places places = makePlaces(scene, bars);
+  REQUIRE(places.body.size() == 3);
+  const Place a = makePlace(places, indexAt(places, Vec3(-0.06, 0, 0.03)));
+  const Place b = makePlace(places, indexAt(places, Vec3(-0.05, 0, 0.03)));
+  REQUIRE(a.index != b.index);
+  PlaceMemory memory;
+  makePlace(places, a.index, {}, &memory);
+  test::requireSameModel(makePlace(places, b.index, {}, &memory).model, b.model);
+
+  // Each turns by itself.
+  const auto moved = [](std::size_t body, const Vec3& X) -> Vec3 {
+    return (body == 0 ? 0.1 : -0.1) * X.cross(Vec3::UnitZ());
+  };
+  const auto first = [](const Model& model, std::size_t body) { return body == 0 ? 0 : model.end_node[body - 1]; };
+  State before = initialState(a.model), after = initialState(b.model);
+  for (std::size_t k = 0; k < at.size(); ++k)
+    for (int i = first(a.model, k); i < a.model.end_node[k]; ++i) before.u[i] = toFloat4(moved(k, a.model.X[i]));
+  const Passage passage = makePassage(a, b);
+  CHECK(passage.newCount() > 20);
+  PassageScratch scratch(passage, before.u.size());
+  applyPassage(b, passage, before, scratch, after);
+  std::array<double, 3> worst{};
+  std::array<int, 3> changed{};
+  for (std::size_t k = 0; k < at.size(); ++k) {
+    for (int i = first(b.model, k); i < b.model.end_node[k]; ++i) {
+      const Vec3 u(after.u[i].x, after.u[i].y, after.u[i].z);
+      worst[k] = std::max(worst[k], (u - moved(k, b.model.X[i])).norm());
+      changed[k] += std::binary_search(passage.node.begin(), passage.node.end(), i);
+    }
+    CHECK(worst[k] < 0.2 * same_place);
+  }
+  CHECK((changed[0] > 10 && changed[1] > 10));
+  CHECK(changed[2] == 0);  // no ball is there
+  CHECK(b.model.end_node[2] - first(b.model, 2) < 0.6 * b.model.end_node[0]);
+}
+
 TEST_CASE("Each of several tools has a ball", "[place][whole]") {
   Scene scene = test::barScene();
   scene.tools[0].shape.radius = 0.01;
@@ -374,7 +423,7 @@ TEST_CASE("Each of several tools has a ball", "[place][whole]") {
   for (const double x : {-0.06, 0.06}) {
     int live = 0, all = 0;
     const auto near = [&](const Vec3& X) { return (X - Vec3(x, 0, 0.03)).norm() < 0.015; };
-    for (const Vec3& X : places.cloud.X) all += near(X);
+    for (const Vec3& X : places.body[0].cloud.X) all += near(X);
     for (const Vec3& X : place.model.X) live += near(X);
     CHECK(all > 30);
     CHECK(live == all);

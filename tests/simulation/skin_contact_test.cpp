@@ -104,7 +104,7 @@ double airBelow(const Model& model, const State& state) {
 
 TEST_CASE("What a flap follows is not what lies below it, however near", "[simulation][skin_contact]") {
   const Model model = flap();
-  CHECK_FALSE(model.gaps->empty());
+  CHECK_FALSE(model.gaps[0]->empty());
   // Above the air only nodes above it, beyond where the flap is grown to.
   const auto follows = [&](const std::vector<Vec3>& at, const auto& rows) {
     int seen = 0, wrong = 0, near = 0;

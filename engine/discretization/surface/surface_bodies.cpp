@@ -55,4 +55,10 @@ std::vector<TriangleSurface> separated(const TriangleSurface& surface, const Sur
   return separateParts(surface, by_body);
 }
 
+void addSurface(const TriangleSurface& more, TriangleSurface& all) {
+  const int vertices = static_cast<int>(all.vertices.size());
+  all.vertices.insert(all.vertices.end(), more.vertices.begin(), more.vertices.end());
+  for (const auto& [a, b, c] : more.triangles) all.triangles.push_back({a + vertices, b + vertices, c + vertices});
+}
+
 }  // namespace palpate

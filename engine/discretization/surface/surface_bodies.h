@@ -21,4 +21,7 @@ SurfaceBodies bodiesOf(const TriangleSurface& surface);
 /// Each body's surface on its own, with the vertices it uses; one body's as it is. (bodies.count)
 std::vector<TriangleSurface> separated(const TriangleSurface& surface, const SurfaceBodies& bodies);
 
+/// Adds vertices and faces of a further body; TriangleSurface::organ stays as it is.
+void addSurface(const TriangleSurface& more, TriangleSurface& all);
+
 }  // namespace palpate

@@ -363,7 +363,7 @@ TEST_CASE("Tissue bent between coarse nodes is not followed until it is straight
   float sign = 1e-4F;
   for (std::size_t i = 0; i < here.node.size(); ++i)
     if (inBall(bent.place, here.model.X[i]) && !inBall(next, here.model.X[i]) &&
-        places()->cloud.coarsest[static_cast<std::size_t>(here.node[i])] >= places()->sizes.coarse)
+        places()->body[0].cloud.coarsest[static_cast<std::size_t>(here.node[i])] >= places()->sizes.coarse)
       bent.u[i].z = sign = -sign;
   const auto follows = [&](std::int64_t tick) {
     bent.tick = tick;

@@ -159,7 +159,7 @@ Study studyOf(const Scene& scene, const FollowOptions& options) {
   study.fine = places.sizes.fine;
   study.coarse = places.sizes.coarse;
   std::cout << format("%s: fine %.1f mm, coarse %.1f mm, %d nodes in all, %zu centres\n", study.scene.c_str(),
-                      1e3 * study.fine, 1e3 * study.coarse, places.cloud.nodeCount(), places.centres.size());
+                      1e3 * study.fine, 1e3 * study.coarse, places.nodeCount(), places.centres.size());
   for (const DragWay& way : ways) {
     const ToolTrajectory poses = trajectoryOf(way, scene, settings);
     std::cout << format("way %zu: %.0f mm from (%.0f %.0f %.0f) to (%.0f %.0f %.0f) mm\n", study.ways.size() + 1,
