@@ -23,6 +23,7 @@ BatchTools::BatchTools(const Model& model) : model_(model) {
   now_.posture = before_.posture;
   for (int b = 0; b < model.tools.bodyCount(); ++b)
     contact_.push_back(makeContactState(model.skin, model.tools.body[b].shape));
+  scratch_.assign(contact_.size(), ContactScratch(model.skin));
 }
 
 ContactForces BatchTools::solve(const ContactStep& step, Touching touching, ToolLoads& loads) {
@@ -34,9 +35,9 @@ ContactForces BatchTools::solve(const ContactStep& step, Touching touching, Tool
     const auto t = static_cast<std::size_t>(body.tool);
     const Pose pose = bodyPose(body, now_.posture[t]), before = bodyPose(body, before_.posture[t]);
     const double margin = 2 * largestTravel(body.shape, before, pose);
-    findContactCandidates(model_.skin, step.u, body.shape, pose, margin, contact_[b]);
-    findFaceSamples(model_.skin, step.u, body.shape, pose, margin, contact_[b]);
-    tools[b] = {&body.shape, pose, before, set.tool[t].friction, &contact_[b]};
+    findContactCandidates(model_.skin, step.u, body.shape, pose, margin, contact_[b], scratch_[b]);
+    findFaceSamples(model_.skin, step.u, body.shape, pose, margin, contact_[b], scratch_[b]);
+    tools[b] = {&body.shape, pose, before, set.tool[t].friction, &contact_[b], &scratch_[b]};
   }
   touching.tools = {tools.data(), count};
   const ContactForces forces = solveContacts(step, touching);

@@ -17,7 +17,7 @@ constexpr int kMaxCapacity = 4096;
 /// skin has edges of 0.35 R about 100, of 0.1 R about 750.
 constexpr int kSampleCapacity = 1024;
 
-bool nearer(const ContactState::Candidate& a, const ContactState::Candidate& b) {
+bool nearer(const ContactScratch::Candidate& a, const ContactScratch::Candidate& b) {
   return a.distance != b.distance ? a.distance < b.distance : a.vertex < b.vertex;
 }
 
@@ -30,31 +30,42 @@ ContactState makeContactState(const SkinModel& skin, const ToolShape&) {
   contact.force.resize(capacity);
   contact.normal.resize(capacity, Vec3f::Zero());
   contact.side.resize(capacity, Vec3f::Zero());
-  contact.candidate.resize(capacity);
-  contact.old_vertex.resize(capacity);
-  contact.old_force.resize(capacity);
-  contact.old_normal.resize(capacity, Vec3f::Zero());
-  contact.old_side.resize(capacity, Vec3f::Zero());
-  contact.row.resize(capacity + kSampleCapacity);
 
   FaceSamples& samples = contact.samples;
-  for (auto* ids : {&samples.id, &samples.old_id}) ids->resize(kSampleCapacity);
-  for (auto* forces : {&samples.force, &samples.old_force}) forces->resize(kSampleCapacity);
-  for (auto* sides : {&samples.normal, &samples.side, &samples.old_normal, &samples.old_side})
-    sides->resize(kSampleCapacity, Vec3f::Zero());
+  samples.id.resize(kSampleCapacity);
+  samples.force.resize(kSampleCapacity);
+  for (auto* sides : {&samples.normal, &samples.side}) sides->resize(kSampleCapacity, Vec3f::Zero());
   samples.point.resize(kSampleCapacity);
   samples.area.resize(kSampleCapacity);
   samples.lift.resize(kSampleCapacity);
-  samples.candidate.resize(2 * kSampleCapacity);
-  const auto vertices = static_cast<std::size_t>(skin.vertexCount());
-  samples.position.resize(vertices, Vec3f::Zero());
-  samples.mark.resize(vertices);
-  samples.marked.resize(vertices);
   return contact;
 }
 
+ContactScratch::ContactScratch(const SkinModel& skin) {
+  const std::size_t capacity = std::min(skin.vertexCount(), kMaxCapacity),
+                    larger = std::max<std::size_t>(capacity, kSampleCapacity);
+  candidate.resize(capacity);
+  sample.resize(2 * kSampleCapacity);
+  old_id.resize(larger);
+  old_force.resize(larger);
+  for (auto* sides : {&old_normal, &old_side}) sides->resize(larger, Vec3f::Zero());
+  const auto vertices = static_cast<std::size_t>(skin.vertexCount());
+  position.resize(vertices, Vec3f::Zero());
+  mark.resize(vertices);
+  marked.resize(vertices);
+  row.resize(capacity + kSampleCapacity);
+}
+
+void ContactScratch::keepOld(int count, const std::vector<int>& id, const std::vector<Float4>& force,
+                             const std::vector<Vec3f>& normal, const std::vector<Vec3f>& side) {
+  std::copy_n(id.begin(), count, old_id.begin());
+  std::copy_n(force.begin(), count, old_force.begin());
+  std::copy_n(normal.begin(), count, old_normal.begin());
+  std::copy_n(side.begin(), count, old_side.begin());
+}
+
 void findContactCandidates(const SkinModel& skin, const Float4* u, const ToolShape& tool, const Pose& tool_pose,
-                           double margin, ContactState& contact) {
+                           double margin, ContactState& contact, ContactScratch& scratch) {
   const Mat3 local_from_world = tool_pose.orientation.conjugate().toRotationMatrix();
   const ToolProfile profile = toolProfile(tool);
   auto distance = [&](int v) {
@@ -66,15 +77,15 @@ void findContactCandidates(const SkinModel& skin, const Float4* u, const ToolSha
   const double stretch = std::max(kStretch, expectedStretch(contact.samples));
 
   // While there is room the list is unordered; when full, a heap with the farthest on top.
-  const auto begin = contact.candidate.begin();
-  const int capacity = static_cast<int>(contact.candidate.size());
+  const auto begin = scratch.candidate.begin();
+  const int capacity = static_cast<int>(scratch.candidate.size());
   int count = 0;
   contact.overflow = false;
   const auto isNear = [&](int representative, float radius) {
     return distance(representative) <= stretch * static_cast<double>(radius) + reach;
   };
   const auto add = [&](int v) {
-    const ContactState::Candidate found{distance(v), v};
+    const ContactScratch::Candidate found{distance(v), v};
     if (!(found.distance <= reach)) return;
     if (count < capacity) {
       begin[count++] = found;
@@ -108,19 +119,16 @@ void findContactCandidates(const SkinModel& skin, const Float4* u, const ToolSha
   std::sort(begin, begin + count, [](const auto& a, const auto& b) { return a.vertex < b.vertex; });
 
   // Merge with the old list, which is sorted too.
-  std::swap(contact.vertex, contact.old_vertex);
-  std::swap(contact.force, contact.old_force);
-  std::swap(contact.normal, contact.old_normal);
-  std::swap(contact.side, contact.old_side);
+  scratch.keepOld(contact.count, contact.vertex, contact.force, contact.normal, contact.side);
   int old = 0;
   for (int k = 0; k < count; ++k) {
     const int v = begin[k].vertex;
-    while (old < contact.count && contact.old_vertex[old] < v) ++old;
-    const bool stays = old < contact.count && contact.old_vertex[old] == v;
+    while (old < contact.count && scratch.old_id[old] < v) ++old;
+    const bool stays = old < contact.count && scratch.old_id[old] == v;
     contact.vertex[k] = v;
-    contact.force[k] = stays ? contact.old_force[old] : Float4{};
-    contact.normal[k] = stays ? contact.old_normal[old] : Vec3f(Vec3f::Zero());
-    contact.side[k] = stays ? contact.old_side[old] : Vec3f(Vec3f::Zero());
+    contact.force[k] = stays ? scratch.old_force[old] : Float4{};
+    contact.normal[k] = stays ? scratch.old_normal[old] : Vec3f(Vec3f::Zero());
+    contact.side[k] = stays ? scratch.old_side[old] : Vec3f(Vec3f::Zero());
   }
   contact.count = count;
 }

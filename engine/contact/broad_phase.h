@@ -24,6 +24,6 @@ constexpr double kTissueTravel = 0.1;
 /// cluster of the regions in reach and per vertex of the clusters in reach.
 /// Test: contact/broad_phase_test.cpp (against all vertices).
 void findContactCandidates(const SkinModel& skin, const Float4* u, const ToolShape& tool, const Pose& tool_pose,
-                           double margin, ContactState& contact);
+                           double margin, ContactState& contact, ContactScratch& scratch);
 
 }  // namespace palpate

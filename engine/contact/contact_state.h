@@ -17,12 +17,6 @@ struct SkinPoint {
   std::array<float, 3> share = {1};  // (corners) sum 1
 };
 
-/// A vertex or a sample before a tool.
-struct ToolRow : ContactRow {
-  int vertex = 0;  // of the skin; of a sample its first corner
-  const SkinPoint* sample = nullptr;
-};
-
 /// Contact points on edges and faces of the skin that are stretched (face_samples.h), and what is remembered of them.
 struct FaceSamples {
   // Remembered from step to step.
@@ -38,21 +32,6 @@ struct FaceSamples {
   std::vector<SkinPoint> point;  // (capacity)
   std::vector<float> area;       // (capacity) m^2, share of the skin as it is now
   std::vector<float> lift;       // (capacity) m, added to the distance while a sample is being brought in
-
-  // Scratch.
-  struct Candidate {
-    int id = 0;
-    SkinPoint point;
-    float area = 0, lift = 0;
-  };
-  std::vector<Candidate> candidate;  // (2 capacity)
-  std::vector<int> old_id;           // (capacity)
-  std::vector<Float4> old_force;     // (capacity)
-  std::vector<Vec3f> old_normal;     // (capacity)
-  std::vector<Vec3f> old_side;       // (capacity)
-  std::vector<Vec3f> position;       // (vertex_count) m, of the vertices that are marked
-  std::vector<int> mark;             // (vertex_count) 0: position unknown, > 0: slot in ContactState + 1, -1: other
-  std::vector<int> marked;           // (vertex_count) those with -1
 };
 
 /// Forces between tool and tissue in one step, and what the solver remembers.
@@ -67,23 +46,47 @@ struct ContactState {
   bool overflow = false;       // more points near the tool than capacity; the farthest vertices were dropped
   double max_penetration = 0;  // m, deepest after the last step
   int contact_count = 0;       // vertices and samples that carry force after the last step
-
-  // Scratch.
-  struct Candidate {
-    double distance = 0;  // m, to the tool
-    int vertex = 0;
-  };
-  std::vector<Candidate> candidate;  // (capacity)
-  std::vector<Float4> old_force;     // (capacity)
-  std::vector<Vec3f> old_normal;     // (capacity)
-  std::vector<Vec3f> old_side;       // (capacity)
-  std::vector<int> old_vertex;       // (capacity)
-  std::vector<ToolRow> row;          // (capacity of vertices and samples)
 };
 
 /// Memory for the largest contact that this tool can make with this skin: every vertex, but no
 /// more than 4096 (a tool of radius R over a skin with edges of 0.1 R touches about 750 at a time), and 1024 samples
 /// of stretched faces.
 ContactState makeContactState(const SkinModel& skin, const ToolShape& tool);
+
+/// A vertex or a sample before a tool.
+struct ToolRow : ContactRow {
+  int vertex = 0;  // of the skin; of a sample its first corner
+  const SkinPoint* sample = nullptr;
+};
+
+/// What the contact of a body of a tool needs while it is found and solved, beside its state.
+struct ContactScratch {
+  explicit ContactScratch(const SkinModel& skin);
+
+  struct Candidate {
+    double distance = 0;  // m, to the tool
+    int vertex = 0;
+  };
+  std::vector<Candidate> candidate;  // (capacity of vertices)
+  struct SampleCandidate {
+    int id = 0;
+    SkinPoint point;
+    float area = 0, lift = 0;
+  };
+  std::vector<SampleCandidate> sample;  // (2 capacity of samples)
+  // What was remembered before a search, of vertices or of samples.
+  std::vector<int> old_id;        // (larger capacity)
+  std::vector<Float4> old_force;  // (larger capacity)
+  std::vector<Vec3f> old_normal;  // (larger capacity)
+  std::vector<Vec3f> old_side;    // (larger capacity)
+  std::vector<Vec3f> position;    // (vertex_count) m, of the vertices that are marked
+  std::vector<int> mark;          // (vertex_count) 0: position unknown, > 0: slot in ContactState + 1, -1: other
+  std::vector<int> marked;        // (vertex_count) those with -1
+  std::vector<ToolRow> row;       // (capacity of vertices and samples) of a step
+
+  /// Keeps the first `count` of what vertices or samples remember.
+  void keepOld(int count, const std::vector<int>& id, const std::vector<Float4>& force,
+               const std::vector<Vec3f>& normal, const std::vector<Vec3f>& side);
+};
 
 }  // namespace palpate

@@ -132,7 +132,7 @@ void ToolRows::makeRows(Body& body) {
       side = from_inside ? Vec3f(2, 0, 0) : Vec3f::Zero();
       continue;
     }
-    ToolRow& row = contact.row[body.row_count++] = ToolRow{};
+    ToolRow& row = body.tool->scratch->row[body.row_count++] = ToolRow{};
     row.slot = slot;
     row.vertex = v;
     row.sample = sample;

@@ -31,6 +31,7 @@ struct TouchingTool {
   Pose pose, previous_pose;
   double friction = 0;
   ContactState* contact = nullptr;
+  ContactScratch* scratch = nullptr;
   ToolHold* hold = nullptr;   // null: nothing moves it from its pose. Bodies of one tool have the same, side by side
   Vec3 apart = Vec3::Zero();  // by which it moves per m of opening; 0: no finger of jaws
   Vec3 force = Vec3::Zero();  // N, on it; receives it
@@ -71,7 +72,7 @@ class ToolRows final : public ContactGroup {
   struct Body {
     explicit Body(TouchingTool& touching);
 
-    std::span<ToolRow> rows() const { return {tool->contact->row.data(), row_count}; }
+    std::span<ToolRow> rows() const { return {tool->scratch->row.data(), row_count}; }
     Eigen::Vector4f turned(const Float4& force) const;
     /// Goes to where its hold has it.
     void follow();

@@ -14,6 +14,7 @@ namespace {
 
 template <class T, class Allocator>
 void append(std::vector<T, Allocator>&& more, std::vector<T, Allocator>& all) {
+  all.reserve(all.size() + more.size());  // no more than is needed: a place of a following cloud keeps it
   all.insert(all.end(), std::make_move_iterator(more.begin()), std::make_move_iterator(more.end()));
 }
 

@@ -49,7 +49,7 @@ StepReport step(const Model& model, State& state, const ToolPostures& wanted, co
   HeldNodes held([&] { impose(true); });
   const bool beside_held = touchesBesideHeld(model, state.contact, state.skins, state.rigid);
   outcome.contact = solveContacts(model, tools, integrator.alpha, masses.inverse, beside_held ? &held : nullptr, state,
-                                  workspace.skins, outcome.loads);
+                                  workspace.contact, outcome.loads);
 
   // Pins go where they were asked to be
   holdPins(model, masses, state);
@@ -80,7 +80,8 @@ StepReport tick(const Model& model, State& state, const Command& command, Worksp
   const auto forBody = [&](int b, auto find) {
     const ToolBody& body = model.tools.body[b];
     const Pose pose = bodyPose(body, ways.end()[static_cast<std::size_t>(body.tool)]);
-    find(model.skin, state.u.data(), body.shape, pose, 2 * ways.reach(body), state.contact[b]);
+    find(model.skin, state.u.data(), body.shape, pose, 2 * ways.reach(body), state.contact[b],
+         workspace.contact.tools[static_cast<std::size_t>(b)]);
   };
   workspace.boundary.moved = state.region_shift;
   shareOut(workspace.team, 1 + bodies, [&](int part) {
@@ -99,7 +100,7 @@ StepReport tick(const Model& model, State& state, const Command& command, Worksp
     forBody(b, findFaceSamples);
   }
   findSkinPairs(model.bodies, model.skin, state.u.data(), state.du.data(), model.substeps_per_tick, state.skins,
-                workspace.skins);
+                workspace.contact.skins);
   for (int k = 1; k <= model.substeps_per_tick; ++k) {
     const ToolPostures wanted = ways.next(state, model.substeps_per_tick - k + 1);
     total = worstOf(total, step(model, state, wanted, command, workspace));

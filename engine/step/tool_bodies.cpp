@@ -5,6 +5,7 @@
 
 #include "step/rigid_stop.h"
 #include "step/tool_contact.h"
+#include "step/workspace.h"
 
 namespace palpate {
 namespace {
@@ -116,7 +117,7 @@ void addToLoad(const ToolBody& body, const TouchingTool& felt, ToolLoads& loads)
 }
 
 ContactForces solveContacts(const Model& model, ToolPostures& tools, double alpha, const float* inverse_mass,
-                            ContactGroup* held, State& state, SkinContactScratch& pairs, ToolLoads& loads) {
+                            ContactGroup* held, State& state, ContactWorkspace& scratch, ToolLoads& loads) {
   const ToolSet& set = model.tools;
   const std::size_t bodies = set.body.size(), count = set.tool.size();
   std::array<TouchingTool, max_tool_bodies> touching;
@@ -135,14 +136,22 @@ ContactForces solveContacts(const Model& model, ToolPostures& tools, double alph
                    bodyPose(body, before[t]),
                    t == 0 ? state.live.friction : set.tool[t].friction,
                    &state.contact[b],
+                   &scratch.tools[b],
                    &holds[t],
                    apartOf(body, tools[t])};
   }
   const std::array<ToolHold, max_tools> guessed = holds;
   const double begin = static_cast<double>(state.step) * model.dt;
-  const ContactForces forces = solveContacts(
-      {model.skin, static_cast<float>(alpha), inverse_mass, state.u.data(), state.du.data()},
-      {{touching.data(), bodies}, held, &state.skins, &pairs, &model.rigid, &state.rigid, begin, begin + model.dt});
+  const ContactForces forces =
+      solveContacts({model.skin, static_cast<float>(alpha), inverse_mass, state.u.data(), state.du.data()},
+                    {{touching.data(), bodies},
+                     held,
+                     &state.skins,
+                     &scratch.skins,
+                     &model.rigid,
+                     &state.rigid,
+                     begin,
+                     begin + model.dt});
   for (std::size_t t = 0; t < count; ++t) {
     tools[t].pose.position += holds[t].way - guessed[t].way;
     tools[t].opening += holds[t].opening - guessed[t].opening;

@@ -6,6 +6,8 @@
 
 namespace palpate {
 
+struct ContactWorkspace;
+
 // The tools of a model one by one. Real-time: no allocation, no lock, no throw. Test: simulation/tool_bodies_test.cpp
 
 /// The command under which every tool is where it starts.
@@ -52,6 +54,6 @@ void addToLoad(const ToolBody& body, const TouchingTool& felt, ToolLoads& loads)
 /// @param tools  where they should be at the step's end; receives where they are
 /// @param loads  receives force, pinch and contact count of each
 ContactForces solveContacts(const Model& model, ToolPostures& tools, double alpha, const float* inverse_mass,
-                            ContactGroup* held, State& state, SkinContactScratch& pairs, ToolLoads& loads);
+                            ContactGroup* held, State& state, ContactWorkspace& scratch, ToolLoads& loads);
 
 }  // namespace palpate

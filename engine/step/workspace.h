@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <utility>
+#include <vector>
 
 #include "base/spin_team.h"
 #include "base/types.h"
@@ -28,6 +29,14 @@ struct LocalMassScratch {
   AlignedVector<float> kept, inverse;  // of StepMasses
 };
 
+/// Scratch of all contacts: of skins that touch, and of each of the tools' bodies.
+struct ContactWorkspace {
+  explicit ContactWorkspace(const Model& model)
+      : skins(model.bodies, model.skin), tools(model.tools.body.size(), ContactScratch(model.skin)) {}
+  SkinContactScratch skins;
+  std::vector<ContactScratch> tools;  // (body_count)
+};
+
 /// Scratch memory and worker threads for stepping one model. All memory is taken here.
 class Workspace {
  public:
@@ -36,14 +45,13 @@ class Workspace {
   Workspace(const Model& model, int threads) : Workspace(model, std::make_shared<SpinTeam>(threads)) {}
 
   /// Of threads that step other models, too, one after the other.
-  /// @param skins_beside  of such a model with the same skin; null: its own
+  /// @param contact_beside  of such a model with the same skin and tools; null: its own
   Workspace(const Model& model, std::shared_ptr<SpinTeam> threads,
-            std::shared_ptr<SkinContactScratch> skins_beside = nullptr)
+            std::shared_ptr<ContactWorkspace> contact_beside = nullptr)
       : shared_team(std::move(threads)),
-        shared_skins(skins_beside ? std::move(skins_beside)
-                                  : std::make_shared<SkinContactScratch>(model.bodies, model.skin)),
+        shared_contact(contact_beside ? std::move(contact_beside) : std::make_shared<ContactWorkspace>(model)),
         team(*shared_team),
-        skins(*shared_skins),
+        contact(*shared_contact),
         kernel(makeKernelScratch(model.kernel)),
         boundary(makeBoundaryScratch(model.boundary)),
         f(model.X.size()),
@@ -55,9 +63,9 @@ class Workspace {
         surface_loads(model.surface_loads) {}
 
   const std::shared_ptr<SpinTeam> shared_team;
-  const std::shared_ptr<SkinContactScratch> shared_skins;
+  const std::shared_ptr<ContactWorkspace> shared_contact;
   SpinTeam& team;
-  SkinContactScratch& skins;
+  ContactWorkspace& contact;
   KernelScratch kernel;
   BoundaryScratch boundary;
   AlignedVector<Float4> f;            // (node_count) internal forces, N

@@ -88,7 +88,7 @@ TEST_CASE("The broad phase finds what a search of all vertices finds", "[broad-p
     pose.orientation = Quat(unit(random), unit(random), unit(random), unit(random)).normalized();
     const double margin = 0.002 * (trial % 2);
     ContactState contact = makeContactState(bed.skin, tool);
-    findContactCandidates(bed.skin, bed.u.data(), tool, pose, margin, contact);
+    findContactCandidates(bed.skin, bed.u.data(), tool, pose, margin, contact, bed.scratch);
     REQUIRE(listed(contact) == allWithin(bed, tool, pose, margin));
     CHECK_FALSE(contact.overflow);
     nonempty += contact.count > 0 ? 1 : 0;
@@ -100,13 +100,13 @@ TEST_CASE("Vertices that stay near keep their forces, others start afresh", "[br
   SpringBed bed(fineBed());
   const ToolShape& tool = kTools[0];
   ContactState contact = makeContactState(bed.skin, tool);
-  findContactCandidates(bed.skin, bed.u.data(), tool, tipAt(0.0, 0.0, -0.001), 0.001, contact);
+  findContactCandidates(bed.skin, bed.u.data(), tool, tipAt(0.0, 0.0, -0.001), 0.001, contact, bed.scratch);
   const std::vector<int> before = listed(contact);
   for (int k = 0; k < contact.count; ++k) {
     contact.force[k].z = static_cast<float>(-1 - contact.vertex[k]);
     contact.normal[k] = Vec3f(0, 0, -1);
   }
-  findContactCandidates(bed.skin, bed.u.data(), tool, tipAt(0.003, 0.0, -0.001), 0.001, contact);
+  findContactCandidates(bed.skin, bed.u.data(), tool, tipAt(0.003, 0.0, -0.001), 0.001, contact, bed.scratch);
   int kept = 0;
   for (int k = 0; k < contact.count; ++k) {
     const bool stays = std::binary_search(before.begin(), before.end(), contact.vertex[k]);
@@ -126,9 +126,8 @@ TEST_CASE("Too many candidates: the nearest are kept and the overflow is told", 
   const int all = static_cast<int>(allWithin(bed, tool, pose, 0.002).size());
   const int capacity = all / 2;
   contact.vertex.resize(capacity), contact.force.resize(capacity), contact.normal.resize(capacity);
-  contact.old_vertex.resize(capacity), contact.old_force.resize(capacity), contact.old_normal.resize(capacity);
-  contact.candidate.resize(capacity), contact.row.resize(capacity);
-  findContactCandidates(bed.skin, bed.u.data(), tool, pose, 0.002, contact);
+  bed.scratch.candidate.resize(capacity);
+  findContactCandidates(bed.skin, bed.u.data(), tool, pose, 0.002, contact, bed.scratch);
   CHECK(contact.overflow);
   REQUIRE(contact.count == capacity);
   const std::vector<int> kept = listed(contact);
@@ -143,7 +142,7 @@ TEST_CASE("Too many candidates: the nearest are kept and the overflow is told", 
     }
   }
   CHECK(farthest <= nearest_dropped + 1e-12);
-  findContactCandidates(bed.skin, bed.u.data(), tool, tipAt(0.0, 0.0, 0.05), 0.002, contact);
+  findContactCandidates(bed.skin, bed.u.data(), tool, tipAt(0.0, 0.0, 0.05), 0.002, contact, bed.scratch);
   CHECK_FALSE(contact.overflow);
   CHECK(contact.count == 0);
 }
@@ -152,6 +151,6 @@ TEST_CASE("Vertices that are nowhere are not candidates", "[broad-phase]") {
   SpringBed bed(fineBed());
   for (Float4& a : bed.u) a.x = std::numeric_limits<float>::quiet_NaN();
   ContactState contact = makeContactState(bed.skin, kTools[0]);
-  findContactCandidates(bed.skin, bed.u.data(), kTools[0], tipAt(0, 0, 0), 0.01, contact);
+  findContactCandidates(bed.skin, bed.u.data(), kTools[0], tipAt(0, 0, 0), 0.01, contact, bed.scratch);
   CHECK(contact.count == 0);
 }

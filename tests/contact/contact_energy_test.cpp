@@ -107,7 +107,8 @@ TEST_CASE("Contact creates no energy", "[contact][whole]") {
           const Pose from = bed.pose;
           const Vec3 to(0.0003 + 0.003 * std::sin(2 * M_PI * 1.7 * t), 0.0007,
                         0.001 - 0.003 * (1 - std::cos(2 * M_PI * 3 * t)));
-          findContactCandidates(bed.skin, bed.u.data(), tool, from, (to - from.position).norm(), bed.contact);
+          findContactCandidates(bed.skin, bed.u.data(), tool, from, (to - from.position).norm(), bed.contact,
+                                bed.scratch);
           for (int s = 1; s <= kSubsteps; ++s) {
             Pose pose = from;
             pose.position += (to - from.position) * s / kSubsteps;

@@ -70,7 +70,7 @@ TEST_CASE("A vertex deep under a flat end is pushed out by the end, not by the w
   spec.skin_spacing = 0.001;
   SpringBed bed(spec);
   bed.place(tool, tipAt(0.0003, 0.0007, 0.0005));
-  findContactCandidates(bed.skin, bed.u.data(), tool, bed.pose, 0.01, bed.contact);
+  findContactCandidates(bed.skin, bed.u.data(), tool, bed.pose, 0.01, bed.contact, bed.scratch);
   // In one step 3 mm below the skin: vertices within 3 mm of the wall are nearer to it than to the end.
   bed.step(tool, tipAt(0.0003, 0.0007, -0.003));
   int near_wall = 0;
@@ -132,7 +132,7 @@ TEST_CASE("Contact is deterministic and does not see how far the search went", "
     bed.place(tool, tipAt(0.0003, 0.0007, 0.001));
     for (int k = 0; k < 400; ++k) {
       const Pose from = bed.pose;
-      findContactCandidates(bed.skin, bed.u.data(), tool, from, margin, bed.contact);
+      findContactCandidates(bed.skin, bed.u.data(), tool, from, margin, bed.contact, bed.scratch);
       for (int s = 0; s < 5; ++s) {
         Pose to = bed.pose;
         to.position += k < 200 ? Vec3(0, 0, -2e-6) : Vec3(2e-6, 1e-6, 0);

@@ -33,8 +33,8 @@ void stretchSlowly(SpringBed& bed, const ToolShape& tool, double x, double y) {
   constexpr int steps = 60;
   for (int k = 1; k <= steps; ++k) {
     stretch(bed, std::pow(x, static_cast<double>(k) / steps), std::pow(y, static_cast<double>(k) / steps));
-    findContactCandidates(bed.skin, bed.u.data(), tool, bed.pose, 0.004, bed.contact);
-    findFaceSamples(bed.skin, bed.u.data(), tool, bed.pose, 0.004, bed.contact);
+    findContactCandidates(bed.skin, bed.u.data(), tool, bed.pose, 0.004, bed.contact, bed.scratch);
+    findFaceSamples(bed.skin, bed.u.data(), tool, bed.pose, 0.004, bed.contact, bed.scratch);
   }
 }
 

@@ -63,6 +63,7 @@ struct SpringBed {
     }
     skin = buildSkinModel(surface, shape, s.tool_radius, s.young);
     skin.topology = std::make_shared<const SkinTopology>(makeSkinTopology(surface));
+    scratch = ContactScratch(skin);
     const double node_area = s.node_spacing * s.node_spacing;
     const std::size_t n = static_cast<std::size_t>(side) * side;
     mass = s.surface_density * node_area;
@@ -80,7 +81,7 @@ struct SpringBed {
 
   /// The contact of a step; returns the force on the tool, N.
   Vec3 solve(const ToolShape& tool, const Pose& to, const Pose& from, double friction, double alpha) {
-    TouchingTool one{&tool, to, from, friction, &contact};
+    TouchingTool one{&tool, to, from, friction, &contact, &scratch};
     sweeps =
         solveContacts({skin, static_cast<float>(alpha), inverse_mass.data(), u.data(), du.data()}, {{&one, 1}}).sweeps;
     return one.force;
@@ -110,8 +111,8 @@ struct SpringBed {
   /// One tick of `substeps` steps towards `target`; the last step's force.
   Vec3 tick(const ToolShape& tool, const Pose& target, int substeps, double friction = 0.0) {
     const Pose from = pose;
-    findContactCandidates(skin, u.data(), tool, from, largestTravel(tool, from, target), contact);
-    findFaceSamples(skin, u.data(), tool, from, largestTravel(tool, from, target), contact);
+    findContactCandidates(skin, u.data(), tool, from, largestTravel(tool, from, target), contact, scratch);
+    findFaceSamples(skin, u.data(), tool, from, largestTravel(tool, from, target), contact, scratch);
     Vec3 force = Vec3::Zero();
     for (int k = 1; k <= substeps; ++k) {
       const double t = static_cast<double>(k) / substeps;
@@ -186,6 +187,7 @@ struct SpringBed {
   AlignedVector<Float4> u, du, u_low;
   Pose pose;
   ContactState contact;
+  ContactScratch scratch{SkinModel{}};
   int sweeps = 0;  // of the last step
 
  private:

@@ -69,6 +69,7 @@ struct Search {
   const Vec3 tool_position;
   const double reach;
   ContactState& contact;
+  ContactScratch& scratch;
   FaceSamples& samples = contact.samples;
   const SkinTopology& topology = *skin.topology;
   int found = 0, marked = 0;
@@ -82,8 +83,8 @@ struct Search {
   void markListed() {
     for (int slot = 0; slot < contact.count; ++slot) {
       const int v = contact.vertex[slot];
-      samples.mark[v] = slot + 1;
-      samples.position[v] = skinPosition(skin, v, u).cast<float>();
+      scratch.mark[v] = slot + 1;
+      scratch.position[v] = skinPosition(skin, v, u).cast<float>();
     }
   }
 
@@ -92,34 +93,34 @@ struct Search {
     const double inside = kInside * (reach + cornerReach(samples));
     for (int slot = 0; slot < contact.count; ++slot) {
       const int v = contact.vertex[slot];
-      if (static_cast<double>(distanceAt(samples.position[v])) <= inside) continue;
-      samples.mark[v] = -1;
-      samples.marked[marked++] = v;
+      if (static_cast<double>(distanceAt(scratch.position[v])) <= inside) continue;
+      scratch.mark[v] = -1;
+      scratch.marked[marked++] = v;
     }
   }
 
   void unmark() {
-    for (int slot = 0; slot < contact.count; ++slot) samples.mark[contact.vertex[slot]] = 0;
-    for (int k = 0; k < marked; ++k) samples.mark[samples.marked[k]] = 0;
+    for (int slot = 0; slot < contact.count; ++slot) scratch.mark[contact.vertex[slot]] = 0;
+    for (int k = 0; k < marked; ++k) scratch.mark[scratch.marked[k]] = 0;
   }
 
   const Vec3f& positionOf(int v) {
-    if (samples.mark[v] == 0) {
-      samples.position[v] = skinPosition(skin, v, u).cast<float>();
-      samples.mark[v] = -1;
-      samples.marked[marked++] = v;
+    if (scratch.mark[v] == 0) {
+      scratch.position[v] = skinPosition(skin, v, u).cast<float>();
+      scratch.mark[v] = -1;
+      scratch.marked[marked++] = v;
     }
-    return samples.position[v];
+    return scratch.position[v];
   }
 
   bool anyStretched() const {
     for (int slot = 0; slot < contact.count; ++slot) {
       const int v = contact.vertex[slot];
-      const Vec3f& x = samples.position[v];
+      const Vec3f& x = scratch.position[v];
       for (int e = topology.edge_begin[v]; e < topology.edge_begin[v + 1]; ++e) {
         const int w = topology.edge[e][1];
         const float limit = kStretchLimit * topology.edge_length[e];
-        if (samples.mark[w] > 0 && (samples.position[w] - x).squaredNorm() > limit * limit) return true;
+        if (scratch.mark[w] > 0 && (scratch.position[w] - x).squaredNorm() > limit * limit) return true;
       }
     }
     return false;
@@ -129,22 +130,22 @@ struct Search {
     Vec3f x = Vec3f::Zero();
     float average = 0;
     for (int c = 0; c < point.corners; ++c) {
-      x += point.share[c] * samples.position[point.vertex[c]];
+      x += point.share[c] * scratch.position[point.vertex[c]];
       average += point.share[c] * corner_distance[c];
     }
     const float distance = distanceAt(x);
     if (!(distance <= reach)) return;
-    if (found == static_cast<int>(samples.candidate.size())) {
+    if (found == static_cast<int>(scratch.sample.size())) {
       overflow = true;
       return;
     }
-    samples.candidate[found++] = {id, point, weight * area, (1.0F - weight) * std::max(0.0F, average - distance)};
+    scratch.sample[found++] = {id, point, weight * area, (1.0F - weight) * std::max(0.0F, average - distance)};
   }
 
   /// Area of a face as it is now, m^2.
   float areaOf(const std::array<int, 3>& corner) const {
-    const Vec3f& origin = samples.position[corner[0]];
-    return 0.5F * (samples.position[corner[1]] - origin).cross(samples.position[corner[2]] - origin).norm();
+    const Vec3f& origin = scratch.position[corner[0]];
+    return 0.5F * (scratch.position[corner[1]] - origin).cross(scratch.position[corner[2]] - origin).norm();
   }
 
   void addFace(int f) {
@@ -159,7 +160,7 @@ struct Search {
       largest = std::max(largest, stretch[c]);
     }
     if (!(largest > kStretchLimit)) return;
-    for (int c = 0; c < 3; ++c) distance[c] = distanceAt(samples.position[corner[c]]);
+    for (int c = 0; c < 3; ++c) distance[c] = distanceAt(scratch.position[corner[c]]);
     if (!(*std::min_element(distance.begin(), distance.end()) <= reach + longest)) return;
     const float area = areaOf(corner);
     longest_edge = std::max(longest_edge, longest);
@@ -194,8 +195,8 @@ struct Search {
       const int v = contact.vertex[slot];
       for (int k = topology.face_begin[v]; k < topology.face_begin[v + 1]; ++k) {
         const int f = topology.face_of[k];
-        if (samples.mark[v] < 0) break;
-        const auto before = [&](int w) { return samples.mark[w] > 0 && samples.mark[w] <= slot; };
+        if (scratch.mark[v] < 0) break;
+        const auto before = [&](int w) { return scratch.mark[w] > 0 && scratch.mark[w] <= slot; };
         const auto& corner = skin.surface.triangles[f];
         if (std::none_of(corner.begin(), corner.end(), before)) addFace(f);
       }
@@ -206,7 +207,7 @@ struct Search {
   Vec3f sideOfCorners(const SkinPoint& point) const {
     Vec3f sum = Vec3f::Zero();
     for (int c = 0; c < point.corners; ++c) {
-      const int slot = samples.mark[point.vertex[c]] - 1;
+      const int slot = scratch.mark[point.vertex[c]] - 1;
       if (slot >= 0) sum += point.share[c] * contact.normal[slot];
     }
     const float size = sum.norm();
@@ -215,7 +216,7 @@ struct Search {
 
   /// Merges what was found with the old list; both ascend.
   void merge() {
-    const auto begin = samples.candidate.begin();
+    const auto begin = scratch.sample.begin();
     std::sort(begin, begin + found, [](const auto& a, const auto& b) { return a.id < b.id; });
     // An edge's samples were found by the faces on both of its sides, each with its own area.
     int different = 0;
@@ -228,22 +229,19 @@ struct Search {
     const int capacity = static_cast<int>(samples.id.size());
     const int count = std::min(different, capacity);
     overflow = overflow || different > capacity;
-    std::swap(samples.id, samples.old_id);
-    std::swap(samples.force, samples.old_force);
-    std::swap(samples.normal, samples.old_normal);
-    std::swap(samples.side, samples.old_side);
+    scratch.keepOld(samples.count, samples.id, samples.force, samples.normal, samples.side);
     int old = 0;
     for (int k = 0; k < count; ++k) {
-      const FaceSamples::Candidate& c = begin[k];
-      while (old < samples.count && samples.old_id[old] < c.id) ++old;
-      const bool stays = old < samples.count && samples.old_id[old] == c.id;
+      const ContactScratch::SampleCandidate& c = begin[k];
+      while (old < samples.count && scratch.old_id[old] < c.id) ++old;
+      const bool stays = old < samples.count && scratch.old_id[old] == c.id;
       samples.id[k] = c.id;
       samples.point[k] = c.point;
       samples.area[k] = c.area;
       samples.lift[k] = c.lift;
-      samples.force[k] = stays ? samples.old_force[old] : Float4{};
-      samples.normal[k] = stays ? samples.old_normal[old] : sideOfCorners(c.point);
-      samples.side[k] = stays ? samples.old_side[old] : Vec3f(Vec3f::Zero());
+      samples.force[k] = stays ? scratch.old_force[old] : Float4{};
+      samples.normal[k] = stays ? scratch.old_normal[old] : sideOfCorners(c.point);
+      samples.side[k] = stays ? scratch.old_side[old] : Vec3f(Vec3f::Zero());
     }
     samples.count = count;
   }
@@ -252,14 +250,15 @@ struct Search {
 }  // namespace
 
 void findFaceSamples(const SkinModel& skin, const Float4* u, const ToolShape& tool, const Pose& tool_pose,
-                     double margin, ContactState& contact) {
+                     double margin, ContactState& contact, ContactScratch& scratch) {
   Search search{skin,
                 u,
                 toolProfile(tool),
                 tool_pose.orientation.conjugate().toRotationMatrix(),
                 tool_pose.position,
                 margin + kTissueTravel * tool.radius,
-                contact};
+                contact,
+                scratch};
   search.markListed();
   FaceSamples& samples = contact.samples;
   if (search.anyStretched()) {

@@ -29,7 +29,7 @@ constexpr float kFullStretch = 2.25F;
 /// Real-time: no allocation, no lock, no throw; where no edge is stretched, an interpolation for each listed vertex and
 /// a comparison for each of its edges. Test: contact/face_samples_test.cpp.
 void findFaceSamples(const SkinModel& skin, const Float4* u, const ToolShape& tool, const Pose& tool_pose,
-                     double margin, ContactState& contact);
+                     double margin, ContactState& contact, ContactScratch& scratch);
 
 /// How much further than its nearest point the nearest corner of a stretched face may be, m. Real-time.
 double cornerReach(const FaceSamples& samples);

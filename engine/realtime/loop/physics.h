@@ -39,7 +39,7 @@ struct ReadyPlace {
       : place(std::move(made)), workspace(place.model, std::move(team)) {}
   /// @param beside  of the same body, stepped by the same loop
   ReadyPlace(Place made, const Workspace& beside)
-      : place(std::move(made)), workspace(place.model, beside.shared_team, beside.shared_skins) {}
+      : place(std::move(made)), workspace(place.model, beside.shared_team, beside.shared_contact) {}
   const Place place;
   Workspace workspace;
 };

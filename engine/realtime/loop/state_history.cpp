@@ -14,8 +14,9 @@ std::size_t bytesOf(const std::vector<T>& values) {
 }
 
 std::size_t bytesOf(const ContactState& c) {
-  return bytesOf(c.vertex) + bytesOf(c.force) + bytesOf(c.normal) + bytesOf(c.candidate) + bytesOf(c.old_force) +
-         bytesOf(c.old_normal) + bytesOf(c.old_vertex) + bytesOf(c.row);
+  const FaceSamples& s = c.samples;
+  return bytesOf(c.vertex) + bytesOf(c.force) + bytesOf(c.normal) + bytesOf(c.side) + bytesOf(s.id) + bytesOf(s.force) +
+         bytesOf(s.normal) + bytesOf(s.side) + bytesOf(s.point) + bytesOf(s.area) + bytesOf(s.lift);
 }
 
 /// Of the vectors that make up nearly all of a state.
