@@ -1,11 +1,10 @@
-#include <malloc.h>
-
 #include <algorithm>
 #include <limits>
 
 #include "api/border.h"
 #include "api/handles.h"
 #include "base/build_info.h"
+#include "base/free_memory.h"
 #include "io/find_asset.h"
 #include "io/indent_script.h"
 #include "io/load_model.h"
@@ -149,9 +148,7 @@ int32_t palpate_load_text(const char* text, const char* folder, const char* name
 
 void palpate_model_destroy(palpate_model* model) {
   delete model;
-#ifdef __GLIBC__
-  malloc_trim(0);  // some hundred MB of many pieces, which glibc would keep
-#endif
+  giveFreeMemoryBack();
 }
 
 int32_t palpate_describe(const palpate_model* model, palpate_model_info* info) {

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <utility>
 
+#include "base/free_memory.h"
 #include "base/parallel_for.h"
 #include "realtime/loop/thread_setup.h"
 
@@ -103,6 +104,7 @@ std::shared_ptr<ReadyPlace> PlaceWorker::at(const PlaceIndex& index) {
         oldest = it;
     if (oldest == shelf_.end()) break;
     shelf_.erase(oldest);
+    giveFreeMemoryBack();
   }
   return place;
 }

@@ -27,7 +27,7 @@ class PlaceWorker {
   using Make = std::function<Place(const PlaceIndex&)>;
   // In memory, those that the loop holds included, where it can: where a place that was made once is read in a moment
   // (0.15 s for a liver), and where it would have to be made anew (1 s).
-  static constexpr std::size_t most_read = 7, most_made = 12;
+  static constexpr std::size_t most_read = 4, most_made = 12;
 
   /// @param start    where the loop begins, with the team that steps all places
   /// @param threads  that a place is made with, and which give way to all others; 0: all cores, as good as any
