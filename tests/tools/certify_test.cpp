@@ -40,6 +40,8 @@ TEST_CASE("A certificate's error is that against the limit of two finer clouds, 
     CHECK(rows[r].error == Approx(0.01 * coarse / std::sqrt(3)).epsilon(0.05));
     CHECK(rows[r].uncertainty == Approx(0.01 * fine / std::sqrt(3)).epsilon(0.05));
   }
+  converged.about.layer_error = 0.2;  // not even the finest cloud sees all of a thin layer
+  CHECK(certifiedRows(model, way, run, converged, ratio, 1).at(0).uncertainty == Approx(0.2));
 }
 
 TEST_CASE("certify leaves a certificate of the scene's own model beside it", "[certify][whole]") {
@@ -62,4 +64,23 @@ TEST_CASE("certify leaves a certificate of the scene's own model beside it", "[c
   CHECK(certificate->row.back().error < certificate->row.front().error);
   CHECK(certificate->displacement_error > 0);
   CHECK(certificate->displacement_error < 0.2);
+}
+
+TEST_CASE("certify does not certify what a layer thinner than the nodes of all clouds does", "[certify][whole]") {
+  const TempFolder folder;
+  CertifyOptions options;
+  options.scene = folder.write("layer.toml", test::touched_block_text + R"([[material]]
+model = "neo-hookean"
+young = 100
+poisson = 0.3
+region = {shape = "half-space", point = [0, 0, 0.001], normal = [0, 0, 1]}
+)");
+  options.use_cache = false;
+  const CapturedOutput captured;
+  REQUIRE(certifyCommand(options) == 0);
+  const Model model = loadModel(readScene(options.scene));
+  REQUIRE(model.layer_error > 0.1);
+  const auto certificate = readCertificate(certificateFile(options.scene), modelHash(model));
+  REQUIRE(certificate);
+  for (const Certificate::Row& row : certificate->row) CHECK(row.uncertainty > 0.1);
 }

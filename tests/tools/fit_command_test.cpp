@@ -275,4 +275,6 @@ TEST_CASE("A coarser reference counts for what it lacks", "[fit]") {
   CHECK(expectedError({0.04, 0}, converged, 2) == Approx(std::hypot(0.04, 0.01)));
   converged.about.convergence.force = 0;
   CHECK(expectedError({0.04, 0}, converged, 2) == Approx(0.04));
+  converged.about.layer_error = 0.2;  // nor does the reference see all of a thin layer
+  CHECK(expectedError({0.04, 0}, converged, 2) == Approx(0.2));
 }

@@ -68,7 +68,7 @@ std::vector<Certificate::Row> certifiedRows(const Model& model, const ToolTrajec
     }
     if (ticks == 0 || row.force == 0) continue;
     row.error = std::sqrt(error / ticks) / row.force;
-    row.uncertainty = std::sqrt(unknown / ticks) / row.force;
+    row.uncertainty = std::max(std::sqrt(unknown / ticks) / row.force, converged.about.layer_error);
     rows.push_back(row);
   }
   return rows;
@@ -116,6 +116,7 @@ int certifyCommand(const CertifyOptions& options) {
   writeCertificate(out, certificate);
 
   line.reset();
+  if (!converged.about.layer_warning.empty()) warn("on the finest cloud, too: " + converged.about.layer_warning);
   std::printf("%s: %d nodes against %d and %d\n  to a depth of   largest force   its error   not known\n",
               scene.name.c_str(), model.nodeCount(), converged.about.coarser_nodes, converged.about.nodes);
   for (const Certificate::Row& r : certificate.row)

@@ -110,7 +110,7 @@ Fineness fitFineness(double outside, double inside) {
 
 double expectedError(const RunError& error, const ConvergedRun& converged, double coarser) {
   const double lacking = converged.about.convergence.force / (coarser * coarser - 1);
-  return std::hypot(error.force, lacking);
+  return std::max(std::hypot(error.force, lacking), converged.about.layer_error);
 }
 
 }  // namespace palpate::tools

@@ -50,7 +50,8 @@ Fineness fitFineness(double outside, double inside);
 
 /// The force error to expect: the distance from the reference and what the reference itself lacks. A solution that
 /// converges with
-/// the square of the spacing is 1 / (r^2 - 1) of its distance from one r times as coarse away from the limit.
+/// the square of the spacing is 1 / (r^2 - 1) of its distance from one r times as coarse away from the limit. No less
+/// than what the reference does not see of a thin layer.
 double expectedError(const RunError& error, const ConvergedRun& converged, double coarser);
 
 }  // namespace palpate::tools

@@ -13,6 +13,7 @@
 #include "model/model_hash.h"
 #include "mtled/report/vector_json.h"
 #include "realtime/recording/recording.h"
+#include "step/resolution.h"
 
 namespace palpate::tools {
 namespace {
@@ -56,6 +57,8 @@ ConvergedRun convergedRun(const Model& present, const ToolTrajectory& way, const
     converged.about.nodes = model.nodeCount();
     converged.about.points = model.pointCount();
     converged.about.peak_force = peak;
+    converged.about.layer_error = model.layer_error;
+    converged.about.layer_warning = layerWarning(model);
     converged.run = std::move(run);
   }
   converged.about.convergence = errorOf(converged.coarser, converged.run);
@@ -70,6 +73,7 @@ void writeConvergedRun(const std::string& file, const ConvergedRun& c, const std
                      {"coarser_nodes", c.about.coarser_nodes},
                      {"force_distance", c.about.convergence.force},
                      {"displacement_distance", c.about.convergence.displacement},
+                     {"layer_error", c.about.layer_error},
                      {"force_N", vectorsToJson(c.run.force)},
                      {"probe_u_m", vectorsToJson(c.run.probe_u)}};
   writeWholeFile(file, json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
@@ -88,7 +92,9 @@ bool readConvergedRun(const std::string& file, const std::string& identity, Conv
                j.at("points"),
                j.at("peak_force_N"),
                j.at("coarser_nodes"),
-               {j.at("force_distance"), j.at("displacement_distance")}};
+               {j.at("force_distance"), j.at("displacement_distance")},
+               j.at("layer_error"),
+               {}};
     c.run.force = vectorsFromJson(j.at("force_N"));
     c.run.probe_u = vectorsFromJson(j.at("probe_u_m"));
     converged = std::move(c);

@@ -10,9 +10,11 @@ namespace palpate::tools {
 /// What a converged run is.
 struct ConvergedReference {
   int nodes = 0, points = 0;
-  double peak_force = 0;  // N
-  int coarser_nodes = 0;  // of the next coarser solution
-  RunError convergence;   // its distance from the reference
+  double peak_force = 0;        // N
+  int coarser_nodes = 0;        // of the next coarser solution
+  RunError convergence;         // its distance from the reference
+  double layer_error = 0;       // Body::layer_error of the finest: it does not see all of a thin layer, either
+  std::string layer_warning{};  // layerWarning of it; not kept in files
 };
 
 /// A scene's way followed on finer clouds: what its errors are measured against.
