@@ -452,8 +452,7 @@ std::vector<KeySpec> allKeys() {
   for (KeySpec& key : all)
     if (std::string_view(key.table) == "tool" && std::string_view(key.name) == "shape") key.choices = shapes.c_str();
   for (std::size_t k = 0; k < toolTypes().size(); ++k)
-    for (const Parameter& parameter : toolTypes()[k]->parameters)
-      all.emplace_back(keySpec(groups[k].c_str(), parameter)).set_up = never;  // the skin is made for the radius alone
+    for (const Parameter& parameter : toolTypes()[k]->parameters) all.push_back(keySpec(groups[k].c_str(), parameter));
   return all;
 }
 

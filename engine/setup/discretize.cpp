@@ -4,6 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "contact/tool.h"
 #include "discretization/nodes/node_order.h"
 #include "discretization/nodes/node_scatter.h"
 #include "discretization/nodes/volume_fit.h"
@@ -15,7 +16,14 @@
 namespace palpate {
 namespace {
 
-constexpr double tool_edge = 0.35;  // of the tool's radius: the longest edge of the skin that it touches
+/// The longest edge of the skin, m: 0.35 of the radius of what touches it; of a tip sharper than a cone's own 0.7 in
+/// proportion to touchRadius, or its vertices around the tip are too few, and it is pulled to the side.
+double contactEdge(const Scene& scene) {
+  constexpr double edge = 0.35, blunt = 1.2;
+  double smallest = smallestToolRadius(scene);
+  for (const ToolSpec& tool : scene.tools) smallest = std::min(smallest, blunt * touchRadius(tool.shape));
+  return edge * smallest;
+}
 
 }  // namespace
 
@@ -78,7 +86,7 @@ void checkCounts(const Scene& scene, double volume, double area) {
                          number(most_nodes),
                      "raise it, to " + number(finestSpacing(volume, area, most_nodes)) +
                          " m or more, and refine where the tool works");
-  const double edge = tool_edge * smallestToolRadius(scene), faces = area / (std::sqrt(3.0) / 4 * edge * edge);
+  const double edge = contactEdge(scene), faces = area / (std::sqrt(3.0) / 4 * edge * edge);
   if (faces > max_refined_triangles)
     throw InputError(placeOf(scene, "tool.radius"),
                      "a tool with a radius of " + number(smallestToolRadius(scene)) + " m needs a skin of more than " +
@@ -137,7 +145,7 @@ Discretization discretize(const Scene& scene, const SurfaceTree& organ, const st
 
 TriangleSurface refineForContact(const Scene& scene, const TriangleSurface& organ, int max_triangles) {
   const SpacingField spacing = spacingField(scene);
-  const double by_tool = tool_edge * smallestToolRadius(scene);
+  const double by_tool = contactEdge(scene);
   const auto longestEdge = [&](const Vec3& x) {
     const double h = spacing.at(x);
     return h < scene.discretization.spacing ? std::min(by_tool, h / 3) : by_tool;
