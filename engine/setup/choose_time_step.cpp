@@ -47,7 +47,22 @@ void checkChosenSteps(const Scene& scene, double steps, const CriticalTimeStep& 
   if (limit.dt > needed)
     refuseSteps(placeOf(scene, "dynamics.step_safety"), steps, critical,
                 "raise dynamics.step_safety to more than " + number(needed / limit.dt));
-  const SourceLocation& material = stiffestMaterial(scene).place;
+  const MaterialSpec& stiffest = stiffestMaterial(scene);
+  const SourceLocation& material = stiffest.place;
+  // What waves need from node to node, were these as far apart as the scene says.
+  double spacing = scene.discretization.spacing;
+  for (const RefineSpec& refine : scene.discretization.refine) spacing = std::min(spacing, refine.spacing);
+  const double of_stiffness = spacing / std::sqrt(stiffest.material.waveModulus() / stiffest.material.density);
+  constexpr double crowded = 0.01;
+  if (scene.materials.size() > 1 && limit.dt < crowded * of_stiffness) {
+    const auto index = static_cast<std::size_t>(&stiffest - scene.materials.data());
+    refuseSteps(material.file.empty() ? scene.place : material, steps, critical,
+                "not for its stiffness: there the border of material " + std::to_string(index + 1) +
+                    (stiffest.name.empty() ? "" : " (\"" + stiffest.name + "\")") +
+                    " and the skin, or another border, are closer to one another than nodes " + number(spacing) +
+                    " m apart can be put between. Lower discretization.spacing to about the layer's thickness there "
+                    "([[discretization.refine]]), or thicken the layer, or leave it out");
+  }
   refuseSteps(material.file.empty() ? scene.place : material, steps, critical,
               "is this material's stiffness in Pa? Soften it, or coarsen discretization.spacing");
 }

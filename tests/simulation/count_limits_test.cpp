@@ -2,6 +2,7 @@
 
 #include <catch2/catch.hpp>
 
+#include "contact/tools/tool_list.h"
 #include "discretization/surface/solids.h"
 #include "io/load_model.h"
 #include "setup/choose_time_step.h"
@@ -125,4 +126,38 @@ TEST_CASE("A skin whose faces can't be counted beforehand is refused with the ke
                                      {Vec3(0, 0, 0.03), 0.02, 5e-3, 0, {"block.toml", 8, 1}});
   CHECK_THAT(refusal([&] { refineForContact(scene, boxSurface(scene.organs[0].size, 0.004), 20'000); }),
              Contains("block.toml:12:1"));
+}
+
+TEST_CASE("Steps too short for where a thin layer crowds the nodes are refused with the layer, not its stiffness",
+          "[discretize]") {
+  Scene scene = placedScene();
+  scene.materials.push_back(scene.materials[0]);
+  scene.materials[1].name = "capsule";
+  scene.materials[1].everywhere = false;
+  scene.materials[1].material.set("young", 100000);
+  scene.materials[1].place = {"block.toml", 20, 1};
+  Model model;
+  CriticalTimeStep limit;
+  limit.worst_node = 0;
+  const std::vector<Vec3> X{Vec3(0, 0, 0.03)};
+  limit.dt = 1e-9;  // nodes 1e-8 m apart
+  CHECK_THAT(refusal([&] { chooseTimeStep(scene, limit, X, model); }),
+             Contains("block.toml:20:1") && Contains("material 2 (\"capsule\")") && Contains("layer's thickness") &&
+                 !Contains("Soften"));
+  scene.materials[1].material.set("young", 1e15);
+  CHECK_THAT(refusal([&] { chooseTimeStep(scene, limit, X, model); }), Contains("stiffness in Pa? Soften it"));
+}
+
+TEST_CASE("A sharp tip has a finer skin below it than a blunt one of the same radius", "[discretize]") {
+  Scene scene = placedScene();
+  const auto faces = [&](double tip) {
+    scene.tools[0].shape = ToolShape::of(ToolKind::Cone, 0.01);
+    scene.tools[0].shape.parameter[1] = tip;
+    return static_cast<double>(refineForContact(scene, boxSurface(scene.organs[0].size, 0.004)).triangles.size());
+  };
+  const double blunt = faces(0.007);
+  scene.tools[0].shape = ToolShape::of(ToolKind::Sphere, 0.01);
+  CHECK(blunt ==
+        static_cast<double>(refineForContact(scene, boxSurface(scene.organs[0].size, 0.004)).triangles.size()));
+  CHECK(faces(0.001) > 3 * blunt);
 }
