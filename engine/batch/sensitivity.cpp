@@ -324,7 +324,7 @@ Vec3 EquilibriumSensitivity::toolForce() const {
 
 double EquilibriumSensitivity::expectedError() {
   return palpate::expectedError(model_, modelMaterials(), u_, body_.forces(u_, f_plus_).strain_energy,
-                                toolForce().norm());
+                                toolForce().norm(), tool_ ? &*tool_ : nullptr);
 }
 
 void EquilibriumSensitivity::check(const MaterialNumber& number) const { parameterOf(scene_, of_scene_, number); }

@@ -24,6 +24,8 @@ constexpr std::size_t faster = 5;
 constexpr double changed = 0.2;
 constexpr double touched_energy = 1e-2;  // of Model::rest_energy, from which on a touch is looked at
 
+constexpr double narrowest = 0.64, most_narrow = 2;  // touches, of the nodes' distance; the error that is said of them
+
 /// The largest force that a tool has on it, N.
 double toolForce(const StepReport& report) {
   double largest = report.tool_force.norm();
@@ -42,6 +44,42 @@ double largestForce(const StepReport& report) {
 double touchEnergy(const Model& model, double force, double strain_energy) {
   const double stiffness = 16.0 / 3 * model.materials[0].shear_modulus * std::sqrt(smallestToolRadius(model.scene));
   return std::min(strain_energy, 0.4 * force * std::pow(force / stiffness, 2.0 / 3));
+}
+
+/// What is not seen of a touch that is narrower than the nodes are apart. @param tip  m
+template <class Place>
+double narrowError(const Model& model, std::span<const Material> materials, const AlignedVector<Place>& u,
+                   const ToolShape& tool, const Vec3& tip, double force) {
+  if (!(force > 0)) return 0;
+  const auto nearest = [](const std::vector<Vec3>& places, const auto& distance2) {
+    std::size_t best = 0;
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t i = 0; i < places.size(); ++i)
+      if (const double d = distance2(i); d < least) least = d, best = i;
+    return best;
+  };
+  const std::size_t node = nearest(model.X,
+                                   [&](std::size_t i) { return (model.X[i] + toVec3(u[i]) - tip).squaredNorm(); }),
+                    point = nearest(model.point_X,
+                                    [&](std::size_t q) { return (model.point_X[q] - model.X[node]).squaredNorm(); });
+  const Material& m = materials[static_cast<std::size_t>(model.point_material[point])];
+  const double h = model.support_radius[node] / model.scene.discretization.support_factor, K = m.bulk_modulus,
+               G = m.shear_modulus, nu = (3 * K - 2 * G) / (6 * K + 2 * G), E = 2 * G / (1 - nu);
+  const ToolProfile profile = toolProfile(tool);
+  const double sine = profile.corner_count > 1 ? std::clamp(-profile.side_normal[0].z, 0.0, 0.999) : 0.0,
+               slope = sine / std::sqrt(1 - sine * sine);
+  const double square =
+                   std::max(1.25 * force * profile.rounding / (E * h * h * h), 2 * force * slope / (M_PI * E * h * h)),
+               touched = std::min(std::sqrt(square), tool.radius / h);
+  return std::clamp(narrowest / touched - 1, 0.0, most_narrow);
+}
+
+/// The tool that presses hardest.
+std::size_t hardest(const StepReport& report) {
+  std::size_t most = 0;
+  for (std::size_t t = 1; t < report.loads.size(); ++t)
+    if (report.loads[t].force.norm() > report.loads[most].force.norm()) most = t;
+  return most;
 }
 
 /// Forces are a tool's, or from loads, not from faces that are moved.
@@ -139,7 +177,7 @@ double ErrorSums::off(double energy) const {
 }
 
 double expectedError(const Model& model, std::span<const Material> materials, const AlignedVector<Double4>& u,
-                     double strain_energy, double tool_force) {
+                     double strain_energy, double tool_force, const Pose* tool) {
   if (!(strain_energy > least_energy * model.rest_energy)) return 0;
   const ShapeTable& shape = model.point_shape;
   const PointGroups& groups = model.point_groups;
@@ -160,8 +198,11 @@ double expectedError(const Model& model, std::span<const Material> materials, co
   }
   const double energy =
       model.surface_loads.empty() || !(tool_force > 0) ? strain_energy : touchEnergy(model, tool_force, strain_energy);
-  const double error = sums.off(strain_energy) / energy;
-  return std::max(model.layer_error, energy < strain_energy ? std::min(1.0, error) : error);
+  const double error = sums.off(strain_energy) / energy,
+               narrow = tool == nullptr
+                            ? 0
+                            : narrowError(model, materials, u, model.scene.tools[0].shape, tool->position, tool_force);
+  return std::max({model.layer_error, narrow, energy < strain_energy ? std::min(1.0, error) : error});
 }
 
 ResolutionWatch::ResolutionWatch(const Model& model)
@@ -180,8 +221,9 @@ void ResolutionWatch::goOnFrom(const ResolutionWatch& before) {
   error_force_ = before.error_force_;
 }
 
-void ResolutionWatch::advance(const Model& model, std::span<const Material> materials, const AlignedVector<Float4>& u,
-                              StepReport& report) {
+void ResolutionWatch::advance(const Model& model, const State& state, StepReport& report) {
+  const std::span<const Material> materials = state.live.kernel.materials;
+  const AlignedVector<Float4>& u = state.u;
   const bool old = !(error_force_ > 0) || std::abs(report.strain_energy - energy_) > changed * energy_;
   const std::size_t count = at_.size(), part = std::max(points_a_tick, count / most_ticks + 1) * (old ? faster : 1);
   if (next_ == 0) {
@@ -196,7 +238,10 @@ void ResolutionWatch::advance(const Model& model, std::span<const Material> mate
     sums_ = sumsOf(model, toolForce(report));
     energy_ = report.strain_energy;
     touch_ = model.surface_loads.empty() ? 0 : toolForce(report);
-    force_ = touch_ > 0 ? touch_ : largestForce(report);
+    const std::size_t tool = hardest(report);
+    narrow_ = narrowError(model, materials, u, model.scene.tools[tool].shape, state.tool[tool].pose.position,
+                          report.loads[tool].force.norm());
+    force_ = touch_ > 0 ? touch_ : narrow_ > 0 ? report.loads[tool].force.norm() : largestForce(report);
   }
   if (next_ < count) {
     const std::size_t end = std::min(next_ + part, count);
@@ -217,6 +262,7 @@ void ResolutionWatch::advance(const Model& model, std::span<const Material> mate
     } else if (!(toolForce(report) > 0)) {  // nor was it a moment off a tool that hits
       load_error_ = error_;
     }
+    error_ = std::max(error_, narrow_);
     error_force_ = force_;
   }
   report.expected_error = error_force_ > 0 ? std::max(error_, model.layer_error) : 1;
@@ -237,8 +283,11 @@ void ResolutionWatch::addScaledInertia(const Model& model, StepReport& report) {
   if (!(force > 0)) return;
   inertia_share_ = std::max(change.norm() / smoothing / force, inertia_share_ * (1 - tick / kept));
   if (!(report.error_force > 0)) return;
-  report.expected_error = std::min(1.0, std::hypot(report.expected_error, inertia_share_));
-  report.error_force = force;
+  // The error was found for another moment's force than what accelerates now: in N both count as they are.
+  const double error = std::hypot(report.expected_error, inertia_share_),
+               newtons = std::hypot(report.expected_error * report.error_force, inertia_share_ * force);
+  if (error > 0) report.error_force = newtons / error;
+  report.expected_error = std::min(std::max(1.0, report.expected_error), error);
 }
 
 void ResolutionWatch::gather(const Model& model, std::size_t begin, std::size_t end) {
@@ -288,9 +337,10 @@ void addLast(const Model& model, const State& state, const StepReport& report, d
   // A tool's share beside surface loads' only the watch knows.
   const double tool = toolForce(report), touch = model.surface_loads.empty() ? 0 : tool;
   const bool watched = touch > 0 && report.expected_error > 0;
-  const double error = at_rest   ? 0
-                       : watched ? report.expected_error
-                                 : expectedError(model, state.live.kernel.materials, u, report.strain_energy, tool);
+  const double error =
+      at_rest   ? 0
+      : watched ? report.expected_error
+                : expectedError(model, state.live.kernel.materials, u, report.strain_energy, tool, &state.tool[0].pose);
   if (!std::isfinite(error)) return;
   trust.add(error > TrustLimits::expected_error ? Doubt::Resolution : Doubt::None, error,
             touch > 0 ? touch : largestForce(report), time);

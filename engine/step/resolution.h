@@ -41,6 +41,15 @@ namespace palpate {
 // Wherever the cloud is too coarse counts: below a small tool, in a thin layer, at a bonded edge. Measured on scenes
 // drawn by lot (`mtled verify matrix`, engine/mechanics/README.md); an estimate, no bound.
 
+// What is narrower than the nodes are apart no point sees. There a disk of a fixed share of their distance h is felt in
+// place of one of radius a, and from a force F by a tip of radius t, with E* = 2 mu / (1 - nu), by Hertz or by a cone's
+//
+//   a^2 / h^2 = max(1.25 F t / (E* h^3), 2 F tan(half angle) / (pi E* h^2)),   e >= 0.64 h / a - 1, at most 2
+//
+// where 2 says that or more. Found on 33 touches by balls of 3 to 8 mm on nodes of 2 to 4.5 mm, of which the sums above
+// say 8 to 13 %: 99 to 147 % too stiff at a / h of 0.23 to 0.26 (144 to 173 said), 17 to 79 at 0.37 to 0.49 (30 to 74),
+// 11 or less at 0.55 and more but for one of 20 (the sums').
+
 /// What a point sees: F - 1 and J - 1.
 struct Strain {
   Mat3 H = Mat3::Zero();
@@ -71,15 +80,16 @@ struct ErrorSums {
 /// @param tool_force  N; 0: none touches. Where surface loads strain the body, too, a tool's force is not the slope of
 ///                    their energy: the whole error is then taken for the tool's, over what its force stores by Hertz
 ///                    (at most 1)
+/// @param tool  the first tool's pose, for narrow touches; null: they are not looked for
 double expectedError(const Model& model, std::span<const Material> materials, const AlignedVector<Double4>& u,
-                     double strain_energy, double tool_force = 0);
+                     double strain_energy, double tool_force = 0, const Pose* tool = nullptr);
 
 /// e while ticks go on: of a moment, some points a tick, so that it costs a hundredth of a tick (a twentieth while the
 /// tissue's energy changes), and nothing at rest. What it says is of the moment before the last sweep of all points, at
-/// most 0.2 s ago at 500 Hz in a motion; until there was one, 1 with an error_force of 0: a doubt of
-/// its tick (TrustLimits) that counts for no run (RunTrust). Of a tool on tissue under surface loads it is that
-/// of the tool's force: what the loads alone had, when nothing touched last, is taken off. The force that accelerates
-/// the mass that the scene's mass_scaling added is an error, too: the largest of late.
+/// most 0.2 s ago at 500 Hz in a motion; until there was one, 1 with an error_force of 0: a doubt of its tick
+/// (TrustLimits) that counts for no run (RunTrust). Of a tool on tissue under surface loads it is that of the tool's
+/// force: what the loads alone had, when nothing touched last, is taken off. The force that accelerates the mass that
+/// the scene's mass_scaling added is an error, too: the largest of late.
 /// Belongs to who steps (Workspace), not to the state: after a restore it begins anew.
 /// Test: simulation/resolution_test.cpp
 class ResolutionWatch {
@@ -94,8 +104,7 @@ class ResolutionWatch {
 
   /// A tick is done. Fills expected_error and error_force of the report.
   /// Real-time: no allocation, no lock, no throw.
-  void advance(const Model& model, std::span<const Material> materials, const AlignedVector<Float4>& u,
-               StepReport& report);
+  void advance(const Model& model, const State& state, StepReport& report);
 
  private:
   using Rows = std::array<float, 10>;  // F - 1, row by row, and J - 1
@@ -112,6 +121,7 @@ class ResolutionWatch {
   double energy_ = 0;                   // J
   double force_ = 0;                    // N, of the moment
   double touch_ = 0;                    // N, of the moment: of tools on tissue under surface loads
+  double narrow_ = 0;                   // of the moment, of a touch that is narrower than the nodes are apart
   double load_error_ = 0;               // of surface loads alone
   double error_ = 0, error_force_ = 0;  // of the last
   Vec3 momentum_ = Vec3::Zero();        // kg m/s, StepReport::scaled_momentum, smoothed

@@ -120,7 +120,7 @@ StepReport tick(const Model& model, State& state, const Command& command, Worksp
   const ToolContact contact = toolContact(model, state);
   total.tool_torque = contact.torque;
   total.contact_normal = contact.normal;
-  workspace.resolution.advance(model, state.live.kernel.materials, state.u, total);
+  workspace.resolution.advance(model, state, total);
   total.loads[0].torque = contact.torque;
   for (int t = 1; t < model.tools.toolCount(); ++t) total.loads[t].torque = toolContact(model, state, t).torque;
   for (int t = 0; t < model.tools.toolCount(); ++t) {

@@ -86,6 +86,35 @@ TEST_CASE("A coarse block's press is doubted for its resolution, a fine one's is
   }
 }
 
+TEST_CASE("A touch narrower than the nodes are apart is expected to be as far off as it is", "[resolution][whole]") {
+  double force[2], expected[2];
+  for (const int fine : {0, 1}) {
+    Scene scene = test::blockScene(fine ? 0.0035 : 0.012);
+    const Model model = test::blockModel(scene);
+    Workspace workspace(model, 2);
+    State state = initialState(model);
+    StepReport report;
+    Command command;
+    for (int k = 1; k <= 400; ++k) {
+      command.tools[0].pose =
+          test::toolAt(model, model.tools.first().first_contact_travel + 0.002 * std::min(1.0, k / 200.0));
+      report = tick(model, state, command, workspace);
+    }
+    force[fine] = report.tool_force.norm();
+    expected[fine] = report.expected_error;
+    AlignedVector<Double4> u;
+    for (const Float4& a : state.u) u.push_back({a.x, a.y, a.z, 0});
+    CHECK(expectedError(model, model.materials, u, report.strain_energy, force[fine], &state.tool[0].pose) ==
+          Approx(expected[fine]).epsilon(0.1));
+  }
+  const double off = force[0] / force[1] - 1;
+  CAPTURE(force[0], force[1], off, expected[0], expected[1]);
+  CHECK(off > 0.25);  // too stiff by so much
+  CHECK(expected[0] > 0.6 * off);
+  CHECK(expected[0] < 2.5 * off);
+  CHECK(expected[1] < 0.1);
+}
+
 TEST_CASE("What is expected of a press is the same bits for any number of threads", "[resolution][whole]") {
   const Model model = test::blockModel();
   double error = -1;
