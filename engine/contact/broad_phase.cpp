@@ -10,8 +10,12 @@ namespace {
 /// Largest stretch of the skin that the cluster bounds allow for.
 constexpr double kStretch = 2.0;
 
-/// Most vertices that a contact may have: 4096 keep a step below about half a millisecond.
-constexpr int kMaxCapacity = 4096;
+/// Most vertices that a contact may have: 8192 keep a step below about a millisecond.
+constexpr int kMaxCapacity = 8192;
+
+/// What is dropped counts where it is this near, in kTissueTravel: further off nothing touches before the next search,
+/// but for tissue that comes at 0.1 m/s or more.
+constexpr double kNearShare = 0.25;
 
 /// Most samples of stretched faces. They are about as far apart as the skin's vertices are at rest: under a tool whose
 /// skin has edges of 0.35 R about 100, of 0.1 R about 750.
@@ -115,6 +119,7 @@ void findContactCandidates(const SkinModel& skin, const Float4* u, const ToolSha
               [&](int k) { add(skin.cluster_vertex[k]); });
     });
   });
+  if (contact.overflow) contact.overflow = begin->distance <= reach - (1 - kNearShare) * kTissueTravel * tool.radius;
   // The order of the list must not depend on the clusters: the solver sweeps in it.
   std::sort(begin, begin + count, [](const auto& a, const auto& b) { return a.vertex < b.vertex; });
 

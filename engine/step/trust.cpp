@@ -45,7 +45,8 @@ const char* doubtText(Doubt doubt) {
       return "the tissue's volume is under too high a pressure to be held: press less, or finer spacing";
     case Doubt::Contact:
       return "the tool is deep in the skin, or has let go of it, or bodies are deep in one another: finer spacing, or "
-             "a blunter tool";
+             "a blunter tool (where contact_overflow is flagged it touches more of the skin than is followed: less "
+             "refinement)";
     case Doubt::Squeezed:
       return "a point is squeezed to less than 0.3 of its volume: press less, or finer spacing";
     case Doubt::Step:

@@ -142,6 +142,14 @@ TEST_CASE("Too many candidates: the nearest are kept and the overflow is told", 
     }
   }
   CHECK(farthest <= nearest_dropped + 1e-12);
+  // Dropped from where nothing touches before the next search, it is none.
+  bed.scratch.candidate.resize(allWithin(bed, tool, pose, -0.5 * kTissueTravel * tool.radius).size());
+  REQUIRE(bed.scratch.candidate.size() < allWithin(bed, tool, pose, 0).size());
+  findContactCandidates(bed.skin, bed.u.data(), tool, pose, 0, contact, bed.scratch);
+  CHECK_FALSE(contact.overflow);
+  bed.scratch.candidate.resize(allWithin(bed, tool, pose, -kTissueTravel * tool.radius).size() / 2);
+  findContactCandidates(bed.skin, bed.u.data(), tool, pose, 0, contact, bed.scratch);
+  CHECK(contact.overflow);
   findContactCandidates(bed.skin, bed.u.data(), tool, tipAt(0.0, 0.0, 0.05), 0.002, contact, bed.scratch);
   CHECK_FALSE(contact.overflow);
   CHECK(contact.count == 0);
