@@ -67,6 +67,7 @@ std::vector<HistogramBar> barsOf(const DurationHistogram& histogram) {
 void addCycle(SoakReport& report, const SoakCycle& cycle) {
   ++report.cycles;
   report.unrested_cycles += !cycle.rested;
+  if (!cycle.rested) report.unrested_speed = std::max(report.unrested_speed, cycle.rest_speed);
   report.longest_rest_s = std::max(report.longest_rest_s, cycle.rest_s);
   report.drift_m = cycle.drift_m;
   report.largest_drift_m = std::max(report.largest_drift_m, cycle.drift_m);
@@ -102,9 +103,9 @@ std::vector<std::string> brokenPromises(const SoakReport& r) {
   if (r.cycles == 0) broken.push_back("no cycle came to its end, and rest was never looked at: a longer soak");
   if (r.unrested_cycles > 0)
     broken.push_back(
-        format("after %lld of %lld cycles the tissue was still moving %.0f s later: too little damping, "
-               "or rounding that never settles",
-               asLongLong(r.unrested_cycles), asLongLong(r.cycles), RestWatch::longest_rest_s));
+        format("after %lld of %lld cycles the tissue was still moving %.0f s later, by up to %.1e m/s at a node: too "
+               "little damping, or rounding that never settles",
+               asLongLong(r.unrested_cycles), asLongLong(r.cycles), RestWatch::longest_rest_s, r.unrested_speed));
   return broken;
 }
 

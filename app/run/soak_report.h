@@ -41,6 +41,7 @@ struct SoakReport {
 
   std::int64_t cycles = 0;           // that have ended
   std::int64_t unrested_cycles = 0;  // the tissue was still moving after RestWatch::longest_rest_s
+  double unrested_speed = 0;         // m/s, the most of a node at the end of one of these
   double longest_rest_s = 0;
   double organ_size_m = 0;
   double drift_m = 0;          // of the last rest from the first

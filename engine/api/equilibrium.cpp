@@ -96,8 +96,10 @@ int32_t palpate_settle(const palpate_model* model, const double* pose, double ti
   if (equilibrium != nullptr) *equilibrium = nullptr;
   if (model == nullptr || equilibrium == nullptr)
     return say(error, PALPATE_BAD_ARGUMENT, "model or equilibrium is NULL");
-  if ((pose != nullptr && !isPose(pose)) || !(time >= 0 && std::isfinite(time)) || threads < 0 || threads > max_threads)
-    return say(error, PALPATE_BAD_ARGUMENT, "pose, time or threads can't be meant");
+  if (pose != nullptr && !isPose(pose)) return say(error, PALPATE_BAD_ARGUMENT, "pose is not finite, or no turn");
+  if (!(time >= 0 && std::isfinite(time))) return say(error, PALPATE_BAD_ARGUMENT, "time is negative, or not finite");
+  if (threads < 0 || threads > max_threads)
+    return say(error, PALPATE_BAD_ARGUMENT, ("threads is not in 0 .. " + std::to_string(max_threads)).c_str());
   return guarded(error, [&] {
     const int cores = std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, max_threads);
     auto made = std::make_unique<palpate_equilibrium>(*model, placeFor(*model, pose), threads > 0 ? threads : cores);

@@ -76,8 +76,10 @@ std::int32_t load(Read read, const palpate_options* options, palpate_model** mod
 template <class Each>
 static int32_t walk(const palpate_model* model, const char* script, const double* into, int64_t capacity,
                     int64_t* count, palpate_error* error, Each each) {
-  if (model == nullptr || count == nullptr || capacity < 0 || (into == nullptr && capacity > 0))
-    return say(error, PALPATE_BAD_ARGUMENT, palpate_result_text(PALPATE_BAD_ARGUMENT));
+  if (model == nullptr || count == nullptr) return say(error, PALPATE_BAD_ARGUMENT, "model or count is NULL");
+  if (capacity < 0) return say(error, PALPATE_BAD_ARGUMENT, "capacity is negative");
+  if (into == nullptr && capacity > 0)
+    return say(error, PALPATE_BAD_ARGUMENT, "there is a capacity, but no room for it");
   return guarded(error, [&] {
     const Model& m = *model->model;
     const ToolScript motion =

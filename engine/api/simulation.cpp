@@ -238,10 +238,11 @@ int32_t palpate_on_tick(palpate_simulation* simulation, palpate_tick_call call, 
 
 int32_t palpate_set_material(palpate_simulation* simulation, int32_t material, const palpate_parameter* parameters,
                              int32_t parameter_count, palpate_error* error) {
-  if (simulation == nullptr || material < 0 ||
-      material >= static_cast<int>(simulation->model->scene.materials.size()) || parameters == nullptr ||
-      parameter_count < 1)
-    return say(error, PALPATE_BAD_ARGUMENT, palpate_result_text(PALPATE_BAD_ARGUMENT));
+  if (simulation == nullptr || parameters == nullptr)
+    return say(error, PALPATE_BAD_ARGUMENT, "simulation or parameters is NULL");
+  if (material < 0 || material >= static_cast<int>(simulation->model->scene.materials.size()))
+    return say(error, PALPATE_BAD_ARGUMENT, "there is no material of that number");
+  if (parameter_count < 1) return say(error, PALPATE_BAD_ARGUMENT, "parameter_count is less than 1");
   return guarded(error, [&] {
     if (simulation->materials.size() != simulation->model->scene.materials.size())
       throw Refusal(PALPATE_REFUSED,

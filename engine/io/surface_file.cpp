@@ -83,6 +83,17 @@ void checkVertices(const SurfaceFile& file, const std::string& path) {
   }
 }
 
+/// Does what reads a file; its refusal names the place that asked for the file, too.
+template <class Read>
+auto askedFrom(const SourceLocation& place, Read read) {
+  try {
+    return read();
+  } catch (const InputError& error) {
+    if (place.file.empty()) throw;
+    throw InputError({}, std::string(error.what()) + " (asked for at " + place.text() + ")", "");
+  }
+}
+
 }  // namespace
 
 std::string surfaceFormats() {
@@ -96,7 +107,8 @@ SurfaceFile readSurface(const std::string& path, double scale, const SourceLocat
   if (!(scale > 0) || !std::isfinite(scale)) {
     throw InputError(asked_from, "the surface's scale must be positive", "0.001 for a file in millimetres");
   }
-  return surfaceFrom(readWholeFile(path, asked_from), path, scale, reading);
+  const std::string bytes = readWholeFile(path, asked_from);
+  return askedFrom(asked_from, [&] { return surfaceFrom(bytes, path, scale, reading); });
 }
 
 SurfaceFile surfaceFrom(const std::string& bytes, const std::string& path, double scale, SurfaceReading reading) {
@@ -134,11 +146,13 @@ SurfaceFile surfaceFrom(const std::string& bytes, const std::string& path, doubl
 
 TriangleSurface readClosedSurface(const std::string& path, double scale, const SourceLocation& asked_from) {
   SurfaceFile file = readSurface(path, scale, asked_from);
-  try {
-    checkSurface(file.surface, file.source);
-  } catch (const InputError& error) {
-    throw InputError({}, error.what(), "or let `mtled import " + path + "` repair it, or [organ] repair = true");
-  }
+  askedFrom(asked_from, [&] {
+    try {
+      checkSurface(file.surface, file.source);
+    } catch (const InputError& error) {
+      throw InputError({}, error.what(), "or let `mtled import " + path + "` repair it, or [organ] repair = true");
+    }
+  });
   return std::move(file.surface);
 }
 

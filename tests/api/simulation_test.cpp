@@ -285,6 +285,13 @@ TEST_CASE("What can't be used is told with its place, and leaves the caller's pr
   refused("young", -5, PALPATE_BAD_ARGUMENT, "\"young\" must be > 0");
   refused("yuong", 5000, PALPATE_BAD_ARGUMENT, "young, poisson");
   CHECK(palpate_set_material(simulation.get(), 1, nullptr, 0, &error) == PALPATE_BAD_ARGUMENT);
+  CHECK_THAT(error.text, Catch::Contains("parameters is NULL"));  // what is wrong by name
+  const double young = 5000;
+  const palpate_parameter parameter{"young", &young, 1};
+  CHECK(palpate_set_material(simulation.get(), 1, &parameter, 1, &error) == PALPATE_BAD_ARGUMENT);
+  CHECK_THAT(error.text, Catch::Contains("no material"));
+  CHECK(palpate_script(model.get(), nullptr, nullptr, -1, &count, &error) == PALPATE_BAD_ARGUMENT);
+  CHECK_THAT(error.text, Catch::Contains("capacity is negative"));
   CHECK(hashOf(simulation) == rest);
 }
 

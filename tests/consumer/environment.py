@@ -152,6 +152,11 @@ body.pull(0, body.skin_positions()[0])
 last = body.step(ticks=3)
 body.release()
 body.on_tick(None)
+try:
+    body.on_tick(5)
+    raise SystemExit("on_tick(5) was taken")
+except TypeError as error:
+    assert "call must be a function" in str(error), error
 body.step()
 assert [tick for tick, _ in ticks] == [201, 202, 203] and ticks[-1][1] == last.force[2]
 

@@ -299,6 +299,15 @@ TEST_CASE("Bad STL files are refused at their place, with advice", "[io][surface
   CHECK_THAT(message(binaryStl(open)), Contains("the surface has a hole") && Contains("3 open edges"));
 }
 
+TEST_CASE("What is wrong in a surface's file names the place that asked for it, too", "[io][surface][refusal]") {
+  const TempFolder folder;
+  const SourceLocation asked{"scene.toml", 3, 9};
+  const std::string cut = folder.write("cut.obj", "v 0 0 0\nv 1 0\n"),
+                    open = folder.write("open.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  CHECK_THAT(refusal([&] { readSurface(cut, 1, asked); }), Contains("cut.obj:2") && Contains("scene.toml:3:9"));
+  CHECK_THAT(refusal([&] { readClosedSurface(open, 1, asked); }), Contains("open.obj") && Contains("scene.toml:3:9"));
+}
+
 TEST_CASE("Missing, empty and foreign files are refused", "[io][surface][refusal]") {
   TempFolder folder;
   CHECK_THAT(refusal([&] { readSurface(folder.path("none.obj")); }), Contains("none.obj: the file does not exist"));

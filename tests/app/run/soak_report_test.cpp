@@ -61,7 +61,8 @@ TEST_CASE("Each broken promise of a soak is named, and a good run breaks none", 
   }
   report = goodReport();
   report.unrested_cycles = 1;
-  only(report, "still moving");
+  report.unrested_speed = 2e-3;
+  only(report, "by up to 2.0e-03 m/s");
   report = goodReport();
   report.cycles = 0;
   only(report, "no cycle came to its end");
@@ -118,9 +119,11 @@ TEST_CASE("A soak's report has what was measured, as JSON and as text", "[soak_r
   addCycle(report, cycle);
   cycle.drift_m = 2e-9;
   cycle.rested = false;
+  cycle.rest_speed = 4e-4;
   addCycle(report, cycle);
   CHECK(report.cycles == 102);
   CHECK(report.unrested_cycles == 1);
+  CHECK(report.unrested_speed == 4e-4);
   CHECK(report.drift_m == 2e-9);
   CHECK(report.largest_drift_m == 3e-9);
 

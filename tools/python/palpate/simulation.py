@@ -246,6 +246,8 @@ class Simulation:
     def on_tick(self, call):
         """call(state) after each tick, on the thread that has done it; None: no more. Python is too slow for a
         simulation that runs in real time beside a hand."""
+        if call is not None and not callable(call):
+            raise TypeError(f"call must be a function of a State, or None, not {call!r}")
         told = _TickCall() if call is None else _TickCall(
             lambda _, raw: call(State(_State.from_buffer_copy(C.string_at(raw, C.sizeof(_State))))))
         _call("on_tick", self._handle, told, None)
