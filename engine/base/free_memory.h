@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstddef>
+
 #ifdef __GLIBC__
 #include <malloc.h>
 #endif

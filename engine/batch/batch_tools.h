@@ -36,8 +36,8 @@ class BatchTools {
 
   const Model& model_;
   ToolsAt now_, before_;
-  std::vector<ContactState> contact_;
-  std::vector<ContactScratch> scratch_;  // as contact_
+  std::vector<ContactState> contact_;    // (body_count)
+  std::vector<ContactScratch> scratch_;  // (body_count)
 };
 
 }  // namespace palpate
