@@ -452,7 +452,11 @@ std::vector<KeySpec> allKeys() {
   for (KeySpec& key : all)
     if (std::string_view(key.table) == "tool" && std::string_view(key.name) == "shape") key.choices = shapes.c_str();
   for (std::size_t k = 0; k < toolTypes().size(); ++k)
-    for (const Parameter& parameter : toolTypes()[k]->parameters) all.push_back(keySpec(groups[k].c_str(), parameter));
+    for (const Parameter& parameter : toolTypes()[k]->parameters) {
+      all.push_back(keySpec(groups[k].c_str(), parameter));
+      // The skin is made for radius and tip alone.
+      if (std::string_view(parameter.name) != "tip_radius") all.back().set_up = never;
+    }
   return all;
 }
 
