@@ -7,8 +7,8 @@
 namespace palpate {
 namespace {
 
-/// How far below the best cosine to the mean normal a vertex counts, ever less, as under the tip: 26 degrees to both sides
-/// of a ball's foremost point. Skin is no finer than 20 degrees of a ball; counted in full or not at all, within 11,
+/// How far below the best cosine to the mean normal a vertex counts, ever less, as under the tip: 26 degrees to both
+/// sides of a foremost point. Skin is no finer than 20 degrees of a ball; counted in full or not at all, within 11,
 /// vertices that come and go moved the depth to and fro by half a millimetre in a press of 7.
 constexpr double kUnderTheTip = 0.1;
 

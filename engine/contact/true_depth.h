@@ -11,8 +11,8 @@ namespace palpate {
 ///   touching:  d = max_s s . n - mean_v X_v . n     s on the tool, n = mean unit normal of the contact, into the
 ///   tissue in air:    d = -min_v distance(tool, X_v)       the gap to the skin at rest
 ///
-/// The mean over v is weighted by force and by how near the touched vertices' normals are to n: those under the tip count,
-/// or under the whole face of a flat tool. d is how far the tool's foremost point stands beyond where
+/// The mean over v is weighted by force and by how near the touched vertices' normals are to n: those under the tip
+/// count, or under the whole face of a flat tool. d is how far the tool's foremost point stands beyond where
 /// the skin under it lay at rest, along the contact's normal: 0 at first touch. The skin's vertices stand for the
 /// skin, so d is exact to what the contact itself sees (SkinModel). In air the tissue counts as at rest.
 ///

@@ -26,6 +26,7 @@ constexpr double fine_radii = 0.5, coarse_radii = 1.2, narrowest_of_body = 0.1, 
 constexpr double sharpest =
     0.4;  // of the tool's radius, for tips below its square; below 1/16 told of (resolutionWarning)
 constexpr double thin_share = 0.1;       // of the skin
+constexpr double least_across = 4;       // nodes across a body, of its volume's cube root
 constexpr double most_for_thin = 6000;   // nodes that a thin body gets for it
 constexpr double hysteresis = 0.25;      // strides
 constexpr double longest_stride = 0.01;  // m
@@ -137,17 +138,18 @@ bool reaches(const SpacingField::Refinement& ball, double coarse, const Box3& bo
 }
 
 /// Each as fine as its own tool wants; none where the whole of a body is.
+/// @param finest  m, BodyPlaces::fine
 /// @param coarse  m, of the body
 /// @param used    gets for each tool the centre of its ball, or -1
-std::vector<SpacingField::Refinement> ballsAt(const Places& places, const PlaceIndex& index, double coarse,
-                                              const Box3& body, PlaceIndex* used = nullptr) {
+std::vector<SpacingField::Refinement> ballsAt(const Places& places, const PlaceIndex& index, double finest,
+                                              double coarse, const Box3& body, PlaceIndex* used = nullptr) {
   std::vector<SpacingField::Refinement> balls;
   const std::vector<ToolSpec>& tools = places.scene.tools;
   if (used != nullptr) *used = no_place;
   for (std::size_t t = 0; t < tools.size(); ++t) {
     SpacingField::Refinement ball;
     ball.centre = places.centres[static_cast<std::size_t>(index[t])];
-    ball.spacing = std::max(places.sizes.fine, fine_radii * resolvedRadius(tools[t].shape));
+    ball.spacing = std::min(finest, std::max(places.sizes.fine, fine_radii * resolvedRadius(tools[t].shape)));
     ball.radius = ballRadius(tools[t].shape, ball.spacing) + (tools[t].jaws() ? tools[t].opening / 2 : 0);
     if (!reaches(ball, coarse, body)) continue;
     balls.push_back(ball);
@@ -157,7 +159,8 @@ std::vector<SpacingField::Refinement> ballsAt(const Places& places, const PlaceI
 }
 
 std::vector<SpacingField::Refinement> ballsAt(const Places& places, const PlaceIndex& index) {
-  return ballsAt(places, index, places.sizes.coarse, boundingBox(places.organ.surface()));
+  constexpr double any = std::numeric_limits<double>::infinity();
+  return ballsAt(places, index, any, places.sizes.coarse, boundingBox(places.organ.surface()));
 }
 
 /// Nodes that any place may have: as many as the first, and those of whole balls with what is around them, twice; no
@@ -167,15 +170,21 @@ int mostNodes(const Places& places, int of_first) {
   constexpr int shells = 1000;
   const PlaceIndex any{};
   double nodes = 0;
-  for (const SpacingField::Refinement& ball : ballsAt(places, any)) {
-    SpacingField field{places.sizes.coarse, {ball}, {}};
-    const double outer = ball.radius + 3 * places.sizes.coarse, width = outer / shells;
-    for (int k = 0; k < shells; ++k) {
-      const double r = (k + 0.5) * width, h = field.at(ball.centre + Vec3(r, 0, 0));
-      nodes += 4 * std::numbers::pi * r * r * width / std::pow(h, 3);
+  for (const BodyPlaces& body : places.body) {
+    const double coarse = body.scene.discretization.spacing;
+    for (const SpacingField::Refinement& ball :
+         ballsAt(places, any, body.fine, coarse, boundingBox(places.organ.surface()))) {
+      SpacingField field{coarse, {ball}, {}};
+      const double outer = ball.radius + 3 * coarse, width = outer / shells;
+      double in_ball = 0;
+      for (int k = 0; k < shells; ++k) {
+        const double r = (k + 0.5) * width, h = field.at(ball.centre + Vec3(r, 0, 0));
+        in_ball += 4 * std::numbers::pi * r * r * width / std::pow(h, 3);
+      }
+      nodes += std::min(in_ball / volume_per_node, static_cast<double>(body.cloud.nodeCount()));
     }
   }
-  return static_cast<int>(std::min<double>(of_first + safety * nodes / volume_per_node, places.nodeCount()));
+  return static_cast<int>(std::min<double>(of_first + safety * nodes, places.nodeCount()));
 }
 
 /// A body at a place.
@@ -200,8 +209,9 @@ BodyPlace bodyAt(const Places& places, std::size_t k, const PlaceIndex& index, b
   const BodyPlaces& body = places.body[k];
   BodyPlace at{body.scene, {}, {}};
   PlaceIndex used;
-  addBalls(ballsAt(places, index, body.scene.discretization.spacing, boundingBox(body.surface.surface()), &used),
-           at.scene);
+  addBalls(
+      ballsAt(places, index, body.fine, body.scene.discretization.spacing, boundingBox(body.surface.surface()), &used),
+      at.scene);
   if (places.key.empty()) return at;
   at.key = places.key + (first ? "\nfirst place" : "\nplace");
   if (places.body.size() > 1) at.key += " of body " + std::to_string(k);
@@ -303,9 +313,9 @@ int Places::nodeCount() const {
 namespace {
 
 /// The fine cloud of a body that all places are taken from, and up to where their cells are joined.
-void makeCloud(const Places& places, const std::function<void(double)>& progress, BodyPlaces& body) {
+void makeCloud(const std::function<void(double)>& progress, BodyPlaces& body) {
   Scene fine = body.scene;
-  fine.discretization.spacing = places.sizes.fine;
+  fine.discretization.spacing = body.fine;
   fine.discretization.refine = finerThan(fine.discretization.spacing, body.scene.discretization.refine);
   Discretization d = discretizeOnSurface(fine, body.surface, progress);
   putInSlices(d);
@@ -336,9 +346,12 @@ void addBodies(const Scene& as_read, const TriangleSurface& organ, Places& place
     const TriangleSurface& closed = tree.surface();
     const FollowSizes of_body =
         followSizes(as_read, signedVolume(closed), surfaceArea(closed), thicknessOf(tree, thin_share));
-    const double coarse = std::max(sizes.fine, of_body.coarse);
+    // With no more than a few nodes across, what a body stores says nothing about how far off they are.
+    const double across = std::max(std::cbrt(signedVolume(closed)) / least_across,
+                                   finestSpacing(signedVolume(closed), surfaceArea(closed), most_fine_nodes));
+    const double finest = std::min(sizes.fine, across), coarse = std::max(finest, of_body.coarse);
     sizes.coarse = std::max(sizes.coarse, coarse);
-    places.body.push_back({withoutBalls(own, coarse), tree, {}, {}});
+    places.body.push_back({withoutBalls(own, coarse), tree, {}, {}, finest});
   }
   places.scene = withoutBalls(as_read, sizes.coarse);
 }
@@ -348,7 +361,7 @@ void addSkin(const Scene& as_read, Places& places) {
   TriangleSurface all;
   for (BodyPlaces& body : places.body) {
     Scene plain = body.scene;
-    plain.discretization.refine = finerThan(places.sizes.fine, as_read.discretization.refine);
+    plain.discretization.refine = finerThan(body.fine, as_read.discretization.refine);
     TriangleSurface& skin = body.common.skin = refineForContact(plain, body.surface.surface());
     body.common.gaps = std::make_shared<const SurfaceGaps>(gapsOf(body.scene, skin, body.surface));
     places.common.gaps.push_back(body.common.gaps);
@@ -356,6 +369,7 @@ void addSkin(const Scene& as_read, Places& places) {
   }
   CommonToPlaces& common = places.common;
   common.finest_spacing = places.sizes.fine;
+  for (const BodyPlaces& body : places.body) common.finest_spacing = std::min(common.finest_spacing, body.fine);
   common.skin = skinOf(places.scene, all);
   common.bodies = makeSkinBodies(common.skin, places.scene.discretization.spacing);
 }
@@ -395,7 +409,7 @@ Places makePlaces(const Scene& as_read, const TriangleSurface& organ, const Prog
       body.common.pair_moment = kept[k]->pair_moment;
     } else {
       kept[k].reset();
-      makeCloud(places, made, body);
+      makeCloud(made, body);
       has[k] = keepRegions(body);
     }
   }

@@ -105,7 +105,7 @@ TEST_CASE("A ball that goes straight in is as deep as it has come past the touch
 }
 
 TEST_CASE("Vertices that come under the tip and leave it move the depth no further than the tool", "[true_depth]") {
-  // A dome of 30 mm radius, vertices 0.35 radii of the ball apart, which slides down it, 4 mm deep. Pressed, it has turned.
+  // A dome of 30 mm radius, vertices 0.35 radii of the ball apart, which slides down it, 4 mm deep. It has turned.
   const Quat turn(Eigen::AngleAxisd(0.4, Vec3::UnitY()));
   PlaneAndTool at(ToolShape::of(ToolKind::Sphere, 0.008), 0);
   for (Vec3& X : at.skin.surface.vertices) {
