@@ -438,3 +438,13 @@ TEST_CASE("Each of several tools has a ball", "[place][whole]") {
   places.most_nodes = 10;
   CHECK_THROWS_WITH(makePlace(places, place.index), Catch::Contains("more than states have room for"));
 }
+
+TEST_CASE("A body that is small beside the tool has nodes for itself", "[place]") {
+  Scene scene = test::barScene();
+  scene.tools[0].shape.radius = 0.05;
+  const double across = std::cbrt(scene.organs[0].size.prod());
+  REQUIRE(fineSpacing(scene) > 0.3 * across);
+  const Places places = makePlaces(scene, test::barSurface());
+  CHECK(places.body[0].fine == Approx(across / 4));
+  CHECK(makePlace(places, startPlace(places)).model.nodeCount() > 4 * 4 * 4);
+}
