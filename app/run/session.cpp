@@ -23,6 +23,7 @@
 #include "mechanics/materials/material_law.h"
 #include "model/model_hash.h"
 #include "realtime/device/open_device.h"
+#include "setup/free_axes.h"
 #include "setup/tick_cost.h"
 #include "step/resolution.h"
 
@@ -271,6 +272,7 @@ Session::Session(const Options& options, const Scene& scene, Log& log, const Loa
       friction_(scene_.tools[0].friction),
       certificate_(readCertificate(certificateFile(findScene(options.scene)), modelHash(model_))),
       forces_(history_seconds) {
+  if (const std::string loose = looseWarning(model_); !loose.empty()) log_.warning(loose);
   if (const std::string layer = layerWarning(model_); !layer.empty()) log_.warning(layer);
   if (const std::string coarse = resolutionWarning(model_); !coarse.empty() && !certificate_) log_.warning(coarse);
   if (certificate_) log_.info("the force is " + certifiedText(*certificate_, certificate_->deepest()));

@@ -49,7 +49,7 @@ struct ContactState {
 };
 
 /// Memory for the largest contact that this tool can make with this skin: every vertex, but no
-/// more than 4096 (a tool of radius R over a skin with edges of 0.1 R touches about 750 at a time), and 1024 samples
+/// more than 8192 (a tool of radius R over a skin with edges of 0.1 R touches about 750 at a time), and 1024 samples
 /// of stretched faces.
 ContactState makeContactState(const SkinModel& skin, const ToolShape& tool);
 

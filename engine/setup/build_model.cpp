@@ -59,7 +59,8 @@ bool keepsCellVolume(const Model& model) {
 
 /// Of each body the gaps in its own skin.
 std::vector<std::shared_ptr<const SurfaceGaps>> gapsOfBodies(const Scene& scene, const SurfaceTree& tree,
-                                                             const TriangleSurface& skin) {
+                                                             const TriangleSurface& skin, int count) {
+  if (count == 1) return {std::make_shared<const SurfaceGaps>(gapsOf(scene, skin, tree))};
   std::vector<std::shared_ptr<const SurfaceGaps>> gaps;
   const std::vector<TriangleSurface> skins = separated(skin, bodiesOf(skin)),
                                      bodies = separated(tree.surface(), bodiesOf(tree.surface()));
@@ -248,7 +249,7 @@ Model finish(const Scene& scene, const SurfaceTree& tree, Preparation preparatio
   if (model.mass != model.own_mass)
     for (std::size_t i = 0; i < model.mass.size(); ++i)
       model.own_share.push_back(static_cast<float>(model.own_mass[i] / model.mass[i]));
-  model.gaps = common != nullptr ? common->gaps : gapsOfBodies(scene, tree, model.skin.surface);
+  model.gaps = common != nullptr ? common->gaps : gapsOfBodies(scene, tree, model.skin.surface, model.bodyCount());
   completeEssential(scene, model);
   if (needsPatches(scene))
     model.patches = makeNodePatches(

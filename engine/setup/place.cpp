@@ -346,7 +346,9 @@ void addBodies(const Scene& as_read, const TriangleSurface& organ, Places& place
     const TriangleSurface& closed = tree.surface();
     const FollowSizes of_body =
         followSizes(as_read, signedVolume(closed), surfaceArea(closed), thicknessOf(tree, thin_share));
-    // With no more than a few nodes across, what a body stores says nothing about how far off they are.
+    // With no more than a few nodes across, what a body stores says nothing about how far off they are: cubes of 12 mm
+    // under a ball of 20 mm had 12 nodes, 0.180 N, and 3 % were expected; with four across it is 0.075 N and 12 %, with
+    // six 0.063 N.
     const double across = std::max(std::cbrt(signedVolume(closed)) / least_across,
                                    finestSpacing(signedVolume(closed), surfaceArea(closed), most_fine_nodes));
     const double finest = std::min(sizes.fine, across), coarse = std::max(finest, of_body.coarse);

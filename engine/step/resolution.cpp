@@ -6,6 +6,7 @@
 
 #include "mechanics/materials/fibre_energy.h"
 #include "scene/scene_messages.h"
+#include "step/tool_contact.h"
 
 namespace palpate {
 namespace {
@@ -46,23 +47,8 @@ double touchEnergy(const Model& model, double force, double strain_energy) {
   return std::min(strain_energy, 0.4 * force * std::pow(force / stiffness, 2.0 / 3));
 }
 
-/// What is not seen of a touch that is narrower than the nodes are apart. @param tip  m
-template <class Place>
-double narrowError(const Model& model, std::span<const Material> materials, const AlignedVector<Place>& u,
-                   const ToolShape& tool, const Vec3& tip, double force) {
-  if (!(force > 0)) return 0;
-  const auto nearest = [](const std::vector<Vec3>& places, const auto& distance2) {
-    std::size_t best = 0;
-    double least = std::numeric_limits<double>::infinity();
-    for (std::size_t i = 0; i < places.size(); ++i)
-      if (const double d = distance2(i); d < least) least = d, best = i;
-    return best;
-  };
-  const std::size_t node = nearest(model.X,
-                                   [&](std::size_t i) { return (model.X[i] + toVec3(u[i]) - tip).squaredNorm(); }),
-                    point = nearest(model.point_X,
-                                    [&](std::size_t q) { return (model.point_X[q] - model.X[node]).squaredNorm(); });
-  const Material& m = materials[static_cast<std::size_t>(model.point_material[point])];
+/// What is not seen of a touch at a node, of this material, that is narrower than the nodes are apart.
+double narrowError(const Model& model, const Material& m, std::size_t node, const ToolShape& tool, double force) {
   const double h = model.support_radius[node] / model.scene.discretization.support_factor, K = m.bulk_modulus,
                G = m.shear_modulus, nu = (3 * K - 2 * G) / (6 * K + 2 * G), E = 2 * G / (1 - nu);
   const ToolProfile profile = toolProfile(tool);
@@ -72,6 +58,39 @@ double narrowError(const Model& model, std::span<const Material> materials, cons
                    std::max(1.25 * force * profile.rounding / (E * h * h * h), 2 * force * slope / (M_PI * E * h * h)),
                touched = std::min(std::sqrt(square), tool.radius / h);
   return std::clamp(narrowest / touched - 1, 0.0, most_narrow);
+}
+
+/// Of a point of a cell that each node has (node_count).
+std::vector<int> nodeMaterials(const Model& model) {
+  std::vector<int> material(model.X.size(), 0);
+  for (std::size_t q = 0; q < model.point_material.size(); ++q)
+    for (const int i : model.cells[static_cast<std::size_t>(model.point_cell[q])])
+      material[static_cast<std::size_t>(i)] = model.point_material[q];
+  return material;
+}
+
+/// The node that moves the skin most where a tool presses it hardest; -1: it touches nothing.
+int touchedNode(const Model& model, const State& state, std::size_t tool) {
+  int vertex = -1;
+  double most = 0;
+  for (std::size_t b = 0; b < model.tools.body.size(); ++b)
+    if (model.tools.body[b].tool == static_cast<int>(tool))
+      forEachContactForce(state.contact[b], [&](int v, const Float4& force) {
+        if (const double size = toVec3(force).norm(); size > most) most = size, vertex = v;
+      });
+  if (vertex < 0) return -1;
+  const auto first = model.skin.N.begin() + model.skin.begin[vertex],
+             last = model.skin.N.begin() + model.skin.begin[vertex + 1];
+  return model.skin.node[static_cast<std::size_t>(std::max_element(first, last) - model.skin.N.begin())];
+}
+
+/// The node next to a tool's tip, of a solution that is over.
+std::size_t nodeAt(const Model& model, const AlignedVector<Double4>& u, const Vec3& tip) {
+  std::size_t nearest = 0;
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < model.X.size(); ++i)
+    if (const double d = (model.X[i] + toVec3(u[i]) - tip).squaredNorm(); d < least) least = d, nearest = i;
+  return nearest;
 }
 
 /// The tool that presses hardest.
@@ -198,15 +217,21 @@ double expectedError(const Model& model, std::span<const Material> materials, co
   }
   const double energy =
       model.surface_loads.empty() || !(tool_force > 0) ? strain_energy : touchEnergy(model, tool_force, strain_energy);
-  const double error = sums.off(strain_energy) / energy,
-               narrow = tool == nullptr
-                            ? 0
-                            : narrowError(model, materials, u, model.scene.tools[0].shape, tool->position, tool_force);
+  const double error = sums.off(strain_energy) / energy;
+  double narrow = 0;
+  if (tool != nullptr && tool_force > 0) {
+    const std::size_t node = nodeAt(model, u, tool->position);
+    const Material& material = materials[static_cast<std::size_t>(nodeMaterials(model)[node])];
+    narrow = narrowError(model, material, node, model.scene.tools[0].shape, tool_force);
+  }
   return std::max({model.layer_error, narrow, energy < strain_energy ? std::min(1.0, error) : error});
 }
 
 ResolutionWatch::ResolutionWatch(const Model& model)
-    : u_(model.X.size()), at_(model.point_X.size()), fit_(static_cast<std::size_t>(model.point_groups.count)) {}
+    : u_(model.X.size()),
+      at_(model.point_X.size()),
+      fit_(static_cast<std::size_t>(model.point_groups.count)),
+      material_(nodeMaterials(model)) {}
 
 void ResolutionWatch::restart() {
   next_ = 0;
@@ -239,9 +264,12 @@ void ResolutionWatch::advance(const Model& model, const State& state, StepReport
     energy_ = report.strain_energy;
     touch_ = model.surface_loads.empty() ? 0 : toolForce(report);
     const std::size_t tool = hardest(report);
-    narrow_ = narrowError(model, materials, u, model.scene.tools[tool].shape, state.tool[tool].pose.position,
-                          report.loads[tool].force.norm());
-    force_ = touch_ > 0 ? touch_ : narrow_ > 0 ? report.loads[tool].force.norm() : largestForce(report);
+    const double force = report.loads[tool].force.norm();
+    narrow_ = 0;
+    if (const int node = touchedNode(model, state, tool); node >= 0 && force > 0)
+      narrow_ = narrowError(model, materials[static_cast<std::size_t>(material_[static_cast<std::size_t>(node)])],
+                            static_cast<std::size_t>(node), model.scene.tools[tool].shape, force);
+    force_ = touch_ > 0 ? touch_ : narrow_ > 0 ? force : largestForce(report);
   }
   if (next_ < count) {
     const std::size_t end = std::min(next_ + part, count);

@@ -113,10 +113,11 @@ class ResolutionWatch {
 
   void addScaledInertia(const Model& model, StepReport& report);
 
-  AlignedVector<Float4> u_;  // (node_count) of the moment
-  std::vector<Rows> at_;     // (point_count)
-  std::vector<Rows> fit_;    // (group_count) at its node, or mean
-  std::size_t next_ = 0;     // of the points, twice over: gathered, then compared
+  AlignedVector<Float4> u_;    // (node_count) of the moment
+  std::vector<Rows> at_;       // (point_count)
+  std::vector<Rows> fit_;      // (group_count) at its node, or mean
+  std::vector<int> material_;  // (node_count) of a point beside it, index into the scene's
+  std::size_t next_ = 0;       // of the points, twice over: gathered, then compared
   ErrorSums sums_;
   double energy_ = 0;                   // J
   double force_ = 0;                    // N, of the moment

@@ -389,7 +389,7 @@ TEST_CASE("A caller with an older, shorter struct gets what it knows and nothing
   CHECK(std::memcmp(state.force, untouched.force, sizeof state - offsetof(palpate_state, force)) == 0);
 }
 
-TEST_CASE("A stop before the first start is none; what was sent before a restore is of another future", "[api]") {
+TEST_CASE("A stop before the first start is none - what was sent before a restore is of another future", "[api]") {
   const ModelHandle model = loadBlock();
   const palpate_model_info info = describe(model);
   const SimulationHandle simulation = create(model), fresh = create(model);

@@ -215,7 +215,7 @@ TEST_CASE("A client of OpenIGTLink moves the tool, and gets force, surface and v
   CHECK(std::max({size[0], size[1], size[2]}) == 64);
 }
 
-TEST_CASE("What is no pose is left out and told; a client that sends nonsense is let go, the next one served",
+TEST_CASE("What is no pose is left out and told - a client that sends nonsense is let go, the next one served",
           "[igtl]") {
   const Bridge bridge;
   const auto still = [](Client& client) { return client.next<igtl::SensorMessage>("Force")->GetValue(2) == 0; };
@@ -238,7 +238,7 @@ TEST_CASE("What is no pose is left out and told; a client that sends nonsense is
   CHECK(still(next));
 }
 
-TEST_CASE("Poses go to matrices and back; a volume has the voxels that are inside", "[igtl]") {
+TEST_CASE("Poses go to matrices and back - a volume has the voxels that are inside", "[igtl]") {
   const double pose[7] = {0.01, -0.02, 0.3, 0.5, -0.5, 0.5, 0.5};
   igtl::Matrix4x4 matrix;
   matrixOf(pose, matrix);

@@ -6,6 +6,7 @@
 
 #include "discretization/surface/solids.h"
 #include "io/scene_file.h"
+#include "setup/place.h"
 #include "support/equal_models.h"
 #include "support/small_scene.h"
 #include "support/temp_folder.h"
@@ -98,14 +99,14 @@ TEST_CASE("The warning of a size comes before the set-up takes time, and once", 
   CHECK_THAT(warnings[0], Contains("the organ is 4 m long"));
 }
 
-TEST_CASE("Tools that start at one place are refused; of one that never touches there is a warning", "[load_model]") {
+TEST_CASE("Tools that start at one place are refused - of one that never touches there is a warning", "[load_model]") {
   Scene scene = test::blockScene();
   std::vector<std::string> warnings;
   const auto keep = [&](const std::string& line) { warnings.push_back(line); };
   scene.tools[0].position.x() = 0.2;
   loadModel(scene, {}, ModelCache(), keep);
   CHECK(warnings.empty());  // a scene without a tool
-  scene.places["tool[0].position"] = {"block.toml", 7, 1};
+  scene.tools[0].place = scene.places["tool[0].position"] = {"block.toml", 7, 1};
   loadModel(scene, {}, ModelCache(), keep);
   REQUIRE(warnings.size() == 1);
   CHECK_THAT(warnings[0], Contains("block.toml:7:1: straight on the tool never touches the organ"));
@@ -135,4 +136,16 @@ TEST_CASE("Where the cloud follows, a model is that of the place where the tool 
   CHECK_FALSE(end.scene.discretization.follow);
   REQUIRE(end.scene.discretization.refine.size() == 1);
   CHECK(end.scene.discretization.refine[0].spacing == Approx(0.5 * scene.tools[0].shape.radius));
+}
+
+TEST_CASE("A solid that is small beside its tool is as round as it is", "[load_model]") {
+  Scene scene = test::blockScene();
+  OrganSpec& organ = scene.organs[0];
+  organ.solid = OrganSpec::Solid::Ellipsoid;
+  organ.semi_axes = Vec3(0.006, 0.006, 0.0045);
+  scene.tools[0].shape.radius = 0.01;
+  scene.discretization.spacing = followSpacing(scene);
+  double highest = 0;
+  for (const Vec3& x : organSurface(scene).vertices) highest = std::max(highest, x.z());
+  CHECK(highest == Approx(0.0045).epsilon(0.03));  // 0.005 with edges of half a tool's radius
 }

@@ -8,7 +8,7 @@
 
 using namespace palpate;
 
-TEST_CASE("A table that is given up leaves what stood there; one that takes its place grows there", "[io][output]") {
+TEST_CASE("A table that is given up leaves what stood there - one that takes its place grows there", "[io][output]") {
   const TempFolder folder;
   const std::string path = folder.write("force.csv", "earlier\n");
   {

@@ -4,6 +4,7 @@
 #include "io/load_model.h"
 #include "io/scene_file.h"
 #include "model/model_hash.h"
+#include "setup/free_axes.h"
 #include "support/temp_folder.h"
 #include "support/text.h"
 
@@ -68,6 +69,11 @@ TEST_CASE("Several organs are read with their places and materials, and are bodi
           (model.point_X[static_cast<std::size_t>(q)].z() > 0.0202 ? 1 : 0));
   CHECK(modelHash(model) != modelHash(modelOf(replaced(two_text, "friction = 0.4", "friction = 0.5"))));
   CHECK(model.cell_volume == Approx(2 * 0.04 * 0.04 * 0.02));
+
+  CHECK_THAT(looseWarning(model), Contains("two.toml:11") && Contains("nothing holds \"upper\""));
+  CHECK(looseWarning(
+            modelOf(two_text + "[[rigid]]\nregion = { shape = \"box\", min = [-1, -1, -1], max = [1, 1, -0.01] }\n"))
+            .empty());
 
   const Model following = modelOf(replaced(two_text, "discretization = { spacing = 0.012 }", ""));
   CHECK(following.bodies.organ == model.bodies.organ);

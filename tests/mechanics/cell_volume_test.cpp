@@ -266,7 +266,7 @@ TEST_CASE("A uniform dilatation beyond the limit costs what it would cost withou
   }
 }
 
-TEST_CASE("Between bonded faces that are near, patches keep their pressure; one bonded face changes nothing",
+TEST_CASE("Between bonded faces that are near, patches keep their pressure - one bonded face changes nothing",
           "[cell_volume]") {
   PressedBody body(5);
   const auto count = [&] {

@@ -364,7 +364,7 @@ TEST_CASE("The boundaries' moments are those of what was added", "[essential_bou
   }
 }
 
-TEST_CASE("Imposing the whole displacement leaves no drift; increments in float drift little",
+TEST_CASE("Imposing the whole displacement leaves no drift - increments in float drift little",
           "[essential_boundary][ebciem]") {
   constexpr int steps = 1000;
   const double dt = 1e-3, alpha = 1e-7;  // to 1 s, twice the motion's duration

@@ -99,7 +99,7 @@ TEST_CASE("Gershgorin rows of one point are its weight times the gradients' norm
   CHECK(gershgorinRows(shape, {-volume}, {0}, {m}, 4) == rows);
 }
 
-TEST_CASE("Gershgorin rows bound the frequencies with any masses; as masses they make all of them below 1",
+TEST_CASE("Gershgorin rows bound the frequencies with any masses - as masses they make all of them below 1",
           "[critical_time_step]") {
   for (const int points : {1, 4}) {
     const test::TestBody body(3, 0.1, points);

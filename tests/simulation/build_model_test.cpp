@@ -147,7 +147,7 @@ TEST_CASE("Motions that contradict each other are refused with both places", "[b
   refuse(other);
 }
 
-TEST_CASE("Motions that agree may share nodes; the first has them", "[build_model]") {
+TEST_CASE("Motions that agree may share nodes - the first has them", "[build_model]") {
   const Scene once = gripped(Vec3(0, 0, -0.003));
   Scene scene = once;
   scene.boundaries.push_back(scene.boundaries[1]);  // the same again

@@ -256,7 +256,7 @@ TEST_CASE("A passage carries linear fields, and what does not belong to nodes", 
   test::requireSameBits("du", same.du, before.du);
 }
 
-TEST_CASE("A press goes on from place to place; with values for parameters it jumps", "[place]") {
+TEST_CASE("A press goes on from place to place - with values for parameters it jumps", "[place]") {
   const Place &a = leftPlace(), &b = nextToLeft();
   const Passage passage = makePassage(a, b);
   Workspace of_a(a.model, 1);

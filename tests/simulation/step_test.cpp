@@ -119,7 +119,7 @@ TEST_CASE("Released tissue comes back to rest where it was", "[step][whole]") {
   CHECK(largest < 1e-6 * 0.06);  // float32 over 1.5e4 steps, relative to the body's size
 }
 
-TEST_CASE("Dragging with friction pulls the tissue along; without, it slides under the tool", "[step][contact]") {
+TEST_CASE("Dragging with friction pulls the tissue along - without, it slides under the tool", "[step][contact]") {
   double sideways[2];
   for (const bool rough : {false, true}) {
     Scene scene = blockScene();

@@ -248,7 +248,7 @@ TEST_CASE("A histogram counts every finite value and shows single ones", "[figur
   CHECK(histogramOf({1, 10, 100}, 2, true).counts == std::vector<double>{1, 2});
 }
 
-TEST_CASE("Equal figures give equal pictures, whatever was drawn between; files hold them", "[figure]") {
+TEST_CASE("Equal figures give equal pictures, whatever was drawn between - files hold them", "[figure]") {
   const TempFolder folder;
   FigureWriter writer;
   Figure figure;

@@ -106,7 +106,7 @@ TEST_CASE("An atlas comes back from its JSON as it was", "[atlas]") {
   CHECK_THAT(csv, Contains("\"blow-up \"\"there\"\"\""));
 }
 
-TEST_CASE("A cell that is silently wrong fails the atlas; one that is refused does not", "[atlas]") {
+TEST_CASE("A cell that is silently wrong fails the atlas - one that is refused does not", "[atlas]") {
   const TempFolder folder;
   AtlasOptions options;
   options.out = folder.path("out");
@@ -186,7 +186,7 @@ TEST_CASE("A resumed atlas runs only what is missing, and only of the same progr
   CHECK(runs == 2);
 }
 
-TEST_CASE("Cells are chosen by name, by axis and by --quick; an unknown one is refused with the names of all",
+TEST_CASE("Cells are chosen by name, by axis and by --quick - an unknown one is refused with the names of all",
           "[atlas]") {
   const TempFolder folder;
   AtlasOptions options;

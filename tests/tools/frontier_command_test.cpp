@@ -111,7 +111,7 @@ TEST_CASE("The place that a tool works on is found from its way", "[frontier]") 
   CHECK(contactRegion(model, way).radius == 0);
 }
 
-TEST_CASE("A refined reference is closer to a finer one than the block as it is; doubles agree with floats",
+TEST_CASE("A refined reference is closer to a finer one than the block as it is - doubles agree with floats",
           "[frontier]") {
   const Model model = blockModel();
   const ToolTrajectory way = indentationTrajectory(model);

@@ -67,7 +67,7 @@ TEST_CASE("Numbers have three digits and a fitting prefix", "[report]") {
   CHECK(formattedPercent(0.0123) == "1.23 %");
 }
 
-TEST_CASE("A bound is held at its limit and not beyond; NaN never holds", "[report]") {
+TEST_CASE("A bound is held at its limit and not beyond - NaN never holds", "[report]") {
   CHECK((Bound{"", 1, 1, true, "", ""}).held());
   CHECK((Bound{"", 1, 1, false, "", ""}).held());
   CHECK_FALSE((Bound{"", 1.001, 1, true, "", ""}).held());
@@ -148,7 +148,7 @@ TEST_CASE("A report comes back from its JSON, NaN and infinities too", "[report]
   CHECK_THROWS_AS(reportFromJson("no json"), std::runtime_error);
 }
 
-TEST_CASE("A report's folder is made; one that can't be is named", "[report]") {
+TEST_CASE("A report's folder is made - one that can't be is named", "[report]") {
   const TempFolder folder;
   writeReport(folder.path("a/b"), sampleReport());
   CHECK(readAll(folder.path("a/b/README.md")) == markdownOf(sampleReport()));

@@ -35,7 +35,7 @@ TEST_CASE("Nothing overlaps and all lies inside the window, at any size and scal
       }
 }
 
-TEST_CASE("The default window has all panels; hidden panels leave all to the view", "[layout]") {
+TEST_CASE("The default window has all panels - hidden panels leave all to the view", "[layout]") {
   const Layout shown = layoutFor(1280, 800, 1, true);
   CHECK(shown.left.width > 0);
   CHECK(shown.right.width > 0);

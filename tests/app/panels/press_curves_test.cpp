@@ -27,7 +27,7 @@ void press(PressCurves& curves, std::initializer_list<double> depths) {
 
 }  // namespace
 
-TEST_CASE("Each press is a curve of its own with its peak; a brush is none", "[press_curves]") {
+TEST_CASE("Each press is a curve of its own with its peak - a brush is none", "[press_curves]") {
   PressCurves curves;
   press(curves, {3, 0.01, 5});
   REQUIRE(curves.all().size() == 2);
@@ -69,7 +69,7 @@ TEST_CASE("A session keeps its last presses only", "[press_curves]") {
   CHECK(curves.all().back().number == static_cast<int>(PressCurves::most_kept) + 5);
 }
 
-TEST_CASE("What is said to who holds the probe has no node numbers; the details have", "[notice]") {
+TEST_CASE("What is said to who holds the probe has no node numbers - the details have", "[notice]") {
   LogEvent event;
   event.index = 4711;
   event.value = 1.93e8;

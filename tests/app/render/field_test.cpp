@@ -63,7 +63,7 @@ TEST_CASE("Averages are convex, and nodes that nothing sees don't count", "[fiel
   CHECK(skin[1] == 6.0F);  // halfway between nodes 1 and 2
 }
 
-TEST_CASE("Positions follow the shape functions; a blown-up state is drawn at rest", "[field]") {
+TEST_CASE("Positions follow the shape functions - a blown-up state is drawn at rest", "[field]") {
   const Model model = tetrahedron();
   Displacements u(5);
   u[1].z = 0.2F;

@@ -110,7 +110,7 @@ TEST_CASE("Shift turns the wheel from zooming to pushing the tool", "[input]") {
   CHECK(motion.push_tool_notches == -2);
 }
 
-TEST_CASE("Each key has its action; Escape closes the help before it quits", "[input]") {
+TEST_CASE("Each key has its action - Escape closes the help before it quits", "[input]") {
   const auto asked = [](int code, bool with_ctrl = false, bool help = false) {
     Input input;
     input.ctrl = with_ctrl;
@@ -166,7 +166,8 @@ TEST_CASE("Presses between two pictures are counted: what switches twice stays, 
 }
 
 TEST_CASE(
-    "On the skin a drag leads the probe, and its wheel presses; beside it and with the middle button it turns the view",
+    "On the skin a drag leads the probe, and its wheel presses - beside it and with the middle button it turns the "
+    "view",
     "[input]") {
   Controls controls;
   Input input = moved(3, 5);

@@ -68,7 +68,7 @@ TEST_CASE("Dragged in the view's plane, the tip stays under the pointer, and get
   CHECK(after.z() == Approx(before.z()).epsilon(1e-9));  // neither nearer nor further
 }
 
-TEST_CASE("Held keys are a velocity, the same however seldom a picture comes; let go, it is none", "[tool_hand]") {
+TEST_CASE("Held keys are a velocity, the same however seldom a picture comes - let go, it is none", "[tool_hand]") {
   const Model model = organ();
   for (const double seconds : {0.016, 0.5}) {
     ToolHand hand(model);

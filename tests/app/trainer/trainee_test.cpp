@@ -98,7 +98,7 @@ TEST_CASE("A trainee by rule finds a lump of the first level, and a replay has t
   CHECK(scored(model, again, played.marks) == scored(model, played, played.marks));
 }
 
-TEST_CASE("A lump of the first level is felt as clearly stiffer; a small deep one is not", "[trainer]") {
+TEST_CASE("A lump of the first level is felt as clearly stiffer - a small deep one is not", "[trainer]") {
   const std::vector<LumpFeel> feels = feelLumps(bodyOf(blockWithLump()), depth);
   REQUIRE(feels.size() == 1);
   CHECK(feels[0].ratio() > least_feel);

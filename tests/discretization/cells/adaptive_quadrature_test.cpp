@@ -190,7 +190,7 @@ TEST_CASE("A generous accuracy leaves the plain rule, bit for bit", "[quadrature
   }
 }
 
-TEST_CASE("A component that vanishes asks for nothing; each of the others counts by itself", "[quadrature]") {
+TEST_CASE("A component that vanishes asks for nothing - each of the others counts by itself", "[quadrature]") {
   const Grid grid(2);
   const auto flat = [](const Vec3& x) { return Vec3(1e6, 0, (x[0] - 0.5) * 0); };
   CHECK(makeAdaptivePoints(grid.X, grid.cells, grid.volume, AdaptiveOptions{1e-6, 4, 8, 3}, flat).divided_cells == 0);

@@ -92,7 +92,7 @@ TEST_CASE("What a rattle shows is believed up to a bound, and forgotten", "[devi
   CHECK(watch.see(way, answer, 1e4, tick_s) == 0);
 }
 
-TEST_CASE("In air the tool is where the device is; without a device it stays", "[device]") {
+TEST_CASE("In air the tool is where the device is - without a device it stays", "[device]") {
   const Model model = smallModel();
   CoupledTool tool(model);
   State state;

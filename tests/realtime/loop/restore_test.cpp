@@ -50,7 +50,7 @@ RunSummary replayOf(const Live& live, const Model& model) {
 
 }  // namespace
 
-TEST_CASE("A lost solution goes back to a good one, at rest, and the tool comes gently; a recording repeats it",
+TEST_CASE("A lost solution goes back to a good one, at rest, and the tool comes gently - a recording repeats it",
           "[restore]") {
   Model model = restoredBlock();
   model.max_increment = 0.3 * model.dt;  // m: a blow-up is what goes faster than 0.3 m/s, as under a quick poke
@@ -79,7 +79,7 @@ TEST_CASE("A lost solution goes back to a good one, at rest, and the tool comes 
   CHECK(again.largest_yield == live.summary.largest_yield);
 }
 
-TEST_CASE("Undo goes back half a second or more, again and again; a recording repeats it", "[restore]") {
+TEST_CASE("Undo goes back half a second or more, again and again - a recording repeats it", "[restore]") {
   const Model& model = restoredBlock();
   TissuePhysics physics(model, 1);
   std::vector<Pose> way;  // of the tool, by physics tick
@@ -149,7 +149,7 @@ TEST_CASE("In a pause, the picture after an undo or a reset has the force of its
   });
 }
 
-TEST_CASE("Undo with nothing kept changes nothing and says so; while a track lasts it is not the viewer's",
+TEST_CASE("Undo with nothing kept changes nothing and says so - while a track lasts it is not the viewer's",
           "[restore]") {
   const Model model = smallModel();
   for (const bool tracked : {false, true}) {

@@ -89,7 +89,7 @@ TEST_CASE("Where nothing held is near, the tool goes all of its way, to the bit"
     CHECK(support.stop(at(0, 0, -0.0095), way) == way);
 }
 
-TEST_CASE("Only what no boundary moves and no component frees is rigid; held nodes inside are, too",
+TEST_CASE("Only what no boundary moves and no component frees is rigid - held nodes inside are, too",
           "[rigid_support]") {
   CHECK(RigidSupport(slab(true)).empty());
   Model sliding = slab();

@@ -58,7 +58,7 @@ TEST_CASE("Where nothing is doubted the tool is the hand, bit for bit", "[tool_p
   CHECK(proxy.yieldAfter({}, {}, {}) == 0);
 }
 
-TEST_CASE("Where the skin is drawn out, a tool draws it no further; back and aside it is free", "[tool_proxy]") {
+TEST_CASE("Where the skin is drawn out, a tool draws it no further - back and aside it is free", "[tool_proxy]") {
   Model model = toolModel();
   model.skin.begin = {0, 1, 2};  // each vertex moves with a node of its own
   model.skin.node = {0, 1};
@@ -97,7 +97,7 @@ TEST_CASE("Where the skin is drawn out, a tool draws it no further; back and asi
   CHECK(moved(0, -step).norm() < 1e-12);
 }
 
-TEST_CASE("Each limit slows the advance and stops it; the gravest counts", "[tool_proxy]") {
+TEST_CASE("Each limit slows the advance and stops it - the gravest counts", "[tool_proxy]") {
   const Model model = toolModel();
   const ToolProxy proxy(model);
   State state;

@@ -71,7 +71,7 @@ TEST_CASE("A blow-up is a loss at once, and it is said how far the node went", "
   CHECK(logText(event).find("moved 250 mm in one step") != std::string::npos);
 }
 
-TEST_CASE("A few inverted points warn once; a lasting flood is a loss; a huge one at once", "[watchdog]") {
+TEST_CASE("A few inverted points warn once - a lasting flood is a loss - a huge one at once", "[watchdog]") {
   const Model model = manyPoints();  // 1000 points: flood 20, at once 200
   const WatchdogLimits limits;
   LogRing log(64);
@@ -119,7 +119,7 @@ TEST_CASE("A full log does not keep the watchdog from its verdict", "[watchdog]"
   CHECK(watchdog.judge(report, 0, log) == Verdict::Restore);
 }
 
-TEST_CASE("Three losses within a second are restored from, the fourth freezes; slower ones never do", "[watchdog]") {
+TEST_CASE("Three losses within a second are restored from, the fourth freezes - slower ones never do", "[watchdog]") {
   const Model model = manyPoints();  // 500 ticks a second
   StepReport lost;
   lost.flags = kBlowUp;

@@ -156,7 +156,7 @@ TEST_CASE("Pauses count neither as ticks nor as wall time nor as missed deadline
   CHECK((body.begins.back() - start) % (2 * kMs) == 0);
 }
 
-TEST_CASE("The live realtime factor starts afresh after a pause; the recent one looks back a second",
+TEST_CASE("The live realtime factor starts afresh after a pause - the recent one looks back a second",
           "[fixed_step_loop]") {
   FakeClock clock;
   FakeBody body(clock, 2000);

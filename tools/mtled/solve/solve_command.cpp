@@ -23,6 +23,7 @@
 #include "mtled/solve/solve_results.h"
 #include "mtled/solve/solve_tools.h"
 #include "scene/scene_messages.h"
+#include "setup/free_axes.h"
 #include "step/resolution.h"
 #include "step/tool_bodies.h"
 
@@ -249,6 +250,7 @@ int solveCommand(const SolveOptions& options) {
     model = std::make_unique<Model>(loadModel(scene, show, cache, warn, at_end));
   }
   const int cores = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  if (const std::string loose = looseWarning(*model); !loose.empty()) warn(loose);
   if (const std::string layer = layerWarning(*model); !layer.empty()) warn(layer);
   if (const std::string coarse = resolutionWarning(*model); moved.moved() && !coarse.empty()) warn(coarse);
   SolveResults results(*model, options.out.empty() ? usualFolder(options, file) : options.out, end,
