@@ -80,8 +80,7 @@ std::vector<T> verticesOf(std::vector<T> of_nodes, const std::vector<int>& side_
 ShapeTable vertexShape(const ShapeTable& node_shape, const std::vector<int>& side_node);
 
 /// Whether all sizes agree, all indices are in range, and all numbers are finite (masses, radii and the step
-/// positive): what the
-/// rest of the set-up relies on, and what a file that was kept must be held to.
+/// positive): what the rest of the set-up relies on, and what a file that was kept must be held to.
 /// Test: io/model_cache_test.cpp
 bool isSound(const Preparation& preparation, std::size_t material_count, std::size_t boundary_count);
 

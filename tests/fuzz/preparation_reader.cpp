@@ -48,6 +48,8 @@ Preparation tetrahedron() {
   setRows(p.node_shape, p.skin);
   p.skin.surface = {p.X, {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}}};
   p.essential.nodes = {{0, {0, 0, 0}}};
+  p.end_node = {4};
+  p.end_point = {1};
   p.limit = {1e-3, 5e-4, 0, 1};
   p.surface_volume = p.cell_volume = 1.0 / 6;
   return p;
@@ -64,7 +66,7 @@ void forge(std::vector<T>& array, const Forgery& forgery) {
 }
 
 void forge(Preparation& p, const Forgery& forgery) {
-  switch (forgery.array % 17) {
+  switch (forgery.array % 19) {
     case 0:
       return forge(p.cells, forgery);
     case 1:
@@ -97,6 +99,10 @@ void forge(Preparation& p, const Forgery& forgery) {
       return forge(p.own_mass, forgery);
     case 15:
       return forge(p.cloud.X, forgery);
+    case 16:
+      return forge(p.end_node, forgery);
+    case 17:
+      return forge(p.end_point, forgery);
     default:
       return forge(p.cloud.coarsest, forgery);
   }
