@@ -17,7 +17,7 @@ void ForceHistory::clear() {
   samples_ = doubted_ = 0;
 }
 
-void ForceHistory::add(const ForceSample& sample) {
+void ForceHistory::add(const ForceSample& sample, const ToolReadings& readings) {
   if (sample.time_s < last_time_) clear();
   if (sample.time_s == last_time_) return;  // the same tick, drawn twice
   last_time_ = sample.time_s;
@@ -31,7 +31,12 @@ void ForceHistory::add(const ForceSample& sample) {
   filtered_depth_.push_back({depth, static_cast<float>(filtered)});
   peak_raw_ = std::max(peak_raw_, raw);
   peak_filtered_ = std::max(peak_filtered_, filtered);
-  trust_.add(sample.doubt, sample.expected_error, sample.error_force, sample.time_s);
+  const bool several = readings.count > 1;
+  for (int k = 0; several && k < static_cast<int>(readings.count); ++k) {
+    const ToolReading& tool = readings.tool[static_cast<std::size_t>(k)];
+    trust_.add(Doubt::None, tool.expected_error, tool.error_force, sample.time_s, k);
+  }
+  trust_.add(sample.doubt, several ? 0 : sample.expected_error, several ? 0 : sample.error_force, sample.time_s);
   ++samples_;
   doubted_ += sample.doubt != Doubt::None ? 1 : 0;
 

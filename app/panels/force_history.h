@@ -17,7 +17,8 @@ class ForceHistory {
   explicit ForceHistory(double seconds) : seconds_(seconds) {}
 
   /// Appends a sample. One that is older than the last begins a new history (after a reset).
-  void add(const ForceSample& sample);
+  /// @param readings  of that tick, where the scene has several tools
+  void add(const ForceSample& sample, const ToolReadings& readings = {});
   void clear();
 
   double seconds() const { return seconds_; }

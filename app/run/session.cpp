@@ -426,7 +426,7 @@ void Session::takeForces(std::int64_t until_tick) {
     const ForceSample& sample = *next;
     ToolReadings readings;
     if (model_.tools.several()) loop_->tools().pop(readings);
-    if (sample.tick > latest_->status.reset_tick) forces_.add(sample);
+    if (sample.tick > latest_->status.reset_tick) forces_.add(sample, readings);
     if (searching()) felt_.push_back(sample);
     if (results_) results_->addForce(sample, readings);
     if (!options_.soak_minutes && !options_.offscreen) {  // else nobody is there to look at them

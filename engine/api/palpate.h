@@ -146,6 +146,7 @@ typedef struct palpate_tool_state {
   double torque[3];      /* N m, on the tool about its tip */
   double opening;        /* m, of jaws: the gap between their fingers; else 0 */
   double pinch;          /* N, of jaws: mean of what presses the two fingers apart; else 0 */
+  double expected_error; /* of this tool's force, as palpate_state's, which is the worst tool's; 1: not known yet */
 } palpate_tool_state;
 
 /* ---- Library ---- */
@@ -355,8 +356,9 @@ PALPATE_API int32_t palpate_stresses(const palpate_simulation* simulation, const
 /* (control) Coulomb coefficient between tool and tissue, 0 to 2, from the next tick on. */
 PALPATE_API int32_t palpate_set_friction(palpate_simulation* simulation, double coefficient);
 
-/* (control) Parameters of a material, from the next tick on; those not named stay. PALPATE_REFUSED where it is stiffer
- * than the time step is stable for.
+/* (control) Parameters of a material, from the next tick on; those not named stay. What is made for the materials as
+ * they were loaded (contact's layer, node patches) stays, too: far from them forces are some per cent off those of a
+ * scene that has such materials. PALPATE_REFUSED: another density, or stiffer than the time step is stable for.
  * @param material  0 to material_count - 1, in the scene's order */
 PALPATE_API int32_t palpate_set_material(palpate_simulation* simulation, int32_t material,
                                          const palpate_parameter* parameters, int32_t parameter_count,

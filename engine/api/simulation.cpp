@@ -251,6 +251,10 @@ int32_t palpate_set_material(palpate_simulation* simulation, int32_t material, c
     Material wanted = present;
     for (int k = 0; k < parameter_count; ++k) setParameter(wanted, parameters[k]);
     checkMaterial(wanted);
+    if (wanted.density != present.density)
+      throw Refusal(PALPATE_REFUSED,
+                    "density can't be changed live, as the nodes' masses are made of it; load a scene "
+                    "that has it");
     wanted.updateModuli();
     if (const double excess = simulation->physics.excessOf(material, wanted); excess > 0)
       throw Refusal(PALPATE_REFUSED, "the material is " + std::to_string(excess) +

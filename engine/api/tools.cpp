@@ -49,6 +49,7 @@ int32_t palpate_read_tool(const palpate_simulation* simulation, int32_t tool, pa
   std::copy(t.force.begin(), t.force.end(), out.force);
   std::copy(t.torque.begin(), t.torque.end(), out.torque);
   out.pinch = t.pinch;
+  out.expected_error = t.expected_error;
   return fill(state, out);
 }
 

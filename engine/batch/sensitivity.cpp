@@ -323,8 +323,12 @@ Vec3 EquilibriumSensitivity::toolForce() const {
 }
 
 double EquilibriumSensitivity::expectedError() {
-  return palpate::expectedError(model_, modelMaterials(), u_, body_.forces(u_, f_plus_).strain_energy,
-                                toolForce().norm(), tool_ ? &*tool_ : nullptr);
+  ToolLoads loads;
+  loads[0].force = toolForce();
+  ToolPosture tip;
+  if (tool_) tip.pose = *tool_;
+  return palpate::expectedError(model_, modelMaterials(), u_, body_.forces(u_, f_plus_).strain_energy, PressList(loads),
+                                {&tip, tool_ ? 1U : 0U});
 }
 
 void EquilibriumSensitivity::check(const MaterialNumber& number) const { parameterOf(scene_, of_scene_, number); }

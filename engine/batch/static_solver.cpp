@@ -203,7 +203,8 @@ Equilibrium StaticSolver::advanceTo(double time, const ToolsAt& wanted, const Wa
     if (outcome != Outcome::BlownUp) {
       equilibrium.converged = outcome == Outcome::Converged;
       equilibrium.expected_error = expectedError(model_, model_.materials, body_.u, equilibrium.strain_energy,
-                                                 equilibrium.tool_force.norm(), &tools.posture[0].pose);
+                                                 PressList(equilibrium.loads), tools.posture, before_);
+      if (equilibrium.tool_force.isZero(0)) before_ = equilibrium.strain_energy;
       if (equilibrium.expected_error > TrustLimits::expected_error)
         equilibrium.doubt = std::max(equilibrium.doubt, Doubt::Resolution);
       equilibrium.doubt = std::max(equilibrium.doubt, body_.measureDepth(time, equilibrium.rigid));

@@ -82,6 +82,7 @@ class StaticSolver {
   double time_ = 0;
   double size_ = 0;            // m, of the body
   double largest_so_far_ = 0;  // m, displacement parameter
+  double before_ = -1;         // J, strain energy when nothing touched last; < 0: not known
   double caution_ = 1;         // extra share of the stable step after a blow-up
   AlignedVector<Double4> u_reference_, f_reference_, probe_u_, probe_f_;
 };

@@ -61,12 +61,13 @@ struct ToolSet {
 
 /// What the tissue does to a tool.
 struct ToolLoad {
-  Vec3 force = Vec3::Zero();   // N, on the tool; jaws: both fingers'
-  Vec3 torque = Vec3::Zero();  // N m, about its tip; of a whole tick only
-  double pinch = 0;            // N, jaws: mean of what presses the two fingers apart
-  int contact_count = 0;       // points of the skin that carry force
-  int near_count = 0;          // skin vertices that it may reach in the tick; of a whole tick only
-  bool stopped = false;        // it stands before a rigid body; likewise
+  Vec3 force = Vec3::Zero();                   // N, on the tool; jaws: both fingers'
+  Vec3 torque = Vec3::Zero();                  // N m, about its tip; of a whole tick only
+  double pinch = 0;                            // N, jaws: mean of what presses the two fingers apart
+  int contact_count = 0;                       // points of the skin that carry force
+  int near_count = 0;                          // skin vertices that it may reach in the tick; of a whole tick only
+  bool stopped = false;                        // it stands before a rigid body; likewise
+  double expected_error = 0, error_force = 0;  // as StepReport's, of this tool's force; likewise
 };
 using ToolLoads = std::array<ToolLoad, max_tools>;
 

@@ -102,13 +102,15 @@ Discretization discretizeOnSurface(const Scene& scene, const SurfaceTree& organ,
   constexpr double of_nodes = 0.7;
   d.cloud = makeNodeCloud(organ, spacingField(scene), scene.discretization.seed, rimsOf(scene, organ),
                           [&](double share) { progress(of_nodes * share); });
-  if (hasSharpInterfaces(scene)) putOnInterfaces(scene, organ, spacingField(scene), d.cloud);
+  if (hasBorders(scene)) putOnInterfaces(scene, organ, spacingField(scene), d.cloud);
   progress(of_nodes);
   d.cells = makeBackgroundCells(d.cloud, organ);
   constexpr int rounds = 4;  // most holes are closed by the first
-  for (int k = 0; k < rounds && hasSharpInterfaces(scene); ++k) {
-    if (closeInterfaces(scene, organ, spacingField(scene), d.cells.cells, d.cloud) == 0) break;
+  for (int k = 0; k < rounds && hasBorders(scene); ++k) {
+    const Mended mended = closeInterfaces(scene, organ, spacingField(scene), d.cells.cells, d.cloud);
+    if (mended.of_materials + mended.of_imposed == 0) break;
     d.cells = makeBackgroundCells(d.cloud, organ);
+    if (mended.of_materials == 0) break;  // of the few that are left none is pierced by much
   }
   progress(0.95);
   return d;

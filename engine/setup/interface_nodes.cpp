@@ -27,19 +27,80 @@ struct Freedom {
   Mat3 axes = Mat3::Identity();
 };
 
+/// Nodes are imposed in it also inside of the organ, and it is no smaller than what lies between nodes: it ends at a
+/// border there. Shells go along the surface.
+bool endsInside(const Scene& scene, const BoundarySpec& spec) {
+  constexpr double least_radius = 0.5, least_distance = 0.1;  // spacings
+  const Region& region = spec.region;
+  const double h = scene.discretization.spacing;
+  switch (region.kind) {
+    case Region::Kind::Shell:
+    case Region::Kind::Point:
+      return false;
+    case Region::Kind::NearPlane:
+      return !spec.surface_only && region.distance > least_distance * h;
+    case Region::Kind::Sphere:
+    case Region::Kind::Cylinder:
+      return !spec.surface_only && region.radius > least_radius * h;
+    default:
+      return !spec.surface_only;
+  }
+}
+
+/// What a place is of, as a number: its material, and the regions that impose displacements there.
+class Parts {
+ public:
+  Parts(const Scene& scene, const SurfaceTree& organ, bool with_regions)
+      : scene_(scene), organ_(organ), materials_(hasSharpInterfaces(scene) || !with_regions) {
+    for (const BoundarySpec& spec : scene.boundaries)
+      if (with_regions && endsInside(scene, spec)) regions_.push_back(&spec.region);
+  }
+
+  int at(const Vec3& X) const {
+    int regions = 0;
+    for (std::size_t k = 0; k < regions_.size(); ++k)
+      if (contains(*regions_[k], X, organ_)) regions |= 1 << (k % most_regions);
+    return regions * static_cast<int>(scene_.materials.size()) + (materials_ ? materialAt(scene_, X, organ_) : 0);
+  }
+  bool isImposed(int part) const { return part >= static_cast<int>(scene_.materials.size()); }
+
+ private:
+  static constexpr std::size_t most_regions = 16;  // that are told from each other
+
+  const Scene& scene_;
+  const SurfaceTree& organ_;
+  bool materials_;
+  std::vector<const Region*> regions_;
+};
+
 /// Moves nodes of one cloud.
 class Mover {
  public:
-  Mover(const Scene& scene, const SurfaceTree& organ) : scene_(scene), organ_(organ) {
-    edges_ = findFeatureEdges(organ.surface());
+  Mover(const Scene& scene, const SurfaceTree& organ, bool with_regions = true)
+      : parts_(scene, organ, with_regions), organ_(organ), edges_(findFeatureEdges(organ.surface())) {}
+
+  int partAt(const Vec3& X) const { return parts_.at(X); }
+  bool isImposed(int part) const { return parts_.isImposed(part); }
+
+  /// The first of some places, further and further into what is imposed, that is on the surface, if it should be, and
+  /// imposed still; the last where none is.
+  template <class PlaceAt>
+  Vec3 imposedPlace(bool on_surface, PlaceAt placeAt) const {
+    Vec3 to = Vec3::Zero();
+    for (const double further : {0.0, 2e-3, 1e-2, 3e-2, 0.1}) {
+      to = placeAt(further);
+      if (on_surface) to = organ_.closest(to).point;
+      if (isImposed(partAt(to))) break;
+    }
+    return to;
   }
 
   /// Whether another material is next to X.
   bool isOnBorder(const Vec3& X, double h) const {
-    const int own = materialAt(scene_, X, organ_);
+    const int own = partAt(X);
     for (int code = 0; code < 27; ++code) {
       const Vec3 sign(code % 3 - 1, code / 3 % 3 - 1, code / 9 - 1);
-      if (!sign.isZero(0) && materialAt(scene_, X + on_edge_of * h * sign, organ_) != own) return true;
+      if (!sign.isZero(0) && partAt(X + on_edge_of * h * sign) != own) return true;
     }
     return false;
   }
@@ -47,7 +108,7 @@ class Mover {
   /// How far along n the border of material `own` lies from X, or against it where X is of another; 0 where it is not
   /// found within `range`; m.
   double heightOfBorder(const Vec3& X, const Vec3& n, int own, double range) const {
-    const int here = materialAt(scene_, X, organ_);
+    const int here = partAt(X);
     const double way = here == own ? wayAcross(X, n, own, range) : wayTo(X, -n, own, range);
     return way < 0 ? 0 : here == own ? way : -way;
   }
@@ -72,12 +133,12 @@ class Mover {
   std::optional<Vec3> crossing(const Vec3& a, const Vec3& b) const {
     constexpr double looks[] = {0.08, 0.36, 0.64, 0.92};  // of the way: a layer that it crosses takes up a third of it
     for (std::size_t k = 1; k < std::size(looks); ++k) {
-      const int own = materialAt(scene_, a + looks[k - 1] * (b - a), organ_);
-      if (materialAt(scene_, a + looks[k] * (b - a), organ_) == own) continue;
+      const int own = partAt(a + looks[k - 1] * (b - a));
+      if (partAt(a + looks[k] * (b - a)) == own) continue;
       double low = looks[k - 1], high = looks[k];
       for (int n = 0; n < bisections; ++n) {
         const double middle = (low + high) / 2;
-        (materialAt(scene_, a + middle * (b - a), organ_) == own ? low : high) = middle;
+        (partAt(a + middle * (b - a)) == own ? low : high) = middle;
       }
       const Vec3 at = a + high * (b - a);
       const double h = (b - a).norm();
@@ -90,7 +151,7 @@ class Mover {
   Vec3 onBorder(const Vec3& X, bool on_surface, double h) const {
     const Freedom freedom = on_surface ? ofSurface(X, h) : Freedom{};
     if (freedom.free == 0) return X;
-    const int own = materialAt(scene_, X, organ_);
+    const int own = partAt(X);
     // Distances to the border along many directions; of a plane border they give its normal.
     Mat3 A = Mat3::Zero();
     Vec3 b = Vec3::Zero(), best = Vec3::Zero();
@@ -113,6 +174,15 @@ class Mover {
       if (t >= 0 && t < nearest) nearest = t, best = normal.normalized();
     }
     if (nearest > reach * h) return X;
+    const bool leaves = isImposed(own), enters = !leaves && isImposed(partAt(X + nearest * past * best));
+    if (leaves && nearest < on_edge_of * h) return X;  // it is there
+    if (leaves || enters) {
+      const double side = leaves ? -1 : 1;  // of the border, to be on
+      const Vec3 to = imposedPlace(
+          on_surface, [&](double further) { return Vec3(X + nearest * (1 + side * (past - 1 + further)) * best); });
+      if (!isImposed(partAt(to)) || (on_surface && !staysOnEdge(X, to, h))) return X;
+      return on_surface || organ_.signedDistance(to) <= -closest_approach * h ? to : X;
+    }
     const Vec3 moved = X + nearest * past * best;
     if (on_surface) return back(moved, freedom);
     return organ_.signedDistance(moved) <= -closest_approach * h ? moved : X;
@@ -134,10 +204,10 @@ class Mover {
     constexpr int looks = 3;
     for (int k = 1; k <= looks; ++k) {
       double low = range * (k - 1) / looks, high = range * k / looks;
-      if (!wanted(materialAt(scene_, X + high * d, organ_))) continue;
+      if (!wanted(partAt(X + high * d))) continue;
       for (int n = 0; n < bisections; ++n) {
         const double middle = (low + high) / 2;
-        (wanted(materialAt(scene_, X + middle * d, organ_)) ? high : low) = middle;
+        (wanted(partAt(X + middle * d)) ? high : low) = middle;
       }
       return high;
     }
@@ -185,7 +255,7 @@ class Mover {
     return organ_.closest(X).point;
   }
 
-  const Scene& scene_;
+  Parts parts_;
   const SurfaceTree& organ_;
   FeatureEdges edges_;
 };
@@ -197,8 +267,14 @@ bool hasSharpInterfaces(const Scene& scene) {
          scene.discretization.formulation.consistent_gradients;
 }
 
+bool hasBorders(const Scene& scene) {
+  const Formulation& formulation = scene.discretization.formulation;
+  const bool imposes = std::any_of(scene.boundaries.begin(), scene.boundaries.end(),
+                                   [&](const BoundarySpec& spec) { return endsInside(scene, spec); });
+  return hasSharpInterfaces(scene) || (imposes && formulation.sharp_interfaces && formulation.consistent_gradients);
+}
+
 int putOnInterfaces(const Scene& scene, const SurfaceTree& organ, const SpacingField& spacing, NodeCloud& cloud) {
-  if (scene.materials.size() < 2) return 0;
   const Mover mover(scene, organ);
   struct Move {
     double way;  // spacings
@@ -236,17 +312,19 @@ int putOnInterfaces(const Scene& scene, const SurfaceTree& organ, const SpacingF
   return moved;
 }
 
-int closeInterfaces(const Scene& scene, const SurfaceTree& organ, const SpacingField& spacing,
-                    const std::vector<std::array<int, 4>>& cells, NodeCloud& cloud) {
+Mended closeInterfaces(const Scene& scene, const SurfaceTree& organ, const SpacingField& spacing,
+                       const std::vector<std::array<int, 4>>& cells, NodeCloud& cloud) {
   constexpr double free = 0.45;  // spacings: nearer nodes move instead of a new one, if they may
-  constexpr double least = 0.3;  // spacings: no new one is nearer to one that may not, or to the surface
+  // Spacings: no new one is nearer to one that may not, or to the surface; at the border of what is imposed.
+  constexpr double least_of_materials = 0.3, least_of_imposed = 0.45;
+  constexpr double there = 0.1;  // spacings: a node of the surface may lie a little within what is imposed
   const Mover mover(scene, organ);
-  std::vector<int> material(cloud.X.size());
+  std::vector<int> part(cloud.X.size());
   std::vector<std::uint8_t> on_border(cloud.X.size());
   SiteGrid grid(boundingBox(organ.surface()), std::sqrt(spacing.smallest() * spacing.largest()));
   for (std::size_t i = 0; i < cloud.X.size(); ++i) {
     const double h = spacing.at(cloud.X[i]);
-    material[i] = materialAt(scene, cloud.X[i], organ);
+    part[i] = mover.partAt(cloud.X[i]);
     on_border[i] = mover.isOnBorder(cloud.X[i], h);
     grid.add({cloud.X[i], Vec3::Zero(), h});
   }
@@ -254,21 +332,30 @@ int closeInterfaces(const Scene& scene, const SurfaceTree& organ, const SpacingF
   for (const auto& cell : cells)
     for (const int i : cell)
       for (const int j : cell)
-        if (i < j && (material[i] != material[j] || on_border[i] || on_border[j])) edges.insert({i, j});
-  int mended = 0;
+        if (i < j && (part[i] != part[j] || on_border[i] || on_border[j])) edges.insert({i, j});
+  Mended mended;
   for (const auto& [i, j] : edges) {
     const std::optional<Vec3> crossing = mover.crossing(cloud.X[i], cloud.X[j]);
     if (!crossing) continue;
     const double h = spacing.at(*crossing);
+    const bool of_imposed = mover.isImposed(part[i]) != mover.isImposed(part[j]);
+    const double least = of_imposed ? least_of_imposed : least_of_materials;
     const bool on_surface =
         (cloud.on_surface[i] != 0 && cloud.on_surface[j] != 0) || organ.signedDistance(*crossing) > -least * h;
-    const Vec3 at = on_surface ? organ.closest(*crossing).point : *crossing;
+    const Vec3& imposed = cloud.X[mover.isImposed(part[i]) ? i : j];
+    const Vec3 at =
+        of_imposed ? mover.imposedPlace(
+                         on_surface, [&](double further) { return Vec3(*crossing + further * (imposed - *crossing)); })
+        : on_surface ? organ.closest(*crossing).point
+                     : *crossing;
+    if (of_imposed && (at - *crossing).norm() > there * h) continue;  // the surface's own nodes have to do
     int nearest = -1;
     double distance = free * h;
     grid.forEachWithin(at, (free + reach) * h, [&](int k, const Site&) {
       if (const double d = (cloud.X[k] - at).norm(); d < distance) distance = d, nearest = k;
       return true;
     });
+    if (of_imposed && nearest >= 0 && distance < there * h) continue;
     if (nearest >= 0 && !on_border[nearest] && (cloud.on_surface[nearest] != 0) == on_surface &&
         (!on_surface || mover.staysOnEdge(cloud.X[nearest], at, h))) {
       cloud.X[nearest] = at;
@@ -281,7 +368,7 @@ int closeInterfaces(const Scene& scene, const SurfaceTree& organ, const SpacingF
     } else {
       continue;
     }
-    ++mended;
+    ++(of_imposed ? mended.of_imposed : mended.of_materials);
   }
   return mended;
 }
@@ -291,7 +378,7 @@ void fitInterfaces(const Scene& scene, const SurfaceTree& organ, NodeCloud& clou
   constexpr double flat_gap = 1e-4;   // of a facet's edge: nodes were put on the border less exactly than that
   constexpr double farthest = 0.25;   // of a facet's edge, of a node's way
   constexpr double min_volume = 0.2;  // of a cell's first volume
-  const Mover mover(scene, organ);
+  const Mover mover(scene, organ, false);
   std::vector<int> material;
   for (const Vec3& middle : centroids(cloud.X, cells.cells)) material.push_back(materialAt(scene, middle, organ));
   struct Facet {

@@ -21,17 +21,41 @@ Doubt doubtOf(const Model& model, const StepReport& report) {
       (report.min_J < TrustLimits::crumpled_J || report.pressure_over_shear > max_pressure ||
        report.cell_pressure_over_shear > TrustLimits::pressure_with_cells))
     return Doubt::Volume;
-  return report.expected_error > TrustLimits::expected_error ? Doubt::Resolution : Doubt::None;
+  return doubtOfError(report.expected_error);
 }
 
-void RunTrust::add(Doubt doubt, double expected_error, double force, double time) {
+Doubt doubtOfError(double expected_error) {
+  return expected_error > TrustLimits::expected_error ? Doubt::Resolution : Doubt::None;
+}
+
+void RunTrust::note(double expected_error, double force, int tool) {
   unknown_ = unknown_ || (expected_error > 0 && force == 0);
-  largest_force_ = std::max(largest_force_, force);
-  largest_error_ = std::max(largest_error_, expected_error * force);
+  Force& of = force_[tool < 0 ? max_tools : static_cast<std::size_t>(tool)];
+  of.largest = std::max(of.largest, force);
+  of.error = std::max(of.error, expected_error * force);
+}
+
+void RunTrust::add(Doubt doubt, double expected_error, double force, double time, int tool) {
+  note(expected_error, force, tool);
   if (doubt == Doubt::None) return;
   double& first = doubt == Doubt::Resolution ? first_unresolved_ : first_;
   if (first < 0) first = time;
   if (doubt != Doubt::Resolution) gravest_ = std::max(gravest_, doubt);
+}
+
+void RunTrust::add(Doubt doubt, const StepReport& report, double time) {
+  for (std::size_t t = 0; t < report.loads.size(); ++t)
+    if (report.loads[t].expected_error > 0)
+      note(report.loads[t].expected_error, report.loads[t].error_force, static_cast<int>(t));
+  add(doubt, report.expected_error, report.error_force, time, report.error_tool);
+}
+
+double RunTrust::expectedError() const {
+  double largest = 0, worst = 0;
+  for (const Force& of : force_) largest = std::max(largest, of.largest);
+  for (std::size_t t = 0; t < max_tools; ++t)
+    if (force_[t].largest > 0) worst = std::max(worst, force_[t].error / force_[t].largest);
+  return largest > 0 ? std::max(worst, force_[max_tools].error / largest) : unknown_ ? 1 : 0;
 }
 
 const char* doubtText(Doubt doubt) {

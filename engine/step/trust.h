@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <string_view>
 
 #include "mechanics/internal_forces.h"
@@ -47,25 +48,37 @@ const char* doubtName(Doubt doubt);
 /// The doubt with that name; None where there is none.
 Doubt doubtNamed(std::string_view name);
 
+/// Resolution, where an error is beyond TrustLimits.
+Doubt doubtOfError(double expected_error);
+
 /// What a run's or a solution's rows are worth together: the gravest of their doubts, but that of Resolution by the
-/// largest error in N over the largest force. First touch is never resolved, and matters little for what a press finds.
+/// largest error in N over the largest force, of the tool that is worst off. First touch is never resolved, and matters
+/// little for what a press finds.
 class RunTrust {
  public:
   /// @param expected_error, force  as StepReport::expected_error and error_force
-  void add(Doubt doubt, double expected_error, double force, double time);
+  /// @param tool                   whose force that is; -1: what holds the body
+  void add(Doubt doubt, double expected_error, double force, double time, int tool = 0);
+
+  /// The same of a tick, for all its tools.
+  void add(Doubt doubt, const StepReport& report, double time);
 
   Doubt doubt() const { return gravest_ != Doubt::None || !unresolved() ? gravest_ : Doubt::Resolution; }
   /// s, of the first row with a doubt that counts; < 0: none
   double firstTime() const { return gravest_ != Doubt::None ? first_ : unresolved() ? first_unresolved_ : -1; }
   /// Of the largest force; 1: something was touched, and never long enough for an estimate.
-  double expectedError() const { return largest_force_ > 0 ? largest_error_ / largest_force_ : unknown_ ? 1 : 0; }
+  double expectedError() const;
 
  private:
+  struct Force {
+    double error = 0, largest = 0;  // N
+  };
+  void note(double expected_error, double force, int tool);
   bool unresolved() const { return expectedError() > TrustLimits::expected_error; }
 
   Doubt gravest_ = Doubt::None;
-  double first_ = -1, first_unresolved_ = -1;     // s
-  double largest_error_ = 0, largest_force_ = 0;  // N
+  double first_ = -1, first_unresolved_ = -1;    // s
+  std::array<Force, max_tools + 1> force_ = {};  // of the tools, and of what holds the body
   bool unknown_ = false;
 };
 

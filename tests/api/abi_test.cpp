@@ -30,7 +30,7 @@ TEST_CASE("The structs of palpate.h have the layout that callers were compiled w
   CHECK(sizeof(palpate_model_info) == 112);
   CHECK(sizeof(palpate_state) == 248);
   CHECK(sizeof(palpate_parameter) == 24);
-  CHECK(sizeof(palpate_tool_state) == 136);
+  CHECK(sizeof(palpate_tool_state) == 144);
   CHECK(sizeof(palpate_skin_point) == 88);
   CHECK(sizeof(palpate_quantity) == 48);
   CHECK(sizeof(palpate_material_number) == 16);
@@ -88,6 +88,7 @@ TEST_CASE("The structs of palpate.h have the layout that callers were compiled w
                                        FIELD(palpate_tool_state, torque, 96),
                                        FIELD(palpate_tool_state, opening, 120),
                                        FIELD(palpate_tool_state, pinch, 128),
+                                       FIELD(palpate_tool_state, expected_error, 136),
                                        FIELD(palpate_skin_point, size, 0),
                                        FIELD(palpate_skin_point, triangle, 4),
                                        FIELD(palpate_skin_point, distance, 8),

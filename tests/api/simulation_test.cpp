@@ -282,6 +282,7 @@ TEST_CASE("What can't be used is told with its place, and leaves the caller's pr
     CHECK_THAT(error.text, Catch::Contains(text));
   };
   refused("young", 1e9, PALPATE_REFUSED, "times too stiff");
+  refused("density", 4200, PALPATE_REFUSED, "density can't be changed live");
   refused("young", -5, PALPATE_BAD_ARGUMENT, "\"young\" must be > 0");
   refused("yuong", 5000, PALPATE_BAD_ARGUMENT, "young, poisson");
   CHECK(palpate_set_material(simulation.get(), 1, nullptr, 0, &error) == PALPATE_BAD_ARGUMENT);

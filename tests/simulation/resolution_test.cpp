@@ -73,7 +73,7 @@ TEST_CASE("A coarse block's press is doubted for its resolution, a fine one's is
     // The whole sweep at once, in double, finds the same.
     AlignedVector<Double4> u;
     for (const Float4& a : state.u) u.push_back({a.x, a.y, a.z, 0});
-    CHECK(expectedError(model, model.materials, u, report.strain_energy, report.tool_force.norm()) ==
+    CHECK(expectedError(model, model.materials, u, report.strain_energy, PressList(report.loads)) ==
           Approx(report.expected_error).epsilon(0.01));
 
     workspace.resolution.restart();
@@ -104,8 +104,8 @@ TEST_CASE("A touch narrower than the nodes are apart is expected to be as far of
     expected[fine] = report.expected_error;
     AlignedVector<Double4> u;
     for (const Float4& a : state.u) u.push_back({a.x, a.y, a.z, 0});
-    CHECK(expectedError(model, model.materials, u, report.strain_energy, force[fine], &state.tool[0].pose) ==
-          Approx(expected[fine]).epsilon(0.1));
+    CHECK(expectedError(model, model.materials, u, report.strain_energy, PressList(report.loads),
+                        {state.tool.begin(), state.tool.end()}) == Approx(expected[fine]).epsilon(0.1));
   }
   const double off = force[0] / force[1] - 1;
   CAPTURE(force[0], force[1], off, expected[0], expected[1]);
@@ -127,6 +127,70 @@ TEST_CASE("What is expected of a press is the same bits for any number of thread
     if (error >= 0) CHECK(found == error);
     error = found;
   }
+}
+
+namespace {
+
+/// A ball of 3 mm pressed 2 mm into a block on nodes that are too far apart for it, and held.
+/// @param beside  a ball of 10 mm presses 6 mm in, too  @param gravity  m/s^2, to the side, from before it touches on
+StepReport pressedBySmall(bool beside, double gravity, RunTrust& trust) {
+  Scene scene = test::blockScene(0.006);
+  scene.tools[0].shape.radius = 0.003;
+  scene.tools[0].position = Vec3(0.017, 0, 0.032);
+  scene.tools.push_back(scene.tools[0]);
+  scene.tools[1].shape.radius = 0.01;
+  scene.tools[1].position = Vec3(-0.015, 0, 0.032);
+  const Model model = test::blockModel(scene);
+  Workspace workspace(model, 2);
+  State state = initialState(model);
+  state.live.loads.gravity = Vec3(gravity, 0, 0);
+  Command command;
+  command.moves_others = true;
+  StepReport report;
+  for (int k = 1; k <= 900; ++k) {
+    const double way = std::clamp((k - 300) / 200.0, 0.0, 1.0);
+    for (std::size_t t = 0; t < 2; ++t) {
+      command.tools[t] = model.tools.tool[t].start;
+      command.tools[t].pose.position.z() -= (t == 0 ? 0.004 : beside ? 0.008 : 0) * way;
+    }
+    report = tick(model, state, command, workspace);
+    trust.add(doubtOf(model, report), report, k / model.scene.dynamics.rate_hz);
+  }
+  return report;
+}
+
+}  // namespace
+
+TEST_CASE("What a large tool stores, or gravity does, vouches for no small tool", "[resolution][whole]") {
+  RunTrust alone, both, heavy;
+  const StepReport small = pressedBySmall(false, 0, alone), beside = pressedBySmall(true, 0, both),
+                   sagging = pressedBySmall(false, 20, heavy);
+  CAPTURE(small.strain_energy, beside.strain_energy, sagging.strain_energy, beside.loads[1].expected_error);
+  REQUIRE(beside.strain_energy > 10 * small.strain_energy);
+  REQUIRE(sagging.strain_energy > 5 * small.strain_energy);
+  const double expected = small.loads[0].expected_error;
+  CHECK(expected > 0.1);
+  CHECK(small.expected_error == expected);
+  CHECK(beside.loads[0].expected_error > 0.5 * expected);
+  CHECK(beside.loads[0].expected_error < 2 * expected);
+  CHECK(beside.loads[1].expected_error < 0.5 * expected);  // the large one's own
+  CHECK(beside.expected_error == beside.loads[0].expected_error);
+  CHECK(beside.error_tool == 0);
+  CHECK(sagging.loads[0].expected_error > 0.4 * expected);
+  CHECK(sagging.loads[0].expected_error < 3 * expected);
+  for (const RunTrust* trust : {&alone, &both, &heavy}) CHECK(trust->doubt() == Doubt::Resolution);
+}
+
+TEST_CASE("A tool's errors are shares of its own largest force", "[resolution]") {
+  RunTrust trust;
+  trust.add(Doubt::None, 0.02, 1, 0.1, 0);
+  trust.add(Doubt::Resolution, 0.3, 0.05, 0.2, 1);
+  CHECK(trust.expectedError() == Approx(0.3));
+  trust.add(Doubt::None, 0.03, 0.6, 0.3, 1);  // that was its first touch
+  CHECK(trust.expectedError() == Approx(0.03));
+  trust.add(Doubt::Resolution, 0.4, 0.1, 0.4, -1);  // what holds a body that swings
+  CHECK(trust.expectedError() == Approx(0.04));
+  CHECK(trust.doubt() == Doubt::None);
 }
 
 TEST_CASE("A run's trust is that of its gravest row, and of its resolution at the largest force", "[resolution]") {

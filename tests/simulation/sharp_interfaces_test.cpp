@@ -7,6 +7,9 @@
 #include "batch/batch_body.h"
 #include "batch/static_solver.h"
 #include "io/load_model.h"
+#include "step/step.h"
+#include "step/workspace.h"
+#include "support/small_scene.h"
 
 using namespace palpate;
 
@@ -270,4 +273,47 @@ TEST_CASE("A core and a lump have the volume that they should, however few nodes
       CHECK(std::abs(volume / exact - 1) < 0.02);
     }
   }
+}
+
+namespace {
+
+/// N, of a ball that is pressed 3 mm into a slab that is held up to a height, m.
+double forceOnSlab(double height, double held, double& pierced) {
+  Scene scene = test::blockScene(0.004);
+  scene.organs[0].size = Vec3(0.06, 0.06, height);
+  scene.materials[0].material.set("poisson", 0.45);
+  scene.boundaries[0].region.kind = Region::Kind::HalfSpace;
+  scene.boundaries[0].region.point = Vec3(0, 0, held);
+  scene.tools[0].position.z() = height + 0.001;
+  const Model model = test::blockModel(scene);
+  int across = 0, edges = 0;
+  for (const auto& cell : model.cells)
+    for (const int i : cell)
+      for (const int j : cell) {
+        const double below = held - model.X[i].z(), above = model.X[j].z() - held;
+        if (below < -1e-8 || above < -1e-8 || below + above < 1e-8) continue;
+        ++edges;
+        across += std::min(below, above) > 0.1 * (below + above) ? 1 : 0;
+      }
+  pierced = edges > 0 ? static_cast<double>(across) / edges : 0;
+  Workspace workspace(model, 2);
+  State state = initialState(model);
+  Command command;
+  StepReport report;
+  for (int k = 1; k <= 300; ++k) {
+    command.tools[0].pose = test::toolAt(model, 0.004 * std::min(1.0, k / 150.0));
+    report = tick(model, state, command, workspace);
+  }
+  return report.tool_force.norm();
+}
+
+}  // namespace
+
+TEST_CASE("What is held inside of an organ ends where its region does, not at the nodes that happen to lie in it",
+          "[sharp_interfaces][whole]") {
+  double pierced = 0, none = 0;
+  const double held = forceOnSlab(0.012, 0.0025, pierced), thinner = forceOnSlab(0.0095, 0, none);
+  CAPTURE(held, thinner, pierced);
+  CHECK(pierced < 0.05);
+  CHECK(held == Approx(thinner).epsilon(0.04));  // 0.82 of it, when its nodes lay anywhere
 }

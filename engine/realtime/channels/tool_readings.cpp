@@ -13,6 +13,8 @@ void ToolReadings::set(int k, const ToolPosture& posture, const ToolLoad& load) 
   std::copy_n(load.torque.data(), 3, t.torque.begin());
   t.pinch = load.pinch;
   t.contact_count = load.contact_count;
+  t.expected_error = load.expected_error;
+  t.error_force = load.error_force;
 }
 
 }  // namespace palpate

@@ -16,6 +16,7 @@ struct ToolReading {
   std::array<double, 3> torque{};                   // N m, about its tip
   double pinch = 0;                                 // N, of jaws
   std::int64_t contact_count = 0;                   // points of the skin that carry force
+  double expected_error = 0, error_force = 0;       // ToolLoad's
 };
 
 /// All tools of a scene.

@@ -14,6 +14,18 @@ RunState startOf(const SimulationLoopOptions& options) {
   return run;
 }
 
+/// Of forces on a cloud that is not the one for where the tools are.
+void addError(double expected_error, StepReport& report) {
+  if (!(expected_error > 0)) return;
+  const auto add = [&](double& of, double& of_force, double force) {
+    of = of_force > 0 ? std::max(of, expected_error) : expected_error;
+    of_force = std::max(of_force, force);
+  };
+  add(report.expected_error, report.error_force, report.tool_force.norm());
+  for (ToolLoad& load : report.loads)
+    if (!load.force.isZero(0)) add(load.expected_error, load.error_force, load.force.norm());
+}
+
 }  // namespace
 
 SimulationLoop::SimulationLoop(const Model& model, Physics& physics, SpinTeam* team, SimulationLoopOptions options)
@@ -253,11 +265,7 @@ bool SimulationLoop::step() {
   Command command = command_;
   followHands(command);
   StepReport report = physics_.tick(command);
-  const double late = follower_ != nullptr && report.contact_count > 0 ? follower_->expectedError() : 0;
-  if (late > 0) {
-    report.expected_error = report.error_force > 0 ? std::max(report.expected_error, late) : late;
-    report.error_force = std::max(report.error_force, report.tool_force.norm());
-  }
+  if (follower_ != nullptr && report.contact_count > 0) addError(follower_->expectedError(), report);
   if (team_ != nullptr && !as_fast_as_possible_) team_->park();
   run_.yield = proxies_[0].yieldAfter(run_.hand, physics_.state(), report);
   switch (reporter_.judge(report, run_)) {

@@ -188,7 +188,7 @@ int solveTransient(const Task& task, SolveResults& results) {
     diverged = !report->finite || report->max_increment > task.model.max_increment;
     if (k % interval == 0 || k == ticks)
       expected_error = expectedError(task.model, task.model.materials, solver.body().u, report->strain_energy,
-                                     report->tool_force.norm(), &solver.body().tools().posture[0].pose);
+                                     PressList(report->loads), solver.body().tools().posture);
     const Doubt unresolved = expected_error > TrustLimits::expected_error ? Doubt::Resolution : Doubt::None;
     if (!diverged)
       results.add({solver.step(),
