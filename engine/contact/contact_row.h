@@ -61,15 +61,16 @@ inline Eigen::Vector4f updateForce(ContactRow& row, const Eigen::Vector4f& incre
   return change;
 }
 
-/// A sweep that changes forces by less than this part of their size (2-norms over rows) settles them.
-constexpr float settled_change = 1e-4F;
+/// A sweep that changes forces by less than this part of their size (2-norms over rows) settles them; in batch, where
+/// what is left would keep a relaxation from coming to rest (a kidney's force within 1e-5 for ever).
+constexpr float settled_change = 1e-4F, settled_in_batch = 1e-6F;
 
 /// Squared sums over the rows of a sweep.
 struct SweepChange {
   float changed = 0, size = 0;  // N^2, of the forces' changes and of the forces
 
   /// @param tolerance  of the forces
-  bool isSettled(float tolerance = settled_change) const { return changed <= tolerance * tolerance * size; }
+  bool isSettled(float tolerance) const { return changed <= tolerance * tolerance * size; }
 };
 
 /// Goes once over `count` rows.
@@ -93,6 +94,7 @@ struct ContactStep {
   const float* inverse_mass;  // (node_count) 1/kg
   const Float4* u;            // (node_count) m, displacement at the step's start
   Float4* du;                 // (node_count) m, predicted increment; corrected
+  float settled = settled_change;
 };
 
 /// Rows of one kind, whose last step's forces act on du from the start: gaps and normals are then those of where the

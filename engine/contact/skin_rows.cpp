@@ -80,7 +80,7 @@ bool SkinRows::sweep(bool forwards) {
       active_, forwards, change, [&](std::size_t k) -> Row& { return scratch_->row[active(k)]; },
       [&](const Row& row) { return difference(*scratch_, row, step_.du); },
       [&](const Row& row, const Vector4f& f) { push(row, f); });
-  return change.isSettled();
+  return change.isSettled(step_.settled);
 }
 
 SkinContact SkinRows::finish() {

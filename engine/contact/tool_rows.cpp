@@ -180,7 +180,7 @@ bool ToolRows::sweep(bool forwards) {
         },
         [&](const ToolRow& row, const Vector4f& f) { push(step_, row.vertex, row.sample, f); });
   }
-  bool settled = change.isSettled();
+  bool settled = change.isSettled(step_.settled);
   forEachGiving([&](const Giving& giving) { settled &= giveWay(giving); });
   return settled;
 }
