@@ -103,8 +103,8 @@ void BatchBody::contact(double alpha, double time, Report& report) {
     du_float_[i] = du_before_[i] = toFloat(du[i]);
   }
   findSkinPairs(model_.bodies, model_.skin, u_float_.data(), du_before_.data(), 1, skins_, skins_scratch_);
-  const ContactStep step{model_.skin, static_cast<float>(alpha), inverse_mass_float_.data(), u_float_.data(),
-                         du_float_.data(), settled_in_batch};
+  const ContactStep step{model_.skin,     static_cast<float>(alpha), inverse_mass_float_.data(),
+                         u_float_.data(), du_float_.data(),          settled_in_batch};
   HeldNodes held([&] {
     for (std::size_t i = 0; i < u.size(); ++i)
       du_held_[i] = {du[i].x + (du_float_[i].x - du_before_[i].x), du[i].y + (du_float_[i].y - du_before_[i].y),

@@ -75,7 +75,16 @@ void ResolutionWatch::goOnFrom(const ResolutionWatch& before) {
 void ResolutionWatch::advance(const Model& model, const State& state, StepReport& report) {
   const PressList presses(report.loads);
   if (presses.count == 0) before_ = report.strain_energy;
-  const bool any_known = std::any_of(known_.begin(), known_.end(), [](const Known& known) { return known.force > 0; });
+  // A tool that presses of late, or harder or less than when it was looked at.
+  bool is_new = false, other = presses.count == 0 && !(known_[max_tools].force > 0);
+  for (std::size_t k = 0; k < presses.count; ++k) {
+    const Press& press = presses.press[k];
+    const double known = known_[static_cast<std::size_t>(press.tool)].force;
+    other = other || std::abs(press.force - known) > changed * known;
+    is_new = is_new || (!(known > 0) && std::none_of(moment_.presses().begin(), moment_.presses().end(),
+                                                     [&](const Press& seen) { return seen.tool == press.tool; }));
+  }
+  if (is_new) next_ = 0;
   if (next_ == 0) {
     const double least = (presses.count > 0 ? touched_energy : 1) * model.rest_energy;
     if (!(report.strain_energy > least)) {  // nothing to look at
@@ -85,7 +94,7 @@ void ResolutionWatch::advance(const Model& model, const State& state, StepReport
     }
     begin(model, state, report, presses);
   }
-  const bool old = !any_known || std::abs(report.strain_energy - energy_) > changed * energy_;
+  const bool old = other || std::abs(report.strain_energy - energy_) > changed * energy_;
   const std::size_t count = at_.size(), part = std::max(points_a_tick, count / most_ticks + 1) * (old ? faster : 1);
   if (next_ < count) {
     const std::size_t end = std::min(next_ + part, count);
