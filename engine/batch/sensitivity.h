@@ -80,7 +80,7 @@ class EquilibriumSensitivity {
   /// it is at an end of its range, std::runtime_error where the equilibrium is not stable.
   std::vector<double> derivatives(const EquilibriumQuantity& q, const std::vector<MaterialNumber>& numbers);
 
-  /// How far off the tool's force is because the scene's cloud is no finer, as a share (resolution.h).
+  /// How far off the tool's force is because the scene's cloud is no finer, as a share (expected_error.h).
   double expectedError();
 
   /// Throws InputError where the scene has no such number.

@@ -21,7 +21,7 @@ struct Equilibrium {
   int inverted_points = 0;
   Doubt doubt = Doubt::None;
   double strain_energy = 0;        // J
-  double expected_error = 0;       // of the forces, as a share (resolution.h)
+  double expected_error = 0;       // of the forces, as a share (expected_error.h)
   Vec3 tool_force = Vec3::Zero();  // N, on the first tool
   ToolLoads loads;                 // of all tools, without torques
   RigidLoads rigid;

@@ -25,7 +25,7 @@ struct Model : Body {
   // (vertex_count) of the skin: nodes move it that displacements are imposed on. Empty: there are none
   std::vector<std::uint8_t> beside_held;
   StiffnessMeans stiffness_means;  // how masses follow the stiffness of squeezed tissue
-  PointGroups point_groups;        // for the error to expect (resolution.h)
+  PointGroups point_groups;        // for the error to expect (expected_error.h)
 
   double rest_energy = 0;    // J, strain energy below which is rounding
   double max_increment = 0;  // m a node may move in one step; more is a blow-up

@@ -7,7 +7,7 @@
 
 namespace palpate {
 
-/// The integration points around each node, a group for each material there: resolution.h fits what they see by a
+/// The integration points around each node, a group for each material there: expected_error.h fits what they see by a
 /// linear function, by least squares over their volumes, whose value at the node is sum_q weight_q v_q. Along
 /// directions in which a group's points don't differ it is constant.
 struct PointGroups {

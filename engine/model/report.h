@@ -23,7 +23,7 @@ enum StepFlag : std::uint32_t {
 /// Why the numbers of a step should not be believed, the gravest that applies (step/trust.h).
 enum class Doubt : std::uint8_t {
   None,
-  Resolution,  // the nodes are too far apart for how the tissue deforms, or mass_scaling slows it (resolution.h)
+  Resolution,  // the nodes are too far apart for how the tissue deforms, or mass_scaling slows it (expected_error.h)
   Volume,      // nearly incompressible tissue has crumpled, or is under a pressure at which it may
   Contact,   // the tool or other bodies are deep in the skin, it has let go, or there is no memory for all that touches
   Squeezed,  // a point is near collapse
@@ -69,7 +69,7 @@ struct StepReport {
   double added_inertia = 0;             // force that accelerates that mass, as a share of the recent forces
   Vec3 scaled_momentum = Vec3::Zero();  // kg m/s, of the mass that the scene's mass_scaling added
   // Of forces, as a share, because the cloud is no finer, and the force that it was found for, N: of a moment some
-  // tenths of a second ago, of a whole tick only (resolution.h); and because that mass is accelerated. 1 and 0: nothing
+  // tenths of a second ago, of a whole tick only (step/resolution.h); and because that mass is accelerated. 1 and 0: nothing
   // is known yet. Of several tools that press, of the one that is worst off.
   double expected_error = 0, error_force = 0;
   int error_tool = -1;  // whose; -1: of what holds the body

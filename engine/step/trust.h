@@ -34,7 +34,7 @@ struct TrustLimits {
   // to 40 mm: at 0.05, 0.2, 0.5 m/s shares of 0.010, 0.054, 0.23, and forces off by 0.9, 11, 35 %.
   static constexpr double added_inertia = 0.025;
   static constexpr double energy_error = 0.1;  // of the recent energy (energy_balance.h)
-  // Of forces, expected from how fine the cloud is (resolution.h).
+  // Of forces, expected from how fine the cloud is (expected_error.h).
   static constexpr double expected_error = 0.05;
 };
 
