@@ -204,7 +204,7 @@ Equilibrium StaticSolver::advanceTo(double time, const ToolsAt& wanted, const Wa
       equilibrium.converged = outcome == Outcome::Converged;
       equilibrium.expected_error = expectedError(model_, model_.materials, body_.u, equilibrium.strain_energy,
                                                  PressList(equilibrium.loads), tools.posture, before_);
-      if (equilibrium.tool_force.isZero(0)) before_ = equilibrium.strain_energy;
+      if (PressList(equilibrium.loads).count == 0) before_ = equilibrium.strain_energy;
       if (equilibrium.expected_error > TrustLimits::expected_error)
         equilibrium.doubt = std::max(equilibrium.doubt, Doubt::Resolution);
       equilibrium.doubt = std::max(equilibrium.doubt, body_.measureDepth(time, equilibrium.rigid));

@@ -69,8 +69,8 @@ struct StepReport {
   double added_inertia = 0;             // force that accelerates that mass, as a share of the recent forces
   Vec3 scaled_momentum = Vec3::Zero();  // kg m/s, of the mass that the scene's mass_scaling added
   // Of forces, as a share, because the cloud is no finer, and the force that it was found for, N: of a moment some
-  // tenths of a second ago, of a whole tick only (step/resolution.h); and because that mass is accelerated. 1 and 0: nothing
-  // is known yet. Of several tools that press, of the one that is worst off.
+  // tenths of a second ago, of a whole tick only (step/resolution.h); and because that mass is accelerated. 1 and 0:
+  // nothing is known yet. Of several tools that press, of the one that is worst off.
   double expected_error = 0, error_force = 0;
   int error_tool = -1;  // whose; -1: of what holds the body
 
