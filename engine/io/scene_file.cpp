@@ -53,7 +53,7 @@ void readDiscretization(const TomlTable& table, Scene& scene) {
   scene.discretization.follow = !table.has("spacing");
   table.read("follow", scene.discretization.follow);
   if (scene.discretization.follow) {
-    table.forbid({"spacing"}, "to a cloud that follows the tool");
+    table.read("spacing", scene.discretization.at_tools);
     scene.discretization.spacing = std::numeric_limits<double>::infinity();  // until the tools are known
   } else {
     if (!table.has("spacing"))

@@ -194,7 +194,8 @@ struct OrganSpec {
 /// How the organs are cut into nodes and integration points.
 struct DiscretizationSpec {
   double spacing = 0.01;  // m, target distance of neighbouring nodes
-  bool follow = false;    // the cloud follows the tool (place.h): spacing is then what it has far from it
+  bool follow = false;    // the cloud follows the tool (place.h): spacing is then what it has far from it,
+  double at_tools = 0;    // m, and this what it has near the tools; 0: by their size
   unsigned seed = 1;
   QuadratureSpec quadrature;
   int basis_degree = 2;         // 1 or 2

@@ -97,6 +97,14 @@ double smallestResolved(const Scene& scene) {
   return smallest;
 }
 
+/// m, in the balls where a scene says nothing.
+double spacingByTools(const Scene& scene) { return fine_radii * smallestResolved(scene); }
+
+/// By how much further apart nodes are as a scene has them.
+double widening(const Scene& scene) {
+  return scene.discretization.at_tools > 0 ? scene.discretization.at_tools / spacingByTools(scene) : 1;
+}
+
 double ballRadius(const ToolShape& tool, double fine) {
   return std::max(ball_radii * resolvedRadius(tool), ball_spacings * fine);
 }
@@ -119,16 +127,29 @@ std::vector<Vec3> centresOn(const TriangleSurface& skin, double stride) {
 void checkThickness(const Scene& scene, const TriangleSurface& organ, double fine) {
   const double thickness = boundingBox(organ).sizes().minCoeff();
   if (!(fine > thickness)) return;
-  const double finest = finestSpacing(signedVolume(organ), surfaceArea(organ), most_nodes);
+  const bool said = scene.discretization.at_tools > 0;
+  const double finest = finestSpacing(signedVolume(organ), surfaceArea(organ), said ? most_fine_nodes : most_nodes);
   throw InputError(
-      placeOf(scene, "tool.radius"),
-      "where the cloud follows a tool of this radius nodes are " + number(fine) +
+      placeOf(scene, said ? "discretization.spacing" : "tool.radius"),
+      (said ? "near the tool nodes are " : "where the cloud follows a tool of this radius nodes are ") + number(fine) +
           " m apart, more than the body is thick, " + number(thickness) + " m",
       finest < thickness
-          ? "take a smaller tool, or give [discretization] spacing, between " + number(finest) + " and " +
-                number(thickness / 2) + " m"
+          ? (said ? "give a spacing" : "take a smaller tool, or give [discretization] spacing,") +
+                std::string(" between ") + number(finest) + " and " + number(thickness / 2) + " m"
           : "no spacing that can be made, " + number(finest) +
                 " m at least, is enough: cut the part that is touched out of the body, or check its scale");
+}
+
+/// Of what a scene asks for.
+void checkFineCloud(const Scene& scene, const TriangleSurface& organ) {
+  const double finest = finestSpacing(signedVolume(organ), surfaceArea(organ), most_fine_nodes),
+               asked = scene.discretization.at_tools;
+  if (asked == 0 || asked >= finest) return;
+  throw InputError(
+      placeOf(scene, "discretization.spacing"),
+      "a cloud that follows the tool is taken from one with this spacing, " + number(asked) +
+          " m, in the whole organ, which is more than " + std::to_string(static_cast<int>(most_fine_nodes)) + " nodes",
+      "give " + number(std::ceil(1e5 * finest) / 1e5) + " m or more, or cut the organ to the part that is touched");
 }
 
 /// Whether a ball makes nodes of a body denser.
@@ -149,7 +170,8 @@ std::vector<SpacingField::Refinement> ballsAt(const Places& places, const PlaceI
   for (std::size_t t = 0; t < tools.size(); ++t) {
     SpacingField::Refinement ball;
     ball.centre = places.centres[static_cast<std::size_t>(index[t])];
-    ball.spacing = std::min(finest, std::max(places.sizes.fine, fine_radii * resolvedRadius(tools[t].shape)));
+    ball.spacing = std::min(
+        finest, std::max(places.sizes.fine, widening(places.scene) * fine_radii * resolvedRadius(tools[t].shape)));
     ball.radius = ballRadius(tools[t].shape, ball.spacing) + (tools[t].jaws() ? tools[t].opening / 2 : 0);
     if (!reaches(ball, coarse, body)) continue;
     balls.push_back(ball);
@@ -287,22 +309,23 @@ void reserveFor(std::size_t nodes, std::size_t history, State& state) {
 }  // namespace
 
 FollowSizes followSizes(const Scene& scene, double volume, double area, double thickness) {
-  const double body = std::cbrt(volume);
+  const double body = std::cbrt(volume), finest = finestSpacing(volume, area, most_fine_nodes),
+               wanted = std::max(spacingByTools(scene), finest);
   FollowSizes sizes;
-  sizes.fine = std::max(fineSpacing(scene), finestSpacing(volume, area, most_fine_nodes));
-  sizes.coarse =
-      std::max(sizes.fine, std::clamp(followSpacing(scene), narrowest_of_body * body, widest_of_body * body));
-  sizes.coarse =
-      std::min(sizes.coarse, std::max({sizes.fine, finestSpacing(volume, area, most_for_thin), thickness / 2}));
+  sizes.fine = std::max(fineSpacing(scene), finest);
+  sizes.coarse = std::max(
+      wanted, std::clamp(coarse_radii * smallestToolRadius(scene), narrowest_of_body * body, widest_of_body * body));
+  sizes.coarse = std::min(sizes.coarse, std::max({wanted, finestSpacing(volume, area, most_for_thin), thickness / 2}));
+  sizes.coarse = std::max(sizes.fine, widening(scene) * sizes.coarse);
   double ball = std::numeric_limits<double>::infinity();
   for (const ToolSpec& tool : scene.tools) ball = std::min(ball, ballRadius(tool.shape, sizes.fine));
   sizes.stride = std::min(longest_stride, ball / 2);
   return sizes;
 }
 
-double fineSpacing(const Scene& scene) { return fine_radii * smallestResolved(scene); }
+double fineSpacing(const Scene& scene) { return widening(scene) * spacingByTools(scene); }
 
-double followSpacing(const Scene& scene) { return coarse_radii * smallestToolRadius(scene); }
+double followSpacing(const Scene& scene) { return widening(scene) * coarse_radii * smallestToolRadius(scene); }
 
 int Places::nodeCount() const {
   int count = 0;
@@ -337,6 +360,7 @@ Scene withoutBalls(const Scene& as_read, double coarse) {
 
 /// Bodies with their surfaces and scenes; the sizes are those of the widest.
 void addBodies(const Scene& as_read, const TriangleSurface& organ, Places& places) {
+  checkFineCloud(as_read, organ);
   FollowSizes& sizes = places.sizes = followSizes(as_read, signedVolume(organ), surfaceArea(organ));
   sizes.coarse = 0;
   for (TriangleSurface& surface : separated(organ, bodiesOf(organ))) {

@@ -42,8 +42,8 @@ struct FollowSizes {
 /// nodes far from it than a large one; and half as thick as the body is where a tenth of its skin is thinnest, but so
 /// that it has some thousand nodes at most: a sheet or a flap does not bend on nodes that are further apart (one of 6
 /// mm on nodes of 7.2 mm, 3 mm near the tool, was 45 % too soft; of 3 mm 2 %); neighbouring centres half a ball apart
-/// but no more than 10 mm. Of several tools the smallest counts. Measured over drags on liver and kidney by `mtled
-/// follow`.
+/// but no more than 10 mm. Of several tools the smallest counts. Where the scene says how far nodes near the tools are
+/// apart (at_tools), all are as much wider or closer. Measured over drags on liver and kidney by `mtled follow`.
 /// @param volume, area, thickness  of the body, m^3, m^2, m (thicknessOf)
 FollowSizes followSizes(const Scene& scene, double volume, double area,
                         double thickness = std::numeric_limits<double>::infinity());

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "scene/scene_messages.h"
+#include "setup/place.h"
 
 namespace palpate {
 
@@ -15,16 +16,17 @@ std::string rateWarning(const Body& body) {
   const double load = expectedLoad(body);
   if (!(load > 1)) return {};
   const Scene& scene = body.scene;
-  // A place has the step of the first one, and the spacings that its tool wants.
-  const bool follows = !scene.places.empty() && !scene.places.contains("discretization.spacing");
+  // A place has the step of the first one.
+  const bool follows =
+      !scene.places.empty() && (scene.discretization.at_tools > 0 || !scene.places.contains("discretization.spacing"));
   const bool own_step = scene.dynamics.time_step > 0 && (!follows || scene.places.contains("dynamics.time_step"));
   const std::string place = placeOf(scene, own_step ? "dynamics.time_step" : "discretization.spacing").text();
   const double period = 1e3 / scene.dynamics.rate_hz;  // ms
   // A coarser body has fewer points, by the third power of the spacing, and a longer stable step. A lower rate has as
   // many steps in a second, unless a tick has only one.
-  const std::string coarser =
-      follows ? "a wider tool"
-              : "a spacing of about " + number(scene.discretization.spacing * std::pow(load, 0.25)) + " m";
+  const double present = follows ? fineSpacing(scene) : scene.discretization.spacing;
+  const std::string coarser = "a spacing of about " + number(present * std::pow(load, 0.25)) + " m" +
+                              (follows ? " near the tool (follow = true, spacing)" : "");
   const std::string threads = scene.dynamics.threads == 1 ? "give dynamics.threads more, " : "";
   const std::string advice = own_step                          ? "leave time_step out, or choose "
                              : body.substeps_per_tick == 1     ? "lower dynamics.rate, or choose "

@@ -281,7 +281,8 @@ std::string resolutionWarning(const Body& body) {
          format(
              ": where a tool meets the organ the nodes are %.3g mm apart, which is coarse for a tip that touches as "
              "a ball of %.3g mm radius does: it will feel the tissue too stiff, by more the lighter it touches. A "
-             "spacing of %.2g mm there (spacing, or refine) would do; `mtled fit` finds the best cloud for a rate, "
+             "spacing of %.2g mm there (spacing, with follow = true near the tool alone, or refine) would do; `mtled "
+             "fit` finds the best cloud for a rate, "
              "`mtled certify` says how exact this one is",
              1e3 * spacing, 1e3 * radius, 1e3 * coarsest_nodes * radius);
 }

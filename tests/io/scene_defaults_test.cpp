@@ -22,8 +22,9 @@ std::string described(const Scene& s) {
   const auto vector = [&](const Vec3& v) { add(v.x() + 0.0, v.y() + 0.0, v.z() + 0.0); };  // no -0
   add(s.organs[0].upper_half, s.organs[0].repair_surface, s.organs[0].friction), vector(s.organs[0].colour),
       vector(s.organs[0].position);
-  add(s.discretization.follow, s.discretization.spacing, s.discretization.seed, s.discretization.basis_degree,
-      s.discretization.support_factor, s.discretization.mmls_weight, s.discretization.formulation == Formulation{});
+  add(s.discretization.follow, s.discretization.spacing, s.discretization.at_tools, s.discretization.seed,
+      s.discretization.basis_degree, s.discretization.support_factor, s.discretization.mmls_weight,
+      s.discretization.formulation == Formulation{});
   add(static_cast<int>(s.discretization.boundary_method), s.discretization.quadrature.points_per_cell,
       s.discretization.quadrature.cells_per_point);
   add(s.discretization.quadrature.accuracy, s.discretization.quadrature.division,

@@ -34,8 +34,7 @@ TEST_CASE("Bad scenes are refused at their place, with advice", "[io][scene][ref
       // missing
       {"spacing = 0.004\n", "follow = false\n", ":7:1", "the key \"spacing\" is missing in [discretization]",
        "spacing = number in m"},
-      {"spacing = 0.004\n", "spacing = 0.004\nfollow = true\n", ":8:1",
-       "\"spacing\" means nothing to a cloud that follows the tool", "remove it"},
+      {"spacing = 0.004\n", "follow = true\nspacing = 0\n", ":9:11", "\"spacing\" = 0 m is out of range", "> 0"},
       {"spacing = 0.004\n", "follow = 1\n", ":8:10", "\"follow\" is a whole number", "true or false"},
       {"height = 0.017\n", "", ":2:1", "the key \"height\" is missing", "a cylinder needs it"},
       {"distance = 1e-5\n", "", ":30:1", "the key \"distance\" is missing", "near-plane"},
@@ -202,6 +201,17 @@ TEST_CASE("A cloud can follow a tool that is there", "[io][scene][refusal]") {
   CHECK(said.discretization.quadrature.cells_per_point == 1);
   CHECK(scene.discretization.spacing == Approx(2.4 * 0.5 * 0.01));
   CHECK(!read(minimal_scene + tool).discretization.follow);
+  // A spacing beside it is that near the tool; one that can't be is refused at its line.
+  const auto spaced = [&](const char* spacing) {
+    return replaced(follows, "follow = true", std::string("follow = true\nspacing = ") + spacing) + tool;
+  };
+  CHECK(read(follows + tool).discretization.at_tools == 0);
+  CHECK(read(spaced("0.0025")).discretization.at_tools == 0.0025);
+  CHECK(read(spaced("0.0025")).discretization.spacing == Approx(0.006));
+  CHECK_THAT(refusal([&] { loadModel(read(spaced("0.0012"))); }),
+             Contains("f.toml:6:1") && Contains("more than 100000 nodes") && Contains("or more"));
+  CHECK_THAT(refusal([&] { loadModel(read(spaced("0.06"))); }),
+             Contains("f.toml:6:1") && Contains("more than the body is thick") && Contains("give a spacing between"));
   CHECK(read(relaxes + tool).discretization.follow);
   // Where nothing is said it follows, or the scene has to say more, with a number that suits the tool.
   const auto silent = [](const std::string& text) { return replaced(text, "follow = true", ""); };

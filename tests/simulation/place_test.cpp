@@ -122,6 +122,16 @@ TEST_CASE("Spacings come from the tool's end and the body's size", "[place]") {
   scene.tools[0].shape = ToolShape::of(ToolKind::Sphere, 0.0002);
   const FollowSizes on_sheet = followSizes(scene, 0.001 * volume, 0.04);
   CHECK(0.04 / (area_per_node * on_sheet.fine * on_sheet.fine) == Approx(1e5));
+  // A scene may have all as much closer, or wider; what it would have anyway changes nothing.
+  const FollowSizes by_tool = sizes(ToolShape::of(ToolKind::Sphere, 0.01));
+  scene.discretization.at_tools = 0.005;
+  CHECK((sizes(scene.tools[0].shape).fine == by_tool.fine && sizes(scene.tools[0].shape).coarse == by_tool.coarse));
+  for (const double spacing : {0.0025, 0.008}) {
+    scene.discretization.at_tools = spacing;
+    CHECK(sizes(scene.tools[0].shape).fine == spacing);
+    CHECK(sizes(scene.tools[0].shape).coarse == Approx(spacing / 0.005 * by_tool.coarse));
+  }
+  scene.discretization.at_tools = 0;
   // A large one the body all alike.
   const FollowSizes large = sizes(ToolShape::of(ToolKind::Sphere, 0.06));
   CHECK((large.fine == Approx(0.03) && large.coarse == large.fine));

@@ -43,11 +43,11 @@ TEST_CASE("A scene that its rate leaves no time for is told so, with its steps, 
   helped.scene.dynamics.mass_scaling = 0.1;
   CHECK_THAT(rateWarning(helped), Contains("more dynamics.mass_scaling"));
 
-  // A cloud that follows the tool has a step that the scene did not give, and no spacing to choose.
+  // A cloud that follows the tool has a step that the scene did not give, and a spacing near the tool.
   Body place = body(498);
   place.scene.dynamics.time_step = 1e-3;
   place.scene.dynamics.threads = 1;
   place.scene.places = {{"dynamics.rate", {"stiff.toml", 9, 1}}};
   CHECK_THAT(rateWarning(place), Contains("dynamics.threads") && Contains("allow dynamics.mass_scaling") &&
-                                     Contains("a wider tool") && !Contains("time_step"));
+                                     Contains("near the tool (follow = true, spacing)") && !Contains("time_step"));
 }

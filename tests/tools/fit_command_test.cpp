@@ -9,13 +9,16 @@
 #include <random>
 
 #include "io/load_model.h"
+#include "io/scene_file.h"
 #include "mtled/certify/certify_command.h"
 #include "mtled/fit/fit_search.h"
 #include "mtled/fit/rate_check.h"
+#include "setup/place.h"
 #include "support/block_text.h"
 #include "support/interrupted_child.h"
 #include "support/small_scene.h"
 #include "support/temp_folder.h"
+#include "support/text.h"
 
 using namespace palpate;
 using namespace palpate::tools;
@@ -231,6 +234,45 @@ TEST_CASE(
     Scene one = scene;
     family.turn(one);
     CHECK(one.dynamics.mass_scaling == 0.2);
+  }
+}
+
+TEST_CASE("Where the cloud follows, the spacing near the tool is what a fit searches and writes", "[fit]") {
+  const TempFolder folder;
+  FitOptions options;
+  options.scene = folder.write("block.toml", replaced(touched_block_text, "spacing = 0.012", "follow = true"));
+  options.out = folder.path("fitted.toml");
+  options.json = folder.path("fitted.json");
+  options.cores = 2;
+  options.rate_hz = 100;
+  Scene scene = readScene(options.scene);
+  const double by_tool = fineSpacing(scene);
+  CHECK(fitFamilies(scene, {Vec3(0, 0, 0.03), 0.02}).size() == 2);  // nothing is refined by hand
+  scaleSpacing(scene, 1.5);
+  CHECK(fineSpacing(scene) == Approx(1.5 * by_tool));
+
+  const Model model = loadModel(readScene(options.scene));
+  const ToolTrajectory way = indentationTrajectory(model);
+  const auto probes = surfaceProbes(model, 10);
+  FitRecord record(folder.path("record.json"), "");
+  const Scene given = readScene(options.scene);
+  const FitTask task{given, way, probes, 1, record, [](double, const std::string&) {}};
+  const FitFamily family = fitFamilies(given, {}).front();
+  const FitCandidate wide = tried(task, family, 1.6), close = tried(task, family, 1);
+  REQUIRE((wide.run.sound() && close.run.sound()));
+  CHECK(wide.nodes < 0.6 * close.nodes);
+  CHECK(errorOf(wide.run, close.run).force > 0);
+  CHECK(errorOf(wide.run, close.run).force < 0.2);
+
+  if (fitCommand(options) == 0) {  // else another program held the machine
+    const Scene fitted = readScene(options.out);
+    std::ifstream in(options.json);
+    const auto json = nlohmann::json::parse(in);
+    CHECK(fitted.discretization.follow);
+    CHECK(fineSpacing(fitted) == Approx(json.at("spacing_m").get<double>()).epsilon(1e-5));
+    CHECK(fineSpacing(fitted) < by_tool);  // a tenth of a second's tick has time for more
+    CHECK(fitted.dynamics.threads == 1);
+    CHECK(json.at("expected_force_error") < 0.05);
   }
 }
 

@@ -22,6 +22,7 @@
 #include "mtled/fit/fit_search.h"
 #include "mtled/fit/rate_check.h"
 #include "mtled/run/progress.h"
+#include "setup/place.h"
 
 namespace palpate::tools {
 namespace {
@@ -31,6 +32,11 @@ constexpr int probe_count = 200;
 constexpr double median_share = 0.72;
 constexpr double check_seconds = 4;
 constexpr int max_checks = 4;
+
+/// m, as the file has it.
+double writtenSpacing(const Scene& fitted) {
+  return fitted.discretization.follow ? fineSpacing(fitted) : fitted.discretization.spacing;
+}
 
 /// The scene file with what was fitted, its paths made to fit the new place. Throws InputError where the file's layout
 /// hides a key from the editor.
@@ -48,15 +54,19 @@ std::string fittedText(const std::string& scene_file, const Scene& given, const 
   if (given.organs[0].solid == OrganSpec::Solid::Surface)
     text = withSceneKey(text, "organ", "surface", pathFrom(given.organs[0].surface_file));
   if (!given.solve.probes_file.empty()) text = withSceneKey(text, "solve", "probes", pathFrom(given.solve.probes_file));
-  text = withSceneKey(text, "discretization", "spacing", format("%.6g", fitted.discretization.spacing));
-  text = withSceneKey(text, "discretization", "support_factor", format("%.6g", fitted.discretization.support_factor));
-  text = withSceneKey(text, "discretization", "points_per_cell",
-                      std::to_string(fitted.discretization.quadrature.points_per_cell));
-  text = withSceneKey(text, "discretization", "cells_per_point",
-                      format("%.6g", fitted.discretization.quadrature.cells_per_point));
+  text = withSceneKey(text, "discretization", "spacing", format("%.6g", writtenSpacing(fitted)));
+  if (fitted.discretization.follow) {
+    text = withSceneKey(text, "discretization", "follow", "true");
+  } else {
+    text = withSceneKey(text, "discretization", "support_factor", format("%.6g", fitted.discretization.support_factor));
+    text = withSceneKey(text, "discretization", "points_per_cell",
+                        std::to_string(fitted.discretization.quadrature.points_per_cell));
+    text = withSceneKey(text, "discretization", "cells_per_point",
+                        format("%.6g", fitted.discretization.quadrature.cells_per_point));
+  }
   if (given.discretization.formulation != fitted.discretization.formulation)
     text = withSceneKey(text, "discretization", "scheme", "\"standard\"");
-  if (!fitted.discretization.refine.empty()) {
+  if (!fitted.discretization.follow && !fitted.discretization.refine.empty()) {
     std::string refine;
     for (const auto& r : fitted.discretization.refine)
       refine += (refine.empty() ? "[{ centre = [" : ", { centre = [") + format("%.6g", r.centre.x()) + ", " +
@@ -75,7 +85,8 @@ std::string fittedText(const std::string& scene_file, const Scene& given, const 
 /// Whether a scene says what was fitted.
 bool says(const Scene& scene, const Scene& fitted) {
   const auto near = [](double a, double b) { return std::abs(a - b) <= 1e-5 * std::abs(b); };
-  return near(scene.discretization.spacing, fitted.discretization.spacing) &&
+  return scene.discretization.follow == fitted.discretization.follow &&
+         near(writtenSpacing(scene), writtenSpacing(fitted)) &&
          near(scene.discretization.support_factor, fitted.discretization.support_factor) &&
          near(scene.dynamics.rate_hz, fitted.dynamics.rate_hz) && scene.dynamics.threads == fitted.dynamics.threads &&
          scene.dynamics.mass_scaling == fitted.dynamics.mass_scaling && scene.discretization.quadrature.accuracy == 0 &&
@@ -105,12 +116,8 @@ FitOrder orderOf(const FitOptions& options) {
   order.scene_file = findScene(options.scene);
   order.given = readScene(order.scene_file);
   const Scene& given = order.given;
-  if (given.discretization.follow)
-    throw InputError(given.place,
-                     "`mtled fit` finds the spacing of a cloud that stays; this one follows the tool, "
-                     "with the spacing that it needs",
-                     "give [discretization] spacing, or leave it as it is");
-  if (!given.discretization.refine.empty())
+  const bool follows = given.discretization.follow;
+  if (!follows && !given.discretization.refine.empty())
     throw InputError(given.discretization.refine.front().place,
                      "`mtled fit` chooses the spacing and where it is finer itself", "leave the refinements out");
   if (given.discretization.quadrature.accuracy > 0)
@@ -118,8 +125,10 @@ FitOrder orderOf(const FitOptions& options) {
   order.script = namedScript(options.tool_script, given.tools[0].shape.radius);
   order.scene = given;
   if (options.rate_hz > 0) order.scene.dynamics.rate_hz = options.rate_hz;
-  order.scene.dynamics.threads =
+  const int cores =
       options.cores > 0 ? options.cores : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  // A core is left to the worker that makes places.
+  order.scene.dynamics.threads = follows ? std::max(1, cores - 1) : cores;
   order.out = options.out.empty() ? "out/" + std::filesystem::path(order.scene_file).stem().string() + "_" +
                                         format("%.6g", order.scene.dynamics.rate_hz) + "hz.toml"
                                   : options.out;
@@ -159,11 +168,14 @@ std::vector<FitCandidate> finestOfEach(FitTask& task, const std::vector<FitFamil
 }
 
 /// Finer than the finest candidate.
-Fineness finerThan(const std::vector<FitCandidate>& candidates) {
+/// @param present  the scene as it is; of a cloud that follows, the place at which its tool starts
+Fineness finerThan(const std::vector<FitCandidate>& candidates, const Model& present) {
   double outside = INFINITY, inside = INFINITY;
   for (const auto& c : candidates) {
+    const Scene& scene = c.scene;
     outside = std::min(outside, c.spacing_factor);
-    inside = std::min(inside, c.spacing_factor * c.inside);
+    inside = std::min(inside, scene.discretization.follow ? fineSpacing(scene) / present.scene.discretization.spacing
+                                                          : c.spacing_factor * c.inside);
   }
   return fitFineness(outside, inside);
 }
@@ -188,8 +200,7 @@ HeldRate heldInTheLoop(FitTask& task, const std::vector<FitFamily>& families, co
   HeldRate held;
   for (int attempt = 0; attempt < max_checks && !interrupted(); ++attempt) {
     progress.show(0.9 + 0.02 * attempt, "in the real-time loop");
-    Model model = loadModel(chosen.scene);
-    held = checkRate(model, task.way, task.threads, check_seconds);
+    held = checkRate(chosen.scene, task.way, task.threads, check_seconds);
     if (held.held(task.scene.dynamics.rate_hz)) break;
     const auto family =
         std::find_if(families.begin(), families.end(), [&](const FitFamily& f) { return f.name == chosen.family; });
@@ -218,11 +229,13 @@ void printFitted(const Fitted& f) {
               f.chosen.substeps, f.chosen.family.c_str());
   std::printf("  expected force error   %.2f %% of the largest force (%.2f %% from a solution with %d nodes)\n",
               100 * f.chosen.expected_error, 100 * f.chosen.error.force, f.reference_nodes);
-  std::printf(
-      "  f.headroom()               %.0f %% of a tick at p99.9 (%.0f of %.0f us), %lld of %lld periods missed\n",
-      100 * f.headroom(), f.held.step_us.p999, 1e6 / f.order.scene.dynamics.rate_hz,
-      static_cast<long long>(f.held.overruns), static_cast<long long>(f.held.ticks) + f.held.overruns);
-  if (!f.chosen.scene.discretization.refine.empty())
+  std::printf("  headroom               %.0f %% of a tick at p99.9 (%.0f of %.0f us), %lld of %lld periods missed\n",
+              100 * f.headroom(), f.held.step_us.p999, 1e6 / f.order.scene.dynamics.rate_hz,
+              static_cast<long long>(f.held.overruns), static_cast<long long>(f.held.ticks) + f.held.overruns);
+  if (f.chosen.scene.discretization.follow)
+    std::printf("  nodes                  %.3g mm apart near the tool, which they follow\n",
+                1e3 * writtenSpacing(f.chosen.scene));
+  else if (!f.chosen.scene.discretization.refine.empty())
     std::printf(
         "  nodes                  %.3g mm apart within %.3g mm of where the tool works, %.3g mm elsewhere (--uniform: "
         "the same everywhere)\n",
@@ -243,8 +256,9 @@ std::string jsonOf(const Fitted& f) {
       {"threads", f.order.scene.dynamics.threads},
       {"family", f.chosen.family},
       {"mass_scaling", f.chosen.scene.dynamics.mass_scaling},
-      {"spacing_m", f.chosen.scene.discretization.spacing},
-      {"spacing_where_the_tool_works_m", f.chosen.scene.discretization.spacing * f.chosen.inside},
+      {"follows", f.chosen.scene.discretization.follow},
+      {"spacing_m", writtenSpacing(f.chosen.scene)},
+      {"spacing_where_the_tool_works_m", writtenSpacing(f.chosen.scene) * f.chosen.inside},
       {"nodes", f.chosen.nodes},
       {"points", f.chosen.points},
       {"substeps", f.chosen.substeps},
@@ -282,7 +296,7 @@ int fit(const FitOptions& options) {
               << scene.dynamics.threads << " threads on this machine\n";
     return 1;
   }
-  const Fineness fineness = finerThan(candidates);
+  const Fineness fineness = finerThan(candidates, present);
   const ConvergedRun converged = referenceRun(options, order, w, fineness, progress);
   for (auto& c : candidates) {
     c.error = errorOf(c.run, converged.run);

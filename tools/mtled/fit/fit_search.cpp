@@ -8,6 +8,7 @@
 #include "base/interrupt.h"
 #include "base/number_text.h"
 #include "io/load_model.h"
+#include "mtled/run/following_run.h"
 
 namespace palpate::tools {
 namespace {
@@ -40,6 +41,17 @@ std::vector<FitFamily> fitFamilies(const Scene& scene, const ContactRegion& plac
                         inside});
   };
   const double given = scene.dynamics.mass_scaling, more = std::max(given, some_mass);
+  if (scene.discretization.follow) {  // it knows itself where nodes are worth it
+    for (const double mass : {given, more})
+      if (mass == given || mass > given)
+        families.push_back({"a cloud that follows" + (mass > 0 ? format(", mass_scaling %g", mass) : ""),
+                            [mass](Scene& s) {
+                              s.dynamics.time_step = 0;
+                              s.dynamics.mass_scaling = mass;
+                            },
+                            1});
+    return families;
+  }
   add(scene.discretization.support_factor, 1, given);
   add(scene.discretization.support_factor, 1, given, 1);
   if (scene.discretization.support_factor < 2.1) add(2.2, 1, given);
@@ -65,11 +77,21 @@ FitCandidate tried(const FitTask& task, const FitFamily& family, double factor) 
   one.family = family.name;
   one.spacing_factor = factor;
   try {
-    const Model model = loadModel(c.scene);
-    one.nodes = model.nodeCount();
-    one.points = model.pointCount();
-    one.substeps = model.substeps_per_tick;
-    one.run = runTrajectory(model, task.way, task.probes, task.threads);
+    if (c.scene.discretization.follow) {
+      const FollowingModel following = loadFollowing(c.scene);
+      PlaceShelf shelf(*following.places);
+      FollowingRun run = followTrajectory(*following.places, shelf, task.way, task.probes, task.threads);
+      one.nodes = run.most_nodes;
+      one.points = following.start.model.pointCount();
+      one.substeps = run.substeps;
+      one.run = std::move(run.run);
+    } else {
+      const Model model = loadModel(c.scene);
+      one.nodes = model.nodeCount();
+      one.points = model.pointCount();
+      one.substeps = model.substeps_per_tick;
+      one.run = runTrajectory(model, task.way, task.probes, task.threads);
+    }
     one.cost = costOf(one.run, c.scene.dynamics.rate_hz);
   } catch (const InputError&) {  // a setting that this scene can't have
   }

@@ -3,9 +3,12 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <optional>
 #include <thread>
 
 #include "base/interrupt.h"
+#include "io/load_model.h"
+#include "realtime/loop/cloud_follower.h"
 #include "realtime/loop/simulation_loop.h"
 #include "realtime/recording/recording.h"
 
@@ -16,16 +19,27 @@ bool HeldRate::held(double rate_hz) const {
          step_us.p999 < 1e6 / rate_hz;
 }
 
-HeldRate checkRate(Model& model, const ToolTrajectory& way, int threads, double seconds) {
+HeldRate checkRate(Scene scene, const ToolTrajectory& way, int threads, double seconds) {
   ToolTrajectory there_and_back = way;
   there_and_back.insert(there_and_back.end(), way.rbegin(), way.rend());
-  const auto ticks = static_cast<std::size_t>(std::ceil(seconds * model.scene.dynamics.rate_hz));
+  const auto ticks = static_cast<std::size_t>(std::ceil(seconds * scene.dynamics.rate_hz));
   std::vector<Pose> poses;
   while (poses.size() < ticks) poses.insert(poses.end(), there_and_back.begin(), there_and_back.end());
 
-  model.scene.dynamics.catch_up = 0;  // a rate that is held needs none
-  TissuePhysics physics(model, threads);
+  scene.dynamics.catch_up = 0;  // a rate that is held needs none
+  std::optional<Model> stays;
+  std::optional<TissuePhysics> own;
+  std::optional<FollowingTissue> follows;
+  if (scene.discretization.follow) {
+    FollowingModel loaded = loadFollowing(scene);
+    follows.emplace(loaded.places, std::move(loaded.start), PlaceStore(), threads, true);
+  } else {
+    own.emplace(stays.emplace(loadModel(scene)), threads);
+  }
+  const Model& model = follows ? follows->model() : *stays;
+  TissuePhysics& physics = follows ? follows->physics : *own;
   SimulationLoopOptions options;
+  if (follows) options.follower = &follows->follower;
   options.track = trackFromPoses(poses);
   options.tick_limit = static_cast<std::int64_t>(poses.size());
   SimulationLoop loop(model, physics, &physics.team(), options);

@@ -18,6 +18,6 @@ struct HeldRate {
 
 /// Runs the way over and over in the real-time loop, as `palpate` does.
 /// @param seconds  of wall time, at least
-HeldRate checkRate(Model& model, const ToolTrajectory& way, int threads, double seconds);
+HeldRate checkRate(Scene scene, const ToolTrajectory& way, int threads, double seconds);
 
 }  // namespace palpate::tools

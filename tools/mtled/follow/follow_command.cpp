@@ -3,7 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <iostream>
+#include <map>
+#include <memory>
 #include <stdexcept>
+#include <utility>
 
 #include "base/build_info.h"
 #include "base/interrupt.h"
@@ -79,7 +82,7 @@ double quantileOf(std::vector<double> values, double q) {
 double uniformCost(const std::vector<Row>& rows, double error) {
   Frontier frontier;
   for (const Row& row : rows) {
-    if (row.name == "following" || !row.sound) continue;
+    if (row.name.starts_with("following") || !row.sound) continue;
     FrontierRow r;
     r.group = row.name == "as it is" || row.name == "uniform" ? "present" : "spacing";
     r.name = row.name;
@@ -154,6 +157,15 @@ Study studyOf(const Scene& scene, const FollowOptions& options) {
   const Places places = makePlaces(scene, organ);
   const Scene uniform = uniformScene(scene);
   PlaceShelf shelf(places);
+  // The same trade as uniform clouds make by their spacing.
+  std::map<double, std::pair<Places, std::unique_ptr<PlaceShelf>>> others;
+  for (const double factor : {0.8, 1.4}) {
+    if (options.quick || !scene.discretization.follow) break;
+    Scene scaled = scene;
+    scaleSpacing(scaled, factor);
+    auto& other = others.try_emplace(factor, makePlaces(scaled, organ), nullptr).first->second;
+    other.second = std::make_unique<PlaceShelf>(other.first);
+  }
   Study study;
   study.scene = scene.name + (options.nu > 0 ? ", nu " + shortest(options.nu) : "");
   study.fine = places.sizes.fine;
@@ -181,6 +193,12 @@ Study studyOf(const Scene& scene, const FollowOptions& options) {
     goOn();
     rows.push_back(
         rowOf("following", following.most_nodes, following.substeps, following.run, reference, scene.dynamics.rate_hz));
+    for (auto& [factor, other] : others) {
+      const FollowingRun run = followTrajectory(other.first, *other.second, poses);
+      rows.push_back(rowOf(format("following x %g", factor), run.most_nodes, run.substeps, run.run, reference,
+                           scene.dynamics.rate_hz));
+      goOn();
+    }
     if (!options.quick) {
       for (const double factor : {0.8, 1.3}) {
         Scene turned = uniform;

@@ -22,9 +22,9 @@ double processorSeconds(clockid_t clock) {
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
-/// A state of a model, stepped on one thread.
+/// A state of a model that is stepped.
 struct Runner {
-  Runner(const Model& of, State from) : model(of), state(std::move(from)), workspace(of, 1) {}
+  Runner(const Model& of, State from, int threads = 1) : model(of), state(std::move(from)), workspace(of, threads) {}
 
   StepReport tickTo(const Pose& pose) {
     Command command;
@@ -69,7 +69,7 @@ const Place& PlaceShelf::at(const PlaceIndex& index) {
 }
 
 FollowingRun followTrajectory(const Places& places, PlaceShelf& shelf, const ToolTrajectory& way,
-                              const std::vector<Vec3>& probes) {
+                              const std::vector<Vec3>& probes, int threads) {
   FollowingRun following;
   ScriptedRun& run = following.run;
   ToolPostures tools;
@@ -79,7 +79,7 @@ FollowingRun followTrajectory(const Places& places, PlaceShelf& shelf, const Too
   PlaceIndex nowhere;
   nowhere.fill(-1);
   const Place* place = &shelf.at(nextPlace(places, nowhere, tools));
-  auto runner = std::make_unique<Runner>(place->model, startAt(place->model, way.front()));
+  auto runner = std::make_unique<Runner>(place->model, startAt(place->model, way.front()), threads);
   std::unique_ptr<Runner> unchanged;  // the run without the last swap
   const int watched = static_cast<int>(std::lround(watched_seconds * places.scene.dynamics.rate_hz));
   following.substeps = place->model.substeps_per_tick;
@@ -103,7 +103,7 @@ FollowingRun followTrajectory(const Places& places, PlaceShelf& shelf, const Too
       swap.rows = static_cast<int>(passage.node.size());
       following.swaps.push_back(swap);
       unchanged = std::move(runner);
-      runner = std::make_unique<Runner>(next.model, std::move(state));
+      runner = std::make_unique<Runner>(next.model, std::move(state), threads);
       place = &next;
       following.fewest_nodes = std::min(following.fewest_nodes, next.model.nodeCount());
       following.most_nodes = std::max(following.most_nodes, next.model.nodeCount());

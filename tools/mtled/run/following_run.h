@@ -40,10 +40,10 @@ struct FollowingRun {
   int substeps = 0;
 };
 
-/// Follows a trajectory of the first tool on one thread, with a place for wherever it is.
+/// Follows a trajectory of the first tool with a place for wherever it is.
 /// @param probes  as runTrajectory's
 FollowingRun followTrajectory(const Places& places, PlaceShelf& shelf, const ToolTrajectory& way,
-                              const std::vector<Vec3>& probes = {});
+                              const std::vector<Vec3>& probes = {}, int threads = 1);
 
 /// The same of a model that stays, measured alike.
 ScriptedRun trajectoryOn(const Model& model, const ToolTrajectory& way);

@@ -13,11 +13,17 @@ Scene uniformScene(Scene scene) {
   if (!scene.discretization.follow) return scene;
   scene.discretization.follow = false;
   scene.discretization.spacing = of_fine * fineSpacing(scene);
+  scene.discretization.at_tools = 0;
   scene.set_up_values.clear();
   return scene;
 }
 
 void scaleSpacing(Scene& scene, double factor) {
+  if (scene.discretization.follow) {
+    scene.discretization.at_tools = factor * fineSpacing(scene);
+    scene.set_up_values.clear();  // they would be another scene's
+    return;
+  }
   scene.discretization.spacing *= factor;
   for (auto& refine : scene.discretization.refine) refine.spacing *= factor;
 }

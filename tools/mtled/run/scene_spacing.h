@@ -19,7 +19,8 @@ void refineWhere(Scene& scene, const ContactRegion& place, double outside, doubl
 /// are.
 Scene uniformScene(Scene scene);
 
-/// The scene's settings with spacing and refinements `factor` times as wide.
+/// The scene's settings with spacing and refinements `factor` times as wide; where the cloud follows the tool, with
+/// nodes as much further apart, and its refinements as they are.
 void scaleSpacing(Scene& scene, double factor);
 
 }  // namespace palpate::tools
