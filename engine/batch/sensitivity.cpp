@@ -20,8 +20,6 @@ using NodeField = AlignedVector<Double4>;
 
 /// Of the body's size, of differences of forces: rounding 1e-9, curvature 1e-9.
 constexpr double difference_reach = 1e-6;
-/// Of the tool's radius: the depth from which the layer's pressure grows no further, as tool_rows.cpp has it.
-constexpr double pressure_cap_depth = 0.2;
 /// Of the tool's radius: vertices that are no nearer take no part in a solution.
 constexpr double contact_reach = 0.5;
 
@@ -129,7 +127,7 @@ Vec3 EquilibriumSensitivity::placeOf(const ContactPoint& point, const Field& u) 
 /// On the tissue, N, where the point is active.
 Vec3 EquilibriumSensitivity::contactForce(const ContactPoint& point, const Vec3& x) const {
   const ToolDistance d = toolDistance(profile_, tool_->toLocal(x));
-  const double depth = std::min(-d.distance, pressure_cap_depth * model_.scene.tools[0].shape.radius);
+  const double depth = std::min(-d.distance, most_depths * model_.skin.layer_depth);
   return point.stiffness * depth * (tool_->orientation * d.normal);
 }
 
@@ -138,7 +136,10 @@ void EquilibriumSensitivity::findContact() {
   contact_.clear();
   if (!tool_) return;
   for (int v = 0; v < model_.skin.vertexCount(); ++v) {
-    ContactPoint point{v, model_.skin.bulk_stiffness * model_.skin.area[static_cast<std::size_t>(v)], true};
+    ContactPoint point{v,
+                       static_cast<double>(model_.skin.layer[static_cast<std::size_t>(v)]) *
+                           model_.skin.area[static_cast<std::size_t>(v)],
+                       true};
     const double distance = toolDistance(profile_, tool_->toLocal(placeOf(point, u_))).distance;
     point.active = distance < 0;
     if (distance < contact_reach * model_.scene.tools[0].shape.radius) contact_.push_back(point);

@@ -9,10 +9,6 @@
 namespace palpate {
 namespace {
 
-/// A pressure of one Young's modulus presses the skin so deep into a body, m: a tenth of what is promised, at ten
-/// times the pressure of a brain's weight.
-constexpr double layer_depth = 1e-5;
-
 /// Apart from each other, per spacing of the nodes there, are the points that touch.
 constexpr double point_distance = 0.5;
 
@@ -139,8 +135,8 @@ GapGrid gapGrid(const SurfaceTree& surface, const SurfaceSide& side, double spac
   return grid;
 }
 
-void addRigidBody(RigidBody body, const SkinModel& skin, const SpacingField& spacing, double young_modulus,
-                  std::optional<double> gap_at_rest, RigidBodies& bodies) {
+void addRigidBody(RigidBody body, const SkinModel& skin, const SpacingField& spacing, std::optional<double> gap_at_rest,
+                  RigidBodies& bodies) {
   std::vector<double> apart;
   for (const Vec3& X : skin.surface.vertices) apart.push_back(apartOn(body.shape, spacing.at(X)));
   const double widest = apartOn(body.shape, spacing.largest());
@@ -156,7 +152,6 @@ void addRigidBody(RigidBody body, const SkinModel& skin, const SpacingField& spa
     const bool exact = gap_at_rest && gap < RigidShape::away;
     bodies.correction.push_back(exact ? static_cast<float>(*gap_at_rest - gap) : 0.0F);
   }
-  bodies.stiffness = young_modulus / layer_depth;
   bodies.row_sum = std::max(bodies.row_sum, rowSum(skin, points));
   bodies.body.push_back(std::move(body));
 }

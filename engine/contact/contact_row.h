@@ -5,6 +5,7 @@
 
 #include "base/types.h"
 #include "contact/coulomb_friction.h"
+#include "contact/skin.h"
 
 namespace palpate {
 
@@ -89,13 +90,19 @@ void sweepRows(std::size_t count, bool forwards, SweepChange& change, RowAt rowA
 
 /// What a step's contact reads and corrects.
 struct ContactStep {
-  const struct SkinModel& skin;
+  const SkinModel& skin;
   float alpha;                // s^2, mobility factor of paper eq. 12
   const float* inverse_mass;  // (node_count) 1/kg
   const Float4* u;            // (node_count) m, displacement at the step's start
   Float4* du;                 // (node_count) m, predicted increment; corrected
   float settled = settled_change;
+  float stiffer = 1;  // than it was loaded the tissue is: so is the layer
 };
+
+/// N/m, of the contact layer on `area` (m^2) at a vertex.
+inline float layerStiffness(const ContactStep& step, int vertex, double area) {
+  return step.stiffer * step.skin.layer[vertex] * static_cast<float>(area);
+}
 
 /// Rows of one kind, whose last step's forces act on du from the start: gaps and normals are then those of where the
 /// skin goes. Real-time: no allocation, no lock, no throw.

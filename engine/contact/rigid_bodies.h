@@ -40,7 +40,6 @@ struct RigidBodies {
   std::vector<int> vertex;        // (point_count) skin vertices, ascending for each body
   std::vector<float> area;        // (point_count) m^2 of the skin that each stands for
   std::vector<float> correction;  // (point_count) m, added to a grid's gap: exact at rest where the organ made it
-  double stiffness = 0;           // Pa/m, of the layer on all of them
   double row_sum = 1;             // largest sum_i |N_i| of a point: so much further than nodes it goes at most
 
   bool empty() const { return body.empty(); }
@@ -59,11 +58,10 @@ struct SurfaceSide {
 GapGrid gapGrid(const SurfaceTree& surface, const SurfaceSide& side, double spacing);
 
 /// Adds a body, of which only the points are missing.
-/// @param spacing        m, of the nodes
-/// @param young_modulus  Pa, the softest tissue's
-/// @param gap_at_rest    m, of all the skin, where the skin made the surface
-void addRigidBody(RigidBody body, const SkinModel& skin, const SpacingField& spacing, double young_modulus,
-                  std::optional<double> gap_at_rest, RigidBodies& bodies);
+/// @param spacing      m, of the nodes
+/// @param gap_at_rest  m, of all the skin, where the skin made the surface
+void addRigidBody(RigidBody body, const SkinModel& skin, const SpacingField& spacing, std::optional<double> gap_at_rest,
+                  RigidBodies& bodies);
 
 /// A point before a body.
 struct RigidRow : ContactRow {

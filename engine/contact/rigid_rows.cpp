@@ -148,7 +148,7 @@ bool RigidRows::makeRow(const RigidBody& body, const Place& from, const Place& t
   row.surface = moves ? lanesOf(Vec3(end - from.toWorld(local_end))) : Vector4f::Zero();
   row.gap = static_cast<float>(gap);
   row.highest = before < 0 ? static_cast<float>(before + fastest_return) : static_cast<float>(RigidShape::away);
-  row.stiffness = static_cast<float>(bodies_->stiffness) * bodies_->area[point];
+  row.stiffness = layerStiffness(step_, v, static_cast<double>(bodies_->area[point]));
   row.mobility = step_.alpha * compliance(step_.skin, v, step_.inverse_mass);
   carryOver(body, from, to, row);
   return true;

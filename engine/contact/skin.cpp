@@ -6,12 +6,6 @@
 namespace palpate {
 namespace {
 
-/// Pressure of one Young's modulus presses the tool by this part of its radius into the skin.
-/// Larger: light touches read low (a sphere 0.03 R deep by about 1.5 %, in proportion) and penetration
-/// shows. Smaller: more sweeps per step, and vertices knock as they enter, by about v sqrt(m_eff k a_v)
-/// where m_eff is the mass that the vertex feels. From 0.0005 to 0.01 the force at 10 mm/s is smooth alike.
-constexpr double kLayerDepthPerRadius = 0.002;
-
 /// Vertices per cluster: a cluster costs about as much to reject as a vertex to test.
 constexpr int kClusterSize = 32;
 
@@ -82,8 +76,7 @@ void setRows(const ShapeTable& shape, SkinModel& skin) {
   skin.N.assign(shape.N.begin(), shape.N.end());
 }
 
-SkinModel buildSkinModel(const TriangleSurface& surface, const ShapeTable& shape, double tool_radius,
-                         double young_modulus) {
+SkinModel buildSkinModel(const TriangleSurface& surface, const ShapeTable& shape) {
   SkinModel skin;
   skin.surface = surface;
   skin.area.assign(surface.vertices.size(), 0.0);
@@ -93,9 +86,22 @@ SkinModel buildSkinModel(const TriangleSurface& surface, const ShapeTable& shape
     for (int v : {a, b, c}) skin.area[v] += third;
   }
   setRows(shape, skin);
-  skin.bulk_stiffness = young_modulus / (kLayerDepthPerRadius * tool_radius);
   makeClusters(skin);
   return skin;
+}
+
+double layerDepth(double tool_radius, double spacing) {
+  // Of the radius. Larger: light touches read low (a sphere 0.03 R deep by about 1.5 %, in proportion) and penetration
+  // shows. Smaller: more sweeps per step, and vertices knock as they enter, by about v sqrt(m_eff k a_v) where m_eff is
+  // the mass that the vertex feels. From 0.0005 to 0.01 the force at 10
+  // mm/s is smooth alike. A wide tool's layer is no deeper than that of one for which the nodes are made: a ball of 0.3
+  // m lost 17 %.
+  constexpr double share = 0.002, spacings = 2;
+  return share * std::min(tool_radius, spacings * spacing);
+}
+
+double layerModulus(double bulk_modulus, double shear_modulus) {
+  return std::max(3 * shear_modulus, (bulk_modulus + 4 * shear_modulus / 3) / 10);
 }
 
 bool isInside(const SkinModel& skin, const Float4* u, const Vec3& point, std::vector<Vec3f>& position) {

@@ -33,7 +33,9 @@ struct SkinModel {
   std::vector<int> region_begin;           // (region_count + 1) clusters
   std::vector<int> region_representative;  // (region_count) as a cluster's
   std::vector<float> region_radius;        // (region_count)
-  double bulk_stiffness = 0;               // Pa/m, pressure per penetration of the contact layer
+  // The elastic layer through which all contact acts, a little stiffer than the tissue below it.
+  std::vector<float> layer;  // (vertex_count) Pa/m, pressure per penetration
+  double layer_depth = 0;    // m, penetration at a pressure of Young's modulus, of what keeps its volume of less
   // For samples on stretched faces (face_samples.h); one for all models with this surface.
   std::shared_ptr<const SkinTopology> topology = std::make_shared<const SkinTopology>();
 
@@ -43,10 +45,22 @@ struct SkinModel {
 };
 
 /// Groups the skin's vertices into clusters and copies the shape table into the
-/// real-time layout. `shape` has one row per skin vertex. The topology is the caller's to add.
-/// @param young_modulus  Pa, the softest tissue's; sets the contact layer's stiffness
-SkinModel buildSkinModel(const TriangleSurface& surface, const ShapeTable& shape, double tool_radius,
-                         double young_modulus);
+/// real-time layout. `shape` has one row per skin vertex. The topology and the layer are the caller's to add.
+SkinModel buildSkinModel(const TriangleSurface& surface, const ShapeTable& shape);
+
+/// m, SkinModel::layer_depth before tissue whose nodes are `spacing` (m) apart, for tools of that radius (m) and wider.
+double layerDepth(double tool_radius, double spacing);
+
+/// Pa, by which the layer before a tissue goes: Young's modulus where its shape resists, 3 G, or a tenth of the wave
+/// modulus where its volume does: what is thin or held gives way by the latter alone, of which the layer would have 3 %
+/// at nu 0.49, and more than the tissue at 0.4999. (With a third or a sixth vertices knock as they enter, and the linear
+/// systems of sensitivities are not solved.)
+/// @param bulk_modulus, shear_modulus  Pa
+double layerModulus(double bulk_modulus, double shear_modulus);
+
+/// Depths of the layer from which on the pressure grows no further. Only a tool that is put into the tissue gets there;
+/// the cap lets it be expelled instead of exploding.
+inline constexpr double most_depths = 100;
 
 /// Copies the values of a table with one row per skin vertex.
 void setRows(const ShapeTable& shape, SkinModel& skin);

@@ -8,7 +8,7 @@ namespace palpate {
 
 /// The rows of places of the skin that touch each other: a vertex v before a face with corners k and shares b_k,
 ///   N(i) = N_i(X_v) - sum_k b_k N_i(X_k)
-/// so that action and reaction are equal to rounding. K = skin.bulk_stiffness a_v, or what stops the two within a step
+/// so that action and reaction are equal to rounding. K = k_v a_v (skin.layer), or what stops the two within a step
 /// where that is stiffer. What is deeper than the layer comes back by no more than 0.02 mm a step, so that it is not
 /// shot out.
 /// Test: simulation/skin_contact_test.cpp

@@ -12,10 +12,6 @@ namespace {
 
 using Eigen::Vector4f;
 
-/// Depth, per tool radius, from which the pressure grows no further (100 Young's moduli). Only a
-/// tool that is put into the tissue gets there; the cap lets it be expelled instead of exploding.
-constexpr double pressure_cap_depth = 0.2;
-
 /// Squared length of a remembered side (a unit vector otherwise) from which on it says that the tool came from inside.
 constexpr float passing = 2;
 
@@ -95,11 +91,10 @@ std::size_t ToolRows::makeRows() {
 /// The vertices that touch, or nearly, then the samples of stretched faces.
 void ToolRows::makeRows(Body& body) {
   const SkinModel& skin = step_.skin;
-  const ToolShape& tool = *body.tool->shape;
   const Motion& motion = body.motion;
   ContactState& contact = *body.tool->contact;
   FaceSamples& samples = contact.samples;
-  const auto cap = static_cast<float>(pressure_cap_depth * tool.radius);
+  const auto cap = static_cast<float>(most_depths * skin.layer_depth);
   body.row_count = 0;
   for (int k = 0; k < contact.count + samples.count; ++k) {
     const bool is_vertex = k < contact.count;
@@ -139,8 +134,7 @@ void ToolRows::makeRows(Body& body) {
     row.gap = static_cast<float>(d.distance);
     row.predicted = predicted;
     row.surface = lanesOf(Vec3(end - (motion.world_from_old_tool * local + motion.old_position)));
-    row.stiffness =
-        static_cast<float>(skin.bulk_stiffness * (is_vertex ? skin.area[v] : static_cast<double>(samples.area[slot])));
+    row.stiffness = layerStiffness(step_, v, is_vertex ? skin.area[v] : static_cast<double>(samples.area[slot]));
     row.largest = cap * row.stiffness;
     row.friction = static_cast<float>(body.tool->friction);
     row.mobility = step_.alpha * (is_vertex ? compliance(skin, v, step_.inverse_mass)

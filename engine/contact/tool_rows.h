@@ -39,8 +39,8 @@ struct TouchingTool {
 
 /// The rows of tools: vertices of the skin, and samples of stretched faces (contact.samples), which take part like
 /// vertices; a force on one goes to its corners by their shares. With penetration d at the end of the step and the
-/// layer's stiffness K = k a_v (k = skin.bulk_stiffness, a_v the vertex's area) the law is ContactRow's with
-///   f_n = K min(max(d, 0), 0.2 R)
+/// layer's stiffness K = k_v a_v (skin.layer, and the vertex's area) the law is ContactRow's with
+///   f_n = K min(max(d, 0), most_depths skin.layer_depth)
 /// Forces act along and across the normal of where the point was at the step's start, as the tissue's forces are those
 /// of it, so contact never creates energy; f_t is its own memory of the stick, so static friction does not creep. A
 /// point that is deep in the tool is pushed out by the side it came in by (tool_side.h). A vertex whose position is not

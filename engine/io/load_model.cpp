@@ -16,6 +16,7 @@
 #include "io/indent_script.h"
 #include "io/surface_file.h"
 #include "scene/scene_messages.h"
+#include "scene/scene_regions.h"
 #include "setup/choose_time_step.h"
 #include "setup/discretize.h"
 #include "setup/mixtures.h"
@@ -198,6 +199,33 @@ void checkTools(const Scene& scene, const TriangleSurface& organ, const std::fun
   }
 }
 
+/// Materials that the organ has nothing of: a region that was meant to be elsewhere, or in another unit.
+void checkMaterials(const Scene& scene, const SurfaceTree& organ, const std::function<void(const std::string&)>& warn) {
+  constexpr int places = 12;  // along each axis
+  const Box3 box = boundingBox(organ.surface());
+  std::vector<Vec3> inside = organ.surface().vertices;
+  for (int k = 0; k < places * places * places; ++k) {
+    const Vec3 share(k % places + 0.5, k / places % places + 0.5, k / (places * places) + 0.5);
+    const Vec3 x = box.min() + share.cwiseProduct(box.sizes()) / places;
+    if (organ.inside(x)) inside.push_back(x);
+  }
+  for (std::size_t m = 0; m < scene.materials.size(); ++m) {
+    const MaterialSpec& material = scene.materials[m];
+    if (material.everywhere || material.membership || material.place.text().empty()) continue;
+    const Region& region = material.region;
+    const Vec3 middle = region.kind == Region::Kind::Box        ? Vec3((region.min + region.max) / 2)
+                        : region.kind == Region::Kind::Cylinder ? Vec3(region.point + region.height / 2 * region.normal)
+                                                                : region.point;
+    const bool has = organ.inside(middle) || std::any_of(inside.begin(), inside.end(),
+                                                         [&](const Vec3& x) { return contains(region, x, organ); });
+    if (!has)
+      warn(material.place.text() + ": material " + std::to_string(m + 1) +
+           (material.name.empty() ? "" : " (\"" + material.name + "\")") +
+           " is nowhere in the organ, and has no effect: its region lies beside it; are its numbers in m, where the "
+           "organ is after scaling?");
+  }
+}
+
 /// The scene as it is built on this organ.
 Scene readyScene(const Scene& as_read, const TriangleSurface& organ,
                  const std::function<void(const std::string&)>& warn) {
@@ -206,6 +234,8 @@ Scene readyScene(const Scene& as_read, const TriangleSurface& organ,
   Scene scene = has_points ? withPointBoundaries(as_read, SurfaceTree(organ), warn) : as_read;
   if (const std::string warning = sizeWarning(scene, organ); warn && !warning.empty()) warn(warning);
   checkTools(scene, organ, warn);
+  if (warn && std::any_of(scene.materials.begin(), scene.materials.end(), [](const auto& m) { return !m.everywhere; }))
+    checkMaterials(scene, SurfaceTree(organ), warn);
   return scene;
 }
 

@@ -41,7 +41,6 @@ void add(ByteKey& key, const RigidBodies& bodies) {
     if (!body.encloses || body.friction > 0) key.add(body.encloses, body.friction);  // else as a skull's was
     if (body.motion.moves()) add(key, body.motion);
   }
-  key.add(bodies.stiffness);
 }
 
 void add(ByteKey& key, const SurfaceLoads& loads) {
@@ -104,7 +103,7 @@ std::uint64_t modelHash(const Model& model) {
   add(key, model.boundary);
   if (!model.weight.empty()) key.add(model.weight);  // none: hashes are those of before
   if (!model.surface_loads.empty()) add(key, model.surface_loads);
-  key.add(model.skin.surface.vertices, model.skin.area, model.skin.node, model.skin.N, model.skin.bulk_stiffness);
+  key.add(model.skin.surface.vertices, model.skin.area, model.skin.node, model.skin.N, model.skin.layer);
   if (model.bodies.several()) key.add(model.bodies.body, model.bodies.friction);
   if (!model.rigid.empty()) add(key, model.rigid);  // none: hashes are those of before
   key.add(model.scene.dynamics.damping, model.scene.dynamics.rate_hz, model.dt, model.substeps_per_tick,

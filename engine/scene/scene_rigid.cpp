@@ -104,7 +104,7 @@ double largestSpeed(const RigidSpec& spec) {
 }
 
 RigidBodies rigidBodiesOf(const Scene& scene, const SurfaceTree& organ, const SkinModel& skin,
-                          const SpacingField& spacing, double young_modulus) {
+                          const SpacingField& spacing) {
   RigidBodies bodies;
   for (const RigidSpec& spec : scene.rigid) {
     RigidBody body;
@@ -118,7 +118,7 @@ RigidBodies rigidBodiesOf(const Scene& scene, const SurfaceTree& organ, const Sk
       body.shape = solidOf(spec.region);
     checkGap(spec, body.shape, organ, skin);
     const auto gap = spec.of_organ ? std::optional<double>(spec.clearance) : std::nullopt;
-    addRigidBody(std::move(body), skin, spacing, young_modulus, gap, bodies);
+    addRigidBody(std::move(body), skin, spacing, gap, bodies);
   }
   return bodies;
 }

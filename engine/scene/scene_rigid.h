@@ -8,7 +8,7 @@ namespace palpate {
 
 /// The scene's rigid bodies. Throws InputError where the organ reaches into one of them at rest.
 RigidBodies rigidBodiesOf(const Scene& scene, const SurfaceTree& organ, const SkinModel& skin,
-                          const SpacingField& spacing, double young_modulus);
+                          const SpacingField& spacing);
 
 /// The solid that a region is. @pre  a half-space, box, sphere or cylinder
 RigidShape solidOf(const Region& region);

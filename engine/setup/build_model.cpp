@@ -185,11 +185,20 @@ void addBodies(const Scene& scene, const SurfaceTree& tree, const CommonToPlaces
   }
 }
 
-/// Pa, of a material that keeps its volume.
-double softestYoung(const std::vector<Material>& materials) {
-  double softest = materials[0].shear_modulus;
-  for (const auto& m : materials) softest = std::min(softest, m.shear_modulus);
-  return 3 * softest;
+/// The contact layer, as stiff as the tissue beneath each vertex that the integration points see: elsewhere it may be
+/// softer.
+/// @param spacing  m, of the nodes where tools go
+void addLayer(double spacing, Model& model) {
+  SkinModel& skin = model.skin;
+  skin.layer_depth = layerDepth(smallestToolRadius(model.scene), spacing);
+  std::vector<float> of_material;
+  for (const Material& m : model.materials)
+    of_material.push_back(
+        static_cast<float>(layerModulus(m.bulk_modulus, m.shear_modulus + m.fibre_modulus / 3) / skin.layer_depth));
+  skin.layer.assign(skin.area.size(), of_material[0]);
+  if (of_material.size() == 1) return;
+  const std::vector<int> below = nearestPoints(model, skin.surface.vertices, model.bodies.body);
+  for (std::size_t v = 0; v < below.size(); ++v) skin.layer[v] = of_material[model.point_material[below[v]]];
 }
 
 /// Skin vertices that nodes move which displacements are imposed on (vertex_count); empty: there are none.
@@ -210,7 +219,7 @@ std::vector<std::uint8_t> besideHeld(const SkinModel& skin, const EssentialBound
 
 /// The skin as the contact reads it, and the tools before it.
 void addSkinAndTool(const Scene& scene, const SurfaceTree& tree, const CommonToPlaces* common, Model& model) {
-  SkinModel skin = common != nullptr ? common->skin : skinOf(scene, model.skin.surface);
+  SkinModel skin = common != nullptr ? common->skin : skinOf(model.skin.surface);
   skin.begin = std::move(model.skin.begin);
   skin.node = std::move(model.skin.node);
   skin.N = std::move(model.skin.N);
@@ -221,7 +230,8 @@ void addSkinAndTool(const Scene& scene, const SurfaceTree& tree, const CommonToP
     spacing.spacing = common->finest_spacing;
     spacing.refinements.clear();
   }
-  model.rigid = rigidBodiesOf(scene, tree, model.skin, spacing, softestYoung(model.materials));
+  addLayer(common != nullptr ? common->finest_spacing : scene.discretization.spacing, model);
+  model.rigid = rigidBodiesOf(scene, tree, model.skin, spacing);
   model.tools = makeToolSet(scene, tree, model.skin.surface);
   for (ToolSetUp& tool : model.tools.tool) {
     tool.max_force = maxToolForce(tool.max_force, tool.shape.radius, model.materials);
@@ -231,8 +241,8 @@ void addSkinAndTool(const Scene& scene, const SurfaceTree& tree, const CommonToP
 
 }  // namespace
 
-SkinModel skinOf(const Scene& scene, const TriangleSurface& surface) {
-  SkinModel skin = buildSkinModel(surface, {}, smallestToolRadius(scene), softestYoung(materialsOf(scene)));
+SkinModel skinOf(const TriangleSurface& surface) {
+  SkinModel skin = buildSkinModel(surface, {});
   skin.topology = std::make_shared<const SkinTopology>(makeSkinTopology(surface));
   return skin;
 }

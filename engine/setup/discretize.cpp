@@ -148,9 +148,11 @@ Discretization discretize(const Scene& scene, const SurfaceTree& organ, const st
 TriangleSurface refineForContact(const Scene& scene, const TriangleSurface& organ, int max_triangles) {
   const SpacingField spacing = spacingField(scene);
   const double by_tool = contactEdge(scene);
+  // What presses evenly is felt evenly only if the skin is no coarser than the nodes: a plate of 60 mm on a cube of 40
+  // mm touched it at 13 places, and had 0.7 of its force.
   const auto longestEdge = [&](const Vec3& x) {
     const double h = spacing.at(x);
-    return h < scene.discretization.spacing ? std::min(by_tool, h / 3) : by_tool;
+    return std::min(by_tool, h < scene.discretization.spacing ? h / 3 : h);
   };
   // At least so many: known at once, where refineSurface would need half a minute to find out.
   double faces = 0;

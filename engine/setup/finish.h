@@ -26,6 +26,6 @@ Model finish(const Scene& scene, const SurfaceTree& tree, Preparation preparatio
              const CommonToPlaces* common = nullptr);
 
 /// The skin as the contact reads it, but for its rows.
-SkinModel skinOf(const Scene& scene, const TriangleSurface& surface);
+SkinModel skinOf(const TriangleSurface& surface);
 
 }  // namespace palpate

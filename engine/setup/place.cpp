@@ -375,7 +375,8 @@ void addBodies(const Scene& as_read, const TriangleSurface& organ, Places& place
     // six 0.063 N.
     const double across = std::max(std::cbrt(signedVolume(closed)) / least_across,
                                    finestSpacing(signedVolume(closed), surfaceArea(closed), most_fine_nodes));
-    const double finest = std::min(sizes.fine, across), coarse = std::max(finest, of_body.coarse);
+    const double finest = std::min(sizes.fine, across),
+                 coarse = of_body.coarse > sizes.fine ? std::max(finest, of_body.coarse) : finest;
     sizes.coarse = std::max(sizes.coarse, coarse);
     places.body.push_back({withoutBalls(own, coarse), tree, {}, {}, finest});
   }
@@ -387,6 +388,7 @@ void addSkin(const Scene& as_read, Places& places) {
   TriangleSurface all;
   for (BodyPlaces& body : places.body) {
     Scene plain = body.scene;
+    plain.discretization.spacing = body.fine;
     plain.discretization.refine = finerThan(body.fine, as_read.discretization.refine);
     TriangleSurface& skin = body.common.skin = refineForContact(plain, body.surface.surface());
     body.common.gaps = std::make_shared<const SurfaceGaps>(gapsOf(body.scene, skin, body.surface));
@@ -396,7 +398,7 @@ void addSkin(const Scene& as_read, Places& places) {
   CommonToPlaces& common = places.common;
   common.finest_spacing = places.sizes.fine;
   for (const BodyPlaces& body : places.body) common.finest_spacing = std::min(common.finest_spacing, body.fine);
-  common.skin = skinOf(places.scene, all);
+  common.skin = skinOf(all);
   common.bodies = makeSkinBodies(common.skin, places.scene.discretization.spacing);
 }
 

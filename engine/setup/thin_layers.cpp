@@ -21,6 +21,44 @@ constexpr std::array<std::array<double, 4>, 11> samples{{{.25, .25, .25, .25},
                                                          {.1, .4, .1, .4},
                                                          {.1, .1, .4, .4}}};
 constexpr double seen = 0.25;  // missed share, up to which a material counts as seen
+/// Of the body, that a material has at least to count: what is smaller is felt nowhere but beside it.
+constexpr double least_share = 0.002;
+
+/// What the cells have of each material, and miss of it.
+class Shares {
+ public:
+  Shares(const Scene& scene, const SurfaceTree& organ, const std::vector<Vec3>& X)
+      : scene_(scene), organ_(organ), X_(X), volume(scene.materials.size()), missed(volume), unlike(volume) {}
+
+  double sizeOf(const std::array<int, 4>& cell) const {
+    const auto& [i, j, k, l] = cell;
+    return std::abs((X_[j] - X_[i]).cross(X_[k] - X_[i]).dot(X_[l] - X_[i])) / 6;
+  }
+
+  /// By the materials at places in a cell that is taken for `own`.
+  void sample(const std::array<int, 4>& cell, std::size_t own) {
+    const auto& [i, j, k, l] = cell;
+    const double part = sizeOf(cell) / static_cast<double>(samples.size());
+    for (const auto& share : samples) {
+      const Vec3 x = share[0] * X_[i] + share[1] * X_[j] + share[2] * X_[k] + share[3] * X_[l];
+      const auto there = static_cast<std::size_t>(materialAt(scene_, x, organ_));
+      volume[there] += part;
+      if (there == own) continue;
+      const auto [softer, stiffer] =
+          std::minmax(scene_.materials[there].material.shear_modulus, scene_.materials[own].material.shear_modulus);
+      missed[there] += part;
+      unlike[there] += part * (1 - softer / stiffer);
+    }
+  }
+
+ private:
+  const Scene& scene_;
+  const SurfaceTree& organ_;
+  const std::vector<Vec3>& X_;
+
+ public:
+  std::vector<double> volume, missed, unlike;  // (material_count) m^3; the last weighted by how unlike they are
+};
 
 }  // namespace
 
@@ -32,31 +70,29 @@ ThinLayer thinnestLayer(const Scene& scene, const SurfaceTree& organ, const std:
   if (count < 2 || mixes) return {};
   std::vector<int> of_node;
   for (const Vec3& x : X) of_node.push_back(materialAt(scene, x, organ));
-  std::vector<double> volume(count), missed(count), unlike(count);
+  // What has no node may lie within cells; but a shell, whose depth takes long to find, has all nodes on the surface.
+  const bool has_shell = std::any_of(scene.materials.begin(), scene.materials.end(), [](const MaterialSpec& m) {
+    return !m.everywhere && m.region.kind == Region::Kind::Shell;
+  });
+  Shares shares(scene, organ, X);
+  double whole = 0;
   for (std::size_t c = 0; c < cells.size(); ++c) {
-    const auto& [i, j, k, l] = cells[c];
     const auto own = static_cast<std::size_t>(cell_material[c]);
-    const double whole = std::abs((X[j] - X[i]).cross(X[k] - X[i]).dot(X[l] - X[i])) / 6;
-    if (std::all_of(cells[c].begin(), cells[c].end(), [&](int n) { return of_node[n] == cell_material[c]; })) {
-      volume[own] += whole;
-      continue;
-    }
-    for (const auto& share : samples) {
-      const Vec3 x = share[0] * X[i] + share[1] * X[j] + share[2] * X[k] + share[3] * X[l];
-      const auto there = static_cast<std::size_t>(materialAt(scene, x, organ));
-      const double part = whole / static_cast<double>(samples.size());
-      volume[there] += part;
-      if (there == own) continue;
-      const auto [softer, stiffer] =
-          std::minmax(scene.materials[there].material.shear_modulus, scene.materials[own].material.shear_modulus);
-      missed[there] += part;
-      unlike[there] += part * (1 - softer / stiffer);
-    }
+    const double size = shares.sizeOf(cells[c]);
+    whole += size;
+    if (has_shell &&
+        std::all_of(cells[c].begin(), cells[c].end(), [&](int n) { return of_node[n] == cell_material[c]; }))
+      shares.volume[own] += size;
+    else
+      shares.sample(cells[c], own);
   }
   ThinLayer worst;
-  for (std::size_t m = 0; m < count; ++m)
-    if (missed[m] > seen * volume[m] && unlike[m] > 2 * worst.error * volume[m])
-      worst = {static_cast<int>(m), unlike[m] / (2 * volume[m])};
+  for (std::size_t m = 0; m < count; ++m) {
+    const double volume = shares.volume[m];
+    if (volume < least_share * whole) continue;
+    if (shares.missed[m] > seen * volume && shares.unlike[m] > 2 * worst.error * volume)
+      worst = {static_cast<int>(m), shares.unlike[m] / (2 * volume)};
+  }
   return worst;
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "model/live_parameters.h"
 #include "step/rigid_stop.h"
 #include "step/tool_contact.h"
 #include "step/workspace.h"
@@ -143,7 +144,8 @@ ContactForces solveContacts(const Model& model, ToolPostures& tools, double alph
   const std::array<ToolHold, max_tools> guessed = holds;
   const double begin = static_cast<double>(state.step) * model.dt;
   const ContactForces forces =
-      solveContacts({model.skin, static_cast<float>(alpha), inverse_mass, state.u.data(), state.du.data()},
+      solveContacts({model.skin, static_cast<float>(alpha), inverse_mass, state.u.data(), state.du.data(),
+                     settled_change, static_cast<float>(std::max(1.0, stiffening(model, state.live)))},
                     {{touching.data(), bodies},
                      held,
                      &state.skins,

@@ -15,7 +15,7 @@ SpringBed undampedBed(double stiffer) {
   SpringBed::Spec spec = tissueLike();
   spec.damping = 0.0;
   SpringBed bed(spec);
-  bed.skin.bulk_stiffness *= stiffer;
+  bed.stiffenLayer(stiffer);
   return bed;
 }
 
@@ -31,7 +31,7 @@ TEST_CASE("Friction: drags with mu N, sticks below, and does not creep", "[conta
     move(bed, plate, 200, Vec3::Zero(), mu);
     move(bed, plate, 100, 0.002 * Vec3::UnitX(), mu);  // 0.4 mm aside, gently
     const Vec3 stuck = move(bed, plate, 200, Vec3::Zero(), mu);
-    const double k = bed.skin.bulk_stiffness, kappa = bed.spec.lateral, aside = bed.pose.position.x();
+    const double k = bed.layer(), kappa = bed.spec.lateral, aside = bed.pose.position.x();
     const double area = std::pow(2.0 * bed.spec.half_width, 2);
     CHECK(-stuck.x() == Approx(area * aside * kappa * k / (kappa + k)).epsilon(1e-3));
     CHECK(-stuck.x() < mu * stuck.z());
@@ -183,7 +183,7 @@ TEST_CASE("The step's limit does not depend on the layer's stiffness", "[contact
   const double stiffer[3] = {1.0, 100.0, 1e5};
   for (int i : {0, 1, 2}) {
     SpringBed bed(tissueLike());
-    bed.skin.bulk_stiffness *= stiffer[i];
+    bed.stiffenLayer(stiffer[i]);
     bed.place(tool, tipAt(0.0003, 0.0007, 0.0));
     move(bed, tool, 200, 0.01 * kDown);
     force[i] = move(bed, tool, 300, Vec3::Zero()).z();

@@ -15,7 +15,7 @@ TEST_CASE("A plate on the whole bed: springs and contact layer in series", "[con
   bed.place(plate, tipAt(0, 0, 0.001));
   move(bed, plate, 100, 0.02 * kDown);  // to 3 mm depth
   const Vec3 force = move(bed, plate, 300, Vec3::Zero());
-  const double depth = -bed.pose.position.z(), k = bed.skin.bulk_stiffness, kappa = bed.spec.foundation;
+  const double depth = -bed.pose.position.z(), k = bed.layer(), kappa = bed.spec.foundation;
   const double area = std::pow(2.0 * bed.spec.half_width, 2);
   REQUIRE(depth == Approx(0.003).epsilon(1e-9));
   CHECK(force.z() == Approx(area * depth * kappa * k / (kappa + k)).epsilon(1e-4));
@@ -101,7 +101,7 @@ TEST_CASE("The contact law holds at the end of a step, vertex by vertex", "[cont
     REQUIRE(bed.contact.contact_count > 5);
     for (int k = 0; k < bed.contact.count; ++k) {
       const int v = bed.contact.vertex[k];
-      const double K = bed.skin.bulk_stiffness * bed.skin.area[v];
+      const double K = bed.layer() * bed.skin.area[v];
       const Vec3 end = skinPosition(bed.skin, v, bed.u.data()), local = to.toLocal(end);
       const ToolDistance d = toolDistance(tool, local);
       const Vec3 normal = to.orientation * d.normal, force = toVec3(bed.contact.force[k]);

@@ -61,7 +61,9 @@ struct SpringBed {
         }
       }
     }
-    skin = buildSkinModel(surface, shape, s.tool_radius, s.young);
+    skin = buildSkinModel(surface, shape);
+    skin.layer_depth = 0.002 * s.tool_radius;
+    skin.layer.assign(skin.area.size(), static_cast<float>(s.young / skin.layer_depth));
     skin.topology = std::make_shared<const SkinTopology>(makeSkinTopology(surface));
     scratch = ContactScratch(skin);
     const double node_area = s.node_spacing * s.node_spacing;
@@ -129,6 +131,12 @@ struct SpringBed {
     contact = makeContactState(skin, tool);
   }
 
+  /// Pa/m, of the contact layer, which is the same everywhere.
+  double layer() const { return static_cast<double>(skin.layer[0]); }
+  void stiffenLayer(double times) {
+    for (float& k : skin.layer) k *= static_cast<float>(times);
+  }
+
   /// Force of the ground on node i, N.
   Vec3 springForce(int i) const {
     return -area[i] * Vec3(spec.lateral, spec.lateral, spec.foundation).cwiseProduct(toVec3(u[i]));
@@ -151,7 +159,7 @@ struct SpringBed {
       e += 0.5 * (spec.tension * stretchAt(i, u) - springForce(i)).dot(before);
     }
     for (int k = 0; k < contact.count; ++k) {
-      const double K = skin.bulk_stiffness * skin.area[contact.vertex[k]];
+      const double K = layer() * skin.area[contact.vertex[k]];
       e += 0.5 * toVec3(contact.force[k]).squaredNorm() / K;
     }
     return e;

@@ -117,6 +117,28 @@ TEST_CASE("Tools that start at one place are refused - of one that never touches
   CHECK_THROWS_WITH(loadModel(scene), Contains("tools 1 and 2 start at one place"));
 }
 
+TEST_CASE("A material whose region has nothing of the organ is told, with its place", "[load_model]") {
+  Scene scene = test::blockScene();
+  MaterialSpec material = scene.materials[0];
+  material.name = "cyst";
+  material.everywhere = false;
+  material.place = {"block.toml", 9, 1};
+  material.region.kind = Region::Kind::Sphere;
+  material.region.radius = 0.002;
+  std::vector<std::string> warnings;
+  const auto told = [&](const Vec3& centre) {
+    warnings.clear();
+    material.region.point = centre;
+    scene.materials.resize(1);
+    scene.materials.push_back(material);
+    loadModel(scene, {}, ModelCache(), [&](const std::string& line) { warnings.push_back(line); });
+    return !warnings.empty();
+  };
+  CHECK(told(Vec3(1, 1, 1)));
+  CHECK_THAT(warnings.at(0), Contains("block.toml:9:1: material 2 (\"cyst\") is nowhere in the organ"));
+  CHECK_FALSE(told(Vec3(0.01, 0.01, 0.015)));  // however small
+}
+
 TEST_CASE("Where the cloud follows, a model is that of the place where the tool will be", "[load_model][whole]") {
   Scene scene = test::barScene();
   scene.discretization.follow = true;

@@ -211,6 +211,33 @@ TEST_CASE("Two confined blocks that are pressed together are one twice as high",
   CHECK(report.flags == 0);
 }
 
+TEST_CASE("Two stiff blocks that slide on each other's faces stay where they came to rest",
+          "[simulation][skin_contact]") {
+  Scene scene = test::blockScene(0.006);
+  scene.materials[0].material.set("young", 1e5);
+  scene.materials[0].material.set("poisson", 0.45);
+  scene.boundaries.clear();
+  scene.dynamics.damping = 10;
+  scene.organs[0].size = Vec3(0.03, 0.03, block);
+  scene.organs.push_back(scene.organs[0]);
+  scene.organs[1].position = Vec3(0, 0, block);
+  scene.tools[0].position = Vec3(0, 0, 0.3);
+  for (const int organ : {0, 1}) {
+    addBoundary(scene, organ, Vec3(-0.015, 0, 0), Vec3::UnitX(), {true, false, false});
+    addBoundary(scene, organ, Vec3(0, -0.015, 0), Vec3::UnitY(), {false, true, false});
+  }
+  addBoundary(scene, 0, Vec3::Zero(), Vec3::UnitZ(), {false, false, true});
+  addBoundary(scene, 1, Vec3(0, 0, 2 * block), Vec3::UnitZ(), {false, false, true}, 0.004);
+  scene.boundaries.back().duration = 0.3;
+  const Model model = modelOf(scene);
+  State state = initialState(model);
+  run(model, state, 450, 2);
+  double fastest = 0;  // m/s
+  for (const Float4& du : state.du) fastest = std::max(fastest, toVec3(du).norm() / model.dt);
+  std::printf("two stiff blocks: %.2g m/s\n", fastest);
+  CHECK(fastest < 0.01);  // with pairs of a tick ago 2 m/s, and more and more
+}
+
 TEST_CASE("Two balls meet as Hertz says", "[simulation][skin_contact][whole]") {
   constexpr double R = 0.03, gap = 5e-4, closing = 1e-3;
   Scene scene = test::blockScene(0.006);

@@ -54,3 +54,22 @@ TEST_CASE("Layers that nodes resolve, and those that hardly differ, are no error
     CHECK(layerWarning(model).empty() == (model.thin_layer < 0));
   }
 }
+
+TEST_CASE("A layer that lies within cells, with no node in it, is told and doubted, too", "[simulation][resolution]") {
+  Scene scene = layered(0.015, 100, 0.012);  // nodes are put on a border, but not on this slab's
+  scene.materials[1].region.kind = Region::Kind::NearPlane;
+  scene.materials[1].region.point = Vec3(0, 0, 0.0249);
+  scene.materials[1].region.distance = 0.0004;
+  for (const double height : {0.0249, 0.021, 0.018, 0.027}) {
+    scene.materials[1].region.point.z() = height;
+    const Model model = test::blockModel(scene);
+    CAPTURE(height, model.nodeCount());
+    CHECK(model.thin_layer == 1);
+    CHECK(model.layer_error > 0.15);
+  }
+  // A crumb is not.
+  scene.materials[1].region.kind = Region::Kind::Sphere;
+  scene.materials[1].region.point = Vec3(0.003, 0.002, 0.02);
+  scene.materials[1].region.radius = 0.001;
+  CHECK(test::blockModel(scene).thin_layer < 0);
+}

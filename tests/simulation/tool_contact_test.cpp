@@ -2,11 +2,66 @@
 
 #include <catch2/catch.hpp>
 
+#include "model/live_parameters.h"
 #include "step/step.h"
+#include "step/tool_bodies.h"
 #include "step/workspace.h"
 #include "support/small_scene.h"
 
 using namespace palpate;
+
+namespace {
+
+/// N, of the first tool that is pressed in and held. @param live  in place of what was loaded, or null
+double pressedForce(const Scene& scene, double depth, const Material* live = nullptr) {
+  const Model model = test::blockModel(scene);
+  Workspace workspace(model, 2);
+  State state = initialState(model);
+  if (live != nullptr) setMaterial(model, 0, *live, state.live);
+  Command command = restCommand(model);
+  StepReport report;
+  for (int k = 1; k <= 200; ++k) {
+    command.tools[0].pose =
+        test::toolAt(model, model.tools.first().first_contact_travel + depth * std::min(1.0, k / 100.0));
+    report = tick(model, state, command, workspace);
+  }
+  return report.tool_force.norm();
+}
+
+}  // namespace
+
+TEST_CASE("What is soft elsewhere, and a tool that is small, are not felt through the contact's layer",
+          "[tool_contact]") {
+  Scene scene = test::blockScene(0.006);
+  scene.materials[0].material.set("young", 1e5);
+  const double alone = pressedForce(scene, 0.001);
+  scene.materials.push_back(scene.materials[0]);
+  MaterialSpec& cyst = scene.materials[1];
+  cyst.everywhere = false;
+  cyst.region.kind = Region::Kind::Sphere;
+  cyst.region.point = Vec3(-0.022, -0.022, 0.008);
+  cyst.region.radius = 0.007;
+  cyst.material.set("young", 300);
+  CHECK(pressedForce(scene, 0.001) == Approx(alone).epsilon(0.005));  // was half of it
+
+  Scene wide = test::blockScene(0.006);  // a fifth of what it pressed was in the layer
+  wide.tools[0].shape.radius = 0.3;
+  wide.tools[0].position.z() = 0.031;
+  const double by_one = pressedForce(wide, 0.001);
+  wide.tools.push_back(wide.tools[0]);
+  wide.tools[1].shape.radius = 0.004;
+  wide.tools[1].position = Vec3(0, 0, 0.7);
+  CHECK(pressedForce(wide, 0.001) == Approx(by_one).epsilon(0.01));
+}
+
+TEST_CASE("Tissue that is made stiffer live is touched as if it had been loaded so", "[tool_contact]") {
+  Scene scene = test::blockScene();
+  scene.dynamics.time_step = 5e-5;  // both have room in it
+  Scene stiff = scene;
+  stiff.materials[0].material.set("young", 1.5e5);
+  const Material material = test::blockModel(stiff).materials[0];
+  CHECK(pressedForce(scene, 0.001, &material) == Approx(pressedForce(stiff, 0.001)).epsilon(0.01));
+}
 
 TEST_CASE("Without friction a sphere's forces pass through its centre: the torque about its tip is known",
           "[tool_contact]") {

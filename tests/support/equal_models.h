@@ -78,7 +78,7 @@ inline void requireSameModel(const Model& a, const Model& b) {
                                static_cast<double>(m.substeps_per_tick),
                                m.max_increment,
                                m.tools.tool[0].max_force,
-                               m.skin.bulk_stiffness};
+                               m.skin.layer_depth};
   };
   requireSameBits("numbers", numbers(a), numbers(b));
 }
