@@ -93,9 +93,8 @@ SkinModel buildSkinModel(const TriangleSurface& surface, const ShapeTable& shape
 double layerDepth(double tool_radius, double spacing) {
   // Of the radius. Larger: light touches read low (a sphere 0.03 R deep by about 1.5 %, in proportion) and penetration
   // shows. Smaller: more sweeps per step, and vertices knock as they enter, by about v sqrt(m_eff k a_v) where m_eff is
-  // the mass that the vertex feels. From 0.0005 to 0.01 the force at 10
-  // mm/s is smooth alike. A wide tool's layer is no deeper than that of one for which the nodes are made: a ball of 0.3
-  // m lost 17 %.
+  // the mass that the vertex feels. From 0.0005 to 0.01 the force at 10 mm/s is smooth alike. A wide tool's layer is no
+  // deeper than that of one for which the nodes are made: a ball of 0.3 m lost 17 %.
   constexpr double share = 0.002, spacings = 2;
   return share * std::min(tool_radius, spacings * spacing);
 }
