@@ -53,8 +53,8 @@ double layerDepth(double tool_radius, double spacing);
 
 /// Pa, by which the layer before a tissue goes: Young's modulus where its shape resists, 3 G, or a tenth of the wave
 /// modulus where its volume does: what is thin or held gives way by the latter alone, of which the layer would have 3 %
-/// at nu 0.49, and more than the tissue at 0.4999. (With a third or a sixth vertices knock as they enter, and the linear
-/// systems of sensitivities are not solved.)
+/// at nu 0.49, and more than the tissue at 0.4999. (With a third or a sixth vertices knock as they enter, and the
+/// linear systems of sensitivities are not solved.)
 /// @param bulk_modulus, shear_modulus  Pa
 double layerModulus(double bulk_modulus, double shear_modulus);
 

@@ -100,8 +100,8 @@ StepReport tick(const Model& model, State& state, const Command& command, Worksp
     if (command.lets_go[tool]) state.contact[b].count = 0, total.flags |= kLetsGo;
     forBody(b, findFaceSamples);
   }
-  // Skins that touch are looked at again within a tick of many steps: what is so stiff swings as fast as ticks come, and
-  // normals of a tick ago drive it (two blocks of 100 kPa, one on the other, shook themselves apart).
+  // Skins that touch are looked at again within a tick of many steps: what is so stiff swings as fast as ticks come,
+  // and normals of a tick ago drive it (two blocks of 100 kPa, one on the other, shook themselves apart).
   constexpr int steps_of_look = 2;
   for (int k = 1; k <= model.substeps_per_tick; ++k) {
     if ((k - 1) % steps_of_look == 0)
