@@ -42,14 +42,16 @@ std::vector<FitFamily> fitFamilies(const Scene& scene, const ContactRegion& plac
   };
   const double given = scene.dynamics.mass_scaling, more = std::max(given, some_mass);
   if (scene.discretization.follow) {  // it knows itself where nodes are worth it
-    for (const double mass : {given, more})
-      if (mass == given || mass > given)
-        families.push_back({"a cloud that follows" + (mass > 0 ? format(", mass_scaling %g", mass) : ""),
-                            [mass](Scene& s) {
-                              s.dynamics.time_step = 0;
-                              s.dynamics.mass_scaling = mass;
-                            },
-                            1});
+    const auto follows = [&](const std::string& name, double mass) {
+      families.push_back({name,
+                          [mass](Scene& s) {
+                            s.dynamics.time_step = 0;
+                            s.dynamics.mass_scaling = mass;
+                          },
+                          1});
+    };
+    follows("a cloud that follows", given);
+    if (more > given) follows(format("a cloud that follows, mass_scaling %g", more), more);
     return families;
   }
   add(scene.discretization.support_factor, 1, given);

@@ -159,8 +159,8 @@ Study studyOf(const Scene& scene, const FollowOptions& options) {
   PlaceShelf shelf(places);
   // The same trade as uniform clouds make by their spacing.
   std::map<double, std::pair<Places, std::unique_ptr<PlaceShelf>>> others;
-  for (const double factor : {0.8, 1.4}) {
-    if (options.quick || !scene.discretization.follow) break;
+  const bool trades = !options.quick && scene.discretization.follow;
+  for (const double factor : trades ? std::vector{0.8, 1.4} : std::vector<double>()) {
     Scene scaled = scene;
     scaleSpacing(scaled, factor);
     auto& other = others.try_emplace(factor, makePlaces(scaled, organ), nullptr).first->second;
