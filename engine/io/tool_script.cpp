@@ -50,8 +50,6 @@ ToolScript::Keyframe fromStart(const ToolScript& script, ToolScript::Keyframe ke
 
 }  // namespace
 
-std::span<const KeySpec> toolScriptKeys() { return script_keys; }
-
 std::string toolScriptReference() {
   return "### Top level\n\n" + keyReference(script_keys, "") + "\n### `[[keyframe]]`\n\n" +
          keyReference(script_keys, "keyframe");

@@ -1,12 +1,10 @@
 #pragma once
 
-#include <span>
 #include <string>
 #include <vector>
 
 #include "base/input_error.h"
 #include "base/types.h"
-#include "io/key_spec.h"
 
 namespace palpate {
 
@@ -42,8 +40,7 @@ Pose poseAt(const ToolScript& script, const Pose& start, double first_contact_tr
 /// How far jaws are open at a time, m. @param start  as at the start
 double openingAt(const ToolScript& script, double start, double time);
 
-/// Every key a tool script may have, and their reference as Markdown.
-std::span<const KeySpec> toolScriptKeys();
+/// The reference of every key a tool script may have, as Markdown.
 std::string toolScriptReference();
 
 }  // namespace palpate

@@ -64,9 +64,8 @@ class CoupledTool final : public ToolMotion {
   /// (any thread) How often.
   std::uint32_t putBacks() const { return put_backs_.load(std::memory_order_relaxed); }
 
-  /// N/m, D above along the normal and across it.
+  /// N/m, D above along the normal.
   double normalHold() const { return normal_hold_; }
-  double tangentHold() const { return tangent_hold_; }
 
  private:
   DeviceTargetSlot targets_{DeviceTarget{}};
