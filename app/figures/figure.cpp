@@ -7,18 +7,16 @@
 
 namespace palpate::app {
 
-Histogram histogramOf(const std::vector<double>& values, int bin_count, bool log_x) {
+Histogram histogramOf(const std::vector<double>& values, int bin_count) {
   Range range;
-  for (const double value : values) range.add(value, log_x);
+  for (const double value : values) range.add(value, false);
   Histogram histogram;
-  histogram.log_x = log_x;
   histogram.counts.assign(std::max(1, bin_count), 0.0);
   if (range.empty) return histogram;
-  if (!(range.high > range.low)) range = aired(range, log_x, 0.1);
+  if (!(range.high > range.low)) range = aired(range, false, 0.1);
   histogram.low = range.low;
   histogram.high = range.high;
   Axis bins;
-  bins.log = log_x;
   bins.low = range.low;
   bins.high = range.high;
   bins.end = static_cast<double>(histogram.counts.size());

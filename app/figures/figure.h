@@ -55,7 +55,6 @@ struct Figure {
 /// Bars over bins that are equally wide on the x axis.
 struct Histogram {
   std::string title, x_label, y_label = "Count";
-  bool log_x = false;
   bool log_counts = true;      // single late values among many stay visible
   double low = 0, high = 1;    // of all bins
   std::vector<double> counts;  // (bin_count)
@@ -64,7 +63,7 @@ struct Histogram {
 };
 
 /// Counts of the finite values, in bins over their whole range.
-Histogram histogramOf(const std::vector<double>& values, int bin_count, bool log_x = false);
+Histogram histogramOf(const std::vector<double>& values, int bin_count);
 
 /// The points than which no other is at most as large in both x and y, by rising x: what a
 /// Step series joins. NaN never belongs to it.

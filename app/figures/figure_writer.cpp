@@ -34,7 +34,6 @@ DrawnFigure FigureWriter::draw(const Histogram& histogram, int width, int height
   figure.title = histogram.title;
   figure.x_label = histogram.x_label;
   figure.y_label = histogram.y_label;
-  figure.log_x = histogram.log_x;
   figure.log_y = histogram.log_counts;
   figure.x_low = histogram.low;
   figure.x_high = histogram.high;
@@ -44,15 +43,8 @@ DrawnFigure FigureWriter::draw(const Histogram& histogram, int width, int height
   for (const double count : histogram.counts) largest = std::max(largest, count);
   figure.y_low = foot;
   figure.y_high = histogram.log_counts ? largest * std::pow(largest / foot, 0.15) : 1.15 * largest;
-  Axis bins;
-  bins.log = histogram.log_x;
-  bins.low = histogram.low;
-  bins.high = histogram.high;
   const double bin_count = static_cast<double>(histogram.counts.size());
-  const auto edge = [&](double k) {
-    const double t = k / bin_count;
-    return bins.log ? bins.low * std::pow(bins.high / bins.low, t) : bins.low + t * (bins.high - bins.low);
-  };
+  const auto edge = [&](double k) { return histogram.low + k / bin_count * (histogram.high - histogram.low); };
   for (std::size_t k = 0; k < histogram.counts.size(); ++k) {
     if (!(histogram.counts[k] > 0)) continue;
     const double count = histogram.counts[k];
