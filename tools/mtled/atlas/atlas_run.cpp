@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "base/interrupt.h"
-#include "batch/transient_solver.h"
 #include "realtime/loop/simulation_loop.h"
 #include "realtime/loop/watchdog.h"
 #include "setup/build_model.h"
@@ -188,18 +187,6 @@ static AtlasRun driveIn(Body&& body, const Model& model, const AtlasDrive& drive
 
 AtlasRun drive(const Model& model, const AtlasDrive& drive) {
   return drive.yields ? driveIn(InLoop(model, drive), model, drive) : driveIn(Bare(model, drive), model, drive);
-}
-
-std::vector<Reaction> driveInDouble(const Model& model, const AtlasDrive& drive) {
-  const Schedule schedule(model, drive);
-  TransientSolver solver(model, 1);
-  Mean reaction;
-  for (int k = 0; k < schedule.ticks; ++k) {
-    if (k % look_every == 0 && interrupted()) throw AtlasInterrupted();
-    if (!solver.tick().finite) return unknown(model);
-    if (k >= schedule.measured) reaction.add(solver.body().reactions());
-  }
-  return reaction.value();
 }
 
 AtlasMeasure compare(const AtlasRun& run, const std::string& what, double value, double truth, double bound) {

@@ -44,10 +44,6 @@ struct AtlasRun {
 /// drive or to the loss. Throws AtlasInterrupted.
 AtlasRun drive(const Model& model, const AtlasDrive& drive);
 
-/// The same motion in double (TransientSolver), without a tool: mean reactions as above. NaN where it does not stay
-/// finite.
-std::vector<Reaction> driveInDouble(const Model& model, const AtlasDrive& drive);
-
 /// Sets what was compared. @return the measure, for a cell to hand on
 AtlasMeasure compare(const AtlasRun& run, const std::string& what, double value, double truth, double bound);
 
