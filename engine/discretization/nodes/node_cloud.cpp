@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <sstream>
 
 #include "discretization/nodes/node_scatter.h"
@@ -68,29 +67,6 @@ NodeCloud makeNodeCloud(const SurfaceTree& surface, const SpacingField& spacing,
     throw InputError(spacing.place, problem.str(), "use a smaller spacing");
   }
   return cloud;
-}
-
-CloudStatistics cloudStatistics(const NodeCloud& cloud, const SurfaceTree& surface, const SpacingField& spacing) {
-  SiteGrid grid(boundingBox(surface.surface()), std::sqrt(spacing.smallest() * spacing.largest()));
-  for (const Vec3& x : cloud.X) grid.add({x, Vec3::Zero(), spacing.at(x)});
-
-  CloudStatistics statistics;
-  statistics.closest = statistics.depth = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i < cloud.X.size(); ++i) {
-    const Vec3& x = cloud.X[i];
-    const double h = spacing.at(x);
-    double nearest = std::numeric_limits<double>::infinity();
-    for (double radius = h; std::isinf(nearest) && radius < 1e3 * h; radius *= 2) {
-      grid.forEachWithin(x, radius, [&](int j, const Site& other) {
-        if (j != static_cast<int>(i)) nearest = std::min(nearest, (other.X - x).norm() * 2 / (h + other.h));
-        return true;
-      });
-    }
-    statistics.closest = std::min(statistics.closest, nearest);
-    statistics.mean_nearest += nearest / static_cast<double>(cloud.X.size());
-    if (!cloud.on_surface[i]) statistics.depth = std::min(statistics.depth, surface.closest(x).distance / h);
-  }
-  return statistics;
 }
 
 }  // namespace palpate

@@ -42,12 +42,4 @@ NodeCloud makeNodeCloud(const SurfaceTree& surface, const SpacingField& spacing,
                         const std::vector<FeatureEdges::Chain>& rims = {},
                         const std::function<void(double)>& progress = {});
 
-/// How well a cloud keeps the spacing that was asked for.
-struct CloudStatistics {
-  double closest = 0;       // min over pairs of distance / h (h: mean of the two nodes' spacings)
-  double mean_nearest = 0;  // mean over nodes of nearest distance / h
-  double depth = 0;         // min over inner nodes of distance to the surface / h; infinity without any
-};
-CloudStatistics cloudStatistics(const NodeCloud& cloud, const SurfaceTree& surface, const SpacingField& spacing);
-
 }  // namespace palpate

@@ -7,17 +7,12 @@
 
 #include "discretization/bodies.h"
 #include "discretization/cells/background_cells.h"
+#include "discretization/cloud_statistics.h"
 #include "discretization/surface/solids.h"
 
 using namespace palpate;
 
 namespace {
-
-SpacingField uniform(double h) {
-  SpacingField field;
-  field.spacing = h;
-  return field;
-}
 
 SpacingField ballIn(double coarse, double fine, const Vec3& centre, double radius) {
   SpacingField field = uniform(coarse);

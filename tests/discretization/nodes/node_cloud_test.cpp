@@ -6,18 +6,13 @@
 #include <vector>
 
 #include "discretization/bodies.h"
+#include "discretization/cloud_statistics.h"
 #include "discretization/nodes/node_cloud.h"
 #include "discretization/surface/surface_geometry.h"
 
 using namespace palpate;
 
 namespace {
-
-SpacingField uniform(double h) {
-  SpacingField field;
-  field.spacing = h;
-  return field;
-}
 
 int countOnSurface(const NodeCloud& cloud) {
   int count = 0;
