@@ -51,9 +51,7 @@ class Page {
   void writeWrapped(float y, const std::string& text, float px, ImU32 colour) {
     list_.AddText(font_, px, {margin, y}, colour, text.c_str(), text.c_str() + text.size(), page_width - 2 * margin);
   }
-  void rule(float y, float thickness = 1.5F) {
-    list_.AddLine({margin, y}, {page_width - margin, y}, paper::frame, thickness);
-  }
+  void rule(float y) { list_.AddLine({margin, y}, {page_width - margin, y}, paper::frame, 1.5F); }
   /// A name and its value, in one of two columns.
   void row(int column, float y, const std::string& name, const std::string& value, bool bad = false) {
     const float half = 0.5F * (page_width - 2 * margin), gap = 28;

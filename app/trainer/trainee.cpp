@@ -13,6 +13,7 @@ constexpr double rise_begin = 0.6;     // of the depth
 constexpr double held_margin = 0.015;  // m, from what is held
 constexpr double facing = 0.45;        // cosine between skin and tool, where it presses
 constexpr double around_steps = 4.5;   // of the places that a place is compared with
+constexpr double marked_ratio = 1.25;  // of the slope to the median around, from which a place is marked
 constexpr double alone_steps = 3;      // within which only the stiffest is marked
 
 double smooth(double s) {
@@ -100,7 +101,7 @@ Pose Trainee::next(const State&, const StepReport& last) {
   return pose;
 }
 
-std::vector<Vec3> Trainee::marks(double ratio) const {
+std::vector<Vec3> Trainee::marks() const {
   std::vector<Vec3> marked;
   for (std::size_t a = 0; a < places_.size(); ++a) {
     std::vector<double> around;
@@ -111,7 +112,7 @@ std::vector<Vec3> Trainee::marks(double ratio) const {
       if (b != a && distance < alone_steps * step_ && slopes_[b] > slopes_[a]) highest = false;
     }
     std::nth_element(around.begin(), around.begin() + static_cast<std::ptrdiff_t>(around.size() / 2), around.end());
-    if (highest && slopes_[a] > ratio * around[around.size() / 2]) marked.push_back(places_[a].point);
+    if (highest && slopes_[a] > marked_ratio * around[around.size() / 2]) marked.push_back(places_[a].point);
   }
   return marked;
 }

@@ -23,10 +23,10 @@ class Trainee final : public ToolMotion {
   const std::vector<SkinSurface::Place>& places() const { return places_; }
   const std::vector<double>& slopes() const { return slopes_; }  // (place_count) N/m
 
-  /// Places whose slope is the highest within three steps (both sides of a lump are one), and at least `ratio` times
+  /// Places whose slope is the highest within three steps (both sides of a lump are one), and at least 1.25 times
   /// the median of those around. Of the assets' first level places without a lump come to 1.19 times, those by one to
   /// 1.31.
-  std::vector<Vec3> marks(double ratio = 1.25) const;
+  std::vector<Vec3> marks() const;
 
  private:
   const double depth_, step_, rate_hz_;

@@ -39,10 +39,6 @@ void VertexValues::drop(int at) {
   value[static_cast<std::size_t>(count)] = {};
 }
 
-bool LiveLoads::operator==(const LiveLoads& other) const {
-  return gravity == other.gravity && forces == other.forces && pins == other.pins && region_shift == other.region_shift;
-}
-
 bool LiveLoads::any() const { return forces.count > 0 || pins.count > 0 || !gravity.isZero(0) || region_shift.any(); }
 
 bool LiveLoads::setForce(int at, const Vec3& newtons) {

@@ -27,7 +27,7 @@ struct LiveLoads {
   VertexValues pins;            // m, where the vertex is held
   BoundaryShifts region_shift;  // that are wanted, beside the scene's own motions
 
-  bool operator==(const LiveLoads& other) const;
+  bool operator==(const LiveLoads& other) const = default;
   bool any() const;
 
   /// The force at a vertex of the skin from now on, N; 0: none.

@@ -8,13 +8,17 @@
 namespace palpate {
 namespace {
 
+/// Of the angle from which an edge is sharp, rad: above what a coarse but smooth mesh has (a round of 9 faces), below a
+/// right angle.
+const double smooth_cosine = std::cos(0.698);
+
 struct CornerEdge {
   int a, b;  // vertices, a < b
   int face;
 };
 
 /// Pairs of vertices joined by a sharp edge, sorted. An edge without exactly two faces counts as sharp.
-std::vector<std::array<int, 2>> sharpEdges(const TriangleSurface& surface, double angle) {
+std::vector<std::array<int, 2>> sharpEdges(const TriangleSurface& surface) {
   std::vector<CornerEdge> edges;
   edges.reserve(3 * surface.triangles.size());
   std::vector<Vec3> normal(surface.triangles.size());
@@ -33,7 +37,7 @@ std::vector<std::array<int, 2>> sharpEdges(const TriangleSurface& surface, doubl
   for (std::size_t begin = 0, end = 0; begin < edges.size(); begin = end) {
     const CornerEdge& edge = edges[begin];
     while (end < edges.size() && edges[end].a == edge.a && edges[end].b == edge.b) ++end;
-    const bool smooth = end - begin == 2 && normal[edge.face].dot(normal[edges[begin + 1].face]) >= std::cos(angle);
+    const bool smooth = end - begin == 2 && normal[edge.face].dot(normal[edges[begin + 1].face]) >= smooth_cosine;
     if (!smooth) sharp.push_back({edge.a, edge.b});
   }
   return sharp;
@@ -42,13 +46,13 @@ std::vector<std::array<int, 2>> sharpEdges(const TriangleSurface& surface, doubl
 /// Follows sharp edges from vertex to vertex.
 class Tracer {
  public:
-  Tracer(const TriangleSurface& surface, std::vector<std::array<int, 2>> edges, double angle)
+  Tracer(const TriangleSurface& surface, std::vector<std::array<int, 2>> edges)
       : surface_(surface), edges_(std::move(edges)), used_(edges_.size(), false), at_(surface.vertices.size()) {
     for (std::size_t e = 0; e < edges_.size(); ++e) {
       for (int v : edges_[e]) at_[v].push_back(static_cast<int>(e));
     }
     corner_.resize(at_.size());
-    for (std::size_t v = 0; v < at_.size(); ++v) corner_[v] = isCorner(static_cast<int>(v), angle);
+    for (std::size_t v = 0; v < at_.size(); ++v) corner_[v] = isCorner(static_cast<int>(v));
   }
 
   FeatureEdges trace() {
@@ -69,13 +73,13 @@ class Tracer {
  private:
   int otherEnd(int e, int v) const { return edges_[e][0] == v ? edges_[e][1] : edges_[e][0]; }
 
-  bool isCorner(int v, double angle) const {
+  bool isCorner(int v) const {
     if (at_[v].empty()) return false;
     if (at_[v].size() != 2) return true;
     const Vec3& x = surface_.vertices[v];
     const Vec3 in = (x - surface_.vertices[otherEnd(at_[v][0], v)]).normalized();
     const Vec3 out = (surface_.vertices[otherEnd(at_[v][1], v)] - x).normalized();
-    return in.dot(out) < std::cos(angle);
+    return in.dot(out) < smooth_cosine;
   }
 
   FeatureEdges::Chain follow(int start, int e) {
@@ -103,8 +107,6 @@ class Tracer {
 
 }  // namespace
 
-FeatureEdges findFeatureEdges(const TriangleSurface& surface, double angle) {
-  return Tracer(surface, sharpEdges(surface, angle), angle).trace();
-}
+FeatureEdges findFeatureEdges(const TriangleSurface& surface) { return Tracer(surface, sharpEdges(surface)).trace(); }
 
 }  // namespace palpate

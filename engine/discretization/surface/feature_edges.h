@@ -17,8 +17,7 @@ struct FeatureEdges {
   std::vector<Chain> chains;  // open ones run from corner to corner
 };
 
-/// Finds the edges at which the faces' normals differ by more than `angle` (rad), and links them.
-/// Default 40 degrees: above what a coarse but smooth mesh has (a round of 9 faces), below a right angle.
-FeatureEdges findFeatureEdges(const TriangleSurface& surface, double angle = 0.698);
+/// Finds the edges at which the faces' normals differ by more than 40 degrees, and links them.
+FeatureEdges findFeatureEdges(const TriangleSurface& surface);
 
 }  // namespace palpate

@@ -75,13 +75,13 @@ class VertexCells {
 
 }  // namespace
 
-int weldVertices(TriangleSurface& surface, SurfaceSource& source, double relative_tolerance) {
+int weldVertices(TriangleSurface& surface, SurfaceSource& source) {
   const int count = static_cast<int>(surface.vertices.size());
   for (const Vec3& v : surface.vertices) {
     if (!v.allFinite()) return 0;
   }
   const double diagonal = boundingBox(surface).diagonal().norm();
-  const double tolerance = relative_tolerance * diagonal;
+  const double tolerance = 1e-6 * diagonal;
   if (!std::isfinite(diagonal)) return 0;
 
   // In an order that no usual model is aligned with, each vertex takes those near it that no earlier one took.
@@ -94,7 +94,7 @@ int weldVertices(TriangleSurface& surface, SurfaceSource& source, double relativ
             [&](int v, int w) { return along[v] < along[w] || (along[v] == along[w] && v < w); });
   std::vector<int> joined(count);  // the lowest vertex of each group
   std::iota(joined.begin(), joined.end(), 0);
-  VertexCells cells(surface.vertices, std::max(tolerance, 1e-6 * diagonal));
+  VertexCells cells(surface.vertices, tolerance);
   std::vector<int> group;
   for (const int first : order) {
     if (!cells.holds(first)) continue;

@@ -4,11 +4,10 @@
 
 namespace palpate {
 
-/// Joins vertices closer than `relative_tolerance` times the bounding box's diagonal and drops those that
-/// no face uses. STL files, which repeat each vertex in each face, need it; so do OBJ files that were
-/// split along texture seams. Keeps `source` in step. A face that collapses by it stays, for checkSurface to
-/// refuse. Does nothing where a coordinate or the
+/// Joins vertices closer than a millionth of the bounding box's diagonal and drops those that no face uses. STL files,
+/// which repeat each vertex in each face, need it; so do OBJ files that were split along texture seams. Keeps `source`
+/// in step. A face that collapses by it stays, for checkSurface to refuse. Does nothing where a coordinate or the
 /// diagonal is not finite. Costs ~ vertex_count. Returns the number of vertices removed.
-int weldVertices(TriangleSurface& surface, SurfaceSource& source, double relative_tolerance = 1e-6);
+int weldVertices(TriangleSurface& surface, SurfaceSource& source);
 
 }  // namespace palpate

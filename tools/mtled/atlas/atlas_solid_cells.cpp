@@ -38,9 +38,9 @@ double equilibriumForce(const Scene& scene) {
 }
 
 /// Both ends held: no closed form, so the same model's equilibrium in double.
-AtlasMeasure bonded(double poisson, double stretch, double safety = 0.6) {
+AtlasMeasure bonded(double poisson, double stretch) {
   Scene scene = blockScene(BlockFaces::Bonded, young, poisson, stretch);
-  scene.dynamics.step_safety = safety;
+  scene.dynamics.step_safety = 0.6;
   const AtlasRun run = drive(loadModel(scene), blockDrive());
   if (run.lost()) return run.measure;
   return compare(run, "force / equilibrium", run.reaction[1].force.z(), equilibriumForce(scene), 0.02);
