@@ -314,29 +314,19 @@ TEST_CASE("The roofline has its roofs where the ceilings are and a point per row
   CHECK(figure.series[2].y == std::vector<double>{1000.0 / 260, 25, 1000.0 / 54});
 }
 
-TEST_CASE("A benchmark survives the way through JSON", "[bench_command]") {
+TEST_CASE("A benchmark in JSON holds what was measured", "[bench_command]") {
   BenchReport report = goodReport();
   report.command = "mtled bench";
   report.bodies[0].rows[0].bytes = not_a_number;
   report.bodies[0].rows[1].force_error = 1.0 / 3;
-  const std::string text = jsonOf(report);
-  const BenchReport back = benchReportFromJson(text);
-  CHECK(jsonOf(back) == text);
-  CHECK(back.machine.processor == "processor");
-  CHECK(back.ceilings[1].levels[0].capacity == 1000000);
-  CHECK(back.ceilings[1].fma_gflops[2] == 200);
-  CHECK(back.bodies[0].rows[1].force_error == 1.0 / 3);
-  CHECK(std::isnan(back.bodies[0].rows[0].bytes));
-
-  const auto json = nlohmann::json::parse(text);
+  const auto json = nlohmann::json::parse(jsonOf(report));
+  CHECK(json.at("machine").at("processor") == "processor");
+  CHECK(json.at("ceilings")[1].at("memory")[0].at("capacity_bytes") == 1000000);
+  CHECK(json.at("ceilings")[1].at("fma_float32_gflop_per_s").at(nameOf(InstructionSet::Avx512)) == 200);
+  CHECK(json.at("bodies")[0].at("rows")[1].at("force_error") == 1.0 / 3);
   CHECK(json.at("verdicts").size() == verdictsOf(report).size());
   CHECK(json.at("verdicts")[0].at("verdict") == "held");
   CHECK(json.at("bodies")[0].at("rows")[0].at("bytes_per_point").is_null());
-
-  auto broken = json;
-  broken.at("bodies")[0].at("rows")[0].erase("best_ns");
-  CHECK_THROWS_WITH(benchReportFromJson(broken.dump()), Contains("best_ns"));
-  CHECK_THROWS_AS(benchReportFromJson("{"), std::runtime_error);
 }
 
 TEST_CASE("Unusable options of bench are refused before the work", "[bench_command]") {

@@ -1,9 +1,9 @@
 #include "mtled/report/report_page.h"
 
 #include <catch2/catch.hpp>
-#include <cmath>
 #include <fstream>
 #include <limits>
+#include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "base/build_info.h"
@@ -131,21 +131,18 @@ TEST_CASE("The page has a summary, each case, its tables, bounds and pictures, a
   CHECK(page.substr(page.size() - 2) != "\n\n");
 }
 
-TEST_CASE("A report comes back from its JSON, NaN and infinities too", "[report]") {
+TEST_CASE("A report in JSON tells NaN from infinities", "[report]") {
   Report report = sampleReport();
   report.cases[1].bounds.push_back({"Blown up \"quoted\"", not_a_number, inf, true, "N", "n"});
-  const std::string json = jsonOf(report);
-  const Report back = reportFromJson(json);
-  CHECK(jsonOf(back) == json);
-  CHECK(markdownOf(back) == markdownOf(report));
-  REQUIRE(back.cases.size() == 2);
-  CHECK(back.cases[0].bounds[1].value == 41e-6);
-  CHECK(std::isnan(back.cases[1].bounds[1].value));
-  CHECK(back.cases[1].bounds[1].limit == inf);
-  CHECK_FALSE(back.cases[1].bounds[1].held());
-  CHECK(back.cases[0].tables[0].rows == report.cases[0].tables[0].rows);
-  CHECK_THROWS_AS(reportFromJson("{}"), std::runtime_error);
-  CHECK_THROWS_AS(reportFromJson("no json"), std::runtime_error);
+  const auto cases = nlohmann::json::parse(jsonOf(report)).at("cases");
+  REQUIRE(cases.size() == 2);
+  CHECK(cases[0].at("bounds")[1].at("value") == 41e-6);
+  const auto& blown = cases[1].at("bounds")[1];
+  CHECK(blown.at("quantity") == "Blown up \"quoted\"");
+  CHECK(blown.at("value") == "nan");
+  CHECK(blown.at("limit") == "inf");
+  CHECK(blown.at("held") == false);
+  CHECK(cases[0].at("tables")[0].at("rows") == report.cases[0].tables[0].rows);
 }
 
 TEST_CASE("A report's folder is made - one that can't be is named", "[report]") {

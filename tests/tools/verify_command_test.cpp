@@ -2,8 +2,8 @@
 
 #include <catch2/catch.hpp>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 
-#include "mtled/report/report_page.h"
 #include "mtled/verify/verification_case.h"
 #include "support/captured_output.h"
 #include "support/temp_folder.h"
@@ -45,21 +45,23 @@ TEST_CASE("verify approximation holds, and writes its results and its page", "[v
   REQUIRE(verify(options, &said) == 0);
   CHECK_THAT(said, Contains("approximation") && Contains("MMLS stands"));
 
-  const Report report = reportFromJson(readAll(options.json));
-  REQUIRE(report.cases.size() == 1);
-  CHECK(report.held());
-  CHECK(report.cases[0].name == "approximation");
-  CHECK(report.cases[0].bounds.size() > 5);
-  CHECK(report.cases[0].seconds > 0);
-  CHECK_THAT(report.command, Contains("verify approximation --quick"));
+  const auto report = nlohmann::json::parse(readAll(options.json));
+  REQUIRE(report.at("cases").size() == 1);
+  CHECK(report.at("held") == true);
+  const auto& approximation = report.at("cases")[0];
+  CHECK(approximation.at("name") == "approximation");
+  CHECK(approximation.at("bounds").size() > 5);
+  CHECK(approximation.at("seconds") > 0);
+  CHECK_THAT(report.at("command").get<std::string>(), Contains("verify approximation --quick"));
 
   CHECK(readAll(folder.path("page/results.json")) == readAll(options.json));
   const std::string page = readAll(folder.path("page/README.md"));
-  CHECK(report.cases[0].figures.empty() == !withoutPictures().empty());
+  CHECK(approximation.at("figures").empty() == !withoutPictures().empty());
   CHECK_THAT(page + said, Contains(withoutPictures()));
-  for (const auto& figure : report.cases[0].figures) {
-    CHECK_THAT(page, Contains(figure.file));
-    CHECK(readAll(folder.path("page/" + figure.file)).substr(1, 3) == "PNG");
+  for (const auto& figure : approximation.at("figures")) {
+    const std::string file = figure.at("file");
+    CHECK_THAT(page, Contains(file));
+    CHECK(readAll(folder.path("page/" + file)).substr(1, 3) == "PNG");
   }
 }
 

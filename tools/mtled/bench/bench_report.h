@@ -76,8 +76,4 @@ void printVerdicts(std::ostream& out, const BenchReport& report);
 /// All of it in JSON, verdicts included; NaN as null.
 std::string jsonOf(const BenchReport& report);
 
-/// Reads what jsonOf wrote, but for the verdicts, which follow from the rest. Throws std::runtime_error saying
-/// what is missing or of another type.
-BenchReport benchReportFromJson(const std::string& text);
-
 }  // namespace palpate::tools

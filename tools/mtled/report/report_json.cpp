@@ -1,8 +1,6 @@
 // The JSON of tools/mtled/report/report_page.h.
 #include <cmath>
-#include <limits>
 #include <nlohmann/json.hpp>
-#include <stdexcept>
 
 #include "mtled/report/report_page.h"
 
@@ -18,23 +16,9 @@ Json toJson(double value) {
   return value;
 }
 
-double toDouble(const Json& json) {
-  if (!json.is_string()) return json.get<double>();
-  const std::string text = json.get<std::string>();
-  if (text == "nan") return std::numeric_limits<double>::quiet_NaN();
-  if (text == "inf") return std::numeric_limits<double>::infinity();
-  if (text == "-inf") return -std::numeric_limits<double>::infinity();
-  throw std::runtime_error("'" + text + "' is no number");
-}
-
 Json toJson(const Bound& b) {
   return {{"quantity", b.quantity}, {"value", toJson(b.value)}, {"limit", toJson(b.limit)}, {"at_most", b.at_most},
           {"unit", b.unit},         {"note", b.note},           {"held", b.held()}};
-}
-
-Bound toBound(const Json& j) {
-  return {j.at("quantity"), toDouble(j.at("value")), toDouble(j.at("limit")), j.at("at_most"), j.at("unit"),
-          j.at("note")};
 }
 
 Json toJson(const CaseResult& one) {
@@ -48,21 +32,6 @@ Json toJson(const CaseResult& one) {
           {"bounds", bounds},           {"tables", tables},   {"figures", figures}};
 }
 
-CaseResult toCase(const Json& j) {
-  CaseResult one;
-  one.name = j.at("name");
-  one.title = j.at("title");
-  one.reference = j.at("reference");
-  one.text = j.at("text");
-  one.seconds = toDouble(j.at("seconds"));
-  for (const Json& b : j.at("bounds")) one.bounds.push_back(toBound(b));
-  for (const Json& t : j.at("tables"))
-    one.tables.push_back({t.at("title"), t.at("columns").get<std::vector<std::string>>(),
-                          t.at("rows").get<std::vector<std::vector<std::string>>>(), t.at("note")});
-  for (const Json& f : j.at("figures")) one.figures.push_back({f.at("file"), f.at("caption")});
-  return one;
-}
-
 }  // namespace
 
 std::string jsonOf(const Report& report) {
@@ -71,17 +40,6 @@ std::string jsonOf(const Report& report) {
   const Json json = {{"title", report.title},     {"intro", report.intro}, {"held", report.held()},
                      {"command", report.command}, {"build", report.build}, {"cases", cases}};
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
-}
-
-Report reportFromJson(const std::string& text) {
-  try {
-    const Json json = Json::parse(text);
-    Report report{json.at("title"), json.at("intro"), json.at("command"), json.at("build"), {}};
-    for (const Json& one : json.at("cases")) report.cases.push_back(toCase(one));
-    return report;
-  } catch (const nlohmann::json::exception& error) {
-    throw std::runtime_error(std::string("report in JSON: ") + error.what());
-  }
 }
 
 }  // namespace palpate::tools

@@ -35,9 +35,6 @@ std::string markdownOf(const Report& report);
 /// All of it in JSON; NaN and infinities as the strings "nan", "inf", "-inf".
 std::string jsonOf(const Report& report);
 
-/// Reads what jsonOf wrote. Throws std::runtime_error saying what is missing or of another type.
-Report reportFromJson(const std::string& text);
-
 /// Writes README.md and results.json into a folder, which is made where it is missing.
 /// Throws std::runtime_error that names the file and the reason.
 void writeReport(const std::string& folder, const Report& report);
