@@ -107,6 +107,10 @@ void readSceneFrom(const std::string& bytes) {
     holdRegion(boundary.region);
     hold(isUnit(boundary.axis), "a boundary's axis is no unit vector");
     hold(std::isfinite(boundary.translation.stableNorm()), "a boundary's way is not finite");
+    hold(std::isfinite(boundary.angle), "a boundary's angle is not finite");
+    hold(boundary.curve.time.size() == boundary.curve.fraction.size(),
+         "a curve's times and fractions differ in number");
+    hold(std::isfinite(boundary.curve.at(0.3, boundary.duration)), "a curve is not finite");
     hold(boundary.name == printable(boundary.name) && !boundary.name.empty() && boundary.name.front() != ' ',
          "a boundary's name can't be a column's");
     hold(std::none_of(scene.boundaries.begin(), scene.boundaries.begin() + static_cast<std::ptrdiff_t>(b),

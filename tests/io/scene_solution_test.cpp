@@ -2,7 +2,6 @@
 #include <cmath>
 #include <filesystem>
 #include <numbers>
-#include <random>
 
 #include "io/scene_file.h"
 #include "support/temp_folder.h"
@@ -244,36 +243,4 @@ TEST_CASE("Bad quadrature, motions and [solve] are refused at their place, with 
     CHECK_THAT(message, Contains(b.problem));
     CHECK_THAT(message, Contains(b.advice));
   }
-}
-
-TEST_CASE("Cut or damaged motions and [solve] are read or refused, never worse", "[io][scene][fuzz]") {
-  const SceneFolder folder;
-  std::mt19937 random(6);
-  int refused = 0, total = 0;
-  const auto tryReading = [&](const std::string& text) {
-    ++total;
-    try {
-      for (const BoundarySpec& boundary : folder.scene(text).boundaries) {
-        REQUIRE(boundary.axis.norm() == Approx(1).epsilon(1e-12));
-        REQUIRE(std::isfinite(boundary.angle));
-        REQUIRE(boundary.curve.time.size() == boundary.curve.fraction.size());
-        REQUIRE(std::isfinite(boundary.curve.at(0.3, boundary.duration)));
-      }
-    } catch (const InputError& error) {
-      ++refused;
-      REQUIRE_THAT(error.what(), Contains("s.toml"));
-    }
-  };
-  const std::size_t begin = solved_scene.find("[[prescribed]]");
-  for (std::size_t length = begin; length < solved_scene.size(); length += 5)
-    tryReading(solved_scene.substr(0, length));
-  for (int i = 0; i < 300; ++i) {
-    std::string damaged = solved_scene;
-    for (int k = 0; k < 2; ++k) {
-      damaged[begin + random() % (damaged.size() - begin)] = static_cast<char>(32 + random() % 95);
-    }
-    tryReading(damaged);
-  }
-  CHECK(refused > total / 2);
-  CHECK(refused < total);
 }
