@@ -176,10 +176,7 @@ TEST_CASE("Mass comes and goes without adding energy, and momentum is kept as it
 TEST_CASE("A boundary is imposed as exactly where the nodes that carry it have gained mass",
           "[follow_stiffness][whole]") {
   Scene scene = blockScene();
-  BoundarySpec top;
-  top.region.kind = Region::Kind::NearPlane;
-  top.region.point = Vec3(0, 0, scene.organs[0].size.z());
-  top.region.distance = 1e-6;
+  BoundarySpec top = test::planeBoundary(Vec3(0, 0, scene.organs[0].size.z()));
   top.translation = Vec3(0, 0, -0.4 * scene.organs[0].size.z());
   top.duration = 0.5;
   scene.boundaries.push_back(top);

@@ -16,21 +16,9 @@ Scene columnScene(double young) {
   scene.materials[0].material.set("young", young);
   scene.materials[0].material.set("poisson", 0.3);
   scene.dynamics.gravity = Vec3(0, 0, -9.81);
-  const auto wall = [&](const Vec3& point, const Vec3& normal, int component) {
-    BoundarySpec b;
-    b.region.kind = Region::Kind::NearPlane;
-    b.region.point = point;
-    b.region.normal = normal;
-    b.region.distance = 1e-6;
-    for (int c = 0; c < 3; ++c) b.component[c] = c == component;
-    scene.boundaries.push_back(b);
-  };
-  scene.boundaries.clear();
-  wall(Vec3::Zero(), Vec3::UnitZ(), 2);
-  for (const double side : {-0.03, 0.03}) {
-    wall(Vec3(side, 0, 0), Vec3::UnitX(), 0);
-    wall(Vec3(0, side, 0), Vec3::UnitY(), 1);
-  }
+  scene.boundaries = {test::roller(Vec3::Zero(), 2)};
+  for (const double side : {-0.03, 0.03})
+    for (int c = 0; c < 2; ++c) scene.boundaries.push_back(test::roller(side * Vec3::Unit(c), c));
   return scene;
 }
 

@@ -16,6 +16,7 @@
 using namespace palpate;
 using test::blockModel;
 using test::blockScene;
+using test::roller;
 using test::toolAt;
 
 namespace {
@@ -27,20 +28,8 @@ const std::vector<double> terms{0.3, 0.1, 0.2, 0.5};
 Model squeezedCube() {
   Scene scene = blockScene(0.013);
   scene.organs[0].size = Vec3::Constant(edge);
-  scene.boundaries.clear();
-  const auto plane = [&scene](const Vec3& point, int component) {
-    BoundarySpec b;
-    b.region.kind = Region::Kind::NearPlane;
-    b.region.point = point;
-    b.region.normal = Vec3::Unit(component);
-    b.region.distance = 1e-9;
-    for (int c = 0; c < 3; ++c) b.component[c] = c == component;
-    scene.boundaries.push_back(b);
-  };
-  plane(Vec3::Zero(), 2);
-  plane(Vec3(-edge / 2, 0, 0), 0);
-  plane(Vec3(0, -edge / 2, 0), 1);
-  plane(Vec3(0, 0, edge), 2);
+  scene.boundaries = {roller(Vec3::Zero(), 2), roller(Vec3(-edge / 2, 0, 0), 0), roller(Vec3(0, -edge / 2, 0), 1),
+                      roller(Vec3(0, 0, edge), 2)};
   scene.boundaries.back().translation = Vec3(0, 0, -squeeze * edge);
   scene.boundaries.back().duration = ramp;
   scene.tools[0].position = Vec3(0, 0, 0.5);

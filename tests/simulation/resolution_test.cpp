@@ -215,10 +215,7 @@ TEST_CASE("A run's trust is that of its gravest row, and of its resolution at th
 TEST_CASE("An equilibrium of a face that is moved has an error to expect, too", "[resolution]") {
   Scene scene = test::blockScene();
   scene.materials[0].material.set("poisson", 0.3);
-  BoundarySpec top;
-  top.region.kind = Region::Kind::NearPlane;
-  top.region.point = Vec3(0, 0, 0.03);
-  top.region.distance = 1e-6;
+  BoundarySpec top = test::planeBoundary(Vec3(0, 0, 0.03));
   top.translation = Vec3(0.006, 0, 0);
   top.duration = 1;
   scene.boundaries.push_back(top);

@@ -146,15 +146,8 @@ TEST_CASE("Neither threads nor where points were looked for last change a bit, a
 
 TEST_CASE("Between two smooth plates a block is compressed as a bar", "[simulation][rigid][static][whole]") {
   Scene scene = test::blockScene(0.01);
-  for (int c = 0; c < 2; ++c) {  // planes of symmetry, which leave it free to widen
-    if (c == 1) scene.boundaries.emplace_back();
-    BoundarySpec& guide = scene.boundaries.back();
-    guide.region.kind = Region::Kind::NearPlane;
-    guide.region.distance = 1e-6;
-    guide.region.normal = Vec3::Unit(c);
-    guide.region.point = -0.03 * Vec3::Unit(c);
-    for (int k = 0; k < 3; ++k) guide.component[k] = k == c;
-  }
+  scene.boundaries = {test::roller(Vec3(-0.03, 0, 0), 0),  // planes of symmetry, which leave it free to widen
+                      test::roller(Vec3(0, -0.03, 0), 1)};
   const double squeeze = 0.003;
   scene.rigid = {halfSpace(Vec3::Zero(), Vec3::UnitZ()),
                  moved(halfSpace(Vec3(0, 0, 0.03), -Vec3::UnitZ()), -squeeze * Vec3::UnitZ())};

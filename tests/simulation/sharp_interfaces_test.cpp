@@ -40,12 +40,8 @@ Scene layers(double spacings, bool sharp) {
   scene.materials[1].region.point = Vec3(0, 0, stack_height / 2);
   scene.tools[0].position = Vec3(0, 0, 1);
   const auto plane = [&](const Vec3& point, int normal) {
-    BoundarySpec& b = scene.boundaries.emplace_back();
-    b.region.kind = Region::Kind::NearPlane;
-    b.region.point = point;
-    b.region.normal = Vec3::Unit(normal);
-    b.region.distance = 1e-9;
-    for (int c = 0; c < 3; ++c) b.component[c] = normal == 2 || c == normal;
+    const bool all = normal == 2;
+    scene.boundaries.push_back(test::planeBoundary(point, Vec3::Unit(normal), {all, all || normal == 1, all}));
   };
   plane(Vec3::Zero(), 2);
   plane(Vec3(0, 0, stack_height), 2);

@@ -24,16 +24,12 @@ constexpr double block = 0.02, apart = 1e-3;  // m
 
 void addBoundary(Scene& scene, int organ, const Vec3& point, const Vec3& normal, std::array<bool, 3> components,
                  double down = 0) {
-  BoundarySpec& wall = scene.boundaries.emplace_back();
-  wall.name = "wall " + std::to_string(scene.boundaries.size());
+  BoundarySpec wall = test::planeBoundary(point, normal, components);
+  wall.name = "wall " + std::to_string(scene.boundaries.size() + 1);
   wall.organ = organ;
-  wall.region.kind = Region::Kind::NearPlane;
-  wall.region.point = point;
-  wall.region.normal = normal;
-  wall.region.distance = 1e-6;
-  for (int c = 0; c < 3; ++c) wall.component[c] = components[static_cast<std::size_t>(c)];
   wall.translation = Vec3(0, 0, -down);
   wall.duration = down > 0 ? 0.1 : 0;
+  scene.boundaries.push_back(wall);
 }
 
 /// Two cubes between sliding walls, one a millimetre above the other, which comes down.

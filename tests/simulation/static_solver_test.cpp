@@ -12,33 +12,19 @@
 using namespace palpate;
 using test::blockModel;
 using test::blockScene;
+using test::roller;
 using test::toolAt;
 
 namespace {
 
 constexpr double height = 0.03, area = 0.06 * 0.06;  // m, m^2; of the block
 
-BoundarySpec onPlane(const char* name, const Vec3& point, const Vec3& normal, bool x, bool y, bool z) {
-  BoundarySpec b;
-  b.name = name;
-  b.region.kind = Region::Kind::NearPlane;
-  b.region.point = point;
-  b.region.normal = normal;
-  b.region.distance = 1e-6;
-  b.component[0] = x;
-  b.component[1] = y;
-  b.component[2] = z;
-  return b;
-}
-
 /// The block on rollers on three sides, its top moved by `travel` in z within 1 s: a homogeneous state.
 Scene rollers(double travel) {
   Scene scene = blockScene();
   scene.materials[0].material.set("poisson", 0.49);
-  scene.boundaries = {onPlane("base", Vec3::Zero(), Vec3::UnitZ(), false, false, true),
-                      onPlane("left", Vec3(-0.03, 0, 0), Vec3::UnitX(), true, false, false),
-                      onPlane("front", Vec3(0, -0.03, 0), Vec3::UnitY(), false, true, false),
-                      onPlane("top", Vec3(0, 0, height), Vec3::UnitZ(), false, false, true)};
+  scene.boundaries = {roller(Vec3::Zero(), 2), roller(Vec3(-0.03, 0, 0), 0), roller(Vec3(0, -0.03, 0), 1),
+                      roller(Vec3(0, 0, height), 2)};
   scene.boundaries[3].translation = Vec3(0, 0, travel);
   scene.boundaries[3].duration = 1;
   return scene;
@@ -47,7 +33,7 @@ Scene rollers(double travel) {
 /// The block between rough plates, the upper one moved by `travel` within 1 s.
 Scene plates(const Vec3& travel) {
   Scene scene = blockScene();
-  scene.boundaries.push_back(onPlane("top", Vec3(0, 0, height), Vec3::UnitZ(), true, true, true));
+  scene.boundaries.push_back(test::planeBoundary(Vec3(0, 0, height)));
   scene.boundaries[1].translation = travel;
   scene.boundaries[1].duration = 1;
   scene.boundaries[1].curve.kind = LoadCurve::Kind::Linear;

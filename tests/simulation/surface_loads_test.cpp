@@ -16,29 +16,13 @@
 
 using namespace palpate;
 using Kind = LoadSpec::Kind;
+using test::roller;
 
 namespace {
 
 constexpr double half = 0.03, height = 0.03;  // m, of the block
 
-BoundarySpec roller(const Vec3& point, int component) {
-  BoundarySpec b;
-  b.name = "roller " + std::to_string(component) + (point.sum() > 0 ? "+" : "-");
-  b.region.kind = Region::Kind::NearPlane;
-  b.region.point = point;
-  b.region.normal = Vec3::Unit(component);
-  b.region.distance = 1e-6;
-  for (int c = 0; c < 3; ++c) b.component[c] = c == component;
-  return b;
-}
-
-Region topRegion() {
-  Region top;
-  top.kind = Region::Kind::NearPlane;
-  top.point = Vec3(0, 0, height);
-  top.distance = 1e-6;
-  return top;
-}
+Region topRegion() { return test::planeBoundary(Vec3(0, 0, height)).region; }
 
 /// Comes on within 1 s; on the block's top, or on all of its skin.
 LoadSpec loadOf(Kind kind, double pressure, const Vec3& traction = Vec3::Zero(), bool whole = false) {

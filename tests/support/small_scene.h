@@ -1,9 +1,29 @@
 #pragma once
 
+#include <algorithm>
+#include <array>
+
 #include "discretization/surface/solids.h"
 #include "setup/build_model.h"
 
 namespace palpate::test {
+
+/// Imposed on what is on a plane.
+inline BoundarySpec planeBoundary(const Vec3& point, const Vec3& normal = Vec3::UnitZ(),
+                                  const std::array<bool, 3>& components = {true, true, true}) {
+  BoundarySpec b;
+  b.region.kind = Region::Kind::NearPlane;
+  b.region.point = point;
+  b.region.normal = normal;
+  b.region.distance = 1e-6;
+  std::copy(components.begin(), components.end(), b.component);
+  return b;
+}
+
+/// A plane to which `component` is normal, and along which all may slide.
+inline BoundarySpec roller(const Vec3& point, int component) {
+  return planeBoundary(point, Vec3::Unit(component), {component == 0, component == 1, component == 2});
+}
 
 /// A block of 60 x 60 x 30 mm on a fixed base under a sphere of 10 mm: small enough to step in a test.
 inline Scene blockScene(double spacing = 0.012) {
@@ -16,10 +36,7 @@ inline Scene blockScene(double spacing = 0.012) {
   scene.materials.emplace_back();
   scene.materials[0].material.set("young", 3000);
   scene.materials[0].material.set("poisson", 0.48);
-  BoundarySpec base;
-  base.region.kind = Region::Kind::NearPlane;
-  base.region.distance = 1e-6;
-  scene.boundaries.push_back(base);
+  scene.boundaries = {planeBoundary(Vec3::Zero())};
   scene.dynamics.damping = 60;
   scene.tools[0].shape.radius = 0.01;
   scene.tools[0].position = Vec3(0, 0, 0.032);

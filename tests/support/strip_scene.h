@@ -5,6 +5,7 @@
 #include "contact/tools/tool_list.h"
 #include "discretization/surface/solids.h"
 #include "setup/build_model.h"
+#include "support/small_scene.h"
 
 namespace palpate::test {
 
@@ -18,13 +19,7 @@ inline Scene stripScene() {
   scene.discretization.spacing = 0.004;
   scene.materials.emplace_back();
   scene.materials[0].material = Material::neoHookean(5000, 0.45, 1050);
-  BoundarySpec guide;
-  guide.region.kind = Region::Kind::NearPlane;
-  guide.region.point = Vec3(0, -0.015, 0);
-  guide.region.normal = Vec3::UnitY();
-  guide.region.distance = 1e-6;
-  guide.component[2] = false;
-  scene.boundaries.push_back(guide);
+  scene.boundaries = {planeBoundary(Vec3(0, -0.015, 0), Vec3::UnitY(), {true, true, false})};
   scene.dynamics.gravity = Vec3(0, 0, -9.81);
   scene.dynamics.damping = 60;
   scene.tools[0].shape = ToolShape::of(ToolKind::Capsule, 0.004, 0.03);

@@ -5,6 +5,7 @@
 #include "io/load_model.h"
 #include "step/step.h"
 #include "step/workspace.h"
+#include "support/small_scene.h"
 
 using namespace palpate;
 
@@ -34,10 +35,7 @@ Scene layerScene(double spacing_under_sphere) {
   scene.materials.emplace_back();
   scene.materials[0].material.set("young", 3000);
   scene.materials[0].material.set("poisson", 0.49);
-  BoundarySpec base;
-  base.region.kind = Region::Kind::NearPlane;
-  base.region.distance = 1e-6;
-  scene.boundaries.push_back(base);
+  scene.boundaries = {test::planeBoundary(Vec3::Zero())};
   scene.dynamics.step_safety = 0.8;
   scene.dynamics.damping = 150;  // settles within 0.1 s; the static force does not depend on it
   scene.tools[0].shape.radius = 0.01;
@@ -108,19 +106,8 @@ TEST_CASE("Unconstrained compression of the cube: NRMSE of u_z beside the paper'
     scene.dynamics.damping = 40;
     scene.dynamics.rate_hz = 200;
     scene.tools[0].position = Vec3(0, 0, 0.5);
-    const auto plane = [&](const Vec3& point, int component) {
-      BoundarySpec b;
-      b.region.kind = Region::Kind::NearPlane;
-      b.region.point = point;
-      b.region.normal = Vec3::Unit(component);
-      b.region.distance = 1e-9;
-      for (int c = 0; c < 3; ++c) b.component[c] = c == component;
-      scene.boundaries.push_back(b);
-    };
-    plane(Vec3::Zero(), 2);
-    plane(Vec3(-0.05, 0, 0), 0);
-    plane(Vec3(0, -0.05, 0), 1);
-    plane(Vec3(0, 0, 0.1), 2);
+    scene.boundaries = {test::roller(Vec3::Zero(), 2), test::roller(Vec3(-0.05, 0, 0), 0),
+                        test::roller(Vec3(0, -0.05, 0), 1), test::roller(Vec3(0, 0, 0.1), 2)};
     scene.boundaries.back().translation = Vec3(0, 0, -0.02);
     scene.boundaries.back().duration = 0.5;
     const Model model = buildModel(scene, boxSurface(scene.organs[0].size, 0.02));

@@ -6,6 +6,7 @@
 #include "io/load_model.h"
 #include "step/step.h"
 #include "step/workspace.h"
+#include "support/small_scene.h"
 
 using namespace palpate;
 
@@ -26,23 +27,13 @@ Scene blockScene(double poisson, double compression, bool confined, double secon
   scene.tools[0].position = Vec3(0, 0, 1);
   scene.dynamics.damping = 60;
   scene.discretization.formulation.cell_volume = true;
-  const auto plane = [&](const Vec3& point, int component) {
-    BoundarySpec b;
-    b.region.kind = Region::Kind::NearPlane;
-    b.region.point = point;
-    b.region.normal = Vec3::Unit(component);
-    b.region.distance = 1e-9;
-    for (int c = 0; c < 3; ++c) b.component[c] = c == component;
-    scene.boundaries.push_back(b);
-  };
-  plane(Vec3::Zero(), 2);
-  plane(Vec3(0, 0, edge), 2);
+  scene.boundaries = {test::roller(Vec3::Zero(), 2), test::roller(Vec3(0, 0, edge), 2)};
   scene.boundaries[1].translation = Vec3(0, 0, -compression * edge);
   scene.boundaries[1].duration = seconds;
   scene.boundaries[1].curve.kind = LoadCurve::Kind::Linear;
   for (int c = 0; c < 2; ++c)
     for (const double side : {-1.0, 1.0})
-      if (confined || side < 0) plane(side * edge / 2 * Vec3::Unit(c), c);
+      if (confined || side < 0) scene.boundaries.push_back(test::roller(side * edge / 2 * Vec3::Unit(c), c));
   return scene;
 }
 
