@@ -74,18 +74,6 @@ void addTissue(Scene& scene, const DrawnTissue& tissue, const Region& region) {
   scene.materials.push_back(spec);
 }
 
-BoundarySpec facePlane(const Vec3& point, const Vec3& normal, bool x, bool y, bool z) {
-  BoundarySpec b;
-  b.region.kind = Region::Kind::NearPlane;
-  b.region.point = point;
-  b.region.normal = normal;
-  b.region.distance = 1e-9;
-  b.component[0] = x;
-  b.component[1] = y;
-  b.component[2] = z;
-  return b;
-}
-
 void moveEvenly(BoundarySpec& boundary) {
   boundary.duration = 1;
   boundary.curve.kind = LoadCurve::Kind::Linear;

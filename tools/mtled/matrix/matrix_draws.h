@@ -1,6 +1,7 @@
 #pragma once
 
 #include "mtled/matrix/matrix_case.h"
+#include "mtled/verify/verification_case.h"
 
 namespace palpate::tools {
 
@@ -29,9 +30,6 @@ Scene drawScene(Lot& lot, const DrawnTissue& tissue);
 
 /// Another tissue in a part of it.
 void addTissue(Scene& scene, const DrawnTissue& tissue, const Region& region);
-
-/// Nodes near the plane of a normal (of unit length) through a point.
-BoundarySpec facePlane(const Vec3& point, const Vec3& normal, bool x, bool y, bool z);
 
 /// The motion is in proportion to the time, 0 .. 1 s.
 void moveEvenly(BoundarySpec& boundary);

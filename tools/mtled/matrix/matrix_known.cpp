@@ -85,13 +85,13 @@ MatrixCase drawConfined(Lot& lot) {
   one.kind = "confined";
   one.about = textOf(stack) + format(", pressure %.2g softest mu", -exact.traction.z() / stack.softest);
   const bool bonded = lot.chance(0.3);
-  s.boundaries = {facePlane(Vec3::Zero(), Vec3::UnitZ(), bonded, bonded, true),
-                  facePlane(Vec3(0, 0, size.z()), Vec3::UnitZ(), bonded, bonded, true)};
+  s.boundaries = {planeBoundary("", Vec3::Zero(), Vec3::UnitZ(), {bonded, bonded, true}),
+                  planeBoundary("", Vec3(0, 0, size.z()), Vec3::UnitZ(), {bonded, bonded, true})};
   s.boundaries[1].translation = Vec3(0, 0, -down);
   moveEvenly(s.boundaries[1]);
   for (const double side : {-0.5, 0.5}) {
-    s.boundaries.push_back(facePlane(Vec3(side * size.x(), 0, 0), Vec3::UnitX(), true, false, false));
-    s.boundaries.push_back(facePlane(Vec3(0, side * size.y(), 0), Vec3::UnitY(), false, true, false));
+    s.boundaries.push_back(planeBoundary("", Vec3(side * size.x(), 0, 0), Vec3::UnitX(), {true, false, false}));
+    s.boundaries.push_back(planeBoundary("", Vec3(0, side * size.y(), 0), Vec3::UnitY(), {false, true, false}));
   }
   one.lever = [height = size.z()](const Vec3&, const Vec3& X, const Vec3&) {
     return Vec3(X.z() / height * Vec3::UnitZ());
@@ -115,8 +115,7 @@ MatrixCase drawSheared(Lot& lot) {
   one.kind = "sheared";
   one.about = textOf(stack) + format(", by %.2g", motion.norm() / size.z());
   const double top = size.z();
-  s.boundaries = {facePlane(Vec3::Zero(), Vec3::UnitZ(), true, true, true),
-                  facePlane(Vec3(0, 0, top), Vec3::UnitZ(), true, true, true)};
+  s.boundaries = {planeBoundary("", Vec3::Zero(), Vec3::UnitZ()), planeBoundary("", Vec3(0, 0, top), Vec3::UnitZ())};
   s.boundaries[1].translation = motion;
   moveEvenly(s.boundaries[1]);
   one.placed.push_back({[top](const Vec3& X) { return X.z() > 1e-9 && X.z() < top - 1e-9; },
@@ -190,11 +189,11 @@ MatrixCase drawBetweenPlates(Lot& lot) {
   one.known = force;
   one.kind = stretch < 1 ? "compressed between plates" : "stretched between plates";
   one.about += format(", to %.2g", stretch) + (held ? ", y held" : "");
-  s.boundaries = {facePlane(Vec3::Zero(), Vec3::UnitZ(), false, false, true),
-                  facePlane(Vec3(0, 0, size.z()), Vec3::UnitZ(), false, false, true),
-                  facePlane(Vec3(-size.x() / 2, 0, 0), Vec3::UnitX(), true, false, false),
-                  facePlane(Vec3(0, -size.y() / 2, 0), Vec3::UnitY(), false, true, false)};
-  if (held) s.boundaries.push_back(facePlane(Vec3(0, size.y() / 2, 0), Vec3::UnitY(), false, true, false));
+  s.boundaries = {planeBoundary("", Vec3::Zero(), Vec3::UnitZ(), {false, false, true}),
+                  planeBoundary("", Vec3(0, 0, size.z()), Vec3::UnitZ(), {false, false, true}),
+                  planeBoundary("", Vec3(-size.x() / 2, 0, 0), Vec3::UnitX(), {true, false, false}),
+                  planeBoundary("", Vec3(0, -size.y() / 2, 0), Vec3::UnitY(), {false, true, false})};
+  if (held) s.boundaries.push_back(planeBoundary("", Vec3(0, size.y() / 2, 0), Vec3::UnitY(), {false, true, false}));
   s.boundaries[1].translation = Vec3(0, 0, (stretch - 1) * size.z());
   moveEvenly(s.boundaries[1]);
   one.lever = [height = size.z()](const Vec3&, const Vec3& X, const Vec3&) {

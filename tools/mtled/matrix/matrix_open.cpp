@@ -36,7 +36,7 @@ BondedBody drawBody(Lot& lot, bool round, Scene& s) {
     body = {s.organs[0].semi_axes.z(), 2 * std::min(s.organs[0].semi_axes.x(), s.organs[0].semi_axes.y()),
             "half-ellipsoid"};
   }
-  s.boundaries = {facePlane(Vec3::Zero(), Vec3::UnitZ(), true, true, true)};
+  s.boundaries = {planeBoundary("", Vec3::Zero(), Vec3::UnitZ())};
   return body;
 }
 
@@ -90,7 +90,7 @@ MatrixCase drawBonded(Lot& lot) {
   const BondedBody body = drawBody(lot, false, s);
   const double height = body.height;
   s.discretization.spacing = height / lot.between(2.5, 3.8);
-  BoundarySpec top = facePlane(Vec3(0, 0, height), Vec3::UnitZ(), true, true, true);
+  BoundarySpec top = planeBoundary("", Vec3(0, 0, height), Vec3::UnitZ());
   moveEvenly(top);
   Vec3 along = Vec3::UnitZ();
   bool moment = false;

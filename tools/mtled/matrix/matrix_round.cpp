@@ -121,8 +121,8 @@ MatrixCase drawConfinedCore(Lot& lot) {
   one.about = textOf(rod) + format(", to %.3g", problem.stretch);
   Scene& s = one.scene = sceneOf(lot, rod);
   const double height = rod.height;
-  s.boundaries = {facePlane(Vec3::Zero(), Vec3::UnitZ(), false, false, true),
-                  facePlane(Vec3(0, 0, height), Vec3::UnitZ(), false, false, true)};
+  s.boundaries = {planeBoundary("", Vec3::Zero(), Vec3::UnitZ(), {false, false, true}),
+                  planeBoundary("", Vec3(0, 0, height), Vec3::UnitZ(), {false, false, true})};
   s.boundaries[1].translation = Vec3(0, 0, (problem.stretch - 1) * height);
   moveEvenly(s.boundaries[1]);
   // All of the mantle, and the rims of both ends with it.
@@ -202,9 +202,9 @@ MatrixCase drawBent(Lot& lot) {
   s.organs[0].solid = OrganSpec::Solid::Box;
   s.organs[0].size = Vec3(T, L, W);
   s.discretization.spacing = T / lot.between(3.5, 5.5);
-  s.boundaries = {facePlane(Vec3(0, -L / 2, 0), Vec3::UnitY(), false, true, false),
-                  facePlane(Vec3::Zero(), Vec3::UnitZ(), false, false, true),
-                  facePlane(Vec3(0, 0, W), Vec3::UnitZ(), false, false, true)};
+  s.boundaries = {planeBoundary("", Vec3(0, -L / 2, 0), Vec3::UnitY(), {false, true, false}),
+                  planeBoundary("", Vec3::Zero(), Vec3::UnitZ(), {false, false, true}),
+                  planeBoundary("", Vec3(0, 0, W), Vec3::UnitZ(), {false, false, true})};
   const Vec3 middle(-a, -L / 2, 0);  // of the ring
   PlacedSurface end{[L](const Vec3& X) { return X.y() > L / 2 - on_face; },
                     [exact, middle, angle](const Vec3& X) {
