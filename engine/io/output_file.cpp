@@ -37,6 +37,14 @@ void failWriting(const std::string& path, int error, const std::string& advice) 
                            (full ? "free some space or " : "") + advice);
 }
 
+void makeFolder(const std::string& folder, const std::string& advice) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (!error) return;
+  if (!advice.empty()) failWriting(folder, error.value(), advice);
+  throw std::runtime_error(folder + ": " + error.message());
+}
+
 void finishStandardOutput() {
   errno = 0;
   const bool failed_earlier = std::ferror(stdout) != 0;

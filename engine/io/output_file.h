@@ -36,6 +36,10 @@ class PendingFile {
 /// Throws std::runtime_error "can't write FILE: reason; advice" for an errno (0: reason unknown).
 [[noreturn]] void failWriting(const std::string& path, int error, const std::string& advice = "choose another place");
 
+/// Makes a folder and those that it lies in, where they are missing. Throws std::runtime_error "FOLDER: reason", with
+/// `advice` as failWriting does.
+void makeFolder(const std::string& folder, const std::string& advice = "");
+
 /// For the end of a program: throws as failWriting does where something that it printed has not arrived.
 void finishStandardOutput();
 

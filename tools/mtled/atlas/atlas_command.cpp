@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <chrono>
 #include <exception>
-#include <filesystem>
 #include <fstream>
 #include <iostream>
 #include <iterator>
@@ -149,9 +148,7 @@ int atlasCommand(const AtlasOptions& options, const std::vector<AtlasAxis>& axes
   atlas.identity = sourceIdentity() + ", " + atlas.build;
   Atlas before;
   if (options.resume) before = earlierAtlas(options.out + "/atlas.json", atlas.identity);
-  std::error_code problem;
-  std::filesystem::create_directories(options.out, problem);
-  if (problem) throw std::runtime_error(options.out + ": " + problem.message());
+  makeFolder(options.out);
   const auto write = [&] {
     writeWholeFile(options.out + "/atlas.json", jsonOf(atlas));
     writeWholeFile(options.out + "/atlas.csv", csvOf(atlas));

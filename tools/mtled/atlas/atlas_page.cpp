@@ -1,8 +1,8 @@
 #include "mtled/atlas/atlas_page.h"
 
 #include <algorithm>
-#include <filesystem>
 
+#include "io/output_file.h"
 #include "mtled/report/case_result.h"
 #include "mtled/report/pictures.h"
 #include "mtled/report/report_page.h"
@@ -11,9 +11,7 @@ namespace palpate::tools {
 
 void writeAtlasPage(const std::string& folder, const std::string& command, const Atlas& atlas,
                     const std::vector<AtlasAxis>& axes) {
-  std::error_code problem;
-  std::filesystem::create_directories(folder, problem);
-  if (problem) throw std::runtime_error(folder + ": " + problem.message());
+  makeFolder(folder);
   Report report;
   report.title = "Where Palpate's numbers are true";
   report.intro =

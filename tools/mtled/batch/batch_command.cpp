@@ -245,9 +245,7 @@ int batchCommand(const BatchOptions& options) {
   std::vector<BatchJob> jobs;
   for (std::size_t j = shard.first; j < all.size(); j += shard.count) jobs.push_back(all[j]);
 
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (error) failWriting(folder, error.value(), "choose another place with --out");
+  makeFolder(folder, "choose another place with --out");
   Batch batch(jobs, folder, options);
   batch.run();
   const std::vector<BatchResult> results = batch.results();

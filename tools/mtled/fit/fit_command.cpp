@@ -135,10 +135,7 @@ FitOrder orderOf(const FitOptions& options) {
   if (std::filesystem::exists(order.out) && std::filesystem::equivalent(order.out, order.scene_file))
     throw InputError({order.out}, "this is the scene itself", "give another --out");
   order.stem = std::filesystem::path(order.out).replace_extension().string();
-  const auto parent = std::filesystem::absolute(order.out).parent_path();
-  std::error_code problem;
-  std::filesystem::create_directories(parent, problem);
-  if (problem) throw std::runtime_error(parent.string() + ": " + problem.message());
+  makeFolder(std::filesystem::absolute(order.out).parent_path().string());
   return order;
 }
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <fstream>
 #include <iostream>
 #include <sstream>
@@ -88,11 +87,8 @@ int frontierCommand(const FrontierOptions& options) {
   const Scene scene = uniformScene(readScene(findScene(options.scene)));
   const std::optional<ToolScript> script = namedScript(options.tool_script, scene.tools[0].shape.radius);
   const std::string folder = options.out.empty() ? "out/" + scene.name + "_frontier" : options.out;
-  std::error_code problem;
-  std::filesystem::create_directories(folder, problem);
-  if (problem) throw std::runtime_error(folder + ": " + problem.message());
-  if (!options.report.empty()) std::filesystem::create_directories(options.report, problem);
-  if (problem) throw std::runtime_error(options.report + ": " + problem.message());
+  makeFolder(folder);
+  if (!options.report.empty()) makeFolder(options.report);
   const int cores = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
   const Fineness fineness = options.quick ? Fineness{0.9, 0.5, 1.35} : Fineness{0.75, 0.4, 1.35};
 

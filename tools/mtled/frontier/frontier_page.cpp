@@ -3,10 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <filesystem>
-#include <stdexcept>
 
 #include "base/number_text.h"
+#include "io/output_file.h"
 #include "mtled/report/case_result.h"
 #include "mtled/report/report_page.h"
 
@@ -119,9 +118,7 @@ double uniformCostAt(const Frontier& f, double force_error) {
 }
 
 void writeFrontierPage(const std::string& folder, const std::string& command, const Frontier& frontier) {
-  std::error_code problem;
-  std::filesystem::create_directories(folder, problem);
-  if (problem) throw std::runtime_error(folder + ": " + problem.message());
+  makeFolder(folder);
   const std::string picture = writePicture(folder + "/frontier.png", frontierFigure(frontier));
   Report report;
   report.title = frontier.scene + ": what a microsecond buys";

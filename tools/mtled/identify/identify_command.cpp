@@ -246,9 +246,7 @@ int identifyCommand(const IdentifyOptions& options) {
       options.threads > 0 ? options.threads : std::max(1, static_cast<int>(std::thread::hardware_concurrency()))};
   const std::string folder =
       options.out.empty() ? "out/" + std::filesystem::path(file).stem().string() + "_identify" : options.out;
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  if (error) failWriting(folder, error.value(), "choose another place with --out");
+  makeFolder(folder, "choose another place with --out");
 
   const double coarser = coarserBy(scene);
   PressedScene pressed(press, sought, measured, options.measured);

@@ -100,9 +100,7 @@ int identifyRegions(const IdentifyOptions& options) {
   const auto hardest = static_cast<std::size_t>(largest - presses.begin());
   const std::string folder =
       options.out.empty() ? "out/" + std::filesystem::path(file).stem().string() + "_identify" : options.out;
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  if (error) failWriting(folder, error.value(), "choose another place with --out");
+  makeFolder(folder, "choose another place with --out");
 
   auto model = std::make_unique<Model>(loadModel(scene));
   const int threads =

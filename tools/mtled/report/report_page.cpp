@@ -5,13 +5,13 @@
 #include <cmath>
 #include <cstdio>
 #include <cstring>
-#include <filesystem>
 #include <fstream>
 #include <ostream>
 #include <sstream>
 #include <stdexcept>
 
 #include "base/number_text.h"
+#include "io/output_file.h"
 
 namespace palpate::tools {
 namespace {
@@ -241,9 +241,7 @@ std::string markdownOf(const Report& report) {
 }
 
 void writeReport(const std::string& folder, const Report& report) {
-  std::error_code failed;
-  std::filesystem::create_directories(folder, failed);
-  if (failed) throw std::runtime_error(folder + ": can't be made (" + failed.message() + ")");
+  makeFolder(folder);
   writeFile(folder + "/README.md", markdownOf(report));
   writeFile(folder + "/results.json", jsonOf(report));
 }

@@ -2,18 +2,16 @@
 
 #include <filesystem>
 #include <iostream>
-#include <stdexcept>
 
 #include "io/image_file.h"
+#include "io/output_file.h"
 #include "io/result_csv.h"
 #include "mtled/run/progress.h"
 
 namespace palpate::tools {
 
 int phantomCommand(const PhantomCommandOptions& options) {
-  std::error_code error;
-  std::filesystem::create_directories(options.out, error);
-  if (error) throw std::runtime_error(options.out + ": " + error.message());
+  makeFolder(options.out);
   const auto file = [&](const char* name) { return (std::filesystem::path(options.out) / name).string(); };
   ProgressLine progress("phantom");
   progress.show(0, "tissue");

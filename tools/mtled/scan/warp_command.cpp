@@ -137,9 +137,7 @@ int warpCommand(const WarpOptions& options) {
   if (options.image.empty() && options.like.empty())
     throw InputError({}, "neither --image nor --like", "give the image that is to be warped");
   const fs::path out = options.out.empty() ? fs::path(options.folder) : fs::path(options.out);
-  std::error_code error;
-  fs::create_directories(out, error);
-  if (error) throw std::runtime_error(out.string() + ": " + error.message());
+  makeFolder(out.string());
   const auto file = [&](const char* name) { return (out / name).string(); };
   const NiftiOptions reading{options.assume_ras, warn};
   try {

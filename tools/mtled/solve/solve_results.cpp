@@ -37,9 +37,7 @@ bool isJaws(const Model& model, int tool) { return model.tools.tool[static_cast<
 SolveResults::SolveResults(const Model& model, const std::string& folder, double end, std::uint64_t identity,
                            bool resume)
     : model_(model), folder_(folder), end_(end) {
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  if (error) throw std::runtime_error(folder + ": " + error.message());
+  makeFolder(folder);
   readProbePoints();
   const std::vector<std::string> names = columns();
   CsvTable kept;
@@ -63,7 +61,8 @@ SolveResults::SolveResults(const Model& model, const std::string& folder, double
   for (std::size_t b = 0; at != nullptr && b < model.scene.boundaries.size(); ++b, at += 6)
     last_reactions_.push_back({Vec3(at[0], at[1], at[2]), Vec3(at[3], at[4], at[5])});
   // Nothing can be refused any more: what an earlier run left gives way.
-  if (!resume) std::filesystem::remove(checkpointFile(), error);
+  std::error_code ignored;
+  if (!resume) std::filesystem::remove(checkpointFile(), ignored);
   force_->takePlace();
   for (std::size_t k = 0; k < checkpoint_.frame_time.size(); ++k)
     pvd_.push_back({checkpoint_.frame_time[k], frameName(k)});

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <filesystem>
 #include <iostream>
 #include <memory>
 #include <thread>
@@ -64,9 +63,7 @@ int verifyCommand(const VerifyOptions& options) {
   context.references = sourceFolder() + "/tests/reference";
   std::unique_ptr<Pictures> pictures;
   if (!options.report.empty()) {
-    std::error_code error;
-    std::filesystem::create_directories(options.report, error);
-    if (error) throw std::runtime_error(options.report + ": " + error.message());
+    makeFolder(options.report);
     pictures = openPictures();
     context.pictures = pictures.get();
     context.folder = options.report;
