@@ -3,9 +3,8 @@
 #include <algorithm>
 #include <chrono>
 #include <exception>
-#include <fstream>
+#include <filesystem>
 #include <iostream>
-#include <iterator>
 #include <map>
 #include <mutex>
 #include <thread>
@@ -14,6 +13,7 @@
 #include "base/input_error.h"
 #include "base/interrupt.h"
 #include "io/output_file.h"
+#include "io/text_file.h"
 #include "mtled/atlas/atlas_page.h"
 #include "mtled/atlas/atlas_run.h"
 #include "mtled/report/pictures.h"
@@ -117,11 +117,10 @@ bool runCells(const std::vector<AtlasCell>& cells, const Atlas& before,
 }
 
 Atlas earlierAtlas(const std::string& file, const std::string& identity) {
-  std::ifstream in(file, std::ios::binary);
-  if (!in) throw InputError({file}, "there is nothing to resume", "start without --resume");
+  if (!std::filesystem::exists(file)) throw InputError({file}, "there is nothing to resume", "start without --resume");
   Atlas before;
   try {
-    before = atlasFromJson({std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()});
+    before = atlasFromJson(readWholeFile(file));
   } catch (const std::runtime_error&) {
     throw InputError({file}, "this is no atlas", "start without --resume");
   }

@@ -4,10 +4,8 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <iostream>
 #include <nlohmann/json.hpp>
-#include <sstream>
 #include <thread>
 
 #include "base/build_info.h"
@@ -19,6 +17,7 @@
 #include "io/output_file.h"
 #include "io/scene_edit.h"
 #include "io/scene_file.h"
+#include "io/text_file.h"
 #include "mtled/fit/fit_search.h"
 #include "mtled/fit/rate_check.h"
 #include "mtled/run/progress.h"
@@ -41,10 +40,7 @@ double writtenSpacing(const Scene& fitted) {
 /// The scene file with what was fitted, its paths made to fit the new place. Throws InputError where the file's layout
 /// hides a key from the editor.
 std::string fittedText(const std::string& scene_file, const Scene& given, const Scene& fitted, const std::string& to) {
-  std::ifstream in(scene_file, std::ios::binary);
-  std::stringstream read;
-  read << in.rdbuf();
-  std::string text = read.str();
+  std::string text = readWholeFile(scene_file);
   const auto folder = std::filesystem::absolute(to).parent_path();
   const auto pathFrom = [&](const std::string& path) {
     std::string value = "\"";

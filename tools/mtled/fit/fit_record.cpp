@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
-#include <iterator>
+#include <filesystem>
 
 #include "base/input_error.h"
 #include "io/output_file.h"
+#include "io/text_file.h"
 #include "mtled/report/vector_json.h"
 
 namespace palpate::tools {
@@ -14,11 +14,11 @@ namespace palpate::tools {
 using Json = nlohmann::json;
 
 void FitRecord::resume() {
-  std::ifstream in(file_, std::ios::binary);
-  if (!in) throw InputError({file_}, "there is nothing to resume", "start without --resume");
+  if (!std::filesystem::exists(file_))
+    throw InputError({file_}, "there is nothing to resume", "start without --resume");
   std::vector<FitTry> tries;
   try {
-    const Json json = Json::parse(std::string(std::istreambuf_iterator<char>(in), {}));
+    const Json json = Json::parse(readWholeFile(file_));
     if (json.at("identity") != identity_)
       throw InputError({file_}, "this is of another scene, way, rate, number of cores or program",
                        "start without --resume");

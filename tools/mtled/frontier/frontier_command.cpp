@@ -2,9 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
+#include <filesystem>
 #include <iostream>
-#include <sstream>
 #include <thread>
 
 #include "base/build_info.h"
@@ -14,6 +13,7 @@
 #include "io/load_model.h"
 #include "io/output_file.h"
 #include "io/scene_file.h"
+#include "io/text_file.h"
 #include "mtled/frontier/frontier_page.h"
 #include "mtled/frontier/frontier_result.h"
 #include "mtled/frontier/frontier_settings.h"
@@ -67,13 +67,6 @@ FrontierRow measure(const FrontierSetting& setting, const Model& present, const 
   return row;
 }
 
-std::string readText(const std::string& file) {
-  std::ifstream in(file, std::ios::binary);
-  std::stringstream text;
-  text << in.rdbuf();
-  return in ? text.str() : "";
-}
-
 std::string commandOf(const FrontierOptions& options) {
   std::string command = "build/release/tools/mtled frontier " + options.scene;
   if (!options.tool_script.empty()) command += " --tool " + options.tool_script;
@@ -108,13 +101,12 @@ int frontierCommand(const FrontierOptions& options) {
   frontier.rate_hz = scene.dynamics.rate_hz;
   std::vector<FrontierRow> earlier;
   if (options.resume) {
-    const std::string text = readText(folder + "/frontier.json");
-    if (text.empty())
-      throw InputError({folder + "/frontier.json"}, "there is nothing to resume", "start without --resume");
+    const std::string file = folder + "/frontier.json";
+    const std::string text = std::filesystem::exists(file) ? readWholeFile(file) : "";
+    if (text.empty()) throw InputError({file}, "there is nothing to resume", "start without --resume");
     const Frontier before = frontierFromJson(text);
     if (before.identity != frontier.identity)
-      throw InputError({folder + "/frontier.json"}, "this is of another scene, way, program or --quick",
-                       "start without --resume");
+      throw InputError({file}, "this is of another scene, way, program or --quick", "start without --resume");
     earlier = before.rows;
   }
 

@@ -1,14 +1,11 @@
 #include "mtled/report/report_page.h"
 
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
 #include <cstdio>
 #include <cstring>
-#include <fstream>
 #include <ostream>
 #include <sstream>
-#include <stdexcept>
 
 #include "base/number_text.h"
 #include "io/output_file.h"
@@ -187,13 +184,6 @@ void writeCase(std::ostream& out, const CaseResult& one) {
   }
 }
 
-void writeFile(const std::string& file, const std::string& text) {
-  std::ofstream out(file, std::ios::binary);
-  out << text;
-  out.close();
-  if (!out) throw std::runtime_error(file + ": can't be written (" + std::strerror(errno) + ")");
-}
-
 }  // namespace
 
 bool Report::held() const {
@@ -242,8 +232,8 @@ std::string markdownOf(const Report& report) {
 
 void writeReport(const std::string& folder, const Report& report) {
   makeFolder(folder);
-  writeFile(folder + "/README.md", markdownOf(report));
-  writeFile(folder + "/results.json", jsonOf(report));
+  writeWholeFile(folder + "/README.md", markdownOf(report));
+  writeWholeFile(folder + "/results.json", jsonOf(report));
 }
 
 }  // namespace palpate::tools

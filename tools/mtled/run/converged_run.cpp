@@ -2,14 +2,14 @@
 
 #include <algorithm>
 #include <cstring>
-#include <fstream>
-#include <sstream>
+#include <filesystem>
 #include <stdexcept>
 
 #include "base/build_info.h"
 #include "base/number_text.h"
 #include "io/load_model.h"
 #include "io/output_file.h"
+#include "io/text_file.h"
 #include "model/model_hash.h"
 #include "mtled/report/vector_json.h"
 #include "realtime/recording/recording.h"
@@ -80,12 +80,9 @@ void writeConvergedRun(const std::string& file, const ConvergedRun& c, const std
 }
 
 bool readConvergedRun(const std::string& file, const std::string& identity, ConvergedRun& converged) {
-  std::ifstream in(file, std::ios::binary);
-  if (!in) return false;
-  std::stringstream text;
-  text << in.rdbuf();
+  if (!std::filesystem::exists(file)) return false;
   try {
-    const Json j = Json::parse(text.str());
+    const Json j = Json::parse(readWholeFile(file));
     if (j.at("identity") != identity) return false;
     ConvergedRun c;
     c.about = {j.at("nodes"),
