@@ -1,6 +1,7 @@
 #include "base/printable_text.h"
 
 #include <algorithm>
+#include <cctype>
 
 namespace palpate {
 
@@ -45,6 +46,12 @@ std::string printable(std::string_view text, LineEnds line_ends) {
     text.remove_prefix(character.size());
   }
   return result;
+}
+
+std::string lowerCase(std::string_view text) {
+  std::string lower(text);
+  for (char& c : lower) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return lower;
 }
 
 }  // namespace palpate

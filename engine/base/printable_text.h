@@ -12,4 +12,7 @@ enum class LineEnds { Replace, Keep };
 /// @param line_ends  whether '\n' stays, as in a message of several lines
 std::string printable(std::string_view text, LineEnds line_ends = LineEnds::Replace);
 
+/// The text with small letters for A to Z.
+std::string lowerCase(std::string_view text);
+
 }  // namespace palpate

@@ -1,10 +1,10 @@
 #include "io/csv_table.h"
 
 #include <algorithm>
-#include <cctype>
 #include <limits>
 #include <string_view>
 
+#include "base/printable_text.h"
 #include "io/text_file.h"
 #include "io/token_reader.h"
 
@@ -16,11 +16,6 @@ struct Field {
   std::string_view text;
   SourceLocation place;
 };
-
-std::string lowerCase(std::string text) {
-  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return text;
-}
 
 /// The fields of a line, without blanks and quotes around them.
 std::vector<Field> fieldsOf(std::string_view line, const std::string& file, int number) {
@@ -68,7 +63,7 @@ void readRow(const std::vector<Field>& fields, CsvTable& table) {
       table.column[k].push_back(std::numeric_limits<double>::quiet_NaN());
       continue;
     }
-    const bool none = text.empty() || lowerCase(std::string(text)) == "nan";
+    const bool none = text.empty() || lowerCase(text) == "nan";
     table.column[k].push_back(none ? std::numeric_limits<double>::quiet_NaN()
                                    : parseNumber(text, where, "column " + inQuotes(table.name[k])));
   }

@@ -1,13 +1,12 @@
 #include "io/stl_parser.h"
 
-#include <algorithm>
 #include <bit>
-#include <cctype>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <string_view>
 
+#include "base/printable_text.h"
 #include "io/token_reader.h"
 
 namespace palpate {
@@ -25,16 +24,10 @@ std::uint32_t statedFaceCount(const std::string& bytes) {
   return count;
 }
 
-std::string lower(std::string_view word) {
-  std::string s(word);
-  std::transform(s.begin(), s.end(), s.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return s;
-}
-
 bool looksBinary(const std::string& bytes) {
   if (bytes.size() >= header_size && bytes.size() == header_size + face_size * statedFaceCount(bytes)) return true;
   const std::size_t begin = bytes.find_first_not_of(" \t\r\n");
-  if (begin == std::string::npos || lower(std::string_view(bytes).substr(begin, 5)) != "solid") return true;
+  if (begin == std::string::npos || lowerCase(std::string_view(bytes).substr(begin, 5)) != "solid") return true;
   return bytes.find('\0') != std::string::npos;
 }
 
@@ -88,7 +81,7 @@ void parseAscii(const std::string& text, const std::string& file, SurfaceFile& r
   result.source.file = file;
   TokenReader reader(text, file);
   const auto expect = [&](std::string_view word, const char* wanted) {
-    if (lower(word) == wanted) return;
+    if (lowerCase(word) == wanted) return;
     throw InputError(reader.place(),
                      word.empty() ? "the file ends where \"" + std::string(wanted) + "\" should stand"
                                   : inQuotes(word) + " where \"" + std::string(wanted) + "\" should stand",
@@ -106,7 +99,7 @@ void parseAscii(const std::string& text, const std::string& file, SurfaceFile& r
     reader.nextLine();  // the rest is a name
     for (;;) {
       word = reader.next();
-      if (lower(word) == "endsolid") break;
+      if (lowerCase(word) == "endsolid") break;
       expect(word, "facet");
       const int line = reader.place().line;
       expect(reader.next(), "normal");

@@ -1,12 +1,12 @@
 #include "io/vtk_surface_parser.h"
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <string_view>
 #include <vector>
 
 #include "base/input_error.h"
+#include "base/printable_text.h"
 #include "io/byte_reader.h"
 #include "io/polygon_faces.h"
 #include "io/token_reader.h"
@@ -32,15 +32,15 @@ class VtkReader {
   void readHeader() {
     if (!line().starts_with("# vtk DataFile")) refuse("a legacy VTK file begins with \"# vtk DataFile Version\"");
     line();  // a title
-    const std::string format = lower(word());
+    const std::string format = lowerCase(word());
     if (format != "ascii" && format != "binary") refuse(inQuotes(format) + " where ASCII or BINARY should stand");
     binary_ = format == "binary";
-    if (lower(word()) != "dataset" || lower(word()) != "polydata")
+    if (lowerCase(word()) != "dataset" || lowerCase(word()) != "polydata")
       refuse("this VTK file has no POLYDATA set", "save the surface (not the volume) as PLY, STL or VTK polydata");
   }
 
   void readSections() {
-    for (std::string section = lower(word()); !section.empty(); section = lower(word())) {
+    for (std::string section = lowerCase(word()); !section.empty(); section = lowerCase(word())) {
       if (section == "points") {
         readPoints();
       } else if (section == "polygons") {
@@ -63,12 +63,6 @@ class VtkReader {
   [[noreturn]] void refuse(const std::string& problem, const std::string& advice = "export the organ again") const {
     const int line = 1 + static_cast<int>(std::count(bytes_.begin(), bytes_.begin() + static_cast<long>(at_), '\n'));
     throw InputError({file_, line, 0}, problem, advice);
-  }
-
-  static std::string lower(std::string_view text) {
-    std::string s(text);
-    for (char& c : s) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-    return s;
   }
 
   std::string_view line() {
@@ -115,7 +109,7 @@ class VtkReader {
 
   void readPoints() {
     const double points = count("the number of points");
-    const NumberKind kind = vtkKind(lower(word()));
+    const NumberKind kind = vtkKind(lowerCase(word()));
     std::vector<double> x;
     numbers(3 * points, kind, x);
     for (std::size_t k = 0; k + 2 < x.size(); k += 3) result_.surface.vertices.emplace_back(x[k], x[k + 1], x[k + 2]);
@@ -124,12 +118,12 @@ class VtkReader {
   void readPolygons(bool kept) {
     const double first = count("a number of polygons"), second = count("a length");
     const std::size_t mark = at_;
-    if (lower(word()) == "offsets") {
+    if (lowerCase(word()) == "offsets") {
       std::vector<double> offsets, corners;
-      const NumberKind offset_kind = vtkKind(lower(word()));
+      const NumberKind offset_kind = vtkKind(lowerCase(word()));
       numbers(first, offset_kind, offsets);
-      if (lower(word()) != "connectivity") refuse("OFFSETS without CONNECTIVITY");
-      const NumberKind corner_kind = vtkKind(lower(word()));
+      if (lowerCase(word()) != "connectivity") refuse("OFFSETS without CONNECTIVITY");
+      const NumberKind corner_kind = vtkKind(lowerCase(word()));
       numbers(second, corner_kind, corners);
       for (std::size_t k = 0; kept && k + 1 < offsets.size(); ++k) {
         const int from = asIndex(offsets[k]), to = asIndex(offsets[k + 1]);

@@ -8,13 +8,13 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cerrno>
 #include <cstring>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
 #include "base/input_error.h"
+#include "base/printable_text.h"
 
 namespace palpate {
 namespace {
@@ -48,11 +48,6 @@ Address parsed(const std::string& text) {
 
 Vec3 vectorOf(const Json& json) {
   return {json.at("x").get<double>(), json.at("y").get<double>(), json.at("z").get<double>()};
-}
-
-std::string lowerCase(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
-  return text;
 }
 
 }  // namespace

@@ -1,7 +1,6 @@
 #include "mtled/scan/import_scan.h"
 
 #include <algorithm>
-#include <cctype>
 #include <chrono>
 #include <cmath>
 #include <filesystem>
@@ -14,6 +13,7 @@
 #include "base/input_error.h"
 #include "base/interrupt.h"
 #include "base/number_text.h"
+#include "base/printable_text.h"
 #include "imaging/fuzzy_c_means.h"
 #include "imaging/mask_filter.h"
 #include "io/image_file.h"
@@ -443,8 +443,7 @@ int importScan(const ImportScanOptions& options) {
 }
 
 bool isScan(const std::string& file) {
-  std::string name = file;
-  for (char& c : name) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  const std::string name = lowerCase(file);
   return name.ends_with(".nii") || name.ends_with(".nii.gz");
 }
 
