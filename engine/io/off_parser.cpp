@@ -58,10 +58,7 @@ class OffReader {
         corners.push_back(asIndex(parseNumber(word, text_.place(), "a vertex index")));
       }
       text_.nextLine();  // colours
-      if (corners.size() < 3)
-        ++result_.unreadable_faces;
-      else
-        faces_.add(corners, line);
+      faces_.add(corners, line);
     }
   }
 
@@ -97,13 +94,7 @@ class OffReader {
 }  // namespace
 
 SurfaceFile parseOff(const std::string& bytes, const std::string& file, SurfaceReading reading) {
-  SurfaceFile result;
-  OffReader reader(bytes, file, result);
-  reader.readHeader();
-  readCounted(result, reading, [&] { reader.readBody(); });
-  reader.finish();
-  checkIndices(result, reading);
-  return result;
+  return readCounted<OffReader>(bytes, file, reading);
 }
 
 }  // namespace palpate

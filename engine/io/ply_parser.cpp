@@ -78,7 +78,7 @@ class PlyReader {
         throw InputError(element.place, "triangle strips are not read", "export plain faces: element face");
   }
 
-  void readElements() {
+  void readBody() {
     std::size_t body = bytes_.find("end_header");
     body = body == std::string::npos ? bytes_.size() : bytes_.find('\n', body);
     ByteReader binary(bytes_, body == std::string::npos ? bytes_.size() : body + 1, big_endian_);
@@ -98,7 +98,7 @@ class PlyReader {
           result_.surface.vertices.emplace_back(row_[axis[0]], row_[axis[1]], row_[axis[2]]);
           if (ascii_) result_.source.vertex_line.push_back(line);
         } else if (face) {
-          addFace(lists_[static_cast<std::size_t>(list)], line);
+          faces_.add(lists_[static_cast<std::size_t>(list)], ascii_ ? line : 0);
         }
       }
     }
@@ -181,14 +181,6 @@ class PlyReader {
     return line;
   }
 
-  void addFace(const std::vector<int>& corners, int line) {
-    if (corners.size() < 3) {
-      ++result_.unreadable_faces;
-      return;
-    }
-    faces_.add(corners, ascii_ ? line : 0);
-  }
-
   const std::string& bytes_;
   std::string file_;
   TokenReader text_;
@@ -203,13 +195,7 @@ class PlyReader {
 }  // namespace
 
 SurfaceFile parsePly(const std::string& bytes, const std::string& file, SurfaceReading reading) {
-  SurfaceFile result;
-  PlyReader reader(bytes, file, result);
-  reader.readHeader();
-  readCounted(result, reading, [&] { reader.readElements(); });
-  reader.finish();
-  checkIndices(result, reading);
-  return result;
+  return readCounted<PlyReader>(bytes, file, reading);
 }
 
 }  // namespace palpate

@@ -8,6 +8,7 @@ namespace palpate {
 
 void PolygonFaces::add(std::span<const int> corners, int line) {
   auto& triangles = file_.surface.triangles;
+  if (corners.size() < 3) ++file_.unreadable_faces;
   if (corners.size() > 3) polygons_.push_back({static_cast<int>(triangles.size()), {corners.begin(), corners.end()}});
   for (std::size_t k = 1; k + 1 < corners.size(); ++k) {
     triangles.push_back({corners[0], corners[k], corners[k + 1]});

@@ -14,7 +14,8 @@ class PolygonFaces {
  public:
   explicit PolygonFaces(SurfaceFile& file) : file_(file) {}
 
-  /// @param corners  vertex indices, at least three; they need not exist
+  /// A polygon of fewer than three corners is counted as unreadable.
+  /// @param corners  vertex indices; they need not exist
   /// @param line     of the file; 0: not known (then for all faces)
   void add(std::span<const int> corners, int line);
 
@@ -30,19 +31,25 @@ class PolygonFaces {
   std::vector<Polygon> polygons_;  // of more than three corners
 };
 
-/// For formats that count their elements: runs `read`; where that ends early, a tolerant reader goes on with the faces
-/// there are, and counts one as unreadable.
-template <class Read>
-void readCounted(SurfaceFile& result, SurfaceReading reading, Read&& read) {
+/// Refuses a file without faces; a strict reader also faces with vertices that are not there, or too few corners.
+void checkIndices(const SurfaceFile& result, SurfaceReading reading);
+
+/// Reads a file of a format that counts its elements by Reader's readHeader(), readBody() and finish(). Where the body
+/// ends early, a tolerant reading goes on with the faces there are, and counts one as unreadable.
+template <class Reader>
+SurfaceFile readCounted(const std::string& bytes, const std::string& file, SurfaceReading reading) {
+  SurfaceFile result;
+  Reader reader(bytes, file, result);
+  reader.readHeader();
   try {
-    read();
+    reader.readBody();
   } catch (const InputError&) {
     if (reading == SurfaceReading::Strict || result.surface.triangles.empty()) throw;
     ++result.unreadable_faces;
   }
+  reader.finish();
+  checkIndices(result, reading);
+  return result;
 }
-
-/// Refuses a file without faces; a strict reader also faces with vertices that are not there, or too few corners.
-void checkIndices(const SurfaceFile& result, SurfaceReading reading);
 
 }  // namespace palpate

@@ -39,7 +39,7 @@ class VtkReader {
       refuse("this VTK file has no POLYDATA set", "save the surface (not the volume) as PLY, STL or VTK polydata");
   }
 
-  void readSections() {
+  void readBody() {
     for (std::string section = lowerCase(word()); !section.empty(); section = lowerCase(word())) {
       if (section == "points") {
         readPoints();
@@ -147,10 +147,7 @@ class VtkReader {
   void addPolygon(const std::vector<double>& list, std::size_t from, std::size_t to) {
     corners_.clear();
     for (std::size_t k = from; k < to; ++k) corners_.push_back(asIndex(list[k]));
-    if (corners_.size() < 3)
-      ++result_.unreadable_faces;
-    else
-      faces_.add(corners_, 0);
+    faces_.add(corners_, 0);
   }
 
   const std::string& bytes_;
@@ -165,13 +162,7 @@ class VtkReader {
 }  // namespace
 
 SurfaceFile parseVtk(const std::string& bytes, const std::string& file, SurfaceReading reading) {
-  SurfaceFile result;
-  VtkReader reader(bytes, file, result);
-  reader.readHeader();
-  readCounted(result, reading, [&] { reader.readSections(); });
-  reader.finish();
-  checkIndices(result, reading);
-  return result;
+  return readCounted<VtkReader>(bytes, file, reading);
 }
 
 }  // namespace palpate
