@@ -29,6 +29,17 @@ inline SpringBed::Spec damped(SpringBed::Spec spec) {
   return spec;
 }
 
+/// Stiff to its sides, since the closed forms of a Winkler foundation are those of vertical springs.
+inline SpringBed::Spec winkler(double half_width, double node_spacing) {
+  SpringBed::Spec spec = damped({});
+  spec.half_width = half_width;
+  spec.node_spacing = node_spacing;
+  spec.skin_spacing = 0.5 * node_spacing;
+  spec.lateral = 100.0 * spec.foundation;
+  spec.surface_density = 50.0;
+  return spec;
+}
+
 /// Moves the tool at `velocity` for `ticks`; returns the last force.
 inline Vec3 move(SpringBed& bed, const ToolShape& tool, int ticks, const Vec3& velocity, double friction = 0.0) {
   Vec3 force = Vec3::Zero();

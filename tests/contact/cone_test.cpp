@@ -61,12 +61,7 @@ TEST_CASE("A cone on a Winkler foundation", "[contact][cone][whole]") {
   // discrete bed gives way a node's width h beyond the contact's radius a: an error of order (h / a)^2.
   ToolShape tool = ToolShape::of(ToolKind::Cone, 0.02);
   tool.parameter[1] = 0.01;
-  SpringBed::Spec spec = damped({});
-  spec.half_width = 0.02;
-  spec.node_spacing = 0.00125;
-  spec.skin_spacing = 0.5 * spec.node_spacing;
-  spec.lateral = 100.0 * spec.foundation;  // the closed form is that of vertical springs
-  spec.surface_density = 50.0;
+  const SpringBed::Spec spec = winkler(0.02, 0.00125);
   SpringBed bed(spec);
   bed.place(tool, tipAt(0.0003, 0.0007, 0));
   move(bed, tool, 100, 0.04 * kDown);

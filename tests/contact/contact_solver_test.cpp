@@ -30,12 +30,7 @@ TEST_CASE("A sphere on a Winkler foundation", "[contact][whole]") {
   const ToolShape tool = toolOf(ToolKind::Sphere, 0.02);
   double error[2];
   for (int fine : {0, 1}) {
-    SpringBed::Spec spec = damped({});
-    spec.half_width = 0.015;
-    spec.node_spacing = fine == 0 ? 0.0025 : 0.00125;
-    spec.skin_spacing = 0.5 * spec.node_spacing;
-    spec.lateral = 100.0 * spec.foundation;  // the closed form is that of vertical springs
-    spec.surface_density = 50.0;
+    const SpringBed::Spec spec = winkler(0.015, fine == 0 ? 0.0025 : 0.00125);
     SpringBed bed(spec);
     bed.place(tool, tipAt(0.0003, 0.0007, 0));
     move(bed, tool, 25, 0.02 * kDown);
@@ -57,12 +52,7 @@ TEST_CASE("A flat punch on a Winkler foundation", "[contact][whole]") {
   const ToolShape tool{ToolKind::FlatCylinder, 0.01, 0.06, {0.0005}};
   double error[2];
   for (int fine : {0, 1}) {
-    SpringBed::Spec spec = damped({});
-    spec.half_width = 0.02;
-    spec.node_spacing = fine == 0 ? 0.0025 : 0.00125;
-    spec.skin_spacing = 0.5 * spec.node_spacing;
-    spec.lateral = 100.0 * spec.foundation;
-    spec.surface_density = 50.0;
+    const SpringBed::Spec spec = winkler(0.02, fine == 0 ? 0.0025 : 0.00125);
     SpringBed bed(spec);
     bed.place(tool, tipAt(0.0003, 0.0007, 0));
     move(bed, tool, 25, 0.02 * kDown);
