@@ -31,4 +31,18 @@ radius = 0.01
 position = [0, 0, 0.035]
 )";
 
+/// The same with a lump that can be felt, which a slow machine computes in time.
+inline const std::string lump_block_text = block_text + R"([tool]
+shape = "sphere"
+radius = 0.008
+position = [0, 0, 0.045]
+[[lump]]
+centre = [0.0, 0, 0.018]
+radius = 0.009
+young = 30000
+[dynamics]
+rate = 100
+threads = 1
+)";
+
 }  // namespace palpate::test

@@ -27,20 +27,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A block with a lump, that a slow machine computes in time.
-const std::string task_text = test::block_text + R"([tool]
-shape = "sphere"
-radius = 0.008
-position = [0, 0, 0.045]
-[[lump]]
-centre = [0.0, 0, 0.018]
-radius = 0.009
-young = 30000
-[dynamics]
-rate = 100
-threads = 1
-)";
-
 /// What a person does, and what that brings about.
 struct Step {
   std::string name;
@@ -129,7 +115,7 @@ TEST_CASE("A person presses, tilts, cuts open, saves, marks, undoes, submits and
   test::VirtualScreen* const person = screen();
   if (person == nullptr) return;
   const OwnFolder folder;
-  const std::string scene = folder.write("task.toml", task_text);
+  const std::string scene = folder.write("task.toml", test::lump_block_text);
   folder.write("other.toml", test::touched_block_text + "[dynamics]\nrate = 100\nthreads = 1\n");
   folder.write("broken.toml", "name = \"broken\"\n[organ]\nsolid = \"ball\"\n");
   const Vec3 spot(0.012, 0.004, 0.03);  // on the upper face

@@ -281,20 +281,6 @@ TEST_CASE("Without lumps there is nothing for a trainee to find", "[session]") {
 
 namespace {
 
-/// A block with a lump that can be felt, quickly computed.
-const std::string search_text = test::block_text + R"([tool]
-shape = "sphere"
-radius = 0.008
-position = [0, 0, 0.045]
-[[lump]]
-centre = [0.0, 0, 0.018]
-radius = 0.009
-young = 30000
-[dynamics]
-rate = 100
-threads = 1
-)";
-
 struct Searched {
   std::string score;
   Conditions conditions;
@@ -318,7 +304,7 @@ TEST_CASE("A search's recording brings marks and answers: a replay scores the sa
   const TempFolder folder;
   Options options;
   options.offscreen = options.as_fast_as_possible = true;
-  options.scene = folder.write("block.toml", search_text);
+  options.scene = folder.write("block.toml", test::lump_block_text);
   options.out = folder.path("out");
   options.trainee = true;
   options.record = folder.path("search.rec");
@@ -360,7 +346,7 @@ TEST_CASE("Off-screen, too, nothing shows a search's inside - --answers shows it
   const TempFolder folder;
   Options options;
   options.offscreen = true;
-  options.scene = folder.write("block.toml", search_text);
+  options.scene = folder.write("block.toml", test::lump_block_text);
   const auto refused = [&](auto&& wish) {
     Options wishful = options;
     wish(wishful);
