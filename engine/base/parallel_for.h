@@ -10,6 +10,11 @@
 
 namespace palpate {
 
+/// As many threads as are asked for; 0: one per core.
+inline int threadsOr(int asked) {
+  return asked > 0 ? asked : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+}
+
 /// Threads of parallelFor; 0: one per core. Results never depend on it: tests set it to show that.
 inline std::atomic<int> setup_threads{0};
 
@@ -54,8 +59,7 @@ class SetupWatch {
 /// @param least  indices that are worth a part of their own
 template <class Body>
 void parallelFor(int count, Body&& body, int least = 64) {
-  const int wanted = OwnSetupThreads::wanted();
-  const int cores = wanted > 0 ? wanted : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  const int cores = threadsOr(OwnSetupThreads::wanted());
   constexpr int parts_per_core = 8;
   const int parts = std::clamp(count / least, 1, cores * parts_per_core);
   const int threads = std::min(cores, parts);

@@ -7,8 +7,8 @@
 #include <cstring>
 #include <fstream>
 #include <memory>
-#include <thread>
 
+#include "base/parallel_for.h"
 #include "base/spin_team.h"
 #include "base/types.h"
 #include "mtled/bench/timing.h"
@@ -141,9 +141,7 @@ Machine thisMachine() {
       break;
     }
   cpu_set_t allowed;
-  machine.cores = sched_getaffinity(0, sizeof allowed, &allowed) == 0
-                      ? CPU_COUNT(&allowed)
-                      : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  machine.cores = sched_getaffinity(0, sizeof allowed, &allowed) == 0 ? CPU_COUNT(&allowed) : threadsOr(0);
   for (int k = 0; k < 8; ++k) {
     const std::string folder = "/sys/devices/system/cpu/cpu0/cache/index" + std::to_string(k) + "/";
     int level = 0;

@@ -5,10 +5,10 @@
 #include <cstdio>
 #include <memory>
 #include <stdexcept>
-#include <thread>
 
 #include "base/interrupt.h"
 #include "base/number_text.h"
+#include "base/parallel_for.h"
 #include "io/certificate.h"
 #include "io/find_asset.h"
 #include "io/indent_script.h"
@@ -77,8 +77,7 @@ std::vector<Certificate::Row> certifiedRows(const Model& model, const ToolTrajec
 int certifyCommand(const CertifyOptions& options) {
   const std::string file = findScene(options.scene);
   const Scene scene = readScene(file);
-  const int threads =
-      options.threads > 0 ? options.threads : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  const int threads = threadsOr(options.threads);
   auto line = std::make_unique<ProgressLine>("certify");
   ProgressLine& progress = *line;
   const auto show = [&](const std::string& what, double fraction) {

@@ -6,11 +6,11 @@
 #include <filesystem>
 #include <iostream>
 #include <nlohmann/json.hpp>
-#include <thread>
 
 #include "base/build_info.h"
 #include "base/interrupt.h"
 #include "base/number_text.h"
+#include "base/parallel_for.h"
 #include "io/find_asset.h"
 #include "io/indent_script.h"
 #include "io/load_model.h"
@@ -121,8 +121,7 @@ FitOrder orderOf(const FitOptions& options) {
   order.script = namedScript(options.tool_script, given.tools[0].shape.radius);
   order.scene = given;
   if (options.rate_hz > 0) order.scene.dynamics.rate_hz = options.rate_hz;
-  const int cores =
-      options.cores > 0 ? options.cores : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  const int cores = threadsOr(options.cores);
   // A core is left to the worker that makes places.
   order.scene.dynamics.threads = follows ? std::max(1, cores - 1) : cores;
   order.out = options.out.empty() ? "out/" + std::filesystem::path(order.scene_file).stem().string() + "_" +

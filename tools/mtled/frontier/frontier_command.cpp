@@ -4,10 +4,10 @@
 #include <cmath>
 #include <filesystem>
 #include <iostream>
-#include <thread>
 
 #include "base/build_info.h"
 #include "base/interrupt.h"
+#include "base/parallel_for.h"
 #include "io/find_asset.h"
 #include "io/indent_script.h"
 #include "io/load_model.h"
@@ -82,7 +82,7 @@ int frontierCommand(const FrontierOptions& options) {
   const std::string folder = options.out.empty() ? "out/" + scene.name + "_frontier" : options.out;
   makeFolder(folder);
   if (!options.report.empty()) makeFolder(options.report);
-  const int cores = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  const int cores = threadsOr(0);
   const Fineness fineness = options.quick ? Fineness{0.9, 0.5, 1.35} : Fineness{0.75, 0.4, 1.35};
 
   ProgressLine progress("frontier");

@@ -5,11 +5,11 @@
 #include <filesystem>
 #include <iostream>
 #include <nlohmann/json.hpp>
-#include <thread>
 
 #include "base/build_info.h"
 #include "base/nearest_word.h"
 #include "base/number_text.h"
+#include "base/parallel_for.h"
 #include "discretization/surface/surface_geometry.h"
 #include "io/find_asset.h"
 #include "io/load_model.h"
@@ -240,10 +240,9 @@ int identifyCommand(const IdentifyOptions& options) {
   const MeasuredCurve measured = readForceCurve(options.measured);
   const bool relaxing = std::any_of(scene.materials.begin(), scene.materials.end(),
                                     [](const MaterialSpec& m) { return m.material.relaxation_count > 0; });
-  const Press press{
-      file, "material[" + std::to_string(options.material) + "]", measured.deepest(),
-      options.seconds > 0 ? options.seconds : pressSeconds(measured, relaxing),
-      options.threads > 0 ? options.threads : std::max(1, static_cast<int>(std::thread::hardware_concurrency()))};
+  const Press press{file, "material[" + std::to_string(options.material) + "]", measured.deepest(),
+                    options.seconds > 0 ? options.seconds : pressSeconds(measured, relaxing),
+                    threadsOr(options.threads)};
   const std::string folder =
       options.out.empty() ? "out/" + std::filesystem::path(file).stem().string() + "_identify" : options.out;
   makeFolder(folder, "choose another place with --out");

@@ -6,10 +6,10 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <system_error>
-#include <thread>
 
 #include "base/build_info.h"
 #include "base/number_text.h"
+#include "base/parallel_for.h"
 #include "io/find_asset.h"
 #include "io/load_model.h"
 #include "io/output_file.h"
@@ -103,8 +103,7 @@ int identifyRegions(const IdentifyOptions& options) {
   makeFolder(folder, "choose another place with --out");
 
   auto model = std::make_unique<Model>(loadModel(scene));
-  const int threads =
-      options.threads > 0 ? options.threads : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  const int threads = threadsOr(options.threads);
   PressedRegions regions(*model, presses, sought.numbers, threads);
   ProgressLine progress("identify");
   int maps = 0;

@@ -14,6 +14,7 @@
 #include "base/input_error.h"
 #include "base/interrupt.h"
 #include "base/number_text.h"
+#include "base/parallel_for.h"
 #include "io/csv_table.h"
 #include "io/output_file.h"
 #include "mtled/matrix/matrix_rows.h"
@@ -53,8 +54,7 @@ class MatrixRun {
 
   /// All rows, by seed.
   std::vector<MatrixRow> rows() {
-    const int count =
-        options_.threads > 0 ? options_.threads : static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+    const int count = threadsOr(options_.threads);
     std::vector<std::thread> team;
     for (int k = 1; k < count; ++k) team.emplace_back([this] { work(); });
     work();

@@ -8,10 +8,10 @@
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <thread>
 
 #include "base/interrupt.h"
 #include "base/key.h"
+#include "base/parallel_for.h"
 #include "batch/static_solver.h"
 #include "batch/transient_solver.h"
 #include "io/find_asset.h"
@@ -249,7 +249,7 @@ int solveCommand(const SolveOptions& options) {
     };
     model = std::make_unique<Model>(loadModel(scene, show, cache, warn, at_end));
   }
-  const int cores = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  const int cores = threadsOr(0);
   if (const std::string loose = looseWarning(*model); !loose.empty()) warn(loose);
   if (const std::string layer = layerWarning(*model); !layer.empty()) warn(layer);
   if (const std::string coarse = resolutionWarning(*model); moved.moved() && !coarse.empty()) warn(coarse);

@@ -4,11 +4,11 @@
 #include <chrono>
 #include <iostream>
 #include <memory>
-#include <thread>
 
 #include "base/build_info.h"
 #include "base/input_error.h"
 #include "base/interrupt.h"
+#include "base/parallel_for.h"
 #include "io/output_file.h"
 #include "mtled/report/pictures.h"
 #include "mtled/report/report_page.h"
@@ -58,8 +58,7 @@ int verifyCommand(const VerifyOptions& options) {
   const auto cases = chosenCases(options.cases);
   CaseContext context;
   context.quick = options.quick;
-  context.threads =
-      options.threads > 0 ? options.threads : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  context.threads = threadsOr(options.threads);
   context.references = sourceFolder() + "/tests/reference";
   std::unique_ptr<Pictures> pictures;
   if (!options.report.empty()) {
