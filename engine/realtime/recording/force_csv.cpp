@@ -1,7 +1,5 @@
 #include "realtime/recording/force_csv.h"
 
-#include <cstdio>
-
 #include "base/number_text.h"
 #include "step/trust.h"
 
@@ -15,11 +13,7 @@ const char* const force_csv_header =
 
 std::string forceCsvRow(const ForceSample& s) {
   std::string row;
-  const auto add = [&row](double value) {
-    char text[32];
-    const int length = std::snprintf(text, sizeof text, "%.9g,", value);
-    row.append(text, static_cast<std::size_t>(length));
-  };
+  const auto add = [&row](double value) { row += format("%.9g,", value); };
   for (const double value : {s.time_s, s.depth_m, s.advance_m}) add(value);
   for (const double value : s.force_raw) add(value);
   for (const double value : s.force_filtered) add(value);
@@ -47,11 +41,7 @@ std::string forceCsvHeader(const ToolSet& tools, bool follows) {
 std::string forceCsvRow(const ForceSample& sample, const ToolReadings& readings, const ToolSet& tools, bool follows) {
   std::string row = forceCsvRow(sample);
   row.pop_back();
-  const auto add = [&row](double value) {
-    char text[32];
-    const int length = std::snprintf(text, sizeof text, ",%.9g", value);
-    row.append(text, static_cast<std::size_t>(length));
-  };
+  const auto add = [&row](double value) { row += format(",%.9g", value); };
   for (std::size_t k = 0; k < tools.tool.size(); ++k) {
     const ToolReading& t = readings.tool[k];
     if (k > 0) {
