@@ -9,8 +9,8 @@ namespace palpate {
 
 ShapeTable shapeFunctions(const std::vector<Vec3>& points, const std::vector<Vec3>& X,
                           const std::vector<double>& radius, const Neighbours& neighbours, const MmlsOptions& options,
-                          std::vector<InadmissibleSupport>& failed, const AdmissibilityLimits& limits,
-                          const SupportGroups& groups, const KnownPart& known, Wanted wanted) {
+                          std::vector<InadmissibleSupport>& failed, const SupportGroups& groups, const KnownPart& known,
+                          Wanted wanted) {
   const bool gradients = wanted == Wanted::Gradients;
   const int rows = static_cast<int>(points.size());
   struct Row {
@@ -43,7 +43,7 @@ ShapeTable shapeFunctions(const std::vector<Vec3>& points, const std::vector<Vec
       const int count = static_cast<int>(row[r].node.size());
       if (mmls.evaluate(points[r], support_X.data(), support_radius.data(), count,
                         pinned.empty() ? nullptr : pinned.data(), gradients) &&
-          limits.admit(mmls.quality())) {
+          AdmissibilityLimits{}.admit(mmls.quality())) {
         row[r].N = mmls.N();
         if (gradients) row[r].gradN = mmls.gradN();
       } else {

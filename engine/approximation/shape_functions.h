@@ -49,12 +49,11 @@ enum class Wanted { Values, Gradients };
 /// @param points   m (row_count)
 /// @param failed   receives the inadmissible rows in ascending order; their entries are left empty
 /// @param groups   supports that are to end somewhere
-/// @param known    rows of the same options and limits, which are copied where they hold
+/// @param known    rows of the same options, which are copied where they hold
 ShapeTable shapeFunctions(const std::vector<Vec3>& points, const std::vector<Vec3>& X,
                           const std::vector<double>& radius, const Neighbours& neighbours, const MmlsOptions& options,
-                          std::vector<InadmissibleSupport>& failed, const AdmissibilityLimits& limits = {},
-                          const SupportGroups& groups = {}, const KnownPart& known = {},
-                          Wanted wanted = Wanted::Gradients);
+                          std::vector<InadmissibleSupport>& failed, const SupportGroups& groups = {},
+                          const KnownPart& known = {}, Wanted wanted = Wanted::Gradients);
 
 /// Multiplies by 1.15 the radii of the eight nodes nearest to each failed point: sparse supports
 /// grow until they are admissible. Returns the nodes that changed.

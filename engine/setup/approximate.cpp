@@ -91,7 +91,7 @@ Approximation approximate(const Scene& scene, const std::vector<Vec3>& X, std::v
     KnownPart known{at_hand ? &*at_hand : nullptr};
     for (const auto& [at, rows, table, wanted] : parts) {
       std::vector<InadmissibleSupport> failed;
-      *table = shapeFunctions(*at, X, radius, neighbours, options, failed, {}, {groups.of_nodes, *rows}, known, wanted);
+      *table = shapeFunctions(*at, X, radius, neighbours, options, failed, {groups.of_nodes, *rows}, known, wanted);
       ++known.part;
       if (failed.empty()) continue;
       admissible = false;

@@ -98,7 +98,7 @@ ShapeTable shapeAt(const Body& model, const std::vector<Vec3>& points, const std
     std::vector<InadmissibleSupport> bad;
     tables.push_back(shapeFunctions(picked(points, rows), model.X, radius,
                                     Neighbours(model.X, radius, endingAt(*model.gaps[static_cast<std::size_t>(p)])),
-                                    options, bad, {}, own));
+                                    options, bad, own));
     for (InadmissibleSupport& f : bad) {
       f.row = rows[static_cast<std::size_t>(f.row)];
       failed.push_back(f);

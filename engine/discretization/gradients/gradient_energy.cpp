@@ -13,7 +13,7 @@ Vec3 GradientEnergy::operator()(const Vec3& x) {
     support_radius_.push_back((*radius_)[j]);
   }
   if (!mmls_.evaluate(x, support_X_.data(), support_radius_.data(), static_cast<int>(support_.size())) ||
-      !limits_.admit(mmls_.quality())) {
+      !AdmissibilityLimits{}.admit(mmls_.quality())) {
     return Vec3::Constant(std::numeric_limits<double>::quiet_NaN());
   }
   Vec3 f = Vec3::Zero();

@@ -23,8 +23,8 @@ class GradientEnergy {
   /// @param X, radius   nodes, m, and their supports' radii, m (node_count); kept by reference
   /// @param neighbours  of the same X and radius; kept by reference
   GradientEnergy(const std::vector<Vec3>& X, const std::vector<double>& radius, const Neighbours& neighbours,
-                 const MmlsOptions& options, const AdmissibilityLimits& limits = {})
-      : X_(&X), radius_(&radius), neighbours_(&neighbours), limits_(limits), mmls_(options) {}
+                 const MmlsOptions& options)
+      : X_(&X), radius_(&radius), neighbours_(&neighbours), mmls_(options) {}
 
   Vec3 operator()(const Vec3& x);
 
@@ -32,7 +32,6 @@ class GradientEnergy {
   const std::vector<Vec3>* X_;
   const std::vector<double>* radius_;
   const Neighbours* neighbours_;
-  AdmissibilityLimits limits_;
   Mmls<3> mmls_;
   std::vector<int> support_;
   std::vector<Vec3> support_X_;
