@@ -9,6 +9,7 @@
 #include "base/input_error.h"
 #include "base/number_text.h"
 #include "io/output_file.h"
+#include "io/result_csv.h"
 #include "io/text_file.h"
 
 namespace palpate::app {
@@ -37,9 +38,7 @@ std::string field(const Value& object, const char* key) {
   if (value->is_array()) return std::to_string(value->size());
   if (!value->is_string()) return value->dump();
   const auto given = value->get<std::string>();
-  std::string text = given.find_first_of("=+-@\t\r") == 0 ? "\"'" : "\"";
-  for (const char c : given) text += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return text + "\"";
+  return csvQuoted((given.find_first_of("=+-@\t\r") == 0 ? "'" : "") + given);
 }
 
 /// The sheet in a file; null where the file is something else. Throws std::exception where it can't be read.

@@ -47,4 +47,10 @@ void ResultCsv::write(const std::string& line) {
   if (!out_) failWriting(path_, errno);
 }
 
+std::string csvQuoted(std::string_view text) {
+  std::string quoted = "\"";
+  for (const char c : text) quoted.append(c == '"' ? 2 : 1, c);
+  return quoted + '"';
+}
+
 }  // namespace palpate

@@ -40,4 +40,7 @@ class ResultCsv {
   std::ofstream out_;
 };
 
+/// A text as a field: in quotes, its own doubled.
+std::string csvQuoted(std::string_view text);
+
 }  // namespace palpate

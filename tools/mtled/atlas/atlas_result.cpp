@@ -6,6 +6,7 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "io/result_csv.h"
 #include "mtled/report/case_result.h"
 #include "mtled/report/report_page.h"
 
@@ -20,12 +21,6 @@ double toDouble(const Json& json) { return json.is_null() ? NAN : json.get<doubl
 bool doubtedBefore(const AtlasMeasure& m, double time) { return m.doubt_at < time; }
 
 bool isWrong(const AtlasMeasure& m) { return !m.compared.empty() && !(std::abs(m.deviation) <= m.bound); }
-
-std::string inQuotes(const std::string& text) {
-  std::string quoted = "\"";
-  for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return quoted + "\"";
-}
 
 }  // namespace
 
@@ -103,11 +98,12 @@ std::string csvOf(const Atlas& atlas) {
          "deviation,bound,doubted_then,wall_s,how_much\n";
   for (const auto& r : atlas.rows) {
     const AtlasMeasure& m = r.measure;
-    out << inQuotes(r.axis) << ',' << inQuotes(r.name) << ',' << inQuotes(r.value) << ',' << outcomeName(outcomeOf(m))
-        << ',' << m.nodes << ',' << m.points << ',' << m.steps << ',' << m.doubt << ',' << m.doubt_at << ','
-        << m.doubted_for << ',' << inQuotes(m.loss) << ',' << m.lost_at << ',' << m.restored << ',' << m.energy_error
-        << ',' << m.step_share << ',' << m.min_J << ',' << m.growth << ',' << inQuotes(m.compared) << ',' << m.deviation
-        << ',' << m.bound << ',' << m.doubted_then << ',' << r.seconds << ',' << inQuotes(howMuch(m)) << '\n';
+    out << csvQuoted(r.axis) << ',' << csvQuoted(r.name) << ',' << csvQuoted(r.value) << ','
+        << outcomeName(outcomeOf(m)) << ',' << m.nodes << ',' << m.points << ',' << m.steps << ',' << m.doubt << ','
+        << m.doubt_at << ',' << m.doubted_for << ',' << csvQuoted(m.loss) << ',' << m.lost_at << ',' << m.restored
+        << ',' << m.energy_error << ',' << m.step_share << ',' << m.min_J << ',' << m.growth << ','
+        << csvQuoted(m.compared) << ',' << m.deviation << ',' << m.bound << ',' << m.doubted_then << ',' << r.seconds
+        << ',' << csvQuoted(howMuch(m)) << '\n';
   }
   return out.str();
 }

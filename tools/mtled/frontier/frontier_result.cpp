@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "base/number_text.h"
+#include "io/result_csv.h"
 #include "mtled/report/pictures.h"
 
 namespace palpate::tools {
@@ -61,10 +62,10 @@ std::string csvOf(const Frontier& f) {
          "force_error,"
          "displacement_error,peak_force_N,min_J,trouble\n";
   for (const auto& r : f.rows)
-    out << '"' << r.group << "\",\"" << r.name << "\"," << r.nodes << ',' << r.points << ',' << r.substeps << ','
-        << r.threads << ',' << r.dt << ',' << r.setup_seconds << ',' << r.cost.us_per_ms << ',' << r.cost.tick_p50
-        << ',' << r.cost.tick_p999 << ',' << r.realtime_factor << ',' << r.error.force << ',' << r.error.displacement
-        << ',' << r.peak_force << ',' << r.min_J << ",\"" << r.trouble << "\"\n";
+    out << csvQuoted(r.group) << ',' << csvQuoted(r.name) << ',' << r.nodes << ',' << r.points << ',' << r.substeps
+        << ',' << r.threads << ',' << r.dt << ',' << r.setup_seconds << ',' << r.cost.us_per_ms << ','
+        << r.cost.tick_p50 << ',' << r.cost.tick_p999 << ',' << r.realtime_factor << ',' << r.error.force << ','
+        << r.error.displacement << ',' << r.peak_force << ',' << r.min_J << ',' << csvQuoted(r.trouble) << '\n';
   return out.str();
 }
 
