@@ -1,5 +1,4 @@
 // The JSON of bench_report.h.
-#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "mtled/bench/bench_report.h"
@@ -19,8 +18,7 @@ Json toJson(const Ceilings& c) {
   for (std::size_t k = 0; k < c.fma_gflops.size(); ++k)
     if (c.fma_gflops[k] > 0) fma[nameOf(static_cast<InstructionSet>(k))] = c.fma_gflops[k];
   for (const MemoryLevel& level : c.levels)
-    levels.push_back(
-        {{"name", level.name}, {"capacity_bytes", level.capacity}, {"read_gb_per_s", toJson(level.gb_per_s)}});
+    levels.push_back({{"name", level.name}, {"capacity_bytes", level.capacity}, {"read_gb_per_s", level.gb_per_s}});
   return {{"threads", c.threads}, {"fma_float32_gflop_per_s", fma}, {"memory", levels}};
 }
 
@@ -30,17 +28,17 @@ Json toJson(const BenchRow& row) {
           {"instruction_set", row.instruction_set},
           {"threads", row.threads},
           {"ceiling", row.ceiling},
-          {"best_ns", toJson(row.best_ns)},
-          {"median_ns", toJson(row.median_ns)},
-          {"force_error", toJson(row.force_error)},
-          {"error_limit", toJson(row.error_limit)},
-          {"bytes_per_point", toJson(row.bytes)},
-          {"useful_flops_per_point", toJson(row.useful_flops)},
-          {"executed_flops_per_point", toJson(row.executed_flops)},
-          {"gb_per_s", toJson(row.gb_per_s)},
-          {"gflop_per_s", toJson(row.gflop_per_s)},
-          {"ceiling_ns", toJson(row.ceiling_ns)},
-          {"share_of_ceiling", toJson(row.share)}};
+          {"best_ns", row.best_ns},
+          {"median_ns", row.median_ns},
+          {"force_error", row.force_error},
+          {"error_limit", row.error_limit},
+          {"bytes_per_point", row.bytes},
+          {"useful_flops_per_point", row.useful_flops},
+          {"executed_flops_per_point", row.executed_flops},
+          {"gb_per_s", row.gb_per_s},
+          {"gflop_per_s", row.gflop_per_s},
+          {"ceiling_ns", row.ceiling_ns},
+          {"share_of_ceiling", row.share}};
 }
 
 Json toJson(const BenchBodyResult& body) {
@@ -49,15 +47,14 @@ Json toJson(const BenchBodyResult& body) {
   return {{"name", body.name},
           {"nodes", body.nodes},
           {"points", body.points},
-          {"mean_support", toJson(body.mean_support)},
-          {"setup_seconds", toJson(body.setup_seconds)},
+          {"mean_support", body.mean_support},
+          {"setup_seconds", body.setup_seconds},
           {"rows", rows}};
 }
 
 Json toJson(const Verdict& v) {
-  return {{"quantity", v.bound.quantity}, {"value", toJson(v.bound.value)},
-          {"limit", v.bound.limit},       {"at_most", v.bound.at_most},
-          {"unit", v.bound.unit},         {"note", v.bound.note},
+  return {{"quantity", v.bound.quantity}, {"value", v.bound.value}, {"limit", v.bound.limit},
+          {"at_most", v.bound.at_most},   {"unit", v.bound.unit},   {"note", v.bound.note},
           {"verdict", v.text()},          {"missing", v.missing}};
 }
 
