@@ -9,18 +9,39 @@
 #include "io/result_csv.h"
 #include "mtled/report/case_result.h"
 #include "mtled/report/report_page.h"
+#include "mtled/report/vector_json.h"
 
 namespace palpate::tools {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json toJson(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
-double toDouble(const Json& json) { return json.is_null() ? NAN : json.get<double>(); }
-
 bool doubtedBefore(const AtlasMeasure& m, double time) { return m.doubt_at < time; }
 
 bool isWrong(const AtlasMeasure& m) { return !m.compared.empty() && !(std::abs(m.deviation) <= m.bound); }
+
+/// Every field of what was measured with its name in the file.
+template <class Measure, class Each>
+void eachField(Measure& m, Each each) {
+  each("refused", m.refused);
+  each("nodes", m.nodes);
+  each("points", m.points);
+  each("steps", m.steps);
+  each("doubt", m.doubt);
+  each("doubt_at_s", m.doubt_at);
+  each("doubted_for_s", m.doubted_for);
+  each("loss", m.loss);
+  each("lost_at_s", m.lost_at);
+  each("restored", m.restored);
+  each("energy_error", m.energy_error);
+  each("step_share", m.step_share);
+  each("min_J", m.min_J);
+  each("energy_growth", m.growth);
+  each("compared", m.compared);
+  each("deviation", m.deviation);
+  each("bound", m.bound);
+  each("doubted_then", m.doubted_then);
+}
 
 }  // namespace
 
@@ -111,31 +132,11 @@ std::string csvOf(const Atlas& atlas) {
 std::string jsonOf(const Atlas& atlas) {
   Json rows = Json::array();
   for (const auto& r : atlas.rows) {
-    const AtlasMeasure& m = r.measure;
-    rows.push_back({{"axis", r.axis},
-                    {"cell", r.name},
-                    {"value", r.value},
-                    {"outcome", outcomeName(outcomeOf(m))},
-                    {"refused", m.refused},
-                    {"nodes", m.nodes},
-                    {"points", m.points},
-                    {"steps", toJson(m.steps)},
-                    {"doubt", m.doubt},
-                    {"doubt_at_s", toJson(m.doubt_at)},
-                    {"doubted_for_s", m.doubted_for},
-                    {"loss", m.loss},
-                    {"lost_at_s", toJson(m.lost_at)},
-                    {"restored", m.restored},
-                    {"energy_error", toJson(m.energy_error)},
-                    {"step_share", toJson(m.step_share)},
-                    {"min_J", toJson(m.min_J)},
-                    {"energy_growth", toJson(m.growth)},
-                    {"compared", m.compared},
-                    {"deviation", toJson(m.deviation)},
-                    {"bound", toJson(m.bound)},
-                    {"doubted_then", m.doubted_then},
-                    {"wall_s", toJson(r.seconds)},
-                    {"how_much", howMuch(m)}});
+    Json j = {{"axis", r.axis}, {"cell", r.name}, {"value", r.value}, {"outcome", outcomeName(outcomeOf(r.measure))}};
+    eachField(r.measure, [&](const char* name, const auto& value) { j[name] = value; });
+    j["wall_s"] = r.seconds;
+    j["how_much"] = howMuch(r.measure);
+    rows.push_back(std::move(j));
   }
   const Json json = {{"build", atlas.build}, {"identity", atlas.identity}, {"rows", rows}};
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
@@ -146,30 +147,9 @@ Atlas atlasFromJson(const std::string& text) {
     const Json json = Json::parse(text);
     Atlas atlas{json.at("build"), json.at("identity"), {}};
     for (const Json& j : json.at("rows")) {
-      AtlasRow r;
-      r.axis = j.at("axis");
-      r.name = j.at("cell");
-      r.value = j.at("value");
-      r.seconds = toDouble(j.at("wall_s"));
-      AtlasMeasure& m = r.measure;
-      m.refused = j.at("refused");
-      m.nodes = j.at("nodes");
-      m.points = j.at("points");
-      m.steps = toDouble(j.at("steps"));
-      m.doubt = j.at("doubt");
-      m.doubt_at = toDouble(j.at("doubt_at_s"));
-      m.doubted_for = j.at("doubted_for_s");
-      m.loss = j.at("loss");
-      m.lost_at = toDouble(j.at("lost_at_s"));
-      m.restored = j.at("restored");
-      m.energy_error = toDouble(j.at("energy_error"));
-      m.step_share = toDouble(j.at("step_share"));
-      m.min_J = toDouble(j.at("min_J"));
-      m.growth = toDouble(j.at("energy_growth"));
-      m.compared = j.at("compared");
-      m.deviation = toDouble(j.at("deviation"));
-      m.bound = toDouble(j.at("bound"));
-      m.doubted_then = j.at("doubted_then");
+      AtlasRow r{j.at("axis"), j.at("cell"), j.at("value"), {}, 0};
+      readJson(j.at("wall_s"), r.seconds);
+      eachField(r.measure, [&](const char* name, auto& value) { readJson(j.at(name), value); });
       atlas.rows.push_back(std::move(r));
     }
     return atlas;

@@ -11,7 +11,26 @@
 
 namespace palpate::tools {
 
+namespace {
+
 using Json = nlohmann::json;
+
+/// Every field with its name in the file, but for the forces and displacements.
+template <class Try, class Each>
+void eachField(Try& t, Each each) {
+  each("family", t.family);
+  each("spacing_factor", t.spacing_factor);
+  each("nodes", t.nodes);
+  each("points", t.points);
+  each("substeps", t.substeps);
+  each("us_per_ms", t.cost.us_per_ms);
+  each("tick_p50_us", t.cost.tick_p50);
+  each("tick_p999_us", t.cost.tick_p999);
+  each("flags", t.run.flags);
+  each("min_J", t.run.min_J);
+}
+
+}  // namespace
 
 void FitRecord::resume() {
   if (!std::filesystem::exists(file_))
@@ -23,17 +42,10 @@ void FitRecord::resume() {
       throw InputError({file_}, "this is of another scene, way, rate, number of cores or program",
                        "start without --resume");
     for (const Json& j : json.at("tries")) {
-      FitTry one{j.at("family"),
-                 j.at("spacing_factor"),
-                 j.at("nodes"),
-                 j.at("points"),
-                 j.at("substeps"),
-                 {j.at("us_per_ms"), j.at("tick_p50_us"), j.at("tick_p999_us")},
-                 {}};
+      FitTry one;
+      eachField(one, [&](const char* name, auto& value) { j.at(name).get_to(value); });
       one.run.force = vectorsFromJson(j.at("force_N"));
       one.run.probe_u = vectorsFromJson(j.at("probe_u_m"));
-      one.run.flags = j.at("flags");
-      one.run.min_J = j.at("min_J");
       tries.push_back(std::move(one));
     }
   } catch (const Json::exception&) {
@@ -52,19 +64,11 @@ const FitTry* FitRecord::find(const std::string& family, double spacing_factor) 
 void FitRecord::add(const FitTry& one) {
   tries_.push_back(one);
   Json tries = Json::array();
-  for (const FitTry& t : tries_)
-    tries.push_back({{"family", t.family},
-                     {"spacing_factor", t.spacing_factor},
-                     {"nodes", t.nodes},
-                     {"points", t.points},
-                     {"substeps", t.substeps},
-                     {"us_per_ms", t.cost.us_per_ms},
-                     {"tick_p50_us", t.cost.tick_p50},
-                     {"tick_p999_us", t.cost.tick_p999},
-                     {"flags", t.run.flags},
-                     {"min_J", t.run.min_J},
-                     {"force_N", vectorsToJson(t.run.force)},
-                     {"probe_u_m", vectorsToJson(t.run.probe_u)}});
+  for (const FitTry& t : tries_) {
+    Json j = {{"force_N", vectorsToJson(t.run.force)}, {"probe_u_m", vectorsToJson(t.run.probe_u)}};
+    eachField(t, [&](const char* name, const auto& value) { j[name] = value; });
+    tries.push_back(std::move(j));
+  }
   const Json json = {{"identity", identity_}, {"tries", tries}};
   writeWholeFile(file_, json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
 }

@@ -10,16 +10,36 @@
 #include "base/number_text.h"
 #include "io/result_csv.h"
 #include "mtled/report/pictures.h"
+#include "mtled/report/vector_json.h"
 
 namespace palpate::tools {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json toJson(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
-double toDouble(const Json& json) { return json.is_null() ? NAN : json.get<double>(); }
-
 std::string percent(double share) { return std::isfinite(share) ? format("%.2f %%", share * 100) : "-"; }
+
+/// Every field of a row with its name in the file.
+template <class Row, class Each>
+void eachField(Row& r, Each each) {
+  each("group", r.group);
+  each("name", r.name);
+  each("nodes", r.nodes);
+  each("points", r.points);
+  each("substeps", r.substeps);
+  each("threads", r.threads);
+  each("dt_s", r.dt);
+  each("setup_s", r.setup_seconds);
+  each("us_per_ms", r.cost.us_per_ms);
+  each("tick_p50_us", r.cost.tick_p50);
+  each("tick_p999_us", r.cost.tick_p999);
+  each("realtime_factor", r.realtime_factor);
+  each("force_error", r.error.force);
+  each("displacement_error", r.error.displacement);
+  each("peak_force_N", r.peak_force);
+  each("min_J", r.min_J);
+  each("trouble", r.trouble);
+}
 
 }  // namespace
 
@@ -71,41 +91,18 @@ std::string csvOf(const Frontier& f) {
 
 std::string jsonOf(const Frontier& f) {
   Json rows = Json::array();
-  for (const auto& r : f.rows)
-    rows.push_back({{"group", r.group},
-                    {"name", r.name},
-                    {"nodes", r.nodes},
-                    {"points", r.points},
-                    {"substeps", r.substeps},
-                    {"threads", r.threads},
-                    {"dt_s", r.dt},
-                    {"setup_s", r.setup_seconds},
-                    {"us_per_ms", toJson(r.cost.us_per_ms)},
-                    {"tick_p50_us", toJson(r.cost.tick_p50)},
-                    {"tick_p999_us", toJson(r.cost.tick_p999)},
-                    {"realtime_factor", toJson(r.realtime_factor)},
-                    {"force_error", toJson(r.error.force)},
-                    {"displacement_error", toJson(r.error.displacement)},
-                    {"peak_force_N", toJson(r.peak_force)},
-                    {"min_J", r.min_J},
-                    {"trouble", r.trouble}});
+  for (const auto& r : f.rows) {
+    Json j;
+    eachField(r, [&](const char* name, const auto& value) { j[name] = value; });
+    rows.push_back(std::move(j));
+  }
   Json front = Json::array();
   for (const int k : bestRows(f)) front.push_back(f.rows[static_cast<std::size_t>(k)].name);
-  const auto& ref = f.reference;
-  const Json json = {{"scene", f.scene},
-                     {"way", f.way},
-                     {"build", f.build},
-                     {"identity", f.identity},
-                     {"rate_hz", f.rate_hz},
-                     {"reference",
-                      {{"nodes", ref.nodes},
-                       {"points", ref.points},
-                       {"peak_force_N", toJson(ref.peak_force)},
-                       {"coarser_nodes", ref.coarser_nodes},
-                       {"force_distance", toJson(ref.convergence.force)},
-                       {"displacement_distance", toJson(ref.convergence.displacement)}}},
-                     {"pareto_front", front},
-                     {"rows", rows}};
+  Json reference;
+  eachReferenceField(f.reference, [&](const char* name, const auto& value) { reference[name] = value; });
+  const Json json = {{"scene", f.scene},       {"way", f.way},         {"build", f.build},
+                     {"identity", f.identity}, {"rate_hz", f.rate_hz}, {"reference", reference},
+                     {"pareto_front", front},  {"rows", rows}};
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
@@ -113,28 +110,11 @@ Frontier frontierFromJson(const std::string& text) {
   try {
     const Json j = Json::parse(text);
     Frontier f{j.at("scene"), j.at("way"), j.at("build"), j.at("identity"), j.at("rate_hz"), {}, {}};
-    const Json& ref = j.at("reference");
-    f.reference = {ref.at("nodes"),
-                   ref.at("points"),
-                   toDouble(ref.at("peak_force_N")),
-                   ref.at("coarser_nodes"),
-                   {toDouble(ref.at("force_distance")), toDouble(ref.at("displacement_distance"))}};
+    const Json& reference = j.at("reference");
+    eachReferenceField(f.reference, [&](const char* name, auto& value) { readJson(reference.at(name), value); });
     for (const Json& r : j.at("rows")) {
       FrontierRow row;
-      row.group = r.at("group");
-      row.name = r.at("name");
-      row.nodes = r.at("nodes");
-      row.points = r.at("points");
-      row.substeps = r.at("substeps");
-      row.threads = r.at("threads");
-      row.dt = r.at("dt_s");
-      row.setup_seconds = r.at("setup_s");
-      row.cost = {toDouble(r.at("us_per_ms")), toDouble(r.at("tick_p50_us")), toDouble(r.at("tick_p999_us"))};
-      row.realtime_factor = toDouble(r.at("realtime_factor"));
-      row.error = {toDouble(r.at("force_error")), toDouble(r.at("displacement_error"))};
-      row.peak_force = toDouble(r.at("peak_force_N"));
-      row.min_J = r.at("min_J");
-      row.trouble = r.at("trouble");
+      eachField(row, [&](const char* name, auto& value) { readJson(r.at(name), value); });
       f.rows.push_back(std::move(row));
     }
     return f;

@@ -66,16 +66,11 @@ ConvergedRun convergedRun(const Model& present, const ToolTrajectory& way, const
 }
 
 void writeConvergedRun(const std::string& file, const ConvergedRun& c, const std::string& identity) {
-  const Json json = {{"identity", identity},
-                     {"nodes", c.about.nodes},
-                     {"points", c.about.points},
-                     {"peak_force_N", c.about.peak_force},
-                     {"coarser_nodes", c.about.coarser_nodes},
-                     {"force_distance", c.about.convergence.force},
-                     {"displacement_distance", c.about.convergence.displacement},
-                     {"layer_error", c.about.layer_error},
-                     {"force_N", vectorsToJson(c.run.force)},
-                     {"probe_u_m", vectorsToJson(c.run.probe_u)}};
+  Json json = {{"identity", identity},
+               {"layer_error", c.about.layer_error},
+               {"force_N", vectorsToJson(c.run.force)},
+               {"probe_u_m", vectorsToJson(c.run.probe_u)}};
+  eachReferenceField(c.about, [&](const char* name, const auto& value) { json[name] = value; });
   writeWholeFile(file, json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
 }
 
@@ -85,13 +80,8 @@ bool readConvergedRun(const std::string& file, const std::string& identity, Conv
     const Json j = Json::parse(readWholeFile(file));
     if (j.at("identity") != identity) return false;
     ConvergedRun c;
-    c.about = {j.at("nodes"),
-               j.at("points"),
-               j.at("peak_force_N"),
-               j.at("coarser_nodes"),
-               {j.at("force_distance"), j.at("displacement_distance")},
-               j.at("layer_error"),
-               {}};
+    eachReferenceField(c.about, [&](const char* name, auto& value) { j.at(name).get_to(value); });
+    c.about.layer_error = j.at("layer_error");
     c.run.force = vectorsFromJson(j.at("force_N"));
     c.run.probe_u = vectorsFromJson(j.at("probe_u_m"));
     converged = std::move(c);

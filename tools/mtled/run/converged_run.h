@@ -17,6 +17,17 @@ struct ConvergedReference {
   std::string layer_warning{};  // layerWarning of it; not kept in files
 };
 
+/// The fields that files keep of it, with their names there.
+template <class Reference, class Each>
+void eachReferenceField(Reference& r, Each each) {
+  each("nodes", r.nodes);
+  each("points", r.points);
+  each("peak_force_N", r.peak_force);
+  each("coarser_nodes", r.coarser_nodes);
+  each("force_distance", r.convergence.force);
+  each("displacement_distance", r.convergence.displacement);
+}
+
 /// A scene's way followed on finer clouds: what its errors are measured against.
 struct ConvergedRun {
   ConvergedReference about;
