@@ -5,6 +5,7 @@
 
 #include "discretization/surface/surface_check.h"
 #include "discretization/surface/surface_parts.h"
+#include "discretization/surface/weld_vertices.h"
 #include "imaging/repair_report.h"
 
 namespace palpate {
@@ -49,8 +50,5 @@ void dropSmallParts(TriangleSurface& surface, SurfaceSource& source, RepairRepor
 inline constexpr double max_filled_share = 0.15;
 /// Of the largest part's volume.
 inline constexpr double least_part_share = 0.01, least_cavity_share = 1e-3;
-
-/// Vertices that no face uses go.
-void dropUnusedVertices(TriangleSurface& surface, SurfaceSource& source);
 
 }  // namespace palpate

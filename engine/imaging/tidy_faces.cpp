@@ -274,22 +274,4 @@ void tidyFaces(TriangleSurface& surface, SurfaceSource& source, RepairReport& re
   dropUnusedVertices(surface, source);
 }
 
-void dropUnusedVertices(TriangleSurface& surface, SurfaceSource& source) {
-  std::vector<int> number(surface.vertices.size(), -1);
-  for (const Triangle& t : surface.triangles)
-    for (const int v : t) number[v] = 0;
-  int kept = 0;
-  for (std::size_t v = 0; v < number.size(); ++v) {
-    if (number[v] < 0) continue;
-    number[v] = kept;
-    surface.vertices[kept] = surface.vertices[v];
-    if (!source.vertex_line.empty()) source.vertex_line[kept] = source.vertex_line[v];
-    ++kept;
-  }
-  surface.vertices.resize(kept);
-  if (!source.vertex_line.empty()) source.vertex_line.resize(kept);
-  for (Triangle& t : surface.triangles)
-    for (int& v : t) v = number[v];
-}
-
 }  // namespace palpate

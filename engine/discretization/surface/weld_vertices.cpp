@@ -104,28 +104,28 @@ int weldVertices(TriangleSurface& surface, SurfaceSource& source) {
     for (int v : group) joined[v] = lowest;
   }
 
-  std::vector<char> used(count, 0);
-  for (auto& triangle : surface.triangles) {
-    for (int& v : triangle) {
-      v = joined[v];
-      used[v] = 1;
-    }
-  }
-  std::vector<int> renumbered(count, -1);
+  for (auto& triangle : surface.triangles)
+    for (int& v : triangle) v = joined[v];
+  dropUnusedVertices(surface, source);
+  return count - static_cast<int>(surface.vertices.size());
+}
+
+void dropUnusedVertices(TriangleSurface& surface, SurfaceSource& source) {
+  std::vector<int> number(surface.vertices.size(), -1);
+  for (const auto& t : surface.triangles)
+    for (const int v : t) number[v] = 0;
   int kept = 0;
-  for (int v = 0; v < count; ++v) {
-    if (!used[v]) continue;
-    renumbered[v] = kept;
+  for (std::size_t v = 0; v < number.size(); ++v) {
+    if (number[v] < 0) continue;
+    number[v] = kept;
     surface.vertices[kept] = surface.vertices[v];
     if (!source.vertex_line.empty()) source.vertex_line[kept] = source.vertex_line[v];
     ++kept;
   }
   surface.vertices.resize(kept);
   if (!source.vertex_line.empty()) source.vertex_line.resize(kept);
-  for (auto& triangle : surface.triangles) {
-    for (int& v : triangle) v = renumbered[v];
-  }
-  return count - kept;
+  for (auto& t : surface.triangles)
+    for (int& v : t) v = number[v];
 }
 
 }  // namespace palpate

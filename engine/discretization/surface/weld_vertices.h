@@ -10,4 +10,7 @@ namespace palpate {
 /// diagonal is not finite. Costs ~ vertex_count. Returns the number of vertices removed.
 int weldVertices(TriangleSurface& surface, SurfaceSource& source);
 
+/// Vertices that no face uses go.
+void dropUnusedVertices(TriangleSurface& surface, SurfaceSource& source);
+
 }  // namespace palpate
