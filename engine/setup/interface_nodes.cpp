@@ -7,6 +7,7 @@
 #include <set>
 
 #include "discretization/nodes/node_scatter.h"
+#include "discretization/nodes/volume_fit.h"
 #include "discretization/surface/facet_rule.h"
 #include "discretization/surface/feature_edges.h"
 #include "discretization/surface/surface_geometry.h"
@@ -374,10 +375,9 @@ Mended closeInterfaces(const Scene& scene, const SurfaceTree& organ, const Spaci
 }
 
 void fitInterfaces(const Scene& scene, const SurfaceTree& organ, NodeCloud& cloud, BackgroundCells& cells) {
-  constexpr int rounds = 4;           // each leaves about a third of the gap
-  constexpr double flat_gap = 1e-4;   // of a facet's edge: nodes were put on the border less exactly than that
-  constexpr double farthest = 0.25;   // of a facet's edge, of a node's way
-  constexpr double min_volume = 0.2;  // of a cell's first volume
+  constexpr int rounds = 4;          // each leaves about a third of the gap
+  constexpr double flat_gap = 1e-4;  // of a facet's edge: nodes were put on the border less exactly than that
+  constexpr double farthest = 0.25;  // of a facet's edge, of a node's way
   const Mover mover(scene, organ, false);
   std::vector<int> material;
   for (const Vec3& middle : centroids(cloud.X, cells.cells)) material.push_back(materialAt(scene, middle, organ));
@@ -429,20 +429,7 @@ void fitInterfaces(const Scene& scene, const SurfaceTree& organ, NodeCloud& clou
           cloud.X[i] + mover.allowed(motion[i] / area[i], start[i], cloud.on_surface[i] != 0, edge) - start[i];
       X[i] = start[i] + total * std::min(1.0, farthest * edge / std::max(total.norm(), 1e-300));
     }
-    for (bool again = true; again;) {  // cells that would shrink too much hold their nodes where they are
-      again = false;
-      BackgroundCells trial;
-      trial.cells = cells.cells;
-      updateVolumes(trial, X);
-      for (std::size_t c = 0; c < cells.cells.size(); ++c) {
-        if (trial.volume[c] >= min_volume * first_volume[c]) continue;
-        for (const int node : cells.cells[c]) {
-          const auto i = static_cast<std::size_t>(node);
-          again = again || X[i] != cloud.X[i];
-          X[i] = cloud.X[i];
-        }
-      }
-    }
+    holdShrinking(cells, first_volume, cloud.X, X);
     cloud.X = X;
   }
   updateVolumes(cells, cloud.X);

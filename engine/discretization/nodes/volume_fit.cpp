@@ -65,6 +65,23 @@ std::vector<double> meanGaps(const std::vector<std::array<int, 3>>& facets, cons
 
 }  // namespace
 
+void holdShrinking(const BackgroundCells& cells, const std::vector<double>& first_volume, const std::vector<Vec3>& from,
+                   std::vector<Vec3>& to) {
+  BackgroundCells trial;
+  trial.cells = cells.cells;
+  for (bool again = true; again;) {
+    again = false;
+    updateVolumes(trial, to);
+    for (std::size_t c = 0; c < cells.cells.size(); ++c) {
+      if (trial.volume[c] >= min_volume * first_volume[c]) continue;
+      for (const int i : cells.cells[c]) {
+        again = again || to[i] != from[i];
+        to[i] = from[i];
+      }
+    }
+  }
+}
+
 void fitToVolume(NodeCloud& cloud, BackgroundCells& cells, const SurfaceTree& surface, SurfaceMemory* memory) {
   std::vector<std::array<int, 3>> facets = boundaryFacets(cells.cells);
   std::erase_if(facets, [&](const std::array<int, 3>& f) {
@@ -107,22 +124,8 @@ void fitToVolume(NodeCloud& cloud, BackgroundCells& cells, const SurfaceTree& su
       const double limit = farthest_move * reach[i] / area[i];
       target[i] = start[i] + total * std::min(1.0, limit / std::max(total.norm(), 1e-300));
     }
-    // Cells that would shrink too much hold their nodes where they are.
-    std::vector<Vec3> X = target;
-    for (bool again = true; again;) {
-      again = false;
-      BackgroundCells trial;
-      trial.cells = cells.cells;
-      updateVolumes(trial, X);
-      for (std::size_t c = 0; c < cells.cells.size(); ++c) {
-        if (trial.volume[c] >= min_volume * start_volume[c]) continue;
-        for (int i : cells.cells[c]) {
-          again = again || X[i] != cloud.X[i];
-          X[i] = cloud.X[i];
-        }
-      }
-    }
-    cloud.X = X;
+    holdShrinking(cells, start_volume, cloud.X, target);
+    cloud.X = target;
   }
   updateVolumes(cells, cloud.X);
 }

@@ -21,4 +21,10 @@ namespace palpate {
 /// Test: discretization/nodes/volume_fit_test.cpp
 void fitToVolume(NodeCloud& cloud, BackgroundCells& cells, const SurfaceTree& surface, SurfaceMemory* memory = nullptr);
 
+/// Where a cell would be left with less than a fifth of its first volume its nodes stay where they are.
+/// @param first_volume  m^3 (cell_count)
+/// @param from, to      m (node_count); `to` is that of the nodes that may go
+void holdShrinking(const BackgroundCells& cells, const std::vector<double>& first_volume, const std::vector<Vec3>& from,
+                   std::vector<Vec3>& to);
+
 }  // namespace palpate
