@@ -189,6 +189,18 @@ AtlasRun drive(const Model& model, const AtlasDrive& drive) {
   return drive.yields ? driveIn(InLoop(model, drive), model, drive) : driveIn(Bare(model, drive), model, drive);
 }
 
+Equilibrium ledTo(const Model& model, const Vec3& place, double tolerance) {
+  StaticSolver solver(model, 1, tolerance);
+  const Pose start = model.tools.first().start.pose;
+  constexpr int load_steps = 6;
+  Equilibrium at;
+  for (int k = 1; k <= load_steps; ++k) {
+    at = solver.advanceTo(0, Pose{start.position + (place - start.position) * k / load_steps, start.orientation});
+    if (!at.converged) break;
+  }
+  return at;
+}
+
 AtlasMeasure compare(const AtlasRun& run, const std::string& what, double value, double truth, double bound) {
   AtlasMeasure measure = run.measure;
   measure.compared = what;

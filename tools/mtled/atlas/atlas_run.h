@@ -5,6 +5,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include "batch/static_solver.h"
 #include "mechanics/essential_boundary.h"
 #include "model/model.h"
 #include "model/state.h"
@@ -43,6 +44,10 @@ struct AtlasRun {
 /// Runs the real-time step as the program does, with doubtOf and the watchdog looking at each tick, to the end of the
 /// drive or to the loss. Throws AtlasInterrupted.
 AtlasRun drive(const Model& model, const AtlasDrive& drive);
+
+/// The equilibrium in double under the tool, led from its start to a place (m) in six load steps. Its `converged` is
+/// false where there is none.
+Equilibrium ledTo(const Model& model, const Vec3& place, double tolerance);
 
 /// Sets what was compared. @return the measure, for a cell to hand on
 AtlasMeasure compare(const AtlasRun& run, const std::string& what, double value, double truth, double bound);

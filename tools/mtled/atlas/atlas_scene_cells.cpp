@@ -55,19 +55,14 @@ Command toolAt(const Model& model, double travel, double aside = 0) {
   return command;
 }
 
+/// N, along the tool's axis; NaN where it is none.
+double forceIn(const Equilibrium& at, const Model& model) {
+  return at.converged ? at.tool_force.dot(model.tools.first().start.pose.orientation * Vec3::UnitZ()) : NAN;
+}
+
 /// Force against the tool where it stands, N: the equilibrium in double. NaN where there is none.
 double forceInEquilibrium(const Model& model, const Pose& tool) {
-  StaticSolver solver(model, 1, 1e-3);
-  Pose pose = model.tools.first().start.pose;
-  constexpr int load_steps = 6;
-  Equilibrium at;
-  for (int k = 1; k <= load_steps; ++k) {
-    pose.position = model.tools.first().start.pose.position +
-                    (tool.position - model.tools.first().start.pose.position) * k / load_steps;
-    at = solver.advanceTo(0, pose);
-    if (!at.converged) return NAN;
-  }
-  return at.tool_force.dot(model.tools.first().start.pose.orientation * Vec3::UnitZ());
+  return forceIn(ledTo(model, tool.position, 1e-3), model);
 }
 
 /// Where no equilibrium is found, at least the force should stay what it is.
@@ -81,8 +76,7 @@ double forceFromThere(const Model& model, const AtlasRun& run) {
   AlignedVector<Double4> u;
   for (const Vec3& a : run.u) u.push_back({a.x(), a.y(), a.z(), 0});
   solver.resume(0, u, run.tool);
-  const Equilibrium at = solver.advanceTo(0, run.tool);
-  return at.converged ? at.tool_force.dot(model.tools.first().start.pose.orientation * Vec3::UnitZ()) : NAN;
+  return forceIn(solver.advanceTo(0, run.tool), model);
 }
 
 /// A quick press may leave the tissue in another equilibrium than a gentle one: folded elsewhere, or slipped to another

@@ -4,7 +4,6 @@
 #include <memory>
 
 #include "base/number_text.h"
-#include "batch/static_solver.h"
 #include "io/load_model.h"
 #include "mtled/atlas/atlas_cells.h"
 #include "mtled/atlas/atlas_run.h"
@@ -41,17 +40,8 @@ Command tipAt(const Vec3& tip) {
 
 /// Force on the tool along z with its tip there, N: the equilibrium in double. NaN where there is none.
 double restingForce(const Model& model, const Vec3& tip) {
-  StaticSolver solver(model, 1, 1e-4);
-  Pose pose = model.tools.first().start.pose;
-  constexpr int load_steps = 6;
-  Equilibrium at;
-  for (int k = 1; k <= load_steps; ++k) {
-    pose.position =
-        model.tools.first().start.pose.position + (tip - model.tools.first().start.pose.position) * k / load_steps;
-    at = solver.advanceTo(1, pose);
-    if (!at.converged) return NAN;
-  }
-  return at.tool_force.z();
+  const Equilibrium at = ledTo(model, tip, 1e-4);
+  return at.converged ? at.tool_force.z() : NAN;
 }
 
 double largest(const std::vector<Vec3>& u) {
