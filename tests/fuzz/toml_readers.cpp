@@ -7,65 +7,11 @@
 #include "io/scene_file.h"
 #include "io/scene_texts.h"
 #include "io/tool_script.h"
+#include "support/text.h"
 
 namespace palpate::fuzz {
 
 namespace {
-
-constexpr const char* solved_scene = R"([organ]
-solid = "ellipsoid"
-semi_axes = [0.03, 0.03, 0.02]
-upper_half = true
-[discretization]
-spacing = 0.004
-points_per_cell = 5
-quadrature_accuracy = 0.01
-quadrature_division = 2
-quadrature_depth = 6
-boundary_method = "ebciem"
-[[material]]
-model = "neo-hookean"
-young = 1_000.0
-poisson = 0.45
-[[material]]
-model = 'neo-hookean'
-young = 5e3
-poisson = 0.45
-region = { shape = "shell", distance = 0.002 }
-[[fixed]]
-name = "base"
-shape = "near-plane"
-point = [0, 0, 0]
-normal = [0, 0, 1]
-distance = 1e-5
-[[prescribed]]
-shape = "cylinder"
-point = [0, 0, 0.016]
-normal = [0, 0, 2]
-radius = 0.005
-height = 0.002
-translation = [0, 0, -0.002]
-axis_point = [0.001, 0, 0]
-axis = [0, 0, -4]
-angle = 90
-duration = 0.5
-curve = "linear"
-[[prescribed]]
-name = """ear"""  # turned
-shape = "sphere"
-centre = [0, 0, 0.01]
-radius = 0.001
-axis_point = [0, 0, 0]
-axis = [1, 0, 0]
-angle = -30
-components = ["y", "z"]
-curve_table = [[0, 0], [0.1, 1.0],
-               [0.4, -0.5]]
-[solve]
-mode = "transient"
-end_time = 0.75
-frames = 25
-)";
 
 constexpr const char* pressed = R"(name = "press"
 from_touch = false
@@ -83,7 +29,19 @@ advance_radii = 0.5
 slide_radii = [0, -1]
 )";
 
-std::vector<std::string> sceneSeeds() { return {full_scene, minimal_scene, solved_scene}; }
+/// With what TOML allows in other forms, and without a file beside it.
+std::vector<std::string> sceneSeeds() {
+  std::string solved = solved_scene;
+  for (const auto& [what, with] : {std::pair<const char*, const char*>{"probes = \"points/probes.csv\"\n", ""},
+                                   {"solid = \"cylinder\"\nradius = 0.015\nheight = 0.017",
+                                    "solid = \"ellipsoid\"\nsemi_axes = [0.03, 0.03, 0.02]\nupper_half = true"},
+                                   {"young = 1000", "young = 1_000.0"},
+                                   {"young = 5000", "young = 5e3"},
+                                   {"\"neo-hookean\"", "'neo-hookean'"},
+                                   {"\"ear\"", "\"\"\"ear\"\"\"  # turned"}})
+    solved = replaced(solved, what, with);
+  return {full_scene, minimal_scene, solved};
+}
 std::vector<std::string> scriptSeeds() { return {pressed, "keyframe = [{ time = 1, advance = 0.01 }]\n"}; }
 
 bool isUnit(const Vec3& v) { return std::abs(v.norm() - 1) < 1e-12; }
