@@ -1,11 +1,11 @@
 #include "mtled/run/converged_run.h"
 
 #include <algorithm>
-#include <cstring>
 #include <filesystem>
 #include <stdexcept>
 
 #include "base/build_info.h"
+#include "base/key.h"
 #include "base/number_text.h"
 #include "io/load_model.h"
 #include "io/output_file.h"
@@ -92,18 +92,11 @@ bool readConvergedRun(const std::string& file, const std::string& identity, Conv
 }
 
 std::string runIdentity(const Model& model, const ToolTrajectory& way, const std::vector<double>& numbers) {
-  std::uint64_t hash = modelHash(model);
-  const auto add = [&](double value) {
-    std::uint64_t bits = 0;
-    std::memcpy(&bits, &value, sizeof bits);
-    hash = (hash ^ bits) * 0x100000001b3ull;  // FNV-1a by words
-  };
-  for (const double number : numbers) add(number);
-  add(model.scene.dynamics.damping);
-  for (const char c : sourceIdentity()) add(c);
-  for (const Pose& pose : way)
-    for (int c = 0; c < 3; ++c) add(pose.position[c]);
-  return hex16(hash);
+  ByteKey key;
+  key.add(modelHash(model), numbers, model.scene.dynamics.damping);
+  for (const char c : sourceIdentity()) key.add(c);
+  for (const Pose& pose : way) key.add(pose.position);
+  return hex16(key.hash());
 }
 
 std::vector<Vec3> surfaceProbes(const Model& model, int count) {
