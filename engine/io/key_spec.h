@@ -31,12 +31,6 @@ struct KeySpec {
   static constexpr const char* depends = "depends";
 };
 
-/// A key that files had once.
-struct RetiredKey {
-  const char *table, *name;
-  const char* became;  // what became of it, after "it is no longer a key: "
-};
-
 /// The key of a parameter.
 KeySpec keySpec(const char* table, const Parameter& parameter);
 

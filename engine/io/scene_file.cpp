@@ -231,7 +231,7 @@ Scene readScene(const SceneText& given, std::span<const SceneChange> changes) {
   if (given.text.size() > max_toml_bytes) throw InputError({path}, "this text is too long for a scene", "");
   toml::table document = parseToml(given.text, path);
   for (const SceneChange& change : changes) apply(change, path, document);
-  TomlFile file{path, sceneKeys(), retiredSceneKeys(), {}};
+  TomlFile file{path, sceneKeys(), {}};
   Scene scene;
   scene.place = {path, 0, 0};
   const std::filesystem::path folder = given.folder;

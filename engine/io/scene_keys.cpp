@@ -462,23 +462,7 @@ std::vector<KeySpec> allKeys() {
   return all;
 }
 
-// Keys of former versions.
-constexpr RetiredKey retired_keys[] = {
-    {"discretization", "consistent_gradients",
-     "gradients always satisfy the divergence theorem (scheme = \"paper\" takes them as the paper does)"},
-    {"discretization", "node_patch_volume",
-     "volume is averaged over node patches wherever that is needed (scheme = \"paper\" never does)"},
-    {"discretization", "patch_stabilization", "what points keep of their volume is the program's choice"},
-    {"discretization", "cell_volume", "tissue under pressure always keeps the volume of its cells"},
-    {"discretization", "sharp_interfaces", "supports always end at the borders between materials"},
-    {"material", "barrier_strength",
-     "every material has a floor against collapse, far below the volumes it is made for"},
-    {"material", "barrier_J0", "every material has a floor against collapse, far below the volumes it is made for"},
-};
-
 }  // namespace
-
-std::span<const RetiredKey> retiredSceneKeys() { return retired_keys; }
 
 std::string toolKeyGroup(const ToolType& tool) { return std::string("tool (") + tool.name + ")"; }
 

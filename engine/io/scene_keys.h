@@ -11,9 +11,6 @@ namespace palpate {
 /// Every key a scene file may have, in the order of the reference.
 std::span<const KeySpec> sceneKeys();
 
-/// Keys that scenes had in former versions, and what became of them.
-std::span<const RetiredKey> retiredSceneKeys();
-
 /// The group of the keys in [tool] that only this tool has: "tool (cylinder)".
 std::string toolKeyGroup(const ToolType& tool);
 

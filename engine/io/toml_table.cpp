@@ -114,10 +114,6 @@ std::string TomlTable::title() const {
 
 void TomlTable::unknownKey(const toml::key& key) const {
   const std::string word(key.str());
-  for (const RetiredKey& old : file_->retired)
-    if (word == old.name && std::find(groups_.begin(), groups_.end(), old.table) != groups_.end())
-      throw InputError(placeOf(key.source()), inQuotes(word) + " is no longer a key: " + old.became,
-                       "remove the line");
   std::vector<std::string> here;
   std::string elsewhere;
   for (const KeySpec& spec : file_->keys) {

@@ -29,7 +29,6 @@ toml::table parseToml(const std::string& text, const std::string& file);
 struct TomlFile {
   std::string name;
   std::span<const KeySpec> keys;
-  std::span<const RetiredKey> retired;
   std::map<std::string, SourceLocation> places;  // dotted key ("material[0].young") -> where it stands
   /// What was read of the keys that a preparation depends on, always or with mass scaling: dotted key -> its value.
   std::map<std::string, std::string> set_up{}, set_up_with_mass_scaling{};

@@ -57,7 +57,7 @@ std::string toolScriptReference() {
 
 ToolScript readToolScript(const std::string& path, double tool_radius) {
   const toml::table document = parseToml(readWholeFile(path, {}, max_toml_bytes), path);
-  TomlFile file{path, script_keys, {}, {}};
+  TomlFile file{path, script_keys, {}};
   const TomlTable top(file, document, "", {""});
   ToolScript script;
   script.name = printable(std::filesystem::path(path).stem().string());

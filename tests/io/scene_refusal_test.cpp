@@ -68,9 +68,6 @@ TEST_CASE("Bad scenes are refused at their place, with advice", "[io][scene][ref
        "\"cells_per_point\" means nothing with more than one point per cell", "remove it"},
       {"points_per_cell = 1", "quadrature_accuracy = 0.1\ncells_per_point = 1.5", ":11:1",
        "\"cells_per_point\" means nothing with \"quadrature_accuracy\"", "remove it"},
-      // keys of former versions
-      {"points_per_cell = 1", "sharp_interfaces = true", ":10:1", "\"sharp_interfaces\" is no longer a key",
-       "remove the line"},
       {"height = 0.017", "height = 0.017\nsize = [1, 1, 1]", ":6:1", "\"size\" means nothing to a cylinder",
        "remove it"},
       {"solid = \"cylinder\"", "solid = \"cylinder\"\nsurface = \"a.obj\"", ":3:1", "both \"surface\" and \"solid\"",
