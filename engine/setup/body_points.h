@@ -22,4 +22,10 @@ std::vector<int> nearestPoints(const Body& model, const std::vector<Vec3>& point
 ShapeTable shapeAt(const Body& model, const std::vector<Vec3>& points, const std::vector<int>& body,
                    std::vector<InadmissibleSupport>& failed, double widening = 1);
 
+/// The same, of the bodies that the points lie in.
+inline ShapeTable shapeAt(const Body& model, const std::vector<Vec3>& points,
+                          std::vector<InadmissibleSupport>& failed) {
+  return shapeAt(model, points, bodiesAt(model, points), failed);
+}
+
 }  // namespace palpate

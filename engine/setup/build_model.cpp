@@ -33,7 +33,7 @@ const Vec3& imposedPoint(const Scene& scene, const ImposedNode& point) {
 /// Shape functions at points where displacement is imposed.
 ShapeTable shapeAtImposed(const Model& model, const std::vector<Vec3>& points) {
   std::vector<InadmissibleSupport> failed;
-  ShapeTable shape = shapeAt(model, points, bodiesAt(model, points), failed);
+  ShapeTable shape = shapeAt(model, points, failed);
   if (failed.empty()) return shape;
   throw InputError(
       model.scene.boundaries.front().place,

@@ -4,12 +4,12 @@
 #include <cmath>
 #include <set>
 
-#include "approximation/shape_functions.h"
 #include "batch/batch_body.h"
 #include "batch/static_solver.h"
 #include "imaging/membership.h"
 #include "io/load_model.h"
 #include "mechanics/internal_forces.h"
+#include "setup/body_points.h"
 #include "support/small_scene.h"
 
 using namespace palpate;
@@ -121,14 +121,11 @@ TEST_CASE("A ball whose modulus varies with an image is compressed as its radial
     StaticSolver solver(model, 2, 1e-4);
     REQUIRE(solver.advanceTo(1).converged);
     const std::vector<double> reference = radialReference(model.materials[0], model.materials[1]);
-    const Neighbours neighbours(model.X, model.support_radius);
     std::vector<InadmissibleSupport> failed;
     std::vector<Vec3> at;
     for (const Vec3& way : {Vec3(1, 0, 0), Vec3(0, -1, 0), Vec3(0, 0, 1), Vec3(1, 1, 1), Vec3(-1, 1, -1)})
       for (int k = 1; k < 10; ++k) at.emplace_back(way.normalized() * ball * k / 10);
-    const ShapeTable shape =
-        shapeFunctions(at, model.X, model.support_radius, neighbours,
-                       {scene.discretization.basis_degree, scene.discretization.mmls_weight}, failed);
+    const ShapeTable shape = shapeAt(model, at, failed);
     REQUIRE(failed.empty());
     const std::vector<Vec3> u = fieldAt(shape, solver.body().u);
     double worst = 0, from_uniform = 0;

@@ -3,9 +3,9 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "approximation/shape_functions.h"
 #include "batch/static_solver.h"
 #include "discretization/surface/solids.h"
+#include "setup/body_points.h"
 #include "support/small_scene.h"
 #include "support/temp_folder.h"
 
@@ -46,11 +46,8 @@ TEST_CASE("Measured points are imposed exactly where they are on the surface", "
 
   std::vector<Vec3> at;
   for (std::size_t b = 1; b < 4; ++b) at.push_back(scene.boundaries[b].region.point);
-  const Neighbours neighbours(model.X, model.support_radius);
   std::vector<InadmissibleSupport> failed;
-  const ShapeTable shape =
-      shapeFunctions(at, model.X, model.support_radius, neighbours,
-                     {scene.discretization.basis_degree, scene.discretization.mmls_weight}, failed);
+  const ShapeTable shape = shapeAt(model, at, failed);
   const std::vector<Vec3> u = fieldAt(shape, solver.body().u);
   for (std::size_t k = 0; k < 3; ++k) CHECK((u[k] - (load.after[k] - load.before[k])).norm() < 1e-12);
   // Each is a boundary of its own: it says what holds it, and all together with the base carry nothing.

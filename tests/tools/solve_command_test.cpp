@@ -7,7 +7,6 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "approximation/shape_functions.h"
 #include "base/interrupt.h"
 #include "base/key.h"
 #include "batch/static_solver.h"
@@ -16,6 +15,7 @@
 #include "io/scene_file.h"
 #include "model/model_hash.h"
 #include "mtled/run/checkpoint.h"
+#include "setup/body_points.h"
 #include "support/block_text.h"
 #include "support/captured_output.h"
 #include "support/interrupted_child.h"
@@ -151,9 +151,7 @@ TEST_CASE("probes.csv holds the displacement field of the solver", "[solve_comma
   for (int k = 1; k <= 4; ++k) REQUIRE(solver.advanceTo(k / 4.0).converged);
   const std::vector<Vec3> at{Vec3(0, 0, 0.015), Vec3(0.01, -0.02, 0.03), Vec3(0.0299, 0.01, 0.007)};
   std::vector<InadmissibleSupport> failed;
-  const ShapeTable shape =
-      shapeFunctions(at, model.X, model.support_radius, Neighbours(model.X, model.support_radius),
-                     {model.scene.discretization.basis_degree, model.scene.discretization.mmls_weight}, failed);
+  const ShapeTable shape = shapeAt(model, at, failed);
   const auto expected = fieldAt(shape, solver.body().u);
   const CsvTable table = readCsvTable(folder.out("probes.csv"));
   REQUIRE(table.rowCount() == 3);
@@ -163,6 +161,31 @@ TEST_CASE("probes.csv holds the displacement field of the solver", "[solve_comma
   }
   // On the plate it goes where the plate goes, nearly: between nodes the field is free to bulge.
   CHECK(table["uz"][1] == Approx(-0.003).epsilon(0.01));
+}
+
+TEST_CASE("Probes beside a border between tissues have the field's kink there", "[solve_command]") {
+  // Two layers, 1 : 10, that do not swell sideways: each is strained alike all over, the soft one ten times as much.
+  std::string text = replaced(block_scene, "young = 3000\npoisson = 0.45\n", R"(young = 3000
+poisson = 0
+[[material]]
+model = "neo-hookean"
+young = 300
+poisson = 0
+region = { shape = "box", min = [-0.04, -0.04, 0.015], max = [0.04, 0.04, 0.04] }
+)");
+  text = replaced(text, "translation = [0.001, 0, -0.003]", "translation = [0, 0, -0.000003]");
+  const Folder folder(text);
+  const std::vector<double> heights{0.006, 0.012, 0.0145, 0.0155, 0.018, 0.025};
+  std::string list = "name,X,Y,Z\n";
+  for (const double z : heights) list += "1,0.002,0.001," + std::to_string(z) + "\n";
+  folder.write("probes.csv", list);
+  REQUIRE(solve(folder.scene, folder.out()) == 0);
+  const CsvTable table = readCsvTable(folder.out("probes.csv"));
+  REQUIRE(table.rowCount() == heights.size());
+  for (std::size_t k = 0; k < heights.size(); ++k) {
+    const double z = heights[k], flow = std::min(z, 0.015) + 10 * std::max(0.0, z - 0.015);
+    CHECK(table["uz"][k] == Approx(-0.000003 * flow / 0.165).epsilon(0.01));
+  }
 }
 
 TEST_CASE("A scene with several tools is solved, each along its own script", "[solve_command][whole]") {

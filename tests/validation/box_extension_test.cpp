@@ -3,10 +3,10 @@
 #include <fstream>
 #include <sstream>
 
-#include "approximation/shape_functions.h"
 #include "base/build_info.h"
 #include "discretization/surface/solids.h"
 #include "mechanics/internal_forces.h"
+#include "setup/body_points.h"
 #include "setup/build_model.h"
 #include "step/step.h"
 #include "step/workspace.h"
@@ -100,10 +100,8 @@ Outcome extend(bool consistent, bool patches, double spacing = 1.43e-3) {
   const auto probes = referenceProbes();
   std::vector<Vec3> at;
   for (const auto& p : probes) at.push_back(p.X);
-  const Neighbours neighbours(model.X, model.support_radius);
   std::vector<InadmissibleSupport> failed;
-  const ShapeTable table =
-      shapeFunctions(at, model.X, model.support_radius, neighbours, {2, scene.discretization.mmls_weight}, failed);
+  const ShapeTable table = shapeAt(model, at, failed);
   REQUIRE(failed.empty());
   Vec3 sum = Vec3::Zero(), low = probes[0].u, high = low;
   for (std::size_t k = 0; k < probes.size(); ++k) {

@@ -1,8 +1,8 @@
 #include <catch2/catch.hpp>
 
-#include "approximation/shape_functions.h"
 #include "discretization/surface/solids.h"
 #include "io/load_model.h"
+#include "setup/body_points.h"
 #include "step/step.h"
 #include "step/workspace.h"
 #include "support/small_scene.h"
@@ -117,10 +117,8 @@ TEST_CASE("Unconstrained compression of the cube: NRMSE of u_z beside the paper'
     command.tools[0].pose = model.tools.first().start.pose;
     for (int k = 0; k < 260; ++k) REQUIRE(tick(model, state, command, workspace).flags == 0);
 
-    const Neighbours neighbours(model.X, model.support_radius);
     std::vector<InadmissibleSupport> failed;
-    const ShapeTable at_nodes = shapeFunctions(model.X, model.X, model.support_radius, neighbours,
-                                               {2, scene.discretization.mmls_weight}, failed);
+    const ShapeTable at_nodes = shapeAt(model, model.X, failed);
     REQUIRE(failed.empty());
     double sum = 0, boundary = 0;
     for (int i = 0; i < model.nodeCount(); ++i) {

@@ -6,10 +6,10 @@
 #include <numeric>
 #include <stdexcept>
 
-#include "approximation/shape_functions.h"
 #include "base/interrupt.h"
 #include "batch/transient_solver.h"
 #include "io/indent_script.h"
+#include "setup/body_points.h"
 #include "setup/build_model.h"
 #include "step/step.h"
 #include "step/workspace.h"
@@ -31,11 +31,8 @@ double quantile(std::vector<double> values, double q) {
 }
 
 ShapeTable probeShape(const Model& model, const std::vector<Vec3>& probes) {
-  const Neighbours neighbours(model.X, model.support_radius);
   std::vector<InadmissibleSupport> failed;
-  ShapeTable shape =
-      shapeFunctions(probes, model.X, model.support_radius, neighbours,
-                     {model.scene.discretization.basis_degree, model.scene.discretization.mmls_weight}, failed);
+  ShapeTable shape = shapeAt(model, probes, failed);
   if (!failed.empty()) throw std::runtime_error("a probe lies outside the body");
   return shape;
 }

@@ -5,7 +5,6 @@
 #include <iostream>
 #include <nlohmann/json.hpp>
 
-#include "approximation/shape_functions.h"
 #include "base/build_info.h"
 #include "discretization/surface/surface_tree.h"
 #include "io/csv_table.h"
@@ -14,6 +13,7 @@
 #include "mtled/solve/solve_tools.h"
 #include "scene/scene_messages.h"
 #include "scene/scene_rigid.h"
+#include "setup/body_points.h"
 #include "step/trust.h"
 
 namespace palpate::tools {
@@ -73,10 +73,8 @@ void SolveResults::readProbePoints() {
   if (scene.solve.probes_file.empty()) return;
   const auto place = scene.places.find("solve.probes");
   probes_ = readProbes(scene.solve.probes_file, place == scene.places.end() ? SourceLocation{} : place->second);
-  const Neighbours neighbours(model_.X, model_.support_radius);
   std::vector<InadmissibleSupport> failed;
-  probe_shape_ = shapeFunctions(probes_.X, model_.X, model_.support_radius, neighbours,
-                                {scene.discretization.basis_degree, scene.discretization.mmls_weight}, failed);
+  probe_shape_ = shapeAt(model_, probes_.X, failed);
   const SurfaceTree organ(organSurface(scene));
   // The organ's faces are flat where a probe may lie on the round that they stand for.
   const double tolerance = 0.05 * scene.discretization.spacing;

@@ -5,10 +5,10 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "approximation/shape_functions.h"
 #include "base/interrupt.h"
 #include "io/load_model.h"
 #include "mtled/verify/cases/cases.h"
+#include "setup/body_points.h"
 #include "setup/build_model.h"
 
 namespace palpate::tools {
@@ -90,11 +90,8 @@ std::vector<Vec3> StaticSolution::uAsVectors() const {
 }
 
 std::vector<Vec3> StaticSolution::at(const std::vector<Vec3>& X) const {
-  const Neighbours neighbours(model->X, model->support_radius);
   std::vector<InadmissibleSupport> failed;
-  const ShapeTable shape =
-      shapeFunctions(X, model->X, model->support_radius, neighbours,
-                     {model->scene.discretization.basis_degree, model->scene.discretization.mmls_weight}, failed);
+  const ShapeTable shape = shapeAt(*model, X, failed);
   if (!failed.empty()) throw std::runtime_error("a probe lies outside the body");
   return fieldAt(shape, u());
 }

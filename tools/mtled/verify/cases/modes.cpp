@@ -1,11 +1,11 @@
 #include <Eigen/Eigenvalues>
 #include <cmath>
 
-#include "approximation/shape_functions.h"
 #include "discretization/cells/adaptive_quadrature.h"
 #include "discretization/cells/cell_division.h"
 #include "discretization/cells/delaunay.h"
 #include "mtled/verify/cases/cases.h"
+#include "setup/body_points.h"
 
 namespace palpate::tools {
 namespace {
@@ -64,11 +64,8 @@ Matrix gradientNorm(const Model& model) {
     divideCell(corners, 8, 0, children);
     for (const auto& child : children) rule.append(child, volume / 8, static_cast<int>(c), fine);
   }
-  const Neighbours neighbours(model.X, model.support_radius);
   std::vector<InadmissibleSupport> failed;
-  const ShapeTable shape =
-      shapeFunctions(fine.X, model.X, model.support_radius, neighbours,
-                     {model.scene.discretization.basis_degree, model.scene.discretization.mmls_weight}, failed);
+  const ShapeTable shape = shapeAt(model, fine.X, failed);
   const int n = model.nodeCount();
   Matrix scalar = Matrix::Zero(n, n);
   for (int q = 0; q < shape.rowCount(); ++q)
