@@ -31,6 +31,9 @@ namespace {
 /// Of a cloud that follows the tool, where nothing is said. A slab of 100 x 100 x 50 mm under a 5 mm ball has 0.62 of
 /// the points and of the time with it, and the same error to 0.02 % of the force (mtled certify).
 constexpr double following_cells_per_point = 1.6;
+/// Likewise: the kidney takes 4 steps a tick instead of 5 (4 % of its mass), and the same force to 0.02 % in drags at
+/// 30 mm/s (mtled follow kidney).
+constexpr double following_mass_scaling = 0.05;
 
 void readQuadrature(const TomlTable& table, bool follows, QuadratureSpec& quadrature) {
   if (!table.has("quadrature_accuracy")) {
@@ -102,6 +105,7 @@ void readDynamics(const TomlTable& table, Scene& scene) {
   table.read("catch_up", scene.dynamics.catch_up);
   table.read("time_step", scene.dynamics.time_step);
   table.read("step_safety", scene.dynamics.step_safety);
+  if (scene.discretization.follow && !table.has("time_step")) scene.dynamics.mass_scaling = following_mass_scaling;
   table.read("mass_scaling", scene.dynamics.mass_scaling);
   table.read("damping", scene.dynamics.damping);
   table.read("gravity", scene.dynamics.gravity);

@@ -269,7 +269,8 @@ constexpr KeySpec scene_keys[] = {
     {"dynamics", "mass_scaling", T::Number, "", "0", between(0, 10), "",
      "Share of the body's mass that may be added to the nodes that limit the step, if a tick needs fewer "
      "steps then (or, with `time_step`, if that one becomes stable). Forces at rest stay the same; motion "
-     "becomes slower by about half that share. The mass added is reported."},
+     "becomes slower by about half that share. The mass added is reported. Where the cloud follows the tool, and "
+     "neither this nor `time_step` is given, 0.05."},
     {"dynamics", "damping", T::Number, "1/s", "20", between(0, 1000), "",
      "Mass-proportional damping c in M u'' + c M u' + f(u) = 0, with the tissue's own mass.", never},
     {"dynamics", "gravity", T::Vector, "m/s^2", "[0.0, 0.0, 0.0]", {}, "",

@@ -14,6 +14,7 @@ Scene uniformScene(Scene scene) {
   scene.discretization.follow = false;
   scene.discretization.spacing = of_fine * fineSpacing(scene);
   scene.discretization.at_tools = 0;
+  if (!scene.places.contains("dynamics.mass_scaling")) scene.dynamics.mass_scaling = 0;
   scene.set_up_values.clear();
   return scene;
 }
