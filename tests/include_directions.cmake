@@ -23,7 +23,7 @@ set(trainer app/trainer ${figures})
 set(panels app/panels ${trainer})
 set(run app/run ${panels})
 set(image app/image ${render})
-set(mtled_report mtled/report app/render app/figures base)  # pictures.h: plain data of what is drawn
+set(mtled_report mtled/report app/render app/figures base io)  # pictures.h: plain data of what is drawn
 set(mtled_run mtled/run mtled/report ${engine_rooms})
 set(mtled_solve mtled/solve ${mtled_run})
 set(mtled_scan mtled/scan ${mtled_solve})

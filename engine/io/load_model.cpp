@@ -127,9 +127,18 @@ void refuseOverlap(const OrganSpec& one, const TriangleSurface& first, const Org
 
 /// Turns it and moves it to where it lies.
 void place(const OrganSpec& organ, TriangleSurface& surface) {
-  if (organ.angle == 0 && organ.position.isZero(0)) return;
-  const Mat3 turn = Eigen::AngleAxisd(organ.angle, organ.axis).toRotationMatrix();
-  for (Vec3& x : surface.vertices) x = turn * x + organ.position;
+  if (organ.angle != 0 || !organ.position.isZero(0)) {
+    const Mat3 turn = Eigen::AngleAxisd(organ.angle, organ.axis).toRotationMatrix();
+    for (Vec3& x : surface.vertices) x = turn * x + organ.position;
+  }
+  constexpr double furthest = 1e4;  // of its size; at 1e5 single precision has 0.6 % of it, and forces are 15 % off
+  const Box3 box = boundingBox(surface);
+  const double size = box.diagonal().norm(), away = box.center().norm();
+  if (away > furthest * size)
+    throw InputError(organ.place,
+                     "this organ of " + number(size) + " m lies " + number(away) +
+                         " m from the origin, where its coordinates are not exact enough",
+                     "move it nearer, by its \"position\" or in its file; or give the file's \"unit\"");
 }
 
 }  // namespace

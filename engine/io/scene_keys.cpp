@@ -310,7 +310,8 @@ constexpr KeySpec scene_keys[] = {
     {"tool", "direction", T::Vector, "", "[0.0, 0.0, -1.0]", {}, "",
      "The way the tip points and the tool advances; any length.", never},
     {"tool", "max_speed", T::Number, "m/s", "1", aboveUpTo(0, 10), "",
-     "A faster command is followed at this speed.", with_mass_scaling},
+     "A faster command is followed at this speed. Where nothing is said, no more than 400 radii a second.",
+     with_mass_scaling},
     {"tool", "max_force", T::Number, "N", "0", atLeast(0), "",
      "What the hand that holds the tool would push at most. Where the tissue would push harder the tool gives way "
      "within the step: it stays behind the mouse, device or script, and reports say by how much. 0: forty shear "

@@ -159,10 +159,10 @@ bool reaches(const SpacingField::Refinement& ball, double coarse, const Box3& bo
 }
 
 /// Each as fine as its own tool wants; none where the whole of a body is.
-/// @param finest  m, BodyPlaces::fine
+/// @param widest  m, BodyPlaces::widest
 /// @param coarse  m, of the body
 /// @param used    gets for each tool the centre of its ball, or -1
-std::vector<SpacingField::Refinement> ballsAt(const Places& places, const PlaceIndex& index, double finest,
+std::vector<SpacingField::Refinement> ballsAt(const Places& places, const PlaceIndex& index, double widest,
                                               double coarse, const Box3& body, PlaceIndex* used = nullptr) {
   std::vector<SpacingField::Refinement> balls;
   const std::vector<ToolSpec>& tools = places.scene.tools;
@@ -171,7 +171,7 @@ std::vector<SpacingField::Refinement> ballsAt(const Places& places, const PlaceI
     SpacingField::Refinement ball;
     ball.centre = places.centres[static_cast<std::size_t>(index[t])];
     ball.spacing = std::min(
-        finest, std::max(places.sizes.fine, widening(places.scene) * fine_radii * resolvedRadius(tools[t].shape)));
+        widest, std::max(places.sizes.fine, widening(places.scene) * fine_radii * resolvedRadius(tools[t].shape)));
     ball.radius = ballRadius(tools[t].shape, ball.spacing) + (tools[t].jaws() ? tools[t].opening / 2 : 0);
     if (!reaches(ball, coarse, body)) continue;
     balls.push_back(ball);
@@ -195,7 +195,7 @@ int mostNodes(const Places& places, int of_first) {
   for (const BodyPlaces& body : places.body) {
     const double coarse = body.scene.discretization.spacing;
     for (const SpacingField::Refinement& ball :
-         ballsAt(places, any, body.fine, coarse, boundingBox(places.organ.surface()))) {
+         ballsAt(places, any, body.widest, coarse, boundingBox(places.organ.surface()))) {
       SpacingField field{coarse, {ball}, {}};
       const double outer = ball.radius + 3 * coarse, width = outer / shells;
       double in_ball = 0;
@@ -231,9 +231,9 @@ BodyPlace bodyAt(const Places& places, std::size_t k, const PlaceIndex& index, b
   const BodyPlaces& body = places.body[k];
   BodyPlace at{body.scene, {}, {}};
   PlaceIndex used;
-  addBalls(
-      ballsAt(places, index, body.fine, body.scene.discretization.spacing, boundingBox(body.surface.surface()), &used),
-      at.scene);
+  addBalls(ballsAt(places, index, body.widest, body.scene.discretization.spacing, boundingBox(body.surface.surface()),
+                   &used),
+           at.scene);
   if (places.key.empty()) return at;
   at.key = places.key + (first ? "\nfirst place" : "\nplace");
   if (places.body.size() > 1) at.key += " of body " + std::to_string(k);
@@ -378,7 +378,7 @@ void addBodies(const Scene& as_read, const TriangleSurface& organ, Places& place
     const double finest = std::min(sizes.fine, across),
                  coarse = of_body.coarse > sizes.fine ? std::max(finest, of_body.coarse) : finest;
     sizes.coarse = std::max(sizes.coarse, coarse);
-    places.body.push_back({withoutBalls(own, coarse), tree, {}, {}, finest});
+    places.body.push_back({withoutBalls(own, coarse), tree, {}, {}, finest, across});
   }
   places.scene = withoutBalls(as_read, sizes.coarse);
 }

@@ -68,7 +68,8 @@ struct BodyPlaces {
   SurfaceTree surface;
   NestedCloud cloud;  // nodes on the surface where they are on it: volume is fitted place by place
   CommonToBody common;
-  double fine = 0;  // m, spacing in the balls at most: what is small beside the tool has nodes for itself
+  double fine = 0;    // m, spacing in the smallest tool's ball
+  double widest = 0;  // m, that of any ball at most: what is small beside the tools has nodes for itself
 };
 
 struct Places {

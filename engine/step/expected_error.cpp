@@ -168,16 +168,23 @@ void PressErrors::add(const Model& model, std::size_t point, const Material& mat
   share_[nearest].sums.add(model, point, material, strain, at_nodes);
 }
 
-double PressErrors::error(std::size_t k, double strain_energy, double before) const {
+double PressErrors::storedBy(std::size_t k, double strain_energy, double before) const {
   double all = 0;
   for (std::size_t p = 0; p < count_; ++p) all += share_[p].stored;
   const double stored =
       strained_
           ? std::min(strain_energy, std::clamp(before < 0 ? all : strain_energy - before, all, most_of_touch * all))
           : strain_energy;
-  const double of_it = count_ > 1 ? stored * share_[k].stored / all : stored;
-  const double error = share_[k].sums.off(of_it) / of_it;
+  return count_ > 1 ? stored * share_[k].stored / all : stored;
+}
+
+double PressErrors::error(std::size_t k, double strain_energy, double before) const {
+  const double stored = storedBy(k, strain_energy, before), error = share_[k].sums.off(stored) / stored;
   return strained_ ? std::min(1.0, error) : error;
+}
+
+double PressErrors::localShare(std::size_t k, double strain_energy, double before) const {
+  return std::min(1.0, share_[k].stored / storedBy(k, strain_energy, before));
 }
 
 std::vector<int> nodeMaterials(const Model& model) {
@@ -212,14 +219,9 @@ double expectedError(const Model& model, std::span<const Material> materials, co
   if (!(strain_energy > least_energy * model.rest_energy)) return 0;
   const std::vector<int> material = nodeMaterials(model);
   std::vector<Press> found(presses.begin(), presses.end());
-  double narrow = 0;
   for (Press& press : found) {
     const auto tool = static_cast<std::size_t>(press.tool);
     if (press.node < 0 && tool < tips.size()) press.node = static_cast<int>(nodeAt(model, u, tips[tool].pose.position));
-    if (press.node < 0) continue;
-    const auto node = static_cast<std::size_t>(press.node);
-    narrow = std::max(narrow, narrowError(model, materials[static_cast<std::size_t>(material[node])], node,
-                                          model.scene.tools[tool].shape, press.force));
   }
   const ShapeTable& shape = model.point_shape;
   const PointGroups& groups = model.point_groups;
@@ -238,9 +240,17 @@ double expectedError(const Model& model, std::span<const Material> materials, co
     for (std::size_t k = 0; k < 4; ++k) at_nodes[k] = fit[static_cast<std::size_t>(groups.of_point[q][k])];
     errors.add(model, q, materials[static_cast<std::size_t>(model.point_material[q])], at[q], at_nodes);
   }
-  double largest = std::max(model.layer_error, narrow);
+  double largest = model.layer_error;
   for (std::size_t k = 0; k < std::max<std::size_t>(found.size(), 1); ++k)
     largest = std::max(largest, errors.error(k, strain_energy, before));
+  for (std::size_t k = 0; k < found.size(); ++k) {
+    if (found[k].node < 0) continue;
+    const auto node = static_cast<std::size_t>(found[k].node);
+    largest = std::max(
+        largest, errors.localShare(k, strain_energy, before) *
+                     narrowError(model, materials[static_cast<std::size_t>(material[node])], node,
+                                 model.scene.tools[static_cast<std::size_t>(found[k].tool)].shape, found[k].force));
+  }
   return largest;
 }
 

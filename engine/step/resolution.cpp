@@ -130,6 +130,14 @@ void ResolutionWatch::begin(const Model& model, const State& state, const StepRe
       PressErrors(model, presses, state.live.kernel.materials, material_, strainedBeside(model, state.live.loads));
 }
 
+/// Of a press, when it was last looked at.
+double ResolutionWatch::localShare(int tool) const {
+  const auto presses = moment_.presses();
+  for (std::size_t k = 0; k < presses.size(); ++k)
+    if (presses[k].tool == tool) return moment_.localShare(k, energy_, before_);
+  return 1;
+}
+
 /// What is known of each tool that presses now, and of the worst of them; where none does, of what did last.
 void ResolutionWatch::tell(const Model& model, const State& state, const PressList& presses, StepReport& report) const {
   Known worst;
@@ -141,8 +149,8 @@ void ResolutionWatch::tell(const Model& model, const State& state, const PressLi
       known = {1, 0};
     } else if (const int node = touchedNode(model, state, press.tool); node >= 0) {
       const auto at = static_cast<std::size_t>(node), m = static_cast<std::size_t>(material_[at]);
-      const double narrow =
-          narrowError(model, state.live.kernel.materials[m], at, model.scene.tools[tool].shape, press.force);
+      const double narrow = localShare(press.tool) * narrowError(model, state.live.kernel.materials[m], at,
+                                                                 model.scene.tools[tool].shape, press.force);
       if (narrow > known.error) known = {narrow, press.force};
     }
     known.error = std::max(known.error, model.layer_error);

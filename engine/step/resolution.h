@@ -41,6 +41,7 @@ class ResolutionWatch {
 
   void forget();
   void begin(const Model& model, const State& state, const StepReport& report, PressList presses);
+  double localShare(int tool) const;
   void tell(const Model& model, const State& state, const PressList& presses, StepReport& report) const;
   void addScaledInertia(const Model& model, StepReport& report);
 

@@ -96,7 +96,11 @@ Verdict Watchdog::judge(const StepReport& report, std::int64_t tick, LogRing& lo
     logEvent(LogEvent::Kind::ContactOverflow, -1, Vec3::Zero(), 0);
   }
   if (begins(2, report.flags & kDeepContact, tick)) {
-    logEvent(LogEvent::Kind::DeepContact, -1, Vec3::Zero(), report.max_penetration);
+    const bool of_tool = report.max_penetration > TrustLimits::penetration * model_->scene.tools[0].shape.radius;
+    if (of_tool)
+      logEvent(Kind::DeepContact, -1, Vec3::Zero(), report.max_penetration);
+    else
+      logEvent(Kind::Doubted, static_cast<int>(Doubt::Contact), Vec3::Zero(), 0);
   }
   // The doubts that none of the events above tells of.
   const Doubt doubt = doubtOf(*model_, report);

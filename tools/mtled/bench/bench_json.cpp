@@ -8,7 +8,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json toJson(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 Json toJson(const Machine& m) {
   return {{"processor", m.processor}, {"cores", m.cores}, {"l2_bytes", m.l2_bytes}, {"l3_bytes", m.l3_bytes}};
 }

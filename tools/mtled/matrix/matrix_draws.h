@@ -1,7 +1,7 @@
 #pragma once
 
 #include "mtled/matrix/matrix_case.h"
-#include "mtled/verify/verification_case.h"
+#include "mtled/run/plane_boundary.h"
 
 namespace palpate::tools {
 

@@ -55,18 +55,6 @@ std::vector<Variant> variantsFor(const CaseContext& context, bool fine) {
   return {std::begin(variants), std::end(variants)};
 }
 
-BoundarySpec planeBoundary(const std::string& name, const Vec3& point, const Vec3& normal,
-                           const std::array<bool, 3>& components) {
-  BoundarySpec b;
-  b.name = name;
-  b.region.kind = Region::Kind::NearPlane;
-  b.region.point = point;
-  b.region.normal = normal;
-  b.region.distance = 1e-9;
-  for (int c = 0; c < 3; ++c) b.component[c] = components[c];
-  return b;
-}
-
 Scene caseScene(double young, double poisson) {
   Scene scene;
   scene.materials.emplace_back();

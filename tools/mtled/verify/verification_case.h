@@ -8,6 +8,7 @@
 #include "batch/static_solver.h"
 #include "mtled/report/case_result.h"
 #include "mtled/report/pictures.h"
+#include "mtled/run/plane_boundary.h"
 
 namespace palpate::tools {
 
@@ -48,10 +49,6 @@ std::vector<Variant> variantsFor(const CaseContext& context, bool fine = false);
 
 /// The context of a part of a case's work, of `width` from `begin` in units of which the case has `all`.
 CaseContext partOf(const CaseContext& context, double begin, double all, double width = 1);
-
-/// A boundary on the plane normal . (x - point) = 0.
-BoundarySpec planeBoundary(const std::string& name, const Vec3& point, const Vec3& normal,
-                           const std::array<bool, 3>& components = {true, true, true});
 
 /// A scene with one neo-Hookean material and the tool out of the way.
 Scene caseScene(double young, double poisson);
