@@ -172,6 +172,13 @@ TEST_CASE("A cloud can follow a tool that is there", "[io][scene][refusal]") {
                           "[dynamics]\ngradient_precision = \"float32\"\n" + tool);
   CHECK(said.dynamics.gradient_precision == GradientPrecision::Float32);
   CHECK(said.discretization.quadrature.cells_per_point == 1);
+  CHECK(scene.dynamics.mass_scaling == 0.05);
+  CHECK(read(follows + "[dynamics]\nmass_scaling = 0\n" + tool).dynamics.mass_scaling == 0);
+  CHECK(read(follows + "[dynamics]\ntime_step = 0.0005\n" + tool).dynamics.mass_scaling == 0);
+  CHECK(read(minimal_scene + tool).dynamics.mass_scaling == 0);
+  CHECK(scene.tools[0].max_speed == 1);  // m/s, or so many radii a second
+  CHECK(read(replaced(follows + tool, "radius = 0.01", "radius = 0.0005")).tools[0].max_speed == Approx(0.2));
+  CHECK(read(replaced(follows + tool, "radius = 0.01", "radius = 0.0005\nmax_speed = 0.7")).tools[0].max_speed == 0.7);
   CHECK(scene.discretization.spacing == Approx(2.4 * 0.5 * 0.01));
   CHECK(!read(minimal_scene + tool).discretization.follow);
   // A spacing beside it is that near the tool; one that can't be is refused at its line.

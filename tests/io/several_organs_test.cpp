@@ -90,6 +90,8 @@ TEST_CASE("What is wrong with several organs is said with its place", "[io][seve
   CHECK_THAT(refusal([] { modelOf(replaced(two_text, "0.0205]", "0.015]")); }), Contains("overlap by 5 mm"));
   CHECK_THAT(refusal([] { modelOf(replaced(two_text, "point = [0, 0, 0]", "point = [0, 0, 0.2]")); }),
              Contains("no node lies in this region"));
+  CHECK_THAT(refusal([] { modelOf(replaced(two_text, "0.0205]", "20000]")); }),
+             Contains("two.toml") && Contains("m from the origin") && Contains("move it nearer"));
   const std::string other = replaced(two_text, "fixed = [{", "fixed = [{ organ = \"upper\",");
   CHECK_THAT(refusal([&] { modelOf(other); }), Contains("no node lies in this region"));
 }

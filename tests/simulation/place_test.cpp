@@ -316,6 +316,19 @@ TEST_CASE("A press goes on from place to place - with values for parameters it j
   CHECK(worst < 0.02);
 }
 
+TEST_CASE("Of tools of several sizes each has a ball of its own spacing", "[place]") {
+  Scene scene = test::barScene();
+  const double large = scene.tools[0].shape.radius, small = large / 2;
+  scene.tools.push_back(scene.tools[0]);
+  scene.tools[1].shape.radius = small;
+  const Places places = makePlaces(scene, test::barSurface());
+  const int far = indexAt(places, Vec3(-0.06, 0, 0.03))[0], near = indexAt(places, Vec3(0.06, 0, 0.03))[0];
+  const auto& balls = makePlace(places, {far, near}).model.scene.discretization.refine;
+  REQUIRE(balls.size() == 2);
+  CHECK(balls[0].spacing == Approx(large / 2));
+  CHECK(balls[1].spacing == Approx(small / 2));
+}
+
 TEST_CASE("What points remember goes with the tissue from place to place", "[place][whole]") {
   Scene scene = test::barScene();
   Material& material = scene.materials[0].material;

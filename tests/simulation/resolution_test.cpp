@@ -181,6 +181,36 @@ TEST_CASE("What a large tool stores, or gravity does, vouches for no small tool"
   for (const RunTrust* trust : {&alone, &both, &heavy}) CHECK(trust->doubt() == Doubt::Resolution);
 }
 
+TEST_CASE("A narrow touch that bends a bar counts by what it gives there", "[resolution][whole]") {
+  // The same touch, as narrow as a third of the nodes' distance, on a block that stands on its base and on one that is
+  // held at one end: what the tool feels of that is the bar's bending.
+  for (const bool bends : {false, true}) {
+    Scene scene = test::blockScene(0.006);
+    scene.boundaries[0].region.normal = bends ? Vec3::UnitX() : Vec3::UnitZ();
+    if (bends) scene.boundaries[0].region.point = Vec3(-0.1, 0, 0);
+    scene.tools[0].position = Vec3(bends ? 0.08 : 0, 0, 0.035);
+    scene.tools[0].shape.radius = 0.012;
+    const Model model = buildModel(scene, boxSurface({0.2, 0.04, 0.03}, 0.004));
+    Workspace workspace(model, 2);
+    State state = initialState(model);
+    Command command;
+    StepReport report;
+    const double touch = model.tools.first().first_contact_travel, way = bends ? 0.01 : 0.00025;
+    for (int k = 1; k <= 1200; ++k) {
+      command.tools[0].pose = test::toolAt(model, touch + way * std::min(1.0, k / 600.0));
+      report = tick(model, state, command, workspace);
+    }
+    CAPTURE(bends, report.tool_force.norm());
+    REQUIRE(report.contact_count > 0);
+    AlignedVector<Double4> u;
+    for (const Float4& a : state.u) u.push_back({a.x, a.y, a.z, 0});
+    for (const double expected :
+         {report.expected_error, expectedError(model, model.materials, u, report.strain_energy, PressList(report.loads),
+                                               {state.tool.begin(), state.tool.end()})})
+      CHECK((bends ? expected < 0.1 : expected > 0.5));
+  }
+}
+
 TEST_CASE("A tool's errors are shares of its own largest force", "[resolution]") {
   RunTrust trust;
   trust.add(Doubt::None, 0.02, 1, 0.1, 0);
