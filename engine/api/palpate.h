@@ -146,7 +146,8 @@ typedef struct palpate_tool_state {
   double torque[3];      /* N m, on the tool about its tip */
   double opening;        /* m, of jaws: the gap between their fingers; else 0 */
   double pinch;          /* N, of jaws: mean of what presses the two fingers apart; else 0 */
-  double expected_error; /* of this tool's force, as palpate_state's, which is the worst tool's; 1: not known yet */
+  double expected_error; /* of this tool's force, as palpate_state's, which is the worst tool's; 1: not known yet. Of
+                            jaws it is a share of the larger of force and pinch */
 } palpate_tool_state;
 
 /* ---- Library ---- */

@@ -22,6 +22,7 @@
 #include "io/surface_file.h"
 #include "io/text_file.h"
 #include "io/toml_table.h"
+#include "scene/scene_messages.h"
 #include "setup/place.h"
 
 namespace palpate {

@@ -30,16 +30,20 @@ class LeastSquares {
 
   Eigen::VectorXd solve(Eigen::VectorXd r) const {
     constexpr int most = 100;
-    constexpr double tolerance = 1e-8;
-    Eigen::VectorXd x = Eigen::VectorXd::Zero(kept_.rows()), g = transposed(r), p = g, Bp(r.size());
+    constexpr double tolerance = 1e-8, rounding = 1e-13;
+    Eigen::VectorXd x = Eigen::VectorXd::Zero(kept_.rows());
+    if (kept_.cols() == kept_.rows()) return x;  // three points: every function is linear
+    Eigen::VectorXd g = transposed(r), p = g, Bp(r.size());
     double gg = g.squaredNorm();
-    const double stop = tolerance * tolerance * gg;
+    const double stop = std::max(tolerance * tolerance * gg, rounding * rounding * whole(r).squaredNorm());
     for (int k = 0; k < most && gg > stop; ++k) {
       Bp.setZero();
       for (std::size_t j = 0; j < rows_.size(); ++j)
         for (int e = N_.begin[rows_[j]]; e < N_.begin[rows_[j] + 1]; ++e)
           Bp[N_.node[e]] += N_.N[e] * p[static_cast<Eigen::Index>(j)];
-      const double step = gg / Bp.squaredNorm();
+      const double BpBp = Bp.squaredNorm();
+      if (!(BpBp > 0)) break;
+      const double step = gg / BpBp;
       x += step * p;
       r -= step * Bp;
       g = transposed(r);
@@ -51,12 +55,18 @@ class LeastSquares {
   }
 
  private:
-  /// B^T r without its linear part.
-  Eigen::VectorXd transposed(const Eigen::VectorXd& r) const {
+  /// B^T r
+  Eigen::VectorXd whole(const Eigen::VectorXd& r) const {
     Eigen::VectorXd g = Eigen::VectorXd::Zero(kept_.rows());
     for (std::size_t j = 0; j < rows_.size(); ++j)
       for (int e = N_.begin[rows_[j]]; e < N_.begin[rows_[j] + 1]; ++e)
         g[static_cast<Eigen::Index>(j)] += N_.N[e] * r[N_.node[e]];
+    return g;
+  }
+
+  /// That without its linear part.
+  Eigen::VectorXd transposed(const Eigen::VectorXd& r) const {
+    const Eigen::VectorXd g = whole(r);
     return g - kept_ * (kept_.transpose() * g);
   }
 

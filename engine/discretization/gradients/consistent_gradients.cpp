@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "approximation/node_entries.h"
+#include "base/input_error.h"
 #include "base/parallel_for.h"
 #include "discretization/gradients/coarse_correction.h"
 #include "discretization/gradients/gradient_system.h"
@@ -74,6 +75,8 @@ GradientCorrection correctGradients(ShapeTable& shape, const std::vector<Vec3>& 
 
   system.correct(lambda, shape.gradN);
   result.violation_after = (target - divergence(shape, entries, volume)).norm() / target.norm();
+  if (!std::isfinite(result.violation_after))
+    throw InputError({}, "the gradients can't be made consistent", "give another discretization.seed, or spacing");
   return result;
 }
 

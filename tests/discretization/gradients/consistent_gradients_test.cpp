@@ -121,6 +121,19 @@ TEST_CASE("Areas of held nodes integrate shape functions, and keep forces and mo
   }
 }
 
+TEST_CASE("A held facet alone keeps its thirds", "[consistent_gradients]") {
+  const TestBody body = orientedBody(1);
+  const auto facets = boundaryFacets(body.cells);
+  for (std::size_t f = 0; f < facets.size(); f += 6) {
+    std::vector<std::uint8_t> imposed(body.X.size(), 0);
+    for (const int i : facets[f]) imposed[i] = 7;
+    const BoundaryPoints thirds = boundaryPoints(body.X, facets, imposed);
+    BoundaryPoints balanced = thirds;
+    balanceNodes(balanced, shapesAt(body, thirds.X));
+    CHECK(balanced.area == thirds.area);
+  }
+}
+
 TEST_CASE("Corrected gradients satisfy the divergence theorem and stay linearly consistent", "[consistent_gradients]") {
   for (const int points : {1, 4}) {
     TestBody body = orientedBody(points);

@@ -8,6 +8,7 @@
 #include "base/build_info.h"
 #include "discretization/surface/surface_tree.h"
 #include "io/csv_table.h"
+#include "io/load_model.h"
 #include "io/output_file.h"
 #include "model/solution_fields.h"
 #include "mtled/solve/solve_tools.h"
