@@ -219,7 +219,9 @@ void drawForceCard(const Theme& theme, const PanelData& data, float height, Pane
     row("Force error", data.certified, colours::text, "as mtled certify measured it against two finer clouds");
   else if (force.contact_count > 0)
     row("Expected error",
-        force.error_force > 0 ? format("\xC2\xB1%.2g %%", 100 * force.expected_error) : "not known yet",
+        force.error_force > 0
+            ? format(force.expected_error < 0.1 ? "\xC2\xB1%.2g %%" : "\xC2\xB1%.0f %%", 100 * force.expected_error)
+            : "not known yet",
         force.expected_error > TrustLimits::expected_error ? colours::warning : colours::text,
         "by how much forces are off because nodes are no closer; of some tenths of a second ago");
   const StepReport& report = data.snapshot.report;

@@ -142,9 +142,11 @@ int exitCodeOf(Session& session, const References& references, const Picture& la
       code = exit_code::differs;
     }
   const RunReport ended = session.report();
-  if (ended.doubt == Doubt::Resolution)  // no tick of it was worth a line of its own
-    log.warning(format("the force is expected to be off by some %.0f %%: ", 100 * ended.expected_error) +
-                doubtText(ended.doubt));
+  if (ended.doubt == Doubt::Resolution)    // no tick of it was worth a line of its own
+    log.warning(ended.expected_error == 1  // RunTrust's word for it
+                    ? "the tool never touched for long enough to tell how far off its force is: hold it for a second"
+                    : format("the force is expected to be off by some %.0f %%: ", 100 * ended.expected_error) +
+                          doubtText(ended.doubt));
   if (options.strict && ended.doubt != Doubt::None) code = exit_code::doubted;
   if (session.report().frozen) code = exit_code::frozen;
   if (interrupted()) code = exit_code::interrupted;

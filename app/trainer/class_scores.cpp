@@ -73,8 +73,8 @@ ClassScores classScores(const std::string& folder) {
       if (sheet.is_null()) continue;
       const Value conditions = sheet.value("conditions", Value::object());
       std::string row = field({{"file", file.lexically_relative(folder).string()}}, "file");
-      for (const char* column : sheet_columns) row += "," + field(sheet, column);
-      for (const char* column : condition_columns) row += "," + field(conditions, column);
+      for (const char* column : sheet_columns) row.append(",").append(field(sheet, column));
+      for (const char* column : condition_columns) row.append(",").append(field(conditions, column));
       scores.csv += row + "\n";
       ++scores.sheets;
     } catch (const std::exception& problem) {

@@ -19,8 +19,8 @@
 
 namespace palpate::api {
 
-/// By PALPATE_MATERIAL, PALPATE_TOOL, PALPATE_REGION.
-using Names = std::array<std::vector<std::string>, 3>;
+/// By PALPATE_MATERIAL, PALPATE_TOOL, PALPATE_REGION, PALPATE_RIGID.
+using Names = std::array<std::vector<std::string>, 4>;
 Names namesOf(const Model& model);
 
 /// What hangs the tool on a device: the loop's end and the device's.

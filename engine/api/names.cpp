@@ -9,7 +9,7 @@ using namespace palpate::api;
 namespace {
 
 const std::vector<std::string>* namesIn(const palpate_model* model, std::int32_t kind) {
-  const bool known = model != nullptr && kind >= PALPATE_MATERIAL && kind <= PALPATE_REGION;
+  const bool known = model != nullptr && kind >= PALPATE_MATERIAL && kind <= PALPATE_RIGID;
   return known ? &model->names[static_cast<std::size_t>(kind)] : nullptr;
 }
 
@@ -36,6 +36,7 @@ Names palpate::api::namesOf(const Model& model) {
     tools.emplace_back(tool.jaws() ? "jaws" : toolType(tool.shape.kind).name);
   names[PALPATE_TOOL] = numbered(tools);
   for (const BoundarySpec& boundary : model.scene.boundaries) names[PALPATE_REGION].push_back(boundary.name);
+  for (const RigidBody& body : model.rigid.body) names[PALPATE_RIGID].push_back(body.name);
   return names;
 }
 

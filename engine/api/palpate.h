@@ -5,8 +5,8 @@
  *                palpate_stop, at the scene's rate on a thread of its own
  *
  * Lengths are m, forces N, times s, angles rad. A pose is 7 doubles: x, y, z of the tool's tip (within 1e6), then the
- * quaternion x, y, z, w that turns the tool's frame into the world's. The tool's own axis is +z, from the tip into the
- * handle.
+ * quaternion x, y, z, w that turns the tool's frame into the world's (normalized where it is not; a norm of half or
+ * less, or of two or more, is refused). The tool's own axis is +z, from the tip into the handle.
  *
  * Structs begin with their size: set it to sizeof before a call. A library that knows more fields than you fills those
  * that you know; one that knows fewer leaves yours at 0.
@@ -192,9 +192,9 @@ PALPATE_API int32_t palpate_describe(const palpate_model* model, palpate_model_i
 
 /* What a scene has several of, by number: materials and regions by the names that it gives them, else "material 1",
  * "fixed 1"; tools by their shape, "sphere" or "jaws", and "sphere 1", "sphere 2" where there are several. Regions are
- * those that are fixed, and after them those that are prescribed.
+ * those that are fixed, and after them those that are prescribed; rigid bodies are those of [[rigid]], or the [skull].
  * palpate_name: NULL where there is none; lives as long as the model. palpate_index: the first of that name, or -1. */
-enum { PALPATE_MATERIAL = 0, PALPATE_TOOL = 1, PALPATE_REGION = 2 };
+enum { PALPATE_MATERIAL = 0, PALPATE_TOOL = 1, PALPATE_REGION = 2, PALPATE_RIGID = 3 };
 PALPATE_API int32_t palpate_count(const palpate_model* model, int32_t kind, int32_t* count);
 PALPATE_API const char* palpate_name(const palpate_model* model, int32_t kind, int32_t index);
 PALPATE_API int32_t palpate_index(const palpate_model* model, int32_t kind, const char* name);
@@ -322,6 +322,12 @@ PALPATE_API int32_t palpate_contact_points(const palpate_simulation* simulation,
  * @param region_count   as palpate_count says of PALPATE_REGION */
 PALPATE_API int32_t palpate_reactions(const palpate_simulation* simulation, double* force, double* moment,
                                       int32_t region_count);
+
+/* (viewer) What each rigid body presses the tissue with in the newest tick, N; 0 before the first, and after a reset or
+ * restore.
+ * @param force        (rigid_count, 3), on the tissue
+ * @param rigid_count  as palpate_count says of PALPATE_RIGID */
+PALPATE_API int32_t palpate_rigid_forces(palpate_simulation* simulation, double* force, int32_t rigid_count);
 
 /* ---- Points of the body ---- */
 

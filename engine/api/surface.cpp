@@ -80,6 +80,15 @@ int32_t palpate_skin_positions(palpate_simulation* simulation, float* positions,
   return PALPATE_OK;
 }
 
+int32_t palpate_rigid_forces(palpate_simulation* simulation, double* force, int32_t rigid_count) {
+  if (simulation == nullptr || force == nullptr) return PALPATE_BAD_ARGUMENT;
+  if (rigid_count != static_cast<std::int32_t>(simulation->model->rigid.body.size())) return PALPATE_BAD_ARGUMENT;
+  const Snapshot& snapshot = simulation->loop.snapshots().latest();
+  for (std::size_t b = 0; b < static_cast<std::size_t>(rigid_count); ++b)
+    put(snapshot.report.rigid[b].force, force + 3 * b);
+  return PALPATE_OK;
+}
+
 int32_t palpate_contacts(palpate_simulation* simulation, int32_t* vertex, float* force, int32_t capacity,
                          int32_t* count) {
   if (simulation == nullptr || count == nullptr || capacity < 0) return PALPATE_BAD_ARGUMENT;

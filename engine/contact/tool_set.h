@@ -64,6 +64,7 @@ struct ToolLoad {
   Vec3 force = Vec3::Zero();                   // N, on the tool; jaws: both fingers'
   Vec3 torque = Vec3::Zero();                  // N m, about its tip; of a whole tick only
   double pinch = 0;                            // N, jaws: mean of what presses the two fingers apart
+  double work = 0;                             // J, of a step or tick, that it has done on the tissue by moving
   int contact_count = 0;                       // points of the skin that carry force
   int near_count = 0;                          // skin vertices that it may reach in the tick; of a whole tick only
   bool stopped = false;                        // it stands before a rigid body; likewise

@@ -109,7 +109,7 @@ std::vector<Vec3f> normals(const std::vector<Vec3f>& x, const std::vector<std::a
     const Vec3f area = (x[at(b)] - x[at(a)]).cross(x[at(c)] - x[at(a)]);
     for (const int v : {a, b, c}) normal[at(v)] += area;
   }
-  for (Vec3f& n : normal) n = n.squaredNorm() > 0 ? Vec3f(n.normalized()) : Vec3f(Vec3f::UnitZ());
+  for (Vec3f& n : normal) n = n.isZero(0) ? Vec3f(Vec3f::UnitZ()) : Vec3f(n.stableNormalized());
   return normal;
 }
 

@@ -1,9 +1,12 @@
 #include "model/point_groups.h"
 
 #include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <utility>
+
+#include "discretization/cells/background_cells.h"
 
 namespace palpate {
 namespace {
@@ -37,6 +40,54 @@ float unseenOf(const Corners& X, const Vec3& at, double volume) {
   const double sum =
       first * (seen + (middle - at).squaredNorm()) + other * (second + (other_middle - at).squaredNorm());
   return static_cast<float>(of_cell * sum / (volume * seen));
+}
+
+/// Nodes that are held where that ends without a cell's depth: amid smooth skin, and of lines and sheets inside
+/// (node_count).
+std::vector<bool> heldEdges(const Preparation& p) {
+  constexpr double smooth = 0.5;  // cosine between facets
+  std::vector<bool> held(p.X.size(), false), edge(p.X.size(), false);
+  for (const ImposedNode& node : p.essential.nodes)
+    if (node.node >= 0)
+      held[static_cast<std::size_t>(node.node)] =
+          std::all_of(node.boundary.begin(), node.boundary.end(), [](int b) { return b >= 0; });
+  if (std::find(held.begin(), held.end(), true) == held.end()) return edge;
+  const auto isHeld = [&](const auto& nodes) {
+    return std::all_of(nodes.begin(), nodes.end(), [&](int i) { return held[static_cast<std::size_t>(i)]; });
+  };
+
+  const std::vector<std::array<int, 3>> facets = boundaryFacets(p.cells);
+  std::map<std::pair<int, int>, std::size_t> across;  // the facet at an edge
+  std::vector<bool> of_facet(p.X.size(), false), inside(p.X.size(), true);
+  const auto normal = [&](const std::array<int, 3>& f) {
+    const auto at = [&](std::size_t k) { return p.X[static_cast<std::size_t>(f[k])]; };
+    return Vec3((at(1) - at(0)).cross(at(2) - at(0)).normalized());
+  };
+  for (std::size_t k = 0; k < facets.size(); ++k)
+    for (std::size_t e = 0; e < 3; ++e) {
+      const int a = facets[k][e], b = facets[k][(e + 1) % 3];
+      inside[static_cast<std::size_t>(a)] = false;
+      if (isHeld(facets[k])) of_facet[static_cast<std::size_t>(a)] = true;
+      const auto [other, is_new] = across.try_emplace(std::minmax(a, b), k);
+      if (is_new || isHeld(facets[k]) == isHeld(facets[other->second])) continue;
+      if (normal(facets[k]).dot(normal(facets[other->second])) > smooth)
+        edge[static_cast<std::size_t>(a)] = edge[static_cast<std::size_t>(b)] = true;
+    }
+
+  for (std::size_t i = 0; i < p.X.size(); ++i)
+    if (held[i] && !of_facet[i]) edge[i] = true;
+  std::vector<bool> deep = held;  // all cells around are held, and none is at the skin
+  for (const auto& cell : p.cells)
+    if (!isHeld(cell))
+      for (const int i : cell) deep[static_cast<std::size_t>(i)] = false;
+  for (std::size_t i = 0; i < p.X.size(); ++i) {
+    deep[i] = deep[i] && inside[i];
+    edge[i] = edge[i] || (held[i] && inside[i]);
+  }
+  for (const auto& cell : p.cells)
+    if (std::any_of(cell.begin(), cell.end(), [&](int i) { return deep[static_cast<std::size_t>(i)]; }))
+      for (const int i : cell) edge[static_cast<std::size_t>(i)] = false;
+  return edge;
 }
 
 /// What a point weighs in the fit of a group is w (1 + slope . (X - middle)), w its share of the volume.
@@ -93,7 +144,11 @@ PointGroups makePointGroups(const Preparation& p) {
     groups.share[q][k] = static_cast<float>(share);
     groups.weight[q][k] = static_cast<float>(share * (1 + f.slope.dot(p.point_X[q] - f.middle)));
   });
+  const std::vector<bool> edge = heldEdges(p);
   for (std::size_t q = 0; q < points; ++q) {
+    const auto& cell = p.cells[static_cast<std::size_t>(p.point_cell[q])];
+    groups.at_edge.push_back(
+        std::any_of(cell.begin(), cell.end(), [&](int i) { return edge[static_cast<std::size_t>(i)]; }));
     const Corners X = cornersOf(p, q);
     groups.position.push_back(barycentric(X, p.point_X[q]));
     groups.unseen.push_back(unseenOf(X, p.point_X[q], p.point_volume[q]));

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <vector>
 
 #include "model/preparation.h"
@@ -22,6 +23,8 @@ struct PointGroups {
   // values v_k at its cell's nodes is unseen sum_k (v_k - v)^2, v their mean: of_cell for a cell; more for the point
   // that stands for two, the second taken for regular; 0 for one of several, as they see it.
   std::vector<float> unseen;
+  // (point_count) 1: its cell has a node at which what is held ends amid smooth skin, or is thin: stress has no bound.
+  std::vector<std::uint8_t> at_edge;
 };
 /// Test: simulation/resolution_test.cpp
 PointGroups makePointGroups(const Preparation& preparation);

@@ -12,6 +12,7 @@ namespace {
 constexpr double c_uneven = 0.86, c_held = 0.24, c_missed = 0.72, c_both = 3;  // c_0 .. c_3 of moved faces
 // What turns fibres strains them by its square: what they store, c_4, grows faster than the whole.
 constexpr double c_missed_fibres = 1.8;
+constexpr double c_edge = 2.4;  // beside where what is held ends amid skin, or is thin
 constexpr double c_pressed = 0.12, c_pressed_held = 0.08, c_pressed_missed = 0.2;  // of what is pressed
 constexpr double c_flat = 2.2;                                                     // by a flat end
 // Of Model::rest_energy, which is far above float's noise: in double strains of 3e-6 are none, either.
@@ -92,7 +93,8 @@ double spacingAt(const Model& model, int node) {
 void ErrorSums::add(const Model& model, std::size_t q, const Material& material, const Strain& strain,
                     const std::array<Strain, 4>& at_nodes) {
   const Mat3 F = Mat3::Identity() + strain.H;
-  const double V = model.point_volume[q], unseen = static_cast<double>(model.point_groups.unseen[q]);
+  double V = model.point_volume[q];
+  const double unseen = static_cast<double>(model.point_groups.unseen[q]);
   Strain mean;
   for (const Strain& s : at_nodes) mean.add(0.25, s);
   if (pressed > 0) {
@@ -101,6 +103,7 @@ void ErrorSums::add(const Model& model, std::size_t q, const Material& material,
     for (const Strain& s : at_nodes) missed += V * PointGroups::of_cell * pressedEnergy(material, F, s.H - mean.H);
     return;
   }
+  if (model.point_groups.at_edge[q] != 0) V *= c_edge;
   const DeviationEnergy energy(material, F, 1 + strain.dilatation);
   const std::array<float, 4>& position = model.point_groups.position[q];
   Strain here;

@@ -27,7 +27,8 @@ namespace palpate {
 // takes of a force more than its share of W; var_q the mean square of what is not seen (PointGroups::unseen),
 // from the fits at the nodes of q's cell; several points in a cell see it, but have to hold volume all the same. Fits
 // are of points of one material alone: what jumps at a border is right. The less is left the larger the two are, so e
-// is the root of the squares of that and of c_3 (S + M)^2.
+// is the root of the squares of that and of c_3 (S + M)^2. Where what is held ends amid smooth skin, or is thin, stress has
+// no bound, and fits see less of it: there V_q counts c_edge times.
 //
 // What is pressed, by a tool or by loads, strains by more than a linear function below it, and fits there say several
 // times too much (default liver: 9.9 % for 1.5 %). There F_a, J_a are means around the nodes, F_q* and J_q* theirs, and

@@ -62,17 +62,22 @@ void ResolutionWatch::restart() {
 void ResolutionWatch::forget() {
   next_ = 0;
   is_new_ = true;
-  inertia_share_ = 0;
+  inertia_ = 0;
   known_.fill({});
+  jerks_.fill({});
 }
 
 void ResolutionWatch::goOnFrom(const ResolutionWatch& before) {
   forget();
   before_ = before.before_;
   known_ = before.known_;
+  jerks_ = before.jerks_;
+  tool_at_ = before.tool_at_;
+  quickest_ = before.quickest_;
 }
 
 void ResolutionWatch::advance(const Model& model, const State& state, StepReport& report) {
+  watchTools(model, state);
   const PressList presses(report.loads);
   if (presses.count == 0) before_ = report.strain_energy;
   // A tool that presses of late, or harder or less than when it was looked at.
@@ -116,6 +121,7 @@ void ResolutionWatch::advance(const Model& model, const State& state, StepReport
   }
   tell(model, state, presses, report);
   addScaledInertia(model, report);
+  addJerks(model, state, presses, report);
 }
 
 /// A moment to look at.
@@ -178,18 +184,62 @@ void ResolutionWatch::addScaledInertia(const Model& model, StepReport& report) {
   is_new_ = false;
   const Vec3 change = report.scaled_momentum - momentum_;
   momentum_ += tick / (smoothing + tick) * change;
+  inertia_ = std::max(change.norm() / smoothing, inertia_ * (1 - tick / kept));
   const double force = std::max(largestForce(report), report.error_force);
   if (!(force > 0)) return;
-  inertia_share_ = std::max(change.norm() / smoothing / force, inertia_share_ * (1 - tick / kept));
+  const double share = std::min(1.0, inertia_ / force);
   // The error was found for another moment's force than what accelerates now: in N both count as they are.
   const auto add = [&](double& of, double& of_force) {
     if (!(of_force > 0)) return;
-    const double error = std::hypot(of, inertia_share_), newtons = std::hypot(of * of_force, inertia_share_ * force);
+    const double error = std::hypot(of, share), newtons = std::hypot(of * of_force, share * force);
     if (error > 0) of_force = newtons / error;
     of = std::min(std::max(1.0, of), error);
   };
   add(report.expected_error, report.error_force);
   for (ToolLoad& load : report.loads) add(load.expected_error, load.error_force);
+}
+
+void ResolutionWatch::watchTools(const Model& model, const State& state) {
+  constexpr double kept = 0.1;  // s
+  const double tick = 1 / model.scene.dynamics.rate_hz;
+  quickest_ *= 1 - tick / kept;
+  for (std::size_t t = 0; t < state.tool.size(); ++t) {
+    const Vec3& at = state.tool[t].pose.position;
+    quickest_ = std::max(quickest_, (at - tool_at_[t]).norm() / tick);
+    tool_at_[t] = at;
+  }
+}
+
+/// Skin that slips off a tool is many times as fast as any tool.
+void ResolutionWatch::addJerks(const Model& model, const State& state, const PressList& presses, StepReport& report) {
+  constexpr double times_as_fast = 3, of_sound = 0.02;  // of the speed of shear waves
+  constexpr double smoothing = 0.02;                    // s
+  const double tick = 1 / model.scene.dynamics.rate_hz;
+  std::array<Jerks, max_tools> jerks = {};
+  for (std::size_t k = 0; k < presses.count; ++k) {
+    const auto tool = static_cast<std::size_t>(presses.press[k].tool);
+    jerks[tool] = jerks_[tool];
+    jerks[tool].force += tick / (smoothing + tick) * (report.loads[tool].force - jerks[tool].force);
+  }
+  jerks_ = jerks;
+  for (std::size_t k = 0; k < presses.count; ++k) {
+    const Press& press = presses.press[k];
+    const auto tool = static_cast<std::size_t>(press.tool);
+    const int node = touchedNode(model, state, press.tool);
+    if (node < 0) continue;
+    const auto at = static_cast<std::size_t>(node);
+    const Material& material = state.live.kernel.materials[static_cast<std::size_t>(material_[at])];
+    const double speed = toVec3(state.du[at]).norm() / model.dt,
+                 sound = std::sqrt(material.shear_modulus / material.density);
+    Jerks& now = jerks_[tool];
+    if (speed > times_as_fast * quickest_ + of_sound * sound)
+      now.jump = std::max(now.jump, (report.loads[tool].force - now.force).norm());
+    const double error = std::min(now.jump / press.force, 2.0);
+    ToolLoad& load = report.loads[tool];
+    if (error > load.expected_error) load.expected_error = error, load.error_force = press.force;
+    if (error > report.expected_error)
+      report.expected_error = error, report.error_force = press.force, report.error_tool = press.tool;
+  }
 }
 
 void ResolutionWatch::gather(const Model& model, std::size_t begin, std::size_t end) {

@@ -17,7 +17,9 @@ namespace palpate {
 /// tissue's energy changes), and nothing at rest. What it says is of the moment before the last sweep of all points, at
 /// most 0.2 s ago at 500 Hz in a motion; until there was one, 1 with an error_force of 0: a doubt of its tick
 /// (TrustLimits) that counts for no run (RunTrust). That a touch is narrow is said of the tick itself. The force that
-/// accelerates the mass that the scene's mass_scaling added is an error, too: the largest of late.
+/// accelerates the mass that the scene's mass_scaling added is an error, too: the largest of late. So is the largest jump
+/// of a tool's force where the skin slipped off it since it touched: friction that stores more than it takes to go on
+/// lets go in jerks, and when it does next is known to nobody (addJerks).
 /// Belongs to who steps (Workspace), not to the state: after a restore it begins anew.
 /// Test: simulation/resolution_test.cpp
 class ResolutionWatch {
@@ -40,14 +42,22 @@ class ResolutionWatch {
   void compare(const Model& model, std::span<const Material> materials, std::size_t begin, std::size_t end);
 
   void forget();
+  void watchTools(const Model& model, const State& state);
   void begin(const Model& model, const State& state, const StepReport& report, PressList presses);
   double localShare(int tool) const;
   void tell(const Model& model, const State& state, const PressList& presses, StepReport& report) const;
   void addScaledInertia(const Model& model, StepReport& report);
+  void addJerks(const Model& model, const State& state, const PressList& presses, StepReport& report);
 
   /// Of a tool's force, or of what holds the body; 1 and 0: nothing.
   struct Known {
     double error = 0, force = 0;  // a share, and what it was found for, N
+  };
+
+  /// Of a tool that touches.
+  struct Jerks {
+    Vec3 force = Vec3::Zero();  // N, smoothed
+    double jump = 0;            // N, the largest since it touched
   };
 
   AlignedVector<Float4> u_;    // (node_count) of the moment
@@ -60,8 +70,11 @@ class ResolutionWatch {
   double before_ = -1;                           // J, when nothing touched last; < 0: not known
   std::array<Known, max_tools + 1> known_ = {};  // of the last moment: of tools, and of what holds the body
   Vec3 momentum_ = Vec3::Zero();                 // kg m/s, StepReport::scaled_momentum, smoothed
-  double inertia_share_ = 0;  // what its change takes of the force: the largest, which falls within 0.1 s
-  bool is_new_ = true;        // no tick was seen with these masses
+  double inertia_ = 0;                           // N, that its change takes: the largest, which falls within 0.1 s
+  bool is_new_ = true;                           // no tick was seen with these masses
+  std::array<Jerks, max_tools> jerks_ = {};
+  std::array<Vec3, max_tools> tool_at_ = {};  // m, a tick ago
+  double quickest_ = 0;                       // m/s, of the tools of late
 };
 
 /// What a run's last tick is worth, all at once: for its end, and runs that are over before a sweep is. Allocates.

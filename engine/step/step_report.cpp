@@ -125,6 +125,7 @@ StepReport worstOf(const StepReport& earlier, const StepReport& later) {
     both.min_J = earlier.min_J;
     both.worst_point = earlier.worst_point;
   }
+  for (std::size_t t = 0; t < both.loads.size(); ++t) both.loads[t].work += earlier.loads[t].work;
   both.skin_penetration = std::max(earlier.skin_penetration, later.skin_penetration);
   for (std::size_t b = 0; b < both.rigid.size(); ++b)
     both.rigid[b].max_penetration = std::max(earlier.rigid[b].max_penetration, later.rigid[b].max_penetration);

@@ -29,7 +29,9 @@ Vec3 apartOf(const ToolBody& body, const ToolPosture& tool) {
 
 /// How the hand holds a tool that goes from where it was to `wanted`. Where it was at its limit in the last step it is
 /// guessed to stay where it was.
-ToolHold holdOf(const Model& model, const State& state, int tool, const ToolPosture& was, const ToolPosture& wanted) {
+/// @param on_tissue  N, receives the tool's force in the last step
+ToolHold holdOf(const Model& model, const State& state, int tool, const ToolPosture& was, const ToolPosture& wanted,
+                Vec3& on_tissue) {
   constexpr double at_limit = 0.95;  // of it
   // Faster than it may follow a hand: a cell that was crushed thrusts.
   constexpr double quicker = 4;
@@ -37,7 +39,6 @@ ToolHold holdOf(const Model& model, const State& state, int tool, const ToolPost
   hold.longest = quicker * topSpeed(model, tool) * model.dt;
   hold.max_force = model.tools.tool[static_cast<std::size_t>(tool)].max_force;
   hold.max_pinch = model.tools.tool[static_cast<std::size_t>(tool)].grip_force;
-  Vec3 on_tissue = Vec3::Zero();
   double pinch = 0;
   for (std::size_t b = 0; b < model.tools.body.size(); ++b) {
     const ToolBody& body = model.tools.body[b];
@@ -123,9 +124,11 @@ ContactForces solveContacts(const Model& model, ToolPostures& tools, double alph
   const std::size_t bodies = set.body.size(), count = set.tool.size();
   std::array<TouchingTool, max_tool_bodies> touching;
   std::array<ToolHold, max_tools> holds;
+  std::array<Vec3, max_tools> was_on_tissue;  // N
+  was_on_tissue.fill(Vec3::Zero());
   const ToolPostures before = posturesOf(state);
   for (std::size_t t = 0; t < count; ++t) {
-    holds[t] = holdOf(model, state, static_cast<int>(t), before[t], tools[t]);
+    holds[t] = holdOf(model, state, static_cast<int>(t), before[t], tools[t], was_on_tissue[t]);
     tools[t].pose.position += holds[t].way;
     tools[t].opening += holds[t].opening;
   }
@@ -159,6 +162,8 @@ ContactForces solveContacts(const Model& model, ToolPostures& tools, double alph
     tools[t].opening += holds[t].opening - guessed[t].opening;
   }
   for (std::size_t b = 0; b < bodies; ++b) addToLoad(set.body[b], touching[b], loads);
+  for (std::size_t t = 0; t < count; ++t)
+    loads[t].work = 0.5 * (was_on_tissue[t] - loads[t].force).dot(tools[t].pose.position - before[t].pose.position);
   return forces;
 }
 

@@ -64,7 +64,8 @@ const char* doubtText(Doubt doubt) {
       return "";
     case Doubt::Resolution:
       return "the nodes are too far apart for how the tissue deforms: finer spacing there (mtled fit), or a wider "
-             "tool; where mass_scaling slows what moves, a slower hand";
+             "tool; where mass_scaling slows what moves, a slower hand; where the skin slips off in jerks, less "
+             "friction";
     case Doubt::Volume:
       return "the tissue's volume is under too high a pressure to be held: press less, or finer spacing";
     case Doubt::Contact:

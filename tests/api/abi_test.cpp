@@ -148,7 +148,8 @@ TEST_CASE("The numbers of palpate.h are those that callers were compiled with", 
   CHECK(PALPATE_ORDINARY_THREAD == 1);
   for (const auto& [number, expected] :
        {std::pair{int{PALPATE_MATERIAL}, 0}, std::pair{int{PALPATE_TOOL}, 1}, std::pair{int{PALPATE_REGION}, 2},
-        std::pair{int{PALPATE_NODES}, 0}, std::pair{int{PALPATE_INTEGRATION_POINTS}, 1}})
+        std::pair{int{PALPATE_RIGID}, 3}, std::pair{int{PALPATE_NODES}, 0},
+        std::pair{int{PALPATE_INTEGRATION_POINTS}, 1}})
     CHECK(number == expected);
 }
 
@@ -204,6 +205,7 @@ static_assert(same<decltype(palpate_ray), int32_t(Simulation, const double*, con
 static_assert(
     same<decltype(palpate_contact_points), int32_t(Asked, double*, double*, double*, int32_t*, int32_t, int32_t*)>);
 static_assert(same<decltype(palpate_reactions), int32_t(Asked, double*, double*, int32_t)>);
+static_assert(same<decltype(palpate_rigid_forces), int32_t(Simulation, double*, int32_t)>);
 static_assert(same<decltype(palpate_points_create), int32_t(Model, const double*, int32_t, palpate_points**, Error)>);
 static_assert(same<decltype(palpate_points_of), int32_t(Model, int32_t, palpate_points**, Error)>);
 static_assert(same<decltype(palpate_points_destroy), void(palpate_points*)>);

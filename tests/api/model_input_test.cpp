@@ -134,7 +134,7 @@ distance = 1e-6
 
   std::int32_t count = 7;
   CHECK(palpate_count(nullptr, PALPATE_TOOL, &count) == PALPATE_BAD_ARGUMENT);
-  CHECK(palpate_count(model, 3, &count) == PALPATE_BAD_ARGUMENT);
+  CHECK(palpate_count(model, 4, &count) == PALPATE_BAD_ARGUMENT);
   CHECK(palpate_count(model, PALPATE_TOOL, nullptr) == PALPATE_BAD_ARGUMENT);
   CHECK(count == 7);
   CHECK(palpate_name(nullptr, PALPATE_TOOL, 0) == nullptr);

@@ -88,8 +88,8 @@ TEST_CASE("Force, torque, normal, contacts and work agree with each other", "[ap
   const palpate_state& state = before;
   const Eigen::Vector3d force = vec(state.force), normal = vec(state.normal);
   CHECK(normal.norm() == Approx(1));
-  CHECK(normal.dot(force.normalized()) > 0.99);  // no friction
-  CHECK(state.work_J == Approx(work).epsilon(1e-9));
+  CHECK(normal.dot(force.normalized()) > 0.99);       // no friction
+  CHECK(state.work_J == Approx(work).epsilon(1e-3));  // of steps, which are finer
   CHECK(state.work_J > 0);
   CHECK(state.stiffness > 0);
   CHECK(state.advance_m == Approx(-0.001 + 0.05 * 99 / info.rate_hz));

@@ -69,6 +69,7 @@ assert simulation.skin_positions().shape == (model.skin_vertex_count, 3) and ver
 assert model.triangles.max() == model.skin_vertex_count - 1
 tool = simulation.read_tool()
 assert model.tool_count == 1 and np.array_equal(tool.force, simulation.read().force) and tool.pinch == 0
+assert tool.expected_error == simulation.read().expected_error
 saved = simulation.save()
 a = simulation.step(ticks=10).force
 simulation.restore(saved)

@@ -260,6 +260,33 @@ TEST_CASE("An equilibrium of a face that is moved has an error to expect, too", 
   CHECK(sheared.doubt == Doubt::None);
 }
 
+TEST_CASE("Of a block that stands on a patch of its base at least half of the error is expected",
+          "[resolution][whole]") {
+  Scene scene = test::blockScene();
+  scene.materials[0].material.set("poisson", 0.45);
+  scene.boundaries[0].region.kind = Region::Kind::Box;
+  scene.boundaries[0].region.min = Vec3(-1, -1, -1e-4);
+  scene.boundaries[0].region.max = Vec3(-0.01, 0, 1e-4);
+  BoundarySpec top = test::planeBoundary(Vec3(0, 0, 0.03));
+  top.translation = Vec3(0.001, 0, 0);
+  top.duration = 1;
+  scene.boundaries.push_back(top);
+  scene.tools[0].position = Vec3(0, 0, 1);
+  Equilibrium at[2];
+  for (const int fine : {0, 1}) {
+    scene.discretization.spacing = fine ? 0.004 : 0.009;
+    const Model model = test::blockModel(scene);
+    at[fine] = StaticSolver(model, 2, 1e-4).advanceTo(1);
+    REQUIRE(at[fine].converged);
+  }
+  const double off = at[0].strain_energy / at[1].strain_energy - 1;
+  CAPTURE(off, at[0].expected_error, at[1].expected_error);
+  CHECK(off > 0.03);
+  CHECK(at[0].expected_error > 0.8 * off);
+  CHECK(at[0].expected_error < 2 * off);
+  CHECK(at[1].expected_error < 0.6 * at[0].expected_error);
+}
+
 TEST_CASE("One point misses what changes within its cell, two cells' more, fibres' most, and four points see it",
           "[resolution][whole]") {
   // Sheared the more the higher up, at a volume that stays.
@@ -284,4 +311,43 @@ TEST_CASE("One point misses what changes within its cell, two cells' more, fibre
   const double straight = expected(1, 1, 0);
   CHECK(straight > 1.5 * one);
   CHECK(expected(1, 1, 0.5) > 1.2 * straight);
+}
+
+TEST_CASE("A tool off which the skin slips in jerks is doubted until it lifts, one that slides is not",
+          "[resolution][contact][whole]") {
+  Scene scene = test::blockScene(0.004);
+  scene.organs[0].size = Vec3(0.06, 0.04, 0.015);
+  scene.materials[0].material.set("poisson", 0.45);
+  scene.tools[0].shape.radius = 0.006;
+  scene.tools[0].position = Vec3(-0.014, 0, 0.025);
+  for (const double friction : {0.4, 1.5}) {
+    scene.tools[0].friction = friction;
+    const Model model = test::blockModel(scene);
+    Workspace workspace(model, 2);
+    State state = initialState(model);
+    const double rate = scene.dynamics.rate_hz;
+    StepReport report;
+    double worst = 0;
+    const auto go = [&](double seconds, double depth, double from, double to) {
+      const auto ticks = static_cast<int>(seconds * rate);
+      for (int k = 1; k <= ticks; ++k) {
+        Command command;
+        command.tools[0].pose = test::toolAt(model, model.tools.first().first_contact_travel + depth);
+        command.tools[0].pose.position.x() += from + (to - from) * k / ticks;
+        report = tick(model, state, command, workspace);
+        if (report.error_force > 0) worst = std::max(worst, report.expected_error);
+      }
+    };
+    go(0.6, 0.003, 0, 0);
+    worst = 0;
+    go(1.2, 0.003, 0, 0.024);
+    CAPTURE(friction, worst, report.expected_error, report.tool_force.transpose());
+    CHECK((worst > 0.1) == (friction > 1));
+    if (friction > 1) {
+      CHECK(report.expected_error > 0.1);  // kept
+      go(0.2, -0.002, 0.024, 0.024);
+      go(0.6, 0.003, 0.024, 0.024);
+      CHECK(report.expected_error < 0.1);
+    }
+  }
 }

@@ -393,5 +393,5 @@ TEST_CASE("Left alone the window comes back from the past, and the demo plays by
           [](Session&, Viewer& v) { return !v.panels().demo; }},
          {"Escape, which quits", [&](Session&, Viewer&) { person->tap("Escape"); },
           [](Session&, Viewer&) { return false; }}},
-        1);
+        3);  // s: on a busy machine pictures are a second apart
 }

@@ -13,7 +13,7 @@ void ContactTrend::update(const Pose& now, const StepReport& report, double rate
     Quat turn = now.orientation * pose.orientation.conjugate();
     if (turn.w() < 0) turn.coeffs() = -turn.coeffs();
     const Vec3 angle = 2 * turn.vec();  // of a small turn
-    work -= 0.5 * (force + f).dot(way) + 0.5 * (torque + report.tool_torque).dot(angle);
+    work += report.loads[0].work - 0.5 * (torque + report.tool_torque).dot(angle);
     if (touches && touched) {
       const double g = std::exp(-1 / (memory_seconds * rate_hz));
       travel -= way.dot(n);
@@ -29,7 +29,6 @@ void ContactTrend::update(const Pose& now, const StepReport& report, double rate
   known = true;
   touched = touches;
   pose = now;
-  force = f;
   torque = report.tool_torque;
 }
 

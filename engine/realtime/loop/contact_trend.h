@@ -7,8 +7,8 @@ namespace palpate {
 
 /// What follows from the tool's way and force over several ticks; watches only, nothing depends on it.
 ///
-///   work      = sum over ticks of the mean of the forces on the tissue before and after times the tool's way,
-///               and of the torques about the tip times its turn
+///   work      = sum over steps of the mean of the forces on the tissue before and after times the tool's way (a hand
+///               may swing within a tick), and over ticks of the torques about the tip times its turn
 ///   stiffness = covariance of force and travel along the contact's normal over the variance of the travel, newer ticks
 ///               counting more (exponential forgetting in memory_seconds)
 ///
@@ -34,7 +34,7 @@ struct ContactTrend {
   // Of the tick before.
   bool known = false;
   Pose pose;
-  Vec3 force = Vec3::Zero(), torque = Vec3::Zero();  // N, N m, on the tool
+  Vec3 torque = Vec3::Zero();  // N m, on the tool
   bool touched = false;
   double travel = 0, mean_travel = 0, mean_force = 0;  // m, m, N, along the normal since first touch
   double variance = 0, covariance = 0;                 // m^2, N m

@@ -8,6 +8,7 @@
 #include <fstream>
 #include <memory>
 
+#include "base/number_text.h"
 #include "base/parallel_for.h"
 #include "base/spin_team.h"
 #include "base/types.h"
@@ -143,7 +144,7 @@ Machine thisMachine() {
   cpu_set_t allowed;
   machine.cores = sched_getaffinity(0, sizeof allowed, &allowed) == 0 ? CPU_COUNT(&allowed) : threadsOr(0);
   for (int k = 0; k < 8; ++k) {
-    const std::string folder = "/sys/devices/system/cpu/cpu0/cache/index" + std::to_string(k) + "/";
+    const std::string folder = format("/sys/devices/system/cpu/cpu0/cache/index%d/", k);
     int level = 0;
     std::size_t kib = 0;  // the kernel always writes "1024K"
     if (!(std::ifstream(folder + "level") >> level) || !(std::ifstream(folder + "size") >> kib)) continue;

@@ -144,6 +144,18 @@ class SurfaceImport {
     return points;
   }
 
+  /// What can't be mended may be so because of what can't be read.
+  RepairedSurface mended(const RepairOptions& options) const {
+    try {
+      return repairSurface(file_.surface, file_.source, options);
+    } catch (const InputError& error) {
+      if (file_.unreadable_faces == 0) throw;
+      throw InputError({}, error.what(),
+                       "but first: " + std::to_string(file_.unreadable_faces) +
+                           " of the file's faces can't be read (cut off, or without proper vertices): write it anew");
+    }
+  }
+
   /// @param thinnest  see RepairOptions
   void makeOrgan(double thinnest = 0) {
     ProgressLine progress("import");
@@ -154,7 +166,7 @@ class SurfaceImport {
       stopWhereInterrupted();
       progress.show(0.6 * share, what);
     };
-    RepairedSurface repaired = repairSurface(file_.surface, file_.source, repair);
+    RepairedSurface repaired = mended(repair);
     report_ = std::move(repaired.report);
     report_.unreadable_faces = file_.unreadable_faces;
     report_.concave_polygons = file_.concave_polygons;
@@ -219,7 +231,7 @@ class SurfaceImport {
     bool thicker = false, coarser = false;
     std::string why;  // it was refused, at first
     constexpr int max_refusals = 3;
-    if (opensFollowing(body, spacing, false) || opensFollowing(body, spacing, true)) return;
+    if (opensFollowing(body, spacing)) return;
     for (int refusals = 0;;) {
       const double nodes = nodesAt(body, spacing);
       if (nodes > max_nodes)
@@ -258,17 +270,22 @@ class SurfaceImport {
   }
 
   /// A cloud that follows the tool, where the body can have one that costs no more.
-  bool opensFollowing(const BodyMeasures& body, double spacing, bool slowed) {
+  bool opensFollowing(const BodyMeasures& body, double spacing) {
     if (separateParts(organ_->surface(), connectedParts(organ_->surface(), faceEdges(organ_->surface()))).size() > 1)
       return false;
     constexpr double most_nodes = 60000;  // of the fine cloud, which is made anew for each try
     if (nodesAt(body, 0.5 * chooseScene(*organ_, spacing).tool_radius) > most_nodes) return false;
-    try {
-      model_.emplace(open(writeScene(spacing, true, slowed)));
-    } catch (const InputError&) {
-      return false;
+    for (const bool slowed : {false, true}) {
+      try {
+        model_.emplace(open(writeScene(spacing, true, slowed)));
+      } catch (const InputError&) {
+        return false;
+      }
+      const double cost = static_cast<double>(model_->nodeCount()) / node_steps_budget;
+      if (cost * model_->substeps_per_tick <= 1) return true;
+      if (cost > 1) return false;  // however few the steps are
     }
-    return model_->nodeCount() * model_->substeps_per_tick <= node_steps_budget;
+    return false;
   }
 
   std::string writeScene(double spacing, bool follows = false, bool slowed = true) const {

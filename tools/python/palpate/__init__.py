@@ -15,7 +15,7 @@ or else the newest, of the source tree that this is in, and where the system kee
 pose is x, y, z, then the quaternion x, y, z, w. What may be called by which thread, and what each number means, stands
 in palpate.h.
 """
-from ._library import (BAD_ARGUMENT, BAD_INPUT, BUSY, DOUBTS, FAILED, MATERIAL, OK, REFUSED, REGION, TOOL, Coupling,
+from ._library import (BAD_ARGUMENT, BAD_INPUT, BUSY, DOUBTS, FAILED, MATERIAL, OK, REFUSED, REGION, RIGID, TOOL, Coupling,
                        Error, SkinPlace, State, ToolState, Wrench, find_library, library, version)
 from .equilibrium import Equilibrium
 from .model import Model, Points

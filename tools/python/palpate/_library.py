@@ -8,7 +8,7 @@ import numpy as np
 
 ABI = "0.2"  # of the library that the structs here are those of
 OK, BAD_ARGUMENT, BAD_INPUT, REFUSED, BUSY, FAILED = range(6)
-MATERIAL, TOOL, REGION = range(3)
+MATERIAL, TOOL, REGION, RIGID = range(4)
 DOUBTS = ("good", "volume", "contact", "squeezed", "step", "energy", "inverted", "lost", "resolution")
 
 
@@ -76,7 +76,8 @@ class _State(_Sized):
 
 class _ToolState(_Sized):
     _fields_ = [("size", C.c_uint32), ("contact_count", C.c_int32), ("tick", C.c_int64), ("pose", C.c_double * 7),
-                ("force", C.c_double * 3), ("torque", C.c_double * 3), ("opening", C.c_double), ("pinch", C.c_double)]
+                ("force", C.c_double * 3), ("torque", C.c_double * 3), ("opening", C.c_double), ("pinch", C.c_double),
+                ("expected_error", C.c_double)]
 
 
 class _Parameter(C.Structure):
@@ -218,6 +219,7 @@ def _load_library():
         "closest": [pointer, pose, to(_SkinPlace)],
         "ray": [pointer, pose, pose, to(_SkinPlace)],
         "reactions": [pointer, pointer, pointer, number],
+        "rigid_forces": [pointer, pointer, number],
         "points_create": [pointer, pointer, number, to(pointer), error],
         "points_of": [pointer, number, to(pointer), error],
         "points_rest": [pointer, pointer, pointer, number],

@@ -6,7 +6,7 @@ import os
 
 import numpy as np
 
-from ._library import BAD_INPUT, MATERIAL, REGION, TOOL, Error, _call, _Error, _Info, _Int32, _Options, _path, library
+from ._library import BAD_INPUT, MATERIAL, REGION, RIGID, TOOL, Error, _call, _Error, _Info, _Int32, _Options, _path, library
 
 
 def _numbers(value, shape, what):
@@ -79,7 +79,8 @@ class Model:
         self.skin_vertex_count = info.skin_vertex_count
         self.tool_start, self.tool_radius = np.array(info.tool_start), info.tool_radius
         self.first_contact_travel = info.first_contact_travel
-        self.materials, self.tools, self.regions = (self._names(kind) for kind in (MATERIAL, TOOL, REGION))
+        self.materials, self.tools, self.regions, self.rigid = (
+            self._names(kind) for kind in (MATERIAL, TOOL, REGION, RIGID))
         self.tool_count = len(self.tools)
         self.triangles = np.empty((info.skin_triangle_count, 3), dtype=np.int32)
         _call("skin_triangles", self._handle, self.triangles.ctypes.data, len(self.triangles))

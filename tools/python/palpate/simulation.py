@@ -136,6 +136,12 @@ class Simulation:
         _call("reactions", self._handle, force.ctypes.data, moment.ctypes.data, len(force))
         return {name: (force[k], moment[k]) for k, name in enumerate(self.model.regions)}
 
+    def rigid_forces(self):
+        """What each rigid body presses the tissue with: {name: force (3), N}."""
+        force = np.empty((len(self.model.rigid), 3))
+        _call("rigid_forces", self._handle, force.ctypes.data, len(force))
+        return dict(zip(self.model.rigid, force))
+
     def _field(self, call, points, out):
         out = self._out(out, (len(points), 3))
         _call(call, self._handle, points._handle, out.ctypes.data, len(points))
