@@ -106,7 +106,8 @@ void readDynamics(const TomlTable& table, Scene& scene) {
   table.read("catch_up", scene.dynamics.catch_up);
   table.read("time_step", scene.dynamics.time_step);
   table.read("step_safety", scene.dynamics.step_safety);
-  if (scene.discretization.follow && scene.dynamics.time_step <= 0) scene.dynamics.mass_scaling = following_mass_scaling;
+  if (scene.discretization.follow && scene.dynamics.time_step <= 0)
+    scene.dynamics.mass_scaling = following_mass_scaling;
   table.read("mass_scaling", scene.dynamics.mass_scaling);
   table.read("damping", scene.dynamics.damping);
   table.read("gravity", scene.dynamics.gravity);

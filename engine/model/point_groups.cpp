@@ -80,10 +80,7 @@ std::vector<bool> heldEdges(const Preparation& p) {
   for (const auto& cell : p.cells)
     if (!isHeld(cell))
       for (const int i : cell) deep[static_cast<std::size_t>(i)] = false;
-  for (std::size_t i = 0; i < p.X.size(); ++i) {
-    deep[i] = deep[i] && inside[i];
-    edge[i] = edge[i] || (held[i] && inside[i]);
-  }
+  for (std::size_t i = 0; i < p.X.size(); ++i) deep[i] = deep[i] && inside[i];
   for (const auto& cell : p.cells)
     if (std::any_of(cell.begin(), cell.end(), [&](int i) { return deep[static_cast<std::size_t>(i)]; }))
       for (const int i : cell) edge[static_cast<std::size_t>(i)] = false;

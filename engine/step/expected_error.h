@@ -27,8 +27,8 @@ namespace palpate {
 // takes of a force more than its share of W; var_q the mean square of what is not seen (PointGroups::unseen),
 // from the fits at the nodes of q's cell; several points in a cell see it, but have to hold volume all the same. Fits
 // are of points of one material alone: what jumps at a border is right. The less is left the larger the two are, so e
-// is the root of the squares of that and of c_3 (S + M)^2. Where what is held ends amid smooth skin, or is thin, stress has
-// no bound, and fits see less of it: there V_q counts c_edge times.
+// is the root of the squares of that and of c_3 (S + M)^2. Where what is held ends amid smooth skin, or is thin, stress
+// has no bound, and fits see less of it: there V_q counts c_edge times.
 //
 // What is pressed, by a tool or by loads, strains by more than a linear function below it, and fits there say several
 // times too much (default liver: 9.9 % for 1.5 %). There F_a, J_a are means around the nodes, F_q* and J_q* theirs, and
@@ -50,9 +50,9 @@ namespace palpate {
 //   a^2 / h^2 = max(1.25 F t / (E* h^3), 2 F tan(half angle) / (pi E* h^2)),   e >= 0.64 h / a - 1, at most 2
 //
 // where 2 says that or more. Of the force it is as much as the touch has of what is stored, by Hertz: a bar that bends
-// by 20 mm gives by less than one where it is touched. Found on 33 touches by balls of 3 to 8 mm on nodes of 2 to 4.5 mm, of which the sums above
-// say 8 to 13 %: 99 to 147 % too stiff at a / h of 0.23 to 0.26 (144 to 173 said), 17 to 79 at 0.37 to 0.49 (30 to 74),
-// 11 or less at 0.55 and more but for one of 20 (the sums').
+// by 20 mm gives by less than one where it is touched. Found on 33 touches by balls of 3 to 8 mm on nodes of 2 to 4.5
+// mm, of which the sums above say 8 to 13 %: 99 to 147 % too stiff at a / h of 0.23 to 0.26 (144 to 173 said), 17 to 79
+// at 0.37 to 0.49 (30 to 74), 11 or less at 0.55 and more but for one of 20 (the sums').
 
 /// What a point sees: F - 1 and J - 1.
 struct Strain {

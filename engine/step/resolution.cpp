@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "scene/scene_messages.h"
+#include "step/tool_bodies.h"
 #include "step/tool_contact.h"
 
 namespace palpate {
@@ -204,13 +205,12 @@ void ResolutionWatch::watchTools(const Model& model, const State& state) {
   const double tick = 1 / model.scene.dynamics.rate_hz;
   quickest_ *= 1 - tick / kept;
   for (std::size_t t = 0; t < state.tool.size(); ++t) {
-    const Vec3& at = state.tool[t].pose.position;
-    quickest_ = std::max(quickest_, (at - tool_at_[t]).norm() / tick);
-    tool_at_[t] = at;
+    quickest_ = std::max(quickest_, largestWay(model, static_cast<int>(t), tool_at_[t], state.tool[t]) / tick);
+    tool_at_[t] = state.tool[t];
   }
 }
 
-/// Skin that slips off a tool is many times as fast as any tool.
+/// Skin that slips off a tool is many times as fast as any tool; where other things move it, nothing is told from that.
 void ResolutionWatch::addJerks(const Model& model, const State& state, const PressList& presses, StepReport& report) {
   constexpr double times_as_fast = 3, of_sound = 0.02;  // of the speed of shear waves
   constexpr double smoothing = 0.02;                    // s
@@ -222,6 +222,9 @@ void ResolutionWatch::addJerks(const Model& model, const State& state, const Pre
     jerks[tool].force += tick / (smoothing + tick) * (report.loads[tool].force - jerks[tool].force);
   }
   jerks_ = jerks;
+  const auto moves = [](const auto& motion) { return motion.moves(); };
+  const auto& motions = model.essential.motions;
+  if (model.rigid.moves() || state.live.loads.any() || std::any_of(motions.begin(), motions.end(), moves)) return;
   for (std::size_t k = 0; k < presses.count; ++k) {
     const Press& press = presses.press[k];
     const auto tool = static_cast<std::size_t>(press.tool);

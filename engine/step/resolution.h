@@ -17,9 +17,9 @@ namespace palpate {
 /// tissue's energy changes), and nothing at rest. What it says is of the moment before the last sweep of all points, at
 /// most 0.2 s ago at 500 Hz in a motion; until there was one, 1 with an error_force of 0: a doubt of its tick
 /// (TrustLimits) that counts for no run (RunTrust). That a touch is narrow is said of the tick itself. The force that
-/// accelerates the mass that the scene's mass_scaling added is an error, too: the largest of late. So is the largest jump
-/// of a tool's force where the skin slipped off it since it touched: friction that stores more than it takes to go on
-/// lets go in jerks, and when it does next is known to nobody (addJerks).
+/// accelerates the mass that the scene's mass_scaling added is an error, too: the largest of late. So is the largest
+/// jump of a tool's force where the skin slipped off it since it touched: friction that stores more than it takes to go
+/// on lets go in jerks, and when it does next is known to nobody.
 /// Belongs to who steps (Workspace), not to the state: after a restore it begins anew.
 /// Test: simulation/resolution_test.cpp
 class ResolutionWatch {
@@ -73,8 +73,8 @@ class ResolutionWatch {
   double inertia_ = 0;                           // N, that its change takes: the largest, which falls within 0.1 s
   bool is_new_ = true;                           // no tick was seen with these masses
   std::array<Jerks, max_tools> jerks_ = {};
-  std::array<Vec3, max_tools> tool_at_ = {};  // m, a tick ago
-  double quickest_ = 0;                       // m/s, of the tools of late
+  ToolPostures tool_at_;  // a tick ago
+  double quickest_ = 0;   // m/s, of the tools of late
 };
 
 /// What a run's last tick is worth, all at once: for its end, and runs that are over before a sweep is. Allocates.

@@ -11,15 +11,6 @@
 namespace palpate {
 namespace {
 
-/// Bound on how far any point of the tool's bodies goes between two postures, m.
-double largestWay(const Model& model, int tool, const ToolPosture& from, const ToolPosture& to) {
-  double largest = 0;
-  for (const ToolBody& body : model.tools.body)
-    if (body.tool == tool)
-      largest = std::max(largest, largestTravel(body.shape, bodyPose(body, from), bodyPose(body, to)));
-  return largest;
-}
-
 double topSpeed(const Model& model, int tool) { return model.tools.tool[static_cast<std::size_t>(tool)].max_speed; }
 
 /// How a body moves with its jaws' opening.
@@ -80,6 +71,14 @@ ToolPosture between(const ToolPosture& from, const ToolPosture& to, double share
   posture.pose.orientation = from.pose.orientation.slerp(share, to.pose.orientation).normalized();
   posture.opening = from.opening + share * (to.opening - from.opening);
   return posture;
+}
+
+double largestWay(const Model& model, int tool, const ToolPosture& from, const ToolPosture& to) {
+  double largest = 0;
+  for (const ToolBody& body : model.tools.body)
+    if (body.tool == tool)
+      largest = std::max(largest, largestTravel(body.shape, bodyPose(body, from), bodyPose(body, to)));
+  return largest;
 }
 
 ToolWays::ToolWays(const Model& model, const State& state, const Command& command)

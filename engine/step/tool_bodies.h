@@ -19,6 +19,9 @@ ToolPostures posturesOf(const State& state);
 /// A share of the way between two, turning and closing included.
 ToolPosture between(const ToolPosture& from, const ToolPosture& to, double share);
 
+/// Bound on how far any point of a tool's bodies goes between two postures, m.
+double largestWay(const Model& model, int tool, const ToolPosture& from, const ToolPosture& to);
+
 /// How the tools should go in one tick: each evenly from where it is to where the command wants it, no faster than its
 /// scene allows, turning and closing included.
 class ToolWays {
