@@ -79,7 +79,9 @@ void ResolutionWatch::goOnFrom(const ResolutionWatch& before) {
 
 void ResolutionWatch::advance(const Model& model, const State& state, StepReport& report) {
   watchTools(model, state);
-  const PressList presses(report.loads);
+  PressList presses(report.loads);
+  for (std::size_t k = 0; k < presses.count; ++k)
+    presses.press[k].node = touchedNode(model, state, presses.press[k].tool);
   if (presses.count == 0) before_ = report.strain_energy;
   // A tool that presses of late, or harder or less than when it was looked at.
   bool is_new = false, other = presses.count == 0 && !(known_[max_tools].force > 0);
@@ -131,8 +133,6 @@ void ResolutionWatch::begin(const Model& model, const State& state, const StepRe
   std::fill(fit_.begin(), fit_.end(), Rows{});
   energy_ = report.strain_energy;
   if (presses.count == 0) presses.press[presses.count++] = {-1, largestForce(report), -1};
-  for (std::size_t k = 0; k < presses.count; ++k)
-    presses.press[k].node = touchedNode(model, state, presses.press[k].tool);
   moment_ =
       PressErrors(model, presses, state.live.kernel.materials, material_, strainedBeside(model, state.live.loads));
 }
@@ -154,8 +154,8 @@ void ResolutionWatch::tell(const Model& model, const State& state, const PressLi
     Known known = known_[tool];
     if (!(known.force > 0)) {
       known = {1, 0};
-    } else if (const int node = touchedNode(model, state, press.tool); node >= 0) {
-      const auto at = static_cast<std::size_t>(node), m = static_cast<std::size_t>(material_[at]);
+    } else if (press.node >= 0) {
+      const auto at = static_cast<std::size_t>(press.node), m = static_cast<std::size_t>(material_[at]);
       const double narrow = localShare(press.tool) * narrowError(model, state.live.kernel.materials[m], at,
                                                                  model.scene.tools[tool].shape, press.force);
       if (narrow > known.error) known = {narrow, press.force};
@@ -228,9 +228,8 @@ void ResolutionWatch::addJerks(const Model& model, const State& state, const Pre
   for (std::size_t k = 0; k < presses.count; ++k) {
     const Press& press = presses.press[k];
     const auto tool = static_cast<std::size_t>(press.tool);
-    const int node = touchedNode(model, state, press.tool);
-    if (node < 0) continue;
-    const auto at = static_cast<std::size_t>(node);
+    if (press.node < 0) continue;
+    const auto at = static_cast<std::size_t>(press.node);
     const Material& material = state.live.kernel.materials[static_cast<std::size_t>(material_[at])];
     const double speed = toVec3(state.du[at]).norm() / model.dt,
                  sound = std::sqrt(material.shear_modulus / material.density);

@@ -181,5 +181,11 @@ TEST_CASE("Scans are told from surfaces, and what is no surface is refused", "[i
   CHECK_THAT(refusal([&] { import(folder.path("brain.nii.gz"), folder.path("out")); }), Contains("brain.nii.gz"));
   CHECK_THAT(refusal([&] { import(folder.path("none.stl"), folder.path("out")); }), Contains("does not exist"));
   CHECK_THAT(refusal([&] { import(folder.write("a.xyz", "0 0 0\n"), folder.path("out")); }), Contains(".ply"));
+  // Half of a cube, and why: the other faces name a vertex that is not there.
+  const std::string half =
+      "v 0 0 0\nv 60 0 0\nv 60 60 0\nv 0 60 0\nv 0 0 60\nv 60 0 60\nf 1 3 2\nf 1 4 3\nf 1 2 6\nf 1 6 5\n"
+      "f 2 3 99\nf 2 99 6\nf 5 6 99\n";
+  CHECK_THAT(refusal([&] { import(folder.write("half.obj", half), folder.path("out")); }),
+             Contains("does not enclose a volume") && Contains("3 of the file's faces can't be read"));
   CHECK(!std::filesystem::exists(folder.path("out")));
 }

@@ -30,10 +30,9 @@ class LeastSquares {
 
   Eigen::VectorXd solve(Eigen::VectorXd r) const {
     constexpr int most = 100;
+    // Of three points every function is linear, and g nothing but rounding, some 1e-16 of B^T r.
     constexpr double tolerance = 1e-8, rounding = 1e-13;
-    Eigen::VectorXd x = Eigen::VectorXd::Zero(kept_.rows());
-    if (kept_.cols() == kept_.rows()) return x;  // three points: every function is linear
-    Eigen::VectorXd g = transposed(r), p = g, Bp(r.size());
+    Eigen::VectorXd x = Eigen::VectorXd::Zero(kept_.rows()), g = transposed(r), p = g, Bp(r.size());
     double gg = g.squaredNorm();
     const double stop = std::max(tolerance * tolerance * gg, rounding * rounding * whole(r).squaredNorm());
     for (int k = 0; k < most && gg > stop; ++k) {
@@ -41,9 +40,7 @@ class LeastSquares {
       for (std::size_t j = 0; j < rows_.size(); ++j)
         for (int e = N_.begin[rows_[j]]; e < N_.begin[rows_[j] + 1]; ++e)
           Bp[N_.node[e]] += N_.N[e] * p[static_cast<Eigen::Index>(j)];
-      const double BpBp = Bp.squaredNorm();
-      if (!(BpBp > 0)) break;
-      const double step = gg / BpBp;
+      const double step = gg / Bp.squaredNorm();
       x += step * p;
       r -= step * Bp;
       g = transposed(r);
