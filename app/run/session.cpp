@@ -149,14 +149,13 @@ std::unique_ptr<FollowingTissue> buildFollowingOf(const Scene& scene, bool use_c
                                                   const LoadProgress& progress) {
   const ShownProgress shown(log, progress);
   const ModelCache cache(cacheFolder(use_cache), shown.warn);
-  FollowingModel loaded = loadFollowing(scene, shown.report, cache, shown.warn);
+  std::shared_ptr<PlaceSource> loaded = loadFollowing(scene, shown.report, cache, shown.warn);
   shown.end();
-  const Places& places = *loaded.places;
+  const Places& places = loaded->places();
   log.detail(format("the cloud follows the tool: nodes %.1f mm apart near it, %.1f mm elsewhere; %zu places",
                     1e3 * places.sizes.fine, 1e3 * places.sizes.coarse, places.centres.size()));
-  describe(loaded.start.model, timed, log);
-  return std::make_unique<FollowingTissue>(loaded.places, std::move(loaded.start), placeStore(scene, cache),
-                                           scene.dynamics.threads, timed);
+  describe(loaded->start()->model, timed, log);
+  return std::make_unique<FollowingTissue>(std::move(loaded), scene.dynamics.threads, timed);
 }
 
 /// The ring's next entry if it is of a tick up to this one, else null; it waits in `next` until that is emptied.
@@ -207,8 +206,8 @@ bool isTask(const Scene& scene) {
 
 TaskBody LoadedModel::body() const {
   if (!following) return {model};
-  return {model, [places = following->places, memory = std::make_shared<PlaceMemory>()](const Vec3& point) {
-            auto place = std::make_shared<const Place>(makePlace(*places, placeAt(*places, point), {}, memory.get()));
+  return {model, [source = following->source](const Vec3& point) {
+            const auto place = source->at(placeAt(source->places(), point));
             return std::shared_ptr<const Model>(place, &place->model);
           }};
 }
@@ -332,7 +331,7 @@ void Session::chooseInput(SimulationLoopOptions& loop_options) {
   const double rate = scene_.dynamics.rate_hz;
   double track_seconds = 0;
   if (options_.soak_minutes) {
-    soak_.emplace(model_, loaded_.following ? loaded_.following->places.get() : nullptr, *options_.soak_minutes,
+    soak_.emplace(model_, loaded_.following ? &loaded_.following->places() : nullptr, *options_.soak_minutes,
                   options_.rough, options_.seed.value_or(1));
     loop_options.motion = &soak_->motion();
     loop_options.tick_limit = ticksIn(60 * *options_.soak_minutes, rate);

@@ -67,9 +67,7 @@ std::shared_ptr<const Model> placeFor(const palpate_model& of, const double* pos
   if (!of.places || pose == nullptr) return of.model;
   ToolPostures tools = posturesOf(initialState(*of.model));
   tools[0].pose = poseFrom(pose);
-  const PlaceIndex index = placeUnder(*of.places, tools);
-  if (index == of.start->index) return of.model;
-  const auto place = std::make_shared<const Place>(makePlace(*of.places, index, of.store));
+  const auto place = of.places->at(placeUnder(of.places->places(), tools));
   return {place, &place->model};
 }
 

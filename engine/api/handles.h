@@ -88,10 +88,7 @@ bool isInTickCall(const palpate_simulation& simulation);
 struct palpate_model {
   std::shared_ptr<const palpate::Model> model;  // where the cloud follows the tool, that of its first place
   palpate::api::Names names;
-  // Where the cloud follows the tool, else null.
-  std::shared_ptr<const palpate::Places> places;
-  std::shared_ptr<const palpate::Place> start;  // `model` is its
-  palpate::PlaceStore store;
+  std::shared_ptr<palpate::PlaceSource> places;  // null: the cloud stays
 };
 
 struct palpate_simulation {

@@ -56,11 +56,8 @@ std::int32_t load(Read read, const palpate_options* options, palpate_model** mod
     auto handle = std::make_unique<palpate_model>();
     const Scene scene = withOptions(read(changesOf(asked)), asked);
     if (scene.discretization.follow) {
-      FollowingModel made = loadFollowing(scene, progress, cache);
-      handle->places = std::move(made.places);
-      handle->start = std::make_shared<const Place>(std::move(made.start));
-      handle->store = placeStore(scene, cache);
-      handle->model = {handle->start, &handle->start->model};
+      handle->places = loadFollowing(scene, progress, cache);
+      handle->model = {handle->places->start(), &handle->places->start()->model};
     } else {
       handle->model = std::make_shared<const Model>(loadModel(scene, progress, cache));
     }

@@ -53,7 +53,7 @@ std::size_t sizeOf(const palpate_simulation& simulation) {
   forEachPart(state, [&](const void*, std::size_t bytes) { size += bytes; });
   if (simulation.following) {                                        // the same at all places: with room for all nodes
     const std::size_t of_node = 3 * sizeof(Float4) + sizeof(float);  // u, du, u_low; added mass
-    const auto nodes = static_cast<std::size_t>(simulation.following->places->nodeCount());
+    const auto nodes = static_cast<std::size_t>(simulation.following->places().nodeCount());
     size += sizeof(PlaceIndex) + (nodes - state.u.size()) * of_node;
   }
   return size;

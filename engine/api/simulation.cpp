@@ -19,7 +19,9 @@ namespace {
 /// A body whose places are made by a worker of its own.
 std::unique_ptr<FollowingTissue> followingOf(const palpate_model& of, int threads) {
   if (!of.places) return nullptr;
-  return std::make_unique<FollowingTissue>(of.places, *of.start, of.store, threads, true);
+  auto following = std::make_unique<FollowingTissue>(of.places, threads, true);
+  following->physics.holdPlaces(TissuePhysics::kept_for_watchdog);
+  return following;
 }
 
 /// What nobody takes from the loop need not be kept.
@@ -28,6 +30,7 @@ SimulationLoopOptions loopOptions(FollowingTissue* following) {
   options.follower = following != nullptr ? &following->follower : nullptr;
   options.force_capacity = 1;
   options.record_capacity = 1;
+  options.undo = false;
   return options;
 }
 

@@ -273,22 +273,29 @@ struct SetUp {
 
 namespace {
 
+/// Where places of this scene are kept; nothing is told of what can't be kept or read.
+PlaceStore placeStore(const Scene& scene, const ModelCache& cache) {
+  if (!cache.keeps()) return {};
+  const ModelCache silent = cache.silent();
+  const std::size_t materials = materialsOf(scene).size(), boundaries = scene.boundaries.size();
+  return {[=](const std::string& key) { return silent.find(key, materials, boundaries); },
+          [=](const std::string& key, const Preparation& preparation) { silent.keep(key, preparation); }};
+}
+
 /// The place for where the tools are, as a body on its own.
 Model loadPlace(const Scene& as_read, const Progress& progress, const ModelCache& cache,
                 const std::function<void(const std::string&)>& warn,
                 const std::function<ToolPostures(const Model&)>& at) {
-  FollowingModel following = loadFollowing(as_read, progress, cache, warn);
-  const Places& places = *following.places;
-  Place place = std::move(following.start);
-  const PlaceIndex index = at ? placeUnder(places, at(place.model)) : place.index;
-  if (index != place.index) {
-    const double seconds = place.model.setup_seconds;
-    place = makePlace(places, index, placeStore(as_read, cache));
-    addToolPaths(place.model);
-    place.model.setup_seconds = seconds;
+  const std::shared_ptr<PlaceSource> source = loadFollowing(as_read, progress, cache, warn);
+  const Place& start = *source->start();
+  const PlaceIndex index = at ? placeUnder(source->places(), at(start.model)) : start.index;
+  Model model = source->at(index)->model;
+  if (index != start.index) {
+    addToolPaths(model);
+    model.setup_seconds = start.model.setup_seconds;
   }
-  place.model.scene.dynamics.time_step = as_read.dynamics.time_step;
-  return std::move(place.model);
+  model.scene.dynamics.time_step = as_read.dynamics.time_step;
+  return model;
 }
 
 }  // namespace
@@ -312,27 +319,19 @@ Model loadModel(const Scene& as_read, const Progress& progress, const ModelCache
   return model;
 }
 
-FollowingModel loadFollowing(const Scene& as_read, const Progress& progress, const ModelCache& cache,
-                             const std::function<void(const std::string&)>& warn) {
+std::shared_ptr<PlaceSource> loadFollowing(const Scene& as_read, const Progress& progress, const ModelCache& cache,
+                                           const std::function<void(const std::string&)>& warn) {
   const SetUp set_up(as_read, progress, warn);
   const Progress& report = set_up.stages.report;
-  const PlaceStore store = placeStore(set_up.scene, cache);
-  FollowingModel following;
-  following.places = std::make_shared<const Places>(makePlaces(
+  PlaceStore store = placeStore(set_up.scene, cache);
+  const auto places = std::make_shared<const Places>(makePlaces(
       set_up.scene, set_up.organ, [&](const std::string& what, double share) { report(what, 0.8 * share); }, store));
   report("first place", 0.8);
-  following.start = makePlace(*following.places, startPlace(*following.places), store);
-  addToolPaths(following.start.model);
-  following.start.model.setup_seconds = set_up.seconds();
+  const auto start = std::make_shared<Place>(makePlace(*places, startPlace(*places), store));
+  addToolPaths(start->model);
+  start->model.setup_seconds = set_up.seconds();
   report("ready", 1);
-  return following;
-}
-
-PlaceStore placeStore(const Scene& scene, const ModelCache& cache) {
-  const ModelCache silent = cache.silent();
-  const std::size_t materials = materialsOf(scene).size(), boundaries = scene.boundaries.size();
-  return {[=](const std::string& key) { return silent.find(key, materials, boundaries); },
-          [=](const std::string& key, const Preparation& preparation) { silent.keep(key, preparation); }};
+  return std::make_shared<PlaceSource>(places, start, std::move(store));
 }
 
 }  // namespace palpate

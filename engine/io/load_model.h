@@ -6,7 +6,7 @@
 
 #include "io/model_cache.h"
 #include "setup/build_model.h"
-#include "setup/place.h"
+#include "setup/place_source.h"
 
 namespace palpate {
 
@@ -30,16 +30,10 @@ Model loadModel(const Scene& scene, const Progress& progress = {}, const ModelCa
                 const std::function<void(const std::string&)>& warn = {},
                 const std::function<ToolPostures(const Model&)>& at = {});
 
-/// The same of a scene whose cloud follows the tool (`[discretization] follow`): what all its places have in common,
-/// and the place at which the tools start.
-struct FollowingModel {
-  std::shared_ptr<const Places> places;
-  Place start;
-};
-FollowingModel loadFollowing(const Scene& scene, const Progress& progress = {}, const ModelCache& cache = ModelCache(),
-                             const std::function<void(const std::string&)>& warn = {});
-
-/// Where places of this scene are kept. Nothing is told of what can't be kept or read.
-PlaceStore placeStore(const Scene& scene, const ModelCache& cache);
+/// The same of a scene whose cloud follows the tool (`[discretization] follow`): its places, and the one at which the
+/// tools start. Nothing is told of places that can't be kept or read.
+std::shared_ptr<PlaceSource> loadFollowing(const Scene& scene, const Progress& progress = {},
+                                           const ModelCache& cache = ModelCache(),
+                                           const std::function<void(const std::string&)>& warn = {});
 
 }  // namespace palpate

@@ -38,6 +38,8 @@ class ModelCache {
   /// Keeps it. Never throws: what can't be kept will be made again.
   void keep(const std::string& key, const Preparation& preparation) const;
 
+  bool keeps() const { return !folder_.empty(); }
+
   /// The same, but nothing is reported: for other threads.
   ModelCache silent() const { return ModelCache(folder_, {}, max_bytes_); }
 

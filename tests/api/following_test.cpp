@@ -30,8 +30,7 @@ std::array<double, 7> dragPose(const palpate_model_info& info, int tick) {
 /// What `palpate --fast` makes of the same poses.
 std::uint64_t looped(const palpate_model_info& info) {
   const TempFolder folder;
-  FollowingModel loaded = loadFollowing(readScene(folder.write("bar.toml", bar_text)));
-  FollowingTissue tissue(loaded.places, std::move(loaded.start), PlaceStore{}, 2, false);
+  FollowingTissue tissue(loadFollowing(readScene(folder.write("bar.toml", bar_text))), 2, false);
   SimulationLoopOptions options;
   options.follower = &tissue.follower;
   options.as_fast_as_possible = true;
@@ -58,7 +57,7 @@ TEST_CASE("A program's steps on a cloud that follows have the bits of palpate --
   for (int k = 1; k <= drag_ticks; ++k)
     REQUIRE(palpate_step(simulation.get(), 1, dragPose(info, k).data(), &state) == PALPATE_OK);
   CHECK(state.contact_count > 0);
-  CHECK(simulation->physics.place()->place.index != model->start->index);
+  CHECK(simulation->physics.place()->place.index != model->places->start()->index);
   CHECK(hashOf(simulation) == looped(info));
 
   std::vector<float> skin(static_cast<std::size_t>(3 * info.skin_vertex_count));
@@ -101,7 +100,7 @@ TEST_CASE("Fields, equilibria and saved states of a cloud that follows are those
     CHECK(furthest > 0.003);
     CHECK(worst < 1e-6);
   }
-  REQUIRE(simulation->physics.place()->place.index != model->start->index);
+  REQUIRE(simulation->physics.place()->place.index != model->places->start()->index);
 
   // Saved at one place, gone on with from another.
   std::vector<char> saved(palpate_save_size(simulation.get()));

@@ -139,7 +139,7 @@ std::string textOf(const Draw& draw) {
 /// Loads the scene; at will the tool then presses it. @throws InputError where it is refused
 void tryScene(const TempFolder& folder, const Draw& draw, bool press) {
   const Scene scene = readScene(folder.write("pairs.toml", textOf(draw)));
-  std::optional<FollowingModel> following;
+  std::shared_ptr<PlaceSource> following;
   std::optional<Model> still;
   if (scene.discretization.follow)
     following = loadFollowing(scene);
@@ -148,10 +148,9 @@ void tryScene(const TempFolder& folder, const Draw& draw, bool press) {
   if (!press) return;
   std::shared_ptr<ReadyPlace> start;
   if (following)
-    start =
-        std::make_shared<ReadyPlace>(std::move(following->start), std::make_shared<SpinTeam>(scene.dynamics.threads));
+    start = std::make_shared<ReadyPlace>(following->start(), std::make_shared<SpinTeam>(scene.dynamics.threads));
   const Model& model = start ? start->place.model : *still;
-  auto physics = start ? std::make_unique<TissuePhysics>(*following->places, start)
+  auto physics = start ? std::make_unique<TissuePhysics>(following->places(), start)
                        : std::make_unique<TissuePhysics>(model, scene.dynamics.threads);
   constexpr int ticks = 60;
   double force = 0;

@@ -5,10 +5,13 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <memory>
+#include <thread>
 
 #include "discretization/nodes/node_scatter.h"
 #include "discretization/surface/surface_bodies.h"
 #include "setup/passage.h"
+#include "setup/place_source.h"
 #include "step/step.h"
 #include "step/tool_contact.h"
 #include "step/trust.h"
@@ -135,6 +138,29 @@ TEST_CASE("Spacings come from the tool's end and the body's size", "[place]") {
   // A large one the body all alike.
   const FollowSizes large = sizes(ToolShape::of(ToolKind::Sphere, 0.06));
   CHECK((large.fine == Approx(0.03) && large.coarse == large.fine));
+}
+
+TEST_CASE("Whoever asks for a place that somebody still has gets the same one", "[place][whole]") {
+  const auto made = [] {
+    const auto places = std::make_shared<const Places>(makePlaces(test::barScene(), test::barSurface()));
+    return std::make_shared<PlaceSource>(places, std::make_shared<const Place>(leftPlace()));
+  }();
+  CHECK_FALSE(made->keeps());
+  CHECK(made->at(leftPlace().index) == made->start());
+  const PlaceIndex next = nextToLeft().index;
+  std::shared_ptr<const Place> mine, other;
+  std::thread beside([&] { other = made->at(next); });
+  mine = made->at(next);
+  beside.join();
+  CHECK(mine == other);
+  test::requireSameModel(mine->model, nextToLeft().model);
+
+  const std::weak_ptr<const Place> held = mine;
+  mine.reset();
+  CHECK(made->at(next) == other);
+  other.reset();
+  CHECK(held.expired());  // nobody has it: nor has the source
+  test::requireSameModel(made->at(next)->model, nextToLeft().model);
 }
 
 TEST_CASE("What is used again for a place changes no bit of it, whatever places were made before", "[place][whole]") {

@@ -169,23 +169,16 @@ void CloudFollower::expect(const PlaceIndex& index) {
   if (index != no_place && index != now) worker_.want({now, index, no_place});
 }
 
-static PlaceWorker::Make makeOf(const std::shared_ptr<const Places>& places, const PlaceStore& store) {
-  return [=, memory = std::make_shared<PlaceMemory>()](const PlaceIndex& index) {
-    return makePlace(*places, index, store, memory.get());
-  };
-}
+FollowingTissue::FollowingTissue(std::shared_ptr<PlaceSource> shared, int threads, bool timed)
+    : FollowingTissue(
+          shared, threads, timed, [shared](const PlaceIndex& index) { return shared->at(index); }, shared->keeps()) {}
 
-FollowingTissue::FollowingTissue(std::shared_ptr<const Places> shared, Place first, const PlaceStore& store,
-                                 int threads, bool timed)
-    : FollowingTissue(shared, std::move(first), makeOf(shared, store), threads, timed,
-                      store.keep && !shared->key.empty()) {}
-
-FollowingTissue::FollowingTissue(std::shared_ptr<const Places> shared, Place first, PlaceWorker::Make make, int threads,
-                                 bool timed, bool kept)
-    : places(std::move(shared)),
-      start(std::make_shared<ReadyPlace>(std::move(first), std::make_shared<SpinTeam>(threads))),
-      physics(*places, start),
-      worker(*places, std::move(make), start, timed ? threadsLeft(threads) : 0, kept),
-      follower(*places, physics, worker) {}
+FollowingTissue::FollowingTissue(std::shared_ptr<PlaceSource> shared, int threads, bool timed, PlaceWorker::Make make,
+                                 bool kept)
+    : source(std::move(shared)),
+      start(std::make_shared<ReadyPlace>(source->start(), std::make_shared<SpinTeam>(threads))),
+      physics(places(), start),
+      worker(places(), std::move(make), start, timed ? threadsLeft(threads) : 0, kept),
+      follower(places(), physics, worker) {}
 
 }  // namespace palpate

@@ -7,6 +7,7 @@
 
 #include "discretization/nodes/spacing_field.h"
 #include "realtime/loop/place_worker.h"
+#include "setup/place_source.h"
 
 namespace palpate {
 
@@ -86,18 +87,17 @@ class CloudFollower {
 
 /// A body whose cloud follows the tool, ready to run: physics, worker and follower of one loop.
 struct FollowingTissue {
-  /// @param start  the place at which the tools start
   /// @param threads  physics threads
   /// @param timed    the loop will keep to the clock, and the worker must leave cores to it
-  /// @param kept     what `make` made once it reads from then on
-  FollowingTissue(std::shared_ptr<const Places> shared, Place start, PlaceWorker::Make make, int threads, bool timed,
-                  bool kept = false);
-  /// Places are made by makePlace. @param store  where they are kept
-  FollowingTissue(std::shared_ptr<const Places> shared, Place start, const PlaceStore& store, int threads, bool timed);
+  FollowingTissue(std::shared_ptr<PlaceSource> shared, int threads, bool timed);
+  /// @param make  gets places instead of the source
+  /// @param kept  what `make` made once it reads from then on
+  FollowingTissue(std::shared_ptr<PlaceSource> shared, int threads, bool timed, PlaceWorker::Make make, bool kept);
 
+  const Places& places() const { return source->places(); }
   const Model& model() const { return start->place.model; }
 
-  const std::shared_ptr<const Places> places;
+  const std::shared_ptr<PlaceSource> source;
   const std::shared_ptr<ReadyPlace> start;
   TissuePhysics physics;
   PlaceWorker worker;

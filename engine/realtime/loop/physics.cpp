@@ -94,7 +94,7 @@ std::optional<PlaceIndex> TissuePhysics::goTo(PlaceChange& change, double most_r
   forgetLastTick();
   workspace_->resolution.goOnFrom(before);
   if (place_ == held_[0]) return no_place;
-  const auto begin = held_.begin() + 1, end = held_.end();
+  const auto begin = held_.begin() + 1, end = begin + static_cast<std::ptrdiff_t>(most_held_);
   auto at = std::find(begin, end, place_);
   PlaceIndex lost = no_place;
   if (at == end) {

@@ -35,12 +35,13 @@ class Physics {
 
 /// A place of a cloud that follows the tool (setup/place.h), with the memory that its steps need.
 struct ReadyPlace {
-  ReadyPlace(Place made, std::shared_ptr<SpinTeam> team)
-      : place(std::move(made)), workspace(place.model, std::move(team)) {}
+  ReadyPlace(std::shared_ptr<const Place> made, std::shared_ptr<SpinTeam> team)
+      : shared(std::move(made)), workspace(place.model, std::move(team)) {}
   /// @param beside  of the same body, stepped by the same loop
-  ReadyPlace(Place made, const Workspace& beside)
-      : place(std::move(made)), workspace(place.model, beside.shared_team, beside.shared_contact) {}
-  const Place place;
+  ReadyPlace(std::shared_ptr<const Place> made, const Workspace& beside)
+      : shared(std::move(made)), workspace(place.model, beside.shared_team, beside.shared_contact) {}
+  const std::shared_ptr<const Place> shared;  // with other loops
+  const Place& place = *shared;
   Workspace workspace;
 };
 
@@ -79,7 +80,10 @@ class TissuePhysics final : public Physics {
   void setLoads(const LiveLoads& loads) override { state_.live.loads = loads; }
   double setMaterial(int index, const Material& material) override;
 
-  static constexpr std::size_t kept_places = 4;  // beside the start: those that it was at last
+  /// Places that it holds beside the start, those that it was at last, where states of the last seconds are kept to undo
+  /// with, and for those of the last tenths, of which the watchdog may want one.
+  static constexpr std::size_t kept_to_undo = 4, kept_for_watchdog = 2;
+  void holdPlaces(std::size_t most) { most_held_ = most; }
 
   /// The present place; null where the cloud stays.
   const std::shared_ptr<ReadyPlace>& place() const { return place_; }
@@ -105,7 +109,8 @@ class TissuePhysics final : public Physics {
   // Where the cloud stays.
   std::unique_ptr<Workspace> own_workspace_;
   // Where it follows: the start, then those it was at, the last one first.
-  std::array<std::shared_ptr<ReadyPlace>, 1 + kept_places> held_;
+  std::array<std::shared_ptr<ReadyPlace>, 1 + kept_to_undo> held_;
+  std::size_t most_held_ = kept_to_undo;
   std::shared_ptr<ReadyPlace> place_;
 
   std::shared_ptr<SpinTeam> team_;

@@ -12,8 +12,9 @@ namespace palpate {
 namespace {
 
 constexpr std::size_t returned_capacity = 16;  // the loop has two at most
-constexpr std::size_t ready_around = 6;        // places around one, those that a tool may come to next
-constexpr double as_far_as = 1.8;              // strides
+// Places around one, those that a tool may come to next: on disk, and in memory.
+constexpr std::size_t kept_around = 6, made_around = PlaceWorker::most_made - 1;
+constexpr double as_far_as = 1.8;  // strides
 
 }  // namespace
 
@@ -75,9 +76,9 @@ void PlaceWorker::clear() {
   for (PlaceChange* change = nullptr; returned_.pop(change);) delete change;
 }
 
-Place PlaceWorker::make(const PlaceIndex& index) {
+std::shared_ptr<const Place> PlaceWorker::make(const PlaceIndex& index) {
   const auto start = std::chrono::steady_clock::now();
-  Place made = make_(index);
+  std::shared_ptr<const Place> made = make_(index);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   made_seconds_.store(made_seconds_.load(std::memory_order_relaxed) + seconds, std::memory_order_relaxed);
   made_count_.fetch_add(1, std::memory_order_relaxed);
@@ -104,7 +105,6 @@ std::shared_ptr<ReadyPlace> PlaceWorker::at(const PlaceIndex& index) {
         oldest = it;
     if (oldest == shelf_.end()) break;
     shelf_.erase(oldest);
-    giveFreeMemoryBack();
   }
   return place;
 }
@@ -120,7 +120,7 @@ PlaceIndex PlaceWorker::missingNeighbour(const PlaceIndex& index) const {
       around.emplace_back(distance, index).second[t] = static_cast<int>(c);
     }
   std::sort(around.begin(), around.end());
-  if (around.size() > ready_around) around.resize(ready_around);
+  around.resize(std::min(around.size(), kept_ ? kept_around : made_around));
   for (const auto& [distance, place] : around)
     if (!shelf_.contains(place) && !(kept_ && seen_.contains(place))) return place;
   return no_place;
@@ -165,6 +165,7 @@ void PlaceWorker::work() {
     } catch (const std::exception& error) {
       fail(made, error.what());
     }
+    giveFreeMemoryBack();
     wish_count_.wait(count, std::memory_order_acquire);
   }
 }

@@ -24,10 +24,10 @@ namespace palpate {
 class PlaceWorker {
  public:
   /// May take seconds; runs on the worker's thread alone. Equal results for equal indices.
-  using Make = std::function<Place(const PlaceIndex&)>;
+  using Make = std::function<std::shared_ptr<const Place>(const PlaceIndex&)>;
   // In memory, those that the loop holds included, where it can: where a place that was made once is read in a moment
-  // (0.15 s for a liver), and where it would have to be made anew (1 s).
-  static constexpr std::size_t most_read = 4, most_made = 12;
+  // (0.15 s for a liver), and where it would have to be made anew (0.4 s): the nearest around the present one, too.
+  static constexpr std::size_t most_read = 4, most_made = 5;
 
   /// @param start    where the loop begins, with the team that steps all places
   /// @param threads  that a place is made with, and which give way to all others; 0: all cores, as good as any
@@ -63,7 +63,7 @@ class PlaceWorker {
  private:
   void work();
   void clear();
-  Place make(const PlaceIndex& index);
+  std::shared_ptr<const Place> make(const PlaceIndex& index);
   std::shared_ptr<ReadyPlace> at(const PlaceIndex& index);
   PlaceIndex missingNeighbour(const PlaceIndex& index) const;
   void fail(const PlaceIndex& index, const std::string& why);

@@ -45,7 +45,7 @@ SimulationLoop::SimulationLoop(const Model& model, Physics& physics, SpinTeam* t
       track_(std::move(options.track), options.track_ticks, options.motion, model.tools.first().start.pose,
              model.scene.dynamics.rate_hz),
       further_(model),
-      history_(physics.state(), model.scene.dynamics.rate_hz),
+      history_(physics.state(), model.scene.dynamics.rate_hz, options.undo),
       folds_(model),
       settings_(model, physics),
       reporter_(model, physics, team, channels_) {

@@ -44,6 +44,7 @@ struct SimulationLoopOptions {
   /// Has the physics at the place for where the tool is; must outlive the loop. Null: the cloud stays.
   CloudFollower* follower = nullptr;
   bool track_has_places = false;  // a replay's: while the track lasts, it alone says when the cloud goes where
+  bool undo = true;               // past states are kept for the viewer to go back to
   bool keeps_settings = false;    // friction and materials stay as they were set when track or motion starts over
   std::size_t force_capacity = 1 << 16;   // samples kept until the viewer takes them
   std::size_t record_capacity = 1 << 16;  // changes kept until the viewer takes them

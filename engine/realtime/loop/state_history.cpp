@@ -52,10 +52,10 @@ void StateHistory::Ring::forget(const PlaceIndex& place) {
     if (at(age).place == place) used = age;
 }
 
-StateHistory::StateHistory(const State& start, double rate_hz) : start_(start) {
+StateHistory::StateHistory(const State& start, double rate_hz, bool undo) : start_(start) {
   const std::size_t fitting = std::clamp<std::size_t>(max_past_bytes / bytesOf(start), 2, past_count);
   good_.slots.assign(2, start);
-  past_.slots.assign(fitting, start);
+  if (undo) past_.slots.assign(fitting, start);
   reserveAs(start, start_);
   for (Ring* ring : {&good_, &past_})
     for (State& slot : ring->slots) reserveAs(start, slot);
@@ -65,7 +65,7 @@ StateHistory::StateHistory(const State& start, double rate_hz) : start_(start) {
 
 void StateHistory::keep(const State& state, Doubt doubt) {
   if (doubt <= Doubt::Resolution && state.tick >= good_.due) return good_.keep(state);  // never two copies in one tick
-  if (doubt < Doubt::Inverted && state.tick >= past_.due) past_.keep(state);
+  if (!past_.slots.empty() && doubt < Doubt::Inverted && state.tick >= past_.due) past_.keep(state);
 }
 
 const State& StateHistory::good(int age) const {

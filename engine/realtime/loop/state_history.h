@@ -20,7 +20,8 @@ class StateHistory {
   static constexpr std::size_t max_past_bytes = 64 * 1024 * 1024;  // or as many of them as fit (at least two)
 
   /// @param start  freshly loaded
-  StateHistory(const State& start, double rate_hz);
+  /// @param undo   whether states to undo with are kept
+  StateHistory(const State& start, double rate_hz, bool undo = true);
 
   /// A tick has ended well. Copies the state if it is time for that.
   void keep(const State& state, Doubt doubt);

@@ -78,12 +78,10 @@ std::shared_ptr<const BatchModel> BatchModels::take(const BatchJob& job) {
     };
     const Scene scene = readScene(findScene(job.scene), job.changes);
     auto made = std::make_shared<BatchModel>();
-    if (scene.discretization.follow) {
+    if (scene.discretization.follow)
       made->following = loadFollowing(scene, progress, cache_);
-      made->store = placeStore(scene, cache_);
-    } else {
+    else
       made->stays = loadModel(scene, progress, cache_);
-    }
     shelf.model = std::move(made);
   }
   return last ? std::move(shelf.model) : shelf.model;
@@ -96,13 +94,14 @@ BatchResult runBatchJob(const BatchJob& job, const BatchModel& of, const std::st
   const std::int64_t ticks = ticksOf(job, way, model.scene.dynamics.rate_hz);
 
   std::unique_ptr<FollowingTissue> following;
-  if (of.following)
-    following = std::make_unique<FollowingTissue>(of.following->places, of.following->start, of.store, 1, false);
+  if (of.following) following = std::make_unique<FollowingTissue>(of.following, 1, false);
+  if (following) following->physics.holdPlaces(TissuePhysics::kept_for_watchdog);
   const auto own = following ? nullptr : std::make_unique<TissuePhysics>(model, 1);
   TissuePhysics& physics = following ? following->physics : *own;
   SimulationLoopOptions options;
   options.follower = following ? &following->follower : nullptr;
   options.force_capacity = 1;
+  options.undo = false;
   SimulationLoop loop(model, physics, &physics.team(), options);
   BatchResult result;
   result.id = job.id;

@@ -15,10 +15,9 @@ namespace palpate::tools {
 /// What a job runs on: a model, or the places of a cloud that follows the tool.
 struct BatchModel {
   std::optional<Model> stays;
-  std::optional<FollowingModel> following;
-  PlaceStore store;
+  std::shared_ptr<PlaceSource> following;
 
-  const Model& model() const { return following ? following->start.model : *stays; }
+  const Model& model() const { return following ? following->start()->model : *stays; }
 };
 
 /// The models of a batch, each made once and kept while jobs wait for it. Set-ups use all cores, so they are made one

@@ -85,16 +85,15 @@ int certifyCommand(const CertifyOptions& options) {
     progress.show(0.1 * fraction, what);
   };
   const ModelCache cache(options.use_cache ? ModelCache::userFolder() : "", {});
-  const std::optional<FollowingModel> following =
-      scene.discretization.follow ? std::optional(loadFollowing(scene, show, cache)) : std::nullopt;
-  const Model model = following ? following->start.model : loadModel(scene, show, cache);
+  const auto following = scene.discretization.follow ? loadFollowing(scene, show, cache) : nullptr;
+  const Model model = following ? following->start()->model : loadModel(scene, show, cache);
   const ToolTrajectory way = wayOf(model, options.tool_script);
   const std::vector<Vec3> probes = surfaceProbes(model, probe_count);
   progress.show(0.1, "the scene as it is");
   ScriptedRun run;
   if (following) {
-    PlaceShelf shelf(*following->places);
-    run = followTrajectory(*following->places, shelf, way, probes).run;
+    PlaceShelf shelf(following->places());
+    run = followTrajectory(following->places(), shelf, way, probes).run;
   } else {
     run = runTrajectory(model, way, probes, threads);
   }

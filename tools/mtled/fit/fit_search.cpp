@@ -80,11 +80,11 @@ FitCandidate tried(const FitTask& task, const FitFamily& family, double factor) 
   one.spacing_factor = factor;
   try {
     if (c.scene.discretization.follow) {
-      const FollowingModel following = loadFollowing(c.scene);
-      PlaceShelf shelf(*following.places);
-      FollowingRun run = followTrajectory(*following.places, shelf, task.way, task.probes, task.threads);
+      const auto following = loadFollowing(c.scene);
+      PlaceShelf shelf(following->places());
+      FollowingRun run = followTrajectory(following->places(), shelf, task.way, task.probes, task.threads);
       one.nodes = run.most_nodes;
-      one.points = following.start.model.pointCount();
+      one.points = following->start()->model.pointCount();
       one.substeps = run.substeps;
       one.run = std::move(run.run);
     } else {

@@ -31,8 +31,7 @@ HeldRate checkRate(Scene scene, const ToolTrajectory& way, int threads, double s
   std::optional<TissuePhysics> own;
   std::optional<FollowingTissue> follows;
   if (scene.discretization.follow) {
-    FollowingModel loaded = loadFollowing(scene);
-    follows.emplace(loaded.places, std::move(loaded.start), PlaceStore(), threads, true);
+    follows.emplace(loadFollowing(scene), threads, true);
   } else {
     own.emplace(stays.emplace(loadModel(scene)), threads);
   }
