@@ -269,7 +269,8 @@ Session::Session(const Options& options, const Scene& scene, Log& log, const Loa
       materials_(scene_materials_),
       sent_before_(scene_materials_),
       friction_(scene_.tools[0].friction),
-      certificate_(readCertificate(certificateFile(findScene(options.scene)), modelHash(model_))),
+      certificate_(hasOneWay(scene_) ? readCertificate(certificateFile(findScene(options.scene)), modelHash(model_))
+                                     : std::nullopt),
       forces_(history_seconds) {
   if (const std::string loose = looseWarning(model_); !loose.empty()) log_.warning(loose);
   if (const std::string layer = layerWarning(model_); !layer.empty()) log_.warning(layer);

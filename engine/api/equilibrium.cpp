@@ -25,8 +25,9 @@ EquilibriumQuantity quantityOf(const palpate_equilibrium& equilibrium, const pal
   if (wanted == nullptr) throw Refusal(PALPATE_BAD_ARGUMENT, "quantity is NULL");
   const palpate_quantity asked = given(wanted);
   EquilibriumQuantity quantity;
-  if (!isPlace(asked.direction)) throw Refusal(PALPATE_BAD_ARGUMENT, "quantity.direction is not finite");
-  quantity.direction = Vec3(asked.direction[0], asked.direction[1], asked.direction[2]);
+  if (!isPlace(asked.direction)) throw Refusal(PALPATE_BAD_ARGUMENT, "quantity.direction is not finite, or too long");
+  quantity.direction = Vec3(asked.direction[0], asked.direction[1], asked.direction[2]).stableNormalized();
+  if (quantity.direction.isZero(0)) throw Refusal(PALPATE_BAD_ARGUMENT, "quantity.direction has no length");
   const auto checkIndex = [&asked](std::size_t count) {
     if (asked.index < 0 || static_cast<std::size_t>(asked.index) >= count)
       throw Refusal(PALPATE_BAD_ARGUMENT, "quantity.index " + std::to_string(asked.index) + " is not in 0 .. " +
@@ -128,13 +129,14 @@ int32_t palpate_settle_with(palpate_equilibrium* equilibrium, const palpate_mate
     checkMaterial(material);
     material.updateModuli();
     const auto u = body.u();
+    const double lacking = body.lacking();
     settled([&] {
       try {
         body.setMaterials(materials);
-        body.settleFrom(u, equilibrium->tool);
+        body.settleFrom(u, equilibrium->tool, lacking);
       } catch (...) {
         body.setMaterials(before);
-        body.settleFrom(u, equilibrium->tool);
+        body.settleFrom(u, equilibrium->tool, lacking);
         throw;
       }
     });
@@ -148,6 +150,14 @@ int32_t palpate_equilibrium_value(palpate_equilibrium* equilibrium, const palpat
     return say(error, PALPATE_BAD_ARGUMENT, "equilibrium or value is NULL");
   return guarded(error, [&] {
     *value = equilibrium->body.valueOf(quantityOf(*equilibrium, quantity));
+    return PALPATE_OK;
+  });
+}
+
+int32_t palpate_equilibrium_expected_error(palpate_equilibrium* equilibrium, double* share) {
+  if (equilibrium == nullptr || share == nullptr) return PALPATE_BAD_ARGUMENT;
+  return guarded(nullptr, [&] {
+    *share = equilibrium->body.expectedError();
     return PALPATE_OK;
   });
 }

@@ -7,6 +7,7 @@
 #include "base/float4.h"
 #include "base/nearest_word.h"
 #include "base/number_text.h"
+#include "discretization/surface/surface_tree.h"
 #include "mechanics/critical_time_step.h"
 #include "mechanics/materials/material_law.h"
 #include "scene/scene_messages.h"
@@ -272,8 +273,10 @@ void EquilibriumSensitivity::settle(const std::optional<Pose>& tool, double time
   solver.setMaterials(modelMaterials());
   const Field rest(u_.size());
   const StaticSolver::Watch watch = [this](int) { return !watch_ || watch_(); };
+  Vec3 force = Vec3::Zero();
   const auto follow = [&](double at, const ToolsAt& tools) {
     const Equilibrium equilibrium = solver.advanceTo(at, tools, watch);
+    force = equilibrium.tool_force;
     if (equilibrium.interrupted) throw std::runtime_error("interrupted");
     if (equilibrium.diverged)  // where it merely goes on trembling, polish() finds it, or says that there is none
       throw std::runtime_error("no equilibrium was found: the body does not come to rest there");
@@ -290,10 +293,12 @@ void EquilibriumSensitivity::settle(const std::optional<Pose>& tool, double time
       pose.position += 0.25 * radius * steps * axis;
       return pose;
     };
+    const SurfaceTree surface(model_.skin.surface);
     const auto touches = [&](const Pose& pose) {
       const auto& vertices = model_.skin.surface.vertices;
-      return std::any_of(vertices.begin(), vertices.end(),
-                         [&](const Vec3& x) { return toolDistance(profile_, pose.toLocal(x)).distance <= 0; });
+      return surface.inside(pose.position) || std::any_of(vertices.begin(), vertices.end(), [&](const Vec3& x) {
+               return toolDistance(profile_, pose.toLocal(x)).distance <= 0;
+             });
     };
     int steps = 0;
     while (touches(away(steps)) && 0.25 * radius * steps < 2 * size_) ++steps;
@@ -303,14 +308,18 @@ void EquilibriumSensitivity::settle(const std::optional<Pose>& tool, double time
   }
   u_ = solver.body().u;
   polish();
+  lacking_ = force.isZero(0) ? 0 : (force - toolForce()).norm() / force.norm();
 }
 
-void EquilibriumSensitivity::settleFrom(const AlignedVector<Double4>& u, const std::optional<Pose>& tool) {
-  takeFrom(u, tool);
+void EquilibriumSensitivity::settleFrom(const AlignedVector<Double4>& u, const std::optional<Pose>& tool,
+                                        double lacking) {
+  takeFrom(u, tool, lacking);
   polish();
 }
 
-void EquilibriumSensitivity::takeFrom(const AlignedVector<Double4>& u, const std::optional<Pose>& tool) {
+void EquilibriumSensitivity::takeFrom(const AlignedVector<Double4>& u, const std::optional<Pose>& tool,
+                                      double lacking) {
+  lacking_ = lacking;
   tool_ = tool;
   u_ = u;
   findContact();
@@ -328,8 +337,8 @@ double EquilibriumSensitivity::expectedError() {
   loads[0].force = toolForce();
   ToolPosture tip;
   if (tool_) tip.pose = *tool_;
-  return palpate::expectedError(model_, modelMaterials(), u_, body_.forces(u_, f_plus_).strain_energy, PressList(loads),
-                                {&tip, tool_ ? 1U : 0U});
+  return lacking_ + palpate::expectedError(model_, modelMaterials(), u_, body_.forces(u_, f_plus_).strain_energy,
+                                           PressList(loads), {&tip, tool_ ? 1U : 0U});
 }
 
 void EquilibriumSensitivity::check(const MaterialNumber& number) const { parameterOf(scene_, of_scene_, number); }

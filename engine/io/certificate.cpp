@@ -17,6 +17,8 @@ const Certificate::Row* Certificate::at(double advance) const {
   return found == row.end() ? nullptr : &*found;
 }
 
+bool hasOneWay(const Scene& scene) { return scene.tools.size() == 1 && !scene.tools[0].jaws(); }
+
 std::string certificateFile(const std::string& scene_file) {
   return std::filesystem::path(scene_file).replace_extension(".certificate.json").string();
 }

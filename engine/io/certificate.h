@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "scene/scene.h"
+
 namespace palpate {
 
 /// What `mtled certify` found about a scene: how far its force is from the limit of fine clouds, over depth. It holds
@@ -25,6 +27,9 @@ struct Certificate {
   const Row* at(double advance) const;
   double deepest() const { return row.empty() ? 0 : row.back().advance; }
 };
+
+/// Whether one way of one tool tells the scene's force: neither further tools nor jaws move beside it.
+bool hasOneWay(const Scene& scene);
 
 /// Where a scene's certificate lies: beside it, "liver.toml" -> "liver.certificate.json".
 std::string certificateFile(const std::string& scene_file);

@@ -1,11 +1,19 @@
 #include "setup/body_points.h"
 
 #include <algorithm>
+#include <limits>
 
 #include "setup/approximate.h"
 
 namespace palpate {
 namespace {
+
+constexpr int looked_at = 24;  // integration points around a place: that of its cell is among them
+
+/// Of the groups of cells that end at borders between materials, that of an integration point.
+std::uint64_t groupOf(const Body& model, int q) {
+  return model.vertex_group[model.volume_cells[model.point_cell[q]].front()];
+}
 
 SupportGroups groupsAt(const Body& model, const std::vector<Vec3>& points, const std::vector<int>& body) {
   SupportGroups groups;
@@ -13,8 +21,7 @@ SupportGroups groupsAt(const Body& model, const std::vector<Vec3>& points, const
   groups.node.assign(model.vertex_group.begin(), model.vertex_group.begin() + model.nodeCount());
   for (std::size_t k = 0; k < model.side_node.size(); ++k)
     groups.node[model.side_node[k]] |= model.vertex_group[model.X.size() + k];
-  for (const int q : nearestPoints(model, points, body))
-    groups.row.push_back(model.vertex_group[model.volume_cells[model.point_cell[q]].front()]);
+  for (const int q : nearestPoints(model, points, body)) groups.row.push_back(groupOf(model, q));
   return groups;
 }
 
@@ -56,6 +63,33 @@ ShapeTable merged(const std::vector<ShapeTable>& tables, const std::vector<std::
   return all;
 }
 
+/// The smallest of a point's barycentric coordinates in a cell: not negative inside of it.
+double depthIn(const Body& model, int cell, const Vec3& x) {
+  const auto& corner = model.cells[static_cast<std::size_t>(cell)];
+  const auto at = [&](int k) -> const Vec3& { return model.X[static_cast<std::size_t>(corner[k])]; };
+  Mat3 edges;
+  for (int k = 0; k < 3; ++k) edges.col(k) = at(k + 1) - at(0);
+  const Vec3 share = edges.partialPivLu().solve(x - at(0));
+  return std::min(share.minCoeff(), 1 - share.sum());
+}
+
+/// Of integration points in the order of their distance the one whose cell has the point, where borders are near.
+int ownPoint(const Body& model, const std::vector<int>& by_distance, const Vec3& x) {
+  constexpr double rounding = 1e-9;
+  const auto isOther = [&](int q) { return groupOf(model, q) != groupOf(model, by_distance.front()); };
+  if (std::none_of(by_distance.begin(), by_distance.end(), isOther)) return by_distance.front();
+  int deepest = by_distance.front();
+  double most = -std::numeric_limits<double>::infinity();
+  for (const int q : by_distance) {
+    double depth = depthIn(model, model.point_cell[q], x);
+    if (!model.point_other_cell.empty() && model.point_other_cell[q] >= 0)
+      depth = std::max(depth, depthIn(model, model.point_other_cell[q], x));
+    if (depth > -rounding) return q;
+    if (depth > most) most = depth, deepest = q;
+  }
+  return deepest;
+}
+
 std::vector<int> nearestOf(const std::vector<Vec3>& X, double spacing, const std::vector<Vec3>& points) {
   const Neighbours tree(X, std::vector<double>(X.size(), spacing));
   std::vector<int> nearest;
@@ -78,8 +112,13 @@ std::vector<int> nearestPoints(const Body& model, const std::vector<Vec3>& point
     const int begin = p == 0 ? 0 : model.end_point[static_cast<std::size_t>(p) - 1];
     const std::vector<Vec3> own(model.point_X.begin() + begin,
                                 model.point_X.begin() + model.end_point[static_cast<std::size_t>(p)]);
-    const std::vector<int> found = nearestOf(own, model.scene.discretization.spacing, picked(points, rows));
-    for (std::size_t r = 0; r < rows.size(); ++r) nearest[static_cast<std::size_t>(rows[r])] = begin + found[r];
+    const Neighbours tree(own, std::vector<double>(own.size(), model.scene.discretization.spacing));
+    for (const int row : rows) {
+      const auto r = static_cast<std::size_t>(row);
+      std::vector<int> found = tree.nearest(points[r], model.vertex_group.empty() ? 1 : looked_at);
+      for (int& q : found) q += begin;
+      nearest[r] = model.vertex_group.empty() ? found.front() : ownPoint(model, found, points[r]);
+    }
   });
   return nearest;
 }

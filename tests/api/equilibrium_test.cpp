@@ -58,6 +58,12 @@ TEST_CASE("Sensitivities are central differences of equilibria, of forces and di
   const double force = valueOf(equilibrium, quantity(PALPATE_TOOL_FORCE, 0, 0, 1));
   CHECK(force > 0.01);
   CHECK(valueOf(equilibrium, quantity(PALPATE_REGION_FORCE, 0, 0, 1)) == Approx(force).epsilon(1e-6));
+  CHECK(valueOf(equilibrium, quantity(PALPATE_TOOL_FORCE, 0, 0, -10)) == Approx(-force).epsilon(1e-12));
+  const palpate_quantity nowhere = quantity(PALPATE_TOOL_FORCE, 0, 0, 0);
+  double error = 0;
+  CHECK(palpate_equilibrium_value(equilibrium.get(), &nowhere, &error, nullptr) == PALPATE_BAD_ARGUMENT);
+  REQUIRE(palpate_equilibrium_expected_error(equilibrium.get(), &error) == PALPATE_OK);
+  CHECK((error > 0.001 && error < 0.5));
   for (const std::int32_t kind : {PALPATE_TOOL_FORCE, PALPATE_REGION_FORCE, PALPATE_DISPLACEMENT}) {
     palpate_quantity q = quantity(kind, 0.6, 0, 0.8);
     if (kind == PALPATE_DISPLACEMENT) q.points = points;

@@ -197,3 +197,42 @@ TEST_CASE("Sensitivities that would be none are refused in a sentence", "[simula
   EquilibriumSensitivity stopped(model, 1, [&] { return ++calls < 5; });
   CHECK_THROWS_WITH(stopped.settle(pressed(model)), Catch::Contains("interrupted"));
 }
+
+TEST_CASE("An equilibrium is one of a tool that came from outside, or there is none",
+          "[simulation][sensitivity][whole]") {
+  const Model model = test::blockModel(lumpScene());
+  EquilibriumSensitivity body(model, 1);
+  const auto upward = quantity(Kind::ToolForce, Vec3::UnitZ(), model);
+  body.settle(pressed(model));
+  const double shallow = body.valueOf(upward);
+  CHECK(body.expectedError() > 0.001);
+  // From 2 radii on no vertex of the skin at rest is in the ball.
+  for (const double radii : {0.5, 2.1, 2.5}) {
+    CAPTURE(radii);
+    try {
+      body.settle(pressed(model, radii * model.scene.tools[0].shape.radius));
+      CHECK(body.valueOf(upward) > shallow);
+    } catch (const std::runtime_error& none) {
+      CHECK(radii > 1);
+      CHECK_THAT(none.what(), Catch::Contains("no equilibrium"));
+    }
+  }
+}
+
+TEST_CASE("What points of stretched faces would bear is in the error to expect", "[simulation][sensitivity][whole]") {
+  Scene scene = lumpScene();
+  scene.tools[0].shape.radius = 0.005;
+  const Model model = test::blockModel(scene);
+  EquilibriumSensitivity body(model, 1);
+  const Pose tool = pressed(model, 0.005);
+  body.settle(tool);
+  StaticSolver solver(model, 1, 1e-6);
+  Vec3 force;
+  for (int k = 0; k <= 4; ++k) force = solver.advanceTo(0, pressed(model, 0.005 * k / 4)).tool_force;
+  const double lacks = 1 - body.valueOf(quantity(Kind::ToolForce, Vec3::UnitZ(), model)) / force.z();
+  CHECK((lacks > 0.01 && lacks < 0.03));
+  CHECK(body.lacking() == Approx(lacks).epsilon(0.2));
+  CHECK(body.expectedError() > lacks);
+  body.settle(pressed(model, 0.0005));
+  CHECK(body.lacking() < 0.002);
+}

@@ -84,3 +84,11 @@ region = {shape = "half-space", point = [0, 0, 0.001], normal = [0, 0, 1]}
   REQUIRE(certificate);
   for (const Certificate::Row& row : certificate->row) CHECK(row.uncertainty > 0.1);
 }
+
+TEST_CASE("A scene of several tools or of jaws is not certified by the way of the first", "[certify]") {
+  for (const char* scene : {"two_fingers", "strip_grasp"}) {
+    CertifyOptions options;
+    options.scene = scene;
+    CHECK_THROWS_WITH(certifyCommand(options), Catch::Contains(scene) && Catch::Contains("goes one tool's way"));
+  }
+}

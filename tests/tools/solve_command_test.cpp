@@ -175,15 +175,21 @@ region = { shape = "box", min = [-0.04, -0.04, 0.015], max = [0.04, 0.04, 0.04] 
 )");
   text = replaced(text, "translation = [0.001, 0, -0.003]", "translation = [0, 0, -0.000003]");
   const Folder folder(text);
-  const std::vector<double> heights{0.006, 0.012, 0.0145, 0.0155, 0.018, 0.025};
+  std::vector<double> heights;
   std::string list = "name,X,Y,Z\n";
-  for (const double z : heights) list += "1,0.002,0.001," + std::to_string(z) + "\n";
+  for (const double z : {0.006, 0.012, 0.0145, 0.0149, 0.0151, 0.0155, 0.018, 0.025})
+    for (const double x : {-0.017, -0.006, 0.002, 0.013})
+      for (const double y : {-0.011, 0.001, 0.019}) {
+        heights.push_back(z);
+        list += "1," + std::to_string(x) + "," + std::to_string(y) + "," + std::to_string(z) + "\n";
+      }
   folder.write("probes.csv", list);
   REQUIRE(solve(folder.scene, folder.out()) == 0);
   const CsvTable table = readCsvTable(folder.out("probes.csv"));
   REQUIRE(table.rowCount() == heights.size());
   for (std::size_t k = 0; k < heights.size(); ++k) {
     const double z = heights[k], flow = std::min(z, 0.015) + 10 * std::max(0.0, z - 0.015);
+    CAPTURE(k, z);
     CHECK(table["uz"][k] == Approx(-0.000003 * flow / 0.165).epsilon(0.01));
   }
 }

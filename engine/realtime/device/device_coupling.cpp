@@ -9,6 +9,7 @@
 namespace palpate {
 namespace {
 
+constexpr std::int64_t kLongestPause = 10'000'000'000;  // ns that the clock here goes on by at once
 constexpr double kLongestCall = 0.01;               // s; a thread that was away longer starts anew in a moment anyway
 constexpr double kContactSeconds = 0.005;           // for the coupling to come and go with the contact
 constexpr double kVelocitySeconds = 0.004;          // smoothing of velocities made from an encoder's steps
@@ -78,7 +79,8 @@ double DeviceCoupling::unknown() const {
 }
 
 /// @return false where the tool can't be gone by: late, frozen, or put elsewhere since the last call
-bool DeviceCoupling::followTool(std::int64_t now, const ForceSample& tool, std::uint32_t put_backs) {
+bool DeviceCoupling::followTool(std::int64_t now, const ForceReading& reading, std::uint32_t put_backs) {
+  const ForceSample& tool = reading.sample;
   if (tool.tick <= 0) return false;
   const bool known = tool_tick_ > 0;
   const std::int64_t ticks = tool.tick - tool_tick_;
@@ -100,7 +102,7 @@ bool DeviceCoupling::followTool(std::int64_t now, const ForceSample& tool, std::
   touching_ = tool.contact_count > 0 || !tool.force_raw.isZero(0);
   if (!tool.contact_normal.isZero(0)) normal_ = tool.contact_normal;
   if (put_back) lost_ = true;
-  return !put_back && readForce(tool, now, rate_hz_).fresh && !tool.frozen;
+  return !put_back && reading.fresh && !tool.frozen;
 }
 
 /// Where both are, with the force that is out.
@@ -242,13 +244,16 @@ AlongAndTurning DeviceCoupling::limited(const AlongAndTurning& wanted, double st
   return {limit(wanted.along, force_.along), limit(wanted.turning, force_.turning)};
 }
 
-DeviceWrench DeviceCoupling::update(std::int64_t now, const DevicePose* pose, const ForceSample& tool,
+DeviceWrench DeviceCoupling::update(std::int64_t told, const DevicePose* pose, const ForceSample& tool,
                                     std::uint32_t put_backs) {
-  const double step = now_ == 0 ? 0 : std::clamp(seconds(now - now_), 0.0, kLongestCall);
-  now_ = now;
+  // Of times that run back no energy could be told.
+  const std::int64_t gone = told_ == 0 ? 0 : std::clamp<std::int64_t>(told - told_, 0, kLongestPause);
+  told_ = told;
+  const std::int64_t now = now_ += gone;
+  const double step = std::min(seconds(gone), kLongestCall);
   if (pose != nullptr) take(now, *pose);
   const bool alive = report_.poses > 0 && seconds(now - pose_ns_) <= silent_seconds;
-  const bool usable = followTool(now, tool, put_backs);
+  const bool usable = followTool(now, readForce(tool, told, rate_hz_), put_backs);
 
   if (phase_ == Phase::Engaged && !(alive && usable)) {
     ++(alive ? report_.fades : report_.silences);
@@ -269,7 +274,7 @@ DeviceWrench DeviceCoupling::update(std::int64_t now, const DevicePose* pose, co
   DeviceWrench wrench;
   wrench.sequence = ++sequence_;
   wrench.answers = handle_.sequence;
-  wrench.sent_ns = now;
+  wrench.sent_ns = told;
   wrench.force = force_.along;
   wrench.torque = settings_.lever * force_.turning;
   wrench.touching = touching_;

@@ -3,6 +3,7 @@
 #include <cstdint>
 
 #include "model/model.h"
+#include "realtime/channels/force_output.h"
 #include "realtime/channels/snapshot.h"
 #include "realtime/device/device_signals.h"
 #include "realtime/device/device_target.h"
@@ -64,11 +65,11 @@ class DeviceCoupling {
   DeviceCoupling(const DeviceSettings& settings, const Model& model);
 
   /// One call of the device's thread.
-  /// @param now   ns
+  /// @param told  ns, by a clock that goes on; a step back counts as no time
   /// @param pose  what the device has sent since the last call; null: nothing
   /// @param tool  the loop's newest tick; ForceSample::wall_ns by the same clock
   /// @param put_backs  how often the tissue was put back so far
-  DeviceWrench update(std::int64_t now, const DevicePose* pose, const ForceSample& tool, std::uint32_t put_backs = 0);
+  DeviceWrench update(std::int64_t told, const DevicePose* pose, const ForceSample& tool, std::uint32_t put_backs = 0);
 
   /// Where the tool is pulled, after update().
   const DeviceTarget& target() const { return target_; }
@@ -78,7 +79,7 @@ class DeviceCoupling {
   enum class Phase { Off, Engaged, Fading };
   void take(std::int64_t now, const DevicePose& pose);
   double unknown() const;
-  bool followTool(std::int64_t now, const ForceSample& tool, std::uint32_t put_backs);
+  bool followTool(std::int64_t now, const ForceReading& reading, std::uint32_t put_backs);
   void engage();
   void soften(double seconds);
   void placeTarget();
@@ -101,7 +102,8 @@ class DeviceCoupling {
   DevicePose handle_;                           // the newest
   AlongAndTurning velocity_, newest_velocity_;  // m/s, of the handle: smoothed, and since the last pose
   double speed_ = 0;                            // m/s, nearly the highest of late
-  std::int64_t pose_ns_ = 0, now_ = 0;
+  std::int64_t told_ = 0, now_ = 1;             // ns, the caller's clock, and what has gone by
+  std::int64_t pose_ns_ = 0;
   double interval_s_ = 1e-3;  // from pose to pose
   double stiffness_;          // N/m, in force, on the handle
   std::int64_t tool_tick_ = -1, losses_ = 0;

@@ -106,6 +106,24 @@ TEST_CASE("The force's norm is bounded, and how quickly it rises", "[device]") {
   CHECK(hand.largest_rise > 0.3);
 }
 
+TEST_CASE("A clock that steps back once takes no force from the hand", "[device]") {
+  Hand steady;
+  steady.push(Vec3(0, 0, -0.004));
+  steady.push(Vec3(0, 0, -0.005));
+  for (const std::int64_t back : {20 * ms, 1000 * ms, 5000 * ms, 1'000'000'000 * ms}) {
+    Hand hand;
+    hand.now += 2'000'000'000 * ms;
+    hand.after(1);
+    hand.push(Vec3(0, 0, -0.004));
+    hand.now -= back;
+    hand.push(Vec3(0, 0, -0.005));
+    CAPTURE(back);
+    CHECK((hand.last - steady.last).norm() < 0.01 * steady.last.norm());
+    CHECK(hand.coupling.report().fades == 0);
+    CHECK(hand.coupling.report().lowest_energy_J > -1e-5);
+  }
+}
+
 TEST_CASE("A device that falls silent has no force 60 ms later, and takes the tool again where both are", "[device]") {
   Hand hand;
   hand.push(Vec3(0, 0, -0.004));

@@ -77,6 +77,7 @@ std::vector<Certificate::Row> certifiedRows(const Model& model, const ToolTrajec
 int certifyCommand(const CertifyOptions& options) {
   const std::string file = findScene(options.scene);
   const Scene scene = readScene(file);
+  checkOneWay(scene, "certify");
   const int threads = threadsOr(options.threads);
   auto line = std::make_unique<ProgressLine>("certify");
   ProgressLine& progress = *line;

@@ -112,6 +112,7 @@ FitOrder orderOf(const FitOptions& options) {
   order.scene_file = findScene(options.scene);
   order.given = readScene(order.scene_file);
   const Scene& given = order.given;
+  checkOneWay(given, "fit");
   const bool follows = given.discretization.follow;
   if (!follows && !given.discretization.refine.empty())
     throw InputError(given.discretization.refine.front().place,

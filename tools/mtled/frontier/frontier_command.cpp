@@ -78,6 +78,7 @@ std::string commandOf(const FrontierOptions& options) {
 
 int frontierCommand(const FrontierOptions& options) {
   const Scene scene = uniformScene(readScene(findScene(options.scene)));
+  checkOneWay(scene, "frontier");
   const std::optional<ToolScript> script = namedScript(options.tool_script, scene.tools[0].shape.radius);
   const std::string folder = options.out.empty() ? "out/" + scene.name + "_frontier" : options.out;
   makeFolder(folder);

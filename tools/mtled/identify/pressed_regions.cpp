@@ -40,7 +40,7 @@ std::vector<SettledPress> readPresses(const std::string& path) {
 
 PressedRegions::PressedRegions(const Model& model, std::vector<SettledPress> presses,
                                std::vector<MaterialNumber> numbers, int threads)
-    : presses_(std::move(presses)), numbers_(std::move(numbers)), u_(presses_.size()) {
+    : presses_(std::move(presses)), numbers_(std::move(numbers)), u_(presses_.size()), lacking_(presses_.size()) {
   axial_.direction = model.tools.first().start.pose.orientation * Vec3::UnitZ();
   bodies_.resize(static_cast<std::size_t>(std::clamp(threads, 1, std::max(1, static_cast<int>(presses_.size())))));
   setUpAnew(model);
@@ -117,7 +117,10 @@ std::vector<double> PressedRegions::forces(const std::vector<double>& values) {
         near = false;
       }
     }
-    if (!near) body.settle(pose);
+    if (!near) {
+      body.settle(pose);
+      lacking_[k] = body.lacking();
+    }
     u_[k] = body.u();
     forces[k] = body.valueOf(axial_);
   });
@@ -134,7 +137,7 @@ std::vector<std::vector<double>> PressedRegions::derivatives() {
 }
 
 double PressedRegions::expectedError(std::size_t press) {
-  bodies_.front()->takeFrom(u_[press], poseOf(presses_[press]));
+  bodies_.front()->takeFrom(u_[press], poseOf(presses_[press]), lacking_[press]);
   return bodies_.front()->expectedError();
 }
 

@@ -55,6 +55,7 @@ class PressedRegions {
   std::vector<std::unique_ptr<EquilibriumSensitivity>> bodies_;  // one for each thread
   int solved_before_ = 0;                                        // by those of earlier set-ups
   std::vector<AlignedVector<Double4>> u_;                        // (press_count) last equilibria; empty: none yet
+  std::vector<double> lacking_;                                  // (press_count) EquilibriumSensitivity::lacking
 };
 
 }  // namespace palpate::tools

@@ -8,7 +8,9 @@
 
 #include "base/interrupt.h"
 #include "batch/transient_solver.h"
+#include "io/certificate.h"
 #include "io/indent_script.h"
+#include "scene/scene_messages.h"
 #include "setup/body_points.h"
 #include "setup/build_model.h"
 #include "step/step.h"
@@ -89,6 +91,14 @@ void followInDouble(const Model& model, const ToolTrajectory& way, int threads, 
 }
 
 }  // namespace
+
+void checkOneWay(const Scene& scene, const std::string& command) {
+  if (hasOneWay(scene)) return;
+  throw InputError(placeOf(scene, scene.tools.size() > 1 ? "tool[1].shape" : "tool.opening"),
+                   "`mtled " + command + "` goes one tool's way, and has no " +
+                       (scene.tools.size() > 1 ? "further tools" : "jaws that open and close"),
+                   "compare `mtled solve` on this spacing and a finer one, or go by the expected error of a run");
+}
 
 ToolTrajectory indentationTrajectory(const Model& model) {
   const auto poses = scriptPoses(indentScript(model), model);

@@ -12,6 +12,9 @@ namespace palpate::tools {
 /// The tool's way in world coordinates, the same for every discretization of a scene: poses at the end of each tick.
 using ToolTrajectory = std::vector<Pose>;
 
+/// Throws InputError for a scene with several tools or jaws: only the first tool's way is gone here.
+void checkOneWay(const Scene& scene, const std::string& command);
+
 /// What a scene does when nothing else is asked: the built-in indentation (io/indent_script.h) from just above the
 /// skin on, then a quarter of a second at rest.
 ToolTrajectory indentationTrajectory(const Model& model);

@@ -237,6 +237,7 @@ def _load_library():
         "record_stop": [pointer, C.c_char_p, error],
         "settle": [pointer, pose, C.c_double, number, to(pointer), error],
         "settle_with": [pointer, to(_MaterialNumber), C.c_double, error],
+        "equilibrium_expected_error": [pointer, pose],
         "equilibrium_value": [pointer, to(_Quantity), pose, error],
         "sensitivity": [pointer, to(_Quantity), to(_MaterialNumber), number, pose, error],
         "on_tick": [pointer, _TickCall, pointer],

@@ -13,7 +13,7 @@ TOOL_FORCE, REGION_FORCE, DISPLACEMENT = range(3)
 class Equilibrium:
     """A model's body at rest, in double, with the tool at `pose` (7), or without one; see palpate_settle.
 
-    What is asked of it is a component along `direction`: of the force on the tool; of what a `region`, by number or
+    What is asked of it is a component along `direction` (of any length): of the force on the tool; of what a `region`, by number or
     name, holds the tissue with; or of the displacement of one of `points`, by its number.
 
         at_rest = palpate.Equilibrium(model, model.pose_at(0.003))
@@ -57,6 +57,13 @@ class Equilibrium:
     def force(self, direction, region=None):
         """On the tool, N, or what a region holds the tissue with."""
         return self._value(direction, region, None, 0)
+
+    @property
+    def expected_error(self):
+        """How far off the tool's force is for the nodes that there are, as a share of it."""
+        share = C.c_double()
+        _call("equilibrium_expected_error", self._handle, C.byref(share))
+        return share.value
 
     def displacement(self, direction, points, point=0):
         """Of one of Points, m."""
