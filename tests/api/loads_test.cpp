@@ -5,6 +5,7 @@
 
 #include "api/handles.h"
 #include "api/pressed_block.h"
+#include "io/output_file.h"
 #include "realtime/recording/recording_file.h"
 #include "support/realtime_guard.h"
 #include "support/text.h"
@@ -176,7 +177,7 @@ TEST_CASE("Loads are recorded, written and replayed bit for bit", "[api][loads]"
   }
   CHECK(recording.changes.size() == 3);
   const TempFolder folder;
-  writeRecording(recording, folder.path("run.rec"));
+  writeWholeFile(folder.path("run.rec"), toText(recording));
   SimulationLoopOptions options;
   options.as_fast_as_possible = true;
   options.track = readRecording(folder.path("run.rec")).changes;
