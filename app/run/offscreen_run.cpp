@@ -130,7 +130,11 @@ int exitCodeOf(Session& session, const References& references, const Picture& la
   int code = exit_code::done;
   if (references.picture) {
     const std::string image = session.results()->fileNamed("difference.png");
-    const std::string problem = pictureDifference(*references.picture, last, options.tolerance, image);
+    const auto verdict = [&](const std::string& where) {
+      return pictureDifference(*references.picture, last, options.tolerance, where);
+    };
+    std::string problem;
+    if (!session.attempt([&] { problem = verdict(image); })) problem = verdict("");
     if (!problem.empty()) {
       log.error(problem);
       code = exit_code::differs;
@@ -181,24 +185,35 @@ int runOffscreen(Session& session) {
   Manifest manifest;
   manifest.opengl = context.description();
   Picture last;
+  const auto written = [&](const char* what, const std::string& file) {
+    std::cout << format("%-13s", what) << file << '\n';
+  };
   const auto keep = [&](const std::string& stem, const Snapshot& snapshot) {
     last = drawPicture(organ, session, snapshot);
-    manifest.files.push_back(stem + ".png");
     manifest.picture_times_s.push_back(snapshot.force.time_s);
-    writePng(results.fileNamed(stem + ".png"), last);
-    std::cout << "picture      " << results.fileNamed(stem + ".png") << '\n';
+    session.attempt([&] {
+      writePng(results.fileNamed(stem + ".png"), last);
+      manifest.files.push_back(stem + ".png");
+      written("picture", results.fileNamed(stem + ".png"));
+    });
     if (!options.dump_fields) return;
     if (session.searching()) return session.log().info(stem + ": no fields, which would show the lumps");
-    manifest.files.push_back(stem + ".vtu");
-    writeStateVtu(results.fileNamed(stem + ".vtu"), modelOf(snapshot, session.model()), snapshot.u);
-    std::cout << "fields       " << results.fileNamed(stem + ".vtu") << '\n';
+    session.attempt([&] {
+      writeStateVtu(results.fileNamed(stem + ".vtu"), modelOf(snapshot, session.model()), snapshot.u);
+      manifest.files.push_back(stem + ".vtu");
+      written("fields", results.fileNamed(stem + ".vtu"));
+    });
   };
   std::optional<RunExport> exported;
   if (!options.export_file.empty()) exported.emplace(options.export_file, session.model());
+  bool export_goes_on = exported.has_value();
   const bool one = options.snapshot_at.size() <= 1;
   std::vector<Picture> animation;
   runAndTake(session, [&](double time, const Snapshot& snapshot) {
-    if (exported) return exported->add(snapshot);
+    if (exported) {
+      export_goes_on = export_goes_on && session.attempt([&] { exported->add(snapshot); });
+      return;
+    }
     if (!options.animation.empty()) {
       animation.push_back(drawPicture(organ, session, snapshot));
       return;
@@ -206,36 +221,42 @@ int runOffscreen(Session& session) {
     keep(one ? "snapshot" : format("snapshot_%gs", time), snapshot);
   });
   if (interrupted()) session.log().info("interrupted: keeping what was done so far");
-  if (session.revealed()) {
-    const SheetHead head = session.sheetHead(options.trainee_name);
-    for (const std::string& name :
-         writeScore(results.fileNamed("score.json"), *session.task(), head, drawScorePage(organ, session, head)))
-      manifest.files.push_back(name);
-    const TaskScore::Sheet sheet = session.task()->sheet();
-    std::cout << format("score        %s: %d found, %d missed, %d false", results.fileNamed("score.json").c_str(),
-                        sheet.hits, sheet.misses, sheet.false_alarms)
-              << (sheet.mean_error_mm ? format(", %.1f mm off", *sheet.mean_error_mm) : "") << '\n';
-  }
-  if (!options.animation.empty() && !interrupted()) {
-    if (options.replay.empty()) session.giveUpSearch();  // what was hidden is shown at last
+  if (session.revealed())
+    session.attempt([&] {
+      const SheetHead head = session.sheetHead(options.trainee_name);
+      for (const std::string& name :
+           writeScore(results.fileNamed("score.json"), *session.task(), head, drawScorePage(organ, session, head)))
+        manifest.files.push_back(name);
+      const TaskScore::Sheet sheet = session.task()->sheet();
+      written("score", format("%s: %d found, %d missed, %d false", results.fileNamed("score.json").c_str(), sheet.hits,
+                              sheet.misses, sheet.false_alarms) +
+                           (sheet.mean_error_mm ? format(", %.1f mm off", *sheet.mean_error_mm) : ""));
+    });
+  if (!options.animation.empty()) {
+    // What was hidden is shown at last, unless there was no end.
+    if (options.replay.empty() && !interrupted()) session.giveUpSearch();
     animation.push_back(drawPicture(organ, session, session.latest()));
-    writeAnimation(options.animation, animation, 1 / animation_rate, animation_end_seconds);
-    std::cout << "animation    " << options.animation << '\n';
+    session.attempt([&] {
+      writeAnimation(options.animation, animation, 1 / animation_rate, animation_end_seconds);
+      written("animation", options.animation);
+    });
   }
   if (manifest.picture_times_s.empty()) keep("snapshot", session.latest());  // with the lumps, once the answers are in
 
   const std::string report = toJson(session.report());
-  results.writeReport(report);
-  writeManifest(session, manifest);
-  if (exported) {  // last: where it can't be written, all else is
-    exported->write();
-    std::cout << "export       " << options.export_file << '\n';
-  }
+  const bool reported = session.attempt([&] { results.writeReport(report); });
+  session.attempt([&] { writeManifest(session, manifest); });
+  if (exported)
+    session.attempt([&] {
+      exported->write();
+      written("export", options.export_file);
+    });
   if (options.soak_minutes)
-    std::cout << "soak         " << results.soakTextFile() << '\n';
+    written("soak", results.soakTextFile());
   else
-    std::cout << "force curve  " << results.forceFile() << '\n';
-  std::cout << "report       " << results.reportFile() << std::endl;
+    written("force curve", results.forceFile());
+  if (reported) written("report", results.reportFile());
+  std::cout << std::flush;
   return exitCodeOf(session, references, last, report);
 }
 

@@ -48,18 +48,20 @@ void ResultFolder::begin(const ToolSet& tools, bool follows) {
 }
 
 void ResultFolder::checkForces() {
-  if (!forces_) failWriting(forceFile(), errno, elsewhere);
+  if (forces_) return;
+  forces_lost_ = true;
+  failWriting(forceFile(), errno, elsewhere);
 }
 
 void ResultFolder::addForce(const ForceSample& s, const ToolReadings& readings) {
-  if (!with_forces_) return;
+  if (!with_forces_ || forces_lost_) return;
   errno = 0;
   forces_ << forceCsvRow(s, readings, tools_, follows_);
   checkForces();
 }
 
 void ResultFolder::finishForces() {
-  if (!with_forces_) return;
+  if (!with_forces_ || forces_lost_) return;
   errno = 0;
   forces_.close();
   checkForces();

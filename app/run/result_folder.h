@@ -23,9 +23,10 @@ class ResultFolder {
   /// @param follows  the cloud follows the tool
   void begin(const ToolSet& tools = {}, bool follows = false);
 
-  /// One row of force.csv. @param readings  of the same tick, where there are several tools or jaws
+  /// One row of force.csv; none after one that could not be written.
+  /// @param readings  of the same tick, where there are several tools or jaws
   void addForce(const ForceSample& sample, const ToolReadings& readings = {});
-  /// Ends force.csv. Rows that could not be written are found here at the latest.
+  /// Ends force.csv. Rows that could not be written are found here at the latest, and told once.
   void finishForces();
 
   void writeReport(const std::string& json) const;
@@ -45,7 +46,8 @@ class ResultFolder {
   bool with_forces_;
   ToolSet tools_;
   bool follows_ = false;
-  PendingFile pending_;  // force.csv
+  bool forces_lost_ = false;  // for good: the system refused a row
+  PendingFile pending_;       // force.csv
   std::ofstream forces_;
 };
 

@@ -50,7 +50,7 @@ std::string SavedFiles::score(const TaskScore& score, const SheetHead& head, con
 
 std::string SavedFiles::recording(const Recording& recording) const {
   std::string path = free("recording", ".rec");
-  writeRecording(recording, path);
+  writeWholeFile(path, toText(recording));
   return path;
 }
 

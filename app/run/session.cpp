@@ -43,6 +43,7 @@ std::string fileName(const std::string& path) { return std::filesystem::path(pat
 std::optional<ResultFolder> openResults(const Options& options) {
   if (!options.record.empty()) checkWritable(options.record, "choose another file with --record");
   if (!options.export_file.empty()) checkWritable(options.export_file, "choose another file with --export");
+  if (!options.animation.empty()) checkWritable(options.animation, "choose another file with --animation");
   const std::string named = "out/" + std::filesystem::path(options.scene).stem().string();
   // A soak's force curve would grow by 150 MB an hour and tell nothing that its report doesn't.
   if (options.soak_minutes) return ResultFolder(options.out.empty() ? named + "-soak" : options.out, false);
@@ -428,8 +429,9 @@ void Session::takeForces(std::int64_t until_tick) {
     if (model_.tools.several()) loop_->tools().pop(readings);
     if (sample.tick > latest_->status.reset_tick) forces_.add(sample, readings);
     if (searching()) felt_.push_back(sample);
-    if (results_) results_->addForce(sample, readings);
-    if (!options_.soak_minutes && !options_.offscreen) {  // else nobody is there to look at them
+    if (results_ && !attempt([&] { results_->addForce(sample, readings); }))
+      log_.error(failure_ + "; the run goes on without it");  // at once, not only at its end
+    if (!options_.soak_minutes && !options_.offscreen) {      // else nobody is there to look at them
       presses_.add(sample);
       samples_.push_back(sample);
       if (samples_.size() > most_samples) samples_.pop_front();

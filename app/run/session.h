@@ -80,7 +80,7 @@ class Session {
   /// newer waits for the next call. At least once a second.
   void gather();
 
-  /// Ends the loop, takes the rest, and writes recording and forces. Once.
+  /// Ends the loop, takes the rest, and writes recording and forces. Once. What can't be written is told by failure().
   void finish();
 
   /// The tick that was taken last; valid until the next one is.
@@ -138,8 +138,11 @@ class Session {
 
   const Model& model() const { return model_; }
   const Options& options() const { return options_; }
-  /// (after finish) Why the run counts as failed though its files are kept; empty: it does not.
+  /// (after finish) Why the run counts as failed though its files are kept, a line for each reason; empty: it does not.
   const std::string& failure() const { return failure_; }
+  /// Writes one of the run's outputs. Where that throws it is a reason of failure(), and the others are still written.
+  /// @return  whether it was written
+  bool attempt(const std::function<void()>& output);
 
   ResultFolder* results() { return results_ ? &*results_ : nullptr; }
   Log& log() { return log_; }
@@ -149,6 +152,7 @@ class Session {
   std::vector<double> exportTimes(std::int64_t ticks) const;
   void followScript(const ToolScript& script, SimulationLoopOptions& loop_options);
   void takeForces(std::int64_t until_tick);
+  void fail(const std::string& reason);
   void takeEvent(const LogEvent& event);
   void beginSearch();
   void followSearch();

@@ -6,6 +6,7 @@
 #include "app/run/session.h"
 #include "base/interrupt.h"
 #include "base/number_text.h"
+#include "io/output_file.h"
 #include "model/model_hash.h"
 #include "step/resolution.h"
 
@@ -24,25 +25,36 @@ void Session::finish() {
   if (summary.lost_force_samples > 0)
     log_.warning(format("%lld force samples were lost: the main thread was kept from running",
                         static_cast<long long>(summary.lost_force_samples)));
-  if (results_) results_->finishForces();
-  if (soak_) {
-    const std::string broken = soak_->finish(*loop_, *results_, interrupted());
-    if (!broken.empty()) failure_ = "the soak failed: " + broken;
-  }
+  if (results_) attempt([&] { results_->finishForces(); });
+  if (soak_)
+    attempt([&] {
+      const std::string broken = soak_->finish(*loop_, *results_, interrupted());
+      if (!broken.empty()) fail("the soak failed: " + broken);
+    });
   if (recording_) {
     recording_->ticks = summary.ticks;
-    try {
+    attempt([&] {
       if (summary.lost_records > 0)
         throw std::runtime_error(options_.record + " was not written: " + std::to_string(summary.lost_records) +
                                  " changes were lost, the run can't be repeated from it");
-      writeRecording(*recording_, options_.record);
+      writeWholeFile(options_.record, toText(*recording_));
       log_.info("recording: " + options_.record);
-    } catch (const std::exception& error) {
-      failure_ = error.what();
-    }
+    });
   }
   if (summary.frozen && options_.offscreen && failure_.empty()) failure_ = "the run ended frozen: " + frozen_reason_;
 }
+
+bool Session::attempt(const std::function<void()>& output) {
+  try {
+    output();
+    return true;
+  } catch (const std::exception& error) {
+    fail(error.what());
+    return false;
+  }
+}
+
+void Session::fail(const std::string& reason) { failure_ += (failure_.empty() ? "" : "\n") + reason; }
 
 Recording Session::recordingSoFar() {
   const std::int64_t ticks = latest().status.ticks;  // all that came before it was taken with it

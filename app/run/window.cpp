@@ -254,9 +254,11 @@ void Shell::finish(Session& session, Viewer& viewer) {
   session.finish();
   answers_seen_[session.sceneHash()] += session.answersShown() ? 1 : 0;
   if (ResultFolder* results = session.results()) {
-    results->writeReport(toJson(session.report()));
-    results->writePicture(viewer.picture());
-    log_.info("results: " + results->reportFile());
+    session.attempt([&] {
+      results->writeReport(toJson(session.report()));
+      log_.info("results: " + results->reportFile());
+    });
+    session.attempt([&] { results->writePicture(viewer.picture()); });
   }
 }
 
@@ -286,6 +288,7 @@ std::string runWindow(const Options& first, const Scene& first_scene, Log& log, 
     if (made || shell.ends()) shell.finish(*session, *viewer);
     if (shell.ends()) return session->failure();
     if (!made) continue;
+    if (!session->failure().empty()) shell.tell(session->failure());
     resume = true;
     viewer.reset();
     session = std::move(made);

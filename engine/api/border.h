@@ -10,6 +10,7 @@
 
 #include "api/palpate.h"
 #include "base/input_error.h"
+#include "base/printable_text.h"
 #include "base/types.h"
 #include "model/report.h"
 
@@ -48,7 +49,7 @@ inline std::int32_t say(palpate_error* error, std::int32_t code, const char* tex
   if (error == nullptr) return code;
   palpate_error whole{};
   whole.code = code;
-  std::strncpy(whole.text, text, sizeof whole.text - 1);
+  cutText(text, sizeof whole.text - 1).copy(whole.text, sizeof whole.text - 1);
   fill(error, whole);
   return code;
 }

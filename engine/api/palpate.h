@@ -84,7 +84,8 @@ typedef struct palpate_model_info {
   double rate_hz;              /* a tick is 1 / rate_hz */
   double tool_start[7];        /* pose */
   double tool_radius;          /* m */
-  double first_contact_travel; /* m from the start along the tool's axis to the resting skin */
+  double first_contact_travel; /* m from the start along the tool's axis to the resting skin; 0 where the tool touches
+                                  it at the start, and where it never meets it that way */
   uint64_t hash;               /* of all that decides a run but its input */
 } palpate_model_info;
 
@@ -122,7 +123,8 @@ typedef struct palpate_state {
   double stiffness;         /* N/m, of late, force over travel along the normal (50 ms); 0: not known */
   double depth_m;           /* how far the tool's foremost point along the contact's normal is beyond where the skin
                                lay at rest there; on a slope that is more than its tip. Negative: the gap */
-  double advance_m;         /* travel along the tool's first axis past first touch */
+  double advance_m;         /* travel along the tool's first axis past first touch, or past the start where the tool
+                               meets no skin that way */
   double work_J;            /* that the tool has done on the tissue */
   double expected_error;    /* of forces, as a share, because the scene's cloud is no finer: 0.05 is 5 % off. An
                                estimate of some tenths of a second ago; 1 while something is touched and there is none
@@ -360,7 +362,8 @@ PALPATE_API int32_t palpate_velocities(const palpate_simulation* simulation, con
 PALPATE_API int32_t palpate_stresses(const palpate_simulation* simulation, const palpate_points* points, double* stress,
                                      double* J, int32_t count);
 
-/* (control) Coulomb coefficient between tool and tissue, 0 to 2, from the next tick on. */
+/* (control) Coulomb coefficient between the first tool and the tissue, 0 to 2, from the next tick on. Further tools
+ * keep the scene's. */
 PALPATE_API int32_t palpate_set_friction(palpate_simulation* simulation, double coefficient);
 
 /* (control) Parameters of a material, from the next tick on; those not named stay. What is made for the materials as
@@ -378,14 +381,15 @@ PALPATE_API int32_t palpate_reset(palpate_simulation* simulation);
 
 /* (control) Gravity of the tissue, m/s^2 (3), in place of the scene's, and a force on a vertex of the skin, N (3), from
  * the next tick on; a force lasts until it is set to 0, or with vertex -1 all are. At most 64 vertices: else
- * PALPATE_REFUSED. They are part of the state, and stay in a reset. No allocation or lock. */
+ * PALPATE_REFUSED. PALPATE_BAD_ARGUMENT: a component of gravity beyond 1000 m/s^2, of a force beyond 1e6 N, or no such
+ * vertex. They are part of the state, and stay in a reset. No allocation or lock. */
 PALPATE_API int32_t palpate_set_gravity(palpate_simulation* simulation, const double* acceleration);
 PALPATE_API int32_t palpate_set_force(palpate_simulation* simulation, int32_t vertex, const double* force);
 
 /* (control) Holds a vertex of the skin at a place, m (3), from the next tick on, and moves it as the place is set anew,
  * no faster than the scene's max_speed; NULL lets it go, and with vertex -1 all. At most 64 vertices: else
- * PALPATE_REFUSED. Where a region holds the tissue, that has its way. As loads, pins are part of the state, and stay in
- * a reset. No allocation or lock. */
+ * PALPATE_REFUSED. PALPATE_BAD_ARGUMENT: a coordinate beyond 1e6 m, or no such vertex. Where a region holds the tissue,
+ * that has its way. As loads, pins are part of the state, and stay in a reset. No allocation or lock. */
 PALPATE_API int32_t palpate_pin(palpate_simulation* simulation, int32_t vertex, const double* place);
 
 /* (control) Moves a region, m (3), beside what the scene says of it, from the next tick on and no faster than the
@@ -398,7 +402,7 @@ PALPATE_API int32_t palpate_move_region(palpate_simulation* simulation, int32_t 
  * that are set already included. A recording begins at rest: PALPATE_REFUSED after the first tick, unless palpate_reset
  * follows; and as long as it lasts, so are palpate_restore and, stopped, palpate_reset.
  * palpate_record_stop writes what `palpate SCENE --replay FILE` repeats bit for bit; NULL: nothing is written. Where
- * the file can't be written (PALPATE_FAILED) it goes on recording: name another one. */
+ * the file can't be written (PALPATE_FAILED) an earlier one stays, and it goes on recording: name another one. */
 PALPATE_API int32_t palpate_record_start(palpate_simulation* simulation, palpate_error* error);
 PALPATE_API int32_t palpate_record_stop(palpate_simulation* simulation, const char* file, palpate_error* error);
 
@@ -417,7 +421,9 @@ PALPATE_API int32_t palpate_on_tick(palpate_simulation* simulation, palpate_tick
 
 /* (control, stopped) The whole state as bytes. A simulation of the same model that restores them goes on bit for bit,
  * friction and materials included. (What the loop keeps to go back to when a solution is lost, and expected_error,
- * begin anew.) The bytes are for the same build of the library on the same kind of processor; others refuse them.
+ * begin anew.) Poses and openings that palpate_set_target, palpate_set_tool_target and palpate_set_opening were given
+ * since the last tick are not in them, unless palpate_step with n = 0 takes them first; nor are a pull, a recording and
+ * a coupling. The bytes are for the same build of the library on the same kind of processor; others refuse them.
  * @param size  palpate_save_size, the same for all simulations of a model */
 PALPATE_API size_t palpate_save_size(const palpate_simulation* simulation);
 PALPATE_API int32_t palpate_save(const palpate_simulation* simulation, void* bytes, size_t size);

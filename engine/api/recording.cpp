@@ -5,6 +5,7 @@
 
 #include "api/border.h"
 #include "api/handles.h"
+#include "io/output_file.h"
 #include "model/model_hash.h"
 #include "realtime/loop/live_settings.h"
 #include "realtime/recording/recording_file.h"
@@ -73,7 +74,7 @@ int32_t palpate_record_stop(palpate_simulation* simulation, const char* file, pa
       recording.rate_hz = simulation->model->scene.dynamics.rate_hz;
       recording.ticks = simulation->loop.memory().tick;
       recording.changes = simulation->recorder->changes();
-      writeRecording(recording, file);
+      writeWholeFile(file, toText(recording), "name another file");
     }
     simulation->loop.record(nullptr);
     simulation->recorder.reset();

@@ -1,6 +1,7 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cassert>
 #include <span>
 #include <utility>
@@ -98,6 +99,13 @@ void setHand(palpate_simulation& simulation, const Pose& pose, std::uint64_t seq
   hand.publish();
 }
 
+/// Whether scenes and programs give it: others follow from the scene's scheme.
+bool isGiven(const Parameter& parameter) {
+  const auto common = commonMaterialParameters();
+  return std::none_of(common.begin(), common.end(),
+                      [&](const CommonMaterialParameter& c) { return &c.parameter == &parameter && !c.is_key; });
+}
+
 }  // namespace
 
 void palpate::api::setParameter(Material& material, const palpate_parameter& wanted) {
@@ -108,11 +116,13 @@ void palpate::api::setParameter(Material& material, const palpate_parameter& wan
   std::size_t room = 0;
   std::string names;
   forEachParameter(material, [&](const Parameter& p, std::span<double> present) {
+    if (!isGiven(p)) return;
     names += (names.empty() ? "" : ", ") + std::string(p.name);
     if (std::string(wanted.name) == p.name) found = &p, room = present.size();
   });
   const std::string name = inQuotes(wanted.name);
   if (found == nullptr) throw Refusal(PALPATE_BAD_ARGUMENT, "the material has no " + name + "; it has " + names);
+  if (room == 0) throw Refusal(PALPATE_BAD_ARGUMENT, "the scene gives the material no " + name + " to be changed");
   if (values.size() != room)
     throw Refusal(PALPATE_BAD_ARGUMENT, name + " takes " + std::to_string(room) + " values, as the scene gives it");
   for (const double value : values)

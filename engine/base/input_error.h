@@ -2,7 +2,8 @@
 
 #include <stdexcept>
 #include <string>
-#include <string_view>
+
+#include "base/printable_text.h"  // inQuotes
 
 namespace palpate {
 
@@ -20,15 +21,6 @@ struct SourceLocation {
     return s;
   }
 };
-
-/// What a message quotes from an input file: in quotes, shortened, unprintable characters replaced.
-inline std::string inQuotes(std::string_view word) {
-  constexpr std::size_t longest = 40;
-  std::string s = "\"";
-  for (char c : word.substr(0, longest)) s += c >= ' ' && c <= '~' ? c : '?';
-  if (word.size() > longest) s += "...";
-  return s + "\"";
-}
 
 /// The user's input can't be used. what() reads "place: what is wrong; what to do".
 /// Thrown only while loading; the programs print it and exit with code 2.

@@ -16,11 +16,16 @@ void onSignal(int signal) {
   std::signal(signal, SIG_DFL);
 }
 
+/// A terminal that is closed sends SIGHUP more than once: by the kernel and by its shell.
+void onHangUp(int) { asked = 1; }
+
 }  // namespace
 
 void catchInterrupts() {
   std::signal(SIGINT, onSignal);
   std::signal(SIGTERM, onSignal);
+  if (std::signal(SIGHUP, onHangUp) == SIG_IGN) std::signal(SIGHUP, SIG_IGN);  // as nohup wants it
+  std::signal(SIGPIPE, SIG_IGN);
 }
 
 bool interrupted() { return asked != 0; }

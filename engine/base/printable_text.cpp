@@ -48,6 +48,22 @@ std::string printable(std::string_view text, LineEnds line_ends) {
   return result;
 }
 
+std::string_view cutText(std::string_view text, std::size_t most) {
+  if (text.size() <= most) return text;
+  std::size_t end = most;
+  while (end > 0 && most - end < 3 && (static_cast<unsigned char>(text[end]) & 0xc0) == 0x80) --end;
+  return text.substr(0, end);
+}
+
+std::string inQuotes(std::string_view word) {
+  constexpr std::size_t longest = 40;  // bytes
+  const std::string_view begin = cutText(word, longest);
+  std::string text = "\"";
+  text += printable(begin);
+  if (begin.size() < word.size()) text += "...";
+  return text += '"';
+}
+
 std::string lowerCase(std::string_view text) {
   std::string lower(text);
   for (char& c : lower) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));

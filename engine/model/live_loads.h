@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 
 #include "base/types.h"
@@ -18,6 +19,7 @@ struct VertexValues {
   /// @return false where there are `capacity` others
   bool put(int at, const Vec3& of);
   void drop(int at);
+  bool has(int at) const { return std::binary_search(vertex.begin(), vertex.begin() + count, at); }
 };
 
 /// What is beside the scene's own gravity and boundaries: set live, and part of State. Equal loads have equal bytes.

@@ -5,6 +5,7 @@
 
 #include "api/handles.h"
 #include "api/pressed_block.h"
+#include "io/output_file.h"
 #include "realtime/recording/recording_file.h"
 #include "support/realtime_guard.h"
 #include "support/text.h"
@@ -169,14 +170,15 @@ TEST_CASE("Loads are recorded, written and replayed bit for bit", "[api][loads]"
       loop.advanceHere(0);
       loop.advanceHere(ticks);
     };
-    ask(Request::setForce(7, Vec3(0, 0.01, 0)), 20);
+    ask(Request::setForce(7, Vec3(0, 0.005, 0)), 10);
+    ask(Request::setForce(7, Vec3(0, 0.01, 0)), 10);
     ask(Request::setGravity(Vec3(0, 0, -9.81)), 20);
     ask(Request::setForce(-1, Vec3::Zero()), 20);
     for (TimedRequest change; loop.recorded().pop(change);) recording.changes.push_back(change);
   }
-  CHECK(recording.changes.size() == 3);
+  CHECK(recording.changes.size() == 4);
   const TempFolder folder;
-  writeRecording(recording, folder.path("run.rec"));
+  writeWholeFile(folder.path("run.rec"), toText(recording));
   SimulationLoopOptions options;
   options.as_fast_as_possible = true;
   options.track = readRecording(folder.path("run.rec")).changes;
@@ -185,6 +187,10 @@ TEST_CASE("Loads are recorded, written and replayed bit for bit", "[api][loads]"
   SimulationLoop loop(model, replayed, &replayed.team(), options);
   loop.run();
   CHECK(replayed.stateHash() == played.stateHash());
+  std::vector<LogEvent::Kind> told;
+  for (LogEvent event; loop.log().pop(event);) told.push_back(event.kind);
+  using Kind = LogEvent::Kind;
+  CHECK(told == std::vector{Kind::ForceSet, Kind::GravitySet, Kind::ForceSet, Kind::TrackEnded});  // once each
   CHECK(replayed.state().live.loads.gravity.z() == -9.81);
   CHECK(replayed.state().live.loads.forces.count == 0);
 }

@@ -138,7 +138,13 @@ TEST_CASE("A recording that can't be is refused in a sentence, and nothing is lo
   CHECK_THAT(error.text, Catch::Contains("palpate_record_stop first"));
   CHECK(palpate_reset(simulation) == PALPATE_REFUSED);
   CHECK(palpate_record_stop(simulation, folder.path("no/such/folder/run.rec").c_str(), &error) == PALPATE_FAILED);
-  CHECK_THAT(error.text, Catch::Contains("can't be written"));
+  CHECK_THAT(error.text, Catch::Contains("can't write") && Catch::Contains("name another file"));
+  // A full disk: what was recorded earlier stays.
+  folder.write("run.rec", "earlier");
+  std::filesystem::create_symlink("/dev/full", file + ".part");
+  CHECK(palpate_record_stop(simulation, file.c_str(), &error) == PALPATE_FAILED);
+  CHECK_THAT(error.text, Catch::Contains("No space left on device"));
+  CHECK(readAll(file) == "earlier");
   CHECK(hashOf(handle) == before);
   press(handle, info, 20, 30);
   REQUIRE(palpate_record_stop(simulation, file.c_str(), &error) == PALPATE_OK);

@@ -284,7 +284,9 @@ TEST_CASE("What can't be used is told with its place, and leaves the caller's pr
   refused("young", 1e9, PALPATE_REFUSED, "times too stiff");
   refused("density", 4200, PALPATE_REFUSED, "density can't be changed live");
   refused("young", -5, PALPATE_BAD_ARGUMENT, "\"young\" must be > 0");
-  refused("yuong", 5000, PALPATE_BAD_ARGUMENT, "young, poisson");
+  refused("yuong", 5000, PALPATE_BAD_ARGUMENT, "young, poisson, density, relaxation");
+  refused("barrier_strength", 1, PALPATE_BAD_ARGUMENT, "has no \"barrier_strength\"");  // no scene has it either
+  refused("relaxation", 0.3, PALPATE_BAD_ARGUMENT, "the scene gives the material no \"relaxation\"");
   CHECK(palpate_set_material(simulation.get(), 1, nullptr, 0, &error) == PALPATE_BAD_ARGUMENT);
   CHECK_THAT(error.text, Catch::Contains("parameters is NULL"));  // what is wrong by name
   const double young = 5000;

@@ -27,3 +27,21 @@ TEST_CASE("Control characters and bytes that are no UTF-8 become question marks"
 TEST_CASE("Line ends stay where they are wanted", "[printable_text]") {
   CHECK(printable("a\nb\r\n", LineEnds::Keep) == "a\nb?\n");
 }
+
+TEST_CASE("A text is cut between its characters", "[printable_text]") {
+  CHECK(cutText("abc", 3) == "abc");
+  CHECK(cutText("abcd", 3) == "abc");
+  const std::string umlaut = "y\xc3\xb6ung";
+  CHECK(cutText(umlaut, 3) == "y\xc3\xb6");
+  CHECK(cutText(umlaut, 2) == "y");
+  CHECK(cutText("a\xf0\x90\x80\x80", 4) == "a");
+  CHECK(cutText("\x80\x80\x80\x80\x80\x80", 5).size() >= 2);  // no UTF-8
+}
+
+TEST_CASE("What a message quotes keeps its letters, and loses what a terminal obeys", "[printable_text]") {
+  CHECK(inQuotes("y\xc3\xb6ung") == "\"y\xc3\xb6ung\"");
+  CHECK(inQuotes("a\x1b[2J\n") == "\"a?[2J?\"");
+  const std::string many(39, 'x');
+  CHECK(inQuotes(many + "\xc3\xb6") == "\"" + many + "...\"");
+  CHECK(inQuotes(many + "xx") == "\"" + many + "x...\"");
+}

@@ -40,6 +40,16 @@ refused(palpate.Error, lambda: palpate.Model(text="nothing", name="mine"), "mine
 refused(ValueError, lambda: environment.simulation.step([0, 0, np.nan, 0, 0, 0, 1]), "[2] is nan")
 refused(ValueError, lambda: environment.simulation.step([0, 0, 0]), "(3,), not (7)")
 refused(ValueError, lambda: palpate.Environment(model, render_mode="human"), "rgb_array")
+for ticks in (0, -3):
+    refused(ValueError, lambda: palpate.Environment(model, ticks=ticks), f"ticks is {ticks}")
+refused(TypeError, lambda: palpate.Environment(model, ticks=1.5), "float")
+for seconds in (0, -1, np.nan):
+    refused(ValueError, lambda: palpate.Environment(model, seconds=seconds), f"seconds is {seconds}")
+refused(ValueError, lambda: palpate.Environment(model, scatter=np.nan), "scatter is nan")
+refused(TypeError, lambda: palpate.Model(scene, set={"tool": {"radius": 0.01}}), "like \"tool.radius\"")
+refused(TypeError, lambda: palpate.Model(scene, set={"tool.radius": None}), "NoneType")
+for number in (np.nan, np.inf, -np.float32(np.inf)):
+    refused(palpate.Error, lambda: palpate.Model(scene, set={"material[0].young": number}), "is not finite")
 
 
 def episode(seed):
@@ -80,6 +90,9 @@ try:
 except palpate.Error as error:
     assert error.code == palpate.BAD_ARGUMENT and "young" in str(error), error
 refused(ValueError, lambda: simulation.set_material("lump", young=1), "no material 'lump'")
+refused(palpate.Error, lambda: simulation.set_material(relaxation=[[0.3, 0.1]]), "gives the material no \"relaxation\"")
+refused(palpate.Error, lambda: simulation.set_material(barrier_strength=1), "it has young, poisson, density, relax")
+refused(palpate.Error, lambda: simulation.set_material(yöung=1), "no \"yöung\"")
 try:
     picture = environment.render()
     assert picture.shape == (60, 80, 3) and picture.dtype == np.uint8 and picture.std() > 1
@@ -117,6 +130,11 @@ position = [0, 0, 0.035]
 block = palpate.Model(text=BLOCK, name="block")
 assert (block.materials, block.regions) == (["gel"], ["base"])
 assert pickle.loads(pickle.dumps(block)).hash == block.hash
+relaxing = palpate.Simulation(palpate.Model(
+    text=BLOCK.replace("poisson = 0.45", "poisson = 0.45\nrelaxation = [[0.3, 0.1], [0.2, 2.0]]")))
+relaxing.set_material(relaxation=[[0.3, 0.1], [0.2, 0.5]])
+refused(palpate.Error, lambda: relaxing.set_material(relaxation=[[0.3, 0.1]]), "takes 4 values")
+refused(ValueError, lambda: relaxing.set_material(relaxation=[[[0.3]]]), "a list of pairs")
 
 # What a tick knows.
 body = palpate.Simulation(block)
@@ -182,7 +200,7 @@ recorded.move_region("base", [0, 0.0005, 0])
 recorded.step(block.pose_at(0.001), ticks=30)
 recorded.unpin()
 before = recorded.hash()
-refused(palpate.Error, lambda: recorded.stop_recording("/no/such/folder/run.rec"), "can't be written")
+refused(palpate.Error, lambda: recorded.stop_recording("/no/such/folder/run.rec"), "can't write")
 refused(palpate.Error, lambda: recorded.restore(recorded.save()), "record_stop first")
 refused(ValueError, lambda: recorded.pin(5, [0, np.nan, 0]), "[1] is nan")
 refused(ValueError, lambda: recorded.move_region("lid", [0, 0, 0]), "no region 'lid'")
@@ -245,6 +263,9 @@ assert twin.hash() == body.hash()
 # A device.
 refused(TypeError, lambda: body.couple(stifness=1), "stifness")
 refused(palpate.Error, lambda: body.couple(stiffness=1), "stiffness")
+refused(ValueError, lambda: body.couple(locked=7), "locked is 7")
+for sequence in (-1, 2 ** 32):
+    refused(ValueError, lambda: body.exchange([0, 0, 0, 0, 0, 0, 1], sequence=sequence), f"sequence: {sequence} is not")
 refused(palpate.Error, lambda: body.exchange([0, 0, 0, 0, 0, 0, 1]), "exchange: ")
 body.couple(max_force=1)
 wrench = body.exchange([0, 0, 0, 0, 0, 0, 1], sequence=3)

@@ -55,8 +55,8 @@ void readRecordingFrom(const std::string& bytes) {
     hold(change.tick >= last && change.tick <= recording.ticks, "a change out of its turn");
     last = change.tick;
   }
-  writeRecording(recording, again.path());
-  writeRecording(readRecording(again.path()), once_more.path());
+  again.write(toText(recording));
+  once_more.write(toText(readRecording(again.path())));
   hold(readWholeFile(again.path()) == readWholeFile(once_more.path()), "written and read it is another recording");
 }
 

@@ -96,6 +96,20 @@ std::string sentence(const LogEvent& e) {
           "material %d is %.3g times too stiff for the time step: not changed; "
           "set it in the scene and load again",
           e.index, e.value);
+    case LogEvent::Kind::GravitySet:
+      return e.value > 0
+                 ? format("gravity is now (%.3g, %.3g, %.3g) m/s^2", e.position.x(), e.position.y(), e.position.z())
+                 : std::string("gravity is the scene's again");
+    case LogEvent::Kind::ForceSet:
+      if (e.index < 0) return "no force acts on the skin any more";
+      return e.value > 0 ? format("a force acts on skin vertex %d", e.index)
+                         : format("no force acts on skin vertex %d any more", e.index);
+    case LogEvent::Kind::Pinned:
+      if (e.index < 0) return "no skin vertex is pinned any more";
+      return format(e.value > 0 ? "skin vertex %d is pinned" : "skin vertex %d is no longer pinned", e.index);
+    case LogEvent::Kind::RegionMoved:
+      if (e.index < 0) return "no region is moved any more";
+      return format(e.value > 0 ? "region %d is moved" : "region %d is no longer moved", e.index);
     case LogEvent::Kind::TrackEnded:
       return "the tool has gone all of its way";
     case LogEvent::Kind::Marked:

@@ -36,6 +36,10 @@ struct LogEvent {
     FrictionSet,      // value
     MaterialSet,      // index: material
     MaterialRefused,  // index: material; value: factor by which it is too stiff
+    GravitySet,       // position: m/s^2; value: 1, or 0 where it is the scene's again
+    ForceSet,         // index: skin vertex, -1: all; value: 1 where a force begins to act, 0 where it ends
+    Pinned,           // likewise
+    RegionMoved,      // index: region, -1: all; value: 1, or 0 where it goes back to where the scene has it
     TrackEnded,       // script or replay is over
     Marked,           // position; index: how hard
     Unmarked,

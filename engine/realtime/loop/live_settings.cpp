@@ -20,6 +20,23 @@ std::vector<Request> settingsOf(const Model& model) {
   return requests;
 }
 
+/// Whether something is beside the scene's where a request changes it.
+bool acts(const LiveLoads& loads, const Request& request) {
+  using Kind = Request::Kind;
+  const bool all = request.index < 0;
+  switch (request.kind) {
+    case Kind::SetGravity:
+      return !loads.gravity.isZero(0);
+    case Kind::SetForce:
+      return all ? loads.forces.count > 0 : loads.forces.has(request.index);
+    case Kind::Pin:
+    case Kind::Unpin:
+      return all ? loads.pins.count > 0 : loads.pins.has(request.index);
+    default:
+      return all ? loads.region_shift.any() : !loads.region_shift.of[static_cast<std::size_t>(request.index)].isZero(0);
+  }
+}
+
 }  // namespace
 
 bool changeLoads(const Request& request, int vertex_count, int boundary_count, const Vec3& gravity, LiveLoads& loads) {
@@ -86,8 +103,10 @@ LiveSettings::Answer LiveSettings::setLoad(const Request& request) {
   LiveLoads loads = physics_.state().live.loads;
   if (!changeLoads(request, vertex_count_, boundary_count_, gravity_, loads)) return {};
   if (loads == physics_.state().live.loads) return {};
+  const bool acted = acts(physics_.state().live.loads, request), acts_now = acts(loads, request);
   physics_.setLoads(loads);
-  return {Outcome::Changed};
+  if (acted == acts_now) return {Outcome::Changed};
+  return {Outcome::Changed, 0, acts_now ? 1 : 0};
 }
 
 LiveSettings::Answer LiveSettings::setFriction(double coefficient) {

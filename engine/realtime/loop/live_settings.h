@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "realtime/channels/command_queue.h"
@@ -20,6 +21,8 @@ class LiveSettings {
   struct Answer {
     Outcome outcome = Outcome::Ignored;
     double excess = 0;  // where refused: the factor (> 1) by which the material is too stiff
+    // Where a load changed: whether that began (1) or ended (0) what is beside the scene's, or only went on.
+    std::optional<double> acts = {};
   };
 
   /// The physics must outlive this. What `model` was loaded with is what loaded() brings back.

@@ -9,6 +9,23 @@ bool isFinite(const Pose& pose) {
   return pose.position.allFinite() && pose.orientation.coeffs().allFinite() && pose.orientation.norm() > 0.5;
 }
 
+LogEvent::Kind eventOf(Request::Kind setting) {
+  switch (setting) {
+    case Request::Kind::SetFriction:
+      return LogEvent::Kind::FrictionSet;
+    case Request::Kind::SetMaterial:
+      return LogEvent::Kind::MaterialSet;
+    case Request::Kind::SetGravity:
+      return LogEvent::Kind::GravitySet;
+    case Request::Kind::SetForce:
+      return LogEvent::Kind::ForceSet;
+    case Request::Kind::MoveRegion:
+      return LogEvent::Kind::RegionMoved;
+    default:
+      return LogEvent::Kind::Pinned;
+  }
+}
+
 }  // namespace
 
 void SimulationLoop::takeRequests() {
@@ -144,10 +161,10 @@ void SimulationLoop::change(const Request& setting) {
   }
   if (answer.outcome != LiveSettings::Outcome::Changed) return;
   recorder_.add(run_.tick, setting);
-  const bool friction = setting.kind == Request::Kind::SetFriction;
-  if (!friction && setting.kind != Request::Kind::SetMaterial) return;
-  reporter_.logEvent(friction ? LogEvent::Kind::FrictionSet : LogEvent::Kind::MaterialSet, run_, setting.index,
-                     setting.value);
+  const LogEvent::Kind kind = eventOf(setting.kind);
+  const bool load = kind != LogEvent::Kind::FrictionSet && kind != LogEvent::Kind::MaterialSet;
+  if (load && !answer.acts) return;  // one that goes on may change each tick
+  reporter_.logEvent(kind, run_, setting.index, load ? *answer.acts : setting.value, setting.point);
 }
 
 void SimulationLoop::say(const Request& said, bool from_track) {

@@ -1,7 +1,6 @@
 #include "realtime/recording/recording_file.h"
 
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -228,20 +227,14 @@ Request readChange(LineReader& line) {
 
 }  // namespace
 
-void writeRecording(const Recording& recording, const std::string& file) {
+std::string toText(const Recording& recording) {
   std::string text;
   text += std::string(kMagic) + " " + std::to_string(kVersion) + "\n";
   text += "scene " + printable(recording.scene) + "\n";
   text += "model " + hex16(recording.model_hash) + "\n";
   text += "rate_hz " + shortest(recording.rate_hz) + "\n";
   for (const TimedRequest& change : recording.changes) text += lineOf(change) + "\n";
-  text += "end " + std::to_string(recording.ticks) + "\n";
-  errno = 0;
-  std::ofstream out(file, std::ios::binary);
-  out << text;
-  out.close();
-  if (!out)
-    throw std::runtime_error(file + ": the recording can't be written: " + std::generic_category().message(errno));
+  return text + "end " + std::to_string(recording.ticks) + "\n";
 }
 
 Recording readRecording(const std::string& file) {

@@ -6,7 +6,7 @@
 
 namespace palpate {
 
-/// Writes a recording as text, one change per line, numbers in their shortest exact form:
+/// A recording as text, one change per line, numbers in their shortest exact form:
 ///   palpate-recording 3
 ///   scene liver
 ///   model 0123456789abcdef
@@ -32,8 +32,8 @@ namespace palpate {
 ///   50 place 17 -1 -1 -1                 where a cloud that follows the tool goes, by the number of each tool's centre
 ///   end 500                              ticks of the run; missing: cut off
 /// The scene's name is written without line ends and other control characters, which would end its line.
-/// Throws std::runtime_error when the file can't be written.
-void writeRecording(const Recording& recording, const std::string& file);
+/// Write it with writeWholeFile (io/output_file.h), so that an earlier recording stays until this one is whole.
+std::string toText(const Recording& recording);
 
 /// Throws InputError naming file and line of what is damaged or missing.
 Recording readRecording(const std::string& file);

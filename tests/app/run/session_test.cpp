@@ -1,9 +1,12 @@
 #include "app/run/session.h"
 
+#include <sys/resource.h>
+
 #include <catch2/catch.hpp>
 
 #include <algorithm>
 #include <chrono>
+#include <csignal>
 #include <filesystem>
 #include <thread>
 #include <utility>
@@ -11,6 +14,7 @@
 #include "io/indent_script.h"
 #include "support/block_text.h"
 #include "support/captured_output.h"
+#include "support/realtime_guard.h"
 #include "support/temp_folder.h"
 #include "support/text.h"
 
@@ -249,6 +253,46 @@ TEST_CASE("A scripted run is repeated by its recording, bit for bit", "[session]
   const Recording recording = readRecording(options.replay);
   CHECK(recording.ticks == 75 + 10);  // 0.15 s, and the last corner's rounding
   CHECK(recording.changes.size() > 50);
+}
+
+TEST_CASE("Forces that find no room are told, and the recording is written all the same", "[session]") {
+  const TempFolder folder;
+  Options options;
+  options.offscreen = options.as_fast_as_possible = true;
+  options.scene = folder.write("block.toml", test::touched_block_text);
+  options.out = folder.path("out");
+  options.seconds = 0.1;
+  options.record = folder.path("run.rec");
+  const int code = test::exitCodeOfChild([&] {  // whose files hold no more
+    std::signal(SIGXFSZ, SIG_IGN);
+    const rlimit few_bytes{3000, 3000};
+    setrlimit(RLIMIT_FSIZE, &few_bytes);
+    Log log;
+    Session session(options, app::readScene(options), log);
+    session.start();
+    while (!session.finished()) session.gather();
+    session.finish();
+    return session.failure().find("force.csv: File too large") == std::string::npos ? 1 : 0;
+  });
+  CHECK(code == 0);
+  CHECK(std::filesystem::file_size(folder.path("out/force.csv")) == 3000);
+  CHECK(readRecording(options.record).ticks == 50);
+}
+
+TEST_CASE("Files that can't be written are refused before the set-up is made", "[session]") {
+  const TempFolder folder;
+  Options options;
+  options.offscreen = true;
+  options.scene = folder.write("block.toml", test::touched_block_text);
+  options.out = folder.path("out");
+  Log log;
+  for (std::string Options::*file : {&Options::record, &Options::animation, &Options::export_file}) {
+    Options wrong = options;
+    wrong.*file = folder.path("");
+    CHECK_THROWS_WITH(Session(wrong, app::readScene(wrong), log),
+                      Catch::Contains("Is a directory; choose another file with --"));
+    CHECK_FALSE(std::filesystem::exists(options.out));
+  }
 }
 
 TEST_CASE("A run in real time leaves a core to others where nothing is said of threads", "[session]") {

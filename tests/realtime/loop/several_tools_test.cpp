@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 
+#include "io/output_file.h"
 #include "model/model_hash.h"
 #include "realtime/fakes.h"
 #include "realtime/loop/simulation_loop.h"
@@ -71,7 +72,7 @@ TEST_CASE("A recorded run with jaws and a second tool is replayed bit for bit", 
   Recording recording{"strip", modelHash(strip()), strip().scene.dynamics.rate_hz, run_ticks, {}};
   for (TimedRequest change; loop.recorded().pop(change);) recording.changes.push_back(change);
   const TempFolder folder;
-  writeRecording(recording, folder.path("run.txt"));
+  writeWholeFile(folder.path("run.txt"), toText(recording));
   const Recording read = readRecording(folder.path("run.txt"));
   REQUIRE(read.changes.size() == recording.changes.size());
 

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "base/input_error.h"
+#include "io/output_file.h"
 #include "mechanics/materials/material_law.h"
 #include "model/model_hash.h"
 #include "realtime/fakes.h"
@@ -81,7 +82,7 @@ std::string with(const std::string& from, const std::string& to) { return replac
 TEST_CASE("A recording is read as it was written, bit for bit", "[recording]") {
   const TemporaryFile temporary;
   const Recording written = everyKind();
-  writeRecording(written, temporary.file);
+  writeWholeFile(temporary.file, toText(written));
   const Recording read = readRecording(temporary.file);
   CHECK(read.scene == written.scene);
   CHECK(read.model_hash == written.model_hash);
@@ -102,7 +103,7 @@ TEST_CASE("A recording is read as it was written, bit for bit", "[recording]") {
     CHECK(a.place == b.place);
   }
   const std::string text = readAll(temporary.file);
-  writeRecording(read, temporary.file);
+  writeWholeFile(temporary.file, toText(read));
   CHECK(readAll(temporary.file) == text);
 }
 
@@ -187,7 +188,7 @@ TEST_CASE("A recording of a scene with any name can be read again", "[recording]
   const TemporaryFile temporary;
   Recording recording = everyKind();
   recording.scene = "one\ntwo\r \xff\x1b[2J \xc3\xa4";
-  writeRecording(recording, temporary.file);
+  writeWholeFile(temporary.file, toText(recording));
   const Recording read = readRecording(temporary.file);
   CHECK(read.scene == "one?two? ??[2J \xc3\xa4");
   CHECK(read.changes.size() == recording.changes.size());

@@ -49,7 +49,15 @@ def _whole(kind):
     return Whole
 
 
-_Int32, _Int64, _UInt64 = _whole(C.c_int32), _whole(C.c_int64), _whole(C.c_uint64)
+_Int32, _Int64, _UInt32, _UInt64 = map(_whole, (C.c_int32, C.c_int64, C.c_uint32, C.c_uint64))
+
+
+def _fits(kind, value, what):
+    """The value of such an integer for a struct's field."""
+    try:
+        return kind.from_param(value).value
+    except ValueError as problem:
+        raise ValueError(f"{what}: {problem}") from None
 
 
 class _Options(_Sized):

@@ -1,4 +1,6 @@
 """Simulations in the form that reinforcement learning is used to: gymnasium's; without it, one that behaves alike."""
+import operator
+
 import numpy as np
 
 from ._library import BAD_ARGUMENT, REFUSED, Error, State, _State
@@ -127,8 +129,9 @@ class Environment(Env):
     truncated    after `seconds` of physics time; terminated where the tissue is lost for good (State.frozen)
     info         {"state": State}
 
-    ticks: of physics in one step. scatter: m, by which reset moves the start at random in x and y. render_mode:
-    "rgb_array" for pictures of `size` (width, height). The same seed and actions give the same numbers, bit for bit.
+    ticks: of physics in one step, at least 1. seconds: more than 0; inf: no end. scatter: m, by which reset moves the
+    start at random in x and y. render_mode: "rgb_array" for pictures of `size` (width, height). The same seed and
+    actions give the same numbers, bit for bit.
     """
 
     metadata = {"render_modes": ["rgb_array"], "render_fps": 50}
@@ -136,6 +139,13 @@ class Environment(Env):
     def __init__(self, scene, ticks=10, seconds=10.0, scatter=0.0, render_mode=None, size=(640, 480), **model_options):
         if render_mode not in (None, "rgb_array"):
             raise ValueError(f"there is no render_mode {render_mode!r}; there is 'rgb_array'")
+        ticks = operator.index(ticks)
+        if ticks < 1:
+            raise ValueError(f"ticks is {ticks}; a step has at least 1")
+        if not seconds > 0:
+            raise ValueError(f"seconds is {seconds}; an episode lasts longer than 0 s")
+        if not 0 <= scatter < np.inf:
+            raise ValueError(f"scatter is {scatter} m; give 0 or more")
         self.model = scene if isinstance(scene, Model) else Model(scene, **model_options)
         self.simulation = Simulation(self.model)
         self.ticks, self.seconds, self.scatter = ticks, seconds, scatter

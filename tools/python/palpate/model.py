@@ -3,6 +3,7 @@ import ctypes as C
 import json
 import operator
 import os
+from collections.abc import Mapping
 
 import numpy as np
 
@@ -32,9 +33,25 @@ def _doubles(array):
     return array.ctypes.data_as(C.POINTER(C.c_double))
 
 
+def _toml(key, value):
+    """A value as TOML writes it."""
+    value = value.tolist() if isinstance(value, (np.ndarray, np.generic)) else value
+    if isinstance(value, Mapping):
+        raise TypeError(f"set: {key!r} can't be a table; name its keys one by one, like \"tool.radius\"")
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, (int, float)):
+        return repr(value)  # inf and nan as TOML has them
+    if isinstance(value, str):
+        return json.dumps(value, ensure_ascii=False)
+    if isinstance(value, (list, tuple)):
+        return f"[{', '.join(_toml(key, entry) for entry in value)}]"
+    raise TypeError(f"set: {key!r} is {type(value).__name__}, not a number, a truth value, a text or a list of them")
+
+
 def _change(key, value):
     """A key of the scene with another value, as TOML writes it."""
-    return f"{key} = {json.dumps(value, default=lambda other: other.tolist())}".encode()
+    return f"{key} = {_toml(key, value)}".encode()
 
 
 def _model_again(made_from, hash):
@@ -50,8 +67,10 @@ class Model:
 
     scene: a file, or the name of a scene that the library brings. Or text: the scene itself, whose paths start from
     folder, and which errors call name.
-    set: keys that get other values, {"material[0].young": 4000}. cache: folder in which set-ups are kept for the next
-    time.
+    set: keys that get other values, {"material[0].young": 4000, "tool.radius": 0.01}. cache: folder in which set-ups
+    are kept for the next time.
+    first_contact_travel: m from the start along the tool's axis to the resting skin; 0 where the tool touches it at the
+    start, and where it never meets it that way.
     """
 
     def __init__(self, scene=None, threads=0, rate_hz=0, cache=None, *, set=None, text=None, folder=None, name=None):
@@ -135,7 +154,8 @@ class Model:
         return openings
 
     def pose_at(self, depth, slide=(0, 0)):
-        """The start pose moved along the tool's axis to `depth` m past first touch, and by `slide` m in x and y."""
+        """The start pose moved along the tool's axis to `depth` m past first touch, and by `slide` m in x and y. From
+        the start pose itself where first_contact_travel is 0."""
         pose = self.tool_start.copy()
         pose[:3] += (self.first_contact_travel + depth) * self.tool_axis
         pose[:2] += slide

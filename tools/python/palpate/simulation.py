@@ -6,8 +6,8 @@ import os
 import numpy as np
 
 from ._library import (BAD_ARGUMENT, FAILED, OK, REFUSED, Coupling, Error, SkinPlace, State, ToolState, Wrench, _call,
-                       _Coupling, _Device, _DevicePose, _Error, _Parameter, _SkinPlace, _State, _TickCall, _ToolState,
-                       _Wrench, find_library, library)
+                       _Coupling, _Device, _DevicePose, _Error, _fits, _Int64, _Parameter, _SkinPlace, _State,
+                       _TickCall, _ToolState, _UInt32, _Wrench, find_library, library)
 from .model import Model, _doubles, _numbers, _pose
 
 
@@ -168,7 +168,9 @@ class Simulation:
         for name, value in settings.items():
             if name not in (field for field, _ in _Device._fields_[1:]):
                 raise TypeError(f"a coupling has no {name!r}")
-            setattr(device, name, value)
+            if name == "locked" and value not in (0, 1):
+                raise ValueError(f"locked is {value!r}, not True or False")
+            setattr(device, name, int(value) if name == "locked" else value)
         _call("couple", self._handle, C.byref(device), error=_Error())
 
     def uncouple(self):
@@ -179,7 +181,8 @@ class Simulation:
         pose that can't be one has the wrench that is to be sent all the same."""
         given, wrench = None, _Wrench()
         if pose is not None:
-            given = _DevicePose(sequence=sequence, felt=felt, has_velocity=velocity is not None, sent_ns=sent_ns)
+            given = _DevicePose(sequence=_fits(_UInt32, sequence, "sequence"), felt=_fits(_UInt32, felt, "felt"),
+                                has_velocity=velocity is not None, sent_ns=_fits(_Int64, sent_ns, "sent_ns"))
             given.pose[:] = np.asarray(pose, dtype=np.float64)
             if velocity is not None:
                 given.velocity[:] = np.asarray(velocity, dtype=np.float64)
@@ -198,30 +201,36 @@ class Simulation:
         return Coupling(raw)
 
     def set_friction(self, coefficient):
+        """Coulomb coefficient of the first tool, 0 to 2, from the next tick on; further tools keep the scene's."""
         _call("set_friction", self._handle, coefficient)
 
     def set_material(self, material=0, **parameters):
-        """Parameters of a material, by its number or name: set_material("lump", young=4000)."""
+        """Parameters of a material, by its number or name, as a scene writes them: set_material("lump", young=4000),
+        set_material(relaxation=[[0.3, 0.1], [0.2, 2.0]])."""
         index = self.model._index(self.model.materials, material, "material")
-        values = {name: np.atleast_1d(np.asarray(value, dtype=np.float64)) for name, value in parameters.items()}
+        values = {name: np.ascontiguousarray(value, dtype=np.float64) for name, value in parameters.items()}
+        for name, value in values.items():
+            if value.ndim > 2 or (value.ndim == 2 and value.shape[1] != 2):
+                raise ValueError(f"{name} of the shape {value.shape}: give a number, a list or a list of pairs")
         rows = (_Parameter * max(1, len(values)))(*[
-            _Parameter(name.encode(), value.ctypes.data_as(C.POINTER(C.c_double)), len(value))
+            _Parameter(name.encode(), value.ctypes.data_as(C.POINTER(C.c_double)), value.size)
             for name, value in values.items()])
         _call("set_material", self._handle, index, rows, len(values), error=_Error())
 
     def set_gravity(self, acceleration):
-        """Gravity of the tissue (3), m/s^2, in place of the scene's, from the next tick on."""
+        """Gravity of the tissue (3), m/s^2, in place of the scene's, from the next tick on; each component up to
+        1000."""
         _call("set_gravity", self._handle, _doubles(_numbers(acceleration, (3,), "an acceleration")))
 
     def set_force(self, vertex, force):
-        """A force on a vertex of the skin (3), N, from the next tick on, until it is set to 0."""
+        """A force on a vertex of the skin (3), N, from the next tick on, until it is set to 0. At most 64 vertices."""
         _call("set_force", self._handle, operator.index(vertex), _doubles(_numbers(force, (3,), "a force")))
 
     def clear_forces(self):
         _call("set_force", self._handle, -1, None)
 
     def pin(self, vertex, place):
-        """Holds a vertex of the skin at a place (3), m, from the next tick on; set anew, it moves it."""
+        """Holds a vertex of the skin at a place (3), m, from the next tick on; set anew, it moves it. At most 64."""
         _call("pin", self._handle, operator.index(vertex), _doubles(_numbers(place, (3,), "a place")))
 
     def unpin(self, vertex=-1):
@@ -264,7 +273,8 @@ class Simulation:
         _call("reset", self._handle)
 
     def save(self):
-        """The whole state as bytes, for restore()."""
+        """The whole state as bytes, for restore(). Targets and openings that were set since the last tick are not in
+        it, unless step(ticks=0) takes them first."""
         size = library().palpate_save_size(self._handle)
         data = C.create_string_buffer(size)
         _call("save", self._handle, data, len(data))
