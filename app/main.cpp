@@ -2,6 +2,7 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <csignal>
 #include <cstring>
 #include <exception>
 #include <filesystem>
@@ -68,6 +69,7 @@ int main(int argc, char** argv) {
   if (argc > 1 && std::strcmp(argv[1], "batch") == 0) return runBatch(argv);
   const palpate::app::ParsedOptions parsed = palpate::app::parseOptions(argc, argv);
   palpate::catchInterrupts();
+  std::signal(SIGPIPE, SIG_IGN);  // who reads the log may go, and files are still written
   try {
     int code = parsed.exit_code;
     if (parsed.options)

@@ -25,7 +25,6 @@ void catchInterrupts() {
   std::signal(SIGINT, onSignal);
   std::signal(SIGTERM, onSignal);
   if (std::signal(SIGHUP, onHangUp) == SIG_IGN) std::signal(SIGHUP, SIG_IGN);  // as nohup wants it
-  std::signal(SIGPIPE, SIG_IGN);
 }
 
 bool interrupted() { return asked != 0; }

@@ -2,10 +2,9 @@
 
 namespace palpate {
 
-/// From here on, the first SIGINT or SIGTERM asks the program to end and keep its
-/// results; a second one ends it at once. SIGHUP (the terminal was closed) asks, too, however often it comes, unless
-/// the program was started with it ignored. SIGPIPE is ignored: who reads the output may go, and files are still
-/// written.
+/// From here on, the first SIGINT or SIGTERM asks the program to end and keep its results; a second one ends it at
+/// once. SIGHUP (the terminal was closed) asks, too, however often it comes, unless the program was started with it
+/// ignored.
 void catchInterrupts();
 
 /// Whether a signal has asked for the end.
