@@ -126,6 +126,7 @@ int32_t palpate_read_coupling(const palpate_simulation* simulation, palpate_coup
   out.damped_J = report.damped_J;
   out.peak_force = report.peak_force;
   out.peak_torque = report.peak_torque;
+  out.slipped_m = report.slipped_m;
   return fill(state, out);
 }
 

@@ -80,6 +80,8 @@ typedef struct palpate_coupling_state {
   double damped_J;        /* taken out again as the spring's end slipped */
   double peak_force;      /* N */
   double peak_torque;     /* N m */
+  double slipped_m;       /* that the spring's end is from the handle's place now, in the scene: what stretched it further
+                             than the hand had paid for. In air it comes back in 0.1 s; in contact tell the hand to lift */
 } palpate_coupling_state;
 
 /* The scene's settings. */
@@ -98,7 +100,7 @@ PALPATE_API int32_t palpate_uncouple(palpate_simulation* simulation);
 /* (hand) One exchange with the device: its newest pose in, the force out, the tool's target on to the loop. No
  * allocation or lock. PALPATE_REFUSED where nothing is coupled. A pose that can't be one (not finite, or further than
  * 10 m) counts as none, so that the force fades: PALPATE_BAD_ARGUMENT, and the wrench is to be sent all the same.
- * @param now_ns  CLOCK_MONOTONIC; 0: it is read
+ * @param now_ns  CLOCK_MONOTONIC; 0: it is read. A step back counts as no time
  * @param pose    what has come since the last call; NULL: nothing */
 PALPATE_API int32_t palpate_exchange(palpate_simulation* simulation, int64_t now_ns, const palpate_device_pose* pose,
                                      palpate_wrench* wrench);

@@ -19,6 +19,7 @@ std::shared_ptr<const Place> PlaceSource::at(const PlaceIndex& index) {
   const std::unique_lock memory(memory_mutex_, std::try_to_lock);
   auto place = std::make_shared<const Place>(makePlace(*places_, index, store_, memory ? &memory_ : nullptr));
   const std::lock_guard lock(mutex_);
+  std::erase_if(made_, [](const auto& other) { return other.second.expired(); });
   std::weak_ptr<const Place>& slot = made_[index];
   if (auto other = slot.lock()) return other;  // made by another thread in the meantime
   slot = place;

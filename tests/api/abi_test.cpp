@@ -37,7 +37,7 @@ TEST_CASE("The structs of palpate.h have the layout that callers were compiled w
   CHECK(sizeof(palpate_device_settings) == 64);
   CHECK(sizeof(palpate_device_pose) == 104);
   CHECK(sizeof(palpate_wrench) == 64);
-  CHECK(sizeof(palpate_coupling_state) == 88);
+  CHECK(sizeof(palpate_coupling_state) == 96);
   for (const Field& field : std::array{FIELD(palpate_error, size, 0),
                                        FIELD(palpate_error, code, 4),
                                        FIELD(palpate_error, text, 8),
@@ -129,6 +129,7 @@ TEST_CASE("The structs of palpate.h have the layout that callers were compiled w
                                        FIELD(palpate_coupling_state, damped_J, 64),
                                        FIELD(palpate_coupling_state, peak_force, 72),
                                        FIELD(palpate_coupling_state, peak_torque, 80),
+                                       FIELD(palpate_coupling_state, slipped_m, 88),
                                        FIELD(palpate_parameter, name, 0),
                                        FIELD(palpate_parameter, values, 8),
                                        FIELD(palpate_parameter, count, 16)}) {

@@ -18,7 +18,9 @@ constexpr double kGap = 2.5;                        // intervals without a pose:
 constexpr double kSoftens = 0.02, kStiffens = 1.0;  // s, of the coupling when its delay changes
 constexpr double kBraked = 0.1;    // m/s, up to which a handle that comes in is braked before it has paid
 constexpr double kUnknown = 3e-4;  // J, that forces under way may give to a handle at full speed that turns back
-constexpr double kJumps = 3;       // times the tool's greatest speed: it was put elsewhere
+constexpr double kPutElsewhere = 0.005,
+                 kQuickest = 10;  // m and m/s: a handle that goes further at once did not go there
+constexpr double kJumps = 3;      // times the tool's greatest speed: it was put elsewhere
 
 double seconds(std::int64_t ns) { return 1e-9 * static_cast<double>(ns); }
 
@@ -53,6 +55,11 @@ void DeviceCoupling::take(std::int64_t now, const DevicePose& pose) {
   way.along = pose.pose.position - handle_.pose.position;
   way.turning = settings_.lever * turnBetween(handle_.pose.orientation, pose.pose.orientation);
   const double interval = std::max(1e-4, seconds(now - pose_ns_));
+  const double farthest = std::max(kPutElsewhere, kQuickest * interval);
+  if (way.along.norm() > farthest || way.turning.norm() > farthest) {
+    if (phase_ == Phase::Engaged) stayWhile(pose);
+    way = {};
+  }
   const bool gap = report_.poses == 1 || interval > std::max(silent_seconds, kGap * interval_s_);
   energy_.moved(now, pose.felt, way, interval, gap);
   if (!gap) interval_s_ += kIntervalShare * (interval - interval_s_);
@@ -71,6 +78,13 @@ void DeviceCoupling::take(std::int64_t now, const DevicePose& pose) {
   speed_ = std::max(velocity_.along.norm(), speed_ * std::exp(-taken / unknown()));
   handle_ = pose;
   pose_ns_ = now;
+}
+
+/// The handle is told to be elsewhere: no hand goes there so quickly, and no force does work on that way. The spring's
+/// end stays, as if it had slipped.
+void DeviceCoupling::stayWhile(const DevicePose& pose) {
+  slack_ -= settings_.scale * (pose.pose.position - handle_.pose.position);
+  turned_ = (turned_ * handle_.pose.orientation * pose.pose.orientation.conjugate()).normalized();
 }
 
 /// s, for which it isn't known what the handle does with a force.
@@ -288,6 +302,7 @@ DeviceReport DeviceCoupling::report() const {
   DeviceReport report = report_;
   report.delay_s = energy_.delay();
   report.stiffness = stiffness_;
+  report.slipped_m = slack_.norm();
   report.engaged = phase_ == Phase::Engaged;
   return report;
 }

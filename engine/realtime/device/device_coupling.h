@@ -23,6 +23,7 @@ struct DeviceReport {
   double peak_torque = 0;                    // N m
   double delay_s = 0;                        // there and back, as far as the device tells; else what is assumed
   double stiffness = 0;                      // N/m, in force
+  double slipped_m = 0;                      // that the spring's end is from the handle's place now
   bool engaged = false;
 };
 
@@ -78,6 +79,7 @@ class DeviceCoupling {
  private:
   enum class Phase { Off, Engaged, Fading };
   void take(std::int64_t now, const DevicePose& pose);
+  void stayWhile(const DevicePose& pose);
   double unknown() const;
   bool followTool(std::int64_t now, const ForceReading& reading, std::uint32_t put_backs);
   void engage();

@@ -106,6 +106,36 @@ TEST_CASE("The force's norm is bounded, and how quickly it rises", "[device]") {
   CHECK(hand.largest_rise > 0.3);
 }
 
+TEST_CASE("A handle that is put elsewhere at once has not gone there - the spring's end slips, and is told of",
+          "[device]") {
+  Hand hand;
+  hand.push(Vec3(0, 0, -0.004));
+  const Vec3 held = hand.after(200);
+  CHECK(hand.coupling.report().slipped_m < 1e-6);
+  const double paid = hand.coupling.report().energy_J;
+  // A glitch: 30 mm aside for 5 ms, 20 times.
+  for (int k = 0; k < 20; ++k) {
+    hand.pose.pose.position = Vec3(0.03, 0, -0.004);
+    hand.pose.pose.orientation = turnedBy(Vec3(0, 1, 0));
+    CHECK(hand.call().norm() < 1.2 * held.norm());
+    CHECK(hand.coupling.report().slipped_m > 0.02);
+    hand.after(4);
+    hand.pose.pose.position = Vec3(0, 0, -0.004);
+    hand.pose.pose.orientation = Quat::Identity();
+    hand.after(20);
+  }
+  CHECK(hand.coupling.report().energy_J > paid - 1e-5);
+  CHECK((hand.after(500) - held).norm() < 0.1 * held.norm());
+  // Elsewhere for good, and in air all comes back.
+  hand.pose.pose.position = Vec3(0, 0.02, -0.004);
+  hand.after(5);
+  hand.tool.contact_count = 0;
+  hand.after(1000);
+  CHECK(hand.coupling.report().slipped_m < 1e-4);
+  CHECK((hand.coupling.target().pose.position - hand.model.tools.first().start.pose.position - hand.pose.pose.position)
+            .norm() < 1e-4);
+}
+
 TEST_CASE("A clock that steps back once takes no force from the hand", "[device]") {
   Hand steady;
   steady.push(Vec3(0, 0, -0.004));

@@ -115,7 +115,7 @@ class _Wrench(_Sized):
 class _Coupling(_Sized):
     _fields_ = [("size", C.c_uint32), ("engaged", C.c_int32), ("poses", C.c_int64), ("silences", C.c_int64),
                 ("fades", C.c_int64)] + [(name, C.c_double) for name in (
-                    "stiffness", "delay", "energy", "lowest_energy", "damped", "peak_force", "peak_torque")]
+                    "stiffness", "delay", "energy", "lowest_energy", "damped", "peak_force", "peak_torque", "slipped")]
 
 
 class _MaterialNumber(C.Structure):
