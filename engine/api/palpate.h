@@ -437,8 +437,8 @@ PALPATE_API int32_t palpate_hash(const palpate_simulation* simulation, uint64_t*
 
 /* A body at rest in double, for gradients: its answers and their derivatives to materials. One thread at a time. */
 
-/* What is asked of an equilibrium: the component along `direction`, of any length but 0, of the force on the tool, N; of
- * the force that holds the tissue at a region, N; or of a point's displacement, m. */
+/* What is asked of an equilibrium: the component along `direction`, of any length but 0, of the force on the tool, N;
+ * of the force that holds the tissue at a region, N; or of a point's displacement, m. */
 enum { PALPATE_TOOL_FORCE = 0, PALPATE_REGION_FORCE = 1, PALPATE_DISPLACEMENT = 2 };
 typedef struct palpate_quantity {
   uint32_t size;                /* sizeof(palpate_quantity) */
@@ -460,8 +460,8 @@ typedef struct palpate_material_number {
  * rounding, with the laws of `mtled solve`: materials that relax after a long time, gravity and prescribed motions of
  * the scene only. PALPATE_BAD_INPUT where the scene has several tools, jaws, friction, rigid bodies, loads on its skin
  * or boundary_method "ebciem", which sensitivities are not for; PALPATE_REFUSED where the body does not come to rest.
- * The tool touches the skin's vertices alone: where the skin is stretched by more than half, a simulation's touches more
- * points, and its force may be some percent larger, which palpate_equilibrium_expected_error counts.
+ * The tool touches the skin's vertices alone: where the skin is stretched by more than half, a simulation's touches
+ * more points, and its force may be some percent larger, which palpate_equilibrium_expected_error counts.
  * @param pose     (7); NULL: there is no tool
  * @param time     s, of the scene's prescribed motions; 0: before them
  * @param threads  0: one for each core. No result depends on it */

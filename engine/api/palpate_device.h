@@ -80,8 +80,9 @@ typedef struct palpate_coupling_state {
   double damped_J;        /* taken out again as the spring's end slipped */
   double peak_force;      /* N */
   double peak_torque;     /* N m */
-  double slipped_m;       /* that the spring's end is from the handle's place now, in the scene: what stretched it further
-                             than the hand had paid for. In air it comes back in 0.1 s; in contact tell the hand to lift */
+  double slipped_m;       /* that the spring's end is from the handle's place now, in the scene: what stretched it
+                             further than the hand had paid for, or a handle that was put elsewhere at once. In air it
+                             comes back in 0.3 s; in contact tell the hand to lift off */
 } palpate_coupling_state;
 
 /* The scene's settings. */

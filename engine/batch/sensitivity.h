@@ -47,8 +47,8 @@ struct EquilibriumQuantity {
 /// gradients (Gould, Hribar, Nocedal, SIAM J. Sci. Comput. 23, 1376 (2001)), K v by differences of forces, which are
 /// central for derivatives.
 /// Contact is that of the skin's vertices: points of faces that are stretched by more than half take no part, as their
-/// weights change with the displacement: the force is up to 2 % less for that where the cloud is coarse, and 6 % beside a
-/// ball that is pressed in by almost its diameter (lacking()).
+/// weights change with the displacement. The force is less for that: by up to 2 % where the cloud is coarse, by 6 %
+/// beside a ball that is pressed in by almost its diameter (lacking()).
 /// Test: simulation/sensitivity_test.cpp (central differences)
 class EquilibriumSensitivity {
  public:
@@ -66,7 +66,7 @@ class EquilibriumSensitivity {
 
   /// The equilibrium with the tool at a pose, come to along its axis from outside; or without a tool.
   /// @param time  s, of the load curves of imposed motions
-  /// Throws std::runtime_error where there is none, or one that it can't tell.
+  /// Throws std::runtime_error where there is none.
   void settle(const std::optional<Pose>& tool, double time = 0);
 
   /// The same from a displacement that is near, of the same tool and time: by Newton's method alone.
@@ -83,7 +83,8 @@ class EquilibriumSensitivity {
   /// it is at an end of its range, std::runtime_error where the equilibrium is not stable.
   std::vector<double> derivatives(const EquilibriumQuantity& q, const std::vector<MaterialNumber>& numbers);
 
-  /// How far off the tool's force is because the scene's cloud is no finer (expected_error.h), and lacking(), as a share.
+  /// How far off the tool's force is because the scene's cloud is no finer (expected_error.h), and for lacking(), as a
+  /// share.
   double expectedError();
 
   /// By how much the tool's force differed from that with the points of stretched faces when settle() came to it last,

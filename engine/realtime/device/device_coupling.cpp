@@ -18,9 +18,9 @@ constexpr double kGap = 2.5;                        // intervals without a pose:
 constexpr double kSoftens = 0.02, kStiffens = 1.0;  // s, of the coupling when its delay changes
 constexpr double kBraked = 0.1;    // m/s, up to which a handle that comes in is braked before it has paid
 constexpr double kUnknown = 3e-4;  // J, that forces under way may give to a handle at full speed that turns back
-constexpr double kPutElsewhere = 0.005,
-                 kQuickest = 10;  // m and m/s: a handle that goes further at once did not go there
-constexpr double kJumps = 3;      // times the tool's greatest speed: it was put elsewhere
+// m and m/s: a handle that is further at once did not go there. (The quickest hands and falls: 3 m/s.)
+constexpr double kPutElsewhere = 0.005, kQuickest = 10;
+constexpr double kJumps = 3;  // times the tool's greatest speed: it was put elsewhere
 
 double seconds(std::int64_t ns) { return 1e-9 * static_cast<double>(ns); }
 

@@ -80,8 +80,8 @@ class TissuePhysics final : public Physics {
   void setLoads(const LiveLoads& loads) override { state_.live.loads = loads; }
   double setMaterial(int index, const Material& material) override;
 
-  /// Places that it holds beside the start, those that it was at last, where states of the last seconds are kept to undo
-  /// with, and for those of the last tenths, of which the watchdog may want one.
+  /// Places that it holds beside the start, those that it was at last: where states of the last seconds are kept to
+  /// undo with, and where the watchdog alone may want one of the last tenths.
   static constexpr std::size_t kept_to_undo = 4, kept_for_watchdog = 2;
   void holdPlaces(std::size_t most) { most_held_ = most; }
 

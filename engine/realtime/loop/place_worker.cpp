@@ -131,6 +131,7 @@ void PlaceWorker::work() {
   const OwnSetupThreads own(threads_);
   Wish done;
   std::uint32_t seen = 0;
+  int given_back = 0;  // places made by then
   while (!stop_.load(std::memory_order_relaxed)) {
     const std::uint32_t count = wish_count_.load(std::memory_order_acquire);
     const Wish wish = wishes_.latest();
@@ -165,7 +166,7 @@ void PlaceWorker::work() {
     } catch (const std::exception& error) {
       fail(made, error.what());
     }
-    giveFreeMemoryBack();
+    if (std::exchange(given_back, madeCount()) != madeCount()) giveFreeMemoryBack();
     wish_count_.wait(count, std::memory_order_acquire);
   }
 }
