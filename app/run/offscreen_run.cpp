@@ -253,7 +253,7 @@ int runOffscreen(Session& session) {
     });
   if (options.soak_minutes)
     written("soak", results.soakTextFile());
-  else
+  else if (results.keepsForces())
     written("force curve", results.forceFile());
   if (reported) written("report", results.reportFile());
   std::cout << std::flush;

@@ -28,6 +28,7 @@ class ResultFolder {
   void addForce(const ForceSample& sample, const ToolReadings& readings = {});
   /// Ends force.csv. Rows that could not be written are found here at the latest, and told once.
   void finishForces();
+  bool keepsForces() const { return with_forces_ && !forces_lost_; }
 
   void writeReport(const std::string& json) const;
   void writePicture(const Picture& picture) const;

@@ -8,7 +8,10 @@
 namespace palpate {
 namespace {
 
-constexpr int looked_at = 24;  // integration points around a place: that of its cell is among them
+// Integration points around a place, that of its cell among them: of 20,000 places in the livers with lumps and kidney
+// the cell's is beyond 6 of 275 and 295, beyond 12 of 80 and 100, beyond 24 of 53 and 69, beyond 48 of as many: these
+// lie outside of all cells, below a bulging skin.
+constexpr int looked_at = 24;
 
 /// Of the groups of cells that end at borders between materials, that of an integration point.
 std::uint64_t groupOf(const Body& model, int q) {
