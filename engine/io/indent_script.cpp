@@ -12,7 +12,7 @@ constexpr double approach_speed = 0.06;  // m/s, mean; quick, but slow enough to
 constexpr double min_approach = 0.1;     // s, also where the tool starts at the skin
 constexpr double indent_seconds = 1.0;   // slow against the tissue's own swinging
 constexpr double depth_per_radius = 1.2;
-constexpr std::int64_t max_poses = 1'000'000;  // 64 MB
+constexpr std::int64_t max_ticks = 1'000'000;  // 64 MB
 constexpr double max_of_organ = 0.25;          // of the organ's length along the axis
 
 }  // namespace
@@ -41,39 +41,30 @@ std::optional<ToolScript> namedScript(const std::string& name, double tool_radiu
   return readToolScript(findToolScript(name), tool_radius);
 }
 
-ScriptTrajectory trajectoryOf(const ToolScript& script, const Model& model) {
-  return {script, model.tools.first().start.pose, model.tools.first().first_contact_travel,
-          model.scene.dynamics.rate_hz, model.scene.tools[0].opening};
+ScriptTrajectory trajectoryOf(const ToolScript& script, const Model& model, int tool) {
+  const ToolSetUp& of = model.tools.tool[static_cast<std::size_t>(tool)];
+  return {script, of.start.pose, of.first_contact_travel, model.scene.dynamics.rate_hz,
+          model.scene.tools[static_cast<std::size_t>(tool)].opening};
 }
 
-std::vector<Pose> scriptPoses(const ToolScript& script, const Model& model) {
-  ScriptTrajectory trajectory = trajectoryOf(script, model);
-  if (trajectory.ticks() > max_poses)
-    throw InputError(script.end_place,
-                     "the tool script has " + std::to_string(trajectory.ticks()) + " ticks, more than the " +
-                         std::to_string(max_poses) + " that can be compared",
-                     "shorten it");
-  std::vector<Pose> poses(static_cast<std::size_t>(trajectory.ticks()));
-  for (Pose& pose : poses) pose = trajectory.next();
-  return poses;
+std::vector<ToolPosture> scriptWay(const ToolScript& script, const Model& model, int tool) {
+  ScriptTrajectory trajectory = trajectoryOf(script, model, tool);
+  if (trajectory.ticks() > max_ticks)
+    throw InputError(script.end_place, "the tool script has " + std::to_string(trajectory.ticks()) + " ticks",
+                     "shorten it to " + std::to_string(max_ticks));
+  std::vector<ToolPosture> way(static_cast<std::size_t>(trajectory.ticks()));
+  for (ToolPosture& posture : way) {
+    posture.pose = trajectory.next();
+    posture.opening = std::max(0.0, trajectory.opening());
+  }
+  return way;
 }
 
 void addToolPaths(Model& model) {
-  const std::vector<ToolSpec> specs = model.scene.tools;
   for (std::size_t k = 1; k < model.tools.tool.size(); ++k) {
-    if (specs[k].script.empty()) continue;
-    ToolSetUp& tool = model.tools.tool[k];
-    const ToolScript script = readToolScript(specs[k].script, tool.shape.radius);
-    ScriptTrajectory way(script, tool.start.pose, tool.first_contact_travel, model.scene.dynamics.rate_hz,
-                         specs[k].opening);
-    if (way.ticks() > max_poses)
-      throw InputError(script.end_place, "the tool script has " + std::to_string(way.ticks()) + " ticks",
-                       "shorten it to " + std::to_string(max_poses));
-    tool.path.resize(static_cast<std::size_t>(way.ticks()));
-    for (ToolPosture& posture : tool.path) {
-      posture.pose = way.next();
-      posture.opening = std::max(0.0, way.opening());
-    }
+    const ToolSpec& spec = model.scene.tools[k];
+    if (!spec.script.empty())
+      model.tools.tool[k].path = scriptWay(readToolScript(spec.script, spec.shape.radius), model, static_cast<int>(k));
   }
 }
 

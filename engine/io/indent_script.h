@@ -20,13 +20,13 @@ ToolScript indentScript(const Model& model);
 /// @param tool_radius  m, of the scene
 std::optional<ToolScript> namedScript(const std::string& name, double tool_radius);
 
-/// The script's poses tick by tick, for a model and its rate.
-ScriptTrajectory trajectoryOf(const ToolScript& script, const Model& model);
+/// The script's poses tick by tick, for a tool of a model and its rate.
+ScriptTrajectory trajectoryOf(const ToolScript& script, const Model& model, int tool = 0);
 
 /// The ways of the tools beside the first whose scene has a script for them. Throws InputError. For set-up.
 void addToolPaths(Model& model);
 
-/// All of them at once. Throws InputError where they would be more than a million.
-std::vector<Pose> scriptPoses(const ToolScript& script, const Model& model);
+/// All of them at once, and how far jaws are open. Throws InputError where they would be more than a million.
+std::vector<ToolPosture> scriptWay(const ToolScript& script, const Model& model, int tool = 0);
 
 }  // namespace palpate

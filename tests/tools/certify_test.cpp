@@ -25,12 +25,12 @@ TEST_CASE("A certificate's error is that against the limit of two finer clouds, 
   const double coarse = 4, fine = 1, coarser = fine * ratio * ratio;  // % too stiff, of second order in the spacing
   for (int k = 1; k <= ticks; ++k) {
     const double depth = deepest * k / ticks, truth = 100 * depth;
-    way.push_back(test::toolAt(model, model.tools.first().first_contact_travel + depth));
+    way.emplace_back()[0].pose = test::toolAt(model, model.tools.first().first_contact_travel + depth);
     run.force.emplace_back(0, 0, truth * (1 + 0.01 * coarse));
     converged.run.force.emplace_back(0, 0, truth * (1 + 0.01 * fine));
     converged.coarser.force.emplace_back(0, 0, truth * (1 + 0.01 * coarser));
   }
-  const auto rows = certifiedRows(model, way, run, converged, ratio, 4);
+  const auto rows = certifiedRows(advances(model, way), run, converged, ratio, 4);
   REQUIRE(rows.size() == 4);
   for (std::size_t r = 0; r < 4; ++r) {
     const double depth = deepest * static_cast<double>(r + 1) / 4;
@@ -41,7 +41,7 @@ TEST_CASE("A certificate's error is that against the limit of two finer clouds, 
     CHECK(rows[r].uncertainty == Approx(0.01 * fine / std::sqrt(3)).epsilon(0.05));
   }
   converged.about.layer_error = 0.2;  // not even the finest cloud sees all of a thin layer
-  CHECK(certifiedRows(model, way, run, converged, ratio, 1).at(0).uncertainty == Approx(0.2));
+  CHECK(certifiedRows(advances(model, way), run, converged, ratio, 1).at(0).uncertainty == Approx(0.2));
 }
 
 TEST_CASE("certify leaves a certificate of the scene's own model beside it", "[certify][whole]") {
@@ -85,10 +85,56 @@ region = {shape = "half-space", point = [0, 0, 0.001], normal = [0, 0, 1]}
   for (const Certificate::Row& row : certificate->row) CHECK(row.uncertainty > 0.1);
 }
 
-TEST_CASE("A scene of several tools or of jaws is not certified by the way of the first", "[certify]") {
-  for (const char* scene : {"two_fingers", "strip_grasp"}) {
-    CertifyOptions options;
-    options.scene = scene;
-    CHECK_THROWS_WITH(certifyCommand(options), Catch::Contains(scene) && Catch::Contains("goes one tool's way"));
-  }
+TEST_CASE("Where there are several tools, or jaws, each goes its way, and the errors are told over time", "[certify]") {
+  const TempFolder folder;
+  CertifyOptions options;
+  options.use_cache = false;
+  // Two that squeeze a block from both sides, the second deeper.
+  folder.write("shallow.toml", "[[keyframe]]\ntime = 0.1\nadvance = 0.002\n");
+  folder.write("deep.toml", "[[keyframe]]\ntime = 0.1\nadvance = 0.004\n");
+  const std::string finger = "[[tool]]\nshape = \"sphere\"\nradius = 0.01\n";
+  options.scene = folder.write("block.toml", test::block_text + finger + R"(position = [-0.041, 0, 0.02]
+direction = [1, 0, 0]
+input = "script:shallow.toml"
+)" + finger + R"(position = [0.041, 0, 0.02]
+direction = [-1, 0, 0]
+input = "script:deep.toml"
+)");
+  const Model model = loadModel(readScene(options.scene));
+  const ToolTrajectory way = scriptedTrajectory(model);
+  CHECK(way.back()[0].pose.position.x() == Approx(-0.038));  // 1 mm up to the skin
+  CHECK(way.back()[1].pose.position.x() == Approx(0.036));
+  REQUIRE(forcesOf(model) == 2);
+  const ScriptedRun run = runTrajectory(model, way, {}, 1), in_double = runTrajectory(model, way, {}, 1, true);
+  REQUIRE(run.force.size() == 2 * way.size());
+  CHECK(run.force.back().x() > 1.5 * std::abs(run.force[run.force.size() - 2].x()));
+  CHECK(errorOf(run, in_double).force < 1e-3);
+  CHECK(contactRegions(model, way).size() == 2);
+
+  const CapturedOutput captured;
+  REQUIRE(certifyCommand(options) == 0);
+  CHECK_FALSE(std::filesystem::exists(certificateFile(options.scene)));
+  options.out = folder.path("certificate.json");
+  CHECK_THROWS_WITH(certifyCommand(options), Catch::Contains("block.toml") && Catch::Contains("leave --out away"));
+}
+
+TEST_CASE("What jaws pinch with is a force of its own", "[certify]") {
+  const TempFolder folder;
+  folder.write("close.toml", "[[keyframe]]\ntime = 0.1\nopening = 0.054\n");
+  const Model model = loadModel(readScene(folder.write("block.toml", test::block_text + R"([tool]
+shape = "sphere"
+radius = 0.008
+opening = 0.062
+friction = 0.5
+position = [0, 0, 0.02]
+input = "script:close.toml"
+)")));
+  const ToolTrajectory way = scriptedTrajectory(model);
+  CHECK(way.back()[0].opening == Approx(0.054));
+  REQUIRE(forcesOf(model) == 2);
+  const ScriptedRun run = runTrajectory(model, way, {}, 1);
+  REQUIRE(run.sound());
+  CHECK(run.force.back().x() > 0.1);                                           // N, pinched
+  CHECK(run.force[run.force.size() - 2].norm() < 0.1 * run.force.back().x());  // the two fingers' sum
+  CHECK(contactRegions(model, way).size() == 2);
 }

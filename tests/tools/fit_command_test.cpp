@@ -69,24 +69,24 @@ TEST_CASE("The force error that fit expects, or certify states, is within a fact
   for (const unsigned seed : {11U, 12U, 13U, 14U, 15U}) {
     const Scene scene = randomScene(seed);
     const Model model = loadModel(scene);
-    const ToolTrajectory way = indentationTrajectory(model);
+    const ToolTrajectory way = scriptedTrajectory(model);
     const auto probes = surfaceProbes(model, 50);
-    const ContactRegion place = contactRegion(model, way);
+    const std::vector<ContactRegion> places = contactRegions(model, way);
     const TempFolder folder;
     FitRecord record(folder.path("record.json"), "");
     const FitTask task{scene, way, probes, 2, record, quiet};
     // As fit does, with even nodes and with nodes dense where the tool works ...
-    const auto families = fitFamilies(scene, place);
+    const auto families = fitFamilies(scene, places);
     const FitFamily &even = families.front(),
                     &refined = *std::find_if(families.begin(), families.end(),
                                              [](const FitFamily&f) { return f.inside == 0.6; });
     const FitCandidate candidates[] = {tried(task, even, 1), tried(task, refined, 1.2)};
     const double inside = 1.2 * refined.inside;
     const Fineness fineness = fitFineness(1, inside);
-    const ConvergedRun converged = convergedRun(model, way, probes, place, fineness, 2, quiet);
+    const ConvergedRun converged = convergedRun(model, way, probes, places, fineness, 2, quiet);
     // ... and against a solution finer than what fit compares with.
     const ConvergedRun finer =
-        convergedRun(model, way, probes, place, {0.95 * fineness.outside, 0.78 * fineness.inside, 1.35}, 2, quiet);
+        convergedRun(model, way, probes, places, {0.95 * fineness.outside, 0.78 * fineness.inside, 1.35}, 2, quiet);
     for (const FitCandidate& c : candidates) {
       REQUIRE(c.run.sound());
       const double expected = expectedError(errorOf(c.run, converged.run), converged, fineness.coarser),
@@ -97,8 +97,8 @@ TEST_CASE("The force error that fit expects, or certify states, is within a fact
       CHECK(expected < 3 * measured);
       CHECK(expected > measured / 3);
       // What certify would say of this cloud against the limit of the finer one, whose own is not known better than so.
-      const Certificate::Row stated = certifiedRows(model, way, c.run, converged, fineness.coarser, 1).at(0),
-                             truth = certifiedRows(model, way, c.run, finer, 1.35, 1).at(0);
+      const Certificate::Row stated = certifiedRows(advances(model, way), c.run, converged, fineness.coarser, 1).at(0),
+                             truth = certifiedRows(advances(model, way), c.run, finer, 1.35, 1).at(0);
       CAPTURE(stated.error, stated.uncertainty, truth.error, truth.uncertainty);
       CHECK(std::abs(stated.error - truth.error) < 2 * stated.uncertainty + truth.uncertainty);
       certified += stated.error < 2 * truth.error && stated.error > truth.error / 2;
@@ -177,7 +177,7 @@ TEST_CASE("What a fit has tried is not tried again, and the finest that fits is 
   Scene scene = blockScene();
   scene.dynamics.rate_hz = 500;
   const Model model = loadModel(scene);
-  const ToolTrajectory way = indentationTrajectory(model);
+  const ToolTrajectory way = scriptedTrajectory(model);
   const auto probes = surfaceProbes(model, 10);
   FitRecord record(folder.path("record.json"), "abc");
   int tries = 0;
@@ -214,8 +214,8 @@ TEST_CASE(
     "Families differ in name and scene, are refined only where a tool works, and add mass only beyond the scene's own",
     "[fit]") {
   Scene scene = blockScene();
-  const ContactRegion place{Vec3(0, 0, 0.03), 0.02};
-  const auto families = fitFamilies(scene, place);
+  const std::vector<ContactRegion> places{{Vec3(0, 0, 0.03), 0.02}};
+  const auto families = fitFamilies(scene, places);
   std::vector<Scene> turned;
   for (const auto& family : families) {
     turned.push_back(scene);
@@ -230,7 +230,7 @@ TEST_CASE(
   CHECK(turned.back().dynamics.mass_scaling > 0);
   for (const auto& family : fitFamilies(scene, {})) CHECK(family.inside == 1);
   scene.dynamics.mass_scaling = 0.2;
-  for (const auto& family : fitFamilies(scene, place)) {
+  for (const auto& family : fitFamilies(scene, places)) {
     Scene one = scene;
     family.turn(one);
     CHECK(one.dynamics.mass_scaling == 0.2);
@@ -249,12 +249,12 @@ TEST_CASE("Where the cloud follows, the spacing near the tool is what a fit sear
   const double by_tool = fineSpacing(scene);
   CHECK(fitFamilies(scene, {}).size() == 1);  // no more mass is added than the scene's own
   scene.dynamics.mass_scaling = 0;
-  CHECK(fitFamilies(scene, {Vec3(0, 0, 0.03), 0.02}).size() == 2);  // nothing is refined by hand
+  CHECK(fitFamilies(scene, {{Vec3(0, 0, 0.03), 0.02}}).size() == 2);  // nothing is refined by hand
   scaleSpacing(scene, 1.5);
   CHECK(fineSpacing(scene) == Approx(1.5 * by_tool));
 
   const Model model = loadModel(readScene(options.scene));
-  const ToolTrajectory way = indentationTrajectory(model);
+  const ToolTrajectory way = scriptedTrajectory(model);
   const auto probes = surfaceProbes(model, 10);
   FitRecord record(folder.path("record.json"), "");
   const Scene given = readScene(options.scene);

@@ -74,15 +74,15 @@ TEST_CASE("The default indentation goes from the start pose by the touch into th
   model.skin.surface.vertices = {{0, 0, 0}, {0, 0, 0.08}};
   model.tools.first().start.pose.position = {0, 0, 0.1};
   model.tools.first().first_contact_travel = 0.02;
-  const std::vector<Pose> poses = scriptPoses(indentScript(model), model);
+  const std::vector<ToolPosture> way = scriptWay(indentScript(model), model);
   const double depth = 0.012;  // 1.2 radii; a quarter of the height would be 20 mm
-  CHECK(poses.back().position.z() == Approx(0.08 - depth).epsilon(1e-9));
+  CHECK(way.back().pose.position.z() == Approx(0.08 - depth).epsilon(1e-9));
   double last = 0.1;
   double fastest = 0;
-  for (const Pose& pose : poses) {
-    CHECK(pose.position.z() <= last + 1e-12);  // never back
-    fastest = std::max(fastest, (last - pose.position.z()) * 500);
-    last = pose.position.z();
+  for (const ToolPosture& at : way) {
+    CHECK(at.pose.position.z() <= last + 1e-12);  // never back
+    fastest = std::max(fastest, (last - at.pose.position.z()) * 500);
+    last = at.pose.position.z();
   }
   CHECK(fastest < 0.2);  // m/s; 1.875 times the mean of the approach, at most
 }

@@ -25,50 +25,65 @@ namespace {
 
 constexpr int row_count = 8, probe_count = 200;
 
-/// Finer than the scene where the tool works: by half, or where the scene does not resolve its tool, until that is.
+/// Finer than the scene where the tools work: by half, or where the scene does not resolve one, until it is.
 Fineness finenessFor(const Model& model) {
   constexpr double fine = 0.3;  // tool radii
-  return {0.85, std::clamp(fine * touchRadius(model.scene.tools[0].shape) / spacingAtTool(model), 0.25, 0.5), 1.35};
+  double touch = INFINITY;
+  for (const ToolSetUp& tool : model.tools.tool) touch = std::min(touch, touchRadius(tool.shape));
+  return {0.85, std::clamp(fine * touch / spacingAtTool(model), 0.25, 0.5), 1.35};
 }
 
-ToolTrajectory wayOf(const Model& model, const std::string& name) {
-  const std::optional<ToolScript> script = namedScript(name, model.scene.tools[0].shape.radius);
-  return script ? scriptPoses(*script, model) : indentationTrajectory(model);
+/// (tick_count) s
+std::vector<double> times(const Model& model, const ToolTrajectory& way) {
+  std::vector<double> time;
+  for (std::size_t k = 0; k < way.size(); ++k)
+    time.push_back(static_cast<double>(k + 1) / model.scene.dynamics.rate_hz);
+  return time;
 }
 
-/// Of the tip along its axis past first touch, m.
-double advanceOf(const Model& model, const Pose& pose) {
-  const Vec3 axis = model.tools.first().start.pose.orientation * -Vec3::UnitZ();
-  return (pose.position - model.tools.first().start.pose.position).dot(axis) - model.tools.first().first_contact_travel;
+void printRows(const Certificate& certificate, bool by_time) {
+  std::printf(by_time ? "  to the time of  largest force   its error   not known\n"
+                      : "  to a depth of   largest force   its error   not known\n");
+  for (const Certificate::Row& r : certificate.row)
+    std::printf("%13.2f %s %13.4f N %10.2f %% %10.2f %%\n", by_time ? r.advance : 1e3 * r.advance,
+                by_time ? "s " : "mm", r.force, 100 * r.error, 100 * r.uncertainty);
 }
 
 }  // namespace
 
-std::vector<Certificate::Row> certifiedRows(const Model& model, const ToolTrajectory& way, const ScriptedRun& run,
+std::vector<double> advances(const Model& model, const ToolTrajectory& way) {
+  const ToolSetUp& tool = model.tools.first();
+  const Vec3 axis = tool.start.pose.orientation * -Vec3::UnitZ();
+  std::vector<double> advance;
+  for (const ToolPostures& tools : way)
+    advance.push_back((tools[0].pose.position - tool.start.pose.position).dot(axis) - tool.first_contact_travel);
+  return advance;
+}
+
+std::vector<Certificate::Row> certifiedRows(const std::vector<double>& advance, const ScriptedRun& run,
                                             const ConvergedRun& converged, double ratio, int count) {
-  double deepest = 0;
-  for (const Pose& pose : way) deepest = std::max(deepest, advanceOf(model, pose));
+  const double deepest = std::max(0.0, *std::max_element(advance.begin(), advance.end()));
   const double beyond = 1 / (ratio * ratio - 1);
+  const std::size_t forces = run.force.size() / advance.size();
   std::vector<Certificate::Row> rows;
   for (int r = 1; r <= count; ++r) {
     Certificate::Row row;
     row.advance = deepest * r / count;
     double error = 0, unknown = 0;
-    int ticks = 0;
-    for (std::size_t k = 0; k < way.size(); ++k) {
-      const double advance = advanceOf(model, way[k]);
-      if (advance > row.advance * (1 + 1e-9)) continue;
+    int felt = 0;
+    for (std::size_t k = 0; k < run.force.size(); ++k) {
+      if (advance[k / forces] > row.advance * (1 + 1e-9)) continue;
       const Vec3 lacking = beyond * (converged.run.force[k] - converged.coarser.force[k]),
                  truth = converged.run.force[k] + lacking;
       if (truth.isZero(0) && run.force[k].isZero(0)) continue;
       row.force = std::max(row.force, truth.norm());
       error += (run.force[k] - truth).squaredNorm();
       unknown += lacking.squaredNorm();
-      ++ticks;
+      ++felt;
     }
-    if (ticks == 0 || row.force == 0) continue;
-    row.error = std::sqrt(error / ticks) / row.force;
-    row.uncertainty = std::max(std::sqrt(unknown / ticks) / row.force, converged.about.layer_error);
+    if (felt == 0 || row.force == 0) continue;
+    row.error = std::sqrt(error / felt) / row.force;
+    row.uncertainty = std::max(std::sqrt(unknown / felt) / row.force, converged.about.layer_error);
     rows.push_back(row);
   }
   return rows;
@@ -77,7 +92,9 @@ std::vector<Certificate::Row> certifiedRows(const Model& model, const ToolTrajec
 int certifyCommand(const CertifyOptions& options) {
   const std::string file = findScene(options.scene);
   const Scene scene = readScene(file);
-  checkOneWay(scene, "certify");
+  const bool one_way = hasOneWay(scene);
+  if (!one_way && !options.out.empty())
+    throw InputError({file}, "a scene of several tools or jaws has no certificate", "leave --out away");
   const int threads = threadsOr(options.threads);
   auto line = std::make_unique<ProgressLine>("certify");
   ProgressLine& progress = *line;
@@ -88,7 +105,7 @@ int certifyCommand(const CertifyOptions& options) {
   const ModelCache cache(options.use_cache ? ModelCache::userFolder() : "", {});
   const auto following = scene.discretization.follow ? loadFollowing(scene, show, cache) : nullptr;
   const Model model = following ? following->start()->model : loadModel(scene, show, cache);
-  const ToolTrajectory way = wayOf(model, options.tool_script);
+  const ToolTrajectory way = scriptedTrajectory(model, namedScript(options.tool_script, scene.tools[0].shape.radius));
   const std::vector<Vec3> probes = surfaceProbes(model, probe_count);
   progress.show(0.1, "the scene as it is");
   ScriptedRun run;
@@ -100,29 +117,29 @@ int certifyCommand(const CertifyOptions& options) {
   }
   if (run.interrupted) throw std::runtime_error("interrupted; nothing is kept");
   if (!run.sound())
-    throw std::runtime_error("the scene does not follow its tool to the end of the way; there is nothing to certify");
+    throw std::runtime_error("the scene does not follow its tools to the end of the way; there is nothing to certify");
   const Fineness fineness = finenessFor(model);
   const ConvergedRun converged =
-      convergedRun(model, way, probes, contactRegion(model, way), fineness, threads,
+      convergedRun(model, way, probes, contactRegions(model, way), fineness, threads,
                    [&](double fraction, const std::string& what) { progress.show(0.15 + 0.85 * fraction, what); });
 
   Certificate certificate;
   certificate.model_hash = modelHash(model);
   certificate.script = options.tool_script;
-  certificate.row = certifiedRows(model, way, run, converged, fineness.coarser, row_count);
+  certificate.row =
+      certifiedRows(one_way ? advances(model, way) : times(model, way), run, converged, fineness.coarser, row_count);
   certificate.displacement_error = errorOf(run, converged.run).displacement;
   const std::string out = options.out.empty() ? certificateFile(file) : options.out;
-  writeCertificate(out, certificate);
+  if (one_way) writeCertificate(out, certificate);
 
   line.reset();
   if (!converged.about.layer_warning.empty()) warn("on the finest cloud, too: " + converged.about.layer_warning);
-  std::printf("%s: %d nodes against %d and %d\n  to a depth of   largest force   its error   not known\n",
-              scene.name.c_str(), model.nodeCount(), converged.about.coarser_nodes, converged.about.nodes);
-  for (const Certificate::Row& r : certificate.row)
-    std::printf("%13.2f mm %13.4f N %10.2f %% %10.2f %%\n", 1e3 * r.advance, r.force, 100 * r.error,
-                100 * r.uncertainty);
+  std::printf("%s: %d nodes against %d and %d\n", scene.name.c_str(), model.nodeCount(), converged.about.coarser_nodes,
+              converged.about.nodes);
+  printRows(certificate, !one_way);
   std::printf("displacement of the skin at the end: %.2f %% of the largest\ncertificate  %s\n",
-              100 * certificate.displacement_error, out.c_str());
+              100 * certificate.displacement_error,
+              one_way ? out.c_str() : "none: of several tools or jaws it would hold for their scripts alone");
   return 0;
 }
 

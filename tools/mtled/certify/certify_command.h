@@ -23,14 +23,20 @@ struct CertifyOptions {
 ///
 /// with r the ratio of the two finer spacings: Richardson's extrapolation of what converges with their square
 /// (Roache 1998). Where not even the finest sees all of a thin layer, the uncertainty is no less than that makes it
-/// (thin_layers.h), and certify says so.
+/// (thin_layers.h), and certify says so. A scene of several tools or jaws has no certificate, as its force depends on
+/// more than a depth: its errors over the time of its scripts are printed.
 /// @return 0 done, 1 interrupted or not sound
 /// Throws InputError for unusable input, std::runtime_error where a solution or a file fails.
 int certifyCommand(const CertifyOptions& options);
 
-/// The rows of a certificate: the error of `run` against what the two finer runs extrapolate to.
-/// @param ratio  of the two finer spacings, > 1
-std::vector<Certificate::Row> certifiedRows(const Model& model, const ToolTrajectory& way, const ScriptedRun& run,
+/// The rows of a certificate: the error of `run` against what the two finer runs extrapolate to, up to some values of
+/// `advance`.
+/// @param advance  (tick_count) what the rows go by: advances() or time
+/// @param ratio    of the two finer spacings, > 1
+std::vector<Certificate::Row> certifiedRows(const std::vector<double>& advance, const ScriptedRun& run,
                                             const ConvergedRun& converged, double ratio, int count);
+
+/// (tick_count) m, of the first tool's tip along its axis past first touch.
+std::vector<double> advances(const Model& model, const ToolTrajectory& way);
 
 }  // namespace palpate::tools

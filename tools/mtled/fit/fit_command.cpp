@@ -112,7 +112,6 @@ FitOrder orderOf(const FitOptions& options) {
   order.scene_file = findScene(options.scene);
   order.given = readScene(order.scene_file);
   const Scene& given = order.given;
-  checkOneWay(given, "fit");
   const bool follows = given.discretization.follow;
   if (!follows && !given.discretization.refine.empty())
     throw InputError(given.discretization.refine.front().place,
@@ -180,7 +179,7 @@ ConvergedRun referenceRun(const FitOptions& options, const FitOrder& order, cons
   ConvergedRun converged;
   if (options.resume && readConvergedRun(file, identity, converged)) return converged;
   converged =
-      convergedRun(w.present, w.way, w.probes, contactRegion(w.present, w.way), fineness, order.scene.dynamics.threads,
+      convergedRun(w.present, w.way, w.probes, contactRegions(w.present, w.way), fineness, order.scene.dynamics.threads,
                    [&](double fraction, const std::string& what) { progress.show(0.6 + 0.3 * fraction, what); });
   writeConvergedRun(file, converged, identity);
   return converged;
@@ -274,9 +273,9 @@ int fit(const FitOptions& options) {
   ProgressLine progress("fit");
   progress.show(0, "set-up");
   const Model present = loadModel(scene, {}, ModelCache(), warn);
-  FitWay w{present, order.script ? scriptPoses(*order.script, present) : indentationTrajectory(present),
-           surfaceProbes(present, probe_count)};
-  const auto families = fitFamilies(scene, options.uniform ? ContactRegion{} : contactRegion(present, w.way));
+  FitWay w{present, scriptedTrajectory(present, order.script), surfaceProbes(present, probe_count)};
+  const auto families =
+      fitFamilies(scene, options.uniform ? std::vector<ContactRegion>() : contactRegions(present, w.way));
   const std::vector<double> asked = {scene.dynamics.rate_hz, static_cast<double>(scene.dynamics.threads)};
   FitRecord record(order.stem + ".fit.json", runIdentity(present, w.way, asked));
   if (options.resume) record.resume();

@@ -22,7 +22,7 @@ constexpr double some_mass = 0.05;  // of the body's: motion becomes slower by h
 
 }  // namespace
 
-std::vector<FitFamily> fitFamilies(const Scene& scene, const ContactRegion& place) {
+std::vector<FitFamily> fitFamilies(const Scene& scene, const std::vector<ContactRegion>& places) {
   std::vector<FitFamily> families;
   const auto add = [&](double support, double inside, double mass, double cells_per_point = some_pairs) {
     std::string name = format("support_factor %g", support);
@@ -36,7 +36,7 @@ std::vector<FitFamily> fitFamilies(const Scene& scene, const ContactRegion& plac
                           s.discretization.formulation = Formulation{};
                           s.dynamics.time_step = 0;
                           s.dynamics.mass_scaling = mass;
-                          if (inside < 1) refineWhere(s, place, 1, inside);
+                          if (inside < 1) refineWhere(s, places, 1, inside);
                         },
                         inside});
   };
@@ -57,7 +57,7 @@ std::vector<FitFamily> fitFamilies(const Scene& scene, const ContactRegion& plac
   add(scene.discretization.support_factor, 1, given);
   add(scene.discretization.support_factor, 1, given, 1);
   if (scene.discretization.support_factor < 2.1) add(2.2, 1, given);
-  const bool refined = place.radius > 0;
+  const bool refined = !places.empty();
   if (refined)
     for (const double inside : {0.6, 0.4}) add(scene.discretization.support_factor, inside, given);
   // Small cells limit the step: a little mass on them may spare steps.

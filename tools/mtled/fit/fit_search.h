@@ -15,8 +15,8 @@ struct FitFamily {
   std::function<void(Scene&)> turn;
   double inside = 1;  // spacing where the tool works, as a share of that elsewhere
 };
-/// @param place  where refinement is worth it; of radius 0: the spacing is the same everywhere
-std::vector<FitFamily> fitFamilies(const Scene& scene, const ContactRegion& place);
+/// @param places  where refinement is worth it; without: the spacing is the same everywhere
+std::vector<FitFamily> fitFamilies(const Scene& scene, const std::vector<ContactRegion>& places);
 
 /// A setting that was tried, with its scene.
 struct FitCandidate : FitTry {

@@ -10,9 +10,29 @@
 #include "io/load_model.h"
 #include "realtime/loop/cloud_follower.h"
 #include "realtime/loop/simulation_loop.h"
-#include "realtime/recording/recording.h"
 
 namespace palpate::tools {
+
+namespace {
+
+/// The tools' ways, and back, again and again.
+std::vector<TimedRequest> thereAndBack(const ToolTrajectory& way, const ToolSet& tools, std::int64_t ticks) {
+  std::vector<TimedRequest> track;
+  const auto count = static_cast<std::int64_t>(way.size());
+  for (std::int64_t k = 0; k < ticks; ++k) {
+    const std::int64_t along = k % (2 * count);
+    const ToolPostures& at = way[static_cast<std::size_t>(std::min(along, 2 * count - 1 - along))];
+    track.push_back({k, Request::moveTool(at[0].pose)});
+    for (int t = 0; t < tools.toolCount(); ++t) {
+      const auto tool = static_cast<std::size_t>(t);
+      if (t > 0) track.push_back({k, Request::moveHand(t, at[tool].pose)});
+      if (tools.tool[tool].jaws) track.push_back({k, Request::setOpening(t, at[tool].opening)});
+    }
+  }
+  return track;
+}
+
+}  // namespace
 
 bool HeldRate::held(double rate_hz) const {
   return !frozen && ticks > 0 && static_cast<double>(overruns) < 1e-3 * static_cast<double>(ticks + overruns) &&
@@ -20,12 +40,6 @@ bool HeldRate::held(double rate_hz) const {
 }
 
 HeldRate checkRate(Scene scene, const ToolTrajectory& way, int threads, double seconds) {
-  ToolTrajectory there_and_back = way;
-  there_and_back.insert(there_and_back.end(), way.rbegin(), way.rend());
-  const auto ticks = static_cast<std::size_t>(std::ceil(seconds * scene.dynamics.rate_hz));
-  std::vector<Pose> poses;
-  while (poses.size() < ticks) poses.insert(poses.end(), there_and_back.begin(), there_and_back.end());
-
   scene.dynamics.catch_up = 0;  // a rate that is held needs none
   std::optional<Model> stays;
   std::optional<TissuePhysics> own;
@@ -39,8 +53,9 @@ HeldRate checkRate(Scene scene, const ToolTrajectory& way, int threads, double s
   TissuePhysics& physics = follows ? follows->physics : *own;
   SimulationLoopOptions options;
   if (follows) options.follower = &follows->follower;
-  options.track = trackFromPoses(poses);
-  options.tick_limit = static_cast<std::int64_t>(poses.size());
+  const auto ticks = static_cast<std::int64_t>(std::ceil(seconds * scene.dynamics.rate_hz));
+  options.tick_limit = ticks;
+  options.track = thereAndBack(way, model.tools, ticks);
   SimulationLoop loop(model, physics, &physics.team(), options);
   loop.start();
   ForceSample sample;

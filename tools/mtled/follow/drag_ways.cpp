@@ -83,24 +83,24 @@ std::vector<DragWay> dragWays(const Scene& scene, const SurfaceTree& organ, cons
   return chosen;
 }
 
-ToolTrajectory trajectoryOf(const DragWay& way, const Scene& scene, const DragSettings& settings) {
-  ToolTrajectory poses;
+std::vector<ToolPosture> posturesOn(const DragWay& way, const Scene& scene, const DragSettings& settings) {
+  std::vector<ToolPosture> postures;
   Pose pose{way.tip.front(), Quat::FromTwoVectors(-Vec3::UnitZ(), scene.tools[0].direction)};
   const int down = static_cast<int>(std::lround(down_seconds * scene.dynamics.rate_hz));
   const double above = (settings.depth + 0.5) * scene.tools[0].shape.radius;
   for (int k = 0; k <= down; ++k) {
     const double s = static_cast<double>(k) / down;
     pose.position = way.tip.front() - (1 - s * s * (3 - 2 * s)) * above * scene.tools[0].direction;
-    poses.push_back(pose);
+    postures.push_back({pose, 0});
   }
   const int ticks = static_cast<int>(std::lround(way.length / settings.speed * scene.dynamics.rate_hz));
   for (int k = 1; k <= ticks; ++k) {
     const double at = static_cast<double>(k) / ticks * static_cast<double>(way.tip.size() - 1);
     const auto n = std::min(static_cast<std::size_t>(at), way.tip.size() - 2);
     pose.position = way.tip[n] + (at - static_cast<double>(n)) * (way.tip[n + 1] - way.tip[n]);
-    poses.push_back(pose);
+    postures.push_back({pose, 0});
   }
-  return poses;
+  return postures;
 }
 
 }  // namespace palpate::tools

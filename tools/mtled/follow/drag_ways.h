@@ -27,7 +27,7 @@ struct DragSettings {
 /// @param organ  closed surface, m
 std::vector<DragWay> dragWays(const Scene& scene, const SurfaceTree& organ, const DragSettings& settings);
 
-/// The poses of a way, tick by tick: half a second down from half a radius above, then the drag.
-ToolTrajectory trajectoryOf(const DragWay& way, const Scene& scene, const DragSettings& settings);
+/// The first tool on a way, tick by tick: half a second down from half a radius above, then the drag.
+std::vector<ToolPosture> posturesOn(const DragWay& way, const Scene& scene, const DragSettings& settings);
 
 }  // namespace palpate::tools

@@ -173,12 +173,12 @@ Study studyOf(const Scene& scene, const FollowOptions& options) {
   std::cout << format("%s: fine %.1f mm, coarse %.1f mm, %d nodes in all, %zu centres\n", study.scene.c_str(),
                       1e3 * study.fine, 1e3 * study.coarse, places.nodeCount(), places.centres.size());
   for (const DragWay& way : ways) {
-    const ToolTrajectory poses = trajectoryOf(way, scene, settings);
     std::cout << format("way %zu: %.0f mm from (%.0f %.0f %.0f) to (%.0f %.0f %.0f) mm\n", study.ways.size() + 1,
                         1e3 * way.length, 1e3 * way.from.x(), 1e3 * way.from.y(), 1e3 * way.from.z(), 1e3 * way.to.x(),
                         1e3 * way.to.y(), 1e3 * way.to.z())
               << std::flush;
     const Model fine = loadModel(referenceScene(uniform, way, options.quick ? 1.2 : 1));
+    const ToolTrajectory poses = othersStand(posturesOn(way, scene, settings), fine);
     const ScriptedRun reference = trajectoryOn(fine, poses);
     goOn();
     std::vector<Row>& rows = study.ways.emplace_back();

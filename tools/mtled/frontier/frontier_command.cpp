@@ -54,7 +54,7 @@ FrontierRow measure(const FrontierSetting& setting, const Model& present, const 
     row.min_J = run.min_J;
     row.cost = costOf(run, scene.dynamics.rate_hz);
     row.realtime_factor = 1000 / row.cost.us_per_ms;
-    for (const Vec3& f : run.force) row.peak_force = std::max(row.peak_force, f.norm());
+    row.peak_force = run.peakForce();
     if (run.sound())
       row.error = errorOf(run, reference);
     else
@@ -78,7 +78,6 @@ std::string commandOf(const FrontierOptions& options) {
 
 int frontierCommand(const FrontierOptions& options) {
   const Scene scene = uniformScene(readScene(findScene(options.scene)));
-  checkOneWay(scene, "frontier");
   const std::optional<ToolScript> script = namedScript(options.tool_script, scene.tools[0].shape.radius);
   const std::string folder = options.out.empty() ? "out/" + scene.name + "_frontier" : options.out;
   makeFolder(folder);
@@ -89,10 +88,10 @@ int frontierCommand(const FrontierOptions& options) {
   ProgressLine progress("frontier");
   progress.show(0, "set-up");
   const Model present = loadModel(scene, {}, ModelCache(), warn);
-  const ToolTrajectory way = script ? scriptPoses(*script, present) : indentationTrajectory(present);
+  const ToolTrajectory way = scriptedTrajectory(present, script);
   const auto probes = surfaceProbes(present, probe_count);
-  const ContactRegion place = contactRegion(present, way);
-  const auto settings = frontierSettings(scene, place, options.quick, cores);
+  const std::vector<ContactRegion> places = contactRegions(present, way);
+  const auto settings = frontierSettings(scene, places, options.quick, cores);
 
   Frontier frontier;
   frontier.scene = scene.name;
@@ -115,7 +114,7 @@ int frontierCommand(const FrontierOptions& options) {
   ConvergedRun converged;
   const std::string reference_file = folder + "/reference.json";
   if (!options.resume || !readConvergedRun(reference_file, frontier.identity, converged)) {
-    converged = convergedRun(present, way, probes, place, fineness, cores,
+    converged = convergedRun(present, way, probes, places, fineness, cores,
                              [&](double fraction, const std::string& what) { progress.show(share * fraction, what); });
     writeConvergedRun(reference_file, converged, frontier.identity);
   }

@@ -16,7 +16,8 @@ std::string value(const char* what, double number) { return format("%s %g", what
 
 }  // namespace
 
-std::vector<FrontierSetting> frontierSettings(const Scene& scene, const ContactRegion& place, bool quick, int cores) {
+std::vector<FrontierSetting> frontierSettings(const Scene& scene, const std::vector<ContactRegion>& places, bool quick,
+                                              int cores) {
   std::vector<FrontierSetting> settings;
   const auto add = [&](const char* group, const std::string& name,
                        std::function<void(Scene&)> turn) -> FrontierSetting& {
@@ -29,9 +30,9 @@ std::vector<FrontierSetting> frontierSettings(const Scene& scene, const ContactR
     add("spacing", times("spacing", factor), [factor](Scene& s) { scaleSpacing(s, factor); });
 
   for (const auto& [outside, inside] : {std::pair{1.6, 0.8}, {2.0, 1.0}, {2.0, 0.7}, {1.3, 0.6}})
-    if (place.radius > 0)
+    if (!places.empty())
       add("refined at the tool", times("outside", outside) + ", " + times("inside", inside),
-          [=, o = outside, i = inside](Scene& s) { refineWhere(s, place, o, i); });
+          [=, o = outside, i = inside](Scene& s) { refineWhere(s, places, o, i); });
 
   if (scene.discretization.quadrature.points_per_cell != 4 || scene.discretization.quadrature.accuracy > 0)
     add("quadrature, basis, support", "4 points a cell", [](Scene& s) {
@@ -90,9 +91,9 @@ std::vector<FrontierSetting> frontierSettings(const Scene& scene, const ContactR
   for (const double share : {0.02, 0.1})
     if (share != scene.dynamics.mass_scaling && (!quick || share == 0.1))
       add("mass scaling", value("mass_scaling", share), [share](Scene& s) { s.dynamics.mass_scaling = share; });
-  if (place.radius > 0)
+  if (!places.empty())
     add("mass scaling", "outside x 1.3, inside x 0.6, mass_scaling 0.1", [=](Scene& s) {
-      refineWhere(s, place, 1.3, 0.6);
+      refineWhere(s, places, 1.3, 0.6);
       s.dynamics.mass_scaling = 0.1;
     });
 

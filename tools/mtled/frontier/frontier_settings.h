@@ -18,8 +18,9 @@ struct FrontierSetting {
 };
 
 /// All settings that a user can change, one at a time and in a few combinations; the first is the scene unchanged.
-/// @param place  where the cloud is refined; if its radius is 0, settings with refinement are left out
+/// @param places  where the cloud is refined; without, settings with refinement are left out
 /// @param quick  only the settings with the largest effect
-std::vector<FrontierSetting> frontierSettings(const Scene& scene, const ContactRegion& place, bool quick, int cores);
+std::vector<FrontierSetting> frontierSettings(const Scene& scene, const std::vector<ContactRegion>& places, bool quick,
+                                              int cores);
 
 }  // namespace palpate::tools

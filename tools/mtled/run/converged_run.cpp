@@ -25,17 +25,14 @@ using Json = nlohmann::json;
 }  // namespace
 
 ConvergedRun convergedRun(const Model& present, const ToolTrajectory& way, const std::vector<Vec3>& probes,
-                          const ContactRegion& place, const Fineness& fineness, int threads,
+                          const std::vector<ContactRegion>& places, const Fineness& fineness, int threads,
                           const std::function<void(double, const std::string&)>& watch) {
   ConvergedRun converged;
   for (const bool fine : {false, true}) {
     watch(fine ? 0.3 : 0, fine ? "the reference" : "a coarser reference");
     Scene scene = present.scene;
     const double factor = fine ? 1 : fineness.coarser;
-    if (place.radius > 0)
-      refineWhere(scene, place, factor * fineness.outside, factor * fineness.inside);
-    else
-      scaleSpacing(scene, factor * fineness.outside);
+    refineWhere(scene, places, factor * fineness.outside, factor * fineness.inside);
     scene.discretization.quadrature.cells_per_point = 1;
     scene.dynamics.time_step = 0;
     scene.dynamics.step_safety = std::min(scene.dynamics.step_safety, reference_safety);
@@ -45,10 +42,8 @@ ConvergedRun convergedRun(const Model& present, const ToolTrajectory& way, const
     if (!run.sound())
       throw std::runtime_error(
           "the reference solution is not sound: the tool's way is beyond what the scene can follow");
-    double peak = 0;
-    for (const Vec3& f : run.force) peak = std::max(peak, f.norm());
-    if (peak == 0)
-      throw std::runtime_error("the tool never touches the organ on this way, so there is no force to compare");
+    const double peak = run.peakForce();
+    if (peak == 0) throw std::runtime_error("no tool touches the organ on this way, so there is no force to compare");
     if (!fine) {
       converged.coarser = std::move(run);
       converged.about.coarser_nodes = model.nodeCount();
@@ -95,7 +90,8 @@ std::string runIdentity(const Model& model, const ToolTrajectory& way, const std
   ByteKey key;
   key.add(modelHash(model), numbers, model.scene.dynamics.damping);
   for (const char c : sourceIdentity()) key.add(c);
-  for (const Pose& pose : way) key.add(pose.position);
+  for (const ToolPostures& tools : way)
+    for (const ToolPosture& tool : tools) key.add(tool.pose.position, tool.opening);
   return hex16(key.hash());
 }
 

@@ -41,11 +41,11 @@ struct Fineness {
 };
 
 /// The scene at that fineness, each cell with a point of its own, with a step of at most 0.4 of the critical one.
-/// @param place  where the tool works
+/// @param places  where the tools work
 /// @param watch  told what is done (fraction of it, text)
 /// Throws std::runtime_error where the finer run is not sound.
 ConvergedRun convergedRun(const Model& present, const ToolTrajectory& way, const std::vector<Vec3>& probes,
-                          const ContactRegion& place, const Fineness& fineness, int threads,
+                          const std::vector<ContactRegion>& places, const Fineness& fineness, int threads,
                           const std::function<void(double, const std::string&)>& watch);
 
 /// Tells model, tool's way and program from others, and these numbers: what a resumed run must agree in. Hexadecimal.

@@ -40,7 +40,7 @@ struct FollowingRun {
   int substeps = 0;
 };
 
-/// Follows a trajectory of the first tool with a place for wherever it is.
+/// Follows a trajectory with a place for wherever the tools are; the swaps are told of the first one's force.
 /// @param probes  as runTrajectory's
 FollowingRun followTrajectory(const Places& places, PlaceShelf& shelf, const ToolTrajectory& way,
                               const std::vector<Vec3>& probes = {}, int threads = 1);

@@ -29,33 +29,39 @@ void scaleSpacing(Scene& scene, double factor) {
   for (auto& refine : scene.discretization.refine) refine.spacing *= factor;
 }
 
-ContactRegion contactRegion(const Model& model, const ToolTrajectory& way) {
+std::vector<ContactRegion> contactRegions(const Model& model, const ToolTrajectory& way) {
   const SurfaceTree skin(model.skin.surface);
-  const double radius = model.scene.tools[0].shape.radius;
-  Vec3 low = Vec3::Constant(INFINITY), high = -low;
-  std::vector<Vec3> places;
-  for (const Pose& pose : way) {
-    const auto closest = skin.closest(pose.position, radius);
-    if (!(closest.distance < radius)) continue;
-    places.push_back(closest.point);
-    low = low.cwiseMin(closest.point);
-    high = high.cwiseMax(closest.point);
+  std::vector<ContactRegion> regions;
+  for (const ToolBody& body : model.tools.body) {
+    const double radius = body.shape.radius;
+    Box3 box;
+    std::vector<Vec3> places;
+    for (const ToolPostures& tools : way) {
+      const Vec3 tip = bodyPose(body, tools[static_cast<std::size_t>(body.tool)]).position;
+      const auto closest = skin.closest(tip, radius);
+      if (!(closest.distance < radius)) continue;
+      places.push_back(closest.point);
+      box.extend(closest.point);
+    }
+    if (places.empty()) continue;
+    ContactRegion region{box.center(), 0};
+    for (const Vec3& x : places) region.radius = std::max(region.radius, (x - region.centre).norm());
+    region.radius += 2 * radius;
+    regions.push_back(region);
   }
-  if (places.empty()) return {};
-  ContactRegion place{(low + high) / 2, 0};
-  for (const Vec3& x : places) place.radius = std::max(place.radius, (x - place.centre).norm());
-  place.radius += 2 * radius;
-  return place;
+  return regions;
 }
 
-void refineWhere(Scene& scene, const ContactRegion& place, double outside, double inside) {
+void refineWhere(Scene& scene, const std::vector<ContactRegion>& places, double outside, double inside) {
   const double present = scene.discretization.spacing;
   scaleSpacing(scene, outside);
-  RefineSpec refine;
-  refine.centre = place.centre;
-  refine.radius = place.radius;
-  refine.spacing = inside * present;
-  scene.discretization.refine.push_back(refine);
+  for (const ContactRegion& place : places) {
+    RefineSpec refine;
+    refine.centre = place.centre;
+    refine.radius = place.radius;
+    refine.spacing = inside * present;
+    scene.discretization.refine.push_back(refine);
+  }
 }
 
 }  // namespace palpate::tools

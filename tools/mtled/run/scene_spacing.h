@@ -4,16 +4,16 @@
 
 namespace palpate::tools {
 
-/// The part of the body that a tool deforms on its trajectory.
+/// The part of the body that a tool, or one finger of jaws, deforms on its trajectory.
 struct ContactRegion {
   Vec3 centre = Vec3::Zero();  // m
-  double radius = 0;           // m; 0: the tool stays away from the organ
+  double radius = 0;           // m
 };
-/// A sphere around all places of the skin that the tool's tip comes near to, widened by two tool radii.
-ContactRegion contactRegion(const Model& model, const ToolTrajectory& way);
+/// For each that comes near to the skin, a sphere around all places of it that its tip does, widened by two tool radii.
+std::vector<ContactRegion> contactRegions(const Model& model, const ToolTrajectory& way);
 
-/// Sets the spacing to `inside` times the scene's in the region of contact, and to `outside` times it elsewhere.
-void refineWhere(Scene& scene, const ContactRegion& place, double outside, double inside);
+/// Sets the spacing to `inside` times the scene's in the regions of contact, and to `outside` times it elsewhere.
+void refineWhere(Scene& scene, const std::vector<ContactRegion>& places, double outside, double inside);
 
 /// Where its cloud follows the tool, the scene with nodes evenly apart, 1.3 times as far as in the ball; others as they
 /// are.

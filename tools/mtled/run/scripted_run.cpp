@@ -8,13 +8,11 @@
 
 #include "base/interrupt.h"
 #include "batch/transient_solver.h"
-#include "io/certificate.h"
 #include "io/indent_script.h"
-#include "scene/scene_messages.h"
 #include "setup/body_points.h"
 #include "setup/build_model.h"
 #include "step/step.h"
-#include "step/workspace.h"
+#include "step/tool_bodies.h"
 
 namespace palpate::tools {
 namespace {
@@ -45,76 +43,117 @@ AlignedVector<Double4> inDouble(const AlignedVector<Float4>& u) {
   return result;
 }
 
-/// @param tickTo  advances to a pose; fills force, flags and min_J
+/// @param tickTo  advances to where the tools are then; adds what that came to
 template <class TickTo>
 void follow(const ToolTrajectory& way, ScriptedRun& run, TickTo&& tickTo) {
-  for (const Pose& pose : way) {
+  for (const ToolPostures& tools : way) {
     run.interrupted = interrupted();
     if (run.interrupted || (run.flags & (kNotFinite | kBlowUp))) return;
     const auto start = Clock::now();
-    tickTo(pose);
+    tickTo(tools);
     run.tick_us.push_back(std::chrono::duration<double, std::micro>(Clock::now() - start).count());
   }
 }
 
 void followInFloat(const Model& model, const ToolTrajectory& way, int threads, ScriptedRun& run,
                    AlignedVector<Double4>& u) {
-  Workspace workspace(model, threads);
-  State state = initialState(model);
-  state.tool[0].pose = way.front();
-  workspace.team.wake();
-  follow(way, run, [&](const Pose& pose) {
-    Command command;
-    command.tools[0].pose = pose;
-    const StepReport report = tick(model, state, command, workspace);
-    run.force.push_back(report.tool_force);
-    run.flags |= report.flags;
-    run.min_J = std::min(run.min_J, report.min_J);
+  SteppedTissue tissue(model, stateAt(model, way.front()), threads);
+  tissue.workspace.team.wake();
+  follow(way, run, [&](const ToolPostures& tools) {
+    const StepReport report = tissue.tickTo(tools);
+    run.add(model, report.loads, report.flags, static_cast<double>(report.min_J));
   });
-  workspace.team.park();
-  u = inDouble(state.u);
+  tissue.workspace.team.park();
+  u = inDouble(tissue.state.u);
 }
 
 void followInDouble(const Model& model, const ToolTrajectory& way, int threads, ScriptedRun& run,
                     AlignedVector<Double4>& u) {
+  const auto all = [&](const ToolPostures& tools) {
+    ToolsAt at;
+    at.count = model.tools.toolCount();
+    at.posture = tools;
+    return at;
+  };
   TransientSolver solver(model, threads);
-  solver.resume(0, AlignedVector<Double4>(model.X.size()), AlignedVector<Double4>(model.X.size()), way.front());
-  follow(way, run, [&](const Pose& pose) {
-    const auto report = solver.tick(pose);
-    run.force.push_back(report.tool_force);
-    if (!report.finite) run.flags |= kNotFinite;
-    if (report.inverted_points > 0) run.flags |= kInvertedPoints;
-    if (report.max_increment > model.max_increment) run.flags |= kBlowUp;
-    run.min_J = std::min(run.min_J, static_cast<float>(report.min_J));
+  solver.resume(0, AlignedVector<Double4>(model.X.size()), AlignedVector<Double4>(model.X.size()), all(way.front()));
+  follow(way, run, [&](const ToolPostures& tools) {
+    const auto report = solver.tick(all(tools));
+    std::uint32_t flags = 0;
+    if (!report.finite) flags |= kNotFinite;
+    if (report.inverted_points > 0) flags |= kInvertedPoints;
+    if (report.max_increment > model.max_increment) flags |= kBlowUp;
+    run.add(model, report.loads, flags, report.min_J);
   });
   u = solver.body().u;
 }
 
 }  // namespace
 
-void checkOneWay(const Scene& scene, const std::string& command) {
-  if (hasOneWay(scene)) return;
-  throw InputError(placeOf(scene, scene.tools.size() > 1 ? "tool[1].shape" : "tool.opening"),
-                   "`mtled " + command + "` goes one tool's way, and has no " +
-                       (scene.tools.size() > 1 ? "further tools" : "jaws that open and close"),
-                   "compare `mtled solve` on this spacing and a finer one, or go by the expected error of a run");
+ToolTrajectory othersStand(const std::vector<ToolPosture>& first, const Model& model) {
+  ToolTrajectory way(first.size(), restCommand(model).tools);
+  for (std::size_t k = 0; k < first.size(); ++k) way[k][0] = first[k];
+  return way;
 }
 
-ToolTrajectory indentationTrajectory(const Model& model) {
-  const auto poses = scriptPoses(indentScript(model), model);
-  const Vec3 axis = model.tools.first().start.pose.orientation * -Vec3::UnitZ();
-  const auto near = [&](const Pose& p) {
-    return (p.position - model.tools.first().start.pose.position).dot(axis) >
-           model.tools.first().first_contact_travel - head_start;
-  };
-  ToolTrajectory way(std::find_if(poses.begin(), poses.end() - 1, near), poses.end());
-  way.insert(way.end(), static_cast<std::size_t>(std::lround(hold_seconds * model.scene.dynamics.rate_hz)),
-             poses.back());
+ToolTrajectory scriptedTrajectory(const Model& model, const std::optional<ToolScript>& script) {
+  const ToolSetUp& first = model.tools.first();
+  std::vector<ToolPosture> postures = scriptWay(script ? *script : indentScript(model), model);
+  if (!model.tools.several()) {
+    const Vec3 axis = first.start.pose.orientation * -Vec3::UnitZ();
+    const auto near = [&](const ToolPosture& at) {
+      return (at.pose.position - first.start.pose.position).dot(axis) > first.first_contact_travel - head_start;
+    };
+    postures.erase(postures.begin(), std::find_if(postures.begin(), postures.end() - 1, near));
+  }
+  if (!script)
+    postures.insert(postures.end(), static_cast<std::size_t>(std::lround(hold_seconds * model.scene.dynamics.rate_hz)),
+                    postures.back());
+  ToolTrajectory way = othersStand(postures, model);
+  for (std::size_t t = 1; t < model.tools.tool.size(); ++t) {
+    const std::vector<ToolPosture>& path = model.tools.tool[t].path;
+    if (path.size() > way.size()) way.resize(path.size(), way.back());
+    for (std::size_t k = 0; k < way.size() && !path.empty(); ++k) way[k][t] = path[std::min(k, path.size() - 1)];
+  }
   return way;
+}
+
+std::size_t forcesOf(const Model& model) {
+  std::size_t count = 0;
+  for (const ToolSetUp& tool : model.tools.tool) count += tool.jaws ? 2 : 1;
+  return count;
 }
 
 bool ScriptedRun::sound() const {
   return !force.empty() && !interrupted && (flags & (kNotFinite | kBlowUp | kInvertedPoints)) == 0;
+}
+
+double ScriptedRun::peakForce() const {
+  double peak = 0;
+  for (const Vec3& f : force) peak = std::max(peak, f.norm());
+  return peak;
+}
+
+void ScriptedRun::add(const Model& model, const ToolLoads& loads, std::uint32_t more_flags, double tick_min_J) {
+  for (std::size_t t = 0; t < model.tools.tool.size(); ++t) {
+    force.push_back(loads[t].force);
+    if (model.tools.tool[t].jaws) force.emplace_back(loads[t].pinch, 0, 0);
+  }
+  flags |= more_flags;
+  min_J = std::min(min_J, static_cast<float>(tick_min_J));
+}
+
+StepReport SteppedTissue::tickTo(const ToolPostures& tools) {
+  Command command;
+  command.moves_others = true;
+  command.tools = tools;
+  return tick(model, state, command, workspace);
+}
+
+State stateAt(const Model& model, const ToolPostures& tools) {
+  State state = initialState(model);
+  std::copy_n(tools.begin(), state.tool.size(), state.tool.begin());
+  return state;
 }
 
 ScriptedRun runTrajectory(const Model& model, const ToolTrajectory& way, const std::vector<Vec3>& probes, int threads,

@@ -1,27 +1,34 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "io/tool_script.h"
 #include "model/model.h"
 #include "model/state.h"
+#include "step/workspace.h"
 
 namespace palpate::tools {
 
-/// The tool's way in world coordinates, the same for every discretization of a scene: poses at the end of each tick.
-using ToolTrajectory = std::vector<Pose>;
+/// The tools' ways in world coordinates, the same for every discretization of a scene: where they are at the end of
+/// each tick.
+using ToolTrajectory = std::vector<ToolPostures>;
 
-/// Throws InputError for a scene with several tools or jaws: only the first tool's way is gone here.
-void checkOneWay(const Scene& scene, const std::string& command);
+/// What a scene's tools do: the first as `script` says, or its own, or the built-in indentation (io/indent_script.h)
+/// and then a quarter of a second at rest; the others as theirs. A scene's one tool begins just above the skin.
+ToolTrajectory scriptedTrajectory(const Model& model, const std::optional<ToolScript>& script = {});
 
-/// What a scene does when nothing else is asked: the built-in indentation (io/indent_script.h) from just above the
-/// skin on, then a quarter of a second at rest.
-ToolTrajectory indentationTrajectory(const Model& model);
+/// The first tool's way; the others stand where they start.
+ToolTrajectory othersStand(const std::vector<ToolPosture>& first, const Model& model);
 
-/// A model's answer to a tool's way, and what it took.
+/// How many forces a tick of a run comes to: one on each tool, and one more of jaws, (pinch, 0, 0).
+std::size_t forcesOf(const Model& model);
+
+/// A model's answer to its tools' ways, and what it took.
 struct ScriptedRun {
-  std::vector<Vec3> force;      // (tick_count) N, on the tool, raw, at the end of each tick
+  std::vector<Vec3> force;      // (tick_count x forcesOf(model)) N, raw, at the end of each tick
   std::vector<Vec3> probe_u;    // (probe_count) m, at the end
   std::vector<double> tick_us;  // (tick_count) computing time of each tick
   float min_J = 1;
@@ -30,7 +37,25 @@ struct ScriptedRun {
 
   /// Neither blown up nor with inverted points: an answer that may be compared.
   bool sound() const;
+  double peakForce() const;  // N
+  /// Adds what a tick came to.
+  void add(const Model& model, const ToolLoads& loads, std::uint32_t flags, double min_J);
 };
+
+/// A model's state, stepped along a way.
+struct SteppedTissue {
+  SteppedTissue(const Model& model, State from, int threads = 1)
+      : model(model), state(std::move(from)), workspace(model, threads) {}
+
+  StepReport tickTo(const ToolPostures& tools);
+
+  const Model& model;
+  State state;
+  Workspace workspace;
+};
+
+/// At rest, the tools being there.
+State stateAt(const Model& model, const ToolPostures& tools);
 
 /// @param probes      m, points of the body at rest at which displacements are wanted
 /// @param in_double   the batch body in double instead of the real-time step in float32
