@@ -44,8 +44,8 @@ struct ScriptedRun {
 
 /// A model's state, stepped along a way.
 struct SteppedTissue {
-  SteppedTissue(const Model& model, State from, int threads = 1)
-      : model(model), state(std::move(from)), workspace(model, threads) {}
+  SteppedTissue(const Model& of, State from, int threads = 1)
+      : model(of), state(std::move(from)), workspace(of, threads) {}
 
   StepReport tickTo(const ToolPostures& tools);
 
