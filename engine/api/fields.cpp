@@ -190,4 +190,12 @@ int32_t palpate_reactions(const palpate_simulation* simulation, double* force, d
   return PALPATE_OK;
 }
 
+int32_t palpate_pin_force(const palpate_simulation* simulation, int32_t vertex, double* force) {
+  if (simulation == nullptr || force == nullptr || vertex < 0 || vertex >= simulation->model->skin.vertexCount())
+    return PALPATE_BAD_ARGUMENT;
+  if (!simulation->standsStill()) return PALPATE_BUSY;
+  put(simulation->physics.pinForce(vertex), force);
+  return PALPATE_OK;
+}
+
 }  // extern "C"

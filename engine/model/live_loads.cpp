@@ -27,6 +27,12 @@ bool VertexValues::put(int at, const Vec3& of) {
   return true;
 }
 
+Vec3 VertexValues::at(int skin_vertex) const {
+  if (!has(skin_vertex)) return Vec3::Zero();
+  const auto k = std::lower_bound(vertex.begin(), vertex.begin() + count, skin_vertex) - vertex.begin();
+  return toVec3(value[static_cast<std::size_t>(k)]);
+}
+
 void VertexValues::drop(int at) {
   const auto end = vertex.begin() + count;
   const auto place = std::lower_bound(vertex.begin(), end, at);

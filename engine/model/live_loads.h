@@ -20,6 +20,7 @@ struct VertexValues {
   bool put(int at, const Vec3& of);
   void drop(int at);
   bool has(int at) const { return std::binary_search(vertex.begin(), vertex.begin() + count, at); }
+  Vec3 at(int skin_vertex) const;  // 0 where there is none
 };
 
 /// What is beside the scene's own gravity and boundaries: set live, and part of State. Equal loads have equal bytes.

@@ -63,10 +63,13 @@ void addLoads(const Model& model, double time, double alpha, const StepMasses& m
   }
 }
 
-void holdPins(const Model& model, const StepMasses& masses, State& state) {
+void holdPins(const Model& model, double alpha, const StepMasses& masses, State& state, VertexValues& force) {
   constexpr int sweeps = 4;
   const VertexValues& pins = state.live.loads.pins;
   const SkinModel& skin = model.skin;
+  if (pins.count == 0 && force.count == 0) return;
+  force = pins;
+  std::fill_n(force.value.begin(), pins.count, Float4{});
   for (int sweep = 0; sweep < (pins.count > 1 ? sweeps : pins.count); ++sweep)
     for (std::size_t k = 0; k < static_cast<std::size_t>(pins.count); ++k) {
       const int v = pins.vertex[k];
@@ -81,6 +84,7 @@ void holdPins(const Model& model, const StepMasses& masses, State& state) {
       const Vec3 impulse = 1 / mobility * (inOneStep(model, toVec3(pins.value[k]) - x) - dx);
       for (int e = skin.begin[v]; e < skin.begin[v + 1]; ++e)
         addScaled(state.du[skin.node[e]], skin.N[e] * masses.inverse[skin.node[e]], toFloat4(impulse));
+      addScaled(force.value[k], static_cast<float>(1 / alpha), toFloat4(impulse));
     }
 }
 

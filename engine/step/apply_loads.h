@@ -21,8 +21,9 @@ void addLoads(const Model& model, double time, double alpha, const StepMasses& m
 /// Pinned vertices are where they are held at the step's end, or as near as the scene's max_speed lets them come:
 ///   du += M^-1 N(X_v) (x_pin - X_v - N u - N du) / (N M^-1 N)   one after the other, a few times over,
 /// so that what neighbours leave is below a thousandth of the way, and met in the next steps.
+/// @param force  receives what each pin did to the tissue, N
 /// Real-time: no allocation, no lock, no throw.
-void holdPins(const Model& model, const StepMasses& masses, State& state);
+void holdPins(const Model& model, double alpha, const StepMasses& masses, State& state, VertexValues& force);
 
 /// Moves State::region_shift towards what is asked for, in one step as far as the scene's max_speed goes.
 /// Real-time: no allocation, no lock, no throw.

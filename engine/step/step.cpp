@@ -53,7 +53,7 @@ StepReport step(const Model& model, State& state, const ToolPostures& wanted, co
                                   workspace.contact, outcome.loads);
 
   // Pins go where they were asked to be
-  holdPins(model, masses, state);
+  holdPins(model, integrator.alpha, masses, state, workspace.pin_force);
 
   // du = du~ + P (du_bar - Phi du~)                                       (eqs. 23-25)
   outcome.base_reaction = impose(false);

@@ -75,6 +75,7 @@ class Workspace {
   ResolutionWatch resolution;
   const AlignedVector<float> tissue_mass;  // (node_count) kg, that live loads accelerate
   SurfaceLoadScratch surface_loads;
+  VertexValues pin_force;  // N, of LiveLoads::pins on the tissue in the last step
 };
 
 }  // namespace palpate

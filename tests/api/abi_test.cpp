@@ -206,6 +206,7 @@ static_assert(same<decltype(palpate_ray), int32_t(Simulation, const double*, con
 static_assert(
     same<decltype(palpate_contact_points), int32_t(Asked, double*, double*, double*, int32_t*, int32_t, int32_t*)>);
 static_assert(same<decltype(palpate_reactions), int32_t(Asked, double*, double*, int32_t)>);
+static_assert(same<decltype(palpate_pin_force), int32_t(Asked, int32_t, double*)>);
 static_assert(same<decltype(palpate_rigid_forces), int32_t(Simulation, double*, int32_t)>);
 static_assert(same<decltype(palpate_points_create), int32_t(Model, const double*, int32_t, palpate_points**, Error)>);
 static_assert(same<decltype(palpate_points_of), int32_t(Model, int32_t, palpate_points**, Error)>);

@@ -68,6 +68,38 @@ TEST_CASE("Pinned vertices are where they are held, and go back when they are le
   CHECK(placeOf(skinOf(simulation, info), a)[2] == Approx(rest[3 * static_cast<std::size_t>(a) + 2]).margin(1e-6));
 }
 
+TEST_CASE("What pins do to the tissue is what holds it at its base, and 0 where none is", "[api][pins]") {
+  const ModelHandle model = loadBlock(still_text);
+  const palpate_model_info info = describe(model);
+  const SimulationHandle simulation = create(model);
+  const std::vector<float> rest = skinOf(simulation, info);
+  const std::int32_t a = upperVertex(rest, 0, 0), b = upperVertex(rest, 0.015, 0.015);
+  auto of_a = placeOf(rest, a), of_b = placeOf(rest, b);
+  of_a[2] += 0.002, of_b[2] -= 0.001;
+  REQUIRE(palpate_pin(simulation.get(), b, of_b.data()) == PALPATE_OK);
+  REQUIRE(palpate_step(simulation.get(), 400, nullptr, nullptr) == PALPATE_OK);
+  const auto forceAt = [&](std::int32_t vertex) {
+    Vec3 force;
+    REQUIRE(palpate_pin_force(simulation.get(), vertex, force.data()) == PALPATE_OK);
+    return force;
+  };
+  CHECK(forceAt(b).z() < -0.001);
+  CHECK(forceAt(b).z() == Approx(-baseForce(simulation)).epsilon(0.01));
+  CHECK(forceAt(a).isZero(0));
+  REQUIRE(palpate_pin(simulation.get(), a, of_a.data()) == PALPATE_OK);
+  CHECK(forceAt(a).isZero(0));  // not yet
+  CHECK(forceAt(b).z() < -0.001);
+  REQUIRE(palpate_step(simulation.get(), 400, nullptr, nullptr) == PALPATE_OK);
+  CHECK(forceAt(a).z() > 0.001);
+  CHECK(forceAt(a).z() + forceAt(b).z() == Approx(-baseForce(simulation)).epsilon(0.01));
+  REQUIRE(palpate_pin(simulation.get(), -1, nullptr) == PALPATE_OK);
+  REQUIRE(palpate_step(simulation.get(), 1, nullptr, nullptr) == PALPATE_OK);
+  CHECK(forceAt(a).isZero(0));
+  double force[3];
+  CHECK(palpate_pin_force(simulation.get(), info.skin_vertex_count, force) == PALPATE_BAD_ARGUMENT);
+  CHECK(palpate_pin_force(simulation.get(), a, nullptr) == PALPATE_BAD_ARGUMENT);
+}
+
 TEST_CASE("A pin that is far away is come to no faster than the tool may go", "[api][pins]") {
   const ModelHandle model = loadBlock(still_text);
   const palpate_model_info info = describe(model);

@@ -128,6 +128,7 @@ void TissuePhysics::forgetLastTick() {
   workspace_->resolution.restart();
   std::vector<Reaction>& reactions = workspace_->boundary.reaction;
   std::fill(reactions.begin(), reactions.end(), Reaction{});
+  workspace_->pin_force = {};
 }
 
 void TissuePhysics::restore(const State& past) {

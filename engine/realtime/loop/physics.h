@@ -99,6 +99,7 @@ class TissuePhysics final : public Physics {
   SpinTeam& team() { return *team_; }
   /// Of each boundary on the tissue in the last step; 0 before the first, and after reset, restore and putIn.
   const std::vector<Reaction>& reactions() const { return workspace_->boundary.reaction; }
+  Vec3 pinForce(int vertex) const { return workspace_->pin_force.at(vertex); }  // N, likewise
 
  private:
   void prepare();

@@ -228,6 +228,7 @@ def _load_library():
         "ray": [pointer, pose, pose, to(_SkinPlace)],
         "reactions": [pointer, pointer, pointer, number],
         "rigid_forces": [pointer, pointer, number],
+        "pin_force": [pointer, number, pose],
         "points_create": [pointer, pointer, number, to(pointer), error],
         "points_of": [pointer, number, to(pointer), error],
         "points_rest": [pointer, pointer, pointer, number],

@@ -237,6 +237,12 @@ class Simulation:
         """Lets a pinned vertex go, or all of them."""
         _call("pin", self._handle, operator.index(vertex), None)
 
+    def pin_force(self, vertex):
+        """What a pin did to the tissue in the newest step (3), N; 0: it is not pinned. Not while it runs on its own."""
+        force = np.empty(3)
+        _call("pin_force", self._handle, operator.index(vertex), force.ctypes.data_as(C.POINTER(C.c_double)))
+        return force
+
     def move_region(self, region, shift):
         """Moves a region (3), m, by its number or name, beside what the scene says of it."""
         _call("move_region", self._handle, self.model._index(self.model.regions, region, "region"),
