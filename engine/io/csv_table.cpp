@@ -17,12 +17,19 @@ struct Field {
   SourceLocation place;
 };
 
+/// What stands between the names of a table.
+char separatorOf(std::string_view names) {
+  for (const char separator : {',', ';', '\t'})
+    if (names.find(separator) != std::string_view::npos) return separator;
+  return ',';
+}
+
 /// The fields of a line, without blanks and quotes around them.
-std::vector<Field> fieldsOf(std::string_view line, const std::string& file, int number) {
+std::vector<Field> fieldsOf(std::string_view line, char separator, const std::string& file, int number) {
   std::vector<Field> fields;
   for (std::size_t begin = 0; begin <= line.size();) {
     std::size_t end = begin;
-    for (bool in_quotes = false; end < line.size() && (in_quotes || line[end] != ','); ++end) {
+    for (bool in_quotes = false; end < line.size() && (in_quotes || line[end] != separator); ++end) {
       if (line[end] == '"') in_quotes = !in_quotes;
     }
     std::string_view text = line.substr(begin, end - begin);
@@ -49,23 +56,23 @@ void readHeader(const std::vector<Field>& fields, CsvTable& table) {
   table.column.resize(fields.size());
 }
 
-void readRow(const std::vector<Field>& fields, CsvTable& table) {
+void readRow(const std::vector<Field>& fields, char separator, const std::function<bool(const std::string&)>& needed,
+             CsvTable& table) {
   const SourceLocation& place = fields.front().place;
   if (fields.size() != table.name.size()) {
     throw InputError({table.file, place.line, 0},
                      std::to_string(fields.size()) + " fields, but " + std::to_string(table.name.size()) + " columns",
-                     "separate fields by commas; the file may have been cut short");
+                     "separate fields as the names are; the file may have been cut short");
   }
   for (std::size_t k = 0; k < fields.size(); ++k) {
     const auto& [text, where] = fields[k];
-    if (table.name[k] == "trust") {
-      table.trust.emplace_back(text);
-      table.column[k].push_back(std::numeric_limits<double>::quiet_NaN());
-      continue;
-    }
-    const bool none = text.empty() || lowerCase(text) == "nan";
-    table.column[k].push_back(none ? std::numeric_limits<double>::quiet_NaN()
-                                   : parseNumber(text, where, "column " + inQuotes(table.name[k])));
+    const std::string& name = table.name[k];
+    if (name == "trust") table.trust.emplace_back(text);
+    double& value = table.column[k].emplace_back(std::numeric_limits<double>::quiet_NaN());
+    if (name == "trust" || text.empty() || lowerCase(text) == "nan" || (needed && !needed(name))) continue;
+    std::string number(text);
+    if (separator == ';') std::replace(number.begin(), number.end(), ',', '.');
+    value = parseNumber(number, where, "column " + inQuotes(name));
   }
   table.line.push_back(place.line);
 }
@@ -89,12 +96,14 @@ const std::vector<double>& CsvTable::operator[](const std::string& wanted) const
   throw InputError(header, "there is no column " + inQuotes(wanted), "the file has " + known);
 }
 
-CsvTable readCsvTable(const std::string& path, const SourceLocation& asked_from) {
+CsvTable readCsvTable(const std::string& path, const SourceLocation& asked_from,
+                      const std::function<bool(const std::string& name)>& needed) {
   const std::string bytes = readWholeFile(path, asked_from);
   std::string_view rest = bytes;
   if (rest.starts_with("\xEF\xBB\xBF")) rest.remove_prefix(3);  // a byte-order mark
   CsvTable table;
   table.file = path;
+  char separator = ',';
   for (int number = 1; !rest.empty(); ++number) {
     const std::size_t end = std::min(rest.find_first_of("\r\n"), rest.size());
     const std::string_view line = rest.substr(0, end);
@@ -102,11 +111,11 @@ CsvTable readCsvTable(const std::string& path, const SourceLocation& asked_from)
     if (!rest.empty()) rest.remove_prefix(rest.starts_with("\r\n") ? 2 : 1);
     const std::size_t first = line.find_first_not_of(" \t");
     if (first == std::string_view::npos || line[first] == '#') continue;
-    const std::vector<Field> fields = fieldsOf(line, path, number);
     if (table.name.empty()) {
-      readHeader(fields, table);
+      separator = separatorOf(line);
+      readHeader(fieldsOf(line, separator, path, number), table);
     } else {
-      readRow(fields, table);
+      readRow(fieldsOf(line, separator, path, number), separator, needed, table);
     }
   }
   if (table.name.empty())

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -26,10 +27,13 @@ struct CsvTable {
   const std::vector<double>& operator[](const std::string& wanted) const;
 };
 
-/// Reads a CSV file: a line of names, then lines of as many numbers, all separated by commas. Names may stand
-/// in double quotes. An empty field and `nan` are NaN; empty lines and lines that begin with # are passed over.
+/// Reads a CSV file: a line of names, then lines of as many numbers, all separated by commas; or by semicolons or tabs,
+/// where the names are; between semicolons numbers may have a decimal comma. Names may stand in double quotes. An empty
+/// field and `nan` are NaN; empty lines and lines that begin with # are passed over.
+/// @param needed  other columns are not read, but NaN; without it all are needed
 /// Throws InputError with file:line:column for anything else, and at `asked_from` (where another file
 /// names this one) where the file can't be read.
-CsvTable readCsvTable(const std::string& path, const SourceLocation& asked_from = {});
+CsvTable readCsvTable(const std::string& path, const SourceLocation& asked_from = {},
+                      const std::function<bool(const std::string& name)>& needed = {});
 
 }  // namespace palpate

@@ -12,6 +12,7 @@
 #include "mtled/identify/coarse_to_fine.h"
 #include "mtled/identify/force_curve.h"
 #include "mtled/identify/identify.h"
+#include "mtled/identify/identify_remarks.h"
 #include "step/step.h"
 #include "step/workspace.h"
 #include "support/block_text.h"
@@ -248,6 +249,37 @@ TEST_CASE("A curve that had not settled is doubted, and its interval reaches to 
   CHECK(young["low_95"] < 1.08 * 0.67 * 3000);              // the hold leaves an eighth of what relaxes
 }
 
+TEST_CASE("Depths that do not count from the touch are told, and the interval reaches to what fits then",
+          "[identify]") {
+  const double shift = GENERATE(0.0003, -0.0002, 0.0), young = 4000;
+  const auto forceOf = [](double modulus, double depth) { return 30 * modulus * std::pow(std::max(depth, 0.0), 1.5); };
+  MeasuredCurve measured;
+  for (int k = 1; k <= 60; ++k) {
+    measured.depth.push_back(1e-4 * k);
+    measured.force.push_back(forceOf(young, 1e-4 * k - shift) * (1 + 0.002 * std::sin(40.0 * k)));
+    measured.change.push_back(0);
+  }
+  const std::vector<SoughtParameter> sought{{"young", {0, 1e6, true}, 3000}};
+  Identified found = identify(sought, [&](const std::vector<double>& value) {
+    std::vector<double> residuals;
+    for (std::size_t k = 0; k < measured.depth.size(); ++k)
+      residuals.push_back(forceOf(value[0], measured.depth[k]) - measured.force[k]);
+    return residuals;
+  });
+  CHECK(std::abs(found.value[0] - young) > (shift == 0 ? 0 : 0.03) * young);
+  const Remarks remarks = judge(measured, false, sought, found);
+  CAPTURE(found.value[0], found.low[0], found.high[0]);
+  CHECK((found.low[0] < young && young < found.high[0]));
+  std::string said;
+  for (const auto* list : {&remarks.notes, &remarks.doubts})
+    for (const std::string& one : *list) said += one;
+  if (shift == 0)
+    CHECK_THAT(said, !Contains("the touch"));
+  else
+    CHECK_THAT(said, Contains(shift > 0 ? "from 0.3" : "from 0.2") &&
+                         Contains(shift > 0 ? "mm before the touch" : "mm after the touch"));
+}
+
 TEST_CASE("A search on a coarse model asks the fine one two to four times", "[identify]") {
   // The coarse one is a third too stiff, more so the deeper, and feels the second parameter less.
   const auto curve = [](double stiffer, double softer, const std::vector<double>& p) {
@@ -311,8 +343,13 @@ TEST_CASE("A file that is no force curve is refused with its place", "[identify]
     return refusal([&] { readForceCurve(folder.write("f.csv", text)); });
   };
   CHECK_THAT(refused("time,force\n1,2\n"), Contains("f.csv:1: there is no column depth_m"));
-  CHECK_THAT(refused("depth_m,force_N\n0.001,x\n"), Contains("f.csv:2: \"x\" in force_N"));
+  CHECK_THAT(refused("depth_m,force_N\n0.001,x\n"),
+             Contains("f.csv:2:7: \"x\" is not a number") && Contains("force_N"));
   CHECK_THAT(refused("depth_m,force_N\n0.001,1\n-1,2\n"), Contains("only 1 rows on the way in"));
+  const MeasuredCurve from_spreadsheet = readForceCurve(
+      folder.write("f.csv", "\xEF\xBB\xBFwhat;depth_mm;force_mN\nin;1,5;20\nin;2;30\nin;2,5;40\nin;3;50\nin;3,5;60\n"));
+  CHECK(from_spreadsheet.depth.front() == Approx(0.0015));
+  CHECK(from_spreadsheet.force.back() == Approx(0.06));
   const MeasuredCurve curve =
       readForceCurve(folder.write("f.csv",
                                   "depth_m,force_raw_N_x,force_raw_N_y,force_raw_N_z,trust\n1,0,0,"

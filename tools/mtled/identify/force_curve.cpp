@@ -2,17 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
-#include <initializer_list>
 #include <limits>
 #include <map>
-#include <sstream>
 #include <stdexcept>
 
 #include "base/input_error.h"
 #include "base/interrupt.h"
 #include "base/number_text.h"
-#include "io/text_file.h"
+#include "base/printable_text.h"
+#include "io/csv_table.h"
 #include "setup/build_model.h"
 #include "step/resolution.h"
 #include "step/step.h"
@@ -25,52 +23,17 @@ namespace {
 constexpr double approach_speed = 0.05;  // m/s; slow enough that the touch is no blow
 constexpr std::size_t least_rows = 5;    // fewer tell nothing of a curve
 
-/// The cells of a line of CSV without quotes.
-std::vector<std::string> cellsOf(const std::string& line) {
-  std::vector<std::string> cells{""};
-  for (const char c : line) {
-    if (c == ',')
-      cells.emplace_back();
-    else if (c != '\r')
-      cells.back() += c;
-  }
-  return cells;
-}
-
-/// Columns of a CSV file that may have words in others, row by row. Throws InputError with the line
-/// of what is no number.
-std::vector<std::vector<double>> columnsOf(const std::string& path, const std::vector<std::string>& header,
-                                           std::istream& lines, const std::vector<std::string>& wanted) {
-  std::vector<std::vector<double>> rows;
-  int number = 1;
-  for (std::string line; std::getline(lines, line);) {
-    ++number;
-    if (line.find_first_not_of(" \r") == std::string::npos || line[0] == '#') continue;
-    const std::vector<std::string> cells = cellsOf(line);
-    std::vector<double>& row = rows.emplace_back();
-    for (const std::string& name : wanted) {
-      const auto k = static_cast<std::size_t>(std::find(header.begin(), header.end(), name) - header.begin());
-      char* end = nullptr;
-      row.push_back(k < cells.size() ? std::strtod(cells[k].c_str(), &end) : 0);
-      if (k >= cells.size() || end == cells[k].c_str() || *end != '\0')
-        throw InputError({path, number, 0},
-                         inQuotes(k < cells.size() ? cells[k] : "") + " in " + name + " is no number", "");
-    }
-  }
-  return rows;
-}
-
 /// A column under one of its names, with what makes SI units of it.
 struct Column {
   std::string name;
   double scale = 1;
 };
 
-/// The first of the columns that a header has; none: an empty name.
-Column columnOf(const std::vector<std::string>& header, std::initializer_list<Column> columns) {
-  for (const Column& column : columns)
-    if (std::find(header.begin(), header.end(), column.name) != header.end()) return column;
-  return {};
+/// The first of the columns that a table has; none: null.
+const Column* columnOf(const CsvTable& table, const std::vector<Column>& columns) {
+  const auto found =
+      std::find_if(columns.begin(), columns.end(), [&](const Column& c) { return table.find(c.name) >= 0; });
+  return found == columns.end() ? nullptr : &*found;
 }
 
 /// A row of the file: where the tool was, and its force.
@@ -79,32 +42,28 @@ struct Row {
 };
 
 std::vector<Row> rowsOf(const std::string& path) {
-  std::istringstream lines(readWholeFile(path));
-  std::string first;
-  std::getline(lines, first);
-  const std::vector<std::string> header = cellsOf(first);
-  const Column depth = columnOf(header, {{"advance_m"}, {"depth_m"}, {"depth_mm", 1e-3}}),
-               force = columnOf(header, {{"force_N"}, {"force_mN", 1e-3}, {"force_raw_N_x"}}),
-               time = columnOf(header, {{"time_s"}});
-  const auto missing = [&](const std::string& name) {
-    throw InputError({path, 1, 0}, "there is no column " + name,
+  const std::vector<Column> depths{{"advance_m"}, {"depth_m"}, {"depth_mm", 1e-3}},
+      forces{{"force_N"}, {"force_mN", 1e-3}, {"force_raw_N_x"}};
+  const std::vector<std::string> others{"force_raw_N_y", "force_raw_N_z", "time_s"};
+  const CsvTable table = readCsvTable(path, {}, [&](const std::string& name) {
+    const auto is = [&](const Column& c) { return lowerCase(c.name) == lowerCase(name); };
+    return std::any_of(depths.begin(), depths.end(), is) || std::any_of(forces.begin(), forces.end(), is) ||
+           std::any_of(others.begin(), others.end(), [&](const std::string& w) { return is({w}); });
+  });
+  const Column* const depth = columnOf(table, depths);
+  const Column* const force = columnOf(table, forces);
+  if (depth == nullptr || force == nullptr)
+    throw InputError(table.header, std::string("there is no column ") + (depth == nullptr ? "depth_m" : "force_N"),
                      "a force curve has the columns depth_m (or depth_mm) and force_N (or force_mN), or is a run's "
                      "force.csv");
-  };
-  if (depth.name.empty()) missing("depth_m");
-  if (force.name.empty()) missing("force_N");
-  std::vector<std::string> wanted{depth.name, force.name};
-  if (force.name == "force_raw_N_x")
-    for (const char* component : {"force_raw_N_y", "force_raw_N_z"}) {
-      if (columnOf(header, {{component}}).name.empty()) missing(component);
-      wanted.emplace_back(component);
-    }
-  if (!time.name.empty()) wanted.push_back(time.name);
+  const bool is_vector = force->name == "force_raw_N_x";
   std::vector<Row> rows;
-  for (const std::vector<double>& row : columnsOf(path, header, lines, wanted)) {
-    const bool vector = force.name == "force_raw_N_x";
-    const double size = vector ? Vec3(row[1], row[2], row[3]).norm() : std::abs(row[1]);
-    const Row read{depth.scale * row[0], force.scale * size, time.name.empty() ? 0 : row.back()};
+  for (std::size_t r = 0; r < table.rowCount(); ++r) {
+    const double first = table[force->name][r];
+    const double size =
+        is_vector ? Vec3(first, table["force_raw_N_y"][r], table["force_raw_N_z"][r]).norm() : std::abs(first);
+    const Row read{depth->scale * table[depth->name][r], force->scale * size,
+                   table.find("time_s") < 0 ? 0 : table["time_s"][r]};
     if (std::isfinite(read.depth) && std::isfinite(read.force)) rows.push_back(read);
   }
   return rows;

@@ -189,6 +189,26 @@ void widenFor(const std::vector<double>& change, const std::vector<SoughtParamet
   widenTo(stepFor(found.J, -measured), sought, found);
 }
 
+double widenForShift(const std::vector<double>& at, const std::vector<double>& measured,
+                     const std::vector<SoughtParameter>& sought, Identified& found) {
+  constexpr double little = 0.3;  // of the structure
+  const Eigen::Index rows = found.r.size(), count = found.J.cols();
+  const Eigen::Map<const VectorXd> depth(at.data(), rows);
+  const VectorXd simulated = Eigen::Map<const VectorXd>(measured.data(), rows) + found.r;
+  MatrixXd both(rows, count + 1);
+  both.leftCols(count) = found.J;
+  for (Eigen::Index k = 0; k < rows; ++k) {
+    const Eigen::Index a = std::max<Eigen::Index>(0, k - 1), b = std::min(rows - 1, k + 1);
+    both(k, count) = (simulated[b] - simulated[a]) / (depth[b] - depth[a]);
+  }
+  const VectorXd step = both.colPivHouseholderQr().solve(-found.r);
+  if (!step.allFinite() || structureOf(found.r + both * step) > little * found.structure) return 0;
+  const double shift = -step[count];
+  const VectorXd change = shift * both.col(count);
+  widenFor({change.begin(), change.end()}, sought, found);
+  return shift;
+}
+
 void widenToHalves(const std::vector<SoughtParameter>& sought, Identified& found) {
   const Eigen::Index half = found.r.size() / 2;
   widenTo(stepFor(found.J.topRows(half), found.r.head(half)), sought, found);

@@ -25,19 +25,27 @@ Remarks judge(const MeasuredCurve& measured, bool relaxes, const std::vector<Sou
                                                    "deeper or with another tool"
                                                  : "the curve hardly says what the parameter is: measure deeper or "
                                                    "with another tool");
-  if (found.structure > told_structure * largest) widenToHalves(sought, found);
+  std::string shifted;
+  if (found.structure > told_structure * largest) {
+    widenToHalves(sought, found);
+    const double shift = widenForShift(measured.depth, measured.force, sought, found);
+    if (shift != 0)
+      shifted = format(" Depths that count from %.2g mm %s the touch would explain it: is 0 where the tool touches?",
+                       1e3 * std::abs(shift), shift > 0 ? "before" : "after");
+  }
   if (found.misfit > most_noise * largest || found.structure > most_structure * largest)
-    remarks.doubts.push_back(
-        format("the scene can't follow this curve: %.3g %% of the largest force are left over, "
-               "which is no noise. Try another law or more of its parameters; are tool, support "
-               "and size those of the experiment?",
-               100 * found.misfit / largest));
+    remarks.doubts.push_back(format("the scene can't follow this curve: %.3g %% of the largest force are left over, "
+                                    "which is no noise. Try another law or more of its parameters; are tool, support "
+                                    "and size those of the experiment?",
+                                    100 * found.misfit / largest) +
+                             shifted);
   else if (found.structure > told_structure * largest)
     remarks.notes.push_back(
         format("the residuals follow from row to row, by %.2g %% of the largest force, which is no "
                "noise: a curve that had not settled does so, or another law. The interval reaches to what each half of "
                "the curve says",
-               100 * found.structure / largest));
+               100 * found.structure / largest) +
+        (shifted.empty() ? "" : "." + shifted));
   if (relaxes) return remarks;  // change in time is the scene's own
   if (measured.change.empty()) {
     remarks.notes.emplace_back(
