@@ -392,8 +392,8 @@ PALPATE_API int32_t palpate_set_force(palpate_simulation* simulation, int32_t ve
  * that has its way. As loads, pins are part of the state, and stay in a reset. No allocation or lock. */
 PALPATE_API int32_t palpate_pin(palpate_simulation* simulation, int32_t vertex, const double* place);
 
-/* (control, stopped) What a pin does to the tissue: the force on it at that vertex of the skin in the newest step, N (3);
- * 0 where none was held, before the first tick, and after a reset or restore. It is raw, and noisy where it moves.
+/* (control, stopped) What a pin does to the tissue: the force on it at that vertex of the skin in the newest step, N
+ * (3); 0 where none was held, before the first tick, and after a reset or restore. It is raw, and noisy in motion.
  * PALPATE_BUSY while the simulation runs on its own thread. No allocation or lock. */
 PALPATE_API int32_t palpate_pin_force(const palpate_simulation* simulation, int32_t vertex, double* force);
 
