@@ -476,7 +476,7 @@ void Session::takeEvent(const LogEvent& event) {
       track_over_ = true;
       break;
     case Kind::FrictionSet:
-      friction_ = event.value;
+      if (event.index == 0) friction_ = event.value;
       break;
     case Kind::MaterialRefused: {
       const auto m = static_cast<std::size_t>(event.index);

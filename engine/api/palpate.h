@@ -362,9 +362,10 @@ PALPATE_API int32_t palpate_velocities(const palpate_simulation* simulation, con
 PALPATE_API int32_t palpate_stresses(const palpate_simulation* simulation, const palpate_points* points, double* stress,
                                      double* J, int32_t count);
 
-/* (control) Coulomb coefficient between the first tool and the tissue, 0 to 2, from the next tick on. Further tools
- * keep the scene's. */
+/* (control) Coulomb coefficient between the first tool, or another (0: the first), and the tissue, 0 to 2, from the
+ * next tick on. */
 PALPATE_API int32_t palpate_set_friction(palpate_simulation* simulation, double coefficient);
+PALPATE_API int32_t palpate_set_tool_friction(palpate_simulation* simulation, int32_t tool, double coefficient);
 
 /* (control) Parameters of a material, from the next tick on; those not named stay. What is made for the materials as
  * they were loaded (contact's layer, node patches) stays, too: far from them forces are some per cent off those of a

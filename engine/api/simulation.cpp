@@ -233,9 +233,15 @@ int32_t palpate_read(const palpate_simulation* simulation, palpate_state* state)
 }
 
 int32_t palpate_set_friction(palpate_simulation* simulation, double coefficient) {
+  return palpate_set_tool_friction(simulation, 0, coefficient);
+}
+
+int32_t palpate_set_tool_friction(palpate_simulation* simulation, int32_t tool, double coefficient) {
   constexpr double largest = 2;  // as of scenes
-  if (simulation == nullptr || !(coefficient >= 0 && coefficient <= largest)) return PALPATE_BAD_ARGUMENT;
-  return guarded(nullptr, [&] { return send(*simulation, Request::setFriction(coefficient)); });
+  if (simulation == nullptr || tool < 0 || tool >= simulation->model->tools.toolCount() ||
+      !(coefficient >= 0 && coefficient <= largest))
+    return PALPATE_BAD_ARGUMENT;
+  return guarded(nullptr, [&] { return send(*simulation, Request::setFriction(coefficient, tool)); });
 }
 
 int32_t palpate_on_tick(palpate_simulation* simulation, palpate_tick_call call, void* user) {

@@ -42,7 +42,7 @@ struct ToolSetUp {
   double max_speed = 1;             // m/s
   double max_force = 0;             // N, at which it yields; 0: never
   double grip_force = 0;            // N, jaws: pinch at which they close no further; 0: none
-  double friction = 0;              // Coulomb; the first tool's is set live (LiveParameters)
+  double friction = 0;              // Coulomb, as loaded; in force is LiveParameters::friction
   std::vector<ToolPosture> path;    // (tick) where its script has it at each tick's end; then it stays. Empty: a hand
 };
 

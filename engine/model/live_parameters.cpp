@@ -7,7 +7,10 @@
 namespace palpate {
 
 LiveParameters loadedParameters(const Model& model) {
-  return {model.scene.tools[0].friction, {}, makeKernelMaterials(model.kernel, model.materials)};
+  LiveParameters live;
+  for (std::size_t t = 0; t < model.tools.tool.size(); ++t) live.friction[t] = model.tools.tool[t].friction;
+  live.kernel = makeKernelMaterials(model.kernel, model.materials);
+  return live;
 }
 
 void setMaterial(const Model& model, int index, const Material& material, LiveParameters& live) {

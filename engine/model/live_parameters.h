@@ -1,5 +1,8 @@
 #pragma once
 
+#include <array>
+
+#include "contact/tool_set.h"
 #include "mechanics/kernel_layout.h"
 #include "model/live_loads.h"
 
@@ -9,7 +12,7 @@ struct Model;
 
 /// What may be set while a run goes on: part of State, so that simulations which share a Model do not share it.
 struct LiveParameters {
-  double friction = 0;  // Coulomb coefficient between tool and tissue
+  std::array<double, max_tools> friction{};  // Coulomb coefficients between each tool and the tissue
   LiveLoads loads;
   KernelMaterials kernel;  // the materials in force, and the node patches' moduli that follow from them
 };

@@ -55,7 +55,9 @@ void add(ByteKey& key, const ToolShape& tool) { key.add(tool.kind, tool.radius, 
 /// What is set live and differs from the model, each setting after its number; the patches' moduli follow from it.
 std::string liveChanges(const Model& model, const LiveParameters& live) {
   ByteKey changes;
-  if (live.friction != model.scene.tools[0].friction) changes.add(-1, live.friction);
+  for (std::size_t t = 0; t < model.tools.tool.size(); ++t)
+    if (live.friction[t] != model.tools.tool[t].friction)
+      changes.add(t == 0 ? -1 : -3 - static_cast<int>(t), live.friction[t]);
   if (const LiveLoads& loads = live.loads; loads.any()) {
     for (const VertexValues* values : {&loads.forces, &loads.pins}) {
       changes.add(values == &loads.forces ? -2 : -3, values->count);

@@ -137,7 +137,7 @@ ContactForces solveContacts(const Model& model, ToolPostures& tools, double alph
     touching[b] = {&body.shape,
                    bodyPose(body, tools[t]),
                    bodyPose(body, before[t]),
-                   t == 0 ? state.live.friction : set.tool[t].friction,
+                   state.live.friction[t],
                    &state.contact[b],
                    &scratch.tools[b],
                    &holds[t],

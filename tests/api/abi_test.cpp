@@ -176,6 +176,7 @@ static_assert(same<decltype(palpate_set_target), int32_t(Simulation, const doubl
 static_assert(same<decltype(palpate_read), int32_t(const palpate_simulation*, palpate_state*)>);
 static_assert(same<decltype(palpate_skin_positions), int32_t(Simulation, float*, int32_t)>);
 static_assert(same<decltype(palpate_contacts), int32_t(Simulation, int32_t*, float*, int32_t, int32_t*)>);
+static_assert(same<decltype(palpate_set_tool_friction), int32_t(Simulation, int32_t, double)>);
 static_assert(same<decltype(palpate_set_friction), int32_t(Simulation, double)>);
 static_assert(
     same<decltype(palpate_set_material), int32_t(Simulation, int32_t, const palpate_parameter*, int32_t, Error)>);

@@ -79,6 +79,30 @@ TEST_CASE("Each tool is moved and read by its number, and jaws by their opening"
   CHECK(palpate_read_tool(simulation.get(), 2, &state) == PALPATE_BAD_ARGUMENT);
 }
 
+TEST_CASE("The friction of each tool is its own, and stays in a saved state", "[api][several_tools]") {
+  const ModelHandle model = loadBlock(jaws_text);
+  const auto dragged = [&](double friction) {
+    const SimulationHandle simulation = create(model), other = create(model);
+    REQUIRE(palpate_set_tool_friction(simulation.get(), 1, friction) == PALPATE_OK);
+    play(simulation);
+    std::vector<char> bytes(palpate_save_size(simulation.get()));
+    REQUIRE(palpate_save(simulation.get(), bytes.data(), bytes.size()) == PALPATE_OK);
+    REQUIRE(palpate_restore(other.get(), bytes.data(), bytes.size(), nullptr) == PALPATE_OK);
+    const double aside[7] = {0.003, 0, 0.028, 0, 0, 0, 1};
+    for (const SimulationHandle* one : {&simulation, &other}) {
+      REQUIRE(palpate_set_tool_target(one->get(), 1, aside, 0) == PALPATE_OK);
+      REQUIRE(palpate_step(one->get(), 40, nullptr, nullptr) == PALPATE_OK);
+    }
+    CHECK(readTool(other, 1).force[0] == readTool(simulation, 1).force[0]);
+    return std::abs(readTool(simulation, 1).force[0]);
+  };
+  CHECK(dragged(1) > 2 * dragged(0));
+  const SimulationHandle simulation = create(model);
+  CHECK(palpate_set_tool_friction(simulation.get(), 2, 0.1) == PALPATE_BAD_ARGUMENT);
+  CHECK(palpate_set_tool_friction(simulation.get(), -1, 0.1) == PALPATE_BAD_ARGUMENT);
+  CHECK(palpate_set_tool_friction(simulation.get(), 1, 2.1) == PALPATE_BAD_ARGUMENT);
+}
+
 TEST_CASE("A saved state of several tools goes on bit for bit", "[api][several_tools]") {
   const ModelHandle model = loadBlock(jaws_text);
   const SimulationHandle simulation = create(model), other = create(model);

@@ -57,7 +57,7 @@ inline Model smallModel(double rate_hz = 500) {
   model.scene.name = "small";
   model.scene.dynamics.rate_hz = rate_hz;
   model.scene.dynamics.catch_up = 0;  // what is late is skipped, unless a test is about that
-  model.scene.tools[0].friction = 0.1;
+  model.scene.tools[0].friction = model.tools.first().friction = 0.1;
   model.scene.force.cutoff_hz = 30;
   model.scene.force.rate_limit = 200;
   model.X = {{0, 0, 0}, {0.01, 0, 0}, {0, 0.02, 0}, {0, 0, 0.03}};
@@ -138,7 +138,7 @@ class FakePhysics final : public Physics {
   }
   void reset() override { state_ = initial_; }
   void restore(const State& past) override { state_ = past; }
-  void setFriction(double coefficient) override {
+  void setFriction(int, double coefficient) override {
     friction = coefficient;
     if (on_friction) on_friction(coefficient);
   }

@@ -50,13 +50,13 @@ TEST_CASE("The state's hash follows live settings where they differ from the loa
   const Model model = test::blockModel();
   State state = initialState(model);
   const std::uint64_t loaded = stateHash(model, state);
-  state.live.friction = 0.4;
+  state.live.friction[0] = 0.4;
   const std::uint64_t rough = stateHash(model, state);
   CHECK(rough != loaded);
   setMaterial(model, 0, stiffened(model.materials[0], 2), state.live);
   const std::uint64_t rough_and_stiff = stateHash(model, state);
   CHECK(rough_and_stiff != rough);
-  state.live.friction = model.scene.tools[0].friction;
+  state.live.friction[0] = model.scene.tools[0].friction;
   CHECK(stateHash(model, state) != loaded);
   CHECK(stateHash(model, state) != rough_and_stiff);
   setMaterial(model, 0, model.materials[0], state.live);
@@ -67,7 +67,7 @@ TEST_CASE("Equal states give equal futures, live settings included", "[live_para
   const Model model = test::blockModel();
   Workspace one(model, 1), other(model, 2);
   State state = initialState(model);
-  state.live.friction = 0.4;
+  state.live.friction[0] = 0.4;
   setMaterial(model, 0, stiffened(model.materials[0], 0.5), state.live);
   press(model, state, one, 0.002, 40);
   State copy = state;

@@ -260,7 +260,7 @@ TEST_CASE("A passage carries linear fields, and what does not belong to nodes", 
   }
   before.tick = 17;
   before.step = 34;
-  before.live.friction = 0.3;
+  before.live.friction[0] = 0.3;
   before.contact[0].count = 1;
   before.contact[0].vertex[0] = 5;
   before.skins.count = 1;
@@ -278,7 +278,7 @@ TEST_CASE("A passage carries linear fields, and what does not belong to nodes", 
   CHECK(worst < 0.1 * same_place);  // |H| times what a node may have moved without being solved for
   CHECK(worst_du < 1e-4 * same_place);
   CHECK((after.tick == 17 && after.step == 34));
-  CHECK(after.live.friction == 0.3);
+  CHECK(after.live.friction[0] == 0.3);
   CHECK((after.contact[0].count == 1 && after.contact[0].vertex[0] == 5));
   CHECK((after.skins.count == 1 && after.skins.vertex[0] == 7 && after.skins.unseen == before.skins.unseen));
 

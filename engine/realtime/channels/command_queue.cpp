@@ -48,8 +48,9 @@ Request Request::steer(const Vec3& velocity, const Vec3& turn, double seconds) {
 
 Request Request::pull(int skin_vertex, const Vec3& target) { return at(Kind::Pull, skin_vertex, target); }
 
-Request Request::setFriction(double coefficient) {
+Request Request::setFriction(double coefficient, int tool) {
   Request request = simple(Kind::SetFriction);
+  request.index = tool;
   request.value = coefficient;
   return request;
 }

@@ -24,7 +24,7 @@ struct Request {
     Reset,        // back to the freshly loaded state; leaves a freeze
     Restart,      // the same, where a script or replay begins again with it: the tool then need not come gently
     Undo,         // half a second to a second back; leaves a freeze; not while a script or replay lasts
-    SetFriction,  // value: Coulomb coefficient
+    SetFriction,  // index: tool; value: Coulomb coefficient
     SetMaterial,  // index: into Model::materials; material
     SetGravity,   // point: m/s^2, of the tissue
     SetForce,     // index: skin vertex, -1: all; point: N, 0 ends it
@@ -59,7 +59,7 @@ struct Request {
   /// @param velocity  m/s; @param turn  rad/s; @param seconds  after which it stands, unless it is asked again
   static Request steer(const Vec3& velocity, const Vec3& turn, double seconds);
   static Request pull(int skin_vertex, const Vec3& target);
-  static Request setFriction(double coefficient);
+  static Request setFriction(double coefficient, int tool = 0);
   /// Refused by the loop (with a log event) where the material is stiffer than the
   /// time step allows.
   static Request setMaterial(int index, const Material& material);

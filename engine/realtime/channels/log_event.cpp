@@ -88,7 +88,7 @@ std::string sentence(const LogEvent& e) {
     case LogEvent::Kind::Resumed:
       return "resumed";
     case LogEvent::Kind::FrictionSet:
-      return format("friction is now %.3g", e.value);
+      return (e.index > 0 ? format("friction of tool %d", e.index + 1) : "friction") + format(" is now %.3g", e.value);
     case LogEvent::Kind::MaterialSet:
       return format("material %d changed", e.index);
     case LogEvent::Kind::MaterialRefused:

@@ -33,7 +33,7 @@ struct LogEvent {
     Undone,           // value: s of physics time that the tissue went back; 0: nothing was kept to go back to
     Paused,
     Resumed,
-    FrictionSet,      // value
+    FrictionSet,      // index: tool, value
     MaterialSet,      // index: material
     MaterialRefused,  // index: material; value: factor by which it is too stiff
     GravitySet,       // position: m/s^2; value: 1, or 0 where it is the scene's again

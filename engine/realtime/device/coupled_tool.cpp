@@ -66,7 +66,7 @@ Pose CoupledTool::next(const State& state, const StepReport& last) {
   const Vec3 push = target.stiffness * (target.pose.position - x) + target.damping * target.velocity + last.tool_force;
   const double spring = target.stiffness + target.damping / tick_s_;
   const double along = push.dot(normal_);
-  const double sticks = state.live.friction > 0 ? hold_ : 0;
+  const double sticks = state.live.friction[0] > 0 ? hold_ : 0;
   pose.position = x + (along / (spring + hold_ * std::max(normal_hold_, rattle_along))) * normal_ +
                   (push - along * normal_) / (spring + sticks * tangent_hold_ + hold_ * rattle_across);
   return pose;

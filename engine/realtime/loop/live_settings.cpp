@@ -10,9 +10,12 @@ namespace palpate {
 namespace {
 
 std::vector<Request> settingsOf(const Model& model) {
-  std::vector<Request> requests{Request::setFriction(model.scene.tools[0].friction),
-                                Request::setGravity(model.scene.dynamics.gravity), Request::setForce(-1, Vec3::Zero()),
-                                Request::unpin(-1), Request::moveRegion(-1, Vec3::Zero())};
+  std::vector<Request> requests;
+  for (int t = 0; t < model.tools.toolCount(); ++t)
+    requests.push_back(Request::setFriction(model.tools.tool[static_cast<std::size_t>(t)].friction, t));
+  for (const Request& load : {Request::setGravity(model.scene.dynamics.gravity), Request::setForce(-1, Vec3::Zero()),
+                              Request::unpin(-1), Request::moveRegion(-1, Vec3::Zero())})
+    requests.push_back(load);
   if (model.materials.size() != model.scene.materials.size()) return requests;  // mixed ones can't be changed live
   for (std::size_t m = 0; m < model.materials.size(); ++m) {
     requests.push_back(Request::setMaterial(static_cast<int>(m), model.materials[m]));
@@ -68,7 +71,9 @@ bool changeLoads(const Request& request, int vertex_count, int boundary_count, c
 
 std::vector<Request> settingsInForce(const Model& model, const LiveParameters& live) {
   std::vector<Request> requests;
-  if (live.friction != model.scene.tools[0].friction) requests.push_back(Request::setFriction(live.friction));
+  for (std::size_t t = 0; t < model.tools.tool.size(); ++t)
+    if (live.friction[t] != model.tools.tool[t].friction)
+      requests.push_back(Request::setFriction(live.friction[t], static_cast<int>(t)));
   const LiveLoads& loads = live.loads;
   if (!loads.gravity.isZero(0)) requests.push_back(Request::setGravity(loads.gravity + model.scene.dynamics.gravity));
   for (std::size_t k = 0; k < static_cast<std::size_t>(loads.forces.count); ++k)
@@ -86,6 +91,7 @@ std::vector<Request> settingsInForce(const Model& model, const LiveParameters& l
 
 LiveSettings::LiveSettings(const Model& model, Physics& physics)
     : physics_(physics),
+      tool_count_(model.tools.toolCount()),
       material_count_(static_cast<int>(model.materials.size())),
       vertex_count_(model.skin.vertexCount()),
       boundary_count_(static_cast<int>(model.boundary.motions.size())),
@@ -94,7 +100,7 @@ LiveSettings::LiveSettings(const Model& model, Physics& physics)
       friction_(physics.state().live.friction) {}
 
 LiveSettings::Answer LiveSettings::apply(const Request& request) {
-  if (request.kind == Request::Kind::SetFriction) return setFriction(request.value);
+  if (request.kind == Request::Kind::SetFriction) return setFriction(request.index, request.value);
   if (request.kind == Request::Kind::SetMaterial) return setMaterial(request.index, request.material);
   return setLoad(request);
 }
@@ -109,10 +115,12 @@ LiveSettings::Answer LiveSettings::setLoad(const Request& request) {
   return {Outcome::Changed, 0, acts_now ? 1 : 0};
 }
 
-LiveSettings::Answer LiveSettings::setFriction(double coefficient) {
-  if (!std::isfinite(coefficient) || coefficient < 0 || coefficient == friction_) return {};
-  friction_ = coefficient;
-  physics_.setFriction(coefficient);
+LiveSettings::Answer LiveSettings::setFriction(int tool, double coefficient) {
+  if (tool < 0 || tool >= tool_count_ || !std::isfinite(coefficient) || coefficient < 0) return {};
+  double& asked = friction_[static_cast<std::size_t>(tool)];
+  if (coefficient == asked) return {};
+  asked = coefficient;
+  physics_.setFriction(tool, coefficient);
   return {Outcome::Changed};
 }
 

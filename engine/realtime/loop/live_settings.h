@@ -38,15 +38,15 @@ class LiveSettings {
   const std::vector<Request>& loaded() const { return loaded_; }
 
  private:
-  Answer setFriction(double coefficient);
+  Answer setFriction(int tool, double coefficient);
   Answer setMaterial(int index, const Material& material);
   Answer setLoad(const Request& request);
 
   Physics& physics_;
-  const int material_count_, vertex_count_, boundary_count_;
+  const int tool_count_, material_count_, vertex_count_, boundary_count_;
   const Vec3 gravity_;  // m/s^2, the scene's
   const std::vector<Request> loaded_;
-  double friction_;  // the last that was asked for
+  std::array<double, max_tools> friction_;  // (tool_count) the last that were asked for
 };
 
 /// What makes of the loaded settings those in force, in the order in which it has to be asked for.

@@ -150,7 +150,9 @@ void TissuePhysics::restore(const State& past) {
   forgetLastTick();
 }
 
-void TissuePhysics::setFriction(double coefficient) { state_.live.friction = coefficient; }
+void TissuePhysics::setFriction(int tool, double coefficient) {
+  state_.live.friction[static_cast<std::size_t>(tool)] = coefficient;
+}
 
 double TissuePhysics::excessOf(int index, const Material& material) const {
   const Material& loaded = model_->materials[static_cast<std::size_t>(index)];

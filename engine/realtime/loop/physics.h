@@ -24,7 +24,7 @@ class Physics {
   virtual void reset() = 0;
   /// An earlier state of this physics, with zero velocity; friction and materials stay as they were set.
   virtual void restore(const State& past) = 0;
-  virtual void setFriction(double coefficient) = 0;
+  virtual void setFriction(int tool, double coefficient) = 0;
   /// From the next step on. Physics without tissue has none.
   virtual void setLoads(const LiveLoads&) {}
   /// Replaces a material from the next step on. Returns 0 when done; where it is
@@ -76,7 +76,7 @@ class TissuePhysics final : public Physics {
   void putIn(const State& state);
   /// What setMaterial would return, without doing it. Any thread.
   double excessOf(int index, const Material& material) const;
-  void setFriction(double coefficient) override;
+  void setFriction(int tool, double coefficient) override;
   void setLoads(const LiveLoads& loads) override { state_.live.loads = loads; }
   double setMaterial(int index, const Material& material) override;
 

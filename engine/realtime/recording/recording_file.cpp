@@ -61,6 +61,7 @@ std::string lineOf(const TimedRequest& change) {
     case Request::Kind::SetFriction:
       line += " friction";
       append(line, {r.value});
+      if (r.index > 0) line.append(" ").append(std::to_string(r.index));
       break;
     case Request::Kind::SetMaterial: {
       line.append(" material ").append(std::to_string(r.index)).append(" ").append(r.material.lawDescription().name);
@@ -185,7 +186,10 @@ Request readChange(LineReader& line) {
   if (what == "reset") return Request::simple(Request::Kind::Reset);
   if (what == "restart") return Request::simple(Request::Kind::Restart);
   if (what == "undo") return Request::simple(Request::Kind::Undo);
-  if (what == "friction") return Request::setFriction(line.number("a friction coefficient"));
+  if (what == "friction") {
+    const double coefficient = line.number("a friction coefficient");
+    return Request::setFriction(coefficient, line.atEnd() ? 0 : line.integer<int>("a tool's number"));
+  }
   if (what == "gravity") return Request::setGravity(line.vector("an acceleration, m/s^2"));
   if (what == "force") {
     const int vertex = line.integer<int>("a skin vertex");

@@ -49,7 +49,7 @@ TEST_CASE("Under a rough hand the tissue is always there, always finite, and com
     double friction = model.scene.tools[0].friction;
     clock.before_sleep = [&](int) {
       deepest = std::max(deepest, 0.03 - loop.snapshots().latest().hand_pose.position.z());
-      settings += std::exchange(friction, physics.state().live.friction) != friction;
+      settings += std::exchange(friction, physics.state().live.friction[0]) != friction;
     };
     loop.run(clock);
     const RunSummary& summary = loop.summary();

@@ -248,7 +248,7 @@ TEST_CASE("What is set live holds at all places", "[cloud_follower][whole]") {
   const std::atomic<bool> stop{false};
   const Material soft = stiffened(body->model().materials[0], 0.5);
   REQUIRE(physics.setMaterial(0, soft) == 0);
-  physics.setFriction(0.4);
+  physics.setFriction(0, 0.4);
   Command command;
   for (int k = 1; k < 150; ++k) {
     body->follower.follow(true, stop);
@@ -259,7 +259,7 @@ TEST_CASE("What is set live holds at all places", "[cloud_follower][whole]") {
   const auto fits = [&](const State& state, const Model& model) {
     LiveParameters wanted = loadedParameters(model);
     setMaterial(model, 0, soft, wanted);
-    CHECK(state.live.friction == 0.4);
+    CHECK(state.live.friction[0] == 0.4);
     CHECK(state.live.kernel.materials[0] == soft);
     test::requireSameBits("patches", state.live.kernel.patch_bulk, wanted.kernel.patch_bulk);
   };

@@ -141,7 +141,7 @@ TEST_CASE("A live session on tissue is repeated by its recording", "[tissue_phys
     while (loop.recorded().pop(change)) recording.changes.push_back(change);
     recording.ticks = loop.summary().ticks;
     hash = loop.summary().state_hash;
-    CHECK(physics.state().live.friction == 0.6);
+    CHECK(physics.state().live.friction[0] == 0.6);
     CHECK(physics.state().live.kernel.materials[0].shear_modulus == soft.shear_modulus);
   }
   const Model& model = block();
@@ -189,7 +189,7 @@ TEST_CASE("Two simulations share a model, and what is set live in one leaves the
     TissuePhysics changed(model, 1), untouched(model, 1);
     const auto change = [&] {
       REQUIRE(changed.setMaterial(0, stiff) == 0);
-      changed.setFriction(0);
+      changed.setFriction(0, 0);
     };
     RunSummary of_changed, of_untouched;
     if (at_once) {  // each on a thread of its own, the change in the middle
@@ -210,8 +210,8 @@ TEST_CASE("Two simulations share a model, and what is set live in one leaves the
       of_changed = run(changed, model, pressing(ticks));
       of_untouched = run(untouched, model, pressing(ticks));
     }
-    CHECK(changed.state().live.friction == 0);
-    CHECK(untouched.state().live.friction == model.scene.tools[0].friction);
+    CHECK(changed.state().live.friction[0] == 0);
+    CHECK(untouched.state().live.friction[0] == model.scene.tools[0].friction);
     CHECK(of_changed.state_hash != expected.state_hash);
     CHECK(of_changed.peak_force > 1.05 * expected.peak_force);
     CHECK(of_untouched.state_hash == expected.state_hash);
@@ -226,10 +226,10 @@ TEST_CASE("A reset keeps what was set live", "[tissue_physics]") {
   TissuePhysics physics(model, 1);
   Material soft = model.materials[0];
   soft.shear_modulus *= 0.5;
-  physics.setFriction(0.7);
+  physics.setFriction(0, 0.7);
   CHECK(physics.setMaterial(0, soft) == 0);
   physics.reset();
-  CHECK(physics.state().live.friction == 0.7);
+  CHECK(physics.state().live.friction[0] == 0.7);
   CHECK(physics.state().live.kernel.materials[0].shear_modulus == soft.shear_modulus);
 }
 

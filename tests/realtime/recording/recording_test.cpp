@@ -43,6 +43,7 @@ Recording everyKind() {
                        {1, Request::pull(411, Vec3(1e-300, 2, 1e300))},
                        {1, Request::simple(Request::Kind::ReleasePull)},
                        {7, Request::setFriction(0.3)},
+                       {7, Request::setFriction(0.2, 1)},
                        {8, Request::setMaterial(0, neo)},
                        {8, Request::setMaterial(1, ogden)},
                        {9, Request::setGravity(Vec3(1.0 / 3, 0, -9.81))},

@@ -235,7 +235,7 @@ def _load_library():
         "displacements": [pointer, pointer, pointer, number],
         "velocities": [pointer, pointer, pointer, number],
         "stresses": [pointer, pointer, pointer, pointer, number],
-        "set_friction": [pointer, C.c_double],
+        "set_tool_friction": [pointer, number, C.c_double],
         "set_material": [pointer, number, to(_Parameter), number, error],
         "set_gravity": [pointer, pose],
         "set_force": [pointer, number, pose],

@@ -200,9 +200,9 @@ class Simulation:
         _call("read_coupling", self._handle, C.byref(raw))
         return Coupling(raw)
 
-    def set_friction(self, coefficient):
-        """Coulomb coefficient of the first tool, 0 to 2, from the next tick on; further tools keep the scene's."""
-        _call("set_friction", self._handle, coefficient)
+    def set_friction(self, coefficient, tool=0):
+        """Coulomb coefficient of a tool (0: the first), 0 to 2, from the next tick on."""
+        _call("set_tool_friction", self._handle, operator.index(tool), coefficient)
 
     def set_material(self, material=0, **parameters):
         """Parameters of a material, by its number or name, as a scene writes them: set_material("lump", young=4000),
