@@ -58,6 +58,7 @@ int run(const palpate::app::Options& options) {
   } else {
     requireDisplay();
     failure = runWindow(options, scene, log);
+    if (interrupted()) code = interrupted_run;
   }
   if (!failure.empty()) throw std::runtime_error(failure);
   return code;

@@ -157,19 +157,17 @@ int exitCodeOf(Session& session, const References& references, const Picture& la
   return code;
 }
 
+}  // namespace
+
 void writeManifest(Session& session, Manifest manifest) {
   const Options& options = session.options();
   manifest.scene_file = findScene(options.scene);
   manifest.scene_hash = session.sceneHash();
   manifest.model_hash = hex16(modelHash(session.model()));
   manifest.command = options.command;
-  manifest.width = options.width;
-  manifest.height = options.height;
   manifest.files.insert(manifest.files.end(), {"force.csv", "report.json"});
   writeWholeFile(session.results()->fileNamed("manifest.json"), toJson(manifest));
 }
-
-}  // namespace
 
 void checkReferences(const Options& options, const Scene& scene) { readReferences(options, scene); }
 
@@ -184,6 +182,8 @@ int runOffscreen(Session& session) {
   ResultFolder& results = *session.results();
   Manifest manifest;
   manifest.opengl = context.description();
+  manifest.width = options.width;
+  manifest.height = options.height;
   Picture last;
   const auto written = [&](const char* what, const std::string& file) {
     std::cout << format("%-13s", what) << file << '\n';

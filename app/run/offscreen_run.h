@@ -1,5 +1,6 @@
 #pragma once
 
+#include "app/run/run_checks.h"
 #include "app/run/session.h"
 
 namespace palpate::app {
@@ -12,6 +13,9 @@ void checkReferences(const Options& options, const Scene& scene);
 /// @return the exit code (run_checks.h)
 /// Throws InputError for a reference that can't be used, before the run.
 int runOffscreen(Session& session);
+
+/// manifest.json beside a session's results: what is given, and what the session knows itself.
+void writeManifest(Session& session, Manifest manifest);
 
 /// `palpate SCENE --check-lumps`: whether each lump is felt at the working depth, 0.8 tool radii. Returns the exit
 /// code.

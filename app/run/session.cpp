@@ -41,15 +41,16 @@ std::string fileName(const std::string& path) { return std::filesystem::path(pat
 
 /// The files that the run will write, opened or tried before anything takes time.
 std::optional<ResultFolder> openResults(const Options& options) {
+  const std::string named = "out/" + std::filesystem::path(options.scene).stem().string();
+  const std::string folder = options.out.empty() ? named + (options.soak_minutes ? "-soak" : "") : options.out;
+  std::optional<ResultFolder> results;
+  // A soak's force curve would grow by 150 MB an hour and tell nothing that its report doesn't.
+  if (options.offscreen || options.soak_minutes || !options.out.empty()) results.emplace(folder, !options.soak_minutes);
+  // Which may lie in that folder.
   if (!options.record.empty()) checkWritable(options.record, "choose another file with --record");
   if (!options.export_file.empty()) checkWritable(options.export_file, "choose another file with --export");
   if (!options.animation.empty()) checkWritable(options.animation, "choose another file with --animation");
-  const std::string named = "out/" + std::filesystem::path(options.scene).stem().string();
-  // A soak's force curve would grow by 150 MB an hour and tell nothing that its report doesn't.
-  if (options.soak_minutes) return ResultFolder(options.out.empty() ? named + "-soak" : options.out, false);
-  if (!options.out.empty()) return ResultFolder(options.out);
-  if (options.offscreen) return ResultFolder(named);
-  return {};
+  return results;
 }
 
 bool isSubmitted(const Recording& recording) {
@@ -411,6 +412,7 @@ void Session::gather() {
     next_event_.reset();
   }
   followSearch();
+  followDevice();
   if (notice_ && !notice_->frozen && forces_.lastTime() > notice_->time_s + notice_seconds) notice_.reset();
   changes_lost_ |= loop_->recorded().size() + 1 >= window_record_capacity;  // a full ring takes no more
   TimedRequest change;
@@ -419,6 +421,18 @@ void Session::gather() {
       recording_->changes.push_back(change);
     else
       changes_.add(change);
+}
+
+/// Tells of a device's service that went, or came back.
+void Session::followDevice() {
+  if (!device_ || ended_ || device_->connected() == device_there_) return;
+  device_there_ = !device_there_;
+  if (device_there_) {
+    log_.info("device: " + device_->name() + " is back");
+  } else {
+    ++device_losses_;
+    log_.warning("device: " + device_->name() + " is gone; its force has faded, and it is looked for each second");
+  }
 }
 
 /// The forces of the ticks up to this one.

@@ -156,6 +156,7 @@ class Session {
   void takeEvent(const LogEvent& event);
   void beginSearch();
   void followSearch();
+  void followDevice();
   void takeSaid(const LogEvent& event);
   void submitForTrainee();
   std::string withMaterialName(std::string text, const LogEvent& event) const;
@@ -193,6 +194,8 @@ class Session {
   std::unique_ptr<CoupledTool> coupled_tool_;  // a haptic device's end in the loop, and its thread
   std::unique_ptr<SimulationLoop> loop_;
   std::unique_ptr<DeviceThread> device_;
+  bool device_there_ = true;
+  int device_losses_ = 0;
   const Snapshot* latest_ = nullptr;
   std::int64_t latest_ns_ = 0;             // CLOCK_MONOTONIC, when it was taken
   std::optional<ForceSample> next_force_;  // of a tick after it

@@ -19,7 +19,9 @@ void Session::finish() {
   loop_->quit();
   loop_->join();
   gather();
-  if (trainee_ && searching()) submitForTrainee();
+  if (trainee_ && searching() && !interrupted()) submitForTrainee();
+  if (task_ && searching() && task_->begun() && interrupted())
+    log_.warning("interrupted before the search was submitted: there is no score sheet");
   finishFollowing();
   const RunSummary& summary = loop_->summary();
   if (summary.lost_force_samples > 0)
@@ -102,6 +104,7 @@ void Session::finishDevice() {
              "%.2f mJ, %.2f mJ damped",
              asLongLong(report.poses), report.peak_force, report.stiffness, 1e3 * report.delay_s,
              1e3 * report.lowest_energy_J, 1e3 * report.damped_J));
+  if (device_losses_ > 0) log_.warning(format("device: %s was gone %d times", device_->name().c_str(), device_losses_));
   if (report.silences > 0 || report.fades > 0 || device_->refusedCount() > 0)
     log_.warning(format("device: silent %lld times, force faded %lld times, %lld messages refused",
                         asLongLong(report.silences), asLongLong(report.fades), asLongLong(device_->refusedCount())));

@@ -13,6 +13,7 @@
 #include "app/panels/widgets.h"
 #include "app/run/frame_pace.h"
 #include "app/run/gl_window.h"
+#include "app/run/offscreen_run.h"
 #include "app/run/recent_scenes.h"
 #include "app/run/session_loader.h"
 #include "app/run/viewer.h"
@@ -258,7 +259,17 @@ void Shell::finish(Session& session, Viewer& viewer) {
       results->writeReport(toJson(session.report()));
       log_.info("results: " + results->reportFile());
     });
-    session.attempt([&] { results->writePicture(viewer.picture()); });
+    Manifest manifest;
+    session.attempt([&] {
+      const Picture picture = viewer.picture();
+      manifest.width = picture.width;
+      manifest.height = picture.height;
+      results->writePicture(picture);
+      manifest.files.push_back(std::filesystem::path(results->pictureFile()).filename().string());
+      manifest.picture_times_s.push_back(session.latest().force.time_s);
+    });
+    manifest.opengl = renderer_name_;
+    session.attempt([&] { writeManifest(session, manifest); });
   }
 }
 

@@ -44,9 +44,17 @@ std::string field(const Value& object, const char* key) {
 /// The sheet in a file; null where the file is something else. Throws std::exception where it can't be read.
 Value sheetIn(const fs::path& file) {
   const std::string text = readWholeFile(file.string(), {}, most_bytes);
-  if (text.find("\"false_alarms\"") == std::string::npos && !file.filename().string().starts_with("score")) return {};
-  const Value json = Value::parse(text);
-  return json.is_object() && json.contains("hits") && json.contains("false_alarms") ? json : Value();
+  const auto has = [&](const std::string& word) { return text.find("\"" + word + "\"") != std::string::npos; };
+  const bool is_sheet = has(score_kind) || has("false_alarms");
+  if (!is_sheet && !file.filename().string().starts_with("score")) return {};
+  const Value json = Value::parse(text, nullptr, false);
+  if (json.is_discarded()) throw std::runtime_error("it is damaged or cut short");
+  if (!is_sheet) return {};
+  for (const char* key : {"hits", "misses", "false_alarms", "conditions"})
+    if (!json.is_object() || !json.contains(key) || json[key].is_null())
+      throw std::runtime_error(inQuotes(key) + " is not in it");
+  if (!json["conditions"].is_object()) throw std::runtime_error("its conditions are none");
+  return json;
 }
 
 }  // namespace
@@ -71,7 +79,7 @@ ClassScores classScores(const std::string& folder) {
     try {
       const Value sheet = sheetIn(file);
       if (sheet.is_null()) continue;
-      const Value conditions = sheet.value("conditions", Value::object());
+      const Value& conditions = sheet["conditions"];
       std::string row = field({{"file", file.lexically_relative(folder).string()}}, "file");
       for (const char* column : sheet_columns) row.append(",").append(field(sheet, column));
       for (const char* column : condition_columns) row.append(",").append(field(conditions, column));

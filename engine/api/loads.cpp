@@ -44,8 +44,10 @@ int32_t palpate_set_gravity(palpate_simulation* simulation, const double* accele
 }
 
 int32_t palpate_set_force(palpate_simulation* simulation, int32_t vertex, const double* force) {
-  if (!isVertex(simulation, vertex) || (vertex >= 0 && !isPlace(force))) return PALPATE_BAD_ARGUMENT;
-  return change(*simulation, Request::setForce(vertex, vertex < 0 ? Vec3(Vec3::Zero()) : vectorOf(force)));
+  if (!isVertex(simulation, vertex) || (force == nullptr ? vertex >= 0 : !isPlace(force))) return PALPATE_BAD_ARGUMENT;
+  const Vec3 given = force == nullptr ? Vec3(Vec3::Zero()) : vectorOf(force);
+  if (vertex < 0 && !given.isZero(0)) return PALPATE_BAD_ARGUMENT;  // no force on all
+  return change(*simulation, Request::setForce(vertex, given));
 }
 
 int32_t palpate_pin(palpate_simulation* simulation, int32_t vertex, const double* place) {

@@ -381,9 +381,9 @@ PALPATE_API int32_t palpate_set_material(palpate_simulation* simulation, int32_t
 PALPATE_API int32_t palpate_reset(palpate_simulation* simulation);
 
 /* (control) Gravity of the tissue, m/s^2 (3), in place of the scene's, and a force on a vertex of the skin, N (3), from
- * the next tick on; a force lasts until it is set to 0, or with vertex -1 all are. At most 64 vertices: else
- * PALPATE_REFUSED. PALPATE_BAD_ARGUMENT: a component of gravity beyond 1000 m/s^2, of a force beyond 1e6 N, or no such
- * vertex. They are part of the state, and stay in a reset. No allocation or lock. */
+ * the next tick on; a force lasts until it is set to 0, or with vertex -1 and NULL or 0 all are. At most 64 vertices:
+ * else PALPATE_REFUSED. PALPATE_BAD_ARGUMENT: a component of gravity beyond 1000 m/s^2, of a force beyond 1e6 N, or no
+ * such vertex. They are part of the state, and stay in a reset. No allocation or lock. */
 PALPATE_API int32_t palpate_set_gravity(palpate_simulation* simulation, const double* acceleration);
 PALPATE_API int32_t palpate_set_force(palpate_simulation* simulation, int32_t vertex, const double* force);
 

@@ -112,6 +112,8 @@ TEST_CASE("Loads are part of the state: hashed, saved, kept in a reset, and take
   REQUIRE(palpate_set_force(simulation.get(), 7, push) == PALPATE_OK);
   REQUIRE(palpate_reset(simulation.get()) == PALPATE_OK);
   CHECK(hashOf(simulation) == loaded);
+  const double force_on_all[3] = {0, 0, 0.1};
+  REQUIRE(palpate_set_force(simulation.get(), -1, force_on_all) == PALPATE_BAD_ARGUMENT);  // it would end the others
   REQUIRE(palpate_set_force(simulation.get(), -1, nullptr) == PALPATE_OK);
   REQUIRE(palpate_set_gravity(simulation.get(), none) == PALPATE_OK);
   CHECK(hashOf(simulation) == at_rest);

@@ -170,6 +170,10 @@ refused(ValueError, lambda: body.pull(0, [0, 0, np.inf]), "[2] is inf")
 body.pull(0, body.skin_positions()[0])
 last = body.step(ticks=3)
 body.release()
+body.on_tick(lambda state: [][state.tick])
+before = body.read().tick
+refused(IndexError, lambda: body.step(ticks=2), "index")
+assert body.read().tick == before + 2
 body.on_tick(None)
 try:
     body.on_tick(5)
@@ -190,7 +194,8 @@ loaded.set_gravity([0, 0, 0])
 loaded.clear_forces()
 assert loaded.hash() == at_rest
 refused(ValueError, lambda: loaded.set_force(0, [0, 0, np.nan]), "[2] is nan")
-refused(palpate.Error, lambda: loaded.set_force(-2, [0, 0, 1]), "set_force: ")
+refused(ValueError, lambda: loaded.set_force(-1, [0, 0, 1]), "no vertex -1")
+refused(palpate.Error, lambda: loaded.set_force(1 << 20, [0, 0, 1]), "set_force: ")
 
 # Pins, regions and a recording.
 recorded = palpate.Simulation(block)

@@ -3,6 +3,7 @@
 #include <igtlMessageHeader.h>
 #include <igtlSensorMessage.h>
 #include <igtlStringMessage.h>
+#include <igtl_util.h>
 #include <palpate.h>
 #include <signal.h>
 #include <sys/prctl.h>
@@ -229,6 +230,16 @@ TEST_CASE("What is no pose is left out and told - a client that sends nonsense i
     matrix[0][0] = std::numeric_limits<float>::quiet_NaN();
     client.moveTool(matrix);
     CHECK(waitFor([&] { return bridge.says("not finite") && still(client); }));
+    auto message = igtl::TransformMessage::New();  // a matrix that is cut short, and says so
+    message->SetDeviceName("Tool");
+    message->Pack();
+    auto* bytes = static_cast<unsigned char*>(message->GetPackPointer());
+    constexpr int header = 58, body = 46;
+    bytes[49] = body;
+    const std::uint64_t sum = crc64(bytes + header, body, 0);
+    for (int k = 0; k < 8; ++k) bytes[50 + k] = static_cast<unsigned char>(sum >> (56 - 8 * k));
+    client.socket->Send(bytes, header + body);
+    CHECK(waitFor([&] { return bridge.says("a TRANSFORM of 46 bytes") && still(client); }));
     std::string noise(4096, '\xff');
     client.socket->Send(noise.data(), static_cast<int>(noise.size()));
     CHECK(client.isLetGo());
@@ -246,6 +257,31 @@ TEST_CASE("Poses go to matrices and back - a volume has the voxels that are insi
   const auto back = poseOf(matrix, problem);
   REQUIRE(back);
   for (std::size_t k = 0; k < 7; ++k) CHECK((*back)[k] == Approx(pose[k]).margin(1e-8));
+
+  // As messages of protocol 1 bring it, and of protocol 2: a header of 12 bytes before it, 3 of metadata behind.
+  auto message = igtl::TransformMessage::New();
+  message->SetMatrix(matrix);
+  message->Pack();
+  auto* header = static_cast<unsigned char*>(message->GetPackPointer());
+  std::vector<unsigned char> body(header + 58, header + 58 + 48);
+  const auto read = [&] {
+    const std::uint64_t sum = crc64(body.data(), body.size(), 0);
+    for (int k = 0; k < 8; ++k) header[50 + k] = static_cast<unsigned char>(sum >> (56 - 8 * k));
+    igtl::Matrix4x4 got;
+    if (!transformOf(header, body, got, problem)) return false;
+    return std::equal(&got[0][0], &got[0][0] + 16, &matrix[0][0]);
+  };
+  CHECK(read());
+  header[1] = 2;
+  CHECK_FALSE(read());
+  const unsigned char extension[12] = {0, 12, 0, 2, 0, 0, 0, 1, 0, 0, 0, 0};
+  body.insert(body.begin(), extension, extension + 12);
+  body.insert(body.end(), {1, 2, 3});
+  CHECK(read());
+  body.pop_back();
+  CHECK_FALSE(read());
+  CHECK(problem == "a TRANSFORM of 62 bytes");
+
   matrix[0][0] = -matrix[0][0], matrix[1][0] = -matrix[1][0], matrix[2][0] = -matrix[2][0];
   CHECK_FALSE(poseOf(matrix, problem));
 

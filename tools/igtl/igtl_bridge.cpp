@@ -1,7 +1,6 @@
 // palpate-igtl SCENE: a server of OpenIGTLink (3D Slicer, navigation) around a simulation: a tracked tool in; force,
 // deformed surface and volume out. Built on palpate.h alone, where libopenigtlink-dev is installed.
 #include <igtlClientSocket.h>
-#include <igtlMessageHeader.h>
 #include <igtlSensorMessage.h>
 #include <igtlServerSocket.h>
 #include <igtlStringMessage.h>
@@ -9,6 +8,7 @@
 #include <igtlUnit.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <atomic>
 #include <cerrno>
 #include <chrono>
@@ -28,6 +28,7 @@ using Clock = std::chrono::steady_clock;
 constexpr int stop_wait_ms = 100;   // after which a thread that waits for a client looks whether it should end
 constexpr int send_wait_ms = 2000;  // a client that takes nothing for so long is gone
 constexpr std::uint64_t largest_message = 1 << 24;  // bytes; tools' poses have 48
+constexpr std::size_t longest_name = 15;            // of the protocol's 20, with "Felt" before it and a number behind
 constexpr int volume_cells = 64;                    // along the body's longest side
 
 std::atomic<bool> stopped = false;
@@ -39,13 +40,8 @@ struct Options {
   double rate = 20, seconds = 0;
 };
 
-/// What a header says of the bytes that follow it, before it is unpacked: the library makes 0 of what it can't
-/// hold.
-std::uint64_t bodySize(const void* header) {
-  std::uint64_t size = 0;
-  for (int k = 42; k < 50; ++k) size = size << 8 | static_cast<const unsigned char*>(header)[k];
-  return size;
-}
+/// Of a field of a header, which a zero ends if it is shorter.
+std::string textAt(const unsigned char* bytes, std::size_t most) { return {bytes, std::find(bytes, bytes + most, 0)}; }
 
 /// What the library refused, with its reason.
 struct Refusal : std::runtime_error {
@@ -187,46 +183,32 @@ class Connection {
   }
 
   void receive() {
-    auto header = igtl::MessageHeader::New();
-    for (;;) {
-      header->InitPack();
-      if (!take(header->GetPackPointer(), header->GetPackSize())) break;
-      const std::uint64_t told = bodySize(header->GetPackPointer());
-      header->Unpack();
-      const std::string type = header->GetDeviceType(), name = header->GetDeviceName();
+    unsigned char header[header_bytes];
+    while (take(header, header_bytes)) {
+      const std::uint64_t told = numberAt(header + 42, 8);
+      const std::string type = textAt(header + 2, 12), name = textAt(header + 14, 20);
       if (told > largest_message) {
         complain("a message of " + std::to_string(told) + " bytes; the client is let go");
         break;
       }
-      const int size = static_cast<int>(told);
-      if (type == "TRANSFORM") {
-        auto message = igtl::TransformMessage::New();
-        message->SetMessageHeader(header);
-        message->AllocatePack();
-        if (message->GetPackBodySize() != size) {
-          complain("a TRANSFORM of " + std::to_string(size) + " bytes; the client is let go");
-          break;
-        }
-        if (!take(message->GetPackBodyPointer(), size)) break;
-        if (message->Unpack(1) & igtl::MessageHeader::UNPACK_BODY)
-          move(*message, name);
-        else
-          complain("a TRANSFORM whose checksum is wrong");
-      } else {
-        std::vector<char> skipped(static_cast<std::size_t>(size));
-        if (!take(skipped.data(), size)) break;
-        if (type == "GET_IMAGE") volume_wanted_ = true;
-      }
+      std::vector<unsigned char> content(static_cast<std::size_t>(told));
+      if (!take(content.data(), static_cast<int>(told))) break;
+      if (type == "GET_IMAGE") volume_wanted_ = true;
+      if (type != "TRANSFORM") continue;
+      igtl::Matrix4x4 matrix;
+      std::string problem;
+      if (transformOf(header, content, matrix, problem))
+        move(matrix, name);
+      else
+        complain(problem);
     }
     gone_ = true;
   }
 
   /// "Tool" is the first one, "Tool2" the second; transforms of other names are others' business.
-  void move(igtl::TransformMessage& message, const std::string& name) {
+  void move(const igtl::Matrix4x4& matrix, const std::string& name) {
     for (int k = 0; k < body_.tools(); ++k) {
       if (name != options_.tool + (k == 0 ? "" : std::to_string(k + 1))) continue;
-      igtl::Matrix4x4 matrix;
-      message.GetMatrix(matrix);
       std::string problem;
       const auto pose = poseOf(matrix, problem);
       if (!pose)
@@ -270,6 +252,22 @@ void run(const Options& options) {
   server->CloseSocket();
 }
 
+/// As CLI::Range, which takes what is no number.
+CLI::Validator within(double low, double high) {
+  return CLI::Validator(
+      [=](const std::string& text) -> std::string {
+        double value = 0;
+        if (CLI::detail::lexical_cast(text, value) && value >= low && value <= high) return {};
+        return "a number between " + CLI::detail::to_string(low) + " and " + CLI::detail::to_string(high) + ", please";
+      },
+      "");
+}
+
+std::string isName(const std::string& text) {
+  if (!text.empty() && text.size() <= longest_name) return {};
+  return "of 1 to " + std::to_string(longest_name) + " letters, please";
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -282,9 +280,11 @@ int main(int argc, char** argv) {
   app.set_version_flag("--version", std::string(palpate_build()));
   app.add_option("SCENE", options.scene, "Scene file, or the name of one that Palpate brings, e.g. liver")->required();
   app.add_option("--port", options.port, "0: any that is free")->check(CLI::Range(0, 65535))->capture_default_str();
-  app.add_option("--rate", options.rate, "Sets of messages per second")->check(CLI::Range(0.1, 200.0));
-  app.add_option("--tool", options.tool, "Name of the transform that moves the first tool")->capture_default_str();
-  app.add_option("--seconds", options.seconds, "End after so long; 0: at Ctrl-C")->check(CLI::Range(0.0, 1e6));
+  app.add_option("--rate", options.rate, "Sets of messages per second")->check(within(0.1, 200));
+  app.add_option("--tool", options.tool, "Name of the transform that moves the first tool")
+      ->check(isName)
+      ->capture_default_str();
+  app.add_option("--seconds", options.seconds, "End after so long; 0: at Ctrl-C")->check(within(0, 1e6));
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -1,7 +1,10 @@
 #include "igtl_messages.h"
 
+#include <igtl_util.h>
+
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 
@@ -46,6 +49,36 @@ Crossings crossings(const Skin& skin, const Eigen::Vector3d& origin, double h, c
 }
 
 }  // namespace
+
+std::uint64_t numberAt(const unsigned char* bytes, int count) {
+  std::uint64_t number = 0;
+  for (int k = 0; k < count; ++k) number = number << 8 | bytes[k];
+  return number;
+}
+
+bool transformOf(const unsigned char* header, std::vector<unsigned char>& body, igtl::Matrix4x4& matrix,
+                 std::string& problem) {
+  constexpr int checksum_at = 50;
+  if (crc64(body.data(), body.size(), 0) != numberAt(header + checksum_at, 8)) {
+    problem = "a TRANSFORM whose checksum is wrong";
+    return false;
+  }
+  // Version 2 has a header (its length and those of two kinds of metadata) before the matrix, metadata after it.
+  constexpr std::size_t least_extension = 12, matrix_bytes = 48;
+  std::uint64_t begin = 0, after = 0;
+  if (numberAt(header, 2) >= 2 && body.size() >= least_extension)
+    begin = numberAt(body.data(), 2), after = numberAt(&body[2], 2) + numberAt(&body[4], 4);
+  if (begin + matrix_bytes + after != body.size()) {
+    problem = "a TRANSFORM of " + std::to_string(body.size()) + " bytes";
+    return false;
+  }
+  igtl::IdentityMatrix(matrix);
+  for (int c = 0; c < 4; ++c)
+    for (int r = 0; r < 3; ++r)
+      matrix[r][c] = std::bit_cast<float>(
+          static_cast<std::uint32_t>(numberAt(&body[begin + static_cast<std::size_t>(4 * (3 * c + r))], 4)));
+  return true;
+}
 
 std::optional<std::array<double, 7>> poseOf(const igtl::Matrix4x4& matrix, std::string& problem) {
   Eigen::Matrix3d turn;

@@ -6,6 +6,7 @@
 #include <palpate.h>
 
 #include <array>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -21,6 +22,18 @@ struct Skin {
 /// A pose of palpate.h, m and quaternion x, y, z, w, of a matrix of OpenIGTLink, mm. None where it is no rigid motion
 /// or not finite: `problem` then says what it is.
 std::optional<std::array<double, 7>> poseOf(const igtl::Matrix4x4& matrix, std::string& problem);
+
+constexpr int header_bytes = 58;  // of every message; their fields: OpenIGTLink's protocol, "Header"
+
+/// Of the most significant byte first.
+std::uint64_t numberAt(const unsigned char* bytes, int count);
+
+/// The matrix of a TRANSFORM's body as it came, with or without the extended header of protocol version 2. The library
+/// (1.11) knows version 1, and takes a body's length for what the header says. False where it is no such body:
+/// `problem` then says why.
+/// @param header  (header_bytes)
+bool transformOf(const unsigned char* header, std::vector<unsigned char>& body, igtl::Matrix4x4& matrix,
+                 std::string& problem);
 
 /// The way back.
 void matrixOf(const double* pose, igtl::Matrix4x4& matrix);

@@ -8,7 +8,7 @@
 namespace palpate {
 
 /// A way to a haptic device. All but the constructor is called by one thread, about a thousand times a second: neither
-/// function waits.
+/// function waits while there is a device.
 class DeviceBackend {
  public:
   virtual ~DeviceBackend() = default;
@@ -22,6 +22,9 @@ class DeviceBackend {
 
   /// Hands the device its force, which holds until the next. What can't be sent is dropped: the next is newer.
   virtual void write(std::int64_t now_ns, const DeviceWrench& wrench) = 0;
+
+  /// False where what the device hangs on is known to be gone; read() then looks whether it is back.
+  virtual bool connected() const { return true; }
 
   /// Messages that came and could not be used.
   virtual std::int64_t refusedCount() const { return 0; }

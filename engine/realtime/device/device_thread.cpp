@@ -51,6 +51,7 @@ void DeviceThread::run() {
   while (!quit_.load(std::memory_order_relaxed)) {
     link_.exchange(clock.now(), loop_.force().sample);
     exchanges_.fetch_add(1, std::memory_order_relaxed);
+    connected_.store(backend_->connected(), std::memory_order_relaxed);
     const std::int64_t now = clock.now();
     next += period_ns_ * std::max<std::int64_t>(1, (now - next) / period_ns_ + 1);  // what was missed is skipped
     clock.sleepUntil(next);

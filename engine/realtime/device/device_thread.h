@@ -60,6 +60,7 @@ class DeviceThread {
   DeviceReport report() const { return link_.report(); }
   std::int64_t refusedCount() const { return backend_->refusedCount(); }
   std::int64_t exchanges() const { return exchanges_.load(std::memory_order_relaxed); }  // any time
+  bool connected() const { return connected_.load(std::memory_order_relaxed); }          // any time
   std::string name() const { return backend_->name(); }
 
  private:
@@ -69,7 +70,7 @@ class DeviceThread {
   DeviceLink link_;
   const SimulationLoop& loop_;
   const std::int64_t period_ns_;
-  std::atomic<bool> quit_{false};
+  std::atomic<bool> quit_{false}, connected_{true};
   std::atomic<std::int64_t> exchanges_{0};
   std::thread thread_;
 };

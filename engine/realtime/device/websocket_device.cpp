@@ -21,18 +21,15 @@ namespace {
 
 using Json = nlohmann::json;
 
-struct Address {
-  std::string host, path;
-  int port = 0;
-};
+constexpr std::int64_t first_patience_ms = 2000, patience_ms = 200, try_again_ns = 1'000'000'000;
 
-Address parsed(const std::string& text) {
+WebsocketAddress parsed(const std::string& text) {
   const auto wrong = [&] {
     return InputError({}, inQuotes(text) + " is no WebSocket of this machine", "write ws://127.0.0.1:PORT[/PATH]");
   };
   if (!text.starts_with("ws://")) throw wrong();
   const std::size_t slash = text.find('/', 5), colon = text.find(':', 5);
-  Address address;
+  WebsocketAddress address{.text = text};
   address.path = slash == std::string::npos ? "/" : text.substr(slash);
   if (colon == std::string::npos || colon > slash) throw wrong();
   address.host = text.substr(5, colon - 5);
@@ -52,25 +49,30 @@ Vec3 vectorOf(const Json& json) {
 
 }  // namespace
 
-WebsocketDevice::WebsocketDevice(const std::string& address) : address_(address) {
-  const Address to = parsed(address);
+WebsocketDevice::WebsocketDevice(const std::string& address) : address_(parsed(address)) { connect(first_patience_ms); }
+
+/// Throws std::runtime_error where nobody answers.
+void WebsocketDevice::connect(std::int64_t wait_ms) {
   socket_ = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
   sockaddr_in where{};
   where.sin_family = AF_INET;
-  where.sin_port = htons(static_cast<std::uint16_t>(to.port));
+  where.sin_port = htons(static_cast<std::uint16_t>(address_.port));
   where.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  timeval patience{2, 0};
+  const timeval wait{wait_ms / 1000, 1000 * (wait_ms % 1000)};
   const int at_once = 1;
-  ::setsockopt(socket_, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
-  ::setsockopt(socket_, SOL_SOCKET, SO_SNDTIMEO, &patience, sizeof patience);
+  ::setsockopt(socket_, SOL_SOCKET, SO_RCVTIMEO, &wait, sizeof wait);
+  ::setsockopt(socket_, SOL_SOCKET, SO_SNDTIMEO, &wait, sizeof wait);
   ::setsockopt(socket_, IPPROTO_TCP, TCP_NODELAY, &at_once, sizeof at_once);
   if (socket_ < 0 || ::connect(socket_, reinterpret_cast<const sockaddr*>(&where), sizeof where) != 0) {
     const std::string reason = std::strerror(errno);
     close();
-    throw std::runtime_error("no service at " + address + ": " + reason + "; start the device's service first");
+    throw std::runtime_error("no service at " + address_.text + ": " + reason + "; start the device's service first");
   }
+  reader_ = {};
+  unsent_.clear();
+  device_.clear();
   try {
-    shakeHands(to.host + ":" + std::to_string(to.port), to.path);
+    shakeHands();
   } catch (...) {
     close();
     throw;
@@ -87,13 +89,14 @@ void WebsocketDevice::close() {
   socket_ = -1;
 }
 
-void WebsocketDevice::shakeHands(const std::string& host, const std::string& path) {
+void WebsocketDevice::shakeHands() {
   const std::string key = "cGFscGF0ZS1kZXZpY2UtMQ==";  // 16 bytes; a client on the loopback has nothing to hide
-  const std::string request = "GET " + path + " HTTP/1.1\r\nHost: " + host +
+  const std::string request = "GET " + address_.path + " HTTP/1.1\r\nHost: " + address_.host + ":" +
+                              std::to_string(address_.port) +
                               "\r\nUpgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Version: 13\r\n"
                               "Sec-WebSocket-Key: " +
                               key + "\r\n\r\n";
-  const auto failed = [&](const std::string& why) { return std::runtime_error(address_ + " " + why); };
+  const auto failed = [&](const std::string& why) { return std::runtime_error(address_.text + " " + why); };
   if (::send(socket_, request.data(), request.size(), MSG_NOSIGNAL) != static_cast<ssize_t>(request.size()))
     throw failed("took no request");
   std::string answer;
@@ -146,7 +149,7 @@ bool WebsocketDevice::takeState(const std::string& text, DevicePose& pose) {
     const Json& state = device->at("state");
     DevicePose next = pose_;
     next.pose.position = vectorOf(state.at("cursor_position"));
-    next.has_velocity = state.contains("cursor_velocity");
+    next.has_velocity = state.contains("cursor_velocity") && !state["cursor_velocity"].is_null();
     if (next.has_velocity) next.velocity = vectorOf(state["cursor_velocity"]);
     for (const char* kind : {"wireless_verse_grip", "verse_grip"}) {
       const Json* grip = first(kind);
@@ -173,8 +176,16 @@ bool WebsocketDevice::takeState(const std::string& text, DevicePose& pose) {
   }
 }
 
-bool WebsocketDevice::read(std::int64_t, DevicePose& pose) {
-  if (!connected()) return false;
+bool WebsocketDevice::read(std::int64_t now_ns, DevicePose& pose) {
+  if (!connected()) {
+    if (now_ns < next_try_ns_) return false;
+    next_try_ns_ = now_ns + try_again_ns;
+    try {
+      connect(patience_ms);
+    } catch (const std::runtime_error&) {  // not yet
+      return false;
+    }
+  }
   receive();
   bool news = false;
   try {
@@ -186,7 +197,8 @@ bool WebsocketDevice::read(std::int64_t, DevicePose& pose) {
           ++refused_;
       } else if (frame->kind == WebsocketFrame::Kind::Ping && connected()) {
         send({WebsocketFrame::Kind::Pong, frame->text});
-      } else if (frame->kind == WebsocketFrame::Kind::Close) {
+      } else if (frame->kind == WebsocketFrame::Kind::Close && connected()) {
+        send({WebsocketFrame::Kind::Close, frame->text.substr(0, 2)});  // with the code that came
         close();
       }
     }

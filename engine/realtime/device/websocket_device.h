@@ -7,6 +7,12 @@
 
 namespace palpate {
 
+/// Where a service of this machine is.
+struct WebsocketAddress {
+  std::string text, host, path;
+  int port = 0;
+};
+
 /// A vendor's service on this machine that tells states and takes forces as JSON over a WebSocket, so that no SDK is
 /// needed. The messages are those of Haply's Inverse Service, version 3.1, as its public examples have them:
 ///
@@ -17,7 +23,9 @@ namespace palpate {
 ///
 /// The service answers each command with the next state. It was written from these messages and tested against a
 /// server of our own in the tests; no device was ever connected.
-/// read() and write() don't wait, but they parse and make text, and so allocate: on the device's thread only.
+/// A service that goes away is looked for each second, and may be another one when it is back.
+/// read() and write() don't wait, but for one that is back, at most a fifth of a second; they parse and make text, and
+/// so allocate: on the device's thread only.
 class WebsocketDevice final : public DeviceBackend {
  public:
   /// Connects: at most two seconds. @param address  ws://127.0.0.1:10001 or ws://localhost:10001/path
@@ -27,21 +35,23 @@ class WebsocketDevice final : public DeviceBackend {
   WebsocketDevice(const WebsocketDevice&) = delete;
   WebsocketDevice& operator=(const WebsocketDevice&) = delete;
 
-  std::string name() const override { return address_; }
+  std::string name() const override { return address_.text; }
   bool read(std::int64_t now_ns, DevicePose& pose) override;
   void write(std::int64_t now_ns, const DeviceWrench& wrench) override;
   std::int64_t refusedCount() const override { return refused_; }
-  bool connected() const { return socket_ >= 0; }
+  bool connected() const override { return socket_ >= 0; }
 
  private:
-  void shakeHands(const std::string& host, const std::string& path);
+  void connect(std::int64_t patience_ms);
+  void shakeHands();
   void receive();
   bool takeState(const std::string& text, DevicePose& pose);
   void send(const WebsocketFrame& frame);
   void close();
 
-  std::string address_;
+  const WebsocketAddress address_;
   int socket_ = -1;
+  std::int64_t next_try_ns_ = 0;  // where it is gone
   WebsocketReader reader_;
   std::string device_;  // its id; empty: none told yet
   std::string unsent_;

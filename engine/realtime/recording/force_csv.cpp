@@ -11,9 +11,16 @@ const char* const force_csv_header =
     "tool_x_m,tool_y_m,tool_z_m,tool_qx,tool_qy,tool_qz,tool_qw,torque_Nm_x,torque_Nm_y,torque_Nm_z,contacts,"
     "expected_error\n";
 
+namespace {
+
+/// Without a sign at zero, which recordings don't keep.
+std::string number(double value) { return format("%.9g", value == 0 ? 0 : value); }
+
+}  // namespace
+
 std::string forceCsvRow(const ForceSample& s) {
   std::string row;
-  const auto add = [&row](double value) { row += format("%.9g,", value); };
+  const auto add = [&row](double value) { row += number(value) + ','; };
   for (const double value : {s.time_s, s.depth_m, s.advance_m}) add(value);
   for (const double value : s.force_raw) add(value);
   for (const double value : s.force_filtered) add(value);
@@ -41,7 +48,7 @@ std::string forceCsvHeader(const ToolSet& tools, bool follows) {
 std::string forceCsvRow(const ForceSample& sample, const ToolReadings& readings, const ToolSet& tools, bool follows) {
   std::string row = forceCsvRow(sample);
   row.pop_back();
-  const auto add = [&row](double value) { row += format(",%.9g", value); };
+  const auto add = [&row](double value) { row += ',' + number(value); };
   for (std::size_t k = 0; k < tools.tool.size(); ++k) {
     const ToolReading& t = readings.tool[k];
     if (k > 0) {

@@ -305,7 +305,11 @@ TEST_CASE("The sheets of a class become one table, other files are left alone, a
   const ClassScores worse = classScores(folder.path(""));
   CHECK(worse.sheets == 2);
   REQUIRE(worse.problems.size() == 1);
-  CHECK(worse.problems[0].find("score-2.json") != std::string::npos);
+  CHECK_THAT(worse.problems[0], Catch::Contains("score-2.json") && Catch::Contains("damaged or cut short"));
+  Json altered = Json::parse(score.json({.scene = "block"}, ""));
+  altered["conditions"] = nullptr;
+  folder.write("score-2.json", altered.dump());
+  CHECK_THAT(classScores(folder.path("")).problems.at(0), Catch::Contains("\"conditions\" is not in it"));
   CHECK_THAT(refusal([&] { classScores(folder.path("absent")); }), Catch::Contains("absent"));
 }
 

@@ -14,10 +14,12 @@ using Catch::Contains;
 
 namespace {
 
-/// A service for one client, on a thread of its own. It stops where the client is gone.
+/// A service on a thread of its own, for one client after another. It stops where the last one is gone, and goes away
+/// from those before at their first command.
 class FakeService {
  public:
-  explicit FakeService(bool proper = true) : proper_(proper), listener_(::socket(AF_INET, SOCK_STREAM, 0)) {
+  explicit FakeService(bool proper = true, int clients = 1)
+      : proper_(proper), clients_(clients), listener_(::socket(AF_INET, SOCK_STREAM, 0)) {
     sockaddr_in address{};
     address.sin_family = AF_INET;
     address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
@@ -26,7 +28,9 @@ class FakeService {
     REQUIRE(::listen(listener_, 1) == 0);
     REQUIRE(::getsockname(listener_, reinterpret_cast<sockaddr*>(&address), &size) == 0);
     url = "ws://127.0.0.1:" + std::to_string(ntohs(address.sin_port));
-    thread_ = std::thread([this] { serve(); });
+    thread_ = std::thread([this] {
+      for (; clients_ > 0; --clients_) serve();
+    });
   }
   ~FakeService() {
     join();
@@ -39,13 +43,15 @@ class FakeService {
   std::string url;
   // After join().
   std::vector<std::string> commands;
-  std::string pong;
+  std::string pong, closing;  // closing: what the Close of a client that was left had
 
  private:
   static constexpr const char* state =
       R"({"inverse3":[{"device_id":"049D","state":{"cursor_position":{"x":0.01,"y":-0.02,"z":0.03},)"
       R"("cursor_velocity":{"x":0.1,"y":0,"z":-0.1}}}],"wireless_verse_grip":[{"device_id":"1",)"
       R"("state":{"orientation":{"w":0,"x":0,"y":0,"z":1},"buttons":{"a":true,"b":false,"c":true}}}]})";
+
+  static inline const std::string going_away{"\x03\xe9", 2};  // 1001
 
   void serve() {
     const int client = ::accept(listener_, nullptr, nullptr);
@@ -96,7 +102,10 @@ class FakeService {
       const unsigned opcode = at(0) & 0x0fU;
       bytes_.erase(0, head + size);
       if (opcode == 0xa) pong = text;
-      if (opcode == 0x1) {
+      if (opcode == 0x8 && clients_ > 1) closing = text;
+      if (opcode == 0x1 && clients_ > 1) {
+        send(client, websocketFrame({WebsocketFrame::Kind::Close, going_away}, {}));
+      } else if (opcode == 0x1) {
         commands.push_back(text);
         send(client, websocketFrame({WebsocketFrame::Kind::Text, state}, {}));
       }
@@ -104,7 +113,7 @@ class FakeService {
   }
 
   bool proper_;
-  int listener_;
+  int clients_, listener_;
   std::string bytes_;
   std::thread thread_;
 };
@@ -173,6 +182,30 @@ TEST_CASE("A service's state becomes a pose, and the force its command", "[devic
   const nlohmann::json command = nlohmann::json::parse(service.commands[0]);
   CHECK(command == nlohmann::json::parse(R"({"inverse3":[{"device_id":"049D","commands":{"set_cursor_force":
         {"values":{"x":0.5,"y":0.0,"z":-1.25}}}}]})"));
+}
+
+TEST_CASE("A service that goes away is answered, known to be gone, and found when it is back", "[device]") {
+  FakeService service(true, 2);
+  {
+    WebsocketDevice device(service.url);
+    DevicePose pose;
+    REQUIRE(receives(device, pose));
+    const std::uint32_t first = pose.sequence;
+    device.write(1, {});
+    for (int k = 0; k < 5000 && device.connected(); ++k) {
+      device.read(1, pose);
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    REQUIRE_FALSE(device.connected());
+    REQUIRE(receives(device, pose));  // at once: the first try is due
+    CHECK(device.connected());
+    CHECK(pose.sequence == first + 1);
+    device.write(1, {});
+    REQUIRE(receives(device, pose));
+  }
+  service.join();
+  CHECK(service.closing == std::string("\x03\xe9", 2));
+  CHECK(service.commands.size() == 1);
 }
 
 TEST_CASE("What does not become a WebSocket is told", "[device]") {

@@ -25,6 +25,7 @@ class Simulation:
             raise TypeError(f"a simulation is made of a Model, not of {type(model).__name__}")
         self.model = model
         self._handle = C.c_void_p()
+        self._raised = []  # by what on_tick() calls
         _call("create", model._handle, C.byref(self._handle), error=_Error())
 
     def close(self):
@@ -47,7 +48,14 @@ class Simulation:
         """Ticks on this thread, the tool at `pose` (7), or where it was. Returns the last one's State."""
         raw = _State()
         _call("step", self._handle, operator.index(ticks), _pose(pose), C.byref(raw))
+        self._raise_told()
         return State(raw)
+
+    def _raise_told(self):
+        if self._raised:
+            first = self._raised[0]
+            self._raised.clear()
+            raise first
 
     def start(self, real_time=True):
         """Goes on by itself at the model's rate. real_time: ask the system for real-time scheduling."""
@@ -61,6 +69,7 @@ class Simulation:
 
     def stop(self):
         _call("stop", self._handle)
+        self._raise_told()
 
     def set_target(self, pose, sequence=0):
         """Where the tool should be while it runs by itself; the latest wins."""
@@ -224,6 +233,8 @@ class Simulation:
 
     def set_force(self, vertex, force):
         """A force on a vertex of the skin (3), N, from the next tick on, until it is set to 0. At most 64 vertices."""
+        if operator.index(vertex) < 0:
+            raise ValueError(f"there is no vertex {vertex}; clear_forces() ends all forces")
         _call("set_force", self._handle, operator.index(vertex), _doubles(_numbers(force, (3,), "a force")))
 
     def clear_forces(self):
@@ -265,12 +276,20 @@ class Simulation:
         _call("pull", self._handle, -1, None)
 
     def on_tick(self, call):
-        """call(state) after each tick, on the thread that has done it; None: no more. Python is too slow for a
-        simulation that runs in real time beside a hand."""
+        """call(state) after each tick, on the thread that has done it; None: no more. The ticks go on where it raises:
+        the first exception then comes out of step(), or of stop(). Python is too slow for a simulation that runs in
+        real time beside a hand."""
         if call is not None and not callable(call):
             raise TypeError(f"call must be a function of a State, or None, not {call!r}")
-        told = _TickCall() if call is None else _TickCall(
-            lambda _, raw: call(State(_State.from_buffer_copy(C.string_at(raw, C.sizeof(_State))))))
+        raised = self._raised  # not the simulation, which would keep itself alive
+
+        def tell(_, raw):
+            try:
+                call(State(_State.from_buffer_copy(C.string_at(raw, C.sizeof(_State)))))
+            except BaseException as error:
+                raised[:] = raised or [error]
+
+        told = _TickCall() if call is None else _TickCall(tell)
         _call("on_tick", self._handle, told, None)
         self._told = told  # it must live as long as the library may call it
 
@@ -337,6 +356,8 @@ def step_many(simulations, poses=None, ticks=1, team=None, states=None):
                                        states.ctypes.data, C.byref(error))
     if code != OK:
         raise Error(code, error.text.decode(errors="replace"))
+    for simulation in simulations:
+        simulation._raise_told()
     return states
 
 
