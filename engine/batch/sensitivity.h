@@ -34,11 +34,12 @@ struct EquilibriumQuantity {
 /// contact layer's f_c, the weight w, and tractions t that hold the imposed nodes,
 ///
 ///   F(u, p) - f_c(u) - w - Phi^T t = 0,   Phi u = u_bar
-///   K l + Phi^T m = dq/du,   Phi l = -dq/dt      K = dF/du - df_c/du, which is symmetric
+///   K l + Phi^T m = dq/du,   Phi l = -dq/dt      K = dF/du - df_c/du, where it is symmetric
 ///   dq/dp = -l . dF/dp
 ///
 /// one linear solution for each quantity q, whatever the number of parameters p; dF/dp are differences of forces at
-/// one u, which cost no solution. What is differentiated is the answer at rest for a tool that stays where it is, with
+/// one u, which cost no solution. Where tissue is pressed to its limit of pressure, K is not quite symmetric
+/// (cell_volume.h); then one linear solution for each p, K du/dp = -dF/dp. What is differentiated is the answer at rest for a tool that stays where it is, with
 /// the points in contact held to be those that are; one that just touches has a left and a right derivative. Held as
 /// loaded: the contact layer's stiffness, the share of pressure that node patches average, and the weight. Materials
 /// that relax are those of after a long time.
@@ -114,6 +115,8 @@ class EquilibriumSensitivity {
   void multiply(const Field& v, Field& Kv, Difference difference);
   double precondition(Field& r, Field& g);
   void solve(Field r, Field& x, double tolerance, Difference difference);
+  bool isSymmetric();
+  void differentiateForce(const MaterialNumber& number, Field& slope);
   void polish();
 
   const Model& model_;

@@ -9,7 +9,7 @@ namespace palpate {
 
 /// Where a service of this machine is.
 struct WebsocketAddress {
-  std::string text, host, path;
+  std::string text{}, host{}, path{};
   int port = 0;
 };
 
