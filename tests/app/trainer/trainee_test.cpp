@@ -306,7 +306,7 @@ TEST_CASE("The sheets of a class become one table, other files are left alone, a
   CHECK(worse.sheets == 2);
   REQUIRE(worse.problems.size() == 1);
   CHECK_THAT(worse.problems[0], Catch::Contains("score-2.json") && Catch::Contains("damaged or cut short"));
-  Json altered = Json::parse(score.json({.scene = "block"}, ""));
+  auto altered = nlohmann::json::parse(score.json({.scene = "block"}, ""));
   altered["conditions"] = nullptr;
   folder.write("score-2.json", altered.dump());
   CHECK_THAT(classScores(folder.path("")).problems.at(0), Catch::Contains("\"conditions\" is not in it"));
