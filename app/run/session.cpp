@@ -43,13 +43,19 @@ std::string fileName(const std::string& path) { return std::filesystem::path(pat
 std::optional<ResultFolder> openResults(const Options& options) {
   const std::string named = "out/" + std::filesystem::path(options.scene).stem().string();
   const std::string folder = options.out.empty() ? named + (options.soak_minutes ? "-soak" : "") : options.out;
+  // First what lies elsewhere, so that nothing is left where it can't be written.
+  const auto check = [&](bool in_folder) {
+    const auto folderOf = [](const std::filesystem::path& path) { return (path / "").lexically_normal(); };
+    for (const auto& [file, option] :
+         {std::pair{options.record, "--record"}, {options.export_file, "--export"}, {options.animation, "--animation"}})
+      if (!file.empty() && (folderOf(std::filesystem::path(file).parent_path()) == folderOf(folder)) == in_folder)
+        checkWritable(file, std::string("choose another file with ") + option);
+  };
+  check(false);
   std::optional<ResultFolder> results;
   // A soak's force curve would grow by 150 MB an hour and tell nothing that its report doesn't.
   if (options.offscreen || options.soak_minutes || !options.out.empty()) results.emplace(folder, !options.soak_minutes);
-  // Which may lie in that folder.
-  if (!options.record.empty()) checkWritable(options.record, "choose another file with --record");
-  if (!options.export_file.empty()) checkWritable(options.export_file, "choose another file with --export");
-  if (!options.animation.empty()) checkWritable(options.animation, "choose another file with --animation");
+  check(true);
   return results;
 }
 

@@ -65,10 +65,11 @@ bool transformOf(const unsigned char* header, std::vector<unsigned char>& body, 
   }
   // Version 2 has a header (its length and those of two kinds of metadata) before the matrix, metadata after it.
   constexpr std::size_t least_extension = 12, matrix_bytes = 48;
+  const bool extended = numberAt(header, 2) >= 2;
   std::uint64_t begin = 0, after = 0;
-  if (numberAt(header, 2) >= 2 && body.size() >= least_extension)
+  if (extended && body.size() >= least_extension)
     begin = numberAt(body.data(), 2), after = numberAt(&body[2], 2) + numberAt(&body[4], 4);
-  if (begin + matrix_bytes + after != body.size()) {
+  if ((extended && begin < least_extension) || begin + matrix_bytes + after != body.size()) {
     problem = "a TRANSFORM of " + std::to_string(body.size()) + " bytes";
     return false;
   }

@@ -292,6 +292,9 @@ TEST_CASE("Files that can't be written are refused before the set-up is made", "
     CHECK_THROWS_WITH(Session(wrong, app::readScene(wrong), log),
                       Catch::Contains("Is a directory; choose another file with --"));
     CHECK_FALSE(std::filesystem::exists(options.out));
+    wrong.*file = folder.path("out/made");  // beside the results, in a folder that comes with them
+    CHECK_NOTHROW(Session(wrong, app::readScene(wrong), log));
+    std::filesystem::remove_all(options.out);
   }
 }
 
