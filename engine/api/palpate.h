@@ -375,6 +375,11 @@ PALPATE_API int32_t palpate_set_material(palpate_simulation* simulation, int32_t
                                          const palpate_parameter* parameters, int32_t parameter_count,
                                          palpate_error* error);
 
+/* (control) The index-th parameter (from 0) of a material as it was set last, or loaded; beyond the last one `name` is
+ * NULL. Values stay where they are until the material is set, or a state restored. */
+PALPATE_API int32_t palpate_material_parameter(const palpate_simulation* simulation, int32_t material, int32_t index,
+                                               palpate_parameter* parameter);
+
 /* (control) The body at rest again, and the tool at its start; friction, materials, loads and pins stay as they were
  * set. Stopped: at once, and what follows has the bits of a new simulation. Running: in the next tick, and the tool
  * then comes back gently. */

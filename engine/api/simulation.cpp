@@ -284,6 +284,23 @@ int32_t palpate_set_material(palpate_simulation* simulation, int32_t material, c
   });
 }
 
+int32_t palpate_material_parameter(const palpate_simulation* simulation, int32_t material, int32_t index,
+                                   palpate_parameter* parameter) {
+  if (simulation == nullptr || parameter == nullptr || index < 0 || material < 0) return PALPATE_BAD_ARGUMENT;
+  const std::vector<MaterialSpec>& of_scene = simulation->model->scene.materials;
+  const auto m = static_cast<std::size_t>(material);
+  if (m >= of_scene.size()) return PALPATE_BAD_ARGUMENT;
+  const bool mixed = simulation->materials.size() != of_scene.size();  // then none can be set
+  *parameter = {};
+  int k = 0;
+  forEachParameter(mixed ? of_scene[m].material : simulation->materials[m],
+                   [&](const Parameter& p, std::span<const double> values) {
+                     if (isGiven(p) && !values.empty() && k++ == index)
+                       *parameter = {p.name, values.data(), static_cast<std::int32_t>(values.size())};
+                   });
+  return PALPATE_OK;
+}
+
 int32_t palpate_reset(palpate_simulation* simulation) {
   if (simulation == nullptr) return PALPATE_BAD_ARGUMENT;
   if (isInTickCall(*simulation)) return PALPATE_REFUSED;

@@ -180,6 +180,8 @@ static_assert(same<decltype(palpate_set_tool_friction), int32_t(Simulation, int3
 static_assert(same<decltype(palpate_set_friction), int32_t(Simulation, double)>);
 static_assert(
     same<decltype(palpate_set_material), int32_t(Simulation, int32_t, const palpate_parameter*, int32_t, Error)>);
+static_assert(same<decltype(palpate_material_parameter),
+                   int32_t(const palpate_simulation*, int32_t, int32_t, palpate_parameter*)>);
 static_assert(same<decltype(palpate_reset), int32_t(Simulation)>);
 static_assert(same<decltype(palpate_save_size), size_t(const palpate_simulation*)>);
 static_assert(same<decltype(palpate_save), int32_t(const palpate_simulation*, void*, size_t)>);

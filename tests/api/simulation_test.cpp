@@ -139,6 +139,16 @@ TEST_CASE("A saved state goes on bit for bit, in its own simulation and in anoth
     CHECK(sameOutcome(withoutExpectation(press(*one, info, 60, 100)), withoutExpectation(expected)));
     CHECK(hashOf(*one) == hash);
   }
+  palpate_parameter parameter{};
+  std::string names;
+  for (int k = 0; k < 4; ++k) {
+    REQUIRE(palpate_material_parameter(other.get(), 0, k, &parameter) == PALPATE_OK);
+    if (parameter.name == nullptr) break;
+    names.append(parameter.name).append("=").append(std::to_string(parameter.values[0])).append(" ");
+  }
+  CHECK(names == "young=2000.000000 poisson=0.400000 density=1000.000000 ");
+  CHECK(palpate_material_parameter(other.get(), 1, 0, &parameter) == PALPATE_BAD_ARGUMENT);
+  CHECK(palpate_material_parameter(other.get(), 0, -1, &parameter) == PALPATE_BAD_ARGUMENT);
   // What was set live came along: setting the same again changes nothing, setting another does.
   REQUIRE(palpate_set_friction(other.get(), 0.3) == PALPATE_OK);
   CHECK(hashOf(other) == hash);

@@ -133,6 +133,8 @@ assert pickle.loads(pickle.dumps(block)).hash == block.hash
 relaxing = palpate.Simulation(palpate.Model(
     text=BLOCK.replace("poisson = 0.45", "poisson = 0.45\nrelaxation = [[0.3, 0.1], [0.2, 2.0]]")))
 relaxing.set_material(relaxation=[[0.3, 0.1], [0.2, 0.5]])
+now = relaxing.material("gel")
+assert (now["poisson"], now["relaxation"]) == (0.45, [[0.3, 0.1], [0.2, 0.5]]), now
 refused(palpate.Error, lambda: relaxing.set_material(relaxation=[[0.3, 0.1]]), "takes 4 values")
 refused(ValueError, lambda: relaxing.set_material(relaxation=[[[0.3]]]), "a list of pairs")
 

@@ -237,6 +237,7 @@ def _load_library():
         "stresses": [pointer, pointer, pointer, pointer, number],
         "set_tool_friction": [pointer, number, C.c_double],
         "set_material": [pointer, number, to(_Parameter), number, error],
+        "material_parameter": [pointer, number, number, to(_Parameter)],
         "set_gravity": [pointer, pose],
         "set_force": [pointer, number, pose],
         "pull": [pointer, number, pose],

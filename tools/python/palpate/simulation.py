@@ -226,6 +226,18 @@ class Simulation:
             for name, value in values.items()])
         _call("set_material", self._handle, index, rows, len(values), error=_Error())
 
+    def material(self, material=0):
+        """A material's parameters by their names, as set_material() takes them: as they were set last, or loaded."""
+        index, parameters, raw = self.model._index(self.model.materials, material, "material"), {}, _Parameter()
+        while True:
+            _call("material_parameter", self._handle, index, len(parameters), C.byref(raw))
+            if raw.name is None:
+                return parameters
+            name, values = raw.name.decode(), raw.values[:raw.count]
+            if name == "relaxation":
+                values = [values[k:k + 2] for k in range(0, raw.count, 2)]
+            parameters[name] = values[0] if raw.count == 1 else values
+
     def set_gravity(self, acceleration):
         """Gravity of the tissue (3), m/s^2, in place of the scene's, from the next tick on; each component up to
         1000."""
