@@ -460,23 +460,26 @@ void Session::takeForces(std::int64_t until_tick) {
   }
 }
 
-/// A material has its scene's name for it, not its number.
-std::string Session::withMaterialName(std::string text, const LogEvent& event) const {
-  if (event.kind != LogEvent::Kind::MaterialSet && event.kind != LogEvent::Kind::MaterialRefused) return text;
-  if (searching() && event.index > 0) return text;  // of a lump nothing is told
-  const auto m = static_cast<std::size_t>(event.index);
-  const std::string number = "material " + std::to_string(event.index);
-  const std::size_t at = text.find(number);
-  if (at != std::string::npos && m < scene_.materials.size() && !scene_.materials[m].name.empty())
-    text.replace(at, number.size(), scene_.materials[m].name);
+/// Materials and regions have the scene's names for them, not their numbers.
+std::string Session::withNames(std::string text, const LogEvent& event) const {
+  const bool material = event.kind == LogEvent::Kind::MaterialSet || event.kind == LogEvent::Kind::MaterialRefused;
+  if ((!material && event.kind != LogEvent::Kind::RegionMoved) || event.index < 0) return text;
+  if (material && searching() && event.index > 0) return text;  // of a lump nothing is told
+  const auto k = static_cast<std::size_t>(event.index);
+  const std::string number = (material ? "material " : "region ") + std::to_string(event.index);
+  std::string name;
+  if (material && k < scene_.materials.size()) name = scene_.materials[k].name;
+  if (!material && k < scene_.boundaries.size()) name = scene_.boundaries[k].name;
+  if (const std::size_t at = text.find(number); at != std::string::npos && !name.empty())
+    text.replace(at, number.size(), name);
   return text;
 }
 
 void Session::takeEvent(const LogEvent& event) {
   using Kind = LogEvent::Kind;
   if (searching()) said_.push_back(event);
-  const std::string text = withMaterialName(logText(event), event);
-  const std::string shown = withMaterialName(briefText(event), event);
+  const std::string text = withNames(logText(event), event);
+  const std::string shown = withNames(briefText(event), event);
   if (std::optional<Notice> notice = noticeOf(event); notice && !options_.rough) notice_ = std::move(notice);
   if (event.isFreeze()) {
     frozen_reason_ = text;

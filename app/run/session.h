@@ -159,7 +159,7 @@ class Session {
   void followDevice();
   void takeSaid(const LogEvent& event);
   void submitForTrainee();
-  std::string withMaterialName(std::string text, const LogEvent& event) const;
+  std::string withNames(std::string text, const LogEvent& event) const;
   void finishDevice();
   void finishFollowing();
   TimingView timing(const Snapshot& snapshot) const;
