@@ -492,8 +492,9 @@ PALPATE_API int32_t palpate_equilibrium_value(palpate_equilibrium* equilibrium, 
 PALPATE_API int32_t palpate_equilibrium_expected_error(palpate_equilibrium* equilibrium, double* share);
 
 /* The derivatives of a quantity to numbers of materials, in its unit over theirs, by the adjoint: one linear solution
- * for a quantity, whatever `count` is. They are those of palpate_settle_with: of the answer at rest, the tool standing
- * where it is, with the contact points that there are. Central differences agree to 1e-6.
+ * for a quantity, whatever `count` is; `count` where tissue is pressed to its limit of pressure. They are those of
+ * palpate_settle_with: of the answer at rest, the tool standing where it is, with the contact points that there are.
+ * Central differences agree to 1e-6.
  * @param derivatives  (count) */
 PALPATE_API int32_t palpate_sensitivity(palpate_equilibrium* equilibrium, const palpate_quantity* quantity,
                                         const palpate_material_number* numbers, int32_t count, double* derivatives,
